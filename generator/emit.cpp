@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: MIT
+#include "generator/emit.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <stdexcept>
+#include <vector>
+
+#include "generator/embedded.hpp"
+#include "generator/literal.hpp"
+#include "generator/template_text.hpp"
+
+namespace contactspline {
+namespace {
+
+constexpr std::array kEmitters = {Emitter{"faust", "lib", "material.lib.in"},
+                                  Emitter{"cpp", "hpp", "material.hpp.in"},
+                                  Emitter{"json", "json", "material.json.in"}};
+
+std::string_view template_text(std::string_view file_name) {
+  const auto texts = embedded_texts();
+  const auto found = std::ranges::find(texts, file_name, &EmbeddedText::file_name);
+  if (found == texts.end()) throw std::logic_error(fmt::format("no template {}", file_name));
+  return found->content;
+}
+
+// Four digits say all a reader can use, and do not depend on the machine's pow() and atan().
+double figure(double value) {
+  return value < 1e-12 ? 0.0 : std::stod(fmt::format("{:.3e}", value));
+}
+
+std::string percent(double value) {
+  return fmt::format("{:.3g} %", 100 * figure(value));
+}
+
+std::vector<double> column(const Spline& spline, double Segment<double>::*member) {
+  std::vector<double> values;
+  for (const auto& segment : spline.segments) values.push_back(segment.*member);
+  return values;
+}
+
+std::vector<double> counted(std::size_t n) {
+  std::vector<double> values(n);
+  for (std::size_t j = 0; j < n; ++j) values[j] = static_cast<double>(j);
+  return values;
+}
+
+void add_arrays(TemplateValues& values, const Spline& spline, int indent) {
+  const auto& [regular, normalised] = std::tie(spline.regular, spline.normalised);
+  const auto rows = [&](std::span<const double> array, int deeper = 0) {
+    return literal_rows(array, indent + deeper);
+  };
+  values["KNOTS"] = rows(column(spline, &Segment<double>::knot));
+  values["ENERGIES"] = rows(column(spline, &Segment<double>::energy));
+  values["FORCES"] = rows(column(spline, &Segment<double>::force));
+  values["HALF_CURVATURES"] = rows(column(spline, &Segment<double>::half_curvature));
+  values["REGULAR_A"] = rows(regular.a, 2);
+  values["REGULAR_B"] = rows(regular.b, 2);
+  values["REGULAR_C"] = rows(regular.c, 2);
+  values["NORMALISED_A"] = rows(normalised.a, 2);
+  values["NORMALISED_B"] = rows(normalised.b, 2);
+  values["NORMALISED_C"] = rows(normalised.c, 2);
+}
+
+std::string quality_lines(const Design& design) {
+  const Quality& q = design.quality;
+  std::string text =
+      fmt::format("// Worst force error {} of the largest force (rms {}), energy error {} (rms {}).",
+                  percent(q.force.worst), percent(q.force.rms), percent(q.energy.worst), percent(q.energy.rms));
+  if (q.impact)
+    text +=
+        fmt::format("\n// Impacts of {} kg at {} to {} m/s: contact duration within {}, max compression within {}.",
+                    design.material.impact->mass_kg, design.material.impact->min_speed_m_per_s,
+                    design.material.impact->max_speed_m_per_s, percent(q.impact->contact_duration),
+                    percent(q.impact->max_compression));
+  return text;
+}
+
+std::string quality_members(const Quality& q) {
+  std::string text;
+  const auto add = [&](std::string_view key, double value) {
+    text += fmt::format("{}    \"{}\": {}", text.empty() ? "" : ",\n", key, literal(figure(value)));
+  };
+  add("worst_force_error", q.force.worst);
+  add("rms_force_error", q.force.rms);
+  add("worst_energy_error", q.energy.worst);
+  add("rms_energy_error", q.energy.rms);
+  if (q.impact) add("worst_contact_duration_error", q.impact->contact_duration);
+  if (q.impact) add("worst_max_compression_error", q.impact->max_compression);
+  return text;
+}
+
+TemplateValues common_values(const Design& design, std::string_view command) {
+  const auto& [name, description, contact, impact, spline] = design.material;
+  return {{"VERSION", CONTACTSPLINE_VERSION},
+          {"COMMAND", std::string(command)},
+          {"NAME", name},
+          {"TITLE", description.empty() ? name : description},
+          {"STIFFNESS", literal(contact.stiffness)},
+          {"EXPONENT", literal(contact.exponent)},
+          {"MAX_COMPRESSION", literal(spline.max_compression_m)},
+          {"SEGMENT_WIDTH", literal(design.spline.segment_width_m)},
+          {"ENERGY_SCALE", literal(design.spline.energy_scale_j)}};
+}
+
+TemplateValues source_values(const Design& design, std::string_view command) {
+  TemplateValues values = common_values(design, command);
+  values["SEGMENTS"] = fmt::format("{}", design.spline.segments.size());
+  values["QUALITY"] = quality_lines(design);
+  values["NORMALISED_KNOTS"] = literal_rows(counted(design.spline.segments.size()), 4);
+  return values;
+}
+
+TemplateValues faust_values(const Design& design, std::string_view command) {
+  TemplateValues values = source_values(design, command);
+  add_arrays(values, design.spline, 2);
+  for (const auto unused : {"REGULAR_A", "REGULAR_B", "REGULAR_C"}) values.erase(unused);
+  values["PROBES"] = fmt::format("{}", std::bit_width(design.spline.segments.size()));
+  return values;
+}
+
+TemplateValues cpp_values(const Design& design, std::string_view command) {
+  TemplateValues values = source_values(design, command);
+  add_arrays(values, design.spline, 4);
+  return values;
+}
+
+TemplateValues json_values(const Design& design, std::string_view command) {
+  TemplateValues values = common_values(design, command);
+  add_arrays(values, design.spline, 4);
+  values["QUALITY"] = quality_members(design.quality);
+  return values;
+}
+
+}  // namespace
+
+Design design_contact(std::string_view material_text, std::string_view file) {
+  const Material material = parse_material(material_text, file);
+  const Spline spline = uniform_spline(material, file);
+  return {material, spline, measure_quality(spline, material)};
+}
+
+std::span<const Emitter> emitters() {
+  return kEmitters;
+}
+
+std::string emit(const Emitter& emitter, const Design& design, std::string_view command) {
+  const auto values = emitter.name == "faust" ? faust_values : emitter.name == "cpp" ? cpp_values : json_values;
+  return fill_template(template_text(emitter.template_file), values(design, command));
+}
+
+}  // namespace contactspline

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+// A designed contact as source text: Faust library, C++ header, JSON.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "generator/material.hpp"
+#include "generator/quality.hpp"
+#include "generator/spline.hpp"
+
+namespace contactspline {
+
+/// A material with its spline and the measured quality: what is emitted, inspected and drawn.
+struct Design {
+  Material material;
+  Spline spline;
+  Quality quality;
+};
+
+/// Material to quality in one go. Throws BadInput.
+[[nodiscard]] Design design_contact(std::string_view material_text, std::string_view file);
+
+/// One output format of `generate`.
+struct Emitter {
+  std::string_view name;       ///< as in --emit
+  std::string_view extension;  ///< of the written file
+  std::string_view template_file;
+};
+
+/// faust, cpp and json.
+[[nodiscard]] std::span<const Emitter> emitters();
+
+/// Source text of a design. `command` is quoted in it and must hold no absolute path. Every number reads back to the
+/// same bits; quality figures are rounded to four digits, below 1e-12 to zero. Same input, same bytes, on any
+/// machine.
+[[nodiscard]] std::string emit(const Emitter& emitter, const Design& design, std::string_view command);
+
+}  // namespace contactspline

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+// How well a spline stands for its potential, by closed forms on both sides.
+#pragma once
+
+#include <optional>
+
+#include "generator/material.hpp"
+#include "generator/spline.hpp"
+
+namespace contactspline {
+
+/// Errors over [0, max_compression_m], relative to the exact value at max_compression_m.
+struct CurveError {
+  double worst;
+  double rms;
+};
+
+/// Worst relative errors over the range of impact speed.
+struct ImpactError {
+  double contact_duration;
+  double max_compression;
+};
+
+struct Quality {
+  CurveError force;
+  CurveError energy;
+  std::optional<ImpactError> impact;  ///< present where the material gives a range of impacts
+};
+
+/// Motion of a mass thrown at the spline: both closed forms, for in each segment it is sinusoidal.
+struct SplineImpact {
+  double max_compression_m;
+  double contact_duration_s;
+};
+
+/// Max compression [m] and contact duration [s] of a mass (> 0) hitting a rigid barrier through the spline at a speed
+/// (> 0): sum over the segments of 2/w atan(w dy/(v0 + v1)), w^2 = 2 c/m, v the speeds at the ends.
+[[nodiscard]] SplineImpact impact_on_spline(const Spline& spline, double mass_kg, double speed_m_per_s);
+
+/// Measures a spline against its material: 64 points a segment for the curves, 512 speeds in geometric progression.
+[[nodiscard]] Quality measure_quality(const Spline& spline, const Material& material);
+
+}  // namespace contactspline

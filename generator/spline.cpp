@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: MIT
+#include "generator/spline.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/SparseCore>
+#include <boost/multiprecision/eigen.hpp>
+#include <cmath>
+
+#include "generator/error.hpp"
+#include "generator/quad.hpp"
+
+namespace contactspline {
+namespace {
+
+using Vector = Eigen::Matrix<Quad, Eigen::Dynamic, 1>;
+
+/// a-bar, b-bar, c-bar of (5), one entry per segment.
+struct Reparametrised {
+  Vector a, b, c;
+};
+
+// (9), normalised: Vn(j) = j^(a+1)/(a+1) at the knots j = 0..N, so that V(y_j) = k Delta_y^(a+1) Vn(j).
+Vector sample_potential(Quad exponent, Eigen::Index segments) {
+  Vector samples(segments + 1);
+  samples(0) = 0;
+  for (Eigen::Index j = 1; j <= segments; ++j) samples(j) = pow(Quad(j), exponent + 1) / (exponent + 1);
+  return samples;
+}
+
+// (22): ones on the diagonal and below it.
+Eigen::SparseMatrix<Quad> smoothness_matrix(Eigen::Index size) {
+  Eigen::SparseMatrix<Quad> matrix(size, size);
+  matrix.reserve(Eigen::VectorXi::Constant(size, 2));
+  for (Eigen::Index j = 0; j < size; ++j) {
+    matrix.insert(j, j) = 1;
+    if (j + 1 < size) matrix.insert(j + 1, j) = 1;
+  }
+  return matrix;
+}
+
+Reparametrised solve_conditions(const Vector& samples) {
+  const Eigen::Index n = samples.size() - 1;
+  const Vector rise = samples.tail(n) - samples.head(n);
+  Reparametrised bars{Vector(n), Vector(n), samples.head(n)};  // (10) and (15)
+  bars.b(0) = 0;                                               // (11)
+  bars.b.tail(n - 1) =                                         // (21)(22), right side 2 [V(y_j) - V(y_j-1)]
+      smoothness_matrix(n - 1).triangularView<Eigen::Lower>().solve(Vector(rise.head(n - 1) * Quad(2)));
+  bars.a = rise - bars.b;  // (18)
+  return bars;
+}
+
+std::vector<double> rounded(const Vector& values) {
+  std::vector<double> doubles;
+  doubles.reserve(static_cast<std::size_t>(values.size()));
+  for (const Quad& value : values) doubles.push_back(value.convert_to<double>());
+  return doubles;
+}
+
+Coefficients normalised_coefficients(const Reparametrised& bars) {
+  return {rounded(bars.a), rounded(bars.b), rounded(bars.c)};
+}
+
+// (8), with j counted from 0 to N - 1 here.
+Coefficients regular_coefficients(const Reparametrised& bars, Quad energy, Quad width) {
+  const Eigen::Index n = bars.a.size();
+  Reparametrised regular{Vector(n), Vector(n), Vector(n)};
+  for (Eigen::Index j = 0; j < n; ++j) {
+    regular.a(j) = energy * bars.a(j) / (width * width);
+    regular.b(j) = energy * (bars.b(j) - 2 * Quad(j) * bars.a(j)) / width;
+    regular.c(j) = energy * (bars.a(j) * j * j - bars.b(j) * j + bars.c(j));
+  }
+  return normalised_coefficients(regular);
+}
+
+std::vector<Segment<double>> local_segments(const Reparametrised& bars, Quad energy, Quad width) {
+  std::vector<Segment<double>> segments;
+  for (Eigen::Index j = 0; j < bars.a.size(); ++j)
+    segments.push_back({Quad(width * j).convert_to<double>(), Quad(energy * bars.c(j)).convert_to<double>(),
+                        Quad(energy * bars.b(j) / width).convert_to<double>(),
+                        Quad(energy * bars.a(j) / (width * width)).convert_to<double>()});
+  return segments;
+}
+
+void require_convex(const Reparametrised& bars, const Material& material, std::string_view file) {
+  for (Eigen::Index j = 0; j < bars.a.size(); ++j)
+    if (bars.a(j) < 0)
+      throw BadInput(fmt::format(
+          "{}: contact.exponent: with {} and uniform knots the spline is not convex (segment {} of {} has negative "
+          "curvature), so a contact step could have several solutions; use an exponent >= 1",
+          file, material.contact.exponent, j + 1, bars.a.size()));
+}
+
+// Subnormal numbers lose digits; beyond them the table would be wrong rather than inexact.
+void require_in_range(const Spline& spline, std::string_view file) {
+  const auto usable = [](double value) { return value == 0 || std::isnormal(value); };
+  for (const auto& s : spline.segments)
+    if (!(usable(s.knot) && usable(s.energy) && usable(s.force) && usable(s.half_curvature)))
+      throw BadInput(
+          fmt::format("{}: contact.stiffness_n_per_m_alpha: stiffness, exponent and max_compression_m together leave "
+                      "the range of "
+                      "double precision; energies and stiffnesses must lie between 1e-300 and 1e300",
+                      file));
+}
+
+}  // namespace
+
+Spline uniform_spline(const Material& material, std::string_view file) {
+  const Quad exponent = material.contact.exponent;
+  const Quad width = Quad(material.spline.max_compression_m) / material.spline.segments;
+  const Quad energy = material.contact.stiffness * pow(width, exponent + 1);
+  const Reparametrised bars = solve_conditions(sample_potential(exponent, material.spline.segments));
+  require_convex(bars, material, file);
+  Spline spline{local_segments(bars, energy, width), width.convert_to<double>(), energy.convert_to<double>(),
+                regular_coefficients(bars, energy, width), normalised_coefficients(bars)};
+  require_in_range(spline, file);
+  return spline;
+}
+
+std::vector<Segment<double>> segment_table(const Spline& spline) {
+  std::vector<Segment<double>> table{{}};
+  table.insert(table.end(), spline.segments.begin(), spline.segments.end());
+  return table;
+}
+
+}  // namespace contactspline

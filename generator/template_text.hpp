@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+// Filling of @KEY@ placeholders.
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+
+namespace contactspline {
+
+using TemplateValues = std::map<std::string, std::string, std::less<>>;
+
+/// `text` with every @KEY@ (upper case, digits, _) replaced by its value. Throws std::logic_error, naming the key,
+/// where the text has a key without value or a value is not used.
+[[nodiscard]] std::string fill_template(std::string_view text, const TemplateValues& values);
+
+}  // namespace contactspline

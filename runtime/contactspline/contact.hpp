@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: MIT
+// The contact step: one sample of a collision on a piecewise-quadratic potential, solved in closed form.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <concepts>
+#include <cstddef>
+#include <span>
+
+namespace contactspline {
+
+/// One quadratic piece of the contact potential, V(y) = energy + force t + half_curvature t^2 with t = y - knot.
+template <std::floating_point T>
+struct Segment {
+  T knot;            ///< compression at the left end [m]
+  T energy;          ///< contact energy at the knot [J]
+  T force;           ///< contact force at the knot [N]
+  T half_curvature;  ///< half the stiffness of the segment [N/m]
+
+  /// Contact energy [J] at compression y [m].
+  [[nodiscard]] constexpr T energy_at(T y) const {
+    const T t = y - knot;
+    return energy + t * (force + t * half_curvature);
+  }
+  /// Contact force dV/dy [N] at compression y [m].
+  [[nodiscard]] constexpr T force_at(T y) const { return force + 2 * half_curvature * (y - knot); }
+};
+
+/// A contact potential: entry 0 is "out of contact" (all zero), entries 1 to N the segments by rising knot; the first
+/// segment begins at knot 0 with no energy and no force, the last one extends to infinity. Convex: half_curvature >=
+/// 0.
+template <std::floating_point T, std::size_t Extent = std::dynamic_extent>
+using SegmentTable = std::span<const Segment<T>, Extent>;
+
+/// The table of an emitted material (or of its `normalised` member) in precision T, a compile-time constant.
+template <typename Material, std::floating_point T>
+inline constexpr auto segments_of = [] {
+  std::array<Segment<T>, Material::segments + 1> table{};
+  for (std::size_t j = 0; j < Material::segments; ++j)
+    table[j + 1] = {static_cast<T>(Material::knots[j]), static_cast<T>(Material::energies[j]),
+                    static_cast<T>(Material::forces[j]), static_cast<T>(Material::half_curvatures[j])};
+  return table;
+}();
+
+/// What the two bodies would do over one sample, and how they give way to a contact force f: the compression changes
+/// by x = free_increment - admittance f.
+template <std::floating_point T>
+struct Approach {
+  T compression;     ///< y0, at the beginning of the sample [m]; negative while apart
+  T free_increment;  ///< xf, change of compression over the sample if no force acted [m]
+  T admittance;      ///< xi > 0, loss of increment per unit of force [m/N]
+};
+
+namespace detail {
+
+/// Number of leading indices 1..n for which the monotone predicate holds: ceil(log2(n + 1)) probes, whatever the
+/// data.
+template <typename Predicate>
+[[nodiscard]] constexpr std::size_t count_leading(std::size_t n, Predicate holds) {
+  std::size_t count = 0;
+  for (std::size_t stride = std::bit_floor(n); stride > 0; stride >>= 1) {
+    const std::size_t probe = std::min(count + stride, n);
+    count = holds(probe) ? probe : count;
+  }
+  return count;
+}
+
+}  // namespace detail
+
+/// Index of the segment that holds compression y [m]: 0 while y < 0, else 1 to N.
+template <std::floating_point T, std::size_t Extent>
+[[nodiscard]] constexpr std::size_t segment_index(SegmentTable<T, Extent> table, T y) {
+  return detail::count_leading(table.size() - 1, [&](std::size_t k) { return table[k].knot <= y; });
+}
+
+/// Contact energy V(y) [J]; 0 out of contact.
+template <std::floating_point T, std::size_t Extent>
+[[nodiscard]] constexpr T potential(SegmentTable<T, Extent> table, T y) {
+  return table[segment_index(table, y)].energy_at(y);
+}
+
+/// Contact force dV/dy [N]; 0 out of contact.
+template <std::floating_point T, std::size_t Extent>
+[[nodiscard]] constexpr T force(SegmentTable<T, Extent> table, T y) {
+  return table[segment_index(table, y)].force_at(y);
+}
+
+/// Force over one sample [N]: the discrete gradient f = [V(y0 + x) - V(y0)] / x that solves x = xf - xi f. Never
+/// negative; exactly 0 when y0 <= 0 and y0 + xf <= 0. No iteration; energy is exchanged without loss or gain.
+///
+/// h(x) = x + xi [V(y0 + x) - V(y0)]/x - xf rises strictly, so its sign at the knots brackets the root, and in the
+/// landing segment x h(x) is a quadratic. It is written in s, the way beyond the knot by which that segment is
+/// entered: A s^2 + B s + g = 0 with g <= 0, whose wanted root has the sign of the motion. Energies are differences
+/// from the start, so that nothing cancels. The last line weighs the two expressions of the force, (xf - x)/xi and
+/// the discrete gradient, by the slope of h: each is used where it is well conditioned. (docs/contact-step.md)
+template <std::floating_point T, std::size_t Extent>
+[[nodiscard]] T contact_force(SegmentTable<T, Extent> table, const Approach<T>& approach) {
+  const auto [y0, xf, xi] = approach;
+  const std::size_t last = table.size() - 1;
+  const std::size_t start = segment_index(table, y0);
+  const T v0 = table[start].energy_at(y0);
+  const T f0 = table[start].force_at(y0);
+  const bool up = xf > xi * f0;  // the sign of -h(0) is that of the motion
+
+  const std::size_t landing = detail::count_leading(last, [&](std::size_t k) {
+    const T way = table[k].knot - y0;
+    const T g = way * (way - xf) + xi * (table[k].energy - v0);
+    return up ? !(way > 0) || g < 0 : way < 0 && g > 0;  // does the root lie above this knot?
+  });
+
+  const bool crossed = landing != start;
+  const Segment<T>& first = table[up ? std::min(start + 1, last) : start];      // first knot passed
+  const Segment<T>& entry = table[up ? landing : std::min(landing + 1, last)];  // last knot passed
+  const T to_first = first.knot - y0;
+  const T way = crossed ? entry.knot - y0 : T(0);
+  const T gain = crossed ? to_first * (f0 + first.force) / 2 + (entry.energy - first.energy) : T(0);
+  const T entry_force = crossed ? entry.force : f0;
+  const T c = table[landing].half_curvature;
+  const T sign = up ? T(1) : T(-1);
+
+  const T a = 1 + xi * c;
+  const T b = sign * (2 * way - xf + xi * entry_force);
+  const T g = std::min(T(0), way * (way - xf) + xi * gain);
+  const T root = std::sqrt(b * b - 4 * a * g);
+  const T larger = root + std::abs(b);
+  const T s = sign * (b <= 0 ? larger : -2 * g) / (b <= 0 ? 2 * a : larger);
+
+  const T x = way + s;
+  const T work = sign * (gain + s * (entry_force + s * c));
+  const T numerator = way != 0 ? xi * work + (root - std::abs(x)) * (xf - x) : entry_force + c * xf;
+  const T denominator = way != 0 ? xi * root : a;
+  return std::max(T(0), numerator / denominator);
+}
+
+/// Stiffness and loss of a contact, live controls beside the material's table.
+template <std::floating_point T>
+struct ContactControls {
+  T stiffness_ratio = 1;  ///< multiplies the material's stiffness; > 0
+  T loss_s_per_m = 0;     ///< Hunt-Crossley loss lambda >= 0: viscous force lambda F(y) dy/dt
+};
+
+/// contact_force with the material's stiffness scaled and a viscous force lambda F(y0) x/dt added. Where the sum
+/// would pull, the bodies part without force and what is stored beyond is lost: passive, and the force stays
+/// continuous. time_step: dt [s].
+template <std::floating_point T, std::size_t Extent>
+[[nodiscard]] T contact_force(SegmentTable<T, Extent> table, const ContactControls<T>& controls, T time_step,
+                              const Approach<T>& approach) {
+  const auto [y0, xf, xi] = approach;
+  const T ratio = controls.stiffness_ratio;
+  const T resistance = controls.loss_s_per_m * ratio * force(table, y0) / time_step;  // [N/m]
+  const T divisor = 1 + xi * resistance;
+  const T elastic = ratio * contact_force(table, Approach<T>{y0, xf / divisor, ratio * xi / divisor});
+  return std::max(T(0), (elastic + resistance * xf) / divisor);
+}
+
+}  // namespace contactspline
