@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+// Comparisons that fail on NaN, infinity, wrong values and missing data.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+namespace contactspline::testing {
+
+/// Passes where both are finite and |actual - expected| <= bound. Written so that a NaN anywhere fails.
+inline ::testing::AssertionResult within(double actual, double expected, double bound) {
+  const double error = std::abs(actual - expected);
+  if (std::isfinite(actual) && std::isfinite(expected) && error <= bound) return ::testing::AssertionSuccess();
+  return ::testing::AssertionFailure() << actual << " is not within " << bound << " of " << expected << " (error "
+                                       << error << ")";
+}
+
+/// within() with a bound relative to |expected|; equal zeros pass.
+inline ::testing::AssertionResult relatively_within(double actual, double expected, double bound) {
+  return within(actual, expected, bound * std::abs(expected));
+}
+
+/// Sample-by-sample: same non-zero length, every sample finite and within `bound` of the largest |expected|, which
+/// must not be zero: silence proves nothing.
+template <typename T>
+::testing::AssertionResult sequences_within(std::span<const T> actual, std::span<const T> expected, double bound) {
+  if (actual.size() != expected.size() || expected.empty())
+    return ::testing::AssertionFailure() << "lengths " << actual.size() << " and " << expected.size();
+  double scale = 0;
+  for (const T value : expected) scale = std::max(scale, std::abs(static_cast<double>(value)));
+  if (!(scale > 0)) return ::testing::AssertionFailure() << "the expected sequence is silent";
+  for (std::size_t i = 0; i < expected.size(); ++i)
+    if (const auto result = within(static_cast<double>(actual[i]), static_cast<double>(expected[i]), bound * scale);
+        !result)
+      return ::testing::AssertionFailure() << "at " << i << ": " << result.message();
+  return ::testing::AssertionSuccess();
+}
+
+}  // namespace contactspline::testing
