@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "generator/error.hpp"
+#include "generator/quad.hpp"
 
 namespace contactspline {
 namespace {
@@ -175,10 +176,17 @@ Impact read_impact(const Object& impact) {
   return read;
 }
 
+// PowerLaw::max_compression in 113 bits: what follows from it is emitted, and pow() differs between machines.
+double max_compression_of(const PowerLaw& contact, const Impact& impact) {
+  const Quad energy = Quad(impact.mass_kg) * impact.max_speed_m_per_s * impact.max_speed_m_per_s / 2;
+  const Quad power = Quad(contact.exponent) + 1;
+  return Quad(pow(Quad(power * energy / contact.stiffness), 1 / power)).convert_to<double>();
+}
+
 double read_max_compression(const Object& spline, const PowerLaw& contact, const std::optional<Impact>& impact) {
   if (spline.has("max_compression_m")) return spline.number("max_compression_m", kCompression);
   if (!impact) spline.fail("spline.max_compression_m", "missing", "a number, or an impact that gives it by energy");
-  const double compression = contact.max_compression(impact->mass_kg, impact->max_speed_m_per_s);
+  const double compression = max_compression_of(contact, *impact);
   if (!(compression >= kCompression.least && compression <= kCompression.most))
     spline.fail("spline.max_compression_m",
                 fmt::format("follows from impact as {} m, which is out of range", compression),

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+// contactspline inspect: a spline as a table and a picture.
+#include <fmt/format.h>
+
+#include <memory>
+#include <string>
+
+#include "generator/cli/commands.hpp"
+#include "generator/cli/material_argument.hpp"
+#include "generator/cli/output.hpp"
+#include "generator/cli/picture.hpp"
+
+namespace contactspline {
+namespace {
+
+struct InspectOptions {
+  std::string material;
+  std::string svg;
+};
+
+std::string coefficient_table(const Spline& spline) {
+  std::string table = fmt::format("{:>5} {:>16} {:>16} {:>16} {:>16}\n{:>5} {:>16} {:>16} {:>16} {:>16}\n", "j",
+                                  "knot", "energy", "force", "half curvature", "", "[m]", "[J]", "[N]", "[N/m]");
+  for (std::size_t j = 0; j < spline.segments.size(); ++j) {
+    const auto& s = spline.segments[j];
+    table += fmt::format("{:>5} {:>16.9e} {:>16.9e} {:>16.9e} {:>16.9e}\n", j + 1, s.knot, s.energy, s.force,
+                         s.half_curvature);
+  }
+  return table;
+}
+
+std::string heading(const Material& material) {
+  return fmt::format(
+      "{}{}{}\nV(y) = k/(a+1) y^(a+1), k = {} N/m^a, a = {}, {} uniform segments over 0 to {:.6g} m\n\n",
+      material.name, material.description.empty() ? "" : ": ", material.description, material.contact.stiffness,
+      material.contact.exponent, material.spline.segments, material.spline.max_compression_m);
+}
+
+std::string quality_table(const Design& design) {
+  const Quality& q = design.quality;
+  std::string table = fmt::format("\n{:<36} {:>12} {:>12}\n", "error", "worst", "rms");
+  const auto row = [&](std::string_view what, const CurveError& error) {
+    table += fmt::format("{:<36} {:>10.4g} % {:>10.4g} %\n", what, 100 * error.worst, 100 * error.rms);
+  };
+  row("force, of the largest force", q.force);
+  row("energy, of the largest energy", q.energy);
+  if (q.impact) {
+    const Impact& impact = *design.material.impact;
+    table += fmt::format("{:<36} {:>10.4g} %\n{:<36} {:>10.4g} %\n  for {} kg at {} to {} m/s on a rigid barrier\n",
+                         "contact duration", 100 * q.impact->contact_duration, "max compression",
+                         100 * q.impact->max_compression, impact.mass_kg, impact.min_speed_m_per_s,
+                         impact.max_speed_m_per_s);
+  }
+  return table;
+}
+
+void inspect(const InspectOptions& options) {
+  const Design design = design_argument(options.material);
+  if (!options.svg.empty()) write_files({{OutputFile{options.svg, picture_of(design)}}});
+  write_stdout(heading(design.material) + coefficient_table(design.spline) + quality_table(design) +
+               (options.svg.empty() ? "" : fmt::format("\npicture: {}\n", options.svg)));
+}
+
+}  // namespace
+
+void add_inspect(CLI::App& app) {
+  const auto options = std::make_shared<InspectOptions>();
+  CLI::App* command = app.add_subcommand("inspect", "Show a material's spline: coefficients, errors, picture");
+  command->add_option("MATERIAL", options->material, kMaterialHelp)->required();
+  command->add_option("--svg", options->svg, "also draw potential, force and their errors")->type_name("FILE");
+  command->footer("Example:\n  contactspline inspect felt_c4 --svg felt_c4.svg");
+  command->callback([options] { inspect(*options); });
+}
+
+}  // namespace contactspline

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+// MATERIAL on the command line: a material file, or the name of one that ships.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "generator/emit.hpp"
+
+namespace contactspline {
+
+constexpr auto kMaterialHelp = "material file (.json), or the name of a material that ships";
+
+/// Names of the materials that ship, rising.
+[[nodiscard]] std::vector<std::string> shipped_names();
+
+/// Reads and designs a MATERIAL: a path where it ends in .json or holds a slash, else a shipped name. Throws
+/// BadInput.
+[[nodiscard]] Design design_argument(const std::string& argument);
+
+}  // namespace contactspline

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: MIT
+#include "generator/cli/picture.hpp"
+
+#include <fmt/format.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "generator/error.hpp"
+
+namespace contactspline {
+namespace {
+
+constexpr int kPointsPerSegment = 24;
+constexpr int kMaxCurvePoints = 4096;
+constexpr std::size_t kColumns = 1200;
+
+// One look for every picture; colours that colour-blind readers can tell apart.
+constexpr auto kStyle = R"(
+set encoding utf8
+set terminal svg size 1080,760 font 'sans-serif,14' background rgb 'white' dynamic
+set border 3 lc rgb '#888888'
+set tics nomirror out scale 0.5 textcolor rgb '#444444'
+set grid lc rgb '#e4e4e4' lw 1
+set key top left reverse Left samplen 2 textcolor rgb '#444444'
+set linetype 1 lc rgb '#b8b8b8' lw 6
+set linetype 2 lc rgb '#0072b2' lw 1.6
+set linetype 3 lc rgb '#d55e00' lw 1.6
+set linetype 4 lc rgb '#0072b2' pt 7 ps 0.35
+)";
+
+/// A folder of its own under the system's temporary folder, removed at the end.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() : path_((std::filesystem::temp_directory_path() / "contactspline-XXXXXX").string()) {
+    if (::mkdtemp(path_.data()) == nullptr) throw BadInput(path_ + ": folder: cannot be made for a picture");
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  [[nodiscard]] std::filesystem::path operator/(const char* name) const {
+    return std::filesystem::path(path_) / name;
+  }
+
+ private:
+  std::string path_;
+};
+
+// gnuplot reads the script from standard input, so that no name passes through a shell.
+void run_gnuplot(const std::string& script) {
+  FILE* gnuplot = ::popen("gnuplot 2>/dev/null", "w");
+  if (gnuplot == nullptr) throw BadInput("picture: gnuplot cannot be started");
+  const bool sent = std::fwrite(script.data(), 1, script.size(), gnuplot) == script.size();
+  const int status = ::pclose(gnuplot);
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 127)
+    throw BadInput("picture: gnuplot is not installed; install the package gnuplot-nox, or leave the picture out");
+  if (!sent || status != 0)
+    throw BadInput("picture: gnuplot failed; try its newest version, or leave the picture out");
+}
+
+std::string draw_svg(const std::string& script) {
+  const TemporaryFolder folder;
+  const auto file = folder / "picture.svg";
+  run_gnuplot(fmt::format("{}set output '{}'\n{}\n", kStyle, file.string(), script));
+  std::ifstream stream(file, std::ios::binary);
+  std::string svg((std::istreambuf_iterator<char>(stream)), {});
+  if (svg.find("</svg>") == std::string::npos) throw BadInput("picture: gnuplot drew nothing");
+  return svg;
+}
+
+// gnuplot would read some characters of a title as markup.
+std::string quoted(const std::string& text) {
+  std::string safe;
+  for (const char c : text) safe += c == '\'' ? std::string("''") : std::string(1, c);
+  return "'" + safe + "'";
+}
+
+std::string potential_data(const Design& design) {
+  const auto& [material, spline, quality] = design;
+  const auto table = segment_table(spline);
+  const std::span view(table);
+  const double range = material.spline.max_compression_m;
+  const double top_energy = material.contact.energy(range);
+  const double top_force = material.contact.force(range);
+  const int points = std::min(kMaxCurvePoints, kPointsPerSegment * material.spline.segments);
+  std::string data = "$curve << EOD\n";
+  for (int i = 0; i <= points; ++i) {
+    const double y = range * i / points;
+    const double v = potential<double>(view, y), f = force<double>(view, y);
+    const double exact_v = material.contact.energy(y), exact_f = material.contact.force(y);
+    data += fmt::format("{:g} {:g} {:g} {:g} {:g} {:g} {:g}\n", 1e3 * y, 1e3 * exact_v, 1e3 * v, exact_f, f,
+                        100 * (v - exact_v) / top_energy, 100 * (f - exact_f) / top_force);
+  }
+  data += "EOD\n$knots << EOD\n";
+  for (const auto& s : spline.segments)
+    data += fmt::format("{:g} {:g} {:g} {:g} {:g}\n", 1e3 * s.knot, 1e3 * s.energy, s.force,
+                        100 * (s.energy - material.contact.energy(s.knot)) / top_energy,
+                        100 * (s.force - material.contact.force(s.knot)) / top_force);
+  return data + "EOD\n";
+}
+
+struct Trace {
+  std::string name;
+  std::span<const double> values;
+  double scale;
+};
+
+// Least and greatest value in each of at most kColumns stretches of time: what a plot of all samples would show.
+std::string envelope_data(const Trace& trace, double rate_hz) {
+  const std::size_t stretch = std::max<std::size_t>(1, trace.values.size() / kColumns);
+  std::string data = fmt::format("${} << EOD\n", trace.name);
+  for (std::size_t begin = 0; begin < trace.values.size(); begin += stretch) {
+    const auto part = trace.values.subspan(begin, std::min(stretch, trace.values.size() - begin));
+    const auto [least, greatest] = std::ranges::minmax(part);
+    const double time_s = static_cast<double>(begin) / rate_hz;
+    data += fmt::format("{:g} {:g}\n{:g} {:g}\n", time_s, trace.scale * least, time_s, trace.scale * greatest);
+  }
+  return data + "EOD\n";
+}
+
+std::string first_contact_data(const MassBarrierMotion& motion) {
+  const auto& f = motion.force_n;
+  const auto in_contact = [](double force) { return force > 0; };
+  const auto begin = std::ranges::find_if(f, in_contact);
+  const auto end = std::find_if_not(begin, f.end(), in_contact);
+  const auto margin = (end - begin) / 4 + 2;
+  const auto from = std::max(f.begin(), begin - std::min(margin, begin - f.begin()));
+  const auto to = end + std::min(margin, f.end() - end);
+  std::string data = "$contact << EOD\n";
+  for (auto sample = from; sample < to; ++sample)
+    data += fmt::format("{:g} {:g}\n", 1e3 * static_cast<double>(sample - begin) / motion.sample_rate_hz, *sample);
+  return data + "EOD\n";
+}
+
+}  // namespace
+
+std::string picture_of(const Design& design) {
+  const std::string title = design.material.description.empty() ? design.material.name : design.material.description;
+  return draw_svg(potential_data(design) +
+                  fmt::format("set multiplot layout 2,2 title {} noenhanced font ',17' textcolor rgb '#222222'\n",
+                              quoted(fmt::format("{}: {} segments", title, design.spline.segments.size()))) +
+                  R"(
+set xlabel 'compression [mm]'
+set ylabel 'contact potential [mJ]'
+plot $curve using 1:2 with lines lt 1 title 'power law', '' using 1:3 with lines lt 2 title 'spline', $knots using 1:2 with points lt 4 title 'knots'
+set ylabel 'contact force [N]'
+plot $curve using 1:4 with lines lt 1 title 'power law', '' using 1:5 with lines lt 2 title 'spline', $knots using 1:3 with points lt 4 title 'knots'
+unset key
+set ylabel 'potential error [% of largest]'
+plot $curve using 1:6 with lines lt 3, $knots using 1:4 with points lt 4
+set ylabel 'force error [% of largest]'
+plot $curve using 1:7 with lines lt 3, $knots using 1:5 with points lt 4
+unset multiplot)");
+}
+
+std::string picture_of(const MassBarrierMotion& motion, const std::string& title) {
+  return draw_svg(envelope_data({"height", motion.displacement_m, -1e3}, motion.sample_rate_hz) +
+                  envelope_data({"force", motion.force_n, 1}, motion.sample_rate_hz) + first_contact_data(motion) +
+                  fmt::format("set multiplot layout 3,1 title {} noenhanced font ',17' textcolor rgb '#222222'\n",
+                              quoted(title)) +
+                  R"(
+unset key
+set xlabel 'time [s]'
+set ylabel 'height above the barrier [mm]'
+plot $height with lines lt 2
+set ylabel 'contact force [N]'
+plot $force with lines lt 3
+set xlabel 'time from the first contact [ms]'
+plot $contact with linespoints lt 3 pt 7 ps 0.3
+unset multiplot)");
+}
+
+}  // namespace contactspline
