@@ -88,51 +88,73 @@ template <std::floating_point T, std::size_t Extent>
   return table[segment_index(table, y)].force_at(y);
 }
 
-/// Force over one sample [N]: the discrete gradient f = [V(y0 + x) - V(y0)] / x that solves x = xf - xi f. Never
+/// What comes of an approach.
+template <std::floating_point T>
+struct ContactStep {
+  T force;        ///< over the sample [N]
+  T compression;  ///< y0 + x, at the end of the sample [m]; keeps its digits where y0 + (xf - xi f) would cancel
+};
+
+/// Force over one sample: the discrete gradient f = [V(y0 + x) - V(y0)] / x that solves x = xf - xi f. Never
 /// negative; exactly 0 when y0 <= 0 and y0 + xf <= 0. No iteration; energy is exchanged without loss or gain.
 ///
 /// h(x) = x + xi [V(y0 + x) - V(y0)]/x - xf rises strictly, so its sign at the knots brackets the root, and in the
 /// landing segment x h(x) is a quadratic. It is written in s, the way beyond the knot by which that segment is
-/// entered: A s^2 + B s + g = 0 with g <= 0, whose wanted root has the sign of the motion. Energies are differences
-/// from the start, so that nothing cancels. The last line weighs the two expressions of the force, (xf - x)/xi and
-/// the discrete gradient, by the slope of h: each is used where it is well conditioned. (docs/contact-step.md)
+/// entered: A s^2 + B s + g = 0 with g <= 0, whose wanted root has the sign of the motion. What is gained on the way
+/// to a knot is the area below the force up to the first knot, and from there a difference of knot energies: nothing
+/// cancels. (The first knot is a case of its own, so that even a compiler free to reassociate cannot make it a
+/// difference.) The last lines weigh the two expressions of the force, (xf - x)/xi and the discrete gradient, by the
+/// slope of h, so that errors of x drop out. (docs/contact-step.md)
 template <std::floating_point T, std::size_t Extent>
-[[nodiscard]] T contact_force(SegmentTable<T, Extent> table, const Approach<T>& approach) {
-  const auto [y0, xf, xi] = approach;
+[[nodiscard]] ContactStep<T> contact_step(SegmentTable<T, Extent> table, const Approach<T>& approach) {
+  const T y0 = approach.compression;
+  const T xf = approach.free_increment;
+  const T xi = approach.admittance;
   const std::size_t last = table.size() - 1;
   const std::size_t start = segment_index(table, y0);
-  const T v0 = table[start].energy_at(y0);
   const T f0 = table[start].force_at(y0);
   const bool up = xf > xi * f0;  // the sign of -h(0) is that of the motion
 
+  const std::size_t first = up ? std::min(start + 1, last) : start;  // first knot in the way
+  const T gain_to_first = (table[first].knot - y0) * (f0 + table[first].force) / 2;
+  const auto gain_to = [&](std::size_t k) {
+    return k == first ? gain_to_first : gain_to_first + (table[k].energy - table[first].energy);
+  };
   const std::size_t landing = detail::count_leading(last, [&](std::size_t k) {
     const T way = table[k].knot - y0;
-    const T g = way * (way - xf) + xi * (table[k].energy - v0);
+    const T g = way * (way - xf) + xi * gain_to(k);
     return up ? !(way > 0) || g < 0 : way < 0 && g > 0;  // does the root lie above this knot?
   });
 
   const bool crossed = landing != start;
-  const Segment<T>& first = table[up ? std::min(start + 1, last) : start];      // first knot passed
-  const Segment<T>& entry = table[up ? landing : std::min(landing + 1, last)];  // last knot passed
-  const T to_first = first.knot - y0;
-  const T way = crossed ? entry.knot - y0 : T(0);
-  const T gain = crossed ? to_first * (f0 + first.force) / 2 + (entry.energy - first.energy) : T(0);
-  const T entry_force = crossed ? entry.force : f0;
+  const std::size_t entry = up ? landing : std::min(landing + 1, last);  // last knot passed
+  const T origin = crossed ? table[entry].knot : y0;
+  const T way = origin - y0;
+  const T gain = crossed ? gain_to(entry) : T(0);
+  const T entry_force = crossed ? table[entry].force : f0;
   const T c = table[landing].half_curvature;
   const T sign = up ? T(1) : T(-1);
 
   const T a = 1 + xi * c;
   const T b = sign * (2 * way - xf + xi * entry_force);
   const T g = std::min(T(0), way * (way - xf) + xi * gain);
-  const T root = std::sqrt(b * b - 4 * a * g);
-  const T larger = root + std::abs(b);
+  const bool away = way != 0;  // else f and s are linear in xf
+  const T larger = (away ? std::sqrt(b * b - 4 * a * g) : std::abs(b)) + std::abs(b);
   const T s = sign * (b <= 0 ? larger : -2 * g) / (b <= 0 ? 2 * a : larger);
 
   const T x = way + s;
+  const T length = away ? std::abs(x) : T(1);
   const T work = sign * (gain + s * (entry_force + s * c));
-  const T numerator = way != 0 ? xi * work + (root - std::abs(x)) * (xf - x) : entry_force + c * xf;
-  const T denominator = way != 0 ? xi * root : a;
-  return std::max(T(0), numerator / denominator);
+  const T rise = std::abs(entry_force + 2 * c * s - work / length);  // |x| times the slope of the discrete gradient
+  const T numerator = away ? work + rise * (xf - x) : entry_force + c * xf;
+  const T denominator = away ? length + xi * rise : a;
+  return {std::max(T(0), numerator / denominator), origin + s};
+}
+
+/// The force of contact_step [N].
+template <std::floating_point T, std::size_t Extent>
+[[nodiscard]] T contact_force(SegmentTable<T, Extent> table, const Approach<T>& approach) {
+  return contact_step(table, approach).force;
 }
 
 /// Stiffness and loss of a contact, live controls beside the material's table.
@@ -142,18 +164,26 @@ struct ContactControls {
   T loss_s_per_m = 0;     ///< Hunt-Crossley loss lambda >= 0: viscous force lambda F(y) dy/dt
 };
 
-/// contact_force with the material's stiffness scaled and a viscous force lambda F(y0) x/dt added. Where the sum
-/// would pull, the bodies part without force and what is stored beyond is lost: passive, and the force stays
-/// continuous. time_step: dt [s].
+/// contact_step with the material's stiffness scaled and a viscous force lambda F(y0) x/dt added. Where the sum would
+/// pull, the bodies part without force and what is stored beyond is lost: passive, and the force stays continuous.
+/// time_step: dt [s].
 template <std::floating_point T, std::size_t Extent>
-[[nodiscard]] T contact_force(SegmentTable<T, Extent> table, const ContactControls<T>& controls, T time_step,
-                              const Approach<T>& approach) {
-  const auto [y0, xf, xi] = approach;
+[[nodiscard]] ContactStep<T> contact_step(SegmentTable<T, Extent> table, const ContactControls<T>& controls,
+                                          T time_step, const Approach<T>& approach) {
+  const T y0 = approach.compression, xf = approach.free_increment, xi = approach.admittance;
   const T ratio = controls.stiffness_ratio;
   const T resistance = controls.loss_s_per_m * ratio * force(table, y0) / time_step;  // [N/m]
   const T divisor = 1 + xi * resistance;
-  const T elastic = ratio * contact_force(table, Approach<T>{y0, xf / divisor, ratio * xi / divisor});
-  return std::max(T(0), (elastic + resistance * xf) / divisor);
+  const auto elastic = contact_step(table, Approach<T>{y0, xf / divisor, ratio * xi / divisor});
+  const T total = (ratio * elastic.force + resistance * xf) / divisor;
+  return total >= 0 ? ContactStep<T>{total, elastic.compression} : ContactStep<T>{0, y0 + xf};
+}
+
+/// The force of contact_step with stiffness and loss [N].
+template <std::floating_point T, std::size_t Extent>
+[[nodiscard]] T contact_force(SegmentTable<T, Extent> table, const ContactControls<T>& controls, T time_step,
+                              const Approach<T>& approach) {
+  return contact_step(table, controls, time_step, approach).force;
 }
 
 }  // namespace contactspline
