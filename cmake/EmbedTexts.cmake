@@ -1,4 +1,4 @@
-# cmake -DTEXTS=a;b -DOUTPUT=c.cpp -P EmbedTexts.cmake: the files as raw string literals, looked up by file name.
+# cmake -DTEXTS=a;b -DFUNCTION=f -DOUTPUT=c.cpp -P EmbedTexts.cmake: the files as raw string literals that f() returns.
 set(entries "")
 foreach(text IN LISTS TEXTS)
   get_filename_component(name ${text} NAME)
@@ -12,6 +12,6 @@ namespace {
 constexpr EmbeddedText kTexts[] = {
 ${entries}};
 }
-std::span<const EmbeddedText> embedded_texts() { return kTexts; }
+std::span<const EmbeddedText> ${FUNCTION}() { return kTexts; }
 }  // namespace contactspline
 ")

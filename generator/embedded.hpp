@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Templates and shipped materials, embedded at build time.
+// Templates, shipped materials and resonators, embedded at build time.
 #pragma once
 
 #include <span>
@@ -8,11 +8,14 @@
 namespace contactspline {
 
 struct EmbeddedText {
-  std::string_view file_name;  ///< as in templates/ or materials/
+  std::string_view file_name;  ///< without its folder
   std::string_view content;
 };
 
 /// Every file of templates/ and materials/, by rising name within each.
 [[nodiscard]] std::span<const EmbeddedText> embedded_texts();
+
+/// Every file of resonators/, by rising name.
+[[nodiscard]] std::span<const EmbeddedText> embedded_resonators();
 
 }  // namespace contactspline

@@ -17,11 +17,10 @@
 namespace contactspline {
 namespace {
 
-constexpr std::array kEmitters = {Emitter{"faust", "lib", "material.lib.in"},
-                                  Emitter{"cpp", "hpp", "material.hpp.in"},
-                                  Emitter{"json", "json", "material.json.in"}};
+constexpr std::array kEmitters = {Emitter{"faust", "lib"}, Emitter{"cpp", "hpp"}, Emitter{"json", "json"}};
 
-std::string_view template_text(std::string_view file_name) {
+std::string_view template_text(std::string_view kind, const Emitter& emitter) {
+  const std::string file_name = fmt::format("{}.{}.in", kind, emitter.extension);
   const auto texts = embedded_texts();
   const auto found = std::ranges::find(texts, file_name, &EmbeddedText::file_name);
   if (found == texts.end()) throw std::logic_error(fmt::format("no template {}", file_name));
@@ -136,6 +135,62 @@ TemplateValues json_values(const Design& design, std::string_view command) {
   return values;
 }
 
+// As many digits as every machine's sin() and sqrt() agree in.
+double thirteen_digits(double value) {
+  return std::stod(fmt::format("{:.12e}", value));
+}
+
+std::vector<double> column(const std::vector<ResonatorMode>& modes, double (*member)(const ResonatorMode&)) {
+  std::vector<double> values;
+  for (const auto& mode : modes) values.push_back(thirteen_digits(member(mode)));
+  return values;
+}
+
+/// One number of every mode, under its key in the templates.
+struct ModeColumn {
+  std::string_view key;
+  double (*member)(const ResonatorMode&);
+};
+
+constexpr std::array kModeColumns = {
+    ModeColumn{"ANGULAR_FREQUENCIES", [](const ResonatorMode& m) { return m.mode.angular_frequency_rad_per_s; }},
+    ModeColumn{"DECAYS", [](const ResonatorMode& m) { return m.mode.decay_per_s; }},
+    ModeColumn{"MASSES", [](const ResonatorMode& m) { return m.mode.mass_kg; }},
+    ModeColumn{"WAVENUMBERS", [](const ResonatorMode& m) { return m.wavenumber_per_m; }},
+    ModeColumn{"STRIKE_SHAPES", [](const ResonatorMode& m) { return m.strike_shape; }},
+    ModeColumn{"PICKUP_SHAPES", [](const ResonatorMode& m) { return m.pickup_shape; }}};
+
+std::size_t strings_of(const Resonator& resonator) {
+  const auto* strings = std::get_if<StiffString>(&resonator.body);
+  return strings == nullptr ? 1 : strings->detuning_cents.size();
+}
+
+// Faust looks up rules told apart by their number far faster than a list, and few rules faster than many.
+std::string faust_rules(const std::vector<ResonatorMode>& modes) {
+  std::string constants, wavenumbers, strikes, pickups;
+  const auto number = [](double value) { return literal(thirteen_digits(value)); };
+  for (std::size_t i = 0; i < modes.size(); ++i) {
+    const auto& [mode, wavenumber, strike, pickup] = modes[i];
+    constants += fmt::format("constants_of({}) = {}, {}, {};\n", i, number(mode.angular_frequency_rad_per_s),
+                             number(mode.decay_per_s), number(mode.mass_kg));
+    wavenumbers += fmt::format("wavenumber_of({}) = {};\n", i, number(wavenumber));
+    strikes += fmt::format("strike_shape_of({}) = {};\n", i, number(strike));
+    pickups += fmt::format("pickup_shape_of({}) = {};\n", i, number(pickup));
+  }
+  return constants + wavenumbers + strikes + pickups;
+}
+
+TemplateValues resonator_values(const Emitter& emitter, const std::vector<ResonatorMode>& modes) {
+  TemplateValues values;
+  if (emitter.name == "faust") {
+    values["RULES"] = faust_rules(modes);
+  } else {
+    for (const auto& [key, member] : kModeColumns) values.emplace(key, literal_rows(column(modes, member), 4));
+  }
+  if (emitter.name != "json") values["MODES"] = fmt::format("{}", modes.size());
+  return values;
+}
+
 }  // namespace
 
 Design design_contact(std::string_view material_text, std::string_view file) {
@@ -150,7 +205,19 @@ std::span<const Emitter> emitters() {
 
 std::string emit(const Emitter& emitter, const Design& design, std::string_view command) {
   const auto values = emitter.name == "faust" ? faust_values : emitter.name == "cpp" ? cpp_values : json_values;
-  return fill_template(template_text(emitter.template_file), values(design, command));
+  return fill_template(template_text("material", emitter), values(design, command));
+}
+
+std::string emit(const Emitter& emitter, const Resonator& resonator, double max_frequency_hz,
+                 std::string_view command) {
+  TemplateValues values = resonator_values(emitter, modes_of(resonator, max_frequency_hz).modes);
+  values["VERSION"] = CONTACTSPLINE_VERSION;
+  values["COMMAND"] = command;
+  values["NAME"] = resonator.name;
+  values["TITLE"] = resonator.description.empty() ? resonator.name : resonator.description;
+  values["MAX_FREQUENCY"] = literal(max_frequency_hz);
+  values["STRINGS"] = fmt::format("{}", strings_of(resonator));
+  return fill_template(template_text("resonator", emitter), values);
 }
 
 }  // namespace contactspline

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A designed contact as source text: Faust library, C++ header, JSON.
+// Designed contacts and resonators as source text: Faust library, C++ header, JSON.
 #pragma once
 
 #include <span>
@@ -8,6 +8,7 @@
 
 #include "generator/material.hpp"
 #include "generator/quality.hpp"
+#include "generator/resonator.hpp"
 #include "generator/spline.hpp"
 
 namespace contactspline {
@@ -25,8 +26,7 @@ struct Design {
 /// One output format of `generate`.
 struct Emitter {
   std::string_view name;       ///< as in --emit
-  std::string_view extension;  ///< of the written file
-  std::string_view template_file;
+  std::string_view extension;  ///< of the written file, and of its template
 };
 
 /// faust, cpp and json.
@@ -36,5 +36,9 @@ struct Emitter {
 /// same bits; quality figures are rounded to four digits, below 1e-12 to zero. Same input, same bytes, on any
 /// machine.
 [[nodiscard]] std::string emit(const Emitter& emitter, const Design& design, std::string_view command);
+
+/// Source text of a resonator's modes below `max_frequency_hz`, rounded to 13 digits for the same reason.
+[[nodiscard]] std::string emit(const Emitter& emitter, const Resonator& resonator, double max_frequency_hz,
+                               std::string_view command);
 
 }  // namespace contactspline

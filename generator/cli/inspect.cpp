@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "generator/cli/allowed.hpp"
 #include "generator/cli/commands.hpp"
 #include "generator/cli/material_argument.hpp"
 #include "generator/cli/output.hpp"
@@ -56,7 +57,10 @@ std::string quality_table(const Design& design) {
 
 void inspect(const InspectOptions& options) {
   const Design design = design_argument(options.material);
-  if (!options.svg.empty()) write_files({{OutputFile{options.svg, picture_of(design)}}});
+  if (!options.svg.empty()) {
+    require_distinct({{options.svg}}, material_files({&options.material, 1}));
+    write_files({{OutputFile{options.svg, picture_of(design)}}});
+  }
   write_stdout(heading(design.material) + coefficient_table(design.spline) + quality_table(design) +
                (options.svg.empty() ? "" : fmt::format("\npicture: {}\n", options.svg)));
 }
@@ -66,8 +70,10 @@ void inspect(const InspectOptions& options) {
 void add_inspect(CLI::App& app) {
   const auto options = std::make_shared<InspectOptions>();
   CLI::App* command = app.add_subcommand("inspect", "Show a material's spline: coefficients, errors, picture");
-  command->add_option("MATERIAL", options->material, kMaterialHelp)->required();
-  command->add_option("--svg", options->svg, "also draw potential, force and their errors")->type_name("FILE");
+  command->add_option("MATERIAL", options->material, kMaterialHelp)->check(not_empty(kMaterialHelp))->required();
+  command->add_option("--svg", options->svg, "also draw potential, force and their errors")
+      ->check(file_name())
+      ->type_name("FILE");
   command->footer("Example:\n  contactspline inspect felt_c4 --svg felt_c4.svg");
   command->callback([options] { inspect(*options); });
 }

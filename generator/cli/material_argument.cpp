@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <iterator>
 
 #include "generator/cli/output.hpp"
 #include "generator/embedded.hpp"
@@ -15,11 +16,11 @@ namespace {
 
 constexpr std::string_view kSuffix = ".json";
 
+}  // namespace
+
 bool is_path(std::string_view argument) {
   return argument.ends_with(kSuffix) || argument.find('/') != argument.npos;
 }
-
-}  // namespace
 
 std::vector<std::string> shipped_names() {
   std::vector<std::string> names;
@@ -27,6 +28,12 @@ std::vector<std::string> shipped_names() {
     if (text.file_name.ends_with(kSuffix))
       names.emplace_back(text.file_name.substr(0, text.file_name.size() - kSuffix.size()));
   return names;
+}
+
+std::vector<std::filesystem::path> material_files(std::span<const std::string> arguments) {
+  std::vector<std::filesystem::path> files;
+  std::ranges::copy_if(arguments, std::back_inserter(files), is_path);
+  return files;
 }
 
 Design design_argument(const std::string& argument) {

@@ -2,6 +2,8 @@
 // MATERIAL on the command line: a material file, or the name of one that ships.
 #pragma once
 
+#include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,8 +14,14 @@ namespace contactspline {
 
 constexpr auto kMaterialHelp = "material file (.json), or the name of a material that ships";
 
+/// Does an argument name a file, rather than something that ships?
+[[nodiscard]] bool is_path(std::string_view argument);
+
 /// Names of the materials that ship, rising.
 [[nodiscard]] std::vector<std::string> shipped_names();
+
+/// The material files among MATERIAL arguments, without the shipped names.
+[[nodiscard]] std::vector<std::filesystem::path> material_files(std::span<const std::string> arguments);
 
 /// Reads and designs a MATERIAL: a path where it ends in .json or holds a slash, else a shipped name. Throws
 /// BadInput.

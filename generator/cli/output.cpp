@@ -12,6 +12,7 @@
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -28,6 +29,10 @@ constexpr std::uintmax_t kMaxInputBytes = 1 << 20;
   throw BadInput(fmt::format("{}: file: {}", path.string(), what));
 }
 
+[[noreturn]] void fail_to_read(const fs::path& path, std::string_view what) {
+  fail(path, fmt::format("{}; allowed: a file of at most 1 MiB that can be read", what));
+}
+
 [[noreturn]] void fail_with_errno(const fs::path& path) {
   fail(path, fmt::format("cannot be written: {}", std::strerror(errno)));
 }
@@ -37,7 +42,7 @@ class PendingFile {
  public:
   explicit PendingFile(const fs::path& target) : target_(target) {
     const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
-    name_ = (folder / fmt::format(".{}.XXXXXX", target.filename().string())).string();
+    name_ = (folder / ".contactspline-XXXXXX").string();
     descriptor_ = ::mkstemp(name_.data());
     if (descriptor_ < 0) fail_with_errno(target_);
   }
@@ -90,24 +95,44 @@ fs::path real_target(const fs::path& path) {
   std::error_code error;
   const auto status = fs::status(path, error);
   if (fs::exists(status) && !fs::is_regular_file(status)) fail(path, "is not a regular file");
-  return fs::is_symlink(fs::symlink_status(path, error)) && fs::exists(status) ? fs::canonical(path) : path;
+  if (!fs::is_symlink(fs::symlink_status(path, error))) return path;
+  const fs::path target = fs::canonical(path, error);
+  if (error) fail(path, "is a link that leads nowhere");
+  return target;
+}
+
+// The same for every spelling of a path, whether or not the file exists.
+fs::path one_spelling(const fs::path& path) {
+  std::error_code error;
+  const fs::path spelling = fs::weakly_canonical(fs::absolute(path, error), error);
+  return error ? path : spelling;
 }
 
 }  // namespace
 
 std::string read_input(const fs::path& path) {
   std::error_code error;
-  if (!fs::exists(path, error)) fail(path, "does not exist");
-  if (!fs::is_regular_file(path, error)) fail(path, "is not a regular file");
-  if (fs::file_size(path, error) > kMaxInputBytes || error) fail(path, "is larger than 1 MiB");
+  if (!fs::exists(path, error)) fail_to_read(path, error ? error.message() : "does not exist");
+  if (!fs::is_regular_file(path, error)) fail_to_read(path, "is not a regular file");
+  if (fs::file_size(path, error) > kMaxInputBytes || error) fail_to_read(path, "is larger than 1 MiB");
   std::ifstream stream(path, std::ios::binary);
-  if (!stream) fail(path, "cannot be read");
+  if (!stream) fail_to_read(path, std::strerror(errno));
   std::string bytes((std::istreambuf_iterator<char>(stream)), {});
-  if (stream.bad()) fail(path, "cannot be read");
+  if (stream.bad()) fail_to_read(path, std::strerror(errno));
   return bytes;
 }
 
+void require_distinct(std::span<const fs::path> outputs, std::span<const fs::path> inputs) {
+  std::set<fs::path> taken;
+  for (const fs::path& input : inputs) taken.insert(one_spelling(input));
+  for (const fs::path& output : outputs)
+    if (!taken.insert(one_spelling(output)).second)
+      fail(output, "is read or written already; allowed: another folder or file name");
+}
+
 bool is_current(const OutputFile& file) {
+  std::error_code error;
+  if (!fs::is_regular_file(file.path, error)) return false;  // to open a pipe would wait for its writer
   std::ifstream stream(file.path, std::ios::binary);
   return stream && std::string((std::istreambuf_iterator<char>(stream)), {}) == file.bytes;
 }

@@ -18,6 +18,9 @@ struct OutputFile {
 /// Whole content of a regular file. Throws BadInput, naming it, where it cannot be read or is larger than 1 MiB.
 [[nodiscard]] std::string read_input(const std::filesystem::path& path);
 
+/// Throws BadInput where an output is also an input or another output: one would silently replace the other.
+void require_distinct(std::span<const std::filesystem::path> outputs, std::span<const std::filesystem::path> inputs);
+
 /// Does the file hold just these bytes?
 [[nodiscard]] bool is_current(const OutputFile& file);
 

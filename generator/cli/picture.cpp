@@ -3,13 +3,12 @@
 
 #include <fmt/format.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <csignal>
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
+#include <cstring>
 #include <memory>
 #include <span>
 #include <vector>
@@ -21,7 +20,10 @@ namespace {
 
 constexpr int kPointsPerSegment = 24;
 constexpr int kMaxCurvePoints = 4096;
+constexpr std::size_t kMaxKnots = 1024;
 constexpr std::size_t kColumns = 1200;
+
+constexpr auto kTitle = "TITLE-OF-THE-PICTURE";
 
 // One look for every picture; colours that colour-blind readers can tell apart.
 constexpr auto kStyle = R"(
@@ -37,53 +39,47 @@ set linetype 3 lc rgb '#d55e00' lw 1.6
 set linetype 4 lc rgb '#0072b2' pt 7 ps 0.35
 )";
 
-/// A folder of its own under the system's temporary folder, removed at the end.
-class TemporaryFolder {
- public:
-  TemporaryFolder() : path_((std::filesystem::temp_directory_path() / "contactspline-XXXXXX").string()) {
-    if (::mkdtemp(path_.data()) == nullptr) throw BadInput(path_ + ": folder: cannot be made for a picture");
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  [[nodiscard]] std::filesystem::path operator/(const char* name) const {
-    return std::filesystem::path(path_) / name;
-  }
+using File = std::unique_ptr<FILE, int (*)(FILE*)>;
 
- private:
-  std::string path_;
-};
-
-// gnuplot reads the script from standard input, so that no name passes through a shell.
-void run_gnuplot(const std::string& script) {
-  FILE* gnuplot = ::popen("gnuplot 2>/dev/null", "w");
+// Script in by a pipe, picture out by a descriptor: no name passes through a shell or through gnuplot's own quoting.
+// -d: no start-up file of the user's.
+void run_gnuplot(const std::string& script, FILE* picture) {
+  const auto old_handler = std::signal(SIGPIPE, SIG_IGN);  // where gnuplot ends early there is a message to give
+  FILE* gnuplot = ::popen(fmt::format("gnuplot -d 2>/dev/null >/dev/fd/{}", ::fileno(picture)).c_str(), "w");
   if (gnuplot == nullptr) throw BadInput("picture: gnuplot cannot be started");
   const bool sent = std::fwrite(script.data(), 1, script.size(), gnuplot) == script.size();
   const int status = ::pclose(gnuplot);
+  std::signal(SIGPIPE, old_handler);
   if (WIFEXITED(status) && WEXITSTATUS(status) == 127)
     throw BadInput("picture: gnuplot is not installed; install the package gnuplot-nox, or leave the picture out");
   if (!sent || status != 0)
     throw BadInput("picture: gnuplot failed; try its newest version, or leave the picture out");
 }
 
-std::string draw_svg(const std::string& script) {
-  const TemporaryFolder folder;
-  const auto file = folder / "picture.svg";
-  run_gnuplot(fmt::format("{}set output '{}'\n{}\n", kStyle, file.string(), script));
-  std::ifstream stream(file, std::ios::binary);
-  std::string svg((std::istreambuf_iterator<char>(stream)), {});
-  if (svg.find("</svg>") == std::string::npos) throw BadInput("picture: gnuplot drew nothing");
-  return svg;
+std::string content(FILE* file) {
+  std::string bytes;
+  std::array<char, 65536> part{};
+  std::rewind(file);
+  while (const std::size_t got = std::fread(part.data(), 1, part.size(), file)) bytes.append(part.data(), got);
+  return bytes;
 }
 
-// gnuplot would read some characters of a title as markup.
-std::string quoted(const std::string& text) {
+std::string in_xml(const std::string& text) {
   std::string safe;
-  for (const char c : text) safe += c == '\'' ? std::string("''") : std::string(1, c);
-  return "'" + safe + "'";
+  for (const char c : text) safe += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : std::string(1, c);
+  return safe;
+}
+
+// gnuplot lets entities and some quotes of a title through, so the title takes its place afterwards.
+std::string draw_svg(const std::string& script, const std::string& title) {
+  const File picture(std::tmpfile(), std::fclose);
+  if (!picture) throw BadInput("picture: no temporary file can be made");
+  run_gnuplot(kStyle + script, picture.get());
+  std::string svg = content(picture.get());
+  const auto at = svg.find(kTitle);
+  if (at == std::string::npos || svg.find("</svg>") == std::string::npos)
+    throw BadInput("picture: gnuplot drew nothing");
+  return svg.replace(at, std::strlen(kTitle), in_xml(title));
 }
 
 std::string potential_data(const Design& design) {
@@ -103,10 +99,13 @@ std::string potential_data(const Design& design) {
                         100 * (v - exact_v) / top_energy, 100 * (f - exact_f) / top_force);
   }
   data += "EOD\n$knots << EOD\n";
-  for (const auto& s : spline.segments)
+  const std::size_t step = 1 + (spline.segments.size() - 1) / kMaxKnots;
+  for (std::size_t j = 0; j < spline.segments.size(); j += step) {
+    const auto& s = spline.segments[j];
     data += fmt::format("{:g} {:g} {:g} {:g} {:g}\n", 1e3 * s.knot, 1e3 * s.energy, s.force,
                         100 * (s.energy - material.contact.energy(s.knot)) / top_energy,
                         100 * (s.force - material.contact.force(s.knot)) / top_force);
+  }
   return data + "EOD\n";
 }
 
@@ -137,20 +136,23 @@ std::string first_contact_data(const MassBarrierMotion& motion) {
   const auto margin = (end - begin) / 4 + 2;
   const auto from = std::max(f.begin(), begin - std::min(margin, begin - f.begin()));
   const auto to = end + std::min(margin, f.end() - end);
+  const auto step = 1 + (to - from) / kMaxCurvePoints;  // a mass that comes to rest touches for ever
   std::string data = "$contact << EOD\n";
-  for (auto sample = from; sample < to; ++sample)
+  for (auto sample = from; sample < to; sample += std::min(step, to - sample))
     data += fmt::format("{:g} {:g}\n", 1e3 * static_cast<double>(sample - begin) / motion.sample_rate_hz, *sample);
   return data + "EOD\n";
+}
+
+std::string heading(int rows, int columns) {
+  return fmt::format("set multiplot layout {},{} title '{}' noenhanced font ',17' textcolor rgb '#222222'\n", rows,
+                     columns, kTitle);
 }
 
 }  // namespace
 
 std::string picture_of(const Design& design) {
   const std::string title = design.material.description.empty() ? design.material.name : design.material.description;
-  return draw_svg(potential_data(design) +
-                  fmt::format("set multiplot layout 2,2 title {} noenhanced font ',17' textcolor rgb '#222222'\n",
-                              quoted(fmt::format("{}: {} segments", title, design.spline.segments.size()))) +
-                  R"(
+  return draw_svg(potential_data(design) + heading(2, 2) + R"(
 set xlabel 'compression [mm]'
 set ylabel 'contact potential [mJ]'
 plot $curve using 1:2 with lines lt 1 title 'power law', '' using 1:3 with lines lt 2 title 'spline', $knots using 1:2 with points lt 4 title 'knots'
@@ -161,24 +163,26 @@ set ylabel 'potential error [% of largest]'
 plot $curve using 1:6 with lines lt 3, $knots using 1:4 with points lt 4
 set ylabel 'force error [% of largest]'
 plot $curve using 1:7 with lines lt 3, $knots using 1:5 with points lt 4
-unset multiplot)");
+unset multiplot)",
+                  fmt::format("{}: {} segments", title, design.spline.segments.size()));
 }
 
 std::string picture_of(const MassBarrierMotion& motion, const std::string& title) {
+  const bool touches = std::ranges::any_of(motion.force_n, [](double force) { return force > 0; });
+  const auto label = touches ? "time from the first contact [ms]" : "time before the end [ms]: there was no contact";
   return draw_svg(envelope_data({"height", motion.displacement_m, -1e3}, motion.sample_rate_hz) +
-                  envelope_data({"force", motion.force_n, 1}, motion.sample_rate_hz) + first_contact_data(motion) +
-                  fmt::format("set multiplot layout 3,1 title {} noenhanced font ',17' textcolor rgb '#222222'\n",
-                              quoted(title)) +
-                  R"(
+                      envelope_data({"force", motion.force_n, 1}, motion.sample_rate_hz) +
+                      first_contact_data(motion) + heading(3, 1) + fmt::format("contact_label = '{}'\n", label) + R"(
 unset key
 set xlabel 'time [s]'
 set ylabel 'height above the barrier [mm]'
 plot $height with lines lt 2
 set ylabel 'contact force [N]'
 plot $force with lines lt 3
-set xlabel 'time from the first contact [ms]'
+set xlabel contact_label
 plot $contact with linespoints lt 3 pt 7 ps 0.3
-unset multiplot)");
+unset multiplot)",
+                  title);
 }
 
 }  // namespace contactspline

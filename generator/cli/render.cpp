@@ -7,12 +7,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "generator/cli/allowed.hpp"
 #include "generator/cli/commands.hpp"
 #include "generator/cli/material_argument.hpp"
 #include "generator/cli/output.hpp"
@@ -40,17 +42,29 @@ struct RenderOptions {
   std::string svg;
 };
 
-double given_or(std::optional<double> given, const Material& material, double Impact::*member, const char* option) {
+double given_or(std::optional<double> given, const Design& design, double Impact::*member,
+                const RenderOptions& options, const char* option) {
   if (given) return *given;
-  if (!material.impact)
+  const auto& impact = design.material.impact;
+  if (!impact)
     throw BadInput(
-        fmt::format("{}: {}: missing, and the material has no impact; allowed: a number", material.name, option));
-  return (*material.impact).*member;
+        fmt::format("{}: {}: missing, and the material has no impact; allowed: a number", options.material, option));
+  return (*impact).*member;
 }
 
-MassBarrierScore score_of(const RenderOptions& options, const Material& material) {
-  const double mass_kg = given_or(options.mass_kg, material, &Impact::mass_kg, "--mass");
-  const double speed = given_or(options.speed_m_per_s, material, &Impact::max_speed_m_per_s, "--speed");
+// What is rendered is held in memory.
+void require_short(const RenderOptions& options) {
+  constexpr double kMostSamples = 3600.0 * 44100;
+  const double samples = options.duration_s * options.sample_rate_hz;
+  if (samples > kMostSamples)
+    throw BadInput(fmt::format("--duration: {} s at {} Hz are {:.4g} samples; allowed: at most {:.4g} s at this rate",
+                               options.duration_s, options.sample_rate_hz, samples,
+                               kMostSamples / options.sample_rate_hz));
+}
+
+MassBarrierScore score_of(const RenderOptions& options, const Design& design) {
+  const double mass_kg = given_or(options.mass_kg, design, &Impact::mass_kg, options, "--mass");
+  const double speed = given_or(options.speed_m_per_s, design, &Impact::max_speed_m_per_s, options, "--speed");
   return {{.mass_kg = mass_kg,
            .gravity_m_per_s2 = options.gravity_m_per_s2,
            .contact = {.stiffness_ratio = options.stiffness_ratio, .loss_s_per_m = options.loss_s_per_m}},
@@ -62,7 +76,8 @@ MassBarrierScore score_of(const RenderOptions& options, const Material& material
 
 // Only where somebody watches.
 void show_progress(double part) {
-  if (::isatty(STDERR_FILENO) != 0) fmt::print(stderr, "\rrendering {:3.0f} %{}", 100 * part, part < 1 ? "" : "\n");
+  if (::isatty(STDERR_FILENO) == 0) return;
+  std::fputs(fmt::format("\rrendering {:3.0f} %{}", 100 * part, part < 1 ? "" : "\n").c_str(), stderr);
 }
 
 double peak_of(std::span<const double> signal) {
@@ -85,16 +100,17 @@ std::size_t contacts_in(std::span<const double> force) {
 }
 
 void render_mass_barrier_command(const RenderOptions& options) {
+  require_short(options);
   const Design design = design_argument(options.material);
-  const auto motion =
-      render_mass_barrier(segment_table(design.spline), score_of(options, design.material), show_progress);
-  const auto& signal = options.signal == "force" ? motion.force_n : motion.displacement_m;
-  const double peak = peak_of(signal);
   const std::string svg =
       options.svg.empty() ? std::filesystem::path(options.output).replace_extension("svg").string() : options.svg;
+  require_distinct({{options.output, svg}}, material_files({&options.material, 1}));
+  const auto motion = render_mass_barrier(segment_table(design.spline), score_of(options, design), show_progress);
+  const auto& signal = options.signal == "force" ? motion.force_n : motion.displacement_m;
+  const double peak = peak_of(signal);
   const std::vector<OutputFile> files = {
       {options.output, wav_bytes(scaled_to_peak(signal, peak), options.sample_rate_hz)},
-      {svg, picture_of(motion, fmt::format("mass on a barrier: {}", options.material))}};
+      {svg, picture_of(motion, fmt::format("mass on a barrier: {}", design.material.name))}};
   write_files(files);
   write_stdout(fmt::format(
       "{} contacts in {} s, largest force {:.4g} N\nfull scale of the sound: {:.4g} {}\nsound:   {}\npicture: {}\n",
@@ -106,28 +122,31 @@ void add_mass_barrier(CLI::App& render) {
   const auto options = std::make_shared<RenderOptions>();
   CLI::App* command =
       render.add_subcommand("mass-barrier", "A mass thrown at a rigid barrier, with gravity: it bounces");
-  const auto number = [&](const char* name, auto& value, const char* help, CLI::Range range) {
-    return command->add_option(name, value, help)->check(range);
+  const auto number = [&](const char* name, auto& value, const char* help, auto least, auto most) {
+    return command->add_option(name, value, help)->check(number_from(least, most));
   };
-  command->add_option("--material", options->material, kMaterialHelp)->capture_default_str();
-  number("--mass", options->mass_kg, "mass in kg (default: the material's)", {1e-9, 1e4});
-  number("--speed", options->speed_m_per_s, "speed of the throw in m/s (default: the material's largest)",
-         {0.0, 1e3});
-  number("--start", options->start_m, "displacement at the throw in m, into the barrier", {-1e3, 1.0})
+  command->add_option("--material", options->material, kMaterialHelp)
+      ->check(not_empty(kMaterialHelp))
       ->capture_default_str();
-  number("--gravity", options->gravity_m_per_s2, "towards the barrier, in m/s^2", {0.0, 1e3})->capture_default_str();
-  number("--stiffness-ratio", options->stiffness_ratio, "multiplies the material's stiffness", {1e-6, 1e6})
+  number("--mass", options->mass_kg, "mass in kg (default: the material's)", 1e-9, 1e4);
+  number("--speed", options->speed_m_per_s, "speed of the throw in m/s (default: the material's largest)", 0.0, 1e3);
+  number("--start", options->start_m, "displacement at the throw in m, into the barrier", -1e3, 1.0)
       ->capture_default_str();
-  number("--loss", options->loss_s_per_m, "Hunt-Crossley loss in s/m", {0.0, 1e3})->capture_default_str();
-  number("--duration", options->duration_s, "in s", {1e-3, 3600.0})->capture_default_str();
-  number("--rate", options->sample_rate_hz, "sample rate in Hz", {1000, 768000})->capture_default_str();
+  number("--gravity", options->gravity_m_per_s2, "towards the barrier, in m/s^2", 0.0, 1e3)->capture_default_str();
+  number("--stiffness-ratio", options->stiffness_ratio, "multiplies the material's stiffness", 1e-6, 1e6)
+      ->capture_default_str();
+  number("--loss", options->loss_s_per_m, "Hunt-Crossley loss in s/m", 0.0, 1e3)->capture_default_str();
+  number("--duration", options->duration_s, "in s", 1e-3, 3600.0)->capture_default_str();
+  number("--rate", options->sample_rate_hz, "sample rate in Hz", 1000, 768000)->capture_default_str();
   command->add_option("--signal", options->signal, "what is heard")
-      ->check(CLI::IsMember({"force", "displacement"}))
+      ->check(one_of({"force", "displacement"}))
       ->capture_default_str();
   command->add_option("-o,--output", options->output, "sound file to write (WAV, 24 bits, mono)")
+      ->check(file_name())
       ->type_name("FILE")
       ->required();
   command->add_option("--svg", options->svg, "picture to write (default: the sound file's name with .svg)")
+      ->check(file_name())
       ->type_name("FILE");
   command->footer(
       "Example:\n"

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+#include "generator/cli/source_argument.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include "generator/cli/material_argument.hpp"
+#include "generator/cli/output.hpp"
+#include "generator/embedded.hpp"
+#include "generator/json_input.hpp"
+
+namespace contactspline {
+namespace {
+
+Source material_source(Design design) {
+  const std::string name = design.material.name;
+  return {name, [design = std::move(design)](const Emitter& emitter, std::string_view command) {
+            return emit(emitter, design, command);
+          }};
+}
+
+void warn_where_cut(const Resonator& resonator, double max_frequency_hz) {
+  if (!modes_of(resonator, max_frequency_hz).cut) return;
+  const auto line = fmt::format("contactspline: {}: max_modes: {} leaves out modes below {} Hz\n", resonator.name,
+                                resonator.max_modes, max_frequency_hz);
+  std::fputs(line.c_str(), stderr);
+}
+
+Source resonator_source(Resonator resonator, double max_frequency_hz) {
+  warn_where_cut(resonator, max_frequency_hz);
+  const std::string name = resonator.name;
+  return {name, [=, resonator = std::move(resonator)](const Emitter& emitter, std::string_view command) {
+            return emit(emitter, resonator, max_frequency_hz, command);
+          }};
+}
+
+// A resonator file has a body where a material file has a contact.
+bool is_resonator(std::string_view text, std::string_view file) {
+  const auto json = parse_json(text, file, "material");
+  const auto has = [&](const char* key) { return json.contains(key); };
+  return has("string") || has("bar") || has("membrane") || has("modes");
+}
+
+}  // namespace
+
+Source source_argument(const std::string& argument, double max_frequency_hz) {
+  const auto shipped = embedded_resonators();
+  const auto found = std::ranges::find(shipped, argument + ".json", &EmbeddedText::file_name);
+  if (found != shipped.end())
+    return resonator_source(parse_resonator(found->content, found->file_name), max_frequency_hz);
+  if (is_path(argument)) {
+    const std::string text = read_input(argument);
+    if (is_resonator(text, argument)) return resonator_source(parse_resonator(text, argument), max_frequency_hz);
+    return material_source(design_contact(text, argument));
+  }
+  return material_source(design_argument(argument));
+}
+
+}  // namespace contactspline

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: MIT
+#include "generator/resonator.hpp"
+
+#include <algorithm>
+#include <boost/math/special_functions/bessel.hpp>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+namespace contactspline {
+namespace {
+
+using std::numbers::pi;
+
+/// A mode without its losses.
+struct Undamped {
+  double angular_frequency_rad_per_s;
+  double wavenumber_per_m;
+  double mass_kg;
+};
+
+double decay_of(const Losses& losses, double wavenumber) {
+  return losses.constant_per_s + losses.quadratic_m2_per_s * wavenumber * wavenumber;
+}
+
+// w^2 = w0^2 - s^2; nothing oscillates where that is not positive.
+std::optional<Mode> damped(const Undamped& mode, const Losses& losses) {
+  const double decay = decay_of(losses, mode.wavenumber_per_m);
+  const double square = (mode.angular_frequency_rad_per_s - decay) * (mode.angular_frequency_rad_per_s + decay);
+  if (!(square > 0)) return {};
+  return Mode{std::sqrt(square), decay, mode.mass_kg};
+}
+
+Undamped undamped_mode(const StiffString& string, int i) {
+  const double beta = i * pi / string.length_m;
+  const double stiffness = beta * beta * (string.tension_n + string.bending_stiffness_n_m2 * beta * beta);
+  return {std::sqrt(stiffness * string.length_m / string.mass_kg), beta, string.mass_kg / 2};
+}
+
+// i-th root of cosh(x) cos(x) = 1 beyond 0, by Newton's method on cos(x) - 1/cosh(x) from the asymptote (i + 1/2) pi.
+double free_bar_root(int i) {
+  double x = (i + 0.5) * pi;
+  for (int step = 0; step < 8; ++step) {
+    const double slope = -std::sin(x) + std::tanh(x) / std::cosh(x);
+    x -= (std::cos(x) - 1 / std::cosh(x)) / slope;
+  }
+  return x;
+}
+
+Undamped undamped_mode(const FreeBar& bar, int i) {
+  const double beta = free_bar_root(i) / bar.length_m;
+  const double stiffness = bar.bending_stiffness_n_m2 * std::pow(beta, 4);
+  return {std::sqrt(stiffness * bar.length_m / bar.mass_kg), beta, bar.mass_kg / 4};
+}
+
+Undamped undamped_mode(const Membrane& membrane, int order, int i) {
+  const double root = boost::math::cyl_bessel_j_zero(static_cast<double>(order), i);
+  const double beta = root / membrane.radius_m;
+  const double ring = boost::math::cyl_bessel_j(order + 1, root);
+  const double area = pi * membrane.radius_m * membrane.radius_m * (order == 0 ? 1.0 : 0.5);
+  return {beta * std::sqrt(membrane.tension_n_per_m / membrane.mass_per_area_kg_m2), beta,
+          membrane.mass_per_area_kg_m2 * area * ring * ring};
+}
+
+double shape_at(const StiffString&, double wavenumber, double position_m) {
+  return std::sin(wavenumber * position_m);
+}
+
+// (cosh x + cos x - k (sinh x + sin x))/2 with k = (cosh X - cos X)/(sinh X - sin X), X = beta L, written without the
+// difference of large exponentials.
+double shape_at(const FreeBar& bar, double wavenumber, double position_m) {
+  const double x = wavenumber * position_m;
+  const double end = wavenumber * bar.length_m;
+  const double excess = (std::cos(end) - std::sin(end) - std::exp(-end)) / (std::sinh(end) - std::sin(end));  // 1 - k
+  return (std::exp(-x) + std::cos(x) - std::sin(x) + excess * (std::sinh(x) + std::sin(x))) / 2;
+}
+
+// Modes i = 1, 2, ... while their undamped frequency is below the limit.
+template <typename UndampedAt, typename ShapesOf>
+std::vector<ResonatorMode> modes_while_below(double limit, const Losses& losses, UndampedAt undamped_at,
+                                             ShapesOf shapes_of) {
+  std::vector<ResonatorMode> modes;
+  for (int i = 1;; ++i) {
+    const Undamped undamped = undamped_at(i);
+    if (undamped.angular_frequency_rad_per_s >= limit) return modes;
+    const double beta = undamped.wavenumber_per_m;
+    const auto [strike, pickup] = shapes_of(beta);
+    if (const auto mode = damped(undamped, losses)) modes.push_back({*mode, beta, strike, pickup});
+  }
+}
+
+template <typename Body>  // StiffString or FreeBar
+std::vector<ResonatorMode> modes_of_body(const Body& body, const Resonator& resonator, double limit) {
+  return modes_while_below(
+      limit, body.losses, [&](int i) { return undamped_mode(body, i); },
+      [&](double beta) {
+        return std::pair(shape_at(body, beta, resonator.strike.position_m),
+                         shape_at(body, beta, resonator.pickup.position_m));
+      });
+}
+
+std::vector<ResonatorMode> modes_below(const StiffString& strings, const Resonator& resonator, double limit) {
+  std::vector<ResonatorMode> modes;
+  const auto count = static_cast<double>(strings.detuning_cents.size());
+  for (const double cents : strings.detuning_cents) {
+    StiffString string = strings;
+    string.tension_n *= std::exp2(cents / 600);  // frequency goes with the root of the tension
+    for (ResonatorMode mode : modes_of_body(string, resonator, limit)) {
+      mode.strike_shape /= count;
+      modes.push_back(mode);
+    }
+  }
+  return modes;
+}
+
+std::vector<ResonatorMode> modes_below(const FreeBar& bar, const Resonator& resonator, double limit) {
+  return modes_of_body(bar, resonator, limit);
+}
+
+// The first zero of J_m rises with m, so the first order without a mode below the limit is the last one to try.
+std::vector<ResonatorMode> modes_below(const Membrane& membrane, const Resonator& resonator, double limit) {
+  const Place& strike = resonator.strike;
+  const Place& pickup = resonator.pickup;
+  std::vector<ResonatorMode> modes;
+  for (int order = 0;; ++order) {
+    const auto radial = [&](double x) { return boost::math::cyl_bessel_j(order, x); };
+    const auto found = modes_while_below(
+        limit, membrane.losses, [&](int i) { return undamped_mode(membrane, order, i); },
+        [&](double beta) {
+          return std::pair(
+              radial(beta * strike.position_m),
+              radial(beta * pickup.position_m) * std::cos(order * (pickup.angle_rad - strike.angle_rad)));
+        });
+    if (found.empty()) return modes;
+    modes.insert(modes.end(), found.begin(), found.end());
+  }
+}
+
+std::vector<ResonatorMode> modes_below(const ModeTable& table, const Resonator&, double limit) {
+  std::vector<ResonatorMode> modes;
+  for (const auto& [mode, strike_shape, pickup_shape] : table.rows)
+    if (mode.angular_frequency_rad_per_s < limit) modes.push_back({mode, 0, strike_shape, pickup_shape});
+  return modes;
+}
+
+}  // namespace
+
+ModeSet modes_of(const Resonator& resonator, double max_frequency_hz) {
+  const double limit = 2 * pi * max_frequency_hz;
+  auto modes = std::visit([&](const auto& body) { return modes_below(body, resonator, limit); }, resonator.body);
+  std::ranges::stable_sort(modes, {},
+                           [](const ResonatorMode& mode) { return mode.mode.angular_frequency_rad_per_s; });
+  const bool cut = modes.size() > static_cast<std::size_t>(resonator.max_modes);
+  if (cut) modes.resize(static_cast<std::size_t>(resonator.max_modes));
+  return {std::move(modes), cut};
+}
+
+}  // namespace contactspline

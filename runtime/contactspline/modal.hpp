@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: MIT
+// Modal resonators with exact poles, condensed to what a contact needs to know of them.
+#pragma once
+
+#include <cmath>
+#include <concepts>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace contactspline {
+
+/// One mode of a resonator: q'' + 2 decay q' + (angular_frequency^2 + decay^2) q = force / mass.
+struct Mode {
+  double angular_frequency_rad_per_s;  ///< of the damped oscillation, > 0
+  double decay_per_s;                  ///< amplitude falls as exp(-decay t), >= 0
+  double mass_kg;                      ///< modal mass for the shapes used, > 0
+};
+
+/// Shapes of all modes at one place: the displacement there is the sum of shape times modal displacement.
+template <std::floating_point T>
+class ModeShapes {
+ public:
+  ModeShapes() = default;
+  explicit ModeShapes(std::size_t modes) : values_(modes) {}
+  explicit ModeShapes(std::span<const double> values) : values_(values.begin(), values.end()) {}
+
+  [[nodiscard]] std::size_t size() const { return values_.size(); }
+  [[nodiscard]] T operator[](std::size_t mode) const { return values_[mode]; }
+  [[nodiscard]] T& operator[](std::size_t mode) { return values_[mode]; }
+
+ private:
+  std::vector<T> values_;
+};
+
+namespace detail {
+
+/// Constants of one mode at a sample rate (docs/modal.md). With z = exp((-decay + j w) dt):
+struct ModeConstants {
+  double stiffness;  ///< |1 - z|^2 / 2
+  double loss;       ///< (1 - |z|^2) / 2
+  double give;       ///< dt^2 |1 + z|^2 / (8 m), increment per unit of force [m/N]
+};
+
+inline ModeConstants mode_constants(const Mode& mode, double sample_rate_hz) {
+  const double dt = 1 / sample_rate_hz;
+  const double turn = mode.angular_frequency_rad_per_s * dt / 2;
+  const double fall = std::exp(-mode.decay_per_s * dt);
+  const double missing = -std::expm1(-mode.decay_per_s * dt);
+  const double sine = std::sin(turn), cosine = std::cos(turn);
+  return {missing * missing / 2 + 2 * fall * sine * sine, -std::expm1(-2 * mode.decay_per_s * dt) / 2,
+          dt * dt * (missing * missing + 4 * fall * cosine * cosine) / (8 * mode.mass_kg)};
+}
+
+/// Sum over i < n of term(i) in eight running sums, which a compiler may keep in vector registers.
+template <std::floating_point T, typename Term>
+[[nodiscard]] T sum_of(std::size_t n, Term term) {
+  constexpr std::size_t kLanes = 8;
+  T sums[kLanes] = {};
+  std::size_t i = 0;
+  for (; i + kLanes <= n; i += kLanes)
+    for (std::size_t lane = 0; lane < kLanes; ++lane) sums[lane] += term(i + lane);
+  for (; i < n; ++i) sums[i % kLanes] += term(i);
+  return ((sums[0] + sums[4]) + (sums[2] + sums[6])) + ((sums[1] + sums[5]) + (sums[3] + sums[7]));
+}
+
+}  // namespace detail
+
+/// A bank of modes advanced by the midpoint rule with the stiffness and resistance that give it exactly the poles
+/// exp((-decay +- j w) dt): passive, and in tune at any rate. Per sample: predict(), then any number of push(), then
+/// commit(). No allocation after construction.
+///
+/// State per mode: displacement q and way w = dt q'. The change over a sample is w + e with e = give shape f
+/// - stiffness (q + w/2) - loss w, and w grows by 2 e. All that is added is small, so that single precision keeps 100
+/// dB.
+template <std::floating_point T>
+class ModalBank {
+ public:
+  ModalBank(std::span<const Mode> modes, double sample_rate_hz) : sample_rate_hz_(sample_rate_hz) {
+    for (const Mode& mode : modes) add(mode);
+  }
+
+  [[nodiscard]] std::size_t size() const { return displacement_.size(); }
+
+  /// Change of displacement at a place [m] per force [N] at another over one sample: sum of give shape shape.
+  [[nodiscard]] T admittance(const ModeShapes<T>& at, const ModeShapes<T>& of_force) const {
+    return detail::sum_of<T>(size(), [&](std::size_t i) { return give_[i] * at[i] * of_force[i]; });
+  }
+
+  /// Displacement at a place [m].
+  [[nodiscard]] T displacement(const ModeShapes<T>& at) const {
+    return detail::sum_of<T>(size(), [&](std::size_t i) { return at[i] * displacement_[i]; });
+  }
+
+  /// Velocity at a place [m/s].
+  [[nodiscard]] T velocity(const ModeShapes<T>& at) const {
+    const T way = detail::sum_of<T>(size(), [&](std::size_t i) { return at[i] * way_[i]; });
+    return way * static_cast<T>(sample_rate_hz_);
+  }
+
+  /// Begins a sample: what each mode would do without force.
+  void predict() {
+    for (std::size_t i = 0; i < size(); ++i) change_[i] = free_change(i);
+  }
+
+  /// Begins a sample with a damper on all modes alike: each moves 1/(1 + damping) of the way it would, as by a
+  /// viscous resistance; damping = extra decay [1/s] times dt, >= 0. Forces pushed in this sample give way by the
+  /// same divisor, and so does admittance(): pass forces divided by 1 + damping.
+  void predict(T damping) {
+    const T share = 1 / (1 + damping);
+    for (std::size_t i = 0; i < size(); ++i) change_[i] = share * (free_change(i) - damping * way_[i]);
+  }
+
+  /// Change of displacement at a place over this sample [m], with what has been pushed so far.
+  [[nodiscard]] T increment(const ModeShapes<T>& at) const {
+    return detail::sum_of<T>(size(), [&](std::size_t i) { return at[i] * (way_[i] + change_[i]); });
+  }
+
+  /// Displacement at a place in the middle of this sample [m], with what has been pushed so far.
+  [[nodiscard]] T middle(const ModeShapes<T>& at) const {
+    return detail::sum_of<T>(size(),
+                             [&](std::size_t i) { return at[i] * (displacement_[i] + (way_[i] + change_[i]) / 2); });
+  }
+
+  /// Adds a force [N] at a place for this sample.
+  void push(const ModeShapes<T>& at, T force) {
+    for (std::size_t i = 0; i < size(); ++i) change_[i] += give_[i] * at[i] * force;
+  }
+
+  /// Ends the sample.
+  void commit() {
+    for (std::size_t i = 0; i < size(); ++i) {
+      displacement_[i] += way_[i] + change_[i];
+      way_[i] += 2 * change_[i];
+    }
+  }
+
+  /// Kinetic and potential energy [J]; falls by what `loss` dissipates and rises by the work of the forces, exactly.
+  [[nodiscard]] double energy() const {
+    double energy = 0;
+    for (std::size_t i = 0; i < size(); ++i) {
+      const double q = displacement_[i], w = way_[i];
+      energy += (w * w + spring_[i] * q * q) * kinetic_[i];
+    }
+    return energy;
+  }
+
+  /// Energy [J] that the modes' own losses dissipated in the sample just committed.
+  [[nodiscard]] double dissipated() const {
+    double energy = 0;
+    for (std::size_t i = 0; i < size(); ++i) {
+      const double way = static_cast<double>(way_[i]) - change_[i];  // mean of w before and after: the change of q
+      energy += resistance_[i] * way * way * kinetic_[i];
+    }
+    return energy;
+  }
+
+  void reset() {
+    displacement_.assign(size(), 0);
+    way_.assign(size(), 0);
+  }
+
+ private:
+  [[nodiscard]] T free_change(std::size_t i) const {
+    const T middle = displacement_[i] + way_[i] / 2;
+    return -(loss_[i] * way_[i] + stiffness_[i] * middle + stiffness_rest_[i] * middle);
+  }
+
+  void add(const Mode& mode) {
+    const auto [stiffness, loss, give] = detail::mode_constants(mode, sample_rate_hz_);
+    stiffness_.push_back(static_cast<T>(stiffness));
+    stiffness_rest_.push_back(static_cast<T>(stiffness - static_cast<double>(stiffness_.back())));
+    loss_.push_back(static_cast<T>(loss));
+    give_.push_back(static_cast<T>(give));
+    // K dt^2/m = 4 |1 - z|^2/|1 + z|^2, R dt/m = 4 (1 - |z|^2)/|1 + z|^2, energy (w^2 + K dt^2/m q^2) m/(2 dt^2).
+    const double nearness = 8 * give * mode.mass_kg * sample_rate_hz_ * sample_rate_hz_;  // |1 + z|^2
+    spring_.push_back(8 * stiffness / nearness);
+    resistance_.push_back(16 * loss / nearness);
+    kinetic_.push_back(mode.mass_kg * sample_rate_hz_ * sample_rate_hz_ / 2);
+    displacement_.push_back(0);
+    way_.push_back(0);
+    change_.push_back(0);
+  }
+
+  double sample_rate_hz_;
+  std::vector<T> stiffness_, stiffness_rest_, loss_, give_;
+  std::vector<T> displacement_, way_, change_;
+  std::vector<double> spring_, resistance_, kinetic_;
+};
+
+}  // namespace contactspline
