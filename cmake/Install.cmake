@@ -1,0 +1,30 @@
+# What `cmake --install` lays down beside the shipped files: program, headers, CMake package, pkg-config file. All of
+# it can be moved afterwards.
+include(CMakePackageConfigHelpers)
+
+set(contactspline_data_dir ${CMAKE_INSTALL_DATADIR}/contactspline)
+set(contactspline_cmake_dir ${CMAKE_INSTALL_LIBDIR}/cmake/ContactSpline)
+set(contactspline_pkgconfig_dir ${CMAKE_INSTALL_DATADIR}/pkgconfig)
+
+install(TARGETS contactspline contactspline_runtime contactspline_materials EXPORT ContactSplineTargets
+        INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(DIRECTORY runtime/contactspline DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN *.hpp)
+install(DIRECTORY materials resonators DESTINATION ${contactspline_data_dir} FILES_MATCHING PATTERN *.json)
+install(FILES LICENSE TYPE DOC)
+
+install(EXPORT ContactSplineTargets NAMESPACE ContactSpline:: DESTINATION ${contactspline_cmake_dir})
+configure_package_config_file(cmake/ContactSplineConfig.cmake.in ContactSplineConfig.cmake
+  INSTALL_DESTINATION ${contactspline_cmake_dir}
+  PATH_VARS contactspline_data_dir)
+write_basic_package_version_file(ContactSplineConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES
+  ${PROJECT_BINARY_DIR}/ContactSplineConfig.cmake ${PROJECT_BINARY_DIR}/ContactSplineConfigVersion.cmake
+  cmake/ContactSplineGenerate.cmake
+  DESTINATION ${contactspline_cmake_dir})
+
+# From the file's own folder to the prefix, whatever the folders are called.
+set(contactspline_pkgconfig_to_prefix ${CMAKE_INSTALL_PREFIX})
+cmake_path(RELATIVE_PATH contactspline_pkgconfig_to_prefix
+           BASE_DIRECTORY ${CMAKE_INSTALL_PREFIX}/${contactspline_pkgconfig_dir})
+configure_file(cmake/contactspline.pc.in contactspline.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/contactspline.pc DESTINATION ${contactspline_pkgconfig_dir})
