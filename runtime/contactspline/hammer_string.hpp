@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+// A felt hammer thrown at a string, or at any other modal resonator.
+#pragma once
+
+#include <utility>
+
+#include "contactspline/contact.hpp"
+#include "contactspline/modal.hpp"
+
+namespace contactspline {
+
+/// Live controls of the hammer-string model.
+template <std::floating_point T>
+struct HammerStringControls {
+  T hammer_mass_kg;              ///< > 0
+  ContactControls<T> felt = {};  ///< stiffness ratio and loss
+  T damping_per_s = 0;           ///< of the damper: extra decay of every mode, >= 0
+};
+
+/// A hammer in free flight before a resonator that it strikes at one place. Several strings under one hammer are one
+/// resonator: their modes side by side, each shape divided by the number of strings.
+template <std::floating_point T, std::size_t Extent = std::dynamic_extent>
+class HammerString {
+ public:
+  HammerString(SegmentTable<T, Extent> felt, std::span<const Mode> modes, ModeShapes<T> strike, double sample_rate_hz)
+      : felt_(felt), string_(modes, sample_rate_hz), strike_(std::move(strike)), time_step_(T(1 / sample_rate_hz)) {
+    string_admittance_ = string_.admittance(strike_, strike_);
+  }
+
+  /// Moves the place of the strike; for the next throw, since the energy of a contact under way would change with it.
+  void strike_at(const ModeShapes<T>& strike) {
+    strike_ = strike;
+    string_admittance_ = string_.admittance(strike_, strike_);
+  }
+
+  /// Throws the hammer at the string, from a distance [m] >= 0, with a velocity [m/s]; the string may be sounding.
+  void strike(T velocity_m_per_s, T distance_m) {
+    compression_ = -distance_m;
+    velocity_ = velocity_m_per_s;
+    is_flying_ = true;
+  }
+
+  /// Advances one sample. Safe in an audio thread: no allocation, no lock, bounded time.
+  void tick(const HammerStringControls<T>& controls) {
+    const T damping = controls.damping_per_s * time_step_;
+    if (damping > 0)
+      string_.predict(damping);
+    else
+      string_.predict();
+    force_ = is_flying_ ? meet(controls, 1 / (1 + damping)) : T(0);
+    string_.commit();
+  }
+
+  [[nodiscard]] T force() const { return force_; }               ///< contact force over the last sample [N]
+  [[nodiscard]] T compression() const { return compression_; }   ///< of the felt [m], negative while apart
+  [[nodiscard]] T hammer_velocity() const { return velocity_; }  ///< towards the string [m/s]
+  [[nodiscard]] const ModalBank<T>& string() const { return string_; }
+
+ private:
+  // A hammer this far back is caught; only a new throw brings it back.
+  static constexpr T kCaught = T(-0.05);
+
+  T meet(const HammerStringControls<T>& controls, T share) {
+    const T give = time_step_ / controls.hammer_mass_kg;
+    const T free_increment = time_step_ * velocity_ - string_.increment(strike_);
+    const T admittance = time_step_ * give / 2 + share * string_admittance_;
+    const T force =
+        contact_force(felt_, controls.felt, time_step_, Approach<T>{compression_, free_increment, admittance});
+    string_.push(strike_, share * force);
+    compression_ += free_increment - admittance * force;
+    velocity_ -= give * force;
+    is_flying_ = compression_ > kCaught;
+    return force;
+  }
+
+  SegmentTable<T, Extent> felt_;
+  ModalBank<T> string_;
+  ModeShapes<T> strike_;
+  T time_step_;
+  T string_admittance_;
+  T compression_ = 0;
+  T velocity_ = 0;
+  T force_ = 0;
+  bool is_flying_ = false;
+};
+
+}  // namespace contactspline

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: MIT
+// A slide on a string: energy with the work of the hand, detachment, placement.
+#include "contactspline/slide_string.hpp"
+
+#include <numbers>
+
+#include "strings.hpp"
+#include "support/compare.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+constexpr double kPluck = 0.13;   // m
+constexpr double kHeight = 1e-3;  // m
+constexpr double kSpring = 50;    // N/m
+
+const StruckString kGuitar{"guitar", {0.65, 0.0036, 70, 3e-4, {0.4, 2e-4}}, 0, {1e8, 1.5}, kPluck};
+
+/// A guitar string with a slide above it.
+struct Guitar {
+  explicit Guitar(double rate)
+      : modes(audible_modes(kGuitar)),
+        table(segment_table(uniform_spline({"slide", "", kGuitar.felt, {}, {32, 2e-4}}, "slide"))),
+        shapes(wavenumbers(modes)),
+        model(table, bare(modes), shapes, kPluck, rate) {
+    model.place(0.3, kHeight);
+  }
+
+  static std::vector<double> wavenumbers(const std::vector<ResonatorMode>& modes) {
+    std::vector<double> values;
+    for (const auto& mode : modes) values.push_back(mode.wavenumber_per_m);
+    return values;
+  }
+
+  [[nodiscard]] double displacement_at(double place) const {
+    ModeShapes<double> at(shapes.size());
+    shapes.at(place, at);
+    return model.string().displacement(at);
+  }
+
+  [[nodiscard]] double energy(const SlideStringControls<double>& controls) const {
+    const double v = model.slide_velocity(), u = model.slide();
+    return model.string().energy() + controls.slide_mass_kg * v * v / 2 + kSpring * u * u / 2 +
+           potential(std::span<const Segment<double>>(table), model.compression());
+  }
+
+  std::vector<ResonatorMode> modes;
+  std::vector<Segment<double>> table;
+  StringShapes<double> shapes;
+  SlideString<double> model;
+};
+
+// What a hand does: presses in and out, slides with vibrato, plucks every second.
+SlideStringControls<double> gesture(double time) {
+  const double turn = 2 * std::numbers::pi * time;
+  const double since_pluck = std::fmod(time, 1.0);
+  return {.place_m = 0.3 + 0.05 * std::sin(0.7 * turn) + 0.003 * std::sin(5.5 * turn),
+          .slide_mass_kg = 0.02,
+          .hand_force_n = 1.5 * std::sin(0.9 * turn),
+          .hand_stiffness_n_per_m = kSpring,
+          .hand_resistance_n_s_per_m = 0.3,
+          .rest_resistance_n_s_per_m = 0.5,
+          .pluck_force_n = since_pluck < 0.004 ? 500 * since_pluck : 0.0};
+}
+
+// Stored + dissipated - work of the hand (pressing, plucking, and along the bent string) over 10 s of gliding,
+// vibrato, attachment and hundreds of rattling contacts.
+TEST(SlideString, BalancesItsEnergyWithTheWorkOfTheHand) {
+  for (const double rate : {22050.0, 44100.0, 192000.0}) {
+    Guitar guitar(rate);
+    SlideString<double>& model = guitar.model;
+    const double begin = guitar.energy(gesture(0));
+    double work = 0, lost = 0, worst = 0, peak = 0;
+    int contacts = 0;
+    for (int n = 0; n < 10 * static_cast<int>(rate); ++n) {
+      const auto controls = gesture(n / rate);
+      const double rest_place = controls.place_m / 2;
+      const double slide = model.slide(), pluck = guitar.displacement_at(kPluck),
+                   rest = guitar.displacement_at(rest_place);
+      const bool was_apart = model.force() == 0;
+      model.tick(controls);
+      const double way = model.slide() - slide;
+      contacts += was_apart && model.force() > 0;
+      work += controls.hand_force_n * way + controls.pluck_force_n * (guitar.displacement_at(kPluck) - pluck) +
+              model.work_along();
+      lost += controls.hand_resistance_n_s_per_m * way * way * rate + model.string().dissipated() -
+              model.rest_force() * (guitar.displacement_at(rest_place) - rest);
+      const double energy = guitar.energy(controls);
+      peak = std::max(peak, energy);
+      worst = std::isfinite(energy) ? std::max(worst, std::abs(energy + lost - work - begin)) : energy;
+      if (!std::isfinite(energy)) break;
+    }
+    EXPECT_GT(contacts, 50);
+    EXPECT_TRUE(within(worst, 0, 1e-12 * peak)) << rate << " Hz";
+  }
+}
+
+// The compression that is carried along sample by sample is still slide - string after all the gliding.
+TEST(SlideString, CarriesItsCompressionAlong) {
+  Guitar guitar(44100);
+  for (int n = 0; n < 441000; ++n) guitar.model.tick(gesture(n / 44100.0));
+  const double place = gesture(440999 / 44100.0).place_m;
+  EXPECT_TRUE(within(guitar.model.compression(), guitar.model.slide() - guitar.displacement_at(place), 1e-13));
+}
+
+// Pressed and left alone, slide and string come to rest where the string's pull and the spring hold the hand's force.
+TEST(SlideString, SettlesWhereTheForcesBalance) {
+  Guitar guitar(44100);
+  const SlideStringControls<double> controls{.place_m = 0.3,
+                                             .slide_mass_kg = 0.02,
+                                             .hand_force_n = 2,
+                                             .hand_stiffness_n_per_m = kSpring,
+                                             .hand_resistance_n_s_per_m = 5,
+                                             .rest_resistance_n_s_per_m = 2};
+  for (int n = 0; n < 20 * 44100; ++n) guitar.model.tick(controls);
+  EXPECT_TRUE(within(guitar.model.force() + kSpring * guitar.model.slide(), 2, 1e-6));
+  EXPECT_TRUE(within(force(std::span<const Segment<double>>(guitar.table), guitar.model.compression()),
+                     guitar.model.force(), 1e-6));
+}
+
+TEST(SlideString, LiftedOffLeavesTheStringAlone) {
+  Guitar guitar(44100);
+  SlideStringControls<double> controls{.place_m = 0.3, .slide_mass_kg = 0.02, .hand_force_n = -0.5};
+  for (int n = 0; n < 100; ++n) {
+    guitar.model.tick(controls);
+    EXPECT_EQ(guitar.model.force(), 0);
+    controls.place_m += 1e-4;
+  }
+  EXPECT_EQ(guitar.model.string().energy(), 0);
+}
+
+}  // namespace
+}  // namespace contactspline::testing
