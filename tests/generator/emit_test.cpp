@@ -1,0 +1,348 @@
+// SPDX-License-Identifier: MIT
+// Emitted source text, read back: the spline's bits, nothing of the machine, the same bytes every time.
+#include "generator/emit.hpp"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "generator/embedded.hpp"
+#include "generator/error.hpp"
+#include "support/compare.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr auto kCommand = "generate felt.json --emit cpp -o -";
+
+const Emitter& emitter(std::string_view name) {
+  for (const Emitter& candidate : emitters())
+    if (candidate.name == name) return candidate;
+  throw std::logic_error("no such emitter");
+}
+
+/// A material file with random numbers; every other one has a range of impacts.
+std::string random_material_text(std::mt19937_64& random, bool with_impact) {
+  const auto uniform = [&](double least, double most) {
+    return least + (most - least) * static_cast<double>(random() >> 11) * 0x1p-53;
+  };
+  Json file = {{"name", "random"},
+               {"contact", {{"stiffness_n_per_m_alpha", std::pow(10, uniform(3, 12))}, {"exponent", uniform(1, 5)}}},
+               {"spline",
+                {{"knots", "uniform"},
+                 {"segments", 1 + static_cast<int>(uniform(0, 100))},
+                 {"max_compression_m", std::pow(10, uniform(-6, -2))}}}};
+  if (with_impact)
+    file["impact"] = {{"mass_kg", uniform(0.001, 0.01)}, {"max_speed_m_per_s", 5.0}, {"min_speed_m_per_s", 0.1}};
+  return file.dump();
+}
+
+std::vector<EmbeddedText> shipped_materials() {
+  std::vector<EmbeddedText> materials;
+  for (const EmbeddedText& text : embedded_texts())
+    if (text.file_name.ends_with(".json")) materials.push_back(text);
+  return materials;
+}
+
+/// Forty designs, and every material that ships.
+const std::vector<Design>& designs() {
+  static const std::vector<Design> all = [] {
+    std::vector<Design> made;
+    std::mt19937_64 random(7);
+    for (int i = 0; i < 40; ++i)
+      made.push_back(design_contact(random_material_text(random, i % 2 == 0), "random.json"));
+    for (const auto& [name, content] : shipped_materials()) made.push_back(design_contact(content, name));
+    return made;
+  }();
+  return all;
+}
+
+std::vector<double> column(const Spline& spline, double Segment<double>::*member) {
+  std::vector<double> values;
+  for (const auto& segment : spline.segments) values.push_back(segment.*member);
+  return values;
+}
+
+::testing::AssertionResult same_bits(const std::vector<double>& read, const std::vector<double>& meant) {
+  if (read.size() != meant.size() || meant.empty())
+    return ::testing::AssertionFailure() << read.size() << " values instead of " << meant.size();
+  for (std::size_t i = 0; i < meant.size(); ++i)
+    if (std::bit_cast<std::uint64_t>(read[i]) != std::bit_cast<std::uint64_t>(meant[i]))
+      return ::testing::AssertionFailure() << "at " << i << ": " << read[i] << " instead of " << meant[i];
+  return ::testing::AssertionSuccess();
+}
+
+::testing::AssertionResult same_bits(double read, double meant) {
+  return same_bits(std::vector{read}, std::vector{meant});
+}
+
+/// Numbers of a comma-separated list; anything else in it fails.
+std::vector<double> numbers(const std::string& list) {
+  std::vector<double> values;
+  std::istringstream stream(list);
+  for (std::string item; std::getline(stream, item, ',');) {
+    char* end = nullptr;
+    values.push_back(std::strtod(item.c_str(), &end));
+    EXPECT_EQ(std::string(end).find_first_not_of(" \n"), std::string::npos) << item;
+    EXPECT_NE(item.find_first_of(".e"), std::string::npos) << "an integer: " << item;
+  }
+  return values;
+}
+
+std::string between(const std::string& text, const std::string& before, const std::string& after) {
+  const auto begin = text.find(before);
+  if (begin == std::string::npos) return {};
+  const auto from = begin + before.size();
+  return text.substr(from, text.find(after, from) - from);
+}
+
+std::vector<double> counted(std::size_t n) {
+  std::vector<double> values;
+  for (std::size_t j = 0; j < n; ++j) values.push_back(static_cast<double>(j));
+  return values;
+}
+
+TEST(Emitters, AreFaustCppAndJson) {
+  std::set<std::string_view> names, extensions;
+  for (const Emitter& e : emitters()) {
+    names.insert(e.name);
+    extensions.insert(e.extension);
+  }
+  EXPECT_EQ(names, (std::set<std::string_view>{"faust", "cpp", "json"}));
+  EXPECT_EQ(extensions, (std::set<std::string_view>{"lib", "hpp", "json"}));
+}
+
+TEST(Json, HoldsTheBitsOfTheSpline) {
+  for (const Design& design : designs()) {
+    const Json read = Json::parse(emit(emitter("json"), design, kCommand));
+    const Spline& s = design.spline;
+    const auto array = [](const Json& values) { return values.get<std::vector<double>>(); };
+    EXPECT_TRUE(same_bits(array(read.at("knots_m")), column(s, &Segment<double>::knot)));
+    EXPECT_TRUE(same_bits(array(read.at("energy_j")), column(s, &Segment<double>::energy)));
+    EXPECT_TRUE(same_bits(array(read.at("force_n")), column(s, &Segment<double>::force)));
+    EXPECT_TRUE(same_bits(array(read.at("half_curvature_n_per_m")), column(s, &Segment<double>::half_curvature)));
+    EXPECT_TRUE(same_bits(array(read.at("regular").at("a")), s.regular.a));
+    EXPECT_TRUE(same_bits(array(read.at("regular").at("b")), s.regular.b));
+    EXPECT_TRUE(same_bits(array(read.at("regular").at("c")), s.regular.c));
+    EXPECT_TRUE(same_bits(array(read.at("normalised").at("a")), s.normalised.a));
+    EXPECT_TRUE(same_bits(array(read.at("normalised").at("b")), s.normalised.b));
+    EXPECT_TRUE(same_bits(array(read.at("normalised").at("c")), s.normalised.c));
+    EXPECT_TRUE(same_bits(read.at("segment_width_m").get<double>(), s.segment_width_m));
+    EXPECT_TRUE(same_bits(read.at("energy_scale_j").get<double>(), s.energy_scale_j));
+    EXPECT_TRUE(same_bits(read.at("stiffness_n_per_m_alpha").get<double>(), design.material.contact.stiffness));
+    EXPECT_TRUE(same_bits(read.at("exponent").get<double>(), design.material.contact.exponent));
+    EXPECT_TRUE(same_bits(read.at("max_compression_m").get<double>(), design.material.spline.max_compression_m));
+    EXPECT_EQ(read.at("name"), design.material.name);
+  }
+}
+
+TEST(Json, HasOneEntryPerSegmentInEveryArray) {
+  for (const Design& design : designs()) {
+    const Json read = Json::parse(emit(emitter("json"), design, kCommand));
+    const auto n = static_cast<std::size_t>(design.material.spline.segments);
+    for (const auto key : {"knots_m", "energy_j", "force_n", "half_curvature_n_per_m"})
+      EXPECT_EQ(read.at(key).size(), n) << key;
+    for (const auto form : {"regular", "normalised"})
+      for (const auto key : {"a", "b", "c"}) EXPECT_EQ(read.at(form).at(key).size(), n) << form << "." << key;
+  }
+}
+
+// Four digits: half a unit of the fourth is at most 5e-4 of the value; below 1e-12 nothing but rounding is left.
+TEST(Json, HoldsTheQualityToFourDigits) {
+  for (const Design& design : designs()) {
+    const Json read = Json::parse(emit(emitter("json"), design, kCommand)).at("quality");
+    const Quality& q = design.quality;
+    const auto expect_figure = [&](const char* key, double value) {
+      EXPECT_TRUE(within(read.at(key).get<double>(), value, 5.0001e-4 * value + 1e-12)) << key;
+    };
+    expect_figure("worst_force_error", q.force.worst);
+    expect_figure("rms_force_error", q.force.rms);
+    expect_figure("worst_energy_error", q.energy.worst);
+    expect_figure("rms_energy_error", q.energy.rms);
+    ASSERT_EQ(q.impact.has_value(), design.material.impact.has_value());
+    if (!q.impact) continue;
+    expect_figure("worst_contact_duration_error", q.impact->contact_duration);
+    expect_figure("worst_max_compression_error", q.impact->max_compression);
+  }
+}
+
+TEST(Cpp, HoldsTheBitsOfTheSpline) {
+  for (const Design& design : designs()) {
+    const std::string text = emit(emitter("cpp"), design, kCommand);
+    const Spline& s = design.spline;
+    const auto array = [](const std::string& scope, const std::string& name) {
+      return numbers(between(scope, "std::array<double, segments> " + name + " = {\n", "};"));
+    };
+    EXPECT_TRUE(same_bits(array(text, "knots"), column(s, &Segment<double>::knot)));
+    EXPECT_TRUE(same_bits(array(text, "energies"), column(s, &Segment<double>::energy)));
+    EXPECT_TRUE(same_bits(array(text, "forces"), column(s, &Segment<double>::force)));
+    EXPECT_TRUE(same_bits(array(text, "half_curvatures"), column(s, &Segment<double>::half_curvature)));
+    const std::string normalised = between(text, "struct normalised {", "\n  };");
+    EXPECT_TRUE(same_bits(array(normalised, "knots"), counted(s.segments.size())));
+    EXPECT_TRUE(same_bits(array(normalised, "energies"), s.normalised.c));
+    EXPECT_TRUE(same_bits(array(normalised, "forces"), s.normalised.b));
+    EXPECT_TRUE(same_bits(array(normalised, "half_curvatures"), s.normalised.a));
+    const std::string regular = between(text, "struct regular {", "\n  };");
+    EXPECT_TRUE(same_bits(array(regular, "a"), s.regular.a));
+    EXPECT_TRUE(same_bits(array(regular, "b"), s.regular.b));
+    EXPECT_TRUE(same_bits(array(regular, "c"), s.regular.c));
+    const auto scalar = [&](const std::string& name) {
+      return numbers(between(text, "static constexpr double " + name + " = ", ";"));
+    };
+    EXPECT_TRUE(same_bits(scalar("stiffness_n_per_m_alpha"), {design.material.contact.stiffness}));
+    EXPECT_TRUE(same_bits(scalar("exponent"), {design.material.contact.exponent}));
+    EXPECT_TRUE(same_bits(scalar("max_compression_m"), {design.material.spline.max_compression_m}));
+    EXPECT_TRUE(same_bits(scalar("segment_width_m"), {s.segment_width_m}));
+    EXPECT_TRUE(same_bits(scalar("energy_scale_j"), {s.energy_scale_j}));
+    EXPECT_EQ(between(text, "std::size_t segments = ", ";"), std::to_string(s.segments.size()));
+    EXPECT_EQ(between(normalised, "std::size_t segments = ", ";"), std::to_string(s.segments.size()));
+  }
+}
+
+// Each table begins with "out of contact", then one entry per segment.
+TEST(Faust, HoldsTheBitsOfTheSpline) {
+  for (const Design& design : designs()) {
+    const std::string text = emit(emitter("faust"), design, kCommand);
+    const Spline& s = design.spline;
+    const auto expect_table = [](const std::string& scope, const std::string& name, std::vector<double> meant) {
+      meant.insert(meant.begin(), 0.0);
+      const auto read = numbers(between(scope, name + "(index) = rdtable(waveform{", "}, int(index));"));
+      EXPECT_TRUE(same_bits(read, meant)) << name;
+    };
+    const std::string si = between(text, "segments = ", "environment {");
+    expect_table(si, "\nknot", column(s, &Segment<double>::knot));
+    expect_table(si, "\nenergy", column(s, &Segment<double>::energy));
+    expect_table(si, "\nforce", column(s, &Segment<double>::force));
+    expect_table(si, "\nhalf_curvature", column(s, &Segment<double>::half_curvature));
+    const std::string normalised = between(text, "normalised = environment {", "\n};");
+    expect_table(normalised, "\n  knot", counted(s.segments.size()));
+    expect_table(normalised, "\n  energy", s.normalised.c);
+    expect_table(normalised, "\n  force", s.normalised.b);
+    expect_table(normalised, "\n  half_curvature", s.normalised.a);
+    const auto scalar = [&](const std::string& name) { return numbers(between(text, "\n" + name + " = ", ";")); };
+    EXPECT_TRUE(same_bits(scalar("stiffness"), {design.material.contact.stiffness}));
+    EXPECT_TRUE(same_bits(scalar("exponent"), {design.material.contact.exponent}));
+    EXPECT_TRUE(same_bits(scalar("max_compression"), {design.material.spline.max_compression_m}));
+    EXPECT_TRUE(same_bits(scalar("segment_width"), {s.segment_width_m}));
+    EXPECT_TRUE(same_bits(scalar("energy_scale"), {s.energy_scale_j}));
+  }
+}
+
+// ceil(log2(N + 1)) probes (design 2.2), in both environments.
+TEST(Faust, CountsSegmentsAndProbes) {
+  for (const Design& design : designs()) {
+    const std::string text = emit(emitter("faust"), design, kCommand);
+    const auto n = design.spline.segments.size();
+    const std::string probes = std::to_string(static_cast<int>(std::ceil(std::log2(static_cast<double>(n) + 1))));
+    for (const std::string indent : {"\n", "\n  "}) {
+      EXPECT_EQ(between(text, indent + "segments = ", ";"), std::to_string(n));
+      EXPECT_EQ(between(text, indent + "probes = ", ";"), probes) << n;
+    }
+  }
+}
+
+class EveryEmitter : public ::testing::TestWithParam<std::string_view> {
+ protected:
+  static std::string text(const Design& design) { return emit(emitter(GetParam()), design, kCommand); }
+};
+
+TEST_P(EveryEmitter, GivesTheSameBytesTwice) {
+  for (const auto& [name, content] : shipped_materials()) {
+    const std::string elsewhere = "/home/somebody/" + std::string(name);
+    EXPECT_EQ(text(design_contact(content, name)), text(design_contact(content, elsewhere))) << name;
+  }
+}
+
+// Neither where it was built, nor where the material lay, nor anything that looks like either.
+TEST_P(EveryEmitter, HasNoAbsolutePath) {
+  const std::regex absolute(R"((^|[\s"'(=:])/[A-Za-z0-9_.]+/)");
+  ASSERT_TRUE(std::regex_search("see /usr/share/x", absolute));
+  const Design elsewhere = design_contact(shipped_materials().front().content, "/home/somebody/felt.json");
+  EXPECT_EQ(text(elsewhere).find("somebody"), std::string::npos);
+  for (const Design& each : designs()) {
+    const std::string emitted = text(each);
+    EXPECT_FALSE(std::regex_search(emitted, absolute)) << emitted;
+    EXPECT_EQ(emitted.find(SOURCE_FOLDER), std::string::npos);
+    EXPECT_EQ(emitted.find(BUILD_FOLDER), std::string::npos);
+  }
+}
+
+TEST_P(EveryEmitter, HasNoDate) {
+  const std::regex date(R"(20\d\d-\d\d)");
+  ASSERT_TRUE(std::regex_search("2024-04", date));
+  for (const Design& design : designs()) EXPECT_FALSE(std::regex_search(text(design), date));
+}
+
+TEST_P(EveryEmitter, QuotesCommandAndVersion) {
+  for (const Design& design : designs())
+    EXPECT_TRUE(
+        std::regex_search(text(design), std::regex(R"(contactspline \d+\.\d+\.\d+: )" + std::string(kCommand))));
+}
+
+TEST_P(EveryEmitter, LeavesNoPlaceholder) {
+  for (const Design& design : designs()) EXPECT_EQ(text(design).find('@'), std::string::npos);
+}
+
+// Faust knows no hexadecimal floats and no upper-case E; NaN and infinity are no literals anywhere.
+TEST_P(EveryEmitter, HasNoNumberThatFaustCannotRead) {
+  const std::regex unreadable(R"(\b\d+(\.\d*)?E|\b0[xX]|\b(nan|inf)\b)");
+  ASSERT_TRUE(std::regex_search("1.5E3", unreadable) && std::regex_search("0x1p3", unreadable));
+  for (const Design& design : designs()) EXPECT_FALSE(std::regex_search(text(design), unreadable));
+}
+
+TEST_P(EveryEmitter, SpeaksOfImpactsOnlyWhereTheMaterialDoes) {
+  for (const Design& design : designs()) {
+    const bool speaks = std::regex_search(text(design), std::regex("contact.duration"));
+    EXPECT_EQ(speaks, design.material.impact.has_value());
+  }
+}
+
+TEST_P(EveryEmitter, EndsWithOneNewlineAndHasNoTrailingBlank) {
+  for (const Design& design : designs()) {
+    const std::string emitted = text(design);
+    EXPECT_TRUE(emitted.ends_with('\n'));
+    EXPECT_FALSE(emitted.ends_with("\n\n"));
+    EXPECT_EQ(emitted.find(" \n"), std::string::npos);
+    EXPECT_EQ(emitted.find('\t'), std::string::npos);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, EveryEmitter, ::testing::Values("faust", "cpp", "json"),
+                         [](const auto& tested) { return std::string(tested.param); });
+
+// The error below 1e-12 is rounding: figures must not differ between machines.
+TEST(Quality, OfALinearContactIsZeroInEveryFormat) {
+  const Design design = design_contact(
+      R"({"name": "linear", "contact": {"stiffness_n_per_m_alpha": 3e5, "exponent": 1},
+          "impact": {"mass_kg": 0.01, "max_speed_m_per_s": 3, "min_speed_m_per_s": 0.1},
+          "spline": {"knots": "uniform", "segments": 17}})",
+      "linear.json");
+  const Json figures = Json::parse(emit(emitter("json"), design, kCommand)).at("quality");
+  EXPECT_EQ(figures.size(), 6U);
+  for (const auto& figure : figures) EXPECT_EQ(figure.get<double>(), 0);
+  for (const auto name : {"faust", "cpp"})
+    EXPECT_NE(emit(emitter(name), design, kCommand).find("contact duration within 0 %"), std::string::npos);
+}
+
+TEST(DesignContact, RefusesWhatTheSplineRefuses) {
+  EXPECT_THROW(static_cast<void>(design_contact(
+                   R"({"name": "soft", "contact": {"stiffness_n_per_m_alpha": 3e5, "exponent": 0.5},
+                       "spline": {"knots": "uniform", "segments": 17, "max_compression_m": 1e-3}})",
+                   "soft.json")),
+               BadInput);
+}
+
+}  // namespace
+}  // namespace contactspline::testing
