@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+// Build-time program: emit_libraries DIRECTORY MATERIAL.json... writes NAME.lib and NAME.hpp of every material and of
+// felt C4 with 1, 64 and 1024 segments.
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <sstream>
+
+#include "generator/emit.hpp"
+
+namespace {
+
+using contactspline::Design;
+namespace fs = std::filesystem;
+
+std::string read(const fs::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+std::string felt_c4_with(int segments) {
+  std::ostringstream text;
+  text << R"({ "name": "felt_c4_n)" << segments << R"(",
+    "contact": { "stiffness_n_per_m_alpha": 4.5e9, "exponent": 2.5 },
+    "impact": { "mass_kg": 0.00297, "max_speed_m_per_s": 6.0, "min_speed_m_per_s": 0.1 },
+    "spline": { "knots": "uniform", "segments": )"
+       << segments << " } }";
+  return text.str();
+}
+
+void write(const fs::path& directory, const Design& design) {
+  for (const auto& emitter : contactspline::emitters()) {
+    if (emitter.name == "json") continue;
+    std::ofstream file(directory / (design.material.name + "." + std::string(emitter.extension)));
+    file << contactspline::emit(emitter, design, "tests/faust") << std::flush;
+    if (!file) throw std::runtime_error("cannot write into " + directory.string());
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  const fs::path directory = argv[1];
+  for (int i = 2; i < argc; ++i) write(directory, contactspline::design_contact(read(argv[i]), argv[i]));
+  for (const int segments : {1, 64, 1024})
+    write(directory, contactspline::design_contact(felt_c4_with(segments), "variant"));
+} catch (const std::exception& error) {
+  std::cerr << error.what() << '\n';
+  return 1;
+}
