@@ -1,0 +1,408 @@
+// SPDX-License-Identifier: MIT
+// Every way a material file can be wrong: one line that names file, key and what is allowed, and nothing written.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "program.hpp"
+#include "sandbox.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+constexpr auto kGood = R"({
+  "name": "probe",
+  "description": "a probe",
+  "contact": { "stiffness_n_per_m_alpha": 4.5e9, "exponent": 2.5 },
+  "impact": { "mass_kg": 0.003, "max_speed_m_per_s": 6.0, "min_speed_m_per_s": 0.1 },
+  "spline": { "knots": "uniform", "segments": 8, "max_compression_m": 1e-3 }
+})";
+
+struct BadMaterial {
+  std::string test;
+  std::string text;  ///< of the file
+  std::string key;   ///< the message begins with "probe.json: key: "
+  std::string says;
+};
+
+void PrintTo(const BadMaterial& bad, std::ostream* stream) {
+  *stream << bad.test;
+}
+
+// kGood with its one `from` replaced.
+std::string changed(const std::string& from, const std::string& to) {
+  std::string text = kGood;
+  const auto at = text.find(from);
+  if (at == std::string::npos || text.find(from, at + 1) != std::string::npos)
+    throw std::logic_error(from + " does not occur just once");
+  return text.replace(at, from.size(), to);
+}
+
+struct Number {
+  std::string object, member, value, allowed;
+  std::vector<std::string> out_of_range;
+
+  [[nodiscard]] std::string key() const { return object + "." + member; }
+  [[nodiscard]] std::string text() const { return text(value); }
+  [[nodiscard]] std::string text(const std::string& other) const { return '"' + member + "\": " + other; }
+};
+
+const std::vector<Number> kNumbers = {
+    {"contact", "stiffness_n_per_m_alpha", "4.5e9", "a number from 0.001 to 1e+18", {"0", "-1", "9e-4", "1.1e18"}},
+    {"contact", "exponent", "2.5", "a number from 0.1 to 10", {"0", "-1", "0.09", "10.1", "1e308"}},
+    {"impact", "mass_kg", "0.003", "a number from 1e-09 to 10000", {"0", "-1", "9e-10", "10001", "1e-320"}},
+    {"impact", "max_speed_m_per_s", "6.0", "a number from 1e-06 to 1000", {"0", "-1", "9e-7", "1001"}},
+    {"impact", "min_speed_m_per_s", "0.1", "a number from 1e-06 to 1000", {"0", "-1", "9e-7", "1001"}},
+    {"spline",
+     "segments",
+     "8",
+     "an integer from 1 to 65536",
+     {"0", "-1", "65537", "4294967304", "18446744073709551615", "-9223372036854775808"}},
+    {"spline", "max_compression_m", "1e-3", "a number from 1e-09 to 1", {"0", "-1", "9e-10", "1.1"}}};
+
+std::vector<BadMaterial> number_cases(const Number& number) {
+  const std::string is_wrong = number.member == "segments" ? "is not an integer" : "is not a number";
+  std::vector<std::pair<std::string, std::string>> wrong_types = {{"null", "null"},
+                                                                  {"text", '"' + number.value + '"'},
+                                                                  {"bool", "true"},
+                                                                  {"array", "[" + number.value + "]"},
+                                                                  {"object", "{}"}};
+  if (number.member == "segments") wrong_types.insert(wrong_types.end(), {{"float", "8.0"}, {"huge", "1e30"}});
+  std::vector<BadMaterial> cases;
+  const auto add = [&](const std::string& kind, const std::string& value, const std::string& key,
+                       const std::string& says) {
+    cases.push_back({number.member + "_" + kind, changed(number.text(), number.text(value)), key, says});
+  };
+  for (const auto& [kind, value] : wrong_types)
+    add("is_" + kind, value, number.key(), is_wrong + "; allowed: " + number.allowed);
+  for (std::size_t i = 0; i < number.out_of_range.size(); ++i)
+    add("is_out_of_range_" + std::to_string(i), number.out_of_range[i], number.key(),
+        "is out of range; allowed: " + number.allowed);
+  add("overflows", "1e999", number.key(), "number overflow parsing '1e999'; allowed: a finite number");
+  add("overflows_below", "-1e999", number.key(), "number overflow parsing '-1e999'; allowed: a finite number");
+  add("is_nan", "NaN", "material", "invalid literal");
+  add("is_infinite", "Infinity", "material", "invalid literal");
+  add("is_hexadecimal", "0x10", "material", "allowed: a JSON object");
+  add("is_twice", number.value + ", " + number.text(), number.key(), "duplicate key; allowed: once");
+  return cases;
+}
+
+std::vector<BadMaterial> all_number_cases() {
+  std::vector<BadMaterial> cases;
+  for (const Number& number : kNumbers) std::ranges::move(number_cases(number), std::back_inserter(cases));
+  return cases;
+}
+
+std::vector<BadMaterial> missing_cases() {
+  const std::string impact =
+      R"(  "impact": { "mass_kg": 0.003, "max_speed_m_per_s": 6.0, "min_speed_m_per_s": 0.1 },)";
+  std::string bare = changed(impact, "");
+  bare.erase(bare.find(R"(, "max_compression_m": 1e-3)"), 27);
+  return {{"name_missing", changed(R"("name": "probe",)", ""), "name", "missing; allowed: a-z, 0-9 and single _"},
+          {"contact_missing", changed(R"("contact": { "stiffness_n_per_m_alpha": 4.5e9, "exponent": 2.5 },)", ""),
+           "contact", "missing; allowed: stiffness_n_per_m_alpha, exponent"},
+          {"spline_missing",
+           changed(R"(,
+  "spline": { "knots": "uniform", "segments": 8, "max_compression_m": 1e-3 })",
+                   ""),
+           "spline", "missing; allowed: knots, segments, max_compression_m"},
+          {"stiffness_missing", changed(R"("stiffness_n_per_m_alpha": 4.5e9, )", ""),
+           "contact.stiffness_n_per_m_alpha", "missing; allowed: a number from 0.001 to 1e+18"},
+          {"exponent_missing", changed(R"(, "exponent": 2.5)", ""), "contact.exponent",
+           "missing; allowed: a number from 0.1 to 10"},
+          {"mass_missing", changed(R"("mass_kg": 0.003, )", ""), "impact.mass_kg",
+           "missing; allowed: a number from 1e-09 to 10000"},
+          {"max_speed_missing", changed(R"("max_speed_m_per_s": 6.0, )", ""), "impact.max_speed_m_per_s",
+           "missing; allowed: a number from 1e-06 to 1000"},
+          {"min_speed_missing", changed(R"(, "min_speed_m_per_s": 0.1)", ""), "impact.min_speed_m_per_s",
+           "missing; allowed: a number from 1e-06 to 1000"},
+          {"knots_missing", changed(R"("knots": "uniform", )", ""), "spline.knots", "missing; allowed: uniform"},
+          {"segments_missing", changed(R"("segments": 8, )", ""), "spline.segments",
+           "missing; allowed: an integer from 1 to 65536"},
+          {"max_compression_and_impact_missing", bare, "spline.max_compression_m",
+           "missing; allowed: a number, or an impact that gives it by energy"},
+          {"everything_missing", "{}", "contact", "missing; allowed: stiffness_n_per_m_alpha, exponent"}};
+}
+
+std::vector<BadMaterial> key_cases() {
+  const std::string root = "name, description, contact, impact, spline";
+  return {
+      {"unknown_at_root", changed(R"("name")", R"("colour": 1, "name")"), "colour", "unknown key; allowed: " + root},
+      {"unknown_in_contact", changed(R"("exponent")", R"("loss": 1, "exponent")"), "contact.loss",
+       "unknown key; allowed: stiffness_n_per_m_alpha, exponent"},
+      {"unknown_in_impact", changed(R"("mass_kg")", R"("mass_g": 1, "mass_kg")"), "impact.mass_g",
+       "unknown key; allowed: mass_kg, max_speed_m_per_s, min_speed_m_per_s"},
+      {"unknown_in_spline", changed(R"("knots")", R"("order": 2, "knots")"), "spline.order",
+       "unknown key; allowed: knots, segments, max_compression_m"},
+      {"unknown_by_case", changed(R"("name")", R"("Name")"), "Name", "unknown key; allowed: " + root},
+      {"unknown_and_empty", changed(R"("name")", R"("": 1, "name")"), "", "unknown key; allowed: " + root},
+      {"unknown_with_line_ends", changed(R"("name")", R"("a\nb\u001b[31m": 1, "name")"), "a?b?[31m", "unknown key"},
+      {"unknown_and_long", changed(R"("name")", '"' + std::string(100'000, 'k') + R"(": 1, "name")"), "kkkk",
+       "k...: unknown key; allowed: " + root},
+      {"name_twice", changed(R"("name": "probe",)", R"("name": "probe", "name": "other",)"), "name",
+       "duplicate key; allowed: once"},
+      {"contact_twice", changed(R"("contact")", R"("contact": {}, "contact")"), "contact",
+       "duplicate key; allowed: once"},
+      {"knots_twice", changed(R"("knots")", R"("knots": "uniform", "knots")"), "spline.knots",
+       "duplicate key; allowed: once"},
+      {"twice_by_escape", changed(R"("knots")", R"("\u006bnots": "uniform", "knots")"), "spline.knots",
+       "duplicate key; allowed: once"},
+      {"contact_is_number",
+       changed(R"("contact": { "stiffness_n_per_m_alpha": 4.5e9, "exponent": 2.5 })", R"("contact": 1)"), "contact",
+       "is not an object; allowed: stiffness_n_per_m_alpha, exponent"},
+      {"impact_is_null",
+       changed(R"("impact": { "mass_kg": 0.003, "max_speed_m_per_s": 6.0, "min_speed_m_per_s": 0.1 })",
+               R"("impact": null)"),
+       "impact", "is not an object; allowed: mass_kg"},
+      {"spline_is_array", changed(R"({ "knots": "uniform", "segments": 8, "max_compression_m": 1e-3 })", "[]"),
+       "spline", "is not an object; allowed: knots"}};
+}
+
+std::vector<BadMaterial> text_cases() {
+  const std::string name_rule = "is not a usable identifier; allowed: a-z, 0-9 and single _, a letter first";
+  const std::string description_rule =
+      "allowed: one line of at most 200 printable characters, no quote, no backslash";
+  std::vector<BadMaterial> cases = {
+      {"name_is_number", changed(R"("probe")", "1"), "name", "is not a string; allowed: a-z"},
+      {"description_is_number", changed(R"("a probe")", "1"), "description", "is not a string; " + description_rule},
+      {"description_is_long", changed("a probe", std::string(201, 'x')), "description", description_rule},
+      {"knots_is_number", changed(R"("uniform")", "1"), "spline.knots", "is not a string; allowed: uniform"},
+      {"knots_is_unknown", changed("uniform", "chebyshev"), "spline.knots",
+       "'chebyshev' is unknown; allowed: uniform"},
+      {"knots_is_upper_case", changed("uniform", "Uniform"), "spline.knots", "allowed: uniform"},
+      {"min_speed_is_above_max_speed", changed(R"("min_speed_m_per_s": 0.1)", R"("min_speed_m_per_s": 7)"),
+       "impact.min_speed_m_per_s", "7 is above max_speed_m_per_s; allowed: at most 6"},
+      {"exponent_is_not_convex", changed("2.5", "0.5"), "contact.exponent", "use an exponent >= 1"}};
+  const std::vector<std::pair<std::string, std::string>> names = {{"empty", ""},
+                                                                  {"upper_case", "Probe"},
+                                                                  {"keyword", "while"},
+                                                                  {"space", "a b"},
+                                                                  {"double_underscore", "a__b"},
+                                                                  {"path", "../x"},
+                                                                  {"absolute", "/tmp/x"},
+                                                                  {"hyphen", "a-b"},
+                                                                  {"dot", "a.b"},
+                                                                  {"digit", "1a"},
+                                                                  {"underscore", "_a"},
+                                                                  {"umlaut", "\xc3\xa4"},
+                                                                  {"null", "a\\u0000b"},
+                                                                  {"line_end", "a\\nb"},
+                                                                  {"long", std::string(65, 'a')},
+                                                                  {"std", "std"},
+                                                                  {"member", "segments"},
+                                                                  {"contact_library", "contact"},
+                                                                  {"macro", "linux"},
+                                                                  {"megabyte", std::string(1'000'000, 'a')}};
+  for (const auto& [kind, name] : names)
+    cases.push_back({"name_has_" + kind, changed(R"("probe")", '"' + name + '"'), "name", name_rule});
+  const std::vector<std::pair<std::string, std::string>> descriptions = {{"line_end", "a\\nb"},
+                                                                         {"quote", "a\\\"b"},
+                                                                         {"backslash", "a\\\\b"},
+                                                                         {"null", "a\\u0000b"},
+                                                                         {"tab", "a\\tb"},
+                                                                         {"delete",
+                                                                          "a\x7f"
+                                                                          "b"},
+                                                                         {"escape", "\\u001b[31m"}};
+  for (const auto& [kind, text] : descriptions)
+    cases.push_back({"description_has_" + kind, changed("a probe", text), "description", description_rule});
+  return cases;
+}
+
+std::vector<BadMaterial> syntax_cases() {
+  const std::string good = kGood;
+  const std::string allowed = "; allowed: a JSON object, comments included";
+  const std::string object = "is not an object; allowed: name, description, contact, impact, spline";
+  std::string nested;
+  for (int i = 0; i < 100'000; ++i) nested += R"({"a":)";
+  return {
+      {"empty", "", "material", "unexpected end of input"},
+      {"blank", " \n\t\n", "material", "unexpected end of input"},
+      {"comment_only", "// nothing\n", "material", "unexpected end of input"},
+      {"comment_open", good + "/* for ever", "material", allowed},
+      {"array", "[" + good + "]", "material", object},
+      {"number", "1", "material", object},
+      {"text", "\"material\"", "material", object},
+      {"null", "null", "material", object},
+      {"lone_overflow", "1e999", "material", "number overflow"},
+      {"truncated", good.substr(0, good.size() / 2), "material", "unexpected end of input"},
+      {"last_brace_gone", good.substr(0, good.size() - 1), "material", "unexpected end of input"},
+      {"trailing_garbage", good + "x", "material", allowed},
+      {"two_materials", good + good, "material", allowed},
+      {"trailing_comma", changed(R"("exponent": 2.5)", R"("exponent": 2.5,)"), "material", allowed},
+      {"single_quotes", changed(R"("name")", "'name'"), "material", allowed},
+      {"bare_key", changed(R"("name")", "name"), "material", allowed},
+      {"invalid_utf8", changed("a probe", "a \xff\xfe probe"), "material", "ill-formed UTF-8"},
+      {"overlong_utf8", changed("a probe", "a \xc0\xaf probe"), "material", "ill-formed UTF-8"},
+      {"lone_surrogate", changed("a probe", "a \\ud800 probe"), "material", "surrogate"},
+      {"utf16", std::string("\xff\xfe{\0}\0", 6), "material", allowed},
+      {"half_a_byte_order_mark", "\xef\xbb" + good, "material", "BOM"},
+      {"null_byte", changed("a probe", std::string("a \0 probe", 9)), "material", allowed},
+      {"line_end_in_text", changed("a probe", "a\nprobe"), "material", allowed},
+      {"nested_arrays", std::string(400'000, '['), "material", "unexpected end of input"},
+      {"nested_and_closed", std::string(400'000, '[') + std::string(400'000, ']'), "material", object},
+      {"nested_objects", nested, "material", "unexpected end of input"},
+      {"binary",
+       std::string("\x7f"
+                   "ELF\x02\x01\x01\0\0",
+                   9),
+       "material", allowed},
+      {"large", good + std::string(1 << 20, ' '), "file", "is larger than 1 MiB; allowed: a file of at most 1 MiB"}};
+}
+
+class BadMaterialFile : public ::testing::TestWithParam<BadMaterial> {};
+
+TEST_P(BadMaterialFile, IsRefusedInOneLineAndNothingIsWritten) {
+  const auto& [test, text, key, says] = GetParam();
+  const Sandbox box;
+  write_file(box / "probe.json", text);
+  fs::create_directories(box / "out");
+  fs::create_directories(box / "tmp");
+  for (const auto name : {"probe.lib", "probe.hpp", "probe.json"}) write_file(box / "out" / name, "old");
+  const auto before = box.listing();
+  const auto outcome = run({.arguments = {"generate", "probe.json", "-o", "out", "--depfile", "out/probe.d"},
+                            .folder = box.path(),
+                            .environment = {{"TMPDIR", (box / "tmp").string()}}});
+  expect_refused(outcome, "probe.json: " + key, says);
+  EXPECT_EQ(names_in(box.listing()), names_in(before));
+  EXPECT_TRUE(box.listing() == before);
+}
+
+INSTANTIATE_TEST_SUITE_P(Number, BadMaterialFile, ::testing::ValuesIn(all_number_cases()),
+                         ::testing::PrintToStringParamName());
+INSTANTIATE_TEST_SUITE_P(Missing, BadMaterialFile, ::testing::ValuesIn(missing_cases()),
+                         ::testing::PrintToStringParamName());
+INSTANTIATE_TEST_SUITE_P(Key, BadMaterialFile, ::testing::ValuesIn(key_cases()), ::testing::PrintToStringParamName());
+INSTANTIATE_TEST_SUITE_P(Text, BadMaterialFile, ::testing::ValuesIn(text_cases()),
+                         ::testing::PrintToStringParamName());
+INSTANTIATE_TEST_SUITE_P(Syntax, BadMaterialFile, ::testing::ValuesIn(syntax_cases()),
+                         ::testing::PrintToStringParamName());
+
+TEST(BadMaterialFile, IsRefusedByEveryCommand) {
+  const Sandbox box;
+  write_file(box / "probe.json", changed("uniform", "graded"));
+  const auto before = box.listing();
+  for (const auto& arguments : std::vector<std::vector<std::string>>{
+           {"generate", "felt_c4", "probe.json", "-o", "out"},
+           {"generate", "felt_c4", "probe.json", "-o", "out", "--check"},
+           {"generate", "probe.json", "--emit", "json", "-o", "-"},
+           {"inspect", "probe.json"},
+           {"inspect", "probe.json", "--svg", "probe.svg"},
+           {"impact", "felt_c4", "probe.json"},
+           {"render", "mass-barrier", "--material", "probe.json", "-o", "probe.wav"}})
+    expect_refused(run({.arguments = arguments, .folder = box.path()}), "probe.json: spline.knots: 'graded'",
+                   "allowed: uniform");
+  EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
+}
+
+TEST(BadMaterialFile, IsNotReadWhereItIsHuge) {
+  const Sandbox box;
+  write_file(box / "probe.json", kGood);
+  fs::resize_file(box / "probe.json", 1ULL << 40);
+  expect_refused(run({.arguments = {"inspect", "probe.json"}, .folder = box.path()}),
+                 "probe.json: file: ", "is larger than 1 MiB; allowed: a file of at most 1 MiB that can be read");
+}
+
+TEST(BadMaterialFile, CannotBeOpened) {
+  const Sandbox box;
+  fs::create_directories(box / "folder.json");
+  fs::create_symlink("nowhere", box / "dangling.json");
+  fs::create_symlink("loop.json", box / "loop.json");
+  ASSERT_EQ(::mkfifo((box / "pipe.json").c_str(), 0600), 0);
+  const std::string allowed = "; allowed: a file of at most 1 MiB that can be read";
+  const std::string long_name = std::string(300, 'a') + ".json";
+  for (const auto& [path, says] :
+       std::vector<std::pair<std::string, std::string>>{{"nowhere.json", "does not exist"},
+                                                        {"./nowhere", "does not exist"},
+                                                        {"no/where.json", "does not exist"},
+                                                        {"folder.json", "is not a regular file"},
+                                                        {"folder.json/", "is not a regular file"},
+                                                        {"dangling.json", "does not exist"},
+                                                        {"loop.json", "Too many levels of symbolic links"},
+                                                        {"pipe.json", "is not a regular file"},
+                                                        {"/dev/zero", "is not a regular file"},
+                                                        {long_name, "File name too long"}})
+    expect_refused(run({.arguments = {"inspect", path}, .folder = box.path()}), path + ": file: ", says + allowed);
+  expect_refused(run({.arguments = {"inspect", "a\nb\033.json"}, .folder = box.path()}),
+                 "a?b?.json: file: ", "does not exist");
+}
+
+TEST(BadMaterialFile, CannotBeRead) {
+  const Sandbox box;
+  write_file(box / "probe.json", kGood);
+  fs::permissions(box / "probe.json", fs::perms::none);
+  const auto outcome = run({.arguments = {"inspect", "probe.json"}, .folder = box.path(), .as_nobody = true});
+  if (outcome.exit_code == kNotStarted) GTEST_SKIP() << "root reads all, and nobody cannot start the program";
+  expect_refused(outcome, "probe.json: file: Permission denied", "allowed: a file of at most 1 MiB that can be read");
+}
+
+struct GoodMaterial {
+  std::string test, text;
+};
+
+void PrintTo(const GoodMaterial& good, std::ostream* stream) {
+  *stream << good.test;
+}
+
+std::string with_line_ends(std::string text, const std::string& line_end) {
+  for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos; at += line_end.size())
+    text.replace(at, 1, line_end);
+  return text;
+}
+
+// Just inside of what BadMaterialFile finds outside, so that neither limit moves unseen.
+std::vector<GoodMaterial> good_cases() {
+  const std::string good = kGood;
+  std::string umlauts;
+  for (int i = 0; i < 200; ++i) umlauts += "\xc3\xa4";
+  std::vector<GoodMaterial> cases = {
+      {"as_it_is", good},
+      {"byte_order_mark", "\xef\xbb\xbf" + good},
+      {"comments", "// one\n/* two */" + changed("\"contact\"", "// three\n\"contact\"")},
+      {"windows_line_ends", with_line_ends(good, "\r\n")},
+      {"one_line", with_line_ends(good, " ")},
+      {"no_line_end_but_space_up_to_1_mib", good + std::string((1 << 20) - good.size(), ' ')},
+      {"no_description", changed("\"description\": \"a probe\",", "")},
+      {"empty_description", changed("a probe", "")},
+      {"description_of_200_umlauts", changed("a probe", umlauts)},
+      {"description_of_markup", changed("a probe", "<b>&amp; 'x' {/Symbol a} @NAME@ %s ]]> --> */")},
+      {"name_of_64", changed("\"probe\"", '"' + std::string(64, 'a') + '"')},
+      {"name_of_one", changed("\"probe\"", "\"a\"")},
+      {"equal_speeds", changed("\"min_speed_m_per_s\": 0.1", "\"min_speed_m_per_s\": 6")},
+      {"compression_from_impact", changed(", \"max_compression_m\": 1e-3", "")},
+      {"exponent_1", changed("2.5", "1")},
+      {"one_segment", changed("\"segments\": 8", "\"segments\": 1")}};
+  const std::vector<std::pair<std::string, std::vector<std::string>>> ends = {
+      {"\"stiffness_n_per_m_alpha\": 4.5e9", {"0.001", "1e18"}},
+      {"\"exponent\": 2.5", {"10"}},
+      {"\"mass_kg\": 0.003", {"1e-9", "1e4"}},
+      {"\"max_speed_m_per_s\": 6.0", {"1000"}},
+      {"\"min_speed_m_per_s\": 0.1", {"1e-6"}},
+      {"\"segments\": 8", {"65536"}},
+      {"\"max_compression_m\": 1e-3", {"1e-9", "1"}}};
+  for (const auto& [member, values] : ends)
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const auto key = member.substr(1, member.find('"', 1) - 1);
+      cases.push_back({key + "_at_end_" + std::to_string(i),
+                       changed(member, member.substr(0, member.find(':') + 1) + values[i])});
+    }
+  return cases;
+}
+
+class GoodMaterialFile : public ::testing::TestWithParam<GoodMaterial> {};
+
+TEST_P(GoodMaterialFile, IsAccepted) {
+  const Sandbox box;
+  write_file(box / "probe.json", GetParam().text);
+  succeed({.arguments = {"generate", "probe.json", "-o", "out"}, .folder = box.path()});
+  EXPECT_EQ(std::distance(fs::directory_iterator(box / "out"), {}), 3);
+}
+
+INSTANTIATE_TEST_SUITE_P(Good, GoodMaterialFile, ::testing::ValuesIn(good_cases()),
+                         ::testing::PrintToStringParamName());
+
+}  // namespace
+}  // namespace contactspline::testing

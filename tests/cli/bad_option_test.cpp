@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: MIT
+// Every way a command line can be wrong: one line that names option or file and what is allowed, nothing written.
+#include <gtest/gtest.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "program.hpp"
+#include "sandbox.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+constexpr auto kMaterial = R"({
+  "name": "probe",
+  "contact": { "stiffness_n_per_m_alpha": 4.5e9, "exponent": 2.5 },
+  "impact": { "mass_kg": 0.003, "max_speed_m_per_s": 6.0, "min_speed_m_per_s": 0.1 },
+  "spline": { "knots": "uniform", "segments": 8 }
+})";
+
+constexpr auto kWithoutImpact = R"({
+  "name": "bare",
+  "contact": { "stiffness_n_per_m_alpha": 1e9, "exponent": 2 },
+  "spline": { "knots": "uniform", "segments": 8, "max_compression_m": 1e-3 }
+})";
+
+constexpr auto kSoft = R"({
+  "name": "soft",
+  "contact": { "stiffness_n_per_m_alpha": 0.001, "exponent": 10 },
+  "impact": { "mass_kg": 1e4, "max_speed_m_per_s": 1e-6, "min_speed_m_per_s": 1e-6 },
+  "spline": { "knots": "uniform", "segments": 8, "max_compression_m": 1 }
+})";
+
+struct BadLine {
+  std::string test;
+  Words words;
+  std::string beginning;  ///< of the message
+  std::string says;
+};
+
+void PrintTo(const BadLine& bad, std::ostream* stream) {
+  *stream << bad.test;
+}
+
+const std::string kShipped = "allowed: a .json file, felt_c2, felt_c4, felt_c7, mb1, rubber_on_wood, steel_on_steel";
+
+std::vector<BadLine> command_cases() {
+  const std::string commands = "generate, inspect, materials, impact, render";
+  return {
+      {"nothing", {}, "SUBCOMMAND: missing", "allowed: " + commands},
+      {"unknown", {"generte"}, "generte: unknown", "allowed: " + commands},
+      {"unknown_option", {"--verbose"}, "--verbose: unknown", "allowed: " + commands + ", --help, --version"},
+      {"unknown_with_control_characters", {"a\nb\t\033[31m"}, "a?b??[31m: unknown", "allowed: "},
+      {"two_commands", {"materials", "inspect"}, "inspect: unknown", "allowed: --help, --version"},
+      {"upper_case", {"Generate", "probe.json"}, "Generate: unknown", "allowed: " + commands},
+      {"materials_with_word", {"materials", "felt_c4"}, "felt_c4: unknown", "allowed: --help, --version"},
+      {"materials_with_option", {"materials", "--json"}, "--json: unknown", "allowed: --help, --version"},
+      {"inspect_two", {"inspect", "felt_c4", "mb1"}, "mb1: unknown", "allowed: --help, MATERIAL, --svg, --version"},
+      {"render_nothing", {"render"}, "SUBCOMMAND: missing", "allowed: mass-barrier"},
+      {"render_unknown",
+       {"render", "hammer-string", "-o", "a.wav"},
+       "hammer-string: unknown",
+       "allowed: mass-barrier"},
+  };
+}
+
+std::vector<BadLine> material_cases() {
+  std::vector<BadLine> cases;
+  for (const std::string command : {"generate", "inspect", "impact"}) {
+    cases.push_back({command + "_missing", {command}, "MATERIAL: missing", "file (.json), or the name of"});
+    cases.push_back({command + "_unknown", {command, "felt_c5"}, "felt_c5: MATERIAL: no such material", kShipped});
+    cases.push_back({command + "_empty", {command, ""}, "MATERIAL: '' is refused", "file (.json), or the name of"});
+    cases.push_back({command + "_path_without_suffix",
+                     {command, "./felt_c4"},
+                     "./felt_c4: file: does not exist",
+                     "allowed: a file"});
+    cases.push_back(
+        {command + "_template", {command, "material.hpp.in"}, "material.hpp.in: MATERIAL: no such", kShipped});
+    cases.push_back({command + "_upper_case", {command, "Felt_C4"}, "Felt_C4: MATERIAL: no such", kShipped});
+  }
+  cases.push_back(
+      {"render_unknown", {"render", "mass-barrier", "--material", "x", "-o", "a.wav"}, "x: MATERIAL", kShipped});
+  cases.push_back(
+      {"impact_without_impact", {"impact", "bare.json"}, "bare.json: impact: missing", "allowed: an object"});
+  cases.push_back({"impact_too_long_to_simulate",
+                   {"impact", "felt_c4", "soft.json", "--speed", "1e-6", "--rate", "1e8"},
+                   "soft.json: --rate: at 1e-06 m/s and 100000000 Hz the contact lasts",
+                   "allowed: at most 1e+08"});
+  cases.push_back({"render_without_impact",
+                   {"render", "mass-barrier", "--material", "bare.json", "-o", "a.wav"},
+                   "bare.json: --mass: missing, and the material has no impact",
+                   "allowed: a number"});
+  cases.push_back({"render_without_impact_but_mass",
+                   {"render", "mass-barrier", "--material", "bare.json", "--mass", "1", "-o", "a.wav"},
+                   "bare.json: --speed: missing",
+                   "allowed: a number"});
+  return cases;
+}
+
+std::vector<BadLine> generate_cases() {
+  const auto line = [](const Words& more) { return followed_by({"generate", "probe.json"}, more); };
+  const std::string formats = "allowed: faust, cpp, json";
+  const std::string folder = "allowed: folder to write to, or - for standard output";
+  return {
+      {"emit_unknown", line({"--emit", "rust"}), "--emit: 'rust' is refused", formats},
+      {"emit_upper_case", line({"--emit", "JSON"}), "--emit: 'JSON' is refused", formats},
+      {"emit_empty", line({"--emit", ""}), "--emit: '' is refused", formats},
+      {"emit_list", line({"--emit", "cpp,json"}), "--emit: 'cpp,json' is refused", formats},
+      {"emit_second_unknown", line({"--emit", "json", "--emit", "lua"}), "--emit: 'lua' is refused", formats},
+      {"emit_without_value", line({"--emit"}), "--emit: 1 required", "allowed: what to write"},
+      {"output_without_value", line({"-o"}), "--output: 1 required", folder},
+      {"output_empty", line({"-o", ""}), "--output: '' is refused", "allowed: a folder, or - for standard output"},
+      {"output_twice", line({"-o", "a", "-o", "b"}), "--output: ", folder},
+      {"output_is_file", line({"-o", "file.txt"}), "file.txt: -o: is not a folder", "allowed: a folder, or -"},
+      {"output_is_device", line({"-o", "/dev/null"}), "/dev/null: -o: is not a folder", "allowed: a folder, or -"},
+      {"output_below_file", line({"-o", "file.txt/x"}), "file.txt/x/probe.lib: file: ", "Not a directory"},
+      {"output_nowhere", line({"-o", "/proc/x"}), "/proc/x/probe.lib: file: its folder cannot be made", ""},
+      {"output_long", line({"-o", std::string(300, 'o')}), std::string(300, 'o') + "/probe.lib: file: ", "too long"},
+      {"output_is_folder_of_folders", line({"-o", "taken"}), "taken/probe.hpp: file: is not a regular file", ""},
+      {"output_link_dangles", line({"-o", "links"}), "links/probe.json: file: is a link that leads nowhere", ""},
+      {"output_stdout_of_three", line({"-o", "-"}), "-o: 3 outputs do not fit",
+       "allowed: one MATERIAL and one --emit"},
+      {"output_stdout_of_two_materials", line({"mb1", "--emit", "json", "-o", "-"}), "-o: 2 outputs do not fit",
+       "allowed: one MATERIAL and one --emit"},
+      {"check_stdout", line({"--check", "--emit", "json", "-o", "-"}), "--check: needs files",
+       "allowed: with -o DIR"},
+      {"check_value", line({"--check=perhaps"}), "--check", "allowed: write nothing"},
+      {"check_depfile", line({"--check", "--depfile", "d"}), "--depfile: would be written",
+       "allowed: one of the two"},
+      {"depfile_stdout", line({"--emit", "json", "-o", "-", "--depfile", "d"}), "--depfile: needs files",
+       "allowed: with -o DIR"},
+      {"depfile_without_value", line({"--depfile"}), "--depfile: 1 required", "allowed: also write the make rule"},
+      {"depfile_empty", line({"--depfile", ""}), "--depfile: '' is refused", "allowed: a file name"},
+      {"depfile_dash", line({"--depfile", "-"}), "--depfile: '-' is refused", "allowed: a file name"},
+      {"depfile_nowhere", line({"-o", "out", "--depfile", "/proc/x"}), "/proc/x: file: cannot be written", ""},
+      {"depfile_is_folder", line({"-o", "out", "--depfile", "taken"}), "taken: file: is not a regular file", ""},
+      {"depfile_is_material", line({"-o", "out", "--depfile", "probe.json"}), "probe.json: file: is read or written",
+       "allowed: another folder or file name"},
+      {"depfile_is_output", line({"-o", "out", "--depfile", "out/../out/probe.lib"}),
+       "out/../out/probe.lib: file: is read or written", "allowed: another folder or file name"},
+      {"depfile_of_unspeakable_path",
+       {"generate", "line\nend/probe.json", "-o", "out", "--depfile", "d"},
+       "line?end/probe.json: --depfile: no make rule",
+       "allowed: no tab or line end"},
+      {"replaces_material", line({}), "./probe.json: file: is read or written", "allowed: another folder"},
+      {"replaces_material_by_link",
+       {"generate", "link.json", "--emit", "json"},
+       "./probe.json: file: is read or written",
+       "allowed: another folder"},
+      {"replaces_later_material",
+       {"generate", "felt_c4", "other.json", "probe.json", "-o", "out/.."},
+       "probe.json: name: 'probe'",
+       "allowed: once"},
+      {"rate_is_nan", line({"--rate", "nan"}), "--rate: 'nan' is refused", "allowed: a number from 1000 to 768000"},
+      {"rate_too_low", line({"--rate", "999"}), "--rate: '999' is refused", "allowed: a number from 1000 to 768000"},
+      {"unknown_option", line({"--format", "json"}), "--format: unknown",
+       "allowed: --help, MATERIAL, --emit, --output"},
+      {"unknown_letter", line({"-x"}), "-x: unknown", "allowed: --help"},
+      {"same_material_twice",
+       {"generate", "felt_c4", "felt_c4", "-o", "out"},
+       "felt_c4: name: 'felt_c4' is the name of two materials",
+       "allowed: once"},
+      {"same_name_twice",
+       {"generate", "mb1", "probe.json", "other.json", "-o", "out"},
+       "other.json: name: 'probe' is the name of two materials",
+       "allowed: once"},
+      {"one_of_many_missing",
+       {"generate", "mb1", "probe.json", "gone.json", "-o", "out"},
+       "gone.json: file: ",
+       "allowed: a file"},
+  };
+}
+
+std::vector<BadLine> impact_cases() {
+  const auto line = [](const Words& more) { return followed_by({"impact", "probe.json"}, more); };
+  std::vector<BadLine> cases = {
+      {"speed_without_value", line({"--speed"}), "--speed: 1 required", "allowed: impact speed in m/s"},
+      {"second_speed_bad", line({"--speed", "1", "--speed", "0"}), "--speed: '0' is refused", "from 1e-06 to 1000"},
+      {"svg_is_material",
+       {"inspect", "probe.json", "--svg", "./probe.json"},
+       "./probe.json: file: is read or written",
+       "allowed: another folder or file name"},
+      {"svg_empty", {"inspect", "probe.json", "--svg", ""}, "--svg: '' is refused", "allowed: a file name"},
+      {"svg_dash", {"inspect", "probe.json", "--svg", "-"}, "--svg: '-' is refused", "allowed: a file name"},
+      {"svg_nowhere", {"inspect", "probe.json", "--svg", "/proc/x/y.svg"}, "/proc/x/y.svg: file: its folder", ""},
+      {"svg_is_folder", {"inspect", "probe.json", "--svg", "out"}, "out: file: is not a regular file", ""},
+      {"svg_without_value", {"inspect", "probe.json", "--svg"}, "--svg: 1 required", "allowed: also draw"}};
+  for (const std::string value :
+       {"0", "-1", "nan", "-nan", "inf", "1e999", "fast", "", " ", "1x", "1,2", "1001", "9e-7"})
+    cases.push_back({"speed_" + std::to_string(cases.size()), line({"--speed", value}),
+                     "--speed: '" + value + "' is refused", "allowed: a number from 1e-06 to 1000"});
+  for (const std::string value : {"0", "-1", "nan", "inf", "999", "1.1e8", "44k"})
+    cases.push_back({"rate_" + std::to_string(cases.size()), line({"--rate", value}),
+                     "--rate: '" + value + "' is refused", "allowed: a number from 1000 to 100000000"});
+  return cases;
+}
+
+std::vector<BadLine> render_cases() {
+  const auto line = [](const Words& more) {
+    return followed_by({"render", "mass-barrier", "--duration", "0.01"}, more);
+  };
+  const std::string another = "allowed: another folder or file name";
+  std::vector<BadLine> cases = {
+      {"output_missing", line({}), "--output: missing", "allowed: sound file to write"},
+      {"output_without_value", line({"-o"}), "--output: 1 required", "allowed: sound file to write"},
+      {"output_empty", line({"-o", ""}), "--output: '' is refused", "allowed: a file name"},
+      {"output_dash", line({"-o", "-"}), "--output: '-' is refused", "allowed: a file name"},
+      {"output_nowhere", line({"-o", "/proc/a.wav"}), "/proc/a.wav: file: cannot be written", ""},
+      {"output_is_folder", line({"-o", "out"}), "out: file: is not a regular file", ""},
+      {"output_below_file", line({"-o", "file.txt/a.wav"}), "file.txt/a.wav: file: ", "Not a directory"},
+      {"output_is_picture", line({"-o", "a.svg"}), "a.svg: file: is read or written", another},
+      {"picture_is_output", line({"-o", "a.wav", "--svg", "./a.wav"}), "./a.wav: file: is read or written", another},
+      {"picture_is_material", line({"-o", "a.wav", "--material", "probe.json", "--svg", "probe.json"}),
+       "probe.json: file: is read or written", another},
+      {"output_is_material", line({"-o", "out/../probe.json", "--material", "probe.json"}),
+       "out/../probe.json: file: is read or written", another},
+      {"picture_empty", line({"-o", "a.wav", "--svg", ""}), "--svg: '' is refused", "allowed: a file name"},
+      {"picture_dash", line({"-o", "a.wav", "--svg", "-"}), "--svg: '-' is refused", "allowed: a file name"},
+      {"picture_nowhere", line({"-o", "a.wav", "--svg", "/proc/a.svg"}), "/proc/a.svg: file: cannot be written", ""},
+      {"signal_unknown", line({"-o", "a.wav", "--signal", "velocity"}), "--signal: 'velocity' is refused",
+       "allowed: force, displacement"},
+      {"signal_empty", line({"-o", "a.wav", "--signal", ""}), "--signal: '' is refused",
+       "allowed: force, displacement"},
+      {"many_samples",
+       {"render", "mass-barrier", "-o", "a.wav", "--duration", "3600", "--rate", "768000"},
+       "--duration: 3600 s at 768000 Hz are 2.765e+09 samples",
+       "allowed: at most 206.7 s at this rate"},
+      {"unknown_option", line({"-o", "a.wav", "--fast"}), "--fast: unknown", "allowed: --help, --material, --mass"},
+      {"word_too_many", line({"-o", "a.wav", "b.wav"}), "b.wav: unknown", "allowed: --help, --material, --mass"}};
+  const auto refuse = [&](const std::string& option, const Words& values, const std::string& allowed) {
+    for (const std::string& value : values)
+      cases.push_back({option.substr(2, option.find('-', 2) - 2) + "_" + std::to_string(cases.size()),
+                       followed_by({"render", "mass-barrier", "-o", "a.wav"}, {option, value}),
+                       option + ": '" + value + "' is refused", "allowed: " + allowed});
+  };
+  refuse("--mass", {"0", "-1", "nan", "inf", "1e5", "heavy"}, "a number from 1e-09 to 10000");
+  refuse("--speed", {"-1", "nan", "1e4"}, "a number from 0 to 1000");
+  refuse("--start", {"1.5", "nan", "-1e4"}, "a number from -1000 to 1");
+  refuse("--gravity", {"-9.81", "nan", "inf"}, "a number from 0 to 1000");
+  refuse("--stiffness-ratio", {"0", "-1", "nan", "1e7"}, "a number from 1e-06 to 1000000");
+  refuse("--loss", {"-0.1", "nan", "1e4"}, "a number from 0 to 1000");
+  refuse("--duration", {"0", "-1", "nan", "3601", "5 s"}, "a number from 0.001 to 3600");
+  refuse("--rate", {"0", "-1", "999", "768001", "44100.5", "nan", "4294967296", "99999999999999999999", "44k"},
+         "an integer from 1000 to 768000");
+  return cases;
+}
+
+class BadCommandLine : public ::testing::TestWithParam<BadLine> {};
+
+TEST_P(BadCommandLine, IsRefusedInOneLineAndNothingIsWritten) {
+  const auto& [test, words, beginning, says] = GetParam();
+  const Sandbox box;
+  write_file(box / "probe.json", kMaterial);
+  write_file(box / "other.json", kMaterial);
+  write_file(box / "bare.json", kWithoutImpact);
+  write_file(box / "soft.json", kSoft);
+  write_file(box / "file.txt", "text");
+  for (const auto folder : {"tmp", "out", "links", "taken/probe.hpp", "line\nend"})
+    fs::create_directories(box / folder);
+  write_file(box / "line\nend/probe.json", kMaterial);
+  fs::create_symlink("probe.json", box / "link.json");
+  fs::create_symlink("nowhere", box / "links/probe.json");
+  const auto before = box.listing();
+  const auto outcome =
+      run({.arguments = words, .folder = box.path(), .environment = {{"TMPDIR", (box / "tmp").string()}}});
+  expect_refused(outcome, beginning, says);
+  EXPECT_EQ(names_in(box.listing()), names_in(before));
+  EXPECT_TRUE(box.listing() == before);
+}
+
+INSTANTIATE_TEST_SUITE_P(Command, BadCommandLine, ::testing::ValuesIn(command_cases()),
+                         ::testing::PrintToStringParamName());
+INSTANTIATE_TEST_SUITE_P(Material, BadCommandLine, ::testing::ValuesIn(material_cases()),
+                         ::testing::PrintToStringParamName());
+INSTANTIATE_TEST_SUITE_P(Generate, BadCommandLine, ::testing::ValuesIn(generate_cases()),
+                         ::testing::PrintToStringParamName());
+INSTANTIATE_TEST_SUITE_P(Impact, BadCommandLine, ::testing::ValuesIn(impact_cases()),
+                         ::testing::PrintToStringParamName());
+INSTANTIATE_TEST_SUITE_P(Render, BadCommandLine, ::testing::ValuesIn(render_cases()),
+                         ::testing::PrintToStringParamName());
+
+}  // namespace
+}  // namespace contactspline::testing

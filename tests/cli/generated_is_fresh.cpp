@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+// generated/ holds just what the shipped materials and resonators give today.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+#include <string>
+
+#include "program.hpp"
+#include "sandbox.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+const fs::path kSource = SOURCE_FOLDER;
+
+// materials/*.json resonators/*.json
+Words shipped_files() {
+  Words files;
+  for (const std::string folder : {"materials", "resonators"})
+    if (fs::exists(kSource / folder))
+      for (const auto& entry : fs::directory_iterator(kSource / folder))
+        if (entry.path().extension() == ".json") files.push_back(folder + "/" + entry.path().filename().string());
+  std::ranges::sort(files);
+  return files;
+}
+
+std::string mending_command() {
+  return fmt::format("To mend it:\n  cd {} && {} generate materials/*.json resonators/*.json -o generated\n",
+                     kSource.string(), kProgram);
+}
+
+TEST(generated_is_fresh, byte_for_byte) {
+  const Words check = {"-o", "generated", "--check"};
+  const auto outcome =
+      run({.arguments = followed_by(followed_by({"generate"}, shipped_files()), check), .folder = kSource});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err << mending_command();
+}
+
+TEST(generated_is_fresh, without_leftovers) {
+  std::set<std::string> expected, found;
+  for (const std::string& file : shipped_files())
+    for (const auto extension : {".lib", ".hpp", ".json"})
+      expected.insert(fs::path(file).stem().string() + extension);
+  for (const auto& entry : fs::directory_iterator(kSource / "generated"))
+    found.insert(entry.path().filename().string());
+  EXPECT_EQ(found, expected) << "Delete what nothing gives any more. " << mending_command();
+}
+
+}  // namespace
+}  // namespace contactspline::testing

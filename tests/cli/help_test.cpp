@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+// --help and --version: of the program and of every subcommand, whatever else is missing.
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "program.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+struct Command {
+  std::string test;
+  Words words;
+  Words mentions;
+};
+
+void PrintTo(const Command& command, std::ostream* stream) {
+  *stream << command.test;
+}
+
+const std::vector<Command> kCommands = {
+    {"program", {}, {"generate", "inspect", "materials", "impact", "render", "Exit status"}},
+    {"generate",
+     {"generate"},
+     {"MATERIAL", "--emit", "faust", "cpp", "json", "-o,--output", "--check", "--depfile", "--rate",
+      "standard output"}},
+    {"inspect", {"inspect"}, {"MATERIAL", "--svg"}},
+    {"materials", {"materials"}, {"contact duration"}},
+    {"impact", {"impact"}, {"MATERIAL", "--speed", "--rate", "1e-06 to 1000"}},
+    {"render", {"render"}, {"mass-barrier"}},
+    {"mass_barrier",
+     {"render", "mass-barrier"},
+     {"--material", "--mass", "--speed", "--start", "--gravity", "--stiffness-ratio", "--loss", "--duration",
+      "--rate", "--signal", "force", "displacement", "-o,--output", "--svg", "44100", "rubber_on_wood"}}};
+
+class EveryCommand : public ::testing::TestWithParam<Command> {};
+
+std::string printed(Words words, const std::string& flag) {
+  words.push_back(flag);
+  return succeed({.arguments = words, .folder = "/"});
+}
+
+TEST_P(EveryCommand, HasHelpThatMentionsEachOption) {
+  const std::string help = printed(GetParam().words, "--help");
+  EXPECT_EQ(printed(GetParam().words, "-h"), help);
+  EXPECT_NE(help.find("Usage: contactspline"), std::string::npos) << help;
+  for (const std::string& word : followed_by(GetParam().mentions, {"-h,--help", "--version"}))
+    EXPECT_NE(help.find(word), std::string::npos) << help << "does not mention " << word;
+}
+
+TEST_P(EveryCommand, HasAVersion) {
+  EXPECT_EQ(printed(GetParam().words, "--version"), "contactspline " VERSION "\n");
+}
+
+INSTANTIATE_TEST_SUITE_P(Help, EveryCommand, ::testing::ValuesIn(kCommands), ::testing::PrintToStringParamName());
+
+TEST(Help, IsPrintedWhateverElseIsWrong) {
+  const std::string help = printed({"generate"}, "--help");
+  EXPECT_EQ(printed({"generate", "gone.json", "--emit", "json"}, "--help"), help);
+}
+
+TEST(Help, FitsATerminal) {
+  for (const auto& command : kCommands) {
+    std::istringstream help(printed(command.words, "--help"));
+    for (std::string line; std::getline(help, line);) EXPECT_LE(line.size(), 118u) << line;
+  }
+}
+
+}  // namespace
+}  // namespace contactspline::testing

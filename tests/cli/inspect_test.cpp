@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: MIT
+// contactspline inspect, materials and impact: the tables are the library's numbers, the picture can be drawn.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "generator/emit.hpp"
+#include "generator/impact.hpp"
+#include "program.hpp"
+#include "sandbox.hpp"
+#include "support/compare.hpp"
+#include "svg.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+using Json = nlohmann::json;
+
+std::string material(int segments, const std::string& description = "a probe") {
+  return fmt::format(R"({{"name": "probe", "description": "{}",
+    "contact": {{"stiffness_n_per_m_alpha": 1e9, "exponent": 1.5}},
+    "impact": {{"mass_kg": 0.01, "max_speed_m_per_s": 2, "min_speed_m_per_s": 0.1}},
+    "spline": {{"knots": "uniform", "segments": {}}}}})",
+                     description, segments);
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+// The first number after each place where `label` stands in a line.
+double number_after(const std::string& text, const std::string& label) {
+  const auto at = text.find(label);
+  if (at == std::string::npos) throw std::runtime_error("no " + label + " in\n" + text);
+  return std::stod(text.substr(at + label.size()));
+}
+
+std::string printed(const Sandbox& box, const Words& arguments) {
+  return succeed({.arguments = arguments, .folder = box.path()});
+}
+
+class Inspect : public ::testing::TestWithParam<int> {};
+
+TEST_P(Inspect, PrintsWhatGenerateWrites) {
+  const Sandbox box;
+  write_file(box / "probe.json", material(GetParam()));
+  const Json json = Json::parse(printed(box, {"generate", "probe.json", "--emit", "json", "-o", "-"}));
+  const std::string text = printed(box, {"inspect", "probe.json"});
+  const auto lines = lines_of(text);
+  const auto segments = static_cast<std::size_t>(GetParam());
+  ASSERT_GE(lines.size(), segments + 5);
+  EXPECT_EQ(lines[0], "probe: a probe");
+  EXPECT_NE(lines[1].find(fmt::format("a = 1.5, {} uniform segments", segments)), std::string::npos) << lines[1];
+
+  std::size_t wrong = 0;
+  for (std::size_t j = 0; j < segments; ++j) {
+    std::istringstream row(lines[5 + j]);
+    std::size_t index = 0;
+    double knot = NAN, energy = NAN, force = NAN, half_curvature = NAN;
+    row >> index >> knot >> energy >> force >> half_curvature;
+    wrong += !(index == j + 1 && row.eof() && relatively_within(knot, json["knots_m"][j], 1e-9) &&
+               relatively_within(energy, json["energy_j"][j], 1e-9) &&
+               relatively_within(force, json["force_n"][j], 1e-9) &&
+               relatively_within(half_curvature, json["half_curvature_n_per_m"][j], 1e-9));
+  }
+  EXPECT_EQ(wrong, 0u) << "rows";
+
+  const auto agrees = [&](const std::string& label, const std::string& key) {
+    const double expected = 100 * json.at("quality").at(key).get<double>();  // written as 0 below 1e-12
+    EXPECT_TRUE(within(number_after(text, label), expected, 2e-3 * expected + 1.01e-10)) << label;
+  };
+  agrees("force, of the largest force", "worst_force_error");
+  agrees("energy, of the largest energy", "worst_energy_error");
+  agrees("contact duration", "worst_contact_duration_error");
+  agrees("max compression", "worst_max_compression_error");
+}
+
+TEST_P(Inspect, DrawsAPicture) {
+  const Sandbox box;
+  write_file(box / "probe.json", material(GetParam()));
+  const std::string report = printed(box, {"inspect", "probe.json", "--svg", "pictures/probe.svg"});
+  EXPECT_TRUE(report.ends_with("\npicture: pictures/probe.svg\n"));
+  expect_drawn(box / "pictures/probe.svg", 10);
+  EXPECT_NE(read_svg(box / "pictures/probe.svg").text.find(fmt::format("a probe: {} segments", GetParam())),
+            std::string::npos);
+}
+
+INSTANTIATE_TEST_SUITE_P(Segments, Inspect, ::testing::Values(1, 2, 3, 64, 1024, 65536));
+
+TEST(InspectPicture, ShowsADescriptionAsItIs) {
+  for (const std::string description :
+       {"a < b & c > d ]]>", "don't", "it''s 'x'", "\xc3\xa4\xe2\x82\xac", "{/Symbol a}_{b}^2 @x %s", "-->",
+        "$0 `date`", "&#x41; &#x1; &amp; &", "TITLE-OF-THE-PICTURE"}) {
+    const Sandbox box;
+    write_file(box / "probe.json", material(4, description));
+    printed(box, {"inspect", "probe.json", "--svg", "a.svg"});
+    EXPECT_NE(read_svg(box / "a.svg").text.find(description + ": 4 segments"), std::string::npos) << description;
+  }
+}
+
+TEST(InspectPicture, DoesNotDependOnTheUserOrTheLocale) {
+  const Sandbox box;
+  const std::string folder = "it's \"a\" folder";
+  fs::create_directories(box / folder);
+  write_file(box / folder / ".gnuplot", "set logscale xy\nset title 'mine'\nset decimalsign ','\n");
+  run({.arguments = {"-i", "de_DE", "-f", "UTF-8", "./de_DE.UTF-8"}, .folder = box.path(), .program = "localedef"});
+  printed(box, {"inspect", "mb1", "--svg", "a.svg"});
+  succeed({.arguments = {"inspect", "mb1", "--svg", "b.svg"},
+           .folder = box.path(),
+           .environment = {{"HOME", (box / folder).string()},
+                           {"TMPDIR", (box / folder).string()},
+                           {"LOCPATH", box.path().string()},
+                           {"LC_ALL", "de_DE.UTF-8"}}});
+  EXPECT_TRUE(read_file(box / "a.svg") == read_file(box / "b.svg"));
+}
+
+TEST(InspectPicture, IsUntouchedWhereNothingChanged) {
+  const Sandbox box;
+  printed(box, {"inspect", "mb1", "--svg", "a.svg"});
+  const auto before = box.listing();
+  printed(box, {"inspect", "mb1", "--svg", "a.svg"});
+  EXPECT_TRUE(box.listing() == before);
+}
+
+TEST(InspectPicture, IsRefusedWhereItCannotBeDrawn) {
+  const Sandbox box;
+  fs::create_directories(box / "bin");
+  write_file(box / "probe.json", material(1024));  // more than a pipe holds
+  const auto refused = [&](const std::string& says) {
+    const auto before = box.listing();
+    const auto outcome = run({.arguments = {"inspect", "probe.json", "--svg", "a.svg"},
+                              .folder = box.path(),
+                              .environment = {{"PATH", (box / "bin").string()}}});
+    expect_refused(outcome, "picture: ", says);
+    EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
+  };
+  const auto fake_gnuplot = [&](const std::string& script) {
+    write_file(box / "bin/gnuplot", "#!/bin/sh\n" + script + "\n");
+    fs::permissions(box / "bin/gnuplot", fs::perms(0755));
+  };
+  refused("gnuplot is not installed; install the package gnuplot-nox");
+  fake_gnuplot("exit 1");
+  refused("gnuplot failed");
+  fake_gnuplot("kill -9 $$");
+  refused("gnuplot failed");
+  fake_gnuplot("exec /bin/cat >/dev/null");
+  refused("gnuplot drew nothing");
+  fake_gnuplot("/bin/cat >/dev/null; echo '<svg>'");
+  refused("gnuplot drew nothing");
+}
+
+TEST(Inspect, WithoutAnImpactHasNoImpactErrors) {
+  const Sandbox box;
+  write_file(box / "bare.json", R"({"name": "bare", "contact": {"stiffness_n_per_m_alpha": 1e9, "exponent": 1.5},
+                                    "spline": {"knots": "uniform", "segments": 4, "max_compression_m": 1e-3}})");
+  const std::string table = printed(box, {"inspect", "bare.json"});
+  EXPECT_TRUE(table.starts_with("bare\nV(y) = "));
+  EXPECT_NE(table.find("force, of the largest force"), std::string::npos);
+  EXPECT_EQ(table.find("contact duration"), std::string::npos);
+}
+
+TEST(Materials, ListsEveryOneThatShips) {
+  const Sandbox box;
+  const auto lines = lines_of(printed(box, {"materials"}));
+  std::vector<std::string> names;
+  for (const auto& line : lines) names.push_back(line.substr(0, line.find(' ')));
+  EXPECT_EQ(names, (std::vector<std::string>{"name", "felt_c2", "felt_c4", "felt_c7", "mb1", "rubber_on_wood",
+                                             "steel_on_steel"}));
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    const Json json = Json::parse(printed(box, {"generate", names[i], "--emit", "json", "-o", "-"}));
+    std::istringstream row(lines[i]);
+    std::string name, percent;
+    double stiffness = NAN, exponent = NAN, error = NAN;
+    std::size_t segments = 0;
+    row >> name >> stiffness >> exponent >> segments >> error >> percent;
+    EXPECT_TRUE(relatively_within(stiffness, json.at("stiffness_n_per_m_alpha"), 5e-4));
+    EXPECT_TRUE(relatively_within(exponent, json.at("exponent"), 5e-4));
+    EXPECT_EQ(segments, json.at("knots_m").size());
+    EXPECT_TRUE(relatively_within(error, 100 * json["quality"]["worst_contact_duration_error"].get<double>(), 0.05));
+    EXPECT_EQ(percent, "%");
+    EXPECT_TRUE(lines[i].ends_with("  " + json.at("title").get<std::string>()));
+  }
+}
+
+struct ImpactRow {
+  double duration_us, duration_error, compression_um, compression_error, exit_error, samples;
+};
+
+ImpactRow parse_row(const std::string& line, const std::string& label) {
+  std::istringstream row(line.substr(label.size()));
+  std::string unit, percent;
+  ImpactRow found{};
+  row >> found.duration_us >> unit >> found.duration_error >> percent >> found.compression_um >> unit >>
+      found.compression_error >> percent;
+  EXPECT_TRUE(line.starts_with(label) && row && unit == "um" && percent == "%") << line;
+  row >> found.exit_error >> found.samples;
+  return found;
+}
+
+TEST(Impact, PrintsTheNumbersOfTheLibrary) {
+  const Sandbox box;
+  write_file(box / "probe.json", material(16));
+  const auto design = design_contact(material(16), "probe.json");
+  const auto lines = lines_of(printed(
+      box, {"impact", "probe.json", "--speed", "1.5", "--speed", "0.25", "--rate", "44100", "--rate", "1e6"}));
+  ASSERT_EQ(lines.size(), 12u);
+  std::size_t line = 0;
+  for (const double speed : {1.5, 0.25}) {
+    const double duration = design.material.contact.contact_duration(0.01, speed);
+    const double compression = design.material.contact.max_compression(0.01, speed);
+    EXPECT_EQ(lines[line], fmt::format("probe, 0.01 kg at {} m/s", speed));
+    EXPECT_TRUE(within(number_after(lines[line + 2], "exact"), 1e6 * duration, 6e-4));
+    EXPECT_TRUE(within(number_after(lines[line + 2], " us"), 1e6 * compression, 6e-5));
+    const auto exact = impact_on_spline(design.spline, 0.01, speed);
+    const auto spline = parse_row(lines[line + 3], "  spline  16");
+    EXPECT_TRUE(within(spline.duration_us, 1e6 * exact.contact_duration_s, 6e-4));
+    EXPECT_TRUE(within(spline.duration_error, 100 * (exact.contact_duration_s / duration - 1), 6e-4));
+    EXPECT_TRUE(within(spline.compression_um, 1e6 * exact.max_compression_m, 6e-5));
+    EXPECT_TRUE(within(spline.compression_error, 100 * (exact.max_compression_m / compression - 1), 6e-4));
+    line += 4;
+    for (const auto& [label, rate] : {std::pair{"    44.1 kHz", 44100.0}, std::pair{"  1000.0 kHz", 1e6}}) {
+      const auto simulated = simulate_impact(segment_table(design.spline), 0.01, speed, rate);
+      const auto row = parse_row(lines[line++], label);
+      EXPECT_TRUE(within(row.duration_us, 1e6 * simulated.contact_duration_s, 6e-4));
+      EXPECT_TRUE(within(row.duration_error, 100 * (simulated.contact_duration_s / duration - 1), 6e-4));
+      EXPECT_TRUE(within(row.compression_um, 1e6 * simulated.max_compression_m, 6e-5));
+      EXPECT_TRUE(within(row.compression_error, 100 * (simulated.max_compression_m / compression - 1), 6e-4));
+      EXPECT_TRUE(within(row.exit_error, simulated.exit_speed_m_per_s / speed - 1, 1e-12));
+      EXPECT_TRUE(within(row.samples, duration * rate, 6e-3));
+    }
+  }
+}
+
+TEST(Impact, TakesTheLargestSpeedAndFourRatesByDefault) {
+  const Sandbox box;
+  write_file(box / "probe.json", material(16));
+  EXPECT_EQ(printed(box, {"impact", "probe.json"}),
+            printed(box, {"impact", "probe.json", "--speed", "2", "--rate", "44100", "--rate", "88200", "--rate",
+                          "176400", "--rate", "352800"}));
+  EXPECT_EQ(printed(box, {"impact", "probe.json", "mb1"}),
+            printed(box, {"impact", "probe.json"}) + printed(box, {"impact", "mb1"}));
+}
+
+}  // namespace
+}  // namespace contactspline::testing

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: MIT
+// The built program as a user runs it: arguments, folder, environment and limits in; exit code and streams out.
+#pragma once
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/ptrace.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <map>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sandbox.hpp"
+
+namespace contactspline::testing {
+
+constexpr auto kProgram = CONTACTSPLINE_PROGRAM;
+
+using Words = std::vector<std::string>;
+
+inline Words followed_by(Words words, const Words& more) {
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+struct Call {
+  Words arguments;
+  fs::path folder = {};                                 ///< to run in
+  std::map<std::string, std::string> environment = {};  ///< beside or instead of ours
+  std::optional<rlim_t> largest_file_bytes = {};        ///< stands for a full disk
+  fs::path standard_output = {};                        ///< instead of being captured
+  std::optional<mode_t> umask = {};
+  bool as_nobody = false;  ///< root reads what it likes
+  bool traced = false;     ///< for Process::kill_at_stop
+  std::string program = kProgram;
+};
+
+struct Outcome {
+  int exit_code;  ///< minus the signal that ended it
+  std::string out, err;
+};
+
+constexpr int kNotStarted = 127;
+
+class Process {
+ public:
+  explicit Process(const Call& call) {
+    for (Stream& stream : streams_)
+      if (::pipe2(stream.ends.data(), O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
+    pid_ = ::fork();
+    if (pid_ < 0) throw std::runtime_error("fork failed");
+    if (pid_ == 0) become(call);
+    for (const Stream& stream : streams_) ::close(stream.writing());
+  }
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+  ~Process() {
+    if (pid_ > 0) kill(), wait();
+    for (const Stream& stream : streams_) ::close(stream.reading());
+  }
+
+  void kill() const { ::kill(pid_, SIGKILL); }
+
+  /// Lets a traced program go on to the `stop`-th time it enters or leaves a system call, and kills it there. Returns
+  /// the number of times it got to: fewer where it ended before.
+  std::size_t kill_at_stop(std::size_t stop) {
+    for (std::size_t stops = 0;; ++stops) {
+      int status = 0;
+      if (::waitpid(pid_, &status, 0) < 0) throw std::runtime_error("waitpid failed");
+      if (!WIFSTOPPED(status)) pid_ = -1;
+      if (WIFSTOPPED(status) && stops == stop) kill();
+      if (!WIFSTOPPED(status) || stops == stop) return stops;
+      const long signal = WSTOPSIG(status) == SIGTRAP ? 0 : WSTOPSIG(status);
+      ::ptrace(PTRACE_SYSCALL, pid_, nullptr, signal);
+    }
+  }
+
+  Outcome wait() {
+    read_streams();
+    int status = 0;
+    if (::waitpid(std::exchange(pid_, -1), &status, 0) < 0) throw std::runtime_error("waitpid failed");
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), streams_[0].text, streams_[1].text};
+  }
+
+ private:
+  struct Stream {
+    std::array<int, 2> ends{};
+    std::string text;
+
+    [[nodiscard]] int reading() const { return ends[0]; }
+    [[nodiscard]] int writing() const { return ends[1]; }
+  };
+
+  [[noreturn]] void become(const Call& call) const {
+    const int out =
+        call.standard_output.empty() ? streams_[0].writing() : ::open(call.standard_output.c_str(), O_WRONLY);
+    ::dup2(::open("/dev/null", O_RDONLY), STDIN_FILENO);
+    ::dup2(out, STDOUT_FILENO);
+    ::dup2(streams_[1].writing(), STDERR_FILENO);
+    for (const auto& [name, value] : call.environment) ::setenv(name.c_str(), value.c_str(), 1);
+    if (call.umask) ::umask(*call.umask);
+    if (!call.folder.empty() && ::chdir(call.folder.c_str()) != 0) ::_exit(kNotStarted);
+    if (call.as_nobody && ::geteuid() == 0 && (::setgid(65534) != 0 || ::setuid(65534) != 0)) ::_exit(kNotStarted);
+    if (call.largest_file_bytes) {
+      const rlimit limit{*call.largest_file_bytes, *call.largest_file_bytes};
+      ::setrlimit(RLIMIT_FSIZE, &limit);
+    }
+    if (call.traced && ::ptrace(PTRACE_TRACEME, 0, nullptr, nullptr) != 0) ::_exit(kNotStarted);
+    std::vector<char*> words{const_cast<char*>(call.program.c_str())};
+    for (const auto& argument : call.arguments) words.push_back(const_cast<char*>(argument.c_str()));
+    words.push_back(nullptr);
+    ::execvp(words.front(), words.data());
+    ::_exit(kNotStarted);
+  }
+
+  // Both at once: a program that fills one waits until it is read.
+  void read_streams() {
+    std::array<pollfd, 2> open{};
+    for (std::size_t i = 0; i < 2; ++i) open[i] = {streams_[i].reading(), POLLIN, 0};
+    while ((open[0].fd >= 0 || open[1].fd >= 0) && ::poll(open.data(), open.size(), -1) > 0)
+      for (std::size_t i = 0; i < 2; ++i)
+        if (open[i].revents != 0 && !read_some(streams_[i])) open[i].fd = -1;
+  }
+
+  static bool read_some(Stream& stream) {
+    std::array<char, 65536> part{};
+    const ssize_t got = ::read(stream.reading(), part.data(), part.size());
+    if (got > 0) stream.text.append(part.data(), static_cast<std::size_t>(got));
+    return got > 0;
+  }
+
+  std::array<Stream, 2> streams_;
+  pid_t pid_ = -1;
+};
+
+inline Outcome run(const Call& call) {
+  return Process(call).wait();
+}
+
+/// Exit code 0 and nothing on standard error; returns what was printed.
+inline std::string succeed(const Call& call) {
+  const Outcome outcome = run(call);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "");
+  return outcome.out;
+}
+
+/// The contract of bad input: exit code 2, nothing on standard output and one readable line on standard error that
+/// begins with "contactspline: `beginning`" and holds `says`.
+inline void expect_refused(const Outcome& outcome, std::string_view beginning, std::string_view says) {
+  EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+  EXPECT_TRUE(outcome.out.empty()) << outcome.out.substr(0, 500);
+  EXPECT_TRUE(outcome.err.starts_with("contactspline: " + std::string(beginning))) << outcome.err;
+  EXPECT_NE(outcome.err.find(says), std::string::npos) << outcome.err << "does not say: " << says;
+  EXPECT_TRUE(outcome.err.ends_with('\n'));
+  const auto is_control = [](unsigned char c) { return c < 0x20 || c == 0x7f; };
+  EXPECT_EQ(std::ranges::count_if(outcome.err, is_control), 1) << "more than one line, or control characters";
+  EXPECT_LT(outcome.err.size(), 1000u);
+}
+
+}  // namespace contactspline::testing

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: MIT
+// contactspline render: the sound is the model's motion, the picture can be drawn.
+#include "generator/render.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <regex>
+#include <sndfile.hh>
+#include <string>
+#include <vector>
+
+#include "generator/embedded.hpp"
+#include "generator/emit.hpp"
+#include "program.hpp"
+#include "sandbox.hpp"
+#include "support/compare.hpp"
+#include "svg.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+constexpr double kPeak = 0.89;              // -1 dB
+constexpr double kLevel = 1.0 / (1 << 23);  // one step of 24 bits
+
+struct Sound {
+  int rate, channels, format;
+  std::vector<double> samples;
+
+  [[nodiscard]] double peak() const {
+    double largest = 0;
+    for (const double sample : samples) largest = std::max(largest, std::abs(sample));
+    return largest;
+  }
+};
+
+Sound read_sound(const fs::path& path) {
+  SndfileHandle file(path.string());
+  if (file.error() != 0) throw std::runtime_error(path.string() + ": " + file.strError());
+  Sound sound{file.samplerate(), file.channels(), file.format(), {}};
+  sound.samples.resize(static_cast<std::size_t>(file.frames()));
+  if (file.read(sound.samples.data(), file.frames()) != file.frames()) throw std::runtime_error("short file");
+  return sound;
+}
+
+// Renders in a sandbox and returns what was printed.
+std::string render(const Sandbox& box, const Words& options, const std::string& name = "a.wav") {
+  return succeed({.arguments = followed_by({"render", "mass-barrier", "-o", name}, options), .folder = box.path()});
+}
+
+Sound sound_of(const Words& options) {
+  const Sandbox box;
+  render(box, options);
+  return read_sound(box / "a.wav");
+}
+
+Design shipped(const std::string& file) {
+  const auto texts = embedded_texts();
+  return design_contact(std::ranges::find(texts, file, &EmbeddedText::file_name)->content, file);
+}
+
+MassBarrierMotion motion_of(const Design& design, double duration_s, double rate_hz) {
+  const MassBarrierScore score{{.mass_kg = design.material.impact->mass_kg, .gravity_m_per_s2 = 9.81},
+                               -0.001,
+                               design.material.impact->max_speed_m_per_s,
+                               duration_s,
+                               rate_hz};
+  return render_mass_barrier(segment_table(design.spline), score, [](double) {});
+}
+
+void expect_is(const Sound& sound, const std::vector<double>& motion) {
+  double largest = 0;
+  for (const double value : motion) largest = std::max(largest, std::abs(value));
+  ASSERT_GT(largest, 0);
+  std::vector<double> expected;
+  for (const double value : motion) expected.push_back(value * kPeak / largest);
+  EXPECT_TRUE(sequences_within<double>(sound.samples, expected, 1.01 * kLevel / kPeak));
+}
+
+TEST(Render, WritesTheForceOfTheModel) {
+  const Sandbox box;
+  render(box, {"--duration", "0.5"});
+  const Sound sound = read_sound(box / "a.wav");
+  EXPECT_EQ(sound.rate, 44100);
+  EXPECT_EQ(sound.channels, 1);
+  EXPECT_EQ(sound.format, SF_FORMAT_WAV | SF_FORMAT_PCM_24);
+  EXPECT_EQ(sound.samples.size(), 22050u);
+  EXPECT_TRUE(within(sound.peak(), kPeak, kLevel));
+  expect_is(sound, motion_of(shipped("rubber_on_wood.json"), 0.5, 44100).force_n);
+  expect_drawn(box / "a.svg", 3);
+}
+
+TEST(Render, WritesTheDisplacementOfTheModel) {
+  const Sound sound = sound_of({"--duration", "1", "--signal", "displacement", "--material", "felt_c4"});
+  EXPECT_TRUE(within(sound.peak(), kPeak, kLevel));
+  expect_is(sound, motion_of(shipped("felt_c4.json"), 1, 44100).displacement_m);
+}
+
+TEST(Render, HasTheRateAndLengthAskedFor) {
+  for (const auto& [rate, duration, samples] : std::vector<std::tuple<int, double, std::size_t>>{
+           {1000, 0.001, 1}, {8000, 0.1, 800}, {48000, 0.25, 12000}, {96000, 0.01, 960}, {768000, 0.001, 768}}) {
+    const Sound sound = sound_of({"--rate", fmt::format("{}", rate), "--duration", fmt::format("{}", duration)});
+    EXPECT_EQ(sound.rate, rate);
+    EXPECT_EQ(sound.samples.size(), samples);
+    EXPECT_TRUE(within(sound.peak(), kPeak, kLevel)) << rate;
+  }
+}
+
+TEST(Render, SaysWhatItRendered) {
+  const Sandbox box;
+  const std::string report = render(box, {"--duration", "1", "--svg", "p/b.svg"}, "s/a.wav");
+  const auto motion = motion_of(shipped("rubber_on_wood.json"), 1, 44100);
+  const double largest = std::ranges::max(motion.force_n);
+  std::size_t contacts = 0;
+  for (std::size_t i = 1; i < motion.force_n.size(); ++i)
+    contacts += motion.force_n[i] > 0 && motion.force_n[i - 1] == 0;
+  EXPECT_EQ(report, fmt::format("{} contacts in 1 s, largest force {:.4g} N\nfull scale of the sound: {:.4g} N\n"
+                                "sound:   s/a.wav\npicture: p/b.svg\n",
+                                contacts, largest, largest / kPeak));
+  expect_drawn(box / "p/b.svg", 3);
+  EXPECT_FALSE(fs::exists(box / "s/a.svg"));
+}
+
+TEST(Render, GivesTheSameBytesFromAnyFolderByAnyPath) {
+  const Sandbox box;
+  const auto texts = embedded_texts();
+  fs::create_directories(box / "some/where");
+  write_file(box / "some/mb1.json", std::ranges::find(texts, "mb1.json", &EmbeddedText::file_name)->content);
+  const auto render_from = [&](const fs::path& folder, const std::string& material, const std::string& sound) {
+    succeed({.arguments = {"render", "mass-barrier", "--material", material, "--duration", "0.1", "-o", sound},
+             .folder = folder});
+  };
+  render_from(box.path(), "mb1", "a.wav");
+  render_from(box / "some", "./mb1.json", "where/b.wav");
+  render_from("/", (box / "some/mb1.json").string(), (box / "c.wav").string());
+  for (const std::string kind : {"wav", "svg"}) {
+    EXPECT_TRUE(read_file(box / ("some/where/b." + kind)) == read_file(box / ("a." + kind)));
+    EXPECT_TRUE(read_file(box / ("c." + kind)) == read_file(box / ("a." + kind)));
+  }
+}
+
+// Duration of the first contact in a rendered force, to a fraction of a sample of its ends.
+double contact_duration_s(const Sound& force) {
+  const auto touches = [](double sample) { return sample > 0; };
+  const auto begin = std::ranges::find_if(force.samples, touches);
+  const auto end = std::find_if_not(begin, force.samples.end(), touches);
+  EXPECT_NE(begin, force.samples.end());
+  EXPECT_NE(end, force.samples.end());
+  return static_cast<double>(end - begin) / force.rate;
+}
+
+// T ~ k^(-1/(a + 1)). The speed keeps every contact inside the spline's range and over several of its segments.
+TEST(Render, StiffnessRatioShortensTheContactByTheScalingLaw) {
+  for (const auto& [name, speed] :
+       std::vector<std::pair<std::string, double>>{{"rubber_on_wood", 2}, {"felt_c4", 3}}) {
+    const auto design = shipped(name + ".json");
+    const double exponent = design.material.contact.exponent;
+    const double exact_s = design.material.contact.contact_duration(design.material.impact->mass_kg, speed);
+    for (const double ratio : {0.25, 1.0, 4.0, 16.0}) {
+      const Sound sound = sound_of({"--material", name, "--stiffness-ratio", fmt::format("{}", ratio), "--speed",
+                                    fmt::format("{}", speed), "--gravity", "0", "--start", "0", "--rate", "768000",
+                                    "--duration", "0.02"});
+      const double scaled_s = exact_s * std::pow(ratio, -1 / (exponent + 1));
+      EXPECT_TRUE(within(contact_duration_s(sound), scaled_s, 0.006 * scaled_s + 2.0 / 768000)) << name << ratio;
+    }
+  }
+}
+
+TEST(Render, MassSpeedGravityLossAndStartReachTheModel) {
+  const Words plain = {"--duration", "0.3"};
+  const auto reference = sound_of(plain).samples;
+  for (const Words& option : std::vector<Words>{{"--mass", "0.01"},
+                                                {"--speed", "3.9"},
+                                                {"--gravity", "9.8"},
+                                                {"--loss", "0.01"},
+                                                {"--start", "-0.0011"},
+                                                {"--stiffness-ratio", "1.01"}})
+    EXPECT_NE(sound_of(followed_by(plain, option)).samples, reference) << option.front();
+  const auto defaults = sound_of(followed_by(plain, {"--mass", "0.009", "--speed", "4", "--gravity", "9.81", "--loss",
+                                                     "0", "--start", "-0.001", "--stiffness-ratio", "1"}));
+  EXPECT_EQ(defaults.samples, reference);
+}
+
+struct Extreme {
+  std::string test;
+  Words options;
+  std::string says;
+  bool is_silent = false;
+};
+
+void PrintTo(const Extreme& extreme, std::ostream* stream) {
+  *stream << extreme.test;
+}
+
+class RenderExtreme : public ::testing::TestWithParam<Extreme> {};
+
+TEST_P(RenderExtreme, GivesASoundAndAPicture) {
+  const Sandbox box;
+  const std::string report = render(box, GetParam().options);
+  EXPECT_NE(report.find(GetParam().says), std::string::npos) << report;
+  for (const auto word : {"nan", "inf"}) EXPECT_EQ(report.find(word), std::string::npos) << report;
+  const double peak = read_sound(box / "a.wav").peak();
+  EXPECT_TRUE(within(peak, GetParam().is_silent ? 0 : kPeak, kLevel));
+  expect_drawn(box / "a.svg", 3);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    , RenderExtreme,
+    ::testing::Values(
+        Extreme{"no_contact_in_the_time", {"--start", "-100", "--duration", "0.1"}, "0 contacts", true},
+        Extreme{"no_contact_at_all", {"--speed", "0", "--gravity", "0", "--duration", "0.1"}, "0 contacts", true},
+        Extreme{"one_sample", {"--rate", "1000", "--duration", "0.001"}, "1 contacts"},
+        Extreme{
+            "one_sample_of_silence", {"--rate", "1000", "--duration", "0.001", "--start", "-1"}, "0 contacts", true},
+        Extreme{"two_samples", {"--rate", "1000", "--duration", "0.002"}, "1 contacts"},
+        Extreme{"shorter_than_a_contact", {"--start", "0", "--rate", "192000", "--duration", "0.001"}, "1 contacts"},
+        Extreme{"ten_minutes", {"--rate", "4000", "--duration", "600"}, "contacts in 600 s"},
+        Extreme{
+            "at_rest_in_contact", {"--start", "0", "--speed", "0", "--loss", "10", "--duration", "20"}, "1 contacts"},
+        Extreme{"deep_in_the_barrier", {"--start", "1", "--duration", "0.1"}, "contacts"},
+        Extreme{
+            "softest_and_slowest", {"--stiffness-ratio", "1e-6", "--speed", "1e-6", "--duration", "1"}, "contacts"},
+        Extreme{
+            "stiffest_and_fastest", {"--stiffness-ratio", "1e6", "--speed", "1000", "--duration", "0.1"}, "contacts"},
+        Extreme{"lightest", {"--mass", "1e-9", "--material", "steel_on_steel", "--duration", "0.1"}, "contacts"},
+        Extreme{"heaviest", {"--mass", "1e4", "--material", "steel_on_steel", "--duration", "0.1"}, "contacts"},
+        Extreme{"most_gravity_and_loss", {"--gravity", "1000", "--loss", "1000", "--duration", "0.1"}, "contacts"},
+        Extreme{
+            "far_below", {"--start", "-1000", "--speed", "1000", "--duration", "1.1", "--rate", "8000"}, "contacts"},
+        Extreme{"displacement_of_nothing",
+                {"--start", "0", "--speed", "0", "--gravity", "0", "--signal", "displacement", "--duration", "0.1"},
+                "0 contacts",
+                true}),
+    ::testing::PrintToStringParamName());
+
+TEST(Render, AsksForGnuplotWhereItIsMissing) {
+  const Sandbox box;
+  fs::create_directories(box / "tmp");
+  const auto before = box.listing();
+  const auto outcome = run({.arguments = {"render", "mass-barrier", "--duration", "1", "-o", "a.wav"},
+                            .folder = box.path(),
+                            .environment = {{"PATH", box.path().string()}, {"TMPDIR", (box / "tmp").string()}}});
+  expect_refused(outcome, "picture: gnuplot is not installed", "install the package gnuplot-nox");
+  EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
+}
+
+}  // namespace
+}  // namespace contactspline::testing
