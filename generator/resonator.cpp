@@ -76,24 +76,36 @@ double shape_at(const FreeBar& bar, double wavenumber, double position_m) {
   return (std::exp(-x) + std::cos(x) - std::sin(x) + excess * (std::sinh(x) + std::sin(x))) / 2;
 }
 
-// Modes i = 1, 2, ... while their undamped frequency is below the limit.
+double natural_frequency(const ResonatorMode& mode) {
+  return std::hypot(mode.mode.angular_frequency_rad_per_s, mode.mode.decay_per_s);
+}
+
+// Modes i = 1, 2, ... while their undamped frequency is below the limit, one more than `most` of them at most.
 template <typename UndampedAt, typename ShapesOf>
-std::vector<ResonatorMode> modes_while_below(double limit, const Losses& losses, UndampedAt undamped_at,
-                                             ShapesOf shapes_of) {
+std::vector<ResonatorMode> modes_while_below(double limit, std::size_t most, const Losses& losses,
+                                             UndampedAt undamped_at, ShapesOf shapes_of) {
   std::vector<ResonatorMode> modes;
-  for (int i = 1;; ++i) {
+  for (int i = 1; modes.size() <= most; ++i) {
     const Undamped undamped = undamped_at(i);
-    if (undamped.angular_frequency_rad_per_s >= limit) return modes;
+    if (undamped.angular_frequency_rad_per_s >= limit) break;
     const double beta = undamped.wavenumber_per_m;
+    if (losses.quadratic_m2_per_s * beta * beta >= undamped.angular_frequency_rad_per_s) break;  // now and ever after
+    const auto mode = damped(undamped, losses);
+    if (!mode) continue;
     const auto [strike, pickup] = shapes_of(beta);
-    if (const auto mode = damped(undamped, losses)) modes.push_back({*mode, beta, strike, pickup});
+    modes.push_back({*mode, beta, strike, pickup});
   }
+  return modes;
+}
+
+std::size_t most_modes(const Resonator& resonator) {
+  return static_cast<std::size_t>(resonator.max_modes);
 }
 
 template <typename Body>  // StiffString or FreeBar
 std::vector<ResonatorMode> modes_of_body(const Body& body, const Resonator& resonator, double limit) {
   return modes_while_below(
-      limit, body.losses, [&](int i) { return undamped_mode(body, i); },
+      limit, most_modes(resonator), body.losses, [&](int i) { return undamped_mode(body, i); },
       [&](double beta) {
         return std::pair(shape_at(body, beta, resonator.strike.position_m),
                          shape_at(body, beta, resonator.pickup.position_m));
@@ -118,6 +130,14 @@ std::vector<ResonatorMode> modes_below(const FreeBar& bar, const Resonator& reso
   return modes_of_body(bar, resonator, limit);
 }
 
+// Sorts by rising frequency, keeps one mode more than wanted, and gives the frequency beyond which none is needed.
+double keep_lowest(std::vector<ResonatorMode>& modes, std::size_t most, double limit) {
+  std::ranges::stable_sort(modes, {}, natural_frequency);
+  if (modes.size() <= most) return limit;
+  modes.resize(most + 1);
+  return natural_frequency(modes.back());
+}
+
 // The first zero of J_m rises with m, so the first order without a mode below the limit is the last one to try.
 std::vector<ResonatorMode> modes_below(const Membrane& membrane, const Resonator& resonator, double limit) {
   const Place& strike = resonator.strike;
@@ -126,7 +146,7 @@ std::vector<ResonatorMode> modes_below(const Membrane& membrane, const Resonator
   for (int order = 0;; ++order) {
     const auto radial = [&](double x) { return boost::math::cyl_bessel_j(order, x); };
     const auto found = modes_while_below(
-        limit, membrane.losses, [&](int i) { return undamped_mode(membrane, order, i); },
+        limit, most_modes(resonator), membrane.losses, [&](int i) { return undamped_mode(membrane, order, i); },
         [&](double beta) {
           return std::pair(
               radial(beta * strike.position_m),
@@ -134,6 +154,7 @@ std::vector<ResonatorMode> modes_below(const Membrane& membrane, const Resonator
         });
     if (found.empty()) return modes;
     modes.insert(modes.end(), found.begin(), found.end());
+    limit = keep_lowest(modes, most_modes(resonator), limit);
   }
 }
 
@@ -149,10 +170,9 @@ std::vector<ResonatorMode> modes_below(const ModeTable& table, const Resonator&,
 ModeSet modes_of(const Resonator& resonator, double max_frequency_hz) {
   const double limit = 2 * pi * max_frequency_hz;
   auto modes = std::visit([&](const auto& body) { return modes_below(body, resonator, limit); }, resonator.body);
-  std::ranges::stable_sort(modes, {},
-                           [](const ResonatorMode& mode) { return mode.mode.angular_frequency_rad_per_s; });
-  const bool cut = modes.size() > static_cast<std::size_t>(resonator.max_modes);
-  if (cut) modes.resize(static_cast<std::size_t>(resonator.max_modes));
+  keep_lowest(modes, most_modes(resonator), limit);
+  const bool cut = modes.size() > most_modes(resonator);
+  if (cut) modes.resize(most_modes(resonator));
   return {std::move(modes), cut};
 }
 

@@ -2,13 +2,17 @@
 #include "generator/cli/source_argument.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstdio>
+#include <string>
+#include <vector>
 
 #include "generator/cli/material_argument.hpp"
 #include "generator/cli/output.hpp"
 #include "generator/embedded.hpp"
+#include "generator/error.hpp"
 #include "generator/json_input.hpp"
 
 namespace contactspline {
@@ -36,6 +40,15 @@ Source resonator_source(Resonator resonator, double max_frequency_hz) {
           }};
 }
 
+void require_shipped(const std::string& argument) {
+  std::vector<std::string> names = shipped_names();
+  if (std::ranges::find(names, argument) != names.end()) return;
+  for (const auto& text : embedded_resonators())
+    names.emplace_back(text.file_name.substr(0, text.file_name.find('.')));
+  throw BadInput(fmt::format("{}: MATERIAL: nothing of this name ships; allowed: a .json file, {}", argument,
+                             fmt::join(names, ", ")));
+}
+
 // A resonator file has a body where a material file has a contact.
 bool is_resonator(std::string_view text, std::string_view file) {
   const auto json = parse_json(text, file, "material");
@@ -55,6 +68,7 @@ Source source_argument(const std::string& argument, double max_frequency_hz) {
     if (is_resonator(text, argument)) return resonator_source(parse_resonator(text, argument), max_frequency_hz);
     return material_source(design_contact(text, argument));
   }
+  require_shipped(argument);
   return material_source(design_argument(argument));
 }
 

@@ -93,6 +93,24 @@ TEST(Resonator, TheLimitCutsAndSaysSo) {
   EXPECT_FALSE(modes_of(string, 22050).cut);
 }
 
+// A membrane of 100 m has some 10^9 modes below the limit; only the lowest are looked for. The lowest of all are
+// overdamped (decay 6/s against 1.6 rad/s) and left out.
+TEST(Resonator, FindsTheLowestModesWithoutListingAll) {
+  const Resonator lake{"lake", "", Membrane{100, 0.353, 1500, {6, 0}}, {5}, {9, 0.7}, 200};
+  const auto set = modes_of(lake, 22050);
+  EXPECT_TRUE(set.cut);
+  ASSERT_EQ(set.modes.size(), 200u);
+  EXPECT_GT(set.modes.front().mode.angular_frequency_rad_per_s, 0);
+  for (std::size_t i = 1; i < set.modes.size(); ++i)
+    EXPECT_LE(frequency_hz(set.modes[i - 1]), frequency_hz(set.modes[i]));
+  // the same lowest modes as where more are kept
+  Resonator more = lake;
+  more.max_modes = 600;
+  const auto larger = modes_of(more, 22050);
+  for (std::size_t i = 0; i < set.modes.size(); ++i)
+    EXPECT_EQ(set.modes[i].wavenumber_per_m, larger.modes[i].wavenumber_per_m);
+}
+
 TEST(Resonator, ATableOfModesIsSortedAndKept) {
   const ModeTable table{{{{2000, 1, 0.1}, 0.5, 0.6}, {{1000, 2, 0.2}, 0.7, 0.8}, {{1e6, 2, 0.2}, 0.7, 0.8}}};
   const auto modes = modes_of({"table", "", table, {}, {}, 10}, 22050).modes;
