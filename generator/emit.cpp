@@ -28,9 +28,17 @@ std::string_view template_text(std::string_view kind, const Emitter& emitter) {
   return found->content;
 }
 
+// Rounded to so many decimals of its mantissa; 0 where that is below the normal numbers.
+double rounded(double value, int decimals) {
+  const std::string text = fmt::format("{:.{}e}", value, decimals);
+  double nearest = 0;
+  const auto result = std::from_chars(text.data(), text.data() + text.size(), nearest);
+  return result.ec == std::errc() && std::isnormal(nearest) ? nearest : 0.0;
+}
+
 // Four digits say all a reader can use, and do not depend on the machine's pow() and atan().
 double figure(double value) {
-  return value < 1e-12 ? 0.0 : std::stod(fmt::format("{:.3e}", value));
+  return value < 1e-12 ? 0.0 : rounded(value, 3);
 }
 
 std::string percent(double value) {
@@ -138,7 +146,7 @@ TemplateValues json_values(const Design& design, std::string_view command) {
 
 // As many digits as every machine's sin() and sqrt() agree in.
 double thirteen_digits(double value) {
-  return std::stod(fmt::format("{:.12e}", value));
+  return rounded(value, 12);
 }
 
 std::vector<double> column(const std::vector<ResonatorMode>& modes, double (*member)(const ResonatorMode&)) {

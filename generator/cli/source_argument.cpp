@@ -25,15 +25,21 @@ Source material_source(Design design) {
           }};
 }
 
-void warn_where_cut(const Resonator& resonator, double max_frequency_hz) {
-  if (!modes_of(resonator, max_frequency_hz).cut) return;
+// Something must sound; where modes are left out, a line says so.
+void check_modes(const Resonator& resonator, double max_frequency_hz) {
+  const ModeSet set = modes_of(resonator, max_frequency_hz);
+  if (set.modes.empty())
+    throw BadInput(
+        fmt::format("{}: constant_loss_per_s: no mode below {} Hz sounds; allowed: losses below the frequencies",
+                    resonator.name, max_frequency_hz));
+  if (!set.cut) return;
   const auto line = fmt::format("contactspline: {}: max_modes: {} leaves out modes below {} Hz\n", resonator.name,
                                 resonator.max_modes, max_frequency_hz);
   std::fputs(line.c_str(), stderr);
 }
 
 Source resonator_source(Resonator resonator, double max_frequency_hz) {
-  warn_where_cut(resonator, max_frequency_hz);
+  check_modes(resonator, max_frequency_hz);
   const std::string name = resonator.name;
   return {name, [=, resonator = std::move(resonator)](const Emitter& emitter, std::string_view command) {
             return emit(emitter, resonator, max_frequency_hz, command);
