@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+// Writes random contact steps with their 113-bit answers and the bounds that a backward stable step keeps.
+//
+//   step_reference double|float CASES SHARD SHARDS FILE
+//
+// The bounds. u is the unit roundoff; the reference is the C1 potential of the table as stored (ExactContact).
+//
+// 1. The landing quadratic p(s) = A s^2 + B s + g, s beyond the last knot passed at a way w, x = w + s, is computed
+//    with w to (1 rounding), f0 to 3, the gain G of energy up to that knot to 9 and the rounding of the table
+//    energies (4.), A to 2, xi G to 11, and the terms of B and g each by a few roundings of |w|, |xf| and xi F.
+//    Summed up,
+//      |dp| <= u {|w| (5|w| + 4|xf|) + 11 xi |G| + |s| (6|w| + 2|xf| + 5 xi F) + 2 s^2 (1 + xi c)}.
+//    The root formula does not cancel: 5 roundings of s, as much as another 5 u |s| p'(s) = 5 u (A s^2 - g).
+//    w and s have one sign, so w^2, w s and s^2 are at most parts of x^2. Upwards G, s F and c s^2 are parts of the
+//    work W; downwards c |s| <= F / 2, for the force stays >= 0, so |s| F <= 2 (|s| F - c s^2), and all is within 17
+//    |W|. Hence
+//      |dp| <= u |x| (10|x| + 9|xf|) + 17 u xi |W|:
+//    the root is the exact one for xf moved by D, |D| <= u (10|x| + 9|xf|), and forces changed by 17 u.
+// 2. The force is the mean of W/x and (xf - x)/xi with weights 1/h' and 1 - 1/h'. dx W' and -dx/xi cancel there, and
+//    errors of the weights multiply what vanishes. What is left: W/x to 13 roundings, x and xf - x to 2 u |x|, which
+//    is as good as another D, 4 roundings at the end. Rounded up: D = 12 u (|x| + |xf|), forces 40 u.
+// 3. h rises with slope >= 1, so the force for xf + D has sure bounds (ExactApproach::force_at_shift), whatever kinks
+//    lie between: no linearisation. Its share of the bound is (1 - 1/h') D/xi, at most D/xi; x moves by D at most.
+// 4. Of the table, knots, forces and the last half_curvature define the reference. Other half_curvatures deviate by
+//    slope_error() relative to the force at the right end of their segment, which is to say relative to the work done
+//    in it. Energies deviate by energy_error(), and are subtracted (one rounding more of V(y0)) where more than one
+//    knot is passed: (E_k + E_l) / |W| times that is added to the share of the force. The step may take itself to
+//    have passed one knot more or less when it lands at one; so the step lengthened by 2^-10 is asked.
+//
+// So |dx| <= D + share xi f, where xi f <= |x| + |xf|: up to (E_k + E_l)/|W| every step is well conditioned relative
+// to max(|x|, |xf|). That is what 1e-12 max(|x|, |xf|) is asked of: |dx| <= 1e-12 max, 9007 u in double and the same
+// in float. With uniform knots (E_k + E_l)/|W| is largest for two knots passed at the far end, 2 N / (exponent + 1).
+#include <cstring>
+#include <iostream>
+#include <string>
+
+#include "contact/exact_contact.hpp"
+#include "contact/random_steps.hpp"
+#include "contact/step_cases.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+template <typename T>
+constexpr double kWays = 12 * kRoundoff<T>;
+template <typename T>
+constexpr double kForces = 40 * kRoundoff<T>;
+
+template <typename T>
+Wide share_of_force(const ExactContact& contact, const ExactApproach& approach, Wide increment) {
+  const Wide share = kForces<T> + contact.slope_error();
+  const Wide longer = increment * (1 + Wide(0x1p-10));
+  const std::size_t landing = approach.landing(longer);
+  const auto [low, high] = std::minmax({approach.start(), landing});
+  if (high <= low + 1) return share;
+  const Wide energies = contact.knot_energy(high) + contact.knot_energy(low + 1);
+  return share + (contact.energy_error() + kRoundoff<T>)*energies / magnitude(approach.work(longer, landing));
+}
+
+template <typename T>
+StepCase<T> answered(const RandomStep<T>& step, const ExactContact& contact) {
+  const Wide xf = step.free_increment;
+  const ExactApproach approach(contact, step.compression, xf, step.admittance);
+  const ExactStep exact =
+      step.increment ? approach.solve_near(*step.increment, 4 * kRoundoff<T> * magnitude(xf)) : approach.solve();
+  const Wide shift = kWays<T> * (magnitude(exact.increment) + magnitude(xf));
+  const Wide share = share_of_force<T>(contact, approach, exact.increment);
+  return {step.table,
+          step.compression,
+          step.free_increment,
+          step.admittance,
+          static_cast<double>(exact.increment),
+          static_cast<double>(shift + share * step.admittance * exact.force),
+          static_cast<double>(exact.force),
+          static_cast<double>(approach.force_at_shift(exact, -shift) * (1 - share)),
+          static_cast<double>(approach.force_at_shift(exact, shift) * (1 + share))};
+}
+
+// Rounding each entry of a table of a power law leaves 2 c h within (4 exponent + 4) u of the rise of force, relative
+// to the force, and energies within (2 exponent + 4) u; graded tables are summed in rounded arithmetic.
+template <typename T>
+void require_consistent(const TestTable<T>& table, const ExactContact& contact) {
+  const double allowed = (4 * table.exponent + 4) * kRoundoff<T>;
+  if (!(contact.slope_error() <= allowed && contact.energy_error() <= allowed))
+    throw std::runtime_error("a table is not the rounded table of a C1 potential");
+}
+
+template <typename T>
+void write(std::size_t count, std::size_t shard, std::size_t shards, const std::string& path) {
+  const auto tables = test_tables<T>();
+  std::vector<ExactContact> contacts;
+  StepCases<T> set;
+  for (const auto& table : tables) {
+    set.tables.push_back(table.segments);
+    contacts.emplace_back(table.segments);
+    require_consistent(table, contacts.back());
+  }
+  RandomSteps<T> steps(tables);
+  for (std::size_t i = 0; i < count; ++i)
+    if (const auto step = steps.next(); i % shards == shard)
+      set.cases.push_back(answered(step, contacts[step.table]));
+  for (std::size_t i = 0; i < count / 10; ++i)
+    if (const auto [table, y0, xf, xi, root] = steps.next_extreme(); i % shards == shard)
+      set.extremes.push_back({table, y0, xf, xi});
+  write_step_cases(path, set);
+}
+
+}  // namespace
+}  // namespace contactspline::testing
+
+int main(int argc, char** argv) try {
+  using namespace contactspline::testing;
+  const std::vector<std::string> words(argv, argv + argc);
+  if (words.size() != 6) throw std::runtime_error("usage: step_reference double|float CASES SHARD SHARDS FILE");
+  const auto run = words[1] == "float" ? write<float> : write<double>;
+  run(std::stoul(words[2]), std::stoul(words[3]), std::stoul(words[4]), words[5]);
+} catch (const std::exception& error) {
+  std::cerr << "step_reference: " << error.what() << '\n';
+  return 2;
+}
