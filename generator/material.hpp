@@ -31,7 +31,7 @@ struct Material {
   SplineDesign spline;
 };
 
-/// Parses the text of a material file (design 5): JSON with comments, SI units in the key names. `file` stands in
+/// Parses the text of a material file: JSON with comments, SI units in the key names. `file` stands in
 /// messages only. A max_compression_m left out follows from `impact` by energy. Throws BadInput: unknown, duplicate,
 /// missing, wrong-typed, non-finite and out-of-range keys are errors.
 [[nodiscard]] Material parse_material(std::string_view text, std::string_view file);

@@ -13,10 +13,10 @@ struct PowerLaw {
   [[nodiscard]] double energy(double compression_m) const;  ///< V(y) [J]
   [[nodiscard]] double force(double compression_m) const;   ///< dV/dy [N]
 
-  /// ym = ((a + 1) m v^2 / (2 k))^(1/(a + 1)) [m]: all of m v^2/2 stored (design 2.1). mass > 0, speed >= 0.
+  /// ym = ((a + 1) m v^2 / (2 k))^(1/(a + 1)) [m]: all of m v^2/2 stored. mass > 0, speed >= 0.
   [[nodiscard]] double max_compression(double mass_kg, double speed_m_per_s) const;
 
-  /// T = 2 zeta ym / v [s], zeta = sqrt(pi) Gamma(1 + 1/(a + 1)) / Gamma(1/2 + 1/(a + 1)) (design 2.1). speed > 0.
+  /// T = 2 zeta ym / v [s], zeta = sqrt(pi) Gamma(1 + 1/(a + 1)) / Gamma(1/2 + 1/(a + 1)). speed > 0.
   [[nodiscard]] double contact_duration(double mass_kg, double speed_m_per_s) const;
 };
 

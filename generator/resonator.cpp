@@ -68,12 +68,20 @@ double shape_at(const StiffString&, double wavenumber, double position_m) {
 }
 
 // (cosh x + cos x - k (sinh x + sin x))/2 with k = (cosh X - cos X)/(sinh X - sin X), X = beta L, written without the
-// difference of large exponentials.
+// difference of large exponentials, and without exponentials that grow.
 double shape_at(const FreeBar& bar, double wavenumber, double position_m) {
   const double x = wavenumber * position_m;
   const double end = wavenumber * bar.length_m;
-  const double excess = (std::cos(end) - std::sin(end) - std::exp(-end)) / (std::sinh(end) - std::sin(end));  // 1 - k
-  return (std::exp(-x) + std::cos(x) - std::sin(x) + excess * (std::sinh(x) + std::sin(x))) / 2;
+  const double fall = std::exp(-end);
+  const double rising = std::exp(x - end) - fall * std::exp(-x) + 2 * fall * std::sin(x);  // (sinh x + sin x) 2/e^X
+  const double whole = 1 - fall * fall - 2 * fall * std::sin(end);                         // (sinh X - sin X) 2/e^X
+  const double excess = std::cos(end) - std::sin(end) - fall;                              // (1 - k)(sinh X - sin X)
+  return (std::exp(-x) + std::cos(x) - std::sin(x) + excess * rising / whole) / 2;
+}
+
+// A place on a node: what sin() and its like leave there is rounding, and differs between machines.
+double without_rounding(double shape) {
+  return std::abs(shape) < 1e-12 ? 0.0 : shape;
 }
 
 double natural_frequency(const ResonatorMode& mode) {
@@ -93,7 +101,7 @@ std::vector<ResonatorMode> modes_while_below(double limit, std::size_t most, con
     const auto mode = damped(undamped, losses);
     if (!mode) continue;
     const auto [strike, pickup] = shapes_of(beta);
-    modes.push_back({*mode, beta, strike, pickup});
+    modes.push_back({*mode, beta, without_rounding(strike), without_rounding(pickup)});
   }
   return modes;
 }

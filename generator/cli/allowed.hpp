@@ -38,7 +38,9 @@ template <typename T>
 /// The name of a file to write; not the "-" that elsewhere means standard output.
 [[nodiscard]] inline CLI::Validator file_name() {
   const auto check = [](const std::string& text) {
-    return text.empty() || text == "-" ? fmt::format("'{}' is refused; allowed: a file name", text) : std::string();
+    return text.empty() || text == "-" || text.ends_with('/')
+               ? fmt::format("'{}' is refused; allowed: a file name", text)
+               : std::string();
   };
   return {check, ""};
 }

@@ -121,9 +121,10 @@ std::string envelope_data(const Trace& trace, double rate_hz) {
   std::string data = fmt::format("${} << EOD\n", trace.name);
   for (std::size_t begin = 0; begin < trace.values.size(); begin += stretch) {
     const auto part = trace.values.subspan(begin, std::min(stretch, trace.values.size() - begin));
-    const auto [least, greatest] = std::ranges::minmax(part);
-    const double time_s = static_cast<double>(begin) / rate_hz;
-    data += fmt::format("{:g} {:g}\n{:g} {:g}\n", time_s, trace.scale * least, time_s, trace.scale * greatest);
+    const auto [least, greatest] = std::ranges::minmax_element(part);
+    for (const auto at : {std::min(least, greatest), std::max(least, greatest)})
+      data +=
+          fmt::format("{:g} {:g}\n", static_cast<double>(&*at - trace.values.data()) / rate_hz, trace.scale * *at);
   }
   return data + "EOD\n";
 }

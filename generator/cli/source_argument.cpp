@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -55,11 +56,11 @@ void require_shipped(const std::string& argument) {
                              fmt::join(names, ", ")));
 }
 
-// A resonator file has a body where a material file has a contact.
+// A resonator file has a body, a strike and a pickup where a material file has a contact and a spline.
 bool is_resonator(std::string_view text, std::string_view file) {
   const auto json = parse_json(text, file, "material");
   const auto has = [&](const char* key) { return json.contains(key); };
-  return has("string") || has("bar") || has("membrane") || has("modes");
+  return std::ranges::any_of(std::array{"string", "bar", "membrane", "modes", "strike", "pickup", "max_modes"}, has);
 }
 
 }  // namespace

@@ -18,7 +18,8 @@ struct MassBarrierControls {
 };
 
 /// A point mass before a barrier at 0; displacement and velocity count into the barrier, so displacement > 0 is
-/// compression. Exact energy balance: m v^2/2 - m g q + V(q) is constant without loss (midpoint rule, design 2.2).
+/// compression. Exact energy balance: m v^2/2 - m g q + V(q) is constant without loss (midpoint rule,
+/// docs/contact-step.md).
 template <std::floating_point T, std::size_t Extent = std::dynamic_extent>
 class MassBarrier {
  public:

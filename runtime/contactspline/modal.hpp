@@ -2,9 +2,11 @@
 // Modal resonators with exact poles, condensed to what a contact needs to know of them.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <concepts>
 #include <cstddef>
+#include <numbers>
 #include <span>
 #include <vector>
 
@@ -16,6 +18,15 @@ struct Mode {
   double decay_per_s;                  ///< amplitude falls as exp(-decay t), >= 0
   double mass_kg;                      ///< modal mass for the shapes used, > 0
 };
+
+/// The modes of an emitted resonator.
+template <typename Resonator>
+inline constexpr auto modes_in = [] {
+  std::array<Mode, Resonator::modes> modes{};
+  for (std::size_t i = 0; i < Resonator::modes; ++i)
+    modes[i] = {Resonator::angular_frequencies[i], Resonator::decays[i], Resonator::masses[i]};
+  return modes;
+}();
 
 /// Shapes of all modes at one place: the displacement there is the sum of shape times modal displacement.
 template <std::floating_point T>
@@ -171,7 +182,9 @@ class ModalBank {
     stiffness_.push_back(static_cast<T>(stiffness));
     stiffness_rest_.push_back(static_cast<T>(stiffness - static_cast<double>(stiffness_.back())));
     loss_.push_back(static_cast<T>(loss));
-    give_.push_back(static_cast<T>(give));
+    // A mode above half the sample rate would sound at another pitch: nothing drives it, as in modal.lib.
+    const bool audible = mode.angular_frequency_rad_per_s < std::numbers::pi * sample_rate_hz_;
+    give_.push_back(audible ? static_cast<T>(give) : T(0));
     // K dt^2/m = 4 |1 - z|^2/|1 + z|^2, R dt/m = 4 (1 - |z|^2)/|1 + z|^2, energy (w^2 + K dt^2/m q^2) m/(2 dt^2).
     const double nearness = 8 * give * mode.mass_kg * sample_rate_hz_ * sample_rate_hz_;  // |1 + z|^2
     spring_.push_back(8 * stiffness / nearness);

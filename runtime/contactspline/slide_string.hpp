@@ -59,6 +59,7 @@ class SlideString {
   /// Puts the slide at a place [m] along the string and a height [m] before it (0 touches the string at rest).
   void place(T place_m, T height_m) {
     place_ = place_m;
+    is_still_ = false;
     shapes_.at(place_m, before_);
     slide_ = -height_m;
     velocity_ = 0;

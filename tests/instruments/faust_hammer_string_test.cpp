@@ -35,11 +35,8 @@ struct Sound {
 };
 
 Sound twin() {
-  std::vector<Mode> modes;
-  for (std::size_t i = 0; i < String::modes; ++i)
-    modes.push_back({String::angular_frequencies[i], String::decays[i], String::masses[i]});
   const ModeShapes<double> pickup(std::span<const double>(String::pickup_shapes));
-  HammerString<double> model(std::span<const Segment<double>>(segments_of<Felt, double>), modes,
+  HammerString<double> model(std::span<const Segment<double>>(segments_of<Felt, double>), modes_in<String>,
                              ModeShapes<double>(std::span<const double>(String::strike_shapes)), kRate);
   model.strike(2.5, 1e-4);
   Sound sound;

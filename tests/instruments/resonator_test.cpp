@@ -59,6 +59,17 @@ TEST(FreeBar, ShapesAreNormalised) {
   for (const double integral : integrals) EXPECT_TRUE(within(integral, 0.25, 1e-5));
 }
 
+// sinh(beta L) leaves the range of double at beta L = 710; the shapes must not.
+TEST(FreeBar, OfManyModesKeepsItsShapes) {
+  const Resonator wire{"wire", "", FreeBar{10, 1, 0.01, {1, 0}}, {9.9}, {10}, 4096};
+  const auto modes = modes_of(wire, 22050).modes;
+  ASSERT_GT(modes.size(), 1000u);
+  for (const auto& mode : modes) {
+    EXPECT_LE(std::abs(mode.strike_shape), 1);
+    EXPECT_TRUE(within(std::abs(mode.pickup_shape), 1, 1e-9));  // beta L is right to 2^-53 of up to 6600
+  }
+}
+
 // Zeros of J_m over that of J_0 (Rossing, Fletcher): 1, 1.593, 2.135, 2.295, 2.653, 2.917.
 TEST(Membrane, FrequenciesStandInTheClassicalRatios) {
   const Resonator drum{"drum", "", Membrane{0.16, 0.26, 1850, {2, 0}}, {0.05}, {0.08, 0.5}, 500};

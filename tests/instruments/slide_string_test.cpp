@@ -118,6 +118,26 @@ TEST(SlideString, SettlesWhereTheForcesBalance) {
                      guitar.model.force(), 1e-6));
 }
 
+// Put down elsewhere, a slide that has stood still plays as a new one does.
+TEST(SlideString, CanBePlacedAgain) {
+  const SlideStringControls<double> there{.place_m = 0.4, .slide_mass_kg = 0.02, .hand_force_n = 1};
+  Guitar moved(44100), fresh(44100);
+  SlideStringControls<double> here = there;
+  here.place_m = 0.3;
+  here.hand_force_n = 0;
+  for (int n = 0; n < 10; ++n) moved.model.tick(here);
+  std::vector<double> found, expected;
+  moved.model.place(0.4, 0);
+  fresh.model.place(0.4, 0);
+  for (int n = 0; n < 2000; ++n) {
+    moved.model.tick(there);
+    fresh.model.tick(there);
+    found.push_back(moved.model.compression());
+    expected.push_back(fresh.model.compression());
+  }
+  EXPECT_TRUE(sequences_within<double>(found, expected, 1e-12));
+}
+
 TEST(SlideString, LiftedOffLeavesTheStringAlone) {
   Guitar guitar(44100);
   SlideStringControls<double> controls{.place_m = 0.3, .slide_mass_kg = 0.02, .hand_force_n = -0.5};
