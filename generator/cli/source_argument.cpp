@@ -52,7 +52,7 @@ void require_shipped(const std::string& argument) {
   if (std::ranges::find(names, argument) != names.end()) return;
   for (const auto& text : embedded_resonators())
     names.emplace_back(text.file_name.substr(0, text.file_name.find('.')));
-  throw BadInput(fmt::format("{}: MATERIAL: nothing of this name ships; allowed: a .json file, {}", argument,
+  throw BadInput(fmt::format("{}: MATERIAL: no such material or resonator ships; allowed: a .json file, {}", argument,
                              fmt::join(names, ", ")));
 }
 
