@@ -2,37 +2,16 @@
 // A slide pressed on a string by a hand, moving along it.
 #pragma once
 
-#include <cmath>
-#include <utility>
-#include <vector>
-
 #include "contactspline/contact.hpp"
 #include "contactspline/modal.hpp"
+#include "contactspline/string_place.hpp"
 
 namespace contactspline {
-
-/// Shapes sin(wavenumber x) of a string's modes at any place.
-template <std::floating_point T>
-class StringShapes {
- public:
-  explicit StringShapes(std::span<const double> wavenumbers_per_m)
-      : wavenumbers_(wavenumbers_per_m.begin(), wavenumbers_per_m.end()) {}
-
-  /// Shapes at a place [m] from the end the wavenumbers count from.
-  void at(T place_m, ModeShapes<T>& shapes) const {
-    for (std::size_t i = 0; i < wavenumbers_.size(); ++i) shapes[i] = std::sin(wavenumbers_[i] * place_m);
-  }
-
-  [[nodiscard]] std::size_t size() const { return wavenumbers_.size(); }
-
- private:
-  std::vector<T> wavenumbers_;
-};
 
 /// Live controls of the slide-string model.
 template <std::floating_point T>
 struct SlideStringControls {
-  T place_m;                        ///< of the slide along the string, within its length
+  T place_m;                        ///< of the slide along the string, within its length (MovingPlace::move_to)
   T slide_mass_kg;                  ///< > 0
   T hand_force_n = 0;               ///< presses the slide on the string
   T hand_stiffness_n_per_m = 0;     ///< holds the slide at height 0, >= 0
@@ -49,43 +28,46 @@ struct SlideStringControls {
 template <std::floating_point T, std::size_t Extent = std::dynamic_extent>
 class SlideString {
  public:
-  SlideString(SegmentTable<T, Extent> table, std::span<const Mode> modes, StringShapes<T> shapes, T pluck_place_m,
-              double sample_rate_hz)
-      : table_(table), string_(modes, sample_rate_hz), shapes_(std::move(shapes)), time_step_(T(1 / sample_rate_hz)) {
-    for (auto* at : {&pluck_, &before_, &after_, &mean_, &change_, &rest_}) *at = ModeShapes<T>(shapes_.size());
+  SlideString(SegmentTable<T, Extent> table, std::span<const Mode> modes, const StringShapes<T>& shapes,
+              T pluck_place_m, double sample_rate_hz)
+      : table_(table),
+        string_(modes, sample_rate_hz),
+        shapes_(shapes),
+        place_(shapes, pluck_place_m),
+        pluck_(shapes.size()),
+        rest_(shapes.size()),
+        time_step_(T(1 / sample_rate_hz)) {
     shapes_.at(pluck_place_m, pluck_);
   }
 
   /// Puts the slide at a place [m] along the string and a height [m] before it (0 touches the string at rest).
   void place(T place_m, T height_m) {
-    place_ = place_m;
-    is_still_ = false;
-    shapes_.at(place_m, before_);
+    place_.put(place_m);
+    shapes_.at(place_m / 2, rest_);
     slide_ = -height_m;
     velocity_ = 0;
-    compression_ = slide_ - string_.displacement(before_);
+    compression_ = slide_ - string_.displacement(place_.after());
   }
 
   /// Advances one sample. Safe in an audio thread: no allocation, no lock, bounded time.
   void tick(const SlideStringControls<T>& controls) {
-    move_to(controls.place_m);
+    if (place_.move_to(controls.place_m)) shapes_.at(place_.place() / 2, rest_);
     string_.predict();
     string_.push(pluck_, controls.pluck_force_n);
     const Rest rest = rest_of(controls);
     const Slide slide = slide_of(controls);
-    const T bend = string_.displacement(change_);
-    const T free = string_.increment(after_) - rest.share * rest.increment * rest.at_slide_end;
-    const T give = string_.admittance(after_, mean_) - rest.share * rest.at_slide_end * rest.at_slide;
+    const T bend = string_.displacement(place_.change());
+    const T free = string_.increment(place_.after()) - rest.share * rest.increment * rest.at_slide_end;
+    const T give = string_.admittance(place_.after(), place_.mean()) - rest.share * rest.at_slide_end * rest.at_slide;
     const Approach<T> approach{compression_, slide.free_increment - free - bend, slide.admittance + give};
     force_ = contact_force(table_, controls.contact, time_step_, approach);
     rest_force_ = -rest.share * (rest.increment + rest.at_slide * force_);
-    string_.push(mean_, force_);
+    string_.push(place_.mean(), force_);
     string_.push(rest_, rest_force_);
-    pull_ = string_.middle(change_);
+    pull_ = string_.middle(place_.change());
     string_.commit();
     compression_ += approach.free_increment - approach.admittance * force_;
     advance_slide(controls, slide);
-    std::swap(before_, after_);
   }
 
   [[nodiscard]] T force() const { return force_; }                ///< contact force over the last sample [N]
@@ -106,24 +88,11 @@ class SlideString {
     T free_increment, admittance;
   };
 
-  void move_to(T place) {
-    if (place == place_ && is_still_) return;
-    is_still_ = place == place_;
-    place_ = place;
-    shapes_.at(place, after_);
-    shapes_.at(place / 2, rest_);
-    for (std::size_t i = 0; i < shapes_.size(); ++i) {
-      mean_[i] = (before_[i] + after_[i]) / 2;
-      change_[i] = after_[i] - before_[i];
-    }
-    // once the slide has stood for a sample, before_ and after_ are the same and nothing needs to be computed again
-  }
-
   Rest rest_of(const SlideStringControls<T>& controls) const {
     const T rate = controls.rest_resistance_n_s_per_m / time_step_;
     if (!(rate > 0)) return {};
     return {rate / (1 + rate * string_.admittance(rest_, rest_)), string_.increment(rest_),
-            string_.admittance(rest_, mean_), string_.admittance(rest_, after_)};
+            string_.admittance(rest_, place_.mean()), string_.admittance(rest_, place_.after())};
   }
 
   Slide slide_of(const SlideStringControls<T>& controls) const {
@@ -145,16 +114,15 @@ class SlideString {
   SegmentTable<T, Extent> table_;
   ModalBank<T> string_;
   StringShapes<T> shapes_;
-  ModeShapes<T> pluck_, before_, after_, mean_, change_, rest_;
+  MovingPlace<T> place_;
+  ModeShapes<T> pluck_, rest_;
   T time_step_;
-  T place_ = 0;
   T slide_ = 0;
   T velocity_ = 0;
   T compression_ = 0;
   T force_ = 0;
   T rest_force_ = 0;
   T pull_ = 0;
-  bool is_still_ = false;
 };
 
 }  // namespace contactspline

@@ -21,15 +21,9 @@ struct Guitar {
   explicit Guitar(double rate)
       : modes(audible_modes(kGuitar)),
         table(segment_table(uniform_spline({"slide", "", kGuitar.felt, {}, {32, 2e-4}}, "slide"))),
-        shapes(wavenumbers(modes)),
+        shapes(wavenumbers_of(modes)),
         model(table, bare(modes), shapes, kPluck, rate) {
     model.place(0.3, kHeight);
-  }
-
-  static std::vector<double> wavenumbers(const std::vector<ResonatorMode>& modes) {
-    std::vector<double> values;
-    for (const auto& mode : modes) values.push_back(mode.wavenumber_per_m);
-    return values;
   }
 
   [[nodiscard]] double displacement_at(double place) const {

@@ -47,6 +47,12 @@ inline std::vector<Mode> bare(const std::vector<ResonatorMode>& modes) {
   return bare;
 }
 
+inline std::vector<double> wavenumbers_of(const std::vector<ResonatorMode>& modes) {
+  std::vector<double> values;
+  for (const auto& mode : modes) values.push_back(mode.wavenumber_per_m);
+  return values;
+}
+
 template <typename T>
 ModeShapes<T> shapes(const std::vector<ResonatorMode>& modes, double ResonatorMode::*shape) {
   ModeShapes<T> shapes(modes.size());
