@@ -59,8 +59,8 @@ class MovingPlace {
     is_moving_ = false;
   }
 
-  /// Moves towards a place over the coming sample, at most an eighth of the shortest wave: a leap becomes a fast slide,
-  /// which the string can follow. Tells whether it moved.
+  /// Moves towards a place over the coming sample, at most an eighth of the shortest wave: a leap becomes a fast
+  /// slide, which the string can follow. Tells whether it moved.
   bool move_to(T place_m) {
     const T way = std::clamp(place_m - place_, -most_, most_);
     if (way == 0 && !is_moving_) return false;
@@ -72,9 +72,9 @@ class MovingPlace {
     return true;
   }
 
-  [[nodiscard]] T place() const { return place_; }                      ///< [m]
-  [[nodiscard]] const ModeShapes<T>& after() const { return after_; }   ///< shapes at the end of the sample
-  [[nodiscard]] const ModeShapes<T>& mean() const { return mean_; }     ///< of the shapes before and after
+  [[nodiscard]] T place() const { return place_; }                       ///< [m]
+  [[nodiscard]] const ModeShapes<T>& after() const { return after_; }    ///< shapes at the end of the sample
+  [[nodiscard]] const ModeShapes<T>& mean() const { return mean_; }      ///< of the shapes before and after
   [[nodiscard]] const ModeShapes<T>& change() const { return change_; }  ///< of the shapes over the sample
 
  private:
