@@ -5,38 +5,12 @@
 #include <boost/math/special_functions/bessel.hpp>
 #include <cmath>
 #include <numbers>
-#include <optional>
 #include <utility>
 
 namespace contactspline {
 namespace {
 
 using std::numbers::pi;
-
-/// A mode without its losses.
-struct Undamped {
-  double angular_frequency_rad_per_s;
-  double wavenumber_per_m;
-  double mass_kg;
-};
-
-double decay_of(const Losses& losses, double wavenumber) {
-  return losses.constant_per_s + losses.quadratic_m2_per_s * wavenumber * wavenumber;
-}
-
-// w^2 = w0^2 - s^2; nothing oscillates where that is not positive.
-std::optional<Mode> damped(const Undamped& mode, const Losses& losses) {
-  const double decay = decay_of(losses, mode.wavenumber_per_m);
-  const double square = (mode.angular_frequency_rad_per_s - decay) * (mode.angular_frequency_rad_per_s + decay);
-  if (!(square > 0)) return {};
-  return Mode{std::sqrt(square), decay, mode.mass_kg};
-}
-
-Undamped undamped_mode(const StiffString& string, int i) {
-  const double beta = i * pi / string.length_m;
-  const double stiffness = beta * beta * (string.tension_n + string.bending_stiffness_n_m2 * beta * beta);
-  return {std::sqrt(stiffness * string.length_m / string.mass_kg), beta, string.mass_kg / 2};
-}
 
 // i-th root of cosh(x) cos(x) = 1 beyond 0, by Newton's method on cos(x) - 1/cosh(x) from the asymptote (i + 1/2) pi.
 double free_bar_root(int i) {
@@ -48,23 +22,19 @@ double free_bar_root(int i) {
   return x;
 }
 
-Undamped undamped_mode(const FreeBar& bar, int i) {
+UndampedMode undamped_mode(const FreeBar& bar, int i) {
   const double beta = free_bar_root(i) / bar.length_m;
   const double stiffness = bar.bending_stiffness_n_m2 * std::pow(beta, 4);
   return {std::sqrt(stiffness * bar.length_m / bar.mass_kg), beta, bar.mass_kg / 4};
 }
 
-Undamped undamped_mode(const Membrane& membrane, int order, int i) {
+UndampedMode undamped_mode(const Membrane& membrane, int order, int i) {
   const double root = boost::math::cyl_bessel_j_zero(static_cast<double>(order), i);
   const double beta = root / membrane.radius_m;
   const double ring = boost::math::cyl_bessel_j(order + 1, root);
   const double area = pi * membrane.radius_m * membrane.radius_m * (order == 0 ? 1.0 : 0.5);
   return {beta * std::sqrt(membrane.tension_n_per_m / membrane.mass_per_area_kg_m2), beta,
           membrane.mass_per_area_kg_m2 * area * ring * ring};
-}
-
-double shape_at(const StiffString&, double wavenumber, double position_m) {
-  return std::sin(wavenumber * position_m);
 }
 
 // (cosh x + cos x - k (sinh x + sin x))/2 with k = (cosh X - cos X)/(sinh X - sin X), X = beta L, written without the
@@ -94,11 +64,11 @@ std::vector<ResonatorMode> modes_while_below(double limit, std::size_t most, con
                                              UndampedAt undamped_at, ShapesOf shapes_of) {
   std::vector<ResonatorMode> modes;
   for (int i = 1; modes.size() <= most; ++i) {
-    const Undamped undamped = undamped_at(i);
+    const UndampedMode undamped = undamped_at(i);
     if (undamped.angular_frequency_rad_per_s >= limit) break;
     const double beta = undamped.wavenumber_per_m;
     if (losses.quadratic_m2_per_s * beta * beta >= undamped.angular_frequency_rad_per_s) break;  // now and ever after
-    const auto mode = damped(undamped, losses);
+    const auto mode = undamped.with(losses);
     if (!mode) continue;
     const auto [strike, pickup] = shapes_of(beta);
     modes.push_back({*mode, beta, without_rounding(strike), without_rounding(pickup)});
@@ -110,32 +80,22 @@ std::size_t most_modes(const Resonator& resonator) {
   return static_cast<std::size_t>(resonator.max_modes);
 }
 
-template <typename Body>  // StiffString or FreeBar
-std::vector<ResonatorMode> modes_of_body(const Body& body, const Resonator& resonator, double limit) {
-  return modes_while_below(
-      limit, most_modes(resonator), body.losses, [&](int i) { return undamped_mode(body, i); },
-      [&](double beta) {
-        return std::pair(shape_at(body, beta, resonator.strike.position_m),
-                         shape_at(body, beta, resonator.pickup.position_m));
-      });
-}
-
-std::vector<ResonatorMode> modes_below(const StiffString& strings, const Resonator& resonator, double limit) {
+std::vector<ResonatorMode> modes_below(const StiffString& string, const Resonator& resonator, double limit) {
   std::vector<ResonatorMode> modes;
-  const auto count = static_cast<double>(strings.detuning_cents.size());
-  for (const double cents : strings.detuning_cents) {
-    StiffString string = strings;
-    string.tension_n *= std::exp2(cents / 600);  // frequency goes with the root of the tension
-    for (ResonatorMode mode : modes_of_body(string, resonator, limit)) {
-      mode.strike_shape /= count;
-      modes.push_back(mode);
-    }
-  }
+  const auto strings = static_cast<double>(string.detuning_cents.size());
+  for (const auto& [mode, beta] : modes_below(string, limit / (2 * pi), most_modes(resonator) + 1))
+    modes.push_back({mode, beta, without_rounding(std::sin(beta * resonator.strike.position_m)) / strings,
+                     without_rounding(std::sin(beta * resonator.pickup.position_m))});
   return modes;
 }
 
 std::vector<ResonatorMode> modes_below(const FreeBar& bar, const Resonator& resonator, double limit) {
-  return modes_of_body(bar, resonator, limit);
+  return modes_while_below(
+      limit, most_modes(resonator), bar.losses, [&](int i) { return undamped_mode(bar, i); },
+      [&](double beta) {
+        return std::pair(shape_at(bar, beta, resonator.strike.position_m),
+                         shape_at(bar, beta, resonator.pickup.position_m));
+      });
 }
 
 // Sorts by rising frequency, keeps one mode more than wanted, and gives the frequency beyond which none is needed.

@@ -8,26 +8,9 @@
 #include <vector>
 
 #include "contactspline/modal.hpp"
+#include "contactspline/stiff_string.hpp"
 
 namespace contactspline {
-
-/// Decay of a mode of wavenumber beta [1/m]: constant + quadratic beta^2 [1/s]; the second part grows with the square
-/// of the frequency of a flexible string or a membrane.
-struct Losses {
-  double constant_per_s;
-  double quadratic_m2_per_s;
-};
-
-/// Stiff string between rigid supports: w0^2 = (T beta^2 + EI beta^4)/mu, beta = i pi/L, mu = M/L (Chaigne and
-/// Askenfelt, JASA 1994, with EI = eps T L^2). Shapes sin(beta x), modal mass M/2. Place: x [m] from one end.
-struct StiffString {
-  double length_m;
-  double mass_kg;
-  double tension_n;
-  double bending_stiffness_n_m2;
-  Losses losses;
-  std::vector<double> detuning_cents = {0};
-};
 
 /// Free-free Euler-Bernoulli bar: w0^2 = EI beta^4/mu, cosh(beta L) cos(beta L) = 1. Shapes are 1 at the
 /// ends, modal mass M/4. Place: x [m] from one end. The two rigid-body modes are left out.
