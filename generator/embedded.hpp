@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Templates, shipped materials and resonators, embedded at build time.
+// Templates, shipped materials, resonators and keyboards, embedded at build time.
 #pragma once
 
 #include <span>
@@ -15,7 +15,8 @@ struct EmbeddedText {
 /// Every file of templates/ and materials/, by rising name within each.
 [[nodiscard]] std::span<const EmbeddedText> embedded_texts();
 
-/// Every file of resonators/, by rising name.
+/// Every file of resonators/ or of keyboards/, by rising name.
 [[nodiscard]] std::span<const EmbeddedText> embedded_resonators();
+[[nodiscard]] std::span<const EmbeddedText> embedded_keyboards();
 
 }  // namespace contactspline

@@ -6,9 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <charconv>
 #include <cmath>
-#include <stdexcept>
 #include <vector>
 
 #include "generator/embedded.hpp"
@@ -20,25 +18,9 @@ namespace {
 
 constexpr std::array kEmitters = {Emitter{"faust", "lib"}, Emitter{"cpp", "hpp"}, Emitter{"json", "json"}};
 
-std::string_view template_text(std::string_view kind, const Emitter& emitter) {
-  const std::string file_name = fmt::format("{}.{}.in", kind, emitter.extension);
-  const auto texts = embedded_texts();
-  const auto found = std::ranges::find(texts, file_name, &EmbeddedText::file_name);
-  if (found == texts.end()) throw std::logic_error(fmt::format("no template {}", file_name));
-  return found->content;
-}
-
-// Rounded to so many decimals of its mantissa; 0 where that is below the normal numbers.
-double rounded(double value, int decimals) {
-  const std::string text = fmt::format("{:.{}e}", value, decimals);
-  double nearest = 0;
-  const auto result = std::from_chars(text.data(), text.data() + text.size(), nearest);
-  return result.ec == std::errc() && std::isnormal(nearest) ? nearest : 0.0;
-}
-
 // Four digits say all a reader can use, and do not depend on the machine's pow() and atan().
 double figure(double value) {
-  return value < 1e-12 ? 0.0 : rounded(value, 3);
+  return value < 1e-12 ? 0.0 : rounded_to(value, 4);
 }
 
 std::string percent(double value) {
@@ -146,7 +128,7 @@ TemplateValues json_values(const Design& design, std::string_view command) {
 
 // As many digits as every machine's sin() and sqrt() agree in.
 double thirteen_digits(double value) {
-  return rounded(value, 12);
+  return rounded_to(value, 13);
 }
 
 std::vector<double> column(const std::vector<ResonatorMode>& modes, double (*member)(const ResonatorMode&)) {
@@ -214,7 +196,7 @@ std::span<const Emitter> emitters() {
 
 std::string emit(const Emitter& emitter, const Design& design, std::string_view command) {
   const auto values = emitter.name == "faust" ? faust_values : emitter.name == "cpp" ? cpp_values : json_values;
-  return fill_template(template_text("material", emitter), values(design, command));
+  return fill_template(emitted_template("material", emitter.extension), values(design, command));
 }
 
 std::string emit(const Emitter& emitter, const Resonator& resonator, double max_frequency_hz,
@@ -226,7 +208,7 @@ std::string emit(const Emitter& emitter, const Resonator& resonator, double max_
   values["TITLE"] = resonator.description.empty() ? resonator.name : resonator.description;
   values["MAX_FREQUENCY"] = literal(max_frequency_hz);
   values["STRINGS"] = fmt::format("{}", strings_of(resonator));
-  return fill_template(template_text("resonator", emitter), values);
+  return fill_template(emitted_template("resonator", emitter.extension), values);
 }
 
 }  // namespace contactspline

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Designed contacts and resonators as source text: Faust library, C++ header, JSON.
+// Designed contacts, resonators and keyboards as source text: Faust library, C++ header, JSON.
 #pragma once
 
 #include <span>
 #include <string>
 #include <string_view>
 
+#include "generator/keyboard.hpp"
 #include "generator/material.hpp"
 #include "generator/quality.hpp"
 #include "generator/resonator.hpp"
@@ -40,5 +41,8 @@ struct Emitter {
 /// Source text of a resonator's modes below `max_frequency_hz`, rounded to 13 digits for the same reason.
 [[nodiscard]] std::string emit(const Emitter& emitter, const Resonator& resonator, double max_frequency_hz,
                                std::string_view command);
+
+/// Source text of a keyboard: the strings and felts of all its keys. Throws BadInput as note_of() does.
+[[nodiscard]] std::string emit(const Emitter& emitter, const Keyboard& keyboard, std::string_view command);
 
 }  // namespace contactspline

@@ -35,6 +35,11 @@ constexpr std::array kReserved = {
     "using",       "virtual",   "void",      "volatile",  "wchar_t",  "while",        "xor",
     "xor_eq"};
 
+// Words that emitted code cannot be called by, though they are identifiers: libraries beside it, macros of C.
+constexpr std::array kTakenElsewhere = {"contact", "modal",    "instruments", "std",   "linux",
+                                        "unix",    "errno",    "assert",      "stdin", "stdout",
+                                        "stderr",  "offsetof", "setjmp",      "major", "minor"};
+
 std::string joined(const std::vector<std::string>& names) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
@@ -94,7 +99,8 @@ bool is_identifier(std::string_view name) {
   const auto is_part = [&](char c) { return is_lower(c) || (c >= '0' && c <= '9') || c == '_'; };
   return !name.empty() && name.size() <= kMaxNameLength && is_lower(name.front()) &&
          std::ranges::all_of(name, is_part) && name.find("__") == std::string_view::npos &&
-         std::ranges::find(kReserved, name) == kReserved.end();
+         std::ranges::find(kReserved, name) == kReserved.end() &&
+         std::ranges::find(kTakenElsewhere, name) == kTakenElsewhere.end();
 }
 
 }  // namespace

@@ -56,7 +56,7 @@ class JsonObject {
   std::string path_;
 };
 
-/// Key `name`: a lower-case identifier that can name files and code; none of `taken`.
+/// Key `name`: a lower-case identifier that can name files and code; none of `taken`, the members of what is emitted.
 [[nodiscard]] std::string read_name(const JsonObject& object, std::span<const char* const> taken);
 
 /// Key `description`: one line, or nothing where it is left out.

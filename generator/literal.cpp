@@ -3,8 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
 #include <cmath>
 #include <stdexcept>
+#include <system_error>
 
 namespace contactspline {
 
@@ -13,6 +15,13 @@ std::string literal(double value) {
   std::string text = fmt::format("{}", value);
   if (text.find_first_of(".e") == std::string::npos) text += ".0";
   return text;
+}
+
+double rounded_to(double value, int digits) {
+  const std::string text = fmt::format("{:.{}e}", value, digits - 1);
+  double nearest = 0;
+  const auto result = std::from_chars(text.data(), text.data() + text.size(), nearest);
+  return result.ec == std::errc() && std::isnormal(nearest) ? nearest : 0.0;
 }
 
 std::string literal_rows(std::span<const double> values, int indent) {

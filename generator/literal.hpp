@@ -11,6 +11,9 @@ namespace contactspline {
 /// where value is not finite.
 [[nodiscard]] std::string literal(double value);
 
+/// `value` rounded to so many significant decimal digits; 0 where that is below the normal numbers.
+[[nodiscard]] double rounded_to(double value, int digits);
+
 /// Literals of `values` separated by commas, wrapped at 110 columns and indented by `indent` spaces.
 [[nodiscard]] std::string literal_rows(std::span<const double> values, int indent);
 

@@ -17,35 +17,10 @@ constexpr Range kSpeed{1e-6, 1e3};
 constexpr Range kCompression{1e-9, 1};
 constexpr int kMaxSegments = 65536;
 
-// Names the emitted files use themselves: members of the C++ struct, which must not be called like it, the namespace
-// std, macros that compilers predefine, and the hand-written Faust libraries beside which the emitted ones lie.
-constexpr const char* kTaken[] = {"segments",
-                                  "stiffness_n_per_m_alpha",
-                                  "exponent",
-                                  "max_compression_m",
-                                  "segment_width_m",
-                                  "energy_scale_j",
-                                  "knots",
-                                  "energies",
-                                  "forces",
-                                  "half_curvatures",
-                                  "normalised",
-                                  "regular",
-                                  "std",
-                                  "linux",
-                                  "unix",
-                                  "assert",
-                                  "errno",
-                                  "stdin",
-                                  "stdout",
-                                  "stderr",
-                                  "offsetof",
-                                  "setjmp",
-                                  "major",
-                                  "minor",
-                                  "instruments",
-                                  "contact",
-                                  "modal"};
+// Members of the emitted C++ struct, which must not be called like it.
+constexpr const char* kTaken[] = {"segments",        "stiffness_n_per_m_alpha", "exponent",   "max_compression_m",
+                                  "segment_width_m", "energy_scale_j",          "knots",      "energies",
+                                  "forces",          "half_curvatures",         "normalised", "regular"};
 
 Impact read_impact(const JsonObject& impact) {
   const Impact read{impact.number("mass_kg", kMass), impact.number("max_speed_m_per_s", kSpeed),

@@ -24,15 +24,9 @@ constexpr Range kShape{-1e6, 1e6};
 constexpr std::size_t kMaxStrings = 8;
 constexpr int kMaxModes = 4096;
 
-// Members of the emitted C++ struct, which must not be called like it, and the rest as for materials.
-constexpr const char* kTaken[] = {"modes",         "strings",       "angular_frequencies",
-                                  "decays",        "masses",        "wavenumbers",
-                                  "strike_shapes", "pickup_shapes", "contact",
-                                  "modal",         "instruments",   "std",
-                                  "linux",         "unix",          "errno",
-                                  "assert",        "stdin",         "stdout",
-                                  "stderr",        "offsetof",      "setjmp",
-                                  "major",         "minor"};
+// Members of the emitted C++ struct, which must not be called like it.
+constexpr const char* kTaken[] = {"modes",  "strings",     "angular_frequencies", "decays",
+                                  "masses", "wavenumbers", "strike_shapes",       "pickup_shapes"};
 
 Losses read_losses(const JsonObject& body) {
   return {body.number("constant_loss_per_s", kConstantLoss), body.number("quadratic_loss_m2_per_s", kQuadraticLoss)};

@@ -3,8 +3,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <set>
 #include <stdexcept>
+
+#include "generator/embedded.hpp"
 
 namespace contactspline {
 namespace {
@@ -18,6 +21,14 @@ std::size_t placeholder_length(std::string_view text) {
 }
 
 }  // namespace
+
+std::string_view emitted_template(std::string_view kind, std::string_view extension) {
+  const std::string file_name = fmt::format("{}.{}.in", kind, extension);
+  const auto texts = embedded_texts();
+  const auto found = std::ranges::find(texts, file_name, &EmbeddedText::file_name);
+  if (found == texts.end()) throw std::logic_error(fmt::format("no template {}", file_name));
+  return found->content;
+}
 
 std::string fill_template(std::string_view text, const TemplateValues& values) {
   std::string filled;

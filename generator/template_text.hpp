@@ -10,6 +10,9 @@ namespace contactspline {
 
 using TemplateValues = std::map<std::string, std::string, std::less<>>;
 
+/// The text of templates/KIND.EXTENSION.in. Throws std::logic_error where there is none.
+[[nodiscard]] std::string_view emitted_template(std::string_view kind, std::string_view extension);
+
 /// `text` with every @KEY@ (upper case, digits, _) replaced by its value. Throws std::logic_error, naming the key,
 /// where the text has a key without value or a value is not used.
 [[nodiscard]] std::string fill_template(std::string_view text, const TemplateValues& values);

@@ -47,34 +47,48 @@ Source resonator_source(Resonator resonator, double max_frequency_hz) {
           }};
 }
 
+Source keyboard_source(Keyboard keyboard) {
+  const std::string name = keyboard.name;
+  return {name, [keyboard = std::move(keyboard)](const Emitter& emitter, std::string_view command) {
+            return emit(emitter, keyboard, command);
+          }};
+}
+
+// The text of what ships under a name, or nothing.
+const EmbeddedText* shipped(std::span<const EmbeddedText> texts, const std::string& name) {
+  const auto found = std::ranges::find(texts, name + ".json", &EmbeddedText::file_name);
+  return found == texts.end() ? nullptr : &*found;
+}
+
 void require_shipped(const std::string& argument) {
   std::vector<std::string> names = shipped_names();
   if (std::ranges::find(names, argument) != names.end()) return;
-  for (const auto& text : embedded_resonators())
-    names.emplace_back(text.file_name.substr(0, text.file_name.find('.')));
-  throw BadInput(fmt::format("{}: MATERIAL: no such material or resonator ships; allowed: a .json file, {}", argument,
-                             fmt::join(names, ", ")));
+  for (const auto& texts : {embedded_resonators(), embedded_keyboards()})
+    for (const auto& text : texts) names.emplace_back(text.file_name.substr(0, text.file_name.find('.')));
+  throw BadInput(fmt::format("{}: MATERIAL: no such material, resonator or keyboard ships; allowed: a .json file, {}",
+                             argument, fmt::join(names, ", ")));
 }
 
-// A resonator file has a body, a strike and a pickup where a material file has a contact and a spline.
-bool is_resonator(std::string_view text, std::string_view file) {
+// A resonator file has a body, a strike and a pickup, a keyboard file a keyboard, where a material file has a contact
+// and a spline.
+Source file_source(const std::string& file, double max_frequency_hz) {
+  const std::string text = read_input(file);
   const auto json = parse_json(text, file, "material");
   const auto has = [&](const char* key) { return json.contains(key); };
-  return std::ranges::any_of(std::array{"string", "bar", "membrane", "modes", "strike", "pickup", "max_modes"}, has);
+  if (std::ranges::any_of(std::array{"string", "bar", "membrane", "modes", "strike", "pickup", "max_modes"}, has))
+    return resonator_source(parse_resonator(text, file), max_frequency_hz);
+  if (has("keyboard")) return keyboard_source(parse_keyboard(text, file));
+  return material_source(design_contact(text, file));
 }
 
 }  // namespace
 
 Source source_argument(const std::string& argument, double max_frequency_hz) {
-  const auto shipped = embedded_resonators();
-  const auto found = std::ranges::find(shipped, argument + ".json", &EmbeddedText::file_name);
-  if (found != shipped.end())
-    return resonator_source(parse_resonator(found->content, found->file_name), max_frequency_hz);
-  if (is_path(argument)) {
-    const std::string text = read_input(argument);
-    if (is_resonator(text, argument)) return resonator_source(parse_resonator(text, argument), max_frequency_hz);
-    return material_source(design_contact(text, argument));
-  }
+  if (const auto* text = shipped(embedded_resonators(), argument))
+    return resonator_source(parse_resonator(text->content, text->file_name), max_frequency_hz);
+  if (const auto* text = shipped(embedded_keyboards(), argument))
+    return keyboard_source(parse_keyboard(text->content, text->file_name));
+  if (is_path(argument)) return file_source(argument, max_frequency_hz);
   require_shipped(argument);
   return material_source(design_argument(argument));
 }

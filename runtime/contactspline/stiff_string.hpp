@@ -60,6 +60,13 @@ struct UndampedMode {
   return {std::sqrt(stiffness * string.length_m / string.mass_kg), beta, string.mass_kg / 2};
 }
 
+/// Force on the support at the string's far end per modal displacement, for a mode of this wavenumber [N/m]:
+/// -(T beta + EI beta^3) cos(beta L).
+[[nodiscard]] inline double bridge_shape(const StiffString& string, double wavenumber_per_m) {
+  const double beta = wavenumber_per_m;
+  return -beta * (string.tension_n + string.bending_stiffness_n_m2 * beta * beta) * std::cos(beta * string.length_m);
+}
+
 /// A mode of a string: its shape at x is sin(wavenumber x).
 struct StringMode {
   Mode mode;
@@ -68,9 +75,8 @@ struct StringMode {
 
 /// Modes whose undamped frequency is below a limit, by rising frequency, of each string at most `most`. A force at a
 /// place acts on all strings alike: divide its shapes by their number.
-[[nodiscard]] inline std::vector<StringMode> modes_below(
-    const StiffString& string, double max_frequency_hz,
-    std::size_t most = std::numeric_limits<std::size_t>::max()) {
+[[nodiscard]] inline std::vector<StringMode> modes_below(const StiffString& string, double max_frequency_hz,
+                                                         std::size_t most = std::numeric_limits<std::size_t>::max()) {
   std::vector<StringMode> modes;
   for (const double cents : string.detuning_cents) {
     std::size_t count = 0;

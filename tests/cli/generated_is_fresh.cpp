@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// generated/ holds just what the shipped materials and resonators give today.
+// generated/ holds just what the shipped materials, resonators and keyboards give today.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -15,10 +15,10 @@ namespace {
 
 const fs::path kSource = SOURCE_FOLDER;
 
-// materials/*.json resonators/*.json
+// materials/*.json resonators/*.json keyboards/*.json
 Words shipped_files() {
   Words files;
-  for (const std::string folder : {"materials", "resonators"})
+  for (const std::string folder : {"materials", "resonators", "keyboards"})
     if (fs::exists(kSource / folder))
       for (const auto& entry : fs::directory_iterator(kSource / folder))
         if (entry.path().extension() == ".json") files.push_back(folder + "/" + entry.path().filename().string());
@@ -27,8 +27,9 @@ Words shipped_files() {
 }
 
 std::string mending_command() {
-  return fmt::format("To mend it:\n  cd {} && {} generate materials/*.json resonators/*.json -o generated\n",
-                     kSource.string(), kProgram);
+  return fmt::format(
+      "To mend it:\n  cd {} && {} generate materials/*.json resonators/*.json keyboards/*.json -o generated\n",
+      kSource.string(), kProgram);
 }
 
 TEST(generated_is_fresh, byte_for_byte) {

@@ -15,6 +15,7 @@ struct Meta {
 /// Remembers where each control lives.
 struct UI {
   void openVerticalBox(const char*) {}
+  void openHorizontalBox(const char*) {}
   void closeBox() {}
   void declare(void*, const char*, const char*) {}
   void addButton(const char* label, void* zone) { zones[label] = zone; }

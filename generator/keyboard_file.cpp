@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+// Keyboard files: reading.
+#include <fmt/format.h>
+
+#include <optional>
+
+#include "generator/error.hpp"
+#include "generator/json_input.hpp"
+#include "generator/keyboard.hpp"
+
+namespace contactspline {
+namespace {
+
+constexpr int kHighestKey = 127;
+constexpr int kMaxSegments = 256;
+constexpr Range kLength{1e-3, 100};
+constexpr Range kMass{1e-9, 1e4};
+constexpr Range kBending{1e-12, 1e6};
+constexpr Range kConstantLoss{1e-6, 1e4};
+constexpr Range kQuadraticLoss{1e-12, 1e3};
+constexpr Range kStiffness{1e-3, 1e20};
+constexpr Range kExponent{1, 10};
+constexpr Range kPitch{100, 1000};
+constexpr Range kSpeed{1e-3, 100};
+
+// Members of the emitted C++ struct, which must not be called like it.
+constexpr const char* kTaken[] = {"first_key", "keys", "last_damped_key", "concert_pitch_hz", "segments", "lengths", "masses", "tensions", "knots", "energies", "forces", "half_curvatures", "constant_losses", "quadratic_losses", "bending_stiffnesses", "strike_positions", "hammer_masses", "strings"};
+
+PublishedNote read_note(const JsonObject& note) {
+  PublishedNote read{note.integer("key", 0, kHighestKey),
+                     note.number("length_m", kLength),
+                     note.number("mass_kg", kMass),
+                     note.number("bending_stiffness_n_m2", kBending),
+                     {note.number("constant_loss_per_s", kConstantLoss),
+                      note.number("quadratic_loss_m2_per_s", kQuadraticLoss)},
+                     0,
+                     note.number("hammer_mass_kg", kMass),
+                     {note.number("stiffness_n_per_m_alpha", kStiffness), note.number("exponent", kExponent)}};
+  read.strike_position_m = note.number("strike_position_m", {1e-6, read.length_m});
+  return read;
+}
+
+std::vector<PublishedNote> read_notes(const JsonObject& keyboard) {
+  std::vector<PublishedNote> notes;
+  for (const JsonObject& note : keyboard.objects(
+           "notes",
+           {"key", "length_m", "mass_kg", "bending_stiffness_n_m2", "constant_loss_per_s", "quadratic_loss_m2_per_s",
+            "strike_position_m", "hammer_mass_kg", "stiffness_n_per_m_alpha", "exponent"},
+           kHighestKey + 1)) {
+    notes.push_back(read_note(note));
+    if (notes.size() > 1 && notes.back().key <= std::prev(notes.end(), 2)->key)
+      note.fail(note.key("key"), fmt::format("{} does not rise", notes.back().key), "notes by rising key");
+  }
+  if (notes.size() < 2) keyboard.fail(keyboard.key("notes"), "fewer than two notes", "at least two, to interpolate");
+  return notes;
+}
+
+}  // namespace
+
+Keyboard parse_keyboard(std::string_view text, std::string_view file) {
+  const auto json = parse_json(text, file, "keyboard");
+  const JsonObject whole(json, file, "keyboard", {"name", "description", "keyboard"});
+  const JsonObject keyboard =
+      whole.object("keyboard", {"first_key", "last_key", "first_double_key", "first_triple_key", "last_damped_key", "concert_pitch_hz", "max_speed_m_per_s",
+                                "segments", "notes"});
+  const int first = keyboard.integer("first_key", 0, kHighestKey);
+  const int last = keyboard.integer("last_key", first, kHighestKey);
+  return {read_name(whole, kTaken),
+          read_description(whole),
+          first,
+          last,
+          keyboard.integer("first_double_key", 0, kHighestKey + 1),
+          keyboard.integer("first_triple_key", 0, kHighestKey + 1),
+          keyboard.integer("last_damped_key", 0, kHighestKey),
+          keyboard.number("concert_pitch_hz", kPitch),
+          keyboard.number("max_speed_m_per_s", kSpeed),
+          keyboard.integer("segments", 1, kMaxSegments),
+          read_notes(keyboard)};
+}
+
+}  // namespace contactspline

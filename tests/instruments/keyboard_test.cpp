@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+// The keyboard that ships: its notes, what is emitted of them, and one voice in Faust and in C++.
+#include "contactspline/keyboard.hpp"
+
+#include <fstream>
+#include <iterator>
+
+#include "contactspline/keyboards/piano.hpp"
+#include "cpp_program.hpp"
+#include "generator/error.hpp"
+#include "generator/keyboard.hpp"
+#include "support/compare.hpp"
+
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wall"
+#pragma GCC diagnostic ignored "-Wextra"
+#pragma GCC diagnostic ignored "-Wpedantic"
+#pragma GCC diagnostic ignored "-Wconversion"
+#pragma GCC diagnostic ignored "-Wshadow"
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+#define FAUSTFLOAT double
+#include "piano_double.hpp"
+#pragma GCC diagnostic pop
+
+namespace contactspline::testing {
+namespace {
+
+using Piano = keyboards::piano;
+
+Keyboard piano() {
+  std::ifstream file(SOURCE_FOLDER "/keyboards/piano.json");
+  const std::string text((std::istreambuf_iterator<char>(file)), {});
+  return parse_keyboard(text, "piano.json");
+}
+
+double first_partial_hz(const StiffString& string) {
+  return modes_below(string, 22050, 1).front().mode.angular_frequency_rad_per_s / (2 * std::numbers::pi);
+}
+
+TEST(Keyboard, IsInTune) {
+  const Keyboard keyboard = piano();
+  ASSERT_EQ(keyboard.last_key - keyboard.first_key + 1, 88);
+  for (int key = 21; key <= 108; ++key)
+    EXPECT_TRUE(relatively_within(first_partial_hz(note_of(keyboard, key).string), 440 * std::exp2((key - 69) / 12.0),
+                                  1e-12))
+        << key;
+}
+
+// At a published key the note is the published one, and its tension is near the published one, which was measured.
+TEST(Keyboard, PassesThroughThePublishedNotes) {
+  const Keyboard keyboard = piano();
+  const double published_tensions[] = {915, 759, 741, 696, 697, 670};
+  for (std::size_t i = 0; i < keyboard.notes.size(); ++i) {
+    const PublishedNote& published = keyboard.notes[i];
+    const KeyboardNote note = note_of(keyboard, published.key);
+    EXPECT_TRUE(relatively_within(note.string.length_m, published.length_m, 1e-5));
+    EXPECT_TRUE(relatively_within(note.string.mass_kg, published.mass_kg, 1e-5));
+    EXPECT_TRUE(relatively_within(note.string.bending_stiffness_n_m2, published.bending_stiffness_n_m2, 1e-5));
+    EXPECT_TRUE(relatively_within(note.strike_position_m, published.strike_position_m, 1e-5));
+    EXPECT_TRUE(relatively_within(note.hammer_mass_kg * note.strings, published.hammer_mass_kg, 1e-5));
+    EXPECT_TRUE(relatively_within(note.felt.contact.stiffness * note.strings, published.felt.stiffness, 1e-5));
+    EXPECT_TRUE(within(note.felt.contact.exponent, published.felt.exponent, 1e-5));
+    EXPECT_TRUE(relatively_within(note.string.tension_n, published_tensions[i], 0.04));
+  }
+}
+
+// Along the keyboard nothing leaps: strings grow shorter and exponents greater from key to key.
+TEST(Keyboard, ChangesSteadily) {
+  const Keyboard keyboard = piano();
+  for (int key = 22; key <= 108; ++key) {
+    const KeyboardNote below = note_of(keyboard, key - 1), note = note_of(keyboard, key);
+    EXPECT_LT(note.string.length_m, below.string.length_m);
+    EXPECT_GT(note.felt.contact.exponent, below.felt.contact.exponent);
+    EXPECT_LT(std::abs(std::log(note.string.tension_n / below.string.tension_n)), 0.05);
+    EXPECT_GE(note.strings, below.strings);
+  }
+}
+
+TEST(Keyboard, IsEmittedAsItIs) {
+  const Keyboard keyboard = piano();
+  for (int key = 21; key <= 108; ++key) {
+    const auto k = static_cast<std::size_t>(key - 21);
+    const KeyboardNote note = note_of(keyboard, key);
+    const StiffString string = string_of<Piano>(key);
+    EXPECT_EQ(string.length_m, note.string.length_m);
+    EXPECT_EQ(string.tension_n, note.string.tension_n);
+    EXPECT_EQ(Piano::hammer_masses[k], note.hammer_mass_kg);
+    EXPECT_EQ(Piano::strings[k], note.strings);
+    const auto felt = segment_table(uniform_spline(note.felt, "piano"));
+    ASSERT_EQ(felt.size(), Piano::segments + 1);
+    for (std::size_t j = 0; j < felt.size(); ++j) {
+      EXPECT_EQ((felts_of<Piano, double>[k][j].knot), felt[j].knot);
+      EXPECT_EQ((felts_of<Piano, double>[k][j].half_curvature), felt[j].half_curvature);
+    }
+  }
+}
+
+// A voice of piano.dsp and KeyboardVoice on the same key, same number of modes: the louder of its two channels.
+TEST(Keyboard, SoundsAlikeInFaustAndCpp) {
+  constexpr int kRate = 44100;
+  constexpr std::size_t kSamples = 22050;
+  for (const int key : {33, 60, 96}) {
+    CppProgram<piano_double, double> program(kRate);
+    program.set("freq", 440 * std::exp2((key - 69) / 12.0));
+    program.set("gain", 0.7);
+    program.set("gate", 1);
+    const auto outputs = program.run({}, kSamples + 1);
+    KeyboardVoice<Piano, double> voice(key, kRate, 80);
+    voice.strike(0.2 * std::pow(30.0, 0.7));
+    const double side = 0.2 + 0.6 * (key - 21) / 88;
+    const double gain = 0.5 * 0.02 * std::sqrt(side);
+    std::vector<double> expected;
+    for (std::size_t n = 0; n < kSamples; ++n) expected.push_back(gain * voice.tick());
+    const std::vector<double> found(outputs[1].begin() + 1, outputs[1].end());
+    EXPECT_TRUE(sequences_within<double>(found, expected, 1e-9)) << "key " << key;
+  }
+}
+
+// Released, a key's damper falls; the highest have none.
+TEST(Keyboard, DampsWhatHasADamper) {
+  for (const int key : {60, 100}) {
+    KeyboardVoice<Piano, double> voice(key, 44100);
+    voice.strike(2);
+    for (int n = 0; n < 4410; ++n) voice.tick();
+    const double before = voice.model().string().energy();
+    voice.release();
+    for (int n = 0; n < 4410; ++n) voice.tick();
+    EXPECT_EQ(voice.model().string().energy() < 1e-4 * before, key == 60) << key;
+  }
+}
+
+TEST(Keyboard, RefusesAStringThatNoTensionTunes) {
+  Keyboard keyboard = piano();
+  for (PublishedNote& note : keyboard.notes) note.bending_stiffness_n_m2 *= 1e4;
+  EXPECT_THROW(static_cast<void>(note_of(keyboard, 108)), BadInput);
+}
+
+}  // namespace
+}  // namespace contactspline::testing
