@@ -7,15 +7,10 @@
 # EMIT        what to write: cpp (NAME.hpp), faust (NAME.lib), json (NAME.json), or several; default cpp
 # OUTPUT_DIR  where to, relative to the current binary folder; default: a folder called like TARGET
 #
-# For Faust: faust -I ${ContactSpline_FAUST_DIR} -I OUTPUT_DIR.
+# For Faust: faust -I ${ContactSpline_FAUST_DIR} -I OUTPUT_DIR; contactspline_lv2 and contactspline_jack do so.
 
 cmake_policy(VERSION 3.25)  # whatever the caller's; CMP0116 is about depfiles
-
-# Ends the configuration with one line: keyword, what is wrong, what is allowed.
-function(_contactspline_fail message)
-  string(REGEX REPLACE "[ \n]+" " " message "${message}")
-  message(FATAL_ERROR "contactspline_generate: ${message}")
-endfunction()
+include(${CMAKE_CURRENT_LIST_DIR}/ContactSplineArguments.cmake)
 
 # The `name` of a material file, after which its outputs are called. string(JSON) takes comments, as the program does.
 function(_contactspline_name_in file result)
@@ -54,19 +49,7 @@ endfunction()
 
 # Checks the arguments of contactspline_generate and gives them back as arg_<KEYWORD>, defaults filled in.
 function(_contactspline_arguments)
-  cmake_parse_arguments(PARSE_ARGV 0 arg "" "TARGET;OUTPUT_DIR" "MATERIALS;EMIT")
-  if(DEFINED arg_UNPARSED_ARGUMENTS)
-    list(GET arg_UNPARSED_ARGUMENTS 0 unknown)
-    _contactspline_fail("'${unknown}' is unknown; allowed: TARGET, MATERIALS, EMIT, OUTPUT_DIR")
-  endif()
-  foreach(keyword IN LISTS arg_KEYWORDS_MISSING_VALUES)
-    _contactspline_fail("${keyword}: has no value; allowed: at least one")
-  endforeach()
-  foreach(keyword TARGET MATERIALS)
-    if(NOT DEFINED arg_${keyword})
-      _contactspline_fail("${keyword}: missing; needed: TARGET and MATERIALS")
-    endif()
-  endforeach()
+  _contactspline_parse("TARGET;OUTPUT_DIR" "MATERIALS;EMIT" "TARGET;MATERIALS" ${ARGV})
   if(NOT DEFINED arg_EMIT)
     set(arg_EMIT cpp)
   endif()
@@ -112,6 +95,7 @@ endfunction()
 
 # See the top of this file.
 function(contactspline_generate)
+  set(_contactspline_function contactspline_generate)
   _contactspline_arguments(${ARGV})
   set(extension_cpp hpp)
   set(extension_faust lib)
@@ -136,4 +120,6 @@ function(contactspline_generate)
   add_library(${arg_TARGET} INTERFACE ${all_outputs})
   target_include_directories(${arg_TARGET} INTERFACE "$<BUILD_INTERFACE:${arg_OUTPUT_DIR}>")
   target_link_libraries(${arg_TARGET} INTERFACE ContactSpline::runtime)
+  set_target_properties(${arg_TARGET} PROPERTIES
+    CONTACTSPLINE_OUTPUT_DIR "${arg_OUTPUT_DIR}" CONTACTSPLINE_OUTPUTS "${all_outputs}")
 endfunction()

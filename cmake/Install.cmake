@@ -19,7 +19,7 @@ configure_package_config_file(cmake/ContactSplineConfig.cmake.in ContactSplineCo
 write_basic_package_version_file(ContactSplineConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES
   ${PROJECT_BINARY_DIR}/ContactSplineConfig.cmake ${PROJECT_BINARY_DIR}/ContactSplineConfigVersion.cmake
-  cmake/ContactSplineGenerate.cmake
+  cmake/ContactSplineArguments.cmake cmake/ContactSplineFaust.cmake cmake/ContactSplineGenerate.cmake
   DESTINATION ${contactspline_cmake_dir})
 
 # From the file's own folder to the prefix, whatever the folders are called.

@@ -148,19 +148,19 @@ case_add_subdirectory() {
   done
 }
 
-# Configures and builds a project of nothing but contactspline_generate(...), in the working folder.
+# Configures and builds a project of nothing but contactspline_generate(...), or another function, in the working folder.
 generate_in_cmake() {
   cat >CMakeLists.txt <<END
 cmake_minimum_required(VERSION 3.25)
 project(Arguments LANGUAGES NONE)
 find_package(ContactSpline ${version-} CONFIG REQUIRED)
-contactspline_generate($*)
+${function-contactspline_generate}($*)
 END
   rm -rf build
   cmake -S . -B build -G Ninja "-DCMAKE_PREFIX_PATH=$WORK/prefix" && cmake --build build
 }
 
-# expect_refusal MESSAGE ARGUMENT...: contactspline_generate(ARGUMENT...) fails and says so.
+# expect_refusal MESSAGE ARGUMENT...: the function called with these arguments fails and says so.
 expect_refusal() {
   local message="$1"
   shift
@@ -185,7 +185,7 @@ case_arguments() {
   expect_refusal "${prefix}MATERIALS: missing; needed: TARGET and MATERIALS" TARGET t
   expect_refusal "${prefix}MATERIALS: has no value" TARGET t MATERIALS
   expect_refusal "${prefix}OUTPUT_DIR: has no value" TARGET t OUTPUT_DIR MATERIALS cork.json
-  expect_refusal "${prefix}'t' is unknown; allowed: TARGET, MATERIALS, EMIT, OUTPUT_DIR" t MATERIALS cork.json
+  expect_refusal "${prefix}'t' is unknown; allowed: TARGET, OUTPUT_DIR, MATERIALS, EMIT" t MATERIALS cork.json
   expect_refusal "${prefix}MATERIALS: no 'OUPUT_DIR' ships; allowed: a .json file, felt_c2, felt_c4" \
     TARGET t MATERIALS cork.json OUPUT_DIR folder
   expect_refusal "${prefix}EMIT: 'rust' is unknown; allowed: cpp, faust, json" TARGET t MATERIALS cork.json EMIT rust
@@ -202,6 +202,64 @@ case_arguments() {
   sed 's/"exponent": 2.0/"exponent": -2.0/' cork.json >impossible.json
   expect_refusal "impossible.json: contact.exponent: -2 is out of range" TARGET t MATERIALS impossible.json
   [ ! -e build/t/cork.hpp ] || fail "a material that was refused left a header"
+
+  cp "$SOURCE/tests/consumer/project/ball.dsp" .
+  cp ball.dsp 2balls.dsp
+  local function
+  for function in contactspline_lv2 contactspline_jack; do
+    prefix="$function: "
+    expect_refusal "${prefix}DSP: missing; needed: TARGET and DSP" TARGET t
+    expect_refusal "absent.dsp is not there; allowed: a Faust program (.dsp)" TARGET t DSP absent.dsp
+    expect_refusal "cork.json is not there; allowed: a Faust program (.dsp)" TARGET t DSP cork.json
+    expect_refusal "${prefix}VOICES: 'many' is not usable; allowed: a whole number, 0 or more" \
+      TARGET t DSP ball.dsp VOICES many
+    expect_refusal "${prefix}MATERIALS: 'm' is no target of contactspline_generate" TARGET t DSP ball.dsp MATERIALS m
+  done
+  expect_refusal "${prefix}'URI' is unknown; allowed: TARGET, DSP, VOICES, OUTPUT_DIR, MATERIALS" \
+    TARGET t DSP ball.dsp URI urn:a:b
+  function=contactspline_lv2
+  expect_refusal "DSP: '2balls' would name a class of C++" TARGET t DSP 2balls.dsp
+  PKG_CONFIG_LIBDIR=nowhere expect_refusal "something is not installed; Debian has it as: lv2-dev" TARGET t DSP ball.dsp
+}
+
+# A Faust program on a material of the project's own, as a plug-in and as a program for JACK.
+case_plugins() {
+  install_at "$WORK/prefix"
+  cp "$SOURCE"/tests/consumer/project/{ball.dsp,materials/cork.json} "$WORK"
+  project="$WORK"
+  cat >"$WORK/CMakeLists.txt" <<'END'
+cmake_minimum_required(VERSION 3.25)
+project(Plugins LANGUAGES CXX)
+find_package(ContactSpline CONFIG REQUIRED)
+contactspline_generate(TARGET materials MATERIALS cork.json EMIT faust)
+contactspline_lv2(TARGET plugin DSP ball.dsp VOICES 3 URI urn:a:ball OUTPUT_DIR lv2 MATERIALS materials)
+if(WITH_JACK)
+  contactspline_jack(TARGET program DSP ball.dsp MATERIALS materials FAUST_OPTIONS -double)
+endif()
+END
+  for generator in Ninja 'Unix Makefiles'; do
+    build="$WORK/build by $generator"
+    local bundle="$build/lv2/ball.lv2"
+    configure "$generator" "-DCMAKE_PREFIX_PATH=$WORK/prefix"
+    build
+    for file in manifest.ttl ball.ttl ball.so; do [ -f "$bundle/$file" ] || fail "no $file"; done
+    grep -q '<urn:a:ball>' "$bundle/manifest.ttl" || fail "the manifest does not know the plug-in's URI"
+    grep -q 'lv2:maximum 3 ' "$bundle/ball.ttl" || fail "the plug-in has another number of voices"
+    expect_current
+
+    sed -i 's/2e7/8e7/' "$WORK/cork.json"
+    cp "$bundle/ball.so" "$WORK/before.so"
+    build
+    ! cmp -s "$bundle/ball.so" "$WORK/before.so" || fail "a changed material leaves the plug-in as it was"
+    rm "$bundle/ball.ttl"
+    build
+    [ -s "$bundle/ball.ttl" ] || fail "a description that was removed is not made again"
+    expect_current
+    cp "$SOURCE/tests/consumer/project/materials/cork.json" "$WORK"
+  done
+  configure "$generator" -DWITH_JACK=ON
+  build
+  [ -x "$build/ball" ] || fail "no program"
 }
 
 case_pkg_config() {

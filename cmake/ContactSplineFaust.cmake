@@ -1,0 +1,183 @@
+# contactspline_lv2(TARGET name DSP file [VOICES n] [URI uri] [OUTPUT_DIR folder] [MATERIALS target...]
+#                   [FAUST_OPTIONS option...])
+# contactspline_jack(TARGET name DSP file [VOICES n] [OUTPUT_DIR folder] [MATERIALS target...] [FAUST_OPTIONS option...])
+#
+# Compile a Faust program with Faust's own architecture files lv2.cpp and jack-console.cpp: contactspline_lv2 to a plug-in,
+# the bundle OUTPUT_DIR/FILE.lv2; contactspline_jack to a program for the JACK server, OUTPUT_DIR/FILE, that is played by
+# MIDI. FILE is the name of the Faust file without .dsp.
+#
+# DSP            the Faust program, relative to the current source folder
+# VOICES         how many notes may sound at once, for programs with freq, gain and gate; 0: it is not played by notes.
+#                Default: what the program says by `declare options "[nvoices:16]"`, else 0
+# URI            identity of the plug-in, never to change; default: urn:contactspline:FILE
+# OUTPUT_DIR     relative to the current binary folder; default: that folder
+# MATERIALS      targets of contactspline_generate with EMIT faust, whose materials the program uses
+# FAUST_OPTIONS  for the Faust compiler, for instance -double or -vec
+#
+# To install a bundle: install(DIRECTORY $<TARGET_FILE_DIR:name> DESTINATION lib/lv2).
+
+cmake_policy(VERSION 3.25)  # whatever the caller's
+include(${CMAKE_CURRENT_LIST_DIR}/ContactSplineArguments.cmake)
+
+# Finds Faust, Boost and the pkg-config packages given as pairs NAME DEBIAN_PACKAGE, imported as
+# PkgConfig::CONTACTSPLINE_NAME; one line tells of all that is missing.
+function(_contactspline_find)
+  set(missing "")
+  find_program(FAUST faust)
+  find_path(FAUST_INCLUDE_DIR faust/dsp/dsp.h)
+  if(NOT FAUST OR NOT FAUST_INCLUDE_DIR)
+    list(APPEND missing faust)
+  endif()
+  find_path(CONTACTSPLINE_BOOST_INCLUDE_DIR boost/circular_buffer.hpp)  # lv2.cpp uses it
+  if(NOT CONTACTSPLINE_BOOST_INCLUDE_DIR)
+    list(APPEND missing libboost-dev)
+  endif()
+  find_package(PkgConfig QUIET)
+  if(NOT PkgConfig_FOUND)
+    list(APPEND missing pkg-config)
+  endif()
+  while(ARGN)
+    list(POP_FRONT ARGN name debian)
+    if(PkgConfig_FOUND)
+      string(TOUPPER ${name} prefix)
+      pkg_check_modules(CONTACTSPLINE_${prefix} QUIET IMPORTED_TARGET ${name})
+    endif()
+    if(NOT TARGET PkgConfig::CONTACTSPLINE_${prefix})
+      list(APPEND missing ${debian})
+    endif()
+  endwhile()
+  if(missing)
+    list(JOIN missing " " missing)
+    _contactspline_fail("something is not installed; Debian has it as: ${missing}")
+  endif()
+endfunction()
+
+# Checks and completes the arguments that both functions share, and sets `stem`, the name of the Faust file.
+function(_contactspline_faust_arguments more)
+  set(one TARGET DSP VOICES ${more} OUTPUT_DIR)
+  _contactspline_parse("${one}" "MATERIALS;FAUST_OPTIONS" "TARGET;DSP" ${ARGN})
+  cmake_path(ABSOLUTE_PATH arg_DSP BASE_DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}" NORMALIZE)
+  cmake_path(GET arg_DSP STEM LAST_ONLY stem)
+  if(NOT EXISTS "${arg_DSP}" OR NOT arg_DSP MATCHES "\\.dsp$")
+    _contactspline_fail("DSP: ${arg_DSP} is not there; allowed: a Faust program (.dsp)")
+  endif()
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${arg_DSP}")
+  if(NOT DEFINED arg_VOICES)
+    set(arg_VOICES 0)
+    file(STRINGS "${arg_DSP}" declared REGEX "^declare options .*\\[nvoices:[0-9]+\\]")
+    if(declared MATCHES "\\[nvoices:([0-9]+)\\]")
+      set(arg_VOICES ${CMAKE_MATCH_1})
+    endif()
+  elseif(NOT arg_VOICES MATCHES "^[0-9]+$")
+    _contactspline_fail("VOICES: '${arg_VOICES}' is not usable; allowed: a whole number, 0 or more")
+  endif()
+  foreach(target IN LISTS arg_MATERIALS)
+    get_property(is_generated TARGET ${target} PROPERTY CONTACTSPLINE_OUTPUTS SET)
+    if(NOT is_generated)
+      _contactspline_fail("MATERIALS: '${target}' is no target of contactspline_generate; allowed: such targets")
+    endif()
+  endforeach()
+  if(NOT DEFINED arg_OUTPUT_DIR)
+    set(arg_OUTPUT_DIR "${CMAKE_CURRENT_BINARY_DIR}")
+  endif()
+  cmake_path(ABSOLUTE_PATH arg_OUTPUT_DIR BASE_DIRECTORY "${CMAKE_CURRENT_BINARY_DIR}" NORMALIZE)
+  list(TRANSFORM one PREPEND arg_)
+  return(PROPAGATE ${one} arg_MATERIALS arg_FAUST_OPTIONS stem)
+endfunction()
+
+# The build step that makes `source`, the Faust program as C++ in an architecture file; further arguments are options.
+function(_contactspline_faust_step source architecture)
+  set(include "")
+  set(depends "")
+  foreach(target IN LISTS arg_MATERIALS)
+    get_target_property(folder ${target} CONTACTSPLINE_OUTPUT_DIR)
+    get_target_property(outputs ${target} CONTACTSPLINE_OUTPUTS)
+    list(APPEND include -I "${folder}")
+    list(APPEND depends ${target} ${outputs})
+  endforeach()
+  # Faust writes no dependency file: the program depends on every library it may use.
+  cmake_path(GET arg_DSP PARENT_PATH folder)
+  file(GLOB libraries CONFIGURE_DEPENDS "${folder}/*.lib" "${ContactSpline_FAUST_DIR}/*.lib")
+  add_custom_command(
+    OUTPUT "${source}"
+    COMMAND ${FAUST} -a ${architecture} ${ARGN} ${arg_FAUST_OPTIONS} ${include} -I "${ContactSpline_FAUST_DIR}"
+            "${arg_DSP}" -o "${source}"
+    DEPENDS "${FAUST}" "${arg_DSP}" ${libraries} ${depends}
+    COMMENT "Compiling ${stem}.dsp with ${architecture}"
+    VERBATIM)
+endfunction()
+
+# How Faust's own scripts compile what it writes. Its architecture files are not ours to warn about.
+function(_contactspline_faust_options target)
+  target_compile_features(${target} PRIVATE cxx_std_11)
+  target_compile_options(${target} PRIVATE -Ofast -w)
+  # jack-console.cpp minds NVOICES where it differs from NUM_VOICES only.
+  target_compile_definitions(${target} PRIVATE NVOICES=${arg_VOICES} NUM_VOICES=-1)
+  target_include_directories(${target} SYSTEM PRIVATE "${FAUST_INCLUDE_DIR}" "${CONTACTSPLINE_BOOST_INCLUDE_DIR}")
+endfunction()
+
+# See the top of this file.
+function(contactspline_lv2)
+  set(_contactspline_function contactspline_lv2)
+  _contactspline_faust_arguments(URI ${ARGN})
+  if(NOT stem MATCHES "^[A-Za-z_][A-Za-z0-9_]*$")
+    _contactspline_fail("DSP: '${stem}' would name a class of C++; allowed: letters, digits and _, no digit first")
+  endif()
+  _contactspline_find(lv2 lv2-dev)
+  if(NOT DEFINED arg_URI)
+    set(arg_URI urn:contactspline:${stem})
+  endif()
+  set(bundle "${arg_OUTPUT_DIR}/${stem}.lv2")
+  set(source "${CMAKE_CURRENT_BINARY_DIR}/${arg_TARGET}.cpp")
+  _contactspline_faust_step("${source}" lv2.cpp -cn ${stem})  # the class is called as the plug-in's binary
+
+  set(objects ${arg_TARGET}_objects)
+  add_library(${objects} OBJECT "${source}")
+  _contactspline_faust_options(${objects})
+  # Without tunings, which would be those of whoever builds.
+  target_compile_definitions(${objects} PRIVATE PLUGIN_URI="${arg_URI}" FAUST_MTS=0)
+  set_target_properties(${objects} PROPERTIES POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden)
+  target_link_libraries(${objects} PRIVATE PkgConfig::CONTACTSPLINE_LV2)
+
+  # As a program it describes its ports.
+  set(describe ${arg_TARGET}_describe)
+  add_executable(${describe} $<TARGET_OBJECTS:${objects}>)
+  set_target_properties(${describe} PROPERTIES LINKER_LANGUAGE CXX)
+  set(manifest "${bundle}/manifest.ttl")
+  file(CONFIGURE OUTPUT "${manifest}" @ONLY CONTENT
+"@prefix lv2:  <http://lv2plug.in/ns/lv2core#> .
+@prefix rdfs: <http://www.w3.org/2000/01/rdf-schema#> .
+
+<@arg_URI@>
+	a lv2:Plugin ;
+	lv2:binary <@stem@@CMAKE_SHARED_MODULE_SUFFIX@> ;
+	rdfs:seeAlso <@stem@.ttl> .
+")
+  set(description "${bundle}/${stem}.ttl")
+  add_custom_command(
+    OUTPUT "${description}"
+    COMMAND ${describe} > "${description}" 2> "${CMAKE_CURRENT_BINARY_DIR}/${describe}.log"
+    DEPENDS ${describe}
+    COMMENT "Describing ${stem}.lv2"
+    VERBATIM)
+
+  add_library(${arg_TARGET} MODULE $<TARGET_OBJECTS:${objects}> "${description}")
+  set_target_properties(${arg_TARGET} PROPERTIES
+    LINKER_LANGUAGE CXX LINK_DEPENDS "${description}"
+    PREFIX "" OUTPUT_NAME ${stem} LIBRARY_OUTPUT_DIRECTORY "$<1:${bundle}>")
+endfunction()
+
+# See the top of this file.
+function(contactspline_jack)
+  set(_contactspline_function contactspline_jack)
+  _contactspline_faust_arguments("" ${ARGN})
+  _contactspline_find(jack libjack-jackd2-dev alsa libasound2-dev)
+  find_package(Threads REQUIRED)
+  set(source "${CMAKE_CURRENT_BINARY_DIR}/${arg_TARGET}.cpp")
+  _contactspline_faust_step("${source}" jack-console.cpp)
+  add_executable(${arg_TARGET} "${source}")
+  _contactspline_faust_options(${arg_TARGET})
+  target_compile_definitions(${arg_TARGET} PRIVATE MIDICTRL)
+  target_link_libraries(${arg_TARGET} PRIVATE PkgConfig::CONTACTSPLINE_JACK PkgConfig::CONTACTSPLINE_ALSA Threads::Threads)
+  set_target_properties(${arg_TARGET} PROPERTIES OUTPUT_NAME ${stem} RUNTIME_OUTPUT_DIRECTORY "$<1:${arg_OUTPUT_DIR}>")
+endfunction()
