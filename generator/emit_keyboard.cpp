@@ -30,9 +30,11 @@ void add_strings(TemplateValues& values, const std::vector<KeyboardNote>& notes)
   values["LENGTHS"] = column(notes, [](const KeyboardNote& n) { return n.string.length_m; });
   values["MASSES"] = column(notes, [](const KeyboardNote& n) { return n.string.mass_kg; });
   values["TENSIONS"] = column(notes, [](const KeyboardNote& n) { return n.string.tension_n; });
-  values["BENDING_STIFFNESSES"] = column(notes, [](const KeyboardNote& n) { return n.string.bending_stiffness_n_m2; });
+  values["BENDING_STIFFNESSES"] =
+      column(notes, [](const KeyboardNote& n) { return n.string.bending_stiffness_n_m2; });
   values["CONSTANT_LOSSES"] = column(notes, [](const KeyboardNote& n) { return n.string.losses.constant_per_s; });
-  values["QUADRATIC_LOSSES"] = column(notes, [](const KeyboardNote& n) { return n.string.losses.quadratic_m2_per_s; });
+  values["QUADRATIC_LOSSES"] =
+      column(notes, [](const KeyboardNote& n) { return n.string.losses.quadratic_m2_per_s; });
   values["STRIKE_POSITIONS"] = column(notes, [](const KeyboardNote& n) { return n.strike_position_m; });
   values["HAMMER_MASSES"] = column(notes, [](const KeyboardNote& n) { return n.hammer_mass_kg; });
 }

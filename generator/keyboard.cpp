@@ -57,13 +57,12 @@ StiffString string_of(const Keyboard& keyboard, const Between& notes, int key) {
   const auto geometric = [&](auto member) { return rounded_to(notes.geometric(member), 6); };
   const double length = geometric([](const PublishedNote& n) { return n.length_m; });
   const double density = geometric([](const PublishedNote& n) { return n.mass_kg / n.length_m; });
-  StiffString string{
-      length,
-      rounded_to(density * length, 6),
-      0,
-      geometric([](const PublishedNote& n) { return n.bending_stiffness_n_m2; }),
-      {geometric([](const PublishedNote& n) { return n.losses.constant_per_s; }),
-       geometric([](const PublishedNote& n) { return n.losses.quadratic_m2_per_s; })}};
+  StiffString string{length,
+                     rounded_to(density * length, 6),
+                     0,
+                     geometric([](const PublishedNote& n) { return n.bending_stiffness_n_m2; }),
+                     {geometric([](const PublishedNote& n) { return n.losses.constant_per_s; }),
+                      geometric([](const PublishedNote& n) { return n.losses.quadratic_m2_per_s; })}};
   string.tension_n = rounded_to(tension_for(pitch_hz(keyboard, key), string), 13);
   if (!(string.tension_n > 0))
     throw BadInput(
@@ -100,8 +99,8 @@ KeyboardNote note_of(const Keyboard& keyboard, int key) {
     throw BadInput(fmt::format("{}: keyboard.notes: key {} would have a hammer of {} kg; allowed: more than 0",
                                keyboard.name, key, hammer_mass));
   return {string_of(keyboard, notes, key),
-          rounded_to(notes.geometric([](const PublishedNote& n) { return n.strike_position_m; }), 6), strings, hammer_mass,
-          felt_of(keyboard, notes, key, hammer_mass)};
+          rounded_to(notes.geometric([](const PublishedNote& n) { return n.strike_position_m; }), 6), strings,
+          hammer_mass, felt_of(keyboard, notes, key, hammer_mass)};
 }
 
 std::vector<ResonatorMode> modes_of(const KeyboardNote& note, double max_frequency_hz) {

@@ -24,19 +24,19 @@ struct PublishedNote {
 
 /// As read from a keyboard file.
 struct Keyboard {
-  std::string name;         ///< lower-case identifier
-  std::string description;  ///< one line, may be empty
-  int first_key, last_key;  ///< MIDI numbers, 60 is middle C
+  std::string name;                        ///< lower-case identifier
+  std::string description;                 ///< one line, may be empty
+  int first_key, last_key;                 ///< MIDI numbers, 60 is middle C
   int first_double_key, first_triple_key;  ///< from here on two, three strings a key
-  int last_damped_key;      ///< higher strings have no damper
-  double concert_pitch_hz;  ///< of key 69, the A above middle C
-  double max_speed_m_per_s;  ///< of a hammer; up to this the felt's spline reaches
-  int segments;              ///< of the felt's spline
-  std::vector<PublishedNote> notes;  ///< at least two, by rising key
+  int last_damped_key;                     ///< higher strings have no damper
+  double concert_pitch_hz;                 ///< of key 69, the A above middle C
+  double max_speed_m_per_s;                ///< of a hammer; up to this the felt's spline reaches
+  int segments;                            ///< of the felt's spline
+  std::vector<PublishedNote> notes;        ///< at least two, by rising key
 };
 
-/// What one key moves: one of its strings, which are all alike, with its share of the hammer's mass and stiffness. That
-/// is the motion of all of them.
+/// What one key moves: one of its strings, which are all alike, with its share of the hammer's mass and stiffness.
+/// That is the motion of all of them.
 struct KeyboardNote {
   StiffString string;  ///< tuned so that its first partial has the key's equal-tempered pitch
   double strike_position_m;
@@ -55,8 +55,8 @@ struct KeyboardNote {
 /// bridge per modal displacement [N/m] (docs/keyboard.md).
 [[nodiscard]] std::vector<ResonatorMode> modes_of(const KeyboardNote& note, double max_frequency_hz);
 
-/// Parses the text of a keyboard file: JSON with comments, SI units in the key names (docs/keyboard.md). `file` stands
-/// in messages only. Throws BadInput.
+/// Parses the text of a keyboard file: JSON with comments, SI units in the key names (docs/keyboard.md). `file`
+/// stands in messages only. Throws BadInput.
 [[nodiscard]] Keyboard parse_keyboard(std::string_view text, std::string_view file);
 
 }  // namespace contactspline

@@ -24,18 +24,35 @@ constexpr Range kPitch{100, 1000};
 constexpr Range kSpeed{1e-3, 100};
 
 // Members of the emitted C++ struct, which must not be called like it.
-constexpr const char* kTaken[] = {"first_key", "keys", "last_damped_key", "concert_pitch_hz", "segments", "lengths", "masses", "tensions", "knots", "energies", "forces", "half_curvatures", "constant_losses", "quadratic_losses", "bending_stiffnesses", "strike_positions", "hammer_masses", "strings"};
+constexpr const char* kTaken[] = {"first_key",
+                                  "keys",
+                                  "last_damped_key",
+                                  "concert_pitch_hz",
+                                  "segments",
+                                  "lengths",
+                                  "masses",
+                                  "tensions",
+                                  "knots",
+                                  "energies",
+                                  "forces",
+                                  "half_curvatures",
+                                  "constant_losses",
+                                  "quadratic_losses",
+                                  "bending_stiffnesses",
+                                  "strike_positions",
+                                  "hammer_masses",
+                                  "strings"};
 
 PublishedNote read_note(const JsonObject& note) {
-  PublishedNote read{note.integer("key", 0, kHighestKey),
-                     note.number("length_m", kLength),
-                     note.number("mass_kg", kMass),
-                     note.number("bending_stiffness_n_m2", kBending),
-                     {note.number("constant_loss_per_s", kConstantLoss),
-                      note.number("quadratic_loss_m2_per_s", kQuadraticLoss)},
-                     0,
-                     note.number("hammer_mass_kg", kMass),
-                     {note.number("stiffness_n_per_m_alpha", kStiffness), note.number("exponent", kExponent)}};
+  PublishedNote read{
+      note.integer("key", 0, kHighestKey),
+      note.number("length_m", kLength),
+      note.number("mass_kg", kMass),
+      note.number("bending_stiffness_n_m2", kBending),
+      {note.number("constant_loss_per_s", kConstantLoss), note.number("quadratic_loss_m2_per_s", kQuadraticLoss)},
+      0,
+      note.number("hammer_mass_kg", kMass),
+      {note.number("stiffness_n_per_m_alpha", kStiffness), note.number("exponent", kExponent)}};
   read.strike_position_m = note.number("strike_position_m", {1e-6, read.length_m});
   return read;
 }
@@ -61,8 +78,8 @@ Keyboard parse_keyboard(std::string_view text, std::string_view file) {
   const auto json = parse_json(text, file, "keyboard");
   const JsonObject whole(json, file, "keyboard", {"name", "description", "keyboard"});
   const JsonObject keyboard =
-      whole.object("keyboard", {"first_key", "last_key", "first_double_key", "first_triple_key", "last_damped_key", "concert_pitch_hz", "max_speed_m_per_s",
-                                "segments", "notes"});
+      whole.object("keyboard", {"first_key", "last_key", "first_double_key", "first_triple_key", "last_damped_key",
+                                "concert_pitch_hz", "max_speed_m_per_s", "segments", "notes"});
   const int first = keyboard.integer("first_key", 0, kHighestKey);
   const int last = keyboard.integer("last_key", first, kHighestKey);
   return {read_name(whole, kTaken),

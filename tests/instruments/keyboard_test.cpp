@@ -41,8 +41,8 @@ TEST(Keyboard, IsInTune) {
   const Keyboard keyboard = piano();
   ASSERT_EQ(keyboard.last_key - keyboard.first_key + 1, 88);
   for (int key = 21; key <= 108; ++key)
-    EXPECT_TRUE(relatively_within(first_partial_hz(note_of(keyboard, key).string), 440 * std::exp2((key - 69) / 12.0),
-                                  1e-12))
+    EXPECT_TRUE(
+        relatively_within(first_partial_hz(note_of(keyboard, key).string), 440 * std::exp2((key - 69) / 12.0), 1e-12))
         << key;
 }
 
