@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Templates, shipped materials, resonators and keyboards, embedded at build time.
+// Templates, shipped materials, resonators, keyboards and scores, embedded at build time.
 #pragma once
 
 #include <span>
@@ -18,5 +18,8 @@ struct EmbeddedText {
 /// Every file of resonators/ or of keyboards/, by rising name.
 [[nodiscard]] std::span<const EmbeddedText> embedded_resonators();
 [[nodiscard]] std::span<const EmbeddedText> embedded_keyboards();
+
+/// Every file of scores/, by rising name.
+[[nodiscard]] std::span<const EmbeddedText> embedded_scores();
 
 }  // namespace contactspline

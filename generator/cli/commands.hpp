@@ -15,6 +15,7 @@ struct Stale : std::runtime_error {
 void add_generate(CLI::App& app);
 void add_inspect(CLI::App& app);
 void add_materials(CLI::App& app);
+void add_scores(CLI::App& app);
 void add_impact(CLI::App& app);
 void add_render(CLI::App& app);
 

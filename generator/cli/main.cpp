@@ -95,6 +95,7 @@ int main(int argc, char** argv) {
   contactspline::add_generate(app);
   contactspline::add_inspect(app);
   contactspline::add_materials(app);
+  contactspline::add_scores(app);
   contactspline::add_impact(app);
   contactspline::add_render(app);
   add_version(app);

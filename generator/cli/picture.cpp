@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "generator/error.hpp"
+#include "generator/spectrogram.hpp"
 
 namespace contactspline {
 namespace {
@@ -109,22 +110,24 @@ std::string potential_data(const Design& design) {
   return data + "EOD\n";
 }
 
+template <typename T>
 struct Trace {
   std::string name;
-  std::span<const double> values;
+  std::span<const T> values;
   double scale;
 };
 
 // Least and greatest value in each of at most kColumns stretches of time: what a plot of all samples would show.
-std::string envelope_data(const Trace& trace, double rate_hz) {
+template <typename T>
+std::string envelope_data(const Trace<T>& trace, double rate_hz) {
   const std::size_t stretch = std::max<std::size_t>(1, trace.values.size() / kColumns);
   std::string data = fmt::format("${} << EOD\n", trace.name);
   for (std::size_t begin = 0; begin < trace.values.size(); begin += stretch) {
     const auto part = trace.values.subspan(begin, std::min(stretch, trace.values.size() - begin));
     const auto [least, greatest] = std::ranges::minmax_element(part);
     for (const auto at : {std::min(least, greatest), std::max(least, greatest)})
-      data +=
-          fmt::format("{:g} {:g}\n", static_cast<double>(&*at - trace.values.data()) / rate_hz, trace.scale * *at);
+      data += fmt::format("{:g} {:g}\n", static_cast<double>(&*at - trace.values.data()) / rate_hz,
+                          trace.scale * static_cast<double>(*at));
   }
   return data + "EOD\n";
 }
@@ -149,6 +152,33 @@ std::string heading(int rows, int columns) {
                      columns, kTitle);
 }
 
+// Both ears.
+std::vector<float> mono(const Performance& performance) {
+  if (performance.channels == 1) return performance.samples;
+  std::vector<float> sum;
+  for (std::size_t i = 0; i + 1 < performance.samples.size(); i += 2)
+    sum.push_back(performance.samples[i] + performance.samples[i + 1]);
+  return sum;
+}
+
+// Levels as the rows of a matrix.
+std::string spectrogram_data(const Spectrogram& spectrogram) {
+  std::string data = "$spectrogram << EOD\n";
+  for (std::size_t row = 0; row < spectrogram.rows; ++row)
+    for (std::size_t column = 0; column < spectrogram.columns; ++column)
+      data += fmt::format("{:.1f}{}", spectrogram.level_db[column * spectrogram.rows + row],
+                          column + 1 < spectrogram.columns ? ' ' : '\n');
+  return data + "EOD\n";
+}
+
+std::string force_data(const Performance& performance, double duration_s) {
+  std::string data = "$force << EOD\n";
+  const double step = duration_s / static_cast<double>(performance.force_n.size());
+  for (std::size_t i = 0; i < performance.force_n.size(); ++i)
+    data += fmt::format("{:g} {:g}\n", (static_cast<double>(i) + 0.5) * step, performance.force_n[i]);
+  return data + "EOD\n";
+}
+
 }  // namespace
 
 std::string picture_of(const Design& design) {
@@ -171,8 +201,8 @@ unset multiplot)",
 std::string picture_of(const MassBarrierMotion& motion, const std::string& title) {
   const bool touches = std::ranges::any_of(motion.force_n, [](double force) { return force > 0; });
   const auto label = touches ? "time from the first contact [ms]" : "time before the end [ms]: there was no contact";
-  return draw_svg(envelope_data({"height", motion.displacement_m, -1e3}, motion.sample_rate_hz) +
-                      envelope_data({"force", motion.force_n, 1}, motion.sample_rate_hz) +
+  return draw_svg(envelope_data(Trace<double>{"height", motion.displacement_m, -1e3}, motion.sample_rate_hz) +
+                      envelope_data(Trace<double>{"force", motion.force_n, 1}, motion.sample_rate_hz) +
                       first_contact_data(motion) + heading(3, 1) + fmt::format("contact_label = '{}'\n", label) + R"(
 unset key
 set xlabel 'time [s]'
@@ -182,6 +212,48 @@ set ylabel 'contact force [N]'
 plot $force with lines lt 3
 set xlabel contact_label
 plot $contact with linespoints lt 3 pt 7 ps 0.3
+unset multiplot)",
+                  title);
+}
+
+std::string picture_of(const Performance& performance, const std::string& title, const std::string& signal,
+                       const std::string& unit) {
+  const std::vector<float> sound = mono(performance);
+  const double duration = static_cast<double>(sound.size()) / performance.sample_rate_hz;
+  const Spectrogram spectrogram = spectrogram_of(sound, performance.sample_rate_hz, 900, 280);
+  const std::string frame =
+      fmt::format("duration = {:g}\nlowest = {:g}\nhighest = {:g}\ncolumns = {}\nrows = {}\n", duration,
+                  spectrogram.lowest_hz, spectrogram.highest_hz, spectrogram.columns, spectrogram.rows);
+  return draw_svg(envelope_data(Trace<float>{"sound", sound, 1}, performance.sample_rate_hz) +
+                      force_data(performance, duration) + spectrogram_data(spectrogram) + frame + heading(3, 1) +
+                      fmt::format("sound_label = '{} [{}]'\n", signal, unit) + R"(
+unset key
+set lmargin at screen 0.09
+set rmargin at screen 0.88
+set xrange [0:duration]
+set format x ''
+set tmargin at screen 0.93
+set bmargin at screen 0.72
+set ylabel sound_label offset 0.5
+plot $sound with lines lt 2 lw 0.8
+set tmargin at screen 0.69
+set bmargin at screen 0.53
+set ylabel 'contact force [N]'
+set yrange [0:*]
+plot $force with lines lt 3 lw 1
+set tmargin at screen 0.5
+set bmargin at screen 0.095
+set format x
+set xlabel 'time [s]'
+set ylabel 'frequency [Hz]'
+unset grid
+set tics front
+set yrange [log10(lowest):log10(highest)]
+set ytics ('50' log10(50), '100' log10(100), '200' log10(200), '500' log10(500), '1 k' 3, '2 k' log10(2000), '5 k' log10(5000), '10 k' 4)
+set cblabel 'level [dB]' offset 0.5
+set cbrange [-80:0]
+set palette defined (0 '#000004', 1 '#1b0c41', 2 '#4a0c6b', 3 '#781c6d', 4 '#a52c60', 5 '#cf4446', 6 '#ed6925', 7 '#fb9b06', 8 '#f7d13d', 9 '#fcffa4')
+plot $spectrogram matrix using (($1 + 0.5) * duration / columns):(log10(lowest) + $2 * log10(highest / lowest) / (rows - 1)):3 with image
 unset multiplot)",
                   title);
 }

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "generator/emit.hpp"
+#include "generator/play.hpp"
 #include "generator/render.hpp"
 
 namespace contactspline {
@@ -14,5 +15,9 @@ namespace contactspline {
 
 /// Displacement and force of a rendered motion over time, and the first contact sample by sample.
 [[nodiscard]] std::string picture_of(const MassBarrierMotion& motion, const std::string& title);
+
+/// Waveform, contact force and spectrogram of a played score. `signal` and `unit`: what is heard.
+[[nodiscard]] std::string picture_of(const Performance& performance, const std::string& title,
+                                     const std::string& signal, const std::string& unit);
 
 }  // namespace contactspline

@@ -3,12 +3,9 @@
 #include "generator/render.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -19,13 +16,12 @@
 #include "generator/cli/material_argument.hpp"
 #include "generator/cli/output.hpp"
 #include "generator/cli/picture.hpp"
+#include "generator/cli/render_output.hpp"
 #include "generator/cli/wav.hpp"
 #include "generator/error.hpp"
 
 namespace contactspline {
 namespace {
-
-constexpr double kPeak = 0.89;  // -1 dB below full scale
 
 struct RenderOptions {
   std::string material = "rubber_on_wood";
@@ -52,16 +48,6 @@ double given_or(std::optional<double> given, const Design& design, double Impact
   return (*impact).*member;
 }
 
-// What is rendered is held in memory.
-void require_short(const RenderOptions& options) {
-  constexpr double kMostSamples = 3600.0 * 44100;
-  const double samples = options.duration_s * options.sample_rate_hz;
-  if (samples > kMostSamples)
-    throw BadInput(fmt::format("--duration: {} s at {} Hz are {:.4g} samples; allowed: at most {:.4g} s at this rate",
-                               options.duration_s, options.sample_rate_hz, samples,
-                               kMostSamples / options.sample_rate_hz));
-}
-
 MassBarrierScore score_of(const RenderOptions& options, const Design& design) {
   const double mass_kg = given_or(options.mass_kg, design, &Impact::mass_kg, options, "--mass");
   const double speed = given_or(options.speed_m_per_s, design, &Impact::max_speed_m_per_s, options, "--speed");
@@ -74,23 +60,10 @@ MassBarrierScore score_of(const RenderOptions& options, const Design& design) {
           static_cast<double>(options.sample_rate_hz)};
 }
 
-// Only where somebody watches.
-void show_progress(double part) {
-  if (::isatty(STDERR_FILENO) == 0) return;
-  std::fputs(fmt::format("\rrendering {:3.0f} %{}", 100 * part, part < 1 ? "" : "\n").c_str(), stderr);
-}
-
 double peak_of(std::span<const double> signal) {
   double peak = 0;
   for (const double value : signal) peak = std::max(peak, std::abs(value));
   return peak;
-}
-
-std::vector<double> scaled_to_peak(std::span<const double> signal, double peak) {
-  std::vector<double> scaled(signal.begin(), signal.end());
-  if (peak > 0)
-    for (double& value : scaled) value *= kPeak / peak;
-  return scaled;
 }
 
 std::size_t contacts_in(std::span<const double> force) {
@@ -100,16 +73,15 @@ std::size_t contacts_in(std::span<const double> force) {
 }
 
 void render_mass_barrier_command(const RenderOptions& options) {
-  require_short(options);
+  require_short("--duration", options.duration_s, options.sample_rate_hz);
   const Design design = design_argument(options.material);
-  const std::string svg =
-      options.svg.empty() ? std::filesystem::path(options.output).replace_extension("svg").string() : options.svg;
+  const std::string svg = picture_beside(options.output, options.svg);
   require_distinct({{options.output, svg}}, material_files({&options.material, 1}));
   const auto motion = render_mass_barrier(segment_table(design.spline), score_of(options, design), show_progress);
   const auto& signal = options.signal == "force" ? motion.force_n : motion.displacement_m;
   const double peak = peak_of(signal);
   const std::vector<OutputFile> files = {
-      {options.output, wav_bytes(scaled_to_peak(signal, peak), options.sample_rate_hz)},
+      {options.output, wav_bytes(signal, scale_to_peak(peak), 1, options.sample_rate_hz)},
       {svg, picture_of(motion, fmt::format("mass on a barrier: {}", design.material.name))}};
   write_files(files);
   write_stdout(fmt::format(
@@ -141,13 +113,7 @@ void add_mass_barrier(CLI::App& render) {
   command->add_option("--signal", options->signal, "what is heard")
       ->check(one_of({"force", "displacement"}))
       ->capture_default_str();
-  command->add_option("-o,--output", options->output, "sound file to write (WAV, 24 bits, mono)")
-      ->check(file_name())
-      ->type_name("FILE")
-      ->required();
-  command->add_option("--svg", options->svg, "picture to write (default: the sound file's name with .svg)")
-      ->check(file_name())
-      ->type_name("FILE");
+  add_outputs(*command, options->output, options->svg);
   command->footer(
       "Example:\n"
       "  contactspline render mass-barrier --material rubber_on_wood --loss 0.08 -o bounce.wav");
@@ -160,6 +126,7 @@ void add_render(CLI::App& app) {
   CLI::App* command = app.add_subcommand("render", "Play an instrument to a sound file and a picture");
   command->require_subcommand(1);
   add_mass_barrier(*command);
+  add_render_score(*command);
 }
 
 }  // namespace contactspline

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <sndfile.hh>
 #include <stdexcept>
+#include <vector>
 
 namespace contactspline {
 namespace {
@@ -50,19 +51,42 @@ sf_count_t tell(void* user) {
   return static_cast<sf_count_t>(MemoryFile::of(user).position);
 }
 
-}  // namespace
+// In parts, since a long sound need not be held twice.
+template <typename T>
+void write_scaled(SndfileHandle& handle, std::span<const T> samples, double scale, int channels) {
+  const std::size_t most = 4096 * static_cast<std::size_t>(channels);
+  std::vector<double> part;
+  for (; !samples.empty(); samples = samples.subspan(part.size())) {
+    part.clear();
+    for (const T sample : samples.first(std::min(most, samples.size())))
+      part.push_back(scale * static_cast<double>(sample));
+    const auto count = static_cast<sf_count_t>(part.size());
+    if (handle.write(part.data(), count) != count) throw std::runtime_error(handle.strError());
+  }
+}
 
-std::string wav_bytes(std::span<const double> samples, int sample_rate_hz) {
+template <typename T>
+std::string bytes_of(std::span<const T> samples, double scale, int channels, int sample_rate_hz) {
   SF_VIRTUAL_IO io{length, seek, read, write, tell};
   MemoryFile file;
+  file.bytes.reserve(3 * samples.size() + 256);
   {
-    SndfileHandle handle(io, &file, SFM_WRITE, SF_FORMAT_WAV | SF_FORMAT_PCM_24, 1, sample_rate_hz);
+    SndfileHandle handle(io, &file, SFM_WRITE, SF_FORMAT_WAV | SF_FORMAT_PCM_24, channels, sample_rate_hz);
     if (handle.error() != 0) throw std::runtime_error(handle.strError());
     handle.command(SFC_SET_CLIPPING, nullptr, SF_TRUE);
-    const auto count = static_cast<sf_count_t>(samples.size());
-    if (handle.write(samples.data(), count) != count) throw std::runtime_error(handle.strError());
+    write_scaled(handle, samples, scale, channels);
   }
   return file.bytes;
+}
+
+}  // namespace
+
+std::string wav_bytes(std::span<const double> samples, double scale, int channels, int sample_rate_hz) {
+  return bytes_of(samples, scale, channels, sample_rate_hz);
+}
+
+std::string wav_bytes(std::span<const float> samples, double scale, int channels, int sample_rate_hz) {
+  return bytes_of(samples, scale, channels, sample_rate_hz);
 }
 
 }  // namespace contactspline

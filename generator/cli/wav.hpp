@@ -7,7 +7,9 @@
 
 namespace contactspline {
 
-/// A mono WAV file of 24-bit samples as bytes. Samples outside [-1, 1] are clipped. rate: whole hertz.
-[[nodiscard]] std::string wav_bytes(std::span<const double> samples, int sample_rate_hz);
+/// A WAV file of 24-bit samples as bytes: `scale` times the interleaved samples; what lies outside [-1, 1] is
+/// clipped. rate: whole hertz.
+[[nodiscard]] std::string wav_bytes(std::span<const double> samples, double scale, int channels, int sample_rate_hz);
+[[nodiscard]] std::string wav_bytes(std::span<const float> samples, double scale, int channels, int sample_rate_hz);
 
 }  // namespace contactspline

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+// A score played to the end: sound, and what a picture needs of the contact force.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "generator/render.hpp"
+#include "generator/score.hpp"
+
+namespace contactspline {
+
+/// What is heard: of the string at the pickup, or the contact force.
+enum class Signal { kDisplacement, kVelocity, kForce };
+
+enum class Precision { kSingle, kDouble };
+
+struct PlayOptions {
+  double sample_rate_hz;  ///< > 0
+  Signal signal = Signal::kVelocity;
+  Precision precision = Precision::kDouble;  ///< of the models; the sum of the voices is kept in single precision
+};
+
+struct Performance {
+  double sample_rate_hz;
+  int channels;                ///< 2 where a voice is panned, else 1
+  std::vector<float> samples;  ///< interleaved, in SI units [m], [m/s] or [N]
+  std::vector<float> force_n;  ///< largest of any voice in each of at most 1200 equal stretches of time
+  double largest_force_n;
+  std::size_t contacts;  ///< of all voices
+};
+
+/// Plays every voice of a score: the modes below half the sample rate, each contact with its own controls. The sound
+/// is the sum of the voices. `progress` hears of it a hundred times or so.
+[[nodiscard]] Performance play(const Score& score, const PlayOptions& options, const Progress& progress);
+
+}  // namespace contactspline
