@@ -9,12 +9,13 @@
 
 namespace contactspline {
 
-/// Live controls of the hammer-string model.
+/// Live controls of the hammer-string model. Those of the hammer are taken at the throw and hold until the next one:
+/// a felt that hardens or a hammer that gains weight in the midst of a contact would add energy of its own.
 template <std::floating_point T>
 struct HammerStringControls {
   T hammer_mass_kg;              ///< > 0
   ContactControls<T> felt = {};  ///< stiffness ratio and loss
-  T damping_per_s = 0;           ///< of the damper: extra decay of every mode, >= 0
+  T damping_per_s = 0;           ///< of the damper, at any time: extra decay of every mode, >= 0
 };
 
 /// A hammer in free flight before a resonator that it strikes at one place. Several strings under one hammer are one
@@ -23,21 +24,22 @@ template <std::floating_point T, std::size_t Extent = std::dynamic_extent>
 class HammerString {
  public:
   HammerString(SegmentTable<T, Extent> felt, std::span<const Mode> modes, ModeShapes<T> strike, double sample_rate_hz)
-      : felt_(felt), string_(modes, sample_rate_hz), strike_(std::move(strike)), time_step_(T(1 / sample_rate_hz)) {
-    string_admittance_ = string_.admittance(strike_, strike_);
-  }
+      : felt_(felt),
+        string_(modes, sample_rate_hz),
+        strike_(std::move(strike)),
+        next_strike_(strike_),
+        time_step_(T(1 / sample_rate_hz)) {}
 
-  /// Moves the place of the strike; for the next throw, since the energy of a contact under way would change with it.
-  void strike_at(const ModeShapes<T>& strike) {
-    strike_ = strike;
-    string_admittance_ = string_.admittance(strike_, strike_);
-  }
+  /// Moves the place of the strike, from the next throw on.
+  void strike_at(const ModeShapes<T>& strike) { next_strike_ = strike; }
 
   /// Throws the hammer at the string, from a distance [m] >= 0, with a velocity [m/s]; the string may be sounding.
   void strike(T velocity_m_per_s, T distance_m) {
+    strike_ = next_strike_;
+    string_admittance_ = string_.admittance(strike_, strike_);
     compression_ = -distance_m;
     velocity_ = velocity_m_per_s;
-    is_flying_ = true;
+    is_thrown_ = is_flying_ = true;
   }
 
   /// Advances one sample. Safe in an audio thread: no allocation, no lock, bounded time.
@@ -47,7 +49,9 @@ class HammerString {
       string_.predict(damping);
     else
       string_.predict();
-    force_ = is_flying_ ? meet(controls, 1 / (1 + damping)) : T(0);
+    if (is_thrown_) hammer_ = {controls.hammer_mass_kg, controls.felt};
+    is_thrown_ = false;
+    force_ = is_flying_ ? meet(1 / (1 + damping)) : T(0);
     string_.commit();
   }
 
@@ -60,12 +64,17 @@ class HammerString {
   // A hammer this far back is caught; only a new throw brings it back.
   static constexpr T kCaught = T(-0.05);
 
-  T meet(const HammerStringControls<T>& controls, T share) {
-    const T give = time_step_ / controls.hammer_mass_kg;
+  struct Hammer {
+    T mass_kg;
+    ContactControls<T> felt;
+  };
+
+  T meet(T share) {
+    const T give = time_step_ / hammer_.mass_kg;
     const T free_increment = time_step_ * velocity_ - string_.increment(strike_);
     const T admittance = time_step_ * give / 2 + share * string_admittance_;
     const T force =
-        contact_force(felt_, controls.felt, time_step_, Approach<T>{compression_, free_increment, admittance});
+        contact_force(felt_, hammer_.felt, time_step_, Approach<T>{compression_, free_increment, admittance});
     string_.push(strike_, share * force);
     compression_ += free_increment - admittance * force;
     velocity_ -= give * force;
@@ -75,12 +84,14 @@ class HammerString {
 
   SegmentTable<T, Extent> felt_;
   ModalBank<T> string_;
-  ModeShapes<T> strike_;
+  ModeShapes<T> strike_, next_strike_;
   T time_step_;
-  T string_admittance_;
+  T string_admittance_ = 0;
+  Hammer hammer_ = {1, {}};
   T compression_ = 0;
   T velocity_ = 0;
   T force_ = 0;
+  bool is_thrown_ = false;  // by strike(); the next tick takes the hammer's controls
   bool is_flying_ = false;
 };
 

@@ -111,6 +111,7 @@ class ModalBank {
 
   /// Begins a sample: what each mode would do without force.
   void predict() {
+    damping_ = 0;
     for (std::size_t i = 0; i < size(); ++i) change_[i] = free_change(i);
   }
 
@@ -118,6 +119,7 @@ class ModalBank {
   /// viscous resistance; damping = extra decay [1/s] times dt, >= 0. Forces pushed in this sample give way by the
   /// same divisor, and so does admittance(): pass forces divided by 1 + damping.
   void predict(T damping) {
+    damping_ = damping;
     const T share = 1 / (1 + damping);
     for (std::size_t i = 0; i < size(); ++i) change_[i] = share * (free_change(i) - damping * way_[i]);
   }
@@ -156,12 +158,12 @@ class ModalBank {
     return energy;
   }
 
-  /// Energy [J] that the modes' own losses dissipated in the sample just committed.
+  /// Energy [J] that the modes' own losses and the damper dissipated in the sample just committed.
   [[nodiscard]] double dissipated() const {
     double energy = 0;
     for (std::size_t i = 0; i < size(); ++i) {
       const double way = static_cast<double>(way_[i]) - change_[i];  // mean of w before and after: the change of q
-      energy += resistance_[i] * way * way * kinetic_[i];
+      energy += (static_cast<double>(loss_[i]) + damping_) * resistance_[i] * way * way * kinetic_[i];
     }
     return energy;
   }
@@ -185,10 +187,11 @@ class ModalBank {
     // A mode above half the sample rate would sound at another pitch: nothing drives it, as in modal.lib.
     const bool audible = mode.angular_frequency_rad_per_s < std::numbers::pi * sample_rate_hz_;
     give_.push_back(audible ? static_cast<T>(give) : T(0));
-    // K dt^2/m = 4 |1 - z|^2/|1 + z|^2, R dt/m = 4 (1 - |z|^2)/|1 + z|^2, energy (w^2 + K dt^2/m q^2) m/(2 dt^2).
+    // K dt^2/m = 4 |1 - z|^2/|1 + z|^2, R dt/m = 16 loss/|1 + z|^2, as of a damper 16 damping/|1 + z|^2, energy (w^2
+    // + K dt^2/m q^2) m/(2 dt^2).
     const double nearness = 8 * give * mode.mass_kg * sample_rate_hz_ * sample_rate_hz_;  // |1 + z|^2
     spring_.push_back(8 * stiffness / nearness);
-    resistance_.push_back(16 * loss / nearness);
+    resistance_.push_back(16 / nearness);
     kinetic_.push_back(mode.mass_kg * sample_rate_hz_ * sample_rate_hz_ / 2);
     displacement_.push_back(0);
     way_.push_back(0);
@@ -196,6 +199,7 @@ class ModalBank {
   }
 
   double sample_rate_hz_;
+  T damping_ = 0;  // of the sample under way
   std::vector<T> stiffness_, stiffness_rest_, loss_, give_;
   std::vector<T> displacement_, way_, change_;
   std::vector<double> spring_, resistance_, kinetic_;

@@ -13,15 +13,6 @@ namespace {
 constexpr double kSpeed = 2.5;      // m/s
 constexpr double kDistance = 1e-4;  // m
 
-template <typename T>
-std::vector<Segment<T>> table_in(const std::vector<Segment<double>>& table) {
-  std::vector<Segment<T>> cast;
-  for (const auto& s : table)
-    cast.push_back({static_cast<T>(s.knot), static_cast<T>(s.energy), static_cast<T>(s.force),
-                    static_cast<T>(s.half_curvature)});
-  return cast;
-}
-
 /// A struck string with everything it needs to live, struck once.
 template <typename T>
 struct Stroke {

@@ -60,6 +60,15 @@ ModeShapes<T> shapes(const std::vector<ResonatorMode>& modes, double ResonatorMo
   return shapes;
 }
 
+template <typename T>
+std::vector<Segment<T>> table_in(const std::vector<Segment<double>>& table) {
+  std::vector<Segment<T>> cast;
+  for (const auto& s : table)
+    cast.push_back({static_cast<T>(s.knot), static_cast<T>(s.energy), static_cast<T>(s.force),
+                    static_cast<T>(s.half_curvature)});
+  return cast;
+}
+
 /// Spline of a felt up to what a hammer of its mass compresses at 6 m/s on a rigid barrier.
 inline std::vector<Segment<double>> felt_table(const StruckString& struck, int segments) {
   const double range = struck.felt.max_compression(struck.hammer_kg, 6.0);
