@@ -295,6 +295,17 @@ case_faust() {
   expect_peak_force 2 4.5e9 2.5 0.00297 2 <"$WORK/samples"
 }
 
+# The folder of examples as a project of its own.
+case_examples() {
+  install_at "$WORK/prefix"
+  cp -r "$SOURCE/examples" "$WORK/examples"
+  project="$WORK/examples" build="$WORK/build"
+  configure Ninja "-DCMAKE_PREFIX_PATH=$WORK/prefix"
+  build
+  run "$build/piano_phrase" "$WORK/phrase.wav"
+  [ "$(stat -c %s "$WORK/phrase.wav")" -gt 800000 ] || fail "the phrase is short"
+}
+
 # The README's examples, word for word.
 case_readme() {
   install_at "$WORK/prefix"

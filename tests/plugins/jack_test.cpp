@@ -59,8 +59,8 @@ class Player {
         midi_(jack_port_register(client.get(), "midi", JACK_DEFAULT_MIDI_TYPE, JackPortIsOutput, 0)),
         audio_(jack_port_register(client.get(), "audio", JACK_DEFAULT_AUDIO_TYPE, JackPortIsInput, 0)),
         client_(std::move(client)) {
-    jack_set_process_callback(client_.get(), [](jack_nframes_t n, void* self) { return static_cast<Player*>(self)->process(n); },
-                              this);
+    jack_set_process_callback(
+        client_.get(), [](jack_nframes_t n, void* self) { return static_cast<Player*>(self)->process(n); }, this);
   }
 
   /// Plays; false where the program is not there or time runs out.
@@ -111,9 +111,10 @@ class JackProgram : public ::testing::TestWithParam<std::string> {
     setenv("HOME", folder_.c_str(), 1);  // the programs keep their last settings there
     std::filesystem::create_directories(folder_);
     jack_set_error_function([](const char*) {});  // of trying until the server is there
-    server_.emplace(std::vector<std::string>{JACKD, "--no-realtime", "--sync", "--name", getenv("JACK_DEFAULT_SERVER"),
-                                             "-d", "dummy", "-r", std::to_string(kRate), "-p", "512"},
-                    folder_ + "/jackd.log");
+    server_.emplace(
+        std::vector<std::string>{JACKD, "--no-realtime", "--sync", "--name", getenv("JACK_DEFAULT_SERVER"), "-d",
+                                 "dummy", "-r", std::to_string(kRate), "-p", "512"},
+        folder_ + "/jackd.log");
     const bool starts = becomes_true([&] { return !server_->is_running() || open_client(); });
     if (!starts || !server_->is_running()) {
       const std::string why = text_of(folder_ + "/jackd.log");
@@ -165,7 +166,9 @@ TEST_P(JackProgram, RunsAndEnds) {
   stop();
 }
 
-double pitch_hz(int note) { return 440 * std::exp2((note - 69) / 12.0); }
+double pitch_hz(int note) {
+  return 440 * std::exp2((note - 69) / 12.0);
+}
 
 class PianoProgram : public JackProgram {};
 
@@ -174,7 +177,8 @@ TEST_F(PianoProgram, IsPlayedByMidi) {
   ASSERT_NO_FATAL_FAILURE(start("piano"));
   constexpr std::size_t kOn = kRate / 4, kOff = kRate * 3 / 4, kEnd = kRate * 2;
   Player player(open_client(),
-                {{kOn, {0x90, 60, 100}}, {kOn, {0x90, 64, 100}}, {kOn, {0x90, 67, 100}}, {kOff, {0x80, 64, 0}}}, kEnd);
+                {{kOn, {0x90, 60, 100}}, {kOn, {0x90, 64, 100}}, {kOn, {0x90, 67, 100}}, {kOff, {0x80, 64, 0}}},
+                kEnd);
   ASSERT_TRUE(player.play("piano", true)) << text_of(folder_ + "/program.log");
   stop();
 
