@@ -62,7 +62,7 @@ class KeyboardVoice {
   [[nodiscard]] HammerStringControls<T>& controls() { return controls_; }
 
  private:
-  static constexpr T kDamper = 60;               // extra decay [1/s]
+  static constexpr T kDamper = 60;              // extra decay [1/s]
   static constexpr double kDamperTime = 0.005;  // s, in which the damper has done 63 % of its way
 
   KeyboardVoice(int key, double sample_rate_hz, const StiffString& string, std::size_t most_modes)

@@ -68,10 +68,17 @@ class Piano {
   // As far as the sliders of hammer_string.dsp go.
   static void move_one(HammerStringControls<T>& controls, Random& random) {
     switch (random.below(4)) {
-      case 0: controls.hammer_mass_kg = T(random.between_log(5e-4, 0.05)); break;
-      case 1: controls.felt.stiffness_ratio = T(random.between_log(1e-3, 1e3)); break;
-      case 2: controls.felt.loss_s_per_m = T(random.between_or_0(0, 2)); break;
-      default: controls.damping_per_s = T(random.below(2) * random.between_log(0.1, 1000));
+      case 0:
+        controls.hammer_mass_kg = T(random.between_log(5e-4, 0.05));
+        break;
+      case 1:
+        controls.felt.stiffness_ratio = T(random.between_log(1e-3, 1e3));
+        break;
+      case 2:
+        controls.felt.loss_s_per_m = T(random.between_or_0(0, 2));
+        break;
+      default:
+        controls.damping_per_s = T(random.below(2) * random.between_log(0.1, 1000));
     }
   }
 
@@ -111,9 +118,9 @@ class Guitar {
     for (int n = 0; n < kSeconds * rate_; ++n) {
       if (random.now_and_then(300)) move_one(controls, ratio, random);
       controls.contact.stiffness_ratio *= std::pow(ratio / controls.contact.stiffness_ratio, T(1 / (0.005 * rate_)));
-      if (random.now_and_then(4000)) {
+      if (random.now_and_then(4000)) {  // glides at up to 30 m/s, as slide_string.dsp makes of a leap
         target = T(random.between(0, 0.65));
-        way = T(random.between_log(0.1, 1000) / rate_);
+        way = T(random.between_log(0.1, 30) / rate_);
       }
       controls.place_m += std::clamp(target - controls.place_m, -way, way);
       tick(controls);
@@ -129,18 +136,34 @@ class Guitar {
   }
 
  private:
-  // About as far as the sliders of slide_string.dsp go; the hand always holds the slide, or it would fall for metres. The
-  // stiffness follows its ratio in 5 ms, as there: a thousandfold leap under a pressed slide would be an explosion.
+  // About as far as the sliders of slide_string.dsp go; the hand always holds the slide, or it would fall for metres.
+  // The stiffness follows its ratio in 5 ms, as there: a thousandfold leap under a pressed slide would be an
+  // explosion.
   static void move_one(SlideStringControls<T>& controls, T& ratio, Random& random) {
     switch (random.below(8)) {
-      case 0: controls.slide_mass_kg = T(random.between_log(0.01, 0.1)); break;
-      case 1: controls.hand_force_n = T(random.between(-2, 10)); break;
-      case 2: controls.hand_stiffness_n_per_m = T(random.between_log(500, 5000)); break;
-      case 3: controls.hand_resistance_n_s_per_m = T(random.between_or_0(0, 20)); break;
-      case 4: controls.rest_resistance_n_s_per_m = T(random.between_or_0(0, 20)); break;
-      case 5: controls.pluck_force_n = T(random.between_or_0(0, 5)); break;
-      case 6: ratio = T(random.between_log(1e-3, 1e3)); break;
-      default: controls.contact.loss_s_per_m = T(random.between_or_0(0, 2));
+      case 0:
+        controls.slide_mass_kg = T(random.between_log(0.01, 0.1));
+        break;
+      case 1:
+        controls.hand_force_n = T(random.between(-2, 10));
+        break;
+      case 2:
+        controls.hand_stiffness_n_per_m = T(random.between_log(500, 5000));
+        break;
+      case 3:
+        controls.hand_resistance_n_s_per_m = T(random.between_or_0(0, 20));
+        break;
+      case 4:
+        controls.rest_resistance_n_s_per_m = T(random.between_or_0(0, 20));
+        break;
+      case 5:
+        controls.pluck_force_n = T(random.between_or_0(0, 5));
+        break;
+      case 6:
+        ratio = T(random.between_log(1e-3, 1e3));
+        break;
+      default:
+        controls.contact.loss_s_per_m = T(random.between_or_0(0, 2));
     }
   }
 
@@ -186,9 +209,10 @@ class Guitar {
   EnergyBooks books_;
 };
 
-// Nothing that dissipates ever gives: `dissipated` sums what cannot be negative. So where the books are right, what is
-// stored is never more than the work put in. In double they are right to 1e-12 of the peak, as over 10 s. In single a
-// sample's rounding is some 2^-24 of what is stored; at random signs over 2e7 samples that is 3e-4 of the peak.
+// Nothing that dissipates ever gives: `dissipated` sums what cannot be negative. So where the books are right, what
+// is stored is never more than the work put in. In double they are right to 1e-12 of the peak, as over 10 s. In
+// single a sample's rounding is some 2^-24 of what is stored; at random signs over 2e7 samples that is 3e-4 of the
+// peak.
 template <typename T>
 constexpr double kBound = std::is_same_v<T, double> ? 1e-12 : 1e-3;
 

@@ -29,8 +29,8 @@ Course dulcimer() {
 
 class CourseOfStrings : public ::testing::TestWithParam<double> {};
 
-// The same bound as for one string: 1e-12 of the peak. Restruck every 0.37 s, every fourth time again after 1 ms, when
-// the felt is still compressed.
+// The same bound as for one string: 1e-12 of the peak. Restruck every 0.37 s, every fourth time again after 1 ms,
+// when the felt is still compressed.
 TEST_P(CourseOfStrings, BalancesItsEnergy) {
   const double rate = GetParam();
   for (const Course& course : {three_strings_of_c4(), dulcimer()}) {
@@ -38,8 +38,8 @@ TEST_P(CourseOfStrings, BalancesItsEnergy) {
     const double range = course.felt.max_compression(course.hammer_kg, 6.0);
     const auto felt = segment_table(uniform_spline({"felt", "", course.felt, {}, {32, range}}, "felt"));
     const SegmentTable<double> table(felt);
-    HammerBooks<double> hammer(
-        {table, bare(modes), shapes<double>(modes, &ResonatorMode::strike_shape), rate}, table, rate);
+    HammerBooks<double> hammer({table, bare(modes), shapes<double>(modes, &ResonatorMode::strike_shape), rate}, table,
+                               rate);
     const HammerStringControls<double> controls{.hammer_mass_kg = course.hammer_kg};
     const int period = static_cast<int>(0.37 * rate), soon = static_cast<int>(0.001 * rate);
     int contacts_broken = 0;
@@ -64,8 +64,8 @@ TEST(CourseOfStringsInTune, MovesAsOneHeavierString) {
   StiffString& string = std::get<StiffString>(course.resonator.body);
   string.detuning_cents = {0, 0, 0};
   Resonator heavier = course.resonator;
-  heavier.body = StiffString{0.62, 3 * string.mass_kg, 3 * string.tension_n, 3 * string.bending_stiffness_n_m2,
-                             string.losses, {0}};
+  heavier.body = StiffString{
+      0.62, 3 * string.mass_kg, 3 * string.tension_n, 3 * string.bending_stiffness_n_m2, string.losses, {0}};
   const auto felt = felt_table(c4(), 32);
   std::vector<std::vector<double>> forces;
   for (const Resonator& resonator : {course.resonator, heavier}) {
