@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The partials that sound after a stroke on C4, against the formula of the stiff string: C++ and Faust, both precisions.
+// The partials that sound after a stroke on C4, against the formula of the stiff string: C++ and Faust, both
+// precisions.
 #include <complex>
 #include <iostream>
 #include <numbers>
@@ -50,10 +51,11 @@ double cents(double n) {
   return std::exp2(n / 1200) - 1;
 }
 
-/// Finds single partials in a sum of decaying ones. A window slides over the signal: what it sees of a partial z^n turns
-/// and falls by exactly z per sample, so that the ratio of two views kShift apart is z^kShift, whatever the window. Other
-/// partials, 260 Hz or more away, leak by the window's side lobes: below -200 dB for the Kaiser window of shape 24 over 1 s,
-/// 8 Hz to each side. A whole turn of the ratio is 44 Hz, which that window does not let through.
+/// Finds single partials in a sum of decaying ones. A window slides over the signal: what it sees of a partial z^n
+/// turns and falls by exactly z per sample, so that the ratio of two views kShift apart is z^kShift, whatever the
+/// window. Other partials, 260 Hz or more away, leak by the window's side lobes: below -200 dB for the Kaiser window
+/// of shape 24 over 1 s, 8 Hz to each side. A whole turn of the ratio is 44 Hz, which that window does not let
+/// through.
 class Analyser {
  public:
   static constexpr std::size_t kShift = 1000;
@@ -123,8 +125,9 @@ struct Rendering {
 
 class PartialsOfC4 : public ::testing::TestWithParam<Rendering> {};
 
-// A noise of the size n in a view turns a partial of amplitude a by n/a at most, the ratio by twice that. A partial is
-// judged where this leaves its frequency sure to 0.02 cent; the noise is the largest view between it and its neighbours.
+// A noise of the size n in a view turns a partial of amplitude a by n/a at most, the ratio by twice that. A partial
+// is judged where this leaves its frequency sure to 0.02 cent; the noise is the largest view between it and its
+// neighbours.
 TEST_P(PartialsOfC4, AreWithinATenthOfACentOfTheory) {
   const Analyser analyser(GetParam().sound());
   double highest_hz = 0, worst_cents = 0, worst_decay = 0;
