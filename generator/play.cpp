@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "generator/play.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -10,6 +12,7 @@
 #include "contactspline/fret_string.hpp"
 #include "contactspline/hammer_string.hpp"
 #include "contactspline/slide_string.hpp"
+#include "generator/error.hpp"
 
 namespace contactspline {
 namespace {
@@ -84,26 +87,44 @@ std::vector<double> each(const std::vector<ResonatorMode>& modes, double Resonat
   return values;
 }
 
+template <typename T>
+ModeShapes<T> shapes_in(const std::vector<double>& values) {
+  return ModeShapes<T>(std::span<const double>(values));
+}
+
+std::vector<double> bridge_shapes(const Voice& voice, const std::vector<ResonatorMode>& modes) {
+  const auto* string = std::get_if<StiffString>(&voice.resonator.body);
+  if (string == nullptr)
+    throw BadInput(
+        fmt::format("--signal: bridge: {} has none; allowed: displacement, velocity, force", voice.resonator.name));
+  std::vector<double> shapes;
+  for (const auto& mode : modes) shapes.push_back(voice.strings * bridge_shape(*string, mode.wavenumber_per_m));
+  return shapes;
+}
+
 /// What every instrument is built of, in the precision of its model.
 template <typename T>
 struct Parts {
-  Parts(const Voice& voice, double sample_rate_hz)
-      : set(modes_of(voice.resonator, sample_rate_hz / 2)),
+  Parts(const Voice& voice, const PlayOptions& options)
+      : set(modes_of(voice.resonator, options.sample_rate_hz / 2)),
         modes(bare(set.modes)),
-        pickup(each(set.modes, &ResonatorMode::pickup_shape)),
-        contact(table_in<T>(voice.contact)) {}
+        heard(options.signal == Signal::kBridge ? bridge_shapes(voice, set.modes)
+                                                : each(set.modes, &ResonatorMode::pickup_shape)),
+        contact(table_in<T>(voice.contact)) {
+    if (modes.empty())
+      throw BadInput(fmt::format("--rate: no mode of {} lies below {} Hz; allowed: a higher rate",
+                                 voice.resonator.name, options.sample_rate_hz / 2));
+  }
 
   [[nodiscard]] SegmentTable<T> table() const { return contact; }
-  [[nodiscard]] ModeShapes<T> strike() const {
-    return ModeShapes<T>(std::span<const double>(each(set.modes, &ResonatorMode::strike_shape)));
-  }
+  [[nodiscard]] ModeShapes<T> strike() const { return shapes_in<T>(each(set.modes, &ResonatorMode::strike_shape)); }
   [[nodiscard]] StringShapes<T> shapes() const {
     return StringShapes<T>(each(set.modes, &ResonatorMode::wavenumber_per_m));
   }
 
   ModeSet set;
   std::vector<Mode> modes;
-  ModeShapes<T> pickup;
+  std::vector<double> heard;  ///< shapes at the pickup or the bridge
   std::vector<Segment<T>> contact;
 };
 
@@ -137,13 +158,13 @@ class Damper {
 template <typename T>
 class HammerStringPlayer {
  public:
-  HammerStringPlayer(const Voice& voice, double sample_rate_hz)
+  HammerStringPlayer(const Voice& voice, const PlayOptions& options)
       : voice_(voice),
-        sample_rate_hz_(sample_rate_hz),
-        parts_(voice, sample_rate_hz),
+        sample_rate_hz_(options.sample_rate_hz),
+        parts_(voice, options),
         place_m_(voice.resonator.strike.position_m),
-        damper_(voice.strikes, sample_rate_hz),
-        model_(parts_.table(), parts_.modes, parts_.strike(), sample_rate_hz) {}
+        damper_(voice.strikes, options.sample_rate_hz),
+        model_(parts_.table(), parts_.modes, parts_.strike(), options.sample_rate_hz) {}
 
   void tick(std::size_t sample, std::span<const double> values) {
     using Control = HammerStringControl;
@@ -156,7 +177,7 @@ class HammerStringPlayer {
                  .damping_per_s = static_cast<T>(damping)});
   }
 
-  [[nodiscard]] const ModeShapes<T>& pickup() const { return parts_.pickup; }
+  [[nodiscard]] ModeShapes<T> heard() const { return shapes_in<T>(parts_.heard); }
   [[nodiscard]] const auto& model() const { return model_; }
 
  private:
@@ -165,7 +186,7 @@ class HammerStringPlayer {
       Resonator moved = voice_.resonator;
       moved.strike.position_m = place_m_ = place_m;
       const auto modes = modes_of(moved, sample_rate_hz_ / 2).modes;
-      model_.strike_at(ModeShapes<T>(std::span<const double>(each(modes, &ResonatorMode::strike_shape))));
+      model_.strike_at(shapes_in<T>(each(modes, &ResonatorMode::strike_shape)));
     }
     model_.strike(static_cast<T>(speed_m_per_s), static_cast<T>(kThrowDistance));
   }
@@ -182,11 +203,11 @@ class HammerStringPlayer {
 template <typename T>
 class SlideStringPlayer {
  public:
-  SlideStringPlayer(const Voice& voice, double sample_rate_hz)
-      : sample_rate_hz_(sample_rate_hz),
+  SlideStringPlayer(const Voice& voice, const PlayOptions& options)
+      : sample_rate_hz_(options.sample_rate_hz),
         length_m_(std::get<StiffString>(voice.resonator.body).length_m),
-        parts_(voice, sample_rate_hz),
-        model_(parts_.table(), parts_.modes, parts_.shapes(), static_cast<T>(voice.pluck_m), sample_rate_hz) {
+        parts_(voice, options),
+        model_(parts_.table(), parts_.modes, parts_.shapes(), static_cast<T>(voice.pluck_m), options.sample_rate_hz) {
     model_.place(static_cast<T>(voice.initial[Control::kPlace]), static_cast<T>(voice.height_m));
   }
 
@@ -202,7 +223,7 @@ class SlideStringPlayer {
                  .contact = {value(Control::kStiffnessRatio), value(Control::kLoss)}});
   }
 
-  [[nodiscard]] const ModeShapes<T>& pickup() const { return parts_.pickup; }
+  [[nodiscard]] ModeShapes<T> heard() const { return shapes_in<T>(parts_.heard); }
   [[nodiscard]] const auto& model() const { return model_; }
 
  private:
@@ -225,9 +246,9 @@ class SlideStringPlayer {
 template <typename T>
 class FretStringPlayer {
  public:
-  FretStringPlayer(const Voice& voice, double sample_rate_hz)
-      : parts_(voice, sample_rate_hz),
-        model_(parts_.table(), parts_.modes, parts_.shapes(), static_cast<T>(voice.pluck_m), sample_rate_hz) {
+  FretStringPlayer(const Voice& voice, const PlayOptions& options)
+      : parts_(voice, options),
+        model_(parts_.table(), parts_.modes, parts_.shapes(), static_cast<T>(voice.pluck_m), options.sample_rate_hz) {
     model_.place(static_cast<T>(voice.initial[Control::kPlace]), static_cast<T>(voice.initial[Control::kGap]));
   }
 
@@ -240,7 +261,7 @@ class FretStringPlayer {
                  .contact = {value(Control::kStiffnessRatio), value(Control::kLoss)}});
   }
 
-  [[nodiscard]] const ModeShapes<T>& pickup() const { return parts_.pickup; }
+  [[nodiscard]] ModeShapes<T> heard() const { return shapes_in<T>(parts_.heard); }
   [[nodiscard]] const auto& model() const { return model_; }
 
  private:
@@ -263,12 +284,14 @@ class Recorder {
 
   void begin(const Voice& voice) {
     const double angle = (voice.pan + 1) * std::numbers::pi / 4;  // equal power
+    strings_ = voice.strings;
     left_ = performance_.channels == 1 ? 1 : std::cos(angle);
     right_ = std::sin(angle);
     touches_ = false;
   }
 
-  void add(std::size_t sample, double value, double force) {
+  void add(std::size_t sample, double value, double force_on_one) {
+    const double force = strings_ * force_on_one;
     if (performance_.channels == 1) {
       performance_.samples[sample] += static_cast<float>(value);
     } else {
@@ -288,22 +311,14 @@ class Recorder {
  private:
   std::size_t samples_, stretch_;
   Performance performance_;
-  double left_ = 1, right_ = 1;
+  double strings_ = 1, left_ = 1, right_ = 1;
   bool touches_ = false;
 };
 
-template <typename Player>
-double signal_of(const Player& player, Signal signal) {
-  const auto& model = player.model();
-  switch (signal) {
-    case Signal::kDisplacement:
-      return model.string().displacement(player.pickup());
-    case Signal::kVelocity:
-      return model.string().velocity(player.pickup());
-    case Signal::kForce:
-      return model.force();
-  }
-  return 0;
+template <typename Model, typename Shapes>
+double signal_of(const Model& model, const Shapes& heard, Signal signal) {
+  if (signal == Signal::kForce) return model.force();
+  return signal == Signal::kVelocity ? model.string().velocity(heard) : model.string().displacement(heard);
 }
 
 using PartDone = std::function<void(std::size_t)>;
@@ -311,12 +326,13 @@ using PartDone = std::function<void(std::size_t)>;
 template <typename Player>
 void play_voice(const Voice& voice, const PlayOptions& options, Recorder& recorder, const PartDone& done) {
   ControlTrack controls(voice, options.sample_rate_hz);
-  Player player(voice, options.sample_rate_hz);
+  Player player(voice, options);
+  const auto heard = player.heard();
   recorder.begin(voice);
   for (std::size_t i = 0; i < recorder.samples(); ++i) {
     done(i);
     player.tick(i, controls.at(i));
-    recorder.add(i, signal_of(player, options.signal), player.model().force());
+    recorder.add(i, signal_of(player.model(), heard, options.signal), player.model().force());
   }
 }
 
@@ -334,6 +350,13 @@ void play_in(Instrument instrument, const Voice& voice, const PlayOptions& optio
 }
 
 }  // namespace
+
+Signal best_signal(const Score& score) {
+  const auto is_string = [](const Voice& voice) { return std::holds_alternative<StiffString>(voice.resonator.body); };
+  const bool has_bridge =
+      score.instrument == Instrument::kHammerString && std::ranges::all_of(score.voices, is_string);
+  return has_bridge ? Signal::kBridge : Signal::kVelocity;
+}
 
 Performance play(const Score& score, const PlayOptions& options, const Progress& progress) {
   Recorder recorder(score, options);

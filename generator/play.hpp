@@ -10,8 +10,9 @@
 
 namespace contactspline {
 
-/// What is heard: of the string at the pickup, or the contact force.
-enum class Signal { kDisplacement, kVelocity, kForce };
+/// What is heard: of the resonator at its pickup, the force of a string on its bridge (the end farthest from 0), or
+/// the contact force.
+enum class Signal { kDisplacement, kVelocity, kBridge, kForce };
 
 enum class Precision { kSingle, kDouble };
 
@@ -30,8 +31,12 @@ struct Performance {
   std::size_t contacts;  ///< of all voices
 };
 
+/// The signal that sounds best: bridge for hammers on strings, else velocity.
+[[nodiscard]] Signal best_signal(const Score& score);
+
 /// Plays every voice of a score: the modes below half the sample rate, each contact with its own controls. The sound
-/// is the sum of the voices. `progress` hears of it a hundred times or so.
+/// is the sum of the voices. `progress` hears of it a hundred times or so. Throws BadInput where a voice has no mode
+/// below half the rate, or no bridge where that is to be heard.
 [[nodiscard]] Performance play(const Score& score, const PlayOptions& options, const Progress& progress);
 
 }  // namespace contactspline

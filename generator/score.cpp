@@ -8,11 +8,15 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
 #include <set>
 #include <utility>
 
 #include "generator/embedded.hpp"
+#include "generator/error.hpp"
+#include "generator/keyboard.hpp"
+#include "generator/midi.hpp"
 #include "generator/spline.hpp"
 
 namespace contactspline {
@@ -36,8 +40,14 @@ constexpr Range kStiffness{0, 1e9};
 constexpr Range kResistance{0, 1e6};
 constexpr Range kVibrato{0, 0.1};
 constexpr Range kVibratoRate{0, 100};
-constexpr double kDamper = 40;        // per second: falls by 60 dB in a sixth of a second
-constexpr double kPluckRise = 0.004;  // s
+constexpr Range kCents{-1200, 1200};
+
+constexpr double kDamper = 60;          // 1/s: 60 dB in 0.12 s
+constexpr double kPluckRise = 0.004;    // s
+constexpr double kRing = 2;             // s, after the last note of a MIDI file
+constexpr double kFeltLoss = 0.1;       // s/m, of a keyboard's hammers
+constexpr double kKeyboardWidth = 0.6;  // pan of its ends
+constexpr int kMostModes = 4096;
 constexpr std::size_t kMaxVoices = 128;
 constexpr std::size_t kMaxEvents = 65536;
 
@@ -67,24 +77,25 @@ constexpr std::array kFretControls = {
 struct Rules {
   std::string_view name;
   std::span<const ControlName> controls;
-  std::vector<std::string> voice_keys;
-  std::vector<std::string> event_keys;  ///< beside the controls
+  const char* note;                     ///< the key of an event that plays
+  std::size_t pluck_force;              ///< the control that a pluck moves
+  std::vector<std::string> voice_keys;  ///< beside name, resonator, material, tuning_cents, pan
 };
 
 const Rules& rules_of(Instrument instrument) {
-  static const std::array rules = {Rules{"hammer-string",
-                                         kHammerControls,
-                                         {"name", "resonator", "material", "hammer_mass_kg", "damper_per_s", "pan"},
-                                         {"time_s", "over_s", "voice", "speed_m_per_s", "hold_s"}},
-                                   Rules{"slide-string",
-                                         kSlideControls,
-                                         {"name", "resonator", "material", "pluck_m", "pickup_m", "height_m", "pan"},
-                                         {"time_s", "over_s", "voice", "pluck_n"}},
-                                   Rules{"fret-string",
-                                         kFretControls,
-                                         {"name", "resonator", "material", "pluck_m", "pickup_m", "pan"},
-                                         {"time_s", "over_s", "voice", "pluck_n"}}};
+  static const std::array rules = {
+      Rules{"hammer-string", kHammerControls, "speed_m_per_s", 0, {"hammer_mass_kg", "damper_per_s"}},
+      Rules{"slide-string",
+            kSlideControls,
+            "pluck_n",
+            SlideStringControl::kPluckForce,
+            {"pluck_m", "pickup_m", "height_m"}},
+      Rules{"fret-string", kFretControls, "pluck_n", FretStringControl::kPluckForce, {"pluck_m", "pickup_m"}}};
   return rules[static_cast<std::size_t>(instrument)];
+}
+
+bool has_hammer(Instrument instrument) {
+  return instrument == Instrument::kHammerString;
 }
 
 Instrument read_instrument(const JsonObject& score) {
@@ -103,17 +114,21 @@ bool is_path(std::string_view name) {
   return name.ends_with(".json") || name.find('/') != name.npos;
 }
 
-/// The text of a resonator or material that a key names, and the file to name in messages.
-std::pair<std::string, std::string> read_named(const JsonObject& voice, const char* key,
-                                               std::span<const EmbeddedText> shipped, const ReadFile& read) {
+struct NamedText {
+  std::string text, file;
+};
+
+/// The text of what a key names: a file, or something that ships.
+NamedText read_named(const JsonObject& object, const char* key, std::span<const EmbeddedText> shipped,
+                     const ReadFile& read) {
   std::vector<std::string_view> names;
   for (const auto& text : shipped)
     if (text.file_name.ends_with(".json")) names.push_back(text.file_name.substr(0, text.file_name.size() - 5));
   const std::string allowed = fmt::format("a .json file, {}", fmt::join(names, ", "));
-  const std::string name = voice.text(key, allowed);
+  const std::string name = object.text(key, allowed);
   if (is_path(name)) return {read(name), name};
   const auto found = std::ranges::find(shipped, name + ".json", &EmbeddedText::file_name);
-  if (found == shipped.end()) voice.fail(voice.key(key), fmt::format("'{}' does not ship", shown(name)), allowed);
+  if (found == shipped.end()) object.fail(object.key(key), fmt::format("'{}' does not ship", shown(name)), allowed);
   return {std::string(found->content), name + ".json"};
 }
 
@@ -121,21 +136,19 @@ double number_or(const JsonObject& object, const char* name, Range range, double
   return object.has(name) ? object.number(name, range) : otherwise;
 }
 
-// Largest place along a resonator.
-std::optional<double> reach_of(const Resonator& resonator) {
-  if (const auto* string = std::get_if<StiffString>(&resonator.body)) return string->length_m;
-  if (const auto* bar = std::get_if<FreeBar>(&resonator.body)) return bar->length_m;
-  if (const auto* membrane = std::get_if<Membrane>(&resonator.body)) return membrane->radius_m;
-  return {};
+void tune(const JsonObject& json, Resonator& resonator) {
+  if (!json.has("tuning_cents")) return;
+  auto* string = std::get_if<StiffString>(&resonator.body);
+  if (string == nullptr) json.fail(json.key("tuning_cents"), "is not for this resonator", "beside strings");
+  for (double& cents : string->detuning_cents) cents += json.number("tuning_cents", kCents);
 }
 
 void complete_hammer(const JsonObject& json, const Material& material, Voice& voice) {
   using Control = HammerStringControl;
   if (!json.has("hammer_mass_kg") && !material.impact)
     json.fail(json.key("hammer_mass_kg"), "missing, and the material has no impact", "a number");
-  voice.initial[Control::kHammerMass] = json.has("hammer_mass_kg")
-                                            ? json.number("hammer_mass_kg", kMass)
-                                            : std::clamp(material.impact->mass_kg, kMass.least, kMass.most);
+  voice.initial[Control::kHammerMass] =
+      json.has("hammer_mass_kg") ? json.number("hammer_mass_kg", kMass) : material.impact->mass_kg;
   voice.initial[Control::kPlace] = voice.resonator.strike.position_m;
   voice.damper_per_s = number_or(json, "damper_per_s", kDecay, kDamper);
 }
@@ -143,7 +156,7 @@ void complete_hammer(const JsonObject& json, const Material& material, Voice& vo
 void complete_plucked(const JsonObject& json, Voice& voice) {
   const auto* string = std::get_if<StiffString>(&voice.resonator.body);
   if (string == nullptr || string->detuning_cents.size() != 1)
-    json.fail(json.key("resonator"), "is not a single string", "a resonator with one string");
+    json.fail(json.key("resonator"), "is not a single string", "a resonator of one string");
   voice.pluck_m = json.number("pluck_m", {0, string->length_m});
   voice.resonator.pickup.position_m = json.number("pickup_m", {0, string->length_m});
 }
@@ -154,14 +167,15 @@ Voice read_voice(const JsonObject& json, Instrument instrument, const ReadFile& 
   voice.name = json.text("name", kNameAllowed);
   if (voice.name.empty() || voice.name.size() > 64)
     json.fail(json.key("name"), fmt::format("has {} characters", voice.name.size()), kNameAllowed);
-  const auto [resonator_text, resonator_file] = read_named(json, "resonator", embedded_resonators(), read);
-  voice.resonator = parse_resonator(resonator_text, resonator_file);
-  const auto [material_text, material_file] = read_named(json, "material", embedded_texts(), read);
-  const Material material = parse_material(material_text, material_file);
-  voice.contact = segment_table(uniform_spline(material, material_file));
+  const NamedText resonator = read_named(json, "resonator", embedded_resonators(), read);
+  voice.resonator = parse_resonator(resonator.text, resonator.file);
+  tune(json, voice.resonator);
+  const NamedText felt = read_named(json, "material", embedded_texts(), read);
+  const Material material = parse_material(felt.text, felt.file);
+  voice.contact = segment_table(uniform_spline(material, felt.file));
   for (const ControlName& control : controls_of(instrument)) voice.initial.push_back(control.initial);
   voice.pan = number_or(json, "pan", kPan, 0);
-  if (instrument == Instrument::kHammerString)
+  if (has_hammer(instrument))
     complete_hammer(json, material, voice);
   else
     complete_plucked(json, voice);
@@ -170,9 +184,11 @@ Voice read_voice(const JsonObject& json, Instrument instrument, const ReadFile& 
 }
 
 std::vector<Voice> read_voices(const JsonObject& score, Instrument instrument, const ReadFile& read) {
+  std::vector<std::string> keys = {"name", "resonator", "material", "tuning_cents", "pan"};
+  for (const std::string& key : rules_of(instrument).voice_keys) keys.push_back(key);
   std::vector<Voice> voices;
   std::set<std::string> names;
-  for (const JsonObject& json : score.objects("voices", rules_of(instrument).voice_keys, kMaxVoices)) {
+  for (const JsonObject& json : score.objects("voices", keys, kMaxVoices)) {
     voices.push_back(read_voice(json, instrument, read));
     if (!names.insert(voices.back().name).second)
       json.fail(json.key("name"), fmt::format("'{}' is the name of two voices", shown(voices.back().name)), "once");
@@ -180,8 +196,40 @@ std::vector<Voice> read_voices(const JsonObject& score, Instrument instrument, c
   return voices;
 }
 
+// A key of a keyboard as a voice, panned as the player hears it.
+Voice voice_of(const Keyboard& keyboard, int key) {
+  const KeyboardNote note = note_of(keyboard, key);
+  const double from_middle = 2.0 * (key - keyboard.first_key) / (keyboard.last_key - keyboard.first_key) - 1;
+  Voice voice;
+  voice.name = fmt::format("{}", key);
+  voice.resonator = {keyboard.name, "", note.string, {note.strike_position_m}, {note.strike_position_m}, kMostModes};
+  voice.contact = segment_table(uniform_spline(note.felt, keyboard.name));
+  voice.initial = {note.hammer_mass_kg, 1, kFeltLoss, 0, note.strike_position_m};
+  voice.damper_per_s = key <= keyboard.last_damped_key ? kDamper : 0;
+  voice.strings = note.strings;
+  voice.pan = kKeyboardWidth * from_middle;
+  return voice;
+}
+
+// Every key that is played.
+std::vector<Voice> read_keys(const JsonObject& score, const std::vector<JsonObject>& events, const ReadFile& read) {
+  const NamedText named = read_named(score, "keyboard", embedded_keyboards(), read);
+  const Keyboard keyboard = parse_keyboard(named.text, named.file);
+  std::set<int> keys;
+  for (const JsonObject& event : events)
+    if (event.has("key")) keys.insert(event.integer("key", keyboard.first_key, keyboard.last_key));
+  if (keys.empty())
+    score.fail("events", "play no key",
+               fmt::format("key, an integer from {} to {}", keyboard.first_key, keyboard.last_key));
+  std::vector<Voice> voices;
+  for (const int key : keys) voices.push_back(voice_of(keyboard, key));
+  return voices;
+}
+
 /// The voices that an event is for: the one it names, or all.
 std::span<Voice> voices_of(const JsonObject& event, std::vector<Voice>& voices) {
+  if (event.has("key"))
+    return {std::ranges::find(voices, fmt::format("{}", event.integer("key", 0, 127)), &Voice::name), 1};
   if (!event.has("voice")) return voices;
   std::vector<std::string_view> names;
   for (const Voice& voice : voices) names.push_back(voice.name);
@@ -192,21 +240,22 @@ std::span<Voice> voices_of(const JsonObject& event, std::vector<Voice>& voices) 
   return {found, 1};
 }
 
-// A place must lie on the resonator.
-void check_place(const JsonObject& event, const ControlName& control, const Voice& voice, double place) {
-  if (control.range.most != kPlace.most) return;
-  const auto reach = reach_of(voice.resonator);
-  if (!reach) event.fail(event.key(control.name), "has no meaning on a table of modes", "no such key");
-  if (place > *reach)
-    event.fail(event.key(control.name), fmt::format("{} is beyond {}", place, voice.resonator.name),
-               fmt::format("a number from 0 to {}", *reach));
+// Largest place along a resonator; none on a table of modes.
+std::optional<double> reach_of(const Resonator& resonator) {
+  if (const auto* string = std::get_if<StiffString>(&resonator.body)) return string->length_m;
+  if (const auto* bar = std::get_if<FreeBar>(&resonator.body)) return bar->length_m;
+  if (const auto* membrane = std::get_if<Membrane>(&resonator.body)) return membrane->radius_m;
+  return {};
 }
 
-// What an event can do.
-std::vector<std::string_view> deeds_of(Instrument instrument) {
-  std::vector<std::string_view> deeds = {instrument == Instrument::kHammerString ? "speed_m_per_s" : "pluck_n"};
-  for (const ControlName& control : controls_of(instrument)) deeds.emplace_back(control.name);
-  return deeds;
+// A place must lie on the resonator.
+void check_place(const JsonObject& event, const ControlName& control, const Voice& voice, double place_m) {
+  if (control.name != std::string_view("place_m") && control.name != std::string_view("strike_m")) return;
+  const auto reach = reach_of(voice.resonator);
+  if (!reach) event.fail(event.key(control.name), "has no meaning on a table of modes", "no such key");
+  if (place_m > *reach)
+    event.fail(event.key(control.name), fmt::format("{} is beyond {}", place_m, voice.resonator.name),
+               fmt::format("a number from 0 to {}", *reach));
 }
 
 // Sets the controls that an event names; false where it names none.
@@ -224,24 +273,24 @@ bool read_glides(const JsonObject& event, Instrument instrument, double time, st
       voice.glides.push_back({time, over, i, to});
     }
   }
+  if (event.has("over_s") && !any) event.fail(event.key("over_s"), "glides to nothing", "beside a control");
   return any;
 }
 
-bool read_strike(const JsonObject& event, double time, std::span<Voice> voices) {
-  if (!event.has("speed_m_per_s")) return false;
-  const Strike strike{time, event.number("speed_m_per_s", kSpeed), number_or(event, "hold_s", kTime, kForEver)};
-  for (Voice& voice : voices) voice.strikes.push_back(strike);
-  return true;
-}
-
-// A pluck: the force rises, and lets go at once.
-bool read_pluck(const JsonObject& event, Instrument instrument, double time, std::span<Voice> voices) {
-  if (!event.has("pluck_n")) return false;
-  const double force = event.number("pluck_n", kForce);
-  const std::size_t control =
-      instrument == Instrument::kSlideString ? +SlideStringControl::kPluckForce : +FretStringControl::kPluckForce;
-  for (Voice& voice : voices)
-    voice.glides.insert(voice.glides.end(), {{time, kPluckRise, control, force}, {time + kPluckRise, 0, control, 0}});
+// A throw of the hammer; or a pluck: the force rises, and lets go at once.
+bool read_note(const JsonObject& event, Instrument instrument, double time, std::span<Voice> voices) {
+  const Rules& rules = rules_of(instrument);
+  if (event.has("hold_s") && !event.has(rules.note))
+    event.fail(event.key("hold_s"), "holds nothing", fmt::format("beside {}", rules.note));
+  if (!event.has(rules.note)) return false;
+  for (Voice& voice : voices) {
+    if (has_hammer(instrument)) {
+      voice.strikes.push_back({time, event.number(rules.note, kSpeed), number_or(event, "hold_s", kTime, kForEver)});
+    } else {
+      voice.glides.push_back({time, kPluckRise, rules.pluck_force, event.number(rules.note, kForce)});
+      voice.glides.push_back({time + kPluckRise, 0, rules.pluck_force, 0});
+    }
+  }
   return true;
 }
 
@@ -249,13 +298,18 @@ void read_event(const JsonObject& event, const Score& score, std::vector<Voice>&
   const double time = event.number("time_s", {0, score.duration_s});
   const auto concerned = voices_of(event, voices);
   const bool glides = read_glides(event, score.instrument, time, concerned);
-  const bool strikes = read_strike(event, time, concerned);
-  const bool plucks = read_pluck(event, score.instrument, time, concerned);
-  if (event.has("over_s") && !glides) event.fail(event.key("over_s"), "glides to nothing", "beside a control");
-  if (event.has("hold_s") && !strikes) event.fail(event.key("hold_s"), "holds nothing", "beside speed_m_per_s");
-  if (!glides && !strikes && !plucks)
+  const bool plays = read_note(event, score.instrument, time, concerned);
+  if (!glides && !plays)
     event.fail(event.key("time_s"), "nothing happens",
-               fmt::format("beside {}", fmt::join(deeds_of(score.instrument), ", ")));
+               fmt::format("beside {} or a control", rules_of(score.instrument).note));
+}
+
+std::vector<std::string> event_keys(Instrument instrument, bool has_keys) {
+  std::vector<std::string> keys = {"time_s", has_keys ? "key" : "voice", rules_of(instrument).note};
+  if (has_hammer(instrument)) keys.emplace_back("hold_s");
+  keys.emplace_back("over_s");
+  for (const ControlName& control : controls_of(instrument)) keys.emplace_back(control.name);
+  return keys;
 }
 
 void require_initial(const JsonObject& score, Instrument instrument, const std::vector<Voice>& voices) {
@@ -279,18 +333,44 @@ std::span<const ControlName> controls_of(Instrument instrument) {
 
 Score parse_score(std::string_view text, std::string_view file, const ReadFile& read) {
   const auto json = parse_json(text, file, "score");
-  const JsonObject score(json, file, "score", {"instrument", "description", "duration_s", "voices", "events"});
+  const JsonObject score(json, file, "score",
+                         {"instrument", "description", "duration_s", "keyboard", "voices", "events"});
   Score result{read_instrument(score), read_description(score), score.number("duration_s", kDuration), {}};
-  result.voices = read_voices(score, result.instrument, read);
-  std::vector<std::string> keys = rules_of(result.instrument).event_keys;
-  for (const ControlName& control : controls_of(result.instrument)) keys.emplace_back(control.name);
-  for (const JsonObject& event : score.objects("events", keys, kMaxEvents)) read_event(event, result, result.voices);
+  const bool has_keys = score.has("keyboard");
+  if (has_keys && (score.has("voices") || !has_hammer(result.instrument)))
+    score.fail("keyboard", "has no place here", "in a score for hammer-string, instead of voices");
+  const auto events = score.objects("events", event_keys(result.instrument, has_keys), kMaxEvents);
+  result.voices = has_keys ? read_keys(score, events, read) : read_voices(score, result.instrument, read);
+  for (const JsonObject& event : events) read_event(event, result, result.voices);
   require_initial(score, result.instrument, result.voices);
   for (Voice& voice : result.voices) {
     std::ranges::stable_sort(voice.glides, {}, &Glide::time_s);
     std::ranges::stable_sort(voice.strikes, {}, &Strike::time_s);
   }
   return result;
+}
+
+Score parse_midi_score(std::string_view bytes, std::string_view file) {
+  const auto notes = parse_midi(bytes, file);
+  const auto piano = std::ranges::find(embedded_keyboards(), "piano.json", &EmbeddedText::file_name);
+  const Keyboard keyboard = parse_keyboard(piano->content, piano->file_name);
+  std::map<int, Voice> voices;
+  double end = 0;
+  for (const MidiNote& note : notes) {
+    if (note.key < keyboard.first_key || note.key > keyboard.last_key)
+      throw BadInput(fmt::format("{}: MIDI: key {} at {:.3f} s is not on the piano; allowed: {} to {}", file,
+                                 note.key, note.time_s, keyboard.first_key, keyboard.last_key));
+    if (!voices.contains(note.key)) voices[note.key] = voice_of(keyboard, note.key);
+    const double speed = 0.2 * std::pow(30.0, note.velocity / 127.0);
+    voices[note.key].strikes.push_back({note.time_s, speed, note.hold_s});
+    end = std::max(end, note.time_s + note.hold_s);
+  }
+  if (!(end + kRing <= kDuration.most))
+    throw BadInput(
+        fmt::format("{}: MIDI: it lasts {:.4g} s; allowed: at most {} s", file, end, kDuration.most - kRing));
+  Score score{Instrument::kHammerString, "", end + kRing, {}};
+  for (auto& [key, voice] : voices) score.voices.push_back(std::move(voice));
+  return score;
 }
 
 }  // namespace contactspline

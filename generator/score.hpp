@@ -78,6 +78,7 @@ struct Voice {
   double damper_per_s = 0;               ///< extra decay while the damper is down; hammer-string
   double pluck_m = 0;                    ///< place of the pluck; slide-string and fret-string
   double height_m = 0;                   ///< of the slide before the string at the beginning; slide-string
+  double strings = 1;                    ///< so many that all move like the resonator
   double pan = 0;                        ///< -1 left to 1 right
 };
 
@@ -93,5 +94,9 @@ using ReadFile = std::function<std::string(const std::string& path)>;
 
 /// Parses the text of a score: JSON with comments (docs/scores.md). `file` stands in messages only. Throws BadInput.
 [[nodiscard]] Score parse_score(std::string_view text, std::string_view file, const ReadFile& read);
+
+/// The notes of a MIDI file on the piano that ships, with 2 s to ring after the last one. The velocity throws the
+/// hammer at 0.2 m/s times 30^(velocity/127), as in instruments.lib. Throws BadInput.
+[[nodiscard]] Score parse_midi_score(std::string_view bytes, std::string_view file);
 
 }  // namespace contactspline

@@ -216,8 +216,7 @@ unset multiplot)",
                   title);
 }
 
-std::string picture_of(const Performance& performance, const std::string& title, const std::string& signal,
-                       const std::string& unit) {
+std::string picture_of(const Performance& performance, const std::string& title, const std::string& signal) {
   const std::vector<float> sound = mono(performance);
   const double duration = static_cast<double>(sound.size()) / performance.sample_rate_hz;
   const Spectrogram spectrogram = spectrogram_of(sound, performance.sample_rate_hz, 900, 280);
@@ -226,7 +225,7 @@ std::string picture_of(const Performance& performance, const std::string& title,
                   spectrogram.lowest_hz, spectrogram.highest_hz, spectrogram.columns, spectrogram.rows);
   return draw_svg(envelope_data(Trace<float>{"sound", sound, 1}, performance.sample_rate_hz) +
                       force_data(performance, duration) + spectrogram_data(spectrogram) + frame + heading(3, 1) +
-                      fmt::format("sound_label = '{} [{}]'\n", signal, unit) + R"(
+                      fmt::format("sound_label = '{}'\n", signal) + R"(
 unset key
 set lmargin at screen 0.09
 set rmargin at screen 0.88

@@ -16,8 +16,8 @@ namespace contactspline {
 /// Displacement and force of a rendered motion over time, and the first contact sample by sample.
 [[nodiscard]] std::string picture_of(const MassBarrierMotion& motion, const std::string& title);
 
-/// Waveform, contact force and spectrogram of a played score. `signal` and `unit`: what is heard.
+/// Waveform, contact force and spectrogram of a played score. `signal`: what is heard, with its unit.
 [[nodiscard]] std::string picture_of(const Performance& performance, const std::string& title,
-                                     const std::string& signal, const std::string& unit);
+                                     const std::string& signal);
 
 }  // namespace contactspline

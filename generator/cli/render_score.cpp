@@ -22,21 +22,26 @@ namespace contactspline {
 namespace {
 
 /// Words of --signal, in the order of Signal.
-const std::vector<std::string> kSignals = {"displacement", "velocity", "force"};
-constexpr const char* kUnits[] = {"m", "m/s", "N"};
+const std::vector<std::string> kSignals = {"displacement", "velocity", "bridge", "force"};
+constexpr const char* kTraces[] = {"displacement", "velocity", "bridge force", "contact force"};
+constexpr const char* kUnits[] = {"m", "m/s", "N", "N"};
 
 struct ScoreOptions {
   std::string score;
   int sample_rate_hz = 44100;
-  std::string signal = "velocity";
+  std::string signal;
   std::string precision = "double";
   std::string output;
   std::string svg;
 };
 
-PlayOptions play_options(const ScoreOptions& options) {
-  return {static_cast<double>(options.sample_rate_hz),
-          static_cast<Signal>(std::ranges::find(kSignals, options.signal) - kSignals.begin()),
+Signal signal_of(const ScoreOptions& options, const Score& score) {
+  if (options.signal.empty()) return best_signal(score);
+  return static_cast<Signal>(std::ranges::find(kSignals, options.signal) - kSignals.begin());
+}
+
+PlayOptions play_options(const ScoreOptions& options, const Score& score) {
+  return {static_cast<double>(options.sample_rate_hz), signal_of(options, score),
           options.precision == "single" ? Precision::kSingle : Precision::kDouble};
 }
 
@@ -55,19 +60,21 @@ void render_score(Instrument instrument, const ScoreOptions& options) {
   require_short(options.score + ": duration_s", score.duration_s, options.sample_rate_hz);
   const std::string svg = picture_beside(options.output, options.svg);
   require_distinct({{options.output, svg}}, source.files);
-  const PlayOptions how = play_options(options);
+  const PlayOptions how = play_options(options, score);
   const Performance performance = play(score, how, show_progress);
   const double peak = peak_of(performance);
-  const char* unit = kUnits[static_cast<std::size_t>(how.signal)];
+  const auto signal = static_cast<std::size_t>(how.signal);
   const std::string title =
       score.description.empty() ? fmt::format("{} score", name_of(instrument)) : score.description;
-  const std::vector<OutputFile> files = {{options.output, wav_bytes(performance.samples, scale_to_peak(peak),
-                                                                    performance.channels, options.sample_rate_hz)},
-                                         {svg, picture_of(performance, title, options.signal, unit)}};
+  const std::vector<OutputFile> files = {
+      {options.output,
+       wav_bytes(performance.samples, scale_to_peak(peak), performance.channels, options.sample_rate_hz)},
+      {svg, picture_of(performance, title, fmt::format("{} [{}]", kTraces[signal], kUnits[signal]))}};
   write_files(files);
   write_stdout(fmt::format(
       "{} contacts in {} s, largest force {:.4g} N\nfull scale of the sound: {:.4g} {}\nsound:   {}\npicture: {}\n",
-      performance.contacts, score.duration_s, performance.largest_force_n, peak / kPeak, unit, options.output, svg));
+      performance.contacts, score.duration_s, performance.largest_force_n, peak / kPeak, kUnits[signal],
+      options.output, svg));
 }
 
 void add_instrument(CLI::App& render, Instrument instrument, const char* help, const char* example) {
@@ -77,9 +84,11 @@ void add_instrument(CLI::App& render, Instrument instrument, const char* help, c
   command->add_option("--rate", options->sample_rate_hz, "sample rate in Hz")
       ->check(number_from(1000, 768000))
       ->capture_default_str();
-  command->add_option("--signal", options->signal, "what is heard: of the string at its pickup, or the contact force")
-      ->check(one_of(kSignals))
-      ->capture_default_str();
+  command
+      ->add_option("--signal", options->signal,
+                   "what is heard: displacement or velocity at the pickup, force on the bridge, contact force "
+                   "(default: bridge for hammers on strings, else velocity)")
+      ->check(one_of(kSignals));
   command->add_option("--precision", options->precision, "of the model's numbers")
       ->check(one_of({"single", "double"}))
       ->capture_default_str();

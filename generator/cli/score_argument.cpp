@@ -14,13 +14,19 @@
 namespace contactspline {
 namespace {
 
+bool is_midi(std::string_view file) {
+  return file.ends_with(".mid");
+}
+
 ScoreSource shipped_score(const std::string& name) {
   const auto texts = embedded_scores();
-  const auto found = std::ranges::find(texts, name + ".json", &EmbeddedText::file_name);
-  if (found == texts.end())
-    throw BadInput(fmt::format("{}: SCORE: no such score ships; allowed: a .json file, {}", name,
-                               fmt::join(shipped_scores(), ", ")));
-  return {parse_score(found->content, found->file_name, read_input), {}};
+  const auto names = shipped_scores();
+  const auto found = std::ranges::find(names, name);
+  if (found == names.end())
+    throw BadInput(fmt::format("{}: SCORE: no such score ships; allowed: a .json or .mid file, {}", name,
+                               fmt::join(names, ", ")));
+  const auto& [file, content] = texts[static_cast<std::size_t>(found - names.begin())];
+  return {is_midi(file) ? parse_midi_score(content, file) : parse_score(content, file, read_input), {}};
 }
 
 }  // namespace
@@ -32,7 +38,7 @@ std::vector<std::string> shipped_scores() {
 }
 
 ScoreSource score_argument(const std::string& argument) {
-  if (!is_path(argument)) return shipped_score(argument);
+  if (!is_path(argument) && !is_midi(argument)) return shipped_score(argument);
   const std::filesystem::path file = argument;
   ScoreSource source;
   source.files.push_back(file);
@@ -40,7 +46,8 @@ ScoreSource score_argument(const std::string& argument) {
     source.files.push_back(file.parent_path() / path);
     return read_input(source.files.back());
   };
-  source.score = parse_score(read_input(file), argument, read);
+  source.score = is_midi(argument) ? parse_midi_score(read_input(file), argument)
+                                   : parse_score(read_input(file), argument, read);
   return source;
 }
 

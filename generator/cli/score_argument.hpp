@@ -10,7 +10,7 @@
 
 namespace contactspline {
 
-constexpr auto kScoreHelp = "score file (.json), or the name of a score that ships";
+constexpr auto kScoreHelp = "score file (.json, .mid), or the name of a score that ships";
 
 /// A score and the files it was read from.
 struct ScoreSource {
@@ -21,8 +21,8 @@ struct ScoreSource {
 /// Names of the scores that ship, rising.
 [[nodiscard]] std::vector<std::string> shipped_scores();
 
-/// Reads a SCORE and the resonators and materials it names: a path where it ends in .json or holds a slash, else a
-/// shipped name. Throws BadInput.
+/// Reads a SCORE and the resonators and materials it names: a path where it ends in .json or .mid or holds a slash,
+/// else a shipped name. Throws BadInput.
 [[nodiscard]] ScoreSource score_argument(const std::string& argument);
 
 }  // namespace contactspline
