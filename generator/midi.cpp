@@ -21,6 +21,8 @@
 namespace contactspline {
 namespace {
 
+constexpr int kTrackName = 3;
+constexpr std::size_t kLongestTitle = 100;
 constexpr int kDrums = 9;  // the tenth channel
 constexpr int kSustainPedal = 64;
 constexpr int kPedalDown = 64;
@@ -52,6 +54,7 @@ class Reader final : private Midifile_reader {
     read(bytes);
     return std::move(events_);
   }
+  [[nodiscard]] const std::string& title() const { return title_; }
   [[nodiscard]] int division() const { return division_; }
 
  private:
@@ -114,9 +117,13 @@ class Reader final : private Midifile_reader {
   void Mf_timesig(int, int, int, int) override {}
   void Mf_keysig(int, int) override {}
   void Mf_sqspecific(int, unsigned char*) override {}
-  void Mf_text(int, int, unsigned char*) override {}
+  void Mf_text(int type, int length, unsigned char* text) override {
+    if (type == kTrackName && title_.empty() && length > 0)
+      title_ = shown({reinterpret_cast<const char*>(text), static_cast<std::size_t>(length)}, kLongestTitle);
+  }
 
   std::string_view file_, bytes_;
+  std::string title_;
   std::vector<MidiEvent> events_;
   long last_tick_ = 0;
   int division_ = 0;
@@ -199,7 +206,7 @@ class Hands {
 
 }  // namespace
 
-std::vector<MidiNote> parse_midi(std::string_view bytes, std::string_view file) {
+MidiSong parse_midi(std::string_view bytes, std::string_view file) {
   Reader reader(file);
   auto events = reader.events_in(bytes);
   std::ranges::stable_sort(events, {}, &MidiEvent::tick);
@@ -214,7 +221,7 @@ std::vector<MidiNote> parse_midi(std::string_view bytes, std::string_view file) 
   }
   auto notes = hands.notes_at_end(time);
   if (notes.empty()) fail(file, "it has no note");
-  return notes;
+  return {reader.title(), std::move(notes)};
 }
 
 }  // namespace contactspline

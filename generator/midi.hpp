@@ -2,6 +2,7 @@
 // Notes of a standard MIDI file.
 #pragma once
 
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -14,9 +15,14 @@ struct MidiNote {
   int velocity;   ///< 1 to 127
 };
 
-/// Notes of a MIDI file of format 0 or 1, by rising time: every channel but the tenth, which is for drums; tempo,
+struct MidiSong {
+  std::string title;            ///< of the first track, printable; empty where it has none
+  std::vector<MidiNote> notes;  ///< by rising time
+};
+
+/// Title and notes of a MIDI file of format 0 or 1: of every channel but the tenth, which is for drums; tempo,
 /// sustain pedal (controller 64 from 64 on) and restruck keys are followed, all else is left out. `file` stands in
 /// messages only. Throws BadInput.
-[[nodiscard]] std::vector<MidiNote> parse_midi(std::string_view bytes, std::string_view file);
+[[nodiscard]] MidiSong parse_midi(std::string_view bytes, std::string_view file);
 
 }  // namespace contactspline

@@ -44,7 +44,7 @@ constexpr Range kCents{-1200, 1200};
 
 constexpr double kDamper = 60;          // 1/s: 60 dB in 0.12 s
 constexpr double kPluckRise = 0.004;    // s
-constexpr double kRing = 2;             // s, after the last note of a MIDI file
+constexpr double kRing = 1;             // s, after the last note of a MIDI file
 constexpr double kFeltLoss = 0.1;       // s/m, of a keyboard's hammers
 constexpr double kKeyboardWidth = 0.6;  // pan of its ends
 constexpr int kMostModes = 4096;
@@ -351,7 +351,7 @@ Score parse_score(std::string_view text, std::string_view file, const ReadFile& 
 }
 
 Score parse_midi_score(std::string_view bytes, std::string_view file) {
-  const auto notes = parse_midi(bytes, file);
+  const auto [title, notes] = parse_midi(bytes, file);
   const auto piano = std::ranges::find(embedded_keyboards(), "piano.json", &EmbeddedText::file_name);
   const Keyboard keyboard = parse_keyboard(piano->content, piano->file_name);
   std::map<int, Voice> voices;
@@ -368,7 +368,7 @@ Score parse_midi_score(std::string_view bytes, std::string_view file) {
   if (!(end + kRing <= kDuration.most))
     throw BadInput(
         fmt::format("{}: MIDI: it lasts {:.4g} s; allowed: at most {} s", file, end, kDuration.most - kRing));
-  Score score{Instrument::kHammerString, "", end + kRing, {}};
+  Score score{Instrument::kHammerString, title, end + kRing, {}};
   for (auto& [key, voice] : voices) score.voices.push_back(std::move(voice));
   return score;
 }

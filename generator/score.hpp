@@ -95,7 +95,7 @@ using ReadFile = std::function<std::string(const std::string& path)>;
 /// Parses the text of a score: JSON with comments (docs/scores.md). `file` stands in messages only. Throws BadInput.
 [[nodiscard]] Score parse_score(std::string_view text, std::string_view file, const ReadFile& read);
 
-/// The notes of a MIDI file on the piano that ships, with 2 s to ring after the last one. The velocity throws the
+/// The notes of a MIDI file on the piano that ships, with 1 s to ring after the last one. The velocity throws the
 /// hammer at 0.2 m/s times 30^(velocity/127), as in instruments.lib. Throws BadInput.
 [[nodiscard]] Score parse_midi_score(std::string_view bytes, std::string_view file);
 

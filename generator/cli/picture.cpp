@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
@@ -171,6 +172,20 @@ std::string spectrogram_data(const Spectrogram& spectrogram) {
   return data + "EOD\n";
 }
 
+// Distance of about five tics over a range: 1, 2 or 5 times a power of ten.
+double tic_step(double range) {
+  if (!(range > 0)) return 1;
+  const double power = std::pow(10, std::floor(std::log10(range / 5)));
+  const double rest = range / 5 / power;
+  return power * (rest <= 1 ? 1 : rest <= 2 ? 2 : rest <= 5 ? 5 : 10);
+}
+
+float peak_of(const std::vector<float>& sound) {
+  float peak = 0;
+  for (const float value : sound) peak = std::max(peak, std::abs(value));
+  return peak;
+}
+
 std::string force_data(const Performance& performance, double duration_s) {
   std::string data = "$force << EOD\n";
   const double step = duration_s / static_cast<double>(performance.force_n.size());
@@ -225,7 +240,9 @@ std::string picture_of(const Performance& performance, const std::string& title,
                   spectrogram.lowest_hz, spectrogram.highest_hz, spectrogram.columns, spectrogram.rows);
   return draw_svg(envelope_data(Trace<float>{"sound", sound, 1}, performance.sample_rate_hz) +
                       force_data(performance, duration) + spectrogram_data(spectrogram) + frame + heading(3, 1) +
-                      fmt::format("sound_label = '{}'\n", signal) + R"(
+                      fmt::format("sound_label = '{}'\nsound_tics = {:g}\nforce_tics = {:g}\n", signal,
+                                  tic_step(2 * peak_of(sound)), tic_step(performance.largest_force_n)) +
+                      R"(
 unset key
 set lmargin at screen 0.09
 set rmargin at screen 0.88
@@ -233,11 +250,13 @@ set xrange [0:duration]
 set format x ''
 set tmargin at screen 0.93
 set bmargin at screen 0.72
-set ylabel sound_label offset 0.5
+set ylabel sound_label
+set ytics sound_tics
 plot $sound with lines lt 2 lw 0.8
 set tmargin at screen 0.69
 set bmargin at screen 0.53
 set ylabel 'contact force [N]'
+set ytics force_tics
 set yrange [0:*]
 plot $force with lines lt 3 lw 1
 set tmargin at screen 0.5

@@ -71,10 +71,11 @@ void render_score(Instrument instrument, const ScoreOptions& options) {
        wav_bytes(performance.samples, scale_to_peak(peak), performance.channels, options.sample_rate_hz)},
       {svg, picture_of(performance, title, fmt::format("{} [{}]", kTraces[signal], kUnits[signal]))}};
   write_files(files);
-  write_stdout(fmt::format(
-      "{} contacts in {} s, largest force {:.4g} N\nfull scale of the sound: {:.4g} {}\nsound:   {}\npicture: {}\n",
-      performance.contacts, score.duration_s, performance.largest_force_n, peak / kPeak, kUnits[signal],
-      options.output, svg));
+  write_stdout(
+      fmt::format("{} contacts in {:.4g} s, largest force {:.4g} N\nfull scale of the sound: {:.4g} {}\nsound:   "
+                  "{}\npicture: {}\n",
+                  performance.contacts, score.duration_s, performance.largest_force_n, peak / kPeak, kUnits[signal],
+                  options.output, svg));
 }
 
 void add_instrument(CLI::App& render, Instrument instrument, const char* help, const char* example) {
