@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+// Damaged material, resonator, score and MIDI files: each gives either output or one readable line that names the
+// file.
+#include <string>
+
+#include "damage.hpp"
+#include "generator/emit.hpp"
+#include "generator/midi.hpp"
+#include "generator/play.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+constexpr int kMostSegments = 64;  // larger tables are slow, not different
+
+const Emitter& emitter_of(int round) {
+  return emitters()[static_cast<std::size_t>(round) % emitters().size()];
+}
+
+void expect_source(const std::string& source, const Emitter& emitter, const std::string& text) {
+  EXPECT_TRUE(!source.empty() && (emitter.name != "json" || nlohmann::json::accept(source))) << text << source;
+}
+
+bool design_and_emit_material(const std::string& text, int round) {
+  const Material material = parse_material(text, "fuzz.json");
+  if (material.spline.segments > kMostSegments) return false;
+  const Spline spline = uniform_spline(material, "fuzz.json");
+  expect_source(emit(emitter_of(round), {material, spline, measure_quality(spline, material)},
+                     "contactspline generate fuzz.json"),
+                emitter_of(round), text);
+  return true;
+}
+
+TEST(DamagedMaterial, GivesOutputOrOneReadableLine) {
+  damage_files(texts_of(embedded_texts(), ".json"), "fuzz.json",
+               "\"name\" \"description\" \"contact\" \"impact\" \"spline\" \"knots\" \"segments\" \"exponent\" "
+               "\"max_compression_m\" \"max_compression_m\":1e-3, \"uniform\"",
+               20'000, design_and_emit_material);
+}
+
+// The lowest modes only: all of them are slow, not different.
+bool emit_resonator(const std::string& text, int round) {
+  Resonator resonator = parse_resonator(text, "fuzz.json");
+  resonator.max_modes = std::min(resonator.max_modes, 20);
+  if (modes_of(resonator, 22050).modes.empty()) return true;
+  expect_source(emit(emitter_of(round), resonator, 22050, "contactspline generate fuzz.json"), emitter_of(round),
+                text);
+  return true;
+}
+
+TEST(DamagedResonator, GivesOutputOrOneReadableLine) {
+  auto texts = texts_of(embedded_resonators(), ".json");
+  texts.push_back(R"({ "name": "bell", "max_modes": 3, "modes": [
+    { "frequency_hz": 440, "decay_per_s": 1, "mass_kg": 0.01, "strike_shape": 1, "pickup_shape": -0.5 },
+    { "frequency_hz": 1230, "decay_per_s": 3, "mass_kg": 0.01, "strike_shape": 0.4, "pickup_shape": 1 } ] })");
+  damage_files(texts, "fuzz.json",
+               "\"name\" \"string\" \"bar\" \"membrane\" \"modes\" \"strike\" \"pickup\" \"max_modes\":2, "
+               "\"detuning_cents\":[1,2], \"angle_rad\":0, \"position_m\"",
+               10'000, emit_resonator);
+}
+
+// A hundredth of a second of what is left of it.
+void play_a_little(Score score) {
+  score.duration_s = 0.01;
+  if (score.voices.size() > 2) score.voices.resize(2);
+  for (Voice& voice : score.voices) voice.resonator.max_modes = std::min(voice.resonator.max_modes, 10);
+  const Performance played = play(score, {.sample_rate_hz = 44100, .signal = best_signal(score)}, [](double) {});
+  EXPECT_EQ(played.samples.size(), 441u * static_cast<std::size_t>(played.channels));
+  EXPECT_TRUE(std::ranges::all_of(played.samples, [](float sample) { return std::isfinite(sample); }));
+}
+
+TEST(DamagedScore, PlaysOrGivesOneReadableLine) {
+  const auto no_file = [](const std::string& path) -> std::string {
+    throw BadInput("fuzz.json: " + shown(path) + ": does not exist; allowed: a file");
+  };
+  damage_files(
+      texts_of(embedded_scores(), ".json"), "fuzz.json",
+      "\"instrument\" \"hammer-string\" \"slide-string\" \"duration_s\":1, \"keyboard\":\"piano\", \"voices\" "
+      "\"events\" \"time_s\":1, \"over_s\":1, \"hold_s\":1, \"key\":60, \"voice\":\"g3\", \"place_m\":0.1, "
+      "\"tuning_cents\":5, \"pan\":1, \"speed_m_per_s\":2, \"pluck_n\":2,",
+      4'000, [&](const std::string& text, int) {
+        play_a_little(parse_score(text, "fuzz.json", no_file));
+        return true;
+      });
+}
+
+TEST(DamagedMidi, PlaysOrGivesOneReadableLine) {
+  damage_files(texts_of(embedded_scores(), ".mid"), "fuzz.mid",
+               "MTrk MThd \xff\x2f \xff\x51\x03 \xf0\x7f \xff\x20\x81", 20'000, [](const std::string& text, int) {
+                 for (const MidiNote& note : parse_midi(text, "fuzz.mid").notes) {
+                   EXPECT_TRUE(note.time_s >= 0 && std::isfinite(note.time_s) && note.hold_s >= 0) << note.time_s;
+                   EXPECT_TRUE(note.key >= 0 && note.key < 128 && note.velocity > 0 && note.velocity < 128);
+                 }
+                 return true;
+               });
+}
+
+}  // namespace
+}  // namespace contactspline::testing
