@@ -87,7 +87,8 @@ endfunction()
 
 # The build step that makes `source`, the Faust program as C++ in an architecture file; further arguments are options.
 function(_contactspline_faust_step source architecture)
-  set(include "")
+  cmake_path(GET arg_DSP PARENT_PATH program_folder)
+  set(include -I "${program_folder}")
   set(depends "")
   foreach(target IN LISTS arg_MATERIALS)
     get_target_property(folder ${target} CONTACTSPLINE_OUTPUT_DIR)
@@ -96,8 +97,7 @@ function(_contactspline_faust_step source architecture)
     list(APPEND depends ${target} ${outputs})
   endforeach()
   # Faust writes no dependency file: the program depends on every library it may use.
-  cmake_path(GET arg_DSP PARENT_PATH folder)
-  file(GLOB libraries CONFIGURE_DEPENDS "${folder}/*.lib" "${ContactSpline_FAUST_DIR}/*.lib")
+  file(GLOB libraries CONFIGURE_DEPENDS "${program_folder}/*.lib" "${ContactSpline_FAUST_DIR}/*.lib")
   add_custom_command(
     OUTPUT "${source}"
     COMMAND ${FAUST} -a ${architecture} ${ARGN} ${arg_FAUST_OPTIONS} ${include} -I "${ContactSpline_FAUST_DIR}"

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // piano_phrase OUT.wav: a few notes on the piano of piano.hpp, block by block, as an audio host would play it.
-#include "piano.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cstdio>
 #include <sndfile.hh>
+
+#include "piano.hpp"
 
 namespace {
 
@@ -61,8 +61,8 @@ int main(int argc, char* argv[]) {
   }
   const std::vector<float> sound = play(events_of_phrase());
   SndfileHandle file(argv[1], SFM_WRITE, SF_FORMAT_WAV | SF_FORMAT_PCM_24, 1, kRateHz);
-  if (file.error() != 0 || file.write(sound.data(), static_cast<sf_count_t>(sound.size())) !=
-                               static_cast<sf_count_t>(sound.size())) {
+  if (file.error() != 0 ||
+      file.write(sound.data(), static_cast<sf_count_t>(sound.size())) != static_cast<sf_count_t>(sound.size())) {
     std::fprintf(stderr, "piano_phrase: %s: %s\n", argv[1], file.strError());
     return 1;
   }

@@ -19,7 +19,9 @@ namespace {
 
 constexpr int kRate = 48000;
 
-double pitch_hz(int key) { return 440 * std::exp2((key - 69) / 12.0); }
+double pitch_hz(int key) {
+  return 440 * std::exp2((key - 69) / 12.0);
+}
 
 /// Events at times since the beginning, played in blocks of sizes that next_size() gives.
 template <typename NextSize>
@@ -44,8 +46,8 @@ constexpr KeyEvent kEvents[] = {{100, 60, 0.7f},   {100, 64, 0.6f},   {3000, 60,
                                 {5000, 109, 0.5f}, {7000, 100, 0.0f}, {12345, 64, 0.0f},  {12345, 64, 0.3f},
                                 {20000, 60, 0.0f}, {20000, 64, 0.0f}, {22000, 108, 1.0f}, {22000, 21, 1.0f}};
 
-// Events are taken at their samples, wherever the host cuts. Only when a key falls asleep depends on that: at 1e-14 J,
-// where the blow gave more than 1e-3 J, some 3e-6 of the amplitude.
+// Events are taken at their samples, wherever the host cuts. Only when a key falls asleep depends on that: at 1e-14
+// J, where the blow gave more than 1e-3 J, some 3e-6 of the amplitude.
 TEST(PianoExample, SoundsTheSameInBlocksOfAnySize) {
   const auto in_one = play(kEvents, 30000, [] { return 30000; });
   std::mt19937 random(1);

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: MIT
+// How many times faster than real time the instruments run on one core, struck once a second.
+#include <benchmark/benchmark.h>
+#include <faust/gui/MapUI.h>
+
+#include <array>
+#include <concepts>
+
+#include "contactspline/hammer_string.hpp"
+#include "contactspline/materials/felt_c4.hpp"
+#include "contactspline/resonators/string_c4.hpp"
+#include "examples/piano.hpp"
+#include "faust_programs.hpp"
+#ifdef CONTACTSPLINE_LV2_PATH
+#include "plugins/lv2_host.hpp"
+#endif
+
+namespace contactspline::bench {
+namespace {
+
+constexpr int kRate = 44100;
+constexpr int kBlock = 256;
+constexpr int kBlocksPerSecond = kRate / kBlock;
+
+/// Runs blocks of sound; before the first of each second, strikes.
+void run(benchmark::State& state, std::invocable auto strike, std::invocable auto play_block) {
+  AVOIDDENORMALS;  // as audio hosts do
+  int block = 0;
+  for (auto _ : state) {
+    if (block % kBlocksPerSecond == 0) strike();
+    ++block;
+    play_block();
+  }
+  state.counters["times_real_time"] =
+      benchmark::Counter(static_cast<double>(block) * kBlock / kRate, benchmark::Counter::kIsRate);
+}
+
+void faust(benchmark::State& state, std::unique_ptr<dsp> (*make)(), const char* trigger) {
+  const std::unique_ptr<dsp> program = make();
+  program->init(kRate);
+  MapUI controls;
+  program->buildUserInterface(&controls);
+  std::array<std::array<float, kBlock>, 2> sound;
+  std::array<float*, 2> outputs = {sound[0].data(), sound[1].data()};
+  const auto play = [&](int samples) {
+    program->compute(samples, nullptr, outputs.data());
+    benchmark::DoNotOptimize(sound);
+  };
+  const auto strike = [&] {
+    controls.setParamValue(trigger, 0);
+    play(1);
+    controls.setParamValue(trigger, 1);
+  };
+  run(state, strike, [&] { play(kBlock); });
+}
+
+/// HammerString with the C4 felt and the C4 string of 56 modes.
+template <std::floating_point T>
+void hammer_string(benchmark::State& state) {
+  using String = resonators::string_c4;
+  constexpr auto& felt = segments_of<materials::felt_c4, T>;
+  HammerString<T, felt.size()> model(felt, modes_in<String>,
+                                     ModeShapes<T>(std::span<const double>(String::strike_shapes)), kRate);
+  const ModeShapes<T> pickup(std::span<const double>(String::pickup_shapes));
+  std::array<T, kBlock> sound;
+  run(
+      state, [&] { model.strike(T(2.5), T(1e-4)); },
+      [&] {
+        for (T& sample : sound) {
+          model.tick({.hammer_mass_kg = T(0.00297)});
+          sample = model.string().displacement(pickup);
+        }
+        benchmark::DoNotOptimize(sound);
+      });
+}
+
+constexpr int kChord = 16;  // notes, from C3 upwards
+
+/// The piano of examples/, 16 keys down.
+void piano_example(benchmark::State& state) {
+  Piano piano(kRate);
+  std::array<KeyEvent, kChord> chord;
+  for (int i = 0; i < kChord; ++i) chord[static_cast<std::size_t>(i)] = {0, 48 + i, 0.7f};
+  std::array<float, kBlock> sound;
+  std::span<const KeyEvent> events;
+  run(
+      state, [&] { events = chord; },
+      [&] {
+        piano.process(events, sound);
+        events = {};
+        benchmark::DoNotOptimize(sound);
+      });
+}
+
+#ifdef CONTACTSPLINE_LV2_PATH
+/// The LV2 piano with so many voices, all of them sounding.
+void piano_lv2(benchmark::State& state) {
+  setenv("LV2_PATH", CONTACTSPLINE_LV2_PATH, 1);
+  const testing::Lv2World world;
+  testing::Lv2Instance piano(world, "urn:contactspline:piano", kRate);
+  static_assert(testing::Lv2Instance::kBlock == kBlock);
+  piano.set("polyphony", kChord);
+  (void)piano.run(1);
+  const auto strike = [&] {
+    for (int i = 0; i < kChord; ++i) piano.note_on(48 + i, 90);
+  };
+  run(state, strike, [&] { benchmark::DoNotOptimize(piano.run(1)); });
+}
+BENCHMARK(piano_lv2)->Name("piano, LV2, 16 voices of 80 modes");
+#endif
+
+BENCHMARK(hammer_string<double>)->Name("hammer-string C4, 56 modes, C++ double");
+BENCHMARK(hammer_string<float>)->Name("hammer-string C4, 56 modes, C++ float");
+BENCHMARK(piano_example)->Name("piano, C++ float, 16 notes of up to 80 modes");
+
+const int kFaust = [] {
+  const struct {
+    const char* name;
+    std::unique_ptr<dsp> (*make)();
+    const char* trigger;
+  } programs[] = {{"hammer-string C4, 56 modes, Faust double", hammer_string_double, "strike"},
+                  {"hammer-string C4, 56 modes, Faust single", hammer_string_single, "strike"},
+                  {"slide-string G3, Faust single", slide_string_single, "pluck"},
+                  {"fret-string D3, Faust single", fret_string_single, "pluck"},
+                  {"piano, one voice of 80 modes, Faust single", piano_single, "gate"}};
+  for (const auto& program : programs)
+    benchmark::RegisterBenchmark(program.name, faust, program.make, program.trigger);
+  return 0;
+}();
+
+}  // namespace
+}  // namespace contactspline::bench
+
+BENCHMARK_MAIN();
