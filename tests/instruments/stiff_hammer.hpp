@@ -25,7 +25,8 @@ constexpr int kStrokeRate = 44100;
 constexpr double kStrokeSpeed = 2.5;  // m/s
 
 /// How far a hammer of that speed can bend the string where it strikes, if all its energy E bends it and nothing else
-/// [m]: u^2 / (2 C) = E with the compliance C = x (L - x)/(T L) of the string at rest, less than which any stiffness leaves.
+/// [m]: u^2 / (2 C) = E with the compliance C = x (L - x)/(T L) of the string at rest, less than which any stiffness
+/// leaves.
 inline double largest_bend() {
   const auto& s = c4().string;
   const double x = c4().strike_m;

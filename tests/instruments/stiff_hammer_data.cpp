@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Prints what docs/pictures/stiff_hammer.gp draws: time [ms], then displacement of the struck string [mm] by fd.hammer and by
-// HammerString with the felt as it is, the same with one a thousand times as stiff, and what the blow's energy allows.
+// Prints what docs/pictures/stiff_hammer.gp draws: time [ms], then displacement of the struck string [mm] by
+// fd.hammer and by HammerString with the felt as it is, the same with one a thousand times as stiff, and what the
+// blow's energy allows.
 #include <cstdio>
 
 #include "stiff_hammer.hpp"
@@ -12,5 +13,6 @@ int main() {
   const auto ours = struck_by_us(1, kSamples), stiff_ours = struck_by_us(1000, kSamples);
   for (std::size_t n = 0; n < kSamples; ++n)
     std::printf("%.4f %.5g %.5g %.5g %.5g %.5g\n", 1e3 * static_cast<double>(n) / kStrokeRate, 1e3 * fd[n],
-                1e3 * ours.displacement[n], 1e3 * stiff_fd[n], 1e3 * stiff_ours.displacement[n], 1e3 * largest_bend());
+                1e3 * ours.displacement[n], 1e3 * stiff_fd[n], 1e3 * stiff_ours.displacement[n],
+                1e3 * largest_bend());
 }
