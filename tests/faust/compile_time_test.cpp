@@ -19,25 +19,42 @@ double children_seconds() {
   return static_cast<double>(usage.ru_utime.tv_sec) + 1e-6 * static_cast<double>(usage.ru_utime.tv_usec);
 }
 
+/// User time of faust on a program, C++ back end [s], median of 5.
+double compile_seconds(const std::filesystem::path& program) {
+  const auto folder = empty_folder("compile_time_" + program.stem().string());
+  std::array<double, 5> seconds{};
+  for (double& time : seconds) {
+    const double before = children_seconds();
+    const auto outcome = run_faust_compiler("-lang cpp -double", program, folder / "out.cpp");
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+    time = children_seconds() - before;
+  }
+  std::ranges::sort(seconds);
+  return seconds[2];
+}
+
 class CompileTimeTest : public ::testing::TestWithParam<int> {};
 
 TEST_P(CompileTimeTest, OfTheMassBarrierIsPrinted) {
   const std::string name = "mass_barrier_felt_c4_n" + std::to_string(GetParam());
-  const auto program = std::filesystem::path(kGenerated) / (name + ".dsp");
-  const auto folder = empty_folder("compile_time_" + std::to_string(GetParam()));
-  std::array<double, 5> seconds;
-  for (double& time : seconds) {
-    const double before = children_seconds();
-    const auto outcome = run_faust_compiler("-lang cpp -double", program, folder / "out.cpp");
-    ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
-    time = children_seconds() - before;
-  }
-  std::ranges::sort(seconds);
-  std::cout << "faust on mass_barrier.dsp with " << GetParam() << " segments: " << seconds[2]
+  std::cout << "faust on mass_barrier.dsp with " << GetParam()
+            << " segments: " << compile_seconds(std::filesystem::path(kGenerated) / (name + ".dsp"))
             << " s of user time, median of 5\n";
 }
 
 INSTANTIATE_TEST_SUITE_P(Segments, CompileTimeTest, ::testing::Values(1, 64, 1024));
+
+TEST(CompileTime, OfAHammerStringOf80ModesIsPrinted) {
+  std::cout << "faust on a hammer-string of 80 modes: "
+            << compile_seconds(std::filesystem::path(kTestPrograms) / "hammer_string_80.dsp")
+            << " s of user time, median of 5\n";
+}
+
+TEST(CompileTime, OfTheSlideStringIsPrinted) {
+  std::cout << "faust on slide_string.dsp: "
+            << compile_seconds(std::filesystem::path(kFaustSources) / "slide_string.dsp")
+            << " s of user time, median of 5\n";
+}
 
 }  // namespace
 }  // namespace contactspline::testing

@@ -53,8 +53,9 @@ std::unique_ptr<FaustProgram<double>> make() {
   return std::make_unique<CppProgram<Dsp, double>>(kRate);
 }
 
-// Largest displacements: twice what the hardest blow, 50 g at 10 m/s, can bend C4 at the pickup, sqrt(2 E C) = 33 mm with the
-// compliance C = 0.24 L/T; what all forces at once bend a guitar string in the middle, C = L/(4 T) = 2.2 mm/N.
+// Largest displacements: twice what the hardest blow, 50 g at 10 m/s, can bend C4 at the pickup, sqrt(2 E C) = 33 mm
+// with the compliance C = 0.24 L/T; what all forces at once bend a guitar string in the middle, C = L/(4 T) = 2.2
+// mm/N.
 std::vector<Instrument> instruments() {
   return {{"HammerString",
            make<hammer_string_double>,
@@ -116,7 +117,9 @@ TEST_P(FaustLiveControl, OfAllSlidersAtRandomStaysBounded) {
   Player player;
   double largest = 0;
   for (std::size_t n = 0; n < 20 * kRate;) {
-    const Slider& slider = instrument.sliders[static_cast<std::size_t>(player.between(0, static_cast<double>(instrument.sliders.size())))];
+    const Slider& slider =
+        instrument
+            .sliders[static_cast<std::size_t>(player.between(0, static_cast<double>(instrument.sliders.size())))];
     program->set(slider.label, player.somewhere(slider));
     program->set(instrument.trigger, player.between(0, 1) < 0.3);
     const auto samples = static_cast<std::size_t>(player.between(1, 1000));
@@ -131,7 +134,8 @@ TEST_P(FaustLiveControl, OfAllSlidersAtRandomStaysBounded) {
   EXPECT_LE(largest, instrument.largest_mm);
 }
 
-/// The sharpest edge in a signal: the fourth difference, which passes little of what is slow, and 3 h at most of a step h.
+/// The sharpest edge in a signal: the fourth difference, which passes little of what is slow, and 3 h at most of a
+/// step h.
 double sharpest_edge(const std::vector<double>& u) {
   double sharpest = 0;
   for (std::size_t n = 4; n < u.size(); ++n)
@@ -139,9 +143,9 @@ double sharpest_edge(const std::vector<double>& u) {
   return sharpest;
 }
 
-/// The edge that a move makes, over the note's peak. Two programs play the same note, one of them with the move; edges that
-/// the note has itself, which a damper takes away, do not count. A contact made or broken by the move ends the
-/// comparison: that is a sound of its own.
+/// The edge that a move makes, over the note's peak. Two programs play the same note, one of them with the move;
+/// edges that the note has itself, which a damper takes away, do not count. A contact made or broken by the move ends
+/// the comparison: that is a sound of its own.
 double edge_of_a_move(const Instrument& instrument, const Slider& slider, Player& player) {
   const auto still = instrument.make(), moved = instrument.make();
   const double moment = slider.is_for_the_next_throw ? player.between(4000, 9000) : player.between(20, 9000);
