@@ -49,7 +49,7 @@ class Reader final : private Midifile_reader {
 
   std::vector<MidiEvent> events_in(std::string_view bytes) {
     // The library reads an empty message through a null pointer unless it has had one with content before.
-    constexpr std::string_view kOneText("MThd\0\0\0\6\0\0\0\1\0\1MTrk\0\0\0\11\0\377\1\1 \0\377\57\0", 31);
+    constexpr std::string_view kOneText("MThd\0\0\0\6\0\0\0\1\0\1MTrk\0\0\0\11\0\377\1\1\0\0\377\57\0", 31);
     read(kOneText);
     read(bytes);
     return std::move(events_);

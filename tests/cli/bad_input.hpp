@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+// Tables of ways in which a JSON file can be wrong.
+#pragma once
+
+#include <ostream>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace contactspline::testing {
+
+struct BadFile {
+  std::string test;
+  std::string text;  ///< of the file
+  std::string key;   ///< the message begins with "file: key: "
+  std::string says;
+};
+
+inline void PrintTo(const BadFile& bad, std::ostream* stream) {
+  *stream << bad.test;
+}
+
+/// `good` with its one `from` replaced.
+inline std::string changed(const std::string& good, const std::string& from, const std::string& to) {
+  std::string text = good;
+  const auto at = text.find(from);
+  if (at == std::string::npos || text.find(from, at + 1) != std::string::npos)
+    throw std::logic_error(from + " does not occur just once");
+  return text.replace(at, from.size(), to);
+}
+
+/// A number of a good file, which reads "member": value.
+struct NumberKey {
+  std::string path;  ///< of the object it is in, with its point; may be empty
+  std::string member, value, allowed;
+  std::vector<std::string> out_of_range;
+  bool is_integer = false;
+
+  [[nodiscard]] std::string text(const std::string& other) const { return '"' + member + "\": " + other; }
+};
+
+/// Every way in which a number can be wrong. `what` is the kind of file, `name` begins the tests' names.
+inline std::vector<BadFile> number_cases(const std::string& name, const std::string& good, const std::string& what,
+                                         const NumberKey& number) {
+  std::vector<BadFile> cases;
+  const std::string key = number.path + number.member;
+  const auto add = [&](const std::string& kind, const std::string& value, const std::string& where,
+                       const std::string& says) {
+    cases.push_back({name + "_" + number.member + "_" + kind,
+                     changed(good, number.text(number.value), number.text(value)), where, says});
+  };
+  const std::string wrong = number.is_integer ? "is not an integer; allowed: " : "is not a number; allowed: ";
+  std::vector<std::pair<std::string, std::string>> types = {{"null", "null"},
+                                                            {"text", '"' + number.value + '"'},
+                                                            {"bool", "true"},
+                                                            {"array", "[" + number.value + "]"},
+                                                            {"object", "{}"}};
+  if (number.is_integer) types.insert(types.end(), {{"float", "8.0"}, {"huge", "1e30"}});
+  for (const auto& [kind, value] : types) add("is_" + kind, value, key, wrong + number.allowed);
+  for (std::size_t i = 0; i < number.out_of_range.size(); ++i)
+    add("is_out_of_range_" + std::to_string(i), number.out_of_range[i], key,
+        "is out of range; allowed: " + number.allowed);
+  add("overflows", "1e999", key.substr(0, key.find('[')),
+      "number overflow parsing '1e999'; allowed: a finite number");
+  add("is_nan", "NaN", what, "invalid literal");
+  add("is_twice", number.value + ", " + number.text(number.value), key.substr(0, key.find('[')),
+      "duplicate key; allowed: once");
+  return cases;
+}
+
+}  // namespace contactspline::testing

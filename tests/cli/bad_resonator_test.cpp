@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: MIT
+// Every way a resonator file can be wrong: one line that names file, key and what is allowed, and nothing written.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <iterator>
+
+#include "bad_input.hpp"
+#include "program.hpp"
+#include "sandbox.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+const std::string kString = R"({
+  "name": "probe",
+  "description": "a probe",
+  "string": {
+    "length_m": 0.6, "mass_kg": 0.004, "tension_n": 670, "bending_stiffness_n_m2": 0.01,
+    "constant_loss_per_s": 0.5, "quadratic_loss_m2_per_s": 0.0001, "detuning_cents": [0, 1.5]
+  },
+  "strike": { "position_m": 0.07 },
+  "pickup": { "position_m": 0.25 },
+  "max_modes": 20
+})";
+const std::string kBar = R"({
+  "name": "probe",
+  "bar": {
+    "length_m": 0.33, "mass_kg": 0.3, "bending_stiffness_n_m2": 64,
+    "constant_loss_per_s": 2.5, "quadratic_loss_m2_per_s": 0.008
+  },
+  "strike": { "position_m": 0.165 },
+  "pickup": { "position_m": 0.01 }
+})";
+const std::string kMembrane = R"({
+  "name": "probe",
+  "membrane": {
+    "radius_m": 0.165, "mass_per_area_kg_m2": 0.35, "tension_n_per_m": 1500,
+    "constant_loss_per_s": 6, "quadratic_loss_m2_per_s": 0.02
+  },
+  "strike": { "position_m": 0.05, "angle_rad": 0.1 },
+  "pickup": { "position_m": 0.09, "angle_rad": 0.7 },
+  "max_modes": 20
+})";
+const std::string kModes = R"({
+  "name": "probe",
+  "modes": [
+    { "frequency_hz": 440, "decay_per_s": 1.5, "mass_kg": 0.01, "strike_shape": 0.9, "pickup_shape": -0.5 }
+  ]
+})";
+
+const std::string kLength = "a number from 0.0001 to 100";
+const std::string kMass = "a number from 1e-09 to 10000";
+const std::string kLoss = "a number from 0 to 1000000";
+const std::string kQuadratic = "a number from 0 to 1000";
+const std::string kShape = "a number from -1000000 to 1000000";
+
+std::vector<BadFile> all_number_cases() {
+  struct Body {
+    std::string name, text;
+    std::vector<NumberKey> numbers;
+  };
+  const std::vector<Body> bodies = {
+      {"string",
+       kString,
+       {{"string.", "length_m", "0.6", kLength, {"0", "-1", "9e-5", "101"}},
+        {"string.", "mass_kg", "0.004", kMass, {"0", "-1", "9e-10", "10001"}},
+        {"string.", "tension_n", "670", "a number from 0.001 to 1000000", {"0", "-1", "9e-4", "1.1e6"}},
+        {"string.", "bending_stiffness_n_m2", "0.01", "a number from 0 to 1000000", {"-1", "1.1e6"}},
+        {"string.", "constant_loss_per_s", "0.5", kLoss, {"-1", "1.1e6"}},
+        {"string.", "quadratic_loss_m2_per_s", "0.0001", kQuadratic, {"-1", "1001"}},
+        {"strike.", "position_m", "0.07", "a number from 0 to 0.6", {"-0.1", "0.61"}},
+        {"pickup.", "position_m", "0.25", "a number from 0 to 0.6", {"-0.1", "0.61"}},
+        {"", "max_modes", "20", "an integer from 1 to 4096", {"0", "-1", "4097", "4294967297"}, true}}},
+      {"bar",
+       kBar,
+       {{"bar.", "length_m", "0.33", kLength, {"0", "-1", "9e-5", "101"}},
+        {"bar.", "mass_kg", "0.3", kMass, {"0", "-1", "9e-10", "10001"}},
+        {"bar.", "bending_stiffness_n_m2", "64", "a number from 1e-09 to 1000000", {"0", "-1", "1.1e6"}},
+        {"bar.", "constant_loss_per_s", "2.5", kLoss, {"-1", "1.1e6"}},
+        {"bar.", "quadratic_loss_m2_per_s", "0.008", kQuadratic, {"-1", "1001"}},
+        {"strike.", "position_m", "0.165", "a number from 0 to 0.33", {"-0.1", "0.34"}},
+        {"pickup.", "position_m", "0.01", "a number from 0 to 0.33", {"-0.1", "0.34"}}}},
+      {"membrane",
+       kMembrane,
+       {{"membrane.", "radius_m", "0.165", kLength, {"0", "-1", "9e-5", "101"}},
+        {"membrane.", "mass_per_area_kg_m2", "0.35", "a number from 1e-06 to 10000", {"0", "-1", "10001"}},
+        {"membrane.", "tension_n_per_m", "1500", "a number from 0.001 to 1000000", {"0", "-1", "1.1e6"}},
+        {"membrane.", "constant_loss_per_s", "6", kLoss, {"-1", "1.1e6"}},
+        {"membrane.", "quadratic_loss_m2_per_s", "0.02", kQuadratic, {"-1", "1001"}},
+        {"strike.", "position_m", "0.05", "a number from 0 to 0.165", {"-0.1", "0.17"}},
+        {"strike.", "angle_rad", "0.1", "a number from -7 to 7", {"-7.1", "7.1"}},
+        {"pickup.", "position_m", "0.09", "a number from 0 to 0.165", {"-0.1", "0.17"}},
+        {"pickup.", "angle_rad", "0.7", "a number from -7 to 7", {"-7.1", "7.1"}}}},
+      {"modes",
+       kModes,
+       {{"modes[0].", "frequency_hz", "440", "a number from 0.1 to 1000000", {"0", "-1", "0.09", "1.1e6"}},
+        {"modes[0].", "decay_per_s", "1.5", kLoss, {"-1", "1.1e6"}},
+        {"modes[0].", "mass_kg", "0.01", kMass, {"0", "-1", "10001"}},
+        {"modes[0].", "strike_shape", "0.9", kShape, {"-1.1e6", "1.1e6"}},
+        {"modes[0].", "pickup_shape", "-0.5", kShape, {"-1.1e6", "1.1e6"}}}}};
+  std::vector<BadFile> cases;
+  for (const auto& [name, text, numbers] : bodies)
+    for (const NumberKey& number : numbers) {
+      auto of_number = number_cases(name, text, "material", number);
+      for (BadFile& bad : of_number) bad.test += "_" + number.path.substr(0, number.path.find_first_of(".["));
+      std::ranges::move(of_number, std::back_inserter(cases));
+    }
+  return cases;
+}
+
+std::vector<BadFile> key_cases() {
+  const std::string root = "name, description, string, bar, membrane, modes, strike, pickup, max_modes";
+  const std::string kinds = "kinds of body are given; allowed: just one of string, bar, membrane, modes";
+  std::vector<BadFile> cases = {
+      {"name_missing", changed(kString, R"("name": "probe",)", ""), "name", "missing; allowed: a-z"},
+      {"name_is_path", changed(kString, R"("probe")", R"("../probe")"), "name", "is not a usable identifier"},
+      {"name_is_member", changed(kString, R"("probe")", R"("decays")"), "name", "is not a usable identifier"},
+      {"description_is_number", changed(kString, R"("a probe")", "1"), "description", "is not a string"},
+      {"unknown_at_root", changed(kString, R"("name")", R"("colour": 1, "name")"), "colour",
+       "unknown key; allowed: " + root},
+      {"unknown_in_string", changed(kString, R"("length_m")", R"("length_mm": 1, "length_m")"), "string.length_mm",
+       "unknown key; allowed: length_m"},
+      {"unknown_in_bar", changed(kBar, R"("length_m")", R"("tension_n": 1, "length_m")"), "bar.tension_n",
+       "unknown key; allowed: length_m"},
+      {"unknown_in_membrane", changed(kMembrane, R"("radius_m")", R"("length_m": 1, "radius_m")"),
+       "membrane.length_m", "unknown key; allowed: radius_m"},
+      {"unknown_in_mode", changed(kModes, R"("decay_per_s")", R"("t60_s": 1, "decay_per_s")"), "modes[0].t60_s",
+       "unknown key; allowed: frequency_hz"},
+      {"angle_on_string", changed(kString, R"("position_m": 0.07)", R"("position_m": 0.07, "angle_rad": 0)"),
+       "strike.angle_rad", "unknown key; allowed: position_m"},
+      {"no_body", R"({ "name": "probe", "strike": { "position_m": 0 }, "pickup": { "position_m": 0 } })", "string",
+       "0 " + kinds},
+      {"two_bodies", changed(kBar, R"("name": "probe",)", R"("name": "probe", "modes": [],)"), "string",
+       "2 " + kinds},
+      {"string_is_array", changed(kString, R"("string": {)", R"("string": [1], "bar": {)"), "string", "2 " + kinds},
+      {"bar_is_array", R"({ "name": "probe", "bar": [] })", "bar", "is not an object; allowed: length_m"},
+      {"strike_missing", changed(kString, R"("strike": { "position_m": 0.07 },)", ""), "strike",
+       "missing; allowed: position_m"},
+      {"pickup_missing",
+       changed(kBar, R"(,
+  "pickup": { "position_m": 0.01 })",
+               ""),
+       "pickup", "missing; allowed: position_m"},
+      {"position_missing", changed(kString, R"("position_m": 0.07)", ""), "strike.position_m",
+       "missing; allowed: a number from 0 to 0.6"},
+      {"angle_missing", changed(kMembrane, R"(, "angle_rad": 0.1)", ""), "strike.angle_rad",
+       "missing; allowed: a number from -7 to 7"},
+      {"strike_beside_modes", changed(kModes, R"("name")", R"("strike": {}, "name")"), "strike",
+       "has no meaning beside modes"},
+      {"pickup_beside_modes", changed(kModes, R"("name")", R"("pickup": {}, "name")"), "pickup",
+       "has no meaning beside modes"},
+      {"modes_empty", R"({ "name": "probe", "modes": [] })", "modes",
+       "has 0 entries; allowed: an array of 1 to 4096 objects"},
+      {"modes_is_object", R"({ "name": "probe", "modes": {} })", "modes",
+       "is not an array; allowed: an array of 1 to 4096 objects"},
+      {"mode_is_number", R"({ "name": "probe", "modes": [1] })", "modes[0]",
+       "is not an object; allowed: frequency_hz"},
+      {"detuning_is_number", changed(kString, "[0, 1.5]", "1"), "string.detuning_cents",
+       "is not an array; allowed: an array of 1 to 8 numbers"},
+      {"detuning_is_empty", changed(kString, "[0, 1.5]", "[]"), "string.detuning_cents", "has 0 entries"},
+      {"detuning_is_long", changed(kString, "[0, 1.5]", "[0,0,0,0,0,0,0,0,0]"), "string.detuning_cents",
+       "has 9 entries"},
+      {"detuning_holds_text", changed(kString, "[0, 1.5]", R"([0, "x"])"), "string.detuning_cents[1]",
+       "is not a number; allowed: a number from -1200 to 1200"},
+      {"detuning_holds_much", changed(kString, "[0, 1.5]", "[0, 1201]"), "string.detuning_cents[1]",
+       "is out of range; allowed: a number from -1200 to 1200"},
+      {"truncated", kString.substr(0, kString.size() / 2), "material", "allowed: a JSON object"},
+      {"trailing_garbage", kBar + "x", "material", "allowed: a JSON object"}};
+  for (const auto& [body, text, members] :
+       std::vector<std::tuple<std::string, std::string, std::vector<std::string>>>{
+           {"string.",
+            kString,
+            {R"("length_m": 0.6, )", R"("mass_kg": 0.004, )", R"("tension_n": 670, )",
+             R"("bending_stiffness_n_m2": 0.01,)", R"("constant_loss_per_s": 0.5, )",
+             R"("quadratic_loss_m2_per_s": 0.0001, )"}},
+           {"bar.", kBar, {R"("length_m": 0.33, )", R"("mass_kg": 0.3, )", R"("constant_loss_per_s": 2.5, )"}},
+           {"membrane.",
+            kMembrane,
+            {R"("radius_m": 0.165, )", R"("mass_per_area_kg_m2": 0.35, )", R"("constant_loss_per_s": 6, )"}},
+           {"modes[0].",
+            kModes,
+            {R"("frequency_hz": 440, )", R"("decay_per_s": 1.5, )", R"("mass_kg": 0.01, )",
+             R"("strike_shape": 0.9, )"}}})
+    for (const std::string& member : members) {
+      const std::string name = member.substr(1, member.find('"', 1) - 1);
+      cases.push_back({name + "_missing_in_" + body.substr(0, body.find_first_of(".[")), changed(text, member, ""),
+                       body + name, "missing; allowed: a number from"});
+    }
+  return cases;
+}
+
+class BadResonatorFile : public ::testing::TestWithParam<BadFile> {};
+
+TEST_P(BadResonatorFile, IsRefusedInOneLineAndNothingIsWritten) {
+  const auto& [test, text, key, says] = GetParam();
+  const Sandbox box;
+  write_file(box / "probe.json", text);
+  const auto before = box.listing();
+  expect_refused(run({.arguments = {"generate", "probe.json", "-o", "out"}, .folder = box.path()}),
+                 "probe.json: " + key, says);
+  EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
+}
+
+INSTANTIATE_TEST_SUITE_P(Number, BadResonatorFile, ::testing::ValuesIn(all_number_cases()),
+                         ::testing::PrintToStringParamName());
+INSTANTIATE_TEST_SUITE_P(Key, BadResonatorFile, ::testing::ValuesIn(key_cases()),
+                         ::testing::PrintToStringParamName());
+
+// What the tables above are made of is good itself.
+TEST(GoodResonatorFile, IsAccepted) {
+  for (const std::string& text : {kString, kBar, kMembrane, kModes}) {
+    const Sandbox box;
+    write_file(box / "probe.json", text);
+    EXPECT_EQ(run({.arguments = {"generate", "probe.json", "-o", "out"}, .folder = box.path()}).exit_code, 0) << text;
+    EXPECT_EQ(std::distance(fs::directory_iterator(box / "out"), {}), 3) << text;
+  }
+}
+
+}  // namespace
+}  // namespace contactspline::testing

@@ -1,0 +1,362 @@
+// SPDX-License-Identifier: MIT
+// contactspline render hammer-string, slide-string, fret-string: the sound is the models' motion under the score.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <sndfile.hh>
+#include <string>
+#include <vector>
+
+#include "contactspline/fret_string.hpp"
+#include "contactspline/hammer_string.hpp"
+#include "contactspline/slide_string.hpp"
+#include "generator/embedded.hpp"
+#include "generator/keyboard.hpp"
+#include "generator/spline.hpp"
+#include "program.hpp"
+#include "sandbox.hpp"
+#include "support/compare.hpp"
+#include "svg.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+using std::numbers::pi;
+
+constexpr double kPeak = 0.89;              // -1 dB
+constexpr double kLevel = 1.0 / (1 << 23);  // one step of 24 bits
+constexpr double kRate = 44100;
+
+struct Sound {
+  int rate, channels;
+  std::vector<double> samples;  ///< interleaved
+
+  [[nodiscard]] double peak() const {
+    double largest = 0;
+    for (const double sample : samples) largest = std::max(largest, std::abs(sample));
+    return largest;
+  }
+};
+
+Sound read_sound(const fs::path& path) {
+  SndfileHandle file(path.string());
+  if (file.error() != 0) throw std::runtime_error(path.string() + ": " + file.strError());
+  Sound sound{file.samplerate(), file.channels(), {}};
+  sound.samples.resize(static_cast<std::size_t>(file.frames() * file.channels()));
+  if (file.readf(sound.samples.data(), file.frames()) != file.frames()) throw std::runtime_error("short file");
+  return sound;
+}
+
+Sound sound_of(const std::string& instrument, const std::string& score, const Words& options = {}) {
+  const Sandbox box;
+  write_file(box / "probe.json", score);
+  succeed({.arguments = followed_by({"render", instrument, "--score", "probe.json", "-o", "a.wav"}, options),
+           .folder = box.path()});
+  expect_drawn(box / "a.svg", 3);
+  return read_sound(box / "a.wav");
+}
+
+// 24 bits, and a sum of voices kept in single precision.
+void expect_is(const Sound& sound, const std::vector<double>& motion, double bound = 2 * kLevel) {
+  double largest = 0;
+  for (const double value : motion) largest = std::max(largest, std::abs(value));
+  ASSERT_GT(largest, 0);
+  std::vector<double> expected;
+  for (const double value : motion) expected.push_back(value * kPeak / largest);
+  EXPECT_TRUE(within(sound.peak(), kPeak, kLevel));
+  EXPECT_TRUE(sequences_within<double>(sound.samples, expected, bound));
+}
+
+std::string shipped(std::span<const EmbeddedText> texts, const std::string& name) {
+  return std::string(std::ranges::find(texts, name + ".json", &EmbeddedText::file_name)->content);
+}
+
+/// A shipped resonator and material as the models take them.
+struct Parts {
+  Parts(const std::string& resonator_name, const std::string& material_name)
+      : resonator(parse_resonator(shipped(embedded_resonators(), resonator_name), resonator_name)),
+        set(modes_of(resonator, kRate / 2)),
+        table(segment_table(
+            uniform_spline(parse_material(shipped(embedded_texts(), material_name), material_name), material_name))) {
+    for (const auto& mode : set.modes) {
+      modes.push_back(mode.mode);
+      wavenumbers.push_back(mode.wavenumber_per_m);
+    }
+  }
+
+  [[nodiscard]] ModeShapes<double> at(double place_m) const {
+    ModeShapes<double> shapes(modes.size());
+    for (std::size_t i = 0; i < modes.size(); ++i) shapes[i] = std::sin(wavenumbers[i] * place_m);
+    return shapes;
+  }
+
+  Resonator resonator;
+  ModeSet set;
+  std::vector<Segment<double>> table;
+  std::vector<Mode> modes;
+  std::vector<double> wavenumbers;
+};
+
+// From one value to another between two samples, as scores glide.
+double glide(double from, double to, int n, int begin, int end) {
+  if (n <= begin) return from;
+  if (n >= end) return to;
+  const double part = static_cast<double>(n - begin) / (end - begin);
+  return from + (to - from) * part * part * (3 - 2 * part);
+}
+
+const std::string kHammerScore = R"({
+  "instrument": "hammer-string", "duration_s": 0.4,
+  "voices": [ { "name": "c4", "resonator": "string_c4", "material": "felt_c4", "damper_per_s": 30 } ],
+  "events": [
+    { "time_s": 0.3, "speed_m_per_s": 1.5, "strike_m": 0.2, "stiffness_ratio": 4, "hammer_mass_kg": 0.004, "loss_s_per_m": 0.2 },
+    { "time_s": 0.01, "speed_m_per_s": 2.5, "hold_s": 0.15 },
+    { "time_s": 0.1, "speed_m_per_s": 3.5, "hold_s": 0.1 },
+    { "time_s": 0.31, "over_s": 0.05, "damping_per_s": 20 }
+  ]
+})";
+
+// Two throws at once held, a damper between, a third throw elsewhere with another hammer, a damping that glides in.
+std::vector<double> hammer_motion(Parts& parts, double (*heard)(const HammerString<double>&, const Parts&)) {
+  HammerString<double> model(parts.table, parts.modes, parts.at(parts.resonator.strike.position_m), kRate);
+  std::vector<double> motion;
+  for (int n = 0; n < 17640; ++n) {
+    if (n == 441) model.strike(2.5, 1e-4);
+    if (n == 4410) model.strike(3.5, 1e-4);
+    if (n == 13230) {
+      model.strike_at(parts.at(0.2));
+      model.strike(1.5, 1e-4);
+    }
+    const bool held = (n >= 441 && n < 8820) || n >= 13230;
+    HammerStringControls<double> controls{.hammer_mass_kg = 0.00297, .damping_per_s = held ? 0.0 : 30.0};
+    if (n >= 13230) controls = {.hammer_mass_kg = 0.004, .felt = {4, 0.2}, .damping_per_s = 0};
+    controls.damping_per_s += glide(0, 20, n, 13671, 13671 + 2205);
+    model.tick(controls);
+    motion.push_back(heard(model, parts));
+  }
+  return motion;
+}
+
+TEST(RenderScore, PlaysTheHammerString) {
+  Parts parts("string_c4", "felt_c4");
+  const auto bridge = [](const HammerString<double>& model, const Parts& p) {
+    ModeShapes<double> shapes(p.modes.size());
+    for (std::size_t i = 0; i < p.modes.size(); ++i)
+      shapes[i] = bridge_shape(std::get<StiffString>(p.resonator.body), p.wavenumbers[i]);
+    return model.string().displacement(shapes);
+  };
+  const auto velocity = [](const HammerString<double>& model, const Parts& p) {
+    return model.string().velocity(p.at(0.248));
+  };
+  const auto displacement = [](const HammerString<double>& model, const Parts& p) {
+    return model.string().displacement(p.at(0.248));
+  };
+  const auto force = [](const HammerString<double>& model, const Parts&) { return model.force(); };
+  expect_is(sound_of("hammer-string", kHammerScore), hammer_motion(parts, bridge));
+  expect_is(sound_of("hammer-string", kHammerScore, {"--signal", "velocity"}), hammer_motion(parts, velocity));
+  expect_is(sound_of("hammer-string", kHammerScore, {"--signal", "displacement"}),
+            hammer_motion(parts, displacement));
+  expect_is(sound_of("hammer-string", kHammerScore, {"--signal", "force"}), hammer_motion(parts, force));
+}
+
+TEST(RenderScore, PlaysTheSlideString) {
+  Parts parts("guitar_g3", "steel_on_steel");
+  SlideString<double> model(parts.table, parts.modes, StringShapes<double>(parts.wavenumbers), 0.5, kRate);
+  model.place(0.2, 1e-3);
+  const auto pickup = parts.at(0.6);
+  std::vector<double> motion;
+  for (int n = 0; n < 13230; ++n) {
+    // 0.05 s: a pluck of 4 ms; from 0.1 s on the slide glides, from 0.2 s on it trembles.
+    const double pluck = n < 2205 + 176 ? glide(0, 4, n, 2205, 2205 + 176) : 0.0;
+    const double swing = 0.002 * std::sin(2 * pi * 6 * (n - 8820 + 1) / kRate);
+    model.tick({.place_m = glide(0.2, 0.3, n, 4410, 8820) + (n >= 8820 ? swing : 0.0),
+                .slide_mass_kg = 0.04,
+                .hand_force_n = 2,
+                .hand_stiffness_n_per_m = 200,
+                .hand_resistance_n_s_per_m = 2,
+                .rest_resistance_n_s_per_m = 1,
+                .pluck_force_n = pluck,
+                .contact = {0.5, 0.1}});
+    motion.push_back(model.string().velocity(pickup));
+  }
+  // rattling contacts amplify what vibrato's phase, summed up sample by sample, is rounded by
+  expect_is(sound_of("slide-string", R"({
+    "instrument": "slide-string", "duration_s": 0.3,
+    "voices": [ { "name": "g", "resonator": "guitar_g3", "material": "steel_on_steel", "pluck_m": 0.5, "pickup_m": 0.6, "height_m": 0.001 } ],
+    "events": [
+      { "time_s": 0, "place_m": 0.2, "slide_mass_kg": 0.04, "hand_force_n": 2, "hand_stiffness_n_per_m": 200,
+        "hand_resistance_n_s_per_m": 2, "rest_resistance_n_s_per_m": 1, "stiffness_ratio": 0.5, "loss_s_per_m": 0.1 },
+      { "time_s": 0.05, "pluck_n": 4 },
+      { "time_s": 0.1, "over_s": 0.1, "place_m": 0.3 },
+      { "time_s": 0.2, "vibrato_m": 0.002, "vibrato_hz": 6 }
+    ] })"),
+            motion, 1e-5);
+}
+
+TEST(RenderScore, PlaysTheFretString) {
+  Parts parts("guitar_d3", "steel_on_steel");
+  FretString<double> model(parts.table, parts.modes, StringShapes<double>(parts.wavenumbers), 0.3, kRate);
+  model.place(0.6, 1e-3);
+  const auto pickup = parts.at(0.05);
+  std::vector<double> motion;
+  for (int n = 0; n < 8820; ++n) {
+    model.tick({.place_m = 0.6,
+                .gap_m = glide(1e-3, 1e-4, n, 4410, 6615),
+                .pluck_force_n = n < 2205 + 176 ? glide(0, 3, n, 2205, 2205 + 176) : 0.0,
+                .damping_per_s = 3,
+                .contact = {2, 0.3}});
+    motion.push_back(model.string().velocity(pickup));
+  }
+  expect_is(sound_of("fret-string", R"({
+    "instrument": "fret-string", "duration_s": 0.2,
+    "voices": [ { "name": "d", "resonator": "guitar_d3", "material": "steel_on_steel", "pluck_m": 0.3, "pickup_m": 0.05 } ],
+    "events": [
+      { "time_s": 0, "place_m": 0.6, "gap_m": 0.001, "stiffness_ratio": 2, "loss_s_per_m": 0.3, "damping_per_s": 3 },
+      { "time_s": 0.05, "pluck_n": 3 },
+      { "time_s": 0.1, "over_s": 0.05, "gap_m": 0.0001 }
+    ] })"),
+            motion);
+}
+
+// Left and right of two keys of the piano are the sums of both, by the law of equal power.
+TEST(RenderScore, SumsAndPansVoices) {
+  const auto keyboard = parse_keyboard(shipped(embedded_keyboards(), "piano"), "piano");
+  std::vector<double> expected(2 * 4410);
+  for (const int key : {40, 88}) {
+    const KeyboardNote note = note_of(keyboard, key);
+    const auto set = modes_of(note, kRate / 2);
+    std::vector<Mode> modes;
+    ModeShapes<double> strike(set.size()), bridge(set.size());
+    for (std::size_t i = 0; i < set.size(); ++i) {
+      modes.push_back(set[i].mode);
+      strike[i] = set[i].strike_shape;
+      bridge[i] = set[i].pickup_shape;
+    }
+    const auto felt = segment_table(uniform_spline(note.felt, "felt"));
+    HammerString<double> model(felt, modes, strike, kRate);
+    const double angle = (0.6 * ((key - 21) / 43.5 - 1) + 1) * pi / 4;
+    for (int n = 0; n < 4410; ++n) {
+      if (n == 441) model.strike(key == 40 ? 2.0 : 3.0, 1e-4);
+      model.tick({.hammer_mass_kg = note.hammer_mass_kg, .felt = {1, 0.1}, .damping_per_s = n < 441 ? 60.0 : 0.0});
+      const double heard = note.strings * model.string().displacement(bridge);
+      expected[static_cast<std::size_t>(2 * n)] += std::cos(angle) * heard;
+      expected[static_cast<std::size_t>(2 * n + 1)] += std::sin(angle) * heard;
+    }
+  }
+  const Sound sound = sound_of("hammer-string", R"({
+    "instrument": "hammer-string", "duration_s": 0.1, "keyboard": "piano",
+    "events": [ { "time_s": 0.01, "key": 88, "speed_m_per_s": 3 }, { "time_s": 0.01, "key": 40, "speed_m_per_s": 2 } ] })");
+  EXPECT_EQ(sound.channels, 2);
+  expect_is(sound, expected);
+}
+
+TEST(RenderScore, FindsFilesBesideTheScore) {
+  const Sandbox box;
+  fs::create_directories(box / "music");
+  write_file(box / "music/string.json", shipped(embedded_resonators(), "string_c4"));
+  write_file(box / "music/felt.json", shipped(embedded_texts(), "felt_c4"));
+  std::string score = kHammerScore;
+  score.replace(score.find("\"string_c4\""), 11, "\"string.json\"");
+  score.replace(score.find("\"felt_c4\""), 9, "\"./felt.json\"");
+  write_file(box / "music/probe.json", score);
+  succeed(
+      {.arguments = {"render", "hammer-string", "--score", "music/probe.json", "-o", "a.wav"}, .folder = box.path()});
+  EXPECT_EQ(read_sound(box / "a.wav").samples, sound_of("hammer-string", kHammerScore).samples);
+}
+
+TEST(RenderScore, HasTheRateAskedFor) {
+  for (const int rate : {8000, 48000, 192000}) {
+    const Sound sound = sound_of("hammer-string", kHammerScore, {"--rate", fmt::format("{}", rate)});
+    EXPECT_EQ(sound.rate, rate);
+    EXPECT_EQ(sound.samples.size(), static_cast<std::size_t>(0.4 * rate));
+  }
+}
+
+// Every shipped score: about ten seconds of stereo sound, never silent for half a second before the last two, no
+// sample at full scale, all of it gone at the end.
+TEST(RenderScore, PlaysWhatShips) {
+  const Sandbox box;
+  const std::string list = succeed({.arguments = {"scores"}});
+  int played = 0;
+  for (const auto& [file, text] : embedded_scores()) {
+    const std::string name(file.substr(0, file.rfind('.')));
+    const auto line = list.substr(list.find("\n" + name + " ") + 1);
+    std::string instrument = "hammer-string";
+    for (const std::string other : {"slide-string", "fret-string"})
+      if (line.substr(0, line.find('\n')).find(other) != std::string::npos) instrument = other;
+    succeed({.arguments = {"render", instrument, "--score", name, "-o", name + ".wav"}, .folder = box.path()});
+    expect_drawn(box / (name + ".svg"), 3);
+    const Sound sound = read_sound(box / (name + ".wav"));
+    EXPECT_EQ(sound.channels, 2) << name;
+    EXPECT_TRUE(within(sound.peak(), kPeak, kLevel)) << name;
+    const std::size_t half_second = 44100;  // of both channels
+    const std::size_t stretches = sound.samples.size() / half_second;
+    EXPECT_TRUE(within(static_cast<double>(stretches), 24, 5)) << name;
+    for (std::size_t i = 0; i < stretches; ++i) {
+      const auto begin = sound.samples.begin() + static_cast<std::ptrdiff_t>(i * half_second);
+      double loudest = 0;
+      for (auto at = begin; at != begin + half_second; ++at) loudest = std::max(loudest, std::abs(*at));
+      if (i + 4 < stretches) EXPECT_GT(loudest, 0.01) << name << " at " << 0.5 * static_cast<double>(i) << " s";
+    }
+    double last = 0;
+    for (auto at = sound.samples.end() - 4410; at != sound.samples.end(); ++at) last = std::max(last, std::abs(*at));
+    EXPECT_LT(last, 0.02) << name;
+    ++played;
+  }
+  EXPECT_GE(played, 5);
+}
+
+// How a decaying partial turns from one window to the next, half a second later: by exactly w/2 whatever its decay.
+// Other partials, 260 Hz away and more, leak by the side lobes of the window (Blackman-Harris, 4 terms, below -92 dB
+// and falling); the widest angle that makes is given by the check on sines of known frequency.
+double frequency_near(const std::vector<double>& samples, double guess_hz) {
+  const int window = 22050, shift = 22050, begin = 8820;
+  std::complex<double> views[2];
+  for (int view = 0; view < 2; ++view)
+    for (int n = 0; n < window; ++n) {
+      const double turn = 2 * pi * (n + 0.5) / window;
+      const double weight =
+          0.35875 - 0.48829 * std::cos(turn) + 0.14128 * std::cos(2 * turn) - 0.01168 * std::cos(3 * turn);
+      const double phase = -2 * pi * guess_hz * n / kRate;
+      views[view] += weight * samples[static_cast<std::size_t>(begin + view * shift + n)] * std::polar(1.0, phase);
+    }
+  const double turned = std::arg(views[1] / views[0] * std::polar(1.0, -2 * pi * guess_hz * shift / kRate));
+  return guess_hz + turned / (2 * pi) * kRate / shift;
+}
+
+// C4's partials up to the 24th as written by the program, both precisions, against the formula of the stiff string.
+TEST(RenderScore, IsInTune) {
+  const double length = 0.62, mass = 0.00393, tension = 670, bending = 0.00983833;
+  std::vector<double> frequencies, decays;
+  for (int i = 1; i <= 24; ++i) {
+    const double beta = i * pi / length;
+    const double square = beta * beta * (tension + bending * beta * beta) * length / mass;
+    decays.push_back(0.5 + 1e-4 * beta * beta);
+    frequencies.push_back(std::sqrt(square - decays.back() * decays.back()) / (2 * pi));
+  }
+  std::vector<double> known(66150);
+  for (std::size_t n = 0; n < known.size(); ++n)
+    for (std::size_t i = 0; i < frequencies.size(); ++i)
+      known[n] += std::exp(-decays[i] * static_cast<double>(n) / kRate) / static_cast<double>(1 + i) *
+                  std::cos(2 * pi * frequencies[i] * static_cast<double>(n) / kRate);
+  const auto cents = [](double found, double expected) { return 1200 * std::log2(found / expected); };
+  for (std::size_t i = 0; i < frequencies.size(); ++i)
+    EXPECT_TRUE(within(cents(frequency_near(known, frequencies[i] + 0.2), frequencies[i]), 0, 1e-3)) << i + 1;
+  for (const std::string precision : {"double", "single"}) {
+    const Sound sound = sound_of("hammer-string", R"({
+      "instrument": "hammer-string", "duration_s": 1.5,
+      "voices": [ { "name": "c4", "resonator": "string_c4", "material": "felt_c4" } ],
+      "events": [ { "time_s": 0, "speed_m_per_s": 2.5 } ] })",
+                                 {"--precision", precision});
+    for (std::size_t i = 0; i < frequencies.size(); ++i)
+      EXPECT_TRUE(within(cents(frequency_near(sound.samples, frequencies[i] + 0.2), frequencies[i]), 0, 0.1))
+          << precision << ", partial " << i + 1;
+  }
+}
+
+}  // namespace
+}  // namespace contactspline::testing
