@@ -2,6 +2,8 @@
 // Tables of ways in which a JSON file can be wrong.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <ostream>
 #include <stdexcept>
 #include <string>
@@ -37,7 +39,7 @@ struct NumberKey {
   std::vector<std::string> out_of_range;
   bool is_integer = false;
 
-  [[nodiscard]] std::string text(const std::string& other) const { return '"' + member + "\": " + other; }
+  [[nodiscard]] std::string text(const std::string& other) const { return fmt::format("\"{}\": {}", member, other); }
 };
 
 /// Every way in which a number can be wrong. `what` is the kind of file, `name` begins the tests' names.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Every way a score or a MIDI file can be wrong: one line that names file, key and what is allowed, and nothing
 // written.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -56,7 +57,7 @@ const std::string kFret = R"({
 })";
 
 std::string range(const std::string& least, const std::string& most) {
-  return "a number from " + least + " to " + most;
+  return fmt::format("a number from {} to {}", least, most);
 }
 
 std::vector<BadFile> all_number_cases() {
