@@ -103,7 +103,8 @@ std::vector<BadFile> all_number_cases() {
   for (const auto& [name, text, numbers] : bodies)
     for (const NumberKey& number : numbers) {
       auto of_number = number_cases(name, text, "material", number);
-      for (BadFile& bad : of_number) bad.test += "_" + number.path.substr(0, number.path.find_first_of(".["));
+      for (BadFile& bad : of_number)
+        bad.test += '_', bad.test += number.path.substr(0, number.path.find_first_of(".["));
       std::ranges::move(of_number, std::back_inserter(cases));
     }
   return cases;
