@@ -46,7 +46,7 @@ void PrintTo(const BadLine& bad, std::ostream* stream) {
 const std::string kShipped = "allowed: a .json file, felt_c2, felt_c4, felt_c7, mb1, rubber_on_wood, steel_on_steel";
 
 std::vector<BadLine> command_cases() {
-  const std::string commands = "generate, inspect, materials, impact, render";
+  const std::string commands = "generate, inspect, materials, scores, impact, render";
   return {
       {"nothing", {}, "SUBCOMMAND: missing", "allowed: " + commands},
       {"unknown", {"generte"}, "generte: unknown", "allowed: " + commands},
@@ -58,9 +58,22 @@ std::vector<BadLine> command_cases() {
       {"materials_with_option", {"materials", "--json"}, "--json: unknown", "allowed: --help, --version"},
       {"inspect_two", {"inspect", "felt_c4", "mb1"}, "mb1: unknown", "allowed: --help, MATERIAL, --svg, --version"},
       {"render_nothing", {"render"}, "SUBCOMMAND: missing", "allowed: mass-barrier"},
+      {"render_without_score", {"render", "slide-string", "-o", "a.wav"}, "--score: missing", "allowed: score file"},
+      {"render_unknown_signal",
+       {"render", "hammer-string", "--score", "dulcimer", "--signal", "heat", "-o", "a.wav"},
+       "--signal: 'heat' is refused",
+       "allowed: displacement, velocity, bridge, force"},
+      {"render_unknown_precision",
+       {"render", "hammer-string", "--score", "dulcimer", "--precision", "half", "-o", "a.wav"},
+       "--precision: 'half' is refused",
+       "allowed: single, double"},
+      {"render_at_a_low_rate",
+       {"render", "fret-string", "--score", "fret_buzz", "--rate", "999", "-o", "a.wav"},
+       "--rate: '999' is refused",
+       "allowed: an integer from 1000 to 768000"},
       {"render_unknown",
-       {"render", "hammer-string", "-o", "a.wav"},
-       "hammer-string: unknown",
+       {"render", "hammer-strings", "-o", "a.wav"},
+       "hammer-strings: unknown",
        "allowed: mass-barrier"},
   };
 }
