@@ -8,7 +8,6 @@
 #include <iterator>
 #include <numbers>
 
-#include "generator/error.hpp"
 #include "generator/literal.hpp"
 
 namespace contactspline {
@@ -64,10 +63,6 @@ StiffString string_of(const Keyboard& keyboard, const Between& notes, int key) {
                      {geometric([](const PublishedNote& n) { return n.losses.constant_per_s; }),
                       geometric([](const PublishedNote& n) { return n.losses.quadratic_m2_per_s; })}};
   string.tension_n = rounded_to(tension_for(pitch_hz(keyboard, key), string), 13);
-  if (!(string.tension_n > 0))
-    throw BadInput(
-        fmt::format("{}: keyboard.notes: key {} needs a tension of {} N for its pitch; allowed: strings less stiff",
-                    keyboard.name, key, string.tension_n));
   return string;
 }
 
@@ -95,9 +90,6 @@ KeyboardNote note_of(const Keyboard& keyboard, int key) {
   const int strings = strings_of(keyboard, key);
   const double whole_hammer = notes.linear([](const PublishedNote& n) { return n.hammer_mass_kg; });
   const double hammer_mass = rounded_to(whole_hammer / strings, 6);
-  if (!(hammer_mass > 0))
-    throw BadInput(fmt::format("{}: keyboard.notes: key {} would have a hammer of {} kg; allowed: more than 0",
-                               keyboard.name, key, hammer_mass));
   return {string_of(keyboard, notes, key),
           rounded_to(notes.geometric([](const PublishedNote& n) { return n.strike_position_m; }), 6), strings,
           hammer_mass, felt_of(keyboard, notes, key, hammer_mass)};

@@ -47,8 +47,7 @@ struct KeyboardNote {
 
 /// The note of a key, first_key to last_key: exponent and hammer's mass linear in the key between the published notes
 /// and beyond the outermost, everything else linear in its logarithm; rounded to six digits before anything follows
-/// from it, so that every machine finds the same. Throws BadInput, naming the keyboard, where no tension gives the
-/// pitch.
+/// from it, so that every machine finds the same. parse_keyboard() has made sure that every key has a note.
 [[nodiscard]] KeyboardNote note_of(const Keyboard& keyboard, int key);
 
 /// The note as a resonator whose pickup is the bridge, at the string's far end: pickup shapes are the force on the

@@ -2,9 +2,8 @@
 // Keyboard files: reading.
 #include <fmt/format.h>
 
-#include <optional>
+#include <iterator>
 
-#include "generator/error.hpp"
 #include "generator/json_input.hpp"
 #include "generator/keyboard.hpp"
 
@@ -20,6 +19,9 @@ constexpr Range kConstantLoss{1e-6, 1e4};
 constexpr Range kQuadraticLoss{1e-12, 1e3};
 constexpr Range kStiffness{1e-3, 1e20};
 constexpr Range kExponent{1, 10};
+constexpr Range kTension{1e-3, 1e6};
+constexpr Range kCompression{1e-9, 1};
+constexpr double kLeastPosition = 1e-6;
 constexpr Range kPitch{100, 1000};
 constexpr Range kSpeed{1e-3, 100};
 
@@ -53,7 +55,7 @@ PublishedNote read_note(const JsonObject& note) {
       0,
       note.number("hammer_mass_kg", kMass),
       {note.number("stiffness_n_per_m_alpha", kStiffness), note.number("exponent", kExponent)}};
-  read.strike_position_m = note.number("strike_position_m", {1e-6, read.length_m});
+  read.strike_position_m = note.number("strike_position_m", {kLeastPosition, read.length_m});
   return read;
 }
 
@@ -72,6 +74,34 @@ std::vector<PublishedNote> read_notes(const JsonObject& keyboard) {
   return notes;
 }
 
+/// A number that the published notes give a key, and what is allowed of it.
+struct Outcome {
+  const char* what;
+  double value;
+  Range allowed;
+};
+
+// What lies beyond the outermost notes may leave any bounds.
+void check_notes(const Keyboard& keyboard, const JsonObject& object) {
+  for (int key = keyboard.first_key; key <= keyboard.last_key; ++key) {
+    const auto [string, strike_position, strings, hammer_mass, felt] = note_of(keyboard, key);
+    for (const auto& [what, value, allowed] :
+         {Outcome{"length_m", string.length_m, kLength}, Outcome{"mass_kg", string.mass_kg, kMass},
+          Outcome{"bending_stiffness_n_m2", string.bending_stiffness_n_m2, kBending},
+          Outcome{"constant_loss_per_s", string.losses.constant_per_s, kConstantLoss},
+          Outcome{"quadratic_loss_m2_per_s", string.losses.quadratic_m2_per_s, kQuadraticLoss},
+          Outcome{"tension in N", string.tension_n, kTension},
+          Outcome{"strike_position_m", strike_position, {kLeastPosition, string.length_m}},
+          Outcome{"hammer_mass_kg", hammer_mass, kMass},
+          Outcome{"stiffness_n_per_m_alpha", felt.contact.stiffness, kStiffness},
+          Outcome{"exponent", felt.contact.exponent, kExponent},
+          Outcome{"max compression of the felt in m", felt.spline.max_compression_m, kCompression}})
+      if (!(value >= allowed.least && value <= allowed.most))
+        object.fail("keyboard.notes", fmt::format("at key {} {} is {}", key, what, value),
+                    fmt::format("a number from {} to {}", allowed.least, allowed.most));
+  }
+}
+
 }  // namespace
 
 Keyboard parse_keyboard(std::string_view text, std::string_view file) {
@@ -82,17 +112,19 @@ Keyboard parse_keyboard(std::string_view text, std::string_view file) {
                                 "concert_pitch_hz", "max_speed_m_per_s", "segments", "notes"});
   const int first = keyboard.integer("first_key", 0, kHighestKey);
   const int last = keyboard.integer("last_key", first, kHighestKey);
-  return {read_name(whole, kTaken),
-          read_description(whole),
-          first,
-          last,
-          keyboard.integer("first_double_key", 0, kHighestKey + 1),
-          keyboard.integer("first_triple_key", 0, kHighestKey + 1),
-          keyboard.integer("last_damped_key", 0, kHighestKey),
-          keyboard.number("concert_pitch_hz", kPitch),
-          keyboard.number("max_speed_m_per_s", kSpeed),
-          keyboard.integer("segments", 1, kMaxSegments),
-          read_notes(keyboard)};
+  Keyboard read{read_name(whole, kTaken),
+                read_description(whole),
+                first,
+                last,
+                keyboard.integer("first_double_key", 0, kHighestKey + 1),
+                keyboard.integer("first_triple_key", 0, kHighestKey + 1),
+                keyboard.integer("last_damped_key", 0, kHighestKey),
+                keyboard.number("concert_pitch_hz", kPitch),
+                keyboard.number("max_speed_m_per_s", kSpeed),
+                keyboard.integer("segments", 1, kMaxSegments),
+                read_notes(keyboard)};
+  check_notes(read, keyboard);
+  return read;
 }
 
 }  // namespace contactspline

@@ -45,13 +45,17 @@ class HammerString {
   /// Advances one sample. Safe in an audio thread: no allocation, no lock, bounded time.
   void tick(const HammerStringControls<T>& controls) {
     const T damping = controls.damping_per_s * time_step_;
+    if (!is_flying_) {
+      force_ = 0;
+      return string_.advance(damping);
+    }
     if (damping > 0)
       string_.predict(damping);
     else
       string_.predict();
     if (is_thrown_) hammer_ = {controls.hammer_mass_kg, controls.felt};
     is_thrown_ = false;
-    force_ = is_flying_ ? meet(1 / (1 + damping)) : T(0);
+    force_ = meet(1 / (1 + damping));
     string_.commit();
   }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <concepts>
 #include <cstddef>
+#include <limits>
 #include <numbers>
 #include <span>
 #include <vector>
@@ -112,7 +113,8 @@ class ModalBank {
   /// Begins a sample: what each mode would do without force.
   void predict() {
     damping_ = 0;
-    for (std::size_t i = 0; i < size(); ++i) change_[i] = free_change(i);
+    T* __restrict change = change_.data();  // as in commit(): nothing else that is read or written lies there
+    for (std::size_t i = 0; i < size(); ++i) change[i] = free_change(i);
   }
 
   /// Begins a sample with a damper on all modes alike: each moves 1/(1 + damping) of the way it would, as by a
@@ -121,7 +123,8 @@ class ModalBank {
   void predict(T damping) {
     damping_ = damping;
     const T share = 1 / (1 + damping);
-    for (std::size_t i = 0; i < size(); ++i) change_[i] = share * (free_change(i) - damping * way_[i]);
+    T* __restrict change = change_.data();
+    for (std::size_t i = 0; i < size(); ++i) change[i] = share * (free_change(i) - damping * way_[i]);
   }
 
   /// Change of displacement at a place over this sample [m], with what has been pushed so far.
@@ -137,15 +140,26 @@ class ModalBank {
 
   /// Adds a force [N] at a place for this sample.
   void push(const ModeShapes<T>& at, T force) {
-    for (std::size_t i = 0; i < size(); ++i) change_[i] += give_[i] * at[i] * force;
+    T* __restrict change = change_.data();
+    for (std::size_t i = 0; i < size(); ++i) change[i] += give_[i] * at[i] * force;
   }
 
   /// Ends the sample.
   void commit() {
+    T* __restrict displacement = displacement_.data();
+    T* __restrict way = way_.data();
     for (std::size_t i = 0; i < size(); ++i) {
-      displacement_[i] += way_[i] + change_[i];
-      way_[i] += 2 * change_[i];
+      displacement[i] += way[i] + change_[i];
+      way[i] += 2 * change_[i];
     }
+  }
+
+  /// A whole sample without force: predict(damping) and commit() in one go, the same to the last bit.
+  void advance(T damping) {
+    damping_ = damping;
+    const T share = 1 / (1 + damping);
+    advance_all(size(), share, damping, stiffness_.data(), stiffness_rest_.data(), loss_.data(), displacement_.data(),
+                way_.data(), change_.data());
   }
 
   /// Kinetic and potential energy [J]; falls by what `loss` dissipates and rises by the work of the forces, exactly.
@@ -175,8 +189,27 @@ class ModalBank {
 
  private:
   [[nodiscard]] T free_change(std::size_t i) const {
-    const T middle = displacement_[i] + way_[i] / 2;
-    return -(loss_[i] * way_[i] + stiffness_[i] * middle + stiffness_rest_[i] * middle);
+    return free_change(stiffness_[i], stiffness_rest_[i], loss_[i], displacement_[i], way_[i]);
+  }
+
+  [[nodiscard]] static T free_change(T stiffness, T stiffness_rest, T loss, T displacement, T way) {
+    const T middle = displacement + way / 2;
+    const T pull = loss * way + stiffness * middle;
+    if constexpr (kRounds) return -(pull + stiffness_rest * middle);
+    return -pull;
+  }
+
+  // A function of its own: compilers believe __restrict of parameters.
+  static void advance_all(std::size_t modes, T share, T damping, const T* __restrict stiffness,
+                          const T* __restrict stiffness_rest, const T* __restrict loss, T* __restrict displacement,
+                          T* __restrict way, T* __restrict change) {
+    for (std::size_t i = 0; i < modes; ++i) {
+      const T free =
+          share * (free_change(stiffness[i], stiffness_rest[i], loss[i], displacement[i], way[i]) - damping * way[i]);
+      change[i] = free;
+      displacement[i] += way[i] + free;
+      way[i] += 2 * free;
+    }
   }
 
   void add(const Mode& mode) {
@@ -197,6 +230,9 @@ class ModalBank {
     way_.push_back(0);
     change_.push_back(0);
   }
+
+  // Are the constants rounded to T? Then the rest of the stiffness is kept beside it.
+  static constexpr bool kRounds = std::numeric_limits<T>::digits < std::numeric_limits<double>::digits;
 
   double sample_rate_hz_;
   T damping_ = 0;  // of the sample under way

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Damaged material, resonator, score and MIDI files: each gives either output or one readable line that names the
-// file.
+// Damaged material, resonator, keyboard, score and MIDI files: each gives either output or one readable line that
+// names the file.
 #include <string>
 
 #include "damage.hpp"
@@ -59,6 +59,19 @@ TEST(DamagedResonator, GivesOutputOrOneReadableLine) {
                10'000, emit_resonator);
 }
 
+TEST(DamagedKeyboard, GivesOutputOrOneReadableLine) {
+  damage_files(texts_of(embedded_keyboards(), ".json"), "fuzz.json",
+               "\"name\" \"keyboard\" \"notes\" \"key\":60, \"first_key\":21, \"last_key\":108, \"segments\":2, "
+               "\"exponent\":3, \"length_m\":1, \"hammer_mass_kg\"",
+               4'000, [](const std::string& text, int round) {
+                 Keyboard keyboard = parse_keyboard(text, "fuzz.json");
+                 keyboard.segments = std::min(keyboard.segments, 4);  // more are slow, not different
+                 expect_source(emit(emitter_of(round), keyboard, "contactspline generate fuzz.json"),
+                               emitter_of(round), text);
+                 return true;
+               });
+}
+
 // A hundredth of a second of what is left of it.
 void play_a_little(Score score) {
   score.duration_s = 0.01;
@@ -78,10 +91,12 @@ TEST(DamagedScore, PlaysOrGivesOneReadableLine) {
       "\"instrument\" \"hammer-string\" \"slide-string\" \"duration_s\":1, \"keyboard\":\"piano\", \"voices\" "
       "\"events\" \"time_s\":1, \"over_s\":1, \"hold_s\":1, \"key\":60, \"voice\":\"g3\", \"place_m\":0.1, "
       "\"tuning_cents\":5, \"pan\":1, \"speed_m_per_s\":2, \"pluck_n\":2,",
-      4'000, [&](const std::string& text, int) {
+      4'000,
+      [&](const std::string& text, int) {
         play_a_little(parse_score(text, "fuzz.json", no_file));
         return true;
-      });
+      },
+      40);  // most damage to a large file is fatal
 }
 
 TEST(DamagedMidi, PlaysOrGivesOneReadableLine) {

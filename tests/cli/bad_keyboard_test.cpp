@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: MIT
+// Every way a keyboard file can be wrong: one line that names file, key and what is allowed, and nothing written.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <iterator>
+
+#include "bad_input.hpp"
+#include "program.hpp"
+#include "sandbox.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+const std::string kLowNote = R"({ "key": 36, "length_m": 1.602, "mass_kg": 0.03324, "bending_stiffness_n_m2": 0.0121,
+        "strike_position_m": 0.192, "constant_loss_per_s": 0.25, "quadratic_loss_m2_per_s": 7.5e-5,
+        "hammer_mass_kg": 0.0102, "stiffness_n_per_m_alpha": 3.105e8, "exponent": 2.276 })";
+const std::string kGood = R"({
+  "name": "probe",
+  "keyboard": {
+    "first_key": 35, "last_key": 61, "first_double_key": 40, "first_triple_key": 50, "last_damped_key": 60,
+    "concert_pitch_hz": 440, "max_speed_m_per_s": 6, "segments": 4,
+    "notes": [
+      )" + kLowNote + R"(,
+      { "key":60, "length_m":0.657, "mass_kg":4.051e-3, "bending_stiffness_n_m2":0.0099, "strike_position_m":0.079,
+        "constant_loss_per_s":1.1, "quadratic_loss_m2_per_s":0.00027,
+        "hammer_mass_kg":8.71e-3, "stiffness_n_per_m_alpha":5.84e9, "exponent":2.418 }
+    ]
+  }
+})";
+
+const std::string kMass = "a number from 1e-09 to 10000";
+const std::vector<std::string> kNotMidi = {"-1", "129", "4294967297"};
+
+std::vector<BadFile> all_number_cases() {
+  const std::vector<NumberKey> numbers = {
+      {"keyboard.", "first_key", "35", "an integer from 0 to 127", kNotMidi, true},
+      {"keyboard.", "last_key", "61", "an integer from 35 to 127", {"34", "128"}, true},
+      {"keyboard.", "first_double_key", "40", "an integer from 0 to 128", kNotMidi, true},
+      {"keyboard.", "first_triple_key", "50", "an integer from 0 to 128", kNotMidi, true},
+      {"keyboard.", "last_damped_key", "60", "an integer from 0 to 127", kNotMidi, true},
+      {"keyboard.", "concert_pitch_hz", "440", "a number from 100 to 1000", {"0", "99", "1001"}},
+      {"keyboard.", "max_speed_m_per_s", "6", "a number from 0.001 to 100", {"0", "-1", "101"}},
+      {"keyboard.", "segments", "4", "an integer from 1 to 256", {"0", "-1", "257"}, true},
+      {"keyboard.notes[0].", "key", "36", "an integer from 0 to 127", kNotMidi, true},
+      {"keyboard.notes[0].", "length_m", "1.602", "a number from 0.001 to 100", {"0", "-1", "101"}},
+      {"keyboard.notes[0].", "mass_kg", "0.03324", kMass, {"0", "-1", "10001"}},
+      {"keyboard.notes[0].", "bending_stiffness_n_m2", "0.0121", "a number from 1e-12 to 1000000", {"0", "1.1e6"}},
+      {"keyboard.notes[0].", "strike_position_m", "0.192", "a number from 1e-06 to 1.602", {"0", "-1", "1.603"}},
+      {"keyboard.notes[0].", "constant_loss_per_s", "0.25", "a number from 1e-06 to 10000", {"0", "-1", "10001"}},
+      {"keyboard.notes[0].", "quadratic_loss_m2_per_s", "7.5e-5", "a number from 1e-12 to 1000", {"0", "1001"}},
+      {"keyboard.notes[0].", "hammer_mass_kg", "0.0102", kMass, {"0", "-1", "10001"}},
+      {"keyboard.notes[0].", "stiffness_n_per_m_alpha", "3.105e8", "a number from 0.001 to 1e+20", {"0", "1.1e20"}},
+      {"keyboard.notes[0].", "exponent", "2.276", "a number from 1 to 10", {"0", "0.9", "10.1"}}};
+  std::vector<BadFile> cases;
+  for (const NumberKey& number : numbers)
+    std::ranges::move(number_cases("keyboard", kGood, "material", number), std::back_inserter(cases));
+  return cases;
+}
+
+std::vector<BadFile> key_cases() {
+  const std::string keys =
+      "first_key, last_key, first_double_key, first_triple_key, last_damped_key, concert_pitch_hz, max_speed_m_per_s, "
+      "segments, notes";
+  return {
+      {"name_missing", changed(kGood, R"("name": "probe",)", ""), "name", "missing; allowed: a-z"},
+      {"name_is_member", changed(kGood, R"("probe")", R"("tensions")"), "name", "is not a usable identifier"},
+      {"unknown_at_root", changed(kGood, R"("name")", R"("impact": 1, "name")"), "impact",
+       "unknown key; allowed: name, description, keyboard"},
+      {"unknown_in_keyboard", changed(kGood, R"("first_key")", R"("colour": 1, "first_key")"), "keyboard.colour",
+       "unknown key; allowed: " + keys},
+      {"unknown_in_note", changed(kGood, R"("key": 36)", R"("tension_n": 1, "key": 36)"),
+       "keyboard.notes[0].tension_n", "unknown key; allowed: key, length_m"},
+      {"keyboard_is_array", R"({ "name": "probe", "keyboard": [] })", "keyboard",
+       "is not an object; allowed: " + keys},
+      {"first_key_missing", changed(kGood, R"("first_key": 35,)", ""), "keyboard.first_key",
+       "missing; allowed: an integer"},
+      {"exponent_missing", changed(kGood, R"(, "exponent": 2.276)", ""), "keyboard.notes[0].exponent",
+       "missing; allowed: a number"},
+      {"notes_is_object", changed(changed(kGood, "[", "{\"a\": ["), "]", "]}"), "keyboard.notes", "is not an array"},
+      {"one_note", changed(kGood, kLowNote + ",", ""), "keyboard.notes",
+       "fewer than two notes; allowed: at least two"},
+      {"notes_fall", changed(kGood, R"("key": 36)", R"("key": 61)"), "keyboard.notes[1].key",
+       "60 does not rise; allowed: notes by rising key"},
+      {"too_stiff_for_its_pitch", changed(kGood, R"("bending_stiffness_n_m2": 0.0121)",
+                                          R"("bending_stiffness_n_m2": 1000)"),
+       "keyboard.notes", "at key 35 tension in N is -"},
+      {"extrapolated_exponent", changed(kGood, R"("exponent": 2.276)", R"("exponent": 1.001)"), "keyboard.notes",
+       "at key 35 exponent is 0.9"},
+      {"extrapolated_hammer", changed(changed(kGood, R"("last_key": 61)", R"("last_key": 127)"),
+                                      R"("hammer_mass_kg": 0.0102)", R"("hammer_mass_kg": 0.02)"),
+       "keyboard.notes", "hammer_mass_kg is -"},
+      {"truncated", kGood.substr(0, kGood.size() / 2), "material", "allowed: a JSON object"}};
+}
+
+class BadKeyboardFile : public ::testing::TestWithParam<BadFile> {};
+
+TEST_P(BadKeyboardFile, IsRefusedInOneLineAndNothingIsWritten) {
+  const auto& [test, text, key, says] = GetParam();
+  const Sandbox box;
+  write_file(box / "probe.json", text);
+  const auto before = box.listing();
+  expect_refused(run({.arguments = {"generate", "probe.json", "-o", "out"}, .folder = box.path()}),
+                 "probe.json: " + key, says);
+  EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
+}
+
+INSTANTIATE_TEST_SUITE_P(Number, BadKeyboardFile, ::testing::ValuesIn(all_number_cases()),
+                         ::testing::PrintToStringParamName());
+INSTANTIATE_TEST_SUITE_P(Key, BadKeyboardFile, ::testing::ValuesIn(key_cases()),
+                         ::testing::PrintToStringParamName());
+
+// What the tables above are made of is good itself.
+TEST(GoodKeyboardFile, IsAccepted) {
+  const Sandbox box;
+  write_file(box / "probe.json", kGood);
+  const auto outcome = run({.arguments = {"generate", "probe.json", "-o", "out"}, .folder = box.path()});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(std::distance(fs::directory_iterator(box / "out"), {}), 3);
+}
+
+}  // namespace
+}  // namespace contactspline::testing
