@@ -14,6 +14,7 @@ struct felt_c2 {
   static constexpr std::size_t segments = 32;
   static constexpr double stiffness_n_per_m_alpha = 400000000.0;
   static constexpr double exponent = 2.3;
+  static constexpr double loss_s_per_m = 0.0;  // Hunt-Crossley: force F(y) (1 + loss dy/dt)
   static constexpr double max_compression_m = 0.001701710255850646;
   static constexpr double segment_width_m = 5.3178445495332686e-05;
   static constexpr double energy_scale_j = 3.140419002260691e-06;
@@ -54,9 +55,11 @@ struct felt_c2 {
     86197.28470961539, 90296.89547836328, 95071.80795372269, 99270.60975005713, 104142.21813414419,
     108435.36792307196, 113399.11025068093};
 
-  // The same for y in segment widths and V in energy_scale_j: depends on exponent and number of segments only.
+  // The same for y in segment widths and V in energy_scale_j. That of a power law depends on exponent and number of
+  // segments only.
   struct normalised {
     static constexpr std::size_t segments = 32;
+    static constexpr double loss = 0.0;  // s per segment width
     static constexpr std::array<double, segments> knots = {
     0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0, 16.0, 17.0, 18.0,
     19.0, 20.0, 21.0, 22.0, 23.0, 24.0, 25.0, 26.0, 27.0, 28.0, 29.0, 30.0, 31.0};

@@ -14,6 +14,7 @@ struct felt_c4 {
   static constexpr std::size_t segments = 32;
   static constexpr double stiffness_n_per_m_alpha = 4500000000.0;
   static constexpr double exponent = 2.5;
+  static constexpr double loss_s_per_m = 0.0;  // Hunt-Crossley: force F(y) (1 + loss dy/dt)
   static constexpr double max_compression_m = 0.0010813517706536315;
   static constexpr double segment_width_m = 3.3792242832925986e-05;
   static constexpr double energy_scale_j = 1.0094203935837929e-06;
@@ -54,9 +55,11 @@ struct felt_c4 {
     142374.93502112842, 150632.21827972494, 159438.62344655424, 168014.937024125, 177134.61997065603,
     186018.75927174787, 195441.09107877544};
 
-  // The same for y in segment widths and V in energy_scale_j: depends on exponent and number of segments only.
+  // The same for y in segment widths and V in energy_scale_j. That of a power law depends on exponent and number of
+  // segments only.
   struct normalised {
     static constexpr std::size_t segments = 32;
+    static constexpr double loss = 0.0;  // s per segment width
     static constexpr std::array<double, segments> knots = {
     0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0, 16.0, 17.0, 18.0,
     19.0, 20.0, 21.0, 22.0, 23.0, 24.0, 25.0, 26.0, 27.0, 28.0, 29.0, 30.0, 31.0};

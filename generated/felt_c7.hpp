@@ -14,6 +14,7 @@ struct felt_c7 {
   static constexpr std::size_t segments = 32;
   static constexpr double stiffness_n_per_m_alpha = 476300000000.0;
   static constexpr double exponent = 3.155;
+  static constexpr double loss_s_per_m = 0.0;  // Hunt-Crossley: force F(y) (1 + loss dy/dt)
   static constexpr double max_compression_m = 0.0012983878570611476;
   static constexpr double segment_width_m = 4.057462053316086e-05;
   static constexpr double energy_scale_j = 2.6926375089288974e-07;
@@ -54,9 +55,11 @@ struct felt_c7 {
     277110.6446790222, 301077.4172642947, 326086.09307431866, 352193.5170713006, 379354.94971390034,
     407626.87571120384, 436964.2178922357};
 
-  // The same for y in segment widths and V in energy_scale_j: depends on exponent and number of segments only.
+  // The same for y in segment widths and V in energy_scale_j. That of a power law depends on exponent and number of
+  // segments only.
   struct normalised {
     static constexpr std::size_t segments = 32;
+    static constexpr double loss = 0.0;  // s per segment width
     static constexpr std::array<double, segments> knots = {
     0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0, 16.0, 17.0, 18.0,
     19.0, 20.0, 21.0, 22.0, 23.0, 24.0, 25.0, 26.0, 27.0, 28.0, 29.0, 30.0, 31.0};

@@ -14,6 +14,7 @@ struct rubber_on_wood {
   static constexpr std::size_t segments = 64;
   static constexpr double stiffness_n_per_m_alpha = 490300.0;
   static constexpr double exponent = 1.5;
+  static constexpr double loss_s_per_m = 0.0;  // Hunt-Crossley: force F(y) (1 + loss dy/dt)
   static constexpr double max_compression_m = 0.00266639351713155;
   static constexpr double segment_width_m = 4.1662398705180466e-05;
   static constexpr double energy_scale_j = 5.4931640625e-06;
@@ -81,9 +82,11 @@ struct rubber_on_wood {
     18127.269903075583, 17396.28467640804, 18443.04932413206, 17709.305828714598, 18753.38325154054,
     18017.02057655474, 19058.54404087293, 18319.68996561581, 19358.782074844203};
 
-  // The same for y in segment widths and V in energy_scale_j: depends on exponent and number of segments only.
+  // The same for y in segment widths and V in energy_scale_j. That of a power law depends on exponent and number of
+  // segments only.
   struct normalised {
     static constexpr std::size_t segments = 64;
+    static constexpr double loss = 0.0;  // s per segment width
     static constexpr std::array<double, segments> knots = {
     0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0, 16.0, 17.0, 18.0,
     19.0, 20.0, 21.0, 22.0, 23.0, 24.0, 25.0, 26.0, 27.0, 28.0, 29.0, 30.0, 31.0, 32.0, 33.0, 34.0, 35.0,

@@ -14,6 +14,7 @@ struct steel_on_steel {
   static constexpr std::size_t segments = 64;
   static constexpr double stiffness_n_per_m_alpha = 10879000000.0;
   static constexpr double exponent = 1.5;
+  static constexpr double loss_s_per_m = 0.0;  // Hunt-Crossley: force F(y) (1 + loss dy/dt)
   static constexpr double max_compression_m = 2.0440388209541737e-05;
   static constexpr double segment_width_m = 3.1938106577408964e-07;
   static constexpr double energy_scale_j = 6.2713623046875e-07;
@@ -82,9 +83,11 @@ struct steel_on_steel {
     35216154.632813215, 33796057.23732739, 35829624.6689105, 34404168.73795104, 36432515.6521562,
     35001971.396634735, 37025356.69233829, 35589972.35126196, 37608634.212203};
 
-  // The same for y in segment widths and V in energy_scale_j: depends on exponent and number of segments only.
+  // The same for y in segment widths and V in energy_scale_j. That of a power law depends on exponent and number of
+  // segments only.
   struct normalised {
     static constexpr std::size_t segments = 64;
+    static constexpr double loss = 0.0;  // s per segment width
     static constexpr std::array<double, segments> knots = {
     0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0, 16.0, 17.0, 18.0,
     19.0, 20.0, 21.0, 22.0, 23.0, 24.0, 25.0, 26.0, 27.0, 28.0, 29.0, 30.0, 31.0, 32.0, 33.0, 34.0, 35.0,

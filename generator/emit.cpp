@@ -7,6 +7,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "generator/embedded.hpp"
@@ -84,15 +85,28 @@ std::string quality_members(const Quality& q) {
   return text;
 }
 
+// As it stands in the comment at the top of a source file.
+std::string law_lines(const Material& material) {
+  if (const PowerLaw* law = material.contact.power_law())
+    return fmt::format("contact potential V(y) = k/(a+1) y^(a+1) with k = {} N/m^a,\n// a = {}, as",
+                       literal(law->stiffness), literal(law->exponent));
+  return fmt::format("contact force\n// {},\n// as", law_text(material));
+}
+
+// The constants of a power law, in the syntax of `format`; other laws have none.
+std::string law_constants(const Material& material, std::string_view format) {
+  const PowerLaw* law = material.contact.power_law();
+  return law == nullptr ? "" : fmt::format(fmt::runtime(format), literal(law->stiffness), literal(law->exponent));
+}
+
 TemplateValues common_values(const Design& design, std::string_view command) {
-  const auto& [name, description, contact, impact, spline] = design.material;
+  const Material& material = design.material;
   return {{"VERSION", CONTACTSPLINE_VERSION},
           {"COMMAND", std::string(command)},
-          {"NAME", name},
-          {"TITLE", description.empty() ? name : description},
-          {"STIFFNESS", literal(contact.stiffness)},
-          {"EXPONENT", literal(contact.exponent)},
-          {"MAX_COMPRESSION", literal(spline.max_compression_m)},
+          {"NAME", material.name},
+          {"TITLE", material.description.empty() ? material.name : material.description},
+          {"LOSS", literal(material.loss_s_per_m)},
+          {"MAX_COMPRESSION", literal(material.spline.max_compression_m)},
           {"SEGMENT_WIDTH", literal(design.spline.segment_width_m)},
           {"ENERGY_SCALE", literal(design.spline.energy_scale_j)}};
 }
@@ -101,6 +115,7 @@ TemplateValues source_values(const Design& design, std::string_view command) {
   TemplateValues values = common_values(design, command);
   values["SEGMENTS"] = fmt::format("{}", design.spline.segments.size());
   values["QUALITY"] = quality_lines(design);
+  values["LAW"] = law_lines(design.material);
   values["NORMALISED_KNOTS"] = literal_rows(counted(design.spline.segments.size()), 4);
   return values;
 }
@@ -109,6 +124,8 @@ TemplateValues faust_values(const Design& design, std::string_view command) {
   TemplateValues values = source_values(design, command);
   add_arrays(values, design.spline, 2);
   for (const auto unused : {"REGULAR_A", "REGULAR_B", "REGULAR_C"}) values.erase(unused);
+  values["LAW_CONSTANTS"] = law_constants(design.material, "stiffness = {};\nexponent = {};\n");
+  values["NORMALISED_LOSS"] = literal(design.material.loss_s_per_m * design.spline.segment_width_m);
   values["PROBES"] = fmt::format("{}", std::bit_width(design.spline.segments.size()));
   return values;
 }
@@ -116,6 +133,10 @@ TemplateValues faust_values(const Design& design, std::string_view command) {
 TemplateValues cpp_values(const Design& design, std::string_view command) {
   TemplateValues values = source_values(design, command);
   add_arrays(values, design.spline, 4);
+  values["LAW_CONSTANTS"] = law_constants(design.material,
+                                          "  static constexpr double stiffness_n_per_m_alpha = {};\n"
+                                          "  static constexpr double exponent = {};\n");
+  values["NORMALISED_LOSS"] = literal(design.material.loss_s_per_m * design.spline.segment_width_m);
   return values;
 }
 
@@ -123,6 +144,10 @@ TemplateValues json_values(const Design& design, std::string_view command) {
   TemplateValues values = common_values(design, command);
   add_arrays(values, design.spline, 4);
   values["QUALITY"] = quality_members(design.quality);
+  values["LAW_MEMBERS"] =
+      design.material.contact.power_law() == nullptr
+          ? fmt::format("  \"law\": {},\n", nlohmann::json(law_text(design.material)).dump())
+          : law_constants(design.material, "  \"stiffness_n_per_m_alpha\": {},\n  \"exponent\": {},\n");
   return values;
 }
 
@@ -184,8 +209,8 @@ TemplateValues resonator_values(const Emitter& emitter, const std::vector<Resona
 
 }  // namespace
 
-Design design_contact(std::string_view material_text, std::string_view file) {
-  const Material material = parse_material(material_text, file);
+Design design_contact(std::string_view material_text, std::string_view file, const ReadFile& read) {
+  const Material material = parse_material(material_text, file, read);
   const Spline spline = uniform_spline(material, file);
   return {material, spline, measure_quality(spline, material)};
 }

@@ -21,8 +21,9 @@ struct Design {
   Quality quality;
 };
 
-/// Material to quality in one go. Throws BadInput.
-[[nodiscard]] Design design_contact(std::string_view material_text, std::string_view file);
+/// Material to quality in one go; `read` gives the files a material names. Throws BadInput.
+[[nodiscard]] Design design_contact(std::string_view material_text, std::string_view file,
+                                    const ReadFile& read = shipped_file);
 
 /// One output format of `generate`.
 struct Emitter {

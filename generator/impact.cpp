@@ -14,9 +14,9 @@ double turning_way(double velocity, double next_velocity, double time_step) {
 }  // namespace
 
 SimulatedImpact simulate_impact(std::span<const Segment<double>> table, double mass_kg, double speed_m_per_s,
-                                double sample_rate_hz, double phase) {
+                                double sample_rate_hz, double phase, double loss_s_per_m) {
   MassBarrier<double> model(table, sample_rate_hz);
-  const MassBarrierControls<double> controls{.mass_kg = mass_kg};
+  const MassBarrierControls<double> controls{.mass_kg = mass_kg, .contact = {.loss_s_per_m = loss_s_per_m}};
   model.throw_from(-phase * speed_m_per_s / sample_rate_hz, speed_m_per_s);
   double samples = 0;
   double deepest = 0;

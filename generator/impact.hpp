@@ -15,8 +15,10 @@ struct SimulatedImpact {
 };
 
 /// Throws a mass (> 0) at the barrier with a speed (> 0), at a sample rate (> 0) in hertz. `phase` in [0, 1): how far
-/// between two samples the contact begins. The duration is measured by drawing the free motion back to the barrier.
+/// between two samples the contact begins. `loss_s_per_m`: Hunt-Crossley loss, >= 0. The
+/// duration is measured by drawing the free motion back to the barrier.
 [[nodiscard]] SimulatedImpact simulate_impact(std::span<const Segment<double>> table, double mass_kg,
-                                              double speed_m_per_s, double sample_rate_hz, double phase = 0.5);
+                                              double speed_m_per_s, double sample_rate_hz, double phase = 0.5,
+                                              double loss_s_per_m = 0);
 
 }  // namespace contactspline

@@ -93,8 +93,8 @@ void check_notes(const Keyboard& keyboard, const JsonObject& object) {
           Outcome{"tension in N", string.tension_n, kTension},
           Outcome{"strike_position_m", strike_position, {kLeastPosition, string.length_m}},
           Outcome{"hammer_mass_kg", hammer_mass, kMass},
-          Outcome{"stiffness_n_per_m_alpha", felt.contact.stiffness, kStiffness},
-          Outcome{"exponent", felt.contact.exponent, kExponent},
+          Outcome{"stiffness_n_per_m_alpha", felt.contact.power_law()->stiffness, kStiffness},
+          Outcome{"exponent", felt.contact.power_law()->exponent, kExponent},
           Outcome{"max compression of the felt in m", felt.spline.max_compression_m, kCompression}})
       if (!(value >= allowed.least && value <= allowed.most))
         object.fail("keyboard.notes", fmt::format("at key {} {} is {}", key, what, value),

@@ -47,7 +47,7 @@ double transit_time(double half_curvature, double mass_kg, double dy, double v0,
   return 2 / angular_frequency * std::atan(angular_frequency * dy / (v0 + v1));
 }
 
-ImpactError worst_impact_error(const Spline& spline, const PowerLaw& contact, const Impact& impact) {
+ImpactError worst_impact_error(const Spline& spline, const Potential& contact, const Impact& impact) {
   ImpactError worst{0, 0};
   const double ratio = impact.max_speed_m_per_s / impact.min_speed_m_per_s;
   const int speeds = speeds_for(spline.segments.size());

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <map>
 #include <optional>
@@ -132,6 +133,14 @@ NamedText read_named(const JsonObject& object, const char* key, std::span<const 
   return {std::string(found->content), name + ".json"};
 }
 
+// What a material names lies beside it, wherever the score is.
+ReadFile reader_from(const std::string& material_file, const ReadFile& read) {
+  if (!is_path(material_file)) return shipped_file;
+  return [folder = std::filesystem::path(material_file).parent_path(), &read](const std::string& path) {
+    return read((folder / path).string());
+  };
+}
+
 double number_or(const JsonObject& object, const char* name, Range range, double otherwise) {
   return object.has(name) ? object.number(name, range) : otherwise;
 }
@@ -171,9 +180,11 @@ Voice read_voice(const JsonObject& json, Instrument instrument, const ReadFile& 
   voice.resonator = parse_resonator(resonator.text, resonator.file);
   tune(json, voice.resonator);
   const NamedText felt = read_named(json, "material", embedded_texts(), read);
-  const Material material = parse_material(felt.text, felt.file);
+  const Material material = parse_material(felt.text, felt.file, reader_from(felt.file, read));
   voice.contact = segment_table(uniform_spline(material, felt.file));
-  for (const ControlName& control : controls_of(instrument)) voice.initial.push_back(control.initial);
+  for (const ControlName& control : controls_of(instrument))
+    voice.initial.push_back(control.name == std::string_view("loss_s_per_m") ? material.loss_s_per_m
+                                                                             : control.initial);
   voice.pan = number_or(json, "pan", kPan, 0);
   if (has_hammer(instrument))
     complete_hammer(json, material, voice);

@@ -2,13 +2,13 @@
 // Scores: what an instrument plays, from a file to values that `play` takes (docs/scores.md).
 #pragma once
 
-#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "contactspline/contact.hpp"
+#include "generator/contact_input.hpp"
 #include "generator/json_input.hpp"
 #include "generator/resonator.hpp"
 
@@ -89,10 +89,8 @@ struct Score {
   std::vector<Voice> voices;
 };
 
-/// Text of a resonator or material file that a score names by its path. Throws BadInput.
-using ReadFile = std::function<std::string(const std::string& path)>;
-
-/// Parses the text of a score: JSON with comments (docs/scores.md). `file` stands in messages only. Throws BadInput.
+/// Parses the text of a score: JSON with comments (docs/scores.md). `file` stands in messages only; `read` gives the
+/// files it names. Throws BadInput.
 [[nodiscard]] Score parse_score(std::string_view text, std::string_view file, const ReadFile& read);
 
 /// The notes of a MIDI file on the piano that ships, with 1 s to ring after the last one. The velocity throws the

@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "generator/error.hpp"
-#include "generator/quad.hpp"
+#include "generator/potential_quad.hpp"
 
 namespace contactspline {
 namespace {
@@ -20,11 +20,27 @@ struct Reparametrised {
   Vector a, b, c;
 };
 
-// (9), normalised: Vn(j) = j^(a+1)/(a+1) at the knots j = 0..N, so that V(y_j) = k Delta_y^(a+1) Vn(j).
-Vector sample_potential(Quad exponent, Eigen::Index segments) {
-  Vector samples(segments + 1);
-  samples(0) = 0;
-  for (Eigen::Index j = 1; j <= segments; ++j) samples(j) = pow(Quad(j), exponent + 1) / (exponent + 1);
+/// (9): V at the knots j = 0..N in units of `scale`.
+struct Samples {
+  Quad scale;
+  Vector values;
+};
+
+// A power law is normalised: Vn(j) = j^(a+1)/(a+1), so that V(y_j) = k Delta_y^(a+1) Vn(j).
+Samples sample_power_law(const PowerLaw& law, const Quad& width, Eigen::Index segments) {
+  const Quad power = Quad(law.exponent) + 1;
+  Samples samples{law.stiffness * pow(width, power), Vector(segments + 1)};
+  samples.values(0) = 0;
+  for (Eigen::Index j = 1; j <= segments; ++j) samples.values(j) = pow(Quad(j), power) / power;
+  return samples;
+}
+
+// Any other law is in units of Delta_y times the mean force up to the last knot.
+Samples sample_potential(const Potential& contact, const Quad& width, Eigen::Index segments) {
+  if (const PowerLaw* law = contact.power_law()) return sample_power_law(*law, width, segments);
+  Samples samples{exact_energy(contact, Quad(width * segments)) / segments, Vector(segments + 1)};
+  for (Eigen::Index j = 0; j <= segments; ++j)
+    samples.values(j) = exact_energy(contact, Quad(width * j)) / samples.scale;
   return samples;
 }
 
@@ -82,13 +98,21 @@ std::vector<Segment<double>> local_segments(const Reparametrised& bars, Quad ene
   return segments;
 }
 
+[[noreturn]] void refuse_concave(const Material& material, Eigen::Index segment, std::string_view file) {
+  const std::string wrong = fmt::format(
+      "uniform knots the spline is not convex (segment {} of {} has negative curvature), so a contact step could "
+      "have "
+      "several solutions",
+      segment, material.spline.segments);
+  if (const PowerLaw* law = material.contact.power_law())
+    throw BadInput(
+        fmt::format("{}: contact.exponent: with {} and {}; use an exponent >= 1", file, law->exponent, wrong));
+  throw BadInput(fmt::format("{}: spline.segments: with {}; use another number of segments", file, wrong));
+}
+
 void require_convex(const Reparametrised& bars, const Material& material, std::string_view file) {
   for (Eigen::Index j = 0; j < bars.a.size(); ++j)
-    if (bars.a(j) < 0)
-      throw BadInput(fmt::format(
-          "{}: contact.exponent: with {} and uniform knots the spline is not convex (segment {} of {} has negative "
-          "curvature), so a contact step could have several solutions; use an exponent >= 1",
-          file, material.contact.exponent, j + 1, bars.a.size()));
+    if (bars.a(j) < 0) refuse_concave(material, j + 1, file);
 }
 
 // Subnormal numbers lose digits; beyond them the table would be wrong rather than inexact.
@@ -106,10 +130,9 @@ void require_in_range(const Spline& spline, std::string_view file) {
 }  // namespace
 
 Spline uniform_spline(const Material& material, std::string_view file) {
-  const Quad exponent = material.contact.exponent;
   const Quad width = Quad(material.spline.max_compression_m) / material.spline.segments;
-  const Quad energy = material.contact.stiffness * pow(width, exponent + 1);
-  const Reparametrised bars = solve_conditions(sample_potential(exponent, material.spline.segments));
+  const auto [energy, samples] = sample_potential(material.contact, width, material.spline.segments);
+  const Reparametrised bars = solve_conditions(samples);
   require_convex(bars, material, file);
   Spline spline{local_segments(bars, energy, width), width.convert_to<double>(), energy.convert_to<double>(),
                 regular_coefficients(bars, energy, width), normalised_coefficients(bars)};

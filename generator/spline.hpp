@@ -19,7 +19,7 @@ struct Coefficients {
 struct Spline {
   std::vector<Segment<double>> segments;  ///< N local segments in SI units, each about its own left knot
   double segment_width_m;                 ///< Delta_y
-  double energy_scale_j;                  ///< k Delta_y^(a + 1): V(y) = energy_scale Vn(y / Delta_y)
+  double energy_scale_j;                  ///< V(y) = energy_scale Vn(y / Delta_y); k Delta_y^(a + 1) for a power law
   Coefficients regular;                   ///< (8): in powers of y itself, SI; cancels in single precision
   Coefficients normalised;                ///< (5): a-bar, b-bar, c-bar over energy_scale; exponent and N only
 };

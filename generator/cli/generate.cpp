@@ -46,22 +46,29 @@ std::string rate_option(const GenerateOptions& options) {
   return rate == GenerateOptions().sample_rate_hz ? "" : fmt::format(" --rate {}", rate);
 }
 
-std::vector<OutputFile> emit_all(const GenerateOptions& options) {
+/// What is to be written, and the files it follows from.
+struct Emitted {
   std::vector<OutputFile> files;
+  std::vector<std::filesystem::path> inputs;
+};
+
+Emitted emit_all(const GenerateOptions& options) {
+  Emitted emitted;
   std::set<std::string> names;
   for (const std::string& argument : options.materials) {
     const Source source = source_argument(argument, options.sample_rate_hz / 2);
     const std::string& name = source.name;
     if (!names.insert(name).second)
       throw BadInput(fmt::format("{}: name: '{}' is the name of two materials; allowed: once", argument, name));
+    emitted.inputs.insert(emitted.inputs.end(), source.files.begin(), source.files.end());
     for (const Emitter& emitter : chosen_emitters(options.formats)) {
       const std::string command =
           fmt::format("contactspline generate {}.json --emit {}{}", name, emitter.name, rate_option(options));
-      files.push_back({std::filesystem::path(options.output) / fmt::format("{}.{}", name, emitter.extension),
-                       source.emit(emitter, command)});
+      emitted.files.push_back({std::filesystem::path(options.output) / fmt::format("{}.{}", name, emitter.extension),
+                               source.emit(emitter, command)});
     }
   }
-  return files;
+  return emitted;
 }
 
 void require_current(const std::vector<OutputFile>& files) {
@@ -86,11 +93,11 @@ std::string in_make_rule(const std::string& path) {
 }
 
 // What make and ninja need to know: the outputs follow from the material files.
-OutputFile depfile_of(const GenerateOptions& options, const std::vector<OutputFile>& files) {
+OutputFile depfile_of(const GenerateOptions& options, const Emitted& emitted) {
   std::string rule;
-  for (const OutputFile& file : files) rule += in_make_rule(file.path.string()) + " ";
+  for (const OutputFile& file : emitted.files) rule += in_make_rule(file.path.string()) + " ";
   rule.back() = ':';
-  for (const auto& material : material_files(options.materials)) rule += " " + in_make_rule(material.string());
+  for (const auto& input : emitted.inputs) rule += " " + in_make_rule(input.string());
   return {options.depfile, rule + "\n"};
 }
 
@@ -100,10 +107,10 @@ void require_folder(const std::string& output) {
     throw BadInput(fmt::format("{}: -o: is not a folder; allowed: a folder, or - for standard output", output));
 }
 
-void require_distinct_files(const GenerateOptions& options, const std::vector<OutputFile>& files) {
+void require_distinct_files(const Emitted& emitted) {
   std::vector<std::filesystem::path> outputs;
-  for (const OutputFile& file : files) outputs.push_back(file.path);
-  require_distinct(outputs, material_files(options.materials));
+  for (const OutputFile& file : emitted.files) outputs.push_back(file.path);
+  require_distinct(outputs, emitted.inputs);
 }
 
 void write_one_to_stdout(const std::vector<OutputFile>& files) {
@@ -113,11 +120,11 @@ void write_one_to_stdout(const std::vector<OutputFile>& files) {
   write_stdout(files.front().bytes);
 }
 
-void write_to_folder(const GenerateOptions& options, std::vector<OutputFile> files) {
-  const std::size_t sources = files.size();
-  if (!options.depfile.empty()) files.push_back(depfile_of(options, files));
-  require_distinct_files(options, files);
-  const auto written = write_files(files);
+void write_to_folder(const GenerateOptions& options, Emitted emitted) {
+  const std::size_t sources = emitted.files.size();
+  if (!options.depfile.empty()) emitted.files.push_back(depfile_of(options, emitted));
+  require_distinct_files(emitted);
+  const auto written = write_files(emitted.files);
   std::string report = written.empty() ? fmt::format("{} files are current\n", sources) : "";
   for (const auto& path : written) report += fmt::format("wrote {}\n", path.string());
   write_stdout(report);
@@ -135,11 +142,11 @@ void require_compatible(const GenerateOptions& options) {
 
 void generate(const GenerateOptions& options) {
   require_compatible(options);
-  const std::vector<OutputFile> files = emit_all(options);
-  if (options.output == "-") return write_one_to_stdout(files);
+  const Emitted emitted = emit_all(options);
+  if (options.output == "-") return write_one_to_stdout(emitted.files);
   require_folder(options.output);
-  if (options.check) return require_current(files);
-  write_to_folder(options, files);
+  if (options.check) return require_current(emitted.files);
+  write_to_folder(options, emitted);
 }
 
 }  // namespace

@@ -30,11 +30,24 @@ std::string coefficient_table(const Spline& spline) {
   return table;
 }
 
+std::string loss_line(const Material& material) {
+  return material.loss_s_per_m == 0 ? "" : fmt::format("loss {:.6g} s/m\n", material.loss_s_per_m);
+}
+
+std::string measurement_line(const Material& material) {
+  if (!material.measured) return {};
+  const auto& samples = material.measured->samples;
+  const PowerLaw law = nearest_power_law(samples);
+  return fmt::format("scatter {:.2g} % of the largest force; nearest power law k = {:.4g} N/m^a, a = {:.4g}\n",
+                     100 * relative_scatter(samples, std::get<ForceCurve>(material.contact.law())), law.stiffness,
+                     law.exponent);
+}
+
 std::string heading(const Material& material) {
-  return fmt::format(
-      "{}{}{}\nV(y) = k/(a+1) y^(a+1), k = {} N/m^a, a = {}, {} uniform segments over 0 to {:.6g} m\n\n",
-      material.name, material.description.empty() ? "" : ": ", material.description, material.contact.stiffness,
-      material.contact.exponent, material.spline.segments, material.spline.max_compression_m);
+  return fmt::format("{}{}{}\n{}, {} uniform segments over 0 to {:.6g} m\n{}{}\n", material.name,
+                     material.description.empty() ? "" : ": ", material.description, law_text(material),
+                     material.spline.segments, material.spline.max_compression_m, loss_line(material),
+                     measurement_line(material));
 }
 
 std::string quality_table(const Design& design) {
@@ -58,7 +71,7 @@ std::string quality_table(const Design& design) {
 void inspect(const InspectOptions& options) {
   const Design design = design_argument(options.material);
   if (!options.svg.empty()) {
-    require_distinct({{options.svg}}, material_files({&options.material, 1}));
+    require_distinct({{options.svg}}, input_files(options.material, design.material));
     write_files({{OutputFile{options.svg, picture_of(design)}}});
   }
   write_stdout(heading(design.material) + coefficient_table(design.spline) + quality_table(design) +
@@ -71,7 +84,7 @@ void add_inspect(CLI::App& app) {
   const auto options = std::make_shared<InspectOptions>();
   CLI::App* command = app.add_subcommand("inspect", "Show a material's spline: coefficients, errors, picture");
   command->add_option("MATERIAL", options->material, kMaterialHelp)->check(not_empty(kMaterialHelp))->required();
-  command->add_option("--svg", options->svg, "also draw potential, force and their errors")
+  command->add_option("--svg", options->svg, "also draw potential, force and their errors, and what was measured")
       ->check(file_name())
       ->type_name("FILE");
   command->footer("Example:\n  contactspline inspect felt_c4 --svg felt_c4.svg");

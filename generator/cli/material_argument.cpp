@@ -30,14 +30,19 @@ std::vector<std::string> shipped_names() {
   return names;
 }
 
-std::vector<std::filesystem::path> material_files(std::span<const std::string> arguments) {
-  std::vector<std::filesystem::path> files;
-  std::ranges::copy_if(arguments, std::back_inserter(files), is_path);
+std::vector<std::filesystem::path> input_files(const std::string& argument, const Material& material) {
+  if (!is_path(argument)) return {};
+  std::vector<std::filesystem::path> files{argument};
+  if (material.measured) files.push_back(files.front().parent_path() / material.measured->file);
   return files;
 }
 
+ReadFile reader_beside(const std::filesystem::path& material_file) {
+  return [folder = material_file.parent_path()](const std::string& path) { return read_input(folder / path); };
+}
+
 Design design_argument(const std::string& argument) {
-  if (is_path(argument)) return design_contact(read_input(argument), argument);
+  if (is_path(argument)) return design_contact(read_input(argument), argument, reader_beside(argument));
   const std::string file = argument + std::string(kSuffix);
   const auto texts = embedded_texts();
   const auto found = std::ranges::find(texts, file, &EmbeddedText::file_name);

@@ -20,8 +20,11 @@ constexpr auto kMaterialHelp = "material file (.json), or the name of a material
 /// Names of the materials that ship, rising.
 [[nodiscard]] std::vector<std::string> shipped_names();
 
-/// The material files among MATERIAL arguments, without the shipped names.
-[[nodiscard]] std::vector<std::filesystem::path> material_files(std::span<const std::string> arguments);
+/// The files that a MATERIAL argument was read from: none for a shipped name.
+[[nodiscard]] std::vector<std::filesystem::path> input_files(const std::string& argument, const Material& material);
+
+/// Reads what a material file names, from beside it.
+[[nodiscard]] ReadFile reader_beside(const std::filesystem::path& material_file);
 
 /// Reads and designs a MATERIAL: a path where it ends in .json or holds a slash, else a shipped name. Throws
 /// BadInput.

@@ -14,9 +14,12 @@ void list_materials() {
                                   "segments", "worst T error", "description");
   for (const std::string& name : shipped_names()) {
     const auto [material, spline, quality] = design_argument(name);
-    table += fmt::format("{:<16} {:>14.4g} {:>9.4g} {:>9} {:>13.2g} %  {}\n", name, material.contact.stiffness,
-                         material.contact.exponent, spline.segments.size(),
-                         100 * quality.impact.value().contact_duration, material.description);
+    const PowerLaw* law = material.contact.power_law();
+    const std::string stiffness =
+        law == nullptr ? (material.measured ? "measured" : "sum") : fmt::format("{:.4g}", law->stiffness);
+    const std::string exponent = law == nullptr ? "-" : fmt::format("{:.4g}", law->exponent);
+    table += fmt::format("{:<16} {:>14} {:>9} {:>9} {:>13.2g} %  {}\n", name, stiffness, exponent,
+                         spline.segments.size(), 100 * quality.impact.value().contact_duration, material.description);
   }
   write_stdout(table);
 }

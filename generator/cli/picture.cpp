@@ -39,6 +39,7 @@ set linetype 1 lc rgb '#b8b8b8' lw 6
 set linetype 2 lc rgb '#0072b2' lw 1.6
 set linetype 3 lc rgb '#d55e00' lw 1.6
 set linetype 4 lc rgb '#0072b2' pt 7 ps 0.35
+set linetype 5 lc rgb '#d55e00' pt 6 ps 0.5
 )";
 
 using File = std::unique_ptr<FILE, int (*)(FILE*)>;
@@ -108,6 +109,15 @@ std::string potential_data(const Design& design) {
                         100 * (s.energy - material.contact.energy(s.knot)) / top_energy,
                         100 * (s.force - material.contact.force(s.knot)) / top_force);
   }
+  return data + "EOD\n";
+}
+
+// What was measured, as far as the spline goes.
+std::string measured_data(const Material& material) {
+  if (!material.measured) return {};
+  std::string data = "$measured << EOD\n";
+  for (const auto& [y, f] : material.measured->samples)
+    if (y <= material.spline.max_compression_m) data += fmt::format("{:g} {:g}\n", 1e3 * y, f);
   return data + "EOD\n";
 }
 
@@ -198,12 +208,19 @@ std::string force_data(const Performance& performance, double duration_s) {
 
 std::string picture_of(const Design& design) {
   const std::string title = design.material.description.empty() ? design.material.name : design.material.description;
-  return draw_svg(potential_data(design) + heading(2, 2) + R"(
+  const bool is_measured = design.material.measured.has_value();
+  const auto law = design.material.contact.power_law() != nullptr ? "power law"
+                   : is_measured                                  ? "smoothed curve"
+                                                                  : "sum of power laws";
+  const auto samples = is_measured ? ", $measured using 1:2 with points lt 5 title 'measured'" : "";
+  return draw_svg(potential_data(design) + measured_data(design.material) + heading(2, 2) +
+                      fmt::format("law = '{}'\n", law) + R"(
 set xlabel 'compression [mm]'
 set ylabel 'contact potential [mJ]'
-plot $curve using 1:2 with lines lt 1 title 'power law', '' using 1:3 with lines lt 2 title 'spline', $knots using 1:2 with points lt 4 title 'knots'
+plot $curve using 1:2 with lines lt 1 title law, '' using 1:3 with lines lt 2 title 'spline', $knots using 1:2 with points lt 4 title 'knots'
 set ylabel 'contact force [N]'
-plot $curve using 1:4 with lines lt 1 title 'power law', '' using 1:5 with lines lt 2 title 'spline', $knots using 1:3 with points lt 4 title 'knots'
+plot $curve using 1:4 with lines lt 1 title law, '' using 1:5 with lines lt 2 title 'spline', $knots using 1:3 with points lt 4 title 'knots')" +
+                      std::string(samples) + R"(
 unset key
 set ylabel 'potential error [% of largest]'
 plot $curve using 1:6 with lines lt 3, $knots using 1:4 with points lt 4

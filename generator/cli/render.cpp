@@ -30,7 +30,7 @@ struct RenderOptions {
   double start_m = -0.001;
   double gravity_m_per_s2 = 9.81;
   double stiffness_ratio = 1;
-  double loss_s_per_m = 0;
+  std::optional<double> loss_s_per_m;
   double duration_s = 5;
   int sample_rate_hz = 44100;
   std::string signal = "force";
@@ -53,7 +53,8 @@ MassBarrierScore score_of(const RenderOptions& options, const Design& design) {
   const double speed = given_or(options.speed_m_per_s, design, &Impact::max_speed_m_per_s, options, "--speed");
   return {{.mass_kg = mass_kg,
            .gravity_m_per_s2 = options.gravity_m_per_s2,
-           .contact = {.stiffness_ratio = options.stiffness_ratio, .loss_s_per_m = options.loss_s_per_m}},
+           .contact = {.stiffness_ratio = options.stiffness_ratio,
+                       .loss_s_per_m = options.loss_s_per_m.value_or(design.material.loss_s_per_m)}},
           options.start_m,
           speed,
           options.duration_s,
@@ -76,7 +77,7 @@ void render_mass_barrier_command(const RenderOptions& options) {
   require_short("--duration", options.duration_s, options.sample_rate_hz);
   const Design design = design_argument(options.material);
   const std::string svg = picture_beside(options.output, options.svg);
-  require_distinct({{options.output, svg}}, material_files({&options.material, 1}));
+  require_distinct({{options.output, svg}}, input_files(options.material, design.material));
   const auto motion = render_mass_barrier(segment_table(design.spline), score_of(options, design), show_progress);
   const auto& signal = options.signal == "force" ? motion.force_n : motion.displacement_m;
   const double peak = peak_of(signal);
@@ -107,7 +108,7 @@ void add_mass_barrier(CLI::App& render) {
   number("--gravity", options->gravity_m_per_s2, "towards the barrier, in m/s^2", 0.0, 1e3)->capture_default_str();
   number("--stiffness-ratio", options->stiffness_ratio, "multiplies the material's stiffness", 1e-6, 1e6)
       ->capture_default_str();
-  number("--loss", options->loss_s_per_m, "Hunt-Crossley loss in s/m", 0.0, 1e3)->capture_default_str();
+  number("--loss", options->loss_s_per_m, "Hunt-Crossley loss in s/m (default: the material's)", 0.0, 1e3);
   number("--duration", options->duration_s, "in s", 1e-3, 3600.0)->capture_default_str();
   number("--rate", options->sample_rate_hz, "sample rate in Hz", 1000, 768000)->capture_default_str();
   command->add_option("--signal", options->signal, "what is heard")

@@ -19,11 +19,14 @@
 namespace contactspline {
 namespace {
 
-Source material_source(Design design) {
+Source material_source(const std::string& argument, Design design) {
   const std::string name = design.material.name;
-  return {name, [design = std::move(design)](const Emitter& emitter, std::string_view command) {
+  auto files = input_files(argument, design.material);
+  return {name,
+          [design = std::move(design)](const Emitter& emitter, std::string_view command) {
             return emit(emitter, design, command);
-          }};
+          },
+          std::move(files)};
 }
 
 // Something must sound; where modes are left out, a line says so.
@@ -42,16 +45,20 @@ void check_modes(const Resonator& resonator, double max_frequency_hz) {
 Source resonator_source(Resonator resonator, double max_frequency_hz) {
   check_modes(resonator, max_frequency_hz);
   const std::string name = resonator.name;
-  return {name, [=, resonator = std::move(resonator)](const Emitter& emitter, std::string_view command) {
+  return {name,
+          [=, resonator = std::move(resonator)](const Emitter& emitter, std::string_view command) {
             return emit(emitter, resonator, max_frequency_hz, command);
-          }};
+          },
+          {}};
 }
 
 Source keyboard_source(Keyboard keyboard) {
   const std::string name = keyboard.name;
-  return {name, [keyboard = std::move(keyboard)](const Emitter& emitter, std::string_view command) {
+  return {name,
+          [keyboard = std::move(keyboard)](const Emitter& emitter, std::string_view command) {
             return emit(emitter, keyboard, command);
-          }};
+          },
+          {}};
 }
 
 // The text of what ships under a name, or nothing.
@@ -69,6 +76,11 @@ void require_shipped(const std::string& argument) {
                              argument, fmt::join(names, ", ")));
 }
 
+Source read_from(const std::string& file, Source source) {
+  source.files = {file};
+  return source;
+}
+
 // A resonator file has a body, a strike and a pickup, a keyboard file a keyboard, where a material file has a contact
 // and a spline.
 Source file_source(const std::string& file, double max_frequency_hz) {
@@ -76,9 +88,9 @@ Source file_source(const std::string& file, double max_frequency_hz) {
   const auto json = parse_json(text, file, "material");
   const auto has = [&](const char* key) { return json.contains(key); };
   if (std::ranges::any_of(std::array{"string", "bar", "membrane", "modes", "strike", "pickup", "max_modes"}, has))
-    return resonator_source(parse_resonator(text, file), max_frequency_hz);
-  if (has("keyboard")) return keyboard_source(parse_keyboard(text, file));
-  return material_source(design_contact(text, file));
+    return read_from(file, resonator_source(parse_resonator(text, file), max_frequency_hz));
+  if (has("keyboard")) return read_from(file, keyboard_source(parse_keyboard(text, file)));
+  return material_source(file, design_contact(text, file, reader_beside(file)));
 }
 
 }  // namespace
@@ -90,7 +102,7 @@ Source source_argument(const std::string& argument, double max_frequency_hz) {
     return keyboard_source(parse_keyboard(text->content, text->file_name));
   if (is_path(argument)) return file_source(argument, max_frequency_hz);
   require_shipped(argument);
-  return material_source(design_argument(argument));
+  return material_source(argument, design_argument(argument));
 }
 
 }  // namespace contactspline

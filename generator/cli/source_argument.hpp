@@ -2,9 +2,11 @@
 // What `generate` turns into source text: a material or a resonator, as a file or by the name under which it ships.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "generator/emit.hpp"
 
@@ -13,6 +15,7 @@ namespace contactspline {
 struct Source {
   std::string name;
   std::function<std::string(const Emitter&, std::string_view command)> emit;
+  std::vector<std::filesystem::path> files;  ///< it was read from; none for a shipped name
 };
 
 /// Reads a SOURCE argument: a path where it ends in .json or holds a slash, else a shipped name. Modes of a resonator

@@ -60,7 +60,8 @@ std::vector<BadFile> all_number_cases() {
 
 std::vector<BadFile> key_cases() {
   const std::string keys =
-      "first_key, last_key, first_double_key, first_triple_key, last_damped_key, concert_pitch_hz, max_speed_m_per_s, "
+      "first_key, last_key, first_double_key, first_triple_key, last_damped_key, concert_pitch_hz, "
+      "max_speed_m_per_s, "
       "segments, notes";
   return {
       {"name_missing", changed(kGood, R"("name": "probe",)", ""), "name", "missing; allowed: a-z"},
@@ -82,13 +83,14 @@ std::vector<BadFile> key_cases() {
        "fewer than two notes; allowed: at least two"},
       {"notes_fall", changed(kGood, R"("key": 36)", R"("key": 61)"), "keyboard.notes[1].key",
        "60 does not rise; allowed: notes by rising key"},
-      {"too_stiff_for_its_pitch", changed(kGood, R"("bending_stiffness_n_m2": 0.0121)",
-                                          R"("bending_stiffness_n_m2": 1000)"),
-       "keyboard.notes", "at key 35 tension in N is -"},
+      {"too_stiff_for_its_pitch",
+       changed(kGood, R"("bending_stiffness_n_m2": 0.0121)", R"("bending_stiffness_n_m2": 1000)"), "keyboard.notes",
+       "at key 35 tension in N is -"},
       {"extrapolated_exponent", changed(kGood, R"("exponent": 2.276)", R"("exponent": 1.001)"), "keyboard.notes",
        "at key 35 exponent is 0.9"},
-      {"extrapolated_hammer", changed(changed(kGood, R"("last_key": 61)", R"("last_key": 127)"),
-                                      R"("hammer_mass_kg": 0.0102)", R"("hammer_mass_kg": 0.02)"),
+      {"extrapolated_hammer",
+       changed(changed(kGood, R"("last_key": 61)", R"("last_key": 127)"), R"("hammer_mass_kg": 0.0102)",
+               R"("hammer_mass_kg": 0.02)"),
        "keyboard.notes", "hammer_mass_kg is -"},
       {"truncated", kGood.substr(0, kGood.size() / 2), "material", "allowed: a JSON object"}};
 }
@@ -107,8 +109,7 @@ TEST_P(BadKeyboardFile, IsRefusedInOneLineAndNothingIsWritten) {
 
 INSTANTIATE_TEST_SUITE_P(Number, BadKeyboardFile, ::testing::ValuesIn(all_number_cases()),
                          ::testing::PrintToStringParamName());
-INSTANTIATE_TEST_SUITE_P(Key, BadKeyboardFile, ::testing::ValuesIn(key_cases()),
-                         ::testing::PrintToStringParamName());
+INSTANTIATE_TEST_SUITE_P(Key, BadKeyboardFile, ::testing::ValuesIn(key_cases()), ::testing::PrintToStringParamName());
 
 // What the tables above are made of is good itself.
 TEST(GoodKeyboardFile, IsAccepted) {

@@ -43,7 +43,9 @@ void PrintTo(const BadLine& bad, std::ostream* stream) {
   *stream << bad.test;
 }
 
-const std::string kShipped = "allowed: a .json file, felt_c2, felt_c4, felt_c7, mb1, rubber_on_wood, steel_on_steel";
+const std::string kShipped =
+    "allowed: a .json file, felt_c2, felt_c4, felt_c7, felt_over_wood, felt_synthetic, mb1, "
+    "rubber_on_wood, steel_ball_on_plate, steel_on_steel";
 
 std::vector<BadLine> command_cases() {
   const std::string commands = "generate, inspect, materials, scores, impact, render";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Damaged material, resonator, keyboard, score and MIDI files: each gives either output or one readable line that
-// names the file.
+// Damaged material, curve, resonator, keyboard, score and MIDI files: each gives either output or one readable line
+// that names the file.
 #include <string>
 
 #include "damage.hpp"
@@ -21,8 +21,12 @@ void expect_source(const std::string& source, const Emitter& emitter, const std:
   EXPECT_TRUE(!source.empty() && (emitter.name != "json" || nlohmann::json::accept(source))) << text << source;
 }
 
+// Whatever its name, a short curve: a long one takes longer to smooth, and is not different.
+constexpr auto kShortCurve =
+    "compression_mm,force_n\n0.1,1\n0.2,3\n0.4,8\n0.6,20\n0.8,40\n1.2,80\n1.4,140\n1.6,190\n";
+
 bool design_and_emit_material(const std::string& text, int round) {
-  const Material material = parse_material(text, "fuzz.json");
+  const Material material = parse_material(text, "fuzz.json", [](const std::string&) { return kShortCurve; });
   if (material.spline.segments > kMostSegments) return false;
   const Spline spline = uniform_spline(material, "fuzz.json");
   expect_source(emit(emitter_of(round), {material, spline, measure_quality(spline, material)},
@@ -34,8 +38,30 @@ bool design_and_emit_material(const std::string& text, int round) {
 TEST(DamagedMaterial, GivesOutputOrOneReadableLine) {
   damage_files(texts_of(embedded_texts(), ".json"), "fuzz.json",
                "\"name\" \"description\" \"contact\" \"impact\" \"spline\" \"knots\" \"segments\" \"exponent\" "
-               "\"max_compression_m\" \"max_compression_m\":1e-3, \"uniform\"",
+               "\"max_compression_m\" \"max_compression_m\":1e-3, \"uniform\" \"loss_s_per_m\":0.1, \"hertz\" "
+               "\"sum\" \"curve\" \"offset_m\":1e-4, \"sphere\" \"monotone\"",
                20'000, design_and_emit_material);
+}
+
+// Under a material that reaches a part of the curve only, so that what is cut off at the end may do. The material is
+// called like the curve: whichever is to blame, the message begins with the same name.
+bool design_and_emit_curve(const std::string& text, int round) {
+  for (const char* shape : {"hardening", "monotone"}) {
+    const nlohmann::json material = {
+        {"name", "fuzz"},
+        {"contact", {{"curve", {{"file", "fuzz.csv"}, {"shape", shape}}}}},
+        {"spline", {{"knots", "uniform"}, {"segments", 64}, {"max_compression_m", 1e-4}}}};
+    const Design design = design_contact(material.dump(), "fuzz.csv", [&](const std::string&) { return text; });
+    expect_source(emit(emitter_of(round), design, "contactspline generate fuzz.json"), emitter_of(round), text);
+  }
+  return true;
+}
+
+TEST(DamagedCurve, GivesOutputOrOneReadableLine) {
+  auto texts = texts_of(embedded_texts(), ".csv");
+  texts.push_back(kShortCurve);
+  damage_files(texts, "fuzz.csv", "compression_m,force_n compression_um force_kn # \n \r\n ; , 0.5,50 -0.1,0", 4'000,
+               design_and_emit_curve, 100);
 }
 
 // The lowest modes only: all of them are slow, not different.

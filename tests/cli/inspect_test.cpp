@@ -3,11 +3,15 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "generator/collision.hpp"
+#include "generator/embedded.hpp"
 #include "generator/emit.hpp"
 #include "generator/impact.hpp"
 #include "program.hpp"
@@ -166,22 +170,64 @@ TEST(Inspect, WithoutAnImpactHasNoImpactErrors) {
   EXPECT_EQ(table.find("contact duration"), std::string::npos);
 }
 
+// 1200 samples of a felt without noise, in a file beside the material: named, drawn, and told what law it is near.
+TEST(Inspect, OfAMeasuredCurveShowsIt) {
+  const Sandbox box;
+  std::string curve = "compression_mm,force_n\n";
+  for (int i = 1; i <= 1200; ++i) curve += fmt::format("{},{}\n", 1e-3 * i, 4e8 * std::pow(1e-6 * i, 2.3));
+  fs::create_directories(box / "in");
+  write_file(box / "in/felt.csv", curve);
+  write_file(box / "in/probe.json", R"({"name": "probe",
+    "contact": {"curve": {"file": "felt.csv", "shape": "hardening"}, "loss_s_per_m": 0.25},
+    "spline": {"knots": "uniform", "segments": 16, "max_compression_m": 1e-3}})");
+  const std::string text = printed(box, {"inspect", "in/probe.json", "--svg", "a.svg"});
+  EXPECT_NE(
+      text.find(
+          "F(y) smoothed from 1200 samples of felt.csv up to 0.0012 m, 16 uniform segments over 0 to 0.001 m\n"),
+      std::string::npos)
+      << text;
+  EXPECT_NE(text.find("loss 0.25 s/m\n"), std::string::npos);
+  EXPECT_TRUE(relatively_within(number_after(text, "nearest power law k = "), 4e8, 1e-3));
+  EXPECT_TRUE(within(number_after(text, "N/m^a, a = "), 2.3, 1e-3));
+  EXPECT_TRUE(within(number_after(text, "scatter "), 0, 0.05));
+  expect_drawn(box / "a.svg", 11);
+  const Svg picture = read_svg(box / "a.svg");
+  EXPECT_NE(picture.text.find("measured"), std::string::npos);
+  EXPECT_NE(picture.text.find("smoothed curve"), std::string::npos);
+  // Samples beyond the spline are left out; each of the 1000 others is drawn by a line of its own.
+  printed(box, {"inspect", "felt_c4", "--svg", "b.svg"});
+  EXPECT_GE(read_file(box / "a.svg").size(), read_file(box / "b.svg").size() + 1000 * 30);
+}
+
+TEST(Inspect, OfASumNamesItsTerms) {
+  const Sandbox box;
+  EXPECT_NE(printed(box, {"inspect", "felt_over_wood"})
+                .find("F(y) = 4500000000 y^2.5 + 103000000 (y - 0.0005)^1.5, in parallel, 64 uniform segments"),
+            std::string::npos);
+}
+
 TEST(Materials, ListsEveryOneThatShips) {
   const Sandbox box;
   const auto lines = lines_of(printed(box, {"materials"}));
   std::vector<std::string> names;
   for (const auto& line : lines) names.push_back(line.substr(0, line.find(' ')));
-  EXPECT_EQ(names, (std::vector<std::string>{"name", "felt_c2", "felt_c4", "felt_c7", "mb1", "rubber_on_wood",
-                                             "steel_on_steel"}));
+  EXPECT_EQ(names,
+            (std::vector<std::string>{"name", "felt_c2", "felt_c4", "felt_c7", "felt_over_wood", "felt_synthetic",
+                                      "mb1", "rubber_on_wood", "steel_ball_on_plate", "steel_on_steel"}));
   for (std::size_t i = 1; i < lines.size(); ++i) {
     const Json json = Json::parse(printed(box, {"generate", names[i], "--emit", "json", "-o", "-"}));
     std::istringstream row(lines[i]);
-    std::string name, percent;
-    double stiffness = NAN, exponent = NAN, error = NAN;
+    std::string name, stiffness, exponent, percent;
+    double error = NAN;
     std::size_t segments = 0;
     row >> name >> stiffness >> exponent >> segments >> error >> percent;
-    EXPECT_TRUE(relatively_within(stiffness, json.at("stiffness_n_per_m_alpha"), 5e-4));
-    EXPECT_TRUE(relatively_within(exponent, json.at("exponent"), 5e-4));
+    if (json.contains("law")) {
+      EXPECT_EQ(stiffness, names[i] == "felt_over_wood" ? "sum" : "measured");
+      EXPECT_EQ(exponent, "-");
+    } else {
+      EXPECT_TRUE(relatively_within(std::stod(stiffness), json.at("stiffness_n_per_m_alpha"), 5e-4));
+      EXPECT_TRUE(relatively_within(std::stod(exponent), json.at("exponent"), 5e-4));
+    }
     EXPECT_EQ(segments, json.at("knots_m").size());
     EXPECT_TRUE(relatively_within(error, 100 * json["quality"]["worst_contact_duration_error"].get<double>(), 0.05));
     EXPECT_EQ(percent, "%");
@@ -237,6 +283,36 @@ TEST(Impact, PrintsTheNumbersOfTheLibrary) {
     }
   }
 }
+
+// Without loss by closed form or quadrature, with loss by quadrature through law and spline; simulated at 100 MHz.
+class ImpactOf : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(ImpactOf, AMaterialThatShipsConvergesToTheExactMotion) {
+  const Sandbox box;
+  const auto texts = embedded_texts();
+  const auto file = std::ranges::find(texts, GetParam() + ".json", &EmbeddedText::file_name);
+  const auto material = design_contact(file->content, file->file_name).material;
+  const double mass = material.impact->mass_kg, loss = material.loss_s_per_m;
+  const Collision exact = collide(law_view(material.contact), mass, 1.0, loss);
+  const auto lines = lines_of(printed(box, {"impact", GetParam(), "--speed", "1", "--rate", "1e7"}));
+  ASSERT_EQ(lines.size(), 5u);
+  const std::string left =
+      fmt::format(", loss {:.4g} s/m: {:.4g} of the speed is left", loss, exact.exit_speed_m_per_s);
+  EXPECT_EQ(lines[0], fmt::format("{}, {} kg at 1 m/s{}", GetParam(), mass, loss > 0 ? left : ""));
+  EXPECT_TRUE(relatively_within(number_after(lines[2], "exact"), 1e6 * exact.contact_duration_s, 2e-5));
+  EXPECT_TRUE(relatively_within(number_after(lines[2], " us"), 1e6 * exact.max_compression_m, 2e-4));
+  const auto spline = parse_row(lines[3], fmt::format("  spline {:>3}", material.spline.segments));
+  const auto simulated = parse_row(lines[4], "  10000.0 kHz");
+  EXPECT_LE(std::abs(spline.duration_error), 0.3);  // per cent
+  EXPECT_LE(std::abs(spline.compression_error), 0.1);
+  EXPECT_TRUE(within(simulated.duration_error, spline.duration_error, 0.02));
+  EXPECT_TRUE(within(simulated.compression_error, spline.compression_error, 0.02));
+  EXPECT_TRUE(within(simulated.exit_error, 0, loss > 0 ? 1e-4 : 1e-10));
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, ImpactOf,
+                         ::testing::Values("felt_c4", "felt_over_wood", "felt_synthetic", "steel_ball_on_plate"),
+                         [](const auto& test) { return test.param; });
 
 TEST(Impact, TakesTheLargestSpeedAndFourRatesByDefault) {
   const Sandbox box;

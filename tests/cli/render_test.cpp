@@ -92,6 +92,13 @@ TEST(Render, WritesTheForceOfTheModel) {
   expect_drawn(box / "a.svg", 3);
 }
 
+TEST(Render, HasTheMaterialsLossUnlessAnotherIsGiven) {
+  const Words felt = {"--material", "felt_synthetic", "--duration", "0.1"};
+  const auto own = sound_of(felt).samples;
+  EXPECT_EQ(own, sound_of(followed_by(felt, {"--loss", "0.1"})).samples);
+  EXPECT_NE(own, sound_of(followed_by(felt, {"--loss", "0"})).samples);
+}
+
 TEST(Render, WritesTheDisplacementOfTheModel) {
   const Sound sound = sound_of({"--duration", "1", "--signal", "displacement", "--material", "felt_c4"});
   EXPECT_TRUE(within(sound.peak(), kPeak, kLevel));
@@ -156,7 +163,7 @@ TEST(Render, StiffnessRatioShortensTheContactByTheScalingLaw) {
   for (const auto& [name, speed] :
        std::vector<std::pair<std::string, double>>{{"rubber_on_wood", 2}, {"felt_c4", 3}}) {
     const auto design = shipped(name + ".json");
-    const double exponent = design.material.contact.exponent;
+    const double exponent = design.material.contact.power_law()->exponent;
     const double exact_s = design.material.contact.contact_duration(design.material.impact->mass_kg, speed);
     for (const double ratio : {0.25, 1.0, 4.0, 16.0}) {
       const Sound sound = sound_of({"--material", name, "--stiffness-ratio", fmt::format("{}", ratio), "--speed",

@@ -36,6 +36,7 @@ class ExactContact {
     const Piece& piece = pieces_[index(y)];
     return piece.force + piece.slope * (y - piece.knot);
   }
+  [[nodiscard]] Real slope(Real y) const { return pieces_[index(y)].slope; }
   [[nodiscard]] Real potential(Real y) const {
     const Piece& piece = pieces_[index(y)];
     return piece.energy + (y - piece.knot) * (piece.force + force(y)) / 2;

@@ -135,7 +135,11 @@ Real table_rounding(const ExactContact& exact, const Input<T>& in, Real ratio, R
 template <typename T>
 Output<Real> roundings(const ExactContact& exact, const Input<T>& in, const Output<Real>& out) {
   constexpr Real kRoundoff = std::numeric_limits<T>::epsilon() / 2;
-  return {kRoundoff * out.potential, kRoundoff * out.force,
+  // Roundings of the compression and of the knots move the force by two of y F'. That is less than eight of F, but
+  // for laws steeper than the fourth power.
+  const Real y = std::max(Real(0), Real(in.compression));
+  const Real force = std::max(out.force, y * exact.slope(y) / 4);
+  return {kRoundoff * out.potential, kRoundoff * force,
           kRoundoff * (momentum(in, out.step) + table_rounding(exact, in, 1, out.step)),
           kRoundoff * (momentum(in, out.contact) + table_rounding(exact, in, in.stiffness_ratio, out.contact))};
 }

@@ -141,8 +141,13 @@ TEST(Json, HoldsTheBitsOfTheSpline) {
     EXPECT_TRUE(same_bits(array(read.at("normalised").at("c")), s.normalised.c));
     EXPECT_TRUE(same_bits(read.at("segment_width_m").get<double>(), s.segment_width_m));
     EXPECT_TRUE(same_bits(read.at("energy_scale_j").get<double>(), s.energy_scale_j));
-    EXPECT_TRUE(same_bits(read.at("stiffness_n_per_m_alpha").get<double>(), design.material.contact.stiffness));
-    EXPECT_TRUE(same_bits(read.at("exponent").get<double>(), design.material.contact.exponent));
+    if (const PowerLaw* law = design.material.contact.power_law()) {
+      EXPECT_TRUE(same_bits(read.at("stiffness_n_per_m_alpha").get<double>(), law->stiffness));
+      EXPECT_TRUE(same_bits(read.at("exponent").get<double>(), law->exponent));
+    } else {
+      EXPECT_EQ(read.at("law"), law_text(design.material));
+    }
+    EXPECT_TRUE(same_bits(read.at("loss_s_per_m").get<double>(), design.material.loss_s_per_m));
     EXPECT_TRUE(same_bits(read.at("max_compression_m").get<double>(), design.material.spline.max_compression_m));
     EXPECT_EQ(read.at("name"), design.material.name);
   }
@@ -178,6 +183,18 @@ TEST(Json, HoldsTheQualityToFourDigits) {
   }
 }
 
+/// The constants of a power law stand there, with the right bits; other laws have none.
+template <typename Scalar>
+void expect_law(const Design& design, Scalar scalar, const std::string& stiffness) {
+  const PowerLaw* law = design.material.contact.power_law();
+  if (law == nullptr) {
+    EXPECT_TRUE(scalar(stiffness).empty() && scalar("exponent").empty());
+    return;
+  }
+  EXPECT_TRUE(same_bits(scalar(stiffness), {law->stiffness}));
+  EXPECT_TRUE(same_bits(scalar("exponent"), {law->exponent}));
+}
+
 TEST(Cpp, HoldsTheBitsOfTheSpline) {
   for (const Design& design : designs()) {
     const std::string text = emit(emitter("cpp"), design, kCommand);
@@ -201,8 +218,10 @@ TEST(Cpp, HoldsTheBitsOfTheSpline) {
     const auto scalar = [&](const std::string& name) {
       return numbers(between(text, "static constexpr double " + name + " = ", ";"));
     };
-    EXPECT_TRUE(same_bits(scalar("stiffness_n_per_m_alpha"), {design.material.contact.stiffness}));
-    EXPECT_TRUE(same_bits(scalar("exponent"), {design.material.contact.exponent}));
+    expect_law(design, scalar, "stiffness_n_per_m_alpha");
+    EXPECT_TRUE(same_bits(scalar("loss_s_per_m"), {design.material.loss_s_per_m}));
+    EXPECT_TRUE(same_bits(numbers(between(normalised, "static constexpr double loss = ", ";")),
+                          {design.material.loss_s_per_m * s.segment_width_m}));
     EXPECT_TRUE(same_bits(scalar("max_compression_m"), {design.material.spline.max_compression_m}));
     EXPECT_TRUE(same_bits(scalar("segment_width_m"), {s.segment_width_m}));
     EXPECT_TRUE(same_bits(scalar("energy_scale_j"), {s.energy_scale_j}));
@@ -232,8 +251,10 @@ TEST(Faust, HoldsTheBitsOfTheSpline) {
     expect_table(normalised, "\n  force", s.normalised.b);
     expect_table(normalised, "\n  half_curvature", s.normalised.a);
     const auto scalar = [&](const std::string& name) { return numbers(between(text, "\n" + name + " = ", ";")); };
-    EXPECT_TRUE(same_bits(scalar("stiffness"), {design.material.contact.stiffness}));
-    EXPECT_TRUE(same_bits(scalar("exponent"), {design.material.contact.exponent}));
+    expect_law(design, scalar, "stiffness");
+    EXPECT_TRUE(same_bits(scalar("loss"), {design.material.loss_s_per_m}));
+    EXPECT_TRUE(same_bits(numbers(between(normalised, "\n  loss = ", ";")),
+                          {design.material.loss_s_per_m * s.segment_width_m}));
     EXPECT_TRUE(same_bits(scalar("max_compression"), {design.material.spline.max_compression_m}));
     EXPECT_TRUE(same_bits(scalar("segment_width"), {s.segment_width_m}));
     EXPECT_TRUE(same_bits(scalar("energy_scale"), {s.energy_scale_j}));

@@ -274,7 +274,7 @@ TEST(SplineImpact, OfALinearContactIsHalfAPeriodWhateverTheSpeed) {
 }
 
 /// Worst relative error of the contact duration over speeds in geometric progression.
-double worst_duration_error(const Spline& spline, const PowerLaw& law, const Impact& impact, int speeds) {
+double worst_duration_error(const Spline& spline, const Potential& law, const Impact& impact, int speeds) {
   double worst = 0;
   for (int i = 0; i < speeds; ++i) {
     const double ratio = impact.max_speed_m_per_s / impact.min_speed_m_per_s;
@@ -410,14 +410,16 @@ TEST(ImpactQuality, IsThatOfBruteForceAtTheSameSpeeds) {
   for (int i = 0; i < 512; ++i) {
     const double speed = 0.1 * std::pow(50.0, i / 511.0);
     const QuadratureImpact motion = impact_by_quadrature(exact, 0.003, speed);
-    const Real power = Real(material.contact.exponent) + 1;
-    const Real compression = pow(power * 0.003 * speed * speed / (2 * material.contact.stiffness), 1 / power);
+    const Real power = Real(material.contact.power_law()->exponent) + 1;
+    const Real compression =
+        pow(power * 0.003 * speed * speed / (2 * material.contact.power_law()->stiffness), 1 / power);
     const Real zeta =
         sqrt(boost::math::constants::pi<Real>()) * tgamma(1 + 1 / power) / tgamma(Real(0.5) + 1 / power);
     duration_worst = std::max(duration_worst, Real(abs(motion.duration * speed / (2 * zeta * compression) - 1)));
     compression_worst = std::max(compression_worst, Real(abs(motion.max_compression / compression - 1)));
   }
-  const double bound = spline_impact_bound(spline) + duration_bound({"fastest", material.contact, 0.003, 5.0});
+  const double bound =
+      spline_impact_bound(spline) + duration_bound({"fastest", *material.contact.power_law(), 0.003, 5.0});
   EXPECT_TRUE(within(found.impact->contact_duration, duration_worst.convert_to<double>(), bound));
   EXPECT_TRUE(within(found.impact->max_compression, compression_worst.convert_to<double>(), bound));
 }

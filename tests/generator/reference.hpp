@@ -36,6 +36,14 @@ inline Real exact_force(const PowerLaw& law, const Real& y) {
   return y > 0 ? Real(Real(law.stiffness) * pow(y, Real(law.exponent))) : Real(0);
 }
 
+/// The same of a potential that is a power law.
+inline Real exact_energy(const Potential& contact, const Real& y) {
+  return exact_energy(*contact.power_law(), y);
+}
+inline Real exact_force(const Potential& contact, const Real& y) {
+  return exact_force(*contact.power_law(), y);
+}
+
 /// What uniform_spline() should hold, unrounded.
 struct ReferenceSpline {
   struct Powers {
@@ -55,14 +63,15 @@ struct ReferenceSpline {
 
 /// The slope at a knot is twice the mean slope of the segment before less the slope before; no system of equations.
 inline ReferenceSpline reference_spline(const Material& material) {
+  const PowerLaw& law = *material.contact.power_law();
   ReferenceSpline s;
   const int n = material.spline.segments;
   s.width = Real(material.spline.max_compression_m) / n;
-  s.energy_scale = Real(material.contact.stiffness) * pow(s.width, Real(material.contact.exponent) + 1);
+  s.energy_scale = Real(law.stiffness) * pow(s.width, Real(law.exponent) + 1);
   Real energy = 0, force = 0;
   for (int j = 0; j < n; ++j) {
     const Real y = s.width * j;
-    const Real next_energy = exact_energy(material.contact, s.width * (j + 1));
+    const Real next_energy = exact_energy(law, s.width * (j + 1));
     const Real mean_slope = (next_energy - energy) / s.width;
     const Real half_curvature = (mean_slope - force) / s.width;
     s.knot.push_back(y);

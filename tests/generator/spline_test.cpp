@@ -51,7 +51,7 @@ struct Case {
       : material(of),
         n(of.spline.segments),
         width(Real(of.spline.max_compression_m) / n),
-        scale(of.contact.stiffness * pow(width, Real(of.contact.exponent) + 1)),
+        scale(of.contact.power_law()->stiffness * pow(width, Real(of.contact.power_law()->exponent) + 1)),
         spline(uniform_spline(of, "case.json")),
         bars{Bars::of_segments(spline, width), Bars::of_normalised(spline, scale)} {
     for (int j = 0; j <= n; ++j) samples_.push_back(exact_energy(material.contact, width * j));
@@ -83,7 +83,7 @@ const std::vector<Case>& cases() {
     for (const double exponent : {1.0, 1.3, 1.5, 2.3, 2.5, 3.155, 5.0})
       for (const int segments : {1, 2, 3, 16, 64, 200}) {
         Material material = random_material(random);
-        material.contact.exponent = exponent;
+        material.contact = PowerLaw{material.contact.power_law()->stiffness, exponent};
         material.spline.segments = segments;
         made.emplace_back(material);
       }
@@ -99,7 +99,8 @@ void for_each_segment(int fewer, Check check) {
   for (const Case& c : cases())
     for (int j = 1; j <= c.n - fewer; ++j, ++checked) {
       const ::testing::AssertionResult result = check(c, j);
-      ASSERT_TRUE(result) << "exponent " << c.material.contact.exponent << ", segment " << j << " of " << c.n;
+      ASSERT_TRUE(result) << "exponent " << c.material.contact.power_law()->exponent << ", segment " << j << " of "
+                          << c.n;
     }
   ASSERT_GT(checked, 0);
 }
@@ -277,7 +278,7 @@ TEST(Derivation, Eq16_NormalisedCoefficientsSumToTheNormalisedPotential) {
   for_each_segment(0, [](const Case& c, int j) {
     const auto i = static_cast<std::size_t>(j - 1);
     const auto& [a, b, constant] = c.spline.normalised;
-    const Real power = Real(c.material.contact.exponent) + 1;
+    const Real power = Real(c.material.contact.power_law()->exponent) + 1;
     return balances({Real(a[i]), Real(b[i]), Real(constant[i])}, pow(Real(j), power) / power);
   });
 }

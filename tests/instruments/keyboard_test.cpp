@@ -57,8 +57,9 @@ TEST(Keyboard, PassesThroughThePublishedNotes) {
     EXPECT_TRUE(relatively_within(note.string.bending_stiffness_n_m2, published.bending_stiffness_n_m2, 1e-5));
     EXPECT_TRUE(relatively_within(note.strike_position_m, published.strike_position_m, 1e-5));
     EXPECT_TRUE(relatively_within(note.hammer_mass_kg * note.strings, published.hammer_mass_kg, 1e-5));
-    EXPECT_TRUE(relatively_within(note.felt.contact.stiffness * note.strings, published.felt.stiffness, 1e-5));
-    EXPECT_TRUE(within(note.felt.contact.exponent, published.felt.exponent, 1e-5));
+    EXPECT_TRUE(
+        relatively_within(note.felt.contact.power_law()->stiffness * note.strings, published.felt.stiffness, 1e-5));
+    EXPECT_TRUE(within(note.felt.contact.power_law()->exponent, published.felt.exponent, 1e-5));
     EXPECT_TRUE(relatively_within(note.string.tension_n, published_tensions[i], 0.04));
   }
 }
@@ -69,7 +70,7 @@ TEST(Keyboard, ChangesSteadily) {
   for (int key = 22; key <= 108; ++key) {
     const KeyboardNote below = note_of(keyboard, key - 1), note = note_of(keyboard, key);
     EXPECT_LT(note.string.length_m, below.string.length_m);
-    EXPECT_GT(note.felt.contact.exponent, below.felt.contact.exponent);
+    EXPECT_GT(note.felt.contact.power_law()->exponent, below.felt.contact.power_law()->exponent);
     EXPECT_LT(std::abs(std::log(note.string.tension_n / below.string.tension_n)), 0.05);
     EXPECT_GE(note.strings, below.strings);
   }
