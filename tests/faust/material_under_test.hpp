@@ -26,6 +26,7 @@ struct MaterialUnderTest {
   double max_compression_m;
   double segment_width_m;
   double energy_scale_j;
+  double loss_s_per_m;  ///< the material's own
   Programs<double> in_double;
   Programs<float> in_single;
   Programs<double> normalised;  ///< `normalised` passed as the material

@@ -33,6 +33,19 @@ TEST_P(StrikeTest, InDoubleAgreesWithTheTwinToTwelveDigits) {
   std::cout << "worst difference, relative to the peak: " << worst << '\n';
 }
 
+// The slider begins at the loss emitted for Faust; the twin takes the one emitted for C++.
+TEST_P(StrikeTest, HasTheMaterialsLossUnlessAnotherIsSet) {
+  const MaterialUnderTest& material = GetParam();
+  Strike strike{44100, 1.0, -2.3 / 44100, mass_for(material), 1, material.loss_s_per_m, 0, 0};
+  strike.samples = samples_of(material, strike);
+  const auto expected = run_twin(material.in_double.table, strike);
+  strike.loss_s_per_m = kMaterialsLoss;
+  const auto actual = run_faust(*material.in_double.mass_barrier(strike.sample_rate_hz), strike);
+  EXPECT_TRUE(sequences_within<double>(actual.displacement, expected.displacement, 1e-12));
+  EXPECT_TRUE(sequences_within<double>(actual.force, expected.force, 1e-12));
+  std::cout << "loss " << material.loss_s_per_m << " s/m\n";
+}
+
 TEST_P(StrikeTest, InSingleStaysWithinRoundingOfTheTwinInSingleAndInDouble) {
   const MaterialUnderTest& material = GetParam();
   Difference worst, worst_of_bound;
