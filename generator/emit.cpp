@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "generator/design.hpp"
 #include "generator/embedded.hpp"
 #include "generator/literal.hpp"
 #include "generator/template_text.hpp"
@@ -31,12 +32,6 @@ std::string percent(double value) {
 std::vector<double> column(const Spline& spline, double Segment<double>::*member) {
   std::vector<double> values;
   for (const auto& segment : spline.segments) values.push_back(segment.*member);
-  return values;
-}
-
-std::vector<double> counted(std::size_t n) {
-  std::vector<double> values(n);
-  for (std::size_t j = 0; j < n; ++j) values[j] = static_cast<double>(j);
   return values;
 }
 
@@ -68,10 +63,15 @@ std::string quality_lines(const Design& design) {
                     design.material.impact->mass_kg, design.material.impact->min_speed_m_per_s,
                     design.material.impact->max_speed_m_per_s, percent(q.impact->contact_duration),
                     percent(q.impact->max_compression));
+  if (const auto& compensation = design.material.compensation)
+    text += fmt::format(
+        "\n// Compensated for {} Hz, {} kg and {} m/N, and measured so: force and energy differ on purpose.",
+        compensation->sample_rate_hz, compensation->mass_kg, compensation->compliance_m_per_n);
   return text;
 }
 
-std::string quality_members(const Quality& q) {
+std::string quality_members(const Design& design) {
+  const Quality& q = design.quality;
   std::string text;
   const auto add = [&](std::string_view key, double value) {
     text += fmt::format("{}    \"{}\": {}", text.empty() ? "" : ",\n", key, literal(figure(value)));
@@ -82,7 +82,21 @@ std::string quality_members(const Quality& q) {
   add("rms_energy_error", q.energy.rms);
   if (q.impact) add("worst_contact_duration_error", q.impact->contact_duration);
   if (q.impact) add("worst_max_compression_error", q.impact->max_compression);
+  if (const auto& compensation = design.material.compensation)
+    text += fmt::format(",\n    \"simulated_at_hz\": {},\n    \"simulated_mass_kg\": {}",
+                        literal(compensation->sample_rate_hz), literal(compensation->mass_kg));
   return text;
+}
+
+// Uniform knots are in units of their width, others of the largest compression.
+std::string normalised_note(const Design& design, std::string_view margin) {
+  return design.material.spline.knots == Knots::uniform
+             ? fmt::format(". That of a power law depends on exponent and number of\n{}// segments only.", margin)
+             : ": free of units.";
+}
+
+std::string length_scale_name(const Design& design) {
+  return design.material.spline.knots == Knots::uniform ? "segment_width" : "length_scale";
 }
 
 // As it stands in the comment at the top of a source file.
@@ -107,16 +121,20 @@ TemplateValues common_values(const Design& design, std::string_view command) {
           {"TITLE", material.description.empty() ? material.name : material.description},
           {"LOSS", literal(material.loss_s_per_m)},
           {"MAX_COMPRESSION", literal(material.spline.max_compression_m)},
-          {"SEGMENT_WIDTH", literal(design.spline.segment_width_m)},
+          {"LENGTH_SCALE_NAME", length_scale_name(design)},
+          {"LENGTH_SCALE", literal(design.spline.length_scale_m)},
           {"ENERGY_SCALE", literal(design.spline.energy_scale_j)}};
 }
 
 TemplateValues source_values(const Design& design, std::string_view command) {
   TemplateValues values = common_values(design, command);
+  const bool uniform = design.material.spline.knots == Knots::uniform;
   values["SEGMENTS"] = fmt::format("{}", design.spline.segments.size());
+  values["KNOT_FAMILY"] = uniform ? "" : fmt::format("{} ", name_of(design.material.spline.knots));
+  values["SCALED_BY"] = uniform ? "y in segment widths" : "y in length scales";
   values["QUALITY"] = quality_lines(design);
   values["LAW"] = law_lines(design.material);
-  values["NORMALISED_KNOTS"] = literal_rows(counted(design.spline.segments.size()), 4);
+  values["NORMALISED_KNOTS"] = literal_rows(design.spline.normalised_knots, 4);
   return values;
 }
 
@@ -125,7 +143,8 @@ TemplateValues faust_values(const Design& design, std::string_view command) {
   add_arrays(values, design.spline, 2);
   for (const auto unused : {"REGULAR_A", "REGULAR_B", "REGULAR_C"}) values.erase(unused);
   values["LAW_CONSTANTS"] = law_constants(design.material, "stiffness = {};\nexponent = {};\n");
-  values["NORMALISED_LOSS"] = literal(design.material.loss_s_per_m * design.spline.segment_width_m);
+  values["NORMALISED_LOSS"] = literal(design.material.loss_s_per_m * design.spline.length_scale_m);
+  values["FREE_OF_FAUST"] = normalised_note(design, "");
   values["PROBES"] = fmt::format("{}", std::bit_width(design.spline.segments.size()));
   return values;
 }
@@ -136,14 +155,17 @@ TemplateValues cpp_values(const Design& design, std::string_view command) {
   values["LAW_CONSTANTS"] = law_constants(design.material,
                                           "  static constexpr double stiffness_n_per_m_alpha = {};\n"
                                           "  static constexpr double exponent = {};\n");
-  values["NORMALISED_LOSS"] = literal(design.material.loss_s_per_m * design.spline.segment_width_m);
+  values["NORMALISED_LOSS"] = literal(design.material.loss_s_per_m * design.spline.length_scale_m);
+  values["FREE_OF_CPP"] = normalised_note(design, "  ");
+  values["PER_LENGTH"] =
+      design.material.spline.knots == Knots::uniform ? "s per segment width" : "s per length scale";
   return values;
 }
 
 TemplateValues json_values(const Design& design, std::string_view command) {
   TemplateValues values = common_values(design, command);
   add_arrays(values, design.spline, 4);
-  values["QUALITY"] = quality_members(design.quality);
+  values["QUALITY"] = quality_members(design);
   values["LAW_MEMBERS"] =
       design.material.contact.power_law() == nullptr
           ? fmt::format("  \"law\": {},\n", nlohmann::json(law_text(design.material)).dump())
@@ -210,8 +232,8 @@ TemplateValues resonator_values(const Emitter& emitter, const std::vector<Resona
 }  // namespace
 
 Design design_contact(std::string_view material_text, std::string_view file, const ReadFile& read) {
-  const Material material = parse_material(material_text, file, read);
-  const Spline spline = uniform_spline(material, file);
+  Material material = parse_material(material_text, file, read);
+  const Spline spline = design_spline(material, file);
   return {material, spline, measure_quality(spline, material)};
 }
 

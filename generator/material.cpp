@@ -3,7 +3,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "generator/compensation.hpp"
 #include "generator/json_input.hpp"
+#include "generator/knots.hpp"
 #include "generator/potential_quad.hpp"
 
 namespace contactspline {
@@ -13,16 +19,16 @@ namespace {
 constexpr Range kMass{1e-9, 1e4};
 constexpr Range kSpeed{1e-6, 1e3};
 constexpr Range kCompression{1e-9, 1};
+constexpr Range kSampleRate{1e3, 1e8};
+constexpr Range kCompliance{1e-15, 1};
+constexpr Range kTolerance{1e-7, 0.5};
 constexpr int kMaxSegments = 65536;
 
 // Members of the emitted C++ struct, which must not be called like it.
-constexpr const char* kTaken[] = {"segments",          "stiffness_n_per_m_alpha",
-                                  "exponent",          "loss_s_per_m",
-                                  "max_compression_m", "segment_width_m",
-                                  "energy_scale_j",    "knots",
-                                  "energies",          "forces",
-                                  "half_curvatures",   "normalised",
-                                  "regular",           "loss"};
+constexpr const char* kTaken[] = {
+    "segments",        "stiffness_n_per_m_alpha", "exponent",       "loss_s_per_m", "max_compression_m",
+    "segment_width_m", "length_scale_m",          "energy_scale_j", "knots",        "energies",
+    "forces",          "half_curvatures",         "normalised",     "regular",      "loss"};
 
 Impact read_impact(const JsonObject& impact) {
   const Impact read{impact.number("mass_kg", kMass), impact.number("max_speed_m_per_s", kSpeed),
@@ -50,10 +56,80 @@ double read_max_compression(const JsonObject& spline, const Potential& contact, 
   return compression;
 }
 
+constexpr std::array kKnots = {Knots::uniform, Knots::graded, Knots::optimal};
+
+Knots read_knots(const JsonObject& spline) {
+  constexpr auto kAllowed = "uniform, graded, optimal";
+  const std::string name = spline.text("knots", kAllowed);
+  const auto found = std::ranges::find(kKnots, name, name_of);
+  if (found == kKnots.end()) spline.fail("spline.knots", fmt::format("'{}' is unknown", shown(name)), kAllowed);
+  return *found;
+}
+
+ErrorOf read_minimise(const JsonObject& spline, Knots knots) {
+  if (!spline.has("minimise")) return ErrorOf::contact_duration;
+  constexpr auto kAllowed = "contact_duration, force";
+  const std::string name = spline.text("minimise", kAllowed);
+  if (knots != Knots::optimal)
+    spline.fail("spline.minimise", fmt::format("says nothing to {} knots", name_of(knots)),
+                "with optimal knots only");
+  if (name != "contact_duration" && name != "force")
+    spline.fail("spline.minimise", fmt::format("'{}' is unknown", shown(name)), kAllowed);
+  return name == "force" ? ErrorOf::force : ErrorOf::contact_duration;
+}
+
+// What is asked for of a range of impacts cannot be met without one.
+void require_impact(const JsonObject& spline, const SplineDesign& design, const std::optional<Impact>& impact) {
+  if (design.knots != Knots::uniform && spline.has("max_compression_m"))
+    spline.fail("spline.max_compression_m", fmt::format("{} knots end where impact does", name_of(design.knots)),
+                "left out, or uniform knots");
+  if (impact) return;
+  if (design.knots != Knots::uniform)
+    spline.fail("spline.knots", fmt::format("'{}' needs the range of impacts", name_of(design.knots)),
+                "with an impact, or uniform");
+  if (design.tolerance > 0)
+    spline.fail("spline.tolerance", "needs the range of impacts", "with an impact, or segments in its place");
+}
+
 SplineDesign read_spline(const JsonObject& spline, const Potential& contact, const std::optional<Impact>& impact) {
-  const std::string knots = spline.text("knots", "uniform");
-  if (knots != "uniform") spline.fail("spline.knots", fmt::format("'{}' is unknown", shown(knots)), "uniform");
-  return {spline.integer("segments", 1, kMaxSegments), read_max_compression(spline, contact, impact)};
+  SplineDesign design{.segments = 0, .max_compression_m = 0, .knots = read_knots(spline)};
+  design.minimise = read_minimise(spline, design.knots);
+  const int most = design.knots == Knots::optimal ? kMostFittedSegments : kMaxSegments;
+  if (spline.has("tolerance")) {
+    if (spline.has("segments")) spline.fail("spline.tolerance", "stands beside segments", "one of the two");
+    design.tolerance = spline.number("tolerance", kTolerance);
+  } else {
+    design.segments = spline.integer("segments", 1, most);
+  }
+  require_impact(spline, design, impact);
+  design.max_compression_m = read_max_compression(spline, contact, impact);
+  return design;
+}
+
+void require_compensable(const JsonObject& material, const Material& of) {
+  if (of.spline.knots == Knots::uniform)
+    material.fail("compensation", "uniform knots are the paper's, without it", "with graded or optimal knots");
+  if (of.spline.minimise == ErrorOf::force)
+    material.fail("compensation", "is of the contact duration, not of the force", "with minimise contact_duration");
+  const double rate = of.compensation->sample_rate_hz, mass_kg = of.compensation->mass_kg;
+  constexpr double kMostSamples = 1e4;
+  const double slowest = of.impact->min_speed_m_per_s * std::sqrt(of.impact->mass_kg / mass_kg);
+  const double samples = of.contact.contact_duration(mass_kg, slowest) * rate;
+  const double least_rate = rate * largest_half_angle(of) / kMostHalfAngle;
+  if (least_rate > rate)
+    material.fail("compensation.sample_rate_hz",
+                  fmt::format("{} is too low for the fastest impact of {} kg", rate, mass_kg),
+                  fmt::format("at least {:.0f}", std::ceil(least_rate)));
+  if (!(samples <= kMostSamples))
+    material.fail("compensation.sample_rate_hz",
+                  fmt::format("{} makes the slowest impact of {} kg last {:.3g} samples, which needs none", rate,
+                              mass_kg, samples),
+                  fmt::format("a rate at which it lasts at most {:g}", kMostSamples));
+}
+
+Compensation read_compensation(const JsonObject& compensation) {
+  return {compensation.number("sample_rate_hz", kSampleRate), compensation.number("mass_kg", kMass),
+          compensation.has("compliance_m_per_n") ? compensation.number("compliance_m_per_n", kCompliance) : 0};
 }
 
 std::string term_text(const PowerTerm& term) {
@@ -97,16 +173,27 @@ std::string law_text(const Material& material) {
 
 Material parse_material(std::string_view text, std::string_view file, const ReadFile& read_file) {
   const auto json = parse_json(text, file, "material");
-  const JsonObject material(json, file, "material", {"name", "description", "contact", "impact", "spline"});
+  const JsonObject material(json, file, "material",
+                            {"name", "description", "contact", "impact", "spline", "compensation"});
   Contact contact = read_contact(material, file, read_file);
   Material read{read_name(material, kTaken), read_description(material), std::move(contact.potential), {}, {},
                 contact.loss_s_per_m,        std::move(contact.measured)};
   if (material.has("impact"))
     read.impact = read_impact(material.object("impact", {"mass_kg", "max_speed_m_per_s", "min_speed_m_per_s"}));
   read.spline =
-      read_spline(material.object("spline", {"knots", "segments", "max_compression_m"}), read.contact, read.impact);
+      read_spline(material.object("spline", {"knots", "segments", "max_compression_m", "minimise", "tolerance"}),
+                  read.contact, read.impact);
   require_measured(material, read);
+  if (material.has("compensation")) {
+    read.compensation =
+        read_compensation(material.object("compensation", {"sample_rate_hz", "mass_kg", "compliance_m_per_n"}));
+    require_compensable(material, read);
+  }
   return read;
+}
+
+std::string_view name_of(Knots knots) {
+  return knots == Knots::uniform ? "uniform" : knots == Knots::graded ? "graded" : "optimal";
 }
 
 }  // namespace contactspline

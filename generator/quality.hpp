@@ -15,7 +15,8 @@ struct CurveError {
   double rms;
 };
 
-/// Worst relative errors over the range of impact speed.
+/// Worst relative errors over the range of impact speed: of the spline's own motion, or where its material asks for
+/// compensation of the simulated one.
 struct ImpactError {
   double contact_duration;
   double max_compression;
@@ -37,8 +38,9 @@ struct SplineImpact {
 /// (> 0): sum over the segments of 2/w atan(w dy/(v0 + v1)), w^2 = 2 c/m, v the speeds at the ends.
 [[nodiscard]] SplineImpact impact_on_spline(const Spline& spline, double mass_kg, double speed_m_per_s);
 
-/// Measures a spline against its material: 64 points a segment for the curves; speeds in geometric
-/// progression, sixteen a segment and at least 512 while that stays cheap.
+/// Measures a spline against its material: 64 points a segment for the curves; speeds in geometric progression,
+/// sixteen a segment and at least 512 while that stays cheap, for uniform knots given by number; else 32 between any
+/// two speeds that turn at a knot.
 [[nodiscard]] Quality measure_quality(const Spline& spline, const Material& material);
 
 }  // namespace contactspline

@@ -6,6 +6,7 @@
 #include <Eigen/SparseCore>
 #include <boost/multiprecision/eigen.hpp>
 #include <cmath>
+#include <numeric>
 
 #include "generator/error.hpp"
 #include "generator/potential_quad.hpp"
@@ -77,6 +78,12 @@ Coefficients normalised_coefficients(const Reparametrised& bars) {
   return {rounded(bars.a), rounded(bars.b), rounded(bars.c)};
 }
 
+std::vector<double> counted(Eigen::Index n) {
+  std::vector<double> numbers(static_cast<std::size_t>(n));
+  std::iota(numbers.begin(), numbers.end(), 0.0);
+  return numbers;
+}
+
 // (8), with j counted from 0 to N - 1 here.
 Coefficients regular_coefficients(const Reparametrised& bars, Quad energy, Quad width) {
   const Eigen::Index n = bars.a.size();
@@ -134,8 +141,37 @@ Spline uniform_spline(const Material& material, std::string_view file) {
   const auto [energy, samples] = sample_potential(material.contact, width, material.spline.segments);
   const Reparametrised bars = solve_conditions(samples);
   require_convex(bars, material, file);
-  Spline spline{local_segments(bars, energy, width), width.convert_to<double>(), energy.convert_to<double>(),
-                regular_coefficients(bars, energy, width), normalised_coefficients(bars)};
+  Spline spline{local_segments(bars, energy, width),       width.convert_to<double>(),    energy.convert_to<double>(),
+                regular_coefficients(bars, energy, width), normalised_coefficients(bars), counted(bars.a.size())};
+  require_in_range(spline, file);
+  return spline;
+}
+
+Spline line_spline(const ForceLine& line, const Material& material, std::string_view file) {
+  const Quad length = material.spline.max_compression_m;
+  const PowerLaw* law = material.contact.power_law();
+  const Quad energy = law != nullptr ? Quad((Quad(law->exponent) + 1) * exact_energy(material.contact, length))
+                                     : Quad(length * material.contact.force(material.spline.max_compression_m));
+  Spline spline{{}, length.convert_to<double>(), energy.convert_to<double>(), {}, {}, {}};
+  const auto push = [](Coefficients& to, const Quad& a, const Quad& b, const Quad& c) {
+    to.a.push_back(a.convert_to<double>());
+    to.b.push_back(b.convert_to<double>());
+    to.c.push_back(c.convert_to<double>());
+  };
+  Quad stored = 0;
+  for (std::size_t j = 0; j < line.segments(); ++j) {
+    const Quad y = Quad(line.y[j]), f = Quad(line.f[j]);
+    const Quad width = Quad(line.y[j + 1]) - y, rise = Quad(line.f[j + 1]) - f;
+    const Quad a = rise / (2 * width);
+    push(spline.normalised, a, f, stored);
+    push(spline.regular, energy * a / (length * length), energy * (f - 2 * a * y) / length,
+         energy * ((a * y - f) * y + stored));
+    spline.normalised_knots.push_back(y.convert_to<double>());
+    spline.segments.push_back({Quad(length * y).convert_to<double>(), Quad(energy * stored).convert_to<double>(),
+                               Quad(energy / length * f).convert_to<double>(),
+                               Quad(energy / (length * length) * a).convert_to<double>()});
+    stored += (f + rise / 2) * width;
+  }
   require_in_range(spline, file);
   return spline;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "contactspline/contact.hpp"
+#include "generator/force_line.hpp"
 #include "generator/material.hpp"
 
 namespace contactspline {
@@ -15,13 +16,15 @@ struct Coefficients {
   std::vector<double> a, b, c;
 };
 
-/// C1 piecewise-quadratic, one-sided, convex approximation of a contact potential on uniform knots.
+/// C1 piecewise-quadratic, one-sided, convex approximation of a contact potential.
 struct Spline {
   std::vector<Segment<double>> segments;  ///< N local segments in SI units, each about its own left knot
-  double segment_width_m;                 ///< Delta_y
-  double energy_scale_j;                  ///< V(y) = energy_scale Vn(y / Delta_y); k Delta_y^(a + 1) for a power law
-  Coefficients regular;                   ///< (8): in powers of y itself, SI; cancels in single precision
-  Coefficients normalised;                ///< (5): a-bar, b-bar, c-bar over energy_scale; exponent and N only
+  double length_scale_m;                  ///< Delta_y of uniform knots, else the largest compression
+  double energy_scale_j;    ///< V(y) = energy_scale Vn(y / length_scale); of a power law and uniform knots: k
+                            ///< Delta_y^(a + 1)
+  Coefficients regular;     ///< (8): in powers of y itself, SI; cancels in single precision
+  Coefficients normalised;  ///< (5): a-bar, b-bar, c-bar over energy_scale, free of units
+  std::vector<double> normalised_knots;  ///< over length_scale
 };
 
 /// The spline of a material by the derivation: sampling (9), one-sidedness (10)(11), continuity (12)(13)(15),
@@ -29,6 +32,10 @@ struct Spline {
 /// rounded once, so the digits are the same on every machine. Throws BadInput, naming `file`, where it is not convex
 /// or leaves the range of double.
 [[nodiscard]] Spline uniform_spline(const Material& material, std::string_view file);
+
+/// The spline whose force runs through the points of `line`, which are parts of max_compression_m and of the force
+/// there. Computed in 113 bits and rounded once. Throws BadInput where it leaves the range of double.
+[[nodiscard]] Spline line_spline(const ForceLine& line, const Material& material, std::string_view file);
 
 /// Table for the contact step: "out of contact" followed by the segments.
 [[nodiscard]] std::vector<Segment<double>> segment_table(const Spline& spline);

@@ -2,14 +2,18 @@
 // contactspline inspect: a spline as a table and a picture.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "generator/cli/allowed.hpp"
 #include "generator/cli/commands.hpp"
 #include "generator/cli/material_argument.hpp"
 #include "generator/cli/output.hpp"
 #include "generator/cli/picture.hpp"
+#include "generator/design.hpp"
+#include "generator/error.hpp"
 
 namespace contactspline {
 namespace {
@@ -17,6 +21,7 @@ namespace {
 struct InspectOptions {
   std::string material;
   std::string svg;
+  bool compare = false;
 };
 
 std::string coefficient_table(const Spline& spline) {
@@ -44,10 +49,10 @@ std::string measurement_line(const Material& material) {
 }
 
 std::string heading(const Material& material) {
-  return fmt::format("{}{}{}\n{}, {} uniform segments over 0 to {:.6g} m\n{}{}\n", material.name,
+  return fmt::format("{}{}{}\n{}, {} {} segments over 0 to {:.6g} m\n{}{}\n", material.name,
                      material.description.empty() ? "" : ": ", material.description, law_text(material),
-                     material.spline.segments, material.spline.max_compression_m, loss_line(material),
-                     measurement_line(material));
+                     material.spline.segments, name_of(material.spline.knots), material.spline.max_compression_m,
+                     loss_line(material), measurement_line(material));
 }
 
 std::string quality_table(const Design& design) {
@@ -68,7 +73,59 @@ std::string quality_table(const Design& design) {
   return table;
 }
 
+// The same material with other knots, as many of them; without compensation, which uniform ones do not have.
+Design with_knots(Material material, Knots knots, double tolerance) {
+  SplineDesign& spline = material.spline;
+  spline.knots = knots;
+  spline.minimise = ErrorOf::contact_duration;
+  spline.tolerance = tolerance;
+  if (knots == Knots::optimal) spline.segments = std::min(spline.segments, kMostFittedSegments);
+  material.compensation.reset();
+  const Spline found = design_spline(material, material.name);
+  return {material, found, measure_quality(found, material)};
+}
+
+// Segments a family takes for a tolerance, or a dash where they would be too many.
+std::string segments_for(const Material& material, Knots knots, double tolerance) {
+  try {
+    return fmt::format("{}", with_knots(material, knots, tolerance).spline.segments.size());
+  } catch (const BadInput&) {
+    return "-";
+  }
+}
+
+void compare(const InspectOptions& options) {
+  Design design = design_argument(options.material);
+  Material& material = design.material;
+  if (!material.impact)
+    throw BadInput(
+        fmt::format("{}: impact: missing; allowed: an object, for --compare measures impacts", options.material));
+  material.spline.max_compression_m =
+      material.contact.max_compression(material.impact->mass_kg, material.impact->max_speed_m_per_s);
+  std::vector<Design> families;
+  std::string table = fmt::format(
+      "{}\nworst errors for {} kg at {} to {} m/s on a rigid barrier\n\n"
+      "{:<9} {:>8} {:>17} {:>17} {:>12} {:>18} {:>8}\n",
+      material.name, material.impact->mass_kg, material.impact->min_speed_m_per_s, material.impact->max_speed_m_per_s,
+      "knots", "segments", "contact duration", "max compression", "force", "segments for 1 %", "0.1 %");
+  for (const Knots knots : {Knots::uniform, Knots::graded, Knots::optimal}) {
+    const Design& family = families.emplace_back(with_knots(material, knots, 0));
+    const Quality& q = family.quality;
+    table +=
+        fmt::format("{:<9} {:>8} {:>15.4g} % {:>15.4g} % {:>10.4g} % {:>18} {:>8}\n", name_of(knots),
+                    family.spline.segments.size(), 100 * q.impact->contact_duration, 100 * q.impact->max_compression,
+                    100 * q.force.worst, segments_for(material, knots, 0.01), segments_for(material, knots, 0.001));
+  }
+  if (!options.svg.empty()) {
+    require_distinct({{options.svg}}, input_files(options.material, material));
+    write_files({{OutputFile{options.svg, picture_of(families)}}});
+    table += fmt::format("\npicture: {}\n", options.svg);
+  }
+  write_stdout(table);
+}
+
 void inspect(const InspectOptions& options) {
+  if (options.compare) return compare(options);
   const Design design = design_argument(options.material);
   if (!options.svg.empty()) {
     require_distinct({{options.svg}}, input_files(options.material, design.material));
@@ -87,7 +144,12 @@ void add_inspect(CLI::App& app) {
   command->add_option("--svg", options->svg, "also draw potential, force and their errors, and what was measured")
       ->check(file_name())
       ->type_name("FILE");
-  command->footer("Example:\n  contactspline inspect felt_c4 --svg felt_c4.svg");
+  command->add_flag("--compare", options->compare,
+                    "uniform, graded and optimal knots side by side, also in the picture");
+  command->footer(
+      "Examples:\n"
+      "  contactspline inspect felt_c4 --svg felt_c4.svg\n"
+      "  contactspline inspect felt_c4 --compare --svg families.svg");
   command->callback([options] { inspect(*options); });
 }
 

@@ -42,6 +42,8 @@ set linetype 4 lc rgb '#0072b2' pt 7 ps 0.35
 set linetype 5 lc rgb '#d55e00' pt 6 ps 0.5
 )";
 
+constexpr std::array kFamilyColours = {"#999999", "#d55e00", "#0072b2"};
+
 using File = std::unique_ptr<FILE, int (*)(FILE*)>;
 
 // Script in by a pipe, picture out by a descriptor: no name passes through a shell or through gnuplot's own quoting.
@@ -118,6 +120,30 @@ std::string measured_data(const Material& material) {
   std::string data = "$measured << EOD\n";
   for (const auto& [y, f] : material.measured->samples)
     if (y <= material.spline.max_compression_m) data += fmt::format("{:g} {:g}\n", 1e3 * y, f);
+  return data + "EOD\n";
+}
+
+// Errors in percent over speeds, and over compressions, of one design; below 1e-9 they are rounding and drawn there.
+std::string family_data(const Design& design, std::size_t number) {
+  constexpr int kSpeeds = 1500;
+  const auto& [material, spline, quality] = design;
+  const Impact& impact = *material.impact;
+  const auto table = segment_table(spline);
+  const double range = material.spline.max_compression_m, largest = material.contact.force(range);
+  const auto percent = [](double error) { return 100 * std::max(std::abs(error), 1e-11); };
+  std::string data = fmt::format("$family{} << EOD\n", number);
+  for (int i = 0; i <= kSpeeds; ++i) {
+    const double share = static_cast<double>(i) / kSpeeds;
+    const double speed =
+        impact.min_speed_m_per_s * std::pow(impact.max_speed_m_per_s / impact.min_speed_m_per_s, share);
+    const SplineImpact found = impact_on_spline(spline, impact.mass_kg, speed);
+    const double y = material.contact.max_compression(impact.mass_kg, speed);
+    data +=
+        fmt::format("{:g} {:g} {:g} {:g} {:g}\n", speed,
+                    percent(found.contact_duration_s / material.contact.contact_duration(impact.mass_kg, speed) - 1),
+                    percent(found.max_compression_m / y - 1), 1e3 * y,
+                    percent((force<double>(std::span(table), y) - material.contact.force(y)) / largest));
+  }
   return data + "EOD\n";
 }
 
@@ -228,6 +254,36 @@ set ylabel 'force error [% of largest]'
 plot $curve using 1:7 with lines lt 3, $knots using 1:5 with points lt 4
 unset multiplot)",
                   fmt::format("{}: {} segments", title, design.spline.segments.size()));
+}
+
+std::string picture_of(std::span<const Design> families) {
+  std::string script, duration, compression, force;
+  for (std::size_t i = 0; i < families.size(); ++i) {
+    const Design& family = families[i];
+    script += family_data(family, i);
+    const auto curve = [&](int x, int y) {
+      return fmt::format("{}$family{} using {}:{} with lines lw 1.6 lc rgb '{}' title '{}, {} segments'",
+                         i == 0 ? "plot " : ", ", i, x, y, kFamilyColours[i % kFamilyColours.size()],
+                         name_of(family.material.spline.knots), family.spline.segments.size());
+    };
+    duration += curve(1, 2);
+    compression += curve(1, 3);
+    force += curve(4, 5);
+  }
+  const Material& material = families.front().material;
+  return draw_svg(
+      script + heading(3, 1) + R"(
+set logscale xy
+set xrange [*:*] noextend
+set yrange [1e-6:*]
+set format y '%g'
+set key outside right top
+set xlabel 'impact speed [m/s]'
+set ylabel 'contact duration error [%]'
+)" + duration +
+          "\nset ylabel 'max compression error [%]'\n" + compression +
+          "\nset xlabel 'compression [mm]'\nset ylabel 'force error [% of largest]'\n" + force + "\nunset multiplot",
+      fmt::format("{}: families of knots", material.description.empty() ? material.name : material.description));
 }
 
 std::string picture_of(const MassBarrierMotion& motion, const std::string& title) {

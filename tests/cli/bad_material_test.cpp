@@ -108,7 +108,7 @@ std::vector<BadMaterial> missing_cases() {
            changed(R"(,
   "spline": { "knots": "uniform", "segments": 8, "max_compression_m": 1e-3 })",
                    ""),
-           "spline", "missing; allowed: knots, segments, max_compression_m"},
+           "spline", "missing; allowed: knots, segments, max_compression_m, minimise, tolerance"},
           {"stiffness_missing", changed(R"("stiffness_n_per_m_alpha": 4.5e9, )", ""),
            "contact.stiffness_n_per_m_alpha", "missing; allowed: a number from 0.001 to 1e+18"},
           {"exponent_missing", changed(R"(, "exponent": 2.5)", ""), "contact.exponent",
@@ -119,7 +119,8 @@ std::vector<BadMaterial> missing_cases() {
            "missing; allowed: a number from 1e-06 to 1000"},
           {"min_speed_missing", changed(R"(, "min_speed_m_per_s": 0.1)", ""), "impact.min_speed_m_per_s",
            "missing; allowed: a number from 1e-06 to 1000"},
-          {"knots_missing", changed(R"("knots": "uniform", )", ""), "spline.knots", "missing; allowed: uniform"},
+          {"knots_missing", changed(R"("knots": "uniform", )", ""), "spline.knots",
+           "missing; allowed: uniform, graded, optimal"},
           {"segments_missing", changed(R"("segments": 8, )", ""), "spline.segments",
            "missing; allowed: an integer from 1 to 65536"},
           {"max_compression_and_impact_missing", bare, "spline.max_compression_m",
@@ -128,7 +129,7 @@ std::vector<BadMaterial> missing_cases() {
 }
 
 std::vector<BadMaterial> key_cases() {
-  const std::string root = "name, description, contact, impact, spline";
+  const std::string root = "name, description, contact, impact, spline, compensation";
   return {
       {"unknown_at_root", changed(R"("name")", R"("colour": 1, "name")"), "colour", "unknown key; allowed: " + root},
       {"unknown_in_contact", changed(R"("exponent")", R"("loss": 1, "exponent")"), "contact.loss",
@@ -136,7 +137,7 @@ std::vector<BadMaterial> key_cases() {
       {"unknown_in_impact", changed(R"("mass_kg")", R"("mass_g": 1, "mass_kg")"), "impact.mass_g",
        "unknown key; allowed: mass_kg, max_speed_m_per_s, min_speed_m_per_s"},
       {"unknown_in_spline", changed(R"("knots")", R"("order": 2, "knots")"), "spline.order",
-       "unknown key; allowed: knots, segments, max_compression_m"},
+       "unknown key; allowed: knots, segments, max_compression_m, minimise, tolerance"},
       {"unknown_by_case", changed(R"("name")", R"("Name")"), "Name", "unknown key; allowed: " + root},
       {"unknown_and_empty", changed(R"("name")", R"("": 1, "name")"), "", "unknown key; allowed: " + root},
       {"unknown_with_line_ends", changed(R"("name")", R"("a\nb\u001b[31m": 1, "name")"), "a?b?[31m", "unknown key"},
@@ -161,6 +162,86 @@ std::vector<BadMaterial> key_cases() {
        "spline", "is not an object; allowed: knots"}};
 }
 
+// kGood with another spline, with its impact or without.
+std::string with_spline(const std::string& spline, bool impact = true) {
+  std::string text =
+      changed(R"({ "knots": "uniform", "segments": 8, "max_compression_m": 1e-3 })", "{ " + spline + " }");
+  if (impact) return text;
+  const std::string range =
+      R"(  "impact": { "mass_kg": 0.003, "max_speed_m_per_s": 6.0, "min_speed_m_per_s": 0.1 },)";
+  return text.erase(text.find(range), range.size());
+}
+
+std::vector<BadMaterial> design_cases() {
+  const std::string tolerance = "a number from 1e-07 to 0.5";
+  std::vector<BadMaterial> cases = {
+      {"graded_without_impact", with_spline(R"("knots": "graded", "segments": 8)", false), "spline.knots",
+       "'graded' needs the range of impacts; allowed: with an impact, or uniform"},
+      {"optimal_without_impact", with_spline(R"("knots": "optimal", "tolerance": 0.01)", false), "spline.knots",
+       "'optimal' needs the range of impacts; allowed: with an impact, or uniform"},
+      {"tolerance_without_impact",
+       with_spline(R"("knots": "uniform", "tolerance": 0.01, "max_compression_m": 1e-3)", false), "spline.tolerance",
+       "needs the range of impacts; allowed: with an impact, or segments in its place"},
+      {"graded_with_max_compression", with_spline(R"("knots": "graded", "segments": 8, "max_compression_m": 1e-3)"),
+       "spline.max_compression_m", "graded knots end where impact does; allowed: left out, or uniform knots"},
+      {"tolerance_and_segments", with_spline(R"("knots": "graded", "segments": 8, "tolerance": 0.01)"),
+       "spline.tolerance", "stands beside segments; allowed: one of the two"},
+      {"minimise_with_graded", with_spline(R"("knots": "graded", "segments": 8, "minimise": "force")"),
+       "spline.minimise", "says nothing to graded knots; allowed: with optimal knots only"},
+      {"minimise_is_unknown", with_spline(R"("knots": "optimal", "segments": 8, "minimise": "energy")"),
+       "spline.minimise", "'energy' is unknown; allowed: contact_duration, force"},
+      {"minimise_is_number", with_spline(R"("knots": "optimal", "segments": 8, "minimise": 1)"), "spline.minimise",
+       "is not a string; allowed: contact_duration, force"},
+      {"optimal_of_many", with_spline(R"("knots": "optimal", "segments": 129)"), "spline.segments",
+       "129 is out of range; allowed: an integer from 1 to 128"},
+      {"tolerance_not_kept", with_spline(R"("knots": "optimal", "tolerance": 1e-7)"), "spline.tolerance",
+       "1e-07 is not kept by 128 optimal segments; allowed: at least "},
+      {"tolerance_not_kept_by_uniform", with_spline(R"("knots": "uniform", "tolerance": 1e-7)"), "spline.tolerance",
+       "1e-07 is not kept by 1024 uniform segments; allowed: at least "},
+      {"tolerance_is_text", with_spline(R"("knots": "graded", "tolerance": "1 %")"), "spline.tolerance",
+       "is not a number; allowed: " + tolerance},
+      {"tolerance_is_twice", with_spline(R"("knots": "graded", "tolerance": 0.1, "tolerance": 0.2)"),
+       "spline.tolerance", "duplicate key; allowed: once"},
+      {"tolerance_overflows", with_spline(R"("knots": "graded", "tolerance": 1e999)"), "spline.tolerance",
+       "number overflow"}};
+  const auto compensated = [](const std::string& compensation,
+                              const std::string& knots = R"("graded", "segments": 8)") {
+    std::string text = with_spline(R"("knots": )" + knots);
+    return text.insert(text.rfind('}'), R"(, "compensation": )" + compensation);
+  };
+  const std::string good = R"({ "sample_rate_hz": 44100, "mass_kg": 0.003 })";
+  const std::vector<BadMaterial> compensations = {
+      {"compensation_is_number", compensated("1"), "compensation",
+       "is not an object; allowed: sample_rate_hz, mass_kg, compliance_m_per_n"},
+      {"compensation_unknown", compensated(R"({ "rate": 1 })"), "compensation.rate",
+       "unknown key; allowed: sample_rate_hz, mass_kg, compliance_m_per_n"},
+      {"compensation_without_rate", compensated(R"({ "mass_kg": 0.003 })"), "compensation.sample_rate_hz",
+       "missing; allowed: a number from 1000 to 100000000"},
+      {"compensation_without_mass", compensated(R"({ "sample_rate_hz": 44100 })"), "compensation.mass_kg",
+       "missing; allowed: a number from 1e-09 to 10000"},
+      {"compensation_of_low_rate", compensated(R"({ "sample_rate_hz": 999, "mass_kg": 0.003 })"),
+       "compensation.sample_rate_hz", "999 is out of range; allowed: a number from 1000 to 100000000"},
+      {"compensation_of_text_mass", compensated(R"({ "sample_rate_hz": 44100, "mass_kg": "3 g" })"),
+       "compensation.mass_kg", "is not a number; allowed: a number from 1e-09 to 10000"},
+      {"compensation_of_negative_compliance",
+       compensated(R"({ "sample_rate_hz": 44100, "mass_kg": 0.003, "compliance_m_per_n": -1e-6 })"),
+       "compensation.compliance_m_per_n", "is out of range; allowed: a number from 1e-15 to 1"},
+      {"compensation_of_uniform", compensated(good, R"("uniform", "segments": 8)"), "compensation",
+       "uniform knots are the paper's, without it; allowed: with graded or optimal knots"},
+      {"compensation_of_force", compensated(good, R"("optimal", "segments": 8, "minimise": "force")"), "compensation",
+       "is of the contact duration, not of the force; allowed: with minimise contact_duration"},
+      {"compensation_of_coarse_steps", compensated(R"({ "sample_rate_hz": 1000, "mass_kg": 0.003 })"),
+       "compensation.sample_rate_hz", "1000 is too low for the fastest impact of 0.003 kg; allowed: at least "},
+      {"compensation_of_fine_steps", compensated(R"({ "sample_rate_hz": 1e8, "mass_kg": 0.003 })"),
+       "compensation.sample_rate_hz", "100000000 makes the slowest impact of 0.003 kg last"}};
+  cases.insert(cases.end(), compensations.begin(), compensations.end());
+  for (const std::string value : {"0", "-0.1", "9e-8", "0.6"})
+    cases.push_back({"tolerance_is_out_of_range_" + std::to_string(cases.size()),
+                     with_spline(R"("knots": "graded", "tolerance": )" + value), "spline.tolerance",
+                     "is out of range; allowed: " + tolerance});
+  return cases;
+}
+
 std::vector<BadMaterial> text_cases() {
   const std::string name_rule = "is not a usable identifier; allowed: a-z, 0-9 and single _, a letter first";
   const std::string description_rule =
@@ -169,10 +250,11 @@ std::vector<BadMaterial> text_cases() {
       {"name_is_number", changed(R"("probe")", "1"), "name", "is not a string; allowed: a-z"},
       {"description_is_number", changed(R"("a probe")", "1"), "description", "is not a string; " + description_rule},
       {"description_is_long", changed("a probe", std::string(201, 'x')), "description", description_rule},
-      {"knots_is_number", changed(R"("uniform")", "1"), "spline.knots", "is not a string; allowed: uniform"},
+      {"knots_is_number", changed(R"("uniform")", "1"), "spline.knots",
+       "is not a string; allowed: uniform, graded, optimal"},
       {"knots_is_unknown", changed("uniform", "chebyshev"), "spline.knots",
-       "'chebyshev' is unknown; allowed: uniform"},
-      {"knots_is_upper_case", changed("uniform", "Uniform"), "spline.knots", "allowed: uniform"},
+       "'chebyshev' is unknown; allowed: uniform, graded, optimal"},
+      {"knots_is_upper_case", changed("uniform", "Uniform"), "spline.knots", "allowed: uniform, graded, optimal"},
       {"min_speed_is_above_max_speed", changed(R"("min_speed_m_per_s": 0.1)", R"("min_speed_m_per_s": 7)"),
        "impact.min_speed_m_per_s", "7 is above max_speed_m_per_s; allowed: at most 6"},
       {"exponent_is_not_convex", changed("2.5", "0.5"), "contact.exponent", "use an exponent >= 1"}};
@@ -215,7 +297,7 @@ std::vector<BadMaterial> text_cases() {
 std::vector<BadMaterial> syntax_cases() {
   const std::string good = kGood;
   const std::string allowed = "; allowed: a JSON object, comments included";
-  const std::string object = "is not an object; allowed: name, description, contact, impact, spline";
+  const std::string object = "is not an object; allowed: name, description, contact, impact, spline, compensation";
   std::string nested;
   for (int i = 0; i < 100'000; ++i) nested += R"({"a":)";
   return {
@@ -276,6 +358,8 @@ INSTANTIATE_TEST_SUITE_P(Number, BadMaterialFile, ::testing::ValuesIn(all_number
 INSTANTIATE_TEST_SUITE_P(Missing, BadMaterialFile, ::testing::ValuesIn(missing_cases()),
                          ::testing::PrintToStringParamName());
 INSTANTIATE_TEST_SUITE_P(Key, BadMaterialFile, ::testing::ValuesIn(key_cases()), ::testing::PrintToStringParamName());
+INSTANTIATE_TEST_SUITE_P(Design, BadMaterialFile, ::testing::ValuesIn(design_cases()),
+                         ::testing::PrintToStringParamName());
 INSTANTIATE_TEST_SUITE_P(Text, BadMaterialFile, ::testing::ValuesIn(text_cases()),
                          ::testing::PrintToStringParamName());
 INSTANTIATE_TEST_SUITE_P(Syntax, BadMaterialFile, ::testing::ValuesIn(syntax_cases()),
@@ -283,7 +367,7 @@ INSTANTIATE_TEST_SUITE_P(Syntax, BadMaterialFile, ::testing::ValuesIn(syntax_cas
 
 TEST(BadMaterialFile, IsRefusedByEveryCommand) {
   const Sandbox box;
-  write_file(box / "probe.json", changed("uniform", "graded"));
+  write_file(box / "probe.json", changed("uniform", "chebyshev"));
   const auto before = box.listing();
   for (const auto& arguments : std::vector<std::vector<std::string>>{
            {"generate", "felt_c4", "probe.json", "-o", "out"},
@@ -293,8 +377,8 @@ TEST(BadMaterialFile, IsRefusedByEveryCommand) {
            {"inspect", "probe.json", "--svg", "probe.svg"},
            {"impact", "felt_c4", "probe.json"},
            {"render", "mass-barrier", "--material", "probe.json", "-o", "probe.wav"}})
-    expect_refused(run({.arguments = arguments, .folder = box.path()}), "probe.json: spline.knots: 'graded'",
-                   "allowed: uniform");
+    expect_refused(run({.arguments = arguments, .folder = box.path()}), "probe.json: spline.knots: 'chebyshev'",
+                   "allowed: uniform, graded, optimal");
   EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
 }
 
@@ -374,7 +458,17 @@ std::vector<GoodMaterial> good_cases() {
       {"equal_speeds", changed("\"min_speed_m_per_s\": 0.1", "\"min_speed_m_per_s\": 6")},
       {"compression_from_impact", changed(", \"max_compression_m\": 1e-3", "")},
       {"exponent_1", changed("2.5", "1")},
-      {"one_segment", changed("\"segments\": 8", "\"segments\": 1")}};
+      {"one_segment", changed("\"segments\": 8", "\"segments\": 1")},
+      {"graded", with_spline(R"("knots": "graded", "segments": 8)")},
+      {"graded_of_one_speed",
+       [] {
+         std::string text = with_spline(R"("knots": "graded", "segments": 8)");
+         return text.replace(text.find(R"("min_speed_m_per_s": 0.1)"), 24, R"("min_speed_m_per_s": 6.0)");
+       }()},
+      {"optimal_of_128", with_spline(R"("knots": "optimal", "segments": 128)")},
+      {"optimal_in_force", with_spline(R"("knots": "optimal", "segments": 8, "minimise": "force")")},
+      {"graded_by_tolerance", with_spline(R"("knots": "graded", "tolerance": 0.5)")},
+      {"uniform_by_tolerance", with_spline(R"("knots": "uniform", "tolerance": 0.01, "max_compression_m": 1e-3)")}};
   const std::vector<std::pair<std::string, std::vector<std::string>>> ends = {
       {"\"stiffness_n_per_m_alpha\": 4.5e9", {"0.001", "1e18"}},
       {"\"exponent\": 2.5", {"10"}},

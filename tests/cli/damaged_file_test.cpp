@@ -4,6 +4,7 @@
 #include <string>
 
 #include "damage.hpp"
+#include "generator/design.hpp"
 #include "generator/emit.hpp"
 #include "generator/midi.hpp"
 #include "generator/play.hpp"
@@ -26,9 +27,9 @@ constexpr auto kShortCurve =
     "compression_mm,force_n\n0.1,1\n0.2,3\n0.4,8\n0.6,20\n0.8,40\n1.2,80\n1.4,140\n1.6,190\n";
 
 bool design_and_emit_material(const std::string& text, int round) {
-  const Material material = parse_material(text, "fuzz.json", [](const std::string&) { return kShortCurve; });
+  Material material = parse_material(text, "fuzz.json", [](const std::string&) { return kShortCurve; });
   if (material.spline.segments > kMostSegments) return false;
-  const Spline spline = uniform_spline(material, "fuzz.json");
+  const Spline spline = design_spline(material, "fuzz.json");
   expect_source(emit(emitter_of(round), {material, spline, measure_quality(spline, material)},
                      "contactspline generate fuzz.json"),
                 emitter_of(round), text);
@@ -38,7 +39,8 @@ bool design_and_emit_material(const std::string& text, int round) {
 TEST(DamagedMaterial, GivesOutputOrOneReadableLine) {
   damage_files(texts_of(embedded_texts(), ".json"), "fuzz.json",
                "\"name\" \"description\" \"contact\" \"impact\" \"spline\" \"knots\" \"segments\" \"exponent\" "
-               "\"max_compression_m\" \"max_compression_m\":1e-3, \"uniform\" \"loss_s_per_m\":0.1, \"hertz\" "
+               "\"max_compression_m\" \"max_compression_m\":1e-3, \"uniform\" \"graded\" \"optimal\" "
+               "\"loss_s_per_m\":0.1, \"hertz\" "
                "\"sum\" \"curve\" \"offset_m\":1e-4, \"sphere\" \"monotone\"",
                20'000, design_and_emit_material);
 }

@@ -63,7 +63,7 @@ TEST(Generate, PrintsTheKeysOfTheContractWithTheValuesOfTheLibrary) {
   EXPECT_EQ(json.at("regular"), (Json{{"a", spline.regular.a}, {"b", spline.regular.b}, {"c", spline.regular.c}}));
   EXPECT_EQ(json.at("normalised"),
             (Json{{"a", spline.normalised.a}, {"b", spline.normalised.b}, {"c", spline.normalised.c}}));
-  EXPECT_EQ(json.at("segment_width_m"), spline.segment_width_m);
+  EXPECT_EQ(json.at("segment_width_m"), spline.length_scale_m);
   EXPECT_EQ(json.at("knots_m").size(), 8u);
   EXPECT_EQ(json.at("quality").size(), 6u);
   for (const auto& [key, value] : json.at("quality").items()) EXPECT_TRUE(value.is_number_float()) << key;

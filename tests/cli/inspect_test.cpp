@@ -206,6 +206,55 @@ TEST(Inspect, OfASumNamesItsTerms) {
             std::string::npos);
 }
 
+// Each row is what generating that family gives.
+TEST(InspectFamilies, StandSideBySide) {
+  const Sandbox box;
+  write_file(box / "probe.json", material(16));
+  const auto lines = lines_of(printed(box, {"inspect", "probe.json", "--compare", "--svg", "families.svg"}));
+  ASSERT_EQ(lines.size(), 9u);
+  EXPECT_EQ(lines[0], "probe");
+  EXPECT_EQ(lines[8], "picture: families.svg");
+  std::size_t line = 4;
+  for (const std::string family : {"uniform", "graded", "optimal"}) {
+    std::string text = material(16);
+    text.replace(text.find("uniform"), 7, family);
+    write_file(box / "family.json", text);
+    const Json json = Json::parse(printed(box, {"generate", "family.json", "--emit", "json", "-o", "-"}));
+    std::istringstream row(lines[line++]);
+    std::string name, percent;
+    int segments = 0, for_one_percent = 0, for_tenth = 0;
+    double duration = NAN, compression = NAN, force = NAN;
+    row >> name >> segments >> duration >> percent >> compression >> percent >> force >> percent >> for_one_percent >>
+        for_tenth;
+    EXPECT_TRUE(row && name == family && segments == 16) << lines[line - 1];
+    const auto expect = [&](double shown, const char* key) {
+      EXPECT_TRUE(relatively_within(shown, 100 * json.at("quality").at(key).get<double>(), 2e-3)) << family << key;
+    };
+    expect(duration, "worst_contact_duration_error");
+    expect(compression, "worst_max_compression_error");
+    expect(force, "worst_force_error");
+    for (const auto& [tolerance, shown] : {std::pair{"0.01", for_one_percent}, std::pair{"0.001", for_tenth}}) {
+      std::string by_tolerance = text;
+      by_tolerance.replace(by_tolerance.find(R"("segments": 16)"), 14, std::string(R"("tolerance": )") + tolerance);
+      write_file(box / "family.json", by_tolerance);
+      const Json found = Json::parse(printed(box, {"generate", "family.json", "--emit", "json", "-o", "-"}));
+      EXPECT_EQ(static_cast<int>(found.at("knots_m").size()), shown) << family << " " << tolerance;
+    }
+  }
+  expect_drawn(box / "families.svg", 9);
+  EXPECT_NE(read_svg(box / "families.svg").text.find("optimal, 16 segments"), std::string::npos);
+}
+
+TEST(InspectFamilies, NeedARangeOfImpacts) {
+  const Sandbox box;
+  write_file(box / "bare.json", R"({"name": "bare", "contact": {"stiffness_n_per_m_alpha": 1e9, "exponent": 1.5},
+    "spline": {"knots": "uniform", "segments": 4, "max_compression_m": 1e-3}})");
+  const auto before = box.listing();
+  expect_refused(run({.arguments = {"inspect", "bare.json", "--compare", "--svg", "a.svg"}, .folder = box.path()}),
+                 "bare.json: impact: missing", "allowed: an object, for --compare measures impacts");
+  EXPECT_TRUE(box.listing() == before);
+}
+
 TEST(Materials, ListsEveryOneThatShips) {
   const Sandbox box;
   const auto lines = lines_of(printed(box, {"materials"}));

@@ -82,8 +82,9 @@ TEST_P(LiteralTest, TablesInSingleAreTheNearestFloats) {
 TEST_P(LiteralTest, ConstantsInDoubleKeepEveryBit) {
   const auto& material = GetParam();
   const auto folder = empty_folder("constants_" + material.name);
-  std::ofstream(folder / "constants.dsp") << "m = library(\"" << material.name << ".lib\");\n"
-                                          << "process = m.max_compression, m.segment_width, m.energy_scale;\n";
+  std::ofstream(folder / "constants.dsp")
+      << "m = library(\"" << material.name << ".lib\");\n"
+      << "process = m.max_compression, m." << material.length_scale_name << ", m.energy_scale;\n";
   const auto outcome = run_faust_compiler("-double", folder / "constants.dsp", folder / "constants.hpp");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
   const std::string source = read_file(folder / "constants.hpp");
@@ -93,7 +94,7 @@ TEST_P(LiteralTest, ConstantsInDoubleKeepEveryBit) {
     at += kOutput.size();
     constants.push_back(parse_list(source.substr(at, source.find(')', at) - at)).at(0));
   }
-  EXPECT_EQ(constants, (Table{material.max_compression_m, material.segment_width_m, material.energy_scale_j}));
+  EXPECT_EQ(constants, (Table{material.max_compression_m, material.length_scale_m, material.energy_scale_j}));
 }
 
 INSTANTIATE_TEST_SUITE_P(Materials, LiteralTest, ::testing::ValuesIn(materials_under_test()),

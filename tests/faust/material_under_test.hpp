@@ -24,7 +24,8 @@ struct Programs {
 struct MaterialUnderTest {
   std::string name;
   double max_compression_m;
-  double segment_width_m;
+  const char* length_scale_name;  ///< in Faust
+  double length_scale_m;          ///< of `normalised`
   double energy_scale_j;
   double loss_s_per_m;  ///< the material's own
   Programs<double> in_double;
@@ -46,6 +47,21 @@ inline std::ostream& operator<<(std::ostream& out, const MaterialUnderTest& mate
 
 /// By rising name; filled before main.
 [[nodiscard]] const std::vector<MaterialUnderTest>& materials_under_test();
+
+// Uniform knots are normalised by their width, others by the whole range.
+template <typename Emitted>
+concept HasUniformKnots = requires {
+  Emitted::segment_width_m;
+};
+template <typename Emitted>
+inline constexpr double length_scale_m = [] {
+  if constexpr (HasUniformKnots<Emitted>)
+    return Emitted::segment_width_m;
+  else
+    return Emitted::length_scale_m;
+}();
+template <typename Emitted>
+inline constexpr const char* length_scale_name = HasUniformKnots<Emitted> ? "segment_width" : "length_scale";
 
 /// Adds one; to be called from the initialiser of a namespace-scope constant.
 bool register_material(MaterialUnderTest material);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `normalised` as a material: lengths in segment widths w, energies in energy scales E, so V(y) = E Vn(y/w).
+// `normalised` as a material: lengths in length scales w, energies in energy scales E, so V(y) = E Vn(y/w).
 #include <gtest/gtest.h>
 
 #include <iostream>
@@ -14,7 +14,7 @@ constexpr int kRate = 96000;
 
 class NormalisedTest : public ::testing::TestWithParam<MaterialUnderTest> {
  protected:
-  [[nodiscard]] double width() const { return GetParam().segment_width_m; }
+  [[nodiscard]] double width() const { return GetParam().length_scale_m; }
   [[nodiscard]] double energy() const { return GetParam().energy_scale_j; }
 };
 

@@ -55,7 +55,7 @@ struct Accuracies {
       local.compare(spline.segments[j].force, exact.force[j]);
       local.compare(spline.segments[j].half_curvature, exact.half_curvature[j]);
     }
-    local.compare(spline.segment_width_m, exact.width);
+    local.compare(spline.length_scale_m, exact.width);
     local.compare(spline.energy_scale_j, exact.energy_scale);
     compare(regular, spline.regular, exact.regular);
     compare(normalised, spline.normalised, exact.normalised);
@@ -110,7 +110,7 @@ TEST(LongSpline, OfTenThousandSegmentsIsRoundedOnceToo) {
   accuracies.expect_rounded_once();
 }
 
-// Only exponent and N: stiffness and compression are in energy_scale_j and segment_width_m alone.
+// Only exponent and N: stiffness and compression are in energy_scale_j and length_scale_m alone.
 TEST(NormalisedCoefficients, DoNotDependOnStiffnessAndCompression) {
   const Spline soft = uniform_spline({"soft", "", {1e3, 2.5}, {}, {50, 1e-2}}, "soft.json");
   const Spline hard = uniform_spline({"hard", "", {7e11, 2.5}, {}, {50, 3e-6}}, "hard.json");

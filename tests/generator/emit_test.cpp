@@ -56,13 +56,24 @@ std::vector<EmbeddedText> shipped_materials() {
   return materials;
 }
 
-/// Forty designs, and every material that ships.
+/// One of the other knot families, which need impacts and end where they do.
+std::string fitted_material_text(std::mt19937_64& random, const char* knots) {
+  Json file = Json::parse(random_material_text(random, true));
+  file["spline"].erase("max_compression_m");
+  file["spline"]["knots"] = knots;
+  file["spline"]["segments"] = file["spline"]["segments"].get<int>() % 24 + 1;
+  return file.dump();
+}
+
+/// Forty uniform designs, ten of either other family, and every material that ships.
 const std::vector<Design>& designs() {
   static const std::vector<Design> all = [] {
     std::vector<Design> made;
     std::mt19937_64 random(7);
     for (int i = 0; i < 40; ++i)
       made.push_back(design_contact(random_material_text(random, i % 2 == 0), "random.json"));
+    for (const auto knots : {"graded", "optimal"})
+      for (int i = 0; i < 10; ++i) made.push_back(design_contact(fitted_material_text(random, knots), "random.json"));
     for (const auto& [name, content] : shipped_materials()) made.push_back(design_contact(content, name));
     return made;
   }();
@@ -108,10 +119,22 @@ std::string between(const std::string& text, const std::string& before, const st
   return text.substr(from, text.find(after, from) - from);
 }
 
-std::vector<double> counted(std::size_t n) {
-  std::vector<double> values;
-  for (std::size_t j = 0; j < n; ++j) values.push_back(static_cast<double>(j));
-  return values;
+/// What the unit of length of the normalised tables is called: uniform knots have their width, others the whole
+/// range.
+std::string length_scale(const Design& design) {
+  return design.material.spline.knots == Knots::uniform ? "segment_width" : "length_scale";
+}
+
+/// Normalised knots, from the others: uniform ones are numbers.
+::testing::AssertionResult are_normalised_knots(const std::vector<double>& read, const Design& design) {
+  if (read.size() != design.spline.segments.size()) return ::testing::AssertionFailure() << read.size() << " knots";
+  for (std::size_t j = 0; j < read.size(); ++j) {
+    const double knot = design.spline.segments[j].knot / design.spline.length_scale_m;
+    const bool uniform = design.material.spline.knots == Knots::uniform;
+    if (uniform ? read[j] != static_cast<double>(j) : !relatively_within(read[j], knot, 3 * 0x1p-53))
+      return ::testing::AssertionFailure() << "knot " << j << " is " << read[j];
+  }
+  return ::testing::AssertionSuccess();
 }
 
 TEST(Emitters, AreFaustCppAndJson) {
@@ -139,7 +162,7 @@ TEST(Json, HoldsTheBitsOfTheSpline) {
     EXPECT_TRUE(same_bits(array(read.at("normalised").at("a")), s.normalised.a));
     EXPECT_TRUE(same_bits(array(read.at("normalised").at("b")), s.normalised.b));
     EXPECT_TRUE(same_bits(array(read.at("normalised").at("c")), s.normalised.c));
-    EXPECT_TRUE(same_bits(read.at("segment_width_m").get<double>(), s.segment_width_m));
+    EXPECT_TRUE(same_bits(read.at(length_scale(design) + "_m").get<double>(), s.length_scale_m));
     EXPECT_TRUE(same_bits(read.at("energy_scale_j").get<double>(), s.energy_scale_j));
     if (const PowerLaw* law = design.material.contact.power_law()) {
       EXPECT_TRUE(same_bits(read.at("stiffness_n_per_m_alpha").get<double>(), law->stiffness));
@@ -207,7 +230,7 @@ TEST(Cpp, HoldsTheBitsOfTheSpline) {
     EXPECT_TRUE(same_bits(array(text, "forces"), column(s, &Segment<double>::force)));
     EXPECT_TRUE(same_bits(array(text, "half_curvatures"), column(s, &Segment<double>::half_curvature)));
     const std::string normalised = between(text, "struct normalised {", "\n  };");
-    EXPECT_TRUE(same_bits(array(normalised, "knots"), counted(s.segments.size())));
+    EXPECT_TRUE(are_normalised_knots(array(normalised, "knots"), design));
     EXPECT_TRUE(same_bits(array(normalised, "energies"), s.normalised.c));
     EXPECT_TRUE(same_bits(array(normalised, "forces"), s.normalised.b));
     EXPECT_TRUE(same_bits(array(normalised, "half_curvatures"), s.normalised.a));
@@ -221,9 +244,9 @@ TEST(Cpp, HoldsTheBitsOfTheSpline) {
     expect_law(design, scalar, "stiffness_n_per_m_alpha");
     EXPECT_TRUE(same_bits(scalar("loss_s_per_m"), {design.material.loss_s_per_m}));
     EXPECT_TRUE(same_bits(numbers(between(normalised, "static constexpr double loss = ", ";")),
-                          {design.material.loss_s_per_m * s.segment_width_m}));
+                          {design.material.loss_s_per_m * s.length_scale_m}));
     EXPECT_TRUE(same_bits(scalar("max_compression_m"), {design.material.spline.max_compression_m}));
-    EXPECT_TRUE(same_bits(scalar("segment_width_m"), {s.segment_width_m}));
+    EXPECT_TRUE(same_bits(scalar(length_scale(design) + "_m"), {s.length_scale_m}));
     EXPECT_TRUE(same_bits(scalar("energy_scale_j"), {s.energy_scale_j}));
     EXPECT_EQ(between(text, "std::size_t segments = ", ";"), std::to_string(s.segments.size()));
     EXPECT_EQ(between(normalised, "std::size_t segments = ", ";"), std::to_string(s.segments.size()));
@@ -246,7 +269,8 @@ TEST(Faust, HoldsTheBitsOfTheSpline) {
     expect_table(si, "\nforce", column(s, &Segment<double>::force));
     expect_table(si, "\nhalf_curvature", column(s, &Segment<double>::half_curvature));
     const std::string normalised = between(text, "normalised = environment {", "\n};");
-    expect_table(normalised, "\n  knot", counted(s.segments.size()));
+    expect_table(normalised, "\n  knot", s.normalised_knots);
+    EXPECT_TRUE(are_normalised_knots(s.normalised_knots, design));
     expect_table(normalised, "\n  energy", s.normalised.c);
     expect_table(normalised, "\n  force", s.normalised.b);
     expect_table(normalised, "\n  half_curvature", s.normalised.a);
@@ -254,9 +278,9 @@ TEST(Faust, HoldsTheBitsOfTheSpline) {
     expect_law(design, scalar, "stiffness");
     EXPECT_TRUE(same_bits(scalar("loss"), {design.material.loss_s_per_m}));
     EXPECT_TRUE(same_bits(numbers(between(normalised, "\n  loss = ", ";")),
-                          {design.material.loss_s_per_m * s.segment_width_m}));
+                          {design.material.loss_s_per_m * s.length_scale_m}));
     EXPECT_TRUE(same_bits(scalar("max_compression"), {design.material.spline.max_compression_m}));
-    EXPECT_TRUE(same_bits(scalar("segment_width"), {s.segment_width_m}));
+    EXPECT_TRUE(same_bits(scalar(length_scale(design)), {s.length_scale_m}));
     EXPECT_TRUE(same_bits(scalar("energy_scale"), {s.energy_scale_j}));
   }
 }

@@ -253,7 +253,7 @@ TEST(SplineImpact, LastsAsLongWhereItTurnsAtAKnot) {
 // upwards. With m v^2/2 = 3 the knot is passed at sqrt 2 (of sqrt 3): atan(1/sqrt 2) = asin(1/sqrt 3) in, then
 // v/(F/m) = sqrt 2.
 TEST(SplineImpact, TurnsInASegmentOfConstantForce) {
-  const Spline spline{{{0, 0, 0, 1}, {1, 1, 2, 0}}, 1, 1, {}, {}};
+  const Spline spline{{{0, 0, 0, 1}, {1, 1, 2, 0}}, 1, 1, {}, {}, {}};
   const SplineImpact found = impact_on_spline(spline, 2, std::sqrt(3.0));
   EXPECT_TRUE(relatively_within(found.max_compression_m, 2, 16 * kUnitRoundoff));
   const double half = std::asin(1 / std::sqrt(3.0)) + std::sqrt(2.0);

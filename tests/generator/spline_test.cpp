@@ -150,7 +150,7 @@ TEST(Derivation, Eq02_SlopeInPowersOfYIsTheForceOfTheLocalSegment) {
 TEST(Derivation, Eq03_CompressionInASegmentRunsFromZeroToOne) {
   for_each_segment(0, [](const Case& c, int j) {
     return all_of(
-        {balances({Real(c.segment(j).knot)}, c.y(j - 1)), balances({Real(c.spline.segment_width_m)}, c.width)});
+        {balances({Real(c.segment(j).knot)}, c.y(j - 1)), balances({Real(c.spline.length_scale_m)}, c.width)});
   });
 }
 
