@@ -13,6 +13,7 @@
 #include "generator/design.hpp"
 #include "generator/embedded.hpp"
 #include "generator/literal.hpp"
+#include "generator/live_exponent.hpp"
 #include "generator/template_text.hpp"
 
 namespace contactspline {
@@ -111,6 +112,38 @@ std::string law_lines(const Material& material) {
 std::string law_constants(const Material& material, std::string_view format) {
   const PowerLaw* law = material.contact.power_law();
   return law == nullptr ? "" : fmt::format(fmt::runtime(format), literal(law->stiffness), literal(law->exponent));
+}
+
+// The members' numbers one after the other, each row beginning with `before`.
+std::string member_rows(const ExponentFamily& family, double Segment<double>::*number, std::vector<double> before) {
+  std::vector<double> values;
+  for (const auto& member : family.members) {
+    values.insert(values.end(), before.begin(), before.end());
+    for (const Segment<double>& segment : member) values.push_back(segment.*number);
+  }
+  return literal_rows(values, 6);
+}
+
+// The part of a material's text that holds its family of exponents; nothing where it has none.
+std::string live_text(const Emitter& emitter, const Design& design) {
+  if (!design.material.live_exponent) return {};
+  const auto [least, most, members] = *design.material.live_exponent;
+  const auto segments = design.spline.segments.size();
+  const ExponentFamily family = exponent_family(design.material, static_cast<int>(segments));
+  const bool faust = emitter.name == "faust";
+  const std::vector<double> apart = faust ? std::vector{0.0} : std::vector<double>{};  // "out of contact"
+  TemplateValues values{{"LEAST", literal(least)},
+                        {"MOST", literal(most)},
+                        {"MEMBERS", fmt::format("{}", members)},
+                        {"KNOTS", literal_rows(family.knots_m, 6)},
+                        {"ENERGIES", member_rows(family, &Segment<double>::energy, apart)},
+                        {"FORCES", member_rows(family, &Segment<double>::force, apart)},
+                        {"HALF_CURVATURES", member_rows(family, &Segment<double>::half_curvature, apart)}};
+  if (emitter.name != "json") values["SEGMENTS"] = fmt::format("{}", segments);
+  if (faust) values["PROBES"] = fmt::format("{}", std::bit_width(segments));
+  std::string text = fill_template(emitted_template("live", emitter.extension), values);
+  text.pop_back();  // the last line's end is the material's own
+  return text;
 }
 
 TemplateValues common_values(const Design& design, std::string_view command) {
@@ -242,8 +275,10 @@ std::span<const Emitter> emitters() {
 }
 
 std::string emit(const Emitter& emitter, const Design& design, std::string_view command) {
-  const auto values = emitter.name == "faust" ? faust_values : emitter.name == "cpp" ? cpp_values : json_values;
-  return fill_template(emitted_template("material", emitter.extension), values(design, command));
+  const auto values_of = emitter.name == "faust" ? faust_values : emitter.name == "cpp" ? cpp_values : json_values;
+  TemplateValues values = values_of(design, command);
+  values["LIVE"] = live_text(emitter, design);
+  return fill_template(emitted_template("material", emitter.extension), values);
 }
 
 std::string emit(const Emitter& emitter, const Resonator& resonator, double max_frequency_hz,

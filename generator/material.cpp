@@ -23,12 +23,27 @@ constexpr Range kSampleRate{1e3, 1e8};
 constexpr Range kCompliance{1e-15, 1};
 constexpr Range kTolerance{1e-7, 0.5};
 constexpr int kMaxSegments = 65536;
+constexpr Range kLiveExponent{1, 10};  // convex
+constexpr int kMaxMembers = 64;
+constexpr int kMaxLiveSegments = 256;
 
 // Members of the emitted C++ struct, which must not be called like it.
-constexpr const char* kTaken[] = {
-    "segments",        "stiffness_n_per_m_alpha", "exponent",       "loss_s_per_m", "max_compression_m",
-    "segment_width_m", "length_scale_m",          "energy_scale_j", "knots",        "energies",
-    "forces",          "half_curvatures",         "normalised",     "regular",      "loss"};
+constexpr const char* kTaken[] = {"segments",
+                                  "stiffness_n_per_m_alpha",
+                                  "exponent",
+                                  "loss_s_per_m",
+                                  "max_compression_m",
+                                  "segment_width_m",
+                                  "length_scale_m",
+                                  "energy_scale_j",
+                                  "knots",
+                                  "energies",
+                                  "forces",
+                                  "half_curvatures",
+                                  "normalised",
+                                  "regular",
+                                  "loss",
+                                  "live"};
 
 Impact read_impact(const JsonObject& impact) {
   const Impact read{impact.number("mass_kg", kMass), impact.number("max_speed_m_per_s", kSpeed),
@@ -159,6 +174,18 @@ void require_measured(const JsonObject& material, const Material& read) {
                   "a force before the largest compression");
 }
 
+LiveExponents read_live_exponent(const JsonObject& live, const Material& of) {
+  const double least = live.number("least", kLiveExponent);
+  const LiveExponents read{least, live.number("most", kLiveExponent), live.integer("members", 2, kMaxMembers)};
+  if (!(read.most > least))
+    live.fail(live.key("most"), fmt::format("{} is not above least", read.most), fmt::format("more than {}", least));
+  if (of.contact.power_law() == nullptr) live.fail("live_exponent", "is for power laws", "a power law");
+  if (of.spline.segments > kMaxLiveSegments)
+    live.fail("live_exponent", fmt::format("with {} segments", of.spline.segments),
+              fmt::format("at most {} segments", kMaxLiveSegments));
+  return read;
+}
+
 }  // namespace
 
 std::string law_text(const Material& material) {
@@ -174,7 +201,7 @@ std::string law_text(const Material& material) {
 Material parse_material(std::string_view text, std::string_view file, const ReadFile& read_file) {
   const auto json = parse_json(text, file, "material");
   const JsonObject material(json, file, "material",
-                            {"name", "description", "contact", "impact", "spline", "compensation"});
+                            {"name", "description", "contact", "impact", "spline", "compensation", "live_exponent"});
   Contact contact = read_contact(material, file, read_file);
   Material read{read_name(material, kTaken), read_description(material), std::move(contact.potential), {}, {},
                 contact.loss_s_per_m,        std::move(contact.measured)};
@@ -189,6 +216,8 @@ Material parse_material(std::string_view text, std::string_view file, const Read
         read_compensation(material.object("compensation", {"sample_rate_hz", "mass_kg", "compliance_m_per_n"}));
     require_compensable(material, read);
   }
+  if (material.has("live_exponent"))
+    read.live_exponent = read_live_exponent(material.object("live_exponent", {"least", "most", "members"}), read);
   return read;
 }
 

@@ -41,6 +41,12 @@ struct Compensation {
   double compliance_m_per_n = 0;  ///< that the simulated bodies lack (missing_compliance)
 };
 
+/// Exponents over which a material is also emitted as a family (live_exponent.hpp).
+struct LiveExponents {
+  double least, most;
+  int members;  ///< in equal steps
+};
+
 struct Material {
   std::string name;         ///< lower-case identifier; names files and code
   std::string description;  ///< one line, may be empty
@@ -50,6 +56,7 @@ struct Material {
   double loss_s_per_m = 0;                   ///< Hunt-Crossley loss: force F(y) (1 + loss dy/dt)
   std::optional<Measurement> measured = {};  ///< what `contact` was smoothed from
   std::optional<Compensation> compensation = {};
+  std::optional<LiveExponents> live_exponent = {};
 };
 
 /// The contact law in words, without a line end: a formula, or what was measured.

@@ -129,7 +129,7 @@ std::vector<BadMaterial> missing_cases() {
 }
 
 std::vector<BadMaterial> key_cases() {
-  const std::string root = "name, description, contact, impact, spline, compensation";
+  const std::string root = "name, description, contact, impact, spline, compensation, live_exponent";
   return {
       {"unknown_at_root", changed(R"("name")", R"("colour": 1, "name")"), "colour", "unknown key; allowed: " + root},
       {"unknown_in_contact", changed(R"("exponent")", R"("loss": 1, "exponent")"), "contact.loss",
@@ -240,6 +240,31 @@ std::vector<BadMaterial> design_cases() {
                      with_spline(R"("knots": "graded", "tolerance": )" + value), "spline.tolerance",
                      "is out of range; allowed: " + tolerance});
   return cases;
+}
+
+std::vector<BadMaterial> live_cases() {
+  const auto live = [](const std::string& object, const std::string& segments = "8") {
+    std::string text = changed("\"segments\": 8", "\"segments\": " + segments);
+    return text.insert(text.rfind('}'), R"(, "live_exponent": )" + object);
+  };
+  const std::string number = "is not a number; allowed: a number from 1 to 10";
+  const std::string good = R"({ "least": 1.2, "most": 3.2, "members": 21 })";
+  return {{"live_is_number", live("2"), "live_exponent", "is not an object; allowed: least, most, members"},
+          {"live_unknown", live(R"({ "steps": 3 })"), "live_exponent.steps",
+           "unknown key; allowed: least, most, members"},
+          {"live_without_least", live(R"({ "most": 3, "members": 3 })"), "live_exponent.least",
+           "missing; allowed: a number from 1 to 10"},
+          {"live_least_is_text", live(R"({ "least": "1", "most": 3, "members": 3 })"), "live_exponent.least", number},
+          {"live_least_is_low", live(R"({ "least": 0.9, "most": 3, "members": 3 })"), "live_exponent.least",
+           "is out of range; allowed: a number from 1 to 10"},
+          {"live_most_is_high", live(R"({ "least": 1, "most": 11, "members": 3 })"), "live_exponent.most",
+           "is out of range; allowed: a number from 1 to 10"},
+          {"live_falls", live(R"({ "least": 2, "most": 2, "members": 3 })"), "live_exponent.most",
+           "2 is not above least; allowed: more than 2"},
+          {"live_members_alone", live(R"({ "least": 1, "most": 3, "members": 1 })"), "live_exponent.members",
+           "1 is out of range; allowed: an integer from 2 to 64"},
+          {"live_of_many_segments", live(good, "257"), "live_exponent",
+           "with 257 segments; allowed: at most 256 segments"}};
 }
 
 std::vector<BadMaterial> text_cases() {
@@ -361,6 +386,8 @@ INSTANTIATE_TEST_SUITE_P(Key, BadMaterialFile, ::testing::ValuesIn(key_cases()),
 INSTANTIATE_TEST_SUITE_P(Design, BadMaterialFile, ::testing::ValuesIn(design_cases()),
                          ::testing::PrintToStringParamName());
 INSTANTIATE_TEST_SUITE_P(Text, BadMaterialFile, ::testing::ValuesIn(text_cases()),
+                         ::testing::PrintToStringParamName());
+INSTANTIATE_TEST_SUITE_P(Live, BadMaterialFile, ::testing::ValuesIn(live_cases()),
                          ::testing::PrintToStringParamName());
 INSTANTIATE_TEST_SUITE_P(Syntax, BadMaterialFile, ::testing::ValuesIn(syntax_cases()),
                          ::testing::PrintToStringParamName());

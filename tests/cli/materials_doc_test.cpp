@@ -33,7 +33,7 @@ TEST(MaterialsDocument, HasExamplesThatWork) {
   const Sandbox box;
   const auto curves = blocks("csv"), materials = blocks("json");
   ASSERT_EQ(curves.size(), 1u);
-  ASSERT_EQ(materials.size(), 5u);  // power law, hertz, sum, curve, restitution
+  ASSERT_EQ(materials.size(), 6u);  // power law, hertz, sum, curve, restitution, live exponent
   write_file(box / "my_felt.csv", curves.front());
   for (const std::string& material : materials) {
     const std::string file = name_in(material) + ".json";
@@ -44,7 +44,7 @@ TEST(MaterialsDocument, HasExamplesThatWork) {
     succeed({.arguments = {"render", "mass-barrier", "--material", file, "--duration", "0.05", "-o", "a.wav"},
              .folder = box.path()});
   }
-  EXPECT_EQ(std::distance(fs::directory_iterator(box / "out"), {}), 15);
+  EXPECT_EQ(std::distance(fs::directory_iterator(box / "out"), {}), 18);
 }
 
 TEST(MaterialsDocument, StatesTheContactTimeOfItsBall) {
