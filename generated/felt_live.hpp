@@ -1,7 +1,7 @@
 // Material piano hammer felt, note C4, exponent live from 1.2 to 3.2: contact potential V(y) = k/(a+1) y^(a+1) with k = 4500000000.0 N/m^a,
 // a = 2.5, as a quadratic spline of 16 optimal segments over 0 to 0.0010813517706536315 m.
 // Worst force error 0.759 % of the largest force (rms 0.142 %), energy error 0.0572 % (rms 0.0154 %).
-// Impacts of 0.00297 kg at 0.12 to 6 m/s: contact duration within 0.0512 %, max compression within 0.61 %.
+// Impacts of 0.00297 kg at 0.12 to 6 m/s: contact duration within 0.0513 %, max compression within 0.61 %.
 // Written by contactspline 0.1.0: contactspline generate felt_live.json --emit cpp
 #pragma once
 

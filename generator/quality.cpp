@@ -60,17 +60,17 @@ std::vector<double> even_speeds(const Spline& spline, const Impact& impact) {
   return speeds;
 }
 
-// Between any two neighbouring speeds that turn at a knot the error is smooth, with a peak or two: 32 speeds there
-// miss less than a thousandth of the worst.
+// Between any two neighbouring speeds that turn at a knot the error is smooth, with a peak or two, the sharper the
+// wider the segment: a few thousand speeds in all, 32 there at least, miss less than three thousandths of the worst.
 std::vector<double> speeds_by_segment(const Spline& spline, const Impact& impact) {
-  constexpr int kSteps = 32;
+  const int steps = std::max(32, 2048 / static_cast<int>(spline.segments.size()));
   std::vector<double> speeds{impact.min_speed_m_per_s};
   for (const auto& segment : spline.segments) {
     const double turning = std::sqrt(2 * segment.energy / impact.mass_kg);
     if (turning > speeds.back() && turning < impact.max_speed_m_per_s)
-      append_speeds(speeds, speeds.back(), turning, kSteps);
+      append_speeds(speeds, speeds.back(), turning, steps);
   }
-  append_speeds(speeds, speeds.back(), impact.max_speed_m_per_s, kSteps);
+  append_speeds(speeds, speeds.back(), impact.max_speed_m_per_s, steps);
   return speeds;
 }
 

@@ -39,8 +39,8 @@ struct SplineImpact {
 [[nodiscard]] SplineImpact impact_on_spline(const Spline& spline, double mass_kg, double speed_m_per_s);
 
 /// Measures a spline against its material: 64 points a segment for the curves; speeds in geometric progression,
-/// sixteen a segment and at least 512 while that stays cheap, for uniform knots given by number; else 32 between any
-/// two speeds that turn at a knot.
+/// sixteen a segment and at least 512 while that stays cheap, for uniform knots given by number; else 32 or more
+/// between any two speeds that turn at a knot.
 [[nodiscard]] Quality measure_quality(const Spline& spline, const Material& material);
 
 }  // namespace contactspline

@@ -285,7 +285,8 @@ int tolerance_designs() {
   return std::getenv("CONTACTSPLINE_FULL_TESTS") != nullptr ? 1000 : 60;
 }
 
-// A sweep of 20,000 speeds may find peaks a thousandth higher than the 32 between any two knots that the design saw.
+// In a sweep of 20,000 speeds, which are not those of the design. Fewer do not do in 95 % at least: a design keeps
+// 0.3 % of room for peaks it did not see, and errors need not fall with each segment.
 TEST(Tolerance, IsKeptWithTheFewestSegments) {
   std::mt19937_64 random(10);
   int minimal = 0, kept = 0;
@@ -300,7 +301,10 @@ TEST(Tolerance, IsKeptWithTheFewestSegments) {
     of.spline.tolerance = log_uniform(random, knots == Knots::uniform ? 2e-3 : 3e-5, 0.1);
     const Spline spline = designed(of);
     const int found = static_cast<int>(spline.segments.size());
-    kept += swept(spline, of, 20000).contact_duration <= of.spline.tolerance * 1.001;
+    const double error = swept(spline, of, 20000).contact_duration;
+    kept += error <= of.spline.tolerance;
+    EXPECT_LE(error, of.spline.tolerance)
+        << name_of(knots) << ", exponent " << of.contact.power_law()->exponent << ", " << found << " segments";
     Material fewer = of;
     fewer.spline.tolerance = 0;
     fewer.spline.segments = found - 1;
