@@ -9,21 +9,23 @@
 namespace contactspline {
 namespace {
 
-constexpr int kDigits = 13;                // of pow()
-constexpr double kSpeedRatioElse = 50;     // of a material without an impact
+constexpr int kDigits = 13;               // of pow()
+constexpr double kSpeedRatioElse = 50;    // of a material without an impact
 constexpr double kBelowTheSlowest = 0.5;  // first knot, in compressions of the slowest impact
 
 // Knots from 0 to the largest compression, 1: `segments` + 1 of them. Of power laws with one force at 1, that of the
 // least exponent is compressed least by the slowest impact: by (v_min/v_max)^(2/(a + 1)).
 std::vector<double> knots_of(const Material& material, int segments) {
-  const double ratio = material.impact ? material.impact->max_speed_m_per_s / material.impact->min_speed_m_per_s
-                                       : kSpeedRatioElse;
-  const double first = segments == 1 ? 1
-                                     : std::min(kBelowTheSlowest, kBelowTheSlowest *
-                                           std::pow(ratio, -2 / (material.live_exponent->least + 1)));
+  const double ratio =
+      material.impact ? material.impact->max_speed_m_per_s / material.impact->min_speed_m_per_s : kSpeedRatioElse;
+  const double first =
+      segments == 1
+          ? 1
+          : std::min(kBelowTheSlowest, kBelowTheSlowest * std::pow(ratio, -2 / (material.live_exponent->least + 1)));
   std::vector<double> knots = {0};
   for (int j = 1; j <= segments; ++j)
-    knots.push_back(j == segments ? 1 : rounded_to(std::pow(first, static_cast<double>(segments - j) / (segments - 1)), kDigits));
+    knots.push_back(
+        j == segments ? 1 : rounded_to(std::pow(first, static_cast<double>(segments - j) / (segments - 1)), kDigits));
   return knots;
 }
 

@@ -9,11 +9,11 @@
 
 namespace contactspline {
 
-/// Splines of the power laws F = F_max (y/y_max)^a for exponents a from `least` to `most` in equal steps: all have the
-/// material's force at its max_compression_m. A blend of two neighbours, (1 - t) of the one and t of the other, is
-/// C1 and convex again.
+/// Splines of the power laws F = F_max (y/y_max)^a for exponents a from `least` to `most` in equal steps: all have
+/// the material's force at its max_compression_m. A blend of two neighbours, (1 - t) of the one and t of the other,
+/// is C1 and convex again.
 struct ExponentFamily {
-  std::vector<double> knots_m;                         ///< left ends of the segments, common to all members
+  std::vector<double> knots_m;                        ///< left ends of the segments, common to all members
   std::vector<std::vector<Segment<double>>> members;  ///< one for each exponent, one entry per segment
 };
 

@@ -51,8 +51,8 @@ TEST(LiveExponent, BlendsAreConvexAndContinuous) {
   }
 }
 
-// Contact duration over 50:1 in speed against the closed form of the power law with the material's force at its largest
-// compression, at the family's exponents and between them.
+// Contact duration over 50:1 in speed against the closed form of the power law with the material's force at its
+// largest compression, at the family's exponents and between them.
 TEST(LiveExponent, ContactsLastAsThePowerLawsDo) {
   const double range = Felt::max_compression_m;
   const double largest = PowerLaw{Felt::stiffness_n_per_m_alpha, Felt::exponent}.force(range);
