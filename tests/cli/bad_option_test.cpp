@@ -44,7 +44,7 @@ void PrintTo(const BadLine& bad, std::ostream* stream) {
 }
 
 const std::string kShipped =
-    "allowed: a .json file, felt_c2, felt_c4, felt_c7, felt_over_wood, felt_synthetic, mb1, "
+    "allowed: a .json file, felt_c2, felt_c4, felt_c7, felt_live, felt_over_wood, felt_synthetic, mb1, "
     "rubber_on_wood, steel_ball_on_plate, steel_on_steel";
 
 std::vector<BadLine> command_cases() {
@@ -58,7 +58,10 @@ std::vector<BadLine> command_cases() {
       {"upper_case", {"Generate", "probe.json"}, "Generate: unknown", "allowed: " + commands},
       {"materials_with_word", {"materials", "felt_c4"}, "felt_c4: unknown", "allowed: --help, --version"},
       {"materials_with_option", {"materials", "--json"}, "--json: unknown", "allowed: --help, --version"},
-      {"inspect_two", {"inspect", "felt_c4", "mb1"}, "mb1: unknown", "allowed: --help, MATERIAL, --svg, --version"},
+      {"inspect_two",
+       {"inspect", "felt_c4", "mb1"},
+       "mb1: unknown",
+       "allowed: --help, MATERIAL, --svg, --compare, --version"},
       {"render_nothing", {"render"}, "SUBCOMMAND: missing", "allowed: mass-barrier"},
       {"render_without_score", {"render", "slide-string", "-o", "a.wav"}, "--score: missing", "allowed: score file"},
       {"render_unknown_signal",
