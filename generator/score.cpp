@@ -210,7 +210,8 @@ std::vector<Voice> read_voices(const JsonObject& score, Instrument instrument, c
 // A key of a keyboard as a voice, panned as the player hears it.
 Voice voice_of(const Keyboard& keyboard, int key) {
   const KeyboardNote note = note_of(keyboard, key);
-  const double from_middle = 2.0 * (key - keyboard.first_key) / (keyboard.last_key - keyboard.first_key) - 1;
+  const int span = keyboard.last_key - keyboard.first_key;
+  const double from_middle = span == 0 ? 0 : 2.0 * (key - keyboard.first_key) / span - 1;
   Voice voice;
   voice.name = fmt::format("{}", key);
   voice.resonator = {keyboard.name, "", note.string, {note.strike_position_m}, {note.strike_position_m}, kMostModes};

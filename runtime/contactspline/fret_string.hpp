@@ -28,7 +28,7 @@ class FretString {
              T pluck_place_m, double sample_rate_hz)
       : fret_(fret),
         string_(modes, sample_rate_hz),
-        place_(shapes, pluck_place_m),
+        place_(shapes, pluck_place_m, shapes.longest_step(modes, sample_rate_hz)),
         pluck_(shapes.size()),
         time_step_(T(1 / sample_rate_hz)) {
     shapes.at(pluck_place_m, pluck_);
@@ -43,6 +43,7 @@ class FretString {
 
   /// Advances one sample. Safe in an audio thread: no allocation, no lock, bounded time.
   void tick(const FretStringControls<T>& controls) {
+    compression_ = anchored(compression_, string_.displacement(place_.after()) - gap_);
     place_.move_to(controls.place_m);
     const T lift = gap_ - controls.gap_m;
     gap_ = controls.gap_m;

@@ -33,7 +33,7 @@ class SlideString {
       : table_(table),
         string_(modes, sample_rate_hz),
         shapes_(shapes),
-        place_(shapes, pluck_place_m),
+        place_(shapes, pluck_place_m, shapes.longest_step(modes, sample_rate_hz)),
         pluck_(shapes.size()),
         rest_(shapes.size()),
         time_step_(T(1 / sample_rate_hz)) {
@@ -51,6 +51,7 @@ class SlideString {
 
   /// Advances one sample. Safe in an audio thread: no allocation, no lock, bounded time.
   void tick(const SlideStringControls<T>& controls) {
+    compression_ = anchored(compression_, slide_ - string_.displacement(place_.after()));
     if (place_.move_to(controls.place_m)) shapes_.at(place_.place() / 2, rest_);
     string_.predict();
     string_.push(pluck_, controls.pluck_force_n);

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -24,9 +26,16 @@ class StringShapes {
     for (std::size_t i = 0; i < wavenumbers_.size(); ++i) shapes[i] = std::sin(wavenumbers_[i] * place_m);
   }
 
-  /// An eighth of the shortest wave [m].
-  [[nodiscard]] T shortest_eighth() const {
-    return std::numbers::pi_v<T> / 4 / *std::max_element(wavenumbers_.begin(), wavenumbers_.end());
+  /// How far a place may move in a sample [m] for the string to follow: an eighth of the shortest wave, and a tenth
+  /// of the way that the slowest wave makes. modes: those of the wavenumbers.
+  [[nodiscard]] T longest_step(std::span<const Mode> modes, double sample_rate_hz) const {
+    double step = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < wavenumbers_.size(); ++i) {
+      const double beta = wavenumbers_[i];
+      const double speed = modes[i].angular_frequency_rad_per_s / beta;
+      step = std::min({step, std::numbers::pi / 4 / beta, speed / sample_rate_hz / 10});
+    }
+    return static_cast<T>(step);
   }
 
   [[nodiscard]] std::size_t size() const { return wavenumbers_.size(); }
@@ -41,9 +50,10 @@ class StringShapes {
 template <std::floating_point T>
 class MovingPlace {
  public:
-  MovingPlace(const StringShapes<T>& shapes, T place_m)
+  /// longest_step_m: StringShapes::longest_step.
+  MovingPlace(const StringShapes<T>& shapes, T place_m, T longest_step_m)
       : shapes_(shapes),
-        most_(shapes.shortest_eighth()),
+        most_(longest_step_m),
         before_(shapes.size()),
         after_(shapes.size()),
         mean_(shapes.size()),
@@ -59,8 +69,8 @@ class MovingPlace {
     is_moving_ = false;
   }
 
-  /// Moves towards a place over the coming sample, at most an eighth of the shortest wave: a leap becomes a fast
-  /// slide, which the string can follow. Tells whether it moved.
+  /// Moves towards a place over the coming sample, by the longest step at most: a leap becomes a fast slide, which
+  /// the string can follow. Tells whether it moved.
   bool move_to(T place_m) {
     const T way = std::clamp(place_m - place_, -most_, most_);
     if (way == 0 && !is_moving_) return false;
@@ -91,5 +101,13 @@ class MovingPlace {
   T place_ = 0;
   bool is_moving_ = false;
 };
+
+/// A compression that is carried along by its increments, drawn a little towards what it is by the displacements
+/// themselves: in single precision their roundings would add up over minutes. Little, because those displacements are
+/// rounded too, and a stiff contact would make noise of it.
+template <std::floating_point T>
+[[nodiscard]] T anchored(T compression_m, T by_displacements_m) {
+  return compression_m + T(1e-4) * (by_displacements_m - compression_m);
+}
 
 }  // namespace contactspline

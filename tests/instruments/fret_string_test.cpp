@@ -4,6 +4,7 @@
 
 #include <complex>
 #include <numbers>
+#include <random>
 
 #include "strings.hpp"
 #include "support/compare.hpp"
@@ -123,17 +124,43 @@ TEST(FretString, RestsOnAFretThatLiftsIt) {
   EXPECT_GT(buzz.model.force(), 0.5);
 }
 
-// A leap of the place becomes a fast slide: no sample moves more than an eighth of the shortest wave.
+// A leap of the place becomes a fast slide: no sample moves more than an eighth of the shortest wave, nor more than a
+// tenth of the way of the slowest wave, that of the first mode.
 TEST(FretString, FollowsALeapInSmallSteps) {
   const auto modes = audible_modes(kString);
   const StringShapes<double> shapes(wavenumbers_of(modes));
-  MovingPlace<double> place(shapes, 0.1);
-  const double most = 0.5 / static_cast<double>(modes.size()) / 4;
+  MovingPlace<double> place(shapes, 0.1, shapes.longest_step(bare(modes), 96000));
+  const double eighth = 0.5 / static_cast<double>(modes.size()) / 4;
+  const double wave_speed = modes.front().mode.angular_frequency_rad_per_s * 0.5 / std::numbers::pi;
+  const double most = std::min(eighth, wave_speed / 96000 / 10);
   int moves = 0;
   for (double before = 0.1; place.move_to(0.4); before = place.place(), ++moves)
     ASSERT_LE(std::abs(place.place() - before), most * (1 + 1e-12));
   EXPECT_EQ(place.place(), 0.4);
   EXPECT_GE(moves, 0.3 / most);
+}
+
+// The place leaps at random every 20 ms, at high rates and with few modes too: the force stays of the size that
+// plucks of 6 N and the fret's own pressing give, where a place faster than the waves would pump it up without bound.
+TEST(FretString, StaysBoundedWhereThePlaceLeaps) {
+  for (const auto& [rate, most_modes] : {std::pair{44100, 1000}, {192000, 1000}, {192000, 10}, {44100, 10}}) {
+    auto modes = audible_modes(kString);
+    modes.resize(std::min(modes.size(), static_cast<std::size_t>(most_modes)));
+    const auto table = segment_table(uniform_spline({"fret", "", kString.felt, {}, {16, 1e-5}}, "fret"));
+    FretString<double> model(table, bare(modes), StringShapes<double>(wavenumbers_of(modes)), kPluck, rate);
+    model.place(kFret, kGap);
+    std::mt19937_64 random(1);
+    double place = kFret, largest = 0;
+    for (int n = 0; n < 5 * rate; ++n) {
+      if (n % (rate / 50) == 0) place = std::uniform_real_distribution<double>(0.025, 0.475)(random);
+      const double since_pluck = std::fmod(static_cast<double>(n) / rate, 1.0);
+      model.tick({.place_m = place, .gap_m = kGap, .pluck_force_n = since_pluck < 0.004 ? 1500 * since_pluck : 0.0});
+      ASSERT_TRUE(std::isfinite(model.force())) << rate << " Hz, " << modes.size() << " modes, sample " << n;
+      largest = std::max(largest, model.force());
+    }
+    std::cout << rate << " Hz, " << modes.size() << " modes: " << largest << " N\n";
+    EXPECT_LT(largest, 1000) << rate << " Hz, " << modes.size() << " modes";
+  }
 }
 
 }  // namespace

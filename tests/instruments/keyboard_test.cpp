@@ -107,7 +107,7 @@ TEST(Keyboard, SoundsAlikeInFaustAndCpp) {
     const auto outputs = program.run({}, kSamples + 1);
     KeyboardVoice<Piano, double> voice(key, kRate, 80);
     voice.strike(0.2 * std::pow(30.0, 0.7));
-    const double side = 0.2 + 0.6 * (key - 21) / 88;
+    const double side = 0.2 + 0.6 * (key - 21) / 87;
     const double gain = 0.5 * 0.02 * std::sqrt(side);
     std::vector<double> expected;
     for (std::size_t n = 0; n < kSamples; ++n) expected.push_back(gain * voice.tick());

@@ -104,7 +104,7 @@ class Guitar {
         rest_(kModes),
         rate_(rate),
         model_(contact(), bare(modes_), shapes_, T(kPluck), rate),
-        place_(shapes_, T(0.3)) {
+        place_(shapes_, T(0.3), shapes_.longest_step(bare(modes_), rate)) {
     shapes_.at(T(kPluck), pluck_);
     model_.place(T(0.3), T(1e-3));
     shapes_.at(T(0.15), rest_);
