@@ -216,7 +216,7 @@ ForceLine fine_line(int segments, const FitTarget& target) {
     line.y.push_back(knot(j));
     line.f.push_back(force_between(target, knot(j - 1), knot(j), offset * std::expm1(rate * (j + 1))));
   }
-  return line;
+  return made_rising(std::move(line));
 }
 
 // Where there are more than the equal-error line has, drops those that stand out least, two neighbours at a time.

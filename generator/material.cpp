@@ -180,6 +180,9 @@ LiveExponents read_live_exponent(const JsonObject& live, const Material& of) {
   if (!(read.most > least))
     live.fail(live.key("most"), fmt::format("{} is not above least", read.most), fmt::format("more than {}", least));
   if (of.contact.power_law() == nullptr) live.fail("live_exponent", "is for power laws", "a power law");
+  if (of.compensation) live.fail("live_exponent", "is not compensated for a time step", "without compensation");
+  if (of.spline.tolerance > 0)
+    live.fail("live_exponent", "has its own knots, which no tolerance gives", "with segments");
   if (of.spline.segments > kMaxLiveSegments)
     live.fail("live_exponent", fmt::format("with {} segments", of.spline.segments),
               fmt::format("at most {} segments", kMaxLiveSegments));

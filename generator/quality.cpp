@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "generator/compensation.hpp"
@@ -13,11 +14,16 @@ namespace {
 
 constexpr int kPointsPerSegment = 64;
 
+// The larger magnitude; infinite where the error is no number.
+double worse(double worst, double error) {
+  return std::isfinite(error) ? std::max(worst, std::abs(error)) : std::numeric_limits<double>::infinity();
+}
+
 /// Worst and root-mean-square of a sequence of errors.
 class ErrorSum {
  public:
   void add(double error, double weight) {
-    worst_ = std::max(worst_, std::abs(error));
+    worst_ = worse(worst_, error);
     squares_ += weight * error * error;
     weights_ += weight;
   }
@@ -90,8 +96,8 @@ ImpactError worst_impact_error(const Spline& spline, const Material& material) {
     const SplineImpact found = impact_on_spline(spline, mass_kg, speed);
     const double duration = contact.contact_duration(mass_kg, speed);
     const double compression = contact.max_compression(mass_kg, speed);
-    worst.contact_duration = std::max(worst.contact_duration, std::abs(found.contact_duration_s / duration - 1));
-    worst.max_compression = std::max(worst.max_compression, std::abs(found.max_compression_m / compression - 1));
+    worst.contact_duration = worse(worst.contact_duration, found.contact_duration_s / duration - 1);
+    worst.max_compression = worse(worst.max_compression, found.max_compression_m / compression - 1);
   }
   return worst;
 }
@@ -112,8 +118,8 @@ ImpactError worst_simulated_error(const Spline& spline, const Material& material
     const int phases = duration * rate < 500 ? kPhases : 1;  // later they are alike
     for (int i = 0; i < phases; ++i) {
       const SimulatedImpact found = simulate_impact(table, mass_kg, speed, rate, (i + 0.5) / phases);
-      worst.contact_duration = std::max(worst.contact_duration, std::abs(found.contact_duration_s / duration - 1));
-      worst.max_compression = std::max(worst.max_compression, std::abs(found.max_compression_m / compression - 1));
+      worst.contact_duration = worse(worst.contact_duration, found.contact_duration_s / duration - 1);
+      worst.max_compression = worse(worst.max_compression, found.max_compression_m / compression - 1);
     }
   }
   return worst;

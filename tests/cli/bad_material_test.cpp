@@ -263,6 +263,21 @@ std::vector<BadMaterial> live_cases() {
            "2 is not above least; allowed: more than 2"},
           {"live_members_alone", live(R"({ "least": 1, "most": 3, "members": 1 })"), "live_exponent.members",
            "1 is out of range; allowed: an integer from 2 to 64"},
+          {"live_and_compensated",
+           [&] {
+             std::string text = live(good);
+             text.replace(text.find("uniform"), 7, "graded");
+             text.replace(text.find(R"(, "max_compression_m": 1e-3)"), 28, "");
+             return text.insert(text.rfind('}'),
+                                R"(, "compensation": { "sample_rate_hz": 44100, "mass_kg": 0.003 })");
+           }(),
+           "live_exponent", "is not compensated for a time step; allowed: without compensation"},
+          {"live_and_tolerance",
+           [&] {
+             std::string text = live(good);
+             return text.replace(text.find(R"("segments": 8)"), 13, R"("tolerance": 0.01)");
+           }(),
+           "live_exponent", "has its own knots, which no tolerance gives; allowed: with segments"},
           {"live_of_many_segments", live(good, "257"), "live_exponent",
            "with 257 segments; allowed: at most 256 segments"}};
 }

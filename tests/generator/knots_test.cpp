@@ -246,6 +246,18 @@ TEST(Knots, AreConvexWhereThereAreMany) {
 }
 
 // A linear contact is one line, whatever the knots.
+// Felt that meets a hard stop: the force bends at once, where no smooth law does.
+TEST(Knots, AreConvexAtAKink) {
+  const PowerSum stopped{{{{4.5e9, 2.5}, 0}, {{1e8, 1}, 5e-4}}};
+  for (const int segments : {16, 129, 512, 1024}) {
+    Material of{"stopped", "", Potential(stopped), Impact{0.00297, 6, 0.1}, {segments, 0, Knots::graded}};
+    of.spline.max_compression_m = of.contact.max_compression(0.00297, 6);
+    const Spline spline = designed(of);
+    EXPECT_TRUE(convex(spline)) << segments;
+    EXPECT_TRUE(std::isfinite(measure_quality(spline, of).impact->contact_duration)) << segments;
+  }
+}
+
 TEST(Knots, LinearContactIsReproduced) {
   for (const auto knots : {Knots::graded, Knots::optimal}) {
     const Material of = material(1, knots, 12);
