@@ -197,7 +197,7 @@ TEST(PianoPlugin, SoundsAsTheRuntime) {
     voice.release();
     for (std::size_t n = 0; n < kRest * Lv2Instance::kBlock; ++n) voice.tick();
     voice.strike(0.2 * std::pow(30.0, kVelocity / 127.0));
-    const double gain = 0.5 * 0.02 * std::sqrt(0.2 + 0.6 * (note - 21) / 88);
+    const double gain = 0.5 * 0.02 * std::sqrt(0.2 + 0.6 * (note - 21) / 87);
     std::vector<double> expected;
     for (std::size_t n = 0; n + 1 < sound.size(); ++n) expected.push_back(gain * voice.tick());
     const double decibels = agreement_db(std::span(sound).subspan(1), expected);
