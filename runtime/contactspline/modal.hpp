@@ -82,9 +82,9 @@ template <std::floating_point T, typename Term>
 /// exp((-decay +- j w) dt): passive, and in tune at any rate. Per sample: predict(), then any number of push(), then
 /// commit(). No allocation after construction.
 ///
-/// State per mode: displacement q and way w = dt q'. The change over a sample is w + e with e = give shape f
-/// - stiffness (q + w/2) - loss w, and w grows by 2 e. All that is added is small, so that single precision keeps 100
-/// dB.
+/// State per mode: displacement q and what q would change by in the coming sample if no force acted, d. A sample
+/// changes q by c = d + give shape f, and leaves d <- 2 c - d - 2 (loss c + stiffness q): the midpoint rule without
+/// its velocity (docs/modal.md). All that is added is small, so that single precision keeps 100 dB.
 template <std::floating_point T>
 class ModalBank {
  public:
@@ -106,16 +106,12 @@ class ModalBank {
 
   /// Velocity at a place [m/s].
   [[nodiscard]] T velocity(const ModeShapes<T>& at) const {
-    const T way = detail::sum_of<T>(size(), [&](std::size_t i) { return at[i] * way_[i]; });
+    const T way = detail::sum_of<T>(size(), [&](std::size_t i) { return at[i] * static_cast<T>(this->way(i)); });
     return way * static_cast<T>(sample_rate_hz_);
   }
 
   /// Begins a sample: what each mode would do without force.
-  void predict() {
-    damping_ = 0;
-    T* __restrict change = change_.data();  // as in commit(): nothing else that is read or written lies there
-    for (std::size_t i = 0; i < size(); ++i) change[i] = free_change(i);
-  }
+  void predict() { predict(0); }
 
   /// Begins a sample with a damper on all modes alike: each moves 1/(1 + damping) of the way it would, as by a
   /// viscous resistance; damping = extra decay [1/s] times dt, >= 0. Forces pushed in this sample give way by the
@@ -123,19 +119,18 @@ class ModalBank {
   void predict(T damping) {
     damping_ = damping;
     const T share = 1 / (1 + damping);
-    T* __restrict change = change_.data();
-    for (std::size_t i = 0; i < size(); ++i) change[i] = share * (free_change(i) - damping * way_[i]);
+    T* __restrict change = change_.data();  // as in push(): nothing else that is read or written lies there
+    for (std::size_t i = 0; i < size(); ++i) change[i] = share * free_increment_[i];
   }
 
   /// Change of displacement at a place over this sample [m], with what has been pushed so far.
   [[nodiscard]] T increment(const ModeShapes<T>& at) const {
-    return detail::sum_of<T>(size(), [&](std::size_t i) { return at[i] * (way_[i] + change_[i]); });
+    return detail::sum_of<T>(size(), [&](std::size_t i) { return at[i] * change_[i]; });
   }
 
   /// Displacement at a place in the middle of this sample [m], with what has been pushed so far.
   [[nodiscard]] T middle(const ModeShapes<T>& at) const {
-    return detail::sum_of<T>(size(),
-                             [&](std::size_t i) { return at[i] * (displacement_[i] + (way_[i] + change_[i]) / 2); });
+    return detail::sum_of<T>(size(), [&](std::size_t i) { return at[i] * (displacement_[i] + change_[i] / 2); });
   }
 
   /// Adds a force [N] at a place for this sample.
@@ -146,27 +141,21 @@ class ModalBank {
 
   /// Ends the sample.
   void commit() {
-    T* __restrict displacement = displacement_.data();
-    T* __restrict way = way_.data();
-    for (std::size_t i = 0; i < size(); ++i) {
-      displacement[i] += way[i] + change_[i];
-      way[i] += 2 * change_[i];
-    }
+    commit_all(size(), stiffness_.data(), stiffness_rest_.data(), loss_.data(), change_.data(), displacement_.data(),
+               free_increment_.data());
   }
 
-  /// A whole sample without force: predict(damping) and commit() in one go, the same to the last bit.
+  /// A whole sample without force: predict(damping) and commit().
   void advance(T damping) {
-    damping_ = damping;
-    const T share = 1 / (1 + damping);
-    advance_all(size(), share, damping, stiffness_.data(), stiffness_rest_.data(), loss_.data(), displacement_.data(),
-                way_.data(), change_.data());
+    predict(damping);
+    commit();
   }
 
   /// Kinetic and potential energy [J]; falls by what `loss` dissipates and rises by the work of the forces, exactly.
   [[nodiscard]] double energy() const {
     double energy = 0;
     for (std::size_t i = 0; i < size(); ++i) {
-      const double q = displacement_[i], w = way_[i];
+      const double q = displacement_[i], w = way(i);
       energy += (w * w + spring_[i] * q * q) * kinetic_[i];
     }
     return energy;
@@ -176,58 +165,53 @@ class ModalBank {
   [[nodiscard]] double dissipated() const {
     double energy = 0;
     for (std::size_t i = 0; i < size(); ++i) {
-      const double way = static_cast<double>(way_[i]) - change_[i];  // mean of w before and after: the change of q
-      energy += (static_cast<double>(loss_[i]) + damping_) * resistance_[i] * way * way * kinetic_[i];
+      const double change = change_[i];
+      energy += (static_cast<double>(loss_[i]) + damping_) * resistance_[i] * change * change * kinetic_[i];
     }
     return energy;
   }
 
   void reset() {
     displacement_.assign(size(), 0);
-    way_.assign(size(), 0);
+    free_increment_.assign(size(), 0);
   }
 
  private:
-  [[nodiscard]] T free_change(std::size_t i) const {
-    return free_change(stiffness_[i], stiffness_rest_[i], loss_[i], displacement_[i], way_[i]);
-  }
-
-  [[nodiscard]] static T free_change(T stiffness, T stiffness_rest, T loss, T displacement, T way) {
-    const T middle = displacement + way / 2;
-    const T pull = loss * way + stiffness * middle;
-    if constexpr (kRounds) return -(pull + stiffness_rest * middle);
-    return -pull;
+  // Of mode i: velocity times dt [m], which the free increment lacks: it is w |1 + z|^2/4 - stiffness q.
+  [[nodiscard]] double way(std::size_t i) const {
+    const double stiffness = static_cast<double>(stiffness_[i]) + stiffness_rest_[i];
+    return (free_increment_[i] + stiffness * displacement_[i]) * resistance_[i] / 4;
   }
 
   // A function of its own: compilers believe __restrict of parameters.
-  static void advance_all(std::size_t modes, T share, T damping, const T* __restrict stiffness,
-                          const T* __restrict stiffness_rest, const T* __restrict loss, T* __restrict displacement,
-                          T* __restrict way, T* __restrict change) {
+  static void commit_all(std::size_t modes, const T* __restrict stiffness, const T* __restrict stiffness_rest,
+                         const T* __restrict loss, const T* __restrict change, T* __restrict displacement,
+                         T* __restrict free_increment) {
     for (std::size_t i = 0; i < modes; ++i) {
-      const T free =
-          share * (free_change(stiffness[i], stiffness_rest[i], loss[i], displacement[i], way[i]) - damping * way[i]);
-      change[i] = free;
-      displacement[i] += way[i] + free;
-      way[i] += 2 * free;
+      const T moved = displacement[i] + change[i];
+      T pull = loss[i] * change[i] + stiffness[i] * moved;
+      if constexpr (kRounds) pull += stiffness_rest[i] * moved;
+      displacement[i] = moved;
+      free_increment[i] = (change[i] - free_increment[i]) + (change[i] - 2 * pull);
     }
   }
 
   void add(const Mode& mode) {
     const auto [stiffness, loss, give] = detail::mode_constants(mode, sample_rate_hz_);
+    // A mode above half the sample rate would sound at another pitch: nothing drives it, as in modal.lib.
+    const bool audible = mode.angular_frequency_rad_per_s < std::numbers::pi * sample_rate_hz_;
     stiffness_.push_back(static_cast<T>(stiffness));
     stiffness_rest_.push_back(static_cast<T>(stiffness - static_cast<double>(stiffness_.back())));
     loss_.push_back(static_cast<T>(loss));
-    // A mode above half the sample rate would sound at another pitch: nothing drives it, as in modal.lib.
-    const bool audible = mode.angular_frequency_rad_per_s < std::numbers::pi * sample_rate_hz_;
     give_.push_back(audible ? static_cast<T>(give) : T(0));
     // K dt^2/m = 4 |1 - z|^2/|1 + z|^2, R dt/m = 16 loss/|1 + z|^2, as of a damper 16 damping/|1 + z|^2, energy (w^2
     // + K dt^2/m q^2) m/(2 dt^2).
     const double nearness = 8 * give * mode.mass_kg * sample_rate_hz_ * sample_rate_hz_;  // |1 + z|^2
-    spring_.push_back(8 * stiffness / nearness);
-    resistance_.push_back(16 / nearness);
+    spring_.push_back(audible ? 8 * stiffness / nearness : 0);
+    resistance_.push_back(audible ? 16 / nearness : 0);
     kinetic_.push_back(mode.mass_kg * sample_rate_hz_ * sample_rate_hz_ / 2);
     displacement_.push_back(0);
-    way_.push_back(0);
+    free_increment_.push_back(0);
     change_.push_back(0);
   }
 
@@ -237,7 +221,7 @@ class ModalBank {
   double sample_rate_hz_;
   T damping_ = 0;  // of the sample under way
   std::vector<T> stiffness_, stiffness_rest_, loss_, give_;
-  std::vector<T> displacement_, way_, change_;
+  std::vector<T> displacement_, free_increment_, change_;
   std::vector<double> spring_, resistance_, kinetic_;
 };
 
