@@ -93,10 +93,107 @@ template <std::floating_point T>
 struct ContactStep {
   T force;        ///< over the sample [N]
   T compression;  ///< y0 + x, at the end of the sample [m]; keeps its digits where y0 + (xf - xi f) would cancel
+  std::size_t segment;  ///< that holds this compression: where the next step starts
 };
+
+namespace detail {
+
+/// A step that leaves the segment `start` of y0, upwards or downwards.
+template <std::floating_point T, std::size_t Extent>
+struct Crossing {
+  SegmentTable<T, Extent> table;
+  std::size_t start;
+  T y0, xf, xi;
+  bool up;
+  std::size_t first;  // first knot in the way
+  T gain_to_first;    // V(knot) - V(y0) there
+
+  constexpr Crossing(SegmentTable<T, Extent> segments, std::size_t from, const Approach<T>& approach, bool upwards)
+      : table(segments),
+        start(from),
+        y0(approach.compression),
+        xf(approach.free_increment),
+        xi(approach.admittance),
+        up(upwards),
+        first(up ? std::min(start + 1, table.size() - 1) : start),
+        gain_to_first((table[first].knot - y0) * (table[start].force_at(y0) + table[first].force) / 2) {}
+
+  [[nodiscard]] constexpr T gain_to(std::size_t k) const {
+    return k == first ? gain_to_first : gain_to_first + (table[k].energy - table[first].energy);
+  }
+
+  /// Does the root lie above this knot?
+  [[nodiscard]] constexpr bool passes(std::size_t k) const {
+    const T way = table[k].knot - y0;
+    const T g = way * (way - xf) + xi * gain_to(k);
+    return up ? !(way > 0) || g < 0 : way < 0 && g > 0;
+  }
+
+  /// The step, `knots_below` knots lying below the root. At least one knot is crossed.
+  [[nodiscard]] constexpr ContactStep<T> land(std::size_t knots_below) const {
+    const std::size_t last = table.size() - 1;
+    const std::size_t landing = up ? std::max(knots_below, first) : std::min(knots_below, start - (start > 0));
+    const std::size_t entry = up ? landing : std::min(landing + 1, last);  // last knot passed
+    const T origin = table[entry].knot;
+    const T way = origin - y0;
+    const T gain = gain_to(entry);
+    const T entry_force = table[entry].force;
+    const T c = table[landing].half_curvature;
+    const T sign = up ? T(1) : T(-1);
+
+    const T a = 1 + xi * c;
+    const T b = sign * (2 * way - xf + xi * entry_force);
+    const T g = std::min(T(0), way * (way - xf) + xi * gain);
+    const bool away = way != 0;  // else f and s are linear in xf
+    const T larger = (away ? std::sqrt(b * b - 4 * a * g) : std::abs(b)) + std::abs(b);
+    const T s = sign * (b <= 0 ? larger : -2 * g) / (b <= 0 ? 2 * a : larger);
+
+    const T x = way + s;
+    const T length = away ? std::abs(x) : T(1);
+    const T work = sign * (gain + s * (entry_force + s * c));
+    const T rise = std::abs(entry_force + 2 * c * s - work / length);  // |x| times the slope of the discrete gradient
+    const T numerator = away ? work + rise * (xf - x) : entry_force + c * xf;
+    const T denominator = away ? length + xi * rise : a;
+    const T y = origin + s;
+    // Rounding may put y a hair beyond the segment.
+    const std::size_t lower = landing - (landing > 0 && y < table[landing].knot);
+    const std::size_t segment = lower + (lower < last && y >= table[std::min(lower + 1, last)].knot);
+    return {std::max(T(0), numerator / denominator), y, segment};
+  }
+};
+
+/// The step from y0 in the segment `start` by x = (xf - xi f)/divisor, divisor >= 1. `search` finds how many knots
+/// lie below the root.
+template <std::floating_point T, std::size_t Extent, typename Search>
+[[nodiscard]] constexpr ContactStep<T> contact_step(SegmentTable<T, Extent> table, std::size_t start,
+                                                    const Approach<T>& approach, T divisor, Search search) {
+  const T y0 = approach.compression, xf = approach.free_increment, xi = approach.admittance;
+  const Segment<T>& here = table[start];
+  const std::size_t next = std::min(start + 1, table.size() - 1);
+  // Within one segment the discrete gradient is linear.
+  const T f0 = here.force_at(y0);
+  const T slope = divisor + xi * here.half_curvature;
+  const T y = y0 + (xf - xi * f0) / slope;
+  const bool below = start > 0 && y < here.knot;
+  const bool above = start < next && y >= table[next].knot;
+  if (!below && !above) return {std::max(T(0), (divisor * f0 + here.half_curvature * xf) / slope), y, start};
+  const Crossing<T, Extent> crossing(table, start, {y0, xf / divisor, xi / divisor}, above);
+  return crossing.land(search(crossing));
+}
+
+/// Binary search: ceil(log2(N + 1)) probes, whatever the data.
+struct BinarySearch {
+  template <std::floating_point T, std::size_t Extent>
+  [[nodiscard]] constexpr std::size_t operator()(const Crossing<T, Extent>& crossing) const {
+    return count_leading(crossing.table.size() - 1, [&](std::size_t k) { return crossing.passes(k); });
+  }
+};
+
+}  // namespace detail
 
 /// Force over one sample: the discrete gradient f = [V(y0 + x) - V(y0)] / x that solves x = xf - xi f. Never
 /// negative; exactly 0 when y0 <= 0 and y0 + xf <= 0. No iteration; energy is exchanged without loss or gain.
+/// start: the segment that holds y0, segment_index(table, y0), as the step before found it.
 ///
 /// h(x) = x + xi [V(y0 + x) - V(y0)]/x - xf rises strictly, so its sign at the knots brackets the root, and in the
 /// landing segment x h(x) is a quadratic. It is written in s, the way beyond the knot by which that segment is
@@ -106,49 +203,15 @@ struct ContactStep {
 /// difference.) The last lines weigh the two expressions of the force, (xf - x)/xi and the discrete gradient, by the
 /// slope of h, so that errors of x drop out. (docs/contact-step.md)
 template <std::floating_point T, std::size_t Extent>
+[[nodiscard]] ContactStep<T> contact_step(SegmentTable<T, Extent> table, const Approach<T>& approach,
+                                          std::size_t start) {
+  return detail::contact_step(table, start, approach, T(1), detail::BinarySearch());
+}
+
+/// The same from anywhere.
+template <std::floating_point T, std::size_t Extent>
 [[nodiscard]] ContactStep<T> contact_step(SegmentTable<T, Extent> table, const Approach<T>& approach) {
-  const T y0 = approach.compression;
-  const T xf = approach.free_increment;
-  const T xi = approach.admittance;
-  const std::size_t last = table.size() - 1;
-  const std::size_t start = segment_index(table, y0);
-  const T f0 = table[start].force_at(y0);
-  const bool up = xf > xi * f0;  // the sign of -h(0) is that of the motion
-
-  const std::size_t first = up ? std::min(start + 1, last) : start;  // first knot in the way
-  const T gain_to_first = (table[first].knot - y0) * (f0 + table[first].force) / 2;
-  const auto gain_to = [&](std::size_t k) {
-    return k == first ? gain_to_first : gain_to_first + (table[k].energy - table[first].energy);
-  };
-  const std::size_t landing = detail::count_leading(last, [&](std::size_t k) {
-    const T way = table[k].knot - y0;
-    const T g = way * (way - xf) + xi * gain_to(k);
-    return up ? !(way > 0) || g < 0 : way < 0 && g > 0;  // does the root lie above this knot?
-  });
-
-  const bool crossed = landing != start;
-  const std::size_t entry = up ? landing : std::min(landing + 1, last);  // last knot passed
-  const T origin = crossed ? table[entry].knot : y0;
-  const T way = origin - y0;
-  const T gain = crossed ? gain_to(entry) : T(0);
-  const T entry_force = crossed ? table[entry].force : f0;
-  const T c = table[landing].half_curvature;
-  const T sign = up ? T(1) : T(-1);
-
-  const T a = 1 + xi * c;
-  const T b = sign * (2 * way - xf + xi * entry_force);
-  const T g = std::min(T(0), way * (way - xf) + xi * gain);
-  const bool away = way != 0;  // else f and s are linear in xf
-  const T larger = (away ? std::sqrt(b * b - 4 * a * g) : std::abs(b)) + std::abs(b);
-  const T s = sign * (b <= 0 ? larger : -2 * g) / (b <= 0 ? 2 * a : larger);
-
-  const T x = way + s;
-  const T length = away ? std::abs(x) : T(1);
-  const T work = sign * (gain + s * (entry_force + s * c));
-  const T rise = std::abs(entry_force + 2 * c * s - work / length);  // |x| times the slope of the discrete gradient
-  const T numerator = away ? work + rise * (xf - x) : entry_force + c * xf;
-  const T denominator = away ? length + xi * rise : a;
-  return {std::max(T(0), numerator / denominator), origin + s};
+  return contact_step(table, approach, segment_index(table, approach.compression));
 }
 
 /// The force of contact_step [N].
@@ -164,19 +227,39 @@ struct ContactControls {
   T loss_s_per_m = 0;     ///< Hunt-Crossley loss lambda >= 0: viscous force lambda F(y) dy/dt
 };
 
+namespace detail {
+
+template <std::floating_point T, std::size_t Extent, typename Search>
+[[nodiscard]] constexpr ContactStep<T> contact_step(SegmentTable<T, Extent> table, const ContactControls<T>& controls,
+                                                    T time_step, const Approach<T>& approach, std::size_t start,
+                                                    Search search) {
+  const T y0 = approach.compression, xf = approach.free_increment, xi = approach.admittance;
+  const T ratio = controls.stiffness_ratio;
+  const T resistance = controls.loss_s_per_m * ratio / time_step * table[start].force_at(y0);  // [N/m]
+  const T divisor = 1 + xi * resistance;
+  const auto elastic = contact_step(table, start, Approach<T>{y0, xf, ratio * xi}, divisor, search);
+  if (resistance == 0) return {ratio * elastic.force, elastic.compression, elastic.segment};
+  const T total = (ratio * elastic.force + resistance * xf) / divisor;
+  if (total >= 0) return {total, elastic.compression, elastic.segment};
+  return {0, y0 + xf, segment_index(table, y0 + xf)};
+}
+
+}  // namespace detail
+
 /// contact_step with the material's stiffness scaled and a viscous force lambda F(y0) x/dt added. Where the sum would
 /// pull, the bodies part without force and what is stored beyond is lost: passive, and the force stays continuous.
-/// time_step: dt [s].
+/// time_step: dt [s]. start: the segment that holds y0.
+template <std::floating_point T, std::size_t Extent>
+[[nodiscard]] ContactStep<T> contact_step(SegmentTable<T, Extent> table, const ContactControls<T>& controls,
+                                          T time_step, const Approach<T>& approach, std::size_t start) {
+  return detail::contact_step(table, controls, time_step, approach, start, detail::BinarySearch());
+}
+
+/// The same from anywhere.
 template <std::floating_point T, std::size_t Extent>
 [[nodiscard]] ContactStep<T> contact_step(SegmentTable<T, Extent> table, const ContactControls<T>& controls,
                                           T time_step, const Approach<T>& approach) {
-  const T y0 = approach.compression, xf = approach.free_increment, xi = approach.admittance;
-  const T ratio = controls.stiffness_ratio;
-  const T resistance = controls.loss_s_per_m * ratio * force(table, y0) / time_step;  // [N/m]
-  const T divisor = 1 + xi * resistance;
-  const auto elastic = contact_step(table, Approach<T>{y0, xf / divisor, ratio * xi / divisor});
-  const T total = (ratio * elastic.force + resistance * xf) / divisor;
-  return total >= 0 ? ContactStep<T>{total, elastic.compression} : ContactStep<T>{0, y0 + xf};
+  return contact_step(table, controls, time_step, approach, segment_index(table, approach.compression));
 }
 
 /// The force of contact_step with stiffness and loss [N].

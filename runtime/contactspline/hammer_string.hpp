@@ -38,6 +38,7 @@ class HammerString {
     strike_ = next_strike_;
     string_admittance_ = string_.admittance(strike_, strike_);
     compression_ = -distance_m;
+    segment_ = segment_index(felt_, compression_);
     velocity_ = velocity_m_per_s;
     is_thrown_ = is_flying_ = true;
   }
@@ -77,13 +78,14 @@ class HammerString {
     const T give = time_step_ / hammer_.mass_kg;
     const T free_increment = time_step_ * velocity_ - string_.increment(strike_);
     const T admittance = time_step_ * give / 2 + share * string_admittance_;
-    const T force =
-        contact_force(felt_, hammer_.felt, time_step_, Approach<T>{compression_, free_increment, admittance});
-    string_.push(strike_, share * force);
-    compression_ += free_increment - admittance * force;
-    velocity_ -= give * force;
+    const Approach<T> approach{compression_, free_increment, admittance};
+    const auto step = contact_step(felt_, hammer_.felt, time_step_, approach, segment_);
+    string_.push(strike_, share * step.force);
+    compression_ = step.compression;
+    segment_ = step.segment;
+    velocity_ -= give * step.force;
     is_flying_ = compression_ > kCaught;
-    return force;
+    return step.force;
   }
 
   SegmentTable<T, Extent> felt_;
@@ -93,6 +95,7 @@ class HammerString {
   T string_admittance_ = 0;
   Hammer hammer_ = {1, {}};
   T compression_ = 0;
+  std::size_t segment_ = 0;  // that holds the compression
   T velocity_ = 0;
   T force_ = 0;
   bool is_thrown_ = false;  // by strike(); the next tick takes the hammer's controls

@@ -28,6 +28,7 @@ class MassBarrier {
   /// Puts the mass at a displacement [m] (negative: before the barrier) with a velocity [m/s] towards the barrier.
   void throw_from(T displacement_m, T velocity_m_per_s) {
     displacement_ = displacement_m;
+    segment_ = segment_index(table_, displacement_m);
     advance_ = velocity_m_per_s * time_step_;
     gained_ = 0;
     force_ = 0;
@@ -39,7 +40,8 @@ class MassBarrier {
     const T admittance = dt * dt / (2 * controls.mass_kg);
     const T fall = dt * dt * controls.gravity_m_per_s2;
     const Approach<T> approach{displacement_, advance_ + gained_ + fall / 2, admittance};
-    const auto step = contact_step(table_, controls.contact, dt, approach);
+    const auto step = contact_step(table_, controls.contact, dt, approach, segment_);
+    segment_ = step.segment;
     displacement_ = step.compression;
     force_ = step.force;
     gained_ += fall - 2 * (admittance * force_);
@@ -54,6 +56,7 @@ class MassBarrier {
   SegmentTable<T, Extent> table_;
   T time_step_;
   T displacement_ = 0;
+  std::size_t segment_ = 0;  // that holds the displacement
   // Velocity times time_step, the way of a sample [m]: no factor comes between it and the displacement, whose
   // rounding would add up over many bounces. In two parts: what gravity adds in a sample is small beside it and
   // always the same, so that every sum would be rounded the same way; it is gathered first.

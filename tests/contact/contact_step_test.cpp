@@ -191,6 +191,17 @@ TYPED_TEST(ContactStepProperty, TheWayBackTakesTheSameForce) {
   });
 }
 
+// What a step hands on is what the next one would look for itself, so that a carried segment changes nothing.
+TYPED_TEST(ContactStepProperty, NamesTheSegmentItEndsIn) {
+  this->for_steps([&](const auto& step, const auto& table) {
+    const auto elastic = contact_step(table, this->approach(step));
+    ASSERT_EQ(elastic.segment, segment_index(table, elastic.compression));
+    const ContactControls<TypeParam> controls{2, TypeParam(0.1)};
+    const auto lossy = contact_step(table, controls, TypeParam(1e-5), this->approach(step));
+    ASSERT_EQ(lossy.segment, segment_index(table, lossy.compression));
+  });
+}
+
 TYPED_TEST(ContactStepProperty, WithoutLossTheLossyStepIsTheElasticOne) {
   this->for_steps([&](const auto& step, const auto& table) {
     const auto elastic = contact_step(table, this->approach(step));
