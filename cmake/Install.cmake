@@ -14,6 +14,10 @@ install(DIRECTORY materials resonators scores keyboards DESTINATION ${contactspl
 install(FILES LICENSE TYPE DOC)
 
 install(EXPORT ContactSplineTargets NAMESPACE ContactSpline:: DESTINATION ${contactspline_cmake_dir})
+if(CONTACTSPLINE_BUILD_SIMD)
+  install(TARGETS contactspline_simd EXPORT ContactSplineSimdTargets)
+  install(EXPORT ContactSplineSimdTargets NAMESPACE ContactSpline:: DESTINATION ${contactspline_cmake_dir})
+endif()
 configure_package_config_file(cmake/ContactSplineConfig.cmake.in ContactSplineConfig.cmake
   INSTALL_DESTINATION ${contactspline_cmake_dir}
   PATH_VARS contactspline_data_dir)

@@ -9,10 +9,7 @@
 #include <numbers>
 #include <span>
 
-#if defined(__SSE2__)
-#include <emmintrin.h>
-#endif
-
+#include "contactspline/flush_denormals.hpp"
 #include "contactspline/fret_string.hpp"
 #include "contactspline/hammer_string.hpp"
 #include "contactspline/slide_string.hpp"
@@ -20,25 +17,6 @@
 
 namespace contactspline {
 namespace {
-
-/// While one lives, numbers too small to be heard count as 0: what dies away costs no more than what sounds.
-class FlushDenormals {
- public:
-#if defined(__SSE2__)
-  FlushDenormals() : before_(_mm_getcsr()) {
-    _mm_setcsr(before_ | kFlushToZero | kDenormalsAreZero);
-  }
-  ~FlushDenormals() {
-    _mm_setcsr(before_);
-  }
-
- private:
-  static constexpr unsigned kFlushToZero = 0x8000, kDenormalsAreZero = 0x0040;
-  unsigned before_;
-#else
-  FlushDenormals() {}  // other machines pay for them or do not have them
-#endif
-};
 
 constexpr std::size_t kColumns = 1200;
 constexpr double kThrowDistance = 1e-4;  // m before the string

@@ -98,6 +98,14 @@ struct ContactStep {
 
 namespace detail {
 
+/// segment_index of y, which rounding may have put a hair beyond a segment.
+template <std::floating_point T, std::size_t Extent>
+[[nodiscard]] constexpr std::size_t settled(SegmentTable<T, Extent> table, std::size_t segment, T y) {
+  while (segment > 0 && y < table[segment].knot) --segment;
+  while (segment + 1 < table.size() && y >= table[segment + 1].knot) ++segment;
+  return segment;
+}
+
 /// A step that leaves the segment `start` of y0, upwards or downwards.
 template <std::floating_point T, std::size_t Extent>
 struct Crossing {
@@ -118,8 +126,11 @@ struct Crossing {
         first(up ? std::min(start + 1, table.size() - 1) : start),
         gain_to_first((table[first].knot - y0) * (table[start].force_at(y0) + table[first].force) / 2) {}
 
+  // Where xi times the slope of the discrete gradient is below this, the latter alone gives the force.
+  static constexpr T kSoft = T(1) / 1024;
+
   [[nodiscard]] constexpr T gain_to(std::size_t k) const {
-    return k == first ? gain_to_first : gain_to_first + (table[k].energy - table[first].energy);
+    return gain_to_first + T(k != first) * (table[k].energy - table[first].energy);
   }
 
   /// Does the root lie above this knot?
@@ -130,62 +141,75 @@ struct Crossing {
   }
 
   /// The step, `knots_below` knots lying below the root. At least one knot is crossed.
-  [[nodiscard]] constexpr ContactStep<T> land(std::size_t knots_below) const {
+  template <typename Machine>
+  [[nodiscard, gnu::always_inline]] constexpr ContactStep<T> land(std::size_t knots_below,
+                                                                  const Machine& machine) const {
     const std::size_t last = table.size() - 1;
-    const std::size_t landing = up ? std::max(knots_below, first) : std::min(knots_below, start - (start > 0));
-    const std::size_t entry = up ? landing : std::min(landing + 1, last);  // last knot passed
+    const std::size_t lowest = up ? first : 0, highest = up ? last : start - (start > 0);
+    const std::size_t landing = std::min(std::max(knots_below, lowest), highest);
+    const std::size_t entry = std::min(landing + !up, last);  // last knot passed
     const T origin = table[entry].knot;
     const T way = origin - y0;
     const T gain = gain_to(entry);
     const T entry_force = table[entry].force;
     const T c = table[landing].half_curvature;
-    const T sign = up ? T(1) : T(-1);
+    const T sign = T(2 * up - 1);
 
     const T a = 1 + xi * c;
     const T b = sign * (2 * way - xf + xi * entry_force);
     const T g = std::min(T(0), way * (way - xf) + xi * gain);
-    const bool away = way != 0;  // else f and s are linear in xf
-    const T larger = (away ? std::sqrt(b * b - 4 * a * g) : std::abs(b)) + std::abs(b);
-    const T s = sign * (b <= 0 ? larger : -2 * g) / (b <= 0 ? 2 * a : larger);
+    const bool away = way != 0;                                        // else f and s are linear in xf
+    const T root = away ? std::sqrt(b * b - 4 * a * g) : std::abs(b);  // |x| times the slope of h there
+    const T larger = root + std::abs(b);
+    const T s = sign * machine.choose(b, larger, -2 * g) / machine.choose(b, 2 * a, larger);
 
     const T x = way + s;
-    const T length = away ? std::abs(x) : T(1);
     const T work = sign * (gain + s * (entry_force + s * c));
-    const T rise = std::abs(entry_force + 2 * c * s - work / length);  // |x| times the slope of the discrete gradient
-    const T numerator = away ? work + rise * (xf - x) : entry_force + c * xf;
-    const T denominator = away ? length + xi * rise : a;
+    const T length = away ? std::abs(x) : T(1);
+    const T stiff = std::max(T(0), root * (1 - kSoft) - length);
+    const T numerator = away ? work + stiff * ((xf - x) / xi) : entry_force + c * xf;
+    const T denominator = away ? length + stiff : a;
     const T y = origin + s;
-    // Rounding may put y a hair beyond the segment.
-    const std::size_t lower = landing - (landing > 0 && y < table[landing].knot);
-    const std::size_t segment = lower + (lower < last && y >= table[std::min(lower + 1, last)].knot);
-    return {std::max(T(0), numerator / denominator), y, segment};
+    return {std::max(T(0), numerator / denominator), y, settled(table, landing, y)};
   }
 };
 
-/// The step from y0 in the segment `start` by x = (xf - xi f)/divisor, divisor >= 1. `search` finds how many knots
-/// lie below the root.
-template <std::floating_point T, std::size_t Extent, typename Search>
-[[nodiscard]] constexpr ContactStep<T> contact_step(SegmentTable<T, Extent> table, std::size_t start,
-                                                    const Approach<T>& approach, T divisor, Search search) {
+/// The step from y0 in the segment `start` by x = (xf - xi f)/divisor, divisor >= 1, on a `machine` as PlainMachine.
+template <std::floating_point T, std::size_t Extent, typename Machine>
+[[nodiscard, gnu::always_inline]] constexpr ContactStep<T> contact_step(SegmentTable<T, Extent> table,
+                                                                        std::size_t start,
+                                                                        const Approach<T>& approach, T divisor,
+                                                                        const Machine& machine) {
   const T y0 = approach.compression, xf = approach.free_increment, xi = approach.admittance;
   const Segment<T>& here = table[start];
   const std::size_t next = std::min(start + 1, table.size() - 1);
-  // Within one segment the discrete gradient is linear.
+  // Within one segment the discrete gradient is linear: x = free/slope.
   const T f0 = here.force_at(y0);
+  const T free = xf - xi * f0;
   const T slope = divisor + xi * here.half_curvature;
-  const T y = y0 + (xf - xi * f0) / slope;
-  const bool below = start > 0 && y < here.knot;
-  const bool above = start < next && y >= table[next].knot;
-  if (!below && !above) return {std::max(T(0), (divisor * f0 + here.half_curvature * xf) / slope), y, start};
-  const Crossing<T, Extent> crossing(table, start, {y0, xf / divisor, xi / divisor}, above);
-  return crossing.land(search(crossing));
+  const bool below = (start > 0) & (free < slope * (here.knot - y0));
+  const bool above = (start < next) & (free >= slope * (table[next].knot - y0));
+  if (!(below | above)) {
+    const T y = y0 + free / slope;
+    return {std::max(T(0), (divisor * f0 + here.half_curvature * xf) / slope), y, settled(table, start, y)};
+  }
+  const bool is_lossy = divisor != 1;
+  const Approach<T> yielding{y0, is_lossy ? xf / divisor : xf, is_lossy ? xi / divisor : xi};
+  const Crossing<T, Extent> crossing(table, start, yielding, above);
+  return crossing.land(machine.knots_below_root(crossing), machine);
 }
 
-/// Binary search: ceil(log2(N + 1)) probes, whatever the data.
-struct BinarySearch {
+/// What a machine without vectors does.
+struct PlainMachine {
+  /// Binary search: ceil(log2(N + 1)) probes, whatever the data.
   template <std::floating_point T, std::size_t Extent>
-  [[nodiscard]] constexpr std::size_t operator()(const Crossing<T, Extent>& crossing) const {
+  [[nodiscard]] constexpr std::size_t knots_below_root(const Crossing<T, Extent>& crossing) const {
     return count_leading(crossing.table.size() - 1, [&](std::size_t k) { return crossing.passes(k); });
+  }
+
+  template <std::floating_point T>
+  [[nodiscard]] constexpr T choose(T test, T if_at_most_0, T otherwise) const {
+    return test <= 0 ? if_at_most_0 : otherwise;
   }
 };
 
@@ -205,7 +229,7 @@ struct BinarySearch {
 template <std::floating_point T, std::size_t Extent>
 [[nodiscard]] ContactStep<T> contact_step(SegmentTable<T, Extent> table, const Approach<T>& approach,
                                           std::size_t start) {
-  return detail::contact_step(table, start, approach, T(1), detail::BinarySearch());
+  return detail::contact_step(table, start, approach, T(1), detail::PlainMachine());
 }
 
 /// The same from anywhere.
@@ -229,16 +253,20 @@ struct ContactControls {
 
 namespace detail {
 
-template <std::floating_point T, std::size_t Extent, typename Search>
-[[nodiscard]] constexpr ContactStep<T> contact_step(SegmentTable<T, Extent> table, const ContactControls<T>& controls,
-                                                    T time_step, const Approach<T>& approach, std::size_t start,
-                                                    Search search) {
+template <std::floating_point T, std::size_t Extent, typename Machine>
+[[nodiscard, gnu::always_inline]] constexpr ContactStep<T> contact_step(SegmentTable<T, Extent> table,
+                                                                        const ContactControls<T>& controls,
+                                                                        T time_step, const Approach<T>& approach,
+                                                                        std::size_t start, const Machine& machine) {
   const T y0 = approach.compression, xf = approach.free_increment, xi = approach.admittance;
   const T ratio = controls.stiffness_ratio;
+  if (controls.loss_s_per_m == 0) {
+    const auto elastic = contact_step(table, start, Approach<T>{y0, xf, ratio * xi}, T(1), machine);
+    return {ratio * elastic.force, elastic.compression, elastic.segment};
+  }
   const T resistance = controls.loss_s_per_m * ratio / time_step * table[start].force_at(y0);  // [N/m]
   const T divisor = 1 + xi * resistance;
-  const auto elastic = contact_step(table, start, Approach<T>{y0, xf, ratio * xi}, divisor, search);
-  if (resistance == 0) return {ratio * elastic.force, elastic.compression, elastic.segment};
+  const auto elastic = contact_step(table, start, Approach<T>{y0, xf, ratio * xi}, divisor, machine);
   const T total = (ratio * elastic.force + resistance * xf) / divisor;
   if (total >= 0) return {total, elastic.compression, elastic.segment};
   return {0, y0 + xf, segment_index(table, y0 + xf)};
@@ -252,7 +280,7 @@ template <std::floating_point T, std::size_t Extent, typename Search>
 template <std::floating_point T, std::size_t Extent>
 [[nodiscard]] ContactStep<T> contact_step(SegmentTable<T, Extent> table, const ContactControls<T>& controls,
                                           T time_step, const Approach<T>& approach, std::size_t start) {
-  return detail::contact_step(table, controls, time_step, approach, start, detail::BinarySearch());
+  return detail::contact_step(table, controls, time_step, approach, start, detail::PlainMachine());
 }
 
 /// The same from anywhere.

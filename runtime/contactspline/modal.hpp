@@ -2,14 +2,18 @@
 // Modal resonators with exact poles, condensed to what a contact needs to know of them.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <concepts>
 #include <cstddef>
 #include <limits>
+#include <new>
 #include <numbers>
 #include <span>
 #include <vector>
+
+#include "contactspline/kernels.hpp"
 
 namespace contactspline {
 
@@ -29,28 +33,70 @@ inline constexpr auto modes_in = [] {
   return modes;
 }();
 
+namespace detail {
+
+/// Memory that begins on a cache line, so that vectors of any width lie within one.
+template <typename T>
+struct CacheLineAllocator {
+  using value_type = T;
+  static constexpr std::align_val_t kLine{64};
+
+  CacheLineAllocator() = default;
+  template <typename U>
+  constexpr CacheLineAllocator(const CacheLineAllocator<U>&) {}
+
+  [[nodiscard]] T* allocate(std::size_t n) { return static_cast<T*>(::operator new(n * sizeof(T), kLine)); }
+  void deallocate(T* memory, std::size_t) { ::operator delete(memory, kLine); }
+  friend bool operator==(CacheLineAllocator, CacheLineAllocator) { return true; }
+};
+
+/// Numbers of modes, followed by zeros up to a whole cache line: what runs over whole vectors needs no rest loop.
+template <std::floating_point T>
+class ModalArray {
+ public:
+  ModalArray() = default;
+  explicit ModalArray(std::size_t size) : size_(size), values_((size + kLine - 1) / kLine * kLine) {}
+
+  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] T operator[](std::size_t i) const { return values_[i]; }
+  [[nodiscard]] T& operator[](std::size_t i) { return values_[i]; }
+  [[nodiscard]] const T* data() const { return values_.data(); }
+  [[nodiscard]] T* data() { return values_.data(); }
+  void clear() { std::ranges::fill(values_, T(0)); }
+
+ private:
+  static constexpr std::size_t kLine = 64 / sizeof(T);
+  std::size_t size_ = 0;
+  std::vector<T, CacheLineAllocator<T>> values_;
+};
+
+}  // namespace detail
+
 /// Shapes of all modes at one place: the displacement there is the sum of shape times modal displacement.
 template <std::floating_point T>
 class ModeShapes {
  public:
   ModeShapes() = default;
   explicit ModeShapes(std::size_t modes) : values_(modes) {}
-  explicit ModeShapes(std::span<const double> values) : values_(values.begin(), values.end()) {}
+  explicit ModeShapes(std::span<const double> values) : values_(values.size()) {
+    for (std::size_t i = 0; i < values.size(); ++i) values_[i] = static_cast<T>(values[i]);
+  }
 
   [[nodiscard]] std::size_t size() const { return values_.size(); }
   [[nodiscard]] T operator[](std::size_t mode) const { return values_[mode]; }
   [[nodiscard]] T& operator[](std::size_t mode) { return values_[mode]; }
+  [[nodiscard]] const T* data() const { return values_.data(); }
 
  private:
-  std::vector<T> values_;
+  detail::ModalArray<T> values_;
 };
 
 namespace detail {
 
 /// Constants of one mode at a sample rate (docs/modal.md). With z = exp((-decay + j w) dt):
 struct ModeConstants {
-  double stiffness;  ///< |1 - z|^2 / 2
-  double loss;       ///< (1 - |z|^2) / 2
+  double stiffness;  ///< |1 - z|^2
+  double loss;       ///< 1 - |z|^2
   double give;       ///< dt^2 |1 + z|^2 / (8 m), increment per unit of force [m/N]
 };
 
@@ -60,7 +106,7 @@ inline ModeConstants mode_constants(const Mode& mode, double sample_rate_hz) {
   const double fall = std::exp(-mode.decay_per_s * dt);
   const double missing = -std::expm1(-mode.decay_per_s * dt);
   const double sine = std::sin(turn), cosine = std::cos(turn);
-  return {missing * missing / 2 + 2 * fall * sine * sine, -std::expm1(-2 * mode.decay_per_s * dt) / 2,
+  return {missing * missing + 4 * fall * sine * sine, -std::expm1(-2 * mode.decay_per_s * dt),
           dt * dt * (missing * missing + 4 * fall * cosine * cosine) / (8 * mode.mass_kg)};
 }
 
@@ -83,13 +129,24 @@ template <std::floating_point T, typename Term>
 /// commit(). No allocation after construction.
 ///
 /// State per mode: displacement q and what q would change by in the coming sample if no force acted, d. A sample
-/// changes q by c = d + give shape f, and leaves d <- 2 c - d - 2 (loss c + stiffness q): the midpoint rule without
+/// changes q by c = d + give shape f, and leaves d <- 2 c - d - (loss c + stiffness q): the midpoint rule without
 /// its velocity (docs/modal.md). All that is added is small, so that single precision keeps 100 dB.
 template <std::floating_point T>
 class ModalBank {
  public:
-  ModalBank(std::span<const Mode> modes, double sample_rate_hz) : sample_rate_hz_(sample_rate_hz) {
-    for (const Mode& mode : modes) add(mode);
+  ModalBank(std::span<const Mode> modes, double sample_rate_hz)
+      : sample_rate_hz_(sample_rate_hz),
+        stiffness_(modes.size()),
+        stiffness_rest_(modes.size()),
+        loss_(modes.size()),
+        give_(modes.size()),
+        displacement_(modes.size()),
+        free_increment_(modes.size()),
+        change_(modes.size()),
+        spring_(modes.size()),
+        resistance_(modes.size()),
+        kinetic_(modes.size()) {
+    for (std::size_t i = 0; i < modes.size(); ++i) set(i, modes[i]);
   }
 
   [[nodiscard]] std::size_t size() const { return displacement_.size(); }
@@ -166,21 +223,36 @@ class ModalBank {
     double energy = 0;
     for (std::size_t i = 0; i < size(); ++i) {
       const double change = change_[i];
-      energy += (static_cast<double>(loss_[i]) + damping_) * resistance_[i] * change * change * kinetic_[i];
+      energy += (static_cast<double>(loss_[i]) / 2 + damping_) * resistance_[i] * change * change * kinetic_[i];
     }
     return energy;
   }
 
+  /// How a force at a place, per newton, changes each mode's displacement and free increment at the end of a sample.
+  void respond(const ModeShapes<T>& at, detail::ModalArray<T>& displacement,
+               detail::ModalArray<T>& free_increment) const {
+    for (std::size_t i = 0; i < size(); ++i) {
+      displacement[i] = give_[i] * at[i];
+      free_increment[i] = displacement[i] * (2 - loss_[i] - stiffness_[i]);
+    }
+  }
+
+  /// For the kernels.
+  [[nodiscard]] detail::ModalArrays<T> arrays() {
+    return {size(),       stiffness_.data(),    stiffness_rest_.data(),
+            loss_.data(), displacement_.data(), free_increment_.data()};
+  }
+
   void reset() {
-    displacement_.assign(size(), 0);
-    free_increment_.assign(size(), 0);
+    displacement_.clear();
+    free_increment_.clear();
   }
 
  private:
-  // Of mode i: velocity times dt [m], which the free increment lacks: it is w |1 + z|^2/4 - stiffness q.
+  // Of mode i: velocity times dt [m], which the free increment lacks: it is w |1 + z|^2/4 - stiffness/2 q.
   [[nodiscard]] double way(std::size_t i) const {
     const double stiffness = static_cast<double>(stiffness_[i]) + stiffness_rest_[i];
-    return (free_increment_[i] + stiffness * displacement_[i]) * resistance_[i] / 4;
+    return (free_increment_[i] + stiffness / 2 * displacement_[i]) * resistance_[i] / 4;
   }
 
   // A function of its own: compilers believe __restrict of parameters.
@@ -192,27 +264,24 @@ class ModalBank {
       T pull = loss[i] * change[i] + stiffness[i] * moved;
       if constexpr (kRounds) pull += stiffness_rest[i] * moved;
       displacement[i] = moved;
-      free_increment[i] = (change[i] - free_increment[i]) + (change[i] - 2 * pull);
+      free_increment[i] = (change[i] - free_increment[i]) + (change[i] - pull);
     }
   }
 
-  void add(const Mode& mode) {
+  void set(std::size_t i, const Mode& mode) {
     const auto [stiffness, loss, give] = detail::mode_constants(mode, sample_rate_hz_);
     // A mode above half the sample rate would sound at another pitch: nothing drives it, as in modal.lib.
     const bool audible = mode.angular_frequency_rad_per_s < std::numbers::pi * sample_rate_hz_;
-    stiffness_.push_back(static_cast<T>(stiffness));
-    stiffness_rest_.push_back(static_cast<T>(stiffness - static_cast<double>(stiffness_.back())));
-    loss_.push_back(static_cast<T>(loss));
-    give_.push_back(audible ? static_cast<T>(give) : T(0));
-    // K dt^2/m = 4 |1 - z|^2/|1 + z|^2, R dt/m = 16 loss/|1 + z|^2, as of a damper 16 damping/|1 + z|^2, energy (w^2
+    stiffness_[i] = static_cast<T>(stiffness);
+    stiffness_rest_[i] = static_cast<T>(stiffness - static_cast<double>(stiffness_[i]));
+    loss_[i] = static_cast<T>(loss);
+    give_[i] = audible ? static_cast<T>(give) : T(0);
+    // K dt^2/m = 4 |1 - z|^2/|1 + z|^2, R dt/m = 8 loss/|1 + z|^2, as of a damper 16 damping/|1 + z|^2, energy (w^2
     // + K dt^2/m q^2) m/(2 dt^2).
     const double nearness = 8 * give * mode.mass_kg * sample_rate_hz_ * sample_rate_hz_;  // |1 + z|^2
-    spring_.push_back(audible ? 8 * stiffness / nearness : 0);
-    resistance_.push_back(audible ? 16 / nearness : 0);
-    kinetic_.push_back(mode.mass_kg * sample_rate_hz_ * sample_rate_hz_ / 2);
-    displacement_.push_back(0);
-    free_increment_.push_back(0);
-    change_.push_back(0);
+    spring_[i] = audible ? 4 * stiffness / nearness : 0;
+    resistance_[i] = audible ? 16 / nearness : 0;
+    kinetic_[i] = mode.mass_kg * sample_rate_hz_ * sample_rate_hz_ / 2;
   }
 
   // Are the constants rounded to T? Then the rest of the stiffness is kept beside it.
@@ -220,9 +289,9 @@ class ModalBank {
 
   double sample_rate_hz_;
   T damping_ = 0;  // of the sample under way
-  std::vector<T> stiffness_, stiffness_rest_, loss_, give_;
-  std::vector<T> displacement_, free_increment_, change_;
-  std::vector<double> spring_, resistance_, kinetic_;
+  detail::ModalArray<T> stiffness_, stiffness_rest_, loss_, give_;
+  detail::ModalArray<T> displacement_, free_increment_, change_;
+  detail::ModalArray<double> spring_, resistance_, kinetic_;
 };
 
 }  // namespace contactspline

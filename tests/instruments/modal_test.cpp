@@ -14,15 +14,15 @@ namespace {
 
 constexpr double kRates[] = {22050, 44100, 96000, 192000};
 
-// Frequency and decay of the recursion from its constants: the product of its poles is 1 - 2 loss, and |1 - z|^2 is
-// 2 stiffness = (1 - r)^2 + 4 r sin^2(w dt/2).
+// Frequency and decay of the recursion from its constants: the product of its poles is 1 - loss, and |1 - z|^2 is
+// the stiffness, (1 - r)^2 + 4 r sin^2(w dt/2).
 Mode mode_of(const detail::ModeConstants& constants, double rate) {
-  const long double product = 1 - 2 * static_cast<long double>(constants.loss);
+  const long double product = 1 - static_cast<long double>(constants.loss);
   const long double r = std::sqrt(product);
-  const long double missing = 2 * static_cast<long double>(constants.loss) / (1 + r);
-  const long double sine = std::sqrt((2 * constants.stiffness - missing * missing) / (4 * r));
+  const long double missing = static_cast<long double>(constants.loss) / (1 + r);
+  const long double sine = std::sqrt((constants.stiffness - missing * missing) / (4 * r));
   return {static_cast<double>(2 * std::asin(sine) * rate),
-          static_cast<double>(-std::log1p(-2 * static_cast<long double>(constants.loss)) / 2 * rate), 0};
+          static_cast<double>(-std::log1p(-static_cast<long double>(constants.loss)) / 2 * rate), 0};
 }
 
 // The constants carry a few roundings of 2^-53; asin loses digits only near half the sample rate, where its slope is

@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: MIT
+// The kernels, compiled once for each instruction set; the best one that the machine has is taken at run time.
+#include "contactspline/kernels.hpp"
+
+#include "contactspline/flush_denormals.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "simd/kernels.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace contactspline::detail {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+template <typename T>
+using Tag = hn::ScalableTag<T>;
+template <typename T>
+using Vector = hn::Vec<Tag<T>>;
+
+/// Is T so coarse that the rest of the stiffness is kept beside it? As in ModalBank.
+template <typename T>
+constexpr bool kRounds = sizeof(T) < sizeof(double);
+
+/// What comes of a mode's change c over a sample, `share` of its free increment d: ModalBank::commit.
+template <bool kDamped, typename T>
+HWY_INLINE void move(Vector<T> stiffness, Vector<T> rest, Vector<T> loss, Vector<T> share, Vector<T>& q,
+                     Vector<T>& d) {
+  const auto c = kDamped ? hn::Mul(share, d) : d;
+  q = hn::Add(q, c);
+  auto pull = hn::Mul(loss, c);
+  if constexpr (kRounds<T>) pull = hn::MulAdd(rest, q, pull);
+  pull = hn::MulAdd(stiffness, q, pull);
+  d = kDamped ? hn::Add(hn::Sub(c, d), hn::Sub(c, pull)) : hn::Sub(c, pull);
+}
+
+constexpr std::size_t kBlock = 64;  // samples
+
+/// So many vectors of modes over a block of samples, in registers; adds shape times displacement to `sums`.
+template <std::size_t kVectors, bool kDamped, typename T>
+HWY_INLINE void run_free(const ModalArrays<T>& string, std::size_t first, T share, const T* pickup,
+                         std::size_t samples, T* HWY_RESTRICT sums) {
+  const Tag<T> tag;
+  const std::size_t lanes = hn::Lanes(tag);
+  const auto shares = hn::Set(tag, share);
+  Vector<T> stiffness[kVectors], rest[kVectors], loss[kVectors], q[kVectors], d[kVectors], shape[kVectors];
+  for (std::size_t v = 0; v < kVectors; ++v) {
+    const std::size_t at = first + v * lanes;
+    stiffness[v] = hn::Load(tag, string.stiffness + at);
+    rest[v] = hn::Load(tag, string.stiffness_rest + at);
+    loss[v] = hn::Load(tag, string.loss + at);
+    shape[v] = hn::Load(tag, pickup + at);
+    q[v] = hn::Load(tag, string.displacement + at);
+    d[v] = hn::Load(tag, string.free_increment + at);
+  }
+  for (std::size_t n = 0; n < samples; ++n) {
+    auto sum = hn::Load(tag, sums + n * lanes);
+    for (std::size_t v = 0; v < kVectors; ++v) {
+      move<kDamped, T>(stiffness[v], rest[v], loss[v], shares, q[v], d[v]);
+      sum = hn::MulAdd(shape[v], q[v], sum);
+    }
+    hn::Store(sum, tag, sums + n * lanes);
+  }
+  for (std::size_t v = 0; v < kVectors; ++v) {
+    hn::Store(q[v], tag, string.displacement + first + v * lanes);
+    hn::Store(d[v], tag, string.free_increment + first + v * lanes);
+  }
+}
+
+template <bool kDamped, typename T>
+HWY_INLINE void play_free_of(const ModalArrays<T>& string, T share, const T* pickup, std::span<T> out) {
+  const Tag<T> tag;
+  const std::size_t lanes = hn::Lanes(tag);
+  HWY_ALIGN T sums[kBlock * HWY_MAX_BYTES / sizeof(T)];
+  // As many vectors at once as their sums' latency needs and the registers hold.
+  constexpr std::size_t kVectors = 4;
+  while (!out.empty()) {
+    const std::size_t samples = std::min(out.size(), kBlock);
+    for (std::size_t i = 0; i < samples; ++i) hn::Store(hn::Zero(tag), tag, sums + i * lanes);
+    std::size_t mode = 0;
+    for (; mode + (kVectors - 1) * lanes < string.modes; mode += kVectors * lanes)
+      run_free<kVectors, kDamped>(string, mode, share, pickup, samples, sums);
+    const std::size_t left = mode < string.modes ? (string.modes - mode + lanes - 1) / lanes : 0;
+    if (left == 3) run_free<3, kDamped>(string, mode, share, pickup, samples, sums);
+    if (left == 2) run_free<2, kDamped>(string, mode, share, pickup, samples, sums);
+    if (left == 1) run_free<1, kDamped>(string, mode, share, pickup, samples, sums);
+    for (std::size_t i = 0; i < samples; ++i)
+      out[i] = hn::GetLane(hn::SumOfLanes(tag, hn::Load(tag, sums + i * lanes)));
+    out = out.subspan(samples);
+  }
+}
+
+template <typename T>
+HWY_INLINE void play_free_at(const ModalArrays<T>& string, T share, const T* pickup, std::span<T> out) {
+  if (share == 1)
+    play_free_of<false>(string, share, pickup, out);
+  else
+    play_free_of<true>(string, share, pickup, out);
+}
+
+/// Of whole vectors of knots, how many the root of a crossing lies above.
+template <typename T>
+HWY_INLINE std::size_t passed(const Crossing<T, std::dynamic_extent>& crossing, const T* knots, const T* energies,
+                              std::size_t count) {
+  const Tag<T> tag;
+  const auto sign = hn::Set(tag, crossing.up ? T(1) : T(-1));
+  const auto y0 = hn::Set(tag, crossing.y0);
+  const auto xf = hn::Set(tag, crossing.xf);
+  const auto xi = hn::Set(tag, crossing.xi);
+  const auto lift = hn::Set(tag, crossing.gain_to_first - crossing.table[crossing.first].energy);
+  std::size_t beyond = 0;  // knots ahead that the root does not reach
+  for (std::size_t k = 0; k < count; k += hn::Lanes(tag)) {
+    const auto way = hn::Sub(hn::Load(tag, knots + k), y0);
+    const auto gain = hn::Add(hn::Load(tag, energies + k), lift);
+    const auto g = hn::MulAdd(xi, gain, hn::Mul(way, hn::Sub(way, xf)));
+    const auto ahead = hn::Min(hn::Mul(sign, way), g);
+    beyond += hn::CountTrue(tag, hn::Gt(ahead, hn::Zero(tag)));
+  }
+  return crossing.up ? count - beyond : beyond;
+}
+
+/// As PlainMachine, without a branch that depends on the data: the landing is searched in two levels of whole
+/// vectors.
+template <typename T>
+struct VectorMachine {
+  const StrikeArrays<T>& felt;
+
+  HWY_ATTR T choose(T test, T if_at_most_0, T otherwise) const {
+    const hn::CappedTag<T, 1> tag;
+    const auto is_at_most_0 = hn::Le(hn::Set(tag, test), hn::Zero(tag));
+    return hn::GetLane(hn::IfThenElse(is_at_most_0, hn::Set(tag, if_at_most_0), hn::Set(tag, otherwise)));
+  }
+
+  HWY_ATTR std::size_t knots_below_root(const Crossing<T, std::dynamic_extent>& crossing) const {
+    std::size_t block = 0;
+    if (felt.blocks > 1) {
+      const std::size_t pivots = (felt.blocks + kKnotsInABlock - 1) / kKnotsInABlock * kKnotsInABlock;
+      const std::size_t below = passed(crossing, felt.pivots, felt.pivot_energies, pivots);
+      block = below - (below > 0);
+    }
+    const std::size_t at = block * kKnotsInABlock;
+    return at + passed(crossing, felt.knots + at, felt.energies + at, kKnotsInABlock);
+  }
+};
+
+/// Sums over the modes of the strike's shape times free increment and of the pickup's times displacement.
+template <typename T>
+struct Sums {
+  T coming, heard;
+};
+
+/// One pass over the modes: applies the force of the sample before the last, `push` after the damper's share, to what
+/// the last sample did without it, and does the coming sample without its force, which is still missing in the sums.
+template <bool kDamped, typename T>
+HWY_INLINE Sums<T> pass(std::size_t modes, const T* HWY_RESTRICT stiffness, const T* HWY_RESTRICT rest,
+                        const T* HWY_RESTRICT loss, T* HWY_RESTRICT displacement, T* HWY_RESTRICT free_increment,
+                        const T* HWY_RESTRICT give, const T* HWY_RESTRICT free_give, const T* HWY_RESTRICT shape,
+                        const T* HWY_RESTRICT pickup, T share, T push) {
+  const Tag<T> tag;
+  const std::size_t lanes = hn::Lanes(tag);
+  const auto pushes = hn::Set(tag, push), shares = hn::Set(tag, share);
+  auto coming0 = hn::Zero(tag), coming1 = coming0, heard0 = coming0, heard1 = coming0;
+  const auto step = [&](std::size_t at, Vector<T>& coming, Vector<T>& heard) HWY_ATTR {
+    auto q = hn::MulAdd(hn::Load(tag, give + at), pushes, hn::Load(tag, displacement + at));
+    auto d = hn::MulAdd(hn::Load(tag, free_give + at), pushes, hn::Load(tag, free_increment + at));
+    const auto rests = kRounds<T> ? hn::Load(tag, rest + at) : hn::Zero(tag);
+    move<kDamped, T>(hn::Load(tag, stiffness + at), rests, hn::Load(tag, loss + at), shares, q, d);
+    hn::Store(q, tag, displacement + at);
+    hn::Store(d, tag, free_increment + at);
+    coming = hn::MulAdd(hn::Load(tag, shape + at), d, coming);
+    heard = hn::MulAdd(hn::Load(tag, pickup + at), q, heard);
+  };
+  std::size_t at = 0;
+  for (; at + lanes < modes; at += 2 * lanes) {
+    step(at, coming0, heard0);
+    step(at + lanes, coming1, heard1);
+  }
+  if (at < modes) step(at, coming0, heard0);
+  return {hn::GetLane(hn::SumOfLanes(tag, hn::Add(coming0, coming1))),
+          hn::GetLane(hn::SumOfLanes(tag, hn::Add(heard0, heard1)))};
+}
+
+/// The contact waits for a sum over the modes, which wait for its last force. But both are affine in that force: so
+/// the sum is made one sample ahead without it, and what it adds is one product. Contact and modes then go on beside
+/// each other in the machine.
+template <bool kDamped, typename T>
+HWY_INLINE std::size_t play_struck_of(const ModalArrays<T>& string, const StrikeArrays<T>& strike,
+                                      SegmentTable<T> felt, T dt, T share, T string_admittance,
+                                      HammerFlight<T>& hammer, const T* pickup, std::span<T> out) {
+  const Tag<T> tag;
+  const std::size_t lanes = hn::Lanes(tag);
+  auto coming_sum = hn::Zero(tag), pickup_sum = hn::Zero(tag);
+  for (std::size_t at = 0; at < string.modes; at += lanes) {
+    coming_sum = hn::MulAdd(hn::Load(tag, strike.shape + at), hn::Load(tag, string.free_increment + at), coming_sum);
+    pickup_sum = hn::MulAdd(hn::Load(tag, pickup + at), hn::Load(tag, strike.give + at), pickup_sum);
+  }
+  T coming = hn::GetLane(hn::SumOfLanes(tag, coming_sum));
+  const T pickup_admittance = hn::GetLane(hn::SumOfLanes(tag, pickup_sum));
+  const T give = dt / hammer.mass_kg;
+  const T admittance = dt * give / 2 + share * string_admittance;
+  const ModalArrays<T> modes = string;  // copies, which no store below can change
+  const StrikeArrays<T> place = strike;
+  const VectorMachine<T> machine{place};
+  HammerFlight<T> flight = hammer;
+  T push = 0;  // the last force that the modes have not yet felt, after the damper's share
+  std::size_t n = 0;
+  for (; n < out.size() && flight.compression_m > kCaught_m<T>; ++n) {
+    const T free_increment = dt * flight.velocity_m_per_s - share * (coming + place.free_admittance * push);
+    const auto step =
+        contact_step(felt, flight.felt, dt, Approach<T>{flight.compression_m, free_increment, admittance},
+                     flight.segment, machine);
+    const auto sums =
+        pass<kDamped>(modes.modes, modes.stiffness, modes.stiffness_rest, modes.loss, modes.displacement,
+                      modes.free_increment, place.give, place.free_give, place.shape, pickup, share, push);
+    coming = sums.coming;
+    push = share * step.force;
+    out[n] = sums.heard + pickup_admittance * push;
+    flight.force_n = step.force;
+    flight.compression_m = step.compression;
+    flight.segment = step.segment;
+    flight.velocity_m_per_s -= give * step.force;
+  }
+  hammer = flight;
+  const auto pushes = hn::Set(tag, push);
+  for (std::size_t at = 0; at < string.modes; at += lanes) {
+    const auto q = hn::MulAdd(hn::Load(tag, strike.give + at), pushes, hn::Load(tag, string.displacement + at));
+    const auto d =
+        hn::MulAdd(hn::Load(tag, strike.free_give + at), pushes, hn::Load(tag, string.free_increment + at));
+    hn::Store(q, tag, string.displacement + at);
+    hn::Store(d, tag, string.free_increment + at);
+  }
+  return n;
+}
+
+template <typename T>
+HWY_INLINE std::size_t play_struck_at(const ModalArrays<T>& string, const StrikeArrays<T>& strike,
+                                      SegmentTable<T> felt, T dt, T share, T string_admittance,
+                                      HammerFlight<T>& hammer, const T* pickup, std::span<T> out) {
+  return share == 1 ? play_struck_of<false>(string, strike, felt, dt, share, string_admittance, hammer, pickup, out)
+                    : play_struck_of<true>(string, strike, felt, dt, share, string_admittance, hammer, pickup, out);
+}
+
+void PlayFreeFloat(const ModalArrays<float>& string, float share, const float* pickup, std::span<float> out) {
+  play_free_at(string, share, pickup, out);
+}
+void PlayFreeDouble(const ModalArrays<double>& string, double share, const double* pickup, std::span<double> out) {
+  play_free_at(string, share, pickup, out);
+}
+HWY_FLATTEN std::size_t PlayStruckFloat(const ModalArrays<float>& string, const StrikeArrays<float>& strike,
+                                        SegmentTable<float> felt, float dt, float share, float admittance,
+                                        HammerFlight<float>& hammer, const float* pickup, std::span<float> out) {
+  return play_struck_at(string, strike, felt, dt, share, admittance, hammer, pickup, out);
+}
+HWY_FLATTEN std::size_t PlayStruckDouble(const ModalArrays<double>& string, const StrikeArrays<double>& strike,
+                                         SegmentTable<double> felt, double dt, double share, double admittance,
+                                         HammerFlight<double>& hammer, const double* pickup, std::span<double> out) {
+  return play_struck_at(string, strike, felt, dt, share, admittance, hammer, pickup, out);
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace contactspline::detail
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace contactspline::detail {
+
+HWY_EXPORT(PlayFreeFloat);
+HWY_EXPORT(PlayFreeDouble);
+HWY_EXPORT(PlayStruckFloat);
+HWY_EXPORT(PlayStruckDouble);
+
+void play_free(const ModalArrays<float>& string, float share, const float* pickup, std::span<float> out) {
+  const FlushDenormals flushed;
+  HWY_DYNAMIC_DISPATCH(PlayFreeFloat)(string, share, pickup, out);
+}
+void play_free(const ModalArrays<double>& string, double share, const double* pickup, std::span<double> out) {
+  const FlushDenormals flushed;
+  HWY_DYNAMIC_DISPATCH(PlayFreeDouble)(string, share, pickup, out);
+}
+std::size_t play_struck(const ModalArrays<float>& string, const StrikeArrays<float>& strike, SegmentTable<float> felt,
+                        float dt, float share, float string_admittance, HammerFlight<float>& hammer,
+                        const float* pickup, std::span<float> out) {
+  const FlushDenormals flushed;
+  return HWY_DYNAMIC_DISPATCH(PlayStruckFloat)(string, strike, felt, dt, share, string_admittance, hammer, pickup,
+                                               out);
+}
+std::size_t play_struck(const ModalArrays<double>& string, const StrikeArrays<double>& strike,
+                        SegmentTable<double> felt, double dt, double share, double string_admittance,
+                        HammerFlight<double>& hammer, const double* pickup, std::span<double> out) {
+  const FlushDenormals flushed;
+  return HWY_DYNAMIC_DISPATCH(PlayStruckDouble)(string, strike, felt, dt, share, string_admittance, hammer, pickup,
+                                                out);
+}
+
+}  // namespace contactspline::detail
+#endif
