@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: MIT
+// A hammer on a two-step modal string by quadratised contact energy V = psi^2 / 2: no iteration (Ducceschi and Bilbao,
+// DAFx 2019 and JSV 2021; van Walstijn et al., JSV 2023).
+#pragma once
+
+#include <cmath>
+
+#include "bench/baselines/modal_string.hpp"
+#include "bench/baselines/power_law_hammer.hpp"
+
+namespace contactspline::bench {
+
+/// Which gradient g of psi a sample takes.
+enum class PsiGradient {
+  potential,    ///< that of the power law: linearly implicit, as first published ("EXP-0"); may pull
+  never_pulls,  ///< the same, but never so much that psi becomes negative ("EXP-3")
+};
+
+template <std::floating_point T, PsiGradient kGradient>
+class QuadratisedHammerString {
+ public:
+  QuadratisedHammerString(const PowerLawHammer& hammer, std::span<const Mode> modes,
+                          std::span<const double> strike_shapes, std::span<const double> pickup_shapes,
+                          double sample_rate_hz)
+      : string_(modes, strike_shapes, pickup_shapes, sample_rate_hz),
+        time_step_(static_cast<T>(1 / sample_rate_hz)),
+        give_(static_cast<T>(1 / (sample_rate_hz * sample_rate_hz * hammer.mass_kg))),
+        admittance_(give_ + 2 * string_.admittance()),
+        scale_(static_cast<T>(std::sqrt(hammer.stiffness_n_per_m_alpha * (hammer.exponent + 1) / 2))),
+        power_(static_cast<T>((hammer.exponent - 1) / 2)),
+        per_power_(static_cast<T>(2 / (hammer.exponent + 1))) {}
+
+  /// Throws the hammer from a distance [m] with a velocity [m/s]; from within the felt where the distance is negative.
+  void strike(T velocity_m_per_s, T distance_m) {
+    compression_ = -distance_m;
+    way_ = velocity_m_per_s * time_step_;
+    last_increment_ = way_ - string_.last_increment();
+    psi_ = per_power_ * compression_ * gradient();
+  }
+
+  /// Displacement at the pickup [m], sample by sample.
+  void play(std::span<T> out) {
+    for (T& sample : out) sample = tick();
+  }
+
+  [[nodiscard]] T force() const { return force_; }              ///< at the last sample [N]
+  [[nodiscard]] T compression() const { return compression_; }  ///< [m]
+  [[nodiscard]] T hammer_velocity() const { return way_ / time_step_; }
+  [[nodiscard]] T psi() const { return psi_; }  ///< between the last sample and this one [sqrt(J)]
+  [[nodiscard]] const ModalString<T>& string() const { return string_; }
+
+ private:
+  T tick() {
+    const T free = way_ - string_.increment();
+    force_ = meet(free + last_increment_);
+    const T increment = free - admittance_ * force_;
+    was_touching_ = compression_ > 0;
+    compression_ += increment;
+    last_increment_ = increment;
+    way_ -= give_ * force_;
+    return string_.advance(2 * force_);
+  }
+
+  /// d psi / dy of psi = sqrt(2 V).
+  [[nodiscard]] T gradient() const { return compression_ > 0 ? scale_ * std::pow(compression_, power_) : T(0); }
+
+  /// The force, with s = s_free - q f the increment over two samples; carries psi on by g s / 2.
+  T meet(T free) {
+    if (compression_ > 0) {
+      const T g = kGradient == PsiGradient::potential && psi_ < 0 ? -gradient() : gradient();
+      const T give = admittance_ * g;
+      const T way = (free - give * psi_) / (1 + give * g / 4);
+      const T next = psi_ + g * way / 2;
+      if (kGradient == PsiGradient::potential || next >= 0) return carry(g, next);
+      return leave(free);
+    }
+    if (kGradient == PsiGradient::never_pulls && was_touching_) return leave(free);
+    return 0;
+  }
+
+  /// By the greatest gradient that leaves psi >= 0, g_max = 2 (sqrt(z^2 + q psi^2) - z)/(q psi) with z = -s_free/2:
+  /// psi becomes 0.
+  T leave(T free) {
+    const T z = -free / 2;
+    const T root = std::sqrt(z * z + admittance_ * psi_ * psi_);
+    // g psi / 2, in the form that does not cancel
+    const T force = z > 0 ? psi_ * psi_ / (root + z) : (root - z) / admittance_;
+    const bool stored = psi_ > 0;
+    psi_ = 0;
+    return stored ? force : T(0);
+  }
+
+  T carry(T g, T next) {
+    const T force = g * (psi_ + next) / 2;
+    psi_ = next;
+    return force;
+  }
+
+  ModalString<T> string_;
+  T time_step_, give_, admittance_;
+  T scale_, power_, per_power_;
+  T compression_ = -1;  // out of reach until the first throw
+  T way_ = 0;           // of the hammer over a sample [m]
+  T last_increment_ = 0;
+  T psi_ = 0;
+  T force_ = 0;
+  bool was_touching_ = false;
+};
+
+/// The linearly implicit scheme of Ducceschi and Bilbao.
+template <std::floating_point T>
+using LinearlyImplicitHammerString = QuadratisedHammerString<T, PsiGradient::potential>;
+
+/// EXP-3 of van Walstijn et al.
+template <std::floating_point T>
+using Exp3HammerString = QuadratisedHammerString<T, PsiGradient::never_pulls>;
+
+}  // namespace contactspline::bench
