@@ -4,6 +4,7 @@
 
 #include <concepts>
 #include <cstddef>
+#include <experimental/simd>
 #include <numbers>
 #include <span>
 #include <vector>
@@ -21,38 +22,33 @@ struct PassSums {
 
 namespace detail {
 
-/// As many running sums as fill 64 bytes.
+/// As many modes as a vector register holds: all that a pass reads and writes of them side by side, on cache lines of
+/// their own.
 template <std::floating_point T>
-inline constexpr std::size_t kLanes = 64 / sizeof(T);
+struct alignas(64) Modes {
+  using Lanes = std::experimental::native_simd<T>;
+  Lanes keep = 0, pull = 0, gain = 0, strike = 0, pickup = 0;
+  Lanes rest = 0, displacement = 0;
+};
 
+/// One sample of every mode, d = rest + gain F, q += d, and what d would be next without force, rest = keep d - pull
+/// q (the delta form of docs/modal.md). Two vectors at a time, an even number in all: two chains of sums.
 template <std::floating_point T>
-[[nodiscard]] inline T total(const T* lanes) {
-  T sums[kLanes<T> / 2];
-  for (std::size_t i = 0; i < kLanes<T> / 2; ++i) sums[i] = lanes[i] + lanes[i + kLanes<T> / 2];
-  T sum = 0;
-  for (const T value : sums) sum += value;
-  return sum;
-}
-
-/// One sample of every mode, d = rest + gain F, q += d, and what d would be next without force, rest = keep d - pull q
-/// (the delta form of docs/modal.md). modes: a multiple of kLanes.
-template <std::floating_point T>
-[[nodiscard]] inline PassSums<T> pass(std::size_t modes, T force, const T* __restrict keep, const T* __restrict pull,
-                                      const T* __restrict gain, const T* __restrict strike, const T* __restrict pickup,
-                                      T* __restrict rest, T* __restrict displacement) {
-  T increments[kLanes<T>] = {}, pickups[kLanes<T>] = {};
-  for (std::size_t i = 0; i < modes; i += kLanes<T>)
-    for (std::size_t lane = 0; lane < kLanes<T>; ++lane) {
-      const std::size_t mode = i + lane;
-      const T d = rest[mode] + gain[mode] * force;
-      const T q = displacement[mode] + d;
-      const T next = keep[mode] * d - pull[mode] * q;
-      rest[mode] = next;
-      displacement[mode] = q;
-      increments[lane] += strike[mode] * next;
-      pickups[lane] += pickup[mode] * q;
+[[nodiscard]] inline PassSums<T> pass(std::span<Modes<T>> modes, T force) {
+  using Lanes = typename Modes<T>::Lanes;
+  Lanes increment[2] = {0, 0}, output[2] = {0, 0};
+  for (std::size_t i = 0; i < modes.size(); i += 2)
+    for (const std::size_t half : {0, 1}) {
+      Modes<T>& mode = modes[i + half];
+      const Lanes d = mode.rest + mode.gain * force;
+      const Lanes q = mode.displacement + d;
+      const Lanes next = mode.keep * d - mode.pull * q;
+      mode.rest = next;
+      mode.displacement = q;
+      increment[half] += mode.strike * next;
+      output[half] += mode.pickup * q;
     }
-  return {total(increments), total(pickups)};
+  return {reduce(increment[0] + increment[1]), reduce(output[0] + output[1])};
 }
 
 }  // namespace detail
@@ -63,22 +59,22 @@ template <std::floating_point T>
 template <std::floating_point T>
 class ModalString {
  public:
-  ModalString(std::span<const Mode> modes, std::span<const double> strike_shapes, std::span<const double> pickup_shapes,
-              double sample_rate_hz) {
-    const std::size_t lanes = detail::kLanes<T>;
-    const std::size_t padded = (modes.size() + lanes - 1) / lanes * lanes;
-    for (std::vector<T>* values : {&keep_, &pull_, &gain_, &strike_, &pickup_, &rest_, &displacement_})
-      values->resize(padded);
+  ModalString(std::span<const Mode> modes, std::span<const double> strike_shapes,
+              std::span<const double> pickup_shapes, double sample_rate_hz) {
+    const std::size_t pair = 2 * kLanes;
+    modes_.resize((modes.size() + pair - 1) / pair * 2);
     double give_by_force = 0;
     for (std::size_t i = 0; i < modes.size(); ++i) {
       const auto constants = contactspline::detail::mode_constants(modes[i], sample_rate_hz);
       const bool audible = modes[i].angular_frequency_rad_per_s < std::numbers::pi * sample_rate_hz;  // as ModalBank
       const double give = audible ? constants.give : 0;
-      keep_[i] = static_cast<T>(1 - 2 * constants.loss);
-      pull_[i] = static_cast<T>(2 * constants.stiffness);
-      gain_[i] = static_cast<T>(give * strike_shapes[i]);
-      strike_[i] = static_cast<T>(strike_shapes[i]);
-      pickup_[i] = static_cast<T>(pickup_shapes[i]);
+      detail::Modes<T>& mode = modes_[i / kLanes];
+      const std::size_t lane = i % kLanes;
+      mode.keep[lane] = static_cast<T>(1 - 2 * constants.loss);
+      mode.pull[lane] = static_cast<T>(2 * constants.stiffness);
+      mode.gain[lane] = static_cast<T>(give * strike_shapes[i]);
+      mode.strike[lane] = static_cast<T>(strike_shapes[i]);
+      mode.pickup[lane] = static_cast<T>(pickup_shapes[i]);
       give_by_force += give * strike_shapes[i] * strike_shapes[i];
     }
     admittance_ = static_cast<T>(give_by_force);
@@ -91,8 +87,7 @@ class ModalString {
 
   /// Advances one sample under F [N]; gives the displacement at the pickup [m].
   T advance(T force) {
-    const auto sums = detail::pass(rest_.size(), force, keep_.data(), pull_.data(), gain_.data(), strike_.data(),
-                                   pickup_.data(), rest_.data(), displacement_.data());
+    const auto sums = detail::pass(std::span(modes_), force);
     increment_ = sums.increment;
     return sums.pickup;
   }
@@ -100,17 +95,20 @@ class ModalString {
   /// Increment where it is struck over the sample just gone [m]; not for every sample.
   [[nodiscard]] T last_increment() const {
     T sum = 0;
-    for (std::size_t i = 0; i < rest_.size(); ++i)
-      if (keep_[i] > 0) sum += strike_[i] * (rest_[i] + pull_[i] * displacement_[i]) / keep_[i];
+    for (const auto& mode : modes_)
+      for (std::size_t i = 0; i < kLanes; ++i)
+        if (mode.keep[i] > 0)
+          sum += mode.strike[i] * (mode.rest[i] + mode.pull[i] * mode.displacement[i]) / mode.keep[i];
     return sum;
   }
 
-  /// Of each mode, zeros behind the last [m].
-  [[nodiscard]] std::span<const T> displacements() const { return displacement_; }
+  /// Of a mode [m]; not for every sample.
+  [[nodiscard]] T displacement(std::size_t mode) const { return modes_[mode / kLanes].displacement[mode % kLanes]; }
 
  private:
-  std::vector<T> keep_, pull_, gain_, strike_, pickup_;
-  std::vector<T> rest_, displacement_;
+  static constexpr std::size_t kLanes = detail::Modes<T>::Lanes::size();
+
+  std::vector<detail::Modes<T>> modes_;
   T admittance_ = 0;
   T increment_ = 0;
 };

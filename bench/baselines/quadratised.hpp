@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A hammer on a two-step modal string by quadratised contact energy V = psi^2 / 2: no iteration (Ducceschi and Bilbao,
-// DAFx 2019 and JSV 2021; van Walstijn et al., JSV 2023).
+// A hammer on a two-step modal string by quadratised contact energy V = psi^2 / 2: no iteration (Ducceschi and
+// Bilbao, DAFx 2019 and JSV 2021; van Walstijn et al., JSV 2023).
 #pragma once
 
 #include <cmath>
@@ -30,7 +30,8 @@ class QuadratisedHammerString {
         power_(static_cast<T>((hammer.exponent - 1) / 2)),
         per_power_(static_cast<T>(2 / (hammer.exponent + 1))) {}
 
-  /// Throws the hammer from a distance [m] with a velocity [m/s]; from within the felt where the distance is negative.
+  /// Throws the hammer from a distance [m] with a velocity [m/s]; from within the felt where the distance is
+  /// negative.
   void strike(T velocity_m_per_s, T distance_m) {
     compression_ = -distance_m;
     way_ = velocity_m_per_s * time_step_;

@@ -60,7 +60,8 @@ double exit_error(int oversampling, double samples_before_at_44100) {
   scheme.strike(kMb1Speed, before * kMb1Speed / rate);
   constexpr int kSamples = 100;
   for (int n = 0; n < kSamples; ++n) tick(scheme);
-  const double exact = PowerLaw{kMb1.stiffness_n_per_m_alpha, kMb1.exponent}.contact_duration(kMb1.mass_kg, kMb1Speed);
+  const double exact =
+      PowerLaw{kMb1.stiffness_n_per_m_alpha, kMb1.exponent}.contact_duration(kMb1.mass_kg, kMb1Speed);
   return kSamples - scheme.compression() / (scheme.hammer_velocity() / rate) - before - exact * rate;
 }
 
@@ -187,8 +188,9 @@ class OneStepBook {
   PowerLaw felt_;
 };
 
-/// Energy of a two-step scheme between two samples. With u(n+1) = A u(n) - B u(n-1) + C f, A = 2 cos(w dt) exp(-s dt),
-/// B = exp(-2 s dt), C = dt^2 (1 + A + B)/(4 m), multiplied by (u(n+1) - u(n-1))/(2 C): the work of f is the change of
+/// Energy of a two-step scheme between two samples. With u(n+1) = A u(n) - B u(n-1) + C f, A = 2 cos(w dt) exp(-s
+/// dt), B = exp(-2 s dt), C = dt^2 (1 + A + B)/(4 m), multiplied by (u(n+1) - u(n-1))/(2 C): the work of f is the
+/// change of
 /// ((1 + B)(u(n+1) - u(n))^2 + 2 (1 + B - A) u(n+1) u(n))/(4 C) and (1 - B)(u(n+1) - u(n-1))^2/(4 C) dissipated.
 template <typename Scheme>
 class TwoStepBook {
@@ -204,7 +206,7 @@ class TwoStepBook {
   void follow() {
     for (std::size_t i = 0; i < modes_.size(); ++i) {
       Mode& mode = modes_[i];
-      mode.last = std::exchange(mode.before, std::exchange(mode.now, scheme_.string().displacements()[i]));
+      mode.last = std::exchange(mode.before, std::exchange(mode.now, scheme_.string().displacement(i)));
     }
   }
   [[nodiscard]] double hammer_energy() const {
@@ -214,7 +216,8 @@ class TwoStepBook {
   [[nodiscard]] double string_energy() const {
     double energy = 0;
     for (const Mode& mode : modes_)
-      energy += mode.inertia * (mode.now - mode.before) * (mode.now - mode.before) + mode.spring * mode.now * mode.before;
+      energy +=
+          mode.inertia * (mode.now - mode.before) * (mode.now - mode.before) + mode.spring * mode.now * mode.before;
     return energy;
   }
   [[nodiscard]] double dissipated() const {
@@ -338,8 +341,8 @@ std::vector<double> played_by_spline(const StruckString& struck, int segments) {
   return out;
 }
 
-// The spline's potential is off by the square of its segments' width and more: sixteen times as many, 256 times closer.
-// A bound of 200 leaves room for where the knots happen to lie.
+// The spline's potential is off by the square of its segments' width and more: sixteen times as many, 256 times
+// closer. A bound of 200 leaves room for where the knots happen to lie.
 TEST(NewtonBaseline, IsWhatOurSplineOfManySegmentsComesTo) {
   for (const auto& struck : {c4(), c2()}) {
     const auto exact = played<Newton>(struck, 1);
@@ -351,7 +354,8 @@ TEST(NewtonBaseline, IsWhatOurSplineOfManySegmentsComesTo) {
 }
 
 // The difference quotient where it cancels, and beside it. Its two energies are rounded by 4 u each (power, products,
-// quotient): 8 u y/((a + 1) x), at x = 1e-3 y 2.7e-13; the series is nearer. u = 1.1e-16, the largest (a + 1) y/x: 3.3.
+// quotient): 8 u y/((a + 1) x), at x = 1e-3 y 2.7e-13; the series is nearer. u = 1.1e-16, the largest (a + 1)
+// y/x: 3.3.
 TEST(NewtonBaseline, KeepsItsDigitsWhereTheWayIsShort) {
   for (const double exponent : {1.3, 2.5, 3.0})
     for (const double y : {1e-7, 1e-4})
@@ -370,8 +374,8 @@ TEST(NewtonBaseline, KeepsItsDigitsWhereTheWayIsShort) {
         }
 }
 
-/// Single precision: poles are rounded by 6e-8, so a mode is out of tune by half of that and its phase, which grows by
-/// at most pi a sample, off by 882 pi 3e-8 in the end.
+/// Single precision: poles are rounded by 6e-8, so a mode is out of tune by half of that and its phase, which grows
+/// by at most pi a sample, off by 882 pi 3e-8 in the end.
 template <template <typename> typename Scheme>
 void keeps_to_double() {
   for (const auto& struck : {c4(), c2()}) {
