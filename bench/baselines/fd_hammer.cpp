@@ -10,24 +10,25 @@
 #include <string_view>
 
 // Faust's C++ once in each precision, with the three names it expects, each in a namespace of its own.
-#define CONTACTSPLINE_FAUST_NAMES                                                                    \
-  struct dsp {                                                                                       \
-    virtual ~dsp() = default;                                                                        \
-    virtual void init(int sample_rate) = 0;                                                          \
-    virtual void buildUserInterface(struct UI* ui) = 0;                                              \
-    virtual void compute(int count, FAUSTFLOAT** inputs, FAUSTFLOAT** outputs) = 0;                  \
-  };                                                                                                 \
-  struct Meta {                                                                                      \
-    void declare(const char*, const char*) {}                                                        \
-  };                                                                                                 \
-  struct UI {                                                                                        \
-    void openVerticalBox(const char*) {}                                                             \
-    void closeBox() {}                                                                               \
-    void addButton(const char*, FAUSTFLOAT* zone) { button = zone; }                                 \
-    void addHorizontalSlider(const char*, FAUSTFLOAT* zone, FAUSTFLOAT initial, FAUSTFLOAT, FAUSTFLOAT, FAUSTFLOAT) { \
-      *zone = initial;                                                                               \
-    }                                                                                                \
-    FAUSTFLOAT* button = nullptr;                                                                    \
+#define CONTACTSPLINE_FAUST_NAMES                                                                       \
+  struct dsp {                                                                                          \
+    virtual ~dsp() = default;                                                                           \
+    virtual void init(int sample_rate) = 0;                                                             \
+    virtual void buildUserInterface(struct UI* ui) = 0;                                                 \
+    virtual void compute(int count, FAUSTFLOAT** inputs, FAUSTFLOAT** outputs) = 0;                     \
+  };                                                                                                    \
+  struct Meta {                                                                                         \
+    void declare(const char*, const char*) {}                                                           \
+  };                                                                                                    \
+  struct UI {                                                                                           \
+    void openVerticalBox(const char*) {}                                                                \
+    void closeBox() {}                                                                                  \
+    void addButton(const char*, FAUSTFLOAT* zone) { button = zone; }                                    \
+    void addHorizontalSlider(const char*, FAUSTFLOAT* zone, FAUSTFLOAT initial, FAUSTFLOAT, FAUSTFLOAT, \
+                             FAUSTFLOAT) {                                                              \
+      *zone = initial;                                                                                  \
+    }                                                                                                   \
+    FAUSTFLOAT* button = nullptr;                                                                       \
   };
 
 #pragma GCC diagnostic push

@@ -27,7 +27,7 @@ namespace detail {
 template <std::floating_point T>
 struct alignas(64) Modes {
   using Lanes = std::experimental::native_simd<T>;
-  Lanes keep = 0, pull = 0, gain = 0, strike = 0, pickup = 0;
+  Lanes keep = 1, pull = 0, gain = 0, strike = 0, pickup = 0;  // keep: never 0, so that it may divide
   Lanes rest = 0, displacement = 0;
 };
 
@@ -38,7 +38,7 @@ template <std::floating_point T>
   using Lanes = typename Modes<T>::Lanes;
   Lanes increment[2] = {0, 0}, output[2] = {0, 0};
   for (std::size_t i = 0; i < modes.size(); i += 2)
-    for (const std::size_t half : {0, 1}) {
+    for (std::size_t half = 0; half < 2; ++half) {
       Modes<T>& mode = modes[i + half];
       const Lanes d = mode.rest + mode.gain * force;
       const Lanes q = mode.displacement + d;
@@ -92,14 +92,11 @@ class ModalString {
     return sums.pickup;
   }
 
-  /// Increment where it is struck over the sample just gone [m]; not for every sample.
+  /// Increment where it is struck over the sample just gone [m].
   [[nodiscard]] T last_increment() const {
-    T sum = 0;
-    for (const auto& mode : modes_)
-      for (std::size_t i = 0; i < kLanes; ++i)
-        if (mode.keep[i] > 0)
-          sum += mode.strike[i] * (mode.rest[i] + mode.pull[i] * mode.displacement[i]) / mode.keep[i];
-    return sum;
+    typename detail::Modes<T>::Lanes sum = 0;
+    for (const auto& mode : modes_) sum += mode.strike * (mode.rest + mode.pull * mode.displacement) / mode.keep;
+    return reduce(sum);
   }
 
   /// Of a mode [m]; not for every sample.

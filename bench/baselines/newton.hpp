@@ -98,24 +98,25 @@ class NewtonHammerString {
   }
 
   /// The root of h(x) = x - xf + xi mean(x), which rises by at least 1. Newton's steps are kept inside what is known
-  /// of the root: by bisection where one leaves it.
+  /// of the root: by bisection where one leaves it. They shrink, h being convex, until they are down to rounding.
   T increment(T free) {
-    if (compression_ <= 0 && compression_ + free <= 0) return free;
+    if (compression_ <= 0 && compression_ + free <= 0) return guess_ = free;
     mean_force_.begin(compression_);
     T low = std::numeric_limits<T>::lowest(), high = free;
-    T x = std::min(guess_, high);
+    T x = std::min(guess_, high), last = std::numeric_limits<T>::max();
     for (int i = 0; i < kMostIterations; ++i) {
       const auto [mean, slope] = mean_force_.over(x);
       const T h = x - free + admittance_ * mean;
       (h > 0 ? high : low) = x;
       T next = x - h / (1 + admittance_ * slope);
-      if (!(next >= low && next <= high)) next = low / 2 + high / 2;
+      const bool inside = next >= low && next <= high;
+      if (!inside) next = low / 2 + high / 2;
       const T step = std::abs(next - x);
       x = next;
-      if (step <= kTolerance * std::max(std::abs(x), std::abs(free))) break;
+      if (step <= kTolerance * std::max(std::abs(x), std::abs(free)) || (inside && step >= last)) break;
+      last = inside ? step : std::numeric_limits<T>::max();
     }
-    guess_ = x;
-    return x;
+    return guess_ = x;
   }
 
   ModalString<T> string_;

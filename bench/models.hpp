@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: MIT
+// What the schemes are run on: hammers, strings, and how often the one strikes the other.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "bench/baselines/fd_hammer.hpp"
+#include "bench/baselines/power_law_hammer.hpp"
+#include "contactspline/contact.hpp"
+#include "contactspline/materials/felt_c2.hpp"
+#include "contactspline/materials/felt_c4.hpp"
+#include "contactspline/materials/mb1.hpp"
+#include "contactspline/modal.hpp"
+#include "contactspline/resonators/string_c2.hpp"
+#include "contactspline/resonators/string_c4.hpp"
+
+namespace contactspline::bench {
+
+inline constexpr int kSampleRate = 44100;
+
+/// How a hammer is thrown, and how often.
+struct Duty {
+  std::string name;
+  int samples_between;
+  double speed_m_per_s;
+  double distance_m;
+  double mass_ratio = 1;  ///< the hammer's mass over its own
+};
+
+/// A hammer and a string; no modes: a rigid barrier.
+struct Model {
+  std::string name;
+  PowerLawHammer hammer;
+  std::vector<Segment<double>> felt;  ///< entry 0 out of contact, as SegmentTable
+  std::vector<Mode> modes;
+  std::vector<double> strike_shapes, pickup_shapes;
+  double press_speed_m_per_s;  ///< of the heavy hammer that leans on it
+  std::optional<FdString> fd;
+
+  /// Struck as a player does, as a trill does, at once again, and leant on by a hammer of a million times the mass
+  /// that is thrown again from the surface every 10 ms, long before it could turn.
+  [[nodiscard]] std::vector<Duty> duties() const {
+    constexpr double kSpeed = 2.5, kDistance = 1e-4;
+    return {{"every 100 ms", kSampleRate / 10, kSpeed, kDistance},
+            {"every 10 ms", kSampleRate / 100, kSpeed, kDistance},
+            {"every 1.36 ms", 60, kSpeed, kDistance},
+            {"permanent contact", kSampleRate / 100, press_speed_m_per_s, 0, 1e6}};
+  }
+};
+
+namespace detail {
+
+template <typename Felt>
+Model model_of(std::string name, double hammer_kg, double press_speed_m_per_s) {
+  const auto& table = segments_of<Felt, double>;
+  return {std::move(name),     {Felt::stiffness_n_per_m_alpha, Felt::exponent, hammer_kg},
+          {table.begin(), table.end()}, {}, {}, {}, press_speed_m_per_s, {}};
+}
+
+template <typename String>
+Model with_string(Model model, std::size_t modes = String::modes) {
+  const auto& all = modes_in<String>;
+  model.modes.assign(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(modes));
+  model.strike_shapes.assign(String::strike_shapes.begin(), String::strike_shapes.begin() + static_cast<std::ptrdiff_t>(modes));
+  model.pickup_shapes.assign(String::pickup_shapes.begin(), String::pickup_shapes.begin() + static_cast<std::ptrdiff_t>(modes));
+  return model;
+}
+
+}  // namespace detail
+
+inline Model mb1() {
+  return detail::model_of<materials::mb1>("MB1", 0.01, 3e-3);
+}
+inline Model c4() {
+  Model model = detail::with_string<resonators::string_c4>(detail::model_of<materials::felt_c4>("C4", 0.00297, 0.05));
+  model.fd = FdString::c4;
+  return model;
+}
+inline Model c2() {
+  Model model = detail::with_string<resonators::string_c2>(detail::model_of<materials::felt_c2>("C2", 0.0049, 0.05));
+  model.fd = FdString::c2;
+  return model;
+}
+/// C2 with the lowest 80 of its modes.
+inline Model eighty_modes() {
+  return detail::with_string<resonators::string_c2>(
+      detail::model_of<materials::felt_c2>("80 modes", 0.0049, 0.05), 80);
+}
+inline std::vector<Model> models() {
+  return {mb1(), c4(), c2(), eighty_modes()};
+}
+
+/// C4's hammer on a string of so many modes, spread evenly below 22 kHz.
+inline Model c4_with_modes(std::size_t modes) {
+  Model model = c4();
+  model.fd = {};
+  model.modes.clear();
+  model.strike_shapes.clear();
+  model.pickup_shapes.clear();
+  for (std::size_t i = 1; i <= modes; ++i) {
+    const double number = static_cast<double>(i);
+    model.modes.push_back({2 * std::numbers::pi * 22000 * number / static_cast<double>(modes), 1, 0.002});
+    model.strike_shapes.push_back(std::sin(0.12 * std::numbers::pi * number));
+    model.pickup_shapes.push_back(std::sin(0.4 * std::numbers::pi * number));
+  }
+  return model;
+}
+
+/// The same model with a felt of so many segments: the force of the power law at equal distances, straight between.
+inline Model with_segments(Model model, std::size_t segments) {
+  const double width = model.felt.back().knot * (1 + 1 / static_cast<double>(model.felt.size() - 2)) / static_cast<double>(segments);
+  const auto force = [&](std::size_t j) {
+    return model.hammer.stiffness_n_per_m_alpha * std::pow(static_cast<double>(j) * width, model.hammer.exponent);
+  };
+  std::vector<Segment<double>> felt = {{0, 0, 0, 0}};
+  double energy = 0;
+  for (std::size_t j = 0; j < segments; ++j) {
+    felt.push_back({static_cast<double>(j) * width, energy, force(j), (force(j + 1) - force(j)) / (2 * width)});
+    energy += width * (force(j) + force(j + 1)) / 2;
+  }
+  model.felt = std::move(felt);
+  return model;
+}
+
+}  // namespace contactspline::bench

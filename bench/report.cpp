@@ -1,0 +1,299 @@
+// SPDX-License-Identifier: MIT
+// Writes what bench/speed measured as Markdown on standard output, and what speed.gp draws into a folder.
+// bench_report FOLDER BUILD=FILE.json...
+#include <fmt/format.h>
+#include <fmt/ostream.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace {
+
+using nlohmann::json;
+
+const std::vector<std::string> kOthers = {"EXP-3", "linearly implicit", "Newton", "fd.hammer", "string alone", "roofline"};
+
+/// One benchmark: its name cut at the slashes, its counters.
+struct Measured {
+  std::vector<std::string> name;
+  std::map<std::string, double> counters;
+
+  [[nodiscard]] std::optional<double> get(const std::string& counter) const {
+    const auto found = counters.find(counter);
+    if (found == counters.end()) return {};
+    return found->second;
+  }
+};
+
+/// All of one build.
+struct Build {
+  std::string name, compiler, ticks;
+  std::vector<Measured> measured;
+
+  [[nodiscard]] const Measured* find(const std::vector<std::string>& of) const {
+    for (const Measured& one : measured)
+      if (one.name == of) return &one;
+    return nullptr;
+  }
+  /// A counter of a benchmark, where it was run and has it.
+  [[nodiscard]] std::optional<double> get(const std::vector<std::string>& of, const std::string& counter) const {
+    const Measured* one = find(of);
+    if (one == nullptr) return {};
+    return one->get(counter);
+  }
+  /// All benchmarks of a kind in a precision, in the order they ran.
+  [[nodiscard]] std::vector<const Measured*> all(const std::string& kind, const std::string& precision) const {
+    std::vector<const Measured*> found;
+    for (const Measured& one : measured)
+      if (one.name.front() == kind && one.name.back() == precision) found.push_back(&one);
+    return found;
+  }
+};
+
+std::vector<std::string> cut(const std::string& text) {
+  std::vector<std::string> parts(1);
+  for (const char c : text)
+    if (c == '/')
+      parts.emplace_back();
+    else
+      parts.back() += c;
+  return parts;
+}
+
+Build read(const std::string& argument) {
+  const auto equals = argument.find('=');
+  if (equals == std::string::npos) throw std::runtime_error(argument + ": allowed: BUILD=FILE.json");
+  std::ifstream file(argument.substr(equals + 1));
+  if (!file) throw std::runtime_error(argument.substr(equals + 1) + ": cannot be read");
+  const json root = json::parse(file);
+  Build build{argument.substr(0, equals), root.at("context").at("compiler"), root.at("context").at("ticks"), {}};
+  for (const json& one : root.at("benchmarks")) {
+    Measured measured{cut(one.at("name")), {}};
+    measured.name.pop_back();  // the number of iterations
+    for (const auto& [key, value] : one.items())
+      if (value.is_number()) measured.counters[key] = value;
+    build.measured.push_back(std::move(measured));
+  }
+  return build;
+}
+
+std::string number(std::optional<double> value, const char* format = "{:.3g}") {
+  return value ? fmt::format(fmt::runtime(format), *value) : "";
+}
+
+void heading(const std::string& title, const std::vector<std::string>& columns, int left = 1) {
+  fmt::print("\n{}\n\n", title);
+  std::string line = "|", rule = "|";
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    line += " " + columns[i] + " |";
+    rule += static_cast<int>(i) < left ? "---|" : "---:|";
+  }
+  fmt::print("{}\n{}\n", line, rule);
+}
+
+void row(const std::vector<std::string>& cells) {
+  std::string line = "|";
+  for (const std::string& cell : cells) line += " " + cell + " |";
+  fmt::print("{}\n", line);
+}
+
+void ratios(const Build& build, const std::string& precision) {
+  std::vector<std::string> columns = {"model", "duty", "spline, ns"};
+  columns.insert(columns.end(), kOthers.begin(), kOthers.end());
+  heading(fmt::format("### {}, {}", build.name, precision), columns, 2);
+  for (const Measured* one : build.all("ratios", precision)) {
+    std::vector<std::string> cells = {one->name[1], one->name[2], number(one->get("ns/spline"))};
+    for (const std::string& other : kOthers) cells.push_back(number(one->get("ratio/" + other), "{:.2f}"));
+    row(cells);
+  }
+}
+
+void percentiles(const Build& build, const std::string& precision) {
+  heading(fmt::format("### {}, {}: median / 99 % / 99.9 %", build.name, precision),
+          {"model", "duty", "samples in contact", "spline", "EXP-3", "linearly implicit", "Newton", "fd.hammer"}, 2);
+  for (const Measured* one : build.all("percentiles", precision)) {
+    std::vector<std::string> cells = {one->name[1], one->name[2], number(one->get("touching").value_or(0) * 100, "{:.0f} %")};
+    for (const char* scheme : {"spline", "EXP-3", "linearly implicit", "Newton", "fd.hammer"}) {
+      const std::string name = scheme;
+      const auto p50 = one->get("p50/" + name);
+      cells.push_back(p50 ? fmt::format("{:.0f} / {:.0f} / {:.0f}", *p50, *one->get("p99/" + name), *one->get("p99.9/" + name)) : "");
+    }
+    row(cells);
+  }
+}
+
+void scaling(const Build& build, const std::string& precision) {
+  heading(fmt::format("### Modes, struck every 10 ms, ns a sample: {}, {}", build.name, precision),
+          {"modes", "spline", "EXP-3", "Newton", "string alone", "roofline", "spline / roofline"});
+  for (const Measured* one : build.all("modes", precision))
+    row({one->name[1], number(one->get("ns/spline")), number(one->get("ns/EXP-3")), number(one->get("ns/Newton")),
+         number(one->get("ns/string alone")), number(one->get("ns/roofline")), number(one->get("ratio/roofline"), "{:.2f}")});
+
+  heading(fmt::format("### Voices, each a C4 struck every second, ns a sample and voice: {}, {}", build.name, precision),
+          {"voices", "spline", "EXP-3", "string alone", "voices in real time on one core"});
+  for (const Measured* one : build.all("voices", precision)) {
+    const double ns = one->get("ns/spline").value_or(0);
+    row({one->name[1], number(ns), number(one->get("ns/EXP-3")), number(one->get("ns/string alone")),
+         number(1e9 / 44100 / ns, "{:.0f}")});
+  }
+
+  const auto all = build.all("segments", precision);
+  std::vector<std::string> columns = {"segments"};
+  for (const Measured* one : all) {
+    columns.push_back(one->name[1] + ", ns");
+    columns.push_back("over 16");
+  }
+  heading(fmt::format("### Segments, permanent contact: {}, {}", build.name, precision), columns);
+  for (int count = 4; count <= 4096; count *= 2) {
+    std::vector<std::string> cells = {std::to_string(count)};
+    for (const Measured* one : all) {
+      cells.push_back(number(one->get(fmt::format("ns/{}", count))));
+      const auto ratio = one->get(fmt::format("ratio/{}", count));
+      cells.push_back(ratio ? fmt::format("{:.2f}", 1 / *ratio) : "");
+    }
+    row(cells);
+  }
+}
+
+/// The worst of some figures against what they should be.
+void goal(const std::string& what, double most, std::vector<std::optional<double>> figures) {
+  double worst = 0;
+  for (const auto& figure : figures)
+    if (figure) worst = std::max(worst, *figure);
+  if (worst > 0) row({what, fmt::format("{:.2f}", most), fmt::format("{:.2f}", worst), worst <= most ? "yes" : "no"});
+}
+
+void goals(const Build& build, const std::string& precision) {
+  heading(fmt::format("### {}, {}", build.name, precision), {"", "at most", "found, worst", "kept"});
+  const std::vector<std::string> duties = {"every 100 ms", "every 10 ms", "every 1.36 ms", "permanent contact"};
+  std::vector<std::optional<double>> explicit_scheme, tails;
+  for (const char* model : {"C4", "C2"})
+    for (const std::string& duty : duties) explicit_scheme.push_back(build.get({"ratios", model, duty, precision}, "ratio/EXP-3"));
+  const auto ratio = [&](const char* model, std::size_t duty, const char* other) {
+    return build.get({"ratios", model, duties[duty], precision}, std::string("ratio/") + other);
+  };
+  goal("C4 and C2, every duty: over EXP-3", 0.9, explicit_scheme);
+  goal("C4 and C2, restruck every 1.36 ms: over Newton", 0.35, {ratio("C4", 2, "Newton"), ratio("C2", 2, "Newton")});
+  goal("C4 and C2, every 100 ms: over the string alone", 1.15, {ratio("C4", 0, "string alone"), ratio("C2", 0, "string alone")});
+  goal("C2, permanent contact: over the string alone", 1.5, {ratio("C2", 3, "string alone")});
+  goal("C4, permanent contact: over the string alone", 2.0, {ratio("C4", 3, "string alone")});
+  for (const Measured* one : build.all("percentiles", precision)) {
+    const auto p50 = one->get("p50/spline"), last = one->get("p99.9/spline");
+    if (p50 && last) tails.push_back(*last / *p50);
+  }
+  goal("single samples in contact, 99.9 % over median", 1.5, tails);
+  std::vector<std::optional<double>> segments;
+  for (const Measured* one : build.all("segments", precision))
+    if (const auto found = one->get("ratio/1024")) segments.push_back(1 / *found);
+  goal("1024 segments over 16", 1.3, segments);
+  goal("80 modes, every 100 ms: over the roofline", 1.6, {ratio("80 modes", 0, "roofline")});
+}
+
+/// The same figures of all builds side by side; the first one is the measure.
+void builds(const std::vector<Build>& all, const std::string& precision) {
+  std::vector<std::string> columns = {"every 10 ms, ns"};
+  for (const Build& build : all) columns.push_back(build.name);
+  heading(fmt::format("### {}", precision), columns);
+  for (const char* model : {"C4", "C2"})
+    for (const char* scheme : {"spline", "EXP-3", "Newton", "fd.hammer", "string alone"}) {
+      std::vector<std::string> cells = {fmt::format("{}, {}", model, scheme)};
+      for (const Build& build : all)
+        cells.push_back(number(build.get({"ratios", model, "every 10 ms", precision}, std::string("ns/") + scheme)));
+      row(cells);
+    }
+}
+
+/// What speed.gp draws, of the first build: NAME columns, one row each.
+void draw(const Build& build, const std::string& folder) {
+  const std::vector<std::string> schemes = {"spline", "EXP-3", "linearly implicit", "Newton", "fd.hammer", "string alone", "roofline"};
+  const auto cell = [](std::optional<double> value) { return value ? fmt::format("{}", *value) : std::string("NaN"); };
+  for (const char* precision : {"double", "float"}) {
+    for (const char* model : {"C4", "C2"}) {
+      std::ofstream file(fmt::format("{}/{}_{}.dat", folder, model, precision));
+      fmt::print(file, "duty");
+      for (const std::string& scheme : schemes) fmt::print(file, " \"{}\"", scheme);
+      fmt::print(file, "\n");
+      for (const Measured* one : build.all("ratios", precision)) {
+        if (one->name[1] != model) continue;
+        fmt::print(file, "\"{}\"", one->name[2]);
+        for (const std::string& scheme : schemes) fmt::print(file, " {}", cell(one->get("ns/" + scheme)));
+        fmt::print(file, "\n");
+      }
+    }
+    std::ofstream modes(fmt::format("{}/modes_{}.dat", folder, precision));
+    for (const Measured* one : build.all("modes", precision)) {
+      fmt::print(modes, "{}", one->name[1]);
+      for (const std::string& scheme : schemes) fmt::print(modes, " {}", cell(one->get("ns/" + scheme)));
+      fmt::print(modes, "\n");
+    }
+    std::ofstream segments(fmt::format("{}/segments_{}.dat", folder, precision));
+    for (int count = 4; count <= 4096; count *= 2) {
+      fmt::print(segments, "{}", count);
+      for (const Measured* one : build.all("segments", precision))
+        fmt::print(segments, " {}", cell(one->get(fmt::format("ns/{}", count))));
+      fmt::print(segments, "\n");
+    }
+    std::ofstream voices(fmt::format("{}/voices_{}.dat", folder, precision));
+    for (const Measured* one : build.all("voices", precision)) {
+      fmt::print(voices, "{}", one->name[1]);
+      for (const char* scheme : {"spline", "EXP-3", "string alone"}) fmt::print(voices, " {}", cell(one->get(std::string("ns/") + scheme)));
+      fmt::print(voices, "\n");
+    }
+  }
+}
+
+void write(const std::vector<Build>& all, const std::string& folder) {
+  fmt::print(
+      "# Speed\n\n"
+      "Written by `scripts/bench`; do not edit. Every scheme plays the same hammer on the same string in one program,\n"
+      "with the same compiler flags: in each round every scheme plays a tenth of a second, and a ratio is the median\n"
+      "over the rounds of the spline's time over the other's. Below 1 the spline is faster.\n\n"
+      "- spline: `HammerString`, 32 segments (MB1 64)\n"
+      "- EXP-3: the explicit scheme of van Walstijn et al. (JSV 2023) on the two-step modal string\n"
+      "- linearly implicit: that of Ducceschi and Bilbao\n"
+      "- Newton: the spline's own time step, solved by iteration on the power law to 1e-12\n"
+      "- fd.hammer: that of the Faust libraries, on a grid of points; after a second blow its hammer is not where the\n"
+      "  others' are, since it cannot be brought back\n"
+      "- string alone: the modes and the pickup, no hammer\n"
+      "- roofline: the loads, stores and multiply-adds of a struck modal string, none waiting for another\n\n"
+      "All but fd.hammer keep what they know of some modes side by side and pass over the modes once a sample\n"
+      "(`bench/baselines/modal_string.hpp`). Permanent contact: a hammer of a million times the mass leans on the string.\n"
+      "MB1 is a mass at a rigid barrier, without modes.\n\n"
+      "| build | compiler |\n|---|---|\n");
+  for (const Build& build : all) fmt::print("| {} | {} |\n", build.name, build.compiler);
+
+  const std::vector<std::string> precisions = {"double", "float"};
+  fmt::print("\n![time of a sample by scheme and duty](pictures/speed.svg)\n\n## What was aimed at\n");
+  for (const Build& build : all)
+    for (const std::string& precision : precisions) goals(build, precision);
+  fmt::print("\n## Ratios\n");
+  for (const Build& build : all)
+    for (const std::string& precision : precisions) ratios(build, precision);
+  fmt::print("\n## Single samples\n\n{}, of samples that find the felt in contact, one at a time: nothing of the next one can\n"
+             "begin before the last is done. What the stopwatch takes is subtracted.\n",
+             all.front().ticks);
+  for (const std::string& precision : precisions) percentiles(all.front(), precision);
+  fmt::print("\n## Scaling\n\n![scaling in modes, segments and voices](pictures/speed_scaling.svg)\n");
+  for (const std::string& precision : precisions) scaling(all.front(), precision);
+  fmt::print("\n## Builds\n");
+  for (const std::string& precision : precisions) builds(all, precision);
+  draw(all.front(), folder);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  if (argc < 3) throw std::runtime_error("allowed: bench_report FOLDER BUILD=FILE.json...");
+  std::vector<Build> builds;
+  for (int i = 2; i < argc; ++i) builds.push_back(read(argv[i]));
+  write(builds, argv[1]);
+} catch (const std::exception& error) {
+  fmt::print(stderr, "bench_report: {}\n", error.what());
+  return 2;
+}
