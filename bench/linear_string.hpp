@@ -10,7 +10,7 @@
 
 namespace contactspline::bench {
 
-/// The pass of ModalString without the force and without the sum that a hammer asks for.
+/// The modes of ModalString and a pickup, sounding.
 template <std::floating_point T>
 class LinearString {
  public:
@@ -27,30 +27,18 @@ class LinearString {
   }
 
   void play(std::span<T> out) {
-    for (T& sample : out) sample = tick();
+    for (T& sample : out) sample = detail::ring(std::span(modes_));
   }
 
  private:
-  using Lanes = typename detail::Modes<T>::Lanes;
-  static constexpr std::size_t kLanes = Lanes::size();
+  static constexpr std::size_t kLanes = detail::Modes<T>::Lanes::size();
+
+  // Without what only a hammer asks for.
   struct alignas(64) Modes {
+    using Lanes = typename detail::Modes<T>::Lanes;
     Lanes keep = 0, pull = 0, pickup = 0;
     Lanes rest = 0, displacement = 0;
   };
-
-  T tick() {
-    Lanes output[2] = {0, 0};
-    for (std::size_t i = 0; i < modes_.size(); i += 2)
-      for (std::size_t half = 0; half < 2; ++half) {
-        Modes& mode = modes_[i + half];
-        const Lanes d = mode.rest;
-        const Lanes q = mode.displacement + d;
-        mode.rest = mode.keep * d - mode.pull * q;
-        mode.displacement = q;
-        output[half] += mode.pickup * q;
-      }
-    return reduce(output[0] + output[1]);
-  }
 
   std::vector<Modes> modes_;
 };

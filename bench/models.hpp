@@ -59,16 +59,24 @@ namespace detail {
 template <typename Felt>
 Model model_of(std::string name, double hammer_kg, double press_speed_m_per_s) {
   const auto& table = segments_of<Felt, double>;
-  return {std::move(name),     {Felt::stiffness_n_per_m_alpha, Felt::exponent, hammer_kg},
-          {table.begin(), table.end()}, {}, {}, {}, press_speed_m_per_s, {}};
+  return {std::move(name),
+          {Felt::stiffness_n_per_m_alpha, Felt::exponent, hammer_kg},
+          {table.begin(), table.end()},
+          {},
+          {},
+          {},
+          press_speed_m_per_s,
+          {}};
 }
 
 template <typename String>
 Model with_string(Model model, std::size_t modes = String::modes) {
   const auto& all = modes_in<String>;
   model.modes.assign(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(modes));
-  model.strike_shapes.assign(String::strike_shapes.begin(), String::strike_shapes.begin() + static_cast<std::ptrdiff_t>(modes));
-  model.pickup_shapes.assign(String::pickup_shapes.begin(), String::pickup_shapes.begin() + static_cast<std::ptrdiff_t>(modes));
+  model.strike_shapes.assign(String::strike_shapes.begin(),
+                             String::strike_shapes.begin() + static_cast<std::ptrdiff_t>(modes));
+  model.pickup_shapes.assign(String::pickup_shapes.begin(),
+                             String::pickup_shapes.begin() + static_cast<std::ptrdiff_t>(modes));
   return model;
 }
 
@@ -89,8 +97,8 @@ inline Model c2() {
 }
 /// C2 with the lowest 80 of its modes.
 inline Model eighty_modes() {
-  return detail::with_string<resonators::string_c2>(
-      detail::model_of<materials::felt_c2>("80 modes", 0.0049, 0.05), 80);
+  return detail::with_string<resonators::string_c2>(detail::model_of<materials::felt_c2>("80 modes", 0.0049, 0.05),
+                                                    80);
 }
 inline std::vector<Model> models() {
   return {mb1(), c4(), c2(), eighty_modes()};
@@ -114,7 +122,8 @@ inline Model c4_with_modes(std::size_t modes) {
 
 /// The same model with a felt of so many segments: the force of the power law at equal distances, straight between.
 inline Model with_segments(Model model, std::size_t segments) {
-  const double width = model.felt.back().knot * (1 + 1 / static_cast<double>(model.felt.size() - 2)) / static_cast<double>(segments);
+  const double width =
+      model.felt.back().knot * (1 + 1 / static_cast<double>(model.felt.size() - 2)) / static_cast<double>(segments);
   const auto force = [&](std::size_t j) {
     return model.hammer.stiffness_n_per_m_alpha * std::pow(static_cast<double>(j) * width, model.hammer.exponent);
   };

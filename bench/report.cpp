@@ -17,7 +17,8 @@ namespace {
 
 using nlohmann::json;
 
-const std::vector<std::string> kOthers = {"EXP-3", "linearly implicit", "Newton", "fd.hammer", "string alone", "roofline"};
+const std::vector<std::string> kOthers = {"EXP-3",     "EXP-3, caught", "linearly implicit", "Newton",
+                                          "fd.hammer", "string alone",  "roofline"};
 
 /// One benchmark: its name cut at the slashes, its counters.
 struct Measured {
@@ -118,11 +119,14 @@ void percentiles(const Build& build, const std::string& precision) {
   heading(fmt::format("### {}, {}: median / 99 % / 99.9 %", build.name, precision),
           {"model", "duty", "samples in contact", "spline", "EXP-3", "linearly implicit", "Newton", "fd.hammer"}, 2);
   for (const Measured* one : build.all("percentiles", precision)) {
-    std::vector<std::string> cells = {one->name[1], one->name[2], number(one->get("touching").value_or(0) * 100, "{:.0f} %")};
+    std::vector<std::string> cells = {one->name[1], one->name[2],
+                                      number(one->get("touching").value_or(0) * 100, "{:.0f} %")};
     for (const char* scheme : {"spline", "EXP-3", "linearly implicit", "Newton", "fd.hammer"}) {
       const std::string name = scheme;
       const auto p50 = one->get("p50/" + name);
-      cells.push_back(p50 ? fmt::format("{:.0f} / {:.0f} / {:.0f}", *p50, *one->get("p99/" + name), *one->get("p99.9/" + name)) : "");
+      cells.push_back(
+          p50 ? fmt::format("{:.0f} / {:.0f} / {:.0f}", *p50, *one->get("p99/" + name), *one->get("p99.9/" + name))
+              : "");
     }
     row(cells);
   }
@@ -133,10 +137,12 @@ void scaling(const Build& build, const std::string& precision) {
           {"modes", "spline", "EXP-3", "Newton", "string alone", "roofline", "spline / roofline"});
   for (const Measured* one : build.all("modes", precision))
     row({one->name[1], number(one->get("ns/spline")), number(one->get("ns/EXP-3")), number(one->get("ns/Newton")),
-         number(one->get("ns/string alone")), number(one->get("ns/roofline")), number(one->get("ratio/roofline"), "{:.2f}")});
+         number(one->get("ns/string alone")), number(one->get("ns/roofline")),
+         number(one->get("ratio/roofline"), "{:.2f}")});
 
-  heading(fmt::format("### Voices, each a C4 struck every second, ns a sample and voice: {}, {}", build.name, precision),
-          {"voices", "spline", "EXP-3", "string alone", "voices in real time on one core"});
+  heading(
+      fmt::format("### Voices, each a C4 struck every second, ns a sample and voice: {}, {}", build.name, precision),
+      {"voices", "spline", "EXP-3", "string alone", "voices in real time on one core"});
   for (const Measured* one : build.all("voices", precision)) {
     const double ns = one->get("ns/spline").value_or(0);
     row({one->name[1], number(ns), number(one->get("ns/EXP-3")), number(one->get("ns/string alone")),
@@ -172,15 +178,19 @@ void goal(const std::string& what, double most, std::vector<std::optional<double
 void goals(const Build& build, const std::string& precision) {
   heading(fmt::format("### {}, {}", build.name, precision), {"", "at most", "found, worst", "kept"});
   const std::vector<std::string> duties = {"every 100 ms", "every 10 ms", "every 1.36 ms", "permanent contact"};
-  std::vector<std::optional<double>> explicit_scheme, tails;
-  for (const char* model : {"C4", "C2"})
-    for (const std::string& duty : duties) explicit_scheme.push_back(build.get({"ratios", model, duty, precision}, "ratio/EXP-3"));
+  std::vector<std::optional<double>> tails;
   const auto ratio = [&](const char* model, std::size_t duty, const char* other) {
     return build.get({"ratios", model, duties[duty], precision}, std::string("ratio/") + other);
   };
-  goal("C4 and C2, every duty: over EXP-3", 0.9, explicit_scheme);
+  for (const char* scheme : {"EXP-3", "EXP-3, caught"}) {
+    std::vector<std::optional<double>> found;
+    for (const char* model : {"C4", "C2"})
+      for (std::size_t duty = 0; duty < duties.size(); ++duty) found.push_back(ratio(model, duty, scheme));
+    goal(fmt::format("C4 and C2, every duty: over {}", scheme), 0.9, found);
+  }
   goal("C4 and C2, restruck every 1.36 ms: over Newton", 0.35, {ratio("C4", 2, "Newton"), ratio("C2", 2, "Newton")});
-  goal("C4 and C2, every 100 ms: over the string alone", 1.15, {ratio("C4", 0, "string alone"), ratio("C2", 0, "string alone")});
+  goal("C4 and C2, every 100 ms: over the string alone", 1.15,
+       {ratio("C4", 0, "string alone"), ratio("C2", 0, "string alone")});
   goal("C2, permanent contact: over the string alone", 1.5, {ratio("C2", 3, "string alone")});
   goal("C4, permanent contact: over the string alone", 2.0, {ratio("C4", 3, "string alone")});
   for (const Measured* one : build.all("percentiles", precision)) {
@@ -211,8 +221,11 @@ void builds(const std::vector<Build>& all, const std::string& precision) {
 
 /// What speed.gp draws, of the first build: NAME columns, one row each.
 void draw(const Build& build, const std::string& folder) {
-  const std::vector<std::string> schemes = {"spline", "EXP-3", "linearly implicit", "Newton", "fd.hammer", "string alone", "roofline"};
-  const auto cell = [](std::optional<double> value) { return value ? fmt::format("{}", *value) : std::string("NaN"); };
+  const std::vector<std::string> schemes = {"spline",    "EXP-3",        "linearly implicit", "Newton",
+                                            "fd.hammer", "string alone", "roofline"};
+  const auto cell = [](std::optional<double> value) {
+    return value ? fmt::format("{}", *value) : std::string("NaN");
+  };
   for (const char* precision : {"double", "float"}) {
     for (const char* model : {"C4", "C2"}) {
       std::ofstream file(fmt::format("{}/{}_{}.dat", folder, model, precision));
@@ -242,7 +255,8 @@ void draw(const Build& build, const std::string& folder) {
     std::ofstream voices(fmt::format("{}/voices_{}.dat", folder, precision));
     for (const Measured* one : build.all("voices", precision)) {
       fmt::print(voices, "{}", one->name[1]);
-      for (const char* scheme : {"spline", "EXP-3", "string alone"}) fmt::print(voices, " {}", cell(one->get(std::string("ns/") + scheme)));
+      for (const char* scheme : {"spline", "EXP-3", "string alone"})
+        fmt::print(voices, " {}", cell(one->get(std::string("ns/") + scheme)));
       fmt::print(voices, "\n");
     }
   }
@@ -251,19 +265,26 @@ void draw(const Build& build, const std::string& folder) {
 void write(const std::vector<Build>& all, const std::string& folder) {
   fmt::print(
       "# Speed\n\n"
-      "Written by `scripts/bench`; do not edit. Every scheme plays the same hammer on the same string in one program,\n"
-      "with the same compiler flags: in each round every scheme plays a tenth of a second, and a ratio is the median\n"
+      "Written by `scripts/bench`; do not edit. Every scheme plays the same hammer on the same string in one "
+      "program,\n"
+      "with the same compiler flags: in each round every scheme plays a tenth of a second, and a ratio is the "
+      "median\n"
       "over the rounds of the spline's time over the other's. Below 1 the spline is faster.\n\n"
       "- spline: `HammerString`, 32 segments (MB1 64)\n"
       "- EXP-3: the explicit scheme of van Walstijn et al. (JSV 2023) on the two-step modal string\n"
+      "- EXP-3, caught: the same where a hammer that has gone 5 cm back is caught, as `HammerString` does, so that "
+      "most of the\n"
+      "  time only the string is left to compute\n"
       "- linearly implicit: that of Ducceschi and Bilbao\n"
       "- Newton: the spline's own time step, solved by iteration on the power law to 1e-12\n"
-      "- fd.hammer: that of the Faust libraries, on a grid of points; after a second blow its hammer is not where the\n"
+      "- fd.hammer: that of the Faust libraries, on a grid of points; after a second blow its hammer is not where "
+      "the\n"
       "  others' are, since it cannot be brought back\n"
       "- string alone: the modes and the pickup, no hammer\n"
       "- roofline: the loads, stores and multiply-adds of a struck modal string, none waiting for another\n\n"
       "All but fd.hammer keep what they know of some modes side by side and pass over the modes once a sample\n"
-      "(`bench/baselines/modal_string.hpp`). Permanent contact: a hammer of a million times the mass leans on the string.\n"
+      "(`bench/baselines/modal_string.hpp`). Permanent contact: a hammer of a million times the mass leans on the "
+      "string.\n"
       "MB1 is a mass at a rigid barrier, without modes.\n\n"
       "| build | compiler |\n|---|---|\n");
   for (const Build& build : all) fmt::print("| {} | {} |\n", build.name, build.compiler);
@@ -275,9 +296,11 @@ void write(const std::vector<Build>& all, const std::string& folder) {
   fmt::print("\n## Ratios\n");
   for (const Build& build : all)
     for (const std::string& precision : precisions) ratios(build, precision);
-  fmt::print("\n## Single samples\n\n{}, of samples that find the felt in contact, one at a time: nothing of the next one can\n"
-             "begin before the last is done. What the stopwatch takes is subtracted.\n",
-             all.front().ticks);
+  fmt::print(
+      "\n## Single samples\n\n{}, of samples that find the felt in contact, one at a time: nothing of the next one "
+      "can\n"
+      "begin before the last is done. What the stopwatch takes is subtracted.\n",
+      all.front().ticks);
   for (const std::string& precision : precisions) percentiles(all.front(), precision);
   fmt::print("\n## Scaling\n\n![scaling in modes, segments and voices](pictures/speed_scaling.svg)\n");
   for (const std::string& precision : precisions) scaling(all.front(), precision);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the machine could do at best: the loads, stores and multiply-adds of a struck modal string, none of which waits
-// for another.
+// What the machine could do at best: the loads, stores and multiply-adds of a struck modal string, none of which
+// waits for another.
 #pragma once
 
 #include <array>
@@ -41,7 +41,8 @@ class Roofline {
   };
 
   // Not inlined: else what is the same for every sample is worked out once.
-  [[gnu::noinline]] static void pass(std::span<const Modes> modes, std::span<Written, kWritten> written, T force, Lanes* sums) {
+  [[gnu::noinline]] static void pass(std::span<const Modes> modes, std::span<Written, kWritten> written, T force,
+                                     Lanes* sums) {
     Lanes first[2] = {sums[0], sums[1]}, second[2] = {sums[2], sums[3]};
     for (std::size_t i = 0; i < modes.size(); i += 2)
       for (std::size_t half = 0; half < 2; ++half) {

@@ -44,7 +44,8 @@ class SplineHammerString {
   static std::vector<Segment<T>> felt_in_precision(const std::vector<Segment<double>>& felt) {
     std::vector<Segment<T>> cast;
     for (const auto& [knot, energy, force, half_curvature] : felt)
-      cast.push_back({static_cast<T>(knot), static_cast<T>(energy), static_cast<T>(force), static_cast<T>(half_curvature)});
+      cast.push_back(
+          {static_cast<T>(knot), static_cast<T>(energy), static_cast<T>(force), static_cast<T>(half_curvature)});
     return cast;
   }
 
@@ -124,6 +125,7 @@ template <std::floating_point T>
 std::vector<Scheme<T>> schemes() {
   return {{"spline", detail::spline<T>},
           {"EXP-3", detail::baseline<T, Exp3HammerString<T>>},
+          {"EXP-3, caught", detail::baseline<T, CatchingExp3HammerString<T>>},
           {"linearly implicit", detail::baseline<T, LinearlyImplicitHammerString<T>>},
           {"Newton", detail::baseline<T, NewtonHammerString<T>>},
           {"fd.hammer", detail::fd_hammer<T>},

@@ -11,6 +11,7 @@
 #include <xmmintrin.h>
 #endif
 
+#include "bench/performance.hpp"
 #include "bench/schemes.hpp"
 #include "bench/stopwatch.hpp"
 
@@ -25,36 +26,6 @@ void flush_denormals() {
 }
 
 using Counts = std::initializer_list<std::size_t>;
-
-/// A player that is struck as its duty says.
-template <std::floating_point T>
-class Performance {
- public:
-  Performance(std::unique_ptr<Player<T>> player, const Duty& duty, int first_strike = 0)
-      : player_(std::move(player)),
-        speed_(static_cast<T>(duty.speed_m_per_s)),
-        distance_(static_cast<T>(duty.distance_m)),
-        between_(static_cast<std::size_t>(duty.samples_between)),
-        until_strike_(static_cast<std::size_t>(first_strike)) {}
-
-  void play(std::span<T> out) {
-    while (!out.empty()) {
-      if (until_strike_ == 0) {
-        player_->strike(speed_, distance_);
-        until_strike_ = between_;
-      }
-      const std::size_t samples = std::min(out.size(), until_strike_);
-      player_->play(out.first(samples));
-      until_strike_ -= samples;
-      out = out.last(out.size() - samples);
-    }
-  }
-
- private:
-  std::unique_ptr<Player<T>> player_;
-  T speed_, distance_;
-  std::size_t between_, until_strike_;
-};
 
 /// Lets all of them play the same short time in turn, round by round, and counts ns/NAME, the median time of a
 /// sample, and ratio/NAME, the median over the rounds of the first one's time over this one's.
@@ -155,7 +126,8 @@ void single_samples(benchmark::State& state, const Model& model, const Duty& dut
         state.counters[label + name] = percentile(found, share);
     }
   }
-  state.counters["touching"] = static_cast<double>(std::ranges::count(in_contact, true)) / static_cast<double>(samples);
+  state.counters["touching"] =
+      static_cast<double>(std::ranges::count(in_contact, true)) / static_cast<double>(samples);
 }
 
 /// How the felt's number of segments tells: the first one has 16.

@@ -27,7 +27,8 @@ inline std::uint64_t ticks() {
   _mm_lfence();
   return now;
 #else
-  return static_cast<std::uint64_t>(std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1));
+  return static_cast<std::uint64_t>(std::chrono::steady_clock::now().time_since_epoch() /
+                                    std::chrono::nanoseconds(1));
 #endif
 }
 

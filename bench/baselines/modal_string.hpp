@@ -51,6 +51,23 @@ template <std::floating_point T>
   return {reduce(increment[0] + increment[1]), reduce(output[0] + output[1])};
 }
 
+/// The same without force, and without the sum that only a hammer asks for; gives the displacement at the pickup.
+template <typename SomeModes>
+[[nodiscard]] inline auto ring(std::span<SomeModes> modes) {
+  using Lanes = typename SomeModes::Lanes;
+  Lanes output[2] = {0, 0};
+  for (std::size_t i = 0; i < modes.size(); i += 2)
+    for (std::size_t half = 0; half < 2; ++half) {
+      SomeModes& mode = modes[i + half];
+      const Lanes d = mode.rest;
+      const Lanes q = mode.displacement + d;
+      mode.rest = mode.keep * d - mode.pull * q;
+      mode.displacement = q;
+      output[half] += mode.pickup * q;
+    }
+  return reduce(output[0] + output[1]);
+}
+
 }  // namespace detail
 
 /// Modes with exact poles z = exp((-decay + j w) dt), q(n+1) - 2 Re z q(n) + |z|^2 q(n-1) = dt^2 |1 + z|^2 / (8 m) F:
@@ -90,6 +107,16 @@ class ModalString {
     const auto sums = detail::pass(std::span(modes_), force);
     increment_ = sums.increment;
     return sums.pickup;
+  }
+
+  /// Advances one sample without force; increment() is not known again before listen().
+  T ring() { return detail::ring(std::span(modes_)); }
+
+  /// Makes increment() known again.
+  void listen() {
+    typename detail::Modes<T>::Lanes sum = 0;
+    for (const auto& mode : modes_) sum += mode.strike * mode.rest;
+    increment_ = reduce(sum);
   }
 
   /// Increment where it is struck over the sample just gone [m].

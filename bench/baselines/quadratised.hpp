@@ -16,7 +16,9 @@ enum class PsiGradient {
   never_pulls,  ///< the same, but never so much that psi becomes negative ("EXP-3")
 };
 
-template <std::floating_point T, PsiGradient kGradient>
+/// kCatches: is a hammer that has gone 5 cm back caught until the next throw, as HammerString does? Then nothing but
+/// the string is left to compute.
+template <std::floating_point T, PsiGradient kGradient, bool kCatches = false>
 class QuadratisedHammerString {
  public:
   QuadratisedHammerString(const PowerLawHammer& hammer, std::span<const Mode> modes,
@@ -33,6 +35,7 @@ class QuadratisedHammerString {
   /// Throws the hammer from a distance [m] with a velocity [m/s]; from within the felt where the distance is
   /// negative.
   void strike(T velocity_m_per_s, T distance_m) {
+    if (kCatches) string_.listen();
     compression_ = -distance_m;
     way_ = velocity_m_per_s * time_step_;
     last_increment_ = way_ - string_.last_increment();
@@ -52,6 +55,7 @@ class QuadratisedHammerString {
 
  private:
   T tick() {
+    if (kCatches && compression_ < T(-0.05)) return string_.ring();
     const T free = way_ - string_.increment();
     force_ = meet(free + last_increment_);
     const T increment = free - admittance_ * force_;
@@ -115,5 +119,9 @@ using LinearlyImplicitHammerString = QuadratisedHammerString<T, PsiGradient::pot
 /// EXP-3 of van Walstijn et al.
 template <std::floating_point T>
 using Exp3HammerString = QuadratisedHammerString<T, PsiGradient::never_pulls>;
+
+/// EXP-3 with a hammer that is caught.
+template <std::floating_point T>
+using CatchingExp3HammerString = QuadratisedHammerString<T, PsiGradient::never_pulls, true>;
 
 }  // namespace contactspline::bench
