@@ -34,7 +34,7 @@ struct Measured {
 
 /// All of one build.
 struct Build {
-  std::string name, compiler, ticks;
+  std::string name, compiler, vector_bits, ticks, processor;
   std::vector<Measured> measured;
 
   [[nodiscard]] const Measured* find(const std::vector<std::string>& of) const {
@@ -73,7 +73,15 @@ Build read(const std::string& argument) {
   std::ifstream file(argument.substr(equals + 1));
   if (!file) throw std::runtime_error(argument.substr(equals + 1) + ": cannot be read");
   const json root = json::parse(file);
-  Build build{argument.substr(0, equals), root.at("context").at("compiler"), root.at("context").at("ticks"), {}};
+  const json& context = root.at("context");
+  const std::string processor =
+      fmt::format("{} cores at {} MHz", context.at("num_cpus").get<int>(), context.at("mhz_per_cpu").get<int>());
+  Build build{argument.substr(0, equals),
+              context.at("compiler"),
+              context.at("vector_bits"),
+              context.at("ticks"),
+              processor,
+              {}};
   for (const json& one : root.at("benchmarks")) {
     Measured measured{cut(one.at("name")), {}};
     measured.name.pop_back();  // the number of iterations
@@ -286,8 +294,10 @@ void write(const std::vector<Build>& all, const std::string& folder) {
       "(`bench/baselines/modal_string.hpp`). Permanent contact: a hammer of a million times the mass leans on the "
       "string.\n"
       "MB1 is a mass at a rigid barrier, without modes.\n\n"
-      "| build | compiler |\n|---|---|\n");
-  for (const Build& build : all) fmt::print("| {} | {} |\n", build.name, build.compiler);
+      "Measured on {}, one of them used.\n\n"
+      "| build | compiler | bits of a vector in the baselines |\n|---|---|---|\n",
+      all.front().processor);
+  for (const Build& build : all) fmt::print("| {} | {} | {} |\n", build.name, build.compiler, build.vector_bits);
 
   const std::vector<std::string> precisions = {"double", "float"};
   fmt::print("\n![time of a sample by scheme and duty](pictures/speed.svg)\n\n## What was aimed at\n");

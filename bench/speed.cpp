@@ -223,6 +223,8 @@ int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
   benchmark::AddCustomContext("compiler", __VERSION__);
+  benchmark::AddCustomContext("vector_bits",
+                              std::to_string(8 * sizeof(contactspline::bench::detail::Modes<double>::Lanes)));
   benchmark::AddCustomContext("ticks", contactspline::bench::kTickName);
   benchmark::RunSpecifiedBenchmarks();
   benchmark::Shutdown();

@@ -58,8 +58,10 @@ TEST(Schemes, PlayTheSameNotes) {
 TEST(Schemes, CatchingTheHammerChangesNothing) {
   const Model model = c4();
   const Duty duty = model.duties().front();
-  const auto flying = played(bench::detail::baseline<double, Exp3HammerString<double>>(model, model.hammer), duty, 0.5);
-  const auto caught = played(bench::detail::baseline<double, CatchingExp3HammerString<double>>(model, model.hammer), duty, 0.5);
+  const auto flying =
+      played(bench::detail::baseline<double, Exp3HammerString<double>>(model, model.hammer), duty, 0.5);
+  const auto caught =
+      played(bench::detail::baseline<double, CatchingExp3HammerString<double>>(model, model.hammer), duty, 0.5);
   EXPECT_TRUE(sequences_within<double>(caught, flying, 1e-12));
 }
 
