@@ -2,7 +2,6 @@
 #include "generator/compensation.hpp"
 
 #include <algorithm>
-#include <boost/math/interpolators/cardinal_cubic_b_spline.hpp>
 #include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
 #include <memory>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "generator/design.hpp"
+#include "generator/energy_table.hpp"
 
 namespace contactspline {
 namespace {
@@ -23,8 +23,12 @@ class BentLaw {
     half_step_ = 1 / (2 * compensation.sample_rate_hz * second);
     constexpr int kPoints = 4000;
     constexpr double kDecades = 4, kBeyond = 0.2;  // from 1e-4 to 1.6 of the largest compression
-    for (int i = 0; i <= kPoints; ++i) {
-      const double y = std::pow(10, (kDecades + kBeyond) * i / kPoints - kDecades);
+    for (const double y : law_.breaks())
+      if (y < range_) breaks_.push_back(y / range_);
+    std::vector<double> places = breaks_;
+    for (int i = 0; i <= kPoints; ++i) places.push_back(std::pow(10, (kDecades + kBeyond) * i / kPoints - kDecades));
+    std::ranges::sort(places);
+    for (const double y : places) {
       q_.push_back(q_.back() + (y - y_.back()) * shrinking((y + y_.back()) / 2));
       y_.push_back(y);
       f_.push_back(force(y) / shrinking(y));
@@ -42,7 +46,15 @@ class BentLaw {
       const double left = std::max(energy - law_.energy(y * range_) / (range_ * law_.force(range_)), 1e-300);
       return (1 - shrinking(y)) * largest * std::sin(2 * angle) / std::sqrt(2 * left);
     };
-    return boost::math::quadrature::gauss<double, 40>::integrate(integrand, 0.0, std::numbers::pi / 2);
+    double sum = 0, from = 0;
+    const auto add = [&](double to) {
+      sum += boost::math::quadrature::gauss<double, 40>::integrate(integrand, from, to);
+      from = to;
+    };
+    for (const double y : breaks_)
+      if (y < largest) add(std::asin(std::sqrt(y / largest)));
+    add(std::numbers::pi / 2);
+    return sum;
   }
 
   [[nodiscard]] double half_angle(double y) const {
@@ -68,7 +80,7 @@ class BentLaw {
 
   Potential law_;
   double range_, half_step_;
-  std::vector<double> y_{0}, q_{0}, f_{0};
+  std::vector<double> breaks_{}, y_{0}, q_{0}, f_{0};
 };
 
 }  // namespace
@@ -81,20 +93,16 @@ CompensatedTarget compensated_target(const Material& material) {
   const auto bent = std::make_shared<const BentLaw>(material);
   const FitTarget law = fit_target(material);
   const double end = bent->bent_compression(1);
-  // A fit asks for thousands of durations: the shares gained are tabulated over the logarithm of energy.
-  constexpr int kPoints = 400;
-  const double low = std::log(law.least_energy), step = (std::log(law.most_energy) - low) / (kPoints - 1);
-  std::vector<double> shares;
-  for (int i = 0; i < kPoints; ++i) {
-    const double energy = std::exp(low + step * i);
-    shares.push_back(bent->gain(energy, law.compression(energy)) / law.half_duration(energy));
-  }
-  const boost::math::interpolators::cardinal_cubic_b_spline<double> share(shares.data(), kPoints, low, step);
-  return {{[=](double y) { return end * bent->bent_force(end * y); },
-           [=](double energy) { return bent->bent_compression(law.compression(energy)) / end; },
-           [=](double energy) { return law.half_duration(energy) * (1 - share(std::log(energy))) / end; },
-           bent->bent_compression(law.least_compression) / end, law.least_energy, law.most_energy},
-          end};
+  FitTarget target{
+      [=](double y) { return end * bent->bent_force(end * y); },
+      [=](double energy) { return bent->bent_compression(law.compression(energy)) / end; },
+      [=](double energy) { return (law.half_duration(energy) - bent->gain(energy, law.compression(energy))) / end; },
+      bent->bent_compression(law.least_compression) / end,
+      law.least_energy,
+      law.most_energy};
+  for (const Break& at : law.breaks)
+    target.breaks.push_back({bent->bent_compression(at.compression) / end, at.energy, at.kink});
+  return {tabulated(std::move(target)), end};
 }
 
 double missing_compliance(std::span<const ResonatorMode> modes, double sample_rate_hz) {

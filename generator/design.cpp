@@ -4,15 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <boost/math/interpolators/cardinal_cubic_b_spline.hpp>
 #include <cmath>
-#include <functional>
-#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "generator/compensation.hpp"
+#include "generator/energy_table.hpp"
 #include "generator/error.hpp"
 #include "generator/literal.hpp"
 #include "generator/quality.hpp"
@@ -22,30 +20,12 @@ namespace {
 
 // As many digits as matter: a fit ends within 1e-8 of the same place on every machine, whatever its exp() and atan(),
 // so that six digits are the same everywhere but for rare luck. Many segments need more, where the last ones may
-// differ.
-int digits_of(const SplineDesign& design) {
+// differ. So does a law with breaks, just beyond which the duration is off like the root of the energy.
+int digits_of(const Material& material) {
   constexpr int kFew = 32;
+  const SplineDesign& design = material.spline;
+  if (!material.contact.breaks().empty()) return 10;
   return design.segments <= kFew ? 6 : design.segments <= kMostFittedSegments ? 8 : 12;
-}
-
-// Laws without closed forms take a quadrature for every duration, of which a fit needs thousands: interpolated
-// between the logarithms of a thousand.
-std::function<double(double)> interpolated(const FitTarget& target, const std::function<double(double)>& exact) {
-  using Interpolation = boost::math::interpolators::cardinal_cubic_b_spline<double>;
-  constexpr int kPoints = 1000;
-  const double low = std::log(target.least_energy), step = (std::log(target.most_energy) - low) / (kPoints - 1);
-  std::vector<double> logarithms;
-  for (int i = 0; i < kPoints; ++i) logarithms.push_back(std::log(exact(std::exp(low + step * i))));
-  const auto table = std::make_shared<const Interpolation>(logarithms.data(), kPoints, low, step);
-  return [=](double energy) {
-    return std::exp((*table)(std::clamp(std::log(energy), low, low + (kPoints - 1) * step)));
-  };
-}
-
-FitTarget tabulated(FitTarget target) {
-  target.compression = interpolated(target, target.compression);
-  target.half_duration = interpolated(target, target.half_duration);
-  return target;
 }
 
 ForceLine line_for(const SplineDesign& design, const FitTarget& target) {
@@ -77,7 +57,7 @@ ForceLine rounded_line(const ForceLine& line, int digits) {
 
 Spline spline_of(const Material& material, std::string_view file) {
   if (material.spline.knots == Knots::uniform) return uniform_spline(material, file);
-  return line_spline(rounded_line(fitted_line(material), digits_of(material.spline)), material, file);
+  return line_spline(rounded_line(fitted_line(material), digits_of(material)), material, file);
 }
 
 double error_of(const Spline& spline, const Material& material) {
@@ -86,6 +66,7 @@ double error_of(const Spline& spline, const Material& material) {
 }
 
 // Doubles the segments until the tolerance is kept, then halves the interval: one segment fewer does not keep it.
+// Errors need not fall with each segment, so a few numbers below are tried too.
 Spline spline_within_tolerance(Material& material, std::string_view file) {
   SplineDesign& design = material.spline;
   constexpr int kMostSearched = 1024;
@@ -115,6 +96,15 @@ Spline spline_within_tolerance(Material& material, std::string_view file) {
       fails = middle;
     }
   }
+  constexpr int kCheap = 64;  // uniform knots: all numbers below are tried
+  const int looked = design.knots == Knots::optimal                     ? 2
+                     : design.knots == Knots::uniform && keeps < kCheap ? keeps
+                                                                        : std::clamp(keeps / 8, 3, 16);
+  for (int fewer = keeps - 2; fewer > 0 && fewer >= keeps - 1 - looked; --fewer)
+    if (auto better = within(fewer)) {
+      found = std::move(better);
+      keeps = fewer;
+    }
   design.segments = keeps;
   return *std::move(found);
 }
@@ -138,7 +128,11 @@ FitTarget fit_target(const Material& material) {
       contact.max_compression(impact.mass_kg, slowest) / range,
       energy_of(slowest),
       energy_of(impact.max_speed_m_per_s)};
-  return contact.power_law() != nullptr ? target : tabulated(target);
+  if (contact.power_law() != nullptr) return target;
+  const bool layers = std::holds_alternative<PowerSum>(contact.law());
+  for (const double y : contact.breaks())
+    if (y < range) target.breaks.push_back({y / range, contact.energy(y) / energy, layers});
+  return tabulated(std::move(target));
 }
 
 Spline design_spline(Material& material, std::string_view file) {

@@ -16,8 +16,8 @@ namespace contactspline {
 [[nodiscard]] FitTarget fit_target(const Material& material);
 
 /// The spline a material asks for. Where that is by tolerance its `segments` are set to the least number that keeps
-/// it, found by bisection. Throws BadInput, naming `file`, where none does, where the spline is not convex or leaves
-/// the range of double.
+/// it, found by bisection and a look at some numbers below. Throws BadInput, naming `file`, where none does, where
+/// the spline is not convex or leaves the range of double.
 [[nodiscard]] Spline design_spline(Material& material, std::string_view file);
 
 }  // namespace contactspline

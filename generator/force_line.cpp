@@ -96,7 +96,7 @@ class Adjoint {
 bool ForceLine::rises() const {
   for (std::size_t j = 0; j < segments(); ++j)
     if (!(y[j + 1] > y[j] && f[j + 1] >= f[j])) return false;
-  return f[1] > 0;
+  return f[1] > 0 && std::isfinite(f.back());
 }
 
 std::vector<double> ForceLine::energies() const {

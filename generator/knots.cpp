@@ -4,9 +4,13 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <utility>
+
+#include "generator/line_fit.hpp"
+#include "generator/needed_line.hpp"
 
 namespace contactspline {
 namespace {
@@ -41,121 +45,13 @@ double error_at(const ForceLine& line, const FitTarget& target, double log_energ
   return half_duration(line, energy) / target.half_duration(energy) - 1;
 }
 
-// Logarithms of energies: the ends of the range, the knots between, and `points` steps from each to the next.
-std::vector<double> sampled_log_energies(const ForceLine& line, const FitTarget& target, int points) {
-  std::vector<double> ends{std::log(target.least_energy)};
-  const std::vector<double> stored = line.energies();
-  for (std::size_t j = 1; j < line.segments(); ++j)
-    if (stored[j] > target.least_energy && stored[j] < target.most_energy) ends.push_back(std::log(stored[j]));
-  ends.push_back(std::log(target.most_energy));
-  std::vector<double> samples;
-  for (std::size_t i = 0; i + 1 < ends.size(); ++i)
-    for (int k = 0; k < points; ++k) samples.push_back(ends[i] + (ends[i + 1] - ends[i]) * k / points);
-  samples.push_back(ends.back());
-  return samples;
-}
-
 double worst_of(const std::vector<DurationError>& errors) {
   double worst = 0;
-  for (const auto& e : errors) worst = std::max(worst, std::abs(e.error));
+  for (const auto& e : errors) {
+    if (!std::isfinite(e.error)) return std::numeric_limits<double>::infinity();
+    worst = std::max(worst, std::abs(e.error));
+  }
   return worst;
-}
-
-/// A line whose points move by parameters in logarithms, so that all stay positive.
-ForceLine moved(ForceLine line, const Eigen::VectorXd& y, const Eigen::VectorXd& f) {
-  for (Index j = 0; j < y.size(); ++j) line.y[static_cast<std::size_t>(j) + 1] *= std::exp(y(j));
-  for (Index j = 0; j < f.size(); ++j) line.f[static_cast<std::size_t>(j) + 1] *= std::exp(f(j));
-  return line;
-}
-
-// The free logarithms of a graded line: its forces, its first knot, and its second knot, which takes the later ones
-// along: y_j = y_2^((n - j)/(n - 2)) keeps them in geometric progression up to 1.
-class GradedWays {
- public:
-  explicit GradedWays(std::size_t segments) : n_(segments) {}
-
-  [[nodiscard]] Index count() const { return static_cast<Index>(n_) + (n_ > 2 ? 2 : n_ > 1 ? 1 : 0); }
-
-  // Derivatives by the free logarithms, of those by the points.
-  [[nodiscard]] Eigen::RowVectorXd chain(const ForceLine& line, const ForceLine& slopes) const {
-    Eigen::RowVectorXd free = Eigen::RowVectorXd::Zero(count());
-    for (std::size_t j = 1; j <= n_; ++j) {
-      free(static_cast<Index>(j) - 1) = slopes.f[j] * line.f[j];
-      if (j < n_) free(column(j)) += slopes.y[j] * line.y[j] * share(j);
-    }
-    return free;
-  }
-
-  [[nodiscard]] ForceLine moved_by(const ForceLine& line, const Eigen::VectorXd& step) const {
-    Eigen::VectorXd knots(static_cast<Index>(n_) - 1);
-    for (std::size_t j = 1; j < n_; ++j) knots(static_cast<Index>(j) - 1) = step(column(j)) * share(j);
-    return moved(line, knots, step.head(static_cast<Index>(n_)));
-  }
-
- private:
-  [[nodiscard]] Index column(std::size_t j) const { return static_cast<Index>(n_) + (j == 1 ? 0 : 1); }
-  [[nodiscard]] double share(std::size_t j) const {
-    return j == 1 ? 1 : static_cast<double>(n_ - j) / static_cast<double>(n_ - 2);
-  }
-
-  std::size_t n_;
-};
-
-/// Errors of contact duration and max compression at energies in geometric progression, and their derivatives by the
-/// free logarithms. Without the compression a fit would trade it for a little duration at the softest impacts.
-struct Linearised {
-  Eigen::VectorXd errors;
-  Eigen::MatrixXd jacobian;
-
-  Linearised(const ForceLine& line, const FitTarget& target) {
-    constexpr Index kPoints = 6;  // energies a segment
-    constexpr double kWeight = 0.3;
-    const GradedWays ways(line.segments());
-    const Index points = kPoints * (static_cast<Index>(line.segments()) + 1);
-    const double low = std::log(target.least_energy), high = std::log(target.most_energy);
-    errors.resize(2 * points);
-    jacobian.resize(2 * points, ways.count());
-    ForceLine slopes;
-    for (Index i = 0; i < points; ++i) {
-      const double energy = std::exp(low + (high - low) * static_cast<double>(i) / static_cast<double>(points - 1));
-      const double duration = target.half_duration(energy), compression = target.compression(energy) / kWeight;
-      errors(i) = half_duration(line, energy, &slopes) / duration - 1;
-      jacobian.row(i) = ways.chain(line, slopes) / duration;
-      errors(points + i) = turning_point(line, energy, &slopes) / compression - kWeight;
-      jacobian.row(points + i) = ways.chain(line, slopes) / compression;
-    }
-  }
-};
-
-// Forces and knots of a graded line by Levenberg's and Marquardt's method.
-ForceLine least_squares(ForceLine line, const FitTarget& target, int iterations) {
-  const GradedWays ways(line.segments());
-  Linearised at(line, target);
-  double damping = 1e-3;
-  for (int i = 0; i < iterations && damping < 1e9; ++i) {
-    Eigen::MatrixXd normal = at.jacobian.transpose() * at.jacobian;
-    normal.diagonal() *= 1 + damping;
-    const Eigen::VectorXd step = normal.ldlt().solve(-(at.jacobian.transpose() * at.errors));
-    const ForceLine tried = ways.moved_by(line, step);
-    damping *= 10;
-    if (!step.allFinite() || !tried.rises()) continue;
-    Linearised there(tried, target);
-    if (there.errors.squaredNorm() < at.errors.squaredNorm()) {
-      line = tried;
-      at = std::move(there);
-      damping /= 100;
-    }
-    if (step.lpNorm<Eigen::Infinity>() < 1e-10) break;
-  }
-  return line;
-}
-
-// Force at a knot between two others. A chord lies above a convex force, by two thirds of the most on average.
-double force_between(const FitTarget& target, double before, double y, double after) {
-  const double left = y - before, right = after - y, middle = target.force(y);
-  const double bend =
-      2 * ((target.force(after) - middle) / right - (middle - target.force(before)) / left) / (left + right);
-  return std::max(middle - bend * left * right / 12, middle / 2);
 }
 
 // Knots in geometric progression with such forces.
@@ -167,12 +63,6 @@ ForceLine geometric_line(int segments, double first, const FitTarget& target) {
     line.y.push_back(y);
     line.f.push_back(force_between(target, y / ratio, y, y * ratio));
   }
-  return line;
-}
-
-// Lowers forces that a later one falls below.
-ForceLine made_rising(ForceLine line) {
-  for (std::size_t j = line.segments(); j-- > 1;) line.f[j] = std::min(line.f[j], 0.999 * line.f[j + 1]);
   return line;
 }
 
@@ -204,6 +94,18 @@ ForceLine refined_line(int segments, const ForceLine& coarse, const FitTarget& t
   line.y.insert(line.y.begin() + 1, std::min(coarse.y[1], 0.95 * line.y[1]));
   line.f.insert(line.f.begin() + 1, std::min(coarse.f[1], 0.9 * line.f[1]));
   return made_rising(std::move(line));
+}
+
+// By geometric progression and least squares.
+ForceLine smooth_graded_line(int segments, const FitTarget& target) {
+  constexpr int kFew = 8, kSteps = 40, kPoints = 6;  // energies a segment
+  const ForceLine guess = segments <= kFew ? coarse_line(segments, target)
+                                           : refined_line(segments, smooth_graded_line(segments / 2, target), target);
+  const double low = std::log(target.least_energy), high = std::log(target.most_energy);
+  const int points = kPoints * (segments + 1);
+  std::vector<double> energies;
+  for (int i = 0; i < points; ++i) energies.push_back(low + (high - low) * i / (points - 1));
+  return least_squares(guess, guess.segments(), target, energies, {kSteps});
 }
 
 // Many segments: widths in geometric progression from far below the slowest impact, so that no force need be fitted.
@@ -300,6 +202,48 @@ Levelled level(Levelled at, const FitTarget& target, Missing missing, int iterat
   return at;
 }
 
+// The segment in which a mass of that energy turns.
+std::size_t turning_segment(const ForceLine& line, double energy) {
+  const std::vector<double> stored = line.energies();
+  const auto above = std::upper_bound(stored.begin() + 1, stored.end() - 1, energy);
+  return static_cast<std::size_t>(above - stored.begin()) - 1;
+}
+
+// The same line with one knot more, amid the segment in which the error is worst.
+ForceLine split(const Levelled& at) {
+  const auto height = [](const DurationError& e) { return std::abs(e.error); };
+  const double energy = std::exp(std::ranges::max(at.extrema, {}, height).log_energy);
+  ForceLine line = at.line;
+  const auto j = static_cast<std::ptrdiff_t>(turning_segment(line, energy));
+  for (auto* values : {&line.y, &line.f}) {
+    const auto right = values->begin() + j + 1;
+    values->insert(right, (*(right - 1) + *right) / 2);
+  }
+  return line;
+}
+
+// Where a law has breaks the levelling may end early. So it also starts from what smaller numbers of segments came
+// to: from the first one on where there are few, so that the error falls with each segment; from some below where
+// there are more, as time allows.
+ForceLine optimal_line_with_breaks(int segments, const FitTarget& target) {
+  const int steps = segments <= 32 ? 20 : 8;
+  const int begin = segments <= 14 ? 1 : segments <= 32 ? segments - 7 : segments <= 48 ? segments - 1 : segments;
+  const auto levelled = [&](ForceLine from) {
+    return level({std::move(from), target}, target, Missing::level, steps);
+  };
+  ForceLine graded = graded_line(begin, target);
+  Levelled best = levelled(graded);
+  for (int more = begin + 1; more <= segments; ++more) {
+    graded = graded_line(more, target);
+    best = levelled(split(best));
+    Levelled other = levelled(graded);
+    if (other.worst < best.worst) best = std::move(other);
+  }
+  constexpr int kFine = 24;  // points a segment: peaks that the levelling did not see
+  const auto worst = [&](const ForceLine& line) { return worst_of(duration_errors(line, target, kFine)); };
+  return worst(best.line) < worst(graded) ? best.line : graded;
+}
+
 // Where a chord from one point meets a later one so that force and chord are `most` apart between them, with both
 // ends `shift` off the force; 1 where they never are. `bend` is 1 for a convex force, -1 for a concave one.
 double reach(const FitTarget& target, double y, double f, double shift, double most, double bend) {
@@ -356,14 +300,17 @@ double worst_duration_error(const ForceLine& line, const FitTarget& target) {
 }
 
 ForceLine graded_line(int segments, const FitTarget& target) {
-  constexpr int kFew = 8, kIterations = 40;
-  if (segments > kMostFittedSegments) return fine_line(segments, target);
-  const ForceLine guess = segments <= kFew ? coarse_line(segments, target)
-                                           : refined_line(segments, graded_line(segments / 2, target), target);
-  return least_squares(guess, target, kIterations);
+  constexpr int kFew = 8;
+  if (target.breaks.empty())
+    return segments > kMostFittedSegments ? fine_line(segments, target) : smooth_graded_line(segments, target);
+  if (segments > kMostFittedSegments) return unfitted_needed_line(segments, target);
+  ForceLine line = needed_line(segments, target);
+  if (segments <= kFew) line = better_of(std::move(line), smooth_graded_line(segments, target), target);
+  return better_of(std::move(line), recursion_line(segments, target), target);
 }
 
 ForceLine optimal_line(int segments, const FitTarget& target) {
+  if (!target.breaks.empty()) return optimal_line_with_breaks(segments, target);
   const bool few = segments <= 64;  // enough to afford a second try
   const Levelled graded(graded_line(segments, target), target);
   Levelled best = level(graded, target, Missing::level, few ? 30 : 12);

@@ -10,6 +10,12 @@
 
 namespace contactspline {
 
+/// A compression at which a law is not smooth, with the energy stored there: a kink where a layer begins to act.
+struct Break {
+  double compression, energy;
+  bool kink;
+};
+
 /// What a fit aims at.
 struct FitTarget {
   std::function<double(double)> force;          ///< at a compression from 0 to 1; force(1) = 1, rising
@@ -17,6 +23,7 @@ struct FitTarget {
   std::function<double(double)> half_duration;  ///< of that contact
   double least_compression;                     ///< of the slowest impact; the fastest reaches 1
   double least_energy, most_energy;
+  std::vector<Break> breaks = {};  ///< by rising compression, all below 1
 };
 
 /// Relative error of half the contact duration at a local extremum over the energies; positive where it is too long.
@@ -38,7 +45,8 @@ constexpr int kMostFittedSegments = 128;
 /// Knots in geometric progression up to 1, but for the first one; all forces, the first and the second knot such that
 /// the errors of contact duration and max compression are least in the mean square, the latter weighed by 0.3. Above
 /// kMostFittedSegments widths in geometric progression from 0 on, and forces off the law by two thirds of what a
-/// chord is. segments >= 1.
+/// chord is. Where the law has breaks knots lie where it bends, one at each kink (needed_line.hpp), or uniformly
+/// where that is better. segments >= 1.
 [[nodiscard]] ForceLine graded_line(int segments, const FitTarget& target);
 
 /// Knots and forces that make the worst error of the contact duration least, from the graded line on: where the

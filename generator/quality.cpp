@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <variant>
 #include <vector>
 
 #include "generator/compensation.hpp"
@@ -80,12 +82,28 @@ std::vector<double> speeds_by_segment(const Spline& spline, const Impact& impact
   return speeds;
 }
 
+// Where a layer begins to act the duration bends like a root of the energy beyond: speeds closer and closer to those
+// that turn there.
+void append_kinks(std::vector<double>& speeds, const Material& material) {
+  if (!std::holds_alternative<PowerSum>(material.contact.law())) return;
+  const auto& [mass_kg, fastest, slowest] = *material.impact;
+  for (const double y : material.contact.breaks()) {
+    const double turning = std::sqrt(2 * material.contact.energy(y) / mass_kg);
+    if (turning <= slowest || turning >= fastest) continue;
+    speeds.push_back(turning);
+    for (double share = 0.5; share > 1e-6; share /= std::numbers::sqrt2)
+      for (const double end : {slowest, fastest}) speeds.push_back(turning * std::pow(end / turning, share));
+  }
+}
+
 // Uniform knots given by number are measured as they always were; and many segments as well as can be afforded.
 std::vector<double> measured_speeds(const Spline& spline, const Material& material) {
   constexpr std::size_t kMany = 1024;
   const bool plain = material.spline.knots == Knots::uniform && material.spline.tolerance == 0;
-  return plain || spline.segments.size() > kMany ? even_speeds(spline, *material.impact)
-                                                 : speeds_by_segment(spline, *material.impact);
+  std::vector<double> speeds = plain || spline.segments.size() > kMany ? even_speeds(spline, *material.impact)
+                                                                       : speeds_by_segment(spline, *material.impact);
+  append_kinks(speeds, material);
+  return speeds;
 }
 
 ImpactError worst_impact_error(const Spline& spline, const Material& material) {

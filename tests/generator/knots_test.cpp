@@ -245,7 +245,6 @@ TEST(Knots, AreConvexWhereThereAreMany) {
     }
 }
 
-// A linear contact is one line, whatever the knots.
 // Felt that meets a hard stop: the force bends at once, where no smooth law does.
 TEST(Knots, AreConvexAtAKink) {
   const PowerSum stopped{{{{4.5e9, 2.5}, 0}, {{1e8, 1}, 5e-4}}};
@@ -258,6 +257,122 @@ TEST(Knots, AreConvexAtAKink) {
   }
 }
 
+/// Laws that bend at once, or nearly.
+std::vector<Material> kinked_laws() {
+  const PowerTerm felt{{4.5e9, 2.5}, 0};
+  const std::pair<const char*, Potential> laws[] = {
+      {"felt over wood", PowerSum{{felt, {{1.03e8, 1.5}, 5e-4}}}},
+      {"felt to a stop", PowerSum{{felt, {{1e8, 1}, 5e-4}}}},
+      {"felt to a hard stop", PowerSum{{felt, {{1e10, 1}, 5e-4}}}},
+      {"three layers", PowerSum{{{{1e7, 1.8}, 0}, {{3e7, 2}, 1e-4}, {{1e7, 1.2}, 3e-4}}}},
+      {"curve that stiffens", ForceCurve({0, 2e-4, 2.2e-4, 5e-4, 5.2e-4, 2e-3}, {1e4, 1e4, 1e5, 1e5, 1e6, 1e6})},
+      {"curve that gives way", ForceCurve({0, 2e-4, 2.2e-4, 5e-4, 5.2e-4, 1e-2}, {1e5, 1e5, 1e4, 1e4, 1e6, 1e6})}};
+  std::vector<Material> materials;
+  for (const auto& [name, law] : laws) {
+    const Impact impact{0.00297, 6, 0.1};
+    const double range = law.max_compression(impact.mass_kg, impact.max_speed_m_per_s);
+    materials.push_back({name, "", law, impact, {0, range, Knots::graded}});
+  }
+  return materials;
+}
+
+/// Exact durations at 3,000 speeds in geometric progression and just around those that turn at a break, for laws
+/// whose durations take a quadrature.
+class ExactDurations {
+ public:
+  explicit ExactDurations(const Material& of) : of_(of) {
+    const Impact& impact = *of.impact;
+    constexpr int kSpeeds = 3000;
+    const double ratio = impact.max_speed_m_per_s / impact.min_speed_m_per_s;
+    for (int i = 0; i <= kSpeeds; ++i)
+      add(impact.min_speed_m_per_s * std::pow(ratio, static_cast<double>(i) / kSpeeds));
+    for (const double y : of.contact.breaks())
+      for (int i = -60; i <= 60; ++i)
+        add(std::sqrt(2 * of.contact.energy(y) / impact.mass_kg) *
+            (1 + (i < 0 ? -1 : 1) * std::pow(2, -std::abs(i) / 4.0)));
+  }
+
+  /// Worst relative error of a design; infinite where there is none.
+  [[nodiscard]] double worst_error(Knots knots, int segments) const {
+    Material of = of_;
+    of.spline.knots = knots;
+    of.spline.segments = segments;
+    try {
+      return worst_error(design_spline(of, "law.json"));
+    } catch (const BadInput&) {  // uniform knots may not be convex
+      return INFINITY;
+    }
+  }
+  [[nodiscard]] double worst_error(const Spline& spline) const {
+    double worst = 0;
+    for (const auto& [speed, duration] : exact_) {
+      const double error = impact_on_spline(spline, of_.impact->mass_kg, speed).contact_duration_s / duration - 1;
+      worst = std::isfinite(error) ? std::max(worst, std::abs(error)) : INFINITY;
+    }
+    return worst;
+  }
+
+ private:
+  void add(double speed) {
+    const Impact& impact = *of_.impact;
+    if (speed >= impact.min_speed_m_per_s && speed <= impact.max_speed_m_per_s)
+      exact_.emplace_back(speed, of_.contact.contact_duration(impact.mass_kg, speed));
+  }
+
+  Material of_;
+  std::vector<std::pair<double, double>> exact_;
+};
+
+// A hundredth of itself and 1e-6 are left for peaks between the speeds a fit looks at and for the tables of durations
+// it is given.
+TEST(Knots, AtAKinkFittedOnesAreNoWorseThanUniformOnesAndOptimalOnesBest) {
+  const auto at_most = [](double error, double other) { return error <= 1.01 * other + 1e-6; };
+  for (const Material& of : kinked_laws()) {
+    const ExactDurations exact(of);
+    for (const int segments : {2, 3, 5, 8, 12, 16, 32, 48, 64}) {
+      const double uniform = exact.worst_error(Knots::uniform, segments);
+      const double graded = exact.worst_error(Knots::graded, segments);
+      const double optimal = exact.worst_error(Knots::optimal, segments);
+      EXPECT_TRUE(at_most(graded, uniform)) << of.name << " " << segments << ": " << graded << " " << uniform;
+      EXPECT_TRUE(at_most(optimal, graded)) << of.name << " " << segments << ": " << optimal << " " << graded;
+      if (segments == 16 || segments == 32)
+        std::cout << of.name << ", " << segments << " segments: uniform " << 100 * uniform << " %, graded "
+                  << 100 * graded << " %, optimal " << 100 * optimal << " %\n";
+      // What is promised of smooth laws: 0.2 % and 0.05 % of optimal knots, of graded ones twice that.
+      const double promised = segments == 16 ? 0.002 : segments == 32 ? 0.0005 : 1;
+      EXPECT_LE(optimal, promised) << of.name << " " << segments;
+      EXPECT_LE(graded, 2 * promised) << of.name << " " << segments;
+    }
+    double before = INFINITY;
+    for (int segments = 1; segments <= 14; ++segments) {
+      const double error = exact.worst_error(Knots::optimal, segments);
+      EXPECT_TRUE(at_most(error, before)) << of.name << " " << segments << ": " << error << " " << before;
+      before = error;
+    }
+  }
+}
+
+// The smallest number of all, though the error need not fall with each segment: a design keeps 0.3 % of room, and the
+// speeds of this sweep miss half a per cent at a peak.
+TEST(Tolerance, IsKeptWithTheFewestSegmentsAtAKink) {
+  for (const Material& law : kinked_laws()) {
+    const ExactDurations exact(law);
+    for (const auto& [knots, tolerance] :
+         {std::pair(Knots::graded, 0.003), {Knots::optimal, 0.01}, {Knots::uniform, 0.03}}) {
+      if (knots == Knots::uniform && exact.worst_error(knots, 16) == INFINITY) continue;
+      Material of = law;
+      of.spline.knots = knots;
+      of.spline.tolerance = tolerance;
+      const Spline spline = design_spline(of, "law.json");
+      EXPECT_LE(exact.worst_error(spline), tolerance) << law.name << " " << name_of(knots);
+      for (int fewer = 1; fewer < of.spline.segments; ++fewer)
+        EXPECT_GT(1.008 * exact.worst_error(knots, fewer), tolerance)
+            << law.name << " " << name_of(knots) << " " << fewer;
+    }
+  }
+}
+
+// A linear contact is one line, whatever the knots.
 TEST(Knots, LinearContactIsReproduced) {
   for (const auto knots : {Knots::graded, Knots::optimal}) {
     const Material of = material(1, knots, 12);
@@ -282,13 +397,21 @@ TEST(Knots, AreFoundInTime) {
   const double large = milliseconds(material(2.5, Knots::graded, 10000));
   const double optimal = milliseconds(material(2.5, Knots::optimal, 32));
   const double most = milliseconds(material(2.5, Knots::optimal, kMostFittedSegments));
+  double kinked = 0;
+  for (Material of : {kinked_laws()[0], kinked_laws()[4]})
+    for (const int segments : {14, 32, kMostFittedSegments}) {
+      of.spline.knots = Knots::optimal;
+      of.spline.segments = segments;
+      kinked = std::max(kinked, milliseconds(of));
+    }
   std::cout << "graded, 16 segments " << small << " ms, 10,000 " << large << " ms; optimal, 32 segments " << optimal
-            << " ms, " << kMostFittedSegments << " " << most << " ms\n";
+            << " ms, " << kMostFittedSegments << " " << most << " ms; with kinks at most " << kinked << " ms\n";
 #ifdef NDEBUG
   EXPECT_LT(small, 10);
   EXPECT_LT(large, 1000);
   EXPECT_LT(optimal, 1000);
   EXPECT_LT(most, 1000);
+  EXPECT_LT(kinked, 1000);
 #endif
 }
 
