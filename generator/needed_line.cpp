@@ -21,8 +21,8 @@ double between(const std::vector<double>& x, const std::vector<double>& values, 
 }
 
 /// How many segments a law needs from `low` on: the integral of sqrt(|F''|/F), which for a power law grows as log y
-/// does. A chord of width h is off by h^2 F''/8, so that with one segment to each unit of it all are off by a like part
-/// of the force.
+/// does. A chord of width h is off by h^2 F''/8, so that with one segment to each unit of it all are off by a like
+/// part of the force.
 struct Need {
   std::vector<double> y, sum;
 
@@ -197,7 +197,8 @@ ForceLine needed_line(int segments, const FitTarget& target) {
 
 ForceLine unfitted_needed_line(int segments, const FitTarget& target) {
   constexpr double kShare = 0.03;  // so far below the slowest impact no force need be fitted
-  return stored_right(made_rising(guess_from(segments, kShare * target.least_compression, true, target).line), target);
+  return stored_right(made_rising(guess_from(segments, kShare * target.least_compression, true, target).line),
+                      target);
 }
 
 ForceLine recursion_line(int segments, const FitTarget& target) {

@@ -216,6 +216,18 @@ double tic_step(double range) {
   return power * (rest <= 1 ? 1 : rest <= 2 ? 2 : rest <= 5 ? 5 : 10);
 }
 
+// Tics of a logarithmic axis, which gnuplot leaves bare where it holds no power of ten: those and twice and five
+// times them; over many decades the powers alone.
+std::string logarithmic_tics(double low, double high) {
+  const bool narrow = high / low < 1e3;
+  std::string tics;
+  for (int power = static_cast<int>(std::floor(std::log10(low))); std::pow(10, power) <= high; ++power)
+    for (const int digit : {1, 2, 5})
+      if (const double at = digit * std::pow(10, power); at >= low && at <= high && (digit == 1 || narrow))
+        tics += fmt::format("{}'{:g}' {:g}", tics.empty() ? "" : ", ", at, at);
+  return fmt::format("set xtics ({})\n", tics);
+}
+
 float peak_of(const std::vector<float>& sound) {
   float peak = 0;
   for (const float value : sound) peak = std::max(peak, std::abs(value));
@@ -271,8 +283,12 @@ std::string picture_of(std::span<const Design> families) {
     force += curve(4, 5);
   }
   const Material& material = families.front().material;
+  const auto& [mass_kg, fastest, slowest] = *material.impact;
+  const std::string speeds = logarithmic_tics(slowest, fastest);
+  const std::string compressions = logarithmic_tics(1e3 * material.contact.max_compression(mass_kg, slowest),
+                                                    1e3 * material.contact.max_compression(mass_kg, fastest));
   return draw_svg(
-      script + heading(3, 1) + R"(
+      script + heading(3, 1) + speeds + R"(
 set logscale xy
 set xrange [*:*] noextend
 set yrange [1e-6:*]
@@ -281,8 +297,8 @@ set key outside right top
 set xlabel 'impact speed [m/s]'
 set ylabel 'contact duration error [%]'
 )" + duration +
-          "\nset ylabel 'max compression error [%]'\n" + compression +
-          "\nset xlabel 'compression [mm]'\nset ylabel 'force error [% of largest]'\n" + force + "\nunset multiplot",
+          "\nset ylabel 'max compression error [%]'\n" + compression + "\n" + compressions +
+          "set xlabel 'compression [mm]'\nset ylabel 'force error [% of largest]'\n" + force + "\nunset multiplot",
       fmt::format("{}: families of knots", material.description.empty() ? material.name : material.description));
 }
 

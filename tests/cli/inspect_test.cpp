@@ -245,6 +245,23 @@ TEST(InspectFamilies, StandSideBySide) {
   EXPECT_NE(read_svg(box / "families.svg").text.find("optimal, 16 segments"), std::string::npos);
 }
 
+std::size_t count_of(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+// Speeds from 0.1 to 6 m/s on two axes, compressions from 0.104 to 1.085 mm on the third.
+TEST(InspectFamilies, LabelEveryAxisOfThePicture) {
+  const Sandbox box;
+  printed(box, {"inspect", "felt_c4", "--compare", "--svg", "families.svg"});
+  const std::string text = read_svg(box / "families.svg").text;
+  const std::string third = text.substr(text.rfind("max compression error"));
+  EXPECT_EQ(count_of(text, "0.2"), 3u);
+  EXPECT_EQ(count_of(text, "0.5"), 3u);
+  for (const auto label : {"0.2", "0.5"}) EXPECT_NE(third.find(label), std::string::npos) << label;
+}
+
 TEST(InspectFamilies, NeedARangeOfImpacts) {
   const Sandbox box;
   write_file(box / "bare.json", R"({"name": "bare", "contact": {"stiffness_n_per_m_alpha": 1e9, "exponent": 1.5},
