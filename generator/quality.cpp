@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
+#include <span>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -70,10 +73,11 @@ std::vector<double> even_speeds(const Spline& spline, const Impact& impact) {
 
 // Between any two neighbouring speeds that turn at a knot the error is smooth, with a peak or two, the sharper the
 // wider the segment: a few thousand speeds in all, 32 there at least, miss less than three thousandths of the worst.
-std::vector<double> speeds_by_segment(const Spline& spline, const Impact& impact) {
-  const int steps = std::max(32, 2048 / static_cast<int>(spline.segments.size()));
+std::vector<double> speeds_by_segment(std::span<const Segment<double>> segments, const Impact& impact, int least,
+                                      int in_all) {
+  const int steps = std::max(least, in_all / static_cast<int>(segments.size()));
   std::vector<double> speeds{impact.min_speed_m_per_s};
-  for (const auto& segment : spline.segments) {
+  for (const auto& segment : segments) {
     const double turning = std::sqrt(2 * segment.energy / impact.mass_kg);
     if (turning > speeds.back() && turning < impact.max_speed_m_per_s)
       append_speeds(speeds, speeds.back(), turning, steps);
@@ -84,11 +88,11 @@ std::vector<double> speeds_by_segment(const Spline& spline, const Impact& impact
 
 // Where a layer begins to act the duration bends like a root of the energy beyond: speeds closer and closer to those
 // that turn there.
-void append_kinks(std::vector<double>& speeds, const Material& material) {
-  if (!std::holds_alternative<PowerSum>(material.contact.law())) return;
-  const auto& [mass_kg, fastest, slowest] = *material.impact;
-  for (const double y : material.contact.breaks()) {
-    const double turning = std::sqrt(2 * material.contact.energy(y) / mass_kg);
+void append_kinks(std::vector<double>& speeds, const Potential& contact, const Impact& impact) {
+  if (!std::holds_alternative<PowerSum>(contact.law())) return;
+  const auto& [mass_kg, fastest, slowest] = impact;
+  for (const double y : contact.breaks()) {
+    const double turning = std::sqrt(2 * contact.energy(y) / mass_kg);
     if (turning <= slowest || turning >= fastest) continue;
     speeds.push_back(turning);
     for (double share = 0.5; share > 1e-6; share /= std::numbers::sqrt2)
@@ -100,9 +104,10 @@ void append_kinks(std::vector<double>& speeds, const Material& material) {
 std::vector<double> measured_speeds(const Spline& spline, const Material& material) {
   constexpr std::size_t kMany = 1024;
   const bool plain = material.spline.knots == Knots::uniform && material.spline.tolerance == 0;
-  std::vector<double> speeds = plain || spline.segments.size() > kMany ? even_speeds(spline, *material.impact)
-                                                                       : speeds_by_segment(spline, *material.impact);
-  append_kinks(speeds, material);
+  std::vector<double> speeds = plain || spline.segments.size() > kMany
+                                   ? even_speeds(spline, *material.impact)
+                                   : speeds_by_segment(spline.segments, *material.impact, 32, 2048);
+  append_kinks(speeds, material.contact, *material.impact);
   return speeds;
 }
 
@@ -120,25 +125,91 @@ ImpactError worst_impact_error(const Spline& spline, const Material& material) {
   return worst;
 }
 
-// Of collisions simulated at the rate the spline is compensated for, begun at phases between two samples. Its mass
-// meets the same energies as that of the material's impacts.
-ImpactError worst_simulated_error(const Spline& spline, const Material& material) {
-  constexpr int kSpeeds = 96, kPhases = 8;
-  ImpactError worst{0, 0};
-  const auto& [rate, mass_kg, compliance] = *material.compensation;
-  const auto table = in_series(segment_table(spline), -compliance);  // a rigid barrier lacks none
-  const double share = std::sqrt(material.impact->mass_kg / mass_kg);
-  std::vector<double> speeds{material.impact->min_speed_m_per_s * share};
-  append_speeds(speeds, speeds[0], material.impact->max_speed_m_per_s * share, kSpeeds - 1);
-  for (const double speed : speeds) {
-    const double duration = material.contact.contact_duration(mass_kg, speed);
-    const double compression = material.contact.max_compression(mass_kg, speed);
-    const int phases = duration * rate < 500 ? kPhases : 1;  // later they are alike
-    for (int i = 0; i < phases; ++i) {
-      const SimulatedImpact found = simulate_impact(table, mass_kg, speed, rate, (i + 0.5) / phases);
-      worst.contact_duration = worse(worst.contact_duration, found.contact_duration_s / duration - 1);
-      worst.max_compression = worse(worst.max_compression, found.max_compression_m / compression - 1);
+// Phases between two samples at which simulated contacts are begun. What they do to the duration falls with the
+// fourth power of the number of samples that it lasts.
+int phases_of(double samples) {
+  return samples < 25 ? 32 : samples < 500 ? 8 : 1;
+}
+
+/// Collisions simulated at the rate a spline is compensated for, against its law.
+class SimulatedErrors {
+ public:
+  SimulatedErrors(const Spline& spline, const Material& material)
+      : law_(material.contact),
+        of_(*material.compensation),
+        table_(in_series(segment_table(spline), -of_.compliance_m_per_n)) {}  // a rigid barrier lacks none
+
+  [[nodiscard]] const std::vector<Segment<double>>& table() const { return table_; }
+  [[nodiscard]] double samples(double speed) const {
+    return law_.contact_duration(of_.mass_kg, speed) * of_.sample_rate_hz;
+  }
+  [[nodiscard]] ImpactError at(double speed, double phase) const {
+    const auto found = simulate_impact(table_, of_.mass_kg, speed, of_.sample_rate_hz, phase - std::floor(phase));
+    return {found.contact_duration_s / law_.contact_duration(of_.mass_kg, speed) - 1,
+            found.max_compression_m / law_.max_compression(of_.mass_kg, speed) - 1};
+  }
+
+ private:
+  const Potential& law_;
+  Compensation of_;
+  std::vector<Segment<double>> table_;
+};
+
+/// The worst error of the contact duration at a speed.
+struct Peak {
+  double speed, phase, error;
+};
+
+// Climbs from there, by ever shorter steps of speed (relative) and phase.
+double climbed(Peak peak, const SimulatedErrors& errors, const Impact& impact, double speed_step, double phase_step) {
+  for (int halved = 0; halved < 8;) {
+    const double before = peak.error;
+    for (const auto& [faster, later] :
+         {std::pair(speed_step, 0.0), {-speed_step, 0.0}, {0.0, phase_step}, {0.0, -phase_step}}) {
+      const double speed = std::clamp(peak.speed * (1 + faster), impact.min_speed_m_per_s, impact.max_speed_m_per_s);
+      const double error = std::abs(errors.at(speed, peak.phase + later).contact_duration);
+      if (error > peak.error) peak = {speed, peak.phase + later, error};
     }
+    if (peak.error > before * (1 + 1e-4)) continue;
+    ++halved;
+    speed_step /= 2;
+    phase_step /= 2;
+  }
+  return peak.error;
+}
+
+// Over speeds and phases of the begin, and climbed from the worst of them, for the peaks over both are sharp. The
+// mass meets the same energies as that of the material's impacts.
+ImpactError worst_simulated_error(const Spline& spline, const Material& material) {
+  constexpr std::size_t kClimbed = 32;
+  const SimulatedErrors errors(spline, material);
+  const double mass_kg = material.compensation->mass_kg, share = std::sqrt(material.impact->mass_kg / mass_kg);
+  const Impact impact{mass_kg, material.impact->max_speed_m_per_s * share,
+                      material.impact->min_speed_m_per_s * share};
+  std::vector<double> speeds = speeds_by_segment(std::span(errors.table()).subspan(1), impact, 12, 768);
+  append_kinks(speeds, material.contact, impact);
+  ImpactError worst{0, 0};
+  std::vector<Peak> peaks;
+  double shift = 0.5;  // of the phases, another one at each speed
+  for (const double speed : speeds) {
+    shift = std::fmod(shift + std::numbers::phi, 1);
+    const int phases = phases_of(errors.samples(speed));
+    Peak& peak = peaks.emplace_back(Peak{speed, 0, 0});
+    for (int i = 0; i < phases; ++i) {
+      const double phase = (i + shift) / phases;
+      const ImpactError error = errors.at(speed, phase);
+      worst.max_compression = worse(worst.max_compression, error.max_compression);
+      worst.contact_duration = worse(worst.contact_duration, error.contact_duration);
+      if (std::abs(error.contact_duration) > peak.error) peak = {speed, phase, std::abs(error.contact_duration)};
+    }
+  }
+  std::ranges::sort(peaks, std::greater<>(), &Peak::error);
+  peaks.resize(std::min(peaks.size(), kClimbed));
+  for (const Peak& peak : peaks) {
+    const double step =
+        std::log(impact.max_speed_m_per_s / impact.min_speed_m_per_s) / static_cast<double>(speeds.size());
+    worst.contact_duration = worse(worst.contact_duration,
+                                   climbed(peak, errors, impact, step, 0.5 / phases_of(errors.samples(peak.speed))));
   }
   return worst;
 }
