@@ -124,6 +124,23 @@ std::string member_rows(const ExponentFamily& family, double Segment<double>::*n
   return literal_rows(values, 6);
 }
 
+// The figures of a family, in the syntax of the format; nothing where there are no impacts to measure.
+std::string family_quality(const Emitter& emitter, const Material& material, const ExponentFamily& family) {
+  const auto error = measure_family(family, material);
+  if (!error) return {};
+  if (emitter.name == "json")
+    return fmt::format(
+        "    \"quality\": {{\n      \"worst_contact_duration_error\": {},\n"
+        "      \"worst_max_compression_error\": {}\n    }},\n",
+        literal(figure(error->contact_duration)), literal(figure(error->max_compression)));
+  const auto margin = emitter.name == "cpp" ? "  " : "";
+  return fmt::format(
+      "{0}// At any exponent, impacts of {1} kg at {2} to {3} m/s: contact duration within {4}, max compression\n"
+      "{0}// within {5}.\n",
+      margin, material.impact->mass_kg, material.impact->min_speed_m_per_s, material.impact->max_speed_m_per_s,
+      percent(error->contact_duration), percent(error->max_compression));
+}
+
 // The part of a material's text that holds its family of exponents; nothing where it has none.
 std::string live_text(const Emitter& emitter, const Design& design) {
   if (!design.material.live_exponent) return {};
@@ -135,6 +152,8 @@ std::string live_text(const Emitter& emitter, const Design& design) {
   TemplateValues values{{"LEAST", literal(least)},
                         {"MOST", literal(most)},
                         {"MEMBERS", fmt::format("{}", members)},
+                        {"QUALITY", family_quality(emitter, design.material, family)},
+                        {"MAX_COMPRESSION", literal(family.max_compression_m)},
                         {"KNOTS", literal_rows(family.knots_m, 6)},
                         {"ENERGIES", member_rows(family, &Segment<double>::energy, apart)},
                         {"FORCES", member_rows(family, &Segment<double>::force, apart)},

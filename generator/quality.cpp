@@ -255,4 +255,26 @@ Quality measure_quality(const Spline& spline, const Material& material) {
   return quality;
 }
 
+std::optional<ImpactError> measure_family(const ExponentFamily& family, const Material& material) {
+  if (!material.impact) return std::nullopt;
+  constexpr int kBlends = 4;  // steps from a member to the next
+  const auto& range = *material.live_exponent;
+  const double mass_kg = material.impact->mass_kg;
+  const int steps = kBlends * (range.members - 1);
+  ImpactError worst{0, 0};
+  for (int i = 0; i <= steps; ++i) {
+    const double exponent = range.least + (range.most - range.least) * i / steps;
+    const PowerLaw law = law_of_family(material, exponent);
+    const Spline spline{blended(family, range, exponent), 1, 1, {}, {}, {}};
+    for (const double speed : speeds_by_segment(spline.segments, *material.impact, 12, 384)) {
+      const SplineImpact found = impact_on_spline(spline, mass_kg, speed);
+      worst.contact_duration =
+          worse(worst.contact_duration, found.contact_duration_s / law.contact_duration(mass_kg, speed) - 1);
+      worst.max_compression =
+          worse(worst.max_compression, found.max_compression_m / law.max_compression(mass_kg, speed) - 1);
+    }
+  }
+  return worst;
+}
+
 }  // namespace contactspline

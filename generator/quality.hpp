@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "generator/live_exponent.hpp"
 #include "generator/material.hpp"
 #include "generator/spline.hpp"
 
@@ -43,5 +44,9 @@ struct SplineImpact {
 /// between any two speeds that turn at a knot (12 where impacts are simulated, then climbing from the worst). Closer
 /// and closer to a speed that turns where a layer begins to act.
 [[nodiscard]] Quality measure_quality(const Spline& spline, const Material& material);
+
+/// Worst errors over the speeds of the material's impacts and the exponents of its family, three of them between any
+/// two members; nothing where it has no impact. It must have a live_exponent.
+[[nodiscard]] std::optional<ImpactError> measure_family(const ExponentFamily& family, const Material& material);
 
 }  // namespace contactspline

@@ -14,6 +14,7 @@
 #include "generator/cli/picture.hpp"
 #include "generator/design.hpp"
 #include "generator/error.hpp"
+#include "generator/live_exponent.hpp"
 
 namespace contactspline {
 namespace {
@@ -55,6 +56,19 @@ std::string heading(const Material& material) {
                      loss_line(material), measurement_line(material));
 }
 
+std::string family_table(const Design& design) {
+  if (!design.material.live_exponent) return {};
+  const auto& [least, most, members] = *design.material.live_exponent;
+  const auto family = exponent_family(design.material, static_cast<int>(design.spline.segments.size()));
+  std::string table = fmt::format("\nlive exponent {} to {}, {} members over 0 to {:.6g} m\n", least, most, members,
+                                  family.max_compression_m);
+  if (const auto error = measure_family(family, design.material))
+    table += fmt::format("{:<36} {:>10.4g} %\n{:<36} {:>10.4g} %\n  at any exponent, for the same impacts\n",
+                         "contact duration", 100 * error->contact_duration, "max compression",
+                         100 * error->max_compression);
+  return table;
+}
+
 std::string quality_table(const Design& design) {
   const Quality& q = design.quality;
   std::string table = fmt::format("\n{:<36} {:>12} {:>12}\n", "error", "worst", "rms");
@@ -70,7 +84,7 @@ std::string quality_table(const Design& design) {
                          100 * q.impact->max_compression, impact.mass_kg, impact.min_speed_m_per_s,
                          impact.max_speed_m_per_s);
   }
-  return table;
+  return table + family_table(design);
 }
 
 // The same material with other knots, as many of them; without compensation, which uniform ones do not have.

@@ -245,6 +245,21 @@ TEST(InspectFamilies, StandSideBySide) {
   EXPECT_NE(read_svg(box / "families.svg").text.find("optimal, 16 segments"), std::string::npos);
 }
 
+// The figures of the family are those emitted with it.
+TEST(Inspect, ShowsTheFiguresOfALiveExponent) {
+  const Sandbox box;
+  const std::string text = printed(box, {"inspect", "felt_live"});
+  const auto at = text.find("live exponent 1.2 to 3.2, 21 members");
+  ASSERT_NE(at, std::string::npos) << text;
+  const Json live = Json::parse(printed(box, {"generate", "felt_live", "--emit", "json", "-o", "-"})).at("live");
+  const auto expect = [&](const char* label, double emitted) {
+    EXPECT_TRUE(relatively_within(number_after(text.substr(at), label), emitted, 1e-3)) << label;
+  };
+  expect("over 0 to", live.at("max_compression_m").get<double>());
+  expect("contact duration", 100 * live.at("quality").at("worst_contact_duration_error").get<double>());
+  expect("max compression", 100 * live.at("quality").at("worst_max_compression_error").get<double>());
+}
+
 std::size_t count_of(const std::string& text, const std::string& part) {
   std::size_t count = 0;
   for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;

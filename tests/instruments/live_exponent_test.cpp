@@ -51,26 +51,27 @@ TEST(LiveExponent, BlendsAreConvexAndContinuous) {
   }
 }
 
-// Contact duration over 50:1 in speed against the closed form of the power law with the material's force at its
-// largest compression, at the family's exponents and between them.
+// Contact duration of the material's impacts, 0.12 to 6 m/s, against the closed form of the power law with the
+// material's force at its largest compression, at the family's exponents and between them. At 3.2 the fastest impact
+// goes 4 % deeper than the material's own; the family reaches as far.
 TEST(LiveExponent, ContactsLastAsThePowerLawsDo) {
   const double range = Felt::max_compression_m;
   const double largest = PowerLaw{Felt::stiffness_n_per_m_alpha, Felt::exponent}.force(range);
-  double worst = 0;
+  double worst = 0, deepest = 0;
   for (int i = 0; i <= 80; ++i) {
     const double exponent = kLeast + (kMost - kLeast) * i / 80;
     const PowerLaw law{largest / std::pow(range, exponent), exponent};
+    deepest = std::max(deepest, law.max_compression(kMass, 6));
     const Live live(exponent);
     ForceLine line;
     for (const auto& segment : live.table().subspan(1)) {
       line.y.push_back(segment.knot);
       line.f.push_back(segment.force);
     }
-    line.y.push_back(range);
-    line.f.push_back(live.table().back().force_at(range));
-    const double fastest = std::sqrt(2 * law.energy(range) / kMass);
-    for (int n = 0; n <= 200; ++n) {
-      const double speed = fastest * std::pow(50.0, -n / 200.0);
+    line.y.push_back(Felt::live::max_compression_m);
+    line.f.push_back(live.table().back().force_at(Felt::live::max_compression_m));
+    for (int n = 0; n <= 400; ++n) {
+      const double speed = 6 * std::pow(50.0, -n / 400.0);
       // A mass m on F lasts as a unit mass on F/m.
       ForceLine unit = line;
       for (double& f : unit.f) f /= kMass;
@@ -81,6 +82,8 @@ TEST(LiveExponent, ContactsLastAsThePowerLawsDo) {
   RecordProperty("worst_percent", std::to_string(100 * worst));
   std::cout << "worst error of the contact duration " << 100 * worst << " %\n";
   EXPECT_TRUE(within(worst, 0, 0.01));
+  EXPECT_TRUE(relatively_within(Felt::live::max_compression_m, deepest, 1e-12));
+  EXPECT_GT(deepest, 1.04 * range);
 }
 
 // A mass with gravity bounces while the exponent sweeps to and fro, through whole contacts and within them. Energy
