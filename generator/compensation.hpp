@@ -35,6 +35,9 @@ struct CompensatedTarget {
 /// modes themselves: the sum of shape^2/m (1/w^2 - dt^2/(4 tan^2(w dt/2))). w dt < pi.
 [[nodiscard]] double missing_compliance(std::span<const ResonatorMode> modes, double sample_rate_hz);
 
+/// The part of it that served felts on strings best (docs/knots.md): modes slower than the contact do not give way.
+constexpr double kServingShare = 0.8;
+
 /// A spline's table in series with a spring of that compliance [m/N], which may be negative to take it away: at each
 /// force the compression is greater by force times compliance.
 [[nodiscard]] std::vector<Segment<double>> in_series(std::vector<Segment<double>> table, double compliance_m_per_n);

@@ -182,6 +182,8 @@ TemplateValues source_values(const Design& design, std::string_view command) {
   TemplateValues values = common_values(design, command);
   const bool uniform = design.material.spline.knots == Knots::uniform;
   values["SEGMENTS"] = fmt::format("{}", design.spline.segments.size());
+  values["END"] =
+      literal(design.material.compensation ? design.spline.end_m : design.material.spline.max_compression_m);
   values["KNOT_FAMILY"] = uniform ? "" : fmt::format("{} ", name_of(design.material.spline.knots));
   values["SCALED_BY"] = uniform ? "y in segment widths" : "y in length scales";
   values["QUALITY"] = quality_lines(design);

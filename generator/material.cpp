@@ -142,6 +142,16 @@ void require_compensable(const JsonObject& material, const Material& of) {
                   fmt::format("a rate at which it lasts at most {:g}", kMostSamples));
 }
 
+// In series with a softer spring the contact would be that spring.
+void require_stiffer(const JsonObject& material, const Material& of) {
+  const double range = of.spline.max_compression_m, own = range / of.contact.force(range);
+  if (of.compensation->compliance_m_per_n > own)
+    material.fail(
+        "compensation.compliance_m_per_n",
+        fmt::format("{} is above the contact's own at its largest compression", of.compensation->compliance_m_per_n),
+        fmt::format("at most {:.2g}", own * (1 - 0.005)));
+}
+
 Compensation read_compensation(const JsonObject& compensation) {
   return {compensation.number("sample_rate_hz", kSampleRate), compensation.number("mass_kg", kMass),
           compensation.has("compliance_m_per_n") ? compensation.number("compliance_m_per_n", kCompliance) : 0};
@@ -218,6 +228,7 @@ Material parse_material(std::string_view text, std::string_view file, const Read
     read.compensation =
         read_compensation(material.object("compensation", {"sample_rate_hz", "mass_kg", "compliance_m_per_n"}));
     require_compensable(material, read);
+    require_stiffer(material, read);
   }
   if (material.has("live_exponent"))
     read.live_exponent = read_live_exponent(material.object("live_exponent", {"least", "most", "members"}), read);

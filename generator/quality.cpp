@@ -237,10 +237,10 @@ SplineImpact impact_on_spline(const Spline& spline, double mass_kg, double speed
 
 Quality measure_quality(const Spline& spline, const Material& material) {
   ErrorSum force, energy;
-  const double range = material.spline.max_compression_m;
+  const double range = material.spline.max_compression_m, end = std::max(range, spline.end_m);
   for (std::size_t j = 0; j < spline.segments.size(); ++j) {
     const auto& segment = spline.segments[j];
-    const double width = (j + 1 < spline.segments.size() ? spline.segments[j + 1].knot : range) - segment.knot;
+    const double width = (j + 1 < spline.segments.size() ? spline.segments[j + 1].knot : end) - segment.knot;
     for (int i = 1; i <= kPointsPerSegment; ++i) {
       const double y = segment.knot + width * i / kPointsPerSegment;
       force.add(segment.force_at(y) - material.contact.force(y), width);

@@ -10,7 +10,8 @@
 
 namespace contactspline {
 
-/// Errors over [0, max_compression_m], relative to the exact value at max_compression_m.
+/// Errors over [0, max_compression_m] (where compensated, as far as the spline is designed), relative to the exact
+/// value at max_compression_m.
 struct CurveError {
   double worst;
   double rms;

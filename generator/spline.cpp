@@ -143,6 +143,7 @@ Spline uniform_spline(const Material& material, std::string_view file) {
   require_convex(bars, material, file);
   Spline spline{local_segments(bars, energy, width),       width.convert_to<double>(),    energy.convert_to<double>(),
                 regular_coefficients(bars, energy, width), normalised_coefficients(bars), counted(bars.a.size())};
+  spline.end_m = material.spline.max_compression_m;
   require_in_range(spline, file);
   return spline;
 }
@@ -172,6 +173,7 @@ Spline line_spline(const ForceLine& line, const Material& material, std::string_
                                Quad(energy / (length * length) * a).convert_to<double>()});
     stored += (f + rise / 2) * width;
   }
+  spline.end_m = Quad(length * line.y.back()).convert_to<double>();
   require_in_range(spline, file);
   return spline;
 }

@@ -25,6 +25,7 @@ struct Spline {
   Coefficients regular;     ///< (8): in powers of y itself, SI; cancels in single precision
   Coefficients normalised;  ///< (5): a-bar, b-bar, c-bar over energy_scale, free of units
   std::vector<double> normalised_knots;  ///< over length_scale
+  double end_m = 0;  ///< up to where it was designed: max_compression_m, but for what compensation bends
 };
 
 /// The spline of a material by the derivation: sampling (9), one-sidedness (10)(11), continuity (12)(13)(15),

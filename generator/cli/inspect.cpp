@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <memory>
+#include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +14,8 @@
 #include "generator/cli/material_argument.hpp"
 #include "generator/cli/output.hpp"
 #include "generator/cli/picture.hpp"
+#include "generator/cli/source_argument.hpp"
+#include "generator/compensation.hpp"
 #include "generator/design.hpp"
 #include "generator/error.hpp"
 #include "generator/live_exponent.hpp"
@@ -23,7 +27,10 @@ struct InspectOptions {
   std::string material;
   std::string svg;
   bool compare = false;
+  std::optional<double> sample_rate_hz = {};
 };
+
+constexpr double kDefaultRate = 44100;
 
 std::string coefficient_table(const Spline& spline) {
   std::string table = fmt::format("{:>5} {:>16} {:>16} {:>16} {:>16}\n{:>5} {:>16} {:>16} {:>16} {:>16}\n", "j",
@@ -49,11 +56,13 @@ std::string measurement_line(const Material& material) {
                      law.exponent);
 }
 
-std::string heading(const Material& material) {
+std::string heading(const Design& design) {
+  const Material& material = design.material;
+  const double end_m = material.compensation ? design.spline.end_m : material.spline.max_compression_m;
   return fmt::format("{}{}{}\n{}, {} {} segments over 0 to {:.6g} m\n{}{}\n", material.name,
                      material.description.empty() ? "" : ": ", material.description, law_text(material),
-                     material.spline.segments, name_of(material.spline.knots), material.spline.max_compression_m,
-                     loss_line(material), measurement_line(material));
+                     material.spline.segments, name_of(material.spline.knots), end_m, loss_line(material),
+                     measurement_line(material));
 }
 
 std::string family_table(const Design& design) {
@@ -138,14 +147,45 @@ void compare(const InspectOptions& options) {
   write_stdout(table);
 }
 
+double frequency_hz(const ResonatorMode& mode) {
+  return mode.mode.angular_frequency_rad_per_s / (2 * std::numbers::pi);
+}
+
+// What the modes that a simulation keeps lack against a steady force at the strike.
+std::string resonator_table(const Resonator& resonator, double rate) {
+  const ModeSet set = modes_of(resonator, rate / 2);
+  if (set.modes.empty())
+    throw BadInput(
+        fmt::format("{}: --rate: no mode sounds below {} Hz; allowed: a higher rate", resonator.name, rate / 2));
+  const double missing = missing_compliance(set.modes, rate);
+  return fmt::format(
+      "{}{}{}\n{} modes from {:.6g} to {:.6g} Hz{}\n\n"
+      "compliance at the strike that they lack when simulated at {} Hz: {:.4g} m/N\n"
+      "compensation.compliance_m_per_n for a felt that strikes here, four fifths of it: {:.4g}\n",
+      resonator.name, resonator.description.empty() ? "" : ": ", resonator.description, set.modes.size(),
+      frequency_hz(set.modes.front()), frequency_hz(set.modes.back()), set.cut ? ", max_modes leaves out others" : "",
+      rate, missing, kServingShare * missing);
+}
+
+void inspect_resonator(const Resonator& resonator, const InspectOptions& options) {
+  if (options.compare || !options.svg.empty())
+    throw BadInput(fmt::format("{}: {}: says nothing of a resonator; allowed: with a material", options.material,
+                               options.compare ? "--compare" : "--svg"));
+  write_stdout(resonator_table(resonator, options.sample_rate_hz.value_or(kDefaultRate)));
+}
+
 void inspect(const InspectOptions& options) {
+  if (const auto resonator = resonator_argument(options.material)) return inspect_resonator(*resonator, options);
+  if (options.sample_rate_hz)
+    throw BadInput(
+        fmt::format("{}: --rate: says nothing of a material; allowed: with a resonator", options.material));
   if (options.compare) return compare(options);
   const Design design = design_argument(options.material);
   if (!options.svg.empty()) {
     require_distinct({{options.svg}}, input_files(options.material, design.material));
     write_files({{OutputFile{options.svg, picture_of(design)}}});
   }
-  write_stdout(heading(design.material) + coefficient_table(design.spline) + quality_table(design) +
+  write_stdout(heading(design) + coefficient_table(design.spline) + quality_table(design) +
                (options.svg.empty() ? "" : fmt::format("\npicture: {}\n", options.svg)));
 }
 
@@ -153,17 +193,22 @@ void inspect(const InspectOptions& options) {
 
 void add_inspect(CLI::App& app) {
   const auto options = std::make_shared<InspectOptions>();
-  CLI::App* command = app.add_subcommand("inspect", "Show a material's spline: coefficients, errors, picture");
+  CLI::App* command = app.add_subcommand("inspect", "Show a material's spline, or what a resonator's modes lack");
   command->add_option("MATERIAL", options->material, kMaterialHelp)->check(not_empty(kMaterialHelp))->required();
   command->add_option("--svg", options->svg, "also draw potential, force and their errors, and what was measured")
       ->check(file_name())
       ->type_name("FILE");
   command->add_flag("--compare", options->compare,
                     "uniform, graded and optimal knots side by side, also in the picture");
+  command
+      ->add_option("--rate", options->sample_rate_hz,
+                   "of a resonator: sample rate in Hz at which it is simulated (44100 where left out)")
+      ->check(number_from(1e3, 1e8));
   command->footer(
       "Examples:\n"
       "  contactspline inspect felt_c4 --svg felt_c4.svg\n"
-      "  contactspline inspect felt_c4 --compare --svg families.svg");
+      "  contactspline inspect felt_c4 --compare --svg families.svg\n"
+      "  contactspline inspect string_c4 --rate 48000");
   command->callback([options] { inspect(*options); });
 }
 

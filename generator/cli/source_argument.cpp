@@ -83,13 +83,16 @@ Source read_from(const std::string& file, Source source) {
 
 // A resonator file has a body, a strike and a pickup, a keyboard file a keyboard, where a material file has a contact
 // and a spline.
+bool is_resonator(const nlohmann::json& json) {
+  return std::ranges::any_of(std::array{"string", "bar", "membrane", "modes", "strike", "pickup", "max_modes"},
+                             [&](const char* key) { return json.contains(key); });
+}
+
 Source file_source(const std::string& file, double max_frequency_hz) {
   const std::string text = read_input(file);
   const auto json = parse_json(text, file, "material");
-  const auto has = [&](const char* key) { return json.contains(key); };
-  if (std::ranges::any_of(std::array{"string", "bar", "membrane", "modes", "strike", "pickup", "max_modes"}, has))
-    return read_from(file, resonator_source(parse_resonator(text, file), max_frequency_hz));
-  if (has("keyboard")) return read_from(file, keyboard_source(parse_keyboard(text, file)));
+  if (is_resonator(json)) return read_from(file, resonator_source(parse_resonator(text, file), max_frequency_hz));
+  if (json.contains("keyboard")) return read_from(file, keyboard_source(parse_keyboard(text, file)));
   return material_source(file, design_contact(text, file, reader_beside(file)));
 }
 
@@ -103,6 +106,15 @@ Source source_argument(const std::string& argument, double max_frequency_hz) {
   if (is_path(argument)) return file_source(argument, max_frequency_hz);
   require_shipped(argument);
   return material_source(argument, design_argument(argument));
+}
+
+std::optional<Resonator> resonator_argument(const std::string& argument) {
+  if (const auto* text = shipped(embedded_resonators(), argument))
+    return parse_resonator(text->content, text->file_name);
+  if (!is_path(argument)) return std::nullopt;
+  const std::string text = read_input(argument);
+  return is_resonator(parse_json(text, argument, "material")) ? std::optional(parse_resonator(text, argument))
+                                                              : std::nullopt;
 }
 
 }  // namespace contactspline

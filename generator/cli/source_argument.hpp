@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,5 +23,8 @@ struct Source {
 /// are kept below max_frequency_hz; a line on standard error says where its own limit leaves some of them out. Throws
 /// BadInput.
 [[nodiscard]] Source source_argument(const std::string& argument, double max_frequency_hz);
+
+/// The resonator of such an argument, or nothing where it is no resonator. Throws BadInput.
+[[nodiscard]] std::optional<Resonator> resonator_argument(const std::string& argument);
 
 }  // namespace contactspline

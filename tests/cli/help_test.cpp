@@ -26,7 +26,7 @@ const std::vector<Command> kCommands = {
      {"generate"},
      {"MATERIAL", "--emit", "faust", "cpp", "json", "-o,--output", "--check", "--depfile", "--rate",
       "standard output"}},
-    {"inspect", {"inspect"}, {"MATERIAL", "--svg"}},
+    {"inspect", {"inspect"}, {"MATERIAL", "--svg", "--compare", "--rate"}},
     {"materials", {"materials"}, {"contact duration"}},
     {"impact", {"impact"}, {"MATERIAL", "--speed", "--rate", "1e-06 to 1000"}},
     {"render", {"render"}, {"mass-barrier"}},

@@ -390,6 +390,28 @@ TEST(DesignContact, RefusesWhatTheSplineRefuses) {
                BadInput);
 }
 
+// In series with a spring the range grows by its compliance times the largest force. At 1 MHz the bending takes less
+// than 1e-4 of the range: theta^2/3, theta = dt/2 sqrt(F'/m) = 0.006.
+TEST(Emit, SaysHowFarACompensatedSplineReaches) {
+  const double compliance = 4e-6;
+  const Design design = design_contact(
+      fmt::format(R"({{ "name": "soft", "contact": {{ "stiffness_n_per_m_alpha": 4.5e9, "exponent": 2.5 }},
+    "impact": {{ "mass_kg": 0.00297, "max_speed_m_per_s": 6, "min_speed_m_per_s": 1 }},
+    "spline": {{ "knots": "graded", "segments": 16 }},
+    "compensation": {{ "sample_rate_hz": 1e6, "mass_kg": 0.00297, "compliance_m_per_n": {} }} }})",
+                  compliance),
+      "soft.json");
+  const double range = design.material.spline.max_compression_m;
+  const double expected = range + compliance * design.material.contact.force(range);
+  for (const auto name : {"faust", "cpp"}) {
+    const std::string text = emit(emitter(name), design, kCommand);
+    const auto at = text.find("segments over 0 to ");
+    ASSERT_NE(at, std::string::npos);
+    EXPECT_TRUE(relatively_within(std::stod(text.substr(at + 19)), expected, 2e-3)) << name;
+  }
+  EXPECT_LE(design.quality.impact->contact_duration, 0.01);
+}
+
 /// A felt whose exponent is live, of so many segments and members; `most` from 2.6 on.
 std::string live_felt(int segments, int members, double most) {
   return fmt::format(R"({{ "name": "felt_alive", "contact": {{ "stiffness_n_per_m_alpha": 4.5e9, "exponent": 2.5 }},
