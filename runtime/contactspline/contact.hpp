@@ -130,7 +130,12 @@ struct Crossing {
   static constexpr T kSoft = T(1) / 1024;
 
   [[nodiscard]] constexpr T gain_to(std::size_t k) const {
-    return gain_to_first + T(k != first) * (table[k].energy - table[first].energy);
+    const T from_first = table[k].energy - table[first].energy;
+#ifdef __FAST_MATH__  // else this may become (gain_to_first - energy) + energy, which is not gain_to_first
+    return k == first ? gain_to_first : gain_to_first + from_first;
+#else
+    return gain_to_first + from_first;
+#endif
   }
 
   /// Does the root lie above this knot?
@@ -157,20 +162,19 @@ struct Crossing {
 
     const T a = 1 + xi * c;
     const T b = sign * (2 * way - xf + xi * entry_force);
-    const T g = std::min(T(0), way * (way - xf) + xi * gain);
-    const bool away = way != 0;                                        // else f and s are linear in xf
-    const T root = away ? std::sqrt(b * b - 4 * a * g) : std::abs(b);  // |x| times the slope of h there
+    const T g = way * (way - xf) + xi * gain;                                    // <= 0, but for rounding
+    const bool away = way != 0;                                                  // else f and s are linear in xf
+    const T root = away ? std::sqrt(std::abs(b * b - 4 * a * g)) : std::abs(b);  // |x| times the slope of h there
     const T larger = root + std::abs(b);
-    const T s = sign * machine.choose(b, larger, -2 * g) / machine.choose(b, 2 * a, larger);
+    const T s = machine.choose(b, larger, -2 * sign * g) / machine.choose(b, 2 * sign * a, larger);
 
     const T x = way + s;
     const T work = sign * (gain + s * (entry_force + s * c));
     const T length = away ? std::abs(x) : T(1);
-    const T stiff = std::max(T(0), root * (1 - kSoft) - length);
-    const T numerator = away ? work + stiff * ((xf - x) / xi) : entry_force + c * xf;
-    const T denominator = away ? length + stiff : a;
+    const T whole = std::max(length, root * (1 - kSoft));
+    const T numerator = away ? work + (whole - length) * machine.quotient(xf - x, xi) : entry_force + c * xf;
     const T y = origin + s;
-    return {std::max(T(0), numerator / denominator), y, settled(table, landing, y)};
+    return {std::max(T(0), machine.quotient(numerator, away ? whole : a)), y, settled(table, landing, y)};
   }
 };
 
@@ -190,8 +194,9 @@ template <std::floating_point T, std::size_t Extent, typename Machine>
   const bool below = (start > 0) & (free < slope * (here.knot - y0));
   const bool above = (start < next) & (free >= slope * (table[next].knot - y0));
   if (!(below | above)) {
-    const T y = y0 + free / slope;
-    return {std::max(T(0), (divisor * f0 + here.half_curvature * xf) / slope), y, settled(table, start, y)};
+    const T y = y0 + machine.quotient(free, slope);
+    const T force = machine.quotient(divisor * f0 + here.half_curvature * xf, slope);
+    return {std::max(T(0), force), y, settled(table, start, y)};
   }
   const bool is_lossy = divisor != 1;
   const Approach<T> yielding{y0, is_lossy ? xf / divisor : xf, is_lossy ? xi / divisor : xi};
@@ -210,6 +215,11 @@ struct PlainMachine {
   template <std::floating_point T>
   [[nodiscard]] constexpr T choose(T test, T if_at_most_0, T otherwise) const {
     return test <= 0 ? if_at_most_0 : otherwise;
+  }
+
+  template <std::floating_point T>
+  [[nodiscard]] constexpr T quotient(T dividend, T divisor) const {
+    return dividend / divisor;
   }
 };
 

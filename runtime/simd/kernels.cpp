@@ -101,25 +101,26 @@ HWY_INLINE void play_free_at(const ModalArrays<T>& string, T share, const T* pic
     play_free_of<true>(string, share, pickup, out);
 }
 
-/// Of whole vectors of knots, how many the root of a crossing lies above.
+/// Of whole vectors of knots, how many the root of a crossing lies above: those where the way u to the knot and g = u
+/// h(u) have different signs (docs/contact-step.md), whatever the direction. g is written so that little is left to
+/// do once the free increment is known; rounding may only exchange segments beside a knot that the root lies on.
 template <typename T>
 HWY_INLINE std::size_t passed(const Crossing<T, std::dynamic_extent>& crossing, const T* knots, const T* energies,
                               std::size_t count) {
   const Tag<T> tag;
-  const auto sign = hn::Set(tag, crossing.up ? T(1) : T(-1));
   const auto y0 = hn::Set(tag, crossing.y0);
   const auto xf = hn::Set(tag, crossing.xf);
   const auto xi = hn::Set(tag, crossing.xi);
-  const auto lift = hn::Set(tag, crossing.gain_to_first - crossing.table[crossing.first].energy);
-  std::size_t beyond = 0;  // knots ahead that the root does not reach
+  const auto energy = hn::Set(tag, crossing.table[crossing.start].energy_at(crossing.y0));
+  const auto zero = hn::Zero(tag);
+  std::size_t below = 0;
   for (std::size_t k = 0; k < count; k += hn::Lanes(tag)) {
     const auto way = hn::Sub(hn::Load(tag, knots + k), y0);
-    const auto gain = hn::Add(hn::Load(tag, energies + k), lift);
-    const auto g = hn::MulAdd(xi, gain, hn::Mul(way, hn::Sub(way, xf)));
-    const auto ahead = hn::Min(hn::Mul(sign, way), g);
-    beyond += hn::CountTrue(tag, hn::Gt(ahead, hn::Zero(tag)));
+    const auto gain = hn::Sub(hn::Load(tag, energies + k), energy);
+    const auto g = hn::NegMulAdd(way, xf, hn::MulAdd(xi, gain, hn::Mul(way, way)));
+    below += hn::CountTrue(tag, hn::Xor(hn::Lt(g, zero), hn::Lt(way, zero)));
   }
-  return crossing.up ? count - beyond : beyond;
+  return below;
 }
 
 /// As PlainMachine, without a branch that depends on the data: the landing is searched in two levels of whole
@@ -133,6 +134,9 @@ struct VectorMachine {
     const auto is_at_most_0 = hn::Le(hn::Set(tag, test), hn::Zero(tag));
     return hn::GetLane(hn::IfThenElse(is_at_most_0, hn::Set(tag, if_at_most_0), hn::Set(tag, otherwise)));
   }
+
+  // One step more of rounding, but what is divided by is known early.
+  HWY_ATTR T quotient(T dividend, T divisor) const { return dividend * (1 / divisor); }
 
   HWY_ATTR std::size_t knots_below_root(const Crossing<T, std::dynamic_extent>& crossing) const {
     std::size_t block = 0;
@@ -197,7 +201,7 @@ HWY_INLINE std::size_t play_struck_of(const ModalArrays<T>& string, const Strike
     coming_sum = hn::MulAdd(hn::Load(tag, strike.shape + at), hn::Load(tag, string.free_increment + at), coming_sum);
     pickup_sum = hn::MulAdd(hn::Load(tag, pickup + at), hn::Load(tag, strike.give + at), pickup_sum);
   }
-  T coming = hn::GetLane(hn::SumOfLanes(tag, coming_sum));
+  const T coming = hn::GetLane(hn::SumOfLanes(tag, coming_sum));
   const T pickup_admittance = hn::GetLane(hn::SumOfLanes(tag, pickup_sum));
   const T give = dt / hammer.mass_kg;
   const T admittance = dt * give / 2 + share * string_admittance;
@@ -205,23 +209,26 @@ HWY_INLINE std::size_t play_struck_of(const ModalArrays<T>& string, const Strike
   const StrikeArrays<T> place = strike;
   const VectorMachine<T> machine{place};
   HammerFlight<T> flight = hammer;
+  const T yields = dt * give + share * share * place.free_admittance;
+  T before = dt * flight.velocity_m_per_s - share * coming;  // free increment but for the last force
+  flight.force_n = 0;                                        // what was before is in the velocity and the modes
   T push = 0;  // the last force that the modes have not yet felt, after the damper's share
   std::size_t n = 0;
   for (; n < out.size() && flight.compression_m > kCaught_m<T>; ++n) {
-    const T free_increment = dt * flight.velocity_m_per_s - share * (coming + place.free_admittance * push);
+    const T free_increment = before - yields * flight.force_n;
     const auto step =
         contact_step(felt, flight.felt, dt, Approach<T>{flight.compression_m, free_increment, admittance},
                      flight.segment, machine);
     const auto sums =
         pass<kDamped>(modes.modes, modes.stiffness, modes.stiffness_rest, modes.loss, modes.displacement,
                       modes.free_increment, place.give, place.free_give, place.shape, pickup, share, push);
-    coming = sums.coming;
     push = share * step.force;
     out[n] = sums.heard + pickup_admittance * push;
+    before = dt * flight.velocity_m_per_s - share * sums.coming;
+    flight.velocity_m_per_s -= give * step.force;
     flight.force_n = step.force;
     flight.compression_m = step.compression;
     flight.segment = step.segment;
-    flight.velocity_m_per_s -= give * step.force;
   }
   hammer = flight;
   const auto pushes = hn::Set(tag, push);
