@@ -6,12 +6,14 @@
 # the bundle OUTPUT_DIR/FILE.lv2; contactspline_jack to a program for the JACK server, OUTPUT_DIR/FILE, that is played by
 # MIDI. FILE is the name of the Faust file without .dsp.
 #
-# DSP            the Faust program, relative to the current source folder
+# DSP            the Faust program, relative to the current source folder; or a C++ file, FILE.cpp, with a class FILE that
+#                has Faust's `dsp` interface, such as a HammerStringDsp of contactspline/faust_dsp.hpp: it goes into the
+#                architecture file in place of what Faust would write
 # VOICES         how many notes may sound at once, for programs with freq, gain and gate; 0: it is not played by notes.
 #                Default: what the program says by `declare options "[nvoices:16]"`, else 0
 # URI            identity of the plug-in, never to change; default: urn:contactspline:FILE
 # OUTPUT_DIR     relative to the current binary folder; default: that folder
-# MATERIALS      targets of contactspline_generate with EMIT faust, whose materials the program uses
+# MATERIALS      targets of contactspline_generate with EMIT faust (for a C++ file: cpp), whose materials the program uses
 # FAUST_OPTIONS  for the Faust compiler, for instance -double or -vec
 #
 # To install a bundle: install(DIRECTORY $<TARGET_FILE_DIR:name> DESTINATION lib/lv2).
@@ -58,8 +60,8 @@ function(_contactspline_faust_arguments more)
   _contactspline_parse("${one}" "MATERIALS;FAUST_OPTIONS" "TARGET;DSP" ${ARGN})
   cmake_path(ABSOLUTE_PATH arg_DSP BASE_DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}" NORMALIZE)
   cmake_path(GET arg_DSP STEM LAST_ONLY stem)
-  if(NOT EXISTS "${arg_DSP}" OR NOT arg_DSP MATCHES "\\.dsp$")
-    _contactspline_fail("DSP: ${arg_DSP} is not there; allowed: a Faust program (.dsp)")
+  if(NOT EXISTS "${arg_DSP}" OR NOT arg_DSP MATCHES "\\.(dsp|cpp)$")
+    _contactspline_fail("DSP: ${arg_DSP} is not there; allowed: a Faust program (.dsp) or a class in C++ (.cpp)")
   endif()
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${arg_DSP}")
   if(NOT DEFINED arg_VOICES)
@@ -85,6 +87,13 @@ function(_contactspline_faust_arguments more)
   return(PROPAGATE ${one} arg_MATERIALS arg_FAUST_OPTIONS stem)
 endfunction()
 
+# Checks that a class may be called as the file.
+function(_contactspline_class_name)
+  if(NOT stem MATCHES "^[A-Za-z_][A-Za-z0-9_]*$")
+    _contactspline_fail("DSP: '${stem}' would name a class of C++; allowed: letters, digits and _, no digit first")
+  endif()
+endfunction()
+
 # The build step that makes `source`, the Faust program as C++ in an architecture file; further arguments are options.
 function(_contactspline_faust_step source architecture)
   cmake_path(GET arg_DSP PARENT_PATH program_folder)
@@ -98,18 +107,32 @@ function(_contactspline_faust_step source architecture)
   endforeach()
   # Faust writes no dependency file: the program depends on every library it may use.
   file(GLOB libraries CONFIGURE_DEPENDS "${program_folder}/*.lib" "${ContactSpline_FAUST_DIR}/*.lib")
+  set(program "${arg_DSP}")
+  if(arg_DSP MATCHES "\\.cpp$")
+    # Faust wants a program all the same, and throws it away. Architecture files call the class mydsp.
+    set(program "${CMAKE_CURRENT_BINARY_DIR}/${arg_TARGET}_nothing.dsp")
+    file(CONFIGURE OUTPUT "${program}" CONTENT "process = 0.0;\n")
+    set(class "${CMAKE_CURRENT_BINARY_DIR}/${arg_TARGET}_class.cpp")
+    file(CONFIGURE OUTPUT "${class}" @ONLY CONTENT "#include \"@arg_DSP@\"\nusing mydsp = @stem@;\n")
+    list(APPEND ARGN -inj "${class}")
+  endif()
+  # -mcd 0: states in turn in two places, instead of copied after every sample (docs/faust-speed.md).
   add_custom_command(
     OUTPUT "${source}"
-    COMMAND ${FAUST} -a ${architecture} ${ARGN} ${arg_FAUST_OPTIONS} ${include} -I "${ContactSpline_FAUST_DIR}"
-            "${arg_DSP}" -o "${source}"
+    COMMAND ${FAUST} -a ${architecture} -mcd 0 ${ARGN} ${arg_FAUST_OPTIONS} ${include} -I "${ContactSpline_FAUST_DIR}"
+            "${program}" -o "${source}"
     DEPENDS "${FAUST}" "${arg_DSP}" ${libraries} ${depends}
-    COMMENT "Compiling ${stem}.dsp with ${architecture}"
+    COMMENT "Compiling ${arg_TARGET} with ${architecture}"
     VERBATIM)
 endfunction()
 
 # How Faust's own scripts compile what it writes. Its architecture files are not ours to warn about.
 function(_contactspline_faust_options target)
   target_compile_features(${target} PRIVATE cxx_std_11)
+  if(arg_DSP MATCHES "\\.cpp$")
+    target_compile_features(${target} PRIVATE cxx_std_20)
+    target_link_libraries(${target} PRIVATE ContactSpline::materials ${arg_MATERIALS})
+  endif()
   target_compile_options(${target} PRIVATE -Ofast -w)
   # jack-console.cpp minds NVOICES where it differs from NUM_VOICES only.
   target_compile_definitions(${target} PRIVATE NVOICES=${arg_VOICES} NUM_VOICES=-1)
@@ -120,9 +143,7 @@ endfunction()
 function(contactspline_lv2)
   set(_contactspline_function contactspline_lv2)
   _contactspline_faust_arguments(URI ${ARGN})
-  if(NOT stem MATCHES "^[A-Za-z_][A-Za-z0-9_]*$")
-    _contactspline_fail("DSP: '${stem}' would name a class of C++; allowed: letters, digits and _, no digit first")
-  endif()
+  _contactspline_class_name()
   _contactspline_find(lv2 lv2-dev)
   if(NOT DEFINED arg_URI)
     set(arg_URI urn:contactspline:${stem})
@@ -171,6 +192,9 @@ endfunction()
 function(contactspline_jack)
   set(_contactspline_function contactspline_jack)
   _contactspline_faust_arguments("" ${ARGN})
+  if(arg_DSP MATCHES "\\.cpp$")
+    _contactspline_class_name()
+  endif()
   _contactspline_find(jack libjack-jackd2-dev alsa libasound2-dev)
   find_package(Threads REQUIRED)
   set(source "${CMAKE_CURRENT_BINARY_DIR}/${arg_TARGET}.cpp")
