@@ -2,10 +2,13 @@
 // How many times faster than real time the instruments run on one core, struck once a second.
 #include <benchmark/benchmark.h>
 #include <faust/gui/MapUI.h>
+#include <faust/gui/UI.h>
+#include <faust/gui/meta.h>
 
 #include <array>
 #include <concepts>
 
+#include "contactspline/faust_dsp.hpp"
 #include "contactspline/hammer_string.hpp"
 #include "contactspline/materials/felt_c4.hpp"
 #include "contactspline/resonators/string_c4.hpp"
@@ -74,6 +77,26 @@ void hammer_string(benchmark::State& state) {
       });
 }
 
+/// The same behind Faust's `dsp` interface, which gives the force too.
+template <std::floating_point T>
+void hammer_string_dsp(benchmark::State& state) {
+  HammerStringDsp<materials::felt_c4, resonators::string_c4, T> program("hammer_string", 0.00297);
+  program.init(kRate);
+  MapUI controls;
+  program.buildUserInterface(&controls);
+  std::array<std::array<float, kBlock>, 2> sound;
+  std::array<float*, 2> outputs = {sound[0].data(), sound[1].data()};
+  const auto strike = [&] {
+    controls.setParamValue("strike", 0);
+    program.compute(0, nullptr, outputs.data());
+    controls.setParamValue("strike", 1);
+  };
+  run(state, strike, [&] {
+    program.compute(kBlock, nullptr, outputs.data());
+    benchmark::DoNotOptimize(sound);
+  });
+}
+
 constexpr int kChord = 16;  // notes, from C3 upwards
 
 /// The piano of examples/, 16 keys down.
@@ -111,6 +134,8 @@ BENCHMARK(piano_lv2)->Name("piano, LV2, 16 voices of 80 modes");
 
 BENCHMARK(hammer_string<double>)->Name("hammer-string C4, 56 modes, C++ double");
 BENCHMARK(hammer_string<float>)->Name("hammer-string C4, 56 modes, C++ float");
+BENCHMARK(hammer_string_dsp<double>)->Name("hammer-string C4, 56 modes, C++ double as dsp");
+BENCHMARK(hammer_string_dsp<float>)->Name("hammer-string C4, 56 modes, C++ float as dsp");
 BENCHMARK(piano_example)->Name("piano, C++ float, 16 notes of up to 80 modes");
 
 const int kFaust = [] {

@@ -95,12 +95,22 @@ class HammerStringDsp : public dsp {
     if (!damping_per_s_) damping_per_s_ = damping_per_s;
     HammerStringControls<T> live{
         static_cast<T>(mass_kg_), {static_cast<T>(stiffness_ratio_), static_cast<T>(loss_s_per_m_)}, *damping_per_s_};
-    for (int i = 0; i < count; ++i) {
-      live.damping_per_s += damping_rate_ * (damping_per_s - live.damping_per_s);
-      model_->tick(live);
-      outputs[0][i] = static_cast<FAUSTFLOAT>(1000 * model_->string().displacement(pickup_));
-      outputs[1][i] = static_cast<FAUSTFLOAT>(model_->force());
+    Model& model = *model_;
+    FAUSTFLOAT* const displacement = outputs[0];
+    FAUSTFLOAT* const force = outputs[1];
+    const auto play = [&](int i) {
+      model.tick(live);
+      displacement[i] = static_cast<FAUSTFLOAT>(1000 * model.string().displacement(pickup_));
+      force[i] = static_cast<FAUSTFLOAT>(model.force());
+    };
+    int i = 0;
+    for (; i < count; ++i) {
+      const T before = live.damping_per_s;
+      live.damping_per_s += damping_rate_ * (damping_per_s - before);
+      if (live.damping_per_s == before) break;  // the damper has come to rest: from here on all is constant
+      play(i);
     }
+    for (; i < count; ++i) play(i);
     damping_per_s_ = live.damping_per_s;
   }
 

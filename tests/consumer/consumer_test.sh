@@ -209,8 +209,8 @@ case_arguments() {
   for function in contactspline_lv2 contactspline_jack; do
     prefix="$function: "
     expect_refusal "${prefix}DSP: missing; needed: TARGET and DSP" TARGET t
-    expect_refusal "absent.dsp is not there; allowed: a Faust program (.dsp)" TARGET t DSP absent.dsp
-    expect_refusal "cork.json is not there; allowed: a Faust program (.dsp)" TARGET t DSP cork.json
+    expect_refusal "absent.dsp is not there; allowed: a Faust program (.dsp) or a class in C++ (.cpp)" TARGET t DSP absent.dsp
+    expect_refusal "cork.json is not there; allowed: a Faust program (.dsp) or a class in C++ (.cpp)" TARGET t DSP cork.json
     expect_refusal "${prefix}VOICES: 'many' is not usable; allowed: a whole number, 0 or more" \
       TARGET t DSP ball.dsp VOICES many
     expect_refusal "${prefix}MATERIALS: 'm' is no target of contactspline_generate" TARGET t DSP ball.dsp MATERIALS m
