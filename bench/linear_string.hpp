@@ -19,8 +19,8 @@ class LinearString {
     for (std::size_t i = 0; i < modes.size(); ++i) {
       const auto constants = contactspline::detail::mode_constants(modes[i], sample_rate_hz);
       Modes& mode = modes_[i / kLanes];
-      mode.keep[i % kLanes] = static_cast<T>(1 - 2 * constants.loss);
-      mode.pull[i % kLanes] = static_cast<T>(2 * constants.stiffness);
+      mode.keep[i % kLanes] = static_cast<T>(1 - constants.loss);
+      mode.pull[i % kLanes] = static_cast<T>(constants.stiffness);
       mode.pickup[i % kLanes] = static_cast<T>(pickup_shapes[i]);
       mode.displacement[i % kLanes] = T(1e-3) / static_cast<T>(i + 1);  // a note that sounds
     }

@@ -87,8 +87,8 @@ class ModalString {
       const double give = audible ? constants.give : 0;
       detail::Modes<T>& mode = modes_[i / kLanes];
       const std::size_t lane = i % kLanes;
-      mode.keep[lane] = static_cast<T>(1 - 2 * constants.loss);
-      mode.pull[lane] = static_cast<T>(2 * constants.stiffness);
+      mode.keep[lane] = static_cast<T>(1 - constants.loss);
+      mode.pull[lane] = static_cast<T>(constants.stiffness);
       mode.gain[lane] = static_cast<T>(give * strike_shapes[i]);
       mode.strike[lane] = static_cast<T>(strike_shapes[i]);
       mode.pickup[lane] = static_cast<T>(pickup_shapes[i]);
