@@ -70,23 +70,32 @@ HWY_INLINE void run_free(const ModalArrays<T>& string, std::size_t first, T shar
   }
 }
 
+/// As many vectors at once as it takes to hide how long each waits for itself.
+constexpr std::size_t kMostVectors = 7;
+
+template <bool kDamped, std::size_t kVectors = kMostVectors, typename T>
+HWY_INLINE void run_free_group(std::size_t vectors, const ModalArrays<T>& string, std::size_t first, T share,
+                               const T* pickup, std::size_t samples, T* HWY_RESTRICT sums) {
+  if (vectors == kVectors) return run_free<kVectors, kDamped>(string, first, share, pickup, samples, sums);
+  if constexpr (kVectors > 1)
+    run_free_group<kDamped, kVectors - 1>(vectors, string, first, share, pickup, samples, sums);
+}
+
 template <bool kDamped, typename T>
 HWY_INLINE void play_free_of(const ModalArrays<T>& string, T share, const T* pickup, std::span<T> out) {
   const Tag<T> tag;
   const std::size_t lanes = hn::Lanes(tag);
+  const std::size_t vectors = (string.modes + lanes - 1) / lanes;
+  const std::size_t groups = (vectors + kMostVectors - 1) / kMostVectors;
   HWY_ALIGN T sums[kBlock * HWY_MAX_BYTES / sizeof(T)];
-  // As many vectors at once as their sums' latency needs and the registers hold.
-  constexpr std::size_t kVectors = 4;
   while (!out.empty()) {
     const std::size_t samples = std::min(out.size(), kBlock);
     for (std::size_t i = 0; i < samples; ++i) hn::Store(hn::Zero(tag), tag, sums + i * lanes);
-    std::size_t mode = 0;
-    for (; mode + (kVectors - 1) * lanes < string.modes; mode += kVectors * lanes)
-      run_free<kVectors, kDamped>(string, mode, share, pickup, samples, sums);
-    const std::size_t left = mode < string.modes ? (string.modes - mode + lanes - 1) / lanes : 0;
-    if (left == 3) run_free<3, kDamped>(string, mode, share, pickup, samples, sums);
-    if (left == 2) run_free<2, kDamped>(string, mode, share, pickup, samples, sums);
-    if (left == 1) run_free<1, kDamped>(string, mode, share, pickup, samples, sums);
+    for (std::size_t group = 0, at = 0; group < groups; ++group) {
+      const std::size_t many = (vectors - at + groups - group - 1) / (groups - group);
+      run_free_group<kDamped>(many, string, at * lanes, share, pickup, samples, sums);
+      at += many;
+    }
     for (std::size_t i = 0; i < samples; ++i)
       out[i] = hn::GetLane(hn::SumOfLanes(tag, hn::Load(tag, sums + i * lanes)));
     out = out.subspan(samples);
