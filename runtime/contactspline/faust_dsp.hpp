@@ -6,6 +6,8 @@
 
 #include <faust/dsp/dsp.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
@@ -98,25 +100,29 @@ class HammerStringDsp : public dsp {
     Model& model = *model_;
     FAUSTFLOAT* const displacement = outputs[0];
     FAUSTFLOAT* const force = outputs[1];
-    const auto play = [&](int i) {
-      model.tick(live);
-      displacement[i] = static_cast<FAUSTFLOAT>(1000 * model.string().displacement(pickup_));
-      force[i] = static_cast<FAUSTFLOAT>(model.force());
+    const auto play = [&](int begin, int samples) {
+      std::array<T, kBlock> moved, pushed;
+      model.play(live, pickup_, std::span(moved).first(static_cast<std::size_t>(samples)), pushed.data());
+      for (int i = 0; i < samples; ++i) {
+        displacement[begin + i] = static_cast<FAUSTFLOAT>(1000 * moved[static_cast<std::size_t>(i)]);
+        force[begin + i] = static_cast<FAUSTFLOAT>(pushed[static_cast<std::size_t>(i)]);
+      }
     };
     int i = 0;
     for (; i < count; ++i) {
       const T before = live.damping_per_s;
       live.damping_per_s += damping_rate_ * (damping_per_s - before);
       if (live.damping_per_s == before) break;  // the damper has come to rest: from here on all is constant
-      play(i);
+      play(i, 1);
     }
-    for (; i < count; ++i) play(i);
+    for (; i < count; i += kBlock) play(i, std::min(kBlock, count - i));
     damping_per_s_ = live.damping_per_s;
   }
 
  private:
   using Model = HammerString<T, segments_of<Felt, T>.size()>;
 
+  static constexpr int kBlock = 64;
   static constexpr double kDampingTime = 0.005;  // s, in which the damper has done 63 % of its way
   static constexpr T kDistance = T(1e-4);        // m, from which the hammer is thrown
 

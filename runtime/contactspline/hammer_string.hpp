@@ -110,26 +110,31 @@ class HammerString {
     string_.commit();
   }
 
-  /// Advances out.size() samples and writes the displacement at a place [m] after each: what as many tick() do, but
-  /// many times as fast where ContactSpline::simd is linked. Safe in an audio thread.
-  void play(const HammerStringControls<T>& controls, const ModeShapes<T>& pickup, std::span<T> out) {
+  /// Advances out.size() samples and writes the displacement at a place [m] after each, and the contact forces [N] to
+  /// `forces` where that is not null: what as many tick() do, but many times as fast where ContactSpline::simd is
+  /// linked. Safe in an audio thread.
+  void play(const HammerStringControls<T>& controls, const ModeShapes<T>& pickup, std::span<T> out,
+            T* forces = nullptr) {
 #ifdef CONTACTSPLINE_SIMD
     const T share = 1 / (1 + controls.damping_per_s * time_step_);
     if (is_flying_) {
       take(controls);
       const std::size_t samples =
           detail::play_struck(string_.arrays(), tables_.arrays(strike_), SegmentTable<T>(felt_), time_step_, share,
-                              string_admittance_, hammer_, pickup.data(), out);
+                              string_admittance_, hammer_, pickup.data(), out, forces);
       is_flying_ = hammer_.compression_m > detail::kCaught_m<T>;
       out = out.subspan(samples);
+      if (forces != nullptr) forces += samples;
     }
     if (out.empty()) return;
     hammer_.force_n = 0;
+    if (forces != nullptr) std::fill_n(forces, out.size(), T(0));
     detail::play_free(string_.arrays(), share, pickup.data(), out);
 #else
     for (T& sample : out) {
       tick(controls);
       sample = string_.displacement(pickup);
+      if (forces != nullptr) *forces++ = force();
     }
 #endif
   }

@@ -61,12 +61,13 @@ inline constexpr T kOutOfReach_m = T(1e15);
 void play_free(const ModalArrays<float>& string, float share, const float* pickup, std::span<float> out);
 void play_free(const ModalArrays<double>& string, double share, const double* pickup, std::span<double> out);
 
-/// The same with a hammer in flight, until it is caught or `out` is full; returns the samples written.
+/// The same with a hammer in flight, until it is caught or `out` is full; returns the samples written. force: where
+/// the contact forces go, or null.
 std::size_t play_struck(const ModalArrays<float>& string, const StrikeArrays<float>& strike, SegmentTable<float> felt,
                         float time_step_s, float share, float string_admittance, HammerFlight<float>& hammer,
-                        const float* pickup, std::span<float> out);
+                        const float* pickup, std::span<float> out, float* force);
 std::size_t play_struck(const ModalArrays<double>& string, const StrikeArrays<double>& strike,
                         SegmentTable<double> felt, double time_step_s, double share, double string_admittance,
-                        HammerFlight<double>& hammer, const double* pickup, std::span<double> out);
+                        HammerFlight<double>& hammer, const double* pickup, std::span<double> out, double* force);
 
 }  // namespace contactspline::detail

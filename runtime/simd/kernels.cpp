@@ -202,7 +202,7 @@ HWY_INLINE Sums<T> pass(std::size_t modes, const T* HWY_RESTRICT stiffness, cons
 template <bool kDamped, typename T>
 HWY_INLINE std::size_t play_struck_of(const ModalArrays<T>& string, const StrikeArrays<T>& strike,
                                       SegmentTable<T> felt, T dt, T share, T string_admittance,
-                                      HammerFlight<T>& hammer, const T* pickup, std::span<T> out) {
+                                      HammerFlight<T>& hammer, const T* pickup, std::span<T> out, T* force) {
   const Tag<T> tag;
   const std::size_t lanes = hn::Lanes(tag);
   auto coming_sum = hn::Zero(tag), pickup_sum = hn::Zero(tag);
@@ -236,6 +236,7 @@ HWY_INLINE std::size_t play_struck_of(const ModalArrays<T>& string, const Strike
     before = dt * flight.velocity_m_per_s - share * sums.coming;
     flight.velocity_m_per_s -= give * step.force;
     flight.force_n = step.force;
+    if (force != nullptr) force[n] = step.force;
     flight.compression_m = step.compression;
     flight.segment = step.segment;
   }
@@ -254,9 +255,10 @@ HWY_INLINE std::size_t play_struck_of(const ModalArrays<T>& string, const Strike
 template <typename T>
 HWY_INLINE std::size_t play_struck_at(const ModalArrays<T>& string, const StrikeArrays<T>& strike,
                                       SegmentTable<T> felt, T dt, T share, T string_admittance,
-                                      HammerFlight<T>& hammer, const T* pickup, std::span<T> out) {
-  return share == 1 ? play_struck_of<false>(string, strike, felt, dt, share, string_admittance, hammer, pickup, out)
-                    : play_struck_of<true>(string, strike, felt, dt, share, string_admittance, hammer, pickup, out);
+                                      HammerFlight<T>& hammer, const T* pickup, std::span<T> out, T* force) {
+  return share == 1
+             ? play_struck_of<false>(string, strike, felt, dt, share, string_admittance, hammer, pickup, out, force)
+             : play_struck_of<true>(string, strike, felt, dt, share, string_admittance, hammer, pickup, out, force);
 }
 
 void PlayFreeFloat(const ModalArrays<float>& string, float share, const float* pickup, std::span<float> out) {
@@ -267,13 +269,15 @@ void PlayFreeDouble(const ModalArrays<double>& string, double share, const doubl
 }
 HWY_FLATTEN std::size_t PlayStruckFloat(const ModalArrays<float>& string, const StrikeArrays<float>& strike,
                                         SegmentTable<float> felt, float dt, float share, float admittance,
-                                        HammerFlight<float>& hammer, const float* pickup, std::span<float> out) {
-  return play_struck_at(string, strike, felt, dt, share, admittance, hammer, pickup, out);
+                                        HammerFlight<float>& hammer, const float* pickup, std::span<float> out,
+                                        float* force) {
+  return play_struck_at(string, strike, felt, dt, share, admittance, hammer, pickup, out, force);
 }
 HWY_FLATTEN std::size_t PlayStruckDouble(const ModalArrays<double>& string, const StrikeArrays<double>& strike,
                                          SegmentTable<double> felt, double dt, double share, double admittance,
-                                         HammerFlight<double>& hammer, const double* pickup, std::span<double> out) {
-  return play_struck_at(string, strike, felt, dt, share, admittance, hammer, pickup, out);
+                                         HammerFlight<double>& hammer, const double* pickup, std::span<double> out,
+                                         double* force) {
+  return play_struck_at(string, strike, felt, dt, share, admittance, hammer, pickup, out, force);
 }
 
 }  // namespace
@@ -299,17 +303,17 @@ void play_free(const ModalArrays<double>& string, double share, const double* pi
 }
 std::size_t play_struck(const ModalArrays<float>& string, const StrikeArrays<float>& strike, SegmentTable<float> felt,
                         float dt, float share, float string_admittance, HammerFlight<float>& hammer,
-                        const float* pickup, std::span<float> out) {
+                        const float* pickup, std::span<float> out, float* force) {
   const FlushDenormals flushed;
   return HWY_DYNAMIC_DISPATCH(PlayStruckFloat)(string, strike, felt, dt, share, string_admittance, hammer, pickup,
-                                               out);
+                                               out, force);
 }
 std::size_t play_struck(const ModalArrays<double>& string, const StrikeArrays<double>& strike,
                         SegmentTable<double> felt, double dt, double share, double string_admittance,
-                        HammerFlight<double>& hammer, const double* pickup, std::span<double> out) {
+                        HammerFlight<double>& hammer, const double* pickup, std::span<double> out, double* force) {
   const FlushDenormals flushed;
   return HWY_DYNAMIC_DISPATCH(PlayStruckDouble)(string, strike, felt, dt, share, string_admittance, hammer, pickup,
-                                                out);
+                                                out, force);
 }
 
 }  // namespace contactspline::detail

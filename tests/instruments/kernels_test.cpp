@@ -37,7 +37,12 @@ std::vector<Scene> scenes() {
 }
 
 template <typename T>
-std::vector<T> sound(const Scene& scene, std::size_t block) {
+struct Sound {
+  std::vector<T> displacement, force;
+};
+
+template <typename T>
+Sound<T> sound(const Scene& scene, std::size_t block) {
   const auto all = audible_modes(scene.struck);
   const std::vector<ResonatorMode> modes(
       all.begin(), all.begin() + static_cast<std::ptrdiff_t>(std::min(all.size(), scene.modes)));
@@ -47,20 +52,21 @@ std::vector<T> sound(const Scene& scene, std::size_t block) {
   HammerStringControls<T> controls{
       static_cast<T>(scene.struck.hammer_kg),
       {static_cast<T>(scene.felt.stiffness_ratio), static_cast<T>(scene.felt.loss_s_per_m)}};
-  std::vector<T> out(44100), force;
+  Sound<T> out{std::vector<T>(44100), std::vector<T>(44100)};
   std::size_t done = 0;
-  for (int strike = 0; done < out.size(); ++strike) {
+  for (int strike = 0; done < out.force.size(); ++strike) {
     model.strike(static_cast<T>(0.1 + strike % 5), T(1e-4));
     controls.damping_per_s = static_cast<T>(strike % 3 == 2 ? 25 : 0);
-    const std::size_t end = std::min(done + 60 + 700 * static_cast<std::size_t>(strike % 7), out.size());
+    const std::size_t end = std::min(done + 60 + 700 * static_cast<std::size_t>(strike % 7), out.force.size());
     for (; done < end; done += std::min(block, end - done)) {
-      const std::span<T> part = std::span(out).subspan(done, std::min(block, end - done));
+      const std::span<T> part = std::span(out.displacement).subspan(done, std::min(block, end - done));
       if (block > 1) {
-        model.play(controls, pickup, part);
+        model.play(controls, pickup, part, &out.force[done]);
         continue;
       }
       model.tick(controls);
       part[0] = model.string().displacement(pickup);
+      out.force[done] = model.force();
     }
   }
   return out;
@@ -85,10 +91,17 @@ TYPED_TEST(Kernels, PlayWhatThePlainModelPlays) {
     const auto expected = sound<TypeParam>(scene, 1);
     for (const std::uint32_t target : targets()) {
       const OnlyTarget only(target);
-      for (const std::size_t block : {2u, 64u, 100u, 5000u})
-        EXPECT_TRUE(sequences_within<TypeParam>(sound<TypeParam>(scene, block), expected, bound<TypeParam>()))
-            << hwy::TargetName(target) << ' ' << scene.struck.name << ", " << scene.segments
-            << " segments, blocks of " << block;
+      for (const std::size_t block : {2u, 64u, 100u, 5000u}) {
+        SCOPED_TRACE(std::string(hwy::TargetName(target)) + ' ' + scene.struck.name + ", " +
+                     std::to_string(scene.segments) + " segments, blocks of " + std::to_string(block));
+        const auto found = sound<TypeParam>(scene, block);
+        EXPECT_TRUE(sequences_within<TypeParam>(found.displacement, expected.displacement, bound<TypeParam>()));
+        // In single precision forces carry the rounding of the compression times the stiffness of the felt, which is
+        // no error of a kernel: they are judged in double precision.
+        if (sizeof(TypeParam) == sizeof(double)) {
+          EXPECT_TRUE(sequences_within<TypeParam>(found.force, expected.force, bound<TypeParam>()));
+        }
+      }
     }
   }
 }
