@@ -32,7 +32,8 @@ class StrikeTables {
         pivots_((blocks_ + kKnotsInABlock - 1) / kKnotsInABlock * kKnotsInABlock),
         pivot_energies_(pivots_.size()),
         give_(modes),
-        free_give_(modes) {
+        free_give_(modes),
+        workspace_(kStruckLines * (modes + ModalArray<T>::kLine)) {
     for (std::size_t k = 0; k < knots_.size(); ++k) {
       const bool is_there = k + 1 < felt.size();
       knots_[k] = is_there ? felt[k + 1].knot : kOutOfReach_m<T>;
@@ -51,15 +52,16 @@ class StrikeTables {
     for (std::size_t i = 0; i < shapes.size(); ++i) free_admittance_ += shapes[i] * free_give_[i];
   }
 
-  [[nodiscard]] StrikeArrays<T> arrays(const ModeShapes<T>& shapes) const {
+  [[nodiscard]] StrikeArrays<T> arrays(const ModeShapes<T>& shapes) {
     return {shapes.data(),    give_.data(),   free_give_.data(),      free_admittance_, knots_.data(),
-            energies_.data(), pivots_.data(), pivot_energies_.data(), blocks_};
+            energies_.data(), pivots_.data(), pivot_energies_.data(), blocks_,          workspace_.data()};
   }
 
  private:
   std::size_t blocks_;
   ModalArray<T> knots_, energies_, pivots_, pivot_energies_;
   ModalArray<T> give_, free_give_;
+  ModalArray<T> workspace_;
   T free_admittance_ = 0;
 };
 

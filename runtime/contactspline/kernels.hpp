@@ -32,7 +32,11 @@ struct StrikeArrays {
   const T* pivots;          ///< the first knot of each block, padded as the knots
   const T* pivot_energies;  ///< there
   std::size_t blocks;
+  T* workspace;  ///< kStruckLines cache lines for each line of modes
 };
+
+/// What a struck mode is made of: two of state and seven of constants.
+inline constexpr std::size_t kStruckLines = 9;
 
 /// A hammer on its way.
 template <std::floating_point T>

@@ -55,6 +55,8 @@ template <std::floating_point T>
 class ModalArray {
  public:
   ModalArray() = default;
+  static constexpr std::size_t kLine = 64 / sizeof(T);
+
   explicit ModalArray(std::size_t size) : size_(size), values_((size + kLine - 1) / kLine * kLine) {}
 
   [[nodiscard]] std::size_t size() const { return size_; }
@@ -65,7 +67,6 @@ class ModalArray {
   void clear() { std::ranges::fill(values_, T(0)); }
 
  private:
-  static constexpr std::size_t kLine = 64 / sizeof(T);
   std::size_t size_ = 0;
   std::vector<T, CacheLineAllocator<T>> values_;
 };

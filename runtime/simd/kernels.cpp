@@ -159,42 +159,102 @@ struct VectorMachine {
   }
 };
 
-/// Sums over the modes of the strike's shape times free increment and of the pickup's times displacement.
+/// The modes of a struck string: what a pass reads and writes of as many modes as fill a cache line lies side by
+/// side. So no store lies at the same place of a page as a later load, and one stream of memory is read.
 template <typename T>
-struct Sums {
-  T coming, heard;
-};
-
-/// One pass over the modes: applies the force of the sample before the last, `push` after the damper's share, to what
-/// the last sample did without it, and does the coming sample without its force, which is still missing in the sums.
-template <bool kDamped, typename T>
-HWY_INLINE Sums<T> pass(std::size_t modes, const T* HWY_RESTRICT stiffness, const T* HWY_RESTRICT rest,
-                        const T* HWY_RESTRICT loss, T* HWY_RESTRICT displacement, T* HWY_RESTRICT free_increment,
-                        const T* HWY_RESTRICT give, const T* HWY_RESTRICT free_give, const T* HWY_RESTRICT shape,
-                        const T* HWY_RESTRICT pickup, T share, T push) {
-  const Tag<T> tag;
-  const std::size_t lanes = hn::Lanes(tag);
-  const auto pushes = hn::Set(tag, push), shares = hn::Set(tag, share);
-  auto coming0 = hn::Zero(tag), coming1 = coming0, heard0 = coming0, heard1 = coming0;
-  const auto step = [&](std::size_t at, Vector<T>& coming, Vector<T>& heard) HWY_ATTR {
-    auto q = hn::MulAdd(hn::Load(tag, give + at), pushes, hn::Load(tag, displacement + at));
-    auto d = hn::MulAdd(hn::Load(tag, free_give + at), pushes, hn::Load(tag, free_increment + at));
-    const auto rests = kRounds<T> ? hn::Load(tag, rest + at) : hn::Zero(tag);
-    move<kDamped, T>(hn::Load(tag, stiffness + at), rests, hn::Load(tag, loss + at), shares, q, d);
-    hn::Store(q, tag, displacement + at);
-    hn::Store(d, tag, free_increment + at);
-    coming = hn::MulAdd(hn::Load(tag, shape + at), d, coming);
-    heard = hn::MulAdd(hn::Load(tag, pickup + at), q, heard);
-  };
-  std::size_t at = 0;
-  for (; at + lanes < modes; at += 2 * lanes) {
-    step(at, coming0, heard0);
-    step(at + lanes, coming1, heard1);
+class StruckModes {
+ public:
+  /// Takes the modes over; give_back() returns them.
+  HWY_ATTR StruckModes(const ModalArrays<T>& string, const StrikeArrays<T>& strike, const T* pickup)
+      : string_(string), lines_((string.modes + kLine - 1) / kLine), modes_(strike.workspace) {
+    const T* const sources[kStruckLines] = {string.displacement, string.free_increment, strike.give,
+                                            strike.free_give,    string.stiffness,      string.stiffness_rest,
+                                            string.loss,         strike.shape,          pickup};
+    for (std::size_t line = 0; line < lines_; ++line)
+      for (std::size_t i = 0; i < kStruckLines; ++i) copy(sources[i] + line * kLine, at(line, static_cast<Row>(i)));
   }
-  if (at < modes) step(at, coming0, heard0);
-  return {hn::GetLane(hn::SumOfLanes(tag, hn::Add(coming0, coming1))),
-          hn::GetLane(hn::SumOfLanes(tag, hn::Add(heard0, heard1)))};
-}
+
+  /// Sums over the modes of the strike's shape times free increment, and of the pickup's times displacement.
+  struct Sums {
+    T coming, heard;
+  };
+
+  [[nodiscard]] HWY_ATTR T coming() const { return sum(kShape, kFreeIncrement); }
+  /// Displacement at the pickup per newton, once the force is applied.
+  [[nodiscard]] HWY_ATTR T pickup_admittance() const { return sum(kPickup, kGive); }
+
+  /// Applies the force of the sample before the last, `push` after the damper's share, to what the last sample did
+  /// without it, and does the coming sample without its force, which is still missing in the sums.
+  template <bool kDamped>
+  HWY_INLINE Sums pass(T share, T push) {
+    const auto pushes = hn::Set(tag(), push), shares = hn::Set(tag(), share);
+    auto coming0 = hn::Zero(tag()), coming1 = coming0, heard0 = coming0, heard1 = coming0;
+    std::size_t line = 0;
+    for (; line + 1 < lines_; line += 2) {
+      step<kDamped>(modes_ + line * kStride, shares, pushes, coming0, heard0);
+      step<kDamped>(modes_ + (line + 1) * kStride, shares, pushes, coming1, heard1);
+    }
+    if (line < lines_) step<kDamped>(modes_ + line * kStride, shares, pushes, coming0, heard0);
+    return {hn::GetLane(hn::SumOfLanes(tag(), hn::Add(coming0, coming1))),
+            hn::GetLane(hn::SumOfLanes(tag(), hn::Add(heard0, heard1)))};
+  }
+
+  /// Applies the last force and gives the modes back.
+  HWY_ATTR void give_back(T push) {
+    const auto pushes = hn::Set(tag(), push);
+    for (std::size_t line = 0; line < lines_; ++line)
+      for (std::size_t v = 0; v < kLine; v += hn::Lanes(tag())) {
+        const T* const mode = modes_ + line * kStride + v;
+        hn::Store(pushed(mode, kGive, kDisplacement, pushes), tag(), string_.displacement + line * kLine + v);
+        hn::Store(pushed(mode, kFreeGive, kFreeIncrement, pushes), tag(), string_.free_increment + line * kLine + v);
+      }
+  }
+
+ private:
+  enum Row { kDisplacement, kFreeIncrement, kGive, kFreeGive, kStiffness, kRest, kLoss, kShape, kPickup };
+  static constexpr std::size_t kLine = 64 / sizeof(T);
+  static constexpr std::size_t kStride = kStruckLines * kLine;
+
+  static constexpr Tag<T> tag() { return {}; }
+  [[nodiscard]] T* at(std::size_t line, Row row) const { return modes_ + line * kStride + row * kLine; }
+
+  HWY_ATTR static void copy(const T* from, T* to) {
+    for (std::size_t v = 0; v < kLine; v += hn::Lanes(tag())) hn::Store(hn::Load(tag(), from + v), tag(), to + v);
+  }
+
+  [[nodiscard]] HWY_ATTR T sum(Row a, Row b) const {
+    auto sum = hn::Zero(tag());
+    for (std::size_t line = 0; line < lines_; ++line)
+      for (std::size_t v = 0; v < kLine; v += hn::Lanes(tag()))
+        sum = hn::MulAdd(hn::Load(tag(), at(line, a) + v), hn::Load(tag(), at(line, b) + v), sum);
+    return hn::GetLane(hn::SumOfLanes(tag(), sum));
+  }
+
+  HWY_INLINE static Vector<T> pushed(const T* mode, Row give, Row state, Vector<T> pushes) {
+    return hn::MulAdd(hn::Load(tag(), mode + give * kLine), pushes, hn::Load(tag(), mode + state * kLine));
+  }
+
+  template <bool kDamped>
+  HWY_INLINE static void step(T* HWY_RESTRICT line, Vector<T> shares, Vector<T> pushes, Vector<T>& coming,
+                              Vector<T>& heard) {
+    for (std::size_t v = 0; v < kLine; v += hn::Lanes(tag())) {
+      T* const mode = line + v;
+      auto q = pushed(mode, kGive, kDisplacement, pushes);
+      auto d = pushed(mode, kFreeGive, kFreeIncrement, pushes);
+      const auto rest = kRounds<T> ? hn::Load(tag(), mode + kRest * kLine) : hn::Zero(tag());
+      move<kDamped, T>(hn::Load(tag(), mode + kStiffness * kLine), rest, hn::Load(tag(), mode + kLoss * kLine),
+                       shares, q, d);
+      hn::Store(q, tag(), mode + kDisplacement * kLine);
+      hn::Store(d, tag(), mode + kFreeIncrement * kLine);
+      coming = hn::MulAdd(hn::Load(tag(), mode + kShape * kLine), d, coming);
+      heard = hn::MulAdd(hn::Load(tag(), mode + kPickup * kLine), q, heard);
+    }
+  }
+
+  ModalArrays<T> string_;
+  std::size_t lines_;
+  T* modes_;
+};
 
 /// The contact waits for a sum over the modes, which wait for its last force. But both are affine in that force: so
 /// the sum is made one sample ahead without it, and what it adds is one product. Contact and modes then go on beside
@@ -203,19 +263,12 @@ template <bool kDamped, typename T>
 HWY_INLINE std::size_t play_struck_of(const ModalArrays<T>& string, const StrikeArrays<T>& strike,
                                       SegmentTable<T> felt, T dt, T share, T string_admittance,
                                       HammerFlight<T>& hammer, const T* pickup, std::span<T> out, T* force) {
-  const Tag<T> tag;
-  const std::size_t lanes = hn::Lanes(tag);
-  auto coming_sum = hn::Zero(tag), pickup_sum = hn::Zero(tag);
-  for (std::size_t at = 0; at < string.modes; at += lanes) {
-    coming_sum = hn::MulAdd(hn::Load(tag, strike.shape + at), hn::Load(tag, string.free_increment + at), coming_sum);
-    pickup_sum = hn::MulAdd(hn::Load(tag, pickup + at), hn::Load(tag, strike.give + at), pickup_sum);
-  }
-  const T coming = hn::GetLane(hn::SumOfLanes(tag, coming_sum));
-  const T pickup_admittance = hn::GetLane(hn::SumOfLanes(tag, pickup_sum));
+  StruckModes<T> modes(string, strike, pickup);
+  const T coming = modes.coming();
+  const T pickup_admittance = modes.pickup_admittance();
   const T give = dt / hammer.mass_kg;
   const T admittance = dt * give / 2 + share * string_admittance;
-  const ModalArrays<T> modes = string;  // copies, which no store below can change
-  const StrikeArrays<T> place = strike;
+  const StrikeArrays<T> place = strike;  // a copy, which no store below can change
   const VectorMachine<T> machine{place};
   HammerFlight<T> flight = hammer;
   const T yields = dt * give + share * share * place.free_admittance;
@@ -228,9 +281,7 @@ HWY_INLINE std::size_t play_struck_of(const ModalArrays<T>& string, const Strike
     const auto step =
         contact_step(felt, flight.felt, dt, Approach<T>{flight.compression_m, free_increment, admittance},
                      flight.segment, machine);
-    const auto sums =
-        pass<kDamped>(modes.modes, modes.stiffness, modes.stiffness_rest, modes.loss, modes.displacement,
-                      modes.free_increment, place.give, place.free_give, place.shape, pickup, share, push);
+    const auto sums = modes.template pass<kDamped>(share, push);
     push = share * step.force;
     out[n] = sums.heard + pickup_admittance * push;
     before = dt * flight.velocity_m_per_s - share * sums.coming;
@@ -241,14 +292,7 @@ HWY_INLINE std::size_t play_struck_of(const ModalArrays<T>& string, const Strike
     flight.segment = step.segment;
   }
   hammer = flight;
-  const auto pushes = hn::Set(tag, push);
-  for (std::size_t at = 0; at < string.modes; at += lanes) {
-    const auto q = hn::MulAdd(hn::Load(tag, strike.give + at), pushes, hn::Load(tag, string.displacement + at));
-    const auto d =
-        hn::MulAdd(hn::Load(tag, strike.free_give + at), pushes, hn::Load(tag, string.free_increment + at));
-    hn::Store(q, tag, string.displacement + at);
-    hn::Store(d, tag, string.free_increment + at);
-  }
+  modes.give_back(push);
   return n;
 }
 
