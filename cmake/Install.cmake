@@ -18,6 +18,10 @@ if(CONTACTSPLINE_BUILD_SIMD)
   install(TARGETS contactspline_simd EXPORT ContactSplineSimdTargets)
   install(EXPORT ContactSplineSimdTargets NAMESPACE ContactSpline:: DESTINATION ${contactspline_cmake_dir})
 endif()
+if(CONTACTSPLINE_BUILD_THREADS)
+  install(TARGETS contactspline_threads EXPORT ContactSplineThreadsTargets)
+  install(EXPORT ContactSplineThreadsTargets NAMESPACE ContactSpline:: DESTINATION ${contactspline_cmake_dir})
+endif()
 configure_package_config_file(cmake/ContactSplineConfig.cmake.in ContactSplineConfig.cmake
   INSTALL_DESTINATION ${contactspline_cmake_dir}
   PATH_VARS contactspline_data_dir)

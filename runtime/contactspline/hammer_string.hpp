@@ -150,6 +150,9 @@ class HammerString {
   [[nodiscard]] T hammer_velocity() const {
     return hammer_.velocity_m_per_s;
   }  ///< towards the string [m/s]
+  [[nodiscard]] bool is_hammer_flying() const {
+    return is_flying_;
+  }  ///< from its throw until it is caught
   [[nodiscard]] const ModalBank<T>& string() const {
     return string_;
   }

@@ -11,8 +11,7 @@
 
 #include "plugins/spectrum.hpp"
 #include "support/compare.hpp"
-
-extern std::size_t allocations;  // since the program began
+#include "support/count_allocations.hpp"
 
 namespace contactspline::testing {
 namespace {

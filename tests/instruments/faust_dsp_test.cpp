@@ -27,8 +27,7 @@
 #include "contactspline/resonators/string_c4.hpp"
 #include "shell.hpp"
 #include "support/compare.hpp"
-
-extern std::size_t allocations;  // of tests/examples/count_allocations.cpp
+#include "support/count_allocations.hpp"
 
 namespace contactspline::testing {
 namespace {
