@@ -2,6 +2,8 @@
 // A piano as a plug-in would hold it: all that allocates is in the constructor, `process` is the audio callback.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <span>
@@ -49,6 +51,7 @@ class Piano {
   };
 
   static constexpr int kEnd = Keys::first_key + static_cast<int>(Keys::keys);
+  static constexpr std::size_t kBlock = 128;     // samples that a key plays at a time
   static constexpr std::size_t kModes = 80;      // of a string, at most
   static constexpr float kGain = 0.02f;          // from newtons to full scale
   static constexpr double kInaudible_j = 1e-14;  // 100 dB below a soft note
@@ -63,10 +66,16 @@ class Piano {
   }
 
   void play(std::span<float> output) {
-    for (float& sample : output) sample = 0;
-    for (Key& key : keys_)
-      if (key.sounds)
-        for (float& sample : output) sample += kGain * key.voice.tick();
+    std::ranges::fill(output, 0.0f);
+    for (; !output.empty(); output = output.subspan(std::min(kBlock, output.size()))) {
+      const auto block = output.first(std::min(kBlock, output.size()));
+      std::array<float, kBlock> sound;
+      for (Key& key : keys_) {
+        if (!key.sounds) continue;
+        key.voice.play(std::span(sound).first(block.size()));
+        for (std::size_t n = 0; n < block.size(); ++n) block[n] += kGain * sound[n];
+      }
+    }
   }
 
   std::vector<Key> keys_;

@@ -4,6 +4,7 @@
 
 #include <fstream>
 #include <iterator>
+#include <random>
 
 #include "contactspline/keyboards/piano.hpp"
 #include "cpp_program.hpp"
@@ -113,6 +114,111 @@ TEST(Keyboard, SoundsAlikeInFaustAndCpp) {
     for (std::size_t n = 0; n < kSamples; ++n) expected.push_back(gain * voice.tick());
     const std::vector<double> found(outputs[1].begin() + 1, outputs[1].end());
     EXPECT_TRUE(sequences_within<double>(found, expected, 1e-9)) << "key " << key;
+  }
+}
+
+/// A key struck, released while its damper still lifts from the blow before, struck again, in blocks of next_size().
+template <typename T, typename NextSize>
+std::vector<T> play_blocks(int key, NextSize next_size) {
+  KeyboardVoice<Piano, T> voice(key, 44100, 80);
+  std::vector<T> out(20000);
+  const std::size_t strikes[] = {0, 5000, 9003}, releases[] = {4801, 5077, 12000};
+  std::size_t event = 0;
+  for (std::size_t done = 0; done < out.size();) {
+    const bool is_strike = event % 2 == 0;
+    const std::size_t next = event < 6 ? (is_strike ? strikes : releases)[event / 2] : out.size();
+    if (done == next) {
+      is_strike ? voice.strike(2) : voice.release();
+      ++event;
+      continue;
+    }
+    const std::size_t samples = std::min(next_size(), next - done);
+    const auto block = std::span(out).subspan(done, samples);
+    if (samples == 1)
+      block[0] = voice.tick();
+    else
+      voice.play(block);
+    done += samples;
+  }
+  return out;
+}
+
+// Blocks of any size play what ticks do, the gliding damper included, but for rounding: as the kernels against the
+// plain model (kernels_test.cpp).
+TEST(Keyboard, PlaysBlocksOfAnySizeAsItTicks) {
+  const auto check = []<typename T>(T bound) {
+    for (const int key : {30, 60, 100}) {
+      const auto expected = play_blocks<T>(key, [] { return std::size_t(1); });
+      for (const std::size_t size : {7u, 16u, 256u, 100000u})
+        EXPECT_TRUE(sequences_within<T>(play_blocks<T>(key, [&] { return size; }), expected, bound)) << key;
+      std::mt19937 random(5);
+      EXPECT_TRUE(sequences_within<T>(play_blocks<T>(key, [&] { return 1 + random() % 50; }), expected, bound));
+    }
+  };
+  check(1e-12);
+  check(5.6e-5f);
+}
+
+// The damping held for 16 samples is the mean of what a damper does that with each sample goes a constant share of
+// its way; it ends 1e-5/s before its end.
+TEST(Keyboard, HoldsTheMeanOfAGlidingDamper) {
+  KeyboardVoice<Piano, double> voice(60, 44100, 1);
+  const double share = 1 - std::exp(-1 / (0.005 * 44100));
+  double target = 0, damping = 0, mean = 0;
+  std::size_t held = 0;
+  for (int n = 0; n < 9000; ++n) {
+    const bool is_release = n == 100 || n == 150 || n == 4503, is_strike = n == 0 || n == 137 || n == 4000;
+    if (is_release) voice.release();
+    if (is_strike) voice.strike(1);
+    if (is_release || is_strike) {
+      target = is_release ? 60 : 0;
+      held = 0;
+    }
+    if (held == 0) {
+      double coming = damping;
+      mean = 0;
+      for (int i = 0; i < 16; ++i) mean += (coming += share * (target - coming)) / 16;
+    }
+    voice.tick();
+    ASSERT_TRUE(within(voice.controls().damping_per_s, mean, 1e-5)) << n;
+    damping += share * (target - damping);
+    held = (held + 1) % 16;
+  }
+  EXPECT_EQ(voice.controls().damping_per_s, 60);
+}
+
+// Faust's damper glides with each sample, C++'s by 16 samples with the same mean. While it goes a way of D = 60/s the
+// two differ by d, in each 16 samples of length h by no more than half of what the glide does in them, and by a
+// quarter in the mean: the sum of |d| dt is D h/4. A damper of decay d takes 2 d v dt of the velocity v, of an
+// oscillation d dt of its amplitude in the mean, where the two agree, and no more than that swinging about it: no
+// mode differs by more than D h/4 of itself, and of many modes no more than that of the root of the mean square.
+TEST(Keyboard, IsReleasedAlikeInFaustAndCpp) {
+  constexpr int kRate = 44100;
+  for (const int key : {33, 60}) {
+    CppProgram<piano_double, double> program(kRate);
+    program.set("freq", 440 * std::exp2((key - 69) / 12.0));
+    program.set("gain", 0.7);
+    program.set("gate", 1);
+    (void)program.run({}, 4001);
+    program.set("gate", 0);
+    const auto outputs = program.run({}, 4410);
+    KeyboardVoice<Piano, double> voice(key, kRate, 80);
+    voice.strike(0.2 * std::pow(30.0, 0.7));
+    std::vector<double> expected(4000), found;
+    voice.play(expected);
+    const double before = voice.model().string().energy();
+    voice.release();
+    expected.resize(4410);
+    voice.play(expected);
+    EXPECT_LT(voice.model().string().energy(), 1e-3 * before);
+    const double side = 0.2 + 0.6 * (key - 21) / 87;
+    const double gain = 0.5 * 0.02 * std::sqrt(side);
+    double error = 0, size = 0;
+    for (std::size_t n = 0; n < expected.size(); ++n) {
+      error += std::pow(outputs[1][n] - gain * expected[n], 2);
+      size += std::pow(gain * expected[n], 2);
+    }
+    EXPECT_TRUE(within(std::sqrt(error / size), 0, 60 * 16.0 / kRate / 4)) << "key " << key;
   }
 }
 
