@@ -70,9 +70,9 @@ expect_peak_force() {
     }' || fail "the largest force is off"
 }
 
-# A code block of the README, by language.
+# A code block of the README or of another page, by language.
 readme_block() {
-  awk -v begin="\`\`\`$1" '$0 == begin { on = 1; next } /^```/ { on = 0 } on' "$SOURCE/README.md"
+  awk -v begin="\`\`\`$1" '$0 == begin { on = 1; next } /^```/ { on = 0 } on' "$SOURCE/${2-README.md}"
 }
 
 # What any way of using contactspline_generate has to do. exercise GENERATOR CMAKE_ARGUMENT...
@@ -327,6 +327,26 @@ add_executable(my_plugin main.cpp)'
   readme_block faust >"$WORK/readme.dsp"
   faust_samples "$WORK/readme.dsp" >"$WORK/samples"
   expect_peak_force 2 4.5e9 2.5 0.003 2 <"$WORK/samples"
+}
+
+# The example of docs/polyphony.md, on the optional libraries: one voice of 500, a third of the way to the right.
+case_polyphony() {
+  install_at "$WORK/prefix"
+  project="$WORK/project" build="$WORK/build"
+  mkdir "$project"
+  readme_block cpp docs/polyphony.md >"$project/main.cpp"
+  cat >"$project/CMakeLists.txt" <<'END'
+cmake_minimum_required(VERSION 3.25)
+project(Polyphony LANGUAGES CXX)
+find_package(ContactSpline CONFIG REQUIRED)
+add_executable(band main.cpp)
+target_link_libraries(band PRIVATE ContactSpline::materials ContactSpline::simd ContactSpline::threads)
+END
+  configure Ninja "-DCMAKE_PREFIX_PATH=$WORK/prefix" -DCMAKE_BUILD_TYPE=Release
+  build
+  "$build/band" | awk '
+    { print; ratio = $2 / $1 / sqrt(0.3 / 0.7) }
+    END { exit !(ratio > 0.9999 && ratio < 1.0001 && $3 == 1) }' || fail "the example does not play as it says"
 }
 
 rm -rf "$WORK"
