@@ -69,10 +69,7 @@ void hammer_string(benchmark::State& state) {
   run(
       state, [&] { model.strike(T(2.5), T(1e-4)); },
       [&] {
-        for (T& sample : sound) {
-          model.tick({.hammer_mass_kg = T(0.00297)});
-          sample = model.string().displacement(pickup);
-        }
+        model.play({.hammer_mass_kg = T(0.00297)}, pickup, sound);
         benchmark::DoNotOptimize(sound);
       });
 }
