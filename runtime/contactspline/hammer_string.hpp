@@ -118,6 +118,7 @@ class HammerString {
   void play(const HammerStringControls<T>& controls, const ModeShapes<T>& pickup, std::span<T> out,
             T* forces = nullptr) {
 #ifdef CONTACTSPLINE_SIMD
+    if (out.empty()) return;
     const T share = 1 / (1 + controls.damping_per_s * time_step_);
     if (is_flying_) {
       take(controls);
