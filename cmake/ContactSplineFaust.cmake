@@ -126,16 +126,21 @@ function(_contactspline_faust_step source architecture)
     VERBATIM)
 endfunction()
 
+# Links the vectorised kernels, where they were built, to what a C++ file goes into.
+function(_contactspline_kernels target)
+  if(arg_DSP MATCHES "\\.cpp$" AND TARGET ContactSpline::simd)
+    target_link_libraries(${target} PRIVATE ContactSpline::simd)
+  endif()
+endfunction()
+
 # How Faust's own scripts compile what it writes. Its architecture files are not ours to warn about.
 function(_contactspline_faust_options target)
   target_compile_features(${target} PRIVATE cxx_std_11)
   if(arg_DSP MATCHES "\\.cpp$")
     target_compile_features(${target} PRIVATE cxx_std_20)
     target_link_libraries(${target} PRIVATE ContactSpline::materials ${arg_MATERIALS})
-    if(TARGET ContactSpline::simd)
-      target_link_libraries(${target} PRIVATE ContactSpline::simd)
-    endif()
   endif()
+  _contactspline_kernels(${target})
   target_compile_options(${target} PRIVATE -Ofast -w)
   # jack-console.cpp minds NVOICES where it differs from NUM_VOICES only.
   target_compile_definitions(${target} PRIVATE NVOICES=${arg_VOICES} NUM_VOICES=-1)
@@ -167,6 +172,7 @@ function(contactspline_lv2)
   set(describe ${arg_TARGET}_describe)
   add_executable(${describe} $<TARGET_OBJECTS:${objects}>)
   set_target_properties(${describe} PROPERTIES LINKER_LANGUAGE CXX)
+  _contactspline_kernels(${describe})
   set(manifest "${bundle}/manifest.ttl")
   file(CONFIGURE OUTPUT "${manifest}" @ONLY CONTENT
 "@prefix lv2:  <http://lv2plug.in/ns/lv2core#> .
@@ -189,6 +195,7 @@ function(contactspline_lv2)
   set_target_properties(${arg_TARGET} PROPERTIES
     LINKER_LANGUAGE CXX LINK_DEPENDS "${description}"
     PREFIX "" OUTPUT_NAME ${stem} LIBRARY_OUTPUT_DIRECTORY "$<1:${bundle}>")
+  _contactspline_kernels(${arg_TARGET})
 endfunction()
 
 # See the top of this file.
