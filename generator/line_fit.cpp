@@ -110,7 +110,9 @@ double force_between(const FitTarget& target, double before, double y, double af
 }
 
 ForceLine made_rising(ForceLine line) {
-  for (std::size_t j = line.segments(); j-- > 1;) line.f[j] = std::min(line.f[j], 0.999 * line.f[j + 1]);
+  constexpr double kLeast = 1e-3;  // exponent: so little that ever so many knots on a plateau rise by next to nothing
+  for (std::size_t j = line.segments(); j-- > 1;)
+    line.f[j] = std::min(line.f[j], line.f[j + 1] * std::pow(line.y[j] / line.y[j + 1], kLeast));
   return line;
 }
 

@@ -19,7 +19,7 @@ namespace contactspline {
 /// force, by two thirds of the most on average.
 [[nodiscard]] double force_between(const FitTarget& target, double before, double y, double after);
 
-/// Lowers forces that a later one falls below.
+/// Lowers forces that a later one falls below: between any two knots they rise at least like y^0.001.
 [[nodiscard]] ForceLine made_rising(ForceLine line);
 
 /// A line whose points move by logarithms, so that all stay positive: knots 1 to N - 1, forces 1 to N.

@@ -245,6 +245,15 @@ TEST(Knots, AreConvexWhereThereAreMany) {
     }
 }
 
+// Where knots are so close that a soft law's forces hardly rise from one to the next.
+TEST(Knots, AreNoWorseWhereThereAreVeryMany) {
+  for (const double exponent : {0.1, 0.5, 1.0, 1.5, 2.5})
+    for (const int segments : {3000, 10000, 65536}) {
+      const Material of = material(exponent, Knots::graded, segments);
+      EXPECT_LE(swept(designed(of), of, 100).contact_duration, 5e-4) << exponent << " " << segments;
+    }
+}
+
 // Felt that meets a hard stop: the force bends at once, where no smooth law does.
 TEST(Knots, AreConvexAtAKink) {
   const PowerSum stopped{{{{4.5e9, 2.5}, 0}, {{1e8, 1}, 5e-4}}};
