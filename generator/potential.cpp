@@ -144,6 +144,7 @@ std::vector<double> Potential::breaks() const {
     for (const PowerTerm& term : sum->terms) breaks.push_back(term.offset_m);
   if (const auto* curve = std::get_if<ForceCurve>(&law_)) breaks = curve->knot_m;
   std::ranges::sort(breaks);
+  breaks.erase(std::ranges::unique(breaks).begin(), breaks.end());
   std::erase_if(breaks, [](double y) { return !(y > 0); });
   return breaks;
 }

@@ -77,7 +77,7 @@ class Potential {
   [[nodiscard]] const PowerLaw* power_law() const { return std::get_if<PowerLaw>(&law_); }
   [[nodiscard]] const Law& law() const { return law_; }
 
-  /// Compressions at which the law is not smooth, beyond 0 [m].
+  /// Compressions at which the law is not smooth, beyond 0, each once [m].
   [[nodiscard]] std::vector<double> breaks() const;
 
  private:

@@ -361,6 +361,22 @@ TEST(Knots, AtAKinkFittedOnesAreNoWorseThanUniformOnesAndOptimalOnesBest) {
   }
 }
 
+// Two layers that begin at one place are one kink.
+TEST(Knots, MayMeetTwoLayersAtOneOffset) {
+  const PowerTerm felt{{4.5e9, 2.5}, 0}, wood{{5e7, 1.5}, 5e-4}, both{{1e8, 1.5}, 5e-4};
+  const auto design = [](const PowerSum& law) {
+    Material of{"layers", "", Potential(law), Impact{0.00297, 6, 0.1}, {16, 0, Knots::graded}};
+    of.spline.max_compression_m = of.contact.max_compression(0.00297, 6);
+    return designed(of).segments;
+  };
+  const auto two = design({{felt, wood, wood}}), one = design({{felt, both}});
+  ASSERT_EQ(two.size(), one.size());
+  for (std::size_t j = 1; j < one.size(); ++j) {
+    EXPECT_TRUE(relatively_within(two[j].knot, one[j].knot, 1e-9)) << j;
+    EXPECT_TRUE(relatively_within(two[j].force, one[j].force, 1e-9)) << j;
+  }
+}
+
 // The smallest number of all, though the error need not fall with each segment: a design keeps 0.3 % of room, and the
 // speeds of this sweep miss half a per cent at a peak.
 TEST(Tolerance, IsKeptWithTheFewestSegmentsAtAKink) {
