@@ -43,7 +43,9 @@ class BentLaw {
   [[nodiscard]] double gain(double energy, double largest) const {
     const auto integrand = [&](double angle) {
       const double y = largest * std::sin(angle) * std::sin(angle);
-      const double left = std::max(energy - law_.energy(y * range_) / (range_ * law_.force(range_)), 1e-300);
+      // No less than force times way, which does not cancel where the turning point is near.
+      const double least = force(y) * largest * std::cos(angle) * std::cos(angle);
+      const double left = std::max(energy - law_.energy(y * range_) / (range_ * law_.force(range_)), least);
       return (1 - shrinking(y)) * largest * std::sin(2 * angle) / std::sqrt(2 * left);
     };
     double sum = 0, from = 0;

@@ -173,6 +173,21 @@ TEST(Compensation, KeepsItsToleranceInAFinerSweep) {
   std::cout << "a finer sweep finds " << worst_ratio << " times the figure\n";
 }
 
+// Curves that bend sharply, plateaus too: an impact that turns just beyond a bend.
+TEST(Compensation, IsFoundForCurvesWithBends) {
+  for (const double slope : {0.0, 1e2, 1e5})
+    for (int i = 0; i < 8; ++i) {
+      const double bend = 4e-4 * (1 + 0.05 * i);
+      const ForceCurve curve({0, bend, 1.01 * bend, 1e-2}, {2e4, 2e4, slope, slope});
+      Material of{"bent", "", Potential(curve), Impact{0.003, 2, 0.1}, {8, 0, Knots::graded}};
+      of.spline.max_compression_m = of.contact.max_compression(0.003, 2);
+      of.compensation = Compensation{kRate, 0.003};
+      const CompensatedTarget found = compensated_target(of);
+      for (const Break& at : found.target.breaks)
+        EXPECT_TRUE(std::isfinite(found.target.half_duration(at.energy))) << slope << " " << i;
+    }
+}
+
 TEST(Compensation, KeepsTheSplineConvex) {
   for (const Case& c : kCases)
     for (const int segments : {1, 2, 8, 128}) {
