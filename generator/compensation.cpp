@@ -102,6 +102,7 @@ CompensatedTarget compensated_target(const Material& material) {
       bent->bent_compression(law.least_compression) / end,
       law.least_energy,
       law.most_energy};
+  if (material.contact.power_law() == nullptr) target.force = continued(std::move(target.force));
   for (const Break& at : law.breaks)
     target.breaks.push_back({bent->bent_compression(at.compression) / end, at.energy, at.kink});
   return {tabulated(std::move(target)), end};

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -111,6 +112,12 @@ Spline spline_within_tolerance(Material& material, std::string_view file) {
 
 }  // namespace
 
+std::function<double(double)> continued(std::function<double(double)> force) {
+  constexpr double kStep = 1e-4;
+  const double exponent = (1 - force(1 - kStep)) / kStep;
+  return [=, force = std::move(force)](double y) { return y <= 1 ? force(y) : std::pow(y, exponent); };
+}
+
 FitTarget fit_target(const Material& material) {
   const Potential& contact = material.contact;
   const Impact& impact = *material.impact;
@@ -129,6 +136,7 @@ FitTarget fit_target(const Material& material) {
       energy_of(slowest),
       energy_of(impact.max_speed_m_per_s)};
   if (contact.power_law() != nullptr) return target;
+  target.force = continued(std::move(target.force));
   const bool layers = std::holds_alternative<PowerSum>(contact.law());
   for (const double y : contact.breaks())
     if (y < range) target.breaks.push_back({y / range, contact.energy(y) / energy, layers});
