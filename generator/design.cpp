@@ -58,7 +58,13 @@ ForceLine rounded_line(const ForceLine& line, int digits) {
 
 Spline spline_of(const Material& material, std::string_view file) {
   if (material.spline.knots == Knots::uniform) return uniform_spline(material, file);
-  return line_spline(rounded_line(fitted_line(material), digits_of(material)), material, file);
+  const ForceLine line = fitted_line(material);
+  if (!line.rises())
+    throw BadInput(fmt::format(
+        "{}: spline.knots: {} {} segments find no forces that rise from the touch on, as where a curve begins "
+        "without force; allowed: a law that pushes from 0 on, or uniform knots",
+        file, material.spline.segments, name_of(material.spline.knots)));
+  return line_spline(rounded_line(line, digits_of(material)), material, file);
 }
 
 double error_of(const Spline& spline, const Material& material) {
@@ -84,7 +90,7 @@ Spline spline_within_tolerance(Material& material, std::string_view file) {
   std::optional<Spline> found;
   while (!(found = within(keeps))) {
     if (keeps == most)
-      throw BadInput(fmt::format("{}: spline.tolerance: {} is not kept by {} {} segments; allowed: at least {:.2g}",
+      throw BadInput(fmt::format("{}: spline.tolerance: {} is not kept by {} {} segments; allowed: at least {:.4g}",
                                  file, design.tolerance, most, name_of(design.knots), error * 1.01));
     fails = std::exchange(keeps, std::min(2 * keeps, most));
   }

@@ -149,7 +149,7 @@ void require_stiffer(const JsonObject& material, const Material& of) {
     material.fail(
         "compensation.compliance_m_per_n",
         fmt::format("{} is above the contact's own at its largest compression", of.compensation->compliance_m_per_n),
-        fmt::format("at most {:.2g}", own * (1 - 0.005)));
+        fmt::format("at most {:.4g}", own * (1 - 0.005)));
 }
 
 Compensation read_compensation(const JsonObject& compensation) {

@@ -411,6 +411,40 @@ INSTANTIATE_TEST_SUITE_P(Live, BadMaterialFile, ::testing::ValuesIn(live_cases()
 INSTANTIATE_TEST_SUITE_P(Syntax, BadMaterialFile, ::testing::ValuesIn(syntax_cases()),
                          ::testing::PrintToStringParamName());
 
+// The limits that depend on the material, as they are told, are kept.
+TEST(BadMaterialFile, IsAcceptedWithWhatIsAllowed) {
+  const auto told = [](const std::string& text, const std::string& after) {
+    const Sandbox box;
+    write_file(box / "probe.json", text);
+    const std::string err = run({.arguments = {"inspect", "probe.json"}, .folder = box.path()}).err;
+    const auto at = err.find(after);
+    EXPECT_NE(at, std::string::npos) << err;
+    return at == std::string::npos ? std::string("1")
+                                   : err.substr(at + after.size(), err.find('\n') - at - after.size());
+  };
+  const auto accepted = [](const std::string& text) {
+    const Sandbox box;
+    write_file(box / "probe.json", text);
+    succeed({.arguments = {"inspect", "probe.json"}, .folder = box.path()});
+  };
+  const auto probe = [](const std::string& stiffness, const std::string& spline, const std::string& compliance) {
+    return R"({ "name": "probe", "contact": { "stiffness_n_per_m_alpha": )" + stiffness + R"(, "exponent": 2.5 },
+      "impact": { "mass_kg": 0.003, "max_speed_m_per_s": 6.0, "min_speed_m_per_s": 0.1 },
+      "spline": { "knots": "graded", )" +
+           spline + R"( },
+      "compensation": { "sample_rate_hz": 44100, "mass_kg": 0.003, "compliance_m_per_n": )" +
+           compliance + " } }";
+  };
+  for (const std::string stiffness : {"1e9", "2e9", "3e9", "4e9", "5e9", "6e9", "7e9", "8e9"}) {
+    const std::string segments = R"("segments": 4)";
+    accepted(probe(stiffness, segments, told(probe(stiffness, segments, "1"), "allowed: at most ")));
+  }
+  const auto tolerance = [](const std::string& value) {
+    return with_spline(R"("knots": "uniform", "tolerance": )" + value);
+  };
+  accepted(tolerance(told(tolerance("1e-7"), "allowed: at least ")));
+}
+
 TEST(BadMaterialFile, IsRefusedByEveryCommand) {
   const Sandbox box;
   write_file(box / "probe.json", changed("uniform", "chebyshev"));

@@ -396,6 +396,16 @@ TEST(Knots, DoNotSeeLayersThatNoImpactReaches) {
   }
 }
 
+TEST(Knots, AreRefusedWhereACurveBeginsWithoutForce) {
+  try {
+    static_cast<void>(designed(felt_of(ForceCurve({0, 5e-4, 6e-4, 1e-2}, {0, 0, 1e5, 1e5}), 16)));
+    ADD_FAILURE() << "accepted";
+  } catch (const BadInput& refused) {
+    EXPECT_TRUE(std::string(refused.what()).starts_with("felt.json: spline.knots: 16 graded segments find no"))
+        << refused.what();
+  }
+}
+
 // The smallest number of all, though the error need not fall with each segment: a design keeps 0.3 % of room, and the
 // speeds of this sweep miss half a per cent at a peak.
 TEST(Tolerance, IsKeptWithTheFewestSegmentsAtAKink) {
