@@ -217,14 +217,17 @@ double tic_step(double range) {
 }
 
 // Tics of a logarithmic axis, which gnuplot leaves bare where it holds no power of ten: those and twice and five
-// times them; over many decades the powers alone.
+// times them; over many decades the powers alone. Where that is one or none, both ends.
 std::string logarithmic_tics(double low, double high) {
   const bool narrow = high / low < 1e3;
-  std::string tics;
+  std::vector<double> places;
   for (int power = static_cast<int>(std::floor(std::log10(low))); std::pow(10, power) <= high; ++power)
     for (const int digit : {1, 2, 5})
       if (const double at = digit * std::pow(10, power); at >= low && at <= high && (digit == 1 || narrow))
-        tics += fmt::format("{}'{:g}' {:g}", tics.empty() ? "" : ", ", at, at);
+        places.push_back(at);
+  if (places.size() < 2) places = {low, high};
+  std::string tics;
+  for (const double at : places) tics += fmt::format("{}'{:.4g}' {}", tics.empty() ? "" : ", ", at, at);
   return fmt::format("set xtics ({})\n", tics);
 }
 

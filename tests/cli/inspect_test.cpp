@@ -299,6 +299,18 @@ TEST(InspectFamilies, LabelEveryAxisOfThePicture) {
   for (const auto label : {"0.2", "0.5"}) EXPECT_NE(third.find(label), std::string::npos) << label;
 }
 
+TEST(InspectFamilies, LabelTheEndsOfAnAxisTooShortForMore) {
+  const Sandbox box;
+  std::string text = material(4);
+  text.replace(text.find("\"max_speed_m_per_s\": 2, \"min_speed_m_per_s\": 0.1"), 47,
+               R"("max_speed_m_per_s": 4.9, "min_speed_m_per_s": 2.1)");
+  write_file(box / "probe.json", text);
+  printed(box, {"inspect", "probe.json", "--compare", "--svg", "families.svg"});
+  const std::string labels = read_svg(box / "families.svg").text;
+  EXPECT_EQ(count_of(labels, "2.1"), 2u);
+  EXPECT_EQ(count_of(labels, "4.9"), 2u);
+}
+
 TEST(InspectFamilies, NeedARangeOfImpacts) {
   const Sandbox box;
   write_file(box / "bare.json", R"({"name": "bare", "contact": {"stiffness_n_per_m_alpha": 1e9, "exponent": 1.5},
