@@ -6,8 +6,8 @@
 
 namespace contactspline {
 
-/// The same target, its compressions and durations interpolated in tables between its breaks, to about 1e-8; for laws
-/// without closed forms take a quadrature for every duration, of which a fit needs thousands.
+/// The same target, its compressions and durations interpolated in tables between its breaks, to about 1e-8. For
+/// laws without closed forms, which take a quadrature for every duration, of which a fit needs thousands.
 [[nodiscard]] FitTarget tabulated(FitTarget target);
 
 }  // namespace contactspline

@@ -20,8 +20,8 @@ struct ExponentFamily {
 
 /// The family of a material that has a live_exponent, of so many segments. Knots in geometric progression from half
 /// the compression of the slowest impact at the least exponent to the largest compression of the fastest at any (at
-/// least the material's own); the forces there lie below the law by h^2 F''/12, so
-/// that between them the mean force is the law's. Numbers have as many digits as every machine agrees in.
+/// least the material's own); the forces there lie below the law by h^2 F''/12, so that between them the mean force
+/// is the law's. Numbers have as many digits as every machine agrees in.
 [[nodiscard]] ExponentFamily exponent_family(const Material& material, int segments);
 
 /// The power law that a family stands for at an exponent.
