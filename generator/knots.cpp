@@ -276,6 +276,18 @@ std::optional<ForceLine> equal_error_line(int segments, const FitTarget& target,
   return std::nullopt;
 }
 
+double worst_force_error(const ForceLine& line, const FitTarget& target) {
+  constexpr int kPoints = 64;  // a segment
+  double worst = 0;
+  for (std::size_t j = 0; j < line.segments(); ++j)
+    for (int i = 1; i <= kPoints; ++i) {
+      const double share = static_cast<double>(i) / kPoints;
+      const double force = std::lerp(line.f[j], line.f[j + 1], share);
+      worst = std::max(worst, std::abs(force - target.force(std::lerp(line.y[j], line.y[j + 1], share))));
+    }
+  return worst;
+}
+
 }  // namespace
 
 std::vector<DurationError> duration_errors(const ForceLine& line, const FitTarget& target, int points) {
@@ -326,7 +338,10 @@ ForceLine least_force_error_line(int segments, const FitTarget& target) {
     const double middle = (low + high) / 2;
     (equal_error_line(segments, target, middle) ? high : low) = middle;
   }
-  return *equal_error_line(segments, target, high);
+  ForceLine line = *equal_error_line(segments, target, high);
+  if (target.breaks.empty()) return line;
+  ForceLine graded = graded_line(segments, target);  // where the law bends both ways
+  return worst_force_error(graded, target) < worst_force_error(line, target) ? graded : line;
 }
 
 }  // namespace contactspline

@@ -55,7 +55,8 @@ constexpr int kMostFittedSegments = 128;
 [[nodiscard]] ForceLine optimal_line(int segments, const FitTarget& target);
 
 /// Knots and forces that make the worst error of the force least, for a force that is convex or concave throughout:
-/// the error reaches that size at every knot and once between any two. 1 to kMostFittedSegments.
+/// the error reaches that size at every knot and once between any two. Where the law has breaks, the graded line if
+/// that is better. 1 to kMostFittedSegments.
 [[nodiscard]] ForceLine least_force_error_line(int segments, const FitTarget& target);
 
 }  // namespace contactspline

@@ -396,6 +396,23 @@ TEST(Knots, DoNotSeeLayersThatNoImpactReaches) {
   }
 }
 
+// Where a law bends both ways as well.
+TEST(Knots, ForceIsNoWorseWhereItIsWhatIsMinimised) {
+  const PowerTerm felt{{4.5e9, 2.5}, 0};
+  const Potential laws[] = {PowerSum{{felt, {{1e3, 0.3}, 5e-4}}},
+                            ForceCurve({0, 2e-4, 2.1e-4, 2.3e-4, 2.4e-4, 1e-2}, {1e4, 1e4, 1e7, 1e7, 1e4, 1e4})};
+  for (const Potential& law : laws)
+    for (const int segments : {8, 16, 64}) {
+      const Material graded = felt_of(law, segments);
+      Material least = graded;
+      least.spline.knots = Knots::optimal;
+      least.spline.minimise = ErrorOf::force;
+      EXPECT_LE(measure_quality(designed(least), least).force.worst,
+                1.01 * measure_quality(designed(graded), graded).force.worst)
+          << segments;
+    }
+}
+
 TEST(Knots, AreRefusedWhereACurveBeginsWithoutForce) {
   try {
     static_cast<void>(designed(felt_of(ForceCurve({0, 5e-4, 6e-4, 1e-2}, {0, 0, 1e5, 1e5}), 16)));
