@@ -58,11 +58,12 @@ class FretString {
     const Approach<T> approach{compression_,
                                string_.increment(place_.after()) + string_.displacement(place_.change()) + lift,
                                std::max(give, kLeastAdmittance)};
-    force_ = contact_force(fret_, controls.contact, time_step_, approach);
+    const auto step = contact_step(fret_, controls.contact, time_step_, approach);
+    force_ = step.force;
     string_.push(place_.mean(), -share * force_);
     work_of_fret_ = force_ * (string_.middle(place_.change()) + lift);
     string_.commit();
-    compression_ += approach.free_increment - approach.admittance * force_;
+    compression_ = step.compression;
   }
 
   [[nodiscard]] T force() const { return force_; }                ///< contact force over the last sample [N]
