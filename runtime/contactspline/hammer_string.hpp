@@ -21,29 +21,68 @@ struct HammerStringControls {
 
 namespace detail {
 
+/// The arrays behind FeltArrays.
+template <std::floating_point T>
+class FeltTables {
+ public:
+  explicit FeltTables(SegmentTable<T> felt)
+      : segments_(felt.size() - 1),
+        blocks_((segments_ + kKnotsInABlock - 1) / kKnotsInABlock),
+        knots_(kLine + blocks_ * kKnotsInABlock + kLine),
+        energies_(knots_.size()),
+        forces_(knots_.size()),
+        half_curvatures_(knots_.size()),
+        pivots_((blocks_ + kKnotsInABlock - 1) / kKnotsInABlock * kKnotsInABlock),
+        pivot_energies_(pivots_.size()),
+        gives_(knots_.size()),
+        stiffnesses_(knots_.size()),
+        yields_(knots_.size()) {
+    for (std::size_t i = 0; i < knots_.size(); ++i) knots_[i] = i < kLine ? -kOutOfReach_m<T> : kOutOfReach_m<T>;
+    for (std::size_t i = 0; i < pivots_.size(); ++i) pivots_[i] = kOutOfReach_m<T>;
+    for (std::size_t k = 1; k <= segments_; ++k) {
+      knots_[kEntry0 + k] = felt[k].knot;
+      energies_[kEntry0 + k] = felt[k].energy;
+      forces_[kEntry0 + k] = felt[k].force;
+      half_curvatures_[kEntry0 + k] = felt[k].half_curvature;
+    }
+    for (std::size_t block = 0; block < blocks_; ++block) {
+      pivots_[block] = knots_[kEntry0 + 1 + block * kKnotsInABlock];
+      pivot_energies_[block] = energies_[kEntry0 + 1 + block * kKnotsInABlock];
+    }
+  }
+
+  [[nodiscard]] FeltArrays<T> arrays() {
+    return {segments_,
+            knots_.data() + kEntry0,
+            energies_.data() + kEntry0,
+            forces_.data() + kEntry0,
+            half_curvatures_.data() + kEntry0,
+            pivots_.data(),
+            pivot_energies_.data(),
+            blocks_,
+            &admittance_,
+            gives_.data() + kEntry0,
+            stiffnesses_.data() + kEntry0,
+            yields_.data() + kEntry0};
+  }
+
+ private:
+  static constexpr std::size_t kLine = ModalArray<T>::kLine;
+  static_assert(kLine >= kKnotsInReach);
+  static constexpr std::size_t kEntry0 = kLine - 1;
+
+  std::size_t segments_, blocks_;
+  ModalArray<T> knots_, energies_, forces_, half_curvatures_, pivots_, pivot_energies_;
+  T admittance_ = 0;
+  ModalArray<T> gives_, stiffnesses_, yields_;
+};
+
 /// The arrays behind StrikeArrays.
 template <std::floating_point T>
 class StrikeTables {
  public:
   StrikeTables(SegmentTable<T> felt, std::size_t modes)
-      : blocks_((felt.size() - 1 + kKnotsInABlock - 1) / kKnotsInABlock),
-        knots_(blocks_ * kKnotsInABlock),
-        energies_(knots_.size()),
-        pivots_((blocks_ + kKnotsInABlock - 1) / kKnotsInABlock * kKnotsInABlock),
-        pivot_energies_(pivots_.size()),
-        give_(modes),
-        free_give_(modes),
-        workspace_(kStruckLines * (modes + ModalArray<T>::kLine)) {
-    for (std::size_t k = 0; k < knots_.size(); ++k) {
-      const bool is_there = k + 1 < felt.size();
-      knots_[k] = is_there ? felt[k + 1].knot : kOutOfReach_m<T>;
-      energies_[k] = is_there ? felt[k + 1].energy : T(0);
-    }
-    for (std::size_t block = 0; block < pivots_.size(); ++block) {
-      pivots_[block] = block < blocks_ ? knots_[block * kKnotsInABlock] : kOutOfReach_m<T>;
-      pivot_energies_[block] = block < blocks_ ? energies_[block * kKnotsInABlock] : T(0);
-    }
-  }
+      : felt_(felt), give_(modes), free_give_(modes), workspace_(kStruckLines * (modes + ModalArray<T>::kLine)) {}
 
   /// For the next throw, at a place of these shapes.
   void strike_at(const ModalBank<T>& string, const ModeShapes<T>& shapes) {
@@ -53,13 +92,11 @@ class StrikeTables {
   }
 
   [[nodiscard]] StrikeArrays<T> arrays(const ModeShapes<T>& shapes) {
-    return {shapes.data(),    give_.data(),   free_give_.data(),      free_admittance_, knots_.data(),
-            energies_.data(), pivots_.data(), pivot_energies_.data(), blocks_,          workspace_.data()};
+    return {shapes.data(), give_.data(), free_give_.data(), free_admittance_, felt_.arrays(), workspace_.data()};
   }
 
  private:
-  std::size_t blocks_;
-  ModalArray<T> knots_, energies_, pivots_, pivot_energies_;
+  FeltTables<T> felt_;
   ModalArray<T> give_, free_give_;
   ModalArray<T> workspace_;
   T free_admittance_ = 0;

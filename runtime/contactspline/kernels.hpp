@@ -20,18 +20,43 @@ struct ModalArrays {
   T* free_increment;
 };
 
+/// Knots a block of FeltArrays holds.
+inline constexpr std::size_t kKnotsInABlock = 32;
+
+/// Knots below and above a segment that the kernels look at at once.
+inline constexpr std::size_t kKnotsInReach = 8;
+
+/// Knots further than anything, which surround those of a felt [m].
+template <std::floating_point T>
+inline constexpr T kOutOfReach_m = T(1e15);
+
+/// A SegmentTable column by column: entry k of each is entry k of the table, but for knots[0]. Before entry 0 and
+/// after entry N stand kKnotsInReach segments or more without force, out of reach, entry 0 among them.
+template <std::floating_point T>
+struct FeltArrays {
+  std::size_t segments;  ///< N
+  const T* knots;        ///< knots + 1 begins a cache line
+  const T* energies;     ///< there, likewise
+  const T* forces;       ///< there
+  const T* half_curvatures;
+  const T* pivots;          ///< the first knot of each block, padded as the knots, on cache lines
+  const T* pivot_energies;  ///< there
+  std::size_t blocks;       ///< from entry 1 on
+  // What follows from them and an admittance xi:
+  T* admittance;   ///< xi [m/N], 0 at first
+  T* gives;        ///< xi times the force at each knot [m]
+  T* stiffnesses;  ///< xi times that of each segment: 2 xi c
+  T* yields;       ///< 1/(2 xi (1 + xi c)) of each segment [N/m]
+};
+
 /// How a force on a hammer's strings changes, per newton, what the modes are and will do.
 template <std::floating_point T>
 struct StrikeArrays {
-  const T* shape;           ///< at the place of the strike
-  const T* give;            ///< displacement after the sample
-  const T* free_give;       ///< free increment after the sample
-  T free_admittance;        ///< sum of shape times free_give
-  const T* knots;           ///< of the felt, 1 to N, padded to whole blocks with what nothing reaches
-  const T* energies;        ///< there
-  const T* pivots;          ///< the first knot of each block, padded as the knots
-  const T* pivot_energies;  ///< there
-  std::size_t blocks;
+  const T* shape;      ///< at the place of the strike
+  const T* give;       ///< displacement after the sample
+  const T* free_give;  ///< free increment after the sample
+  T free_admittance;   ///< sum of shape times free_give
+  FeltArrays<T> felt;
   T* workspace;  ///< kStruckLines cache lines for each line of modes
 };
 
@@ -52,13 +77,6 @@ struct HammerFlight {
 /// A hammer this far back is caught; only a new throw brings it back.
 template <std::floating_point T>
 inline constexpr T kCaught_m = T(-0.05);
-
-/// Knots a block of StrikeArrays holds.
-inline constexpr std::size_t kKnotsInABlock = 32;
-
-/// Knots further than anything, which fill the last block [m].
-template <std::floating_point T>
-inline constexpr T kOutOfReach_m = T(1e15);
 
 /// Advances the modes by out.size() samples without force, a damper leaving them `share` of their way; writes the
 /// displacement at the pickup after each.

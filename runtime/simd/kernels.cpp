@@ -9,6 +9,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "simd/felt-inl.hpp"
+
 HWY_BEFORE_NAMESPACE();
 namespace contactspline::detail {
 namespace HWY_NAMESPACE {
@@ -31,10 +33,13 @@ HWY_INLINE void move(Vector<T> stiffness, Vector<T> rest, Vector<T> loss, Vector
                      Vector<T>& d) {
   const auto c = kDamped ? hn::Mul(share, d) : d;
   q = hn::Add(q, c);
-  auto pull = hn::Mul(loss, c);
-  if constexpr (kRounds<T>) pull = hn::MulAdd(rest, q, pull);
-  pull = hn::MulAdd(stiffness, q, pull);
-  d = kDamped ? hn::Add(hn::Sub(c, d), hn::Sub(c, pull)) : hn::Sub(c, pull);
+  if constexpr (kRounds<T>) {
+    const auto pull = hn::MulAdd(stiffness, q, hn::MulAdd(rest, q, hn::Mul(loss, c)));
+    d = kDamped ? hn::Add(hn::Sub(c, d), hn::Sub(c, pull)) : hn::Sub(c, pull);
+  } else {
+    const auto kept = hn::NegMulAdd(stiffness, q, hn::NegMulAdd(loss, c, c));
+    d = kDamped ? hn::Add(hn::Sub(c, d), kept) : kept;
+  }
 }
 
 constexpr std::size_t kBlock = 64;  // samples
@@ -109,55 +114,6 @@ HWY_INLINE void play_free_at(const ModalArrays<T>& string, T share, const T* pic
   else
     play_free_of<true>(string, share, pickup, out);
 }
-
-/// Of whole vectors of knots, how many the root of a crossing lies above: those where the way u to the knot and g = u
-/// h(u) have different signs (docs/contact-step.md), whatever the direction. g is written so that little is left to
-/// do once the free increment is known; rounding may only exchange segments beside a knot that the root lies on.
-template <typename T>
-HWY_INLINE std::size_t passed(const Crossing<T, std::dynamic_extent>& crossing, const T* knots, const T* energies,
-                              std::size_t count) {
-  const Tag<T> tag;
-  const auto y0 = hn::Set(tag, crossing.y0);
-  const auto xf = hn::Set(tag, crossing.xf);
-  const auto xi = hn::Set(tag, crossing.xi);
-  const auto energy = hn::Set(tag, crossing.table[crossing.start].energy_at(crossing.y0));
-  const auto zero = hn::Zero(tag);
-  std::size_t below = 0;
-  for (std::size_t k = 0; k < count; k += hn::Lanes(tag)) {
-    const auto way = hn::Sub(hn::Load(tag, knots + k), y0);
-    const auto gain = hn::Sub(hn::Load(tag, energies + k), energy);
-    const auto g = hn::NegMulAdd(way, xf, hn::MulAdd(xi, gain, hn::Mul(way, way)));
-    below += hn::CountTrue(tag, hn::Xor(hn::Lt(g, zero), hn::Lt(way, zero)));
-  }
-  return below;
-}
-
-/// As PlainMachine, without a branch that depends on the data: the landing is searched in two levels of whole
-/// vectors.
-template <typename T>
-struct VectorMachine {
-  const StrikeArrays<T>& felt;
-
-  HWY_ATTR T choose(T test, T if_at_most_0, T otherwise) const {
-    const hn::CappedTag<T, 1> tag;
-    const auto is_at_most_0 = hn::Le(hn::Set(tag, test), hn::Zero(tag));
-    return hn::GetLane(hn::IfThenElse(is_at_most_0, hn::Set(tag, if_at_most_0), hn::Set(tag, otherwise)));
-  }
-
-  // One step more of rounding, but what is divided by is known early.
-  HWY_ATTR T quotient(T dividend, T divisor) const { return dividend * (1 / divisor); }
-
-  HWY_ATTR std::size_t knots_below_root(const Crossing<T, std::dynamic_extent>& crossing) const {
-    std::size_t block = 0;
-    if (felt.blocks > 1) {
-      const std::size_t pivots = (felt.blocks + kKnotsInABlock - 1) / kKnotsInABlock * kKnotsInABlock;
-      const std::size_t below = passed(crossing, felt.pivots, felt.pivot_energies, pivots);
-      block = below - (below > 0);
-    }
-    const std::size_t at = block * kKnotsInABlock;
-    return at + passed(crossing, felt.knots + at, felt.energies + at, kKnotsInABlock);
-  }
-};
 
 /// The modes of a struck string: what a pass reads and writes of as many modes as fill a cache line lies side by
 /// side. So no store lies at the same place of a page as a later load, and one stream of memory is read.
@@ -259,39 +215,55 @@ class StruckModes {
 /// The contact waits for a sum over the modes, which wait for its last force. But both are affine in that force: so
 /// the sum is made one sample ahead without it, and what it adds is one product. Contact and modes then go on beside
 /// each other in the machine.
-template <bool kDamped, typename T>
+template <bool kDamped, bool kLossy, typename T>
 HWY_INLINE std::size_t play_struck_of(const ModalArrays<T>& string, const StrikeArrays<T>& strike,
-                                      SegmentTable<T> felt, T dt, T share, T string_admittance,
+                                      SegmentTable<T> table, T dt, T share, T string_admittance,
                                       HammerFlight<T>& hammer, const T* pickup, std::span<T> out, T* force) {
   StruckModes<T> modes(string, strike, pickup);
   const T coming = modes.coming();
   const T pickup_admittance = modes.pickup_admittance();
   const T give = dt / hammer.mass_kg;
   const T admittance = dt * give / 2 + share * string_admittance;
-  const StrikeArrays<T> place = strike;  // a copy, which no store below can change
-  const VectorMachine<T> machine{place};
-  HammerFlight<T> flight = hammer;
-  const T yields = dt * give + share * share * place.free_admittance;
-  T before = dt * flight.velocity_m_per_s - share * coming;  // free increment but for the last force
-  flight.force_n = 0;                                        // what was before is in the velocity and the modes
+  const T ratio = hammer.felt.stiffness_ratio, loss = hammer.felt.loss_s_per_m;
+  const T yields = dt * give + share * share * strike.free_admittance;
+  if constexpr (!kLossy) Felt<T>::prepare(strike.felt, ratio * admittance);
+  Felt<T> felt(strike.felt, hammer.compression_m, hammer.segment);
+  T velocity = hammer.velocity_m_per_s;
+  T before = dt * velocity - share * coming;  // free increment but for the last force
+  T last = 0;                                 // force of the last sample; what was before is in velocity and modes
   T push = 0;  // the last force that the modes have not yet felt, after the damper's share
+  T drop = 0;  // of the free increment, by the last force
   std::size_t n = 0;
-  for (; n < out.size() && flight.compression_m > kCaught_m<T>; ++n) {
-    const T free_increment = before - yields * flight.force_n;
-    const auto step =
-        contact_step(felt, flight.felt, dt, Approach<T>{flight.compression_m, free_increment, admittance},
-                     flight.segment, machine);
+  for (; n < out.size() && felt.compression() > kCaught_m<T>; ++n) {
+    const T free_increment = before - drop;
+    if constexpr (kLossy) {
+      const T y0 = felt.compression();
+      const T resistance = loss * ratio / dt * felt.force();  // [N/m]
+      const T inverse = 1 / (1 + admittance * resistance);
+      const T elastic = felt.template press<true>(inverse * free_increment, inverse * ratio * admittance);
+      last = inverse * (ratio * elastic + resistance * free_increment);
+      if (last < 0) {
+        const T y = y0 + free_increment;
+        felt.put(y, segment_index(table, y));
+        last = 0;
+      }
+      drop = yields * last;
+    } else {
+      const T elastic = felt.template press<false>(free_increment, ratio * admittance);
+      drop = yields * ratio * elastic;
+      last = std::max(T(0), ratio * elastic);
+    }
     const auto sums = modes.template pass<kDamped>(share, push);
-    push = share * step.force;
+    push = share * last;
     out[n] = sums.heard + pickup_admittance * push;
-    before = dt * flight.velocity_m_per_s - share * sums.coming;
-    flight.velocity_m_per_s -= give * step.force;
-    flight.force_n = step.force;
-    if (force != nullptr) force[n] = step.force;
-    flight.compression_m = step.compression;
-    flight.segment = step.segment;
+    before = dt * velocity - share * sums.coming;
+    velocity -= give * last;
+    if (force != nullptr) force[n] = last;
   }
-  hammer = flight;
+  hammer.compression_m = felt.compression();
+  hammer.segment = felt.segment();
+  hammer.velocity_m_per_s = velocity;
+  hammer.force_n = last;
   modes.give_back(push);
   return n;
 }
@@ -300,9 +272,14 @@ template <typename T>
 HWY_INLINE std::size_t play_struck_at(const ModalArrays<T>& string, const StrikeArrays<T>& strike,
                                       SegmentTable<T> felt, T dt, T share, T string_admittance,
                                       HammerFlight<T>& hammer, const T* pickup, std::span<T> out, T* force) {
-  return share == 1
-             ? play_struck_of<false>(string, strike, felt, dt, share, string_admittance, hammer, pickup, out, force)
-             : play_struck_of<true>(string, strike, felt, dt, share, string_admittance, hammer, pickup, out, force);
+  const auto play = [&](auto damped, auto lossy) {
+    return play_struck_of<damped, lossy>(string, strike, felt, dt, share, string_admittance, hammer, pickup, out,
+                                         force);
+  };
+  using Yes = std::true_type;
+  using No = std::false_type;
+  if (hammer.felt.loss_s_per_m == 0) return share == 1 ? play(No(), No()) : play(Yes(), No());
+  return share == 1 ? play(No(), Yes()) : play(Yes(), Yes());
 }
 
 void PlayFreeFloat(const ModalArrays<float>& string, float share, const float* pickup, std::span<float> out) {

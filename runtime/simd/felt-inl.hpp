@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: MIT
+// The felt of a hammer in vectors: one sample of a contact for each instruction set (docs/kernels.md).
+#if defined(CONTACTSPLINE_FELT_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef CONTACTSPLINE_FELT_INL
+#undef CONTACTSPLINE_FELT_INL
+#else
+#define CONTACTSPLINE_FELT_INL
+#endif
+
+#include <hwy/highway.h>
+
+#include "contactspline/kernels.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace contactspline::detail {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// A felt under load. Where it stands is kept as the way beyond a knot at one end of its segment, the origin of all
+/// ways below.
+template <typename T>
+class Felt {
+ public:
+  HWY_INLINE Felt(const FeltArrays<T>& arrays, T compression, std::size_t segment) : felt_(arrays) {
+    put(compression, segment);
+  }
+
+  /// Makes ready for an admittance.
+  static HWY_INLINE void prepare(const FeltArrays<T>& felt, T xi) {
+    if (*felt.admittance == xi) return;
+    *felt.admittance = xi;
+    for (std::size_t k = 0; k <= felt.segments; ++k) {
+      const T stiffness = xi * felt.half_curvatures[k];
+      felt.gives[k] = xi * felt.forces[k];
+      felt.stiffnesses[k] = 2 * stiffness;
+      felt.yields[k] = T(0.5) / (xi * (1 + stiffness));
+    }
+  }
+
+  [[nodiscard]] HWY_INLINE T compression() const { return felt_.knots[entry_] + beyond_; }
+  [[nodiscard]] HWY_INLINE std::size_t segment() const { return static_cast<std::size_t>(segment_); }
+  /// Elastic force at this compression [N].
+  [[nodiscard]] HWY_INLINE T force() const {
+    return felt_.forces[entry_] + 2 * felt_.half_curvatures[segment_] * beyond_;
+  }
+
+  /// Moves to a compression [m] in a segment.
+  HWY_INLINE void put(T compression, std::size_t segment) {
+    segment_ = static_cast<Knot>(segment);
+    entry_ = std::max<Knot>(segment_, 1);
+    beyond_ = compression - felt_.knots[entry_];
+  }
+
+  /// contact_step without loss, its force [N] rounded to either side of 0: moves by x = xf - xi f. kVaries: is the
+  /// admittance xi another one than at prepare()?
+  template <bool kVaries>
+  HWY_INLINE T press(T xf, T xi) {
+    Steps steps;
+    const Knot below = look_around<kVaries>(xf, xi, steps);
+    Knot moved = below - kFar;
+    const T root = hn::GetLane(hn::Sqrt(hn::Set(One(), steps.square[below])));
+    T force = steps.rational[below] + kSigns[below] * yield<kVaries>(segment_ + moved, xi) * root;
+    if (HWY_UNLIKELY((below == 0) | (below == 2 * kFar))) {
+      moved = search(below > 0, xf, xi) - segment_;
+      force = far_force(moved, xf, xi);
+    }
+    segment_ += moved;
+    const Knot entry = segment_ + ((moved < 0) | (segment_ == 0));
+    beyond_ = (beyond_ - (felt_.knots[entry] - felt_.knots[entry_])) + xf - xi * force;
+    entry_ = entry;
+    return force;
+  }
+
+ private:
+  using Knot = std::ptrdiff_t;  // numbered as in FeltArrays
+  using One = hn::CappedTag<T, 1>;
+  static constexpr std::size_t kReach = kKnotsInReach;
+  static constexpr Knot kFar = kReach;
+
+  /// Forces by the number of knots around that the root lies above: rational + sign yield sqrt(square).
+  struct Steps {
+    HWY_ALIGN T square[2 * kReach + 1];
+    HWY_ALIGN T rational[2 * kReach + 1];
+  };
+  /// 1 downwards, -1 upwards, 0 within the segment.
+  static constexpr T kSigns[2 * kReach + 1] = {1, 1, 1, 1, 1, 1, 1, 1, 0, -1, -1, -1, -1, -1, -1, -1, -1};
+
+  /// Stores what `at` knots and more lie below of, leaving the place in the middle free.
+  template <typename Lanes, typename D>
+  static HWY_INLINE void store(Lanes values, D tag, std::size_t at, T* to) {
+    hn::StoreU(values, tag, to + at + (at + hn::Lanes(tag) > kReach));
+    if constexpr (hn::MaxLanes(tag) > kReach) {
+      const hn::Half<D> half;
+      hn::StoreU(hn::LowerHalf(half, values), half, to);
+    }
+  }
+
+  /// 1/(2 xi (1 + xi c)) in a segment [N/m].
+  template <bool kVaries>
+  [[nodiscard]] HWY_INLINE T yield(Knot segment, T xi) const {
+    return kVaries ? T(0.5) / (xi * (1 + xi * felt_.half_curvatures[segment])) : felt_.yields[segment];
+  }
+
+  /// Of the kReach knots below and as many above, how many the root lies above, and the force of each such number.
+  /// The two nearest are judged by h, the others by g = u h (docs/contact-step.md).
+  template <bool kVaries>
+  HWY_INLINE Knot look_around(T xf, T xi, Steps& steps) const {
+    const hn::CappedTag<T, 2 * kReach> tag;
+    const std::size_t lanes = hn::Lanes(tag);
+    const T c = felt_.half_curvatures[segment_], force_here = felt_.forces[entry_];
+    const T give_way_here = xi * force_here;
+    const T yielding = xf + beyond_ * (1 - xi * c);
+    const T minus_here = beyond_ * (give_way_here - yielding);  // g less that of a start at the origin
+    const auto origin = hn::Set(tag, felt_.knots[entry_]), energy = hn::Set(tag, felt_.energies[entry_]);
+    const auto origin_gives = hn::Set(tag, give_way_here), xis = hn::Set(tag, xi);
+    const auto half = hn::Set(tag, T(0.5)), two = hn::Set(tag, T(2)), four = hn::Set(tag, T(4));
+    const auto twice = hn::Set(tag, 2 * beyond_ + xf), free = hn::Set(tag, beyond_ + xf), xfs = hn::Set(tag, xf);
+    const auto minus_heres = hn::Set(tag, minus_here), yieldings = hn::Set(tag, yielding);
+    std::size_t count = 0;
+    for (std::size_t v = 0; v < 2 * kReach; v += lanes) {
+      const Knot at = segment_ - kFar + 1 + static_cast<Knot>(v);
+      const auto first = [&](std::size_t n) HWY_ATTR { return hn::FirstN(tag, n > v ? n - v : 0); };
+      const auto of_landing = [&](const T* column) HWY_ATTR {
+        if (v + lanes <= kReach) return hn::LoadU(tag, column + at - 1);
+        if (v >= kReach) return hn::LoadU(tag, column + at);
+        return hn::IfThenElse(first(kReach), hn::LoadU(tag, column + at - 1), hn::LoadU(tag, column + at));
+      };
+      const auto gives = kVaries ? hn::Mul(xis, hn::LoadU(tag, felt_.forces + at)) : hn::LoadU(tag, felt_.gives + at);
+      const auto stiffness =
+          kVaries ? hn::Mul(hn::Add(xis, xis), of_landing(felt_.half_curvatures)) : of_landing(felt_.stiffnesses);
+      const auto four_a = hn::MulAdd(two, stiffness, four);
+      const auto yields = kVaries ? hn::Div(two, hn::Mul(xis, four_a)) : of_landing(felt_.yields);
+      const auto way = hn::Sub(hn::LoadU(tag, felt_.knots + at), origin);
+      const auto gain = hn::Sub(hn::LoadU(tag, felt_.energies + at), energy);
+      const auto g = hn::NegMulAdd(way, twice, hn::MulAdd(way, way, hn::Mul(xis, gain)));
+      auto left = g, right = minus_heres;
+      if (v <= kReach && v + lanes >= kReach) {
+        const auto nearest = hn::AndNot(first(kReach - 1), first(kReach + 1));
+        left = hn::IfThenElse(nearest, hn::MulAdd(half, hn::Add(origin_gives, gives), way), left);
+        right = hn::IfThenElse(nearest, yieldings, right);
+      }
+      count += hn::CountTrue(tag, hn::Xor(first(kReach - 1), hn::Lt(left, right)));
+
+      const auto b = hn::Sub(hn::MulAdd(two, way, gives), twice);
+      store(hn::Abs(hn::NegMulAdd(four_a, hn::Sub(g, minus_heres), hn::Mul(b, b))), tag, v, steps.square);
+      const auto b_force = hn::MulAdd(stiffness, free, hn::Add(hn::NegMulAdd(stiffness, way, gives), xfs));
+      store(hn::Mul(yields, b_force), tag, v, steps.rational);
+    }
+    // Within the segment: the mean of the forces before and after.
+    const T after = (yielding - give_way_here) * (2 * xi * yield<kVaries>(segment_, xi));
+    steps.square[kReach] = 0;
+    steps.rational[kReach] = force_here + c * (beyond_ + after);
+    return static_cast<Knot>(count);
+  }
+
+  /// The force of one landing anywhere.
+  HWY_INLINE T far_force(Knot moved, T xf, T xi) const {
+    const Knot landing = segment_ + moved, entry = landing + (moved < 0);
+    const T way = felt_.knots[entry] - felt_.knots[entry_], entry_force = felt_.forces[entry];
+    const T c = felt_.half_curvatures[landing], a = 1 + xi * c;
+    const T twice = 2 * beyond_ + xf, free = (beyond_ - way) + xf;
+    const T here = beyond_ * (xf + beyond_ - xi * (felt_.forces[entry_] + beyond_ * felt_.half_curvatures[segment_]));
+    const T b = 2 * way + xi * entry_force - twice;
+    const T g = way * way + xi * (felt_.energies[entry] - felt_.energies[entry_]) - way * twice + here;
+    const T root = std::sqrt(std::abs(b * b - 4 * a * g));
+    const T b_force = (xf + xi * entry_force) + 2 * xi * c * free;
+    return (moved > 0 ? b_force - root : b_force + root) / (2 * xi * a);
+  }
+
+  /// A step that leaves the segment, and how it is judged which knots lie between.
+  struct Leaving {
+    T sign;     // 1 upwards, -1 downwards
+    T nearest;  // knot that is passed for certain
+    T y, xf, xi;
+    T scaled_energy;  // xi times the energy at y
+  };
+
+  /// Of whole vectors of knots, how many the root lies above: upwards those up to the nearest and those further where
+  /// g = u h(u) < 0; downwards those where neither this nor its mirror image holds.
+  static HWY_INLINE Knot below_root(const T* knots, const T* energies, std::size_t count, const Leaving& leaving) {
+    const hn::ScalableTag<T> tag;
+    const auto sign = hn::Set(tag, leaving.sign), nearest = hn::Set(tag, leaving.sign * leaving.nearest);
+    const auto y = hn::Set(tag, leaving.y), xf = hn::Set(tag, leaving.xf), xi = hn::Set(tag, leaving.xi);
+    const auto scaled_energy = hn::Set(tag, leaving.scaled_energy);
+    std::size_t found = 0;
+    for (std::size_t k = 0; k < count; k += hn::Lanes(tag)) {
+      const auto knot = hn::Load(tag, knots + k);
+      const auto way = hn::Sub(knot, y);
+      const auto g = hn::NegMulAdd(way, xf, hn::MulAdd(way, way, hn::Mul(xi, hn::Load(tag, energies + k))));
+      found += hn::CountTrue(tag, hn::Or(hn::Lt(g, scaled_energy), hn::Le(hn::Mul(sign, knot), nearest)));
+    }
+    return static_cast<Knot>(leaving.sign > 0 ? found : count - found);
+  }
+
+  /// The segment of the root among all: two levels of whole vectors.
+  HWY_INLINE Knot search(bool up, T xf, T xi) const {
+    const T energy =
+        felt_.energies[entry_] + beyond_ * (felt_.forces[entry_] + beyond_ * felt_.half_curvatures[segment_]);
+    const Leaving leaving{T(2 * up - 1), felt_.knots[segment_ + up], compression(), xf, xi, xi * energy};
+    Knot at = 0;
+    if (felt_.blocks > 1) {
+      constexpr Knot kBlock = kKnotsInABlock;
+      const std::size_t pivots = (felt_.blocks + kKnotsInABlock - 1) / kKnotsInABlock * kKnotsInABlock;
+      at = kBlock * std::max<Knot>(below_root(felt_.pivots, felt_.pivot_energies, pivots, leaving) - 1, 0);
+    }
+    const Knot found = at + below_root(felt_.knots + 1 + at, felt_.energies + 1 + at, kKnotsInABlock, leaving);
+    return up ? std::clamp<Knot>(found, segment_ + 1, static_cast<Knot>(felt_.segments))
+              : std::clamp<Knot>(found, 0, segment_ - 1);
+  }
+
+  const FeltArrays<T> felt_;  // a copy, which no store can change
+  Knot segment_;
+  Knot entry_;  // the knot at an end of the segment
+  T beyond_;    // [m]
+};
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace contactspline::detail
+HWY_AFTER_NAMESPACE();
+
+#endif
