@@ -82,22 +82,27 @@ template <std::floating_point T>
 class StrikeTables {
  public:
   StrikeTables(SegmentTable<T> felt, std::size_t modes)
-      : felt_(felt), give_(modes), free_give_(modes), workspace_(kStruckLines * (modes + ModalArray<T>::kLine)) {}
+      : felt_(felt),
+        give_(modes),
+        free_give_(modes),
+        swing_(modes),
+        workspace_(kStruckLines * (modes + ModalArray<T>::kLine)) {}
 
   /// For the next throw, at a place of these shapes.
   void strike_at(const ModalBank<T>& string, const ModeShapes<T>& shapes) {
-    string.respond(shapes, give_, free_give_);
+    string.respond(shapes, give_, free_give_, swing_);
     free_admittance_ = 0;
     for (std::size_t i = 0; i < shapes.size(); ++i) free_admittance_ += shapes[i] * free_give_[i];
   }
 
   [[nodiscard]] StrikeArrays<T> arrays(const ModeShapes<T>& shapes) {
-    return {shapes.data(), give_.data(), free_give_.data(), free_admittance_, felt_.arrays(), workspace_.data()};
+    return {shapes.data(), give_.data(),   free_give_.data(), free_admittance_,
+            swing_.data(), felt_.arrays(), workspace_.data()};
   }
 
  private:
   FeltTables<T> felt_;
-  ModalArray<T> give_, free_give_;
+  ModalArray<T> give_, free_give_, swing_;
   ModalArray<T> workspace_;
   T free_admittance_ = 0;
 };

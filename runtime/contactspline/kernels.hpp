@@ -56,6 +56,7 @@ struct StrikeArrays {
   const T* give;       ///< displacement after the sample
   const T* free_give;  ///< free increment after the sample
   T free_admittance;   ///< sum of shape times free_give
+  const T* swing;      ///< shape/sqrt(stiffness - (loss + stiffness)^2 / 4)
   FeltArrays<T> felt;
   T* workspace;  ///< kStruckLines cache lines for each line of modes
 };

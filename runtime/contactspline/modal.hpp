@@ -229,12 +229,15 @@ class ModalBank {
     return energy;
   }
 
-  /// How a force at a place, per newton, changes each mode's displacement and free increment at the end of a sample.
-  void respond(const ModeShapes<T>& at, detail::ModalArray<T>& displacement,
-               detail::ModalArray<T>& free_increment) const {
+  /// How a force at a place, per newton, changes each mode's displacement and free increment at the end of a sample;
+  /// and how far, per metre of the latter, a mode at rest then swings there.
+  void respond(const ModeShapes<T>& at, detail::ModalArray<T>& displacement, detail::ModalArray<T>& free_increment,
+               detail::ModalArray<T>& swing) const {
     for (std::size_t i = 0; i < size(); ++i) {
       displacement[i] = give_[i] * at[i];
       free_increment[i] = displacement[i] * (2 - loss_[i] - stiffness_[i]);
+      const T pull = (loss_[i] + stiffness_[i]) / 2;
+      swing[i] = at[i] / std::sqrt(std::max(stiffness_[i] - pull * pull, std::numeric_limits<T>::min()));
     }
   }
 

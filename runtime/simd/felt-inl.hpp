@@ -57,6 +57,10 @@ class Felt {
   /// admittance xi another one than at prepare()?
   template <bool kVaries>
   HWY_INLINE T press(T xf, T xi) {
+    if (segment_ == 0 && beyond_ + xf < 0) {  // apart, as for most of the time
+      beyond_ += xf;
+      return 0;
+    }
     Steps steps;
     const Knot below = look_around<kVaries>(xf, xi, steps);
     Knot moved = below - kFar;
@@ -64,7 +68,7 @@ class Felt {
     T force = steps.rational[below] + kSigns[below] * yield<kVaries>(segment_ + moved, xi) * root;
     if (HWY_UNLIKELY((below == 0) | (below == 2 * kFar))) {
       moved = search(below > 0, xf, xi) - segment_;
-      force = far_force(moved, xf, xi);
+      force = far_force<kVaries>(moved, xf, xi);
     }
     segment_ += moved;
     const Knot entry = segment_ + ((moved < 0) | (segment_ == 0));
@@ -156,6 +160,7 @@ class Felt {
   }
 
   /// The force of one landing anywhere.
+  template <bool kVaries>
   HWY_INLINE T far_force(Knot moved, T xf, T xi) const {
     const Knot landing = segment_ + moved, entry = landing + (moved < 0);
     const T way = felt_.knots[entry] - felt_.knots[entry_], entry_force = felt_.forces[entry];
@@ -166,7 +171,7 @@ class Felt {
     const T g = way * way + xi * (felt_.energies[entry] - felt_.energies[entry_]) - way * twice + here;
     const T root = std::sqrt(std::abs(b * b - 4 * a * g));
     const T b_force = (xf + xi * entry_force) + 2 * xi * c * free;
-    return (moved > 0 ? b_force - root : b_force + root) / (2 * xi * a);
+    return yield<kVaries>(landing, xi) * (b_force + (moved > 0 ? -root : root));
   }
 
   /// A step that leaves the segment, and how it is judged which knots lie between.

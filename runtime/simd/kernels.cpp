@@ -212,74 +212,230 @@ class StruckModes {
   T* modes_;
 };
 
+/// The modes of a struck string where they lie, for a sample or two: what StruckModes takes over and gives back is
+/// then not worth its while.
+template <typename T>
+class ModesInPlace {
+ public:
+  HWY_ATTR ModesInPlace(const ModalArrays<T>& string, const StrikeArrays<T>& strike, const T* pickup)
+      : string_(string), strike_(strike), pickup_(pickup) {}
+
+  /// Sum of the strike's shape times free increment.
+  [[nodiscard]] HWY_INLINE T coming() const { return inner_product(strike_.shape, string_.free_increment); }
+  /// Sum of the strike's shape times displacement.
+  [[nodiscard]] HWY_INLINE T place() const { return inner_product(strike_.shape, string_.displacement); }
+
+  /// The furthest that the place of the strike can ever be without a force, whatever the phases of the modes: their
+  /// amplitudes are sqrt(q^2 + p^2), p being (d + (loss + stiffness) q / 2) / sqrt(stiffness - (loss + stiffness)^2 /
+  /// 4).
+  [[nodiscard]] HWY_INLINE T reach() const {
+    const Tag<T> tag;
+    const auto half = hn::Set(tag, T(0.5));
+    auto sum = hn::Zero(tag);
+    for (std::size_t at = 0; at < string_.modes; at += hn::Lanes(tag)) {
+      const auto q = hn::Load(tag, string_.displacement + at), d = hn::Load(tag, string_.free_increment + at);
+      const auto pull =
+          hn::Mul(half, hn::Add(hn::Load(tag, string_.loss + at), hn::Load(tag, string_.stiffness + at)));
+      const auto a = hn::Mul(hn::Load(tag, strike_.shape + at), q);
+      const auto b = hn::Mul(hn::Load(tag, strike_.swing + at), hn::MulAdd(pull, q, d));
+      // sqrt(a^2 + b^2) is at most max + (sqrt(2) - 1) min
+      const auto large = hn::Max(hn::Abs(a), hn::Abs(b)), small = hn::Min(hn::Abs(a), hn::Abs(b));
+      sum = hn::Add(sum, hn::MulAdd(hn::Set(tag, T(0.4143)), small, large));
+    }
+    return T(1.001) * hn::GetLane(hn::SumOfLanes(tag, sum));
+  }
+
+  /// One sample under a force times the damper's share; gives the sum of the pickup's shape times displacement.
+  template <bool kDamped>
+  HWY_INLINE T advance(T share, T push) {
+    const Tag<T> tag;
+    const auto shares = hn::Set(tag, share), pushes = hn::Set(tag, push);
+    auto heard = hn::Zero(tag);
+    for (std::size_t at = 0; at < string_.modes; at += hn::Lanes(tag)) {
+      auto q = hn::Load(tag, string_.displacement + at), d = hn::Load(tag, string_.free_increment + at);
+      const auto rest = kRounds<T> ? hn::Load(tag, string_.stiffness_rest + at) : hn::Zero(tag);
+      move<kDamped, T>(hn::Load(tag, string_.stiffness + at), rest, hn::Load(tag, string_.loss + at), shares, q, d);
+      q = hn::MulAdd(hn::Load(tag, strike_.give + at), pushes, q);
+      d = hn::MulAdd(hn::Load(tag, strike_.free_give + at), pushes, d);
+      hn::Store(q, tag, string_.displacement + at);
+      hn::Store(d, tag, string_.free_increment + at);
+      heard = hn::MulAdd(hn::Load(tag, pickup_ + at), q, heard);
+    }
+    return hn::GetLane(hn::SumOfLanes(tag, heard));
+  }
+
+ private:
+  [[nodiscard]] HWY_INLINE T inner_product(const T* a, const T* b) const {
+    const Tag<T> tag;
+    auto sum = hn::Zero(tag);
+    for (std::size_t at = 0; at < string_.modes; at += hn::Lanes(tag))
+      sum = hn::MulAdd(hn::Load(tag, a + at), hn::Load(tag, b + at), sum);
+    return hn::GetLane(hn::SumOfLanes(tag, sum));
+  }
+
+  ModalArrays<T> string_;
+  StrikeArrays<T> strike_;
+  const T* pickup_;
+};
+
+/// What a hammer and a string on its way over a block of samples are told by.
+template <typename T>
+struct Strike {
+  const ModalArrays<T>& string;
+  const StrikeArrays<T>& arrays;
+  SegmentTable<T> felt;
+  T dt, share, string_admittance;
+  const T* pickup;
+};
+
+/// A hammer in flight, taken over for some samples; land() returns it.
+template <bool kLossy, typename T>
+class Flight {
+ public:
+  HWY_INLINE Flight(const Strike<T>& strike, const HammerFlight<T>& hammer)
+      : table_(strike.felt),
+        felt_(strike.arrays.felt, hammer.compression_m, hammer.segment),
+        dt_(strike.dt),
+        give_(strike.dt / hammer.mass_kg),
+        admittance_(strike.dt * give_ / 2 + strike.share * strike.string_admittance),
+        ratio_(hammer.felt.stiffness_ratio),
+        loss_(hammer.felt.loss_s_per_m * ratio_ / strike.dt),
+        velocity_(hammer.velocity_m_per_s) {
+    if constexpr (!kLossy) Felt<T>::prepare(strike.arrays.felt, ratio_ * admittance_);
+  }
+
+  [[nodiscard]] HWY_INLINE T compression() const { return felt_.compression(); }
+  /// Of the hammer over the coming sample without force [m].
+  [[nodiscard]] HWY_INLINE T way() const { return dt_ * velocity_; }
+  /// What a force takes from a free increment by the hammer's giving way in the sample before [m/N].
+  [[nodiscard]] HWY_INLINE T give_way() const { return dt_ * give_; }
+
+  /// One sample of the contact; gives the force [N], rounded to either side of 0.
+  HWY_INLINE T meet(T free_increment) {
+    force_ = kLossy ? with_loss(free_increment)
+                    : ratio_ * felt_.template press<false>(free_increment, ratio_ * admittance_);
+    velocity_ -= give_ * force_;
+    return force_;
+  }
+
+  HWY_INLINE void land(HammerFlight<T>& hammer) const {
+    hammer.compression_m = felt_.compression();
+    hammer.segment = felt_.segment();
+    hammer.velocity_m_per_s = velocity_;
+    hammer.force_n = std::max(T(0), force_);
+  }
+
+ private:
+  HWY_INLINE T with_loss(T free_increment) {
+    const T y0 = felt_.compression();
+    const T resistance = loss_ * felt_.force();  // [N/m]
+    const T inverse = 1 / (1 + admittance_ * resistance);
+    const T elastic = felt_.template press<true>(inverse * free_increment, inverse * ratio_ * admittance_);
+    const T force = inverse * (ratio_ * elastic + resistance * free_increment);
+    if (force >= 0) return force;
+    const T y = y0 + free_increment;
+    felt_.put(y, segment_index(table_, y));
+    return 0;
+  }
+
+  SegmentTable<T> table_;
+  Felt<T> felt_;
+  T dt_, give_, admittance_;
+  T ratio_, loss_;
+  T velocity_;
+  T force_ = 0;
+};
+
+/// Samples after which it is looked whether a hammer that is apart is out of the string's reach.
+constexpr std::size_t kLook = 64;
+/// So many samples out of reach are worth the passes over the modes that tell of them.
+constexpr std::size_t kWorthIt = 16;
+/// Up to so many samples are played on the modes where they lie.
+constexpr std::size_t kFew = 2;
+
 /// The contact waits for a sum over the modes, which wait for its last force. But both are affine in that force: so
 /// the sum is made one sample ahead without it, and what it adds is one product. Contact and modes then go on beside
-/// each other in the machine.
+/// each other in the machine. Returns the samples played: fewer where the hammer is caught or, after some, apart.
 template <bool kDamped, bool kLossy, typename T>
-HWY_INLINE std::size_t play_struck_of(const ModalArrays<T>& string, const StrikeArrays<T>& strike,
-                                      SegmentTable<T> table, T dt, T share, T string_admittance,
-                                      HammerFlight<T>& hammer, const T* pickup, std::span<T> out, T* force) {
-  StruckModes<T> modes(string, strike, pickup);
-  const T coming = modes.coming();
+HWY_INLINE std::size_t play_struck_of(const Strike<T>& strike, HammerFlight<T>& hammer, std::span<T> out, T* force) {
+  const T share = strike.share;
+  StruckModes<T> modes(strike.string, strike.arrays, strike.pickup);
   const T pickup_admittance = modes.pickup_admittance();
-  const T give = dt / hammer.mass_kg;
-  const T admittance = dt * give / 2 + share * string_admittance;
-  const T ratio = hammer.felt.stiffness_ratio, loss = hammer.felt.loss_s_per_m;
-  const T yields = dt * give + share * share * strike.free_admittance;
-  if constexpr (!kLossy) Felt<T>::prepare(strike.felt, ratio * admittance);
-  Felt<T> felt(strike.felt, hammer.compression_m, hammer.segment);
-  T velocity = hammer.velocity_m_per_s;
-  T before = dt * velocity - share * coming;  // free increment but for the last force
-  T last = 0;                                 // force of the last sample; what was before is in velocity and modes
-  T push = 0;  // the last force that the modes have not yet felt, after the damper's share
-  T drop = 0;  // of the free increment, by the last force
+  Flight<kLossy, T> flight(strike, hammer);
+  const T yields = flight.give_way() + share * share * strike.arrays.free_admittance;
+  T before = flight.way() - share * modes.coming();  // free increment but for the last force
+  T last = 0;  // force of the last sample, which the modes have not yet felt; earlier ones are in velocity and modes
   std::size_t n = 0;
-  for (; n < out.size() && felt.compression() > kCaught_m<T>; ++n) {
-    const T free_increment = before - drop;
-    if constexpr (kLossy) {
-      const T y0 = felt.compression();
-      const T resistance = loss * ratio / dt * felt.force();  // [N/m]
-      const T inverse = 1 / (1 + admittance * resistance);
-      const T elastic = felt.template press<true>(inverse * free_increment, inverse * ratio * admittance);
-      last = inverse * (ratio * elastic + resistance * free_increment);
-      if (last < 0) {
-        const T y = y0 + free_increment;
-        felt.put(y, segment_index(table, y));
-        last = 0;
-      }
-      drop = yields * last;
-    } else {
-      const T elastic = felt.template press<false>(free_increment, ratio * admittance);
-      drop = yields * ratio * elastic;
-      last = std::max(T(0), ratio * elastic);
-    }
-    const auto sums = modes.template pass<kDamped>(share, push);
-    push = share * last;
-    out[n] = sums.heard + pickup_admittance * push;
-    before = dt * velocity - share * sums.coming;
-    velocity -= give * last;
-    if (force != nullptr) force[n] = last;
+  for (; n < out.size() && flight.compression() > kCaught_m<T>; ++n) {
+    if (n % kLook == 0 && n > 0 && flight.compression() < 0) break;
+    const T way = flight.way();
+    const T now = flight.meet(before - yields * last);
+    const auto sums = modes.template pass<kDamped>(share, share * last);
+    out[n] = sums.heard + pickup_admittance * share * now;
+    before = way - share * sums.coming;
+    last = now;
+    if (force != nullptr) force[n] = std::max(T(0), now);
   }
-  hammer.compression_m = felt.compression();
-  hammer.segment = felt.segment();
-  hammer.velocity_m_per_s = velocity;
-  hammer.force_n = last;
-  modes.give_back(push);
+  flight.land(hammer);
+  modes.give_back(share * last);
+  return n;
+}
+
+template <bool kDamped, bool kLossy, typename T>
+HWY_INLINE std::size_t play_few_of(const Strike<T>& strike, HammerFlight<T>& hammer, std::span<T> out, T* force) {
+  ModesInPlace<T> modes(strike.string, strike.arrays, strike.pickup);
+  Flight<kLossy, T> flight(strike, hammer);
+  std::size_t n = 0;
+  for (; n < out.size() && flight.compression() > kCaught_m<T>; ++n) {
+    const T now = flight.meet(flight.way() - strike.share * modes.coming());
+    out[n] = modes.template advance<kDamped>(strike.share, strike.share * now);
+    if (force != nullptr) force[n] = std::max(T(0), now);
+  }
+  flight.land(hammer);
+  return n;
+}
+
+/// A hammer that the string cannot reach for some time: the string is then played alone. Returns the samples played.
+template <typename T>
+HWY_INLINE std::size_t play_apart(const Strike<T>& strike, HammerFlight<T>& hammer, std::span<T> out, T* force) {
+  const ModesInPlace<T> modes(strike.string, strike.arrays, strike.pickup);
+  const T place = modes.place(), way = strike.dt * hammer.velocity_m_per_s;
+  const T gap = -(hammer.compression_m + place) - modes.reach();
+  if (!(gap > kWorthIt * way) || !(gap > 0)) return 0;
+  const std::size_t samples =
+      gap < way * static_cast<T>(out.size()) ? static_cast<std::size_t>(gap / way) : out.size();
+  play_free_at(strike.string, strike.share, strike.pickup, out.first(samples));
+  hammer.compression_m += static_cast<T>(samples) * way - (modes.place() - place);
+  hammer.segment = segment_index(strike.felt, hammer.compression_m);
+  hammer.force_n = 0;
+  if (force != nullptr) std::fill_n(force, samples, T(0));
+  return samples;
+}
+
+template <bool kDamped, bool kLossy, typename T>
+HWY_INLINE std::size_t play_struck_as(const Strike<T>& strike, HammerFlight<T>& hammer, std::span<T> out, T* force) {
+  if (out.size() <= kFew) return play_few_of<kDamped, kLossy>(strike, hammer, out, force);
+  std::size_t n = 0;
+  while (n < out.size() && hammer.compression_m > kCaught_m<T>) {
+    const std::span<T> rest = out.subspan(n);
+    T* const forces = force == nullptr ? nullptr : force + n;
+    std::size_t played = 0;
+    if (!kDamped && rest.size() > kWorthIt && hammer.compression_m < 0)
+      played = play_apart(strike, hammer, rest, forces);
+    if (played == 0) played = play_struck_of<kDamped, kLossy>(strike, hammer, rest, forces);
+    n += played;
+  }
   return n;
 }
 
 template <typename T>
-HWY_INLINE std::size_t play_struck_at(const ModalArrays<T>& string, const StrikeArrays<T>& strike,
-                                      SegmentTable<T> felt, T dt, T share, T string_admittance,
-                                      HammerFlight<T>& hammer, const T* pickup, std::span<T> out, T* force) {
-  const auto play = [&](auto damped, auto lossy) {
-    return play_struck_of<damped, lossy>(string, strike, felt, dt, share, string_admittance, hammer, pickup, out,
-                                         force);
-  };
-  using Yes = std::true_type;
-  using No = std::false_type;
-  if (hammer.felt.loss_s_per_m == 0) return share == 1 ? play(No(), No()) : play(Yes(), No());
-  return share == 1 ? play(No(), Yes()) : play(Yes(), Yes());
+HWY_INLINE std::size_t play_struck_at(const Strike<T>& strike, HammerFlight<T>& hammer, std::span<T> out, T* force) {
+  const bool is_damped = strike.share != 1;
+  if (hammer.felt.loss_s_per_m == 0)
+    return is_damped ? play_struck_as<true, false>(strike, hammer, out, force)
+                     : play_struck_as<false, false>(strike, hammer, out, force);
+  return is_damped ? play_struck_as<true, true>(strike, hammer, out, force)
+                   : play_struck_as<false, true>(strike, hammer, out, force);
 }
 
 void PlayFreeFloat(const ModalArrays<float>& string, float share, const float* pickup, std::span<float> out) {
@@ -292,13 +448,13 @@ HWY_FLATTEN std::size_t PlayStruckFloat(const ModalArrays<float>& string, const 
                                         SegmentTable<float> felt, float dt, float share, float admittance,
                                         HammerFlight<float>& hammer, const float* pickup, std::span<float> out,
                                         float* force) {
-  return play_struck_at(string, strike, felt, dt, share, admittance, hammer, pickup, out, force);
+  return play_struck_at<float>({string, strike, felt, dt, share, admittance, pickup}, hammer, out, force);
 }
 HWY_FLATTEN std::size_t PlayStruckDouble(const ModalArrays<double>& string, const StrikeArrays<double>& strike,
                                          SegmentTable<double> felt, double dt, double share, double admittance,
                                          HammerFlight<double>& hammer, const double* pickup, std::span<double> out,
                                          double* force) {
-  return play_struck_at(string, strike, felt, dt, share, admittance, hammer, pickup, out, force);
+  return play_struck_at<double>({string, strike, felt, dt, share, admittance, pickup}, hammer, out, force);
 }
 
 }  // namespace
