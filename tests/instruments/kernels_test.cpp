@@ -116,6 +116,43 @@ TYPED_TEST(Kernels, PlayWhatThePlainModelPlays) {
   }
 }
 
+// A string that loses nothing, struck a hundred times a second for 10 s: what is in it, in the felt and in the hammer
+// is what the throws brought in. The bound is that of the plain model (hammer_string_test).
+TEST(Kernels, BalanceTheEnergy) {
+  for (const double rate : {22050.0, 44100.0, 192000.0})
+    for (const double ratio : {1.0, 1000.0}) {
+      auto modes = bare(audible_modes(c4()));
+      for (Mode& mode : modes) mode.decay_per_s = 0;
+      const auto table = felt_table(c4(), 32);
+      const ModeShapes<double> shape = shapes<double>(audible_modes(c4()), &ResonatorMode::strike_shape);
+      for (const std::uint32_t target : targets()) {
+        const OnlyTarget only(target);
+        HammerString<double> model(table, modes, shape, rate);
+        const HammerStringControls<double> controls{.hammer_mass_kg = c4().hammer_kg,
+                                                    .felt = {.stiffness_ratio = ratio}};
+        const auto of_hammer = [&] {
+          const double v = model.hammer_velocity();
+          return controls.hammer_mass_kg * v * v / 2 +
+                 ratio * potential(SegmentTable<double>(table), model.compression());
+        };
+        std::vector<double> out(64);
+        double expected = 0, worst = 0;
+        for (std::size_t n = 0; n < static_cast<std::size_t>(10 * rate); n += out.size()) {
+          if (n % (out.size() * static_cast<std::size_t>(rate / 6400)) == 0) {
+            expected -= of_hammer();
+            model.strike(2.5, 1e-4);
+            expected += of_hammer();
+          }
+          model.play(controls, shape, out);
+          const double error = std::abs(model.string().energy() + of_hammer() - expected);
+          worst = std::isfinite(error) ? std::max(worst, error) : std::numeric_limits<double>::infinity();
+        }
+        EXPECT_LT(worst, 1e-12 * expected)
+            << hwy::TargetName(target) << ' ' << rate << " Hz, stiffness times " << ratio;
+      }
+    }
+}
+
 // What has died away must not crawl on in the numbers below the smallest normal one, which are slow.
 TEST(Kernels, LeaveNoDenormalsOfADyingSound) {
   const auto modes = audible_modes(c4());
