@@ -164,9 +164,9 @@ class HammerString {
     const T share = 1 / (1 + controls.damping_per_s * time_step_);
     if (is_flying_) {
       take(controls);
-      const std::size_t samples =
-          detail::play_struck(string_.arrays(), tables_.arrays(strike_), SegmentTable<T>(felt_), time_step_, share,
-                              string_admittance_, hammer_, pickup.data(), out, forces);
+      const detail::Strike<T> strike{
+          string_.arrays(), tables_.arrays(strike_), felt_, time_step_, share, string_admittance_, pickup.data()};
+      const std::size_t samples = detail::play_struck(strike, hammer_, out, forces);
       is_flying_ = hammer_.compression_m > detail::kCaught_m<T>;
       out = out.subspan(samples);
       if (forces != nullptr) forces += samples;

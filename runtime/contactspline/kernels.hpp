@@ -84,13 +84,22 @@ inline constexpr T kCaught_m = T(-0.05);
 void play_free(const ModalArrays<float>& string, float share, const float* pickup, std::span<float> out);
 void play_free(const ModalArrays<double>& string, double share, const double* pickup, std::span<double> out);
 
+/// What is struck, where, and by what.
+template <std::floating_point T>
+struct Strike {
+  ModalArrays<T> string;
+  StrikeArrays<T> place;
+  SegmentTable<T> felt;
+  T time_step_s;
+  T share;              ///< as in play_free
+  T string_admittance;  ///< at the place, of a sample [m/N]
+  const T* pickup;
+};
+
 /// The same with a hammer in flight, until it is caught or `out` is full; returns the samples written. force: where
 /// the contact forces go, or null.
-std::size_t play_struck(const ModalArrays<float>& string, const StrikeArrays<float>& strike, SegmentTable<float> felt,
-                        float time_step_s, float share, float string_admittance, HammerFlight<float>& hammer,
-                        const float* pickup, std::span<float> out, float* force);
-std::size_t play_struck(const ModalArrays<double>& string, const StrikeArrays<double>& strike,
-                        SegmentTable<double> felt, double time_step_s, double share, double string_admittance,
-                        HammerFlight<double>& hammer, const double* pickup, std::span<double> out, double* force);
+std::size_t play_struck(const Strike<float>& strike, HammerFlight<float>& hammer, std::span<float> out, float* force);
+std::size_t play_struck(const Strike<double>& strike, HammerFlight<double>& hammer, std::span<double> out,
+                        double* force);
 
 }  // namespace contactspline::detail

@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: MIT
+// The modes of a resonator in vectors: alone, and under the force of a hammer (docs/kernels.md).
+#if defined(CONTACTSPLINE_MODES_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef CONTACTSPLINE_MODES_INL
+#undef CONTACTSPLINE_MODES_INL
+#else
+#define CONTACTSPLINE_MODES_INL
+#endif
+
+#include <hwy/highway.h>
+
+#include "contactspline/kernels.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace contactspline::detail {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+template <typename T>
+using Tag = hn::ScalableTag<T>;
+template <typename T>
+using Vector = hn::Vec<Tag<T>>;
+
+/// Is T so coarse that the rest of the stiffness is kept beside it? As in ModalBank.
+template <typename T>
+constexpr bool kRounds = sizeof(T) < sizeof(double);
+
+/// What comes of a mode's change c over a sample, `share` of its free increment d: ModalBank::commit.
+template <bool kDamped, typename T>
+HWY_INLINE void move(Vector<T> stiffness, Vector<T> rest, Vector<T> loss, Vector<T> share, Vector<T>& q,
+                     Vector<T>& d) {
+  const auto c = kDamped ? hn::Mul(share, d) : d;
+  q = hn::Add(q, c);
+  if constexpr (kRounds<T>) {
+    const auto pull = hn::MulAdd(stiffness, q, hn::MulAdd(rest, q, hn::Mul(loss, c)));
+    d = kDamped ? hn::Add(hn::Sub(c, d), hn::Sub(c, pull)) : hn::Sub(c, pull);
+  } else {
+    const auto kept = hn::NegMulAdd(stiffness, q, hn::NegMulAdd(loss, c, c));
+    d = kDamped ? hn::Add(hn::Sub(c, d), kept) : kept;
+  }
+}
+
+constexpr std::size_t kBlock = 64;  // samples
+
+/// So many vectors of modes over a block of samples, in registers; adds shape times displacement to `sums`.
+template <std::size_t kVectors, bool kDamped, typename T>
+HWY_INLINE void run_free(const ModalArrays<T>& string, std::size_t first, T share, const T* pickup,
+                         std::size_t samples, T* HWY_RESTRICT sums) {
+  const Tag<T> tag;
+  const std::size_t lanes = hn::Lanes(tag);
+  const auto shares = hn::Set(tag, share);
+  Vector<T> stiffness[kVectors], rest[kVectors], loss[kVectors], q[kVectors], d[kVectors], shape[kVectors];
+  for (std::size_t v = 0; v < kVectors; ++v) {
+    const std::size_t at = first + v * lanes;
+    stiffness[v] = hn::Load(tag, string.stiffness + at);
+    rest[v] = hn::Load(tag, string.stiffness_rest + at);
+    loss[v] = hn::Load(tag, string.loss + at);
+    shape[v] = hn::Load(tag, pickup + at);
+    q[v] = hn::Load(tag, string.displacement + at);
+    d[v] = hn::Load(tag, string.free_increment + at);
+  }
+  for (std::size_t n = 0; n < samples; ++n) {
+    auto sum = hn::Load(tag, sums + n * lanes);
+    for (std::size_t v = 0; v < kVectors; ++v) {
+      move<kDamped, T>(stiffness[v], rest[v], loss[v], shares, q[v], d[v]);
+      sum = hn::MulAdd(shape[v], q[v], sum);
+    }
+    hn::Store(sum, tag, sums + n * lanes);
+  }
+  for (std::size_t v = 0; v < kVectors; ++v) {
+    hn::Store(q[v], tag, string.displacement + first + v * lanes);
+    hn::Store(d[v], tag, string.free_increment + first + v * lanes);
+  }
+}
+
+/// As many vectors at once as it takes to hide how long each waits for itself.
+constexpr std::size_t kMostVectors = 7;
+
+template <bool kDamped, std::size_t kVectors = kMostVectors, typename T>
+HWY_INLINE void run_free_group(std::size_t vectors, const ModalArrays<T>& string, std::size_t first, T share,
+                               const T* pickup, std::size_t samples, T* HWY_RESTRICT sums) {
+  if (vectors == kVectors) return run_free<kVectors, kDamped>(string, first, share, pickup, samples, sums);
+  if constexpr (kVectors > 1)
+    run_free_group<kDamped, kVectors - 1>(vectors, string, first, share, pickup, samples, sums);
+}
+
+template <bool kDamped, typename T>
+HWY_INLINE void play_free_of(const ModalArrays<T>& string, T share, const T* pickup, std::span<T> out) {
+  const Tag<T> tag;
+  const std::size_t lanes = hn::Lanes(tag);
+  const std::size_t vectors = (string.modes + lanes - 1) / lanes;
+  const std::size_t groups = (vectors + kMostVectors - 1) / kMostVectors;
+  HWY_ALIGN T sums[kBlock * HWY_MAX_BYTES / sizeof(T)];
+  while (!out.empty()) {
+    const std::size_t samples = std::min(out.size(), kBlock);
+    for (std::size_t i = 0; i < samples; ++i) hn::Store(hn::Zero(tag), tag, sums + i * lanes);
+    for (std::size_t group = 0, at = 0; group < groups; ++group) {
+      const std::size_t many = (vectors - at + groups - group - 1) / (groups - group);
+      run_free_group<kDamped>(many, string, at * lanes, share, pickup, samples, sums);
+      at += many;
+    }
+    for (std::size_t i = 0; i < samples; ++i)
+      out[i] = hn::GetLane(hn::SumOfLanes(tag, hn::Load(tag, sums + i * lanes)));
+    out = out.subspan(samples);
+  }
+}
+
+template <typename T>
+HWY_INLINE void play_free_at(const ModalArrays<T>& string, T share, const T* pickup, std::span<T> out) {
+  if (share == 1)
+    play_free_of<false>(string, share, pickup, out);
+  else
+    play_free_of<true>(string, share, pickup, out);
+}
+
+/// The modes of a struck string: what a pass reads and writes of as many modes as fill a cache line lies side by
+/// side. So no store lies at the same place of a page as a later load, and one stream of memory is read.
+template <typename T>
+class StruckModes {
+ public:
+  /// Takes the modes over; give_back() returns them.
+  HWY_ATTR StruckModes(const ModalArrays<T>& string, const StrikeArrays<T>& strike, const T* pickup)
+      : string_(string), lines_((string.modes + kLine - 1) / kLine), modes_(strike.workspace) {
+    const T* const sources[kStruckLines] = {string.displacement, string.free_increment, strike.give,
+                                            strike.free_give,    string.stiffness,      string.stiffness_rest,
+                                            string.loss,         strike.shape,          pickup};
+    for (std::size_t line = 0; line < lines_; ++line)
+      for (std::size_t i = 0; i < kStruckLines; ++i) copy(sources[i] + line * kLine, at(line, static_cast<Row>(i)));
+  }
+
+  /// Sums over the modes of the strike's shape times free increment, and of the pickup's times displacement.
+  struct Sums {
+    T coming, heard;
+  };
+
+  [[nodiscard]] HWY_ATTR T coming() const { return sum(kShape, kFreeIncrement); }
+  /// Displacement at the pickup per newton, once the force is applied.
+  [[nodiscard]] HWY_ATTR T pickup_admittance() const { return sum(kPickup, kGive); }
+
+  /// Applies the force of the sample before the last, `push` after the damper's share, to what the last sample did
+  /// without it, and does the coming sample without its force, which is still missing in the sums.
+  template <bool kDamped>
+  HWY_INLINE Sums pass(T share, T push) {
+    const auto pushes = hn::Set(tag(), push), shares = hn::Set(tag(), share);
+    auto coming0 = hn::Zero(tag()), coming1 = coming0, heard0 = coming0, heard1 = coming0;
+    std::size_t line = 0;
+    for (; line + 1 < lines_; line += 2) {
+      step<kDamped>(modes_ + line * kStride, shares, pushes, coming0, heard0);
+      step<kDamped>(modes_ + (line + 1) * kStride, shares, pushes, coming1, heard1);
+    }
+    if (line < lines_) step<kDamped>(modes_ + line * kStride, shares, pushes, coming0, heard0);
+    return {hn::GetLane(hn::SumOfLanes(tag(), hn::Add(coming0, coming1))),
+            hn::GetLane(hn::SumOfLanes(tag(), hn::Add(heard0, heard1)))};
+  }
+
+  /// Applies the last force and gives the modes back.
+  HWY_ATTR void give_back(T push) {
+    const auto pushes = hn::Set(tag(), push);
+    for (std::size_t line = 0; line < lines_; ++line)
+      for (std::size_t v = 0; v < kLine; v += hn::Lanes(tag())) {
+        const T* const mode = modes_ + line * kStride + v;
+        hn::Store(pushed(mode, kGive, kDisplacement, pushes), tag(), string_.displacement + line * kLine + v);
+        hn::Store(pushed(mode, kFreeGive, kFreeIncrement, pushes), tag(), string_.free_increment + line * kLine + v);
+      }
+  }
+
+ private:
+  enum Row { kDisplacement, kFreeIncrement, kGive, kFreeGive, kStiffness, kRest, kLoss, kShape, kPickup };
+  static constexpr std::size_t kLine = 64 / sizeof(T);
+  static constexpr std::size_t kStride = kStruckLines * kLine;
+
+  static constexpr Tag<T> tag() { return {}; }
+  [[nodiscard]] T* at(std::size_t line, Row row) const { return modes_ + line * kStride + row * kLine; }
+
+  HWY_ATTR static void copy(const T* from, T* to) {
+    for (std::size_t v = 0; v < kLine; v += hn::Lanes(tag())) hn::Store(hn::Load(tag(), from + v), tag(), to + v);
+  }
+
+  [[nodiscard]] HWY_ATTR T sum(Row a, Row b) const {
+    auto sum = hn::Zero(tag());
+    for (std::size_t line = 0; line < lines_; ++line)
+      for (std::size_t v = 0; v < kLine; v += hn::Lanes(tag()))
+        sum = hn::MulAdd(hn::Load(tag(), at(line, a) + v), hn::Load(tag(), at(line, b) + v), sum);
+    return hn::GetLane(hn::SumOfLanes(tag(), sum));
+  }
+
+  HWY_INLINE static Vector<T> pushed(const T* mode, Row give, Row state, Vector<T> pushes) {
+    return hn::MulAdd(hn::Load(tag(), mode + give * kLine), pushes, hn::Load(tag(), mode + state * kLine));
+  }
+
+  template <bool kDamped>
+  HWY_INLINE static void step(T* HWY_RESTRICT line, Vector<T> shares, Vector<T> pushes, Vector<T>& coming,
+                              Vector<T>& heard) {
+    for (std::size_t v = 0; v < kLine; v += hn::Lanes(tag())) {
+      T* const mode = line + v;
+      auto q = pushed(mode, kGive, kDisplacement, pushes);
+      auto d = pushed(mode, kFreeGive, kFreeIncrement, pushes);
+      const auto rest = kRounds<T> ? hn::Load(tag(), mode + kRest * kLine) : hn::Zero(tag());
+      move<kDamped, T>(hn::Load(tag(), mode + kStiffness * kLine), rest, hn::Load(tag(), mode + kLoss * kLine),
+                       shares, q, d);
+      hn::Store(q, tag(), mode + kDisplacement * kLine);
+      hn::Store(d, tag(), mode + kFreeIncrement * kLine);
+      coming = hn::MulAdd(hn::Load(tag(), mode + kShape * kLine), d, coming);
+      heard = hn::MulAdd(hn::Load(tag(), mode + kPickup * kLine), q, heard);
+    }
+  }
+
+  ModalArrays<T> string_;
+  std::size_t lines_;
+  T* modes_;
+};
+
+/// The modes of a struck string where they lie, for a sample or two: what StruckModes takes over and gives back is
+/// then not worth its while.
+template <typename T>
+class ModesInPlace {
+ public:
+  HWY_ATTR ModesInPlace(const ModalArrays<T>& string, const StrikeArrays<T>& strike, const T* pickup)
+      : string_(string), strike_(strike), pickup_(pickup) {}
+
+  /// Sum of the strike's shape times free increment.
+  [[nodiscard]] HWY_INLINE T coming() const { return inner_product(strike_.shape, string_.free_increment); }
+  /// Sum of the strike's shape times displacement.
+  [[nodiscard]] HWY_INLINE T place() const { return inner_product(strike_.shape, string_.displacement); }
+
+  /// The furthest that the place of the strike can ever be without a force, whatever the phases of the modes: their
+  /// amplitudes are sqrt(q^2 + p^2), p being (d + (loss + stiffness) q / 2) / sqrt(stiffness - (loss + stiffness)^2 /
+  /// 4).
+  [[nodiscard]] HWY_INLINE T reach() const {
+    const Tag<T> tag;
+    const auto half = hn::Set(tag, T(0.5));
+    auto sum = hn::Zero(tag);
+    for (std::size_t at = 0; at < string_.modes; at += hn::Lanes(tag)) {
+      const auto q = hn::Load(tag, string_.displacement + at), d = hn::Load(tag, string_.free_increment + at);
+      const auto pull =
+          hn::Mul(half, hn::Add(hn::Load(tag, string_.loss + at), hn::Load(tag, string_.stiffness + at)));
+      const auto a = hn::Mul(hn::Load(tag, strike_.shape + at), q);
+      const auto b = hn::Mul(hn::Load(tag, strike_.swing + at), hn::MulAdd(pull, q, d));
+      // sqrt(a^2 + b^2) is at most max + (sqrt(2) - 1) min
+      const auto large = hn::Max(hn::Abs(a), hn::Abs(b)), small = hn::Min(hn::Abs(a), hn::Abs(b));
+      sum = hn::Add(sum, hn::MulAdd(hn::Set(tag, T(0.4143)), small, large));
+    }
+    return T(1.001) * hn::GetLane(hn::SumOfLanes(tag, sum));
+  }
+
+  /// One sample under a force times the damper's share; gives the sum of the pickup's shape times displacement.
+  template <bool kDamped>
+  HWY_INLINE T advance(T share, T push) {
+    const Tag<T> tag;
+    const auto shares = hn::Set(tag, share), pushes = hn::Set(tag, push);
+    auto heard = hn::Zero(tag);
+    for (std::size_t at = 0; at < string_.modes; at += hn::Lanes(tag)) {
+      auto q = hn::Load(tag, string_.displacement + at), d = hn::Load(tag, string_.free_increment + at);
+      const auto rest = kRounds<T> ? hn::Load(tag, string_.stiffness_rest + at) : hn::Zero(tag);
+      move<kDamped, T>(hn::Load(tag, string_.stiffness + at), rest, hn::Load(tag, string_.loss + at), shares, q, d);
+      q = hn::MulAdd(hn::Load(tag, strike_.give + at), pushes, q);
+      d = hn::MulAdd(hn::Load(tag, strike_.free_give + at), pushes, d);
+      hn::Store(q, tag, string_.displacement + at);
+      hn::Store(d, tag, string_.free_increment + at);
+      heard = hn::MulAdd(hn::Load(tag, pickup_ + at), q, heard);
+    }
+    return hn::GetLane(hn::SumOfLanes(tag, heard));
+  }
+
+ private:
+  [[nodiscard]] HWY_INLINE T inner_product(const T* a, const T* b) const {
+    const Tag<T> tag;
+    auto sum = hn::Zero(tag);
+    for (std::size_t at = 0; at < string_.modes; at += hn::Lanes(tag))
+      sum = hn::MulAdd(hn::Load(tag, a + at), hn::Load(tag, b + at), sum);
+    return hn::GetLane(hn::SumOfLanes(tag, sum));
+  }
+
+  ModalArrays<T> string_;
+  StrikeArrays<T> strike_;
+  const T* pickup_;
+};
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace contactspline::detail
+HWY_AFTER_NAMESPACE();
+
+#endif
