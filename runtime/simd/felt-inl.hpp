@@ -27,7 +27,7 @@ class Felt {
     put(compression, segment);
   }
 
-  /// Makes ready for an admittance.
+  /// Makes ready for an admittance, if it is not the last one.
   static HWY_INLINE void prepare(const FeltArrays<T>& felt, T xi) {
     if (*felt.admittance == xi) return;
     *felt.admittance = xi;
@@ -53,8 +53,9 @@ class Felt {
     beyond_ = compression - felt_.knots[entry_];
   }
 
-  /// contact_step without loss, its force [N] rounded to either side of 0: moves by x = xf - xi f. kVaries: is the
-  /// admittance xi another one than at prepare()?
+  /// contact_step without loss, its force [N] rounded to either side of 0: moves by x = xf - xi f. One way for all
+  /// steps, within a segment and across knots, without a branch that depends on the data but for steps far away.
+  /// kVaries: is the admittance xi another one than at prepare()?
   template <bool kVaries>
   HWY_INLINE T press(T xf, T xi) {
     if (segment_ == 0 && beyond_ + xf < 0) {  // apart, as for most of the time
@@ -70,7 +71,7 @@ class Felt {
       moved = search(below > 0, xf, xi) - segment_;
       force = far_force<kVaries>(moved, xf, xi);
     }
-    segment_ += moved;
+    segment_ = std::max<Knot>(segment_ + moved, 0);  // below 0 only where something is not a number
     const Knot entry = segment_ + ((moved < 0) | (segment_ == 0));
     beyond_ = (beyond_ - (felt_.knots[entry] - felt_.knots[entry_])) + xf - xi * force;
     entry_ = entry;
@@ -89,6 +90,7 @@ class Felt {
     HWY_ALIGN T rational[2 * kReach + 1];
   };
   /// 1 downwards, -1 upwards, 0 within the segment.
+  static_assert(kReach == 8);
   static constexpr T kSigns[2 * kReach + 1] = {1, 1, 1, 1, 1, 1, 1, 1, 0, -1, -1, -1, -1, -1, -1, -1, -1};
 
   /// Stores what `at` knots and more lie below of, leaving the place in the middle free.
@@ -211,8 +213,8 @@ class Felt {
       at = kBlock * std::max<Knot>(below_root(felt_.pivots, felt_.pivot_energies, pivots, leaving) - 1, 0);
     }
     const Knot found = at + below_root(felt_.knots + 1 + at, felt_.energies + 1 + at, kKnotsInABlock, leaving);
-    return up ? std::clamp<Knot>(found, segment_ + 1, static_cast<Knot>(felt_.segments))
-              : std::clamp<Knot>(found, 0, segment_ - 1);
+    return up ? std::min(std::max(found, segment_ + 1), static_cast<Knot>(felt_.segments))
+              : std::max<Knot>(std::min(found, segment_ - 1), 0);
   }
 
   const FeltArrays<T> felt_;  // a copy, which no store can change
