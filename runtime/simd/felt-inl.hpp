@@ -71,7 +71,7 @@ class Felt {
       moved = search(below > 0, xf, xi) - segment_;
       force = far_force<kVaries>(moved, xf, xi);
     }
-    segment_ = std::max<Knot>(segment_ + moved, 0);  // below 0 only where something is not a number
+    segment_ += moved;
     const Knot entry = segment_ + ((moved < 0) | (segment_ == 0));
     beyond_ = (beyond_ - (felt_.knots[entry] - felt_.knots[entry_])) + xf - xi * force;
     entry_ = entry;
@@ -142,12 +142,18 @@ class Felt {
       const auto gain = hn::Sub(hn::LoadU(tag, felt_.energies + at), energy);
       const auto g = hn::NegMulAdd(way, twice, hn::MulAdd(way, way, hn::Mul(xis, gain)));
       auto left = g, right = minus_heres;
-      if (v <= kReach && v + lanes >= kReach) {
-        const auto nearest = hn::AndNot(first(kReach - 1), first(kReach + 1));
-        left = hn::IfThenElse(nearest, hn::MulAdd(half, hn::Add(origin_gives, gives), way), left);
+      const auto leads_there = hn::MulAdd(half, hn::Add(origin_gives, gives), way);
+      if (v < kReach && v + lanes >= kReach) {
+        const auto nearest = hn::AndNot(first(kReach - 1), first(kReach));
+        left = hn::IfThenElse(nearest, yieldings, left);
+        right = hn::IfThenElse(nearest, leads_there, right);
+      }
+      if (v <= kReach && v + lanes > kReach) {
+        const auto nearest = hn::AndNot(first(kReach), first(kReach + 1));
+        left = hn::IfThenElse(nearest, leads_there, left);
         right = hn::IfThenElse(nearest, yieldings, right);
       }
-      count += hn::CountTrue(tag, hn::Xor(first(kReach - 1), hn::Lt(left, right)));
+      count += hn::CountTrue(tag, hn::Xor(first(kReach), hn::Lt(left, right)));  // what is no number stays
 
       const auto b = hn::Sub(hn::MulAdd(two, way, gives), twice);
       store(hn::Abs(hn::NegMulAdd(four_a, hn::Sub(g, minus_heres), hn::Mul(b, b))), tag, v, steps.square);
@@ -173,12 +179,12 @@ class Felt {
     const T g = way * way + xi * (felt_.energies[entry] - felt_.energies[entry_]) - way * twice + here;
     const T root = std::sqrt(std::abs(b * b - 4 * a * g));
     const T b_force = (xf + xi * entry_force) + 2 * xi * c * free;
-    return yield<kVaries>(landing, xi) * (b_force + (moved > 0 ? -root : root));
+    return yield<kVaries>(landing, xi) * (b_force + T(1 - 2 * (moved > 0)) * root);
   }
 
   /// A step that leaves the segment, and how it is judged which knots lie between.
   struct Leaving {
-    T sign;     // 1 upwards, -1 downwards
+    Knot down;  // 0 upwards, 1 downwards
     T nearest;  // knot that is passed for certain
     T y, xf, xi;
     T scaled_energy;  // xi times the energy at y
@@ -188,7 +194,8 @@ class Felt {
   /// g = u h(u) < 0; downwards those where neither this nor its mirror image holds.
   static HWY_INLINE Knot below_root(const T* knots, const T* energies, std::size_t count, const Leaving& leaving) {
     const hn::ScalableTag<T> tag;
-    const auto sign = hn::Set(tag, leaving.sign), nearest = hn::Set(tag, leaving.sign * leaving.nearest);
+    const T upwards = T(1 - 2 * leaving.down);
+    const auto sign = hn::Set(tag, upwards), nearest = hn::Set(tag, upwards * leaving.nearest);
     const auto y = hn::Set(tag, leaving.y), xf = hn::Set(tag, leaving.xf), xi = hn::Set(tag, leaving.xi);
     const auto scaled_energy = hn::Set(tag, leaving.scaled_energy);
     std::size_t found = 0;
@@ -198,14 +205,14 @@ class Felt {
       const auto g = hn::NegMulAdd(way, xf, hn::MulAdd(way, way, hn::Mul(xi, hn::Load(tag, energies + k))));
       found += hn::CountTrue(tag, hn::Or(hn::Lt(g, scaled_energy), hn::Le(hn::Mul(sign, knot), nearest)));
     }
-    return static_cast<Knot>(leaving.sign > 0 ? found : count - found);
+    return leaving.down * static_cast<Knot>(count) + (1 - 2 * leaving.down) * static_cast<Knot>(found);
   }
 
   /// The segment of the root among all: two levels of whole vectors.
   HWY_INLINE Knot search(bool up, T xf, T xi) const {
     const T energy =
         felt_.energies[entry_] + beyond_ * (felt_.forces[entry_] + beyond_ * felt_.half_curvatures[segment_]);
-    const Leaving leaving{T(2 * up - 1), felt_.knots[segment_ + up], compression(), xf, xi, xi * energy};
+    const Leaving leaving{!up, felt_.knots[segment_ + up], compression(), xf, xi, xi * energy};
     Knot at = 0;
     if (felt_.blocks > 1) {
       constexpr Knot kBlock = kKnotsInABlock;
@@ -213,8 +220,8 @@ class Felt {
       at = kBlock * std::max<Knot>(below_root(felt_.pivots, felt_.pivot_energies, pivots, leaving) - 1, 0);
     }
     const Knot found = at + below_root(felt_.knots + 1 + at, felt_.energies + 1 + at, kKnotsInABlock, leaving);
-    return up ? std::min(std::max(found, segment_ + 1), static_cast<Knot>(felt_.segments))
-              : std::max<Knot>(std::min(found, segment_ - 1), 0);
+    const Knot lowest = up * (segment_ + 1), highest = up * static_cast<Knot>(felt_.segments) + !up * (segment_ - 1);
+    return std::min(std::max(found, lowest), highest);
   }
 
   const FeltArrays<T> felt_;  // a copy, which no store can change
