@@ -31,8 +31,6 @@
     FAUSTFLOAT* button = nullptr;                                                                       \
   };
 
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wunused-parameter"
 namespace contactspline::bench::faust_double {
 #define FAUSTFLOAT double
 CONTACTSPLINE_FAUST_NAMES
@@ -47,7 +45,6 @@ CONTACTSPLINE_FAUST_NAMES
 #include "fd_hammer_c4_single.hpp"
 #undef FAUSTFLOAT
 }  // namespace contactspline::bench::faust_float
-#pragma GCC diagnostic pop
 
 namespace contactspline::bench {
 namespace {

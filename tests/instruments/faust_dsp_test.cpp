@@ -2,29 +2,23 @@
 // The C++ hammer-string behind Faust's `dsp` interface: against the model itself, against the class that Faust writes
 // for hammer_string.dsp, and in an architecture file of Faust's own.
 #define FAUSTFLOAT double
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wall"
-#pragma GCC diagnostic ignored "-Wextra"
-#pragma GCC diagnostic ignored "-Wpedantic"
-#pragma GCC diagnostic ignored "-Wconversion"
-#pragma GCC diagnostic ignored "-Wshadow"
-#pragma GCC diagnostic ignored "-Wunused-parameter"
+// clang-format off
 #include <faust/dsp/dsp.h>
 #include <faust/gui/DecoratorUI.h>
 #include <faust/gui/MapUI.h>
 #include <faust/gui/UI.h>
 #include <faust/gui/meta.h>
+// clang-format on
 
-#include "hammer_string_double.hpp"
-#pragma GCC diagnostic pop
+#include "contactspline/faust_dsp.hpp"
 
 #include <algorithm>
 #include <memory>
 #include <sstream>
 
-#include "contactspline/faust_dsp.hpp"
 #include "contactspline/materials/felt_c4.hpp"
 #include "contactspline/resonators/string_c4.hpp"
+#include "hammer_string_double.hpp"
 #include "shell.hpp"
 #include "support/compare.hpp"
 #include "support/count_allocations.hpp"

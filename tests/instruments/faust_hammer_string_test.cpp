@@ -6,19 +6,11 @@
 #include "cpp_program.hpp"
 #include "support/compare.hpp"
 
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wall"
-#pragma GCC diagnostic ignored "-Wextra"
-#pragma GCC diagnostic ignored "-Wpedantic"
-#pragma GCC diagnostic ignored "-Wconversion"
-#pragma GCC diagnostic ignored "-Wshadow"
-#pragma GCC diagnostic ignored "-Wunused-parameter"
 #define FAUSTFLOAT double
 #include "hammer_string_double.hpp"
 #undef FAUSTFLOAT
 #define FAUSTFLOAT float
 #include "hammer_string_single.hpp"
-#pragma GCC diagnostic pop
 
 namespace contactspline::testing {
 namespace {

@@ -10,17 +10,9 @@
 #include "cpp_program.hpp"
 #include "support/compare.hpp"
 
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wall"
-#pragma GCC diagnostic ignored "-Wextra"
-#pragma GCC diagnostic ignored "-Wpedantic"
-#pragma GCC diagnostic ignored "-Wconversion"
-#pragma GCC diagnostic ignored "-Wshadow"
-#pragma GCC diagnostic ignored "-Wunused-parameter"
 #define FAUSTFLOAT double
 #include "fret_string_model.hpp"
 #include "slide_string_model.hpp"
-#pragma GCC diagnostic pop
 
 namespace contactspline::testing {
 namespace {

@@ -11,16 +11,8 @@
 #include "generator/keyboard.hpp"
 #include "support/compare.hpp"
 
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wall"
-#pragma GCC diagnostic ignored "-Wextra"
-#pragma GCC diagnostic ignored "-Wpedantic"
-#pragma GCC diagnostic ignored "-Wconversion"
-#pragma GCC diagnostic ignored "-Wshadow"
-#pragma GCC diagnostic ignored "-Wunused-parameter"
 #define FAUSTFLOAT double
 #include "piano_double.hpp"
-#pragma GCC diagnostic pop
 
 namespace contactspline::testing {
 namespace {

@@ -8,16 +8,8 @@
 #include "energy.hpp"
 #include "strings.hpp"
 
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wall"
-#pragma GCC diagnostic ignored "-Wextra"
-#pragma GCC diagnostic ignored "-Wpedantic"
-#pragma GCC diagnostic ignored "-Wconversion"
-#pragma GCC diagnostic ignored "-Wshadow"
-#pragma GCC diagnostic ignored "-Wunused-parameter"
 #define FAUSTFLOAT double
 #include "fd_hammer.hpp"
-#pragma GCC diagnostic pop
 
 namespace contactspline::testing {
 
