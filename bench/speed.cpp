@@ -3,14 +3,11 @@
 // JSON is what bench/report.cpp writes docs/speed.md from (scripts/bench).
 #include <benchmark/benchmark.h>
 
-#include <chrono>
 #include <cstdlib>
 #include <initializer_list>
 #include <string_view>
-#if defined(__SSE__)
-#include <xmmintrin.h>
-#endif
 
+#include "bench/compete.hpp"
 #include "bench/performance.hpp"
 #include "bench/schemes.hpp"
 #include "bench/stopwatch.hpp"
@@ -18,42 +15,17 @@
 namespace contactspline::bench {
 namespace {
 
-/// Denormals become 0, as in every audio host.
-void flush_denormals() {
-#if defined(__SSE__)
-  _mm_setcsr(_mm_getcsr() | 0x8040);
-#endif
-}
-
 using Counts = std::initializer_list<std::size_t>;
 
-/// Lets all of them play the same short time in turn, round by round, and counts ns/NAME, the median time of a
-/// sample, and ratio/NAME, the median over the rounds of the first one's time over this one's.
-template <typename Play>
-struct Contestant {
-  std::string name;
-  Play play;  ///< so many samples at each call
-};
+/// Counts ns/NAME, the median time of a sample, and ratio/NAME, the median over the rounds of the first one's time
+/// over this one's.
 template <typename Play>
 void compete(benchmark::State& state, std::vector<Contestant<Play>>& all, double samples) {
-  flush_denormals();
-  for (auto& one : all) one.play();
-  std::vector<std::vector<double>> times(all.size()), ratios(all.size());
-  std::size_t first = 0;
-  for (auto _ : state) {
-    for (std::size_t turn = 0; turn < all.size(); ++turn) {
-      const std::size_t i = (first + turn) % all.size();
-      const auto begin = std::chrono::steady_clock::now();
-      all[i].play();
-      times[i].push_back(std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - begin).count() /
-                         samples);
-    }
-    for (std::size_t i = 0; i < all.size(); ++i) ratios[i].push_back(times[0].back() / times[i].back());
-    ++first;
-  }
+  Contest contest(all, samples);
+  for (auto _ : state) contest.round();
   for (std::size_t i = 0; i < all.size(); ++i) {
-    state.counters["ns/" + all[i].name] = median(times[i]);
-    state.counters["ratio/" + all[i].name] = median(ratios[i]);
+    state.counters["ns/" + all[i].name] = contest.nanoseconds(i);
+    state.counters["ratio/" + all[i].name] = contest.ratio(i);
   }
 }
 
