@@ -77,7 +77,7 @@ class HammerStringDsp : public dsp {
     sample_rate_hz_ = sample_rate_hz;
     damping_rate_ = static_cast<T>(-std::expm1(-1 / (kDampingTime * sample_rate_hz)));
     at_rest_.emplace(segments_of<Felt, T>, modes_in<Resonator>, shapes_, sample_rate_hz);
-    model_ = at_rest_;
+    instanceClear();
   }
 
   void instanceResetUserInterface() override {
@@ -86,6 +86,7 @@ class HammerStringDsp : public dsp {
 
   void instanceClear() override {
     model_ = at_rest_;
+    struck_position_ = -1;
     was_pressed_ = 0;
     damping_per_s_.reset();
   }
@@ -97,16 +98,10 @@ class HammerStringDsp : public dsp {
     if (!damping_per_s_) damping_per_s_ = damping_per_s;
     HammerStringControls<T> live{
         static_cast<T>(mass_kg_), {static_cast<T>(stiffness_ratio_), static_cast<T>(loss_s_per_m_)}, *damping_per_s_};
-    Model& model = *model_;
     FAUSTFLOAT* const displacement = outputs[0];
     FAUSTFLOAT* const force = outputs[1];
     const auto play = [&](int begin, int samples) {
-      std::array<T, kBlock> moved, pushed;
-      model.play(live, pickup_, std::span(moved).first(static_cast<std::size_t>(samples)), pushed.data());
-      for (int i = 0; i < samples; ++i) {
-        displacement[begin + i] = static_cast<FAUSTFLOAT>(1000 * moved[static_cast<std::size_t>(i)]);
-        force[begin + i] = static_cast<FAUSTFLOAT>(pushed[static_cast<std::size_t>(i)]);
-      }
+      play_block(live, {displacement + begin, static_cast<std::size_t>(samples)}, force + begin);
     };
     int i = 0;
     for (; i < count; ++i) {
@@ -122,9 +117,29 @@ class HammerStringDsp : public dsp {
  private:
   using Model = HammerString<T, segments_of<Felt, T>.size()>;
 
-  static constexpr int kBlock = 64;
+  static constexpr int kBlock = 256;
   static constexpr double kDampingTime = 0.005;  // s, in which the damper has done 63 % of its way
   static constexpr T kDistance = T(1e-4);        // m, from which the hammer is thrown
+
+  /// Displacement [mm] and force [N] of at most kBlock samples.
+  void play_block(const HammerStringControls<T>& live, std::span<FAUSTFLOAT> displacement, FAUSTFLOAT* force) {
+    Model& model = *model_;
+    if constexpr (std::same_as<T, FAUSTFLOAT>) {
+      model.play(live, pickup_, displacement, force);
+      for (FAUSTFLOAT& sample : displacement) sample *= 1000;
+    } else {
+      std::array<T, kBlock> moved, pushed;
+      const bool may_touch = model.is_hammer_flying();
+      model.play(live, pickup_, std::span(moved).first(displacement.size()), may_touch ? pushed.data() : nullptr);
+      for (std::size_t i = 0; i < displacement.size(); ++i)
+        displacement[i] = static_cast<FAUSTFLOAT>(1000 * moved[i]);
+      if (may_touch)
+        std::transform(pushed.data(), pushed.data() + displacement.size(), force,
+                       [](T value) { return static_cast<FAUSTFLOAT>(value); });
+      else
+        std::fill_n(force, displacement.size(), FAUSTFLOAT(0));
+    }
+  }
 
   // Labels, ranges and remarks are those of faust/instruments.lib; the remarks "0" to "6" keep the order.
   std::vector<FaustControl> controls() {
@@ -164,17 +179,23 @@ class HammerStringDsp : public dsp {
   }
 
   void throw_hammer() {
+    if (position_ != struck_position_) move_strike();
+    model_->strike(static_cast<T>(speed_m_per_s_), kDistance);
+  }
+
+  void move_strike() {
+    struck_position_ = position_;
     const double place_m = static_cast<double>(position_) * std::numbers::pi / Resonator::wavenumbers[0];
     for (std::size_t i = 0; i < Resonator::modes; ++i)
       shapes_[i] = static_cast<T>(std::sin(Resonator::wavenumbers[i] * place_m) / Resonator::strings);
     model_->strike_at(shapes_);
-    model_->strike(static_cast<T>(speed_m_per_s_), kDistance);
   }
 
   const char* name_;
   FAUSTFLOAT initial_mass_kg_;
   FAUSTFLOAT strike_, speed_m_per_s_, mass_kg_, stiffness_ratio_, loss_s_per_m_, damping_, position_;
   FAUSTFLOAT was_pressed_ = 0;
+  FAUSTFLOAT struck_position_ = -1;  // of the last throw; none yet: -1
   int sample_rate_hz_ = 0;
   T damping_rate_ = 0;
   std::optional<T> damping_per_s_;  // none yet: begins where its control is
