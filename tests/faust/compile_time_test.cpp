@@ -44,16 +44,12 @@ TEST_P(CompileTimeTest, OfTheMassBarrierIsPrinted) {
 
 INSTANTIATE_TEST_SUITE_P(Segments, CompileTimeTest, ::testing::Values(1, 64, 1024));
 
-TEST(CompileTime, OfAHammerStringOf80ModesIsPrinted) {
-  std::cout << "faust on a hammer-string of 80 modes: "
-            << compile_seconds(std::filesystem::path(kTestPrograms) / "hammer_string_80.dsp")
-            << " s of user time, median of 5\n";
-}
-
-TEST(CompileTime, OfTheSlideStringIsPrinted) {
-  std::cout << "faust on slide_string.dsp: "
-            << compile_seconds(std::filesystem::path(kFaustSources) / "slide_string.dsp")
-            << " s of user time, median of 5\n";
+TEST(CompileTime, OfStringsIsPrinted) {
+  const std::filesystem::path shipped = kFaustSources, strings = kBenchStrings;
+  for (const auto& program : {shipped / "hammer_string.dsp", strings / "eighty_modes.dsp", strings / "c2.dsp",
+                              shipped / "piano.dsp", shipped / "slide_string.dsp"})
+    std::cout << "faust on " << program.filename().string() << ": " << compile_seconds(program)
+              << " s of user time, median of 5\n";
 }
 
 }  // namespace
