@@ -126,14 +126,12 @@ std::vector<NamedBlockPlayer> block_players(const std::string& program, double h
 /// The strings of the comparison: calls visit(name, make), where make.template operator()<T>() gives their players.
 template <typename Visit>
 void for_each_faust_string(Visit visit) {
-  visit("C4, 56 modes", []<typename T>() {
-    return block_players<materials::felt_c4, resonators::string_c4, T>("c4", 0.00297);
-  });
+  visit("C4, 56 modes",
+        []<typename T>() { return block_players<materials::felt_c4, resonators::string_c4, T>("c4", 0.00297); });
   visit("C2, 80 of its modes",
         []<typename T>() { return block_players<materials::felt_c2, string_c2_80, T>("eighty_modes", 0.0049); });
-  visit("C2, 204 modes", []<typename T>() {
-    return block_players<materials::felt_c2, resonators::string_c2, T>("c2", 0.0049);
-  });
+  visit("C2, 204 modes",
+        []<typename T>() { return block_players<materials::felt_c2, resonators::string_c2, T>("c2", 0.0049); });
 }
 
 }  // namespace contactspline::bench

@@ -27,7 +27,7 @@ struct Contestant {
 };
 
 /// Lets all of them play the same short time in turn, round by round.
-template <typename Play>
+template <typename Play, typename Clock = std::chrono::steady_clock>
 class Contest {
  public:
   /// samples: that each plays at a call. All play once beforehand.
@@ -40,10 +40,9 @@ class Contest {
   void round() {
     for (std::size_t turn = 0; turn < all_.size(); ++turn) {
       const std::size_t i = (first_ + turn) % all_.size();
-      const auto begin = std::chrono::steady_clock::now();
+      const auto begin = Clock::now();
       all_[i].play();
-      times_[i].push_back(
-          std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - begin).count() / samples_);
+      times_[i].push_back(std::chrono::duration<double, std::nano>(Clock::now() - begin).count() / samples_);
     }
     for (std::size_t i = 0; i < all_.size(); ++i) ratios_[i].push_back(times_[0].back() / times_[i].back());
     ++first_;

@@ -81,8 +81,8 @@ void expect_the_same(const std::string& program, double hammer_kg) {
       EXPECT_TRUE(sequences_within<double>(sound.displacement, same.displacement, 1e-10));
       if (name != "HammerString") EXPECT_TRUE(sequences_within<double>(sound.force, same.force, 1e-10));
     } else {
-      // |1 - z|^2/2 of a partial is off by up to some 1e-7, its phase in the end by w t 1e-7/2; for the strong partials
-      // up to 1 kHz, after 0.45 s, by 1.4e-4, or 77 dB. Measured: 96 dB, the runtime's 112.
+      // |1 - z|^2/2 of a partial is off by up to some 1e-7, its phase in the end by w t 1e-7/2; for the strong
+      // partials up to 1 kHz, after 0.45 s, by 1.4e-4, or 77 dB. Measured: 96 dB, the runtime's 112.
       EXPECT_GE(decibels(sound.displacement, same.displacement), 77);
       if (name != "HammerString") EXPECT_GE(decibels(sound.force, same.force), 77);
     }
