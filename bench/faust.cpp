@@ -95,6 +95,6 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "bench/faust: '%s'; allowed: a number of rounds, 1 and more\n", argv[argc - 1]);
     return 2;
   }
-  contactspline::bench::print_table<double>("Double", rounds);
-  contactspline::bench::print_table<float>("Single", rounds);
+  contactspline::bench::print_table<double>("Double precision", rounds);
+  contactspline::bench::print_table<float>("Single precision", rounds);
 }
