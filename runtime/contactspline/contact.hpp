@@ -56,14 +56,18 @@ struct Approach {
 
 namespace detail {
 
-/// Number of leading indices 1..n for which the monotone predicate holds: ceil(log2(n + 1)) probes, whatever the
-/// data.
+/// Number of leading indices 1..n for which the monotone predicate holds, whatever the data: ceil(log4(n + 1)) rounds
+/// of three probes that do not wait for each other.
 template <typename Predicate>
 [[nodiscard]] constexpr std::size_t count_leading(std::size_t n, Predicate holds) {
   std::size_t count = 0;
-  for (std::size_t stride = std::bit_floor(n); stride > 0; stride >>= 1) {
-    const std::size_t probe = std::min(count + stride, n);
-    count = holds(probe) ? probe : count;
+  for (int shift = (static_cast<int>(std::bit_width(n)) + 1) / 2 * 2 - 2; shift >= 0; shift -= 2) {
+    std::size_t held = 0;
+    for (std::size_t i = 1; i <= 3; ++i) {
+      const std::size_t probe = count + (i << shift);
+      held += (probe <= n) & holds(std::min(probe, n));
+    }
+    count += held << shift;
   }
   return count;
 }
@@ -106,6 +110,21 @@ template <std::floating_point T, std::size_t Extent>
   return segment;
 }
 
+/// A sum that stays whole: a compiler free to reassociate might take terms out of it where it is added to others.
+template <std::floating_point T>
+[[nodiscard]] constexpr T whole(T sum) {
+#ifndef __FAST_MATH__
+  return sum;
+#elif __has_builtin(__builtin_assoc_barrier)
+  return __builtin_assoc_barrier(sum);
+#elif __has_builtin(__arithmetic_fence) && defined(__SSE2__)
+  return __arithmetic_fence(sum);
+#else
+  const volatile T stored = sum;
+  return stored;
+#endif
+}
+
 /// A step that leaves the segment `start` of y0, upwards or downwards.
 template <std::floating_point T, std::size_t Extent>
 struct Crossing {
@@ -114,7 +133,7 @@ struct Crossing {
   T y0, xf, xi;
   bool up;
   std::size_t first;  // first knot in the way
-  T gain_to_first;    // V(knot) - V(y0) there
+  T gain_to_first;
 
   constexpr Crossing(SegmentTable<T, Extent> segments, std::size_t from, const Approach<T>& approach, bool upwards)
       : table(segments),
@@ -126,23 +145,16 @@ struct Crossing {
         first(up ? std::min(start + 1, table.size() - 1) : start),
         gain_to_first((table[first].knot - y0) * (table[start].force_at(y0) + table[first].force) / 2) {}
 
-  // Where xi times the slope of the discrete gradient is below this, the latter alone gives the force.
-  static constexpr T kSoft = T(1) / 1024;
-
+  /// V(knot) - V(y0).
   [[nodiscard]] constexpr T gain_to(std::size_t k) const {
-    const T from_first = table[k].energy - table[first].energy;
-#ifdef __FAST_MATH__  // else this may become (gain_to_first - energy) + energy, which is not gain_to_first
-    return k == first ? gain_to_first : gain_to_first + from_first;
-#else
-    return gain_to_first + from_first;
-#endif
+    return gain_to_first + whole(table[k].energy - table[first].energy);
   }
 
-  /// Does the root lie above this knot?
+  /// Does the root lie beyond this knot, one of those that may be crossed?
   [[nodiscard]] constexpr bool passes(std::size_t k) const {
     const T way = table[k].knot - y0;
     const T g = way * (way - xf) + xi * gain_to(k);
-    return up ? !(way > 0) || g < 0 : way < 0 && g > 0;
+    return g < 0;
   }
 
   /// The step, `knots_below` knots lying below the root. At least one knot is crossed.
@@ -154,27 +166,26 @@ struct Crossing {
     const std::size_t landing = std::min(std::max(knots_below, lowest), highest);
     const std::size_t entry = std::min(landing + !up, last);  // last knot passed
     const T origin = table[entry].knot;
-    const T way = origin - y0;
+    const T way = whole(origin - y0);
     const T gain = gain_to(entry);
     const T entry_force = table[entry].force;
     const T c = table[landing].half_curvature;
     const T sign = T(2 * up - 1);
+    const T free_way = whole(xf - way);  // beyond the knot, if no force acted
 
+    // The way s is a root of a s^2 + b s + g, the force of xi a f^2 - p f + q. Both have the discriminant root^2,
+    // root being |x| times the slope of h there.
     const T a = 1 + xi * c;
-    const T b = sign * (2 * way - xf + xi * entry_force);
-    const T g = way * (way - xf) + xi * gain;                                    // <= 0, but for rounding
-    const bool away = way != 0;                                                  // else f and s are linear in xf
-    const T root = away ? std::sqrt(std::abs(b * b - 4 * a * g)) : std::abs(b);  // |x| times the slope of h there
-    const T larger = root + std::abs(b);
-    const T s = machine.choose(b, larger, -2 * sign * g) / machine.choose(b, 2 * sign * a, larger);
-
-    const T x = way + s;
-    const T work = sign * (gain + s * (entry_force + s * c));
-    const T length = away ? std::abs(x) : T(1);
-    const T whole = std::max(length, root * (1 - kSoft));
-    const T numerator = away ? work + (whole - length) * machine.quotient(xf - x, xi) : entry_force + c * xf;
+    const T b = sign * (way - free_way + xi * entry_force);
+    const T g = xi * gain - way * free_way;  // <= 0, but for rounding
+    const T p = sign * (xf + xi * entry_force + 2 * c * xi * free_way);
+    const T q = sign * (gain + free_way * (entry_force + c * free_way));
+    const T root = way != 0 ? std::sqrt(std::abs(b * b - 4 * a * g)) : std::abs(b);  // the square may be too small
+    const T b_and_root = root + std::abs(b), p_and_root = root + std::abs(p);
+    const T s = machine.choose(b, b_and_root, -2 * sign * g) / machine.choose(b, 2 * sign * a, b_and_root);
+    const T f = machine.choose(p, p_and_root, 2 * q) / machine.choose(p, 2 * xi * a, p_and_root);
     const T y = origin + s;
-    return {std::max(T(0), machine.quotient(numerator, away ? whole : a)), y, settled(table, landing, y)};
+    return {std::max(T(0), f), y, settled(table, landing, y)};
   }
 };
 
@@ -206,10 +217,19 @@ template <std::floating_point T, std::size_t Extent, typename Machine>
 
 /// What a machine without vectors does.
 struct PlainMachine {
-  /// Binary search: ceil(log2(N + 1)) probes, whatever the data.
+  /// The nearest knots one after the other, since few are crossed as a rule and processors foresee that; then all
+  /// others.
   template <std::floating_point T, std::size_t Extent>
   [[nodiscard]] constexpr std::size_t knots_below_root(const Crossing<T, Extent>& crossing) const {
-    return count_leading(crossing.table.size() - 1, [&](std::size_t k) { return crossing.passes(k); });
+    constexpr std::size_t kNearest = 8;
+    const std::size_t start = crossing.start;
+    const std::size_t knots = crossing.up ? crossing.table.size() - 1 - start : start;  // that lie in the way
+    const auto passes = [&](std::size_t i) { return crossing.passes(crossing.up ? start + i : start + 1 - i); };
+    std::size_t passed = 1;
+    while (passed < std::min(knots, kNearest) && passes(passed + 1)) ++passed;
+    if (passed == kNearest)
+      passed += count_leading(knots - kNearest, [&](std::size_t i) { return passes(kNearest + i); });
+    return crossing.up ? start + passed : start - passed;
   }
 
   template <std::floating_point T>
@@ -233,12 +253,11 @@ struct PlainMachine {
 /// landing segment x h(x) is a quadratic. It is written in s, the way beyond the knot by which that segment is
 /// entered: A s^2 + B s + g = 0 with g <= 0, whose wanted root has the sign of the motion. What is gained on the way
 /// to a knot is the area below the force up to the first knot, and from there a difference of knot energies: nothing
-/// cancels. (The first knot is a case of its own, so that even a compiler free to reassociate cannot make it a
-/// difference.) The last lines weigh the two expressions of the force, (xf - x)/xi and the discrete gradient, by the
-/// slope of h, so that errors of x drop out. (docs/contact-step.md)
+/// cancels. The force is a root of another quadratic of the same discriminant, and cancels as little.
+/// (docs/contact-step.md)
 template <std::floating_point T, std::size_t Extent>
-[[nodiscard]] ContactStep<T> contact_step(SegmentTable<T, Extent> table, const Approach<T>& approach,
-                                          std::size_t start) {
+[[nodiscard, gnu::always_inline]] inline ContactStep<T> contact_step(SegmentTable<T, Extent> table,
+                                                                     const Approach<T>& approach, std::size_t start) {
   return detail::contact_step(table, start, approach, T(1), detail::PlainMachine());
 }
 
@@ -288,8 +307,9 @@ template <std::floating_point T, std::size_t Extent, typename Machine>
 /// pull, the bodies part without force and what is stored beyond is lost: passive, and the force stays continuous.
 /// time_step: dt [s]. start: the segment that holds y0.
 template <std::floating_point T, std::size_t Extent>
-[[nodiscard]] ContactStep<T> contact_step(SegmentTable<T, Extent> table, const ContactControls<T>& controls,
-                                          T time_step, const Approach<T>& approach, std::size_t start) {
+[[nodiscard, gnu::always_inline]] inline ContactStep<T> contact_step(SegmentTable<T, Extent> table,
+                                                                     const ContactControls<T>& controls, T time_step,
+                                                                     const Approach<T>& approach, std::size_t start) {
   return detail::contact_step(table, controls, time_step, approach, start, detail::PlainMachine());
 }
 

@@ -21,9 +21,10 @@ constexpr int kSteps = 200'000;
 template <typename T>
 class ContactStepProperty : public ::testing::Test {
  protected:
-  // As derived in step_reference.cpp: the step is that of xf moved by D and forces changed by `share`.
-  static constexpr double kWays = 12 * kRoundoff<T>;
-  static constexpr double kShare = 40 * kRoundoff<T>;
+  // As derived in step_reference.cpp: the force is that of xf moved by D = u |x|, with `share` of it, and the
+  // compression that of xf moved by 12 u (|x| + |xf|).
+  static constexpr double kU = kRoundoff<T>;
+  static constexpr double kShare = 40 * kU;
 
   ContactStepProperty() {
     for (const auto& table : tables_) {
@@ -51,10 +52,10 @@ class ContactStepProperty : public ::testing::Test {
   static Wide increment(const RandomStep<T>& step, T force) {
     return Wide(step.free_increment) - Wide(step.admittance) * Wide(force);
   }
-  /// What x and xf are uncertain by [m].
-  static double way_error(const RandomStep<T>& step, T force) {
-    const double x = static_cast<double>(increment(step, force));
-    return kWays * (std::abs(x) + std::abs(static_cast<double>(step.free_increment)));
+  /// What xf is as good as moved by [m]: D, and where xf or xi are rounded beforehand, so many u (|x| + |xf|).
+  static double way_error(const RandomStep<T>& step, T force, int roundings = 0) {
+    const double x = std::abs(static_cast<double>(increment(step, force)));
+    return kU * (x + roundings * (x + std::abs(static_cast<double>(step.free_increment))));
   }
   /// Of a table, relative to a force: entries are rounded, and energies of many times the work subtracted.
   double share(const RandomStep<T>& step, Wide work, Wide y1) const {
@@ -66,9 +67,9 @@ class ContactStepProperty : public ::testing::Test {
   }
   /// Uncertainty of a force [N]: of (1 - 1/h') D / xi, (1 - 1/h')/xi is at most 1/xi, and at most the greatest slope
   /// of a mean force, c.
-  double force_error(const RandomStep<T>& step, T force, double share) const {
+  double force_error(const RandomStep<T>& step, T force, double share, int roundings = 0) const {
     const double slope = std::min(1 / static_cast<double>(step.admittance), stiffest_[step.table]);
-    return share * static_cast<double>(force) + slope * way_error(step, force);
+    return share * static_cast<double>(force) + slope * way_error(step, force, roundings);
   }
 
   std::vector<TestTable<T>> tables_ = test_tables<T>();
@@ -163,7 +164,7 @@ TYPED_TEST(ContactStepProperty, StiffnessRatioIsAStifferSpline) {
         const ExactApproach path(this->contacts_[step.table], step.compression, 0, 1);
         const double share = this->share(step, path.work(x, path.landing(x)), step.compression + x);
         const double slope = std::min(1 / static_cast<double>(step.admittance), ratio * this->stiffest_[step.table]);
-        const double bound = 2 * (share * static_cast<double>(f) + slope * this->way_error(step, f));
+        const double bound = 2 * (share * static_cast<double>(f) + slope * this->way_error(step, f, 1));
         ASSERT_NEAR(static_cast<double>(f), static_cast<double>(g), bound) << ratio;
       }
     });
@@ -184,7 +185,7 @@ TYPED_TEST(ContactStepProperty, TheWayBackTakesTheSameForce) {
     const double share = this->share(step, mean * x, there.compression);
     const double moved = kRoundoff<TypeParam> * (std::abs(static_cast<double>(there.compression)) +
                                                  std::abs(static_cast<double>(step.compression)));
-    const double bound = this->force_error(step, there.force, share) + this->force_error(back, f, share) +
+    const double bound = this->force_error(step, there.force, share, 12) + this->force_error(back, f, share, 1) +
                          2 * this->stiffest_[step.table] * moved;
     ASSERT_NEAR(static_cast<double>(f), static_cast<double>(there.force), bound)
         << "y0 " << step.compression << " xf " << step.free_increment << " xi " << step.admittance;
@@ -235,7 +236,7 @@ TYPED_TEST(ContactStepProperty, LossIsViscousAndPassive) {
     const Wide work = exact.work(x, exact.landing(x));
     const double share = 2 * this->share(step, work, step.compression + x);
     const double forces = share * (mean + std::abs(drag));
-    const double ways = 2 * this->way_error(step, f) + static_cast<double>(step.admittance) * forces;
+    const double ways = 2 * this->way_error(step, f, 2) + static_cast<double>(step.admittance) * forces;
     const double bound = forces + (this->stiffest_[step.table] + resistance) * ways;
     ASSERT_GE(static_cast<double>(f * x - work), -std::abs(static_cast<double>(x)) * bound);
     if (f == 0) {
@@ -286,7 +287,7 @@ TEST(ContactStep, GoesFromEverySegmentToEverySegmentOf1024) {
       const double f = static_cast<double>(exact.mean_force(*step.increment, landing));
       const double force =
           contact_force(table, Approach<double>{step.compression, step.free_increment, step.admittance});
-      const double ways = 16 * kU * (std::abs(x) + std::abs(step.free_increment));
+      const double ways = 2 * kU * (std::abs(x) + std::abs(step.free_increment));
       const double slope = std::min(1 / step.admittance, table.back().half_curvature * 2);
       ASSERT_NEAR(force, f, 8000 * kU * f + slope * ways) << start << " to " << landing;
     }

@@ -16,9 +16,21 @@
 //    |W|. Hence
 //      |dp| <= u |x| (10|x| + 9|xf|) + 17 u xi |W|:
 //    the root is the exact one for xf moved by D, |D| <= u (10|x| + 9|xf|), and forces changed by 17 u.
-// 2. The force is the mean of W/x and (xf - x)/xi with weights 1/h' and 1 - 1/h'. dx W' and -dx/xi cancel there, and
-//    errors of the weights multiply what vanishes. What is left: W/x to 13 roundings, x and xf - x to 2 u |x|, which
-//    is as good as another D, 4 roundings at the end. Rounded up: D = 12 u (|x| + |xf|), forces 40 u.
+// 2. The force is a root of xi A f^2 - b f + q, b = xf + xi F + 2 xi c t, q = G + t (F + c t), t = xf - w: the
+//    quadratic of 1 with s = t - xi f. Its slope there is r = sqrt(B^2 - 4 A g) = |x| h' >= |x|, so an error of q
+//    alone moves f by |dq| / r. That of G, in q and g alike, makes 9 u f. That of w, u |w| and in all terms alike,
+//    makes u F1 |w| / r, F1 being the force at the end: upwards F1 = f + (h' - 1) |x| / xi, so that this is u f and
+//    what xf moved by D = u |x| does; downwards F1 <= f. All others, in u, with L = |b| + r:
+//    - Upwards f = 2 q / L, and q and b are sums of positive terms: q to 6, b to 5, B to 3 (xf + xi F), r to 3 beside
+//      errors of g. These are 3 w t, as xi G <= w t, and A w t <= r L / 2: L = 2 (r + xi A f), A t = A s + xi A f,
+//      and f <= F + c s^2 / x makes A s <= r - w. So 3 L more, 2 at the end; 32 with those of G and w.
+//    - Downwards force stays >= 0, so c |s| <= F / 2, F <= 2 f, and t = s + xi f lies between -|s| and xi f.
+//      Where b >= 0, f = L / (2 xi A): xi F, |t| and 2 xi c |t| are at most L, so b is good to 8 L, B to 5 L, r to 3;
+//      g to 3 |g| or, where t > 0, to 3 |w| t + 2 |g|, and A t <= L / 2: 4 L; 5 at the end; 35 in all.
+//      Where b < 0, f = 2 |q| / L: |xf|, xi F <= r and xi A f <= r / 2. Where t > 0, t (F + c t) <= |G| <= f |x|, so
+//      q makes 11 f; b is good to 5 L, B to 5 L, r to 3, g to 4 L as before, 2 at the end; 40 in all. Where t < 0, q
+//      makes 6 f, b 7 L and g 2 L; 35 in all.
+//    Within one segment f = (F0 + c xf) / A is good to 12. Hence D = u |x|, forces 40 u.
 // 3. h rises with slope >= 1, so the force for xf + D has sure bounds (ExactApproach::force_at_shift), whatever kinks
 //    lie between: no linearisation. Its share of the bound is (1 - 1/h') D/xi, at most D/xi; x moves by D at most.
 // 4. Of the table, knots, forces and the last half_curvature define the reference. Other half_curvatures deviate by
@@ -41,8 +53,11 @@
 namespace contactspline::testing {
 namespace {
 
+// Of the increment and of the force.
 template <typename T>
-constexpr double kWays = 12 * kRoundoff<T>;
+constexpr double kIncrementWays = 12 * kRoundoff<T>;
+template <typename T>
+constexpr double kForceWays = kRoundoff<T>;
 template <typename T>
 constexpr double kForces = 40 * kRoundoff<T>;
 
@@ -63,17 +78,18 @@ StepCase<T> answered(const RandomStep<T>& step, const ExactContact& contact) {
   const ExactApproach approach(contact, step.compression, xf, step.admittance);
   const ExactStep exact =
       step.increment ? approach.solve_near(*step.increment, 4 * kRoundoff<T> * magnitude(xf)) : approach.solve();
-  const Wide shift = kWays<T> * (magnitude(exact.increment) + magnitude(xf));
+  const Wide increment_shift = kIncrementWays<T> * (magnitude(exact.increment) + magnitude(xf));
   const Wide share = share_of_force<T>(contact, approach, exact.increment);
+  const Wide force_shift = kForceWays<T> * magnitude(exact.increment);
   return {step.table,
           step.compression,
           step.free_increment,
           step.admittance,
           static_cast<double>(exact.increment),
-          static_cast<double>(shift + share * step.admittance * exact.force),
+          static_cast<double>(increment_shift + share * step.admittance * exact.force),
           static_cast<double>(exact.force),
-          static_cast<double>(approach.force_at_shift(exact, -shift) * (1 - share)),
-          static_cast<double>(approach.force_at_shift(exact, shift) * (1 + share))};
+          static_cast<double>(approach.force_at_shift(exact, -force_shift) * (1 - share)),
+          static_cast<double>(approach.force_at_shift(exact, force_shift) * (1 + share))};
 }
 
 // Rounding each entry of a table of a power law leaves 2 c h within (4 exponent + 4) u of the rise of force, relative
