@@ -142,7 +142,7 @@ struct Crossing {
         xf(approach.free_increment),
         xi(approach.admittance),
         up(upwards),
-        first(up ? std::min(start + 1, table.size() - 1) : start),
+        first(start + up),
         gain_to_first((table[first].knot - y0) * (table[start].force_at(y0) + table[first].force) / 2) {}
 
   /// V(knot) - V(y0).
@@ -157,14 +157,22 @@ struct Crossing {
     return g < 0;
   }
 
-  /// The step, `knots_below` knots lying below the root. At least one knot is crossed.
-  template <typename Machine>
-  [[nodiscard, gnu::always_inline]] constexpr ContactStep<T> land(std::size_t knots_below,
-                                                                  const Machine& machine) const {
-    const std::size_t last = table.size() - 1;
-    const std::size_t lowest = up ? first : 0, highest = up ? last : start - (start > 0);
-    const std::size_t landing = std::min(std::max(knots_below, lowest), highest);
-    const std::size_t entry = std::min(landing + !up, last);  // last knot passed
+  /// Segment of the root. The nearest knots are tried one after the other, since few are crossed as a rule and
+  /// processors foresee that; then all others.
+  [[nodiscard]] constexpr std::size_t landing_segment() const {
+    constexpr std::size_t kNearest = 8;
+    const std::size_t knots = up ? table.size() - 1 - start : start;  // that lie in the way
+    const auto passes_knot = [this](std::size_t i) { return passes(up ? start + i : start + 1 - i); };
+    std::size_t passed = 1;
+    while (passed < std::min(knots, kNearest) && passes_knot(passed + 1)) ++passed;
+    if (passed == kNearest)
+      passed += count_leading(knots - kNearest, [&](std::size_t i) { return passes_knot(kNearest + i); });
+    return up ? start + passed : start - passed;
+  }
+
+  [[nodiscard, gnu::always_inline]] constexpr ContactStep<T> step() const {
+    const std::size_t landing = landing_segment();
+    const std::size_t entry = landing + !up;  // last knot passed
     const T origin = table[entry].knot;
     const T way = whole(origin - y0);
     const T gain = gain_to(entry);
@@ -182,19 +190,18 @@ struct Crossing {
     const T q = sign * (gain + free_way * (entry_force + c * free_way));
     const T root = way != 0 ? std::sqrt(std::abs(b * b - 4 * a * g)) : std::abs(b);  // the square may be too small
     const T b_and_root = root + std::abs(b), p_and_root = root + std::abs(p);
-    const T s = machine.choose(b, b_and_root, -2 * sign * g) / machine.choose(b, 2 * sign * a, b_and_root);
-    const T f = machine.choose(p, p_and_root, 2 * q) / machine.choose(p, 2 * xi * a, p_and_root);
+    const T s = (b <= 0 ? b_and_root : -2 * sign * g) / (b <= 0 ? 2 * sign * a : b_and_root);
+    const T f = (p <= 0 ? p_and_root : 2 * q) / (p <= 0 ? 2 * xi * a : p_and_root);
     const T y = origin + s;
     return {std::max(T(0), f), y, settled(table, landing, y)};
   }
 };
 
-/// The step from y0 in the segment `start` by x = (xf - xi f)/divisor, divisor >= 1, on a `machine` as PlainMachine.
-template <std::floating_point T, std::size_t Extent, typename Machine>
+/// The step from y0 in the segment `start` by x = (xf - xi f)/divisor, divisor >= 1.
+template <std::floating_point T, std::size_t Extent>
 [[nodiscard, gnu::always_inline]] constexpr ContactStep<T> contact_step(SegmentTable<T, Extent> table,
                                                                         std::size_t start,
-                                                                        const Approach<T>& approach, T divisor,
-                                                                        const Machine& machine) {
+                                                                        const Approach<T>& approach, T divisor) {
   const T y0 = approach.compression, xf = approach.free_increment, xi = approach.admittance;
   const Segment<T>& here = table[start];
   const std::size_t next = std::min(start + 1, table.size() - 1);
@@ -205,43 +212,14 @@ template <std::floating_point T, std::size_t Extent, typename Machine>
   const bool below = (start > 0) & (free < slope * (here.knot - y0));
   const bool above = (start < next) & (free >= slope * (table[next].knot - y0));
   if (!(below | above)) {
-    const T y = y0 + machine.quotient(free, slope);
-    const T force = machine.quotient(divisor * f0 + here.half_curvature * xf, slope);
+    const T y = y0 + free / slope;
+    const T force = (divisor * f0 + here.half_curvature * xf) / slope;
     return {std::max(T(0), force), y, settled(table, start, y)};
   }
   const bool is_lossy = divisor != 1;
   const Approach<T> yielding{y0, is_lossy ? xf / divisor : xf, is_lossy ? xi / divisor : xi};
-  const Crossing<T, Extent> crossing(table, start, yielding, above);
-  return crossing.land(machine.knots_below_root(crossing), machine);
+  return Crossing<T, Extent>(table, start, yielding, above).step();
 }
-
-/// What a machine without vectors does.
-struct PlainMachine {
-  /// The nearest knots one after the other, since few are crossed as a rule and processors foresee that; then all
-  /// others.
-  template <std::floating_point T, std::size_t Extent>
-  [[nodiscard]] constexpr std::size_t knots_below_root(const Crossing<T, Extent>& crossing) const {
-    constexpr std::size_t kNearest = 8;
-    const std::size_t start = crossing.start;
-    const std::size_t knots = crossing.up ? crossing.table.size() - 1 - start : start;  // that lie in the way
-    const auto passes = [&](std::size_t i) { return crossing.passes(crossing.up ? start + i : start + 1 - i); };
-    std::size_t passed = 1;
-    while (passed < std::min(knots, kNearest) && passes(passed + 1)) ++passed;
-    if (passed == kNearest)
-      passed += count_leading(knots - kNearest, [&](std::size_t i) { return passes(kNearest + i); });
-    return crossing.up ? start + passed : start - passed;
-  }
-
-  template <std::floating_point T>
-  [[nodiscard]] constexpr T choose(T test, T if_at_most_0, T otherwise) const {
-    return test <= 0 ? if_at_most_0 : otherwise;
-  }
-
-  template <std::floating_point T>
-  [[nodiscard]] constexpr T quotient(T dividend, T divisor) const {
-    return dividend / divisor;
-  }
-};
 
 }  // namespace detail
 
@@ -258,7 +236,7 @@ struct PlainMachine {
 template <std::floating_point T, std::size_t Extent>
 [[nodiscard, gnu::always_inline]] inline ContactStep<T> contact_step(SegmentTable<T, Extent> table,
                                                                      const Approach<T>& approach, std::size_t start) {
-  return detail::contact_step(table, start, approach, T(1), detail::PlainMachine());
+  return detail::contact_step(table, start, approach, T(1));
 }
 
 /// The same from anywhere.
@@ -280,29 +258,6 @@ struct ContactControls {
   T loss_s_per_m = 0;     ///< Hunt-Crossley loss lambda >= 0: viscous force lambda F(y) dy/dt
 };
 
-namespace detail {
-
-template <std::floating_point T, std::size_t Extent, typename Machine>
-[[nodiscard, gnu::always_inline]] constexpr ContactStep<T> contact_step(SegmentTable<T, Extent> table,
-                                                                        const ContactControls<T>& controls,
-                                                                        T time_step, const Approach<T>& approach,
-                                                                        std::size_t start, const Machine& machine) {
-  const T y0 = approach.compression, xf = approach.free_increment, xi = approach.admittance;
-  const T ratio = controls.stiffness_ratio;
-  if (controls.loss_s_per_m == 0) {
-    const auto elastic = contact_step(table, start, Approach<T>{y0, xf, ratio * xi}, T(1), machine);
-    return {ratio * elastic.force, elastic.compression, elastic.segment};
-  }
-  const T resistance = controls.loss_s_per_m * ratio / time_step * table[start].force_at(y0);  // [N/m]
-  const T divisor = 1 + xi * resistance;
-  const auto elastic = contact_step(table, start, Approach<T>{y0, xf, ratio * xi}, divisor, machine);
-  const T total = (ratio * elastic.force + resistance * xf) / divisor;
-  if (total >= 0) return {total, elastic.compression, elastic.segment};
-  return {0, y0 + xf, segment_index(table, y0 + xf)};
-}
-
-}  // namespace detail
-
 /// contact_step with the material's stiffness scaled and a viscous force lambda F(y0) x/dt added. Where the sum would
 /// pull, the bodies part without force and what is stored beyond is lost: passive, and the force stays continuous.
 /// time_step: dt [s]. start: the segment that holds y0.
@@ -310,7 +265,18 @@ template <std::floating_point T, std::size_t Extent>
 [[nodiscard, gnu::always_inline]] inline ContactStep<T> contact_step(SegmentTable<T, Extent> table,
                                                                      const ContactControls<T>& controls, T time_step,
                                                                      const Approach<T>& approach, std::size_t start) {
-  return detail::contact_step(table, controls, time_step, approach, start, detail::PlainMachine());
+  const T y0 = approach.compression, xf = approach.free_increment, xi = approach.admittance;
+  const T ratio = controls.stiffness_ratio;
+  if (controls.loss_s_per_m == 0) {
+    const auto elastic = detail::contact_step(table, start, Approach<T>{y0, xf, ratio * xi}, T(1));
+    return {ratio * elastic.force, elastic.compression, elastic.segment};
+  }
+  const T resistance = controls.loss_s_per_m * ratio / time_step * table[start].force_at(y0);  // [N/m]
+  const T divisor = 1 + xi * resistance;
+  const auto elastic = detail::contact_step(table, start, Approach<T>{y0, xf, ratio * xi}, divisor);
+  const T total = (ratio * elastic.force + resistance * xf) / divisor;
+  if (total >= 0) return {total, elastic.compression, elastic.segment};
+  return {0, y0 + xf, segment_index(table, y0 + xf)};
 }
 
 /// The same from anywhere.
