@@ -106,6 +106,23 @@ std::unique_ptr<Player<T>> string_alone(const Model& model, const PowerLawHammer
   return std::make_unique<PlayerOf<T, String>>(String(model.modes, model.pickup_shapes, kSampleRate));
 }
 
+/// HammerString before its first throw.
+template <std::floating_point T>
+class RestingHammerString {
+ public:
+  explicit RestingHammerString(const Model& model) : string_(model, model.hammer.mass_kg) {}
+  void play(std::span<T> out) { string_.play(out); }
+
+ private:
+  SplineHammerString<T> string_;
+};
+
+template <std::floating_point T>
+std::unique_ptr<Player<T>> string_in_blocks(const Model& model, const PowerLawHammer&) {
+  if (model.modes.empty()) return nullptr;
+  return std::make_unique<PlayerOf<T, RestingHammerString<T>>>(RestingHammerString<T>(model));
+}
+
 template <std::floating_point T>
 std::unique_ptr<Player<T>> fd_hammer(const Model& model, const PowerLawHammer&) {
   if (!model.fd) return nullptr;
@@ -130,6 +147,7 @@ std::vector<Scheme<T>> schemes() {
           {"Newton", detail::baseline<T, NewtonHammerString<T>>},
           {"fd.hammer", detail::fd_hammer<T>},
           {"string alone", detail::string_alone<T, LinearString<T>>},
+          {"in blocks", detail::string_in_blocks<T>},
           {"roofline", detail::string_alone<T, Roofline<T>>}};
 }
 
