@@ -76,7 +76,7 @@ class Flight {
 };
 
 /// Samples after which it is looked whether a hammer that is apart is out of the string's reach.
-constexpr std::size_t kLook = 64;
+constexpr std::size_t kLook = 32;
 /// So many samples out of reach are worth the passes over the modes that tell of them.
 constexpr std::size_t kWorthIt = 16;
 /// Up to so many samples are played on the modes where they lie.

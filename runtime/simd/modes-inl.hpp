@@ -27,14 +27,22 @@ using Vector = hn::Vec<Tag<T>>;
 template <typename T>
 constexpr bool kRounds = sizeof(T) < sizeof(double);
 
-/// What comes of a mode's change c over a sample, `share` of its free increment d: ModalBank::commit.
+/// What a mode loses of a change c: its loss, and what the rest of the stiffness makes of c (see move).
+template <typename T>
+HWY_INLINE Vector<T> loss_with(Vector<T> rest, Vector<T> loss) {
+  return kRounds<T> ? hn::Add(loss, rest) : loss;
+}
+
+/// What comes of a mode's change c over a sample, `share` of its free increment d: ModalBank::commit, its pull summed
+/// in the order in which its parts are known. loss: loss_with(rest, loss).
 template <bool kDamped, typename T>
 HWY_INLINE void move(Vector<T> stiffness, Vector<T> rest, Vector<T> loss, Vector<T> share, Vector<T>& q,
                      Vector<T>& d) {
   const auto c = kDamped ? hn::Mul(share, d) : d;
+  const auto q_before = q;
   q = hn::Add(q, c);
   if constexpr (kRounds<T>) {
-    const auto pull = hn::MulAdd(stiffness, q, hn::MulAdd(rest, q, hn::Mul(loss, c)));
+    const auto pull = hn::MulAdd(stiffness, q, hn::MulAdd(loss, c, hn::Mul(rest, q_before)));
     d = kDamped ? hn::Add(hn::Sub(c, d), hn::Sub(c, pull)) : hn::Sub(c, pull);
   } else {
     const auto kept = hn::NegMulAdd(stiffness, q, hn::NegMulAdd(loss, c, c));
@@ -56,7 +64,7 @@ HWY_INLINE void run_free(const ModalArrays<T>& string, std::size_t first, T shar
     const std::size_t at = first + v * lanes;
     stiffness[v] = hn::Load(tag, string.stiffness + at);
     rest[v] = hn::Load(tag, string.stiffness_rest + at);
-    loss[v] = hn::Load(tag, string.loss + at);
+    loss[v] = loss_with<T>(rest[v], hn::Load(tag, string.loss + at));
     shape[v] = hn::Load(tag, pickup + at);
     q[v] = hn::Load(tag, string.displacement + at);
     d[v] = hn::Load(tag, string.free_increment + at);
@@ -126,8 +134,13 @@ class StruckModes {
     const T* const sources[kStruckLines] = {string.displacement, string.free_increment, strike.give,
                                             strike.free_give,    string.stiffness,      string.stiffness_rest,
                                             string.loss,         strike.shape,          pickup};
-    for (std::size_t line = 0; line < lines_; ++line)
+    for (std::size_t line = 0; line < lines_; ++line) {
       for (std::size_t i = 0; i < kStruckLines; ++i) copy(sources[i] + line * kLine, at(line, static_cast<Row>(i)));
+      for (std::size_t v = 0; v < kLine; v += hn::Lanes(tag())) {
+        T* const loss = at(line, kLoss) + v;
+        hn::Store(loss_with<T>(hn::Load(tag(), at(line, kRest) + v), hn::Load(tag(), loss)), tag(), loss);
+      }
+    }
   }
 
   /// Sums over the modes of the strike's shape times free increment, and of the pickup's times displacement.
@@ -254,7 +267,8 @@ class ModesInPlace {
     for (std::size_t at = 0; at < string_.modes; at += hn::Lanes(tag)) {
       auto q = hn::Load(tag, string_.displacement + at), d = hn::Load(tag, string_.free_increment + at);
       const auto rest = kRounds<T> ? hn::Load(tag, string_.stiffness_rest + at) : hn::Zero(tag);
-      move<kDamped, T>(hn::Load(tag, string_.stiffness + at), rest, hn::Load(tag, string_.loss + at), shares, q, d);
+      const auto loss = loss_with<T>(rest, hn::Load(tag, string_.loss + at));
+      move<kDamped, T>(hn::Load(tag, string_.stiffness + at), rest, loss, shares, q, d);
       q = hn::MulAdd(hn::Load(tag, strike_.give + at), pushes, q);
       d = hn::MulAdd(hn::Load(tag, strike_.free_give + at), pushes, d);
       hn::Store(q, tag, string_.displacement + at);
