@@ -181,8 +181,8 @@ struct Crossing {
     const T sign = T(2 * up - 1);
     const T free_way = whole(xf - way);  // beyond the knot, if no force acted
 
-    // The way s is a root of a s^2 + b s + g, the force of xi a f^2 - p f + q. Both have the discriminant root^2,
-    // root being |x| times the slope of h there.
+    // The way s is a root of a s^2 + b s + g, the force of xi a f^2 - p f + q, but for the signs of b, p and q, which
+    // count along the motion. Both have the discriminant root^2, root being |x| times the slope of h there.
     const T a = 1 + xi * c;
     const T b = sign * (way - free_way + xi * entry_force);
     const T g = xi * gain - way * free_way;  // <= 0, but for rounding

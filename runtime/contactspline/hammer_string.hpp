@@ -28,7 +28,7 @@ class FeltTables {
   explicit FeltTables(SegmentTable<T> felt)
       : segments_(felt.size() - 1),
         blocks_((segments_ + kKnotsInABlock - 1) / kKnotsInABlock),
-        knots_(kLine + blocks_ * kKnotsInABlock + kLine),
+        knots_(kBefore + blocks_ * kKnotsInABlock + kLine),
         energies_(knots_.size()),
         forces_(knots_.size()),
         half_curvatures_(knots_.size()),
@@ -37,7 +37,7 @@ class FeltTables {
         gives_(knots_.size()),
         stiffnesses_(knots_.size()),
         yields_(knots_.size()) {
-    for (std::size_t i = 0; i < knots_.size(); ++i) knots_[i] = i < kLine ? -kOutOfReach_m<T> : kOutOfReach_m<T>;
+    for (std::size_t i = 0; i < knots_.size(); ++i) knots_[i] = i < kBefore ? -kOutOfReach_m<T> : kOutOfReach_m<T>;
     for (std::size_t i = 0; i < pivots_.size(); ++i) pivots_[i] = kOutOfReach_m<T>;
     for (std::size_t k = 1; k <= segments_; ++k) {
       knots_[kEntry0 + k] = felt[k].knot;
@@ -68,8 +68,10 @@ class FeltTables {
 
  private:
   static constexpr std::size_t kLine = ModalArray<T>::kLine;
-  static_assert(kLine >= kKnotsInReach);
-  static constexpr std::size_t kEntry0 = kLine - 1;
+  // The kernels read entries -kKnotsInReach, of the segment below the lowest knot in reach, to N + kKnotsInReach.
+  static constexpr std::size_t kBefore = 2 * kKnotsInReach;
+  static_assert(kBefore % kLine == 0 && kLine >= kKnotsInReach);
+  static constexpr std::size_t kEntry0 = kBefore - 1;
 
   std::size_t segments_, blocks_;
   ModalArray<T> knots_, energies_, forces_, half_curvatures_, pivots_, pivot_energies_;

@@ -31,7 +31,7 @@ template <std::floating_point T>
 inline constexpr T kOutOfReach_m = T(1e15);
 
 /// A SegmentTable column by column: entry k of each is entry k of the table, but for knots[0]. Before entry 0 and
-/// after entry N stand kKnotsInReach segments or more without force, out of reach, entry 0 among them.
+/// after entry N stand kKnotsInReach segments or more without force, out of reach as entry 0 is.
 template <std::floating_point T>
 struct FeltArrays {
   std::size_t segments;  ///< N

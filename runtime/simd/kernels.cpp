@@ -96,7 +96,7 @@ HWY_INLINE std::size_t play_struck_of(const Strike<T>& strike, HammerFlight<T>& 
   T last = 0;  // force of the last sample, which the modes have not yet felt; earlier ones are in velocity and modes
   std::size_t n = 0;
   for (; n < out.size() && flight.compression() > kCaught_m<T>; ++n) {
-    if (n % kLook == 0 && n > 0 && flight.compression() < 0) break;
+    if (!kDamped && n % kLook == 0 && n > 0 && flight.compression() < 0) break;
     const T way = flight.way();
     const T now = flight.meet(before - yields * last);
     const auto sums = modes.template pass<kDamped>(share, share * last);
@@ -124,7 +124,8 @@ HWY_INLINE std::size_t play_few_of(const Strike<T>& strike, HammerFlight<T>& ham
   return n;
 }
 
-/// A hammer that the string cannot reach for some time: the string is then played alone. Returns the samples played.
+/// A hammer that a string without damper cannot reach for some time: the string is then played alone. Returns the
+/// samples played.
 template <typename T>
 HWY_INLINE std::size_t play_apart(const Strike<T>& strike, HammerFlight<T>& hammer, std::span<T> out, T* force) {
   const ModesInPlace<T> modes(strike.string, strike.place, strike.pickup);

@@ -152,8 +152,8 @@ class StruckModes {
   /// Displacement at the pickup per newton, once the force is applied.
   [[nodiscard]] HWY_ATTR T pickup_admittance() const { return sum(kPickup, kGive); }
 
-  /// Applies the force of the sample before the last, `push` after the damper's share, to what the last sample did
-  /// without it, and does the coming sample without its force, which is still missing in the sums.
+  /// Applies the force of the last sample, `push` after the damper's share, which that one was done without, and does
+  /// the coming sample without its force, which is still missing in the sums.
   template <bool kDamped>
   HWY_INLINE Sums pass(T share, T push) {
     const auto pushes = hn::Set(tag(), push), shares = hn::Set(tag(), share);
@@ -238,9 +238,9 @@ class ModesInPlace {
   /// Sum of the strike's shape times displacement.
   [[nodiscard]] HWY_INLINE T place() const { return inner_product(strike_.shape, string_.displacement); }
 
-  /// The furthest that the place of the strike can ever be without a force, whatever the phases of the modes: their
-  /// amplitudes are sqrt(q^2 + p^2), p being (d + (loss + stiffness) q / 2) / sqrt(stiffness - (loss + stiffness)^2 /
-  /// 4).
+  /// The furthest that the place of the strike can ever be without force or damper, whatever the phases of the modes:
+  /// their amplitudes are sqrt(q^2 + p^2), p being (d + (loss + stiffness) q / 2) / sqrt(stiffness - (loss +
+  /// stiffness)^2 / 4).
   [[nodiscard]] HWY_INLINE T reach() const {
     const Tag<T> tag;
     const auto half = hn::Set(tag, T(0.5));
