@@ -71,7 +71,7 @@ class Felt {
       moved = search(below > 0, xf, xi) - segment_;
       force = far_force<kVaries>(moved, xf, xi);
     }
-    segment_ += moved;
+    segment_ = std::min(segment_ + moved, static_cast<Knot>(felt_.segments));  // beyond only where xf is infinite
     const Knot entry = segment_ + ((moved < 0) | (segment_ == 0));
     beyond_ = (beyond_ - (felt_.knots[entry] - felt_.knots[entry_])) + xf - xi * force;
     entry_ = entry;
