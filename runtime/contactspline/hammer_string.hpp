@@ -2,7 +2,10 @@
 // A felt hammer thrown at a string, or at any other modal resonator.
 #pragma once
 
+#include <algorithm>
+#include <cstring>
 #include <utility>
+#include <vector>
 
 #include "contactspline/contact.hpp"
 #include "contactspline/kernels.hpp"
@@ -26,7 +29,8 @@ template <std::floating_point T>
 class FeltTables {
  public:
   explicit FeltTables(SegmentTable<T> felt)
-      : segments_(felt.size() - 1),
+      : felt_(felt.begin(), felt.end()),
+        segments_(felt.size() - 1),
         blocks_((segments_ + kKnotsInABlock - 1) / kKnotsInABlock),
         knots_(kBefore + blocks_ * kKnotsInABlock + kLine),
         energies_(knots_.size()),
@@ -36,19 +40,15 @@ class FeltTables {
         pivot_energies_(pivots_.size()),
         gives_(knots_.size()),
         stiffnesses_(knots_.size()),
-        yields_(knots_.size()) {
-    for (std::size_t i = 0; i < knots_.size(); ++i) knots_[i] = i < kBefore ? -kOutOfReach_m<T> : kOutOfReach_m<T>;
-    for (std::size_t i = 0; i < pivots_.size(); ++i) pivots_[i] = kOutOfReach_m<T>;
-    for (std::size_t k = 1; k <= segments_; ++k) {
-      knots_[kEntry0 + k] = felt[k].knot;
-      energies_[kEntry0 + k] = felt[k].energy;
-      forces_[kEntry0 + k] = felt[k].force;
-      half_curvatures_[kEntry0 + k] = felt[k].half_curvature;
-    }
-    for (std::size_t block = 0; block < blocks_; ++block) {
-      pivots_[block] = knots_[kEntry0 + 1 + block * kKnotsInABlock];
-      pivot_energies_[block] = energies_[kEntry0 + 1 + block * kKnotsInABlock];
-    }
+        weights_(knots_.size()) {
+    fill();
+  }
+
+  /// Takes what has become of the felt since: no work where nothing has.
+  void follow(SegmentTable<T> felt) {
+    if (std::memcmp(felt_.data(), felt.data(), felt.size_bytes()) == 0) return;
+    std::ranges::copy(felt, felt_.begin());
+    fill();
   }
 
   [[nodiscard]] FeltArrays<T> arrays() {
@@ -63,7 +63,7 @@ class FeltTables {
             &admittance_,
             gives_.data() + kEntry0,
             stiffnesses_.data() + kEntry0,
-            yields_.data() + kEntry0};
+            weights_.data() + kEntry0};
   }
 
  private:
@@ -73,10 +73,27 @@ class FeltTables {
   static_assert(kBefore % kLine == 0 && kLine >= kKnotsInReach);
   static constexpr std::size_t kEntry0 = kBefore - 1;
 
+  void fill() {
+    admittance_ = 0;
+    for (std::size_t i = 0; i < knots_.size(); ++i) knots_[i] = i < kBefore ? -kOutOfReach_m<T> : kOutOfReach_m<T>;
+    for (std::size_t i = 0; i < pivots_.size(); ++i) pivots_[i] = kOutOfReach_m<T>;
+    for (std::size_t k = 1; k <= segments_; ++k) {
+      knots_[kEntry0 + k] = felt_[k].knot;
+      energies_[kEntry0 + k] = felt_[k].energy;
+      forces_[kEntry0 + k] = felt_[k].force;
+      half_curvatures_[kEntry0 + k] = felt_[k].half_curvature;
+    }
+    for (std::size_t block = 0; block < blocks_; ++block) {
+      pivots_[block] = knots_[kEntry0 + 1 + block * kKnotsInABlock];
+      pivot_energies_[block] = energies_[kEntry0 + 1 + block * kKnotsInABlock];
+    }
+  }
+
+  std::vector<Segment<T>> felt_;
   std::size_t segments_, blocks_;
   ModalArray<T> knots_, energies_, forces_, half_curvatures_, pivots_, pivot_energies_;
   T admittance_ = 0;
-  ModalArray<T> gives_, stiffnesses_, yields_;
+  ModalArray<T> gives_, stiffnesses_, weights_;
 };
 
 /// The arrays behind StrikeArrays.
@@ -96,6 +113,9 @@ class StrikeTables {
     free_admittance_ = 0;
     for (std::size_t i = 0; i < shapes.size(); ++i) free_admittance_ += shapes[i] * free_give_[i];
   }
+
+  /// As FeltTables.
+  void follow(SegmentTable<T> felt) { felt_.follow(felt); }
 
   [[nodiscard]] StrikeArrays<T> arrays(const ModeShapes<T>& shapes) {
     return {shapes.data(), give_.data(),   free_give_.data(), free_admittance_,
@@ -130,7 +150,8 @@ class HammerString {
     has_moved_ = true;
   }
 
-  /// Throws the hammer at the string, from a distance [m] >= 0, with a velocity [m/s]; the string may be sounding.
+  /// Throws the hammer at the string, from a distance [m] of 0 to 0.05, with a velocity [m/s]; the string may be
+  /// sounding. From further away it is caught at once.
   void strike(T velocity_m_per_s, T distance_m) {
     if (std::exchange(has_moved_, false)) {
       strike_ = next_strike_;
@@ -166,6 +187,7 @@ class HammerString {
     const T share = 1 / (1 + controls.damping_per_s * time_step_);
     if (is_flying_) {
       take(controls);
+      tables_.follow(felt_);
       const detail::Strike<T> strike{
           string_.arrays(), tables_.arrays(strike_), felt_, time_step_, share, string_admittance_, pickup.data()};
       const std::size_t samples = detail::play_struck(strike, hammer_, out, forces);

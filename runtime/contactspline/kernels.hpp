@@ -3,6 +3,7 @@
 // every machine.
 #pragma once
 
+#include <limits>
 #include <span>
 
 #include "contactspline/contact.hpp"
@@ -26,9 +27,10 @@ inline constexpr std::size_t kKnotsInABlock = 32;
 /// Knots below and above a segment that the kernels look at at once.
 inline constexpr std::size_t kKnotsInReach = 8;
 
-/// Knots further than anything, which surround those of a felt [m].
+/// Knots further than anything, which surround those of a felt [m]: their square is infinite, so that none is ever
+/// passed.
 template <std::floating_point T>
-inline constexpr T kOutOfReach_m = T(1e15);
+inline constexpr T kOutOfReach_m = std::numeric_limits<T>::max() / 4;
 
 /// A SegmentTable column by column: entry k of each is entry k of the table, but for knots[0]. Before entry 0 and
 /// after entry N stand kKnotsInReach segments or more without force, out of reach as entry 0 is.
@@ -46,7 +48,7 @@ struct FeltArrays {
   T* admittance;   ///< xi [m/N], 0 at first
   T* gives;        ///< xi times the force at each knot [m]
   T* stiffnesses;  ///< xi times that of each segment: 2 xi c
-  T* yields;       ///< 1/(2 xi (1 + xi c)) of each segment [N/m]
+  T* weights;      ///< 1/(2 xi (1 + xi c)) of each segment [N/m]
 };
 
 /// How a force on a hammer's strings changes, per newton, what the modes are and will do.

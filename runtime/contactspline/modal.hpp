@@ -236,8 +236,9 @@ class ModalBank {
     for (std::size_t i = 0; i < size(); ++i) {
       displacement[i] = give_[i] * at[i];
       free_increment[i] = displacement[i] * (2 - loss_[i] - stiffness_[i]);
-      const T pull = (loss_[i] + stiffness_[i]) / 2;
-      swing[i] = at[i] / std::sqrt(std::max(stiffness_[i] - pull * pull, std::numeric_limits<T>::min()));
+      const double stiffness = static_cast<double>(stiffness_[i]) + static_cast<double>(stiffness_rest_[i]);
+      const double pull = (static_cast<double>(loss_[i]) + stiffness) / 2;
+      swing[i] = at[i] / static_cast<T>(std::sqrt(std::max(stiffness - pull * pull, 1e-30)));
     }
   }
 

@@ -35,7 +35,7 @@ class Felt {
       const T stiffness = xi * felt.half_curvatures[k];
       felt.gives[k] = xi * felt.forces[k];
       felt.stiffnesses[k] = 2 * stiffness;
-      felt.yields[k] = T(0.5) / (xi * (1 + stiffness));
+      felt.weights[k] = T(0.5) / (xi * (1 + stiffness));
     }
   }
 
@@ -66,12 +66,12 @@ class Felt {
     const Knot below = look_around<kVaries>(xf, xi, steps);
     Knot moved = below - kFar;
     const T root = hn::GetLane(hn::Sqrt(hn::Set(One(), steps.square[below])));
-    T force = steps.rational[below] + kSigns[below] * yield<kVaries>(segment_ + moved, xi) * root;
+    T force = steps.rational[below] + kSigns[below] * weight<kVaries>(segment_ + moved, xi) * root;
     if (HWY_UNLIKELY((below == 0) | (below == 2 * kFar))) {
       moved = search(below > 0, xf, xi) - segment_;
       force = far_force<kVaries>(moved, xf, xi);
     }
-    segment_ = std::min(segment_ + moved, static_cast<Knot>(felt_.segments));  // beyond only where xf is infinite
+    segment_ += moved;
     const Knot entry = segment_ + ((moved < 0) | (segment_ == 0));
     beyond_ = (beyond_ - (felt_.knots[entry] - felt_.knots[entry_])) + xf - xi * force;
     entry_ = entry;
@@ -84,7 +84,7 @@ class Felt {
   static constexpr std::size_t kReach = kKnotsInReach;
   static constexpr Knot kFar = kReach;
 
-  /// Forces by the number of knots around that the root lies above: rational + sign yield sqrt(square).
+  /// Forces by the number of knots around that the root lies above: rational + sign weight sqrt(square).
   struct Steps {
     HWY_ALIGN T square[2 * kReach + 1];
     HWY_ALIGN T rational[2 * kReach + 1];
@@ -93,7 +93,7 @@ class Felt {
   static_assert(kReach == 8);
   static constexpr T kSigns[2 * kReach + 1] = {1, 1, 1, 1, 1, 1, 1, 1, 0, -1, -1, -1, -1, -1, -1, -1, -1};
 
-  /// Stores what `at` knots and more lie below of, leaving the place in the middle free.
+  /// Stores lanes at to[at] and on, skipping to[kReach].
   template <typename Lanes, typename D>
   static HWY_INLINE void store(Lanes values, D tag, std::size_t at, T* to) {
     hn::StoreU(values, tag, to + at + (at + hn::Lanes(tag) > kReach));
@@ -105,8 +105,8 @@ class Felt {
 
   /// 1/(2 xi (1 + xi c)) in a segment [N/m].
   template <bool kVaries>
-  [[nodiscard]] HWY_INLINE T yield(Knot segment, T xi) const {
-    return kVaries ? T(0.5) / (xi * (1 + xi * felt_.half_curvatures[segment])) : felt_.yields[segment];
+  [[nodiscard]] HWY_INLINE T weight(Knot segment, T xi) const {
+    return kVaries ? T(0.5) / (xi * (1 + xi * felt_.half_curvatures[segment])) : felt_.weights[segment];
   }
 
   /// Of the kReach knots below and as many above, how many the root lies above, and the force of each such number.
@@ -116,11 +116,11 @@ class Felt {
     const hn::CappedTag<T, 2 * kReach> tag;
     const std::size_t lanes = hn::Lanes(tag);
     const T c = felt_.half_curvatures[segment_], force_here = felt_.forces[entry_];
-    const T give_way_here = xi * force_here;
+    const T gives_here = xi * force_here;
     const T yielding = xf + beyond_ * (1 - xi * c);
-    const T minus_here = beyond_ * (give_way_here - yielding);  // g less that of a start at the origin
+    const T minus_here = beyond_ * (gives_here - yielding);  // g less that of a start at the origin
     const auto origin = hn::Set(tag, felt_.knots[entry_]), energy = hn::Set(tag, felt_.energies[entry_]);
-    const auto origin_gives = hn::Set(tag, give_way_here), xis = hn::Set(tag, xi);
+    const auto origin_gives = hn::Set(tag, gives_here), xis = hn::Set(tag, xi);
     const auto half = hn::Set(tag, T(0.5)), two = hn::Set(tag, T(2)), four = hn::Set(tag, T(4));
     const auto twice = hn::Set(tag, 2 * beyond_ + xf), free = hn::Set(tag, beyond_ + xf), xfs = hn::Set(tag, xf);
     const auto minus_heres = hn::Set(tag, minus_here), yieldings = hn::Set(tag, yielding);
@@ -137,7 +137,7 @@ class Felt {
       const auto stiffness =
           kVaries ? hn::Mul(hn::Add(xis, xis), of_landing(felt_.half_curvatures)) : of_landing(felt_.stiffnesses);
       const auto four_a = hn::MulAdd(two, stiffness, four);
-      const auto yields = kVaries ? hn::Div(two, hn::Mul(xis, four_a)) : of_landing(felt_.yields);
+      const auto weights = kVaries ? hn::Div(two, hn::Mul(xis, four_a)) : of_landing(felt_.weights);
       const auto way = hn::Sub(hn::LoadU(tag, felt_.knots + at), origin);
       const auto gain = hn::Sub(hn::LoadU(tag, felt_.energies + at), energy);
       const auto g = hn::NegMulAdd(way, twice, hn::MulAdd(way, way, hn::Mul(xis, gain)));
@@ -158,10 +158,10 @@ class Felt {
       const auto b = hn::Sub(hn::MulAdd(two, way, gives), twice);
       store(hn::Abs(hn::NegMulAdd(four_a, hn::Sub(g, minus_heres), hn::Mul(b, b))), tag, v, steps.square);
       const auto b_force = hn::MulAdd(stiffness, free, hn::Add(hn::NegMulAdd(stiffness, way, gives), xfs));
-      store(hn::Mul(yields, b_force), tag, v, steps.rational);
+      store(hn::Mul(weights, b_force), tag, v, steps.rational);
     }
     // Within the segment: the mean of the forces before and after.
-    const T after = (yielding - give_way_here) * (2 * xi * yield<kVaries>(segment_, xi));
+    const T after = (yielding - gives_here) * (2 * xi * weight<kVaries>(segment_, xi));
     steps.square[kReach] = 0;
     steps.rational[kReach] = force_here + c * (beyond_ + after);
     return static_cast<Knot>(count);
@@ -179,7 +179,7 @@ class Felt {
     const T g = way * way + xi * (felt_.energies[entry] - felt_.energies[entry_]) - way * twice + here;
     const T root = std::sqrt(std::abs(b * b - 4 * a * g));
     const T b_force = (xf + xi * entry_force) + 2 * xi * c * free;
-    return yield<kVaries>(landing, xi) * (b_force + T(1 - 2 * (moved > 0)) * root);
+    return weight<kVaries>(landing, xi) * (b_force + T(1 - 2 * (moved > 0)) * root);
   }
 
   /// A step that leaves the segment, and how it is judged which knots lie between.

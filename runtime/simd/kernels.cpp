@@ -36,22 +36,27 @@ class Flight {
   [[nodiscard]] HWY_INLINE T compression() const { return felt_.compression(); }
   /// Of the hammer over the coming sample without force [m].
   [[nodiscard]] HWY_INLINE T way() const { return dt_ * velocity_; }
-  /// What a force takes from a free increment by the hammer's giving way in the sample before [m/N].
-  [[nodiscard]] HWY_INLINE T give_way() const { return dt_ * give_; }
+  /// What a force in the sample before takes from a free increment by way of the hammer [m/N].
+  [[nodiscard]] HWY_INLINE T free_admittance() const { return dt_ * give_; }
 
-  /// One sample of the contact; gives the force [N], rounded to either side of 0.
-  HWY_INLINE T meet(T free_increment) {
-    force_ = kLossy ? with_loss(free_increment)
-                    : ratio_ * felt_.template press<false>(free_increment, ratio_ * admittance_);
+  /// What comes of a sample of the contact.
+  struct Forces {
+    T rounded;  ///< to either side of 0, but soon known
+    T force;    ///< [N], 0 also of what is no number
+  };
+  HWY_INLINE Forces meet(T free_increment) {
+    const T rounded = kLossy ? with_loss(free_increment)
+                             : ratio_ * felt_.template press<false>(free_increment, ratio_ * admittance_);
+    force_ = std::max(T(0), rounded);
     velocity_ -= give_ * force_;
-    return force_;
+    return {rounded, force_};
   }
 
   HWY_INLINE void land(HammerFlight<T>& hammer) const {
     hammer.compression_m = felt_.compression();
     hammer.segment = felt_.segment();
     hammer.velocity_m_per_s = velocity_;
-    hammer.force_n = std::max(T(0), force_);
+    hammer.force_n = force_;
   }
 
  private:
@@ -91,22 +96,22 @@ HWY_INLINE std::size_t play_struck_of(const Strike<T>& strike, HammerFlight<T>& 
   StruckModes<T> modes(strike.string, strike.place, strike.pickup);
   const T pickup_admittance = modes.pickup_admittance();
   Flight<kLossy, T> flight(strike, hammer);
-  const T yields = flight.give_way() + share * share * strike.place.free_admittance;
+  const T free_admittance = flight.free_admittance() + share * share * strike.place.free_admittance;
   T before = flight.way() - share * modes.coming();  // free increment but for the last force
-  T last = 0;  // force of the last sample, which the modes have not yet felt; earlier ones are in velocity and modes
+  typename Flight<kLossy, T>::Forces last{};         // which the modes have not yet felt; what was before is in them
   std::size_t n = 0;
   for (; n < out.size() && flight.compression() > kCaught_m<T>; ++n) {
     if (!kDamped && n % kLook == 0 && n > 0 && flight.compression() < 0) break;
     const T way = flight.way();
-    const T now = flight.meet(before - yields * last);
-    const auto sums = modes.template pass<kDamped>(share, share * last);
-    out[n] = sums.heard + pickup_admittance * share * now;
+    const auto now = flight.meet(before - free_admittance * last.rounded);
+    const auto sums = modes.template pass<kDamped>(share, share * last.force);
+    out[n] = sums.heard + pickup_admittance * share * now.force;
     before = way - share * sums.coming;
     last = now;
-    if (force != nullptr) force[n] = std::max(T(0), now);
+    if (force != nullptr) force[n] = now.force;
   }
   flight.land(hammer);
-  modes.give_back(share * last);
+  modes.give_back(share * last.force);
   return n;
 }
 
@@ -116,9 +121,9 @@ HWY_INLINE std::size_t play_few_of(const Strike<T>& strike, HammerFlight<T>& ham
   Flight<kLossy, T> flight(strike, hammer);
   std::size_t n = 0;
   for (; n < out.size() && flight.compression() > kCaught_m<T>; ++n) {
-    const T now = flight.meet(flight.way() - strike.share * modes.coming());
+    const T now = flight.meet(flight.way() - strike.share * modes.coming()).force;
     out[n] = modes.template advance<kDamped>(strike.share, strike.share * now);
-    if (force != nullptr) force[n] = std::max(T(0), now);
+    if (force != nullptr) force[n] = now;
   }
   flight.land(hammer);
   return n;

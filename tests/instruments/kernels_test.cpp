@@ -153,6 +153,56 @@ TEST(Kernels, BalanceTheEnergy) {
     }
 }
 
+// A felt that changes in the midst of a contact, as LiveExponent does, changes at once.
+TEST(Kernels, FollowALiveFelt) {
+  const auto modes = audible_modes(c4());
+  const auto shape = shapes<double>(modes, &ResonatorMode::strike_shape);
+  const auto pickup = shapes<double>(modes, &ResonatorMode::pickup_shape);
+  const auto play = [&](bool by_ticks) {
+    auto table = felt_table(c4(), 32);
+    HammerString<double> model(table, bare(modes), shape, 44100);
+    const HammerStringControls<double> controls{.hammer_mass_kg = 0.00297};
+    std::vector<double> out(300);
+    model.strike(2.5, 1e-4);
+    for (std::size_t at = 0; at < out.size(); at += 10) {
+      for (double& sample : std::span(out).subspan(at, 10)) {
+        if (!by_ticks) break;
+        model.tick(controls);
+        sample = model.string().displacement(pickup);
+      }
+      if (!by_ticks) model.play(controls, pickup, std::span(out).subspan(at, 10));
+      for (auto& segment : table) {
+        segment.energy *= 1.02;
+        segment.force *= 1.02;
+        segment.half_curvature *= 1.02;
+      }
+    }
+    return out;
+  };
+  EXPECT_TRUE(sequences_within<double>(play(false), play(true), 1e-12));
+}
+
+// A throw that is no number leaves string and model as they were.
+TEST(Kernels, OutliveWhatIsNoNumber) {
+  const auto modes = audible_modes(c4());
+  const auto table = felt_table(c4(), 32);
+  const auto pickup = shapes<double>(modes, &ResonatorMode::pickup_shape);
+  const HammerStringControls<double> controls{.hammer_mass_kg = 0.00297};
+  for (const std::size_t block : {1u, 1000u}) {
+    std::vector<double> expected(1000), found(1000);
+    for (auto* const out : {&expected, &found}) {
+      HammerString<double> model(table, bare(modes), shapes<double>(modes, &ResonatorMode::strike_shape), 44100);
+      for (const double speed : {std::nan(""), 2.5}) {
+        if (out == &expected && std::isnan(speed)) continue;
+        model.strike(speed, 1e-4);
+        for (std::size_t at = 0; at < out->size(); at += block)
+          model.play(controls, pickup, std::span(*out).subspan(at, block));
+      }
+    }
+    EXPECT_TRUE(sequences_within<double>(found, expected, 1e-15));
+  }
+}
+
 // What has died away must not crawl on in the numbers below the smallest normal one, which are slow.
 TEST(Kernels, LeaveNoDenormalsOfADyingSound) {
   const auto modes = audible_modes(c4());
