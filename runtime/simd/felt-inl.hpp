@@ -65,17 +65,26 @@ class Felt {
     Steps steps;
     const Knot below = look_around<kVaries>(xf, xi, steps);
     Knot moved = below - kFar;
-    const T root = hn::GetLane(hn::Sqrt(hn::Set(One(), steps.square[below])));
-    T force = steps.rational[below] + kSigns[below] * weight<kVaries>(segment_ + moved, xi) * root;
     if (HWY_UNLIKELY((below == 0) | (below == 2 * kFar))) {
       moved = search(below > 0, xf, xi) - segment_;
-      force = far_force<kVaries>(moved, xf, xi);
+      return far_step(moved, xf, xi);
     }
+    // Way and force are roots of two quadratics of one discriminant (docs/contact-step.md).
+    const std::size_t i = static_cast<std::size_t>(below);
+    const T sign = kSigns[i], w = weight<kVaries>(segment_ + moved, xi);
+    const T root = hn::GetLane(hn::Sqrt(hn::Set(One(), steps.square[i])));
+    const T p = steps.p[i], b = steps.b[i], p_and_root = root + std::abs(p), b_and_root = root + std::abs(b);
+    const T crossing = choose_if_positive(p, 2 * steps.q[i] / p_and_root, p_and_root * w);
+    const T way = sign * choose_if_positive(b, -2 * steps.g[i] / b_and_root, b_and_root * (w * xi));
     segment_ += moved;
     const Knot entry = segment_ + ((moved < 0) | (segment_ == 0));
-    beyond_ = (beyond_ - (felt_.knots[entry] - felt_.knots[entry_])) + xf - xi * force;
+    const T rebased = beyond_ - (felt_.knots[entry] - felt_.knots[entry_]);
     entry_ = entry;
-    return force;
+    const hn::RebindToSigned<One> whole;
+    const auto stays = hn::RebindMask(
+        One(), hn::Eq(hn::Set(whole, static_cast<hn::TFromD<decltype(whole)>>(moved)), hn::Zero(whole)));
+    beyond_ = choose(stays, rebased + steps.within_way, way);
+    return choose(stays, steps.within_force, crossing);
   }
 
  private:
@@ -84,14 +93,26 @@ class Felt {
   static constexpr std::size_t kReach = kKnotsInReach;
   static constexpr Knot kFar = kReach;
 
-  /// Forces by the number of knots around that the root lies above: rational + sign weight sqrt(square).
+  static HWY_INLINE T choose(hn::Mask<One> condition, T if_true, T if_false) {
+    return hn::GetLane(hn::IfThenElse(condition, hn::Set(One(), if_true), hn::Set(One(), if_false)));
+  }
+  static HWY_INLINE T choose_if_positive(T test, T if_positive, T otherwise) {
+    return choose(hn::Gt(hn::Set(One(), test), hn::Zero(One())), if_positive, otherwise);
+  }
+
+  /// Quadratics of way and force by the number of knots around that the root lies above, and the step within the
+  /// segment.
   struct Steps {
     HWY_ALIGN T square[2 * kReach + 1];
-    HWY_ALIGN T rational[2 * kReach + 1];
+    HWY_ALIGN T b[2 * kReach + 1];
+    HWY_ALIGN T g[2 * kReach + 1];
+    HWY_ALIGN T p[2 * kReach + 1];
+    HWY_ALIGN T q[2 * kReach + 1];
+    T within_force, within_way;
   };
-  /// 1 downwards, -1 upwards, 0 within the segment.
+  /// Of the motion: -1 downwards, 1 upwards.
   static_assert(kReach == 8);
-  static constexpr T kSigns[2 * kReach + 1] = {1, 1, 1, 1, 1, 1, 1, 1, 0, -1, -1, -1, -1, -1, -1, -1, -1};
+  static constexpr T kSigns[2 * kReach + 1] = {-1, -1, -1, -1, -1, -1, -1, -1, 0, 1, 1, 1, 1, 1, 1, 1, 1};
 
   /// Stores lanes at to[at] and on, skipping to[kReach].
   template <typename Lanes, typename D>
@@ -109,21 +130,22 @@ class Felt {
     return kVaries ? T(0.5) / (xi * (1 + xi * felt_.half_curvatures[segment])) : felt_.weights[segment];
   }
 
-  /// Of the kReach knots below and as many above, how many the root lies above, and the force of each such number.
-  /// The two nearest are judged by h, the others by g = u h (docs/contact-step.md).
+  /// Of the kReach knots below and as many above, how many the root lies above, and the step of each such number. The
+  /// two nearest are judged by h, the others by g = u h (docs/contact-step.md). Gains of energy are areas up to the
+  /// nearest knot and differences of the table from there: nothing cancels.
   template <bool kVaries>
   HWY_INLINE Knot look_around(T xf, T xi, Steps& steps) const {
     const hn::CappedTag<T, 2 * kReach> tag;
     const std::size_t lanes = hn::Lanes(tag);
-    const T c = felt_.half_curvatures[segment_], force_here = felt_.forces[entry_];
-    const T gives_here = xi * force_here;
-    const T yielding = xf + beyond_ * (1 - xi * c);
-    const T minus_here = beyond_ * (gives_here - yielding);  // g less that of a start at the origin
-    const auto origin = hn::Set(tag, felt_.knots[entry_]), energy = hn::Set(tag, felt_.energies[entry_]);
-    const auto origin_gives = hn::Set(tag, gives_here), xis = hn::Set(tag, xi);
-    const auto half = hn::Set(tag, T(0.5)), two = hn::Set(tag, T(2)), four = hn::Set(tag, T(4));
-    const auto twice = hn::Set(tag, 2 * beyond_ + xf), free = hn::Set(tag, beyond_ + xf), xfs = hn::Set(tag, xf);
-    const auto minus_heres = hn::Set(tag, minus_here), yieldings = hn::Set(tag, yielding);
+    const T c = felt_.half_curvatures[segment_], origin = felt_.knots[entry_], now = force();
+    const T below = (felt_.knots[segment_] - origin) - beyond_,
+            above = (felt_.knots[segment_ + 1] - origin) - beyond_;
+    const T mean_below = (now + felt_.forces[segment_]) / 2, mean_above = (now + felt_.forces[segment_ + 1]) / 2;
+    const auto past_below = hn::Set(tag, (xf - below) - xi * mean_below);
+    const auto past_above = hn::Set(tag, (above - xf) + xi * mean_above);
+    const auto origins = hn::Set(tag, origin), beyonds = hn::Set(tag, beyond_), xfs = hn::Set(tag, xf),
+               xis = hn::Set(tag, xi);
+    const auto two = hn::Set(tag, T(2)), four = hn::Set(tag, T(4));
     std::size_t count = 0;
     for (std::size_t v = 0; v < 2 * kReach; v += lanes) {
       const Knot at = segment_ - kFar + 1 + static_cast<Knot>(v);
@@ -133,53 +155,63 @@ class Felt {
         if (v >= kReach) return hn::LoadU(tag, column + at);
         return hn::IfThenElse(first(kReach), hn::LoadU(tag, column + at - 1), hn::LoadU(tag, column + at));
       };
-      const auto gives = kVaries ? hn::Mul(xis, hn::LoadU(tag, felt_.forces + at)) : hn::LoadU(tag, felt_.gives + at);
+      const auto of_direction = [&](T downwards, T upwards) HWY_ATTR {
+        if (v + lanes <= kReach) return hn::Set(tag, downwards);
+        if (v >= kReach) return hn::Set(tag, upwards);
+        return hn::IfThenElse(first(kReach), hn::Set(tag, downwards), hn::Set(tag, upwards));
+      };
+      const auto force = hn::LoadU(tag, felt_.forces + at);
+      const auto gives = kVaries ? hn::Mul(xis, force) : hn::LoadU(tag, felt_.gives + at);
       const auto stiffness =
           kVaries ? hn::Mul(hn::Add(xis, xis), of_landing(felt_.half_curvatures)) : of_landing(felt_.stiffnesses);
-      const auto four_a = hn::MulAdd(two, stiffness, four);
-      const auto weights = kVaries ? hn::Div(two, hn::Mul(xis, four_a)) : of_landing(felt_.weights);
-      const auto way = hn::Sub(hn::LoadU(tag, felt_.knots + at), origin);
-      const auto gain = hn::Sub(hn::LoadU(tag, felt_.energies + at), energy);
-      const auto g = hn::NegMulAdd(way, twice, hn::MulAdd(way, way, hn::Mul(xis, gain)));
-      auto left = g, right = minus_heres;
-      const auto leads_there = hn::MulAdd(half, hn::Add(origin_gives, gives), way);
-      if (v < kReach && v + lanes >= kReach) {
-        const auto nearest = hn::AndNot(first(kReach - 1), first(kReach));
-        left = hn::IfThenElse(nearest, yieldings, left);
-        right = hn::IfThenElse(nearest, leads_there, right);
-      }
-      if (v <= kReach && v + lanes > kReach) {
-        const auto nearest = hn::AndNot(first(kReach), first(kReach + 1));
-        left = hn::IfThenElse(nearest, leads_there, left);
-        right = hn::IfThenElse(nearest, yieldings, right);
-      }
-      count += hn::CountTrue(tag, hn::Xor(first(kReach), hn::Lt(left, right)));  // what is no number stays
+      const auto curvature = of_landing(felt_.half_curvatures);
+      const auto way = hn::Sub(hn::Sub(hn::LoadU(tag, felt_.knots + at), origins), beyonds);
+      const auto further = hn::Sub(hn::LoadU(tag, felt_.energies + at),
+                                   of_direction(felt_.energies[segment_], felt_.energies[segment_ + 1]));
+      const auto gain = hn::Add(further, of_direction(below * mean_below, above * mean_above));
+      const auto free = hn::Sub(xfs, way);
+      const auto g = hn::NegMulAdd(way, free, hn::Mul(xis, gain));
+      auto test = g;
+      if (v < kReach && v + lanes >= kReach)
+        test = hn::IfThenElse(hn::AndNot(first(kReach - 1), first(kReach)), past_below, test);
+      if (v <= kReach && v + lanes > kReach)
+        test = hn::IfThenElse(hn::AndNot(first(kReach), first(kReach + 1)), past_above, test);
+      count += hn::CountTrue(tag, hn::Xor(first(kReach), hn::Lt(test, hn::Zero(tag))));  // what is no number stays
 
-      const auto b = hn::Sub(hn::MulAdd(two, way, gives), twice);
-      store(hn::Abs(hn::NegMulAdd(four_a, hn::Sub(g, minus_heres), hn::Mul(b, b))), tag, v, steps.square);
-      const auto b_force = hn::MulAdd(stiffness, free, hn::Add(hn::NegMulAdd(stiffness, way, gives), xfs));
-      store(hn::Mul(weights, b_force), tag, v, steps.rational);
+      const auto b = hn::Add(hn::Sub(way, free), gives);
+      const auto four_a = hn::MulAdd(two, stiffness, four);
+      store(hn::Abs(hn::NegMulAdd(four_a, g, hn::Mul(b, b))), tag, v, steps.square);
+      const auto signs = of_direction(T(-1), T(1));
+      store(hn::Mul(signs, b), tag, v, steps.b);
+      store(g, tag, v, steps.g);
+      store(hn::Mul(signs, hn::Add(hn::MulAdd(stiffness, free, gives), xfs)), tag, v, steps.p);
+      store(hn::Mul(signs, hn::MulAdd(free, hn::MulAdd(curvature, free, force), gain)), tag, v, steps.q);
     }
-    // Within the segment: the mean of the forces before and after.
-    const T after = (yielding - gives_here) * (2 * xi * weight<kVaries>(segment_, xi));
-    steps.square[kReach] = 0;
-    steps.rational[kReach] = force_here + c * (beyond_ + after);
+    const T inverse_slope = 2 * xi * weight<kVaries>(segment_, xi);
+    steps.within_way = (xf - xi * now) * inverse_slope;
+    steps.within_force = (now + c * xf) * inverse_slope;
     return static_cast<Knot>(count);
   }
 
-  /// The force of one landing anywhere.
-  template <bool kVaries>
-  HWY_INLINE T far_force(Knot moved, T xf, T xi) const {
-    const Knot landing = segment_ + moved, entry = landing + (moved < 0);
-    const T way = felt_.knots[entry] - felt_.knots[entry_], entry_force = felt_.forces[entry];
-    const T c = felt_.half_curvatures[landing], a = 1 + xi * c;
-    const T twice = 2 * beyond_ + xf, free = (beyond_ - way) + xf;
-    const T here = beyond_ * (xf + beyond_ - xi * (felt_.forces[entry_] + beyond_ * felt_.half_curvatures[segment_]));
-    const T b = 2 * way + xi * entry_force - twice;
-    const T g = way * way + xi * (felt_.energies[entry] - felt_.energies[entry_]) - way * twice + here;
+  /// One step to a landing anywhere.
+  HWY_INLINE T far_step(Knot moved, T xf, T xi) {
+    const bool up = moved > 0;
+    const T near = (felt_.knots[segment_ + up] - felt_.knots[entry_]) - beyond_;
+    const T gain_near = near * (force() + felt_.forces[segment_ + up]) / 2;
+    const T energy_near = felt_.energies[segment_ + up];
+    const Knot landing = segment_ + moved, entry = landing + !up;
+    const T way = (felt_.knots[entry] - felt_.knots[entry_]) - beyond_, free = xf - way;
+    const T gain = (felt_.energies[entry] - energy_near) + gain_near, entry_force = felt_.forces[entry];
+    const T c = felt_.half_curvatures[landing], a = 1 + xi * c, sign = T(2 * up - 1);
+    const T b = sign * (way - free + xi * entry_force), g = xi * gain - way * free;
+    const T p = sign * (xf + xi * entry_force + 2 * c * xi * free),
+            q = sign * (gain + free * (entry_force + c * free));
     const T root = std::sqrt(std::abs(b * b - 4 * a * g));
-    const T b_force = (xf + xi * entry_force) + 2 * xi * c * free;
-    return weight<kVaries>(landing, xi) * (b_force + T(1 - 2 * (moved > 0)) * root);
+    const T b_and_root = root + std::abs(b), p_and_root = root + std::abs(p);
+    segment_ = landing;
+    entry_ = entry;
+    beyond_ = sign * choose_if_positive(b, -2 * g / b_and_root, b_and_root / (2 * a));
+    return choose_if_positive(p, 2 * q / p_and_root, p_and_root / (2 * xi * a));
   }
 
   /// A step that leaves the segment, and how it is judged which knots lie between.

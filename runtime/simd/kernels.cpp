@@ -39,17 +39,13 @@ class Flight {
   /// What a force in the sample before takes from a free increment by way of the hammer [m/N].
   [[nodiscard]] HWY_INLINE T free_admittance() const { return dt_ * give_; }
 
-  /// What comes of a sample of the contact.
-  struct Forces {
-    T rounded;  ///< to either side of 0, but soon known
-    T force;    ///< [N], 0 also of what is no number
-  };
-  HWY_INLINE Forces meet(T free_increment) {
-    const T rounded = kLossy ? with_loss(free_increment)
-                             : ratio_ * felt_.template press<false>(free_increment, ratio_ * admittance_);
-    force_ = std::max(T(0), rounded);
+  /// One sample of the contact; gives the force [N], 0 also of what is no number.
+  HWY_INLINE T meet(T free_increment) {
+    const T force = kLossy ? with_loss(free_increment)
+                           : ratio_ * felt_.template press<false>(free_increment, ratio_ * admittance_);
+    force_ = std::max(T(0), force);
     velocity_ -= give_ * force_;
-    return {rounded, force_};
+    return force_;
   }
 
   HWY_INLINE void land(HammerFlight<T>& hammer) const {
@@ -98,20 +94,20 @@ HWY_INLINE std::size_t play_struck_of(const Strike<T>& strike, HammerFlight<T>& 
   Flight<kLossy, T> flight(strike, hammer);
   const T free_admittance = flight.free_admittance() + share * share * strike.place.free_admittance;
   T before = flight.way() - share * modes.coming();  // free increment but for the last force
-  typename Flight<kLossy, T>::Forces last{};         // which the modes have not yet felt; what was before is in them
+  T last = 0;  // force of the last sample, which the modes have not yet felt; what was before is in them
   std::size_t n = 0;
-  for (; n < out.size() && flight.compression() > kCaught_m<T>; ++n) {
+  for (; n < out.size() && flight.compression() >= kCaught_m<T>; ++n) {
     if (!kDamped && n % kLook == 0 && n > 0 && flight.compression() < 0) break;
     const T way = flight.way();
-    const auto now = flight.meet(before - free_admittance * last.rounded);
-    const auto sums = modes.template pass<kDamped>(share, share * last.force);
-    out[n] = sums.heard + pickup_admittance * share * now.force;
+    const T now = flight.meet(before - free_admittance * last);
+    const auto sums = modes.template pass<kDamped>(share, share * last);
+    out[n] = sums.heard + pickup_admittance * share * now;
     before = way - share * sums.coming;
     last = now;
-    if (force != nullptr) force[n] = now.force;
+    if (force != nullptr) force[n] = now;
   }
   flight.land(hammer);
-  modes.give_back(share * last.force);
+  modes.give_back(share * last);
   return n;
 }
 
@@ -120,8 +116,8 @@ HWY_INLINE std::size_t play_few_of(const Strike<T>& strike, HammerFlight<T>& ham
   ModesInPlace<T> modes(strike.string, strike.place, strike.pickup);
   Flight<kLossy, T> flight(strike, hammer);
   std::size_t n = 0;
-  for (; n < out.size() && flight.compression() > kCaught_m<T>; ++n) {
-    const T now = flight.meet(flight.way() - strike.share * modes.coming()).force;
+  for (; n < out.size() && flight.compression() >= kCaught_m<T>; ++n) {
+    const T now = flight.meet(flight.way() - strike.share * modes.coming());
     out[n] = modes.template advance<kDamped>(strike.share, strike.share * now);
     if (force != nullptr) force[n] = now;
   }
@@ -135,10 +131,12 @@ template <typename T>
 HWY_INLINE std::size_t play_apart(const Strike<T>& strike, HammerFlight<T>& hammer, std::span<T> out, T* force) {
   const ModesInPlace<T> modes(strike.string, strike.place, strike.pickup);
   const T place = modes.place(), way = strike.time_step_s * hammer.velocity_m_per_s;
-  const T gap = -(hammer.compression_m + place) - modes.reach();
-  if (!(gap > kWorthIt * way) || !(gap > 0)) return 0;
+  const T reach = modes.reach(), from_rest = hammer.compression_m + place;
+  // Samples until the string might be reached or the hammer caught, which is looked at sample by sample.
+  const T gap = way > 0 ? -from_rest - reach : from_rest - reach - kCaught_m<T>, speed = std::abs(way);
+  if (!(gap > kWorthIt * speed) || !(-from_rest > reach) || !(from_rest - reach > kCaught_m<T>)) return 0;
   const std::size_t samples =
-      gap < way * static_cast<T>(out.size()) ? static_cast<std::size_t>(gap / way) : out.size();
+      gap < speed * static_cast<T>(out.size()) ? static_cast<std::size_t>(gap / speed) : out.size();
   play_free_at(strike.string, strike.share, strike.pickup, out.first(samples));
   hammer.compression_m += static_cast<T>(samples) * way - (modes.place() - place);
   hammer.segment = segment_index(strike.felt, hammer.compression_m);
@@ -151,7 +149,7 @@ template <bool kDamped, bool kLossy, typename T>
 HWY_INLINE std::size_t play_struck_as(const Strike<T>& strike, HammerFlight<T>& hammer, std::span<T> out, T* force) {
   if (out.size() <= kFew) return play_few_of<kDamped, kLossy>(strike, hammer, out, force);
   std::size_t n = 0;
-  while (n < out.size() && hammer.compression_m > kCaught_m<T>) {
+  while (n < out.size() && hammer.compression_m >= kCaught_m<T>) {
     const std::span<T> rest = out.subspan(n);
     T* const forces = force == nullptr ? nullptr : force + n;
     std::size_t played = 0;

@@ -153,6 +153,59 @@ TEST(Kernels, BalanceTheEnergy) {
     }
 }
 
+// A soft blow crosses knots by steps far shorter than the way between them: each sample from the same state by play()
+// and by tick(). Both are within some 40 roundings of the exact force (contact_step_test.cpp).
+TYPED_TEST(Kernels, CrossKnotsSlowly) {
+  const auto modes = audible_modes(c4());
+  const auto table = table_in<TypeParam>(felt_table(c4(), 32));
+  const auto pickup = shapes<TypeParam>(modes, &ResonatorMode::pickup_shape);
+  const HammerStringControls<TypeParam> controls{.hammer_mass_kg = TypeParam(0.00297)};
+  for (const double rate : {44100.0, 192000.0}) {
+    const HammerString<TypeParam> resting(table, bare(modes), shapes<TypeParam>(modes, &ResonatorMode::strike_shape),
+                                          rate);
+    for (const std::uint32_t target : targets()) {
+      const OnlyTarget only(target);
+      for (const double speed : {0.01, 0.0145, 0.03, 0.1, 2.5}) {
+        auto model = resting;
+        model.strike(static_cast<TypeParam>(speed), 0);
+        std::vector<TypeParam> expected, found;
+        for (int n = 0; n < static_cast<int>(rate / 200); ++n) {
+          auto copy = model;
+          TypeParam out, force;
+          copy.play(controls, pickup, std::span(&out, 1), &force);
+          model.tick(controls);
+          expected.push_back(model.force());
+          found.push_back(force);
+        }
+        EXPECT_TRUE(sequences_within<TypeParam>(found, expected, 80 * std::numeric_limits<TypeParam>::epsilon()))
+            << hwy::TargetName(target) << ' ' << rate << " Hz, " << speed << " m/s";
+      }
+    }
+  }
+}
+
+// Whether a hammer is caught does not depend on the blocks: one thrown from just that far, and one that the string's
+// swing takes there.
+TEST(Kernels, CatchTheHammerAtTheSameSample) {
+  const auto modes = audible_modes(c4());
+  const auto table = felt_table(c4(), 32);
+  const auto shape = shapes<double>(modes, &ResonatorMode::strike_shape);
+  const HammerStringControls<double> controls{.hammer_mass_kg = 0.00297};
+  for (const double speed : {2.5, 0.2}) {
+    std::vector<std::vector<double>> sounds;
+    for (const std::size_t block : {1u, 2u, 100u, 1000u}) {
+      HammerString<double> model(table, bare(modes), shape, 44100);
+      std::vector<double>& out = sounds.emplace_back(20000);
+      model.strike(20, 0);
+      model.play(controls, shape, std::span(out).first(400));
+      model.strike(speed, speed > 1 ? 0.05 : 0.0495);
+      for (std::size_t at = 400; at < out.size(); at += std::min(block, out.size() - at))
+        model.play(controls, shape, std::span(out).subspan(at, std::min(block, out.size() - at)));
+      EXPECT_TRUE(sequences_within<double>(out, sounds.front(), 1e-12)) << block << ", " << speed << " m/s";
+    }
+  }
+}
+
 // A felt that changes in the midst of a contact, as LiveExponent does, changes at once.
 TEST(Kernels, FollowALiveFelt) {
   const auto modes = audible_modes(c4());
