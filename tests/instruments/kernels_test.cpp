@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
+#include <numbers>
+
 #include "strings.hpp"
 #include "support/compare.hpp"
 
@@ -187,16 +189,17 @@ TYPED_TEST(Kernels, CrossKnotsSlowly) {
 // Whether a hammer is caught does not depend on the blocks: one thrown from just that far, and one that the string's
 // swing takes there.
 TEST(Kernels, CatchTheHammerAtTheSameSample) {
-  const auto modes = audible_modes(c4());
+  const std::vector<Mode> modes = {{2 * std::numbers::pi * 261, 0, 0.002}};  // swings by millimetres, for ever
   const auto table = felt_table(c4(), 32);
-  const auto shape = shapes<double>(modes, &ResonatorMode::strike_shape);
+  ModeShapes<double> shape(1);
+  shape[0] = 1;
   const HammerStringControls<double> controls{.hammer_mass_kg = 0.00297};
   for (const double speed : {2.5, 0.2}) {
     std::vector<std::vector<double>> sounds;
     for (const std::size_t block : {1u, 2u, 100u, 1000u}) {
-      HammerString<double> model(table, bare(modes), shape, 44100);
+      HammerString<double> model(table, modes, shape, 44100);
       std::vector<double>& out = sounds.emplace_back(20000);
-      model.strike(20, 0);
+      model.strike(5, 0);
       model.play(controls, shape, std::span(out).first(400));
       model.strike(speed, speed > 1 ? 0.05 : 0.0495);
       for (std::size_t at = 400; at < out.size(); at += std::min(block, out.size() - at))
