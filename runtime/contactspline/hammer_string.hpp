@@ -40,7 +40,7 @@ class FeltTables {
         pivot_energies_(pivots_.size()),
         gives_(knots_.size()),
         stiffnesses_(knots_.size()),
-        weights_(knots_.size()) {
+        inverse_slopes_(knots_.size()) {
     fill();
   }
 
@@ -60,21 +60,21 @@ class FeltTables {
             pivots_.data(),
             pivot_energies_.data(),
             blocks_,
-            &admittance_,
+            prepared_.data(),
             gives_.data() + kEntry0,
             stiffnesses_.data() + kEntry0,
-            weights_.data() + kEntry0};
+            inverse_slopes_.data() + kEntry0};
   }
 
  private:
   static constexpr std::size_t kLine = ModalArray<T>::kLine;
   // The kernels read entries -kKnotsInReach, of the segment below the lowest knot in reach, to N + kKnotsInReach.
-  static constexpr std::size_t kBefore = 2 * kKnotsInReach;
-  static_assert(kBefore % kLine == 0 && kLine >= kKnotsInReach);
+  static constexpr std::size_t kBefore = 2 * kKnotsInReach<T>;
+  static_assert(kBefore % kLine == 0 && kLine >= kKnotsInReach<T>);
   static constexpr std::size_t kEntry0 = kBefore - 1;
 
   void fill() {
-    admittance_ = 0;
+    prepared_ = {};
     for (std::size_t i = 0; i < knots_.size(); ++i) knots_[i] = i < kBefore ? -kOutOfReach_m<T> : kOutOfReach_m<T>;
     for (std::size_t i = 0; i < pivots_.size(); ++i) pivots_[i] = kOutOfReach_m<T>;
     for (std::size_t k = 1; k <= segments_; ++k) {
@@ -92,8 +92,8 @@ class FeltTables {
   std::vector<Segment<T>> felt_;
   std::size_t segments_, blocks_;
   ModalArray<T> knots_, energies_, forces_, half_curvatures_, pivots_, pivot_energies_;
-  T admittance_ = 0;
-  ModalArray<T> gives_, stiffnesses_, weights_;
+  std::array<T, 2> prepared_ = {};
+  ModalArray<T> gives_, stiffnesses_, inverse_slopes_;
 };
 
 /// The arrays behind StrikeArrays.

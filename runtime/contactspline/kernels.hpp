@@ -24,8 +24,9 @@ struct ModalArrays {
 /// Knots a block of FeltArrays holds.
 inline constexpr std::size_t kKnotsInABlock = 32;
 
-/// Knots below and above a segment that the kernels look at at once.
-inline constexpr std::size_t kKnotsInReach = 8;
+/// Knots that the kernels look at at once.
+template <std::floating_point T>
+inline constexpr std::size_t kKnotsInReach = 64 / sizeof(T);
 
 /// Knots further than anything, which surround those of a felt [m]: their square is infinite, so that none is ever
 /// passed.
@@ -44,11 +45,11 @@ struct FeltArrays {
   const T* pivots;          ///< the first knot of each block, padded as the knots, on cache lines
   const T* pivot_energies;  ///< there
   std::size_t blocks;       ///< from entry 1 on
-  // What follows from them and an admittance xi:
-  T* admittance;   ///< xi [m/N], 0 at first
-  T* gives;        ///< xi times the force at each knot [m]
-  T* stiffnesses;  ///< xi times that of each segment: 2 xi c
-  T* weights;      ///< 1/(2 xi (1 + xi c)) of each segment [N/m]
+  // What follows from them, an admittance [m/N] and a stiffness ratio, with xi their product:
+  T* prepared;        ///< these two, 0 at first
+  T* gives;           ///< xi times the force at each knot [m]
+  T* stiffnesses;     ///< xi c of each segment
+  T* inverse_slopes;  ///< 1/(1 + xi c) of each segment
 };
 
 /// How a force on a hammer's strings changes, per newton, what the modes are and will do.

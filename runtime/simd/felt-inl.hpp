@@ -22,20 +22,51 @@ namespace hn = hwy::HWY_NAMESPACE;
 /// ways below.
 template <typename T>
 class Felt {
+  using Knot = std::ptrdiff_t;  // numbered as in FeltArrays
+  static constexpr Knot kWindow = kKnotsInReach<T>;
+  /// Of a motion by so many segments, from -kWindow on: -1 downwards, 1 upwards.
+  static constexpr auto kSigns = [] {
+    std::array<T, 2 * kWindow + 1> signs{};
+    for (Knot moved = 1; moved <= kWindow; ++moved) signs[kWindow + moved] = 1, signs[kWindow - moved] = -1;
+    return signs;
+  }();
+
+  /// Quadratics of way (b, g) and force (p, q), both times xi, as if the root lay just beyond each knot of the
+  /// window; and the step within the segment.
+  struct Steps {
+    HWY_ALIGN T square[kWindow];
+    HWY_ALIGN T b[kWindow];
+    HWY_ALIGN T g[kWindow];
+    HWY_ALIGN T p[kWindow];
+    HWY_ALIGN T q[kWindow];
+    T within_force, within_way;
+  };
+
  public:
   HWY_INLINE Felt(const FeltArrays<T>& arrays, T compression, std::size_t segment) : felt_(arrays) {
     put(compression, segment);
   }
 
-  /// Makes ready for an admittance, if it is not the last one.
-  static HWY_INLINE void prepare(const FeltArrays<T>& felt, T xi) {
-    if (*felt.admittance == xi) return;
-    *felt.admittance = xi;
+  /// What a step is under: a free increment xf = before - per_force * last [m], the last part of which is known last,
+  /// and a give of admittance times ratio times the felt's force.
+  struct Load {
+    T before;              ///< [m]
+    T per_force, last;     ///< [m/N], [N]
+    T ratio;               ///< of the stiffness to the felt's
+    T admittance;          ///< [m/N]
+    T inverse_admittance;  ///< [N/m]
+  };
+
+  /// Makes ready for an admittance and a ratio, if they are not the last ones.
+  static HWY_INLINE void prepare(const FeltArrays<T>& felt, T admittance, T ratio) {
+    if (felt.prepared[0] == admittance && felt.prepared[1] == ratio) return;
+    felt.prepared[0] = admittance;
+    felt.prepared[1] = ratio;
+    const T xi = admittance * ratio;
     for (std::size_t k = 0; k <= felt.segments; ++k) {
-      const T stiffness = xi * felt.half_curvatures[k];
       felt.gives[k] = xi * felt.forces[k];
-      felt.stiffnesses[k] = 2 * stiffness;
-      felt.weights[k] = T(0.5) / (xi * (1 + stiffness));
+      felt.stiffnesses[k] = xi * felt.half_curvatures[k];
+      felt.inverse_slopes[k] = 1 / (1 + felt.stiffnesses[k]);
     }
   }
 
@@ -51,150 +82,189 @@ class Felt {
     segment_ = static_cast<Knot>(segment);
     entry_ = std::max<Knot>(segment_, 1);
     beyond_ = compression - felt_.knots[entry_];
+    expect(0), expect(0);
   }
 
-  /// contact_step without loss, its force [N] rounded to either side of 0: moves by x = xf - xi f. One way for all
-  /// steps, within a segment and across knots, without a branch that depends on the data but for steps far away.
-  /// kVaries: is the admittance xi another one than at prepare()?
+  struct Landing {
+    std::size_t below_root;  ///< so many knots of the window
+    std::size_t last;        ///< the knot of the window that is passed last
+  };
+
+  /// What look() finds.
+  struct Outlook {
+    Load load;
+    T xf;           ///< [m]
+    bool is_apart;  ///< and stays so
+    Landing landing;
+    Steps steps;
+  };
+
+  /// contact_step without loss, first half: finds where the felt lands under a load, without moving it. One way for
+  /// all steps, within a segment and across knots, without a branch that depends on the data but for steps far away.
+  /// kVaries: is the load's admittance another one than at prepare()?
   template <bool kVaries>
-  HWY_INLINE T press(T xf, T xi) {
-    if (segment_ == 0 && beyond_ + xf < 0) {  // apart, as for most of the time
-      beyond_ += xf;
+  HWY_INLINE void look(const Load& load, Outlook& outlook) const {
+    outlook.load = load;
+    outlook.xf = load.before - load.per_force * load.last;
+    outlook.is_apart = segment_ == 0 && beyond_ + outlook.xf < 0;  // as for most of the time
+    if (!outlook.is_apart) outlook.landing = look_around<kVaries>(load, outlook.xf, outlook.steps);
+  }
+
+  /// Second half: moves there by x = xf - xi f; returns the force f times the ratio [N], 0 also of what is no number.
+  template <bool kVaries>
+  HWY_INLINE T land(const Outlook& outlook) {
+    const Load& load = outlook.load;
+    const Steps& steps = outlook.steps;
+    if (outlook.is_apart) {
+      beyond_ += outlook.xf;
       return 0;
     }
-    Steps steps;
-    const Knot below = look_around<kVaries>(xf, xi, steps);
-    Knot moved = below - kFar;
-    if (HWY_UNLIKELY((below == 0) | (below == 2 * kFar))) {
-      moved = search(below > 0, xf, xi) - segment_;
-      return far_step(moved, xf, xi);
-    }
-    // Way and force are roots of two quadratics of one discriminant (docs/contact-step.md).
-    const std::size_t i = static_cast<std::size_t>(below);
-    const T sign = kSigns[i], w = weight<kVaries>(segment_ + moved, xi);
-    const T root = hn::GetLane(hn::Sqrt(hn::Set(One(), steps.square[i])));
-    const T p = steps.p[i], b = steps.b[i], p_and_root = root + std::abs(p), b_and_root = root + std::abs(b);
-    const T crossing = choose_if_positive(p, 2 * steps.q[i] / p_and_root, p_and_root * w);
-    const T way = sign * choose_if_positive(b, -2 * steps.g[i] / b_and_root, b_and_root * (w * xi));
+    const std::size_t below_root = outlook.landing.below_root;
+    const Knot moved = static_cast<Knot>(below_root) - behind_;
+    if (HWY_UNLIKELY((below_root == 0) | (below_root == static_cast<std::size_t>(kWindow))))
+      return far_step(search(below_root > 0, outlook.xf, load) - segment_, outlook.xf, load);
     segment_ += moved;
+    expect(moved);
     const Knot entry = segment_ + ((moved < 0) | (segment_ == 0));
     const T rebased = beyond_ - (felt_.knots[entry] - felt_.knots[entry_]);
     entry_ = entry;
-    const hn::RebindToSigned<One> whole;
-    const auto stays = hn::RebindMask(
-        One(), hn::Eq(hn::Set(whole, static_cast<hn::TFromD<decltype(whole)>>(moved)), hn::Zero(whole)));
-    beyond_ = choose(stays, rebased + steps.within_way, way);
-    return choose(stays, steps.within_force, crossing);
+    // Way and force are roots of two quadratics of one discriminant (docs/contact-step.md).
+    const std::size_t i = outlook.landing.last;
+    const T sign = kSigns[kWindow + moved], half_slope = inverse_slope<kVaries>(segment_, load) / 2;
+    const Side way{steps.b[i], steps.g[i], -2, half_slope * sign, rebased + steps.within_way};
+    const Side force{steps.p[i], steps.q[i], 2 * load.inverse_admittance, half_slope * load.inverse_admittance,
+                     steps.within_force};
+    T elastic;
+    solve(sign, steps.square[i], way, force, beyond_, elastic);
+    return positive(elastic);
   }
 
  private:
-  using Knot = std::ptrdiff_t;  // numbered as in FeltArrays
   using One = hn::CappedTag<T, 1>;
-  static constexpr std::size_t kReach = kKnotsInReach;
-  static constexpr Knot kFar = kReach;
 
-  static HWY_INLINE T choose(hn::Mask<One> condition, T if_true, T if_false) {
-    return hn::GetLane(hn::IfThenElse(condition, hn::Set(One(), if_true), hn::Set(One(), if_false)));
-  }
-  static HWY_INLINE T choose_if_positive(T test, T if_positive, T otherwise) {
-    return choose(hn::Gt(hn::Set(One(), test), hn::Zero(One())), if_positive, otherwise);
-  }
-
-  /// Quadratics of way and force by the number of knots around that the root lies above, and the step within the
-  /// segment.
-  struct Steps {
-    HWY_ALIGN T square[2 * kReach + 1];
-    HWY_ALIGN T b[2 * kReach + 1];
-    HWY_ALIGN T g[2 * kReach + 1];
-    HWY_ALIGN T p[2 * kReach + 1];
-    HWY_ALIGN T q[2 * kReach + 1];
-    T within_force, within_way;
+  /// One of two quadratics of one discriminant D, for a motion upwards: its root is of_g g/(sqrt(D) + |b|) where b >
+  /// 0, else of_sum (sqrt(D) + |b|), and a value of its own within the segment.
+  struct Side {
+    T b, g, of_g, of_sum, within;
   };
-  /// Of the motion: -1 downwards, 1 upwards.
-  static_assert(kReach == 8);
-  static constexpr T kSigns[2 * kReach + 1] = {-1, -1, -1, -1, -1, -1, -1, -1, 0, 1, 1, 1, 1, 1, 1, 1, 1};
-
-  /// Stores lanes at to[at] and on, skipping to[kReach].
-  template <typename Lanes, typename D>
-  static HWY_INLINE void store(Lanes values, D tag, std::size_t at, T* to) {
-    hn::StoreU(values, tag, to + at + (at + hn::Lanes(tag) > kReach));
-    if constexpr (hn::MaxLanes(tag) > kReach) {
-      const hn::Half<D> half;
-      hn::StoreU(hn::LowerHalf(half, values), half, to);
-    }
+  /// The root, of one side or of both in two lanes; sign: of the motion, 0 within the segment.
+  template <typename D, typename V = hn::Vec<D>>
+  static HWY_INLINE V solve_in(D tag, T sign, T square, V b, V g, V of_g, V of_sum, V within) {
+    const auto signs = hn::Set(tag, sign), zero = hn::Zero(tag);
+    const auto sum = hn::Add(hn::Sqrt(hn::Set(tag, square)), hn::Abs(b));
+    const auto quotient = hn::Div(hn::Mul(hn::Mul(signs, of_g), g), sum), product = hn::Mul(of_sum, sum);
+    return hn::IfThenElse(hn::Gt(hn::Mul(signs, b), zero), quotient,
+                          hn::IfThenElse(hn::Eq(signs, zero), within, product));
+  }
+  static HWY_INLINE void solve(T sign, T square, const Side& way, const Side& force, T& x, T& f) {
+#if HWY_TARGET == HWY_SCALAR
+    const auto one_of = [&](const Side& side) {
+      const One tag;
+      return hn::GetLane(solve_in(tag, sign, square, hn::Set(tag, side.b), hn::Set(tag, side.g),
+                                  hn::Set(tag, side.of_g), hn::Set(tag, side.of_sum), hn::Set(tag, side.within)));
+    };
+    x = one_of(way), f = one_of(force);
+#else
+    const hn::CappedTag<T, 2> tag;
+    const auto both = [&](T first, T second)
+                          HWY_ATTR { return hn::InterleaveLower(hn::Set(tag, first), hn::Set(tag, second)); };
+    const auto solution =
+        solve_in(tag, sign, square, both(way.b, force.b), both(way.g, force.g), both(way.of_g, force.of_g),
+                 both(way.of_sum, force.of_sum), both(way.within, force.within));
+    x = hn::GetLane(solution), f = hn::ExtractLane(solution, 1);
+#endif
   }
 
-  /// 1/(2 xi (1 + xi c)) in a segment [N/m].
-  template <bool kVaries>
-  [[nodiscard]] HWY_INLINE T weight(Knot segment, T xi) const {
-    return kVaries ? T(0.5) / (xi * (1 + xi * felt_.half_curvatures[segment])) : felt_.weights[segment];
+  /// 0 of what is no number.
+  static HWY_INLINE T positive(T value) {
+    return hn::GetLane(hn::Max(hn::Set(One(), value), hn::Zero(One())));
   }
 
-  /// Of the kReach knots below and as many above, how many the root lies above, and the step of each such number. The
-  /// two nearest are judged by h, the others by g = u h (docs/contact-step.md). Gains of energy are areas up to the
-  /// nearest knot and differences of the table from there: nothing cancels.
+  /// 1/(1 + xi c) in a segment.
   template <bool kVaries>
-  HWY_INLINE Knot look_around(T xf, T xi, Steps& steps) const {
-    const hn::CappedTag<T, 2 * kReach> tag;
-    const std::size_t lanes = hn::Lanes(tag);
-    const T c = felt_.half_curvatures[segment_], origin = felt_.knots[entry_], now = force();
-    const T below = (felt_.knots[segment_] - origin) - beyond_,
-            above = (felt_.knots[segment_ + 1] - origin) - beyond_;
-    const T mean_below = (now + felt_.forces[segment_]) / 2, mean_above = (now + felt_.forces[segment_ + 1]) / 2;
-    const auto past_below = hn::Set(tag, (xf - below) - xi * mean_below);
-    const auto past_above = hn::Set(tag, (above - xf) + xi * mean_above);
-    const auto origins = hn::Set(tag, origin), beyonds = hn::Set(tag, beyond_), xfs = hn::Set(tag, xf),
-               xis = hn::Set(tag, xi);
-    const auto two = hn::Set(tag, T(2)), four = hn::Set(tag, T(4));
-    std::size_t count = 0;
-    for (std::size_t v = 0; v < 2 * kReach; v += lanes) {
-      const Knot at = segment_ - kFar + 1 + static_cast<Knot>(v);
-      const auto first = [&](std::size_t n) HWY_ATTR { return hn::FirstN(tag, n > v ? n - v : 0); };
+  [[nodiscard]] HWY_INLINE T inverse_slope(Knot segment, const Load& load) const {
+    return kVaries ? 1 / (1 + load.admittance * load.ratio * felt_.half_curvatures[segment])
+                   : felt_.inverse_slopes[segment];
+  }
+
+  /// After a step by so many segments the next one is expected to change alike: the window lies around it.
+  HWY_INLINE void expect(Knot moved) {
+    behind_ = std::min(std::clamp<Knot>(kWindow / 2 - 2 * moved + moved_, 1, kWindow - 1), segment_ + 1);
+    moved_ = moved;
+  }
+
+  /// Of a window of knots, the first behind_ of which lie below, how many the root lies above, and the step of each
+  /// such number. The two nearest are judged by h, the others by g = u h (docs/contact-step.md). Gains of energy are
+  /// areas up to the nearest knot and differences of the table from there: nothing cancels. What waits for the felt's
+  /// place or for the last force is kept short, and few in operations: a string's modes want them at the same time.
+  template <bool kVaries>
+  HWY_INLINE Landing look_around(const Load& load, T xf, Steps& steps) const {
+    const hn::CappedTag<T, kWindow> tag;
+    const Knot lanes = static_cast<Knot>(hn::Lanes(tag));
+    const T xi = load.admittance * load.ratio;
+    const T stiffness_here = kVaries ? xi * felt_.half_curvatures[segment_] : felt_.stiffnesses[segment_];
+    const auto set = [&](T value) HWY_ATTR { return hn::Set(tag, value); };
+    const auto at_knot = [&](Knot k) HWY_ATTR { return kVaries ? set(xi * felt_.forces[k]) : set(felt_.gives[k]); };
+    const auto origin = set(felt_.knots[entry_]), beyond = set(beyond_), before = set(load.before),
+               per_force = set(load.per_force), last = set(load.last), xis = set(xi),
+               stiffnesses = set(stiffness_here);
+    const auto one = set(1), two = set(2), half = set(T(0.5));
+    Landing found{0, 0};
+    for (Knot v = 0; v < kWindow; v += lanes) {
+      const Knot at = segment_ + 1 - behind_ + v;
+      const auto first = [&](Knot n) HWY_ATTR {
+        return hn::FirstN(tag, static_cast<std::size_t>(std::clamp<Knot>(n - v, 0, lanes)));
+      };
+      const auto lie_below = first(behind_);
+      const auto nearest_below = hn::AndNot(first(behind_ - 1), lie_below),
+                 nearest_above = hn::AndNot(lie_below, first(behind_ + 1));
+      // To the nearest knot in each direction: way, xi times the mean force; past it by how much.
+      const auto near_knot = hn::IfThenElse(lie_below, set(felt_.knots[segment_]), set(felt_.knots[segment_ + 1]));
+      const auto near_energy =
+          hn::IfThenElse(lie_below, set(felt_.energies[segment_]), set(felt_.energies[segment_ + 1]));
+      const auto near_gives = hn::IfThenElse(lie_below, at_knot(segment_), at_knot(segment_ + 1));
+      const auto near_way = hn::Sub(hn::Sub(near_knot, origin), beyond);
+      const auto near_give = hn::MulAdd(stiffnesses, beyond, hn::Mul(half, hn::Add(at_knot(entry_), near_gives)));
+      const auto past = hn::NegMulAdd(per_force, last, hn::Sub(hn::Sub(before, near_way), near_give));
+
+      const auto gives = kVaries ? hn::Mul(xis, hn::LoadU(tag, felt_.forces + at)) : hn::LoadU(tag, felt_.gives + at);
       const auto of_landing = [&](const T* column) HWY_ATTR {
-        if (v + lanes <= kReach) return hn::LoadU(tag, column + at - 1);
-        if (v >= kReach) return hn::LoadU(tag, column + at);
-        return hn::IfThenElse(first(kReach), hn::LoadU(tag, column + at - 1), hn::LoadU(tag, column + at));
+        return hn::IfThenElse(lie_below, hn::LoadU(tag, column + at - 1), hn::LoadU(tag, column + at));
       };
-      const auto of_direction = [&](T downwards, T upwards) HWY_ATTR {
-        if (v + lanes <= kReach) return hn::Set(tag, downwards);
-        if (v >= kReach) return hn::Set(tag, upwards);
-        return hn::IfThenElse(first(kReach), hn::Set(tag, downwards), hn::Set(tag, upwards));
-      };
-      const auto force = hn::LoadU(tag, felt_.forces + at);
-      const auto gives = kVaries ? hn::Mul(xis, force) : hn::LoadU(tag, felt_.gives + at);
       const auto stiffness =
-          kVaries ? hn::Mul(hn::Add(xis, xis), of_landing(felt_.half_curvatures)) : of_landing(felt_.stiffnesses);
-      const auto curvature = of_landing(felt_.half_curvatures);
-      const auto way = hn::Sub(hn::Sub(hn::LoadU(tag, felt_.knots + at), origins), beyonds);
-      const auto further = hn::Sub(hn::LoadU(tag, felt_.energies + at),
-                                   of_direction(felt_.energies[segment_], felt_.energies[segment_ + 1]));
-      const auto gain = hn::Add(further, of_direction(below * mean_below, above * mean_above));
-      const auto free = hn::Sub(xfs, way);
-      const auto g = hn::NegMulAdd(way, free, hn::Mul(xis, gain));
-      auto test = g;
-      if (v < kReach && v + lanes >= kReach)
-        test = hn::IfThenElse(hn::AndNot(first(kReach - 1), first(kReach)), past_below, test);
-      if (v <= kReach && v + lanes > kReach)
-        test = hn::IfThenElse(hn::AndNot(first(kReach), first(kReach + 1)), past_above, test);
-      count += hn::CountTrue(tag, hn::Xor(first(kReach), hn::Lt(test, hn::Zero(tag))));  // what is no number stays
+          kVaries ? hn::Mul(xis, of_landing(felt_.half_curvatures)) : of_landing(felt_.stiffnesses);
+      const auto way = hn::Sub(hn::Sub(hn::LoadU(tag, felt_.knots + at), origin), beyond);
+      const auto free = hn::NegMulAdd(per_force, last, hn::Sub(before, way));
+      const auto further = hn::Mul(xis, hn::Sub(hn::LoadU(tag, felt_.energies + at), near_energy));
+      const auto gain = hn::MulAdd(near_way, near_give, further);
+      const auto g = hn::NegMulAdd(way, free, gain);
+      const auto test = hn::IfThenElse(nearest_above, hn::Neg(past), hn::IfThenElse(nearest_below, past, g));
+      // What is no number stays.
+      const auto below_root = hn::Xor(lie_below, hn::Lt(test, hn::Zero(tag)));
+      found.below_root += hn::CountTrue(tag, below_root);
+      found.last += hn::CountTrue(tag, hn::AndNot(nearest_above, below_root));
 
-      const auto b = hn::Add(hn::Sub(way, free), gives);
-      const auto four_a = hn::MulAdd(two, stiffness, four);
-      store(hn::Abs(hn::NegMulAdd(four_a, g, hn::Mul(b, b))), tag, v, steps.square);
-      const auto signs = of_direction(T(-1), T(1));
-      store(hn::Mul(signs, b), tag, v, steps.b);
-      store(g, tag, v, steps.g);
-      store(hn::Mul(signs, hn::Add(hn::MulAdd(stiffness, free, gives), xfs)), tag, v, steps.p);
-      store(hn::Mul(signs, hn::MulAdd(free, hn::MulAdd(curvature, free, force), gain)), tag, v, steps.q);
+      const auto slope = hn::MulAdd(two, stiffness, one);
+      const auto way_and_gives = hn::Add(way, gives);
+      const auto b = hn::Sub(way_and_gives, free);
+      const auto square = hn::NegMulAdd(hn::MulAdd(two, slope, two), g, hn::Mul(b, b));
+      hn::StoreU(hn::Abs(square), tag, steps.square + v);
+      hn::StoreU(b, tag, steps.b + v);
+      hn::StoreU(g, tag, steps.g + v);
+      hn::StoreU(hn::MulAdd(slope, free, way_and_gives), tag, steps.p + v);
+      hn::StoreU(hn::MulAdd(free, hn::MulAdd(stiffness, free, gives), gain), tag, steps.q + v);
     }
-    const T inverse_slope = 2 * xi * weight<kVaries>(segment_, xi);
-    steps.within_way = (xf - xi * now) * inverse_slope;
-    steps.within_force = (now + c * xf) * inverse_slope;
-    return static_cast<Knot>(count);
+    const T at_entry = kVaries ? xi * felt_.forces[entry_] : felt_.gives[entry_];
+    const T give = at_entry + 2 * stiffness_here * beyond_,
+            inverse_slope = this->inverse_slope<kVaries>(segment_, load);
+    steps.within_way = (xf - give) * inverse_slope;
+    steps.within_force = (give + stiffness_here * xf) * (inverse_slope * load.inverse_admittance);
+    return found;
   }
 
   /// One step to a landing anywhere.
-  HWY_INLINE T far_step(Knot moved, T xf, T xi) {
+  HWY_INLINE T far_step(Knot moved, T xf, const Load& load) {
+    const T xi = load.admittance * load.ratio;
     const bool up = moved > 0;
     const T near = (felt_.knots[segment_ + up] - felt_.knots[entry_]) - beyond_;
     const T gain_near = near * (force() + felt_.forces[segment_ + up]) / 2;
@@ -209,9 +279,10 @@ class Felt {
     const T root = std::sqrt(std::abs(b * b - 4 * a * g));
     const T b_and_root = root + std::abs(b), p_and_root = root + std::abs(p);
     segment_ = landing;
+    expect(moved);
     entry_ = entry;
-    beyond_ = sign * choose_if_positive(b, -2 * g / b_and_root, b_and_root / (2 * a));
-    return choose_if_positive(p, 2 * q / p_and_root, p_and_root / (2 * xi * a));
+    beyond_ = sign * (b > 0 ? -2 * g / b_and_root : b_and_root / (2 * a));
+    return load.ratio * positive(p > 0 ? 2 * q / p_and_root : p_and_root / (2 * xi * a));
   }
 
   /// A step that leaves the segment, and how it is judged which knots lie between.
@@ -241,7 +312,8 @@ class Felt {
   }
 
   /// The segment of the root among all: two levels of whole vectors.
-  HWY_INLINE Knot search(bool up, T xf, T xi) const {
+  HWY_INLINE Knot search(bool up, T xf, const Load& load) const {
+    const T xi = load.admittance * load.ratio;
     const T energy =
         felt_.energies[entry_] + beyond_ * (felt_.forces[entry_] + beyond_ * felt_.half_curvatures[segment_]);
     const Leaving leaving{!up, felt_.knots[segment_ + up], compression(), xf, xi, xi * energy};
@@ -258,8 +330,10 @@ class Felt {
 
   const FeltArrays<T> felt_;  // a copy, which no store can change
   Knot segment_;
-  Knot entry_;  // the knot at an end of the segment
-  T beyond_;    // [m]
+  Knot entry_;      // the knot at an end of the segment
+  T beyond_;        // [m]
+  Knot moved_ = 0;  // by the last step, in segments
+  Knot behind_;     // so many knots of the window lie below
 };
 
 }  // namespace

@@ -27,10 +27,11 @@ class Flight {
         dt_(strike.time_step_s),
         give_(strike.time_step_s / hammer.mass_kg),
         admittance_(strike.time_step_s * give_ / 2 + strike.share * strike.string_admittance),
+        inverse_admittance_(1 / admittance_),
         ratio_(hammer.felt.stiffness_ratio),
         loss_(hammer.felt.loss_s_per_m * ratio_ / strike.time_step_s),
         velocity_(hammer.velocity_m_per_s) {
-    if constexpr (!kLossy) Felt<T>::prepare(strike.place.felt, ratio_ * admittance_);
+    if constexpr (!kLossy) Felt<T>::prepare(strike.place.felt, admittance_, ratio_);
   }
 
   [[nodiscard]] HWY_INLINE T compression() const { return felt_.compression(); }
@@ -39,11 +40,23 @@ class Flight {
   /// What a force in the sample before takes from a free increment by way of the hammer [m/N].
   [[nodiscard]] HWY_INLINE T free_admittance() const { return dt_ * give_; }
 
-  /// One sample of the contact; gives the force [N], 0 also of what is no number.
-  HWY_INLINE T meet(T free_increment) {
-    const T force = kLossy ? with_loss(free_increment)
-                           : ratio_ * felt_.template press<false>(free_increment, ratio_ * admittance_);
-    force_ = std::max(T(0), force);
+  /// One sample of the contact, first half: what comes of a free increment of before - per_force * last.
+  HWY_INLINE void look(T before, T per_force, T last) {
+    if constexpr (kLossy) {
+      free_increment_ = before - per_force * last;
+      resistance_ = loss_ * felt_.force();
+      inverse_ = 1 / (1 + admittance_ * resistance_);
+      felt_.template look<true>(
+          {inverse_ * free_increment_, 0, 0, ratio_, inverse_ * admittance_, inverse_admittance_ + resistance_},
+          outlook_);
+    } else {
+      felt_.template look<false>({before, per_force, last, ratio_, admittance_, inverse_admittance_}, outlook_);
+    }
+  }
+
+  /// Second half; gives the force [N], 0 also of what is no number.
+  HWY_INLINE T meet() {
+    force_ = kLossy ? with_loss() : felt_.template land<false>(outlook_);
     velocity_ -= give_ * force_;
     return force_;
   }
@@ -56,24 +69,26 @@ class Flight {
   }
 
  private:
-  HWY_INLINE T with_loss(T free_increment) {
+  HWY_INLINE T with_loss() {
     const T y0 = felt_.compression();
-    const T resistance = loss_ * felt_.force();  // [N/m]
-    const T inverse = 1 / (1 + admittance_ * resistance);
-    const T elastic = felt_.template press<true>(inverse * free_increment, inverse * ratio_ * admittance_);
-    const T force = inverse * (ratio_ * elastic + resistance * free_increment);
+    const T elastic = felt_.template land<true>(outlook_);
+    const T force = inverse_ * (elastic + resistance_ * free_increment_);
     if (force >= 0) return force;
-    const T y = y0 + free_increment;
+    const T y = y0 + free_increment_;
     felt_.put(y, segment_index(table_, y));
     return 0;
   }
 
   SegmentTable<T> table_;
   Felt<T> felt_;
-  T dt_, give_, admittance_;
+  T dt_, give_, admittance_, inverse_admittance_;
   T ratio_, loss_;
   T velocity_;
   T force_ = 0;
+  // Of the sample under way:
+  typename Felt<T>::Outlook outlook_;
+  T free_increment_ = 0;
+  T resistance_ = 0, inverse_ = 1;  // of the loss [N/m], of what it makes of the admittance
 };
 
 /// Samples after which it is looked whether a hammer that is apart is out of the string's reach.
@@ -99,8 +114,10 @@ HWY_INLINE std::size_t play_struck_of(const Strike<T>& strike, HammerFlight<T>& 
   for (; n < out.size() && flight.compression() >= kCaught_m<T>; ++n) {
     if (!kDamped && n % kLook == 0 && n > 0 && flight.compression() < 0) break;
     const T way = flight.way();
-    const T now = flight.meet(before - free_admittance * last);
-    const auto sums = modes.template pass<kDamped>(share, share * last);
+    flight.look(before, free_admittance, last);
+    modes.template begin_pass<kDamped>(share, share * last);
+    const T now = flight.meet();
+    const auto sums = modes.template end_pass<kDamped>(share, share * last);
     out[n] = sums.heard + pickup_admittance * share * now;
     before = way - share * sums.coming;
     last = now;
@@ -117,7 +134,8 @@ HWY_INLINE std::size_t play_few_of(const Strike<T>& strike, HammerFlight<T>& ham
   Flight<kLossy, T> flight(strike, hammer);
   std::size_t n = 0;
   for (; n < out.size() && flight.compression() >= kCaught_m<T>; ++n) {
-    const T now = flight.meet(flight.way() - strike.share * modes.coming());
+    flight.look(flight.way() - strike.share * modes.coming(), 0, 0);
+    const T now = flight.meet();
     out[n] = modes.template advance<kDamped>(strike.share, strike.share * now);
     if (force != nullptr) force[n] = now;
   }

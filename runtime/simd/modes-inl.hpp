@@ -94,6 +94,21 @@ HWY_INLINE void run_free_group(std::size_t vectors, const ModalArrays<T>& string
     run_free_group<kDamped, kVectors - 1>(vectors, string, first, share, pickup, samples, sums);
 }
 
+/// The sums over the lanes of each of so many vectors, a power of two and at most as many as lanes: with as many, one
+/// a lane, in their order.
+template <std::size_t kCount, typename T>
+HWY_INLINE Vector<T> sums_over_lanes(const T* vectors) {
+  const Tag<T> tag;
+#if HWY_TARGET != HWY_SCALAR
+  if constexpr (kCount > 1) {
+    const auto first = sums_over_lanes<kCount / 2>(vectors);
+    const auto second = sums_over_lanes<kCount / 2>(vectors + kCount / 2 * hn::Lanes(tag));
+    return hn::Add(hn::ConcatEven(tag, second, first), hn::ConcatOdd(tag, second, first));
+  }
+#endif
+  return hn::Load(tag, vectors);
+}
+
 template <bool kDamped, typename T>
 HWY_INLINE void play_free_of(const ModalArrays<T>& string, T share, const T* pickup, std::span<T> out) {
   const Tag<T> tag;
@@ -101,16 +116,19 @@ HWY_INLINE void play_free_of(const ModalArrays<T>& string, T share, const T* pic
   const std::size_t vectors = (string.modes + lanes - 1) / lanes;
   const std::size_t groups = (vectors + kMostVectors - 1) / kMostVectors;
   HWY_ALIGN T sums[kBlock * HWY_MAX_BYTES / sizeof(T)];
+  static_assert(kBlock % hn::MaxLanes(tag) == 0);
   while (!out.empty()) {
-    const std::size_t samples = std::min(out.size(), kBlock);
-    for (std::size_t i = 0; i < samples; ++i) hn::Store(hn::Zero(tag), tag, sums + i * lanes);
+    const std::size_t samples = std::min(out.size(), kBlock), rounded = (samples + lanes - 1) / lanes * lanes;
+    for (std::size_t i = 0; i < rounded; ++i) hn::Store(hn::Zero(tag), tag, sums + i * lanes);
     for (std::size_t group = 0, at = 0; group < groups; ++group) {
       const std::size_t many = (vectors - at + groups - group - 1) / (groups - group);
       run_free_group<kDamped>(many, string, at * lanes, share, pickup, samples, sums);
       at += many;
     }
-    for (std::size_t i = 0; i < samples; ++i)
-      out[i] = hn::GetLane(hn::SumOfLanes(tag, hn::Load(tag, sums + i * lanes)));
+    HWY_ALIGN T heard[kBlock];
+    for (std::size_t i = 0; i < samples; i += lanes)
+      hn::Store(sums_over_lanes<hn::MaxLanes(tag)>(sums + i * lanes), tag, heard + i);
+    std::copy_n(heard, samples, out.data());
     out = out.subspan(samples);
   }
 }
@@ -152,20 +170,19 @@ class StruckModes {
   /// Displacement at the pickup per newton, once the force is applied.
   [[nodiscard]] HWY_ATTR T pickup_admittance() const { return sum(kPickup, kGive); }
 
-  /// Applies the force of the last sample, `push` after the damper's share, which that one was done without, and does
-  /// the coming sample without its force, which is still missing in the sums.
+  /// A pass over the modes, in two parts that other work may come between: applies the force of the last sample,
+  /// `push` after the damper's share, which that one was done without, and does the coming sample without its force,
+  /// which is still missing in the sums.
   template <bool kDamped>
-  HWY_INLINE Sums pass(T share, T push) {
-    const auto pushes = hn::Set(tag(), push), shares = hn::Set(tag(), share);
-    auto coming0 = hn::Zero(tag()), coming1 = coming0, heard0 = coming0, heard1 = coming0;
-    std::size_t line = 0;
-    for (; line + 1 < lines_; line += 2) {
-      step<kDamped>(modes_ + line * kStride, shares, pushes, coming0, heard0);
-      step<kDamped>(modes_ + (line + 1) * kStride, shares, pushes, coming1, heard1);
-    }
-    if (line < lines_) step<kDamped>(modes_ + line * kStride, shares, pushes, coming0, heard0);
-    return {hn::GetLane(hn::SumOfLanes(tag(), hn::Add(coming0, coming1))),
-            hn::GetLane(hn::SumOfLanes(tag(), hn::Add(heard0, heard1)))};
+  HWY_INLINE void begin_pass(T share, T push) {
+    coming_[0] = coming_[1] = heard_[0] = heard_[1] = hn::Zero(tag());
+    steps<kDamped>(0, half(), share, push);
+  }
+  template <bool kDamped>
+  HWY_INLINE Sums end_pass(T share, T push) {
+    steps<kDamped>(half(), lines_, share, push);
+    return {hn::GetLane(hn::SumOfLanes(tag(), hn::Add(coming_[0], coming_[1]))),
+            hn::GetLane(hn::SumOfLanes(tag(), hn::Add(heard_[0], heard_[1])))};
   }
 
   /// Applies the last force and gives the modes back.
@@ -203,6 +220,18 @@ class StruckModes {
     return hn::MulAdd(hn::Load(tag(), mode + give * kLine), pushes, hn::Load(tag(), mode + state * kLine));
   }
 
+  [[nodiscard]] HWY_INLINE std::size_t half() const { return lines_ / 2; }
+
+  template <bool kDamped>
+  HWY_INLINE void steps(std::size_t line, std::size_t end, T share, T push) {
+    const auto pushes = hn::Set(tag(), push), shares = hn::Set(tag(), share);
+    for (; line + 1 < end; line += 2) {
+      step<kDamped>(modes_ + line * kStride, shares, pushes, coming_[0], heard_[0]);
+      step<kDamped>(modes_ + (line + 1) * kStride, shares, pushes, coming_[1], heard_[1]);
+    }
+    if (line < end) step<kDamped>(modes_ + line * kStride, shares, pushes, coming_[0], heard_[0]);
+  }
+
   template <bool kDamped>
   HWY_INLINE static void step(T* HWY_RESTRICT line, Vector<T> shares, Vector<T> pushes, Vector<T>& coming,
                               Vector<T>& heard) {
@@ -223,6 +252,7 @@ class StruckModes {
   ModalArrays<T> string_;
   std::size_t lines_;
   T* modes_;
+  Vector<T> coming_[2], heard_[2];
 };
 
 /// The modes of a struck string where they lie, for a sample or two: what StruckModes takes over and gives back is
