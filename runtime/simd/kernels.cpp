@@ -115,9 +115,8 @@ HWY_INLINE std::size_t play_struck_of(const Strike<T>& strike, HammerFlight<T>& 
     if (!kDamped && n % kLook == 0 && n > 0 && flight.compression() < 0) break;
     const T way = flight.way();
     flight.look(before, free_admittance, last);
-    modes.template begin_pass<kDamped>(share, share * last);
+    const auto sums = modes.template pass<kDamped>(share, share * last);
     const T now = flight.meet();
-    const auto sums = modes.template end_pass<kDamped>(share, share * last);
     out[n] = sums.heard + pickup_admittance * share * now;
     before = way - share * sums.coming;
     last = now;

@@ -170,19 +170,20 @@ class StruckModes {
   /// Displacement at the pickup per newton, once the force is applied.
   [[nodiscard]] HWY_ATTR T pickup_admittance() const { return sum(kPickup, kGive); }
 
-  /// A pass over the modes, in two parts that other work may come between: applies the force of the last sample,
-  /// `push` after the damper's share, which that one was done without, and does the coming sample without its force,
-  /// which is still missing in the sums.
+  /// Applies the force of the last sample, `push` after the damper's share, which that one was done without, and does
+  /// the coming sample without its force, which is still missing in the sums.
   template <bool kDamped>
-  HWY_INLINE void begin_pass(T share, T push) {
-    coming_[0] = coming_[1] = heard_[0] = heard_[1] = hn::Zero(tag());
-    steps<kDamped>(0, half(), share, push);
-  }
-  template <bool kDamped>
-  HWY_INLINE Sums end_pass(T share, T push) {
-    steps<kDamped>(half(), lines_, share, push);
-    return {hn::GetLane(hn::SumOfLanes(tag(), hn::Add(coming_[0], coming_[1]))),
-            hn::GetLane(hn::SumOfLanes(tag(), hn::Add(heard_[0], heard_[1])))};
+  HWY_INLINE Sums pass(T share, T push) {
+    const auto pushes = hn::Set(tag(), push), shares = hn::Set(tag(), share);
+    auto coming0 = hn::Zero(tag()), coming1 = coming0, heard0 = coming0, heard1 = coming0;
+    std::size_t line = 0;
+    for (; line + 1 < lines_; line += 2) {
+      step<kDamped>(modes_ + line * kStride, shares, pushes, coming0, heard0);
+      step<kDamped>(modes_ + (line + 1) * kStride, shares, pushes, coming1, heard1);
+    }
+    if (line < lines_) step<kDamped>(modes_ + line * kStride, shares, pushes, coming0, heard0);
+    return {hn::GetLane(hn::SumOfLanes(tag(), hn::Add(coming0, coming1))),
+            hn::GetLane(hn::SumOfLanes(tag(), hn::Add(heard0, heard1)))};
   }
 
   /// Applies the last force and gives the modes back.
@@ -220,18 +221,6 @@ class StruckModes {
     return hn::MulAdd(hn::Load(tag(), mode + give * kLine), pushes, hn::Load(tag(), mode + state * kLine));
   }
 
-  [[nodiscard]] HWY_INLINE std::size_t half() const { return lines_ / 2; }
-
-  template <bool kDamped>
-  HWY_INLINE void steps(std::size_t line, std::size_t end, T share, T push) {
-    const auto pushes = hn::Set(tag(), push), shares = hn::Set(tag(), share);
-    for (; line + 1 < end; line += 2) {
-      step<kDamped>(modes_ + line * kStride, shares, pushes, coming_[0], heard_[0]);
-      step<kDamped>(modes_ + (line + 1) * kStride, shares, pushes, coming_[1], heard_[1]);
-    }
-    if (line < end) step<kDamped>(modes_ + line * kStride, shares, pushes, coming_[0], heard_[0]);
-  }
-
   template <bool kDamped>
   HWY_INLINE static void step(T* HWY_RESTRICT line, Vector<T> shares, Vector<T> pushes, Vector<T>& coming,
                               Vector<T>& heard) {
@@ -252,7 +241,6 @@ class StruckModes {
   ModalArrays<T> string_;
   std::size_t lines_;
   T* modes_;
-  Vector<T> coming_[2], heard_[2];
 };
 
 /// The modes of a struck string where they lie, for a sample or two: what StruckModes takes over and gives back is
