@@ -161,6 +161,7 @@ class HammerString {
     hammer_.compression_m = -distance_m;
     hammer_.segment = segment_index(felt_, hammer_.compression_m);
     hammer_.velocity_m_per_s = velocity_m_per_s;
+    std::ranges::fill(hammer_.moved, 0);
     is_thrown_ = is_flying_ = true;
   }
 

@@ -74,8 +74,9 @@ struct HammerFlight {
   ContactControls<T> felt = {};
   T compression_m = 0;
   T velocity_m_per_s = 0;
-  std::size_t segment = 0;  ///< that holds the compression
-  T force_n = 0;            ///< over the last sample
+  std::size_t segment = 0;       ///< that holds the compression
+  T force_n = 0;                 ///< over the last sample
+  std::ptrdiff_t moved[2] = {};  ///< segments over the last sample and the one before
 };
 
 /// A hammer this far back is caught; only a new throw brings it back.

@@ -43,8 +43,16 @@ class Felt {
   };
 
  public:
-  HWY_INLINE Felt(const FeltArrays<T>& arrays, T compression, std::size_t segment) : felt_(arrays) {
-    put(compression, segment);
+  HWY_INLINE Felt(const FeltArrays<T>& arrays, const HammerFlight<T>& hammer) : felt_(arrays) {
+    put(hammer.compression_m, hammer.segment);
+    expect(hammer.moved[1]);
+    expect(hammer.moved[0]);
+  }
+  HWY_INLINE void give_back(HammerFlight<T>& hammer) const {
+    hammer.compression_m = compression();
+    hammer.segment = static_cast<std::size_t>(segment_);
+    hammer.moved[0] = moved_;
+    hammer.moved[1] = moved_before_;
   }
 
   /// What a step is under: a free increment xf = before - per_force * last [m], the last part of which is known last,
@@ -71,7 +79,6 @@ class Felt {
   }
 
   [[nodiscard]] HWY_INLINE T compression() const { return felt_.knots[entry_] + beyond_; }
-  [[nodiscard]] HWY_INLINE std::size_t segment() const { return static_cast<std::size_t>(segment_); }
   /// Elastic force at this compression [N].
   [[nodiscard]] HWY_INLINE T force() const {
     return felt_.forces[entry_] + 2 * felt_.half_curvatures[segment_] * beyond_;
@@ -190,6 +197,7 @@ class Felt {
   /// After a step by so many segments the next one is expected to change alike: the window lies around it.
   HWY_INLINE void expect(Knot moved) {
     behind_ = std::min(std::clamp<Knot>(kWindow / 2 - 2 * moved + moved_, 1, kWindow - 1), segment_ + 1);
+    moved_before_ = moved_;
     moved_ = moved;
   }
 
@@ -330,10 +338,10 @@ class Felt {
 
   const FeltArrays<T> felt_;  // a copy, which no store can change
   Knot segment_;
-  Knot entry_;      // the knot at an end of the segment
-  T beyond_;        // [m]
-  Knot moved_ = 0;  // by the last step, in segments
-  Knot behind_;     // so many knots of the window lie below
+  Knot entry_;                         // the knot at an end of the segment
+  T beyond_;                           // [m]
+  Knot moved_ = 0, moved_before_ = 0;  // segments, by the last step and the one before
+  Knot behind_;                        // so many knots of the window lie below
 };
 
 }  // namespace

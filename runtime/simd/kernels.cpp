@@ -17,13 +17,13 @@ namespace contactspline::detail {
 namespace HWY_NAMESPACE {
 namespace {
 
-/// A hammer in flight, taken over for some samples; land() returns it.
+/// A hammer in flight, taken over for some samples; give_back() returns it.
 template <bool kLossy, typename T>
 class Flight {
  public:
   HWY_INLINE Flight(const Strike<T>& strike, const HammerFlight<T>& hammer)
       : table_(strike.felt),
-        felt_(strike.place.felt, hammer.compression_m, hammer.segment),
+        felt_(strike.place.felt, hammer),
         dt_(strike.time_step_s),
         give_(strike.time_step_s / hammer.mass_kg),
         admittance_(strike.time_step_s * give_ / 2 + strike.share * strike.string_admittance),
@@ -61,9 +61,8 @@ class Flight {
     return force_;
   }
 
-  HWY_INLINE void land(HammerFlight<T>& hammer) const {
-    hammer.compression_m = felt_.compression();
-    hammer.segment = felt_.segment();
+  HWY_INLINE void give_back(HammerFlight<T>& hammer) const {
+    felt_.give_back(hammer);
     hammer.velocity_m_per_s = velocity_;
     hammer.force_n = force_;
   }
@@ -122,7 +121,7 @@ HWY_INLINE std::size_t play_struck_of(const Strike<T>& strike, HammerFlight<T>& 
     last = now;
     if (force != nullptr) force[n] = now;
   }
-  flight.land(hammer);
+  flight.give_back(hammer);
   modes.give_back(share * last);
   return n;
 }
@@ -138,7 +137,7 @@ HWY_INLINE std::size_t play_few_of(const Strike<T>& strike, HammerFlight<T>& ham
     out[n] = modes.template advance<kDamped>(strike.share, strike.share * now);
     if (force != nullptr) force[n] = now;
   }
-  flight.land(hammer);
+  flight.give_back(hammer);
   return n;
 }
 
