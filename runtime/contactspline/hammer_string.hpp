@@ -60,7 +60,7 @@ class FeltTables {
             pivots_.data(),
             pivot_energies_.data(),
             blocks_,
-            prepared_.data(),
+            &prepared_xi_,
             gives_.data() + kEntry0,
             stiffnesses_.data() + kEntry0,
             inverse_slopes_.data() + kEntry0};
@@ -68,13 +68,13 @@ class FeltTables {
 
  private:
   static constexpr std::size_t kLine = ModalArray<T>::kLine;
-  // The kernels read entries -kKnotsInReach, of the segment below the lowest knot in reach, to N + kKnotsInReach.
-  static constexpr std::size_t kBefore = 2 * kKnotsInReach<T>;
-  static_assert(kBefore % kLine == 0 && kLine >= kKnotsInReach<T>);
+  // The kernels read entries -1, of the segment below knot 0, to N + kKnotsInAWindow - 1.
+  static constexpr std::size_t kBefore = kLine;
+  static_assert(kLine >= kKnotsInAWindow<T>);
   static constexpr std::size_t kEntry0 = kBefore - 1;
 
   void fill() {
-    prepared_ = {};
+    prepared_xi_ = -1;
     for (std::size_t i = 0; i < knots_.size(); ++i) knots_[i] = i < kBefore ? -kOutOfReach_m<T> : kOutOfReach_m<T>;
     for (std::size_t i = 0; i < pivots_.size(); ++i) pivots_[i] = kOutOfReach_m<T>;
     for (std::size_t k = 1; k <= segments_; ++k) {
@@ -92,7 +92,7 @@ class FeltTables {
   std::vector<Segment<T>> felt_;
   std::size_t segments_, blocks_;
   ModalArray<T> knots_, energies_, forces_, half_curvatures_, pivots_, pivot_energies_;
-  std::array<T, 2> prepared_ = {};
+  T prepared_xi_ = -1;
   ModalArray<T> gives_, stiffnesses_, inverse_slopes_;
 };
 

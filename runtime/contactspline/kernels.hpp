@@ -24,9 +24,9 @@ struct ModalArrays {
 /// Knots a block of FeltArrays holds.
 inline constexpr std::size_t kKnotsInABlock = 32;
 
-/// Knots that the kernels look at at once.
+/// Knots that the kernels look at at once: as many as fill a cache line.
 template <std::floating_point T>
-inline constexpr std::size_t kKnotsInReach = 64 / sizeof(T);
+inline constexpr std::size_t kKnotsInAWindow = 64 / sizeof(T);
 
 /// Knots further than anything, which surround those of a felt [m]: their square is infinite, so that none is ever
 /// passed.
@@ -34,7 +34,7 @@ template <std::floating_point T>
 inline constexpr T kOutOfReach_m = std::numeric_limits<T>::max() / 4;
 
 /// A SegmentTable column by column: entry k of each is entry k of the table, but for knots[0]. Before entry 0 and
-/// after entry N stand kKnotsInReach segments or more without force, out of reach as entry 0 is.
+/// after entry N stand segments without force, out of reach as entry 0 is: one or more, kKnotsInAWindow or more.
 template <std::floating_point T>
 struct FeltArrays {
   std::size_t segments;  ///< N
@@ -45,8 +45,8 @@ struct FeltArrays {
   const T* pivots;          ///< the first knot of each block, padded as the knots, on cache lines
   const T* pivot_energies;  ///< there
   std::size_t blocks;       ///< from entry 1 on
-  // What follows from them, an admittance [m/N] and a stiffness ratio, with xi their product:
-  T* prepared;        ///< these two, 0 at first
+  // What follows from them and xi, an admittance times a stiffness ratio:
+  T* prepared_xi;     ///< [m/N], -1 at first
   T* gives;           ///< xi times the force at each knot [m]
   T* stiffnesses;     ///< xi c of each segment
   T* inverse_slopes;  ///< 1/(1 + xi c) of each segment

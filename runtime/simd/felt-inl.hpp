@@ -20,10 +20,11 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 /// A felt under load. Where it stands is kept as the way beyond a knot at one end of its segment, the origin of all
 /// ways below.
-template <typename T>
+/// kVaries: does the admittance change from step to step, or is it that of prepare()?
+template <bool kVaries, typename T>
 class Felt {
   using Knot = std::ptrdiff_t;  // numbered as in FeltArrays
-  static constexpr Knot kWindow = kKnotsInReach<T>;
+  static constexpr Knot kWindow = kKnotsInAWindow<T>;
   /// Of a motion by so many segments, from -kWindow on: -1 downwards, 1 upwards.
   static constexpr auto kSigns = [] {
     std::array<T, 2 * kWindow + 1> signs{};
@@ -31,8 +32,9 @@ class Felt {
     return signs;
   }();
 
-  /// Quadratics of way (b, g) and force (p, q), both times xi, as if the root lay just beyond each knot of the
-  /// window; and the step within the segment.
+  /// Of each knot of the window, as if it were passed last: with a = 1 + xi c, the quadratics a s^2 + b s + g of the
+  /// way s beyond it and a m^2 - p m + q of what the force gives, m = xi f; their one discriminant, the square. And
+  /// the step within the segment.
   struct Steps {
     HWY_ALIGN T square[kWindow];
     HWY_ALIGN T b[kWindow];
@@ -55,22 +57,19 @@ class Felt {
     hammer.moved[1] = moved_before_;
   }
 
-  /// What a step is under: a free increment xf = before - per_force * last [m], the last part of which is known last,
-  /// and a give of admittance times ratio times the felt's force.
+  /// What a step is under: a free increment xf = before - per_force * last [m], of which `last` is known last, less
+  /// xi times the felt's force.
   struct Load {
     T before;              ///< [m]
     T per_force, last;     ///< [m/N], [N]
-    T ratio;               ///< of the stiffness to the felt's
-    T admittance;          ///< [m/N]
-    T inverse_admittance;  ///< [N/m]
+    T xi;                  ///< admittance times stiffness ratio [m/N]
+    T inverse_admittance;  ///< without the ratio [N/m]
   };
 
-  /// Makes ready for an admittance and a ratio, if they are not the last ones.
-  static HWY_INLINE void prepare(const FeltArrays<T>& felt, T admittance, T ratio) {
-    if (felt.prepared[0] == admittance && felt.prepared[1] == ratio) return;
-    felt.prepared[0] = admittance;
-    felt.prepared[1] = ratio;
-    const T xi = admittance * ratio;
+  /// Makes ready for a xi, if it is not the last one.
+  static HWY_INLINE void prepare(const FeltArrays<T>& felt, T xi) {
+    if (*felt.prepared_xi == xi) return;
+    *felt.prepared_xi = xi;
     for (std::size_t k = 0; k <= felt.segments; ++k) {
       felt.gives[k] = xi * felt.forces[k];
       felt.stiffnesses[k] = xi * felt.half_curvatures[k];
@@ -89,12 +88,13 @@ class Felt {
     segment_ = static_cast<Knot>(segment);
     entry_ = std::max<Knot>(segment_, 1);
     beyond_ = compression - felt_.knots[entry_];
-    expect(0), expect(0);
+    moved_ = 0;
+    expect(0);
   }
 
   struct Landing {
-    std::size_t below_root;  ///< so many knots of the window
-    std::size_t last;        ///< the knot of the window that is passed last
+    Knot below_root;  ///< so many knots of the window
+    Knot last;        ///< the knot of the window that is passed last
   };
 
   /// What look() finds.
@@ -107,18 +107,17 @@ class Felt {
   };
 
   /// contact_step without loss, first half: finds where the felt lands under a load, without moving it. One way for
-  /// all steps, within a segment and across knots, without a branch that depends on the data but for steps far away.
-  /// kVaries: is the load's admittance another one than at prepare()?
-  template <bool kVaries>
+  /// all steps, within a segment and across knots, without a branch that depends on the data but for flights apart
+  /// and steps far away.
   HWY_INLINE void look(const Load& load, Outlook& outlook) const {
     outlook.load = load;
     outlook.xf = load.before - load.per_force * load.last;
     outlook.is_apart = segment_ == 0 && beyond_ + outlook.xf < 0;  // as for most of the time
-    if (!outlook.is_apart) outlook.landing = look_around<kVaries>(load, outlook.xf, outlook.steps);
+    if (!outlook.is_apart) outlook.landing = look_around(load, outlook.xf, outlook.steps);
   }
 
-  /// Second half: moves there by x = xf - xi f; returns the force f times the ratio [N], 0 also of what is no number.
-  template <bool kVaries>
+  /// Second half: moves there by x = xf - xi f; returns the force, f times the ratio [N], 0 also of what is no
+  /// number.
   HWY_INLINE T land(const Outlook& outlook) {
     const Load& load = outlook.load;
     const Steps& steps = outlook.steps;
@@ -126,31 +125,48 @@ class Felt {
       beyond_ += outlook.xf;
       return 0;
     }
-    const std::size_t below_root = outlook.landing.below_root;
-    const Knot moved = static_cast<Knot>(below_root) - behind_;
-    if (HWY_UNLIKELY((below_root == 0) | (below_root == static_cast<std::size_t>(kWindow))))
+    const auto [below_root, last] = outlook.landing;
+    if (HWY_UNLIKELY((below_root == 0) | (below_root == kWindow)))
       return far_step(search(below_root > 0, outlook.xf, load) - segment_, outlook.xf, load);
-    segment_ += moved;
-    expect(moved);
-    const Knot entry = segment_ + ((moved < 0) | (segment_ == 0));
-    const T rebased = beyond_ - (felt_.knots[entry] - felt_.knots[entry_]);
-    entry_ = entry;
-    // Way and force are roots of two quadratics of one discriminant (docs/contact-step.md).
-    const std::size_t i = outlook.landing.last;
-    const T sign = kSigns[kWindow + moved], half_slope = inverse_slope<kVaries>(segment_, load) / 2;
-    const Side way{steps.b[i], steps.g[i], -2, half_slope * sign, rebased + steps.within_way};
-    const Side force{steps.p[i], steps.q[i], 2 * load.inverse_admittance, half_slope * load.inverse_admittance,
-                     steps.within_force};
-    T elastic;
-    solve(sign, steps.square[i], way, force, beyond_, elastic);
-    return positive(elastic);
+    const Knot moved = below_root - behind_;
+    const T rebased = enter(moved);
+    const Quadratics passed{steps.square[last], steps.b[last], steps.g[last], steps.p[last], steps.q[last]};
+    return settle(kSigns[kWindow + moved], passed, load, rebased + steps.within_way, steps.within_force);
   }
 
  private:
   using One = hn::CappedTag<T, 1>;
 
-  /// One of two quadratics of one discriminant D, for a motion upwards: its root is of_g g/(sqrt(D) + |b|) where b >
-  /// 0, else of_sum (sqrt(D) + |b|), and a value of its own within the segment.
+  /// As in Steps, at the knot that is passed last.
+  struct Quadratics {
+    T square, b, g, p, q;
+  };
+
+  /// Moves into the segment `moved` from this one; returns how far this place lies beyond its entry [m].
+  HWY_INLINE T enter(Knot moved) {
+    segment_ += moved;
+    expect(moved);
+    const Knot entry = segment_ + ((moved < 0) | (segment_ == 0));
+    const T rebased = beyond_ - (felt_.knots[entry] - felt_.knots[entry_]);
+    entry_ = entry;
+    return rebased;
+  }
+
+  /// Takes the place of the root and returns the force: way and force are roots of two quadratics of one discriminant
+  /// (docs/contact-step.md). sign: of the motion, 0 within the segment, whose way and force are then taken.
+  HWY_INLINE T settle(T sign, const Quadratics& passed, const Load& load, T within_way, T within_force) {
+    const T half_slope = inverse_slope_in(segment_, load) / 2;
+    const Side way{passed.b, passed.g, -2, half_slope * sign, within_way};
+    const Side force{passed.p, passed.q, 2 * load.inverse_admittance, half_slope * load.inverse_admittance,
+                     within_force};
+    T elastic;
+    solve(sign, passed.square, way, force, beyond_, elastic);
+    return positive(elastic);
+  }
+
+  /// One of two quadratics of one discriminant: along the motion its root is sign of_g g/(root + |b|) where b has the
+  /// sign of the motion, else of_sum (root + |b|), root that of the discriminant; within the segment a value of its
+  /// own.
   struct Side {
     T b, g, of_g, of_sum, within;
   };
@@ -188,13 +204,12 @@ class Felt {
   }
 
   /// 1/(1 + xi c) in a segment.
-  template <bool kVaries>
-  [[nodiscard]] HWY_INLINE T inverse_slope(Knot segment, const Load& load) const {
-    return kVaries ? 1 / (1 + load.admittance * load.ratio * felt_.half_curvatures[segment])
-                   : felt_.inverse_slopes[segment];
+  [[nodiscard]] HWY_INLINE T inverse_slope_in(Knot segment, const Load& load) const {
+    return kVaries ? 1 / (1 + load.xi * felt_.half_curvatures[segment]) : felt_.inverse_slopes[segment];
   }
 
-  /// After a step by so many segments the next one is expected to change alike: the window lies around it.
+  /// After a step by so many segments: the next step is expected to change as this one did, and the window lies
+  /// around where that leads.
   HWY_INLINE void expect(Knot moved) {
     behind_ = std::min(std::clamp<Knot>(kWindow / 2 - 2 * moved + moved_, 1, kWindow - 1), segment_ + 1);
     moved_before_ = moved_;
@@ -205,19 +220,18 @@ class Felt {
   /// such number. The two nearest are judged by h, the others by g = u h (docs/contact-step.md). Gains of energy are
   /// areas up to the nearest knot and differences of the table from there: nothing cancels. What waits for the felt's
   /// place or for the last force is kept short, and few in operations: a string's modes want them at the same time.
-  template <bool kVaries>
   HWY_INLINE Landing look_around(const Load& load, T xf, Steps& steps) const {
     const hn::CappedTag<T, kWindow> tag;
     const Knot lanes = static_cast<Knot>(hn::Lanes(tag));
-    const T xi = load.admittance * load.ratio;
+    const T xi = load.xi;
     const T stiffness_here = kVaries ? xi * felt_.half_curvatures[segment_] : felt_.stiffnesses[segment_];
     const auto set = [&](T value) HWY_ATTR { return hn::Set(tag, value); };
-    const auto at_knot = [&](Knot k) HWY_ATTR { return kVaries ? set(xi * felt_.forces[k]) : set(felt_.gives[k]); };
+    const auto give_at = [&](Knot k) { return kVaries ? xi * felt_.forces[k] : felt_.gives[k]; };
     const auto origin = set(felt_.knots[entry_]), beyond = set(beyond_), before = set(load.before),
                per_force = set(load.per_force), last = set(load.last), xis = set(xi),
                stiffnesses = set(stiffness_here);
     const auto one = set(1), two = set(2), half = set(T(0.5));
-    Landing found{0, 0};
+    Landing found{};
     for (Knot v = 0; v < kWindow; v += lanes) {
       const Knot at = segment_ + 1 - behind_ + v;
       const auto first = [&](Knot n) HWY_ATTR {
@@ -227,12 +241,14 @@ class Felt {
       const auto nearest_below = hn::AndNot(first(behind_ - 1), lie_below),
                  nearest_above = hn::AndNot(lie_below, first(behind_ + 1));
       // To the nearest knot in each direction: way, xi times the mean force; past it by how much.
-      const auto near_knot = hn::IfThenElse(lie_below, set(felt_.knots[segment_]), set(felt_.knots[segment_ + 1]));
-      const auto near_energy =
-          hn::IfThenElse(lie_below, set(felt_.energies[segment_]), set(felt_.energies[segment_ + 1]));
-      const auto near_gives = hn::IfThenElse(lie_below, at_knot(segment_), at_knot(segment_ + 1));
+      const auto of_side = [&](T below, T above)
+                               HWY_ATTR { return hn::IfThenElse(lie_below, set(below), set(above)); };
+      const auto near_knot = of_side(felt_.knots[segment_], felt_.knots[segment_ + 1]);
+      const auto near_energy = of_side(felt_.energies[segment_], felt_.energies[segment_ + 1]);
+      const auto near_gives = of_side(give_at(segment_), give_at(segment_ + 1));
       const auto near_way = hn::Sub(hn::Sub(near_knot, origin), beyond);
-      const auto near_give = hn::MulAdd(stiffnesses, beyond, hn::Mul(half, hn::Add(at_knot(entry_), near_gives)));
+      const auto near_give =
+          hn::MulAdd(stiffnesses, beyond, hn::Mul(half, hn::Add(set(give_at(entry_)), near_gives)));
       const auto past = hn::NegMulAdd(per_force, last, hn::Sub(hn::Sub(before, near_way), near_give));
 
       const auto gives = kVaries ? hn::Mul(xis, hn::LoadU(tag, felt_.forces + at)) : hn::LoadU(tag, felt_.gives + at);
@@ -249,22 +265,20 @@ class Felt {
       const auto test = hn::IfThenElse(nearest_above, hn::Neg(past), hn::IfThenElse(nearest_below, past, g));
       // What is no number stays.
       const auto below_root = hn::Xor(lie_below, hn::Lt(test, hn::Zero(tag)));
-      found.below_root += hn::CountTrue(tag, below_root);
-      found.last += hn::CountTrue(tag, hn::AndNot(nearest_above, below_root));
+      found.below_root += static_cast<Knot>(hn::CountTrue(tag, below_root));
+      found.last += static_cast<Knot>(hn::CountTrue(tag, hn::AndNot(nearest_above, below_root)));
 
       const auto slope = hn::MulAdd(two, stiffness, one);
       const auto way_and_gives = hn::Add(way, gives);
       const auto b = hn::Sub(way_and_gives, free);
       const auto square = hn::NegMulAdd(hn::MulAdd(two, slope, two), g, hn::Mul(b, b));
-      hn::StoreU(hn::Abs(square), tag, steps.square + v);
-      hn::StoreU(b, tag, steps.b + v);
-      hn::StoreU(g, tag, steps.g + v);
-      hn::StoreU(hn::MulAdd(slope, free, way_and_gives), tag, steps.p + v);
-      hn::StoreU(hn::MulAdd(free, hn::MulAdd(stiffness, free, gives), gain), tag, steps.q + v);
+      hn::Store(hn::Abs(square), tag, steps.square + v);
+      hn::Store(b, tag, steps.b + v);
+      hn::Store(g, tag, steps.g + v);
+      hn::Store(hn::MulAdd(slope, free, way_and_gives), tag, steps.p + v);
+      hn::Store(hn::MulAdd(free, hn::MulAdd(stiffness, free, gives), gain), tag, steps.q + v);
     }
-    const T at_entry = kVaries ? xi * felt_.forces[entry_] : felt_.gives[entry_];
-    const T give = at_entry + 2 * stiffness_here * beyond_,
-            inverse_slope = this->inverse_slope<kVaries>(segment_, load);
+    const T give = give_at(entry_) + 2 * stiffness_here * beyond_, inverse_slope = inverse_slope_in(segment_, load);
     steps.within_way = (xf - give) * inverse_slope;
     steps.within_force = (give + stiffness_here * xf) * (inverse_slope * load.inverse_admittance);
     return found;
@@ -272,25 +286,17 @@ class Felt {
 
   /// One step to a landing anywhere.
   HWY_INLINE T far_step(Knot moved, T xf, const Load& load) {
-    const T xi = load.admittance * load.ratio;
-    const bool up = moved > 0;
-    const T near = (felt_.knots[segment_ + up] - felt_.knots[entry_]) - beyond_;
-    const T gain_near = near * (force() + felt_.forces[segment_ + up]) / 2;
-    const T energy_near = felt_.energies[segment_ + up];
-    const Knot landing = segment_ + moved, entry = landing + !up;
-    const T way = (felt_.knots[entry] - felt_.knots[entry_]) - beyond_, free = xf - way;
-    const T gain = (felt_.energies[entry] - energy_near) + gain_near, entry_force = felt_.forces[entry];
-    const T c = felt_.half_curvatures[landing], a = 1 + xi * c, sign = T(2 * up - 1);
-    const T b = sign * (way - free + xi * entry_force), g = xi * gain - way * free;
-    const T p = sign * (xf + xi * entry_force + 2 * c * xi * free),
-            q = sign * (gain + free * (entry_force + c * free));
-    const T root = std::sqrt(std::abs(b * b - 4 * a * g));
-    const T b_and_root = root + std::abs(b), p_and_root = root + std::abs(p);
-    segment_ = landing;
-    expect(moved);
-    entry_ = entry;
-    beyond_ = sign * (b > 0 ? -2 * g / b_and_root : b_and_root / (2 * a));
-    return load.ratio * positive(p > 0 ? 2 * q / p_and_root : p_and_root / (2 * xi * a));
+    const T xi = load.xi, sign = T(moved > 0 ? 1 : -1);
+    const Knot near = segment_ + (moved > 0), landing = segment_ + moved, passed = landing + (moved < 0);
+    const T near_way = (felt_.knots[near] - felt_.knots[entry_]) - beyond_;
+    const T near_gain = near_way * (force() + felt_.forces[near]) / 2;
+    const T gain = xi * ((felt_.energies[passed] - felt_.energies[near]) + near_gain);
+    const T way = (felt_.knots[passed] - felt_.knots[entry_]) - beyond_, free = xf - way;
+    const T give = xi * felt_.forces[passed], stiffness = xi * felt_.half_curvatures[landing];
+    const T b = way - free + give, g = gain - way * free;
+    const T p = xf + give + 2 * stiffness * free, q = gain + free * (give + stiffness * free);
+    enter(moved);
+    return settle(sign, {std::abs(b * b - 4 * (1 + stiffness) * g), b, g, p, q}, load, 0, 0);
   }
 
   /// A step that leaves the segment, and how it is judged which knots lie between.
@@ -321,7 +327,7 @@ class Felt {
 
   /// The segment of the root among all: two levels of whole vectors.
   HWY_INLINE Knot search(bool up, T xf, const Load& load) const {
-    const T xi = load.admittance * load.ratio;
+    const T xi = load.xi;
     const T energy =
         felt_.energies[entry_] + beyond_ * (felt_.forces[entry_] + beyond_ * felt_.half_curvatures[segment_]);
     const Leaving leaving{!up, felt_.knots[segment_ + up], compression(), xf, xi, xi * energy};

@@ -28,10 +28,10 @@ class Flight {
         give_(strike.time_step_s / hammer.mass_kg),
         admittance_(strike.time_step_s * give_ / 2 + strike.share * strike.string_admittance),
         inverse_admittance_(1 / admittance_),
-        ratio_(hammer.felt.stiffness_ratio),
-        loss_(hammer.felt.loss_s_per_m * ratio_ / strike.time_step_s),
+        xi_(admittance_ * hammer.felt.stiffness_ratio),
+        loss_(hammer.felt.loss_s_per_m * hammer.felt.stiffness_ratio / strike.time_step_s),
         velocity_(hammer.velocity_m_per_s) {
-    if constexpr (!kLossy) Felt<T>::prepare(strike.place.felt, admittance_, ratio_);
+    if constexpr (!kLossy) Felt<kLossy, T>::prepare(strike.place.felt, xi_);
   }
 
   [[nodiscard]] HWY_INLINE T compression() const { return felt_.compression(); }
@@ -46,17 +46,15 @@ class Flight {
       free_increment_ = before - per_force * last;
       resistance_ = loss_ * felt_.force();
       inverse_ = 1 / (1 + admittance_ * resistance_);
-      felt_.template look<true>(
-          {inverse_ * free_increment_, 0, 0, ratio_, inverse_ * admittance_, inverse_admittance_ + resistance_},
-          outlook_);
+      felt_.look({inverse_ * free_increment_, 0, 0, inverse_ * xi_, inverse_admittance_ + resistance_}, outlook_);
     } else {
-      felt_.template look<false>({before, per_force, last, ratio_, admittance_, inverse_admittance_}, outlook_);
+      felt_.look({before, per_force, last, xi_, inverse_admittance_}, outlook_);
     }
   }
 
   /// Second half; gives the force [N], 0 also of what is no number.
   HWY_INLINE T meet() {
-    force_ = kLossy ? with_loss() : felt_.template land<false>(outlook_);
+    force_ = kLossy ? with_loss() : felt_.land(outlook_);
     velocity_ -= give_ * force_;
     return force_;
   }
@@ -70,7 +68,7 @@ class Flight {
  private:
   HWY_INLINE T with_loss() {
     const T y0 = felt_.compression();
-    const T elastic = felt_.template land<true>(outlook_);
+    const T elastic = felt_.land(outlook_);
     const T force = inverse_ * (elastic + resistance_ * free_increment_);
     if (force >= 0) return force;
     const T y = y0 + free_increment_;
@@ -79,15 +77,16 @@ class Flight {
   }
 
   SegmentTable<T> table_;
-  Felt<T> felt_;
+  Felt<kLossy, T> felt_;
   T dt_, give_, admittance_, inverse_admittance_;
-  T ratio_, loss_;
+  T xi_, loss_;
   T velocity_;
   T force_ = 0;
   // Of the sample under way:
-  typename Felt<T>::Outlook outlook_;
+  typename Felt<kLossy, T>::Outlook outlook_;
   T free_increment_ = 0;
-  T resistance_ = 0, inverse_ = 1;  // of the loss [N/m], of what it makes of the admittance
+  T resistance_ = 0;  // of the loss [N/m]
+  T inverse_ = 1;     // 1/(1 + admittance resistance)
 };
 
 /// Samples after which it is looked whether a hammer that is apart is out of the string's reach.

@@ -14,14 +14,15 @@ namespace {
 /// Runs one instruction set while it lives.
 class OnlyTarget {
  public:
-  explicit OnlyTarget(std::uint32_t target) { hwy::SetSupportedTargetsForTest(target); }
+  explicit OnlyTarget(std::int64_t target) { hwy::SetSupportedTargetsForTest(target); }
   ~OnlyTarget() { hwy::SetSupportedTargetsForTest(0); }
 };
 
-std::vector<std::uint32_t> targets() {
-  std::vector<std::uint32_t> all;
-  for (int bit = 0; bit < 32; ++bit)
-    if (const std::uint32_t target = 1u << bit; hwy::SupportedTargets() & target) all.push_back(target);
+/// All that the library holds and this machine has, the one without vectors among them.
+std::vector<std::int64_t> targets() {
+  std::vector<std::int64_t> all;
+  for (int bit = 0; bit < 63; ++bit)
+    if (const std::int64_t target = std::int64_t{1} << bit; hwy::SupportedTargets() & target) all.push_back(target);
   return all;
 }
 
@@ -100,7 +101,7 @@ TYPED_TEST(Kernels, PlayWhatThePlainModelPlays) {
   ASSERT_GE(targets().size(), 2u);
   for (const Scene& scene : scenes()) {
     const auto expected = sound<TypeParam>(scene, 0);
-    for (const std::uint32_t target : targets()) {
+    for (const std::int64_t target : targets()) {
       const OnlyTarget only(target);
       for (const std::size_t block : {1u, 2u, 5u, 100u, 5000u}) {
         SCOPED_TRACE(std::string(hwy::TargetName(target)) + ' ' + scene.struck.name + ", " +
@@ -127,7 +128,7 @@ TEST(Kernels, BalanceTheEnergy) {
       for (Mode& mode : modes) mode.decay_per_s = 0;
       const auto table = felt_table(c4(), 32);
       const ModeShapes<double> shape = shapes<double>(audible_modes(c4()), &ResonatorMode::strike_shape);
-      for (const std::uint32_t target : targets()) {
+      for (const std::int64_t target : targets()) {
         const OnlyTarget only(target);
         HammerString<double> model(table, modes, shape, rate);
         const HammerStringControls<double> controls{.hammer_mass_kg = c4().hammer_kg,
@@ -165,7 +166,7 @@ TYPED_TEST(Kernels, CrossKnotsSlowly) {
   for (const double rate : {44100.0, 192000.0}) {
     const HammerString<TypeParam> resting(table, bare(modes), shapes<TypeParam>(modes, &ResonatorMode::strike_shape),
                                           rate);
-    for (const std::uint32_t target : targets()) {
+    for (const std::int64_t target : targets()) {
       const OnlyTarget only(target);
       for (const double speed : {0.01, 0.0145, 0.03, 0.1, 2.5}) {
         auto model = resting;
@@ -244,7 +245,7 @@ TEST(Kernels, OutliveWhatIsNoNumber) {
   const auto table = felt_table(c4(), 32);
   const auto pickup = shapes<double>(modes, &ResonatorMode::pickup_shape);
   const HammerStringControls<double> controls{.hammer_mass_kg = 0.00297};
-  for (const std::uint32_t target : targets())
+  for (const std::int64_t target : targets())
     for (const std::size_t block : {1u, 1000u}) {
       const OnlyTarget only(target);
       std::vector<double> expected(1000), found(1000);
