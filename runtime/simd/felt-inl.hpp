@@ -126,9 +126,8 @@ class Felt {
       return 0;
     }
     const auto [below_root, last] = outlook.landing;
-    if (HWY_UNLIKELY((below_root == 0) | (below_root == kWindow)))
-      return far_step(search(below_root > 0, outlook.xf, load) - segment_, outlook.xf, load);
-    const Knot moved = below_root - behind_;
+    if (HWY_UNLIKELY((below_root == 0) | (below_root == kWindow))) return far_step(below_root > 0, outlook.xf, load);
+    const Knot moved = std::min(below_root - behind_, static_cast<Knot>(felt_.segments) - segment_);
     const T rebased = enter(moved);
     const Quadratics passed{steps.square[last], steps.b[last], steps.g[last], steps.p[last], steps.q[last]};
     return settle(kSigns[kWindow + moved], passed, load, rebased + steps.within_way, steps.within_force);
@@ -284,13 +283,23 @@ class Felt {
     return found;
   }
 
+  /// A knot at an end of the segment, and the gain of energy up to it [J].
+  struct Nearest {
+    Knot knot;
+    T gain;
+  };
+  [[nodiscard]] HWY_INLINE Nearest nearest(bool up) const {
+    const Knot knot = segment_ + up;
+    const T way = (felt_.knots[knot] - felt_.knots[entry_]) - beyond_;
+    return {knot, way * (force() + felt_.forces[knot]) / 2};
+  }
+
   /// One step to a landing anywhere.
-  HWY_INLINE T far_step(Knot moved, T xf, const Load& load) {
-    const T xi = load.xi, sign = T(moved > 0 ? 1 : -1);
-    const Knot near = segment_ + (moved > 0), landing = segment_ + moved, passed = landing + (moved < 0);
-    const T near_way = (felt_.knots[near] - felt_.knots[entry_]) - beyond_;
-    const T near_gain = near_way * (force() + felt_.forces[near]) / 2;
-    const T gain = xi * ((felt_.energies[passed] - felt_.energies[near]) + near_gain);
+  HWY_INLINE T far_step(bool up, T xf, const Load& load) {
+    const Nearest near = nearest(up);
+    const Knot landing = search(up, near, xf, load), moved = landing - segment_, passed = landing + !up;
+    const T xi = load.xi, sign = T(up ? 1 : -1);
+    const T gain = xi * ((felt_.energies[passed] - felt_.energies[near.knot]) + near.gain);
     const T way = (felt_.knots[passed] - felt_.knots[entry_]) - beyond_, free = xf - way;
     const T give = xi * felt_.forces[passed], stiffness = xi * felt_.half_curvatures[landing];
     const T b = way - free + give, g = gain - way * free;
@@ -301,36 +310,42 @@ class Felt {
 
   /// A step that leaves the segment, and how it is judged which knots lie between.
   struct Leaving {
-    Knot down;  // 0 upwards, 1 downwards
-    T nearest;  // knot that is passed for certain
-    T y, xf, xi;
-    T scaled_energy;  // xi times the energy at y
+    bool up;
+    T origin, beyond;        // of all ways; this place from there
+    T nearest;               // knot that is passed for certain
+    T energy, gain, xi, xf;  // there; xi times the gain up to there
   };
 
   /// Of whole vectors of knots, how many the root lies above: upwards those up to the nearest and those further where
   /// g = u h(u) < 0; downwards those where neither this nor its mirror image holds.
   static HWY_INLINE Knot below_root(const T* knots, const T* energies, std::size_t count, const Leaving& leaving) {
     const hn::ScalableTag<T> tag;
-    const T upwards = T(1 - 2 * leaving.down);
+    const T upwards = T(leaving.up ? 1 : -1);
     const auto sign = hn::Set(tag, upwards), nearest = hn::Set(tag, upwards * leaving.nearest);
-    const auto y = hn::Set(tag, leaving.y), xf = hn::Set(tag, leaving.xf), xi = hn::Set(tag, leaving.xi);
-    const auto scaled_energy = hn::Set(tag, leaving.scaled_energy);
+    const auto origin = hn::Set(tag, leaving.origin), beyond = hn::Set(tag, leaving.beyond);
+    const auto xf = hn::Set(tag, leaving.xf), xi = hn::Set(tag, leaving.xi);
+    const auto energy = hn::Set(tag, leaving.energy), gain = hn::Set(tag, leaving.gain);
     std::size_t found = 0;
     for (std::size_t k = 0; k < count; k += hn::Lanes(tag)) {
       const auto knot = hn::Load(tag, knots + k);
-      const auto way = hn::Sub(knot, y);
-      const auto g = hn::NegMulAdd(way, xf, hn::MulAdd(way, way, hn::Mul(xi, hn::Load(tag, energies + k))));
-      found += hn::CountTrue(tag, hn::Or(hn::Lt(g, scaled_energy), hn::Le(hn::Mul(sign, knot), nearest)));
+      const auto way = hn::Sub(hn::Sub(knot, origin), beyond);
+      const auto further = hn::Sub(hn::Load(tag, energies + k), energy);
+      const auto g = hn::NegMulAdd(way, hn::Sub(xf, way), hn::MulAdd(xi, further, gain));
+      found += hn::CountTrue(tag, hn::Or(hn::Lt(g, hn::Zero(tag)), hn::Le(hn::Mul(sign, knot), nearest)));
     }
-    return leaving.down * static_cast<Knot>(count) + (1 - 2 * leaving.down) * static_cast<Knot>(found);
+    return static_cast<Knot>(leaving.up ? found : count - found);
   }
 
   /// The segment of the root among all: two levels of whole vectors.
-  HWY_INLINE Knot search(bool up, T xf, const Load& load) const {
-    const T xi = load.xi;
-    const T energy =
-        felt_.energies[entry_] + beyond_ * (felt_.forces[entry_] + beyond_ * felt_.half_curvatures[segment_]);
-    const Leaving leaving{!up, felt_.knots[segment_ + up], compression(), xf, xi, xi * energy};
+  HWY_INLINE Knot search(bool up, const Nearest& near, T xf, const Load& load) const {
+    const Leaving leaving{up,
+                          felt_.knots[entry_],
+                          beyond_,
+                          felt_.knots[near.knot],
+                          felt_.energies[near.knot],
+                          load.xi * near.gain,
+                          load.xi,
+                          xf};
     Knot at = 0;
     if (felt_.blocks > 1) {
       constexpr Knot kBlock = kKnotsInABlock;
