@@ -321,6 +321,8 @@ add_executable(my_plugin main.cpp)'
   build
   [ -f "$build/my_materials/my_felt.hpp" ] && [ -f "$build/my_materials/my_felt.lib" ] || fail "an output is missing"
   "$build/my_plugin" | expect_peak_force 3 4.5e9 2.5 0.003 2
+  run "$CXX" -std=c++20 -O2 -I "$SOURCE/runtime" -I "$BUILD/include" "$project/main.cpp" -o "$WORK/hammer"
+  "$WORK/hammer" | expect_peak_force 3 4.5e9 2.5 0.003 2
 
   command -v faust >/dev/null || return 0
   export PKG_CONFIG_PATH="$WORK/prefix/share/pkgconfig"
@@ -347,6 +349,29 @@ END
   "$build/band" | awk '
     { print; ratio = $2 / $1 / sqrt(0.3 / 0.7) }
     END { exit !(ratio > 0.9999 && ratio < 1.0001 && $3 == 1) }' || fail "the example does not play as it says"
+}
+
+# The example of docs/kernels.md, with the vectorised kernels and without: the same but for rounding.
+case_kernels() {
+  install_at "$WORK/prefix"
+  project="$WORK/project" build="$WORK/build"
+  mkdir "$project"
+  readme_block cpp docs/kernels.md >"$project/main.cpp"
+  { echo 'cmake_minimum_required(VERSION 3.25)
+project(Kernels LANGUAGES CXX)
+find_package(ContactSpline CONFIG REQUIRED)
+add_executable(my_plugin main.cpp)
+add_executable(plain main.cpp)
+target_link_libraries(plain PRIVATE ContactSpline::materials)'
+    readme_block cmake docs/kernels.md; } >"$project/CMakeLists.txt"
+  configure Ninja "-DCMAKE_PREFIX_PATH=$WORK/prefix" -DCMAKE_BUILD_TYPE=Release
+  build
+  "$build/plain" >"$WORK/plain"
+  "$build/my_plugin" | paste - "$WORK/plain" | awk '
+    function off(a, b) { return a - b > b - a ? a - b : b - a }
+    { if (!(off($1, $5) <= 1e-15) || !(off($3, $7) <= 1e-9)) exit 1; if (off($1, 0) > peak) peak = off($1, 0) }
+    END { print NR " blocks, largest " peak " m"; exit !(NR == 100 && peak > 1e-5 && peak < 1e-2) }' ||
+    fail "the example does not play the same with and without the kernels"
 }
 
 rm -rf "$WORK"
