@@ -74,8 +74,8 @@ Build read(const std::string& argument) {
   if (!file) throw std::runtime_error(argument.substr(equals + 1) + ": cannot be read");
   const json root = json::parse(file);
   const json& context = root.at("context");
-  const std::string processor =
-      fmt::format("{} cores whose time stamps count at {} MHz", context.at("num_cpus").get<int>(), context.at("mhz_per_cpu").get<int>());
+  const std::string processor = fmt::format("{} cores whose time stamps count at {} MHz",
+                                            context.at("num_cpus").get<int>(), context.at("mhz_per_cpu").get<int>());
   Build build{argument.substr(0, equals),
               context.at("compiler"),
               context.at("vector_bits"),
@@ -314,7 +314,8 @@ void write(const std::vector<Build>& all, const std::string& folder) {
   fmt::print(
       "\n## Single samples\n\n{}, of samples that find the felt in contact, one at a time: nothing of the next one "
       "can\n"
-      "begin before the last is done. What the stopwatch takes is subtracted. Another player goes before, for a processor\n"
+      "begin before the last is done. What the stopwatch takes is subtracted. Another player goes before, for a "
+      "processor\n"
       "takes its time to wake up vectors of 512 bits.\n",
       all.front().ticks);
   for (const std::string& precision : precisions) percentiles(all.front(), precision);

@@ -56,7 +56,8 @@ void on_one_core(benchmark::State& state) {
   OneThread run;
   play(state, static_cast<std::size_t>(state.range(0)), run);
 }
-BENCHMARK(on_one_core)->Name("voices, one core")
+BENCHMARK(on_one_core)
+    ->Name("voices, one core")
     ->ArgsProduct({{1, 4, 16, 64, 256, 1024, 2048, 2560, 3072}})
     ->Unit(benchmark::kMillisecond);
 

@@ -105,26 +105,46 @@ class StrikeTables {
         give_(modes),
         free_give_(modes),
         swing_(modes),
+        unit_(modes),
+        per_unit_(modes),
         workspace_(kStruckLines * (modes + ModalArray<T>::kLine)) {}
 
   /// For the next throw, at a place of these shapes.
-  void strike_at(const ModalBank<T>& string, const ModeShapes<T>& shapes) {
+  void strike_at(ModalBank<T>& string, const ModeShapes<T>& shapes) {
     string.respond(shapes, give_, free_give_, swing_);
     free_admittance_ = 0;
-    for (std::size_t i = 0; i < shapes.size(); ++i) free_admittance_ += shapes[i] * free_give_[i];
+    const ModalArrays<T> modes = string.arrays();
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+      free_admittance_ += shapes[i] * free_give_[i];
+      unit_[i] = std::abs(give_[i]) > kLeastUnit ? give_[i] : kLeastUnit;
+      per_unit_[i] = 1 / unit_[i];
+      set(i, StruckRow::free_give, free_give_[i] * per_unit_[i]);
+      set(i, StruckRow::stiffness, modes.stiffness[i]);
+      set(i, StruckRow::rest, modes.stiffness_rest[i]);
+      set(i, StruckRow::loss, modes.loss[i] + modes.stiffness_rest[i]);
+      set(i, StruckRow::shape, shapes[i] * unit_[i]);
+    }
   }
 
   /// As FeltTables.
   void follow(SegmentTable<T> felt) { felt_.follow(felt); }
 
   [[nodiscard]] StrikeArrays<T> arrays(const ModeShapes<T>& shapes) {
-    return {shapes.data(), give_.data(),   free_give_.data(), free_admittance_,
-            swing_.data(), felt_.arrays(), workspace_.data()};
+    return {shapes.data(), give_.data(),     free_give_.data(), free_admittance_, swing_.data(),
+            unit_.data(),  per_unit_.data(), felt_.arrays(),    workspace_.data()};
   }
 
  private:
+  // Of a mode that the force does not move: so small that what the force adds is nothing, and still a divisor [m/N].
+  static constexpr T kLeastUnit = 10000 * std::numeric_limits<T>::min();
+
+  void set(std::size_t mode, std::size_t row, T value) {
+    constexpr std::size_t kLine = ModalArray<T>::kLine;
+    workspace_[(mode / kLine * kStruckLines + row) * kLine + mode % kLine] = value;
+  }
+
   FeltTables<T> felt_;
-  ModalArray<T> give_, free_give_, swing_;
+  ModalArray<T> give_, free_give_, swing_, unit_, per_unit_;
   ModalArray<T> workspace_;
   T free_admittance_ = 0;
 };

@@ -60,11 +60,17 @@ struct StrikeArrays {
   const T* free_give;  ///< free increment after the sample
   T free_admittance;   ///< sum of shape times free_give
   const T* swing;      ///< shape/sqrt(stiffness - (loss + stiffness)^2 / 4)
+  const T* unit;       ///< in which a struck mode's state is counted: give, so that a force just adds to it
+  const T* per_unit;   ///< 1/unit
   FeltArrays<T> felt;
-  T* workspace;  ///< kStruckLines cache lines for each line of modes
+  T* workspace;  ///< the StruckRows of each line of modes; the constants are there
 };
 
-/// What a struck mode is made of: two of state and seven of constants.
+/// What a struck mode is made of, a cache line each: two of state and six of constants, in its unit.
+struct StruckRow {
+  enum : std::size_t { displacement, free_increment, free_give, stiffness, rest, loss, shape, pickup };
+};
+/// So many lines for each: one more, or every eighth would lie at the same place of a page.
 inline constexpr std::size_t kStruckLines = 9;
 
 /// A hammer on its way.

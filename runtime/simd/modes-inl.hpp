@@ -148,17 +148,14 @@ class StruckModes {
  public:
   /// Takes the modes over; give_back() returns them.
   HWY_ATTR StruckModes(const ModalArrays<T>& string, const StrikeArrays<T>& strike, const T* pickup)
-      : string_(string), lines_((string.modes + kLine - 1) / kLine), modes_(strike.workspace) {
-    const T* const sources[kStruckLines] = {string.displacement, string.free_increment, strike.give,
-                                            strike.free_give,    string.stiffness,      string.stiffness_rest,
-                                            string.loss,         strike.shape,          pickup};
-    for (std::size_t line = 0; line < lines_; ++line) {
-      for (std::size_t i = 0; i < kStruckLines; ++i) copy(sources[i] + line * kLine, at(line, static_cast<Row>(i)));
-      for (std::size_t v = 0; v < kLine; v += hn::Lanes(tag())) {
-        T* const loss = at(line, kLoss) + v;
-        hn::Store(loss_with<T>(hn::Load(tag(), at(line, kRest) + v), hn::Load(tag(), loss)), tag(), loss);
-      }
-    }
+      : string_(string), strike_(strike), lines_((string.modes + kLine - 1) / kLine) {
+    each([&](std::size_t i, T* mode) HWY_ATTR {
+      const auto per_unit = hn::Load(tag(), strike.per_unit + i);
+      hn::Store(hn::Mul(per_unit, hn::Load(tag(), string.displacement + i)), tag(), row(mode, Row::displacement));
+      hn::Store(hn::Mul(per_unit, hn::Load(tag(), string.free_increment + i)), tag(), row(mode, Row::free_increment));
+      hn::Store(hn::Mul(hn::Load(tag(), strike.unit + i), hn::Load(tag(), pickup + i)), tag(),
+                row(mode, Row::pickup));
+    });
   }
 
   /// Sums over the modes of the strike's shape times free increment, and of the pickup's times displacement.
@@ -166,9 +163,18 @@ class StruckModes {
     T coming, heard;
   };
 
-  [[nodiscard]] HWY_ATTR T coming() const { return sum(kShape, kFreeIncrement); }
+  [[nodiscard]] HWY_ATTR T coming() const {
+    auto sum = hn::Zero(tag());
+    each([&](std::size_t, const T* mode)
+             HWY_ATTR { sum = hn::MulAdd(load(mode, Row::shape), load(mode, Row::free_increment), sum); });
+    return hn::GetLane(hn::SumOfLanes(tag(), sum));
+  }
   /// Displacement at the pickup per newton, once the force is applied.
-  [[nodiscard]] HWY_ATTR T pickup_admittance() const { return sum(kPickup, kGive); }
+  [[nodiscard]] HWY_ATTR T pickup_admittance() const {
+    auto sum = hn::Zero(tag());
+    each([&](std::size_t, const T* mode) HWY_ATTR { sum = hn::Add(sum, load(mode, Row::pickup)); });
+    return hn::GetLane(hn::SumOfLanes(tag(), sum));
+  }
 
   /// Applies the force of the last sample, `push` after the damper's share, which that one was done without, and does
   /// the coming sample without its force, which is still missing in the sums.
@@ -178,10 +184,10 @@ class StruckModes {
     auto coming0 = hn::Zero(tag()), coming1 = coming0, heard0 = coming0, heard1 = coming0;
     std::size_t line = 0;
     for (; line + 1 < lines_; line += 2) {
-      step<kDamped>(modes_ + line * kStride, shares, pushes, coming0, heard0);
-      step<kDamped>(modes_ + (line + 1) * kStride, shares, pushes, coming1, heard1);
+      step<kDamped>(strike_.workspace + line * kStride, shares, pushes, coming0, heard0);
+      step<kDamped>(strike_.workspace + (line + 1) * kStride, shares, pushes, coming1, heard1);
     }
-    if (line < lines_) step<kDamped>(modes_ + line * kStride, shares, pushes, coming0, heard0);
+    if (line < lines_) step<kDamped>(strike_.workspace + line * kStride, shares, pushes, coming0, heard0);
     return {hn::GetLane(hn::SumOfLanes(tag(), hn::Add(coming0, coming1))),
             hn::GetLane(hn::SumOfLanes(tag(), hn::Add(heard0, heard1)))};
   }
@@ -189,36 +195,35 @@ class StruckModes {
   /// Applies the last force and gives the modes back.
   HWY_ATTR void give_back(T push) {
     const auto pushes = hn::Set(tag(), push);
-    for (std::size_t line = 0; line < lines_; ++line)
-      for (std::size_t v = 0; v < kLine; v += hn::Lanes(tag())) {
-        const T* const mode = modes_ + line * kStride + v;
-        hn::Store(pushed(mode, kGive, kDisplacement, pushes), tag(), string_.displacement + line * kLine + v);
-        hn::Store(pushed(mode, kFreeGive, kFreeIncrement, pushes), tag(), string_.free_increment + line * kLine + v);
-      }
+    each([&](std::size_t i, const T* mode) HWY_ATTR {
+      const auto unit = hn::Load(tag(), strike_.unit + i);
+      hn::Store(hn::Mul(unit, pushed_displacement(mode, pushes)), tag(), string_.displacement + i);
+      hn::Store(hn::Mul(unit, pushed_increment(mode, pushes)), tag(), string_.free_increment + i);
+    });
   }
 
  private:
-  enum Row { kDisplacement, kFreeIncrement, kGive, kFreeGive, kStiffness, kRest, kLoss, kShape, kPickup };
+  using Row = StruckRow;
   static constexpr std::size_t kLine = 64 / sizeof(T);
   static constexpr std::size_t kStride = kStruckLines * kLine;
 
   static constexpr Tag<T> tag() { return {}; }
-  [[nodiscard]] T* at(std::size_t line, Row row) const { return modes_ + line * kStride + row * kLine; }
+  static HWY_INLINE T* row(T* mode, std::size_t which) { return mode + which * kLine; }
+  static HWY_INLINE Vector<T> load(const T* mode, std::size_t which) { return hn::Load(tag(), mode + which * kLine); }
 
-  HWY_ATTR static void copy(const T* from, T* to) {
-    for (std::size_t v = 0; v < kLine; v += hn::Lanes(tag())) hn::Store(hn::Load(tag(), from + v), tag(), to + v);
-  }
-
-  [[nodiscard]] HWY_ATTR T sum(Row a, Row b) const {
-    auto sum = hn::Zero(tag());
+  /// Calls for each vector of modes, with its first mode and where its rows begin.
+  template <typename Do>
+  HWY_INLINE void each(Do act) const {
     for (std::size_t line = 0; line < lines_; ++line)
       for (std::size_t v = 0; v < kLine; v += hn::Lanes(tag()))
-        sum = hn::MulAdd(hn::Load(tag(), at(line, a) + v), hn::Load(tag(), at(line, b) + v), sum);
-    return hn::GetLane(hn::SumOfLanes(tag(), sum));
+        act(line * kLine + v, strike_.workspace + line * kStride + v);
   }
 
-  HWY_INLINE static Vector<T> pushed(const T* mode, Row give, Row state, Vector<T> pushes) {
-    return hn::MulAdd(hn::Load(tag(), mode + give * kLine), pushes, hn::Load(tag(), mode + state * kLine));
+  static HWY_INLINE Vector<T> pushed_displacement(const T* mode, Vector<T> pushes) {
+    return hn::Add(load(mode, Row::displacement), pushes);
+  }
+  static HWY_INLINE Vector<T> pushed_increment(const T* mode, Vector<T> pushes) {
+    return hn::MulAdd(load(mode, Row::free_give), pushes, load(mode, Row::free_increment));
   }
 
   template <bool kDamped>
@@ -226,21 +231,19 @@ class StruckModes {
                               Vector<T>& heard) {
     for (std::size_t v = 0; v < kLine; v += hn::Lanes(tag())) {
       T* const mode = line + v;
-      auto q = pushed(mode, kGive, kDisplacement, pushes);
-      auto d = pushed(mode, kFreeGive, kFreeIncrement, pushes);
-      const auto rest = kRounds<T> ? hn::Load(tag(), mode + kRest * kLine) : hn::Zero(tag());
-      move<kDamped, T>(hn::Load(tag(), mode + kStiffness * kLine), rest, hn::Load(tag(), mode + kLoss * kLine),
-                       shares, q, d);
-      hn::Store(q, tag(), mode + kDisplacement * kLine);
-      hn::Store(d, tag(), mode + kFreeIncrement * kLine);
-      coming = hn::MulAdd(hn::Load(tag(), mode + kShape * kLine), d, coming);
-      heard = hn::MulAdd(hn::Load(tag(), mode + kPickup * kLine), q, heard);
+      auto q = pushed_displacement(mode, pushes), d = pushed_increment(mode, pushes);
+      const auto rest = kRounds<T> ? load(mode, Row::rest) : hn::Zero(tag());
+      move<kDamped, T>(load(mode, Row::stiffness), rest, load(mode, Row::loss), shares, q, d);
+      hn::Store(q, tag(), row(mode, Row::displacement));
+      hn::Store(d, tag(), row(mode, Row::free_increment));
+      coming = hn::MulAdd(load(mode, Row::shape), d, coming);
+      heard = hn::MulAdd(load(mode, Row::pickup), q, heard);
     }
   }
 
   ModalArrays<T> string_;
+  StrikeArrays<T> strike_;
   std::size_t lines_;
-  T* modes_;
 };
 
 /// The modes of a struck string where they lie, for a sample or two: what StruckModes takes over and gives back is
