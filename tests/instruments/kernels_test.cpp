@@ -210,6 +210,41 @@ TEST(Kernels, CatchTheHammerAtTheSameSample) {
   }
 }
 
+// A mode that sounds goes on sounding when the hammer moves to one of its nodes, or next to it.
+TYPED_TEST(Kernels, KeepModesThatAreNotStruck) {
+  const std::vector<Mode> modes = {{1600, 1, 0.002}, {3300, 1, 0.002}, {5100, 1, 0.002}};
+  const auto table = table_in<TypeParam>(felt_table(c4(), 32));
+  const auto of = [](double a, double b, double c) {
+    return ModeShapes<TypeParam>(std::span<const double>(std::array{a, b, c}));
+  };
+  const auto pickup = of(1, 1, 1);
+  const HammerStringControls<TypeParam> controls{.hammer_mass_kg = TypeParam(0.00297)};
+  const auto play = [&](std::size_t block) {
+    HammerString<TypeParam> model(table, modes, of(0.1, 1, 1), 44100);
+    std::vector<TypeParam> out(2000);
+    for (std::size_t at = 0; at < out.size(); at += std::max<std::size_t>(block, 1)) {
+      if (at % 500 == 0) {
+        if (at == 500) model.strike_at(of(1, 0, 1e-20));
+        model.strike(TypeParam(2.5), TypeParam(1e-4));
+      }
+      if (block > 0) {
+        model.play(controls, pickup, std::span(out).subspan(at, block));
+      } else {
+        model.tick(controls);
+        out[at] = model.string().displacement(pickup);
+      }
+    }
+    return out;
+  };
+  const auto expected = play(0);
+  for (const std::int64_t target : targets()) {
+    const OnlyTarget only(target);
+    for (const std::size_t block : {1u, 50u, 500u})
+      EXPECT_TRUE(sequences_within<TypeParam>(play(block), expected, bound<TypeParam>()))
+          << hwy::TargetName(target) << ' ' << block;
+  }
+}
+
 // A felt that changes in the midst of a contact, as LiveExponent does, changes at once.
 TEST(Kernels, FollowALiveFelt) {
   const auto modes = audible_modes(c4());
