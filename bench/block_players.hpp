@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// One hammer-string in several guises, each played as a plug-in host does: in blocks.
+// One hammer-string in several implementations. Each computes blocks, as in a plug-in host.
 #pragma once
 
 #include <faust/gui/MapUI.h>
@@ -42,18 +42,18 @@ struct string_c2_80 {
 
 class BlockPlayer {
  public:
-  static constexpr std::size_t kMost = 256;  // samples in a block
+  static constexpr std::size_t kMax = 256;  // samples in a block
 
   virtual ~BlockPlayer() = default;
-  /// Throws the hammer at 2.5 m/s from 0.1 mm, with the next block; between two throws lie two blocks or more.
+  /// Throws the hammer at 2.5 m/s from 0.1 mm at the start of the next block. Call it at most every second block.
   virtual void strike() = 0;
-  virtual void play(std::size_t samples) = 0;
-  /// Of the last block; the force is 0 where the player was not asked for it.
+  virtual void process(std::size_t samples) = 0;
+  /// Outputs of the last block. The force is 0 if the player does not compute it.
   [[nodiscard]] virtual double displacement_mm(std::size_t sample) const = 0;
   [[nodiscard]] virtual double force_n(std::size_t sample) const = 0;
 };
 
-/// HammerString::play as it is.
+/// HammerString::process, without a wrapper.
 template <typename Felt, typename String, std::floating_point T>
 class BarePlayer final : public BlockPlayer {
  public:
@@ -63,9 +63,9 @@ class BarePlayer final : public BlockPlayer {
         controls_{.hammer_mass_kg = static_cast<T>(hammer_kg)},
         with_forces_(with_forces) {}
   void strike() override { model_.strike(T(2.5), T(1e-4)); }
-  void play(std::size_t samples) override {
-    model_.play(controls_, pickup_, std::span(displacement_m_).first(samples),
-                with_forces_ ? force_n_.data() : nullptr);
+  void process(std::size_t samples) override {
+    model_.process(controls_, pickup_, std::span(displacement_m_).first(samples),
+                   with_forces_ ? force_n_.data() : nullptr);
   }
   [[nodiscard]] double displacement_mm(std::size_t sample) const override { return 1000 * displacement_m_[sample]; }
   [[nodiscard]] double force_n(std::size_t sample) const override { return force_n_[sample]; }
@@ -75,10 +75,10 @@ class BarePlayer final : public BlockPlayer {
   ModeShapes<T> pickup_{std::span<const double>(String::pickup_shapes)};
   HammerStringControls<T> controls_;
   bool with_forces_;
-  std::array<T, kMost> displacement_m_{}, force_n_{};
+  std::array<T, kMax> displacement_m_{}, force_n_{};
 };
 
-/// A class with Faust's interface and the controls of `hammer_string_ui`.
+/// A class with Faust's `dsp` interface and the controls of `hammer_string_ui`.
 class DspPlayer final : public BlockPlayer {
  public:
   explicit DspPlayer(std::unique_ptr<dsp> program) : program_(std::move(program)) {
@@ -88,7 +88,7 @@ class DspPlayer final : public BlockPlayer {
     strike_ = controls.getParamZone("strike");
   }
   void strike() override { *strike_ = 1; }
-  void play(std::size_t samples) override {
+  void process(std::size_t samples) override {
     std::array<FAUSTFLOAT*, 2> outputs = {displacement_mm_.data(), force_n_.data()};
     program_->compute(static_cast<int>(samples), nullptr, outputs.data());
     *strike_ = 0;
@@ -101,7 +101,7 @@ class DspPlayer final : public BlockPlayer {
  private:
   std::unique_ptr<dsp> program_;
   FAUSTFLOAT* strike_;
-  std::array<FAUSTFLOAT, kMost> displacement_mm_{}, force_n_{};
+  std::array<FAUSTFLOAT, kMax> displacement_mm_{}, force_n_{};
 };
 
 struct NamedBlockPlayer {
@@ -109,7 +109,7 @@ struct NamedBlockPlayer {
   std::unique_ptr<BlockPlayer> player;
 };
 
-/// A string in all its guises, the bare one first. `program` is the Faust program's name, c4, c2 or eighty_modes.
+/// All implementations of one string, HammerString first. program: name of the Faust program, c4, c2 or eighty_modes.
 template <typename Felt, typename String, std::floating_point T>
 std::vector<NamedBlockPlayer> block_players(const std::string& program, double hammer_kg) {
   std::vector<NamedBlockPlayer> all;
@@ -123,7 +123,7 @@ std::vector<NamedBlockPlayer> block_players(const std::string& program, double h
   return all;
 }
 
-/// The strings of the comparison: calls visit(name, make), where make.template operator()<T>() gives their players.
+/// Calls visit(name, make) for each string of the comparison; make.template operator()<T>() returns its players.
 template <typename Visit>
 void for_each_faust_string(Visit visit) {
   visit("C4, 56 modes",

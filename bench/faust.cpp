@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The hammer-string as Faust writes it beside the runtime, bare and behind Faust's interface, in one run, as a table
-// in Markdown: scripts/bench --faust.
+// Compares the hammer-string that Faust generates with that of the C++ runtime, alone and behind Faust's interface.
+// Prints a Markdown table; scripts/bench --faust runs it.
 #include <time.h>
 
 #include <cstdio>
@@ -8,24 +8,26 @@
 #include <functional>
 
 #include "bench/block_players.hpp"
-#include "bench/compete.hpp"
+#include "bench/paired_timer.hpp"
 
 namespace contactspline::bench {
 namespace {
 
-/// A player that is struck every so many samples.
+/// A player that is struck every `samples_between` samples.
 class Struck {
  public:
   Struck(std::unique_ptr<BlockPlayer> player, std::size_t samples_between)
-      : player_(std::move(player)), between_(samples_between), most_(std::min(BlockPlayer::kMost, between_ / 2)) {}
-  void play(std::size_t samples) {
+      : player_(std::move(player)),
+        between_(samples_between),
+        max_block_(std::min(BlockPlayer::kMax, between_ / 2)) {}
+  void process(std::size_t samples) {
     while (samples > 0) {
       if (until_strike_ == 0) {
         player_->strike();
         until_strike_ = between_;
       }
-      const std::size_t block = std::min({samples, until_strike_, most_});
-      player_->play(block);
+      const std::size_t block = std::min({samples, until_strike_, max_block_});
+      player_->process(block);
       until_strike_ -= block;
       samples -= block;
     }
@@ -33,13 +35,13 @@ class Struck {
 
  private:
   std::unique_ptr<BlockPlayer> player_;
-  std::size_t between_, most_, until_strike_ = 0;
+  std::size_t between_, max_block_, until_strike_ = 0;
 };
 
-// Each plays so many in a round: with fewer, it tells in the times what the one before left in the caches.
+// Samples of each player in a round. With fewer, the cache contents of the player before affect the times.
 constexpr std::size_t kSamples = kSampleRate;
 
-/// Time that this thread was on a processor: rounds of milliseconds are interrupted.
+/// CPU time of this thread. Wall time would count interruptions, which are common in rounds of milliseconds.
 struct ThreadClock {
   static std::chrono::nanoseconds now() {
     timespec time{};
@@ -56,25 +58,25 @@ void print_header(const std::vector<NamedBlockPlayer>& players) {
   std::printf("\n");
 }
 
-void print_row(const std::string& string, const std::string& duty, std::vector<NamedBlockPlayer> players,
+void print_row(const std::string& string, const std::string& workload, std::vector<NamedBlockPlayer> players,
                std::size_t samples_between, int rounds) {
-  using Play = std::function<void()>;
-  std::vector<Contestant<Play>> all;
+  using Run = std::function<void()>;
+  std::vector<TimedTask<Run>> tasks;
   for (auto& [name, player] : players) {
     auto struck = std::make_shared<Struck>(std::move(player), samples_between);
-    all.push_back({name, [struck] { struck->play(kSamples); }});
+    tasks.push_back({name, [struck] { struck->process(kSamples); }});
   }
-  Contest<Play, ThreadClock> contest(all, static_cast<double>(kSamples));
-  for (int i = 0; i < rounds; ++i) contest.round();
-  std::printf("| %s | %s | %.3g |", string.c_str(), duty.c_str(), contest.nanoseconds(0));
-  for (std::size_t i = 1; i < all.size(); ++i) std::printf(" %.3g |", 1 / contest.ratio(i));
+  PairedTimer<Run, ThreadClock> timer(tasks, static_cast<double>(kSamples));
+  for (int i = 0; i < rounds; ++i) timer.round();
+  std::printf("| %s | %s | %.3g |", string.c_str(), workload.c_str(), timer.nanoseconds(0));
+  for (std::size_t i = 1; i < tasks.size(); ++i) std::printf(" %.3g |", 1 / timer.ratio(i));
   std::printf("\n");
   std::fflush(stdout);
 }
 
 template <std::floating_point T>
 void print_table(const char* precision, int rounds) {
-  std::printf("\n%s: ns a sample, then times that\n\n", precision);
+  std::printf("\n%s: ns per sample, then the factor\n\n", precision);
   bool is_first = true;
   for_each_faust_string([&](const std::string& string, auto make) {
     const auto players = [&] { return make.template operator()<T>(); };
@@ -88,7 +90,7 @@ void print_table(const char* precision, int rounds) {
 }  // namespace
 }  // namespace contactspline::bench
 
-// bench/faust [ROUNDS]: an odd number of rounds, 41 unless told.
+// bench/faust [ROUNDS]: an odd number of rounds; the default is 41.
 int main(int argc, char** argv) {
   const int rounds = argc > 1 ? std::atoi(argv[1]) : 41;
   if (argc > 2 || rounds < 1) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The Faust programs that ship, compiled as Faust's own scripts do.
+// The Faust programs of faust/, compiled with the flags of Faust's own scripts.
 #pragma once
 
 #include <faust/dsp/dsp.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How many times faster than real time the instruments run on one core, struck once a second.
+// Speed of the instruments on one core, as a multiple of real time. Each is struck once per second.
 #include <benchmark/benchmark.h>
 #include <faust/gui/MapUI.h>
 #include <faust/gui/UI.h>
@@ -25,14 +25,14 @@ constexpr int kRate = 44100;
 constexpr int kBlock = 256;
 constexpr int kBlocksPerSecond = kRate / kBlock;
 
-/// Runs blocks of sound; before the first of each second, strikes.
-void run(benchmark::State& state, std::invocable auto strike, std::invocable auto play_block) {
+/// Computes blocks of sound and strikes before the first block of each second.
+void run(benchmark::State& state, std::invocable auto strike, std::invocable auto process_block) {
   AVOIDDENORMALS;  // as audio hosts do
   int block = 0;
   for (auto _ : state) {
     if (block % kBlocksPerSecond == 0) strike();
     ++block;
-    play_block();
+    process_block();
   }
   state.counters["times_real_time"] =
       benchmark::Counter(static_cast<double>(block) * kBlock / kRate, benchmark::Counter::kIsRate);
@@ -45,16 +45,16 @@ void faust(benchmark::State& state, std::unique_ptr<dsp> (*make)(), const char* 
   program->buildUserInterface(&controls);
   std::array<std::array<float, kBlock>, 2> sound;
   std::array<float*, 2> outputs = {sound[0].data(), sound[1].data()};
-  const auto play = [&](int samples) {
+  const auto process = [&](int samples) {
     program->compute(samples, nullptr, outputs.data());
     benchmark::DoNotOptimize(sound);
   };
   const auto strike = [&] {
     controls.setParamValue(trigger, 0);
-    play(1);
+    process(1);
     controls.setParamValue(trigger, 1);
   };
-  run(state, strike, [&] { play(kBlock); });
+  run(state, strike, [&] { process(kBlock); });
 }
 
 /// HammerString with the C4 felt and the C4 string of 56 modes.
@@ -69,12 +69,12 @@ void hammer_string(benchmark::State& state) {
   run(
       state, [&] { model.strike(T(2.5), T(1e-4)); },
       [&] {
-        model.play({.hammer_mass_kg = T(0.00297)}, pickup, sound);
+        model.process({.hammer_mass_kg = T(0.00297)}, pickup, sound);
         benchmark::DoNotOptimize(sound);
       });
 }
 
-/// The same behind Faust's `dsp` interface, which gives the force too.
+/// The same behind Faust's `dsp` interface, which also outputs the force.
 template <std::floating_point T>
 void hammer_string_dsp(benchmark::State& state) {
   HammerStringDsp<materials::felt_c4, resonators::string_c4, T> program("hammer_string", 0.00297);
@@ -113,7 +113,7 @@ void piano_example(benchmark::State& state) {
 }
 
 #ifdef CONTACTSPLINE_LV2_PATH
-/// The LV2 piano with so many voices, all of them sounding.
+/// The LV2 piano with kChord voices, all of them sounding.
 void piano_lv2(benchmark::State& state) {
   setenv("LV2_PATH", CONTACTSPLINE_LV2_PATH, 1);
   const testing::Lv2World world;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A modal string that nothing touches: what contact may cost is measured against it.
+// A modal string without contact: the reference for the cost of a contact.
 #pragma once
 
 #include <concepts>
@@ -10,7 +10,7 @@
 
 namespace contactspline::bench {
 
-/// The modes of ModalString and a pickup, sounding.
+/// The modes of ModalString and a pickup, with nonzero displacements.
 template <std::floating_point T>
 class LinearString {
  public:
@@ -22,18 +22,18 @@ class LinearString {
       mode.keep[i % kLanes] = static_cast<T>(1 - constants.loss);
       mode.pull[i % kLanes] = static_cast<T>(constants.stiffness);
       mode.pickup[i % kLanes] = static_cast<T>(pickup_shapes[i]);
-      mode.displacement[i % kLanes] = T(1e-3) / static_cast<T>(i + 1);  // a note that sounds
+      mode.displacement[i % kLanes] = T(1e-3) / static_cast<T>(i + 1);  // a sounding note
     }
   }
 
-  void play(std::span<T> out) {
+  void process(std::span<T> out) {
     for (T& sample : out) sample = detail::ring(std::span(modes_));
   }
 
  private:
   static constexpr std::size_t kLanes = detail::Modes<T>::Lanes::size();
 
-  // Without what only a hammer asks for.
+  // The values of detail::Modes that a string without hammer needs.
   struct alignas(64) Modes {
     using Lanes = typename detail::Modes<T>::Lanes;
     Lanes keep = 0, pull = 0, pickup = 0;

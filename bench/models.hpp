@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the schemes are run on: hammers, strings, and how often the one strikes the other.
+// The benchmark models: hammers, strings, and how often the hammer strikes.
 #pragma once
 
 #include <cmath>
@@ -24,28 +24,28 @@ namespace contactspline::bench {
 
 inline constexpr int kSampleRate = 44100;
 
-/// How a hammer is thrown, and how often.
-struct Duty {
+/// How a hammer is thrown, and how often. samples_between: between two throws.
+struct Workload {
   std::string name;
   int samples_between;
   double speed_m_per_s;
   double distance_m;
-  double mass_ratio = 1;  ///< the hammer's mass over its own
+  double mass_ratio = 1;  ///< factor of the hammer mass
 };
 
-/// A hammer and a string; no modes: a rigid barrier.
+/// A hammer and a string. Without modes the string is a rigid barrier.
 struct Model {
   std::string name;
   PowerLawHammer hammer;
   std::vector<Segment<double>> felt;  ///< entry 0 out of contact, as SegmentTable
   std::vector<Mode> modes;
   std::vector<double> strike_shapes, pickup_shapes;
-  double press_speed_m_per_s;  ///< of the heavy hammer that leans on it
+  double press_speed_m_per_s;  ///< of the heavy hammer that stays in contact
   std::optional<FdString> fd;
 
-  /// Struck as a player does, as a trill does, at once again, and leant on by a hammer of a million times the mass
-  /// that is thrown again from the surface every 10 ms, long before it could turn.
-  [[nodiscard]] std::vector<Duty> duties() const {
+  /// Single notes, a trill, immediate repetition, and permanent contact. In permanent contact the hammer has 1e6
+  /// times its mass and is thrown again from the surface every 10 ms, long before it could reverse.
+  [[nodiscard]] std::vector<Workload> workloads() const {
     constexpr double kSpeed = 2.5, kDistance = 1e-4;
     return {{"every 100 ms", kSampleRate / 10, kSpeed, kDistance},
             {"every 10 ms", kSampleRate / 100, kSpeed, kDistance},
@@ -104,7 +104,7 @@ inline std::vector<Model> models() {
   return {mb1(), c4(), c2(), eighty_modes()};
 }
 
-/// C4's hammer on a string of so many modes, spread evenly below 22 kHz.
+/// The C4 hammer on a string with a given number of modes, evenly spaced up to 22 kHz.
 inline Model c4_with_modes(std::size_t modes) {
   Model model = c4();
   model.fd = {};
@@ -120,7 +120,8 @@ inline Model c4_with_modes(std::size_t modes) {
   return model;
 }
 
-/// The same model with a felt of so many segments: the force of the power law at equal distances, straight between.
+/// The same model with a given number of felt segments: power-law forces at equally spaced knots, linear between
+/// them.
 inline Model with_segments(Model model, std::size_t segments) {
   const double width =
       model.felt.back().knot * (1 + 1 / static_cast<double>(model.felt.size() - 2)) / static_cast<double>(segments);

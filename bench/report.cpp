@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Writes what bench/speed measured as Markdown on standard output, and what speed.gp draws into a folder.
-// bench_report FOLDER BUILD=FILE.json...
+// bench_report FOLDER BUILD=FILE.json...: writes the results of bench/speed as Markdown to standard output, and the
+// data files for speed.gp into FOLDER.
 #include <fmt/format.h>
 #include <fmt/ostream.h>
 
@@ -20,7 +20,7 @@ using nlohmann::json;
 const std::vector<std::string> kOthers = {"EXP-3",     "EXP-3, caught", "linearly implicit", "Newton",
                                           "fd.hammer", "string alone",  "in blocks",         "roofline"};
 
-/// One benchmark: its name cut at the slashes, its counters.
+/// One benchmark: its name, split at the slashes, and its counters.
 struct Measured {
   std::vector<std::string> name;
   std::map<std::string, double> counters;
@@ -32,7 +32,7 @@ struct Measured {
   }
 };
 
-/// All of one build.
+/// All results of one build.
 struct Build {
   std::string name, compiler, vector_bits, ticks, processor;
   std::vector<Measured> measured;
@@ -42,13 +42,13 @@ struct Build {
       if (one.name == of) return &one;
     return nullptr;
   }
-  /// A counter of a benchmark, where it was run and has it.
+  /// A counter of a benchmark. Empty if the benchmark was not run or has no such counter.
   [[nodiscard]] std::optional<double> get(const std::vector<std::string>& of, const std::string& counter) const {
     const Measured* one = find(of);
     if (one == nullptr) return {};
     return one->get(counter);
   }
-  /// All benchmarks of a kind in a precision, in the order they ran.
+  /// All benchmarks of a kind in a precision, in the order in which they ran.
   [[nodiscard]] std::vector<const Measured*> all(const std::string& kind, const std::string& precision) const {
     std::vector<const Measured*> found;
     for (const Measured& one : measured)
@@ -113,7 +113,7 @@ void row(const std::vector<std::string>& cells) {
 }
 
 void ratios(const Build& build, const std::string& precision) {
-  std::vector<std::string> columns = {"model", "duty", "spline, ns"};
+  std::vector<std::string> columns = {"model", "workload", "spline, ns"};
   columns.insert(columns.end(), kOthers.begin(), kOthers.end());
   heading(fmt::format("### {}, {}", build.name, precision), columns, 2);
   for (const Measured* one : build.all("ratios", precision)) {
@@ -125,7 +125,8 @@ void ratios(const Build& build, const std::string& precision) {
 
 void percentiles(const Build& build, const std::string& precision) {
   heading(fmt::format("### {}, {}: median / 99 % / 99.9 %", build.name, precision),
-          {"model", "duty", "samples in contact", "spline", "EXP-3", "linearly implicit", "Newton", "fd.hammer"}, 2);
+          {"model", "workload", "samples in contact", "spline", "EXP-3", "linearly implicit", "Newton", "fd.hammer"},
+          2);
   for (const Measured* one : build.all("percentiles", precision)) {
     std::vector<std::string> cells = {one->name[1], one->name[2],
                                       number(one->get("touching").value_or(0) * 100, "{:.0f} %")};
@@ -141,16 +142,16 @@ void percentiles(const Build& build, const std::string& precision) {
 }
 
 void scaling(const Build& build, const std::string& precision) {
-  heading(fmt::format("### Modes, struck every 10 ms, ns a sample: {}, {}", build.name, precision),
+  heading(fmt::format("### Modes, struck every 10 ms, ns per sample: {}, {}", build.name, precision),
           {"modes", "spline", "EXP-3", "Newton", "string alone", "roofline", "spline / roofline"});
   for (const Measured* one : build.all("modes", precision))
     row({one->name[1], number(one->get("ns/spline")), number(one->get("ns/EXP-3")), number(one->get("ns/Newton")),
          number(one->get("ns/string alone")), number(one->get("ns/roofline")),
          number(one->get("ratio/roofline"), "{:.2f}")});
 
-  heading(
-      fmt::format("### Voices, each a C4 struck every second, ns a sample and voice: {}, {}", build.name, precision),
-      {"voices", "spline", "EXP-3", "string alone", "voices in real time on one core"});
+  heading(fmt::format("### Voices, each a C4 struck every second, ns per sample and voice: {}, {}", build.name,
+                      precision),
+          {"voices", "spline", "EXP-3", "string alone", "voices in real time on one core"});
   for (const Measured* one : build.all("voices", precision)) {
     const double ns = one->get("ns/spline").value_or(0);
     row({one->name[1], number(ns), number(one->get("ns/EXP-3")), number(one->get("ns/string alone")),
@@ -175,30 +176,33 @@ void scaling(const Build& build, const std::string& precision) {
   }
 }
 
-/// The worst of some figures against what they should be.
-void goal(const std::string& what, double most, std::vector<std::optional<double>> figures) {
+/// Writes the goal for some ratios and the worst of them.
+void goal(const std::string& what, double max, std::vector<std::optional<double>> found) {
   double worst = 0;
-  for (const auto& figure : figures)
-    if (figure) worst = std::max(worst, *figure);
-  if (worst > 0) row({what, fmt::format("{:.2f}", most), fmt::format("{:.2f}", worst), worst <= most ? "yes" : "no"});
+  for (const auto& ratio : found)
+    if (ratio) worst = std::max(worst, *ratio);
+  if (worst > 0) row({what, fmt::format("{:.2f}", max), fmt::format("{:.2f}", worst), worst <= max ? "yes" : "no"});
 }
 
 void goals(const Build& build, const std::string& precision) {
-  heading(fmt::format("### {}, {}", build.name, precision), {"", "at most", "found, worst", "kept"});
-  const std::vector<std::string> duties = {"every 100 ms", "every 10 ms", "every 1.36 ms", "permanent contact"};
+  heading(fmt::format("### {}, {}", build.name, precision),
+          {"time of the spline", "goal, at most", "worst found", "met"});
+  const std::vector<std::string> workloads = {"every 100 ms", "every 10 ms", "every 1.36 ms", "permanent contact"};
   std::vector<std::optional<double>> tails;
-  const auto ratio = [&](const char* model, std::size_t duty, const char* other) {
-    return build.get({"ratios", model, duties[duty], precision}, std::string("ratio/") + other);
+  const auto ratio = [&](const char* model, std::size_t workload, const char* other) {
+    return build.get({"ratios", model, workloads[workload], precision}, std::string("ratio/") + other);
   };
   for (const char* scheme : {"EXP-3", "EXP-3, caught"}) {
     std::vector<std::optional<double>> found;
     for (const char* model : {"C4", "C2"})
-      for (std::size_t duty = 0; duty < duties.size(); ++duty) found.push_back(ratio(model, duty, scheme));
-    goal(fmt::format("C4 and C2, every duty: over {}", scheme), 0.9, found);
+      for (std::size_t workload = 0; workload < workloads.size(); ++workload)
+        found.push_back(ratio(model, workload, scheme));
+    goal(fmt::format("C4 and C2, every workload: over {}", scheme), 0.9, found);
   }
-  goal("C4 and C2, restruck every 1.36 ms: over Newton", 0.35, {ratio("C4", 2, "Newton"), ratio("C2", 2, "Newton")});
+  goal("C4 and C2, struck again every 1.36 ms: over Newton", 0.35,
+       {ratio("C4", 2, "Newton"), ratio("C2", 2, "Newton")});
   for (const auto& [string, name] :
-       {std::pair{"string alone", "the string alone"}, {"in blocks", "the same in blocks"}}) {
+       {std::pair{"string alone", "the string alone"}, {"in blocks", "the string alone in blocks"}}) {
     goal(fmt::format("C4 and C2, every 100 ms: over {}", name), 1.15,
          {ratio("C4", 0, string), ratio("C2", 0, string)});
     goal(fmt::format("C2, permanent contact: over {}", name), 1.5, {ratio("C2", 3, string)});
@@ -216,9 +220,9 @@ void goals(const Build& build, const std::string& precision) {
   goal("80 modes, every 100 ms: over the roofline", 1.6, {ratio("80 modes", 0, "roofline")});
 }
 
-/// The same figures of all builds side by side; the first one is the measure.
+/// The same results of all builds side by side.
 void builds(const std::vector<Build>& all, const std::string& precision) {
-  std::vector<std::string> columns = {"every 10 ms, ns"};
+  std::vector<std::string> columns = {"every 10 ms, ns per sample"};
   for (const Build& build : all) columns.push_back(build.name);
   heading(fmt::format("### {}", precision), columns);
   for (const char* model : {"C4", "C2"})
@@ -230,7 +234,7 @@ void builds(const std::vector<Build>& all, const std::string& precision) {
     }
 }
 
-/// What speed.gp draws, of the first build: NAME columns, one row each.
+/// Writes the data files for speed.gp from the first build: one column for each scheme.
 void draw(const Build& build, const std::string& folder) {
   const std::vector<std::string> schemes = {"spline",    "EXP-3",        "linearly implicit", "Newton",
                                             "fd.hammer", "string alone", "roofline"};
@@ -240,7 +244,7 @@ void draw(const Build& build, const std::string& folder) {
   for (const char* precision : {"double", "float"}) {
     for (const char* model : {"C4", "C2"}) {
       std::ofstream file(fmt::format("{}/{}_{}.dat", folder, model, precision));
-      fmt::print(file, "duty");
+      fmt::print(file, "workload");
       for (const std::string& scheme : schemes) fmt::print(file, " \"{}\"", scheme);
       fmt::print(file, "\n");
       for (const Measured* one : build.all("ratios", precision)) {
@@ -275,51 +279,54 @@ void draw(const Build& build, const std::string& folder) {
 
 void write(const std::vector<Build>& all, const std::string& folder) {
   fmt::print(
-      "# Speed\n\n"
-      "Written by `scripts/bench`; do not edit. Every scheme plays the same hammer on the same string in one "
-      "program,\n"
-      "with the same compiler flags: in each round every scheme plays a tenth of a second, and a ratio is the "
-      "median\n"
-      "over the rounds of the spline's time over the other's. Below 1 the spline is faster.\n\n"
-      "- spline: `HammerString`, 32 segments (MB1 64)\n"
-      "- EXP-3: the explicit scheme of van Walstijn et al. (JSV 2023) on the two-step modal string\n"
-      "- EXP-3, caught: the same where a hammer that has gone 5 cm back is caught, as `HammerString` does, so that "
-      "most of the\n"
-      "  time only the string is left to compute\n"
-      "- linearly implicit: that of Ducceschi and Bilbao\n"
-      "- Newton: the spline's own time step, solved by iteration on the power law to 1e-12\n"
-      "- fd.hammer: that of the Faust libraries, on a grid of points; after a second blow its hammer is not where "
-      "the\n"
-      "  others' are, since it cannot be brought back\n"
-      "- string alone: the modes and the pickup, no hammer, sample by sample, as a string must that a contact asks\n"
-      "  after each\n"
-      "- in blocks: the same by `HammerString` at rest, 64 samples at once\n"
-      "- roofline: the loads, stores and multiply-adds of a struck modal string, none waiting for another\n\n"
-      "All but fd.hammer keep what they know of some modes side by side and pass over the modes once a sample\n"
-      "(`bench/baselines/modal_string.hpp`). Permanent contact: a hammer of a million times the mass leans on the "
-      "string.\n"
-      "MB1 is a mass at a rigid barrier, without modes.\n\n"
-      "Measured on {}, one of them used.\n\n"
+      "# Speed\n"
+      "\n"
+      "`scripts/bench` writes this page; do not edit it. Every scheme plays the same hammer on the same "
+      "string, in one program and with the\n"
+      "same compiler flags. In each round every scheme plays a tenth of a second. A ratio is the time of "
+      "the spline divided by the time of\n"
+      "the other scheme, the median over the rounds. Below 1 the spline is faster.\n"
+      "\n"
+      "| scheme | what it is |\n"
+      "|---|---|\n"
+      "| spline | `HammerString`, 32 segments (MB1: 64) |\n"
+      "| EXP-3 | the explicit scheme of van Walstijn et al. (JSV 2023) on the two-step modal string |\n"
+      "| EXP-3, caught | the same, but a hammer that has moved 5 cm back stops, as in `HammerString`; then "
+      "only the string is computed |\n"
+      "| linearly implicit | the scheme of Ducceschi and Bilbao |\n"
+      "| Newton | the spline's own time step, solved by iteration on the power law to 1e-12 |\n"
+      "| fd.hammer | from the Faust libraries, on a grid of points; its hammer cannot be moved back, so a "
+      "second strike finds it elsewhere |\n"
+      "| string alone | modes and pickup without hammer, sample by sample, as a contact needs them |\n"
+      "| in blocks | the string alone by `HammerString` at rest, 64 samples at a time |\n"
+      "| roofline | the loads, stores and multiply-adds of a struck modal string, none of which waits for "
+      "another |\n"
+      "\n"
+      "All schemes except fd.hammer store some modes side by side and pass over the modes once per sample\n"
+      "(`bench/baselines/modal_string.hpp`). Permanent contact: a hammer of a million times the mass leans "
+      "on the string. MB1 is a mass at a\n"
+      "rigid barrier, without modes.\n"
+      "\n"
+      "Measured on {}; one core was used.\n\n"
       "| build | compiler | bits of a vector in the baselines |\n|---|---|---|\n",
       all.front().processor);
   for (const Build& build : all) fmt::print("| {} | {} | {} |\n", build.name, build.compiler, build.vector_bits);
 
   const std::vector<std::string> precisions = {"double", "float"};
-  fmt::print("\n![time of a sample by scheme and duty](pictures/speed.svg)\n\n## What was aimed at\n");
+  fmt::print("\n![time of a sample by scheme and workload](figures/speed.svg)\n\n## What was aimed at\n");
   for (const Build& build : all)
     for (const std::string& precision : precisions) goals(build, precision);
   fmt::print("\n## Ratios\n");
   for (const Build& build : all)
     for (const std::string& precision : precisions) ratios(build, precision);
   fmt::print(
-      "\n## Single samples\n\n{}, of samples that find the felt in contact, one at a time: nothing of the next one "
-      "can\n"
-      "begin before the last is done. What the stopwatch takes is subtracted. Another player goes before, for a "
-      "processor\n"
-      "takes its time to wake up vectors of 512 bits.\n",
+      "\n## Single samples\n\nUnit: {}. The table shows single samples that find the felt in contact. A sample "
+      "starts only after "
+      "the one\nbefore is done. The time of the stopwatch itself is subtracted. Another player runs first, because a "
+      "processor needs time to\nwake up vectors of 512 bits.\n",
       all.front().ticks);
   for (const std::string& precision : precisions) percentiles(all.front(), precision);
-  fmt::print("\n## Scaling\n\n![scaling in modes, segments and voices](pictures/speed_scaling.svg)\n");
+  fmt::print("\n## Scaling\n\n![scaling in modes, segments and voices](figures/speed_scaling.svg)\n");
   for (const std::string& precision : precisions) scaling(all.front(), precision);
   fmt::print("\n## Builds\n");
   for (const std::string& precision : precisions) builds(all, precision);

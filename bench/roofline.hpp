@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the machine could do at best: the loads, stores and multiply-adds of a struck modal string, none of which
-// waits for another.
+// The best possible time: the loads, stores and multiply-adds of a struck modal string, without dependencies between
+// them.
 #pragma once
 
 #include <array>
@@ -12,8 +12,8 @@
 
 namespace contactspline::bench {
 
-/// Per mode and sample as detail::pass: seven values read, two written, six operations. What is written is never read
-/// again, the force is known beforehand, and the sums are added up at the end of the block only.
+/// Per mode and sample the same work as detail::pass: seven values read, two written, six operations. No written
+/// value is read again, the force is known in advance, and the sums are reduced once per block.
 template <std::floating_point T>
 class Roofline {
  public:
@@ -22,7 +22,7 @@ class Roofline {
     for (auto& mode : modes_) mode = {T(0.9), T(0.1), T(0.5), T(0.5), T(0.5), T(0.5), T(0.5)};
   }
 
-  void play(std::span<T> out) {
+  void process(std::span<T> out) {
     for (T& sample : out) {
       pass(modes_, written_, T(1), sums_);
       sample = 0;
@@ -35,12 +35,12 @@ class Roofline {
   using Modes = detail::Modes<T>;
   using Lanes = typename Modes::Lanes;
   static constexpr std::size_t kLanes = Lanes::size();
-  static constexpr std::size_t kWritten = 8;  // places, again and again: they cost no cache
+  static constexpr std::size_t kWritten = 8;  // places, written again and again, so that they stay in the cache
   struct alignas(64) Written {
     Lanes rest = 0, displacement = 0;
   };
 
-  // Not inlined: else what is the same for every sample is worked out once.
+  // Not inlined, or the compiler would compute the values common to all samples only once.
   [[gnu::noinline]] static void pass(std::span<const Modes> modes, std::span<Written, kWritten> written, T force,
                                      Lanes* sums) {
     Lanes first[2] = {sums[0], sums[1]}, second[2] = {sums[2], sums[3]};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Everything that is timed, behind one interface. A new scheme is one line in schemes().
+// All schemes that are timed, behind one interface. To add a scheme, add a line to schemes().
 #pragma once
 
 #include <concepts>
@@ -22,7 +22,7 @@ class Player {
  public:
   virtual ~Player() = default;
   virtual void strike(T speed_m_per_s, T distance_m) = 0;
-  virtual void play(std::span<T> out) = 0;
+  virtual void process(std::span<T> out) = 0;
 };
 
 /// HammerString behind the interface of the baselines.
@@ -37,7 +37,7 @@ class SplineHammerString {
         controls_{.hammer_mass_kg = static_cast<T>(hammer_kg)} {}
 
   void strike(T speed_m_per_s, T distance_m) { string_.strike(speed_m_per_s, distance_m); }
-  void play(std::span<T> out) { play(string_, out); }
+  void process(std::span<T> out) { process(string_, out); }
   [[nodiscard]] T force() const { return string_.force(); }
 
  private:
@@ -49,10 +49,10 @@ class SplineHammerString {
     return cast;
   }
 
-  // The model's own loop over a block where it has one.
-  void play(auto& string, std::span<T> out) {
-    if constexpr (requires { string.play(controls_, pickup_, out); }) {
-      string.play(controls_, pickup_, out);
+  // Uses process() of the model if it has one, else tick().
+  void process(auto& string, std::span<T> out) {
+    if constexpr (requires { string.process(controls_, pickup_, out); }) {
+      string.process(controls_, pickup_, out);
     } else {
       for (T& sample : out) {
         string.tick(controls_);
@@ -79,7 +79,7 @@ class PlayerOf final : public Player<T> {
     else if constexpr (requires { scheme_.strike(speed_m_per_s, distance_m); })
       scheme_.strike(speed_m_per_s, distance_m);
   }
-  void play(std::span<T> out) override { scheme_.play(out); }
+  void process(std::span<T> out) override { scheme_.process(out); }
 
  private:
   Scheme scheme_;
@@ -99,7 +99,7 @@ std::unique_ptr<Player<T>> spline(const Model& model, const PowerLawHammer& hamm
   return std::make_unique<PlayerOf<T, SplineHammerString<T>>>(SplineHammerString<T>(model, hammer.mass_kg));
 }
 
-/// The string alone: no hammer.
+/// The string without a hammer.
 template <std::floating_point T, typename String>
 std::unique_ptr<Player<T>> string_alone(const Model& model, const PowerLawHammer&) {
   if (model.modes.empty()) return nullptr;
@@ -111,7 +111,7 @@ template <std::floating_point T>
 class RestingHammerString {
  public:
   explicit RestingHammerString(const Model& model) : string_(model, model.hammer.mass_kg) {}
-  void play(std::span<T> out) { string_.play(out); }
+  void process(std::span<T> out) { string_.process(out); }
 
  private:
   SplineHammerString<T> string_;
@@ -134,10 +134,10 @@ std::unique_ptr<Player<T>> fd_hammer(const Model& model, const PowerLawHammer&) 
 template <std::floating_point T>
 struct Scheme {
   std::string name;
-  detail::MakePlayer<T> make;  ///< nothing where the scheme does not know the model
+  detail::MakePlayer<T> make;  ///< returns null if the scheme does not support the model
 };
 
-/// The first one is ours, which the others are compared with.
+/// All schemes. The others are compared with the first one, HammerString.
 template <std::floating_point T>
 std::vector<Scheme<T>> schemes() {
   return {{"spline", detail::spline<T>},
@@ -151,16 +151,17 @@ std::vector<Scheme<T>> schemes() {
           {"roofline", detail::string_alone<T, Roofline<T>>}};
 }
 
-/// The players of a model under a duty, by the order of schemes(); nothing for those that do not know the model.
 template <std::floating_point T>
 struct NamedPlayer {
   std::string name;
   std::unique_ptr<Player<T>> player;
 };
+/// The players of a model for a workload, in the order of schemes(), without the schemes that do not support the
+/// model.
 template <std::floating_point T>
-std::vector<NamedPlayer<T>> players_of(const Model& model, const Duty& duty) {
+std::vector<NamedPlayer<T>> players_of(const Model& model, const Workload& workload) {
   PowerLawHammer hammer = model.hammer;
-  hammer.mass_kg *= duty.mass_ratio;
+  hammer.mass_kg *= workload.mass_ratio;
   std::vector<NamedPlayer<T>> players;
   for (const Scheme<T>& scheme : schemes<T>())
     if (auto player = scheme.make(model, hammer)) players.push_back({scheme.name, std::move(player)});

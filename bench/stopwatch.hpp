@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Time of a few instructions.
+// Measures the time of a few instructions.
 #pragma once
 
 #include <algorithm>
@@ -12,14 +12,14 @@
 
 namespace contactspline::bench {
 
-/// What Ticks count.
+/// The unit of ticks().
 #if defined(__x86_64__)
 inline constexpr const char* kTickName = "cycles of the time stamp counter";
 #else
 inline constexpr const char* kTickName = "ns";
 #endif
 
-/// Now; nothing before or after it is moved across.
+/// The current time. The compiler and the processor do not move instructions across this call.
 inline std::uint64_t ticks() {
 #if defined(__x86_64__)
   _mm_lfence();
@@ -32,10 +32,11 @@ inline std::uint64_t ticks() {
 #endif
 }
 
-/// The value below which a share of all lies; share of 0.5: the median.
+/// The value below which a fraction of all values lies; fraction 0.5: the median.
 template <typename T>
-T percentile(std::vector<T> values, double share) {
-  const auto at = std::min(values.size() - 1, static_cast<std::size_t>(share * static_cast<double>(values.size())));
+T percentile(std::vector<T> values, double fraction) {
+  const auto at =
+      std::min(values.size() - 1, static_cast<std::size_t>(fraction * static_cast<double>(values.size())));
   std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(at), values.end());
   return values[at];
 }
@@ -45,7 +46,7 @@ T median(std::vector<T> values) {
   return percentile(std::move(values), 0.5);
 }
 
-/// What two calls of ticks() after each other count.
+/// Median time between two consecutive calls of ticks().
 inline std::uint64_t ticks_of_nothing() {
   std::vector<std::uint64_t> counts;
   for (int i = 0; i < 1001; ++i) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How many hammer-strings play at once in real time: C4, 56 modes, float, each struck once a second, in turn.
+// Number of hammer-strings that one machine plays in real time: C4, 56 modes, float, each struck once per second.
 #include <benchmark/benchmark.h>
 
 #include <vector>
@@ -26,7 +26,7 @@ Ensemble<float> ensemble_of(std::size_t voices) {
   return ensemble;
 }
 
-/// One second of sound an iteration, after one in which all voices were struck for the first time.
+/// Computes one second of sound in each iteration. Before the first one, all voices are struck within one second.
 template <Runner Run>
 void play(benchmark::State& state, std::size_t voices, Run& run) {
   auto ensemble = ensemble_of(voices);
@@ -37,7 +37,7 @@ void play(benchmark::State& state, std::size_t voices, Run& run) {
       for (; struck < voices && struck * kRate < (done + kBlock) * voices; ++struck)
         ensemble.strike(struck, 2.5f, 1e-4f);
       const std::size_t samples = std::min(kBlock, kRate - done);
-      ensemble.play(std::span(sound).first(samples), run);
+      ensemble.process(std::span(sound).first(samples), run);
       benchmark::DoNotOptimize(sound.data());
       benchmark::ClobberMemory();
     }
@@ -51,7 +51,7 @@ void play(benchmark::State& state, std::size_t voices, Run& run) {
   if (ensemble.awake() != voices) state.SkipWithError("a voice sleeps");
 }
 
-/// CPU time, whatever else the machine does.
+/// Measures CPU time, so that other programs do not matter.
 void on_one_core(benchmark::State& state) {
   OneThread run;
   play(state, static_cast<std::size_t>(state.range(0)), run);
@@ -61,7 +61,7 @@ BENCHMARK(on_one_core)
     ->ArgsProduct({{1, 4, 16, 64, 256, 1024, 2048, 2560, 3072}})
     ->Unit(benchmark::kMillisecond);
 
-/// Wall time: what else the machine does counts.
+/// Measures wall time, so that other programs matter.
 void on_threads(benchmark::State& state) {
   Threads threads(static_cast<int>(state.range(1)));
   play(state, static_cast<std::size_t>(state.range(0)), threads);
@@ -72,12 +72,12 @@ BENCHMARK(on_threads)
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 
-/// All asleep: a second costs what it takes to write its silence.
+/// All voices asleep: only silence is written.
 void asleep(benchmark::State& state) {
   auto ensemble = ensemble_of(static_cast<std::size_t>(state.range(0)));
   std::vector<float> sound(kRate);
   for (auto _ : state) {
-    ensemble.play(sound);
+    ensemble.process(sound);
     benchmark::DoNotOptimize(sound.data());
   }
 }

@@ -9,7 +9,7 @@ set(contactspline_pkgconfig_dir ${CMAKE_INSTALL_DATADIR}/pkgconfig)
 install(TARGETS contactspline contactspline_runtime contactspline_materials EXPORT ContactSplineTargets
         INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(DIRECTORY runtime/contactspline DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN *.hpp)
-install(DIRECTORY materials resonators scores keyboards DESTINATION ${contactspline_data_dir}
+install(DIRECTORY data/materials data/resonators data/scores data/keyboards DESTINATION ${contactspline_data_dir}
         FILES_MATCHING PATTERN *.json PATTERN *.csv PATTERN *.mid)
 install(FILES LICENSE TYPE DOC)
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// faust/hammer_string.dsp by the C++ runtime, to be put into a Faust architecture file in place of the class Faust
-// would write: contactspline_lv2(TARGET ... DSP fast_hammer_string.cpp).
+// faust/hammer_string.dsp with the C++ runtime. Use this class in a Faust architecture file instead of the class that
+// Faust generates: contactspline_lv2(TARGET ... DSP fast_hammer_string.cpp).
 #include "contactspline/faust_dsp.hpp"
 #include "contactspline/materials/felt_c4.hpp"
 #include "contactspline/resonators/string_c4.hpp"

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -31,13 +30,13 @@ class Piano {
   void process(std::span<const KeyEvent> events, std::span<float> output) {
     std::size_t done = 0;
     for (const KeyEvent& event : events) {
-      play(output.subspan(done, event.time - done));
+      process(output.subspan(done, event.time - done));
       done = event.time;
       take(event);
     }
-    play(output.subspan(done));
+    process(output.subspan(done));
     for (Key& key : keys_)
-      if (!key.is_down && key.voice.model().string().energy() < kInaudible_j) key.sounds = false;
+      if (!key.is_down && key.voice.is_silent()) key.sounds = false;
   }
 
  private:
@@ -47,14 +46,13 @@ class Piano {
   struct Key {
     Voice voice;
     bool is_down = false;
-    bool sounds = false;  // a key that does not costs nothing
+    bool sounds = false;  // a silent key costs nothing
   };
 
   static constexpr int kEnd = Keys::first_key + static_cast<int>(Keys::keys);
-  static constexpr std::size_t kBlock = 128;     // samples that a key plays at a time
-  static constexpr std::size_t kModes = 80;      // of a string, at most
-  static constexpr float kGain = 0.02f;          // from newtons to full scale
-  static constexpr double kInaudible_j = 1e-14;  // 100 dB below a soft note
+  static constexpr std::size_t kBlock = 128;  // samples
+  static constexpr std::size_t kModes = 80;   // of a string, at most
+  static constexpr float kGain = 0.02f;       // full scale per newton
 
   void take(const KeyEvent& event) {
     if (event.key < Keys::first_key || event.key >= kEnd) return;
@@ -62,17 +60,17 @@ class Piano {
     key.is_down = event.velocity > 0;
     if (!key.is_down) return key.voice.release();
     key.sounds = true;
-    key.voice.strike(0.2f * std::pow(30.0f, event.velocity));  // 0.2 to 6 m/s
+    key.voice.strike(static_cast<float>(contactspline::strike_speed<Keys>(event.velocity)));
   }
 
-  void play(std::span<float> output) {
+  void process(std::span<float> output) {
     std::ranges::fill(output, 0.0f);
     for (; !output.empty(); output = output.subspan(std::min(kBlock, output.size()))) {
       const auto block = output.first(std::min(kBlock, output.size()));
       std::array<float, kBlock> sound;
       for (Key& key : keys_) {
         if (!key.sounds) continue;
-        key.voice.play(std::span(sound).first(block.size()));
+        key.voice.process(std::span(sound).first(block.size()));
         for (std::size_t n = 0; n < block.size(); ++n) block[n] += kGain * sound[n];
       }
     }

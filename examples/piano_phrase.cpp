@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// piano_phrase OUT.wav: a few notes on the piano of piano.hpp, block by block, as an audio host would play it.
+// piano_phrase OUT.wav: plays a few notes on the piano of piano.hpp, block by block like an audio host.
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -19,14 +19,14 @@ struct Note {
   float velocity;
 };
 
-// An arpeggio upwards, a note repeated, a chord.
+// A rising arpeggio, a repeated note, a chord.
 constexpr Note kPhrase[] = {
     {0.0, 1.6, 48, 0.50f}, {0.4, 1.6, 55, 0.45f}, {0.6, 1.6, 64, 0.50f}, {0.8, 1.6, 67, 0.55f}, {1.0, 1.6, 72, 0.60f},
     {1.6, 1.9, 76, 0.40f}, {1.9, 2.2, 76, 0.55f}, {2.2, 2.5, 76, 0.70f}, {2.6, 5.0, 36, 0.65f}, {2.6, 5.0, 60, 0.55f},
     {2.6, 5.0, 64, 0.55f}, {2.6, 5.0, 67, 0.55f}, {2.6, 5.0, 72, 0.75f},
 };
 
-/// All keys going down and up, by time in samples from the beginning; of those at one time, up comes first.
+/// All key events, sorted by time in samples from the beginning. At equal times, key up comes before key down.
 std::vector<KeyEvent> events_of_phrase() {
   std::vector<KeyEvent> events;
   for (const Note& note : kPhrase) {

@@ -1,5 +1,6 @@
+// SPDX-License-Identifier: MIT
 // Resonator drum head of 330 mm: 120 modes below 22050.0 Hz.
-// Written by contactspline 0.1.0: contactspline generate drum_head.json --emit cpp
+// Written by contactspline 0.2.0: contactspline generate drum_head.json --emit cpp
 #pragma once
 
 #include <array>
@@ -8,6 +9,7 @@
 namespace contactspline::resonators {
 
 struct drum_head {
+  static constexpr int format_version = 1;  // of this layout; the runtime checks it
   static constexpr std::size_t modes = 120;
   static constexpr std::size_t strings = 1;
 

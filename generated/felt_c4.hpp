@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: MIT
 // Material piano hammer felt, note C4: contact potential V(y) = k/(a+1) y^(a+1) with k = 4500000000.0 N/m^a,
 // a = 2.5, as a quadratic spline of 32 segments over 0 to 0.0010813517706536315 m.
 // Worst force error 0.0319 % of the largest force (rms 0.00974 %), energy error 0.000353 % (rms 0.000168 %).
 // Impacts of 0.00297 kg at 0.1 to 6 m/s: contact duration within 0.525 %, max compression within 0.116 %.
-// Written by contactspline 0.1.0: contactspline generate felt_c4.json --emit cpp
+// Written by contactspline 0.2.0: contactspline generate felt_c4.json --emit cpp
 #pragma once
 
 #include <array>
@@ -11,6 +12,7 @@
 namespace contactspline::materials {
 
 struct felt_c4 {
+  static constexpr int format_version = 1;  // of this layout; the runtime checks it
   static constexpr std::size_t segments = 32;
   static constexpr double stiffness_n_per_m_alpha = 4500000000.0;
   static constexpr double exponent = 2.5;
@@ -58,6 +60,7 @@ struct felt_c4 {
   // The same for y in segment widths and V in energy_scale_j. That of a power law depends on exponent and number of
   // segments only.
   struct normalised {
+    static constexpr int format_version = 1;
     static constexpr std::size_t segments = 32;
     static constexpr double loss = 0.0;  // s per segment width
     static constexpr std::array<double, segments> knots = {

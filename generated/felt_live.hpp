@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: MIT
 // Material piano hammer felt, note C4, exponent live from 1.2 to 3.2: contact potential V(y) = k/(a+1) y^(a+1) with k = 4500000000.0 N/m^a,
 // a = 2.5, as a quadratic spline of 16 segments over 0 to 0.0010813517706536315 m.
 // Worst force error 0.129 % of the largest force (rms 0.0393 %), energy error 0.00291 % (rms 0.00138 %).
 // Impacts of 0.00297 kg at 0.12 to 6 m/s: contact duration within 0.839 %, max compression within 0.353 %.
-// Written by contactspline 0.1.0: contactspline generate felt_live.json --emit cpp
+// Written by contactspline 0.2.0: contactspline generate felt_live.json --emit cpp
 #pragma once
 
 #include <array>
@@ -11,6 +12,7 @@
 namespace contactspline::materials {
 
 struct felt_live {
+  static constexpr int format_version = 1;  // of this layout; the runtime checks it
   static constexpr std::size_t segments = 16;
   static constexpr double stiffness_n_per_m_alpha = 4500000000.0;
   static constexpr double exponent = 2.5;
@@ -43,6 +45,7 @@ struct felt_live {
   // The same for y in segment widths and V in energy_scale_j. That of a power law depends on exponent and number of
   // segments only.
   struct normalised {
+    static constexpr int format_version = 1;
     static constexpr std::size_t segments = 16;
     static constexpr double loss = 6.758448566585198e-06;  // s per segment width
     static constexpr std::array<double, segments> knots = {
@@ -87,8 +90,8 @@ struct felt_live {
   struct live {
     static constexpr std::size_t segments = 16;
     static constexpr std::size_t members = 21;
-    static constexpr double least_exponent = 1.2;
-    static constexpr double most_exponent = 3.2;
+    static constexpr double min_exponent = 1.2;
+    static constexpr double max_exponent = 3.2;
     static constexpr double max_compression_m = 0.0011293269010474126;
     static constexpr std::array<double, segments> knots = {
       0.0, 1.2495735702679677e-05, 1.687196582441286e-05, 2.2780830000992664e-05, 3.0759084088680166e-05,

@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: MIT
 // Material worn felt that bottoms out on wood (sum of two power laws): contact force
 // F(y) = 4500000000 y^2.5 + 103000000 (y - 0.0005)^1.5, in parallel,
 // as a quadratic spline of 64 segments over 0 to 0.0007455177467147833 m.
 // Worst force error 0.14 % of the largest force (rms 0.0298 %), energy error 0.00247 % (rms 0.000931 %).
 // Impacts of 0.00297 kg at 0.1 to 6 m/s: contact duration within 0.0756 %, max compression within 0.00779 %.
-// Written by contactspline 0.1.0: contactspline generate felt_over_wood.json --emit cpp
+// Written by contactspline 0.2.0: contactspline generate felt_over_wood.json --emit cpp
 #pragma once
 
 #include <array>
@@ -12,6 +13,7 @@
 namespace contactspline::materials {
 
 struct felt_over_wood {
+  static constexpr int format_version = 1;  // of this layout; the runtime checks it
   static constexpr std::size_t segments = 64;
   static constexpr double loss_s_per_m = 0.0;  // Hunt-Crossley: force F(y) (1 + loss dy/dt)
   static constexpr double max_compression_m = 0.0007455177467147833;
@@ -85,6 +87,7 @@ struct felt_over_wood {
   // The same for y in segment widths and V in energy_scale_j. That of a power law depends on exponent and number of
   // segments only.
   struct normalised {
+    static constexpr int format_version = 1;
     static constexpr std::size_t segments = 64;
     static constexpr double loss = 0.0;  // s per segment width
     static constexpr std::array<double, segments> knots = {

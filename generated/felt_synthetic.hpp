@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: MIT
 // Material felt from a synthetic force-compression curve with noise: contact force
 // F(y) smoothed from 120 samples of felt_synthetic.csv up to 0.0016 m,
 // as a quadratic spline of 48 segments over 0 to 0.0015221400211216398 m.
 // Worst force error 0.0686 % of the largest force (rms 0.00821 %), energy error 0.000625 % (rms 0.000136 %).
 // Impacts of 0.0049 kg at 0.2 to 5 m/s: contact duration within 0.123 %, max compression within 0.0221 %.
-// Written by contactspline 0.1.0: contactspline generate felt_synthetic.json --emit cpp
+// Written by contactspline 0.2.0: contactspline generate felt_synthetic.json --emit cpp
 #pragma once
 
 #include <array>
@@ -12,6 +13,7 @@
 namespace contactspline::materials {
 
 struct felt_synthetic {
+  static constexpr int format_version = 1;  // of this layout; the runtime checks it
   static constexpr std::size_t segments = 48;
   static constexpr double loss_s_per_m = 0.1;  // Hunt-Crossley: force F(y) (1 + loss dy/dt)
   static constexpr double max_compression_m = 0.0015221400211216398;
@@ -71,6 +73,7 @@ struct felt_synthetic {
   // The same for y in segment widths and V in energy_scale_j. That of a power law depends on exponent and number of
   // segments only.
   struct normalised {
+    static constexpr int format_version = 1;
     static constexpr std::size_t segments = 48;
     static constexpr double loss = 3.1711250440034167e-06;  // s per segment width
     static constexpr std::array<double, segments> knots = {

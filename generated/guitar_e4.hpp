@@ -1,5 +1,6 @@
+// SPDX-License-Identifier: MIT
 // Resonator guitar string, note E4: 64 modes below 22050.0 Hz.
-// Written by contactspline 0.1.0: contactspline generate guitar_e4.json --emit cpp
+// Written by contactspline 0.2.0: contactspline generate guitar_e4.json --emit cpp
 #pragma once
 
 #include <array>
@@ -8,6 +9,7 @@
 namespace contactspline::resonators {
 
 struct guitar_e4 {
+  static constexpr int format_version = 1;  // of this layout; the runtime checks it
   static constexpr std::size_t modes = 64;
   static constexpr std::size_t strings = 1;
 

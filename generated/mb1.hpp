@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: MIT
 // Material mass-barrier case MB1: contact potential V(y) = k/(a+1) y^(a+1) with k = 1000000000.0 N/m^a,
 // a = 1.3, as a quadratic spline of 64 segments over 0 to 3.202925841033473e-05 m.
 // Worst force error 0.0585 % of the largest force (rms 0.026 %), energy error 0.000426 % (rms 0.000295 %).
 // Impacts of 0.01 kg at 0.1 to 2 m/s: contact duration within 0.2 %, max compression within 0.0583 %.
-// Written by contactspline 0.1.0: contactspline generate mb1.json --emit cpp
+// Written by contactspline 0.2.0: contactspline generate mb1.json --emit cpp
 #pragma once
 
 #include <array>
@@ -11,6 +12,7 @@
 namespace contactspline::materials {
 
 struct mb1 {
+  static constexpr int format_version = 1;  // of this layout; the runtime checks it
   static constexpr std::size_t segments = 64;
   static constexpr double stiffness_n_per_m_alpha = 1000000000.0;
   static constexpr double exponent = 1.3;
@@ -86,6 +88,7 @@ struct mb1 {
   // The same for y in segment widths and V in energy_scale_j. That of a power law depends on exponent and number of
   // segments only.
   struct normalised {
+    static constexpr int format_version = 1;
     static constexpr std::size_t segments = 64;
     static constexpr double loss = 0.0;  // s per segment width
     static constexpr std::array<double, segments> knots = {

@@ -1,5 +1,6 @@
+// SPDX-License-Identifier: MIT
 // Keyboard piano of 88 keys: keys 21 to 108 (MIDI numbers), each with its string and its hammer's felt.
-// Written by contactspline 0.1.0: contactspline generate piano.json --emit cpp
+// Written by contactspline 0.2.0: contactspline generate piano.json --emit cpp
 #pragma once
 
 #include <array>
@@ -8,13 +9,22 @@
 namespace contactspline::keyboards {
 
 struct piano {
+  static constexpr int format_version = 1;  // of this layout; the runtime checks it
   static constexpr int first_key = 21;
   static constexpr std::size_t keys = 88;
   static constexpr int last_damped_key = 88;
   static constexpr double concert_pitch_hz = 440.0;
 
-  // Of each key, in SI units: strings, each of them alike, losses, place of the strike; hammer masses and felts are the
-  // share of one string.
+  // A velocity from 0 to 1 throws the hammer at min (max/min)^velocity. Loss of all felts. The damper: its extra decay
+  // while it is down, and the time constant with which it comes down.
+  static constexpr double min_speed_m_per_s = 0.2;
+  static constexpr double max_speed_m_per_s = 6.0;
+  static constexpr double felt_loss_s_per_m = 0.1;
+  static constexpr double damper_per_s = 60.0;
+  static constexpr double damper_time_s = 0.005;
+
+  // One entry for each key, in SI units. All strings of a key are identical, so one is described, with its fraction of
+  // the hammer's mass and of the felt's stiffness.
   static constexpr std::array<int, keys> strings = {
     1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3};
   static constexpr std::array<double, keys> lengths = {
@@ -109,7 +119,7 @@ struct piano {
     0.002195, 0.00217417, 0.00215333, 0.0021325, 0.00211167, 0.00209083, 0.00207, 0.00204917, 0.00202833,
     0.0020075, 0.00198667, 0.00196583, 0.001945, 0.00192417, 0.00190333};
 
-  // The felts' splines: of each key "out of contact", then its segments by rising knot.
+  // The felts' splines, key by key: "out of contact", then the segments by rising knot.
   static constexpr std::size_t segments = 16;
   static constexpr std::array<double, keys*(segments + 1)> knots = {
     0.0, 0.0, 0.000226860625, 0.00045372125, 0.000680581875, 0.0009074425, 0.001134303125, 0.00136116375,

@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: MIT
 // Material rubber ball of 25 mm on a wooden board (Hertz): contact potential V(y) = k/(a+1) y^(a+1) with k = 490300.0 N/m^a,
 // a = 1.5, as a quadratic spline of 64 segments over 0 to 0.00266639351713155 m.
 // Worst force error 0.0391 % of the largest force (rms 0.0159 %), energy error 0.000287 % (rms 0.000196 %).
 // Impacts of 0.009 kg at 0.05 to 4 m/s: contact duration within 0.861 %, max compression within 0.35 %.
-// Written by contactspline 0.1.0: contactspline generate rubber_on_wood.json --emit cpp
+// Written by contactspline 0.2.0: contactspline generate rubber_on_wood.json --emit cpp
 #pragma once
 
 #include <array>
@@ -11,6 +12,7 @@
 namespace contactspline::materials {
 
 struct rubber_on_wood {
+  static constexpr int format_version = 1;  // of this layout; the runtime checks it
   static constexpr std::size_t segments = 64;
   static constexpr double stiffness_n_per_m_alpha = 490300.0;
   static constexpr double exponent = 1.5;
@@ -85,6 +87,7 @@ struct rubber_on_wood {
   // The same for y in segment widths and V in energy_scale_j. That of a power law depends on exponent and number of
   // segments only.
   struct normalised {
+    static constexpr int format_version = 1;
     static constexpr std::size_t segments = 64;
     static constexpr double loss = 0.0;  // s per segment width
     static constexpr std::array<double, segments> knots = {

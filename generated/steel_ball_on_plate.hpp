@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: MIT
 // Material steel ball of 20 mm on a steel plate (Hertz, from moduli and radius): contact potential V(y) = k/(a+1) y^(a+1) with k = 15384615384.615385 N/m^a,
 // a = 1.5, as a quadratic spline of 64 segments over 0 to 4.088142898993885e-05 m.
 // Worst force error 0.0391 % of the largest force (rms 0.0159 %), energy error 0.000287 % (rms 0.000196 %).
 // Impacts of 0.03288 kg at 0.05 to 2 m/s: contact duration within 0.4 %, max compression within 0.169 %.
-// Written by contactspline 0.1.0: contactspline generate steel_ball_on_plate.json --emit cpp
+// Written by contactspline 0.2.0: contactspline generate steel_ball_on_plate.json --emit cpp
 #pragma once
 
 #include <array>
@@ -11,6 +12,7 @@
 namespace contactspline::materials {
 
 struct steel_ball_on_plate {
+  static constexpr int format_version = 1;  // of this layout; the runtime checks it
   static constexpr std::size_t segments = 64;
   static constexpr double stiffness_n_per_m_alpha = 15384615384.615385;
   static constexpr double exponent = 1.5;
@@ -85,6 +87,7 @@ struct steel_ball_on_plate {
   // The same for y in segment widths and V in energy_scale_j. That of a power law depends on exponent and number of
   // segments only.
   struct normalised {
+    static constexpr int format_version = 1;
     static constexpr std::size_t segments = 64;
     static constexpr double loss = 5.041613139803752e-08;  // s per segment width
     static constexpr std::array<double, segments> knots = {

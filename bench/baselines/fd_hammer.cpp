@@ -9,7 +9,8 @@
 #include <cstdlib>
 #include <string_view>
 
-// Faust's C++ once in each precision, with the three names it expects, each in a namespace of its own.
+// The generated C++ in each precision. It expects the names dsp, Meta and UI, so each precision has its own
+// namespace.
 #define CONTACTSPLINE_FAUST_NAMES                                                                       \
   struct dsp {                                                                                          \
     virtual ~dsp() = default;                                                                           \
@@ -81,7 +82,7 @@ class FdHammerString<T>::Program {
   }
 
   void press(bool down) { *ui_.button = down; }
-  void play(std::span<T> out) {
+  void process(std::span<T> out) {
     T* output = out.data();
     dsp_->compute(static_cast<int>(out.size()), nullptr, &output);
   }
@@ -105,9 +106,9 @@ void FdHammerString<T>::strike() {
 }
 
 template <std::floating_point T>
-void FdHammerString<T>::play(std::span<T> out) {
-  program_->play(out);
-  program_->press(false);  // it is the pressing that counts, not the holding
+void FdHammerString<T>::process(std::span<T> out) {
+  program_->process(out);
+  program_->press(false);  // only the change from released to pressed throws the hammer
 }
 
 template class FdHammerString<double>;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// fd.hammer of the Faust libraries on their finite-difference string: what Faust offers as installed.
+// fd.hammer of the Faust libraries on their finite-difference string: the hammer-string that is installed with Faust.
 #pragma once
 
 #include <concepts>
@@ -8,10 +8,11 @@
 
 namespace contactspline::bench {
 
-/// The strings that there is a program for.
+/// The strings for which there is a Faust program.
 enum class FdString { c2, c4 };
 
-/// A hammer and a string by fd.hammer, compiled from Faust to C++. What differs from HammerString: fd_hammer.lib.
+/// A hammer and a string by fd.hammer, compiled from Faust to C++. fd_hammer.lib lists the differences to
+/// HammerString.
 template <std::floating_point T>
 class FdHammerString {
  public:
@@ -19,11 +20,11 @@ class FdHammerString {
   FdHammerString(FdHammerString&&) noexcept;
   ~FdHammerString();
 
-  /// Adds 2.5 m/s to the hammer, which begins at rest 0.1 mm off the string.
+  /// Adds 2.5 m/s to the hammer, which starts at rest, 0.1 mm from the string.
   void strike();
 
-  /// Displacement where the string is struck [m], sample by sample; the hammer moves from the second one on.
-  void play(std::span<T> out);
+  /// Writes the displacement at the place of the strike [m]. The hammer moves from the second sample on.
+  void process(std::span<T> out);
 
  private:
   class Program;

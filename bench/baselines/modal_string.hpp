@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A modal string in contiguous arrays, advanced in one pass over its modes per sample: what every baseline stands on.
+// A modal string in contiguous arrays, advanced in one pass over its modes per sample. All baselines use it.
 #pragma once
 
 #include <concepts>
@@ -13,26 +13,26 @@
 
 namespace contactspline::bench {
 
-/// What one pass over the modes adds up.
+/// The sums of one pass over the modes.
 template <std::floating_point T>
 struct PassSums {
-  T increment;  ///< of the displacement where the string is struck, over the coming sample without force [m]
-  T pickup;     ///< displacement at the pickup now [m]
+  T increment;  ///< free increment at the place of the strike, over the next sample without force [m]
+  T pickup;     ///< displacement at the pickup [m]
 };
 
 namespace detail {
 
-/// As many modes as a vector register holds: all that a pass reads and writes of them side by side, on cache lines of
-/// their own.
+/// The modes in one vector register: all values that a pass reads and writes, side by side on their own cache lines.
 template <std::floating_point T>
 struct alignas(64) Modes {
   using Lanes = std::experimental::native_simd<T>;
-  Lanes keep = 1, pull = 0, gain = 0, strike = 0, pickup = 0;  // keep: never 0, so that it may divide
+  Lanes keep = 1, pull = 0, gain = 0, strike = 0, pickup = 0;  // keep is never 0, so it may be a divisor
   Lanes rest = 0, displacement = 0;
 };
 
-/// One sample of every mode, d = rest + gain F, q += d, and what d would be next without force, rest = keep d - pull
-/// q (the delta form of docs/modal.md). Two vectors at a time, an even number in all: two chains of sums.
+/// Advances every mode by one sample: d = rest + gain F, q += d, and the next free increment rest = keep d - pull q
+/// (docs/modal.md, "In small changes"). It handles two vectors at a time, so that two chains of sums run in parallel;
+/// the number of vectors must be even.
 template <std::floating_point T>
 [[nodiscard]] inline PassSums<T> pass(std::span<Modes<T>> modes, T force) {
   using Lanes = typename Modes<T>::Lanes;
@@ -51,7 +51,7 @@ template <std::floating_point T>
   return {reduce(increment[0] + increment[1]), reduce(output[0] + output[1])};
 }
 
-/// The same without force, and without the sum that only a hammer asks for; gives the displacement at the pickup.
+/// The same without force and without the sum of the increments. Returns the displacement at the pickup.
 template <typename SomeModes>
 [[nodiscard]] inline auto ring(std::span<SomeModes> modes) {
   using Lanes = typename SomeModes::Lanes;
@@ -70,9 +70,9 @@ template <typename SomeModes>
 
 }  // namespace detail
 
-/// Modes with exact poles z = exp((-decay + j w) dt), q(n+1) - 2 Re z q(n) + |z|^2 q(n-1) = dt^2 |1 + z|^2 / (8 m) F:
-/// with F = shape (f + f_last) the one-step midpoint rule of ModalBank, with F = shape 2 f the two-step scheme whose
-/// force belongs to the sample itself. No modes: a rigid barrier.
+/// Modes with exact poles z = exp((-decay + j w) dt): q(n+1) - 2 Re z q(n) + |z|^2 q(n-1) = dt^2 |1 + z|^2 / (8 m) F.
+/// F = shape (f + f_last) gives the one-step midpoint rule of ModalBank. F = shape 2 f gives the two-step scheme,
+/// whose force belongs to the sample itself. Without modes it is a rigid barrier.
 template <std::floating_point T>
 class ModalString {
  public:
@@ -80,53 +80,53 @@ class ModalString {
               std::span<const double> pickup_shapes, double sample_rate_hz) {
     const std::size_t pair = 2 * kLanes;
     modes_.resize((modes.size() + pair - 1) / pair * 2);
-    double give_by_force = 0;
+    double sum = 0;
     for (std::size_t i = 0; i < modes.size(); ++i) {
       const auto constants = contactspline::detail::mode_constants(modes[i], sample_rate_hz);
       const bool audible = modes[i].angular_frequency_rad_per_s < std::numbers::pi * sample_rate_hz;  // as ModalBank
-      const double give = audible ? constants.give : 0;
+      const double admittance = audible ? constants.admittance : 0;
       detail::Modes<T>& mode = modes_[i / kLanes];
       const std::size_t lane = i % kLanes;
       mode.keep[lane] = static_cast<T>(1 - constants.loss);
       mode.pull[lane] = static_cast<T>(constants.stiffness);
-      mode.gain[lane] = static_cast<T>(give * strike_shapes[i]);
+      mode.gain[lane] = static_cast<T>(admittance * strike_shapes[i]);
       mode.strike[lane] = static_cast<T>(strike_shapes[i]);
       mode.pickup[lane] = static_cast<T>(pickup_shapes[i]);
-      give_by_force += give * strike_shapes[i] * strike_shapes[i];
+      sum += admittance * strike_shapes[i] * strike_shapes[i];
     }
-    admittance_ = static_cast<T>(give_by_force);
+    admittance_ = static_cast<T>(sum);
   }
 
-  /// Increment where it is struck, over the coming sample, per unit of F [m/N].
+  /// Increment at the place of the strike over the next sample, per unit of F [m/N].
   [[nodiscard]] T admittance() const { return admittance_; }
-  /// The same without force [m].
+  /// Increment there over the next sample without force [m].
   [[nodiscard]] T increment() const { return increment_; }
 
-  /// Advances one sample under F [N]; gives the displacement at the pickup [m].
+  /// Advances one sample under F [N]. Returns the displacement at the pickup [m].
   T advance(T force) {
     const auto sums = detail::pass(std::span(modes_), force);
     increment_ = sums.increment;
     return sums.pickup;
   }
 
-  /// Advances one sample without force; increment() is not known again before listen().
+  /// Advances one sample without force. increment() is then invalid until listen() is called.
   T ring() { return detail::ring(std::span(modes_)); }
 
-  /// Makes increment() known again.
+  /// Computes increment() again after ring().
   void listen() {
     typename detail::Modes<T>::Lanes sum = 0;
     for (const auto& mode : modes_) sum += mode.strike * mode.rest;
     increment_ = reduce(sum);
   }
 
-  /// Increment where it is struck over the sample just gone [m].
+  /// Increment at the place of the strike over the last sample [m].
   [[nodiscard]] T last_increment() const {
     typename detail::Modes<T>::Lanes sum = 0;
     for (const auto& mode : modes_) sum += mode.strike * (mode.rest + mode.pull * mode.displacement) / mode.keep;
     return reduce(sum);
   }
 
-  /// Of a mode [m]; not for every sample.
+  /// Displacement of one mode [m]. Slow: do not call it for every sample.
   [[nodiscard]] T displacement(std::size_t mode) const { return modes_[mode / kLanes].displacement[mode % kLanes]; }
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A hammer on a modal string by the same one-step discrete gradient as HammerString, solved by Newton's iteration on
+// A hammer on a modal string with the same one-step discrete gradient as HammerString. Newton's method solves it on
 // the power law itself.
 #pragma once
 
@@ -12,13 +12,13 @@
 
 namespace contactspline::bench {
 
-/// The mean of F(y) = k y^a over [y0, y0 + x] and its slope in x.
+/// The mean of F(y) = k y^a over [y0, y0 + x], and the derivative of this mean with respect to x.
 template <std::floating_point T>
 class MeanForce {
  public:
   MeanForce(T stiffness, T exponent) : stiffness_(stiffness), exponent_(exponent) {}
 
-  /// Fixes the beginning y0 of the way.
+  /// Sets y0.
   void begin(T compression) {
     y0_ = compression;
     energy_ = energy(y0_, force(y0_));
@@ -27,8 +27,9 @@ class MeanForce {
   struct Value {
     T mean, slope;
   };
-  /// For x not 0 the difference quotient of V(y) = k y^(a+1)/(a+1). It cancels as x -> 0: there the force in the
-  /// middle and the next term of its series, whose rest is below a(a-1)(a-2)(a-3)/1920 (x/y)^4 of it.
+  /// The difference quotient of V(y) = k y^(a+1)/(a+1). It suffers from cancellation as x -> 0. For small x the force
+  /// in the middle and the next term of its series are used; the relative error is below a(a-1)(a-2)(a-3)/1920
+  /// (x/y)^4.
   [[nodiscard]] Value over(T x) const {
     const T middle = y0_ + x / 2;
     if (std::abs(x) <= T(kNear) * middle) {
@@ -42,7 +43,7 @@ class MeanForce {
   }
 
  private:
-  // Where both errors are equal, about the fifth root of the rounding.
+  // Where truncation and rounding errors are equal: about the fifth root of the rounding error.
   static constexpr double kNear = std::numeric_limits<T>::digits > 24 ? 1e-3 : 4e-2;
 
   [[nodiscard]] T force(T y) const { return y > 0 ? stiffness_ * std::pow(y, exponent_) : T(0); }
@@ -61,50 +62,50 @@ class NewtonHammerString {
       : string_(modes, strike_shapes, pickup_shapes, sample_rate_hz),
         mean_force_(static_cast<T>(hammer.stiffness_n_per_m_alpha), static_cast<T>(hammer.exponent)),
         time_step_(static_cast<T>(1 / sample_rate_hz)),
-        give_(static_cast<T>(1 / (sample_rate_hz * sample_rate_hz * hammer.mass_kg))),
-        admittance_(give_ / 2 + string_.admittance()),
+        velocity_step_per_force_(static_cast<T>(1 / (sample_rate_hz * sample_rate_hz * hammer.mass_kg))),
+        admittance_(velocity_step_per_force_ / 2 + string_.admittance()),
         per_admittance_(1 / admittance_) {}
 
   /// Throws the hammer from a distance [m] with a velocity [m/s].
   void strike(T velocity_m_per_s, T distance_m) {
     compression_ = -distance_m;
-    way_ = velocity_m_per_s * time_step_;
-    guess_ = way_;
+    velocity_step_ = velocity_m_per_s * time_step_;
+    guess_ = velocity_step_;
   }
 
-  /// Displacement at the pickup [m], sample by sample.
-  void play(std::span<T> out) {
+  /// Writes the displacement at the pickup [m].
+  void process(std::span<T> out) {
     for (T& sample : out) sample = tick();
   }
 
   [[nodiscard]] T force() const { return force_; }              ///< over the last sample [N]
   [[nodiscard]] T compression() const { return compression_; }  ///< [m]
-  [[nodiscard]] T hammer_velocity() const { return way_ / time_step_; }
+  [[nodiscard]] T hammer_velocity() const { return velocity_step_ / time_step_; }
   [[nodiscard]] const ModalString<T>& string() const { return string_; }
 
  private:
-  static constexpr int kMostIterations = 50;
-  // Of the increment; as far as the precision goes.
+  static constexpr int kMaxIterations = 50;
+  // Relative to the increment; limited by the precision of T.
   static constexpr T kTolerance = std::max(T(1e-12), 4 * std::numeric_limits<T>::epsilon());
 
   T tick() {
     const T last = force_;
-    const T free = way_ - (string_.increment() + string_.admittance() * last);
+    const T free = velocity_step_ - (string_.increment() + string_.admittance() * last);
     const T x = increment(free);
     force_ = (free - x) * per_admittance_;
     compression_ += x;
-    way_ -= give_ * force_;
+    velocity_step_ -= velocity_step_per_force_ * force_;
     return string_.advance(force_ + last);
   }
 
-  /// The root of h(x) = x - xf + xi mean(x), which rises by at least 1. Newton's steps are kept inside what is known
-  /// of the root: by bisection where one leaves it. They shrink, h being convex, until they are down to rounding.
+  /// The root of h(x) = x - xf + xi mean(x), whose slope is at least 1. A Newton step that leaves the bracket of the
+  /// root is replaced by bisection. h is convex, so the steps shrink until only rounding is left.
   T increment(T free) {
     if (compression_ <= 0 && compression_ + free <= 0) return guess_ = free;
     mean_force_.begin(compression_);
     T low = std::numeric_limits<T>::lowest(), high = free;
     T x = std::min(guess_, high), last = std::numeric_limits<T>::max();
-    for (int i = 0; i < kMostIterations; ++i) {
+    for (int i = 0; i < kMaxIterations; ++i) {
       const auto [mean, slope] = mean_force_.over(x);
       const T h = x - free + admittance_ * mean;
       (h > 0 ? high : low) = x;
@@ -121,9 +122,9 @@ class NewtonHammerString {
 
   ModalString<T> string_;
   MeanForce<T> mean_force_;
-  T time_step_, give_, admittance_, per_admittance_;
-  T compression_ = -1;  // out of reach until the first throw
-  T way_ = 0;           // of the hammer over a sample [m]
+  T time_step_, velocity_step_per_force_, admittance_, per_admittance_;
+  T compression_ = -1;   // no contact until the first throw
+  T velocity_step_ = 0;  // hammer velocity times time_step_ [m]
   T guess_ = 0;
   T force_ = 0;
 };

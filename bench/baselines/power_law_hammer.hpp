@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a baseline needs to know of a hammer and its felt.
+// Parameters of a hammer and its felt for the baselines.
 #pragma once
 
 namespace contactspline::bench {

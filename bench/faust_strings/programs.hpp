@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What Faust writes for the hammer-strings of this folder, by several options.
+// The programs that Faust generates for the strings of this folder, with several options.
 #pragma once
 
 #include <faust/dsp/dsp.h>
@@ -13,7 +13,7 @@ namespace contactspline::bench {
 struct FaustString {
   std::string string;     ///< c4, c2 or eighty_modes
   std::string precision;  ///< double or single
-  std::string name;       ///< by whose libraries and options
+  std::string name;       ///< libraries and options used
   std::unique_ptr<dsp> (*make)();
 };
 const std::vector<FaustString>& faust_strings();

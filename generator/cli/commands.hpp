@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: MIT
-// The subcommands: each one adds itself to the command line.
+// The subcommands: a structure of options and a function each. The command line fills the options and calls the
+// function, which throws BadInput.
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include <optional>
 #include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "generator/cli/render_output.hpp"
+#include "generator/player/score.hpp"
 
 namespace contactspline {
 
@@ -12,11 +18,57 @@ struct Stale : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-void add_generate(CLI::App& app);
-void add_inspect(CLI::App& app);
-void add_materials(CLI::App& app);
-void add_scores(CLI::App& app);
-void add_impact(CLI::App& app);
-void add_render(CLI::App& app);
+struct GenerateOptions {
+  std::vector<std::string> materials;
+  std::vector<std::string> formats;  ///< empty: all
+  std::string output = ".";
+  std::string depfile;
+  double sample_rate_hz = 44100;
+  bool check = false;
+};
+void generate(const GenerateOptions& options);
+
+struct InspectOptions {
+  std::string material;
+  std::string svg;
+  bool compare = false;
+  std::optional<double> sample_rate_hz = {};
+};
+void inspect(const InspectOptions& options);
+
+struct ImpactOptions {
+  std::vector<std::string> materials;
+  std::vector<double> speeds;  ///< empty: the material's largest
+  std::vector<double> rates = {44100, 88200, 176400, 352800};
+};
+void compare_impacts(const ImpactOptions& options);
+
+void list_materials();
+void list_scores();
+
+struct MassBarrierOptions {
+  std::string material = "rubber_on_wood";
+  std::optional<double> mass_kg;
+  std::optional<double> speed_m_per_s;
+  double start_m = -0.001;
+  double gravity_m_per_s2 = 9.81;
+  double stiffness_ratio = 1;
+  std::optional<double> loss_s_per_m;
+  double duration_s = 5;
+  std::string signal = "force";
+  RenderOutput output;
+};
+void render_mass_barrier(const MassBarrierOptions& options);
+
+struct ScoreOptions {
+  std::string score;
+  std::string signal;  ///< one of signal_names(); empty: the one that sounds best
+  std::string precision = "double";
+  RenderOutput output;
+};
+void render_score(Instrument instrument, const ScoreOptions& options);
+
+/// Words of --signal for scores.
+[[nodiscard]] const std::vector<std::string>& signal_names();
 
 }  // namespace contactspline

@@ -1,34 +1,22 @@
 // SPDX-License-Identifier: MIT
-// contactspline inspect: a spline as a table and a picture.
+// contactspline inspect: shows a spline as a table and as a figure, or the modes of a resonator.
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <memory>
 #include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "generator/cli/allowed.hpp"
 #include "generator/cli/commands.hpp"
-#include "generator/cli/material_argument.hpp"
-#include "generator/cli/output.hpp"
-#include "generator/cli/picture.hpp"
-#include "generator/cli/source_argument.hpp"
-#include "generator/compensation.hpp"
-#include "generator/design.hpp"
-#include "generator/error.hpp"
-#include "generator/live_exponent.hpp"
+#include "generator/cli/figures.hpp"
+#include "generator/cli/files.hpp"
+#include "generator/cli/inputs.hpp"
+#include "generator/spline/exponent_family.hpp"
+#include "generator/support/error.hpp"
 
 namespace contactspline {
 namespace {
-
-struct InspectOptions {
-  std::string material;
-  std::string svg;
-  bool compare = false;
-  std::optional<double> sample_rate_hz = {};
-};
 
 constexpr double kDefaultRate = 44100;
 
@@ -67,9 +55,9 @@ std::string heading(const Design& design) {
 
 std::string family_table(const Design& design) {
   if (!design.material.live_exponent) return {};
-  const auto& [least, most, members] = *design.material.live_exponent;
+  const auto& [min, max, members] = *design.material.live_exponent;
   const auto family = exponent_family(design.material, static_cast<int>(design.spline.segments.size()));
-  std::string table = fmt::format("\nlive exponent {} to {}, {} members over 0 to {:.6g} m\n", least, most, members,
+  std::string table = fmt::format("\nlive exponent {} to {}, {} members over 0 to {:.6g} m\n", min, max, members,
                                   family.max_compression_m);
   if (const auto error = measure_family(family, design.material))
     table += fmt::format("{:<36} {:>10.4g} %\n{:<36} {:>10.4g} %\n  at any exponent, for the same impacts\n",
@@ -96,19 +84,20 @@ std::string quality_table(const Design& design) {
   return table + family_table(design);
 }
 
-// The same material with other knots, as many of them; without compensation, which uniform ones do not have.
+// The same material with other knots and the same number of segments, without compensation: uniform knots cannot have
+// it.
 Design with_knots(Material material, Knots knots, double tolerance) {
   SplineDesign& spline = material.spline;
   spline.knots = knots;
   spline.minimise = ErrorOf::contact_duration;
   spline.tolerance = tolerance;
-  if (knots == Knots::optimal) spline.segments = std::min(spline.segments, kMostFittedSegments);
+  if (knots == Knots::optimal) spline.segments = std::min(spline.segments, kMaxFittedSegments);
   material.compensation.reset();
-  const Spline found = design_spline(material, material.name);
-  return {material, found, measure_quality(found, material)};
+  const std::string name = material.name;
+  return design_material(std::move(material), name);
 }
 
-// Segments a family takes for a tolerance, or a dash where they would be too many.
+// The number of segments that these knots need for a tolerance, or a dash if the design refuses it.
 std::string segments_for(const Material& material, Knots knots, double tolerance) {
   try {
     return fmt::format("{}", with_knots(material, knots, tolerance).spline.segments.size());
@@ -121,10 +110,9 @@ void compare(const InspectOptions& options) {
   Design design = design_argument(options.material);
   Material& material = design.material;
   if (!material.impact)
-    throw BadInput(
-        fmt::format("{}: impact: missing; allowed: an object, for --compare measures impacts", options.material));
+    refuse(options.material, "impact", "missing", "an object, because --compare measures impacts");
   material.spline.max_compression_m =
-      material.contact.max_compression(material.impact->mass_kg, material.impact->max_speed_m_per_s);
+      max_compression(material.contact, material.impact->mass_kg, material.impact->max_speed_m_per_s);
   std::vector<Design> families;
   std::string table = fmt::format(
       "{}\nworst errors for {} kg at {} to {} m/s on a rigid barrier\n\n"
@@ -141,8 +129,8 @@ void compare(const InspectOptions& options) {
   }
   if (!options.svg.empty()) {
     require_distinct({{options.svg}}, input_files(options.material, material));
-    write_files({{OutputFile{options.svg, picture_of(families)}}});
-    table += fmt::format("\npicture: {}\n", options.svg);
+    write_files({{OutputFile{options.svg, figure_of(families)}}});
+    table += fmt::format("\nfigure: {}\n", options.svg);
   }
   write_stdout(table);
 }
@@ -151,65 +139,42 @@ double frequency_hz(const ResonatorMode& mode) {
   return mode.mode.angular_frequency_rad_per_s / (2 * std::numbers::pi);
 }
 
-// What the modes that a simulation keeps lack against a steady force at the strike.
+// The modes that a simulation at this rate keeps, and their residual compliance at the strike.
 std::string resonator_table(const Resonator& resonator, double rate) {
   const ModeSet set = modes_of(resonator, rate / 2);
   if (set.modes.empty())
-    throw BadInput(
-        fmt::format("{}: --rate: no mode sounds below {} Hz; allowed: a higher rate", resonator.name, rate / 2));
-  const double missing = missing_compliance(set.modes, rate);
+    refuse(resonator.name, "--rate", fmt::format("no mode lies below {} Hz", rate / 2), "a higher rate");
+  const double residual = residual_compliance(set.modes, rate);
   return fmt::format(
       "{}{}{}\n{} modes from {:.6g} to {:.6g} Hz{}\n\n"
-      "compliance at the strike that they lack when simulated at {} Hz: {:.4g} m/N\n"
+      "residual compliance at the strike when simulated at {} Hz: {:.4g} m/N\n"
       "compensation.compliance_m_per_n for a felt that strikes here, four fifths of it: {:.4g}\n",
       resonator.name, resonator.description.empty() ? "" : ": ", resonator.description, set.modes.size(),
       frequency_hz(set.modes.front()), frequency_hz(set.modes.back()), set.cut ? ", max_modes leaves out others" : "",
-      rate, missing, kServingShare * missing);
+      rate, residual, kComplianceFraction * residual);
 }
 
 void inspect_resonator(const Resonator& resonator, const InspectOptions& options) {
   if (options.compare || !options.svg.empty())
-    throw BadInput(fmt::format("{}: {}: says nothing of a resonator; allowed: with a material", options.material,
-                               options.compare ? "--compare" : "--svg"));
+    refuse(options.material, options.compare ? "--compare" : "--svg", "cannot be used with a resonator",
+           "with a material");
   write_stdout(resonator_table(resonator, options.sample_rate_hz.value_or(kDefaultRate)));
-}
-
-void inspect(const InspectOptions& options) {
-  if (const auto resonator = resonator_argument(options.material)) return inspect_resonator(*resonator, options);
-  if (options.sample_rate_hz)
-    throw BadInput(
-        fmt::format("{}: --rate: says nothing of a material; allowed: with a resonator", options.material));
-  if (options.compare) return compare(options);
-  const Design design = design_argument(options.material);
-  if (!options.svg.empty()) {
-    require_distinct({{options.svg}}, input_files(options.material, design.material));
-    write_files({{OutputFile{options.svg, picture_of(design)}}});
-  }
-  write_stdout(heading(design) + coefficient_table(design.spline) + quality_table(design) +
-               (options.svg.empty() ? "" : fmt::format("\npicture: {}\n", options.svg)));
 }
 
 }  // namespace
 
-void add_inspect(CLI::App& app) {
-  const auto options = std::make_shared<InspectOptions>();
-  CLI::App* command = app.add_subcommand("inspect", "Show a material's spline, or what a resonator's modes lack");
-  command->add_option("MATERIAL", options->material, kMaterialHelp)->check(not_empty(kMaterialHelp))->required();
-  command->add_option("--svg", options->svg, "also draw potential, force and their errors, and what was measured")
-      ->check(file_name())
-      ->type_name("FILE");
-  command->add_flag("--compare", options->compare,
-                    "uniform, graded and optimal knots side by side, also in the picture");
-  command
-      ->add_option("--rate", options->sample_rate_hz,
-                   "of a resonator: sample rate in Hz at which it is simulated (44100 where left out)")
-      ->check(number_from(1e3, 1e8));
-  command->footer(
-      "Examples:\n"
-      "  contactspline inspect felt_c4 --svg felt_c4.svg\n"
-      "  contactspline inspect felt_c4 --compare --svg families.svg\n"
-      "  contactspline inspect string_c4 --rate 48000");
-  command->callback([options] { inspect(*options); });
+void inspect(const InspectOptions& options) {
+  if (const auto resonator = resonator_argument(options.material)) return inspect_resonator(*resonator, options);
+  if (options.sample_rate_hz)
+    refuse(options.material, "--rate", "cannot be used with a material", "with a resonator");
+  if (options.compare) return compare(options);
+  const Design design = design_argument(options.material);
+  if (!options.svg.empty()) {
+    require_distinct({{options.svg}}, input_files(options.material, design.material));
+    write_files({{OutputFile{options.svg, figure_of(design)}}});
+  }
+  write_stdout(heading(design) + coefficient_table(design.spline) + quality_table(design) +
+               (options.svg.empty() ? "" : fmt::format("\nfigure: {}\n", options.svg)));
 }
 
 }  // namespace contactspline

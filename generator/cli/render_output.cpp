@@ -7,8 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "generator/cli/allowed.hpp"
-#include "generator/error.hpp"
+#include "generator/support/error.hpp"
 
 namespace contactspline {
 
@@ -17,30 +16,20 @@ double scale_to_peak(double peak) {
 }
 
 void require_short(const std::string& key, double duration_s, int sample_rate_hz) {
-  constexpr double kMostSamples = 3600.0 * 44100;
+  constexpr double kMaxSamples = 3600.0 * 44100;
   const double samples = duration_s * sample_rate_hz;
-  if (samples > kMostSamples)
+  if (samples > kMaxSamples)
     throw BadInput(fmt::format("{}: {} s at {} Hz are {:.4g} samples; allowed: at most {:.4g} s at this rate", key,
-                               duration_s, sample_rate_hz, samples, kMostSamples / sample_rate_hz));
+                               duration_s, sample_rate_hz, samples, kMaxSamples / sample_rate_hz));
 }
 
-std::string picture_beside(const std::string& sound, const std::string& svg) {
-  return svg.empty() ? std::filesystem::path(sound).replace_extension("svg").string() : svg;
+std::string figure_file(const RenderOutput& output) {
+  return output.svg.empty() ? std::filesystem::path(output.sound).replace_extension("svg").string() : output.svg;
 }
 
-void show_progress(double part) {
+void show_progress(double fraction) {
   if (::isatty(STDERR_FILENO) == 0) return;
-  std::fputs(fmt::format("\rrendering {:3.0f} %{}", 100 * part, part < 1 ? "" : "\n").c_str(), stderr);
-}
-
-void add_outputs(CLI::App& command, std::string& sound, std::string& svg) {
-  command.add_option("-o,--output", sound, "sound file to write (WAV, 24 bits)")
-      ->check(file_name())
-      ->type_name("FILE")
-      ->required();
-  command.add_option("--svg", svg, "picture to write (default: the sound file's name with .svg)")
-      ->check(file_name())
-      ->type_name("FILE");
+  std::fputs(fmt::format("\rrendering {:3.0f} %{}", 100 * fraction, fraction < 1 ? "" : "\n").c_str(), stderr);
 }
 
 }  // namespace contactspline

@@ -1,30 +1,31 @@
 // SPDX-License-Identifier: MIT
-// What the render commands have in common.
+// Output of the render commands: level, length limit, figure file, progress.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
 
 namespace contactspline {
 
-constexpr double kPeak = 0.89;  ///< of the sound written, -1 dB below full scale
+/// What every instrument of `render` writes.
+struct RenderOutput {
+  std::string sound;
+  std::string svg;  ///< empty: the sound file's name with .svg
+  int sample_rate_hz = 44100;
+};
 
-/// What brings a largest value to kPeak; 1 for silence.
+constexpr double kPeak = 0.89;  ///< largest value in the sound file: -1 dB relative to full scale
+
+/// The factor that brings the largest value `peak` (>= 0) to kPeak; 1 for silence.
 [[nodiscard]] double scale_to_peak(double peak);
 
-/// Throws BadInput, beginning with `key`, where more than an hour at 44.1 kHz is asked for: it is held in memory.
+/// Throws BadInput, with `key` at the beginning of its message, if the sound has more samples than one hour at 44.1
+/// kHz. The whole sound is held in memory.
 void require_short(const std::string& key, double duration_s, int sample_rate_hz);
 
-/// The picture's file: `svg`, or where that is empty the sound's name with .svg.
-[[nodiscard]] std::string picture_beside(const std::string& sound, const std::string& svg);
+/// The file of the figure: the one that was given, or the name of the sound file with .svg.
+[[nodiscard]] std::string figure_file(const RenderOutput& output);
 
-/// Shows the part done on a terminal, where somebody watches.
-void show_progress(double part);
-
-/// Adds -o and --svg.
-void add_outputs(CLI::App& command, std::string& sound, std::string& svg);
-
-/// Adds hammer-string, slide-string and fret-string below `render`.
-void add_render_score(CLI::App& render);
+/// Shows the fraction that is done (0 to 1) on standard error, if that is a terminal.
+void show_progress(double fraction);
 
 }  // namespace contactspline

@@ -10,7 +10,7 @@
 namespace contactspline {
 namespace {
 
-/// A file in memory, for libsndfile to write to.
+/// A file in memory that libsndfile writes to.
 struct MemoryFile {
   std::string bytes;
   std::size_t position = 0;
@@ -51,17 +51,17 @@ sf_count_t tell(void* user) {
   return static_cast<sf_count_t>(MemoryFile::of(user).position);
 }
 
-// In parts, since a long sound need not be held twice.
+// Writes in blocks, to avoid a second copy of a long sound in memory.
 template <typename T>
 void write_scaled(SndfileHandle& handle, std::span<const T> samples, double scale, int channels) {
-  const std::size_t most = 4096 * static_cast<std::size_t>(channels);
-  std::vector<double> part;
-  for (; !samples.empty(); samples = samples.subspan(part.size())) {
-    part.clear();
-    for (const T sample : samples.first(std::min(most, samples.size())))
-      part.push_back(scale * static_cast<double>(sample));
-    const auto count = static_cast<sf_count_t>(part.size());
-    if (handle.write(part.data(), count) != count) throw std::runtime_error(handle.strError());
+  const std::size_t max = 4096 * static_cast<std::size_t>(channels);
+  std::vector<double> block;
+  for (; !samples.empty(); samples = samples.subspan(block.size())) {
+    block.clear();
+    for (const T sample : samples.first(std::min(max, samples.size())))
+      block.push_back(scale * static_cast<double>(sample));
+    const auto count = static_cast<sf_count_t>(block.size());
+    if (handle.write(block.data(), count) != count) throw std::runtime_error(handle.strError());
   }
 }
 

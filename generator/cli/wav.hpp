@@ -7,8 +7,7 @@
 
 namespace contactspline {
 
-/// A WAV file of 24-bit samples as bytes: `scale` times the interleaved samples; what lies outside [-1, 1] is
-/// clipped. rate: whole hertz.
+/// The bytes of a WAV file with 24-bit samples: the interleaved samples times `scale`, clipped to [-1, 1].
 [[nodiscard]] std::string wav_bytes(std::span<const double> samples, double scale, int channels, int sample_rate_hz);
 [[nodiscard]] std::string wav_bytes(std::span<const float> samples, double scale, int channels, int sample_rate_hz);
 

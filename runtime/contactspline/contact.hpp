@@ -10,6 +10,8 @@
 #include <cstddef>
 #include <span>
 
+#include "contactspline/version.hpp"
+
 namespace contactspline {
 
 /// One quadratic piece of the contact potential, V(y) = energy + force t + half_curvature t^2 with t = y - knot.
@@ -38,6 +40,7 @@ using SegmentTable = std::span<const Segment<T>, Extent>;
 /// The table of an emitted material (or of its `normalised` member) in precision T, a compile-time constant.
 template <typename Material, std::floating_point T>
 inline constexpr auto segments_of = [] {
+  static_assert(fits_runtime<Material>, "generated for another version: run `contactspline generate` again");
   std::array<Segment<T>, Material::segments + 1> table{};
   for (std::size_t j = 0; j < Material::segments; ++j)
     table[j + 1] = {static_cast<T>(Material::knots[j]), static_cast<T>(Material::energies[j]),
@@ -45,19 +48,19 @@ inline constexpr auto segments_of = [] {
   return table;
 }();
 
-/// What the two bodies would do over one sample, and how they give way to a contact force f: the compression changes
-/// by x = free_increment - admittance f.
+/// What the two bodies do over one sample: under a contact force f the compression changes by
+/// x = free_increment - admittance f.
 template <std::floating_point T>
 struct Approach {
   T compression;     ///< y0, at the beginning of the sample [m]; negative while apart
   T free_increment;  ///< xf, change of compression over the sample if no force acted [m]
-  T admittance;      ///< xi > 0, loss of increment per unit of force [m/N]
+  T admittance;      ///< xi > 0, decrease of the increment per unit of force [m/N]
 };
 
 namespace detail {
 
-/// Number of leading indices 1..n for which the monotone predicate holds, whatever the data: ceil(log4(n + 1)) rounds
-/// of three probes that do not wait for each other.
+/// Number of leading indices 1..n for which a monotone predicate holds. Always takes ceil(log4(n + 1)) rounds of
+/// three independent probes.
 template <typename Predicate>
 [[nodiscard]] constexpr std::size_t count_leading(std::size_t n, Predicate holds) {
   std::size_t count = 0;
@@ -92,25 +95,40 @@ template <std::floating_point T, std::size_t Extent>
   return table[segment_index(table, y)].force_at(y);
 }
 
-/// What comes of an approach.
+/// The result of a contact step.
 template <std::floating_point T>
 struct ContactStep {
-  T force;        ///< over the sample [N]
-  T compression;  ///< y0 + x, at the end of the sample [m]; keeps its digits where y0 + (xf - xi f) would cancel
-  std::size_t segment;  ///< that holds this compression: where the next step starts
+  T force;              ///< over the sample [N]
+  T compression;        ///< y0 + x, at the end of the sample [m]; precise where y0 + (xf - xi f) would cancel
+  std::size_t segment;  ///< that holds this compression: the next step starts here
 };
 
 namespace detail {
 
-/// segment_index of y, which rounding may have put a hair beyond a segment.
+#define CONTACTSPLINE_STEP_INLINE [[nodiscard, gnu::always_inline]] constexpr
+#include "contactspline/step_coefficients-inl.hpp"
+#undef CONTACTSPLINE_STEP_INLINE
+
+/// The arithmetic of step_coefficients for one number.
+template <std::floating_point T>
+struct ScalarArithmetic {
+  static constexpr T number(T value) { return value; }
+  static constexpr T add(T a, T b) { return a + b; }
+  static constexpr T sub(T a, T b) { return a - b; }
+  static constexpr T mul(T a, T b) { return a * b; }
+  static constexpr T mul_add(T a, T b, T c) { return a * b + c; }
+  static constexpr T neg_mul_add(T a, T b, T c) { return c - a * b; }
+};
+
+/// Corrects the segment index when rounding moved y across a knot.
 template <std::floating_point T, std::size_t Extent>
-[[nodiscard]] constexpr std::size_t settled(SegmentTable<T, Extent> table, std::size_t segment, T y) {
+[[nodiscard]] constexpr std::size_t relocate_segment(SegmentTable<T, Extent> table, std::size_t segment, T y) {
   while (segment > 0 && y < table[segment].knot) --segment;
   while (segment + 1 < table.size() && y >= table[segment + 1].knot) ++segment;
   return segment;
 }
 
-/// A sum that stays whole: a compiler free to reassociate might take terms out of it where it is added to others.
+/// A sum that the compiler must not reassociate with others: otherwise it would cancel.
 template <std::floating_point T>
 [[nodiscard]] constexpr T whole(T sum) {
 #ifndef __FAST_MATH__
@@ -132,8 +150,8 @@ struct Crossing {
   std::size_t start;
   T y0, xf, xi;
   bool up;
-  std::size_t first;  // first knot in the way
-  T gain_to_first;
+  std::size_t first;  // knot that is crossed first
+  T gain_to_first;    // V(first knot) - V(y0), the area below the force
 
   constexpr Crossing(SegmentTable<T, Extent> segments, std::size_t from, const Approach<T>& approach, bool upwards)
       : table(segments),
@@ -151,53 +169,47 @@ struct Crossing {
   }
 
   /// Does the root lie beyond this knot, one of those that may be crossed?
-  [[nodiscard]] constexpr bool passes(std::size_t k) const {
-    const T way = table[k].knot - y0;
-    const T g = way * (way - xf) + xi * gain_to(k);
+  [[nodiscard]] constexpr bool crosses(std::size_t k) const {
+    const T distance = table[k].knot - y0;
+    const T g = distance * (distance - xf) + xi * gain_to(k);
     return g < 0;
   }
 
-  /// Segment of the root. The nearest knots are tried one after the other, since few are crossed as a rule and
-  /// processors foresee that; then all others.
-  [[nodiscard]] constexpr std::size_t landing_segment() const {
+  /// Segment of the root. A step crosses few knots as a rule, so the nearest are tried one after the other, which
+  /// processors predict well; then all others.
+  [[nodiscard]] constexpr std::size_t last_segment() const {
     constexpr std::size_t kNearest = 8;
-    const std::size_t knots = up ? table.size() - 1 - start : start;  // that lie in the way
-    const auto passes_knot = [this](std::size_t i) { return passes(up ? start + i : start + 1 - i); };
-    std::size_t passed = 1;
-    while (passed < std::min(knots, kNearest) && passes_knot(passed + 1)) ++passed;
-    if (passed == kNearest)
-      passed += count_leading(knots - kNearest, [&](std::size_t i) { return passes_knot(kNearest + i); });
-    return up ? start + passed : start - passed;
+    const std::size_t knots = up ? table.size() - 1 - start : start;  // ahead
+    const auto crosses_knot = [this](std::size_t i) { return crosses(up ? start + i : start + 1 - i); };
+    std::size_t crossed = 1;
+    while (crossed < std::min(knots, kNearest) && crosses_knot(crossed + 1)) ++crossed;
+    if (crossed == kNearest)
+      crossed += count_leading(knots - kNearest, [&](std::size_t i) { return crosses_knot(kNearest + i); });
+    return up ? start + crossed : start - crossed;
   }
 
   [[nodiscard, gnu::always_inline]] constexpr ContactStep<T> step() const {
-    const std::size_t landing = landing_segment();
-    const std::size_t entry = landing + !up;  // last knot passed
+    const std::size_t last = last_segment();
+    const std::size_t entry = last + !up;  // last knot crossed
     const T origin = table[entry].knot;
-    const T way = whole(origin - y0);
-    const T gain = gain_to(entry);
-    const T entry_force = table[entry].force;
-    const T c = table[landing].half_curvature;
-    const T sign = T(2 * up - 1);
-    const T free_way = whole(xf - way);  // beyond the knot, if no force acted
-
-    // The way s is a root of a s^2 + b s + g, the force of xi a f^2 - p f + q, but for the signs of b, p and q, which
-    // count along the motion. Both have the discriminant root^2, root being |x| times the slope of h there.
-    const T a = 1 + xi * c;
-    const T b = sign * (way - free_way + xi * entry_force);
-    const T g = xi * gain - way * free_way;  // <= 0, but for rounding
-    const T p = sign * (xf + xi * entry_force + 2 * c * xi * free_way);
-    const T q = sign * (gain + free_way * (entry_force + c * free_way));
-    const T root = way != 0 ? std::sqrt(std::abs(b * b - 4 * a * g)) : std::abs(b);  // the square may be too small
+    const T distance = whole(origin - y0), remaining = whole(xf - distance);
+    const T gain = gain_to(entry), entry_force = table[entry].force, c = table[last].half_curvature;
+    constexpr ScalarArithmetic<T> math;
+    const auto step = step_coefficients(math, distance, xi * gain, xi * entry_force, remaining, xi * c);
+    // b, p and q count along the motion, and q is that of the force itself. The root of the discriminant is |x| times
+    // the slope of h there.
+    const T a = 1 + xi * c, sign = T(2 * up - 1), b = sign * step.b, p = sign * step.p;
+    const T q = sign * force_coefficient(math, gain, entry_force, remaining, c);
+    const T root = distance != 0 ? std::sqrt(std::abs(step.discriminant)) : std::abs(b);  // may be too small a square
     const T b_and_root = root + std::abs(b), p_and_root = root + std::abs(p);
-    const T s = (b <= 0 ? b_and_root : -2 * sign * g) / (b <= 0 ? 2 * sign * a : b_and_root);
+    const T s = (b <= 0 ? b_and_root : -2 * sign * step.g) / (b <= 0 ? 2 * sign * a : b_and_root);
     const T f = (p <= 0 ? p_and_root : 2 * q) / (p <= 0 ? 2 * xi * a : p_and_root);
     const T y = origin + s;
-    return {std::max(T(0), f), y, settled(table, landing, y)};
+    return {std::max(T(0), f), y, relocate_segment(table, last, y)};
   }
 };
 
-/// The step from y0 in the segment `start` by x = (xf - xi f)/divisor, divisor >= 1.
+/// The step from y0 in the segment `start` under x = (xf - xi f)/divisor, divisor >= 1.
 template <std::floating_point T, std::size_t Extent>
 [[nodiscard, gnu::always_inline]] constexpr ContactStep<T> contact_step(SegmentTable<T, Extent> table,
                                                                         std::size_t start,
@@ -214,7 +226,7 @@ template <std::floating_point T, std::size_t Extent>
   if (!(below | above)) {
     const T y = y0 + free / slope;
     const T force = (divisor * f0 + here.half_curvature * xf) / slope;
-    return {std::max(T(0), force), y, settled(table, start, y)};
+    return {std::max(T(0), force), y, relocate_segment(table, start, y)};
   }
   const bool is_lossy = divisor != 1;
   const Approach<T> yielding{y0, is_lossy ? xf / divisor : xf, is_lossy ? xi / divisor : xi};
@@ -227,19 +239,17 @@ template <std::floating_point T, std::size_t Extent>
 /// negative; exactly 0 when y0 <= 0 and y0 + xf <= 0. No iteration; energy is exchanged without loss or gain.
 /// start: the segment that holds y0, segment_index(table, y0), as the step before found it.
 ///
-/// h(x) = x + xi [V(y0 + x) - V(y0)]/x - xf rises strictly, so its sign at the knots brackets the root, and in the
-/// landing segment x h(x) is a quadratic. It is written in s, the way beyond the knot by which that segment is
-/// entered: A s^2 + B s + g = 0 with g <= 0, whose wanted root has the sign of the motion. What is gained on the way
-/// to a knot is the area below the force up to the first knot, and from there a difference of knot energies: nothing
-/// cancels. The force is a root of another quadratic of the same discriminant, and cancels as little.
-/// (docs/contact-step.md)
+/// h(x) = x + xi [V(y0 + x) - V(y0)]/x - xf rises strictly, so its sign at the knots brackets the root. In the last
+/// segment, x h(x) is a quadratic in the distance beyond the last knot crossed, and the force is a root of another
+/// quadratic with the same discriminant. The energy gained is an area up to the first knot and differences of knot
+/// energies beyond: nothing cancels. (docs/contact-step.md)
 template <std::floating_point T, std::size_t Extent>
 [[nodiscard, gnu::always_inline]] inline ContactStep<T> contact_step(SegmentTable<T, Extent> table,
                                                                      const Approach<T>& approach, std::size_t start) {
   return detail::contact_step(table, start, approach, T(1));
 }
 
-/// The same from anywhere.
+/// The same without a known segment.
 template <std::floating_point T, std::size_t Extent>
 [[nodiscard]] ContactStep<T> contact_step(SegmentTable<T, Extent> table, const Approach<T>& approach) {
   return contact_step(table, approach, segment_index(table, approach.compression));
@@ -251,15 +261,15 @@ template <std::floating_point T, std::size_t Extent>
   return contact_step(table, approach).force;
 }
 
-/// Stiffness and loss of a contact, live controls beside the material's table.
+/// Live controls of a contact, beside the material's table.
 template <std::floating_point T>
 struct ContactControls {
   T stiffness_ratio = 1;  ///< multiplies the material's stiffness; > 0
   T loss_s_per_m = 0;     ///< Hunt-Crossley loss lambda >= 0: viscous force lambda F(y) dy/dt
 };
 
-/// contact_step with the material's stiffness scaled and a viscous force lambda F(y0) x/dt added. Where the sum would
-/// pull, the bodies part without force and what is stored beyond is lost: passive, and the force stays continuous.
+/// contact_step with the material's stiffness scaled and a viscous force lambda F(y0) x/dt added. If the sum would
+/// pull, the force is 0 and the stored energy beyond is lost: this is passive, and the force stays continuous.
 /// time_step: dt [s]. start: the segment that holds y0.
 template <std::floating_point T, std::size_t Extent>
 [[nodiscard, gnu::always_inline]] inline ContactStep<T> contact_step(SegmentTable<T, Extent> table,
@@ -279,7 +289,7 @@ template <std::floating_point T, std::size_t Extent>
   return {0, y0 + xf, segment_index(table, y0 + xf)};
 }
 
-/// The same from anywhere.
+/// The same without a known segment.
 template <std::floating_point T, std::size_t Extent>
 [[nodiscard]] ContactStep<T> contact_step(SegmentTable<T, Extent> table, const ContactControls<T>& controls,
                                           T time_step, const Approach<T>& approach) {

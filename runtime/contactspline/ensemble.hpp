@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Many hammer-strings together, of which those that are silent cost nothing.
+// Many hammer-strings played together. Silent ones cost no time.
 #pragma once
 
 #include <algorithm>
@@ -15,14 +15,14 @@
 
 namespace contactspline {
 
-/// How a voice goes into the sum; steady over a block.
+/// Level and position of a voice in the sum. Constant over a block.
 template <std::floating_point T>
 struct VoiceMix {
-  T gain = 1;        ///< full scale per metre at the pickup
-  T pan = T(1) / 2;  ///< 0 left to 1 right, at equal power; in mono without effect
+  T gain = 1;        ///< output per metre of displacement at the pickup
+  T pan = T(1) / 2;  ///< 0 left to 1 right, equal power; ignored in mono
 };
 
-/// Runs task(0) to task(tasks - 1) one after the other. Threads (threads.hpp) runs them on many cores.
+/// Runs task(0) to task(tasks - 1) one after the other. Threads (threads.hpp) runs them on several cores.
 struct OneThread {
   template <typename Task>
   void operator()(std::size_t tasks, const Task& task) const {
@@ -30,25 +30,26 @@ struct OneThread {
   }
 };
 
-/// OneThread, or what does the same in another order or at once, and returns when all is done.
+/// Calls task(0) to task(tasks - 1) in any order, possibly at the same time, and returns when all are done. OneThread
+/// and Threads are runners.
 template <typename Run>
 concept Runner = std::invocable<Run, std::size_t, void (*)(std::size_t)>;
 
-/// Hammer-strings, each with a felt, modes, places and controls of its own. A voice whose hammer is caught and whose
-/// string has lost all energy but `inaudible_j` sleeps until it is struck. The sum is taken in one order whatever the
-/// number of threads: the voices that are awake by rising number, in groups of kGroup, then the groups.
+/// Hammer-strings, each with its own felt, modes, places and controls. A voice sleeps when its hammer has stopped and
+/// the energy of its string is below `inaudible_j`; a strike wakes it. The order of summation does not depend on the
+/// number of threads: awake voices by rising number in groups of kGroup, then the groups.
 template <std::floating_point T>
 class Ensemble {
  public:
-  static constexpr std::size_t kBlock = 128;  ///< samples that a voice plays at a time
-  static constexpr std::size_t kGroup = 8;    ///< voices that one thread plays at a time
+  static constexpr std::size_t kBlock = 128;  ///< samples that a voice computes at a time
+  static constexpr std::size_t kGroup = 8;    ///< voices that one thread computes as one task
 
-  /// inaudible_j [J]: the default is 90 dB below a C4 hammer at 0.1 m/s.
+  /// inaudible_j [J]: the default is 90 dB below the energy of a C4 hammer at 0.1 m/s.
   explicit Ensemble(double sample_rate_hz, double inaudible_j = 1e-14)
       : sample_rate_hz_(sample_rate_hz), inaudible_j_(inaudible_j) {}
 
-  /// Adds a voice, asleep, and returns its number: 0, 1, ... felt must outlive the ensemble. Allocates: not for the
-  /// audio thread.
+  /// Adds a sleeping voice and returns its number: 0, 1, ... The felt must outlive the ensemble. Allocates memory: do
+  /// not call on the audio thread.
   std::size_t add(SegmentTable<T> felt, std::span<const Mode> modes, ModeShapes<T> strike, ModeShapes<T> pickup,
                   const HammerStringControls<T>& controls) {
     voices_.push_back({{felt, modes, std::move(strike), sample_rate_hz_}, std::move(pickup), controls});
@@ -57,47 +58,49 @@ class Ensemble {
     return voices_.size() - 1;
   }
 
-  /// Throws the hammer of a voice, as HammerString::strike, and wakes it. Safe in an audio thread, as all below.
+  /// Throws the hammer of a voice as HammerString::strike does, and wakes the voice. This function and all below are
+  /// safe on an audio thread.
   void strike(std::size_t voice, T velocity_m_per_s, T distance_m) {
     Voice& struck = voices_[voice];
     struck.model.strike(velocity_m_per_s, distance_m);
-    struck.until_look = kLook + voice * kBlock % kLook;  // chords are not looked at all in one block
+    // Different delays, so that the voices of a chord are not all checked in the same block.
+    struck.until_check = kCheckInterval + voice * kBlock % kCheckInterval;
     if (!std::exchange(struck.is_awake, true))
-      awake_.insert(std::ranges::lower_bound(awake_, voice), voice);  // there is room: add() reserved it
+      awake_.insert(std::ranges::lower_bound(awake_, voice), voice);  // does not allocate: add() reserved space
   }
 
   [[nodiscard]] HammerStringControls<T>& controls(std::size_t voice) { return voices_[voice].controls; }
   [[nodiscard]] VoiceMix<T>& mix(std::size_t voice) { return voices_[voice].mix; }
   [[nodiscard]] const HammerString<T>& model(std::size_t voice) const { return voices_[voice].model; }
   [[nodiscard]] std::size_t voices() const { return voices_.size(); }
-  [[nodiscard]] std::size_t awake() const { return awake_.size(); }  ///< voices that cost time
+  [[nodiscard]] std::size_t awake() const { return awake_.size(); }  ///< number of voices that are computed
 
-  /// Advances out.size() samples and writes the sum of all voices, gain times displacement at the pickup. run: what
-  /// runs the groups, OneThread or Threads. No allocation, no lock (but see Threads), bounded time.
+  /// Advances out.size() samples and writes the sum of all voices: gain times displacement at the pickup. run:
+  /// OneThread or Threads; computes the groups. No allocation, no lock (see Threads for its own), bounded time.
   template <Runner Run = OneThread>
-  void play(std::span<T> out, Run&& run = {}) {
-    play(out, std::span<T>(), run);
+  void process(std::span<T> out, Run&& run = {}) {
+    process(out, std::span<T>(), run);
   }
 
-  /// The same in stereo; left and right of one size.
+  /// The same in stereo. left and right must have the same size.
   template <Runner Run = OneThread>
-  void play(std::span<T> left, std::span<T> right, Run&& run = {}) {
+  void process(std::span<T> left, std::span<T> right, Run&& run = {}) {
     for (std::size_t done = 0; done < left.size(); done += kBlock) {
       const std::size_t samples = std::min(kBlock, left.size() - done);
-      play_block(left.subspan(done, samples), right.empty() ? right : right.subspan(done, samples), run);
+      process_block(left.subspan(done, samples), right.empty() ? right : right.subspan(done, samples), run);
     }
   }
 
  private:
-  static constexpr std::size_t kLook = 32 * kBlock;  // samples between two looks at a voice's energy
+  static constexpr std::size_t kCheckInterval = 32 * kBlock;  // samples between two checks of a voice's energy
 
-  // On cache lines of their own: neighbours may be played by different threads.
+  // Each voice starts on a cache line, because different threads may write to neighbouring voices.
   struct alignas(64) Voice {
     HammerString<T> model;
     ModeShapes<T> pickup;
     HammerStringControls<T> controls;
     VoiceMix<T> mix = {};
-    std::size_t until_look = 0;  // samples
+    std::size_t until_check = 0;  // samples
     bool is_awake = false;
   };
   struct alignas(64) Bus {
@@ -105,9 +108,9 @@ class Ensemble {
   };
 
   template <typename Run>
-  void play_block(std::span<T> left, std::span<T> right, Run&& run) {
+  void process_block(std::span<T> left, std::span<T> right, Run&& run) {
     const std::size_t groups = (awake_.size() + kGroup - 1) / kGroup;
-    run(groups, [&](std::size_t group) { play_group(group, left.size(), !right.empty()); });
+    run(groups, [&](std::size_t group) { process_group(group, left.size(), !right.empty()); });
     const FlushDenormals flushed;
     std::ranges::fill(left, T(0));
     std::ranges::fill(right, T(0));
@@ -118,7 +121,7 @@ class Ensemble {
     std::erase_if(awake_, [&](std::size_t voice) { return !voices_[voice].is_awake; });
   }
 
-  void play_group(std::size_t group, std::size_t samples, bool is_stereo) {
+  void process_group(std::size_t group, std::size_t samples, bool is_stereo) {
     const FlushDenormals flushed;
     Bus& bus = buses_[group];
     const std::span<T> left(bus.left, samples), right(bus.right, is_stereo ? samples : 0);
@@ -128,11 +131,11 @@ class Ensemble {
     const std::size_t end = std::min((group + 1) * kGroup, awake_.size());
     for (std::size_t i = group * kGroup; i < end; ++i) {
       Voice& voice = voices_[awake_[i]];
-      voice.model.play(voice.controls, voice.pickup, {sound, samples});
+      voice.model.process(voice.controls, voice.pickup, {sound, samples});
       const auto [gain, pan] = voice.mix;
       add(is_stereo ? gain * std::sqrt(1 - pan) : gain, sound, left);
       add(gain * std::sqrt(pan), sound, right);
-      look_at(voice, samples);
+      check_energy(voice, samples);
     }
   }
 
@@ -140,19 +143,19 @@ class Ensemble {
     for (std::size_t n = 0; n < sum.size(); ++n) sum[n] += gain * sound[n];
   }
 
-  void look_at(Voice& voice, std::size_t samples) const {
-    if (voice.until_look > samples) {
-      voice.until_look -= samples;
+  void check_energy(Voice& voice, std::size_t samples) const {
+    if (voice.until_check > samples) {
+      voice.until_check -= samples;
       return;
     }
-    voice.until_look = kLook;
+    voice.until_check = kCheckInterval;
     voice.is_awake = voice.model.is_hammer_flying() || voice.model.string().energy() >= inaudible_j_;
   }
 
   double sample_rate_hz_, inaudible_j_;
   std::vector<Voice> voices_;
-  std::vector<std::size_t> awake_;  // numbers of voices, rising
-  std::vector<Bus> buses_;          // sums of groups
+  std::vector<std::size_t> awake_;  // numbers of the awake voices, rising
+  std::vector<Bus> buses_;          // sum of each group
 };
 
 }  // namespace contactspline

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The C++ models behind Faust's own `dsp` interface, for any Faust architecture to host. As the classes that Faust
-// writes it stands after the definitions of UI and Meta: architectures bring their own, elsewhere <faust/gui/UI.h>
-// and <faust/gui/meta.h> do.
+// The C++ models as Faust `dsp` classes, which any Faust architecture can host. Include this header after UI and Meta
+// are defined, like a class that Faust generates. Architecture files define them; in other programs include
+// <faust/gui/UI.h> and <faust/gui/meta.h> first.
 #pragma once
 
 #include <faust/dsp/dsp.h>
@@ -20,22 +20,22 @@
 
 namespace contactspline {
 
-/// A control as Faust describes it: what may be changed, from outside the audio thread too, and what hosts are told.
+/// A control with its Faust description. Any thread may change the value.
 struct FaustControl {
   FAUSTFLOAT* value;
   const char* label;
-  FAUSTFLOAT initial, least, most, step;                     ///< a button where least is most
-  std::vector<std::pair<const char*, const char*>> remarks;  ///< unit, scale, midi and the like
+  FAUSTFLOAT initial, min, max, step;                         ///< min == max: a button
+  std::vector<std::pair<const char*, const char*>> metadata;  ///< unit, scale, midi, order
 };
 
 /// A felt hammer on a string, with the controls of `hammer_string_ui` in faust/instruments.lib. Felt: an emitted
 /// material, Resonator: an emitted string, T: precision of the model. Outputs: displacement at the pickup [mm],
-/// contact force [N]. The place of the strike is taken at the throw, and the displacement is not a sample late as it
-/// is in Faust. compute() allocates nothing and reads the controls once.
+/// contact force [N]. Two differences from Faust: the strike position is read when the hammer is thrown, and the
+/// displacement is not one sample late. compute() allocates nothing and reads the controls once.
 template <typename Felt, typename Resonator, std::floating_point T>
 class HammerStringDsp : public dsp {
  public:
-  /// name: of the instrument, for hosts; it must outlive this. hammer_mass_kg: to begin with.
+  /// name: shown by hosts; the text must outlive this object. hammer_mass_kg: initial value of the control.
   HammerStringDsp(const char* name, double hammer_mass_kg)
       : name_(name), initial_mass_kg_(static_cast<FAUSTFLOAT>(hammer_mass_kg)) {
     instanceResetUserInterface();
@@ -55,9 +55,9 @@ class HammerStringDsp : public dsp {
   void buildUserInterface(UI* ui) override {
     ui->openVerticalBox(name_);
     for (const FaustControl& control : controls()) {
-      for (const auto& [key, value] : control.remarks) ui->declare(control.value, key, value);
-      if (control.least < control.most)
-        ui->addHorizontalSlider(control.label, control.value, control.initial, control.least, control.most,
+      for (const auto& [key, value] : control.metadata) ui->declare(control.value, key, value);
+      if (control.min < control.max)
+        ui->addHorizontalSlider(control.label, control.value, control.initial, control.min, control.max,
                                 control.step);
       else
         ui->addButton(control.label, control.value);
@@ -100,17 +100,17 @@ class HammerStringDsp : public dsp {
         static_cast<T>(mass_kg_), {static_cast<T>(stiffness_ratio_), static_cast<T>(loss_s_per_m_)}, *damping_per_s_};
     FAUSTFLOAT* const displacement = outputs[0];
     FAUSTFLOAT* const force = outputs[1];
-    const auto play = [&](int begin, int samples) {
-      play_block(live, {displacement + begin, static_cast<std::size_t>(samples)}, force + begin);
+    const auto process = [&](int begin, int samples) {
+      process_block(live, {displacement + begin, static_cast<std::size_t>(samples)}, force + begin);
     };
     int i = 0;
     for (; i < count; ++i) {
       const T before = live.damping_per_s;
       live.damping_per_s += damping_rate_ * (damping_per_s - before);
-      if (live.damping_per_s == before) break;  // the damper has come to rest: from here on all is constant
-      play(i, 1);
+      if (live.damping_per_s == before) break;  // the damping has converged: all controls are constant from here
+      process(i, 1);
     }
-    for (; i < count; i += kBlock) play(i, std::min(kBlock, count - i));
+    for (; i < count; i += kBlock) process(i, std::min(kBlock, count - i));
     damping_per_s_ = live.damping_per_s;
   }
 
@@ -118,19 +118,19 @@ class HammerStringDsp : public dsp {
   using Model = HammerString<T, segments_of<Felt, T>.size()>;
 
   static constexpr int kBlock = 256;
-  static constexpr double kDampingTime = 0.005;  // s, in which the damper has done 63 % of its way
-  static constexpr T kDistance = T(1e-4);        // m, from which the hammer is thrown
+  static constexpr double kDampingTime = 0.005;  // s, time constant of the damping
+  static constexpr T kDistance = T(1e-4);        // m, of the hammer from the string when it is thrown
 
-  /// Displacement [mm] and force [N] of at most kBlock samples.
-  void play_block(const HammerStringControls<T>& live, std::span<FAUSTFLOAT> displacement, FAUSTFLOAT* force) {
+  /// Computes displacement [mm] and force [N] of at most kBlock samples.
+  void process_block(const HammerStringControls<T>& live, std::span<FAUSTFLOAT> displacement, FAUSTFLOAT* force) {
     Model& model = *model_;
     if constexpr (std::same_as<T, FAUSTFLOAT>) {
-      model.play(live, pickup_, displacement, force);
+      model.process(live, pickup_, displacement, force);
       for (FAUSTFLOAT& sample : displacement) sample *= 1000;
     } else {
       std::array<T, kBlock> moved, pushed;
       const bool may_touch = model.is_hammer_flying();
-      model.play(live, pickup_, std::span(moved).first(displacement.size()), may_touch ? pushed.data() : nullptr);
+      model.process(live, pickup_, std::span(moved).first(displacement.size()), may_touch ? pushed.data() : nullptr);
       for (std::size_t i = 0; i < displacement.size(); ++i)
         displacement[i] = static_cast<FAUSTFLOAT>(1000 * moved[i]);
       if (may_touch)
@@ -141,10 +141,10 @@ class HammerStringDsp : public dsp {
     }
   }
 
-  // Labels, ranges and remarks are those of faust/instruments.lib; the remarks "0" to "6" keep the order.
+  // Labels, ranges and metadata as in faust/instruments.lib. The metadata "0" to "6" define the order.
   std::vector<FaustControl> controls() {
     constexpr auto kLoss = static_cast<FAUSTFLOAT>(Felt::loss_s_per_m);
-    constexpr auto kMostLoss = kLoss > 2 ? kLoss : FAUSTFLOAT(2);
+    constexpr auto kMaxLoss = kLoss > 2 ? kLoss : FAUSTFLOAT(2);
     return {{&strike_, "strike", 0, 0, 0, 0, {{"0", ""}}},
             {&speed_m_per_s_,
              "speed",
@@ -167,7 +167,7 @@ class HammerStringDsp : public dsp {
              1000,
              FAUSTFLOAT(0.001),
              {{"3", ""}, {"scale", "log"}}},
-            {&loss_s_per_m_, "felt loss", kLoss, 0, kMostLoss, FAUSTFLOAT(0.001), {{"4", ""}, {"unit", "s/m"}}},
+            {&loss_s_per_m_, "felt loss", kLoss, 0, kMaxLoss, FAUSTFLOAT(0.001), {{"4", ""}, {"unit", "s/m"}}},
             {&damping_, "damping", 0, 0, 1000, FAUSTFLOAT(0.1), {{"5", ""}, {"unit", "1/s"}}},
             {&position_,
              "strike position",
@@ -195,13 +195,13 @@ class HammerStringDsp : public dsp {
   FAUSTFLOAT initial_mass_kg_;
   FAUSTFLOAT strike_, speed_m_per_s_, mass_kg_, stiffness_ratio_, loss_s_per_m_, damping_, position_;
   FAUSTFLOAT was_pressed_ = 0;
-  FAUSTFLOAT struck_position_ = -1;  // of the last throw; none yet: -1
+  FAUSTFLOAT struck_position_ = -1;  // at the last throw; -1 before the first one
   int sample_rate_hz_ = 0;
   T damping_rate_ = 0;
-  std::optional<T> damping_per_s_;  // none yet: begins where its control is
+  std::optional<T> damping_per_s_;  // empty until the first compute(), which starts at the control's value
   ModeShapes<T> shapes_{std::span<const double>(Resonator::strike_shapes)};
   const ModeShapes<T> pickup_{std::span<const double>(Resonator::pickup_shapes)};
-  std::optional<Model> at_rest_, model_;  // the first for instanceClear(), which so allocates nothing
+  std::optional<Model> at_rest_, model_;  // instanceClear() copies at_rest_, so it does not allocate
 };
 
 }  // namespace contactspline

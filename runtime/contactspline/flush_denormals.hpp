@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Numbers too small to be heard must not slow a processor down.
+// Denormal numbers, too small to be heard, must not slow down the processor.
 #pragma once
 
 #if defined(__SSE2__)
@@ -8,8 +8,7 @@
 
 namespace contactspline {
 
-/// While one lives, its thread takes numbers too small to be heard for 0: what dies away costs no more than what
-/// sounds.
+/// RAII guard: enables flush-to-zero on this thread, so that a decaying sound costs no more time than a loud one.
 class FlushDenormals {
  public:
 #if defined(__SSE2__)
@@ -36,7 +35,7 @@ class FlushDenormals {
   static constexpr unsigned long kFlushToZero = 1ul << 24;
   unsigned long before_;
 #else
-  FlushDenormals() {}  // other machines pay for them or do not have them
+  FlushDenormals() {}  // no effect on other processors
 #endif
 
  public:

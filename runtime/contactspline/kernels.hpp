@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the vectorised kernels of ContactSpline::simd work on: plain pointers, so that one compiled library serves
-// every machine.
+// The data of the vectorised kernels in ContactSpline::simd, and their functions. All data are plain pointers, so
+// that one compiled library serves every machine (docs/kernels.md).
 #pragma once
 
 #include <limits>
@@ -10,7 +10,7 @@
 
 namespace contactspline::detail {
 
-/// Arrays of a modal bank: `modes` numbers each, followed by zeros up to a whole cache line, which they begin.
+/// The arrays of a modal bank: `modes` numbers each, padded with zeros to a whole cache line, which they begin.
 template <std::floating_point T>
 struct ModalArrays {
   std::size_t modes;
@@ -21,95 +21,93 @@ struct ModalArrays {
   T* free_increment;
 };
 
-/// Knots a block of FeltArrays holds.
-inline constexpr std::size_t kKnotsInABlock = 32;
+/// Number of knots in a block of a ContactTable.
+inline constexpr std::size_t kKnotsPerBlock = 32;
 
-/// Knots that the kernels look at at once: as many as fill a cache line.
+/// Number of knots that a kernel judges at once: they fill a cache line.
 template <std::floating_point T>
-inline constexpr std::size_t kKnotsInAWindow = 64 / sizeof(T);
+inline constexpr std::size_t kKnotsPerWindow = 64 / sizeof(T);
 
-/// Knots further than anything, which surround those of a felt [m]: their square is infinite, so that none is ever
-/// passed.
+/// Sentinel knot on both sides of a table's knots [m]. Its square is infinite, so that no step crosses it.
 template <std::floating_point T>
-inline constexpr T kOutOfReach_m = std::numeric_limits<T>::max() / 4;
+inline constexpr T kSentinelKnot = std::numeric_limits<T>::max() / 4;
 
-/// A SegmentTable column by column: entry k of each is entry k of the table, but for knots[0]. Before entry 0 and
-/// after entry N stand segments without force, out of reach as entry 0 is: one or more, kKnotsInAWindow or more.
+/// A SegmentTable column by column, with its products with the admittance. Entry k of a column is entry k of the
+/// table, except knots[0]. Sentinel segments without force stand before entry 0 (one or more) and after entry N
+/// (kKnotsPerWindow or more).
 template <std::floating_point T>
-struct FeltArrays {
+struct ContactTable {
   std::size_t segments;  ///< N
   const T* knots;        ///< knots + 1 begins a cache line
-  const T* energies;     ///< there, likewise
-  const T* forces;       ///< there
+  const T* energies;     ///< at the knots; likewise
+  const T* forces;       ///< at the knots
   const T* half_curvatures;
-  const T* pivots;          ///< the first knot of each block, padded as the knots, on cache lines
-  const T* pivot_energies;  ///< there
-  std::size_t blocks;       ///< from entry 1 on
-  // What follows from them and xi, an admittance times a stiffness ratio:
-  T* prepared_xi;     ///< [m/N], -1 at first
-  T* gives;           ///< xi times the force at each knot [m]
-  T* stiffnesses;     ///< xi c of each segment
-  T* inverse_slopes;  ///< 1/(1 + xi c) of each segment
+  const T* block_first_knots;     ///< padded like the knots, on cache lines
+  const T* block_first_energies;  ///< there
+  std::size_t blocks;             ///< from entry 1 on
+  // Products with xi, the admittance times the stiffness ratio:
+  T* prepared_xi;          ///< the xi that the products hold [m/N], -1 at first
+  T* force_displacements;  ///< xi times the force at each knot [m]
+  T* stiffnesses;          ///< xi c of each segment
+  T* inverse_slopes;       ///< 1/(1 + xi c) of each segment
 };
 
-/// How a force on a hammer's strings changes, per newton, what the modes are and will do.
+/// Everything that is constant while a hammer is in flight: the string, where it is struck, and by what.
 template <std::floating_point T>
-struct StrikeArrays {
-  const T* shape;      ///< at the place of the strike
-  const T* give;       ///< displacement after the sample
-  const T* free_give;  ///< free increment after the sample
-  T free_admittance;   ///< sum of shape times free_give
-  const T* swing;      ///< shape/sqrt(stiffness - (loss + stiffness)^2 / 4)
-  const T* unit;       ///< in which a struck mode's state is counted: give, so that a force just adds to it
-  const T* per_unit;   ///< 1/unit
-  FeltArrays<T> felt;
-  T* workspace;  ///< the StruckRows of each line of modes; the constants are there
+struct StrikeConstants {
+  ModalArrays<T> modes;
+  ContactTable<T> table;
+  SegmentTable<T> segments;  ///< the same table by segments
+  const T* shape;            ///< of the modes at the place of the strike
+  // Changes of each mode by a force at that place, per newton:
+  const T* admittance;           ///< of the displacement after the sample
+  const T* free_increment_gain;  ///< of the free increment after the sample
+  const T* amplitude_gain;       ///< shape/sqrt(stiffness - (loss + stiffness)^2 / 4)
+  const T* unit;                 ///< unit of a mode's state under load: its admittance, so that a force is just added
+  const T* per_unit;             ///< 1/unit
+  T admittance_of_string;        ///< sum of shape times admittance [m/N]
+  T free_admittance;             ///< sum of shape times free_increment_gain [m/N]
+  T* workspace;                  ///< the rows of ModeRow, line by line; the constants are already there
+  // Of the call:
+  T time_step_s;
+  T damping_gain;  ///< 1/(1 + damping): the part of its motion that the damper leaves each mode
+  const T* pickup;
 };
 
-/// What a struck mode is made of, a cache line each: two of state and six of constants, in its unit.
-struct StruckRow {
-  enum : std::size_t { displacement, free_increment, free_give, stiffness, rest, loss, shape, pickup };
+/// Rows of a mode under load, a cache line each: two of state and six of constants, in the mode's unit.
+struct ModeRow {
+  enum : std::size_t { displacement, free_increment, free_increment_gain, stiffness, rest, loss, shape, pickup };
 };
-/// So many lines for each: one more, or every eighth would lie at the same place of a page.
-inline constexpr std::size_t kStruckLines = 9;
+/// Cache lines for each line of modes. One more than there are rows: else every eighth would lie at the same offset
+/// of a page.
+inline constexpr std::size_t kRowsPerLine = 9;
 
-/// A hammer on its way.
+/// State of a hammer from its throw until it is stopped.
 template <std::floating_point T>
-struct HammerFlight {
+struct HammerState {
   T mass_kg = 1;
   ContactControls<T> felt = {};
   T compression_m = 0;
   T velocity_m_per_s = 0;
-  std::size_t segment = 0;       ///< that holds the compression
-  T force_n = 0;                 ///< over the last sample
-  std::ptrdiff_t moved[2] = {};  ///< segments over the last sample and the one before
+  std::size_t segment = 0;         ///< that holds the compression
+  T force_n = 0;                   ///< over the last sample
+  std::ptrdiff_t crossed[2] = {};  ///< segments crossed in the last sample and in the one before
 };
 
-/// A hammer this far back is caught; only a new throw brings it back.
+/// A hammer this far behind the string is stopped. Only a new throw brings it back.
 template <std::floating_point T>
-inline constexpr T kCaught_m = T(-0.05);
+inline constexpr T kHammerStop_m = T(-0.05);
 
-/// Advances the modes by out.size() samples without force, a damper leaving them `share` of their way; writes the
-/// displacement at the pickup after each.
-void play_free(const ModalArrays<float>& string, float share, const float* pickup, std::span<float> out);
-void play_free(const ModalArrays<double>& string, double share, const double* pickup, std::span<double> out);
+/// Advances the modes by out.size() samples without force and writes the displacement at the pickup after each.
+/// damping_gain: as in StrikeConstants.
+void process_free(const ModalArrays<float>& modes, float damping_gain, const float* pickup, std::span<float> out);
+void process_free(const ModalArrays<double>& modes, double damping_gain, const double* pickup, std::span<double> out);
 
-/// What is struck, where, and by what.
-template <std::floating_point T>
-struct Strike {
-  ModalArrays<T> string;
-  StrikeArrays<T> place;
-  SegmentTable<T> felt;
-  T time_step_s;
-  T share;              ///< as in play_free
-  T string_admittance;  ///< at the place, of a sample [m/N]
-  const T* pickup;
-};
-
-/// The same with a hammer in flight, until it is caught or `out` is full; returns the samples written. force: where
-/// the contact forces go, or null.
-std::size_t play_struck(const Strike<float>& strike, HammerFlight<float>& hammer, std::span<float> out, float* force);
-std::size_t play_struck(const Strike<double>& strike, HammerFlight<double>& hammer, std::span<double> out,
-                        double* force);
+/// The same with a hammer in flight, until it is stopped or `out` is full. Returns the number of samples written.
+/// force: destination of the contact forces, or null.
+std::size_t process_struck(const StrikeConstants<float>& strike, HammerState<float>& hammer, std::span<float> out,
+                           float* force);
+std::size_t process_struck(const StrikeConstants<double>& strike, HammerState<double>& hammer, std::span<double> out,
+                           double* force);
 
 }  // namespace contactspline::detail

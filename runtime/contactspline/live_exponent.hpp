@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The exponent of a contact law as a live control.
+// A contact law whose exponent is a live control.
 #pragma once
 
 #include <algorithm>
@@ -7,40 +7,44 @@
 #include <cstddef>
 
 #include "contactspline/contact.hpp"
+#include "contactspline/version.hpp"
 
 namespace contactspline {
 
-/// The table of a material with a live exponent, for any exponent of its range: the blend of the two members of its
-/// family nearest to it, C1 and convex as they are. Models that were given table() follow every change. In the midst
-/// of a contact a change of exponent does the work V'(y) - V(y) on it, as a change of stiffness does.
+/// The table of a material with a live exponent, for any exponent in its range. It interpolates between the two
+/// nearest members of the material's family; like them it is C1 and convex. Models that hold table() use each new
+/// exponent from the next sample on. If the exponent changes during a contact, the change adds the energy V_new(y) -
+/// V_old(y), as a change of stiffness does.
 template <typename Material, std::floating_point T>
 class LiveExponent {
+  static_assert(fits_runtime<Material>, "generated for another version: run `contactspline generate` again");
+
  public:
   static constexpr std::size_t size = Material::live::segments + 1;
 
   explicit LiveExponent(T exponent) { set(exponent); }
 
-  /// Takes an exponent, from Material::live::least_exponent to most_exponent; what lies beyond counts as the nearest
-  /// of these. Safe in an audio thread: a multiplication or two for each number of the table.
+  /// Sets the exponent, clamped to Material::live::min_exponent and max_exponent. Safe on an audio thread: one or two
+  /// multiplications for each number of the table.
   void set(T exponent) {
     using Live = typename Material::live;
     constexpr T kSteps = static_cast<T>(Live::members - 1);
-    constexpr T kLeast = static_cast<T>(Live::least_exponent), kMost = static_cast<T>(Live::most_exponent);
-    const T place = std::clamp((exponent - kLeast) / (kMost - kLeast), T(0), T(1)) * kSteps;
+    constexpr T kMin = static_cast<T>(Live::min_exponent), kMax = static_cast<T>(Live::max_exponent);
+    const T place = std::clamp((exponent - kMin) / (kMax - kMin), T(0), T(1)) * kSteps;
     const auto below = std::min(static_cast<std::size_t>(place), Live::members - 2);
-    const T part = place - static_cast<T>(below);
+    const T fraction = place - static_cast<T>(below);
     for (std::size_t j = 1; j < size; ++j) {
       const Segment<T>&low = kMembers[below][j], &high = kMembers[below + 1][j];
-      table_[j] = {low.knot, blend(low.energy, high.energy, part), blend(low.force, high.force, part),
-                   blend(low.half_curvature, high.half_curvature, part)};
+      table_[j] = {low.knot, blend(low.energy, high.energy, fraction), blend(low.force, high.force, fraction),
+                   blend(low.half_curvature, high.half_curvature, fraction)};
     }
   }
 
-  /// "Out of contact" followed by the segments; stays where it is.
+  /// Entry 0 is "out of contact", then the segments. The memory does not move when the exponent changes.
   [[nodiscard]] SegmentTable<T, size> table() const { return table_; }
 
  private:
-  static T blend(T low, T high, T part) { return low + part * (high - low); }
+  static T blend(T low, T high, T fraction) { return low + fraction * (high - low); }
 
   static constexpr auto kMembers = [] {
     using Live = typename Material::live;

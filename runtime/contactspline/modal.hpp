@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Modal resonators with exact poles, condensed to what a contact needs to know of them.
+// Modal resonators with exact poles, and their response at the places where a contact acts.
 #pragma once
 
 #include <algorithm>
@@ -14,19 +14,21 @@
 #include <vector>
 
 #include "contactspline/kernels.hpp"
+#include "contactspline/version.hpp"
 
 namespace contactspline {
 
 /// One mode of a resonator: q'' + 2 decay q' + (angular_frequency^2 + decay^2) q = force / mass.
 struct Mode {
   double angular_frequency_rad_per_s;  ///< of the damped oscillation, > 0
-  double decay_per_s;                  ///< amplitude falls as exp(-decay t), >= 0
-  double mass_kg;                      ///< modal mass for the shapes used, > 0
+  double decay_per_s;                  ///< the amplitude decays as exp(-decay t), >= 0
+  double mass_kg;                      ///< modal mass that belongs to the mode shapes, > 0
 };
 
-/// The modes of an emitted resonator.
+/// The modes of an emitted resonator, a compile-time constant.
 template <typename Resonator>
 inline constexpr auto modes_in = [] {
+  static_assert(fits_runtime<Resonator>, "generated for another version: run `contactspline generate` again");
   std::array<Mode, Resonator::modes> modes{};
   for (std::size_t i = 0; i < Resonator::modes; ++i)
     modes[i] = {Resonator::angular_frequencies[i], Resonator::decays[i], Resonator::masses[i]};
@@ -35,7 +37,7 @@ inline constexpr auto modes_in = [] {
 
 namespace detail {
 
-/// Memory that begins on a cache line, so that vectors of any width lie within one.
+/// Allocates memory that begins on a cache line, so that no aligned vector crosses a cache line.
 template <typename T>
 struct CacheLineAllocator {
   using value_type = T;
@@ -50,7 +52,7 @@ struct CacheLineAllocator {
   friend bool operator==(CacheLineAllocator, CacheLineAllocator) { return true; }
 };
 
-/// Numbers of modes, followed by zeros up to a whole cache line: what runs over whole vectors needs no rest loop.
+/// One number for each mode, padded with zeros to whole cache lines, so that vector loops need no scalar remainder.
 template <std::floating_point T>
 class ModalArray {
  public:
@@ -73,7 +75,7 @@ class ModalArray {
 
 }  // namespace detail
 
-/// Shapes of all modes at one place: the displacement there is the sum of shape times modal displacement.
+/// Mode shapes at one place. The displacement there is the sum over all modes of shape times modal displacement.
 template <std::floating_point T>
 class ModeShapes {
  public:
@@ -94,24 +96,24 @@ class ModeShapes {
 
 namespace detail {
 
-/// Constants of one mode at a sample rate (docs/modal.md). With z = exp((-decay + j w) dt):
+/// Constants of one mode at a sample rate (docs/modal.md), with z = exp((-decay + j w) dt):
 struct ModeConstants {
-  double stiffness;  ///< |1 - z|^2
-  double loss;       ///< 1 - |z|^2
-  double give;       ///< dt^2 |1 + z|^2 / (8 m), increment per unit of force [m/N]
+  double stiffness;   ///< |1 - z|^2
+  double loss;        ///< 1 - |z|^2
+  double admittance;  ///< dt^2 |1 + z|^2 / (8 m), change of displacement over a sample per newton [m/N]
 };
 
 inline ModeConstants mode_constants(const Mode& mode, double sample_rate_hz) {
   const double dt = 1 / sample_rate_hz;
-  const double turn = mode.angular_frequency_rad_per_s * dt / 2;
-  const double fall = std::exp(-mode.decay_per_s * dt);
-  const double missing = -std::expm1(-mode.decay_per_s * dt);
-  const double sine = std::sin(turn), cosine = std::cos(turn);
-  return {missing * missing + 4 * fall * sine * sine, -std::expm1(-2 * mode.decay_per_s * dt),
-          dt * dt * (missing * missing + 4 * fall * cosine * cosine) / (8 * mode.mass_kg)};
+  const double half_phase = mode.angular_frequency_rad_per_s * dt / 2;
+  const double decay_factor = std::exp(-mode.decay_per_s * dt);
+  const double decay_loss = -std::expm1(-mode.decay_per_s * dt);  // 1 - decay_factor, without cancellation
+  const double sine = std::sin(half_phase), cosine = std::cos(half_phase);
+  return {decay_loss * decay_loss + 4 * decay_factor * sine * sine, -std::expm1(-2 * mode.decay_per_s * dt),
+          dt * dt * (decay_loss * decay_loss + 4 * decay_factor * cosine * cosine) / (8 * mode.mass_kg)};
 }
 
-/// Sum over i < n of term(i) in eight running sums, which a compiler may keep in vector registers.
+/// Sum of term(i) over i < n. Eight partial sums let the compiler use vector registers.
 template <std::floating_point T, typename Term>
 [[nodiscard]] T sum_of(std::size_t n, Term term) {
   constexpr std::size_t kLanes = 8;
@@ -125,13 +127,14 @@ template <std::floating_point T, typename Term>
 
 }  // namespace detail
 
-/// A bank of modes advanced by the midpoint rule with the stiffness and resistance that give it exactly the poles
-/// exp((-decay +- j w) dt): passive, and in tune at any rate. Per sample: predict(), then any number of push(), then
-/// commit(). No allocation after construction.
+/// A bank of modes, advanced by the midpoint rule. Its stiffness and resistance are chosen so that the poles are
+/// exactly exp((-decay +- j w) dt): the bank is passive, and in tune at every sample rate. For each sample call
+/// predict(), then push() for each force, then commit(). No allocation after construction.
 ///
-/// State per mode: displacement q and what q would change by in the coming sample if no force acted, d. A sample
-/// changes q by c = d + give shape f, and leaves d <- 2 c - d - (loss c + stiffness q): the midpoint rule without
-/// its velocity (docs/modal.md). All that is added is small, so that single precision keeps 100 dB.
+/// The state of a mode is its displacement q and its free increment d: the change of q over the next sample if no
+/// force acts. A sample changes q by c = d + admittance shape f, and d becomes 2 c - d - (loss c + stiffness q). This
+/// is the midpoint rule with the velocity eliminated (docs/modal.md). Only small numbers are added, so single
+/// precision keeps 100 dB.
 template <std::floating_point T>
 class ModalBank {
  public:
@@ -140,7 +143,7 @@ class ModalBank {
         stiffness_(modes.size()),
         stiffness_rest_(modes.size()),
         loss_(modes.size()),
-        give_(modes.size()),
+        admittance_(modes.size()),
         displacement_(modes.size()),
         free_increment_(modes.size()),
         change_(modes.size()),
@@ -152,9 +155,10 @@ class ModalBank {
 
   [[nodiscard]] std::size_t size() const { return displacement_.size(); }
 
-  /// Change of displacement at a place [m] per force [N] at another over one sample: sum of give shape shape.
+  /// Change of displacement over one sample at place `at` per newton at place `of_force` [m/N]: the sum of
+  /// admittance shape shape.
   [[nodiscard]] T admittance(const ModeShapes<T>& at, const ModeShapes<T>& of_force) const {
-    return detail::sum_of<T>(size(), [&](std::size_t i) { return give_[i] * at[i] * of_force[i]; });
+    return detail::sum_of<T>(size(), [&](std::size_t i) { return admittance_[i] * at[i] * of_force[i]; });
   }
 
   /// Displacement at a place [m].
@@ -164,29 +168,29 @@ class ModalBank {
 
   /// Velocity at a place [m/s].
   [[nodiscard]] T velocity(const ModeShapes<T>& at) const {
-    const T way = detail::sum_of<T>(size(), [&](std::size_t i) { return at[i] * static_cast<T>(this->way(i)); });
-    return way * static_cast<T>(sample_rate_hz_);
+    const T step = detail::sum_of<T>(size(), [&](std::size_t i) { return at[i] * static_cast<T>(velocity_step(i)); });
+    return step * static_cast<T>(sample_rate_hz_);
   }
 
-  /// Begins a sample: what each mode would do without force.
+  /// Begins a sample: the change of each mode is its free increment.
   void predict() { predict(0); }
 
-  /// Begins a sample with a damper on all modes alike: each moves 1/(1 + damping) of the way it would, as by a
-  /// viscous resistance; damping = extra decay [1/s] times dt, >= 0. Forces pushed in this sample give way by the
-  /// same divisor, and so does admittance(): pass forces divided by 1 + damping.
+  /// Begins a sample with a damper that acts on all modes equally. It is a viscous resistance, which multiplies each
+  /// increment by the damping gain 1/(1 + damping); damping = extra decay [1/s] times dt, >= 0. push() and
+  /// admittance() do not apply this gain: multiply the forces of this sample and the admittances by it.
   void predict(T damping) {
     damping_ = damping;
-    const T share = 1 / (1 + damping);
-    T* __restrict change = change_.data();  // as in push(): nothing else that is read or written lies there
-    for (std::size_t i = 0; i < size(); ++i) change[i] = share * free_increment_[i];
+    const T damping_gain = 1 / (1 + damping);
+    T* __restrict change = change_.data();  // here and in push(): no other array of the loop overlaps this one
+    for (std::size_t i = 0; i < size(); ++i) change[i] = damping_gain * free_increment_[i];
   }
 
-  /// Change of displacement at a place over this sample [m], with what has been pushed so far.
+  /// Change of displacement at a place over this sample [m], with the forces pushed so far.
   [[nodiscard]] T increment(const ModeShapes<T>& at) const {
     return detail::sum_of<T>(size(), [&](std::size_t i) { return at[i] * change_[i]; });
   }
 
-  /// Displacement at a place in the middle of this sample [m], with what has been pushed so far.
+  /// Displacement at a place in the middle of this sample [m], with the forces pushed so far.
   [[nodiscard]] T middle(const ModeShapes<T>& at) const {
     return detail::sum_of<T>(size(), [&](std::size_t i) { return at[i] * (displacement_[i] + change_[i] / 2); });
   }
@@ -194,32 +198,33 @@ class ModalBank {
   /// Adds a force [N] at a place for this sample.
   void push(const ModeShapes<T>& at, T force) {
     T* __restrict change = change_.data();
-    for (std::size_t i = 0; i < size(); ++i) change[i] += give_[i] * at[i] * force;
+    for (std::size_t i = 0; i < size(); ++i) change[i] += admittance_[i] * at[i] * force;
   }
 
-  /// Ends the sample.
+  /// Ends the sample: updates displacements and free increments.
   void commit() {
     commit_all(size(), stiffness_.data(), stiffness_rest_.data(), loss_.data(), change_.data(), displacement_.data(),
                free_increment_.data());
   }
 
-  /// A whole sample without force: predict(damping) and commit().
+  /// Advances one sample without force: predict(damping) and commit().
   void advance(T damping) {
     predict(damping);
     commit();
   }
 
-  /// Kinetic and potential energy [J]; falls by what `loss` dissipates and rises by the work of the forces, exactly.
+  /// Kinetic plus potential energy [J]. In each sample it changes by the work of the forces minus dissipated(), exact
+  /// up to rounding.
   [[nodiscard]] double energy() const {
     double energy = 0;
     for (std::size_t i = 0; i < size(); ++i) {
-      const double q = displacement_[i], w = way(i);
+      const double q = displacement_[i], w = velocity_step(i);
       energy += (w * w + spring_[i] * q * q) * kinetic_[i];
     }
     return energy;
   }
 
-  /// Energy [J] that the modes' own losses and the damper dissipated in the sample just committed.
+  /// Energy [J] that the losses of the modes and the damper dissipated in the last committed sample.
   [[nodiscard]] double dissipated() const {
     double energy = 0;
     for (std::size_t i = 0; i < size(); ++i) {
@@ -229,20 +234,22 @@ class ModalBank {
     return energy;
   }
 
-  /// How a force at a place, per newton, changes each mode's displacement and free increment at the end of a sample;
-  /// and how far, per metre of the latter, a mode at rest then swings there.
-  void respond(const ModeShapes<T>& at, detail::ModalArray<T>& displacement, detail::ModalArray<T>& free_increment,
-               detail::ModalArray<T>& swing) const {
+  /// Response of each mode to a force at a place. Per newton during one sample, its displacement rises by admittance
+  /// [m/N] and its free increment by free_increment_gain [m/N] at the end of the sample. amplitude_gain: amplitude of
+  /// the oscillation at the place per metre of free increment, for a mode with displacement 0: shape / Im z.
+  void respond(const ModeShapes<T>& at, detail::ModalArray<T>& admittance, detail::ModalArray<T>& free_increment_gain,
+               detail::ModalArray<T>& amplitude_gain) const {
     for (std::size_t i = 0; i < size(); ++i) {
-      displacement[i] = give_[i] * at[i];
-      free_increment[i] = displacement[i] * (2 - loss_[i] - stiffness_[i]);
+      admittance[i] = admittance_[i] * at[i];
+      free_increment_gain[i] = admittance[i] * (2 - loss_[i] - stiffness_[i]);
       const double stiffness = static_cast<double>(stiffness_[i]) + static_cast<double>(stiffness_rest_[i]);
-      const double pull = (static_cast<double>(loss_[i]) + stiffness) / 2;
-      swing[i] = at[i] / static_cast<T>(std::sqrt(std::max(stiffness - pull * pull, 1e-30)));
+      const double one_minus_real = (static_cast<double>(loss_[i]) + stiffness) / 2;  // 1 - Re z
+      const double imaginary_square = stiffness - one_minus_real * one_minus_real;    // (Im z)^2
+      amplitude_gain[i] = at[i] / static_cast<T>(std::sqrt(std::max(imaginary_square, 1e-30)));
     }
   }
 
-  /// For the kernels.
+  /// Pointers to the state and the constants, for the kernels.
   [[nodiscard]] detail::ModalArrays<T> arrays() {
     return {size(),       stiffness_.data(),    stiffness_rest_.data(),
             loss_.data(), displacement_.data(), free_increment_.data()};
@@ -254,47 +261,47 @@ class ModalBank {
   }
 
  private:
-  // Of mode i: velocity times dt [m], which the free increment lacks: it is w |1 + z|^2/4 - stiffness/2 q.
-  [[nodiscard]] double way(std::size_t i) const {
+  // Velocity of mode i times dt, w [m]. It follows from the free increment d = |1 + z|^2/4 w - stiffness/2 q.
+  [[nodiscard]] double velocity_step(std::size_t i) const {
     const double stiffness = static_cast<double>(stiffness_[i]) + stiffness_rest_[i];
     return (free_increment_[i] + stiffness / 2 * displacement_[i]) * resistance_[i] / 4;
   }
 
-  // A function of its own: compilers believe __restrict of parameters.
+  // A separate function, because compilers respect __restrict on parameters.
   static void commit_all(std::size_t modes, const T* __restrict stiffness, const T* __restrict stiffness_rest,
                          const T* __restrict loss, const T* __restrict change, T* __restrict displacement,
                          T* __restrict free_increment) {
     for (std::size_t i = 0; i < modes; ++i) {
-      const T moved = displacement[i] + change[i];
-      T pull = loss[i] * change[i] + stiffness[i] * moved;
-      if constexpr (kRounds) pull += stiffness_rest[i] * moved;
-      displacement[i] = moved;
+      const T q = displacement[i] + change[i];
+      T pull = loss[i] * change[i] + stiffness[i] * q;
+      if constexpr (kRounds) pull += stiffness_rest[i] * q;
+      displacement[i] = q;
       free_increment[i] = (change[i] - free_increment[i]) + (change[i] - pull);
     }
   }
 
   void set(std::size_t i, const Mode& mode) {
-    const auto [stiffness, loss, give] = detail::mode_constants(mode, sample_rate_hz_);
-    // A mode above half the sample rate would sound at another pitch: nothing drives it, as in modal.lib.
+    const auto [stiffness, loss, admittance] = detail::mode_constants(mode, sample_rate_hz_);
+    // A mode above half the sample rate would sound at a wrong pitch. As in modal.lib, no force drives it.
     const bool audible = mode.angular_frequency_rad_per_s < std::numbers::pi * sample_rate_hz_;
     stiffness_[i] = static_cast<T>(stiffness);
     stiffness_rest_[i] = static_cast<T>(stiffness - static_cast<double>(stiffness_[i]));
     loss_[i] = static_cast<T>(loss);
-    give_[i] = audible ? static_cast<T>(give) : T(0);
-    // K dt^2/m = 4 |1 - z|^2/|1 + z|^2, R dt/m = 8 loss/|1 + z|^2, as of a damper 16 damping/|1 + z|^2, energy (w^2
-    // + K dt^2/m q^2) m/(2 dt^2).
-    const double nearness = 8 * give * mode.mass_kg * sample_rate_hz_ * sample_rate_hz_;  // |1 + z|^2
-    spring_[i] = audible ? 4 * stiffness / nearness : 0;
-    resistance_[i] = audible ? 16 / nearness : 0;
+    admittance_[i] = audible ? static_cast<T>(admittance) : T(0);
+    // K dt^2/m = 4 |1 - z|^2/|1 + z|^2. R dt/m = 8 loss/|1 + z|^2 for the mode's own loss, 16 damping/|1 + z|^2 for
+    // the damper. Energy: (w^2 + K dt^2/m q^2) m/(2 dt^2).
+    const double warp = 8 * admittance * mode.mass_kg * sample_rate_hz_ * sample_rate_hz_;  // |1 + z|^2
+    spring_[i] = audible ? 4 * stiffness / warp : 0;
+    resistance_[i] = audible ? 16 / warp : 0;
     kinetic_[i] = mode.mass_kg * sample_rate_hz_ * sample_rate_hz_ / 2;
   }
 
-  // Are the constants rounded to T? Then the rest of the stiffness is kept beside it.
+  // Does T round the constants? Then stiffness_rest_ holds the rounding error of the stiffness.
   static constexpr bool kRounds = std::numeric_limits<T>::digits < std::numeric_limits<double>::digits;
 
   double sample_rate_hz_;
-  T damping_ = 0;  // of the sample under way
-  detail::ModalArray<T> stiffness_, stiffness_rest_, loss_, give_;
+  T damping_ = 0;  // of the current sample
+  detail::ModalArray<T> stiffness_, stiffness_rest_, loss_, admittance_;
   detail::ModalArray<T> displacement_, free_increment_, change_;
   detail::ModalArray<double> spring_, resistance_, kinetic_;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Modes of a stiff string from its physical parameters.
+// Modes of a stiff string, computed from its physical parameters.
 #pragma once
 
 #include <algorithm>
@@ -14,8 +14,8 @@
 
 namespace contactspline {
 
-/// Decay of a mode of wavenumber beta [1/m]: constant + quadratic beta^2 [1/s]; the second part grows with the square
-/// of the frequency of a flexible string or a membrane.
+/// Losses of a resonator. A mode of wavenumber beta [1/m] decays by constant + quadratic beta^2 [1/s]. On a flexible
+/// string or a membrane the second term is proportional to the square of the frequency.
 struct Losses {
   double constant_per_s;
   double quadratic_m2_per_s;
@@ -26,8 +26,8 @@ struct Losses {
 };
 
 /// Stiff string between rigid supports: w0^2 = (T beta^2 + EI beta^4)/mu, beta = i pi/L, mu = M/L (Chaigne and
-/// Askenfelt, JASA 1994, with EI = eps T L^2). Shapes sin(beta x), modal mass M/2. Place: x [m] from one end.
-/// One string for each detuning: strings side by side under one hammer.
+/// Askenfelt, JASA 1994, with EI = eps T L^2). Shapes sin(beta x) at a place x [m] from one end, modal
+/// mass M/2. Each detuning adds one string; all of them lie side by side under one hammer.
 struct StiffString {
   double length_m;
   double mass_kg;
@@ -43,7 +43,7 @@ struct UndampedMode {
   double wavenumber_per_m;
   double mass_kg;
 
-  /// The mode with its losses, w^2 = w0^2 - s^2; nothing where it does not oscillate.
+  /// The damped mode, w^2 = w0^2 - s^2. Empty if it does not oscillate.
   [[nodiscard]] std::optional<Mode> with(const Losses& losses) const {
     const double decay = losses.decay_per_s(wavenumber_per_m);
     const double square = (angular_frequency_rad_per_s - decay) * (angular_frequency_rad_per_s + decay);
@@ -52,10 +52,10 @@ struct UndampedMode {
   }
 };
 
-/// Mode i = 1, 2, ... of a string without losses, detuned by so many cents: its tension makes them.
+/// Mode i = 1, 2, ... of a string without losses. A change of tension detunes it by `cents`.
 [[nodiscard]] inline UndampedMode undamped_mode(const StiffString& string, int i, double cents = 0) {
   const double beta = i * std::numbers::pi / string.length_m;
-  const double tension = string.tension_n * std::exp2(cents / 600);  // frequency goes with the root of the tension
+  const double tension = string.tension_n * std::exp2(cents / 600);  // frequency is proportional to sqrt(tension)
   const double stiffness = beta * beta * (tension + string.bending_stiffness_n_m2 * beta * beta);
   return {std::sqrt(stiffness * string.length_m / string.mass_kg), beta, string.mass_kg / 2};
 }
@@ -73,18 +73,19 @@ struct StringMode {
   double wavenumber_per_m;
 };
 
-/// Modes whose undamped frequency is below a limit, by rising frequency, of each string at most `most`. A force at a
-/// place acts on all strings alike: divide its shapes by their number.
-[[nodiscard]] inline std::vector<StringMode> modes_below(const StiffString& string, double max_frequency_hz,
-                                                         std::size_t most = std::numeric_limits<std::size_t>::max()) {
+/// All modes with an undamped frequency below a limit, sorted by frequency; at most `max_modes` from each string. A
+/// force at a place acts on all strings equally, so divide the shapes there by the number of strings.
+[[nodiscard]] inline std::vector<StringMode> modes_below(
+    const StiffString& string, double max_frequency_hz,
+    std::size_t max_modes = std::numeric_limits<std::size_t>::max()) {
   std::vector<StringMode> modes;
   for (const double cents : string.detuning_cents) {
     std::size_t count = 0;
-    for (int i = 1; count < most; ++i) {
+    for (int i = 1; count < max_modes; ++i) {
       const UndampedMode undamped = undamped_mode(string, i, cents);
       const double beta = undamped.wavenumber_per_m, w0 = undamped.angular_frequency_rad_per_s;
       if (w0 >= 2 * std::numbers::pi * max_frequency_hz) break;
-      if (string.losses.quadratic_m2_per_s * beta * beta >= w0) break;  // overdamped now and ever after
+      if (string.losses.quadratic_m2_per_s * beta * beta >= w0) break;  // overdamped, and so are all higher modes
       const auto mode = undamped.with(string.losses);
       if (!mode) continue;
       modes.push_back({*mode, beta});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Places on a string, and a place of contact that moves along it.
+// Mode shapes at any place of a string, and a contact that moves along the string.
 #pragma once
 
 #include <algorithm>
@@ -14,20 +14,20 @@
 
 namespace contactspline {
 
-/// Shapes sin(wavenumber x) of a string's modes at any place.
+/// Shapes sin(wavenumber x) of the modes of a string, at any place x.
 template <std::floating_point T>
 class StringShapes {
  public:
   explicit StringShapes(std::span<const double> wavenumbers_per_m)
       : wavenumbers_(wavenumbers_per_m.begin(), wavenumbers_per_m.end()) {}
 
-  /// Shapes at a place [m] from the end the wavenumbers count from.
+  /// Computes the shapes at a place [m], measured from the end where all shapes are sin(0).
   void at(T place_m, ModeShapes<T>& shapes) const {
     for (std::size_t i = 0; i < wavenumbers_.size(); ++i) shapes[i] = std::sin(wavenumbers_[i] * place_m);
   }
 
-  /// How far a place may move in a sample [m] for the string to follow: an eighth of the shortest wave, and a tenth
-  /// of the way that the slowest wave makes. modes: those of the wavenumbers.
+  /// Maximum movement of a contact per sample that the string can follow [m]: 1/8 of the shortest wavelength, and
+  /// 1/10 of the distance that the slowest wave travels. modes: the modes of these wavenumbers, in the same order.
   [[nodiscard]] T longest_step(std::span<const Mode> modes, double sample_rate_hz) const {
     double step = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < wavenumbers_.size(); ++i) {
@@ -44,16 +44,16 @@ class StringShapes {
   std::vector<T> wavenumbers_;
 };
 
-/// The place of a contact that moves along a string, and how the string's shapes there change over a sample. A force
-/// acts by the mean shapes; the string's displacement below the contact changes by sum(after dq) + sum(change q)
-/// (docs/slide-string.md).
+/// The place of a contact that moves along a string, and the change of the mode shapes there over one sample. A force
+/// acts through the mean shapes. The displacement of the string at the contact changes by sum(after dq) +
+/// sum(change q) (docs/slide-string.md).
 template <std::floating_point T>
 class MovingPlace {
  public:
   /// longest_step_m: StringShapes::longest_step.
   MovingPlace(const StringShapes<T>& shapes, T place_m, T longest_step_m)
       : shapes_(shapes),
-        most_(longest_step_m),
+        max_step_(longest_step_m),
         before_(shapes.size()),
         after_(shapes.size()),
         mean_(shapes.size()),
@@ -61,7 +61,7 @@ class MovingPlace {
     put(place_m);
   }
 
-  /// Puts the place somewhere else, without a way there.
+  /// Sets the place without moving there: the shapes do not change over the sample.
   void put(T place_m) {
     place_ = place_m;
     shapes_.at(place_, after_);
@@ -69,13 +69,13 @@ class MovingPlace {
     is_moving_ = false;
   }
 
-  /// Moves towards a place over the coming sample, by the longest step at most: a leap becomes a fast slide, which
-  /// the string can follow. Tells whether it moved.
+  /// Moves towards a place over the next sample, by the longest step at most. A jump of the control becomes a fast
+  /// slide that the string can follow. Returns whether the shapes changed.
   bool move_to(T place_m) {
-    const T way = std::clamp(place_m - place_, -most_, most_);
-    if (way == 0 && !is_moving_) return false;
-    is_moving_ = way != 0;
-    place_ = std::abs(way) < most_ ? place_m : place_ + way;
+    const T step = std::clamp(place_m - place_, -max_step_, max_step_);
+    if (step == 0 && !is_moving_) return false;
+    is_moving_ = step != 0;
+    place_ = std::abs(step) < max_step_ ? place_m : place_ + step;
     std::swap(before_, after_);
     shapes_.at(place_, after_);
     compare_with(before_);
@@ -84,8 +84,8 @@ class MovingPlace {
 
   [[nodiscard]] T place() const { return place_; }                       ///< [m]
   [[nodiscard]] const ModeShapes<T>& after() const { return after_; }    ///< shapes at the end of the sample
-  [[nodiscard]] const ModeShapes<T>& mean() const { return mean_; }      ///< of the shapes before and after
-  [[nodiscard]] const ModeShapes<T>& change() const { return change_; }  ///< of the shapes over the sample
+  [[nodiscard]] const ModeShapes<T>& mean() const { return mean_; }      ///< mean of the shapes before and after
+  [[nodiscard]] const ModeShapes<T>& change() const { return change_; }  ///< change of the shapes over the sample
 
  private:
   void compare_with(const ModeShapes<T>& before) {
@@ -96,15 +96,15 @@ class MovingPlace {
   }
 
   StringShapes<T> shapes_;
-  T most_;
+  T max_step_;
   ModeShapes<T> before_, after_, mean_, change_;
   T place_ = 0;
   bool is_moving_ = false;
 };
 
-/// A compression that is carried along by its increments, drawn a little towards what it is by the displacements
-/// themselves: in single precision their roundings would add up over minutes. Little, because those displacements are
-/// rounded too, and a stiff contact would make noise of it.
+/// Corrects a compression that is updated by increments, whose rounding errors add up over minutes in single
+/// precision. Moves it by 1e-4 of the difference towards the value computed from the displacements. The correction is
+/// small because the displacements are rounded too: a stiff contact would turn that rounding into audible noise.
 template <std::floating_point T>
 [[nodiscard]] T anchored(T compression_m, T by_displacements_m) {
   return compression_m + T(1e-4) * (by_displacements_m - compression_m);

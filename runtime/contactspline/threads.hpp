@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Voices on many cores, by oneTBB: link ContactSpline::threads.
+// Voices on several cores with oneTBB. Link ContactSpline::threads.
 #pragma once
 
 #include <oneapi/tbb/parallel_for.h>
@@ -10,14 +10,14 @@
 
 namespace contactspline {
 
-/// Runs the groups of an Ensemble on several cores; the caller's thread takes part and returns when all are done. One
-/// thread may play at a time. What is ours takes no lock and allocates nothing; oneTBB keeps its tasks in pools of
-/// its own and wakes a thread that fell asleep through the operating system (docs/polyphony.md).
+/// Runs the groups of an Ensemble on several cores. The calling thread takes part and returns when all groups are
+/// done. Only one thread may call it at a time. This class takes no lock and allocates nothing, but oneTBB manages
+/// its own memory pools and wakes sleeping threads through the operating system (docs/polyphony.md).
 class Threads {
  public:
-  /// At most so many threads, the caller's counted in; by default as many as the machine has. Starts them: not for
-  /// the audio thread.
-  explicit Threads(int most = oneapi::tbb::task_arena::automatic) : arena_(most) {
+  /// max: number of threads at most, the calling thread included; the default is one for each core. Starts the
+  /// threads: do not call on the audio thread.
+  explicit Threads(int max = oneapi::tbb::task_arena::automatic) : arena_(max) {
     arena_.initialize();
     (*this)(static_cast<std::size_t>(arena_.max_concurrency()), [](std::size_t) {});
   }

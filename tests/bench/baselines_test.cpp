@@ -10,8 +10,8 @@
 #include "bench/baselines/newton.hpp"
 #include "bench/baselines/quadratised.hpp"
 #include "contactspline/hammer_string.hpp"
-#include "instruments/energy.hpp"
-#include "instruments/strings.hpp"
+#include "runtime/energy.hpp"
+#include "runtime/strings.hpp"
 #include "support/compare.hpp"
 
 namespace contactspline::testing {
@@ -44,7 +44,7 @@ Scheme scheme_for(const StruckString& struck, double rate, double stiffness_rati
 template <typename Scheme>
 double tick(Scheme& scheme) {
   std::array<double, 1> out;
-  scheme.play(out);
+  scheme.process(out);
   return out.front();
 }
 
@@ -154,7 +154,7 @@ EnergyBooks strike_and_balance(Scheme& scheme, Book book) {
 }
 
 constexpr double kRate = 44100;
-// 8820 samples, each rounded the same way by half an eps: 1e-12.
+// 8820 samples, each rounded in the same direction by half an eps: 1e-12.
 constexpr double kBalance = 8820 * 1.2e-16;
 
 /// The string of the one-step scheme driven once more by the same forces, as a ModalBank.
@@ -260,9 +260,9 @@ TYPED_TEST(TwoStepBaseline, BalancesItsEnergy) {
     }
 }
 
-/// Least force of MB1 over all phases, and the speeds of its way back [m/s].
+/// Smallest force of MB1 over all phases, and its rebound speeds [m/s].
 struct Bounces {
-  double least_force_n = 0, slowest = 1e9, fastest = 0;
+  double min_force_n = 0, slowest = 1e9, fastest = 0;
 };
 template <typename Scheme>
 Bounces bounces() {
@@ -273,7 +273,7 @@ Bounces bounces() {
     scheme.strike(kMb1Speed, phase * kMb1Speed / kRate / kPhases);
     for (int n = 0; n < 20; ++n) {
       tick(scheme);
-      bounces.least_force_n = std::min(bounces.least_force_n, scheme.force());
+      bounces.min_force_n = std::min(bounces.min_force_n, scheme.force());
     }
     bounces.slowest = std::min(bounces.slowest, -scheme.hammer_velocity());
     bounces.fastest = std::max(bounces.fastest, -scheme.hammer_velocity());
@@ -281,11 +281,11 @@ Bounces bounces() {
   return bounces;
 }
 
-// What EXP-3 is for: it never pulls, and gives all energy back, as Newton does. The linearly implicit scheme leaves
+// What EXP-3 is for: it never pulls, and returns all energy, as Newton does. The linearly implicit scheme leaves
 // some of it in psi.
-TEST(Exp3Baseline, NeverPullsAndGivesAllBack) {
-  for (const auto& [least, slowest, fastest] : {bounces<Exp3>(), bounces<Newton>()}) {
-    EXPECT_EQ(least, 0);
+TEST(Exp3Baseline, NeverPullsAndReturnsAllEnergy) {
+  for (const auto& [min, slowest, fastest] : {bounces<Exp3>(), bounces<Newton>()}) {
+    EXPECT_EQ(min, 0);
     EXPECT_TRUE(within(slowest, kMb1Speed, 1e-14));
     EXPECT_TRUE(within(fastest, kMb1Speed, 1e-14));
   }
@@ -302,7 +302,7 @@ std::vector<double> played(const StruckString& struck, int oversampling) {
   std::vector<double> out(882 * every), kept;
   for (const std::span<double> half : {std::span(out).first(out.size() / 2), std::span(out).last(out.size() / 2)}) {
     scheme.strike(kSpeed, kDistance);
-    scheme.play(half);
+    scheme.process(half);
   }
   for (std::size_t n = every - 1; n < out.size(); n += every) kept.push_back(out[n]);
   return kept;
@@ -357,7 +357,7 @@ TEST(NewtonBaseline, IsWhatOurSplineOfManySegmentsComesTo) {
 // The difference quotient where it cancels, and beside it. Its two energies are rounded by 4 u each (power, products,
 // quotient): 8 u y/((a + 1) x), at x = 1e-3 y 2.7e-13; the series is nearer. u = 1.1e-16, the largest (a + 1)
 // y/x: 3.3.
-TEST(NewtonBaseline, KeepsItsDigitsWhereTheWayIsShort) {
+TEST(NewtonBaseline, KeepsItsDigitsWhereTheIncrementIsShort) {
   for (const double exponent : {1.3, 2.5, 3.0})
     for (const double y : {1e-7, 1e-4})
       for (double ratio = 1e-13; ratio < 10; ratio *= 1.7)
@@ -367,9 +367,9 @@ TEST(NewtonBaseline, KeepsItsDigitsWhereTheWayIsShort) {
           const double x = sign * ratio * y, end = y + x;
           const long double a = exponent;
           // by expm1: V(y + x) - V(y) does not cancel
-          const long double way = static_cast<long double>(x);
-          const long double work = end > 0 ? std::expm1((a + 1) * std::log1p(way / y)) : -1.0L;
-          const long double exact = 4e8L / (a + 1) * std::pow(static_cast<long double>(y), a + 1) * work / way;
+          const long double increment = static_cast<long double>(x);
+          const long double work = end > 0 ? std::expm1((a + 1) * std::log1p(increment / y)) : -1.0L;
+          const long double exact = 4e8L / (a + 1) * std::pow(static_cast<long double>(y), a + 1) * work / increment;
           EXPECT_TRUE(relatively_within(mean.over(x).mean, static_cast<double>(exact), 4e-13))
               << exponent << " " << y << " " << sign * ratio;
         }
@@ -385,7 +385,7 @@ void keeps_to_double() {
     const std::span<float> all = out;
     for (const std::span<float> half : {all.first(441), all.last(441)}) {
       scheme.strike(float{kSpeed}, static_cast<float>(kDistance));
-      scheme.play(half);
+      scheme.process(half);
     }
     EXPECT_TRUE(within(difference(out, played<Scheme<double>>(struck, 1)), 0, 8.3e-5)) << struck.name;
   }
@@ -404,7 +404,7 @@ std::vector<double> struck_place(const StruckString& struck, std::size_t samples
   Newton scheme(hammer_of(struck), bare(modes), strike, strike, kRate);
   scheme.strike(kSpeed, kDistance);
   std::vector<double> out(samples);
-  scheme.play(out);
+  scheme.process(out);
   return out;
 }
 
@@ -416,7 +416,7 @@ void is_the_same_stroke(bench::FdString string, const StruckString& struck) {
   bench::FdHammerString<T> scheme(string, static_cast<int>(kRate));
   scheme.strike();
   std::vector<T> out(kSamples + 1);
-  scheme.play(out);
+  scheme.process(out);
   const std::vector<double> found(out.begin(), out.begin() + kSamples);
   EXPECT_TRUE(sequences_within<double>(found, struck_place(struck, kSamples), 0.05)) << struck.name;
 }

@@ -43,7 +43,7 @@ Sound played(BlockPlayer& player) {
     player.strike();
     for (std::size_t left = kNote; left > 0;) {
       const std::size_t block = std::min<std::size_t>(left, 100);
-      player.play(block);
+      player.process(block);
       for (std::size_t i = 0; i < block; ++i) {
         sound.displacement.push_back(player.displacement_mm(i));
         sound.force.push_back(player.force_n(i));

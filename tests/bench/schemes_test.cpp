@@ -15,10 +15,10 @@ using namespace contactspline::bench;
 
 /// So many seconds of a performance [m].
 template <typename T>
-std::vector<double> played(std::unique_ptr<Player<T>> player, const Duty& duty, double seconds) {
-  Performance<T> performance(std::move(player), duty);
+std::vector<double> played(std::unique_ptr<Player<T>> player, const Workload& workload, double seconds) {
+  Performance<T> performance(std::move(player), workload);
   std::vector<T> out(static_cast<std::size_t>(seconds * kSampleRate));
-  performance.play(out);
+  performance.process(out);
   return {out.begin(), out.end()};
 }
 
@@ -37,16 +37,16 @@ double relative_difference(const std::vector<double>& a, const std::vector<doubl
 template <typename T>
 void play_the_same_notes() {
   for (const Model& model : {c4(), c2(), eighty_modes()})
-    for (const Duty& duty : model.duties()) {
-      const double seconds = duty.name == "every 100 ms" || duty.name == "every 10 ms" ? 0.5 : 0.02;
-      auto players = players_of<T>(model, duty);
-      const auto ours = played(std::move(players.front().player), duty, seconds);
+    for (const Workload& workload : model.workloads()) {
+      const double seconds = workload.name == "every 100 ms" || workload.name == "every 10 ms" ? 0.5 : 0.02;
+      auto players = players_of<T>(model, workload);
+      const auto ours = played(std::move(players.front().player), workload, seconds);
       for (auto& [name, player] : players) {
         if (name == "spline" || name == "fd.hammer" || name == "string alone" || name == "in blocks" ||
             name == "roofline")
           continue;
-        const double difference = relative_difference(played(std::move(player), duty, seconds), ours);
-        EXPECT_TRUE(within(difference, 0, 5e-2)) << model.name << " " << duty.name << " " << name;
+        const double difference = relative_difference(played(std::move(player), workload, seconds), ours);
+        EXPECT_TRUE(within(difference, 0, 5e-2)) << model.name << " " << workload.name << " " << name;
       }
     }
 }
@@ -59,11 +59,11 @@ TEST(Schemes, PlayTheSameNotes) {
 // A hammer that is caught plays no part any more: but for the rounding of a sum at each throw, nothing changes.
 TEST(Schemes, CatchingTheHammerChangesNothing) {
   const Model model = c4();
-  const Duty duty = model.duties().front();
+  const Workload workload = model.workloads().front();
   const auto flying =
-      played(bench::detail::baseline<double, Exp3HammerString<double>>(model, model.hammer), duty, 0.5);
+      played(bench::detail::baseline<double, Exp3HammerString<double>>(model, model.hammer), workload, 0.5);
   const auto caught =
-      played(bench::detail::baseline<double, CatchingExp3HammerString<double>>(model, model.hammer), duty, 0.5);
+      played(bench::detail::baseline<double, CatchingExp3HammerString<double>>(model, model.hammer), workload, 0.5);
   EXPECT_TRUE(sequences_within<double>(caught, flying, 1e-12));
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Every way a force-compression curve can be wrong: one line that names file, line and what is allowed, and nothing
-// written.
+// All the errors that a force-compression curve can have: one line that names file, line and what is allowed, and
+// nothing written.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -75,10 +75,11 @@ std::vector<BadCurve> cases() {
       {"empty", "", "header: missing", kHeaders},
       {"blank", "\n \r\n\t\n", "header: missing", kHeaders},
       {"comments_only", "# a\n# b\n", "header: missing", kHeaders},
-      {"no_header", good(""), "line 1: '0.05' is no known column", kHeaders},
-      {"unknown_unit", good("compression_inch,force_n\n"), "line 1: 'compression_inch' is no known column", kHeaders},
-      {"no_unit", good("compression,force\n"), "line 1: 'compression' is no known column", kHeaders},
-      {"columns_swapped", good("force_n,compression_mm\n"), "line 1: 'force_n' is no known column", kHeaders},
+      {"no_header", good(""), "line 1: '0.05' is not a known column", kHeaders},
+      {"unknown_unit", good("compression_inch,force_n\n"), "line 1: 'compression_inch' is not a known column",
+       kHeaders},
+      {"no_unit", good("compression,force\n"), "line 1: 'compression' is not a known column", kHeaders},
+      {"columns_swapped", good("force_n,compression_mm\n"), "line 1: 'force_n' is not a known column", kHeaders},
       {"three_columns", good("compression_mm,force_n,time_s\n"), "line 1: 'compression_mm,force_n,time_s' does not",
        kHeaders},
       {"semicolons", "compression_mm;force_n\n0,05;5\n", "line 1: 'compression_mm;force_n' does not have two",
@@ -107,8 +108,8 @@ std::vector<BadCurve> cases() {
       {"loading_and_unloading", loop, "line 22: compression 0.00095", "does not rise; allowed: rising compressions"},
       {"falls", falls, "line 7: force falls from 100 to 75 N", "allowed: forces that rise"},
       {"one_fall", changed(kTenth, "0.5,10\n"), "line 11: force falls from 45 to 10 N", "allowed: forces that rise"},
-      {"all_pull", pulls, "force: no force is positive", "allowed: forces that push"},
-      {"one_pulls", changed("0.05,5\n", "0.05,-40\n"), "line 2: force -40 N pulls", "allowed: positive forces"},
+      {"all_pull", pulls, "force: no force is positive", "allowed: positive forces"},
+      {"one_pulls", changed("0.05,5\n", "0.05,-40\n"), "line 2: force -40 N is negative", "allowed: positive forces"},
       {"millimetres_called_metres", good("compression_m,force_n\n"),
        "compression: reaches 1 m: a wrong unit in the header?", "allowed: a largest value from 1e-08 to 0.1 m"},
       {"metres_called_micrometres", changed(kHeader, "compression_um,force_n\n"),
@@ -121,7 +122,7 @@ std::vector<BadCurve> cases() {
       {"newtons_called_kilonewtons", changed(kHeader, "compression_um,force_mn\n"),
        "contact.curve: measured up to 1e-06", "are needed"},
       {"softens", softens, "contact.curve.shape: the samples scatter by ",
-       "of the largest force about it; allowed: at most 10 %: another shape"},
+       "of the largest force around the fitted curve; allowed: at most 10 %: another shape"},
       {"only_noise", noise, "contact.curve.shape: the samples scatter by 1", "allowed: at most 10 %"},
       {"binary",
        std::string("\x7f"
@@ -198,7 +199,7 @@ std::vector<BadContact> contact_cases() {
       {"radius_missing", bodies(plane(), fmt::format(R"({{ "shape": "sphere", {} }})", kSteel)),
        "contact.hertz.bodies[1].radius_m", "missing; allowed: a number from 1e-05 to 100"},
       {"radius_of_plane", bodies(ball(), plane(R"(, "radius_m": 1)")), "contact.hertz.bodies[1].radius_m",
-       "a plane has none"},
+       "a plane has no radius"},
       {"radius_in_mm", bodies(ball(R"("radius_m": 101)"), plane()), "contact.hertz.bodies[0].radius_m",
        "101 is out of range; allowed: a number from 1e-05 to 100"},
       {"modulus_in_gpa", bodies(ball(), R"({ "shape": "plane", "youngs_modulus_pa": 210, "poisson_ratio": 0.3 })"),
@@ -210,8 +211,7 @@ std::vector<BadContact> contact_cases() {
        "unknown key"},
       {"sum_is_empty", R"("sum": [])", "contact.sum", "has 0 entries; allowed: an array of 1 to 8 objects"},
       {"sum_of_numbers", R"("sum": [1])", "contact.sum[0]", "is not an object"},
-      {"sum_begins_late", R"("sum": [)" + term + R"(, "offset_m": 1e-4 }])", "contact.sum",
-       "no term begins at the touch"},
+      {"sum_begins_late", R"("sum": [)" + term + R"(, "offset_m": 1e-4 }])", "contact.sum", "no term has offset 0"},
       {"offset_is_negative", R"("sum": [)" + term + R"(, "offset_m": -1e-4 }])", "contact.sum[0].offset_m",
        "is out of range; allowed: a number from 0 to 0.1"},
       {"term_without_exponent", R"("sum": [{ "stiffness_n_per_m_alpha": 4e8 }])", "contact.sum[0].exponent",
@@ -273,11 +273,11 @@ TEST(BadCurveFile, IsNotReplacedByAnOutput) {
   write_file(box / "probe.json", material("probe.hpp"));
   write_file(box / "probe.hpp", good());
   expect_refused(run({.arguments = {"generate", "probe.json"}, .folder = box.path()}),
-                 "./probe.hpp: file: is read or written already", "allowed: another folder or file name");
+                 "./probe.hpp: file: is already an input or another output", "allowed: another folder or file name");
   write_file(box / "probe.json", material("probe.svg"));
   write_file(box / "probe.svg", good());
   expect_refused(run({.arguments = {"inspect", "probe.json", "--svg", "probe.svg"}, .folder = box.path()}),
-                 "probe.svg: file: is read or written already", "allowed: another folder or file name");
+                 "probe.svg: file: is already an input or another output", "allowed: another folder or file name");
 }
 
 struct GoodCurve {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Tables of ways in which a JSON file can be wrong.
+// Tables of the errors that a JSON file can have.
 #pragma once
 
 #include <fmt/format.h>
@@ -42,7 +42,7 @@ struct NumberKey {
   [[nodiscard]] std::string text(const std::string& other) const { return fmt::format("\"{}\": {}", member, other); }
 };
 
-/// Every way in which a number can be wrong. `what` is the kind of file, `name` begins the tests' names.
+/// All the errors that a number can have. `what` is the kind of file, `name` begins the tests' names.
 inline std::vector<BadFile> number_cases(const std::string& name, const std::string& good, const std::string& what,
                                          const NumberKey& number) {
   std::vector<BadFile> cases;

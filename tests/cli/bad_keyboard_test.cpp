@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Every way a keyboard file can be wrong: one line that names file, key and what is allowed, and nothing written.
+// All the errors that a keyboard file can have: one line that names file, key and what is allowed, and nothing
+// written.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,7 +20,8 @@ const std::string kGood = R"({
   "name": "probe",
   "keyboard": {
     "first_key": 35, "last_key": 61, "first_double_key": 40, "first_triple_key": 50, "last_damped_key": 60,
-    "concert_pitch_hz": 440, "max_speed_m_per_s": 6, "segments": 4,
+    "concert_pitch_hz": 440, "min_speed_m_per_s": 0.2, "max_speed_m_per_s": 6, "felt_loss_s_per_m": 0.1,
+    "damper_per_s": 60, "damper_time_s": 0.005, "segments": 4,
     "notes": [
       )" + kLowNote + R"(,
       { "key":60, "length_m":0.657, "mass_kg":4.051e-3, "bending_stiffness_n_m2":0.0099, "strike_position_m":0.079,
@@ -40,7 +42,11 @@ std::vector<BadFile> all_number_cases() {
       {"keyboard.", "first_triple_key", "50", "an integer from 0 to 128", kNotMidi, true},
       {"keyboard.", "last_damped_key", "60", "an integer from 0 to 127", kNotMidi, true},
       {"keyboard.", "concert_pitch_hz", "440", "a number from 100 to 1000", {"0", "99", "1001"}},
+      {"keyboard.", "min_speed_m_per_s", "0.2", "a number from 0.001 to 100", {"0", "-1", "101"}},
       {"keyboard.", "max_speed_m_per_s", "6", "a number from 0.001 to 100", {"0", "-1", "101"}},
+      {"keyboard.", "felt_loss_s_per_m", "0.1", "a number from 0 to 1000", {"-1", "1001"}},
+      {"keyboard.", "damper_per_s", "60", "a number from 0 to 100000", {"-1", "1.1e5"}},
+      {"keyboard.", "damper_time_s", "0.005", "a number from 1e-05 to 1", {"0", "-1", "1.1"}},
       {"keyboard.", "segments", "4", "an integer from 1 to 256", {"0", "-1", "257"}, true},
       {"keyboard.notes[0].", "key", "36", "an integer from 0 to 127", kNotMidi, true},
       {"keyboard.notes[0].", "length_m", "1.602", "a number from 0.001 to 100", {"0", "-1", "101"}},
@@ -61,8 +67,7 @@ std::vector<BadFile> all_number_cases() {
 std::vector<BadFile> key_cases() {
   const std::string keys =
       "first_key, last_key, first_double_key, first_triple_key, last_damped_key, concert_pitch_hz, "
-      "max_speed_m_per_s, "
-      "segments, notes";
+      "min_speed_m_per_s, max_speed_m_per_s, felt_loss_s_per_m, damper_per_s, damper_time_s, segments, notes";
   return {
       {"name_missing", changed(kGood, R"("name": "probe",)", ""), "name", "missing; allowed: a-z"},
       {"name_is_member", changed(kGood, R"("probe")", R"("tensions")"), "name", "is not a usable identifier"},
@@ -76,6 +81,10 @@ std::vector<BadFile> key_cases() {
        "is not an object; allowed: " + keys},
       {"first_key_missing", changed(kGood, R"("first_key": 35,)", ""), "keyboard.first_key",
        "missing; allowed: an integer"},
+      {"speeds_crossed", changed(kGood, R"("min_speed_m_per_s": 0.2)", R"("min_speed_m_per_s": 7)"),
+       "keyboard.min_speed_m_per_s", "7 is above max_speed_m_per_s; allowed: at most 6"},
+      {"damper_missing", changed(kGood, R"("damper_per_s": 60, )", ""), "keyboard.damper_per_s",
+       "missing; allowed: a number from 0 to 100000"},
       {"exponent_missing", changed(kGood, R"(, "exponent": 2.276)", ""), "keyboard.notes[0].exponent",
        "missing; allowed: a number"},
       {"notes_is_object", changed(changed(kGood, "[", "{\"a\": ["), "]", "]}"), "keyboard.notes", "is not an array"},

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Every way a material file can be wrong: one line that names file, key and what is allowed, and nothing written.
+// All the errors that a material file can have: one line that names file, key and what is allowed, and nothing
+// written.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -124,7 +125,7 @@ std::vector<BadMaterial> missing_cases() {
           {"segments_missing", changed(R"("segments": 8, )", ""), "spline.segments",
            "missing; allowed: an integer from 1 to 65536"},
           {"max_compression_and_impact_missing", bare, "spline.max_compression_m",
-           "missing; allowed: a number, or an impact that gives it by energy"},
+           "missing; allowed: a number, or an impact to compute it from"},
           {"everything_missing", "{}", "contact", "missing; allowed: stiffness_n_per_m_alpha, exponent"}};
 }
 
@@ -176,18 +177,19 @@ std::vector<BadMaterial> design_cases() {
   const std::string tolerance = "a number from 1e-07 to 0.5";
   std::vector<BadMaterial> cases = {
       {"graded_without_impact", with_spline(R"("knots": "graded", "segments": 8)", false), "spline.knots",
-       "'graded' needs the range of impacts; allowed: with an impact, or uniform"},
+       "'graded' needs a range of impacts; allowed: with an impact, or uniform"},
       {"optimal_without_impact", with_spline(R"("knots": "optimal", "tolerance": 0.01)", false), "spline.knots",
-       "'optimal' needs the range of impacts; allowed: with an impact, or uniform"},
+       "'optimal' needs a range of impacts; allowed: with an impact, or uniform"},
       {"tolerance_without_impact",
        with_spline(R"("knots": "uniform", "tolerance": 0.01, "max_compression_m": 1e-3)", false), "spline.tolerance",
-       "needs the range of impacts; allowed: with an impact, or segments in its place"},
+       "needs a range of impacts; allowed: with an impact, or segments instead"},
       {"graded_with_max_compression", with_spline(R"("knots": "graded", "segments": 8, "max_compression_m": 1e-3)"),
-       "spline.max_compression_m", "graded knots end where impact does; allowed: left out, or uniform knots"},
+       "spline.max_compression_m",
+       "graded knots take it from impact; allowed: without this key, or with uniform knots"},
       {"tolerance_and_segments", with_spline(R"("knots": "graded", "segments": 8, "tolerance": 0.01)"),
-       "spline.tolerance", "stands beside segments; allowed: one of the two"},
+       "spline.tolerance", "is given together with segments; allowed: one of the two"},
       {"minimise_with_graded", with_spline(R"("knots": "graded", "segments": 8, "minimise": "force")"),
-       "spline.minimise", "says nothing to graded knots; allowed: with optimal knots only"},
+       "spline.minimise", "cannot be used with graded knots; allowed: with optimal knots only"},
       {"minimise_is_unknown", with_spline(R"("knots": "optimal", "segments": 8, "minimise": "energy")"),
        "spline.minimise", "'energy' is unknown; allowed: contact_duration, force"},
       {"minimise_is_number", with_spline(R"("knots": "optimal", "segments": 8, "minimise": 1)"), "spline.minimise",
@@ -195,9 +197,9 @@ std::vector<BadMaterial> design_cases() {
       {"optimal_of_many", with_spline(R"("knots": "optimal", "segments": 129)"), "spline.segments",
        "129 is out of range; allowed: an integer from 1 to 128"},
       {"tolerance_not_kept", with_spline(R"("knots": "optimal", "tolerance": 1e-7)"), "spline.tolerance",
-       "1e-07 is not kept by 128 optimal segments; allowed: at least "},
+       "1e-07 is not met by 128 optimal segments; allowed: at least "},
       {"tolerance_not_kept_by_uniform", with_spline(R"("knots": "uniform", "tolerance": 1e-7)"), "spline.tolerance",
-       "1e-07 is not kept by 1024 uniform segments; allowed: at least "},
+       "1e-07 is not met by 1024 uniform segments; allowed: at least "},
       {"tolerance_is_text", with_spline(R"("knots": "graded", "tolerance": "1 %")"), "spline.tolerance",
        "is not a number; allowed: " + tolerance},
       {"tolerance_is_twice", with_spline(R"("knots": "graded", "tolerance": 0.1, "tolerance": 0.2)"),
@@ -229,11 +231,11 @@ std::vector<BadMaterial> design_cases() {
       {"compensation_of_softer_resonator",
        compensated(R"({ "sample_rate_hz": 44100, "mass_kg": 0.003, "compliance_m_per_n": 1e-2 })"),
        "compensation.compliance_m_per_n",
-       "0.01 is above the contact's own at its largest compression; allowed: at most "},
+       "0.01 is above the contact's own compliance at the largest compression; allowed: at most "},
       {"compensation_of_uniform", compensated(good, R"("uniform", "segments": 8)"), "compensation",
-       "uniform knots are the paper's, without it; allowed: with graded or optimal knots"},
+       "does not work with uniform knots; allowed: with graded or optimal knots"},
       {"compensation_of_force", compensated(good, R"("optimal", "segments": 8, "minimise": "force")"), "compensation",
-       "is of the contact duration, not of the force; allowed: with minimise contact_duration"},
+       "corrects the contact duration, not the force; allowed: with minimise contact_duration"},
       {"compensation_of_coarse_steps", compensated(R"({ "sample_rate_hz": 1000, "mass_kg": 0.003 })"),
        "compensation.sample_rate_hz", "1000 is too low for the fastest impact of 0.003 kg; allowed: at least "},
       {"compensation_of_fine_steps", compensated(R"({ "sample_rate_hz": 1e8, "mass_kg": 0.003 })"),
@@ -252,38 +254,37 @@ std::vector<BadMaterial> live_cases() {
     return text.insert(text.rfind('}'), R"(, "live_exponent": )" + object);
   };
   const std::string number = "is not a number; allowed: a number from 1 to 10";
-  const std::string good = R"({ "least": 1.2, "most": 3.2, "members": 21 })";
-  return {{"live_is_number", live("2"), "live_exponent", "is not an object; allowed: least, most, members"},
-          {"live_unknown", live(R"({ "steps": 3 })"), "live_exponent.steps",
-           "unknown key; allowed: least, most, members"},
-          {"live_without_least", live(R"({ "most": 3, "members": 3 })"), "live_exponent.least",
-           "missing; allowed: a number from 1 to 10"},
-          {"live_least_is_text", live(R"({ "least": "1", "most": 3, "members": 3 })"), "live_exponent.least", number},
-          {"live_least_is_low", live(R"({ "least": 0.9, "most": 3, "members": 3 })"), "live_exponent.least",
-           "is out of range; allowed: a number from 1 to 10"},
-          {"live_most_is_high", live(R"({ "least": 1, "most": 11, "members": 3 })"), "live_exponent.most",
-           "is out of range; allowed: a number from 1 to 10"},
-          {"live_falls", live(R"({ "least": 2, "most": 2, "members": 3 })"), "live_exponent.most",
-           "2 is not above least; allowed: more than 2"},
-          {"live_members_alone", live(R"({ "least": 1, "most": 3, "members": 1 })"), "live_exponent.members",
-           "1 is out of range; allowed: an integer from 2 to 64"},
-          {"live_and_compensated",
-           [&] {
-             std::string text = live(good);
-             text.replace(text.find("uniform"), 7, "graded");
-             text.replace(text.find(R"(, "max_compression_m": 1e-3)"), 28, "");
-             return text.insert(text.rfind('}'),
-                                R"(, "compensation": { "sample_rate_hz": 44100, "mass_kg": 0.003 })");
-           }(),
-           "live_exponent", "is not compensated for a time step; allowed: without compensation"},
-          {"live_and_tolerance",
-           [&] {
-             std::string text = live(good);
-             return text.replace(text.find(R"("segments": 8)"), 13, R"("tolerance": 0.01)");
-           }(),
-           "live_exponent", "has its own knots, which no tolerance gives; allowed: with segments"},
-          {"live_of_many_segments", live(good, "257"), "live_exponent",
-           "with 257 segments; allowed: at most 256 segments"}};
+  const std::string good = R"({ "min": 1.2, "max": 3.2, "members": 21 })";
+  return {
+      {"live_is_number", live("2"), "live_exponent", "is not an object; allowed: min, max, members"},
+      {"live_unknown", live(R"({ "steps": 3 })"), "live_exponent.steps", "unknown key; allowed: min, max, members"},
+      {"live_without_min", live(R"({ "max": 3, "members": 3 })"), "live_exponent.min",
+       "missing; allowed: a number from 1 to 10"},
+      {"live_min_is_text", live(R"({ "min": "1", "max": 3, "members": 3 })"), "live_exponent.min", number},
+      {"live_min_is_low", live(R"({ "min": 0.9, "max": 3, "members": 3 })"), "live_exponent.min",
+       "is out of range; allowed: a number from 1 to 10"},
+      {"live_max_is_high", live(R"({ "min": 1, "max": 11, "members": 3 })"), "live_exponent.max",
+       "is out of range; allowed: a number from 1 to 10"},
+      {"live_falls", live(R"({ "min": 2, "max": 2, "members": 3 })"), "live_exponent.max",
+       "2 is not above min; allowed: more than 2"},
+      {"live_members_alone", live(R"({ "min": 1, "max": 3, "members": 1 })"), "live_exponent.members",
+       "1 is out of range; allowed: an integer from 2 to 64"},
+      {"live_and_compensated",
+       [&] {
+         std::string text = live(good);
+         text.replace(text.find("uniform"), 7, "graded");
+         text.replace(text.find(R"(, "max_compression_m": 1e-3)"), 28, "");
+         return text.insert(text.rfind('}'), R"(, "compensation": { "sample_rate_hz": 44100, "mass_kg": 0.003 })");
+       }(),
+       "live_exponent", "cannot be compensated for a time step; allowed: without compensation"},
+      {"live_and_tolerance",
+       [&] {
+         std::string text = live(good);
+         return text.replace(text.find(R"("segments": 8)"), 13, R"("tolerance": 0.01)");
+       }(),
+       "live_exponent", "needs a number of segments, not a tolerance; allowed: with segments"},
+      {"live_of_many_segments", live(good, "257"), "live_exponent",
+       "has 257 segments; allowed: at most 256 segments"}};
 }
 
 std::vector<BadMaterial> text_cases() {
@@ -301,7 +302,7 @@ std::vector<BadMaterial> text_cases() {
       {"knots_is_upper_case", changed("uniform", "Uniform"), "spline.knots", "allowed: uniform, graded, optimal"},
       {"min_speed_is_above_max_speed", changed(R"("min_speed_m_per_s": 0.1)", R"("min_speed_m_per_s": 7)"),
        "impact.min_speed_m_per_s", "7 is above max_speed_m_per_s; allowed: at most 6"},
-      {"exponent_is_not_convex", changed("2.5", "0.5"), "contact.exponent", "use an exponent >= 1"}};
+      {"exponent_is_not_convex", changed("2.5", "0.5"), "contact.exponent", "allowed: an exponent >= 1"}};
   const std::vector<std::pair<std::string, std::string>> names = {{"empty", ""},
                                                                   {"upper_case", "Probe"},
                                                                   {"keyword", "while"},

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Every way a resonator file can be wrong: one line that names file, key and what is allowed, and nothing written.
+// All the errors that a resonator file can have: one line that names file, key and what is allowed, and nothing
+// written.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -148,9 +149,9 @@ std::vector<BadFile> key_cases() {
       {"angle_missing", changed(kMembrane, R"(, "angle_rad": 0.1)", ""), "strike.angle_rad",
        "missing; allowed: a number from -7 to 7"},
       {"strike_beside_modes", changed(kModes, R"("name")", R"("strike": {}, "name")"), "strike",
-       "has no meaning beside modes"},
+       "cannot be used with modes"},
       {"pickup_beside_modes", changed(kModes, R"("name")", R"("pickup": {}, "name")"), "pickup",
-       "has no meaning beside modes"},
+       "cannot be used with modes"},
       {"modes_empty", R"({ "name": "probe", "modes": [] })", "modes",
        "has 0 entries; allowed: an array of 1 to 4096 objects"},
       {"modes_is_object", R"({ "name": "probe", "modes": {} })", "modes",

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Every way a score or a MIDI file can be wrong: one line that names file, key and what is allowed, and nothing
+// All the errors that a score or a MIDI file can have: one line that names file, key and what is allowed, and nothing
 // written.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -56,8 +56,8 @@ const std::string kFret = R"({
   "events": [ { "time_s": 0, "place_m": 0.3, "gap_m": 0.0005, "damping_per_s": 0.25, "pluck_n": 4 } ]
 })";
 
-std::string range(const std::string& least, const std::string& most) {
-  return fmt::format("a number from {} to {}", least, most);
+std::string range(const std::string& min, const std::string& max) {
+  return fmt::format("a number from {} to {}", min, max);
 }
 
 std::vector<BadFile> all_number_cases() {
@@ -261,7 +261,7 @@ TEST(BadScore, MayBeTooFineForMemory) {
       "probe.json: duration_s: 3600 s at 48000 Hz", "allowed: at most 3308 s at this rate");
 }
 
-TEST(BadScore, MayLeaveNothingToHear) {
+TEST(BadScore, MayLeaveNoSound) {
   const Sandbox box;
   write_file(box / "probe.json", changed(kKeys, "60", "108"));
   expect_refused(
@@ -281,7 +281,7 @@ TEST(BadScore, IsAFileTheOutputWouldReplace) {
   expect_refused(
       run({.arguments = {"render", "hammer-string", "--score", "probe.json", "-o", "a.wav", "--svg", "probe.json"},
            .folder = box.path()}),
-      "probe.json: file: is read or written already", "allowed: another folder or file name");
+      "probe.json: file: is already an input or another output", "allowed: another folder or file name");
 }
 
 // A MIDI file of one track.

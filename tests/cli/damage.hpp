@@ -18,8 +18,8 @@
 #include <utility>
 #include <vector>
 
-#include "generator/embedded.hpp"
-#include "generator/error.hpp"
+#include "generator/support/embedded_files.hpp"
+#include "generator/support/error.hpp"
 
 namespace contactspline::testing {
 
@@ -28,10 +28,10 @@ inline std::vector<std::string> words(const std::string& text) {
   return {std::istream_iterator<std::string>(stream), {}};
 }
 
-inline std::vector<std::string> texts_of(std::span<const EmbeddedText> shipped, std::string_view suffix) {
+inline std::vector<std::string> texts_of(std::span<const EmbeddedFile> shipped, std::string_view suffix) {
   std::vector<std::string> texts;
   for (const auto& text : shipped)
-    if (text.file_name.ends_with(suffix)) texts.emplace_back(text.content);
+    if (text.name.ends_with(suffix)) texts.emplace_back(text.content);
   return texts;
 }
 
@@ -113,7 +113,7 @@ inline void expect_one_readable_line(const std::string& message, const std::stri
   EXPECT_LT(message.size(), 700u) << message;
 }
 
-/// What becomes of a damaged text: false where it is left out as too slow. `round` numbers the texts.
+/// Uses a damaged text; returns false if the text is left out because it would be slow. `round` numbers the texts.
 using Take = std::function<bool(const std::string& text, int round)>;
 
 /// Damages `texts` in so many rounds. `file` is the name their messages begin with. One round in `accepted_one_in`

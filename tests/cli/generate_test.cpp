@@ -10,7 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "generator/emit.hpp"
+#include "generator/emit/emitter.hpp"
+#include "generator/spline/design.hpp"
 #include "program.hpp"
 #include "sandbox.hpp"
 
@@ -45,7 +46,7 @@ TEST(Generate, PrintsTheKeysOfTheContractWithTheValuesOfTheLibrary) {
   const Sandbox box;
   write_file(box / "probe.json", kMaterial);
   const Json json = Json::parse(printed({"generate", "probe.json", "--emit", "json", "-o", "-"}, box.path()));
-  const auto [material, spline, quality] = design_contact(kMaterial, "probe.json");
+  const auto [material, spline, quality] = design_material(kMaterial, "probe.json");
 
   std::vector<double> knots, energies, forces, half_curvatures;
   for (const auto& s : spline.segments) {
@@ -263,7 +264,7 @@ TEST(GenerateBytes, AreTheSameForAShippedNameAndItsFile) {
   for (const auto& [folder, names] : {std::pair{"materials", kShipped}, std::pair{"resonators", kResonators}})
     for (const std::string& name : names)
       for (const std::string& format : kFormats) {
-        const std::string file = (fs::path(SOURCE_FOLDER) / folder / (name + ".json")).string();
+        const std::string file = (fs::path(SOURCE_FOLDER) / "data" / folder / (name + ".json")).string();
         EXPECT_EQ(printed({"generate", name, "--emit", format, "-o", "-"}),
                   printed({"generate", file, "--emit", format, "-o", "-"}));
       }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// generated/ holds just what the shipped materials, resonators and keyboards give today.
+// generated/ holds just what the shipped materials, resonators and keyboards make today.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -15,20 +15,21 @@ namespace {
 
 const fs::path kSource = SOURCE_FOLDER;
 
-// materials/*.json resonators/*.json keyboards/*.json
+// data/materials/*.json data/resonators/*.json data/keyboards/*.json
 Words shipped_files() {
   Words files;
   for (const std::string folder : {"materials", "resonators", "keyboards"})
-    if (fs::exists(kSource / folder))
-      for (const auto& entry : fs::directory_iterator(kSource / folder))
-        if (entry.path().extension() == ".json") files.push_back(folder + "/" + entry.path().filename().string());
+    for (const auto& entry : fs::directory_iterator(kSource / "data" / folder))
+      if (entry.path().extension() == ".json")
+        files.push_back("data/" + folder + "/" + entry.path().filename().string());
   std::ranges::sort(files);
   return files;
 }
 
 std::string mending_command() {
   return fmt::format(
-      "To mend it:\n  cd {} && {} generate materials/*.json resonators/*.json keyboards/*.json -o generated\n",
+      "To mend it:\n  cd {} && {} generate data/materials/*.json data/resonators/*.json data/keyboards/*.json -o "
+      "generated\n",
       kSource.string(), kProgram);
 }
 
@@ -46,7 +47,7 @@ TEST(generated_is_fresh, without_leftovers) {
       expected.insert(fs::path(file).stem().string() + extension);
   for (const auto& entry : fs::directory_iterator(kSource / "generated"))
     found.insert(entry.path().filename().string());
-  EXPECT_EQ(found, expected) << "Delete what nothing gives any more. " << mending_command();
+  EXPECT_EQ(found, expected) << "Delete the files that no input makes any more. " << mending_command();
 }
 
 }  // namespace

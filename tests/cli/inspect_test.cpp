@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// contactspline inspect, materials and impact: the tables are the library's numbers, the picture can be drawn.
+// contactspline inspect, materials and impact: the tables are the library's numbers, the figure can be drawn.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -10,10 +10,11 @@
 #include <string>
 #include <vector>
 
-#include "generator/collision.hpp"
-#include "generator/embedded.hpp"
-#include "generator/emit.hpp"
-#include "generator/impact.hpp"
+#include "generator/contact/barrier_impact.hpp"
+#include "generator/emit/emitter.hpp"
+#include "generator/spline/design.hpp"
+#include "generator/spline/simulated_impact.hpp"
+#include "generator/support/embedded_files.hpp"
 #include "program.hpp"
 #include "sandbox.hpp"
 #include "support/compare.hpp"
@@ -86,22 +87,22 @@ TEST_P(Inspect, PrintsWhatGenerateWrites) {
   agrees("max compression", "worst_max_compression_error");
 }
 
-TEST_P(Inspect, DrawsAPicture) {
+TEST_P(Inspect, DrawsAFigure) {
   const Sandbox box;
   write_file(box / "probe.json", material(GetParam()));
-  const std::string report = printed(box, {"inspect", "probe.json", "--svg", "pictures/probe.svg"});
-  EXPECT_TRUE(report.ends_with("\npicture: pictures/probe.svg\n"));
-  expect_drawn(box / "pictures/probe.svg", 10);
-  EXPECT_NE(read_svg(box / "pictures/probe.svg").text.find(fmt::format("a probe: {} segments", GetParam())),
+  const std::string report = printed(box, {"inspect", "probe.json", "--svg", "figures/probe.svg"});
+  EXPECT_TRUE(report.ends_with("\nfigure: figures/probe.svg\n"));
+  expect_drawn(box / "figures/probe.svg", 10);
+  EXPECT_NE(read_svg(box / "figures/probe.svg").text.find(fmt::format("a probe: {} segments", GetParam())),
             std::string::npos);
 }
 
 INSTANTIATE_TEST_SUITE_P(Segments, Inspect, ::testing::Values(1, 2, 3, 64, 1024, 65536));
 
-TEST(InspectPicture, ShowsADescriptionAsItIs) {
+TEST(InspectFigure, ShowsADescriptionAsItIs) {
   for (const std::string description :
        {"a < b & c > d ]]>", "don't", "it''s 'x'", "\xc3\xa4\xe2\x82\xac", "{/Symbol a}_{b}^2 @x %s", "-->",
-        "$0 `date`", "&#x41; &#x1; &amp; &", "TITLE-OF-THE-PICTURE"}) {
+        "$0 `date`", "&#x41; &#x1; &amp; &", "TITLE-OF-THE-FIGURE"}) {
     const Sandbox box;
     write_file(box / "probe.json", material(4, description));
     printed(box, {"inspect", "probe.json", "--svg", "a.svg"});
@@ -109,7 +110,7 @@ TEST(InspectPicture, ShowsADescriptionAsItIs) {
   }
 }
 
-TEST(InspectPicture, DoesNotDependOnTheUserOrTheLocale) {
+TEST(InspectFigure, DoesNotDependOnTheUserOrTheLocale) {
   const Sandbox box;
   const std::string folder = "it's \"a\" folder";
   fs::create_directories(box / folder);
@@ -125,7 +126,7 @@ TEST(InspectPicture, DoesNotDependOnTheUserOrTheLocale) {
   EXPECT_TRUE(read_file(box / "a.svg") == read_file(box / "b.svg"));
 }
 
-TEST(InspectPicture, IsUntouchedWhereNothingChanged) {
+TEST(InspectFigure, IsUntouchedWhereNothingChanged) {
   const Sandbox box;
   printed(box, {"inspect", "mb1", "--svg", "a.svg"});
   const auto before = box.listing();
@@ -133,7 +134,7 @@ TEST(InspectPicture, IsUntouchedWhereNothingChanged) {
   EXPECT_TRUE(box.listing() == before);
 }
 
-TEST(InspectPicture, IsRefusedWhereItCannotBeDrawn) {
+TEST(InspectFigure, IsRefusedWhereItCannotBeDrawn) {
   const Sandbox box;
   fs::create_directories(box / "bin");
   write_file(box / "probe.json", material(1024));  // more than a pipe holds
@@ -142,7 +143,7 @@ TEST(InspectPicture, IsRefusedWhereItCannotBeDrawn) {
     const auto outcome = run({.arguments = {"inspect", "probe.json", "--svg", "a.svg"},
                               .folder = box.path(),
                               .environment = {{"PATH", (box / "bin").string()}}});
-    expect_refused(outcome, "picture: ", says);
+    expect_refused(outcome, "figure: ", says);
     EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
   };
   const auto fake_gnuplot = [&](const std::string& script) {
@@ -191,9 +192,9 @@ TEST(Inspect, OfAMeasuredCurveShowsIt) {
   EXPECT_TRUE(within(number_after(text, "N/m^a, a = "), 2.3, 1e-3));
   EXPECT_TRUE(within(number_after(text, "scatter "), 0, 0.05));
   expect_drawn(box / "a.svg", 11);
-  const Svg picture = read_svg(box / "a.svg");
-  EXPECT_NE(picture.text.find("measured"), std::string::npos);
-  EXPECT_NE(picture.text.find("smoothed curve"), std::string::npos);
+  const Svg figure = read_svg(box / "a.svg");
+  EXPECT_NE(figure.text.find("measured"), std::string::npos);
+  EXPECT_NE(figure.text.find("smoothed curve"), std::string::npos);
   // Samples beyond the spline are left out; each of the 1000 others is drawn by a line of its own.
   printed(box, {"inspect", "felt_c4", "--svg", "b.svg"});
   EXPECT_GE(read_file(box / "a.svg").size(), read_file(box / "b.svg").size() + 1000 * 30);
@@ -206,14 +207,14 @@ TEST(Inspect, OfASumNamesItsTerms) {
             std::string::npos);
 }
 
-// Each row is what generating that family gives.
+// Each row is what `generate` makes of that family.
 TEST(InspectFamilies, StandSideBySide) {
   const Sandbox box;
   write_file(box / "probe.json", material(16));
   const auto lines = lines_of(printed(box, {"inspect", "probe.json", "--compare", "--svg", "families.svg"}));
   ASSERT_EQ(lines.size(), 9u);
   EXPECT_EQ(lines[0], "probe");
-  EXPECT_EQ(lines[8], "picture: families.svg");
+  EXPECT_EQ(lines[8], "figure: families.svg");
   std::size_t line = 4;
   for (const std::string family : {"uniform", "graded", "optimal"}) {
     std::string text = material(16);
@@ -289,7 +290,7 @@ std::size_t count_of(const std::string& text, const std::string& part) {
 }
 
 // Speeds from 0.1 to 6 m/s on two axes, compressions from 0.104 to 1.085 mm on the third.
-TEST(InspectFamilies, LabelEveryAxisOfThePicture) {
+TEST(InspectFamilies, LabelEveryAxisOfTheFigure) {
   const Sandbox box;
   printed(box, {"inspect", "felt_c4", "--compare", "--svg", "families.svg"});
   const std::string text = read_svg(box / "families.svg").text;
@@ -317,7 +318,7 @@ TEST(InspectFamilies, NeedARangeOfImpacts) {
     "spline": {"knots": "uniform", "segments": 4, "max_compression_m": 1e-3}})");
   const auto before = box.listing();
   expect_refused(run({.arguments = {"inspect", "bare.json", "--compare", "--svg", "a.svg"}, .folder = box.path()}),
-                 "bare.json: impact: missing", "allowed: an object, for --compare measures impacts");
+                 "bare.json: impact: missing", "allowed: an object, because --compare measures impacts");
   EXPECT_TRUE(box.listing() == before);
 }
 
@@ -368,14 +369,14 @@ ImpactRow parse_row(const std::string& line, const std::string& label) {
 TEST(Impact, PrintsTheNumbersOfTheLibrary) {
   const Sandbox box;
   write_file(box / "probe.json", material(16));
-  const auto design = design_contact(material(16), "probe.json");
+  const auto design = design_material(material(16), "probe.json");
   const auto lines = lines_of(printed(
       box, {"impact", "probe.json", "--speed", "1.5", "--speed", "0.25", "--rate", "44100", "--rate", "1e6"}));
   ASSERT_EQ(lines.size(), 12u);
   std::size_t line = 0;
   for (const double speed : {1.5, 0.25}) {
-    const double duration = design.material.contact.contact_duration(0.01, speed);
-    const double compression = design.material.contact.max_compression(0.01, speed);
+    const double duration = contact_duration(design.material.contact, 0.01, speed);
+    const double compression = max_compression(design.material.contact, 0.01, speed);
     EXPECT_EQ(lines[line], fmt::format("probe, 0.01 kg at {} m/s", speed));
     EXPECT_TRUE(within(number_after(lines[line + 2], "exact"), 1e6 * duration, 6e-4));
     EXPECT_TRUE(within(number_after(lines[line + 2], " us"), 1e6 * compression, 6e-5));
@@ -404,15 +405,14 @@ class ImpactOf : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(ImpactOf, AMaterialThatShipsConvergesToTheExactMotion) {
   const Sandbox box;
-  const auto texts = embedded_texts();
-  const auto file = std::ranges::find(texts, GetParam() + ".json", &EmbeddedText::file_name);
-  const auto material = design_contact(file->content, file->file_name).material;
+  const auto texts = embedded_files(Shipped::kMaterials);
+  const auto file = std::ranges::find(texts, GetParam() + ".json", &EmbeddedFile::name);
+  const auto material = design_material(file->content, file->name).material;
   const double mass = material.impact->mass_kg, loss = material.loss_s_per_m;
-  const Collision exact = collide(law_view(material.contact), mass, 1.0, loss);
+  const BarrierImpact exact = barrier_impact(law_view(material.contact), mass, 1.0, loss);
   const auto lines = lines_of(printed(box, {"impact", GetParam(), "--speed", "1", "--rate", "1e7"}));
   ASSERT_EQ(lines.size(), 5u);
-  const std::string left =
-      fmt::format(", loss {:.4g} s/m: {:.4g} of the speed is left", loss, exact.exit_speed_m_per_s);
+  const std::string left = fmt::format(", loss {:.4g} s/m: restitution {:.4g}", loss, exact.exit_speed_m_per_s);
   EXPECT_EQ(lines[0], fmt::format("{}, {} kg at 1 m/s{}", GetParam(), mass, loss > 0 ? left : ""));
   EXPECT_TRUE(relatively_within(number_after(lines[2], "exact"), 1e6 * exact.contact_duration_s, 2e-5));
   EXPECT_TRUE(relatively_within(number_after(lines[2], " us"), 1e6 * exact.max_compression_m, 2e-4));

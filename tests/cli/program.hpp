@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
-// The built program as a user runs it: arguments, folder, environment and limits in; exit code and streams out.
+// The command line as a user runs it: arguments, folder, environment and limits in; exit code and streams out. run()
+// calls it within the test where it can; run_program() starts the built program.
 #pragma once
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <signal.h>
+#include <sys/mman.h>
 #include <sys/ptrace.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -13,6 +15,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdio>
 #include <cstdlib>
 #include <map>
 #include <optional>
@@ -21,6 +24,7 @@
 #include <string_view>
 #include <vector>
 
+#include "generator/cli/command_line.hpp"
 #include "sandbox.hpp"
 
 namespace contactspline::testing {
@@ -144,16 +148,98 @@ class Process {
   pid_t pid_ = -1;
 };
 
-inline Outcome run(const Call& call) {
+/// Starts the program and waits for its end.
+inline Outcome run_program(const Call& call) {
   return Process(call).wait();
 }
 
+/// While one lives, what is written to a stream goes to a file in memory.
+class CapturedStream {
+ public:
+  CapturedStream(std::FILE* stream, const char* name)
+      : stream_(stream), saved_(::dup(::fileno(stream))), file_(::memfd_create(name, MFD_CLOEXEC)) {
+    if (saved_ < 0 || file_ < 0) throw std::runtime_error("no place to capture a stream");
+    std::fflush(stream_);
+    ::dup2(file_, ::fileno(stream_));
+  }
+  CapturedStream(const CapturedStream&) = delete;
+  CapturedStream& operator=(const CapturedStream&) = delete;
+  ~CapturedStream() {
+    std::fflush(stream_);
+    ::dup2(saved_, ::fileno(stream_));
+    ::close(saved_);
+    ::close(file_);
+  }
+
+  [[nodiscard]] std::string text() const {
+    std::fflush(stream_);
+    std::string text(static_cast<std::size_t>(::lseek(file_, 0, SEEK_END)), '\0');
+    if (::pread(file_, text.data(), text.size(), 0) != static_cast<ssize_t>(text.size()))
+      throw std::runtime_error("a captured stream cannot be read");
+    return text;
+  }
+
+ private:
+  std::FILE* stream_;
+  int saved_, file_;
+};
+
+/// While one lives, the working folder and these variables of the environment are others.
+class Surroundings {
+ public:
+  Surroundings(const fs::path& folder, const std::map<std::string, std::string>& environment)
+      : folder_(fs::current_path()) {
+    for (const auto& [name, value] : environment) {
+      const char* old = std::getenv(name.c_str());
+      old_[name] = old == nullptr ? std::nullopt : std::optional<std::string>(old);
+      ::setenv(name.c_str(), value.c_str(), 1);
+    }
+    if (!folder.empty()) fs::current_path(folder);
+  }
+  Surroundings(const Surroundings&) = delete;
+  Surroundings& operator=(const Surroundings&) = delete;
+  ~Surroundings() {
+    std::error_code ignored;
+    fs::current_path(folder_, ignored);
+    for (const auto& [name, value] : old_)
+      value ? ::setenv(name.c_str(), value->c_str(), 1) : ::unsetenv(name.c_str());
+  }
+
+ private:
+  fs::path folder_;
+  std::map<std::string, std::optional<std::string>> old_;
+};
+
+inline Outcome run_in_process(const Call& call) {
+  std::vector<const char*> words{"contactspline"};
+  for (const auto& argument : call.arguments) words.push_back(argument.c_str());
+  const int count = static_cast<int>(words.size());
+  words.push_back(nullptr);
+  const Surroundings surroundings(call.folder, call.environment);
+  const CapturedStream out(stdout, "stdout"), err(stderr, "stderr");
+  const int exit_code = run_command_line(count, words.data());
+  return {exit_code, out.text(), err.text()};
+}
+
+/// Does a call ask for nothing that only a process of its own can have?
+inline bool fits_in_process(const Call& call) {
+  return call.program == kProgram && !call.largest_file_bytes && call.standard_output.empty() && !call.umask &&
+         !call.as_nobody && !call.traced;
+}
+
+/// Within the test if possible, which takes a hundredth of the time.
+inline Outcome run(const Call& call) {
+  return fits_in_process(call) ? run_in_process(call) : run_program(call);
+}
+
 /// Exit code 0 and nothing on standard error; returns what was printed.
-inline std::string succeed(const Call& call) {
-  const Outcome outcome = run(call);
+inline std::string succeed(const Outcome& outcome) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(outcome.err, "");
   return outcome.out;
+}
+inline std::string succeed(const Call& call) {
+  return succeed(run(call));
 }
 
 /// The contract of bad input: exit code 2, nothing on standard output and one readable line on standard error that

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <map>
 #include <numbers>
 #include <sndfile.hh>
 #include <string>
@@ -14,9 +15,12 @@
 #include "contactspline/fret_string.hpp"
 #include "contactspline/hammer_string.hpp"
 #include "contactspline/slide_string.hpp"
-#include "generator/embedded.hpp"
-#include "generator/keyboard.hpp"
-#include "generator/spline.hpp"
+#include "generator/resonator/keyboard.hpp"
+#include "generator/resonator/keyboard_reader.hpp"
+#include "generator/resonator/resonator_reader.hpp"
+#include "generator/spline/contact_spline.hpp"
+#include "generator/spline/design.hpp"
+#include "generator/support/embedded_files.hpp"
 #include "program.hpp"
 #include "sandbox.hpp"
 #include "support/compare.hpp"
@@ -51,12 +55,30 @@ Sound read_sound(const fs::path& path) {
   return sound;
 }
 
+/// File names and contents, beside the score.
+using Files = std::map<std::string, std::string>;
+
 Sound sound_of(const std::string& instrument, const std::string& score, const Words& options = {}) {
   const Sandbox box;
   write_file(box / "probe.json", score);
   succeed({.arguments = followed_by({"render", instrument, "--score", "probe.json", "-o", "a.wav"}, options),
            .folder = box.path()});
   expect_drawn(box / "a.svg", 3);
+  return read_sound(box / "a.wav");
+}
+
+/// The same without a figure, which takes longer than a short sound: another program stands for gnuplot.
+Sound sound_alone(const std::string& instrument, const std::string& score, const Files& beside,
+                  const Words& options = {}) {
+  const Sandbox box;
+  write_file(box / "probe.json", score);
+  for (const auto& [name, text] : beside) write_file(box / name, text);
+  fs::create_directory(box / "bin");
+  write_file(box / "bin/gnuplot", "#!/bin/sh\necho '<svg>'\ncat\necho '</svg>'\n");
+  fs::permissions(box / "bin/gnuplot", fs::perms(0755));
+  succeed({.arguments = followed_by({"render", instrument, "--score", "probe.json", "-o", "a.wav"}, options),
+           .folder = box.path(),
+           .environment = {{"PATH", (box / "bin").string() + ":/usr/bin:/bin"}}});
   return read_sound(box / "a.wav");
 }
 
@@ -71,22 +93,27 @@ void expect_is(const Sound& sound, const std::vector<double>& motion, double bou
   EXPECT_TRUE(sequences_within<double>(sound.samples, expected, bound));
 }
 
-std::string shipped(std::span<const EmbeddedText> texts, const std::string& name) {
-  return std::string(std::ranges::find(texts, name + ".json", &EmbeddedText::file_name)->content);
+std::string shipped(std::span<const EmbeddedFile> texts, const std::string& name) {
+  return std::string(std::ranges::find(texts, name + ".json", &EmbeddedFile::name)->content);
 }
 
-/// A shipped resonator and material as the models take them.
+Design shipped_material(const std::string& name) {
+  return design_material(shipped(embedded_files(Shipped::kMaterials), name), name);
+}
+
+/// A shipped resonator and a material as the models take them.
 struct Parts {
-  Parts(const std::string& resonator_name, const std::string& material_name)
-      : resonator(parse_resonator(shipped(embedded_resonators(), resonator_name), resonator_name)),
+  Parts(const std::string& resonator_name, const Design& design)
+      : resonator(parse_resonator(shipped(embedded_files(Shipped::kResonators), resonator_name), resonator_name)),
         set(modes_of(resonator, kRate / 2)),
-        table(segment_table(
-            uniform_spline(parse_material(shipped(embedded_texts(), material_name), material_name), material_name))) {
+        table(segment_table(design.spline)) {
     for (const auto& mode : set.modes) {
       modes.push_back(mode.mode);
       wavenumbers.push_back(mode.wavenumber_per_m);
     }
   }
+  Parts(const std::string& resonator_name, const std::string& material_name)
+      : Parts(resonator_name, shipped_material(material_name)) {}
 
   [[nodiscard]] ModeShapes<double> at(double place_m) const {
     ModeShapes<double> shapes(modes.size());
@@ -120,9 +147,32 @@ const std::string kHammerScore = R"({
   ]
 })";
 
+/// A damper that covers a constant fraction of its remaining distance with each sample, held for 16 samples at its
+/// mean.
+class SinkingDamper {
+ public:
+  explicit SinkingDamper(double full_per_s) : full_per_s_(full_per_s) {}
+
+  /// Damping over the next sample [1/s].
+  double next() {
+    if (sample_++ % 16 == 0) {
+      mean_ = 0;
+      for (int i = 0; i < 16; ++i) mean_ += (value_ += kFraction * (full_per_s_ - value_)) / 16;
+    }
+    return mean_;
+  }
+
+ private:
+  const double kFraction = 1 - std::exp(-1 / (0.005 * kRate));
+
+  double full_per_s_, value_ = 0, mean_ = 0;
+  int sample_ = 0;
+};
+
 // Two throws at once held, a damper between, a third throw elsewhere with another hammer, a damping that glides in.
-std::vector<double> hammer_motion(Parts& parts, double (*heard)(const HammerString<double>&, const Parts&)) {
+std::vector<double> hammer_motion(Parts& parts, double (*output)(const HammerString<double>&, const Parts&)) {
   HammerString<double> model(parts.table, parts.modes, parts.at(parts.resonator.strike.position_m), kRate);
+  SinkingDamper damper(30);
   std::vector<double> motion;
   for (int n = 0; n < 17640; ++n) {
     if (n == 441) model.strike(2.5, 1e-4);
@@ -131,12 +181,12 @@ std::vector<double> hammer_motion(Parts& parts, double (*heard)(const HammerStri
       model.strike_at(parts.at(0.2));
       model.strike(1.5, 1e-4);
     }
-    const bool held = (n >= 441 && n < 8820) || n >= 13230;
-    HammerStringControls<double> controls{.hammer_mass_kg = 0.00297, .damping_per_s = held ? 0.0 : 30.0};
+    const bool is_damped = n >= 8820 && n < 13230;
+    HammerStringControls<double> controls{.hammer_mass_kg = 0.00297, .damping_per_s = is_damped ? damper.next() : 0};
     if (n >= 13230) controls = {.hammer_mass_kg = 0.004, .felt = {4, 0.2}, .damping_per_s = 0};
     controls.damping_per_s += glide(0, 20, n, 13671, 13671 + 2205);
     model.tick(controls);
-    motion.push_back(heard(model, parts));
+    motion.push_back(output(model, parts));
   }
   return motion;
 }
@@ -172,8 +222,8 @@ TEST(RenderScore, PlaysTheSlideString) {
   for (int n = 0; n < 13230; ++n) {
     // 0.05 s: a pluck of 4 ms; from 0.1 s on the slide glides, from 0.2 s on it trembles.
     const double pluck = n < 2205 + 176 ? glide(0, 4, n, 2205, 2205 + 176) : 0.0;
-    const double swing = 0.002 * std::sin(2 * pi * 6 * (n - 8820 + 1) / kRate);
-    model.tick({.place_m = glide(0.2, 0.3, n, 4410, 8820) + (n >= 8820 ? swing : 0.0),
+    const double vibrato_m = 0.002 * std::sin(2 * pi * 6 * (n - 8820 + 1) / kRate);
+    model.tick({.place_m = glide(0.2, 0.3, n, 4410, 8820) + (n >= 8820 ? vibrato_m : 0.0),
                 .slide_mass_kg = 0.04,
                 .hand_force_n = 2,
                 .hand_stiffness_n_per_m = 200,
@@ -222,9 +272,149 @@ TEST(RenderScore, PlaysTheFretString) {
             motion);
 }
 
+/// A material that a score plays: a file beside the score, or a name that ships.
+struct MaterialCase {
+  std::string test;
+  std::string key;  ///< what the score calls it
+  Files files = {};
+
+  [[nodiscard]] Design design() const {
+    if (files.empty()) return shipped_material(key);
+    return design_material(files.at(key), key, [this](const std::string& path) { return files.at(path); });
+  }
+};
+
+void PrintTo(const MaterialCase& one, std::ostream* stream) {
+  *stream << one.test;
+}
+
+MaterialCase felt_with(const std::string& test, const std::string& spline, const std::string& more = "") {
+  return {test,
+          "felt.json",
+          {{"felt.json", R"({ "name": "probe", "contact": { "stiffness_n_per_m_alpha": 4.5e9, "exponent": 2.5 },
+              "impact": { "mass_kg": 0.003, "max_speed_m_per_s": 6.0, "min_speed_m_per_s": 0.1 },
+              "spline": { )" +
+                             spline + " }" + more + " }"}}};
+}
+
+MaterialCase law_with(const std::string& test, const std::string& contact) {
+  MaterialCase one = {
+      test,
+      "law.json",
+      {{"law.json", R"({ "name": "probe", "contact": )" + contact +
+                        R"(, "impact": { "mass_kg": 0.003, "max_speed_m_per_s": 4.0, "min_speed_m_per_s": 0.1 },
+              "spline": { "knots": "graded", "segments": 12 } })"}}};
+  if (test == "measured_curve")
+    one.files["felt.csv"] =
+        "compression_mm,force_n\n0.1,1\n0.2,3\n0.4,8\n0.6,20\n0.8,40\n1.2,80\n1.4,140\n1.6,190\n3,1000\n";
+  return one;
+}
+
+const std::string kUniform = R"("knots": "uniform", "segments": 8)";
+const std::string kGraded = R"("knots": "graded", "segments": 8)";
+const std::string kCompensation = R"(, "compensation": { "sample_rate_hz": 44100, "mass_kg": 0.003 })";
+
+// Every kind of material that `generate` accepts, and every one that ships.
+std::vector<MaterialCase> material_cases() {
+  std::vector<MaterialCase> cases = {
+      felt_with("uniform", kUniform),
+      felt_with("uniform_by_tolerance", R"("knots": "uniform", "tolerance": 0.01)"),
+      felt_with("graded", kGraded),
+      felt_with("graded_by_tolerance", R"("knots": "graded", "tolerance": 0.01)"),
+      felt_with("optimal", R"("knots": "optimal", "segments": 8)"),
+      felt_with("optimal_by_tolerance", R"("knots": "optimal", "tolerance": 0.01)"),
+      felt_with("optimal_in_force", R"("knots": "optimal", "segments": 8, "minimise": "force")"),
+      felt_with("compensated", kGraded, kCompensation),
+      felt_with("live_exponent", kUniform, R"(, "live_exponent": { "min": 2.0, "max": 3.0, "members": 5 })"),
+      law_with("lossy", R"({ "stiffness_n_per_m_alpha": 4.5e9, "exponent": 2.5, "loss_s_per_m": 0.1 })"),
+      law_with("sum", R"({ "sum": [ { "stiffness_n_per_m_alpha": 4.5e9, "exponent": 2.5 },
+                         { "stiffness_n_per_m_alpha": 1e8, "exponent": 1.5, "offset_m": 2e-4 } ] })"),
+      law_with("hertz", R"({ "hertz": { "bodies": [
+          { "shape": "sphere", "radius_m": 0.01, "youngs_modulus_pa": 1e9, "poisson_ratio": 0.3 },
+          { "shape": "plane", "youngs_modulus_pa": 1e9, "poisson_ratio": 0.3 } ] } })"),
+      law_with("measured_curve", R"({ "curve": { "file": "felt.csv", "shape": "monotone" } })")};
+  for (const auto& [file, text] : embedded_files(Shipped::kMaterials)) {
+    const std::string name(file.substr(0, file.rfind('.')));
+    if (file.ends_with(".json")) cases.push_back({"shipped_" + name, name});
+  }
+  return cases;
+}
+
+class ScoreMaterial : public ::testing::TestWithParam<MaterialCase> {};
+
+// A single stroke: the contact force is that of the model on the table that the library designs.
+TEST_P(ScoreMaterial, PlaysOnAHammerWithItsOwnSpline) {
+  const Design design = GetParam().design();
+  Parts parts("string_c4", design);
+  HammerString<double> model(parts.table, parts.modes, parts.at(parts.resonator.strike.position_m), kRate);
+  std::vector<double> force;
+  for (int n = 0; n < 1764; ++n) {
+    if (n == 441) model.strike(2.5, 1e-4);
+    model.tick({.hammer_mass_kg = design.material.impact->mass_kg, .felt = {1, design.material.loss_s_per_m}});
+    force.push_back(model.force());
+  }
+  expect_is(sound_alone("hammer-string",
+                        fmt::format(R"({{ "instrument": "hammer-string", "duration_s": 0.04,
+                       "voices": [ {{ "name": "c4", "resonator": "string_c4", "material": "{}" }} ],
+                       "events": [ {{ "time_s": 0.01, "speed_m_per_s": 2.5 }} ] }})",
+                                    GetParam().key),
+                        GetParam().files, {"--signal", "force"}),
+            force);
+}
+
+// The slide falls on a string at rest.
+TEST_P(ScoreMaterial, PlaysUnderASlideWithItsOwnSpline) {
+  const Design design = GetParam().design();
+  Parts parts("guitar_g3", design);
+  SlideString<double> model(parts.table, parts.modes, StringShapes<double>(parts.wavenumbers), 0.5, kRate);
+  model.place(0.2, 1e-3);
+  std::vector<double> force;
+  for (int n = 0; n < 1764; ++n) {
+    model.tick({.place_m = 0.2,
+                .slide_mass_kg = 0.04,
+                .hand_force_n = 2,
+                .hand_stiffness_n_per_m = 200,
+                .hand_resistance_n_s_per_m = 2,
+                .rest_resistance_n_s_per_m = 1,
+                .contact = {1, design.material.loss_s_per_m}});
+    force.push_back(model.force());
+  }
+  expect_is(sound_alone("slide-string",
+                        fmt::format(R"({{ "instrument": "slide-string", "duration_s": 0.04,
+                       "voices": [ {{ "name": "g", "resonator": "guitar_g3", "material": "{}", "pluck_m": 0.5,
+                                      "pickup_m": 0.6, "height_m": 0.001 }} ],
+                       "events": [ {{ "time_s": 0, "place_m": 0.2, "slide_mass_kg": 0.04, "hand_force_n": 2,
+                                      "hand_stiffness_n_per_m": 200, "hand_resistance_n_s_per_m": 2,
+                                      "rest_resistance_n_s_per_m": 1 }} ] }})",
+                                    GetParam().key),
+                        GetParam().files, {"--signal", "force"}),
+            force, 1e-5);
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, ScoreMaterial, ::testing::ValuesIn(material_cases()),
+                         ::testing::PrintToStringParamName());
+
+// Materials that differ in their splines only must not sound the same.
+TEST(RenderScore, SoundsAsTheSplineOfItsMaterial) {
+  std::vector<std::vector<double>> sounds;
+  for (const auto& felt : {felt_with("uniform", kUniform), felt_with("graded", kGraded),
+                           felt_with("optimal", R"("knots": "optimal", "segments": 8)"),
+                           felt_with("in_force", R"("knots": "optimal", "segments": 8, "minimise": "force")"),
+                           felt_with("tolerance", R"("knots": "uniform", "tolerance": 0.01)"),
+                           felt_with("compensated", kGraded, kCompensation)})
+    sounds.push_back(sound_alone("hammer-string", R"({ "instrument": "hammer-string", "duration_s": 0.04,
+        "voices": [ { "name": "c4", "resonator": "string_c4", "material": "felt.json" } ],
+        "events": [ { "time_s": 0.01, "speed_m_per_s": 2.5 } ] })",
+                                 felt.files, {"--signal", "force"})
+                         .samples);
+  for (std::size_t i = 0; i < sounds.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      EXPECT_FALSE(sequences_within<double>(sounds[i], sounds[j], 100 * kLevel)) << i << " and " << j;
+}
+
 // Left and right of two keys of the piano are the sums of both, by the law of equal power.
 TEST(RenderScore, SumsAndPansVoices) {
-  const auto keyboard = parse_keyboard(shipped(embedded_keyboards(), "piano"), "piano");
+  const auto keyboard = parse_keyboard(shipped(embedded_files(Shipped::kKeyboards), "piano"), "piano");
   std::vector<double> expected(2 * 4410);
   for (const int key : {40, 88}) {
     const KeyboardNote note = note_of(keyboard, key);
@@ -242,9 +432,9 @@ TEST(RenderScore, SumsAndPansVoices) {
     for (int n = 0; n < 4410; ++n) {
       if (n == 441) model.strike(key == 40 ? 2.0 : 3.0, 1e-4);
       model.tick({.hammer_mass_kg = note.hammer_mass_kg, .felt = {1, 0.1}, .damping_per_s = n < 441 ? 60.0 : 0.0});
-      const double heard = note.strings * model.string().displacement(bridge);
-      expected[static_cast<std::size_t>(2 * n)] += std::cos(angle) * heard;
-      expected[static_cast<std::size_t>(2 * n + 1)] += std::sin(angle) * heard;
+      const double output = note.strings * model.string().displacement(bridge);
+      expected[static_cast<std::size_t>(2 * n)] += std::cos(angle) * output;
+      expected[static_cast<std::size_t>(2 * n + 1)] += std::sin(angle) * output;
     }
   }
   const Sound sound = sound_of("hammer-string", R"({
@@ -257,8 +447,8 @@ TEST(RenderScore, SumsAndPansVoices) {
 TEST(RenderScore, FindsFilesBesideTheScore) {
   const Sandbox box;
   fs::create_directories(box / "music");
-  write_file(box / "music/string.json", shipped(embedded_resonators(), "string_c4"));
-  write_file(box / "music/felt.json", shipped(embedded_texts(), "felt_c4"));
+  write_file(box / "music/string.json", shipped(embedded_files(Shipped::kResonators), "string_c4"));
+  write_file(box / "music/felt.json", shipped(embedded_files(Shipped::kMaterials), "felt_c4"));
   std::string score = kHammerScore;
   score.replace(score.find("\"string_c4\""), 11, "\"string.json\"");
   score.replace(score.find("\"felt_c4\""), 9, "\"./felt.json\"");
@@ -282,7 +472,7 @@ TEST(RenderScore, PlaysWhatShips) {
   const Sandbox box;
   const std::string list = succeed({.arguments = {"scores"}});
   int played = 0;
-  for (const auto& [file, text] : embedded_scores()) {
+  for (const auto& [file, text] : embedded_files(Shipped::kScores)) {
     const std::string name(file.substr(0, file.rfind('.')));
     const auto line = list.substr(list.find("\n" + name + " ") + 1);
     std::string instrument = "hammer-string";
@@ -322,22 +512,22 @@ TEST(RenderScore, PlaysTheExamplesOfTheDocs) {
   EXPECT_EQ(examples, 3);
 }
 
-// How a decaying partial turns from one window to the next, half a second later: by exactly w/2 whatever its decay.
-// Other partials, 260 Hz away and more, leak by the side lobes of the window (Blackman-Harris, 4 terms, below -92 dB
-// and falling); the widest angle that makes is given by the check on sines of known frequency.
+// The phase of a decaying partial advances from one window to the next, half a second later: by exactly w/2 whatever
+// its decay. Other partials, 260 Hz away and more, leak by the side lobes of the window (Blackman-Harris, 4 terms,
+// below -92 dB and falling); the widest angle that makes is given by the check on sines of known frequency.
 double frequency_near(const std::vector<double>& samples, double guess_hz) {
   const int window = 22050, shift = 22050, begin = 8820;
   std::complex<double> views[2];
   for (int view = 0; view < 2; ++view)
     for (int n = 0; n < window; ++n) {
-      const double turn = 2 * pi * (n + 0.5) / window;
+      const double angle = 2 * pi * (n + 0.5) / window;
       const double weight =
-          0.35875 - 0.48829 * std::cos(turn) + 0.14128 * std::cos(2 * turn) - 0.01168 * std::cos(3 * turn);
+          0.35875 - 0.48829 * std::cos(angle) + 0.14128 * std::cos(2 * angle) - 0.01168 * std::cos(3 * angle);
       const double phase = -2 * pi * guess_hz * n / kRate;
       views[view] += weight * samples[static_cast<std::size_t>(begin + view * shift + n)] * std::polar(1.0, phase);
     }
-  const double turned = std::arg(views[1] / views[0] * std::polar(1.0, -2 * pi * guess_hz * shift / kRate));
-  return guess_hz + turned / (2 * pi) * kRate / shift;
+  const double advance = std::arg(views[1] / views[0] * std::polar(1.0, -2 * pi * guess_hz * shift / kRate));
+  return guess_hz + advance / (2 * pi) * kRate / shift;
 }
 
 // C4's partials up to the 24th as written by the program, both precisions, against the formula of the stiff string.

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
-// contactspline render: the sound is the model's motion, the picture can be drawn.
-#include "generator/render.hpp"
-
+// contactspline render: the sound is the model's motion, the figure can be drawn.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -12,8 +10,11 @@
 #include <string>
 #include <vector>
 
-#include "generator/embedded.hpp"
-#include "generator/emit.hpp"
+#include "generator/contact/barrier_impact.hpp"
+#include "generator/emit/emitter.hpp"
+#include "generator/player/mass_barrier_player.hpp"
+#include "generator/spline/design.hpp"
+#include "generator/support/embedded_files.hpp"
 #include "program.hpp"
 #include "sandbox.hpp"
 #include "support/compare.hpp"
@@ -57,8 +58,8 @@ Sound sound_of(const Words& options) {
 }
 
 Design shipped(const std::string& file) {
-  const auto texts = embedded_texts();
-  return design_contact(std::ranges::find(texts, file, &EmbeddedText::file_name)->content, file);
+  const auto texts = embedded_files(Shipped::kMaterials);
+  return design_material(std::ranges::find(texts, file, &EmbeddedFile::name)->content, file);
 }
 
 MassBarrierMotion motion_of(const Design& design, double duration_s, double rate_hz) {
@@ -67,7 +68,7 @@ MassBarrierMotion motion_of(const Design& design, double duration_s, double rate
                                design.material.impact->max_speed_m_per_s,
                                duration_s,
                                rate_hz};
-  return render_mass_barrier(segment_table(design.spline), score, [](double) {});
+  return play_mass_barrier(segment_table(design.spline), score, [](double) {});
 }
 
 void expect_is(const Sound& sound, const std::vector<double>& motion) {
@@ -124,7 +125,7 @@ TEST(Render, SaysWhatItRendered) {
   for (std::size_t i = 1; i < motion.force_n.size(); ++i)
     contacts += motion.force_n[i] > 0 && motion.force_n[i - 1] == 0;
   EXPECT_EQ(report, fmt::format("{} contacts in 1 s, largest force {:.4g} N\nfull scale of the sound: {:.4g} N\n"
-                                "sound:   s/a.wav\npicture: p/b.svg\n",
+                                "sound:  s/a.wav\nfigure: p/b.svg\n",
                                 contacts, largest, largest / kPeak));
   expect_drawn(box / "p/b.svg", 3);
   EXPECT_FALSE(fs::exists(box / "s/a.svg"));
@@ -132,9 +133,9 @@ TEST(Render, SaysWhatItRendered) {
 
 TEST(Render, GivesTheSameBytesFromAnyFolderByAnyPath) {
   const Sandbox box;
-  const auto texts = embedded_texts();
+  const auto texts = embedded_files(Shipped::kMaterials);
   fs::create_directories(box / "some/where");
-  write_file(box / "some/mb1.json", std::ranges::find(texts, "mb1.json", &EmbeddedText::file_name)->content);
+  write_file(box / "some/mb1.json", std::ranges::find(texts, "mb1.json", &EmbeddedFile::name)->content);
   const auto render_from = [&](const fs::path& folder, const std::string& material, const std::string& sound) {
     succeed({.arguments = {"render", "mass-barrier", "--material", material, "--duration", "0.1", "-o", sound},
              .folder = folder});
@@ -164,7 +165,7 @@ TEST(Render, StiffnessRatioShortensTheContactByTheScalingLaw) {
        std::vector<std::pair<std::string, double>>{{"rubber_on_wood", 2}, {"felt_c4", 3}}) {
     const auto design = shipped(name + ".json");
     const double exponent = design.material.contact.power_law()->exponent;
-    const double exact_s = design.material.contact.contact_duration(design.material.impact->mass_kg, speed);
+    const double exact_s = contact_duration(design.material.contact, design.material.impact->mass_kg, speed);
     for (const double ratio : {0.25, 1.0, 4.0, 16.0}) {
       const Sound sound = sound_of({"--material", name, "--stiffness-ratio", fmt::format("{}", ratio), "--speed",
                                     fmt::format("{}", speed), "--gravity", "0", "--start", "0", "--rate", "768000",
@@ -203,7 +204,7 @@ void PrintTo(const Extreme& extreme, std::ostream* stream) {
 
 class RenderExtreme : public ::testing::TestWithParam<Extreme> {};
 
-TEST_P(RenderExtreme, GivesASoundAndAPicture) {
+TEST_P(RenderExtreme, GivesASoundAndAFigure) {
   const Sandbox box;
   const std::string report = render(box, GetParam().options);
   EXPECT_NE(report.find(GetParam().says), std::string::npos) << report;
@@ -233,7 +234,7 @@ INSTANTIATE_TEST_SUITE_P(
             "stiffest_and_fastest", {"--stiffness-ratio", "1e6", "--speed", "1000", "--duration", "0.1"}, "contacts"},
         Extreme{"lightest", {"--mass", "1e-9", "--material", "steel_on_steel", "--duration", "0.1"}, "contacts"},
         Extreme{"heaviest", {"--mass", "1e4", "--material", "steel_on_steel", "--duration", "0.1"}, "contacts"},
-        Extreme{"most_gravity_and_loss", {"--gravity", "1000", "--loss", "1000", "--duration", "0.1"}, "contacts"},
+        Extreme{"max_gravity_and_loss", {"--gravity", "1000", "--loss", "1000", "--duration", "0.1"}, "contacts"},
         Extreme{
             "far_below", {"--start", "-1000", "--speed", "1000", "--duration", "1.1", "--rate", "8000"}, "contacts"},
         Extreme{"displacement_of_nothing",
@@ -249,7 +250,7 @@ TEST(Render, AsksForGnuplotWhereItIsMissing) {
   const auto outcome = run({.arguments = {"render", "mass-barrier", "--duration", "1", "-o", "a.wav"},
                             .folder = box.path(),
                             .environment = {{"PATH", box.path().string()}, {"TMPDIR", (box / "tmp").string()}}});
-  expect_refused(outcome, "picture: gnuplot is not installed", "install the package gnuplot-nox");
+  expect_refused(outcome, "figure: gnuplot is not installed", "install the package gnuplot-nox");
   EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
 }
 

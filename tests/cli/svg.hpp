@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A picture read back: well-formed or an error.
+// A figure read back: well-formed or an error.
 #pragma once
 
 #include <expat.h>
@@ -55,7 +55,7 @@ inline Svg read_svg(const fs::path& path) {
   return svg;
 }
 
-/// A picture a browser can draw: well-formed, of so many curves, no larger than 2 MB, every coordinate a number.
+/// A figure a browser can draw: well-formed, of so many curves, no larger than 2 MB, every coordinate a number.
 inline void expect_drawn(const fs::path& path, std::size_t curves) {
   const Svg svg = read_svg(path);
   EXPECT_EQ(svg.curves, curves) << path;

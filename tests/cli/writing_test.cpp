@@ -103,7 +103,7 @@ TEST(FullDisk, IsReportedForEveryKindOfFile) {
                               .folder = box.path(),
                               .environment = {{"TMPDIR", (box / "tmp").string()}},
                               .largest_file_bytes = 2000});
-    expect_refused(outcome, "", arguments.front() == "generate" ? "File too large" : "picture: ");
+    expect_refused(outcome, "", arguments.front() == "generate" ? "File too large" : "figure: ");
     fs::remove(box / "out");  // an empty folder may stay
     EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
   }

@@ -13,11 +13,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The instruments, and the probe on each emitted material.
-std::vector<fs::path> programs() {
+/// The instruments, and the probe on each emitted material. A double-precision instrument differs from a
+/// single-precision one by its type names alone, which the probes show as well: it goes through the C++ back end
+/// only.
+std::vector<fs::path> programs(const std::string& language, const std::string& precision) {
   std::vector<fs::path> found;
-  for (const auto& entry : fs::directory_iterator(kFaustSources))
-    if (entry.path().extension() == ".dsp") found.push_back(entry.path());
+  if (language == "cpp" || precision == "single")
+    for (const auto& entry : fs::directory_iterator(kFaustSources))
+      if (entry.path().extension() == ".dsp") found.push_back(entry.path());
   for (const char* material : kMaterials)
     found.push_back(fs::path(kGenerated) / ("probe_" + std::string(material) + ".dsp"));
   std::ranges::sort(found);
@@ -39,7 +42,7 @@ TEST_P(BackEndTest, CompilesEveryProgram) {
   const auto& [back_end, precision] = GetParam();
   if (run(std::string(kFaust) + " --version").output.find(back_end.listed_as + '\n') == std::string::npos)
     GTEST_SKIP() << kFaust << " was built without the back end \"" << back_end.listed_as << '"';
-  const auto all = programs();
+  const auto all = programs(back_end.language, precision);
   ASSERT_GE(all.size(), 2u) << "no programs to compile";
   const auto folder = empty_folder(back_end.language + '_' + precision);
   for (const auto& program : all) {

@@ -6,9 +6,9 @@
 #include <iostream>
 #include <numeric>
 
-#include "finite.hpp"
 #include "strike_cases.hpp"
 #include "support/compare.hpp"
+#include "support/finite.hpp"
 
 namespace contactspline::testing {
 namespace {

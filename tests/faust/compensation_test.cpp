@@ -4,7 +4,7 @@
 
 #include <iostream>
 
-#include "generator/potential.hpp"
+#include "generator/contact/contact_law.hpp"
 #include "strike_cases.hpp"
 #include "support/compare.hpp"
 
@@ -27,7 +27,7 @@ double contact_samples(const MaterialUnderTest& material, double speed, double p
   const auto motion = run_faust(*material.in_double.mass_barrier(kRate), strike);
   const double last = motion.displacement.back(), before = motion.displacement[strike.samples - 2];
   EXPECT_TRUE(before < 0 && last < before) << "still in contact";
-  // displacement[i] is that after i + 1 samples; out there it falls by the same way in each
+  // displacement[i] is that after i + 1 samples; out there it falls by the same distance in each
   return static_cast<double>(strike.samples) - last / (last - before) - phase;
 }
 

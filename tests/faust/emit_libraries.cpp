@@ -6,7 +6,9 @@
 #include <iostream>
 #include <sstream>
 
-#include "generator/emit.hpp"
+#include "generator/emit/emit_material.hpp"
+#include "generator/emit/emitter.hpp"
+#include "generator/spline/design.hpp"
 
 namespace {
 
@@ -40,17 +42,17 @@ void write(const fs::path& directory, const Design& design) {
 
 int main(int argc, char** argv) try {
   const fs::path directory = argv[1];
-  for (int i = 2; i < argc; ++i) write(directory, contactspline::design_contact(read(argv[i]), argv[i]));
+  for (int i = 2; i < argc; ++i) write(directory, contactspline::design_material(read(argv[i]), argv[i]));
   for (const std::string segments : {"1", "64", "1024"})
-    write(directory, contactspline::design_contact(
+    write(directory, contactspline::design_material(
                          felt_c4("n" + segments, R"("knots": "uniform", "segments": )" + segments), "variant"));
   for (const std::string knots : {"graded", "optimal"})
-    write(directory, contactspline::design_contact(
+    write(directory, contactspline::design_material(
                          felt_c4(knots, R"("knots": ")" + knots + R"(", "tolerance": 0.001)"), "variant"));
-  write(directory,
-        contactspline::design_contact(felt_c4("compensated", R"("knots": "graded", "segments": 64)",
-                                              R"(, "compensation": { "sample_rate_hz": 44100, "mass_kg": 0.00297 })"),
-                                      "variant"));
+  write(directory, contactspline::design_material(
+                       felt_c4("compensated", R"("knots": "graded", "segments": 64)",
+                               R"(, "compensation": { "sample_rate_hz": 44100, "mass_kg": 0.00297 })"),
+                       "variant"));
 } catch (const std::exception& error) {
   std::cerr << error.what() << '\n';
   return 1;

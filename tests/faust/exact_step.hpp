@@ -72,7 +72,7 @@ class ExactContact {
     if (from == to) return force(y0) + pieces_[from].slope * x / 2;
     const Piece& first = pieces_[to > from ? from + 1 : from];
     const Piece& entry = pieces_[to > from ? to : to + 1];
-    const Real way = entry.knot - y0, beyond = x - way;
+    const Real distance = entry.knot - y0, beyond = x - distance;
     const Real work = (first.knot - y0) * (force(y0) + first.force) / 2 + (entry.energy - first.energy) +
                       beyond * (entry.force + pieces_[to].slope * beyond / 2);
     return work / x;

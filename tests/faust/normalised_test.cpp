@@ -26,16 +26,16 @@ struct Row {
 // From before the barrier to beyond the table, slow to fast, up and down, soft to stiff.
 std::vector<Row> rows(const MaterialUnderTest& material) {
   const double end = material.max_compression_m;
-  const double give = 1 / (2 * material.in_double.table.back().half_curvature);
+  const double compliance = 1 / (2 * material.in_double.table.back().half_curvature);
   std::vector<Row> rows;
   for (int i = -20; i <= 110; ++i)
     for (const double increment : {-0.5, -0.01, 1e-4, 0.03, 0.4})
       for (const double admittance : {1e-4, 0.1, 30.0})
-        rows.push_back({0.01 * i * end, increment * end, admittance * give, 0.7, i % 2 ? 0 : 0.2});
+        rows.push_back({0.01 * i * end, increment * end, admittance * compliance, 0.7, i % 2 ? 0 : 0.2});
   return rows;
 }
 
-// Scaled by w and E, what a step takes and gives: xi f is a length, loss times a speed has no unit.
+// Scaled by w and E, what a step reads and returns: xi f is a length, loss times a speed has no unit.
 Row normalise(const Row& row, double width, double energy) {
   return {row.compression / width, row.free_increment / width, row.admittance * energy / (width * width),
           row.stiffness_ratio, row.loss * width};

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "exact_step.hpp"
-#include "finite.hpp"
 #include "material_under_test.hpp"
+#include "support/finite.hpp"
 
 namespace contactspline::testing {
 
@@ -58,8 +58,8 @@ class RandomInput {
  private:
   double uniform(double from, double to) { return std::uniform_real_distribution(from, to)(random_); }
   double decades(double from, double to) { return std::pow(10.0, uniform(from, to)); }
-  T length(double share_of_positive) {
-    const double sign = uniform(0, 1) < share_of_positive ? 1 : -1;
+  T length(double positive_fraction) {
+    const double sign = uniform(0, 1) < positive_fraction ? 1 : -1;
     return static_cast<T>(sign * decades(lowest_, 1) * length_m_);
   }
   T compression() {
@@ -113,7 +113,7 @@ Output<Real> solve_exactly(const ExactContact& exact, const Input<T>& in) {
           exact.contact(in.stiffness_ratio, in.loss, Real(1) / kRate, y0, xf, xi)};
 }
 
-/// The larger of way and free increment as a force [N]: what the rounding of a step is measured by.
+/// The larger of increment and free increment as a force [N]: what the rounding of a step is measured by.
 template <typename T>
 Real momentum(const Input<T>& in, Real force) {
   const Real free_increment = in.free_increment;
@@ -121,14 +121,15 @@ Real momentum(const Input<T>& in, Real force) {
 }
 
 /// What rounding the table does to a contact force [N], in unit roundoffs: the forces at both ends, and, where more
-/// than one knot is passed, the energies there divided by the way between.
+/// than one knot is passed, the energies there divided by the distance between.
 template <typename T>
 Real table_rounding(const ExactContact& exact, const Input<T>& in, Real ratio, Real contact_force) {
-  const Real y0 = in.compression, way = in.free_increment - in.admittance * contact_force;
-  const std::size_t from = exact.index(y0), to = exact.index(y0 + way);
+  const Real y0 = in.compression, increment = in.free_increment - in.admittance * contact_force;
+  const std::size_t from = exact.index(y0), to = exact.index(y0 + increment);
   const bool energies_differ = from + 1 < to || to + 1 < from;
-  const Real energies = energies_differ ? (exact.potential(y0) + exact.potential(y0 + way)) / std::abs(way) : 0;
-  return contact_force + ratio * (exact.force(y0) + exact.force(y0 + way) + energies);
+  const Real energies =
+      energies_differ ? (exact.potential(y0) + exact.potential(y0 + increment)) / std::abs(increment) : 0;
+  return contact_force + ratio * (exact.force(y0) + exact.force(y0 + increment) + energies);
 }
 
 /// What one rounding amounts to in each output.
@@ -171,8 +172,8 @@ inline std::ostream& operator<<(std::ostream& out, const Worst& worst) {
              << ", contact " << worst.contact;
 }
 
-// Half a dozen roundings reach the force undamped: those of the ways, of the quadratic and of the two expressions of
-// the force. The error of the root cancels in their mean, and no term is larger than the momentum.
+// Half a dozen roundings reach the force undamped: those of the distances, of the quadratic and of the two
+// expressions of the force. The error of the root cancels in their mean, and no term is larger than the momentum.
 inline constexpr double kRoundings = 8;
 
 /// Of probe.dsp on a material, lengths down to 10^lowest.

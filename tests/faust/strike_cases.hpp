@@ -12,14 +12,14 @@
 namespace contactspline::testing {
 
 inline constexpr std::size_t kSamplesAfter = 10;
-inline constexpr std::size_t kMostSamples = 20000;
+inline constexpr std::size_t kMaxSamples = 20000;
 
 // A mass that reaches the end of the table at 6 m/s.
 inline double mass_for(const MaterialUnderTest& material) {
   return 2 * potential(material.in_double.table, material.max_compression_m) / 36;
 }
 
-// Until the mass is on its way back, as the twin in double has it.
+// Until the mass moves back, as the twin in double has it.
 inline std::size_t samples_of(const MaterialUnderTest& material, const Strike& strike) {
   MassBarrier<double> model(material.in_double.table, strike.sample_rate_hz);
   model.throw_from(strike.start_m, strike.speed_m_per_s);
@@ -28,7 +28,7 @@ inline std::size_t samples_of(const MaterialUnderTest& material, const Strike& s
   do {
     model.tick(controls);
     ++samples;
-  } while (samples < kMostSamples && !(model.displacement() < 0 && model.velocity() < 0));
+  } while (samples < kMaxSamples && !(model.displacement() < 0 && model.velocity() < 0));
   return samples + kSamplesAfter;
 }
 

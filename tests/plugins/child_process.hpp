@@ -69,8 +69,8 @@ class ChildProcess {
   }
 
   /// What it exits with, 128 + n where signal n ended it; nothing if it does not end within a time.
-  [[nodiscard]] std::optional<int> exit_code(std::chrono::milliseconds most) {
-    const auto end = std::chrono::steady_clock::now() + most;
+  [[nodiscard]] std::optional<int> exit_code(std::chrono::milliseconds max) {
+    const auto end = std::chrono::steady_clock::now() + max;
     while (is_running()) {
       if (std::chrono::steady_clock::now() > end) return {};
       std::this_thread::sleep_for(std::chrono::milliseconds(10));

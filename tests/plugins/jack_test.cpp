@@ -21,8 +21,8 @@ using namespace std::chrono_literals;
 constexpr int kRate = 48000;
 
 /// Waits until something is so, at most for a time.
-bool becomes_true(const std::function<bool()>& is_so, std::chrono::milliseconds most = 10s) {
-  const auto end = std::chrono::steady_clock::now() + most;
+bool becomes_true(const std::function<bool()>& is_so, std::chrono::milliseconds max = 10s) {
+  const auto end = std::chrono::steady_clock::now() + max;
   while (!is_so()) {
     if (std::chrono::steady_clock::now() > end) return false;
     std::this_thread::sleep_for(20ms);

@@ -60,13 +60,13 @@ class Lv2World {
 struct Lv2Port {
   std::string symbol, name;
   bool is_input, is_output, is_control, is_audio, is_midi, is_button;
-  float initial, least, most;  ///< of a control input; NaN where it does not say
+  float initial, min, max;  ///< of a control input; NaN where it does not say
 };
 
 [[nodiscard]] inline std::vector<Lv2Port> ports_of(const Lv2World& world, const LilvPlugin* plugin) {
   const std::uint32_t count = lilv_plugin_get_num_ports(plugin);
-  std::vector<float> least(count), most(count), initial(count);
-  lilv_plugin_get_port_ranges_float(plugin, least.data(), most.data(), initial.data());
+  std::vector<float> min(count), max(count), initial(count);
+  lilv_plugin_get_port_ranges_float(plugin, min.data(), max.data(), initial.data());
   std::vector<Lv2Port> ports;
   for (std::uint32_t i = 0; i < count; ++i) {
     const LilvPort* port = lilv_plugin_get_port_by_index(plugin, i);
@@ -82,8 +82,8 @@ struct Lv2Port {
                                 lilv_port_supports_event(plugin, port, world.uri(LV2_MIDI__MidiEvent).get()),
                      .is_button = lilv_port_has_property(plugin, port, world.uri(LV2_CORE__toggled).get()),
                      .initial = initial[i],
-                     .least = least[i],
-                     .most = most[i]});
+                     .min = min[i],
+                     .max = max[i]});
   }
   return ports;
 }

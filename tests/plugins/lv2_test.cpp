@@ -38,9 +38,9 @@ bool is_finite(std::span<const float> sound) {
 }
 
 float peak(std::span<const float> sound) {
-  float most = 0;
-  for (const float x : sound) most = std::max(most, std::abs(x));
-  return most;
+  float max = 0;
+  for (const float x : sound) max = std::max(max, std::abs(x));
+  return max;
 }
 
 /// Signal over error in decibels; not a number where the lengths differ, so that no bound holds.
@@ -79,9 +79,9 @@ TEST_P(EveryPlugin, DescribesItself) {
     EXPECT_NE(port.is_input, port.is_output);
     EXPECT_EQ(port.is_control + port.is_audio + port.is_midi, 1);
     if (port.is_control && port.is_input) {
-      EXPECT_LE(port.least, port.initial);
-      EXPECT_LE(port.initial, port.most);
-      EXPECT_LT(port.least, port.most);
+      EXPECT_LE(port.min, port.initial);
+      EXPECT_LE(port.initial, port.max);
+      EXPECT_LT(port.min, port.max);
     }
   }
 }
@@ -152,7 +152,7 @@ double pitch_hz(int note) {
 
 constexpr std::size_t kSecond = static_cast<std::size_t>(kRate) / Lv2Instance::kBlock;
 
-/// The piano, heard on the right. Voices cost time even while silent.
+/// The right output of the piano. Voices cost time even while silent.
 class Piano : public Lv2Instance {
  public:
   explicit Piano(int voices = 4) : Lv2Instance(world(), uri_of("piano"), kRate) {
@@ -178,14 +178,14 @@ TEST(PianoPlugin, IsAnInstrumentPlayedByMidi) {
   EXPECT_STREQ(lilv_node_as_uri(lilv_plugin_class_get_uri(lilv_plugin_get_class(plugin))),
                LV2_CORE__InstrumentPlugin);
   int midi_inputs = 0;
-  float most_voices = 0;
+  float max_voices = 0;
   for (const Lv2Port& port : ports_of(world(), plugin)) {
     midi_inputs += port.is_midi && port.is_input;
-    if (port.name == "polyphony") most_voices = port.most;
+    if (port.name == "polyphony") max_voices = port.max;
     EXPECT_NE(port.name, "freq");  // belongs to the notes
   }
   EXPECT_EQ(midi_inputs, 1);
-  EXPECT_EQ(most_voices, Piano::kVoices);
+  EXPECT_EQ(max_voices, Piano::kVoices);
 }
 
 TEST(PianoPlugin, IsSilentUntilANoteComes) {
@@ -270,13 +270,13 @@ TEST(PianoPlugin, ThePedalHoldsWhatIsReleased) {
   EXPECT_LT(left_after_release(0), 1e-3 * left_after_release(127));
 }
 
-// Mid-way between the keys above and below: by half a semitone and by one and a half.
+// Midway between the keys above and below: by half a semitone and by one and a half.
 TEST(PianoPlugin, FollowsThePitchWheel) {
   for (const double semitones : {-1.5, -0.25, 0.25, 0.5, 1.5}) {
     Piano piano;
     piano.note_on(60, 100);
     (void)piano.listen(kSecond / 4);
-    const auto wheel = static_cast<unsigned>(0x2000 + 0x1000 * semitones);  // two semitones either way
+    const auto wheel = static_cast<unsigned>(0x2000 + 0x1000 * semitones);  // two semitones in both directions
     piano.send({0xe0, static_cast<std::uint8_t>(wheel & 0x7f), static_cast<std::uint8_t>(wheel >> 7)});
     (void)piano.listen(4);
     EXPECT_TRUE(within(cents_off(piano.listen(256), 60), 100 * semitones, 1)) << semitones;
@@ -294,7 +294,7 @@ TEST(PianoPlugin, PlaysLouderWhenStruckHarder) {
   }
 }
 
-// More notes than voices: the oldest gives way.
+// More notes than voices: the oldest is stolen.
 TEST(PianoPlugin, StealsTheOldestNote) {
   Piano piano(Piano::kVoices);
   for (int i = 0; i <= Piano::kVoices; ++i) {

@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: MIT
+// The only file that sees CLI11: every option of every subcommand, and every failure as one line.
+#include "generator/cli/command_line.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <memory>
+#include <new>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "generator/cli/commands.hpp"
+#include "generator/cli/files.hpp"
+#include "generator/cli/inputs.hpp"
+#include "generator/cli/validators.hpp"
+#include "generator/emit/emitter.hpp"
+#include "generator/support/error.hpp"
+
+namespace contactspline {
+namespace {
+
+constexpr int kStale = 1;
+constexpr int kBadInput = 2;
+
+// One line that a terminal can show, whatever a file or an argument is called.
+int complain(std::string message, int exit_code) {
+  std::ranges::replace_if(
+      message, [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
+  std::fputs(("contactspline: " + message + "\n").c_str(), stderr);  // fmt::print would throw where nobody listens
+  return exit_code;
+}
+
+void add_version(CLI::App& command) {
+  command.set_version_flag("--version", "contactspline " CONTACTSPLINE_VERSION, "Print the version and exit");
+  for (CLI::App* subcommand : command.get_subcommands([](CLI::App*) { return true; })) add_version(*subcommand);
+}
+
+const CLI::App& innermost_given(const CLI::App& app) {
+  const auto given = app.get_subcommands();
+  return given.empty() ? app : innermost_given(*given.front());
+}
+
+std::vector<std::string> words_of(const CLI::App& command) {
+  std::vector<std::string> words;
+  for (const auto* subcommand : command.get_subcommands([](const CLI::App*) { return true; }))
+    words.push_back(subcommand->get_name());
+  for (const auto* option : command.get_options()) words.push_back(option->get_name());
+  return words;
+}
+
+// CLI11 says what is wrong, but not what is allowed.
+std::string explained(const CLI::App& app, const CLI::ParseError& error) {
+  std::string wrong = error.what();
+  if (dynamic_cast<const CLI::ValidationError*>(&error) != nullptr) return wrong;
+  const CLI::App& command = innermost_given(app);
+  for (const std::string& word : app.remaining(true))
+    if (word != "--") return fmt::format("{}: unknown; allowed: {}", word, fmt::join(words_of(command), ", "));
+  for (const auto* option : command.get_options()) {
+    const std::string& name = option->get_name();
+    if (wrong.find(name) == std::string::npos) continue;
+    const std::string what = wrong == name + " is required" ? name + ": missing"
+                             : wrong.starts_with(name)      ? wrong
+                                                            : name + ": " + wrong;
+    return fmt::format("{}; allowed: {}", what, option->get_description());
+  }
+  return fmt::format("SUBCOMMAND: missing; allowed: {}", fmt::join(words_of(command), ", "));
+}
+
+// CLI11 prints --help and --version here; the text goes out through write_stdout(), which checks.
+void parse(CLI::App& app, int argc, const char* const* argv) {
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& request) {
+    std::ostringstream text;
+    app.exit(request, text);
+    write_stdout(text.str());
+  }
+}
+
+constexpr auto kMaterialHelp = "material file (.json), or the name of a material that ships";
+constexpr auto kSourceHelp = "material, resonator or keyboard file (.json), or the name of one that ships";
+constexpr auto kScoreHelp = "score file (.json, .mid), or the name of a score that ships";
+
+void add_generate(CLI::App& app) {
+  const auto options = std::make_shared<GenerateOptions>();
+  CLI::App* command =
+      app.add_subcommand("generate", "Write a material's spline, a resonator or a keyboard as Faust, C++ or JSON");
+  command->add_option("MATERIAL", options->materials, kSourceHelp)->check(not_empty(kSourceHelp))->required();
+  std::vector<std::string> formats;
+  for (const Emitter& emitter : emitters()) formats.emplace_back(emitter.name);
+  command->add_option("--emit", options->formats, "format to write; may be repeated (default: all)")
+      ->check(one_of(formats))
+      ->type_name("FORMAT")
+      ->allow_extra_args(false);
+  command->add_option("-o,--output", options->output, "folder to write to, or - for standard output")
+      ->check(not_empty("a folder, or - for standard output"))
+      ->type_name("DIR")
+      ->capture_default_str();
+  command
+      ->add_option("--rate", options->sample_rate_hz,
+                   "sample rate in Hz; resonators keep their modes below half of it")
+      ->check(number_from(1000.0, 768000.0))
+      ->capture_default_str();
+  command->add_flag("--check", options->check, "write nothing; exit 1 and name the files that are stale");
+  command
+      ->add_option("--depfile", options->depfile, "also write a make rule with the files that the outputs depend on")
+      ->check(file_name())
+      ->type_name("FILE");
+  command->footer(
+      "Examples:\n"
+      "  contactspline generate felt_c4 -o generated\n"
+      "  contactspline generate my_felt.json --emit faust --emit cpp -o build\n"
+      "  contactspline generate felt_c4 --emit json -o -\n"
+      "  contactspline generate string_c4 --rate 96000 -o build\n"
+      "Each file has the name of its material, resonator or keyboard. A file that would not change is not touched.");
+  command->callback([options] { generate(*options); });
+}
+
+void add_inspect(CLI::App& app) {
+  const auto options = std::make_shared<InspectOptions>();
+  CLI::App* command =
+      app.add_subcommand("inspect", "Show a material's spline and its errors, or a resonator's modes");
+  command->add_option("MATERIAL", options->material, kMaterialHelp)->check(not_empty(kMaterialHelp))->required();
+  command->add_option("--svg", options->svg, "also draw the potential, the force, their errors and measured samples")
+      ->check(file_name())
+      ->type_name("FILE");
+  command->add_flag("--compare", options->compare,
+                    "compare uniform, graded and optimal knots, in the table and in the figure");
+  command
+      ->add_option("--rate", options->sample_rate_hz,
+                   "for a resonator: sample rate in Hz of its simulation (default: 44100)")
+      ->check(number_from(1e3, 1e8));
+  command->footer(
+      "Examples:\n"
+      "  contactspline inspect felt_c4 --svg felt_c4.svg\n"
+      "  contactspline inspect felt_c4 --compare --svg families.svg\n"
+      "  contactspline inspect string_c4 --rate 48000");
+  command->callback([options] { inspect(*options); });
+}
+
+void add_lists(CLI::App& app) {
+  app.add_subcommand("materials", "List the materials that ship")
+      ->footer("T is the contact duration on a rigid barrier, over the material's range of impact speeds.")
+      ->callback(list_materials);
+  app.add_subcommand("scores", "List the scores that ship")
+      ->footer("Play one: contactspline render INSTRUMENT --score NAME -o out.wav")
+      ->callback(list_scores);
+}
+
+void add_impact(CLI::App& app) {
+  const auto options = std::make_shared<ImpactOptions>();
+  CLI::App* command = app.add_subcommand("impact", "Compare exact, spline and simulated impacts on a rigid barrier");
+  command->add_option("MATERIAL", options->materials, kMaterialHelp)->check(not_empty(kMaterialHelp))->required();
+  command
+      ->add_option("--speed", options->speeds,
+                   "impact speed in m/s; may be repeated (default: the material's largest)")
+      ->check(number_from(1e-6, 1e3))
+      ->allow_extra_args(false);
+  command->add_option("--rate", options->rates, "sample rate in Hz; may be repeated")
+      ->check(number_from(1e3, 1e8))
+      ->allow_extra_args(false)
+      ->capture_default_str();
+  command->footer(
+      "Example:\n"
+      "  contactspline impact mb1 felt_c4 --speed 2\n"
+      "Errors are relative to the exact motion under the contact law with the material's loss. Where the time step\n"
+      "dominates, they fall by 4 with each doubling of the rate; with loss by 2.");
+  command->callback([options] { compare_impacts(*options); });
+}
+
+void add_outputs(CLI::App& command, RenderOutput& output) {
+  command.add_option("--rate", output.sample_rate_hz, "sample rate in Hz")
+      ->check(number_from(1000, 768000))
+      ->capture_default_str();
+  command.add_option("-o,--output", output.sound, "sound file to write (WAV, 24 bits)")
+      ->check(file_name())
+      ->type_name("FILE")
+      ->required();
+  command.add_option("--svg", output.svg, "figure to write (default: the sound file's name with .svg)")
+      ->check(file_name())
+      ->type_name("FILE");
+}
+
+void add_mass_barrier(CLI::App& render) {
+  const auto options = std::make_shared<MassBarrierOptions>();
+  CLI::App* command =
+      render.add_subcommand("mass-barrier", "A mass thrown at a rigid barrier; with gravity it bounces");
+  const auto number = [&](const char* name, auto& value, const char* help, auto min, auto max) {
+    return command->add_option(name, value, help)->check(number_from(min, max));
+  };
+  command->add_option("--material", options->material, kMaterialHelp)
+      ->check(not_empty(kMaterialHelp))
+      ->capture_default_str();
+  number("--mass", options->mass_kg, "mass in kg (default: the material's)", 1e-9, 1e4);
+  number("--speed", options->speed_m_per_s, "speed of the throw in m/s (default: the material's largest)", 0.0, 1e3);
+  number("--start", options->start_m, "displacement at the throw in m, into the barrier", -1e3, 1.0)
+      ->capture_default_str();
+  number("--gravity", options->gravity_m_per_s2, "gravity towards the barrier in m/s^2", 0.0, 1e3)
+      ->capture_default_str();
+  number("--stiffness-ratio", options->stiffness_ratio, "multiplies the material's stiffness", 1e-6, 1e6)
+      ->capture_default_str();
+  number("--loss", options->loss_s_per_m, "Hunt-Crossley loss in s/m (default: the material's)", 0.0, 1e3);
+  number("--duration", options->duration_s, "duration in s", 1e-3, 3600.0)->capture_default_str();
+  command->add_option("--signal", options->signal, "the signal in the sound file")
+      ->check(one_of({"force", "displacement"}))
+      ->capture_default_str();
+  add_outputs(*command, options->output);
+  command->footer(
+      "Example:\n"
+      "  contactspline render mass-barrier --material rubber_on_wood --loss 0.08 -o bounce.wav");
+  command->callback([options] { render_mass_barrier(*options); });
+}
+
+void add_instrument(CLI::App& render, Instrument instrument, const char* help, const char* example) {
+  const auto options = std::make_shared<ScoreOptions>();
+  CLI::App* command = render.add_subcommand(std::string(name_of(instrument)), help);
+  command->add_option("--score", options->score, kScoreHelp)->check(not_empty(kScoreHelp))->required();
+  command
+      ->add_option(
+          "--signal", options->signal,
+          "the signal in the sound file: displacement or velocity at the pickup, force on the bridge, contact "
+          "force (default: bridge for hammers on strings, else velocity)")
+      ->check(one_of(signal_names()));
+  command->add_option("--precision", options->precision, "floating-point precision of the model")
+      ->check(one_of({"single", "double"}))
+      ->capture_default_str();
+  add_outputs(*command, options->output);
+  command->footer(fmt::format(
+      "Example:\n  contactspline render {} --score {} -o out.wav\nThe scores that ship: contactspline scores",
+      name_of(instrument), example));
+  command->callback([options, instrument] { render_score(instrument, *options); });
+}
+
+void add_render(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("render", "Play an instrument to a sound file and a figure");
+  command->require_subcommand(1);
+  add_mass_barrier(*command);
+  add_instrument(*command, Instrument::kHammerString, "Felt hammers on strings, bars or drums, played from a score",
+                 "dulcimer");
+  add_instrument(*command, Instrument::kSlideString, "Plucked strings with a slide, played from a score",
+                 "slide_guitar");
+  add_instrument(*command, Instrument::kFretString, "Plucked strings that buzz against a fret, played from a score",
+                 "fret_buzz");
+}
+
+void add_all(CLI::App& app) {
+  app.require_subcommand(1);
+  app.get_formatter()->column_width(34);
+  app.footer(
+      "First steps:\n"
+      "  contactspline materials\n"
+      "  contactspline inspect felt_c4 --svg felt_c4.svg\n"
+      "  contactspline generate felt_c4 -o generated\n"
+      "  contactspline render mass-barrier --material rubber_on_wood -o bounce.wav\n"
+      "Exit status: 0; 1 if --check finds stale files; 2 for bad input, with one line that names it.");
+  add_generate(app);
+  add_inspect(app);
+  add_lists(app);
+  add_impact(app);
+  add_render(app);
+  add_version(app);
+}
+
+}  // namespace
+
+int run_command_line(int argc, const char* const* argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a full disk or a quota is an error to report, not a reason to die
+  CLI::App app(
+      "Collisions in musical instruments without iteration: splines of contact potentials for Faust and C++.",
+      "contactspline");
+  add_all(app);
+  try {
+    parse(app, argc, argv);
+    return 0;
+  } catch (const CLI::ParseError& error) {
+    return complain(explained(app, error), kBadInput);
+  } catch (const Stale& error) {
+    return complain(error.what(), kStale);
+  } catch (const BadInput& error) {
+    return complain(error.what(), kBadInput);
+  } catch (const std::bad_alloc&) {
+    return complain("memory: not enough; allowed: a shorter duration, a lower rate or fewer segments", kBadInput);
+  } catch (const std::exception& error) {
+    return complain(fmt::format("internal error, please report: {}", error.what()), kBadInput);
+  }
+}
+
+}  // namespace contactspline

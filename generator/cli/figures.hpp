@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+// Figures as SVG text, drawn by gnuplot. All functions throw BadInput if gnuplot is missing or fails.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "generator/player/mass_barrier_player.hpp"
+#include "generator/player/score_player.hpp"
+#include "generator/spline/design.hpp"
+
+namespace contactspline {
+
+/// Potential and force of a design, exact and as a spline with its knots, and the errors of the spline.
+[[nodiscard]] std::string figure_of(const Design& design);
+
+/// Errors of contact duration, max compression and force of several designs of one material, which must have an
+/// impact.
+[[nodiscard]] std::string figure_of(std::span<const Design> families);
+
+/// Height and contact force of a simulated motion over time, and the force of the first contact sample by sample.
+[[nodiscard]] std::string figure_of(const MassBarrierMotion& motion, const std::string& title);
+
+/// Waveform, contact force and spectrogram of a played score. `signal` names the signal with its unit, for the axis.
+[[nodiscard]] std::string figure_of(const Performance& performance, const std::string& title,
+                                    const std::string& signal);
+
+}  // namespace contactspline

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: MIT
+#include "generator/cli/files.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "generator/support/error.hpp"
+
+namespace contactspline {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uintmax_t kMaxInputBytes = 1 << 20;
+
+[[noreturn]] void fail(const fs::path& path, std::string_view what) {
+  throw BadInput(fmt::format("{}: file: {}", path.string(), what));
+}
+
+[[noreturn]] void fail_to_read(const fs::path& path, std::string_view what) {
+  fail(path, fmt::format("{}; allowed: a file of at most 1 MiB that can be read", what));
+}
+
+[[noreturn]] void fail_with_errno(const fs::path& path) {
+  fail(path, fmt::format("cannot be written: {}", std::strerror(errno)));
+}
+
+/// A file under a temporary name in the folder of its target. The destructor removes it unless it was renamed.
+class PendingFile {
+ public:
+  explicit PendingFile(const fs::path& target) : target_(target) {
+    const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
+    name_ = (folder / ".contactspline-XXXXXX").string();
+    descriptor_ = ::mkstemp(name_.data());
+    if (descriptor_ < 0) fail_with_errno(target_);
+  }
+  PendingFile(const PendingFile&) = delete;
+  PendingFile& operator=(const PendingFile&) = delete;
+  ~PendingFile() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+    if (!name_.empty()) ::unlink(name_.c_str());
+  }
+
+  void write(std::string_view bytes) {
+    while (!bytes.empty()) {
+      const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
+      if (written < 0 && errno == EINTR) continue;
+      if (written < 0) fail_with_errno(target_);
+      bytes.remove_prefix(static_cast<std::size_t>(written));
+    }
+    if (::fchmod(descriptor_, permissions()) != 0 || ::fsync(descriptor_) != 0) fail_with_errno(target_);
+    if (::close(std::exchange(descriptor_, -1)) != 0) fail_with_errno(target_);
+  }
+
+  void rename_into_place() {
+    if (::rename(name_.c_str(), target_.c_str()) != 0) fail_with_errno(target_);
+    name_.clear();
+  }
+
+ private:
+  // Those of the file that is replaced; for a new file rw-rw-rw- without the bits of the user's mask.
+  [[nodiscard]] mode_t permissions() const {
+    struct stat old {};
+    if (::stat(target_.c_str(), &old) == 0) return old.st_mode & 07777;
+    const mode_t mask = ::umask(0);
+    ::umask(mask);
+    return 0666 & ~mask;
+  }
+
+  fs::path target_;
+  std::string name_;
+  int descriptor_ = -1;
+};
+
+void create_folder_of(const fs::path& path) {
+  std::error_code error;
+  if (path.has_parent_path()) fs::create_directories(path.parent_path(), error);
+  if (error) fail(path, fmt::format("its folder cannot be created: {}", error.message()));
+}
+
+// The file to write. A symbolic link stays and its target is written; anything but a regular file is refused.
+fs::path real_target(const fs::path& path) {
+  std::error_code error;
+  const auto status = fs::status(path, error);
+  if (fs::exists(status) && !fs::is_regular_file(status)) fail(path, "is not a regular file");
+  if (!fs::is_symlink(fs::symlink_status(path, error))) return path;
+  fs::path target = fs::canonical(path, error);
+  if (error) fail(path, "is a broken link");
+  return target;
+}
+
+// The same path for every spelling of it, also if the file does not exist.
+fs::path normal_form(const fs::path& path) {
+  std::error_code error;
+  const fs::path normal = fs::weakly_canonical(fs::absolute(path, error), error);
+  return error ? path : normal;
+}
+
+}  // namespace
+
+std::string read_input(const fs::path& path) {
+  std::error_code error;
+  if (!fs::exists(path, error)) fail_to_read(path, error ? error.message() : "does not exist");
+  if (!fs::is_regular_file(path, error)) fail_to_read(path, "is not a regular file");
+  if (fs::file_size(path, error) > kMaxInputBytes || error) fail_to_read(path, "is larger than 1 MiB");
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) fail_to_read(path, std::strerror(errno));
+  std::string bytes((std::istreambuf_iterator<char>(stream)), {});
+  if (stream.bad()) fail_to_read(path, std::strerror(errno));
+  return bytes;
+}
+
+void require_distinct(std::span<const fs::path> outputs, std::span<const fs::path> inputs) {
+  std::set<fs::path> taken;
+  for (const fs::path& input : inputs) taken.insert(normal_form(input));
+  for (const fs::path& output : outputs)
+    if (!taken.insert(normal_form(output)).second)
+      fail(output, "is already an input or another output; allowed: another folder or file name");
+}
+
+bool is_current(const OutputFile& file) {
+  std::error_code error;
+  if (!fs::is_regular_file(file.path, error)) return false;  // opening a pipe would wait for its writer
+  std::ifstream stream(file.path, std::ios::binary);
+  return stream && std::string((std::istreambuf_iterator<char>(stream)), {}) == file.bytes;
+}
+
+std::vector<fs::path> write_files(std::span<const OutputFile> files) {
+  std::vector<std::unique_ptr<PendingFile>> pending;
+  std::vector<fs::path> written;
+  for (const OutputFile& file : files) {
+    if (is_current(file)) continue;
+    create_folder_of(file.path);
+    pending.push_back(std::make_unique<PendingFile>(real_target(file.path)));
+    pending.back()->write(file.bytes);
+    written.push_back(file.path);
+  }
+  for (const auto& file : pending) file->rename_into_place();
+  return written;
+}
+
+void write_stdout(std::string_view text) {
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
+    throw BadInput(fmt::format("standard output: cannot be written: {}", std::strerror(errno)));
+}
+
+}  // namespace contactspline

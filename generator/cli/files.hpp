@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+// Reading input files and writing output files. A file is written completely or not at all, and only if it changes.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace contactspline {
+
+struct OutputFile {
+  std::filesystem::path path;
+  std::string bytes;
+};
+
+/// The content of a regular file. Throws BadInput, with the path in its message, if the file cannot be read or is
+/// larger than 1 MiB.
+[[nodiscard]] std::string read_input(const std::filesystem::path& path);
+
+/// Throws BadInput if an output is also an input or another output, because one would silently replace the other.
+void require_distinct(std::span<const std::filesystem::path> outputs, std::span<const std::filesystem::path> inputs);
+
+/// True if the file exists with exactly these bytes.
+[[nodiscard]] bool is_current(const OutputFile& file);
+
+/// Writes all files that are not current, and creates their folders. All contents are on disk under temporary names
+/// before the first one is renamed into place, so an old file is never damaged. Returns the paths of the written
+/// files. Throws BadInput if a file cannot be written; then it removes all temporary files.
+std::vector<std::filesystem::path> write_files(std::span<const OutputFile> files);
+
+/// Writes to standard output. Throws BadInput if that fails.
+void write_stdout(std::string_view text);
+
+}  // namespace contactspline

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: MIT
+#include "generator/cli/inputs.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+
+#include "generator/cli/files.hpp"
+#include "generator/emit/emit_keyboard.hpp"
+#include "generator/emit/emit_material.hpp"
+#include "generator/emit/emit_resonator.hpp"
+#include "generator/player/score_reader.hpp"
+#include "generator/resonator/keyboard_reader.hpp"
+#include "generator/resonator/resonator_reader.hpp"
+#include "generator/support/embedded_files.hpp"
+#include "generator/support/error.hpp"
+#include "generator/support/json_reader.hpp"
+
+namespace contactspline {
+namespace {
+
+Source material_source(const std::string& argument, Design design) {
+  const std::string name = design.material.name;
+  auto files = input_files(argument, design.material);
+  return {name,
+          [design = std::move(design)](const Emitter& emitter, std::string_view command) {
+            return emit(emitter, design, command);
+          },
+          std::move(files)};
+}
+
+// Something must sound; where modes are left out, a line says so.
+void check_modes(const Resonator& resonator, double max_frequency_hz) {
+  const ModeSet set = modes_of(resonator, max_frequency_hz);
+  if (set.modes.empty())
+    throw BadInput(
+        fmt::format("{}: constant_loss_per_s: no mode below {} Hz sounds; allowed: losses below the frequencies",
+                    resonator.name, max_frequency_hz));
+  if (!set.cut) return;
+  const auto line = fmt::format("contactspline: {}: max_modes: {} leaves out modes below {} Hz\n", resonator.name,
+                                resonator.max_modes, max_frequency_hz);
+  std::fputs(line.c_str(), stderr);
+}
+
+Source resonator_source(Resonator resonator, double max_frequency_hz) {
+  check_modes(resonator, max_frequency_hz);
+  const std::string name = resonator.name;
+  return {name,
+          [=, resonator = std::move(resonator)](const Emitter& emitter, std::string_view command) {
+            return emit(emitter, resonator, max_frequency_hz, command);
+          },
+          {}};
+}
+
+Source keyboard_source(Keyboard keyboard) {
+  const std::string name = keyboard.name;
+  return {name,
+          [keyboard = std::move(keyboard)](const Emitter& emitter, std::string_view command) {
+            return emit(emitter, keyboard, command);
+          },
+          {}};
+}
+
+// Reads what a material file names, from beside it.
+ReadFile reader_beside(const std::filesystem::path& material_file) {
+  return [folder = material_file.parent_path()](const std::string& path) { return read_input(folder / path); };
+}
+
+const EmbeddedFile* shipped(Shipped folder, const std::string& name) {
+  return find_embedded(folder, name + ".json");
+}
+
+[[noreturn]] void refuse_name(const std::string& argument, std::string_view kinds,
+                              std::initializer_list<Shipped> folders) {
+  std::vector<std::string> names;
+  for (const Shipped folder : folders)
+    for (std::string& name : shipped_names(folder)) names.push_back(std::move(name));
+  throw BadInput(fmt::format("{}: MATERIAL: no such {} ships; allowed: a .json file, {}", argument, kinds,
+                             fmt::join(names, ", ")));
+}
+
+// The key that tells a resonator file or a keyboard file from a material file, which has a contact and a spline.
+bool is_resonator(std::string_view text, std::string_view file) {
+  constexpr const char* kKeys[] = {"string", "bar", "membrane", "modes", "strike", "pickup", "max_modes"};
+  return json_has_any(text, file, kKeys);
+}
+bool is_keyboard(std::string_view text, std::string_view file) {
+  constexpr const char* kKeys[] = {"keyboard"};
+  return json_has_any(text, file, kKeys);
+}
+
+Source file_source(const std::string& file, double max_frequency_hz) {
+  const std::string text = read_input(file);
+  if (!is_resonator(text, file) && !is_keyboard(text, file))
+    return material_source(file, design_material(text, file, reader_beside(file)));
+  Source source = is_resonator(text, file) ? resonator_source(parse_resonator(text, file), max_frequency_hz)
+                                           : keyboard_source(parse_keyboard(text, file));
+  source.files = {file};
+  return source;
+}
+
+bool is_midi(std::string_view file) {
+  return file.ends_with(".mid");
+}
+
+ScoreSource shipped_score(const std::string& name) {
+  if (const auto* midi = find_embedded(Shipped::kScores, name + ".mid"))
+    return {parse_midi_score(midi->content, midi->name), {}};
+  const auto* score = shipped(Shipped::kScores, name);
+  if (score == nullptr)
+    throw BadInput(fmt::format("{}: SCORE: no such score ships; allowed: a .json or .mid file, {}", name,
+                               fmt::join(shipped_names(Shipped::kScores), ", ")));
+  return {parse_score(score->content, score->name, read_input), {}};
+}
+
+}  // namespace
+
+Design design_argument(const std::string& argument) {
+  if (is_path(argument)) return design_material(read_input(argument), argument, reader_beside(argument));
+  const auto* material = shipped(Shipped::kMaterials, argument);
+  if (material == nullptr) refuse_name(argument, "material", {Shipped::kMaterials});
+  return design_material(material->content, material->name);
+}
+
+std::vector<std::filesystem::path> input_files(const std::string& argument, const Material& material) {
+  if (!is_path(argument)) return {};
+  std::vector<std::filesystem::path> files{argument};
+  if (material.measured) files.push_back(files.front().parent_path() / material.measured->file);
+  return files;
+}
+
+std::optional<Resonator> resonator_argument(const std::string& argument) {
+  if (const auto* file = shipped(Shipped::kResonators, argument)) return parse_resonator(file->content, file->name);
+  if (!is_path(argument)) return std::nullopt;
+  const std::string text = read_input(argument);
+  return is_resonator(text, argument) ? std::optional(parse_resonator(text, argument)) : std::nullopt;
+}
+
+Source source_argument(const std::string& argument, double max_frequency_hz) {
+  if (is_path(argument)) return file_source(argument, max_frequency_hz);
+  if (const auto* file = shipped(Shipped::kResonators, argument))
+    return resonator_source(parse_resonator(file->content, file->name), max_frequency_hz);
+  if (const auto* file = shipped(Shipped::kKeyboards, argument))
+    return keyboard_source(parse_keyboard(file->content, file->name));
+  if (shipped(Shipped::kMaterials, argument) == nullptr)
+    refuse_name(argument, "material, resonator or keyboard",
+                {Shipped::kMaterials, Shipped::kResonators, Shipped::kKeyboards});
+  return material_source(argument, design_argument(argument));
+}
+
+ScoreSource score_argument(const std::string& argument) {
+  if (!is_path(argument)) return shipped_score(argument);
+  const std::filesystem::path file = argument;
+  ScoreSource source;
+  source.files.push_back(file);
+  const auto read = [&](const std::string& path) {  // relative to the score
+    source.files.push_back(file.parent_path() / path);
+    return read_input(source.files.back());
+  };
+  source.score = is_midi(argument) ? parse_midi_score(read_input(file), argument)
+                                   : parse_score(read_input(file), argument, read);
+  return source;
+}
+
+}  // namespace contactspline

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// The arguments of the command line that name a file or something that ships: MATERIAL and SCORE.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "generator/emit/emitter.hpp"
+#include "generator/player/score.hpp"
+#include "generator/resonator/resonator.hpp"
+#include "generator/spline/design.hpp"
+
+namespace contactspline {
+
+/// Reads and designs a MATERIAL: a file if it ends in .json or .mid or has a slash, else the name of one that ships.
+/// Throws BadInput.
+[[nodiscard]] Design design_argument(const std::string& argument);
+
+/// The files that a MATERIAL argument was read from: none for a shipped name.
+[[nodiscard]] std::vector<std::filesystem::path> input_files(const std::string& argument, const Material& material);
+
+/// The resonator of such an argument, or nothing if it is not a resonator. Throws BadInput.
+[[nodiscard]] std::optional<Resonator> resonator_argument(const std::string& argument);
+
+/// What `generate` turns into source text: a material, a resonator or a keyboard.
+struct Source {
+  std::string name;
+  std::function<std::string(const Emitter&, std::string_view command)> emit;
+  std::vector<std::filesystem::path> files;  ///< it was read from; none for a shipped name
+};
+
+/// Reads a MATERIAL argument of `generate`. A resonator keeps its modes below max_frequency_hz; if its own limit
+/// leaves out some of them, a line on standard error says so. Throws BadInput.
+[[nodiscard]] Source source_argument(const std::string& argument, double max_frequency_hz);
+
+/// A score and the files it was read from.
+struct ScoreSource {
+  Score score;
+  std::vector<std::filesystem::path> files;
+};
+
+/// Reads a SCORE and the resonators and materials it names: a file if it ends in .json or .mid or has a slash, else
+/// the name of one that ships. Throws BadInput.
+[[nodiscard]] ScoreSource score_argument(const std::string& argument);
+
+}  // namespace contactspline

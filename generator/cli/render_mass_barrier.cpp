@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+// contactspline render mass-barrier: a bouncing mass to a sound file and a figure.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "generator/cli/commands.hpp"
+#include "generator/cli/figures.hpp"
+#include "generator/cli/files.hpp"
+#include "generator/cli/inputs.hpp"
+#include "generator/cli/render_output.hpp"
+#include "generator/cli/wav.hpp"
+#include "generator/support/error.hpp"
+
+namespace contactspline {
+namespace {
+
+double option_or(std::optional<double> given, const Design& design, double Impact::*member,
+                 const MassBarrierOptions& options, const char* option) {
+  if (given) return *given;
+  const auto& impact = design.material.impact;
+  if (!impact)
+    throw BadInput(
+        fmt::format("{}: {}: missing, and the material has no impact; allowed: a number", options.material, option));
+  return (*impact).*member;
+}
+
+MassBarrierScore score_of(const MassBarrierOptions& options, const Design& design) {
+  const double mass_kg = option_or(options.mass_kg, design, &Impact::mass_kg, options, "--mass");
+  const double speed = option_or(options.speed_m_per_s, design, &Impact::max_speed_m_per_s, options, "--speed");
+  return {{.mass_kg = mass_kg,
+           .gravity_m_per_s2 = options.gravity_m_per_s2,
+           .contact = {.stiffness_ratio = options.stiffness_ratio,
+                       .loss_s_per_m = options.loss_s_per_m.value_or(design.material.loss_s_per_m)}},
+          options.start_m,
+          speed,
+          options.duration_s,
+          static_cast<double>(options.output.sample_rate_hz)};
+}
+
+double peak_of(std::span<const double> signal) {
+  double peak = 0;
+  for (const double value : signal) peak = std::max(peak, std::abs(value));
+  return peak;
+}
+
+std::size_t contacts_in(std::span<const double> force) {
+  std::size_t contacts = 0;
+  for (std::size_t i = 0; i < force.size(); ++i) contacts += force[i] > 0 && (i == 0 || force[i - 1] == 0);
+  return contacts;
+}
+
+}  // namespace
+
+void render_mass_barrier(const MassBarrierOptions& options) {
+  require_short("--duration", options.duration_s, options.output.sample_rate_hz);
+  const Design design = design_argument(options.material);
+  const std::string svg = figure_file(options.output);
+  require_distinct({{options.output.sound, svg}}, input_files(options.material, design.material));
+  const auto motion = play_mass_barrier(segment_table(design.spline), score_of(options, design), show_progress);
+  const auto& signal = options.signal == "force" ? motion.force_n : motion.displacement_m;
+  const double peak = peak_of(signal);
+  const std::vector<OutputFile> files = {
+      {options.output.sound, wav_bytes(signal, scale_to_peak(peak), 1, options.output.sample_rate_hz)},
+      {svg, figure_of(motion, fmt::format("mass on a barrier: {}", design.material.name))}};
+  write_files(files);
+  write_stdout(fmt::format(
+      "{} contacts in {} s, largest force {:.4g} N\nfull scale of the sound: {:.4g} {}\nsound:  {}\nfigure: {}\n",
+      contacts_in(motion.force_n), options.duration_s, peak_of(motion.force_n), peak / kPeak,
+      options.signal == "force" ? "N" : "m", options.output.sound, svg));
+}
+
+}  // namespace contactspline

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+#include "generator/emit/emit_keyboard.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <bit>
+#include <vector>
+
+#include "contactspline/version.hpp"
+#include "generator/spline/design.hpp"
+#include "generator/support/number_literal.hpp"
+#include "generator/support/text_template.hpp"
+
+namespace contactspline {
+namespace {
+
+std::vector<KeyboardNote> all_notes(const Keyboard& keyboard) {
+  std::vector<KeyboardNote> notes;
+  for (int key = keyboard.first_key; key <= keyboard.last_key; ++key) notes.push_back(note_of(keyboard, key));
+  return notes;
+}
+
+template <typename NumberOf>
+std::string column(const std::vector<KeyboardNote>& notes, NumberOf number_of) {
+  std::vector<double> values;
+  for (const KeyboardNote& note : notes) values.push_back(number_of(note));
+  return literal_rows(values, 4);
+}
+
+void add_strings(TemplateValues& values, const std::vector<KeyboardNote>& notes) {
+  values["LENGTHS"] = column(notes, [](const KeyboardNote& n) { return n.string.length_m; });
+  values["MASSES"] = column(notes, [](const KeyboardNote& n) { return n.string.mass_kg; });
+  values["TENSIONS"] = column(notes, [](const KeyboardNote& n) { return n.string.tension_n; });
+  values["BENDING_STIFFNESSES"] =
+      column(notes, [](const KeyboardNote& n) { return n.string.bending_stiffness_n_m2; });
+  values["CONSTANT_LOSSES"] = column(notes, [](const KeyboardNote& n) { return n.string.losses.constant_per_s; });
+  values["QUADRATIC_LOSSES"] =
+      column(notes, [](const KeyboardNote& n) { return n.string.losses.quadratic_m2_per_s; });
+  values["STRIKE_POSITIONS"] = column(notes, [](const KeyboardNote& n) { return n.strike_position_m; });
+  values["HAMMER_MASSES"] = column(notes, [](const KeyboardNote& n) { return n.hammer_mass_kg; });
+}
+
+// Whole numbers, as Faust and C++ read them.
+std::string strings_of(const std::vector<KeyboardNote>& notes) {
+  std::vector<int> strings;
+  for (const KeyboardNote& note : notes) strings.push_back(note.strings);
+  return fmt::format("    {}", fmt::join(strings, ", "));
+}
+
+void add_felts(TemplateValues& values, const Keyboard& keyboard, const std::vector<KeyboardNote>& notes) {
+  std::vector<double> knots, energies, forces, half_curvatures;
+  for (KeyboardNote note : notes)
+    for (const Segment<double>& segment : segment_table(design_spline(note.felt, keyboard.name))) {
+      knots.push_back(segment.knot);
+      energies.push_back(segment.energy);
+      forces.push_back(segment.force);
+      half_curvatures.push_back(segment.half_curvature);
+    }
+  values["KNOTS"] = literal_rows(knots, 4);
+  values["ENERGIES"] = literal_rows(energies, 4);
+  values["FORCES"] = literal_rows(forces, 4);
+  values["HALF_CURVATURES"] = literal_rows(half_curvatures, 4);
+}
+
+}  // namespace
+
+std::string emit(const Emitter& emitter, const Keyboard& keyboard, std::string_view command) {
+  const auto notes = all_notes(keyboard);
+  TemplateValues values{{"VERSION", CONTACTSPLINE_VERSION},
+                        {"COMMAND", std::string(command)},
+                        {"NAME", keyboard.name},
+                        {"TITLE", keyboard.description.empty() ? keyboard.name : keyboard.description},
+                        {"FIRST_KEY", fmt::format("{}", keyboard.first_key)},
+                        {"LAST_KEY", fmt::format("{}", keyboard.last_key)},
+                        {"LAST_DAMPED_KEY", fmt::format("{}", keyboard.last_damped_key)},
+                        {"CONCERT_PITCH", literal(keyboard.concert_pitch_hz)},
+                        {"MIN_SPEED", literal(keyboard.min_speed_m_per_s)},
+                        {"MAX_SPEED", literal(keyboard.max_speed_m_per_s)},
+                        {"FELT_LOSS", literal(keyboard.felt_loss_s_per_m)},
+                        {"DAMPER", literal(keyboard.damper_per_s)},
+                        {"DAMPER_TIME", literal(keyboard.damper_time_s)},
+                        {"SEGMENTS", fmt::format("{}", keyboard.segments)}};
+  if (emitter.name != "json") values["KEYS"] = fmt::format("{}", notes.size());
+  if (emitter.name == "cpp") values["FORMAT_VERSION"] = fmt::format("{}", kFormatVersion);
+  if (emitter.name == "faust")
+    values["PROBES"] = fmt::format("{}", std::bit_width(static_cast<unsigned>(keyboard.segments)));
+  values["STRINGS"] = strings_of(notes);
+  add_strings(values, notes);
+  add_felts(values, keyboard, notes);
+  return fill_template(emitted_template("keyboard", emitter.extension), values);
+}
+
+}  // namespace contactspline

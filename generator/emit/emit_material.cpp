@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: MIT
+#include "generator/emit/emit_material.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <vector>
+
+#include "contactspline/version.hpp"
+#include "generator/spline/exponent_family.hpp"
+#include "generator/support/json_reader.hpp"
+#include "generator/support/number_literal.hpp"
+#include "generator/support/text_template.hpp"
+
+namespace contactspline {
+namespace {
+
+// Four digits are enough for a reader, and they do not depend on the machine's pow() and atan().
+double four_digits(double value) {
+  return value < 1e-12 ? 0.0 : rounded_to(value, 4);
+}
+
+std::string percent(double value) {
+  return fmt::format("{:.3g} %", 100 * four_digits(value));
+}
+
+std::vector<double> column(const Spline& spline, double Segment<double>::*member) {
+  std::vector<double> values;
+  for (const auto& segment : spline.segments) values.push_back(segment.*member);
+  return values;
+}
+
+void add_arrays(TemplateValues& values, const Spline& spline, int indent) {
+  const auto& [regular, normalised] = std::tie(spline.regular, spline.normalised);
+  const auto rows = [&](std::span<const double> array, int deeper = 0) {
+    return literal_rows(array, indent + deeper);
+  };
+  values["KNOTS"] = rows(column(spline, &Segment<double>::knot));
+  values["ENERGIES"] = rows(column(spline, &Segment<double>::energy));
+  values["FORCES"] = rows(column(spline, &Segment<double>::force));
+  values["HALF_CURVATURES"] = rows(column(spline, &Segment<double>::half_curvature));
+  values["REGULAR_A"] = rows(regular.a, 2);
+  values["REGULAR_B"] = rows(regular.b, 2);
+  values["REGULAR_C"] = rows(regular.c, 2);
+  values["NORMALISED_A"] = rows(normalised.a, 2);
+  values["NORMALISED_B"] = rows(normalised.b, 2);
+  values["NORMALISED_C"] = rows(normalised.c, 2);
+}
+
+std::string quality_lines(const Design& design) {
+  const Quality& q = design.quality;
+  std::string text =
+      fmt::format("// Worst force error {} of the largest force (rms {}), energy error {} (rms {}).",
+                  percent(q.force.worst), percent(q.force.rms), percent(q.energy.worst), percent(q.energy.rms));
+  if (q.impact)
+    text +=
+        fmt::format("\n// Impacts of {} kg at {} to {} m/s: contact duration within {}, max compression within {}.",
+                    design.material.impact->mass_kg, design.material.impact->min_speed_m_per_s,
+                    design.material.impact->max_speed_m_per_s, percent(q.impact->contact_duration),
+                    percent(q.impact->max_compression));
+  if (const auto& compensation = design.material.compensation)
+    text += fmt::format(
+        "\n// Compensated for {} Hz, {} kg and {} m/N, and measured so: force and energy differ on purpose.",
+        compensation->sample_rate_hz, compensation->mass_kg, compensation->compliance_m_per_n);
+  return text;
+}
+
+std::string quality_members(const Design& design) {
+  const Quality& q = design.quality;
+  std::string text;
+  const auto add = [&](std::string_view key, double value) {
+    text += fmt::format("{}    \"{}\": {}", text.empty() ? "" : ",\n", key, literal(four_digits(value)));
+  };
+  add("worst_force_error", q.force.worst);
+  add("rms_force_error", q.force.rms);
+  add("worst_energy_error", q.energy.worst);
+  add("rms_energy_error", q.energy.rms);
+  if (q.impact) add("worst_contact_duration_error", q.impact->contact_duration);
+  if (q.impact) add("worst_max_compression_error", q.impact->max_compression);
+  if (const auto& compensation = design.material.compensation)
+    text += fmt::format(",\n    \"simulated_at_hz\": {},\n    \"simulated_mass_kg\": {}",
+                        literal(compensation->sample_rate_hz), literal(compensation->mass_kg));
+  return text;
+}
+
+// The end of the comment on the normalised form: what it depends on.
+std::string normalised_note(const Design& design, std::string_view margin) {
+  return design.material.spline.knots == Knots::uniform
+             ? fmt::format(". That of a power law depends on exponent and number of\n{}// segments only.", margin)
+             : ": free of units.";
+}
+
+// Uniform knots are in units of their distance, other knots in units of the largest compression.
+std::string length_scale_name(const Design& design) {
+  return design.material.spline.knots == Knots::uniform ? "segment_width" : "length_scale";
+}
+
+// The contact law, for the comment at the top of a source file.
+std::string law_lines(const Material& material) {
+  if (const PowerLaw* law = material.contact.power_law())
+    return fmt::format("contact potential V(y) = k/(a+1) y^(a+1) with k = {} N/m^a,\n// a = {}, as",
+                       literal(law->stiffness), literal(law->exponent));
+  return fmt::format("contact force\n// {},\n// as", law_text(material));
+}
+
+// The constants of a power law, written with `format`; an empty text for other laws.
+std::string law_constants(const Material& material, std::string_view format) {
+  const PowerLaw* law = material.contact.power_law();
+  return law == nullptr ? "" : fmt::format(fmt::runtime(format), literal(law->stiffness), literal(law->exponent));
+}
+
+// One number of all segments of all members. The segments of each member follow after `first`.
+std::string member_rows(const ExponentFamily& family, double Segment<double>::*number,
+                        const std::vector<double>& first) {
+  std::vector<double> values;
+  for (const auto& member : family.members) {
+    values.insert(values.end(), first.begin(), first.end());
+    for (const Segment<double>& segment : member) values.push_back(segment.*number);
+  }
+  return literal_rows(values, 6);
+}
+
+// The measured errors of a family, in the syntax of the format; an empty text if the material has no impact.
+std::string family_quality(const Emitter& emitter, const Material& material, const ExponentFamily& family) {
+  const auto error = measure_family(family, material);
+  if (!error) return {};
+  if (emitter.name == "json")
+    return fmt::format(
+        "    \"quality\": {{\n      \"worst_contact_duration_error\": {},\n"
+        "      \"worst_max_compression_error\": {}\n    }},\n",
+        literal(four_digits(error->contact_duration)), literal(four_digits(error->max_compression)));
+  const auto margin = emitter.name == "cpp" ? "  " : "";
+  return fmt::format(
+      "{0}// At any exponent, impacts of {1} kg at {2} to {3} m/s: contact duration within {4}, max compression\n"
+      "{0}// within {5}.\n",
+      margin, material.impact->mass_kg, material.impact->min_speed_m_per_s, material.impact->max_speed_m_per_s,
+      percent(error->contact_duration), percent(error->max_compression));
+}
+
+// The exponent family of a material in the syntax of the format; an empty text if the material has none.
+std::string live_text(const Emitter& emitter, const Design& design) {
+  if (!design.material.live_exponent) return {};
+  const auto [min, max, members] = *design.material.live_exponent;
+  const auto segments = design.spline.segments.size();
+  const ExponentFamily family = exponent_family(design.material, static_cast<int>(segments));
+  const bool faust = emitter.name == "faust";
+  // Faust tables begin with "out of contact".
+  const std::vector<double> no_contact = faust ? std::vector{0.0} : std::vector<double>{};
+  TemplateValues values{{"MIN", literal(min)},
+                        {"MAX", literal(max)},
+                        {"MEMBERS", fmt::format("{}", members)},
+                        {"QUALITY", family_quality(emitter, design.material, family)},
+                        {"MAX_COMPRESSION", literal(family.max_compression_m)},
+                        {"KNOTS", literal_rows(family.knots_m, 6)},
+                        {"ENERGIES", member_rows(family, &Segment<double>::energy, no_contact)},
+                        {"FORCES", member_rows(family, &Segment<double>::force, no_contact)},
+                        {"HALF_CURVATURES", member_rows(family, &Segment<double>::half_curvature, no_contact)}};
+  if (emitter.name != "json") values["SEGMENTS"] = fmt::format("{}", segments);
+  if (faust) values["PROBES"] = fmt::format("{}", std::bit_width(segments));
+  std::string text = fill_template(emitted_template("live", emitter.extension), values);
+  text.pop_back();  // the template of the material has the last line end
+  return text;
+}
+
+TemplateValues common_values(const Design& design, std::string_view command) {
+  const Material& material = design.material;
+  return {{"VERSION", CONTACTSPLINE_VERSION},
+          {"COMMAND", std::string(command)},
+          {"NAME", material.name},
+          {"TITLE", title_of(material)},
+          {"LOSS", literal(material.loss_s_per_m)},
+          {"MAX_COMPRESSION", literal(material.spline.max_compression_m)},
+          {"LENGTH_SCALE_NAME", length_scale_name(design)},
+          {"LENGTH_SCALE", literal(design.spline.length_scale_m)},
+          {"ENERGY_SCALE", literal(design.spline.energy_scale_j)}};
+}
+
+TemplateValues source_values(const Design& design, std::string_view command) {
+  TemplateValues values = common_values(design, command);
+  const bool uniform = design.material.spline.knots == Knots::uniform;
+  values["SEGMENTS"] = fmt::format("{}", design.spline.segments.size());
+  values["END"] =
+      literal(design.material.compensation ? design.spline.end_m : design.material.spline.max_compression_m);
+  values["KNOT_FAMILY"] = uniform ? "" : fmt::format("{} ", name_of(design.material.spline.knots));
+  values["SCALED_BY"] = uniform ? "y in segment widths" : "y in length scales";
+  values["QUALITY"] = quality_lines(design);
+  values["LAW"] = law_lines(design.material);
+  values["NORMALISED_KNOTS"] = literal_rows(design.spline.normalised_knots, 4);
+  return values;
+}
+
+TemplateValues faust_values(const Design& design, std::string_view command) {
+  TemplateValues values = source_values(design, command);
+  add_arrays(values, design.spline, 2);
+  for (const auto unused : {"REGULAR_A", "REGULAR_B", "REGULAR_C"}) values.erase(unused);
+  values["LAW_CONSTANTS"] = law_constants(design.material, "stiffness = {};\nexponent = {};\n");
+  values["NORMALISED_LOSS"] = literal(design.material.loss_s_per_m * design.spline.length_scale_m);
+  values["FREE_OF_FAUST"] = normalised_note(design, "");
+  values["PROBES"] = fmt::format("{}", std::bit_width(design.spline.segments.size()));
+  return values;
+}
+
+TemplateValues cpp_values(const Design& design, std::string_view command) {
+  TemplateValues values = source_values(design, command);
+  add_arrays(values, design.spline, 4);
+  values["FORMAT_VERSION"] = fmt::format("{}", kFormatVersion);
+  values["LAW_CONSTANTS"] = law_constants(design.material,
+                                          "  static constexpr double stiffness_n_per_m_alpha = {};\n"
+                                          "  static constexpr double exponent = {};\n");
+  values["NORMALISED_LOSS"] = literal(design.material.loss_s_per_m * design.spline.length_scale_m);
+  values["FREE_OF_CPP"] = normalised_note(design, "  ");
+  values["PER_LENGTH"] =
+      design.material.spline.knots == Knots::uniform ? "s per segment width" : "s per length scale";
+  return values;
+}
+
+TemplateValues json_values(const Design& design, std::string_view command) {
+  TemplateValues values = common_values(design, command);
+  add_arrays(values, design.spline, 4);
+  values["QUALITY"] = quality_members(design);
+  values["LAW_MEMBERS"] =
+      design.material.contact.power_law() == nullptr
+          ? fmt::format("  \"law\": {},\n", json_string(law_text(design.material)))
+          : law_constants(design.material, "  \"stiffness_n_per_m_alpha\": {},\n  \"exponent\": {},\n");
+  return values;
+}
+
+}  // namespace
+
+std::string emit(const Emitter& emitter, const Design& design, std::string_view command) {
+  const auto values_of = emitter.name == "faust" ? faust_values : emitter.name == "cpp" ? cpp_values : json_values;
+  TemplateValues values = values_of(design, command);
+  values["LIVE"] = live_text(emitter, design);
+  return fill_template(emitted_template("material", emitter.extension), values);
+}
+
+}  // namespace contactspline

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+// The output formats of `generate`.
+#pragma once
+
+#include <span>
+#include <string_view>
+
+namespace contactspline {
+
+/// One output format.
+struct Emitter {
+  std::string_view name;       ///< the word for --emit
+  std::string_view extension;  ///< of the written file and of its template
+};
+
+/// The formats faust, cpp and json.
+[[nodiscard]] std::span<const Emitter> emitters();
+
+}  // namespace contactspline

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+#include "generator/material/material.hpp"
+
+#include <fmt/format.h>
+
+namespace contactspline {
+namespace {
+
+std::string term_text(const PowerTerm& term) {
+  const std::string base = term.offset_m == 0 ? "y" : fmt::format("(y - {})", term.offset_m);
+  return fmt::format("{} {}^{}", term.law.stiffness, base, term.law.exponent);
+}
+
+std::string measurement_text(const Measurement& measured) {
+  return fmt::format("F(y) smoothed from {} samples of {} up to {:.6g} m", measured.samples.size(), measured.file,
+                     measured.samples.back().compression_m);
+}
+
+}  // namespace
+
+std::string title_of(const Material& material) {
+  return material.description.empty() ? material.name : material.description;
+}
+
+std::string law_text(const Material& material) {
+  if (const PowerLaw* law = material.contact.power_law())
+    return fmt::format("V(y) = k/(a+1) y^(a+1), k = {} N/m^a, a = {}", law->stiffness, law->exponent);
+  if (material.measured) return measurement_text(*material.measured);
+  std::string text;
+  for (const PowerTerm& term : std::get<PowerSum>(material.contact.law()).terms)
+    text += (text.empty() ? "F(y) = " : " + ") + term_text(term);
+  return text + ", in parallel";
+}
+
+std::string_view name_of(Knots knots) {
+  return knots == Knots::uniform ? "uniform" : knots == Knots::graded ? "graded" : "optimal";
+}
+
+}  // namespace contactspline

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: MIT
+#include "generator/player/midi_reader.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdio>
+#include <limits>
+#include <map>
+#include <string>
+#include <utility>
+
+// The library's header wants std::size_t.
+#include <portSMF/mfmidi.h>
+
+#include "generator/support/error.hpp"
+#include "generator/support/json_reader.hpp"
+
+namespace contactspline {
+namespace {
+
+constexpr int kTrackName = 3;
+constexpr std::size_t kLongestTitle = 100;
+constexpr int kDrums = 9;  // the tenth channel
+constexpr int kSustainPedal = 64;
+constexpr int kPedalDown = 64;
+constexpr long kLastTick = 1L << 40;  // far beyond an hour
+
+[[noreturn]] void fail(std::string_view file, std::string_view wrong) {
+  throw BadInput(fmt::format("{}: MIDI: {}; allowed: a standard MIDI file of format 0 or 1", file, wrong));
+}
+
+/// What of a file is heard: a key, the pedal or the tempo.
+struct MidiEvent {
+  enum Kind { kKey, kPedal, kTempo } kind;
+  long tick;
+  int channel, number, value;  ///< a key with its velocity (0: let go), the pedal's position, microseconds a quarter
+};
+
+/// The library reads a file byte by byte and calls what it finds. Whatever is wrong throws.
+class Reader final : private Midifile_reader {
+ public:
+  explicit Reader(std::string_view file) : file_(file) {}
+  Reader(const Reader&) = delete;
+  Reader& operator=(const Reader&) = delete;
+  ~Reader() { finalize(); }
+
+  std::vector<MidiEvent> events_in(std::string_view bytes) {
+    // The library reads an empty message through a null pointer unless it has had one with content before.
+    constexpr std::string_view kOneText("MThd\0\0\0\6\0\0\0\1\0\1MTrk\0\0\0\11\0\377\1\1\0\0\377\57\0", 31);
+    read(kOneText);
+    read(bytes);
+    return std::move(events_);
+  }
+  [[nodiscard]] const std::string& title() const { return title_; }
+  [[nodiscard]] int division() const { return division_; }
+
+ private:
+  void read(std::string_view bytes) {
+    bytes_ = bytes;
+    midifile();
+  }
+
+  void add(MidiEvent::Kind kind, int channel, int number, int value) {
+    if (Mf_currtime < last_tick_ || Mf_currtime > kLastTick) fail(file_, "a time is damaged");
+    last_tick_ = Mf_currtime;
+    if (number < 0 || number > 127 || value < 0 || (kind != MidiEvent::kTempo && value > 127))
+      fail(file_, fmt::format("a data byte of channel {} is above 127", channel + 1));
+    if (channel != kDrums) events_.push_back({kind, Mf_currtime, channel, number, value});
+  }
+
+  // The library reads a message of a fixed length whole, even where the file has fewer bytes of it: zeros.
+  void* Mf_malloc(std::size_t size) override { return new char[size](); }
+  void Mf_free(void* object, std::size_t) override { delete[] static_cast<char*>(object); }
+  int Mf_getc() override {
+    if (bytes_.empty()) return EOF;
+    const auto byte = static_cast<unsigned char>(bytes_.front());
+    bytes_.remove_prefix(1);
+    return byte;
+  }
+  void Mf_error(char* what) override { fail(file_, shown(what)); }
+  void Mf_header(int format, int, int division) override {
+    if (format > 1) fail(file_, fmt::format("it has format {}", format));
+    if (division == 0) fail(file_, "its unit of time is 0");
+    division_ = division;
+  }
+  void Mf_starttrack() override {
+    last_tick_ = 0;
+    has_ended_ = false;
+  }
+  void Mf_endtrack() override {
+    if (!has_ended_) fail(file_, "a track has no end");
+  }
+  void Mf_eot() override { has_ended_ = true; }
+  void Mf_on(int channel, int key, int velocity) override { add(MidiEvent::kKey, channel, key, velocity); }
+  void Mf_off(int channel, int key, int) override { add(MidiEvent::kKey, channel, key, 0); }
+  void Mf_controller(int channel, int number, int value) override {
+    if (number == kSustainPedal) add(MidiEvent::kPedal, channel, number, value);
+  }
+  void Mf_tempo(int microseconds) override {
+    if (microseconds <= 0) fail(file_, "a tempo is 0");
+    add(MidiEvent::kTempo, 0, 0, microseconds);
+  }
+  void Mf_chanprefix(int) override {}
+  void Mf_portprefix(int) override {}
+  void Mf_pressure(int, int, int) override {}
+  void Mf_pitchbend(int, int, int) override {}
+  void Mf_program(int, int) override {}
+  void Mf_chanpressure(int, int) override {}
+  void Mf_sysex(int, unsigned char*) override {}
+  void Mf_arbitrary(int, unsigned char*) override {}
+  void Mf_metamisc(int, int, unsigned char*) override {}
+  void Mf_seqnum(int) override {}
+  void Mf_smpte(int, int, int, int, int) override {}
+  void Mf_timesig(int, int, int, int) override {}
+  void Mf_keysig(int, int) override {}
+  void Mf_sqspecific(int, unsigned char*) override {}
+  void Mf_text(int type, int length, unsigned char* text) override {
+    if (type == kTrackName && title_.empty() && length > 0)
+      title_ = shown({reinterpret_cast<const char*>(text), static_cast<std::size_t>(length)}, kLongestTitle);
+  }
+
+  std::string_view file_, bytes_;
+  std::string title_;
+  std::vector<MidiEvent> events_;
+  long last_tick_ = 0;
+  int division_ = 0;
+  bool has_ended_ = false;
+};
+
+/// Seconds from ticks that come in rising order.
+class Clock {
+ public:
+  /// division: ticks a quarter, or, above 0x7fff, minus frames a second and ticks a frame in a byte each.
+  explicit Clock(int division) {
+    const int frames = 256 - (division >> 8);
+    if (division > 0x7fff)
+      tick_s_ = 1 / ((frames == 29 ? 29.97 : frames) * std::max(1, division & 0xff));
+    else
+      quarter_ticks_ = division, set_tempo(500'000);
+  }
+
+  double at(long tick) {
+    time_s_ += static_cast<double>(tick - tick_) * tick_s_;
+    tick_ = tick;
+    return time_s_;
+  }
+  void set_tempo(int microseconds) {
+    if (quarter_ticks_ > 0) tick_s_ = 1e-6 * microseconds / quarter_ticks_;
+  }
+
+ private:
+  int quarter_ticks_ = 0;
+  double tick_s_ = 0, time_s_ = 0;
+  long tick_ = 0;
+};
+
+/// Keys and pedals of all channels: which notes sound on.
+class NoteTracker {
+ public:
+  void key(double time_s, int channel, int key, int velocity) {
+    let_go(time_s, channel, key);
+    if (velocity == 0) return;
+    pressed_[{channel, key}] = notes_.size();
+    notes_.push_back({time_s, 0, key, velocity});
+  }
+
+  void pedal(double time_s, int channel, bool down) {
+    Channel& of = channels_[static_cast<std::size_t>(channel)];
+    of.pedal_is_down = down;
+    if (down) return;
+    for (const std::size_t note : std::exchange(of.held, {})) end(note, time_s);
+  }
+
+  std::vector<MidiNote> notes_at_end(double time_s) {
+    for (const auto& [key, note] : std::exchange(pressed_, {})) end(note, time_s);
+    for (int channel = 0; channel < 16; ++channel) pedal(time_s, channel, false);
+    return std::move(notes_);
+  }
+
+ private:
+  struct Channel {
+    bool pedal_is_down = false;
+    std::vector<std::size_t> held;  ///< notes that only the pedal holds
+  };
+
+  void let_go(double time_s, int channel, int key) {
+    const auto pressed = pressed_.find({channel, key});
+    if (pressed == pressed_.end()) return;
+    Channel& of = channels_[static_cast<std::size_t>(channel)];
+    if (of.pedal_is_down)
+      of.held.push_back(pressed->second);
+    else
+      end(pressed->second, time_s);
+    pressed_.erase(pressed);
+  }
+
+  void end(std::size_t note, double time_s) { notes_[note].hold_s = time_s - notes_[note].time_s; }
+
+  std::vector<MidiNote> notes_;
+  std::map<std::pair<int, int>, std::size_t> pressed_;  ///< channel and key to note
+  std::array<Channel, 16> channels_;
+};
+
+}  // namespace
+
+MidiSong parse_midi(std::string_view bytes, std::string_view file) {
+  Reader reader(file);
+  auto events = reader.events_in(bytes);
+  std::ranges::stable_sort(events, {}, &MidiEvent::tick);
+  Clock clock(reader.division());
+  NoteTracker tracker;
+  double time = 0;
+  for (const auto& [kind, tick, channel, number, value] : events) {
+    time = clock.at(tick);
+    if (kind == MidiEvent::kTempo) clock.set_tempo(value);
+    if (kind == MidiEvent::kKey) tracker.key(time, channel, number, value);
+    if (kind == MidiEvent::kPedal) tracker.pedal(time, channel, value >= kPedalDown);
+  }
+  auto notes = tracker.notes_at_end(time);
+  if (notes.empty()) fail(file, "it has no note");
+  return {reader.title(), std::move(notes)};
+}
+
+}  // namespace contactspline

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+#include "generator/player/score.hpp"
+
+#include <array>
+#include <limits>
+
+namespace contactspline {
+namespace {
+
+constexpr double kUnset = std::numeric_limits<double>::quiet_NaN();
+
+constexpr Range kMass{1e-6, 100};
+constexpr Range kPlace{0, 100};
+constexpr Range kDecay{0, 1e5};
+constexpr Range kRatio{1e-6, 1e6};
+constexpr Range kLoss{0, 1e3};
+constexpr Range kHeight{-0.1, 0.1};
+constexpr Range kForce{-1e3, 1e3};
+constexpr Range kStiffness{0, 1e9};
+constexpr Range kResistance{0, 1e6};
+constexpr Range kVibrato{0, 0.1};
+constexpr Range kVibratoRate{0, 100};
+
+constexpr std::array kHammerControls = {
+    ControlName{"hammer_mass_kg", kMass, kUnset}, ControlName{"stiffness_ratio", kRatio, 1},
+    ControlName{"loss_s_per_m", kLoss, 0}, ControlName{"damping_per_s", kDecay, 0},
+    ControlName{"strike_m", kPlace, kUnset}};
+
+constexpr std::array kSlideControls = {ControlName{"place_m", kPlace, kUnset},
+                                       ControlName{"slide_mass_kg", kMass, kUnset},
+                                       ControlName{"hand_force_n", kForce, 0},
+                                       ControlName{"hand_stiffness_n_per_m", kStiffness, 0},
+                                       ControlName{"hand_resistance_n_s_per_m", kResistance, 0},
+                                       ControlName{"rest_resistance_n_s_per_m", kResistance, 0},
+                                       ControlName{"pluck_force_n", kForce, 0},
+                                       ControlName{"stiffness_ratio", kRatio, 1},
+                                       ControlName{"loss_s_per_m", kLoss, 0},
+                                       ControlName{"vibrato_m", kVibrato, 0},
+                                       ControlName{"vibrato_hz", kVibratoRate, 0}};
+
+constexpr std::array kFretControls = {
+    ControlName{"place_m", kPlace, kUnset},    ControlName{"gap_m", kHeight, kUnset},
+    ControlName{"pluck_force_n", kForce, 0},   ControlName{"damping_per_s", kDecay, 0},
+    ControlName{"stiffness_ratio", kRatio, 1}, ControlName{"loss_s_per_m", kLoss, 0}};
+
+struct InstrumentName {
+  std::string_view name;
+  std::span<const ControlName> controls;
+};
+
+const InstrumentName& named(Instrument instrument) {
+  static constexpr std::array kNames = {InstrumentName{"hammer-string", kHammerControls},
+                                        InstrumentName{"slide-string", kSlideControls},
+                                        InstrumentName{"fret-string", kFretControls}};
+  return kNames[static_cast<std::size_t>(instrument)];
+}
+
+}  // namespace
+
+std::string_view name_of(Instrument instrument) {
+  return named(instrument).name;
+}
+
+std::span<const ControlName> controls_of(Instrument instrument) {
+  return named(instrument).controls;
+}
+
+}  // namespace contactspline

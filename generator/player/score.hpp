@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+// Scores: what an instrument plays.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "contactspline/contact.hpp"
+#include "contactspline/hammer_voice.hpp"
+#include "generator/resonator/resonator.hpp"
+#include "generator/support/json_reader.hpp"
+
+namespace contactspline {
+
+enum class Instrument { kHammerString, kSlideString, kFretString };
+
+/// As scores and the command line name it: hammer-string, slide-string, fret-string.
+[[nodiscard]] std::string_view name_of(Instrument instrument);
+
+/// A live control of an instrument, as scores name it.
+struct ControlName {
+  const char* name;
+  Range range;
+  double initial;  ///< NaN: a score must set it at time 0
+};
+
+/// Places of the controls among a voice's values.
+struct HammerStringControl {
+  enum : std::size_t { kHammerMass, kStiffnessRatio, kLoss, kDamping, kPlace };
+};
+struct SlideStringControl {
+  enum : std::size_t {
+    kPlace,
+    kSlideMass,
+    kHandForce,
+    kHandStiffness,
+    kHandResistance,
+    kRestResistance,
+    kPluckForce,
+    kStiffnessRatio,
+    kLoss,
+    kVibratoDepth,
+    kVibratoRate
+  };
+};
+struct FretStringControl {
+  enum : std::size_t { kPlace, kGap, kPluckForce, kDamping, kStiffnessRatio, kLoss };
+};
+
+/// The controls of an instrument, in the order of the enumerations above.
+[[nodiscard]] std::span<const ControlName> controls_of(Instrument instrument);
+
+/// A control that moves from its value at `time_s` to another one, within `over_s`, easing in and out; 0: at once.
+struct Glide {
+  double time_s;
+  double over_s;
+  std::size_t control;
+  double to;
+};
+
+/// A hammer thrown at a resonator; after `hold_s` the damper falls, if no other note holds it.
+struct Strike {
+  double time_s;
+  double speed_m_per_s;
+  double hold_s;  ///< infinite: for ever
+};
+
+/// One resonator with its hammer, slide or fret.
+struct Voice {
+  std::string name;
+  Resonator resonator;
+  std::vector<Segment<double>> contact;  ///< table of the contact potential
+  std::vector<double> initial;           ///< values of the controls before the first event
+  std::vector<Glide> glides;             ///< by rising time
+  std::vector<Strike> strikes;           ///< by rising time; hammer-string
+  Damper damper = {};                    ///< hammer-string
+  double pluck_m = 0;                    ///< place of the pluck; slide-string and fret-string
+  double height_m = 0;                   ///< of the slide before the string at the beginning; slide-string
+  double strings = 1;                    ///< number of identical strings that the resonator stands for
+  double pan = 0;                        ///< -1 left to 1 right
+};
+
+struct Score {
+  Instrument instrument;
+  std::string description;  ///< one line, may be empty
+  double duration_s;
+  std::vector<Voice> voices;
+};
+
+}  // namespace contactspline

@@ -1,0 +1,480 @@
+// SPDX-License-Identifier: MIT
+#include "generator/player/score_player.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <concepts>
+#include <limits>
+#include <numbers>
+#include <span>
+
+#include "contactspline/flush_denormals.hpp"
+#include "contactspline/fret_string.hpp"
+#include "contactspline/hammer_voice.hpp"
+#include "contactspline/slide_string.hpp"
+#include "generator/support/error.hpp"
+
+namespace contactspline {
+namespace {
+
+constexpr std::size_t kColumns = 1200;
+
+std::size_t sample_at(double time_s, double sample_rate_hz) {
+  return static_cast<std::size_t>(std::llround(time_s * sample_rate_hz));
+}
+
+/// The controls of a voice over time.
+class ControlTrack {
+ public:
+  ControlTrack(const Voice& voice, double sample_rate_hz)
+      : glides_(voice.glides), sample_rate_hz_(sample_rate_hz), values_(voice.initial), moves_(values_.size()) {}
+
+  /// Values for a sample. Samples must be asked for by rising number.
+  std::span<const double> at(std::size_t sample) {
+    for (; next_ < glides_.size() && sample_at(glides_[next_].time_s, sample_rate_hz_) <= sample; ++next_)
+      begin(glides_[next_], sample);
+    for (std::size_t i = 0; i < moves_.size(); ++i)
+      if (moves_[i].is_active) values_[i] = advance(moves_[i], sample);
+    return values_;
+  }
+
+  /// Number of samples from this one, the one just asked for, in which a control stays the same.
+  [[nodiscard]] std::size_t steady_samples(std::size_t sample, std::size_t control) const {
+    if (moves_[control].is_active) return 1;
+    if (next_ == glides_.size()) return std::numeric_limits<std::size_t>::max();
+    return sample_at(glides_[next_].time_s, sample_rate_hz_) - sample;
+  }
+
+ private:
+  struct Move {
+    bool is_active = false;
+    std::size_t begin, length;
+    double from, to;
+  };
+
+  void begin(const Glide& glide, std::size_t sample) {
+    moves_[glide.control] = {true, sample, sample_at(glide.over_s, sample_rate_hz_), values_[glide.control],
+                             glide.to};
+  }
+
+  // Eases in and out, so that neither place nor speed jumps.
+  static double advance(Move& move, std::size_t sample) {
+    move.is_active = sample < move.begin + move.length;
+    if (!move.is_active) return move.to;
+    const double part = static_cast<double>(sample - move.begin) / static_cast<double>(move.length);
+    return move.from + (move.to - move.from) * part * part * (3 - 2 * part);
+  }
+
+  std::span<const Glide> glides_;
+  double sample_rate_hz_;
+  std::vector<double> values_;
+  std::vector<Move> moves_;
+  std::size_t next_ = 0;
+};
+
+template <typename T>
+std::vector<Segment<T>> table_in(const std::vector<Segment<double>>& table) {
+  std::vector<Segment<T>> cast;
+  for (const auto& s : table)
+    cast.push_back({static_cast<T>(s.knot), static_cast<T>(s.energy), static_cast<T>(s.force),
+                    static_cast<T>(s.half_curvature)});
+  return cast;
+}
+
+std::vector<Mode> bare(const std::vector<ResonatorMode>& modes) {
+  std::vector<Mode> bare;
+  for (const auto& mode : modes) bare.push_back(mode.mode);
+  return bare;
+}
+
+std::vector<double> each(const std::vector<ResonatorMode>& modes, double ResonatorMode::*member) {
+  std::vector<double> values;
+  for (const auto& mode : modes) values.push_back(mode.*member);
+  return values;
+}
+
+template <typename T>
+ModeShapes<T> shapes_in(const std::vector<double>& values) {
+  return ModeShapes<T>(std::span<const double>(values));
+}
+
+std::vector<double> bridge_shapes(const Voice& voice, const std::vector<ResonatorMode>& modes) {
+  const auto* string = std::get_if<StiffString>(&voice.resonator.body);
+  if (string == nullptr)
+    throw BadInput(
+        fmt::format("--signal: bridge: {} has none; allowed: displacement, velocity, force", voice.resonator.name));
+  std::vector<double> shapes;
+  for (const auto& mode : modes) shapes.push_back(voice.strings * bridge_shape(*string, mode.wavenumber_per_m));
+  return shapes;
+}
+
+/// What every instrument is built of, in the precision of its model.
+template <typename T>
+struct Parts {
+  Parts(const Voice& voice, const PlayOptions& options)
+      : set(modes_of(voice.resonator, options.sample_rate_hz / 2)),
+        modes(bare(set.modes)),
+        output(options.signal == Signal::kBridge ? bridge_shapes(voice, set.modes)
+                                                 : each(set.modes, &ResonatorMode::pickup_shape)),
+        contact(table_in<T>(voice.contact)) {
+    if (modes.empty())
+      throw BadInput(fmt::format("--rate: no mode of {} lies below {} Hz; allowed: a higher rate",
+                                 voice.resonator.name, options.sample_rate_hz / 2));
+  }
+
+  [[nodiscard]] SegmentTable<T> table() const { return contact; }
+  [[nodiscard]] ModeShapes<T> strike() const { return shapes_in<T>(each(set.modes, &ResonatorMode::strike_shape)); }
+  [[nodiscard]] StringShapes<T> shapes() const {
+    return StringShapes<T>(each(set.modes, &ResonatorMode::wavenumber_per_m));
+  }
+
+  ModeSet set;
+  std::vector<Mode> modes;
+  std::vector<double> output;  ///< shapes at the pickup or the bridge
+  std::vector<Segment<T>> contact;
+};
+
+/// What a block of a voice writes: output and contact force of every sample.
+struct Block {
+  std::span<double> output, force;
+};
+
+/// The strikes of a voice, and the ends of their holds, by rising sample.
+class StrikeTrack {
+ public:
+  struct Change {
+    std::size_t sample;
+    const Strike* strike;  ///< null at the end of a hold
+  };
+
+  StrikeTrack(std::span<const Strike> strikes, double sample_rate_hz) {
+    for (const Strike& strike : strikes) {
+      changes_.push_back({sample_at(strike.time_s, sample_rate_hz), &strike});
+      if (std::isfinite(strike.hold_s))
+        changes_.push_back({sample_at(strike.time_s + strike.hold_s, sample_rate_hz), nullptr});
+    }
+    std::ranges::stable_sort(changes_, {}, &Change::sample);
+  }
+
+  /// The next change up to this sample, or null.
+  const Change* next_until(std::size_t sample) {
+    return next_ < changes_.size() && changes_[next_].sample <= sample ? &changes_[next_++] : nullptr;
+  }
+  /// Number of samples from this one to the next change.
+  [[nodiscard]] std::size_t samples_to_next(std::size_t sample) const {
+    return next_ < changes_.size() ? changes_[next_].sample - sample : std::numeric_limits<std::size_t>::max();
+  }
+
+ private:
+  std::vector<Change> changes_;
+  std::size_t next_ = 0;
+};
+
+/// Plays a hammer voice in blocks in which nothing changes. The damper falls when no note is held.
+template <typename T>
+class HammerStringPlayer {
+ public:
+  HammerStringPlayer(const Voice& voice, const PlayOptions& options)
+      : resonator_(voice.resonator),
+        options_(options),
+        parts_(voice, options),
+        place_m_(voice.resonator.strike.position_m),
+        strikes_(voice.strikes, options.sample_rate_hz),
+        output_(shapes_in<T>(parts_.output)),
+        voice_(parts_.table(), parts_.modes, parts_.strike(), output_, controls_from(voice.initial), voice.damper,
+               options.sample_rate_hz) {}
+
+  void process(std::size_t begin, ControlTrack& controls, const Block& block) {
+    for (std::size_t done = 0; done < block.output.size();) {
+      const std::size_t sample = begin + done, left = block.output.size() - done;
+      const auto values = controls.at(sample);
+      voice_.controls() = controls_from(values);
+      while (const auto* change = strikes_.next_until(sample)) take(*change, values[Control::kPlace]);
+      const std::size_t steady = std::min(
+          {left, controls.steady_samples(sample, Control::kDamping), strikes_.samples_to_next(sample), kMaxSteady});
+      process_steady({block.output.subspan(done, steady), block.force.subspan(done, steady)});
+      done += steady;
+    }
+  }
+
+ private:
+  using Control = HammerStringControl;
+  static constexpr std::size_t kMaxSteady = 1024;  // samples; a voice may fall silent after each
+
+  static HammerStringControls<T> controls_from(std::span<const double> values) {
+    return {.hammer_mass_kg = static_cast<T>(values[Control::kHammerMass]),
+            .felt = {static_cast<T>(values[Control::kStiffnessRatio]), static_cast<T>(values[Control::kLoss])},
+            .damping_per_s = static_cast<T>(values[Control::kDamping])};
+  }
+
+  void take(const StrikeTrack::Change& change, double place_m) {
+    if (change.strike == nullptr) {
+      if (--held_ == 0) voice_.release();
+      return;
+    }
+    ++held_;
+    is_silent_ = false;
+    if (place_m != place_m_) move_strike(place_m);
+    voice_.strike(static_cast<T>(change.strike->speed_m_per_s));
+  }
+
+  void move_strike(double place_m) {
+    resonator_.strike.position_m = place_m_ = place_m;
+    const auto modes = modes_of(resonator_, options_.sample_rate_hz / 2).modes;
+    voice_.strike_at(shapes_in<T>(each(modes, &ResonatorMode::strike_shape)));
+  }
+
+  void process_steady(const Block& block) {
+    if (is_silent_) {
+      std::ranges::fill(block.output, 0);
+      std::ranges::fill(block.force, 0);
+    } else if (options_.signal == Signal::kVelocity) {  // the kernels know displacements only
+      for (std::size_t n = 0; n < block.output.size(); ++n) {
+        voice_.tick();
+        block.output[n] = voice_.model().string().velocity(output_);
+        block.force[n] = voice_.model().force();
+      }
+    } else if constexpr (std::same_as<T, double>) {
+      voice_.process(block.output, block.force.data());
+    } else {
+      std::array<T, kMaxSteady> output, force;
+      voice_.process(std::span(output).first(block.output.size()), force.data());
+      std::copy_n(output.begin(), block.output.size(), block.output.begin());
+      std::copy_n(force.begin(), block.force.size(), block.force.begin());
+    }
+    if (options_.signal == Signal::kForce) std::ranges::copy(block.force, block.output.begin());
+    processed_ += block.output.size();
+    if (!is_silent_ && processed_ >= kMaxSteady) check_silence();
+  }
+
+  // A file is scaled to its peak, so silence is relative to the largest energy of the voice: 120 dB below.
+  void check_silence() {
+    processed_ = 0;
+    max_energy_j_ = std::max(max_energy_j_, voice_.model().string().energy());
+    is_silent_ = voice_.is_silent(1e-12 * max_energy_j_);
+  }
+
+  Resonator resonator_;
+  PlayOptions options_;
+  Parts<T> parts_;
+  double place_m_;
+  StrikeTrack strikes_;
+  ModeShapes<T> output_;
+  HammerVoice<T> voice_;
+  int held_ = 0;           // notes
+  bool is_silent_ = true;  // until the next strike
+  double max_energy_j_ = 0;
+  std::size_t processed_ = 0;  // samples since the last check
+};
+
+/// Plays a model whose controls move at any time, sample by sample. Derived: the player of one instrument, with
+/// tick(values), model() and output().
+template <typename Derived>
+class TickingPlayer {
+ public:
+  void process(std::size_t begin, ControlTrack& controls, const Block& block) {
+    auto& player = static_cast<Derived&>(*this);
+    for (std::size_t n = 0; n < block.output.size(); ++n) {
+      player.tick(controls.at(begin + n));
+      block.force[n] = player.model().force();
+      block.output[n] = signal_of(player.model(), player.output(), player.signal());
+    }
+  }
+
+ private:
+  template <typename Model, typename Shapes>
+  static double signal_of(const Model& model, const Shapes& output, Signal signal) {
+    if (signal == Signal::kForce) return model.force();
+    return signal == Signal::kVelocity ? model.string().velocity(output) : model.string().displacement(output);
+  }
+};
+
+template <typename T>
+class SlideStringPlayer : public TickingPlayer<SlideStringPlayer<T>> {
+ public:
+  SlideStringPlayer(const Voice& voice, const PlayOptions& options)
+      : sample_rate_hz_(options.sample_rate_hz),
+        length_m_(std::get<StiffString>(voice.resonator.body).length_m),
+        parts_(voice, options),
+        output_(shapes_in<T>(parts_.output)),
+        signal_(options.signal),
+        model_(parts_.table(), parts_.modes, parts_.shapes(), static_cast<T>(voice.pluck_m), options.sample_rate_hz) {
+    model_.place(static_cast<T>(voice.initial[Control::kPlace]), static_cast<T>(voice.height_m));
+  }
+
+  void tick(std::span<const double> values) {
+    const auto value = [&](std::size_t control) { return static_cast<T>(values[control]); };
+    model_.tick({.place_m = static_cast<T>(place(values)),
+                 .slide_mass_kg = value(Control::kSlideMass),
+                 .hand_force_n = value(Control::kHandForce),
+                 .hand_stiffness_n_per_m = value(Control::kHandStiffness),
+                 .hand_resistance_n_s_per_m = value(Control::kHandResistance),
+                 .rest_resistance_n_s_per_m = value(Control::kRestResistance),
+                 .pluck_force_n = value(Control::kPluckForce),
+                 .contact = {value(Control::kStiffnessRatio), value(Control::kLoss)}});
+  }
+
+  [[nodiscard]] const ModeShapes<T>& output() const { return output_; }
+  [[nodiscard]] Signal signal() const { return signal_; }
+  [[nodiscard]] const auto& model() const { return model_; }
+
+ private:
+  using Control = SlideStringControl;
+
+  double place(std::span<const double> values) {
+    phase_ += values[Control::kVibratoRate] / sample_rate_hz_;
+    phase_ -= std::floor(phase_);
+    const double vibrato_m = values[Control::kVibratoDepth] * std::sin(2 * std::numbers::pi * phase_);
+    return std::clamp(values[Control::kPlace] + vibrato_m, 0.0, length_m_);
+  }
+
+  double sample_rate_hz_;
+  double length_m_;
+  Parts<T> parts_;
+  ModeShapes<T> output_;
+  Signal signal_;
+  SlideString<T> model_;
+  double phase_ = 0;  // of the vibrato, in periods
+};
+
+template <typename T>
+class FretStringPlayer : public TickingPlayer<FretStringPlayer<T>> {
+ public:
+  FretStringPlayer(const Voice& voice, const PlayOptions& options)
+      : parts_(voice, options),
+        output_(shapes_in<T>(parts_.output)),
+        signal_(options.signal),
+        model_(parts_.table(), parts_.modes, parts_.shapes(), static_cast<T>(voice.pluck_m), options.sample_rate_hz) {
+    model_.place(static_cast<T>(voice.initial[Control::kPlace]), static_cast<T>(voice.initial[Control::kGap]));
+  }
+
+  void tick(std::span<const double> values) {
+    const auto value = [&](std::size_t control) { return static_cast<T>(values[control]); };
+    model_.tick({.place_m = value(Control::kPlace),
+                 .gap_m = value(Control::kGap),
+                 .pluck_force_n = value(Control::kPluckForce),
+                 .damping_per_s = value(Control::kDamping),
+                 .contact = {value(Control::kStiffnessRatio), value(Control::kLoss)}});
+  }
+
+  [[nodiscard]] const ModeShapes<T>& output() const { return output_; }
+  [[nodiscard]] Signal signal() const { return signal_; }
+  [[nodiscard]] const auto& model() const { return model_; }
+
+ private:
+  using Control = FretStringControl;
+  Parts<T> parts_;
+  ModeShapes<T> output_;
+  Signal signal_;
+  FretString<T> model_;
+};
+
+/// Gathers what the voices play.
+class Recorder {
+ public:
+  Recorder(const Score& score, const PlayOptions& options)
+      : samples_(sample_at(score.duration_s, options.sample_rate_hz)),
+        stretch_(std::max<std::size_t>(1, (samples_ + kColumns - 1) / kColumns)) {
+    const bool panned = std::ranges::any_of(score.voices, [](const Voice& voice) { return voice.pan != 0; });
+    performance_ = {options.sample_rate_hz, panned ? 2 : 1, {}, {}, 0, 0};
+    performance_.samples.resize(samples_ * static_cast<std::size_t>(performance_.channels));
+    performance_.force_n.resize((samples_ + stretch_ - 1) / stretch_);
+  }
+
+  void begin(const Voice& voice) {
+    const double angle = (voice.pan + 1) * std::numbers::pi / 4;  // equal power
+    strings_ = voice.strings;
+    left_ = performance_.channels == 1 ? 1 : std::cos(angle);
+    right_ = std::sin(angle);
+    touches_ = false;
+  }
+
+  void add(std::size_t begin, const Block& block) {
+    for (std::size_t n = 0; n < block.output.size(); ++n) {
+      const std::size_t sample = begin + n;
+      if (performance_.channels == 1) {
+        performance_.samples[sample] += static_cast<float>(block.output[n]);
+      } else {
+        performance_.samples[2 * sample] += static_cast<float>(left_ * block.output[n]);
+        performance_.samples[2 * sample + 1] += static_cast<float>(right_ * block.output[n]);
+      }
+      const double force = strings_ * block.force[n];
+      float& largest = performance_.force_n[sample / stretch_];
+      largest = std::max(largest, static_cast<float>(force));
+      performance_.largest_force_n = std::max(performance_.largest_force_n, force);
+      performance_.contacts += force > 0 && !touches_;
+      touches_ = force > 0;
+    }
+  }
+
+  [[nodiscard]] std::size_t samples() const { return samples_; }
+  [[nodiscard]] Performance&& take() { return std::move(performance_); }
+
+ private:
+  std::size_t samples_, stretch_;
+  Performance performance_;
+  double strings_ = 1, left_ = 1, right_ = 1;
+  bool touches_ = false;
+};
+
+using PartDone = std::function<void(std::size_t)>;
+
+template <typename Player>
+void play_voice(const Voice& voice, const PlayOptions& options, Recorder& recorder, const PartDone& done) {
+  constexpr std::size_t kBlock = 4096;
+  std::vector<double> output(kBlock), force(kBlock);
+  ControlTrack controls(voice, options.sample_rate_hz);
+  Player player(voice, options);
+  recorder.begin(voice);
+  for (std::size_t begin = 0; begin < recorder.samples(); begin += kBlock) {
+    done(begin);
+    const std::size_t samples = std::min(kBlock, recorder.samples() - begin);
+    const Block block{std::span(output).first(samples), std::span(force).first(samples)};
+    player.process(begin, controls, block);
+    recorder.add(begin, block);
+  }
+}
+
+template <typename T>
+void play_in(Instrument instrument, const Voice& voice, const PlayOptions& options, Recorder& recorder,
+             const PartDone& done) {
+  switch (instrument) {
+    case Instrument::kHammerString:
+      return play_voice<HammerStringPlayer<T>>(voice, options, recorder, done);
+    case Instrument::kSlideString:
+      return play_voice<SlideStringPlayer<T>>(voice, options, recorder, done);
+    case Instrument::kFretString:
+      return play_voice<FretStringPlayer<T>>(voice, options, recorder, done);
+  }
+}
+
+}  // namespace
+
+Signal best_signal(const Score& score) {
+  const auto is_string = [](const Voice& voice) { return std::holds_alternative<StiffString>(voice.resonator.body); };
+  const bool has_bridge =
+      score.instrument == Instrument::kHammerString && std::ranges::all_of(score.voices, is_string);
+  return has_bridge ? Signal::kBridge : Signal::kVelocity;
+}
+
+Performance play(const Score& score, const PlayOptions& options, const Progress& progress) {
+  const FlushDenormals flushed;
+  Recorder recorder(score, options);
+  const double total = static_cast<double>(recorder.samples() * score.voices.size());
+  for (std::size_t v = 0; v < score.voices.size(); ++v) {
+    const auto done = [&](std::size_t sample) {
+      progress(static_cast<double>(v * recorder.samples() + sample) / total);
+    };
+    if (options.precision == Precision::kDouble)
+      play_in<double>(score.instrument, score.voices[v], options, recorder, done);
+    else
+      play_in<float>(score.instrument, score.voices[v], options, recorder, done);
+  }
+  progress(1);
+  return recorder.take();
+}
+
+}  // namespace contactspline

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+// A score played to the end: sound, and the contact force for a figure.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "generator/player/mass_barrier_player.hpp"
+#include "generator/player/score.hpp"
+
+namespace contactspline {
+
+/// What is heard: of the resonator at its pickup, the force of a string on its bridge (the end farthest from 0), or
+/// the contact force.
+enum class Signal { kDisplacement, kVelocity, kBridge, kForce };
+
+enum class Precision { kSingle, kDouble };
+
+struct PlayOptions {
+  double sample_rate_hz;  ///< > 0
+  Signal signal = Signal::kVelocity;
+  Precision precision = Precision::kDouble;  ///< of the models; the sum of the voices is kept in single precision
+};
+
+struct Performance {
+  double sample_rate_hz;
+  int channels;                ///< 2 where a voice is panned, else 1
+  std::vector<float> samples;  ///< interleaved, in SI units [m], [m/s] or [N]
+  std::vector<float> force_n;  ///< largest of any voice in each of at most 1200 equal stretches of time
+  double largest_force_n;
+  std::size_t contacts;  ///< of all voices
+};
+
+/// The signal that sounds best: bridge for hammers on strings, else velocity.
+[[nodiscard]] Signal best_signal(const Score& score);
+
+/// Plays every voice of a score: the modes below half the sample rate, each contact with its own controls. The sound
+/// is the sum of the voices. `progress` hears of it a hundred times or so. Throws BadInput where a voice has no mode
+/// below half the rate, or no bridge where that is to be heard.
+[[nodiscard]] Performance play(const Score& score, const PlayOptions& options, const Progress& progress);
+
+}  // namespace contactspline

@@ -1,0 +1,361 @@
+// SPDX-License-Identifier: MIT
+#include "generator/player/score_reader.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "generator/player/midi_reader.hpp"
+#include "generator/resonator/keyboard_reader.hpp"
+#include "generator/resonator/resonator_reader.hpp"
+#include "generator/spline/design.hpp"
+#include "generator/support/embedded_files.hpp"
+#include "generator/support/error.hpp"
+#include "generator/support/json_reader.hpp"
+
+namespace contactspline {
+namespace {
+
+constexpr double kForEver = std::numeric_limits<double>::infinity();
+
+constexpr Range kTime{0, 3600};
+constexpr Range kDuration{1e-3, 3600};
+constexpr Range kSpeed{1e-3, 100};
+constexpr Range kMass{1e-6, 100};
+constexpr Range kPlace{0, 100};
+constexpr Range kDecay{0, 1e5};
+constexpr Range kPan{-1, 1};
+constexpr Range kHeight{-0.1, 0.1};
+constexpr Range kForce{-1e3, 1e3};
+constexpr Range kCents{-1200, 1200};
+
+constexpr double kPluckRise = 0.004;    // s
+constexpr double kRing = 1;             // s, after the last note of a MIDI file
+constexpr double kKeyboardWidth = 0.6;  // pan of its ends
+constexpr int kMaxModes = 4096;
+constexpr std::size_t kMaxVoices = 128;
+constexpr std::size_t kMaxEvents = 65536;
+
+/// What a score of one instrument may say.
+struct Rules {
+  const char* note;                     ///< the key of an event that plays
+  std::size_t pluck_force;              ///< the control that a pluck moves
+  std::vector<std::string> voice_keys;  ///< beside name, resonator, material, tuning_cents, pan
+};
+
+const Rules& rules_of(Instrument instrument) {
+  static const std::array rules = {
+      Rules{"speed_m_per_s", 0, {"hammer_mass_kg", "damper_per_s"}},
+      Rules{"pluck_n", SlideStringControl::kPluckForce, {"pluck_m", "pickup_m", "height_m"}},
+      Rules{"pluck_n", FretStringControl::kPluckForce, {"pluck_m", "pickup_m"}}};
+  return rules[static_cast<std::size_t>(instrument)];
+}
+
+bool has_hammer(Instrument instrument) {
+  return instrument == Instrument::kHammerString;
+}
+
+Instrument read_instrument(const JsonObject& score) {
+  constexpr std::array kAll = {Instrument::kHammerString, Instrument::kSlideString, Instrument::kFretString};
+  std::vector<std::string_view> names;
+  for (const Instrument instrument : kAll) names.push_back(name_of(instrument));
+  const std::string allowed = fmt::format("{}", fmt::join(names, ", "));
+  const std::string name = score.text("instrument", allowed);
+  const auto found = std::ranges::find(names, name);
+  if (found == names.end()) score.fail("instrument", fmt::format("'{}' is unknown", shown(name)), allowed);
+  return kAll[static_cast<std::size_t>(found - names.begin())];
+}
+
+struct NamedText {
+  std::string text, file;
+  bool ships;
+};
+
+/// The text of what a key names: a file, or something that ships.
+NamedText read_named(const JsonObject& object, const char* key, Shipped folder, const ReadFile& read) {
+  const std::string allowed = fmt::format("a .json file, {}", fmt::join(shipped_names(folder), ", "));
+  const std::string name = object.text(key, allowed);
+  if (is_path(name)) return {read(name), name, false};
+  const EmbeddedFile* found = find_embedded(folder, name + ".json");
+  if (found == nullptr) object.fail(object.key(key), fmt::format("'{}' does not ship", shown(name)), allowed);
+  return {std::string(found->content), name + ".json", true};
+}
+
+/// The materials of a score, each with its spline. One design serves all voices of a material.
+class DesignedMaterials {
+ public:
+  struct Entry {
+    Material material;
+    std::vector<Segment<double>> table;
+  };
+
+  explicit DesignedMaterials(const ReadFile& read) : read_(read) {}
+
+  /// The material that a voice names. Throws BadInput.
+  const Entry& of(const JsonObject& voice) {
+    const NamedText named = read_named(voice, "material", Shipped::kMaterials, read_);
+    const auto [entry, is_new] = entries_.try_emplace({named.file, named.ships});
+    if (is_new) entry->second = designed(named);
+    return *entry->second;
+  }
+
+ private:
+  // A material's curve lies beside the material, wherever the score is.
+  [[nodiscard]] Entry designed(const NamedText& named) const {
+    const auto beside = [&](const std::string& path) {
+      return read_((std::filesystem::path(named.file).parent_path() / path).string());
+    };
+    Material material = parse_material(named.text, named.file, named.ships ? ReadFile(shipped_file) : beside);
+    std::vector<Segment<double>> table = segment_table(design_spline(material, named.file));
+    return {std::move(material), std::move(table)};
+  }
+
+  const ReadFile& read_;
+  std::map<std::pair<std::string, bool>, std::optional<Entry>> entries_;
+};
+
+double number_or(const JsonObject& object, const char* name, Range range, double otherwise) {
+  return object.has(name) ? object.number(name, range) : otherwise;
+}
+
+void tune(const JsonObject& json, Resonator& resonator) {
+  if (!json.has("tuning_cents")) return;
+  auto* string = std::get_if<StiffString>(&resonator.body);
+  if (string == nullptr) json.fail(json.key("tuning_cents"), "is not for this resonator", "beside strings");
+  for (double& cents : string->detuning_cents) cents += json.number("tuning_cents", kCents);
+}
+
+void complete_hammer(const JsonObject& json, const Material& material, Voice& voice) {
+  using Control = HammerStringControl;
+  if (!json.has("hammer_mass_kg") && !material.impact)
+    json.fail(json.key("hammer_mass_kg"), "missing, and the material has no impact", "a number");
+  voice.initial[Control::kHammerMass] =
+      json.has("hammer_mass_kg") ? json.number("hammer_mass_kg", kMass) : material.impact->mass_kg;
+  voice.initial[Control::kPlace] = voice.resonator.strike.position_m;
+  voice.damper.damping_per_s = number_or(json, "damper_per_s", kDecay, Damper().damping_per_s);
+}
+
+void complete_plucked(const JsonObject& json, Voice& voice) {
+  const auto* string = std::get_if<StiffString>(&voice.resonator.body);
+  if (string == nullptr || string->detuning_cents.size() != 1)
+    json.fail(json.key("resonator"), "is not a single string", "a resonator of one string");
+  voice.pluck_m = json.number("pluck_m", {0, string->length_m});
+  voice.resonator.pickup.position_m = json.number("pickup_m", {0, string->length_m});
+}
+
+Voice read_voice(const JsonObject& json, Instrument instrument, const ReadFile& read, DesignedMaterials& materials) {
+  constexpr auto kNameAllowed = "1 to 64 characters";
+  Voice voice;
+  voice.name = json.text("name", kNameAllowed);
+  if (voice.name.empty() || voice.name.size() > 64)
+    json.fail(json.key("name"), fmt::format("has {} characters", voice.name.size()), kNameAllowed);
+  const NamedText resonator = read_named(json, "resonator", Shipped::kResonators, read);
+  voice.resonator = parse_resonator(resonator.text, resonator.file);
+  tune(json, voice.resonator);
+  const auto& [material, table] = materials.of(json);
+  voice.contact = table;
+  for (const ControlName& control : controls_of(instrument))
+    voice.initial.push_back(control.name == std::string_view("loss_s_per_m") ? material.loss_s_per_m
+                                                                             : control.initial);
+  voice.pan = number_or(json, "pan", kPan, 0);
+  if (has_hammer(instrument))
+    complete_hammer(json, material, voice);
+  else
+    complete_plucked(json, voice);
+  if (instrument == Instrument::kSlideString) voice.height_m = json.number("height_m", kHeight);
+  return voice;
+}
+
+std::vector<Voice> read_voices(const JsonObject& score, Instrument instrument, const ReadFile& read) {
+  std::vector<std::string> keys = {"name", "resonator", "material", "tuning_cents", "pan"};
+  for (const std::string& key : rules_of(instrument).voice_keys) keys.push_back(key);
+  DesignedMaterials materials(read);
+  std::vector<Voice> voices;
+  std::set<std::string> names;
+  for (const JsonObject& json : score.objects("voices", keys, kMaxVoices)) {
+    voices.push_back(read_voice(json, instrument, read, materials));
+    if (!names.insert(voices.back().name).second)
+      json.fail(json.key("name"), fmt::format("'{}' is the name of two voices", shown(voices.back().name)), "once");
+  }
+  return voices;
+}
+
+// A key of a keyboard as a voice, panned as the player hears it.
+Voice voice_of(const Keyboard& keyboard, int key) {
+  KeyboardNote note = note_of(keyboard, key);
+  const int span = keyboard.last_key - keyboard.first_key;
+  const double from_middle = span == 0 ? 0 : 2.0 * (key - keyboard.first_key) / span - 1;
+  Voice voice;
+  voice.name = fmt::format("{}", key);
+  voice.resonator = {keyboard.name, "", note.string, {note.strike_position_m}, {note.strike_position_m}, kMaxModes};
+  voice.contact = segment_table(design_spline(note.felt, keyboard.name));
+  voice.initial = {note.hammer_mass_kg, 1, keyboard.felt_loss_s_per_m, 0, note.strike_position_m};
+  voice.damper = {key <= keyboard.last_damped_key ? keyboard.damper_per_s : 0, keyboard.damper_time_s};
+  voice.strings = note.strings;
+  voice.pan = kKeyboardWidth * from_middle;
+  return voice;
+}
+
+// Every key that is played.
+std::vector<Voice> read_keys(const JsonObject& score, const std::vector<JsonObject>& events, const ReadFile& read) {
+  const NamedText named = read_named(score, "keyboard", Shipped::kKeyboards, read);
+  const Keyboard keyboard = parse_keyboard(named.text, named.file);
+  std::set<int> keys;
+  for (const JsonObject& event : events)
+    if (event.has("key")) keys.insert(event.integer("key", keyboard.first_key, keyboard.last_key));
+  if (keys.empty())
+    score.fail("events", "play no key",
+               fmt::format("key, an integer from {} to {}", keyboard.first_key, keyboard.last_key));
+  std::vector<Voice> voices;
+  for (const int key : keys) voices.push_back(voice_of(keyboard, key));
+  return voices;
+}
+
+/// The voices that an event is for: the one it names, or all.
+std::span<Voice> voices_of(const JsonObject& event, std::vector<Voice>& voices) {
+  if (event.has("key"))
+    return {std::ranges::find(voices, fmt::format("{}", event.integer("key", 0, 127)), &Voice::name), 1};
+  if (!event.has("voice")) return voices;
+  std::vector<std::string_view> names;
+  for (const Voice& voice : voices) names.push_back(voice.name);
+  const std::string allowed = shown(fmt::format("{}", fmt::join(names, ", ")), 240);
+  const std::string name = event.text("voice", allowed);
+  const auto found = std::ranges::find(voices, name, &Voice::name);
+  if (found == voices.end()) event.fail(event.key("voice"), fmt::format("'{}' is no voice", shown(name)), allowed);
+  return {found, 1};
+}
+
+// Largest place along a resonator; none on a table of modes.
+std::optional<double> reach_of(const Resonator& resonator) {
+  if (const auto* string = std::get_if<StiffString>(&resonator.body)) return string->length_m;
+  if (const auto* bar = std::get_if<FreeBar>(&resonator.body)) return bar->length_m;
+  if (const auto* membrane = std::get_if<Membrane>(&resonator.body)) return membrane->radius_m;
+  return {};
+}
+
+// A place must lie on the resonator.
+void check_place(const JsonObject& event, const ControlName& control, const Voice& voice, double place_m) {
+  if (control.name != std::string_view("place_m") && control.name != std::string_view("strike_m")) return;
+  const auto reach = reach_of(voice.resonator);
+  if (!reach) event.fail(event.key(control.name), "has no meaning on a table of modes", "no such key");
+  if (place_m > *reach)
+    event.fail(event.key(control.name), fmt::format("{} is beyond {}", place_m, voice.resonator.name),
+               fmt::format("a number from 0 to {}", *reach));
+}
+
+// Sets the controls that an event names; false where it names none.
+bool read_glides(const JsonObject& event, Instrument instrument, double time, std::span<Voice> voices) {
+  const auto controls = controls_of(instrument);
+  const double over = number_or(event, "over_s", kTime, 0);
+  bool any = false;
+  for (std::size_t i = 0; i < controls.size(); ++i) {
+    if (!event.has(controls[i].name)) continue;
+    any = true;
+    const double to = event.number(controls[i].name, controls[i].range);
+    for (Voice& voice : voices) {
+      check_place(event, controls[i], voice, to);
+      if (time == 0 && over == 0) voice.initial[i] = to;
+      voice.glides.push_back({time, over, i, to});
+    }
+  }
+  if (event.has("over_s") && !any) event.fail(event.key("over_s"), "glides to nothing", "beside a control");
+  return any;
+}
+
+// A throw of the hammer; or a pluck: the force rises, and lets go at once.
+bool read_note(const JsonObject& event, Instrument instrument, double time, std::span<Voice> voices) {
+  const Rules& rules = rules_of(instrument);
+  if (event.has("hold_s") && !event.has(rules.note))
+    event.fail(event.key("hold_s"), "holds nothing", fmt::format("beside {}", rules.note));
+  if (!event.has(rules.note)) return false;
+  for (Voice& voice : voices) {
+    if (has_hammer(instrument)) {
+      voice.strikes.push_back({time, event.number(rules.note, kSpeed), number_or(event, "hold_s", kTime, kForEver)});
+    } else {
+      voice.glides.push_back({time, kPluckRise, rules.pluck_force, event.number(rules.note, kForce)});
+      voice.glides.push_back({time + kPluckRise, 0, rules.pluck_force, 0});
+    }
+  }
+  return true;
+}
+
+void read_event(const JsonObject& event, const Score& score, std::vector<Voice>& voices) {
+  const double time = event.number("time_s", {0, score.duration_s});
+  const auto concerned = voices_of(event, voices);
+  const bool glides = read_glides(event, score.instrument, time, concerned);
+  const bool plays = read_note(event, score.instrument, time, concerned);
+  if (!glides && !plays)
+    event.fail(event.key("time_s"), "nothing happens",
+               fmt::format("beside {} or a control", rules_of(score.instrument).note));
+}
+
+std::vector<std::string> event_keys(Instrument instrument, bool has_keys) {
+  std::vector<std::string> keys = {"time_s", has_keys ? "key" : "voice", rules_of(instrument).note};
+  if (has_hammer(instrument)) keys.emplace_back("hold_s");
+  keys.emplace_back("over_s");
+  for (const ControlName& control : controls_of(instrument)) keys.emplace_back(control.name);
+  return keys;
+}
+
+void require_initial(const JsonObject& score, Instrument instrument, const std::vector<Voice>& voices) {
+  const auto controls = controls_of(instrument);
+  for (const Voice& voice : voices)
+    for (std::size_t i = 0; i < controls.size(); ++i)
+      if (std::isnan(voice.initial[i]))
+        score.fail("events", fmt::format("{} of {} is not set", controls[i].name, shown(voice.name)),
+                   "an event at time_s 0 that sets it at once");
+}
+
+}  // namespace
+
+Score parse_score(std::string_view text, std::string_view file, const ReadFile& read) {
+  const JsonObject score =
+      parse_json(text, file, "score", {"instrument", "description", "duration_s", "keyboard", "voices", "events"});
+  Score result{read_instrument(score), read_description(score), score.number("duration_s", kDuration), {}};
+  const bool has_keys = score.has("keyboard");
+  if (has_keys && (score.has("voices") || !has_hammer(result.instrument)))
+    score.fail("keyboard", "has no place here", "in a score for hammer-string, instead of voices");
+  const auto events = score.objects("events", event_keys(result.instrument, has_keys), kMaxEvents);
+  result.voices = has_keys ? read_keys(score, events, read) : read_voices(score, result.instrument, read);
+  for (const JsonObject& event : events) read_event(event, result, result.voices);
+  require_initial(score, result.instrument, result.voices);
+  for (Voice& voice : result.voices) {
+    std::ranges::stable_sort(voice.glides, {}, &Glide::time_s);
+    std::ranges::stable_sort(voice.strikes, {}, &Strike::time_s);
+  }
+  return result;
+}
+
+Score parse_midi_score(std::string_view bytes, std::string_view file) {
+  const auto [title, notes] = parse_midi(bytes, file);
+  const EmbeddedFile* piano = find_embedded(Shipped::kKeyboards, "piano.json");
+  const Keyboard keyboard = parse_keyboard(piano->content, piano->name);
+  std::map<int, Voice> voices;
+  double end = 0;
+  for (const MidiNote& note : notes) {
+    if (note.key < keyboard.first_key || note.key > keyboard.last_key)
+      throw BadInput(fmt::format("{}: MIDI: key {} at {:.3f} s is not on the piano; allowed: {} to {}", file,
+                                 note.key, note.time_s, keyboard.first_key, keyboard.last_key));
+    if (!voices.contains(note.key)) voices[note.key] = voice_of(keyboard, note.key);
+    const double speed = strike_speed(keyboard, note.velocity / 127.0);
+    voices[note.key].strikes.push_back({note.time_s, speed, note.hold_s});
+    end = std::max(end, note.time_s + note.hold_s);
+  }
+  if (!(end + kRing <= kDuration.max))
+    throw BadInput(
+        fmt::format("{}: MIDI: it lasts {:.4g} s; allowed: at most {} s", file, end, kDuration.max - kRing));
+  Score score{Instrument::kHammerString, title, end + kRing, {}};
+  for (auto& [key, voice] : voices) score.voices.push_back(std::move(voice));
+  return score;
+}
+
+}  // namespace contactspline

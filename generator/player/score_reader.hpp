@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+// Score files: JSON and MIDI (docs/scores.md).
+#pragma once
+
+#include <string_view>
+
+#include "generator/material/contact_reader.hpp"
+#include "generator/player/score.hpp"
+
+namespace contactspline {
+
+/// Parses the text of a score: JSON with comments (docs/scores.md). `file` stands in messages only; `read` gives the
+/// files it names. Throws BadInput.
+[[nodiscard]] Score parse_score(std::string_view text, std::string_view file, const ReadFile& read);
+
+/// The notes of a MIDI file on the piano that ships, with 1 s to ring after the last one. The keyboard's velocity law
+/// turns velocity/127 into the hammer's speed. Throws BadInput.
+[[nodiscard]] Score parse_midi_score(std::string_view bytes, std::string_view file);
+
+}  // namespace contactspline

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+#include "generator/resonator/keyboard.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <numbers>
+
+#include "generator/support/number_literal.hpp"
+
+namespace contactspline {
+namespace {
+
+using std::numbers::pi;
+
+/// Two neighbouring published notes, and how far from the first to the second a key lies; beyond them below 0 or
+/// above 1.
+struct Between {
+  const PublishedNote &low, &high;
+  double part;
+
+  template <typename Member>
+  [[nodiscard]] double linear(Member member) const {
+    return std::lerp(member(low), member(high), part);
+  }
+  template <typename Member>
+  [[nodiscard]] double geometric(Member member) const {
+    return std::exp(std::lerp(std::log(member(low)), std::log(member(high)), part));
+  }
+};
+
+Between neighbours(const Keyboard& keyboard, int key) {
+  const auto& notes = keyboard.notes;
+  const auto above = std::ranges::find_if(notes, [&](const PublishedNote& note) { return note.key > key; });
+  const auto last = std::prev(notes.end());
+  const auto high = above == notes.begin() ? std::next(above) : above == notes.end() ? last : above;
+  const auto low = std::prev(high);
+  return {*low, *high, static_cast<double>(key - low->key) / (high->key - low->key)};
+}
+
+// w^2 + s^2 = (T beta^2 + EI beta^4) L/M of the first partial, solved for T.
+double tension_for(double frequency_hz, const StiffString& string) {
+  const double w = 2 * pi * frequency_hz, beta = pi / string.length_m;
+  const double s = string.losses.decay_per_s(beta);
+  return (w * w + s * s) * string.mass_kg / string.length_m / (beta * beta) -
+         string.bending_stiffness_n_m2 * beta * beta;
+}
+
+double pitch_hz(const Keyboard& keyboard, int key) {
+  return keyboard.concert_pitch_hz * std::exp2((key - 69) / 12.0);
+}
+
+StiffString string_of(const Keyboard& keyboard, const Between& notes, int key) {
+  const auto geometric = [&](auto member) { return rounded_to(notes.geometric(member), 6); };
+  const double length = geometric([](const PublishedNote& n) { return n.length_m; });
+  const double density = geometric([](const PublishedNote& n) { return n.mass_kg / n.length_m; });
+  StiffString string{length,
+                     rounded_to(density * length, 6),
+                     0,
+                     geometric([](const PublishedNote& n) { return n.bending_stiffness_n_m2; }),
+                     {geometric([](const PublishedNote& n) { return n.losses.constant_per_s; }),
+                      geometric([](const PublishedNote& n) { return n.losses.quadratic_m2_per_s; })}};
+  string.tension_n = rounded_to(tension_for(pitch_hz(keyboard, key), string), 13);
+  return string;
+}
+
+int strings_of(const Keyboard& keyboard, int key) {
+  return 1 + (key >= keyboard.first_double_key) + (key >= keyboard.first_triple_key);
+}
+
+// With a string's share of the hammer.
+Material felt_of(const Keyboard& keyboard, const Between& notes, int key, double hammer_mass_kg) {
+  const double whole = notes.geometric([](const PublishedNote& n) { return n.felt.stiffness; });
+  const PowerLaw felt{rounded_to(whole / strings_of(keyboard, key), 6),
+                      rounded_to(notes.linear([](const PublishedNote& n) { return n.felt.exponent; }), 6)};
+  return {fmt::format("{}_felt_{}", keyboard.name, key),
+          "",
+          felt,
+          Impact{hammer_mass_kg, keyboard.max_speed_m_per_s, keyboard.min_speed_m_per_s},
+          {keyboard.segments, rounded_to(felt.max_compression(hammer_mass_kg, keyboard.max_speed_m_per_s), 6)}};
+}
+
+}  // namespace
+
+double strike_speed(const Keyboard& keyboard, double velocity) {
+  return keyboard.min_speed_m_per_s * std::pow(keyboard.max_speed_m_per_s / keyboard.min_speed_m_per_s, velocity);
+}
+
+KeyboardNote note_of(const Keyboard& keyboard, int key) {
+  const Between notes = neighbours(keyboard, key);
+  const int strings = strings_of(keyboard, key);
+  const double whole_hammer = notes.linear([](const PublishedNote& n) { return n.hammer_mass_kg; });
+  const double hammer_mass = rounded_to(whole_hammer / strings, 6);
+  return {string_of(keyboard, notes, key),
+          rounded_to(notes.geometric([](const PublishedNote& n) { return n.strike_position_m; }), 6), strings,
+          hammer_mass, felt_of(keyboard, notes, key, hammer_mass)};
+}
+
+std::vector<ResonatorMode> modes_of(const KeyboardNote& note, double max_frequency_hz) {
+  std::vector<ResonatorMode> modes;
+  for (const auto& [mode, beta] : modes_below(note.string, max_frequency_hz))
+    modes.push_back({mode, beta, std::sin(beta * note.strike_position_m), bridge_shape(note.string, beta)});
+  return modes;
+}
+
+}  // namespace contactspline

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+// A keyboard of struck strings: every key's string and hammer, interpolated from some published notes.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "generator/material/material.hpp"
+#include "generator/resonator/resonator.hpp"
+#include "generator/spline/contact_spline.hpp"
+
+namespace contactspline {
+
+/// One note as published, with its whole hammer; its tension follows from the pitch of its key.
+struct PublishedNote {
+  int key;  ///< MIDI number
+  double length_m, mass_kg, bending_stiffness_n_m2;
+  Losses losses;
+  double strike_position_m;
+  double hammer_mass_kg;
+  PowerLaw felt;
+};
+
+/// As read from a keyboard file.
+struct Keyboard {
+  std::string name;                             ///< lower-case identifier
+  std::string description;                      ///< one line, may be empty
+  int first_key, last_key;                      ///< MIDI numbers, 60 is middle C
+  int first_double_key, first_triple_key;       ///< from here on two, three strings a key
+  int last_damped_key;                          ///< higher strings have no damper
+  double concert_pitch_hz;                      ///< of key 69, the A above middle C
+  double min_speed_m_per_s, max_speed_m_per_s;  ///< of a hammer, at velocity 0 and 1; the felts' splines reach to max
+  double felt_loss_s_per_m;                     ///< Hunt-Crossley loss of all felts
+  double damper_per_s;                          ///< extra decay while the damper is down
+  double damper_time_s;                         ///< time constant with which the damper comes down
+  int segments;                                 ///< of the felt's spline
+  std::vector<PublishedNote> notes;             ///< at least two, by rising key
+};
+
+/// What one key moves: one of its strings, which are all alike, with its share of the hammer's mass and stiffness.
+/// That is the motion of all of them.
+struct KeyboardNote {
+  StiffString string;  ///< tuned so that its first partial has the key's equal-tempered pitch
+  double strike_position_m;
+  int strings;
+  double hammer_mass_kg;  ///< share of one string
+  Material felt;          ///< share of one string
+};
+
+/// Speed [m/s] at which a velocity from 0 to 1 throws the hammer: min (max/min)^velocity.
+[[nodiscard]] double strike_speed(const Keyboard& keyboard, double velocity);
+
+/// The note of a key, first_key to last_key: exponent and hammer's mass linear in the key between the published notes
+/// and beyond the outermost, everything else linear in its logarithm; rounded to six digits before anything follows
+/// from it, so that every machine finds the same. parse_keyboard() has made sure that every key has a note.
+[[nodiscard]] KeyboardNote note_of(const Keyboard& keyboard, int key);
+
+/// The note as a resonator whose pickup is the bridge, at the string's far end: pickup shapes are the force on the
+/// bridge per modal displacement [N/m] (docs/keyboard.md).
+[[nodiscard]] std::vector<ResonatorMode> modes_of(const KeyboardNote& note, double max_frequency_hz);
+
+}  // namespace contactspline

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: MIT
+#include "generator/resonator/keyboard_reader.hpp"
+
+#include <fmt/format.h>
+
+#include <iterator>
+
+#include "generator/support/json_reader.hpp"
+
+namespace contactspline {
+namespace {
+
+constexpr int kHighestKey = 127;
+constexpr int kMaxSegments = 256;
+constexpr Range kLength{1e-3, 100};
+constexpr Range kMass{1e-9, 1e4};
+constexpr Range kBending{1e-12, 1e6};
+constexpr Range kConstantLoss{1e-6, 1e4};
+constexpr Range kQuadraticLoss{1e-12, 1e3};
+constexpr Range kStiffness{1e-3, 1e20};
+constexpr Range kExponent{1, 10};
+constexpr Range kTension{1e-3, 1e6};
+constexpr Range kCompression{1e-9, 1};
+constexpr double kMinPosition = 1e-6;
+constexpr Range kPitch{100, 1000};
+constexpr Range kSpeed{1e-3, 100};
+constexpr Range kLoss{0, 1e3};
+constexpr Range kDamping{0, 1e5};
+constexpr Range kDamperTime{1e-5, 1};
+
+// Members of the emitted C++ struct, which must not be called like it.
+constexpr const char* kTaken[] = {"first_key",
+                                  "keys",
+                                  "last_damped_key",
+                                  "concert_pitch_hz",
+                                  "min_speed_m_per_s",
+                                  "max_speed_m_per_s",
+                                  "felt_loss_s_per_m",
+                                  "damper_per_s",
+                                  "damper_time_s",
+                                  "format_version",
+                                  "segments",
+                                  "lengths",
+                                  "masses",
+                                  "tensions",
+                                  "knots",
+                                  "energies",
+                                  "forces",
+                                  "half_curvatures",
+                                  "constant_losses",
+                                  "quadratic_losses",
+                                  "bending_stiffnesses",
+                                  "strike_positions",
+                                  "hammer_masses",
+                                  "strings"};
+
+PublishedNote read_note(const JsonObject& note) {
+  PublishedNote read{
+      note.integer("key", 0, kHighestKey),
+      note.number("length_m", kLength),
+      note.number("mass_kg", kMass),
+      note.number("bending_stiffness_n_m2", kBending),
+      {note.number("constant_loss_per_s", kConstantLoss), note.number("quadratic_loss_m2_per_s", kQuadraticLoss)},
+      0,
+      note.number("hammer_mass_kg", kMass),
+      {note.number("stiffness_n_per_m_alpha", kStiffness), note.number("exponent", kExponent)}};
+  read.strike_position_m = note.number("strike_position_m", {kMinPosition, read.length_m});
+  return read;
+}
+
+std::vector<PublishedNote> read_notes(const JsonObject& keyboard) {
+  std::vector<PublishedNote> notes;
+  for (const JsonObject& note : keyboard.objects(
+           "notes",
+           {"key", "length_m", "mass_kg", "bending_stiffness_n_m2", "constant_loss_per_s", "quadratic_loss_m2_per_s",
+            "strike_position_m", "hammer_mass_kg", "stiffness_n_per_m_alpha", "exponent"},
+           kHighestKey + 1)) {
+    notes.push_back(read_note(note));
+    if (notes.size() > 1 && notes.back().key <= std::prev(notes.end(), 2)->key)
+      note.fail(note.key("key"), fmt::format("{} does not rise", notes.back().key), "notes by rising key");
+  }
+  if (notes.size() < 2) keyboard.fail(keyboard.key("notes"), "fewer than two notes", "at least two, to interpolate");
+  return notes;
+}
+
+/// A number that the published notes give a key, and what is allowed of it.
+struct Outcome {
+  const char* what;
+  double value;
+  Range allowed;
+};
+
+// What lies beyond the outermost notes may leave any bounds.
+void check_notes(const Keyboard& keyboard, const JsonObject& object) {
+  for (int key = keyboard.first_key; key <= keyboard.last_key; ++key) {
+    const auto [string, strike_position, strings, hammer_mass, felt] = note_of(keyboard, key);
+    for (const auto& [what, value, allowed] :
+         {Outcome{"length_m", string.length_m, kLength}, Outcome{"mass_kg", string.mass_kg, kMass},
+          Outcome{"bending_stiffness_n_m2", string.bending_stiffness_n_m2, kBending},
+          Outcome{"constant_loss_per_s", string.losses.constant_per_s, kConstantLoss},
+          Outcome{"quadratic_loss_m2_per_s", string.losses.quadratic_m2_per_s, kQuadraticLoss},
+          Outcome{"tension in N", string.tension_n, kTension},
+          Outcome{"strike_position_m", strike_position, {kMinPosition, string.length_m}},
+          Outcome{"hammer_mass_kg", hammer_mass, kMass},
+          Outcome{"stiffness_n_per_m_alpha", felt.contact.power_law()->stiffness, kStiffness},
+          Outcome{"exponent", felt.contact.power_law()->exponent, kExponent},
+          Outcome{"max compression of the felt in m", felt.spline.max_compression_m, kCompression}})
+      if (!(value >= allowed.min && value <= allowed.max))
+        object.fail("keyboard.notes", fmt::format("at key {} {} is {}", key, what, value),
+                    fmt::format("a number from {} to {}", allowed.min, allowed.max));
+  }
+}
+
+}  // namespace
+
+Keyboard parse_keyboard(std::string_view text, std::string_view file) {
+  const JsonObject whole = parse_json(text, file, "keyboard", {"name", "description", "keyboard"});
+  const JsonObject keyboard =
+      whole.object("keyboard", {"first_key", "last_key", "first_double_key", "first_triple_key", "last_damped_key",
+                                "concert_pitch_hz", "min_speed_m_per_s", "max_speed_m_per_s", "felt_loss_s_per_m",
+                                "damper_per_s", "damper_time_s", "segments", "notes"});
+  const int first = keyboard.integer("first_key", 0, kHighestKey);
+  const int last = keyboard.integer("last_key", first, kHighestKey);
+  Keyboard read{read_name(whole, kTaken),
+                read_description(whole),
+                first,
+                last,
+                keyboard.integer("first_double_key", 0, kHighestKey + 1),
+                keyboard.integer("first_triple_key", 0, kHighestKey + 1),
+                keyboard.integer("last_damped_key", 0, kHighestKey),
+                keyboard.number("concert_pitch_hz", kPitch),
+                keyboard.number("min_speed_m_per_s", kSpeed),
+                keyboard.number("max_speed_m_per_s", kSpeed),
+                keyboard.number("felt_loss_s_per_m", kLoss),
+                keyboard.number("damper_per_s", kDamping),
+                keyboard.number("damper_time_s", kDamperTime),
+                keyboard.integer("segments", 1, kMaxSegments),
+                read_notes(keyboard)};
+  if (read.min_speed_m_per_s > read.max_speed_m_per_s)
+    keyboard.fail(keyboard.key("min_speed_m_per_s"),
+                  fmt::format("{} is above max_speed_m_per_s", read.min_speed_m_per_s),
+                  fmt::format("at most {}", read.max_speed_m_per_s));
+  check_notes(read, keyboard);
+  return read;
+}
+
+}  // namespace contactspline

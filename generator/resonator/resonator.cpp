@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: MIT
+#include "generator/resonator/resonator.hpp"
+
+#include <algorithm>
+#include <boost/math/special_functions/bessel.hpp>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace contactspline {
+namespace {
+
+using std::numbers::pi;
+
+// The i-th positive root of cosh(x) cos(x) = 1. Newton's method for cos(x) - 1/cosh(x) starts at the asymptotic value
+// (i + 1/2) pi.
+double free_bar_root(int i) {
+  double x = (i + 0.5) * pi;
+  for (int step = 0; step < 8; ++step) {
+    const double slope = -std::sin(x) + std::tanh(x) / std::cosh(x);
+    x -= (std::cos(x) - 1 / std::cosh(x)) / slope;
+  }
+  return x;
+}
+
+UndampedMode undamped_mode(const FreeBar& bar, int i) {
+  const double beta = free_bar_root(i) / bar.length_m;
+  const double stiffness = bar.bending_stiffness_n_m2 * std::pow(beta, 4);
+  return {std::sqrt(stiffness * bar.length_m / bar.mass_kg), beta, bar.mass_kg / 4};
+}
+
+UndampedMode undamped_mode(const Membrane& membrane, int order, int i) {
+  const double root = boost::math::cyl_bessel_j_zero(static_cast<double>(order), i);
+  const double beta = root / membrane.radius_m;
+  const double ring = boost::math::cyl_bessel_j(order + 1, root);
+  const double area = pi * membrane.radius_m * membrane.radius_m * (order == 0 ? 1.0 : 0.5);
+  return {beta * std::sqrt(membrane.tension_n_per_m / membrane.mass_per_area_kg_m2), beta,
+          membrane.mass_per_area_kg_m2 * area * ring * ring};
+}
+
+// (cosh x + cos x - k (sinh x + sin x))/2 with k = (cosh X - cos X)/(sinh X - sin X), X = beta L. Written with
+// decaying exponentials only, because the difference of large exponentials would cancel.
+double shape_at(const FreeBar& bar, double wavenumber, double position_m) {
+  const double x = wavenumber * position_m;
+  const double end = wavenumber * bar.length_m;
+  const double decay = std::exp(-end);
+  const double rising = std::exp(x - end) - decay * std::exp(-x) + 2 * decay * std::sin(x);  // (sinh x + sin x) 2/e^X
+  const double whole = 1 - decay * decay - 2 * decay * std::sin(end);                        // (sinh X - sin X) 2/e^X
+  const double excess = std::cos(end) - std::sin(end) - decay;  // (1 - k)(sinh X - sin X)
+  return (std::exp(-x) + std::cos(x) - std::sin(x) + excess * rising / whole) / 2;
+}
+
+// At a node sin() and Bessel functions return a rounding error, which differs between machines, instead of 0.
+double without_rounding(double shape) {
+  return std::abs(shape) < 1e-12 ? 0.0 : shape;
+}
+
+double natural_frequency(const ResonatorMode& mode) {
+  return std::hypot(mode.mode.angular_frequency_rad_per_s, mode.mode.decay_per_s);
+}
+
+// The modes i = 1, 2, ... with undamped frequencies below the limit, at most max + 1 of them.
+template <typename UndampedAt, typename ShapesOf>
+std::vector<ResonatorMode> modes_while_below(double limit, std::size_t max, const Losses& losses,
+                                             UndampedAt undamped_at, ShapesOf shapes_of) {
+  std::vector<ResonatorMode> modes;
+  for (int i = 1; modes.size() <= max; ++i) {
+    const UndampedMode undamped = undamped_at(i);
+    if (undamped.angular_frequency_rad_per_s >= limit) break;
+    const double beta = undamped.wavenumber_per_m;
+    // This mode and all higher ones are overdamped.
+    if (losses.quadratic_m2_per_s * beta * beta >= undamped.angular_frequency_rad_per_s) break;
+    const auto mode = undamped.with(losses);
+    if (!mode) continue;
+    const auto [strike, pickup] = shapes_of(beta);
+    modes.push_back({*mode, beta, without_rounding(strike), without_rounding(pickup)});
+  }
+  return modes;
+}
+
+std::size_t max_modes(const Resonator& resonator) {
+  return static_cast<std::size_t>(resonator.max_modes);
+}
+
+std::vector<ResonatorMode> modes_below(const StiffString& string, const Resonator& resonator, double limit) {
+  std::vector<ResonatorMode> modes;
+  const auto strings = static_cast<double>(string.detuning_cents.size());
+  for (const auto& [mode, beta] : modes_below(string, limit / (2 * pi), max_modes(resonator) + 1))
+    modes.push_back({mode, beta, without_rounding(std::sin(beta * resonator.strike.position_m)) / strings,
+                     without_rounding(std::sin(beta * resonator.pickup.position_m))});
+  return modes;
+}
+
+std::vector<ResonatorMode> modes_below(const FreeBar& bar, const Resonator& resonator, double limit) {
+  return modes_while_below(
+      limit, max_modes(resonator), bar.losses, [&](int i) { return undamped_mode(bar, i); },
+      [&](double beta) {
+        return std::pair(shape_at(bar, beta, resonator.strike.position_m),
+                         shape_at(bar, beta, resonator.pickup.position_m));
+      });
+}
+
+// Sorts by rising frequency and keeps at most max + 1 modes. Returns the limit above which no further mode is needed.
+double keep_lowest(std::vector<ResonatorMode>& modes, std::size_t max, double limit) {
+  std::ranges::stable_sort(modes, {}, natural_frequency);
+  if (modes.size() <= max) return limit;
+  modes.resize(max + 1);
+  return natural_frequency(modes.back());
+}
+
+// The first zero of J_m rises with m, so the search ends at the first order without a mode below the limit.
+std::vector<ResonatorMode> modes_below(const Membrane& membrane, const Resonator& resonator, double limit) {
+  const Place& strike = resonator.strike;
+  const Place& pickup = resonator.pickup;
+  std::vector<ResonatorMode> modes;
+  for (int order = 0;; ++order) {
+    const auto radial = [&](double x) { return boost::math::cyl_bessel_j(order, x); };
+    const auto found = modes_while_below(
+        limit, max_modes(resonator), membrane.losses, [&](int i) { return undamped_mode(membrane, order, i); },
+        [&](double beta) {
+          return std::pair(
+              radial(beta * strike.position_m),
+              radial(beta * pickup.position_m) * std::cos(order * (pickup.angle_rad - strike.angle_rad)));
+        });
+    if (found.empty()) return modes;
+    modes.insert(modes.end(), found.begin(), found.end());
+    limit = keep_lowest(modes, max_modes(resonator), limit);
+  }
+}
+
+std::vector<ResonatorMode> modes_below(const ModeTable& table, const Resonator&, double limit) {
+  std::vector<ResonatorMode> modes;
+  for (const auto& [mode, strike_shape, pickup_shape] : table.rows)
+    if (mode.angular_frequency_rad_per_s < limit) modes.push_back({mode, 0, strike_shape, pickup_shape});
+  return modes;
+}
+
+}  // namespace
+
+ModeSet modes_of(const Resonator& resonator, double max_frequency_hz) {
+  const double limit = 2 * pi * max_frequency_hz;
+  auto modes = std::visit([&](const auto& body) { return modes_below(body, resonator, limit); }, resonator.body);
+  keep_lowest(modes, max_modes(resonator), limit);
+  const bool cut = modes.size() > max_modes(resonator);
+  if (cut) modes.resize(max_modes(resonator));
+  return {std::move(modes), cut};
+}
+
+double residual_compliance(std::span<const ResonatorMode> modes, double sample_rate_hz) {
+  double compliance = 0;
+  for (const auto& [mode, wavenumber, strike, pickup] : modes) {
+    const double theta = mode.angular_frequency_rad_per_s / (2 * sample_rate_hz);
+    const double residual = 1 / (theta * theta) - 1 / (std::tan(theta) * std::tan(theta));
+    compliance += strike * strike / mode.mass_kg * residual / (4 * sample_rate_hz * sample_rate_hz);
+  }
+  return compliance;
+}
+
+}  // namespace contactspline

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+// The modes of a resonator from its physical parameters: stiff string, free-free bar, circular membrane, table of
+// modes.
+#pragma once
+
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "contactspline/modal.hpp"
+#include "contactspline/stiff_string.hpp"
+
+namespace contactspline {
+
+/// Free-free Euler-Bernoulli bar: w0^2 = EI beta^4/mu, cosh(beta L) cos(beta L) = 1. The shapes are 1 at the ends;
+/// the modal mass is M/4. Place: x [m] from one end. The two rigid-body modes are omitted.
+struct FreeBar {
+  double length_m;
+  double mass_kg;
+  double bending_stiffness_n_m2;
+  Losses losses;
+};
+
+/// Circular membrane with a fixed rim: w0 = beta sqrt(T/sigma), beta R a zero of J_m. The shapes are J_m(beta r)
+/// cos(m angle), with the angle counted from the strike; the modal mass is sigma times the integral of the squared
+/// shape. A strike does not excite the sine modes. Place: radius [m] and angle [rad].
+struct Membrane {
+  double radius_m;
+  double mass_per_area_kg_m2;
+  double tension_n_per_m;
+  Losses losses;
+};
+
+/// Modes that were measured or computed elsewhere, with the values of their shapes at the strike and at the pickup.
+struct ModeTable {
+  struct Row {
+    Mode mode;
+    double strike_shape, pickup_shape;
+  };
+  std::vector<Row> rows;
+};
+
+/// A place on the resonator; `angle_rad` is used for a membrane only.
+struct Place {
+  double position_m;
+  double angle_rad = 0;
+};
+
+struct Resonator {
+  std::string name;         ///< lower-case identifier
+  std::string description;  ///< one line, may be empty
+  std::variant<StiffString, FreeBar, Membrane, ModeTable> body;
+  Place strike, pickup;  ///< not used by a ModeTable
+  int max_modes;         ///< the modes with the lowest frequencies are kept, at most this number
+};
+
+/// A mode with its shape at the strike and at the pickup.
+struct ResonatorMode {
+  Mode mode;
+  double wavenumber_per_m;  ///< for a string the shape is sin(wavenumber x); 0 in a table of modes
+  double strike_shape, pickup_shape;
+};
+
+/// A set of modes by rising frequency. `cut` is true if max_modes excluded some modes below the frequency limit.
+struct ModeSet {
+  std::vector<ResonatorMode> modes;
+  bool cut;
+};
+
+/// The modes below `max_frequency_hz`, at most resonator.max_modes of them, without overdamped ones (decay above the
+/// undamped angular frequency).
+[[nodiscard]] ModeSet modes_of(const Resonator& resonator, double max_frequency_hz);
+
+/// Residual static compliance [m/N] at the strike point: that of the exact modes minus that of the modes simulated at
+/// a sample rate with exact poles. It is the sum of shape^2/m (1/w^2 - dt^2/(4 tan^2(w dt/2))). Requires w dt < pi.
+[[nodiscard]] double residual_compliance(std::span<const ResonatorMode> modes, double sample_rate_hz);
+
+/// The fraction of the residual compliance that gave the best results for felt hammers on strings (docs/knots.md).
+/// The rest belongs to modes that are slower than the contact and do not move during it.
+constexpr double kComplianceFraction = 0.8;
+
+}  // namespace contactspline

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: MIT
+#include "generator/spline/design.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "generator/spline/compensation.hpp"
+#include "generator/spline/fit_target.hpp"
+#include "generator/spline/graded_knots.hpp"
+#include "generator/spline/minimax_force.hpp"
+#include "generator/spline/minimax_knots.hpp"
+#include "generator/support/error.hpp"
+#include "generator/support/number_literal.hpp"
+
+namespace contactspline {
+namespace {
+
+// Digits to which the fitted points are rounded. On every machine a fit ends within 1e-8 of the same points, although
+// exp() and atan() differ, so six digits agree except in rare cases. Many segments need more digits, of which the
+// last may differ between machines. A law with breaks needs more digits too: just above a break the error of the
+// duration grows like the square root of an error of the energy.
+int rounding_digits(const Material& material) {
+  constexpr int kMaxCoarse = 32;
+  const SplineDesign& design = material.spline;
+  if (!material.contact.breaks().empty()) return 10;
+  return design.segments <= kMaxCoarse ? 6 : design.segments <= kMaxFittedSegments ? 8 : 12;
+}
+
+PiecewiseLinearForce fit(const SplineDesign& design, const FitTarget& target) {
+  if (design.knots == Knots::graded) return graded_knots(design.segments, target);
+  return design.minimise == ErrorOf::force ? minimax_force(design.segments, target)
+                                           : minimax_knots(design.segments, target);
+}
+
+// The fitted force, relative to max_compression_m and the force there. With compensation, in series with the
+// compliance.
+PiecewiseLinearForce fitted_force(const Material& material) {
+  if (!material.compensation) return fit(material.spline, fit_target(material));
+  const auto [target, end] = compensated_target(material);
+  PiecewiseLinearForce force = fit(material.spline, target);
+  const double range = material.spline.max_compression_m;
+  const double series = material.compensation->compliance_m_per_n * material.contact.force(range) / range;
+  for (std::size_t j = 0; j < force.y.size(); ++j) {
+    force.f[j] /= end;
+    force.y[j] = end * force.y[j] + series * force.f[j];
+  }
+  return force;
+}
+
+// Rounds all points; uses more digits if two points would become equal.
+PiecewiseLinearForce rounded_force(const PiecewiseLinearForce& force, int digits) {
+  PiecewiseLinearForce rounded = force;
+  for (auto* values : {&rounded.y, &rounded.f})
+    for (double& value : *values) value = rounded_to(value, digits);
+  return rounded.rises() || digits >= 16 ? rounded : rounded_force(force, digits + 2);
+}
+
+Spline spline_of(const Material& material, std::string_view file) {
+  if (material.spline.knots == Knots::uniform) return uniform_spline(material, file);
+  const PiecewiseLinearForce force = fitted_force(material);
+  if (!force.rises())
+    refuse(file, "spline.knots",
+           fmt::format("no rising force was found for {} {} segments (a curve may begin with zero force)",
+                       material.spline.segments, name_of(material.spline.knots)),
+           "a law with a positive force from 0 on, or uniform knots");
+  return spline_through(rounded_force(force, rounding_digits(material)), material, file);
+}
+
+double error_of(const Spline& spline, const Material& material) {
+  const Quality quality = measure_quality(spline, material);
+  return material.spline.minimise == ErrorOf::force ? quality.force.worst : quality.impact->contact_duration;
+}
+
+/// The search for the smallest number of segments whose error is within the material's tolerance.
+class ToleranceSearch {
+ public:
+  ToleranceSearch(Material& material, std::string_view file)
+      : material_(material),
+        file_(file),
+        max_(material.spline.knots == Knots::optimal ? kMaxFittedSegments : kMaxSearched) {}
+
+  /// Leaves the number in the material. Throws BadInput if the largest number does not meet the tolerance.
+  Spline smallest() {
+    double_until_met();
+    bisect();
+    try_smaller();
+    material_.spline.segments = met_;
+    return *std::move(best_);
+  }
+
+ private:
+  static constexpr int kMaxSearched = 1024;
+
+  // Designs a spline with that many segments, and keeps it if it meets the tolerance.
+  bool meets_tolerance(int segments) {
+    constexpr double kMargin = 1.003;  // for peaks of the error between the measured speeds
+    material_.spline.segments = segments;
+    Spline spline = spline_of(material_, file_);
+    error_ = error_of(spline, material_);
+    if (!(error_ * kMargin <= material_.spline.tolerance)) return false;
+    best_ = std::move(spline);
+    met_ = segments;
+    return true;
+  }
+
+  void double_until_met() {
+    for (int segments = 1; !meets_tolerance(segments); segments = std::min(2 * segments, max_)) {
+      if (segments == max_) refuse_tolerance();
+      missed_ = segments;
+    }
+  }
+
+  void bisect() {
+    while (met_ - missed_ > 1) {
+      const int middle = (missed_ + met_) / 2;
+      if (!meets_tolerance(middle)) missed_ = middle;
+    }
+  }
+
+  // The error does not fall with every segment, so a smaller number may meet the tolerance even if missed_ does not.
+  // For uniform knots, whose splines are cheap, all smaller numbers are tried.
+  void try_smaller() {
+    constexpr int kMaxTriedFully = 64;
+    const Knots knots = material_.spline.knots;
+    const int tries = knots == Knots::optimal                            ? 2
+                      : knots == Knots::uniform && met_ < kMaxTriedFully ? met_
+                                                                         : std::clamp(met_ / 8, 3, 16);
+    for (int fewer = met_ - 2; fewer > 0 && fewer >= met_ - 1 - tries; --fewer)
+      meets_tolerance(fewer);  // updates met_
+  }
+
+  [[noreturn]] void refuse_tolerance() const {
+    refuse(file_, "spline.tolerance",
+           fmt::format("{} is not met by {} {} segments", material_.spline.tolerance, max_,
+                       name_of(material_.spline.knots)),
+           fmt::format("at least {:.4g}", error_ * 1.01));
+  }
+
+  Material& material_;
+  std::string_view file_;
+  int max_;
+  int missed_ = 0, met_ = 0;  // numbers of segments that miss and meet the tolerance
+  double error_ = 0;
+  std::optional<Spline> best_;
+};
+
+}  // namespace
+
+Spline design_spline(Material& material, std::string_view file) {
+  if (material.compensation) require_compensable(material, file);
+  return material.spline.tolerance > 0 ? ToleranceSearch(material, file).smallest() : spline_of(material, file);
+}
+
+Design design_material(Material material, std::string_view file) {
+  const Spline spline = design_spline(material, file);
+  return {material, spline, measure_quality(spline, material)};
+}
+
+Design design_material(std::string_view text, std::string_view file, const ReadFile& read) {
+  return design_material(parse_material(text, file, read), file);
+}
+
+}  // namespace contactspline

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#include "generator/spline/simulated_impact.hpp"
+
+#include "contactspline/mass_barrier.hpp"
+
+namespace contactspline {
+namespace {
+
+// Distance from the last sample to the turning point, with the acceleration constant between two samples as in the
+// midpoint rule.
+double turning_distance(double velocity, double next_velocity, double time_step) {
+  return velocity * velocity * time_step / (2 * (velocity - next_velocity));
+}
+
+}  // namespace
+
+SimulatedImpact simulate_impact(std::span<const Segment<double>> table, double mass_kg, double speed_m_per_s,
+                                double sample_rate_hz, double phase, double loss_s_per_m) {
+  MassBarrier<double> model(table, sample_rate_hz);
+  const MassBarrierControls<double> controls{.mass_kg = mass_kg, .contact = {.loss_s_per_m = loss_s_per_m}};
+  model.throw_from(-phase * speed_m_per_s / sample_rate_hz, speed_m_per_s);
+  double samples = 0;
+  double max_compression = 0;
+  do {
+    const double displacement = model.displacement();
+    const double velocity = model.velocity();
+    model.tick(controls);
+    if (velocity > 0 && model.velocity() <= 0)
+      max_compression = displacement + turning_distance(velocity, model.velocity(), 1 / sample_rate_hz);
+    ++samples;
+  } while (model.displacement() > 0 || model.velocity() > 0);
+  const double entry_s = phase / sample_rate_hz;
+  const double exit_s = samples / sample_rate_hz - model.displacement() / model.velocity();
+  return {exit_s - entry_s, max_compression, -model.velocity()};
+}
+
+}  // namespace contactspline

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+// A simulated impact of a mass on a rigid barrier, measured to fractions of a sample.
+#pragma once
+
+#include <span>
+
+#include "contactspline/contact.hpp"
+
+namespace contactspline {
+
+struct SimulatedImpact {
+  double contact_duration_s;  ///< from the end of the free motion before to the beginning of the free motion after
+  double max_compression_m;   ///< at the turning point, also between samples
+  double exit_speed_m_per_s;
+};
+
+/// Simulates a mass (> 0) that hits the barrier with a speed (> 0), at a sample rate (> 0). `phase` in [0, 1) is the
+/// position of the first contact between two samples. `loss_s_per_m` >= 0 is the Hunt-Crossley loss. For the
+/// duration, the free motion before and after is extrapolated to the barrier.
+[[nodiscard]] SimulatedImpact simulate_impact(std::span<const Segment<double>> table, double mass_kg,
+                                              double speed_m_per_s, double sample_rate_hz, double phase = 0.5,
+                                              double loss_s_per_m = 0);
+
+}  // namespace contactspline

@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: MIT
+#include "generator/support/json_reader.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "generator/support/error.hpp"
+
+namespace contactspline {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::size_t kMaxNameLength = 64;
+constexpr std::ptrdiff_t kMaxDescriptionLength = 200;
+
+// C++ keywords: the name of a file also names the emitted C++ struct.
+constexpr std::array kKeywords = {
+    "alignas",     "alignof",   "and",       "and_eq",    "asm",      "auto",         "bitand",
+    "bitor",       "bool",      "break",     "case",      "catch",    "char",         "char8_t",
+    "char16_t",    "char32_t",  "class",     "compl",     "concept",  "const",        "const_cast",
+    "consteval",   "constexpr", "constinit", "continue",  "co_await", "co_return",    "co_yield",
+    "decltype",    "default",   "delete",    "do",        "double",   "dynamic_cast", "else",
+    "enum",        "explicit",  "export",    "extern",    "false",    "float",        "for",
+    "friend",      "goto",      "if",        "inline",    "int",      "long",         "mutable",
+    "namespace",   "new",       "noexcept",  "not",       "not_eq",   "nullptr",      "operator",
+    "or",          "or_eq",     "private",   "protected", "public",   "register",     "reinterpret_cast",
+    "requires",    "return",    "short",     "signed",    "sizeof",   "static",       "static_assert",
+    "static_cast", "struct",    "switch",    "template",  "this",     "thread_local", "throw",
+    "true",        "try",       "typedef",   "typeid",    "typename", "union",        "unsigned",
+    "using",       "virtual",   "void",      "volatile",  "wchar_t",  "while",        "xor",
+    "xor_eq"};
+
+// Valid identifiers that clash with other names in a program with emitted code: Faust libraries, namespaces, C
+// macros.
+constexpr std::array kClashingNames = {"contact", "modal",    "instruments", "std",   "linux",
+                                       "unix",    "errno",    "assert",      "stdin", "stdout",
+                                       "stderr",  "offsetof", "setjmp",      "major", "minor"};
+
+std::string joined(const std::vector<std::string>& names) {
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::string allowed_numbers(Range range) {
+  return fmt::format("a number from {} to {}", range.min, range.max);
+}
+
+/// Position of the parser: the keys read so far in each open object. `root` names the whole file.
+class Position {
+ public:
+  explicit Position(std::string_view root) : root_(root) {}
+
+  void open() { objects_.emplace_back(); }
+  void close() { objects_.pop_back(); }
+
+  /// Records the key. Returns false for a key that the object already has.
+  [[nodiscard]] bool enter(const std::string& key) {
+    objects_.back().last = key;
+    return objects_.back().keys.insert(key).second;
+  }
+
+  [[nodiscard]] std::string path() const {
+    std::string path;
+    for (const auto& object : objects_) path += (path.empty() ? "" : ".") + object.last;
+    return path.empty() ? root_ : shown(path);
+  }
+
+ private:
+  struct OpenObject {
+    std::set<std::string> keys;
+    std::string last;
+  };
+  std::string root_;
+  std::vector<OpenObject> objects_;
+};
+
+// Without this callback nlohmann would silently keep the last of two equal keys.
+Json::parser_callback_t reject_duplicates(std::string_view file, Position& position) {
+  return [file, &position](int, Json::parse_event_t event, Json& parsed) {
+    if (event == Json::parse_event_t::object_start) position.open();
+    if (event == Json::parse_event_t::object_end) position.close();
+    if (event == Json::parse_event_t::key && !position.enter(parsed.get<std::string>()))
+      refuse(file, position.path(), "duplicate key", "once");
+    return true;
+  };
+}
+
+// Removes the identifier in brackets that the library puts before its message.
+std::string without_identifier(std::string_view message) {
+  const auto end = message.find("] ");
+  return shown(end == std::string_view::npos ? message : message.substr(end + 2), 240);
+}
+
+bool is_identifier(std::string_view name) {
+  const auto is_lower = [](char c) { return c >= 'a' && c <= 'z'; };
+  const auto is_part = [&](char c) { return is_lower(c) || (c >= '0' && c <= '9') || c == '_'; };
+  return !name.empty() && name.size() <= kMaxNameLength && is_lower(name.front()) &&
+         std::ranges::all_of(name, is_part) && name.find("__") == std::string_view::npos &&
+         std::ranges::find(kKeywords, name) == kKeywords.end() &&
+         std::ranges::find(kClashingNames, name) == kClashingNames.end();
+}
+
+}  // namespace
+
+std::string shown(std::string_view text, std::size_t max) {
+  std::string safe(text.substr(0, max));
+  std::ranges::replace_if(
+      safe, [](unsigned char c) { return c < 0x20 || c >= 0x7f; }, '?');
+  return text.size() > max ? safe + "..." : safe;
+}
+
+struct JsonObject::Value {
+  std::shared_ptr<const Json> file;
+  const Json& json;  // part of `file`
+
+  [[nodiscard]] std::shared_ptr<const Value> part(const Json& part) const {
+    return std::make_shared<const Value>(Value{file, part});
+  }
+};
+
+namespace {
+
+Json parsed(std::string_view text, std::string_view file, std::string_view what) {
+  Position position(what);
+  try {
+    return Json::parse(text, reject_duplicates(file, position), true, true);
+  } catch (const Json::out_of_range& error) {
+    refuse(file, position.path(), without_identifier(error.what()), "a finite number");
+  } catch (const Json::exception& error) {
+    refuse(file, what, without_identifier(error.what()), "a JSON object, comments included");
+  }
+}
+
+// The value of a required key.
+const Json& value_at(const JsonObject& object, const Json& json, const char* name, std::string_view allowed) {
+  if (!json.contains(name)) object.fail(object.key(name), "missing", allowed);
+  return json.at(name);
+}
+
+const Json& array_at(const JsonObject& object, const Json& json, const char* name, std::string_view allowed,
+                     std::size_t max_count) {
+  const Json& value = value_at(object, json, name, allowed);
+  if (!value.is_array()) object.fail(object.key(name), "is not an array", allowed);
+  if (value.empty() || value.size() > max_count)
+    object.fail(object.key(name), fmt::format("has {} entries", value.size()), allowed);
+  return value;
+}
+
+double checked(const JsonObject& object, const Json& value, const std::string& key, Range range) {
+  if (!value.is_number()) object.fail(key, "is not a number", allowed_numbers(range));
+  const double number = value.get<double>();
+  if (!(number >= range.min && number <= range.max))
+    object.fail(key, fmt::format("{} is out of range", number), allowed_numbers(range));
+  return number;
+}
+
+}  // namespace
+
+JsonObject parse_json(std::string_view text, std::string_view file, std::string_view what,
+                      const std::vector<std::string>& allowed) {
+  const auto json = std::make_shared<const Json>(parsed(text, file, what));
+  return {std::make_shared<const JsonObject::Value>(JsonObject::Value{json, *json}), std::string(file), "", what,
+          allowed};
+}
+
+bool json_has_any(std::string_view text, std::string_view file, std::span<const char* const> keys) {
+  const Json json = parsed(text, file, "material");
+  return std::ranges::any_of(keys, [&](const char* key) { return json.contains(key); });
+}
+
+std::string json_string(std::string_view text) {
+  return Json(text).dump();
+}
+
+JsonObject::JsonObject(std::shared_ptr<const Value> value, std::string file, std::string path, std::string_view self,
+                       const std::vector<std::string>& allowed)
+    : value_(std::move(value)), file_(std::move(file)), path_(std::move(path)) {
+  if (!value_->json.is_object()) fail(self, "is not an object", joined(allowed));
+  for (const auto& item : value_->json.items())
+    if (std::ranges::find(allowed, item.key()) == allowed.end())
+      fail(key(shown(item.key())), "unknown key", joined(allowed));
+}
+
+bool JsonObject::has(const char* name) const {
+  return value_->json.contains(name);
+}
+
+JsonObject JsonObject::object(const char* name, const std::vector<std::string>& allowed) const {
+  const std::string path = key(name);
+  return {value_->part(value_at(*this, value_->json, name, joined(allowed))), file_, path, path, allowed};
+}
+
+std::vector<JsonObject> JsonObject::objects(const char* name, const std::vector<std::string>& allowed,
+                                            std::size_t max_count) const {
+  std::vector<JsonObject> objects;
+  const std::string an_array = fmt::format("an array of 1 to {} objects", max_count);
+  for (const Json& value : array_at(*this, value_->json, name, an_array, max_count)) {
+    const std::string path = fmt::format("{}[{}]", key(name), objects.size());
+    objects.push_back({value_->part(value), file_, path, path, allowed});
+  }
+  return objects;
+}
+
+std::string JsonObject::text(const char* name, std::string_view allowed) const {
+  const Json& value = value_at(*this, value_->json, name, allowed);
+  if (!value.is_string()) fail(key(name), "is not a string", allowed);
+  return value.get<std::string>();
+}
+
+double JsonObject::number(const char* name, Range range) const {
+  return checked(*this, value_at(*this, value_->json, name, allowed_numbers(range)), key(name), range);
+}
+
+std::vector<double> JsonObject::numbers(const char* name, Range range, std::size_t max_count) const {
+  std::vector<double> numbers;
+  const std::string an_array = fmt::format("an array of 1 to {} numbers", max_count);
+  for (const Json& value : array_at(*this, value_->json, name, an_array, max_count))
+    numbers.push_back(checked(*this, value, fmt::format("{}[{}]", key(name), numbers.size()), range));
+  return numbers;
+}
+
+int JsonObject::integer(const char* name, int min, int max) const {
+  const std::string allowed = fmt::format("an integer from {} to {}", min, max);
+  const Json& value = value_at(*this, value_->json, name, allowed);
+  if (!value.is_number_integer()) fail(key(name), "is not an integer", allowed);
+  const double number = value.get<double>();
+  if (!(number >= min && number <= max))
+    fail(key(name), fmt::format("{} is out of range", shown(value.dump())), allowed);
+  return value.get<int>();
+}
+
+void JsonObject::fail(std::string_view key, std::string_view wrong, std::string_view allowed) const {
+  refuse(file_, key, wrong, allowed);
+}
+
+std::string JsonObject::key(std::string_view name) const {
+  return path_.empty() ? std::string(name) : fmt::format("{}.{}", path_, name);
+}
+
+std::string read_name(const JsonObject& object, std::span<const char* const> taken) {
+  constexpr auto kAllowed =
+      "a-z, 0-9 and single _, a letter first, at most 64 characters, no C++ keyword and no name of the emitted files";
+  std::string name = object.text("name", kAllowed);
+  if (!is_identifier(name) || std::ranges::find(taken, name) != taken.end())
+    object.fail("name", fmt::format("'{}' is not a usable identifier", shown(name)), kAllowed);
+  return name;
+}
+
+std::string read_description(const JsonObject& object) {
+  if (!object.has("description")) return {};
+  constexpr auto kAllowed = "one line of at most 200 printable characters, no quote, no backslash";
+  std::string text = object.text("description", kAllowed);
+  const bool printable =
+      std::ranges::none_of(text, [](unsigned char c) { return c < 0x20 || c == 0x7f || c == '"' || c == '\\'; });
+  const auto begins_character = [](unsigned char c) { return (c & 0xc0) != 0x80; };  // of UTF-8
+  if (!printable || std::ranges::count_if(text, begins_character) > kMaxDescriptionLength)
+    object.fail("description", "is too long or has a quote, a backslash or a control character", kAllowed);
+  return text;
+}
+
+}  // namespace contactspline

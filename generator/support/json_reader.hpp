@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+// A strict reader for JSON input files. Every error names the file and the key.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace contactspline {
+
+/// Range of a number; both bounds are allowed.
+struct Range {
+  double min, max;
+};
+
+/// Text from a file, made safe for a one-line message: at most `max` characters, of which only printable ASCII ones
+/// stay; the others become '?'.
+[[nodiscard]] std::string shown(std::string_view text, std::size_t max = 80);
+
+/// True if the JSON object in the text has at least one of these keys. Throws BadInput as parse_json() does.
+[[nodiscard]] bool json_has_any(std::string_view text, std::string_view file, std::span<const char* const> keys);
+
+/// The text as a JSON string with quotes and escapes.
+[[nodiscard]] std::string json_string(std::string_view text);
+
+/// One JSON object, together with its file and its path in the file, which every message names. A key outside
+/// `allowed` is an error. Every reader throws BadInput if the key is missing, has the wrong type or is out of range.
+class JsonObject {
+ public:
+  [[nodiscard]] bool has(const char* name) const;
+  [[nodiscard]] JsonObject object(const char* name, const std::vector<std::string>& allowed) const;
+  [[nodiscard]] std::vector<JsonObject> objects(const char* name, const std::vector<std::string>& allowed,
+                                                std::size_t max_count) const;  ///< 1 to max_count of them
+  [[nodiscard]] std::string text(const char* name, std::string_view allowed) const;
+  [[nodiscard]] double number(const char* name, Range range) const;
+  [[nodiscard]] std::vector<double> numbers(const char* name, Range range,
+                                            std::size_t max_count) const;  ///< 1 to max_count of them
+  [[nodiscard]] int integer(const char* name, int min, int max) const;
+
+  /// Throws BadInput: "file: key: wrong; allowed: allowed". `key` is a full path, as key() returns it.
+  [[noreturn]] void fail(std::string_view key, std::string_view wrong, std::string_view allowed) const;
+
+  /// The full path of a member of this object, such as `spline.knots`.
+  [[nodiscard]] std::string key(std::string_view name) const;
+
+ private:
+  struct Value;  ///< the parsed file and a reference to this object in it
+  friend JsonObject parse_json(std::string_view, std::string_view, std::string_view, const std::vector<std::string>&);
+  JsonObject(std::shared_ptr<const Value> value, std::string file, std::string path, std::string_view self,
+             const std::vector<std::string>& allowed);
+
+  std::shared_ptr<const Value> value_;
+  std::string file_;
+  std::string path_;
+};
+
+/// Parses a whole file: one JSON object, comments allowed. `file` and `what`, the kind of the file, appear in
+/// messages only. Throws BadInput for wrong syntax, duplicate keys, numbers beyond the range of double and keys
+/// outside `allowed`.
+[[nodiscard]] JsonObject parse_json(std::string_view text, std::string_view file, std::string_view what,
+                                    const std::vector<std::string>& allowed);
+
+/// Reads the key `name`: a lower-case identifier for files and code. It must not be one of `taken`, the member names
+/// of the emitted struct.
+[[nodiscard]] std::string read_name(const JsonObject& object, std::span<const char* const> taken);
+
+/// Reads the optional key `description`: one line; an empty string if it is missing.
+[[nodiscard]] std::string read_description(const JsonObject& object);
+
+}  // namespace contactspline

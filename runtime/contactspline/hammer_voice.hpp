@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: MIT
+// A hammer-string with a damper and an output: one voice of a piano, a dulcimer, a marimba.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <concepts>
+#include <cstddef>
+#include <limits>
+#include <span>
+#include <utility>
+
+#include "contactspline/hammer_string.hpp"
+
+namespace contactspline {
+
+/// A damper: the extra decay of every mode while it is down [1/s], and the time constant with which it comes down
+/// [s], > 0.
+struct Damper {
+  double damping_per_s = 60;
+  double time_s = 0.005;
+};
+
+namespace detail {
+
+/// The damping by a damper that is lifted at once, as a key lifts it before the hammer strikes, and comes down
+/// gently: the damping approaches its full value exponentially. It is held for kHold samples at its mean over them,
+/// so that whole blocks can be processed: the string loses the same, apart from a ripple. The fall ends when nobody
+/// can hear the rest.
+class FallingDamper {
+ public:
+  FallingDamper(const Damper& damper, double sample_rate_hz)
+      : full_per_s_(damper.damping_per_s),
+        factor_(std::exp(-1 / (damper.time_s * sample_rate_hz))),
+        hold_factor_(std::pow(factor_, kHold)),
+        mean_factor_(factor_ * (1 - hold_factor_) / (-std::expm1(-1 / (damper.time_s * sample_rate_hz)) * kHold)) {}
+
+  void lift() { target_ = remainder_ = 0; }
+
+  void lower() {
+    if (target_ > 0) return;
+    target_ = remainder_ = full_per_s_;
+    done_ = 0;
+  }
+
+  /// Damping in the coming samples() [1/s].
+  [[nodiscard]] double value() const { return target_ - remainder_ * mean_factor_; }
+
+  /// Number of samples for which value() holds.
+  [[nodiscard]] std::size_t samples() const {
+    return remainder_ == 0 ? std::numeric_limits<std::size_t>::max() : kHold - done_;
+  }
+
+  /// samples <= samples()
+  void advance(std::size_t samples) {
+    if (remainder_ == 0) return;
+    done_ += samples;
+    if (done_ < kHold) return;
+    done_ = 0;
+    remainder_ *= hold_factor_;
+    if (remainder_ < kInaudible) remainder_ = 0;
+  }
+
+ private:
+  static constexpr std::size_t kHold = 16;    // samples
+  static constexpr double kInaudible = 1e-5;  // 1/s: 1e-5 of the amplitude in a second
+
+  double full_per_s_;
+  double factor_, hold_factor_;  // of the remainder over one sample, over kHold
+  double mean_factor_;           // its mean over kHold
+  double target_ = 0;            // [1/s]
+  double remainder_ = 0;         // damping below the target when the hold began [1/s]
+  std::size_t done_ = 0;         // samples of the hold
+};
+
+}  // namespace detail
+
+/// A hammer-string with a damper. `output` are mode shapes: the output is the sum of shape times modal displacement,
+/// for instance the displacement at a pickup [m] or the force on a bridge [N].
+template <std::floating_point T>
+class HammerVoice {
+ public:
+  static constexpr T kThrowDistance_m = T(1e-4);  ///< from which the hammer is thrown
+
+  /// felt must outlive the voice.
+  HammerVoice(SegmentTable<T> felt, std::span<const Mode> modes, ModeShapes<T> strike, ModeShapes<T> output,
+              const HammerStringControls<T>& controls, const Damper& damper, double sample_rate_hz)
+      : output_(std::move(output)),
+        controls_(controls),
+        damper_(damper, sample_rate_hz),
+        model_(felt, modes, std::move(strike), sample_rate_hz) {}
+
+  /// Throws the hammer at the strings [m/s] and lifts the damper. The strings may be sounding.
+  void strike(T velocity_m_per_s) {
+    damper_.lift();
+    model_.strike(velocity_m_per_s, kThrowDistance_m);
+  }
+
+  /// Moves the place of the strike, from the next throw on.
+  void strike_at(const ModeShapes<T>& strike) { model_.strike_at(strike); }
+
+  /// Lowers the damper.
+  void release() { damper_.lower(); }
+
+  /// Advances one sample and returns the output. Safe in an audio thread: no allocation, no lock, bounded time.
+  T tick() {
+    model_.tick(damped());
+    damper_.advance(1);
+    return model_.string().displacement(output_);
+  }
+
+  /// Advances out.size() samples, writes the output after each and, unless `forces` is null, the contact forces [N].
+  /// Equals as many calls of tick(), but is many times as fast if ContactSpline::simd is linked. Safe in an audio
+  /// thread.
+  void process(std::span<T> out, T* forces = nullptr) {
+    while (!out.empty()) {
+      const std::size_t samples = std::min(out.size(), damper_.samples());
+      model_.process(damped(), output_, out.first(samples), forces);
+      damper_.advance(samples);
+      out = out.subspan(samples);
+      if (forces != nullptr) forces += samples;
+    }
+  }
+
+  /// Is the hammer stopped, and the energy of the strings below a limit [J]? Such a voice may be skipped until it is
+  /// struck again. The default is 90 dB below a C4 hammer at 0.1 m/s.
+  [[nodiscard]] bool is_silent(double inaudible_j = 1e-14) const {
+    return !model_.is_hammer_flying() && model_.string().energy() < inaudible_j;
+  }
+
+  /// Damping in the coming sample, the damper's and that of the controls [1/s].
+  [[nodiscard]] T damping_per_s() const { return damped().damping_per_s; }
+
+  [[nodiscard]] const HammerString<T>& model() const { return model_; }
+  /// Live controls. Their damping adds to the damper's.
+  [[nodiscard]] HammerStringControls<T>& controls() { return controls_; }
+
+ private:
+  [[nodiscard]] HammerStringControls<T> damped() const {
+    HammerStringControls<T> controls = controls_;
+    controls.damping_per_s += static_cast<T>(damper_.value());
+    return controls;
+  }
+
+  ModeShapes<T> output_;
+  HammerStringControls<T> controls_;
+  detail::FallingDamper damper_;
+  HammerString<T> model_;
+};
+
+}  // namespace contactspline

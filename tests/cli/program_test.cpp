@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+// The built program, started once for each subcommand: it does what the command line does within the other tests.
+#include "program.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+constexpr auto kStroke = R"({
+  "instrument": "hammer-string", "duration_s": 0.05,
+  "voices": [ { "name": "c4", "resonator": "string_c4", "material": "felt_c4" } ],
+  "events": [ { "time_s": 0, "speed_m_per_s": 2 } ] })";
+constexpr auto kBuzz = R"({
+  "instrument": "fret-string", "duration_s": 0.05,
+  "voices": [ { "name": "d", "resonator": "guitar_d3", "material": "steel_on_steel", "pluck_m": 0.3, "pickup_m": 0.05 } ],
+  "events": [ { "time_s": 0, "place_m": 0.6, "gap_m": 0.001 }, { "time_s": 0.01, "pluck_n": 3 } ] })";
+
+struct ProgramCase {
+  std::string test;
+  Words arguments;
+  int exit_code;
+};
+
+void PrintTo(const ProgramCase& one, std::ostream* stream) {
+  *stream << one.test;
+}
+
+class Program : public ::testing::TestWithParam<ProgramCase> {};
+
+// Runs in two folders: the same exit code, the same text on both streams, the same files.
+TEST_P(Program, DoesWhatTheCommandLineDoesInProcess) {
+  const Sandbox started, in_process;
+  for (const Sandbox* box : {&started, &in_process}) {
+    write_file(*box / "stroke.json", kStroke);
+    write_file(*box / "buzz.json", kBuzz);
+  }
+  const Call call = {.arguments = GetParam().arguments};
+  Call there = call, here = call;
+  there.folder = started.path();
+  here.folder = in_process.path();
+  const Outcome program = run_program(there), function = run_in_process(here);
+  EXPECT_EQ(program.exit_code, GetParam().exit_code) << program.err;
+  EXPECT_EQ(function.exit_code, program.exit_code);
+  EXPECT_EQ(function.out, program.out);
+  EXPECT_EQ(function.err, program.err);
+  const auto written = started.listing(), expected = in_process.listing();
+  ASSERT_EQ(names_in(written), names_in(expected));
+  for (const auto& [name, state] : written) EXPECT_EQ(state.content, expected.at(name).content) << name;
+  if (program.exit_code == 2) {
+    expect_refused(program, "", "");
+    EXPECT_EQ(names_in(written), "buzz.json\nstroke.json\n");
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Each, Program,
+    ::testing::ValuesIn(std::vector<ProgramCase>{
+        {"nothing", {}, 2},
+        {"version", {"--version"}, 0},
+        {"help", {"--help"}, 0},
+        {"generate", {"generate", "felt_c4", "string_c4", "-o", "out"}, 0},
+        {"generate_bad_option", {"generate", "felt_c4", "--emit", "rust"}, 2},
+        {"generate_bad_file", {"generate", "absent.json"}, 2},
+        {"generate_check", {"generate", "felt_c4", "--check"}, 1},
+        {"inspect", {"inspect", "felt_over_wood", "--svg", "a.svg"}, 0},
+        {"inspect_bad_option", {"inspect", "felt_c4", "--rate", "0"}, 2},
+        {"materials", {"materials"}, 0},
+        {"materials_bad_option", {"materials", "all"}, 2},
+        {"scores", {"scores"}, 0},
+        {"impact", {"impact", "mb1", "--speed", "2"}, 0},
+        {"impact_bad_option", {"impact", "mb1", "--speed", "fast"}, 2},
+        {"render_mass_barrier", {"render", "mass-barrier", "--duration", "0.01", "-o", "a.wav"}, 0},
+        {"render_mass_barrier_bad_option", {"render", "mass-barrier", "--mass", "-1", "-o", "a.wav"}, 2},
+        {"render_hammer_string_bad_score", {"render", "hammer-string", "--score", "fret_buzz", "-o", "a.wav"}, 2},
+        {"render_slide_string_bad_score", {"render", "slide-string", "--score", "dulcimer", "-o", "a.wav"}, 2},
+        {"render_hammer_string", {"render", "hammer-string", "--score", "stroke.json", "-o", "a.wav"}, 0},
+        {"render_fret_string", {"render", "fret-string", "--score", "buzz.json", "-o", "a.wav"}, 0}}),
+    ::testing::PrintToStringParamName());
+
+}  // namespace
+}  // namespace contactspline::testing

@@ -1,0 +1,53 @@
+# WebAssembly, run in Node.
+add_executable(write_samples write_samples.cpp)
+target_link_libraries(write_samples PRIVATE faust_cpp contactspline_warnings nlohmann_json::nlohmann_json)
+target_include_directories(write_samples PRIVATE ${PROJECT_SOURCE_DIR}/tests)
+add_custom_command(OUTPUT ${generated}/samples.json COMMAND write_samples ${generated}/samples.json
+  DEPENDS write_samples VERBATIM)
+set(wasm_programs "")
+foreach(program mass_barrier probe)
+  foreach(precision double single)
+    set(name wasm_${program}_${precision}.wasm)
+    compile_faust(${name} ${program}_felt_c4 -lang wasm -${precision})
+    list(APPEND wasm_programs ${generated}/${name})
+  endforeach()
+endforeach()
+add_custom_target(faust_wasm ALL DEPENDS ${generated}/samples.json ${wasm_programs})
+add_dependencies(faust_wasm emitted_libraries)
+
+# Tests in JavaScript. Without Node they fail and say so: a test that is not run proves nothing.
+find_program(NODE node)
+find_program(NPM npm)
+function(javascript_test name)
+  if(NODE AND NPM)
+    add_test(NAME ${name} COMMAND ${ARGN})
+  else()
+    add_test(NAME ${name} COMMAND sh -c "echo 'node or npm is missing: install nodejs and npm'; exit 1")
+  endif()
+  set_tests_properties(${name} PROPERTIES LABELS faust)
+endfunction()
+file(GLOB instruments CONFIGURE_DEPENDS ${faust_sources}/*.dsp)
+file(GLOB hand_written CONFIGURE_DEPENDS ${faust_sources}/*.lib)
+file(GLOB shipped CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/generated/*.lib)
+set(probes ${names})
+list(TRANSFORM probes PREPEND ${generated}/probe_)
+list(TRANSFORM probes APPEND .dsp)
+
+javascript_test(faust_wasm
+  ${NODE} ${CMAKE_CURRENT_SOURCE_DIR}/wasm_test.mjs ${generated}/samples.json ${generated})
+javascript_test(faust_doc_contact
+  ${NODE} ${CMAKE_CURRENT_SOURCE_DIR}/doc_test.mjs ${FAUST} ${faust_sources}/contact.lib ${generated}/doc_contact
+  dsp/probe.dsp ${faust_sources}/mass_barrier.dsp -- ${faust_sources} ${generated})
+set_tests_properties(faust_doc_contact PROPERTIES WORKING_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR})
+
+# The npm package, installed into the build; its lock file names no registry.
+set(npm_folder ${CMAKE_CURRENT_BINARY_DIR}/npm)
+configure_file(npm/package.json ${npm_folder}/package.json COPYONLY)
+configure_file(npm/package-lock.json ${npm_folder}/package-lock.json COPYONLY)
+javascript_test(faustwasm_install ${NPM} ci --no-audit --no-fund --ignore-scripts --prefer-offline --loglevel=error)
+javascript_test(faustwasm
+  ${NODE} ${CMAKE_CURRENT_SOURCE_DIR}/npm/faustwasm_test.mjs ${npm_folder}/node_modules ${generated}/samples.json
+  ${shipped} ${libraries} ${hand_written}
+  ${instruments} dsp/probe.dsp ${generated}/mass_barrier_felt_c4.dsp ${probes})
+set_tests_properties(faustwasm_install PROPERTIES FIXTURES_SETUP faustwasm WORKING_DIRECTORY ${npm_folder})
+set_tests_properties(faustwasm PROPERTIES FIXTURES_REQUIRED faustwasm WORKING_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR})

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: MIT
+// The C++ hammer-string behind Faust's `dsp` interface: against the model itself, against the class that Faust writes
+// for hammer_string.dsp, and in an architecture file of Faust's own.
+#define FAUSTFLOAT double
+// clang-format off
+#include <faust/dsp/dsp.h>
+#include <faust/gui/DecoratorUI.h>
+#include <faust/gui/MapUI.h>
+#include <faust/gui/UI.h>
+#include <faust/gui/meta.h>
+// clang-format on
+
+#include "contactspline/faust_dsp.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <sstream>
+
+#include "contactspline/materials/felt_c4.hpp"
+#include "contactspline/resonators/string_c4.hpp"
+#include "hammer_string_double.hpp"
+#include "shell.hpp"
+#include "support/compare.hpp"
+#include "support/count_allocations.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+using Felt = materials::felt_c4;
+using String = resonators::string_c4;
+
+constexpr int kRate = 44100;
+constexpr std::size_t kSecond = 44100;
+constexpr double kMass = 0.00297;
+
+std::unique_ptr<dsp> wrapped() {
+  return std::make_unique<HammerStringDsp<Felt, String, double>>("hammer_string", kMass);
+}
+
+/// Displacement at the pickup [mm] and force [N].
+struct Sound {
+  std::vector<double> displacement, force;
+};
+
+class Player {
+ public:
+  explicit Player(std::unique_ptr<dsp> instrument) : instrument_(std::move(instrument)) {
+    instrument_->init(kRate);
+    instrument_->buildUserInterface(&controls_);
+  }
+  void set(const char* label, double value) { controls_.setParamValue(label, value); }
+  void play(std::size_t samples, Sound& sound) {
+    const std::size_t before = sound.force.size();
+    sound.displacement.resize(before + samples);
+    sound.force.resize(before + samples);
+    double* outputs[] = {sound.displacement.data() + before, sound.force.data() + before};
+    const std::size_t allocated = allocations;
+    instrument_->compute(static_cast<int>(samples), nullptr, outputs);
+    EXPECT_EQ(allocations, allocated);
+  }
+  dsp& instrument() { return *instrument_; }
+
+ private:
+  std::unique_ptr<dsp> instrument_;
+  MapUI controls_;
+};
+
+Sound bare(std::size_t samples) {
+  const ModeShapes<double> pickup(std::span<const double>(String::pickup_shapes));
+  constexpr auto& felt = segments_of<Felt, double>;
+  HammerString<double, felt.size()> model(felt, modes_in<String>,
+                                          ModeShapes<double>(std::span<const double>(String::strike_shapes)), kRate);
+  ModeShapes<double> shapes(String::modes);
+  const double place_m = 0.12 * std::numbers::pi / String::wavenumbers[0];
+  for (std::size_t i = 0; i < String::modes; ++i) shapes[i] = std::sin(String::wavenumbers[i] * place_m);
+  model.strike_at(shapes);
+  model.strike(2.5, 1e-4);
+  Sound sound;
+  for (std::size_t n = 0; n < samples; ++n) {
+    model.tick({.hammer_mass_kg = kMass});
+    sound.displacement.push_back(1000 * model.string().displacement(pickup));
+    sound.force.push_back(model.force());
+  }
+  return sound;
+}
+
+TEST(HammerStringDsp, IsTheModelToTheLastBit) {
+  Player player(wrapped());
+  player.set("strike", 1);
+  Sound sound;
+  for (int block = 0; block < 100; ++block) player.play(441, sound);
+  const Sound expected = bare(kSecond);
+  EXPECT_GT(*std::ranges::max_element(expected.force), 10);
+  EXPECT_EQ(sound.displacement, expected.displacement);
+  EXPECT_EQ(sound.force, expected.force);
+}
+
+// Struck again and again, every control moved between the throws. Faust's displacement comes a sample later. Its
+// strike position acts at once, that of C++ at the throw, so it is moved together with the throw.
+TEST(HammerStringDsp, SoundsAsTheClassThatFaustWrites) {
+  Player ours(wrapped()), faust(std::make_unique<hammer_string_double>());
+  Sound found, expected;
+  for (int i = 0; i < 12; ++i) {
+    for (Player* player : {&ours, &faust}) {
+      Sound& sound = player == &ours ? found : expected;
+      player->set("strike", 0);
+      player->set("damping", i % 3 == 2 ? 40 : 0);
+      player->play(2000 + 37 * static_cast<std::size_t>(i), sound);
+      player->set("speed", 1 + 0.3 * i);
+      player->set("hammer mass", kMass * (1 + 0.1 * i));
+      player->set("stiffness ratio", 0.5 + 0.2 * i);
+      player->set("felt loss", 0.03 * i);
+      player->set("strike position", 0.1 + 0.01 * i);
+      player->set("strike", 1);
+      player->play(1500, sound);
+    }
+  }
+  double peak_mm = 0, peak_n = 0;
+  for (std::size_t n = 0; n < found.force.size(); ++n) {
+    peak_mm = std::max(peak_mm, std::abs(found.displacement[n]));
+    peak_n = std::max(peak_n, found.force[n]);
+  }
+  EXPECT_GT(peak_mm, 0.1);
+  EXPECT_GT(peak_n, 10);
+  const Sound earlier{{expected.displacement.begin() + 1, expected.displacement.end()}, {}};
+  found.displacement.pop_back();
+  EXPECT_TRUE(sequences_within<double>(found.displacement, earlier.displacement, 1e-9));
+  EXPECT_TRUE(sequences_within<double>(found.force, expected.force, 1e-9));
+}
+
+/// What a host is told, line by line; zones by the order in which they come.
+class Transcript : public GenericUI {
+ public:
+  void openVerticalBox(const char* label) override { text_ << "box " << label << '\n'; }
+  void closeBox() override { text_ << "end\n"; }
+  void addButton(const char* label, FAUSTFLOAT* zone) override { text_ << "button " << label << number(zone); }
+  void addHorizontalSlider(const char* label, FAUSTFLOAT* zone, FAUSTFLOAT initial, FAUSTFLOAT min, FAUSTFLOAT max,
+                           FAUSTFLOAT step) override {
+    text_ << "slider " << label << ' ' << initial << ' ' << min << ' ' << max << ' ' << step << ' ' << *zone
+          << number(zone);
+  }
+  void declare(FAUSTFLOAT* zone, const char* key, const char* value) override {
+    text_ << key << '=' << value << number(zone);
+  }
+  [[nodiscard]] std::string text() const { return text_.str(); }
+
+ private:
+  std::string number(FAUSTFLOAT* zone) {
+    return " #" + std::to_string(zones_.try_emplace(zone, zones_.size()).first->second) + '\n';
+  }
+  std::ostringstream text_;
+  std::map<FAUSTFLOAT*, std::size_t> zones_;
+};
+
+TEST(HammerStringDsp, TellsHostsWhatTheClassOfFaustTellsThem) {
+  const auto told = [](dsp& instrument) {
+    instrument.init(kRate);
+    Transcript transcript;
+    instrument.buildUserInterface(&transcript);
+    return transcript.text() + std::to_string(instrument.getNumInputs()) +
+           std::to_string(instrument.getNumOutputs()) + std::to_string(instrument.getSampleRate());
+  };
+  hammer_string_double faust;
+  const auto ours = wrapped();
+  EXPECT_EQ(told(*ours), told(faust));
+  const std::unique_ptr<dsp> copy(ours->clone());
+  EXPECT_EQ(told(*copy), told(faust));
+}
+
+TEST(HammerStringDsp, IsSilentUntilItsThrowAndAfterItIsCleared) {
+  Player player(wrapped());
+  Sound sound;
+  player.play(1000, sound);
+  player.set("strike", 1);
+  Sound first, second;
+  player.play(2000, first);
+  const std::size_t allocated = allocations;
+  player.instrument().instanceClear();
+  EXPECT_EQ(allocations, allocated);
+  player.set("strike", 0);
+  player.play(1000, sound);
+  for (std::size_t n = 0; n < sound.force.size(); ++n) EXPECT_TRUE(sound.displacement[n] == 0 && sound.force[n] == 0);
+  player.set("strike", 1);
+  player.play(2000, second);
+  EXPECT_EQ(first.displacement, second.displacement);
+}
+
+// plot.cpp, unmodified, prints so many digits that each number is read back as it was.
+TEST(HammerStringDsp, IsTheModelInAnArchitectureFileOfFaust) {
+  constexpr std::size_t kSamples = 3000;
+  const Outcome outcome = run(PLOT " -strike 1 -n " + std::to_string(kSamples));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  std::istringstream numbers(outcome.output);
+  Sound printed;
+  for (std::string displacement, force; numbers >> displacement >> force;) {
+    printed.displacement.push_back(std::stod(displacement));
+    printed.force.push_back(std::stod(force));
+  }
+  const Sound expected = bare(kSamples);
+  EXPECT_EQ(printed.displacement, expected.displacement);
+  EXPECT_EQ(printed.force, expected.force);
+}
+
+}  // namespace
+}  // namespace contactspline::testing

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: MIT
+// The keyboard that ships: its notes, what is emitted of them, and one voice in Faust and in C++.
+#include "contactspline/keyboard.hpp"
+
+#include <fstream>
+#include <iterator>
+#include <random>
+
+#include "contactspline/keyboards/piano.hpp"
+#include "cpp_program.hpp"
+#include "generator/resonator/keyboard.hpp"
+#include "generator/resonator/keyboard_reader.hpp"
+#include "generator/spline/contact_spline.hpp"
+#include "support/compare.hpp"
+
+#define FAUSTFLOAT double
+#include "piano_double.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+using Piano = keyboards::piano;
+
+Keyboard piano() {
+  std::ifstream file(SOURCE_FOLDER "/data/keyboards/piano.json");
+  const std::string text((std::istreambuf_iterator<char>(file)), {});
+  return parse_keyboard(text, "piano.json");
+}
+
+double first_partial_hz(const StiffString& string) {
+  return modes_below(string, 22050, 1).front().mode.angular_frequency_rad_per_s / (2 * std::numbers::pi);
+}
+
+TEST(Keyboard, IsInTune) {
+  const Keyboard keyboard = piano();
+  ASSERT_EQ(keyboard.last_key - keyboard.first_key + 1, 88);
+  for (int key = 21; key <= 108; ++key)
+    EXPECT_TRUE(
+        relatively_within(first_partial_hz(note_of(keyboard, key).string), 440 * std::exp2((key - 69) / 12.0), 1e-12))
+        << key;
+}
+
+// At a published key the note is the published one, and its tension is near the published one, which was measured.
+TEST(Keyboard, PassesThroughThePublishedNotes) {
+  const Keyboard keyboard = piano();
+  const double published_tensions[] = {915, 759, 741, 696, 697, 670};
+  for (std::size_t i = 0; i < keyboard.notes.size(); ++i) {
+    const PublishedNote& published = keyboard.notes[i];
+    const KeyboardNote note = note_of(keyboard, published.key);
+    EXPECT_TRUE(relatively_within(note.string.length_m, published.length_m, 1e-5));
+    EXPECT_TRUE(relatively_within(note.string.mass_kg, published.mass_kg, 1e-5));
+    EXPECT_TRUE(relatively_within(note.string.bending_stiffness_n_m2, published.bending_stiffness_n_m2, 1e-5));
+    EXPECT_TRUE(relatively_within(note.strike_position_m, published.strike_position_m, 1e-5));
+    EXPECT_TRUE(relatively_within(note.hammer_mass_kg * note.strings, published.hammer_mass_kg, 1e-5));
+    EXPECT_TRUE(
+        relatively_within(note.felt.contact.power_law()->stiffness * note.strings, published.felt.stiffness, 1e-5));
+    EXPECT_TRUE(within(note.felt.contact.power_law()->exponent, published.felt.exponent, 1e-5));
+    EXPECT_TRUE(relatively_within(note.string.tension_n, published_tensions[i], 0.04));
+  }
+}
+
+// Along the keyboard nothing leaps: strings grow shorter and exponents greater from key to key.
+TEST(Keyboard, ChangesSteadily) {
+  const Keyboard keyboard = piano();
+  for (int key = 22; key <= 108; ++key) {
+    const KeyboardNote below = note_of(keyboard, key - 1), note = note_of(keyboard, key);
+    EXPECT_LT(note.string.length_m, below.string.length_m);
+    EXPECT_GT(note.felt.contact.power_law()->exponent, below.felt.contact.power_law()->exponent);
+    EXPECT_LT(std::abs(std::log(note.string.tension_n / below.string.tension_n)), 0.05);
+    EXPECT_GE(note.strings, below.strings);
+  }
+}
+
+TEST(Keyboard, IsEmittedAsItIs) {
+  const Keyboard keyboard = piano();
+  for (int key = 21; key <= 108; ++key) {
+    const auto k = static_cast<std::size_t>(key - 21);
+    const KeyboardNote note = note_of(keyboard, key);
+    const StiffString string = string_of<Piano>(key);
+    EXPECT_EQ(string.length_m, note.string.length_m);
+    EXPECT_EQ(string.tension_n, note.string.tension_n);
+    EXPECT_EQ(Piano::hammer_masses[k], note.hammer_mass_kg);
+    EXPECT_EQ(Piano::strings[k], note.strings);
+    const auto felt = segment_table(uniform_spline(note.felt, "piano"));
+    ASSERT_EQ(felt.size(), Piano::segments + 1);
+    for (std::size_t j = 0; j < felt.size(); ++j) {
+      EXPECT_EQ((felts_of<Piano, double>[k][j].knot), felt[j].knot);
+      EXPECT_EQ((felts_of<Piano, double>[k][j].half_curvature), felt[j].half_curvature);
+    }
+  }
+}
+
+// A voice of piano.dsp and KeyboardVoice on the same key, same number of modes: the louder of its two channels.
+TEST(Keyboard, SoundsAlikeInFaustAndCpp) {
+  constexpr int kRate = 44100;
+  constexpr std::size_t kSamples = 22050;
+  for (const int key : {33, 60, 96}) {
+    CppProgram<piano_double, double> program(kRate);
+    program.set("freq", 440 * std::exp2((key - 69) / 12.0));
+    program.set("gain", 0.7);
+    program.set("gate", 1);
+    const auto outputs = program.run({}, kSamples + 1);
+    KeyboardVoice<Piano, double> voice(key, kRate, 80);
+    voice.strike(0.2 * std::pow(30.0, 0.7));
+    const double side = 0.2 + 0.6 * (key - 21) / 87;
+    const double gain = 0.5 * 0.02 * std::sqrt(side);
+    std::vector<double> expected;
+    for (std::size_t n = 0; n < kSamples; ++n) expected.push_back(gain * voice.tick());
+    const std::vector<double> found(outputs[1].begin() + 1, outputs[1].end());
+    EXPECT_TRUE(sequences_within<double>(found, expected, 1e-9)) << "key " << key;
+  }
+}
+
+/// A key struck, released while its damper still lifts from the blow before, struck again, in blocks of next_size().
+template <typename T, typename NextSize>
+std::vector<T> play_blocks(int key, NextSize next_size) {
+  KeyboardVoice<Piano, T> voice(key, 44100, 80);
+  std::vector<T> out(20000);
+  const std::size_t strikes[] = {0, 5000, 9003}, releases[] = {4801, 5077, 12000};
+  std::size_t event = 0;
+  for (std::size_t done = 0; done < out.size();) {
+    const bool is_strike = event % 2 == 0;
+    const std::size_t next = event < 6 ? (is_strike ? strikes : releases)[event / 2] : out.size();
+    if (done == next) {
+      is_strike ? voice.strike(2) : voice.release();
+      ++event;
+      continue;
+    }
+    const std::size_t samples = std::min(next_size(), next - done);
+    const auto block = std::span(out).subspan(done, samples);
+    if (samples == 1)
+      block[0] = voice.tick();
+    else
+      voice.process(block);
+    done += samples;
+  }
+  return out;
+}
+
+// Blocks of any size play what ticks do, the gliding damper included, but for rounding: as the kernels against the
+// plain model (kernels_test.cpp).
+TEST(Keyboard, PlaysBlocksOfAnySizeAsItTicks) {
+  const auto check = []<typename T>(T bound) {
+    for (const int key : {30, 60, 100}) {
+      const auto expected = play_blocks<T>(key, [] { return std::size_t(1); });
+      for (const std::size_t size : {7u, 16u, 256u, 100000u})
+        EXPECT_TRUE(sequences_within<T>(play_blocks<T>(key, [&] { return size; }), expected, bound)) << key;
+      std::mt19937 random(5);
+      EXPECT_TRUE(sequences_within<T>(play_blocks<T>(key, [&] { return 1 + random() % 50; }), expected, bound));
+    }
+  };
+  check(1e-12);
+  check(5.6e-5f);
+}
+
+// A strike lifts the damper at once. A release lowers it by a constant fraction of the remaining distance in each
+// sample: the damping held for 16 samples is the mean of that. It ends 1e-5/s before its end.
+TEST(Keyboard, LiftsItsDamperAtOnceAndLowersItGently) {
+  KeyboardVoice<Piano, double> voice(60, 44100, 1);
+  const double fraction = 1 - std::exp(-1 / (0.005 * 44100));
+  double target = 0, damping = 0, mean = 0;
+  std::size_t held = 0;
+  for (int n = 0; n < 9000; ++n) {
+    const bool is_release = n == 100 || n == 150 || n == 4503, is_strike = n == 0 || n == 137 || n == 4000;
+    if (is_release) voice.release();
+    if (is_strike) voice.strike(1);
+    if (is_release || is_strike) {
+      target = is_release ? 60 : 0;
+      if (is_strike) damping = 0;
+      held = 0;
+    }
+    if (held == 0) {
+      double predicted = damping;
+      mean = 0;
+      for (int i = 0; i < 16; ++i) mean += (predicted += fraction * (target - predicted)) / 16;
+    }
+    ASSERT_TRUE(within(voice.damping_per_s(), mean, 1e-5)) << n;
+    voice.tick();
+    damping += fraction * (target - damping);
+    held = (held + 1) % 16;
+  }
+  EXPECT_EQ(voice.damping_per_s(), 60);
+}
+
+// Faust's damper glides with each sample, C++'s by 16 samples with the same mean. While it covers D = 60/s the
+// two differ by d, in each 16 samples of length h by no more than half of what the glide does in them, and by a
+// quarter in the mean: the sum of |d| dt is D h/4. A damper of decay d takes 2 d v dt of the velocity v, of an
+// oscillation d dt of its amplitude in the mean, where the two agree, and no more than that swinging about it: no
+// mode differs by more than D h/4 of itself, and of many modes no more than that of the root of the mean square.
+TEST(Keyboard, IsReleasedAlikeInFaustAndCpp) {
+  constexpr int kRate = 44100;
+  for (const int key : {33, 60}) {
+    CppProgram<piano_double, double> program(kRate);
+    program.set("freq", 440 * std::exp2((key - 69) / 12.0));
+    program.set("gain", 0.7);
+    program.set("gate", 1);
+    (void)program.run({}, 4001);
+    program.set("gate", 0);
+    const auto outputs = program.run({}, 4410);
+    KeyboardVoice<Piano, double> voice(key, kRate, 80);
+    voice.strike(0.2 * std::pow(30.0, 0.7));
+    std::vector<double> expected(4000), found;
+    voice.process(expected);
+    const double before = voice.model().string().energy();
+    voice.release();
+    expected.resize(4410);
+    voice.process(expected);
+    EXPECT_LT(voice.model().string().energy(), 1e-3 * before);
+    const double side = 0.2 + 0.6 * (key - 21) / 87;
+    const double gain = 0.5 * 0.02 * std::sqrt(side);
+    double error = 0, size = 0;
+    for (std::size_t n = 0; n < expected.size(); ++n) {
+      error += std::pow(outputs[1][n] - gain * expected[n], 2);
+      size += std::pow(gain * expected[n], 2);
+    }
+    EXPECT_TRUE(within(std::sqrt(error / size), 0, 60 * 16.0 / kRate / 4)) << "key " << key;
+  }
+}
+
+// Released, a key's damper falls; the highest have none.
+TEST(Keyboard, DampsWhatHasADamper) {
+  for (const int key : {60, 100}) {
+    KeyboardVoice<Piano, double> voice(key, 44100);
+    voice.strike(2);
+    for (int n = 0; n < 4410; ++n) voice.tick();
+    const double before = voice.model().string().energy();
+    voice.release();
+    for (int n = 0; n < 4410; ++n) voice.tick();
+    EXPECT_EQ(voice.model().string().energy() < 1e-4 * before, key == 60) << key;
+  }
+}
+
+}  // namespace
+}  // namespace contactspline::testing

@@ -1,0 +1,378 @@
+#!/usr/bin/env bash
+# package_test.sh CASE: builds and runs a project outside the tree. The environment says where: SOURCE is the tree,
+# BUILD its build tree, WORK a folder of the test's own, made anew.
+set -euo pipefail
+
+# ccache takes the same file in another build folder, or in the next run, for the same.
+export CCACHE_BASEDIR="$WORK" CCACHE_SLOPPINESS=pch_defines,time_macros
+
+# Ends the test with what was wrong and the log of the last command.
+fail() {
+  printf 'FAIL: %s\n' "$*" >&2
+  [ ! -f "$WORK/log" ] || sed 's/^/    /' "$WORK/log" >&2
+  exit 1
+}
+
+# Runs a command with its output in the log.
+run() {
+  "$@" >"$WORK/log" 2>&1 || fail "$* exits $?"
+}
+
+# Skips the test where a program is missing.
+need() {
+  command -v "$1" >/dev/null || { echo "skipped: $1 is not installed"; exit 77; }
+}
+
+# Installs into a prefix and moves it, so that whatever is used afterwards has been relocated.
+install_at() {
+  run cmake --install "$BUILD" --prefix "$WORK/first prefix"
+  mv "$WORK/first prefix" "$1"
+  ! grep -rIlF -e "$SOURCE" -e "$BUILD" "$1" || fail "what is installed names the folder it came from"
+}
+
+# Configures $project in $build with a generator and further arguments.
+configure() {
+  run cmake -S "$project" -B "$build" -G "$@"
+}
+
+# Builds $build; the output is in the log.
+build() {
+  run cmake --build "$build" --parallel 2
+}
+
+# Fails unless the last build did (or, with "no", did not do) a step.
+expect_step() {
+  if [ "$1" = no ]; then
+    ! grep -qE "$2" "$WORK/log" || fail "did what it need not: $2"
+  else
+    grep -qE "$1" "$WORK/log" || fail "did not do: $1"
+  fi
+}
+
+# A build after which nothing is left to do.
+expect_current() {
+  build
+  expect_step no 'Generating|Building|Linking|Re-running'
+}
+
+# Runs the consumer; it compares contact durations with the closed form.
+expect_right_durations() {
+  "$build/consumer" >"$WORK/durations" || fail "durations are off: $(cat "$WORK/durations")"
+  cat "$WORK/durations"
+}
+
+# Largest of the numbers in a column of standard input, within 1 % of the closed form k ym^a of F = k y^a.
+# expect_peak_force COLUMN K A MASS SPEED
+expect_peak_force() {
+  awk -v column="$1" -v k="$2" -v a="$3" -v m="$4" -v v="$5" '
+    $column + 0 > peak { peak = $column + 0 }
+    END {
+      exact = k * ((a + 1) * m * v * v / (2 * k)) ^ (a / (a + 1))
+      printf "largest force %g N, closed form %g N\n", peak, exact
+      exit !(peak > 0.99 * exact && peak < 1.01 * exact)
+    }' || fail "the largest force is off"
+}
+
+# A code block of the README or of another page, by language.
+readme_block() {
+  awk -v begin="\`\`\`$1" '$0 == begin { on = 1; next } /^```/ { on = 0 } on' "$SOURCE/${2-README.md}"
+}
+
+# What contactspline_generate has to do however it is reached. exercise GENERATOR CMAKE_ARGUMENT...
+exercise() {
+  local generated="$build/materials/project_materials/cork.hpp" sounds="$build/materials/sounds"
+  local cork="$project/materials/cork.json" bead="$project/materials/bead.json"
+  cp "$SOURCE"/tests/package/project/materials/*.json "$project/materials"
+  configure "$@"
+  build
+  expect_right_durations
+  for file in bead.lib bead.json felt_c7.lib felt_c7.json; do [ -f "$sounds/$file" ] || fail "no $file"; done
+  [ -f "$(cat "$build/faust_folder")/contact.lib" ] && [ -f "$(cat "$build/faust_folder")/felt_c4.lib" ] ||
+    fail "ContactSpline_FAUST_DIR lacks a library"
+  expect_current
+
+  cp "$WORK/durations" "$WORK/durations before"
+  sed -i 's/2e7/8e7/' "$cork"
+  build
+  grep -q 'stiffness_n_per_m_alpha = 80000000.0;' "$generated" || fail "a changed value leaves the header as it was"
+  expect_right_durations
+  ! diff -q "$WORK/durations before" "$WORK/durations" >/dev/null || fail "the program was not built again"
+  expect_current
+
+  echo '// Still cork.' >>"$cork"
+  build
+  expect_step 'Generating material cork'
+  [ "$1" != Ninja ] || expect_step no 'Building'
+  expect_current
+
+  rm "$generated"
+  build
+  [ -f "$generated" ] || fail "a header that was removed is not made again"
+  expect_current
+
+  sed -i 's/"bead"/"pearl"/' "$bead"
+  build
+  [ -f "$sounds/pearl.lib" ] || fail "a renamed material keeps its old file names"
+  expect_current
+}
+
+find_package() {
+  cp -r "$SOURCE/tests/package/project" "$WORK/the project"
+  project="$WORK/the project" build="$WORK/the build"
+  install_at "$WORK/moved prefix"
+  exercise "$1" "-DCMAKE_PREFIX_PATH=$WORK/moved prefix"
+  touch "$WORK/moved prefix/bin/contactspline"
+  build
+  expect_step 'Generating material felt_c7'
+  expect_current
+}
+
+case_find_package_ninja() { find_package Ninja; }
+case_find_package_make() { find_package 'Unix Makefiles'; }
+
+# From a copy, so that a template can be changed; without the tests, which a user does not build. With Ninja only: the
+# whole program is built here, and find_package_make runs the same steps with make.
+case_add_subdirectory() {
+  local tree="$WORK/source tree"
+  cp -r "$SOURCE/tests/package/project" "$WORK/the project"
+  mkdir "$tree"
+  tar -C "$SOURCE" --exclude=./.git --exclude=./tests --exclude=./build --exclude=".${BUILD#"$SOURCE"}" -cf - . |
+    tar -C "$tree" -xf -
+  project="$WORK/the project" build="$WORK/the build"
+  exercise Ninja "-DCONTACTSPLINE_SOURCE=$tree"
+  echo '// A template of my own.' >>"$tree/templates/material.lib.in"
+  build
+  tail -n 1 "$build/materials/sounds/felt_c7.lib" | grep -qx '// A template of my own.' ||
+    fail "a changed template leaves the generated files as they were"
+  expect_current
+}
+
+# Configures and builds a project of nothing but contactspline_generate(...), or another function, in the working folder.
+generate_in_cmake() {
+  cat >CMakeLists.txt <<END
+cmake_minimum_required(VERSION 3.25)
+project(Arguments LANGUAGES NONE)
+find_package(ContactSpline ${version-} CONFIG REQUIRED)
+${function-contactspline_generate}($*)
+END
+  rm -rf build
+  cmake -S . -B build -G Ninja "-DCMAKE_PREFIX_PATH=$WORK/prefix" && cmake --build build
+}
+
+# expect_refusal MESSAGE ARGUMENT...: the function called with these arguments fails and says so.
+expect_refusal() {
+  local message="$1"
+  shift
+  ! generate_in_cmake "$*" >"$WORK/log" 2>&1 || fail "accepted: $*"
+  tr -s ' \n' ' ' <"$WORK/log" | grep -qF -- "$message" || fail "is silent about: $message"
+}
+
+case_arguments() {
+  install_at "$WORK/prefix"
+  cd "$WORK"
+  cp "$SOURCE"/tests/package/project/materials/*.json .
+  run generate_in_cmake TARGET t MATERIALS cork.json felt_c4 EMIT json faust cpp cpp
+  [ -f build/t/cork.hpp ] && [ -f build/t/felt_c4.lib ] && [ -f build/t/felt_c4.json ] || fail "an output is missing"
+  version=0.2 run generate_in_cmake TARGET t MATERIALS felt_c4
+  for version in 0.1 0.3 1.2; do
+    expect_refusal "compatible with requested version \"$version\"" TARGET t MATERIALS felt_c4
+  done
+  unset version
+
+  local prefix='contactspline_generate: '
+  expect_refusal "${prefix}TARGET: missing; needed: TARGET and MATERIALS" MATERIALS cork.json
+  expect_refusal "${prefix}MATERIALS: missing; needed: TARGET and MATERIALS" TARGET t
+  expect_refusal "${prefix}MATERIALS: has no value" TARGET t MATERIALS
+  expect_refusal "${prefix}OUTPUT_DIR: has no value" TARGET t OUTPUT_DIR MATERIALS cork.json
+  expect_refusal "${prefix}'t' is unknown; allowed: TARGET, OUTPUT_DIR, MATERIALS, EMIT" t MATERIALS cork.json
+  expect_refusal "${prefix}MATERIALS: no 'OUPUT_DIR' ships; allowed: a .json file, felt_c2, felt_c4" \
+    TARGET t MATERIALS cork.json OUPUT_DIR folder
+  expect_refusal "${prefix}EMIT: 'rust' is unknown; allowed: cpp, faust, json" TARGET t MATERIALS cork.json EMIT rust
+  expect_refusal "absent.json is not a file; allowed: material files" TARGET t MATERIALS absent.json
+  cp cork.json twin.json
+  expect_refusal "${prefix}MATERIALS: 'cork' is the name of two materials" TARGET t MATERIALS cork.json twin.json
+
+  echo '{ "nme": "cork" }' >nameless.json
+  expect_refusal "nameless.json: name: " TARGET t MATERIALS nameless.json
+  echo '{ "name": "../cork" }' >roaming.json
+  expect_refusal "roaming.json: name: '../cork' is not usable" TARGET t MATERIALS roaming.json
+  echo 'cork' >words.json
+  expect_refusal "words.json: name: " TARGET t MATERIALS words.json
+  sed 's/"exponent": 2.0/"exponent": -2.0/' cork.json >impossible.json
+  expect_refusal "impossible.json: contact.exponent: -2 is out of range" TARGET t MATERIALS impossible.json
+  [ ! -e build/t/cork.hpp ] || fail "a material that was refused left a header"
+
+  cp "$SOURCE/tests/package/project/ball.dsp" .
+  cp ball.dsp 2balls.dsp
+  local function
+  for function in contactspline_lv2 contactspline_jack; do
+    prefix="$function: "
+    expect_refusal "${prefix}DSP: missing; needed: TARGET and DSP" TARGET t
+    expect_refusal "absent.dsp is not there; allowed: a Faust program (.dsp) or a class in C++ (.cpp)" TARGET t DSP absent.dsp
+    expect_refusal "cork.json is not there; allowed: a Faust program (.dsp) or a class in C++ (.cpp)" TARGET t DSP cork.json
+    expect_refusal "${prefix}VOICES: 'many' is not usable; allowed: a whole number, 0 or more" \
+      TARGET t DSP ball.dsp VOICES many
+    expect_refusal "${prefix}MATERIALS: 'm' is no target of contactspline_generate" TARGET t DSP ball.dsp MATERIALS m
+  done
+  expect_refusal "${prefix}'URI' is unknown; allowed: TARGET, DSP, VOICES, OUTPUT_DIR, MATERIALS" \
+    TARGET t DSP ball.dsp URI urn:a:b
+  function=contactspline_lv2
+  expect_refusal "DSP: '2balls' would name a class of C++" TARGET t DSP 2balls.dsp
+  PKG_CONFIG_LIBDIR=nowhere expect_refusal "something is not installed; Debian has it as: lv2-dev" TARGET t DSP ball.dsp
+}
+
+# A Faust program on a material of the project's own, as a plug-in and as a program for JACK.
+case_plugins() {
+  install_at "$WORK/prefix"
+  cp "$SOURCE"/tests/package/project/{ball.dsp,materials/cork.json} "$WORK"
+  project="$WORK"
+  cat >"$WORK/CMakeLists.txt" <<'END'
+cmake_minimum_required(VERSION 3.25)
+project(Plugins LANGUAGES CXX)
+find_package(ContactSpline CONFIG REQUIRED)
+contactspline_generate(TARGET materials MATERIALS cork.json EMIT faust)
+contactspline_lv2(TARGET plugin DSP ball.dsp VOICES 3 URI urn:a:ball OUTPUT_DIR lv2 MATERIALS materials)
+if(WITH_JACK)
+  contactspline_jack(TARGET program DSP ball.dsp MATERIALS materials FAUST_OPTIONS -double)
+endif()
+END
+  for generator in Ninja 'Unix Makefiles'; do
+    build="$WORK/build by $generator"
+    local bundle="$build/lv2/ball.lv2"
+    configure "$generator" "-DCMAKE_PREFIX_PATH=$WORK/prefix"
+    build
+    for file in manifest.ttl ball.ttl ball.so; do [ -f "$bundle/$file" ] || fail "no $file"; done
+    grep -q '<urn:a:ball>' "$bundle/manifest.ttl" || fail "the manifest does not know the plug-in's URI"
+    grep -q 'lv2:maximum 3 ' "$bundle/ball.ttl" || fail "the plug-in has another number of voices"
+    expect_current
+
+    sed -i 's/2e7/8e7/' "$WORK/cork.json"
+    cp "$bundle/ball.so" "$WORK/before.so"
+    build
+    ! cmp -s "$bundle/ball.so" "$WORK/before.so" || fail "a changed material leaves the plug-in as it was"
+    rm "$bundle/ball.ttl"
+    build
+    [ -s "$bundle/ball.ttl" ] || fail "a description that was removed is not made again"
+    expect_current
+    cp "$SOURCE/tests/package/project/materials/cork.json" "$WORK"
+  done
+  configure "$generator" -DWITH_JACK=ON
+  build
+  [ -x "$build/ball" ] || fail "no program"
+}
+
+case_pkg_config() {
+  need pkg-config
+  install_at "$WORK/prefix"
+  export PKG_CONFIG_PATH="$WORK/prefix/share/pkgconfig"
+  local project="$SOURCE/tests/package/project"
+  run "$WORK/prefix/bin/contactspline" generate "$project/materials/cork.json" --emit cpp -o "$WORK/generated"
+  # shellcheck disable=SC2046  # words are what is wanted
+  run "$CXX" -std=c++20 -O2 $(pkg-config --cflags contactspline) -I"$WORK/generated" "$project/main.cpp" \
+    -o "$WORK/consumer"
+  build="$WORK" expect_right_durations
+}
+
+# Compiles a Faust program against the installed folder and prints samples of it with "throw" pressed.
+faust_samples() {
+  run faust -I "$(pkg-config --variable=faustdir contactspline)" -I "$WORK" -a plot.cpp "$1" -o "$WORK/plot.cpp"
+  run "$CXX" -w -O2 "$WORK/plot.cpp" -o "$WORK/plot"
+  "$WORK/plot" -throw 1 -n 400
+}
+
+case_faust() {
+  need faust
+  need pkg-config
+  install_at "$WORK/prefix"
+  export PKG_CONFIG_PATH="$WORK/prefix/share/pkgconfig"
+  local project="$SOURCE/tests/package/project"
+  run "$WORK/prefix/bin/contactspline" generate "$project/materials/cork.json" --emit faust -o "$WORK"
+  faust_samples "$project/ball.dsp" >"$WORK/samples"
+  expect_peak_force 1 2e7 2.0 0.004 2 <"$WORK/samples"
+  expect_peak_force 2 4.5e9 2.5 0.004 2 <"$WORK/samples"
+  faust_samples "$WORK/prefix/share/contactspline/faust/mass_barrier.dsp" >"$WORK/samples"
+  expect_peak_force 2 4.5e9 2.5 0.00297 2 <"$WORK/samples"
+}
+
+# The folder of examples as a project of its own.
+case_examples() {
+  install_at "$WORK/prefix"
+  cp -r "$SOURCE/examples" "$WORK/examples"
+  project="$WORK/examples" build="$WORK/build"
+  configure Ninja "-DCMAKE_PREFIX_PATH=$WORK/prefix"
+  build
+  run "$build/piano_phrase" "$WORK/phrase.wav"
+  [ "$(stat -c %s "$WORK/phrase.wav")" -gt 800000 ] || fail "the phrase is short"
+}
+
+# The README's examples, word for word.
+case_readme() {
+  install_at "$WORK/prefix"
+  project="$WORK/project" build="$WORK/build"
+  mkdir "$project"
+  readme_block cpp >"$project/main.cpp"
+  readme_block json >"$project/my_felt.json"
+  { echo 'cmake_minimum_required(VERSION 3.25)
+project(Readme LANGUAGES CXX)
+add_executable(my_plugin main.cpp)'
+    readme_block cmake; } >"$project/CMakeLists.txt"
+  configure Ninja "-DCMAKE_PREFIX_PATH=$WORK/prefix"
+  build
+  [ -f "$build/my_materials/my_felt.hpp" ] && [ -f "$build/my_materials/my_felt.lib" ] || fail "an output is missing"
+  "$build/my_plugin" | expect_peak_force 3 4.5e9 2.5 0.003 2
+  run "$CXX" -std=c++20 -O2 -I "$SOURCE/runtime" -I "$BUILD/include" "$project/main.cpp" -o "$WORK/hammer"
+  "$WORK/hammer" | expect_peak_force 3 4.5e9 2.5 0.003 2
+
+  command -v faust >/dev/null || return 0
+  export PKG_CONFIG_PATH="$WORK/prefix/share/pkgconfig"
+  readme_block faust >"$WORK/readme.dsp"
+  faust_samples "$WORK/readme.dsp" >"$WORK/samples"
+  expect_peak_force 2 4.5e9 2.5 0.003 2 <"$WORK/samples"
+}
+
+# The example of docs/polyphony.md, on the optional libraries: one voice of 500, a third of the way to the right.
+case_polyphony() {
+  install_at "$WORK/prefix"
+  project="$WORK/project" build="$WORK/build"
+  mkdir "$project"
+  readme_block cpp docs/polyphony.md >"$project/main.cpp"
+  cat >"$project/CMakeLists.txt" <<'END'
+cmake_minimum_required(VERSION 3.25)
+project(Polyphony LANGUAGES CXX)
+find_package(ContactSpline CONFIG REQUIRED)
+add_executable(band main.cpp)
+target_link_libraries(band PRIVATE ContactSpline::materials ContactSpline::simd ContactSpline::threads)
+END
+  configure Ninja "-DCMAKE_PREFIX_PATH=$WORK/prefix" -DCMAKE_BUILD_TYPE=Release
+  build
+  "$build/band" | awk '
+    { print; ratio = $2 / $1 / sqrt(0.3 / 0.7) }
+    END { exit !(ratio > 0.9999 && ratio < 1.0001 && $3 == 1) }' || fail "the example does not play as it says"
+}
+
+# The example of docs/kernels.md, with the vectorised kernels and without: the same but for rounding.
+case_kernels() {
+  install_at "$WORK/prefix"
+  project="$WORK/project" build="$WORK/build"
+  mkdir "$project"
+  readme_block cpp docs/kernels.md >"$project/main.cpp"
+  { echo 'cmake_minimum_required(VERSION 3.25)
+project(Kernels LANGUAGES CXX)
+find_package(ContactSpline CONFIG REQUIRED)
+add_executable(my_plugin main.cpp)
+add_executable(plain main.cpp)
+target_link_libraries(plain PRIVATE ContactSpline::materials)'
+    readme_block cmake docs/kernels.md; } >"$project/CMakeLists.txt"
+  configure Ninja "-DCMAKE_PREFIX_PATH=$WORK/prefix" -DCMAKE_BUILD_TYPE=Release
+  build
+  "$build/plain" >"$WORK/plain"
+  "$build/my_plugin" | paste - "$WORK/plain" | awk '
+    function off(a, b) { return a - b > b - a ? a - b : b - a }
+    { if (!(off($1, $5) <= 1e-15) || !(off($3, $7) <= 1e-9)) exit 1; if (off($1, 0) > peak) peak = off($1, 0) }
+    END { print NR " blocks, largest " peak " m"; exit !(NR == 100 && peak > 1e-5 && peak < 1e-2) }' ||
+    fail "the example does not play the same with and without the kernels"
+}
+
+rm -rf "$WORK"
+mkdir -p "$WORK"
+"case_$1"

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+// Notes of MIDI files whose bytes and times are worked out by hand.
+#include "generator/player/midi_reader.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "support/compare.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+std::string bytes(std::initializer_list<int> values) {
+  std::string text;
+  for (const int value : values) text += static_cast<char>(value);
+  return text;
+}
+
+std::string chunk(const std::string& kind, const std::string& content) {
+  const auto size = static_cast<int>(content.size());
+  return kind + bytes({0, 0, size >> 8, size & 255}) + content;
+}
+
+// Division: two bytes.
+std::string file_of(std::initializer_list<int> division, const std::vector<std::string>& tracks) {
+  std::string file =
+      chunk("MThd", bytes({0, tracks.size() > 1, 0, static_cast<int>(tracks.size())}) + bytes(division));
+  for (const std::string& track : tracks) file += chunk("MTrk", track + bytes({0, 0xff, 0x2f, 0}));
+  return file;
+}
+
+struct Expected {
+  double time_s, hold_s;
+  int key, velocity;
+};
+
+void expect_notes(const std::string& file, const std::vector<Expected>& expected) {
+  const auto notes = parse_midi(file, "probe.mid").notes;
+  ASSERT_EQ(notes.size(), expected.size());
+  for (std::size_t i = 0; i < notes.size(); ++i) {
+    EXPECT_TRUE(within(notes[i].time_s, expected[i].time_s, 1e-12)) << i;
+    EXPECT_TRUE(within(notes[i].hold_s, expected[i].hold_s, 1e-12)) << i;
+    EXPECT_EQ(notes[i].key, expected[i].key) << i;
+    EXPECT_EQ(notes[i].velocity, expected[i].velocity) << i;
+  }
+}
+
+// 100 ticks a quarter of 0.5 s where no tempo is given; running status, and a velocity of 0 lets go.
+TEST(Midi, BeginsWithAHundredAndTwentyQuartersAMinute) {
+  expect_notes(file_of({0, 100}, {bytes({0, 0x90, 60, 64, 50, 64, 70, 50, 60, 0, 0x81, 0x48, 0x80, 64, 1})}),
+               {{0, 0.5, 60, 64}, {0.25, 0.25 + 1, 64, 70}});
+}
+
+// The first track makes a quarter 1 s after 100 ticks, which the second one's notes follow, one of them halfway.
+TEST(Midi, FollowsTheTempoOfAnotherTrack) {
+  const std::string tempo = bytes({100, 0xff, 0x51, 3, 0x0f, 0x42, 0x40});
+  expect_notes(file_of({0, 100}, {tempo, bytes({50, 0x90, 60, 64, 100, 0x80, 60, 0, 50, 0x90, 62, 1, 50, 62, 0})}),
+               {{0.25, 0.25 + 0.5, 60, 64}, {0.5 + 1, 0.5, 62, 1}});
+}
+
+// 25 frames a second of 40 ticks are milliseconds, whatever the tempo; 29 stands for 29.97.
+TEST(Midi, CountsFramesOfFilm) {
+  const std::string track = bytes({0, 0xff, 0x51, 3, 0x0f, 0x42, 0x40, 100, 0x90, 60, 64, 100, 60, 0});
+  expect_notes(file_of({256 - 25, 40}, {track}), {{0.1, 0.1, 60, 64}});
+  expect_notes(file_of({256 - 29, 100}, {track}), {{1 / 29.97, 1 / 29.97, 60, 64}});
+}
+
+// The pedal holds what is let go while it is down, and what it holds ends with it; on its own channel only.
+TEST(Midi, HoldsByThePedal) {
+  expect_notes(file_of({0, 100}, {bytes({0,  0x90, 60, 64,   0,  0x91, 72, 64,   10, 0xb0, 64, 127,  10, 0x80,
+                                         60, 0,    0,  0x81, 72, 0,    20, 0x90, 64, 50,   20, 0x80, 64, 0,
+                                         20, 0xb0, 64, 63,   10, 0x90, 65, 9,    10, 0x80, 65, 0})}),
+               {{0, 0.4, 60, 64}, {0, 0.1, 72, 64}, {0.2, 0.2, 64, 50}, {0.45, 0.05, 65, 9}});
+}
+
+// A key struck again ends its note; what nobody lets go ends with the file's last event.
+TEST(Midi, EndsWhatIsStruckAgainOrForgotten) {
+  expect_notes(file_of({0, 100}, {bytes({0, 0x90, 60, 64, 20, 60, 65, 40, 62, 66, 40, 62, 0})}),
+               {{0, 0.1, 60, 64}, {0.1, 0.4, 60, 65}, {0.3, 0.2, 62, 66}});
+}
+
+TEST(Midi, LeavesOutDrumsAndAllThatIsNoNote) {
+  expect_notes(file_of({0, 100}, {bytes({0,   0x99, 36,   99,   0,    0xc0, 5, 0,    0xe0, 0,  64,  0,    0xf0, 3,
+                                         1,   2,    0xf7, 0,    0xd0, 5,    0, 0xa0, 60,   1,  0,   0xff, 1,    2,
+                                         'h', 'i',  0,    0xb0, 7,    100,  0, 0x90, 60,   64, 100, 60,   0})}),
+               {{0, 0.5, 60, 64}});
+}
+
+TEST(Midi, IsCalledAsItsFirstTrack) {
+  const std::string note = bytes({0, 0x90, 60, 64, 100, 60, 0});
+  EXPECT_EQ(parse_midi(file_of({0, 100}, {bytes({0, 0xff, 3, 4, 'a', 7, 0xff, 'b'}), note}), "probe").title, "a??b");
+  EXPECT_EQ(parse_midi(file_of({0, 100}, {note}), "probe").title, "");
+}
+
+}  // namespace
+}  // namespace contactspline::testing

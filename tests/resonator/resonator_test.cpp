@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: MIT
+// Modes of strings, bars and membranes against closed forms, tables and quadrature.
+#include "generator/resonator/resonator.hpp"
+
+#include <numbers>
+
+#include "runtime/strings.hpp"
+#include "support/compare.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+using std::numbers::pi;
+
+double frequency_hz(const ResonatorMode& mode) {
+  const double w = mode.mode.angular_frequency_rad_per_s, s = mode.mode.decay_per_s;
+  return std::sqrt(w * w + s * s) / (2 * pi);  // without losses
+}
+
+// f_i = i f_0 sqrt(1 + B i^2), B = pi^2 eps, f_0 = sqrt(T/mu)/(2 L).
+TEST(StiffString, PartialsAreStretched) {
+  const auto struck = c4();
+  const auto modes = audible_modes(struck);
+  const double f0 = std::sqrt(670 * 0.62 / 0.00393) / (2 * 0.62);
+  ASSERT_EQ(modes.size(), 56u);
+  for (std::size_t i = 1; i <= modes.size(); ++i) {
+    const double n = static_cast<double>(i);
+    EXPECT_TRUE(
+        relatively_within(frequency_hz(modes[i - 1]), n * f0 * std::sqrt(1 + pi * pi * 3.82e-5 * n * n), 1e-12));
+    EXPECT_TRUE(relatively_within(modes[i - 1].mode.decay_per_s, 0.5 + 1e-4 * std::pow(n * pi / 0.62, 2), 1e-12));
+    EXPECT_TRUE(within(modes[i - 1].strike_shape, std::sin(n * pi * 0.12), 1e-13));
+  }
+  EXPECT_EQ(audible_modes(c2()).size(), 204u);  // the reference's count
+}
+
+// Classical frequency ratios of the free-free bar (Rossing, Fletcher): 1, 2.7565, 5.4039, 8.9330.
+TEST(FreeBar, FrequenciesStandInTheClassicalRatios) {
+  const Resonator bar{"bar", "", FreeBar{0.3, 0.4, 60, {1, 0}}, {0.15}, {0.0}, 100};
+  const auto modes = modes_of(bar, 20000).modes;
+  const double ratios[] = {1, 2.7565, 5.4039, 8.9330};
+  for (std::size_t i = 0; i < 4; ++i)
+    EXPECT_TRUE(within(frequency_hz(modes[i]) / frequency_hz(modes[0]), ratios[i], 1e-4));
+  EXPECT_TRUE(relatively_within(frequency_hz(modes[0]),
+                                std::pow(4.730040744862704 / 0.3, 2) * std::sqrt(60 * 0.3 / 0.4) / (2 * pi), 1e-12));
+}
+
+// Shape 1 at the end, integral of the shape squared a quarter of the length: by the midpoint rule over 2,000 places.
+TEST(FreeBar, ShapesAreNormalised) {
+  constexpr int kPlaces = 2000;
+  std::vector<double> integrals(6);
+  for (int p = 0; p < kPlaces; ++p) {
+    const Resonator bar{"bar", "", FreeBar{0.3, 0.4, 60, {1, 0}}, {0.3 * (p + 0.5) / kPlaces}, {0.0}, 6};
+    const auto modes = modes_of(bar, 1e6).modes;
+    for (std::size_t i = 0; i < 6; ++i) {
+      integrals[i] += modes[i].strike_shape * modes[i].strike_shape / kPlaces;
+      EXPECT_TRUE(within(modes[i].pickup_shape, 1, 1e-12));
+    }
+  }
+  for (const double integral : integrals) EXPECT_TRUE(within(integral, 0.25, 1e-5));
+}
+
+// sinh(beta L) leaves the range of double at beta L = 710; the shapes must not.
+TEST(FreeBar, OfManyModesKeepsItsShapes) {
+  const Resonator wire{"wire", "", FreeBar{10, 1, 0.01, {1, 0}}, {9.9}, {10}, 4096};
+  const auto modes = modes_of(wire, 22050).modes;
+  ASSERT_GT(modes.size(), 1000u);
+  for (const auto& mode : modes) {
+    EXPECT_LE(std::abs(mode.strike_shape), 1);
+    EXPECT_TRUE(within(std::abs(mode.pickup_shape), 1, 1e-9));  // beta L is right to 2^-53 of up to 6600
+  }
+}
+
+// Zeros of J_m over that of J_0 (Rossing, Fletcher): 1, 1.593, 2.135, 2.295, 2.653, 2.917.
+TEST(Membrane, FrequenciesStandInTheClassicalRatios) {
+  const Resonator drum{"drum", "", Membrane{0.16, 0.26, 1850, {2, 0}}, {0.05}, {0.08, 0.5}, 500};
+  const auto modes = modes_of(drum, 10000).modes;
+  const double ratios[] = {1, 1.5933, 2.1355, 2.2954, 2.6531, 2.9173};
+  for (std::size_t i = 0; i < 6; ++i)
+    EXPECT_TRUE(within(frequency_hz(modes[i]) / frequency_hz(modes[0]), ratios[i], 1e-4));
+}
+
+// Modal mass of the first two modes by quadrature over radius and angle.
+TEST(Membrane, MassesAreIntegralsOfTheShape) {
+  constexpr int kPlaces = 400;
+  double masses[2] = {0, 0};
+  for (int p = 0; p < kPlaces; ++p) {
+    const double r = 0.16 * (p + 0.5) / kPlaces;
+    const Resonator drum{"drum", "", Membrane{0.16, 0.26, 1850, {2, 0}}, {r}, {r}, 2};
+    const auto modes = modes_of(drum, 10000).modes;
+    const double ring = 0.26 * r * 0.16 / kPlaces;
+    masses[0] += 2 * pi * ring * modes[0].strike_shape * modes[0].strike_shape;
+    masses[1] += pi * ring * modes[1].strike_shape * modes[1].strike_shape;
+    if (p + 1 < kPlaces) continue;
+    EXPECT_TRUE(relatively_within(modes[0].mode.mass_kg, masses[0], 1e-5));
+    EXPECT_TRUE(relatively_within(modes[1].mode.mass_kg, masses[1], 1e-5));
+  }
+}
+
+TEST(Resonator, TheLimitCutsAndSaysSo) {
+  Resonator string{"c4", "", c4().string, {0.1}, {0.2}, 10};
+  EXPECT_TRUE(modes_of(string, 22050).cut);
+  EXPECT_EQ(modes_of(string, 22050).modes.size(), 10u);
+  string.max_modes = 56;
+  EXPECT_FALSE(modes_of(string, 22050).cut);
+}
+
+// A membrane of 100 m has some 10^9 modes below the limit; only the lowest are looked for. The lowest of all are
+// overdamped (decay 6/s against 1.6 rad/s) and left out.
+TEST(Resonator, FindsTheLowestModesWithoutListingAll) {
+  const Resonator lake{"lake", "", Membrane{100, 0.353, 1500, {6, 0}}, {5}, {9, 0.7}, 200};
+  const auto set = modes_of(lake, 22050);
+  EXPECT_TRUE(set.cut);
+  ASSERT_EQ(set.modes.size(), 200u);
+  EXPECT_GT(set.modes.front().mode.angular_frequency_rad_per_s, 0);
+  for (std::size_t i = 1; i < set.modes.size(); ++i)
+    EXPECT_LE(frequency_hz(set.modes[i - 1]), frequency_hz(set.modes[i]));
+  // the same lowest modes as where more are kept
+  Resonator more = lake;
+  more.max_modes = 600;
+  const auto larger = modes_of(more, 22050);
+  for (std::size_t i = 0; i < set.modes.size(); ++i)
+    EXPECT_EQ(set.modes[i].wavenumber_per_m, larger.modes[i].wavenumber_per_m);
+}
+
+TEST(Resonator, ATableOfModesIsSortedAndKept) {
+  const ModeTable table{{{{2000, 1, 0.1}, 0.5, 0.6}, {{1000, 2, 0.2}, 0.7, 0.8}, {{1e6, 2, 0.2}, 0.7, 0.8}}};
+  const auto modes = modes_of({"table", "", table, {}, {}, 10}, 22050).modes;
+  ASSERT_EQ(modes.size(), 2u);
+  EXPECT_EQ(modes[0].mode.angular_frequency_rad_per_s, 1000);
+  EXPECT_EQ(modes[0].pickup_shape, 0.8);
+  EXPECT_EQ(modes[1].strike_shape, 0.5);
+}
+
+}  // namespace
+}  // namespace contactspline::testing
