@@ -72,7 +72,7 @@ class BarePlayer final : public BlockPlayer {
 
  private:
   HammerString<T, segments_of<Felt, T>.size()> model_;
-  ModeShapes<T> pickup_{std::span<const double>(String::pickup_shapes)};
+  ModeShapes<T> pickup_ = model_.string().sound_pickup(String::pickup_shapes);
   HammerStringControls<T> controls_;
   bool with_forces_;
   std::array<T, kMax> displacement_m_{}, force_n_{};

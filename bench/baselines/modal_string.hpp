@@ -70,7 +70,8 @@ template <typename SomeModes>
 
 }  // namespace detail
 
-/// Modes with exact poles z = exp((-decay + j w) dt): q(n+1) - 2 Re z q(n) + |z|^2 q(n-1) = dt^2 |1 + z|^2 / (8 m) F.
+/// Modes with exact poles z = exp((-decay + j w) dt): q(n+1) - 2 Re z q(n) + |z|^2 q(n-1) = admittance F, with the
+/// admittance of ModalBank. The schemes were published with dt^2 |1 + z|^2/(8 m); the tests give modes such masses.
 /// F = shape (f + f_last) gives the one-step midpoint rule of ModalBank. F = shape 2 f gives the two-step scheme,
 /// whose force belongs to the sample itself. Without modes it is a rigid barrier.
 template <std::floating_point T>

@@ -139,19 +139,15 @@ double frequency_hz(const ResonatorMode& mode) {
   return mode.mode.angular_frequency_rad_per_s / (2 * std::numbers::pi);
 }
 
-// The modes that a simulation at this rate keeps, and their residual compliance at the strike.
+// The modes that a simulation at this rate keeps.
 std::string resonator_table(const Resonator& resonator, double rate) {
   const ModeSet set = modes_of(resonator, rate / 2);
   if (set.modes.empty())
     refuse(resonator.name, "--rate", fmt::format("no mode lies below {} Hz", rate / 2), "a higher rate");
-  const double residual = residual_compliance(set.modes, rate);
-  return fmt::format(
-      "{}{}{}\n{} modes from {:.6g} to {:.6g} Hz{}\n\n"
-      "residual compliance at the strike when simulated at {} Hz: {:.4g} m/N\n"
-      "compensation.compliance_m_per_n for a felt that strikes here, four fifths of it: {:.4g}\n",
-      resonator.name, resonator.description.empty() ? "" : ": ", resonator.description, set.modes.size(),
-      frequency_hz(set.modes.front()), frequency_hz(set.modes.back()), set.cut ? ", max_modes leaves out others" : "",
-      rate, residual, kComplianceFraction * residual);
+  return fmt::format("{}{}{}\n{} modes from {:.6g} to {:.6g} Hz at {} Hz{}\n", resonator.name,
+                     resonator.description.empty() ? "" : ": ", resonator.description, set.modes.size(),
+                     frequency_hz(set.modes.front()), frequency_hz(set.modes.back()), rate,
+                     set.cut ? "; max_modes leaves out others" : "");
 }
 
 void inspect_resonator(const Resonator& resonator, const InspectOptions& options) {

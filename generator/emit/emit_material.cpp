@@ -62,8 +62,10 @@ std::string quality_lines(const Design& design) {
                     percent(q.impact->max_compression));
   if (const auto& compensation = design.material.compensation)
     text += fmt::format(
-        "\n// Compensated for {} Hz, {} kg and {} m/N, and measured so: force and energy differ on purpose.",
-        compensation->sample_rate_hz, compensation->mass_kg, compensation->compliance_m_per_n);
+        "\n// Compensated for {} Hz and {} kg. The errors of impacts are those of simulated impacts. Force and "
+        "energy "
+        "differ on purpose.",
+        compensation->sample_rate_hz, compensation->mass_kg);
   return text;
 }
 

@@ -40,8 +40,7 @@ struct SplineDesign {
 /// The simulation whose time-step error a spline compensates (docs/knots.md).
 struct Compensation {
   double sample_rate_hz;
-  double mass_kg;                 ///< of the free body that meets the rigid barrier or the other body
-  double compliance_m_per_n = 0;  ///< missing in the simulated bodies (residual_compliance)
+  double mass_kg;  ///< of the free body that meets the rigid barrier or the other body
 };
 
 /// Range of exponents for which a material is also emitted as a family (exponent_family.hpp).

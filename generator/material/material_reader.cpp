@@ -17,7 +17,6 @@ constexpr Range kMass{1e-9, 1e4};
 constexpr Range kSpeed{1e-6, 1e3};
 constexpr Range kCompression{1e-9, 1};
 constexpr Range kSampleRate{1e3, 1e8};
-constexpr Range kCompliance{1e-15, 1};
 constexpr Range kTolerance{1e-7, 0.5};
 constexpr int kMaxSegments = 65536;
 constexpr Range kLiveExponent{1, 10};  // convex
@@ -115,8 +114,7 @@ SplineDesign read_spline(const JsonObject& spline, const ContactLaw& contact, co
 }
 
 Compensation read_compensation(const JsonObject& compensation) {
-  return {compensation.number("sample_rate_hz", kSampleRate), compensation.number("mass_kg", kMass),
-          compensation.has("compliance_m_per_n") ? compensation.number("compliance_m_per_n", kCompliance) : 0};
+  return {compensation.number("sample_rate_hz", kSampleRate), compensation.number("mass_kg", kMass)};
 }
 
 // The curve must cover the spline. If the spline uses less than a hundredth of the curve, a unit is probably
@@ -174,8 +172,7 @@ Material parse_material(std::string_view text, std::string_view file, const Read
                   read.contact, read.impact);
   require_measured(material, read);
   if (material.has("compensation"))
-    read.compensation =
-        read_compensation(material.object("compensation", {"sample_rate_hz", "mass_kg", "compliance_m_per_n"}));
+    read.compensation = read_compensation(material.object("compensation", {"sample_rate_hz", "mass_kg"}));
   if (material.has("live_exponent"))
     read.live_exponent = read_live_exponent(material.object("live_exponent", {"min", "max", "members"}), read);
   return read;

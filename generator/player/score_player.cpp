@@ -183,9 +183,8 @@ class HammerStringPlayer {
         parts_(voice, options),
         place_m_(voice.resonator.strike.position_m),
         strikes_(voice.strikes, options.sample_rate_hz),
-        output_(shapes_in<T>(parts_.output)),
-        voice_(parts_.table(), parts_.modes, parts_.strike(), output_, controls_from(voice.initial), voice.damper,
-               options.sample_rate_hz) {}
+        voice_(parts_.table(), parts_.modes, parts_.strike(), shapes_in<T>(parts_.output),
+               controls_from(voice.initial), voice.damper, options.sample_rate_hz) {}
 
   void process(std::size_t begin, ControlTrack& controls, const Block& block) {
     for (std::size_t done = 0; done < block.output.size();) {
@@ -234,7 +233,7 @@ class HammerStringPlayer {
     } else if (options_.signal == Signal::kVelocity) {  // the kernels know displacements only
       for (std::size_t n = 0; n < block.output.size(); ++n) {
         voice_.tick();
-        block.output[n] = voice_.model().string().velocity(output_);
+        block.output[n] = voice_.model().string().velocity(voice_.output_shapes());
         block.force[n] = voice_.model().force();
       }
     } else if constexpr (std::same_as<T, double>) {
@@ -262,7 +261,6 @@ class HammerStringPlayer {
   Parts<T> parts_;
   double place_m_;
   StrikeTrack strikes_;
-  ModeShapes<T> output_;
   HammerVoice<T> voice_;
   int held_ = 0;           // notes
   bool is_silent_ = true;  // until the next strike
@@ -299,9 +297,9 @@ class SlideStringPlayer : public TickingPlayer<SlideStringPlayer<T>> {
       : sample_rate_hz_(options.sample_rate_hz),
         length_m_(std::get<StiffString>(voice.resonator.body).length_m),
         parts_(voice, options),
-        output_(shapes_in<T>(parts_.output)),
         signal_(options.signal),
-        model_(parts_.table(), parts_.modes, parts_.shapes(), static_cast<T>(voice.pluck_m), options.sample_rate_hz) {
+        model_(parts_.table(), parts_.modes, parts_.shapes(), static_cast<T>(voice.pluck_m), options.sample_rate_hz),
+        output_(model_.string().sound_pickup(shapes_in<T>(parts_.output))) {
     model_.place(static_cast<T>(voice.initial[Control::kPlace]), static_cast<T>(voice.height_m));
   }
 
@@ -334,9 +332,9 @@ class SlideStringPlayer : public TickingPlayer<SlideStringPlayer<T>> {
   double sample_rate_hz_;
   double length_m_;
   Parts<T> parts_;
-  ModeShapes<T> output_;
   Signal signal_;
   SlideString<T> model_;
+  ModeShapes<T> output_;
   double phase_ = 0;  // of the vibrato, in periods
 };
 
@@ -345,9 +343,9 @@ class FretStringPlayer : public TickingPlayer<FretStringPlayer<T>> {
  public:
   FretStringPlayer(const Voice& voice, const PlayOptions& options)
       : parts_(voice, options),
-        output_(shapes_in<T>(parts_.output)),
         signal_(options.signal),
-        model_(parts_.table(), parts_.modes, parts_.shapes(), static_cast<T>(voice.pluck_m), options.sample_rate_hz) {
+        model_(parts_.table(), parts_.modes, parts_.shapes(), static_cast<T>(voice.pluck_m), options.sample_rate_hz),
+        output_(model_.string().sound_pickup(shapes_in<T>(parts_.output))) {
     model_.place(static_cast<T>(voice.initial[Control::kPlace]), static_cast<T>(voice.initial[Control::kGap]));
   }
 
@@ -367,9 +365,9 @@ class FretStringPlayer : public TickingPlayer<FretStringPlayer<T>> {
  private:
   using Control = FretStringControl;
   Parts<T> parts_;
-  ModeShapes<T> output_;
   Signal signal_;
   FretString<T> model_;
+  ModeShapes<T> output_;
 };
 
 /// Gathers what the voices play.

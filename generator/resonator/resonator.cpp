@@ -146,14 +146,4 @@ ModeSet modes_of(const Resonator& resonator, double max_frequency_hz) {
   return {std::move(modes), cut};
 }
 
-double residual_compliance(std::span<const ResonatorMode> modes, double sample_rate_hz) {
-  double compliance = 0;
-  for (const auto& [mode, wavenumber, strike, pickup] : modes) {
-    const double theta = mode.angular_frequency_rad_per_s / (2 * sample_rate_hz);
-    const double residual = 1 / (theta * theta) - 1 / (std::tan(theta) * std::tan(theta));
-    compliance += strike * strike / mode.mass_kg * residual / (4 * sample_rate_hz * sample_rate_hz);
-  }
-  return compliance;
-}
-
 }  // namespace contactspline

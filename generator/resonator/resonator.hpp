@@ -72,12 +72,4 @@ struct ModeSet {
 /// undamped angular frequency).
 [[nodiscard]] ModeSet modes_of(const Resonator& resonator, double max_frequency_hz);
 
-/// Residual static compliance [m/N] at the strike point: that of the exact modes minus that of the modes simulated at
-/// a sample rate with exact poles. It is the sum of shape^2/m (1/w^2 - dt^2/(4 tan^2(w dt/2))). Requires w dt < pi.
-[[nodiscard]] double residual_compliance(std::span<const ResonatorMode> modes, double sample_rate_hz);
-
-/// The fraction of the residual compliance that gave the best results for felt hammers on strings (docs/knots.md).
-/// The rest belongs to modes that are slower than the contact and do not move during it.
-constexpr double kComplianceFraction = 0.8;
-
 }  // namespace contactspline

@@ -86,16 +86,6 @@ class TimeStepCorrectedLaw {
   std::vector<double> breaks_{}, y_{0}, q_{0}, f_{0};
 };
 
-// With a compliance above that of the contact, the spring in series would dominate.
-void require_stiffer(const Material& material, std::string_view file) {
-  const double range = material.spline.max_compression_m, own = range / material.contact.force(range);
-  if (material.compensation->compliance_m_per_n > own)
-    refuse(file, "compensation.compliance_m_per_n",
-           fmt::format("{} is above the contact's own compliance at the largest compression",
-                       material.compensation->compliance_m_per_n),
-           fmt::format("at most {:.4g}", own * (1 - 0.005)));
-}
-
 }  // namespace
 
 void require_compensable(const Material& material, std::string_view file) {
@@ -103,7 +93,6 @@ void require_compensable(const Material& material, std::string_view file) {
     refuse(file, "compensation", "does not work with uniform knots", "with graded or optimal knots");
   if (material.spline.minimise == ErrorOf::force)
     refuse(file, "compensation", "corrects the contact duration, not the force", "with minimise contact_duration");
-  require_stiffer(material, file);
   const double rate = material.compensation->sample_rate_hz, mass_kg = material.compensation->mass_kg;
   constexpr double kMaxSamples = 1e4;
   const double slowest = material.impact->min_speed_m_per_s * std::sqrt(material.impact->mass_kg / mass_kg);
@@ -141,15 +130,6 @@ CompensatedTarget compensated_target(const Material& material) {
   for (const Break& at : law.breaks)
     target.breaks.push_back({corrected->corrected_compression(at.compression) / end, at.energy, at.kink});
   return {tabulated(std::move(target)), end};
-}
-
-std::vector<Segment<double>> in_series(std::vector<Segment<double>> table, double compliance_m_per_n) {
-  for (auto& segment : table) {
-    segment.knot += compliance_m_per_n * segment.force;
-    segment.energy += compliance_m_per_n * segment.force * segment.force / 2;
-    segment.half_curvature /= 1 + 2 * compliance_m_per_n * segment.half_curvature;
-  }
-  return table;
 }
 
 }  // namespace contactspline

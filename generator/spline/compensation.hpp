@@ -4,17 +4,14 @@
 #pragma once
 
 #include <string_view>
-#include <vector>
 
-#include "contactspline/contact.hpp"
 #include "generator/material/material.hpp"
 #include "generator/spline/fit_target.hpp"
 
 namespace contactspline {
 
 /// Throws BadInput, with `file` and the key in its message, if the compensation of a material cannot be designed:
-/// uniform knots, a minimised force error, a sample rate too low or too high for its impacts, or a compliance above
-/// that of the contact.
+/// uniform knots, a minimised force error, or a sample rate too low or too high for its impacts.
 void require_compensable(const Material& material, std::string_view file);
 
 /// Half the phase [rad] by which the contact's oscillation advances in one sample at the material's
@@ -34,9 +31,5 @@ struct CompensatedTarget {
 
 /// The corrected fit target of a material, which must have an impact and a compensation.
 [[nodiscard]] CompensatedTarget compensated_target(const Material& material);
-
-/// The table of a spline in series with a spring: at each force the compression grows by force times compliance
-/// [m/N]. A negative compliance removes such a spring.
-[[nodiscard]] std::vector<Segment<double>> in_series(std::vector<Segment<double>> table, double compliance_m_per_n);
 
 }  // namespace contactspline

@@ -37,18 +37,13 @@ PiecewiseLinearForce fit(const SplineDesign& design, const FitTarget& target) {
                                            : minimax_knots(design.segments, target);
 }
 
-// The fitted force, relative to max_compression_m and the force there. With compensation, in series with the
-// compliance.
+// The fitted force, relative to max_compression_m and the force there.
 PiecewiseLinearForce fitted_force(const Material& material) {
   if (!material.compensation) return fit(material.spline, fit_target(material));
   const auto [target, end] = compensated_target(material);
   PiecewiseLinearForce force = fit(material.spline, target);
-  const double range = material.spline.max_compression_m;
-  const double series = material.compensation->compliance_m_per_n * material.contact.force(range) / range;
-  for (std::size_t j = 0; j < force.y.size(); ++j) {
-    force.f[j] /= end;
-    force.y[j] = end * force.y[j] + series * force.f[j];
-  }
+  for (double& f : force.f) f /= end;
+  for (double& y : force.y) y *= end;
   return force;
 }
 

@@ -115,9 +115,7 @@ int phases_of(double samples) {
 class SimulatedErrors {
  public:
   SimulatedErrors(const Spline& spline, const Material& material)
-      : law_(material.contact),
-        compensation_(*material.compensation),
-        table_(in_series(segment_table(spline), -compensation_.compliance_m_per_n)) {}  // the barrier is rigid
+      : law_(material.contact), compensation_(*material.compensation), table_(segment_table(spline)) {}
 
   [[nodiscard]] const std::vector<Segment<double>>& table() const { return table_; }
   [[nodiscard]] double samples(double speed) const {

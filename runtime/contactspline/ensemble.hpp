@@ -50,9 +50,11 @@ class Ensemble {
 
   /// Adds a sleeping voice and returns its number: 0, 1, ... The felt must outlive the ensemble. Allocates memory: do
   /// not call on the audio thread.
-  std::size_t add(SegmentTable<T> felt, std::span<const Mode> modes, ModeShapes<T> strike, ModeShapes<T> pickup,
-                  const HammerStringControls<T>& controls) {
-    voices_.push_back({{felt, modes, std::move(strike), sample_rate_hz_}, std::move(pickup), controls});
+  std::size_t add(SegmentTable<T> felt, std::span<const Mode> modes, ModeShapes<T> strike,
+                  const ModeShapes<T>& pickup, const HammerStringControls<T>& controls) {
+    HammerString<T> model(felt, modes, std::move(strike), sample_rate_hz_);
+    ModeShapes<T> shapes = model.string().sound_pickup(pickup);
+    voices_.push_back({std::move(model), std::move(shapes), controls});
     awake_.reserve(voices_.size());
     buses_.resize((voices_.size() + kGroup - 1) / kGroup);
     return voices_.size() - 1;
@@ -75,7 +77,8 @@ class Ensemble {
   [[nodiscard]] std::size_t voices() const { return voices_.size(); }
   [[nodiscard]] std::size_t awake() const { return awake_.size(); }  ///< number of voices that are computed
 
-  /// Advances out.size() samples and writes the sum of all voices: gain times displacement at the pickup. run:
+  /// Advances out.size() samples and writes the sum of all voices: gain times displacement at the pickup, as
+  /// ModalBank::sound_pickup gives it. run:
   /// OneThread or Threads; computes the groups. No allocation, no lock (see Threads for its own), bounded time.
   template <Runner Run = OneThread>
   void process(std::span<T> out, Run&& run = {}) {

@@ -77,6 +77,7 @@ class HammerStringDsp : public dsp {
     sample_rate_hz_ = sample_rate_hz;
     damping_rate_ = static_cast<T>(-std::expm1(-1 / (kDampingTime * sample_rate_hz)));
     at_rest_.emplace(segments_of<Felt, T>, modes_in<Resonator>, shapes_, sample_rate_hz);
+    pickup_ = at_rest_->string().sound_pickup(Resonator::pickup_shapes);
     instanceClear();
   }
 
@@ -200,7 +201,7 @@ class HammerStringDsp : public dsp {
   T damping_rate_ = 0;
   std::optional<T> damping_per_s_;  // empty until the first compute(), which starts at the control's value
   ModeShapes<T> shapes_{std::span<const double>(Resonator::strike_shapes)};
-  const ModeShapes<T> pickup_{std::span<const double>(Resonator::pickup_shapes)};
+  ModeShapes<T> pickup_;                  // as heard
   std::optional<Model> at_rest_, model_;  // instanceClear() copies at_rest_, so it does not allocate
 };
 

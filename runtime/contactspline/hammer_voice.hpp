@@ -76,19 +76,19 @@ class FallingDamper {
 }  // namespace detail
 
 /// A hammer-string with a damper. `output` are mode shapes: the output is the sum of shape times modal displacement,
-/// for instance the displacement at a pickup [m] or the force on a bridge [N].
+/// for instance the displacement at a pickup [m] or the force on a bridge [N], as ModalBank::sound_pickup gives it.
 template <std::floating_point T>
 class HammerVoice {
  public:
   static constexpr T kThrowDistance_m = T(1e-4);  ///< from which the hammer is thrown
 
   /// felt must outlive the voice.
-  HammerVoice(SegmentTable<T> felt, std::span<const Mode> modes, ModeShapes<T> strike, ModeShapes<T> output,
+  HammerVoice(SegmentTable<T> felt, std::span<const Mode> modes, ModeShapes<T> strike, const ModeShapes<T>& output,
               const HammerStringControls<T>& controls, const Damper& damper, double sample_rate_hz)
-      : output_(std::move(output)),
+      : model_(felt, modes, std::move(strike), sample_rate_hz),
+        output_(model_.string().sound_pickup(output)),
         controls_(controls),
-        damper_(damper, sample_rate_hz),
-        model_(felt, modes, std::move(strike), sample_rate_hz) {}
+        damper_(damper, sample_rate_hz) {}
 
   /// Throws the hammer at the strings [m/s] and lifts the damper. The strings may be sounding.
   void strike(T velocity_m_per_s) {
@@ -132,6 +132,8 @@ class HammerVoice {
   [[nodiscard]] T damping_per_s() const { return damped().damping_per_s; }
 
   [[nodiscard]] const HammerString<T>& model() const { return model_; }
+  /// The shapes that process() uses.
+  [[nodiscard]] const ModeShapes<T>& output_shapes() const { return output_; }
   /// Live controls. Their damping adds to the damper's.
   [[nodiscard]] HammerStringControls<T>& controls() { return controls_; }
 
@@ -142,10 +144,10 @@ class HammerVoice {
     return controls;
   }
 
+  HammerString<T> model_;
   ModeShapes<T> output_;
   HammerStringControls<T> controls_;
   detail::FallingDamper damper_;
-  HammerString<T> model_;
 };
 
 }  // namespace contactspline

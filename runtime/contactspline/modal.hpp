@@ -20,7 +20,7 @@ namespace contactspline {
 
 /// One mode of a resonator: q'' + 2 decay q' + (angular_frequency^2 + decay^2) q = force / mass.
 struct Mode {
-  double angular_frequency_rad_per_s;  ///< of the damped oscillation, > 0
+  double angular_frequency_rad_per_s;  ///< of the damped oscillation, >= 0; 0 without decay is a free mass
   double decay_per_s;                  ///< the amplitude decays as exp(-decay t), >= 0
   double mass_kg;                      ///< modal mass that belongs to the mode shapes, > 0
 };
@@ -96,21 +96,32 @@ class ModeShapes {
 
 namespace detail {
 
-/// Constants of one mode at a sample rate (docs/modal.md), with z = exp((-decay + j w) dt):
+/// Constants of one mode at a sample rate (docs/modal.md), with p = -decay + j w and z = exp(p dt):
 struct ModeConstants {
   double stiffness;   ///< |1 - z|^2
   double loss;        ///< 1 - |z|^2
-  double admittance;  ///< dt^2 |1 + z|^2 / (8 m), change of displacement over a sample per newton [m/N]
+  double admittance;  ///< |1 - z|^2/(2 m |p|^2), change of displacement over a sample per newton [m/N]
+  double averaging;   ///< |1 - z|^2/|p dt|^2, the part of an impulse's response that two averages over a sample leave
+  double plus_square;    ///< |1 + z|^2
+  double velocity_gain;  ///< w/Im z [rad/s]
+  double decay_per_s;
 };
 
 inline ModeConstants mode_constants(const Mode& mode, double sample_rate_hz) {
-  const double dt = 1 / sample_rate_hz;
-  const double half_phase = mode.angular_frequency_rad_per_s * dt / 2;
+  const double w = mode.angular_frequency_rad_per_s, dt = 1 / sample_rate_hz;
   const double decay_factor = std::exp(-mode.decay_per_s * dt);
   const double decay_loss = -std::expm1(-mode.decay_per_s * dt);  // 1 - decay_factor, without cancellation
-  const double sine = std::sin(half_phase), cosine = std::cos(half_phase);
-  return {decay_loss * decay_loss + 4 * decay_factor * sine * sine, -std::expm1(-2 * mode.decay_per_s * dt),
-          dt * dt * (decay_loss * decay_loss + 4 * decay_factor * cosine * cosine) / (8 * mode.mass_kg)};
+  const double sine = std::sin(w * dt / 2), cosine = std::cos(w * dt / 2);
+  const double stiffness = decay_loss * decay_loss + 4 * decay_factor * sine * sine;
+  const double phase_square = (w * w + mode.decay_per_s * mode.decay_per_s) * dt * dt;  // |p dt|^2
+  const double averaging = phase_square > 0 ? stiffness / phase_square : 1;             // 1 is the limit
+  return {.stiffness = stiffness,
+          .loss = -std::expm1(-2 * mode.decay_per_s * dt),
+          .admittance = averaging * dt * dt / (2 * mode.mass_kg),
+          .averaging = averaging,
+          .plus_square = decay_loss * decay_loss + 4 * decay_factor * cosine * cosine,
+          .velocity_gain = (w > 0 ? w / (2 * sine * cosine) : sample_rate_hz) / decay_factor,
+          .decay_per_s = mode.decay_per_s};
 }
 
 /// Sum of term(i) over i < n. Eight partial sums let the compiler use vector registers.
@@ -127,9 +138,10 @@ template <std::floating_point T, typename Term>
 
 }  // namespace detail
 
-/// A bank of modes, advanced by the midpoint rule. Its stiffness and resistance are chosen so that the poles are
-/// exactly exp((-decay +- j w) dt): the bank is passive, and in tune at every sample rate. For each sample call
-/// predict(), then push() for each force, then commit(). No allocation after construction.
+/// A bank of modes, advanced by the midpoint rule. Its mass, stiffness and resistance are chosen so that the poles
+/// are exactly exp((-decay +- j w) dt) and the static compliance is that of the mode: the bank is passive, in tune
+/// and exactly as compliant at every sample rate. For each sample call predict(), then push() for each force, then
+/// commit(). No allocation after construction.
 ///
 /// The state of a mode is its displacement q and its free increment d: the change of q over the next sample if no
 /// force acts. A sample changes q by c = d + admittance shape f, and d becomes 2 c - d - (loss c + stiffness q). This
@@ -147,9 +159,7 @@ class ModalBank {
         displacement_(modes.size()),
         free_increment_(modes.size()),
         change_(modes.size()),
-        spring_(modes.size()),
-        resistance_(modes.size()),
-        kinetic_(modes.size()) {
+        constants_(modes.size()) {
     for (std::size_t i = 0; i < modes.size(); ++i) set(i, modes[i]);
   }
 
@@ -166,10 +176,22 @@ class ModalBank {
     return detail::sum_of<T>(size(), [&](std::size_t i) { return at[i] * displacement_[i]; });
   }
 
-  /// Velocity at a place [m/s].
+  /// Velocity at a place [m/s]: that of the free motion of the modes, exact at every frequency.
   [[nodiscard]] T velocity(const ModeShapes<T>& at) const {
-    const T step = detail::sum_of<T>(size(), [&](std::size_t i) { return at[i] * static_cast<T>(velocity_step(i)); });
-    return step * static_cast<T>(sample_rate_hz_);
+    return detail::sum_of<T>(size(), [&](std::size_t i) { return at[i] * static_cast<T>(velocity_of(i)); });
+  }
+
+  /// Shapes of a pickup for sound: each shape divided by what averaging takes away from its mode. A force that is
+  /// constant over each sample excites a mode |1 - z|/|p dt| times as strongly as an impulse, and the contact force
+  /// is itself an average over the sample, which takes away the same factor again. Use these shapes for what is
+  /// heard. Do not use them for displacements that act back, nor for energies: the state has no such error to undo.
+  [[nodiscard]] ModeShapes<T> sound_pickup(const ModeShapes<T>& pickup) const {
+    ModeShapes<T> shapes(size());
+    for (std::size_t i = 0; i < size(); ++i) shapes[i] = static_cast<T>(pickup[i] / constants_[i].averaging);
+    return shapes;
+  }
+  [[nodiscard]] ModeShapes<T> sound_pickup(std::span<const double> pickup) const {
+    return sound_pickup(ModeShapes<T>(pickup));
   }
 
   /// Begins a sample: the change of each mode is its free increment.
@@ -214,12 +236,14 @@ class ModalBank {
   }
 
   /// Kinetic plus potential energy [J]. In each sample it changes by the work of the forces minus dissipated(), exact
-  /// up to rounding.
+  /// up to rounding. The potential energy is that of the continuous mode, m (w^2 + decay^2) q^2/2.
   [[nodiscard]] double energy() const {
     double energy = 0;
     for (std::size_t i = 0; i < size(); ++i) {
-      const double q = displacement_[i], w = velocity_step(i);
-      energy += (w * w + spring_[i] * q * q) * kinetic_[i];
+      const detail::ModeConstants& mode = constants_[i];
+      if (mode.admittance == 0) continue;
+      const double q = displacement_[i], half_velocity = free_increment_[i] + mode.stiffness / 2 * q;
+      energy += (half_velocity * half_velocity / mode.plus_square + mode.stiffness / 4 * q * q) / mode.admittance;
     }
     return energy;
   }
@@ -228,8 +252,9 @@ class ModalBank {
   [[nodiscard]] double dissipated() const {
     double energy = 0;
     for (std::size_t i = 0; i < size(); ++i) {
+      if (constants_[i].admittance == 0) continue;
       const double change = change_[i];
-      energy += (static_cast<double>(loss_[i]) / 2 + damping_) * resistance_[i] * change * change * kinetic_[i];
+      energy += (static_cast<double>(loss_[i]) / 2 + damping_) * change * change / constants_[i].admittance;
     }
     return energy;
   }
@@ -242,9 +267,9 @@ class ModalBank {
     for (std::size_t i = 0; i < size(); ++i) {
       admittance[i] = admittance_[i] * at[i];
       free_increment_gain[i] = admittance[i] * (2 - loss_[i] - stiffness_[i]);
-      const double stiffness = static_cast<double>(stiffness_[i]) + static_cast<double>(stiffness_rest_[i]);
-      const double one_minus_real = (static_cast<double>(loss_[i]) + stiffness) / 2;  // 1 - Re z
-      const double imaginary_square = stiffness - one_minus_real * one_minus_real;    // (Im z)^2
+      const double stiffness = constants_[i].stiffness;
+      const double one_minus_real = (constants_[i].loss + stiffness) / 2;           // 1 - Re z
+      const double imaginary_square = stiffness - one_minus_real * one_minus_real;  // (Im z)^2
       amplitude_gain[i] = at[i] / static_cast<T>(std::sqrt(std::max(imaginary_square, 1e-30)));
     }
   }
@@ -261,10 +286,11 @@ class ModalBank {
   }
 
  private:
-  // Velocity of mode i times dt, w [m]. It follows from the free increment d = |1 + z|^2/4 w - stiffness/2 q.
-  [[nodiscard]] double velocity_step(std::size_t i) const {
-    const double stiffness = static_cast<double>(stiffness_[i]) + stiffness_rest_[i];
-    return (free_increment_[i] + stiffness / 2 * displacement_[i]) * resistance_[i] / 4;
+  // Velocity of mode i in free motion [m/s], from its displacement q and the change d to its next one.
+  [[nodiscard]] double velocity_of(std::size_t i) const {
+    const detail::ModeConstants& mode = constants_[i];
+    const double q = displacement_[i], one_minus_real = (mode.loss + mode.stiffness) / 2;  // 1 - Re z
+    return mode.velocity_gain * (free_increment_[i] + one_minus_real * q) - mode.decay_per_s * q;
   }
 
   // A separate function, because compilers respect __restrict on parameters.
@@ -281,19 +307,13 @@ class ModalBank {
   }
 
   void set(std::size_t i, const Mode& mode) {
-    const auto [stiffness, loss, admittance] = detail::mode_constants(mode, sample_rate_hz_);
+    detail::ModeConstants& constants = constants_[i] = detail::mode_constants(mode, sample_rate_hz_);
     // A mode above half the sample rate would sound at a wrong pitch. As in modal.lib, no force drives it.
-    const bool audible = mode.angular_frequency_rad_per_s < std::numbers::pi * sample_rate_hz_;
-    stiffness_[i] = static_cast<T>(stiffness);
-    stiffness_rest_[i] = static_cast<T>(stiffness - static_cast<double>(stiffness_[i]));
-    loss_[i] = static_cast<T>(loss);
-    admittance_[i] = audible ? static_cast<T>(admittance) : T(0);
-    // K dt^2/m = 4 |1 - z|^2/|1 + z|^2. R dt/m = 8 loss/|1 + z|^2 for the mode's own loss, 16 damping/|1 + z|^2 for
-    // the damper. Energy: (w^2 + K dt^2/m q^2) m/(2 dt^2).
-    const double warp = 8 * admittance * mode.mass_kg * sample_rate_hz_ * sample_rate_hz_;  // |1 + z|^2
-    spring_[i] = audible ? 4 * stiffness / warp : 0;
-    resistance_[i] = audible ? 16 / warp : 0;
-    kinetic_[i] = mode.mass_kg * sample_rate_hz_ * sample_rate_hz_ / 2;
+    if (!(mode.angular_frequency_rad_per_s < std::numbers::pi * sample_rate_hz_)) constants.admittance = 0;
+    stiffness_[i] = static_cast<T>(constants.stiffness);
+    stiffness_rest_[i] = static_cast<T>(constants.stiffness - static_cast<double>(stiffness_[i]));
+    loss_[i] = static_cast<T>(constants.loss);
+    admittance_[i] = static_cast<T>(constants.admittance);
   }
 
   // Does T round the constants? Then stiffness_rest_ holds the rounding error of the stiffness.
@@ -303,7 +323,7 @@ class ModalBank {
   T damping_ = 0;  // of the current sample
   detail::ModalArray<T> stiffness_, stiffness_rest_, loss_, admittance_;
   detail::ModalArray<T> displacement_, free_increment_, change_;
-  detail::ModalArray<double> spring_, resistance_, kinetic_;
+  std::vector<detail::ModeConstants> constants_;
 };
 
 }  // namespace contactspline

@@ -34,11 +34,22 @@ bench::PowerLawHammer hammer_of(const StruckString& struck, double stiffness_rat
   return {struck.felt.stiffness * stiffness_ratio, struck.felt.exponent, struck.hammer_kg};
 }
 
+/// Modes that have the admittances with which the schemes were published, dt^2 |1 + z|^2/(8 m): the midpoint rule
+/// with the modal mass kept instead of the stiffness (docs/modal.md).
+std::vector<Mode> with_mass_kept(const std::vector<ResonatorMode>& modes, double rate) {
+  std::vector<Mode> kept = bare(modes);
+  for (Mode& mode : kept) {
+    const auto constants = contactspline::detail::mode_constants(mode, rate);
+    mode.mass_kg *= 4 * constants.averaging / constants.plus_square;
+  }
+  return kept;
+}
+
 template <typename Scheme>
 Scheme scheme_for(const StruckString& struck, double rate, double stiffness_ratio = 1) {
   const auto modes = audible_modes(struck);
-  return Scheme(hammer_of(struck, stiffness_ratio), bare(modes), values(modes, &ResonatorMode::strike_shape),
-                values(modes, &ResonatorMode::pickup_shape), rate);
+  return Scheme(hammer_of(struck, stiffness_ratio), with_mass_kept(modes, rate),
+                values(modes, &ResonatorMode::strike_shape), values(modes, &ResonatorMode::pickup_shape), rate);
 }
 
 template <typename Scheme>
@@ -163,7 +174,7 @@ class OneStepBook {
   OneStepBook(const Newton& scheme, const StruckString& struck, double stiffness_ratio)
       : scheme_(scheme),
         modes_(audible_modes(struck)),
-        string_(bare(modes_), kRate),
+        string_(with_mass_kept(modes_, kRate), kRate),
         strike_(shapes<double>(modes_, &ResonatorMode::strike_shape)),
         hammer_kg_(struck.hammer_kg),
         felt_{struck.felt.stiffness * stiffness_ratio, struck.felt.exponent} {}
@@ -332,7 +343,8 @@ std::vector<double> played_by_spline(const StruckString& struck, int segments) {
   const auto modes = audible_modes(struck);
   const auto felt = felt_table(struck, segments);
   const auto pickup = shapes<double>(modes, &ResonatorMode::pickup_shape);
-  HammerString<double> model(felt, bare(modes), shapes<double>(modes, &ResonatorMode::strike_shape), kRate);
+  HammerString<double> model(felt, with_mass_kept(modes, kRate), shapes<double>(modes, &ResonatorMode::strike_shape),
+                             kRate);
   std::vector<double> out;
   for (int n = 0; n < 882; ++n) {
     if (n % 441 == 0) model.strike(kSpeed, kDistance);

@@ -22,9 +22,9 @@ struct Sound {
 
 template <typename Felt, typename String>
 Sound reference(double hammer_kg) {
-  const ModeShapes<double> pickup(std::span<const double>(String::pickup_shapes));
   HammerString<double> model(std::span<const Segment<double>>(segments_of<Felt, double>), modes_in<String>,
                              ModeShapes<double>(std::span<const double>(String::strike_shapes)), kSampleRate);
+  const auto pickup = model.string().sound_pickup(String::pickup_shapes);
   Sound sound;
   for (int note = 0; note < kNotes; ++note) {
     model.strike(2.5, 1e-4);

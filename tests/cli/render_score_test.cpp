@@ -197,13 +197,13 @@ TEST(RenderScore, PlaysTheHammerString) {
     ModeShapes<double> shapes(p.modes.size());
     for (std::size_t i = 0; i < p.modes.size(); ++i)
       shapes[i] = bridge_shape(std::get<StiffString>(p.resonator.body), p.wavenumbers[i]);
-    return model.string().displacement(shapes);
+    return model.string().displacement(model.string().sound_pickup(shapes));
   };
   const auto velocity = [](const HammerString<double>& model, const Parts& p) {
-    return model.string().velocity(p.at(0.248));
+    return model.string().velocity(model.string().sound_pickup(p.at(0.248)));
   };
   const auto displacement = [](const HammerString<double>& model, const Parts& p) {
-    return model.string().displacement(p.at(0.248));
+    return model.string().displacement(model.string().sound_pickup(p.at(0.248)));
   };
   const auto force = [](const HammerString<double>& model, const Parts&) { return model.force(); };
   expect_is(sound_of("hammer-string", kHammerScore), hammer_motion(parts, bridge));
@@ -217,7 +217,7 @@ TEST(RenderScore, PlaysTheSlideString) {
   Parts parts("guitar_g3", "steel_on_steel");
   SlideString<double> model(parts.table, parts.modes, StringShapes<double>(parts.wavenumbers), 0.5, kRate);
   model.place(0.2, 1e-3);
-  const auto pickup = parts.at(0.6);
+  const auto pickup = model.string().sound_pickup(parts.at(0.6));
   std::vector<double> motion;
   for (int n = 0; n < 13230; ++n) {
     // 0.05 s: a pluck of 4 ms; from 0.1 s on the slide glides, from 0.2 s on it trembles.
@@ -251,7 +251,7 @@ TEST(RenderScore, PlaysTheFretString) {
   Parts parts("guitar_d3", "steel_on_steel");
   FretString<double> model(parts.table, parts.modes, StringShapes<double>(parts.wavenumbers), 0.3, kRate);
   model.place(0.6, 1e-3);
-  const auto pickup = parts.at(0.05);
+  const auto pickup = model.string().sound_pickup(parts.at(0.05));
   std::vector<double> motion;
   for (int n = 0; n < 8820; ++n) {
     model.tick({.place_m = 0.6,
@@ -428,6 +428,7 @@ TEST(RenderScore, SumsAndPansVoices) {
     }
     const auto felt = segment_table(uniform_spline(note.felt, "felt"));
     HammerString<double> model(felt, modes, strike, kRate);
+    bridge = model.string().sound_pickup(bridge);
     const double angle = (0.6 * ((key - 21) / 43.5 - 1) + 1) * pi / 4;
     for (int n = 0; n < 4410; ++n) {
       if (n == 441) model.strike(key == 40 ? 2.0 : 3.0, 1e-4);

@@ -30,19 +30,18 @@ TEST(FaustCoefficients, AreThoseOfThePolesWhateverTheDecay) {
   for (std::size_t i = 0; i < w.size(); ++i) {
     SCOPED_TRACE(decay[i] / kRate);
     SCOPED_TRACE(w[i] / kRate);
-    const long double dt = 1.0L / kRate, x = decay[i] * dt, half_turn = w[i] * dt / 2;
-    const long double missing = -std::expm1(-x), fall = 4 * std::exp(-x);
-    const long double sine = std::sin(half_turn), cosine = std::cos(half_turn);
-    const long double stiffness = missing * missing + fall * sine * sine;
-    const long double sum = missing * missing + fall * cosine * cosine;
-    // 1 - exp(-x) loses a few 2^-53/0.02 where it is written so; the series ends with x^6/30240 < 3e-15. Beside that,
-    // sine and cosine: near their zeros their argument's rounding counts.
+    const long double x = static_cast<long double>(decay[i]) / kRate, phase = static_cast<long double>(w[i]) / kRate;
+    const long double missing = -std::expm1(-x), sine = std::sin(phase / 2);
+    const double stiffness = static_cast<double>(missing * missing + 4 * std::exp(-x) * sine * sine);
+    const double averaging = stiffness / static_cast<double>(phase * phase + x * x);
+    const double audible = phase < std::numbers::pi_v<long double> ? 1 : 0;
+    // 1 - exp(-x) loses a few 2^-53/0.02 where it is written so; the series ends with x^6/30240 < 3e-15.
     constexpr double kBound = 1.5e-14;
+    EXPECT_TRUE(relatively_within(found[0][i], stiffness, kBound));
     EXPECT_TRUE(relatively_within(found[1][i], static_cast<double>(-std::expm1(-2 * x)), kBound));
-    EXPECT_TRUE(within(found[0][i], static_cast<double>(stiffness), kBound * static_cast<double>(stiffness)));
-    EXPECT_TRUE(within(found[2][i], static_cast<double>(dt * dt / (8 * kMass) * sum),
-                       static_cast<double>(dt * dt / (8 * kMass)) * (kBound * static_cast<double>(sum) + 1e-18)));
-    EXPECT_EQ(found[3][i], half_turn * 2 < std::numbers::pi ? 1 : 0);
+    EXPECT_TRUE(relatively_within(found[2][i], averaging / (2 * kMass * kRate * kRate), kBound));
+    EXPECT_EQ(found[3][i], audible);
+    EXPECT_TRUE(relatively_within(found[4][i], audible / averaging, kBound));
   }
 }
 

@@ -66,10 +66,10 @@ class Player {
 };
 
 Sound bare(std::size_t samples) {
-  const ModeShapes<double> pickup(std::span<const double>(String::pickup_shapes));
   constexpr auto& felt = segments_of<Felt, double>;
   HammerString<double, felt.size()> model(felt, modes_in<String>,
                                           ModeShapes<double>(std::span<const double>(String::strike_shapes)), kRate);
+  const auto pickup = model.string().sound_pickup(String::pickup_shapes);
   ModeShapes<double> shapes(String::modes);
   const double place_m = 0.12 * std::numbers::pi / String::wavenumbers[0];
   for (std::size_t i = 0; i < String::modes; ++i) shapes[i] = std::sin(String::wavenumbers[i] * place_m);

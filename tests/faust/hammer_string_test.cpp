@@ -28,9 +28,9 @@ struct Sound {
 };
 
 Sound twin() {
-  const ModeShapes<double> pickup(std::span<const double>(String::pickup_shapes));
   HammerString<double> model(std::span<const Segment<double>>(segments_of<Felt, double>), modes_in<String>,
                              ModeShapes<double>(std::span<const double>(String::strike_shapes)), kRate);
+  const auto pickup = model.string().sound_pickup(String::pickup_shapes);
   model.strike(2.5, 1e-4);
   Sound sound;
   for (std::size_t n = 0; n < kSamples; ++n) {

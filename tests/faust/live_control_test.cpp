@@ -135,9 +135,9 @@ double sharpest_edge(const std::vector<double>& u) {
   return sharpest;
 }
 
-/// The edge that a move makes, over the note's peak. Two programs play the same note, one of them with the move;
-/// edges that the note has itself, which a damper takes away, do not count. A contact made or broken by the move ends
-/// the comparison: that is a sound of its own.
+/// The edge that a move makes, over the note's peak. Two programs play the same note, one of them with the move.
+/// Edges that the notes have themselves do not count: where a move shifts the high partials, the difference has those
+/// of both. A contact made or broken by the move ends the comparison: that is a sound of its own.
 double edge_of_a_move(const Instrument& instrument, const Slider& slider, Player& player) {
   const auto still = instrument.make(), moved = instrument.make();
   const double moment = slider.is_for_the_next_throw ? player.between(4000, 9000) : player.between(20, 9000);
@@ -159,7 +159,7 @@ double edge_of_a_move(const Instrument& instrument, const Slider& slider, Player
     difference.push_back(b[0][n] - a[0][n]);
   }
   note_from_here.erase(note_from_here.begin(), note_from_here.begin() + 3);  // its beginning is no edge
-  return std::max(0.0, sharpest_edge(difference) - sharpest_edge(note_from_here)) / peak;
+  return std::max(0.0, sharpest_edge(difference) - 2 * sharpest_edge(note_from_here)) / peak;
 }
 
 TEST_P(FaustLiveControl, MakesNoClick) {

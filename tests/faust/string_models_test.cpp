@@ -37,8 +37,8 @@ double pluck(double time) {
 }
 
 template <typename String>
-ModeShapes<double> pickup_of() {
-  return ModeShapes<double>(std::span<const double>(String::pickup_shapes));
+ModeShapes<double> pickup_of(const ModalBank<double>& string) {
+  return string.sound_pickup(String::pickup_shapes);
 }
 
 // The force of Faust and C++ over the whole time, and Faust's displacement one sample later, each within 1e-10 of its
@@ -57,6 +57,7 @@ TEST(FaustSlideString, AgreesWithTheRuntime) {
   const Signal press = signal_of([](double t) { return t < 0.4 ? 2.0 : -1.0; });
   const Signal plucked = signal_of(pluck);
   SlideString<double> model(kSteel, modes_in<String>, StringShapes<double>(String::wavenumbers), kStrike, kRate);
+  const auto pickup = pickup_of<String>(model.string());
   model.place(place[0], 0);
   Signal displacement, force, height;
   for (std::size_t n = 0; n < kSamples; ++n) {
@@ -68,7 +69,7 @@ TEST(FaustSlideString, AgreesWithTheRuntime) {
                 .rest_resistance_n_s_per_m = 0.7,
                 .pluck_force_n = plucked[n],
                 .contact = {.stiffness_ratio = 0.5, .loss_s_per_m = 0.01}});
-    displacement.push_back(model.string().displacement(pickup_of<String>()));
+    displacement.push_back(model.string().displacement(pickup));
     force.push_back(model.force());
     height.push_back(model.slide());
   }
@@ -85,6 +86,7 @@ TEST(FaustFretString, AgreesWithTheRuntime) {
   const Signal gap = signal_of([](double t) { return 2e-4 + 4e-4 * t; });
   const Signal plucked = signal_of(pluck);
   FretString<double> model(kSteel, modes_in<String>, StringShapes<double>(String::wavenumbers), kStrike, kRate);
+  const auto pickup = pickup_of<String>(model.string());
   model.place(place[0], gap[0]);
   Signal displacement, force;
   for (std::size_t n = 0; n < kSamples; ++n) {
@@ -93,7 +95,7 @@ TEST(FaustFretString, AgreesWithTheRuntime) {
                 .pluck_force_n = plucked[n],
                 .damping_per_s = 3,
                 .contact = {.stiffness_ratio = 2, .loss_s_per_m = 0.01}});
-    displacement.push_back(model.string().displacement(pickup_of<String>()));
+    displacement.push_back(model.string().displacement(pickup));
     force.push_back(model.force());
   }
   CppProgram<fret_string_model, double> program(kRate);

@@ -122,9 +122,9 @@ void expect_the_sound_of_the_runtime(const std::string& name, std::size_t delay)
   plugin.set("strike", 1);
   const auto sound = plugin.run(kBlocks);
 
-  const ModeShapes<double> pickup(std::span<const double>(String::pickup_shapes));
   HammerString<double> model(std::span<const Segment<double>>(segments_of<Felt, double>), modes_in<String>,
                              ModeShapes<double>(std::span<const double>(String::strike_shapes)), kRate);
+  const auto pickup = model.string().sound_pickup(String::pickup_shapes);
   model.strike(2.5, 1e-4);
   std::vector<double> expected_mm;
   for (std::size_t n = delay; n < kSamples; ++n) {

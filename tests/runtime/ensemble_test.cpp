@@ -15,10 +15,11 @@ namespace {
 /// Adds one voice's sound, in blocks as an ensemble plays them.
 template <typename T>
 void play_alone(HammerString<T>& model, const Player<T>& player, T gain, std::span<T> sum) {
+  const ModeShapes<T> pickup = model.string().sound_pickup(player.pickup);
   std::vector<T> sound(Ensemble<T>::kBlock);
   for (std::size_t done = 0; done < sum.size(); done += sound.size()) {
     const std::size_t samples = std::min(sound.size(), sum.size() - done);
-    model.process(player.controls, player.pickup, std::span(sound).first(samples));
+    model.process(player.controls, pickup, std::span(sound).first(samples));
     for (std::size_t n = 0; n < samples; ++n) sum[done + n] += gain * sound[n];
   }
 }

@@ -103,6 +103,106 @@ TEST(ModalBank, BalancesItsEnergyUnderARandomForce) {
   }
 }
 
+/// The midpoint rule m v' + R v + K q = F of a mode, by its definition: the poles exp(p dt) and the static
+/// compliance.
+struct MidpointRule {
+  long double mass, resistance, stiffness;
+
+  MidpointRule(const Mode& mode, double rate) {
+    using Complex = std::complex<long double>;
+    const Complex pole(-mode.decay_per_s, mode.angular_frequency_rad_per_s);
+    const Complex z = std::exp(pole / static_cast<long double>(rate));
+    const Complex warped = 2.0L * static_cast<long double>(rate) * (z - 1.0L) / (z + 1.0L);
+    stiffness = mode.mass_kg * std::norm(pole);
+    mass = stiffness / std::norm(warped);
+    resistance = -2 * mass * warped.real();
+  }
+
+  // Change of displacement from rest per newton: the force works against inertia, resistance and half the spring.
+  [[nodiscard]] long double admittance(long double rate) const {
+    return 1 / (2 * mass * rate * rate + resistance * rate + stiffness / 2);
+  }
+};
+
+// Random modes at random rates, also so damped that they hardly oscillate. The admittance is a product of ten factors
+// with one rounding each, and the sine counts twice: at most 18 times 2^-53, 2e-15. In the reference z - 1 loses up
+// to 2^-64/(1e-4 pi), 2e-16.
+TEST(ModalBank, IsPassiveForAnyDampingAndRate) {
+  std::mt19937_64 random(1);
+  const auto between = [&](double min, double max) {
+    return min * std::pow(max / min, static_cast<double>(random() >> 11) * 0x1p-53);
+  };
+  for (int i = 0; i < 100'000; ++i) {
+    const double rate = between(8000, 768000);
+    const Mode mode{between(1e-4, 0.9999) * std::numbers::pi * rate, between(1e-3, 1e5), between(1e-6, 1e3)};
+    const MidpointRule rule(mode, rate);
+    ASSERT_GE(rule.resistance, 0);
+    ASSERT_GT(rule.mass, 0);
+    ASSERT_TRUE(relatively_within(detail::mode_constants(mode, rate).admittance,
+                                  static_cast<double>(rule.admittance(rate)), 2e-15))
+        << mode.angular_frequency_rad_per_s << " " << mode.decay_per_s << " " << rate;
+  }
+}
+
+// Under a steady force a mode comes to rest at F/(m |p|^2), as the continuous one does, however near it is to half
+// the rate.
+TEST(ModalBank, HasTheStaticComplianceOfEveryMode) {
+  for (const double rate : kRates)
+    for (const double fraction : {0.01, 0.5, 0.9, 0.99}) {
+      const Mode mode{fraction * std::numbers::pi * rate, 0.02 * rate, 0.002};
+      ModalBank<double> bank(std::vector{mode}, rate);
+      ModeShapes<double> at(1);
+      at[0] = 1;
+      for (int n = 0; n < 2000; ++n) {  // exp(-0.02 2000) is below 2^-53
+        bank.predict();
+        bank.push(at, 3.0);
+        bank.commit();
+      }
+      const double w = mode.angular_frequency_rad_per_s, s = mode.decay_per_s;
+      EXPECT_TRUE(relatively_within(bank.displacement(at), 3.0 / (mode.mass_kg * (w * w + s * s)), 1e-13));
+    }
+}
+
+// A force that is constant over a sample leaves the amplitude of an impulse, F dt/(m w), times sin(theta)/theta. The
+// contact's force is an average over the sample, which takes away that factor again: the shapes that are heard give
+// both back.
+TEST(ModalBank, AnswersAHeldForceAsTheContinuousMode) {
+  for (const double fraction : {1e-3, 0.1, 0.5, 0.9, 0.99}) {
+    const Mode mode{fraction * std::numbers::pi * 44100, 0, 0.002};
+    ModalBank<double> bank(std::vector{mode}, 44100);
+    ModeShapes<double> at(1);
+    at[0] = 1;
+    bank.predict();
+    bank.push(at, 3.0);
+    bank.commit();
+    const double w = mode.angular_frequency_rad_per_s, theta = w / 44100 / 2;
+    const double impulse_m = 3.0 / 44100 / (mode.mass_kg * w), held = std::sin(theta) / theta;
+    const auto amplitude = [&](const ModeShapes<double>& shapes) {
+      return std::hypot(bank.displacement(shapes), bank.velocity(shapes) / w);
+    };
+    EXPECT_TRUE(relatively_within(amplitude(at), impulse_m * held, 1e-12)) << fraction;
+    EXPECT_TRUE(relatively_within(amplitude(bank.sound_pickup(at)), impulse_m / held, 1e-12)) << fraction;
+  }
+}
+
+// A free mass, p = 0, is the limit: it moves by dt^2/(2 m) F in the sample of the force, then by dt^2/m F per sample.
+TEST(ModalBank, HoldsAFreeMass) {
+  for (const Mode mode : {Mode{0, 0, 0.003}, Mode{1e-3, 0, 0.003}}) {
+    ModalBank<double> bank(std::vector{mode}, 44100);
+    ModeShapes<double> at(1);
+    at[0] = 1;
+    const double unit_m = 5.0 / (44100.0 * 44100.0 * mode.mass_kg);
+    for (int n = 0; n < 100; ++n) {
+      bank.predict();
+      bank.push(at, n == 0 ? 5.0 : 0.0);
+      bank.commit();
+      EXPECT_TRUE(relatively_within(bank.displacement(at), (n + 0.5) * unit_m, 1e-11)) << n;
+      EXPECT_TRUE(relatively_within(bank.velocity(at), 44100 * unit_m, 1e-11)) << n;
+      EXPECT_TRUE(relatively_within(bank.energy(), 0.5 * mode.mass_kg * std::pow(44100 * unit_m, 2), 1e-11)) << n;
+    }
+  }
+}
+
 TEST(ModalBank, DamperNeverAddsEnergy) {
   const auto modes = audible_modes(c4());
   const auto strike = shapes<double>(modes, &ResonatorMode::strike_shape);

@@ -35,10 +35,14 @@ inline StruckString c7() {
   return struck_string("C7", 0.09, 0.000467, 750, 8.67e-4, 0.0022, {5e11, 3.0});
 }
 
+inline std::vector<ResonatorMode> struck_modes(const StruckString& struck, double max_frequency_hz) {
+  const Resonator resonator{struck.name, "", struck.string, {struck.strike_m}, {0.4 * struck.string.length_m}, 1000};
+  return modes_of(resonator, max_frequency_hz).modes;
+}
+
 /// Modes below half of 44.1 kHz, whatever the rate they are run at.
 inline std::vector<ResonatorMode> audible_modes(const StruckString& struck) {
-  return modes_of({struck.name, "", struck.string, {struck.strike_m}, {0.4 * struck.string.length_m}, 1000}, 22050)
-      .modes;
+  return struck_modes(struck, 22050);
 }
 
 inline std::vector<Mode> bare(const std::vector<ResonatorMode>& modes) {
