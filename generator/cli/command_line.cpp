@@ -87,6 +87,10 @@ constexpr auto kMaterialHelp = "material file (.json), or the name of a material
 constexpr auto kSourceHelp = "material, resonator or keyboard file (.json), or the name of one that ships";
 constexpr auto kScoreHelp = "score file (.json, .mid), or the name of a score that ships";
 
+void add_force(CLI::App& command, bool& force) {
+  command.add_flag("--force", force, "also replace files that this program did not write");
+}
+
 void add_generate(CLI::App& app) {
   const auto options = std::make_shared<GenerateOptions>();
   CLI::App* command =
@@ -112,13 +116,15 @@ void add_generate(CLI::App& app) {
       ->add_option("--depfile", options->depfile, "also write a make rule with the files that the outputs depend on")
       ->check(file_name())
       ->type_name("FILE");
+  add_force(*command, options->force);
   command->footer(
       "Examples:\n"
       "  contactspline generate felt_c4 -o generated\n"
       "  contactspline generate my_felt.json --emit faust --emit cpp -o build\n"
       "  contactspline generate felt_c4 --emit json -o -\n"
       "  contactspline generate string_c4 --rate 96000 -o build\n"
-      "Each file has the name of its material, resonator or keyboard. A file that would not change is not touched.");
+      "Each file has the name of its material, resonator or keyboard. A file that would not change is not touched.\n"
+      "A file that this program did not write is replaced only with --force.");
   command->callback([options] { generate(*options); });
 }
 
@@ -136,6 +142,7 @@ void add_inspect(CLI::App& app) {
       ->add_option("--rate", options->sample_rate_hz,
                    "for a resonator: sample rate in Hz of its simulation (default: 44100)")
       ->check(number_from(1e3, 1e8));
+  add_force(*command, options->force);
   command->footer(
       "Examples:\n"
       "  contactspline inspect felt_c4 --svg felt_c4.svg\n"
@@ -185,6 +192,7 @@ void add_outputs(CLI::App& command, RenderOutput& output) {
   command.add_option("--svg", output.svg, "figure to write (default: the sound file's name with .svg)")
       ->check(file_name())
       ->type_name("FILE");
+  add_force(command, output.force);
 }
 
 void add_mass_barrier(CLI::App& render) {

@@ -25,6 +25,7 @@ struct GenerateOptions {
   std::string depfile;
   double sample_rate_hz = 44100;
   bool check = false;
+  bool force = false;  ///< replaces files that the program did not write
 };
 void generate(const GenerateOptions& options);
 
@@ -32,6 +33,7 @@ struct InspectOptions {
   std::string material;
   std::string svg;
   bool compare = false;
+  bool force = false;  ///< as in GenerateOptions
   std::optional<double> sample_rate_hz = {};
 };
 void inspect(const InspectOptions& options);

@@ -14,6 +14,7 @@
 #include <span>
 #include <vector>
 
+#include "generator/cli/files.hpp"
 #include "generator/player/spectrogram.hpp"
 #include "generator/support/error.hpp"
 
@@ -149,9 +150,10 @@ std::string draw_svg(const std::string& script, const std::string& title) {
   run_gnuplot(kStyle + script, figure.get());
   std::string svg = content(figure.get());
   const auto at = svg.find(kTitle);
-  if (at == std::string::npos || svg.find("</svg>") == std::string::npos)
+  if (at == std::string::npos || svg.find("<svg") == std::string::npos || svg.find("</svg>") == std::string::npos)
     throw BadInput("figure: gnuplot drew nothing");
-  return svg.replace(at, std::strlen(kTitle), in_xml(title));
+  svg.replace(at, std::strlen(kTitle), in_xml(title));
+  return svg.insert(svg.find("<svg"), fmt::format("<!-- {} -->\n", mark()));
 }
 
 std::string potential_data(const Design& design) {

@@ -6,6 +6,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -24,6 +26,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uintmax_t kMaxInputBytes = 1 << 20;
+constexpr std::size_t kMarkedBytes = 1 << 16;  // at the beginning and at the end of a file
+
+// The mark of any version, in text and in emitted JSON.
+constexpr std::array<std::string_view, 2> kMarks = {"Written by contactspline ", "\"written_by\": \"contactspline "};
 
 [[noreturn]] void fail(const fs::path& path, std::string_view what) {
   throw BadInput(fmt::format("{}: file: {}", path.string(), what));
@@ -101,6 +107,27 @@ fs::path real_target(const fs::path& path) {
   return target;
 }
 
+std::string read_part(std::ifstream& stream) {
+  std::string part(kMarkedBytes, '\0');
+  stream.read(part.data(), static_cast<std::streamsize>(part.size()));
+  part.resize(static_cast<std::size_t>(stream.gcount()));
+  return part;
+}
+
+std::string end_of(const fs::path& path) {
+  std::ifstream stream(path, std::ios::binary | std::ios::ate);
+  const auto size = stream.tellg();
+  stream.seekg(std::max<std::streamoff>(0, size - static_cast<std::streamoff>(kMarkedBytes)));
+  return read_part(stream);
+}
+
+bool bears_mark(const fs::path& path) {
+  const auto has_mark = [](std::string_view part) {
+    return std::ranges::any_of(kMarks, [&](std::string_view mark) { return part.find(mark) != part.npos; });
+  };
+  return has_mark(beginning_of(path)) || has_mark(end_of(path));
+}
+
 // The same path for every spelling of it, also if the file does not exist.
 fs::path normal_form(const fs::path& path) {
   std::error_code error;
@@ -128,6 +155,28 @@ void require_distinct(std::span<const fs::path> outputs, std::span<const fs::pat
   for (const fs::path& output : outputs)
     if (!taken.insert(normal_form(output)).second)
       fail(output, "is already an input or another output; allowed: another folder or file name");
+}
+
+std::string_view mark() {
+  return "Written by contactspline " CONTACTSPLINE_VERSION;
+}
+
+std::string beginning_of(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) return {};  // opening a pipe would wait for its writer
+  std::ifstream stream(path, std::ios::binary);
+  return read_part(stream);
+}
+
+void require_own(const fs::path& output, bool own, bool force) {
+  std::error_code error;
+  if (own || force || !fs::is_regular_file(output, error) || fs::file_size(output, error) == 0) return;
+  fail(output, "exists, and this program did not write it; allowed: another name, or --force to replace it");
+}
+
+void require_writable(std::span<const fs::path> outputs, std::span<const fs::path> inputs, bool force) {
+  require_distinct(outputs, inputs);
+  for (const fs::path& output : outputs) require_own(output, bears_mark(output), force);
 }
 
 bool is_current(const OutputFile& file) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Reading input files and writing output files. A file is written completely or not at all, and only if it changes.
+// No file of somebody else is replaced: every file that the program writes bears its mark.
 #pragma once
 
 #include <filesystem>
@@ -19,8 +20,22 @@ struct OutputFile {
 /// larger than 1 MiB.
 [[nodiscard]] std::string read_input(const std::filesystem::path& path);
 
+/// The mark of this program and its version. Every file that it writes has it in its first or last 64 KiB, for
+/// instance as a comment; emitted JSON has it as "written_by".
+[[nodiscard]] std::string_view mark();
+
+/// The first 64 KiB of a regular file; empty if it does not exist or cannot be read.
+[[nodiscard]] std::string beginning_of(const std::filesystem::path& path);
+
 /// Throws BadInput if an output is also an input or another output, because one would silently replace the other.
 void require_distinct(std::span<const std::filesystem::path> outputs, std::span<const std::filesystem::path> inputs);
+
+/// Throws BadInput if a file of this name exists and is neither empty nor `own`, unless `force`.
+void require_own(const std::filesystem::path& output, bool own, bool force);
+
+/// Throws as require_distinct() does, and as require_own() does for an output without the mark of this program.
+void require_writable(std::span<const std::filesystem::path> outputs, std::span<const std::filesystem::path> inputs,
+                      bool force);
 
 /// True if the file exists with exactly these bytes.
 [[nodiscard]] bool is_current(const OutputFile& file);

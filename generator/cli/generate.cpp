@@ -93,10 +93,19 @@ void require_folder(const std::string& output) {
     refuse(output, "-o", "is not a folder", "a folder, or - for standard output");
 }
 
-void require_distinct_files(const Emitted& emitted) {
-  std::vector<std::filesystem::path> outputs;
-  for (const OutputFile& file : emitted.files) outputs.push_back(file.path);
-  require_distinct(outputs, emitted.inputs);
+std::vector<std::filesystem::path> paths_of(const std::vector<OutputFile>& files) {
+  std::vector<std::filesystem::path> paths;
+  for (const OutputFile& file : files) paths.push_back(file.path);
+  return paths;
+}
+
+// ninja reads no comment in a make rule, so a depfile cannot bear the mark. Its target is an emitted file.
+bool is_own_depfile(const std::string& path) {
+  const std::string rule = beginning_of(path);
+  const std::string_view targets = std::string_view(rule).substr(0, rule.find(": "));
+  return std::ranges::any_of(emitters(), [&](const Emitter& emitter) {
+    return targets.find('\n') == targets.npos && targets.ends_with(fmt::format(".{}", emitter.extension));
+  });
 }
 
 void write_one_to_stdout(const std::vector<OutputFile>& files) {
@@ -108,8 +117,12 @@ void write_one_to_stdout(const std::vector<OutputFile>& files) {
 
 void write_to_folder(const GenerateOptions& options, Emitted emitted) {
   const std::size_t sources = emitted.files.size();
-  if (!options.depfile.empty()) emitted.files.push_back(depfile_of(options, emitted));
-  require_distinct_files(emitted);
+  require_writable(paths_of(emitted.files), emitted.inputs, options.force);
+  if (!options.depfile.empty()) {
+    emitted.files.push_back(depfile_of(options, emitted));
+    require_distinct(paths_of(emitted.files), emitted.inputs);
+    require_own(options.depfile, is_own_depfile(options.depfile), options.force);
+  }
   const auto written = write_files(emitted.files);
   std::string report = written.empty() ? fmt::format("{} files are current\n", sources) : "";
   for (const auto& path : written) report += fmt::format("wrote {}\n", path.string());

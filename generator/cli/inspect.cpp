@@ -128,7 +128,7 @@ void compare(const InspectOptions& options) {
                     100 * q.force.worst, segments_for(material, knots, 0.01), segments_for(material, knots, 0.001));
   }
   if (!options.svg.empty()) {
-    require_distinct({{options.svg}}, input_files(options.material, material));
+    require_writable({{options.svg}}, input_files(options.material, material), options.force);
     write_files({{OutputFile{options.svg, figure_of(families)}}});
     table += fmt::format("\nfigure: {}\n", options.svg);
   }
@@ -166,7 +166,7 @@ void inspect(const InspectOptions& options) {
   if (options.compare) return compare(options);
   const Design design = design_argument(options.material);
   if (!options.svg.empty()) {
-    require_distinct({{options.svg}}, input_files(options.material, design.material));
+    require_writable({{options.svg}}, input_files(options.material, design.material), options.force);
     write_files({{OutputFile{options.svg, figure_of(design)}}});
   }
   write_stdout(heading(design) + coefficient_table(design.spline) + quality_table(design) +

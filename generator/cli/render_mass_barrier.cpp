@@ -60,7 +60,8 @@ void render_mass_barrier(const MassBarrierOptions& options) {
   require_short("--duration", options.duration_s, options.output.sample_rate_hz);
   const Design design = design_argument(options.material);
   const std::string svg = figure_file(options.output);
-  require_distinct({{options.output.sound, svg}}, input_files(options.material, design.material));
+  require_writable({{options.output.sound, svg}}, input_files(options.material, design.material),
+                   options.output.force);
   const auto motion = play_mass_barrier(segment_table(design.spline), score_of(options, design), show_progress);
   const auto& signal = options.signal == "force" ? motion.force_n : motion.displacement_m;
   const double peak = peak_of(signal);

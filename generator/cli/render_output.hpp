@@ -11,6 +11,7 @@ struct RenderOutput {
   std::string sound;
   std::string svg;  ///< empty: the sound file's name with .svg
   int sample_rate_hz = 44100;
+  bool force = false;  ///< replaces files that the program did not write
 };
 
 constexpr double kPeak = 0.89;  ///< largest value in the sound file: -1 dB relative to full scale

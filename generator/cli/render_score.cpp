@@ -55,7 +55,7 @@ void render_score(Instrument instrument, const ScoreOptions& options) {
                                name_of(instrument)));
   require_short(options.score + ": duration_s", score.duration_s, options.output.sample_rate_hz);
   const std::string svg = figure_file(options.output);
-  require_distinct({{options.output.sound, svg}}, source.files);
+  require_writable({{options.output.sound, svg}}, source.files, options.output.force);
   const PlayOptions how = play_options(options, score);
   const Performance performance = play(score, how, show_progress);
   const double peak = peak_of(performance);

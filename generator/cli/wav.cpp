@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "generator/cli/files.hpp"
+
 namespace contactspline {
 namespace {
 
@@ -74,6 +76,7 @@ std::string bytes_of(std::span<const T> samples, double scale, int channels, int
     SndfileHandle handle(io, &file, SFM_WRITE, SF_FORMAT_WAV | SF_FORMAT_PCM_24, channels, sample_rate_hz);
     if (handle.error() != 0) throw std::runtime_error(handle.strError());
     handle.command(SFC_SET_CLIPPING, nullptr, SF_TRUE);
+    handle.setString(SF_STR_COMMENT, std::string(mark()).c_str());
     write_scaled(handle, samples, scale, channels);
   }
   return file.bytes;

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: MIT
+// No file of somebody else is replaced: only what bears the mark of the program, what is empty, or with --force.
+#include <gtest/gtest.h>
+
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "program.hpp"
+#include "sandbox.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+constexpr auto kMaterial = R"({
+  "name": "probe",
+  "contact": { "stiffness_n_per_m_alpha": 4.5e9, "exponent": 2.5 },
+  "impact": { "mass_kg": 0.003, "max_speed_m_per_s": 6.0, "min_speed_m_per_s": 0.1 },
+  "spline": { "knots": "uniform", "segments": 8 }
+})";
+constexpr auto kStroke = R"({
+  "instrument": "hammer-string", "duration_s": 0.05,
+  "voices": [ { "name": "c4", "resonator": "string_c4", "material": "felt_c4" } ],
+  "events": [ { "time_s": 0, "speed_m_per_s": 2 } ] })";
+
+/// A command and one of the files it writes; `other` makes the command write other bytes.
+struct Writing {
+  std::string test;
+  Words command, other;
+  std::string output;
+};
+
+void PrintTo(const Writing& writing, std::ostream* stream) {
+  *stream << writing.test;
+}
+
+std::vector<Writing> all_writings() {
+  const Words bounce = {"render", "mass-barrier", "--duration", "0.02", "-o", "a.wav"};
+  const Words stroke = {"render", "hammer-string", "--score", "stroke.json", "-o", "a.wav"};
+  std::vector<Writing> writings = {
+      {"figure_of_a_material", {"inspect", "felt_c4", "--svg", "a.svg"}, {"inspect", "mb1", "--svg", "a.svg"}, "a.svg"},
+      {"figure_of_knots",
+       {"inspect", "felt_c4", "--compare", "--svg", "a.svg"},
+       {"inspect", "mb1", "--compare", "--svg", "a.svg"},
+       "a.svg"},
+      {"sound_of_a_bounce", bounce, followed_by(bounce, {"--mass", "0.1"}), "a.wav"},
+      {"figure_of_a_bounce", bounce, followed_by(bounce, {"--mass", "0.1"}), "a.svg"},
+      {"sound_of_a_score", stroke, followed_by(stroke, {"--signal", "force"}), "a.wav"},
+      {"figure_of_a_score", stroke, followed_by(stroke, {"--signal", "force"}), "a.svg"},
+      {"depfile",
+       {"generate", "probe.json", "--emit", "cpp", "-o", "out", "--depfile", "d"},
+       {"generate", "probe.json", "-o", "out", "--depfile", "d"},
+       "d"}};
+  for (const std::string extension : {"lib", "hpp", "json"}) {
+    const auto emitted = [&](const std::string& name) {
+      writings.push_back({name + "_" + extension, {"generate", name}, {}, name + "." + extension});
+    };
+    emitted("felt_live");
+    emitted("felt_over_wood");
+    emitted("piano");
+    writings.push_back({"string_c4_" + extension,
+                        {"generate", "string_c4"},
+                        {"generate", "string_c4", "--rate", "96000"},
+                        "string_c4." + extension});
+  }
+  return writings;
+}
+
+class Overwriting : public ::testing::TestWithParam<Writing> {
+ protected:
+  Overwriting() {
+    write_file(box / "probe.json", kMaterial);
+    write_file(box / "stroke.json", kStroke);
+  }
+
+  [[nodiscard]] Call call(const Words& command) const { return {.arguments = command, .folder = box.path()}; }
+
+  Sandbox box;
+};
+
+TEST_P(Overwriting, AFileOfSomebodyElseIsRefused) {
+  const fs::path output = box / GetParam().output;
+  write_file(output, "my own work\n");
+  const auto before = box.listing();
+  expect_refused(run(call(GetParam().command)), "",
+                 GetParam().output + ": file: exists, and this program did not write it; allowed: another name, or --force");
+  EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
+}
+
+TEST_P(Overwriting, AFileOfSomebodyElseIsAllowedByForce) {
+  write_file(box / GetParam().output, "my own work\n");
+  succeed(call(followed_by(GetParam().command, {"--force"})));
+  EXPECT_NE(read_file(box / GetParam().output), "my own work\n");
+}
+
+TEST_P(Overwriting, AnEmptyFileIsAllowed) {
+  write_file(box / GetParam().output, "");
+  succeed(call(GetParam().command));
+  EXPECT_NE(read_file(box / GetParam().output), "");
+}
+
+TEST_P(Overwriting, AFileOfTheProgramIsAllowed) {
+  succeed(call(GetParam().command));
+  const fs::path output = box / GetParam().output;
+  const std::string first = read_file(output);
+  if (GetParam().other.empty()) {
+    write_file(output, first + "\n");  // as if another version had written it
+    succeed(call(GetParam().command));
+    EXPECT_EQ(read_file(output), first);
+  } else {
+    succeed(call(GetParam().other));
+    EXPECT_NE(read_file(output), first);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, Overwriting, ::testing::ValuesIn(all_writings()), ::testing::PrintToStringParamName());
+
+// The name of a material, not that of its file, names the outputs.
+TEST(Overwrite, ACopyOfAMaterialDoesNotReplaceTheOriginal) {
+  const Sandbox box;
+  write_file(box / "probe.json", kMaterial);
+  write_file(box / "other.json", kMaterial);
+  const auto before = box.listing();
+  expect_refused(run({.arguments = {"generate", "other.json"}, .folder = box.path()}), "./probe.json: file: exists",
+                 "--force");
+  EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
+}
+
+TEST(Overwrite, AnInputIsRefusedInSpiteOfForce) {
+  const Sandbox box;
+  write_file(box / "probe.json", kMaterial);
+  const auto before = box.listing();
+  for (const Words& command : {Words{"generate", "probe.json", "--force"},
+                               Words{"inspect", "probe.json", "--svg", "probe.json", "--force"},
+                               Words{"render", "mass-barrier", "--material", "probe.json", "-o", "a.wav", "--svg",
+                                     "probe.json", "--force"}})
+    expect_refused(run({.arguments = command, .folder = box.path()}), "", "is already an input or another output");
+  EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
+}
+
+TEST(Overwrite, ALinkToAFileOfSomebodyElseIsRefused) {
+  const Sandbox box;
+  write_file(box / "mine", "my own work\n");
+  fs::create_symlink("mine", box / "mb1.lib");
+  const auto before = box.listing();
+  expect_refused(run({.arguments = {"generate", "mb1"}, .folder = box.path()}), "./mb1.lib: file: exists", "--force");
+  EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
+}
+
+TEST(Overwrite, AMakefileIsNoDepfile) {
+  const Sandbox box;
+  write_file(box / "Makefile", "all: mb1.hpp\n\nmb1.hpp: mb1.json\n\tcontactspline generate mb1.json\n");
+  const auto before = box.listing();
+  expect_refused(run({.arguments = {"generate", "mb1", "-o", "out", "--depfile", "Makefile"}, .folder = box.path()}),
+                 "Makefile: file: exists", "--force");
+  EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
+}
+
+}  // namespace
+}  // namespace contactspline::testing
