@@ -1,4 +1,4 @@
-# One look for every picture, that of `contactspline inspect --svg`.
+# One look for every picture, that of `contactspline inspect --figure`.
 set encoding utf8
 set border 3 lc rgb '#888888'
 set tics nomirror out scale 0.5 textcolor rgb '#444444'

@@ -133,7 +133,9 @@ void add_inspect(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("inspect", "Show a material's spline and its errors, or a resonator's modes");
   command->add_option("MATERIAL", options->material, kMaterialHelp)->check(not_empty(kMaterialHelp))->required();
-  command->add_option("--svg", options->svg, "also draw the potential, the force, their errors and measured samples")
+  command
+      ->add_option("--figure", options->figure,
+                   "also draw the potential, the force, their errors and measured samples (.svg, .png, .pdf)")
       ->check(file_name())
       ->type_name("FILE");
   command->add_flag("--compare", options->compare,
@@ -145,8 +147,8 @@ void add_inspect(CLI::App& app) {
   add_force(*command, options->force);
   command->footer(
       "Examples:\n"
-      "  contactspline inspect felt_c4 --svg felt_c4.svg\n"
-      "  contactspline inspect felt_c4 --compare --svg families.svg\n"
+      "  contactspline inspect felt_c4 --figure felt_c4.svg\n"
+      "  contactspline inspect felt_c4 --compare --figure families.svg\n"
       "  contactspline inspect string_c4 --rate 48000");
   command->callback([options] { inspect(*options); });
 }
@@ -185,13 +187,16 @@ void add_outputs(CLI::App& command, RenderOutput& output) {
   command.add_option("--rate", output.sample_rate_hz, "sample rate in Hz")
       ->check(number_from(1000, 768000))
       ->capture_default_str();
-  command.add_option("-o,--output", output.sound, "sound file to write (WAV, 24 bits)")
+  command.add_option("-o,--output", output.sound, "sound file to write (.wav, .flac, .ogg, .aiff)")
       ->check(file_name())
       ->type_name("FILE")
       ->required();
-  command.add_option("--svg", output.svg, "figure to write (default: the sound file's name with .svg)")
+  command
+      .add_option("--figure", output.figure,
+                  "figure to write (.svg, .png, .pdf; default: the sound file's name with .svg)")
       ->check(file_name())
       ->type_name("FILE");
+  command.add_flag("--no-figure", output.no_figure, "draw no figure");
   add_force(command, output.force);
 }
 
@@ -263,7 +268,7 @@ void add_all(CLI::App& app) {
   app.footer(
       "First steps:\n"
       "  contactspline materials\n"
-      "  contactspline inspect felt_c4 --svg felt_c4.svg\n"
+      "  contactspline inspect felt_c4 --figure felt_c4.svg\n"
       "  contactspline generate felt_c4 -o generated\n"
       "  contactspline render mass-barrier --material rubber_on_wood -o bounce.wav\n"
       "Exit status: 0; 1 if --check finds stale files; 2 for bad input, with one line that names it.");

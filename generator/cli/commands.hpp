@@ -31,7 +31,7 @@ void generate(const GenerateOptions& options);
 
 struct InspectOptions {
   std::string material;
-  std::string svg;
+  std::string figure;  ///< file to draw, or empty
   bool compare = false;
   bool force = false;  ///< as in GenerateOptions
   std::optional<double> sample_rate_hz = {};

@@ -8,12 +8,15 @@
 #include <array>
 #include <cmath>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <memory>
 #include <span>
 #include <vector>
 
+#include "generator/cli/file_ending.hpp"
 #include "generator/cli/files.hpp"
 #include "generator/player/spectrogram.hpp"
 #include "generator/support/error.hpp"
@@ -28,10 +31,15 @@ constexpr std::size_t kColumns = 1200;
 
 constexpr auto kTitle = "TITLE-OF-THE-FIGURE";
 
+// In the order of FigureFormat. A PNG has 200 dpi where the others have 100.
+constexpr std::array kTerminals = {
+    "set terminal svg size 1080,760 font 'sans-serif,14' background rgb 'white' dynamic\n",
+    "set terminal pngcairo size 2160,1520 font 'sans-serif,14' fontscale 1.5 linewidth 2 pointscale 2\n",
+    "set terminal pdfcairo size 10.8,7.6 font 'sans-serif,14' fontscale 0.72 background rgb 'white'\n"};
+
 // The common style of all figures, with colours that colour-blind readers can distinguish.
 constexpr auto kStyle = R"(
 set encoding utf8
-set terminal svg size 1080,760 font 'sans-serif,14' background rgb 'white' dynamic
 set border 3 lc rgb '#888888'
 set tics nomirror out scale 0.5 textcolor rgb '#444444'
 set grid lc rgb '#e4e4e4' lw 1
@@ -125,7 +133,8 @@ void run_gnuplot(const std::string& script, FILE* figure) {
   std::signal(SIGPIPE, old_handler);
   if (WIFEXITED(status) && WEXITSTATUS(status) == 127)
     throw BadInput("figure: gnuplot is not installed; install the package gnuplot-nox, or leave the figure out");
-  if (!sent || status != 0) throw BadInput("figure: gnuplot failed; try its newest version, or leave the figure out");
+  if (!sent || status != 0)
+    throw BadInput("figure: gnuplot failed; try its newest version, another format, or leave the figure out");
 }
 
 std::string content(FILE* file) {
@@ -142,18 +151,77 @@ std::string in_xml(const std::string& text) {
   return safe;
 }
 
+std::string drawn(const std::string& script) {
+  const File figure(std::tmpfile(), std::fclose);
+  if (!figure) throw BadInput("figure: no temporary file can be created");
+  run_gnuplot(script, figure.get());
+  return content(figure.get());
+}
+
+[[noreturn]] void refuse_nothing() {
+  throw BadInput("figure: gnuplot drew nothing; try its newest version, another format, or leave the figure out");
+}
+
 // The title replaces a placeholder in the finished figure, because gnuplot interprets entities and some quotes in
 // titles.
 std::string draw_svg(const std::string& script, const std::string& title) {
-  const File figure(std::tmpfile(), std::fclose);
-  if (!figure) throw BadInput("figure: no temporary file can be created");
-  run_gnuplot(kStyle + script, figure.get());
-  std::string svg = content(figure.get());
+  std::string svg = drawn(script);
   const auto at = svg.find(kTitle);
   if (at == std::string::npos || svg.find("<svg") == std::string::npos || svg.find("</svg>") == std::string::npos)
-    throw BadInput("figure: gnuplot drew nothing");
+    refuse_nothing();
   svg.replace(at, std::strlen(kTitle), in_xml(title));
   return svg.insert(svg.find("<svg"), fmt::format("<!-- {} -->\n", mark()));
+}
+
+// The terminals of PNG and PDF take a title as it is; in a quoted string of gnuplot '' is a quote.
+std::string with_title(std::string script, const std::string& title) {
+  std::string quoted;
+  for (const char c : title) quoted += c == '\'' ? "''" : std::string(1, c);
+  return script.replace(script.find(kTitle), std::strlen(kTitle), quoted);
+}
+
+std::uint32_t crc32(std::string_view bytes) {
+  std::uint32_t crc = 0xffffffff;
+  for (const char byte : bytes) {
+    crc ^= static_cast<unsigned char>(byte);
+    for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1) ^ (crc & 1 ? 0xedb88320u : 0);
+  }
+  return ~crc;
+}
+
+std::string big_endian(std::size_t number) {
+  std::string bytes;
+  for (const int shift : {24, 16, 8, 0}) bytes += static_cast<char>(number >> shift & 0xff);
+  return bytes;
+}
+
+// A PNG with the mark as its comment, in a chunk of text after the header: 8 bytes signature, 25 bytes header.
+std::string draw_png(const std::string& script, const std::string& title) {
+  constexpr std::size_t kHeaderEnd = 33;
+  std::string png = drawn(with_title(script, title));
+  if (png.size() < kHeaderEnd || !png.starts_with("\x89PNG")) refuse_nothing();
+  const std::string chunk = std::string("tEXtComment\0", 12).append(mark());
+  return png.insert(kHeaderEnd, big_endian(chunk.size() - 4) + chunk + big_endian(crc32(chunk)));
+}
+
+// The mark follows the end of a PDF as a comment: anywhere else it would shift what the table of contents refers to.
+std::string draw_pdf(const std::string& script, const std::string& title) {
+  const std::string pdf = drawn(with_title(script, title));
+  if (!pdf.starts_with("%PDF")) refuse_nothing();
+  return fmt::format("{}% {}\n", pdf, mark());
+}
+
+std::string draw(const std::string& script, const std::string& title, FigureFormat format) {
+  const std::string styled = kTerminals[static_cast<std::size_t>(format)] + (kStyle + script);
+  switch (format) {
+    case FigureFormat::kSvg:
+      return draw_svg(styled, title);
+    case FigureFormat::kPng:
+      return draw_png(styled, title);
+    case FigureFormat::kPdf:
+      break;
+  }
+  return draw_pdf(styled, title);
 }
 
 std::string potential_data(const Design& design) {
@@ -323,18 +391,30 @@ std::string force_data(const Performance& performance, double duration_s) {
 
 }  // namespace
 
-std::string figure_of(const Design& design) {
+FigureFormat figure_format(const std::string& file) {
+  constexpr std::array<std::string_view, 3> kEndings = {".svg", ".png", ".pdf"};  // in the order of FigureFormat
+  const auto found = std::ranges::find(kEndings, file_ending(file));
+  if (found == kEndings.end())
+    refuse(file, "figure", "its ending names no format that can be drawn", ".svg, .png, .pdf");
+  return static_cast<FigureFormat>(found - kEndings.begin());
+}
+
+bool has_gnuplot() {
+  return std::system("command -v gnuplot >/dev/null 2>&1") == 0;
+}
+
+std::string figure_of(const Design& design, FigureFormat format) {
   const bool is_measured = design.material.measured.has_value();
   const auto law = design.material.contact.power_law() != nullptr ? "power law"
                    : is_measured                                  ? "smoothed curve"
                                                                   : "sum of power laws";
   const auto samples = is_measured ? ", $measured using 1:2 with points lt 5 title 'measured'" : "";
-  return draw_svg(potential_data(design) + measured_data(design.material) + heading(2, 2) +
-                      fmt::format("law = '{}'\n", law) + kCurvesScript + std::string(samples) + kErrorsScript,
-                  fmt::format("{}: {} segments", title_of(design.material), design.spline.segments.size()));
+  return draw(potential_data(design) + measured_data(design.material) + heading(2, 2) +
+                  fmt::format("law = '{}'\n", law) + kCurvesScript + std::string(samples) + kErrorsScript,
+              fmt::format("{}: {} segments", title_of(design.material), design.spline.segments.size()), format);
 }
 
-std::string figure_of(std::span<const Design> families) {
+std::string figure_of(std::span<const Design> families, FigureFormat format) {
   std::string script, duration, compression, force;
   for (std::size_t i = 0; i < families.size(); ++i) {
     const Design& family = families[i];
@@ -353,35 +433,36 @@ std::string figure_of(std::span<const Design> families) {
   const std::string speeds = logarithmic_tics(slowest, fastest);
   const std::string compressions = logarithmic_tics(1e3 * max_compression(material.contact, mass_kg, slowest),
                                                     1e3 * max_compression(material.contact, mass_kg, fastest));
-  return draw_svg(script + heading(3, 1) + speeds + kFamiliesScript + duration +
-                      "\nset ylabel 'max compression error [%]'\n" + compression + "\n" + compressions +
-                      "set xlabel 'compression [mm]'\nset ylabel 'force error [% of largest]'\n" + force +
-                      "\nunset multiplot",
-                  fmt::format("{}: families of knots", title_of(material)));
+  return draw(script + heading(3, 1) + speeds + kFamiliesScript + duration +
+                  "\nset ylabel 'max compression error [%]'\n" + compression + "\n" + compressions +
+                  "set xlabel 'compression [mm]'\nset ylabel 'force error [% of largest]'\n" + force +
+                  "\nunset multiplot",
+              fmt::format("{}: families of knots", title_of(material)), format);
 }
 
-std::string figure_of(const MassBarrierMotion& motion, const std::string& title) {
+std::string figure_of(const MassBarrierMotion& motion, const std::string& title, FigureFormat format) {
   const bool touches = std::ranges::any_of(motion.force_n, [](double force) { return force > 0; });
   const auto label = touches ? "time from the first contact [ms]" : "time before the end [ms]: there was no contact";
-  return draw_svg(envelope_data(Trace<double>{"height", motion.displacement_m, -1e3}, motion.sample_rate_hz) +
-                      envelope_data(Trace<double>{"force", motion.force_n, 1}, motion.sample_rate_hz) +
-                      first_contact_data(motion) + heading(3, 1) + fmt::format("contact_label = '{}'\n", label) +
-                      kMotionScript,
-                  title);
+  return draw(envelope_data(Trace<double>{"height", motion.displacement_m, -1e3}, motion.sample_rate_hz) +
+                  envelope_data(Trace<double>{"force", motion.force_n, 1}, motion.sample_rate_hz) +
+                  first_contact_data(motion) + heading(3, 1) + fmt::format("contact_label = '{}'\n", label) +
+                  kMotionScript,
+              title, format);
 }
 
-std::string figure_of(const Performance& performance, const std::string& title, const std::string& signal) {
+std::string figure_of(const Performance& performance, const std::string& title, const std::string& signal,
+                      FigureFormat format) {
   const std::vector<float> sound = mono(performance);
   const double duration = static_cast<double>(sound.size()) / performance.sample_rate_hz;
   const Spectrogram spectrogram = spectrogram_of(sound, performance.sample_rate_hz, 900, 280);
   const std::string frame = fmt::format("duration = {:g}\nlowest = {:g}\nhighest = {:g}\n", duration,
                                         spectrogram.lowest_hz, spectrogram.highest_hz);
-  return draw_svg(envelope_data(Trace<float>{"sound", sound, 1}, performance.sample_rate_hz) +
-                      force_data(performance, duration) + frame + heading(3, 1) +
-                      fmt::format("sound_label = '{}'\nsound_tics = {:g}\nforce_tics = {:g}\n", signal,
-                                  tic_step(2 * peak_of(sound)), tic_step(performance.largest_force_n)) +
-                      kPerformanceScript + spectrogram_plot(spectrogram, duration),
-                  title);
+  return draw(envelope_data(Trace<float>{"sound", sound, 1}, performance.sample_rate_hz) +
+                  force_data(performance, duration) + frame + heading(3, 1) +
+                  fmt::format("sound_label = '{}'\nsound_tics = {:g}\nforce_tics = {:g}\n", signal,
+                              tic_step(2 * peak_of(sound)), tic_step(performance.largest_force_n)) +
+                  kPerformanceScript + spectrogram_plot(spectrogram, duration),
+              title, format);
 }
 
 }  // namespace contactspline

@@ -179,6 +179,13 @@ void require_writable(std::span<const fs::path> outputs, std::span<const fs::pat
   for (const fs::path& output : outputs) require_own(output, bears_mark(output), force);
 }
 
+void require_creatable(std::span<const fs::path> outputs) {
+  for (const fs::path& output : outputs) {
+    create_folder_of(output);
+    const PendingFile removed_at_once(real_target(output));
+  }
+}
+
 bool is_current(const OutputFile& file) {
   std::error_code error;
   if (!fs::is_regular_file(file.path, error)) return false;  // opening a pipe would wait for its writer

@@ -37,6 +37,10 @@ void require_own(const std::filesystem::path& output, bool own, bool force);
 void require_writable(std::span<const std::filesystem::path> outputs, std::span<const std::filesystem::path> inputs,
                       bool force);
 
+/// Throws BadInput if one of these files cannot be created: before a long computation whose result goes there.
+/// Creates their folders.
+void require_creatable(std::span<const std::filesystem::path> outputs);
+
 /// True if the file exists with exactly these bytes.
 [[nodiscard]] bool is_current(const OutputFile& file);
 

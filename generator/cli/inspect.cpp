@@ -127,10 +127,10 @@ void compare(const InspectOptions& options) {
                     family.spline.segments.size(), 100 * q.impact->contact_duration, 100 * q.impact->max_compression,
                     100 * q.force.worst, segments_for(material, knots, 0.01), segments_for(material, knots, 0.001));
   }
-  if (!options.svg.empty()) {
-    require_writable({{options.svg}}, input_files(options.material, material), options.force);
-    write_files({{OutputFile{options.svg, figure_of(families)}}});
-    table += fmt::format("\nfigure: {}\n", options.svg);
+  if (!options.figure.empty()) {
+    require_writable({{options.figure}}, input_files(options.material, material), options.force);
+    write_files({{OutputFile{options.figure, figure_of(families, figure_format(options.figure))}}});
+    table += fmt::format("\nfigure: {}\n", options.figure);
   }
   write_stdout(table);
 }
@@ -151,8 +151,8 @@ std::string resonator_table(const Resonator& resonator, double rate) {
 }
 
 void inspect_resonator(const Resonator& resonator, const InspectOptions& options) {
-  if (options.compare || !options.svg.empty())
-    refuse(options.material, options.compare ? "--compare" : "--svg", "cannot be used with a resonator",
+  if (options.compare || !options.figure.empty())
+    refuse(options.material, options.compare ? "--compare" : "--figure", "cannot be used with a resonator",
            "with a material");
   write_stdout(resonator_table(resonator, options.sample_rate_hz.value_or(kDefaultRate)));
 }
@@ -160,17 +160,18 @@ void inspect_resonator(const Resonator& resonator, const InspectOptions& options
 }  // namespace
 
 void inspect(const InspectOptions& options) {
+  if (!options.figure.empty()) (void)figure_format(options.figure);
   if (const auto resonator = resonator_argument(options.material)) return inspect_resonator(*resonator, options);
   if (options.sample_rate_hz)
     refuse(options.material, "--rate", "cannot be used with a material", "with a resonator");
   if (options.compare) return compare(options);
   const Design design = design_argument(options.material);
-  if (!options.svg.empty()) {
-    require_writable({{options.svg}}, input_files(options.material, design.material), options.force);
-    write_files({{OutputFile{options.svg, figure_of(design)}}});
+  if (!options.figure.empty()) {
+    require_writable({{options.figure}}, input_files(options.material, design.material), options.force);
+    write_files({{OutputFile{options.figure, figure_of(design, figure_format(options.figure))}}});
   }
   write_stdout(heading(design) + coefficient_table(design.spline) + quality_table(design) +
-               (options.svg.empty() ? "" : fmt::format("\nfigure: {}\n", options.svg)));
+               (options.figure.empty() ? "" : fmt::format("\nfigure: {}\n", options.figure)));
 }
 
 }  // namespace contactspline

@@ -13,7 +13,7 @@
 #include "generator/cli/files.hpp"
 #include "generator/cli/inputs.hpp"
 #include "generator/cli/render_output.hpp"
-#include "generator/cli/wav.hpp"
+#include "generator/cli/sound_file.hpp"
 #include "generator/support/error.hpp"
 
 namespace contactspline {
@@ -59,20 +59,19 @@ std::size_t contacts_in(std::span<const double> force) {
 void render_mass_barrier(const MassBarrierOptions& options) {
   require_short("--duration", options.duration_s, options.output.sample_rate_hz);
   const Design design = design_argument(options.material);
-  const std::string svg = figure_file(options.output);
-  require_writable({{options.output.sound, svg}}, input_files(options.material, design.material),
-                   options.output.force);
+  require_outputs(options.output, 1, input_files(options.material, design.material));
   const auto motion = play_mass_barrier(segment_table(design.spline), score_of(options, design), show_progress);
   const auto& signal = options.signal == "force" ? motion.force_n : motion.displacement_m;
   const double peak = peak_of(signal);
-  const std::vector<OutputFile> files = {
-      {options.output.sound, wav_bytes(signal, scale_to_peak(peak), 1, options.output.sample_rate_hz)},
-      {svg, figure_of(motion, fmt::format("mass on a barrier: {}", design.material.name))}};
-  write_files(files);
-  write_stdout(fmt::format(
-      "{} contacts in {} s, largest force {:.4g} N\nfull scale of the sound: {:.4g} {}\nsound:  {}\nfigure: {}\n",
-      contacts_in(motion.force_n), options.duration_s, peak_of(motion.force_n), peak / kPeak,
-      options.signal == "force" ? "N" : "m", options.output.sound, svg));
+  const std::string written =
+      write_outputs(options.output,
+                    sound_bytes(options.output.sound, signal, scale_to_peak(peak), 1, options.output.sample_rate_hz),
+                    [&](FigureFormat format) {
+                      return figure_of(motion, fmt::format("mass on a barrier: {}", design.material.name), format);
+                    });
+  write_stdout(fmt::format("{} contacts in {} s, largest force {:.4g} N\nfull scale of the sound: {:.4g} {}\n{}",
+                           contacts_in(motion.force_n), options.duration_s, peak_of(motion.force_n), peak / kPeak,
+                           options.signal == "force" ? "N" : "m", written));
 }
 
 }  // namespace contactspline

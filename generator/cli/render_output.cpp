@@ -5,11 +5,21 @@
 #include <unistd.h>
 
 #include <cstdio>
-#include <filesystem>
+#include <utility>
 
+#include "generator/cli/files.hpp"
+#include "generator/cli/sound_file.hpp"
 #include "generator/support/error.hpp"
 
 namespace contactspline {
+namespace {
+
+std::string figure_file(const RenderOutput& output) {
+  return output.figure.empty() ? std::filesystem::path(output.sound).replace_extension("svg").string()
+                               : output.figure;
+}
+
+}  // namespace
 
 double scale_to_peak(double peak) {
   return peak > 0 ? kPeak / peak : 1;
@@ -23,8 +33,35 @@ void require_short(const std::string& key, double duration_s, int sample_rate_hz
                                duration_s, sample_rate_hz, samples, kMaxSamples / sample_rate_hz));
 }
 
-std::string figure_file(const RenderOutput& output) {
-  return output.svg.empty() ? std::filesystem::path(output.sound).replace_extension("svg").string() : output.svg;
+void require_outputs(const RenderOutput& output, int channels, const std::vector<std::filesystem::path>& inputs) {
+  require_sound_format(output.sound, channels, output.sample_rate_hz);
+  std::vector<std::filesystem::path> outputs{output.sound};
+  if (output.no_figure && !output.figure.empty())
+    throw BadInput("--no-figure: cannot be combined with --figure; allowed: one of the two");
+  if (!output.no_figure) {
+    (void)figure_format(figure_file(output));
+    outputs.emplace_back(figure_file(output));
+  }
+  require_writable(outputs, inputs, output.force);
+  if (!output.figure.empty() && !has_gnuplot())
+    throw BadInput("--figure: gnuplot is not installed; install the package gnuplot-nox, or use --no-figure");
+  require_creatable(outputs);
+}
+
+std::string write_outputs(const RenderOutput& output, std::string sound, const DrawFigure& draw) {
+  write_files({{OutputFile{output.sound, std::move(sound)}}});
+  const std::string report = fmt::format("sound:  {}\n", output.sound);
+  if (output.no_figure) return report;
+  OutputFile figure{figure_file(output), {}};
+  try {
+    figure.bytes = draw(figure_format(figure.path));
+  } catch (const BadInput& error) {
+    if (!output.figure.empty()) throw;
+    std::fputs(fmt::format("contactspline: {} (--no-figure)\n", error.what()).c_str(), stderr);
+    return report;
+  }
+  write_files({{figure}});
+  return report + fmt::format("figure: {}\n", figure.path.string());
 }
 
 void show_progress(double fraction) {

@@ -1,15 +1,22 @@
 // SPDX-License-Identifier: MIT
-// Output of the render commands: level, length limit, figure file, progress.
+// Output of the render commands: files, level, length limit, progress.
 #pragma once
 
+#include <filesystem>
+#include <functional>
+#include <span>
 #include <string>
+#include <vector>
+
+#include "generator/cli/figures.hpp"
 
 namespace contactspline {
 
 /// What every instrument of `render` writes.
 struct RenderOutput {
   std::string sound;
-  std::string svg;  ///< empty: the sound file's name with .svg
+  std::string figure;  ///< empty: the sound file's name with .svg
+  bool no_figure = false;
   int sample_rate_hz = 44100;
   bool force = false;  ///< replaces files that the program did not write
 };
@@ -23,8 +30,16 @@ constexpr double kPeak = 0.89;  ///< largest value in the sound file: -1 dB rela
 /// kHz. The whole sound is held in memory.
 void require_short(const std::string& key, double duration_s, int sample_rate_hz);
 
-/// The file of the figure: the one that was given, or the name of the sound file with .svg.
-[[nodiscard]] std::string figure_file(const RenderOutput& output);
+/// Throws BadInput if the sound, with these channels, or the figure cannot be written: formats, files that would be
+/// replaced, a figure that is asked for without gnuplot. To be called before anything is computed.
+void require_outputs(const RenderOutput& output, int channels, const std::vector<std::filesystem::path>& inputs);
+
+/// Draws the figure of a render in a format.
+using DrawFigure = std::function<std::string(FigureFormat)>;
+
+/// Writes the sound, then draws and writes the figure. Returns two lines that name them. If a figure that was not
+/// asked for cannot be drawn, a line on standard error says so; otherwise this throws BadInput.
+[[nodiscard]] std::string write_outputs(const RenderOutput& output, std::string sound, const DrawFigure& draw);
 
 /// Shows the fraction that is done (0 to 1) on standard error, if that is a terminal.
 void show_progress(double fraction);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -13,7 +12,7 @@
 #include "generator/cli/files.hpp"
 #include "generator/cli/inputs.hpp"
 #include "generator/cli/render_output.hpp"
-#include "generator/cli/wav.hpp"
+#include "generator/cli/sound_file.hpp"
 #include "generator/player/score_player.hpp"
 #include "generator/support/error.hpp"
 
@@ -54,24 +53,23 @@ void render_score(Instrument instrument, const ScoreOptions& options) {
     throw BadInput(fmt::format("{}: instrument: it is for {}; allowed: {}", options.score, name_of(score.instrument),
                                name_of(instrument)));
   require_short(options.score + ": duration_s", score.duration_s, options.output.sample_rate_hz);
-  const std::string svg = figure_file(options.output);
-  require_writable({{options.output.sound, svg}}, source.files, options.output.force);
+  require_outputs(options.output, channels_of(score), source.files);
   const PlayOptions how = play_options(options, score);
   const Performance performance = play(score, how, show_progress);
   const double peak = peak_of(performance);
   const auto signal = static_cast<std::size_t>(how.signal);
   const std::string title =
       score.description.empty() ? fmt::format("{} score", name_of(instrument)) : score.description;
-  const std::vector<OutputFile> files = {
-      {options.output.sound,
-       wav_bytes(performance.samples, scale_to_peak(peak), performance.channels, options.output.sample_rate_hz)},
-      {svg, figure_of(performance, title, fmt::format("{} [{}]", kTraces[signal], kUnits[signal]))}};
-  write_files(files);
-  write_stdout(
-      fmt::format("{} contacts in {:.4g} s, largest force {:.4g} N\nfull scale of the sound: {:.4g} {}\nsound:  "
-                  "{}\nfigure: {}\n",
-                  performance.contacts, score.duration_s, performance.largest_force_n, peak / kPeak, kUnits[signal],
-                  options.output.sound, svg));
+  const std::string written = write_outputs(
+      options.output,
+      sound_bytes(options.output.sound, performance.samples, scale_to_peak(peak), performance.channels,
+                  options.output.sample_rate_hz),
+      [&](FigureFormat format) {
+        return figure_of(performance, title, fmt::format("{} [{}]", kTraces[signal], kUnits[signal]), format);
+      });
+  write_stdout(fmt::format("{} contacts in {:.4g} s, largest force {:.4g} N\nfull scale of the sound: {:.4g} {}\n{}",
+                           performance.contacts, score.duration_s, performance.largest_force_n, peak / kPeak,
+                           kUnits[signal], written));
 }
 
 }  // namespace contactspline

@@ -376,8 +376,7 @@ class Recorder {
   Recorder(const Score& score, const PlayOptions& options)
       : samples_(sample_at(score.duration_s, options.sample_rate_hz)),
         stretch_(std::max<std::size_t>(1, (samples_ + kColumns - 1) / kColumns)) {
-    const bool panned = std::ranges::any_of(score.voices, [](const Voice& voice) { return voice.pan != 0; });
-    performance_ = {options.sample_rate_hz, panned ? 2 : 1, {}, {}, 0, 0};
+    performance_ = {options.sample_rate_hz, channels_of(score), {}, {}, 0, 0};
     performance_.samples.resize(samples_ * static_cast<std::size_t>(performance_.channels));
     performance_.force_n.resize((samples_ + stretch_ - 1) / stretch_);
   }
@@ -450,6 +449,10 @@ void play_in(Instrument instrument, const Voice& voice, const PlayOptions& optio
 }
 
 }  // namespace
+
+int channels_of(const Score& score) {
+  return std::ranges::any_of(score.voices, [](const Voice& voice) { return voice.pan != 0; }) ? 2 : 1;
+}
 
 Signal best_signal(const Score& score) {
   const auto is_string = [](const Voice& voice) { return std::holds_alternative<StiffString>(voice.resonator.body); };

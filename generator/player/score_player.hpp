@@ -24,7 +24,7 @@ struct PlayOptions {
 
 struct Performance {
   double sample_rate_hz;
-  int channels;                ///< 2 where a voice is panned, else 1
+  int channels;                ///< channels_of() the score
   std::vector<float> samples;  ///< interleaved, in SI units [m], [m/s] or [N]
   std::vector<float> force_n;  ///< largest of any voice in each of at most 1200 equal stretches of time
   double largest_force_n;
@@ -33,6 +33,9 @@ struct Performance {
 
 /// The signal that sounds best: bridge for hammers on strings, else velocity.
 [[nodiscard]] Signal best_signal(const Score& score);
+
+/// 2 if a voice is panned, else 1.
+[[nodiscard]] int channels_of(const Score& score);
 
 /// Plays every voice of a score: the modes below half the sample rate, each contact with its own controls. The sound
 /// is the sum of the voices. `progress` hears of it a hundred times or so. Throws BadInput where a voice has no mode

@@ -276,7 +276,7 @@ TEST(BadCurveFile, IsNotReplacedByAnOutput) {
                  "./probe.hpp: file: is already an input or another output", "allowed: another folder or file name");
   write_file(box / "probe.json", material("probe.svg"));
   write_file(box / "probe.svg", good());
-  expect_refused(run({.arguments = {"inspect", "probe.json", "--svg", "probe.svg"}, .folder = box.path()}),
+  expect_refused(run({.arguments = {"inspect", "probe.json", "--figure", "probe.svg"}, .folder = box.path()}),
                  "probe.svg: file: is already an input or another output", "allowed: another folder or file name");
 }
 

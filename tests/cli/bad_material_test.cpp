@@ -445,7 +445,7 @@ TEST(BadMaterialFile, IsRefusedByEveryCommand) {
            {"generate", "felt_c4", "probe.json", "-o", "out", "--check"},
            {"generate", "probe.json", "--emit", "json", "-o", "-"},
            {"inspect", "probe.json"},
-           {"inspect", "probe.json", "--svg", "probe.svg"},
+           {"inspect", "probe.json", "--figure", "probe.svg"},
            {"impact", "felt_c4", "probe.json"},
            {"render", "mass-barrier", "--material", "probe.json", "-o", "probe.wav"}})
     expect_refused(run({.arguments = arguments, .folder = box.path()}), "probe.json: spline.knots: 'chebyshev'",

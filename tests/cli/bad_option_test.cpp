@@ -62,7 +62,7 @@ std::vector<BadLine> command_cases() {
       {"inspect_two",
        {"inspect", "felt_c4", "mb1"},
        "mb1: unknown",
-       "allowed: --help, MATERIAL, --svg, --compare, --rate, --version"},
+       "allowed: --help, MATERIAL, --figure, --compare, --rate, --force, --version"},
       {"inspect_material_at_rate",
        {"inspect", "felt_c4", "--rate", "48000"},
        "felt_c4: --rate: cannot be used with a material",
@@ -72,8 +72,8 @@ std::vector<BadLine> command_cases() {
        "string_c4: --compare: cannot be used with a resonator",
        "allowed: with a material"},
       {"inspect_resonator_drawn",
-       {"inspect", "string_c4", "--svg", "a.svg"},
-       "string_c4: --svg: cannot be used with a resonator",
+       {"inspect", "string_c4", "--figure", "a.svg"},
+       "string_c4: --figure: cannot be used with a resonator",
        "allowed: with a material"},
       {"inspect_resonator_at_low_rate",
        {"inspect", "string_c4", "--rate", "999"},
@@ -212,15 +212,26 @@ std::vector<BadLine> impact_cases() {
   std::vector<BadLine> cases = {
       {"speed_without_value", line({"--speed"}), "--speed: 1 required", "allowed: impact speed in m/s"},
       {"second_speed_bad", line({"--speed", "1", "--speed", "0"}), "--speed: '0' is refused", "from 1e-06 to 1000"},
-      {"svg_is_material",
-       {"inspect", "probe.json", "--svg", "./probe.json"},
-       "./probe.json: file: is already an input",
+      {"figure_is_material",
+       {"inspect", "./probe.svg", "--figure", "probe.svg"},
+       "probe.svg: file: is already an input",
        "allowed: another folder or file name"},
-      {"svg_empty", {"inspect", "probe.json", "--svg", ""}, "--svg: '' is refused", "allowed: a file name"},
-      {"svg_dash", {"inspect", "probe.json", "--svg", "-"}, "--svg: '-' is refused", "allowed: a file name"},
-      {"svg_nowhere", {"inspect", "probe.json", "--svg", "/proc/x/y.svg"}, "/proc/x/y.svg: file: its folder", ""},
-      {"svg_is_folder", {"inspect", "probe.json", "--svg", "out"}, "out: file: is not a regular file", ""},
-      {"svg_without_value", {"inspect", "probe.json", "--svg"}, "--svg: 1 required", "allowed: also draw"}};
+      {"figure_of_no_format",
+       {"inspect", "probe.json", "--figure", "a.jpg"},
+       "a.jpg: figure: its ending names no format that can be drawn",
+       "allowed: .svg, .png, .pdf"},
+      {"figure_of_knots_of_no_format",
+       {"inspect", "probe.json", "--compare", "--figure", "svg"},
+       "svg: figure: its ending names no format",
+       "allowed: .svg, .png, .pdf"},
+      {"svg_empty", {"inspect", "probe.json", "--figure", ""}, "--figure: '' is refused", "allowed: a file name"},
+      {"svg_dash", {"inspect", "probe.json", "--figure", "-"}, "--figure: '-' is refused", "allowed: a file name"},
+      {"svg_nowhere", {"inspect", "probe.json", "--figure", "/proc/x/y.svg"}, "/proc/x/y.svg: file: its folder", ""},
+      {"svg_is_folder",
+       {"inspect", "probe.json", "--figure", "taken.svg"},
+       "taken.svg: file: is not a regular file",
+       ""},
+      {"svg_without_value", {"inspect", "probe.json", "--figure"}, "--figure: 1 required", "allowed: also draw"}};
   for (const std::string value :
        {"0", "-1", "nan", "-nan", "inf", "1e999", "fast", "", " ", "1x", "1,2", "1001", "9e-7"})
     cases.push_back({"speed_" + std::to_string(cases.size()), line({"--speed", value}),
@@ -242,17 +253,31 @@ std::vector<BadLine> render_cases() {
       {"output_empty", line({"-o", ""}), "--output: '' is refused", "allowed: a file name"},
       {"output_dash", line({"-o", "-"}), "--output: '-' is refused", "allowed: a file name"},
       {"output_nowhere", line({"-o", "/proc/a.wav"}), "/proc/a.wav: file: cannot be written", ""},
-      {"output_is_folder", line({"-o", "out"}), "out: file: is not a regular file", ""},
+      {"output_is_folder", line({"-o", "taken.wav"}), "taken.wav: file: is not a regular file", ""},
+      {"output_mp3", line({"-o", "a.mp3"}), "a.mp3: sound: its ending names no format", "allowed: .wav, .flac, .ogg"},
+      {"output_without_ending", line({"-o", "a"}), "a: sound: its ending names no format", "allowed: .wav, .flac"},
+      {"output_is_hidden", line({"-o", ".wav"}), ".wav: sound: its ending names no format", "allowed: .wav, .flac"},
+      {"output_at_a_rate_of_no_vorbis", line({"-o", "a.ogg", "--rate", "768000"}),
+       "a.ogg: --rate: this format cannot have 768000 Hz", "allowed: another rate, or .wav"},
+      {"output_at_a_rate_of_no_flac", line({"-o", "a.flac", "--rate", "768000"}),
+       "a.flac: --rate: this format cannot have 768000 Hz", "allowed: another rate, or .wav"},
       {"output_below_file", line({"-o", "file.txt/a.wav"}), "file.txt/a.wav: file: ", "Not a directory"},
-      {"output_is_figure", line({"-o", "a.svg"}), "a.svg: file: is already an input", another},
-      {"figure_is_output", line({"-o", "a.wav", "--svg", "./a.wav"}), "./a.wav: file: is already an input", another},
-      {"figure_is_material", line({"-o", "a.wav", "--material", "probe.json", "--svg", "probe.json"}),
-       "probe.json: file: is already an input", another},
-      {"output_is_material", line({"-o", "out/../probe.json", "--material", "probe.json"}),
-       "out/../probe.json: file: is already an input", another},
-      {"figure_empty", line({"-o", "a.wav", "--svg", ""}), "--svg: '' is refused", "allowed: a file name"},
-      {"figure_dash", line({"-o", "a.wav", "--svg", "-"}), "--svg: '-' is refused", "allowed: a file name"},
-      {"figure_nowhere", line({"-o", "a.wav", "--svg", "/proc/a.svg"}), "/proc/a.svg: file: cannot be written", ""},
+      {"output_is_figure", line({"-o", "a.svg"}), "a.svg: sound: its ending names no format", "allowed: .wav"},
+      {"figure_is_sound", line({"-o", "a.wav", "--figure", "b.wav"}), "b.wav: figure: its ending names no format",
+       "allowed: .svg, .png, .pdf"},
+      {"figure_is_material", line({"-o", "a.wav", "--material", "./probe.svg", "--figure", "probe.svg"}),
+       "probe.svg: file: is already an input", another},
+      {"default_figure_is_material", line({"-o", "probe.wav", "--material", "./probe.svg", "--force"}),
+       "probe.svg: file: is already an input", another},
+      {"output_is_material", line({"-o", "out/../probe.aif", "--material", "./probe.aif"}),
+       "out/../probe.aif: file: is already an input", another},
+      {"figure_and_no_figure", line({"-o", "a.wav", "--figure", "a.png", "--no-figure"}),
+       "--no-figure: cannot be combined with --figure", "allowed: one of the two"},
+      {"figure_empty", line({"-o", "a.wav", "--figure", ""}), "--figure: '' is refused", "allowed: a file name"},
+      {"figure_dash", line({"-o", "a.wav", "--figure", "-"}), "--figure: '-' is refused", "allowed: a file name"},
+      {"figure_nowhere", line({"-o", "a.wav", "--figure", "/proc/a.svg"}), "/proc/a.svg: file: cannot be written",
+       ""},
+      {"default_figure_is_folder", line({"-o", "taken.flac"}), "taken.svg: file: is not a regular file", ""},
       {"signal_unknown", line({"-o", "a.wav", "--signal", "velocity"}), "--signal: 'velocity' is refused",
        "allowed: force, displacement"},
       {"signal_empty", line({"-o", "a.wav", "--signal", ""}), "--signal: '' is refused",
@@ -288,10 +313,12 @@ TEST_P(BadCommandLine, IsRefusedInOneLineAndNothingIsWritten) {
   const Sandbox box;
   write_file(box / "probe.json", kMaterial);
   write_file(box / "other.json", kMaterial);
+  write_file(box / "probe.svg", kMaterial);
+  write_file(box / "probe.aif", kMaterial);
   write_file(box / "bare.json", kWithoutImpact);
   write_file(box / "soft.json", kSoft);
   write_file(box / "file.txt", "text");
-  for (const auto folder : {"tmp", "out", "links", "taken/probe.hpp", "line\nend"})
+  for (const auto folder : {"tmp", "out", "links", "taken/probe.hpp", "taken.wav", "taken.svg", "line\nend"})
     fs::create_directories(box / folder);
   write_file(box / "line\nend/probe.json", kMaterial);
   fs::create_symlink("probe.json", box / "link.json");

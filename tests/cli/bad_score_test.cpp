@@ -277,11 +277,11 @@ TEST(BadScore, MayLeaveNoSound) {
 
 TEST(BadScore, IsAFileTheOutputWouldReplace) {
   const Sandbox box;
-  write_file(box / "probe.json", kKeys);
+  write_file(box / "probe.svg", kKeys);
   expect_refused(
-      run({.arguments = {"render", "hammer-string", "--score", "probe.json", "-o", "a.wav", "--svg", "probe.json"},
+      run({.arguments = {"render", "hammer-string", "--score", "./probe.svg", "-o", "a.wav", "--figure", "probe.svg"},
            .folder = box.path()}),
-      "probe.json: file: is already an input or another output", "allowed: another folder or file name");
+      "probe.svg: file: is already an input or another output", "allowed: another folder or file name");
 }
 
 // A MIDI file of one track.

@@ -295,7 +295,7 @@ TEST(GenerateBytes, HoldNoPathHostUserOrDate) {
   write_file(box / "probe.json", kMaterial);
   const std::string path = (box / "probe.json").string();
   succeed({.arguments = {"generate", path, "-o", (box / "out").string()}});
-  succeed({.arguments = {"inspect", path, "--svg", (box / "out/a.svg").string()}});
+  succeed({.arguments = {"inspect", path, "--figure", (box / "out/a.svg").string()}});
   succeed({.arguments = {"render", "mass-barrier", "--material", path, "--duration", "0.01", "-o",
                          (box / "out/b.wav").string()}});
   std::string host(256, '\0');

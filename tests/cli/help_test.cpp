@@ -24,16 +24,17 @@ const std::vector<Command> kCommands = {
     {"program", {}, {"generate", "inspect", "materials", "impact", "render", "Exit status"}},
     {"generate",
      {"generate"},
-     {"MATERIAL", "--emit", "faust", "cpp", "json", "-o,--output", "--check", "--depfile", "--rate",
+     {"MATERIAL", "--emit", "faust", "cpp", "json", "-o,--output", "--check", "--depfile", "--rate", "--force",
       "standard output"}},
-    {"inspect", {"inspect"}, {"MATERIAL", "--svg", "--compare", "--rate"}},
+    {"inspect", {"inspect"}, {"MATERIAL", "--figure", "--compare", "--rate"}},
     {"materials", {"materials"}, {"contact duration"}},
     {"impact", {"impact"}, {"MATERIAL", "--speed", "--rate", "1e-06 to 1000"}},
     {"render", {"render"}, {"mass-barrier"}},
     {"mass_barrier",
      {"render", "mass-barrier"},
-     {"--material", "--mass", "--speed", "--start", "--gravity", "--stiffness-ratio", "--loss", "--duration",
-      "--rate", "--signal", "force", "displacement", "-o,--output", "--svg", "44100", "rubber_on_wood"}}};
+     {"--material",  "--mass",  "--speed",  "--start", "--gravity",    "--stiffness-ratio", "--loss",
+      "--duration",  "--rate",  "--signal", "force",   "displacement", "-o,--output",       "--figure",
+      "--no-figure", "--force", ".flac",    ".png",    "44100",        "rubber_on_wood"}}};
 
 class EveryCommand : public ::testing::TestWithParam<Command> {};
 

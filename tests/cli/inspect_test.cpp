@@ -90,7 +90,7 @@ TEST_P(Inspect, PrintsWhatGenerateWrites) {
 TEST_P(Inspect, DrawsAFigure) {
   const Sandbox box;
   write_file(box / "probe.json", material(GetParam()));
-  const std::string report = printed(box, {"inspect", "probe.json", "--svg", "figures/probe.svg"});
+  const std::string report = printed(box, {"inspect", "probe.json", "--figure", "figures/probe.svg"});
   EXPECT_TRUE(report.ends_with("\nfigure: figures/probe.svg\n"));
   expect_drawn(box / "figures/probe.svg", 10);
   EXPECT_NE(read_svg(box / "figures/probe.svg").text.find(fmt::format("a probe: {} segments", GetParam())),
@@ -105,7 +105,7 @@ TEST(InspectFigure, ShowsADescriptionAsItIs) {
         "$0 `date`", "&#x41; &#x1; &amp; &", "TITLE-OF-THE-FIGURE"}) {
     const Sandbox box;
     write_file(box / "probe.json", material(4, description));
-    printed(box, {"inspect", "probe.json", "--svg", "a.svg"});
+    printed(box, {"inspect", "probe.json", "--figure", "a.svg"});
     EXPECT_NE(read_svg(box / "a.svg").text.find(description + ": 4 segments"), std::string::npos) << description;
   }
 }
@@ -116,8 +116,8 @@ TEST(InspectFigure, DoesNotDependOnTheUserOrTheLocale) {
   fs::create_directories(box / folder);
   write_file(box / folder / ".gnuplot", "set logscale xy\nset title 'mine'\nset decimalsign ','\n");
   run({.arguments = {"-i", "de_DE", "-f", "UTF-8", "./de_DE.UTF-8"}, .folder = box.path(), .program = "localedef"});
-  printed(box, {"inspect", "mb1", "--svg", "a.svg"});
-  succeed({.arguments = {"inspect", "mb1", "--svg", "b.svg"},
+  printed(box, {"inspect", "mb1", "--figure", "a.svg"});
+  succeed({.arguments = {"inspect", "mb1", "--figure", "b.svg"},
            .folder = box.path(),
            .environment = {{"HOME", (box / folder).string()},
                            {"TMPDIR", (box / folder).string()},
@@ -128,9 +128,9 @@ TEST(InspectFigure, DoesNotDependOnTheUserOrTheLocale) {
 
 TEST(InspectFigure, IsUntouchedWhereNothingChanged) {
   const Sandbox box;
-  printed(box, {"inspect", "mb1", "--svg", "a.svg"});
+  printed(box, {"inspect", "mb1", "--figure", "a.svg"});
   const auto before = box.listing();
-  printed(box, {"inspect", "mb1", "--svg", "a.svg"});
+  printed(box, {"inspect", "mb1", "--figure", "a.svg"});
   EXPECT_TRUE(box.listing() == before);
 }
 
@@ -140,7 +140,7 @@ TEST(InspectFigure, IsRefusedWhereItCannotBeDrawn) {
   write_file(box / "probe.json", material(1024));  // more than a pipe holds
   const auto refused = [&](const std::string& says) {
     const auto before = box.listing();
-    const auto outcome = run({.arguments = {"inspect", "probe.json", "--svg", "a.svg"},
+    const auto outcome = run({.arguments = {"inspect", "probe.json", "--figure", "a.svg"},
                               .folder = box.path(),
                               .environment = {{"PATH", (box / "bin").string()}}});
     expect_refused(outcome, "figure: ", says);
@@ -181,7 +181,7 @@ TEST(Inspect, OfAMeasuredCurveShowsIt) {
   write_file(box / "in/probe.json", R"({"name": "probe",
     "contact": {"curve": {"file": "felt.csv", "shape": "hardening"}, "loss_s_per_m": 0.25},
     "spline": {"knots": "uniform", "segments": 16, "max_compression_m": 1e-3}})");
-  const std::string text = printed(box, {"inspect", "in/probe.json", "--svg", "a.svg"});
+  const std::string text = printed(box, {"inspect", "in/probe.json", "--figure", "a.svg"});
   EXPECT_NE(
       text.find(
           "F(y) smoothed from 1200 samples of felt.csv up to 0.0012 m, 16 uniform segments over 0 to 0.001 m\n"),
@@ -196,7 +196,7 @@ TEST(Inspect, OfAMeasuredCurveShowsIt) {
   EXPECT_NE(figure.text.find("measured"), std::string::npos);
   EXPECT_NE(figure.text.find("smoothed curve"), std::string::npos);
   // Samples beyond the spline are left out; each of the 1000 others is drawn by a line of its own.
-  printed(box, {"inspect", "felt_c4", "--svg", "b.svg"});
+  printed(box, {"inspect", "felt_c4", "--figure", "b.svg"});
   EXPECT_GE(read_file(box / "a.svg").size(), read_file(box / "b.svg").size() + 1000 * 30);
 }
 
@@ -211,7 +211,7 @@ TEST(Inspect, OfASumNamesItsTerms) {
 TEST(InspectFamilies, StandSideBySide) {
   const Sandbox box;
   write_file(box / "probe.json", material(16));
-  const auto lines = lines_of(printed(box, {"inspect", "probe.json", "--compare", "--svg", "families.svg"}));
+  const auto lines = lines_of(printed(box, {"inspect", "probe.json", "--compare", "--figure", "families.svg"}));
   ASSERT_EQ(lines.size(), 9u);
   EXPECT_EQ(lines[0], "probe");
   EXPECT_EQ(lines[8], "figure: families.svg");
@@ -283,7 +283,7 @@ std::size_t count_of(const std::string& text, const std::string& part) {
 // Speeds from 0.1 to 6 m/s on two axes, compressions from 0.104 to 1.085 mm on the third.
 TEST(InspectFamilies, LabelEveryAxisOfTheFigure) {
   const Sandbox box;
-  printed(box, {"inspect", "felt_c4", "--compare", "--svg", "families.svg"});
+  printed(box, {"inspect", "felt_c4", "--compare", "--figure", "families.svg"});
   const std::string text = read_svg(box / "families.svg").text;
   const std::string third = text.substr(text.rfind("max compression error"));
   EXPECT_EQ(count_of(text, "0.2"), 3u);
@@ -297,7 +297,7 @@ TEST(InspectFamilies, LabelTheEndsOfAnAxisTooShortForMore) {
   text.replace(text.find("\"max_speed_m_per_s\": 2, \"min_speed_m_per_s\": 0.1"), 47,
                R"("max_speed_m_per_s": 4.9, "min_speed_m_per_s": 2.1)");
   write_file(box / "probe.json", text);
-  printed(box, {"inspect", "probe.json", "--compare", "--svg", "families.svg"});
+  printed(box, {"inspect", "probe.json", "--compare", "--figure", "families.svg"});
   const std::string labels = read_svg(box / "families.svg").text;
   EXPECT_EQ(count_of(labels, "2.1"), 2u);
   EXPECT_EQ(count_of(labels, "4.9"), 2u);
@@ -308,7 +308,7 @@ TEST(InspectFamilies, NeedARangeOfImpacts) {
   write_file(box / "bare.json", R"({"name": "bare", "contact": {"stiffness_n_per_m_alpha": 1e9, "exponent": 1.5},
     "spline": {"knots": "uniform", "segments": 4, "max_compression_m": 1e-3}})");
   const auto before = box.listing();
-  expect_refused(run({.arguments = {"inspect", "bare.json", "--compare", "--svg", "a.svg"}, .folder = box.path()}),
+  expect_refused(run({.arguments = {"inspect", "bare.json", "--compare", "--figure", "a.svg"}, .folder = box.path()}),
                  "bare.json: impact: missing", "allowed: an object, because --compare measures impacts");
   EXPECT_TRUE(box.listing() == before);
 }

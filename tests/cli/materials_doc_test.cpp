@@ -39,7 +39,7 @@ TEST(MaterialsDocument, HasExamplesThatWork) {
     const std::string file = name_in(material) + ".json";
     write_file(box / file, material);
     succeed({.arguments = {"generate", file, "-o", "out"}, .folder = box.path()});
-    succeed({.arguments = {"inspect", file, "--svg", file + ".svg"}, .folder = box.path()});
+    succeed({.arguments = {"inspect", file, "--figure", file + ".svg"}, .folder = box.path()});
     succeed({.arguments = {"impact", file}, .folder = box.path()});
     succeed({.arguments = {"render", "mass-barrier", "--material", file, "--duration", "0.05", "-o", "a.wav"},
              .folder = box.path()});

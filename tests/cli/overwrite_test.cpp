@@ -37,20 +37,29 @@ void PrintTo(const Writing& writing, std::ostream* stream) {
 std::vector<Writing> all_writings() {
   const Words bounce = {"render", "mass-barrier", "--duration", "0.02", "-o", "a.wav"};
   const Words stroke = {"render", "hammer-string", "--score", "stroke.json", "-o", "a.wav"};
-  std::vector<Writing> writings = {
-      {"figure_of_a_material", {"inspect", "felt_c4", "--svg", "a.svg"}, {"inspect", "mb1", "--svg", "a.svg"}, "a.svg"},
-      {"figure_of_knots",
-       {"inspect", "felt_c4", "--compare", "--svg", "a.svg"},
-       {"inspect", "mb1", "--compare", "--svg", "a.svg"},
-       "a.svg"},
-      {"sound_of_a_bounce", bounce, followed_by(bounce, {"--mass", "0.1"}), "a.wav"},
-      {"figure_of_a_bounce", bounce, followed_by(bounce, {"--mass", "0.1"}), "a.svg"},
-      {"sound_of_a_score", stroke, followed_by(stroke, {"--signal", "force"}), "a.wav"},
-      {"figure_of_a_score", stroke, followed_by(stroke, {"--signal", "force"}), "a.svg"},
-      {"depfile",
-       {"generate", "probe.json", "--emit", "cpp", "-o", "out", "--depfile", "d"},
-       {"generate", "probe.json", "-o", "out", "--depfile", "d"},
-       "d"}};
+  std::vector<Writing> writings = {{"figure_of_a_material",
+                                    {"inspect", "felt_c4", "--figure", "a.svg"},
+                                    {"inspect", "mb1", "--figure", "a.svg"},
+                                    "a.svg"},
+                                   {"figure_of_knots",
+                                    {"inspect", "felt_c4", "--compare", "--figure", "a.svg"},
+                                    {"inspect", "mb1", "--compare", "--figure", "a.svg"},
+                                    "a.svg"},
+                                   {"sound_of_a_bounce", bounce, followed_by(bounce, {"--mass", "0.1"}), "a.wav"},
+                                   {"figure_of_a_bounce", bounce, followed_by(bounce, {"--mass", "0.1"}), "a.svg"},
+                                   {"sound_of_a_score", stroke, followed_by(stroke, {"--signal", "force"}), "a.wav"},
+                                   {"figure_of_a_score", stroke, followed_by(stroke, {"--signal", "force"}), "a.svg"},
+                                   {"depfile",
+                                    {"generate", "probe.json", "--emit", "cpp", "-o", "out", "--depfile", "d"},
+                                    {"generate", "probe.json", "-o", "out", "--depfile", "d"},
+                                    "d"}};
+  for (const std::string ending : {".flac", ".ogg", ".aiff", ".png", ".pdf"}) {
+    const bool is_figure = ending == ".png" || ending == ".pdf";
+    const Words command = {"render", "mass-barrier", "--duration", "0.02", "-o", is_figure ? "a.wav" : "a" + ending};
+    const Words with_figure =
+        followed_by(command, is_figure ? Words{"--figure", "a" + ending} : Words{"--no-figure"});
+    writings.push_back({ending.substr(1), with_figure, followed_by(with_figure, {"--mass", "0.1"}), "a" + ending});
+  }
   for (const std::string extension : {"lib", "hpp", "json"}) {
     const auto emitted = [&](const std::string& name) {
       writings.push_back({name + "_" + extension, {"generate", name}, {}, name + "." + extension});
@@ -82,8 +91,9 @@ TEST_P(Overwriting, AFileOfSomebodyElseIsRefused) {
   const fs::path output = box / GetParam().output;
   write_file(output, "my own work\n");
   const auto before = box.listing();
-  expect_refused(run(call(GetParam().command)), "",
-                 GetParam().output + ": file: exists, and this program did not write it; allowed: another name, or --force");
+  expect_refused(
+      run(call(GetParam().command)), "",
+      GetParam().output + ": file: exists, and this program did not write it; allowed: another name, or --force");
   EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
 }
 
@@ -129,11 +139,12 @@ TEST(Overwrite, ACopyOfAMaterialDoesNotReplaceTheOriginal) {
 TEST(Overwrite, AnInputIsRefusedInSpiteOfForce) {
   const Sandbox box;
   write_file(box / "probe.json", kMaterial);
+  write_file(box / "probe.svg", kMaterial);
   const auto before = box.listing();
   for (const Words& command : {Words{"generate", "probe.json", "--force"},
-                               Words{"inspect", "probe.json", "--svg", "probe.json", "--force"},
-                               Words{"render", "mass-barrier", "--material", "probe.json", "-o", "a.wav", "--svg",
-                                     "probe.json", "--force"}})
+                               Words{"inspect", "./probe.svg", "--figure", "probe.svg", "--force"},
+                               Words{"render", "mass-barrier", "--material", "./probe.svg", "-o", "a.wav", "--figure",
+                                     "probe.svg", "--force"}})
     expect_refused(run({.arguments = command, .folder = box.path()}), "", "is already an input or another output");
   EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
 }

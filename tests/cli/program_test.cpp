@@ -61,7 +61,7 @@ INSTANTIATE_TEST_SUITE_P(
         {"generate_bad_option", {"generate", "felt_c4", "--emit", "rust"}, 2},
         {"generate_bad_file", {"generate", "absent.json"}, 2},
         {"generate_check", {"generate", "felt_c4", "--check"}, 1},
-        {"inspect", {"inspect", "felt_over_wood", "--svg", "a.svg"}, 0},
+        {"inspect", {"inspect", "felt_over_wood", "--figure", "a.svg"}, 0},
         {"inspect_bad_option", {"inspect", "felt_c4", "--rate", "0"}, 2},
         {"materials", {"materials"}, 0},
         {"materials_bad_option", {"materials", "all"}, 2},

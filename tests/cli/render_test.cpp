@@ -118,7 +118,7 @@ TEST(Render, HasTheRateAndLengthAskedFor) {
 
 TEST(Render, SaysWhatItRendered) {
   const Sandbox box;
-  const std::string report = render(box, {"--duration", "1", "--svg", "p/b.svg"}, "s/a.wav");
+  const std::string report = render(box, {"--duration", "1", "--figure", "p/b.svg"}, "s/a.wav");
   const auto motion = motion_of(shipped("rubber_on_wood.json"), 1, 44100);
   const double largest = std::ranges::max(motion.force_n);
   std::size_t contacts = 0;
@@ -243,15 +243,141 @@ INSTANTIATE_TEST_SUITE_P(
                 true}),
     ::testing::PrintToStringParamName());
 
-TEST(Render, AsksForGnuplotWhereItIsMissing) {
+TEST(Render, WritesTheFormatOfTheName) {
+  const std::vector<double> wav = sound_of({"--duration", "0.1"}).samples;
+  for (const auto& [name, format] :
+       std::vector<std::pair<std::string, int>>{{"a.WAV", SF_FORMAT_WAV | SF_FORMAT_PCM_24},
+                                                {"a.flac", SF_FORMAT_FLAC | SF_FORMAT_PCM_24},
+                                                {"a.aiff", SF_FORMAT_AIFF | SF_FORMAT_PCM_24},
+                                                {"a.b.Aif", SF_FORMAT_AIFF | SF_FORMAT_PCM_24},
+                                                {"a.ogg", SF_FORMAT_OGG | SF_FORMAT_VORBIS}}) {
+    const Sandbox box;
+    render(box, {"--duration", "0.1", "--no-figure"}, name);
+    EXPECT_EQ(names_in(box.listing()), name + "\n");
+    const Sound sound = read_sound(box / name);
+    EXPECT_EQ(sound.format, format) << name;
+    EXPECT_EQ(sound.rate, 44100) << name;
+    ASSERT_EQ(sound.samples.size(), wav.size()) << name;
+    if (format != (SF_FORMAT_OGG | SF_FORMAT_VORBIS)) {
+      EXPECT_TRUE(sequences_within<double>(sound.samples, wav, 1.01 * kLevel)) << name;
+      continue;
+    }
+    double difference = 0, energy = 0;  // Vorbis loses what is hardly audible
+    for (std::size_t i = 0; i < wav.size(); ++i) {
+      difference += (sound.samples[i] - wav[i]) * (sound.samples[i] - wav[i]);
+      energy += wav[i] * wav[i];
+    }
+    EXPECT_LT(difference, 0.05 * energy) << name;
+  }
+}
+
+std::uint32_t big_endian(const std::string& bytes, std::size_t at) {
+  std::uint32_t number = 0;
+  for (std::size_t i = 0; i < 4; ++i) number = number << 8 | static_cast<unsigned char>(bytes[at + i]);
+  return number;
+}
+
+// By the polynomial of the PNG specification, which the chunks that gnuplot wrote confirm.
+std::uint32_t crc_of(std::string_view bytes) {
+  std::uint32_t crc = ~0u;
+  for (const char byte : bytes)
+    for (int bit = 0; bit < 8; ++bit) {
+      const bool is_odd = ((crc ^ static_cast<std::uint32_t>(static_cast<unsigned char>(byte)) >> bit) & 1) != 0;
+      crc = crc >> 1 ^ (is_odd ? 0xedb88320u : 0u);
+    }
+  return ~crc;
+}
+
+TEST(Render, DrawsAPngWithTheMarkInAChunkOfText) {
   const Sandbox box;
-  fs::create_directories(box / "tmp");
+  render(box, {"--duration", "0.1", "--figure", "b.png"});
+  EXPECT_EQ(names_in(box.listing()), "a.wav\nb.png\n");
+  const std::string png = read_file(box / "b.png");
+  ASSERT_TRUE(png.starts_with("\x89PNG\r\n\x1a\n"));
+  std::vector<std::string> types;
+  for (std::size_t at = 8; at + 12 <= png.size();) {
+    const std::size_t length = big_endian(png, at);
+    ASSERT_LE(at + 12 + length, png.size());
+    types.push_back(png.substr(at + 4, 4));
+    EXPECT_EQ(big_endian(png, at + 8 + length), crc_of(std::string_view(png).substr(at + 4, 4 + length)));
+    if (types.back() == "tEXt") {
+      EXPECT_EQ(png.substr(at + 8, length),
+                std::string("Comment\0Written by contactspline " VERSION, 33 + sizeof VERSION - 1));
+    }
+    at += 12 + length;
+  }
+  EXPECT_EQ(types.front(), "IHDR");
+  EXPECT_EQ(types.back(), "IEND");
+  EXPECT_EQ(std::ranges::count(types, "tEXt"), 1);
+  EXPECT_GE(big_endian(png, 16), 2000u) << "width";
+}
+
+TEST(Render, DrawsAPdf) {
+  const Sandbox box;
+  render(box, {"--duration", "0.1", "--figure", "b.pdf"});
+  const std::string pdf = read_file(box / "b.pdf");
+  EXPECT_TRUE(pdf.starts_with("%PDF-"));
+  const auto end = pdf.rfind("%%EOF\n");
+  ASSERT_NE(end, std::string::npos);
+  EXPECT_EQ(pdf.substr(end + 6), "% Written by contactspline " VERSION "\n");
+}
+
+// A title is text in every format, whatever gnuplot makes of its characters.
+TEST(Render, DrawsAnyTitleInEveryFormat) {
+  const Sandbox box;
+  write_file(box / "probe.json", R"({ "name": "probe", "description": "it's `id` {/:Bold x} & <b> $(id) %d é",
+    "contact": { "stiffness_n_per_m_alpha": 1e9, "exponent": 2 },
+    "spline": { "knots": "uniform", "segments": 8, "max_compression_m": 1e-3 } })");
+  for (const std::string figure : {"a.svg", "a.png", "a.pdf"}) {
+    succeed({.arguments = {"inspect", "probe.json", "--figure", figure}, .folder = box.path()});
+    EXPECT_GT(fs::file_size(box / figure), 5000u) << figure;
+  }
+  EXPECT_NE(read_svg(box / "a.svg").text.find("it's `id` {/:Bold x} & <b> $(id) %d é"), std::string::npos);
+}
+
+/// A folder for PATH with a gnuplot that fails, or without one.
+Call render_with_gnuplot(const Sandbox& box, bool is_there, const Words& options) {
+  fs::create_directories(box / "bin");
+  if (is_there) {
+    write_file(box / "bin/gnuplot", "#!/bin/sh\nexit 1\n");
+    fs::permissions(box / "bin/gnuplot", fs::perms(0755));
+  }
+  return {.arguments = followed_by({"render", "mass-barrier", "--duration", "0.1", "-o", "a.wav"}, options),
+          .folder = box.path(),
+          .environment = {{"PATH", (box / "bin").string()}}};
+}
+
+TEST(Render, WritesTheSoundWithoutGnuplot) {
+  for (const bool is_there : {false, true}) {
+    const Sandbox box;
+    const Outcome outcome = run(render_with_gnuplot(box, is_there, {}));
+    EXPECT_EQ(outcome.exit_code, 0);
+    EXPECT_TRUE(outcome.err.starts_with(is_there ? "contactspline: figure: gnuplot failed"
+                                                 : "contactspline: figure: gnuplot is not installed"))
+        << outcome.err;
+    EXPECT_NE(outcome.err.find("--no-figure"), std::string::npos) << outcome.err;
+    EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1) << outcome.err;
+    EXPECT_EQ(outcome.out.find("figure: "), std::string::npos) << outcome.out;
+    EXPECT_EQ(read_sound(box / "a.wav").samples, sound_of({"--duration", "0.1"}).samples);
+    EXPECT_FALSE(fs::exists(box / "a.svg"));
+    succeed(render_with_gnuplot(box, is_there, {"--no-figure"}));
+  }
+}
+
+TEST(Render, RefusesAFigureThatIsAskedForWithoutGnuplot) {
+  const Sandbox box;
+  const Call call = render_with_gnuplot(box, false, {"--figure", "a.png"});
   const auto before = box.listing();
-  const auto outcome = run({.arguments = {"render", "mass-barrier", "--duration", "1", "-o", "a.wav"},
-                            .folder = box.path(),
-                            .environment = {{"PATH", box.path().string()}, {"TMPDIR", (box / "tmp").string()}}});
-  expect_refused(outcome, "figure: gnuplot is not installed", "install the package gnuplot-nox");
+  expect_refused(run(call), "--figure: gnuplot is not installed",
+                 "install the package gnuplot-nox, or use --no-figure");
   EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
+}
+
+TEST(Render, WritesTheSoundBeforeAFigureThatFails) {
+  const Sandbox box;
+  expect_refused(run(render_with_gnuplot(box, true, {"--figure", "a.png"})), "figure: gnuplot failed", "");
+  EXPECT_EQ(read_sound(box / "a.wav").samples, sound_of({"--duration", "0.1"}).samples);
+  EXPECT_FALSE(fs::exists(box / "a.png"));
 }
 
 }  // namespace

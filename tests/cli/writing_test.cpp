@@ -97,13 +97,13 @@ TEST(FullDisk, IsReportedForEveryKindOfFile) {
   const auto before = box.listing();
   for (const Words& arguments :
        std::vector<Words>{{"generate", "mb1", "--emit", "json", "-o", "out", "--depfile", "d"},
-                          {"inspect", "mb1", "--svg", "out/mb1.svg"},
+                          {"inspect", "mb1", "--figure", "out/mb1.svg"},
                           {"render", "mass-barrier", "--duration", "0.1", "-o", "out/a.wav"}}) {
     const auto outcome = run({.arguments = arguments,
                               .folder = box.path(),
                               .environment = {{"TMPDIR", (box / "tmp").string()}},
                               .largest_file_bytes = 2000});
-    expect_refused(outcome, "", arguments.front() == "generate" ? "File too large" : "figure: ");
+    expect_refused(outcome, "", arguments.front() == "inspect" ? "figure: " : "File too large");
     fs::remove(box / "out");  // an empty folder may stay
     EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
   }

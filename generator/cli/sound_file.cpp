@@ -1,16 +1,38 @@
 // SPDX-License-Identifier: MIT
-#include "generator/cli/wav.hpp"
+#include "generator/cli/sound_file.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <sndfile.hh>
 #include <stdexcept>
 #include <vector>
 
+#include "generator/cli/file_ending.hpp"
 #include "generator/cli/files.hpp"
+#include "generator/support/error.hpp"
 
 namespace contactspline {
 namespace {
+
+struct Format {
+  std::string_view ending;
+  int code;  ///< of libsndfile
+};
+
+constexpr std::array kFormats = {
+    Format{".wav", SF_FORMAT_WAV | SF_FORMAT_PCM_24}, Format{".flac", SF_FORMAT_FLAC | SF_FORMAT_PCM_24},
+    Format{".ogg", SF_FORMAT_OGG | SF_FORMAT_VORBIS}, Format{".aiff", SF_FORMAT_AIFF | SF_FORMAT_PCM_24},
+    Format{".aif", SF_FORMAT_AIFF | SF_FORMAT_PCM_24}};
+
+int format_of(const std::string& file) {
+  const auto found = std::ranges::find(kFormats, file_ending(file), &Format::ending);
+  if (found == kFormats.end())
+    refuse(file, "sound", "its ending names no format that can be written", ".wav, .flac, .ogg, .aiff, .aif");
+  return found->code;
+}
 
 /// A file in memory that libsndfile writes to.
 struct MemoryFile {
@@ -68,12 +90,13 @@ void write_scaled(SndfileHandle& handle, std::span<const T> samples, double scal
 }
 
 template <typename T>
-std::string bytes_of(std::span<const T> samples, double scale, int channels, int sample_rate_hz) {
+std::string bytes_of(const std::string& name, std::span<const T> samples, double scale, int channels,
+                     int sample_rate_hz) {
   SF_VIRTUAL_IO io{length, seek, read, write, tell};
   MemoryFile file;
   file.bytes.reserve(3 * samples.size() + 256);
   {
-    SndfileHandle handle(io, &file, SFM_WRITE, SF_FORMAT_WAV | SF_FORMAT_PCM_24, channels, sample_rate_hz);
+    SndfileHandle handle(io, &file, SFM_WRITE, format_of(name), channels, sample_rate_hz);
     if (handle.error() != 0) throw std::runtime_error(handle.strError());
     handle.command(SFC_SET_CLIPPING, nullptr, SF_TRUE);
     handle.setString(SF_STR_COMMENT, std::string(mark()).c_str());
@@ -84,12 +107,25 @@ std::string bytes_of(std::span<const T> samples, double scale, int channels, int
 
 }  // namespace
 
-std::string wav_bytes(std::span<const double> samples, double scale, int channels, int sample_rate_hz) {
-  return bytes_of(samples, scale, channels, sample_rate_hz);
+void require_sound_format(const std::string& file, int channels, int sample_rate_hz) {
+  const std::array<float, 2> silence{};
+  format_of(file);
+  try {
+    (void)sound_bytes(file, std::span(silence).first(static_cast<std::size_t>(channels)), 1, channels,
+                      sample_rate_hz);
+  } catch (const std::runtime_error&) {
+    refuse(file, "--rate", fmt::format("this format cannot have {} Hz", sample_rate_hz), "another rate, or .wav");
+  }
 }
 
-std::string wav_bytes(std::span<const float> samples, double scale, int channels, int sample_rate_hz) {
-  return bytes_of(samples, scale, channels, sample_rate_hz);
+std::string sound_bytes(const std::string& file, std::span<const double> samples, double scale, int channels,
+                        int sample_rate_hz) {
+  return bytes_of(file, samples, scale, channels, sample_rate_hz);
+}
+
+std::string sound_bytes(const std::string& file, std::span<const float> samples, double scale, int channels,
+                        int sample_rate_hz) {
+  return bytes_of(file, samples, scale, channels, sample_rate_hz);
 }
 
 }  // namespace contactspline

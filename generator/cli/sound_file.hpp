@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+// Sound files. The ending of the name chooses the format: .wav, .flac, .aiff, .aif with 24 bits, or .ogg (Vorbis).
+#pragma once
+
+#include <span>
+#include <string>
+
+namespace contactspline {
+
+/// Throws BadInput if the name has another ending, or if its format cannot have these channels at this rate.
+void require_sound_format(const std::string& file, int channels, int sample_rate_hz);
+
+/// The bytes of a sound file of that name: the interleaved samples times `scale`, clipped to [-1, 1].
+[[nodiscard]] std::string sound_bytes(const std::string& file, std::span<const double> samples, double scale,
+                                      int channels, int sample_rate_hz);
+[[nodiscard]] std::string sound_bytes(const std::string& file, std::span<const float> samples, double scale,
+                                      int channels, int sample_rate_hz);
+
+}  // namespace contactspline
