@@ -153,13 +153,24 @@ void add_inspect(CLI::App& app) {
   command->callback([options] { inspect(*options); });
 }
 
-void add_lists(CLI::App& app) {
-  app.add_subcommand("materials", "List the materials that ship")
-      ->footer("T is the contact duration on a rigid barrier, over the material's range of impact speeds.")
-      ->callback(list_materials);
-  app.add_subcommand("scores", "List the scores that ship")
-      ->footer("Play one: contactspline render INSTRUMENT --score NAME -o out.wav")
-      ->callback(list_scores);
+void add_list(CLI::App& app) {
+  const auto kind = std::make_shared<std::string>();
+  CLI::App* command = app.add_subcommand("list", "List the materials, resonators, keyboards and scores that ship");
+  command->add_option("KIND", *kind, "what to list (default: all)")->check(one_of(kinds_that_ship()));
+  command->footer("T is the contact duration on a rigid barrier, over the material's range of impact speeds.");
+  command->callback([kind] { list(*kind); });
+}
+
+void add_show(CLI::App& app) {
+  constexpr auto kHelp = "name of something that ships, as `list` prints it";
+  const auto name = std::make_shared<std::string>();
+  CLI::App* command = app.add_subcommand("show", "Print a file that ships, to start a file of your own from");
+  command->add_option("NAME", *name, kHelp)->check(not_empty(kHelp))->required();
+  command->footer(
+      "Examples:\n"
+      "  contactspline show felt_c4 > my_felt.json\n"
+      "  contactspline show felt_synthetic.csv > felt_synthetic.csv");
+  command->callback([name] { show(*name); });
 }
 
 void add_impact(CLI::App& app) {
@@ -245,7 +256,7 @@ void add_instrument(CLI::App& render, Instrument instrument, const char* help, c
       ->capture_default_str();
   add_outputs(*command, options->output);
   command->footer(fmt::format(
-      "Example:\n  contactspline render {} --score {} -o out.wav\nThe scores that ship: contactspline scores",
+      "Example:\n  contactspline render {} --score {} -o out.wav\nThe scores that ship: contactspline list scores",
       name_of(instrument), example));
   command->callback([options, instrument] { render_score(instrument, *options); });
 }
@@ -267,14 +278,15 @@ void add_all(CLI::App& app) {
   app.get_formatter()->column_width(34);
   app.footer(
       "First steps:\n"
-      "  contactspline materials\n"
+      "  contactspline list\n"
       "  contactspline inspect felt_c4 --figure felt_c4.svg\n"
       "  contactspline generate felt_c4 -o generated\n"
       "  contactspline render mass-barrier --material rubber_on_wood -o bounce.wav\n"
       "Exit status: 0; 1 if --check finds stale files; 2 for bad input, with one line that names it.");
   add_generate(app);
   add_inspect(app);
-  add_lists(app);
+  add_list(app);
+  add_show(app);
   add_impact(app);
   add_render(app);
   add_version(app);

@@ -45,8 +45,14 @@ struct ImpactOptions {
 };
 void compare_impacts(const ImpactOptions& options);
 
-void list_materials();
-void list_scores();
+/// The words that `list` takes: materials, resonators, keyboards, scores.
+[[nodiscard]] std::vector<std::string> kinds_that_ship();
+
+/// Prints tables of what ships: of one kind, or of all if `only` is empty.
+void list(const std::string& only);
+
+/// Prints a file that ships, byte by byte.
+void show(const std::string& name);
 
 struct MassBarrierOptions {
   std::string material = "rubber_on_wood";

@@ -17,7 +17,7 @@
 #include "generator/resonator/resonator_reader.hpp"
 #include "generator/support/embedded_files.hpp"
 #include "generator/support/error.hpp"
-#include "generator/support/json_reader.hpp"
+#include "generator/support/file_kind.hpp"
 
 namespace contactspline {
 namespace {
@@ -73,33 +73,38 @@ const EmbeddedFile* shipped(Shipped folder, const std::string& name) {
   return find_embedded(folder, name + ".json");
 }
 
+[[noreturn]] void refuse_kind(const std::string& argument, std::string_view key, Shipped kind,
+                              std::string_view allowed) {
+  refuse(argument, key, fmt::format("is a {}", kind_name(kind)), allowed);
+}
+
 [[noreturn]] void refuse_name(const std::string& argument, std::string_view kinds,
                               std::initializer_list<Shipped> folders) {
   std::vector<std::string> names;
+  if (const auto kind = kind_of_name(argument)) refuse_kind(argument, "MATERIAL", *kind, fmt::format("a {}", kinds));
   for (const Shipped folder : folders)
     for (std::string& name : shipped_names(folder)) names.push_back(std::move(name));
   throw BadInput(fmt::format("{}: MATERIAL: no such {} ships; allowed: a .json file, {}", argument, kinds,
                              fmt::join(names, ", ")));
 }
 
-// The key that tells a resonator file or a keyboard file from a material file, which has a contact and a spline.
-bool is_resonator(std::string_view text, std::string_view file) {
-  constexpr const char* kKeys[] = {"string", "bar", "membrane", "modes", "strike", "pickup", "max_modes"};
-  return json_has_any(text, file, kKeys);
-}
-bool is_keyboard(std::string_view text, std::string_view file) {
-  constexpr const char* kKeys[] = {"keyboard"};
-  return json_has_any(text, file, kKeys);
-}
-
 Source file_source(const std::string& file, double max_frequency_hz) {
   const std::string text = read_input(file);
-  if (!is_resonator(text, file) && !is_keyboard(text, file))
-    return material_source(file, design_material(text, file, reader_beside(file)));
-  Source source = is_resonator(text, file) ? resonator_source(parse_resonator(text, file), max_frequency_hz)
-                                           : keyboard_source(parse_keyboard(text, file));
+  const Shipped kind = kind_of_file(text, file, "material").value_or(Shipped::kMaterials);
+  if (kind == Shipped::kScores) refuse_kind(file, "file", kind, "a material, resonator or keyboard");
+  if (kind == Shipped::kMaterials) return material_source(file, design_material(text, file, reader_beside(file)));
+  Source source = kind == Shipped::kResonators ? resonator_source(parse_resonator(text, file), max_frequency_hz)
+                                               : keyboard_source(parse_keyboard(text, file));
   source.files = {file};
   return source;
+}
+
+// The text of a file, which may not be of another kind.
+std::string read_kind(const std::string& file, Shipped kind) {
+  std::string text = read_input(file);
+  const auto found = kind_of_file(text, file, kind_name(kind));
+  if (found && *found != kind) refuse_kind(file, "file", *found, fmt::format("a {}", kind_name(kind)));
+  return text;
 }
 
 bool is_midi(std::string_view file) {
@@ -110,6 +115,8 @@ ScoreSource shipped_score(const std::string& name) {
   if (const auto* midi = find_embedded(Shipped::kScores, name + ".mid"))
     return {parse_midi_score(midi->content, midi->name), {}};
   const auto* score = shipped(Shipped::kScores, name);
+  if (const auto kind = kind_of_name(name); kind && *kind != Shipped::kScores)
+    refuse_kind(name, "SCORE", *kind, "a score");
   if (score == nullptr)
     throw BadInput(fmt::format("{}: SCORE: no such score ships; allowed: a .json or .mid file, {}", name,
                                fmt::join(shipped_names(Shipped::kScores), ", ")));
@@ -119,7 +126,8 @@ ScoreSource shipped_score(const std::string& name) {
 }  // namespace
 
 Design design_argument(const std::string& argument) {
-  if (is_path(argument)) return design_material(read_input(argument), argument, reader_beside(argument));
+  if (is_path(argument))
+    return design_material(read_kind(argument, Shipped::kMaterials), argument, reader_beside(argument));
   const auto* material = shipped(Shipped::kMaterials, argument);
   if (material == nullptr) refuse_name(argument, "material", {Shipped::kMaterials});
   return design_material(material->content, material->name);
@@ -136,7 +144,8 @@ std::optional<Resonator> resonator_argument(const std::string& argument) {
   if (const auto* file = shipped(Shipped::kResonators, argument)) return parse_resonator(file->content, file->name);
   if (!is_path(argument)) return std::nullopt;
   const std::string text = read_input(argument);
-  return is_resonator(text, argument) ? std::optional(parse_resonator(text, argument)) : std::nullopt;
+  if (kind_of_file(text, argument, "material") != Shipped::kResonators) return std::nullopt;
+  return parse_resonator(text, argument);
 }
 
 Source source_argument(const std::string& argument, double max_frequency_hz) {
@@ -161,7 +170,7 @@ ScoreSource score_argument(const std::string& argument) {
     return read_input(source.files.back());
   };
   source.score = is_midi(argument) ? parse_midi_score(read_input(file), argument)
-                                   : parse_score(read_input(file), argument, read);
+                                   : parse_score(read_kind(argument, Shipped::kScores), argument, read);
   return source;
 }
 

@@ -1,16 +1,26 @@
 // SPDX-License-Identifier: MIT
-// contactspline materials, contactspline scores: what ships.
+// contactspline list, contactspline show: what ships.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include <array>
+#include <numbers>
+#include <string>
+#include <vector>
 
 #include "generator/cli/commands.hpp"
 #include "generator/cli/files.hpp"
 #include "generator/cli/inputs.hpp"
+#include "generator/resonator/keyboard_reader.hpp"
 #include "generator/support/embedded_files.hpp"
+#include "generator/support/error.hpp"
 
 namespace contactspline {
+namespace {
 
-void list_materials() {
-  std::string table = fmt::format("{:<16} {:>14} {:>9} {:>9} {:>15}  {}\n", "name", "k [N/m^a]", "exponent",
+std::string materials() {
+  std::string table = fmt::format("{:<20} {:>14} {:>9} {:>9} {:>15}  {}\n", "name", "k [N/m^a]", "exponent",
                                   "segments", "worst T error", "description");
   for (const std::string& name : shipped_names(Shipped::kMaterials)) {
     const auto [material, spline, quality] = design_argument(name);
@@ -18,20 +28,96 @@ void list_materials() {
     const std::string stiffness =
         law == nullptr ? (material.measured ? "measured" : "sum") : fmt::format("{:.4g}", law->stiffness);
     const std::string exponent = law == nullptr ? "-" : fmt::format("{:.4g}", law->exponent);
-    table += fmt::format("{:<16} {:>14} {:>9} {:>9} {:>13.2g} %  {}\n", name, stiffness, exponent,
+    table += fmt::format("{:<20} {:>14} {:>9} {:>9} {:>13.2g} %  {}\n", name, stiffness, exponent,
                          spline.segments.size(), 100 * quality.impact.value().contact_duration, material.description);
   }
-  write_stdout(table);
+  return table;
 }
 
-void list_scores() {
-  std::string table = fmt::format("{:<16} {:<14} {:>6}  {}\n", "name", "instrument", "s", "description");
+std::string_view body_of(const Resonator& resonator) {
+  if (std::holds_alternative<StiffString>(resonator.body)) return "string";
+  if (std::holds_alternative<FreeBar>(resonator.body)) return "bar";
+  return std::holds_alternative<Membrane>(resonator.body) ? "membrane" : "modes";
+}
+
+std::string resonators() {
+  constexpr double kMaxFrequency = 22050;
+  std::string table = fmt::format("{:<20} {:<9} {:>16}  {}\n", "name", "body", "first mode [Hz]", "description");
+  for (const std::string& name : shipped_names(Shipped::kResonators)) {
+    const Resonator resonator = resonator_argument(name).value();
+    const double lowest = modes_of(resonator, kMaxFrequency).modes.front().mode.angular_frequency_rad_per_s;
+    table += fmt::format("{:<20} {:<9} {:>16.5g}  {}\n", name, body_of(resonator), lowest / (2 * std::numbers::pi),
+                         resonator.description);
+  }
+  return table;
+}
+
+std::string keyboards() {
+  std::string table = fmt::format("{:<20} {:>9} {:>9}  {}\n", "name", "first key", "last key", "description");
+  for (const std::string& name : shipped_names(Shipped::kKeyboards)) {
+    const Keyboard keyboard = parse_keyboard(find_embedded(Shipped::kKeyboards, name + ".json")->content, name);
+    table +=
+        fmt::format("{:<20} {:>9} {:>9}  {}\n", name, keyboard.first_key, keyboard.last_key, keyboard.description);
+  }
+  return table;
+}
+
+std::string scores() {
+  std::string table = fmt::format("{:<20} {:<14} {:>12}  {}\n", "name", "instrument", "duration [s]", "description");
   for (const std::string& name : shipped_names(Shipped::kScores)) {
     const Score score = score_argument(name).score;
-    table += fmt::format("{:<16} {:<14} {:>6.4g}  {}\n", name, name_of(score.instrument), score.duration_s,
+    table += fmt::format("{:<20} {:<14} {:>12.4g}  {}\n", name, name_of(score.instrument), score.duration_s,
                          score.description);
   }
-  write_stdout(table);
+  return table;
+}
+
+struct Kind {
+  const char* name;
+  Shipped folder;
+  std::string (*table)();
+};
+
+constexpr std::array kKinds = {
+    Kind{"materials", Shipped::kMaterials, materials}, Kind{"resonators", Shipped::kResonators, resonators},
+    Kind{"keyboards", Shipped::kKeyboards, keyboards}, Kind{"scores", Shipped::kScores, scores}};
+
+// The file of that name, with or without its ending.
+const EmbeddedFile* file_that_ships(const std::string& name) {
+  for (const Kind& kind : kKinds)
+    for (const char* ending : {"", ".json", ".mid"})
+      if (const auto* file = find_embedded(kind.folder, name + ending)) return file;
+  return nullptr;
+}
+
+}  // namespace
+
+std::vector<std::string> kinds_that_ship() {
+  std::vector<std::string> names;
+  for (const Kind& kind : kKinds) names.emplace_back(kind.name);
+  return names;
+}
+
+void list(const std::string& only) {
+  std::string text;
+  for (const Kind& kind : kKinds) {
+    if (only == kind.name) return write_stdout(kind.table());
+    text += fmt::format("{}{}\n\n{}", text.empty() ? "" : "\n", kind.name, kind.table());
+  }
+  write_stdout(text);
+}
+
+void show(const std::string& name) {
+  const EmbeddedFile* file = file_that_ships(name);
+  if (file == nullptr) {
+    std::vector<std::string> names;
+    for (const Kind& kind : kKinds)
+      for (std::string& shipped : shipped_names(kind.folder)) names.push_back(std::move(shipped));
+    refuse(name, "NAME", "nothing of this name ships", fmt::format("{}", fmt::join(names, ", ")));
+  }
+  if (file->name.ends_with(".mid") && ::isatty(STDOUT_FILENO) != 0)
+    refuse(name, "NAME", "is a MIDI file, which a terminal cannot show", "to a file, with > FILE");
+  write_stdout(file->content);
 }
 
 }  // namespace contactspline

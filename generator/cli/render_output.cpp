@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "generator/cli/figures.hpp"
 #include "generator/cli/files.hpp"
 #include "generator/cli/sound_file.hpp"
 #include "generator/support/error.hpp"

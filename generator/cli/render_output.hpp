@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "generator/cli/figures.hpp"
-
 namespace contactspline {
+
+enum class FigureFormat;  // figures.hpp
 
 /// What every instrument of `render` writes.
 struct RenderOutput {

@@ -20,6 +20,7 @@
 #include "generator/spline/design.hpp"
 #include "generator/support/embedded_files.hpp"
 #include "generator/support/error.hpp"
+#include "generator/support/file_kind.hpp"
 #include "generator/support/json_reader.hpp"
 
 namespace contactspline {
@@ -84,8 +85,17 @@ struct NamedText {
 NamedText read_named(const JsonObject& object, const char* key, Shipped folder, const ReadFile& read) {
   const std::string allowed = fmt::format("a .json file, {}", fmt::join(shipped_names(folder), ", "));
   const std::string name = object.text(key, allowed);
-  if (is_path(name)) return {read(name), name, false};
+  const auto refuse_other = [&](std::optional<Shipped> kind) {
+    if (kind && *kind != folder)
+      object.fail(object.key(key), fmt::format("'{}' is a {}", shown(name), kind_name(*kind)), allowed);
+  };
+  if (is_path(name)) {
+    std::string text = read(name);
+    refuse_other(kind_of_file(text, name, kind_name(folder)));
+    return {std::move(text), name, false};
+  }
   const EmbeddedFile* found = find_embedded(folder, name + ".json");
+  if (found == nullptr) refuse_other(kind_of_name(name));
   if (found == nullptr) object.fail(object.key(key), fmt::format("'{}' does not ship", shown(name)), allowed);
   return {std::string(found->content), name + ".json", true};
 }

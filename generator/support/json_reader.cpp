@@ -168,8 +168,9 @@ JsonObject parse_json(std::string_view text, std::string_view file, std::string_
           allowed};
 }
 
-bool json_has_any(std::string_view text, std::string_view file, std::span<const char* const> keys) {
-  const Json json = parsed(text, file, "material");
+bool json_has_any(std::string_view text, std::string_view file, std::string_view what,
+                  std::span<const char* const> keys) {
+  const Json json = parsed(text, file, what);
   return std::ranges::any_of(keys, [&](const char* key) { return json.contains(key); });
 }
 

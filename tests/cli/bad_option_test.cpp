@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "generator/support/embedded_files.hpp"
 #include "program.hpp"
 #include "sandbox.hpp"
 
@@ -33,6 +34,12 @@ constexpr auto kSoft = R"({
   "spline": { "knots": "uniform", "segments": 8, "max_compression_m": 1 }
 })";
 
+std::string score_of(const std::string& resonator, const std::string& material) {
+  return R"({ "instrument": "hammer-string", "duration_s": 0.05, "voices": [ { "name": "a", "resonator": ")" +
+         resonator + R"(", "material": ")" + material +
+         R"(" } ], "events": [ { "time_s": 0, "speed_m_per_s": 2 } ] })";
+}
+
 struct BadLine {
   std::string test;
   Words words;
@@ -49,16 +56,60 @@ const std::string kShipped =
     "rubber_on_wood, steel_ball_on_plate, steel_on_steel";
 
 std::vector<BadLine> command_cases() {
-  const std::string commands = "generate, inspect, materials, scores, impact, render";
+  const std::string commands = "generate, inspect, list, show, impact, render";
   return {
       {"nothing", {}, "SUBCOMMAND: missing", "allowed: " + commands},
       {"unknown", {"generte"}, "generte: unknown", "allowed: " + commands},
       {"unknown_option", {"--verbose"}, "--verbose: unknown", "allowed: " + commands + ", --help, --version"},
       {"unknown_with_control_characters", {"a\nb\t\033[31m"}, "a?b??[31m: unknown", "allowed: "},
-      {"two_commands", {"materials", "inspect"}, "inspect: unknown", "allowed: --help, --version"},
+      {"two_commands", {"list", "inspect"}, "KIND: 'inspect' is refused", "allowed: materials, resonators"},
       {"upper_case", {"Generate", "probe.json"}, "Generate: unknown", "allowed: " + commands},
-      {"materials_with_word", {"materials", "felt_c4"}, "felt_c4: unknown", "allowed: --help, --version"},
-      {"materials_with_option", {"materials", "--json"}, "--json: unknown", "allowed: --help, --version"},
+      {"list_of_no_kind",
+       {"list", "felt_c4"},
+       "KIND: 'felt_c4' is refused",
+       "allowed: materials, resonators, keyboards, scores"},
+      {"list_of_two", {"list", "scores", "materials"}, "materials: unknown", "allowed: --help, KIND, --version"},
+      {"list_with_option", {"list", "--json"}, "--json: unknown", "allowed: --help, KIND, --version"},
+      {"show_nothing", {"show"}, "NAME: missing", "allowed: name of something that ships"},
+      {"show_unknown", {"show", "felt_c5"}, "felt_c5: NAME: nothing of this name ships", "felt_c4, "},
+      {"show_file", {"show", "./probe.json"}, "./probe.json: NAME: nothing of this name ships", "string_c4, "},
+      {"show_template", {"show", "material.hpp.in"}, "material.hpp.in: NAME: nothing of this name", "piano, "},
+      {"old_commands", {"materials"}, "materials: unknown", "allowed: " + commands},
+      {"impact_of_resonator", {"impact", "string_c4"}, "string_c4: MATERIAL: is a resonator", "allowed: a material"},
+      {"impact_of_resonator_file",
+       {"impact", "my_string.json"},
+       "my_string.json: file: is a resonator",
+       "allowed: a material"},
+      {"inspect_keyboard", {"inspect", "piano"}, "piano: MATERIAL: is a keyboard", "allowed: a material"},
+      {"generate_score",
+       {"generate", "dulcimer"},
+       "dulcimer: MATERIAL: is a score",
+       "allowed: a material, resonator or keyboard"},
+      {"generate_score_file",
+       {"generate", "my_score.json"},
+       "my_score.json: file: is a score",
+       "allowed: a material, resonator or keyboard"},
+      {"generate_midi", {"generate", "my.mid"}, "my.mid: file: is a score", "allowed: a material, resonator or"},
+      {"generate_output",
+       {"generate", "my_output.json"},
+       "my_output.json: file: was written by this program",
+       "allowed: the file that it was made from"},
+      {"render_material_as_score",
+       {"render", "hammer-string", "--score", "felt_c4", "-o", "a.wav"},
+       "felt_c4: SCORE: is a material",
+       "allowed: a score"},
+      {"render_material_file_as_score",
+       {"render", "hammer-string", "--score", "probe.json", "-o", "a.wav"},
+       "probe.json: file: is a material",
+       "allowed: a score"},
+      {"render_score_with_material_as_resonator",
+       {"render", "hammer-string", "--score", "mixed.json", "-o", "a.wav"},
+       "mixed.json: voices[0].resonator: 'felt_c4' is a material",
+       "allowed: a .json file, drum_head"},
+      {"render_score_with_resonator_file_as_material",
+       {"render", "hammer-string", "--score", "mixed_files.json", "-o", "a.wav"},
+       "mixed_files.json: voices[0].material: 'my_string.json' is a resonator",
+       "allowed: a .json file, felt_c2"},
       {"inspect_two",
        {"inspect", "felt_c4", "mb1"},
        "mb1: unknown",
@@ -316,6 +367,14 @@ TEST_P(BadCommandLine, IsRefusedInOneLineAndNothingIsWritten) {
   write_file(box / "probe.svg", kMaterial);
   write_file(box / "probe.aif", kMaterial);
   write_file(box / "bare.json", kWithoutImpact);
+  const std::string mixed = score_of("felt_c4", "string_c4"), mixed_files = score_of("string_c4", "my_string.json");
+  for (const auto& [name, text] :
+       {std::pair{"my_string.json", std::string(find_embedded(Shipped::kResonators, "string_c4.json")->content)},
+        std::pair{"my_score.json", score_of("string_c4", "felt_c4")},
+        std::pair{"my.mid", std::string(find_embedded(Shipped::kScores, "bach_prelude.mid")->content)},
+        std::pair{"my_output.json", read_file(fs::path(SOURCE_FOLDER) / "generated/mb1.json")},
+        std::pair{"mixed.json", mixed}, std::pair{"mixed_files.json", mixed_files}})
+    write_file(box / name, text);
   write_file(box / "soft.json", kSoft);
   write_file(box / "file.txt", "text");
   for (const auto folder : {"tmp", "out", "links", "taken/probe.hpp", "taken.wav", "taken.svg", "line\nend"})

@@ -284,7 +284,7 @@ TEST(GenerateBytes, AreTheSameInEveryLocale) {
                                                    {"generate", "mb1", "--emit", "cpp", "-o", "-"},
                                                    {"generate", "marimba_c4", "--emit", "faust", "-o", "-"},
                                                    {"inspect", "mb1"},
-                                                   {"materials"},
+                                                   {"list", "materials"},
                                                    {"impact", "mb1", "--speed", "1.5", "--rate", "44100.5"}}) {
     EXPECT_EQ(in_locale(arguments, "de_DE.UTF-8"), in_locale(arguments, "C")) << arguments.front();
   }

@@ -21,13 +21,14 @@ void PrintTo(const Command& command, std::ostream* stream) {
 }
 
 const std::vector<Command> kCommands = {
-    {"program", {}, {"generate", "inspect", "materials", "impact", "render", "Exit status"}},
+    {"program", {}, {"generate", "inspect", "list", "show", "impact", "render", "Exit status"}},
     {"generate",
      {"generate"},
      {"MATERIAL", "--emit", "faust", "cpp", "json", "-o,--output", "--check", "--depfile", "--rate", "--force",
       "standard output"}},
     {"inspect", {"inspect"}, {"MATERIAL", "--figure", "--compare", "--rate"}},
-    {"materials", {"materials"}, {"contact duration"}},
+    {"list", {"list"}, {"contact duration", "materials", "resonators", "keyboards", "scores"}},
+    {"show", {"show"}, {"NAME", "my_felt.json"}},
     {"impact", {"impact"}, {"MATERIAL", "--speed", "--rate", "1e-06 to 1000"}},
     {"render", {"render"}, {"mass-barrier"}},
     {"mass_barrier",

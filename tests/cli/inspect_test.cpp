@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
-// contactspline inspect, materials and impact: the tables are the library's numbers, the figure can be drawn.
+// contactspline inspect, list, show and impact: the tables are the library's numbers, the figure can be drawn.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -315,7 +317,7 @@ TEST(InspectFamilies, NeedARangeOfImpacts) {
 
 TEST(Materials, ListsEveryOneThatShips) {
   const Sandbox box;
-  const auto lines = lines_of(printed(box, {"materials"}));
+  const auto lines = lines_of(printed(box, {"list", "materials"}));
   std::vector<std::string> names;
   for (const auto& line : lines) names.push_back(line.substr(0, line.find(' ')));
   EXPECT_EQ(names, (std::vector<std::string>{"name", "felt_c2", "felt_c4", "felt_c7", "felt_live", "felt_over_wood",
@@ -340,6 +342,52 @@ TEST(Materials, ListsEveryOneThatShips) {
     EXPECT_EQ(percent, "%");
     EXPECT_TRUE(lines[i].ends_with("  " + json.at("title").get<std::string>()));
   }
+}
+
+TEST(List, HasATableForEachKind) {
+  const std::string all = succeed({.arguments = {"list"}});
+  for (const auto& [kind, folder] : std::vector<std::pair<std::string, Shipped>>{{"materials", Shipped::kMaterials},
+                                                                                 {"resonators", Shipped::kResonators},
+                                                                                 {"keyboards", Shipped::kKeyboards},
+                                                                                 {"scores", Shipped::kScores}}) {
+    const std::string table = succeed({.arguments = {"list", kind}});
+    EXPECT_NE(all.find(fmt::format("{}\n\n{}", kind, table)), std::string::npos) << kind;
+    std::vector<std::string> names;
+    for (const auto& line : lines_of(table)) names.push_back(line.substr(0, line.find(' ')));
+    EXPECT_EQ(names.front(), "name");
+    EXPECT_EQ(std::vector(names.begin() + 1, names.end()), shipped_names(folder));
+  }
+}
+
+TEST(List, PrintsTheLowestModeOfAResonator) {
+  const Sandbox box;
+  for (const auto& line : lines_of(succeed({.arguments = {"list", "resonators"}}))) {
+    std::istringstream row(line);
+    std::string name, body;
+    double frequency = NAN;
+    if (!(row >> name >> body >> frequency)) continue;  // the heading
+    const Json modes = Json::parse(printed(box, {"generate", name, "--emit", "json", "-o", "-"}));
+    const double lowest = modes.at("angular_frequency_rad_per_s").at(0).get<double>() / (2 * std::numbers::pi);
+    EXPECT_TRUE(relatively_within(frequency, lowest, 1e-4)) << line;
+  }
+}
+
+TEST(Show, PrintsEveryFileThatShips) {
+  for (const Shipped folder : {Shipped::kMaterials, Shipped::kResonators, Shipped::kKeyboards, Shipped::kScores}) {
+    for (const EmbeddedFile& file : embedded_files(folder))
+      EXPECT_TRUE(succeed({.arguments = {"show", std::string(file.name)}}) == file.content) << file.name;
+    for (const std::string& name : shipped_names(folder))
+      EXPECT_TRUE(succeed({.arguments = {"show", name}}) ==
+                  find_embedded(folder, name + (name == "bach_prelude" ? ".mid" : ".json"))->content)
+          << name;
+  }
+}
+
+// A name stands for one thing only.
+TEST(Show, FindsNoNameTwice) {
+  std::map<std::string, int> names;
+  for (const Shipped folder : {Shipped::kMaterials, Shipped::kResonators, Shipped::kKeyboards, Shipped::kScores})
+    for (const std::string& name : shipped_names(folder)) EXPECT_EQ(++names[name], 1) << name;
 }
 
 struct ImpactRow {

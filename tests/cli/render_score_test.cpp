@@ -467,7 +467,7 @@ TEST(RenderScore, HasTheRateAskedFor) {
 // sample at full scale, all of it gone at the end.
 TEST(RenderScore, PlaysWhatShips) {
   const Sandbox box;
-  const std::string list = succeed({.arguments = {"scores"}});
+  const std::string list = succeed({.arguments = {"list", "scores"}});
   int played = 0;
   for (const auto& [file, text] : embedded_files(Shipped::kScores)) {
     const std::string name(file.substr(0, file.rfind('.')));

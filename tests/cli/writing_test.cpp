@@ -145,7 +145,7 @@ TEST(FullStandardOutput, IsReported) {
                                                    {"generate", "mb1", "-o", "out"},  // "wrote ..."
                                                    {"generate", "mb1", "-o", "out"},  // "... are current"
                                                    {"inspect", "mb1"},
-                                                   {"materials"},
+                                                   {"list", "materials"},
                                                    {"impact", "mb1"},
                                                    {"render", "mass-barrier", "--duration", "0.1", "-o", "a.wav"},
                                                    {"--help"},
