@@ -254,6 +254,12 @@ void add_instrument(CLI::App& render, Instrument instrument, const char* help, c
   command->add_option("--precision", options->precision, "floating-point precision of the model")
       ->check(one_of({"single", "double"}))
       ->capture_default_str();
+  if (instrument == Instrument::kHammerString)
+    command
+        ->add_option("--channel", options->channels,
+                     "MIDI channel to play; may be repeated (default: all but 10, which is for drums)")
+        ->check(number_from(1, 16))
+        ->allow_extra_args(false);
   add_outputs(*command, options->output);
   command->footer(fmt::format(
       "Example:\n  contactspline render {} --score {} -o out.wav\nThe scores that ship: contactspline list scores",

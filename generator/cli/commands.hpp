@@ -72,6 +72,7 @@ struct ScoreOptions {
   std::string score;
   std::string signal;  ///< one of signal_names(); empty: the one that sounds best
   std::string precision = "double";
+  std::vector<int> channels;  ///< of a MIDI file, 1 to 16; empty: all but the tenth
   RenderOutput output;
 };
 void render_score(Instrument instrument, const ScoreOptions& options);

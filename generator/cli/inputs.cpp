@@ -111,9 +111,14 @@ bool is_midi(std::string_view file) {
   return file.ends_with(".mid");
 }
 
-ScoreSource shipped_score(const std::string& name) {
+void require_no_channels(const std::string& score, const std::vector<int>& channels) {
+  if (!channels.empty()) refuse(score, "--channel", "the score is not a MIDI file", "with a .mid file");
+}
+
+ScoreSource shipped_score(const std::string& name, const std::vector<int>& channels) {
   if (const auto* midi = find_embedded(Shipped::kScores, name + ".mid"))
-    return {parse_midi_score(midi->content, midi->name), {}};
+    return {parse_midi_score(midi->content, midi->name, channels), {}};
+  require_no_channels(name, channels);
   const auto* score = shipped(Shipped::kScores, name);
   if (const auto kind = kind_of_name(name); kind && *kind != Shipped::kScores)
     refuse_kind(name, "SCORE", *kind, "a score");
@@ -160,8 +165,9 @@ Source source_argument(const std::string& argument, double max_frequency_hz) {
   return material_source(argument, design_argument(argument));
 }
 
-ScoreSource score_argument(const std::string& argument) {
-  if (!is_path(argument)) return shipped_score(argument);
+ScoreSource score_argument(const std::string& argument, const std::vector<int>& channels) {
+  if (!is_path(argument)) return shipped_score(argument, channels);
+  if (!is_midi(argument)) require_no_channels(argument, channels);
   const std::filesystem::path file = argument;
   ScoreSource source;
   source.files.push_back(file);
@@ -169,7 +175,7 @@ ScoreSource score_argument(const std::string& argument) {
     source.files.push_back(file.parent_path() / path);
     return read_input(source.files.back());
   };
-  source.score = is_midi(argument) ? parse_midi_score(read_input(file), argument)
+  source.score = is_midi(argument) ? parse_midi_score(read_input(file), argument, channels)
                                    : parse_score(read_kind(argument, Shipped::kScores), argument, read);
   return source;
 }

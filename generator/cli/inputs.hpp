@@ -44,7 +44,8 @@ struct ScoreSource {
 };
 
 /// Reads a SCORE and the resonators and materials it names: a file if it ends in .json or .mid or has a slash, else
-/// the name of one that ships. Throws BadInput.
-[[nodiscard]] ScoreSource score_argument(const std::string& argument);
+/// the name of one that ships. `channels` (1 to 16) chooses those of a MIDI file; empty: all but the tenth. Throws
+/// BadInput.
+[[nodiscard]] ScoreSource score_argument(const std::string& argument, const std::vector<int>& channels = {});
 
 }  // namespace contactspline

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -47,13 +48,14 @@ const std::vector<std::string>& signal_names() {
 }
 
 void render_score(Instrument instrument, const ScoreOptions& options) {
-  const ScoreSource source = score_argument(options.score);
+  const ScoreSource source = score_argument(options.score, options.channels);
   const Score& score = source.score;
   if (score.instrument != instrument)
     throw BadInput(fmt::format("{}: instrument: it is for {}; allowed: {}", options.score, name_of(score.instrument),
                                name_of(instrument)));
   require_short(options.score + ": duration_s", score.duration_s, options.output.sample_rate_hz);
   require_outputs(options.output, channels_of(score), source.files);
+  if (!score.left_out.empty()) std::fputs(fmt::format("contactspline: {}\n", score.left_out).c_str(), stderr);
   const PlayOptions how = play_options(options, score);
   const Performance performance = play(score, how, show_progress);
   const double peak = peak_of(performance);

@@ -2,6 +2,7 @@
 #include "generator/player/midi_reader.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -9,6 +10,7 @@
 #include <cstdio>
 #include <limits>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -26,6 +28,9 @@ constexpr std::size_t kLongestTitle = 100;
 constexpr int kDrums = 9;  // the tenth channel
 constexpr int kSustainPedal = 64;
 constexpr int kPedalDown = 64;
+constexpr int kDataEntry = 6, kParameterLow = 100,
+              kParameterHigh = 101;  // controllers; parameter 0 is the bend range
+constexpr int kWheelCentre = 0x2000;
 constexpr long kLastTick = 1L << 40;  // far beyond an hour
 
 [[noreturn]] void fail(std::string_view file, std::string_view wrong) {
@@ -34,9 +39,9 @@ constexpr long kLastTick = 1L << 40;  // far beyond an hour
 
 /// What of a file is heard: a key, the pedal or the tempo.
 struct MidiEvent {
-  enum Kind { kKey, kPedal, kTempo } kind;
+  enum Kind { kKey, kController, kBend, kTempo } kind;
   long tick;
-  int channel, number, value;  ///< a key with its velocity (0: let go), the pedal's position, microseconds a quarter
+  int channel, number, value;  ///< a key with its velocity (0: let go), a controller, the wheel, us a quarter
 };
 
 /// The library reads a file byte by byte and calls what it finds. Whatever is wrong throws.
@@ -66,9 +71,10 @@ class Reader final : private Midifile_reader {
   void add(MidiEvent::Kind kind, int channel, int number, int value) {
     if (Mf_currtime < last_tick_ || Mf_currtime > kLastTick) fail(file_, "a time is damaged");
     last_tick_ = Mf_currtime;
-    if (number < 0 || number > 127 || value < 0 || (kind != MidiEvent::kTempo && value > 127))
+    const int max = kind == MidiEvent::kTempo ? value : kind == MidiEvent::kBend ? 0x3fff : 127;
+    if (number < 0 || number > 127 || value < 0 || value > max)
       fail(file_, fmt::format("a data byte of channel {} is above 127", channel + 1));
-    if (channel != kDrums) events_.push_back({kind, Mf_currtime, channel, number, value});
+    events_.push_back({kind, Mf_currtime, channel, number, value});
   }
 
   // The library reads a message of a fixed length whole, even where the file has fewer bytes of it: zeros.
@@ -97,7 +103,7 @@ class Reader final : private Midifile_reader {
   void Mf_on(int channel, int key, int velocity) override { add(MidiEvent::kKey, channel, key, velocity); }
   void Mf_off(int channel, int key, int) override { add(MidiEvent::kKey, channel, key, 0); }
   void Mf_controller(int channel, int number, int value) override {
-    if (number == kSustainPedal) add(MidiEvent::kPedal, channel, number, value);
+    add(MidiEvent::kController, channel, number, value);
   }
   void Mf_tempo(int microseconds) override {
     if (microseconds <= 0) fail(file_, "a tempo is 0");
@@ -106,7 +112,9 @@ class Reader final : private Midifile_reader {
   void Mf_chanprefix(int) override {}
   void Mf_portprefix(int) override {}
   void Mf_pressure(int, int, int) override {}
-  void Mf_pitchbend(int, int, int) override {}
+  void Mf_pitchbend(int channel, int low, int high) override {
+    add(MidiEvent::kBend, channel, low, 128 * high + low);
+  }
   void Mf_program(int, int) override {}
   void Mf_chanpressure(int, int) override {}
   void Mf_sysex(int, unsigned char*) override {}
@@ -164,11 +172,25 @@ class NoteTracker {
     let_go(time_s, channel, key);
     if (velocity == 0) return;
     pressed_[{channel, key}] = notes_.size();
-    notes_.push_back({time_s, 0, key, velocity});
+    notes_.push_back({time_s, 0, key, velocity, of_channel(channel).bend_cents()});
+  }
+
+  void bend(int channel, int wheel) {
+    Channel& of = of_channel(channel);
+    if (wheel != of.wheel && sounds(channel)) ++bends_in_notes_;
+    of.wheel = wheel;
+  }
+
+  void controller(double time_s, int channel, int number, int value) {
+    Channel& of = of_channel(channel);
+    if (number == kSustainPedal) pedal(time_s, channel, value >= kPedalDown);
+    if (number == kParameterHigh) of.parameter = 128 * value + of.parameter % 128;
+    if (number == kParameterLow) of.parameter = of.parameter / 128 * 128 + value;
+    if (number == kDataEntry && of.parameter == 0) of.bend_range = value;
   }
 
   void pedal(double time_s, int channel, bool down) {
-    Channel& of = channels_[static_cast<std::size_t>(channel)];
+    Channel& of = of_channel(channel);
     of.pedal_is_down = down;
     if (down) return;
     for (const std::size_t note : std::exchange(of.held, {})) end(note, time_s);
@@ -180,16 +202,30 @@ class NoteTracker {
     return std::move(notes_);
   }
 
+  [[nodiscard]] std::size_t bends_in_notes() const { return bends_in_notes_; }
+
  private:
   struct Channel {
+    [[nodiscard]] double bend_cents() const { return 100.0 * bend_range * (wheel - kWheelCentre) / kWheelCentre; }
+
     bool pedal_is_down = false;
+    int wheel = kWheelCentre;
+    int bend_range = 2;             ///< semitones
+    int parameter = 0x3fff;         ///< registered parameter that a data entry sets; 0x3fff: none
     std::vector<std::size_t> held;  ///< notes that only the pedal holds
   };
+
+  Channel& of_channel(int channel) { return channels_[static_cast<std::size_t>(channel)]; }
+
+  bool sounds(int channel) {
+    const auto is_pressed = [=](const auto& entry) { return entry.first.first == channel; };
+    return !of_channel(channel).held.empty() || std::ranges::any_of(pressed_, is_pressed);
+  }
 
   void let_go(double time_s, int channel, int key) {
     const auto pressed = pressed_.find({channel, key});
     if (pressed == pressed_.end()) return;
-    Channel& of = channels_[static_cast<std::size_t>(channel)];
+    Channel& of = of_channel(channel);
     if (of.pedal_is_down)
       of.held.push_back(pressed->second);
     else
@@ -202,26 +238,47 @@ class NoteTracker {
   std::vector<MidiNote> notes_;
   std::map<std::pair<int, int>, std::size_t> pressed_;  ///< channel and key to note
   std::array<Channel, 16> channels_;
+  std::size_t bends_in_notes_ = 0;
 };
+
+bool is_chosen(int channel, std::span<const int> channels) {
+  return channels.empty() ? channel != kDrums : std::ranges::count(channels, channel + 1) > 0;
+}
+
+// Says which channels have notes.
+[[noreturn]] void refuse_silence(std::string_view file, const std::set<int>& with_notes) {
+  if (with_notes.empty()) fail(file, "it has no note");
+  if (with_notes == std::set{kDrums + 1})
+    throw BadInput(fmt::format(
+        "{}: MIDI: all its notes are on channel 10, which is for drums; allowed: --channel 10 to play them as keys",
+        file));
+  throw BadInput(fmt::format("{}: MIDI: no note is on a chosen channel; allowed: --channel {}", file,
+                             fmt::join(with_notes, ", ")));
+}
 
 }  // namespace
 
-MidiSong parse_midi(std::string_view bytes, std::string_view file) {
+MidiSong parse_midi(std::string_view bytes, std::string_view file, std::span<const int> channels) {
   Reader reader(file);
   auto events = reader.events_in(bytes);
   std::ranges::stable_sort(events, {}, &MidiEvent::tick);
   Clock clock(reader.division());
   NoteTracker tracker;
+  std::set<int> with_notes;
   double time = 0;
   for (const auto& [kind, tick, channel, number, value] : events) {
     time = clock.at(tick);
     if (kind == MidiEvent::kTempo) clock.set_tempo(value);
+    if (kind == MidiEvent::kTempo) continue;
+    if (kind == MidiEvent::kKey && value > 0) with_notes.insert(channel + 1);
+    if (!is_chosen(channel, channels)) continue;
     if (kind == MidiEvent::kKey) tracker.key(time, channel, number, value);
-    if (kind == MidiEvent::kPedal) tracker.pedal(time, channel, value >= kPedalDown);
+    if (kind == MidiEvent::kController) tracker.controller(time, channel, number, value);
+    if (kind == MidiEvent::kBend) tracker.bend(channel, value);
   }
   auto notes = tracker.notes_at_end(time);
-  if (notes.empty()) fail(file, "it has no note");
-  return {reader.title(), std::move(notes)};
+  if (notes.empty()) refuse_silence(file, with_notes);
+  return {reader.title(), std::move(notes), tracker.bends_in_notes()};
 }
 
 }  // namespace contactspline

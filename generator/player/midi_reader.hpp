@@ -2,6 +2,8 @@
 // Notes of a standard MIDI file.
 #pragma once
 
+#include <cstddef>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,19 +12,21 @@ namespace contactspline {
 
 struct MidiNote {
   double time_s;
-  double hold_s;  ///< until the key is let go, or the pedal that holds it
-  int key;        ///< 0 to 127, 60 is middle C
-  int velocity;   ///< 1 to 127
+  double hold_s;      ///< until the key is let go, or the pedal that holds it
+  int key;            ///< 0 to 127, 60 is middle C
+  int velocity;       ///< 1 to 127
+  double bend_cents;  ///< by the pitch wheel when the note begins
 };
 
 struct MidiSong {
   std::string title;            ///< of the first track, printable; empty where it has none
   std::vector<MidiNote> notes;  ///< by rising time
+  std::size_t bends_in_notes;   ///< changes of the pitch wheel while a note of its channel sounds; they are left out
 };
 
-/// Title and notes of a MIDI file of format 0 or 1: of every channel but the tenth, which is for drums; tempo,
-/// sustain pedal (controller 64 from 64 on) and restruck keys are followed, all else is left out. `file` stands in
-/// messages only. Throws BadInput.
-[[nodiscard]] MidiSong parse_midi(std::string_view bytes, std::string_view file);
+/// Title and notes of a MIDI file of format 0 or 1: of the channels (1 to 16), or if none is given of all but the
+/// tenth, which is for drums. Follows tempo, sustain pedal (controller 64 from 64 on), restruck keys and the pitch
+/// wheel (2 semitones, or the range that the file sets). `file` stands in messages only. Throws BadInput.
+[[nodiscard]] MidiSong parse_midi(std::string_view bytes, std::string_view file, std::span<const int> channels = {});
 
 }  // namespace contactspline

@@ -87,6 +87,7 @@ struct Score {
   std::string description;  ///< one line, may be empty
   double duration_s;
   std::vector<Voice> voices;
+  std::string left_out = {};  ///< what of a MIDI file is not played, in one line; empty: nothing
 };
 
 }  // namespace contactspline

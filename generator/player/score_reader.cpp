@@ -215,6 +215,25 @@ Voice voice_of(const Keyboard& keyboard, int key) {
   return voice;
 }
 
+// The same key with its string tuned by a change of tension.
+Voice bent_voice(const Keyboard& keyboard, int key, int cents) {
+  Voice voice = voice_of(keyboard, key);
+  if (cents == 0) return voice;
+  voice.name += fmt::format("{:+}", cents);
+  for (double& detuning : std::get<StiffString>(voice.resonator.body).detuning_cents) detuning += cents;
+  return voice;
+}
+
+// What of a MIDI file is not played. The modes of a voice are fixed, so a sounding string cannot change its pitch.
+std::string left_out_line(std::string_view file, const Keyboard& keyboard, std::size_t notes, std::size_t bends) {
+  std::vector<std::string> parts;
+  if (notes > 0)
+    parts.push_back(fmt::format("notes beyond the keys {} to {} ({})", keyboard.first_key, keyboard.last_key, notes));
+  if (bends > 0) parts.push_back(fmt::format("changes of the pitch wheel while a note sounds ({})", bends));
+  if (parts.empty()) return {};
+  return fmt::format("{}: MIDI: left out: {}", file, fmt::join(parts, ", "));
+}
+
 // Every key that is played.
 std::vector<Voice> read_keys(const JsonObject& score, const std::vector<JsonObject>& events, const ReadFile& read) {
   const NamedText named = read_named(score, "keyboard", Shipped::kKeyboards, read);
@@ -345,25 +364,32 @@ Score parse_score(std::string_view text, std::string_view file, const ReadFile& 
   return result;
 }
 
-Score parse_midi_score(std::string_view bytes, std::string_view file) {
-  const auto [title, notes] = parse_midi(bytes, file);
+Score parse_midi_score(std::string_view bytes, std::string_view file, std::span<const int> channels) {
+  const auto [title, notes, bends_in_notes] = parse_midi(bytes, file, channels);
   const EmbeddedFile* piano = find_embedded(Shipped::kKeyboards, "piano.json");
   const Keyboard keyboard = parse_keyboard(piano->content, piano->name);
-  std::map<int, Voice> voices;
+  std::map<std::pair<int, int>, Voice> voices;  // by key and cents
   double end = 0;
+  std::size_t beyond = 0;
   for (const MidiNote& note : notes) {
-    if (note.key < keyboard.first_key || note.key > keyboard.last_key)
-      throw BadInput(fmt::format("{}: MIDI: key {} at {:.3f} s is not on the piano; allowed: {} to {}", file,
-                                 note.key, note.time_s, keyboard.first_key, keyboard.last_key));
-    if (!voices.contains(note.key)) voices[note.key] = voice_of(keyboard, note.key);
-    const double speed = strike_speed(keyboard, note.velocity / 127.0);
-    voices[note.key].strikes.push_back({note.time_s, speed, note.hold_s});
+    if (note.key < keyboard.first_key || note.key > keyboard.last_key) {
+      ++beyond;
+      continue;
+    }
+    const int cents = static_cast<int>(std::lround(note.bend_cents));
+    Voice& voice = voices[{note.key, cents}];
+    if (voice.name.empty()) voice = bent_voice(keyboard, note.key, cents);
+    voice.strikes.push_back({note.time_s, strike_speed(keyboard, note.velocity / 127.0), note.hold_s});
     end = std::max(end, note.time_s + note.hold_s);
   }
+  if (voices.empty())
+    throw BadInput(fmt::format("{}: MIDI: no note is on the piano; allowed: keys {} to {}", file, keyboard.first_key,
+                               keyboard.last_key));
   if (!(end + kRing <= kDuration.max))
     throw BadInput(
         fmt::format("{}: MIDI: it lasts {:.4g} s; allowed: at most {} s", file, end, kDuration.max - kRing));
-  Score score{Instrument::kHammerString, title, end + kRing, {}};
+  Score score{
+      Instrument::kHammerString, title, end + kRing, {}, left_out_line(file, keyboard, beyond, bends_in_notes)};
   for (auto& [key, voice] : voices) score.voices.push_back(std::move(voice));
   return score;
 }

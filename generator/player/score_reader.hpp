@@ -2,6 +2,7 @@
 // Score files: JSON and MIDI (docs/scores.md).
 #pragma once
 
+#include <span>
 #include <string_view>
 
 #include "generator/material/contact_reader.hpp"
@@ -13,8 +14,10 @@ namespace contactspline {
 /// files it names. Throws BadInput.
 [[nodiscard]] Score parse_score(std::string_view text, std::string_view file, const ReadFile& read);
 
-/// The notes of a MIDI file on the piano that ships, with 1 s to ring after the last one. The keyboard's velocity law
-/// turns velocity/127 into the hammer's speed. Throws BadInput.
-[[nodiscard]] Score parse_midi_score(std::string_view bytes, std::string_view file);
+/// The notes of a MIDI file, of these channels as in parse_midi(), on the piano that ships, with 1 s to ring after
+/// the last one. The keyboard's velocity law turns velocity/127 into the hammer's speed. A bent note is played on a
+/// string of its own, with the tension of its pitch. Notes beyond the keyboard are left out. Throws BadInput.
+[[nodiscard]] Score parse_midi_score(std::string_view bytes, std::string_view file,
+                                     std::span<const int> channels = {});
 
 }  // namespace contactspline

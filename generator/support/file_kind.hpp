@@ -13,7 +13,8 @@ namespace contactspline {
 [[nodiscard]] std::string_view kind_name(Shipped folder);
 
 /// The kind that the keys of a JSON file show, or a score for MIDI; nothing if they show none. `what`, the kind that
-/// is expected, and `file` appear in messages only. Throws BadInput for wrong syntax and for an output of this program.
+/// is expected, and `file` appear in messages only. Throws BadInput for wrong syntax and for an output of this
+/// program.
 [[nodiscard]] std::optional<Shipped> kind_of_file(std::string_view text, std::string_view file,
                                                   std::string_view what);
 

@@ -327,7 +327,8 @@ std::vector<BadMidi> midi_cases() {
       {"truncated", midi(kNote + kEnd).substr(0, 26), "premature EOF" + allowed},
       {"no_end_of_track", midi(kNote), "a track has no end" + allowed},
       {"no_note", midi(kEnd), "it has no note" + allowed},
-      {"only_drums", midi(bytes("\0\x99\x3c\x40", 4) + kEnd), "it has no note" + allowed},
+      {"only_drums", midi(bytes("\0\x99\x3c\x40", 4) + kEnd),
+       "MIDI: all its notes are on channel 10, which is for drums; allowed: --channel 10 to play them as keys"},
       {"only_note_offs", midi(bytes("\0\x80\x3c\x40", 4) + kEnd), "it has no note" + allowed},
       {"key_above_127", midi(bytes("\0\x90\xbc\x40", 4) + kEnd), "a data byte of channel 1 is above 127" + allowed},
       {"velocity_above_127", midi(bytes("\0\x90\x3c\xc0", 4) + kEnd),
@@ -341,11 +342,45 @@ std::vector<BadMidi> midi_cases() {
       {"too_long", midi(bytes("\xff\xff\xff\x7f\x90\x3c\x40\0\x3c\0", 10) + kEnd),
        "MIDI: it lasts 1.398e+06 s; allowed: at most 3599 s"},
       {"key_beyond_the_piano", midi(bytes("\0\x90\x14\x40\x60\x14\0", 7) + kEnd),
-       "MIDI: key 20 at 0.000 s is not on the piano; allowed: 21 to 108"},
+       "MIDI: no note is on the piano; allowed: keys 21 to 108"},
       {"large", std::string((1 << 20) + 1, 'M'), "file: is larger than 1 MiB"}};
 }
 
 INSTANTIATE_TEST_SUITE_P(, BadMidiFile, ::testing::ValuesIn(midi_cases()), ::testing::PrintToStringParamName());
+
+TEST(BadMidiChannel, IsRefused) {
+  const Sandbox box;
+  write_file(box / "probe.mid", midi(kNote + kEnd));
+  write_file(box / "probe.json", kKeys);
+  const auto play = [&](const std::string& score, const std::string& channel) {
+    return run({.arguments = {"render", "hammer-string", "--score", score, "--channel", channel, "-o", "a.wav"},
+                .folder = box.path()});
+  };
+  const auto before = box.listing();
+  expect_refused(play("probe.mid", "0"), "--channel: '0' is refused", "allowed: an integer from 1 to 16");
+  expect_refused(play("probe.mid", "2"), "probe.mid: MIDI: no note is on a chosen channel", "allowed: --channel 1");
+  expect_refused(play("probe.json", "1"), "probe.json: --channel: the score is not a MIDI file", "a .mid file");
+  expect_refused(play("dulcimer", "1"), "dulcimer: --channel: the score is not a MIDI file", "a .mid file");
+  EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
+}
+
+// One line counts what is left out; the rest sounds.
+TEST(GoodMidiFile, IsPlayedWithoutWhatIsBeyondThePiano) {
+  const auto bytes = [](const char* data, std::size_t size) { return std::string(data, size); };
+  const std::string low = bytes("\0\x90\x14\x40\0\x90\x7f\x40", 8), bent = bytes("\0\xe0\0\x50", 4);
+  const Sandbox box;
+  write_file(box / "clean.mid", midi(kNote + kEnd));
+  write_file(box / "probe.mid", midi(low + low + kNote + bent + kEnd));
+  const Outcome outcome =
+      run({.arguments = {"render", "hammer-string", "--score", "probe.mid", "-o", "a.wav"}, .folder = box.path()});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_EQ(
+      outcome.err,
+      "contactspline: probe.mid: MIDI: left out: notes beyond the keys 21 to 108 (4), changes of the pitch wheel "
+      "while a note sounds (1)\n");
+  succeed({.arguments = {"render", "hammer-string", "--score", "clean.mid", "-o", "b.wav"}, .folder = box.path()});
+  EXPECT_TRUE(read_file(box / "a.wav") == read_file(box / "b.wav"));
+}
 
 TEST(GoodMidiFile, IsAccepted) {
   for (const std::string& bytes : {midi(kNote + kEnd), midi(kNote + kEnd) + "garbage behind"}) {

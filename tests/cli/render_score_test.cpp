@@ -527,6 +527,29 @@ double frequency_near(const std::vector<double>& samples, double guess_hz) {
   return guess_hz + advance / (2 * pi) * kRate / shift;
 }
 
+// C4 with the wheel a quarter of its range up, and E4 of the second channel with it all the way down.
+TEST(RenderScore, BendsThePitchOfMidiNotes) {
+  const Sandbox box;
+  const std::string track(
+      "\0\xe0\0\x50\0\xe1\0\0\0\x90\x3c\x40\0\x91\x40\x40\x83\x60\x80\x3c\0\0\x81\x40\0\0\xff\x2f\0", 29);
+  write_file(box / "probe.mid",
+             std::string("MThd\0\0\0\6\0\0\0\1\0\x60MTrk\0\0\0", 21) + static_cast<char>(track.size()) + track);
+  const auto keyboard = parse_keyboard(shipped(embedded_files(Shipped::kKeyboards), "piano"), "piano");
+  for (const auto& [channel, key, bend] : {std::tuple{"1", 60, 50.0}, std::tuple{"2", 64, -200.0}}) {
+    succeed({.arguments = {"render", "hammer-string", "--score", "probe.mid", "--channel", channel, "--no-figure",
+                           "-o", "a.wav"},
+             .folder = box.path()});
+    const Sound sound = read_sound(box / "a.wav");
+    std::vector<double> left;
+    for (std::size_t i = 0; i < sound.samples.size(); i += 2) left.push_back(sound.samples[i]);
+    StiffString string = note_of(keyboard, key).string;
+    string.tension_n *= std::exp2(bend / 600);  // frequency is proportional to its square root
+    const Mode lowest = undamped_mode(string, 1, string.detuning_cents.front()).with(string.losses).value();
+    const double expected = lowest.angular_frequency_rad_per_s / (2 * pi);
+    EXPECT_TRUE(within(1200 * std::log2(frequency_near(left, expected + 0.2) / expected), 0, 0.1)) << key;
+  }
+}
+
 // C4's partials up to the 24th as written by the program, both precisions, against the formula of the stiff string.
 TEST(RenderScore, IsInTune) {
   const double length = 0.62, mass = 0.00393, tension = 670, bending = 0.00983833;

@@ -88,6 +88,35 @@ TEST(Midi, LeavesOutDrumsAndAllThatIsNoNote) {
                {{0, 0.5, 60, 64}});
 }
 
+TEST(Midi, PlaysTheChannelsThatAreChosen) {
+  const std::string file = file_of(
+      {0, 100},
+      {bytes({0, 0x90, 60, 64, 0, 0x99, 36, 65, 0, 0x91, 62, 66, 50, 0x80, 60, 0, 0, 0x89, 36, 0, 0, 0x81, 62, 0})});
+  const auto keys_of = [&](std::vector<int> channels) {
+    std::vector<int> keys;
+    for (const MidiNote& note : parse_midi(file, "probe.mid", channels).notes) keys.push_back(note.key);
+    return keys;
+  };
+  EXPECT_EQ(keys_of({}), (std::vector{60, 62}));
+  EXPECT_EQ(keys_of({2}), (std::vector{62}));
+  EXPECT_EQ(keys_of({10, 1}), (std::vector{60, 36}));
+}
+
+// The wheel bends by 2 semitones to either side, on its own channel, or by the range that parameter 0 sets.
+TEST(Midi, FollowsThePitchWheel) {
+  const auto song = parse_midi(
+      file_of({0, 100}, {bytes({0, 0xe0, 0,  0x60, 0, 0x90, 60,  64,   10, 60,   0,  // half up
+                                0, 0xe0, 0,  0,    0, 0x90, 61,  64,   0,  0x91, 61, 64, 10, 0x80, 61, 0,
+                                0, 0x81, 61, 0,    0, 0xb0, 101, 0,    0,  100,  0,  0,  6,  12,  // a range of 12
+                                0, 0x90, 62, 64,   5, 0xe0, 0,   0x40, 5,  0x80, 62, 0,      // released in a note
+                                0, 0x90, 63, 64,   5, 0xe0, 0,   0x40, 5,  0x80, 63, 0})}),  // no change
+      "probe.mid");
+  std::vector<double> cents;
+  for (const MidiNote& note : song.notes) cents.push_back(note.bend_cents);
+  EXPECT_EQ(cents, (std::vector<double>{100, -200, 0, -1200, 0}));
+  EXPECT_EQ(song.bends_in_notes, 1u);
+}
+
 TEST(Midi, IsCalledAsItsFirstTrack) {
   const std::string note = bytes({0, 0x90, 60, 64, 100, 60, 0});
   EXPECT_EQ(parse_midi(file_of({0, 100}, {bytes({0, 0xff, 3, 4, 'a', 7, 0xff, 'b'}), note}), "probe").title, "a??b");
