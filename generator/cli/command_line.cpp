@@ -61,7 +61,9 @@ std::string explained(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App& command = innermost_given(app);
   for (const std::string& word : app.remaining(true))
     if (word != "--") return fmt::format("{}: unknown; allowed: {}", word, fmt::join(words_of(command), ", "));
-  for (const auto* option : command.get_options()) {
+  auto options = command.get_options();
+  std::ranges::sort(options, std::ranges::greater(), [](const auto* option) { return option->get_name().size(); });
+  for (const auto* option : options) {  // --speeds before --speed
     const std::string& name = option->get_name();
     if (wrong.find(name) == std::string::npos) continue;
     const std::string what = wrong == name + " is required" ? name + ": missing"
@@ -186,11 +188,20 @@ void add_impact(CLI::App& app) {
       ->check(number_from(1e3, 1e8))
       ->allow_extra_args(false)
       ->capture_default_str();
+  command
+      ->add_option("--speeds", options->speed_range,
+                   "lowest and highest speed in m/s and their number: a table of speeds at equal ratios")
+      ->expected(3)
+      ->type_name("MIN MAX COUNT");
+  command->add_flag("--csv", options->csv, "print all numbers as CSV; errors as fractions, not in %");
+  command->add_flag("--json", options->json, "print all numbers as JSON; errors as fractions, not in %");
   command->footer(
-      "Example:\n"
+      "Examples:\n"
       "  contactspline impact mb1 felt_c4 --speed 2\n"
+      "  contactspline impact felt_c4 --speeds 0.1 6 20 --rate 44100\n"
       "Errors are relative to the exact motion under the contact law with the material's loss. Where the time step\n"
-      "dominates, they fall by 4 with each doubling of the rate; with loss by 2.");
+      "dominates, they fall by 4 with each doubling of the rate; with loss by 2. samples: duration of the exact\n"
+      "contact in samples.");
   command->callback([options] { compare_impacts(*options); });
 }
 

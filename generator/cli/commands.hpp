@@ -40,8 +40,10 @@ void inspect(const InspectOptions& options);
 
 struct ImpactOptions {
   std::vector<std::string> materials;
-  std::vector<double> speeds;  ///< empty: the material's largest
+  std::vector<double> speeds;       ///< empty: the material's largest, unless there is a range
+  std::vector<double> speed_range;  ///< empty, or lowest and highest speed and their number
   std::vector<double> rates = {44100, 88200, 176400, 352800};
+  bool csv = false, json = false;
 };
 void compare_impacts(const ImpactOptions& options);
 

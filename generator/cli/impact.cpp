@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
-// contactspline impact: compares exact, spline and simulated impacts in a table.
+// contactspline impact: compares exact, spline and simulated impacts, as text, a table, CSV or JSON.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -13,6 +15,38 @@
 
 namespace contactspline {
 namespace {
+
+/// One motion: exact, of the spline, or simulated at a sample rate.
+struct Motion {
+  std::string model;
+  double sample_rate_hz;  ///< 0 unless simulated
+  BarrierImpact impact;
+};
+
+/// All motions of one material at one speed; the first is exact.
+struct Comparison {
+  const Design* design;
+  double mass_kg, speed;
+  std::vector<Motion> motions;
+
+  [[nodiscard]] const Material& material() const { return design->material; }
+  [[nodiscard]] const BarrierImpact& exact() const { return motions.front().impact; }
+  [[nodiscard]] double error(const Motion& motion, double BarrierImpact::*member) const {
+    return motion.impact.*member / (exact().*member) - 1;
+  }
+  /// Duration of the exact contact in samples.
+  [[nodiscard]] double samples(const Motion& motion) const {
+    return exact().contact_duration_s * motion.sample_rate_hz;
+  }
+  [[nodiscard]] bool is_in_range() const {
+    const Impact& impact = *material().impact;
+    return speed >= impact.min_speed_m_per_s && speed <= impact.max_speed_m_per_s;
+  }
+};
+
+constexpr auto kDuration = &BarrierImpact::contact_duration_s;
+constexpr auto kCompression = &BarrierImpact::max_compression_m;
+constexpr auto kExitSpeed = &BarrierImpact::exit_speed_m_per_s;
 
 const Impact& impact_of(const Material& material, const std::string& argument) {
   if (!material.impact) refuse(argument, "impact", "missing", "an object with the mass of the impacts");
@@ -33,64 +67,179 @@ BarrierImpact spline_impact(const Design& design, double mass_kg, double speed) 
   return {impact.max_compression_m, impact.contact_duration_s, speed};
 }
 
+BarrierImpact simulated_impact(const Design& design, double mass_kg, double speed, double rate_hz) {
+  const SimulatedImpact found =
+      simulate_impact(segment_table(design.spline), mass_kg, speed, rate_hz, 0.5, design.material.loss_s_per_m);
+  return {found.max_compression_m, found.contact_duration_s, found.exit_speed_m_per_s};
+}
+
 // The simulation takes one step per sample, and a heavy mass on a soft spring stays in contact for a long time.
-void require_short(const Design& design, double mass_kg, double speed, double rate_hz, const std::string& argument) {
+void require_short(const BarrierImpact& spline, double speed, double rate_hz, const std::string& argument) {
   constexpr double kMaxSamples = 1e8;
-  const double samples = spline_impact(design, mass_kg, speed).contact_duration_s * rate_hz;
+  const double samples = spline.contact_duration_s * rate_hz;
   if (!(samples <= kMaxSamples))
     refuse(argument, "--rate",
            fmt::format("at {} m/s and {} Hz the contact lasts {:.3g} samples", speed, rate_hz, samples),
            fmt::format("at most {:g}", kMaxSamples));
 }
 
-std::string loss_text(const Material& material, const BarrierImpact& exact, double speed) {
-  if (material.loss_s_per_m == 0) return {};
-  return fmt::format(", loss {:.4g} s/m: restitution {:.4g}", material.loss_s_per_m,
-                     exact.exit_speed_m_per_s / speed);
-}
-
-std::string heading(const Design& design, double mass_kg, double speed) {
-  const BarrierImpact exact = exact_impact(design.material, mass_kg, speed);
+Comparison compare(const Design& design, double mass_kg, double speed, const std::vector<double>& rates,
+                   const std::string& argument) {
   const BarrierImpact spline = spline_impact(design, mass_kg, speed);
-  const double exact_s = exact.contact_duration_s;
-  const double exact_m = exact.max_compression_m;
-  return fmt::format(
-      "{}, {} kg at {} m/s{}\n"
-      "             {:>12} {:>9} {:>14} {:>9} {:>15} {:>8}\n"
-      "  exact      {:>9.3f} us {:>9} {:>11.4f} um\n"
-      "  spline {:>3} {:>9.3f} us {:>7.3f} % {:>11.4f} um {:>7.3f} %\n",
-      design.material.name, mass_kg, speed, loss_text(design.material, exact, speed), "duration", "error",
-      "compression", "error", "exit error", "samples", 1e6 * exact_s, "", 1e6 * exact_m,
-      design.spline.segments.size(), 1e6 * spline.contact_duration_s, 100 * (spline.contact_duration_s / exact_s - 1),
-      1e6 * spline.max_compression_m, 100 * (spline.max_compression_m / exact_m - 1));
+  for (const double rate : rates) require_short(spline, speed, rate, argument);
+  Comparison comparison{&design, mass_kg, speed, {}};
+  comparison.motions.push_back({"exact", 0, exact_impact(design.material, mass_kg, speed)});
+  comparison.motions.push_back({"spline", 0, spline});
+  for (const double rate : rates)
+    comparison.motions.push_back({"simulated", rate, simulated_impact(design, mass_kg, speed, rate)});
+  return comparison;
 }
 
-std::string simulated_row(const Design& design, double mass_kg, double speed, double rate_hz) {
-  const SimulatedImpact found =
-      simulate_impact(segment_table(design.spline), mass_kg, speed, rate_hz, 0.5, design.material.loss_s_per_m);
-  const BarrierImpact exact = exact_impact(design.material, mass_kg, speed);
-  const double exact_s = exact.contact_duration_s;
-  const double exact_m = exact.max_compression_m;
-  return fmt::format("  {:>6.1f} kHz {:>9.3f} us {:>7.3f} % {:>11.4f} um {:>7.3f} % {:>15.1e} {:>8.2f}\n",
-                     rate_hz / 1000, 1e6 * found.contact_duration_s, 100 * (found.contact_duration_s / exact_s - 1),
-                     1e6 * found.max_compression_m, 100 * (found.max_compression_m / exact_m - 1),
-                     found.exit_speed_m_per_s / exact.exit_speed_m_per_s - 1, exact_s * rate_hz);
+std::string loss_text(const Comparison& c) {
+  if (c.material().loss_s_per_m == 0) return {};
+  return fmt::format(", loss {:.4g} s/m: restitution {:.4g}", c.material().loss_s_per_m,
+                     c.exact().exit_speed_m_per_s / c.speed);
+}
+
+std::string range_line(const Comparison& c) {
+  const Impact& impact = *c.material().impact;
+  if (c.is_in_range()) return {};
+  return fmt::format("  out of the material's range, {} to {} m/s: the spline is not designed for this speed\n",
+                     impact.min_speed_m_per_s, impact.max_speed_m_per_s);
+}
+
+std::string row_label(const Comparison& c, const Motion& motion) {
+  if (motion.model == "spline") return fmt::format("spline {:>3}", c.design->spline.segments.size());
+  return motion.model == "exact" ? "exact" : fmt::format("{:>6.1f} kHz", motion.sample_rate_hz / 1000);
+}
+
+std::string text_row(const Comparison& c, const Motion& motion) {
+  std::string row =
+      fmt::format("  {:<10} {:>9.3f} us ", row_label(c, motion), 1e6 * motion.impact.contact_duration_s);
+  if (motion.model == "exact")
+    return row + fmt::format("{:>9} {:>11.4f} um\n", "", 1e6 * motion.impact.max_compression_m);
+  row += fmt::format("{:>7.3f} % {:>11.4f} um {:>7.3f} %", 100 * c.error(motion, kDuration),
+                     1e6 * motion.impact.max_compression_m, 100 * c.error(motion, kCompression));
+  if (motion.sample_rate_hz > 0)
+    row += fmt::format(" {:>14.1e} % {:>8.2f}", 100 * c.error(motion, kExitSpeed), c.samples(motion));
+  return row + "\n";
+}
+
+std::string text_of(const Comparison& c) {
+  std::string text =
+      fmt::format("{}, {} kg at {} m/s{}\n{}", c.material().name, c.mass_kg, c.speed, loss_text(c), range_line(c));
+  text += fmt::format("             {:>12} {:>9} {:>14} {:>9} {:>16} {:>8}\n", "duration", "error", "compression",
+                      "error", "exit speed error", "samples");
+  for (const Motion& motion : c.motions) text += text_row(c, motion);
+  return text;
+}
+
+// One line for each speed: the exact motion, the errors of the spline, and those of each simulation.
+std::string table_of(const std::vector<Comparison>& comparisons) {
+  const Comparison& first = comparisons.front();
+  std::string table =
+      fmt::format("{}, {} kg\n{:>11} {:>14} {:>16} {:>18} {:>21}", first.material().name, first.mass_kg,
+                  "speed [m/s]", "duration [us]", "compression [um]", "duration error [%]", "compression error [%]");
+  for (const Motion& motion : first.motions)
+    if (motion.sample_rate_hz > 0)
+      table += fmt::format(" {:>14}", fmt::format("at {} kHz", motion.sample_rate_hz / 1000));
+  table += '\n';
+  for (const Comparison& c : comparisons) {
+    table += fmt::format("{:>11.5g} {:>14.3f} {:>16.4f} {:>18.3f} {:>21.3f}", c.speed,
+                         1e6 * c.exact().contact_duration_s, 1e6 * c.exact().max_compression_m,
+                         100 * c.error(c.motions[1], kDuration), 100 * c.error(c.motions[1], kCompression));
+    for (const Motion& motion : c.motions)
+      if (motion.sample_rate_hz > 0) table += fmt::format(" {:>14.3f}", 100 * c.error(motion, kDuration));
+    table += c.is_in_range() ? "\n" : "  out of the material's range\n";
+  }
+  return table + "errors: of the spline, then the duration error [%] of the simulations\n";
+}
+
+std::string csv_of(const std::vector<Comparison>& comparisons) {
+  std::string csv =
+      "material,mass_kg,loss_s_per_m,speed_m_per_s,in_range,model,sample_rate_hz,contact_duration_s,max_compression_"
+      "m,"
+      "exit_speed_m_per_s,contact_duration_error,max_compression_error,exit_speed_error,samples\n";
+  for (const Comparison& c : comparisons)
+    for (const Motion& m : c.motions)
+      csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", c.material().name, c.mass_kg,
+                         c.material().loss_s_per_m, c.speed, c.is_in_range() ? 1 : 0, m.model, m.sample_rate_hz,
+                         m.impact.contact_duration_s, m.impact.max_compression_m, m.impact.exit_speed_m_per_s,
+                         c.error(m, kDuration), c.error(m, kCompression), c.error(m, kExitSpeed), c.samples(m));
+  return csv;
+}
+
+std::string json_of(const Comparison& c, const Motion& m) {
+  return fmt::format(
+      "      {{\"model\": \"{}\", \"sample_rate_hz\": {}, \"contact_duration_s\": {}, \"max_compression_m\": {}, "
+      "\"exit_speed_m_per_s\": {},\n       \"contact_duration_error\": {}, \"max_compression_error\": {}, "
+      "\"exit_speed_error\": {}, \"samples\": {}}}",
+      m.model, m.sample_rate_hz, m.impact.contact_duration_s, m.impact.max_compression_m, m.impact.exit_speed_m_per_s,
+      c.error(m, kDuration), c.error(m, kCompression), c.error(m, kExitSpeed), c.samples(m));
+}
+
+std::string json_of(const std::vector<Comparison>& comparisons) {
+  std::vector<std::string> objects;
+  for (const Comparison& c : comparisons) {
+    std::vector<std::string> motions;
+    for (const Motion& motion : c.motions) motions.push_back(json_of(c, motion));
+    objects.push_back(fmt::format(
+        "  {{\n    \"material\": \"{}\", \"mass_kg\": {}, \"loss_s_per_m\": {}, \"speed_m_per_s\": {}, \"in_range\": "
+        "{}, \"segments\": {},\n    \"motions\": [\n{}\n    ]\n  }}",
+        c.material().name, c.mass_kg, c.material().loss_s_per_m, c.speed, c.is_in_range(),
+        c.design->spline.segments.size(), fmt::join(motions, ",\n")));
+  }
+  return fmt::format("[\n{}\n]\n", fmt::join(objects, ",\n"));
+}
+
+// Speeds at equal ratios.
+std::vector<double> speeds_between(const std::vector<double>& range) {
+  const auto count = static_cast<std::size_t>(range[2]);
+  std::vector<double> speeds;
+  for (std::size_t i = 0; i + 1 < count; ++i)
+    speeds.push_back(range[0] *
+                     std::pow(range[1] / range[0], static_cast<double>(i) / static_cast<double>(count - 1)));
+  speeds.push_back(range[1]);
+  return speeds;
+}
+
+void require_consistent(const ImpactOptions& options) {
+  if (options.csv && options.json) throw BadInput("--csv: cannot be combined with --json; allowed: one of the two");
+  if (options.speed_range.empty()) return;
+  if (!options.speeds.empty()) throw BadInput("--speeds: cannot be combined with --speed; allowed: one of the two");
+  const auto& range = options.speed_range;
+  if (!(range[0] >= 1e-6 && range[1] <= 1e3 && range[0] < range[1]))
+    throw BadInput("--speeds: these speeds are refused; allowed: MIN below MAX, from 1e-06 to 1000 m/s");
+  if (!(range[2] >= 2 && range[2] <= 1000 && range[2] == std::floor(range[2])))
+    throw BadInput(fmt::format("--speeds: {} is refused; allowed: a COUNT from 2 to 1000", range[2]));
+}
+
+std::vector<double> speeds_of(const ImpactOptions& options, const Impact& impact) {
+  if (!options.speed_range.empty()) return speeds_between(options.speed_range);
+  return options.speeds.empty() ? std::vector{impact.max_speed_m_per_s} : options.speeds;
 }
 
 }  // namespace
 
 void compare_impacts(const ImpactOptions& options) {
+  require_consistent(options);
+  std::vector<Design> designs;
+  designs.reserve(options.materials.size());
+  std::vector<Comparison> all;
   std::string text;
   for (const std::string& argument : options.materials) {
-    const Design design = design_argument(argument);
+    const Design& design = designs.emplace_back(design_argument(argument));
     const Impact& impact = impact_of(design.material, argument);
-    for (const double speed : options.speeds.empty() ? std::vector{impact.max_speed_m_per_s} : options.speeds) {
-      text += heading(design, impact.mass_kg, speed);
-      for (const double rate : options.rates) require_short(design, impact.mass_kg, speed, rate, argument);
-      for (const double rate : options.rates) text += simulated_row(design, impact.mass_kg, speed, rate);
-    }
+    std::vector<Comparison> comparisons;
+    for (const double speed : speeds_of(options, impact))
+      comparisons.push_back(compare(design, impact.mass_kg, speed, options.rates, argument));
+    if (!options.speed_range.empty())
+      text += table_of(comparisons);
+    else
+      for (const Comparison& comparison : comparisons) text += text_of(comparison);
+    all.insert(all.end(), comparisons.begin(), comparisons.end());
   }
-  write_stdout(text);
+  write_stdout(options.json ? json_of(all) : options.csv ? csv_of(all) : text);
 }
 
 }  // namespace contactspline

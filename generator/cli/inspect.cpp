@@ -31,6 +31,13 @@ std::string coefficient_table(const Spline& spline) {
   return table;
 }
 
+std::string tolerance_line(const Material& material) {
+  const SplineDesign& spline = material.spline;
+  if (spline.tolerance == 0) return {};
+  return fmt::format("tolerance {}, relative: at most {:.4g} % error of the {}\n", spline.tolerance,
+                     100 * spline.tolerance, spline.minimise == ErrorOf::force ? "force" : "contact duration");
+}
+
 std::string loss_line(const Material& material) {
   return material.loss_s_per_m == 0 ? "" : fmt::format("loss {:.6g} s/m\n", material.loss_s_per_m);
 }
@@ -47,10 +54,10 @@ std::string measurement_line(const Material& material) {
 std::string heading(const Design& design) {
   const Material& material = design.material;
   const double end_m = material.compensation ? design.spline.end_m : material.spline.max_compression_m;
-  return fmt::format("{}{}{}\n{}, {} {} segments over 0 to {:.6g} m\n{}{}\n", material.name,
+  return fmt::format("{}{}{}\n{}, {} {} segments over 0 to {:.6g} m\n{}{}{}\n", material.name,
                      material.description.empty() ? "" : ": ", material.description, law_text(material),
-                     material.spline.segments, name_of(material.spline.knots), end_m, loss_line(material),
-                     measurement_line(material));
+                     material.spline.segments, name_of(material.spline.knots), end_m, tolerance_line(material),
+                     loss_line(material), measurement_line(material));
 }
 
 std::string family_table(const Design& design) {

@@ -69,9 +69,10 @@ void render_mass_barrier(const MassBarrierOptions& options) {
                     [&](FigureFormat format) {
                       return figure_of(motion, fmt::format("mass on a barrier: {}", design.material.name), format);
                     });
-  write_stdout(fmt::format("{} contacts in {} s, largest force {:.4g} N\nfull scale of the sound: {:.4g} {}\n{}",
-                           contacts_in(motion.force_n), options.duration_s, peak_of(motion.force_n), peak / kPeak,
-                           options.signal == "force" ? "N" : "m", written));
+  write_stdout(fmt::format(
+      "{} contacts in {} s, largest contact force {:.4g} N\nfull scale of the sound: {:.4g} {} ({})\n{}",
+      contacts_in(motion.force_n), options.duration_s, peak_of(motion.force_n), peak / kPeak,
+      options.signal == "force" ? "N" : "m", options.signal == "force" ? "contact force" : "displacement", written));
 }
 
 }  // namespace contactspline

@@ -69,9 +69,10 @@ void render_score(Instrument instrument, const ScoreOptions& options) {
       [&](FigureFormat format) {
         return figure_of(performance, title, fmt::format("{} [{}]", kTraces[signal], kUnits[signal]), format);
       });
-  write_stdout(fmt::format("{} contacts in {:.4g} s, largest force {:.4g} N\nfull scale of the sound: {:.4g} {}\n{}",
-                           performance.contacts, score.duration_s, performance.largest_force_n, peak / kPeak,
-                           kUnits[signal], written));
+  write_stdout(fmt::format(
+      "{} contacts in {:.4g} s, largest contact force {:.4g} N\nfull scale of the sound: {:.4g} {} ({})\n{}",
+      performance.contacts, score.duration_s, performance.largest_force_n, peak / kPeak, kUnits[signal],
+      kTraces[signal], written));
 }
 
 }  // namespace contactspline

@@ -344,6 +344,17 @@ TEST(Materials, ListsEveryOneThatShips) {
   }
 }
 
+TEST(Inspect, SaysWhatAToleranceMeans) {
+  const Sandbox box;
+  std::string text = material(16);
+  const auto at = text.find("\"uniform\", \"segments\": 16");
+  ASSERT_NE(at, std::string::npos);
+  write_file(box / "probe.json", text.replace(at, 25, R"("graded", "tolerance": 0.1)"));
+  EXPECT_NE(printed(box, {"inspect", "probe.json"})
+                .find("\ntolerance 0.1, relative: at most 10 % error of the contact duration\n"),
+            std::string::npos);
+}
+
 TEST(List, HasATableForEachKind) {
   const std::string all = succeed({.arguments = {"list"}});
   for (const auto& [kind, folder] : std::vector<std::pair<std::string, Shipped>>{{"materials", Shipped::kMaterials},
@@ -360,13 +371,12 @@ TEST(List, HasATableForEachKind) {
 }
 
 TEST(List, PrintsTheLowestModeOfAResonator) {
-  const Sandbox box;
   for (const auto& line : lines_of(succeed({.arguments = {"list", "resonators"}}))) {
     std::istringstream row(line);
     std::string name, body;
     double frequency = NAN;
     if (!(row >> name >> body >> frequency)) continue;  // the heading
-    const Json modes = Json::parse(printed(box, {"generate", name, "--emit", "json", "-o", "-"}));
+    const Json modes = Json::parse(run({.arguments = {"generate", name, "--emit", "json", "-o", "-"}}).out);
     const double lowest = modes.at("angular_frequency_rad_per_s").at(0).get<double>() / (2 * std::numbers::pi);
     EXPECT_TRUE(relatively_within(frequency, lowest, 1e-4)) << line;
   }
@@ -401,7 +411,8 @@ ImpactRow parse_row(const std::string& line, const std::string& label) {
   row >> found.duration_us >> unit >> found.duration_error >> percent >> found.compression_um >> unit >>
       found.compression_error >> percent;
   EXPECT_TRUE(line.starts_with(label) && row && unit == "um" && percent == "%") << line;
-  row >> found.exit_error >> found.samples;
+  row >> found.exit_error >> percent >> found.samples;
+  found.exit_error /= 100;
   return found;
 }
 
@@ -467,6 +478,76 @@ TEST_P(ImpactOf, AMaterialThatShipsConvergesToTheExactMotion) {
 INSTANTIATE_TEST_SUITE_P(Kinds, ImpactOf,
                          ::testing::Values("felt_c4", "felt_over_wood", "felt_synthetic", "steel_ball_on_plate"),
                          [](const auto& test) { return test.param; });
+
+// Within the range to its ends no word; beyond it a line before the numbers.
+TEST(Impact, SaysWhereASpeedIsOutOfTheRange) {
+  const Sandbox box;
+  write_file(box / "probe.json", material(16));
+  const auto lines_at = [&](const std::string& speed) {
+    return lines_of(printed(box, {"impact", "probe.json", "--rate", "44100", "--speed", speed}));
+  };
+  for (const std::string speed : {"0.1", "2"}) EXPECT_EQ(lines_at(speed).size(), 5u) << speed;
+  for (const std::string speed : {"0.099", "2.001", "100"}) {
+    const auto lines = lines_at(speed);
+    ASSERT_EQ(lines.size(), 6u) << speed;
+    EXPECT_EQ(lines[1], "  out of the material's range, 0.1 to 2 m/s: the spline is not designed for this speed");
+  }
+}
+
+// JSON and CSV carry the same numbers, those of the library; the table rounds them.
+TEST(Impact, PrintsARangeOfSpeedsInThreeForms) {
+  const Sandbox box;
+  write_file(box / "probe.json", material(16));
+  const auto design = design_material(material(16), "probe.json");
+  const Words range = {"impact", "probe.json", "mb1",   "--speeds", "0.05", "3.2",
+                       "7",      "--rate",     "44100", "--rate",   "96000"};
+  const Json json = Json::parse(printed(box, followed_by(range, {"--json"})));
+  ASSERT_EQ(json.size(), 14u);
+  std::vector<std::string> rows;
+  for (const Json& one : json)
+    for (const Json& motion : one.at("motions")) {
+      const auto number = [&](const char* key) { return fmt::format(",{}", motion.at(key).get<double>()); };
+      rows.push_back(fmt::format("{},{},{},{},{},{}", one.at("material").get<std::string>(),
+                                 one.at("mass_kg").get<double>(), one.at("loss_s_per_m").get<double>(),
+                                 one.at("speed_m_per_s").get<double>(), one.at("in_range").get<bool>() ? 1 : 0,
+                                 motion.at("model").get<std::string>()));
+      for (const auto* key : {"sample_rate_hz", "contact_duration_s", "max_compression_m", "exit_speed_m_per_s",
+                              "contact_duration_error", "max_compression_error", "exit_speed_error", "samples"})
+        rows.back() += number(key);
+    }
+  auto csv = lines_of(printed(box, followed_by(range, {"--csv"})));
+  EXPECT_TRUE(csv.front().starts_with("material,mass_kg,")) << csv.front();
+  EXPECT_EQ(std::vector(csv.begin() + 1, csv.end()), rows);
+  const auto table = lines_of(printed(box, range));
+  ASSERT_EQ(table.size(), 20u);
+  for (std::size_t i = 0; i < 7; ++i) {
+    const double speed = 0.05 * std::pow(2.0, static_cast<double>(i));
+    const Json& one = json.at(i);
+    const double duration = contact_duration(design.material.contact, 0.01, speed);
+    EXPECT_TRUE(relatively_within(one.at("speed_m_per_s").get<double>(), speed, 1e-12));
+    EXPECT_EQ(one.at("in_range").get<bool>(), i > 0 && i < 6);
+    const Json& motions = one.at("motions");
+    ASSERT_EQ(motions.size(), 4u);
+    EXPECT_TRUE(relatively_within(motions[0].at("contact_duration_s").get<double>(), duration, 1e-9));
+    const auto spline = impact_on_spline(design.spline, 0.01, one.at("speed_m_per_s").get<double>());
+    EXPECT_TRUE(within(motions[1].at("contact_duration_error").get<double>(),
+                       spline.contact_duration_s / duration - 1, 1e-9));
+    const auto simulated =
+        simulate_impact(segment_table(design.spline), 0.01, one.at("speed_m_per_s").get<double>(), 96000);
+    EXPECT_EQ(motions[3].at("max_compression_m").get<double>(), simulated.max_compression_m);
+    std::istringstream row(table[2 + i]);
+    double shown_speed = NAN, duration_us = NAN, compression_um = NAN, duration_error = NAN, compression_error = NAN,
+           at_44 = NAN, at_96 = NAN;
+    row >> shown_speed >> duration_us >> compression_um >> duration_error >> compression_error >> at_44 >> at_96;
+    EXPECT_TRUE(relatively_within(shown_speed, speed, 1e-4));
+    EXPECT_TRUE(within(duration_us, 1e6 * duration, 6e-4));
+    EXPECT_TRUE(within(duration_error, 100 * motions[1].at("contact_duration_error").get<double>(), 6e-4));
+    EXPECT_TRUE(within(compression_error, 100 * motions[1].at("max_compression_error").get<double>(), 6e-4));
+    EXPECT_TRUE(within(at_44, 100 * motions[2].at("contact_duration_error").get<double>(), 6e-4));
+    EXPECT_TRUE(within(at_96, 100 * motions[3].at("contact_duration_error").get<double>(), 6e-4));
+    EXPECT_EQ(table[2 + i].find("out of the material's range") == std::string::npos, i > 0 && i < 6) << table[2 + i];
+  }
+}
 
 TEST(Impact, TakesTheLargestSpeedAndFourRatesByDefault) {
   const Sandbox box;

@@ -124,7 +124,8 @@ TEST(Render, SaysWhatItRendered) {
   std::size_t contacts = 0;
   for (std::size_t i = 1; i < motion.force_n.size(); ++i)
     contacts += motion.force_n[i] > 0 && motion.force_n[i - 1] == 0;
-  EXPECT_EQ(report, fmt::format("{} contacts in 1 s, largest force {:.4g} N\nfull scale of the sound: {:.4g} N\n"
+  EXPECT_EQ(report, fmt::format("{} contacts in 1 s, largest contact force {:.4g} N\n"
+                                "full scale of the sound: {:.4g} N (contact force)\n"
                                 "sound:  s/a.wav\nfigure: p/b.svg\n",
                                 contacts, largest, largest / kPeak));
   expect_drawn(box / "p/b.svg", 3);
