@@ -10,6 +10,7 @@
 #include <set>
 
 #include "generator/support/error.hpp"
+#include "generator/support/json_syntax.hpp"
 
 namespace contactspline {
 namespace {
@@ -90,10 +91,10 @@ Json::parser_callback_t reject_duplicates(std::string_view file, Position& posit
   };
 }
 
-// Removes the identifier in brackets that the library puts before its message.
-std::string without_identifier(std::string_view message) {
-  const auto end = message.find("] ");
-  return shown(end == std::string_view::npos ? message : message.substr(end + 2), 240);
+// What the library's message has in quotes.
+std::string quoted_in(std::string_view message) {
+  const auto begin = message.find('\'') + 1, end = message.rfind('\'');
+  return end > begin ? shown(message.substr(begin, end - begin)) : "a number";
 }
 
 bool is_identifier(std::string_view name) {
@@ -127,12 +128,13 @@ namespace {
 
 Json parsed(std::string_view text, std::string_view file, std::string_view what) {
   Position position(what);
+  if (const auto nul = text.find('\0'); nul != text.npos) refuse_syntax(text, file, nul, "control character");
   try {
     return Json::parse(text, reject_duplicates(file, position), true, true);
   } catch (const Json::out_of_range& error) {
-    refuse(file, position.path(), without_identifier(error.what()), "a finite number");
-  } catch (const Json::exception& error) {
-    refuse(file, what, without_identifier(error.what()), "a JSON object, comments included");
+    refuse(file, position.path(), fmt::format("{} is too large", quoted_in(error.what())), "a finite number");
+  } catch (const Json::parse_error& error) {
+    refuse_syntax(text, file, error.byte == 0 ? 0 : error.byte - 1, error.what());
   }
 }
 

@@ -42,9 +42,8 @@ struct NumberKey {
   [[nodiscard]] std::string text(const std::string& other) const { return fmt::format("\"{}\": {}", member, other); }
 };
 
-/// All the errors that a number can have. `what` is the kind of file, `name` begins the tests' names.
-inline std::vector<BadFile> number_cases(const std::string& name, const std::string& good, const std::string& what,
-                                         const NumberKey& number) {
+/// All the errors that a number can have. `name` begins the tests' names.
+inline std::vector<BadFile> number_cases(const std::string& name, const std::string& good, const NumberKey& number) {
   std::vector<BadFile> cases;
   const std::string key = number.path + number.member;
   const auto add = [&](const std::string& kind, const std::string& value, const std::string& where,
@@ -63,9 +62,8 @@ inline std::vector<BadFile> number_cases(const std::string& name, const std::str
   for (std::size_t i = 0; i < number.out_of_range.size(); ++i)
     add("is_out_of_range_" + std::to_string(i), number.out_of_range[i], key,
         "is out of range; allowed: " + number.allowed);
-  add("overflows", "1e999", key.substr(0, key.find('[')),
-      "number overflow parsing '1e999'; allowed: a finite number");
-  add("is_nan", "NaN", what, "invalid literal");
+  add("overflows", "1e999", key.substr(0, key.find('[')), "1e999 is too large; allowed: a finite number");
+  add("is_nan", "NaN", "line ", "'NaN' is not expected; allowed: a value: a number");
   add("is_twice", number.value + ", " + number.text(number.value), key.substr(0, key.find('[')),
       "duplicate key; allowed: once");
   return cases;

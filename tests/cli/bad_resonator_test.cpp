@@ -103,7 +103,7 @@ std::vector<BadFile> all_number_cases() {
   std::vector<BadFile> cases;
   for (const auto& [name, text, numbers] : bodies)
     for (const NumberKey& number : numbers) {
-      auto of_number = number_cases(name, text, "material", number);
+      auto of_number = number_cases(name, text, number);
       for (BadFile& bad : of_number)
         bad.test += '_', bad.test += number.path.substr(0, number.path.find_first_of(".["));
       std::ranges::move(of_number, std::back_inserter(cases));
@@ -167,8 +167,8 @@ std::vector<BadFile> key_cases() {
        "is not a number; allowed: a number from -1200 to 1200"},
       {"detuning_holds_much", changed(kString, "[0, 1.5]", "[0, 1201]"), "string.detuning_cents[1]",
        "is out of range; allowed: a number from -1200 to 1200"},
-      {"truncated", kString.substr(0, kString.size() / 2), "material", "allowed: a JSON object"},
-      {"trailing_garbage", kBar + "x", "material", "allowed: a JSON object"}};
+      {"truncated", kString.substr(0, kString.size() / 2), "line ", "; allowed: "},
+      {"trailing_garbage", kBar + "x", "line ", "; allowed: "}};
   for (const auto& [body, text, members] :
        std::vector<std::tuple<std::string, std::string, std::vector<std::string>>>{
            {"string.",

@@ -98,7 +98,7 @@ std::vector<BadFile> all_number_cases() {
   for (const auto& [name, text, numbers] : {std::tuple("hammer", kHammer, hammer), std::tuple("keys", kKeys, keys),
                                             std::tuple("slide", kSlide, slide), std::tuple("fret", kFret, fret)})
     for (const NumberKey& number : numbers)
-      std::ranges::move(number_cases(name, text, "score", number), std::back_inserter(cases));
+      std::ranges::move(number_cases(name, text, number), std::back_inserter(cases));
   return cases;
 }
 
@@ -201,10 +201,10 @@ std::vector<BadFile> key_cases() {
       {"mass_set_too_late", changed(kSlide, R"("slide_mass_kg": 0.05, )", ""), "events",
        "slide_mass_kg of a is not set"},
       {"gap_never_set", changed(kFret, R"("gap_m": 0.0005, )", ""), "events", "gap_m of a is not set"},
-      {"empty", "", "score", "unexpected end of input"},
+      {"empty", "", "line 1, column 1", "the file ends; allowed: a value"},
       {"array", "[]", "score", "is not an object; allowed: instrument"},
-      {"truncated", kHammer.substr(0, kHammer.size() / 2), "score", "allowed: a JSON object"},
-      {"trailing_garbage", kKeys + "x", "score", "allowed: a JSON object"},
+      {"truncated", kHammer.substr(0, kHammer.size() / 2), "line ", "; allowed: "},
+      {"trailing_garbage", kKeys + "x", "line ", "; allowed: "},
       {"large", kKeys + std::string(1 << 20, ' '), "file", "is larger than 1 MiB"}};
 }
 

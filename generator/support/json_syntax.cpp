@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+#include "generator/support/json_syntax.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "generator/support/error.hpp"
+#include "generator/support/json_reader.hpp"
+
+namespace contactspline {
+namespace {
+
+/// A part of the parser's message, and what is expected there. The first that fits counts.
+struct Expectation {
+  std::string_view message, expected;
+};
+
+constexpr auto kValue = "a value: a number, a text in double quotes, true, false, null, { or [";
+
+constexpr std::array kExpectations = {
+    Expectation{"missing closing quote", "the double quote that ends a text"},
+    Expectation{"control character", "no line end and no control character in a text"},
+    Expectation{"ill-formed UTF-8", "characters in UTF-8"},
+    Expectation{"BOM", "characters in UTF-8"},
+    Expectation{"surrogate", "a pair of surrogates, such as \\ud83d\\ude00"},
+    Expectation{"'\\u' must be followed", "four hexadecimal digits after \\u"},
+    Expectation{"after backslash", "one of \" \\ / b f n r t u after a backslash"},
+    Expectation{"'*/'", "*/, the end of the comment"},
+    Expectation{"invalid comment", "a comment that begins with // or /*"},
+    Expectation{"expected digit", "a digit"},
+    Expectation{"expected '+', '-', or digit", "a digit, + or -"},
+    Expectation{"object key", "a key in double quotes"},
+    Expectation{"object separator", "a colon between key and value"},
+    Expectation{"while parsing object", "a comma or }"},
+    Expectation{"while parsing array", "a comma or ]"},
+    Expectation{"; expected end of input", "the end of the file"},
+};
+
+std::string_view expected_in(std::string_view message) {
+  const auto fits = [&](const Expectation& one) { return message.find(one.message) != message.npos; };
+  const auto found = std::ranges::find_if(kExpectations, fits);
+  return found == kExpectations.end() ? kValue : found->expected;
+}
+
+bool is_in_word(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+}
+
+// The beginning of the text in quotes or of the word that ends at a place, or the place itself.
+std::size_t token_begin(std::string_view text, std::size_t at, std::string_view message) {
+  if (message.find("unexpected string literal") != message.npos) {
+    do at = text.substr(0, at).rfind('"');
+    while (at != text.npos && at > 0 && text[at - 1] == '\\');
+    if (at == text.npos) at = 0;
+  } else if (message.find("invalid literal") != message.npos || (at < text.size() && is_in_word(text[at]))) {
+    while (at > 0 && is_in_word(text[at - 1])) --at;
+  }
+  return at;
+}
+
+std::string found_at(std::string_view text, std::size_t at) {
+  if (at >= text.size()) return "the file ends";
+  if (text[at] == '\0') return "a NUL byte";
+  if (text[at] == '\n' || text[at] == '\r') return "the line ends";
+  if (static_cast<unsigned char>(text[at]) < 0x20) return "a control character";
+  std::size_t end = at + 1;
+  if (is_in_word(text[at]))
+    while (end < text.size() && is_in_word(text[end])) ++end;
+  return fmt::format("'{}' is not expected", shown(text.substr(at, end - at), 40));
+}
+
+}  // namespace
+
+void refuse_syntax(std::string_view text, std::string_view file, std::size_t at, std::string_view message) {
+  at = token_begin(text, std::min(at, text.size()), message);
+  const std::string_view before = text.substr(0, at);
+  const auto line = 1 + std::ranges::count(before, '\n');
+  const auto column = at - (before.rfind('\n') + 1) + 1;  // npos + 1 is 0
+  refuse(file, fmt::format("line {}, column {}", line, column), found_at(text, at), expected_in(message));
+}
+
+}  // namespace contactspline
