@@ -122,6 +122,8 @@ std::string end_of(const fs::path& path) {
 }
 
 bool bears_mark(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) return false;  // opening a pipe would wait for its writer
   const auto has_mark = [](std::string_view part) {
     return std::ranges::any_of(kMarks, [&](std::string_view mark) { return part.find(mark) != part.npos; });
   };
