@@ -64,17 +64,10 @@ template <typename UndampedAt, typename ShapesOf>
 std::vector<ResonatorMode> modes_while_below(double limit, std::size_t max, const Losses& losses,
                                              UndampedAt undamped_at, ShapesOf shapes_of) {
   std::vector<ResonatorMode> modes;
-  for (int i = 1; modes.size() <= max; ++i) {
-    const UndampedMode undamped = undamped_at(i);
-    if (undamped.angular_frequency_rad_per_s >= limit) break;
-    const double beta = undamped.wavenumber_per_m;
-    // This mode and all higher ones are overdamped.
-    if (losses.quadratic_m2_per_s * beta * beta >= undamped.angular_frequency_rad_per_s) break;
-    const auto mode = undamped.with(losses);
-    if (!mode) continue;
+  detail::for_sounding_modes(limit, max + 1, losses, undamped_at, [&](const Mode& mode, double beta) {
     const auto [strike, pickup] = shapes_of(beta);
-    modes.push_back({*mode, beta, without_rounding(strike), without_rounding(pickup)});
-  }
+    modes.push_back({mode, beta, without_rounding(strike), without_rounding(pickup)});
+  });
   return modes;
 }
 

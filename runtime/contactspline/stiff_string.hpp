@@ -67,6 +67,52 @@ struct UndampedMode {
   return -beta * (string.tension_n + string.bending_stiffness_n_m2 * beta * beta) * std::cos(beta * string.length_m);
 }
 
+namespace detail {
+
+/// Largest index of a mode. The search for one that sounds ends here.
+inline constexpr int kMaxModeIndex = 1 << 30;
+
+/// The first index after i whose frequency is above w; frequency_at rises with the index and is not above w at i.
+/// kMaxModeIndex + 1 if there is none.
+template <typename FrequencyAt>
+[[nodiscard]] int first_index_above(int i, double w, FrequencyAt frequency_at) {
+  int below = i, above = i;
+  for (int step = 1; above == below; step *= 2) {
+    if (step > kMaxModeIndex - below) return kMaxModeIndex + 1;
+    above = below + step;
+    if (!(frequency_at(above) > w)) below = above;
+  }
+  while (above - below > 1) {
+    const int middle = below + (above - below) / 2;
+    (frequency_at(middle) > w ? above : below) = middle;
+  }
+  return above;
+}
+
+/// Calls take(mode, wavenumber) for the modes i = 1, 2, ... with undamped frequencies below the limit [rad/s] that
+/// oscillate, at most `max` of them. Overdamped ones are passed over without a visit to each: a mode of a higher
+/// index decays faster, so it must also be faster than this decay.
+template <typename UndampedAt, typename Take>
+void for_sounding_modes(double limit, std::size_t max, const Losses& losses, UndampedAt undamped_at, Take take) {
+  const auto frequency_at = [&](int i) { return undamped_at(i).angular_frequency_rad_per_s; };
+  for (int i = 1; max > 0 && i <= kMaxModeIndex;) {
+    const UndampedMode undamped = undamped_at(i);
+    const double beta = undamped.wavenumber_per_m, w0 = undamped.angular_frequency_rad_per_s;
+    const double decay = losses.decay_per_s(beta);
+    if (w0 >= limit || decay >= limit) return;
+    if (losses.quadratic_m2_per_s * beta * beta >= w0) return;  // overdamped, and so are all higher modes
+    if (const auto mode = undamped.with(losses)) {
+      take(*mode, beta);
+      --max;
+      ++i;
+    } else {
+      i = first_index_above(i, decay, frequency_at);
+    }
+  }
+}
+
+}  // namespace detail
+
 /// A mode of a string: its shape at x is sin(wavenumber x).
 struct StringMode {
   Mode mode;
@@ -79,19 +125,13 @@ struct StringMode {
     const StiffString& string, double max_frequency_hz,
     std::size_t max_modes = std::numeric_limits<std::size_t>::max()) {
   std::vector<StringMode> modes;
-  for (const double cents : string.detuning_cents) {
-    std::size_t count = 0;
-    for (int i = 1; count < max_modes; ++i) {
-      const UndampedMode undamped = undamped_mode(string, i, cents);
-      const double beta = undamped.wavenumber_per_m, w0 = undamped.angular_frequency_rad_per_s;
-      if (w0 >= 2 * std::numbers::pi * max_frequency_hz) break;
-      if (string.losses.quadratic_m2_per_s * beta * beta >= w0) break;  // overdamped, and so are all higher modes
-      const auto mode = undamped.with(string.losses);
-      if (!mode) continue;
-      modes.push_back({*mode, beta});
-      ++count;
-    }
-  }
+  for (const double cents : string.detuning_cents)
+    detail::for_sounding_modes(
+        2 * std::numbers::pi * max_frequency_hz, max_modes, string.losses,
+        [&](int i) { return undamped_mode(string, i, cents); },
+        [&](const Mode& mode, double wavenumber_per_m) {
+          modes.push_back({mode, wavenumber_per_m});
+        });
   std::ranges::stable_sort(modes, {}, [](const StringMode& m) {
     return std::hypot(m.mode.angular_frequency_rad_per_s, m.mode.decay_per_s);
   });

@@ -209,6 +209,17 @@ INSTANTIATE_TEST_SUITE_P(Number, BadResonatorFile, ::testing::ValuesIn(all_numbe
 INSTANTIATE_TEST_SUITE_P(Key, BadResonatorFile, ::testing::ValuesIn(key_cases()),
                          ::testing::PrintToStringParamName());
 
+// 1e10 overdamped modes below half the rate, none of which sounds: refused at once.
+TEST(BadResonator, WhoseModesAreAllOverdampedIsRefused) {
+  const Sandbox box;
+  std::string text = changed(changed(kMembrane, "0.165", "100"), "0.35", "1e4");
+  text = changed(changed(text, "1500", "0.001"), R"("constant_loss_per_s": 6)", R"("constant_loss_per_s": 1e6)");
+  write_file(box / "probe.json", text);
+  for (const std::string command : {"generate", "inspect"})
+    expect_refused(run({.arguments = {command, "probe.json"}, .folder = box.path()}), "probe: ", "no mode");
+  EXPECT_EQ(std::distance(fs::directory_iterator(box.path()), {}), 1);
+}
+
 // What the tables above are made of is good itself.
 TEST(GoodResonatorFile, IsAccepted) {
   for (const std::string& text : {kString, kBar, kMembrane, kModes}) {

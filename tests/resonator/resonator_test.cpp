@@ -33,6 +33,35 @@ TEST(StiffString, PartialsAreStretched) {
   EXPECT_EQ(audible_modes(c2()).size(), 204u);  // the reference's count
 }
 
+// Losses above the limit: no mode sounds, and none of the 1e10 overdamped ones is visited.
+TEST(Resonators, WithoutASoundingModeHaveNone) {
+  const Losses losses{1e6, 0};
+  const Resonator bodies[] = {{"membrane", "", Membrane{100, 1e4, 1e-3, losses}, {1}, {2}, 4096},
+                              {"string", "", StiffString{100, 1e4, 1e-3, 0, losses}, {1}, {2}, 4096},
+                              {"bar", "", FreeBar{100, 1e4, 1e-9, losses}, {1}, {2}, 4096}};
+  for (const Resonator& body : bodies) EXPECT_TRUE(modes_of(body, 22050).modes.empty()) << body.name;
+}
+
+// A string whose first two million partials are overdamped: w_i = i v pi/L sounds from i > c L/(v pi) on. With a
+// second loss, the first one is the first above the smaller root of w - c - b w^2/v^2.
+TEST(Resonators, BeginWithTheFirstModeThatSounds) {
+  const double step = pi / 100 * std::sqrt(1e-3 * 100 / 1e3);  // w_1
+  const double constant = 2e6 * step + 0.3 * step;
+  for (const double quadratic : {0.0, 1e-9}) {
+    const Resonator string{"string", "", StiffString{100, 1e3, 1e-3, 0, {constant, quadratic}}, {1}, {2}, 10};
+    const double b = quadratic / (1e-3 * 100 / 1e3);
+    const double root = b == 0 ? constant : (1 - std::sqrt(1 - 4 * b * constant)) / (2 * b);
+    const auto modes = modes_of(string, 22050).modes;
+    ASSERT_EQ(modes.size(), 10u);
+    EXPECT_TRUE(relatively_within(modes[0].wavenumber_per_m, (std::floor(root / step) + 1) * pi / 100, 1e-12));
+  }
+  const Resonator drum{"drum", "", Membrane{10, 100, 0.1, {2000.5 * std::sqrt(0.1 / 100), 0}}, {1}, {2}, 3};
+  const auto modes = modes_of(drum, 22050).modes;
+  ASSERT_EQ(modes.size(), 3u);
+  for (const auto& mode : modes) EXPECT_GT(mode.wavenumber_per_m, 2000.5);
+  EXPECT_LT(modes[0].wavenumber_per_m, 2000.5 + pi / 10);  // the zeros of J_m lie pi apart
+}
+
 // Classical frequency ratios of the free-free bar (Rossing, Fletcher): 1, 2.7565, 5.4039, 8.9330.
 TEST(FreeBar, FrequenciesStandInTheClassicalRatios) {
   const Resonator bar{"bar", "", FreeBar{0.3, 0.4, 60, {1, 0}}, {0.15}, {0.0}, 100};
