@@ -10,12 +10,14 @@
 #include <utility>
 #include <vector>
 
+#include "contactspline/controls.hpp"
 #include "contactspline/flush_denormals.hpp"
 #include "contactspline/hammer_string.hpp"
 
 namespace contactspline {
 
-/// Level and position of a voice in the sum. Constant over a block.
+/// Level and position of a voice in the sum. Constant over a block. Their ranges are those of ControlRanges
+/// (docs/controls.md).
 template <std::floating_point T>
 struct VoiceMix {
   T gain = 1;        ///< output per metre of displacement at the pickup
@@ -37,7 +39,8 @@ concept Runner = std::invocable<Run, std::size_t, void (*)(std::size_t)>;
 
 /// Hammer-strings, each with its own felt, modes, places and controls. A voice sleeps when its hammer has stopped and
 /// the energy of its string is below `inaudible_j`; a strike wakes it. The order of summation does not depend on the
-/// number of threads: awake voices by rising number in groups of kGroup, then the groups.
+/// number of threads: awake voices by rising number in groups of kGroup, then the groups. A voice whose sound is not
+/// finite, as that of modes that are no numbers, is left out of the sum, brought to rest and put to sleep.
 template <std::floating_point T>
 class Ensemble {
  public:
@@ -63,12 +66,24 @@ class Ensemble {
   /// Throws the hammer of a voice as HammerString::strike does, and wakes the voice. This function and all below are
   /// safe on an audio thread.
   void strike(std::size_t voice, T velocity_m_per_s, T distance_m) {
+    if (!is_number(velocity_m_per_s) || !is_number(distance_m)) return;
     Voice& struck = voices_[voice];
     struck.model.strike(velocity_m_per_s, distance_m);
     // Different delays, so that the voices of a chord are not all checked in the same block.
     struck.until_check = kCheckInterval + voice * kBlock % kCheckInterval;
     if (!std::exchange(struck.is_awake, true))
       awake_.insert(std::ranges::lower_bound(awake_, voice), voice);  // does not allocate: add() reserved space
+  }
+
+  /// Brings a voice to rest and puts it to sleep.
+  void reset(std::size_t voice) {
+    rest(voices_[voice]);
+    std::erase(awake_, voice);
+  }
+  /// The same for all voices.
+  void reset() {
+    for (Voice& voice : voices_) rest(voice);
+    awake_.clear();
   }
 
   [[nodiscard]] HammerStringControls<T>& controls(std::size_t voice) { return voices_[voice].controls; }
@@ -102,7 +117,7 @@ class Ensemble {
     HammerString<T> model;
     ModeShapes<T> pickup;
     HammerStringControls<T> controls;
-    VoiceMix<T> mix = {};
+    VoiceMix<T> mix = {}, held_mix = {};
     std::size_t until_check = 0;  // samples
     bool is_awake = false;
   };
@@ -135,11 +150,21 @@ class Ensemble {
     for (std::size_t i = group * kGroup; i < end; ++i) {
       Voice& voice = voices_[awake_[i]];
       voice.model.process(voice.controls, voice.pickup, {sound, samples});
-      const auto [gain, pan] = voice.mix;
+      if (!all_finite(std::span<const T>(sound, samples).last(1))) {  // modes that are not finite stay so
+        rest(voice);
+        continue;
+      }
+      const auto [gain, pan] = voice.held_mix = {held(voice.held_mix.gain, voice.mix.gain, ControlRanges<T>::gain),
+                                                 held(voice.held_mix.pan, voice.mix.pan, ControlRanges<T>::pan)};
       add(is_stereo ? gain * std::sqrt(1 - pan) : gain, sound, left);
       add(gain * std::sqrt(pan), sound, right);
       check_energy(voice, samples);
     }
+  }
+
+  static void rest(Voice& voice) {
+    voice.model.reset();
+    voice.is_awake = false;
   }
 
   static void add(T gain, const T* __restrict sound, std::span<T> sum) {

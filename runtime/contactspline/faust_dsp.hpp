@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "contactspline/controls.hpp"
 #include "contactspline/hammer_string.hpp"
 
 namespace contactspline {
@@ -31,7 +32,8 @@ struct FaustControl {
 /// A felt hammer on a string, with the controls of `hammer_string_ui` in faust/instruments.lib. Felt: an emitted
 /// material, Resonator: an emitted string, T: precision of the model. Outputs: displacement at the pickup [mm],
 /// contact force [N]. Two differences from Faust: the strike position is read when the hammer is thrown, and the
-/// displacement is not one sample late. compute() allocates nothing and reads the controls once.
+/// displacement is not one sample late. compute() allocates nothing and reads the controls once. It moves each into
+/// its range and keeps the last value of one that is not a number (docs/controls.md).
 template <typename Felt, typename Resonator, std::floating_point T>
 class HammerStringDsp : public dsp {
  public:
@@ -83,6 +85,7 @@ class HammerStringDsp : public dsp {
 
   void instanceResetUserInterface() override {
     for (const FaustControl& control : controls()) *control.value = control.initial;
+    held_ = zones_;
   }
 
   void instanceClear() override {
@@ -93,12 +96,12 @@ class HammerStringDsp : public dsp {
   }
 
   void compute(int count, FAUSTFLOAT**, FAUSTFLOAT** outputs) override {
-    if (strike_ > was_pressed_) throw_hammer();
-    was_pressed_ = strike_;
-    const T damping_per_s = static_cast<T>(damping_);
+    for (std::size_t i = 0; i < held_.size(); ++i) held_[i] = contactspline::held(held_[i], zones_[i], kRanges[i]);
+    if (held_[kStrike] > was_pressed_) throw_hammer();
+    was_pressed_ = held_[kStrike];
+    const T damping_per_s = control(kDamping);
     if (!damping_per_s_) damping_per_s_ = damping_per_s;
-    HammerStringControls<T> live{
-        static_cast<T>(mass_kg_), {static_cast<T>(stiffness_ratio_), static_cast<T>(loss_s_per_m_)}, *damping_per_s_};
+    HammerStringControls<T> live{control(kMass), {control(kStiffnessRatio), control(kLoss)}, *damping_per_s_};
     FAUSTFLOAT* const displacement = outputs[0];
     FAUSTFLOAT* const force = outputs[1];
     const auto process = [&](int begin, int samples) {
@@ -122,6 +125,21 @@ class HammerStringDsp : public dsp {
   static constexpr double kDampingTime = 0.005;  // s, time constant of the damping
   static constexpr T kDistance = T(1e-4);        // m, of the hammer from the string when it is thrown
 
+  // Labels, ranges and metadata as in faust/instruments.lib. The metadata "0" to "6" define the order.
+  enum : std::size_t { kStrike, kSpeed, kMass, kStiffnessRatio, kLoss, kDamping, kPosition, kControls };
+  using Values = std::array<FAUSTFLOAT, kControls>;
+  static constexpr auto kFeltLoss = static_cast<FAUSTFLOAT>(Felt::loss_s_per_m);
+  static constexpr std::array<ControlRange<FAUSTFLOAT>, kControls> kRanges{
+      {{0, 1},
+       {FAUSTFLOAT(0.05), 10},
+       {FAUSTFLOAT(0.0005), FAUSTFLOAT(0.05)},
+       {FAUSTFLOAT(0.001), 1000},
+       {0, kFeltLoss > 2 ? kFeltLoss : FAUSTFLOAT(2)},
+       {0, 1000},
+       {FAUSTFLOAT(0.01), FAUSTFLOAT(0.99)}}};
+
+  [[nodiscard]] T control(std::size_t index) const { return static_cast<T>(held_[index]); }
+
   /// Computes displacement [mm] and force [N] of at most kBlock samples.
   void process_block(const HammerStringControls<T>& live, std::span<FAUSTFLOAT> displacement, FAUSTFLOAT* force) {
     Model& model = *model_;
@@ -142,51 +160,31 @@ class HammerStringDsp : public dsp {
     }
   }
 
-  // Labels, ranges and metadata as in faust/instruments.lib. The metadata "0" to "6" define the order.
   std::vector<FaustControl> controls() {
-    constexpr auto kLoss = static_cast<FAUSTFLOAT>(Felt::loss_s_per_m);
-    constexpr auto kMaxLoss = kLoss > 2 ? kLoss : FAUSTFLOAT(2);
-    return {{&strike_, "strike", 0, 0, 0, 0, {{"0", ""}}},
-            {&speed_m_per_s_,
-             "speed",
-             FAUSTFLOAT(2.5),
-             FAUSTFLOAT(0.05),
-             10,
-             FAUSTFLOAT(0.01),
-             {{"1", ""}, {"unit", "m/s"}}},
-            {&mass_kg_,
-             "hammer mass",
-             initial_mass_kg_,
-             FAUSTFLOAT(0.0005),
-             FAUSTFLOAT(0.05),
-             FAUSTFLOAT(0.00001),
-             {{"2", ""}, {"scale", "log"}, {"unit", "kg"}}},
-            {&stiffness_ratio_,
-             "stiffness ratio",
-             1,
-             FAUSTFLOAT(0.001),
-             1000,
-             FAUSTFLOAT(0.001),
-             {{"3", ""}, {"scale", "log"}}},
-            {&loss_s_per_m_, "felt loss", kLoss, 0, kMaxLoss, FAUSTFLOAT(0.001), {{"4", ""}, {"unit", "s/m"}}},
-            {&damping_, "damping", 0, 0, 1000, FAUSTFLOAT(0.1), {{"5", ""}, {"unit", "1/s"}}},
-            {&position_,
-             "strike position",
-             FAUSTFLOAT(0.12),
-             FAUSTFLOAT(0.01),
-             FAUSTFLOAT(0.99),
-             FAUSTFLOAT(0.001),
-             {{"6", ""}, {"tooltip", "along the string, as part of its length"}}}};
+    const auto slider = [this](std::size_t index, const char* label, FAUSTFLOAT initial, FAUSTFLOAT step,
+                               std::vector<std::pair<const char*, const char*>> metadata) {
+      const auto [min, max] = kRanges[index];
+      return FaustControl{&zones_[index], label, initial, min, max, step, std::move(metadata)};
+    };
+    return {{&zones_[kStrike], "strike", 0, 0, 0, 0, {{"0", ""}}},
+            slider(kSpeed, "speed", FAUSTFLOAT(2.5), FAUSTFLOAT(0.01), {{"1", ""}, {"unit", "m/s"}}),
+            slider(kMass, "hammer mass", initial_mass_kg_, FAUSTFLOAT(0.00001),
+                   {{"2", ""}, {"scale", "log"}, {"unit", "kg"}}),
+            slider(kStiffnessRatio, "stiffness ratio", 1, FAUSTFLOAT(0.001), {{"3", ""}, {"scale", "log"}}),
+            slider(kLoss, "felt loss", kFeltLoss, FAUSTFLOAT(0.001), {{"4", ""}, {"unit", "s/m"}}),
+            slider(kDamping, "damping", 0, FAUSTFLOAT(0.1), {{"5", ""}, {"unit", "1/s"}}),
+            slider(kPosition, "strike position", FAUSTFLOAT(0.12), FAUSTFLOAT(0.001),
+                   {{"6", ""}, {"tooltip", "along the string, as part of its length"}})};
   }
 
   void throw_hammer() {
-    if (position_ != struck_position_) move_strike();
-    model_->strike(static_cast<T>(speed_m_per_s_), kDistance);
+    if (held_[kPosition] != struck_position_) move_strike();
+    model_->strike(control(kSpeed), kDistance);
   }
 
   void move_strike() {
-    struck_position_ = position_;
-    const double place_m = static_cast<double>(position_) * std::numbers::pi / Resonator::wavenumbers[0];
+    struck_position_ = held_[kPosition];
+    const double place_m = static_cast<double>(struck_position_) * std::numbers::pi / Resonator::wavenumbers[0];
     for (std::size_t i = 0; i < Resonator::modes; ++i)
       shapes_[i] = static_cast<T>(std::sin(Resonator::wavenumbers[i] * place_m) / Resonator::strings);
     model_->strike_at(shapes_);
@@ -194,7 +192,7 @@ class HammerStringDsp : public dsp {
 
   const char* name_;
   FAUSTFLOAT initial_mass_kg_;
-  FAUSTFLOAT strike_, speed_m_per_s_, mass_kg_, stiffness_ratio_, loss_s_per_m_, damping_, position_;
+  Values zones_{}, held_{};  // what the host wrote; what acts
   FAUSTFLOAT was_pressed_ = 0;
   FAUSTFLOAT struck_position_ = -1;  // at the last throw; -1 before the first one
   int sample_rate_hz_ = 0;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "contactspline/contact.hpp"
+#include "contactspline/controls.hpp"
 #include "contactspline/kernels.hpp"
 #include "contactspline/modal.hpp"
 #include "contactspline/strike_constants.hpp"
@@ -13,12 +14,13 @@
 namespace contactspline {
 
 /// Live controls of the hammer-string model. The hammer's mass and felt are taken at the throw and hold until the
-/// next one: a felt that hardens during contact, or a hammer that becomes heavier, would add energy.
+/// next one: a felt that hardens during contact, or a hammer that becomes heavier, would add energy. Their ranges are
+/// those of ControlRanges (docs/controls.md).
 template <std::floating_point T>
 struct HammerStringControls {
-  T hammer_mass_kg;              ///< > 0
+  T hammer_mass_kg;
   ContactControls<T> felt = {};  ///< stiffness ratio and loss
-  T damping_per_s = 0;           ///< of the damper, at any time: extra decay of every mode, >= 0
+  T damping_per_s = 0;           ///< of the damper, at any time: extra decay of every mode
 };
 
 /// A hammer in free flight in front of a resonator, which it strikes at one place. Several strings under one hammer
@@ -34,29 +36,38 @@ class HammerString {
         constants_(felt, modes.size()),
         time_step_(T(1 / sample_rate_hz)) {}
 
-  /// Moves the place of the strike, from the next throw on.
+  /// Moves the place of the strike, from the next throw on. Does nothing if a shape is not finite.
   void strike_at(const ModeShapes<T>& strike) {
+    if (!all_finite(std::span<const T>(strike.data(), strike.size()))) return;
     next_strike_ = strike;
     has_moved_ = true;
   }
 
-  /// Throws the hammer at the string from a distance [m], 0 to 0.05, with a velocity [m/s]. The string may be
-  /// sounding. From a greater distance the hammer is stopped at once.
+  /// Throws the hammer at the string from a distance [m], 0 to 0.05, with a velocity [m/s], -1000 to 1000. The string
+  /// may be sounding. Does nothing if one of them is not a number.
   void strike(T velocity_m_per_s, T distance_m) {
+    if (!is_number(velocity_m_per_s) || !is_number(distance_m)) return;
     if (std::exchange(has_moved_, false)) {
       strike_ = next_strike_;
       constants_.strike_at(string_, strike_);
     }
-    hammer_.compression_m = -distance_m;
+    hammer_.compression_m = -held(T(0), distance_m, Ranges::throw_distance_m);
     hammer_.segment = segment_index(felt_, hammer_.compression_m);
-    hammer_.velocity_m_per_s = velocity_m_per_s;
+    hammer_.velocity_m_per_s = held(T(0), velocity_m_per_s, Ranges::speed_m_per_s);
     std::ranges::fill(hammer_.crossed, 0);
     is_thrown_ = is_flying_ = true;
   }
 
+  /// Brings the string to rest and stops the hammer. Places and the last controls stay. Does not allocate.
+  void reset() {
+    string_.reset();
+    hammer_ = {.mass_kg = hammer_.mass_kg, .felt = hammer_.felt};
+    is_thrown_ = is_flying_ = false;
+  }
+
   /// Advances one sample. Safe in an audio thread: no allocation, no lock, bounded time.
   void tick(const HammerStringControls<T>& controls) {
-    const T damping = controls.damping_per_s * time_step_;
+    const T damping = take_damping(controls);
     if (!is_flying_) {
       hammer_.force_n = 0;
       return string_.advance(damping);
@@ -74,7 +85,7 @@ class HammerString {
                T* forces = nullptr) {
 #ifdef CONTACTSPLINE_SIMD
     if (out.empty()) return;
-    const T damping_gain = 1 / (1 + controls.damping_per_s * time_step_);
+    const T damping_gain = 1 / (1 + take_damping(controls));
     if (is_flying_) {
       take(controls);
       constants_.follow(felt_);
@@ -118,10 +129,18 @@ class HammerString {
   }
 
  private:
+  using Ranges = ControlRanges<T>;
+
   void take(const HammerStringControls<T>& controls) {
     if (!std::exchange(is_thrown_, false)) return;
-    hammer_.mass_kg = controls.hammer_mass_kg;
-    hammer_.felt = controls.felt;
+    hammer_.mass_kg = held(hammer_.mass_kg, controls.hammer_mass_kg, Ranges::mass_kg);
+    hammer_.felt = held(hammer_.felt, controls.felt);
+  }
+
+  // The damping times dt.
+  T take_damping(const HammerStringControls<T>& controls) {
+    damping_per_s_ = held(damping_per_s_, controls.damping_per_s, Ranges::damping_per_s);
+    return damping_per_s_ * time_step_;
   }
 
   // One sample of the contact between predict() and commit() of the string.
@@ -145,6 +164,7 @@ class HammerString {
   detail::StrikeConstantsStorage<T> constants_;
   T time_step_;
   detail::HammerState<T> hammer_;
+  T damping_per_s_ = 0;
   bool has_moved_ = true;   // the place of the strike, since the last throw
   bool is_thrown_ = false;  // by strike(); the next sample takes the hammer's controls
   bool is_flying_ = false;

@@ -90,20 +90,29 @@ class HammerVoice {
         controls_(controls),
         damper_(damper, sample_rate_hz) {}
 
-  /// Throws the hammer at the strings [m/s] and lifts the damper. The strings may be sounding.
+  /// Throws the hammer at the strings [m/s], -1000 to 1000, and lifts the damper. The strings may be sounding. Does
+  /// nothing if the velocity is not a number.
   void strike(T velocity_m_per_s) {
+    if (!is_number(velocity_m_per_s)) return;
     damper_.lift();
     model_.strike(velocity_m_per_s, kThrowDistance_m);
   }
 
-  /// Moves the place of the strike, from the next throw on.
+  /// Moves the place of the strike, from the next throw on. Does nothing if a shape is not finite.
   void strike_at(const ModeShapes<T>& strike) { model_.strike_at(strike); }
 
   /// Lowers the damper.
   void release() { damper_.lower(); }
 
+  /// Brings the strings to rest, stops the hammer and lifts the damper. Does not allocate.
+  void reset() {
+    damper_.lift();
+    model_.reset();
+  }
+
   /// Advances one sample and returns the output. Safe in an audio thread: no allocation, no lock, bounded time.
   T tick() {
+    damping_per_s_ = own_damping();
     model_.tick(damped());
     damper_.advance(1);
     return model_.string().displacement(output_);
@@ -113,6 +122,7 @@ class HammerVoice {
   /// Equals as many calls of tick(), but is many times as fast if ContactSpline::simd is linked. Safe in an audio
   /// thread.
   void process(std::span<T> out, T* forces = nullptr) {
+    damping_per_s_ = own_damping();
     while (!out.empty()) {
       const std::size_t samples = std::min(out.size(), damper_.samples());
       model_.process(damped(), output_, out.first(samples), forces);
@@ -138,15 +148,21 @@ class HammerVoice {
   [[nodiscard]] HammerStringControls<T>& controls() { return controls_; }
 
  private:
+  // The damping of the controls, before the damper's is added: one that is not a number leaves the damper alone.
+  [[nodiscard]] T own_damping() const {
+    return held(damping_per_s_, controls_.damping_per_s, ControlRanges<T>::damping_per_s);
+  }
+
   [[nodiscard]] HammerStringControls<T> damped() const {
     HammerStringControls<T> controls = controls_;
-    controls.damping_per_s += static_cast<T>(damper_.value());
+    controls.damping_per_s = own_damping() + static_cast<T>(damper_.value());
     return controls;
   }
 
   HammerString<T> model_;
   ModeShapes<T> output_;
   HammerStringControls<T> controls_;
+  T damping_per_s_ = 0;  // the last one of the controls that was a number
   detail::FallingDamper damper_;
 };
 

@@ -2,6 +2,7 @@
 // The keys of an emitted keyboard as hammer voices.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <concepts>
@@ -38,10 +39,13 @@ template <typename Keyboard>
           {Keyboard::constant_losses[k], Keyboard::quadratic_losses[k]}};
 }
 
-/// Speed [m/s] at which a velocity from 0 to 1 throws the hammer: min (max/min)^velocity.
+/// Speed [m/s] at which a velocity throws the hammer: min (max/min)^velocity; velocity from 0 to 1, clamped. Not a
+/// number if the velocity is not, and then no hammer is thrown.
 template <typename Keyboard>
 [[nodiscard]] double strike_speed(double velocity) {
-  return Keyboard::min_speed_m_per_s * std::pow(Keyboard::max_speed_m_per_s / Keyboard::min_speed_m_per_s, velocity);
+  if (!is_number(velocity)) return velocity;
+  return Keyboard::min_speed_m_per_s *
+         std::pow(Keyboard::max_speed_m_per_s / Keyboard::min_speed_m_per_s, std::clamp(velocity, 0.0, 1.0));
 }
 
 /// One key of an emitted keyboard: a hammer voice whose output is the force of all its strings on the bridge [N].

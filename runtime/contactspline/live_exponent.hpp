@@ -7,6 +7,7 @@
 #include <cstddef>
 
 #include "contactspline/contact.hpp"
+#include "contactspline/controls.hpp"
 #include "contactspline/version.hpp"
 
 namespace contactspline {
@@ -22,15 +23,17 @@ class LiveExponent {
  public:
   static constexpr std::size_t size = Material::live::segments + 1;
 
-  explicit LiveExponent(T exponent) { set(exponent); }
+  /// exponent: as for set(); the smallest one if it is not a number.
+  explicit LiveExponent(T exponent) { set(held(kRange.min, exponent, kRange)); }
 
-  /// Sets the exponent, clamped to Material::live::min_exponent and max_exponent. Safe on an audio thread: one or two
-  /// multiplications for each number of the table.
+  /// Sets the exponent, clamped to Material::live::min_exponent and max_exponent. Does nothing if it is not a number.
+  /// Safe on an audio thread: one or two multiplications for each number of the table.
   void set(T exponent) {
+    if (!is_number(exponent)) return;
     using Live = typename Material::live;
     constexpr T kSteps = static_cast<T>(Live::members - 1);
-    constexpr T kMin = static_cast<T>(Live::min_exponent), kMax = static_cast<T>(Live::max_exponent);
-    const T place = std::clamp((exponent - kMin) / (kMax - kMin), T(0), T(1)) * kSteps;
+    const T part = (std::clamp(exponent, kRange.min, kRange.max) - kRange.min) / (kRange.max - kRange.min);
+    const T place = std::min(part, T(1)) * kSteps;
     const auto below = std::min(static_cast<std::size_t>(place), Live::members - 2);
     const T fraction = place - static_cast<T>(below);
     for (std::size_t j = 1; j < size; ++j) {
@@ -44,6 +47,9 @@ class LiveExponent {
   [[nodiscard]] SegmentTable<T, size> table() const { return table_; }
 
  private:
+  static constexpr ControlRange<T> kRange{static_cast<T>(Material::live::min_exponent),
+                                          static_cast<T>(Material::live::max_exponent)};
+
   static T blend(T low, T high, T fraction) { return low + fraction * (high - low); }
 
   static constexpr auto kMembers = [] {

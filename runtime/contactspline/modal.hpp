@@ -13,6 +13,7 @@
 #include <span>
 #include <vector>
 
+#include "contactspline/controls.hpp"
 #include "contactspline/kernels.hpp"
 #include "contactspline/version.hpp"
 
@@ -198,11 +199,12 @@ class ModalBank {
   void predict() { predict(0); }
 
   /// Begins a sample with a damper that acts on all modes equally. It is a viscous resistance, which multiplies each
-  /// increment by the damping gain 1/(1 + damping); damping = extra decay [1/s] times dt, >= 0. push() and
-  /// admittance() do not apply this gain: multiply the forces of this sample and the admittances by it.
+  /// increment by the damping gain 1/(1 + damping); damping = extra decay [1/s] times dt, 0 to 1e5, and the last one
+  /// if it is not a number. push() and admittance() do not apply this gain: multiply the forces of this sample and
+  /// the admittances by it.
   void predict(T damping) {
-    damping_ = damping;
-    const T damping_gain = 1 / (1 + damping);
+    damping_ = held(damping_, damping, ControlRanges<T>::damping);
+    const T damping_gain = 1 / (1 + damping_);
     T* __restrict change = change_.data();  // here and in push(): no other array of the loop overlaps this one
     for (std::size_t i = 0; i < size(); ++i) change[i] = damping_gain * free_increment_[i];
   }
@@ -280,9 +282,11 @@ class ModalBank {
             loss_.data(), displacement_.data(), free_increment_.data()};
   }
 
+  /// Brings all modes to rest. Does not allocate.
   void reset() {
     displacement_.clear();
     free_increment_.clear();
+    change_.clear();
   }
 
  private:

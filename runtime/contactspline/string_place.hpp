@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "contactspline/controls.hpp"
 #include "contactspline/modal.hpp"
 
 namespace contactspline {
@@ -38,6 +39,11 @@ class StringShapes {
     return static_cast<T>(step);
   }
 
+  /// Length of the string [m]: half the longest wave. 0 without modes.
+  [[nodiscard]] T length() const {
+    return wavenumbers_.empty() ? T(0) : std::numbers::pi_v<T> / *std::ranges::min_element(wavenumbers_);
+  }
+
   [[nodiscard]] std::size_t size() const { return wavenumbers_.size(); }
 
  private:
@@ -53,6 +59,7 @@ class MovingPlace {
   /// longest_step_m: StringShapes::longest_step.
   MovingPlace(const StringShapes<T>& shapes, T place_m, T longest_step_m)
       : shapes_(shapes),
+        range_{0, shapes.length()},
         max_step_(longest_step_m),
         before_(shapes.size()),
         after_(shapes.size()),
@@ -61,21 +68,23 @@ class MovingPlace {
     put(place_m);
   }
 
-  /// Sets the place without moving there: the shapes do not change over the sample.
+  /// Sets the place without moving there: the shapes do not change over the sample. place_m: from 0 to the length of
+  /// the string, clamped; the place stays if it is not a number.
   void put(T place_m) {
-    place_ = place_m;
+    place_ = held(place_, place_m, range_);
     shapes_.at(place_, after_);
     compare_with(after_);
     is_moving_ = false;
   }
 
   /// Moves towards a place over the next sample, by the longest step at most. A jump of the control becomes a fast
-  /// slide that the string can follow. Returns whether the shapes changed.
+  /// slide that the string can follow. place_m: as for put(). Returns whether the shapes changed.
   bool move_to(T place_m) {
-    const T step = std::clamp(place_m - place_, -max_step_, max_step_);
+    const T target = held(place_, place_m, range_);
+    const T step = std::clamp(target - place_, -max_step_, max_step_);
     if (step == 0 && !is_moving_) return false;
     is_moving_ = step != 0;
-    place_ = std::abs(step) < max_step_ ? place_m : place_ + step;
+    place_ = std::abs(step) < max_step_ ? target : place_ + step;
     std::swap(before_, after_);
     shapes_.at(place_, after_);
     compare_with(before_);
@@ -96,6 +105,7 @@ class MovingPlace {
   }
 
   StringShapes<T> shapes_;
+  ControlRange<T> range_;
   T max_step_;
   ModeShapes<T> before_, after_, mean_, change_;
   T place_ = 0;

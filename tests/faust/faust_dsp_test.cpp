@@ -13,6 +13,7 @@
 #include "contactspline/faust_dsp.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <sstream>
 
@@ -126,6 +127,48 @@ TEST(HammerStringDsp, SoundsAsTheClassThatFaustWrites) {
   found.displacement.pop_back();
   EXPECT_TRUE(sequences_within<double>(found.displacement, earlier.displacement, 1e-9));
   EXPECT_TRUE(sequences_within<double>(found.force, expected.force, 1e-9));
+}
+
+// A control that is no number, while the others play: as if it had stayed. One out of range acts as the end of its
+// slider. Everything is heard again when the control recovers, and init() is not needed.
+TEST(HammerStringDsp, HoldsItsControlsInTheirRanges) {
+  const auto played = [](const char* label, double value) {
+    Player player(wrapped());
+    Sound sound;
+    for (int i = 0; i < 4; ++i) {
+      player.set("strike", 0);
+      player.play(100, sound);
+      if (i == 2) player.set("damping", 0);
+      if (i == 1) player.set(label, value);
+      player.set("strike", 1);
+      player.play(500, sound);
+    }
+    return sound.force;
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+  const auto left_alone = played("speed", 2.5);
+  for (const char* label : {"speed", "hammer mass", "stiffness ratio", "felt loss", "strike position"}) {
+    EXPECT_EQ(played(label, nan), left_alone) << label;
+    EXPECT_EQ(played(label, infinity), played(label, 1e30)) << label;
+    EXPECT_EQ(played(label, -infinity), played(label, -1e30)) << label;
+    EXPECT_NE(played(label, infinity), left_alone) << label;
+  }
+  EXPECT_EQ(played("speed", 1e30), played("speed", 10));
+  EXPECT_EQ(played("strike position", 1e30), played("strike position", 0.99));
+  EXPECT_EQ(played("damping", nan), left_alone);
+  EXPECT_EQ(played("damping", infinity), played("damping", 1000));
+}
+
+// A strike that is no number is no strike, and the next one is.
+TEST(HammerStringDsp, IsStruckAfterAStrikeThatIsNoNumber) {
+  Player player(wrapped());
+  Sound sound;
+  player.set("strike", std::numeric_limits<double>::quiet_NaN());
+  player.play(500, sound);
+  EXPECT_EQ(*std::ranges::max_element(sound.force), 0);
+  player.set("strike", 1);
+  player.play(500, sound);
+  EXPECT_GT(*std::ranges::max_element(sound.force), 10);
 }
 
 /// What a host is told, line by line; zones by the order in which they come.
