@@ -297,6 +297,43 @@ TEST(Kernels, OutliveWhatIsNoNumber) {
     }
 }
 
+// Whatever the state of the hammer, a kernel stays within the table: in one, two and three levels of knots, with and
+// without loss. HammerString keeps such numbers out (controls_test); this is the kernels' own door.
+TYPED_TEST(Kernels, StayWithinTheTableForAnyLoad) {
+  using T = TypeParam;
+  constexpr T kInfinity = std::numeric_limits<T>::infinity(), kNan = std::numeric_limits<T>::quiet_NaN(),
+              kMax = std::numeric_limits<T>::max();
+  const T values[] = {kInfinity, -kInfinity, kNan, kMax, -kMax, kMax / 2, 1e30f, -1e30f, 2, -2, 0};
+  const auto modes = bare(audible_modes(c4()));
+  const auto shape = shapes<T>(audible_modes(c4()), &ResonatorMode::strike_shape);
+  for (const int segments : {1, 32, 33, 64, 1500}) {
+    const auto table = table_in<T>(felt_table(c4(), segments));
+    for (const std::int64_t target : targets()) {
+      const OnlyTarget only(target);
+      for (const std::size_t block : {1u, 40u})
+        for (const T velocity : values)
+          for (const T compression : {T(-1e-4), T(0), table.back().knot / 2, 2 * table.back().knot})
+            for (const ContactControls<T>& felt : {ContactControls<T>{1, 0}, {1, 1}, {kMax, 0}, {kMax, kMax}}) {
+              ModalBank<T> string(modes, 44100);
+              detail::StrikeConstantsStorage<T> constants(table, modes.size());
+              constants.strike_at(string, shape);
+              const auto strike = constants.view(string.arrays(), table, shape, T(1 / 44100.0), 1, shape);
+              detail::HammerState<T> hammer{.mass_kg = T(0.003),
+                                            .felt = felt,
+                                            .compression_m = compression,
+                                            .velocity_m_per_s = velocity,
+                                            .segment = segment_index(SegmentTable<T>(table), compression)};
+              std::vector<T> out(block), force(block);
+              for (int again = 0; again < 3; ++again) {
+                EXPECT_LE(detail::process_struck(strike, hammer, out, force.data()), block);
+                ASSERT_LT(hammer.segment, table.size())
+                    << hwy::TargetName(target) << ' ' << segments << " segments, " << velocity << " m/s";
+              }
+            }
+    }
+  }
+}
+
 // What has died away must not crawl on in the numbers below the smallest normal one, which are slow.
 TEST(Kernels, LeaveNoDenormalsOfADyingSound) {
   const auto modes = audible_modes(c4());
