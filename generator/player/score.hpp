@@ -83,6 +83,7 @@ struct Voice {
 };
 
 struct Score {
+  std::string file;  ///< that it was read from, for messages
   Instrument instrument;
   std::string description;  ///< one line, may be empty
   double duration_s;

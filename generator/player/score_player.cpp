@@ -11,6 +11,7 @@
 #include <numbers>
 #include <span>
 
+#include "contactspline/controls.hpp"
 #include "contactspline/flush_denormals.hpp"
 #include "contactspline/fret_string.hpp"
 #include "contactspline/hammer_voice.hpp"
@@ -419,8 +420,20 @@ class Recorder {
 
 using PartDone = std::function<void(std::size_t)>;
 
+// Where a sound stops being finite, it says so: in a sum of voices, or in a figure, nobody could tell what it was.
+void require_finite(const Score& score, const Voice& voice, double sample_rate_hz, std::size_t begin,
+                    const Block& block) {
+  if (all_finite(std::span<const double>(block.output)) && all_finite(std::span<const double>(block.force))) return;
+  std::size_t n = 0;
+  while (std::isfinite(block.output[n]) && std::isfinite(block.force[n])) ++n;
+  refuse(score.file, fmt::format("voice {}", voice.name),
+         fmt::format("its sound is not finite from {:.6g} s on", static_cast<double>(begin + n) / sample_rate_hz),
+         "a material, a resonator and controls that single or double precision can hold");
+}
+
 template <typename Player>
-void play_voice(const Voice& voice, const PlayOptions& options, Recorder& recorder, const PartDone& done) {
+void play_voice(const Score& score, const Voice& voice, const PlayOptions& options, Recorder& recorder,
+                const PartDone& done) {
   constexpr std::size_t kBlock = 4096;
   std::vector<double> output(kBlock), force(kBlock);
   ControlTrack controls(voice, options.sample_rate_hz);
@@ -431,20 +444,21 @@ void play_voice(const Voice& voice, const PlayOptions& options, Recorder& record
     const std::size_t samples = std::min(kBlock, recorder.samples() - begin);
     const Block block{std::span(output).first(samples), std::span(force).first(samples)};
     player.process(begin, controls, block);
+    require_finite(score, voice, options.sample_rate_hz, begin, block);
     recorder.add(begin, block);
   }
 }
 
 template <typename T>
-void play_in(Instrument instrument, const Voice& voice, const PlayOptions& options, Recorder& recorder,
+void play_in(const Score& score, const Voice& voice, const PlayOptions& options, Recorder& recorder,
              const PartDone& done) {
-  switch (instrument) {
+  switch (score.instrument) {
     case Instrument::kHammerString:
-      return play_voice<HammerStringPlayer<T>>(voice, options, recorder, done);
+      return play_voice<HammerStringPlayer<T>>(score, voice, options, recorder, done);
     case Instrument::kSlideString:
-      return play_voice<SlideStringPlayer<T>>(voice, options, recorder, done);
+      return play_voice<SlideStringPlayer<T>>(score, voice, options, recorder, done);
     case Instrument::kFretString:
-      return play_voice<FretStringPlayer<T>>(voice, options, recorder, done);
+      return play_voice<FretStringPlayer<T>>(score, voice, options, recorder, done);
   }
 }
 
@@ -470,9 +484,9 @@ Performance play(const Score& score, const PlayOptions& options, const Progress&
       progress(static_cast<double>(v * recorder.samples() + sample) / total);
     };
     if (options.precision == Precision::kDouble)
-      play_in<double>(score.instrument, score.voices[v], options, recorder, done);
+      play_in<double>(score, score.voices[v], options, recorder, done);
     else
-      play_in<float>(score.instrument, score.voices[v], options, recorder, done);
+      play_in<float>(score, score.voices[v], options, recorder, done);
   }
   progress(1);
   return recorder.take();

@@ -39,7 +39,7 @@ struct Performance {
 
 /// Plays every voice of a score: the modes below half the sample rate, each contact with its own controls. The sound
 /// is the sum of the voices. `progress` hears of it a hundred times or so. Throws BadInput where a voice has no mode
-/// below half the rate, or no bridge where that is to be heard.
+/// below half the rate, no bridge where that is to be heard, or a sound that is not finite.
 [[nodiscard]] Performance play(const Score& score, const PlayOptions& options, const Progress& progress);
 
 }  // namespace contactspline

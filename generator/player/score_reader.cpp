@@ -32,7 +32,6 @@ constexpr Range kTime{0, 3600};
 constexpr Range kDuration{1e-3, 3600};
 constexpr Range kSpeed{1e-3, 100};
 constexpr Range kMass{1e-6, 100};
-constexpr Range kPlace{0, 100};
 constexpr Range kDecay{0, 1e5};
 constexpr Range kPan{-1, 1};
 constexpr Range kHeight{-0.1, 0.1};
@@ -349,7 +348,8 @@ void require_initial(const JsonObject& score, Instrument instrument, const std::
 Score parse_score(std::string_view text, std::string_view file, const ReadFile& read) {
   const JsonObject score =
       parse_json(text, file, "score", {"instrument", "description", "duration_s", "keyboard", "voices", "events"});
-  Score result{read_instrument(score), read_description(score), score.number("duration_s", kDuration), {}};
+  Score result{
+      std::string(file), read_instrument(score), read_description(score), score.number("duration_s", kDuration), {}};
   const bool has_keys = score.has("keyboard");
   if (has_keys && (score.has("voices") || !has_hammer(result.instrument)))
     score.fail("keyboard", "has no place here", "in a score for hammer-string, instead of voices");
@@ -388,8 +388,8 @@ Score parse_midi_score(std::string_view bytes, std::string_view file, std::span<
   if (!(end + kRing <= kDuration.max))
     throw BadInput(
         fmt::format("{}: MIDI: it lasts {:.4g} s; allowed: at most {} s", file, end, kDuration.max - kRing));
-  Score score{
-      Instrument::kHammerString, title, end + kRing, {}, left_out_line(file, keyboard, beyond, bends_in_notes)};
+  Score score{std::string(file), Instrument::kHammerString, title, end + kRing, {},
+              left_out_line(file, keyboard, beyond, bends_in_notes)};
   for (auto& [key, voice] : voices) score.voices.push_back(std::move(voice));
   return score;
 }

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+// What a score may do to a model, and what a sound that is not finite leads to.
+#include "generator/player/score_player.hpp"
+
+#include <limits>
+#include <sstream>
+
+#include "generator/player/score_reader.hpp"
+#include "generator/support/error.hpp"
+#include "support/finite.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+Score slide_score(const std::string& events) {
+  return parse_score(R"({
+    "instrument": "slide-string", "duration_s": 1,
+    "voices": [ { "name": "g", "resonator": "guitar_g3", "material": "steel_on_steel", "pluck_m": 0.5,
+                  "pickup_m": 0.6, "height_m": 0 } ],
+    "events": [
+      { "time_s": 0, "place_m": 0.2, "slide_mass_kg": 0.05, "hand_force_n": 2, "hand_stiffness_n_per_m": 200,
+        "hand_resistance_n_s_per_m": 2, "rest_resistance_n_s_per_m": 1 },
+      { "time_s": 0.05, "pluck_n": 4 })" +
+                         events + "] }",
+                     "probe.json", {});
+}
+
+Performance played(const Score& score, Precision precision) {
+  return play(score, {44100, Signal::kVelocity, precision}, [](double) {});
+}
+
+// A stiffness that jumps by 1e12 under a pressed slide, each way a hundred times: its rises do 1 W of work at most,
+// so the slide hits no harder than a note or two.
+TEST(ScorePlayer, IsBoundedWhereTheStiffnessJumps) {
+  std::ostringstream events;
+  for (int i = 0; i < 200; ++i)
+    events << R"(, { "time_s": )" << 0.1 + 0.004 * i << R"(, "stiffness_ratio": )" << (i % 2 == 0 ? "1e-6" : "1e6")
+           << " }";
+  const std::string jumps = events.str();
+  const auto still = played(slide_score(""), Precision::kDouble);
+  for (const Precision precision : {Precision::kDouble, Precision::kSingle}) {
+    const auto sound = played(slide_score(jumps), precision);
+    EXPECT_TRUE(all_finite(sound.samples));
+    EXPECT_NE(sound.samples, still.samples);
+    EXPECT_GT(still.largest_force_n, 2);
+    EXPECT_GT(sound.largest_force_n, 2);
+    EXPECT_LT(sound.largest_force_n, 1e4);
+    std::cout << "largest force " << sound.largest_force_n << " N, without jumps " << still.largest_force_n << " N\n";
+  }
+}
+
+// The second voice has a mode whose mass is no number, and is struck at 0.1 s.
+TEST(ScorePlayer, SaysWhereASoundIsNotFinite) {
+  Score score = parse_score(R"({
+    "instrument": "hammer-string", "duration_s": 0.3,
+    "voices": [ { "name": "g", "resonator": "guitar_g3", "material": "felt_c4" },
+                { "name": "h", "resonator": "guitar_g3", "material": "felt_c4" } ],
+    "events": [ { "time_s": 0, "voice": "g", "speed_m_per_s": 2 }, { "time_s": 0.1, "voice": "h", "speed_m_per_s": 2 } ]
+  })",
+                            "probe.json", {});
+  score.voices[1].resonator.body =
+      ModeTable{{{{1256, 1, std::numeric_limits<double>::quiet_NaN()}, 1, 1}, {{2600, 1, 0.01}, 1, 1}}};
+  for (const Precision precision : {Precision::kDouble, Precision::kSingle}) {
+    std::string message;
+    try {
+      played(score, precision);
+    } catch (const BadInput& bad) {
+      message = bad.what();
+    }
+    EXPECT_TRUE(message.starts_with("probe.json: voice h: its sound is not finite from 0.1")) << message;
+    EXPECT_NE(message.find(" s on; allowed: "), std::string::npos) << message;
+  }
+}
+
+}  // namespace
+}  // namespace contactspline::testing
