@@ -2,6 +2,8 @@
 // The contact step: one sample of a collision on a piecewise-quadratic potential, solved in closed form.
 #pragma once
 
+#include "contactspline/cpp20.hpp"
+
 #include <algorithm>
 #include <array>
 #include <bit>

@@ -2,6 +2,8 @@
 // The rule for the controls of every model (docs/controls.md): what a model does with a value that it cannot use.
 #pragma once
 
+#include "contactspline/cpp20.hpp"
+
 #include <algorithm>
 #include <bit>
 #include <concepts>

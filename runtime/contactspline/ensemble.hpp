@@ -2,6 +2,8 @@
 // Many hammer-strings played together. Silent ones cost no time.
 #pragma once
 
+#include "contactspline/cpp20.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <concepts>

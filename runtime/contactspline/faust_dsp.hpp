@@ -4,6 +4,8 @@
 // <faust/gui/UI.h> and <faust/gui/meta.h> first.
 #pragma once
 
+#include "contactspline/cpp20.hpp"
+
 #include <faust/dsp/dsp.h>
 
 #include <algorithm>

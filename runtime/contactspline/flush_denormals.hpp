@@ -2,6 +2,8 @@
 // Denormal numbers, too small to be heard, must not slow down the processor.
 #pragma once
 
+#include "contactspline/cpp20.hpp"
+
 #if defined(__SSE2__)
 #include <xmmintrin.h>
 #endif

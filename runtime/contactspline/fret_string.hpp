@@ -2,6 +2,8 @@
 // A plucked string that buzzes against a fret.
 #pragma once
 
+#include "contactspline/cpp20.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <utility>

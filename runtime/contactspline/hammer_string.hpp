@@ -2,6 +2,8 @@
 // A felt hammer thrown at a string, or at any other modal resonator.
 #pragma once
 
+#include "contactspline/cpp20.hpp"
+
 #include <algorithm>
 #include <utility>
 

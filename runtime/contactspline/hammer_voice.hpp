@@ -2,6 +2,8 @@
 // A hammer-string with a damper and an output: one voice of a piano, a dulcimer, a marimba.
 #pragma once
 
+#include "contactspline/cpp20.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <concepts>

@@ -3,6 +3,8 @@
 // that one compiled library serves every machine (docs/kernels.md).
 #pragma once
 
+#include "contactspline/cpp20.hpp"
+
 #include <limits>
 #include <span>
 

@@ -2,6 +2,8 @@
 // The keys of an emitted keyboard as hammer voices.
 #pragma once
 
+#include "contactspline/cpp20.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>

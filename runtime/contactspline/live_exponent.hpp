@@ -2,6 +2,8 @@
 // A contact law whose exponent is a live control.
 #pragma once
 
+#include "contactspline/cpp20.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cstddef>

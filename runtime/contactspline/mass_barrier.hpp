@@ -2,6 +2,8 @@
 // A mass thrown at a rigid barrier, with or without gravity.
 #pragma once
 
+#include "contactspline/cpp20.hpp"
+
 #include <cmath>
 #include <utility>
 

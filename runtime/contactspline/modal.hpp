@@ -2,6 +2,8 @@
 // Modal resonators with exact poles, and their response at the places where a contact acts.
 #pragma once
 
+#include "contactspline/cpp20.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -2,6 +2,8 @@
 // A slide that a hand presses on a string and moves along it.
 #pragma once
 
+#include "contactspline/cpp20.hpp"
+
 #include <algorithm>
 #include <utility>
 

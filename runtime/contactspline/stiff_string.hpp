@@ -2,6 +2,8 @@
 // Modes of a stiff string, computed from its physical parameters.
 #pragma once
 
+#include "contactspline/cpp20.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>

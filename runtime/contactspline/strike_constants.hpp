@@ -2,6 +2,8 @@
 // The arrays behind the kernels' ContactTable and StrikeConstants.
 #pragma once
 
+#include "contactspline/cpp20.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>

@@ -2,6 +2,8 @@
 // Mode shapes at any place of a string, and a contact that moves along the string.
 #pragma once
 
+#include "contactspline/cpp20.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>

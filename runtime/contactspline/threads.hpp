@@ -2,6 +2,8 @@
 // Voices on several cores with oneTBB. Link ContactSpline::threads.
 #pragma once
 
+#include "contactspline/cpp20.hpp"
+
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/partitioner.h>
 #include <oneapi/tbb/task_arena.h>

@@ -2,6 +2,8 @@
 // The version of the library, and that of the layout of emitted structs.
 #pragma once
 
+#include "contactspline/cpp20.hpp"
+
 namespace contactspline {
 
 // The one place of the project's version: cmake/Version.cmake reads these three lines.

@@ -147,6 +147,26 @@ case_add_subdirectory() {
   expect_current
 }
 
+# Every public header under C++17: the first error says what is missing, and nothing but it is said. A target that
+# links the library is compiled as C++20 (case headers_only asks for C++17 there).
+case_cpp17() {
+  install_at "$WORK/prefix"
+  local header compiler
+  for compiler in "$CXX" g++ clang++; do
+    command -v "$compiler" >/dev/null || continue
+    for header in "$WORK"/prefix/include/contactspline/*.hpp; do
+      header="${header##*/}"
+      case "$header" in *-inl.hpp) continue ;; esac
+      echo "#include \"contactspline/$header\"" >"$WORK/user.cpp"
+      ! "$compiler" -std=c++17 -fsyntax-only -I"$WORK/prefix/include" "$WORK/user.cpp" >"$WORK/log" 2>&1 ||
+        fail "$header compiles as C++17"
+      grep 'error' "$WORK/log" | head -n 1 | grep -q 'Contact Spline needs C++20: compile with -std=c++20' ||
+        fail "$compiler says something else of $header first"
+      [ "$(grep -c 'error: ' "$WORK/log")" = 2 ] || fail "$compiler says more of $header"  # #error, and where it stops
+    done
+  done
+}
+
 # Configures and builds a project of nothing but contactspline_generate(...), or another function, in the working folder.
 generate_in_cmake() {
   cat >CMakeLists.txt <<END
