@@ -167,6 +167,21 @@ case_cpp17() {
   done
 }
 
+# Compilers that are too old are refused in one line, the oldest that are tested are not.
+case_compilers() {
+  local compiler
+  for compiler in GNU/11.4 GNU/9 Clang/13.0.1; do
+    ! cmake "-DCMAKE_CXX_COMPILER_ID=${compiler%/*}" "-DCMAKE_CXX_COMPILER_VERSION=${compiler#*/}" \
+      -P "$SOURCE/cmake/Compiler.cmake" >"$WORK/log" 2>&1 || fail "$compiler is accepted"
+    tr -s ' \n' ' ' <"$WORK/log" | grep -qF 'Contact Spline needs g++ 12 or clang++ 14, or a later one' ||
+      fail "is silent about $compiler"
+  done
+  for compiler in GNU/12.2 Clang/14.0.6 GNU/15 Clang/22 MSVC/19.3 AppleClang/15; do
+    run cmake "-DCMAKE_CXX_COMPILER_ID=${compiler%/*}" "-DCMAKE_CXX_COMPILER_VERSION=${compiler#*/}" \
+      -P "$SOURCE/cmake/Compiler.cmake"
+  done
+}
+
 # Configures and builds a project of nothing but contactspline_generate(...), or another function, in the working folder.
 generate_in_cmake() {
   cat >CMakeLists.txt <<END
