@@ -7,6 +7,9 @@
 # EMIT        what to write: cpp (NAME.hpp), faust (NAME.lib), json (NAME.json), or several; default cpp
 # OUTPUT_DIR  where to, relative to the current binary folder; default: a folder called like TARGET
 #
+# In a project that takes Contact Spline from source, set(CONTACTSPLINE_BUILD_GENERATOR ON) before add_subdirectory or
+# FetchContent_MakeAvailable: the program is then built, for which its libraries are needed (README.md).
+#
 # For Faust: faust -I ${ContactSpline_FAUST_DIR} -I OUTPUT_DIR; contactspline_lv2 and contactspline_jack do so.
 
 cmake_policy(VERSION 3.25)  # whatever the caller's; CMP0116 is about depfiles
@@ -96,6 +99,10 @@ endfunction()
 # See the top of this file.
 function(contactspline_generate)
   set(_contactspline_function contactspline_generate)
+  if(NOT TARGET ContactSpline::contactspline)
+    _contactspline_fail("the program is not built; allowed: set(CONTACTSPLINE_BUILD_GENERATOR ON) before Contact Spline is
+                         added, or a package that was installed with it")
+  endif()
   _contactspline_arguments(${ARGV})
   set(extension_cpp hpp)
   set(extension_faust lib)

@@ -6,8 +6,11 @@ set(contactspline_data_dir ${CMAKE_INSTALL_DATADIR}/contactspline)
 set(contactspline_cmake_dir ${CMAKE_INSTALL_LIBDIR}/cmake/ContactSpline)
 set(contactspline_pkgconfig_dir ${CMAKE_INSTALL_DATADIR}/pkgconfig)
 
-install(TARGETS contactspline contactspline_runtime contactspline_materials EXPORT ContactSplineTargets
+install(TARGETS contactspline_runtime contactspline_materials EXPORT ContactSplineTargets
         INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+if(CONTACTSPLINE_BUILD_GENERATOR)
+  install(TARGETS contactspline EXPORT ContactSplineTargets)
+endif()
 install(DIRECTORY runtime/contactspline DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN *.hpp)
 install(DIRECTORY data/materials data/resonators data/scores data/keyboards DESTINATION ${contactspline_data_dir}
         FILES_MATCHING PATTERN *.json PATTERN *.csv PATTERN *.mid)

@@ -147,6 +147,45 @@ case_add_subdirectory() {
   expect_current
 }
 
+# Only the headers and the materials that ship, from source: without any library of the program, as they are found
+# nowhere. By add_subdirectory and by FetchContent.
+case_headers_only() {
+  project="$WORK/the project"
+  mkdir "$project"
+  readme_block cpp >"$project/main.cpp"
+  local without=() package
+  for package in Boost CLI11 Eigen3 GTest PkgConfig TBB fmt hwy nlohmann_json; do
+    without+=("-DCMAKE_DISABLE_FIND_PACKAGE_$package=ON")
+  done
+  local add_subdirectory='add_subdirectory("${CONTACTSPLINE_SOURCE}" contactspline)'
+  local fetch_content='include(FetchContent)
+FetchContent_Declare(ContactSpline SOURCE_DIR "${CONTACTSPLINE_SOURCE}")
+FetchContent_MakeAvailable(ContactSpline)'
+  local taken
+  for taken in "$add_subdirectory" "$fetch_content"; do
+    build="$WORK/build ${taken:0:6}"
+    echo "cmake_minimum_required(VERSION 3.25)
+project(HeadersOnly LANGUAGES CXX)
+set(CMAKE_CXX_STANDARD 17)
+$taken
+add_executable(hammer main.cpp)
+target_link_libraries(hammer PRIVATE ContactSpline::materials)
+if(GENERATE)
+  contactspline_generate(TARGET t MATERIALS felt_c4)
+endif()" >"$project/CMakeLists.txt"
+    configure Ninja "-DCONTACTSPLINE_SOURCE=$SOURCE" "${without[@]}"
+    build
+    "$build/hammer" | expect_peak_force 3 4.5e9 2.5 0.003 2
+    ! cmake "$build" -DGENERATE=ON >"$WORK/log" 2>&1 || fail "contactspline_generate works without the program"
+    tr -s ' \n' ' ' <"$WORK/log" |
+      grep -qF 'contactspline_generate: the program is not built; allowed: set(CONTACTSPLINE_BUILD_GENERATOR ON)' ||
+      fail "contactspline_generate is silent about the program"
+  done
+  ! cmake -S "$SOURCE" -B "$WORK/tests" -DCONTACTSPLINE_BUILD_GENERATOR=OFF >"$WORK/log" 2>&1 ||
+    fail "the tests are built without the program"
+  grep -q 'CONTACTSPLINE_BUILD_TESTS needs the program' "$WORK/log" || fail "is silent about the tests"
+}
+
 # Every public header under C++17: the first error says what is missing, and nothing but it is said. A target that
 # links the library is compiled as C++20 (case headers_only asks for C++17 there).
 case_cpp17() {
