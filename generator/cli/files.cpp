@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -26,6 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uintmax_t kMaxInputBytes = 1 << 20;
+constexpr std::size_t kBlock = 1 << 16;
 constexpr std::size_t kMarkedBytes = 1 << 16;  // at the beginning and at the end of a file
 
 // The mark of any version, in text and in emitted JSON.
@@ -43,12 +45,34 @@ constexpr std::array<std::string_view, 2> kMarks = {"Written by contactspline ",
   fail(path, fmt::format("cannot be written: {}", std::strerror(errno)));
 }
 
-/// A file under a temporary name in the folder of its target. The destructor removes it unless it was renamed.
+/// RAII guard: signals that end the program wait until temporary files are renamed or removed.
+class SignalsWait {
+ public:
+  SignalsWait() {
+    sigset_t ending;
+    ::sigemptyset(&ending);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) ::sigaddset(&ending, signal);
+    ::sigprocmask(SIG_BLOCK, &ending, &before_);
+  }
+  SignalsWait(const SignalsWait&) = delete;
+  SignalsWait& operator=(const SignalsWait&) = delete;
+  ~SignalsWait() { ::sigprocmask(SIG_SETMASK, &before_, nullptr); }
+
+ private:
+  sigset_t before_{};
+};
+
+// A name for a temporary file in the folder of a target, for mkstemp().
+std::string temporary_name(const fs::path& target) {
+  const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
+  return (folder / ".contactspline-XXXXXX").string();
+}
+
+/// A file under a temporary name in the folder of its target. The destructor removes it unless it was renamed, and
+/// puts the old file back unless keep() was called.
 class PendingFile {
  public:
-  explicit PendingFile(const fs::path& target) : target_(target) {
-    const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
-    name_ = (folder / ".contactspline-XXXXXX").string();
+  explicit PendingFile(const fs::path& target) : target_(target), name_(temporary_name(target)) {
     descriptor_ = ::mkstemp(name_.data());
     if (descriptor_ < 0) fail_with_errno(target_);
   }
@@ -57,6 +81,8 @@ class PendingFile {
   ~PendingFile() {
     if (descriptor_ >= 0) ::close(descriptor_);
     if (!name_.empty()) ::unlink(name_.c_str());
+    if (is_renamed_) put_back();
+    if (!backup_.empty()) ::unlink(backup_.c_str());
   }
 
   void write(std::string_view bytes) {
@@ -70,12 +96,32 @@ class PendingFile {
     if (::close(std::exchange(descriptor_, -1)) != 0) fail_with_errno(target_);
   }
 
+  /// Gives the old file a second name, to put it back from. Some file systems have no second names.
+  void back_up() {
+    std::error_code error;
+    had_old_file_ = fs::exists(target_, error);
+    backup_ = temporary_name(target_);
+    const int descriptor = ::mkstemp(backup_.data());  // for a name that is free
+    if (descriptor >= 0) ::close(descriptor);
+    ::unlink(backup_.c_str());
+    if (!had_old_file_ || ::link(target_.c_str(), backup_.c_str()) != 0) backup_.clear();
+  }
+
   void rename_into_place() {
     if (::rename(name_.c_str(), target_.c_str()) != 0) fail_with_errno(target_);
     name_.clear();
+    is_renamed_ = true;
   }
 
+  /// The new file stays.
+  void keep() { is_renamed_ = false; }
+
  private:
+  void put_back() {
+    if (!backup_.empty() && ::rename(backup_.c_str(), target_.c_str()) == 0) backup_.clear();
+    if (!had_old_file_) ::unlink(target_.c_str());
+  }
+
   // Those of the file that is replaced; for a new file rw-rw-rw- without the bits of the user's mask.
   [[nodiscard]] mode_t permissions() const {
     struct stat old {};
@@ -86,8 +132,10 @@ class PendingFile {
   }
 
   fs::path target_;
-  std::string name_;
+  std::string name_;    ///< temporary; empty after the renaming
+  std::string backup_;  ///< second name of the old file; empty without one
   int descriptor_ = -1;
+  bool had_old_file_ = false, is_renamed_ = false;
 };
 
 void create_folder_of(const fs::path& path) {
@@ -170,18 +218,20 @@ std::string beginning_of(const fs::path& path) {
   return read_part(stream);
 }
 
-void require_own(const fs::path& output, bool own, bool force) {
+// Another program may write the same file meanwhile: one that exists is whole.
+void require_own(const fs::path& output, bool (*is_own)(const fs::path&), bool force) {
   std::error_code error;
-  if (own || force || !fs::is_regular_file(output, error) || fs::file_size(output, error) == 0) return;
+  if (force || !fs::is_regular_file(output, error) || fs::file_size(output, error) == 0 || is_own(output)) return;
   fail(output, "exists, and this program did not write it; allowed: another name, or --force to replace it");
 }
 
 void require_writable(std::span<const fs::path> outputs, std::span<const fs::path> inputs, bool force) {
   require_distinct(outputs, inputs);
-  for (const fs::path& output : outputs) require_own(output, bears_mark(output), force);
+  for (const fs::path& output : outputs) require_own(output, bears_mark, force);
 }
 
 void require_creatable(std::span<const fs::path> outputs) {
+  const SignalsWait until_removed;
   for (const fs::path& output : outputs) {
     create_folder_of(output);
     const PendingFile removed_at_once(real_target(output));
@@ -191,11 +241,19 @@ void require_creatable(std::span<const fs::path> outputs) {
 bool is_current(const OutputFile& file) {
   std::error_code error;
   if (!fs::is_regular_file(file.path, error)) return false;  // opening a pipe would wait for its writer
+  if (fs::file_size(file.path, error) != file.bytes.size()) return false;
   std::ifstream stream(file.path, std::ios::binary);
-  return stream && std::string((std::istreambuf_iterator<char>(stream)), {}) == file.bytes;
+  std::string_view rest = file.bytes;
+  for (std::array<char, kBlock> block; !rest.empty(); rest.remove_prefix(std::min(kBlock, rest.size()))) {
+    const std::size_t size = std::min(kBlock, rest.size());
+    if (!stream.read(block.data(), static_cast<std::streamsize>(size))) return false;
+    if (rest.substr(0, size) != std::string_view(block.data(), size)) return false;
+  }
+  return true;
 }
 
 std::vector<fs::path> write_files(std::span<const OutputFile> files) {
+  const SignalsWait until_renamed;
   std::vector<std::unique_ptr<PendingFile>> pending;
   std::vector<fs::path> written;
   for (const OutputFile& file : files) {
@@ -205,7 +263,10 @@ std::vector<fs::path> write_files(std::span<const OutputFile> files) {
     pending.back()->write(file.bytes);
     written.push_back(file.path);
   }
+  if (pending.size() > 1)
+    for (const auto& file : pending) file->back_up();
   for (const auto& file : pending) file->rename_into_place();
+  for (const auto& file : pending) file->keep();
   return written;
 }
 

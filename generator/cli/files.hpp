@@ -30,8 +30,8 @@ struct OutputFile {
 /// Throws BadInput if an output is also an input or another output, because one would silently replace the other.
 void require_distinct(std::span<const std::filesystem::path> outputs, std::span<const std::filesystem::path> inputs);
 
-/// Throws BadInput if a file of this name exists and is neither empty nor `own`, unless `force`.
-void require_own(const std::filesystem::path& output, bool own, bool force);
+/// Throws BadInput if a file of this name exists, is not empty and is not the program's own, unless `force`.
+void require_own(const std::filesystem::path& output, bool (*is_own)(const std::filesystem::path&), bool force);
 
 /// Throws as require_distinct() does, and as require_own() does for an output without the mark of this program.
 void require_writable(std::span<const std::filesystem::path> outputs, std::span<const std::filesystem::path> inputs,
@@ -46,7 +46,8 @@ void require_creatable(std::span<const std::filesystem::path> outputs);
 
 /// Writes all files that are not current, and creates their folders. All contents are on disk under temporary names
 /// before the first one is renamed into place, so an old file is never damaged. Returns the paths of the written
-/// files. Throws BadInput if a file cannot be written; then it removes all temporary files.
+/// files. Throws BadInput if a file cannot be written; then it puts all old files back and removes all temporary
+/// files. SIGINT, SIGTERM and SIGHUP wait until it ends.
 std::vector<std::filesystem::path> write_files(std::span<const OutputFile> files);
 
 /// Writes to standard output. Throws BadInput if that fails.

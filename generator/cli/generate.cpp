@@ -100,7 +100,7 @@ std::vector<std::filesystem::path> paths_of(const std::vector<OutputFile>& files
 }
 
 // ninja reads no comment in a make rule, so a depfile cannot bear the mark. Its target is an emitted file.
-bool is_own_depfile(const std::string& path) {
+bool is_own_depfile(const std::filesystem::path& path) {
   const std::string rule = beginning_of(path);
   const std::string_view targets = std::string_view(rule).substr(0, rule.find(": "));
   return std::ranges::any_of(emitters(), [&](const Emitter& emitter) {
@@ -121,7 +121,7 @@ void write_to_folder(const GenerateOptions& options, Emitted emitted) {
   if (!options.depfile.empty()) {
     emitted.files.push_back(depfile_of(options, emitted));
     require_distinct(paths_of(emitted.files), emitted.inputs);
-    require_own(options.depfile, is_own_depfile(options.depfile), options.force);
+    require_own(options.depfile, is_own_depfile, options.force);
   }
   const auto written = write_files(emitted.files);
   std::string report = written.empty() ? fmt::format("{} files are current\n", sources) : "";

@@ -90,6 +90,21 @@ class Process {
     }
   }
 
+  /// Sends a traced program SIGTERM the `stop`-th time it enters or leaves a system call, and waits for its end.
+  void terminate_at_stop(std::size_t stop) {
+    for (std::size_t stops = 0;; ++stops) {
+      int status = 0;
+      if (::waitpid(pid_, &status, 0) < 0) throw std::runtime_error("waitpid failed");
+      if (!WIFSTOPPED(status)) {
+        pid_ = -1;
+        return;
+      }
+      if (stops == stop) ::kill(pid_, SIGTERM);
+      const long signal = WSTOPSIG(status) == SIGTRAP ? 0 : WSTOPSIG(status);
+      ::ptrace(PTRACE_SYSCALL, pid_, nullptr, signal);
+    }
+  }
+
   Outcome wait() {
     read_streams();
     int status = 0;

@@ -200,12 +200,12 @@ TEST(Killed, LeavesEveryFileOldOrNew) {
   const std::size_t stops = Process(traced(variants.generating(now, "out"))).kill_at_stop(1'000'000);
   if (stops < 1000) GTEST_SKIP() << "SKIPPED: programs cannot be traced here";
   std::mt19937 random(20260101);
-  std::uniform_int_distribution<std::size_t> anywhere(1, stops - 1), near_end(stops - 230, stops - 10);
+  std::uniform_int_distribution<std::size_t> anywhere(1, stops - 1), renaming(stops - 440, stops - 220);
   int killed = 0, mixed = 0, with_temporaries = 0;
   for (int i = 0; i < 60; ++i) {
     {
       Process process(traced(variants.generating(next, "out")));
-      const std::size_t stop = i % 3 == 0 ? near_end(random) : anywhere(random);
+      const std::size_t stop = i % 3 == 0 ? renaming(random) : anywhere(random);
       killed += process.kill_at_stop(stop) == stop;
     }
     const Contents found = variants.contents("out");
@@ -222,6 +222,65 @@ TEST(Killed, LeavesEveryFileOldOrNew) {
   EXPECT_GE(killed, 57) << "too few kills came in time to prove anything";
   EXPECT_GE(mixed, 10);
   EXPECT_GE(with_temporaries, 20);
+}
+
+// SIGTERM waits while files are written: afterwards all of them are old, or all new, and no temporary file is left.
+TEST(Terminated, LeavesAllFilesOldOrAllNew) {
+  const Sandbox box(quick_folder());
+  const Variants variants(box, 4, 48);
+  std::string now = "first", next = "second";
+  succeed(variants.generating(now, "out"));
+  succeed(variants.generating(next, "trial"));
+  const std::size_t stops = Process(traced(variants.generating(now, "trial"))).kill_at_stop(1'000'000);
+  if (stops < 100) GTEST_SKIP() << "SKIPPED: programs cannot be traced here";
+  std::mt19937 random(20260102);
+  std::uniform_int_distribution<std::size_t> anywhere(1, stops - 1), near_end(stops - 200, stops - 5);
+  int new_ones = 0;
+  for (int i = 0; i < 40; ++i) {
+    Process(traced(variants.generating(next, "out")))
+        .terminate_at_stop(i % 2 == 0 ? near_end(random) : anywhere(random));
+    EXPECT_EQ(remove_temporaries(box / "out"), 0u);
+    const auto renamed = variants.count_of(next, variants.contents("out"));
+    EXPECT_TRUE(renamed == 0 || renamed == 12) << renamed;
+    expect_old_or_new(variants, variants.contents("out"));
+    if (renamed > 0) std::swap(now, next), ++new_ones;
+  }
+  EXPECT_GE(new_ones, 5);
+  EXPECT_LE(new_ones, 35);
+}
+
+// A file of another user in a folder with the sticky bit cannot be replaced: the files before it stay old, too.
+TEST(Renaming, ThatFailsPutsTheOldFilesBack) {
+  if (::geteuid() != 0) GTEST_SKIP() << "SKIPPED: only root can make files of another user";
+  for (const bool exists : {true, false}) {  // the first file
+    const Sandbox box;
+    const Variants variants(box, 1, 48);
+    succeed(variants.generating("first", "out"));
+    ASSERT_EQ(::chmod((box / "out").c_str(), 01777), 0);
+    for (const auto name : {"out/m0.lib", "out/m0.json"}) ASSERT_EQ(::chown((box / name).c_str(), 65534, 65534), 0);
+    if (!exists) fs::remove(box / "out/m0.lib");
+    const auto before = variants.contents("out");
+    Call call = variants.generating("second", "out");
+    call.as_nobody = true;
+    expect_refused(run(call), "out/m0.hpp: file: cannot be written", "");
+    EXPECT_TRUE(variants.contents("out") == before);
+    EXPECT_EQ(remove_temporaries(box / "out"), 0u);
+  }
+}
+
+// An old file of 64 GB, which takes no space on the disk, is neither read nor kept in memory.
+TEST(LargeOldFile, IsComparedByItsSize) {
+  const Sandbox box;
+  const Words generate = {"generate", "mb1", "--emit", "json", "-o", "out"};
+  succeed({.arguments = generate, .folder = box.path()});
+  const std::string bytes = read_file(box / "out/mb1.json");
+  std::error_code error;
+  fs::resize_file(box / "out/mb1.json", std::uintmax_t{64} << 30, error);
+  if (error) GTEST_SKIP() << "SKIPPED: no file with holes can be made here: " << error.message();
+  const Outcome check = run({.arguments = followed_by(generate, {"--check"}), .folder = box.path()});
+  EXPECT_EQ(check.exit_code, 1) << check.err;
+  succeed({.arguments = generate, .folder = box.path()});
+  EXPECT_TRUE(read_file(box / "out/mb1.json") == bytes);
 }
 
 // What a kill leaves behind does not hinder the next run, which makes all files whole and new.
