@@ -11,6 +11,7 @@
 
 #include "generator/support/error.hpp"
 #include "generator/support/json_syntax.hpp"
+#include "generator/support/reserved_names.hpp"
 
 namespace contactspline {
 namespace {
@@ -19,29 +20,6 @@ using Json = nlohmann::json;
 
 constexpr std::size_t kMaxNameLength = 64;
 constexpr std::ptrdiff_t kMaxDescriptionLength = 200;
-
-// C++ keywords: the name of a file also names the emitted C++ struct.
-constexpr std::array kKeywords = {
-    "alignas",     "alignof",   "and",       "and_eq",    "asm",      "auto",         "bitand",
-    "bitor",       "bool",      "break",     "case",      "catch",    "char",         "char8_t",
-    "char16_t",    "char32_t",  "class",     "compl",     "concept",  "const",        "const_cast",
-    "consteval",   "constexpr", "constinit", "continue",  "co_await", "co_return",    "co_yield",
-    "decltype",    "default",   "delete",    "do",        "double",   "dynamic_cast", "else",
-    "enum",        "explicit",  "export",    "extern",    "false",    "float",        "for",
-    "friend",      "goto",      "if",        "inline",    "int",      "long",         "mutable",
-    "namespace",   "new",       "noexcept",  "not",       "not_eq",   "nullptr",      "operator",
-    "or",          "or_eq",     "private",   "protected", "public",   "register",     "reinterpret_cast",
-    "requires",    "return",    "short",     "signed",    "sizeof",   "static",       "static_assert",
-    "static_cast", "struct",    "switch",    "template",  "this",     "thread_local", "throw",
-    "true",        "try",       "typedef",   "typeid",    "typename", "union",        "unsigned",
-    "using",       "virtual",   "void",      "volatile",  "wchar_t",  "while",        "xor",
-    "xor_eq"};
-
-// Valid identifiers that clash with other names in a program with emitted code: Faust libraries, namespaces, C
-// macros.
-constexpr std::array kClashingNames = {"contact", "modal",    "instruments", "std",   "linux",
-                                       "unix",    "errno",    "assert",      "stdin", "stdout",
-                                       "stderr",  "offsetof", "setjmp",      "major", "minor"};
 
 std::string joined(const std::vector<std::string>& names) {
   return fmt::format("{}", fmt::join(names, ", "));
@@ -101,9 +79,7 @@ bool is_identifier(std::string_view name) {
   const auto is_lower = [](char c) { return c >= 'a' && c <= 'z'; };
   const auto is_part = [&](char c) { return is_lower(c) || (c >= '0' && c <= '9') || c == '_'; };
   return !name.empty() && name.size() <= kMaxNameLength && is_lower(name.front()) &&
-         std::ranges::all_of(name, is_part) && name.find("__") == std::string_view::npos &&
-         std::ranges::find(kKeywords, name) == kKeywords.end() &&
-         std::ranges::find(kClashingNames, name) == kClashingNames.end();
+         std::ranges::all_of(name, is_part) && name.find("__") == std::string_view::npos && !is_reserved_name(name);
 }
 
 }  // namespace
@@ -247,7 +223,8 @@ std::string JsonObject::key(std::string_view name) const {
 
 std::string read_name(const JsonObject& object, std::span<const char* const> taken) {
   constexpr auto kAllowed =
-      "a-z, 0-9 and single _, a letter first, at most 64 characters, no C++ keyword and no name of the emitted files";
+      "a-z, 0-9 and single _, a letter first, at most 64 characters, no keyword, macro or library of C++ or Faust, "
+      "no name of the emitted files";
   std::string name = object.text("name", kAllowed);
   if (!is_identifier(name) || std::ranges::find(taken, name) != taken.end())
     object.fail("name", fmt::format("'{}' is not a usable identifier", shown(name)), kAllowed);

@@ -315,6 +315,10 @@ std::vector<BadMaterial> text_cases() {
                                                                   {"member", "segments"},
                                                                   {"contact_library", "contact"},
                                                                   {"macro", "linux"},
+                                                                  {"macro_of_windows", "near"},
+                                                                  {"own_namespace", "contactspline"},
+                                                                  {"faust_keyword", "process"},
+                                                                  {"faust_library", "maths"},
                                                                   {"megabyte", std::string(1'000'000, 'a')}};
   for (const auto& [kind, name] : names)
     cases.push_back({"name_has_" + kind, changed(R"("probe")", '"' + name + '"'), "name", name_rule});
