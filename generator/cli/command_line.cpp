@@ -137,7 +137,7 @@ void add_inspect(CLI::App& app) {
   command->add_option("MATERIAL", options->material, kMaterialHelp)->check(not_empty(kMaterialHelp))->required();
   command
       ->add_option("--figure", options->figure,
-                   "also draw the potential, the force, their errors and measured samples (.svg, .png, .pdf)")
+                   "also draw potential, force, their errors and measured samples (.svg, .png, .pdf)")
       ->check(file_name())
       ->type_name("FILE");
   command->add_flag("--compare", options->compare,
@@ -219,6 +219,12 @@ void add_outputs(CLI::App& command, RenderOutput& output) {
       ->check(file_name())
       ->type_name("FILE");
   command.add_flag("--no-figure", output.no_figure, "draw no figure");
+  command
+      .add_option_function<std::string>(
+          "--gain", [&output](const std::string& gain) { output.gain_db = gain == "off" ? 0 : std::stod(gain); },
+          "gain in dB instead of a peak at -1 dB; off: none, a sample of 1 is 1 N, m or m/s")
+      ->check(number_or("off", -300, 300))
+      ->type_name("DB");
   add_force(command, output.force);
 }
 

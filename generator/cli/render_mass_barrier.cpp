@@ -61,17 +61,17 @@ void render_mass_barrier(const MassBarrierOptions& options) {
   const Design design = design_argument(options.material);
   require_outputs(options.output, 1, input_files(options.material, design.material));
   const auto motion = play_mass_barrier(segment_table(design.spline), score_of(options, design), show_progress);
-  const auto& signal = options.signal == "force" ? motion.force_n : motion.displacement_m;
-  const double peak = peak_of(signal);
-  const std::string written =
-      write_outputs(options.output,
-                    sound_bytes(options.output.sound, signal, scale_to_peak(peak), 1, options.output.sample_rate_hz),
-                    [&](FigureFormat format) {
-                      return figure_of(motion, fmt::format("mass on a barrier: {}", design.material.name), format);
-                    });
+  std::vector<double> signal = options.signal == "force" ? motion.force_n : motion.displacement_m;
+  fade_end(signal, options.output.sample_rate_hz);
+  const double scale = scale_of(options.output, signal);
+  const std::string written = write_outputs(
+      options.output, sound_bytes(options.output.sound, signal, scale, 1, options.output.sample_rate_hz),
+      [&](FigureFormat format) {
+        return figure_of(motion, fmt::format("mass on a barrier: {}", design.material.name), format);
+      });
   write_stdout(fmt::format(
       "{} contacts in {} s, largest contact force {:.4g} N\nfull scale of the sound: {:.4g} {} ({})\n{}",
-      contacts_in(motion.force_n), options.duration_s, peak_of(motion.force_n), peak / kPeak,
+      contacts_in(motion.force_n), options.duration_s, peak_of(motion.force_n), 1 / scale,
       options.signal == "force" ? "N" : "m", options.signal == "force" ? "contact force" : "displacement", written));
 }
 

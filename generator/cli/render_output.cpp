@@ -4,7 +4,10 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <numbers>
 #include <utility>
 
 #include "generator/cli/figures.hpp"
@@ -20,10 +23,53 @@ std::string figure_file(const RenderOutput& output) {
                                : output.figure;
 }
 
+template <typename T>
+void fade(std::span<T> interleaved, std::size_t channels, double sample_rate_hz) {
+  constexpr double kFade_s = 0.01;
+  const std::size_t frames = interleaved.size() / channels;
+  const std::size_t faded = std::min(static_cast<std::size_t>(std::llround(kFade_s * sample_rate_hz)), frames / 2);
+  for (std::size_t i = 1; i <= faded; ++i) {
+    const double part = static_cast<double>(i) / static_cast<double>(faded);
+    const double factor = 0.5 * (1 + std::cos(std::numbers::pi * part));
+    for (T& sample : interleaved.subspan((frames - faded + i - 1) * channels, channels))
+      sample = static_cast<T>(factor * static_cast<double>(sample));
+  }
+}
+
+template <typename T>
+double scale(const RenderOutput& output, std::span<const T> samples) {
+  if (!output.gain_db) {
+    double peak = 0;
+    for (const T sample : samples) peak = std::max(peak, std::abs(static_cast<double>(sample)));
+    return peak > 0 ? kPeak / peak : 1;
+  }
+  const double scale = std::pow(10, *output.gain_db / 20);
+  const auto clips = [=](T sample) { return scale * std::abs(static_cast<double>(sample)) > 1; };
+  if (const auto clipped = std::ranges::count_if(samples, clips); clipped > 0)
+    std::fputs(fmt::format("contactspline: {}: --gain: {} samples exceed full scale and are clipped; a lower gain "
+                           "keeps them\n",
+                           output.sound, clipped)
+                   .c_str(),
+               stderr);
+  return scale;
+}
+
 }  // namespace
 
-double scale_to_peak(double peak) {
-  return peak > 0 ? kPeak / peak : 1;
+void fade_end(std::span<float> interleaved, int channels, double sample_rate_hz) {
+  fade(interleaved, static_cast<std::size_t>(channels), sample_rate_hz);
+}
+
+void fade_end(std::span<double> samples, double sample_rate_hz) {
+  fade(samples, 1, sample_rate_hz);
+}
+
+double scale_of(const RenderOutput& output, std::span<const float> samples) {
+  return scale(output, samples);
+}
+
+double scale_of(const RenderOutput& output, std::span<const double> samples) {
+  return scale(output, samples);
 }
 
 void require_short(const std::string& key, double duration_s, int sample_rate_hz) {

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -18,13 +19,20 @@ struct RenderOutput {
   std::string figure;  ///< empty: the sound file's name with .svg
   bool no_figure = false;
   int sample_rate_hz = 44100;
-  bool force = false;  ///< replaces files that the program did not write
+  std::optional<double> gain_db;  ///< relative to a full scale of 1 SI unit; empty: the peak becomes kPeak
+  bool force = false;             ///< replaces files that the program did not write
 };
 
 constexpr double kPeak = 0.89;  ///< largest value in the sound file: -1 dB relative to full scale
 
-/// The factor that brings the largest value `peak` (>= 0) to kPeak; 1 for silence.
-[[nodiscard]] double scale_to_peak(double peak);
+/// Fades the last 10 ms of a sound, or its second half if it is shorter than 20 ms, to 0 by a raised cosine.
+void fade_end(std::span<float> interleaved, int channels, double sample_rate_hz);
+void fade_end(std::span<double> samples, double sample_rate_hz);
+
+/// The factor from SI units to samples: the gain, or what brings the largest sample to kPeak; 1 for silence. If
+/// samples exceed full scale, a line on standard error counts them.
+[[nodiscard]] double scale_of(const RenderOutput& output, std::span<const float> samples);
+[[nodiscard]] double scale_of(const RenderOutput& output, std::span<const double> samples);
 
 /// Throws BadInput, with `key` at the beginning of its message, if the sound has more samples than one hour at 44.1
 /// kHz. The whole sound is held in memory.

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -33,12 +32,6 @@ PlayOptions play_options(const ScoreOptions& options, const Score& score) {
           options.precision == "single" ? Precision::kSingle : Precision::kDouble};
 }
 
-float peak_of(const Performance& performance) {
-  float peak = 0;
-  for (const float sample : performance.samples) peak = std::max(peak, std::abs(sample));
-  return peak;
-}
-
 }  // namespace
 
 // In the order of Signal.
@@ -57,22 +50,23 @@ void render_score(Instrument instrument, const ScoreOptions& options) {
   require_outputs(options.output, channels_of(score), source.files);
   if (!score.left_out.empty()) std::fputs(fmt::format("contactspline: {}\n", score.left_out).c_str(), stderr);
   const PlayOptions how = play_options(options, score);
-  const Performance performance = play(score, how, show_progress);
-  const double peak = peak_of(performance);
+  Performance performance = play(score, how, show_progress);
+  fade_end(performance.samples, performance.channels, performance.sample_rate_hz);
+  const double scale = scale_of(options.output, performance.samples);
   const auto signal = static_cast<std::size_t>(how.signal);
   const std::string title =
       score.description.empty() ? fmt::format("{} score", name_of(instrument)) : score.description;
   const std::string written = write_outputs(
       options.output,
-      sound_bytes(options.output.sound, performance.samples, scale_to_peak(peak), performance.channels,
+      sound_bytes(options.output.sound, performance.samples, scale, performance.channels,
                   options.output.sample_rate_hz),
       [&](FigureFormat format) {
         return figure_of(performance, title, fmt::format("{} [{}]", kTraces[signal], kUnits[signal]), format);
       });
   write_stdout(fmt::format(
       "{} contacts in {:.4g} s, largest contact force {:.4g} N\nfull scale of the sound: {:.4g} {} ({})\n{}",
-      performance.contacts, score.duration_s, performance.largest_force_n, peak / kPeak, kUnits[signal],
-      kTraces[signal], written));
+      performance.contacts, score.duration_s, performance.largest_force_n, 1 / scale, kUnits[signal], kTraces[signal],
+      written));
 }
 
 }  // namespace contactspline

@@ -26,6 +26,16 @@ template <typename T>
   return {check, fmt::format("{} to {}", min, max)};
 }
 
+/// A number from `min` to `max`, or a word.
+[[nodiscard]] inline CLI::Validator number_or(const char* word, double min, double max) {
+  const auto check = [=, number = number_from(min, max)](const std::string& text) mutable {
+    std::string copy = text;
+    if (text == word || number(copy).empty()) return std::string();
+    return fmt::format("'{}' is refused; allowed: {}, or a number from {} to {}", text, word, min, max);
+  };
+  return {check, fmt::format("{} or {} to {}", word, min, max)};
+}
+
 /// One of the given words.
 [[nodiscard]] inline CLI::Validator one_of(std::vector<std::string> words) {
   const auto check = [words](const std::string& text) {

@@ -215,7 +215,7 @@ Voice voice_of(const Keyboard& keyboard, int key) {
 }
 
 // The same key with its string tuned by a change of tension.
-Voice bent_voice(const Keyboard& keyboard, int key, int cents) {
+Voice detuned_voice(const Keyboard& keyboard, int key, int cents) {
   Voice voice = voice_of(keyboard, key);
   if (cents == 0) return voice;
   voice.name += fmt::format("{:+}", cents);
@@ -378,7 +378,7 @@ Score parse_midi_score(std::string_view bytes, std::string_view file, std::span<
     }
     const int cents = static_cast<int>(std::lround(note.bend_cents));
     Voice& voice = voices[{note.key, cents}];
-    if (voice.name.empty()) voice = bent_voice(keyboard, note.key, cents);
+    if (voice.name.empty()) voice = detuned_voice(keyboard, note.key, cents);
     voice.strikes.push_back({note.time_s, strike_speed(keyboard, note.velocity / 127.0), note.hold_s});
     end = std::max(end, note.time_s + note.hold_s);
   }

@@ -8,7 +8,6 @@
 #include <string>
 
 #include "generator/support/error.hpp"
-#include "generator/support/json_reader.hpp"
 
 namespace contactspline {
 namespace {
@@ -65,11 +64,13 @@ std::string found_at(std::string_view text, std::size_t at) {
   if (at >= text.size()) return "the file ends";
   if (text[at] == '\0') return "a NUL byte";
   if (text[at] == '\n' || text[at] == '\r') return "the line ends";
-  if (static_cast<unsigned char>(text[at]) < 0x20) return "a control character";
+  const auto code = static_cast<unsigned char>(text[at]);
+  if (code < 0x20 || code == 0x7f) return "a control character";
+  if (code > 0x7f) return "a character beyond ASCII is not expected";
   std::size_t end = at + 1;
   if (is_in_word(text[at]))
     while (end < text.size() && is_in_word(text[end])) ++end;
-  return fmt::format("'{}' is not expected", shown(text.substr(at, end - at), 40));
+  return fmt::format("'{}' is not expected", text.substr(at, std::min<std::size_t>(end - at, 40)));
 }
 
 }  // namespace

@@ -6,8 +6,8 @@
 
 namespace contactspline {
 
-/// True for a lower-case name that would not compile, or would hide something, as the name of an emitted C++ struct or
-/// Faust file: keywords of C++ and Faust, macros of system headers, namespaces, Faust's libraries.
+/// True for a lower-case name that would not compile, or would hide something, as the name of an emitted C++ struct
+/// or Faust file: keywords of C++ and Faust, macros of system headers, namespaces, Faust's libraries.
 [[nodiscard]] bool is_reserved_name(std::string_view name);
 
 }  // namespace contactspline

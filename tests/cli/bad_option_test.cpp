@@ -361,6 +361,7 @@ std::vector<BadLine> render_cases() {
   refuse("--stiffness-ratio", {"0", "-1", "nan", "1e7"}, "a number from 1e-06 to 1000000");
   refuse("--loss", {"-0.1", "nan", "1e4"}, "a number from 0 to 1000");
   refuse("--duration", {"0", "-1", "nan", "3601", "5 s"}, "a number from 0.001 to 3600");
+  refuse("--gain", {"on", "301", "-301", "nan", "3dB", ""}, "off, or a number from -300 to 300");
   refuse("--rate", {"0", "-1", "999", "768001", "44100.5", "nan", "4294967296", "99999999999999999999", "44k"},
          "an integer from 1000 to 768000");
   return cases;

@@ -33,9 +33,10 @@ const std::vector<Command> kCommands = {
     {"render", {"render"}, {"mass-barrier"}},
     {"mass_barrier",
      {"render", "mass-barrier"},
-     {"--material",  "--mass",  "--speed",  "--start", "--gravity",    "--stiffness-ratio", "--loss",
-      "--duration",  "--rate",  "--signal", "force",   "displacement", "-o,--output",       "--figure",
-      "--no-figure", "--force", ".flac",    ".png",    "44100",        "rubber_on_wood"}}};
+     {"--material",  "--mass",     "--speed",       "--start",  "--gravity", "--stiffness-ratio",
+      "--loss",      "--duration", "--rate",        "--signal", "force",     "displacement",
+      "-o,--output", "--figure",   "--no-figure",   "--gain",   "--force",   ".flac",
+      ".png",        "44100",      "rubber_on_wood"}}};
 
 class EveryCommand : public ::testing::TestWithParam<Command> {};
 

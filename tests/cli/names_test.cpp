@@ -15,11 +15,14 @@ namespace contactspline::testing {
 namespace {
 
 constexpr auto kHeaders =
-    "#include <algorithm>\n#include <cassert>\n#include <cerrno>\n#include <cmath>\n#include <complex>\n#include <csetjmp>\n"
-    "#include <csignal>\n#include <cstdarg>\n#include <cstdio>\n#include <cstdlib>\n#include <ctime>\n#include <string>\n"
+    "#include <algorithm>\n#include <cassert>\n#include <cerrno>\n#include <cmath>\n#include <complex>\n#include "
+    "<csetjmp>\n"
+    "#include <csignal>\n#include <cstdarg>\n#include <cstdio>\n#include <cstdlib>\n#include <ctime>\n#include "
+    "<string>\n"
     "#include <thread>\n#include <arpa/inet.h>\n#include <fcntl.h>\n#include <net/if.h>\n#include <netdb.h>\n"
     "#include <netinet/in.h>\n#include <sys/ioctl.h>\n#include <sys/param.h>\n#include <sys/resource.h>\n"
-    "#include <sys/socket.h>\n#include <sys/stat.h>\n#include <sys/time.h>\n#include <sys/types.h>\n#include <unistd.h>\n";
+    "#include <sys/socket.h>\n#include <sys/stat.h>\n#include <sys/time.h>\n#include <sys/types.h>\n#include "
+    "<unistd.h>\n";
 
 std::string material(const std::string& name) {
   return fmt::format(R"({{"name": "{}", "contact": {{"stiffness_n_per_m_alpha": 1e9, "exponent": 2}},
@@ -43,14 +46,15 @@ std::set<std::string> macros_in(const std::string& list) {
 TEST(Names, OfMacrosAreRefused) {
   const Sandbox box;
   write_file(box / "all.cpp", kHeaders);
-  const Outcome found = run_program({.arguments = {"-std=gnu++20", "-dM", "-E", "all.cpp"}, .folder = box.path(), .program = "c++"});
+  const Outcome found =
+      run_program({.arguments = {"-std=gnu++20", "-dM", "-E", "all.cpp"}, .folder = box.path(), .program = "c++"});
   ASSERT_EQ(found.exit_code, 0) << found.err;
   const auto names = macros_in(found.out);
   EXPECT_GT(names.size(), 20u);
   for (const std::string& name : names) {
     write_file(box / "probe.json", material(name));
-    expect_refused(run({.arguments = {"generate", "probe.json", "-o", "out"}, .folder = box.path()}), "probe.json: name: ",
-                   "no keyword, macro or library");
+    expect_refused(run({.arguments = {"generate", "probe.json", "-o", "out"}, .folder = box.path()}),
+                   "probe.json: name: ", "no keyword, macro or library");
   }
 }
 
@@ -59,22 +63,23 @@ TEST(Names, ThatAreAcceptedCompile) {
   const Sandbox box;
   std::string includes = kHeaders, uses;
   includes += "#include \"contactspline/mass_barrier.hpp\"\n";
-  for (const std::string name : {"printf", "size_t", "materials", "resonators", "detail", "main", "y0", "data", "table",
-                                 "segment", "float_t", "a", "hammer"}) {
+  for (const std::string name : {"printf", "size_t", "materials", "resonators", "detail", "main", "y0", "data",
+                                 "table", "segment", "float_t", "a", "hammer"}) {
     write_file(box / "probe.json", material(name));
     succeed({.arguments = {"generate", "probe.json", "-o", "out"}, .folder = box.path()});
     includes += fmt::format("#include \"out/{}.hpp\"\n", name);
     uses += fmt::format(
         "inline double use_{0}() {{\n  using contactspline::materials::{0};\n  constexpr auto& knots = "
-        "contactspline::segments_of<{0}, float>;\n  contactspline::MassBarrier<float, knots.size()> model(knots, 44100.0f);\n"
+        "contactspline::segments_of<{0}, float>;\n  contactspline::MassBarrier<float, knots.size()> model(knots, "
+        "44100.0f);\n"
         "  model.throw_from(-0.001f, 2.0f);\n  return model.force() + {0}::max_compression_m;\n}}\n",
         name);
   }
   write_file(box / "use.cpp", includes + uses);
-  const Outcome compiled =
-      run_program({.arguments = {"-std=gnu++20", "-fsyntax-only", "-I.", fmt::format("-I{}/runtime", SOURCE_FOLDER), "use.cpp"},
-                   .folder = box.path(),
-                   .program = "c++"});
+  const Outcome compiled = run_program(
+      {.arguments = {"-std=gnu++20", "-fsyntax-only", "-I.", fmt::format("-I{}/runtime", SOURCE_FOLDER), "use.cpp"},
+       .folder = box.path(),
+       .program = "c++"});
   EXPECT_EQ(compiled.exit_code, 0) << compiled.err;
 }
 
