@@ -118,7 +118,7 @@ set cbrange [-80:0]
 set palette defined (0 '#000004', 1 '#1b0c41', 2 '#4a0c6b', 3 '#781c6d', 4 '#a52c60', 5 '#cf4446', 6 '#ed6925', 7 '#fb9b06', 8 '#f7d13d', 9 '#fcffa4')
 )";
 
-constexpr std::array kFamilyColours = {"#999999", "#d55e00", "#0072b2"};
+constexpr std::array kFamilyColours = {"#999999", "#d55e00", "#0072b2", "#009e73"};
 
 using File = std::unique_ptr<FILE, int (*)(FILE*)>;
 
@@ -225,7 +225,8 @@ std::string draw(const std::string& script, const std::string& title, FigureForm
 }
 
 std::string potential_data(const Design& design) {
-  const auto& [material, spline, quality] = design;
+  const Material& material = design.material;
+  const Spline& spline = design.spline;
   const auto table = segment_table(spline);
   const std::span view(table);
   const double range = material.spline.max_compression_m;
@@ -264,7 +265,8 @@ std::string measured_data(const Material& material) {
 // are drawn as 1e-9 %.
 std::string family_data(const Design& design, std::size_t number) {
   constexpr int kSpeeds = 1500;
-  const auto& [material, spline, quality] = design;
+  const Material& material = design.material;
+  const Spline& spline = design.spline;
   const Impact& impact = *material.impact;
   const auto table = segment_table(spline);
   const double range = material.spline.max_compression_m, largest = material.contact.force(range);
@@ -419,10 +421,12 @@ std::string figure_of(std::span<const Design> families, FigureFormat format) {
   for (std::size_t i = 0; i < families.size(); ++i) {
     const Design& family = families[i];
     script += family_data(family, i);
+    const auto& [knots, minimise] = std::tie(family.material.spline.knots, family.material.spline.minimise);
+    const std::string_view name = minimise == ErrorOf::spectrum ? name_of(minimise) : name_of(knots);
     const auto curve = [&](int x, int y) {
       return fmt::format("{}$family{} using {}:{} with lines lw 1.6 lc rgb '{}' title '{}, {} segments'",
-                         i == 0 ? "plot " : ", ", i, x, y, kFamilyColours[i % kFamilyColours.size()],
-                         name_of(family.material.spline.knots), family.spline.segments.size());
+                         i == 0 ? "plot " : ", ", i, x, y, kFamilyColours[i % kFamilyColours.size()], name,
+                         family.spline.segments.size());
     };
     duration += curve(1, 2);
     compression += curve(1, 3);

@@ -88,26 +88,45 @@ std::string quality_table(const Design& design) {
                          100 * q.impact->max_compression, impact.mass_kg, impact.min_speed_m_per_s,
                          impact.max_speed_m_per_s);
   }
+  if (design.spectrum)
+    table += fmt::format(
+        "{:<36} {:>10.4g} dB\n{:<36} {:>10.4g} dB\n  of the force of these impacts, up to {:g} Hz and down to {:g} "
+        "dB\n",
+        "spectrum, worst", design.spectrum->worst_db, "spectrum, on average", design.spectrum->mean_db,
+        kMaxSpectrumFrequency_hz, kMinSpectrumLevel_db);
   return table + family_table(design);
 }
 
+/// A row of --compare.
+struct Family {
+  std::string_view name;
+  Knots knots;
+  ErrorOf minimise;
+};
+constexpr Family kFamilies[] = {{"uniform", Knots::uniform, ErrorOf::contact_duration},
+                                {"graded", Knots::graded, ErrorOf::contact_duration},
+                                {"optimal", Knots::optimal, ErrorOf::contact_duration},
+                                {"spectrum", Knots::optimal, ErrorOf::spectrum}};
+
 // The same material with other knots and the same number of segments, without compensation: uniform knots cannot have
 // it.
-Design with_knots(Material material, Knots knots, double tolerance) {
+Design with_knots(Material material, const Family& family, double tolerance) {
   SplineDesign& spline = material.spline;
-  spline.knots = knots;
-  spline.minimise = ErrorOf::contact_duration;
+  spline.knots = family.knots;
+  spline.minimise = family.minimise;
   spline.tolerance = tolerance;
-  if (knots == Knots::optimal) spline.segments = std::min(spline.segments, kMaxFittedSegments);
+  if (family.knots == Knots::optimal) spline.segments = std::min(spline.segments, kMaxFittedSegments);
   material.compensation.reset();
   const std::string name = material.name;
   return design_material(std::move(material), name);
 }
 
-// The number of segments that these knots need for a tolerance, or a dash if the design refuses it.
-std::string segments_for(const Material& material, Knots knots, double tolerance) {
+// The number of segments that a family needs for a tolerance of the contact duration, or a dash if the design refuses
+// it or the family has another tolerance.
+std::string segments_for(const Material& material, const Family& family, double tolerance) {
+  if (family.minimise != ErrorOf::contact_duration) return "-";
   try {
-    return fmt::format("{}", with_knots(material, knots, tolerance).spline.segments.size());
+    return fmt::format("{}", with_knots(material, family, tolerance).spline.segments.size());
   } catch (const BadInput&) {
     return "-";
   }
@@ -123,16 +142,18 @@ void compare(const InspectOptions& options) {
   std::vector<Design> families;
   std::string table = fmt::format(
       "{}\nworst errors for {} kg at {} to {} m/s on a rigid barrier\n\n"
-      "{:<9} {:>8} {:>17} {:>17} {:>12} {:>18} {:>8}\n",
+      "{:<9} {:>8} {:>17} {:>17} {:>12} {:>12} {:>12} {:>18} {:>8}\n",
       material.name, material.impact->mass_kg, material.impact->min_speed_m_per_s, material.impact->max_speed_m_per_s,
-      "knots", "segments", "contact duration", "max compression", "force", "segments for 1 %", "0.1 %");
-  for (const Knots knots : {Knots::uniform, Knots::graded, Knots::optimal}) {
-    const Design& family = families.emplace_back(with_knots(material, knots, 0));
-    const Quality& q = family.quality;
-    table +=
-        fmt::format("{:<9} {:>8} {:>15.4g} % {:>15.4g} % {:>10.4g} % {:>18} {:>8}\n", name_of(knots),
-                    family.spline.segments.size(), 100 * q.impact->contact_duration, 100 * q.impact->max_compression,
-                    100 * q.force.worst, segments_for(material, knots, 0.01), segments_for(material, knots, 0.001));
+      "knots", "segments", "contact duration", "max compression", "force", "spectrum", "its mean", "segments for 1 %",
+      "0.1 %");
+  for (const Family& family : kFamilies) {
+    const Design& made = families.emplace_back(with_knots(material, family, 0));
+    const Quality& q = made.quality;
+    table += fmt::format("{:<9} {:>8} {:>15.4g} % {:>15.4g} % {:>10.4g} % {:>9.4g} dB {:>9.4g} dB {:>18} {:>8}\n",
+                         family.name, made.spline.segments.size(), 100 * q.impact->contact_duration,
+                         100 * q.impact->max_compression, 100 * q.force.worst, made.spectrum->worst_db,
+                         made.spectrum->mean_db, segments_for(material, family, 0.01),
+                         segments_for(material, family, 0.001));
   }
   if (!options.figure.empty()) {
     require_writable({{options.figure}}, input_files(options.material, material), options.force);

@@ -23,7 +23,7 @@ std::string materials() {
   std::string table = fmt::format("{:<20} {:>14} {:>9} {:>9} {:>15}  {}\n", "name", "k [N/m^a]", "exponent",
                                   "segments", "worst T error", "description");
   for (const std::string& name : shipped_names(Shipped::kMaterials)) {
-    const auto [material, spline, quality] = design_argument(name);
+    const auto [material, spline, quality, spectrum] = design_argument(name);
     const PowerLaw* law = material.contact.power_law();
     const std::string stiffness =
         law == nullptr ? (material.measured ? "measured" : "sum") : fmt::format("{:.4g}", law->stiffness);

@@ -60,6 +60,11 @@ std::string quality_lines(const Design& design) {
                     design.material.impact->mass_kg, design.material.impact->min_speed_m_per_s,
                     design.material.impact->max_speed_m_per_s, percent(q.impact->contact_duration),
                     percent(q.impact->max_compression));
+  if (design.spectrum)
+    text += fmt::format(
+        "\n// Spectrum of their force up to {:g} Hz and down to {:g} dB: within {:.3g} dB, on average {:.3g} dB.",
+        kMaxSpectrumFrequency_hz, kMinSpectrumLevel_db, four_digits(design.spectrum->worst_db),
+        four_digits(design.spectrum->mean_db));
   if (const auto& compensation = design.material.compensation)
     text += fmt::format(
         "\n// Compensated for {} Hz and {} kg. The errors of impacts are those of simulated impacts. Force and "
@@ -81,6 +86,8 @@ std::string quality_members(const Design& design) {
   add("rms_energy_error", q.energy.rms);
   if (q.impact) add("worst_contact_duration_error", q.impact->contact_duration);
   if (q.impact) add("worst_max_compression_error", q.impact->max_compression);
+  if (design.spectrum) add("worst_spectrum_error_db", design.spectrum->worst_db);
+  if (design.spectrum) add("mean_spectrum_error_db", design.spectrum->mean_db);
   if (const auto& compensation = design.material.compensation)
     text += fmt::format(",\n    \"simulated_at_hz\": {},\n    \"simulated_mass_kg\": {}",
                         literal(compensation->sample_rate_hz), literal(compensation->mass_kg));

@@ -36,4 +36,8 @@ std::string_view name_of(Knots knots) {
   return knots == Knots::uniform ? "uniform" : knots == Knots::graded ? "graded" : "optimal";
 }
 
+std::string_view name_of(ErrorOf error) {
+  return error == ErrorOf::contact_duration ? "contact_duration" : error == ErrorOf::force ? "force" : "spectrum";
+}
+
 }  // namespace contactspline

@@ -22,8 +22,9 @@ struct Impact {
 enum class Knots { uniform, graded, optimal };
 
 /// The error that optimal knots minimise and that a tolerance bounds: the worst relative error of the contact
-/// duration over the impacts, or the worst error of the force, relative to the largest force.
-enum class ErrorOf { contact_duration, force };
+/// duration over the impacts, the worst error of the force, relative to the largest force, or the error of the
+/// spectrum of the impacts' force (spectrum_error.hpp).
+enum class ErrorOf { contact_duration, force, spectrum };
 
 /// Largest number of segments for which forces are fitted to the contact duration, and for `optimal` knots.
 constexpr int kMaxFittedSegments = 128;
@@ -34,7 +35,7 @@ struct SplineDesign {
   double max_compression_m;
   Knots knots = Knots::uniform;
   ErrorOf minimise = ErrorOf::contact_duration;
-  double tolerance = 0;  ///< 0 if `segments` is given
+  double tolerance = 0;  ///< 0 if `segments` is given; in decibels if `minimise` is the spectrum
 };
 
 /// The simulation whose time-step error a spline compensates (docs/knots.md).
@@ -69,5 +70,8 @@ struct Material {
 
 /// "uniform", "graded" or "optimal".
 [[nodiscard]] std::string_view name_of(Knots knots);
+
+/// "contact_duration", "force" or "spectrum".
+[[nodiscard]] std::string_view name_of(ErrorOf error);
 
 }  // namespace contactspline

@@ -18,6 +18,7 @@ constexpr Range kSpeed{1e-6, 1e3};
 constexpr Range kCompression{1e-9, 1};
 constexpr Range kSampleRate{1e3, 1e8};
 constexpr Range kTolerance{1e-7, 0.5};
+constexpr Range kTolerance_db{0.01, 20};
 constexpr int kMaxSegments = 65536;
 constexpr Range kLiveExponent{1, 10};  // convex
 constexpr int kMaxMembers = 64;
@@ -68,21 +69,37 @@ constexpr std::array kKnots = {Knots::uniform, Knots::graded, Knots::optimal};
 Knots read_knots(const JsonObject& spline) {
   constexpr auto kAllowed = "uniform, graded, optimal";
   const std::string name = spline.text("knots", kAllowed);
-  const auto found = std::ranges::find(kKnots, name, name_of);
+  const auto found = std::ranges::find(kKnots, name, [](Knots knots) { return name_of(knots); });
   if (found == kKnots.end()) spline.fail("spline.knots", fmt::format("'{}' is unknown", shown(name)), kAllowed);
   return *found;
 }
 
+constexpr std::array kErrors = {ErrorOf::contact_duration, ErrorOf::force, ErrorOf::spectrum};
+
 ErrorOf read_minimise(const JsonObject& spline, Knots knots) {
   if (!spline.has("minimise")) return ErrorOf::contact_duration;
-  constexpr auto kAllowed = "contact_duration, force";
+  constexpr auto kAllowed = "contact_duration, force, spectrum";
   const std::string name = spline.text("minimise", kAllowed);
   if (knots != Knots::optimal)
     spline.fail("spline.minimise", fmt::format("cannot be used with {} knots", name_of(knots)),
                 "with optimal knots only");
-  if (name != "contact_duration" && name != "force")
-    spline.fail("spline.minimise", fmt::format("'{}' is unknown", shown(name)), kAllowed);
-  return name == "force" ? ErrorOf::force : ErrorOf::contact_duration;
+  const auto found = std::ranges::find(kErrors, name, [](ErrorOf error) { return name_of(error); });
+  if (found == kErrors.end()) spline.fail("spline.minimise", fmt::format("'{}' is unknown", shown(name)), kAllowed);
+  return *found;
+}
+
+// A tolerance is relative, that of a spectrum is in decibels. Returns 0 if the spline has neither.
+double read_tolerance(const JsonObject& spline, ErrorOf minimise) {
+  const bool in_db = minimise == ErrorOf::spectrum;
+  if (in_db && spline.has("tolerance"))
+    spline.fail("spline.tolerance", "cannot bound the spectrum", "tolerance_db instead");
+  if (!in_db && spline.has("tolerance_db"))
+    spline.fail("spline.tolerance_db", fmt::format("cannot bound the {}", name_of(minimise)),
+                "tolerance instead, or minimise spectrum");
+  const auto* key = in_db ? "tolerance_db" : "tolerance";
+  if (!spline.has(key)) return 0;
+  if (spline.has("segments")) spline.fail(spline.key(key), "is given together with segments", "one of the two");
+  return spline.number(key, in_db ? kTolerance_db : kTolerance);
 }
 
 // Graded and optimal knots and a tolerance refer to the range of impacts, so they need one.
@@ -102,12 +119,8 @@ SplineDesign read_spline(const JsonObject& spline, const ContactLaw& contact, co
   SplineDesign design{.segments = 0, .max_compression_m = 0, .knots = read_knots(spline)};
   design.minimise = read_minimise(spline, design.knots);
   const int max = design.knots == Knots::optimal ? kMaxFittedSegments : kMaxSegments;
-  if (spline.has("tolerance")) {
-    if (spline.has("segments")) spline.fail("spline.tolerance", "is given together with segments", "one of the two");
-    design.tolerance = spline.number("tolerance", kTolerance);
-  } else {
-    design.segments = spline.integer("segments", 1, max);
-  }
+  design.tolerance = read_tolerance(spline, design.minimise);
+  if (design.tolerance == 0) design.segments = spline.integer("segments", 1, max);
   require_impact(spline, design, impact);
   design.max_compression_m = read_max_compression(spline, contact, impact);
   return design;
@@ -167,9 +180,9 @@ Material parse_material(std::string_view text, std::string_view file, const Read
                 std::move(contact.measured)};
   if (material.has("impact"))
     read.impact = read_impact(material.object("impact", {"mass_kg", "max_speed_m_per_s", "min_speed_m_per_s"}));
-  read.spline =
-      read_spline(material.object("spline", {"knots", "segments", "max_compression_m", "minimise", "tolerance"}),
-                  read.contact, read.impact);
+  read.spline = read_spline(
+      material.object("spline", {"knots", "segments", "max_compression_m", "minimise", "tolerance", "tolerance_db"}),
+      read.contact, read.impact);
   require_measured(material, read);
   if (material.has("compensation"))
     read.compensation = read_compensation(material.object("compensation", {"sample_rate_hz", "mass_kg"}));

@@ -91,8 +91,10 @@ class TimeStepCorrectedLaw {
 void require_compensable(const Material& material, std::string_view file) {
   if (material.spline.knots == Knots::uniform)
     refuse(file, "compensation", "does not work with uniform knots", "with graded or optimal knots");
-  if (material.spline.minimise == ErrorOf::force)
-    refuse(file, "compensation", "corrects the contact duration, not the force", "with minimise contact_duration");
+  if (material.spline.minimise != ErrorOf::contact_duration)
+    refuse(file, "compensation",
+           fmt::format("corrects the contact duration, not the {}", name_of(material.spline.minimise)),
+           "with minimise contact_duration");
   const double rate = material.compensation->sample_rate_hz, mass_kg = material.compensation->mass_kg;
   constexpr double kMaxSamples = 1e4;
   const double slowest = material.impact->min_speed_m_per_s * std::sqrt(material.impact->mass_kg / mass_kg);
@@ -125,7 +127,9 @@ CompensatedTarget compensated_target(const Material& material) {
       },
       corrected->corrected_compression(law.min_compression) / end,
       law.min_energy,
-      law.max_energy};
+      law.max_energy,
+      {},
+      law.time_unit_s * end};
   if (material.contact.power_law() == nullptr) target.force = extrapolated(std::move(target.force));
   for (const Break& at : law.breaks)
     target.breaks.push_back({corrected->corrected_compression(at.compression) / end, at.energy, at.kink});

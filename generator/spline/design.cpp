@@ -14,6 +14,8 @@
 #include "generator/spline/graded_knots.hpp"
 #include "generator/spline/minimax_force.hpp"
 #include "generator/spline/minimax_knots.hpp"
+#include "generator/spline/spectrum_error.hpp"
+#include "generator/spline/spectrum_knots.hpp"
 #include "generator/support/error.hpp"
 #include "generator/support/number_literal.hpp"
 
@@ -33,6 +35,7 @@ int rounding_digits(const Material& material) {
 
 PiecewiseLinearForce fit(const SplineDesign& design, const FitTarget& target) {
   if (design.knots == Knots::graded) return graded_knots(design.segments, target);
+  if (design.minimise == ErrorOf::spectrum) return spectrum_knots(design.segments, target);
   return design.minimise == ErrorOf::force ? minimax_force(design.segments, target)
                                            : minimax_knots(design.segments, target);
 }
@@ -66,7 +69,9 @@ Spline spline_of(const Material& material, std::string_view file) {
   return spline_through(rounded_force(force, rounding_digits(material)), material, file);
 }
 
+// The error that the tolerance of a material bounds.
 double error_of(const Spline& spline, const Material& material) {
+  if (material.spline.minimise == ErrorOf::spectrum) return measure_spectrum(spline, material)->worst_db;
   const Quality quality = measure_quality(spline, material);
   return material.spline.minimise == ErrorOf::force ? quality.force.worst : quality.impact->contact_duration;
 }
@@ -130,7 +135,7 @@ class ToleranceSearch {
   }
 
   [[noreturn]] void refuse_tolerance() const {
-    refuse(file_, "spline.tolerance",
+    refuse(file_, material_.spline.minimise == ErrorOf::spectrum ? "spline.tolerance_db" : "spline.tolerance",
            fmt::format("{} is not met by {} {} segments", material_.spline.tolerance, max_,
                        name_of(material_.spline.knots)),
            fmt::format("at least {:.4g}", error_ * 1.01));
@@ -153,7 +158,7 @@ Spline design_spline(Material& material, std::string_view file) {
 
 Design design_material(Material material, std::string_view file) {
   const Spline spline = design_spline(material, file);
-  return {material, spline, measure_quality(spline, material)};
+  return {material, spline, measure_quality(spline, material), measure_spectrum(spline, material)};
 }
 
 Design design_material(std::string_view text, std::string_view file, const ReadFile& read) {

@@ -3,10 +3,12 @@
 // design_material().
 #pragma once
 
+#include <optional>
 #include <string_view>
 
 #include "generator/material/material_reader.hpp"
 #include "generator/spline/contact_spline.hpp"
+#include "generator/spline/spectrum_error.hpp"
 #include "generator/spline/spline_error.hpp"
 
 namespace contactspline {
@@ -16,6 +18,7 @@ struct Design {
   Material material;
   Spline spline;
   Quality quality;
+  std::optional<SpectrumError> spectrum;  ///< of the force of the impacts (measure_spectrum)
 };
 
 /// Designs the spline of a material. If the material has a tolerance, sets its `segments` to the smallest number that

@@ -83,7 +83,9 @@ FitTarget fit_target(const Material& material) {
       },
       max_compression(contact, impact.mass_kg, slowest) / range,
       energy_of(slowest),
-      energy_of(impact.max_speed_m_per_s)};
+      energy_of(impact.max_speed_m_per_s),
+      {},
+      time_unit};
   if (contact.power_law() != nullptr) return target;
   target.force = extrapolated(std::move(target.force));
   const bool layers = std::holds_alternative<PowerSum>(contact.law());

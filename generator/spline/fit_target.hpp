@@ -24,6 +24,7 @@ struct FitTarget {
   double min_compression;  ///< largest compression of the slowest impact; that of the fastest is 1
   double min_energy, max_energy;
   std::vector<Break> breaks = {};  ///< by rising compression, all below 1
+  double time_unit_s = 1;          ///< the time in which a unit force gives the mass a unit speed
 };
 
 /// The force up to compression 1, and beyond it the power law with the same value and slope there. Guesses evaluate

@@ -189,10 +189,9 @@ PiecewiseLinearForce knots_for_kinks(int segments, const FitTarget& target) {
   return kinks && segments <= kMaxCoarse ? better_of(force, best_fit(segments, false, target).force, target) : force;
 }
 
-PiecewiseLinearForce unfitted_knots_for_kinks(int segments, const FitTarget& target) {
-  constexpr double kFirstKnot = 0.03;  // in compressions of the slowest impact; so low that no force needs a fit
-  return match_kink_energies(
-      make_monotone(guess_from(segments, kFirstKnot * target.min_compression, true, target).force), target);
+PiecewiseLinearForce unfitted_knots_for_kinks(int segments, const FitTarget& target, double first) {
+  return match_kink_energies(make_monotone(guess_from(segments, first * target.min_compression, true, target).force),
+                             target);
 }
 
 PiecewiseLinearForce recursion_force(int segments, const FitTarget& target) {

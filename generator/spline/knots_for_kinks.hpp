@@ -12,8 +12,10 @@ namespace contactspline {
 /// are fitted as in graded_knots(), from several guesses; the best fit is returned. 1 to kMaxFittedSegments.
 [[nodiscard]] PiecewiseLinearForce knots_for_kinks(int segments, const FitTarget& target);
 
-/// The same knots for any number of segments, without fitted forces.
-[[nodiscard]] PiecewiseLinearForce unfitted_knots_for_kinks(int segments, const FitTarget& target);
+/// The same knots for any number of segments, without fitted forces. `first`: the first knot, in compressions of the
+/// slowest impact; by default so low that no force needs a fit.
+[[nodiscard]] PiecewiseLinearForce unfitted_knots_for_kinks(int segments, const FitTarget& target,
+                                                            double first = 0.03);
 
 /// The paper's uniform knots: the spline has the law's potential at each knot, by the paper's recursion. The force
 /// rises only if that spline is convex.

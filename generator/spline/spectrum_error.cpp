@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+#include "generator/spline/spectrum_error.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "generator/contact/barrier_impact.hpp"
+#include "generator/spline/graded_knots.hpp"
+#include "generator/spline/impact_spectrum.hpp"
+
+namespace contactspline {
+namespace {
+
+constexpr int kSpeeds = 64, kExactSegments = 512;
+constexpr int kPerZero = 4;               // frequencies between two zeros of a spectrum
+constexpr int kBeyond = 2 * kPerZero;     // frequencies above the last one compared, for its envelope
+constexpr int kMaxCount = 32 * kPerZero;  // with an exponent of 1 or more, a spectrum has fallen by 60 dB before
+
+// The largest magnitude at each frequency or a higher one.
+std::vector<double> envelope_of(const std::vector<double>& spectrum) {
+  std::vector<double> envelope(spectrum.size());
+  double largest = 0;
+  for (std::size_t k = spectrum.size(); k-- > 0;) envelope[k] = largest = std::max(largest, std::abs(spectrum[k]));
+  return envelope;
+}
+
+double decibels(double relative) {
+  return std::isfinite(relative) ? 20 * std::log10(1 + relative) : std::numeric_limits<double>::infinity();
+}
+
+// The force of a spline, in units of `range` and of `max_force`.
+PiecewiseLinearForce force_of(const Spline& spline, double range, double max_force) {
+  PiecewiseLinearForce force{{}, {}};
+  for (const auto& segment : spline.segments) {
+    force.y.push_back(segment.knot / range);
+    force.f.push_back(segment.force / max_force);
+  }
+  const auto& last = spline.segments.back();
+  force.y.push_back(last.knot / range + 1);
+  force.f.push_back(last.force_at(last.knot + range) / max_force);
+  return force;
+}
+
+}  // namespace
+
+ExactSpectra::ExactSpectra(const FitTarget& target) {
+  const PiecewiseLinearForce exact = graded_knots(kExactSegments, target);
+  const double highest = 2 * std::numbers::pi * kMaxSpectrumFrequency_hz * target.time_unit_s;
+  for (int i = 0; i < kSpeeds; ++i) {
+    const double energy =
+        target.min_energy * std::pow(target.max_energy / target.min_energy, i / (kSpeeds - 1.0));
+    const double step = std::numbers::pi / (kPerZero * target.half_duration(energy));
+    const int count = static_cast<int>(std::min<double>(highest / step, kMaxCount));
+    Impact impact{energy, step, impact_spectrum(exact, energy, step, 1 + count + kBeyond), {}};
+    impact.envelope = envelope_of(impact.spectrum);
+    const double lowest = impact.spectrum.front() * std::pow(10, kMinSpectrumLevel_db / 20);
+    std::size_t end = 1;
+    while (end <= static_cast<std::size_t>(count) && impact.envelope[end] >= lowest) ++end;
+    for (auto* values : {&impact.spectrum, &impact.envelope}) {
+      values->resize(end);
+      values->erase(values->begin());
+    }
+    impacts_.push_back(std::move(impact));
+  }
+}
+
+std::vector<double> ExactSpectra::differences(const PiecewiseLinearForce& force) const {
+  std::vector<double> relative;
+  for (const Impact& impact : impacts_) {
+    const auto count = static_cast<int>(impact.spectrum.size());
+    const std::vector<double> found = impact_spectrum(force, impact.energy, impact.step, count + 1);
+    for (std::size_t k = 0; k < impact.spectrum.size(); ++k)
+      relative.push_back(std::abs(found[k + 1] - impact.spectrum[k]) / impact.envelope[k]);
+  }
+  return relative;
+}
+
+SpectrumError ExactSpectra::error_of(const PiecewiseLinearForce& force) const {
+  SpectrumError error{0, 0};
+  const std::vector<double> relative = differences(force);
+  for (const double difference : relative) {
+    const double level = decibels(difference);
+    error.mean_db += level / static_cast<double>(relative.size());
+    error.worst_db = std::max(error.worst_db, level);
+  }
+  return error;
+}
+
+double ExactSpectra::rms_error_of(const PiecewiseLinearForce& force) const {
+  double squares = 0;
+  const std::vector<double> relative = differences(force);
+  for (const double difference : relative) squares += difference * difference;
+  const double rms = std::sqrt(squares / static_cast<double>(std::max<std::size_t>(relative.size(), 1)));
+  return std::isfinite(rms) ? rms : std::numeric_limits<double>::infinity();
+}
+
+std::optional<SpectrumError> measure_spectrum(const Spline& spline, const Material& material) {
+  if (!material.impact || material.compensation) return {};
+  Material over_impacts = material;
+  const double range =
+      max_compression(material.contact, material.impact->mass_kg, material.impact->max_speed_m_per_s);
+  over_impacts.spline.max_compression_m = range;
+  return ExactSpectra(fit_target(over_impacts)).error_of(force_of(spline, range, material.contact.force(range)));
+}
+
+}  // namespace contactspline
