@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -126,10 +127,10 @@ class ToleranceSearch {
   // For uniform knots, whose splines are cheap, all smaller numbers are tried.
   void try_smaller() {
     constexpr int kMaxTriedFully = 64;
-    const Knots knots = material_.spline.knots;
-    const int tries = knots == Knots::optimal                            ? 2
-                      : knots == Knots::uniform && met_ < kMaxTriedFully ? met_
-                                                                         : std::clamp(met_ / 8, 3, 16);
+    const auto& [knots, minimise] = std::tie(material_.spline.knots, material_.spline.minimise);
+    const int tries = knots == Knots::optimal && minimise != ErrorOf::spectrum ? 2
+                      : knots == Knots::uniform && met_ < kMaxTriedFully       ? met_
+                                                                               : std::clamp(met_ / 8, 3, 16);
     for (int fewer = met_ - 2; fewer > 0 && fewer >= met_ - 1 - tries; --fewer)
       meets_tolerance(fewer);  // updates met_
   }

@@ -63,9 +63,9 @@ std::vector<double> impact_spectrum(const PiecewiseLinearForce& force, double en
       const double c = half_angle.real(), s = half_angle.imag();
       const double difference = sinc(angle - phase, s * cosine - c * sine);
       const double sum = sinc(angle + phase, s * cosine + c * sine);
-      spectrum[k] += 2 * half_time *
-                     (middle * middle_angle.real() * (difference + sum) +
-                      swing * middle_angle.imag() * (difference - sum));
+      spectrum[k] +=
+          2 * half_time *
+          (middle * middle_angle.real() * (difference + sum) + swing * middle_angle.imag() * (difference - sum));
       middle_angle = {middle_angle.real() * turn.real() - middle_angle.imag() * turn.imag(),
                       middle_angle.real() * turn.imag() + middle_angle.imag() * turn.real()};
       half_angle = {c * half_turn.real() - s * half_turn.imag(), c * half_turn.imag() + s * half_turn.real()};

@@ -7,9 +7,10 @@
 
 namespace contactspline {
 
-/// Widths in proportion to (y + offset)^growth, with the forces of force_between(). Tries many offsets, with a growth
-/// of 1.5 and of 3, and returns the force whose spectra have the smallest root-mean-square error. A law with breaks
-/// also tries knots at its kinks (unfitted_knots_for_kinks) with many first knots. segments >= 1.
+/// Widths in proportion to (y + offset)^growth, with the forces of force_between(). Searches the offset for a growth
+/// of 1.5 and of 3 and returns the force whose spectra have the smallest root-mean-square error. Also tries graded
+/// knots if there are at most 8 segments or the law has breaks, and for a law with breaks knots at its kinks
+/// (unfitted_knots_for_kinks) with several first knots. segments >= 1.
 [[nodiscard]] PiecewiseLinearForce spectrum_knots(int segments, const FitTarget& target);
 
 }  // namespace contactspline

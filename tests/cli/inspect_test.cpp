@@ -214,21 +214,23 @@ TEST(InspectFamilies, StandSideBySide) {
   const Sandbox box;
   write_file(box / "probe.json", material(16));
   const auto lines = lines_of(printed(box, {"inspect", "probe.json", "--compare", "--figure", "families.svg"}));
-  ASSERT_EQ(lines.size(), 9u);
+  ASSERT_EQ(lines.size(), 10u);
   EXPECT_EQ(lines[0], "probe");
-  EXPECT_EQ(lines[8], "figure: families.svg");
+  EXPECT_EQ(lines[9], "figure: families.svg");
   std::size_t line = 4;
-  for (const std::string family : {"uniform", "graded", "optimal"}) {
+  for (const std::string family : {"uniform", "graded", "optimal", "spectrum"}) {
+    const bool is_spectrum = family == "spectrum";
     std::string text = material(16);
-    text.replace(text.find("uniform"), 7, family);
+    text.replace(text.find("uniform"), 7, is_spectrum ? R"(optimal", "minimise": "spectrum)" : family);
     write_file(box / "family.json", text);
     const Json json = Json::parse(printed(box, {"generate", "family.json", "--emit", "json", "-o", "-"}));
     std::istringstream row(lines[line++]);
     std::string name, percent;
     int segments = 0, for_one_percent = 0, for_tenth = 0;
-    double duration = NAN, compression = NAN, force = NAN;
-    row >> name >> segments >> duration >> percent >> compression >> percent >> force >> percent >> for_one_percent >>
-        for_tenth;
+    double duration = NAN, compression = NAN, force = NAN, worst_db = NAN, mean_db = NAN;
+    row >> name >> segments >> duration >> percent >> compression >> percent >> force >> percent >> worst_db >>
+        percent >> mean_db >> percent;
+    if (!is_spectrum) row >> for_one_percent >> for_tenth;
     EXPECT_TRUE(row && name == family && segments == 16) << lines[line - 1];
     const auto expect = [&](double shown, const char* key) {
       EXPECT_TRUE(relatively_within(shown, 100 * json.at("quality").at(key).get<double>(), 2e-3)) << family << key;
@@ -236,6 +238,9 @@ TEST(InspectFamilies, StandSideBySide) {
     expect(duration, "worst_contact_duration_error");
     expect(compression, "worst_max_compression_error");
     expect(force, "worst_force_error");
+    expect(100 * worst_db, "worst_spectrum_error_db");
+    expect(100 * mean_db, "mean_spectrum_error_db");
+    if (is_spectrum) continue;
     for (const auto& [tolerance, shown] : {std::pair{"0.01", for_one_percent}, std::pair{"0.001", for_tenth}}) {
       std::string by_tolerance = text;
       by_tolerance.replace(by_tolerance.find(R"("segments": 16)"), 14, std::string(R"("tolerance": )") + tolerance);
@@ -244,7 +249,7 @@ TEST(InspectFamilies, StandSideBySide) {
       EXPECT_EQ(static_cast<int>(found.at("knots_m").size()), shown) << family << " " << tolerance;
     }
   }
-  expect_drawn(box / "families.svg", 9);
+  expect_drawn(box / "families.svg", 12);
   EXPECT_NE(read_svg(box / "families.svg").text.find("optimal, 16 segments"), std::string::npos);
 }
 
