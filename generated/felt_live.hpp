@@ -3,6 +3,7 @@
 // a = 2.5, as a quadratic spline of 16 segments over 0 to 0.0010813517706536315 m.
 // Worst force error 0.129 % of the largest force (rms 0.0393 %), energy error 0.00291 % (rms 0.00138 %).
 // Impacts of 0.00297 kg at 0.12 to 6 m/s: contact duration within 0.839 %, max compression within 0.353 %.
+// Spectrum of their force up to 15000 Hz and down to -60 dB: within 29.1 dB, on average 3.37 dB.
 // Written by contactspline 0.2.0: contactspline generate felt_live.json --emit cpp
 #pragma once
 

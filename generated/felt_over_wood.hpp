@@ -4,6 +4,7 @@
 // as a quadratic spline of 64 segments over 0 to 0.0007455177467147833 m.
 // Worst force error 0.14 % of the largest force (rms 0.0298 %), energy error 0.00247 % (rms 0.000931 %).
 // Impacts of 0.00297 kg at 0.1 to 6 m/s: contact duration within 0.0756 %, max compression within 0.00779 %.
+// Spectrum of their force up to 15000 Hz and down to -60 dB: within 6.01 dB, on average 0.184 dB.
 // Written by contactspline 0.2.0: contactspline generate felt_over_wood.json --emit cpp
 #pragma once
 

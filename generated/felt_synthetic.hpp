@@ -4,6 +4,7 @@
 // as a quadratic spline of 48 segments over 0 to 0.0015221400211216398 m.
 // Worst force error 0.0686 % of the largest force (rms 0.00821 %), energy error 0.000625 % (rms 0.000136 %).
 // Impacts of 0.0049 kg at 0.2 to 5 m/s: contact duration within 0.123 %, max compression within 0.0221 %.
+// Spectrum of their force up to 15000 Hz and down to -60 dB: within 8.04 dB, on average 0.329 dB.
 // Written by contactspline 0.2.0: contactspline generate felt_synthetic.json --emit cpp
 #pragma once
 

@@ -3,6 +3,7 @@
 // a = 1.3, as a quadratic spline of 64 segments over 0 to 3.202925841033473e-05 m.
 // Worst force error 0.0585 % of the largest force (rms 0.026 %), energy error 0.000426 % (rms 0.000295 %).
 // Impacts of 0.01 kg at 0.1 to 2 m/s: contact duration within 0.2 %, max compression within 0.0583 %.
+// Spectrum of their force up to 15000 Hz and down to -60 dB: within 0.0913 dB, on average 0.00527 dB.
 // Written by contactspline 0.2.0: contactspline generate mb1.json --emit cpp
 #pragma once
 

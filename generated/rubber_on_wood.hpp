@@ -3,6 +3,7 @@
 // a = 1.5, as a quadratic spline of 64 segments over 0 to 0.00266639351713155 m.
 // Worst force error 0.0391 % of the largest force (rms 0.0159 %), energy error 0.000287 % (rms 0.000196 %).
 // Impacts of 0.009 kg at 0.05 to 4 m/s: contact duration within 0.861 %, max compression within 0.35 %.
+// Spectrum of their force up to 15000 Hz and down to -60 dB: within 15.2 dB, on average 2.17 dB.
 // Written by contactspline 0.2.0: contactspline generate rubber_on_wood.json --emit cpp
 #pragma once
 

@@ -3,6 +3,7 @@
 // a = 1.5, as a quadratic spline of 64 segments over 0 to 2.0440388209541737e-05 m.
 // Worst force error 0.0391 % of the largest force (rms 0.0159 %), energy error 0.000287 % (rms 0.000196 %).
 // Impacts of 0.00411 kg at 0.05 to 2 m/s: contact duration within 0.4 %, max compression within 0.169 %.
+// Spectrum of their force up to 15000 Hz and down to -60 dB: within 0.0708 dB, on average 0.00509 dB.
 // Written by contactspline 0.2.0: contactspline generate steel_on_steel.json --emit cpp
 #pragma once
 

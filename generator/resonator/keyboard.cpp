@@ -79,7 +79,8 @@ Material felt_of(const Keyboard& keyboard, const Between& notes, int key, double
           "",
           felt,
           Impact{hammer_mass_kg, keyboard.max_speed_m_per_s, keyboard.min_speed_m_per_s},
-          {keyboard.segments, rounded_to(felt.max_compression(hammer_mass_kg, keyboard.max_speed_m_per_s), 6)}};
+          {keyboard.segments, rounded_to(felt.max_compression(hammer_mass_kg, keyboard.max_speed_m_per_s), 6),
+           Knots::optimal, ErrorOf::spectrum}};
 }
 
 }  // namespace
