@@ -23,13 +23,15 @@ std::string materials() {
   std::string table = fmt::format("{:<20} {:>14} {:>9} {:>9} {:>15}  {}\n", "name", "k [N/m^a]", "exponent",
                                   "segments", "worst T error", "description");
   for (const std::string& name : shipped_names(Shipped::kMaterials)) {
-    const auto [material, spline, quality, spectrum] = design_argument(name);
+    const Design design = design_argument(name);
+    const Material& material = design.material;
     const PowerLaw* law = material.contact.power_law();
     const std::string stiffness =
         law == nullptr ? (material.measured ? "measured" : "sum") : fmt::format("{:.4g}", law->stiffness);
     const std::string exponent = law == nullptr ? "-" : fmt::format("{:.4g}", law->exponent);
     table += fmt::format("{:<20} {:>14} {:>9} {:>9} {:>13.2g} %  {}\n", name, stiffness, exponent,
-                         spline.segments.size(), 100 * quality.impact.value().contact_duration, material.description);
+                         design.spline.segments.size(), 100 * design.quality.impact.value().contact_duration,
+                         material.description);
   }
   return table;
 }

@@ -22,6 +22,11 @@ double four_digits(double value) {
   return value < 1e-12 ? 0.0 : rounded_to(value, 4);
 }
 
+// Decibels so small are rounding errors.
+double four_digits_db(double value) {
+  return value < 1e-6 ? 0.0 : rounded_to(value, 4);
+}
+
 std::string percent(double value) {
   return fmt::format("{:.3g} %", 100 * four_digits(value));
 }
@@ -63,8 +68,8 @@ std::string quality_lines(const Design& design) {
   if (design.spectrum)
     text += fmt::format(
         "\n// Spectrum of their force up to {:g} Hz and down to {:g} dB: within {:.3g} dB, on average {:.3g} dB.",
-        kMaxSpectrumFrequency_hz, kMinSpectrumLevel_db, four_digits(design.spectrum->worst_db),
-        four_digits(design.spectrum->mean_db));
+        kMaxSpectrumFrequency_hz, kMinSpectrumLevel_db, four_digits_db(design.spectrum->worst_db),
+        four_digits_db(design.spectrum->mean_db));
   if (const auto& compensation = design.material.compensation)
     text += fmt::format(
         "\n// Compensated for {} Hz and {} kg. The errors of impacts are those of simulated impacts. Force and "
@@ -78,16 +83,16 @@ std::string quality_members(const Design& design) {
   const Quality& q = design.quality;
   std::string text;
   const auto add = [&](std::string_view key, double value) {
-    text += fmt::format("{}    \"{}\": {}", text.empty() ? "" : ",\n", key, literal(four_digits(value)));
+    text += fmt::format("{}    \"{}\": {}", text.empty() ? "" : ",\n", key, literal(value));
   };
-  add("worst_force_error", q.force.worst);
-  add("rms_force_error", q.force.rms);
-  add("worst_energy_error", q.energy.worst);
-  add("rms_energy_error", q.energy.rms);
-  if (q.impact) add("worst_contact_duration_error", q.impact->contact_duration);
-  if (q.impact) add("worst_max_compression_error", q.impact->max_compression);
-  if (design.spectrum) add("worst_spectrum_error_db", design.spectrum->worst_db);
-  if (design.spectrum) add("mean_spectrum_error_db", design.spectrum->mean_db);
+  add("worst_force_error", four_digits(q.force.worst));
+  add("rms_force_error", four_digits(q.force.rms));
+  add("worst_energy_error", four_digits(q.energy.worst));
+  add("rms_energy_error", four_digits(q.energy.rms));
+  if (q.impact) add("worst_contact_duration_error", four_digits(q.impact->contact_duration));
+  if (q.impact) add("worst_max_compression_error", four_digits(q.impact->max_compression));
+  if (design.spectrum) add("worst_spectrum_error_db", four_digits_db(design.spectrum->worst_db));
+  if (design.spectrum) add("mean_spectrum_error_db", four_digits_db(design.spectrum->mean_db));
   if (const auto& compensation = design.material.compensation)
     text += fmt::format(",\n    \"simulated_at_hz\": {},\n    \"simulated_mass_kg\": {}",
                         literal(compensation->sample_rate_hz), literal(compensation->mass_kg));

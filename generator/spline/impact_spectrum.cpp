@@ -9,10 +9,10 @@ namespace contactspline {
 namespace {
 
 // The motion through one segment, about the middle of its time: at the time s from there, the force is
-// force cos(phase s/half_time) - force_swing sin(phase s/half_time).
+// force cos(phase s/half_time) - quadrature sin(phase s/half_time).
 struct Transit {
   double half_time, phase, cosine, sine;  // of the phase w half_time
-  double force, swing;                    // swing: w times the speed, for a unit mass
+  double force, quadrature;               // quadrature: w times the speed, for a unit mass
 };
 
 // Speeds v0 > v1 and forces f0 < f1 at the ends of a segment of width dy.
@@ -54,9 +54,10 @@ std::vector<double> impact_spectrum(const PiecewiseLinearForce& force, double en
   const std::vector<Transit> motion = transits(force, energy);
   double time = 0;  // before the largest compression
   for (auto at = motion.rbegin(); at != motion.rend(); ++at) {
-    const auto& [half_time, phase, cosine, sine, middle, swing] = *at;
+    const auto& [half_time, phase, cosine, sine, middle, quadrature] = *at;
     time += half_time;
-    const std::complex<double> turn = std::polar(1.0, step * time), half_turn = std::polar(1.0, step * half_time);
+    const std::complex<double> rotation = std::polar(1.0, step * time),
+                               half_rotation = std::polar(1.0, step * half_time);
     std::complex<double> middle_angle = 1, half_angle = 1;  // exp(j W time), exp(j W half_time)
     for (std::size_t k = 0; k < spectrum.size(); ++k) {
       const double angle = static_cast<double>(k) * step * half_time;
@@ -65,10 +66,11 @@ std::vector<double> impact_spectrum(const PiecewiseLinearForce& force, double en
       const double sum = sinc(angle + phase, s * cosine + c * sine);
       spectrum[k] +=
           2 * half_time *
-          (middle * middle_angle.real() * (difference + sum) + swing * middle_angle.imag() * (difference - sum));
-      middle_angle = {middle_angle.real() * turn.real() - middle_angle.imag() * turn.imag(),
-                      middle_angle.real() * turn.imag() + middle_angle.imag() * turn.real()};
-      half_angle = {c * half_turn.real() - s * half_turn.imag(), c * half_turn.imag() + s * half_turn.real()};
+          (middle * middle_angle.real() * (difference + sum) + quadrature * middle_angle.imag() * (difference - sum));
+      middle_angle = {middle_angle.real() * rotation.real() - middle_angle.imag() * rotation.imag(),
+                      middle_angle.real() * rotation.imag() + middle_angle.imag() * rotation.real()};
+      half_angle = {c * half_rotation.real() - s * half_rotation.imag(),
+                    c * half_rotation.imag() + s * half_rotation.real()};
     }
     time += half_time;
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The spectrum of impacts, its error as a figure of a spline, and knots designed for it: against numerical integration
-// of the motion, which shares no step with the generator.
+// The spectrum of impacts, its error as a figure of a spline, and knots designed for it: against numerical
+// integration of the motion, which shares no step with the generator.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -82,19 +82,25 @@ LongImpact integrate(const LongLaw& law, Long mass, Long ym, const std::vector<L
   LongImpact found{0, std::vector<Long>(frequencies.size())};
   for (std::size_t i = 0; i + 1 < ends.size(); ++i)
     for (int p = 0; p < panels; ++p) {
-      const auto at = [&](Long fraction) { return ends[i] + (ends[i + 1] - ends[i]) * std::sin(fraction * std::numbers::pi_v<Long> / 2); };
+      const auto at = [&](Long fraction) {
+        return ends[i] + (ends[i + 1] - ends[i]) * std::sin(fraction * std::numbers::pi_v<Long> / 2);
+      };
       const Long left = at(Long(p) / panels), right = at(Long(p + 1) / panels), width = right - left;
       // t to the middle and to the end of the panel, by Lobatto's rule of the sixth order
       const auto time = [&](Long from, Long to) {
         const Long middle = (from + to) / 2, reach = (to - from) / 2, inner = reach / std::sqrt(Long(5));
-        return reach * (time_per_x(from) + 5 * time_per_x(middle - inner) + 5 * time_per_x(middle + inner) + time_per_x(to)) / 6;
+        return reach *
+               (time_per_x(from) + 5 * time_per_x(middle - inner) + 5 * time_per_x(middle + inner) + time_per_x(to)) /
+               6;
       };
       const Long middle = (left + right) / 2;
       const Long t0 = found.half_duration, t1 = t0 + time(left, middle), t2 = t1 + time(middle, right);
       const auto flow = [&](Long x) { return law.force(std::max<Long>(0, ym * (1 - x * x))) * time_per_x(x); };
       const Long f0 = flow(left), f1 = flow(middle), f2 = flow(right);
       for (std::size_t k = 0; k < frequencies.size(); ++k)
-        found.spectrum[k] += width / 3 * (f0 * std::cos(frequencies[k] * t0) + 4 * f1 * std::cos(frequencies[k] * t1) + f2 * std::cos(frequencies[k] * t2));
+        found.spectrum[k] += width / 3 *
+                             (f0 * std::cos(frequencies[k] * t0) + 4 * f1 * std::cos(frequencies[k] * t1) +
+                              f2 * std::cos(frequencies[k] * t2));
       found.half_duration = t2;
     }
   return found;
@@ -125,7 +131,8 @@ TEST(ImpactSpectrum, EqualsTheIntegralOfTheMotion) {
       const auto found = impact_spectrum(line, energy, w / 4, 60);
       EXPECT_TRUE(relatively_within(found[0], 2 * std::sqrt(2 * energy), 1e-14));
       for (std::size_t k = 0; k < found.size(); ++k)
-        EXPECT_TRUE(within(found[k], static_cast<double>(exact.spectrum[k]), 1e-9 * found[0])) << i << " " << reach << " " << k;
+        EXPECT_TRUE(within(found[k], static_cast<double>(exact.spectrum[k]), 1e-9 * found[0]))
+            << i << " " << reach << " " << k;
     }
   }
 }
@@ -148,8 +155,8 @@ class Figure {
     const Impact& impact = *material.impact;
     const double duration = law.contact_duration(impact.mass_kg, impact.max_speed_m_per_s);
     const Long ym = law.max_compression(impact.mass_kg, impact.max_speed_m_per_s);
-    const LongImpact exact =
-        integrate(power_law(law), impact.mass_kg, ym, multiples(2 * std::numbers::pi_v<Long> / duration / 4, 80), 400);
+    const LongImpact exact = integrate(power_law(law), impact.mass_kg, ym,
+                                       multiples(2 * std::numbers::pi_v<Long> / duration / 4, 80), 400);
     EXPECT_TRUE(relatively_within(static_cast<double>(2 * exact.half_duration), duration, 1e-9));
     for (const Long value : exact.spectrum) relative_.push_back(static_cast<double>(value / exact.spectrum[0]));
   }
@@ -172,7 +179,8 @@ class Figure {
       const auto found = impact_spectrum(force, speed * speed / 2, 2 * std::numbers::pi * step, 60);
       for (std::size_t k = 1; k < found.size() && static_cast<double>(k) * step <= 15000; ++k) {
         const auto magnitude = [](double a, double b) { return std::abs(a) < std::abs(b); };
-        const double envelope = std::abs(*std::max_element(relative_.begin() + static_cast<long>(k), relative_.end(), magnitude));
+        const double envelope =
+            std::abs(*std::max_element(relative_.begin() + static_cast<long>(k), relative_.end(), magnitude));
         if (envelope < 1e-3) break;
         const double level = 20 * std::log10(1 + std::abs(found[k] / (2 * speed) - relative_[k]) / envelope);
         error.mean_db += level;
@@ -189,7 +197,8 @@ class Figure {
   std::vector<double> relative_;  // to the impulse, at multiples of a quarter of the distance between two zeros
 };
 
-// Both read the same speeds and frequencies; what differs are the exact spectra, by 0.001 dB on average and 0.02 dB at most.
+// Both read the same speeds and frequencies; what differs are the exact spectra, by 0.001 dB on average and 0.02 dB
+// at most.
 TEST(SpectrumError, IsThatOfTheIntegratedMotion) {
   for (const std::string name : {"felt_c2", "felt_c4", "felt_c7"})
     for (const auto& [knots, minimise, segments] : {std::tuple{Knots::uniform, ErrorOf::contact_duration, 16},
@@ -201,8 +210,10 @@ TEST(SpectrumError, IsThatOfTheIntegratedMotion) {
       const SpectrumError expected = Figure(material).of(spline, 256);
       const auto found = measure_spectrum(spline, material);
       ASSERT_TRUE(found.has_value());
-      EXPECT_TRUE(within(found->mean_db, expected.mean_db, 0.001 + 1e-3 * expected.mean_db)) << name << " " << segments;
-      EXPECT_TRUE(within(found->worst_db, expected.worst_db, 0.02 + 1e-3 * expected.worst_db)) << name << " " << segments;
+      EXPECT_TRUE(within(found->mean_db, expected.mean_db, 0.001 + 1e-3 * expected.mean_db))
+          << name << " " << segments;
+      EXPECT_TRUE(within(found->worst_db, expected.worst_db, 0.02 + 1e-3 * expected.worst_db))
+          << name << " " << segments;
     }
 }
 
@@ -226,16 +237,19 @@ struct Promise {
 // The figures of docs/knots.md, with the worst over 1,000 speeds, and the contact
 // duration within 0.1 %.
 TEST(SpectrumKnots, KeepTheFiguresOfTheDocs) {
-  for (const auto& [name, segments, mean_db, worst_db] :
-       {Promise{"felt_c2", 32, 0.45, 4.2}, {"felt_c4", 32, 0.57, 7.0}, {"felt_c7", 32, 0.38, 7.0},
-        {"felt_c2", 64, 0.085, 1.4}, {"felt_c4", 64, 0.12, 1.9}, {"felt_c7", 64, 0.08, 2.2}}) {
+  for (const auto& [name, segments, mean_db, worst_db] : {Promise{"felt_c2", 32, 0.45, 4.2},
+                                                          {"felt_c4", 32, 0.57, 7.0},
+                                                          {"felt_c7", 32, 0.38, 7.0},
+                                                          {"felt_c2", 64, 0.085, 1.4},
+                                                          {"felt_c4", 64, 0.12, 1.9},
+                                                          {"felt_c7", 64, 0.08, 2.2}}) {
     Material material = felt(name, Knots::optimal, ErrorOf::spectrum, segments);
     const Design design = design_material(material, name);
     ASSERT_EQ(design.spline.segments.size(), static_cast<std::size_t>(segments));
     const SpectrumError error = Figure(material).of(design.spline, 1000);
     std::cout << name << " " << segments << ": mean " << error.mean_db << " dB, worst " << error.worst_db
-              << " dB, measured " << design.spectrum->mean_db << ", " << design.spectrum->worst_db
-              << ", duration " << 100 * design.quality.impact->contact_duration << " %\n";
+              << " dB, measured " << design.spectrum->mean_db << ", " << design.spectrum->worst_db << ", duration "
+              << 100 * design.quality.impact->contact_duration << " %\n";
     EXPECT_TRUE(within(error.mean_db, 0, mean_db)) << name << " " << segments;
     EXPECT_TRUE(within(error.worst_db, 0, worst_db)) << name << " " << segments;
     EXPECT_TRUE(within(design.quality.impact->contact_duration, 0, 1e-3)) << name << " " << segments;
@@ -253,7 +267,8 @@ TEST(SpectrumKnots, AreNeverWorseThanGradedKnotsAndSuitEveryLaw) {
       const ExactSpectra exact(target, 64);
       const double error = exact.rms_error_of(force);
       const bool tried = segments <= 8 || !target.breaks.empty();
-      EXPECT_TRUE(within(error, 0, exact.rms_error_of(graded_knots(segments, target)) + (tried ? 0 : 1e-4))) << name << " " << segments;
+      EXPECT_TRUE(within(error, 0, exact.rms_error_of(graded_knots(segments, target)) + (tried ? 0 : 1e-4)))
+          << name << " " << segments;
     }
 }
 
@@ -266,7 +281,8 @@ TEST(SpectrumTolerance, FindsTheFewestSegments) {
     EXPECT_LE(measure_spectrum(found, material)->worst_db, tolerance_db);
     const int segments = material.spline.segments;
     material.spline.tolerance = 0;
-    for (material.spline.segments = segments - 1; material.spline.segments >= segments - 3 && material.spline.segments > 0; --material.spline.segments)
+    for (material.spline.segments = segments - 1;
+         material.spline.segments >= segments - 3 && material.spline.segments > 0; --material.spline.segments)
       EXPECT_GT(measure_spectrum(design_spline(material, "felt"), material)->worst_db, tolerance_db / 1.003)
           << tolerance_db << " " << material.spline.segments;
   }
@@ -279,8 +295,9 @@ TEST(SpectrumTolerance, IsRefusedWhereNoNumberMeetsIt) {
     static_cast<void>(design_spline(material, "felt.json"));
     FAIL();
   } catch (const BadInput& error) {
-    EXPECT_NE(std::string(error.what()).find("felt.json: spline.tolerance_db: 0.01 is not met by 128 optimal segments; "
-                                             "allowed: at least "),
+    EXPECT_NE(std::string(error.what())
+                  .find("felt.json: spline.tolerance_db: 0.01 is not met by 128 optimal segments; "
+                        "allowed: at least "),
               std::string::npos)
         << error.what();
   }
