@@ -38,6 +38,7 @@ struct Model {
   std::string name;
   PowerLawHammer hammer;
   std::vector<Segment<double>> felt;  ///< entry 0 out of contact, as SegmentTable
+  double max_compression_m;           ///< to which the felt's table is designed
   std::vector<Mode> modes;
   std::vector<double> strike_shapes, pickup_shapes;
   double press_speed_m_per_s;  ///< of the heavy hammer that stays in contact
@@ -62,6 +63,7 @@ Model model_of(std::string name, double hammer_kg, double press_speed_m_per_s) {
   return {std::move(name),
           {Felt::stiffness_n_per_m_alpha, Felt::exponent, hammer_kg},
           {table.begin(), table.end()},
+          Felt::max_compression_m,
           {},
           {},
           {},
@@ -123,8 +125,7 @@ inline Model c4_with_modes(std::size_t modes) {
 /// The same model with a given number of felt segments: power-law forces at equally spaced knots, linear between
 /// them.
 inline Model with_segments(Model model, std::size_t segments) {
-  const double width =
-      model.felt.back().knot * (1 + 1 / static_cast<double>(model.felt.size() - 2)) / static_cast<double>(segments);
+  const double width = model.max_compression_m / static_cast<double>(segments);
   const auto force = [&](std::size_t j) {
     return model.hammer.stiffness_n_per_m_alpha * std::pow(static_cast<double>(j) * width, model.hammer.exponent);
   };

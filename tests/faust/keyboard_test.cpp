@@ -11,6 +11,7 @@
 #include "generator/resonator/keyboard.hpp"
 #include "generator/resonator/keyboard_reader.hpp"
 #include "generator/spline/contact_spline.hpp"
+#include "generator/spline/design.hpp"
 #include "support/compare.hpp"
 
 #define FAUSTFLOAT double
@@ -81,7 +82,8 @@ TEST(Keyboard, IsEmittedAsItIs) {
     EXPECT_EQ(string.tension_n, note.string.tension_n);
     EXPECT_EQ(Piano::hammer_masses[k], note.hammer_mass_kg);
     EXPECT_EQ(Piano::strings[k], note.strings);
-    const auto felt = segment_table(uniform_spline(note.felt, "piano"));
+    Material design = note.felt;
+    const auto felt = segment_table(design_spline(design, "piano"));
     ASSERT_EQ(felt.size(), Piano::segments + 1);
     for (std::size_t j = 0; j < felt.size(); ++j) {
       EXPECT_EQ((felts_of<Piano, double>[k][j].knot), felt[j].knot);

@@ -15,6 +15,7 @@
 #include "generator/material/material.hpp"
 #include "generator/material/material_reader.hpp"
 #include "generator/spline/contact_spline.hpp"
+#include "generator/spline/design.hpp"
 #include "rubber_on_wood.hpp"
 #include "runtime/random_steps.hpp"
 #include "steel_on_steel.hpp"
