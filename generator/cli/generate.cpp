@@ -102,7 +102,7 @@ std::vector<std::filesystem::path> paths_of(const std::vector<OutputFile>& files
 // ninja reads no comment in a make rule, so a depfile cannot bear the mark. Its target is an emitted file.
 bool is_own_depfile(const std::filesystem::path& path) {
   const std::string rule = beginning_of(path);
-  const std::string_view targets = std::string_view(rule).substr(0, rule.find(": "));
+  const std::string_view targets = std::string_view(rule).substr(0, std::min(rule.find(": "), rule.find(":\n")));
   return std::ranges::any_of(emitters(), [&](const Emitter& emitter) {
     return targets.find('\n') == targets.npos && targets.ends_with(fmt::format(".{}", emitter.extension));
   });

@@ -323,14 +323,17 @@ TEST(GeneratePermissions, FollowTheMask) {
   }
 }
 
+// A file of an older version, which bears the mark.
+constexpr auto kOld = "// Written by contactspline 0.1.0";
+
 TEST(GeneratePermissions, AreKept) {
   const Sandbox box;
   for (const mode_t mode : {0600u, 0755u, 0444u}) {
-    write_file(box / "mb1.hpp", "old");
+    write_file(box / "mb1.hpp", kOld);
     fs::permissions(box / "mb1.hpp", fs::perms(mode));
     printed({"generate", "mb1", "--emit", "cpp"}, box.path());
     EXPECT_EQ(state_of(box / "mb1.hpp").mode & 07777, mode);
-    EXPECT_NE(read_file(box / "mb1.hpp"), "old");
+    EXPECT_NE(read_file(box / "mb1.hpp"), kOld);
     fs::remove(box / "mb1.hpp");
   }
 }
@@ -338,7 +341,7 @@ TEST(GeneratePermissions, AreKept) {
 TEST(GenerateLink, StaysALinkAndItsTargetIsReplaced) {
   const Sandbox box;
   fs::create_directories(box / "store");
-  write_file(box / "store/real.hpp", "old");
+  write_file(box / "store/real.hpp", kOld);
   fs::create_symlink("store/real.hpp", box / "link.hpp");
   fs::create_symlink("link.hpp", box / "mb1.hpp");
   const auto before = box.listing();
