@@ -143,6 +143,20 @@ TEST(FretString, FollowsALeapInSmallSteps) {
   EXPECT_GE(moves, 0.3 / max);
 }
 
+// A leap of the gap becomes a motion at 1 m/s, which ends just there; place() puts the fret there at once.
+TEST(FretString, FollowsALeapOfTheGapAtOneMetrePerSecond) {
+  Buzz buzz(44100);
+  const auto gap_after = [&](int samples, double gap) {
+    for (int n = 0; n < samples; ++n) buzz.model.tick({.place_m = kFret, .gap_m = gap});
+    return buzz.model.gap();
+  };
+  EXPECT_TRUE(within(gap_after(441, -5e-2), kGap - 1e-2, 1e-12));
+  EXPECT_EQ(gap_after(4410, -5e-2), -5e-2);
+  EXPECT_TRUE(within(gap_after(44, 0.1), -5e-2 + 44 / 44100.0, 1e-12));
+  buzz.model.place(kFret, 0.07);
+  EXPECT_EQ(gap_after(1, 0.07), 0.07);
+}
+
 // The place leaps at random every 20 ms, at high rates and with few modes too: the force stays of the size that
 // plucks of 6 N and the fret's own pressing give, where a place faster than the waves would pump it up without bound.
 TEST(FretString, StaysBoundedWhereThePlaceLeaps) {
