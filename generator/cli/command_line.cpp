@@ -142,6 +142,7 @@ void add_inspect(CLI::App& app) {
       ->type_name("FILE");
   command->add_flag("--compare", options->compare,
                     "compare uniform, graded and optimal knots, in the table and in the figure");
+  command->add_flag("--json", options->json, "print all numbers as JSON; errors as fractions, not in %");
   command
       ->add_option("--rate", options->sample_rate_hz,
                    "for a resonator: sample rate in Hz of its simulation (default: 44100)")

@@ -33,6 +33,7 @@ struct InspectOptions {
   std::string material;
   std::string figure;  ///< file to draw, or empty
   bool compare = false;
+  bool json = false;
   bool force = false;  ///< as in GenerateOptions
   std::optional<double> sample_rate_hz = {};
 };

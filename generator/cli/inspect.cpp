@@ -12,6 +12,7 @@
 #include "generator/cli/figures.hpp"
 #include "generator/cli/files.hpp"
 #include "generator/cli/inputs.hpp"
+#include "generator/cli/inspect_json.hpp"
 #include "generator/spline/exponent_family.hpp"
 #include "generator/support/error.hpp"
 
@@ -182,7 +183,9 @@ void inspect_resonator(const Resonator& resonator, const InspectOptions& options
   if (options.compare || !options.figure.empty())
     refuse(options.material, options.compare ? "--compare" : "--figure", "cannot be used with a resonator",
            "with a material");
-  write_stdout(resonator_table(resonator, options.sample_rate_hz.value_or(kDefaultRate)));
+  const double rate = options.sample_rate_hz.value_or(kDefaultRate);
+  const std::string table = resonator_table(resonator, rate);
+  write_stdout(options.json ? json_of(resonator, rate) : table);
 }
 
 }  // namespace
@@ -192,12 +195,15 @@ void inspect(const InspectOptions& options) {
   if (const auto resonator = resonator_argument(options.material)) return inspect_resonator(*resonator, options);
   if (options.sample_rate_hz)
     refuse(options.material, "--rate", "cannot be used with a material", "with a resonator");
+  if (options.compare && options.json)
+    throw BadInput("--json: cannot be combined with --compare; allowed: one of the two");
   if (options.compare) return compare(options);
   const Design design = design_argument(options.material);
   if (!options.figure.empty()) {
     require_writable({{options.figure}}, input_files(options.material, design.material), options.force);
     write_files({{OutputFile{options.figure, figure_of(design, figure_format(options.figure))}}});
   }
+  if (options.json) return write_stdout(json_of(design));
   write_stdout(heading(design) + coefficient_table(design.spline) + quality_table(design) +
                (options.figure.empty() ? "" : fmt::format("\nfigure: {}\n", options.figure)));
 }

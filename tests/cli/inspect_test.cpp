@@ -349,6 +349,33 @@ TEST(Materials, ListsEveryOneThatShips) {
   }
 }
 
+// The numbers of the emitted JSON, and of the resonator's table.
+TEST(Inspect, PrintsJson) {
+  const Sandbox box;
+  for (const std::string name : {"felt_c4", "felt_over_wood", "felt_synthetic"}) {
+    const Json json = Json::parse(printed(box, {"inspect", name, "--json"}));
+    const Json emitted = Json::parse(printed(box, {"generate", name, "--emit", "json", "-o", "-"}));
+    ASSERT_EQ(json.at("segments").size(), emitted.at("knots_m").size());
+    for (std::size_t i = 0; i < json.at("segments").size(); ++i) {
+      const Json& segment = json["segments"][i];
+      EXPECT_EQ(segment.at("knot_m"), emitted["knots_m"][i]);
+      EXPECT_EQ(segment.at("energy_j"), emitted["energy_j"][i]);
+      EXPECT_EQ(segment.at("force_n"), emitted["force_n"][i]);
+      EXPECT_EQ(segment.at("half_curvature_n_per_m"), emitted["half_curvature_n_per_m"][i]);
+    }
+    EXPECT_EQ(json.at("loss_s_per_m"), emitted.at("loss_s_per_m"));
+    EXPECT_TRUE(relatively_within(json.at("errors").at("contact_duration").get<double>(),
+                                  emitted.at("quality").at("worst_contact_duration_error").get<double>(), 0.01));
+  }
+  const Json string = Json::parse(printed(box, {"inspect", "string_c4", "--rate", "48000", "--json"}));
+  const std::string table = printed(box, {"inspect", "string_c4", "--rate", "48000"});
+  EXPECT_NE(table.find(std::to_string(string.at("modes").size()) + " modes from "), std::string::npos) << table;
+  EXPECT_TRUE(
+      relatively_within(string.at("residual_compliance_m_per_n").get<double>(), number_after(table, " Hz: "), 1e-3));
+  EXPECT_TRUE(relatively_within(string["modes"][0].at("frequency_hz").get<double>(),
+                                number_after(table, " modes from "), 1e-5));
+}
+
 TEST(Inspect, SaysWhatAToleranceMeans) {
   const Sandbox box;
   std::string text = material(16);

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+#include "generator/cli/inspect_json.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <numbers>
+#include <vector>
+
+#include "generator/support/json_reader.hpp"
+
+namespace contactspline {
+namespace {
+
+std::string errors_of(const Quality& quality) {
+  const auto curve = [](const CurveError& error) {
+    return fmt::format("{{\"worst\": {}, \"rms\": {}}}", error.worst, error.rms);
+  };
+  std::string text = fmt::format("{{\"force\": {}, \"energy\": {}", curve(quality.force), curve(quality.energy));
+  if (quality.impact)
+    text += fmt::format(", \"contact_duration\": {}, \"max_compression\": {}", quality.impact->contact_duration,
+                        quality.impact->max_compression);
+  return text + "}";
+}
+
+}  // namespace
+
+std::string json_of(const Design& design) {
+  const auto& [material, spline, quality] = design;
+  std::vector<std::string> segments;
+  for (const auto& s : spline.segments)
+    segments.push_back(
+        fmt::format("    {{\"knot_m\": {}, \"energy_j\": {}, \"force_n\": {}, \"half_curvature_n_per_m\": {}}}", s.knot,
+                    s.energy, s.force, s.half_curvature));
+  return fmt::format(
+      "{{\n  \"name\": \"{}\",\n  \"description\": {},\n  \"law\": {},\n  \"loss_s_per_m\": {},\n  \"knots\": \"{}\",\n"
+      "  \"end_m\": {},\n  \"errors\": {},\n  \"segments\": [\n{}\n  ]\n}}\n",
+      material.name, json_string(material.description), json_string(law_text(material)), material.loss_s_per_m,
+      name_of(material.spline.knots), material.compensation ? spline.end_m : material.spline.max_compression_m,
+      errors_of(quality), fmt::join(segments, ",\n"));
+}
+
+std::string json_of(const Resonator& resonator, double sample_rate_hz) {
+  const ModeSet set = modes_of(resonator, sample_rate_hz / 2);
+  std::vector<std::string> modes;
+  for (const ResonatorMode& mode : set.modes)
+    modes.push_back(fmt::format("    {{\"frequency_hz\": {}, \"decay_per_s\": {}, \"mass_kg\": {}}}",
+                                mode.mode.angular_frequency_rad_per_s / (2 * std::numbers::pi), mode.mode.decay_per_s,
+                                mode.mode.mass_kg));
+  return fmt::format(
+      "{{\n  \"name\": \"{}\",\n  \"description\": {},\n  \"sample_rate_hz\": {},\n"
+      "  \"residual_compliance_m_per_n\": {},\n  \"modes_left_out\": {},\n  \"modes\": [\n{}\n  ]\n}}\n",
+      resonator.name, json_string(resonator.description), sample_rate_hz, residual_compliance(set.modes, sample_rate_hz),
+      set.cut, fmt::join(modes, ",\n"));
+}
+
+}  // namespace contactspline
