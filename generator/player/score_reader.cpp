@@ -388,7 +388,11 @@ Score parse_midi_score(std::string_view bytes, std::string_view file, std::span<
   if (!(end + kRing <= kDuration.max))
     throw BadInput(
         fmt::format("{}: MIDI: it lasts {:.4g} s; allowed: at most {} s", file, end, kDuration.max - kRing));
-  Score score{std::string(file), Instrument::kHammerString, title, end + kRing, {},
+  Score score{std::string(file),
+              Instrument::kHammerString,
+              title,
+              end + kRing,
+              {},
               left_out_line(file, keyboard, beyond, bends_in_notes)};
   for (auto& [key, voice] : voices) score.voices.push_back(std::move(voice));
   return score;
