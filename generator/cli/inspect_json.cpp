@@ -30,10 +30,11 @@ std::string json_of(const Design& design) {
   std::vector<std::string> segments;
   for (const auto& s : spline.segments)
     segments.push_back(
-        fmt::format("    {{\"knot_m\": {}, \"energy_j\": {}, \"force_n\": {}, \"half_curvature_n_per_m\": {}}}", s.knot,
-                    s.energy, s.force, s.half_curvature));
+        fmt::format("    {{\"knot_m\": {}, \"energy_j\": {}, \"force_n\": {}, \"half_curvature_n_per_m\": {}}}",
+                    s.knot, s.energy, s.force, s.half_curvature));
   return fmt::format(
-      "{{\n  \"name\": \"{}\",\n  \"description\": {},\n  \"law\": {},\n  \"loss_s_per_m\": {},\n  \"knots\": \"{}\",\n"
+      "{{\n  \"name\": \"{}\",\n  \"description\": {},\n  \"law\": {},\n  \"loss_s_per_m\": {},\n  \"knots\": "
+      "\"{}\",\n"
       "  \"end_m\": {},\n  \"errors\": {},\n  \"segments\": [\n{}\n  ]\n}}\n",
       material.name, json_string(material.description), json_string(law_text(material)), material.loss_s_per_m,
       name_of(material.spline.knots), material.compensation ? spline.end_m : material.spline.max_compression_m,
@@ -50,8 +51,8 @@ std::string json_of(const Resonator& resonator, double sample_rate_hz) {
   return fmt::format(
       "{{\n  \"name\": \"{}\",\n  \"description\": {},\n  \"sample_rate_hz\": {},\n"
       "  \"residual_compliance_m_per_n\": {},\n  \"modes_left_out\": {},\n  \"modes\": [\n{}\n  ]\n}}\n",
-      resonator.name, json_string(resonator.description), sample_rate_hz, residual_compliance(set.modes, sample_rate_hz),
-      set.cut, fmt::join(modes, ",\n"));
+      resonator.name, json_string(resonator.description), sample_rate_hz,
+      residual_compliance(set.modes, sample_rate_hz), set.cut, fmt::join(modes, ",\n"));
 }
 
 }  // namespace contactspline

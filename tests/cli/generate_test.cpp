@@ -323,8 +323,8 @@ TEST(GeneratePermissions, FollowTheMask) {
   }
 }
 
-// A file of an older version, which bears the mark.
-constexpr auto kOld = "// Written by contactspline 0.1.0";
+// An output of an earlier version.
+constexpr auto kOld = "// Written by contactspline 0.1.0\n";
 
 TEST(GeneratePermissions, AreKept) {
   const Sandbox box;
