@@ -3,7 +3,6 @@
 #pragma once
 
 #include <DistrhoPlugin.hpp>
-
 #include <algorithm>
 #include <array>
 #include <atomic>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The piano of piano.hpp as a plug-in: 88 keys, a sustain pedal, stereo.
 #include "../piano.hpp"
-
 #include "instrument_plugin.hpp"
 
 namespace {

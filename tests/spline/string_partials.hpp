@@ -46,8 +46,8 @@ class StruckNote {
     return design_spline(material, "felt.json");
   }
 
-  /// Amplitudes of the velocity of each mode [m/s] 60 ms after the hammer was thrown from the string, when it has left
-  /// it. NaN if it has not.
+  /// Amplitudes of the velocity of each mode [m/s] 60 ms after the hammer was thrown from the string, when it has
+  /// left it. NaN if it has not.
   [[nodiscard]] std::vector<double> velocities(const Spline& spline, double speed_m_per_s,
                                                double rate_hz = kRate_hz) const {
     return velocities(modes_, spline, speed_m_per_s, rate_hz);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The level of the partials of a string after one blow: what the spline does to it, and what is left of the time step.
+// The level of the partials of a string after one blow: what the spline does to it, and what is left of the time
+// step.
 #include "string_partials.hpp"
 
 #include <gtest/gtest.h>
@@ -111,8 +112,7 @@ TEST(StringPartials, AreFarCloserThanWithOtherKnots) {
     const Reference reference(name);
     const SpectrumError best = reference.error_of(reference.note.spline_of(Knots::optimal, ErrorOf::spectrum, 32));
     for (const Knots knots : {Knots::uniform, Knots::graded, Knots::optimal}) {
-      const SpectrumError error =
-          reference.error_of(reference.note.spline_of(knots, ErrorOf::contact_duration, 32));
+      const SpectrumError error = reference.error_of(reference.note.spline_of(knots, ErrorOf::contact_duration, 32));
       std::cout << name << " " << name_of(knots) << ": mean " << error.mean_db << " dB, largest " << error.worst_db
                 << " dB\n";
       EXPECT_LT(2.3 * best.mean_db, error.mean_db) << name << " " << name_of(knots);
