@@ -7,7 +7,7 @@ file(GLOB twin_files CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/faust/*.lib ${PROJE
 function(faust_header class dsp precision)
   set(header ${faust_headers}/${class}.hpp)
   add_custom_command(OUTPUT ${header}
-    COMMAND ${FAUST} -${precision} -cn ${class} -I ${PROJECT_SOURCE_DIR}/faust -I ${PROJECT_SOURCE_DIR}/generated
+    COMMAND ${FAUST} -${precision} ${ARGN} -cn ${class} -I ${PROJECT_SOURCE_DIR}/faust -I ${PROJECT_SOURCE_DIR}/generated
             -I ${PROJECT_SOURCE_DIR}/bench/baselines ${dsp} -o ${header}
     DEPENDS ${FAUST} ${twin_files} ${dsp}
     VERBATIM)
@@ -45,6 +45,15 @@ faust_twin_test(keyboard_test SOURCES keyboard_test.cpp CLASSES piano_double
   LIBRARIES contactspline_emit ${simd} DEFINITIONS SOURCE_FOLDER="${PROJECT_SOURCE_DIR}")
 faust_twin_test(faust_coefficients_test SOURCES coefficients_test.cpp CLASSES coefficients_double)
 faust_twin_test(live_exponent_test SOURCES live_exponent_test.cpp CLASSES live_exponent_double)
+# Every program, scalar and with -vec.
+set(vector_programs mass_barrier hammer_string slide_string fret_string piano)
+set(vector_classes "")
+foreach(program IN LISTS vector_programs)
+  faust_header(${program}_scalar ${programs_folder}/${program}.dsp double)
+  faust_header(${program}_vector ${programs_folder}/${program}.dsp double -vec)
+  list(APPEND vector_classes ${program}_scalar ${program}_vector)
+endforeach()
+faust_twin_test(faust_vector_test SOURCES vector_test.cpp CLASSES ${vector_classes})
 faust_twin_test(stiff_hammer_test SOURCES stiff_hammer_test.cpp CLASSES fd_hammer)
 
 # For scripts/figures.
