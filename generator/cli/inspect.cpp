@@ -35,6 +35,9 @@ std::string coefficient_table(const Spline& spline) {
 std::string tolerance_line(const Material& material) {
   const SplineDesign& spline = material.spline;
   if (spline.tolerance == 0) return {};
+  if (spline.minimise == ErrorOf::spectrum)
+    return fmt::format("tolerance {} dB: worst error of the spectrum, and the contact duration within 1 %\n",
+                       spline.tolerance);
   return fmt::format("tolerance {}, relative: at most {:.4g} % error of the {}\n", spline.tolerance,
                      100 * spline.tolerance, spline.minimise == ErrorOf::force ? "force" : "contact duration");
 }
@@ -55,10 +58,13 @@ std::string measurement_line(const Material& material) {
 std::string heading(const Design& design) {
   const Material& material = design.material;
   const double end_m = material.compensation ? design.spline.end_m : material.spline.max_compression_m;
-  return fmt::format("{}{}{}\n{}, {} {} segments over 0 to {:.6g} m\n{}{}{}\n", material.name,
+  const std::string_view minimised = material.spline.minimise == ErrorOf::spectrum ? ", minimise spectrum"
+                                     : material.spline.minimise == ErrorOf::force  ? ", minimise force"
+                                                                                   : "";
+  return fmt::format("{}{}{}\n{}, {} {} segments over 0 to {:.6g} m{}\n{}{}{}\n", material.name,
                      material.description.empty() ? "" : ": ", material.description, law_text(material),
-                     material.spline.segments, name_of(material.spline.knots), end_m, tolerance_line(material),
-                     loss_line(material), measurement_line(material));
+                     material.spline.segments, name_of(material.spline.knots), end_m, minimised,
+                     tolerance_line(material), loss_line(material), measurement_line(material));
 }
 
 std::string family_table(const Design& design) {
@@ -133,6 +139,10 @@ std::string segments_for(const Material& material, const Family& family, double 
   }
 }
 
+std::string decibels(const std::optional<SpectrumError>& error, double SpectrumError::*member) {
+  return error ? fmt::format("{:.4g} dB", (*error).*member) : "-";
+}
+
 void compare(const InspectOptions& options) {
   Design design = design_argument(options.material);
   Material& material = design.material;
@@ -148,13 +158,16 @@ void compare(const InspectOptions& options) {
       "knots", "segments", "contact duration", "max compression", "force", "spectrum", "its mean", "segments for 1 %",
       "0.1 %");
   for (const Family& family : kFamilies) {
+    // nothing to design for where the spectra cannot be compared
+    if (family.minimise == ErrorOf::spectrum && !families.front().spectrum) continue;
     const Design& made = families.emplace_back(with_knots(material, family, 0));
     const Quality& q = made.quality;
-    table += fmt::format("{:<9} {:>8} {:>15.4g} % {:>15.4g} % {:>10.4g} % {:>9.4g} dB {:>9.4g} dB {:>18} {:>8}\n",
-                         family.name, made.spline.segments.size(), 100 * q.impact->contact_duration,
-                         100 * q.impact->max_compression, 100 * q.force.worst, made.spectrum->worst_db,
-                         made.spectrum->mean_db, segments_for(material, family, 0.01),
-                         segments_for(material, family, 0.001));
+    table +=
+        fmt::format("{:<9} {:>8} {:>15.4g} % {:>15.4g} % {:>10.4g} % {:>12} {:>12} {:>18} {:>8}\n", family.name,
+                    made.spline.segments.size(), 100 * q.impact->contact_duration, 100 * q.impact->max_compression,
+                    100 * q.force.worst, decibels(made.spectrum, &SpectrumError::worst_db),
+                    decibels(made.spectrum, &SpectrumError::mean_db), segments_for(material, family, 0.01),
+                    segments_for(material, family, 0.001));
   }
   if (!options.figure.empty()) {
     require_writable({{options.figure}}, input_files(options.material, material), options.force);

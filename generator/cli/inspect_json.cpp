@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include "generator/support/json_reader.hpp"
@@ -12,7 +13,7 @@
 namespace contactspline {
 namespace {
 
-std::string errors_of(const Quality& quality) {
+std::string errors_of(const Quality& quality, const std::optional<SpectrumError>& spectrum) {
   const auto curve = [](const CurveError& error) {
     return fmt::format("{{\"worst\": {}, \"rms\": {}}}", error.worst, error.rms);
   };
@@ -20,13 +21,15 @@ std::string errors_of(const Quality& quality) {
   if (quality.impact)
     text += fmt::format(", \"contact_duration\": {}, \"max_compression\": {}", quality.impact->contact_duration,
                         quality.impact->max_compression);
+  if (spectrum)
+    text += fmt::format(", \"spectrum_db\": {{\"worst\": {}, \"mean\": {}}}", spectrum->worst_db, spectrum->mean_db);
   return text + "}";
 }
 
 }  // namespace
 
 std::string json_of(const Design& design) {
-  const auto& [material, spline, quality] = design;
+  const auto& [material, spline, quality, spectrum] = design;
   std::vector<std::string> segments;
   for (const auto& s : spline.segments)
     segments.push_back(
@@ -38,7 +41,7 @@ std::string json_of(const Design& design) {
       "  \"end_m\": {},\n  \"errors\": {},\n  \"segments\": [\n{}\n  ]\n}}\n",
       material.name, json_string(material.description), json_string(law_text(material)), material.loss_s_per_m,
       name_of(material.spline.knots), material.compensation ? spline.end_m : material.spline.max_compression_m,
-      errors_of(quality), fmt::join(segments, ",\n"));
+      errors_of(quality, spectrum), fmt::join(segments, ",\n"));
 }
 
 std::string json_of(const Resonator& resonator, double sample_rate_hz) {
@@ -50,9 +53,8 @@ std::string json_of(const Resonator& resonator, double sample_rate_hz) {
                                 mode.mode.mass_kg));
   return fmt::format(
       "{{\n  \"name\": \"{}\",\n  \"description\": {},\n  \"sample_rate_hz\": {},\n"
-      "  \"residual_compliance_m_per_n\": {},\n  \"modes_left_out\": {},\n  \"modes\": [\n{}\n  ]\n}}\n",
-      resonator.name, json_string(resonator.description), sample_rate_hz,
-      residual_compliance(set.modes, sample_rate_hz), set.cut, fmt::join(modes, ",\n"));
+      "  \"modes_left_out\": {},\n  \"modes\": [\n{}\n  ]\n}}\n",
+      resonator.name, json_string(resonator.description), sample_rate_hz, set.cut, fmt::join(modes, ",\n"));
 }
 
 }  // namespace contactspline

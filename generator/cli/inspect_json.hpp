@@ -12,7 +12,7 @@ namespace contactspline {
 /// Coefficients and errors of a spline.
 [[nodiscard]] std::string json_of(const Design& design);
 
-/// The modes of a resonator that a simulation at this rate keeps, and their residual compliance.
+/// The modes of a resonator that a simulation at this rate keeps.
 [[nodiscard]] std::string json_of(const Resonator& resonator, double sample_rate_hz);
 
 }  // namespace contactspline

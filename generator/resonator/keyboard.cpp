@@ -75,12 +75,19 @@ Material felt_of(const Keyboard& keyboard, const Between& notes, int key, double
   const double whole = notes.geometric([](const PublishedNote& n) { return n.felt.stiffness; });
   const PowerLaw felt{rounded_to(whole / strings_of(keyboard, key), 6),
                       rounded_to(notes.linear([](const PublishedNote& n) { return n.felt.exponent; }), 6)};
-  return {fmt::format("{}_felt_{}", keyboard.name, key),
-          "",
-          felt,
-          Impact{hammer_mass_kg, keyboard.max_speed_m_per_s, keyboard.min_speed_m_per_s},
-          {keyboard.segments, rounded_to(felt.max_compression(hammer_mass_kg, keyboard.max_speed_m_per_s), 6),
-           Knots::optimal, ErrorOf::spectrum}};
+  Material material{
+      fmt::format("{}_felt_{}", keyboard.name, key),
+      "",
+      felt,
+      Impact{hammer_mass_kg, keyboard.max_speed_m_per_s, keyboard.min_speed_m_per_s},
+      {keyboard.segments, rounded_to(felt.max_compression(hammer_mass_kg, keyboard.max_speed_m_per_s), 6),
+       Knots::optimal, ErrorOf::spectrum}};
+  constexpr double kShort_s = 1e-4;  // the audible spectrum of shorter contacts is flat
+  if (felt.contact_duration(hammer_mass_kg, keyboard.min_speed_m_per_s) < kShort_s) {
+    material.spline.knots = Knots::graded;
+    material.spline.minimise = ErrorOf::contact_duration;
+  }
+  return material;
 }
 
 }  // namespace

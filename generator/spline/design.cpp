@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -32,6 +33,15 @@ int rounding_digits(const Material& material) {
   const SplineDesign& design = material.spline;
   if (!material.contact.breaks().empty()) return 10;
   return design.segments <= kMaxCoarse ? 6 : design.segments <= kMaxFittedSegments ? 8 : 12;
+}
+
+// The spectra of very short contacts say nothing about a spline.
+void require_spectrum(const Material& material, std::string_view file) {
+  if (has_spectrum(material)) return;
+  refuse(file, "spline.minimise",
+         fmt::format("the contacts are so short that nothing of their spectrum can be compared below {:g} Hz",
+                     kMaxSpectrumFrequency_hz),
+         "contact_duration");
 }
 
 PiecewiseLinearForce fit(const SplineDesign& design, const FitTarget& target) {
@@ -70,10 +80,14 @@ Spline spline_of(const Material& material, std::string_view file) {
   return spline_through(rounded_force(force, rounding_digits(material)), material, file);
 }
 
-// The error that the tolerance of a material bounds.
+// The error that the tolerance of a material bounds. A bound in decibels holds for splines whose contact duration is
+// within 1 %: the spectrum of a soft impact has little to compare.
 double error_of(const Spline& spline, const Material& material) {
-  if (material.spline.minimise == ErrorOf::spectrum) return measure_spectrum(spline, material)->worst_db;
+  constexpr double kMaxDurationError = 0.01;
   const Quality quality = measure_quality(spline, material);
+  if (material.spline.minimise == ErrorOf::spectrum)
+    return quality.impact->contact_duration <= kMaxDurationError ? measure_spectrum(spline, material)->worst_db
+                                                                 : std::numeric_limits<double>::infinity();
   return material.spline.minimise == ErrorOf::force ? quality.force.worst : quality.impact->contact_duration;
 }
 
@@ -153,6 +167,7 @@ class ToleranceSearch {
 }  // namespace
 
 Spline design_spline(Material& material, std::string_view file) {
+  if (material.spline.minimise == ErrorOf::spectrum) require_spectrum(material, file);
   if (material.compensation) require_compensable(material, file);
   return material.spline.tolerance > 0 ? ToleranceSearch(material, file).smallest() : spline_of(material, file);
 }

@@ -47,32 +47,55 @@ double sinc(double x, double sine) {
   return std::abs(x) < 1e-7 ? 1 : sine / x;
 }
 
+// The product of two complex numbers that are finite.
+std::complex<double> product(std::complex<double> a, std::complex<double> b) {
+  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+}
+
+/// The Fourier integral over a transit and its mirror image, at one angular frequency W after the other.
+class RotatingTransit {
+ public:
+  RotatingTransit(const Transit& transit, double time, double step)
+      : transit_(transit),
+        angle_step_(step * transit.half_time),
+        rotation_(std::polar(1.0, step * time)),
+        half_rotation_(std::polar(1.0, angle_step_)) {}
+
+  /// The integral at the present W; then W grows by the step.
+  double integral_and_turn() {
+    const auto& [half_time, phase, cosine, sine, middle, quadrature] = transit_;
+    const double c = half_angle_.real(), s = half_angle_.imag();
+    const double difference = sinc(angle_ - phase, s * cosine - c * sine);
+    const double sum = sinc(angle_ + phase, s * cosine + c * sine);
+    const double integral =
+        2 * half_time *
+        (middle * middle_angle_.real() * (difference + sum) + quadrature * middle_angle_.imag() * (difference - sum));
+    middle_angle_ = product(middle_angle_, rotation_);
+    half_angle_ = product(half_angle_, half_rotation_);
+    angle_ += angle_step_;
+    return integral;
+  }
+
+ private:
+  Transit transit_;
+  double angle_step_, angle_ = 0;                           // W half_time
+  std::complex<double> rotation_, half_rotation_;           // over one step
+  std::complex<double> middle_angle_ = 1, half_angle_ = 1;  // exp(j W time), exp(j W half_time)
+};
+
 }  // namespace
 
 std::vector<double> impact_spectrum(const PiecewiseLinearForce& force, double energy, double step, int count) {
-  std::vector<double> spectrum(static_cast<std::size_t>(count));
-  const std::vector<Transit> motion = transits(force, energy);
-  double time = 0;  // before the largest compression
-  for (auto at = motion.rbegin(); at != motion.rend(); ++at) {
-    const auto& [half_time, phase, cosine, sine, middle, quadrature] = *at;
-    time += half_time;
-    const std::complex<double> rotation = std::polar(1.0, step * time),
-                               half_rotation = std::polar(1.0, step * half_time);
-    std::complex<double> middle_angle = 1, half_angle = 1;  // exp(j W time), exp(j W half_time)
-    for (std::size_t k = 0; k < spectrum.size(); ++k) {
-      const double angle = static_cast<double>(k) * step * half_time;
-      const double c = half_angle.real(), s = half_angle.imag();
-      const double difference = sinc(angle - phase, s * cosine - c * sine);
-      const double sum = sinc(angle + phase, s * cosine + c * sine);
-      spectrum[k] +=
-          2 * half_time *
-          (middle * middle_angle.real() * (difference + sum) + quadrature * middle_angle.imag() * (difference - sum));
-      middle_angle = {middle_angle.real() * rotation.real() - middle_angle.imag() * rotation.imag(),
-                      middle_angle.real() * rotation.imag() + middle_angle.imag() * rotation.real()};
-      half_angle = {c * half_rotation.real() - s * half_rotation.imag(),
-                    c * half_rotation.imag() + s * half_rotation.real()};
-    }
-    time += half_time;
+  std::vector<RotatingTransit> motion;
+  double time = 0;  // of the middle of a transit, before the largest compression
+  const std::vector<Transit> found = transits(force, energy);
+  for (auto at = found.rbegin(); at != found.rend(); time += at++->half_time)
+    motion.emplace_back(*at, time += at->half_time, step);
+  std::vector<double> spectrum;
+  for (int k = 0; k < count; ++k) {
+    double sum = 0;
+    for (RotatingTransit& transit : motion) sum += transit.integral_and_turn();
+    spectrum.push_back(sum);
   }
   return spectrum;
 }

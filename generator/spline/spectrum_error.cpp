@@ -14,7 +14,6 @@
 namespace contactspline {
 namespace {
 
-constexpr int kExactSegments = 512;
 constexpr int kPerZero = 4;            // frequencies between two zeros of a spectrum
 constexpr int kBeyond = 2 * kPerZero;  // frequencies above the last one compared, for its envelope
 constexpr int kFewZeros = 9;           // by then most spectra have fallen by 60 dB
@@ -47,8 +46,8 @@ PiecewiseLinearForce force_of(const Spline& spline, double range, double max_for
 
 }  // namespace
 
-ExactSpectra::ExactSpectra(const FitTarget& target, int speeds) {
-  const PiecewiseLinearForce exact = graded_knots(kExactSegments, target);
+ExactSpectra::ExactSpectra(const FitTarget& target, int speeds, int segments) {
+  const PiecewiseLinearForce exact = graded_knots(segments, target);
   const double highest = 2 * std::numbers::pi * kMaxSpectrumFrequency_hz * target.time_unit_s;
   for (int i = 0; i < speeds; ++i) {
     const double energy = target.min_energy * std::pow(target.max_energy / target.min_energy, i / (speeds - 1.0));
@@ -79,7 +78,12 @@ std::vector<double> ExactSpectra::differences(const PiecewiseLinearForce& force)
   return relative;
 }
 
-SpectrumError ExactSpectra::error_of(const PiecewiseLinearForce& force) const {
+bool ExactSpectra::is_empty() const {
+  return std::ranges::all_of(impacts_, [](const Impact& impact) { return impact.spectrum.size() < 2; });
+}
+
+std::optional<SpectrumError> ExactSpectra::error_of(const PiecewiseLinearForce& force) const {
+  if (is_empty()) return {};
   SpectrumError error{0, 0};
   const std::vector<double> relative = differences(force);
   for (const double difference : relative) {
@@ -96,6 +100,11 @@ double ExactSpectra::rms_error_of(const PiecewiseLinearForce& force) const {
   for (const double difference : relative) squares += difference * difference;
   const double rms = std::sqrt(squares / static_cast<double>(std::max<std::size_t>(relative.size(), 1)));
   return std::isfinite(rms) ? rms : std::numeric_limits<double>::infinity();
+}
+
+bool has_spectrum(const Material& material) {
+  constexpr int kFewSpeeds = 8;
+  return !ExactSpectra(fit_target(material), kFewSpeeds).is_empty();
 }
 
 std::optional<SpectrumError> measure_spectrum(const Spline& spline, const Material& material) {

@@ -25,14 +25,18 @@ struct SpectrumError {
 };
 
 /// The exact spectra of the impacts of a target at `speeds` (> 1) speeds in geometric progression, at four
-/// frequencies between any two zeros. They are those of a spline with 512 graded segments, whose own error is 0.001
-/// dB on average and 0.02 dB at most.
+/// frequencies between any two zeros. They are those of a spline with so many graded segments: the own error of 512
+/// is 0.001 dB on average and 0.02 dB at most.
 class ExactSpectra {
  public:
-  ExactSpectra(const FitTarget& target, int speeds);
+  ExactSpectra(const FitTarget& target, int speeds, int segments = 512);
 
-  /// The error of a force in the units of the target, which must rise.
-  [[nodiscard]] SpectrumError error_of(const PiecewiseLinearForce& force) const;
+  /// The error of a force in the units of the target, which must be increasing. Absent if is_empty().
+  [[nodiscard]] std::optional<SpectrumError> error_of(const PiecewiseLinearForce& force) const;
+
+  /// Does nothing of the spectra lie within the limits of frequency? So it is with contacts of less than some 0.05
+  /// ms.
+  [[nodiscard]] bool is_empty() const;
 
   /// The root mean square of |difference|/envelope.
   [[nodiscard]] double rms_error_of(const PiecewiseLinearForce& force) const;
@@ -48,8 +52,13 @@ class ExactSpectra {
   std::vector<Impact> impacts_;
 };
 
-/// The error of the spectrum of a spline over the impacts of its material. Absent if the material has no impact, or
-/// if it has compensation, because the spline then differs from the law on purpose.
+/// Can the spectra of the impacts of a material be compared? The contacts of very hard and light bodies are too
+/// short.
+[[nodiscard]] bool has_spectrum(const Material& material);
+
+/// The error of the spectrum of a spline over the impacts of its material. Absent if the material has no impact, if
+/// nothing of its spectra lies within the limits, or if it has compensation, because the spline then differs from the
+/// law on purpose.
 [[nodiscard]] std::optional<SpectrumError> measure_spectrum(const Spline& spline, const Material& material);
 
 }  // namespace contactspline

@@ -179,7 +179,8 @@ class ModalBank {
     return detail::sum_of<T>(size(), [&](std::size_t i) { return at[i] * displacement_[i]; });
   }
 
-  /// Velocity at a place [m/s]: that of the free motion of the modes, exact at every frequency.
+  /// Velocity at a place [m/s]: that of the free motion of the modes, exact at every frequency. Modes that decay by
+  /// more than a tenth per sample do not sound and are left out.
   [[nodiscard]] T velocity(const ModeShapes<T>& at) const {
     return detail::sum_of<T>(size(), [&](std::size_t i) { return at[i] * static_cast<T>(velocity_of(i)); });
   }
@@ -190,7 +191,10 @@ class ModalBank {
   /// heard. Do not use them for displacements that act back, nor for energies: the state has no such error to undo.
   [[nodiscard]] ModeShapes<T> sound_pickup(const ModeShapes<T>& pickup) const {
     ModeShapes<T> shapes(size());
-    for (std::size_t i = 0; i < size(); ++i) shapes[i] = static_cast<T>(pickup[i] / constants_[i].averaging);
+    constexpr double kMin =
+        4 / (std::numbers::pi * std::numbers::pi);  // (sin(theta)/theta)^2 at half the sample rate
+    for (std::size_t i = 0; i < size(); ++i)
+      shapes[i] = static_cast<T>(pickup[i] / std::max(constants_[i].averaging, kMin));
     return shapes;
   }
   [[nodiscard]] ModeShapes<T> sound_pickup(std::span<const double> pickup) const {
@@ -246,8 +250,8 @@ class ModalBank {
     for (std::size_t i = 0; i < size(); ++i) {
       const detail::ModeConstants& mode = constants_[i];
       if (mode.admittance == 0) continue;
-      const double q = displacement_[i], half_velocity = free_increment_[i] + mode.stiffness / 2 * q;
-      energy += (half_velocity * half_velocity / mode.plus_square + mode.stiffness / 4 * q * q) / mode.admittance;
+      const double q = displacement_[i], weighted_step = free_increment_[i] + mode.stiffness / 2 * q;
+      energy += (weighted_step * weighted_step / mode.plus_square + mode.stiffness / 4 * q * q) / mode.admittance;
     }
     return energy;
   }
@@ -295,6 +299,8 @@ class ModalBank {
   // Velocity of mode i in free motion [m/s], from its displacement q and the change d to its next one.
   [[nodiscard]] double velocity_of(std::size_t i) const {
     const detail::ModeConstants& mode = constants_[i];
+    constexpr double kMaxLoss = 0.19;  // 1 - 0.9^2
+    if (mode.loss > kMaxLoss) return 0;
     const double q = displacement_[i], one_minus_real = (mode.loss + mode.stiffness) / 2;  // 1 - Re z
     return mode.velocity_gain * (free_increment_[i] + one_minus_real * q) - mode.decay_per_s * q;
   }

@@ -21,7 +21,8 @@
 namespace contactspline::testing {
 namespace {
 
-// 50 ms. A buzzing string amplifies a rounding by 10 to 100 in each collision: after 100 ms the fret-string's reach 1e-9.
+// 50 ms. A buzzing string amplifies a rounding by 10 to 100 in each collision: after 100 ms the fret-string's reach
+// 1e-9.
 constexpr std::size_t kSamples = 2205;
 
 template <typename Dsp>

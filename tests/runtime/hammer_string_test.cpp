@@ -22,9 +22,9 @@ template <typename T>
 struct Stroke {
   Stroke(const StruckString& struck, double rate, int segments = 64, double stiffness_ratio = 1)
       : Stroke(struck, audible_modes(struck), rate, felt_table(struck, segments), stiffness_ratio) {}
-  Stroke(const StruckString& struck, std::vector<ResonatorMode> its_modes, double rate,
+  Stroke(const StruckString& struck, std::vector<ResonatorMode> with_modes, double rate,
          const std::vector<Segment<double>>& felt, double stiffness_ratio = 1)
-      : modes(std::move(its_modes)),
+      : modes(std::move(with_modes)),
         table(table_in<T>(felt)),
         pickup(shapes<T>(modes, &ResonatorMode::pickup_shape)),
         model(table, bare(modes), shapes<T>(modes, &ResonatorMode::strike_shape), rate),
@@ -75,7 +75,7 @@ double force_error(const StruckString& struck, double rate, double band_hz = 441
   return force_error(struck, rate, band_hz, felt, felt);
 }
 
-// The Newton scheme has 2.09e-2 and 1.06e-2 (reference): its modes give way too little at high frequencies.
+// The Newton scheme has 2.09e-2 and 1.06e-2 (reference): its modes move too little at high frequencies.
 TEST(HammerString, FindsTheForceFourTimesAsWellAsTheNewtonScheme) {
   for (const auto& [struck, bound] : {std::pair{c4(), 5e-3}, std::pair{c2(), 1.6e-3}}) {
     const double error = force_error(struck, 44100);
@@ -111,7 +111,8 @@ TEST(HammerString, ErrorFallsByFourWithEachDoublingOfTheRate) {
   }
 }
 
-// A felt compensated for a free hammer does little for a hammer on a string: it does no harm either.
+// A felt compensated for a free hammer does little for a hammer on a string. The bounds are those without
+// compensation.
 TEST(HammerString, FindsTheForceAsWellWithACompensatedFelt) {
   for (const auto& [struck, bound] : {std::pair{c4(), 5e-3}, std::pair{c2(), 1.6e-3}}) {
     const double range = struck.felt.max_compression(struck.hammer_kg, 6.0);
