@@ -4,7 +4,11 @@
 
 #include <lilv/lilv.h>
 #include <lv2/atom/util.h>
+#include <lv2/buf-size/buf-size.h>
 #include <lv2/midi/midi.h>
+#include <lv2/options/options.h>
+#include <lv2/presets/presets.h>
+#include <lv2/units/units.h>
 #include <lv2/urid/urid.h>
 
 #include <cstdint>
@@ -12,6 +16,7 @@
 #include <initializer_list>
 #include <map>
 #include <memory>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -26,12 +31,20 @@ class Urids {
   }
   /// The feature to hand to plug-ins; valid as long as this object.
   [[nodiscard]] const LV2_Feature* feature() const { return &feature_; }
+  [[nodiscard]] LV2_URID_Map* map() { return &map_; }
+  [[nodiscard]] LV2_URID_Unmap* unmap() { return &unmap_; }
 
  private:
   static LV2_URID map(void* self, const char* uri) { return (*static_cast<Urids*>(self))(uri); }
+  static const char* unmap(void* self, LV2_URID id) {
+    for (const auto& [uri, known] : static_cast<Urids*>(self)->ids_)
+      if (known == id) return uri.c_str();
+    return nullptr;
+  }
 
   std::map<std::string, LV2_URID> ids_;
   LV2_URID_Map map_ = {this, &Urids::map};
+  LV2_URID_Unmap unmap_ = {this, &Urids::unmap};
   LV2_Feature feature_ = {LV2_URID__map, &map_};
 };
 
@@ -39,6 +52,8 @@ class Urids {
 class Lv2World {
  public:
   Lv2World() : world_(lilv_world_new(), lilv_world_free) { lilv_world_load_all(world_.get()); }
+
+  [[nodiscard]] LilvWorld* get() const { return world_.get(); }
 
   /// A node of RDF that frees itself.
   using Node = std::unique_ptr<LilvNode, decltype(&lilv_node_free)>;
@@ -112,28 +127,32 @@ class Lv2Instance {
 
   [[nodiscard]] const std::vector<Lv2Port>& ports() const { return ports_; }
 
-  /// Moves the control of that name. Throws where there is none.
-  void set(const std::string& name, float value) {
+  [[nodiscard]] Urids& urids() { return urids_; }
+  [[nodiscard]] LilvInstance* instance() { return instance_.get(); }
+
+  /// The control of that name or symbol. Throws where there is none.
+  [[nodiscard]] float& control(const std::string& name) {
     for (std::size_t i = 0; i < ports_.size(); ++i)
-      if (ports_[i].is_control && ports_[i].is_input && ports_[i].name == name) {
-        controls_[i] = value;
-        return;
-      }
+      if (ports_[i].is_control && ports_[i].is_input && (ports_[i].name == name || ports_[i].symbol == name))
+        return controls_[i];
     throw std::invalid_argument("no control " + name);
   }
+  void set(const std::string& name, float value) { control(name) = value; }
 
-  /// A MIDI message for the beginning of the next block.
-  void send(std::initializer_list<std::uint8_t> message) {
+  /// A MIDI message for the next block, so many samples after its beginning.
+  void send(std::span<const std::uint8_t> message, std::uint32_t time = 0) {
     struct {
       LV2_Atom_Event head;
       std::uint8_t bytes[3];
     } event = {};
+    event.head.time.frames = time;
     event.head.body.type = urids_(LV2_MIDI__MidiEvent);
     event.head.body.size = static_cast<std::uint32_t>(message.size());
     std::copy(message.begin(), message.end(), event.bytes);
     if (!lv2_atom_sequence_append_event(&events()->seq, sizeof events_, &event.head))
       throw std::length_error("too many events for a block");
   }
+  void send(std::initializer_list<std::uint8_t> message) { send(std::span(message.begin(), message.size())); }
   void note_on(int note, int velocity) {
     send({0x90, static_cast<std::uint8_t>(note), static_cast<std::uint8_t>(velocity)});
   }
@@ -143,8 +162,7 @@ class Lv2Instance {
   [[nodiscard]] std::vector<std::vector<float>> run(std::size_t blocks) {
     std::vector<std::vector<float>> sound;
     for (std::size_t block = 0; block < blocks; ++block) {
-      lilv_instance_run(instance_.get(), kBlock);
-      clear_events();
+      advance();
       std::size_t channel = 0;
       for (std::size_t i = 0; i < ports_.size(); ++i) {
         if (!ports_[i].is_audio || !ports_[i].is_output) continue;
@@ -156,6 +174,12 @@ class Lv2Instance {
     return sound;
   }
 
+  /// Plays a block into the connected ports.
+  void advance() {
+    lilv_instance_run(instance_.get(), kBlock);
+    clear_events();
+  }
+
  private:
   struct EventBuffer {
     LV2_Atom_Sequence seq;
@@ -163,7 +187,12 @@ class Lv2Instance {
   };
 
   LilvInstance* open(const LilvPlugin* plugin, double sample_rate_hz) {
-    const LV2_Feature* const features[] = {urids_.feature(), nullptr};
+    const std::int32_t block = kBlock;
+    const LV2_Options_Option options[] = {
+        {LV2_OPTIONS_INSTANCE, 0, urids_(LV2_BUF_SIZE__maxBlockLength), sizeof block, urids_(LV2_ATOM__Int), &block},
+        {}};
+    const LV2_Feature with_options = {LV2_OPTIONS__options, const_cast<LV2_Options_Option*>(options)};
+    const LV2_Feature* const features[] = {urids_.feature(), &with_options, nullptr};
     return lilv_plugin_instantiate(plugin, sample_rate_hz, features);
   }
 
@@ -177,10 +206,11 @@ class Lv2Instance {
 
   void clear_events() {
     lv2_atom_sequence_clear(&events_.seq);
-    events_.seq.atom.type = urids_(LV2_ATOM__Sequence);
+    events_.seq.atom.type = sequence_;
   }
 
   Urids urids_;
+  LV2_URID sequence_ = urids_(LV2_ATOM__Sequence);
   std::vector<Lv2Port> ports_;
   std::vector<float> controls_;
   std::vector<std::vector<float>> audio_;

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+// What the tests ask of a plug-in, whatever its format.
+#pragma once
+
+#include <dlfcn.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "support/count_allocations.hpp"
+
+namespace contactspline::testing {
+
+/// A parameter as the host sees it.
+struct HostedParameter {
+  std::string name, unit;
+  double min, max, initial;
+};
+
+/// A plug-in in a host, in blocks of kBlock samples, stereo.
+class HostedPlugin {
+ public:
+  static constexpr std::size_t kBlock = 256;
+  using Sound = std::array<std::vector<float>, 2>;
+
+  HostedPlugin() = default;
+  HostedPlugin(const HostedPlugin&) = delete;
+  HostedPlugin& operator=(const HostedPlugin&) = delete;
+  virtual ~HostedPlugin() = default;
+
+  [[nodiscard]] virtual std::vector<HostedParameter> parameters() const = 0;
+  [[nodiscard]] virtual double value(const std::string& parameter) = 0;
+  /// For the beginning of the next block.
+  virtual void set(const std::string& parameter, double value) = 0;
+  /// A note or a controller, so many samples after the beginning of the next block. In the order of the times.
+  virtual void send(std::uint32_t time, std::array<std::uint8_t, 3> message) = 0;
+  /// Names of the programs; empty if the format has none.
+  [[nodiscard]] virtual std::vector<std::string> programs() = 0;
+  virtual void load_program(std::size_t index) = 0;
+  /// What a host writes into its project.
+  [[nodiscard]] virtual std::string save() = 0;
+  virtual void restore(std::string saved) = 0;
+
+  [[nodiscard]] Sound run(std::size_t blocks) {
+    Sound sound;
+    for (auto& side : sound) side.resize(blocks * kBlock);
+    for (std::size_t begin = 0; begin < blocks * kBlock; begin += kBlock) {
+      const std::size_t before = allocations;
+      process({sound[0].data() + begin, sound[1].data() + begin});
+      allocated_ += allocations - before;
+    }
+    return sound;
+  }
+
+  /// Allocations in all blocks so far.
+  [[nodiscard]] std::size_t allocated() const { return allocated_; }
+
+ private:
+  /// Plays a block and forgets the events.
+  virtual void process(std::array<float*, 2> outputs) = 0;
+
+  std::size_t allocated_ = 0;
+};
+
+/// A shared library, closed at the end.
+class Library {
+ public:
+  explicit Library(const std::filesystem::path& file) : handle_(dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL)) {
+    if (handle_ == nullptr) throw std::runtime_error(dlerror());
+  }
+  Library(const Library&) = delete;
+  Library& operator=(const Library&) = delete;
+  ~Library() { dlclose(handle_); }
+
+  template <typename Symbol>
+  [[nodiscard]] Symbol* symbol(const char* name) const {
+    void* const found = dlsym(handle_, name);
+    if (found == nullptr) throw std::runtime_error(std::string("no symbol ") + name);
+    return reinterpret_cast<Symbol*>(found);
+  }
+  [[nodiscard]] void* handle() const { return handle_; }
+
+ private:
+  void* handle_;
+};
+
+}  // namespace contactspline::testing

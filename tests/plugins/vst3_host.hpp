@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: MIT
+// A small VST3 host.
+#pragma once
+
+#include <travesty/audio_processor.h>
+#include <travesty/bstream.h>
+#include <travesty/component.h>
+#include <travesty/edit_controller.h>
+#include <travesty/factory.h>
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+#include <memory>
+
+#include "plugins/hosted_plugin.hpp"
+
+namespace contactspline::testing {
+
+/// An object of the host as VST3 passes it: a pointer to a pointer to the table of functions, which come after the
+/// three of v3_funknown. `self` of the functions is this object.
+template <typename Functions>
+class HostObject {
+ public:
+  explicit HostObject(const Functions& functions) { table_.functions = functions; }
+  HostObject(const HostObject&) = delete;
+  HostObject& operator=(const HostObject&) = delete;
+
+  [[nodiscard]] Functions** pointer() { return reinterpret_cast<Functions**>(&pointer_); }
+
+ protected:
+  // Derived classes add members behind pointer_, so `self` leads to them.
+  template <typename Derived>
+  static Derived& of(void* self) {
+    return *static_cast<Derived*>(static_cast<HostObject*>(self));
+  }
+
+ private:
+  struct Table {
+    v3_funknown unknown = {[](void*, const v3_tuid, void**) { return static_cast<v3_result>(V3_NO_INTERFACE); },
+                           [](void*) -> std::uint32_t { return 1; }, [](void*) -> std::uint32_t { return 1; }};
+    Functions functions;
+  };
+
+  Table* pointer_ = &table_;  // first: its address is the object's
+  Table table_;
+};
+
+/// The notes of a block.
+class EventList : public HostObject<v3_event_list> {
+ public:
+  EventList()
+      : HostObject({[](void* self) { return static_cast<std::uint32_t>(of<EventList>(self).events.size()); },
+                    [](void* self, std::int32_t i, v3_event* event) {
+                      *event = of<EventList>(self).events[static_cast<std::size_t>(i)];
+                      return static_cast<v3_result>(V3_OK);
+                    },
+                    [](void*, v3_event*) { return static_cast<v3_result>(V3_NOT_IMPLEMENTED); }}) {}
+
+  std::vector<v3_event> events;
+};
+
+/// A change of one parameter within a block.
+class ParameterChange : public HostObject<v3_param_value_queue> {
+ public:
+  ParameterChange(v3_param_id id, std::int32_t time, double normalised)
+      : HostObject(
+            {[](void* self) { return of<ParameterChange>(self).id_; }, [](void*) { return 1; },
+             [](void* self, std::int32_t, std::int32_t* at, double* value) {
+               *at = of<ParameterChange>(self).time_;
+               *value = of<ParameterChange>(self).normalised_;
+               return static_cast<v3_result>(V3_OK);
+             },
+             [](void*, std::int32_t, double, std::int32_t*) { return static_cast<v3_result>(V3_NOT_IMPLEMENTED); }}),
+        id_(id),
+        time_(time),
+        normalised_(normalised) {}
+
+ private:
+  v3_param_id id_;
+  std::int32_t time_;
+  double normalised_;
+};
+
+/// All changes of parameters within a block.
+class ParameterChanges : public HostObject<v3_param_changes> {
+ public:
+  ParameterChanges()
+      : HostObject({[](void* self) { return static_cast<std::int32_t>(of<ParameterChanges>(self).changes.size()); },
+                    [](void* self, std::int32_t i) {
+                      return of<ParameterChanges>(self).changes[static_cast<std::size_t>(i)]->pointer();
+                    },
+                    [](void*, v3_param_id*, std::int32_t*) -> v3_param_value_queue** { return nullptr; }}) {}
+
+  std::vector<std::unique_ptr<ParameterChange>> changes;
+};
+
+/// Bytes in memory.
+class ByteStream : public HostObject<v3_bstream> {
+ public:
+  explicit ByteStream(std::string content = "")
+      : HostObject({[](void* self, void* buffer, std::int32_t size, std::int32_t* read) {
+                      auto& stream = of<ByteStream>(self);
+                      const auto count = std::min(static_cast<std::size_t>(size), stream.bytes.size() - stream.done_);
+                      std::memcpy(buffer, stream.bytes.data() + stream.done_, count);
+                      stream.done_ += count;
+                      *read = static_cast<std::int32_t>(count);
+                      return static_cast<v3_result>(V3_OK);
+                    },
+                    [](void* self, void* buffer, std::int32_t size, std::int32_t* written) {
+                      of<ByteStream>(self).bytes.append(static_cast<const char*>(buffer),
+                                                        static_cast<std::size_t>(size));
+                      *written = size;
+                      return static_cast<v3_result>(V3_OK);
+                    },
+                    [](void*, std::int64_t, std::int32_t, std::int64_t*) {
+                      return static_cast<v3_result>(V3_NOT_IMPLEMENTED);
+                    },
+                    [](void*, std::int64_t*) { return static_cast<v3_result>(V3_NOT_IMPLEMENTED); }}),
+        bytes(std::move(content)) {}
+
+  std::string bytes;
+
+ private:
+  std::size_t done_ = 0;
+};
+
+class Vst3Plugin : public HostedPlugin {
+ public:
+  /// file: the binary in the bundle.
+  Vst3Plugin(const std::filesystem::path& file, double sample_rate_hz) : library_(file) {
+    require(library_.symbol<bool(void*)>("ModuleEntry")(library_.handle()), "ModuleEntry");
+    factory_ = static_cast<v3_plugin_factory**>(library_.symbol<void*()>("GetPluginFactory")());
+    require(v3_cpp_obj(factory_)->num_classes(factory_) == 1, "classes");
+    check(v3_cpp_obj(factory_)->get_class_info(factory_, 0, &class_));
+    void* instance = nullptr;
+    check(v3_cpp_obj(factory_)->create_instance(factory_, class_.class_id, v3_component_iid, &instance));
+    component_ = static_cast<v3_component**>(instance);
+    check(v3_cpp_obj_initialize(component_, nullptr));
+    check(v3_cpp_obj_query_interface(component_, v3_audio_processor_iid, &processor_));
+    check(v3_cpp_obj_query_interface(component_, v3_edit_controller_iid, &controller_));
+    check(v3_cpp_obj_query_interface(controller_, v3_midi_mapping_iid, &mapping_));
+    v3_process_setup setup = {V3_REALTIME, V3_SAMPLE_32, kBlock, sample_rate_hz};
+    check(v3_cpp_obj(processor_)->setup_processing(processor_, &setup));
+    check(v3_cpp_obj(component_)->activate_bus(component_, V3_AUDIO, V3_OUTPUT, 0, true));
+    check(v3_cpp_obj(component_)->set_active(component_, true));
+    v3_cpp_obj(processor_)->set_processing(processor_, true);
+    for (std::int32_t i = 0; i < v3_cpp_obj(controller_)->get_parameter_count(controller_); ++i) {
+      const v3_param_info info = this->info(i);
+      if (!(info.flags & V3_PARAM_IS_HIDDEN)) ids_[text(info.title)] = info.param_id;
+      if (info.flags & V3_PARAM_PROGRAM_CHANGE) program_ = info;
+    }
+    list_.events.reserve(64);
+  }
+  ~Vst3Plugin() override {
+    v3_cpp_obj(processor_)->set_processing(processor_, false);
+    v3_cpp_obj(component_)->set_active(component_, false);
+    v3_cpp_obj_unref(mapping_);
+    v3_cpp_obj_unref(controller_);
+    v3_cpp_obj_unref(processor_);
+    v3_cpp_obj_terminate(component_);
+    v3_cpp_obj_unref(component_);
+    v3_cpp_obj_unref(factory_);
+    library_.symbol<bool()>("ModuleExit")();
+  }
+
+  [[nodiscard]] const v3_class_info& class_info() const { return class_; }
+
+  [[nodiscard]] std::vector<HostedParameter> parameters() const override {
+    std::vector<HostedParameter> parameters;
+    for (std::int32_t i = 0; i < v3_cpp_obj(controller_)->get_parameter_count(controller_); ++i) {
+      const v3_param_info info = this->info(i);
+      if (info.flags & V3_PARAM_IS_HIDDEN) continue;  // programs and MIDI controllers
+      parameters.push_back({text(info.title), text(info.units), plain(info.param_id, 0), plain(info.param_id, 1),
+                            plain(info.param_id, info.default_normalised_value)});
+    }
+    return parameters;
+  }
+
+  [[nodiscard]] double value(const std::string& parameter) override {
+    const v3_param_id id = ids_.at(parameter);
+    return plain(id, v3_cpp_obj(controller_)->get_parameter_normalised(controller_, id));
+  }
+
+  void set(const std::string& parameter, double value) override {
+    const v3_param_id id = ids_.at(parameter);
+    change(id, 0, v3_cpp_obj(controller_)->plain_parameter_to_normalised(controller_, id, value));
+  }
+
+  void send(std::uint32_t time, std::array<std::uint8_t, 3> message) override {
+    v3_event event = {};
+    event.sample_offset = static_cast<std::int32_t>(time);
+    // The framework rounds velocities down, and some numbers v/127 lie below the v that is meant.
+    const float velocity = (message[2] + 0.5f) / 127;
+    switch (message[0]) {
+      case 0x90:
+        event.type = V3_EVENT_NOTE_ON;
+        event.note_on = {0, message[1], 0, velocity, 0, -1};
+        return list_.events.push_back(event);
+      case 0x80:
+        event.type = V3_EVENT_NOTE_OFF;
+        event.note_off = {0, message[1], velocity, -1, 0};
+        return list_.events.push_back(event);
+      default: {
+        v3_param_id id = 0;
+        check(v3_cpp_obj(mapping_)->get_midi_controller_assignment(mapping_, 0, 0, message[1], &id));
+        change(id, event.sample_offset, message[2] / 127.0);
+      }
+    }
+  }
+
+  [[nodiscard]] std::vector<std::string> programs() override {
+    std::vector<std::string> names;
+    for (int i = 0; i <= program_.step_count; ++i) {
+      v3_str_128 name = {};
+      check(
+          v3_cpp_obj(controller_)
+              ->get_parameter_string_for_value(controller_, program_.param_id, 1.0 * i / program_.step_count, name));
+      names.push_back(text(name));
+    }
+    return names;
+  }
+
+  void load_program(std::size_t index) override {
+    check(v3_cpp_obj(controller_)
+              ->set_parameter_normalised(controller_, program_.param_id,
+                                         static_cast<double>(index) / program_.step_count));
+  }
+
+  [[nodiscard]] std::string save() override {
+    ByteStream stream;
+    check(v3_cpp_obj(component_)->get_state(component_, stream.pointer()));
+    return stream.bytes;
+  }
+
+  void restore(std::string saved) override {
+    ByteStream stream(std::move(saved));
+    check(v3_cpp_obj(component_)->set_state(component_, stream.pointer()));
+  }
+
+ private:
+  static void require(bool holds, const char* what) {
+    if (!holds) throw std::runtime_error(std::string("VST3: ") + what);
+  }
+  static void check(v3_result result) {
+    if (result != V3_OK) throw std::runtime_error("VST3: result " + std::to_string(result));
+  }
+
+  static std::string text(const v3_str_128& ascii) {
+    std::string text;
+    for (const std::int16_t* c = ascii; *c != 0; ++c) text += static_cast<char>(*c);
+    return text;
+  }
+
+  [[nodiscard]] v3_param_info info(std::int32_t index) const {
+    v3_param_info info = {};
+    check(v3_cpp_obj(controller_)->get_parameter_info(controller_, index, &info));
+    return info;
+  }
+
+  [[nodiscard]] double plain(v3_param_id id, double normalised) const {
+    return v3_cpp_obj(controller_)->normalised_parameter_to_plain(controller_, id, normalised);
+  }
+
+  void change(v3_param_id id, std::int32_t time, double normalised) {
+    changes_.changes.push_back(std::make_unique<ParameterChange>(id, time, normalised));
+  }
+
+  void process(std::array<float*, 2> outputs) override {
+    v3_audio_bus_buffers bus = {};
+    bus.num_channels = 2;
+    bus.channel_buffers_32 = outputs.data();
+    v3_process_data data = {};
+    data.process_mode = V3_REALTIME;
+    data.symbolic_sample_size = V3_SAMPLE_32;
+    data.nframes = kBlock;
+    data.num_output_buses = 1;
+    data.outputs = &bus;
+    data.input_params = changes_.pointer();
+    data.output_params = none_.pointer();
+    data.input_events = list_.pointer();
+    check(v3_cpp_obj(processor_)->process(processor_, &data));
+    list_.events.clear();
+    changes_.changes.clear();
+  }
+
+  Library library_;
+  v3_plugin_factory** factory_ = nullptr;
+  v3_class_info class_ = {};
+  v3_component** component_ = nullptr;
+  v3_audio_processor** processor_ = nullptr;
+  v3_edit_controller** controller_ = nullptr;
+  v3_midi_mapping** mapping_ = nullptr;
+  v3_param_info program_ = {};
+  std::map<std::string, v3_param_id> ids_;
+  EventList list_;
+  ParameterChanges changes_, none_;
+};
+
+}  // namespace contactspline::testing
