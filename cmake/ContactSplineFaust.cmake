@@ -187,6 +187,8 @@ function(contactspline_lv2)
   add_custom_command(
     OUTPUT "${description}"
     COMMAND ${describe} > "${description}" 2> "${CMAKE_CURRENT_BINARY_DIR}/${describe}.log"
+    # Faust 2.54 names units by a property that LV2 does not have.
+    COMMAND sed -i s/units:name/rdfs:label/ "${description}"
     DEPENDS ${describe}
     COMMENT "Describing ${stem}.lv2"
     VERBATIM)

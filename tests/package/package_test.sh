@@ -335,6 +335,67 @@ END
   [ -x "$build/ball" ] || fail "no program"
 }
 
+# The plug-ins alone, out of the whole.
+case_plugins_install() {
+  run cmake --install "$BUILD" --component plugins --prefix "$WORK/prefix"
+  local file
+  for file in lib/clap/contactspline_{piano,hammer_string}.clap lib/vst3/contactspline_{piano,hammer_string}.vst3 \
+    lib/lv2/{contactspline_piano,contactspline_hammer_string,piano,slide_string}.lv2/manifest.ttl \
+    bin/contactspline-{piano,hammer_string}; do
+    [ -s "$WORK/prefix/$file" ] || fail "no $file"
+  done
+  [ "$(echo "$WORK"/prefix/lib/vst3/*/Contents/*-linux/*.so | wc -w)" = 2 ] || fail "a VST3 plug-in has no binary"
+  [ "$(cd "$WORK/prefix" && echo * lib/*)" = "bin lib lib/clap lib/lv2 lib/vst3" ] || fail "not the plug-ins alone"
+  [ ! -e "$WORK/prefix/bin/contactspline" ] || fail "not the plug-ins alone"
+}
+
+# expect_settings FOLDER NAME=VALUE...: what a build folder of the scripts is set to.
+expect_settings() {
+  local folder="$1" setting
+  shift
+  for setting in "$@"; do
+    grep -q "^CONTACTSPLINE_BUILD_${setting%=*}:[A-Z]*=${setting#*=}$" "$tree/build/$folder/CMakeCache.txt" ||
+      fail "build/$folder is not set to $setting"
+  done
+}
+
+# Calls a script of the tree, which ends where it would build.
+until_build() {
+  ! PATH="$WORK/bin:$PATH" "$tree/scripts/$1" >"$WORK/log" 2>&1 || fail "scripts/$1 does not build"
+  grep -q '^building ' "$WORK/log" || fail "scripts/$1 ends before it builds"
+}
+
+# The scripts one after the other: none undoes what another has set. With a cmake that configures, but builds nothing.
+case_scripts() {
+  tree="$WORK/tree"
+  mkdir "$tree" "$WORK/bin"
+  tar -C "$SOURCE" --exclude=./.git --exclude=./build --exclude=".${BUILD#"$SOURCE"}" -cf - . | tar -C "$tree" -xf -
+  printf '#!/bin/sh\necho "packages: $*"\n' | tee "$tree/scripts/install-packages" >"$tree/scripts/format"
+  printf '#!/bin/sh\n[ "$1" != --build ] || { echo "building $*"; exit 9; }\nexec "%s" "$@"\n' "$(command -v cmake)" \
+    >"$WORK/bin/cmake"
+  chmod +x "$WORK/bin/cmake"
+
+  until_build run
+  expect_settings release TESTS=OFF PLUGINS=OFF
+  until_build test
+  expect_settings release TESTS=ON PLUGINS=ON
+  until_build run
+  expect_settings release TESTS=ON PLUGINS=ON
+  until_build plugins
+  grep -qx 'packages: plugins' "$WORK/log" || fail "scripts/plugins installs other packages"
+  expect_settings plugins PLUGINS=ON TESTS=OFF GENERATOR=OFF EXAMPLES=OFF
+  expect_settings release TESTS=ON PLUGINS=ON
+  until_build run
+  expect_settings plugins PLUGINS=ON
+  ! grep -qF -e "$tree/generator/" -e "$tree/tests/" "$tree/build/plugins/build.ninja" || fail "scripts/plugins builds more than plug-ins"
+
+  ! "$tree/scripts/plugins" --help >"$WORK/log" 2>&1 || fail "scripts/plugins accepts an option"
+  grep -q '^usage: scripts/plugins' "$WORK/log" || fail "scripts/plugins does not say how to use it"
+  ! cmake --preset plugins -S "$tree" -B "$WORK/without" \
+    '-DCMAKE_IGNORE_PATH=/usr/share/dpf;/usr/local/share/dpf' >"$WORK/log" 2>&1 || fail "builds without the framework"
+  tr -s ' \n' ' ' <"$WORK/log" | grep -qF 'Debian has it as: dpf-source' || fail "is silent about the framework"
+}
+
 case_pkg_config() {
   need pkg-config
   install_at "$WORK/prefix"

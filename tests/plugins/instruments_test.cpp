@@ -58,8 +58,7 @@ std::vector<HostedParameter> expected_parameters(const std::string& name) {
     expected = {
         {"hammer hardness", "", 0.05, 20, 1}, {"hammer mass", "", 0.25, 4, 1}, {"felt loss", "s/m", 0, 2, 0.1}};
   else
-    for (const HostedParameter& slider :
-         Lv2Plugin(world(), "urn:contactspline:fast_hammer_string", 48000).parameters()) {
+    for (const HostedParameter& slider : Lv2Plugin(world(), "urn:contactspline:hammer_string", 48000).parameters()) {
       if (slider.name == "strike") continue;  // notes do it
       expected.push_back(slider);
       if (slider.unit != "kg") continue;
