@@ -84,11 +84,10 @@ class InstrumentPlugin : public DISTRHO_NAMESPACE::Plugin {
 
   float getParameterValue(std::uint32_t index) const override { return values_[index]; }
 
-  // On any thread. The framework saves six decimals, so a parameter has no more: a restored one is equal.
+  // On any thread.
   void setParameterValue(std::uint32_t index, float value) override {
     const PluginControl& c = control(index);
-    const float held = contactspline::held(values_[index].load(), value, {c.min, c.max});
-    values_[index] = static_cast<float>(std::round(static_cast<double>(held) * 1e6) / 1e6);
+    values_[index] = contactspline::held(values_[index].load(), value, {c.min, c.max});
   }
 
   void loadProgram(std::uint32_t index) override {

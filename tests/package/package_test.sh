@@ -440,6 +440,16 @@ case_examples() {
   [ "$(stat -c %s "$WORK/phrase.wav")" -gt 800000 ] || fail "the phrase is short"
 }
 
+# An instrument of that folder as a plug-in.
+case_examples_plugins() {
+  install_at "$WORK/prefix"
+  cp -r "$SOURCE/examples" "$WORK/examples"
+  project="$WORK/examples" build="$WORK/build"
+  configure Ninja "-DCMAKE_PREFIX_PATH=$WORK/prefix" -DCONTACTSPLINE_BUILD_PLUGINS=ON
+  run cmake --build "$build" --target contactspline_piano_clap
+  [ -s "$build/clap/contactspline_piano.clap" ] || fail "no plug-in"
+}
+
 # The README's examples, word for word.
 case_readme() {
   install_at "$WORK/prefix"
