@@ -124,7 +124,7 @@ double agreement_db(std::span<const float> actual, std::span<const double> expec
 }
 
 // Single precision keeps 85 dB of the double model over a second (tests/runtime/hammer_string_test.cpp), and 4
-// roundings for gain, side and volume, each 2^-24, are 60 dB below that. Measured: 109 dB and better.
+// roundings for gain, side and volume, each 2^-24, are 60 dB below that. Measured: 108 dB and better.
 constexpr double kSinglePrecision_db = 85;
 
 constexpr std::uint32_t kNoteTime = 37;  // samples
