@@ -58,7 +58,10 @@ class InstrumentPlugin : public DISTRHO_NAMESPACE::Plugin {
   const char* getDescription() const override { return Instrument::description; }
   const char* getMaker() const override { return DISTRHO_PLUGIN_BRAND; }
   const char* getLicense() const override { return "https://spdx.org/licenses/MIT"; }
-  std::uint32_t getVersion() const override { return d_version(0, 2, 0); }
+  std::uint32_t getVersion() const override {
+    using namespace contactspline;
+    return d_version(kVersionMajor, kVersionMinor, kVersionPatch);
+  }
   std::int64_t getUniqueId() const override { return Instrument::unique_id; }
 
   void initAudioPort(bool is_input, std::uint32_t index, DISTRHO_NAMESPACE::AudioPort& port) override {
