@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 #include <utility>
 
 #include "contactspline/contact.hpp"
@@ -29,11 +30,12 @@ struct FretStringControls {
 /// A modal string over a fret on a rigid neck. Displacements are positive towards the fret: compression = string -
 /// gap. Moving the fret, along the string or towards it, does the work work_of_fret(). With this work the energy
 /// balance is exact up to rounding (docs/fret-string.md).
-template <std::floating_point T, std::size_t Extent = std::dynamic_extent>
+/// Modes: their number, if it is known at compile time: then the model needs no heap (docs/microcontrollers.md).
+template <std::floating_point T, std::size_t Extent = std::dynamic_extent, std::size_t Modes = std::dynamic_extent>
 class FretString {
  public:
-  FretString(SegmentTable<T, Extent> fret, std::span<const Mode> modes, const StringShapes<T>& shapes,
-             T pluck_place_m, double sample_rate_hz)
+  constexpr FretString(SegmentTable<T, Extent> fret, std::type_identity_t<std::span<const Mode, Modes>> modes,
+                       const StringShapes<T, Modes>& shapes, T pluck_place_m, double sample_rate_hz)
       : fret_(fret),
         string_(modes, sample_rate_hz),
         place_(shapes, pluck_place_m, shapes.longest_step(modes, sample_rate_hz)),
@@ -88,7 +90,7 @@ class FretString {
   [[nodiscard]] T compression() const { return compression_; }  ///< of the contact, negative while apart [m]
   /// Work that the moving fret did on the string over the last sample [J].
   [[nodiscard]] T work_of_fret() const { return work_of_fret_; }
-  [[nodiscard]] const ModalBank<T>& string() const { return string_; }
+  [[nodiscard]] const ModalBank<T, Modes>& string() const { return string_; }
   [[nodiscard]] T gap() const { return gap_; }  ///< at the end of the last sample [m]
   /// That acts: a control that rises under load is ahead of it.
   [[nodiscard]] T stiffness_ratio() const { return contact_.stiffness_ratio; }
@@ -116,9 +118,9 @@ class FretString {
   static constexpr T kMinAdmittance = T(1e-18);
 
   SegmentTable<T, Extent> fret_;
-  ModalBank<T> string_;
-  MovingPlace<T> place_;
-  ModeShapes<T> pluck_;
+  ModalBank<T, Modes> string_;
+  MovingPlace<T, Modes> place_;
+  ModeShapes<T, Modes> pluck_;
   T time_step_;
   T pluck_force_ = 0, damping_per_s_ = 0;
   ContactControls<T> contact_;

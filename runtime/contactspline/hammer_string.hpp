@@ -5,6 +5,7 @@
 #include "contactspline/cpp20.hpp"
 
 #include <algorithm>
+#include <type_traits>
 #include <utility>
 
 #include "contactspline/contact.hpp"
@@ -27,10 +28,16 @@ struct HammerStringControls {
 
 /// A hammer in free flight in front of a resonator, which it strikes at one place. Several strings under one hammer
 /// are one resonator: their modes side by side, each shape divided by the number of strings.
-template <std::floating_point T, std::size_t Extent = std::dynamic_extent>
+///
+/// Modes: their number, if it is known at compile time: then the model needs no heap (docs/microcontrollers.md), and
+/// process() is the loop of tick().
+template <std::floating_point T, std::size_t Extent = std::dynamic_extent, std::size_t Modes = std::dynamic_extent>
 class HammerString {
  public:
-  HammerString(SegmentTable<T, Extent> felt, std::span<const Mode> modes, ModeShapes<T> strike, double sample_rate_hz)
+  using Shapes = ModeShapes<T, Modes>;
+
+  constexpr HammerString(SegmentTable<T, Extent> felt, std::type_identity_t<std::span<const Mode, Modes>> modes,
+                         Shapes strike, double sample_rate_hz)
       : felt_(felt),
         string_(modes, sample_rate_hz),
         strike_(modes.size()),
@@ -39,7 +46,7 @@ class HammerString {
         time_step_(T(1 / sample_rate_hz)) {}
 
   /// Moves the place of the strike, from the next throw on. Does nothing if a shape is not finite.
-  void strike_at(const ModeShapes<T>& strike) {
+  void strike_at(const Shapes& strike) {
     if (!all_finite(std::span<const T>(strike.data(), strike.size()))) return;
     next_strike_ = strike;
     has_moved_ = true;
@@ -83,31 +90,15 @@ class HammerString {
   /// Advances out.size() samples, writes the displacement at the pickup [m] after each and, unless `forces` is null,
   /// the contact forces [N]. Equals as many calls of tick(), but is many times as fast if ContactSpline::simd is
   /// linked. Safe in an audio thread.
-  void process(const HammerStringControls<T>& controls, const ModeShapes<T>& pickup, std::span<T> out,
-               T* forces = nullptr) {
+  void process(const HammerStringControls<T>& controls, const Shapes& pickup, std::span<T> out, T* forces = nullptr) {
 #ifdef CONTACTSPLINE_SIMD
-    if (out.empty()) return;
-    const T damping_gain = 1 / (1 + take_damping(controls));
-    if (is_flying_) {
-      take(controls);
-      constants_.follow(felt_);
-      const auto strike = constants_.view(string_.arrays(), felt_, strike_, time_step_, damping_gain, pickup);
-      const std::size_t samples = detail::process_struck(strike, hammer_, out, forces);
-      is_flying_ = hammer_.compression_m > detail::kHammerStop_m<T>;
-      out = out.subspan(samples);
-      if (forces != nullptr) forces += samples;
-    }
-    if (out.empty()) return;
-    hammer_.force_n = 0;
-    if (forces != nullptr) std::fill_n(forces, out.size(), T(0));
-    detail::process_free(string_.arrays(), damping_gain, pickup.data(), out);
-#else
+    if constexpr (Modes == std::dynamic_extent) return process_in_kernels(controls, pickup, out, forces);
+#endif
     for (T& sample : out) {
       tick(controls);
       sample = string_.displacement(pickup);
       if (forces != nullptr) *forces++ = force();
     }
-#endif
   }
 
   /// Contact force over the last sample [N].
@@ -126,7 +117,7 @@ class HammerString {
   [[nodiscard]] bool is_hammer_flying() const {
     return is_flying_;
   }
-  [[nodiscard]] const ModalBank<T>& string() const {
+  [[nodiscard]] const ModalBank<T, Modes>& string() const {
     return string_;
   }
 
@@ -145,6 +136,27 @@ class HammerString {
     return damping_per_s_ * time_step_;
   }
 
+#ifdef CONTACTSPLINE_SIMD
+  void process_in_kernels(const HammerStringControls<T>& controls, const Shapes& pickup, std::span<T> out,
+                          T* forces) {
+    if (out.empty()) return;
+    const T damping_gain = 1 / (1 + take_damping(controls));
+    if (is_flying_) {
+      take(controls);
+      constants_.follow(felt_);
+      const auto strike = constants_.view(string_.arrays(), felt_, strike_, time_step_, damping_gain, pickup);
+      const std::size_t samples = detail::process_struck(strike, hammer_, out, forces);
+      is_flying_ = hammer_.compression_m > detail::kHammerStop_m<T>;
+      out = out.subspan(samples);
+      if (forces != nullptr) forces += samples;
+    }
+    if (out.empty()) return;
+    hammer_.force_n = 0;
+    if (forces != nullptr) std::fill_n(forces, out.size(), T(0));
+    detail::process_free(string_.arrays(), damping_gain, pickup.data(), out);
+  }
+#endif
+
   // One sample of the contact between predict() and commit() of the string.
   void collide(T damping_gain) {
     const T velocity_per_force = time_step_ / hammer_.mass_kg;
@@ -161,9 +173,11 @@ class HammerString {
   }
 
   SegmentTable<T, Extent> felt_;
-  ModalBank<T> string_;
-  ModeShapes<T> strike_, next_strike_;
-  detail::StrikeConstantsStorage<T> constants_;
+  ModalBank<T, Modes> string_;
+  Shapes strike_, next_strike_;
+  std::conditional_t<Modes == std::dynamic_extent, detail::StrikeConstantsStorage<T>,
+                     detail::StrikeAdmittance<T, Modes>>
+      constants_;
   T time_step_;
   detail::HammerState<T> hammer_;
   T damping_per_s_ = 0;

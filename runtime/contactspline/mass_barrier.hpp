@@ -26,7 +26,8 @@ struct MassBarrierControls {
 template <std::floating_point T, std::size_t Extent = std::dynamic_extent>
 class MassBarrier {
  public:
-  MassBarrier(SegmentTable<T, Extent> table, T sample_rate_hz) : table_(table), time_step_(1 / sample_rate_hz) {}
+  constexpr MassBarrier(SegmentTable<T, Extent> table, T sample_rate_hz)
+      : table_(table), time_step_(1 / sample_rate_hz) {}
 
   /// Sets the displacement [m], -1000 to 1000 (negative: in front of the barrier), and the velocity [m/s] towards the
   /// barrier, -1000 to 1000. Does nothing if one of them is not a number.

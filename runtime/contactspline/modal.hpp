@@ -13,6 +13,7 @@
 #include <new>
 #include <numbers>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "contactspline/controls.hpp"
@@ -56,45 +57,54 @@ struct CacheLineAllocator {
 };
 
 /// One number for each mode, padded with zeros to whole cache lines, so that vector loops need no scalar remainder.
-template <std::floating_point T>
+template <std::floating_point T, std::size_t Modes = std::dynamic_extent>
 class ModalArray {
  public:
   ModalArray() = default;
   static constexpr std::size_t kLine = 64 / sizeof(T);
 
-  explicit ModalArray(std::size_t size) : size_(size), values_((size + kLine - 1) / kLine * kLine) {}
+  explicit constexpr ModalArray(std::size_t size) : size_(size), values_((size + kLine - 1) / kLine * kLine) {}
 
-  [[nodiscard]] std::size_t size() const { return size_; }
-  [[nodiscard]] T operator[](std::size_t i) const { return values_[i]; }
-  [[nodiscard]] T& operator[](std::size_t i) { return values_[i]; }
-  [[nodiscard]] const T* data() const { return values_.data(); }
-  [[nodiscard]] T* data() { return values_.data(); }
-  void clear() { std::ranges::fill(values_, T(0)); }
+  [[nodiscard]] constexpr std::size_t size() const { return size_; }
+  [[nodiscard]] constexpr T operator[](std::size_t i) const { return values_[i]; }
+  [[nodiscard]] constexpr T& operator[](std::size_t i) { return values_[i]; }
+  [[nodiscard]] constexpr const T* data() const { return values_.data(); }
+  [[nodiscard]] constexpr T* data() { return values_.data(); }
+  constexpr void clear() { std::ranges::fill(values_, T(0)); }
 
  private:
   std::size_t size_ = 0;
   std::vector<T, CacheLineAllocator<T>> values_;
 };
 
+/// The same for a number of modes that is known at compile time: without the heap, and without padding.
+template <std::floating_point T, std::size_t Modes>
+requires(Modes != std::dynamic_extent) class ModalArray<T, Modes> : public std::array<T, Modes> {
+ public:
+  constexpr ModalArray() : std::array<T, Modes>{} {}
+  explicit constexpr ModalArray(std::size_t) : ModalArray() {}
+  constexpr void clear() { this->fill(T(0)); }
+};
+
 }  // namespace detail
 
 /// Mode shapes at one place. The displacement there is the sum over all modes of shape times modal displacement.
-template <std::floating_point T>
+template <std::floating_point T, std::size_t Modes = std::dynamic_extent>
 class ModeShapes {
  public:
   ModeShapes() = default;
-  explicit ModeShapes(std::size_t modes) : values_(modes) {}
-  explicit ModeShapes(std::span<const double> values) : values_(values.size()) {
+  explicit constexpr ModeShapes(std::size_t modes) : values_(modes) {}
+  explicit constexpr ModeShapes(std::span<const double, Modes> values) : values_(values.size()) {
     for (std::size_t i = 0; i < values.size(); ++i) values_[i] = static_cast<T>(values[i]);
   }
 
-  [[nodiscard]] std::size_t size() const { return values_.size(); }
-  [[nodiscard]] T operator[](std::size_t mode) const { return values_[mode]; }
-  [[nodiscard]] T& operator[](std::size_t mode) { return values_[mode]; }
-  [[nodiscard]] const T* data() const { return values_.data(); }
+  [[nodiscard]] constexpr std::size_t size() const { return values_.size(); }
+  [[nodiscard]] constexpr T operator[](std::size_t mode) const { return values_[mode]; }
+  [[nodiscard]] constexpr T& operator[](std::size_t mode) { return values_[mode]; }
+  [[nodiscard]] constexpr const T* data() const { return values_.data(); }
 
  private:
-  detail::ModalArray<T> values_;
+  detail::ModalArray<T, Modes> values_;
 };
 
 namespace detail {
@@ -110,7 +120,9 @@ struct ModeConstants {
   double decay_per_s;
 };
 
-inline ModeConstants mode_constants(const Mode& mode, double sample_rate_hz) {
+// A template: compilers that cannot compute std::exp at compile time refuse it as a plain constexpr function.
+template <std::same_as<double> Rate>
+constexpr ModeConstants mode_constants(const Mode& mode, Rate sample_rate_hz) {
   const double w = mode.angular_frequency_rad_per_s, dt = 1 / sample_rate_hz;
   const double decay_factor = std::exp(-mode.decay_per_s * dt);
   const double decay_loss = -std::expm1(-mode.decay_per_s * dt);  // 1 - decay_factor, without cancellation
@@ -129,7 +141,7 @@ inline ModeConstants mode_constants(const Mode& mode, double sample_rate_hz) {
 
 /// Sum of term(i) over i < n. Eight partial sums let the compiler use vector registers.
 template <std::floating_point T, typename Term>
-[[nodiscard]] T sum_of(std::size_t n, Term term) {
+[[nodiscard]] constexpr T sum_of(std::size_t n, Term term) {
   constexpr std::size_t kLanes = 8;
   T sums[kLanes] = {};
   std::size_t i = 0;
@@ -150,10 +162,15 @@ template <std::floating_point T, typename Term>
 /// force acts. A sample changes q by c = d + admittance shape f, and d becomes 2 c - d - (loss c + stiffness q). This
 /// is the midpoint rule with the velocity eliminated (docs/modal.md). Only small numbers are added, so single
 /// precision keeps 100 dB.
-template <std::floating_point T>
+///
+/// Modes: their number, if it is known at compile time: then the bank needs no heap, and g++ can construct it at
+/// compile time (docs/microcontrollers.md).
+template <std::floating_point T, std::size_t Modes = std::dynamic_extent>
 class ModalBank {
  public:
-  ModalBank(std::span<const Mode> modes, double sample_rate_hz)
+  using Shapes = ModeShapes<T, Modes>;
+
+  constexpr ModalBank(std::span<const Mode, Modes> modes, double sample_rate_hz)
       : sample_rate_hz_(sample_rate_hz),
         stiffness_(modes.size()),
         stiffness_rest_(modes.size()),
@@ -161,27 +178,27 @@ class ModalBank {
         admittance_(modes.size()),
         displacement_(modes.size()),
         free_increment_(modes.size()),
-        change_(modes.size()),
-        constants_(modes.size()) {
+        change_(modes.size()) {
+    if constexpr (Modes == std::dynamic_extent) constants_.resize(modes.size());
     for (std::size_t i = 0; i < modes.size(); ++i) set(i, modes[i]);
   }
 
-  [[nodiscard]] std::size_t size() const { return displacement_.size(); }
+  [[nodiscard]] constexpr std::size_t size() const { return displacement_.size(); }
 
   /// Change of displacement over one sample at place `at` per newton at place `of_force` [m/N]: the sum of
   /// admittance shape shape.
-  [[nodiscard]] T admittance(const ModeShapes<T>& at, const ModeShapes<T>& of_force) const {
+  [[nodiscard]] constexpr T admittance(const Shapes& at, const Shapes& of_force) const {
     return detail::sum_of<T>(size(), [&](std::size_t i) { return admittance_[i] * at[i] * of_force[i]; });
   }
 
   /// Displacement at a place [m].
-  [[nodiscard]] T displacement(const ModeShapes<T>& at) const {
+  [[nodiscard]] constexpr T displacement(const Shapes& at) const {
     return detail::sum_of<T>(size(), [&](std::size_t i) { return at[i] * displacement_[i]; });
   }
 
   /// Velocity at a place [m/s]: that of the free motion of the modes, exact at every frequency. Modes that decay by
   /// more than a tenth per sample do not sound and are left out.
-  [[nodiscard]] T velocity(const ModeShapes<T>& at) const {
+  [[nodiscard]] T velocity(const Shapes& at) const {
     return detail::sum_of<T>(size(), [&](std::size_t i) { return at[i] * static_cast<T>(velocity_of(i)); });
   }
 
@@ -189,16 +206,15 @@ class ModalBank {
   /// constant over each sample excites a mode |1 - z|/|p dt| times as strongly as an impulse, and the contact force
   /// is itself an average over the sample, which takes away the same factor again. Use these shapes for what is
   /// heard. Do not use them for displacements that act back, nor for energies: the state has no such error to undo.
-  [[nodiscard]] ModeShapes<T> sound_pickup(const ModeShapes<T>& pickup) const {
-    ModeShapes<T> shapes(size());
-    constexpr double kMin =
-        4 / (std::numbers::pi * std::numbers::pi);  // (sin(theta)/theta)^2 at half the sample rate
+  [[nodiscard]] constexpr Shapes sound_pickup(const Shapes& pickup) const {
+    Shapes shapes(size());
+    constexpr double kMin = 0.40528473456935109;  // (2/pi)^2, the factor at half the sample rate
     for (std::size_t i = 0; i < size(); ++i)
-      shapes[i] = static_cast<T>(pickup[i] / std::max(constants_[i].averaging, kMin));
+      shapes[i] = static_cast<T>(double(pickup[i]) / std::max(constants_[i].averaging, kMin));
     return shapes;
   }
-  [[nodiscard]] ModeShapes<T> sound_pickup(std::span<const double> pickup) const {
-    return sound_pickup(ModeShapes<T>(pickup));
+  [[nodiscard]] constexpr Shapes sound_pickup(std::span<const double, Modes> pickup) const {
+    return sound_pickup(Shapes(pickup));
   }
 
   /// Begins a sample: the change of each mode is its free increment.
@@ -216,17 +232,17 @@ class ModalBank {
   }
 
   /// Change of displacement at a place over this sample [m], with the forces pushed so far.
-  [[nodiscard]] T increment(const ModeShapes<T>& at) const {
+  [[nodiscard]] T increment(const Shapes& at) const {
     return detail::sum_of<T>(size(), [&](std::size_t i) { return at[i] * change_[i]; });
   }
 
   /// Displacement at a place in the middle of this sample [m], with the forces pushed so far.
-  [[nodiscard]] T middle(const ModeShapes<T>& at) const {
+  [[nodiscard]] T middle(const Shapes& at) const {
     return detail::sum_of<T>(size(), [&](std::size_t i) { return at[i] * (displacement_[i] + change_[i] / 2); });
   }
 
   /// Adds a force [N] at a place for this sample.
-  void push(const ModeShapes<T>& at, T force) {
+  void push(const Shapes& at, T force) {
     T* __restrict change = change_.data();
     for (std::size_t i = 0; i < size(); ++i) change[i] += admittance_[i] * at[i] * force;
   }
@@ -270,7 +286,7 @@ class ModalBank {
   /// Response of each mode to a force at a place. Per newton during one sample, its displacement rises by admittance
   /// [m/N] and its free increment by free_increment_gain [m/N] at the end of the sample. amplitude_gain: amplitude of
   /// the oscillation at the place per metre of free increment, for a mode with displacement 0: shape / Im z.
-  void respond(const ModeShapes<T>& at, detail::ModalArray<T>& admittance, detail::ModalArray<T>& free_increment_gain,
+  void respond(const Shapes& at, detail::ModalArray<T>& admittance, detail::ModalArray<T>& free_increment_gain,
                detail::ModalArray<T>& amplitude_gain) const {
     for (std::size_t i = 0; i < size(); ++i) {
       admittance[i] = admittance_[i] * at[i];
@@ -318,7 +334,7 @@ class ModalBank {
     }
   }
 
-  void set(std::size_t i, const Mode& mode) {
+  constexpr void set(std::size_t i, const Mode& mode) {
     detail::ModeConstants& constants = constants_[i] = detail::mode_constants(mode, sample_rate_hz_);
     // A mode above half the sample rate would sound at a wrong pitch. As in modal.lib, no force drives it.
     if (!(mode.angular_frequency_rad_per_s < std::numbers::pi * sample_rate_hz_)) constants.admittance = 0;
@@ -333,9 +349,11 @@ class ModalBank {
 
   double sample_rate_hz_;
   T damping_ = 0;  // of the current sample
-  detail::ModalArray<T> stiffness_, stiffness_rest_, loss_, admittance_;
-  detail::ModalArray<T> displacement_, free_increment_, change_;
-  std::vector<detail::ModeConstants> constants_;
+  detail::ModalArray<T, Modes> stiffness_, stiffness_rest_, loss_, admittance_;
+  detail::ModalArray<T, Modes> displacement_, free_increment_, change_;
+  std::conditional_t<Modes == std::dynamic_extent, std::vector<detail::ModeConstants>,
+                     std::array<detail::ModeConstants, Modes>>
+      constants_{};
 };
 
 }  // namespace contactspline

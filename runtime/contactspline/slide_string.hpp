@@ -5,6 +5,7 @@
 #include "contactspline/cpp20.hpp"
 
 #include <algorithm>
+#include <type_traits>
 #include <utility>
 
 #include "contactspline/contact.hpp"
@@ -30,11 +31,12 @@ struct SlideStringControls {
 /// A slide with mass on a modal string. Displacements are positive towards the string: compression = slide - string.
 /// When the slide moves along a bent string, the hand does the work -f sum(mean q, change of shape). With this work
 /// the energy balance is exact up to rounding (docs/slide-string.md). The hand moves the slide at 1000 m/s at most.
-template <std::floating_point T, std::size_t Extent = std::dynamic_extent>
+/// Modes: their number, if it is known at compile time: then the model needs no heap (docs/microcontrollers.md).
+template <std::floating_point T, std::size_t Extent = std::dynamic_extent, std::size_t Modes = std::dynamic_extent>
 class SlideString {
  public:
-  SlideString(SegmentTable<T, Extent> table, std::span<const Mode> modes, const StringShapes<T>& shapes,
-              T pluck_place_m, double sample_rate_hz)
+  constexpr SlideString(SegmentTable<T, Extent> table, std::type_identity_t<std::span<const Mode, Modes>> modes,
+                        const StringShapes<T, Modes>& shapes, T pluck_place_m, double sample_rate_hz)
       : table_(table),
         string_(modes, sample_rate_hz),
         shapes_(shapes),
@@ -99,7 +101,7 @@ class SlideString {
   [[nodiscard]] T rest_force() const { return rest_force_; }    ///< of the resting fingers on the string [N]
   /// Work of the hand that moved the slide along the string in the last sample [J].
   [[nodiscard]] T work_along() const { return -force_ * mean_shape_change_; }
-  [[nodiscard]] const ModalBank<T>& string() const { return string_; }
+  [[nodiscard]] const ModalBank<T, Modes>& string() const { return string_; }
   /// The controls that act, but for the place: those of the last sample, in their ranges. A stiffness that rises
   /// under load is behind its control.
   [[nodiscard]] const SlideStringControls<T>& controls() const { return controls_; }
@@ -168,10 +170,10 @@ class SlideString {
   }
 
   SegmentTable<T, Extent> table_;
-  ModalBank<T> string_;
-  StringShapes<T> shapes_;
-  MovingPlace<T> place_;
-  ModeShapes<T> pluck_, rest_;  // shapes at the pluck and at the resting fingers
+  ModalBank<T, Modes> string_;
+  StringShapes<T, Modes> shapes_;
+  MovingPlace<T, Modes> place_;
+  ModeShapes<T, Modes> pluck_, rest_;  // shapes at the pluck and at the resting fingers
   T time_step_;
   SlideStringControls<T> controls_{.place_m = 0, .slide_mass_kg = 1};
   bool is_placed_ = true;  // since the last sample: the next one takes the stiffnesses as they are

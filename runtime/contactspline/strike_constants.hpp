@@ -159,4 +159,19 @@ class StrikeConstantsStorage {
   T admittance_of_string_ = 0, free_admittance_ = 0;
 };
 
+/// What remains of StrikeConstantsStorage for a model that plays without the kernels.
+template <std::floating_point T, std::size_t Modes>
+class StrikeAdmittance {
+ public:
+  constexpr StrikeAdmittance(SegmentTable<T>, std::size_t) {}
+
+  void strike_at(const ModalBank<T, Modes>& string, const ModeShapes<T, Modes>& shapes) {
+    admittance_of_string_ = string.admittance(shapes, shapes);
+  }
+  [[nodiscard]] T admittance_of_string() const { return admittance_of_string_; }
+
+ private:
+  T admittance_of_string_ = 0;
+};
+
 }  // namespace contactspline::detail

@@ -10,30 +10,32 @@
 #include <numbers>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include "contactspline/controls.hpp"
 #include "contactspline/modal.hpp"
 
 namespace contactspline {
 
-/// Shapes sin(wavenumber x) of the modes of a string, at any place x.
-template <std::floating_point T>
+/// Shapes sin(wavenumber x) of the modes of a string, at any place x. Modes: their number, if it is known at compile
+/// time.
+template <std::floating_point T, std::size_t Modes = std::dynamic_extent>
 class StringShapes {
  public:
-  explicit StringShapes(std::span<const double> wavenumbers_per_m)
-      : wavenumbers_(wavenumbers_per_m.begin(), wavenumbers_per_m.end()) {}
+  using Shapes = ModeShapes<T, Modes>;
+
+  explicit constexpr StringShapes(std::span<const double, Modes> wavenumbers_per_m)
+      : wavenumbers_(wavenumbers_per_m) {}
 
   /// Computes the shapes at a place [m], measured from the end where all shapes are sin(0).
-  void at(T place_m, ModeShapes<T>& shapes) const {
-    for (std::size_t i = 0; i < wavenumbers_.size(); ++i) shapes[i] = std::sin(wavenumbers_[i] * place_m);
+  constexpr void at(T place_m, Shapes& shapes) const {
+    for (std::size_t i = 0; i < size(); ++i) shapes[i] = std::sin(wavenumbers_[i] * place_m);
   }
 
   /// Maximum movement of a contact per sample that the string can follow [m]: 1/8 of the shortest wavelength, and
   /// 1/10 of the distance that the slowest wave travels. modes: the modes of these wavenumbers, in the same order.
-  [[nodiscard]] T longest_step(std::span<const Mode> modes, double sample_rate_hz) const {
+  [[nodiscard]] constexpr T longest_step(std::span<const Mode, Modes> modes, double sample_rate_hz) const {
     double step = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < wavenumbers_.size(); ++i) {
+    for (std::size_t i = 0; i < size(); ++i) {
       const double beta = wavenumbers_[i];
       const double speed = modes[i].angular_frequency_rad_per_s / beta;
       step = std::min({step, std::numbers::pi / 4 / beta, speed / sample_rate_hz / 10});
@@ -42,24 +44,29 @@ class StringShapes {
   }
 
   /// Length of the string [m]: half the longest wave. 0 without modes.
-  [[nodiscard]] T length() const {
-    return wavenumbers_.empty() ? T(0) : std::numbers::pi_v<T> / *std::ranges::min_element(wavenumbers_);
+  [[nodiscard]] constexpr T length() const {
+    if (size() == 0) return 0;
+    T smallest = wavenumbers_[0];
+    for (std::size_t i = 1; i < size(); ++i) smallest = std::min(smallest, wavenumbers_[i]);
+    return std::numbers::pi_v<T> / smallest;
   }
 
-  [[nodiscard]] std::size_t size() const { return wavenumbers_.size(); }
+  [[nodiscard]] constexpr std::size_t size() const { return wavenumbers_.size(); }
 
  private:
-  std::vector<T> wavenumbers_;
+  Shapes wavenumbers_;  // only their numbers
 };
 
 /// The place of a contact that moves along a string, and the change of the mode shapes there over one sample. A force
 /// acts through the mean shapes. The displacement of the string at the contact changes by sum(after dq) +
 /// sum(change q) (docs/slide-string.md).
-template <std::floating_point T>
+template <std::floating_point T, std::size_t Modes = std::dynamic_extent>
 class MovingPlace {
  public:
+  using Shapes = ModeShapes<T, Modes>;
+
   /// longest_step_m: StringShapes::longest_step.
-  MovingPlace(const StringShapes<T>& shapes, T place_m, T longest_step_m)
+  constexpr MovingPlace(const StringShapes<T, Modes>& shapes, T place_m, T longest_step_m)
       : shapes_(shapes),
         range_{0, shapes.length()},
         max_step_(longest_step_m),
@@ -72,7 +79,7 @@ class MovingPlace {
 
   /// Sets the place without moving there: the shapes do not change over the sample. place_m: from 0 to the length of
   /// the string, clamped; the place stays if it is not a number.
-  void put(T place_m) {
+  constexpr void put(T place_m) {
     place_ = held(place_, place_m, range_);
     shapes_.at(place_, after_);
     compare_with(after_);
@@ -93,23 +100,23 @@ class MovingPlace {
     return true;
   }
 
-  [[nodiscard]] T place() const { return place_; }                       ///< [m]
-  [[nodiscard]] const ModeShapes<T>& after() const { return after_; }    ///< shapes at the end of the sample
-  [[nodiscard]] const ModeShapes<T>& mean() const { return mean_; }      ///< mean of the shapes before and after
-  [[nodiscard]] const ModeShapes<T>& change() const { return change_; }  ///< change of the shapes over the sample
+  [[nodiscard]] T place() const { return place_; }                ///< [m]
+  [[nodiscard]] const Shapes& after() const { return after_; }    ///< shapes at the end of the sample
+  [[nodiscard]] const Shapes& mean() const { return mean_; }      ///< mean of the shapes before and after
+  [[nodiscard]] const Shapes& change() const { return change_; }  ///< change of the shapes over the sample
 
  private:
-  void compare_with(const ModeShapes<T>& before) {
+  constexpr void compare_with(const Shapes& before) {
     for (std::size_t i = 0; i < shapes_.size(); ++i) {
       mean_[i] = (before[i] + after_[i]) / 2;
       change_[i] = after_[i] - before[i];
     }
   }
 
-  StringShapes<T> shapes_;
+  StringShapes<T, Modes> shapes_;
   ControlRange<T> range_;
   T max_step_;
-  ModeShapes<T> before_, after_, mean_, change_;
+  Shapes before_, after_, mean_, change_;
   T place_ = 0;
   bool is_moving_ = false;
 };

@@ -450,6 +450,33 @@ case_examples_plugins() {
   [ -s "$build/clap/contactspline_piano.clap" ] || fail "no plug-in"
 }
 
+# expect_object FILE CODE DATA SYMBOLS: an object for a microcontroller is at most that large, in bytes, and needs no other
+# symbols.
+expect_object() {
+  local symbols
+  symbols=$(arm-none-eabi-nm -u "$1" | awk -v known="^($4)\$" '$2 !~ known { print $2 }')
+  [ -z "$symbols" ] || fail "$1 also needs $symbols"
+  arm-none-eabi-size "$1" | awk -v code="$2" -v data="$3" '
+    NR == 2 { print $6 ": " $1 " bytes of code, " $2 + $3 " of data"; exit !($1 > 1000 && $1 <= code && $2 + $3 <= data) }' ||
+    fail "$1 is larger than docs/microcontrollers.md says"
+}
+
+# docs/microcontrollers.md, word for word, and the figures that it states.
+case_microcontroller() {
+  need arm-none-eabi-g++
+  need faust
+  cd "$WORK"
+  readme_block cpp docs/microcontrollers.md >model.cpp
+  ln -s "$SOURCE/runtime" "$SOURCE/faust" "$SOURCE/generated" .
+  mkdir build
+  ln -s "$BUILD" build/release
+  run bash -ec "$(readme_block sh docs/microcontrollers.md)"
+  expect_object model.o 12288 6144 'memcpy|memset'
+  for program in slide_string fret_string; do
+    expect_object $program.o 102400 2048 'calloc|free|sinf|cosf|expf|logf|max|min|memcpy|memset'
+  done
+}
+
 # The README's examples, word for word.
 case_readme() {
   install_at "$WORK/prefix"
