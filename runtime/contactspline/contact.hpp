@@ -70,7 +70,7 @@ template <typename Predicate>
     std::size_t held = 0;
     for (std::size_t i = 1; i <= 3; ++i) {
       const std::size_t probe = count + (i << shift);
-      held += (probe <= n) & holds(std::min(probe, n));
+      held += std::size_t((probe <= n) & holds(std::min(probe, n)));
     }
     count += held << shift;
   }

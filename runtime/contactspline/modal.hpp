@@ -204,8 +204,8 @@ class ModalBank {
 
   /// Shapes of a pickup for sound: each shape divided by what averaging takes away from its mode. A force that is
   /// constant over each sample excites a mode |1 - z|/|p dt| times as strongly as an impulse, and the contact force
-  /// is itself an average over the sample, which takes away the same factor again. Use these shapes for what is
-  /// heard. Do not use them for displacements that act back, nor for energies: the state has no such error to undo.
+  /// is itself an average over the sample, which takes away the same factor again. Use these shapes for sound.
+  /// Do not use them for displacements that act back, nor for energies: the state itself needs no correction.
   [[nodiscard]] constexpr Shapes sound_pickup(const Shapes& pickup) const {
     Shapes shapes(size());
     constexpr double kMin = 0.40528473456935109;  // (2/pi)^2, the factor at half the sample rate
@@ -266,7 +266,7 @@ class ModalBank {
     for (std::size_t i = 0; i < size(); ++i) {
       const detail::ModeConstants& mode = constants_[i];
       if (mode.admittance == 0) continue;
-      const double q = displacement_[i], weighted_step = free_increment_[i] + mode.stiffness / 2 * q;
+      const double q = double(displacement_[i]), weighted_step = double(free_increment_[i]) + mode.stiffness / 2 * q;
       energy += (weighted_step * weighted_step / mode.plus_square + mode.stiffness / 4 * q * q) / mode.admittance;
     }
     return energy;
@@ -277,8 +277,8 @@ class ModalBank {
     double energy = 0;
     for (std::size_t i = 0; i < size(); ++i) {
       if (constants_[i].admittance == 0) continue;
-      const double change = change_[i];
-      energy += (static_cast<double>(loss_[i]) / 2 + damping_) * change * change / constants_[i].admittance;
+      const double change = double(change_[i]);
+      energy += (double(loss_[i]) / 2 + double(damping_)) * change * change / constants_[i].admittance;
     }
     return energy;
   }
@@ -317,8 +317,8 @@ class ModalBank {
     const detail::ModeConstants& mode = constants_[i];
     constexpr double kMaxLoss = 0.19;  // 1 - 0.9^2
     if (mode.loss > kMaxLoss) return 0;
-    const double q = displacement_[i], one_minus_real = (mode.loss + mode.stiffness) / 2;  // 1 - Re z
-    return mode.velocity_gain * (free_increment_[i] + one_minus_real * q) - mode.decay_per_s * q;
+    const double q = double(displacement_[i]), one_minus_real = (mode.loss + mode.stiffness) / 2;  // 1 - Re z
+    return mode.velocity_gain * (double(free_increment_[i]) + one_minus_real * q) - mode.decay_per_s * q;
   }
 
   // A separate function, because compilers respect __restrict on parameters.

@@ -36,7 +36,7 @@ class StringShapes {
   [[nodiscard]] constexpr T longest_step(std::span<const Mode, Modes> modes, double sample_rate_hz) const {
     double step = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < size(); ++i) {
-      const double beta = wavenumbers_[i];
+      const double beta = double(wavenumbers_[i]);
       const double speed = modes[i].angular_frequency_rad_per_s / beta;
       step = std::min({step, std::numbers::pi / 4 / beta, speed / sample_rate_hz / 10});
     }

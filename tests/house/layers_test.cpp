@@ -129,9 +129,10 @@ TEST(Layers, LibrariesStayInTheirRooms) {
       {"sndfile", {"generator/cli/sound_file.cpp"}},
       {"portSMF/", {"generator/player/midi_reader.cpp"}}};
   for (const SourceFile& file : generator())
-    for (const auto& [library, files] : allowed)
-      if (file.text.find("#include <" + library) != std::string::npos)
-        EXPECT_TRUE(files.contains(file.path)) << file.path << " includes " << library;
+    for (const auto& [library, files] : allowed) {
+      const bool is_included = file.text.find("#include <" + library) != std::string::npos;
+      EXPECT_TRUE(!is_included || files.contains(file.path)) << file.path << " includes " << library;
+    }
 }
 
 TEST(Layers, RuntimeKnowsNothingOfTheGenerator) {

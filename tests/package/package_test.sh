@@ -206,6 +206,35 @@ case_cpp17() {
   done
 }
 
+# Every public and every emitted header alone, and every template of theirs, without a warning of either compiler.
+case_warnings() {
+  install_at "$WORK/prefix"
+  local include="$WORK/prefix/include" compiler header
+  local options=(-std=c++20 -fsyntax-only -Werror -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wsign-conversion
+    -Wdouble-promotion "-I$include")
+  local templates="$SOURCE/tests/package/every_template.cpp"
+  for compiler in g++ clang++; do
+    need "$compiler"
+    for header in "$include"/contactspline/*.hpp "$include"/contactspline/*/*.hpp; do
+      header="${header#"$include/"}"
+      case "$header" in
+        *-inl.hpp) continue ;;
+        */faust_dsp.hpp) printf '#include <faust/gui/%s.h>\n' UI meta >"$WORK/user.cpp" ;;  # as the header asks for
+        *) : >"$WORK/user.cpp" ;;
+      esac
+      echo "#include \"$header\"" >>"$WORK/user.cpp"
+      run "$compiler" "${options[@]}" "$WORK/user.cpp"
+    done
+    run "$compiler" "${options[@]}" "$templates"
+    run "$compiler" "${options[@]}" -DCONTACTSPLINE_SIMD "$templates"
+  done
+  # A class that the list of templates lacks.
+  for header in "$include"/contactspline/*.hpp; do
+    grep -qF "\"contactspline/${header##*/}\"" "$templates" || ! grep -q '^class' "$header" ||
+      grep -qE '^class (Threads|FlushDenormals)' "$header" || fail "${header##*/} is not in every_template.cpp"
+  done
+}
+
 # Compilers that are too old are refused in one line, the oldest that are tested are not.
 case_compilers() {
   local compiler
