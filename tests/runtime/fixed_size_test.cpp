@@ -88,9 +88,7 @@ Samples played_fret(Model& model) {
   const std::size_t before = allocations;
   model.place(0.3, 1e-4);
   for (std::size_t i = 0; i < kSamples; ++i) {
-    model.tick({.place_m = 0.3 + 1e-5 * static_cast<double>(i),
-                .gap_m = 1e-4,
-                .pluck_force_n = i < 100 ? 2.0 : 0.0});
+    model.tick({.place_m = 0.3 + 1e-5 * static_cast<double>(i), .gap_m = 1e-4, .pluck_force_n = i < 100 ? 2.0 : 0.0});
     forces[i] = model.force();
   }
   EXPECT_EQ(allocations, before);
@@ -106,7 +104,8 @@ void expect_same(const Samples& fixed, const Samples& heap) {
 }
 
 TEST(FixedSize, HammerStringPlaysAsTheOneOnTheHeap) {
-  HammerString<double> heap(kFelt, kPianoModes, ModeShapes<double>(std::span<const double>(Piano::strike_shapes)), kRate);
+  HammerString<double> heap(kFelt, kPianoModes, ModeShapes<double>(std::span<const double>(Piano::strike_shapes)),
+                            kRate);
   const Samples expected = played_hammer(heap, heap.string().sound_pickup(Piano::pickup_shapes),
                                          ModeShapes<double>(std::span<const double>(Piano::pickup_shapes)));
   const Samples played = played_hammer(hammer_string, hammer_string.string().sound_pickup(Piano::pickup_shapes),
