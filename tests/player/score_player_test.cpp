@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "generator/player/score_reader.hpp"
+#include "generator/support/embedded_files.hpp"
 #include "generator/support/error.hpp"
 #include "support/finite.hpp"
 
@@ -47,6 +48,19 @@ TEST(ScorePlayer, IsBoundedWhereTheStiffnessJumps) {
     EXPECT_LT(sound.largest_force_n, 1e4);
     std::cout << "largest force " << sound.largest_force_n << " N, without jumps " << still.largest_force_n << " N\n";
   }
+}
+
+// Until the light hand of 6.7 s the slides stay on their strings: each meets its string once. A hand
+// that is too light rattles thousands of times, which is heard as noise.
+TEST(ScorePlayer, TheSlideOfSlideGuitarRattlesOnlyUnderALightHand) {
+  const auto* file = find_embedded(Shipped::kScores, "slide_guitar.json");
+  ASSERT_NE(file, nullptr);
+  Score score = parse_score(file->content, file->name, shipped_file);
+  const std::size_t all = played(score, Precision::kDouble).contacts;
+  score.duration_s = 6.7;
+  const std::size_t pressed = played(score, Precision::kDouble).contacts;
+  EXPECT_EQ(pressed, 2u);
+  EXPECT_GT(all, 200u);
 }
 
 // The second voice has a mode whose mass is no number, and is struck at 0.1 s.
