@@ -27,6 +27,7 @@ do for [precision in 'double float'] {
 unset multiplot
 
 set output ARG2.'/speed_scaling.svg'
+set lmargin 10
 set multiplot layout 2,2
 set style data linespoints
 set xtics scale 0.5 font ',12'
@@ -36,6 +37,7 @@ set logscale x 2
 set format x '%.0f'
 set key top left maxrows 10 font ',11' width 0
 set yrange [2:4000]
+set xlabel 'modes'
 do for [precision in 'double float'] {
   set title 'modes, struck every 10 ms, '.precision
   plot ARG2.'/modes_'.precision.'.dat' using 1:2 title 'spline' lt 2, '' using 1:3 title 'EXP-3' lt 3, '' using 1:5 title 'Newton' lt 4, '' using 1:7 title 'string alone' lt 1, '' using 1:8 title 'roofline' lt -1 dt 2
@@ -46,10 +48,12 @@ unset logscale y
 set yrange [0:*]
 double(name) = ARG2.'/'.name.'_double.dat'
 float(name) = ARG2.'/'.name.'_float.dat'
+set xlabel 'segments'
 set title 'segments, permanent contact'
 plot double('segments') using 1:2 title 'MB1, double' lt 2, float('segments') using 1:2 title 'MB1, float' lt 2 dt 2, double('segments') using 1:3 title 'C4, double' lt 3, float('segments') using 1:3 title 'C4, float' lt 3 dt 2
 set xrange [1:1024]
 set offsets 0, 0, graph 0.5, 0
+set xlabel 'voices'
 set title 'voices, C4 struck every second, ns a sample and voice'
 plot double('voices') using 1:2 title 'spline, double' lt 2, float('voices') using 1:2 title 'spline, float' lt 2 dt 2, double('voices') using 1:3 title 'EXP-3, double' lt 3, float('voices') using 1:3 title 'EXP-3, float' lt 3 dt 2
 unset multiplot

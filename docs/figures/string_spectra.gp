@@ -10,6 +10,6 @@ set title 'C4 struck at 0.5 m/s, 44.1 kHz'
 plot ARG1 index 0 using ($1/1000):4 with linespoints lt 1 lw 5 pt 7 ps 0.3 title 'exact law, continuous time', '' index 0 using ($1/1000):2 with linespoints lt 3 pt 7 ps 0.3 title 'version 0.1.0: mass kept, 32 uniform segments', '' index 0 using ($1/1000):3 with linespoints lt 2 pt 7 ps 0.3 title 'now: exact compliance, 32 segments for the spectrum'
 set title 'struck at 4 m/s'
 set xlabel 'frequency [kHz]'
-set yrange [-90:20]
+set yrange [-130:20]
 plot ARG1 index 1 using ($1/1000):4 with linespoints lt 1 lw 5 pt 7 ps 0.3 notitle, '' index 1 using ($1/1000):2 with linespoints lt 3 pt 7 ps 0.3 notitle, '' index 1 using ($1/1000):3 with linespoints lt 2 pt 7 ps 0.3 notitle
 unset multiplot

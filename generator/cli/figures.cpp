@@ -14,11 +14,13 @@
 #include <cstring>
 #include <memory>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "generator/cli/file_ending.hpp"
 #include "generator/cli/files.hpp"
 #include "generator/player/spectrogram.hpp"
+#include "generator/spline/exponent_family.hpp"
 #include "generator/support/error.hpp"
 
 namespace contactspline {
@@ -48,15 +50,26 @@ set linetype 1 lc rgb '#b8b8b8' lw 6
 set linetype 2 lc rgb '#0072b2' lw 1.6
 set linetype 3 lc rgb '#d55e00' lw 1.6
 set linetype 4 lc rgb '#0072b2' pt 7 ps 0.35
-set linetype 5 lc rgb '#d55e00' pt 6 ps 0.5
+set linetype 5 lc rgb '#d55e00' pt 6 ps 0.8 lw 1.4
+set linetype 6 lc rgb '#e69f00' lw 0.6
 )";
 
-constexpr auto kCurvesScript = R"(
+// Layouts with the same left and right border for all panels of a column, whatever the width of their numbers.
+constexpr auto kFourPanels = "2,2 margins 0.115,0.985,0.085,0.93 spacing 0.125,0.14";
+constexpr auto kThreePanels = "3,1 margins 0.115,0.985,0.085,0.93 spacing 0,0.13";
+constexpr auto kThreePanelsWithKey = "3,1 margins 0.115,0.74,0.085,0.93 spacing 0,0.13";
+constexpr auto kOwnMargins = "3,1";
+
+constexpr auto kPotentialScript = R"(
 set xlabel 'compression [mm]'
 set ylabel 'contact potential [mJ]'
 plot $curve using 1:2 with lines lt 1 title law, '' using 1:3 with lines lt 2 title 'spline', $knots using 1:2 with points lt 4 title 'knots'
 set ylabel 'contact force [N]'
-plot $curve using 1:4 with lines lt 1 title law, '' using 1:5 with lines lt 2 title 'spline', $knots using 1:3 with points lt 4 title 'knots')";
+plot )";
+
+constexpr auto kForceCurves =
+    "$curve using 1:4 with lines lt 1 title law, '' using 1:5 with lines lt 2 title 'spline', $knots using 1:3 with "
+    "points lt 4 title 'knots'";
 
 constexpr auto kErrorsScript = R"(
 unset key
@@ -79,7 +92,7 @@ set ylabel 'contact duration error [%]'
 constexpr auto kMotionScript = R"(
 unset key
 set xlabel 'time [s]'
-set ylabel 'height above the barrier [mm]'
+set ylabel 'height [mm]'
 plot $height with lines lt 2
 set ylabel 'contact force [N]'
 plot $force with lines lt 3
@@ -261,6 +274,29 @@ std::string measured_data(const Material& material) {
   return data + "EOD\n";
 }
 
+// The forces of the members of a live exponent's family, within the range of the spline.
+std::string members_data(const Design& design) {
+  if (!design.material.live_exponent) return {};
+  constexpr int kPoints = 200;
+  const double range = design.material.spline.max_compression_m;
+  std::string data = "$members << EOD\n";
+  for (const auto& member :
+       exponent_family(design.material, static_cast<int>(design.spline.segments.size())).members) {
+    for (int i = 0; i <= kPoints; ++i) {
+      const double y = range * i / kPoints;
+      data += fmt::format("{:g} {:g}\n", 1e3 * y, force<double>(std::span(member), y));
+    }
+    data += "\n";  // ends the line
+  }
+  return data + "EOD\n";
+}
+
+std::string members_curves(const Material& material) {
+  if (!material.live_exponent) return {};
+  return fmt::format("$members using 1:2 with lines lt 6 title 'exponents {:g} to {:g}', ",
+                     material.live_exponent->min, material.live_exponent->max);
+}
+
 // The errors of one design in percent, over speed and over compression. Errors below 1e-9 % are rounding errors and
 // are drawn as 1e-9 %.
 std::string family_data(const Design& design, std::size_t number) {
@@ -324,9 +360,9 @@ std::string first_contact_data(const MassBarrierMotion& motion) {
   return data + "EOD\n";
 }
 
-std::string heading(int rows, int columns) {
-  return fmt::format("set multiplot layout {},{} title '{}' noenhanced font ',17' textcolor rgb '#222222'\n", rows,
-                     columns, kTitle);
+std::string heading(std::string_view layout) {
+  return fmt::format("set multiplot layout {} title '{}' noenhanced font ',17' textcolor rgb '#222222'\n", layout,
+                     kTitle);
 }
 
 // The sum of the channels.
@@ -411,8 +447,9 @@ std::string figure_of(const Design& design, FigureFormat format) {
                    : is_measured                                  ? "smoothed curve"
                                                                   : "sum of power laws";
   const auto samples = is_measured ? ", $measured using 1:2 with points lt 5 title 'measured'" : "";
-  return draw(potential_data(design) + measured_data(design.material) + heading(2, 2) +
-                  fmt::format("law = '{}'\n", law) + kCurvesScript + std::string(samples) + kErrorsScript,
+  return draw(potential_data(design) + measured_data(design.material) + members_data(design) + heading(kFourPanels) +
+                  fmt::format("law = '{}'\n", law) + kPotentialScript + members_curves(design.material) +
+                  kForceCurves + samples + kErrorsScript,
               fmt::format("{}: {} segments", title_of(design.material), design.spline.segments.size()), format);
 }
 
@@ -437,8 +474,8 @@ std::string figure_of(std::span<const Design> families, FigureFormat format) {
   const std::string speeds = logarithmic_tics(slowest, fastest);
   const std::string compressions = logarithmic_tics(1e3 * max_compression(material.contact, mass_kg, slowest),
                                                     1e3 * max_compression(material.contact, mass_kg, fastest));
-  return draw(script + heading(3, 1) + speeds + kFamiliesScript + duration +
-                  "\nset ylabel 'max compression error [%]'\n" + compression + "\n" + compressions +
+  return draw(script + heading(kThreePanelsWithKey) + speeds + kFamiliesScript + duration +
+                  "\nunset key\nset ylabel 'max compression error [%]'\n" + compression + "\n" + compressions +
                   "set xlabel 'compression [mm]'\nset ylabel 'force error [% of largest]'\n" + force +
                   "\nunset multiplot",
               fmt::format("{}: families of knots", title_of(material)), format);
@@ -449,7 +486,7 @@ std::string figure_of(const MassBarrierMotion& motion, const std::string& title,
   const auto label = touches ? "time from the first contact [ms]" : "time before the end [ms]: there was no contact";
   return draw(envelope_data(Trace<double>{"height", motion.displacement_m, -1e3}, motion.sample_rate_hz) +
                   envelope_data(Trace<double>{"force", motion.force_n, 1}, motion.sample_rate_hz) +
-                  first_contact_data(motion) + heading(3, 1) + fmt::format("contact_label = '{}'\n", label) +
+                  first_contact_data(motion) + heading(kThreePanels) + fmt::format("contact_label = '{}'\n", label) +
                   kMotionScript,
               title, format);
 }
@@ -462,7 +499,7 @@ std::string figure_of(const Performance& performance, const std::string& title, 
   const std::string frame = fmt::format("duration = {:g}\nlowest = {:g}\nhighest = {:g}\n", duration,
                                         spectrogram.lowest_hz, spectrogram.highest_hz);
   return draw(envelope_data(Trace<float>{"sound", sound, 1}, performance.sample_rate_hz) +
-                  force_data(performance, duration) + frame + heading(3, 1) +
+                  force_data(performance, duration) + frame + heading(kOwnMargins) +
                   fmt::format("sound_label = '{}'\nsound_tics = {:g}\nforce_tics = {:g}\n", signal,
                               tic_step(2 * peak_of(sound)), tic_step(performance.largest_force_n)) +
                   kPerformanceScript + spectrogram_plot(spectrogram, duration),

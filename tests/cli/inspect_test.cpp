@@ -112,6 +112,43 @@ TEST(InspectFigure, ShowsADescriptionAsItIs) {
   }
 }
 
+TEST(InspectFigure, AlignsItsPanels) {
+  const Sandbox box;
+  for (const std::string name : {"felt_c4", "felt_synthetic", "mb1"}) {
+    printed(box, {"inspect", name, "--figure", name + ".svg"});
+    EXPECT_EQ(columns_of(box / (name + ".svg")).size(), 2u) << name;
+  }
+  printed(box, {"inspect", "felt_c4", "--compare", "--figure", "families.svg"});
+  EXPECT_EQ(columns_of(box / "families.svg").size(), 1u);
+  printed(box, {"render", "mass-barrier", "--duration", "1", "-o", "bounce.wav"});
+  EXPECT_EQ(columns_of(box / "bounce.svg").size(), 1u);
+}
+
+// The members lie below the other curves, the measured samples above: the names stand in the order of drawing.
+TEST(InspectFigure, ShowsTheFamilyOfALiveExponentAndTheMeasuredSamples) {
+  const Sandbox box;
+  const auto names = [&](const std::string& material) {
+    const std::string file = material + ".svg";
+    printed(box, {"inspect", material, "--figure", file});
+    expect_drawn(box / file, 11);
+    return read_svg(box / file).text;
+  };
+  const std::string live = names("felt_live"), measured = names("felt_synthetic");
+  EXPECT_LT(live.rfind("exponents 1.2 to 3.2"), live.rfind("power law"));
+  ASSERT_NE(measured.rfind("measured"), std::string::npos);
+  EXPECT_GT(measured.rfind("measured"), measured.rfind("smoothed curve"));
+}
+
+TEST(InspectFigure, OfTheDocsCutsNoLabelOff) {
+  std::size_t figures = 0;
+  for (const auto& entry : fs::directory_iterator(fs::path(SOURCE_FOLDER) / "docs/figures")) {
+    if (entry.path().extension() != ".svg" || entry.path().stem().string().ends_with("_blocks")) continue;
+    expect_labels_whole(entry.path());
+    ++figures;
+  }
+  EXPECT_GE(figures, 4u);
+}
+
 TEST(InspectFigure, DoesNotDependOnTheUserOrTheLocale) {
   const Sandbox box;
   const std::string folder = "it's \"a\" folder";

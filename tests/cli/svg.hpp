@@ -8,8 +8,11 @@
 #include <algorithm>
 #include <cctype>
 #include <memory>
+#include <regex>
+#include <set>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sandbox.hpp"
@@ -55,17 +58,43 @@ inline Svg read_svg(const fs::path& path) {
   return svg;
 }
 
-/// A figure a browser can draw: well-formed, of so many curves, no larger than 2 MB, every coordinate a number.
+/// No upright label, which is turned by 90 degrees around its baseline, reaches beyond the left edge.
+inline void expect_labels_whole(const fs::path& path) {
+  constexpr double kAscent = 11;  // of a font of 14
+  static const std::regex upright(R"(translate\(([-\d.]+),[-\d.]+\) rotate\(270\))");
+  std::size_t labels = 0;
+  for (const std::string& numbers : read_svg(path).numbers)
+    if (std::smatch found; std::regex_match(numbers, found, upright)) {
+      EXPECT_GE(std::stod(found[1]), kAscent) << path;
+      ++labels;
+    }
+  EXPECT_GT(labels, 0u) << path;
+}
+
+/// A figure a browser can draw: well-formed, of so many curves, no larger than 2 MB, every coordinate a
+/// number, every label whole.
 inline void expect_drawn(const fs::path& path, std::size_t curves) {
   const Svg svg = read_svg(path);
   EXPECT_EQ(svg.curves, curves) << path;
   EXPECT_LT(svg.bytes, 2'000'000u) << path;
   EXPECT_FALSE(svg.numbers.empty());
+  expect_labels_whole(path);
   for (std::string numbers : svg.numbers) {
     std::ranges::transform(numbers, numbers.begin(), [](unsigned char c) { return std::tolower(c); });
     EXPECT_EQ(numbers.find("nan"), std::string::npos) << path << ": " << numbers;
     EXPECT_EQ(numbers.find("inf"), std::string::npos) << path << ": " << numbers;
   }
+}
+
+/// Left and right borders of the panels, without repetition: one pair for each column of aligned panels.
+inline std::set<std::pair<std::string, std::string>> columns_of(const fs::path& path) {
+  static const std::regex border(
+      R"(M([\d.]+),([\d.]+) L\1,[\d.]+ L([\d.]+),[\d.]+ M\3,\2 M\1,\2\s*)");  // left and bottom, as gnuplot draws
+                                                                              // them
+  std::set<std::pair<std::string, std::string>> columns;
+  for (const std::string& numbers : read_svg(path).numbers)
+    if (std::smatch found; std::regex_match(numbers, found, border)) columns.emplace(found[1], found[3]);
+  return columns;
 }
 
 }  // namespace contactspline::testing
