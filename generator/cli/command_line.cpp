@@ -196,10 +196,17 @@ void add_impact(CLI::App& app) {
       ->type_name("MIN MAX COUNT");
   command->add_flag("--csv", options->csv, "print all numbers as CSV; errors as fractions, not in %");
   command->add_flag("--json", options->json, "print all numbers as JSON; errors as fractions, not in %");
+  command
+      ->add_option("--figure", options->figure,
+                   "also draw the errors of one material over --speeds (.svg, .png, .pdf)")
+      ->check(file_name())
+      ->type_name("FILE");
+  add_force(*command, options->force);
   command->footer(
       "Examples:\n"
       "  contactspline impact mb1 felt_c4 --speed 2\n"
       "  contactspline impact felt_c4 --speeds 0.1 6 20 --rate 44100\n"
+      "  contactspline impact felt_c4 --speeds 0.1 6 200 --figure errors.svg\n"
       "Errors are relative to the exact motion under the contact law with the material's loss. Where the time step\n"
       "dominates, they fall by 4 with each doubling of the rate; with loss by 2. samples: duration of the exact\n"
       "contact in samples.");
@@ -272,6 +279,11 @@ void add_instrument(CLI::App& render, Instrument instrument, const char* help, c
   command->add_option("--precision", options->precision, "floating-point precision of the model")
       ->check(one_of({"single", "double"}))
       ->capture_default_str();
+  command
+      ->add_option("--stems", options->stems,
+                   "folder for one file per voice, in the format and with the gain of the sound")
+      ->check(not_empty("a folder"))
+      ->type_name("DIR");
   if (instrument == Instrument::kHammerString)
     command
         ->add_option("--channel", options->channels,

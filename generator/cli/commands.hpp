@@ -45,6 +45,8 @@ struct ImpactOptions {
   std::vector<double> speed_range;  ///< empty, or lowest and highest speed and their number
   std::vector<double> rates = {44100, 88200, 176400, 352800};
   bool csv = false, json = false;
+  std::string figure;  ///< file to draw, or empty
+  bool force = false;  ///< as in GenerateOptions
 };
 void compare_impacts(const ImpactOptions& options);
 
@@ -75,6 +77,7 @@ struct ScoreOptions {
   std::string score;
   std::string signal;  ///< one of signal_names(); empty: the one that sounds best
   std::string precision = "double";
+  std::string stems;          ///< folder for the sound of each voice, or empty
   std::vector<int> channels;  ///< of a MIDI file, 1 to 16; empty: all but the tenth
   RenderOutput output;
 };

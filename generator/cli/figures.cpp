@@ -131,7 +131,12 @@ set cbrange [-80:0]
 set palette defined (0 '#000004', 1 '#1b0c41', 2 '#4a0c6b', 3 '#781c6d', 4 '#a52c60', 5 '#cf4446', 6 '#ed6925', 7 '#fb9b06', 8 '#f7d13d', 9 '#fcffa4')
 )";
 
-constexpr std::array kFamilyColours = {"#999999", "#d55e00", "#0072b2", "#009e73"};
+constexpr std::array kFamilyColours = {"#999999", "#d55e00", "#0072b2", "#009e73", "#cc79a7"};
+
+// Errors below 1e-9 % are rounding errors and are drawn as 1e-9 %.
+double shown_percent(double error) {
+  return 100 * std::max(std::abs(error), 1e-11);
+}
 
 using File = std::unique_ptr<FILE, int (*)(FILE*)>;
 
@@ -297,8 +302,7 @@ std::string members_curves(const Material& material) {
                      material.live_exponent->min, material.live_exponent->max);
 }
 
-// The errors of one design in percent, over speed and over compression. Errors below 1e-9 % are rounding errors and
-// are drawn as 1e-9 %.
+// The errors of one design in percent, over speed and over compression.
 std::string family_data(const Design& design, std::size_t number) {
   constexpr int kSpeeds = 1500;
   const Material& material = design.material;
@@ -306,18 +310,17 @@ std::string family_data(const Design& design, std::size_t number) {
   const Impact& impact = *material.impact;
   const auto table = segment_table(spline);
   const double range = material.spline.max_compression_m, largest = material.contact.force(range);
-  const auto percent = [](double error) { return 100 * std::max(std::abs(error), 1e-11); };
   std::string data = fmt::format("$family{} << EOD\n", number);
   for (int i = 0; i <= kSpeeds; ++i) {
     const double t = static_cast<double>(i) / kSpeeds;
     const double speed = impact.min_speed_m_per_s * std::pow(impact.max_speed_m_per_s / impact.min_speed_m_per_s, t);
     const SplineImpact found = impact_on_spline(spline, impact.mass_kg, speed);
     const double y = max_compression(material.contact, impact.mass_kg, speed);
-    data +=
-        fmt::format("{:g} {:g} {:g} {:g} {:g}\n", speed,
-                    percent(found.contact_duration_s / contact_duration(material.contact, impact.mass_kg, speed) - 1),
-                    percent(found.max_compression_m / y - 1), 1e3 * y,
-                    percent((force<double>(std::span(table), y) - material.contact.force(y)) / largest));
+    data += fmt::format(
+        "{:g} {:g} {:g} {:g} {:g}\n", speed,
+        shown_percent(found.contact_duration_s / contact_duration(material.contact, impact.mass_kg, speed) - 1),
+        shown_percent(found.max_compression_m / y - 1), 1e3 * y,
+        shown_percent((force<double>(std::span(table), y) - material.contact.force(y)) / largest));
   }
   return data + "EOD\n";
 }
@@ -479,6 +482,31 @@ std::string figure_of(std::span<const Design> families, FigureFormat format) {
                   "set xlabel 'compression [mm]'\nset ylabel 'force error [% of largest]'\n" + force +
                   "\nunset multiplot",
               fmt::format("{}: families of knots", title_of(material)), format);
+}
+
+std::string figure_of(std::span<const double> speeds, std::span<const ImpactErrors> models, const std::string& title,
+                      FigureFormat format) {
+  std::string data, duration, compression, force;
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    const auto& [model, durations, compressions, forces] = models[i];
+    data += fmt::format("$model{} << EOD\n", i);
+    for (std::size_t s = 0; s < speeds.size(); ++s)
+      data += fmt::format("{:g} {:g} {:g} {:g}\n", speeds[s], shown_percent(durations[s]),
+                          shown_percent(compressions[s]), shown_percent(forces[s]));
+    data += "EOD\n";
+    const auto curve = [&](int column) {
+      return fmt::format("{}$model{} using 1:{} with lines lw {} lc rgb '{}' dt {} title '{}'",
+                         i == 0 ? "plot " : ", ", i, column, i == 0 ? 5 : 1.6,
+                         kFamilyColours[i % kFamilyColours.size()], 1 + i / kFamilyColours.size() % 4, model);
+    };
+    duration += curve(2);
+    compression += curve(3);
+    force += curve(4);
+  }
+  return draw(data + heading(kThreePanelsWithKey) + logarithmic_tics(speeds.front(), speeds.back()) +
+                  kFamiliesScript + duration + "\nunset key\nset ylabel 'max compression error [%]'\n" + compression +
+                  "\nset ylabel 'max force error [%]'\n" + force + "\nunset multiplot",
+              title, format);
 }
 
 std::string figure_of(const MassBarrierMotion& motion, const std::string& title, FigureFormat format) {

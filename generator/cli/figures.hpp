@@ -5,6 +5,7 @@
 
 #include <span>
 #include <string>
+#include <vector>
 
 #include "generator/player/mass_barrier_player.hpp"
 #include "generator/player/score_player.hpp"
@@ -25,6 +26,16 @@ enum class FigureFormat { kSvg, kPng, kPdf };
 /// Errors of contact duration, max compression and force of several designs of one material, which must have an
 /// impact.
 [[nodiscard]] std::string figure_of(std::span<const Design> families, FigureFormat format);
+
+/// Errors of one model of an impact, as fractions, one for each speed.
+struct ImpactErrors {
+  std::string model;
+  std::vector<double> contact_duration = {}, max_compression = {}, max_force = {};
+};
+
+/// Magnitudes of the errors of several models over the impact speed [m/s].
+[[nodiscard]] std::string figure_of(std::span<const double> speeds, std::span<const ImpactErrors> models,
+                                    const std::string& title, FigureFormat format);
 
 /// Height and contact force of a simulated motion over time, and the force of the first contact sample by sample.
 [[nodiscard]] std::string figure_of(const MassBarrierMotion& motion, const std::string& title, FigureFormat format);

@@ -4,10 +4,12 @@
 #include <fmt/ranges.h>
 
 #include <cmath>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "generator/cli/commands.hpp"
+#include "generator/cli/figures.hpp"
 #include "generator/cli/files.hpp"
 #include "generator/cli/inputs.hpp"
 #include "generator/spline/simulated_impact.hpp"
@@ -46,6 +48,7 @@ struct Comparison {
 
 constexpr auto kDuration = &BarrierImpact::contact_duration_s;
 constexpr auto kCompression = &BarrierImpact::max_compression_m;
+constexpr auto kForce = &BarrierImpact::max_force_n;
 constexpr auto kExitSpeed = &BarrierImpact::exit_speed_m_per_s;
 
 const Impact& impact_of(const Material& material, const std::string& argument) {
@@ -57,20 +60,23 @@ const Impact& impact_of(const Material& material, const std::string& argument) {
 BarrierImpact exact_impact(const Material& material, double mass_kg, double speed) {
   const ContactLaw& contact = material.contact;
   if (material.loss_s_per_m > 0) return barrier_impact(law_view(contact), mass_kg, speed, material.loss_s_per_m);
-  return {max_compression(contact, mass_kg, speed), contact_duration(contact, mass_kg, speed), speed};
+  const double compression = max_compression(contact, mass_kg, speed);
+  return {compression, contact_duration(contact, mass_kg, speed), speed, contact.force(compression)};
 }
 
 BarrierImpact spline_impact(const Design& design, double mass_kg, double speed) {
   if (design.material.loss_s_per_m > 0)
     return barrier_impact(law_view(design.spline), mass_kg, speed, design.material.loss_s_per_m);
   const SplineImpact impact = impact_on_spline(design.spline, mass_kg, speed);
-  return {impact.max_compression_m, impact.contact_duration_s, speed};
+  const auto table = segment_table(design.spline);
+  return {impact.max_compression_m, impact.contact_duration_s, speed,
+          force<double>(std::span(table), impact.max_compression_m)};
 }
 
 BarrierImpact simulated_impact(const Design& design, double mass_kg, double speed, double rate_hz) {
   const SimulatedImpact found =
       simulate_impact(segment_table(design.spline), mass_kg, speed, rate_hz, 0.5, design.material.loss_s_per_m);
-  return {found.max_compression_m, found.contact_duration_s, found.exit_speed_m_per_s};
+  return {found.max_compression_m, found.contact_duration_s, found.exit_speed_m_per_s, found.max_force_n};
 }
 
 // The simulation takes one step per sample, and a heavy mass on a soft spring stays in contact for a long time.
@@ -159,23 +165,26 @@ std::string csv_of(const std::vector<Comparison>& comparisons) {
   std::string csv =
       "material,mass_kg,loss_s_per_m,speed_m_per_s,in_range,model,sample_rate_hz,contact_duration_s,max_compression_"
       "m,"
-      "exit_speed_m_per_s,contact_duration_error,max_compression_error,exit_speed_error,samples\n";
+      "exit_speed_m_per_s,max_force_n,contact_duration_error,max_compression_error,exit_speed_error,"
+      "max_force_error,samples\n";
   for (const Comparison& c : comparisons)
     for (const Motion& m : c.motions)
-      csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", c.material().name, c.mass_kg,
+      csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", c.material().name, c.mass_kg,
                          c.material().loss_s_per_m, c.speed, c.is_in_range() ? 1 : 0, m.model, m.sample_rate_hz,
                          m.impact.contact_duration_s, m.impact.max_compression_m, m.impact.exit_speed_m_per_s,
-                         c.error(m, kDuration), c.error(m, kCompression), c.error(m, kExitSpeed), c.samples(m));
+                         m.impact.max_force_n, c.error(m, kDuration), c.error(m, kCompression),
+                         c.error(m, kExitSpeed), c.error(m, kForce), c.samples(m));
   return csv;
 }
 
 std::string json_of(const Comparison& c, const Motion& m) {
   return fmt::format(
       "      {{\"model\": \"{}\", \"sample_rate_hz\": {}, \"contact_duration_s\": {}, \"max_compression_m\": {}, "
-      "\"exit_speed_m_per_s\": {},\n       \"contact_duration_error\": {}, \"max_compression_error\": {}, "
-      "\"exit_speed_error\": {}, \"samples\": {}}}",
+      "\"exit_speed_m_per_s\": {}, \"max_force_n\": {},\n       \"contact_duration_error\": {}, "
+      "\"max_compression_error\": {}, \"exit_speed_error\": {}, \"max_force_error\": {}, \"samples\": {}}}",
       m.model, m.sample_rate_hz, m.impact.contact_duration_s, m.impact.max_compression_m, m.impact.exit_speed_m_per_s,
-      c.error(m, kDuration), c.error(m, kCompression), c.error(m, kExitSpeed), c.samples(m));
+      m.impact.max_force_n, c.error(m, kDuration), c.error(m, kCompression), c.error(m, kExitSpeed),
+      c.error(m, kForce), c.samples(m));
 }
 
 std::string json_of(const std::vector<Comparison>& comparisons) {
@@ -192,6 +201,27 @@ std::string json_of(const std::vector<Comparison>& comparisons) {
   return fmt::format("[\n{}\n]\n", fmt::join(objects, ",\n"));
 }
 
+std::string figure_bytes(const std::vector<Comparison>& comparisons, FigureFormat format) {
+  const Comparison& first = comparisons.front();
+  std::vector<double> speeds;
+  for (const Comparison& c : comparisons) speeds.push_back(c.speed);
+  std::vector<ImpactErrors> models;
+  for (std::size_t i = 1; i < first.motions.size(); ++i) {
+    const Motion& motion = first.motions[i];
+    ImpactErrors& errors = models.emplace_back();
+    errors.model = motion.sample_rate_hz > 0
+                       ? fmt::format("{} kHz", motion.sample_rate_hz / 1000)
+                       : fmt::format("spline, {} segments", first.design->spline.segments.size());
+    for (const Comparison& c : comparisons) {
+      errors.contact_duration.push_back(c.error(c.motions[i], kDuration));
+      errors.max_compression.push_back(c.error(c.motions[i], kCompression));
+      errors.max_force.push_back(c.error(c.motions[i], kForce));
+    }
+  }
+  return figure_of(speeds, models, fmt::format("{}: impacts of {:g} kg", title_of(first.material()), first.mass_kg),
+                   format);
+}
+
 // Speeds at equal ratios.
 std::vector<double> speeds_between(const std::vector<double>& range) {
   const auto count = static_cast<std::size_t>(range[2]);
@@ -205,6 +235,11 @@ std::vector<double> speeds_between(const std::vector<double>& range) {
 
 void require_consistent(const ImpactOptions& options) {
   if (options.csv && options.json) throw BadInput("--csv: cannot be combined with --json; allowed: one of the two");
+  if (!options.figure.empty()) {
+    if (options.speed_range.empty()) throw BadInput("--figure: draws errors over speed; allowed: with --speeds");
+    if (options.materials.size() > 1) throw BadInput("--figure: draws one material; allowed: one MATERIAL");
+    (void)figure_format(options.figure);
+  }
   if (options.speed_range.empty()) return;
   if (!options.speeds.empty()) throw BadInput("--speeds: cannot be combined with --speed; allowed: one of the two");
   const auto& range = options.speed_range;
@@ -237,6 +272,11 @@ void compare_impacts(const ImpactOptions& options) {
       text += table_of(comparisons);
     else
       for (const Comparison& comparison : comparisons) text += text_of(comparison);
+    if (!options.figure.empty()) {
+      require_writable({{options.figure}}, input_files(argument, design.material), options.force);
+      write_files({{OutputFile{options.figure, figure_bytes(comparisons, figure_format(options.figure))}}});
+      text += fmt::format("\nfigure: {}\n", options.figure);
+    }
     all.insert(all.end(), comparisons.begin(), comparisons.end());
   }
   write_stdout(options.json ? json_of(all) : options.csv ? csv_of(all) : text);

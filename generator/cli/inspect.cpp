@@ -128,14 +128,14 @@ Design with_knots(Material material, const Family& family, double tolerance) {
   return design_material(std::move(material), name);
 }
 
-// The number of segments that a family needs for a tolerance of the contact duration, or a dash if the design refuses
+// The number of segments that a family needs for a tolerance of the contact duration. Nothing if the design refuses
 // it or the family has another tolerance.
-std::string segments_for(const Material& material, const Family& family, double tolerance) {
-  if (family.minimise != ErrorOf::contact_duration) return "-";
+std::optional<std::size_t> segments_for(const Material& material, const Family& family, double tolerance) {
+  if (family.minimise != ErrorOf::contact_duration) return std::nullopt;
   try {
-    return fmt::format("{}", with_knots(material, family, tolerance).spline.segments.size());
+    return with_knots(material, family, tolerance).spline.segments.size();
   } catch (const BadInput&) {
-    return "-";
+    return std::nullopt;
   }
 }
 
@@ -157,24 +157,30 @@ void compare(const InspectOptions& options) {
       material.name, material.impact->mass_kg, material.impact->min_speed_m_per_s, material.impact->max_speed_m_per_s,
       "knots", "segments", "contact duration", "max compression", "force", "spectrum", "its mean", "segments for 1 %",
       "0.1 %");
+  std::vector<ComparedFamily> rows;
+  const auto or_dash = [](std::optional<std::size_t> segments) {
+    return segments ? fmt::format("{}", *segments) : "-";
+  };
   for (const Family& family : kFamilies) {
     // nothing to design for where the spectra cannot be compared
     if (family.minimise == ErrorOf::spectrum && !families.front().spectrum) continue;
     const Design& made = families.emplace_back(with_knots(material, family, 0));
     const Quality& q = made.quality;
-    table +=
-        fmt::format("{:<9} {:>8} {:>15.4g} % {:>15.4g} % {:>10.4g} % {:>12} {:>12} {:>18} {:>8}\n", family.name,
-                    made.spline.segments.size(), 100 * q.impact->contact_duration, 100 * q.impact->max_compression,
-                    100 * q.force.worst, decibels(made.spectrum, &SpectrumError::worst_db),
-                    decibels(made.spectrum, &SpectrumError::mean_db), segments_for(material, family, 0.01),
-                    segments_for(material, family, 0.001));
+    const auto& row = rows.emplace_back(ComparedFamily{family.name, made.spline.segments.size(), q, made.spectrum,
+                                                       segments_for(material, family, 0.01),
+                                                       segments_for(material, family, 0.001)});
+    table += fmt::format("{:<9} {:>8} {:>15.4g} % {:>15.4g} % {:>10.4g} % {:>12} {:>12} {:>18} {:>8}\n",
+                         family.name, made.spline.segments.size(), 100 * q.impact->contact_duration,
+                         100 * q.impact->max_compression, 100 * q.force.worst, decibels(made.spectrum, &SpectrumError::worst_db),
+                         decibels(made.spectrum, &SpectrumError::mean_db), or_dash(row.segments_for_1_percent),
+                         or_dash(row.segments_for_01_percent));
   }
   if (!options.figure.empty()) {
     require_writable({{options.figure}}, input_files(options.material, material), options.force);
     write_files({{OutputFile{options.figure, figure_of(families, figure_format(options.figure))}}});
     table += fmt::format("\nfigure: {}\n", options.figure);
   }
-  write_stdout(table);
+  write_stdout(options.json ? json_of(material, rows) : table);
 }
 
 double frequency_hz(const ResonatorMode& mode) {
@@ -208,8 +214,6 @@ void inspect(const InspectOptions& options) {
   if (const auto resonator = resonator_argument(options.material)) return inspect_resonator(*resonator, options);
   if (options.sample_rate_hz)
     refuse(options.material, "--rate", "cannot be used with a material", "with a resonator");
-  if (options.compare && options.json)
-    throw BadInput("--json: cannot be combined with --compare; allowed: one of the two");
   if (options.compare) return compare(options);
   const Design design = design_argument(options.material);
   if (!options.figure.empty()) {

@@ -44,6 +44,22 @@ std::string json_of(const Design& design) {
       errors_of(quality, spectrum), fmt::join(segments, ",\n"));
 }
 
+std::string json_of(const Material& material, std::span<const ComparedFamily> families) {
+  const auto or_null = [](std::optional<std::size_t> number) { return number ? fmt::format("{}", *number) : "null"; };
+  std::vector<std::string> rows;
+  for (const ComparedFamily& family : families)
+    rows.push_back(
+        fmt::format("    {{\"knots\": \"{}\", \"segments\": {}, \"errors\": {},\n     \"segments_for_0.01\": {}, "
+                    "\"segments_for_0.001\": {}}}",
+                    family.name, family.segments, errors_of(family.quality, family.spectrum),
+                    or_null(family.segments_for_1_percent), or_null(family.segments_for_01_percent)));
+  const auto& [mass_kg, fastest, slowest] = *material.impact;
+  return fmt::format(
+      "{{\n  \"name\": \"{}\",\n  \"mass_kg\": {},\n  \"min_speed_m_per_s\": {},\n  \"max_speed_m_per_s\": {},\n"
+      "  \"families\": [\n{}\n  ]\n}}\n",
+      material.name, mass_kg, slowest, fastest, fmt::join(rows, ",\n"));
+}
+
 std::string json_of(const Resonator& resonator, double sample_rate_hz) {
   const ModeSet set = modes_of(resonator, sample_rate_hz / 2);
   std::vector<std::string> modes;

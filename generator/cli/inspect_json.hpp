@@ -2,7 +2,10 @@
 // What `inspect` prints, as JSON: SI units, all digits, errors as fractions.
 #pragma once
 
+#include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 
 #include "generator/resonator/resonator.hpp"
 #include "generator/spline/design.hpp"
@@ -11,6 +14,19 @@ namespace contactspline {
 
 /// Coefficients and errors of a spline.
 [[nodiscard]] std::string json_of(const Design& design);
+
+/// A family of knots in a comparison: its errors with the material's number of segments, and how many segments it
+/// needs for an error of the contact duration of 1 % and of 0.1 %, if any number reaches it.
+struct ComparedFamily {
+  std::string_view name;
+  std::size_t segments;
+  Quality quality;
+  std::optional<SpectrumError> spectrum;
+  std::optional<std::size_t> segments_for_1_percent, segments_for_01_percent;
+};
+
+/// A comparison of families of knots for a material, which must have an impact.
+[[nodiscard]] std::string json_of(const Material& material, std::span<const ComparedFamily> families);
 
 /// The modes of a resonator that a simulation at this rate keeps.
 [[nodiscard]] std::string json_of(const Resonator& resonator, double sample_rate_hz);

@@ -37,6 +37,17 @@ void fade(std::span<T> interleaved, std::size_t channels, double sample_rate_hz)
 }
 
 template <typename T>
+void report(const std::string& file, std::span<const T> samples, double scale) {
+  const auto clips = [=](T sample) { return scale * std::abs(static_cast<double>(sample)) > 1; };
+  if (const auto clipped = std::ranges::count_if(samples, clips); clipped > 0)
+    std::fputs(fmt::format("contactspline: {}: --gain: {} samples exceed full scale and are clipped; a lower gain "
+                           "keeps them\n",
+                           file, clipped)
+                   .c_str(),
+               stderr);
+}
+
+template <typename T>
 double scale(const RenderOutput& output, std::span<const T> samples) {
   if (!output.gain_db) {
     double peak = 0;
@@ -44,13 +55,7 @@ double scale(const RenderOutput& output, std::span<const T> samples) {
     return peak > 0 ? kPeak / peak : 1;
   }
   const double scale = std::pow(10, *output.gain_db / 20);
-  const auto clips = [=](T sample) { return scale * std::abs(static_cast<double>(sample)) > 1; };
-  if (const auto clipped = std::ranges::count_if(samples, clips); clipped > 0)
-    std::fputs(fmt::format("contactspline: {}: --gain: {} samples exceed full scale and are clipped; a lower gain "
-                           "keeps them\n",
-                           output.sound, clipped)
-                   .c_str(),
-               stderr);
+  report(output.sound, samples, scale);
   return scale;
 }
 
@@ -72,6 +77,10 @@ double scale_of(const RenderOutput& output, std::span<const double> samples) {
   return scale(output, samples);
 }
 
+void report_clipping(const std::string& file, std::span<const float> samples, double scale) {
+  report(file, samples, scale);
+}
+
 void require_short(const std::string& key, double duration_s, int sample_rate_hz) {
   constexpr double kMaxSamples = 3600.0 * 44100;
   const double samples = duration_s * sample_rate_hz;
@@ -80,7 +89,8 @@ void require_short(const std::string& key, double duration_s, int sample_rate_hz
                                duration_s, sample_rate_hz, samples, kMaxSamples / sample_rate_hz));
 }
 
-void require_outputs(const RenderOutput& output, int channels, const std::vector<std::filesystem::path>& inputs) {
+void require_outputs(const RenderOutput& output, int channels, const std::vector<std::filesystem::path>& inputs,
+                     const std::vector<std::filesystem::path>& stems) {
   require_sound_format(output.sound, channels, output.sample_rate_hz);
   std::vector<std::filesystem::path> outputs{output.sound};
   if (output.no_figure && !output.figure.empty())
@@ -89,6 +99,7 @@ void require_outputs(const RenderOutput& output, int channels, const std::vector
     (void)figure_format(figure_file(output));
     outputs.emplace_back(figure_file(output));
   }
+  outputs.insert(outputs.end(), stems.begin(), stems.end());
   require_writable(outputs, inputs, output.force);
   if (!output.figure.empty() && !has_gnuplot())
     throw BadInput("--figure: gnuplot is not installed; install the package gnuplot-nox, or use --no-figure");

@@ -34,13 +34,17 @@ void fade_end(std::span<double> samples, double sample_rate_hz);
 [[nodiscard]] double scale_of(const RenderOutput& output, std::span<const float> samples);
 [[nodiscard]] double scale_of(const RenderOutput& output, std::span<const double> samples);
 
+/// If samples exceed full scale after scaling, a line on standard error counts them.
+void report_clipping(const std::string& file, std::span<const float> samples, double scale);
+
 /// Throws BadInput, with `key` at the beginning of its message, if the sound has more samples than one hour at 44.1
 /// kHz. The whole sound is held in memory.
 void require_short(const std::string& key, double duration_s, int sample_rate_hz);
 
-/// Throws BadInput if the sound, with these channels, or the figure cannot be written: formats, files that would be
-/// replaced, a figure that is asked for without gnuplot. To be called before anything is computed.
-void require_outputs(const RenderOutput& output, int channels, const std::vector<std::filesystem::path>& inputs);
+/// Throws BadInput if the sound, with these channels, the figure or the stems cannot be written: formats, files that
+/// would be replaced, a figure that is asked for without gnuplot. To be called before anything is computed.
+void require_outputs(const RenderOutput& output, int channels, const std::vector<std::filesystem::path>& inputs,
+                     const std::vector<std::filesystem::path>& stems = {});
 
 /// Draws the figure of a render in a format.
 using DrawFigure = std::function<std::string(FigureFormat)>;

@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "generator/cli/commands.hpp"
 #include "generator/cli/figures.hpp"
+#include "generator/cli/file_ending.hpp"
 #include "generator/cli/files.hpp"
 #include "generator/cli/inputs.hpp"
 #include "generator/cli/render_output.hpp"
@@ -32,6 +34,36 @@ PlayOptions play_options(const ScoreOptions& options, const Score& score) {
           options.precision == "single" ? Precision::kSingle : Precision::kDouble};
 }
 
+// A file in the folder of the stems for each voice, in the format of the sound.
+std::vector<std::filesystem::path> stem_files(const ScoreOptions& options, const Score& score) {
+  std::vector<std::filesystem::path> files;
+  if (options.stems.empty()) return files;
+  for (const Voice& voice : score.voices) {
+    const auto is_refused = [](unsigned char c) { return c == '/' || c < 0x20 || c == 0x7f; };
+    if (std::ranges::any_of(voice.name, is_refused))
+      refuse(options.score, "--stems", fmt::format("the name of voice '{}' cannot name a file", shown(voice.name)),
+             "names without / and control characters");
+    files.push_back(std::filesystem::path(options.stems) / (voice.name + file_ending(options.output.sound)));
+  }
+  return files;
+}
+
+// Each voice is played again: the stems of a long score need not fit into memory together.
+std::string write_stems(const std::vector<std::filesystem::path>& files, const ScoreOptions& options,
+                        const Score& score, PlayOptions how, double scale) {
+  if (files.empty()) return {};
+  for (std::size_t voice = 0; voice < files.size(); ++voice) {
+    how.only_voice = voice;
+    Performance stem = play(score, how, show_progress);
+    fade_end(stem.samples, stem.channels, stem.sample_rate_hz);
+    const std::string file = files[voice].string();
+    report_clipping(file, stem.samples, scale);
+    write_files(
+        {{OutputFile{file, sound_bytes(file, stem.samples, scale, stem.channels, options.output.sample_rate_hz)}}});
+  }
+  return fmt::format("stems:  {} in {}\n", files.size(), options.stems);
+}
+
 }  // namespace
 
 // In the order of Signal.
@@ -47,7 +79,8 @@ void render_score(Instrument instrument, const ScoreOptions& options) {
     throw BadInput(fmt::format("{}: instrument: it is for {}; allowed: {}", options.score, name_of(score.instrument),
                                name_of(instrument)));
   require_short(options.score + ": duration_s", score.duration_s, options.output.sample_rate_hz);
-  require_outputs(options.output, channels_of(score), source.files);
+  const auto stems = stem_files(options, score);
+  require_outputs(options.output, channels_of(score), source.files, stems);
   if (!score.left_out.empty()) std::fputs(fmt::format("contactspline: {}\n", score.left_out).c_str(), stderr);
   const PlayOptions how = play_options(options, score);
   Performance performance = play(score, how, show_progress);
@@ -64,9 +97,9 @@ void render_score(Instrument instrument, const ScoreOptions& options) {
         return figure_of(performance, title, fmt::format("{} [{}]", kTraces[signal], kUnits[signal]), format);
       });
   write_stdout(fmt::format(
-      "{} contacts in {:.4g} s, largest contact force {:.4g} N\nfull scale of the sound: {:.4g} {} ({})\n{}",
+      "{} contacts in {:.4g} s, largest contact force {:.4g} N\nfull scale of the sound: {:.4g} {} ({})\n{}{}",
       performance.contacts, score.duration_s, performance.largest_force_n, 1 / scale, kUnits[signal], kTraces[signal],
-      written));
+      written, write_stems(stems, options, score, how, scale)));
 }
 
 }  // namespace contactspline

@@ -5,6 +5,7 @@
 #include <boost/math/quadrature/tanh_sinh.hpp>
 #include <boost/math/special_functions/lambert_w.hpp>
 #include <boost/math/special_functions/log1p.hpp>
+#include <boost/math/tools/minima.hpp>
 #include <boost/math/tools/roots.hpp>
 #include <cmath>
 #include <cstdint>
@@ -80,6 +81,28 @@ double duration(const LawView& law, double ym, double mass_kg, double loss) {
   return sum + rule.integrate(time_per_x, from, 1.0, 1e-11);
 }
 
+// The largest of F(y) (1 + loss v) on the way in: the best of a grid, refined between its neighbours. In x with
+// y = ym (1 - x^2) the speed is smooth up to the turning point.
+double max_force(const LawView& law, double ym, double mass_kg, double loss) {
+  if (loss == 0) return law.force(ym);
+  constexpr int kGrid = 64;
+  constexpr int kHalfOfTheBits = 26;  // more would be lost in rounding at a minimum
+  const double total = law.energy(ym);
+  const auto negative_force = [&](double x) {
+    const Speeds speed(remaining_energy(law, ym, total, ym * x * x), mass_kg, loss);
+    return -law.force(ym * (1 - x * x)) * (1 + loss * speed.in);
+  };
+  double best = 0, min = -law.force(ym);
+  for (int i = 1; i < kGrid; ++i)
+    if (const double x = static_cast<double>(i) / kGrid, value = negative_force(x); value < min) {
+      min = value;
+      best = x;
+    }
+  const auto found =
+      tools::brent_find_minima(negative_force, std::max(best - 1.0 / kGrid, 0.0), best + 1.0 / kGrid, kHalfOfTheBits);
+  return std::max(-found.second, -min);
+}
+
 }  // namespace
 
 LawView law_view(const ContactLaw& law) {
@@ -113,7 +136,8 @@ BarrierImpact barrier_impact(const LawView& law, double mass_kg, double speed_m_
   const double kinetic = mass_kg * speed_m_per_s * speed_m_per_s / 2;
   const double stored = d == 0 ? kinetic : kinetic * scaled_energy(d) / (d * d / 2);
   const double ym = compression_at_energy(law, stored);
-  return {ym, duration(law, ym, mass_kg, loss_s_per_m), Speeds(stored, mass_kg, loss_s_per_m).out};
+  return {ym, duration(law, ym, mass_kg, loss_s_per_m), Speeds(stored, mass_kg, loss_s_per_m).out,
+          max_force(law, ym, mass_kg, loss_s_per_m)};
 }
 
 }  // namespace contactspline

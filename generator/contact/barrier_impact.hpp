@@ -23,6 +23,7 @@ struct BarrierImpact {
   double max_compression_m;
   double contact_duration_s;
   double exit_speed_m_per_s;
+  double max_force_n;  ///< with loss, its damping part included: the largest force comes before the turning point
 };
 
 /// Compression [m] at which V equals `energy_j` (> 0) [J], to double precision.

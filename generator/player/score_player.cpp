@@ -480,6 +480,7 @@ Performance play(const Score& score, const PlayOptions& options, const Progress&
   Recorder recorder(score, options);
   const double total = static_cast<double>(recorder.samples() * score.voices.size());
   for (std::size_t v = 0; v < score.voices.size(); ++v) {
+    if (options.only_voice.value_or(v) != v) continue;
     const auto done = [&](std::size_t sample) {
       progress(static_cast<double>(v * recorder.samples() + sample) / total);
     };

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "generator/player/mass_barrier_player.hpp"
@@ -19,7 +20,8 @@ enum class Precision { kSingle, kDouble };
 struct PlayOptions {
   double sample_rate_hz;  ///< > 0
   Signal signal = Signal::kVelocity;
-  Precision precision = Precision::kDouble;  ///< of the models; the sum of the voices is kept in single precision
+  Precision precision = Precision::kDouble;    ///< of the models; the sum of the voices is kept in single precision
+  std::optional<std::size_t> only_voice = {};  ///< plays this one alone, with the channels of the whole score
 };
 
 struct Performance {
@@ -37,9 +39,9 @@ struct Performance {
 /// 2 if a voice is panned, else 1.
 [[nodiscard]] int channels_of(const Score& score);
 
-/// Plays every voice of a score: the modes below half the sample rate, each contact with its own controls. The sound
-/// is the sum of the voices. `progress` hears of it a hundred times or so. Throws BadInput where a voice has no mode
-/// below half the rate, no bridge where that is to be heard, or a sound that is not finite.
+/// Plays every voice of a score, or only one: the modes below half the sample rate, each contact with its own
+/// controls. The sound is the sum of the voices. `progress` hears of it a hundred times or so. Throws BadInput where
+/// a voice has no mode below half the rate, no bridge where that is to be heard, or a sound that is not finite.
 [[nodiscard]] Performance play(const Score& score, const PlayOptions& options, const Progress& progress);
 
 }  // namespace contactspline

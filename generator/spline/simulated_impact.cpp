@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "generator/spline/simulated_impact.hpp"
 
+#include <algorithm>
+
 #include "contactspline/mass_barrier.hpp"
 
 namespace contactspline {
@@ -12,6 +14,25 @@ double turning_distance(double velocity, double next_velocity, double time_step)
   return velocity * velocity * time_step / (2 * (velocity - next_velocity));
 }
 
+/// The largest value of a signal between samples: of the parabola through its largest sample and the neighbours.
+class PeakFollower {
+ public:
+  void add(double value) {
+    if (middle_ >= left_ && middle_ >= value) peak_ = std::max(peak_, parabola_peak(left_, middle_, value));
+    left_ = middle_;
+    middle_ = value;
+  }
+  [[nodiscard]] double peak() const { return std::max(peak_, middle_); }
+
+ private:
+  static double parabola_peak(double left, double middle, double right) {
+    const double curvature = 2 * middle - left - right;
+    return curvature > 0 ? middle + (right - left) * (right - left) / (8 * curvature) : middle;
+  }
+
+  double left_ = 0, middle_ = 0, peak_ = 0;
+};
+
 }  // namespace
 
 SimulatedImpact simulate_impact(std::span<const Segment<double>> table, double mass_kg, double speed_m_per_s,
@@ -21,17 +42,19 @@ SimulatedImpact simulate_impact(std::span<const Segment<double>> table, double m
   model.throw_from(-phase * speed_m_per_s / sample_rate_hz, speed_m_per_s);
   double samples = 0;
   double max_compression = 0;
+  PeakFollower force;
   do {
     const double displacement = model.displacement();
     const double velocity = model.velocity();
     model.tick(controls);
+    force.add(model.force());
     if (velocity > 0 && model.velocity() <= 0)
       max_compression = displacement + turning_distance(velocity, model.velocity(), 1 / sample_rate_hz);
     ++samples;
   } while (model.displacement() > 0 || model.velocity() > 0);
   const double entry_s = phase / sample_rate_hz;
   const double exit_s = samples / sample_rate_hz - model.displacement() / model.velocity();
-  return {exit_s - entry_s, max_compression, -model.velocity()};
+  return {exit_s - entry_s, max_compression, -model.velocity(), force.peak()};
 }
 
 }  // namespace contactspline

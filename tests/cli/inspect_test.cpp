@@ -290,6 +290,41 @@ TEST(InspectFamilies, StandSideBySide) {
   EXPECT_NE(read_svg(box / "families.svg").text.find("optimal, 16 segments"), std::string::npos);
 }
 
+// The numbers of the table, in SI units.
+TEST(InspectFamilies, PrintJson) {
+  const Sandbox box;
+  write_file(box / "probe.json", material(16));
+  const Json json = Json::parse(printed(box, {"inspect", "probe.json", "--compare", "--json"}));
+  const auto lines = lines_of(printed(box, {"inspect", "probe.json", "--compare"}));
+  EXPECT_EQ(json.at("name"), "probe");
+  EXPECT_EQ(json.at("max_speed_m_per_s"), 2);
+  EXPECT_EQ(json.at("min_speed_m_per_s"), 0.1);
+  EXPECT_EQ(json.at("mass_kg"), 0.01);
+  ASSERT_EQ(json.at("families").size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Json& family = json["families"][i];
+    const Json& errors = family.at("errors");
+    const auto or_dash = [&](const char* key) {
+      return family.at(key).is_null() ? "-" : std::to_string(family.at(key).get<int>());
+    };
+    std::istringstream row(lines.at(4 + i));
+    std::string name, unit, for_1, for_01;
+    std::size_t segments = 0;
+    double duration = NAN, compression = NAN, force = NAN, worst_db = NAN, mean_db = NAN;
+    row >> name >> segments >> duration >> unit >> compression >> unit >> force >> unit >> worst_db >> unit >>
+        mean_db >> unit >> for_1 >> for_01;
+    EXPECT_EQ(family.at("knots"), name);
+    EXPECT_EQ(family.at("segments"), segments);
+    EXPECT_EQ(or_dash("segments_for_0.01"), for_1);
+    EXPECT_EQ(or_dash("segments_for_0.001"), for_01);
+    EXPECT_TRUE(relatively_within(duration, 100 * errors.at("contact_duration").get<double>(), 1e-3));
+    EXPECT_TRUE(relatively_within(compression, 100 * errors.at("max_compression").get<double>(), 1e-3));
+    EXPECT_TRUE(relatively_within(force, 100 * errors.at("force").at("worst").get<double>(), 1e-3));
+    EXPECT_TRUE(relatively_within(worst_db, errors.at("spectrum_db").at("worst").get<double>(), 1e-3));
+    EXPECT_TRUE(relatively_within(mean_db, errors.at("spectrum_db").at("mean").get<double>(), 1e-3));
+  }
+}
+
 // The figures of the family are those emitted with it.
 TEST(Inspect, ShowsTheFiguresOfALiveExponent) {
   const Sandbox box;
@@ -580,8 +615,9 @@ TEST(Impact, PrintsARangeOfSpeedsInThreeForms) {
                                  one.at("mass_kg").get<double>(), one.at("loss_s_per_m").get<double>(),
                                  one.at("speed_m_per_s").get<double>(), one.at("in_range").get<bool>() ? 1 : 0,
                                  motion.at("model").get<std::string>()));
-      for (const auto* key : {"sample_rate_hz", "contact_duration_s", "max_compression_m", "exit_speed_m_per_s",
-                              "contact_duration_error", "max_compression_error", "exit_speed_error", "samples"})
+      for (const auto* key :
+           {"sample_rate_hz", "contact_duration_s", "max_compression_m", "exit_speed_m_per_s", "max_force_n",
+            "contact_duration_error", "max_compression_error", "exit_speed_error", "max_force_error", "samples"})
         rows.back() += number(key);
     }
   auto csv = lines_of(printed(box, followed_by(range, {"--csv"})));
@@ -601,9 +637,16 @@ TEST(Impact, PrintsARangeOfSpeedsInThreeForms) {
     const auto spline = impact_on_spline(design.spline, 0.01, one.at("speed_m_per_s").get<double>());
     EXPECT_TRUE(within(motions[1].at("contact_duration_error").get<double>(),
                        spline.contact_duration_s / duration - 1, 1e-9));
+    const auto table_of_spline = segment_table(design.spline);
+    EXPECT_EQ(motions[1].at("max_force_n").get<double>(),
+              force<double>(std::span(table_of_spline), spline.max_compression_m));
     const auto simulated =
         simulate_impact(segment_table(design.spline), 0.01, one.at("speed_m_per_s").get<double>(), 96000);
     EXPECT_EQ(motions[3].at("max_compression_m").get<double>(), simulated.max_compression_m);
+    EXPECT_EQ(motions[3].at("max_force_n").get<double>(), simulated.max_force_n);
+    const double compression = motions[0].at("max_compression_m").get<double>();
+    EXPECT_TRUE(relatively_within(motions[0].at("max_force_n").get<double>(),
+                                  design.material.contact.force(compression), 1e-12));
     std::istringstream row(table[2 + i]);
     double shown_speed = NAN, duration_us = NAN, compression_um = NAN, duration_error = NAN, compression_error = NAN,
            at_44 = NAN, at_96 = NAN;
@@ -616,6 +659,20 @@ TEST(Impact, PrintsARangeOfSpeedsInThreeForms) {
     EXPECT_TRUE(within(at_96, 100 * motions[3].at("contact_duration_error").get<double>(), 6e-4));
     EXPECT_EQ(table[2 + i].find("out of the material's range") == std::string::npos, i > 0 && i < 6) << table[2 + i];
   }
+}
+
+// Three panels, each with the spline and two rates.
+TEST(Impact, DrawsTheErrorsOverARangeOfSpeeds) {
+  const Sandbox box;
+  const std::string text = printed(box, {"impact", "felt_c4", "--speeds", "0.1", "6", "20", "--rate", "44100",
+                                         "--rate", "96000", "--figure", "a.svg"});
+  EXPECT_TRUE(text.ends_with("\nfigure: a.svg\n")) << text;
+  expect_drawn(box / "a.svg", 9);
+  EXPECT_EQ(columns_of(box / "a.svg").size(), 1u);
+  const std::string shown = read_svg(box / "a.svg").text;
+  for (const auto* label : {"contact duration error [%]", "max compression error [%]", "max force error [%]",
+                            "impact speed [m/s]", "spline, 32 segments", "44.1 kHz", "96 kHz"})
+    EXPECT_NE(shown.find(label), std::string::npos) << label;
 }
 
 TEST(Impact, TakesTheLargestSpeedAndFourRatesByDefault) {

@@ -416,6 +416,71 @@ TEST(RenderScore, SoundsAsTheSplineOfItsMaterial) {
       EXPECT_FALSE(sequences_within<double>(sounds[i], sounds[j], 100 * kLevel)) << i << " and " << j;
 }
 
+constexpr auto kTwoSlides = R"({ "instrument": "slide-string", "duration_s": 0.3,
+    "voices": [ { "name": "g", "resonator": "guitar_g3", "material": "steel_on_steel", "pluck_m": 0.5,
+                  "pickup_m": 0.6, "height_m": 0, "pan": -0.3 },
+                { "name": "SECOND", "resonator": "guitar_b3", "material": "steel_on_steel", "pluck_m": 0.5,
+                  "pickup_m": 0.6, "height_m": 0 } ],
+    "events": [ { "time_s": 0, "place_m": 0.2, "slide_mass_kg": 0.04, "hand_force_n": 6,
+                  "hand_stiffness_n_per_m": 200, "hand_resistance_n_s_per_m": 2, "rest_resistance_n_s_per_m": 1 },
+                { "time_s": 0.05, "voice": "g", "pluck_n": 4 }, { "time_s": 0.1, "voice": "SECOND", "pluck_n": 3 } ] })";
+
+std::string two_slides(const std::string& second_name) {
+  std::string score = kTwoSlides;
+  for (auto at = score.find("SECOND"); at != std::string::npos; at = score.find("SECOND"))
+    score.replace(at, 6, second_name);
+  return score;
+}
+
+// A centred voice alone has the two channels of the mix. Each file rounds to 24 bits; voices are summed in single
+// precision.
+TEST(RenderScore, WritesStemsThatAddUpToTheMix) {
+  const Sandbox box;
+  write_file(box / "probe.json", two_slides("b 2"));
+  for (const Words& gain : {Words{}, Words{"--gain", "-40"}}) {
+    const std::string report =
+        succeed({.arguments = followed_by({"render", "slide-string", "--score", "probe.json", "-o", "mix.wav",
+                                           "--no-figure", "--stems", "parts/of/it"},
+                                          gain),
+                 .folder = box.path()});
+    EXPECT_TRUE(report.ends_with("sound:  mix.wav\nstems:  2 in parts/of/it\n")) << report;
+    const Sound mix = read_sound(box / "mix.wav"), g = read_sound(box / "parts/of/it/g.wav"),
+                b = read_sound(box / "parts/of/it/b 2.wav");
+    ASSERT_EQ(mix.channels, 2);
+    ASSERT_EQ(g.samples.size(), mix.samples.size());
+    ASSERT_EQ(b.samples.size(), mix.samples.size());
+    EXPECT_GT(g.peak(), 0.1 * mix.peak());
+    EXPECT_GT(b.peak(), 0.1 * mix.peak());
+    double worst = 0;
+    for (std::size_t i = 0; i < mix.samples.size(); ++i)
+      worst = std::max(worst, std::abs(g.samples[i] + b.samples[i] - mix.samples[i]));
+    EXPECT_LE(worst, 3 * kLevel);
+  }
+}
+
+TEST(RenderScore, RefusesStemsThatCannotBeWritten) {
+  const auto refused = [](const std::string& name, const Words& more, const std::string& begins,
+                          const std::string& says) {
+    const Sandbox box;
+    write_file(box / "probe.json", two_slides(name));
+    fs::create_directories(box / "mine");
+    write_file(box / "mine/g.wav", "my own file");
+    const auto before = box.listing();
+    expect_refused(run({.arguments = followed_by({"render", "slide-string", "--score", "probe.json", "-o", "mix.wav",
+                                                  "--no-figure", "--stems"},
+                                                 more),
+                        .folder = box.path()}),
+                   begins, says);
+    EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
+  };
+  refused("../b", {"parts"}, "probe.json: --stems: the name of voice '../b' cannot name a file",
+          "allowed: names without / and control characters");
+  refused("b", {"mine"}, "mine/g.wav: file: ", "allowed: ");
+  refused("mix", {"."}, "./mix.wav: file: is already an input or another output",
+          "allowed: another folder or file name");
+  refused("b", {""}, "--stems: '' is refused", "allowed: a folder");
+}
+
 // Left and right of two keys of the piano are the sums of both, by the law of equal power.
 TEST(RenderScore, SumsAndPansVoices) {
   const auto keyboard = parse_keyboard(shipped(embedded_files(Shipped::kKeyboards), "piano"), "piano");
