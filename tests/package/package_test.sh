@@ -506,6 +506,94 @@ case_microcontroller() {
   done
 }
 
+# Commands of the pages that case_pages does not run, and why.
+not_run='
+^(\./)?scripts/(run|test|tidy|format|bench)    builds the whole tree, or changes the source
+^(\./)?scripts/install-packages                asks the network
+^cmake --(preset|build)                        builds the whole tree
+arm-none-eabi|^for program|^  faust|^  *-(idirafter|fno)|^done   in case_microcontroller
+'
+
+# The commands of a page in order: its sh blocks, and the indented lines that begin with a command.
+commands_of() {
+  awk '/^```/ { on = !on; sh = on && $0 == "```sh"; next }
+       sh { print }
+       !on && /^    (contactspline|cmake|build\/|(\.\/)?scripts\/)/ { sub(/^    /, ""); print }' "$1" |
+    grep -vE "$(awk 'NF { sub(/   .*/, ""); print }' <<<"$not_run" | paste -sd '|')" || true
+}
+
+# Leaves commands out that do the same on each page and ran on an earlier one: `list`, and scores that ship.
+fresh_commands() {
+  local command key
+  while IFS= read -r command; do
+    key=$(sed 's/ *#.*//; s/ -o [^ ]*//; s|^build/release/generator/||' <<<"$command")
+    if [[ "$key" =~ ^contactspline\ (list|render\ .*--score\ [a-z_]+$) ]]; then
+      ! grep -qxF -- "$key" "$WORK/commands that ran" || continue
+      echo "$key" >>"$WORK/commands that ran"
+    fi
+    printf '%s\n' "$command"
+  done
+}
+
+# Writes each block of a language in a page into a file of its own: blocks_of PAGE LANGUAGE PREFIX.
+blocks_of() {
+  awk -v fence="\`\`\`$2" -v prefix="$3" '/^```/ { on = $0 == fence; count += on; next }
+    on { print > prefix count "." substr(fence, 4) }' "$1"
+}
+
+# The files that the commands of a page name: its materials and resonators, its curve, its scores.
+files_of() {
+  blocks_of "$1" json block
+  blocks_of "$1" csv my_felt
+  local block name
+  for block in block*.json; do
+    [ -e "$block" ] || continue
+    name=$(sed -nE 's/^  "name": "([a-z_0-9]+)".*/\1/p; s/^  "instrument": "([a-z]+)-.*/my_\1/p' "$block" | head -n 1)
+    [ -z "$name" ] || mv "$block" "$name.json"
+  done
+  [ ! -e my_felt1.csv ] || mv my_felt1.csv my_felt.csv
+  cp "$SOURCE/data/scores/bach_prelude.mid" my_song.mid
+}
+
+# Every page word for word, in a folder of its own: its commands, its programs in C++ and in Faust. The cases readme,
+# kernels, polyphony and microcontroller compile those pages; materials_doc_test and render_score_test read every JSON.
+case_pages() {
+  need faust
+  install_at "$WORK/prefix"
+  export PATH="$WORK/prefix/bin:$PATH"
+  local page name block commands=0 programs=0
+  : >"$WORK/commands that ran"
+  for page in "$SOURCE"/{README,CONTRIBUTING}.md "$SOURCE"/docs/*.md; do
+    name=$(basename "$page" .md)
+    mkdir -p "$WORK/$name/build"
+    cd "$WORK/$name"
+    ln -s "$BUILD" build/release
+    files_of "$page"
+    commands=$((commands + $(commands_of "$page" | wc -l)))
+    commands_of "$page" | fresh_commands >commands.sh
+    HOME="$PWD/home" run bash -ex commands.sh
+    case "$name" in README | kernels | polyphony | microcontrollers) continue ;; esac
+    blocks_of "$page" cpp program
+    blocks_of "$page" faust program
+    for block in program*; do
+      [ -e "$block" ] || continue
+      programs=$((programs + 1))
+      case "$block" in
+        *.faust) run faust -I "$WORK/prefix/share/contactspline/faust" "$block" -o "$block.cpp" ;;
+        *) if grep -q 'int main' "$block"; then
+            run "$CXX" -std=c++20 -O1 -I "$WORK/prefix/include" "$block" -o "$block.program"
+            run "./$block.program"
+          else
+            run "$CXX" -std=c++20 -fsyntax-only -I "$WORK/prefix/include" -include faust/gui/UI.h \
+              -include faust/gui/meta.h "$block"
+          fi ;;
+      esac
+    done
+  done
+  echo "$commands commands, $programs programs"
+  [ "$commands" -ge 30 ] && [ "$programs" -ge 13 ] || fail "only $commands commands and $programs programs were found"
+}
+
 # The README's examples, word for word.
 case_readme() {
   install_at "$WORK/prefix"
