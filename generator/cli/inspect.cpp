@@ -169,11 +169,12 @@ void compare(const InspectOptions& options) {
     const auto& row = rows.emplace_back(ComparedFamily{family.name, made.spline.segments.size(), q, made.spectrum,
                                                        segments_for(material, family, 0.01),
                                                        segments_for(material, family, 0.001)});
-    table += fmt::format("{:<9} {:>8} {:>15.4g} % {:>15.4g} % {:>10.4g} % {:>12} {:>12} {:>18} {:>8}\n",
-                         family.name, made.spline.segments.size(), 100 * q.impact->contact_duration,
-                         100 * q.impact->max_compression, 100 * q.force.worst, decibels(made.spectrum, &SpectrumError::worst_db),
-                         decibels(made.spectrum, &SpectrumError::mean_db), or_dash(row.segments_for_1_percent),
-                         or_dash(row.segments_for_01_percent));
+    table +=
+        fmt::format("{:<9} {:>8} {:>15.4g} % {:>15.4g} % {:>10.4g} % {:>12} {:>12} {:>18} {:>8}\n", family.name,
+                    made.spline.segments.size(), 100 * q.impact->contact_duration, 100 * q.impact->max_compression,
+                    100 * q.force.worst, decibels(made.spectrum, &SpectrumError::worst_db),
+                    decibels(made.spectrum, &SpectrumError::mean_db), or_dash(row.segments_for_1_percent),
+                    or_dash(row.segments_for_01_percent));
   }
   if (!options.figure.empty()) {
     require_writable({{options.figure}}, input_files(options.material, material), options.force);
