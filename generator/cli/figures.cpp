@@ -102,7 +102,7 @@ unset multiplot)";
 
 constexpr auto kPerformanceScript = R"(
 unset key
-set lmargin at screen 0.09
+set lmargin at screen 0.1
 set rmargin at screen 0.88
 set xrange [0:duration]
 set format x ''
