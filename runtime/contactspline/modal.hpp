@@ -66,6 +66,7 @@ class ModalArray {
   explicit constexpr ModalArray(std::size_t size) : size_(size), values_((size + kLine - 1) / kLine * kLine) {}
 
   [[nodiscard]] constexpr std::size_t size() const { return size_; }
+  [[nodiscard]] constexpr std::size_t padded_size() const { return values_.size(); }
   [[nodiscard]] constexpr T operator[](std::size_t i) const { return values_[i]; }
   [[nodiscard]] constexpr T& operator[](std::size_t i) { return values_[i]; }
   [[nodiscard]] constexpr const T* data() const { return values_.data(); }
@@ -236,6 +237,23 @@ class ModalBank {
     return detail::sum_of<T>(size(), [&](std::size_t i) { return at[i] * change_[i]; });
   }
 
+  /// increment() at several places at once, which is faster.
+  void increments(std::span<const ModeShapes<T>* const> at, T* increments) const {
+    const T* change = change_.data();
+    const std::size_t modes = change_.padded_size();
+    std::size_t p = 0;
+    for (; p + 4 <= at.size(); p += 4)
+      sum_products(modes, change, at[p]->data(), at[p + 1]->data(), at[p + 2]->data(), at[p + 3]->data(),
+                   increments + p);
+    for (; p < at.size(); ++p) increments[p] = increment(*at[p]);
+  }
+
+  /// Sum of |change| over the modes in this sample [m], with the forces pushed so far. A place moves by at most this
+  /// times its largest |shape|.
+  [[nodiscard]] T travel() const {
+    return detail::sum_of<T>(size(), [&](std::size_t i) { return std::abs(change_[i]); });
+  }
+
   /// Displacement at a place in the middle of this sample [m], with the forces pushed so far.
   [[nodiscard]] T middle(const Shapes& at) const {
     return detail::sum_of<T>(size(), [&](std::size_t i) { return at[i] * (displacement_[i] + change_[i] / 2); });
@@ -245,6 +263,25 @@ class ModalBank {
   void push(const Shapes& at, T force) {
     T* __restrict change = change_.data();
     for (std::size_t i = 0; i < size(); ++i) change[i] += admittance_[i] * at[i] * force;
+  }
+
+  /// push() at several places at once, which is faster.
+  void push(std::span<const ModeShapes<T>* const> at, const T* forces) {
+    const std::size_t modes = change_.padded_size();
+    std::size_t p = 0;
+    for (; p + 4 <= at.size(); p += 4)
+      add_products(modes, admittance_.data(), at[p]->data(), at[p + 1]->data(), at[p + 2]->data(), at[p + 3]->data(),
+                   forces + p, change_.data());
+    for (; p < at.size(); ++p) push(*at[p], forces[p]);
+  }
+
+  /// Sets the motion of a mode between two samples: its displacement [m] and its velocity in free motion [m/s].
+  void set_motion(std::size_t mode, T displacement_m, T velocity_m_per_s) {
+    const detail::ModeConstants& c = constants_[mode];
+    const double one_minus_real = (c.loss + c.stiffness) / 2;  // 1 - Re z
+    displacement_[mode] = displacement_m;
+    free_increment_[mode] = static_cast<T>((velocity_m_per_s + c.decay_per_s * displacement_m) / c.velocity_gain -
+                                           one_minus_real * displacement_m);
   }
 
   /// Ends the sample: updates displacements and free increments.
@@ -319,6 +356,36 @@ class ModalBank {
     if (mode.loss > kMaxLoss) return 0;
     const double q = double(displacement_[i]), one_minus_real = (mode.loss + mode.stiffness) / 2;  // 1 - Re z
     return mode.velocity_gain * (double(free_increment_[i]) + one_minus_real * q) - mode.decay_per_s * q;
+  }
+
+  // Four sums of change times shape.
+  static void sum_products(std::size_t modes, const T* change, const T* a, const T* b, const T* c, const T* d, T* sums) {
+    constexpr std::size_t kLanes = 16 / sizeof(T);
+    T of_a[kLanes] = {}, of_b[kLanes] = {}, of_c[kLanes] = {}, of_d[kLanes] = {};
+    for (std::size_t i = 0; i < modes; i += kLanes)
+      for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        const T moved = change[i + lane];
+        of_a[lane] += moved * a[i + lane];
+        of_b[lane] += moved * b[i + lane];
+        of_c[lane] += moved * c[i + lane];
+        of_d[lane] += moved * d[i + lane];
+      }
+    for (std::size_t place = 0; place < 4; ++place) sums[place] = 0;
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      sums[0] += of_a[lane];
+      sums[1] += of_b[lane];
+      sums[2] += of_c[lane];
+      sums[3] += of_d[lane];
+    }
+  }
+
+  // The change of each mode by four forces.
+  static void add_products(std::size_t modes, const T* __restrict admittance, const T* __restrict a,
+                           const T* __restrict b, const T* __restrict c, const T* __restrict d, const T* forces,
+                           T* __restrict change) {
+    const T f0 = forces[0], f1 = forces[1], f2 = forces[2], f3 = forces[3];
+    for (std::size_t i = 0; i < modes; ++i)
+      change[i] += admittance[i] * ((f0 * a[i] + f1 * b[i]) + (f2 * c[i] + f3 * d[i]));
   }
 
   // A separate function, because compilers respect __restrict on parameters.

@@ -1,0 +1,582 @@
+// SPDX-License-Identifier: MIT
+// Modal bodies and masses joined by any number of contacts, springs and rigid links.
+#pragma once
+
+#include "contactspline/cpp20.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "contactspline/contact.hpp"
+#include "contactspline/controls.hpp"
+#include "contactspline/coupled_contacts.hpp"
+#include "contactspline/modal.hpp"
+#include "contactspline/string_place.hpp"
+
+namespace contactspline {
+
+/// Stands for a place that does not move.
+inline constexpr std::size_t kGround = std::numeric_limits<std::size_t>::max();
+
+/// Consecutive connections of a network.
+struct ConnectionRange {
+  std::size_t first, count;
+};
+
+/// What a ContactNetwork is made of. Each add function returns the index of what it adds. A connection joins two
+/// places of earlier calls, one of which may be kGround. Its compression is displacement(first) - displacement(second)
+/// - gap.
+template <std::floating_point T>
+class NetworkPlan {
+ public:
+  struct Place {
+    std::size_t body;
+    ModeShapes<T> shapes;
+  };
+  struct Connection {
+    std::size_t first, second;
+    SegmentTable<T> table = {};  // of a contact
+    ContactControls<T> contact = {};
+    T weight = 1;  // multiplies the stiffness of a contact
+    T gap_m = 0;
+    T spring_n_per_m = 0, resistance_n_s_per_m = 0;
+    bool is_rigid = false;
+  };
+
+  std::size_t add_body(std::span<const Mode> modes) { return add(bodies_, {modes.begin(), modes.end()}); }
+
+  /// A free mass [kg], which moves along one line. Returns its body; mass_place() has its place.
+  std::size_t add_mass(double mass_kg) {
+    const Mode mode{0, 0, mass_kg};
+    return add_body({&mode, 1});
+  }
+  std::size_t add_place(std::size_t body, std::span<const double> shapes) {
+    return add(places_, {body, ModeShapes<T>(shapes)});
+  }
+  std::size_t add_mass_place(std::size_t mass) {
+    const double shape = 1;
+    return add_place(mass, {&shape, 1});
+  }
+
+  /// The table must outlive the network. weight: multiplies the stiffness, > 0.
+  std::size_t add_contact(std::size_t first, std::size_t second, SegmentTable<T> table, T gap_m = 0,
+                          const ContactControls<T>& contact = {}, T weight = 1) {
+    return add(connections_,
+               {.first = first, .second = second, .table = table, .contact = contact, .weight = weight, .gap_m = gap_m});
+  }
+
+  /// A distributed contact between places of one body and one place or the ground. gaps_m: distance from each place to
+  /// the profile. weights: part of the profile that each point stands for. If the material's force is per metre, they
+  /// are lengths [m].
+  ConnectionRange add_profile(std::span<const std::size_t> places, std::size_t second, SegmentTable<T> table,
+                              std::span<const double> gaps_m, std::span<const double> weights,
+                              const ContactControls<T>& contact = {}) {
+    const std::size_t first = connections_.size();
+    for (std::size_t k = 0; k < places.size(); ++k)
+      add_contact(places[k], second, table, static_cast<T>(gaps_m[k]), contact, static_cast<T>(weights[k]));
+    return {first, places.size()};
+  }
+
+  /// A spring [N/m] with a damper [N s/m] beside it; one of them may be 0. gap_m: displacement(first) -
+  /// displacement(second) where the spring is relaxed.
+  std::size_t add_spring(std::size_t first, std::size_t second, T spring_n_per_m, T resistance_n_s_per_m = 0,
+                         T gap_m = 0) {
+    return add(connections_, {.first = first,
+                              .second = second,
+                              .gap_m = gap_m,
+                              .spring_n_per_m = spring_n_per_m,
+                              .resistance_n_s_per_m = resistance_n_s_per_m});
+  }
+
+  /// A link so stiff that its length changes by 1e-6 (float: 1e-3) of what the places would move apart in a sample.
+  std::size_t add_rigid_link(std::size_t first, std::size_t second, T gap_m = 0) {
+    return add(connections_, {.first = first, .second = second, .gap_m = gap_m, .is_rigid = true});
+  }
+
+  [[nodiscard]] const std::vector<std::vector<Mode>>& bodies() const { return bodies_; }
+  [[nodiscard]] const std::vector<Place>& places() const { return places_; }
+  [[nodiscard]] const std::vector<Connection>& connections() const { return connections_; }
+
+ private:
+  template <typename Element>
+  static std::size_t add(std::vector<Element>& elements, Element element) {
+    elements.push_back(std::move(element));
+    return elements.size() - 1;
+  }
+
+  std::vector<std::vector<Mode>> bodies_;
+  std::vector<Place> places_;
+  std::vector<Connection> connections_;
+};
+
+/// A network of bodies, played sample by sample. All forces of a sample are computed together, so the energy balance
+/// is exact up to rounding for any number of contacts (docs/several-contacts.md). No allocation after construction.
+/// Controls may be set before any sample; their ranges are those of ControlRanges (docs/controls.md).
+template <std::floating_point T>
+class ContactNetwork {
+ public:
+  /// max_steps: of the solver in a sample.
+  ContactNetwork(const NetworkPlan<T>& plan, double sample_rate_hz, int max_steps = CoupledContacts<T>::kMaxSteps)
+      : time_step_(T(1 / sample_rate_hz)),
+        solver_(plan.connections().size(), sample_rate_hz, max_steps),
+        increments_(plan.places().size()) {
+    for (const auto& modes : plan.bodies()) bodies_.emplace_back(modes, sample_rate_hz);
+    for (const auto& place : plan.places()) places_.emplace_back(place.body, place.shapes);
+    for (std::size_t p = 0; p < places_.size(); ++p) bodies_[places_[p].body].places.push_back(p);
+    for (Body& body : bodies_) body.reserve(body.places.size());
+    for (const auto& connection : plan.connections()) connections_.emplace_back(connection);
+    for (const Place& p : places_)
+      for (const Place& q : places_)
+        mutual_.push_back(p.body == q.body ? bodies_[p.body].bank.admittance(p.shapes, q.shapes) : T(0));
+    couple();
+    for (std::size_t k = 0; k < connections_.size(); ++k) install(plan.connections()[k], k);
+    place_all();
+  }
+
+  /// Pushes at a place during the next sample [N], -1000 to 1000. Several pushes add up. Not a number does nothing.
+  void push(std::size_t place, T force_n) { places_[place].push += held(T(0), force_n, Ranges::force_n); }
+
+  /// Puts a mode between two samples at a displacement [m], -1000 to 1000, with a velocity [m/s], -1000 to 1000. A free
+  /// mass is mode 0 of its body. Does nothing if one of them is not a number.
+  void set_motion(std::size_t body, T displacement_m, T velocity_m_per_s, std::size_t mode = 0) {
+    if (!is_number(displacement_m) || !is_number(velocity_m_per_s)) return;
+    bodies_[body].bank.set_motion(mode, held(T(0), displacement_m, Ranges::displacement_m),
+                                  held(T(0), velocity_m_per_s, Ranges::speed_m_per_s));
+    place_all();
+  }
+
+  /// Extra decay of all modes of a body [1/s], 0 to 1e5.
+  void set_damping(std::size_t body, T damping_per_s) {
+    Body& b = bodies_[body];
+    const T damping = held(b.damping, damping_per_s * time_step_, {0, Ranges::damping_per_s.max * time_step_});
+    if (std::exchange(b.damping, damping) != damping) couple();
+  }
+
+  /// Stiffness ratio and loss of a contact. A stiffness that rises under load does at most 1 W of work.
+  void set_contact(std::size_t connection, const ContactControls<T>& controls) {
+    Connection& c = connections_[connection];
+    c.contact = held(c.contact, controls);
+    follow(c);
+  }
+  void set_contact(ConnectionRange range, const ContactControls<T>& controls) {
+    for (std::size_t k = 0; k < range.count; ++k) set_contact(range.first + k, controls);
+  }
+
+  /// Stiffness [N/m], 0 to 1e9, and resistance [N s/m], 0 to 1e6, of a spring. A stiffness that rises under load does
+  /// at most 1 W of work.
+  void set_spring(std::size_t connection, T spring_n_per_m, T resistance_n_s_per_m) {
+    Connection& c = connections_[connection];
+    c.spring = held(c.spring, spring_n_per_m, Ranges::hand_stiffness_n_per_m);
+    c.resistance = held(c.resistance, resistance_n_s_per_m, Ranges::resistance_n_s_per_m);
+    follow(c);
+  }
+
+  /// Gap of a connection [m], -0.1 to 0.1, which follows at 1 m/s.
+  void set_gap(std::size_t connection, T gap_m) {
+    Connection& c = connections_[connection];
+    c.target_gap = held(c.target_gap, gap_m, Ranges::gap_m);
+    follow(c);
+  }
+
+  /// Brings all bodies to rest. Controls stay. Does not allocate.
+  void reset() {
+    for (Body& body : bodies_) body.bank.reset();
+    for (Place& place : places_) place.push = place.last_push = 0;
+    place_all();
+  }
+
+  /// Advances one sample. Safe on an audio thread: no allocation, no lock, bounded time.
+  void tick() {
+    work_of_controls_ = 0;
+    follow_controls();
+    anchor_next();
+    predict();
+    solve();
+    push_forces();
+    for (Body& body : bodies_) body.bank.commit();
+    finish();
+  }
+
+  [[nodiscard]] const ModalBank<T>& body(std::size_t body) const { return bodies_[body].bank; }
+  [[nodiscard]] T displacement(std::size_t place) const {  ///< of a place [m]
+    return bodies_[places_[place].body].bank.displacement(places_[place].shapes);
+  }
+  [[nodiscard]] T velocity(std::size_t place) const {  ///< of a place [m/s]
+    return bodies_[places_[place].body].bank.velocity(places_[place].shapes);
+  }
+  /// Force of a connection over the last sample [N], positive if it pushes its places apart.
+  [[nodiscard]] T force(std::size_t connection) const { return solver_[connection].force; }
+  [[nodiscard]] T force(ConnectionRange range) const {
+    T sum = 0;
+    for (std::size_t k = 0; k < range.count; ++k) sum += force(range.first + k);
+    return sum;
+  }
+  [[nodiscard]] T compression(std::size_t connection) const {  ///< [m], negative while apart
+    return connections_[connection].is_awake ? solver_[connection].compression : measured(connection);
+  }
+  [[nodiscard]] T gap(std::size_t connection) const { return connections_[connection].gap; }  ///< that acts [m]
+  [[nodiscard]] const CoupledContacts<T>& solver() const { return solver_; }
+
+  /// Energy of all bodies and connections [J]. In each sample it changes by work() - dissipated(), up to rounding.
+  [[nodiscard]] double energy() const {
+    double energy = 0;
+    for (const Body& body : bodies_) energy += body.bank.energy();
+    for (std::size_t k = 0; k < connections_.size(); ++k) energy += stored(k, compression(k));
+    return energy;
+  }
+
+  /// Energy that bodies, dampers and contacts dissipated in the last sample [J].
+  [[nodiscard]] double dissipated() const {
+    double energy = 0;
+    for (const Body& body : bodies_) energy += body.bank.dissipated();
+    for (const std::size_t k : solver_.active()) energy += lost(k);
+    return energy;
+  }
+
+  /// Work of pushes, moving gaps and stiffness controls in the last sample [J].
+  [[nodiscard]] double work() const {
+    double work = work_of_controls_;
+    for (const Place& place : places_)
+      if (place.last_push != 0)
+        work += static_cast<double>(place.last_push) * bodies_[place.body].bank.increment(place.shapes);
+    for (const std::size_t k : solver_.active())
+      work += static_cast<double>(solver_[k].force) * connections_[k].lift;
+    return work;
+  }
+
+ private:
+  using Ranges = ControlRanges<T>;
+  static constexpr T kGapSpeed_m_per_s = 1;
+  // A contact sleeps if even this many samples of fastest motion would not close it.
+  static constexpr T kSleepingSamples = 32;
+  static constexpr T kRigidity = std::numeric_limits<T>::digits > 40 ? T(1e6) : T(1e3);
+
+  struct Body {
+    Body(std::span<const Mode> modes, double sample_rate_hz) : bank(modes, sample_rate_hz) {}
+
+    void reserve(std::size_t n) {
+      awake.reserve(n);
+      awake_shapes.reserve(n);
+      forces.resize(n);
+      pushed.reserve(n);
+      found.resize(n);
+    }
+
+    ModalBank<T> bank;
+    T damping = 0;  // times dt, as is the gain
+    T damping_gain = 1;
+    T travel = 0;  // bound of the free motion in this sample [m]
+    std::vector<std::size_t> places;
+    std::vector<std::size_t> awake;  // places whose increments are computed in each sample
+    std::vector<const ModeShapes<T>*> awake_shapes, pushed;
+    std::vector<T> found, forces;
+  };
+
+  struct Place {
+    Place(std::size_t of_body, const ModeShapes<T>& of_place) : body(of_body), shapes(of_place) {
+      for (std::size_t i = 0; i < shapes.size(); ++i) max_shape = std::max(max_shape, std::abs(shapes[i]));
+    }
+
+    std::size_t body;
+    ModeShapes<T> shapes;
+    T max_shape = 0;
+    T push = 0, last_push = 0;  // from outside [N]
+    T force = 0;                // of this sample [N]
+    bool is_awake = false;
+  };
+
+  struct Connection {
+    explicit Connection(const typename NetworkPlan<T>::Connection& plan)
+        : first(plan.first),
+          second(plan.second),
+          weight(plan.weight),
+          contact(held(ContactControls<T>{}, plan.contact)),
+          spring(plan.spring_n_per_m),
+          resistance(plan.resistance_n_s_per_m),
+          gap(plan.gap_m),
+          target_gap(plan.gap_m) {}
+
+    std::size_t first, second;
+    T weight;
+    ContactControls<T> contact;  // targets, which the connection of the solver follows
+    T spring, resistance;
+    T gap, target_gap;
+    T lift = 0;             // by how much the gap shrinks in this sample [m]
+    T root_admittance = 0;  // [sqrt(m/N)]
+    T slack = 0;            // of a sleeping contact: the gap that is certainly left [m]
+    T before = 0;           // compression at the beginning of the sample [m]
+    bool is_awake = true;
+    bool is_following = false;
+  };
+
+  // Admittances of all pairs of connections.
+  void couple() {
+    for (Body& body : bodies_) body.damping_gain = 1 / (1 + body.damping);
+    for (std::size_t k = 0; k < connections_.size(); ++k) {
+      for (std::size_t l = 0; l <= k; ++l) {
+        const Connection &a = connections_[k], &b = connections_[l];
+        const T sum = (mutual(a.first, b.first) + mutual(a.second, b.second)) -
+                      (mutual(a.first, b.second) + mutual(a.second, b.first));
+        solver_.set_admittance(k, l, k == l ? std::max(sum, kMinAdmittance) : sum);
+      }
+      connections_[k].root_admittance = std::sqrt(solver_.admittance(k, k));
+    }
+  }
+
+  // Admittance between two places.
+  [[nodiscard]] T mutual(std::size_t p, std::size_t q) const {
+    if (p == kGround || q == kGround) return 0;
+    return bodies_[places_[p].body].damping_gain * mutual_[p * places_.size() + q];
+  }
+
+  void install(const typename NetworkPlan<T>::Connection& plan, std::size_t k) {
+    CoupledConnection<T>& c = solver_[k];
+    Connection& connection = connections_[k];
+    c.table = plan.table;
+    if (plan.is_rigid) {
+      connection.spring = kRigidity / solver_.admittance(k, k);
+      connection.resistance = connection.spring / 2 * time_step_;  // of which its length returns within a sample
+    }
+    c.contact = {connection.contact.stiffness_ratio * connection.weight, connection.contact.loss_s_per_m};
+    c.spring_n_per_m = connection.spring;
+    c.resistance = connection.resistance / time_step_;
+  }
+
+  // Takes all compressions from the displacements, and wakes all contacts.
+  void place_all() {
+    for (std::size_t k = 0; k < connections_.size(); ++k) {
+      set_compression(k, measured(k));
+      solver_[k].force = 0;
+      connections_[k].is_awake = true;
+    }
+    is_list_old_ = true;
+  }
+
+  [[nodiscard]] T measured(std::size_t k) const {
+    const Connection& c = connections_[k];
+    return (c.first == kGround ? T(0) : displacement(c.first)) - (c.second == kGround ? T(0) : displacement(c.second)) -
+           c.gap;
+  }
+
+  void set_compression(std::size_t k, T compression) {
+    CoupledConnection<T>& c = solver_[k];
+    c.compression = compression;
+    if (!c.table.empty()) c.segment = segment_index(c.table, compression);
+  }
+
+  void follow(Connection& c) { c.is_following = is_following_ = true; }
+
+  void follow_controls() {
+    if (!std::exchange(is_following_, false)) return;
+    for (std::size_t k = 0; k < connections_.size(); ++k) {
+      Connection& c = connections_[k];
+      c.lift = 0;
+      if (!c.is_following) continue;
+      wake(k);
+      c.is_following = move_gap(c) | follow_stiffness(k);
+      // A gap that moved in this sample must be seen at rest in the next one.
+      is_following_ |= c.is_following | (c.lift != 0);
+    }
+    if (is_list_old_) list_awake();
+  }
+
+  // Is the gap still moving?
+  bool move_gap(Connection& c) {
+    const T before = c.gap, max_step = kGapSpeed_m_per_s * time_step_, distance = c.target_gap - c.gap;
+    c.gap = std::abs(distance) < max_step ? c.target_gap : c.gap + std::copysign(max_step, distance);
+    c.lift = before - c.gap;
+    return c.gap != c.target_gap;
+  }
+
+  // Is the stiffness still behind its control?
+  bool follow_stiffness(std::size_t k) {
+    const Connection& c = connections_[k];
+    CoupledConnection<T>& acting = solver_[k];
+    const double before = stored(k, acting.compression);
+    T& stiffness = acting.table.empty() ? acting.spring_n_per_m : acting.contact.stiffness_ratio;
+    const T target = acting.table.empty() ? c.spring : c.contact.stiffness_ratio * c.weight;
+    const T energy_per_stiffness = acting.table.empty() ? acting.compression * acting.compression / 2
+                                                        : potential(acting.table, acting.compression);
+    stiffness = followed_stiffness(stiffness, target, energy_per_stiffness, time_step_);
+    acting.contact.loss_s_per_m = c.contact.loss_s_per_m;
+    acting.resistance = c.resistance / time_step_;
+    work_of_controls_ += stored(k, acting.compression) - before;
+    return stiffness != target;
+  }
+
+  // Keeps the rounding errors of the increments from adding up: corrects one compression in each sample.
+  void anchor_next() {
+    if (connections_.empty()) return;
+    anchor_ = (anchor_ + 1) % connections_.size();
+    if (!connections_[anchor_].is_awake) return;
+    CoupledConnection<T>& c = solver_[anchor_];
+    const T part = std::min(T(1e-4) * static_cast<T>(connections_.size()), T(1));
+    // Not the gap of this sample, but the one before it moved.
+    const T error = measured(anchor_) - connections_[anchor_].lift - c.compression;
+    c.compression += part * error;
+    if (!c.table.empty()) c.segment = detail::relocate_segment(c.table, c.segment, c.compression);
+  }
+
+  void predict() {
+    for (Body& body : bodies_) body.bank.predict(body.damping);
+    for (Place& place : places_) {
+      place.force = 0;
+      place.last_push = std::exchange(place.push, T(0));
+      Body& body = bodies_[place.body];
+      if (place.last_push != 0) body.bank.push(place.shapes, body.damping_gain * place.last_push);
+    }
+    if (is_list_old_) list_awake();
+    for (Body& body : bodies_) {
+      body.travel = body.bank.travel();
+      body.bank.increments(body.awake_shapes, body.found.data());
+      for (std::size_t i = 0; i < body.awake.size(); ++i) increments_[body.awake[i]] = body.found[i];
+    }
+  }
+
+  // The places of the connections that are awake.
+  void list_awake() {
+    is_list_old_ = false;
+    for (Place& place : places_) place.is_awake = false;
+    for (const Connection& c : connections_)
+      for (const std::size_t p : {c.first, c.second})
+        if (c.is_awake && p != kGround) places_[p].is_awake = true;
+    for (Body& body : bodies_) {
+      body.awake.clear();
+      body.awake_shapes.clear();
+      for (const std::size_t p : body.places) {
+        if (!places_[p].is_awake) continue;
+        body.awake.push_back(p);
+        body.awake_shapes.push_back(&places_[p].shapes);
+      }
+    }
+  }
+
+  void solve() {
+    solver_.begin();
+    for (std::size_t k = 0; k < connections_.size(); ++k)
+      if (connections_[k].is_awake) begin(k, increment_at(connections_[k].first) - increment_at(connections_[k].second));
+    do solver_.solve();
+    while (wake_reachable());
+  }
+
+  [[nodiscard]] T increment_at(std::size_t place) const { return place == kGround ? T(0) : increments_[place]; }
+  [[nodiscard]] T measured_increment(std::size_t p) const {
+    return p == kGround ? T(0) : bodies_[places_[p].body].bank.increment(places_[p].shapes);
+  }
+
+  void begin(std::size_t k, T free_increment) {
+    Connection& c = connections_[k];
+    solver_[k].free_increment = free_increment + c.lift;
+    c.before = solver_[k].compression;
+    solver_.add(k);
+  }
+
+  // Bound of the motion of a connection in this sample without the forces of connections [m].
+  [[nodiscard]] T free_travel(const Connection& c) const {
+    T travel = 0;
+    for (const std::size_t p : {c.first, c.second})
+      if (p != kGround) travel += places_[p].max_shape * bodies_[places_[p].body].travel;
+    return travel;
+  }
+
+  // Wakes the sleeping contacts that may have come within reach, by the bound of what moved since they fell asleep.
+  // Must solve() run again?
+  bool wake_reachable() {
+    T reach = 0;
+    for (const std::size_t k : solver_.active())
+      reach += connections_[k].root_admittance * std::abs(solver_[k].force);
+    bool has_woken = false;
+    for (std::size_t k = 0; k < connections_.size(); ++k) {
+      Connection& c = connections_[k];
+      if (c.is_awake || c.slack > kMargin * (free_travel(c) + c.root_admittance * reach)) continue;
+      wake(k);
+      begin(k, measured_increment(c.first) - measured_increment(c.second));
+      has_woken = true;
+    }
+    reach_ = reach;
+    return has_woken;
+  }
+
+  void wake(std::size_t k) {
+    Connection& c = connections_[k];
+    if (std::exchange(c.is_awake, true)) return;
+    set_compression(k, measured(k) - c.lift);
+    is_list_old_ = true;
+  }
+
+  void push_forces() {
+    for (const std::size_t k : solver_.active()) {
+      const T force = solver_[k].force;
+      if (connections_[k].first != kGround) places_[connections_[k].first].force -= force;
+      if (connections_[k].second != kGround) places_[connections_[k].second].force += force;
+    }
+    for (Body& body : bodies_) {
+      body.pushed.clear();
+      for (const std::size_t p : body.places) {
+        if (places_[p].force == 0) continue;
+        body.forces[body.pushed.size()] = body.damping_gain * places_[p].force;
+        body.pushed.push_back(&places_[p].shapes);
+      }
+      body.bank.push(body.pushed, body.forces.data());
+    }
+  }
+
+  void finish() {
+    solver_.advance();
+    for (std::size_t k = 0; k < connections_.size(); ++k) {
+      Connection& c = connections_[k];
+      const T y = solver_[k].compression;
+      if (c.is_awake && (y > 0 || solver_[k].force != 0 || solver_[k].table.empty())) continue;
+      const T travel = kMargin * (free_travel(c) + c.root_admittance * reach_);
+      if (!c.is_awake) {
+        c.slack -= travel;
+      } else if (-y > kSleepingSamples * travel) {
+        c.is_awake = false;
+        c.slack = -y;
+        is_list_old_ = true;
+      }
+    }
+  }
+
+  [[nodiscard]] double stored(std::size_t k, T compression) const {
+    const CoupledConnection<T>& c = solver_[k];
+    if (c.table.empty()) return static_cast<double>(c.spring_n_per_m) / 2 * compression * compression;
+    return static_cast<double>(c.contact.stiffness_ratio) * potential(c.table, compression);
+  }
+
+  // Energy that connection k dissipated over the last sample [J].
+  [[nodiscard]] double lost(std::size_t k) const {
+    const CoupledConnection<T>& c = solver_[k];
+    const T y0 = connections_[k].before;
+    const double x = static_cast<double>(c.compression) - y0;
+    if (c.table.empty()) return c.resistance * x * x;
+    if (!(c.contact.loss_s_per_m > 0)) return 0;
+    if (!(c.force > 0)) return stored(k, y0) - stored(k, c.compression);  // all that it held beyond
+    return static_cast<double>(c.contact.loss_s_per_m) * c.contact.stiffness_ratio / time_step_ *
+           contactspline::force(c.table, y0) * x * x;
+  }
+
+  // [m/N]. Where nothing moves the admittance is 0; a contact needs one > 0.
+  static constexpr T kMinAdmittance = T(1e-18);
+  // Covers the rounding of the bounds.
+  static constexpr T kMargin = T(1.001);
+
+  T time_step_;
+  CoupledContacts<T> solver_;
+  std::vector<Body> bodies_;
+  std::vector<Place> places_;
+  std::vector<Connection> connections_;
+  std::vector<T> mutual_;      // admittances of all pairs of places, without damping [m/N]
+  std::vector<T> increments_;  // of the places that are awake, without connections [m]
+  T reach_ = 0;                // sum of force times root of admittance over the last sample
+  double work_of_controls_ = 0;
+  std::size_t anchor_ = 0;
+  bool is_list_old_ = true, is_following_ = false;
+};
+
+}  // namespace contactspline

@@ -1,0 +1,574 @@
+// SPDX-License-Identifier: MIT
+// The coupled step: one sample of several contacts and springs that move each other.
+#pragma once
+
+#include "contactspline/cpp20.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <concepts>
+#include <cstddef>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "contactspline/contact.hpp"
+#include "contactspline/modal.hpp"
+
+namespace contactspline {
+
+/// A contact or a spring over one sample. It is a contact if it has a table. A spring has none, pulls as well as it
+/// pushes, and stores spring_n_per_m compression^2/2.
+template <std::floating_point T>
+struct CoupledConnection {
+  SegmentTable<T> table = {};
+  ContactControls<T> contact = {};
+  T spring_n_per_m = 0;   ///< >= 0
+  T resistance = 0;       ///< viscous force per metre of increment [N/m], R/dt, >= 0; of springs only
+  T compression = 0;      ///< at the beginning of the sample [m]; advance() moves it to the end
+  T free_increment = 0;   ///< change of the compression over the sample if no connection acted [m]
+  std::size_t segment = 0;  ///< of a contact: the one that holds the compression; advance() moves it too
+  T force = 0;              ///< over the last sample [N]; the search for the next one begins here
+};
+
+namespace detail {
+
+/// Force of a connection over a sample and its slope, as functions of the increment.
+template <std::floating_point T>
+struct ForceAndSlope {
+  T force, slope;
+};
+
+/// Compression [m] at the end of a sample, and the segment that holds it.
+template <std::floating_point T>
+struct EndOfSample {
+  T compression;
+  std::size_t segment;
+};
+
+/// The law of one connection over one sample: force(x) never falls with the increment x.
+template <std::floating_point T>
+class SampleLaw {
+ public:
+  SampleLaw() = default;
+
+  SampleLaw(const CoupledConnection<T>& c, T time_step)
+      : table_(c.table), start_(c.segment), y0_(c.compression), is_contact_(!c.table.empty()) {
+    if (!is_contact_) {
+      force_ = c.spring_n_per_m * y0_;
+      half_curvature_ = c.spring_n_per_m / 2;
+      resistance_ = c.resistance;
+      return;
+    }
+    const Segment<T>& here = table_[start_];
+    ratio_ = c.contact.stiffness_ratio;
+    slope_at_knot_ = here.force_at(y0_);
+    force_ = ratio_ * slope_at_knot_;
+    half_curvature_ = ratio_ * here.half_curvature;
+    resistance_ = c.contact.loss_s_per_m > 0 ? c.contact.loss_s_per_m * ratio_ / time_step * slope_at_knot_ : T(0);
+    if (start_ > 0) lower_ = here.knot - y0_;
+    if (start_ + 1 < table_.size()) upper_ = table_[start_ + 1].knot - y0_;
+  }
+
+  /// Force over the sample [N] and its slope [N/m] for an increment x.
+  [[nodiscard]] ForceAndSlope<T> at(T x) const {
+    ForceAndSlope<T> elastic{force_ + half_curvature_ * x, half_curvature_};
+    if (x < lower_ || x >= upper_) elastic = crossing(x);
+    const ForceAndSlope<T> total{elastic.force + resistance_ * x, elastic.slope + resistance_};
+    if (is_contact_ && total.force < 0) return {0, 0};  // it would pull
+    return total;
+  }
+
+  /// A slope C [N/m] with force_at_rest() + C x >= force(x) for x > 0 and <= force(x) for x < 0, whatever x: half the
+  /// largest curvature, and the resistance.
+  [[nodiscard]] T steepest_slope() const {
+    T half_curvature = half_curvature_;
+    for (const Segment<T>& segment : table_) half_curvature = std::max(half_curvature, ratio_ * segment.half_curvature);
+    return half_curvature + resistance_;
+  }
+
+  [[nodiscard]] T force_at_rest() const { return force_; }  ///< for x = 0 [N]
+  [[nodiscard]] bool is_contact() const { return is_contact_; }
+
+  /// Where a step with the increment x ends.
+  [[nodiscard]] EndOfSample<T> end_of(T x) const {
+    if (!is_contact_) return {y0_ + x, 0};
+    if (x >= lower_ && x < upper_) return {y0_ + x, relocate_segment(table_, start_, y0_ + x)};
+    const Crossed crossed = cross(x);
+    const T y = table_[crossed.entry].knot + crossed.beyond;
+    return {y, relocate_segment(table_, crossed.last, y)};
+  }
+
+ private:
+  // A step that ends in segment `last`, `beyond` the knot `entry` by which it enters this segment.
+  struct Crossed {
+    std::size_t last, entry;
+    T beyond;
+  };
+
+  [[nodiscard]] Crossed cross(T x) const {
+    std::size_t last = start_;
+    if (x >= upper_) {
+      while (last + 1 < table_.size() && x >= table_[last + 1].knot - y0_) ++last;
+      return {last, last, x - (table_[last].knot - y0_)};
+    }
+    while (last > 0 && x < table_[last].knot - y0_) --last;
+    return {last, last + 1, x - (table_[last + 1].knot - y0_)};
+  }
+
+  [[nodiscard]] ForceAndSlope<T> crossing(T x) const {
+    const Crossed crossed = cross(x);
+    const bool up = x >= upper_;
+    const Segment<T>& first = table_[start_ + up];
+    const Segment<T>& entry = table_[crossed.entry];
+    const T c = table_[crossed.last].half_curvature, s = crossed.beyond;
+    const T gain_to_first = (first.knot - y0_) * (slope_at_knot_ + first.force) / 2;
+    const T gain = gain_to_first + whole(entry.energy - first.energy) + s * (entry.force + c * s);
+    const T force = x != 0 ? gain / x : slope_at_knot_;
+    const T slope = x != 0 ? (entry.force + 2 * c * s - force) / x : c;
+    return {ratio_ * std::max(T(0), force), ratio_ * std::max(T(0), slope)};
+  }
+
+  SegmentTable<T> table_{};
+  std::size_t start_ = 0;
+  T y0_ = 0, ratio_ = 1, slope_at_knot_ = 0;
+  T force_ = 0, half_curvature_ = 0, resistance_ = 0;  // within the segment of y0
+  T lower_ = -std::numeric_limits<T>::infinity(), upper_ = std::numeric_limits<T>::infinity();  // its ends
+  bool is_contact_ = false;
+};
+
+/// A symmetric matrix, or the lower triangle of one. Its columns begin on cache lines.
+template <std::floating_point T>
+class ColumnMatrix {
+ public:
+  ColumnMatrix() = default;
+  explicit ColumnMatrix(std::size_t size)
+: stride_(padded(size)), values_(stride_ * size) {}
+
+  /// n rounded up to whole cache lines.
+  [[nodiscard]] static std::size_t padded(std::size_t n) {
+    return (n + ModalArray<T>::kLine - 1) / ModalArray<T>::kLine * ModalArray<T>::kLine;
+  }
+  [[nodiscard]] T* column(std::size_t j) { return values_.data() + j * stride_; }
+  [[nodiscard]] const T* column(std::size_t j) const { return values_.data() + j * stride_; }
+  [[nodiscard]] T operator()(std::size_t i, std::size_t j) const { return column(j)[i]; }
+  [[nodiscard]] T& operator()(std::size_t i, std::size_t j) { return column(j)[i]; }
+
+ private:
+  std::size_t stride_ = 0;
+  ModalArray<T> values_;
+};
+
+/// to[from..n) += factor * column[from..n)
+template <std::floating_point T>
+void add_scaled(std::size_t from, std::size_t n, T factor, const T* __restrict column, T* __restrict to) {
+  for (std::size_t i = from; i < n; ++i) to[i] += factor * column[i];
+}
+
+}  // namespace detail
+
+/// Solves the connections of a model together, sample by sample. Over one sample
+///
+///     x = free increment - Xi force(x)
+///
+/// Xi is the matrix of admittances: by how much a newton in connection j reduces the increment of connection i. Each
+/// force is the discrete gradient of its contact, so the stored energy changes by force x, exactly. A contact that
+/// does not touch costs a comparison and a dot product with the forces that act. Groups without admittance between
+/// them are solved apart, and a contact that is alone in its group is contact_step. No allocation after construction.
+/// (docs/several-contacts.md)
+template <std::floating_point T>
+class CoupledContacts {
+ public:
+  /// Newton steps that a group may take in a sample. After these, the bounding law computes its forces.
+  static constexpr int kMaxSteps = 64;
+
+  /// max_steps: in place of kMaxSteps, 0 or more.
+  CoupledContacts(std::size_t connections, double sample_rate_hz, int max_steps = kMaxSteps)
+      : time_step_(T(1 / sample_rate_hz)),
+        max_steps_(max_steps),
+        connections_(connections),
+        laws_(connections),
+        ends_(connections),
+        is_active_(connections),
+        is_grouped_(connections),
+        admittance_(connections),
+        coupling_(connections),
+        factor_(connections),
+        root_admittance_(connections),
+        free_(connections),
+        root_(connections),
+        right_(connections),
+        step_(connections),
+        now_(connections),
+        next_(connections) {
+    for (auto* list : {&active_, &watched_, &members_, &group_, &rows_}) list->reserve(connections);
+  }
+
+  [[nodiscard]] std::size_t size() const { return connections_.size(); }
+
+  /// Connection i. Set its compression and free increment before each sample; read its force after it.
+  [[nodiscard]] CoupledConnection<T>& operator[](std::size_t i) { return connections_[i]; }
+  [[nodiscard]] const CoupledConnection<T>& operator[](std::size_t i) const { return connections_[i]; }
+
+  /// Sets the admittance between connections i and j [m/N]. The matrix must be positive semidefinite, and the
+  /// admittance of a connection with itself above 0.
+  void set_admittance(std::size_t i, std::size_t j, T admittance) {
+    admittance_(i, j) = admittance_(j, i) = admittance;
+    members_.clear();
+  }
+  [[nodiscard]] T admittance(std::size_t i, std::size_t j) const { return admittance_(i, j); }
+
+  /// Begins a sample without connections.
+  void begin() {
+    active_.clear();
+    watched_.clear();
+    std::ranges::fill(is_active_, false);
+    steps_ = 0;
+  }
+
+  /// Adds connection i to this sample.
+  void add(std::size_t i) {
+    CoupledConnection<T>& c = connections_[i];
+    if (c.table.empty() || c.compression > 0 || c.compression + c.free_increment > 0) return activate(i);
+    c.force = 0;
+    watched_.push_back(i);
+  }
+
+  /// Computes the forces. May be called again after further calls of add().
+  void solve() {
+    do {
+      std::ranges::fill(is_grouped_, false);
+      for (const std::size_t i : active_)
+        if (!is_grouped_[i]) solve_group_of(i);
+    } while (activate_touching());
+  }
+
+  /// Ends the sample: moves the compressions of the connections that were added.
+  void advance() {
+    for (const std::size_t i : active_) {
+      connections_[i].compression = ends_[i].compression;
+      connections_[i].segment = ends_[i].segment;
+    }
+    for (const std::size_t i : watched_) {
+      if (is_active_[i]) continue;
+      CoupledConnection<T>& c = connections_[i];
+      c.compression += c.free_increment - force_displacement(i);
+      c.segment = detail::relocate_segment(c.table, 0, c.compression);
+    }
+  }
+
+  /// By how much the forces reduce the increment of connection i [m].
+  [[nodiscard]] T force_displacement(std::size_t i) const {
+    const T* column = admittance_.column(i);
+    T sum = 0;
+    for (const std::size_t j : active_) sum += column[j] * connections_[j].force;
+    return sum;
+  }
+
+  /// Connections whose force solve() computed.
+  [[nodiscard]] std::span<const std::size_t> active() const { return active_; }
+  /// Newton steps of the last sample, of all groups.
+  [[nodiscard]] int steps() const { return steps_; }
+  /// In how many samples a group took the bounding law, since construction.
+  [[nodiscard]] std::size_t bounded() const { return bounded_; }
+
+ private:
+  // Forces of a group with what follows from them. Index: position in the group.
+  struct State {
+    explicit State(std::size_t size) : force(size), increment(size), residual(size), slope(size) {}
+
+    detail::ModalArray<T> force, increment;
+    detail::ModalArray<T> residual;  // force that the law wants less force
+    detail::ModalArray<T> slope;     // of the law
+    T norm = 0;                      // of the residual, in roots of joules
+    T excess = 0;                    // largest residual over what rounding explains
+  };
+
+  static constexpr T kRounding = std::numeric_limits<T>::epsilon();
+  static constexpr T kMaxExcess = 1024;  // at which a search without progress ends
+  static constexpr int kPatience = 8;
+
+  void activate(std::size_t i) {
+    is_active_[i] = true;
+    active_.push_back(i);
+    laws_[i] = detail::SampleLaw<T>(connections_[i], time_step_);
+  }
+
+  // Lets the watched contacts act that the forces of others close. Are there any?
+  bool activate_touching() {
+    const std::size_t before = active_.size();
+    if (before == 0) return false;
+    for (const std::size_t i : watched_) {
+      const CoupledConnection<T>& c = connections_[i];
+      if (!is_active_[i] && c.compression + (c.free_increment - force_displacement(i)) > 0) activate(i);
+    }
+    return active_.size() > before;
+  }
+
+  void solve_group_of(std::size_t seed) {
+    collect_group(seed);
+    if (group_.size() == 1 && laws_[seed].is_contact()) return solve_alone(seed);
+    gather();
+    if (!iterate()) apply_bounding_law();
+    for (std::size_t a = 0; a < group_.size(); ++a) {
+      const std::size_t i = group_[a];
+      connections_[i].force = now_.force[a];
+      ends_[i] = laws_[i].end_of(now_.increment[a]);
+    }
+  }
+
+  void solve_alone(std::size_t i) {
+    CoupledConnection<T>& c = connections_[i];
+    const Approach<T> approach{c.compression, c.free_increment, admittance_(i, i)};
+    const auto step = contact_step(c.table, c.contact, time_step_, approach, c.segment);
+    c.force = step.force;
+    ends_[i] = {step.compression, step.segment};
+  }
+
+  // The active connections that are coupled with this one, directly or through others.
+  void collect_group(std::size_t seed) {
+    group_.assign(1, seed);
+    is_grouped_[seed] = true;
+    for (std::size_t a = 0; a < group_.size() && group_.size() < active_.size(); ++a) {
+      const T* column = admittance_.column(group_[a]);
+      for (const std::size_t j : active_) {
+        if (is_grouped_[j] || column[j] == 0) continue;
+        is_grouped_[j] = true;
+        group_.push_back(j);
+      }
+    }
+  }
+
+  void gather() {
+    const std::size_t n = group_.size();
+    if (group_ != members_) {
+      members_ = group_;
+      for (std::size_t b = 0; b < n; ++b) {
+        const T* from = admittance_.column(group_[b]);
+        T* to = coupling_.column(b);
+        for (std::size_t a = 0; a < n; ++a) to[a] = from[group_[a]];
+        std::fill(to + n, to + coupling_.padded(n), T(0));
+        root_admittance_[b] = std::sqrt(to[b]);
+      }
+    }
+    for (std::size_t a = 0; a < n; ++a) {
+      free_[a] = connections_[group_[a]].free_increment;
+      now_.force[a] = connections_[group_[a]].force;
+    }
+    std::fill(free_.data() + n, free_.data() + coupling_.padded(n), T(0));
+  }
+
+  // Fills in a state from its forces.
+  void evaluate(State& state) const {
+    const std::size_t n = group_.size(), padded = coupling_.padded(n);
+    T* x = state.increment.data();
+    std::copy_n(free_.data(), padded, x);
+    T reach = 0;
+    for (std::size_t b = 0; b < n; ++b) {
+      const T force = state.force[b];
+      if (force == 0) continue;
+      detail::add_scaled(0, padded, -force, coupling_.column(b), x);
+      reach += root_admittance_[b] * std::abs(force);
+    }
+    state.norm = state.excess = 0;
+    for (std::size_t a = 0; a < n; ++a) {
+      const auto law = laws_[group_[a]].at(x[a]);
+      const T residual = law.force - state.force[a];
+      const T displacements = std::abs(free_[a]) + root_admittance_[a] * reach;
+      const T rounding = kRounding * (2 * law.force + law.slope * displacements);
+      state.residual[a] = residual;
+      state.slope[a] = law.slope;
+      state.norm = std::max(state.norm, root_admittance_[a] * std::abs(residual));
+      if (std::abs(residual) > state.excess * rounding)
+        state.excess = rounding > 0 ? std::abs(residual) / rounding : std::numeric_limits<T>::max();
+    }
+  }
+
+  // Is the solution found? Each step is Newton's, about the point that linearise_nearby() chooses. If kPatience of them
+  // in a row do not halve the smallest residual, Newton's method on the convex merit goes on, which cannot fail.
+  bool iterate() {
+    evaluate(now_);
+    T best = now_.norm;
+    for (int step = 0, refused = 0; step < max_steps_; ++step, ++steps_) {
+      if (now_.excess <= 1 || (refused > 1 && now_.excess <= kMaxExcess)) return true;
+      linearise_nearby();
+      compute_direction();
+      move(1);
+      refused = next_.norm <= best / 2 ? 0 : refused + 1;
+      if (refused > kPatience && next_.excess > 1 && !descend()) break;
+      std::swap(now_, next_);
+      best = std::min(best, now_.norm);
+    }
+    return now_.excess <= kMaxExcess;
+  }
+
+  // Linearises each contact where its own contact step ends if the other forces hold: better than where the increments
+  // of now_ lie, which overshoot. The residual is scaled so that compute_direction() still applies.
+  void linearise_nearby() {
+    for (std::size_t a = 0; a < group_.size(); ++a) {
+      const CoupledConnection<T>& c = connections_[group_[a]];
+      if (c.table.empty()) continue;
+      const T xi = coupling_(a, a);
+      const Approach<T> alone{c.compression, now_.increment[a] + xi * now_.force[a], xi};
+      const auto step = contact_step(c.table, c.contact, time_step_, alone, c.segment);
+      now_.slope[a] = laws_[group_[a]].at(step.compression - c.compression).slope;
+      now_.residual[a] = (1 + xi * now_.slope[a]) * (step.force - now_.force[a]);
+    }
+  }
+
+  // One step of Newton's method on the merit from now_ to next_, which lowers it. False if rounding hides its slope.
+  bool descend() {
+    evaluate(now_);
+    compute_direction();
+    move(1);
+    const T length = search_along_direction();
+    if (length < 1 && length > 0) move(length);
+    return length > 0;
+  }
+
+  void move(T length) {
+    for (std::size_t a = 0; a < group_.size(); ++a) next_.force[a] = now_.force[a] + length * step_[a];
+    evaluate(next_);
+  }
+
+  // Slope of the merit at this part of the distance from now_ to next_, which lie a whole direction apart.
+  [[nodiscard]] T merit_slope(T length) const {
+    T sum = 0;
+    for (std::size_t a = 0; a < group_.size(); ++a) {
+      const T change = next_.increment[a] - now_.increment[a];
+      const T force = laws_[group_[a]].at(now_.increment[a] + length * change).force;
+      sum += change * (force - (now_.force[a] + length * step_[a]));
+    }
+    return sum;
+  }
+
+  // A length, 0 to 1, up to which the merit falls and at which it falls at most half as steeply as at 0, or 1. 0 if
+  // rounding hides the slope.
+  [[nodiscard]] T search_along_direction() const {
+    const T slope_at_0 = merit_slope(0);
+    if (!(slope_at_0 < 0)) return 0;
+    T low = 0, high = 1, slope_low = slope_at_0, slope_high = merit_slope(1);
+    if (slope_high <= 0) return 1;
+    for (int i = 0; i < 60 && slope_low < slope_at_0 / 2; ++i) {
+      const T secant = low + (high - low) * (slope_low / (slope_low - slope_high));
+      const T length = i % 2 == 0 ? std::max(secant * T(0.999), low) : low + (high - low) / 2;
+      const T slope = merit_slope(length);
+      (slope <= 0 ? low : high) = length;
+      (slope <= 0 ? slope_low : slope_high) = slope;
+    }
+    return low;
+  }
+
+  // Solves (I + D Xi) step = residual, D the slopes, by a Cholesky factor of I + sqrt(D) Xi sqrt(D).
+  void compute_direction() {
+    const std::size_t n = group_.size();
+    rows_.clear();
+    bool others_move = false;
+    for (std::size_t a = 0; a < n; ++a) {
+      step_[a] = now_.residual[a];
+      if (now_.slope[a] * coupling_(a, a) > kRounding)
+        rows_.push_back(a);
+      else
+        others_move |= now_.residual[a] != 0;
+    }
+    const std::size_t m = rows_.size(), padded = factor_.padded(m);
+    for (std::size_t r = 0; r < m; ++r) root_[r] = std::sqrt(now_.slope[rows_[r]]);
+    for (std::size_t r = 0; r < m; ++r) {
+      const T* from = coupling_.column(rows_[r]);
+      T* to = factor_.column(r);
+      for (std::size_t q = 0; q < m; ++q) to[q] = root_[r] * root_[q] * from[rows_[q]];
+      std::fill(to + m, to + padded, T(0));
+      to[r] += 1;
+      T residual = now_.residual[rows_[r]] / root_[r];
+      if (others_move) residual -= root_[r] * moved_by_others(rows_[r]);
+      right_[r] = residual;
+    }
+    std::fill(right_.data() + m, right_.data() + padded, T(0));
+    factorise_and_solve(m);
+    for (std::size_t r = 0; r < m; ++r) step_[rows_[r]] = root_[r] * right_[r];
+  }
+
+  // Displacement of position a by the residuals of the positions that are not in rows_.
+  [[nodiscard]] T moved_by_others(std::size_t a) const {
+    T sum = 0;
+    for (std::size_t b = 0, r = 0; b < group_.size(); ++b) {
+      if (r < rows_.size() && rows_[r] == b)
+        ++r;
+      else
+        sum += coupling_(a, b) * now_.residual[b];
+    }
+    return sum;
+  }
+
+  // right_ becomes factor_^-1 right_. Above its diagonal, factor_ is scratch, so that all loops run on whole vectors.
+  void factorise_and_solve(std::size_t m) {
+    constexpr std::size_t kLine = detail::ModalArray<T>::kLine;
+    const std::size_t padded = factor_.padded(m);
+    T* right = right_.data();
+    for (std::size_t j = 0; j < m; ++j) {
+      T* column = factor_.column(j);
+      const T inverse = 1 / std::sqrt(std::max(column[j], T(1)));  // no pivot of I + ... is below 1
+      for (std::size_t i = j / kLine * kLine; i < padded; ++i) column[i] *= inverse;
+      for (std::size_t k = j + 1; k < m; ++k)
+        detail::add_scaled(k / kLine * kLine, padded, -column[k], column, factor_.column(k));
+      column[j] = inverse;  // of the diagonal
+      right[j] *= inverse;
+      for (std::size_t i = j + 1; i < m; ++i) right[i] -= right[j] * column[i];
+    }
+    for (std::size_t j = m; j-- > 0;) {
+      const T* column = factor_.column(j);
+      T sum = right[j];
+      for (std::size_t i = j + 1; i < m; ++i) sum -= column[i] * right[i];
+      right[j] = sum * column[j];
+    }
+  }
+
+  // One linear step with a law that is nowhere less stiff than the real one: passive, whatever the increments. Contacts
+  // that do not touch at the end join until none is left out that should touch: at most one step for each.
+  void apply_bounding_law() {
+    ++bounded_;
+    const std::size_t n = group_.size();
+    for (std::size_t a = 0; a < n; ++a) {
+      const auto& law = laws_[group_[a]];
+      next_.force[a] = !law.is_contact() || law.at(now_.increment[a]).force > 0;  // does it act?
+    }
+    for (bool changed = true; changed;) {
+      for (std::size_t a = 0; a < n; ++a) {
+        const auto& law = laws_[group_[a]];
+        const bool acts = next_.force[a] != 0;
+        now_.slope[a] = acts ? law.steepest_slope() : T(0);
+        now_.residual[a] = acts ? law.force_at_rest() + now_.slope[a] * free_[a] : T(0);
+      }
+      compute_direction();
+      std::copy_n(step_.data(), n, now_.force.data());
+      now_.increment = free_;
+      for (std::size_t b = 0; b < n; ++b)
+        detail::add_scaled(0, n, -now_.force[b], coupling_.column(b), now_.increment.data());
+      changed = false;
+      for (std::size_t a = 0; a < n; ++a) {
+        const CoupledConnection<T>& c = connections_[group_[a]];
+        if (next_.force[a] != 0 || c.compression + now_.increment[a] <= std::max(c.compression, T(0))) continue;
+        next_.force[a] = 1;
+        changed = true;
+      }
+    }
+  }
+
+  T time_step_;
+  int max_steps_;
+  std::vector<CoupledConnection<T>> connections_;
+  std::vector<detail::SampleLaw<T>> laws_;
+  std::vector<detail::EndOfSample<T>> ends_;
+  std::vector<char> is_active_, is_grouped_;
+  std::vector<std::size_t> active_, watched_;
+  std::vector<std::size_t> members_;  // whose admittances coupling_ holds
+  std::vector<std::size_t> group_;    // that is being solved
+  std::vector<std::size_t> rows_;     // positions in the group with a slope
+  detail::ColumnMatrix<T> admittance_, coupling_, factor_;
+  detail::ModalArray<T> root_admittance_, free_, root_, right_, step_;
+  State now_, next_;
+  int steps_ = 0;
+  std::size_t bounded_ = 0;
+};
+
+}  // namespace contactspline

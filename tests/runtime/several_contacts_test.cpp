@@ -1,0 +1,313 @@
+// SPDX-License-Identifier: MIT
+// Several contacts at once: the solver against nested bisection, networks by their energy and by independent paths.
+#include <functional>
+#include <numbers>
+#include <random>
+
+#include "contactspline/contact_network.hpp"
+#include "contactspline/hammer_string.hpp"
+#include "support/compare.hpp"
+#include "support/count_allocations.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+using Table = std::vector<Segment<double>>;
+
+// Quadratic pieces whose forces at the knots are those of k y^a; beyond the last knot the last piece goes on.
+template <typename T = double>
+std::vector<Segment<T>> power_table(double k, double a, double max_compression, int segments = 24) {
+  std::vector<Segment<T>> table(1, {0, 0, 0, 0});
+  double energy = 0;
+  for (int j = 0; j < segments; ++j) {
+    const double from = max_compression * std::pow(double(j) / segments, 2);
+    const double to = max_compression * std::pow(double(j + 1) / segments, 2);
+    const double f0 = k * std::pow(from, a), f1 = k * std::pow(to, a);
+    table.push_back({static_cast<T>(from), static_cast<T>(energy), static_cast<T>(f0),
+                     static_cast<T>((f1 - f0) / (to - from) / 2)});
+    energy += (f0 + f1) / 2 * (to - from);
+  }
+  return table;
+}
+
+struct Random {
+  explicit Random(unsigned seed) : engine(seed) {}
+  double between(double a, double b) { return std::uniform_real_distribution<double>(a, b)(engine); }
+  double log_between(double a, double b) { return std::exp(between(std::log(a), std::log(b))); }
+  std::size_t below(std::size_t n) { return std::uniform_int_distribution<std::size_t>(0, n - 1)(engine); }
+  std::mt19937_64 engine;
+};
+
+// n contacts on a body of some modes: their admittances are positive definite and strongly coupled.
+struct Problem {
+  Problem(Random& random, std::size_t n) : admittance(n, std::vector<double>(n)) {
+    std::vector<std::vector<double>> shapes(n, std::vector<double>(6));
+    for (auto& row : shapes)
+      for (double& shape : row) shape = random.between(-1, 1);
+    const double scale = random.log_between(1e-9, 1e-5);
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = 0; j < n; ++j)
+        for (std::size_t m = 0; m < 6; ++m) admittance[i][j] += scale * shapes[i][m] * shapes[j][m];
+    for (std::size_t i = 0; i < n; ++i) {
+      tables.push_back(power_table(random.log_between(1e4, 1e12), random.between(1, 3), 1e-3));
+      compression.push_back(random.between(-3e-4, 5e-4));
+      free_increment.push_back(random.between(-1e-3, 1e-3));
+      controls.push_back({random.log_between(0.1, 10), random.below(2) != 0 ? random.between(0, 1) : 0.0});
+    }
+  }
+
+  [[nodiscard]] std::size_t size() const { return tables.size(); }
+
+  void put_into(CoupledContacts<double>& solver) const {
+    solver.begin();
+    for (std::size_t i = 0; i < size(); ++i) {
+      for (std::size_t j = 0; j < size(); ++j) solver.set_admittance(i, j, admittance[i][j]);
+      solver[i].table = tables[i];
+      solver[i].contact = controls[i];
+      solver[i].compression = compression[i];
+      solver[i].free_increment = free_increment[i];
+      solver[i].segment = segment_index(SegmentTable<double>(tables[i]), compression[i]);
+    }
+    for (std::size_t i = 0; i < size(); ++i) solver.add(i);
+  }
+
+  std::vector<std::vector<double>> admittance;
+  std::vector<Table> tables;
+  std::vector<ContactControls<double>> controls;
+  std::vector<double> compression, free_increment;
+};
+
+constexpr double kRate = 44100;
+
+// Potential and force in long double, by a plain search.
+long double plain_potential(const Table& table, long double y) {
+  std::size_t j = 0;
+  for (std::size_t k = 1; k < table.size() && table[k].knot <= y; ++k) j = k;
+  const long double t = y - table[j].knot;
+  return table[j].energy + t * (table[j].force + t * table[j].half_curvature);
+}
+
+// The force of contact i for the increment x: its definition.
+long double plain_force(const Problem& p, std::size_t i, long double x) {
+  const long double y0 = p.compression[i], ratio = p.controls[i].stiffness_ratio, tiny = 1e-14L;
+  const long double step = std::abs(x) > tiny ? x : tiny;  // the discrete gradient hardly changes within 1e-14 m
+  const long double elastic = (plain_potential(p.tables[i], y0 + step) - plain_potential(p.tables[i], y0)) / step;
+  const long double at_start =
+      (plain_potential(p.tables[i], y0 + tiny) - plain_potential(p.tables[i], y0 - tiny)) / (2 * tiny);
+  const long double viscous = p.controls[i].loss_s_per_m * ratio * kRate * (y0 > 0 ? at_start : 0) * x;
+  return std::max(0.0L, ratio * elastic + viscous);
+}
+
+// Forces by bisection for the last contact, within bisection for the one before, and so on: each residual rises with
+// its force, because the matrix of admittances is positive definite.
+void bisect(const Problem& p, std::size_t i, std::vector<long double>& forces) {
+  if (i == p.size()) return;
+  const auto residual = [&](long double force) {
+    forces[i] = force;
+    for (std::size_t j = i + 1; j < p.size(); ++j) forces[j] = 0;
+    bisect(p, i + 1, forces);
+    long double x = p.free_increment[i];
+    for (std::size_t j = 0; j < p.size(); ++j) x -= p.admittance[i][j] * forces[j];
+    return force - plain_force(p, i, x);
+  };
+  long double low = 0, high = 1;
+  while (residual(high) < 0) high *= 2;
+  for (int n = 0; n < 62 && low < high; ++n) {
+    const long double middle = (low + high) / 2;
+    (residual(middle) < 0 ? low : high) = middle;
+  }
+  residual((low + high) / 2);
+}
+
+template <typename T>
+class OneContact : public ::testing::Test {};
+using Precisions = ::testing::Types<float, double>;
+TYPED_TEST_SUITE(OneContact, Precisions);
+
+// A contact that is alone computes the bits of contact_step, beside others that it is not coupled with too.
+TYPED_TEST(OneContact, IsTheContactStep) {
+  using T = TypeParam;
+  Random random(1);
+  const auto table = power_table<T>(1e9, 1.5, 1e-3);
+  CoupledContacts<T> solver(3, kRate);
+  for (std::size_t i = 0; i < 3; ++i) solver[i].table = table;
+  int touching = 0;
+  for (int n = 0; n < 100000; ++n) {
+    solver.begin();
+    std::vector<ContactStep<T>> expected;
+    for (std::size_t i = 0; i < 3; ++i) {
+      CoupledConnection<T>& c = solver[i];
+      solver.set_admittance(i, i, static_cast<T>(random.log_between(1e-12, 1e-4)));
+      c.contact = {static_cast<T>(random.log_between(0.1, 10)), random.below(2) != 0 ? T(0.3) : T(0)};
+      c.compression = static_cast<T>(random.between(-1e-4, 1e-3));
+      c.free_increment = static_cast<T>(random.between(-1e-3, 1e-3));
+      c.segment = segment_index(c.table, c.compression);
+      expected.push_back(contact_step(c.table, c.contact, T(1 / kRate), {c.compression, c.free_increment, solver.admittance(i, i)}));
+      solver.add(i);
+    }
+    solver.solve();
+    solver.advance();
+    for (std::size_t i = 0; i < 3; ++i) {
+      ASSERT_EQ(solver[i].force, expected[i].force) << n;
+      ASSERT_EQ(solver[i].compression, expected[i].compression) << n;
+      ASSERT_EQ(solver[i].segment, expected[i].segment) << n;
+      touching += expected[i].force > 0;
+    }
+    ASSERT_EQ(solver.steps(), 0);
+  }
+  EXPECT_GT(touching, 100000);
+}
+
+void expect_agreement_with_bisection(std::size_t contacts, int problems) {
+  Random random(2);
+  CoupledContacts<double> solver(contacts, kRate);
+  int coupled = 0;
+  for (int n = 0; n < problems; ++n) {
+    const Problem problem(random, contacts);
+    std::vector<long double> expected(contacts);
+    bisect(problem, 0, expected);
+    problem.put_into(solver);
+    solver.solve();
+    coupled += solver.steps() > 0;
+    const long double largest = *std::ranges::max_element(expected);
+    for (std::size_t i = 0; i < contacts; ++i)
+      ASSERT_TRUE(within(solver[i].force, static_cast<double>(expected[i]), 1e-10 * static_cast<double>(largest)))
+          << "problem " << n << ", contact " << i;
+    EXPECT_EQ(solver.bounded(), 0U);
+  }
+  EXPECT_GT(coupled, problems / 4);
+}
+
+TEST(CoupledContacts, AgreesWithBisectionForTwo) { expect_agreement_with_bisection(2, 1000); }
+TEST(CoupledContacts, AgreesWithBisectionForThree) { expect_agreement_with_bisection(3, 30); }
+
+// Two problems without admittance between them give the bits that each gives alone.
+TEST(CoupledContacts, SolvesIndependentGroupsApart) {
+  Random random(3);
+  for (int n = 0; n < 1000; ++n) {
+    const Problem a(random, 3), b(random, 4);
+    CoupledContacts<double> of_a(3, kRate), of_b(4, kRate), both(7, kRate);
+    a.put_into(of_a);
+    b.put_into(of_b);
+    both.begin();
+    for (std::size_t i = 0; i < 7; ++i)
+      for (std::size_t j = 0; j < 7; ++j)
+        both.set_admittance(i, j, i < 3 && j < 3     ? a.admittance[i][j]
+                                  : i >= 3 && j >= 3 ? b.admittance[i - 3][j - 3]
+                                                     : 0);
+    for (std::size_t i = 0; i < 7; ++i) {
+      both[i] = i < 3 ? of_a[i] : of_b[i - 3];
+      both.add(i);
+    }
+    of_a.solve();
+    of_b.solve();
+    both.solve();
+    for (std::size_t i = 0; i < 7; ++i) ASSERT_EQ(both[i].force, i < 3 ? of_a[i].force : of_b[i - 3].force) << n;
+  }
+}
+
+// A random network: masses and modal bodies, contacts of 8 decades of stiffness, springs, dampers and rigid links.
+struct RandomNetwork {
+  explicit RandomNetwork(unsigned seed) : random(seed) {
+    rate = std::vector<double>{22050, 44100, 96000, 192000}[random.below(4)];
+    const std::size_t bodies = 2 + random.below(7), count = 1 + random.below(40);
+    for (std::size_t b = 0; b < bodies; ++b) {
+      if (random.below(2) == 0) {
+        plan.add_mass_place(plan.add_mass(random.log_between(1e-4, 1)));
+        continue;
+      }
+      std::vector<Mode> modes;
+      const double f0 = random.log_between(30, 1000), mass = random.log_between(1e-3, 0.1);
+      for (std::size_t i = 1; i <= 4 + random.below(20); ++i)
+        modes.push_back({2 * std::numbers::pi * f0 * double(i), random.between(0, 20), mass});
+      const std::size_t body = plan.add_body(modes);
+      for (std::size_t p = 0; p < 1 + random.below(8); ++p) {
+        std::vector<double> shapes;
+        const double place = random.between(0.01, 0.99);
+        for (std::size_t i = 1; i <= modes.size(); ++i) shapes.push_back(std::sin(std::numbers::pi * double(i) * place));
+        plan.add_place(body, shapes);
+      }
+    }
+    tables.reserve(count);
+    for (std::size_t k = 0; k < count; ++k) connect();
+  }
+
+  void connect() {
+    const std::size_t places = plan.places().size();
+    std::size_t first = random.below(places), second = random.below(places + 1);
+    if (second == first || second == places) second = kGround;
+    if (second != kGround && random.below(2) == 0) std::swap(first, second);
+    switch (random.below(8)) {
+      case 0: plan.add_spring(first, second, random.log_between(10, 1e7)); return;
+      case 1: plan.add_spring(first, second, random.log_between(10, 1e5), random.log_between(1e-3, 10)); return;
+      case 2:
+        if (second != kGround) {
+          plan.add_rigid_link(first, second);
+          return;
+        }
+        [[fallthrough]];
+      default:
+        tables.push_back(power_table(random.log_between(1e4, 1e12), random.between(1.01, 3), 1e-4));
+        plan.add_contact(first, second, tables.back(), random.between(0, 1e-3),
+                         {1, random.below(3) == 0 ? random.between(0, 1) : 0.0});
+    }
+  }
+
+  [[nodiscard]] ContactNetwork<double> network(int max_steps) {
+    ContactNetwork<double> network(plan, rate, max_steps);
+    for (std::size_t b = 0; b < plan.bodies().size(); ++b)
+      network.set_motion(b, random.between(-1e-4, 1e-4), random.between(-2, 2));
+    return network;
+  }
+
+  Random random;
+  double rate;
+  NetworkPlan<double> plan;
+  std::vector<Table> tables;
+};
+
+// What a run of a network shows of its energy.
+struct Books {
+  double peak = 0;
+  double worst = 0;   // largest |stored + dissipated - work - stored at first|
+  double gained = 0;  // largest energy gained over a sample beyond what balances
+  std::size_t coupled = 0;
+};
+
+Books books_of(RandomNetwork& random_network, ContactNetwork<double>& network, int samples) {
+  Books books;
+  long double balance = network.energy();
+  for (int n = 0; n < samples; ++n) {
+    if (n % 100 < 10) network.push(random_network.random.below(random_network.plan.places().size()), 3);
+    network.tick();
+    balance += static_cast<long double>(network.work()) - network.dissipated();
+    const double stored = network.energy(), error = static_cast<double>(stored - balance);
+    books.peak = std::max(books.peak, stored);
+    books.worst = std::isfinite(error) ? std::max(books.worst, std::abs(error)) : error;
+    if (!std::isfinite(error)) return books;
+    books.gained = std::max(books.gained, error);
+    books.coupled += network.solver().steps() > 0;
+  }
+  return books;
+}
+
+TEST(ContactNetwork, BalancesItsEnergy) {
+  std::size_t coupled = 0, steps = 0;
+  int max_steps = 0;
+  double worst = 0;
+  for (unsigned seed = 0; seed < 100; ++seed) {
+    RandomNetwork random_network(seed);
+    auto network = random_network.network(CoupledContacts<double>::kMaxSteps);
+    const Books books = books_of(random_network, network, 3000);
+    EXPECT_TRUE(within(books.worst, 0, 1e-12 * books.peak)) << "network " << seed;
+    EXPECT_EQ(network.solver().bounded(), 0U) << "network " << seed;
+    worst = std::max(worst, books.worst / books.peak);
+    coupled += books.coupled;
+    (void)steps, (void)max_steps;
+  }
+  std::cout << "largest error of the energy, over its peak: " << worst << "\n";
+  EXPECT_GT(coupled, 100000U);
+}
+
+}  // namespace
+}  // namespace contactspline::testing
