@@ -29,7 +29,8 @@ struct ConnectionRange {
 };
 
 /// What a ContactNetwork is made of. Each add function returns the index of what it adds. A connection joins two
-/// places of earlier calls, one of which may be kGround. Its compression is displacement(first) - displacement(second)
+/// places of earlier calls, one of which may be kGround. Its compression is displacement(first) -
+/// displacement(second)
 /// - gap.
 template <std::floating_point T>
 class NetworkPlan {
@@ -66,13 +67,14 @@ class NetworkPlan {
   /// The table must outlive the network. weight: multiplies the stiffness, > 0.
   std::size_t add_contact(std::size_t first, std::size_t second, SegmentTable<T> table, T gap_m = 0,
                           const ContactControls<T>& contact = {}, T weight = 1) {
-    return add(connections_,
-               {.first = first, .second = second, .table = table, .contact = contact, .weight = weight, .gap_m = gap_m});
+    return add(
+        connections_,
+        {.first = first, .second = second, .table = table, .contact = contact, .weight = weight, .gap_m = gap_m});
   }
 
-  /// A distributed contact between places of one body and one place or the ground. gaps_m: distance from each place to
-  /// the profile. weights: part of the profile that each point stands for. If the material's force is per metre, they
-  /// are lengths [m].
+  /// A distributed contact between places of one body and one place or the ground. gaps_m: distance from each place
+  /// to the profile. weights: part of the profile that each point stands for. If the material's force is per metre,
+  /// they are lengths [m].
   ConnectionRange add_profile(std::span<const std::size_t> places, std::size_t second, SegmentTable<T> table,
                               std::span<const double> gaps_m, std::span<const double> weights,
                               const ContactControls<T>& contact = {}) {
@@ -93,7 +95,7 @@ class NetworkPlan {
                               .resistance_n_s_per_m = resistance_n_s_per_m});
   }
 
-  /// A link so stiff that its length changes by 1e-6 (float: 1e-3) of what the places would move apart in a sample.
+  /// A link so stiff that its length changes by 1e-5 (float: 1e-3) of what the places would move apart in a sample.
   std::size_t add_rigid_link(std::size_t first, std::size_t second, T gap_m = 0) {
     return add(connections_, {.first = first, .second = second, .gap_m = gap_m, .is_rigid = true});
   }
@@ -141,8 +143,8 @@ class ContactNetwork {
   /// Pushes at a place during the next sample [N], -1000 to 1000. Several pushes add up. Not a number does nothing.
   void push(std::size_t place, T force_n) { places_[place].push += held(T(0), force_n, Ranges::force_n); }
 
-  /// Puts a mode between two samples at a displacement [m], -1000 to 1000, with a velocity [m/s], -1000 to 1000. A free
-  /// mass is mode 0 of its body. Does nothing if one of them is not a number.
+  /// Puts a mode between two samples at a displacement [m], -1000 to 1000, with a velocity [m/s], -1000 to 1000. A
+  /// free mass is mode 0 of its body. Does nothing if one of them is not a number.
   void set_motion(std::size_t body, T displacement_m, T velocity_m_per_s, std::size_t mode = 0) {
     if (!is_number(displacement_m) || !is_number(velocity_m_per_s)) return;
     bodies_[body].bank.set_motion(mode, held(T(0), displacement_m, Ranges::displacement_m),
@@ -194,7 +196,7 @@ class ContactNetwork {
   void tick() {
     work_of_controls_ = 0;
     follow_controls();
-    anchor_next();
+    if constexpr (kRounds) anchor_next();
     predict();
     solve();
     push_forces();
@@ -220,6 +222,10 @@ class ContactNetwork {
     return connections_[connection].is_awake ? solver_[connection].compression : measured(connection);
   }
   [[nodiscard]] T gap(std::size_t connection) const { return connections_[connection].gap; }  ///< that acts [m]
+  /// Number of contacts that are too far apart to be looked at.
+  [[nodiscard]] std::size_t sleeping() const {
+    return static_cast<std::size_t>(std::ranges::count(connections_, false, &Connection::is_awake));
+  }
   [[nodiscard]] const CoupledContacts<T>& solver() const { return solver_; }
 
   /// Energy of all bodies and connections [J]. In each sample it changes by work() - dissipated(), up to rounding.
@@ -244,8 +250,7 @@ class ContactNetwork {
     for (const Place& place : places_)
       if (place.last_push != 0)
         work += static_cast<double>(place.last_push) * bodies_[place.body].bank.increment(place.shapes);
-    for (const std::size_t k : solver_.active())
-      work += static_cast<double>(solver_[k].force) * connections_[k].lift;
+    for (const std::size_t k : solver_.active()) work += static_cast<double>(solver_[k].force) * connections_[k].lift;
     return work;
   }
 
@@ -253,8 +258,10 @@ class ContactNetwork {
   using Ranges = ControlRanges<T>;
   static constexpr T kGapSpeed_m_per_s = 1;
   // A contact sleeps if even this many samples of fastest motion would not close it.
-  static constexpr T kSleepingSamples = 32;
-  static constexpr T kRigidity = std::numeric_limits<T>::digits > 40 ? T(1e6) : T(1e3);
+  static constexpr T kSleepingSamples = 4;
+  // Does T round so much that compressions drift within minutes?
+  static constexpr bool kRounds = std::numeric_limits<T>::digits < std::numeric_limits<double>::digits;
+  static constexpr T kRigidity = kRounds ? T(1e3) : T(1e5);
 
   struct Body {
     Body(std::span<const Mode> modes, double sample_rate_hz) : bank(modes, sample_rate_hz) {}
@@ -359,8 +366,8 @@ class ContactNetwork {
 
   [[nodiscard]] T measured(std::size_t k) const {
     const Connection& c = connections_[k];
-    return (c.first == kGround ? T(0) : displacement(c.first)) - (c.second == kGround ? T(0) : displacement(c.second)) -
-           c.gap;
+    return (c.first == kGround ? T(0) : displacement(c.first)) -
+           (c.second == kGround ? T(0) : displacement(c.second)) - c.gap;
   }
 
   void set_compression(std::size_t k, T compression) {
@@ -459,7 +466,8 @@ class ContactNetwork {
   void solve() {
     solver_.begin();
     for (std::size_t k = 0; k < connections_.size(); ++k)
-      if (connections_[k].is_awake) begin(k, increment_at(connections_[k].first) - increment_at(connections_[k].second));
+      if (connections_[k].is_awake)
+        begin(k, increment_at(connections_[k].first) - increment_at(connections_[k].second));
     do solver_.solve();
     while (wake_reachable());
   }

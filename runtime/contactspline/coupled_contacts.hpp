@@ -23,10 +23,10 @@ template <std::floating_point T>
 struct CoupledConnection {
   SegmentTable<T> table = {};
   ContactControls<T> contact = {};
-  T spring_n_per_m = 0;   ///< >= 0
-  T resistance = 0;       ///< viscous force per metre of increment [N/m], R/dt, >= 0; of springs only
-  T compression = 0;      ///< at the beginning of the sample [m]; advance() moves it to the end
-  T free_increment = 0;   ///< change of the compression over the sample if no connection acted [m]
+  T spring_n_per_m = 0;     ///< >= 0
+  T resistance = 0;         ///< viscous force per metre of increment [N/m], R/dt, >= 0; of springs only
+  T compression = 0;        ///< at the beginning of the sample [m]; advance() moves it to the end
+  T free_increment = 0;     ///< change of the compression over the sample if no connection acted [m]
   std::size_t segment = 0;  ///< of a contact: the one that holds the compression; advance() moves it too
   T force = 0;              ///< over the last sample [N]; the search for the next one begins here
 };
@@ -83,7 +83,8 @@ class SampleLaw {
   /// largest curvature, and the resistance.
   [[nodiscard]] T steepest_slope() const {
     T half_curvature = half_curvature_;
-    for (const Segment<T>& segment : table_) half_curvature = std::max(half_curvature, ratio_ * segment.half_curvature);
+    for (const Segment<T>& segment : table_)
+      half_curvature = std::max(half_curvature, ratio_ * segment.half_curvature);
     return half_curvature + resistance_;
   }
 
@@ -142,8 +143,7 @@ template <std::floating_point T>
 class ColumnMatrix {
  public:
   ColumnMatrix() = default;
-  explicit ColumnMatrix(std::size_t size)
-: stride_(padded(size)), values_(stride_ * size) {}
+  explicit ColumnMatrix(std::size_t size) : stride_(padded(size)), values_(stride_ * size) {}
 
   /// n rounded up to whole cache lines.
   [[nodiscard]] static std::size_t padded(std::size_t n) {
@@ -281,7 +281,8 @@ class CoupledContacts {
     detail::ModalArray<T> residual;  // force that the law wants less force
     detail::ModalArray<T> slope;     // of the law
     T norm = 0;                      // of the residual, in roots of joules
-    T excess = 0;                    // largest residual over what rounding explains
+    T excess = 0;                    // largest residual over its rounding
+    T scale = 0;                     // of the forces, as norm
   };
 
   static constexpr T kRounding = std::numeric_limits<T>::epsilon();
@@ -363,34 +364,35 @@ class CoupledContacts {
     const std::size_t n = group_.size(), padded = coupling_.padded(n);
     T* x = state.increment.data();
     std::copy_n(free_.data(), padded, x);
-    T reach = 0;
-    for (std::size_t b = 0; b < n; ++b) {
-      const T force = state.force[b];
-      if (force == 0) continue;
-      detail::add_scaled(0, padded, -force, coupling_.column(b), x);
-      reach += root_admittance_[b] * std::abs(force);
-    }
-    state.norm = state.excess = 0;
+    for (std::size_t b = 0; b < n; ++b)
+      if (state.force[b] != 0) detail::add_scaled(0, padded, -state.force[b], coupling_.column(b), x);
+    state.norm = state.excess = state.scale = 0;
     for (std::size_t a = 0; a < n; ++a) {
       const auto law = laws_[group_[a]].at(x[a]);
       const T residual = law.force - state.force[a];
-      const T displacements = std::abs(free_[a]) + root_admittance_[a] * reach;
-      const T rounding = kRounding * (2 * law.force + law.slope * displacements);
+      // Where forces cancel each other, rounding is larger: then the search ends without progress.
+      const T xi = coupling_(a, a),
+              displacements = std::abs(free_[a]) + std::abs(x[a]) + xi * std::abs(state.force[a]);
+      const T forces = std::abs(law.force) + std::abs(laws_[group_[a]].force_at_rest());
+      // Beside a law that is 0 here and not there: what moves the contact by less than rounding.
+      const T slope = law.force == 0 ? std::max(law.slope, 1 / xi) : law.slope;
+      const T rounding = kRounding * (2 * forces + slope * displacements);
       state.residual[a] = residual;
       state.slope[a] = law.slope;
       state.norm = std::max(state.norm, root_admittance_[a] * std::abs(residual));
+      state.scale = std::max(state.scale, root_admittance_[a] * std::abs(state.force[a]));
       if (std::abs(residual) > state.excess * rounding)
         state.excess = rounding > 0 ? std::abs(residual) / rounding : std::numeric_limits<T>::max();
     }
   }
 
-  // Is the solution found? Each step is Newton's, about the point that linearise_nearby() chooses. If kPatience of them
-  // in a row do not halve the smallest residual, Newton's method on the convex merit goes on, which cannot fail.
+  // Is the solution found? Each step is Newton's, about the point that linearise_nearby() chooses. If kPatience of
+  // them in a row do not halve the smallest residual, Newton's method on the convex merit goes on, which cannot fail.
   bool iterate() {
     evaluate(now_);
     T best = now_.norm;
     for (int step = 0, refused = 0; step < max_steps_; ++step, ++steps_) {
-      if (now_.excess <= 1 || (refused > 1 && now_.excess <= kMaxExcess)) return true;
+      if (now_.excess <= 1 || (refused > 1 && is_rounding(now_))) return true;
       linearise_nearby();
       compute_direction();
       move(1);
@@ -399,11 +401,16 @@ class CoupledContacts {
       std::swap(now_, next_);
       best = std::min(best, now_.norm);
     }
-    return now_.excess <= kMaxExcess;
+    return is_rounding(now_);
   }
 
-  // Linearises each contact where its own contact step ends if the other forces hold: better than where the increments
-  // of now_ lie, which overshoot. The residual is scaled so that compute_direction() still applies.
+  // May the residual be rounding of forces that cancel each other?
+  [[nodiscard]] static bool is_rounding(const State& state) {
+    return state.excess <= kMaxExcess || state.norm <= 16 * kRounding * state.scale;
+  }
+
+  // Linearises each contact where its own contact step ends if the other forces hold: better than where the
+  // increments of now_ lie, which overshoot. The residual is scaled so that compute_direction() still applies.
   void linearise_nearby() {
     for (std::size_t a = 0; a < group_.size(); ++a) {
       const CoupledConnection<T>& c = connections_[group_[a]];
@@ -523,8 +530,8 @@ class CoupledContacts {
     }
   }
 
-  // One linear step with a law that is nowhere less stiff than the real one: passive, whatever the increments. Contacts
-  // that do not touch at the end join until none is left out that should touch: at most one step for each.
+  // One linear step with a law that is nowhere less stiff than the real one: passive, whatever the increments.
+  // Contacts that do not touch at the end join until none is left out that should touch: at most one step for each.
   void apply_bounding_law() {
     ++bounded_;
     const std::size_t n = group_.size();

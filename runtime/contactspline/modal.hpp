@@ -238,7 +238,7 @@ class ModalBank {
   }
 
   /// increment() at several places at once, which is faster.
-  void increments(std::span<const ModeShapes<T>* const> at, T* increments) const {
+  void increments(std::span<const Shapes* const> at, T* increments) const requires(Modes == std::dynamic_extent) {
     const T* change = change_.data();
     const std::size_t modes = change_.padded_size();
     std::size_t p = 0;
@@ -266,7 +266,7 @@ class ModalBank {
   }
 
   /// push() at several places at once, which is faster.
-  void push(std::span<const ModeShapes<T>* const> at, const T* forces) {
+  void push(std::span<const Shapes* const> at, const T* forces) requires(Modes == std::dynamic_extent) {
     const std::size_t modes = change_.padded_size();
     std::size_t p = 0;
     for (; p + 4 <= at.size(); p += 4)
@@ -280,8 +280,9 @@ class ModalBank {
     const detail::ModeConstants& c = constants_[mode];
     const double one_minus_real = (c.loss + c.stiffness) / 2;  // 1 - Re z
     displacement_[mode] = displacement_m;
-    free_increment_[mode] = static_cast<T>((velocity_m_per_s + c.decay_per_s * displacement_m) / c.velocity_gain -
-                                           one_minus_real * displacement_m);
+    const double q = double(displacement_m);
+    free_increment_[mode] =
+        static_cast<T>((double(velocity_m_per_s) + c.decay_per_s * q) / c.velocity_gain - one_minus_real * q);
   }
 
   /// Ends the sample: updates displacements and free increments.
@@ -359,7 +360,8 @@ class ModalBank {
   }
 
   // Four sums of change times shape.
-  static void sum_products(std::size_t modes, const T* change, const T* a, const T* b, const T* c, const T* d, T* sums) {
+  static void sum_products(std::size_t modes, const T* change, const T* a, const T* b, const T* c, const T* d,
+                           T* sums) {
     constexpr std::size_t kLanes = 16 / sizeof(T);
     T of_a[kLanes] = {}, of_b[kLanes] = {}, of_c[kLanes] = {}, of_d[kLanes] = {};
     for (std::size_t i = 0; i < modes; i += kLanes)
