@@ -95,7 +95,7 @@ class NetworkPlan {
                               .resistance_n_s_per_m = resistance_n_s_per_m});
   }
 
-  /// A link so stiff that its length changes by 1e-5 (float: 1e-3) of what the places would move apart in a sample.
+  /// A link so stiff that its length changes by 1e-4 (float: 1e-3) of what the places would move apart in a sample.
   std::size_t add_rigid_link(std::size_t first, std::size_t second, T gap_m = 0) {
     return add(connections_, {.first = first, .second = second, .gap_m = gap_m, .is_rigid = true});
   }
@@ -261,7 +261,7 @@ class ContactNetwork {
   static constexpr T kSleepingSamples = 4;
   // Does T round so much that compressions drift within minutes?
   static constexpr bool kRounds = std::numeric_limits<T>::digits < std::numeric_limits<double>::digits;
-  static constexpr T kRigidity = kRounds ? T(1e3) : T(1e5);
+  static constexpr T kRigidity = kRounds ? T(1e3) : T(1e4);
 
   struct Body {
     Body(std::span<const Mode> modes, double sample_rate_hz) : bank(modes, sample_rate_hz) {}

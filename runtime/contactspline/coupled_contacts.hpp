@@ -282,11 +282,9 @@ class CoupledContacts {
     detail::ModalArray<T> slope;     // of the law
     T norm = 0;                      // of the residual, in roots of joules
     T excess = 0;                    // largest residual over its rounding
-    T scale = 0;                     // of the forces, as norm
   };
 
   static constexpr T kRounding = std::numeric_limits<T>::epsilon();
-  static constexpr T kMaxExcess = 1024;  // at which a search without progress ends
   static constexpr int kPatience = 8;
 
   void activate(std::size_t i) {
@@ -366,7 +364,7 @@ class CoupledContacts {
     std::copy_n(free_.data(), padded, x);
     for (std::size_t b = 0; b < n; ++b)
       if (state.force[b] != 0) detail::add_scaled(0, padded, -state.force[b], coupling_.column(b), x);
-    state.norm = state.excess = state.scale = 0;
+    state.norm = state.excess = 0;
     for (std::size_t a = 0; a < n; ++a) {
       const auto law = laws_[group_[a]].at(x[a]);
       const T residual = law.force - state.force[a];
@@ -380,7 +378,6 @@ class CoupledContacts {
       state.residual[a] = residual;
       state.slope[a] = law.slope;
       state.norm = std::max(state.norm, root_admittance_[a] * std::abs(residual));
-      state.scale = std::max(state.scale, root_admittance_[a] * std::abs(state.force[a]));
       if (std::abs(residual) > state.excess * rounding)
         state.excess = rounding > 0 ? std::abs(residual) / rounding : std::numeric_limits<T>::max();
     }
@@ -405,8 +402,17 @@ class CoupledContacts {
   }
 
   // May the residual be rounding of forces that cancel each other?
-  [[nodiscard]] static bool is_rounding(const State& state) {
-    return state.excess <= kMaxExcess || state.norm <= 16 * kRounding * state.scale;
+  [[nodiscard]] bool is_rounding(const State& state) const {
+    T reach = 0;
+    for (std::size_t a = 0; a < group_.size(); ++a) reach += root_admittance_[a] * std::abs(state.force[a]);
+    for (std::size_t a = 0; a < group_.size(); ++a) {
+      const T root = root_admittance_[a],
+              forces = std::abs(state.force[a]) + std::abs(laws_[group_[a]].force_at_rest());
+      const T slope = state.slope[a] + 1 / (root * root);
+      const T rounding = kRounding * (forces + slope * (std::abs(free_[a]) + root * reach));
+      if (!(std::abs(state.residual[a]) <= 16 * rounding)) return false;
+    }
+    return true;
   }
 
   // Linearises each contact where its own contact step ends if the other forces hold: better than where the

@@ -530,7 +530,8 @@ TEST(ContactNetwork, MovesLinkedMassesAsOne) {
   }
 }
 
-// Controls that jump anywhere, out of range and to NaN: the books close, and they stay finite.
+// Controls that jump anywhere, out of range and to NaN: the books close, and they stay finite. A stiffness of up to
+// 1e18 N/m^a multiplies the rounding of the displacements, hence the bound.
 TEST(ContactNetwork, FollowsItsControls) {
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
   for (unsigned seed = 0; seed < 20; ++seed) {
@@ -559,8 +560,10 @@ TEST(ContactNetwork, FollowsItsControls) {
       gained = std::max(gained, error);
     }
     EXPECT_TRUE(std::isfinite(worst)) << "network " << seed;
-    EXPECT_LE(gained, 1e-10 * peak) << "network " << seed;
-    if (network.solver().bounded() == 0) EXPECT_LE(worst, 1e-10 * peak) << "network " << seed;
+    EXPECT_LE(gained, 1e-9 * peak) << "network " << seed;
+    if (network.solver().bounded() == 0) {
+      EXPECT_LE(worst, 1e-9 * peak) << "network " << seed;
+    }
   }
 }
 
