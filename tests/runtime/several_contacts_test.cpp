@@ -409,6 +409,26 @@ TEST(ContactNetwork, ConvergesAsAProfileIsRefined) {
   EXPECT_LT(errors.back(), 1e-3);
 }
 
+// Points of a profile that touch at once act together as one contact of the sum of their weights.
+TEST(ContactNetwork, WeighsThePointsOfAProfile) {
+  const Table table = power_table(1e8, 1.5, 1e-3);
+  const auto played = [&](const std::vector<double>& weights) {
+    NetworkPlan<double> plan;
+    const std::size_t place = plan.add_mass_place(plan.add_mass(0.01));
+    const std::vector<std::size_t> places(weights.size(), place);
+    const auto points = plan.add_profile(places, kGround, table, std::vector<double>(weights.size(), 1e-4), weights);
+    ContactNetwork<double> network(plan, kRate);
+    network.set_motion(0, 0, 2);
+    std::vector<double> forces;
+    for (int n = 0; n < 100; ++n) {
+      network.tick();
+      forces.push_back(network.force(points));
+    }
+    return forces;
+  };
+  EXPECT_TRUE(sequences_within<double>(played({0.5, 0.125, 0.25}), played({0.875}), 1e-10));
+}
+
 TEST(ContactNetwork, DoesNotAllocate) {
   Tanpura<double> tanpura(24, kRate);
   Tanpura<float> in_float(24, kRate);
