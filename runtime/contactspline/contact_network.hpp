@@ -249,8 +249,8 @@ class ContactNetwork {
     double work = work_of_controls_;
     for (const Place& place : places_)
       if (place.last_push != 0)
-        work += static_cast<double>(place.last_push) * bodies_[place.body].bank.increment(place.shapes);
-    for (const std::size_t k : solver_.active()) work += static_cast<double>(solver_[k].force) * connections_[k].lift;
+        work += double(place.last_push) * double(bodies_[place.body].bank.increment(place.shapes));
+    for (const std::size_t k : solver_.active()) work += double(solver_[k].force) * double(connections_[k].lift);
     return work;
   }
 
@@ -385,9 +385,10 @@ class ContactNetwork {
       c.lift = 0;
       if (!c.is_following) continue;
       wake(k);
-      c.is_following = move_gap(c) | follow_stiffness(k);
+      const bool gap_follows = move_gap(c), stiffness_follows = follow_stiffness(k);
+      c.is_following = gap_follows || stiffness_follows;
       // A gap that moved in this sample must be seen at rest in the next one.
-      is_following_ |= c.is_following | (c.lift != 0);
+      is_following_ = is_following_ || c.is_following || c.lift != 0;
     }
     if (is_list_old_) list_awake();
   }
@@ -553,20 +554,21 @@ class ContactNetwork {
 
   [[nodiscard]] double stored(std::size_t k, T compression) const {
     const CoupledConnection<T>& c = solver_[k];
-    if (c.table.empty()) return static_cast<double>(c.spring_n_per_m) / 2 * compression * compression;
-    return static_cast<double>(c.contact.stiffness_ratio) * potential(c.table, compression);
+    const double y = double(compression);
+    if (c.table.empty()) return double(c.spring_n_per_m) / 2 * y * y;
+    return double(c.contact.stiffness_ratio) * double(potential(c.table, compression));
   }
 
   // Energy that connection k dissipated over the last sample [J].
   [[nodiscard]] double lost(std::size_t k) const {
     const CoupledConnection<T>& c = solver_[k];
     const T y0 = connections_[k].before;
-    const double x = static_cast<double>(c.compression) - y0;
-    if (c.table.empty()) return c.resistance * x * x;
+    const double x = double(c.compression) - double(y0);
+    if (c.table.empty()) return double(c.resistance) * x * x;
     if (!(c.contact.loss_s_per_m > 0)) return 0;
     if (!(c.force > 0)) return stored(k, y0) - stored(k, c.compression);  // all that it held beyond
-    return static_cast<double>(c.contact.loss_s_per_m) * c.contact.stiffness_ratio / time_step_ *
-           contactspline::force(c.table, y0) * x * x;
+    return double(c.contact.loss_s_per_m) * double(c.contact.stiffness_ratio) / double(time_step_) *
+           double(contactspline::force(c.table, y0)) * x * x;
   }
 
   // [m/N]. Where nothing moves the admittance is 0; a contact needs one > 0.

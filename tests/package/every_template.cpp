@@ -3,6 +3,8 @@
 #include <faust/gui/UI.h>
 #include <faust/gui/meta.h>
 
+#include "contactspline/contact_network.hpp"
+#include "contactspline/coupled_contacts.hpp"
 #include "contactspline/ensemble.hpp"
 #include "contactspline/faust_dsp.hpp"
 #include "contactspline/fret_string.hpp"
@@ -29,6 +31,8 @@ template struct ContactControls<float>;
 template struct Segment<float>;
 template class detail::ContactTableStorage<float>;
 template class detail::StrikeConstantsStorage<float>;
+template class ContactNetwork<float>;
+template class CoupledContacts<float>;
 template class Ensemble<float>;
 template class FretString<float>;
 template class HammerString<float>;
@@ -47,6 +51,8 @@ template struct ContactControls<double>;
 template struct Segment<double>;
 template class detail::ContactTableStorage<double>;
 template class detail::StrikeConstantsStorage<double>;
+template class ContactNetwork<double>;
+template class CoupledContacts<double>;
 template class Ensemble<double>;
 template class FretString<double>;
 template class HammerString<double>;
