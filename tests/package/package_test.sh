@@ -521,9 +521,10 @@ case_arm() {
 
 # Commands of the pages that case_pages does not run, and why.
 not_run='
-^(\./)?scripts/(run|test|tidy|format|bench)    builds the whole tree, or changes the source
+^(\./)?scripts/(run|test|plugins|tidy|format|bench)    builds the whole tree, or changes the source
 ^(\./)?scripts/install-packages                asks the network
 ^cmake --(preset|build)                        builds the whole tree
+^cmake (-S examples|--install build )           in case_examples_plugins
 arm-none-eabi|^for program|^  faust|^  *-(idirafter|fno)|^done   in case_microcontroller
 '
 
