@@ -488,16 +488,16 @@ std::string figure_of(std::span<const double> speeds, std::span<const ImpactErro
                       FigureFormat format) {
   std::string data, duration, compression, force;
   for (std::size_t i = 0; i < models.size(); ++i) {
-    const auto& [model, durations, compressions, forces] = models[i];
+    const ImpactErrors& errors = models[i];
     data += fmt::format("$model{} << EOD\n", i);
     for (std::size_t s = 0; s < speeds.size(); ++s)
-      data += fmt::format("{:g} {:g} {:g} {:g}\n", speeds[s], shown_percent(durations[s]),
-                          shown_percent(compressions[s]), shown_percent(forces[s]));
+      data += fmt::format("{:g} {:g} {:g} {:g}\n", speeds[s], shown_percent(errors.contact_duration[s]),
+                          shown_percent(errors.max_compression[s]), shown_percent(errors.max_force[s]));
     data += "EOD\n";
     const auto curve = [&](int column) {
       return fmt::format("{}$model{} using 1:{} with lines lw {} lc rgb '{}' dt {} title '{}'",
                          i == 0 ? "plot " : ", ", i, column, i == 0 ? 5 : 1.6,
-                         kFamilyColours[i % kFamilyColours.size()], 1 + i / kFamilyColours.size() % 4, model);
+                         kFamilyColours[i % kFamilyColours.size()], 1 + i / kFamilyColours.size() % 4, errors.model);
     };
     duration += curve(2);
     compression += curve(3);

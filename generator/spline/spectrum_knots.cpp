@@ -38,7 +38,7 @@ constexpr double kMaxDurationError = 0.001;  // relative
 /// beside it the error of the contact duration beyond 0.1 %, a hundredfold.
 class BestForce {
  public:
-  explicit BestForce(const FitTarget& target) : target_(target), exact_(target, kSpeeds, kExactSegments) {
+  explicit BestForce(const FitTarget& target) : exact_(target, kSpeeds, kExactSegments) {
     for (int i = 0; i < kSpeeds; ++i) {
       energies_.push_back(target.min_energy * std::pow(target.max_energy / target.min_energy, i / (kSpeeds - 1.0)));
       half_durations_.push_back(target.half_duration(energies_.back()));
@@ -71,7 +71,6 @@ class BestForce {
     return worst;
   }
 
-  const FitTarget& target_;
   ExactSpectra exact_;
   std::vector<double> energies_, half_durations_;
   PiecewiseLinearForce force_;
