@@ -274,7 +274,7 @@ std::string potential_data(const Design& design) {
 std::string measured_data(const Material& material) {
   if (!material.measured) return {};
   std::string data = "$measured << EOD\n";
-  for (const auto& [y, f] : material.measured->samples)
+  for (const auto& [y, f, speed] : material.measured->samples)
     if (y <= material.spline.max_compression_m) data += fmt::format("{:g} {:g}\n", 1e3 * y, f);
   return data + "EOD\n";
 }

@@ -43,16 +43,20 @@ std::string tolerance_line(const Material& material) {
 }
 
 std::string loss_line(const Material& material) {
-  return material.loss_s_per_m == 0 ? "" : fmt::format("loss {:.6g} s/m\n", material.loss_s_per_m);
+  if (material.loss_s_per_m == 0) return {};
+  const bool fitted = material.measured && material.measured->samples.back().speed_m_per_s !=
+                                               material.measured->samples.front().speed_m_per_s;
+  return fmt::format("loss {:.6g} s/m{}\n", material.loss_s_per_m, fitted ? ", fitted to loading and unloading" : "");
 }
 
 std::string measurement_line(const Material& material) {
   if (!material.measured) return {};
   const auto& samples = material.measured->samples;
-  const PowerLaw law = nearest_power_law(samples);
-  return fmt::format("scatter {:.2g} % of the largest force; nearest power law k = {:.4g} N/m^a, a = {:.4g}\n",
-                     100 * relative_scatter(samples, std::get<ForceCurve>(material.contact.law())), law.stiffness,
-                     law.exponent);
+  const PowerLaw law = nearest_power_law(samples, material.loss_s_per_m);
+  return fmt::format(
+      "scatter {:.2g} % of the largest force; nearest power law k = {:.4g} N/m^a, a = {:.4g}\n",
+      100 * relative_scatter(samples, std::get<ForceCurve>(material.contact.law()), material.loss_s_per_m),
+      law.stiffness, law.exponent);
 }
 
 std::string heading(const Design& design) {

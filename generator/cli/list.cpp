@@ -27,7 +27,7 @@ std::string materials() {
     const Material& material = design.material;
     const PowerLaw* law = material.contact.power_law();
     const std::string stiffness =
-        law == nullptr ? (material.measured ? "measured" : "sum") : fmt::format("{:.4g}", law->stiffness);
+        law == nullptr ? std::string(name_of_law(material)) : fmt::format("{:.4g}", law->stiffness);
     const std::string exponent = law == nullptr ? "-" : fmt::format("{:.4g}", law->exponent);
     table += fmt::format("{:<20} {:>14} {:>9} {:>9} {:>13.2g} %  {}\n", name, stiffness, exponent,
                          design.spline.segments.size(), 100 * design.quality.impact.value().contact_duration,

@@ -38,6 +38,14 @@ double PowerSum::force(double compression_m) const {
   return force;
 }
 
+double PowerSeries::energy(double compression_m) const {
+  return energy_of(*this, compression_m);
+}
+
+double PowerSeries::force(double compression_m) const {
+  return force_of(*this, compression_m);
+}
+
 ForceCurve::ForceCurve(std::vector<double> knots, std::vector<double> slopes)
     : knot_m(std::move(knots)), slope_n_per_m(std::move(slopes)), force_n{0}, energy_j{0} {
   for (std::size_t j = 0; j + 1 < knot_m.size(); ++j) {

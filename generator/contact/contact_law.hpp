@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Contact laws: a power law, a sum of power laws, a smoothed measurement.
+// Contact laws: a power law, power laws in parallel or in series, a smoothed measurement.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -44,6 +45,14 @@ struct PowerSum {
   [[nodiscard]] double force(double compression_m) const;
 };
 
+/// Layers in series: all carry the same force, and their compressions add up. y(F) = sum of (F/k_i)^(1/a_i).
+struct PowerSeries {
+  std::vector<PowerLaw> layers;  ///< at least one
+
+  [[nodiscard]] double energy(double compression_m) const;
+  [[nodiscard]] double force(double compression_m) const;
+};
+
 /// A force with F(0) = 0 whose slope is linear between the knots and constant beyond the last one: F is C1 and never
 /// falls, V is convex.
 struct ForceCurve {
@@ -62,7 +71,7 @@ struct ForceCurve {
 /// A contact law of any kind. It is one-sided: energy and force are 0 for y <= 0. The force never falls.
 class ContactLaw {
  public:
-  using Law = std::variant<PowerLaw, PowerSum, ForceCurve>;
+  using Law = std::variant<PowerLaw, PowerSum, PowerSeries, ForceCurve>;
 
   ContactLaw(double stiffness, double exponent) : law_(PowerLaw{stiffness, exponent}) {}
   template <typename Kind>
@@ -96,6 +105,49 @@ template <typename Real>
 Real energy_of(const PowerSum& sum, const Real& y) {
   Real energy = 0;
   for (const auto& [law, offset] : sum.terms) energy += power_energy(law, Real(y - Real(offset)));
+  return energy;
+}
+
+/// Compression [m] of one layer under a force > 0, and its derivative with respect to the force.
+template <typename Real>
+std::pair<Real, Real> layer_compression(const PowerLaw& layer, const Real& force) {
+  using std::pow;
+  const Real y = pow(Real(force / Real(layer.stiffness)), Real(1 / Real(layer.exponent)));
+  return {y, Real(y / (Real(layer.exponent) * force))};
+}
+
+/// The force that compresses layers in series by y. Newton's method for ln y(F) over ln F, which is convex. It starts
+/// at the smallest force that compresses one layer alone by y, so no step passes the solution; a power law takes one
+/// step.
+template <typename Real>
+Real force_of(const PowerSeries& series, const Real& y) {
+  using std::abs, std::exp, std::log, std::pow;
+  if (!(y > 0)) return 0;
+  Real force = std::numeric_limits<Real>::max();
+  for (const PowerLaw& layer : series.layers)
+    force = std::min<Real>(force, Real(layer.stiffness) * pow(y, Real(layer.exponent)));
+  constexpr int kMaxSteps = 100;  // some eight are needed
+  for (int i = 0; i < kMaxSteps && force > 0; ++i) {
+    Real sum = 0, slope = 0;
+    for (const PowerLaw& layer : series.layers) {
+      const auto [compression, derivative] = layer_compression(layer, force);
+      sum += compression;
+      slope += derivative;
+    }
+    const Real step = log(Real(sum / y)) * sum / (slope * force);
+    force *= exp(Real(-step));
+    if (abs(step) < 4 * std::numeric_limits<Real>::epsilon()) break;
+  }
+  return force;
+}
+
+template <typename Real>
+Real energy_of(const PowerSeries& series, const Real& y) {
+  const Real force = force_of(series, y);
+  if (!(force > 0)) return 0;
+  Real energy = 0;
+  for (const PowerLaw& layer : series.layers)
+    energy += force * layer_compression(layer, force).first / (Real(layer.exponent) + 1);
   return energy;
 }
 

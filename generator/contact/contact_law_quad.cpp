@@ -25,6 +25,7 @@ Quad exact_energy(const ForceCurve& curve, const Quad& y) {
 Quad exact_energy(const ContactLaw& law, const Quad& compression_m) {
   if (const auto* curve = std::get_if<ForceCurve>(&law.law())) return exact_energy(*curve, compression_m);
   if (const auto* sum = std::get_if<PowerSum>(&law.law())) return energy_of(*sum, compression_m);
+  if (const auto* series = std::get_if<PowerSeries>(&law.law())) return energy_of(*series, compression_m);
   return power_energy(*law.power_law(), compression_m);
 }
 

@@ -89,7 +89,20 @@ void require_rising(const std::vector<CurveSample>& samples, const CurveSample& 
                   "0 or more, counted from the first contact");
   if (!samples.empty() && !(next.compression_m > samples.back().compression_m))
     position.fail(fmt::format("compression {} m does not rise", next.compression_m),
-                  "rising compressions: the loading branch only, each once");
+                  "rising compressions: the loading branch only, or both branches and curve.impact_speed_m_per_s");
+}
+
+// Beyond the turning point, compressions fall. `turned` tells whether it has been passed.
+void require_loop(const std::vector<CurveSample>& samples, const CurveSample& next, bool turned,
+                  const Position& position) {
+  if (next.compression_m < 0)
+    position.fail(fmt::format("compression {} m is negative", next.compression_m),
+                  "0 or more, counted from the first contact");
+  if (samples.empty()) return;
+  const double before = samples.back().compression_m;
+  if (next.compression_m == before || (turned && next.compression_m > before))
+    position.fail(fmt::format("compression {} m does not {}", next.compression_m, turned ? "fall" : "change"),
+                  "compressions that rise to the largest, then fall, each once in each branch");
 }
 
 // Noise lets the force fall a little. A second contact, or loading and unloading in one file, lets it fall further.
@@ -110,6 +123,39 @@ void require_monotone(const std::vector<CurveSample>& samples, const std::vector
   }
 }
 
+// The work of the force over samples [first, last) whose compressions change one way, by trapezoids, up to each of
+// them.
+std::vector<double> works(const std::vector<CurveSample>& samples, CurveSample from, std::size_t first,
+                          std::size_t last) {
+  std::vector<double> works;
+  double work = 0;
+  for (std::size_t i = first; i < last; from = samples[i], ++i) {
+    work += (samples[i].force_n + from.force_n) / 2 * std::abs(samples[i].compression_m - from.compression_m);
+    works.push_back(std::max(work, 0.0));
+  }
+  return works;
+}
+
+// Gives each sample of an impact its speed, and sorts them by compression.
+void add_speeds(std::vector<CurveSample>& samples, double impact_speed, std::string_view file) {
+  const auto turn =
+      static_cast<std::size_t>(std::ranges::max_element(samples, {}, &CurveSample::compression_m) - samples.begin());
+  if (samples.size() - turn - 1 < kMinSamples / 2 || turn + 1 < kMinSamples / 2)
+    refuse(file, "samples", fmt::format("has {} of loading and {} of unloading", turn + 1, samples.size() - turn - 1),
+           fmt::format("{} or more of each, for curve.impact_speed_m_per_s", kMinSamples / 2));
+  const auto loading = works(samples, {0, 0}, 0, turn + 1);
+  const auto unloading = works(samples, samples[turn], turn + 1, samples.size());
+  const double stored = loading.back();
+  if (!(unloading.back() < stored))
+    refuse(file, "force", fmt::format("gives back {:.4g} J of {:.4g} J", unloading.back(), stored),
+           "an unloading branch below the loading branch");
+  for (std::size_t i = 0; i <= turn; ++i)
+    samples[i].speed_m_per_s = impact_speed * std::sqrt(std::max(1 - loading[i] / stored, 0.0));
+  for (std::size_t i = turn + 1; i < samples.size(); ++i)
+    samples[i].speed_m_per_s = -impact_speed * std::sqrt(unloading[i - turn - 1] / stored);
+  std::ranges::stable_sort(samples, {}, &CurveSample::compression_m);
+}
+
 void require_size(const std::vector<CurveSample>& samples, std::string_view file) {
   if (samples.size() < kMinSamples || samples.size() > kMaxSamples)
     refuse(file, "samples", fmt::format("has {}", samples.size()), fmt::format("{} to {}", kMinSamples, kMaxSamples));
@@ -120,13 +166,14 @@ void require_size(const std::vector<CurveSample>& samples, std::string_view file
       refuse(file, key, fmt::format("reaches {} {}: a wrong unit in the header?", value, unit),
              fmt::format("a largest value from {} to {} {}", range.min, range.max, unit));
   };
-  require("compression", samples.back().compression_m, kCompression, "m");
+  require("compression", std::ranges::max(samples, {}, &CurveSample::compression_m).compression_m, kCompression, "m");
   require("force", force, kForce, "N");
 }
 
 }  // namespace
 
-std::vector<CurveSample> parse_curve(std::string_view text, std::string_view file) {
+std::vector<CurveSample> parse_curve(std::string_view text, std::string_view file,
+                                     std::optional<double> impact_speed_m_per_s) {
   constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   Position position{file};
@@ -137,15 +184,23 @@ std::vector<CurveSample> parse_curve(std::string_view text, std::string_view fil
   const Unit force = unit_of(force_name, kForces, position);
   std::vector<CurveSample> samples;
   std::vector<std::size_t> lines;
+  bool turned = false;
   while (const auto line = next_line(text, position)) {
     const auto [y, f] = columns(*line, position);
     const CurveSample sample{number(y, position) * length.size, number(f, position) * force.size};
-    require_rising(samples, sample, position);
+    if (impact_speed_m_per_s)
+      require_loop(samples, sample, turned, position);
+    else
+      require_rising(samples, sample, position);
+    turned = turned || (!samples.empty() && sample.compression_m < samples.back().compression_m);
     samples.push_back(sample);
     lines.push_back(position.line);
   }
   require_size(samples, file);
-  require_monotone(samples, lines, file);
+  if (impact_speed_m_per_s)
+    add_speeds(samples, *impact_speed_m_per_s, file);
+  else
+    require_monotone(samples, lines, file);
   return samples;
 }
 

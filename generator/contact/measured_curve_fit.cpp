@@ -23,7 +23,8 @@ using Indices = std::vector<Eigen::Index>;
 std::vector<double> knots_for(const std::vector<CurveSample>& samples) {
   const std::size_t pieces = std::clamp<std::size_t>(samples.size() / kSamplesPerPiece, 2, kMaxPieces);
   std::vector<double> knots{0};
-  for (std::size_t i = 1; i < pieces; ++i) knots.push_back(samples[i * samples.size() / pieces].compression_m);
+  for (std::size_t i = 1; i < pieces; ++i)  // two branches may have samples at the same compression
+    if (const double y = samples[i * samples.size() / pieces].compression_m; y > knots.back()) knots.push_back(y);
   knots.push_back(samples.back().compression_m);
   return knots;
 }
@@ -45,15 +46,17 @@ Quad hat_integral(const std::vector<Quad>& knots, std::size_t i, const Quad& y) 
   return sum;
 }
 
-/// Normal equations of a least-squares problem: gram x = moment.
+/// Normal equations of a least-squares problem: gram x = moment. The sum of squares at x is `squares` - 2 x moment +
+/// x gram x.
 struct NormalEquations {
   Matrix gram;
   Vector moment;
+  Quad squares = 0;
 };
 
 // The unknowns are the slopes at the knots (monotone) or the increases of the slope at the knots (hardening).
 NormalEquations normal_equations(const std::vector<CurveSample>& samples, const std::vector<double>& knots_m,
-                                 CurveShape shape) {
+                                 CurveShape shape, double loss) {
   const Quad range = knots_m.back();
   std::vector<Quad> knots;
   for (const double knot : knots_m) knots.push_back(knot / range);
@@ -65,10 +68,12 @@ NormalEquations normal_equations(const std::vector<CurveSample>& samples, const 
     for (Eigen::Index i = 0; i < size; ++i) row(i) = hat_integral(knots, static_cast<std::size_t>(i), y);
     if (shape == CurveShape::kHardening)
       for (Eigen::Index i = size - 1; i > 0; --i) row(i - 1) += row(i);
+    row *= 1 + Quad(loss) * sample.speed_m_per_s;
     for (Eigen::Index i = 0; i < size; ++i)
       if (row(i) != 0)
         for (Eigen::Index j = 0; j <= i; ++j) equations.gram(i, j) += row(i) * row(j);
     equations.moment += row * Quad(sample.force_n);
+    equations.squares += Quad(sample.force_n) * sample.force_n;
   }
   for (Eigen::Index i = 0; i < size; ++i)
     for (Eigen::Index j = i + 1; j < size; ++j) equations.gram(i, j) = equations.gram(j, i);
@@ -136,9 +141,9 @@ Vector non_negative_solution(const NormalEquations& equations) {
 
 }  // namespace
 
-ForceCurve smooth_curve(const std::vector<CurveSample>& samples, CurveShape shape) {
+ForceCurve smooth_curve(const std::vector<CurveSample>& samples, CurveShape shape, double loss_s_per_m) {
   std::vector<double> knots = knots_for(samples);
-  Vector slopes = non_negative_solution(normal_equations(samples, knots, shape)) / Quad(knots.back());
+  Vector slopes = non_negative_solution(normal_equations(samples, knots, shape, loss_s_per_m)) / Quad(knots.back());
   if (shape == CurveShape::kHardening)
     for (Eigen::Index i = 1; i < slopes.size(); ++i) slopes(i) += slopes(i - 1);
   std::vector<double> rounded;
@@ -146,13 +151,43 @@ ForceCurve smooth_curve(const std::vector<CurveSample>& samples, CurveShape shap
   return {std::move(knots), std::move(rounded)};
 }
 
-PowerLaw nearest_power_law(const std::vector<CurveSample>& samples) {
+double fitted_loss(const std::vector<CurveSample>& samples, CurveShape shape, double max_loss_s_per_m) {
+  const std::vector<double> knots = knots_for(samples);
+  const auto equations_at = [&](double loss) { return normal_equations(samples, knots, shape, loss); };
+  const auto squares_at = [&](const NormalEquations& equations) {
+    const Vector x = non_negative_solution(equations);
+    const Quad fit = x.dot(equations.gram * x) - 2 * x.dot(equations.moment);
+    return Quad(equations.squares + fit).convert_to<double>();
+  };
+  // Gram matrix and moment are a quadratic and a linear function of the loss: the samples are summed up three times
+  // only.
+  const double half = max_loss_s_per_m / 2;
+  const NormalEquations none = equations_at(0), middle = equations_at(half), most = equations_at(2 * half);
+  const auto squares_with = [&](double loss) {
+    const Quad t = Quad(loss) / half;
+    return squares_at({(t - 1) * (t - 2) / 2 * none.gram + t * (2 - t) * middle.gram + t * (t - 1) / 2 * most.gram,
+                       (1 - t) * none.moment + t * middle.moment, none.squares});
+  };
+  constexpr int kGrid = 32;
+  int best = 0;
+  double least = squares_with(0);
+  for (int i = 1; i <= kGrid; ++i)
+    if (const double squares = squares_with(max_loss_s_per_m * i / kGrid); squares < least) {
+      least = squares;
+      best = i;
+    }
+  const auto loss_at = [&](int i) { return max_loss_s_per_m * std::clamp(i, 0, kGrid) / kGrid; };
+  constexpr int kBits = 30;  // a minimum is known to half the digits of its function, and that has 53
+  return boost::math::tools::brent_find_minima(squares_with, loss_at(best - 1), loss_at(best + 1), kBits).first;
+}
+
+PowerLaw nearest_power_law(const std::vector<CurveSample>& samples, double loss_s_per_m) {
   const double range = samples.back().compression_m;
   double stiffness = 0;  // in units of the range
   const auto residual = [&](double exponent) {
     double shape_force = 0, shape_shape = 0, force_force = 0;
-    for (const auto& [y, f] : samples) {
-      const double shape = std::pow(y / range, exponent);
+    for (const auto& [y, f, speed] : samples) {
+      const double shape = std::pow(y / range, exponent) * (1 + loss_s_per_m * speed);
       shape_force += shape * f;
       shape_shape += shape * shape;
       force_force += f * f;
@@ -165,10 +200,11 @@ PowerLaw nearest_power_law(const std::vector<CurveSample>& samples) {
   return {stiffness / std::pow(range, exponent), exponent};
 }
 
-double relative_scatter(const std::vector<CurveSample>& samples, const ForceCurve& curve) {
+double relative_scatter(const std::vector<CurveSample>& samples, const ForceCurve& curve, double loss_s_per_m) {
   double squares = 0, largest = 0;
-  for (const auto& [y, f] : samples) {
-    squares += (f - curve.force(y)) * (f - curve.force(y));
+  for (const auto& [y, f, speed] : samples) {
+    const double error = f - curve.force(y) * (1 + loss_s_per_m * speed);
+    squares += error * error;
     largest = std::max(largest, f);
   }
   return std::sqrt(squares / static_cast<double>(samples.size())) / largest;

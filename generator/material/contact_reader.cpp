@@ -42,6 +42,13 @@ PowerSum read_sum(const JsonObject& contact) {
   return sum;
 }
 
+PowerSeries read_series(const JsonObject& contact) {
+  PowerSeries series;
+  for (const JsonObject& layer : contact.objects("series", {"stiffness_n_per_m_alpha", "exponent"}, kMaxTerms))
+    series.layers.push_back(read_power_law(layer));
+  return series;
+}
+
 ElasticBody read_body(const JsonObject& body) {
   using Shape = ElasticBody::Shape;
   constexpr auto kShapes = "sphere, cylinder, plane";
@@ -69,14 +76,15 @@ PowerLaw read_hertz(const JsonObject& contact) {
   return hertz_law(bodies[0], bodies[1]);
 }
 
-Measurement read_measurement(const JsonObject& curve, std::string_view material_file, const ReadFile& read) {
+Measurement read_measurement(const JsonObject& curve, std::optional<double> impact_speed,
+                             std::string_view material_file, const ReadFile& read) {
   constexpr auto kAllowed = "the name of a CSV file, relative to the material file";
   const std::string file = curve.text("file", kAllowed);
   const bool usable = !file.empty() && file.front() != '/' && file.size() <= 200 &&
                       std::ranges::all_of(file, [](unsigned char c) { return c >= 0x20 && c != 0x7f; });
   if (!usable) curve.fail("contact.curve.file", fmt::format("'{}' is not usable", shown(file)), kAllowed);
   const auto path = std::filesystem::path(material_file).parent_path() / file;
-  return {file, parse_curve(read(file), path.string())};
+  return {file, parse_curve(read(file), path.string(), impact_speed)};
 }
 
 CurveShape read_shape(const JsonObject& curve) {
@@ -89,9 +97,10 @@ CurveShape read_shape(const JsonObject& curve) {
 
 // If the shape cannot follow the samples, or the fitted force is 0, they are not a measurement of this kind of
 // contact.
-void require_fit(const JsonObject& curve, const std::vector<CurveSample>& samples, const ForceCurve& smooth) {
+void require_fit(const JsonObject& curve, const std::vector<CurveSample>& samples, const ForceCurve& smooth,
+                 double loss) {
   constexpr double kMaxScatter = 0.1;
-  const double scatter = relative_scatter(samples, smooth);
+  const double scatter = relative_scatter(samples, smooth, loss);
   if (!(scatter <= kMaxScatter && smooth.force_n.back() > 0))
     curve.fail(
         "contact.curve.shape",
@@ -114,7 +123,17 @@ double read_loss(const JsonObject& contact) {
   return loss;
 }
 
-constexpr std::array kKinds = {"stiffness_n_per_m_alpha", "hertz", "curve", "sum"};
+// Of a curve measured in an impact, with both branches.
+double read_fitted_loss(const JsonObject& contact, const std::vector<CurveSample>& samples, CurveShape shape) {
+  for (const char* key : {"loss_s_per_m", "restitution"})
+    if (contact.has(key))
+      contact.fail(contact.key(key), "is given together with curve.impact_speed_m_per_s",
+                   "one of the two: the loss is fitted to both branches");
+  const double fastest_out = -std::ranges::min(samples, {}, &CurveSample::speed_m_per_s).speed_m_per_s;
+  return fitted_loss(samples, shape, std::min(kLoss.max, 0.99 / fastest_out));  // 1 + loss v stays positive
+}
+
+constexpr std::array kKinds = {"stiffness_n_per_m_alpha", "hertz", "curve", "sum", "series"};
 
 // The key of the law that is given. There must be exactly one.
 std::string_view kind_of(const JsonObject& contact) {
@@ -124,9 +143,9 @@ std::string_view kind_of(const JsonObject& contact) {
   if (given.empty() && contact.has("exponent")) return kKinds[0];
   if (given.size() > 1 || (given.size() == 1 && given[0] != kKinds[0] && contact.has("exponent")))
     contact.fail("contact", "has more than one law",
-                 "one of stiffness_n_per_m_alpha with exponent, hertz, curve, sum");
+                 "one of stiffness_n_per_m_alpha with exponent, hertz, curve, sum, series");
   if (given.empty())
-    contact.fail("contact", "has no law", "one of stiffness_n_per_m_alpha with exponent, hertz, curve, sum");
+    contact.fail("contact", "has no law", "one of stiffness_n_per_m_alpha with exponent, hertz, curve, sum, series");
   return given.front();
 }
 
@@ -139,19 +158,23 @@ std::string shipped_file(const std::string& path) {
 }
 
 Contact read_contact(const JsonObject& material, std::string_view file, const ReadFile& read) {
-  const JsonObject contact = material.object(
-      "contact", {"stiffness_n_per_m_alpha", "exponent", "hertz", "curve", "sum", "loss_s_per_m", "restitution"});
+  const JsonObject contact = material.object("contact", {"stiffness_n_per_m_alpha", "exponent", "hertz", "curve",
+                                                         "sum", "series", "loss_s_per_m", "restitution"});
   const std::string_view kind = kind_of(contact);
   const double loss = read_loss(contact);
   if (kind == "hertz") return {read_hertz(contact), loss, {}};
+  if (kind == "series") return {read_series(contact), loss, {}};
   if (kind == "sum") return {read_sum(contact), loss, {}};
   if (kind == "stiffness_n_per_m_alpha") return {read_power_law(contact), loss, {}};
-  const JsonObject curve = contact.object("curve", {"file", "shape"});
+  const JsonObject curve = contact.object("curve", {"file", "shape", "impact_speed_m_per_s"});
   const CurveShape shape = read_shape(curve);
-  Measurement measured = read_measurement(curve, file, read);
-  ForceCurve smooth = smooth_curve(measured.samples, shape);
-  require_fit(curve, measured.samples, smooth);
-  return {std::move(smooth), loss, std::move(measured)};
+  std::optional<double> impact_speed;
+  if (curve.has("impact_speed_m_per_s")) impact_speed = curve.number("impact_speed_m_per_s", kSpeed);
+  Measurement measured = read_measurement(curve, impact_speed, file, read);
+  const double curve_loss = impact_speed ? read_fitted_loss(contact, measured.samples, shape) : loss;
+  ForceCurve smooth = smooth_curve(measured.samples, shape, curve_loss);
+  require_fit(curve, measured.samples, smooth, curve_loss);
+  return {std::move(smooth), curve_loss, std::move(measured)};
 }
 
 }  // namespace contactspline

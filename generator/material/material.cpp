@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <array>
+
 namespace contactspline {
 namespace {
 
@@ -27,9 +29,20 @@ std::string law_text(const Material& material) {
     return fmt::format("V(y) = k/(a+1) y^(a+1), k = {} N/m^a, a = {}", law->stiffness, law->exponent);
   if (material.measured) return measurement_text(*material.measured);
   std::string text;
+  if (const auto* series = std::get_if<PowerSeries>(&material.contact.law())) {
+    for (const PowerLaw& layer : series->layers)
+      text += fmt::format("{}(F/{})^(1/{})", text.empty() ? "y(F) = " : " + ", layer.stiffness, layer.exponent);
+    return text + ", in series";
+  }
   for (const PowerTerm& term : std::get<PowerSum>(material.contact.law()).terms)
     text += (text.empty() ? "F(y) = " : " + ") + term_text(term);
   return text + ", in parallel";
+}
+
+std::string_view name_of_law(const Material& material) {
+  constexpr std::array<std::string_view, std::variant_size_v<ContactLaw::Law>> kNames = {"power law", "sum", "series",
+                                                                                         "measured"};
+  return kNames[material.contact.law().index()];
 }
 
 std::string_view name_of(Knots knots) {

@@ -68,6 +68,9 @@ struct Material {
 /// The contact law as one line of text: its formula, or where the samples come from.
 [[nodiscard]] std::string law_text(const Material& material);
 
+/// "power law", "sum", "series" or "measured".
+[[nodiscard]] std::string_view name_of_law(const Material& material);
+
 /// "uniform", "graded" or "optimal".
 [[nodiscard]] std::string_view name_of(Knots knots);
 

@@ -161,7 +161,7 @@ void PrintTo(const BadContact& bad, std::ostream* stream) {
 }
 
 constexpr auto kSteel = R"("youngs_modulus_pa": 210e9, "poisson_ratio": 0.3)";
-constexpr auto kLaws = "allowed: one of stiffness_n_per_m_alpha with exponent, hertz, curve, sum";
+constexpr auto kLaws = "allowed: one of stiffness_n_per_m_alpha with exponent, hertz, curve, sum, series";
 
 std::string bodies(const std::string& one, const std::string& other) {
   return R"("hertz": { "bodies": [)" + one + ", " + other + "] }";
@@ -214,6 +214,11 @@ std::vector<BadContact> contact_cases() {
       {"sum_begins_late", R"("sum": [)" + term + R"(, "offset_m": 1e-4 }])", "contact.sum", "no term has offset 0"},
       {"offset_is_negative", R"("sum": [)" + term + R"(, "offset_m": -1e-4 }])", "contact.sum[0].offset_m",
        "is out of range; allowed: a number from 0 to 0.1"},
+      {"series_is_empty", R"("series": [])", "contact.series", "has 0 entries; allowed: an array of 1 to 8 objects"},
+      {"offset_in_series", R"("series": [)" + term + R"(, "offset_m": 1e-4 }])", "contact.series[0].offset_m",
+       "unknown key; allowed: stiffness_n_per_m_alpha, exponent"},
+      {"sum_and_series", R"("sum": [)" + term + R"( }], "series": [)" + term + " }]", "contact",
+       "has more than one law"},
       {"term_without_exponent", R"("sum": [{ "stiffness_n_per_m_alpha": 4e8 }])", "contact.sum[0].exponent",
        "missing"},
       {"curve_without_shape", R"("curve": { "file": "probe.csv" })", "contact.curve.shape",
@@ -255,6 +260,62 @@ TEST_P(BadContactObject, IsRefusedInOneLine) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Contact, BadContactObject, ::testing::ValuesIn(contact_cases()),
+                         ::testing::PrintToStringParamName());
+
+// Both branches of an impact: F = 1e5 y in loading, less in unloading.
+std::string branches(double unloading, int samples = 20) {
+  std::string text = good();
+  for (int i = 1; i <= samples; ++i) text += fmt::format("{},{}\n", 1 - 0.05 * i, unloading * (100 - 5 * i));
+  return text;
+}
+
+struct BadImpactCurve {
+  std::string test, text, speed, loss, says, allowed;
+};
+
+void PrintTo(const BadImpactCurve& bad, std::ostream* stream) {
+  *stream << bad.test;
+}
+
+std::vector<BadImpactCurve> impact_cases() {
+  const std::string loop = branches(0.8), speed_is = "probe.json: contact.curve.impact_speed_m_per_s: ";
+  const std::string turns_again = loop + "0.2,1\n";
+  return {
+      {"loading_only", good(), "2.0", "", "probe.csv: samples: has 20 of loading and 0 of unloading",
+       "allowed: 4 or more of each, for curve.impact_speed_m_per_s"},
+      {"three_of_unloading", branches(0.8, 3), "2.0", "", "probe.csv: samples: has 20 of loading and 3 of unloading",
+       "allowed: 4 or more of each"},
+      {"turns_twice", turns_again, "2.0", "", "probe.csv: line 42: compression 0.0002 m does not fall",
+       "allowed: compressions that rise to the largest, then fall"},
+      {"stands_still", loop + "0,0\n", "2.0", "", "probe.csv: line 42: compression 0 m does not fall", "then fall"},
+      {"below_0", loop + "-0.1,0\n", "2.0", "", "probe.csv: line 42: compression -0.0001 m is negative",
+       "allowed: 0 or more"},
+      {"gives_back_more", branches(1.1), "2.0", "", "probe.csv: force: gives back 0.05",
+       "of 0.05 J; allowed: an unloading"},
+      {"no_speed", loop, "0", "", speed_is + "0 is out of range", "allowed: a number from 1e-06 to 1000"},
+      {"speed_is_text", loop, R"("fast")", "", speed_is + "is not a number", "allowed: a number from 1e-06 to 1000"},
+      {"loss", loop, "2.0", R"(, "loss_s_per_m": 0.1)", "probe.json: contact.loss_s_per_m: is given together with",
+       "allowed: one of the two: the loss is fitted"},
+      {"restitution", loop, "2.0", R"(, "restitution": { "coefficient": 0.5, "speed_m_per_s": 1 })",
+       "probe.json: contact.restitution: is given together with curve.impact_speed_m_per_s",
+       "allowed: one of the two"}};
+}
+
+class BadImpactCurveFile : public ::testing::TestWithParam<BadImpactCurve> {};
+
+TEST_P(BadImpactCurveFile, IsRefusedInOneLine) {
+  const auto& [test, text, speed, loss, says, allowed] = GetParam();
+  const Sandbox box;
+  write_file(box / "probe.csv", text);
+  write_file(box / "probe.json", fmt::format(R"({{ "name": "probe", "contact": {{
+    "curve": {{ "file": "probe.csv", "shape": "hardening", "impact_speed_m_per_s": {} }}{} }},
+    "impact": {{ "mass_kg": 0.003, "max_speed_m_per_s": 2.0, "min_speed_m_per_s": 0.1 }},
+    "spline": {{ "knots": "uniform", "segments": 16 }} }})",
+                                             speed, loss));
+  expect_refused(run({.arguments = {"inspect", "probe.json"}, .folder = box.path()}), says, allowed);
+}
+
+INSTANTIATE_TEST_SUITE_P(Impact, BadImpactCurveFile, ::testing::ValuesIn(impact_cases()),
                          ::testing::PrintToStringParamName());
 
 TEST(BadCurveFile, CannotBeOpened) {

@@ -32,9 +32,10 @@ std::string name_in(const std::string& material) {
 TEST(MaterialsDocument, HasExamplesThatWork) {
   const Sandbox box;
   const auto curves = blocks("csv"), materials = blocks("json");
-  ASSERT_EQ(curves.size(), 1u);
-  ASSERT_EQ(materials.size(), 6u);  // power law, hertz, sum, curve, restitution, live exponent
-  write_file(box / "my_felt.csv", curves.front());
+  ASSERT_EQ(curves.size(), 2u);
+  ASSERT_EQ(materials.size(), 8u);  // power law, hertz, sum, series, curve, both branches, restitution, live exponent
+  write_file(box / "my_felt.csv", curves[0]);
+  write_file(box / "my_impact.csv", curves[1]);
   for (const std::string& material : materials) {
     const std::string file = name_in(material) + ".json";
     write_file(box / file, material);
@@ -44,7 +45,7 @@ TEST(MaterialsDocument, HasExamplesThatWork) {
     succeed({.arguments = {"render", "mass-barrier", "--material", file, "--duration", "0.05", "-o", "a.wav"},
              .folder = box.path()});
   }
-  EXPECT_EQ(std::distance(fs::directory_iterator(box / "out"), {}), 18);
+  EXPECT_EQ(std::distance(fs::directory_iterator(box / "out"), {}), 24);
 }
 
 TEST(MaterialsDocument, StatesTheContactTimeOfItsBall) {

@@ -332,6 +332,8 @@ std::vector<MaterialCase> material_cases() {
       law_with("lossy", R"({ "stiffness_n_per_m_alpha": 4.5e9, "exponent": 2.5, "loss_s_per_m": 0.1 })"),
       law_with("sum", R"({ "sum": [ { "stiffness_n_per_m_alpha": 4.5e9, "exponent": 2.5 },
                          { "stiffness_n_per_m_alpha": 1e8, "exponent": 1.5, "offset_m": 2e-4 } ] })"),
+      law_with("series", R"({ "series": [ { "stiffness_n_per_m_alpha": 4.5e9, "exponent": 2.5 },
+                            { "stiffness_n_per_m_alpha": 3e6, "exponent": 1.4 } ] })"),
       law_with("hertz", R"({ "hertz": { "bodies": [
           { "shape": "sphere", "radius_m": 0.01, "youngs_modulus_pa": 1e9, "poisson_ratio": 0.3 },
           { "shape": "plane", "youngs_modulus_pa": 1e9, "poisson_ratio": 0.3 } ] } })"),

@@ -22,10 +22,11 @@ namespace {
 
 // Felt that bottoms out, and a curve with soft, stiff and flat parts.
 const ContactLaw kFeltOverWood = PowerSum{{{{4.5e9, 2.5}}, {{1.03e8, 1.5}, 5e-4}}};
+const ContactLaw kFeltAndLeather = PowerSeries{{{4.5e9, 2.5}, {3e6, 1.4}}};
 const ContactLaw kCurve = ForceCurve({0, 2e-4, 5e-4, 1e-3}, {1e4, 3e4, 0, 2e5});
 
 std::vector<ContactLaw> laws() {
-  return {ContactLaw(1e9, 1.3), ContactLaw(4.5e9, 2.5), kFeltOverWood, kCurve};
+  return {ContactLaw(1e9, 1.3), ContactLaw(4.5e9, 2.5), kFeltOverWood, kFeltAndLeather, kCurve};
 }
 
 constexpr double kMass = 0.003;
@@ -152,6 +153,53 @@ TEST(PowerSum, OfEqualExponentsIsOnePowerLaw) {
   }
   EXPECT_TRUE(relatively_within(max_compression(sum, kMass, 2), max_compression(one, kMass, 2), 1e-14));
   EXPECT_TRUE(relatively_within(contact_duration(sum, kMass, 2), contact_duration(one, kMass, 2), 1e-10));
+}
+
+// Compressions add up: k = (sum of k_i^(-1/a))^(-a). One layer is the power law itself.
+TEST(PowerSeries, OfEqualExponentsIsOnePowerLaw) {
+  for (const double exponent : {0.1, 1.0, 2.5, 10.0}) {
+    const double k = std::pow(std::pow(1e9, -1 / exponent) + 2 * std::pow(3e9, -1 / exponent), -exponent);
+    const ContactLaw series = PowerSeries{{{1e9, exponent}, {3e9, exponent}, {3e9, exponent}}}, one(k, exponent);
+    const ContactLaw layer = PowerSeries{{{1e9, exponent}}}, alone(1e9, exponent);
+    for (const double y : {-1e-4, 0.0, 1e-6, 1e-4, 1e-3}) {
+      EXPECT_TRUE(relatively_within(series.force(y), one.force(y), 4e-15 * (1 + exponent)));
+      EXPECT_TRUE(relatively_within(series.energy(y), one.energy(y), 4e-15 * (1 + exponent)));
+      EXPECT_TRUE(relatively_within(layer.force(y), alone.force(y), 4e-15 * (1 + exponent)));
+    }
+  }
+}
+
+// With exponents 1 and 2 y = F/k1 + sqrt(F/k2), a quadratic equation for sqrt(F), and V = F^2/(2 k1) + F^1.5/(3
+// sqrt(k2)). Over 24 decades of compression, and in 113 bits.
+TEST(PowerSeries, OfASpringAndASquareIsTheRootOfAQuadraticEquation) {
+  const double k1 = 3e5, k2 = 2e8;
+  const ContactLaw series = PowerSeries{{{k1, 1}, {k2, 2}}};
+  for (double y = 1e-18; y < 1e7; y *= 7) {
+    const Quad b = 1 / sqrt(Quad(k2));
+    const Quad root = 2 * Quad(y) / (b + sqrt(b * b + 4 * Quad(y) / k1));
+    const Quad energy = root * root * root * (root / (2 * Quad(k1)) + b / 3);
+    EXPECT_TRUE(relatively_within(series.force(y), Quad(root * root).convert_to<double>(), 1e-14)) << y;
+    EXPECT_TRUE(relatively_within(series.energy(y), energy.convert_to<double>(), 2e-14)) << y;
+    EXPECT_LT(Quad(abs(exact_energy(series, Quad(y)) / energy - 1)).convert_to<double>(), 1e-31) << y;
+  }
+}
+
+// The force is monotone and finite over all layers a file may give, and no layer is compressed by more than the
+// whole.
+TEST(PowerSeries, IsSofterThanEachLayer) {
+  for (const double k : {1e-3, 1e18})
+    for (const double exponent : {0.1, 10.0}) {
+      const PowerLaw one{k, exponent}, other{1e6, 1.5};
+      const ContactLaw series = PowerSeries{{one, other}};
+      double before = 0;
+      for (double y = 1e-9; y < 1; y *= 1.5) {
+        const double force = series.force(y);
+        EXPECT_GE(force, before) << k << ' ' << exponent << ' ' << y;
+        EXPECT_LE(force, std::min(one.force(y), other.force(y)) * (1 + 1e-13)) << k << ' ' << exponent << ' ' << y;
+        before = force;
+      }
+      EXPECT_TRUE(std::isfinite(before) && before > 0);
+    }
 }
 
 // Energy is the integral of the force: Simpson's rule, 4 pieces between breaks, is exact for the cubics of a curve.

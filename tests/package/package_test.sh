@@ -555,17 +555,17 @@ blocks_of() {
     on { print > prefix count "." substr(fence, 4) }' "$1"
 }
 
-# The files that the commands of a page name: its materials and resonators, its curve, its scores.
+# The files that the commands of a page name: its materials and resonators, its curves, its scores.
 files_of() {
   blocks_of "$1" json block
-  blocks_of "$1" csv my_felt
+  blocks_of "$1" csv curve
   local block name
   for block in block*.json; do
     [ -e "$block" ] || continue
     name=$(sed -nE 's/^  "name": "([a-z_0-9]+)".*/\1/p; s/^  "instrument": "([a-z]+)-.*/my_\1/p' "$block" | head -n 1)
     [ -z "$name" ] || mv "$block" "$name.json"
   done
-  [ ! -e my_felt1.csv ] || mv my_felt1.csv my_felt.csv
+  [ ! -e curve1.csv ] || { mv curve1.csv my_felt.csv && mv curve2.csv my_impact.csv; }
   cp "$SOURCE/data/scores/bach_prelude.mid" my_song.mid
 }
 
