@@ -39,6 +39,7 @@ std::string materials() {
 std::string_view body_of(const Resonator& resonator) {
   if (std::holds_alternative<StiffString>(resonator.body)) return "string";
   if (std::holds_alternative<FreeBar>(resonator.body)) return "bar";
+  if (std::holds_alternative<Plate>(resonator.body)) return "plate";
   return std::holds_alternative<Membrane>(resonator.body) ? "membrane" : "modes";
 }
 

@@ -267,6 +267,7 @@ std::optional<double> reach_of(const Resonator& resonator) {
   if (const auto* string = std::get_if<StiffString>(&resonator.body)) return string->length_m;
   if (const auto* bar = std::get_if<FreeBar>(&resonator.body)) return bar->length_m;
   if (const auto* membrane = std::get_if<Membrane>(&resonator.body)) return membrane->radius_m;
+  if (const auto* plate = std::get_if<Plate>(&resonator.body)) return plate->length_m;
   return {};
 }
 

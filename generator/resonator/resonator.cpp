@@ -38,6 +38,14 @@ UndampedMode undamped_mode(const Membrane& membrane, int order, int i) {
           membrane.mass_per_area_kg_m2 * area * ring * ring};
 }
 
+UndampedMode undamped_mode(const Plate& plate, int m, int n) {
+  const double kx = m * pi / plate.length_m, ky = n * pi / plate.width_m, x = kx * kx, y = ky * ky;
+  const auto [along, across, mixed] = bending_stiffness(plate);
+  const double mass_per_area = plate.density_kg_m3 * plate.thickness_m;
+  return {std::sqrt((along * x * x + 2 * mixed * x * y + across * y * y) / mass_per_area), std::sqrt(x + y),
+          mass_per_area * plate.length_m * plate.width_m / 4};
+}
+
 // (cosh x + cos x - k (sinh x + sin x))/2 with k = (cosh X - cos X)/(sinh X - sin X), X = beta L. Written with
 // decaying exponentials only, because the difference of large exponentials would cancel.
 double shape_at(const FreeBar& bar, double wavenumber, double position_m) {
@@ -121,6 +129,26 @@ std::vector<ResonatorMode> modes_below(const Membrane& membrane, const Resonator
   }
 }
 
+// The first mode of a row rises with m, so the search ends at the first row without a mode below the limit.
+std::vector<ResonatorMode> modes_below(const Plate& plate, const Resonator& resonator, double limit) {
+  std::vector<ResonatorMode> modes;
+  for (int m = 1;; ++m) {
+    const double kx = m * pi / plate.length_m;
+    const auto found = modes_while_below(
+        limit, max_modes(resonator), plate.losses, [&](int n) { return undamped_mode(plate, m, n); },
+        [&](double beta) {
+          const double ky = std::round(std::sqrt(beta * beta - kx * kx) * plate.width_m / pi) * pi / plate.width_m;
+          const auto shape = [&](const Place& at) {
+            return std::sin(kx * at.position_m) * std::sin(ky * at.across_m);
+          };
+          return std::pair(shape(resonator.strike), shape(resonator.pickup));
+        });
+    if (found.empty()) return modes;
+    modes.insert(modes.end(), found.begin(), found.end());
+    limit = keep_lowest(modes, max_modes(resonator), limit);
+  }
+}
+
 std::vector<ResonatorMode> modes_below(const ModeTable& table, const Resonator&, double limit) {
   std::vector<ResonatorMode> modes;
   for (const auto& [mode, strike_shape, pickup_shape] : table.rows)
@@ -129,6 +157,14 @@ std::vector<ResonatorMode> modes_below(const ModeTable& table, const Resonator&,
 }
 
 }  // namespace
+
+PlateStiffness bending_stiffness(const Plate& plate) {
+  const double other_ratio = plate.poisson_ratio * plate.youngs_modulus_across_pa / plate.youngs_modulus_pa;
+  const double cube = std::pow(plate.thickness_m, 3) / 12;
+  const double along = plate.youngs_modulus_pa * cube / (1 - plate.poisson_ratio * other_ratio);
+  return {along, along * plate.youngs_modulus_across_pa / plate.youngs_modulus_pa,
+          other_ratio * along + 2 * plate.shear_modulus_pa * cube};
+}
 
 ModeSet modes_of(const Resonator& resonator, double max_frequency_hz) {
   const double limit = 2 * pi * max_frequency_hz;

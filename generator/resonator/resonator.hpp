@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The modes of a resonator from its physical parameters: stiff string, free-free bar, circular membrane, table of
-// modes.
+// The modes of a resonator from its physical parameters: stiff string, free-free bar, circular membrane,
+// rectangular plate, table of modes.
 #pragma once
 
 #include <span>
@@ -32,6 +32,28 @@ struct Membrane {
   Losses losses;
 };
 
+/// Simply supported rectangular plate of an orthotropic material, thin (Kirchhoff): w0^2 = (Dx kx^4 + 2 H kx^2 ky^2 +
+/// Dy ky^4)/(density thickness), kx = m pi/length, ky = n pi/width. Dx = Ex h^3/(12 (1 - nu_xy nu_yx)), Dy likewise,
+/// nu_yx = nu_xy Ey/Ex, H = nu_yx Dx + G h^3/6 (S. G. Lekhnitskii, Anisotropic Plates, 1968). Shapes sin(kx x) sin(ky
+/// y), modal mass a quarter of the plate's. beta^2 = kx^2 + ky^2 counts for the losses. Place: x and y [m] from a
+/// corner.
+struct Plate {
+  double length_m, width_m;  ///< along x and y
+  double thickness_m;
+  double density_kg_m3;
+  double youngs_modulus_pa;         ///< along x
+  double youngs_modulus_across_pa;  ///< along y
+  double shear_modulus_pa;
+  double poisson_ratio;  ///< nu_xy: shortening along y per stretch along x; nu_xy^2 Ey/Ex < 1
+  Losses losses;
+};
+
+/// Bending stiffnesses of a plate [N m]: along x, along y, and H of the mixed term.
+struct PlateStiffness {
+  double along, across, mixed;
+};
+[[nodiscard]] PlateStiffness bending_stiffness(const Plate& plate);
+
 /// Modes that were measured or computed elsewhere, with the values of their shapes at the strike and at the pickup.
 struct ModeTable {
   struct Row {
@@ -41,16 +63,17 @@ struct ModeTable {
   std::vector<Row> rows;
 };
 
-/// A place on the resonator; `angle_rad` is used for a membrane only.
+/// A place on the resonator; `angle_rad` is used for a membrane only, `across_m` for a plate only.
 struct Place {
   double position_m;
   double angle_rad = 0;
+  double across_m = 0;
 };
 
 struct Resonator {
   std::string name;         ///< lower-case identifier
   std::string description;  ///< one line, may be empty
-  std::variant<StiffString, FreeBar, Membrane, ModeTable> body;
+  std::variant<StiffString, FreeBar, Membrane, Plate, ModeTable> body;
   Place strike, pickup;  ///< not used by a ModeTable
   int max_modes;         ///< the modes with the lowest frequencies are kept, at most this number
 };

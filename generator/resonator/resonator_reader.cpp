@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include "generator/support/json_reader.hpp"
@@ -17,6 +19,10 @@ constexpr Range kBending{0, 1e6};
 constexpr Range kMassPerArea{1e-6, 1e4};
 constexpr Range kConstantLoss{0, 1e6};
 constexpr Range kQuadraticLoss{0, 1e3};
+constexpr Range kThickness{1e-6, 1};
+constexpr Range kDensity{1, 3e4};
+constexpr Range kModulus{1e3, 2e12};
+constexpr Range kPoisson{-0.999, 0.999};
 constexpr Range kAngle{-7, 7};
 constexpr Range kCents{-1200, 1200};
 constexpr Range kFrequency{0.1, 1e6};
@@ -52,6 +58,45 @@ Membrane read_membrane(const JsonObject& body) {
           body.number("tension_n_per_m", kTension), read_losses(body)};
 }
 
+// The smallest of along c^4 + 2 mixed c^2 s^2 + across s^4 over all directions, c^2 + s^2 = 1.
+double softest(double along, double across, double mixed) {
+  const double inner =
+      along + across - 2 * mixed;  // of a quadratic function of c^2 that has its minimum within (0, 1)
+  const double smaller = std::min(along, across);
+  return mixed < smaller ? (along * across - mixed * mixed) / inner : smaller;
+}
+
+// Without the second modulus the material is isotropic: G = E/(2 (1 + nu)).
+Plate read_plate(const JsonObject& body) {
+  Plate plate{body.number("length_m", kLength),
+              body.number("width_m", kLength),
+              body.number("thickness_m", kThickness),
+              body.number("density_kg_m3", kDensity),
+              body.number("youngs_modulus_pa", kModulus),
+              0,
+              0,
+              body.number("poisson_ratio", kPoisson),
+              read_losses(body)};
+  const bool orthotropic = body.has("youngs_modulus_across_pa");
+  if (orthotropic != body.has("shear_modulus_pa"))
+    body.fail(body.key(orthotropic ? "shear_modulus_pa" : "youngs_modulus_across_pa"), "missing",
+              "both youngs_modulus_across_pa and shear_modulus_pa, or none of them");
+  plate.youngs_modulus_across_pa =
+      orthotropic ? body.number("youngs_modulus_across_pa", kModulus) : plate.youngs_modulus_pa;
+  plate.shear_modulus_pa = orthotropic ? body.number("shear_modulus_pa", kModulus)
+                                       : plate.youngs_modulus_pa / (2 * (1 + plate.poisson_ratio));
+  const double square = plate.poisson_ratio * plate.poisson_ratio * plate.youngs_modulus_across_pa;
+  if (!(square < plate.youngs_modulus_pa))
+    body.fail(body.key("poisson_ratio"), fmt::format("{} is too large for these moduli", plate.poisson_ratio),
+              "poisson_ratio^2 youngs_modulus_across_pa < youngs_modulus_pa");
+  const auto [along, across, mixed] = bending_stiffness(plate);
+  const double critical = std::sqrt(softest(along, across, mixed) / (plate.density_kg_m3 * plate.thickness_m));
+  if (!(plate.losses.quadratic_m2_per_s < critical))
+    body.fail(body.key("quadratic_loss_m2_per_s"), fmt::format("{} is critical", plate.losses.quadratic_m2_per_s),
+              fmt::format("less than {:.4g}, with which no mode would sound", critical));
+  return plate;
+}
+
 ModeTable read_modes(const JsonObject& resonator) {
   ModeTable table;
   for (const JsonObject& row : resonator.objects(
@@ -75,15 +120,27 @@ const std::vector<std::string> kBarKeys = {"length_m", "mass_kg", "bending_stiff
 const std::vector<std::string> kMembraneKeys = {"radius_m", "mass_per_area_kg_m2", "tension_n_per_m",
                                                 "constant_loss_per_s", "quadratic_loss_m2_per_s"};
 
+const std::vector<std::string> kPlateKeys = {"length_m",
+                                             "width_m",
+                                             "thickness_m",
+                                             "density_kg_m3",
+                                             "youngs_modulus_pa",
+                                             "youngs_modulus_across_pa",
+                                             "shear_modulus_pa",
+                                             "poisson_ratio",
+                                             "constant_loss_per_s",
+                                             "quadratic_loss_m2_per_s"};
+
 decltype(Resonator::body) read_body(const JsonObject& resonator) {
   int kinds = 0;
-  for (const char* kind : {"string", "bar", "membrane", "modes"}) kinds += resonator.has(kind);
+  for (const char* kind : {"string", "bar", "membrane", "plate", "modes"}) kinds += resonator.has(kind);
   if (kinds != 1)
     resonator.fail("string", fmt::format("{} kinds of body are given", kinds),
-                   "just one of string, bar, membrane, modes");
+                   "just one of string, bar, membrane, plate, modes");
   if (resonator.has("string")) return read_string(resonator.object("string", kStringKeys));
   if (resonator.has("bar")) return read_bar(resonator.object("bar", kBarKeys));
   if (resonator.has("membrane")) return read_membrane(resonator.object("membrane", kMembraneKeys));
+  if (resonator.has("plate")) return read_plate(resonator.object("plate", kPlateKeys));
   return read_modes(resonator);
 }
 
@@ -92,24 +149,27 @@ struct Extent {
   double operator()(const StiffString& body) const { return body.length_m; }
   double operator()(const FreeBar& body) const { return body.length_m; }
   double operator()(const Membrane& body) const { return body.radius_m; }
+  double operator()(const Plate& body) const { return body.length_m; }
   double operator()(const ModeTable&) const { return 0; }
 };
 
 Place read_place(const JsonObject& resonator, const char* name, const decltype(Resonator::body)& body) {
+  const auto* plate = std::get_if<Plate>(&body);
   const bool round = std::holds_alternative<Membrane>(body);
-  const auto keys =
-      round ? std::vector<std::string>{"position_m", "angle_rad"} : std::vector<std::string>{"position_m"};
+  std::vector<std::string> keys = {"position_m"};
+  if (round) keys.emplace_back("angle_rad");
+  if (plate != nullptr) keys.emplace_back("across_m");
   const JsonObject place = resonator.object(name, keys);
-  return {place.number("position_m", {0, std::visit(Extent{}, body)}),
-          round ? place.number("angle_rad", kAngle) : 0.0};
+  return {place.number("position_m", {0, std::visit(Extent{}, body)}), round ? place.number("angle_rad", kAngle) : 0,
+          plate != nullptr ? place.number("across_m", {0, plate->width_m}) : 0};
 }
 
 }  // namespace
 
 Resonator parse_resonator(std::string_view text, std::string_view file) {
-  const JsonObject resonator =
-      parse_json(text, file, "resonator",
-                 {"name", "description", "string", "bar", "membrane", "modes", "strike", "pickup", "max_modes"});
+  const JsonObject resonator = parse_json(
+      text, file, "resonator",
+      {"name", "description", "string", "bar", "membrane", "plate", "modes", "strike", "pickup", "max_modes"});
   Resonator read{
       read_name(resonator, kMemberNames), read_description(resonator), read_body(resonator), {}, {}, kMaxModes};
   if (std::holds_alternative<ModeTable>(read.body)) {

@@ -43,6 +43,17 @@ const std::string kMembrane = R"({
   "pickup": { "position_m": 0.09, "angle_rad": 0.7 },
   "max_modes": 20
 })";
+const std::string kPlate = R"({
+  "name": "probe",
+  "plate": {
+    "length_m": 1.4, "width_m": 0.9, "thickness_m": 0.008, "density_kg_m3": 400,
+    "youngs_modulus_pa": 11e9, "youngs_modulus_across_pa": 0.6e9, "shear_modulus_pa": 0.7e9, "poisson_ratio": 0.4,
+    "constant_loss_per_s": 7, "quadratic_loss_m2_per_s": 0.03
+  },
+  "strike": { "position_m": 0.5, "across_m": 0.21 },
+  "pickup": { "position_m": 0.91, "across_m": 0.7 },
+  "max_modes": 20
+})";
 const std::string kModes = R"({
   "name": "probe",
   "modes": [
@@ -53,6 +64,7 @@ const std::string kModes = R"({
 const std::string kLength = "a number from 0.0001 to 100";
 const std::string kMass = "a number from 1e-09 to 10000";
 const std::string kLoss = "a number from 0 to 1000000";
+const std::string kModulus = "a number from 1000 to 2000000000000";
 const std::string kQuadratic = "a number from 0 to 1000";
 const std::string kShape = "a number from -1000000 to 1000000";
 
@@ -93,6 +105,22 @@ std::vector<BadFile> all_number_cases() {
         {"strike.", "angle_rad", "0.1", "a number from -7 to 7", {"-7.1", "7.1"}},
         {"pickup.", "position_m", "0.09", "a number from 0 to 0.165", {"-0.1", "0.17"}},
         {"pickup.", "angle_rad", "0.7", "a number from -7 to 7", {"-7.1", "7.1"}}}},
+      {"plate",
+       kPlate,
+       {{"plate.", "length_m", "1.4", kLength, {"0", "-1", "9e-5", "101"}},
+        {"plate.", "width_m", "0.9", kLength, {"0", "-1", "9e-5", "101"}},
+        {"plate.", "thickness_m", "0.008", "a number from 1e-06 to 1", {"0", "-1", "1.1"}},
+        {"plate.", "density_kg_m3", "400", "a number from 1 to 30000", {"0", "-1", "30001"}},
+        {"plate.", "youngs_modulus_pa", "11e9", kModulus, {"0", "-1", "2.1e12"}},
+        {"plate.", "youngs_modulus_across_pa", "0.6e9", kModulus, {"0", "-1", "2.1e12"}},
+        {"plate.", "shear_modulus_pa", "0.7e9", kModulus, {"0", "-1", "2.1e12"}},
+        {"plate.", "poisson_ratio", "0.4", "a number from -0.999 to 0.999", {"-1", "1"}},
+        {"plate.", "constant_loss_per_s", "7", kLoss, {"-1", "1.1e6"}},
+        {"plate.", "quadratic_loss_m2_per_s", "0.03", kQuadratic, {"-1", "1001"}},
+        {"strike.", "position_m", "0.5", "a number from 0 to 1.4", {"-0.1", "1.41"}},
+        {"strike.", "across_m", "0.21", "a number from 0 to 0.9", {"-0.1", "0.91"}},
+        {"pickup.", "position_m", "0.91", "a number from 0 to 1.4", {"-0.1", "1.41"}},
+        {"pickup.", "across_m", "0.7", "a number from 0 to 0.9", {"-0.1", "0.91"}}}},
       {"modes",
        kModes,
        {{"modes[0].", "frequency_hz", "440", "a number from 0.1 to 1000000", {"0", "-1", "0.09", "1.1e6"}},
@@ -112,8 +140,8 @@ std::vector<BadFile> all_number_cases() {
 }
 
 std::vector<BadFile> key_cases() {
-  const std::string root = "name, description, string, bar, membrane, modes, strike, pickup, max_modes";
-  const std::string kinds = "kinds of body are given; allowed: just one of string, bar, membrane, modes";
+  const std::string root = "name, description, string, bar, membrane, plate, modes, strike, pickup, max_modes";
+  const std::string kinds = "kinds of body are given; allowed: just one of string, bar, membrane, plate, modes";
   std::vector<BadFile> cases = {
       {"name_missing", changed(kString, R"("name": "probe",)", ""), "name", "missing; allowed: a-z"},
       {"name_is_path", changed(kString, R"("probe")", R"("../probe")"), "name", "is not a usable identifier"},
@@ -127,6 +155,20 @@ std::vector<BadFile> key_cases() {
        "unknown key; allowed: length_m"},
       {"unknown_in_membrane", changed(kMembrane, R"("radius_m")", R"("length_m": 1, "radius_m")"),
        "membrane.length_m", "unknown key; allowed: radius_m"},
+      {"unknown_in_plate", changed(kPlate, R"("length_m")", R"("tension_n": 1, "length_m")"), "plate.tension_n",
+       "unknown key; allowed: length_m"},
+      {"across_missing", changed(kPlate, R"(, "across_m": 0.21)", ""), "strike.across_m",
+       "missing; allowed: a number from 0 to 0.9"},
+      {"angle_on_plate", changed(kPlate, R"("across_m": 0.21)", R"("angle_rad": 0)"), "strike.angle_rad",
+       "unknown key; allowed: position_m, across_m"},
+      {"one_modulus_missing", changed(kPlate, R"("youngs_modulus_across_pa": 0.6e9, )", ""),
+       "plate.youngs_modulus_across_pa", "missing; allowed: both youngs_modulus_across_pa and shear_modulus_pa"},
+      {"shear_missing", changed(kPlate, R"("shear_modulus_pa": 0.7e9, )", ""), "plate.shear_modulus_pa",
+       "missing; allowed: both youngs_modulus_across_pa and shear_modulus_pa"},
+      {"poisson_too_large", changed(kPlate, "0.6e9", "90e9"), "plate.poisson_ratio",
+       "0.4 is too large for these moduli; allowed: poisson_ratio^2"},
+      {"critical_loss", changed(kPlate, "0.03", "20"), "plate.quadratic_loss_m2_per_s",
+       "20 is critical; allowed: less than"},
       {"unknown_in_mode", changed(kModes, R"("decay_per_s")", R"("t60_s": 1, "decay_per_s")"), "modes[0].t60_s",
        "unknown key; allowed: frequency_hz"},
       {"angle_on_string", changed(kString, R"("position_m": 0.07)", R"("position_m": 0.07, "angle_rad": 0)"),
@@ -180,6 +222,10 @@ std::vector<BadFile> key_cases() {
            {"membrane.",
             kMembrane,
             {R"("radius_m": 0.165, )", R"("mass_per_area_kg_m2": 0.35, )", R"("constant_loss_per_s": 6, )"}},
+           {"plate.",
+            kPlate,
+            {R"("width_m": 0.9, )", R"("thickness_m": 0.008, )", R"("density_kg_m3": 400,)",
+             R"("youngs_modulus_pa": 11e9, )", R"("poisson_ratio": 0.4,)", R"("constant_loss_per_s": 7, )"}},
            {"modes[0].",
             kModes,
             {R"("frequency_hz": 440, )", R"("decay_per_s": 1.5, )", R"("mass_kg": 0.01, )",
@@ -222,7 +268,7 @@ TEST(BadResonator, WhoseModesAreAllOverdampedIsRefused) {
 
 // What the tables above are made of is good itself.
 TEST(GoodResonatorFile, IsAccepted) {
-  for (const std::string& text : {kString, kBar, kMembrane, kModes}) {
+  for (const std::string& text : {kString, kBar, kMembrane, kPlate, kModes}) {
     const Sandbox box;
     write_file(box / "probe.json", text);
     EXPECT_EQ(run({.arguments = {"generate", "probe.json", "-o", "out"}, .folder = box.path()}).exit_code, 0) << text;

@@ -91,7 +91,7 @@ TEST(DamagedResonator, GivesOutputOrOneReadableLine) {
     { "frequency_hz": 440, "decay_per_s": 1, "mass_kg": 0.01, "strike_shape": 1, "pickup_shape": -0.5 },
     { "frequency_hz": 1230, "decay_per_s": 3, "mass_kg": 0.01, "strike_shape": 0.4, "pickup_shape": 1 } ] })");
   damage_files(texts, "fuzz.json",
-               "\"name\" \"string\" \"bar\" \"membrane\" \"modes\" \"strike\" \"pickup\" \"max_modes\":2, "
+               "\"name\" \"string\" \"bar\" \"membrane\" \"plate\" \"modes\" \"strike\" \"pickup\" \"max_modes\":2, "
                "\"detuning_cents\":[1,2], \"angle_rad\":0, \"position_m\"",
                10'000, emit_resonator);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Modes of strings, bars and membranes against closed forms, tables and quadrature.
+// Modes of strings, bars, membranes and plates against closed forms, tables and quadrature.
 #include "generator/resonator/resonator.hpp"
 
 #include <numbers>
@@ -123,6 +123,73 @@ TEST(Membrane, MassesAreIntegralsOfTheShape) {
     EXPECT_TRUE(relatively_within(modes[0].mode.mass_kg, masses[0], 1e-5));
     EXPECT_TRUE(relatively_within(modes[1].mode.mass_kg, masses[1], 1e-5));
   }
+}
+
+Plate aluminium() {
+  return {0.4, 0.29, 0.002, 2700, 70e9, 70e9, 70e9 / (2 * 1.33), 0.33, {3, 0}};
+}
+
+// f = pi/2 sqrt(D/(rho h)) (m^2/a^2 + n^2/b^2) with D = E h^3/(12 (1 - nu^2)) (Leissa, Vibration of Plates, 1969):
+// all of them below 5 kHz, in order, with a quarter of the plate's mass and the product of two sines.
+TEST(Plate, OfOneMaterialHasTheClassicalModes) {
+  const Resonator plate{"plate", "", aluminium(), {0.13, 0, 0.08}, {0.31, 0, 0.22}, 4096};
+  const double d = 70e9 * std::pow(0.002, 3) / (12 * (1 - 0.33 * 0.33));
+  struct Expected {
+    double frequency, strike, pickup;
+  };
+  std::vector<Expected> expected;
+  for (int m = 1; m < 40; ++m)
+    for (int n = 1; n < 40; ++n) {
+      const double f = pi / 2 * std::sqrt(d / (2700 * 0.002)) * (m * m / 0.16 + n * n / 0.0841);
+      const auto shape = [&](double x, double y) { return std::sin(m * pi * x / 0.4) * std::sin(n * pi * y / 0.29); };
+      if (f < 5000) expected.push_back({f, shape(0.13, 0.08), shape(0.31, 0.22)});
+    }
+  std::ranges::sort(expected, {}, &Expected::frequency);
+  const auto modes = modes_of(plate, 5000).modes;
+  ASSERT_EQ(modes.size(), expected.size());
+  ASSERT_GT(modes.size(), 75u);
+  for (std::size_t i = 0; i < modes.size(); ++i) {
+    EXPECT_TRUE(relatively_within(frequency_hz(modes[i]), expected[i].frequency, 1e-12));
+    EXPECT_TRUE(relatively_within(modes[i].mode.mass_kg, 2700 * 0.002 * 0.4 * 0.29 / 4, 1e-14));
+    EXPECT_TRUE(within(modes[i].strike_shape, expected[i].strike, 1e-12));
+    EXPECT_TRUE(within(modes[i].pickup_shape, expected[i].pickup, 1e-12));
+  }
+}
+
+// Spruce, narrow along the grain: long waves across it are those of a beam, EI = Ey h^3/12 per width without
+// Poisson's ratio. Turned by a right angle it has the same modes.
+TEST(Plate, OfSpruceHasTwoStiffnesses) {
+  const Losses losses{5, 0};
+  const Plate strip{100, 0.5, 0.008, 400, 11e9, 0.6e9, 0.7e9, 0, losses};
+  const Resonator wide{"strip", "", strip, {1, 0, 0.1}, {1, 0, 0.1}, 1};
+  const double beam = pi / (2 * 0.25) * std::sqrt(0.6e9 * std::pow(0.008, 3) / 12 / (400 * 0.008));
+  EXPECT_TRUE(relatively_within(frequency_hz(modes_of(wide, 1000).modes[0]), beam, 1e-3));
+
+  const Plate board{1.4, 0.9, 0.008, 400, 11e9, 0.6e9, 0.7e9, 0.4, losses};
+  const Plate turned{0.9, 1.4, 0.008, 400, 0.6e9, 11e9, 0.7e9, 0.4 * 0.6 / 11, losses};
+  const auto one = modes_of({"board", "", board, {0.3, 0, 0.2}, {0.5, 0, 0.6}, 60}, 22050).modes;
+  const auto other = modes_of({"turned", "", turned, {0.2, 0, 0.3}, {0.6, 0, 0.5}, 60}, 22050).modes;
+  ASSERT_EQ(one.size(), 60u);
+  ASSERT_EQ(other.size(), 60u);
+  for (std::size_t i = 0; i < 60; ++i) {
+    EXPECT_TRUE(relatively_within(frequency_hz(one[i]), frequency_hz(other[i]), 1e-12));
+    EXPECT_TRUE(
+        within(one[i].pickup_shape * one[i].strike_shape, other[i].pickup_shape * other[i].strike_shape, 1e-12));
+  }
+}
+
+// A plate of 100 m and 10 um has some 10^12 modes below the limit; only the lowest are looked for.
+TEST(Plate, FindsTheLowestModesWithoutListingAll) {
+  const Resonator foil{"foil", "", Plate{100, 90, 1e-5, 2700, 70e9, 70e9, 70e9 / 2.66, 0.33, {0, 0}}, {5}, {9}, 300};
+  const auto set = modes_of(foil, 22050);
+  EXPECT_TRUE(set.cut);
+  ASSERT_EQ(set.modes.size(), 300u);
+  std::vector<double> sums;
+  for (int m = 1; m <= 300; ++m)
+    for (int n = 1; n <= 300; ++n) sums.push_back(m * m / 1e4 + n * n / 8.1e3);
+  std::ranges::sort(sums);
+  for (std::size_t i = 0; i < 300; ++i)
+    EXPECT_TRUE(relatively_within(frequency_hz(set.modes[i]) / frequency_hz(set.modes[0]), sums[i] / sums[0], 1e-12));
 }
 
 TEST(Resonator, TheLimitCutsAndSaysSo) {
