@@ -138,21 +138,22 @@ std::vector<double> works(const std::vector<CurveSample>& samples, CurveSample f
 
 // Gives each sample of an impact its speed, and sorts them by compression.
 void add_speeds(std::vector<CurveSample>& samples, double impact_speed, std::string_view file) {
-  const auto turn =
+  const auto deepest =
       static_cast<std::size_t>(std::ranges::max_element(samples, {}, &CurveSample::compression_m) - samples.begin());
-  if (samples.size() - turn - 1 < kMinSamples / 2 || turn + 1 < kMinSamples / 2)
-    refuse(file, "samples", fmt::format("has {} of loading and {} of unloading", turn + 1, samples.size() - turn - 1),
+  if (samples.size() - deepest - 1 < kMinSamples / 2 || deepest + 1 < kMinSamples / 2)
+    refuse(file, "samples",
+           fmt::format("has {} of loading and {} of unloading", deepest + 1, samples.size() - deepest - 1),
            fmt::format("{} or more of each, for curve.impact_speed_m_per_s", kMinSamples / 2));
-  const auto loading = works(samples, {0, 0}, 0, turn + 1);
-  const auto unloading = works(samples, samples[turn], turn + 1, samples.size());
+  const auto loading = works(samples, {0, 0}, 0, deepest + 1);
+  const auto unloading = works(samples, samples[deepest], deepest + 1, samples.size());
   const double stored = loading.back();
   if (!(unloading.back() < stored))
     refuse(file, "force", fmt::format("gives back {:.4g} J of {:.4g} J", unloading.back(), stored),
            "an unloading branch below the loading branch");
-  for (std::size_t i = 0; i <= turn; ++i)
+  for (std::size_t i = 0; i <= deepest; ++i)
     samples[i].speed_m_per_s = impact_speed * std::sqrt(std::max(1 - loading[i] / stored, 0.0));
-  for (std::size_t i = turn + 1; i < samples.size(); ++i)
-    samples[i].speed_m_per_s = -impact_speed * std::sqrt(unloading[i - turn - 1] / stored);
+  for (std::size_t i = deepest + 1; i < samples.size(); ++i)
+    samples[i].speed_m_per_s = -impact_speed * std::sqrt(unloading[i - deepest - 1] / stored);
   std::ranges::stable_sort(samples, {}, &CurveSample::compression_m);
 }
 

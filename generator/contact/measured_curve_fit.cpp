@@ -162,18 +162,18 @@ double fitted_loss(const std::vector<CurveSample>& samples, CurveShape shape, do
   // Gram matrix and moment are a quadratic and a linear function of the loss: the samples are summed up three times
   // only.
   const double half = max_loss_s_per_m / 2;
-  const NormalEquations none = equations_at(0), middle = equations_at(half), most = equations_at(2 * half);
+  const NormalEquations none = equations_at(0), middle = equations_at(half), whole = equations_at(2 * half);
   const auto squares_with = [&](double loss) {
     const Quad t = Quad(loss) / half;
-    return squares_at({(t - 1) * (t - 2) / 2 * none.gram + t * (2 - t) * middle.gram + t * (t - 1) / 2 * most.gram,
+    return squares_at({(t - 1) * (t - 2) / 2 * none.gram + t * (2 - t) * middle.gram + t * (t - 1) / 2 * whole.gram,
                        (1 - t) * none.moment + t * middle.moment, none.squares});
   };
   constexpr int kGrid = 32;
   int best = 0;
-  double least = squares_with(0);
+  double min = squares_with(0);
   for (int i = 1; i <= kGrid; ++i)
-    if (const double squares = squares_with(max_loss_s_per_m * i / kGrid); squares < least) {
-      least = squares;
+    if (const double squares = squares_with(max_loss_s_per_m * i / kGrid); squares < min) {
+      min = squares;
       best = i;
     }
   const auto loss_at = [&](int i) { return max_loss_s_per_m * std::clamp(i, 0, kGrid) / kGrid; };
