@@ -26,6 +26,13 @@ struct HammerStringControls {
   T damping_per_s = 0;           ///< of the damper, at any time: extra decay of every mode
 };
 
+/// Strings at their bridge: the force on it per modal displacement [N/m], and that times the admittance of the mode.
+template <std::floating_point T, std::size_t Modes = std::dynamic_extent>
+struct BridgeShapes {
+  ModeShapes<T, Modes> shapes;
+  detail::ModalArray<T, Modes> admittances;
+};
+
 /// A hammer in free flight in front of a resonator, which it strikes at one place. Several strings under one hammer
 /// are one resonator: their modes side by side, each shape divided by the number of strings.
 ///
@@ -76,15 +83,31 @@ class HammerString {
 
   /// Advances one sample. Safe in an audio thread: no allocation, no lock, bounded time.
   void tick(const HammerStringControls<T>& controls) {
-    const T damping = take_damping(controls);
-    if (!is_flying_) {
-      hammer_.force_n = 0;
-      return string_.advance(damping);
+    advance(controls, [](T) {});
+  }
+
+  /// The same on a bridge that is displaced by so many metres during this sample, as Body::displacement() tells.
+  /// Returns the force on the bridge [N]. Safe in an audio thread.
+  T tick(const HammerStringControls<T>& controls, const BridgeShapes<T, Modes>& bridge, T displacement_m) {
+    const T w = held(T(0), displacement_m, Ranges::displacement_m);
+#ifdef CONTACTSPLINE_SIMD
+    if constexpr (Modes == std::dynamic_extent) {
+      if (!is_flying_) {
+        hammer_.force_n = 0;
+        return detail::advance_on_bridge(string_.arrays(), bridge.shapes.data(), bridge.admittances.data(),
+                                         1 / (1 + take_damping(controls)), w);
+      }
     }
-    take(controls);
-    string_.predict(damping);
-    collide(1 / (1 + damping));
-    string_.commit();
+#endif
+    advance(controls, [&](T damping_gain) { string_.push(bridge.shapes, damping_gain * w); });
+    return string_.displacement(bridge.shapes);
+  }
+
+  /// What tick() on a bridge needs of the forces on it per modal displacement [N/m], as bridge_shape() gives them.
+  [[nodiscard]] BridgeShapes<T, Modes> bridge(const Shapes& shapes) const {
+    BridgeShapes<T, Modes> bridge{shapes, detail::ModalArray<T, Modes>(shapes.size())};
+    for (std::size_t i = 0; i < shapes.size(); ++i) bridge.admittances[i] = string_.admittance(i) * shapes[i];
+    return bridge;
   }
 
   /// Advances out.size() samples, writes the displacement at the pickup [m] after each and, unless `forces` is null,
@@ -123,6 +146,20 @@ class HammerString {
 
  private:
   using Ranges = ControlRanges<T>;
+
+  // One sample; `drive` adds other forces to the string, each times the gain of the damper.
+  template <typename Drive>
+  void advance(const HammerStringControls<T>& controls, Drive drive) {
+    const T damping = take_damping(controls), damping_gain = 1 / (1 + damping);
+    string_.predict(damping);
+    drive(damping_gain);
+    hammer_.force_n = 0;
+    if (is_flying_) {
+      take(controls);
+      collide(damping_gain);
+    }
+    string_.commit();
+  }
 
   void take(const HammerStringControls<T>& controls) {
     if (!std::exchange(is_thrown_, false)) return;

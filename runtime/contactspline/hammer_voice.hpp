@@ -88,6 +88,7 @@ class HammerVoice {
   HammerVoice(SegmentTable<T> felt, std::span<const Mode> modes, ModeShapes<T> strike, const ModeShapes<T>& output,
               const HammerStringControls<T>& controls, const Damper& damper, double sample_rate_hz)
       : model_(felt, modes, std::move(strike), sample_rate_hz),
+        bridge_(model_.bridge(output)),
         output_(model_.string().sound_pickup(output)),
         controls_(controls),
         damper_(damper, sample_rate_hz) {}
@@ -118,6 +119,15 @@ class HammerVoice {
     model_.tick(damped());
     damper_.advance(1);
     return model_.string().displacement(output_);
+  }
+
+  /// Advances one sample on a bridge that is displaced by so many metres, and returns the force on it [N], for
+  /// Body::tick. `output` must be the force on the bridge per modal displacement [N/m]. Safe in an audio thread.
+  T tick(T bridge_displacement_m) {
+    damping_per_s_ = own_damping();
+    const T force = model_.tick(damped(), bridge_, bridge_displacement_m);
+    damper_.advance(1);
+    return force;
   }
 
   /// Advances out.size() samples, writes the output after each and, unless `forces` is null, the contact forces [N].
@@ -162,6 +172,7 @@ class HammerVoice {
   }
 
   HammerString<T> model_;
+  BridgeShapes<T> bridge_;
   ModeShapes<T> output_;
   HammerStringControls<T> controls_;
   T damping_per_s_ = 0;  // the last one of the controls that was a number

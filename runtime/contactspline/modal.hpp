@@ -192,6 +192,9 @@ class ModalBank {
     return detail::sum_of<T>(size(), [&](std::size_t i) { return admittance_[i] * at[i] * of_force[i]; });
   }
 
+  /// Change of displacement of one mode over one sample per newton [m/N].
+  [[nodiscard]] constexpr T admittance(std::size_t mode) const { return admittance_[mode]; }
+
   /// Displacement at a place [m].
   [[nodiscard]] constexpr T displacement(const Shapes& at) const {
     return detail::sum_of<T>(size(), [&](std::size_t i) { return at[i] * displacement_[i]; });

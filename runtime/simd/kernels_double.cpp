@@ -18,6 +18,10 @@ namespace {
 void ProcessFree(const ModalArrays<double>& modes, double damping_gain, const double* pickup, std::span<double> out) {
   process_free_block(modes, damping_gain, pickup, out);
 }
+double AdvanceOnBridge(const ModalArrays<double>& modes, const double* shape, const double* admittance,
+                       double damping_gain, double displacement_m) {
+  return advance_on_bridge_as(modes, shape, admittance, damping_gain, displacement_m);
+}
 HWY_FLATTEN std::size_t ProcessStruck(const StrikeConstants<double>& strike, HammerState<double>& hammer,
                                       std::span<double> out, double* force) {
   return process_struck_block(strike, hammer, out, force);
@@ -33,11 +37,16 @@ namespace contactspline::detail {
 
 HWY_EXPORT(ProcessFree);
 HWY_EXPORT(ProcessStruck);
+HWY_EXPORT(AdvanceOnBridge);
 
 void process_free(const ModalArrays<double>& modes, double damping_gain, const double* pickup,
                   std::span<double> out) {
   const FlushDenormals flushed;
   HWY_DYNAMIC_DISPATCH(ProcessFree)(modes, damping_gain, pickup, out);
+}
+double advance_on_bridge(const ModalArrays<double>& modes, const double* shape, const double* admittance,
+                         double damping_gain, double displacement_m) {
+  return HWY_DYNAMIC_DISPATCH(AdvanceOnBridge)(modes, shape, admittance, damping_gain, displacement_m);
 }
 std::size_t process_struck(const StrikeConstants<double>& strike, HammerState<double>& hammer, std::span<double> out,
                            double* force) {

@@ -18,6 +18,10 @@ namespace {
 void ProcessFree(const ModalArrays<float>& modes, float damping_gain, const float* pickup, std::span<float> out) {
   process_free_block(modes, damping_gain, pickup, out);
 }
+float AdvanceOnBridge(const ModalArrays<float>& modes, const float* shape, const float* admittance,
+                      float damping_gain, float displacement_m) {
+  return advance_on_bridge_as(modes, shape, admittance, damping_gain, displacement_m);
+}
 HWY_FLATTEN std::size_t ProcessStruck(const StrikeConstants<float>& strike, HammerState<float>& hammer,
                                       std::span<float> out, float* force) {
   return process_struck_block(strike, hammer, out, force);
@@ -33,10 +37,15 @@ namespace contactspline::detail {
 
 HWY_EXPORT(ProcessFree);
 HWY_EXPORT(ProcessStruck);
+HWY_EXPORT(AdvanceOnBridge);
 
 void process_free(const ModalArrays<float>& modes, float damping_gain, const float* pickup, std::span<float> out) {
   const FlushDenormals flushed;
   HWY_DYNAMIC_DISPATCH(ProcessFree)(modes, damping_gain, pickup, out);
+}
+float advance_on_bridge(const ModalArrays<float>& modes, const float* shape, const float* admittance,
+                        float damping_gain, float displacement_m) {
+  return HWY_DYNAMIC_DISPATCH(AdvanceOnBridge)(modes, shape, admittance, damping_gain, displacement_m);
 }
 std::size_t process_struck(const StrikeConstants<float>& strike, HammerState<float>& hammer, std::span<float> out,
                            float* force) {

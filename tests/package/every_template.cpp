@@ -3,6 +3,7 @@
 #include <faust/gui/UI.h>
 #include <faust/gui/meta.h>
 
+#include "contactspline/body.hpp"
 #include "contactspline/contact_network.hpp"
 #include "contactspline/coupled_contacts.hpp"
 #include "contactspline/ensemble.hpp"
@@ -31,6 +32,7 @@ template struct ContactControls<float>;
 template struct Segment<float>;
 template class detail::ContactTableStorage<float>;
 template class detail::StrikeConstantsStorage<float>;
+template class Body<float>;
 template class ContactNetwork<float>;
 template class CoupledContacts<float>;
 template class Ensemble<float>;
@@ -51,6 +53,7 @@ template struct ContactControls<double>;
 template struct Segment<double>;
 template class detail::ContactTableStorage<double>;
 template class detail::StrikeConstantsStorage<double>;
+template class Body<double>;
 template class ContactNetwork<double>;
 template class CoupledContacts<double>;
 template class Ensemble<double>;

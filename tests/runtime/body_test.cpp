@@ -1,0 +1,330 @@
+// SPDX-License-Identifier: MIT
+// Strings on a body: energy, and the motion against the exact solution of the coupled equations.
+#include "contactspline/body.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <complex>
+#include <iostream>
+#include <numbers>
+
+#include "energy.hpp"
+#include "generator/resonator/resonator.hpp"
+#include "strings.hpp"
+#include "support/compare.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+using std::numbers::pi;
+
+// The kernels do not tell what the strings dissipate: there they have no losses.
+#ifdef CONTACTSPLINE_SIMD
+constexpr bool kHasLosses = false;
+#else
+constexpr bool kHasLosses = true;
+#endif
+
+/// A board of spruce, as data/resonators/soundboard.json.
+std::vector<ResonatorMode> board(int max_modes, double quadratic_loss = 0.29) {
+  const Plate plate{1.39, 0.91, 0.018, 392, 11.5e9, 8e9, 1.5e9, 0.3, {8, quadratic_loss}};
+  return modes_of({"board", "", plate, {0.62, 0, 0.51}, {0.87, 0, 0.29}, max_modes}, 22050).modes;
+}
+
+/// The modes of all strings of a key, with their forces on the bridge.
+struct Strings {
+  Strings(const StruckString& struck, std::vector<double> cents, int max_modes, double max_frequency_hz) {
+    StiffString string = struck.string;
+    if (!kHasLosses) string.losses = {0, 0};
+    tension_over_length = static_cast<double>(cents.size()) * string.tension_n / string.length_m;
+    string.detuning_cents = std::move(cents);
+    const int all = max_modes * static_cast<int>(string.detuning_cents.size());
+    const auto found = modes_of({"", "", string, {struck.strike_m}, {struck.strike_m}, all}, max_frequency_hz).modes;
+    modes = bare(found);
+    strike = shapes<double>(found, &ResonatorMode::strike_shape);
+    for (const auto& mode : found) bridge.push_back(bridge_shape(struck.string, mode.wavenumber_per_m));
+  }
+
+  [[nodiscard]] double stiffness() const { return bridge_stiffness(modes, bridge, tension_over_length); }
+
+  std::vector<Mode> modes;
+  ModeShapes<double> strike;
+  std::vector<double> bridge;
+  double tension_over_length;
+};
+
+/// A key with its hammer and its energy.
+template <typename T>
+class Key {
+ public:
+  Key(const StruckString& struck, const Strings& strings, double rate)
+      : table_(table_in<T>(felt_table(struck, 32))),
+        model_(SegmentTable<T>(table_), strings.modes, ModeShapes<T>(std::span<const double>(vector_of(strings.strike))),
+               rate),
+        bridge_(model_.bridge(ModeShapes<T>(std::span<const double>(strings.bridge)))),
+        controls_{.hammer_mass_kg = static_cast<T>(struck.hammer_kg)} {}
+
+  void strike(T speed) {
+    const double before = hammer_energy();
+    model_.strike(speed, T(1e-4));
+    work += hammer_energy() - before;
+  }
+  T tick(T displacement, T damping) {
+    controls_.damping_per_s = damping;
+    const T force = model_.tick(controls_, bridge_, displacement);
+    if (kHasLosses) dissipated += model_.string().dissipated();
+    return force;
+  }
+  [[nodiscard]] double energy() const { return model_.string().energy() + hammer_energy(); }
+
+  long double work = 0, dissipated = 0;
+
+ private:
+  static std::vector<double> vector_of(const ModeShapes<double>& shapes) {
+    return {shapes.data(), shapes.data() + shapes.size()};
+  }
+  [[nodiscard]] double hammer_energy() const {
+    const double v = double(model_.hammer_velocity());
+    return double(controls_.hammer_mass_kg) * v * v / 2 +
+           double(potential(SegmentTable<T>(table_), model_.compression()));
+  }
+
+  std::vector<Segment<T>> table_;
+  HammerString<T> model_;
+  BridgeShapes<T> bridge_;
+  HammerStringControls<T> controls_;
+};
+
+class StrungBody : public ::testing::TestWithParam<double> {};
+
+// Three keys of one to three strings on a board of 120 modes, struck in turn, in part while they sound, with dampers that
+// fall and rise. Bound: 1e-12 of the largest energy.
+TEST_P(StrungBody, BalancesItsEnergy) {
+  const double rate = GetParam();
+  const Strings low(c2(), {0}, 400, 22050), middle(c4(), {0, 0.8, -0.7}, 400, 22050), high(c7(), {0, 1, -1}, 400, 22050);
+  const auto modes = board(120);
+  Body<double> body(bare(modes), shapes<double>(modes, &ResonatorMode::strike_shape),
+                    low.stiffness() + middle.stiffness() + high.stiffness(), rate);
+  std::vector<Key<double>> keys;
+  keys.emplace_back(c2(), low, rate);
+  keys.emplace_back(c4(), middle, rate);
+  keys.emplace_back(c7(), high, rate);
+  EnergyBooks books;
+  long double of_body = 0;
+  double largest_in_body = 0;
+  const int samples = static_cast<int>(4 * rate), period = static_cast<int>(0.11 * rate);
+  for (int n = 0; n < samples; ++n) {
+    if (n % period == 0) keys[static_cast<std::size_t>(n / period) % 3].strike(1 + n / period % 5);
+    const double damping = kHasLosses && n / (5 * period) % 2 != 0 ? 60 : 0;
+    double force = 0, stored = 0;
+    for (auto& key : keys) force += key.tick(body.displacement(), damping);
+    body.tick(force);
+    books.work = books.dissipated = 0;
+    for (const auto& key : keys) {
+      stored += key.energy();
+      books.work += key.work;
+      books.dissipated += key.dissipated;
+    }
+    of_body += body.modes().dissipated();
+    books.dissipated += of_body;
+    largest_in_body = std::max(largest_in_body, body.modes().energy());
+    books.close(stored + body.energy());
+  }
+  std::cout << rate << " Hz: " << books.worst / books.peak << " of the largest energy, " << largest_in_body / books.peak
+            << " of it in the board\n";
+  EXPECT_GT(largest_in_body, 0.001 * books.peak);
+  EXPECT_TRUE(within(books.worst, 0, 1e-12 * books.peak));
+}
+
+INSTANTIATE_TEST_SUITE_P(Rates, StrungBody, ::testing::Values(22050.0, 44100.0, 96000.0));
+
+/// The exact motion of strings on a body in continuous time: M x'' + 2 M S x' + K x = 0 by the eigenvectors of its matrix, in
+/// units in which all its numbers are of one size: sqrt(M) x and sqrt(M) x'/kUnit.
+class ExactMotion {
+ public:
+  ExactMotion(const Strings& strings, const std::vector<ResonatorMode>& body) : strings_(strings), body_(body) {
+    const auto s = static_cast<Eigen::Index>(strings.modes.size()), b = static_cast<Eigen::Index>(body.size()), n = s + b;
+    Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(n, n);
+    Eigen::VectorXd mass(n), decay(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const auto at = static_cast<std::size_t>(i < s ? i : i - s);
+      const Mode& mode = i < s ? strings.modes[at] : body[at].mode;
+      mass(i) = mode.mass_kg;
+      decay(i) = mode.decay_per_s;
+      stiffness(i, i) = mode.mass_kg * (std::pow(mode.angular_frequency_rad_per_s, 2) + std::pow(mode.decay_per_s, 2));
+    }
+    for (Eigen::Index i = 0; i < b; ++i) {
+      const double shape = body[static_cast<std::size_t>(i)].strike_shape;
+      for (Eigen::Index j = 0; j < b; ++j)
+        stiffness(s + i, s + j) += strings.stiffness() * shape * body[static_cast<std::size_t>(j)].strike_shape;
+      for (Eigen::Index j = 0; j < s; ++j)
+        stiffness(s + i, j) = stiffness(j, s + i) = -shape * strings.bridge[static_cast<std::size_t>(j)];
+    }
+    Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(2 * n, 2 * n);
+    root_mass_ = mass.cwiseSqrt();
+    const Eigen::VectorXd inverse = root_mass_.cwiseInverse();
+    matrix.topRightCorner(n, n) = kUnit * Eigen::MatrixXd::Identity(n, n);
+    matrix.bottomLeftCorner(n, n) = (-inverse / kUnit).eval().asDiagonal() * stiffness * inverse.asDiagonal();
+    matrix.bottomRightCorner(n, n) = (-2 * decay).eval().asDiagonal();
+    const Eigen::EigenSolver<Eigen::MatrixXd> solver(matrix);
+    rates_ = solver.eigenvalues();
+    vectors_ = solver.eigenvectors();
+  }
+
+  /// From the displacements of the strings' modes at rest. The body is at rest half a sample later, as in Body: at time 0
+  /// it moves backwards.
+  void start(const std::vector<double>& displacement, double rate) {
+    Eigen::VectorXcd state = Eigen::VectorXcd::Zero(rates_.size());
+    double force = 0;
+    for (std::size_t i = 0; i < displacement.size(); ++i) {
+      state(static_cast<Eigen::Index>(i)) = displacement[i];
+      force += strings_.bridge[i] * displacement[i];
+    }
+    for (std::size_t i = 0; i < body_.size(); ++i) {
+      const auto at = static_cast<Eigen::Index>(displacement.size() + i);
+      const double acceleration = body_[i].strike_shape * force / body_[i].mode.mass_kg;
+      state(at) = acceleration / (8 * rate * rate);
+      state(rates_.size() / 2 + at) = -acceleration / (2 * rate) / kUnit;
+    }
+    for (Eigen::Index i = 0; i < state.size(); ++i) state(i) *= root_mass_(i % root_mass_.size());
+    parts_ = vectors_.partialPivLu().solve(state);
+  }
+
+  /// Angular frequencies that sound [rad/s], rising.
+  [[nodiscard]] std::vector<double> frequencies() const {
+    std::vector<double> frequencies;
+    for (const auto& rate : rates_)
+      if (rate.imag() > 0) frequencies.push_back(rate.imag());
+    std::ranges::sort(frequencies);
+    return frequencies;
+  }
+
+  /// Force of the strings on the bridge [N].
+  [[nodiscard]] double force_at(double time_s) const {
+    const Eigen::VectorXcd state = vectors_ * (parts_.array() * (rates_.array() * time_s).exp()).matrix();
+    double force = 0;
+    for (std::size_t i = 0; i < strings_.bridge.size(); ++i)
+      force += strings_.bridge[i] * state(static_cast<Eigen::Index>(i)).real() /
+               root_mass_(static_cast<Eigen::Index>(i));
+    return force;
+  }
+
+ private:
+  const Strings& strings_;
+  const std::vector<ResonatorMode>& body_;
+  static constexpr double kUnit = 2 * pi * 1000;  // rad/s
+
+  Eigen::VectorXd root_mass_;
+  Eigen::VectorXcd rates_, parts_;
+  Eigen::MatrixXcd vectors_;
+};
+
+/// The same at a sample rate: force on the bridge after each sample.
+std::vector<double> played(const Strings& strings, const std::vector<ResonatorMode>& modes,
+                           const std::vector<double>& displacement, double rate, double duration_s) {
+  Body<double> body(bare(modes), shapes<double>(modes, &ResonatorMode::strike_shape), strings.stiffness(), rate);
+  ModalBank<double> bank(strings.modes, rate);
+  const ModeShapes<double> bridge{std::span<const double>(strings.bridge)};
+  for (std::size_t i = 0; i < displacement.size(); ++i) bank.set_motion(i, displacement[i], 0);
+  std::vector<double> forces;
+  for (int n = 0; n < static_cast<int>(duration_s * rate); ++n) {
+    bank.predict();
+    bank.push(bridge, body.displacement());
+    bank.commit();
+    forces.push_back(bank.displacement(bridge));
+    body.tick(forces.back());
+  }
+  return forces;
+}
+
+// A flexible string that ends at a free mass m: T k cot(k L) = m w^2 (Morse, Vibration and Sound, 1948). The modes beyond
+// the N that are kept act as a string without mass: the mass lacks 2 M/(pi^2 N), half of whose part of m the frequencies
+// rise at most.
+TEST(StrungBodyMotion, HasTheFrequenciesOfAStringAtAMass) {
+  const double length = 0.62, tension = 670, density = 0.00634, mass = 0.02;
+  StruckString flexible = c4();
+  flexible.string = {length, density * length, tension, 0, {0, 0}};
+  const Strings strings(flexible, {0}, 40, 22050);
+  const std::vector<ResonatorMode> free_mass = {{{0, 0, mass}, 0, 1, 1}};
+  const double bound = density * length / (pi * pi * 40) / mass;
+  const std::vector<double> frequencies = ExactMotion(strings, free_mass).frequencies();
+  const auto residual = [&](double w) {
+    const double k = w * std::sqrt(density / tension);
+    return tension * k * std::cos(k * length) - mass * w * w * std::sin(k * length);
+  };
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double low = frequencies[i] * (1 - bound), high = frequencies[i] * (1 + 1e-12);
+    EXPECT_LT(residual(low) * residual(high), 0) << i;
+  }
+}
+
+// Each mode adds 2 (T + EI beta^2)/L to the bridge, the string as a whole T/L.
+TEST(BridgeStiffness, IsThatOfAllModes) {
+  const Strings strings(c4(), {0}, 30, 22050);
+  const StiffString& string = c4().string;
+  double expected = string.tension_n / string.length_m;
+  for (int i = 1; i <= 30; ++i)
+    expected += 2 * (string.tension_n + string.bending_stiffness_n_m2 * std::pow(i * pi / string.length_m, 2)) /
+                string.length_m;
+  EXPECT_TRUE(relatively_within(strings.stiffness(), expected, 1e-13));
+}
+
+// A pluck of two strings, eight modes each, on a board of six: the error falls with the square of the rate.
+TEST(StrungBodyMotion, IsOfSecondOrder) {
+  const Strings strings(c4(), {0, 3}, 8, 22050);
+  const auto modes = board(6);
+  std::vector<double> pluck;
+  for (std::size_t i = 0; i < strings.modes.size(); ++i) pluck.push_back(1e-3 * strings.strike[i] / double(i / 2 + 1));
+  ExactMotion exact(strings, modes);
+  double before = 0;
+  for (const double rate : {88200.0, 176400.0, 352800.0}) {
+    exact.start(pluck, rate);
+    const auto forces = played(strings, modes, pluck, rate, 0.1);
+    double worst = 0, largest = 0;
+    const auto stride = static_cast<std::size_t>(rate / 2205);  // the same times at each rate
+    for (std::size_t n = stride - 1; n < forces.size(); n += stride) {
+      const double force = exact.force_at(static_cast<double>(n + 1) / rate);
+      worst = std::max(worst, std::abs(forces[n] - force));
+      largest = std::max(largest, std::abs(force));
+    }
+    std::cout << rate << " Hz: " << worst / largest << " of the largest force\n";
+    EXPECT_GT(largest, 0.1);
+    if (before > 0) EXPECT_TRUE(relatively_within(before / worst, 4, 0.1));
+    before = worst;
+  }
+}
+
+// Middle C as a piano tunes it, three strings a little apart: they decay together at first, through the bridge, then each
+// by itself (Weinreich, JASA 1977). Levels in windows of 0.1 s against the exact motion, and the two slopes.
+TEST(StrungBodyMotion, HasTheTwoDecaysOfAUnison) {
+  StruckString without_loss = c4();
+  without_loss.string.losses = {0.1, 1e-4};
+  const Strings strings(without_loss, {0, 0.15, -0.1}, 12, 22050);
+  const auto modes = board(40, 3);  // its resistance at the first partial is larger than its stiffness
+  std::vector<double> pluck;
+  for (std::size_t i = 0; i < strings.modes.size(); ++i) pluck.push_back(i < 3 ? 1e-3 + 2e-4 * double(i) : 0);  // the first partial
+  ExactMotion exact(strings, modes);
+  constexpr double kRate = 44100, kDuration = 8;
+  exact.start(pluck, kRate);
+  const auto forces = played(strings, modes, pluck, kRate, kDuration);
+  std::vector<double> levels;
+  double worst = 0;
+  const auto window = static_cast<std::size_t>(0.1 * kRate);
+  for (std::size_t begin = 0; begin + window <= forces.size(); begin += window) {
+    double sum = 0, exact_sum = 0;
+    for (std::size_t n = begin; n < begin + window; n += 7) {
+      sum += forces[n] * forces[n];
+      exact_sum += std::pow(exact.force_at(static_cast<double>(n + 1) / kRate), 2);
+    }
+    levels.push_back(10 * std::log10(sum));
+    const double error = levels.back() - 10 * std::log10(exact_sum);
+    worst = std::isfinite(error) ? std::max(worst, std::abs(error)) : error;
+  }
+  const double early = (levels[0] - levels[4]) / 0.4, late = (levels[59] - levels[79]) / 2;
+  std::cout << "decay " << early << " dB/s at first, " << late << " dB/s after 6 s; levels within " << worst << " dB\n";
+  EXPECT_TRUE(within(worst, 0, 0.05));
+  EXPECT_GT(early, 10 * late);
+  EXPECT_GT(late, 0);
+}
+
+}  // namespace
+}  // namespace contactspline::testing
