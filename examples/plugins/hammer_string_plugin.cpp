@@ -20,7 +20,7 @@ class HammerStringInstrument {
   static constexpr const char* name = "hammer_string";
   static constexpr const char* description = "Hammer on a string: contact without iteration, modes with exact poles";
   static constexpr auto unique_id = d_cconst('C', 's', 'H', 's');
-  // As in cs.hammer_string_ui, but the mass in grams: hosts show six decimals.
+  // As in ci.hammer_string_ui, but the mass in grams: hosts show six decimals.
   static constexpr std::array<PluginControl, kControls> controls{
       {{"speed", "m/s", 2.5f, 0.05f, 10},
        {"hammer mass", "g", 2.97f, 0.5f, 50, true},

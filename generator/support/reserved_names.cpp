@@ -34,10 +34,11 @@ std contactspline
 
 // Files that Faust programs import: those of its own libraries and of this project.
 constexpr std::string_view kLibrariesOfFaust = R"(
-aanl all analyzers basics compressors contact delays demos dx7 effect envelopes fds filter filters hoa
-instruments interpolators linearalgebra math maths maxmsp mi misceffects modal motion music noises oscillator
-oscillators phaflangers physmodels platform quantizers reducemaps reverbs routes sf signals soundfiles spats
-stdfaust synths tonestacks tubes vaeffects version wdmodels webaudio
+aanl all analyzers basics compressors contactspline contactspline_instruments contactspline_modal debug delays
+demos doc dx7 effect env envelopes fds filter filters hoa hysteresis instruments interpolators lfo linearalgebra
+math maths maxmsp mi misceffects motion music noises operator oscillator oscillators phaflangers physmodels
+pitchenv platform quantizers reducemaps reverbs routes sf signals soundfiles spats stdfaust synths tonestacks
+tubes vaeffects version wdmodels webaudio
 )";
 
 // Lower-case macros of the headers of C++, of the C library of Debian 12, of Windows and macOS.

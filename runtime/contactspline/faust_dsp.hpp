@@ -31,11 +31,11 @@ struct FaustControl {
   std::vector<std::pair<const char*, const char*>> metadata;  ///< unit, scale, midi, order
 };
 
-/// A felt hammer on a string, with the controls of `hammer_string_ui` in faust/instruments.lib. Felt: an emitted
-/// material, Resonator: an emitted string, T: precision of the model. Outputs: displacement at the pickup [mm],
-/// contact force [N]. Two differences from Faust: the strike position is read when the hammer is thrown, and the
-/// displacement is not one sample late. compute() allocates nothing and reads the controls once. It moves each into
-/// its range and keeps the last value of one that is not a number (docs/controls.md).
+/// A felt hammer on a string, with the controls of `hammer_string_ui` in faust/contactspline_instruments.lib. Felt:
+/// an emitted material, Resonator: an emitted string, T: precision of the model. Outputs: displacement at the pickup
+/// [mm], contact force [N]. Two differences from Faust: the strike position is read when the hammer is thrown, and
+/// the displacement is not one sample late. compute() allocates nothing and reads the controls once. It moves each
+/// into its range and keeps the last value of one that is not a number (docs/controls.md).
 template <typename Felt, typename Resonator, std::floating_point T>
 class HammerStringDsp : public dsp {
  public:
@@ -127,7 +127,7 @@ class HammerStringDsp : public dsp {
   static constexpr double kDampingTime = 0.005;  // s, time constant of the damping
   static constexpr T kDistance = T(1e-4);        // m, of the hammer from the string when it is thrown
 
-  // Labels, ranges and metadata as in faust/instruments.lib. The metadata "0" to "6" define the order.
+  // Labels, ranges and metadata as in faust/contactspline_instruments.lib. The metadata "0" to "6" define the order.
   enum : std::size_t { kStrike, kSpeed, kMass, kStiffnessRatio, kLoss, kDamping, kPosition, kControls };
   using Values = std::array<FAUSTFLOAT, kControls>;
   static constexpr auto kFeltLoss = static_cast<FAUSTFLOAT>(Felt::loss_s_per_m);

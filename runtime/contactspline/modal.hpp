@@ -408,7 +408,8 @@ class ModalBank {
 
   constexpr void set(std::size_t i, const Mode& mode) {
     detail::ModeConstants& constants = constants_[i] = detail::mode_constants(mode, sample_rate_hz_);
-    // A mode above half the sample rate would sound at a wrong pitch. As in modal.lib, no force drives it.
+    // A mode above half the sample rate would sound at a wrong pitch. As in contactspline_modal.lib, no force drives
+    // it.
     if (!(mode.angular_frequency_rad_per_s < std::numbers::pi * sample_rate_hz_)) constants.admittance = 0;
     stiffness_[i] = static_cast<T>(constants.stiffness);
     stiffness_rest_[i] = static_cast<T>(constants.stiffness - static_cast<double>(stiffness_[i]));

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The coefficients of a contact step that crosses a knot (docs/contact-step.md): one text for scalars (contact.hpp)
 // and for the vectors of each instruction set (simd/contact-inl.hpp), which include it in a namespace of their own,
-// after defining CONTACTSPLINE_STEP_INLINE. faust/contact.lib has the same names in the same order. No include guard.
+// after defining CONTACTSPLINE_STEP_INLINE. faust/contactspline.lib has the same names in the same order. No include
+// guard.
 
 /// Two quadratics with one discriminant, in displacements [m]. The distance s beyond the knot is a root of
 /// a s^2 + b s + g, the force displacement m = xi f a root of a m^2 - p m + q, with a = 1 + stiffness.

@@ -1,4 +1,4 @@
-# contact.lib against its C++ twin on every material: the same tests on programs compiled strictly and with -Ofast.
+# contactspline.lib against its C++ twin on every material: the same tests on programs compiled strictly and with -Ofast.
 set(generated ${CMAKE_CURRENT_BINARY_DIR}/generated)
 set(faust_sources ${PROJECT_SOURCE_DIR}/faust)
 set(variants felt_c4_n1 felt_c4_n64 felt_c4_n1024 felt_c4_graded felt_c4_optimal felt_c4_compensated)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A mode's constants as modal.lib derives them, against their definitions in long double.
+// A mode's constants as contactspline_modal.lib derives them, against their definitions in long double.
 #include <cmath>
 #include <numbers>
 #include <vector>

@@ -87,7 +87,7 @@ exercise() {
   build
   expect_right_durations
   for file in bead.lib bead.json felt_c7.lib felt_c7.json; do [ -f "$sounds/$file" ] || fail "no $file"; done
-  [ -f "$(cat "$build/faust_folder")/contact.lib" ] && [ -f "$(cat "$build/faust_folder")/felt_c4.lib" ] ||
+  [ -f "$(cat "$build/faust_folder")/contactspline.lib" ] && [ -f "$(cat "$build/faust_folder")/felt_c4.lib" ] ||
     fail "ContactSpline_FAUST_DIR lacks a library"
   expect_current
 

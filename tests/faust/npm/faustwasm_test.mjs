@@ -2,41 +2,26 @@
 // faustwasm_test.mjs NODE_MODULES SAMPLES.json FILE...: the Faust compiler of the npm package on every .dsp among the
 // files, with the .lib among them; what it makes is run and compared with the C++ twin.
 import { readFileSync } from "node:fs";
-import { basename, join, resolve } from "node:path";
-import { pathToFileURL } from "node:url";
+import { basename } from "node:path";
 
 import { compare, runProgram } from "../wasm_program.mjs";
+import { compileToWasm, kOurs, loadFaustwasm } from "./faustwasm.mjs";
 
-const kVirtual = "/contactspline";
 const [modules, samples, ...files] = process.argv.slice(2);
-const faustwasm = join(resolve(modules), "@grame", "faustwasm");
-const { FaustCompiler, FaustMonoDspGenerator, LibFaust, instantiateFaustModuleFromFile } = await import(
-  pathToFileURL(join(faustwasm, "dist", "esm", "index.js")).href
-);
-const compiler = new FaustCompiler(
-  new LibFaust(await instantiateFaustModuleFromFile(join(faustwasm, "libfaust-wasm", "libfaust-wasm.js"))),
-);
+const { faustwasm, compiler } = await loadFaustwasm(modules, files);
 
-/** Copies the files into the compiler's own file system; returns the programs, text by name. */
-function mirror() {
-  const texts = Object.fromEntries(files.map((path) => [basename(path), readFileSync(path, "utf8")]));
-  compiler.fs().mkdirTree(kVirtual);
-  for (const [name, text] of Object.entries(texts)) compiler.fs().writeFile(`${kVirtual}/${name}`, text);
-  const programs = Object.entries(texts).filter(([name]) => name.endsWith(".dsp"));
-  return Object.fromEntries(programs.map(([name, text]) => [basename(name, ".dsp"), text]));
+/** The programs among the files, text by name. */
+function programsAmong() {
+  const programs = files.filter((path) => path.endsWith(".dsp"));
+  return Object.fromEntries(programs.map((path) => [basename(path, ".dsp"), readFileSync(path, "utf8")]));
 }
 
-const options = (precision) => `-I ${kVirtual} -${precision}`;
-
 /** Every program as WebAssembly: its factory by NAME_PRECISION. */
-async function compileToWasm(programs) {
+async function compileAll(programs) {
   const factories = {};
   for (const [name, code] of Object.entries(programs))
-    for (const precision of ["single", "double"]) {
-      const factory = await compiler.createMonoDSPFactory(name, code, options(precision));
-      if (!factory?.code?.length) throw new Error(`${name}, ${precision}: ${compiler.getErrorMessage()}`);
-      factories[`${name}_${precision}`] = factory;
-    }
+    for (const precision of ["single", "double"])
+      factories[`${name}_${precision}`] = await compileToWasm(compiler, name, code, precision);
   return factories;
 }
 
@@ -44,9 +29,9 @@ async function compileToWasm(programs) {
 function compileToCpp(programs) {
   for (const [name, code] of Object.entries(programs))
     for (const precision of ["single", "double"]) {
-      const file = `${kVirtual}/${name}_${precision}.cpp`;
+      const file = `${kOurs}/${name}_${precision}.cpp`;
       try {
-        compiler.generateAuxFiles(name, code, `-lang cpp ${options(precision)} -o ${file}`);
+        compiler.generateAuxFiles(name, code, `-lang cpp -I ${kOurs} -${precision} -o ${file}`);
       } catch (error) {
         if (/backend is not built/.test(error.message)) return `SKIPPED: ${error.message.trim()}`;
         throw error;
@@ -72,8 +57,8 @@ async function runSamples(factories, runs) {
 /** One strike through the package's own offline processor, as its users run programs. */
 async function renderOffline(programs, runs) {
   const run = runs.find(({ program, precision }) => program === "mass_barrier" && precision === "single");
-  const generator = new FaustMonoDspGenerator();
-  await generator.compile(compiler, "mass_barrier", programs.mass_barrier_felt_c4, options("single"));
+  const generator = new faustwasm.FaustMonoDspGenerator();
+  await generator.compile(compiler, "mass_barrier", programs.mass_barrier_felt_c4, `-I ${kOurs} -single`);
   const processor = await generator.createOfflineProcessor(run.sample_rate_hz, 64);
   for (const [label, value] of Object.entries(run.controls)) {
     const ending = `/${label.replace(/ /g, "_")}`;
@@ -82,9 +67,9 @@ async function renderOffline(programs, runs) {
   return compare(processor.render([], run.outputs[0].length), run, "offline processor");
 }
 
-const programs = mirror();
+const programs = programsAmong();
 const runs = JSON.parse(readFileSync(samples));
-const factories = await compileToWasm(programs);
+const factories = await compileAll(programs);
 console.log(`Faust ${compiler.version()}: ${Object.keys(factories).length} WebAssembly programs`);
 console.log(`${runs.length} runs; worst error relative to the bound:`, await runSamples(factories, runs));
 console.log("offline processor, relative to the bound:", await renderOffline(programs, runs));
