@@ -14,13 +14,6 @@
 namespace contactspline::testing {
 namespace {
 
-constexpr auto kMaterial = R"({
-  "name": "probe",
-  "contact": { "stiffness_n_per_m_alpha": 4.5e9, "exponent": 2.5 },
-  "impact": { "mass_kg": 0.003, "max_speed_m_per_s": 6.0, "min_speed_m_per_s": 0.1 },
-  "spline": { "knots": "uniform", "segments": 8 }
-})";
-
 constexpr auto kWithoutImpact = R"({
   "name": "bare",
   "contact": { "stiffness_n_per_m_alpha": 1e9, "exponent": 2 },
@@ -382,10 +375,10 @@ class BadCommandLine : public ::testing::TestWithParam<BadLine> {};
 TEST_P(BadCommandLine, IsRefusedInOneLineAndNothingIsWritten) {
   const auto& [test, words, beginning, says] = GetParam();
   const Sandbox box;
-  write_file(box / "probe.json", kMaterial);
-  write_file(box / "other.json", kMaterial);
-  write_file(box / "probe.svg", kMaterial);
-  write_file(box / "probe.aif", kMaterial);
+  write_file(box / "probe.json", kProbeMaterial);
+  write_file(box / "other.json", kProbeMaterial);
+  write_file(box / "probe.svg", kProbeMaterial);
+  write_file(box / "probe.aif", kProbeMaterial);
   write_file(box / "bare.json", kWithoutImpact);
   const std::string mixed = score_of("felt_c4", "string_c4"), mixed_files = score_of("string_c4", "my_string.json");
   for (const auto& [name, text] :
@@ -399,7 +392,7 @@ TEST_P(BadCommandLine, IsRefusedInOneLineAndNothingIsWritten) {
   write_file(box / "file.txt", "text");
   for (const auto folder : {"tmp", "out", "links", "taken/probe.hpp", "taken.wav", "taken.svg", "line\nend"})
     fs::create_directories(box / folder);
-  write_file(box / "line\nend/probe.json", kMaterial);
+  write_file(box / "line\nend/probe.json", kProbeMaterial);
   fs::create_symlink("probe.json", box / "link.json");
   fs::create_symlink("nowhere", box / "links/probe.json");
   const auto before = box.listing();

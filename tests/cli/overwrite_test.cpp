@@ -3,25 +3,36 @@
 #include <gtest/gtest.h>
 
 #include <ostream>
+#include <regex>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "generator/support/embedded_files.hpp"
 #include "program.hpp"
 #include "sandbox.hpp"
 
 namespace contactspline::testing {
 namespace {
 
-constexpr auto kMaterial = R"({
-  "name": "probe",
-  "contact": { "stiffness_n_per_m_alpha": 4.5e9, "exponent": 2.5 },
-  "impact": { "mass_kg": 0.003, "max_speed_m_per_s": 6.0, "min_speed_m_per_s": 0.1 },
-  "spline": { "knots": "uniform", "segments": 8 }
-})";
 constexpr auto kStroke = R"({
   "instrument": "hammer-string", "duration_s": 0.05,
   "voices": [ { "name": "c4", "resonator": "string_c4", "material": "felt_c4" } ],
   "events": [ { "time_s": 0, "speed_m_per_s": 2 } ] })";
+
+// Two keys of the piano, with two segments each: its 88 keys take 1.6 s.
+std::string small_keyboard() {
+  std::string text(find_embedded(Shipped::kKeyboards, "piano.json")->content);
+  for (const auto& [key, value] : {std::pair{"first_key", "60"},
+                                   {"last_key", "61"},
+                                   {"last_damped_key", "61"},
+                                   {"first_double_key", "60"},
+                                   {"first_triple_key", "60"},
+                                   {"segments", "2"}})
+    text = std::regex_replace(text, std::regex(std::string(R"((")") + key + R"(": )[0-9]+)"),
+                              std::string("$01") + value);
+  return text;
+}
 
 /// A command and one of the files it writes; `other` makes the command write other bytes.
 struct Writing {
@@ -70,7 +81,7 @@ std::vector<Writing> all_writings() {
     };
     emitted("felt_live");
     emitted("felt_over_wood");
-    emitted("piano");
+    writings.push_back({"keyboard_" + extension, {"generate", "keyboard.json"}, {}, "piano." + extension});
     writings.push_back({"string_c4_" + extension,
                         {"generate", "string_c4"},
                         {"generate", "string_c4", "--rate", "96000"},
@@ -82,8 +93,9 @@ std::vector<Writing> all_writings() {
 class Overwriting : public ::testing::TestWithParam<Writing> {
  protected:
   Overwriting() {
-    write_file(box / "probe.json", kMaterial);
+    write_file(box / "probe.json", kProbeMaterial);
     write_file(box / "stroke.json", kStroke);
+    write_file(box / "keyboard.json", small_keyboard());
   }
 
   [[nodiscard]] Call call(const Words& command) const { return {.arguments = command, .folder = box.path()}; }
@@ -132,8 +144,8 @@ INSTANTIATE_TEST_SUITE_P(Each, Overwriting, ::testing::ValuesIn(all_writings()),
 // The name of a material, not that of its file, names the outputs.
 TEST(Overwrite, ACopyOfAMaterialDoesNotReplaceTheOriginal) {
   const Sandbox box;
-  write_file(box / "probe.json", kMaterial);
-  write_file(box / "other.json", kMaterial);
+  write_file(box / "probe.json", kProbeMaterial);
+  write_file(box / "other.json", kProbeMaterial);
   const auto before = box.listing();
   expect_refused(run({.arguments = {"generate", "other.json"}, .folder = box.path()}), "./probe.json: file: exists",
                  "--force");
@@ -142,8 +154,8 @@ TEST(Overwrite, ACopyOfAMaterialDoesNotReplaceTheOriginal) {
 
 TEST(Overwrite, AnInputIsRefusedInSpiteOfForce) {
   const Sandbox box;
-  write_file(box / "probe.json", kMaterial);
-  write_file(box / "probe.svg", kMaterial);
+  write_file(box / "probe.json", kProbeMaterial);
+  write_file(box / "probe.svg", kProbeMaterial);
   const auto before = box.listing();
   for (const Words& command : {Words{"generate", "probe.json", "--force"},
                                Words{"inspect", "./probe.svg", "--figure", "probe.svg", "--force"},

@@ -88,4 +88,12 @@ inline std::string names_in(const std::map<std::string, FileState>& listing) {
   return names;
 }
 
+/// A good material file.
+inline constexpr auto kProbeMaterial = R"({
+  "name": "probe",
+  "contact": { "stiffness_n_per_m_alpha": 4.5e9, "exponent": 2.5 },
+  "impact": { "mass_kg": 0.003, "max_speed_m_per_s": 6.0, "min_speed_m_per_s": 0.1 },
+  "spline": { "knots": "uniform", "segments": 8 }
+})";
+
 }  // namespace contactspline::testing
