@@ -313,7 +313,7 @@ void write(const std::vector<Build>& all, const std::string& folder) {
   for (const Build& build : all) fmt::print("| {} | {} | {} |\n", build.name, build.compiler, build.vector_bits);
 
   const std::vector<std::string> precisions = {"double", "float"};
-  fmt::print("\n![time of a sample by scheme and workload](figures/speed.svg)\n\n## What was aimed at\n");
+  fmt::print("\n![time of a sample by scheme and workload](figures/speed.svg)\n\n## Goals\n");
   for (const Build& build : all)
     for (const std::string& precision : precisions) goals(build, precision);
   fmt::print("\n## Ratios\n");

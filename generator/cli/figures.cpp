@@ -19,6 +19,7 @@
 
 #include "generator/cli/file_ending.hpp"
 #include "generator/cli/files.hpp"
+#include "generator/cli/sound_file.hpp"
 #include "generator/player/spectrogram.hpp"
 #include "generator/spline/exponent_family.hpp"
 #include "generator/support/error.hpp"
@@ -416,12 +417,6 @@ std::string logarithmic_tics(double low, double high) {
   return fmt::format("set xtics ({})\n", tics);
 }
 
-float peak_of(const std::vector<float>& sound) {
-  float peak = 0;
-  for (const float value : sound) peak = std::max(peak, std::abs(value));
-  return peak;
-}
-
 std::string force_data(const Performance& performance, double duration_s) {
   std::string data = "$force << EOD\n";
   const double step = duration_s / static_cast<double>(performance.force_n.size());
@@ -529,7 +524,7 @@ std::string figure_of(const Performance& performance, const std::string& title, 
   return draw(envelope_data(Trace<float>{"sound", sound, 1}, performance.sample_rate_hz) +
                   force_data(performance, duration) + frame + heading(kOwnMargins) +
                   fmt::format("sound_label = '{}'\nsound_tics = {:g}\nforce_tics = {:g}\n", signal,
-                              tic_step(2 * peak_of(sound)), tic_step(performance.largest_force_n)) +
+                              tic_step(2 * peak_of<float>(sound)), tic_step(performance.largest_force_n)) +
                   kPerformanceScript + spectrogram_plot(spectrogram, duration),
               title, format);
 }

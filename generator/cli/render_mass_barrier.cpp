@@ -42,12 +42,6 @@ MassBarrierScore score_of(const MassBarrierOptions& options, const Design& desig
           static_cast<double>(options.output.sample_rate_hz)};
 }
 
-double peak_of(std::span<const double> signal) {
-  double peak = 0;
-  for (const double value : signal) peak = std::max(peak, std::abs(value));
-  return peak;
-}
-
 std::size_t contacts_in(std::span<const double> force) {
   std::size_t contacts = 0;
   for (std::size_t i = 0; i < force.size(); ++i) contacts += force[i] > 0 && (i == 0 || force[i - 1] == 0);
@@ -71,7 +65,7 @@ void render_mass_barrier(const MassBarrierOptions& options) {
       });
   write_stdout(fmt::format(
       "{} contacts in {} s, largest contact force {:.4g} N\nfull scale of the sound: {:.4g} {} ({})\n{}",
-      contacts_in(motion.force_n), options.duration_s, peak_of(motion.force_n), 1 / scale,
+      contacts_in(motion.force_n), options.duration_s, peak_of<double>(motion.force_n), 1 / scale,
       options.signal == "force" ? "N" : "m", options.signal == "force" ? "contact force" : "displacement", written));
 }
 

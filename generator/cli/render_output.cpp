@@ -50,8 +50,7 @@ void report(const std::string& file, std::span<const T> samples, double scale) {
 template <typename T>
 double scale(const RenderOutput& output, std::span<const T> samples) {
   if (!output.gain_db) {
-    double peak = 0;
-    for (const T sample : samples) peak = std::max(peak, std::abs(static_cast<double>(sample)));
+    const double peak = peak_of(samples);
     return peak > 0 ? kPeak / peak : 1;
   }
   const double scale = std::pow(10, *output.gain_db / 20);
@@ -108,7 +107,7 @@ void require_outputs(const RenderOutput& output, int channels, const std::vector
 
 std::string write_outputs(const RenderOutput& output, std::string sound, const DrawFigure& draw) {
   write_files({{OutputFile{output.sound, std::move(sound)}}});
-  const std::string report = fmt::format("sound:  {}\n", output.sound);
+  std::string report = fmt::format("sound:  {}\n", output.sound);
   if (output.no_figure) return report;
   OutputFile figure{figure_file(output), {}};
   try {

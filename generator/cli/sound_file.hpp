@@ -2,10 +2,20 @@
 // Sound files. The ending of the name chooses the format: .wav, .flac, .aiff, .aif with 24 bits, or .ogg (Vorbis).
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <span>
 #include <string>
 
 namespace contactspline {
+
+/// The largest magnitude; 0 if there are no samples.
+template <typename T>
+[[nodiscard]] double peak_of(std::span<const T> samples) {
+  double peak = 0;
+  for (const T sample : samples) peak = std::max(peak, std::abs(static_cast<double>(sample)));
+  return peak;
+}
 
 /// Throws BadInput if the name has another ending, or if its format cannot have these channels at this rate.
 void require_sound_format(const std::string& file, int channels, int sample_rate_hz);

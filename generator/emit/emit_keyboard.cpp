@@ -70,7 +70,7 @@ std::string emit(const Emitter& emitter, const Keyboard& keyboard, std::string_v
   TemplateValues values{{"VERSION", CONTACTSPLINE_VERSION},
                         {"COMMAND", std::string(command)},
                         {"NAME", keyboard.name},
-                        {"TITLE", keyboard.description.empty() ? keyboard.name : keyboard.description},
+                        {"TITLE", title_of(keyboard)},
                         {"FIRST_KEY", fmt::format("{}", keyboard.first_key)},
                         {"LAST_KEY", fmt::format("{}", keyboard.last_key)},
                         {"LAST_DAMPED_KEY", fmt::format("{}", keyboard.last_damped_key)},

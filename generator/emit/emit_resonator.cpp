@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "contactspline/version.hpp"
+#include "generator/material/material.hpp"
 #include "generator/support/number_literal.hpp"
 #include "generator/support/text_template.hpp"
 
@@ -79,7 +80,7 @@ std::string emit(const Emitter& emitter, const Resonator& resonator, double max_
   values["VERSION"] = CONTACTSPLINE_VERSION;
   values["COMMAND"] = command;
   values["NAME"] = resonator.name;
-  values["TITLE"] = resonator.description.empty() ? resonator.name : resonator.description;
+  values["TITLE"] = title_of(resonator);
   values["MAX_FREQUENCY"] = literal(max_frequency_hz);
   values["STRINGS"] = fmt::format("{}", strings_of(resonator));
   return fill_template(emitted_template("resonator", emitter.extension), values);

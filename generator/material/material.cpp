@@ -20,10 +20,6 @@ std::string measurement_text(const Measurement& measured) {
 
 }  // namespace
 
-std::string title_of(const Material& material) {
-  return material.description.empty() ? material.name : material.description;
-}
-
 std::string law_text(const Material& material) {
   if (const PowerLaw* law = material.contact.power_law())
     return fmt::format("V(y) = k/(a+1) y^(a+1), k = {} N/m^a, a = {}", law->stiffness, law->exponent);

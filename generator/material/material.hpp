@@ -62,8 +62,11 @@ struct Material {
   std::optional<LiveExponents> live_exponent = {};
 };
 
-/// The description, or the name if there is none.
-[[nodiscard]] std::string title_of(const Material& material);
+/// The description of a material, resonator or keyboard, or its name if it has none.
+template <typename Described>
+[[nodiscard]] const std::string& title_of(const Described& described) {
+  return described.description.empty() ? described.name : described.description;
+}
 
 /// The contact law as one line of text: its formula, or where the samples come from.
 [[nodiscard]] std::string law_text(const Material& material);

@@ -43,26 +43,20 @@ constexpr std::array kFretControls = {
     ControlName{"pluck_force_n", kForce, 0},   ControlName{"damping_per_s", kDecay, 0},
     ControlName{"stiffness_ratio", kRatio, 1}, ControlName{"loss_s_per_m", kLoss, 0}};
 
-struct InstrumentName {
-  std::string_view name;
-  std::span<const ControlName> controls;
-};
+constexpr const char* kHammerKeys[] = {"hammer_mass_kg", "damper_per_s"};
+constexpr const char* kSlideKeys[] = {"pluck_m", "pickup_m", "height_m"};
+constexpr const char* kFretKeys[] = {"pluck_m", "pickup_m"};
 
-const InstrumentName& named(Instrument instrument) {
-  static constexpr std::array kNames = {InstrumentName{"hammer-string", kHammerControls},
-                                        InstrumentName{"slide-string", kSlideControls},
-                                        InstrumentName{"fret-string", kFretControls}};
-  return kNames[static_cast<std::size_t>(instrument)];
-}
+// In the order of Instrument.
+constexpr std::array kRules = {
+    InstrumentRules{"hammer-string", kHammerControls, "speed_m_per_s", 0, kHammerKeys},
+    InstrumentRules{"slide-string", kSlideControls, "pluck_n", SlideStringControl::kPluckForce, kSlideKeys},
+    InstrumentRules{"fret-string", kFretControls, "pluck_n", FretStringControl::kPluckForce, kFretKeys}};
 
 }  // namespace
 
-std::string_view name_of(Instrument instrument) {
-  return named(instrument).name;
-}
-
-std::span<const ControlName> controls_of(Instrument instrument) {
-  return named(instrument).controls;
+const InstrumentRules& rules_of(Instrument instrument) {
+  return kRules[static_cast<std::size_t>(instrument)];
 }
 
 }  // namespace contactspline

@@ -16,9 +16,6 @@ namespace contactspline {
 
 enum class Instrument { kHammerString, kSlideString, kFretString };
 
-/// As scores and the command line name it: hammer-string, slide-string, fret-string.
-[[nodiscard]] std::string_view name_of(Instrument instrument);
-
 /// A live control of an instrument, as scores name it.
 struct ControlName {
   const char* name;
@@ -49,8 +46,20 @@ struct FretStringControl {
   enum : std::size_t { kPlace, kGap, kPluckForce, kDamping, kStiffnessRatio, kLoss };
 };
 
-/// The controls of an instrument, in the order of the enumerations above.
-[[nodiscard]] std::span<const ControlName> controls_of(Instrument instrument);
+/// What scores and the command line call an instrument, and what a score may say of it.
+struct InstrumentRules {
+  std::string_view name;                    ///< hammer-string, slide-string, fret-string
+  std::span<const ControlName> controls;    ///< in the order of the enumerations above
+  const char* note;                         ///< the key of an event that plays
+  std::size_t pluck_force;                  ///< the control that a pluck moves
+  std::span<const char* const> voice_keys;  ///< beside name, resonator, material, tuning_cents, pan
+};
+
+[[nodiscard]] const InstrumentRules& rules_of(Instrument instrument);
+
+[[nodiscard]] inline std::string_view name_of(Instrument instrument) {
+  return rules_of(instrument).name;
+}
 
 /// A control that moves from its value at `time_s` to another one, within `over_s`, easing in and out; 0: at once.
 struct Glide {

@@ -16,6 +16,7 @@
 #include "contactspline/fret_string.hpp"
 #include "contactspline/hammer_voice.hpp"
 #include "contactspline/slide_string.hpp"
+#include "generator/spline/contact_spline.hpp"
 #include "generator/support/error.hpp"
 
 namespace contactspline {
@@ -76,21 +77,6 @@ class ControlTrack {
   std::size_t next_ = 0;
 };
 
-template <typename T>
-std::vector<Segment<T>> table_in(const std::vector<Segment<double>>& table) {
-  std::vector<Segment<T>> cast;
-  for (const auto& s : table)
-    cast.push_back({static_cast<T>(s.knot), static_cast<T>(s.energy), static_cast<T>(s.force),
-                    static_cast<T>(s.half_curvature)});
-  return cast;
-}
-
-std::vector<Mode> bare(const std::vector<ResonatorMode>& modes) {
-  std::vector<Mode> bare;
-  for (const auto& mode : modes) bare.push_back(mode.mode);
-  return bare;
-}
-
 std::vector<double> each(const std::vector<ResonatorMode>& modes, double ResonatorMode::*member) {
   std::vector<double> values;
   for (const auto& mode : modes) values.push_back(mode.*member);
@@ -98,18 +84,20 @@ std::vector<double> each(const std::vector<ResonatorMode>& modes, double Resonat
 }
 
 template <typename T>
-ModeShapes<T> shapes_in(const std::vector<double>& values) {
+ModeShapes<T> shapes_in(const std::vector<ResonatorMode>& modes, double ResonatorMode::*member) {
+  const std::vector<double> values = each(modes, member);
   return ModeShapes<T>(std::span<const double>(values));
 }
 
-std::vector<double> bridge_shapes(const Voice& voice, const std::vector<ResonatorMode>& modes) {
+// At the pickup or the bridge.
+template <typename T>
+ModeShapes<T> output_shapes(const Voice& voice, const std::vector<ResonatorMode>& modes, Signal signal) {
+  if (signal != Signal::kBridge) return shapes_in<T>(modes, &ResonatorMode::pickup_shape);
   const auto* string = std::get_if<StiffString>(&voice.resonator.body);
   if (string == nullptr)
     throw BadInput(
         fmt::format("--signal: bridge: {} has none; allowed: displacement, velocity, force", voice.resonator.name));
-  std::vector<double> shapes;
-  for (const auto& mode : modes) shapes.push_back(voice.strings * bridge_shape(*string, mode.wavenumber_per_m));
-  return shapes;
+  return bridge_shapes<T>(*string, modes, voice.strings);
 }
 
 /// What every instrument is built of, in the precision of its model.
@@ -118,8 +106,7 @@ struct Parts {
   Parts(const Voice& voice, const PlayOptions& options)
       : set(modes_of(voice.resonator, options.sample_rate_hz / 2)),
         modes(bare(set.modes)),
-        output(options.signal == Signal::kBridge ? bridge_shapes(voice, set.modes)
-                                                 : each(set.modes, &ResonatorMode::pickup_shape)),
+        output(output_shapes<T>(voice, set.modes, options.signal)),
         contact(table_in<T>(voice.contact)) {
     if (modes.empty())
       throw BadInput(fmt::format("--rate: no mode of {} lies below {} Hz; allowed: a higher rate",
@@ -127,14 +114,14 @@ struct Parts {
   }
 
   [[nodiscard]] SegmentTable<T> table() const { return contact; }
-  [[nodiscard]] ModeShapes<T> strike() const { return shapes_in<T>(each(set.modes, &ResonatorMode::strike_shape)); }
+  [[nodiscard]] ModeShapes<T> strike() const { return shapes_in<T>(set.modes, &ResonatorMode::strike_shape); }
   [[nodiscard]] StringShapes<T> shapes() const {
     return StringShapes<T>(each(set.modes, &ResonatorMode::wavenumber_per_m));
   }
 
   ModeSet set;
   std::vector<Mode> modes;
-  std::vector<double> output;  ///< shapes at the pickup or the bridge
+  ModeShapes<T> output;  ///< at the pickup or the bridge
   std::vector<Segment<T>> contact;
 };
 
@@ -184,8 +171,8 @@ class HammerStringPlayer {
         parts_(voice, options),
         place_m_(voice.resonator.strike.position_m),
         strikes_(voice.strikes, options.sample_rate_hz),
-        voice_(parts_.table(), parts_.modes, parts_.strike(), shapes_in<T>(parts_.output),
-               controls_from(voice.initial), voice.damper, options.sample_rate_hz) {}
+        voice_(parts_.table(), parts_.modes, parts_.strike(), parts_.output, controls_from(voice.initial),
+               voice.damper, options.sample_rate_hz) {}
 
   void process(std::size_t begin, ControlTrack& controls, const Block& block) {
     for (std::size_t done = 0; done < block.output.size();) {
@@ -224,7 +211,7 @@ class HammerStringPlayer {
   void move_strike(double place_m) {
     resonator_.strike.position_m = place_m_ = place_m;
     const auto modes = modes_of(resonator_, options_.sample_rate_hz / 2).modes;
-    voice_.strike_at(shapes_in<T>(each(modes, &ResonatorMode::strike_shape)));
+    voice_.strike_at(shapes_in<T>(modes, &ResonatorMode::strike_shape));
   }
 
   void process_steady(const Block& block) {
@@ -300,7 +287,7 @@ class SlideStringPlayer : public TickingPlayer<SlideStringPlayer<T>> {
         parts_(voice, options),
         signal_(options.signal),
         model_(parts_.table(), parts_.modes, parts_.shapes(), static_cast<T>(voice.pluck_m), options.sample_rate_hz),
-        output_(model_.string().sound_pickup(shapes_in<T>(parts_.output))) {
+        output_(model_.string().sound_pickup(parts_.output)) {
     model_.place(static_cast<T>(voice.initial[Control::kPlace]), static_cast<T>(voice.height_m));
   }
 
@@ -346,7 +333,7 @@ class FretStringPlayer : public TickingPlayer<FretStringPlayer<T>> {
       : parts_(voice, options),
         signal_(options.signal),
         model_(parts_.table(), parts_.modes, parts_.shapes(), static_cast<T>(voice.pluck_m), options.sample_rate_hz),
-        output_(model_.string().sound_pickup(shapes_in<T>(parts_.output))) {
+        output_(model_.string().sound_pickup(parts_.output)) {
     model_.place(static_cast<T>(voice.initial[Control::kPlace]), static_cast<T>(voice.initial[Control::kGap]));
   }
 

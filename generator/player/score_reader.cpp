@@ -45,21 +45,6 @@ constexpr int kMaxModes = 4096;
 constexpr std::size_t kMaxVoices = 128;
 constexpr std::size_t kMaxEvents = 65536;
 
-/// What a score of one instrument may say.
-struct Rules {
-  const char* note;                     ///< the key of an event that plays
-  std::size_t pluck_force;              ///< the control that a pluck moves
-  std::vector<std::string> voice_keys;  ///< beside name, resonator, material, tuning_cents, pan
-};
-
-const Rules& rules_of(Instrument instrument) {
-  static const std::array rules = {
-      Rules{"speed_m_per_s", 0, {"hammer_mass_kg", "damper_per_s"}},
-      Rules{"pluck_n", SlideStringControl::kPluckForce, {"pluck_m", "pickup_m", "height_m"}},
-      Rules{"pluck_n", FretStringControl::kPluckForce, {"pluck_m", "pickup_m"}}};
-  return rules[static_cast<std::size_t>(instrument)];
-}
-
 bool has_hammer(Instrument instrument) {
   return instrument == Instrument::kHammerString;
 }
@@ -172,7 +157,7 @@ Voice read_voice(const JsonObject& json, Instrument instrument, const ReadFile& 
   tune(json, voice.resonator);
   const auto& [material, table] = materials.of(json);
   voice.contact = table;
-  for (const ControlName& control : controls_of(instrument))
+  for (const ControlName& control : rules_of(instrument).controls)
     voice.initial.push_back(control.name == std::string_view("loss_s_per_m") ? material.loss_s_per_m
                                                                              : control.initial);
   voice.pan = number_or(json, "pan", kPan, 0);
@@ -186,7 +171,7 @@ Voice read_voice(const JsonObject& json, Instrument instrument, const ReadFile& 
 
 std::vector<Voice> read_voices(const JsonObject& score, Instrument instrument, const ReadFile& read) {
   std::vector<std::string> keys = {"name", "resonator", "material", "tuning_cents", "pan"};
-  for (const std::string& key : rules_of(instrument).voice_keys) keys.push_back(key);
+  for (const char* key : rules_of(instrument).voice_keys) keys.emplace_back(key);
   DesignedMaterials materials(read);
   std::vector<Voice> voices;
   std::set<std::string> names;
@@ -283,7 +268,7 @@ void check_place(const JsonObject& event, const ControlName& control, const Voic
 
 // Sets the controls that an event names; false where it names none.
 bool read_glides(const JsonObject& event, Instrument instrument, double time, std::span<Voice> voices) {
-  const auto controls = controls_of(instrument);
+  const auto controls = rules_of(instrument).controls;
   const double over = number_or(event, "over_s", kTime, 0);
   bool any = false;
   for (std::size_t i = 0; i < controls.size(); ++i) {
@@ -302,7 +287,7 @@ bool read_glides(const JsonObject& event, Instrument instrument, double time, st
 
 // A throw of the hammer; or a pluck: the force rises, and lets go at once.
 bool read_note(const JsonObject& event, Instrument instrument, double time, std::span<Voice> voices) {
-  const Rules& rules = rules_of(instrument);
+  const InstrumentRules& rules = rules_of(instrument);
   if (event.has("hold_s") && !event.has(rules.note))
     event.fail(event.key("hold_s"), "holds nothing", fmt::format("beside {}", rules.note));
   if (!event.has(rules.note)) return false;
@@ -331,12 +316,12 @@ std::vector<std::string> event_keys(Instrument instrument, bool has_keys) {
   std::vector<std::string> keys = {"time_s", has_keys ? "key" : "voice", rules_of(instrument).note};
   if (has_hammer(instrument)) keys.emplace_back("hold_s");
   keys.emplace_back("over_s");
-  for (const ControlName& control : controls_of(instrument)) keys.emplace_back(control.name);
+  for (const ControlName& control : rules_of(instrument).controls) keys.emplace_back(control.name);
   return keys;
 }
 
 void require_initial(const JsonObject& score, Instrument instrument, const std::vector<Voice>& voices) {
-  const auto controls = controls_of(instrument);
+  const auto controls = rules_of(instrument).controls;
   for (const Voice& voice : voices)
     for (std::size_t i = 0; i < controls.size(); ++i)
       if (std::isnan(voice.initial[i]))

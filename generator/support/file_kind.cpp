@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "generator/support/error.hpp"
 #include "generator/support/json_reader.hpp"
@@ -41,7 +43,10 @@ std::string_view kind_name(Shipped folder) {
 
 std::optional<Shipped> kind_of_file(std::string_view text, std::string_view file, std::string_view what) {
   if (text.starts_with("MThd")) return Shipped::kScores;
-  const auto has_any = [&](std::span<const char* const> keys) { return json_has_any(text, file, what, keys); };
+  const std::vector<std::string> found = json_keys(text, file, what);
+  const auto has_any = [&](std::span<const char* const> keys) {
+    return std::ranges::find_first_of(found, keys) != found.end();
+  };
   if (has_any(kOfOutputs)) refuse(file, "file", "was written by this program", "the file that it was made from");
   if (has_any(kOfResonators)) return Shipped::kResonators;
   if (has_any(kOfScores)) return Shipped::kScores;

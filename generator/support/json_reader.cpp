@@ -146,10 +146,12 @@ JsonObject parse_json(std::string_view text, std::string_view file, std::string_
           allowed};
 }
 
-bool json_has_any(std::string_view text, std::string_view file, std::string_view what,
-                  std::span<const char* const> keys) {
+std::vector<std::string> json_keys(std::string_view text, std::string_view file, std::string_view what) {
   const Json json = parsed(text, file, what);
-  return std::ranges::any_of(keys, [&](const char* key) { return json.contains(key); });
+  std::vector<std::string> keys;
+  if (!json.is_object()) return keys;
+  for (const auto& item : json.items()) keys.push_back(item.key());
+  return keys;
 }
 
 std::string json_string(std::string_view text) {

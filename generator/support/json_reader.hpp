@@ -19,10 +19,9 @@ struct Range {
 /// stay; the others become '?'.
 [[nodiscard]] std::string shown(std::string_view text, std::size_t max = 80);
 
-/// True if the text is a JSON object with at least one of these keys. Throws BadInput for wrong syntax, with `file`
-/// and `what` as in parse_json().
-[[nodiscard]] bool json_has_any(std::string_view text, std::string_view file, std::string_view what,
-                                std::span<const char* const> keys);
+/// The keys of the text's JSON object; none if it is not an object. Throws BadInput for wrong syntax, with `file` and
+/// `what` as in parse_json().
+[[nodiscard]] std::vector<std::string> json_keys(std::string_view text, std::string_view file, std::string_view what);
 
 /// The text as a JSON string with quotes and escapes.
 [[nodiscard]] std::string json_string(std::string_view text);

@@ -61,9 +61,9 @@ class KeyboardVoice : public HammerVoice<T> {
 
  private:
   KeyboardVoice(std::size_t k, double sample_rate_hz, const StiffString& string, const std::vector<StringMode>& modes)
-      : HammerVoice<T>(SegmentTable<T>(felts_of<Keyboard, T>[k]), modes_of(modes),
+      : HammerVoice<T>(SegmentTable<T>(felts_of<Keyboard, T>[k]), bare(modes),
                        strike_shapes(modes, Keyboard::strike_positions[k]),
-                       bridge_shapes(modes, string, Keyboard::strings[k]),
+                       bridge_shapes<T>(string, modes, Keyboard::strings[k]),
                        {.hammer_mass_kg = static_cast<T>(Keyboard::hammer_masses[k]),
                         .felt = {.loss_s_per_m = static_cast<T>(Keyboard::felt_loss_s_per_m)}},
                        {has_damper(k) ? Keyboard::damper_per_s : 0.0, Keyboard::damper_time_s}, sample_rate_hz) {}
@@ -72,23 +72,10 @@ class KeyboardVoice : public HammerVoice<T> {
     return Keyboard::first_key + static_cast<int>(k) <= Keyboard::last_damped_key;
   }
 
-  static std::vector<Mode> modes_of(const std::vector<StringMode>& string_modes) {
-    std::vector<Mode> modes;
-    for (const StringMode& mode : string_modes) modes.push_back(mode.mode);
-    return modes;
-  }
-
   static ModeShapes<T> strike_shapes(const std::vector<StringMode>& modes, double position_m) {
     ModeShapes<T> shapes(modes.size());
     for (std::size_t i = 0; i < modes.size(); ++i)
       shapes[i] = static_cast<T>(std::sin(modes[i].wavenumber_per_m * position_m));
-    return shapes;
-  }
-
-  static ModeShapes<T> bridge_shapes(const std::vector<StringMode>& modes, const StiffString& string, int strings) {
-    ModeShapes<T> shapes(modes.size());
-    for (std::size_t i = 0; i < modes.size(); ++i)
-      shapes[i] = static_cast<T>(strings * bridge_shape(string, modes[i].wavenumber_per_m));
     return shapes;
   }
 };

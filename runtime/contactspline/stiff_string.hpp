@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <cstddef>
 #include <limits>
 #include <numbers>
@@ -67,6 +68,24 @@ struct UndampedMode {
 [[nodiscard]] inline double bridge_shape(const StiffString& string, double wavenumber_per_m) {
   const double beta = wavenumber_per_m;
   return -beta * (string.tension_n + string.bending_stiffness_n_m2 * beta * beta) * std::cos(beta * string.length_m);
+}
+
+/// The modes of a vector of StringMode, or of another type with a member `mode`, without what is beside them.
+template <typename Row>
+[[nodiscard]] std::vector<Mode> bare(const std::vector<Row>& rows) {
+  std::vector<Mode> modes;
+  for (const Row& row : rows) modes.push_back(row.mode);
+  return modes;
+}
+
+/// The shapes of a pickup whose signal is the force [N] of `strings` equal strings on that support. Row: StringMode,
+/// or another type with a member `wavenumber_per_m`.
+template <std::floating_point T, typename Row>
+[[nodiscard]] ModeShapes<T> bridge_shapes(const StiffString& string, const std::vector<Row>& rows, double strings) {
+  ModeShapes<T> shapes(rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    shapes[i] = static_cast<T>(strings * bridge_shape(string, rows[i].wavenumber_per_m));
+  return shapes;
 }
 
 namespace detail {

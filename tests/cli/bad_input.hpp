@@ -10,6 +10,9 @@
 #include <utility>
 #include <vector>
 
+#include "program.hpp"
+#include "sandbox.hpp"
+
 namespace contactspline::testing {
 
 struct BadFile {
@@ -30,6 +33,16 @@ inline std::string changed(const std::string& good, const std::string& from, con
   if (at == std::string::npos || text.find(from, at + 1) != std::string::npos)
     throw std::logic_error(from + " does not occur just once");
   return text.replace(at, from.size(), to);
+}
+
+/// The bad file, as probe.json, is refused by `generate` in one line, and nothing is written.
+inline void expect_refused_by_generate(const BadFile& bad) {
+  const Sandbox box;
+  write_file(box / "probe.json", bad.text);
+  const auto before = box.listing();
+  expect_refused(run({.arguments = {"generate", "probe.json", "-o", "out"}, .folder = box.path()}),
+                 "probe.json: " + bad.key, bad.says);
+  EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
 }
 
 /// A number of a good file, which reads "member": value.

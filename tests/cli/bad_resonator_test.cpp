@@ -241,13 +241,7 @@ std::vector<BadFile> key_cases() {
 class BadResonatorFile : public ::testing::TestWithParam<BadFile> {};
 
 TEST_P(BadResonatorFile, IsRefusedInOneLineAndNothingIsWritten) {
-  const auto& [test, text, key, says] = GetParam();
-  const Sandbox box;
-  write_file(box / "probe.json", text);
-  const auto before = box.listing();
-  expect_refused(run({.arguments = {"generate", "probe.json", "-o", "out"}, .folder = box.path()}),
-                 "probe.json: " + key, says);
-  EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
+  expect_refused_by_generate(GetParam());
 }
 
 INSTANTIATE_TEST_SUITE_P(Number, BadResonatorFile, ::testing::ValuesIn(all_number_cases()),

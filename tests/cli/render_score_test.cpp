@@ -8,7 +8,6 @@
 #include <complex>
 #include <map>
 #include <numbers>
-#include <sndfile.hh>
 #include <string>
 #include <vector>
 
@@ -23,6 +22,7 @@
 #include "generator/support/embedded_files.hpp"
 #include "program.hpp"
 #include "sandbox.hpp"
+#include "sound.hpp"
 #include "support/compare.hpp"
 #include "svg.hpp"
 
@@ -31,29 +31,7 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr double kPeak = 0.89;              // -1 dB
-constexpr double kLevel = 1.0 / (1 << 23);  // one step of 24 bits
 constexpr double kRate = 44100;
-
-struct Sound {
-  int rate, channels;
-  std::vector<double> samples;  ///< interleaved
-
-  [[nodiscard]] double peak() const {
-    double largest = 0;
-    for (const double sample : samples) largest = std::max(largest, std::abs(sample));
-    return largest;
-  }
-};
-
-Sound read_sound(const fs::path& path) {
-  SndfileHandle file(path.string());
-  if (file.error() != 0) throw std::runtime_error(path.string() + ": " + file.strError());
-  Sound sound{file.samplerate(), file.channels(), {}};
-  sound.samples.resize(static_cast<std::size_t>(file.frames() * file.channels()));
-  if (file.readf(sound.samples.data(), file.frames()) != file.frames()) throw std::runtime_error("short file");
-  return sound;
-}
 
 /// File names and contents, beside the score.
 using Files = std::map<std::string, std::string>;

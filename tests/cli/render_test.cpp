@@ -7,7 +7,6 @@
 #include <cmath>
 #include <numbers>
 #include <regex>
-#include <sndfile.hh>
 #include <string>
 #include <vector>
 
@@ -18,34 +17,12 @@
 #include "generator/support/embedded_files.hpp"
 #include "program.hpp"
 #include "sandbox.hpp"
+#include "sound.hpp"
 #include "support/compare.hpp"
 #include "svg.hpp"
 
 namespace contactspline::testing {
 namespace {
-
-constexpr double kPeak = 0.89;              // -1 dB
-constexpr double kLevel = 1.0 / (1 << 23);  // one step of 24 bits
-
-struct Sound {
-  int rate, channels, format;
-  std::vector<double> samples;
-
-  [[nodiscard]] double peak() const {
-    double largest = 0;
-    for (const double sample : samples) largest = std::max(largest, std::abs(sample));
-    return largest;
-  }
-};
-
-Sound read_sound(const fs::path& path) {
-  SndfileHandle file(path.string());
-  if (file.error() != 0) throw std::runtime_error(path.string() + ": " + file.strError());
-  Sound sound{file.samplerate(), file.channels(), file.format(), {}};
-  sound.samples.resize(static_cast<std::size_t>(file.frames()));
-  if (file.read(sound.samples.data(), file.frames()) != file.frames()) throw std::runtime_error("short file");
-  return sound;
-}
 
 // Renders in a sandbox and returns what was printed.
 std::string render(const Sandbox& box, const Words& options, const std::string& name = "a.wav") {

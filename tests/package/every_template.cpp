@@ -28,47 +28,30 @@ namespace contactspline {
 using String = resonators::string_c4;
 using Felt = materials::felt_c4;
 
-template struct ContactControls<float>;
-template struct Segment<float>;
-template class detail::ContactTableStorage<float>;
-template class detail::StrikeConstantsStorage<float>;
-template class Body<float>;
-template class ContactNetwork<float>;
-template class CoupledContacts<float>;
-template class Ensemble<float>;
-template class FretString<float>;
-template class HammerString<float>;
-template class HammerStringDsp<Felt, String, float>;
-template class HammerVoice<float>;
-template class KeyboardVoice<keyboards::piano, float>;
-template class LiveExponent<materials::felt_live, float>;
-template class MassBarrier<float>;
-template class ModalBank<float>;
-template class ModeShapes<float>;
-template class MovingPlace<float>;
-template class SlideString<float>;
-template class StringShapes<float>;
+#define CONTACTSPLINE_EVERY_TEMPLATE(T)                 \
+  template struct ContactControls<T>;                   \
+  template struct Segment<T>;                           \
+  template class detail::ContactTableStorage<T>;        \
+  template class detail::StrikeConstantsStorage<T>;     \
+  template class Body<T>;                               \
+  template class ContactNetwork<T>;                     \
+  template class CoupledContacts<T>;                    \
+  template class Ensemble<T>;                           \
+  template class FretString<T>;                         \
+  template class HammerString<T>;                       \
+  template class HammerStringDsp<Felt, String, T>;      \
+  template class HammerVoice<T>;                        \
+  template class KeyboardVoice<keyboards::piano, T>;    \
+  template class LiveExponent<materials::felt_live, T>; \
+  template class MassBarrier<T>;                        \
+  template class ModalBank<T>;                          \
+  template class ModeShapes<T>;                         \
+  template class MovingPlace<T>;                        \
+  template class SlideString<T>;                        \
+  template class StringShapes<T>;
 
-template struct ContactControls<double>;
-template struct Segment<double>;
-template class detail::ContactTableStorage<double>;
-template class detail::StrikeConstantsStorage<double>;
-template class Body<double>;
-template class ContactNetwork<double>;
-template class CoupledContacts<double>;
-template class Ensemble<double>;
-template class FretString<double>;
-template class HammerString<double>;
-template class HammerStringDsp<Felt, String, double>;
-template class HammerVoice<double>;
-template class KeyboardVoice<keyboards::piano, double>;
-template class LiveExponent<materials::felt_live, double>;
-template class MassBarrier<double>;
-template class ModalBank<double>;
-template class ModeShapes<double>;
-template class MovingPlace<double>;
-template class SlideString<double>;
-template class StringShapes<double>;
+CONTACTSPLINE_EVERY_TEMPLATE(float)
+CONTACTSPLINE_EVERY_TEMPLATE(double)
 
 // With sizes that are known at compile time. Such a hammer-string has no process_in_kernels().
 template class FretString<float, segments_of<Felt, float>.size(), String::modes>;

@@ -45,12 +45,6 @@ inline std::vector<ResonatorMode> audible_modes(const StruckString& struck) {
   return struck_modes(struck, 22050);
 }
 
-inline std::vector<Mode> bare(const std::vector<ResonatorMode>& modes) {
-  std::vector<Mode> bare;
-  for (const auto& mode : modes) bare.push_back(mode.mode);
-  return bare;
-}
-
 inline std::vector<double> wavenumbers_of(const std::vector<ResonatorMode>& modes) {
   std::vector<double> values;
   for (const auto& mode : modes) values.push_back(mode.wavenumber_per_m);
@@ -62,15 +56,6 @@ ModeShapes<T> shapes(const std::vector<ResonatorMode>& modes, double ResonatorMo
   ModeShapes<T> shapes(modes.size());
   for (std::size_t i = 0; i < modes.size(); ++i) shapes[i] = static_cast<T>(modes[i].*shape);
   return shapes;
-}
-
-template <typename T>
-std::vector<Segment<T>> table_in(const std::vector<Segment<double>>& table) {
-  std::vector<Segment<T>> cast;
-  for (const auto& s : table)
-    cast.push_back({static_cast<T>(s.knot), static_cast<T>(s.energy), static_cast<T>(s.force),
-                    static_cast<T>(s.half_curvature)});
-  return cast;
 }
 
 /// Spline of a felt up to what a hammer of its mass compresses at 6 m/s on a rigid barrier.
