@@ -18,7 +18,7 @@ constexpr Range kSpeed{1e-6, 1e3};
 constexpr Range kCompression{1e-9, 1};
 constexpr Range kSampleRate{1e3, 1e8};
 constexpr Range kTolerance{1e-7, 0.5};
-constexpr Range kTolerance_db{0.01, 20};
+constexpr Range kTolerance_db{0.1, 20};  // the exact spectra are right to 0.07 dB (ExactSpectra)
 constexpr int kMaxSegments = 65536;
 constexpr Range kLiveExponent{1, 10};  // convex
 constexpr int kMaxMembers = 64;

@@ -37,7 +37,7 @@ constexpr long kLastTick = 1L << 40;  // far beyond an hour
   throw BadInput(fmt::format("{}: MIDI: {}; allowed: a standard MIDI file of format 0 or 1", file, wrong));
 }
 
-/// What of a file is heard: a key, the pedal or the tempo.
+/// An event of a file that is played: a key, the pedal or the tempo.
 struct MidiEvent {
   enum Kind { kKey, kController, kBend, kTempo } kind;
   long tick;

@@ -11,8 +11,8 @@
 
 namespace contactspline {
 
-/// What is heard: of the resonator at its pickup, the force of a string on its bridge (the end farthest from 0), or
-/// the contact force.
+/// The signal in the sound: of the resonator at its pickup, the force of a string on its bridge (the end farthest
+/// from 0), or the contact force.
 enum class Signal { kDisplacement, kVelocity, kBridge, kForce };
 
 enum class Precision { kSingle, kDouble };
@@ -40,8 +40,8 @@ struct Performance {
 [[nodiscard]] int channels_of(const Score& score);
 
 /// Plays every voice of a score, or only one: the modes below half the sample rate, each contact with its own
-/// controls. The sound is the sum of the voices. `progress` hears of it a hundred times or so. Throws BadInput where
-/// a voice has no mode below half the rate, no bridge where that is to be heard, or a sound that is not finite.
+/// controls. The sound is the sum of the voices. `progress` is called a hundred times or so. Throws BadInput where
+/// a voice has no mode below half the rate, no bridge where its force is the signal, or a sound that is not finite.
 [[nodiscard]] Performance play(const Score& score, const PlayOptions& options, const Progress& progress);
 
 }  // namespace contactspline

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -140,13 +139,16 @@ class ToleranceSearch {
   // The error does not fall with every segment, so a smaller number may meet the tolerance even if missed_ does not.
   // For uniform knots, whose splines are cheap, all smaller numbers are tried.
   void try_smaller() {
-    constexpr int kMaxTriedFully = 64;
-    const auto& [knots, minimise] = std::tie(material_.spline.knots, material_.spline.minimise);
-    const int tries = knots == Knots::optimal && minimise != ErrorOf::spectrum ? 2
-                      : knots == Knots::uniform && met_ < kMaxTriedFully       ? met_
-                                                                               : std::clamp(met_ / 8, 3, 16);
+    const int tries = max_tries();
     for (int fewer = met_ - 2; fewer > 0 && fewer >= met_ - 1 - tries; --fewer)
       meets_tolerance(fewer);  // updates met_
+  }
+  [[nodiscard]] int max_tries() const {
+    constexpr int kMaxTriedFully = 64;
+    const SplineDesign& design = material_.spline;
+    if (design.knots == Knots::uniform && met_ < kMaxTriedFully) return met_;
+    if (design.knots == Knots::optimal && design.minimise != ErrorOf::spectrum) return 2;
+    return std::clamp(met_ / 8, 3, 16);
   }
 
   [[noreturn]] void refuse_tolerance() const {

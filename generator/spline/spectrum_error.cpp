@@ -16,8 +16,8 @@ namespace {
 
 constexpr int kPerZero = 4;            // frequencies between two zeros of a spectrum
 constexpr int kBeyond = 2 * kPerZero;  // frequencies above the last one compared, for its envelope
-constexpr int kFewZeros = 9;           // by then most spectra have fallen by 60 dB
-constexpr int kMaxZeros = 36;          // by then all spectra have fallen by 60 dB if the exponent is 1 or more
+constexpr int kFewZeros = 9;           // by then the spectrum of a power law has fallen by 60 dB if a >= 1.5
+constexpr int kMaxZeros = 36;          // the same for a >= 0.6; spectra that fall more slowly are compared up to here
 
 // The largest magnitude at each frequency or a higher one.
 std::vector<double> envelope_of(const std::vector<double>& spectrum) {
@@ -46,24 +46,29 @@ PiecewiseLinearForce force_of(const Spline& spline, double range, double max_for
 
 }  // namespace
 
+// Few zeros of the spectrum are computed first: most spectra have fallen to the lowest level by then.
+ExactSpectra::Impact ExactSpectra::compared_part(const PiecewiseLinearForce& exact, double energy, double step,
+                                                 double highest) {
+  for (int zeros = kFewZeros;; zeros *= 2) {
+    const double all = highest / step;
+    const int count = static_cast<int>(std::min<double>(all, zeros * kPerZero));
+    Impact impact{energy, step, impact_spectrum(exact, energy, step, 1 + count + kBeyond), {}};
+    impact.envelope = envelope_of(impact.spectrum);
+    const double lowest = impact.spectrum.front() * std::pow(10, kMinSpectrumLevel_db / 20);
+    const auto first = impact.envelope.begin() + 1, last = first + count;
+    const auto end = std::partition_point(first, last, [=](double level) { return level >= lowest; });
+    impact.spectrum.resize(static_cast<std::size_t>(end - impact.envelope.begin()));
+    if (end != last || count < zeros * kPerZero || zeros == kMaxZeros) return impact;
+  }
+}
+
 ExactSpectra::ExactSpectra(const FitTarget& target, int speeds, int segments) {
   const PiecewiseLinearForce exact = graded_knots(segments, target);
   const double highest = 2 * std::numbers::pi * kMaxSpectrumFrequency_hz * target.time_unit_s;
   for (int i = 0; i < speeds; ++i) {
     const double energy = target.min_energy * std::pow(target.max_energy / target.min_energy, i / (speeds - 1.0));
     const double step = std::numbers::pi / (kPerZero * target.half_duration(energy));
-    Impact impact{energy, step, {}, {}};
-    for (int zeros = kFewZeros; zeros <= kMaxZeros; zeros *= 2) {
-      const int count = static_cast<int>(std::min<double>(highest / step, zeros * kPerZero));
-      impact.spectrum = impact_spectrum(exact, energy, step, 1 + count + kBeyond);
-      impact.envelope = envelope_of(impact.spectrum);
-      const double lowest = impact.spectrum.front() * std::pow(10, kMinSpectrumLevel_db / 20);
-      std::size_t end = 1;
-      while (end <= static_cast<std::size_t>(count) && impact.envelope[end] >= lowest) ++end;
-      impact.spectrum.resize(end);
-      if (end <= static_cast<std::size_t>(count)) break;
-    }
-    impacts_.push_back(std::move(impact));
+    impacts_.push_back(compared_part(exact, energy, step, highest));
   }
 }
 

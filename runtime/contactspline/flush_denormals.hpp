@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Denormal numbers, too small to be heard, must not slow down the processor.
+// Denormal numbers, which are inaudible, must not slow down the processor.
 #pragma once
 
 #include "contactspline/cpp20.hpp"

@@ -112,12 +112,12 @@ namespace detail {
 
 /// Constants of one mode at a sample rate (docs/modal.md), with p = -decay + j w and z = exp(p dt):
 struct ModeConstants {
-  double stiffness;   ///< |1 - z|^2
-  double loss;        ///< 1 - |z|^2
-  double admittance;  ///< |1 - z|^2/(2 m |p|^2), change of displacement over a sample per newton [m/N]
-  double averaging;   ///< |1 - z|^2/|p dt|^2, the part of an impulse's response that two averages over a sample leave
-  double plus_square;    ///< |1 + z|^2
-  double velocity_gain;  ///< w/Im z [rad/s]
+  double stiffness;         ///< |1 - z|^2
+  double loss;              ///< 1 - |z|^2
+  double admittance;        ///< |1 - z|^2/(2 m |p|^2), change of displacement over a sample per newton [m/N]
+  double averaging_factor;  ///< |1 - z|^2/|p dt|^2, the part of an impulse's response that averaging the force leaves
+  double one_plus_z_square;  ///< |1 + z|^2
+  double velocity_gain;      ///< w/Im z [rad/s]
   double decay_per_s;
 };
 
@@ -130,12 +130,12 @@ constexpr ModeConstants mode_constants(const Mode& mode, Rate sample_rate_hz) {
   const double sine = std::sin(w * dt / 2), cosine = std::cos(w * dt / 2);
   const double stiffness = decay_loss * decay_loss + 4 * decay_factor * sine * sine;
   const double phase_square = (w * w + mode.decay_per_s * mode.decay_per_s) * dt * dt;  // |p dt|^2
-  const double averaging = phase_square > 0 ? stiffness / phase_square : 1;             // 1 is the limit
+  const double averaging_factor = phase_square > 0 ? stiffness / phase_square : 1;      // 1 is the limit
   return {.stiffness = stiffness,
           .loss = -std::expm1(-2 * mode.decay_per_s * dt),
-          .admittance = averaging * dt * dt / (2 * mode.mass_kg),
-          .averaging = averaging,
-          .plus_square = decay_loss * decay_loss + 4 * decay_factor * cosine * cosine,
+          .admittance = averaging_factor * dt * dt / (2 * mode.mass_kg),
+          .averaging_factor = averaging_factor,
+          .one_plus_z_square = decay_loss * decay_loss + 4 * decay_factor * cosine * cosine,
           .velocity_gain = (w > 0 ? w / (2 * sine * cosine) : sample_rate_hz) / decay_factor,
           .decay_per_s = mode.decay_per_s};
 }
@@ -214,7 +214,7 @@ class ModalBank {
     Shapes shapes(size());
     constexpr double kMin = 0.40528473456935109;  // (2/pi)^2, the factor at half the sample rate
     for (std::size_t i = 0; i < size(); ++i)
-      shapes[i] = static_cast<T>(double(pickup[i]) / std::max(constants_[i].averaging, kMin));
+      shapes[i] = static_cast<T>(double(pickup[i]) / std::max(constants_[i].averaging_factor, kMin));
     return shapes;
   }
   [[nodiscard]] constexpr Shapes sound_pickup(std::span<const double, Modes> pickup) const {
@@ -308,7 +308,8 @@ class ModalBank {
       const detail::ModeConstants& mode = constants_[i];
       if (mode.admittance == 0) continue;
       const double q = double(displacement_[i]), weighted_step = double(free_increment_[i]) + mode.stiffness / 2 * q;
-      energy += (weighted_step * weighted_step / mode.plus_square + mode.stiffness / 4 * q * q) / mode.admittance;
+      energy +=
+          (weighted_step * weighted_step / mode.one_plus_z_square + mode.stiffness / 4 * q * q) / mode.admittance;
     }
     return energy;
   }

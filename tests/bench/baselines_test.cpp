@@ -40,7 +40,7 @@ std::vector<Mode> with_mass_kept(const std::vector<ResonatorMode>& modes, double
   std::vector<Mode> kept = bare(modes);
   for (Mode& mode : kept) {
     const auto constants = contactspline::detail::mode_constants(mode, rate);
-    mode.mass_kg *= 4 * constants.averaging / constants.plus_square;
+    mode.mass_kg *= 4 * constants.averaging_factor / constants.one_plus_z_square;
   }
   return kept;
 }

@@ -211,9 +211,9 @@ std::vector<BadMaterial> design_cases() {
        with_spline(R"("knots": "optimal", "minimise": "spectrum", "tolerance_db": 1, "segments": 8)"),
        "spline.tolerance_db", "is given together with segments; allowed: one of the two"},
       {"decibels_are_text", with_spline(R"("knots": "optimal", "minimise": "spectrum", "tolerance_db": "1 dB")"),
-       "spline.tolerance_db", "is not a number; allowed: a number from 0.01 to 20"},
-      {"decibels_not_kept", with_spline(R"("knots": "optimal", "minimise": "spectrum", "tolerance_db": 0.01)"),
-       "spline.tolerance_db", "0.01 is not met by 128 optimal segments; allowed: at least "},
+       "spline.tolerance_db", "is not a number; allowed: a number from 0.1 to 20"},
+      {"decibels_not_kept", with_spline(R"("knots": "optimal", "minimise": "spectrum", "tolerance_db": 0.1)"),
+       "spline.tolerance_db", "0.1 is not met by 128 optimal segments; allowed: at least "},
       {"optimal_of_many", with_spline(R"("knots": "optimal", "segments": 129)"), "spline.segments",
        "129 is out of range; allowed: an integer from 1 to 128"},
       {"tolerance_not_kept", with_spline(R"("knots": "optimal", "tolerance": 1e-7)"), "spline.tolerance",
@@ -263,7 +263,7 @@ std::vector<BadMaterial> design_cases() {
   for (const std::string value : {"0", "-1", "0.009", "20.1"})
     cases.push_back({"decibels_are_out_of_range_" + std::to_string(cases.size()),
                      with_spline(R"("knots": "optimal", "minimise": "spectrum", "tolerance_db": )" + value),
-                     "spline.tolerance_db", "is out of range; allowed: a number from 0.01 to 20"});
+                     "spline.tolerance_db", "is out of range; allowed: a number from 0.1 to 20"});
   return cases;
 }
 

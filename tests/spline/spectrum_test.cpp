@@ -324,13 +324,13 @@ TEST(SpectrumTolerance, FindsTheFewestSegments) {
 
 TEST(SpectrumTolerance, IsRefusedWhereNoNumberMeetsIt) {
   Material material = felt("felt_c4", Knots::optimal, ErrorOf::spectrum, 0);
-  material.spline.tolerance = 0.01;
+  material.spline.tolerance = 0.1;
   try {
     static_cast<void>(design_spline(material, "felt.json"));
     FAIL();
   } catch (const BadInput& error) {
     EXPECT_NE(std::string(error.what())
-                  .find("felt.json: spline.tolerance_db: 0.01 is not met by 128 optimal segments; "
+                  .find("felt.json: spline.tolerance_db: 0.1 is not met by 128 optimal segments; "
                         "allowed: at least "),
               std::string::npos)
         << error.what();

@@ -77,7 +77,8 @@ class StruckNote {
   /// The same as heard: divided by what averaging over a sample takes away (ModalBank::sound_pickup).
   [[nodiscard]] std::vector<double> heard_velocities(const Spline& spline, double speed_m_per_s) const {
     std::vector<double> found = velocities(spline, speed_m_per_s);
-    for (std::size_t k = 0; k < found.size(); ++k) found[k] /= detail::mode_constants(modes_[k], kRate_hz).averaging;
+    for (std::size_t k = 0; k < found.size(); ++k)
+      found[k] /= detail::mode_constants(modes_[k], kRate_hz).averaging_factor;
     return found;
   }
 

@@ -12,7 +12,7 @@ namespace {
 std::vector<Mode> with_mass_kept(std::vector<Mode> modes) {
   for (Mode& mode : modes) {
     const auto constants = detail::mode_constants(mode, kRate_hz);
-    mode.mass_kg *= 4 * constants.averaging / constants.plus_square;
+    mode.mass_kg *= 4 * constants.averaging_factor / constants.one_plus_z_square;
   }
   return modes;
 }
