@@ -16,10 +16,11 @@
 
 namespace contactspline {
 
-/// Stiffness [N/m] that strings add to the bridge they end at. The displacement of a string with a moving end is the sum
-/// of its modes, so each mode pulls at the bridge with shape (q - shape w/k): shape is the force on the bridge per modal
-/// displacement, as bridge_shape() gives it, w the bridge's displacement, k the modal stiffness. This is the sum of
-/// shape^2/k; `tension_over_length` is the rest of the string's own stiffness [N/m], the sum of T/L (docs/body.md).
+/// Stiffness [N/m] that strings add to the bridge they end at. The displacement of a string with a moving end is the
+/// sum of its modes, so each mode pulls at the bridge with shape (q - shape w/k): shape is the force on the bridge
+/// per modal displacement, as bridge_shape() gives it, w the bridge's displacement, k the modal stiffness. This is
+/// the sum of shape^2/k; `tension_over_length` is the rest of the string's own stiffness [N/m], the sum of T/L
+/// (docs/body.md).
 [[nodiscard]] inline double bridge_stiffness(std::span<const Mode> modes, std::span<const double> shapes,
                                              double tension_over_length_n_per_m) {
   double sum = tension_over_length_n_per_m;
@@ -32,8 +33,8 @@ namespace contactspline {
 
 /// A body with one bridge. Strings and body take turns, half a sample apart: the strings advance one sample while the
 /// bridge stands still, at displacement(), then the body advances one sample under the force of the strings at rest,
-/// tick(). Each side sees a constant force, so nothing is solved together, and yet the energy of strings, bridge and body
-/// is balanced to rounding (docs/body.md). No allocation after construction.
+/// tick(). Each side sees a constant force, so nothing is solved together, and yet the energy of strings, bridge and
+/// body is balanced to rounding (docs/body.md). No allocation after construction.
 template <std::floating_point T>
 class Body {
  public:
@@ -48,8 +49,8 @@ class Body {
   /// Displacement of the bridge [m], for the coming sample of the strings.
   [[nodiscard]] T displacement() const { return displacement_; }
 
-  /// Advances one sample under the force of the strings on the bridge [N], taken after their sample: the sum of shape times
-  /// modal displacement. A force that is not a number counts as the last one. Safe in an audio thread.
+  /// Advances one sample under the force of the strings on the bridge [N], taken after their sample: the sum of shape
+  /// times modal displacement. A force that is not a number counts as the last one. Safe in an audio thread.
   void tick(T force_n) {
     force_n_ = held(force_n_, force_n, ControlRange<T>{-kMaxForce, kMaxForce});
     bank_.predict();
@@ -60,8 +61,8 @@ class Body {
     displacement_ = bank_.displacement(bridge_);
   }
 
-  /// Energy [J] of the body and of what the bridge adds to the energy of the strings; the sum with the strings' own energy
-  /// changes by the work of other forces minus dissipated() of all.
+  /// Energy [J] of the body and of what the bridge adds to the energy of the strings; the sum with the strings' own
+  /// energy changes by the work of other forces minus dissipated() of all.
   [[nodiscard]] double energy() const {
     const double w = double(displacement_);
     return bank_.energy() + (double(stiffness_) / 2 * w - double(force_n_)) * w;

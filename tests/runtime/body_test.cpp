@@ -58,8 +58,8 @@ class Key {
  public:
   Key(const StruckString& struck, const Strings& strings, double rate)
       : table_(table_in<T>(felt_table(struck, 32))),
-        model_(SegmentTable<T>(table_), strings.modes, ModeShapes<T>(std::span<const double>(vector_of(strings.strike))),
-               rate),
+        model_(SegmentTable<T>(table_), strings.modes,
+               ModeShapes<T>(std::span<const double>(vector_of(strings.strike))), rate),
         bridge_(model_.bridge(ModeShapes<T>(std::span<const double>(strings.bridge)))),
         controls_{.hammer_mass_kg = static_cast<T>(struck.hammer_kg)} {}
 
@@ -96,11 +96,12 @@ class Key {
 
 class StrungBody : public ::testing::TestWithParam<double> {};
 
-// Three keys of one to three strings on a board of 120 modes, struck in turn, in part while they sound, with dampers that
-// fall and rise. Bound: 1e-12 of the largest energy.
+// Three keys of one to three strings on a board of 120 modes, struck in turn, in part while they sound, with dampers
+// that fall and rise. Bound: 1e-12 of the largest energy.
 TEST_P(StrungBody, BalancesItsEnergy) {
   const double rate = GetParam();
-  const Strings low(c2(), {0}, 400, 22050), middle(c4(), {0, 0.8, -0.7}, 400, 22050), high(c7(), {0, 1, -1}, 400, 22050);
+  const Strings low(c2(), {0}, 400, 22050), middle(c4(), {0, 0.8, -0.7}, 400, 22050),
+      high(c7(), {0, 1, -1}, 400, 22050);
   const auto modes = board(120);
   Body<double> body(bare(modes), shapes<double>(modes, &ResonatorMode::strike_shape),
                     low.stiffness() + middle.stiffness() + high.stiffness(), rate);
@@ -129,20 +130,21 @@ TEST_P(StrungBody, BalancesItsEnergy) {
     largest_in_body = std::max(largest_in_body, body.modes().energy());
     books.close(stored + body.energy());
   }
-  std::cout << rate << " Hz: " << books.worst / books.peak << " of the largest energy, " << largest_in_body / books.peak
-            << " of it in the board\n";
+  std::cout << rate << " Hz: " << books.worst / books.peak << " of the largest energy, "
+            << largest_in_body / books.peak << " of it in the board\n";
   EXPECT_GT(largest_in_body, 0.001 * books.peak);
   EXPECT_TRUE(within(books.worst, 0, 1e-12 * books.peak));
 }
 
 INSTANTIATE_TEST_SUITE_P(Rates, StrungBody, ::testing::Values(22050.0, 44100.0, 96000.0));
 
-/// The exact motion of strings on a body in continuous time: M x'' + 2 M S x' + K x = 0 by the eigenvectors of its matrix, in
-/// units in which all its numbers are of one size: sqrt(M) x and sqrt(M) x'/kUnit.
+/// The exact motion of strings on a body in continuous time: M x'' + 2 M S x' + K x = 0 by the eigenvectors of its
+/// matrix, in units in which all its numbers are of one size: sqrt(M) x and sqrt(M) x'/kUnit.
 class ExactMotion {
  public:
   ExactMotion(const Strings& strings, const std::vector<ResonatorMode>& body) : strings_(strings), body_(body) {
-    const auto s = static_cast<Eigen::Index>(strings.modes.size()), b = static_cast<Eigen::Index>(body.size()), n = s + b;
+    const auto s = static_cast<Eigen::Index>(strings.modes.size()), b = static_cast<Eigen::Index>(body.size()),
+               n = s + b;
     Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(n, n);
     Eigen::VectorXd mass(n), decay(n);
     for (Eigen::Index i = 0; i < n; ++i) {
@@ -150,7 +152,8 @@ class ExactMotion {
       const Mode& mode = i < s ? strings.modes[at] : body[at].mode;
       mass(i) = mode.mass_kg;
       decay(i) = mode.decay_per_s;
-      stiffness(i, i) = mode.mass_kg * (std::pow(mode.angular_frequency_rad_per_s, 2) + std::pow(mode.decay_per_s, 2));
+      stiffness(i, i) =
+          mode.mass_kg * (std::pow(mode.angular_frequency_rad_per_s, 2) + std::pow(mode.decay_per_s, 2));
     }
     for (Eigen::Index i = 0; i < b; ++i) {
       const double shape = body[static_cast<std::size_t>(i)].strike_shape;
@@ -170,8 +173,8 @@ class ExactMotion {
     vectors_ = solver.eigenvectors();
   }
 
-  /// From the displacements of the strings' modes at rest. The body is at rest half a sample later, as in Body: at time 0
-  /// it moves backwards.
+  /// From the displacements of the strings' modes at rest. The body is at rest half a sample later, as in Body: at
+  /// time 0 it moves backwards.
   void start(const std::vector<double>& displacement, double rate) {
     Eigen::VectorXcd state = Eigen::VectorXcd::Zero(rates_.size());
     double force = 0;
@@ -203,8 +206,8 @@ class ExactMotion {
     const Eigen::VectorXcd state = vectors_ * (parts_.array() * (rates_.array() * time_s).exp()).matrix();
     double force = 0;
     for (std::size_t i = 0; i < strings_.bridge.size(); ++i)
-      force += strings_.bridge[i] * state(static_cast<Eigen::Index>(i)).real() /
-               root_mass_(static_cast<Eigen::Index>(i));
+      force +=
+          strings_.bridge[i] * state(static_cast<Eigen::Index>(i)).real() / root_mass_(static_cast<Eigen::Index>(i));
     return force;
   }
 
@@ -236,9 +239,9 @@ std::vector<double> played(const Strings& strings, const std::vector<ResonatorMo
   return forces;
 }
 
-// A flexible string that ends at a free mass m: T k cot(k L) = m w^2 (Morse, Vibration and Sound, 1948). The modes beyond
-// the N that are kept act as a string without mass: the mass lacks 2 M/(pi^2 N), half of whose part of m the frequencies
-// rise at most.
+// A flexible string that ends at a free mass m: T k cot(k L) = m w^2 (Morse, Vibration and Sound, 1948). The modes
+// beyond the N that are kept act as a string without mass: the mass lacks 2 M/(pi^2 N), half of whose part of m the
+// frequencies rise at most.
 TEST(StrungBodyMotion, HasTheFrequenciesOfAStringAtAMass) {
   const double length = 0.62, tension = 670, density = 0.00634, mass = 0.02;
   StruckString flexible = c4();
@@ -273,7 +276,8 @@ TEST(StrungBodyMotion, IsOfSecondOrder) {
   const Strings strings(c4(), {0, 3}, 8, 22050);
   const auto modes = board(6);
   std::vector<double> pluck;
-  for (std::size_t i = 0; i < strings.modes.size(); ++i) pluck.push_back(1e-3 * strings.strike[i] / double(i / 2 + 1));
+  for (std::size_t i = 0; i < strings.modes.size(); ++i)
+    pluck.push_back(1e-3 * strings.strike[i] / double(i / 2 + 1));
   ExactMotion exact(strings, modes);
   double before = 0;
   for (const double rate : {88200.0, 176400.0, 352800.0}) {
@@ -293,15 +297,16 @@ TEST(StrungBodyMotion, IsOfSecondOrder) {
   }
 }
 
-// Middle C as a piano tunes it, three strings a little apart: they decay together at first, through the bridge, then each
-// by itself (Weinreich, JASA 1977). Levels in windows of 0.1 s against the exact motion, and the two slopes.
+// Middle C as a piano tunes it, three strings a little apart: they decay together at first, through the bridge, then
+// each by itself (Weinreich, JASA 1977). Levels in windows of 0.1 s against the exact motion, and the two slopes.
 TEST(StrungBodyMotion, HasTheTwoDecaysOfAUnison) {
   StruckString without_loss = c4();
   without_loss.string.losses = {0.1, 1e-4};
   const Strings strings(without_loss, {0, 0.15, -0.1}, 12, 22050);
   const auto modes = board(40, 3);  // its resistance at the first partial is larger than its stiffness
   std::vector<double> pluck;
-  for (std::size_t i = 0; i < strings.modes.size(); ++i) pluck.push_back(i < 3 ? 1e-3 + 2e-4 * double(i) : 0);  // the first partial
+  for (std::size_t i = 0; i < strings.modes.size(); ++i)
+    pluck.push_back(i < 3 ? 1e-3 + 2e-4 * double(i) : 0);  // the first partial
   ExactMotion exact(strings, modes);
   constexpr double kRate = 44100, kDuration = 8;
   exact.start(pluck, kRate);
@@ -320,7 +325,8 @@ TEST(StrungBodyMotion, HasTheTwoDecaysOfAUnison) {
     worst = std::isfinite(error) ? std::max(worst, std::abs(error)) : error;
   }
   const double early = (levels[0] - levels[4]) / 0.4, late = (levels[59] - levels[79]) / 2;
-  std::cout << "decay " << early << " dB/s at first, " << late << " dB/s after 6 s; levels within " << worst << " dB\n";
+  std::cout << "decay " << early << " dB/s at first, " << late << " dB/s after 6 s; levels within " << worst
+            << " dB\n";
   EXPECT_TRUE(within(worst, 0, 0.05));
   EXPECT_GT(early, 10 * late);
   EXPECT_GT(late, 0);
