@@ -274,7 +274,7 @@ void add_instrument(CLI::App& render, Instrument instrument, const char* help, c
       ->add_option(
           "--signal", options->signal,
           "the signal in the sound file: displacement or velocity at the pickup, force on the bridge, contact "
-          "force (default: bridge for hammers on strings, else velocity)")
+          "force, velocity of the keyboard's body (default: body, else bridge for hammers on strings, else velocity)")
       ->check(one_of(signal_names()));
   command->add_option("--precision", options->precision, "floating-point precision of the model")
       ->check(one_of({"single", "double"}))

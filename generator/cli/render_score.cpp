@@ -21,8 +21,9 @@
 namespace contactspline {
 namespace {
 
-constexpr const char* kTraces[] = {"displacement", "velocity", "bridge force", "contact force"};
-constexpr const char* kUnits[] = {"m", "m/s", "N", "N"};
+constexpr const char* kTraces[] = {"displacement", "velocity", "bridge force", "contact force",
+                                   "velocity of the body"};
+constexpr const char* kUnits[] = {"m", "m/s", "N", "N", "m/s"};
 
 Signal signal_of(const ScoreOptions& options, const Score& score) {
   if (options.signal.empty()) return best_signal(score);
@@ -68,7 +69,7 @@ std::string write_stems(const std::vector<std::filesystem::path>& files, const S
 
 // In the order of Signal.
 const std::vector<std::string>& signal_names() {
-  static const std::vector<std::string> names = {"displacement", "velocity", "bridge", "force"};
+  static const std::vector<std::string> names = {"displacement", "velocity", "bridge", "force", "body"};
   return names;
 }
 

@@ -2,6 +2,7 @@
 // Scores: what an instrument plays.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -80,15 +81,16 @@ struct Strike {
 struct Voice {
   std::string name;
   Resonator resonator;
-  std::vector<Segment<double>> contact;  ///< table of the contact potential
-  std::vector<double> initial;           ///< values of the controls before the first event
-  std::vector<Glide> glides;             ///< by rising time
-  std::vector<Strike> strikes;           ///< by rising time; hammer-string
-  Damper damper = {};                    ///< hammer-string
-  double pluck_m = 0;                    ///< place of the pluck; slide-string and fret-string
-  double height_m = 0;                   ///< of the slide before the string at the beginning; slide-string
-  double strings = 1;                    ///< number of identical strings that the resonator stands for
-  double pan = 0;                        ///< -1 left to 1 right
+  std::vector<Segment<double>> contact;     ///< table of the contact potential
+  std::vector<double> initial;              ///< values of the controls before the first event
+  std::vector<Glide> glides;                ///< by rising time
+  std::vector<Strike> strikes;              ///< by rising time; hammer-string
+  Damper damper = {};                       ///< hammer-string
+  double pluck_m = 0;                       ///< place of the pluck; slide-string and fret-string
+  double height_m = 0;                      ///< of the slide before the string at the beginning; slide-string
+  double strings = 1;                       ///< number of identical strings that the resonator stands for
+  double pan = 0;                           ///< -1 left to 1 right
+  std::optional<StiffString> on_body = {};  ///< its strings on the body of the score, each by itself
 };
 
 struct Score {
@@ -97,7 +99,8 @@ struct Score {
   std::string description;  ///< one line, may be empty
   double duration_s;
   std::vector<Voice> voices;
-  std::string left_out = {};  ///< what of a MIDI file is not played, in one line; empty: nothing
+  std::optional<Resonator> body = {};  ///< that all strings end at; struck at its bridge
+  std::string left_out = {};           ///< what of a MIDI file is not played, in one line; empty: nothing
 };
 
 }  // namespace contactspline

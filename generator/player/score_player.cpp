@@ -8,9 +8,11 @@
 #include <cmath>
 #include <concepts>
 #include <limits>
+#include <memory>
 #include <numbers>
 #include <span>
 
+#include "contactspline/body.hpp"
 #include "contactspline/controls.hpp"
 #include "contactspline/flush_denormals.hpp"
 #include "contactspline/fret_string.hpp"
@@ -92,7 +94,7 @@ ModeShapes<T> shapes_in(const std::vector<ResonatorMode>& modes, double Resonato
 // At the pickup or the bridge.
 template <typename T>
 ModeShapes<T> output_shapes(const Voice& voice, const std::vector<ResonatorMode>& modes, Signal signal) {
-  if (signal != Signal::kBridge) return shapes_in<T>(modes, &ResonatorMode::pickup_shape);
+  if (signal != Signal::kBridge && signal != Signal::kBody) return shapes_in<T>(modes, &ResonatorMode::pickup_shape);
   const auto* string = std::get_if<StiffString>(&voice.resonator.body);
   if (string == nullptr)
     throw BadInput(
@@ -177,15 +179,23 @@ class HammerStringPlayer {
   void process(std::size_t begin, ControlTrack& controls, const Block& block) {
     for (std::size_t done = 0; done < block.output.size();) {
       const std::size_t sample = begin + done, left = block.output.size() - done;
-      const auto values = controls.at(sample);
-      voice_.controls() = controls_from(values);
-      while (const auto* change = strikes_.next_until(sample)) take(*change, values[Control::kPlace]);
+      take_events(sample, controls);
       const std::size_t steady = std::min(
           {left, controls.steady_samples(sample, Control::kDamping), strikes_.samples_to_next(sample), kMaxSteady});
       process_steady({block.output.subspan(done, steady), block.force.subspan(done, steady)});
       done += steady;
     }
   }
+
+  /// One sample on a bridge that is displaced by so many metres. Returns the force on it [N].
+  T tick(std::size_t sample, ControlTrack& controls, T bridge_displacement_m) {
+    take_events(sample, controls);
+    return voice_.tick(bridge_displacement_m);
+  }
+
+  void release() { voice_.release(); }
+  [[nodiscard]] T force() const { return voice_.model().force(); }
+  [[nodiscard]] const Parts<T>& parts() const { return parts_; }
 
  private:
   using Control = HammerStringControl;
@@ -195,6 +205,12 @@ class HammerStringPlayer {
     return {.hammer_mass_kg = static_cast<T>(values[Control::kHammerMass]),
             .felt = {static_cast<T>(values[Control::kStiffnessRatio]), static_cast<T>(values[Control::kLoss])},
             .damping_per_s = static_cast<T>(values[Control::kDamping])};
+  }
+
+  void take_events(std::size_t sample, ControlTrack& controls) {
+    const auto values = controls.at(sample);
+    voice_.controls() = controls_from(values);
+    while (const auto* change = strikes_.next_until(sample)) take(*change, values[Control::kPlace]);
   }
 
   void take(const StrikeTrack::Change& change, double place_m) {
@@ -379,20 +395,27 @@ class Recorder {
 
   void add(std::size_t begin, const Block& block) {
     for (std::size_t n = 0; n < block.output.size(); ++n) {
-      const std::size_t sample = begin + n;
-      if (performance_.channels == 1) {
-        performance_.samples[sample] += static_cast<float>(block.output[n]);
-      } else {
-        performance_.samples[2 * sample] += static_cast<float>(left_ * block.output[n]);
-        performance_.samples[2 * sample + 1] += static_cast<float>(right_ * block.output[n]);
-      }
-      const double force = strings_ * block.force[n];
-      float& largest = performance_.force_n[sample / stretch_];
-      largest = std::max(largest, static_cast<float>(force));
-      performance_.largest_force_n = std::max(performance_.largest_force_n, force);
-      performance_.contacts += force > 0 && !touches_;
-      touches_ = force > 0;
+      add_sound(begin + n, left_ * block.output[n], right_ * block.output[n]);
+      add_force(begin + n, strings_ * block.force[n], touches_);
     }
+  }
+
+  void add_sound(std::size_t sample, double left, double right) {
+    if (performance_.channels == 1) {
+      performance_.samples[sample] += static_cast<float>(left);
+    } else {
+      performance_.samples[2 * sample] += static_cast<float>(left);
+      performance_.samples[2 * sample + 1] += static_cast<float>(right);
+    }
+  }
+
+  /// `touches`: did the voice have a contact force in the sample before?
+  void add_force(std::size_t sample, double force_n, bool& touches) {
+    float& largest = performance_.force_n[sample / stretch_];
+    largest = std::max(largest, static_cast<float>(force_n));
+    performance_.largest_force_n = std::max(performance_.largest_force_n, force_n);
+    performance_.contacts += force_n > 0 && !touches;
+    touches = force_n > 0;
   }
 
   [[nodiscard]] std::size_t samples() const { return samples_; }
@@ -449,6 +472,77 @@ void play_in(const Score& score, const Voice& voice, const PlayOptions& options,
   }
 }
 
+/// A voice whose strings end at the score's body, each by itself, with its whole hammer.
+Voice on_body(const Voice& voice, bool is_struck) {
+  using Control = HammerStringControl;
+  Voice played = voice;
+  played.resonator.body = *voice.on_body;
+  for (const std::size_t control : {Control::kHammerMass, Control::kStiffnessRatio}) {
+    played.initial[control] *= voice.strings;
+    for (Glide& glide : played.glides)
+      if (glide.control == control) glide.to *= voice.strings;
+  }
+  played.strings = 1;
+  if (!is_struck) played.strikes.clear();
+  return played;
+}
+
+/// The same body with its pickup on the other side, for the other ear.
+Resonator mirrored(Resonator body) {
+  if (auto* plate = std::get_if<Plate>(&body.body)) body.pickup.position_m = plate->length_m - body.pickup.position_m;
+  return body;
+}
+
+/// A key on the body.
+template <typename T>
+struct KeyOnBody {
+  KeyOnBody(const Voice& of, bool is_struck, const PlayOptions& options)
+      : voice(on_body(of, is_struck)), controls(voice, options.sample_rate_hz), player(voice, options) {
+    player.release();  // the dampers of all keys are down at first
+  }
+
+  /// What its strings add to the bridge [N/m].
+  [[nodiscard]] double stiffness() const {
+    const auto& string = std::get<StiffString>(voice.resonator.body);
+    std::vector<double> shapes;
+    for (const auto& mode : player.parts().set.modes) shapes.push_back(bridge_shape(string, mode.wavenumber_per_m));
+    return bridge_stiffness(player.parts().modes, shapes,
+                            static_cast<double>(string.detuning_cents.size()) * string.tension_n / string.length_m);
+  }
+
+  Voice voice;
+  ControlTrack controls;
+  HammerStringPlayer<T> player;
+  bool touches = false;
+};
+
+// All voices at once: each sample of the strings, then one of the body.
+template <typename T>
+void play_on_body(const Score& score, const PlayOptions& options, Recorder& recorder, const PartDone& done) {
+  std::vector<std::unique_ptr<KeyOnBody<T>>> keys;
+  double stiffness = 0;
+  for (std::size_t v = 0; v < score.voices.size(); ++v) {
+    keys.push_back(std::make_unique<KeyOnBody<T>>(score.voices[v], options.only_voice.value_or(v) == v, options));
+    stiffness += keys.back()->stiffness();
+  }
+  const auto modes = modes_of(*score.body, options.sample_rate_hz / 2).modes;
+  const auto other_side = modes_of(mirrored(*score.body), options.sample_rate_hz / 2).modes;
+  Body<T> body(bare(modes), shapes_in<T>(modes, &ResonatorMode::strike_shape), stiffness, options.sample_rate_hz);
+  const auto left = body.modes().sound_pickup(shapes_in<T>(modes, &ResonatorMode::pickup_shape));
+  const auto right = body.modes().sound_pickup(shapes_in<T>(other_side, &ResonatorMode::pickup_shape));
+  for (std::size_t sample = 0; sample < recorder.samples(); ++sample) {
+    if (sample % 4096 == 0) done(sample);
+    T force = 0;
+    for (const auto& key : keys) {
+      force += key->player.tick(sample, key->controls, body.displacement());
+      recorder.add_force(sample, static_cast<double>(key->player.force()), key->touches);
+    }
+    body.tick(force);
+    recorder.add_sound(sample, static_cast<double>(body.modes().velocity(left)),
+                       static_cast<double>(body.modes().velocity(right)));
+  }
+}
+
 }  // namespace
 
 int channels_of(const Score& score) {
@@ -456,6 +550,7 @@ int channels_of(const Score& score) {
 }
 
 Signal best_signal(const Score& score) {
+  if (score.body) return Signal::kBody;
   const auto is_string = [](const Voice& voice) { return std::holds_alternative<StiffString>(voice.resonator.body); };
   const bool has_bridge =
       score.instrument == Instrument::kHammerString && std::ranges::all_of(score.voices, is_string);
@@ -465,6 +560,18 @@ Signal best_signal(const Score& score) {
 Performance play(const Score& score, const PlayOptions& options, const Progress& progress) {
   const FlushDenormals flushed;
   Recorder recorder(score, options);
+  if (options.signal == Signal::kBody) {
+    if (!score.body)
+      throw BadInput(
+          "--signal: body: the score has no keyboard with a body; allowed: displacement, velocity, bridge, force");
+    const auto done = [&](std::size_t sample) {
+      progress(static_cast<double>(sample) / static_cast<double>(recorder.samples()));
+    };
+    options.precision == Precision::kDouble ? play_on_body<double>(score, options, recorder, done)
+                                            : play_on_body<float>(score, options, recorder, done);
+    progress(1);
+    return recorder.take();
+  }
   const double total = static_cast<double>(recorder.samples() * score.voices.size());
   for (std::size_t v = 0; v < score.voices.size(); ++v) {
     if (options.only_voice.value_or(v) != v) continue;

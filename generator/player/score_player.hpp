@@ -12,8 +12,9 @@
 namespace contactspline {
 
 /// The signal in the sound: of the resonator at its pickup, the force of a string on its bridge (the end farthest
-/// from 0), or the contact force.
-enum class Signal { kDisplacement, kVelocity, kBridge, kForce };
+/// from 0), the contact force, or the velocity of the body that all strings end at. Without the body the bridge
+/// stands still.
+enum class Signal { kDisplacement, kVelocity, kBridge, kForce, kBody };
 
 enum class Precision { kSingle, kDouble };
 
@@ -33,7 +34,8 @@ struct Performance {
   std::size_t contacts;  ///< of all voices
 };
 
-/// The signal that sounds best: bridge for hammers on strings, else velocity.
+/// The signal that sounds best: that of the body, if there is one, bridge for other hammers on strings, else
+/// velocity.
 [[nodiscard]] Signal best_signal(const Score& score);
 
 /// 2 if a voice is panned, else 1.

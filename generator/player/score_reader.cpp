@@ -196,6 +196,7 @@ Voice voice_of(const Keyboard& keyboard, int key) {
   voice.damper = {key <= keyboard.last_damped_key ? keyboard.damper_per_s : 0, keyboard.damper_time_s};
   voice.strings = note.strings;
   voice.pan = kKeyboardWidth * from_middle;
+  if (keyboard.body) voice.on_body = strings_on_body(note, *keyboard.body);
   return voice;
 }
 
@@ -205,6 +206,8 @@ Voice detuned_voice(const Keyboard& keyboard, int key, int cents) {
   if (cents == 0) return voice;
   voice.name += fmt::format("{:+}", cents);
   for (double& detuning : std::get<StiffString>(voice.resonator.body).detuning_cents) detuning += cents;
+  if (voice.on_body)
+    for (double& detuning : voice.on_body->detuning_cents) detuning += cents;
   return voice;
 }
 
@@ -218,10 +221,24 @@ std::string left_out_line(std::string_view file, const Keyboard& keyboard, std::
   return fmt::format("{}: MIDI: left out: {}", file, fmt::join(parts, ", "));
 }
 
+// The body of a keyboard, beside the keyboard's file.
+std::optional<Resonator> body_of(const Keyboard& keyboard, const NamedText& file, const ReadFile& read) {
+  if (!keyboard.body) return {};
+  const std::string& name = keyboard.body->resonator;
+  if (is_path(name)) {
+    const std::string path = (std::filesystem::path(file.file).parent_path() / name).string();
+    return parse_resonator(read(path), path);
+  }
+  const EmbeddedFile* found = find_embedded(Shipped::kResonators, name + ".json");
+  if (found == nullptr)
+    refuse(file.file, "keyboard.body.resonator", fmt::format("'{}' does not ship", shown(name)),
+           fmt::format("a .json file, {}", fmt::join(shipped_names(Shipped::kResonators), ", ")));
+  return parse_resonator(found->content, found->name);
+}
+
 // Every key that is played.
-std::vector<Voice> read_keys(const JsonObject& score, const std::vector<JsonObject>& events, const ReadFile& read) {
-  const NamedText named = read_named(score, "keyboard", Shipped::kKeyboards, read);
-  const Keyboard keyboard = parse_keyboard(named.text, named.file);
+std::vector<Voice> read_keys(const JsonObject& score, const Keyboard& keyboard,
+                             const std::vector<JsonObject>& events) {
   std::set<int> keys;
   for (const JsonObject& event : events)
     if (event.has("key")) keys.insert(event.integer("key", keyboard.first_key, keyboard.last_key));
@@ -340,7 +357,14 @@ Score parse_score(std::string_view text, std::string_view file, const ReadFile& 
   if (has_keys && (score.has("voices") || !has_hammer(result.instrument)))
     score.fail("keyboard", "has no place here", "in a score for hammer-string, instead of voices");
   const auto events = score.objects("events", event_keys(result.instrument, has_keys), kMaxEvents);
-  result.voices = has_keys ? read_keys(score, events, read) : read_voices(score, result.instrument, read);
+  if (has_keys) {
+    const NamedText named = read_named(score, "keyboard", Shipped::kKeyboards, read);
+    const Keyboard keyboard = parse_keyboard(named.text, named.file);
+    result.voices = read_keys(score, keyboard, events);
+    result.body = body_of(keyboard, named, read);
+  } else {
+    result.voices = read_voices(score, result.instrument, read);
+  }
   for (const JsonObject& event : events) read_event(event, result, result.voices);
   require_initial(score, result.instrument, result.voices);
   for (Voice& voice : result.voices) {
@@ -379,6 +403,7 @@ Score parse_midi_score(std::string_view bytes, std::string_view file, std::span<
               title,
               end + kRing,
               {},
+              body_of(keyboard, {{}, std::string(piano->name), true}, {}),
               left_out_line(file, keyboard, beyond, bends_in_notes)};
   for (auto& [key, voice] : voices) score.voices.push_back(std::move(voice));
   return score;

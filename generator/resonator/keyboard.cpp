@@ -92,6 +92,14 @@ Material felt_of(const Keyboard& keyboard, const Between& notes, int key, double
 
 }  // namespace
 
+StiffString strings_on_body(const KeyboardNote& note, const KeyboardBody& body) {
+  StiffString string = note.string;
+  if (note.strings > 1) string.detuning_cents = note.strings == 2 ? body.double_cents : body.triple_cents;
+  string.losses.constant_per_s *= body.own_loss;
+  string.losses.quadratic_m2_per_s *= body.own_loss;
+  return string;
+}
+
 double strike_speed(const Keyboard& keyboard, double velocity) {
   return keyboard.min_speed_m_per_s * std::pow(keyboard.max_speed_m_per_s / keyboard.min_speed_m_per_s, velocity);
 }

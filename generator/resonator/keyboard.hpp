@@ -2,6 +2,7 @@
 // A keyboard of struck strings: every key's string and hammer, interpolated from some published notes.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,14 @@ struct PublishedNote {
   PowerLaw felt;
 };
 
+/// The body that the strings end at, and what they are when each of them moves by itself.
+struct KeyboardBody {
+  std::string resonator;             ///< name of one that ships, or a file; struck at its bridge
+  std::vector<double> double_cents;  ///< detuning of the strings of a key that has two
+  std::vector<double> triple_cents;  ///< and three
+  double own_loss;  ///< part of the published losses that is the strings' own; the rest goes into the body
+};
+
 /// As read from a keyboard file.
 struct Keyboard {
   std::string name;                             ///< lower-case identifier
@@ -35,6 +44,7 @@ struct Keyboard {
   double damper_time_s;                         ///< time constant with which the damper comes down
   int segments;                                 ///< of the felt's spline
   std::vector<PublishedNote> notes;             ///< at least two, by rising key
+  std::optional<KeyboardBody> body = {};
 };
 
 /// What one key moves: one of its strings, which are all alike, with its share of the hammer's mass and stiffness.
@@ -46,6 +56,9 @@ struct KeyboardNote {
   double hammer_mass_kg;  ///< share of one string
   Material felt;          ///< share of one string
 };
+
+/// The strings of a key on the keyboard's body, each by itself: detuned, with their own losses.
+[[nodiscard]] StiffString strings_on_body(const KeyboardNote& note, const KeyboardBody& body);
 
 /// Speed [m/s] at which a velocity from 0 to 1 throws the hammer: min (max/min)^velocity.
 [[nodiscard]] double strike_speed(const Keyboard& keyboard, double velocity);

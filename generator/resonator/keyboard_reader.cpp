@@ -68,6 +68,18 @@ PublishedNote read_note(const JsonObject& note) {
   return read;
 }
 
+std::vector<double> read_cents(const JsonObject& body, const char* name, std::size_t strings) {
+  const std::vector<double> cents = body.numbers(name, {-100, 100}, strings);
+  if (cents.size() != strings)
+    body.fail(body.key(name), fmt::format("has {} entries", cents.size()), fmt::format("{} numbers", strings));
+  return cents;
+}
+
+KeyboardBody read_keyboard_body(const JsonObject& body) {
+  return {body.text("resonator", "the name of a resonator that ships, or its .json file"),
+          read_cents(body, "double_cents", 2), read_cents(body, "triple_cents", 3), body.number("own_loss", {0, 1})};
+}
+
 std::vector<PublishedNote> read_notes(const JsonObject& keyboard) {
   std::vector<PublishedNote> notes;
   for (const JsonObject& note : keyboard.objects(
@@ -118,7 +130,7 @@ Keyboard parse_keyboard(std::string_view text, std::string_view file) {
   const JsonObject keyboard =
       whole.object("keyboard", {"first_key", "last_key", "first_double_key", "first_triple_key", "last_damped_key",
                                 "concert_pitch_hz", "min_speed_m_per_s", "max_speed_m_per_s", "felt_loss_s_per_m",
-                                "damper_per_s", "damper_time_s", "segments", "notes"});
+                                "damper_per_s", "damper_time_s", "segments", "notes", "body"});
   const int first = keyboard.integer("first_key", 0, kHighestKey);
   const int last = keyboard.integer("last_key", first, kHighestKey);
   Keyboard read{read_name(whole, kTaken),
@@ -136,6 +148,9 @@ Keyboard parse_keyboard(std::string_view text, std::string_view file) {
                 keyboard.number("damper_time_s", kDamperTime),
                 keyboard.integer("segments", 1, kMaxSegments),
                 read_notes(keyboard)};
+  if (keyboard.has("body"))
+    read.body =
+        read_keyboard_body(keyboard.object("body", {"resonator", "double_cents", "triple_cents", "own_loss"}));
   if (read.min_speed_m_per_s > read.max_speed_m_per_s)
     keyboard.fail(keyboard.key("min_speed_m_per_s"),
                   fmt::format("{} is above max_speed_m_per_s", read.min_speed_m_per_s),

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "contactspline/body.hpp"
 #include "contactspline/fret_string.hpp"
 #include "contactspline/hammer_string.hpp"
 #include "contactspline/slide_string.hpp"
@@ -489,9 +490,76 @@ TEST(RenderScore, SumsAndPansVoices) {
   }
   const Sound sound = sound_of("hammer-string", R"({
     "instrument": "hammer-string", "duration_s": 0.1, "keyboard": "piano",
-    "events": [ { "time_s": 0.01, "key": 88, "speed_m_per_s": 3 }, { "time_s": 0.01, "key": 40, "speed_m_per_s": 2 } ] })");
+    "events": [ { "time_s": 0.01, "key": 88, "speed_m_per_s": 3 }, { "time_s": 0.01, "key": 40, "speed_m_per_s": 2 } ] })",
+                               {"--signal", "bridge"});
   EXPECT_EQ(sound.channels, 2);
   expect_is(sound, expected, 3 * kLevel);  // each voice and their sum are rounded to single precision
+}
+
+// The same keys on the piano's soundboard: the runtime with each string by itself, two pickups of the board.
+TEST(RenderScore, PlaysAKeyboardOnItsBody) {
+  const auto keyboard = parse_keyboard(shipped(embedded_files(Shipped::kKeyboards), "piano"), "piano");
+  const auto board = parse_resonator(shipped(embedded_files(Shipped::kResonators), "soundboard"), "soundboard");
+  struct Key {
+    double hammer_kg, strings, speed;
+    std::vector<Mode> modes;
+    std::vector<double> strike, bridge;
+    std::vector<Segment<double>> felt;
+  };
+  std::vector<Key> keys;
+  double stiffness = 0;
+  for (const auto& [number, speed] : {std::pair{40, 2.0}, {88, 3.0}}) {
+    KeyboardNote note = note_of(keyboard, number);
+    const double count = note.strings;
+    StiffString string = note.string;
+    string.detuning_cents = number == 40 ? std::vector{-0.3, 0.3} : std::vector{-0.4, 0.1, 0.5};
+    string.losses = {0.4 * string.losses.constant_per_s, 0.4 * string.losses.quadratic_m2_per_s};
+    Key key{count * note.hammer_mass_kg, count, speed, {}, {}, {}, segment_table(design_spline(note.felt, "felt"))};
+    for (const auto& [mode, beta] : modes_below(string, kRate / 2)) {
+      key.modes.push_back(mode);
+      key.strike.push_back(std::sin(beta * note.strike_position_m) / count);
+      key.bridge.push_back(bridge_shape(string, beta));
+    }
+    stiffness += bridge_stiffness(key.modes, key.bridge, count * string.tension_n / string.length_m);
+    keys.push_back(std::move(key));
+  }
+  const auto of = [](const std::vector<double>& values) {
+    return ModeShapes<double>(std::span<const double>(values));
+  };
+  std::vector<HammerString<double>> models;
+  for (const Key& key : keys) models.emplace_back(key.felt, key.modes, of(key.strike), kRate);
+  Resonator other_side = board;
+  other_side.pickup.position_m = 1.39 - board.pickup.position_m;
+  std::vector<double> bridge, left, right;
+  for (const auto& mode : modes_of(board, kRate / 2).modes) {
+    bridge.push_back(mode.strike_shape);
+    left.push_back(mode.pickup_shape);
+  }
+  for (const auto& mode : modes_of(other_side, kRate / 2).modes) right.push_back(mode.pickup_shape);
+  std::vector<Mode> board_modes;
+  for (const auto& mode : modes_of(board, kRate / 2).modes) board_modes.push_back(mode.mode);
+  Body<double> body(board_modes, of(bridge), stiffness, kRate);
+  const auto to_left = body.modes().sound_pickup(of(left)), to_right = body.modes().sound_pickup(of(right));
+  std::vector<double> expected;
+  for (int n = 0; n < 4410; ++n) {
+    double force = 0;
+    for (std::size_t k = 0; k < keys.size(); ++k) {
+      if (n == 441) models[k].strike(keys[k].speed, 1e-4);
+      const HammerStringControls<double> controls{.hammer_mass_kg = keys[k].hammer_kg,
+                                                  .felt = {keys[k].strings, 0.1}};
+      force += models[k].tick(controls, models[k].bridge(of(keys[k].bridge)), body.displacement());
+    }
+    body.tick(force);
+    expected.push_back(body.modes().velocity(to_left));
+    expected.push_back(body.modes().velocity(to_right));
+  }
+  const std::string score = R"({
+    "instrument": "hammer-string", "duration_s": 0.1, "keyboard": "piano",
+    "events": [ { "time_s": 0.01, "key": 88, "speed_m_per_s": 3 }, { "time_s": 0.01, "key": 40, "speed_m_per_s": 2 } ] })";
+  const Sound sound = sound_of("hammer-string", score);
+  EXPECT_EQ(sound.channels, 2);
+  expect_is(sound, expected);
+  expect_is(sound_of("hammer-string", score, {"--precision", "single"}), expected, 1e-3);
 }
 
 TEST(RenderScore, FindsFilesBesideTheScore) {
@@ -590,7 +658,7 @@ TEST(RenderScore, BendsThePitchOfMidiNotes) {
   const auto keyboard = parse_keyboard(shipped(embedded_files(Shipped::kKeyboards), "piano"), "piano");
   for (const auto& [channel, key, bend] : {std::tuple{"1", 60, 50.0}, std::tuple{"2", 64, -200.0}}) {
     succeed({.arguments = {"render", "hammer-string", "--score", "probe.mid", "--channel", channel, "--no-figure",
-                           "-o", "a.wav"},
+                           "--signal", "bridge", "-o", "a.wav"},
              .folder = box.path()});
     const Sound sound = read_sound(box / "a.wav");
     std::vector<double> left;
