@@ -35,10 +35,6 @@ list(TRANSFORM probes APPEND .dsp)
 
 javascript_test(faust_wasm
   ${NODE} ${CMAKE_CURRENT_SOURCE_DIR}/wasm_test.mjs ${generated}/samples.json ${generated})
-javascript_test(faust_doc_contact
-  ${NODE} ${CMAKE_CURRENT_SOURCE_DIR}/doc_test.mjs ${FAUST} ${faust_sources}/contactspline.lib ${generated}/doc_contact
-  dsp/probe.dsp ${faust_sources}/mass_barrier.dsp -- ${faust_sources} ${generated})
-set_tests_properties(faust_doc_contact PROPERTIES WORKING_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR})
 
 # The npm package, installed into the build; its lock file names no registry.
 set(npm_folder ${CMAKE_CURRENT_BINARY_DIR}/npm)
@@ -52,6 +48,8 @@ javascript_test(faustwasm
 javascript_test(faust_clash
   ${NODE} ${CMAKE_CURRENT_SOURCE_DIR}/clash_test.mjs ${npm_folder}/node_modules ${FAUST}
   ${PROJECT_SOURCE_DIR}/generator/support/reserved_names.cpp ${hand_written} -- ${shipped})
-set_tests_properties(faust_clash PROPERTIES FIXTURES_REQUIRED faustwasm WORKING_DIRECTORY ${npm_folder})
+javascript_test(faust_doc
+  ${NODE} ${CMAKE_CURRENT_SOURCE_DIR}/doc_test.mjs ${npm_folder}/node_modules ${FAUST} ${hand_written} -- ${shipped})
+set_tests_properties(faust_clash faust_doc PROPERTIES FIXTURES_REQUIRED faustwasm WORKING_DIRECTORY ${npm_folder})
 set_tests_properties(faustwasm_install PROPERTIES FIXTURES_SETUP faustwasm WORKING_DIRECTORY ${npm_folder})
 set_tests_properties(faustwasm PROPERTIES FIXTURES_REQUIRED faustwasm WORKING_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR})

@@ -34,6 +34,7 @@ faust_header(slide_string_model ${here}/slide_string_model.dsp double)
 faust_header(fret_string_model ${here}/fret_string_model.dsp double)
 faust_header(coefficients_double ${here}/coefficients.dsp double)
 faust_header(live_exponent_double ${here}/live_exponent.dsp double)
+faust_header(power_law_double ${here}/power_law.dsp double)
 faust_header(fd_hammer ${PROJECT_SOURCE_DIR}/bench/baselines/fd_hammer_c4.dsp double)
 
 faust_twin_test(faust_hammer_string_test SOURCES hammer_string_test.cpp CLASSES hammer_string_double hammer_string_single)
@@ -45,6 +46,7 @@ faust_twin_test(keyboard_test SOURCES keyboard_test.cpp CLASSES piano_double
   LIBRARIES contactspline_emit ${simd} DEFINITIONS SOURCE_FOLDER="${PROJECT_SOURCE_DIR}")
 faust_twin_test(faust_coefficients_test SOURCES coefficients_test.cpp CLASSES coefficients_double)
 faust_twin_test(live_exponent_test SOURCES live_exponent_test.cpp CLASSES live_exponent_double)
+faust_twin_test(power_law_test SOURCES power_law_test.cpp CLASSES power_law_double)
 # Every program, scalar and with -vec.
 set(vector_programs mass_barrier hammer_string slide_string fret_string piano)
 set(vector_classes "")

@@ -47,7 +47,7 @@ function librariesBelow(fs, folder) {
 }
 
 function prefixOf(file) {
-  const prefix = /^\/\/ Its official prefix is `(\w+)`/m.exec(readFileSync(file, "utf8"))?.[1];
+  const prefix = /Its official prefix is `(\w+)`/.exec(readFileSync(file, "utf8"))?.[1];
   if (!prefix) throw new Error(`${file}: names no official prefix`);
   return prefix;
 }

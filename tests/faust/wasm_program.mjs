@@ -25,9 +25,9 @@ export async function runProgram(bytes, run, description) {
   const { size, inputs, outputs, ui } = description ?? describe(program.memory);
   program.init(0, run.sample_rate_hz);
   for (const [label, value] of Object.entries(run.controls)) {
-    const control = controlsOf(ui).find((item) => item.label === label);
-    if (!control) throw new Error(`no control ${label}`);
-    program.setParamValue(0, control.index, value);
+    const controls = controlsOf(ui).filter((item) => item.label === label);
+    if (controls.length === 0) throw new Error(`no control ${label}`);
+    for (const { index } of controls) program.setParamValue(0, index, value);
   }
 
   // Behind the program's own memory: the lists of channels, then the channels.
