@@ -57,10 +57,13 @@ Reparametrised solve_conditions(const Vector& samples) {
   return bars;
 }
 
+// The nearest double. Never -0.0: the sign of a difference that is zero in 113 bits depends on the machine.
+double rounded(const Quad& value) { return value.convert_to<double>() + 0.0; }
+
 std::vector<double> rounded(const Vector& values) {
   std::vector<double> doubles;
   doubles.reserve(values.size());
-  for (const Quad& value : values) doubles.push_back(value.convert_to<double>());
+  for (const Quad& value : values) doubles.push_back(rounded(value));
   return doubles;
 }
 
@@ -143,9 +146,9 @@ Spline spline_through(const PiecewiseLinearForce& force, const Material& materia
                                      : Quad(length * material.contact.force(material.spline.max_compression_m));
   Spline spline{{}, length.convert_to<double>(), energy.convert_to<double>(), {}, {}, {}};
   const auto push = [](Coefficients& to, const Quad& a, const Quad& b, const Quad& c) {
-    to.a.push_back(a.convert_to<double>());
-    to.b.push_back(b.convert_to<double>());
-    to.c.push_back(c.convert_to<double>());
+    to.a.push_back(rounded(a));
+    to.b.push_back(rounded(b));
+    to.c.push_back(rounded(c));
   };
   Quad stored = 0;
   for (std::size_t j = 0; j < force.segments(); ++j) {
