@@ -58,7 +58,9 @@ Reparametrised solve_conditions(const Vector& samples) {
 }
 
 // The nearest double. Never -0.0: the sign of a difference that is zero in 113 bits depends on the machine.
-double rounded(const Quad& value) { return value.convert_to<double>() + 0.0; }
+double rounded(const Quad& value) {
+  return value.convert_to<double>() + 0.0;
+}
 
 std::vector<double> rounded(const Vector& values) {
   std::vector<double> doubles;

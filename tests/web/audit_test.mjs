@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+// audit_test.mjs NODE_MODULES PAGE.html: axe-core finds no violation, dark and light, on a phone and on a desktop; and
+// the page's times and sizes.
+import assert from "node:assert/strict";
+import { statSync } from "node:fs";
+import { join } from "node:path";
+
+import { serve } from "../../web/serve.mjs";
+import { openPage } from "./browser.mjs";
+
+const [modules, file] = process.argv.slice(2);
+const server = await serve(file);
+const sizes = { desktop: { width: 1280, height: 800 }, phone: { width: 390, height: 844 } };
+
+for (const [device, size] of Object.entries(sizes))
+  for (const colorScheme of ["light", "dark"]) {
+    const { page, close } = await openPage(modules, server.address, { ...size, colorScheme });
+    await page.evaluate(() => contactSpline.loaded);
+    await page.click("#tour-start");
+    await page.addScriptTag({ path: join(modules, "axe-core", "axe.min.js") });
+    const { violations, passes } = await page.evaluate(() => axe.run());
+    assert.ok(passes.length > 20, "the audit must have looked");
+    assert.deepEqual(violations.map(({ id, nodes }) => [id, nodes.map((node) => node.html)]), [], `${device}, ${colorScheme}`);
+    const wide = await page.evaluate(() => document.documentElement.scrollWidth);
+    assert.ok(wide <= size.width, `${device}: ${wide} pixels wide`);
+    console.log(`${device}, ${colorScheme}: ${passes.length} rules pass, none is violated`);
+    await close();
+  }
+
+// Opened and struck at once.
+const { page, close } = await openPage(modules, server.address);
+const largest = await page.evaluate(
+  () => new Promise((done) => new PerformanceObserver((list) => done(list.getEntries().at(-1).startTime)).observe({ type: "largest-contentful-paint", buffered: true })),
+);
+await page.click("#strike");
+await page.waitForFunction(() => contactSpline.page.figures.captured.length > 0);
+const sound = await page.evaluate(() => performance.now());
+await close();
+console.log(`largest contentful paint after ${largest.toFixed(0)} ms, first force of the struck model after ${sound.toFixed(0)} ms`);
+const size = statSync(file).size;
+assert.ok(size < 3e6, `${size} bytes`);
+console.log(`${(size / 1e6).toFixed(2)} MB`);
+
+// How many times real time the page's audio thread renders, and how many voices that makes.
+{
+  const { page, close } = await openPage(modules, server.address);
+  await page.evaluate(() => contactSpline.loaded);
+  for (const [instrument, voices] of [["keyboard", 16], ["piano", 8]]) {
+    const factor = await page.evaluate(async ([instrument, voices]) => {
+      const { page, instrumentMessage, renderOffline } = contactSpline;
+      const controls = { stiffness: 1, mass: 1, loss: 0, position: 0.12 };
+      const messages = [await instrumentMessage(instrument), { do: "material", design: page.editor.current }, { do: "control", controls }];
+      for (let key = 60 - voices / 2; key < 60 + voices / 2; ++key) messages.push({ do: "strike", key, speed: 2.5, velocity: 0.7 });
+      messages.push({ do: "watchNone" });
+      const began = performance.now();
+      await renderOffline(messages, 4);
+      const both = performance.now() - began;
+      const again = performance.now();
+      await renderOffline(messages.slice(0, 3), 4);
+      return 4000 / (both - (performance.now() - again));
+    }, [instrument, voices]);
+    console.log(`${voices} voices around C4, ${instrument}: ${factor.toFixed(1)} times real time, so ${Math.floor(voices * factor)} voices at most`);
+  }
+  await close();
+}
+server.close();

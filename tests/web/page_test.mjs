@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: MIT
+// page_test.mjs NODE_MODULES PAGE.html CONTACTSPLINE: the page in headless Chromium, as a user meets it: sound, sliders,
+// downloads, energy, MIDI, links; from a server and from a file.
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join, resolve } from "node:path";
+import { pathToFileURL } from "node:url";
+
+import { serve } from "../../web/serve.mjs";
+import { openPage } from "./browser.mjs";
+import { partialNear } from "./pitch.mjs";
+
+const [modules, file, program] = process.argv.slice(2);
+const server = await serve(file);
+const fileAddress = pathToFileURL(resolve(file)).href;
+const folder = mkdtempSync(join(tmpdir(), "contactspline-downloads-"));
+
+/** Opens the page, waits until it is loaded, and closes it; it must request nothing else and complain of nothing. */
+async function withPage(address, use, options) {
+  const opened = await openPage(modules, address, options);
+  try {
+    await opened.page.evaluate(() => contactSpline.loaded);
+    await use(opened.page);
+    assert.deepEqual(opened.complaints, []);
+    const elsewhere = opened.requests.filter((url) => url !== address.replace(/#.*/, "") && !/^(data:|blob:)/.test(url));
+    assert.deepEqual(elsewhere, [], "requests to elsewhere");
+  } finally {
+    await opened.close();
+  }
+}
+
+/** Sound of messages, rendered offline in the page. */
+function render(page, instrument, messages, seconds) {
+  return page.evaluate(
+    async ([instrument, messages, seconds]) => {
+      const { page, instrumentMessage, renderOffline } = contactSpline;
+      const first = [await instrumentMessage(instrument), { do: "material", design: page.editor.current }];
+      const began = performance.now();
+      const [left] = await renderOffline([...first, ...messages], seconds);
+      return { samples: Array.from(left), factor: (1000 * seconds) / (performance.now() - began) };
+    },
+    [instrument, messages, seconds],
+  );
+}
+
+const control = (changes) => ({ do: "control", controls: { stiffness: 1, mass: 1, loss: 0, position: 0.12, ...changes } });
+const strike = (key) => ({ do: "strike", key, speed: 2.5, velocity: 0.7 });
+
+/** Moves a slider as a user does. */
+const slide = (page, label, value) =>
+  page.getByLabel(label, { exact: true }).first().evaluate((input, to) => {
+    input.value = to;
+    input.dispatchEvent(new Event("input", { bubbles: true }));
+  }, value);
+
+async function download(page, button, name) {
+  const [saved] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: button }).click()]);
+  assert.equal(saved.suggestedFilename(), name);
+  const path = join(folder, name);
+  await saved.saveAs(path);
+  return readFileSync(path, "utf8");
+}
+
+const cases = {
+  async "keys sound at their pitch"() {
+    await withPage(server.address, async (page) => {
+      for (const [instrument, key] of [["keyboard", 45], ["keyboard", 60], ["keyboard", 69], ["piano", 57], ["piano", 69]]) {
+        const { samples } = await render(page, instrument, [control({}), strike(key)], 1.5);
+        const expected = 440 * 2 ** ((key - 69) / 12);
+        const cents = 1200 * Math.log2(partialNear(samples.slice(4410), 44100, expected) / expected);
+        console.log(`  ${instrument}, key ${key}: ${cents.toFixed(3)} cents`);
+        assert.ok(Math.abs(cents) < 0.5, `${instrument}, key ${key}: ${cents} cents off`);
+      }
+    });
+  },
+
+  async "every instrument sounds, and sliders act"() {
+    await withPage(server.address, async (page) => {
+      const sound = (samples) => Math.sqrt(samples.reduce((sum, x) => sum + x * x, 0) / samples.length);
+      for (const name of ["keyboard", "piano", "hammer_string", "mass_barrier", "slide_string", "fret_string"]) {
+        const { samples } = await render(page, name, [control({}), strike(60)], 0.3);
+        assert.ok(sound(samples) > 1e-4 && samples.every((x) => Math.abs(x) < 1), `${name}: ${sound(samples)}`);
+      }
+      const before = await page.evaluate(() => Math.max(...contactSpline.page.stage.study.compression));
+      await slide(page, "stiffness ratio", 900); // of 1000 steps: about 300 times as stiff
+      await page.waitForFunction((old) => Math.max(...contactSpline.page.stage.study.compression) < 0.3 * old, before);
+      const soft = (await render(page, "keyboard", [control({}), strike(60)], 0.2)).samples;
+      const hard = (await render(page, "keyboard", [control({ stiffness: 100 }), strike(60)], 0.2)).samples;
+      const roughness = (samples) => samples.slice(1).reduce((sum, x, i) => sum + (x - samples[i]) ** 2, 0) / sound(samples) ** 2;
+      assert.ok(roughness(hard) > 2 * roughness(soft), "a harder felt must sound brighter");
+    });
+  },
+
+  async "a new material is in the next strike"() {
+    await withPage(server.address, async (page) => {
+      const steel = await page.evaluate(() => {
+        const { generator, shipped } = contactSpline.page.editor;
+        return generator.design(shipped.steel_on_steel, "steel_on_steel.json");
+      });
+      const alone = await render(page, "keyboard", [control({}), { do: "material", design: steel }, strike(60)], 0.3);
+      const after = await render(page, "keyboard", [control({}), strike(48), { do: "material", design: steel }, strike(60)], 0.3);
+      const old = await render(page, "keyboard", [control({}), strike(48)], 0.3);
+      const largest = (list) => list.reduce((max, x) => Math.max(max, Math.abs(x)), 0);
+      const difference = largest(after.samples.map((x, i) => x - alone.samples[i] - old.samples[i]));
+      assert.ok(difference < 1e-6, `the key struck before must keep its felt: ${difference}`);
+      const felt = await render(page, "keyboard", [control({}), strike(60)], 0.3);
+      assert.ok(largest(felt.samples.map((x, i) => x - alone.samples[i])) > 0.01, "steel must sound unlike felt");
+    });
+  },
+
+  async "downloads are the program's bytes"() {
+    await withPage(server.address, async (page) => {
+      const shipped = { "Faust library": "felt_c4.lib", "C++ header": "felt_c4.hpp", JSON: "felt_c4.json" };
+      execFileSync(program, ["generate", "felt_c4", "-o", join(folder, "shipped")]);
+      for (const [title, name] of Object.entries(shipped))
+        assert.equal(await download(page, `Download ${title}`, name), readFileSync(join(folder, "shipped", name), "utf8"), name);
+      await page.getByLabel("knots").first().selectOption("uniform");
+      await slide(page, "exponent a", 2.7);
+      await page.getByText("a = 2.7.").waitFor();
+      await download(page, "Download material file", "my_felt_c4_material.json");
+      execFileSync(program, ["generate", join(folder, "my_felt_c4_material.json"), "-o", join(folder, "own")]);
+      for (const [title, name] of Object.entries(shipped))
+        assert.equal(await download(page, `Download ${title}`, `my_${name}`), readFileSync(join(folder, "own", `my_${name}`), "utf8"), `my_${name}`);
+    });
+  },
+
+  async "bad input is told in one line"() {
+    await withPage(server.address, async (page) => {
+      await page.getByText("The material file as text").click();
+      await page.getByLabel("Material file").fill('{ "name": "felt", "contact": {} }');
+      await page.getByRole("button", { name: "Design this text" }).click();
+      assert.match(await page.locator("#design-note.error").textContent(), /contact.*allowed/);
+    });
+  },
+
+  async "the energy line is flat"() {
+    await withPage(server.address, async (page) => {
+      const study = await page.evaluate(() => {
+        const { imbalance, hammer, felt, string, dissipated } = contactSpline.page.stage.study;
+        const total = hammer.map((x, i) => x + felt[i] + string[i] + dissipated[i]);
+        return { imbalance: Array.from(imbalance), total: Array.from(total), string: string.at(-1) };
+      });
+      assert.ok(study.string > 0.1 * study.total[0], "the string must have taken energy");
+      for (const [i, total] of study.total.entries()) {
+        assert.ok(Math.abs(total / study.total[0] - 1) < 1e-12, `slow motion, frame ${i}: ${total}`);
+        assert.ok(Math.abs(study.imbalance[i]) < 1e-12 * total);
+      }
+      await page.keyboard.press("a");
+      await page.waitForFunction(() => contactSpline.page.figures.books[0].at(-1) > 1);
+      const [, total, , , dissipated] = await page.evaluate(() => contactSpline.page.figures.books);
+      assert.ok(dissipated.at(-1) > 0.1 * total[0], "the string must have lost energy");
+      // 44100 samples, each rounded to 24 bits: errors of 6e-8 that add up at random reach 1.3e-5.
+      for (const value of total) assert.ok(Math.abs(value / total[0] - 1) < 1.3e-5, `live: ${value} of ${total[0]} mJ`);
+      console.log(`  live, 1 s: within ${Math.max(...total.map((value) => Math.abs(value / total[0] - 1))).toExponential(1)}`);
+      const force = await page.evaluate(() => contactSpline.page.figures.captured);
+      assert.ok(force.every((f) => f >= 0) && Math.max(...force) > 5, "the force of the blow");
+    });
+  },
+
+  async "a link restores the state"() {
+    const state = { instrument: "keyboard", material: { name: "rubber_on_wood" }, controls: { speed: 4, "mass ratio": 0.5 } };
+    let address;
+    await withPage(server.address, async (page) => {
+      await page.evaluate((state) => contactSpline.page.show(state), state);
+      await slide(page, "exponent a", 2.2);
+      await page.getByText("a = 2.2.").waitFor();
+      await page.getByRole("button", { name: "Copy link" }).click();
+      address = page.url();
+    });
+    assert.ok(address.includes("#"));
+    await withPage(address, async (page) => {
+      const restored = await page.evaluate(() => ({ state: contactSpline.page.state(), law: contactSpline.page.editor.current.law }));
+      assert.deepEqual(restored.state.controls, state.controls);
+      assert.match(restored.state.material.text, /"exponent": 2.2/);
+      assert.match(restored.law, /a = 2.2/);
+    });
+  },
+
+  async "no MIDI is no error"() {
+    await withPage(server.address, async (page) => {
+      await page.locator("#strike").click();
+      await page.getByText("MIDI was not allowed").waitFor();
+    });
+    const opened = await openPage(modules, server.address);
+    await opened.page.addInitScript(() => delete Navigator.prototype.requestMIDIAccess);
+    await opened.page.reload();
+    await opened.page.evaluate(() => contactSpline.loaded);
+    await opened.page.locator("#strike").click();
+    await opened.page.getByText("no MIDI in this browser").waitFor();
+    assert.deepEqual(opened.complaints, []);
+    await opened.close();
+  },
+
+  async "fd.hammer fails where the contact step does not"() {
+    await withPage(server.address, async (page) => {
+      const verdict = async (step) => {
+        await page.locator("#compare-controls input").evaluate((input, to) => {
+          input.value = to;
+          input.dispatchEvent(new Event("input", { bubbles: true }));
+        }, step);
+        return page.evaluate(() => contactSpline.page.comparison.verdict);
+      };
+      const alike = await verdict(250); // of 1000 steps: the felt as it is
+      assert.ok(alike.fd.bounded && Math.abs(alike.fd.peak / alike.ours.peak - 1) < 0.05, JSON.stringify(alike));
+      const stiff = await verdict(1000);
+      assert.ok(stiff.ours.bounded && stiff.ours.peak < 0.002, JSON.stringify(stiff));
+      assert.ok(!stiff.fd.bounded || Math.abs(stiff.fd.peak / stiff.ours.peak - 1) > 0.5, JSON.stringify(stiff));
+    });
+  },
+
+  async "plays from a file, by keyboard alone"() {
+    await withPage(fileAddress, async (page) => {
+      await page.locator("#keys button[tabindex='0']").focus();
+      await page.keyboard.press("ArrowRight");
+      await page.keyboard.down("Enter");
+      await page.waitForFunction(() => contactSpline.page.audio.analyser !== null);
+      await page.waitForFunction(() => {
+        const { analyser } = contactSpline.page.audio;
+        const samples = new Float32Array(analyser.fftSize);
+        analyser.getFloatTimeDomainData(samples);
+        return Math.max(...samples) > 1e-3;
+      });
+      await page.keyboard.up("Enter");
+    });
+  },
+};
+
+const failed = [];
+for (const [name, run] of Object.entries(cases)) {
+  console.log(name);
+  try {
+    await run();
+  } catch (error) {
+    failed.push(name);
+    console.error(error);
+  }
+}
+server.close();
+rmSync(folder, { recursive: true });
+console.log(failed.length === 0 ? `${Object.keys(cases).length} cases passed` : `failed: ${failed.join("; ")}`);
+process.exit(failed.length === 0 ? 0 : 1);

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+// build.mjs NODE_MODULES WASM_FOLDER FAUST_FOLDER OUTPUT.html: the page as one file, which plays from any static host
+// and from file://.
+import { mkdirSync, readFileSync, readdirSync, writeFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { basename, dirname, extname, join, resolve } from "node:path";
+import { gzipSync } from "node:zlib";
+
+const [modules, wasm, faust, output] = process.argv.slice(2);
+const source = dirname(new URL(import.meta.url).pathname);
+const esbuild = createRequire(join(resolve(modules), "x"))("esbuild");
+
+function bundle(entry) {
+  const { outputFiles } = esbuild.buildSync({
+    entryPoints: [join(source, "src", entry)],
+    bundle: true,
+    minify: true,
+    write: false,
+    format: "iife",
+    target: "es2022",
+    legalComments: "inline",
+    nodePaths: [resolve(modules)],
+  });
+  return outputFiles[0].text;
+}
+
+const assets = { processor: Buffer.from(bundle("processor.js")) };
+for (const name of ["engine", "generator"]) assets[name] = readFileSync(join(wasm, `${name}.wasm`));
+for (const file of readdirSync(faust))
+  assets[`${basename(file, extname(file))}-${extname(file) === ".wasm" ? "wasm" : "json"}`] = readFileSync(join(faust, file));
+
+const packed = Object.entries(assets).map(
+  ([name, bytes]) => `<script type="text/plain" id="asset-${name}">${gzipSync(bytes, { level: 9 }).toString("base64")}</script>`,
+);
+const style = readFileSync(join(resolve(modules), "uplot", "dist", "uPlot.min.css"), "utf8") + readFileSync(join(source, "style.css"), "utf8");
+const fill = {
+  "/*STYLE*/": style,
+  "<!--ASSETS-->": packed.join("\n"),
+  "/*SCRIPT*/": bundle("main.js").replaceAll("</script", "<\\/script"),
+};
+let page = readFileSync(join(source, "index.html"), "utf8");
+for (const [mark, text] of Object.entries(fill)) {
+  if (page.split(mark).length !== 2) throw new Error(`index.html: ${mark} must stand there once`);
+  page = page.split(mark).join(text);
+}
+mkdirSync(dirname(output), { recursive: true });
+writeFileSync(output, page);
+console.log(`${output}: ${(page.length / 1e6).toFixed(2)} MB`);

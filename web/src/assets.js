@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+// The files that the build packed into the page (web/build.mjs), gzip in base64.
+
+async function bytesOf(element) {
+  const packed = Uint8Array.from(atob(element.textContent), (character) => character.charCodeAt(0));
+  const unpacked = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
+  return new Uint8Array(await new Response(unpacked).arrayBuffer());
+}
+
+const loaded = new Map();
+
+/** The bytes of an asset; unpacked once. */
+export function asset(name) {
+  if (!loaded.has(name)) loaded.set(name, bytesOf(document.getElementById(`asset-${name}`)));
+  return loaded.get(name);
+}
+
+/** An asset that is JSON. */
+export const jsonAsset = async (name) => JSON.parse(new TextDecoder().decode(await asset(name)));
+
+/** An asset that is a script, as a data: URL. From file://, worklets load from no other URL. */
+export async function scriptUrl(name) {
+  let text = "";
+  for (const byte of await asset(name)) text += String.fromCharCode(byte);
+  return `data:text/javascript;base64,${btoa(text)}`;
+}

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+// The sound of the page: the audio thread, an analyser, and messages to and fro.
+import { asset, jsonAsset, scriptUrl } from "./assets.js";
+import { kInstruments } from "./instruments.js";
+
+/** Everything is computed at this rate; the browser converts it to that of the device. */
+export const kSampleRate = 44100;
+
+const isFaust = (name) => kInstruments[name].by === "Faust";
+
+/** The message that makes the audio thread play an instrument. */
+export async function instrumentMessage(name) {
+  if (!isFaust(name)) return { do: "instrument" };
+  const [description, bytes] = await Promise.all([jsonAsset(`${name}-json`), asset(`${name}-wasm`)]);
+  return { do: "instrument", description, bytes };
+}
+
+/** A node of the audio thread in any context, with messages that it takes before its first block. */
+export async function makeNode(context, messages) {
+  await context.audioWorklet.addModule(await scriptUrl("processor"));
+  return new AudioWorkletNode(context, "contactspline", {
+    numberOfInputs: 0,
+    outputChannelCount: [2],
+    processorOptions: { engine: await asset("engine"), messages },
+  });
+}
+
+/** The sound, which starts with the first gesture, as browsers demand. `send` before that is kept. */
+export class Audio {
+  constructor(onReport) {
+    this.onReport = onReport;
+    this.waiting = [];
+    this.analyser = null;
+  }
+
+  /** Starts or resumes; call in a gesture. */
+  async start() {
+    this.starting ??= this.open();
+    await this.starting;
+    if (this.context.state !== "running") await this.context.resume();
+  }
+
+  async open() {
+    this.context = new AudioContext({ sampleRate: kSampleRate, latencyHint: "interactive" });
+    const resumed = this.context.resume();
+    this.node = await makeNode(this.context, this.waiting);
+    this.analyser = new AnalyserNode(this.context, { fftSize: 2048, smoothingTimeConstant: 0 });
+    this.node.connect(this.analyser).connect(this.context.destination);
+    this.node.port.onmessage = ({ data }) => data.is === "report" && this.onReport(data);
+    this.waiting = null;
+    await resumed;
+  }
+
+  send(message) {
+    if (this.waiting) this.waiting.push(message);
+    else this.node.port.postMessage(message);
+  }
+
+  /** Plays samples, as those of a comparison, beside the instrument. */
+  async play(samples) {
+    await this.start();
+    const buffer = new AudioBuffer({ length: samples.length, sampleRate: kSampleRate });
+    buffer.copyToChannel(samples, 0);
+    const source = new AudioBufferSourceNode(this.context, { buffer });
+    source.connect(this.analyser);
+    source.start();
+  }
+}
+
+/** Renders messages at times offline: [left, right] of so many seconds. The first messages come before the first block. */
+export async function renderOffline(messages, seconds) {
+  const context = new OfflineAudioContext(2, Math.round(seconds * kSampleRate), kSampleRate);
+  const node = await makeNode(context, messages);
+  node.connect(context.destination);
+  const buffer = await context.startRendering();
+  return [buffer.getChannelData(0), buffer.getChannelData(1)];
+}

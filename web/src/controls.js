@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+// Sliders and lists with a label and their value.
+
+const kSteps = 1000;
+
+/** A number as people read it: at most four digits. */
+export function readable(value) {
+  const size = Math.abs(value);
+  if (value === 0) return "0";
+  return size >= 1e5 || size < 1e-3 ? value.toExponential(2).replace("e+", "e") : String(Number(value.toPrecision(4)));
+}
+
+/** A slider for { label, unit, min, max, step, init, isLogarithmic }; change(value) on every move. */
+export function slider({ label, unit = "", min, max, step, init, isLogarithmic }, change) {
+  const box = document.createElement("label");
+  box.className = "control";
+  const name = document.createElement("span");
+  const shown = document.createElement("output");
+  const input = document.createElement("input");
+  input.type = "range";
+  name.textContent = label;
+  const logarithmic = isLogarithmic && min > 0;
+  Object.assign(input, logarithmic ? { min: 0, max: kSteps, step: 1 } : { min, max, step });
+  input.setAttribute("aria-label", unit ? `${label} [${unit}]` : label);
+  const valueOf = () => {
+    if (!logarithmic) return Number(input.value);
+    const value = min * (max / min) ** (input.value / kSteps);
+    return Number(value.toPrecision(3));
+  };
+  let value = init;
+  const show = () => {
+    shown.textContent = `${readable(value)} ${unit}`.trim();
+    input.setAttribute("aria-valuetext", shown.textContent);
+  };
+  const set = (to) => {
+    value = to;
+    input.value = logarithmic ? (kSteps * Math.log(to / min)) / Math.log(max / min) : to;
+    show();
+  };
+  input.addEventListener("input", () => {
+    value = valueOf();
+    show();
+    change(value);
+  });
+  set(init);
+  box.append(name, shown, input);
+  return { box, set, get: () => value, label, init };
+}
+
+/** A list for { label, choices: { value: text } }. */
+export function choice({ label, choices, init }, change) {
+  const box = document.createElement("label");
+  box.className = "control";
+  const name = document.createElement("span");
+  name.textContent = label;
+  const select = document.createElement("select");
+  fillSelect(select, choices);
+  select.value = init;
+  select.addEventListener("change", () => change(select.value));
+  box.append(name, select);
+  return { box, set: (value) => (select.value = value), get: () => select.value, label, init };
+}
+
+export function fillSelect(select, choices) {
+  select.replaceChildren(...Object.entries(choices).map(([value, text]) => new Option(text, value)));
+}

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+// The editor of a material: fields or text in, design out, with its curves, errors and files to download.
+import { choice, fillSelect, readable, slider } from "./controls.js";
+import { materialFields, materialText } from "./material.js";
+import { linePlot } from "./plots.js";
+
+const kSliders = {
+  stiffness: { label: "stiffness k", unit: "N/m^a", min: 1e2, max: 1e14, isLogarithmic: true },
+  exponent: { label: "exponent a", min: 1, max: 5, step: 0.01 },
+  loss: { label: "loss", unit: "s/m", min: 0, max: 2, step: 0.01 },
+  segments: { label: "segments", min: 1, max: 128, step: 1 },
+  mass: { label: "hammer mass", unit: "kg", min: 1e-4, max: 0.1, isLogarithmic: true },
+  slowest: { label: "slowest impact", unit: "m/s", min: 0.01, max: 2, isLogarithmic: true },
+  fastest: { label: "fastest impact", unit: "m/s", min: 1, max: 20, isLogarithmic: true },
+};
+const kKnots = { uniform: "uniform", graded: "graded", optimal: "optimal" };
+const kMinimise = { contact_duration: "contact duration", force: "force", spectrum: "spectrum" };
+
+const byId = (id) => document.getElementById(id);
+
+function download(name, text) {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(new Blob([text], { type: "text/plain" }));
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+}
+
+export class Editor {
+  /** change(design) is called with every new design. */
+  constructor(generator, change) {
+    this.generator = generator;
+    this.change = change;
+    this.shipped = generator.materials();
+    fillSelect(byId("material"), { ...Object.fromEntries(Object.keys(this.shipped).map((name) => [name, name])), "": "my own" });
+    byId("material").addEventListener("change", ({ target }) => target.value && this.load({ name: target.value }));
+    byId("use-text").addEventListener("click", () => this.load({ text: byId("text").value }));
+    this.controls = Object.fromEntries(
+      Object.entries(kSliders).map(([key, shape]) => [key, slider({ ...shape, init: shape.min }, () => this.edited())]),
+    );
+    this.controls.knots = choice({ label: "knots", choices: kKnots, init: "uniform" }, () => this.edited());
+    this.controls.minimise = choice({ label: "optimal knots minimise the error of", choices: kMinimise, init: "spectrum" }, () => this.edited());
+    byId("fields").append(...Object.values(this.controls).map(({ box }) => box));
+    this.curve = linePlot(byId("curve"), {
+      x: "compression [mm]",
+      y: "force [N]",
+      lines: [{ label: "exact law", colour: "orange", width: 4 }, { label: "spline", colour: "blue", dash: [6, 4] }],
+    });
+    this.error = linePlot(byId("error"), { x: "compression [mm]", y: "error [%]", lines: [{ label: "spline less law", colour: "blue" }] });
+  }
+
+  /** Shows a material: { name } of one that ships, or { text } of a file. */
+  load(material) {
+    const text = material.text ?? this.shipped[material.name];
+    if (text === undefined) return this.load({ name: "felt_c4" });
+    this.name = material.text === undefined ? material.name : null;
+    byId("material").value = this.name ?? "";
+    byId("text").value = text;
+    this.fields = materialFields(text);
+    byId("fields").hidden = this.fields === null;
+    if (this.fields) for (const [key, control] of Object.entries(this.controls)) control.set(this.fields[key]);
+    this.design();
+  }
+
+  // A field moved: the material is the user's own from now on.
+  edited() {
+    for (const [key, control] of Object.entries(this.controls)) this.fields[key] = control.get();
+    if (this.name) this.fields.name = `my_${this.name}`.replace(/^my_my_/, "my_");
+    this.name = null;
+    byId("material").value = "";
+    byId("text").value = materialText(this.fields);
+    cancelAnimationFrame(this.pending);
+    this.pending = requestAnimationFrame(() => this.design());
+  }
+
+  /** What a link says of the material. */
+  state() {
+    return this.name ? { name: this.name } : { text: byId("text").value };
+  }
+
+  design() {
+    const note = byId("design-note");
+    const text = byId("text").value;
+    try {
+      const began = performance.now();
+      const design = this.generator.design(text, `${this.name ?? this.fields?.name ?? "material"}.json`);
+      this.showDesign(design, performance.now() - began);
+      this.offer(design, text);
+      note.className = "";
+      this.current = design;
+      this.change(design);
+    } catch (error) {
+      note.className = "error";
+      note.textContent = error.message;
+    }
+  }
+
+  showDesign({ curve, quality, law, table, title }, milliseconds) {
+    const millimetres = curve.compression_m.map((y) => 1000 * y);
+    const largest = curve.law_n[curve.law_n.length - 1];
+    this.curve.set([millimetres, curve.law_n, curve.spline_n]);
+    this.error.set([millimetres, curve.spline_n.map((force, i) => (100 * (force - curve.law_n[i])) / largest)]);
+    const percent = (value) => `${readable(100 * value)} %`;
+    const errors = [`force ${percent(quality.force)}`];
+    if (quality.contact_duration !== undefined) errors.push(`contact duration ${percent(quality.contact_duration)}`);
+    if (quality.spectrum_db !== undefined) errors.push(`spectrum ${readable(quality.spectrum_db)} dB on average`);
+    byId("design-note").textContent =
+      `${title}: ${law}. ${table.length} segments; errors at most: ${errors.join(", ")}. Designed in ${milliseconds.toFixed(0)} ms.`;
+  }
+
+  offer(design, text) {
+    const files = { ...design.files, [`${design.name}_material.json`]: text };
+    const titles = { lib: "Faust library", hpp: "C++ header", json: "JSON" };
+    byId("downloads").replaceChildren(
+      ...Object.entries(files).map(([name, content]) => {
+        const button = document.createElement("button");
+        const kind = name.endsWith("_material.json") ? "material file" : titles[name.split(".").pop()];
+        button.textContent = `Download ${kind}`;
+        button.dataset.file = name;
+        button.addEventListener("click", () => download(name, content));
+        return button;
+      }),
+    );
+  }
+}

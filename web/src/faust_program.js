@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+// A program of Faust in WebAssembly: its controls, and blocks of samples. In single precision, without inputs.
+
+const kBlock = 128;
+
+/** Math functions under the names Faust imports them by: _powf, ... */
+const kEnvironment = new Proxy({ memoryBase: 0, tableBase: 0 }, {
+  get: (known, name) => known[name] ?? Math[name.replace(/^_/, "").replace(/f$/, "")],
+});
+
+/** The sliders and buttons of a program, from its description: { label, type, init, min, max, step, index, unit }. */
+export function controlsOf(description) {
+  const flat = (items) => items.flatMap((item) => (item.items ? flat(item.items) : [item]));
+  return flat(description.ui).map((item) => ({
+    ...item,
+    unit: item.meta?.find((entry) => entry.unit)?.unit ?? "",
+    isLogarithmic: item.meta?.some((entry) => entry.scale === "log") ?? false,
+  }));
+}
+
+/** One voice of a compiled module. */
+export function startProgram(module, description, sampleRate) {
+  const { exports } = new WebAssembly.Instance(module, { env: kEnvironment });
+  const { size, outputs } = description;
+  const lists = Math.ceil(size / 16) * 16;
+  const channels = lists + 16 * Math.ceil((4 * outputs) / 16);
+  const needed = channels + outputs * kBlock * 4 - exports.memory.buffer.byteLength;
+  if (needed > 0) exports.memory.grow(Math.ceil(needed / 65536));
+  exports.init(0, sampleRate);
+  const list = new Int32Array(exports.memory.buffer, lists, outputs);
+  const views = Array.from({ length: outputs }, (_, k) => {
+    list[k] = channels + k * kBlock * 4;
+    return new Float32Array(exports.memory.buffer, list[k], kBlock);
+  });
+  const indexOf = Object.fromEntries(controlsOf(description).map(({ label, index }) => [label, index]));
+  return {
+    set: (label, value) => exports.setParamValue(0, indexOf[label], value),
+    /** Plays up to 128 samples; returns the outputs, which the next call changes. */
+    process(samples) {
+      exports.compute(0, samples, lists, lists);
+      return views;
+    },
+  };
+}

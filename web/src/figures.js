@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+// Live figures of the model that sounds: contact force, energies, spectrogram.
+import { kSampleRate } from "./audio.js";
+import { readable } from "./controls.js";
+import { linePlot } from "./plots.js";
+import { Spectrogram } from "./spectrogram.js";
+
+const kShown = 529; // samples of force in view: 12 ms
+const kSpan = 6; // seconds of energy in view
+
+const byId = (id) => document.getElementById(id);
+
+export class Figures {
+  constructor() {
+    this.force = linePlot(byId("force"), { x: "time [ms]", y: "force [N]", lines: [{ label: "contact force", colour: "blue" }] });
+    this.energy = linePlot(byId("energy"), {
+      x: "time since the strike [s]",
+      y: "energy [mJ]",
+      lines: [
+        { label: "total", colour: "ink", width: 3 },
+        { label: "hammer", colour: "orange", dash: [8, 4] },
+        { label: "string", colour: "blue" },
+        { label: "dissipated", colour: "green", dash: [2, 3] },
+      ],
+      range: (_, low, high) => [0, Math.max(1e-9, high ?? 0) * 1.08],
+    });
+    this.spectrogram = new Spectrogram(byId("spectrogram"));
+    this.reset(true);
+  }
+
+  /** For a new instrument; only the keyboard of the C++ runtime reports energies. */
+  reset(hasEnergy) {
+    byId("energy-figure").hidden = !hasEnergy;
+    this.captured = [];
+    this.isArmed = false;
+    this.books = [[], [], [], [], []];
+    this.isDirty = true;
+  }
+
+  /** The next force belongs to a new strike. */
+  struck() {
+    this.isArmed = true;
+    this.captured = [];
+    this.books = [[], [], [], [], []];
+    this.began = null;
+  }
+
+  report({ time, force, books }) {
+    this.capture(force);
+    if (!books || books.work === 0) return;
+    this.began ??= time;
+    const seconds = time - this.began;
+    if (seconds > kSpan) return;
+    const hammer = books.hammer + books.felt;
+    const total = hammer + books.string + books.dissipated;
+    [total, hammer, books.string, books.dissipated].forEach((energy, k) => this.books[k + 1].push(1000 * energy));
+    this.books[0].push(seconds);
+    this.imbalance = Math.max(seconds === 0 ? 0 : this.imbalance, Math.abs(total - books.work) / books.work);
+    this.isDirty = true;
+  }
+
+  // Takes the force from where it first acts.
+  capture(force) {
+    if (!this.isArmed) return;
+    let from = 0;
+    if (this.captured.length === 0) {
+      from = force.findIndex((value) => value > 0);
+      if (from < 0) return;
+    }
+    this.captured.push(...force.subarray(from, from + kShown - this.captured.length));
+    this.isDirty = true;
+    if (this.captured.length >= kShown) this.isArmed = false;
+  }
+
+  /** Draws what is new. */
+  draw(analyser, now) {
+    if (analyser) this.spectrogram.draw(analyser, now);
+    if (!this.isDirty) return;
+    this.isDirty = false;
+    this.force.set([Array.from(this.captured, (_, i) => (1000 * i) / kSampleRate), this.captured]);
+    this.energy.set(this.books);
+    const told = this.books[0].length > 0 ? `total as thrown in, within ${readable(this.imbalance)}` : "the total stays flat";
+    byId("energy-note").textContent = told;
+  }
+}

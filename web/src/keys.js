@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: MIT
+// Ways to strike: keys on the screen, the computer's keys, MIDI.
+
+const kComputerKeys = "awsedftgyhujkolp";
+const kBlack = new Set([1, 3, 6, 8, 10]);
+const kNames = ["C", "C♯", "D", "E♭", "E", "F", "F♯", "G", "A♭", "A", "B♭", "B"];
+
+export class Keys {
+  /** strike(key, velocity 0 to 1) and release(key); pedal(down). */
+  constructor(element, { strike, release, pedal }) {
+    Object.assign(this, { element, strike, release, pedal, first: 60, held: new Map() });
+    this.build();
+    new ResizeObserver(() => this.build()).observe(element);
+    this.listenToPointers();
+    this.listenToComputerKeys();
+  }
+
+  octaves() {
+    return this.element.clientWidth > 900 ? 3 : this.element.clientWidth > 560 ? 2 : 1;
+  }
+
+  shift(octaves) {
+    this.first = Math.max(24, Math.min(96, this.first + 12 * octaves));
+    this.built = null;
+    this.build();
+  }
+
+  build() {
+    const octaves = this.octaves();
+    if (this.built === octaves) return;
+    this.built = octaves;
+    const begin = Math.max(24, Math.min(this.first - (octaves > 1 ? 12 : 0), 108 - 12 * octaves));
+    const white = 7 * octaves + 1;
+    let place = 0;
+    this.element.replaceChildren();
+    for (let key = begin; key <= begin + 12 * octaves; ++key) {
+      const button = document.createElement("button");
+      const isBlack = kBlack.has(key % 12);
+      button.dataset.key = key;
+      button.className = isBlack ? "black" : "white";
+      button.setAttribute("aria-label", `${kNames[key % 12]}${Math.floor(key / 12) - 1}`);
+      button.tabIndex = key === this.first ? 0 : -1;
+      const size = 100 / white;
+      button.style.width = `${isBlack ? size * 0.62 : size}%`;
+      button.style.left = `${isBlack ? place * size - size * 0.31 : place * size}%`;
+      if (key % 12 === 0) button.textContent = `C${Math.floor(key / 12) - 1}`;
+      if (!isBlack) ++place;
+      this.element.append(button);
+    }
+  }
+
+  press(key, velocity, by) {
+    if (this.held.has(by)) this.lift(by);
+    this.held.set(by, key);
+    this.mark(key, true);
+    this.strike(key, velocity);
+  }
+
+  lift(by) {
+    const key = this.held.get(by);
+    if (key === undefined) return;
+    this.held.delete(by);
+    this.mark(key, false);
+    this.release(key);
+  }
+
+  mark(key, isDown) {
+    this.element.querySelector(`[data-key="${key}"]`)?.classList.toggle("down", isDown);
+  }
+
+  listenToPointers() {
+    const { element } = this;
+    const keyAt = (event) => {
+      const button = document.elementFromPoint(event.clientX, event.clientY)?.closest("#keys button");
+      return button ? Number(button.dataset.key) : null;
+    };
+    element.addEventListener("pointerdown", (event) => {
+      const key = keyAt(event);
+      if (key === null) return;
+      event.preventDefault();
+      element.setPointerCapture(event.pointerId);
+      this.press(key, null, event.pointerId);
+    });
+    element.addEventListener("pointermove", (event) => {
+      const key = keyAt(event);
+      if (!this.held.has(event.pointerId) || key === null || key === this.held.get(event.pointerId)) return;
+      this.press(key, null, event.pointerId);
+    });
+    for (const end of ["pointerup", "pointercancel"])
+      element.addEventListener(end, (event) => this.lift(event.pointerId));
+    element.addEventListener("keydown", (event) => {
+      const button = event.target.closest("button");
+      const step = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 }[event.key];
+      if (step) {
+        const next = element.querySelector(`[data-key="${Number(button.dataset.key) + step}"]`);
+        next?.focus();
+        event.preventDefault();
+      }
+      if ((event.key === "Enter" || event.key === " ") && !event.repeat) {
+        this.press(Number(button.dataset.key), null, "focus");
+        event.preventDefault();
+      }
+    });
+    element.addEventListener("keyup", () => this.lift("focus"));
+  }
+
+  listenToComputerKeys() {
+    addEventListener("keydown", (event) => {
+      if (event.repeat || event.ctrlKey || event.metaKey || event.altKey) return;
+      if (event.target.closest("textarea, select, input:not([type=range])")) return;
+      const index = kComputerKeys.indexOf(event.key.toLowerCase());
+      if (event.key.length === 1 && index >= 0) this.press(this.first + index, null, `computer ${index}`);
+      if (event.key === "z") this.shift(-1);
+      if (event.key === "x") this.shift(1);
+    });
+    addEventListener("keyup", (event) => {
+      const index = kComputerKeys.indexOf(event.key.toLowerCase());
+      if (event.key.length === 1 && index >= 0) this.lift(`computer ${index}`);
+    });
+    addEventListener("blur", () => [...this.held.keys()].forEach((by) => this.lift(by)));
+  }
+
+  /** Listens to MIDI where there is some. Returns what to tell; a refusal is no error. */
+  async listenToMidi() {
+    if (!navigator.requestMIDIAccess) return "no MIDI in this browser";
+    let access;
+    try {
+      access = await navigator.requestMIDIAccess();
+    } catch {
+      return "MIDI was not allowed";
+    }
+    const onMessage = ({ data: [status, first, second] }) => {
+      const kind = status & 0xf0;
+      if (kind === 0x90 && second > 0) this.press(first, second / 127, `midi ${first}`);
+      else if (kind === 0x80 || kind === 0x90) this.lift(`midi ${first}`);
+      else if (kind === 0xb0 && first === 64) this.pedal(second >= 64);
+    };
+    const listen = () => access.inputs.forEach((input) => (input.onmidimessage = onMessage));
+    access.onstatechange = listen;
+    listen();
+    return access.inputs.size > 0 ? `MIDI: ${[...access.inputs.values()].map((input) => input.name).join(", ")}` : "MIDI: no device";
+  }
+}

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// The material that the editor shows, and its file.
+
+/** The fields of a material with a power law, as the editor holds them; SI units. */
+export const kMaterialFields = ["name", "stiffness", "exponent", "loss", "mass", "slowest", "fastest", "segments", "knots", "minimise"];
+
+/** The text of the material file. */
+export function materialText(m) {
+  const contact = { stiffness_n_per_m_alpha: m.stiffness, exponent: m.exponent };
+  if (m.loss > 0) contact.loss_s_per_m = m.loss;
+  const spline = { knots: m.knots };
+  if (m.knots === "optimal") spline.minimise = m.minimise;
+  spline.segments = m.segments;
+  const material = {
+    name: m.name,
+    contact,
+    impact: { mass_kg: m.mass, max_speed_m_per_s: m.fastest, min_speed_m_per_s: m.slowest },
+    spline,
+  };
+  return JSON.stringify(material, null, 2) + "\n";
+}
+
+/** The fields of a material file's text, or null if its contact is not one power law, which the editor cannot show. */
+export function materialFields(text) {
+  const material = JSON.parse(text.replace(/^\s*\/\/.*$/gm, ""));
+  const { contact, impact, spline } = material;
+  if (contact.stiffness_n_per_m_alpha === undefined || !impact || spline.segments === undefined || material.live_exponent)
+    return null;
+  return {
+    name: material.name,
+    stiffness: contact.stiffness_n_per_m_alpha,
+    exponent: contact.exponent,
+    loss: contact.loss_s_per_m ?? 0,
+    mass: impact.mass_kg,
+    slowest: impact.min_speed_m_per_s,
+    fastest: impact.max_speed_m_per_s,
+    segments: spline.segments,
+    knots: spline.knots,
+    minimise: spline.minimise ?? "contact_duration",
+  };
+}

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT
+// The generator in the page: the text of a material in, its emitted files and its spline out.
+#include <cstdlib>
+#include <exception>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "generator/emit/emit_material.hpp"
+#include "generator/spline/design.hpp"
+#include "generator/support/embedded_files.hpp"
+#include "web/wasm/door.hpp"
+
+namespace contactspline::web {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// The command that the emitted files quote is the one that `contactspline generate NAME.json` quotes.
+Json emitted_files(const Design& design) {
+  Json files = Json::object();
+  const std::string& name = design.material.name;
+  for (const Emitter& emitter : emitters()) {
+    const std::string command = "contactspline generate " + name + ".json --emit " + std::string(emitter.name);
+    files[name + "." + std::string(emitter.extension)] = emit(emitter, design, command);
+  }
+  return files;
+}
+
+Json table_of(const Spline& spline) {
+  Json table = Json::array();
+  for (const Segment<double>& s : spline.segments) table.push_back({s.knot, s.energy, s.force, s.half_curvature});
+  return table;
+}
+
+// Force of the exact law and of the spline at points of equal distance over the design range.
+Json curve_of(const Design& design) {
+  constexpr int kPoints = 480;
+  const auto table = segment_table(design.spline);
+  Json y = Json::array(), law = Json::array(), spline = Json::array();
+  for (int i = 0; i <= kPoints; ++i) {
+    const double at = design.spline.end_m * i / kPoints;
+    y.push_back(at);
+    law.push_back(design.material.contact.force(at));
+    spline.push_back(force(SegmentTable<double>(table), at));
+  }
+  return {{"compression_m", y}, {"law_n", law}, {"spline_n", spline}};
+}
+
+Json quality_of(const Design& design) {
+  const Quality& quality = design.quality;
+  Json result = {{"force", quality.force.worst}, {"energy", quality.energy.worst}};
+  if (quality.impact) result["contact_duration"] = quality.impact->contact_duration;
+  if (quality.impact) result["max_compression"] = quality.impact->max_compression;
+  if (design.spectrum) result["spectrum_db"] = design.spectrum->mean_db;
+  return result;
+}
+
+Json described(const Design& design) {
+  const Material& material = design.material;
+  Json result = {{"name", material.name},
+                 {"title", title_of(material)},
+                 {"law", law_text(material)},
+                 {"loss_s_per_m", material.loss_s_per_m},
+                 {"files", emitted_files(design)},
+                 {"table", table_of(design.spline)},
+                 {"curve", curve_of(design)},
+                 {"quality", quality_of(design)}};
+  if (material.impact) result["mass_kg"] = material.impact->mass_kg;
+  return result;
+}
+
+}  // namespace
+
+/// Designs the material of this text. Returns JSON: the emitted files by name, the table, the curve and the errors;
+/// or {"error": one line} for bad input. The page frees `text`.
+CONTACTSPLINE_WEB(const char*, contactspline_generate, const char* text, const char* file) {
+  try {
+    return keep(described(design_material(text, file)).dump());
+  } catch (const std::exception& error) {
+    return keep(Json{{"error", error.what()}}.dump());
+  }
+}
+
+/// The material files that ship, as a JSON object: text by name.
+CONTACTSPLINE_WEB(const char*, contactspline_materials) {
+  Json texts = Json::object();
+  for (const std::string& name : shipped_names(Shipped::kMaterials))
+    texts[name] = std::string(find_embedded(Shipped::kMaterials, name + ".json")->content);
+  return keep(texts.dump());
+}
+
+CONTACTSPLINE_WEB(void*, contactspline_allocate, std::size_t bytes) {
+  return std::malloc(bytes);
+}
+
+CONTACTSPLINE_WEB(void, contactspline_free, void* memory) {
+  std::free(memory);
+}
+
+}  // namespace contactspline::web
