@@ -3,8 +3,9 @@
 # Runs `contactspline generate` at build time, whenever a material or the program has changed, and makes TARGET a
 # library to link: what links it finds NAME.hpp on its include path, made before it compiles, and the runtime.
 #
-# MATERIALS   material files (.json), relative to the current source folder, or names of materials that ship
-# EMIT        what to write: cpp (NAME.hpp), faust (NAME.lib), json (NAME.json), or several; default cpp
+# MATERIALS   files (.json) of materials, resonators, keyboards or instruments, relative to the current source folder, or
+#             names of those that ship
+# EMIT        what to write: cpp (NAME.hpp), faust (NAME.lib; not of instruments), json (NAME.json), or several; default cpp
 # OUTPUT_DIR  where to, relative to the current binary folder; default: a folder called like TARGET
 #
 # In a project that takes Contact Spline from source, set(CONTACTSPLINE_BUILD_GENERATOR ON) before add_subdirectory or

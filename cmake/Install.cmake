@@ -12,7 +12,7 @@ if(CONTACTSPLINE_BUILD_GENERATOR)
   install(TARGETS contactspline EXPORT ContactSplineTargets)
 endif()
 install(DIRECTORY runtime/contactspline DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN *.hpp)
-install(DIRECTORY data/materials data/resonators data/scores data/keyboards DESTINATION ${contactspline_data_dir}
+install(DIRECTORY data/materials data/resonators data/scores data/keyboards data/instruments DESTINATION ${contactspline_data_dir}
         FILES_MATCHING PATTERN *.json PATTERN *.csv PATTERN *.mid)
 install(FILES LICENSE TYPE DOC)
 

@@ -86,7 +86,7 @@ void parse(CLI::App& app, int argc, const char* const* argv) {
 }
 
 constexpr auto kMaterialHelp = "material file (.json), or the name of a material that ships";
-constexpr auto kSourceHelp = "material, resonator or keyboard file (.json), or the name of one that ships";
+constexpr auto kSourceHelp = "file (.json), or the name of a shipped material, resonator, keyboard or instrument";
 constexpr auto kScoreHelp = "score file (.json, .mid), or the name of a score that ships";
 
 void add_force(CLI::App& command, bool& force) {
@@ -96,7 +96,7 @@ void add_force(CLI::App& command, bool& force) {
 void add_generate(CLI::App& app) {
   const auto options = std::make_shared<GenerateOptions>();
   CLI::App* command =
-      app.add_subcommand("generate", "Write a material's spline, a resonator or a keyboard as Faust, C++ or JSON");
+      app.add_subcommand("generate", "Write a material, a resonator, a keyboard or an instrument as source text");
   command->add_option("MATERIAL", options->materials, kSourceHelp)->check(not_empty(kSourceHelp))->required();
   std::vector<std::string> formats;
   for (const Emitter& emitter : emitters()) formats.emplace_back(emitter.name);
@@ -110,7 +110,7 @@ void add_generate(CLI::App& app) {
       ->capture_default_str();
   command
       ->add_option("--rate", options->sample_rate_hz,
-                   "sample rate in Hz; resonators keep their modes below half of it")
+                   "sample rate in Hz; resonators and instruments keep their modes below half of it")
       ->check(number_from(1000.0, 768000.0))
       ->capture_default_str();
   command->add_flag("--check", options->check, "write nothing; exit 1 and name the files that are stale");
@@ -125,7 +125,9 @@ void add_generate(CLI::App& app) {
       "  contactspline generate my_felt.json --emit faust --emit cpp -o build\n"
       "  contactspline generate felt_c4 --emit json -o -\n"
       "  contactspline generate string_c4 --rate 96000 -o build\n"
-      "Each file has the name of its material, resonator or keyboard. A file that would not change is not touched.\n"
+      "Each file has the name of its material, resonator, keyboard or instrument. An instrument is written as C++ "
+      "and\n"
+      "JSON only. A file that would not change is not touched.\n"
       "A file that this program did not write is replaced only with --force.");
   command->callback([options] { generate(*options); });
 }
@@ -133,11 +135,11 @@ void add_generate(CLI::App& app) {
 void add_inspect(CLI::App& app) {
   const auto options = std::make_shared<InspectOptions>();
   CLI::App* command =
-      app.add_subcommand("inspect", "Show a material's spline and its errors, or a resonator's modes");
+      app.add_subcommand("inspect", "Show a material's spline, a resonator's modes or an instrument's parts");
   command->add_option("MATERIAL", options->material, kMaterialHelp)->check(not_empty(kMaterialHelp))->required();
   command
       ->add_option("--figure", options->figure,
-                   "also draw potential, force, their errors and measured samples (.svg, .png, .pdf)")
+                   "also draw the spline and its errors, or the instrument (.svg, .png, .pdf)")
       ->check(file_name())
       ->type_name("FILE");
   command->add_flag("--compare", options->compare,
@@ -145,20 +147,22 @@ void add_inspect(CLI::App& app) {
   command->add_flag("--json", options->json, "print all numbers as JSON; errors as fractions, not in %");
   command
       ->add_option("--rate", options->sample_rate_hz,
-                   "for a resonator: sample rate in Hz of its simulation (default: 44100)")
+                   "of a resonator's or instrument's simulation in Hz (default: 44100)")
       ->check(number_from(1e3, 1e8));
   add_force(*command, options->force);
   command->footer(
       "Examples:\n"
       "  contactspline inspect felt_c4 --figure felt_c4.svg\n"
       "  contactspline inspect felt_c4 --compare --figure families.svg\n"
-      "  contactspline inspect string_c4 --rate 48000");
+      "  contactspline inspect string_c4 --rate 48000\n"
+      "  contactspline inspect tanpura --figure tanpura.svg");
   command->callback([options] { inspect(*options); });
 }
 
 void add_list(CLI::App& app) {
   const auto kind = std::make_shared<std::string>();
-  CLI::App* command = app.add_subcommand("list", "List the materials, resonators, keyboards and scores that ship");
+  CLI::App* command =
+      app.add_subcommand("list", "List the materials, resonators, keyboards, instruments and scores that ship");
   command->add_option("KIND", *kind, "what to list (default: all)")->check(one_of(kinds_that_ship()));
   command->footer("T is the contact duration on a rigid barrier, over the material's range of impact speeds.");
   command->callback([kind] { list(*kind); });
@@ -270,12 +274,17 @@ void add_instrument(CLI::App& render, Instrument instrument, const char* help, c
   const auto options = std::make_shared<ScoreOptions>();
   CLI::App* command = render.add_subcommand(std::string(name_of(instrument)), help);
   command->add_option("--score", options->score, kScoreHelp)->check(not_empty(kScoreHelp))->required();
-  command
-      ->add_option(
-          "--signal", options->signal,
-          "the signal in the sound file: displacement or velocity at the pickup, force on the bridge, contact "
-          "force, velocity of the keyboard's body (default: body, else bridge for hammers on strings, else velocity)")
-      ->check(one_of(signal_names()));
+  if (instrument == Instrument::kFile)
+    command->add_option("--signal", options->signal,
+                        "the output in the sound file (default: the instrument's first)");
+  else
+    command
+        ->add_option(
+            "--signal", options->signal,
+            "the signal in the sound file: displacement or velocity at the pickup, force on the bridge, contact "
+            "force, velocity of the keyboard's body (default: body, else bridge for hammers on strings, else "
+            "velocity)")
+        ->check(one_of(signal_names()));
   command->add_option("--precision", options->precision, "floating-point precision of the model")
       ->check(one_of({"single", "double"}))
       ->capture_default_str();
@@ -307,6 +316,8 @@ void add_render(CLI::App& app) {
                  "slide_guitar");
   add_instrument(*command, Instrument::kFretString, "Plucked strings that buzz against a fret, played from a score",
                  "fret_buzz");
+  add_instrument(*command, Instrument::kFile, "The instrument that a score names, of any bodies and contacts",
+                 "tanpura_drone");
 }
 
 void add_all(CLI::App& app) {

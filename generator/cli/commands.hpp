@@ -50,7 +50,7 @@ struct ImpactOptions {
 };
 void compare_impacts(const ImpactOptions& options);
 
-/// The words that `list` takes: materials, resonators, keyboards, scores.
+/// The words that `list` takes: materials, resonators, keyboards, instruments, scores.
 [[nodiscard]] std::vector<std::string> kinds_that_ship();
 
 /// Prints tables of what ships: of one kind, or of all if `only` is empty.
@@ -75,7 +75,7 @@ void render_mass_barrier(const MassBarrierOptions& options);
 
 struct ScoreOptions {
   std::string score;
-  std::string signal;  ///< one of signal_names(); empty: the one that sounds best
+  std::string signal;  ///< one of signal_names(), of an instrument file an output; empty: the one that sounds best
   std::string precision = "double";
   std::string stems;          ///< folder for the sound of each voice, or empty
   std::vector<int> channels;  ///< of a MIDI file, 1 to 16; empty: all but the tenth

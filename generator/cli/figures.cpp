@@ -19,6 +19,7 @@
 
 #include "generator/cli/file_ending.hpp"
 #include "generator/cli/files.hpp"
+#include "generator/cli/instrument_page.hpp"
 #include "generator/cli/sound_file.hpp"
 #include "generator/player/spectrogram.hpp"
 #include "generator/spline/exponent_family.hpp"
@@ -60,6 +61,7 @@ constexpr auto kFourPanels = "2,2 margins 0.115,0.985,0.085,0.93 spacing 0.125,0
 constexpr auto kThreePanels = "3,1 margins 0.115,0.985,0.085,0.93 spacing 0,0.13";
 constexpr auto kThreePanelsWithKey = "3,1 margins 0.115,0.74,0.085,0.93 spacing 0,0.13";
 constexpr auto kOwnMargins = "3,1";
+constexpr auto kWholePage = "1,1 margins 0.01,0.99,0.01,0.94";
 
 constexpr auto kPotentialScript = R"(
 set xlabel 'compression [mm]'
@@ -477,6 +479,11 @@ std::string figure_of(std::span<const Design> families, FigureFormat format) {
                   "set xlabel 'compression [mm]'\nset ylabel 'force error [% of largest]'\n" + force +
                   "\nunset multiplot",
               fmt::format("{}: families of knots", title_of(material)), format);
+}
+
+std::string figure_of(const InstrumentModel& model, FigureFormat format) {
+  return draw(heading(kWholePage) + instrument_diagram(model),
+              model.description.empty() ? model.name : model.description, format);
 }
 
 std::string figure_of(std::span<const double> speeds, std::span<const ImpactErrors> models, const std::string& title,

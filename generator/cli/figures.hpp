@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "generator/instrument/instrument.hpp"
 #include "generator/player/mass_barrier_player.hpp"
 #include "generator/player/score_player.hpp"
 #include "generator/spline/design.hpp"
@@ -26,6 +27,9 @@ enum class FigureFormat { kSvg, kPng, kPdf };
 /// Errors of contact duration, max compression and force of several designs of one material, which must have an
 /// impact.
 [[nodiscard]] std::string figure_of(std::span<const Design> families, FigureFormat format);
+
+/// Bodies, places and connections of an instrument.
+[[nodiscard]] std::string figure_of(const InstrumentModel& model, FigureFormat format);
 
 /// Errors of one model of an impact, as fractions, one for each speed.
 struct ImpactErrors {

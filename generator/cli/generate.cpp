@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// contactspline generate: writes materials, resonators and keyboards as source files.
+// contactspline generate: writes materials, resonators, keyboards and instruments as source files.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -48,6 +48,10 @@ Emitted emit_all(const GenerateOptions& options) {
       refuse(argument, "name", fmt::format("'{}' is the name of two materials", name), "once");
     emitted.inputs.insert(emitted.inputs.end(), source.files.begin(), source.files.end());
     for (const Emitter& emitter : chosen_emitters(options.formats)) {
+      if (emitter.name == "faust" && !source.has_faust) {
+        if (options.formats.empty()) continue;
+        refuse(argument, "--emit", "an instrument cannot be written as faust", "cpp, json");
+      }
       const std::string command =
           fmt::format("contactspline generate {}.json --emit {}{}", name, emitter.name, rate_option(options));
       emitted.files.push_back({std::filesystem::path(options.output) / fmt::format("{}.{}", name, emitter.extension),

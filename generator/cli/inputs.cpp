@@ -9,9 +9,11 @@
 #include <utility>
 
 #include "generator/cli/files.hpp"
+#include "generator/emit/emit_instrument.hpp"
 #include "generator/emit/emit_keyboard.hpp"
 #include "generator/emit/emit_material.hpp"
 #include "generator/emit/emit_resonator.hpp"
+#include "generator/instrument/instrument_reader.hpp"
 #include "generator/player/score_reader.hpp"
 #include "generator/resonator/keyboard_reader.hpp"
 #include "generator/resonator/resonator_reader.hpp"
@@ -64,6 +66,30 @@ Source keyboard_source(Keyboard keyboard) {
           {}};
 }
 
+Source instrument_source(InstrumentSource instrument, double max_frequency_hz) {
+  const std::string name = instrument.model.name;
+  if (const auto body = silent_body(instrument.model, max_frequency_hz))
+    refuse(name, *body, fmt::format("no mode below {} Hz sounds", max_frequency_hz),
+           "a higher --rate, or losses below the frequencies");
+  return {name,
+          [=, model = std::move(instrument.model)](const Emitter& emitter, std::string_view command) {
+            return emit(emitter, model, max_frequency_hz, command);
+          },
+          std::move(instrument.files), false};
+}
+
+// An instrument file, with what it names beside it.
+InstrumentSource read_instrument(const std::string& argument, std::string_view text) {
+  const std::filesystem::path file = argument;
+  InstrumentSource source;
+  source.files.push_back(file);
+  source.model = parse_instrument(text, argument, [&](const std::string& path) {
+    source.files.push_back(file.parent_path() / path);
+    return read_input(source.files.back());
+  });
+  return source;
+}
+
 // Reads what a material file names, from beside it.
 ReadFile reader_beside(const std::filesystem::path& material_file) {
   return [folder = material_file.parent_path()](const std::string& path) { return read_input(folder / path); };
@@ -91,7 +117,8 @@ const EmbeddedFile* shipped(Shipped folder, const std::string& name) {
 Source file_source(const std::string& file, double max_frequency_hz) {
   const std::string text = read_input(file);
   const Shipped kind = kind_of_file(text, file, "material").value_or(Shipped::kMaterials);
-  if (kind == Shipped::kScores) refuse_kind(file, "file", kind, "a material, resonator or keyboard");
+  if (kind == Shipped::kScores) refuse_kind(file, "file", kind, "a material, resonator, keyboard or instrument");
+  if (kind == Shipped::kInstruments) return instrument_source(read_instrument(file, text), max_frequency_hz);
   if (kind == Shipped::kMaterials) return material_source(file, design_material(text, file, reader_beside(file)));
   Source source = kind == Shipped::kResonators ? resonator_source(parse_resonator(text, file), max_frequency_hz)
                                                : keyboard_source(parse_keyboard(text, file));
@@ -153,15 +180,26 @@ std::optional<Resonator> resonator_argument(const std::string& argument) {
   return parse_resonator(text, argument);
 }
 
+std::optional<InstrumentSource> instrument_argument(const std::string& argument) {
+  if (const auto* file = shipped(Shipped::kInstruments, argument))
+    return InstrumentSource{parse_instrument(file->content, file->name), {}};
+  if (!is_path(argument)) return std::nullopt;
+  const std::string text = read_input(argument);
+  if (kind_of_file(text, argument, "material") != Shipped::kInstruments) return std::nullopt;
+  return read_instrument(argument, text);
+}
+
 Source source_argument(const std::string& argument, double max_frequency_hz) {
   if (is_path(argument)) return file_source(argument, max_frequency_hz);
   if (const auto* file = shipped(Shipped::kResonators, argument))
     return resonator_source(parse_resonator(file->content, file->name), max_frequency_hz);
   if (const auto* file = shipped(Shipped::kKeyboards, argument))
     return keyboard_source(parse_keyboard(file->content, file->name));
+  if (auto instrument = instrument_argument(argument))
+    return instrument_source(std::move(*instrument), max_frequency_hz);
   if (shipped(Shipped::kMaterials, argument) == nullptr)
-    refuse_name(argument, "material, resonator or keyboard",
-                {Shipped::kMaterials, Shipped::kResonators, Shipped::kKeyboards});
+    refuse_name(argument, "material, resonator, keyboard or instrument",
+                {Shipped::kMaterials, Shipped::kResonators, Shipped::kKeyboards, Shipped::kInstruments});
   return material_source(argument, design_argument(argument));
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "generator/emit/emitter.hpp"
+#include "generator/instrument/instrument.hpp"
 #include "generator/player/score.hpp"
 #include "generator/resonator/resonator.hpp"
 #include "generator/spline/design.hpp"
@@ -26,15 +27,26 @@ namespace contactspline {
 /// The resonator of such an argument, or nothing if it is not a resonator. Throws BadInput.
 [[nodiscard]] std::optional<Resonator> resonator_argument(const std::string& argument);
 
-/// What `generate` turns into source text: a material, a resonator or a keyboard.
+/// An instrument and the files it was read from.
+struct InstrumentSource {
+  InstrumentModel model;
+  std::vector<std::filesystem::path> files;
+};
+
+/// The instrument of such an argument, or nothing if it is not an instrument. Throws BadInput.
+[[nodiscard]] std::optional<InstrumentSource> instrument_argument(const std::string& argument);
+
+/// What `generate` turns into source text: a material, a resonator, a keyboard or an instrument.
 struct Source {
   std::string name;
   std::function<std::string(const Emitter&, std::string_view command)> emit;
   std::vector<std::filesystem::path> files;  ///< it was read from; none for a shipped name
+  bool has_faust = true;                     ///< can it be written in Faust?
 };
 
-/// Reads a MATERIAL argument of `generate`. A resonator keeps its modes below max_frequency_hz; if its own limit
-/// leaves out some of them, a line on standard error says so. Throws BadInput.
+/// Reads a MATERIAL argument of `generate`. Resonators and instruments keep their modes below
+/// max_frequency_hz; if a resonator's own limit leaves out some of them, a line on standard error says so. Throws
+/// BadInput.
 [[nodiscard]] Source source_argument(const std::string& argument, double max_frequency_hz);
 
 /// A score and the files it was read from.

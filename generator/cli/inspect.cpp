@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// contactspline inspect: shows a spline as a table and as a figure, or the modes of a resonator.
+// contactspline inspect: shows a spline or an instrument as a table and as a figure, or the modes of a resonator.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,6 +13,8 @@
 #include "generator/cli/files.hpp"
 #include "generator/cli/inputs.hpp"
 #include "generator/cli/inspect_json.hpp"
+#include "generator/cli/instrument_page.hpp"
+#include "generator/emit/emit_instrument.hpp"
 #include "generator/spline/exponent_family.hpp"
 #include "generator/support/error.hpp"
 
@@ -212,13 +214,32 @@ void inspect_resonator(const Resonator& resonator, const InspectOptions& options
   write_stdout(options.json ? json_of(resonator, rate) : table);
 }
 
+// As JSON it is what `generate` writes.
+std::string json_of(const InstrumentModel& model, double rate) {
+  const auto json = std::ranges::find(emitters(), "json", &Emitter::name);
+  return emit(*json, model, rate / 2, fmt::format("contactspline inspect {}.json --json", model.name));
+}
+
+void inspect_instrument(const InstrumentSource& source, const InspectOptions& options) {
+  if (options.compare) refuse(options.material, "--compare", "cannot be used with an instrument", "with a material");
+  const double rate = options.sample_rate_hz.value_or(kDefaultRate);
+  if (!options.figure.empty()) {
+    require_writable({{options.figure}}, source.files, options.force);
+    write_files({{OutputFile{options.figure, figure_of(source.model, figure_format(options.figure))}}});
+  }
+  write_stdout(options.json ? json_of(source.model, rate)
+                            : instrument_table(source.model, rate) +
+                                  (options.figure.empty() ? "" : fmt::format("\nfigure: {}\n", options.figure)));
+}
+
 }  // namespace
 
 void inspect(const InspectOptions& options) {
   if (!options.figure.empty()) (void)figure_format(options.figure);
   if (const auto resonator = resonator_argument(options.material)) return inspect_resonator(*resonator, options);
+  if (const auto instrument = instrument_argument(options.material)) return inspect_instrument(*instrument, options);
   if (options.sample_rate_hz)
-    refuse(options.material, "--rate", "cannot be used with a material", "with a resonator");
+    refuse(options.material, "--rate", "cannot be used with a material", "with a resonator or an instrument");
   if (options.compare) return compare(options);
   const Design design = design_argument(options.material);
   if (!options.figure.empty()) {

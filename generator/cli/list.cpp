@@ -65,6 +65,19 @@ std::string keyboards() {
   return table;
 }
 
+std::string instruments() {
+  std::string table =
+      fmt::format("{:<20} {:>6} {:>12} {:>9}  {}\n", "name", "bodies", "connections", "controls", "description");
+  for (const std::string& name : shipped_names(Shipped::kInstruments)) {
+    const InstrumentModel model = instrument_argument(name).value().model;
+    std::size_t connections = 0;
+    for (const ConnectionGroup& group : model.connections) connections += group.gaps_m.size();
+    table += fmt::format("{:<20} {:>6} {:>12} {:>9}  {}\n", name, model.bodies.size(), connections,
+                         model.controls.size(), model.description);
+  }
+  return table;
+}
+
 std::string scores() {
   std::string table = fmt::format("{:<20} {:<14} {:>12}  {}\n", "name", "instrument", "duration [s]", "description");
   for (const std::string& name : shipped_names(Shipped::kScores)) {
@@ -83,7 +96,8 @@ struct Kind {
 
 constexpr std::array kKinds = {
     Kind{"materials", Shipped::kMaterials, materials}, Kind{"resonators", Shipped::kResonators, resonators},
-    Kind{"keyboards", Shipped::kKeyboards, keyboards}, Kind{"scores", Shipped::kScores, scores}};
+    Kind{"keyboards", Shipped::kKeyboards, keyboards}, Kind{"instruments", Shipped::kInstruments, instruments},
+    Kind{"scores", Shipped::kScores, scores}};
 
 // The file of that name, with or without its ending.
 const EmbeddedFile* file_that_ships(const std::string& name) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// contactspline render hammer-string, slide-string, fret-string: a score to a sound file and a figure.
+// contactspline render hammer-string, slide-string, fret-string, instrument: a score to a sound file and a figure.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -30,9 +31,43 @@ Signal signal_of(const ScoreOptions& options, const Score& score) {
   return static_cast<Signal>(std::ranges::find(signal_names(), options.signal) - signal_names().begin());
 }
 
+// Index of the output of an instrument file that is heard.
+std::size_t output_of(const ScoreOptions& options, const Score& score) {
+  if (options.signal.empty()) return 0;
+  std::vector<std::string> names;
+  for (const ModelOutput& output : score.voices.front().model->outputs) names.push_back(output.name);
+  const auto found = std::ranges::find(names, options.signal);
+  if (found == names.end())
+    throw BadInput(
+        fmt::format("--signal: '{}' is no output; allowed: {}", shown(options.signal), fmt::join(names, ", ")));
+  return static_cast<std::size_t>(found - names.begin());
+}
+
 PlayOptions play_options(const ScoreOptions& options, const Score& score) {
-  return {static_cast<double>(options.output.sample_rate_hz), signal_of(options, score),
-          options.precision == "single" ? Precision::kSingle : Precision::kDouble};
+  PlayOptions how{static_cast<double>(options.output.sample_rate_hz)};
+  how.precision = options.precision == "single" ? Precision::kSingle : Precision::kDouble;
+  if (score.instrument == Instrument::kFile)
+    how.output = output_of(options, score);
+  else
+    how.signal = signal_of(options, score);
+  return how;
+}
+
+/// What the sound is, in words, and its unit.
+struct SoundLabel {
+  std::string trace;
+  std::string_view unit;
+};
+
+SoundLabel label_of(const PlayOptions& how, const Score& score) {
+  if (score.instrument != Instrument::kFile)
+    return {kTraces[static_cast<std::size_t>(how.signal)], kUnits[static_cast<std::size_t>(how.signal)]};
+  const ModelOutput& output = score.voices.front().model->outputs[how.output];
+  const auto is_unit = [&](std::string_view ending) { return output.name.ends_with(ending); };
+  const std::size_t unit = is_unit("_m_per_s") ? 8 : 2;  // _n, _m
+  std::string name = output.name.substr(0, output.name.size() - unit);
+  std::ranges::replace(name, '_', ' ');
+  return {name, unit_of(output)};
 }
 
 // A file in the folder of the stems for each voice, in the format of the sound.
@@ -87,19 +122,19 @@ void render_score(Instrument instrument, const ScoreOptions& options) {
   Performance performance = play(score, how, show_progress);
   fade_end(performance.samples, performance.channels, performance.sample_rate_hz);
   const double scale = scale_of(options.output, performance.samples);
-  const auto signal = static_cast<std::size_t>(how.signal);
+  const SoundLabel sound = label_of(how, score);
   const std::string title =
       score.description.empty() ? fmt::format("{} score", name_of(instrument)) : score.description;
-  const std::string written = write_outputs(
-      options.output,
-      sound_bytes(options.output.sound, performance.samples, scale, performance.channels,
-                  options.output.sample_rate_hz),
-      [&](FigureFormat format) {
-        return figure_of(performance, title, fmt::format("{} [{}]", kTraces[signal], kUnits[signal]), format);
-      });
+  const std::string written =
+      write_outputs(options.output,
+                    sound_bytes(options.output.sound, performance.samples, scale, performance.channels,
+                                options.output.sample_rate_hz),
+                    [&](FigureFormat format) {
+                      return figure_of(performance, title, fmt::format("{} [{}]", sound.trace, sound.unit), format);
+                    });
   write_stdout(fmt::format(
       "{} contacts in {:.4g} s, largest contact force {:.4g} N\nfull scale of the sound: {:.4g} {} ({})\n{}{}",
-      performance.contacts, score.duration_s, performance.largest_force_n, 1 / scale, kUnits[signal], kTraces[signal],
+      performance.contacts, score.duration_s, performance.largest_force_n, 1 / scale, sound.unit, sound.trace,
       written, write_stems(stems, options, score, how, scale)));
 }
 

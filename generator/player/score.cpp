@@ -51,7 +51,8 @@ constexpr const char* kFretKeys[] = {"pluck_m", "pickup_m"};
 constexpr std::array kRules = {
     InstrumentRules{"hammer-string", kHammerControls, "speed_m_per_s", 0, kHammerKeys},
     InstrumentRules{"slide-string", kSlideControls, "pluck_n", SlideStringControl::kPluckForce, kSlideKeys},
-    InstrumentRules{"fret-string", kFretControls, "pluck_n", FretStringControl::kPluckForce, kFretKeys}};
+    InstrumentRules{"fret-string", kFretControls, "pluck_n", FretStringControl::kPluckForce, kFretKeys},
+    InstrumentRules{"instrument", {}, nullptr, 0, {}}};
 
 }  // namespace
 

@@ -10,12 +10,14 @@
 
 #include "contactspline/contact.hpp"
 #include "contactspline/hammer_voice.hpp"
+#include "generator/instrument/instrument.hpp"
 #include "generator/resonator/resonator.hpp"
 #include "generator/support/json_reader.hpp"
 
 namespace contactspline {
 
-enum class Instrument { kHammerString, kSlideString, kFretString };
+/// kFile: what an instrument file describes.
+enum class Instrument { kHammerString, kSlideString, kFretString, kFile };
 
 /// A live control of an instrument, as scores name it.
 struct ControlName {
@@ -47,9 +49,9 @@ struct FretStringControl {
   enum : std::size_t { kPlace, kGap, kPluckForce, kDamping, kStiffnessRatio, kLoss };
 };
 
-/// What scores and the command line call an instrument, and what a score may say of it.
+/// What scores and the command line call an instrument, and what a score may say of it. For kFile the name only.
 struct InstrumentRules {
-  std::string_view name;                    ///< hammer-string, slide-string, fret-string
+  std::string_view name;                    ///< hammer-string, slide-string, fret-string, instrument
   std::span<const ControlName> controls;    ///< in the order of the enumerations above
   const char* note;                         ///< the key of an event that plays
   std::size_t pluck_force;                  ///< the control that a pluck moves
@@ -74,23 +76,25 @@ struct Glide {
 struct Strike {
   double time_s;
   double speed_m_per_s;
-  double hold_s;  ///< infinite: for ever
+  double hold_s;           ///< infinite: for ever
+  std::size_t strike = 0;  ///< of an instrument file: which mass is thrown
 };
 
-/// One resonator with its hammer, slide or fret.
+/// One resonator with its hammer, slide or fret, or one instrument of a file.
 struct Voice {
   std::string name;
   Resonator resonator;
-  std::vector<Segment<double>> contact;     ///< table of the contact potential
-  std::vector<double> initial;              ///< values of the controls before the first event
-  std::vector<Glide> glides;                ///< by rising time
-  std::vector<Strike> strikes;              ///< by rising time; hammer-string
-  Damper damper = {};                       ///< hammer-string
-  double pluck_m = 0;                       ///< place of the pluck; slide-string and fret-string
-  double height_m = 0;                      ///< of the slide before the string at the beginning; slide-string
-  double strings = 1;                       ///< number of identical strings that the resonator stands for
-  double pan = 0;                           ///< -1 left to 1 right
-  std::optional<StiffString> on_body = {};  ///< its strings on the body of the score, each by itself
+  std::vector<Segment<double>> contact;       ///< table of the contact potential
+  std::vector<double> initial;                ///< values of the controls before the first event
+  std::vector<Glide> glides;                  ///< by rising time
+  std::vector<Strike> strikes;                ///< by rising time; hammer-string
+  Damper damper = {};                         ///< hammer-string
+  double pluck_m = 0;                         ///< place of the pluck; slide-string and fret-string
+  double height_m = 0;                        ///< of the slide before the string at the beginning; slide-string
+  double strings = 1;                         ///< number of identical strings that the resonator stands for
+  double pan = 0;                             ///< -1 left to 1 right
+  std::optional<StiffString> on_body = {};    ///< its strings on the body of the score, each by itself
+  std::optional<InstrumentModel> model = {};  ///< of an instrument file: replaces resonator and contact
 };
 
 struct Score {

@@ -22,6 +22,7 @@ struct PlayOptions {
   double sample_rate_hz;  ///< > 0
   Signal signal = Signal::kVelocity;
   Precision precision = Precision::kDouble;    ///< of the models; the sum of the voices is kept in single precision
+  std::size_t output = 0;                      ///< of an instrument file: what is heard, in place of signal
   std::optional<std::size_t> only_voice = {};  ///< plays this one alone, with the channels of the whole score
 };
 
@@ -29,7 +30,8 @@ struct Performance {
   double sample_rate_hz;
   int channels;                ///< channels_of() the score
   std::vector<float> samples;  ///< interleaved, in SI units [m], [m/s] or [N]
-  std::vector<float> force_n;  ///< largest of any voice in each of at most 1200 equal stretches of time
+  std::vector<float> force_n;  ///< largest contact force, of an instrument file the largest sum, of any voice in each
+                               ///< of at most 1200 equal stretches of time
   double largest_force_n;
   std::size_t contacts;  ///< of all voices
 };

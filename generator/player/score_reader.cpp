@@ -14,10 +14,13 @@
 #include <set>
 #include <utility>
 
+#include "generator/material/named_file.hpp"
+#include "generator/player/instrument_score_reader.hpp"
 #include "generator/player/midi_reader.hpp"
 #include "generator/resonator/keyboard_reader.hpp"
 #include "generator/resonator/resonator_reader.hpp"
 #include "generator/spline/design.hpp"
+#include "generator/spline/designed_materials.hpp"
 #include "generator/support/embedded_files.hpp"
 #include "generator/support/error.hpp"
 #include "generator/support/file_kind.hpp"
@@ -41,7 +44,6 @@ constexpr Range kCents{-1200, 1200};
 constexpr double kPluckRise = 0.004;    // s
 constexpr double kRing = 1;             // s, after the last note of a MIDI file
 constexpr double kKeyboardWidth = 0.6;  // pan of its ends
-constexpr int kMaxModes = 4096;
 constexpr std::size_t kMaxVoices = 128;
 constexpr std::size_t kMaxEvents = 65536;
 
@@ -49,73 +51,19 @@ bool has_hammer(Instrument instrument) {
   return instrument == Instrument::kHammerString;
 }
 
+// The instrument of the runtime that a score names, or kFile.
 Instrument read_instrument(const JsonObject& score) {
   constexpr std::array kAll = {Instrument::kHammerString, Instrument::kSlideString, Instrument::kFretString};
   std::vector<std::string_view> names;
   for (const Instrument instrument : kAll) names.push_back(name_of(instrument));
-  const std::string allowed = fmt::format("{}", fmt::join(names, ", "));
+  const std::string allowed = fmt::format("{}, a .json file, {}", fmt::join(names, ", "),
+                                          fmt::join(shipped_names(Shipped::kInstruments), ", "));
   const std::string name = score.text("instrument", allowed);
+  if (is_path(name) || find_embedded(Shipped::kInstruments, name + ".json") != nullptr) return Instrument::kFile;
   const auto found = std::ranges::find(names, name);
   if (found == names.end()) score.fail("instrument", fmt::format("'{}' is unknown", shown(name)), allowed);
   return kAll[static_cast<std::size_t>(found - names.begin())];
 }
-
-struct NamedText {
-  std::string text, file;
-  bool ships;
-};
-
-/// The text of what a key names: a file, or something that ships.
-NamedText read_named(const JsonObject& object, const char* key, Shipped folder, const ReadFile& read) {
-  const std::string allowed = fmt::format("a .json file, {}", fmt::join(shipped_names(folder), ", "));
-  const std::string name = object.text(key, allowed);
-  const auto refuse_other = [&](std::optional<Shipped> kind) {
-    if (kind && *kind != folder)
-      object.fail(object.key(key), fmt::format("'{}' is a {}", shown(name), kind_name(*kind)), allowed);
-  };
-  if (is_path(name)) {
-    std::string text = read(name);
-    refuse_other(kind_of_file(text, name, kind_name(folder)));
-    return {std::move(text), name, false};
-  }
-  const EmbeddedFile* found = find_embedded(folder, name + ".json");
-  if (found == nullptr) refuse_other(kind_of_name(name));
-  if (found == nullptr) object.fail(object.key(key), fmt::format("'{}' does not ship", shown(name)), allowed);
-  return {std::string(found->content), name + ".json", true};
-}
-
-/// The materials of a score, each with its spline. One design serves all voices of a material.
-class DesignedMaterials {
- public:
-  struct Entry {
-    Material material;
-    std::vector<Segment<double>> table;
-  };
-
-  explicit DesignedMaterials(const ReadFile& read) : read_(read) {}
-
-  /// The material that a voice names. Throws BadInput.
-  const Entry& of(const JsonObject& voice) {
-    const NamedText named = read_named(voice, "material", Shipped::kMaterials, read_);
-    const auto [entry, is_new] = entries_.try_emplace({named.file, named.ships});
-    if (is_new) entry->second = designed(named);
-    return *entry->second;
-  }
-
- private:
-  // A material's curve lies beside the material, wherever the score is.
-  [[nodiscard]] Entry designed(const NamedText& named) const {
-    const auto beside = [&](const std::string& path) {
-      return read_((std::filesystem::path(named.file).parent_path() / path).string());
-    };
-    Material material = parse_material(named.text, named.file, named.ships ? ReadFile(shipped_file) : beside);
-    std::vector<Segment<double>> table = segment_table(design_spline(material, named.file));
-    return {std::move(material), std::move(table)};
-  }
-
-  const ReadFile& read_;
-  std::map<std::pair<std::string, bool>, std::optional<Entry>> entries_;
-};
 
 double number_or(const JsonObject& object, const char* name, Range range, double otherwise) {
   return object.has(name) ? object.number(name, range) : otherwise;
@@ -351,8 +299,9 @@ void require_initial(const JsonObject& score, Instrument instrument, const std::
 Score parse_score(std::string_view text, std::string_view file, const ReadFile& read) {
   const JsonObject score =
       parse_json(text, file, "score", {"instrument", "description", "duration_s", "keyboard", "voices", "events"});
-  Score result{
-      std::string(file), read_instrument(score), read_description(score), score.number("duration_s", kDuration), {}};
+  const Instrument instrument = read_instrument(score);
+  if (instrument == Instrument::kFile) return parse_instrument_score(score, file, read);
+  Score result{std::string(file), instrument, read_description(score), score.number("duration_s", kDuration), {}};
   const bool has_keys = score.has("keyboard");
   if (has_keys && (score.has("voices") || !has_hammer(result.instrument)))
     score.fail("keyboard", "has no place here", "in a score for hammer-string, instead of voices");

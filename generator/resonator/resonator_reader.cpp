@@ -28,7 +28,6 @@ constexpr Range kCents{-1200, 1200};
 constexpr Range kFrequency{0.1, 1e6};
 constexpr Range kShape{-1e6, 1e6};
 constexpr std::size_t kMaxStrings = 8;
-constexpr int kMaxModes = 4096;
 
 // Member names of the emitted C++ struct; the struct itself must have another name.
 constexpr const char* kMemberNames[] = {"modes",         "strings",       "angular_frequencies",
@@ -137,11 +136,7 @@ decltype(Resonator::body) read_body(const JsonObject& resonator) {
   if (kinds != 1)
     resonator.fail("string", fmt::format("{} kinds of body are given", kinds),
                    "just one of string, bar, membrane, plate, modes");
-  if (resonator.has("string")) return read_string(resonator.object("string", kStringKeys));
-  if (resonator.has("bar")) return read_bar(resonator.object("bar", kBarKeys));
-  if (resonator.has("membrane")) return read_membrane(resonator.object("membrane", kMembraneKeys));
-  if (resonator.has("plate")) return read_plate(resonator.object("plate", kPlateKeys));
-  return read_modes(resonator);
+  return resonator.has("modes") ? read_modes(resonator) : read_shaped_body(resonator);
 }
 
 /// The largest position on a body [m].
@@ -160,11 +155,27 @@ Place read_place(const JsonObject& resonator, const char* name, const decltype(R
   if (round) keys.emplace_back("angle_rad");
   if (plate != nullptr) keys.emplace_back("across_m");
   const JsonObject place = resonator.object(name, keys);
-  return {place.number("position_m", {0, std::visit(Extent{}, body)}), round ? place.number("angle_rad", kAngle) : 0,
+  return {place.number("position_m", {0, extent_of(body)}), round ? place.number("angle_rad", kAngle) : 0,
           plate != nullptr ? place.number("across_m", {0, plate->width_m}) : 0};
 }
 
 }  // namespace
+
+const std::vector<std::string>& body_keys() {
+  static const std::vector<std::string> keys = {"string", "bar", "membrane", "plate"};
+  return keys;
+}
+
+decltype(Resonator::body) read_shaped_body(const JsonObject& object) {
+  if (object.has("string")) return read_string(object.object("string", kStringKeys));
+  if (object.has("bar")) return read_bar(object.object("bar", kBarKeys));
+  if (object.has("plate")) return read_plate(object.object("plate", kPlateKeys));
+  return read_membrane(object.object("membrane", kMembraneKeys));
+}
+
+double extent_of(const decltype(Resonator::body)& body) {
+  return std::visit(Extent{}, body);
+}
 
 Resonator parse_resonator(std::string_view text, std::string_view file) {
   const JsonObject resonator = parse_json(

@@ -22,6 +22,8 @@ std::span<const EmbeddedFile> embedded_files(Shipped folder) {
       return detail::embedded_resonators();
     case Shipped::kKeyboards:
       return detail::embedded_keyboards();
+    case Shipped::kInstruments:
+      return detail::embedded_instruments();
     case Shipped::kScores:
       break;
   }

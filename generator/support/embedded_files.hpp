@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The files embedded in the program: the templates, and the materials, resonators, keyboards and scores that ship.
+// The files embedded in the program: the templates, and what ships: materials, resonators, keyboards,
+// instruments and scores.
 #pragma once
 
 #include <span>
@@ -10,7 +11,7 @@
 namespace contactspline {
 
 /// A folder of embedded files.
-enum class Shipped { kTemplates, kMaterials, kResonators, kKeyboards, kScores };
+enum class Shipped { kTemplates, kMaterials, kResonators, kKeyboards, kInstruments, kScores };
 
 struct EmbeddedFile {
   std::string_view name;  ///< without the folder
@@ -24,6 +25,7 @@ namespace detail {
 [[nodiscard]] std::span<const EmbeddedFile> embedded_materials();
 [[nodiscard]] std::span<const EmbeddedFile> embedded_resonators();
 [[nodiscard]] std::span<const EmbeddedFile> embedded_keyboards();
+[[nodiscard]] std::span<const EmbeddedFile> embedded_instruments();
 [[nodiscard]] std::span<const EmbeddedFile> embedded_scores();
 
 }  // namespace detail

@@ -13,13 +13,16 @@
 namespace contactspline {
 namespace {
 
-constexpr std::array kKinds = {Shipped::kMaterials, Shipped::kResonators, Shipped::kKeyboards, Shipped::kScores};
+constexpr std::array kKinds = {Shipped::kMaterials, Shipped::kResonators, Shipped::kKeyboards, Shipped::kInstruments,
+                               Shipped::kScores};
 
 // Keys that only files of this kind have. A score may also have the key "keyboard", so scores come first.
 constexpr const char* kOfMaterials[] = {"contact", "impact", "spline"};
 constexpr const char* kOfResonators[] = {"string", "bar",    "membrane", "plate",
                                          "modes",  "strike", "pickup",   "max_modes"};
 constexpr const char* kOfScores[] = {"instrument", "duration_s", "voices", "events"};
+constexpr const char* kOfInstruments[] = {"bodies", "places",   "contacts", "springs",
+                                          "links",  "controls", "strikes",  "outputs"};
 constexpr const char* kOfKeyboards[] = {"keyboard"};
 constexpr const char* kOfOutputs[] = {"written_by"};
 
@@ -33,6 +36,8 @@ std::string_view kind_name(Shipped folder) {
       return "resonator";
     case Shipped::kKeyboards:
       return "keyboard";
+    case Shipped::kInstruments:
+      return "instrument";
     case Shipped::kScores:
       return "score";
     case Shipped::kTemplates:
@@ -50,6 +55,7 @@ std::optional<Shipped> kind_of_file(std::string_view text, std::string_view file
   if (has_any(kOfOutputs)) refuse(file, "file", "was written by this program", "the file that it was made from");
   if (has_any(kOfResonators)) return Shipped::kResonators;
   if (has_any(kOfScores)) return Shipped::kScores;
+  if (has_any(kOfInstruments)) return Shipped::kInstruments;
   if (has_any(kOfKeyboards)) return Shipped::kKeyboards;
   if (has_any(kOfMaterials)) return Shipped::kMaterials;
   return {};

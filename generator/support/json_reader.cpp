@@ -193,6 +193,16 @@ std::string JsonObject::text(const char* name, std::string_view allowed) const {
   return value.get<std::string>();
 }
 
+std::vector<std::string> JsonObject::texts(const char* name, std::string_view allowed, std::size_t max_count) const {
+  if (value_->json.contains(name) && value_->json.at(name).is_string()) return {text(name, allowed)};
+  std::vector<std::string> texts;
+  for (const Json& value : array_at(*this, value_->json, name, allowed, max_count)) {
+    if (!value.is_string()) fail(fmt::format("{}[{}]", key(name), texts.size()), "is not a string", allowed);
+    texts.push_back(value.get<std::string>());
+  }
+  return texts;
+}
+
 double JsonObject::number(const char* name, Range range) const {
   return checked(*this, value_at(*this, value_->json, name, allowed_numbers(range)), key(name), range);
 }
@@ -229,7 +239,7 @@ std::string read_name(const JsonObject& object, std::span<const char* const> tak
       "no name of the emitted files";
   std::string name = object.text("name", kAllowed);
   if (!is_identifier(name) || std::ranges::find(taken, name) != taken.end())
-    object.fail("name", fmt::format("'{}' is not a usable identifier", shown(name)), kAllowed);
+    object.fail(object.key("name"), fmt::format("'{}' is not a usable identifier", shown(name)), kAllowed);
   return name;
 }
 
@@ -241,7 +251,8 @@ std::string read_description(const JsonObject& object) {
       std::ranges::none_of(text, [](unsigned char c) { return c < 0x20 || c == 0x7f || c == '"' || c == '\\'; });
   const auto begins_character = [](unsigned char c) { return (c & 0xc0) != 0x80; };  // of UTF-8
   if (!printable || std::ranges::count_if(text, begins_character) > kMaxDescriptionLength)
-    object.fail("description", "is too long or has a quote, a backslash or a control character", kAllowed);
+    object.fail(object.key("description"), "is too long or has a quote, a backslash or a control character",
+                kAllowed);
   return text;
 }
 

@@ -35,6 +35,8 @@ class JsonObject {
   [[nodiscard]] std::vector<JsonObject> objects(const char* name, const std::vector<std::string>& allowed,
                                                 std::size_t max_count) const;  ///< 1 to max_count of them
   [[nodiscard]] std::string text(const char* name, std::string_view allowed) const;
+  [[nodiscard]] std::vector<std::string> texts(const char* name, std::string_view allowed,
+                                               std::size_t max_count) const;  ///< 1 to max_count, or one without []
   [[nodiscard]] double number(const char* name, Range range) const;
   [[nodiscard]] std::vector<double> numbers(const char* name, Range range,
                                             std::size_t max_count) const;  ///< 1 to max_count of them

@@ -461,10 +461,12 @@ TEST(Inspect, SaysWhatAToleranceMeans) {
 
 TEST(List, HasATableForEachKind) {
   const std::string all = succeed({.arguments = {"list"}});
-  for (const auto& [kind, folder] : std::vector<std::pair<std::string, Shipped>>{{"materials", Shipped::kMaterials},
-                                                                                 {"resonators", Shipped::kResonators},
-                                                                                 {"keyboards", Shipped::kKeyboards},
-                                                                                 {"scores", Shipped::kScores}}) {
+  for (const auto& [kind, folder] :
+       std::vector<std::pair<std::string, Shipped>>{{"materials", Shipped::kMaterials},
+                                                    {"resonators", Shipped::kResonators},
+                                                    {"keyboards", Shipped::kKeyboards},
+                                                    {"instruments", Shipped::kInstruments},
+                                                    {"scores", Shipped::kScores}}) {
     const std::string table = succeed({.arguments = {"list", kind}});
     EXPECT_NE(all.find(fmt::format("{}\n\n{}", kind, table)), std::string::npos) << kind;
     std::vector<std::string> names;

@@ -23,8 +23,8 @@ std::vector<double> compressions() {
   return y;
 }
 
-/// Largest distance of the chords from y^a on 0 to 1. With width h it is h^2/8 times the largest second derivative; for
-/// a < 2 that of the first chord, where the derivative is not bounded, is found where the slopes are equal.
+/// Largest distance of the chords from y^a on 0 to 1. With width h it is h^2/8 times the largest second derivative;
+/// for a < 2 that of the first chord, where the derivative is not bounded, is found where the slopes are equal.
 double chord_error(double a) {
   const double width = 1.0 / kSegments;
   if (a >= 2) return a * (a - 1) * width * width / 8;

@@ -15,8 +15,9 @@ namespace {
 
 using Graph = std::map<std::string, std::set<std::string>>;
 
-const std::map<std::string, int> kLevels = {{"support", 1},   {"contact", 2}, {"material", 3}, {"spline", 4},
-                                            {"resonator", 5}, {"emit", 6},    {"player", 6},   {"cli", 7}};
+const std::map<std::string, int> kLevels = {{"support", 1}, {"contact", 2},   {"material", 3},
+                                            {"spline", 4},  {"resonator", 5}, {"instrument", 6},
+                                            {"emit", 7},    {"player", 7},    {"cli", 8}};
 
 const std::vector<SourceFile>& generator() {
   static const auto files = source_files({"generator"}, {".cpp", ".hpp"});

@@ -6,8 +6,7 @@
 #include <string>
 
 /// Exports a function under its own name.
-#define CONTACTSPLINE_WEB(result, name, ...) \
-  extern "C" __attribute__((export_name(#name))) result name(__VA_ARGS__)
+#define CONTACTSPLINE_WEB(result, name, ...) extern "C" __attribute__((export_name(#name))) result name(__VA_ARGS__)
 
 namespace contactspline::web {
 

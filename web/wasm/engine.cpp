@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "contactspline/hammer_voice.hpp"
+#include "contactspline/keyboard.hpp"
 #include "contactspline/mass_barrier.hpp"
 #include "contactspline/stiff_string.hpp"
 #include "generated/piano.hpp"
-#include "contactspline/keyboard.hpp"
 #include "web/wasm/door.hpp"
 #include "web/wasm/energy_books.hpp"
 
@@ -57,9 +57,13 @@ struct Material {
 };
 Material material;
 
-std::size_t index_of(int key) { return static_cast<std::size_t>(key - Piano::first_key); }
+std::size_t index_of(int key) {
+  return static_cast<std::size_t>(key - Piano::first_key);
+}
 
-bool is_key(int key) { return key >= Piano::first_key && index_of(key) < Piano::keys; }
+bool is_key(int key) {
+  return key >= Piano::first_key && index_of(key) < Piano::keys;
+}
 
 // The mass of a key's whole hammer in the piano that ships, relative to middle C.
 double relative_mass(int key) {
@@ -67,7 +71,8 @@ double relative_mass(int key) {
   return whole(index_of(key)) / whole(index_of(kMiddleC));
 }
 
-// The force of a key's whole felt in the piano that ships, at 0.3 mm, relative to middle C: harder towards the treble.
+// The force of a key's whole felt in the piano that ships, at 0.3 mm, relative to middle C: harder towards the
+// treble.
 double relative_stiffness(int key) {
   const auto whole = [](std::size_t k) {
     return force(SegmentTable<double>(felts_of<Piano, double>[k]), 3e-4) * Piano::strings[k];
@@ -233,7 +238,8 @@ class Keyboard {
 
   [[nodiscard]] const Books& books() const { return books_.books(); }
   [[nodiscard]] int sounding() const {
-    return static_cast<int>(std::count_if(keys_.begin(), keys_.end(), [](const auto& k) { return k && k->sounds(); }));
+    return static_cast<int>(
+        std::count_if(keys_.begin(), keys_.end(), [](const auto& k) { return k && k->sounds(); }));
   }
 
  private:
@@ -263,14 +269,14 @@ std::optional<Keyboard> keyboard;
 std::array<float, 3 * kBlock> outputs;
 std::array<double, 5> shown_books;
 
-// One frame of a study: hammer [m], compression [m], force [N], hammer, felt and string energy, dissipated energy, total less work [J],
-// then the string at kPoints places [m].
+// One frame of a study: hammer [m], compression [m], force [N], hammer, felt and string energy, dissipated energy,
+// total less work [J], then the string at kPoints places [m].
 constexpr std::size_t kPoints = 97, kFrame = 8 + kPoints;
 std::vector<double> study;
 
 void add_frame(double place, double compression, double force, const Books& books) {
-  for (const double value :
-       {place, compression, force, books.hammer, books.felt, books.string, books.dissipated, books.total() - books.work})
+  for (const double value : {place, compression, force, books.hammer, books.felt, books.string, books.dissipated,
+                             books.total() - books.work})
     study.push_back(value);
 }
 

@@ -57,14 +57,10 @@ Json quality_of(const Design& design) {
 
 Json described(const Design& design) {
   const Material& material = design.material;
-  Json result = {{"name", material.name},
-                 {"title", title_of(material)},
-                 {"law", law_text(material)},
-                 {"loss_s_per_m", material.loss_s_per_m},
-                 {"files", emitted_files(design)},
-                 {"table", table_of(design.spline)},
-                 {"curve", curve_of(design)},
-                 {"quality", quality_of(design)}};
+  Json result = {{"name", material.name},          {"title", title_of(material)},
+                 {"law", law_text(material)},      {"loss_s_per_m", material.loss_s_per_m},
+                 {"files", emitted_files(design)}, {"table", table_of(design.spline)},
+                 {"curve", curve_of(design)},      {"quality", quality_of(design)}};
   if (material.impact) result["mass_kg"] = material.impact->mass_kg;
   return result;
 }

@@ -1,0 +1,439 @@
+// SPDX-License-Identifier: MIT
+#include "generator/instrument/instrument_reader.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <numbers>
+#include <numeric>
+#include <set>
+#include <utility>
+
+#include "generator/material/named_file.hpp"
+#include "generator/resonator/resonator_reader.hpp"
+#include "generator/spline/designed_materials.hpp"
+
+namespace contactspline {
+namespace {
+
+constexpr std::size_t kMaxBodies = 64;
+constexpr std::size_t kMaxPoints = 512;  // of all places together; also of connections
+constexpr std::size_t kMaxObjects = 256;
+constexpr Range kMass{1e-9, 1e4};
+constexpr Range kCents{-1200, 1200};
+constexpr Range kFrequency{0.1, 1e6};
+constexpr Range kDecay{0, 1e6};
+constexpr Range kAngle{-7, 7};
+constexpr Range kShape{-1e6, 1e6};
+constexpr Range kGap{-0.1, 0.1};
+constexpr Range kWeight{1e-9, 1e9};
+constexpr Range kStiffness{0, 1e9};
+constexpr Range kResistance{0, 1e6};
+constexpr auto kGroundName = "ground";
+
+// Members of the emitted C++ class, which must not be called like it.
+constexpr const char* kMemberNames[] = {
+    "tick",    "process", "output", "energy", "work",        "dissipated",    "network", "reset",   "strike",
+    "control", "data",    "speed",  "value",  "set_control", "contact_force", "ground",  "samples", "format_version"};
+
+constexpr std::array kQuantities = {
+    ControlQuantity::kForce,    ControlQuantity::kDamping,   ControlQuantity::kStiffnessRatio, ControlQuantity::kLoss,
+    ControlQuantity::kGapShift, ControlQuantity::kStiffness, ControlQuantity::kResistance};
+
+std::string joined(const std::vector<std::string>& names) {
+  return names.empty() ? "none, for the file has no such object"
+                       : shown(fmt::format("{}", fmt::join(names, ", ")), 240);
+}
+
+/// Reads an instrument, part after part.
+class Reader {
+ public:
+  Reader(const JsonObject& json, const ReadFile& read) : json_(json), read_(read), materials_(read) {}
+
+  InstrumentModel read() {
+    model_.name = read_name(json_, kMemberNames);
+    for (const char* prefix : {"set_", "strike_"})
+      if (model_.name.starts_with(prefix))
+        json_.fail("name", fmt::format("begins with {}", prefix), "a name that no member of the emitted class has");
+    model_.description = read_description(json_);
+    for (const JsonObject& body : json_.objects("bodies", kBodyKeys, kMaxBodies)) read_body(body);
+    for (const JsonObject& place :
+         optional_objects("places", {"name", "body", "position_m", "angle_rad", "across_m", "positions_m", "shapes"}))
+      read_place(place);
+    for (const JsonObject& contact :
+         optional_objects("contacts", {"name", "between", "material", "gap_m", "gaps_m", "weight", "weights"}))
+      read_contact(contact);
+    for (const JsonObject& spring : optional_objects(
+             "springs", {"name", "between", "stiffness_n_per_m", "resistance_n_s_per_m", "gap_m", "gaps_m"}))
+      read_spring(spring);
+    for (const JsonObject& link : optional_objects("links", {"name", "between", "gap_m", "gaps_m"})) read_link(link);
+    if (connections_ > kMaxPoints)
+      json_.fail("contacts", fmt::format("the file has {} connections", connections_),
+                 fmt::format("at most {}, points of profiles included", kMaxPoints));
+    std::vector<std::string> keys = {"name", "initial"};
+    for (const ControlQuantity quantity : kQuantities) keys.emplace_back(key_of(quantity));
+    for (const JsonObject& control : optional_objects("controls", keys)) read_control(control);
+    if (json_.has("strikes")) read_strikes();
+    for (const JsonObject& output : json_.objects(
+             "outputs", {"name", "displacement_m", "velocity_m_per_s", "force_n", "end_force_n"}, kMaxBodies))
+      read_output(output);
+    return std::move(model_);
+  }
+
+ private:
+  [[nodiscard]] std::vector<JsonObject> optional_objects(const char* name,
+                                                         const std::vector<std::string>& keys) const {
+    return json_.has(name) ? json_.objects(name, keys, kMaxObjects) : std::vector<JsonObject>{};
+  }
+
+  // The name of a body, place or connection, which no other one has.
+  std::string read_own_name(const JsonObject& object) {
+    constexpr const char* kTaken[] = {kGroundName};
+    std::string name = read_name(object, kTaken);
+    if (!names_.insert(name).second)
+      object.fail(object.key("name"), fmt::format("'{}' is the name of two objects", name), "once");
+    return name;
+  }
+
+  // The name of a control or an output with its quantity, which no other one has.
+  std::string read_public_name(const JsonObject& object, const char* quantity) {
+    std::string name = read_name(object, {}) + "_" + quantity;
+    require_public(object, object.key("name"), name);
+    return name;
+  }
+
+  void require_public(const JsonObject& object, std::string_view key, const std::string& name) {
+    if (name == model_.name || !public_names_.insert(name).second)
+      object.fail(key, fmt::format("'{}' stands for two things", name), "another name");
+  }
+
+  template <typename Objects>
+  [[nodiscard]] static std::vector<std::string> names_of(const Objects& objects) {
+    std::vector<std::string> names;
+    for (const auto& object : objects) names.push_back(object.name);
+    return names;
+  }
+
+  // Index of the object that a key names.
+  template <typename Objects>
+  static std::size_t index_of(const JsonObject& json, std::string_view key, const std::string& name,
+                              const Objects& objects, const char* what) {
+    const auto found = std::ranges::find(objects, name, [](const auto& object) { return object.name; });
+    if (found == objects.end())
+      json.fail(key, fmt::format("'{}' is no {}", shown(name), what), joined(names_of(objects)));
+    return static_cast<std::size_t>(found - objects.begin());
+  }
+
+  static std::string one_of_keys(const JsonObject& json, const std::vector<std::string>& keys, const char* what) {
+    std::vector<std::string> given;
+    std::ranges::copy_if(keys, std::back_inserter(given),
+                         [&](const std::string& key) { return json.has(key.c_str()); });
+    if (given.size() != 1)
+      json.fail(json.key(given.empty() ? keys.front() : given[1]), fmt::format("{} {} are given", given.size(), what),
+                fmt::format("just one of {}", fmt::join(keys, ", ")));
+    return given.front();
+  }
+
+  void read_body(const JsonObject& body) {
+    InstrumentBody read{read_own_name(body), {}, false};
+    const std::string kind =
+        one_of_keys(body, {"resonator", "string", "bar", "membrane", "plate", "modes", "mass_kg"}, "kinds of body");
+    if (kind == "mass_kg") {
+      read.is_mass = true;
+      read.resonator = {read.name, "", ModeTable{{{{0, 0, body.number("mass_kg", kMass)}, 1, 1}}}, {}, {}, 1};
+      model_.places.push_back({read.name, model_.bodies.size(), {Place{}}});
+    } else if (kind == "resonator") {
+      const NamedText named = read_named(body, "resonator", Shipped::kResonators, read_);
+      read.resonator = parse_resonator(named.text, named.file);
+    } else {
+      read.resonator = {read.name, "", kind == "modes" ? read_modes(body) : read_shaped_body(body),
+                        {},        {}, kMaxModes};
+    }
+    read_modifiers(body, read);
+    model_.bodies.push_back(std::move(read));
+  }
+
+  static decltype(Resonator::body) read_modes(const JsonObject& body) {
+    ModeTable table;
+    for (const JsonObject& row : body.objects("modes", {"frequency_hz", "decay_per_s", "mass_kg"}, kMaxModes))
+      table.rows.push_back({{2 * std::numbers::pi * row.number("frequency_hz", kFrequency),
+                             row.number("decay_per_s", kDecay), row.number("mass_kg", kMass)},
+                            0,
+                            0});
+    return table;
+  }
+
+  static void read_modifiers(const JsonObject& body, InstrumentBody& read) {
+    auto* string = std::get_if<StiffString>(&read.resonator.body);
+    if (string != nullptr && string->detuning_cents.size() != 1)
+      body.fail(body.key(body.has("resonator") ? "resonator" : "string"), "has several strings", "one body each");
+    if (body.has("tuning_cents")) {
+      if (string == nullptr) body.fail(body.key("tuning_cents"), "is not for this body", "beside strings");
+      string->detuning_cents.front() += body.number("tuning_cents", kCents);
+    }
+    if (body.has("max_modes")) {
+      if (read.is_mass) body.fail(body.key("max_modes"), "is not for a mass", "beside resonators");
+      read.resonator.max_modes = body.integer("max_modes", 1, kMaxModes);
+    }
+  }
+
+  void read_place(const JsonObject& place) {
+    InstrumentPlace read{read_own_name(place), 0, {}};
+    const std::string name = place.text("body", joined(names_of(model_.bodies)));
+    read.body = index_of(place, place.key("body"), name, model_.bodies, "body");
+    const InstrumentBody& body = model_.bodies[read.body];
+    if (body.is_mass)
+      place.fail(place.key("body"), fmt::format("'{}' is a mass", name), "a resonator; a mass is itself a place");
+    if (const auto* table = std::get_if<ModeTable>(&body.resonator.body)) {
+      for (const char* key : {"position_m", "positions_m", "angle_rad", "across_m"})
+        if (place.has(key)) place.fail(place.key(key), "has no meaning on a table of modes", "shapes");
+      read.shapes = place.numbers("shapes", kShape, kMaxModes);
+      if (read.shapes.size() != table->rows.size())
+        place.fail(place.key("shapes"), fmt::format("has {} entries", read.shapes.size()),
+                   fmt::format("one for each of the {} modes", table->rows.size()));
+      read.points.emplace_back();
+    } else {
+      read_points(place, body, read);
+    }
+    points_ += read.points.size();
+    if (points_ > kMaxPoints)
+      place.fail(place.key("name"), fmt::format("the places have more than {} points", kMaxPoints), "fewer points");
+    model_.places.push_back(std::move(read));
+  }
+
+  static void read_points(const JsonObject& place, const InstrumentBody& body, InstrumentPlace& read) {
+    if (place.has("shapes")) place.fail(place.key("shapes"), "is not for this body", "position_m or positions_m");
+    const bool is_round = std::holds_alternative<Membrane>(body.resonator.body);
+    if (place.has("angle_rad") && !is_round)
+      place.fail(place.key("angle_rad"), "is not for this body", "on a membrane");
+    const auto* plate = std::get_if<Plate>(&body.resonator.body);
+    if (place.has("across_m") && plate == nullptr)
+      place.fail(place.key("across_m"), "is not for this body", "on a plate");
+    const double across = plate != nullptr ? place.number("across_m", {0, plate->width_m}) : 0;
+    const double angle = place.has("angle_rad") ? place.number("angle_rad", kAngle) : 0;
+    // On a membrane a negative radius lies on the other side of the centre.
+    const double extent = extent_of(body.resonator.body);
+    const Range range{is_round ? -extent : 0, extent};
+    const std::string key = one_of_keys(place, {"position_m", "positions_m"}, "kinds of position");
+    const auto positions = key == "position_m" ? std::vector{place.number("position_m", range)}
+                                               : place.numbers("positions_m", range, kMaxPoints);
+    for (const double position : positions)
+      read.points.push_back({std::abs(position), position < 0 ? angle + std::numbers::pi : angle, across});
+  }
+
+  // The places of a connection and its gaps.
+  ConnectionGroup read_group(const JsonObject& json, ConnectionKind kind) {
+    ConnectionGroup group{read_own_name(json), {kind, kGround, kGround}, {}};
+    constexpr auto kAllowed = "an array of two places, one of which may be ground";
+    const auto between = json.texts("between", kAllowed, 2);
+    if (between.size() != 2) json.fail(json.key("between"), "names one place", kAllowed);
+    const auto place_of = [&](const std::string& name) {
+      return name == kGroundName ? kGround : index_of(json, json.key("between"), name, model_.places, "place");
+    };
+    group.each.first = place_of(between[0]);
+    group.each.second = place_of(between[1]);
+    check_ends(json, group.each);
+    const std::size_t size = std::max(points_of(group.each.first), points_of(group.each.second));
+    for (const std::size_t place : {group.each.first, group.each.second})
+      if (points_of(place) != 1 && points_of(place) != size)
+        json.fail(json.key("between"), "joins lists of different length", "places with as many points, or with one");
+    group.gaps_m = read_column(json, "gap_m", "gaps_m", kGap, 0, size);
+    connections_ += size;
+    return group;
+  }
+
+  void check_ends(const JsonObject& json, const InstrumentConnection& each) const {
+    if (each.first == kGround && each.second == kGround)
+      json.fail(json.key("between"), "joins the ground with itself", "a place of a body");
+    if (each.first == kGround || each.second == kGround) return;
+    const std::size_t body = model_.places[each.first].body;
+    if (body == model_.places[each.second].body)
+      json.fail(json.key("between"), fmt::format("joins body '{}' with itself", model_.bodies[body].name),
+                "places of two bodies");
+  }
+
+  [[nodiscard]] std::size_t points_of(std::size_t place) const {
+    return place == kGround ? 1 : model_.places[place].points.size();
+  }
+
+  // One number for all connections of a group, or one for each.
+  static std::vector<double> read_column(const JsonObject& json, const char* one, const char* each, Range range,
+                                         double otherwise, std::size_t size) {
+    if (json.has(one) && json.has(each))
+      json.fail(json.key(each), fmt::format("stands beside {}", one), "one of the two");
+    if (!json.has(each)) return std::vector(size, json.has(one) ? json.number(one, range) : otherwise);
+    auto numbers = json.numbers(each, range, kMaxPoints);
+    if (numbers.size() != size)
+      json.fail(json.key(each), fmt::format("has {} entries", numbers.size()),
+                fmt::format("one for each of the {} connections", size));
+    return numbers;
+  }
+
+  void read_contact(const JsonObject& json) {
+    ConnectionGroup group = read_group(json, ConnectionKind::kContact);
+    const auto& [material, table] = materials_.of(json);
+    const std::string name = json.text("material", "");
+    const auto found = std::ranges::find(model_.tables, name, &ContactTable::material);
+    group.each.table = static_cast<std::size_t>(found - model_.tables.begin());
+    if (found == model_.tables.end()) model_.tables.push_back({name, table});
+    group.each.loss_s_per_m = material.loss_s_per_m;
+    group.weights = read_column(json, "weight", "weights", kWeight, 1, group.gaps_m.size());
+    model_.connections.push_back(std::move(group));
+  }
+
+  void read_spring(const JsonObject& json) {
+    ConnectionGroup group = read_group(json, ConnectionKind::kSpring);
+    if (!json.has("stiffness_n_per_m") && !json.has("resistance_n_s_per_m"))
+      json.fail(json.key("stiffness_n_per_m"), "missing", "stiffness_n_per_m, resistance_n_s_per_m, or both");
+    if (json.has("stiffness_n_per_m")) group.each.stiffness_n_per_m = json.number("stiffness_n_per_m", kStiffness);
+    if (json.has("resistance_n_s_per_m"))
+      group.each.resistance_n_s_per_m = json.number("resistance_n_s_per_m", kResistance);
+    model_.connections.push_back(std::move(group));
+  }
+
+  // A link that closes a circle of rigid links would have nothing left to hold.
+  void read_link(const JsonObject& json) {
+    ConnectionGroup group = read_group(json, ConnectionKind::kLink);
+    const std::size_t first = end_of_chain(group.each.first), second = end_of_chain(group.each.second);
+    if (first == second)
+      json.fail(json.key("between"), "closes a circle of rigid links", "links that hold each place once");
+    chains_[first] = second;
+    model_.connections.push_back(std::move(group));
+  }
+
+  std::size_t end_of_chain(std::size_t place) {
+    while (chains_.contains(place)) place = chains_.at(place);
+    return place;
+  }
+
+  [[nodiscard]] static bool suits(ControlQuantity quantity, ConnectionKind kind) {
+    switch (quantity) {
+      case ControlQuantity::kStiffnessRatio:
+      case ControlQuantity::kLoss:
+        return kind == ConnectionKind::kContact;
+      case ControlQuantity::kStiffness:
+      case ControlQuantity::kResistance:
+        return kind == ConnectionKind::kSpring;
+      default:
+        return true;
+    }
+  }
+
+  std::size_t target_of(const JsonObject& json, const char* key, ControlQuantity quantity,
+                        const std::string& name) const {
+    const std::string path = json.key(key);
+    if (quantity == ControlQuantity::kDamping) return index_of(json, path, name, model_.bodies, "body");
+    if (quantity == ControlQuantity::kForce) return single_place(json, key, name);
+    const std::size_t found = index_of(json, path, name, model_.connections, "contact, spring or link");
+    const ConnectionKind kind = model_.connections[found].each.kind;
+    if (!suits(quantity, kind))
+      json.fail(path,
+                fmt::format("'{}' is a {}", name,
+                            kind == ConnectionKind::kContact  ? "contact"
+                            : kind == ConnectionKind::kSpring ? "spring"
+                                                              : "link"),
+                quantity == ControlQuantity::kStiffness || quantity == ControlQuantity::kResistance ? "a spring"
+                                                                                                    : "a contact");
+    return found;
+  }
+
+  std::size_t single_place(const JsonObject& json, const char* key, const std::string& name) const {
+    const std::size_t place = index_of(json, json.key(key), name, model_.places, "place");
+    if (model_.places[place].points.size() != 1)
+      json.fail(json.key(key), fmt::format("'{}' has several points", name), "a place of one point");
+    return place;
+  }
+
+  // What a control is before it is set: what the file says of its first target.
+  [[nodiscard]] double value_of(ControlQuantity quantity, std::size_t target) const {
+    switch (quantity) {
+      case ControlQuantity::kStiffnessRatio:
+        return 1;
+      case ControlQuantity::kLoss:
+        return model_.connections[target].each.loss_s_per_m;
+      case ControlQuantity::kStiffness:
+        return model_.connections[target].each.stiffness_n_per_m;
+      case ControlQuantity::kResistance:
+        return model_.connections[target].each.resistance_n_s_per_m;
+      default:
+        return 0;
+    }
+  }
+
+  void read_control(const JsonObject& json) {
+    std::vector<std::string> keys;
+    for (const ControlQuantity quantity : kQuantities) keys.emplace_back(key_of(quantity));
+    const std::string key = one_of_keys(json, keys, "quantities");
+    ModelControl control;
+    control.quantity = kQuantities[static_cast<std::size_t>(std::ranges::find(keys, key) - keys.begin())];
+    control.name = read_public_name(json, key.c_str());
+    for (const std::string& name :
+         json.texts(key.c_str(), "the name of what it controls, or an array of names", kMaxObjects)) {
+      const std::size_t target = target_of(json, key.c_str(), control.quantity, name);
+      if (!controlled_.insert({control.quantity, target}).second)
+        json.fail(json.key(key), fmt::format("'{}' already has such a control", name), "one control for each");
+      control.targets.push_back(target);
+    }
+    control.initial = json.has("initial") ? json.number("initial", range_of(control.quantity))
+                                          : value_of(control.quantity, control.targets.front());
+    model_.controls.push_back(std::move(control));
+  }
+
+  void read_strikes() {
+    for (const std::string& name : json_.texts("strikes", "an array of masses", kMaxBodies)) {
+      const std::size_t body = index_of(json_, "strikes", name, model_.bodies, "body");
+      if (!model_.bodies[body].is_mass) json_.fail("strikes", fmt::format("'{}' is not a mass", name), "masses");
+      model_.strikes.push_back(body);
+      require_public(json_, "strikes", strike_name(model_, model_.strikes.size() - 1));
+    }
+  }
+
+  // What an output hears.
+  std::size_t source_of(const JsonObject& json, const std::string& key, const std::string& name) const {
+    if (key == "force_n") return index_of(json, json.key(key), name, model_.connections, "contact, spring or link");
+    if (key != "end_force_n") return single_place(json, key.c_str(), name);
+    const std::size_t body = index_of(json, json.key(key), name, model_.bodies, "body");
+    if (!std::holds_alternative<StiffString>(model_.bodies[body].resonator.body))
+      json.fail(json.key(key), fmt::format("'{}' is not a string", name), "a string");
+    return body;
+  }
+
+  void read_output(const JsonObject& json) {
+    const std::string key =
+        one_of_keys(json, {"displacement_m", "velocity_m_per_s", "force_n", "end_force_n"}, "quantities");
+    ModelOutput output{read_public_name(json, key.c_str()), OutputQuantity::kDisplacement, {}};
+    if (key == "velocity_m_per_s") output.quantity = OutputQuantity::kVelocity;
+    if (key == "force_n") output.quantity = OutputQuantity::kForce;
+    output.is_end_force = key == "end_force_n";
+    for (const std::string& name :
+         json.texts(key.c_str(), "the name of what is heard, or an array of names", kMaxObjects))
+      output.targets.push_back(source_of(json, key, name));
+    model_.outputs.push_back(std::move(output));
+  }
+
+  inline static const std::vector<std::string> kBodyKeys = {
+      "name", "resonator", "string", "bar", "membrane", "plate", "modes", "mass_kg", "tuning_cents", "max_modes"};
+
+  const JsonObject& json_;
+  const ReadFile& read_;
+  DesignedMaterials materials_;
+  InstrumentModel model_;
+  std::set<std::string> names_, public_names_;
+  std::set<std::pair<ControlQuantity, std::size_t>> controlled_;
+  std::map<std::size_t, std::size_t> chains_;  // from a place to the next one that rigid links hold with it
+  std::size_t points_ = 0, connections_ = 0;
+};
+
+}  // namespace
+
+InstrumentModel parse_instrument(std::string_view text, std::string_view file, const ReadFile& read) {
+  const JsonObject json = parse_json(
+      text, file, "instrument",
+      {"name", "description", "bodies", "places", "contacts", "springs", "links", "controls", "strikes", "outputs"});
+  return Reader(json, read).read();
+}
+
+}  // namespace contactspline

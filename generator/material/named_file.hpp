@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+// Files that another file names: by a path, or by the name of something that ships.
+#pragma once
+
+#include <string>
+
+#include "generator/material/contact_reader.hpp"
+#include "generator/support/embedded_files.hpp"
+#include "generator/support/json_reader.hpp"
+
+namespace contactspline {
+
+struct NamedText {
+  std::string text, file;
+  bool ships;
+};
+
+/// The text of what the key `key` names: a .json file, which `read` reads, or something in a folder of what ships.
+/// Throws BadInput if there is no such file, or if it is of another kind.
+[[nodiscard]] NamedText read_named(const JsonObject& object, const char* key, Shipped folder, const ReadFile& read);
+
+/// Reads what a named file names in turn: beside the file, or what ships if the file ships. Both must outlive it.
+[[nodiscard]] ReadFile reader_beside(const NamedText& named, const ReadFile& read);
+
+}  // namespace contactspline

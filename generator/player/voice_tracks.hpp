@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+// What happens to a voice of a score, sample by sample: its controls and its strikes.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "generator/player/score.hpp"
+
+namespace contactspline {
+
+/// The sample at a time [s], rounded.
+[[nodiscard]] inline std::size_t sample_at(double time_s, double sample_rate_hz) {
+  return static_cast<std::size_t>(std::llround(time_s * sample_rate_hz));
+}
+
+/// The controls of a voice over time.
+class ControlTrack {
+ public:
+  ControlTrack(const Voice& voice, double sample_rate_hz)
+      : glides_(voice.glides), sample_rate_hz_(sample_rate_hz), values_(voice.initial), moves_(values_.size()) {}
+
+  /// Values for a sample. Samples must be asked for by rising number.
+  std::span<const double> at(std::size_t sample) {
+    for (; next_ < glides_.size() && sample_at(glides_[next_].time_s, sample_rate_hz_) <= sample; ++next_)
+      begin(glides_[next_], sample);
+    for (std::size_t i = 0; i < moves_.size(); ++i)
+      if (moves_[i].is_active) values_[i] = advance(moves_[i], sample);
+    return values_;
+  }
+
+  /// Number of samples from this one, the one just asked for, in which a control stays the same.
+  [[nodiscard]] std::size_t steady_samples(std::size_t sample, std::size_t control) const {
+    if (moves_[control].is_active) return 1;
+    if (next_ == glides_.size()) return std::numeric_limits<std::size_t>::max();
+    return sample_at(glides_[next_].time_s, sample_rate_hz_) - sample;
+  }
+
+ private:
+  struct Move {
+    bool is_active = false;
+    std::size_t begin, length;
+    double from, to;
+  };
+
+  void begin(const Glide& glide, std::size_t sample) {
+    moves_[glide.control] = {true, sample, sample_at(glide.over_s, sample_rate_hz_), values_[glide.control],
+                             glide.to};
+  }
+
+  // Eases in and out, so that neither place nor speed jumps.
+  static double advance(Move& move, std::size_t sample) {
+    move.is_active = sample < move.begin + move.length;
+    if (!move.is_active) return move.to;
+    const double part = static_cast<double>(sample - move.begin) / static_cast<double>(move.length);
+    return move.from + (move.to - move.from) * part * part * (3 - 2 * part);
+  }
+
+  std::span<const Glide> glides_;
+  double sample_rate_hz_;
+  std::vector<double> values_;
+  std::vector<Move> moves_;
+  std::size_t next_ = 0;
+};
+
+/// The strikes of a voice, and the ends of their holds, by rising sample.
+class StrikeTrack {
+ public:
+  struct Change {
+    std::size_t sample;
+    const Strike* strike;  ///< null at the end of a hold
+  };
+
+  StrikeTrack(std::span<const Strike> strikes, double sample_rate_hz) {
+    for (const Strike& strike : strikes) {
+      changes_.push_back({sample_at(strike.time_s, sample_rate_hz), &strike});
+      if (std::isfinite(strike.hold_s))
+        changes_.push_back({sample_at(strike.time_s + strike.hold_s, sample_rate_hz), nullptr});
+    }
+    std::ranges::stable_sort(changes_, {}, &Change::sample);
+  }
+
+  /// The next change up to this sample, or null.
+  const Change* next_until(std::size_t sample) {
+    return next_ < changes_.size() && changes_[next_].sample <= sample ? &changes_[next_++] : nullptr;
+  }
+  /// Number of samples from this one to the next change.
+  [[nodiscard]] std::size_t samples_to_next(std::size_t sample) const {
+    return next_ < changes_.size() ? changes_[next_].sample - sample : std::numeric_limits<std::size_t>::max();
+  }
+
+ private:
+  std::vector<Change> changes_;
+  std::size_t next_ = 0;
+};
+
+}  // namespace contactspline

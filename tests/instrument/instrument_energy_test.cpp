@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+// The energy balance of each instrument that ships, over its score: work of hands, pushes and strikes included.
+#include <cstdlib>
+
+#include "generator/player/instrument_player.hpp"
+#include "generator/player/score_reader.hpp"
+#include "generator/support/embedded_files.hpp"
+#include "support/compare.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+class ShippedInstrument : public ::testing::TestWithParam<std::string> {};
+
+struct Balance {
+  double peak_j, error_j;
+};
+
+// The largest energy, and the largest difference between the energy and what went in and out.
+Balance balance_of(const Voice& voice, double rate, double duration_s) {
+  InstrumentPlayer<double> player(voice, rate);
+  const auto& instrument = player.instrument();
+  const double begin = instrument.energy();
+  double received = 0;
+  Balance balance{0, 0};
+  for (int n = 0; n < duration_s * rate; ++n) {
+    player.tick();
+    received += instrument.work() - instrument.dissipated();
+    const double energy = instrument.energy();
+    balance.peak_j = std::max(balance.peak_j, energy);
+    const double error = std::abs(energy - begin - received);
+    if (!(error <= balance.error_j)) balance.error_j = error;
+  }
+  return balance;
+}
+
+// 3 s at two rates, or 10 s at four of them. Each sample's forces are right to some roundings of 1e-16, which add up.
+TEST_P(ShippedInstrument, KeepsItsEnergyToRounding) {
+  const bool is_full = std::getenv("CONTACTSPLINE_FULL_TESTS") != nullptr;
+  const auto rates = is_full ? std::vector<double>{22050, 44100, 96000, 192000} : std::vector<double>{44100, 96000};
+  const auto* file = find_embedded(Shipped::kScores, GetParam() + ".json");
+  ASSERT_NE(file, nullptr);
+  const Score score = parse_score(file->content, file->name, shipped_file);
+  for (const double rate : rates)
+    for (const Voice& voice : score.voices) {
+      const Balance balance = balance_of(voice, rate, is_full ? score.duration_s : 3);
+      EXPECT_GT(balance.peak_j, 1e-4) << voice.name;
+      EXPECT_TRUE(within(balance.error_j, 0, 1e-12 * balance.peak_j)) << voice.name << " at " << rate << " Hz";
+      std::cout << voice.name << " at " << rate << " Hz: " << balance.error_j / balance.peak_j << " of the peak\n";
+    }
+}
+
+std::vector<std::string> scores_of_instruments() {
+  std::vector<std::string> names;
+  for (const std::string& name : shipped_names(Shipped::kScores))
+    if (const auto* file = find_embedded(Shipped::kScores, name + ".json"))
+      if (parse_score(file->content, file->name, shipped_file).instrument == Instrument::kFile) names.push_back(name);
+  return names;
+}
+
+INSTANTIATE_TEST_SUITE_P(, ShippedInstrument, ::testing::ValuesIn(scores_of_instruments()),
+                         [](const auto& test) { return test.param; });
+
+TEST(ShippedInstruments, EachHasAScore) {
+  std::vector<std::string> played;
+  for (const std::string& name : scores_of_instruments()) {
+    const auto* file = find_embedded(Shipped::kScores, name + ".json");
+    played.push_back(parse_score(file->content, file->name, shipped_file).voices.front().model->name);
+  }
+  std::ranges::sort(played);
+  EXPECT_EQ(played, shipped_names(Shipped::kInstruments));
+}
+
+}  // namespace
+}  // namespace contactspline::testing

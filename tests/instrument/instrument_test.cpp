@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: MIT
+// Instrument files: what they become, against models written by hand and against the classes emitted for them.
+#include "generator/instrument/instrument.hpp"
+
+#include <memory>
+
+#include "contactspline/hammer_string.hpp"
+#include "contactspline/instruments/prepared_piano.hpp"
+#include "contactspline/instruments/slap_bass.hpp"
+#include "contactspline/instruments/snare.hpp"
+#include "contactspline/instruments/tanpura.hpp"
+#include "contactspline/instruments/trichord_c4.hpp"
+#include "generator/instrument/instrument_reader.hpp"
+#include "generator/player/score_player.hpp"
+#include "generator/player/score_reader.hpp"
+#include "generator/player/voice_tracks.hpp"
+#include "generator/resonator/resonator_reader.hpp"
+#include "generator/spline/design.hpp"
+#include "generator/support/embedded_files.hpp"
+#include "support/compare.hpp"
+#include "support/count_allocations.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+constexpr double kRate = 44100;
+
+std::string_view shipped_text(Shipped folder, const std::string& name) {
+  return find_embedded(folder, name + ".json")->content;
+}
+
+Score shipped_score(const std::string& name) {
+  return parse_score(shipped_text(Shipped::kScores, name), name, shipped_file);
+}
+
+// A hammer on a string as a file is the hammer-string: the same contact step on the same modes. Only sums are added
+// in another order, and the hammer is a body of its own: differences of rounding, which the contact multiplies.
+TEST(InstrumentFile, OfAHammerStringIsTheHammerString) {
+  constexpr double kSpeed = 2.5, kMass = 0.003;
+  const InstrumentModel model = parse_instrument(R"({
+    "name": "probe",
+    "bodies": [ { "name": "string", "resonator": "string_c4" }, { "name": "hammer", "mass_kg": 0.003 } ],
+    "places": [ { "name": "struck", "body": "string", "position_m": 0.0744 },
+                { "name": "pickup", "body": "string", "position_m": 0.248 } ],
+    "contacts": [ { "name": "felt", "between": ["hammer", "struck"], "material": "felt_c4" } ],
+    "strikes": ["hammer"],
+    "outputs": [ { "name": "pickup", "velocity_m_per_s": "pickup" }, { "name": "felt", "force_n": "felt" },
+                 { "name": "bridge", "end_force_n": "string" } ]
+  })",
+                                                 "probe.json");
+  const InstrumentArrays arrays = arrays_of(model, kRate / 2);
+  NetworkInstrument<double> instrument(arrays.view(), kRate);
+
+  const Resonator resonator = parse_resonator(shipped_text(Shipped::kResonators, "string_c4"), "string_c4");
+  std::vector<Mode> modes;
+  std::vector<double> struck, pickup, bridge;
+  for (const ResonatorMode& mode : modes_of(resonator, kRate / 2).modes) {
+    modes.push_back(mode.mode);
+    struck.push_back(mode.strike_shape);
+    pickup.push_back(mode.pickup_shape);
+    bridge.push_back(bridge_shape(std::get<StiffString>(resonator.body), mode.wavenumber_per_m));
+  }
+  const auto table = segment_table(design_material(shipped_text(Shipped::kMaterials, "felt_c4"), "felt").spline);
+  HammerString<double> by_hand(table, modes, ModeShapes<double>(std::span<const double>(struck)), kRate);
+  const auto at_pickup = by_hand.string().sound_pickup(std::span<const double>(pickup));
+  const auto at_bridge = by_hand.string().sound_pickup(std::span<const double>(bridge));
+
+  instrument.strike(0, kSpeed);
+  by_hand.strike(kSpeed, 0);
+  std::vector<double> actual[3], expected[3];
+  for (int n = 0; n < 20000; ++n) {
+    instrument.tick();
+    by_hand.tick({.hammer_mass_kg = kMass});
+    for (std::size_t i = 0; i < 3; ++i) actual[i].push_back(instrument.output(i));
+    expected[0].push_back(by_hand.string().velocity(at_pickup));
+    expected[1].push_back(by_hand.force());
+    expected[2].push_back(by_hand.string().displacement(at_bridge));
+  }
+  // The arrays are rounded to 13 digits: 0.45 s at 20 kHz is 6e4 rad, of which a digit is 6e-9.
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_TRUE(sequences_within(std::span<const double>(actual[i]), std::span<const double>(expected[i]), 1e-8))
+        << i;
+}
+
+// Drives the emitted class by a voice of a score and compares its first output with what `render` plays, bit by bit.
+template <typename Emitted>
+void expect_same_as_render(const std::string& score_name) {
+  Score score = shipped_score(score_name);
+  score.duration_s = 0.75;
+  for (std::size_t v = 0; v < score.voices.size(); ++v)
+    if (score.voices[v].pan != 0 || score.voices.size() > 1) score.voices[v].pan = 0;
+  std::size_t voice = 0;  // one that is not retuned
+  while (score_name == "tanpura_drone" && score.voices[voice].name != "sa") ++voice;
+  const Voice& played = score.voices[voice];
+  PlayOptions options{kRate};
+  options.only_voice = voice;
+  const Performance expected = play(score, options, [](double) {});
+
+  const auto emitted = std::make_unique<Emitted>(kRate);
+  ControlTrack controls(played, kRate);
+  StrikeTrack strikes(played.strikes, kRate);
+  double largest = 0;
+  for (std::size_t n = 0; n < expected.samples.size(); ++n) {
+    const auto values = controls.at(n);
+    for (std::size_t i = 0; i < values.size(); ++i) emitted->set_control(i, values[i]);
+    while (const auto* change = strikes.next_until(n))
+      emitted->strike(change->strike->strike, change->strike->speed_m_per_s);
+    double sample = 0;
+    emitted->process(std::span(&sample, 1));
+    ASSERT_EQ(static_cast<float>(sample), expected.samples[n]) << n;
+    largest = std::max(largest, std::abs(sample));
+  }
+  EXPECT_GT(largest, 1e-3);
+}
+
+TEST(EmittedClass, PlaysTheSamplesOfRender) {
+  expect_same_as_render<instruments::trichord_c4<>>("trichord_blows");
+  expect_same_as_render<instruments::slap_bass<>>("slap_line");
+  expect_same_as_render<instruments::prepared_piano<>>("prepared_notes");
+  expect_same_as_render<instruments::snare<>>("snare_roll");
+}
+
+TEST(EmittedClass, PlaysTheSamplesOfRenderForAPluck) {
+  instruments::tanpura<> emitted(kRate);
+  Score score = parse_score(R"({ "instrument": "tanpura", "duration_s": 0.5,
+      "events": [ { "time_s": 0, "finger_force_n": 0.4 }, { "time_s": 0.01, "finger_force_n": 0 },
+                  { "time_s": 0.2, "bridge_gap_shift_m": -1e-6, "hand_damping_per_s": 3 } ] })",
+                            "probe.json", shipped_file);
+  const Performance expected = play(score, {kRate}, [](double) {});
+  for (std::size_t n = 0; n < expected.samples.size(); ++n) {
+    if (n == 0) emitted.set_finger_force_n(0.4);
+    if (n == 441) emitted.set_finger_force_n(0);
+    if (n == 8820) emitted.set_bridge_gap_shift_m(-1e-6);
+    if (n == 8820) emitted.set_hand_damping_per_s(3);
+    emitted.tick();
+    ASSERT_EQ(static_cast<float>(emitted.wire_end_force_n()), expected.samples[n]) << n;
+  }
+}
+
+TEST(EmittedClass, NamesItsStrikesAndOutputs) {
+  instruments::trichord_c4<> named(kRate), numbered(kRate);
+  named.strike_hammer(3);
+  numbered.strike(0, 3);
+  double largest_hammer_force = 0;
+  for (int n = 0; n < 2000; ++n) {
+    named.tick();
+    numbered.tick();
+    ASSERT_EQ(named.bridge_force_n(), numbered.output(0));
+    ASSERT_EQ(named.soundboard_velocity_m_per_s(), numbered.output(1));
+    ASSERT_EQ(named.hammer_force_n(), numbered.output(2));
+    largest_hammer_force = std::max(largest_hammer_force, named.hammer_force_n());
+    ASSERT_EQ(named.hammer_force_n(), named.contact_force());
+  }
+  EXPECT_GT(largest_hammer_force, 10);
+}
+
+template <typename T>
+class EveryPrecision : public ::testing::Test {};
+using Precisions = ::testing::Types<float, double>;
+TYPED_TEST_SUITE(EveryPrecision, Precisions);
+
+TYPED_TEST(EveryPrecision, AllocatesNothingAfterConstruction) {
+  using T = TypeParam;
+  instruments::prepared_piano<T> instrument(kRate);
+  std::vector<T> block(2000);
+  const std::size_t before = allocations;
+  instrument.strike_hammer(3);
+  instrument.process(block);
+  instrument.set_play_gap_shift_m(T(-1e-4));
+  instrument.set_screw_stiffness_n_per_m(T(1e5));
+  instrument.set_bolt_loss_s_per_m(T(0.5));
+  instrument.set_damper_damping_per_s(20);
+  instrument.set_weight_force_n(T(0.1));
+  instrument.process(block);
+  EXPECT_EQ(allocations, before);
+  EXPECT_TRUE(all_finite(std::span<const T>(block)));
+}
+
+// The precision of the state changes the sound little before collisions have amplified it.
+TEST(EmittedClass, SoundsAlikeInSinglePrecision) {
+  instruments::trichord_c4<float> single(kRate);
+  instruments::trichord_c4<double> exact(kRate);
+  single.strike_hammer(3);
+  exact.strike_hammer(3);
+  std::vector<double> actual, expected;
+  for (int n = 0; n < 4410; ++n) {
+    single.tick();
+    exact.tick();
+    actual.push_back(double(single.bridge_force_n()));
+    expected.push_back(exact.bridge_force_n());
+  }
+  EXPECT_TRUE(sequences_within(std::span<const double>(actual), std::span<const double>(expected), 0.02));
+}
+
+// Controls that are not numbers do nothing; reset() brings an instrument to where it began.
+TEST(NetworkInstrument, ResetsAndIgnoresWhatIsNoNumber) {
+  instruments::slap_bass<> instrument(kRate);
+  const auto played = [&] {
+    std::vector<double> sound(4410);
+    instrument.strike_thumb(4);
+    instrument.process(sound);
+    return sound;
+  };
+  const auto first = played();
+  instrument.set_press_2_force_n(std::numeric_limits<double>::quiet_NaN());
+  instrument.set_action_gap_shift_m(std::numeric_limits<double>::quiet_NaN());
+  instrument.reset();
+  EXPECT_EQ(instrument.energy(), 0);
+  EXPECT_EQ(played(), first);
+}
+
+// A control sets what it is for, and its first value is that of the file.
+TEST(InstrumentFile, GivesControlsTheirFirstValue) {
+  const InstrumentModel model = parse_instrument(shipped_text(Shipped::kInstruments, "prepared_piano"), "probe");
+  const auto initial = [&](const std::string& name) {
+    return std::ranges::find(model.controls, name, &ModelControl::name)->initial;
+  };
+  EXPECT_EQ(initial("weight_force_n"), 0.049);
+  EXPECT_EQ(initial("bolt_loss_s_per_m"), 0.2);
+  EXPECT_EQ(initial("play_gap_shift_m"), 0);
+  EXPECT_EQ(initial("screw_stiffness_n_per_m"), 4e4);
+  EXPECT_EQ(initial("damper_damping_per_s"), 0);
+}
+
+// Shapes on a membrane: a negative radius is the other side of the centre, where the modes of odd order change sign.
+TEST(InstrumentFile, MeasuresADiameterThroughTheCentre) {
+  const InstrumentModel model = parse_instrument(R"({
+    "name": "probe",
+    "bodies": [ { "name": "head", "resonator": "drum_head", "max_modes": 12 } ],
+    "places": [ { "name": "line", "body": "head", "positions_m": [-0.06, 0.06] },
+                { "name": "other", "body": "head", "position_m": 0.06, "angle_rad": 3.141592653589793 } ],
+    "outputs": [ { "name": "head", "displacement_m": "other" } ]
+  })",
+                                                 "probe.json");
+  const InstrumentArrays arrays = arrays_of(model, kRate / 2);
+  ASSERT_EQ(arrays.shapes.size(), 36U);
+  int odd = 0;
+  for (std::size_t i = 0; i < 12; ++i) {
+    EXPECT_TRUE(within(arrays.shapes[i], arrays.shapes[24 + i], 1e-12));
+    EXPECT_TRUE(within(std::abs(arrays.shapes[i]), std::abs(arrays.shapes[12 + i]), 1e-12));
+    odd += arrays.shapes[i] * arrays.shapes[12 + i] < 0;
+  }
+  EXPECT_GE(odd, 3);
+}
+
+// The pitch of the trichord: its strings are held where they cross the bridge, within 4 cents.
+TEST(ShippedInstruments, TheTrichordSoundsAtC4) {
+  instruments::trichord_c4<> trichord(kRate);
+  trichord.strike_hammer(1);
+  std::vector<double> sound(44100);
+  trichord.process(sound);
+  double loudest = 0, found_hz = 0;
+  for (double f = 255; f < 268; f += 0.1) {
+    double re = 0, im = 0;
+    for (std::size_t n = 4410; n < sound.size(); ++n) {
+      const double phase = 2 * std::numbers::pi * f * double(n) / kRate;
+      const double window = 1 - std::cos(2 * std::numbers::pi * double(n - 4410) / double(sound.size() - 4410));
+      re += window * sound[n] * std::cos(phase);
+      im += window * sound[n] * std::sin(phase);
+    }
+    if (std::hypot(re, im) > loudest) {
+      loudest = std::hypot(re, im);
+      found_hz = f;
+    }
+  }
+  EXPECT_TRUE(within(1200 * std::log2(found_hz / 261.63), 0, 4)) << found_hz;
+}
+
+}  // namespace
+}  // namespace contactspline::testing
