@@ -160,10 +160,12 @@ Voice detuned_voice(const Keyboard& keyboard, int key, int cents) {
 }
 
 // What of a MIDI file is not played. The modes of a voice are fixed, so a sounding string cannot change its pitch.
-std::string left_out_line(std::string_view file, const Keyboard& keyboard, std::size_t notes, std::size_t bends) {
+std::string left_out_line(std::string_view file, const Keyboard& keyboard, std::size_t notes,
+                          std::size_t beyond_octave, std::size_t bends) {
   std::vector<std::string> parts;
   if (notes > 0)
     parts.push_back(fmt::format("notes beyond the keys {} to {} ({})", keyboard.first_key, keyboard.last_key, notes));
+  if (beyond_octave > 0) parts.push_back(fmt::format("notes bent by more than an octave ({})", beyond_octave));
   if (bends > 0) parts.push_back(fmt::format("changes of the pitch wheel while a note sounds ({})", bends));
   if (parts.empty()) return {};
   return fmt::format("{}: MIDI: left out: {}", file, fmt::join(parts, ", "));
@@ -329,10 +331,14 @@ Score parse_midi_score(std::string_view bytes, std::string_view file, std::span<
   const Keyboard keyboard = parse_keyboard(piano->content, piano->name);
   std::map<std::pair<int, int>, Voice> voices;  // by key and cents
   double end = 0;
-  std::size_t beyond = 0;
+  std::size_t beyond = 0, beyond_octave = 0;
   for (const MidiNote& note : notes) {
     if (note.key < keyboard.first_key || note.key > keyboard.last_key) {
       ++beyond;
+      continue;
+    }
+    if (std::abs(note.bend_cents) > kCents.max) {
+      ++beyond_octave;
       continue;
     }
     const int cents = static_cast<int>(std::lround(note.bend_cents));
@@ -342,8 +348,8 @@ Score parse_midi_score(std::string_view bytes, std::string_view file, std::span<
     end = std::max(end, note.time_s + note.hold_s);
   }
   if (voices.empty())
-    throw BadInput(fmt::format("{}: MIDI: no note is on the piano; allowed: keys {} to {}", file, keyboard.first_key,
-                               keyboard.last_key));
+    throw BadInput(fmt::format("{}: MIDI: no note is on the piano; allowed: keys {} to {}, bent by an octave at most",
+                               file, keyboard.first_key, keyboard.last_key));
   if (!(end + kRing <= kDuration.max))
     throw BadInput(
         fmt::format("{}: MIDI: it lasts {:.4g} s; allowed: at most {} s", file, end, kDuration.max - kRing));
@@ -353,7 +359,7 @@ Score parse_midi_score(std::string_view bytes, std::string_view file, std::span<
               end + kRing,
               {},
               body_of(keyboard, {{}, std::string(piano->name), true}, {}),
-              left_out_line(file, keyboard, beyond, bends_in_notes)};
+              left_out_line(file, keyboard, beyond, beyond_octave, bends_in_notes)};
   for (auto& [key, voice] : voices) score.voices.push_back(std::move(voice));
   return score;
 }

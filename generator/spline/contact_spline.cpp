@@ -94,9 +94,8 @@ Coefficients regular_coefficients(const Reparametrised& bars, const Quad& energy
 std::vector<Segment<double>> local_segments(const Reparametrised& bars, const Quad& energy, const Quad& width) {
   std::vector<Segment<double>> segments;
   for (std::size_t j = 0; j < bars.a.size(); ++j)
-    segments.push_back({Quad(width * j).convert_to<double>(), Quad(energy * bars.c[j]).convert_to<double>(),
-                        Quad(energy * bars.b[j] / width).convert_to<double>(),
-                        Quad(energy * bars.a[j] / (width * width)).convert_to<double>()});
+    segments.push_back({rounded(width * j), rounded(energy * bars.c[j]), rounded(energy * bars.b[j] / width),
+                        rounded(energy * bars.a[j] / (width * width))});
   return segments;
 }
 
@@ -133,9 +132,12 @@ Spline uniform_spline(const Material& material, std::string_view file) {
   const auto [energy, samples] = sample_potential(material.contact, width, material.spline.segments);
   const Reparametrised bars = solve_conditions(samples);
   require_convex(bars, material, file);
-  Spline spline{local_segments(bars, energy, width), width.convert_to<double>(),
-                energy.convert_to<double>(),         regular_coefficients(bars, energy, width),
-                normalised_coefficients(bars),       first_numbers(bars.a.size())};
+  Spline spline{local_segments(bars, energy, width),
+                rounded(width),
+                rounded(energy),
+                regular_coefficients(bars, energy, width),
+                normalised_coefficients(bars),
+                first_numbers(bars.a.size())};
   spline.end_m = material.spline.max_compression_m;
   require_in_range(spline, file);
   return spline;
@@ -146,7 +148,7 @@ Spline spline_through(const PiecewiseLinearForce& force, const Material& materia
   const PowerLaw* law = material.contact.power_law();
   const Quad energy = law != nullptr ? Quad((Quad(law->exponent) + 1) * exact_energy(material.contact, length))
                                      : Quad(length * material.contact.force(material.spline.max_compression_m));
-  Spline spline{{}, length.convert_to<double>(), energy.convert_to<double>(), {}, {}, {}};
+  Spline spline{{}, rounded(length), rounded(energy), {}, {}, {}};
   const auto push = [](Coefficients& to, const Quad& a, const Quad& b, const Quad& c) {
     to.a.push_back(rounded(a));
     to.b.push_back(rounded(b));
@@ -160,13 +162,12 @@ Spline spline_through(const PiecewiseLinearForce& force, const Material& materia
     push(spline.normalised, a, f, stored);
     push(spline.regular, energy * a / (length * length), energy * (f - 2 * a * y) / length,
          energy * ((a * y - f) * y + stored));
-    spline.normalised_knots.push_back(y.convert_to<double>());
-    spline.segments.push_back({Quad(length * y).convert_to<double>(), Quad(energy * stored).convert_to<double>(),
-                               Quad(energy / length * f).convert_to<double>(),
-                               Quad(energy / (length * length) * a).convert_to<double>()});
+    spline.normalised_knots.push_back(rounded(y));
+    spline.segments.push_back({rounded(length * y), rounded(energy * stored), rounded(energy / length * f),
+                               rounded(energy / (length * length) * a)});
     stored += (f + rise / 2) * width;
   }
-  spline.end_m = Quad(length * force.y.back()).convert_to<double>();
+  spline.end_m = rounded(length * force.y.back());
   require_in_range(spline, file);
   return spline;
 }

@@ -368,16 +368,18 @@ TEST(BadMidiChannel, IsRefused) {
 TEST(GoodMidiFile, IsPlayedWithoutWhatIsBeyondThePiano) {
   const auto bytes = [](const char* data, std::size_t size) { return std::string(data, size); };
   const std::string low = bytes("\0\x90\x14\x40\0\x90\x7f\x40", 8), bent = bytes("\0\xe0\0\x50", 4);
+  // On another channel, the wheel at the end of a range of 24 semitones.
+  const std::string far = bytes("\0\xb1\x65\0\0\xb1\x64\0\0\xb1\x06\x18\0\xe1\x7f\x7f\0\x91\x3c\x40", 20);
   const Sandbox box;
   write_file(box / "clean.mid", midi(kNote + kEnd));
-  write_file(box / "probe.mid", midi(low + low + kNote + bent + kEnd));
+  write_file(box / "probe.mid", midi(low + low + far + kNote + bent + kEnd));
   const Outcome outcome =
       run({.arguments = {"render", "hammer-string", "--score", "probe.mid", "-o", "a.wav"}, .folder = box.path()});
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_EQ(
       outcome.err,
-      "contactspline: probe.mid: MIDI: left out: notes beyond the keys 21 to 108 (4), changes of the pitch wheel "
-      "while a note sounds (1)\n");
+      "contactspline: probe.mid: MIDI: left out: notes beyond the keys 21 to 108 (4), notes bent by more than an "
+      "octave (1), changes of the pitch wheel while a note sounds (1)\n");
   succeed({.arguments = {"render", "hammer-string", "--score", "clean.mid", "-o", "b.wav"}, .folder = box.path()});
   EXPECT_TRUE(read_file(box / "a.wav") == read_file(box / "b.wav"));
 }

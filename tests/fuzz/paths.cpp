@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: MIT
+#include "fuzz/paths.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "contactspline/hammer_voice.hpp"
+#include "contactspline/mass_barrier.hpp"
+#include "generator/emit/emit_keyboard.hpp"
+#include "generator/emit/emit_material.hpp"
+#include "generator/emit/emit_resonator.hpp"
+#include "generator/emit/emitter.hpp"
+#include "generator/player/midi_reader.hpp"
+#include "generator/player/score_player.hpp"
+#include "generator/player/score_reader.hpp"
+#include "generator/resonator/keyboard_reader.hpp"
+#include "generator/resonator/resonator_reader.hpp"
+#include "generator/support/error.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+constexpr auto kCommand = "contactspline generate fuzz.json";
+constexpr auto kJson = "fuzz.json", kCurve = "fuzz.csv", kMidi = "fuzz.mid";
+constexpr double kHz = 44100;
+constexpr int kMaxSegments = 16, kMaxModes = 20, kMaxKeys = 4, kSamples = 64;
+constexpr double kMinTolerance = 0.02;
+
+// Whatever its name, a short curve.
+constexpr auto kShortCurve =
+    "compression_mm,force_n\n0.1,1\n0.2,3\n0.4,8\n0.6,20\n0.8,40\n1.2,80\n1.4,140\n1.6,190\n";
+
+void demand(bool holds, std::string_view what) {
+  if (!holds) throw std::logic_error(std::string(what));
+}
+
+void demand_text(const Emitter& emitter, const std::string& text) {
+  demand(!text.empty(), "nothing was emitted");
+  demand(emitter.name != "json" || nlohmann::json::accept(text), "emitted JSON cannot be read");
+  for (const std::string_view word : {"nan", "inf"})
+    for (auto at = text.find(word); emitter.name == "cpp" && at != std::string::npos; at = text.find(word, at + 1)) {
+      const auto is_letter = [&](std::size_t i) {
+        return i < text.size() && (std::isalnum(text[i]) || text[i] == '_');
+      };
+      demand(is_letter(at - 1) || is_letter(at + word.size()), "a number in emitted C++ is not finite");
+    }
+}
+
+template <typename T>
+void bounce(const Design& design) {
+  std::vector<Segment<T>> table;
+  for (const auto& s : segment_table(design.spline))
+    table.push_back({static_cast<T>(s.knot), static_cast<T>(s.energy), static_cast<T>(s.force),
+                     static_cast<T>(s.half_curvature)});
+  const auto mass = static_cast<T>(design.material.impact ? design.material.impact->mass_kg : 0.003);
+  const auto speed = static_cast<T>(design.material.impact ? design.material.impact->max_speed_m_per_s : 2.0);
+  MassBarrier<T> model(table, static_cast<T>(kHz));
+  model.throw_from(T(-1e-5), speed);
+  for (int n = 0; n < kSamples; ++n) {
+    model.tick({.mass_kg = mass, .contact = {T(1), static_cast<T>(design.material.loss_s_per_m)}});
+    demand(std::isfinite(model.force()) && std::isfinite(model.displacement()), "a collision is not finite");
+    demand(model.force() >= 0, "a contact pulls");
+  }
+}
+
+bool fits_single(const Spline& spline) {  // tables of single precision: docs/materials.md
+  return std::ranges::all_of(spline.segments, [](const Segment<double>& s) {
+    return std::max({s.energy, s.force, s.half_curvature}) < 1e30;
+  });
+}
+
+void emit_and_bounce(const Design& design) {
+  for (const Emitter& emitter : emitters()) demand_text(emitter, emit(emitter, design, kCommand));
+  bounce<double>(design);
+  if (fits_single(design.spline)) bounce<float>(design);
+}
+
+Material small(Material material) {
+  material.spline.segments = std::min(material.spline.segments, kMaxSegments);
+  if (material.spline.tolerance > 0) {
+    material.spline.tolerance = std::max(material.spline.tolerance, kMinTolerance);
+    // a search of seconds
+    if (material.spline.minimise == ErrorOf::spectrum) material.spline.segments = 4, material.spline.tolerance = 0;
+  }
+  if (material.live_exponent) material.live_exponent->members = std::min(material.live_exponent->members, 3);
+  return material;
+}
+
+Material read_material(std::string_view text) {
+  return parse_material(text, kJson, [](const std::string&) { return kShortCurve; });
+}
+
+void play_material(std::string_view text) {
+  Material material = small(read_material(text));
+  const Spline spline = design_spline(material, kJson);
+  emit_and_bounce({material, spline, measure_quality(spline, material), {}});
+}
+
+void read_curve(std::string_view text) {
+  const auto samples = parse_curve(text, kCurve);
+  demand(samples.size() >= 8, "a curve of fewer than 8 samples");
+}
+
+// Under a material that reaches a part of the curve only, so that what is cut off at the end may do. Both have the
+// same file, whichever is to blame.
+void play_curve(std::string_view text) {
+  for (const char* shape : {"hardening", "monotone"}) {
+    const nlohmann::json material = {
+        {"name", "fuzz"},
+        {"contact", {{"curve", {{"file", kCurve}, {"shape", shape}}}}},
+        {"spline", {{"knots", "uniform"}, {"segments", 64}, {"max_compression_m", 1e-4}}}};
+    emit_and_bounce(design_material(material.dump(), kCurve, [&](const std::string&) { return std::string(text); }));
+  }
+}
+
+void play_resonator(std::string_view text) {
+  Resonator resonator = parse_resonator(text, kJson);
+  resonator.max_modes = std::min(resonator.max_modes, kMaxModes);
+  const auto modes = modes_of(resonator, kHz / 2).modes;
+  if (modes.empty()) return;
+  for (const Emitter& emitter : emitters()) demand_text(emitter, emit(emitter, resonator, kHz / 2, kCommand));
+  std::vector<Mode> bare;
+  std::vector<double> strike, pickup;
+  for (const auto& mode : modes)
+    bare.push_back(mode.mode), strike.push_back(mode.strike_shape), pickup.push_back(mode.pickup_shape);
+  const std::vector<Segment<double>> felt = {{0, 0, 0, 0}, {0, 0, 0, 1e5}, {1e-3, 0.1, 200, 1e6}};
+  HammerVoice<double> voice(felt, bare, ModeShapes<double>(strike), ModeShapes<double>(pickup),
+                            {.hammer_mass_kg = 0.003, .felt = {1, 0.1}}, {}, kHz);
+  voice.strike(2);
+  std::array<double, kSamples> out, forces;
+  voice.process(out, forces.data());
+  for (std::size_t n = 0; n < kSamples; ++n)
+    demand(std::isfinite(out[n]) && std::isfinite(forces[n]) && forces[n] >= 0, "a struck resonator is not finite");
+}
+
+void play_keyboard(std::string_view text) {
+  Keyboard keyboard = parse_keyboard(text, kJson);
+  keyboard.segments = std::min(keyboard.segments, 4);
+  keyboard.last_key = std::min(keyboard.last_key, keyboard.first_key + kMaxKeys);
+  for (const Emitter& emitter : emitters()) demand_text(emitter, emit(emitter, keyboard, kCommand));
+}
+
+// A hundredth of a second of the first two voices.
+void play_a_little(Score score) {
+  score.duration_s = 0.01;
+  if (score.voices.size() > 2) score.voices.resize(2);
+  for (Voice& voice : score.voices) voice.resonator.max_modes = std::min(voice.resonator.max_modes, kMaxModes / 2);
+  const Performance played = play(score, {.sample_rate_hz = kHz, .signal = best_signal(score)}, [](double) {});
+  demand(played.samples.size() == 441u * static_cast<std::size_t>(played.channels), "a score of a wrong length");
+  demand(std::ranges::all_of(played.samples, [](float sample) { return std::isfinite(sample); }),
+         "a score is not finite");
+}
+
+// The two files that a score may name: other ones do not exist.
+std::string beside_score(const std::string& path) {
+  if (path.ends_with("felt.json"))
+    return R"({"name": "felt", "contact": {"stiffness_n_per_m_alpha": 4e9, "exponent": 2.5}, "spline": {"knots":
+      "uniform", "segments": 4, "max_compression_m": 1e-3}, "impact": {"mass_kg": 0.003, "max_speed_m_per_s": 6,
+      "min_speed_m_per_s": 0.1}})";
+  if (path.ends_with("string.json"))
+    return R"({"name": "string", "max_modes": 10, "string": {"length_m": 0.6, "mass_kg": 0.004, "tension_n": 670,
+      "bending_stiffness_n_m2": 0.01, "constant_loss_per_s": 0.5, "quadratic_loss_m2_per_s": 1e-4},
+      "strike": {"position_m": 0.07}, "pickup": {"position_m": 0.2}})";
+  refuse(kJson, shown(path), "does not exist", "a file");
+}
+
+Score read_score(std::string_view text) {
+  return parse_score(text, kJson, beside_score);
+}
+
+void demand_notes(const MidiSong& song) {
+  double last_s = 0;
+  for (const MidiNote& note : song.notes) {
+    demand(std::isfinite(note.time_s) && note.time_s >= last_s && note.hold_s >= 0, "a note at a wrong time");
+    demand(note.key >= 0 && note.key < 128 && note.velocity > 0 && note.velocity < 128, "a wrong note");
+    demand(std::isfinite(note.bend_cents), "a wrong bend");
+    last_s = note.time_s;
+  }
+}
+
+constexpr std::array kPaths = {
+    Path{"material", kJson, [](std::string_view text) { read_material(text); }, play_material},
+    Path{"curve", kCurve, read_curve, play_curve},
+    Path{"resonator", kJson, [](std::string_view text) { (void)parse_resonator(text, kJson); }, play_resonator},
+    Path{"keyboard", kJson, [](std::string_view text) { (void)parse_keyboard(text, kJson); }, play_keyboard},
+    Path{"score", kJson, [](std::string_view text) { (void)read_score(text); },
+         [](std::string_view text) { play_a_little(read_score(text)); }},
+    Path{"midi", kMidi, [](std::string_view bytes) { demand_notes(parse_midi(bytes, kMidi)); },
+         [](std::string_view bytes) { play_a_little(parse_midi_score(bytes, kMidi)); }}};
+
+}  // namespace
+
+std::span<const Path> paths() {
+  return kPaths;
+}
+
+const Path& path_of(std::string_view name) {
+  const auto found = std::ranges::find(kPaths, name, &Path::name);
+  if (found == kPaths.end()) throw std::out_of_range("no path of the name " + std::string(name));
+  return *found;
+}
+
+std::string_view fault_of_message(std::string_view message, std::string_view file) {
+  const auto is_printable = [](unsigned char c) { return c >= 0x20 && c < 0x7f; };
+  // An option may be to blame: a sample rate below which nothing sounds.
+  if (!message.starts_with(std::string(file) + ": ") && !message.starts_with("--rate: "))
+    return "does not begin with the file";
+  const auto says = [&](std::string_view words) { return message.find(words) != std::string_view::npos; };
+  if (!says("; allowed: ") && !says("; use an") && !says("; energies and stiffnesses must"))
+    return "does not say what is allowed";
+  if (!std::ranges::all_of(message, is_printable)) return "has characters that cannot be printed";
+  if (message.size() >= 700) return "is too long";
+  return {};
+}
+
+}  // namespace contactspline::testing
