@@ -181,14 +181,14 @@ const cases = {
   async "no MIDI is no error"() {
     await withPage(server.address, async (page) => {
       await page.locator("#strike").click();
-      await page.getByText("MIDI was not allowed").waitFor();
+      await page.getByText("MIDI was not allowed.").waitFor();
     });
     const opened = await openPage(modules, server.address);
     await opened.page.addInitScript(() => delete Navigator.prototype.requestMIDIAccess);
     await opened.page.reload();
     await opened.page.evaluate(() => contactSpline.loaded);
     await opened.page.locator("#strike").click();
-    await opened.page.getByText("no MIDI in this browser").waitFor();
+    await opened.page.getByText("No MIDI in this browser.").waitFor();
     assert.deepEqual(opened.complaints, []);
     await opened.close();
   },

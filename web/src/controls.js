@@ -33,8 +33,8 @@ export function slider({ label, unit = "", min, max, step, init, isLogarithmic }
     input.setAttribute("aria-valuetext", shown.textContent);
   };
   const set = (to) => {
-    value = to;
-    input.value = logarithmic ? (kSteps * Math.log(to / min)) / Math.log(max / min) : to;
+    value = Math.max(min, Math.min(max, to));
+    input.value = logarithmic ? (kSteps * Math.log(value / min)) / Math.log(max / min) : value;
     show();
   };
   input.addEventListener("input", () => {

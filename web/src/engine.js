@@ -38,7 +38,6 @@ export function startEngine(module, sampleRate) {
     pedal: (down) => exports.engine_pedal(down ? 1 : 0),
     silence: () => exports.engine_silence(),
     watchNone: () => exports.engine_watch_none(),
-    sounding: () => exports.engine_sounding(),
 
     /** Plays up to 128 samples: left, right and the contact force of the last strike, views that the next call changes. */
     process(samples) {

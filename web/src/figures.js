@@ -33,19 +33,22 @@ export class Figures {
     byId("energy-figure").hidden = !hasEnergy;
     this.captured = [];
     this.isArmed = false;
+    this.strikes ??= 0;
     this.books = [[], [], [], [], []];
     this.isDirty = true;
   }
 
-  /** The next force belongs to a new strike. */
+  /** A strike has been sent: reports of earlier ones are not drawn any more. */
   struck() {
+    ++this.strikes;
     this.isArmed = true;
     this.captured = [];
     this.books = [[], [], [], [], []];
     this.began = null;
   }
 
-  report({ time, force, books }) {
+  report({ time, strikes, force, books }) {
+    if (strikes !== this.strikes) return;
     this.capture(force);
     if (!books || books.work === 0) return;
     this.began ??= time;

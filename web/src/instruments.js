@@ -3,9 +3,9 @@
 
 /** The keyboard by the C++ runtime, and the Faust programs. `output`: the one that sounds, with its `gain`. */
 export const kInstruments = {
-  keyboard: { title: "Hammer on a string", by: "C++ runtime, your material", button: null },
+  keyboard: { title: "Hammer and string, your material", by: "C++" },
   piano: { title: "Piano, 88 keys", by: "Faust", voices: 8, gain: 1 },
-  hammer_string: { title: "Hammer on a string, C4", by: "Faust", button: "strike", output: 0, force: 1, gain: 0.4 },
+  hammer_string: { title: "Hammer and string, C4", by: "Faust", button: "strike", output: 0, force: 1, gain: 0.4 },
   mass_barrier: { title: "Mass at a barrier", by: "Faust", button: "throw", output: 1, force: 1, gain: 0.02 },
   slide_string: { title: "Slide guitar", by: "Faust", button: "pluck", output: 0, force: 1, gain: 0.4 },
   fret_string: { title: "String buzzing at a fret", by: "Faust", button: "pluck", output: 0, force: 1, gain: 0.25 },

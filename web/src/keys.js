@@ -3,6 +3,9 @@
 
 const kComputerKeys = "awsedftgyhujkolp";
 const kBlack = new Set([1, 3, 6, 8, 10]);
+/** The name of a key, as C4. */
+export const keyName = (key) => `${kNames[key % 12]}${Math.floor(key / 12) - 1}`;
+
 const kNames = ["C", "C♯", "D", "E♭", "E", "F", "F♯", "G", "A♭", "A", "B♭", "B"];
 
 export class Keys {
@@ -38,12 +41,12 @@ export class Keys {
       const isBlack = kBlack.has(key % 12);
       button.dataset.key = key;
       button.className = isBlack ? "black" : "white";
-      button.setAttribute("aria-label", `${kNames[key % 12]}${Math.floor(key / 12) - 1}`);
+      button.setAttribute("aria-label", keyName(key));
       button.tabIndex = key === this.first ? 0 : -1;
       const size = 100 / white;
       button.style.width = `${isBlack ? size * 0.62 : size}%`;
       button.style.left = `${isBlack ? place * size - size * 0.31 : place * size}%`;
-      if (key % 12 === 0) button.textContent = `C${Math.floor(key / 12) - 1}`;
+      if (key % 12 === 0) button.textContent = keyName(key);
       if (!isBlack) ++place;
       this.element.append(button);
     }
@@ -122,12 +125,12 @@ export class Keys {
 
   /** Listens to MIDI where there is some. Returns what to tell; a refusal is no error. */
   async listenToMidi() {
-    if (!navigator.requestMIDIAccess) return "no MIDI in this browser";
+    if (!navigator.requestMIDIAccess) return "No MIDI in this browser.";
     let access;
     try {
       access = await navigator.requestMIDIAccess();
     } catch {
-      return "MIDI was not allowed";
+      return "MIDI was not allowed.";
     }
     const onMessage = ({ data: [status, first, second] }) => {
       const kind = status & 0xf0;
@@ -138,6 +141,6 @@ export class Keys {
     const listen = () => access.inputs.forEach((input) => (input.onmidimessage = onMessage));
     access.onstatechange = listen;
     listen();
-    return access.inputs.size > 0 ? `MIDI: ${[...access.inputs.values()].map((input) => input.name).join(", ")}` : "MIDI: no device";
+    return access.inputs.size > 0 ? `MIDI: ${[...access.inputs.values()].map((input) => input.name).join(", ")}.` : "MIDI: no device.";
   }
 }

@@ -3,13 +3,13 @@
 import { asset, jsonAsset } from "./assets.js";
 import { Audio, instrumentMessage, kSampleRate, renderOffline } from "./audio.js";
 import { Comparison } from "./compare.js";
-import { fillSelect, slider } from "./controls.js";
+import { fillSelect, readable, slider } from "./controls.js";
 import { Editor } from "./editor.js";
 import { startEngine } from "./engine.js";
 import { controlsOf } from "./faust_program.js";
 import { startGenerator } from "./generator.js";
 import { kInstruments, kKeyboardControls } from "./instruments.js";
-import { Keys } from "./keys.js";
+import { Keys, keyName } from "./keys.js";
 import { Figures } from "./figures.js";
 import { redrawPlots } from "./plots.js";
 import { kPresets } from "./presets.js";
@@ -19,6 +19,7 @@ import { Tour } from "./tour.js";
 
 const kStudyFrames = 530; // 12 ms
 const kStudyKey = 60;
+const [kFirstKey, kLastKey] = [21, 108]; // of the piano, whose strings the keyboard has
 
 const byId = (id) => document.getElementById(id);
 const compile = async (name) => WebAssembly.compile(await asset(name));
@@ -98,6 +99,9 @@ class Page {
     for (const [label, value] of Object.entries(values ?? {})) this.controls.get(label)?.set(value);
     for (const label of this.controls.keys()) this.sendControl(label);
     byId("stage-figure").hidden = !["keyboard", "mass_barrier"].includes(name);
+    const { button } = kInstruments[name];
+    byId("strike").textContent = button ? button[0].toUpperCase() + button.slice(1) : "Strike";
+    for (const id of ["keys", "octave-down", "octave-up"]) byId(id).hidden = button !== undefined;
     this.figures.reset(isKeyboard);
     this.study(kStudyKey);
   }
@@ -126,7 +130,10 @@ class Page {
 
   useDesign(design) {
     const { table, mass_kg, loss_s_per_m } = design;
-    if (!this.studio.useMaterial(design)) return;
+    if (!this.studio.useMaterial(design)) {
+      byId("design-note").append(" The keyboard plays up to 128 segments, and keeps the last material.");
+      return;
+    }
     this.audio.send({ do: "material", design: { table, mass_kg, loss_s_per_m } });
     if (this.instrument === "keyboard" && this.controls.size > 0) this.controlMoved("speed");
   }
@@ -136,13 +143,23 @@ class Page {
     if (this.instrument === "keyboard") {
       const study = this.studio.studyString(key, this.value("speed"), kStudyFrames);
       this.stage.show(study, "string", this.value("strike position"));
+      this.caption(study, `${keyName(key)} struck from rest`);
     } else if (this.instrument === "mass_barrier") {
       this.reference.control({ stiffness: this.value("stiffness ratio"), mass: 1, loss: this.value("loss"), position: 0.12 });
-      this.stage.show(this.reference.studyBarrier(this.value("mass"), this.value("speed"), kStudyFrames), "barrier", 0.5);
+      const study = this.reference.studyBarrier(this.value("mass"), this.value("speed"), kStudyFrames);
+      this.stage.show(study, "barrier", 0.5);
+      this.caption(study, "the mass without gravity,");
     }
   }
 
+  caption({ imbalance, hammer }, name) {
+    const worst = imbalance.reduce((max, value) => Math.max(max, Math.abs(value)), 0) / hammer[0];
+    byId("stage-caption").textContent =
+      `Slow motion: ${name} at ${readable(this.value("speed"))} m/s. Energy balanced within ${readable(worst)}.`;
+  }
+
   async strike(key, velocity) {
+    if (key < kFirstKey || key > kLastKey) return;
     await this.startSound();
     // A soft key of MIDI strikes at a tenth of the speed of the slider, the hardest at its double.
     const speed = this.value("speed") * (velocity === null ? 1 : 0.1 * 20 ** velocity);
@@ -201,3 +218,6 @@ class Page {
 const page = new Page();
 // For tests, and for the curious at the console.
 globalThis.contactSpline = { page, renderOffline, instrumentMessage, loaded: page.load().then(() => page.run()) };
+contactSpline.loaded.catch((error) => {
+  byId("stage-caption").textContent = `This browser cannot play the page: ${error.message}`;
+});

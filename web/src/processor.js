@@ -85,6 +85,7 @@ class ContactSplineProcessor extends AudioWorkletProcessor {
     this.engine = startEngine(processorOptions.engine, sampleRate);
     this.faust = null;
     this.filled = 0;
+    this.strikes = 0;
     this.force = new Float32Array(kReport);
     this.block = new Float32Array(128);
     for (const message of processorOptions.messages ?? []) this.receive(message);
@@ -99,10 +100,17 @@ class ContactSplineProcessor extends AudioWorkletProcessor {
     if (message.do === "control") engine.control(message.controls);
     if (message.do === "instrument") this.choose(message);
     if (message.do === "set") faust?.set(message.label, message.value);
-    if (message.do === "strike") playing.strike(message.key, faust ? message.velocity : message.speed);
+    if (message.do === "strike") this.strike(playing, message);
     if (message.do === "release") playing.release(message.key);
     if (message.do === "pedal") playing.pedal(message.down);
     if (message.do === "watchNone") engine.watchNone();
+  }
+
+  // The reports of a strike begin with its first sample: they hold nothing of the one before.
+  strike(playing, { key, speed, velocity }) {
+    playing.strike(key, this.faust ? velocity : speed);
+    ++this.strikes;
+    this.filled = 0;
   }
 
   choose({ description, bytes }) {
@@ -132,7 +140,7 @@ class ContactSplineProcessor extends AudioWorkletProcessor {
     if (this.filled < kReport) return;
     this.filled = 0;
     const books = this.faust ? null : this.engine.books();
-    this.port.postMessage({ is: "report", time: currentTime, force: this.force.slice(), books, sounding: this.faust ? 0 : this.engine.sounding() });
+    this.port.postMessage({ is: "report", time: currentTime, strikes: this.strikes, force: this.force.slice(), books });
   }
 }
 

@@ -2,12 +2,11 @@
 // The slow motion of one strike: the string or the barrier, the hammer with its felt, and where the energy is.
 import { colour } from "./plots.js";
 
-const kEnergies = [
-  ["hammer", "hammer", "orange"],
-  ["felt", "felt", "felt"],
-  ["string", "string", "blue"],
-  ["dissipated", "lost", "soft"],
-];
+/** Where the energy is: column of the study, its name, its colour. */
+const kEnergies = {
+  string: [["hammer", "hammer", "orange"], ["felt", "felt", "felt"], ["string", "string", "blue"], ["dissipated", "lost", "soft"]],
+  barrier: [["hammer", "mass", "orange"], ["felt", "contact", "felt"], ["dissipated", "lost", "soft"]],
+};
 
 export class Stage {
   constructor(canvas, { play, time, speed }) {
@@ -81,7 +80,7 @@ export class Stage {
     const { study, kind } = this;
     const now = study.shape(i);
     const next = study.shape(i + 1);
-    context.strokeStyle = colour("blue");
+    context.strokeStyle = colour(kind === "barrier" ? "soft" : "blue");
     context.lineWidth = kind === "barrier" ? 10 : 3;
     context.lineJoin = "round";
     const shift = kind === "barrier" ? -5 : 0;
@@ -115,8 +114,8 @@ export class Stage {
 
   // One column of constant height: what changes is only where the energy is.
   drawEnergy(context, { x, width, height }, value) {
-    const { study } = this;
-    const parts = kEnergies.map(([name, label, paint]) => [Math.max(0, value(study[name])), label, paint]);
+    const { study, kind } = this;
+    const parts = kEnergies[kind].map(([name, label, paint]) => [Math.max(0, value(study[name])), label, paint]);
     const total = parts.reduce((sum, [energy]) => sum + energy, 0);
     const [top, full] = [28, height - 44];
     let y = top + full;

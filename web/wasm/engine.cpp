@@ -348,10 +348,6 @@ CONTACTSPLINE_WEB(const double*, engine_books) {
   return shown_books.data();
 }
 
-CONTACTSPLINE_WEB(int, engine_sounding) {
-  return keyboard->sounding();
-}
-
 /// Numbers of a frame of a study.
 CONTACTSPLINE_WEB(int, engine_frame_size) {
   return static_cast<int>(kFrame);

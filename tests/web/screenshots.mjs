@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+// screenshots.mjs NODE_MODULES PAGE.html FOLDER: the page after a strike, on a phone and a desktop, dark and light, to look
+// at; and docs-light.png, which is docs/figures/web.png.
+import { mkdirSync } from "node:fs";
+import { join } from "node:path";
+
+import { serve } from "../../web/serve.mjs";
+import { openPage } from "./browser.mjs";
+
+const [modules, file, folder] = process.argv.slice(2);
+const server = await serve(file);
+mkdirSync(folder, { recursive: true });
+const devices = { desktop: { width: 1280, height: 800 }, phone: { width: 390, height: 844 }, docs: { width: 1280, height: 1130 } };
+for (const [device, size] of Object.entries(devices))
+  for (const colorScheme of ["light", "dark"]) {
+    const { page, close } = await openPage(modules, server.address, { ...size, colorScheme });
+    await page.evaluate(() => contactSpline.loaded);
+    for (const key of "adg") {
+      await page.keyboard.press(key);
+      await page.waitForTimeout(600);
+    }
+    await page.evaluate(() => {
+      const { stage } = contactSpline.page;
+      stage.setPlaying(false);
+      stage.time.value = 0.1;
+      stage.time.dispatchEvent(new Event("input"));
+    });
+    await page.screenshot({ path: join(folder, `${device}-${colorScheme}.png`) });
+    await page.screenshot({ path: join(folder, `${device}-${colorScheme}-whole.png`), fullPage: true });
+    await close();
+  }
+server.close();
