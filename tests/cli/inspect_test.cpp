@@ -459,6 +459,34 @@ TEST(Inspect, SaysWhatAToleranceMeans) {
             std::string::npos);
 }
 
+// Every part of an instrument, in the table, in the drawing and as JSON.
+TEST(InspectInstrument, ShowsAllItsParts) {
+  const Sandbox box;
+  const std::string table = printed(box, {"inspect", "prepared_piano", "--figure", "a.svg"});
+  EXPECT_TRUE(table.starts_with("prepared_piano: two strings with a rattling bolt and a screw between them\n"));
+  for (const std::string line :
+       {"  second                   string    120 modes from 53.1", "  bolt                     mass      0.005 kg",
+        "  under_bolt                         first: 0.71 m",
+        "  bolt_below               contact   under_bolt and bolt, gap 0.00015 m, steel_on_steel times 1",
+        "  thread_first             spring    first_at_screw and screw, gap 0 m, 40000 N/m, 0.05 N s/m",
+        "  screw_stiffness_n_per_m            0 to 1e+09, at the beginning 40000",
+        "  hammer_speed_m_per_s     strike", "  bridge_end_force_n                 N", "figure: a.svg"})
+    EXPECT_NE(table.find("\n" + line), std::string::npos) << line << " is not in\n" << table;
+  const std::string text = read_svg(box / "a.svg").text;
+  for (const std::string name :
+       {"first, string", "second, string", "hammer, mass", "bolt, mass", "screw, mass", "first_struck",
+        "second_struck", "under_bolt", "first_at_screw", "second_at_screw", "felt_first", "felt_second", "bolt_above",
+        "bolt_below", "thread_first", "thread_second", "two strings with a rattling bolt"})
+    EXPECT_NE(text.find(name), std::string::npos) << name;
+  const auto json = nlohmann::json::parse(printed(box, {"inspect", "prepared_piano", "--json", "--rate", "8000"}));
+  EXPECT_EQ(json.at("bodies").size(), 5u);
+  EXPECT_EQ(json.at("body_ends").back(), json.at("mass_kg").size());
+  EXPECT_EQ(json.at("max_frequency_hz"), 4000);
+  EXPECT_EQ(json.at("controls")[3].at("name"), "screw_stiffness_n_per_m");
+  expect_refused(run({.arguments = {"inspect", "tanpura", "--compare"}, .folder = box.path()}),
+                 "tanpura: --compare: cannot be used with an instrument", "allowed: with a material");
+}
+
 TEST(List, HasATableForEachKind) {
   const std::string all = succeed({.arguments = {"list"}});
   for (const auto& [kind, folder] :

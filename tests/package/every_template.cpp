@@ -11,6 +11,7 @@
 #include "contactspline/fret_string.hpp"
 #include "contactspline/hammer_string.hpp"
 #include "contactspline/hammer_voice.hpp"
+#include "contactspline/instruments/trichord_c4.hpp"
 #include "contactspline/keyboard.hpp"
 #include "contactspline/keyboards/piano.hpp"
 #include "contactspline/live_exponent.hpp"
@@ -47,6 +48,8 @@ using Felt = materials::felt_c4;
   template class ModalBank<T>;                          \
   template class ModeShapes<T>;                         \
   template class MovingPlace<T>;                        \
+  template class NetworkInstrument<T>;                  \
+  template class instruments::trichord_c4<T>;           \
   template class SlideString<T>;                        \
   template class StringShapes<T>;
 
