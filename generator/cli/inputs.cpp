@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "generator/cli/files.hpp"
+#include "generator/cli/waiting_line.hpp"
 #include "generator/emit/emit_instrument.hpp"
 #include "generator/emit/emit_keyboard.hpp"
 #include "generator/emit/emit_material.hpp"
@@ -61,6 +62,7 @@ Source keyboard_source(Keyboard keyboard) {
   const std::string name = keyboard.name;
   return {name,
           [keyboard = std::move(keyboard)](const Emitter& emitter, std::string_view command) {
+            const WaitingLine line("designing " + keyboard.name);
             return emit(emitter, keyboard, command);
           },
           {}};
@@ -115,6 +117,7 @@ const EmbeddedFile* shipped(Shipped folder, const std::string& name) {
 }
 
 Source file_source(const std::string& file, double max_frequency_hz) {
+  const WaitingLine line("designing " + file);
   const std::string text = read_input(file);
   const Shipped kind = kind_of_file(text, file, "material").value_or(Shipped::kMaterials);
   if (kind == Shipped::kScores) refuse_kind(file, "file", kind, "a material, resonator, keyboard or instrument");
@@ -158,6 +161,7 @@ ScoreSource shipped_score(const std::string& name, const std::vector<int>& chann
 }  // namespace
 
 Design design_argument(const std::string& argument) {
+  const WaitingLine line("designing " + argument);
   if (is_path(argument))
     return design_material(read_kind(argument, Shipped::kMaterials), argument, reader_beside(argument));
   const auto* material = shipped(Shipped::kMaterials, argument);
@@ -204,6 +208,7 @@ Source source_argument(const std::string& argument, double max_frequency_hz) {
 }
 
 ScoreSource score_argument(const std::string& argument, const std::vector<int>& channels) {
+  const WaitingLine line("designing the contacts of " + argument);
   if (!is_path(argument)) return shipped_score(argument, channels);
   if (!is_midi(argument)) require_no_channels(argument, channels);
   const std::filesystem::path file = argument;

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#include "generator/cli/waiting_line.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <utility>
+
+namespace contactspline {
+
+WaitingLine::WaitingLine(std::string what) : what_(std::move(what)) {
+  if (::isatty(STDERR_FILENO) != 0) thread_ = std::thread([this] { show(); });
+}
+
+WaitingLine::~WaitingLine() {
+  if (!thread_.joinable()) return;
+  {
+    const std::scoped_lock lock(mutex_);
+    has_ended_ = true;
+  }
+  ended_.notify_one();
+  thread_.join();
+}
+
+void WaitingLine::show() {
+  std::unique_lock lock(mutex_);
+  int seconds = 0;
+  while (!ended_.wait_for(lock, std::chrono::seconds(1), [this] { return has_ended_; }))
+    std::fputs(fmt::format("\r{}: {} s", what_, ++seconds).c_str(), stderr);
+  if (seconds > 0) std::fputs("\r\x1b[K", stderr);
+}
+
+}  // namespace contactspline
