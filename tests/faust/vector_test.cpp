@@ -7,15 +7,15 @@
 #include <cmath>
 
 #include "cpp_program.hpp"
-#include "fret_string_scalar.hpp"
+#include "fret_string_ui.hpp"
 #include "fret_string_vector.hpp"
-#include "hammer_string_scalar.hpp"
+#include "hammer_string_double.hpp"
 #include "hammer_string_vector.hpp"
-#include "mass_barrier_scalar.hpp"
+#include "mass_barrier_double.hpp"
 #include "mass_barrier_vector.hpp"
-#include "piano_scalar.hpp"
+#include "piano_double.hpp"
 #include "piano_vector.hpp"
-#include "slide_string_scalar.hpp"
+#include "slide_string_ui.hpp"
 #include "slide_string_vector.hpp"
 
 namespace contactspline::testing {
@@ -51,23 +51,23 @@ void expect_same_samples(const std::string& trigger) {
 }
 
 TEST(VectorMode, MassBarrierHasTheScalarSamples) {
-  expect_same_samples<mass_barrier_scalar, mass_barrier_vector>("throw");
+  expect_same_samples<mass_barrier_double, mass_barrier_vector>("throw");
 }
 
 TEST(VectorMode, HammerStringHasTheScalarSamples) {
-  expect_same_samples<hammer_string_scalar, hammer_string_vector>("strike");
+  expect_same_samples<hammer_string_double, hammer_string_vector>("strike");
 }
 
 TEST(VectorMode, SlideStringHasTheScalarSamples) {
-  expect_same_samples<slide_string_scalar, slide_string_vector>("pluck");
+  expect_same_samples<slide_string_ui, slide_string_vector>("pluck");
 }
 
 TEST(VectorMode, FretStringHasTheScalarSamples) {
-  expect_same_samples<fret_string_scalar, fret_string_vector>("pluck");
+  expect_same_samples<fret_string_ui, fret_string_vector>("pluck");
 }
 
 TEST(VectorMode, PianoHasTheScalarSamples) {
-  expect_same_samples<piano_scalar, piano_vector>("gate");
+  expect_same_samples<piano_double, piano_vector>("gate");
 }
 
 }  // namespace
