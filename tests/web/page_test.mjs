@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// page_test.mjs NODE_MODULES PAGE.html CONTACTSPLINE: the page in headless Chromium, as a user meets it: sound, sliders,
-// downloads, energy, MIDI, links; from a server and from a file.
+// page_test.mjs NODE_MODULES PAGE.html CONTACTSPLINE [CASE]: the page in headless Chromium, as a user meets it: sound,
+// sliders, downloads, energy, MIDI, links; from a server and from a file. CASE: only the cases with this text in their name.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync } from "node:fs";
@@ -12,7 +12,7 @@ import { serve } from "../../web/serve.mjs";
 import { openPage } from "./browser.mjs";
 import { partialNear } from "./pitch.mjs";
 
-const [modules, file, program] = process.argv.slice(2);
+const [modules, file, program, chosen = ""] = process.argv.slice(2);
 const server = await serve(file);
 const fileAddress = pathToFileURL(resolve(file)).href;
 const folder = mkdtempSync(join(tmpdir(), "contactspline-downloads-"));
@@ -228,7 +228,9 @@ const cases = {
 };
 
 const failed = [];
-for (const [name, run] of Object.entries(cases)) {
+const chosenCases = Object.entries(cases).filter(([name]) => name.includes(chosen));
+if (chosenCases.length === 0) throw new Error(`no case has ${chosen} in its name`);
+for (const [name, run] of chosenCases) {
   console.log(name);
   try {
     await run();
@@ -239,5 +241,5 @@ for (const [name, run] of Object.entries(cases)) {
 }
 server.close();
 rmSync(folder, { recursive: true });
-console.log(failed.length === 0 ? `${Object.keys(cases).length} cases passed` : `failed: ${failed.join("; ")}`);
+console.log(failed.length === 0 ? `${chosenCases.length} cases passed` : `failed: ${failed.join("; ")}`);
 process.exit(failed.length === 0 ? 0 : 1);

@@ -10,7 +10,6 @@ const kFrameHead = ["place", "compression", "force", "hammer", "felt", "string",
 /** From engine.wasm, compiled or as bytes. */
 export function startEngine(module, sampleRate) {
   const exports = startModule(module);
-  exports.engine_start(sampleRate);
 
   function read(address, frames) {
     const size = exports.engine_frame_size();
@@ -25,6 +24,8 @@ export function startEngine(module, sampleRate) {
   }
 
   return {
+    /** Makes the keyboard: call it before one of the functions from strike to books. */
+    makeKeyboard: () => exports.engine_start(sampleRate),
     /** Makes a design of the generator the material of later strikes. Returns whether it has no more than 128 segments. */
     useMaterial({ table, mass_kg, loss_s_per_m }) {
       if (table.length > 128) return false;
@@ -32,7 +33,6 @@ export function startEngine(module, sampleRate) {
       return exports.engine_use_material(table.length, mass_kg ?? 0.00297, loss_s_per_m) === 1;
     },
     control: ({ stiffness, mass, loss, position }) => exports.engine_control(stiffness, mass, loss, position),
-    prepare: (key) => exports.engine_prepare(key),
     strike: (key, speed) => exports.engine_strike(key, speed),
     release: (key) => exports.engine_release(key),
     pedal: (down) => exports.engine_pedal(down ? 1 : 0),

@@ -83,6 +83,7 @@ class ContactSplineProcessor extends AudioWorkletProcessor {
   constructor({ processorOptions }) {
     super();
     this.engine = startEngine(processorOptions.engine, sampleRate);
+    this.engine.makeKeyboard();
     this.faust = null;
     this.filled = 0;
     this.strikes = 0;

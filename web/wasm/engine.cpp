@@ -24,7 +24,7 @@ using Piano = keyboards::piano;
 
 constexpr std::size_t kMaxSegments = 128;
 constexpr std::size_t kBlock = 128;
-constexpr std::size_t kMaxSounding = 32;  // voices at a time: the limit leaves half of a slow core's time
+constexpr std::size_t kMaxSounding = 32;  // keys at a time
 constexpr int kMiddleC = 60;
 constexpr float kGain = 0.012f;  // output per newton on the bridge
 
@@ -190,15 +190,16 @@ class Key {
   bool sounds_ = false;
 };
 
-/// All keys, made when they are first struck.
+/// All keys. No call but the constructor allocates.
 class Keyboard {
  public:
-  explicit Keyboard(double sample_rate_hz) : sample_rate_hz_(sample_rate_hz) {}
-
-  void prepare(int key) { at(key); }
+  explicit Keyboard(double sample_rate_hz) : sample_rate_hz_(sample_rate_hz) {
+    for (std::size_t k = 0; k < Piano::keys; ++k)
+      keys_[k] = std::make_unique<Key>(Piano::first_key + static_cast<int>(k), sample_rate_hz);
+  }
 
   void strike(int key, float speed_m_per_s) {
-    Key& struck = at(key);
+    Key& struck = *keys_[index_of(key)];
     struck.is_down = true;
     if (!struck.sounds()) make_room();
     struck.strike(speed_m_per_s);
@@ -207,20 +208,20 @@ class Keyboard {
   }
 
   void release(int key) {
-    at(key).is_down = false;
-    if (!pedal_) at(key).release();
+    Key& released = *keys_[index_of(key)];
+    released.is_down = false;
+    if (!pedal_) released.release();
   }
 
   void pedal(bool down) {
     pedal_ = down;
     if (down) return;
     for (auto& key : keys_)
-      if (key && !key->is_down) key->release();
+      if (!key->is_down) key->release();
   }
 
   void silence() {
-    for (auto& key : keys_)
-      if (key) key->silence();
+    for (auto& key : keys_) key->silence();
   }
 
   // Writes left, right and the contact force of the last key that was struck.
@@ -229,7 +230,7 @@ class Keyboard {
     std::fill_n(right, samples, 0.0f);
     std::fill_n(force, samples, 0.0f);
     for (auto& key : keys_)
-      if (key && key->sounds())
+      if (key->sounds())
         key->process(samples, left, right, force, key.get() == watched_ ? &books_ : nullptr, sample_rate_hz_);
   }
 
@@ -237,25 +238,18 @@ class Keyboard {
   void watch_none() { watched_ = nullptr; }
 
   [[nodiscard]] const Books& books() const { return books_.books(); }
-  [[nodiscard]] int sounding() const {
-    return static_cast<int>(
-        std::count_if(keys_.begin(), keys_.end(), [](const auto& k) { return k && k->sounds(); }));
-  }
 
  private:
-  Key& at(int key) {
-    auto& entry = keys_[index_of(key)];
-    if (!entry) entry = std::make_unique<Key>(key, sample_rate_hz_);
-    return *entry;
-  }
-
   // The weakest string gives way to a new one.
   void make_room() {
-    if (sounding() < static_cast<int>(kMaxSounding)) return;
+    std::size_t sounding = 0;
     Key* weakest = nullptr;
-    for (auto& key : keys_)
-      if (key && key->sounds() && (weakest == nullptr || key->energy() < weakest->energy())) weakest = key.get();
-    if (weakest != nullptr) weakest->silence();
+    for (auto& key : keys_) {
+      if (!key->sounds()) continue;
+      ++sounding;
+      if (weakest == nullptr || key->energy() < weakest->energy()) weakest = key.get();
+    }
+    if (sounding >= kMaxSounding) weakest->silence();
   }
 
   double sample_rate_hz_;
@@ -282,7 +276,7 @@ void add_frame(double place, double compression, double force, const Books& book
 
 }  // namespace
 
-/// Makes the keyboard.
+/// Makes the keyboard, which the functions from engine_strike to engine_books play. Studies need none.
 CONTACTSPLINE_WEB(void, engine_start, double sample_rate_hz) {
   keyboard.emplace(sample_rate_hz);
 }
@@ -308,10 +302,6 @@ CONTACTSPLINE_WEB(void, engine_control, double stiffness_ratio, double mass_rati
   material.mass_ratio = mass_ratio;
   material.loss_s_per_m = loss_s_per_m;
   material.strike_position = strike_position;
-}
-
-CONTACTSPLINE_WEB(void, engine_prepare, int key) {
-  if (is_key(key)) keyboard->prepare(key);
 }
 
 CONTACTSPLINE_WEB(void, engine_strike, int key, float speed_m_per_s) {
