@@ -91,8 +91,7 @@ class Reader {
 
   // The name of a body, place or connection, which no other one has.
   std::string read_own_name(const JsonObject& object) {
-    constexpr const char* kTaken[] = {kGroundName};
-    std::string name = read_name(object, kTaken);
+    std::string name = read_local_name(object, kGroundName);
     if (!names_.insert(name).second)
       object.fail(object.key("name"), fmt::format("'{}' is the name of two objects", name), "once");
     return name;
@@ -100,7 +99,7 @@ class Reader {
 
   // The name of a control or an output with its quantity, which no other one has.
   std::string read_public_name(const JsonObject& object, const char* quantity) {
-    std::string name = read_name(object, {}) + "_" + quantity;
+    std::string name = read_local_name(object) + "_" + quantity;
     require_public(object, object.key("name"), name);
     return name;
   }

@@ -79,7 +79,7 @@ bool is_identifier(std::string_view name) {
   const auto is_lower = [](char c) { return c >= 'a' && c <= 'z'; };
   const auto is_part = [&](char c) { return is_lower(c) || (c >= '0' && c <= '9') || c == '_'; };
   return !name.empty() && name.size() <= kMaxNameLength && is_lower(name.front()) &&
-         std::ranges::all_of(name, is_part) && name.find("__") == std::string_view::npos && !is_reserved_name(name);
+         std::ranges::all_of(name, is_part) && name.find("__") == std::string_view::npos;
 }
 
 }  // namespace
@@ -238,7 +238,15 @@ std::string read_name(const JsonObject& object, std::span<const char* const> tak
       "a-z, 0-9 and single _, a letter first, at most 64 characters, no keyword, macro or library of C++ or Faust, "
       "no name of the emitted files";
   std::string name = object.text("name", kAllowed);
-  if (!is_identifier(name) || std::ranges::find(taken, name) != taken.end())
+  if (!is_identifier(name) || is_reserved_name(name) || std::ranges::find(taken, name) != taken.end())
+    object.fail(object.key("name"), fmt::format("'{}' is not a usable identifier", shown(name)), kAllowed);
+  return name;
+}
+
+std::string read_local_name(const JsonObject& object, std::string_view taken) {
+  constexpr auto kAllowed = "a-z, 0-9 and single _, a letter first, no _ at the end, at most 64 characters";
+  std::string name = object.text("name", kAllowed);
+  if (!is_identifier(name) || name.ends_with('_') || name == taken)  // a quantity follows behind another _
     object.fail(object.key("name"), fmt::format("'{}' is not a usable identifier", shown(name)), kAllowed);
   return name;
 }

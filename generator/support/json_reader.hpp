@@ -69,6 +69,9 @@ class JsonObject {
 /// of the emitted struct.
 [[nodiscard]] std::string read_name(const JsonObject& object, std::span<const char* const> taken);
 
+/// Reads the key `name` of an object within a file: as read_name(), but keywords and macros are allowed.
+[[nodiscard]] std::string read_local_name(const JsonObject& object, std::string_view taken = {});
+
 /// Reads the optional key `description`: one line; an empty string if it is missing.
 [[nodiscard]] std::string read_description(const JsonObject& object);
 

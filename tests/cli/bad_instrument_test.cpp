@@ -125,6 +125,8 @@ std::vector<BadFile> body_cases() {
        "'ground' is not a usable identifier"},
       {"body_upper_case", changed(kGood, R"("name": "bolt")", R"("name": "Bolt")"), "bodies[5].name",
        "'Bolt' is not a usable identifier"},
+      {"body_with_underscore", changed(kGood, R"("name": "bolt")", R"("name": "bolt_")"), "bodies[5].name",
+       "'bolt_' is not a usable identifier"},
       {"body_of_nothing", changed(kGood, R"(, "mass_kg": 0.002)", ""), "bodies[5].resonator",
        "0 kinds of body are given; allowed: just one of resonator, string, bar, membrane, modes, mass_kg"},
       {"body_of_two_kinds", changed(kGood, R"("mass_kg": 0.002)", R"("mass_kg": 0.002, "resonator": "drum_head")"),
