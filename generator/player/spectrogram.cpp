@@ -36,16 +36,16 @@ std::vector<double> windowed(std::span<const float> samples, std::size_t middle,
 
 // Power around a place between bins: the largest within, or between the two neighbours where none lies within.
 double power_between(const std::vector<std::complex<double>>& bins, double from, double to) {
-  const auto power = [&](double bin) {
-    return std::norm(bins[std::min(static_cast<std::size_t>(bin), bins.size() / 2)]);
-  };
-  if (std::floor(to) < std::ceil(from)) {
-    const double middle = (from + to) / 2, part = middle - std::floor(middle);
-    return std::pow((1 - part) * std::sqrt(power(std::floor(middle))) + part * std::sqrt(power(std::ceil(middle))),
-                    2);
+  const auto power = [&](std::size_t bin) { return std::norm(bins[std::min(bin, bins.size() / 2)]); };
+  const auto first = static_cast<std::size_t>(std::ceil(from)), last = static_cast<std::size_t>(to);
+  if (last < first) {
+    const double middle = (from + to) / 2;
+    const auto below = static_cast<std::size_t>(middle);
+    const double part = middle - static_cast<double>(below);
+    return std::pow((1 - part) * std::sqrt(power(below)) + part * std::sqrt(power(below + 1)), 2);
   }
   double largest = 0;
-  for (double bin = std::ceil(from); bin <= to; ++bin) largest = std::max(largest, power(bin));
+  for (std::size_t bin = first; bin <= last; ++bin) largest = std::max(largest, power(bin));
   return largest;
 }
 
@@ -66,10 +66,11 @@ Spectrogram spectrogram_of(std::span<const float> samples, double sample_rate_hz
   for (std::size_t column = 0; column < columns; ++column) {
     fft.fwd(bins, windowed(samples, samples.size() * (2 * column + 1) / (2 * columns), window));
     double row_hz = result.lowest_hz;
-    for (std::size_t row = 0; row < rows; ++row, row_hz *= half_row * half_row) {
+    for (std::size_t row = 0; row < rows; ++row) {
       const double power = power_between(bins, row_hz / half_row / bin_hz, row_hz * half_row / bin_hz);
       loudest = std::max(loudest, power);
       result.level_db.push_back(power);
+      row_hz *= half_row * half_row;
     }
   }
   for (double& level : result.level_db)

@@ -88,9 +88,13 @@ class RotatingTransit {
 std::vector<double> impact_spectrum(const PiecewiseLinearForce& force, double energy, double step, int count) {
   std::vector<RotatingTransit> motion;
   double time = 0;  // of the middle of a transit, before the largest compression
-  const std::vector<Transit> found = transits(force, energy);
-  for (auto at = found.rbegin(); at != found.rend(); time += at++->half_time)
-    motion.emplace_back(*at, time += at->half_time, step);
+  std::vector<Transit> found = transits(force, energy);
+  std::ranges::reverse(found);
+  for (const Transit& transit : found) {
+    time += transit.half_time;
+    motion.emplace_back(transit, time, step);
+    time += transit.half_time;
+  }
   std::vector<double> spectrum;
   for (int k = 0; k < count; ++k) {
     double sum = 0;

@@ -233,69 +233,88 @@ class ContactUnderLoad {
   /// nothing cancels. Few operations depend on the compression or on the last force, because the modes of the string
   /// compete for the same units.
   HWY_INLINE CrossedKnots judge_window(const Load& load, T xf, Steps& steps) const {
-    const hn::CappedTag<T, kWindow> tag;
-    using Tag = std::remove_cv_t<decltype(tag)>;
-    const Knot lanes = static_cast<Knot>(hn::Lanes(tag));
-    const T xi = load.xi;
-    const T stiffness_here = kVaries ? xi * table_.half_curvatures[segment_] : table_.stiffnesses[segment_];
-    const auto set = [&](T value) HWY_ATTR { return hn::Set(tag, value); };
-    const auto force_displacement_at = [&](Knot k) {
-      return kVaries ? xi * table_.forces[k] : table_.force_displacements[k];
-    };
-    const auto origin = set(table_.knots[entry_]), beyond = set(beyond_), before = set(load.before),
-               per_force = set(load.per_force), last = set(load.last), xis = set(xi),
-               stiffnesses = set(stiffness_here);
-    const auto half = set(T(0.5));
+    const T stiffness = kVaries ? load.xi * table_.half_curvatures[segment_] : table_.stiffnesses[segment_];
     CrossedKnots found{};
-    for (Knot v = 0; v < kWindow; v += lanes) {
-      const Knot at = segment_ + 1 - behind_ + v;
-      const auto first = [&](Knot n) HWY_ATTR {
-        return hn::FirstN(tag, static_cast<std::size_t>(std::clamp<Knot>(n - v, 0, lanes)));
-      };
-      const auto lie_below = first(behind_);
-      const auto nearest_below = hn::AndNot(first(behind_ - 1), lie_below),
-                 nearest_above = hn::AndNot(lie_below, first(behind_ + 1));
-      // The nearest knot in each direction: distance, xi times the mean force up to it, motion left there.
-      const auto of_side = [&](T below, T above)
-                               HWY_ATTR { return hn::IfThenElse(lie_below, set(below), set(above)); };
-      const auto near_knot = of_side(table_.knots[segment_], table_.knots[segment_ + 1]);
-      const auto near_energy = of_side(table_.energies[segment_], table_.energies[segment_ + 1]);
-      const auto near_displacement = of_side(force_displacement_at(segment_), force_displacement_at(segment_ + 1));
-      const auto near_distance = hn::Sub(hn::Sub(near_knot, origin), beyond);
-      const auto mean_displacement = hn::MulAdd(
-          stiffnesses, beyond, hn::Mul(half, hn::Add(set(force_displacement_at(entry_)), near_displacement)));
-      const auto past = hn::NegMulAdd(per_force, last, hn::Sub(hn::Sub(before, near_distance), mean_displacement));
-
-      const auto force_displacement = kVaries ? hn::Mul(xis, hn::LoadU(tag, table_.forces + at))
-                                              : hn::LoadU(tag, table_.force_displacements + at);
-      const auto of_segment_entered = [&](const T* column) HWY_ATTR {
-        return hn::IfThenElse(lie_below, hn::LoadU(tag, column + at - 1), hn::LoadU(tag, column + at));
-      };
-      const auto stiffness =
-          kVaries ? hn::Mul(xis, of_segment_entered(table_.half_curvatures)) : of_segment_entered(table_.stiffnesses);
-      const auto distance = hn::Sub(hn::Sub(hn::LoadU(tag, table_.knots + at), origin), beyond);
-      const auto remaining = hn::NegMulAdd(per_force, last, hn::Sub(before, distance));
-      const auto further = hn::Mul(xis, hn::Sub(hn::LoadU(tag, table_.energies + at), near_energy));
-      const auto work = hn::MulAdd(near_distance, mean_displacement, further);
-      const auto step =
-          step_coefficients(VectorArithmetic<Tag>(), distance, work, force_displacement, remaining, stiffness);
-      const auto test = hn::IfThenElse(nearest_above, hn::Neg(past), hn::IfThenElse(nearest_below, past, step.g));
-      // A comparison with NaN is false: the compression then stays where it is.
-      const auto below_root = hn::Xor(lie_below, hn::Lt(test, hn::Zero(tag)));
-      found.below_root += static_cast<Knot>(hn::CountTrue(tag, below_root));
-      found.last += static_cast<Knot>(hn::CountTrue(tag, hn::AndNot(nearest_above, below_root)));
-
-      hn::Store(hn::Abs(step.discriminant), tag, steps.discriminant + v);
-      hn::Store(step.b, tag, steps.b + v);
-      hn::Store(step.g, tag, steps.g + v);
-      hn::Store(step.p, tag, steps.p + v);
-      hn::Store(step.q, tag, steps.q + v);
-    }
-    const T here = force_displacement_at(entry_) + 2 * stiffness_here * beyond_;
+    for (Knot v = 0; v < kWindow; v += static_cast<Knot>(hn::Lanes(WindowTag())))
+      judge_knots(v, load, stiffness, steps, found);
+    const T here = force_displacement_at(entry_, load) + 2 * stiffness * beyond_;
     const T inverse_slope = inverse_slope_in(segment_, load);
     steps.distance_within = (xf - here) * inverse_slope;
-    steps.force_within = (here + stiffness_here * xf) * (inverse_slope * load.inverse_admittance);
+    steps.force_within = (here + stiffness * xf) * (inverse_slope * load.inverse_admittance);
     return found;
+  }
+
+  using WindowTag = std::remove_cv_t<decltype(hn::CappedTag<T, kWindow>())>;
+  using Knots = hn::Vec<WindowTag>;  // a value for each of some knots of the window
+
+  /// xi times the force at a knot [m].
+  [[nodiscard]] HWY_INLINE T force_displacement_at(Knot k, const Load& load) const {
+    return kVaries ? load.xi * table_.forces[k] : table_.force_displacements[k];
+  }
+
+  /// The knot nearest to the compression, below or above it.
+  struct NearestKnots {
+    Knots distance, energy;
+    Knots mean_displacement;  ///< xi times the mean force up to there [m]
+    Knots past;               ///< the motion that is left there [m]
+  };
+  template <typename Mask>
+  HWY_INLINE NearestKnots nearest_knots(Mask lie_below, const Load& load, T stiffness) const {
+    const WindowTag tag;
+    const auto of_side = [&](T below, T above)
+                             HWY_ATTR { return hn::IfThenElse(lie_below, hn::Set(tag, below), hn::Set(tag, above)); };
+    const auto beyond = hn::Set(tag, beyond_), here = hn::Set(tag, force_displacement_at(entry_, load));
+    const auto knot = of_side(table_.knots[segment_], table_.knots[segment_ + 1]);
+    const auto energy = of_side(table_.energies[segment_], table_.energies[segment_ + 1]);
+    const auto displacement =
+        of_side(force_displacement_at(segment_, load), force_displacement_at(segment_ + 1, load));
+    const auto distance = hn::Sub(hn::Sub(knot, hn::Set(tag, table_.knots[entry_])), beyond);
+    const auto mean =
+        hn::MulAdd(hn::Set(tag, stiffness), beyond, hn::Mul(hn::Set(tag, T(0.5)), hn::Add(here, displacement)));
+    const auto left = hn::Sub(hn::Sub(hn::Set(tag, load.before), distance), mean);
+    return {distance, energy, mean, hn::NegMulAdd(hn::Set(tag, load.per_force), hn::Set(tag, load.last), left)};
+  }
+
+  /// judge_window for one vector of knots, from the window's knot v on. stiffness: xi c of the segment.
+  HWY_INLINE void judge_knots(Knot v, const Load& load, T stiffness, Steps& steps, CrossedKnots& found) const {
+    const WindowTag tag;
+    const Knot at = segment_ + 1 - behind_ + v;
+    const auto first = [&](Knot n) HWY_ATTR {
+      return hn::FirstN(tag, static_cast<std::size_t>(std::clamp<Knot>(n - v, 0, static_cast<Knot>(hn::Lanes(tag)))));
+    };
+    const auto lie_below = first(behind_);
+    const auto nearest_below = hn::AndNot(first(behind_ - 1), lie_below),
+               nearest_above = hn::AndNot(lie_below, first(behind_ + 1));
+    const NearestKnots near = nearest_knots(lie_below, load, stiffness);
+
+    const auto xis = hn::Set(tag, load.xi);
+    const auto force_displacement =
+        kVaries ? hn::Mul(xis, hn::LoadU(tag, table_.forces + at)) : hn::LoadU(tag, table_.force_displacements + at);
+    const auto of_segment_entered = [&](const T* column) HWY_ATTR {
+      return hn::IfThenElse(lie_below, hn::LoadU(tag, column + at - 1), hn::LoadU(tag, column + at));
+    };
+    const auto entered =
+        kVaries ? hn::Mul(xis, of_segment_entered(table_.half_curvatures)) : of_segment_entered(table_.stiffnesses);
+    const auto distance = hn::Sub(hn::Sub(hn::LoadU(tag, table_.knots + at), hn::Set(tag, table_.knots[entry_])),
+                                  hn::Set(tag, beyond_));
+    const auto remaining = hn::NegMulAdd(hn::Set(tag, load.per_force), hn::Set(tag, load.last),
+                                         hn::Sub(hn::Set(tag, load.before), distance));
+    const auto further = hn::Mul(xis, hn::Sub(hn::LoadU(tag, table_.energies + at), near.energy));
+    const auto work = hn::MulAdd(near.distance, near.mean_displacement, further);
+    const auto step =
+        step_coefficients(VectorArithmetic<WindowTag>(), distance, work, force_displacement, remaining, entered);
+    const auto test =
+        hn::IfThenElse(nearest_above, hn::Neg(near.past), hn::IfThenElse(nearest_below, near.past, step.g));
+    // A comparison with NaN is false: the compression then stays where it is.
+    const auto below_root = hn::Xor(lie_below, hn::Lt(test, hn::Zero(tag)));
+    found.below_root += static_cast<Knot>(hn::CountTrue(tag, below_root));
+    found.last += static_cast<Knot>(hn::CountTrue(tag, hn::AndNot(nearest_above, below_root)));
+
+    hn::Store(hn::Abs(step.discriminant), tag, steps.discriminant + v);
+    hn::Store(step.b, tag, steps.b + v);
+    hn::Store(step.g, tag, steps.g + v);
+    hn::Store(step.p, tag, steps.p + v);
+    hn::Store(step.q, tag, steps.q + v);
   }
 
   /// A knot at an end of the segment, and the energy gained up to it [J].

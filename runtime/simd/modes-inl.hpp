@@ -70,7 +70,7 @@ HWY_INLINE T advance_on_bridge_as(const ModalArrays<T>& modes, const T* shape, c
   return hn::GetLane(hn::SumOfLanes(tag, force));
 }
 
-constexpr std::size_t kBlock = 64;  // samples
+inline constexpr std::size_t kBlock = 64;  // samples
 
 /// Advances kVectors vectors of modes over a block of samples, in registers, and adds shape times displacement to
 /// `sums`.
@@ -105,7 +105,7 @@ HWY_INLINE void advance_vectors(const ModalArrays<T>& modes, std::size_t first, 
 }
 
 /// Vectors advanced together: enough to hide the latency of each.
-constexpr std::size_t kMaxVectors = 7;
+inline constexpr std::size_t kMaxVectors = 7;
 
 template <bool kDamped, std::size_t kVectors = kMaxVectors, typename T>
 HWY_INLINE void advance_group(std::size_t vectors, const ModalArrays<T>& modes, std::size_t first, T damping_gain,

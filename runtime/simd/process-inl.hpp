@@ -92,11 +92,11 @@ class HammerUnderLoad {
 };
 
 /// Samples between two checks whether a hammer apart from the string is out of its reach.
-constexpr std::size_t kCheckInterval = 32;
+inline constexpr std::size_t kCheckInterval = 32;
 /// Shortest run out of reach for which the check's passes over the modes pay.
-constexpr std::size_t kMinFreeRun = 16;
+inline constexpr std::size_t kMinFreeRun = 16;
 /// Longest block that is advanced in the modes' own arrays.
-constexpr std::size_t kMaxInPlace = 2;
+inline constexpr std::size_t kMaxInPlace = 2;
 
 /// The contact needs a sum over the modes, and the modes need its last force. Both are affine in that force: so the
 /// sum is made one sample ahead without it, and one product adds its part. Contact and modes then overlap in the

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+// The kernels for samples of type Sample, which the including file has defined: compiled once for each instruction
+// set. The best one is chosen at run time.
+#include "contactspline/flush_denormals.hpp"
+#include "contactspline/kernels.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "simd/kernels-inl.hpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "simd/process-inl.hpp"
+
+// NOLINTBEGIN(misc-definitions-in-headers): each including file defines these for a Sample of its own.
+HWY_BEFORE_NAMESPACE();
+namespace contactspline::detail {
+namespace HWY_NAMESPACE {
+namespace {
+
+void process_free_here(const ModalArrays<Sample>& modes, Sample damping_gain, const Sample* pickup,
+                       std::span<Sample> out) {
+  process_free_block(modes, damping_gain, pickup, out);
+}
+Sample advance_on_bridge_here(const ModalArrays<Sample>& modes, const Sample* shape, const Sample* admittance,
+                              Sample damping_gain, Sample displacement_m) {
+  return advance_on_bridge_as(modes, shape, admittance, damping_gain, displacement_m);
+}
+HWY_FLATTEN std::size_t process_struck_here(const StrikeConstants<Sample>& strike, HammerState<Sample>& hammer,
+                                            std::span<Sample> out, Sample* force) {
+  return process_struck_block(strike, hammer, out, force);
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace contactspline::detail
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace contactspline::detail {
+
+HWY_EXPORT(process_free_here);
+HWY_EXPORT(advance_on_bridge_here);
+HWY_EXPORT(process_struck_here);
+
+void process_free(const ModalArrays<Sample>& modes, Sample damping_gain, const Sample* pickup,
+                  std::span<Sample> out) {
+  const FlushDenormals flushed;
+  HWY_DYNAMIC_DISPATCH(process_free_here)(modes, damping_gain, pickup, out);
+}
+Sample advance_on_bridge(const ModalArrays<Sample>& modes, const Sample* shape, const Sample* admittance,
+                         Sample damping_gain, Sample displacement_m) {
+  return HWY_DYNAMIC_DISPATCH(advance_on_bridge_here)(modes, shape, admittance, damping_gain, displacement_m);
+}
+std::size_t process_struck(const StrikeConstants<Sample>& strike, HammerState<Sample>& hammer, std::span<Sample> out,
+                           Sample* force) {
+  const FlushDenormals flushed;
+  return HWY_DYNAMIC_DISPATCH(process_struck_here)(strike, hammer, out, force);
+}
+
+}  // namespace contactspline::detail
+#endif
+// NOLINTEND(misc-definitions-in-headers)
