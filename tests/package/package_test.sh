@@ -496,6 +496,7 @@ case_microcontroller() {
   need faust
   cd "$WORK"
   readme_block cpp docs/microcontrollers.md >model.cpp
+  readme_block c docs/microcontrollers.md >main.c
   ln -s "$SOURCE/runtime" "$SOURCE/faust" "$SOURCE/generated" .
   mkdir build
   ln -s "$BUILD" build/release
@@ -503,6 +504,7 @@ case_microcontroller() {
   expect_object model.o 12288 6144 'memcpy|memset'
   for program in slide_string fret_string; do
     expect_object $program.o 102400 2048 'calloc|free|sinf|cosf|expf|logf|max|min|memcpy|memset'
+    expect_object $program.elf 112640 8192 ''
   done
 }
 
