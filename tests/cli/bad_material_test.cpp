@@ -339,7 +339,7 @@ std::vector<BadMaterial> text_cases() {
                                                                   {"long", std::string(65, 'a')},
                                                                   {"std", "std"},
                                                                   {"member", "segments"},
-                                                                  {"contact_library", "contact"},
+                                                                  {"own_library", "contactspline_modal"},
                                                                   {"macro", "linux"},
                                                                   {"macro_of_windows", "near"},
                                                                   {"own_namespace", "contactspline"},

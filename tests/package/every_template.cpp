@@ -11,6 +11,7 @@
 #include "contactspline/fret_string.hpp"
 #include "contactspline/hammer_string.hpp"
 #include "contactspline/hammer_voice.hpp"
+#include "contactspline/instrument.hpp"
 #include "contactspline/instruments/trichord_c4.hpp"
 #include "contactspline/keyboard.hpp"
 #include "contactspline/keyboards/piano.hpp"

@@ -430,7 +430,7 @@ case_pkg_config() {
   install_at "$WORK/prefix"
   export PKG_CONFIG_PATH="$WORK/prefix/share/pkgconfig"
   local project="$SOURCE/tests/package/project"
-  run "$WORK/prefix/bin/contactspline" generate "$project/materials/cork.json" --emit cpp -o "$WORK/generated"
+  run "$WORK/prefix/bin/contactspline" generate "$project"/materials/{cork,drop}.json --emit cpp -o "$WORK/generated"
   # shellcheck disable=SC2046  # words are what is wanted
   run "$CXX" -std=c++20 -O2 $(pkg-config --cflags contactspline) -I"$WORK/generated" "$project/main.cpp" \
     -o "$WORK/consumer"
