@@ -139,8 +139,7 @@ class Flattener {
   std::size_t add_end(std::size_t body) {
     const Resonator& resonator = model_.bodies[body].resonator;
     for (const ResonatorMode& mode : modes_of(resonator, max_frequency_hz_).modes)
-      arrays_.shapes.push_back(
-          thirteen_digits(bridge_shape(std::get<StiffString>(resonator.body), mode.wavenumber_per_m)));
+      arrays_.shapes.push_back(thirteen_digits(bridge_shape(std::get<StiffString>(resonator.body), mode)));
     arrays_.place_bodies.push_back(body);
     return arrays_.place_bodies.size() - 1;
   }

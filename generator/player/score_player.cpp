@@ -51,6 +51,20 @@ ModeShapes<T> output_shapes(const Voice& voice, const std::vector<ResonatorMode>
   return bridge_shapes<T>(*string, modes, voice.strings);
 }
 
+[[noreturn]] void refuse_rate(const std::string& resonator, const PlayOptions& options) {
+  throw BadInput(fmt::format("--rate: no mode of {} lies below {} Hz; allowed: a higher rate", resonator,
+                             options.sample_rate_hz / 2));
+}
+
+// Where a sound stops being finite, it says so: in a sum of voices, or in a figure, nobody could tell what it was.
+[[noreturn]] void refuse_infinite(const Score& score, const std::string& what, const PlayOptions& options,
+                                  std::size_t sample) {
+  refuse(
+      score.file, what,
+      fmt::format("its sound is not finite from {:.6g} s on", static_cast<double>(sample) / options.sample_rate_hz),
+      "a material, a resonator and controls that single or double precision can hold");
+}
+
 /// What every instrument is built of, in the precision of its model.
 template <typename T>
 struct Parts {
@@ -59,9 +73,7 @@ struct Parts {
         modes(bare(set.modes)),
         output(output_shapes<T>(voice, set.modes, options.signal)),
         contact(table_in<T>(voice.contact)) {
-    if (modes.empty())
-      throw BadInput(fmt::format("--rate: no mode of {} lies below {} Hz; allowed: a higher rate",
-                                 voice.resonator.name, options.sample_rate_hz / 2));
+    if (modes.empty()) refuse_rate(voice.resonator.name, options);
   }
 
   [[nodiscard]] SegmentTable<T> table() const { return contact; }
@@ -85,14 +97,17 @@ struct Block {
 template <typename T>
 class HammerStringPlayer {
  public:
-  HammerStringPlayer(const Voice& voice, const PlayOptions& options)
+  /// Without `throws` keys are pressed, which lifts their dampers, but no hammer is thrown.
+  HammerStringPlayer(const Voice& voice, const PlayOptions& options, bool throws = true)
       : resonator_(voice.resonator),
         options_(options),
         parts_(voice, options),
         place_m_(voice.resonator.strike.position_m),
         strikes_(voice.strikes, options.sample_rate_hz),
         voice_(parts_.table(), parts_.modes, parts_.strike(), parts_.output, controls_from(voice.initial),
-               voice.damper, options.sample_rate_hz) {}
+               voice.damper, options.sample_rate_hz),
+        bridge_(voice_.model().bridge(parts_.output)),
+        throws_(throws) {}
 
   void process(std::size_t begin, ControlTrack& controls, const Block& block) {
     for (std::size_t done = 0; done < block.output.size();) {
@@ -105,15 +120,16 @@ class HammerStringPlayer {
     }
   }
 
-  /// One sample on a bridge that is displaced by so many metres. Returns the force on it [N].
+  /// One sample on a bridge that is displaced by so many metres; returns what Body::tick() takes [N]. For
+  /// Signal::kBody.
   T tick(std::size_t sample, ControlTrack& controls, T bridge_displacement_m) {
     take_events(sample, controls);
-    return voice_.tick(bridge_displacement_m);
+    return voice_.tick(bridge_, bridge_displacement_m);
   }
 
   void release() { voice_.release(); }
   [[nodiscard]] T force() const { return voice_.model().force(); }
-  [[nodiscard]] const Parts<T>& parts() const { return parts_; }
+  [[nodiscard]] const std::vector<ResonatorMode>& modes() const { return parts_.set.modes; }
 
  private:
   using Control = HammerStringControl;
@@ -139,7 +155,7 @@ class HammerStringPlayer {
     ++held_;
     is_silent_ = false;
     if (place_m != place_m_) move_strike(place_m);
-    voice_.strike(static_cast<T>(change.strike->speed_m_per_s));
+    throws_ ? voice_.strike(static_cast<T>(change.strike->speed_m_per_s)) : voice_.lift();
   }
 
   void move_strike(double place_m) {
@@ -184,6 +200,8 @@ class HammerStringPlayer {
   double place_m_;
   StrikeTrack strikes_;
   HammerVoice<T> voice_;
+  BridgeShapes<T> bridge_;  // for Signal::kBody
+  bool throws_;
   int held_ = 0;           // notes
   bool is_silent_ = true;  // until the next strike
   double max_energy_j_ = 0;
@@ -368,15 +386,12 @@ class Recorder {
 
 using PartDone = std::function<void(std::size_t)>;
 
-// Where a sound stops being finite, it says so: in a sum of voices, or in a figure, nobody could tell what it was.
-void require_finite(const Score& score, const Voice& voice, double sample_rate_hz, std::size_t begin,
+void require_finite(const Score& score, const Voice& voice, const PlayOptions& options, std::size_t begin,
                     const Block& block) {
   if (all_finite(std::span<const double>(block.output)) && all_finite(std::span<const double>(block.force))) return;
   std::size_t n = 0;
   while (std::isfinite(block.output[n]) && std::isfinite(block.force[n])) ++n;
-  refuse(score.file, fmt::format("voice {}", voice.name),
-         fmt::format("its sound is not finite from {:.6g} s on", static_cast<double>(begin + n) / sample_rate_hz),
-         "a material, a resonator and controls that single or double precision can hold");
+  refuse_infinite(score, "voice " + voice.name, options, begin + n);
 }
 
 template <typename Player>
@@ -392,7 +407,7 @@ void play_voice(const Score& score, const Voice& voice, const PlayOptions& optio
     const std::size_t samples = std::min(kBlock, recorder.samples() - begin);
     const Block block{std::span(output).first(samples), std::span(force).first(samples)};
     player.process(begin, controls, block);
-    require_finite(score, voice, options.sample_rate_hz, begin, block);
+    require_finite(score, voice, options, begin, block);
     recorder.add(begin, block);
   }
 }
@@ -413,7 +428,7 @@ void play_in(const Score& score, const Voice& voice, const PlayOptions& options,
 }
 
 /// A voice whose strings end at the score's body, each by itself, with its whole hammer.
-Voice on_body(const Voice& voice, bool is_struck) {
+Voice on_body(const Voice& voice) {
   using Control = HammerStringControl;
   Voice played = voice;
   played.resonator.body = *voice.on_body;
@@ -423,7 +438,6 @@ Voice on_body(const Voice& voice, bool is_struck) {
       if (glide.control == control) glide.to *= voice.strings;
   }
   played.strings = 1;
-  if (!is_struck) played.strikes.clear();
   return played;
 }
 
@@ -437,17 +451,13 @@ Resonator mirrored(Resonator body) {
 template <typename T>
 struct KeyOnBody {
   KeyOnBody(const Voice& of, bool is_struck, const PlayOptions& options)
-      : voice(on_body(of, is_struck)), controls(voice, options.sample_rate_hz), player(voice, options) {
+      : voice(on_body(of)), controls(voice, options.sample_rate_hz), player(voice, options, is_struck) {
     player.release();  // the dampers of all keys are down at first
   }
 
   /// What its strings add to the bridge [N/m].
   [[nodiscard]] double stiffness() const {
-    const auto& string = std::get<StiffString>(voice.resonator.body);
-    std::vector<double> shapes;
-    for (const auto& mode : player.parts().set.modes) shapes.push_back(bridge_shape(string, mode.wavenumber_per_m));
-    return bridge_stiffness(player.parts().modes, shapes,
-                            static_cast<double>(string.detuning_cents.size()) * string.tension_n / string.length_m);
+    return bridge_stiffness(std::get<StiffString>(voice.resonator.body), player.modes());
   }
 
   Voice voice;
@@ -466,6 +476,7 @@ void play_on_body(const Score& score, const PlayOptions& options, Recorder& reco
     stiffness += keys.back()->stiffness();
   }
   const auto modes = modes_of(*score.body, options.sample_rate_hz / 2).modes;
+  if (modes.empty()) refuse_rate(score.body->name, options);
   const auto other_side = modes_of(mirrored(*score.body), options.sample_rate_hz / 2).modes;
   Body<T> body(bare(modes), shapes_in<T>(modes, &ResonatorMode::strike_shape), stiffness, options.sample_rate_hz);
   const auto left = body.modes().sound_pickup(shapes_in<T>(modes, &ResonatorMode::pickup_shape));
@@ -474,12 +485,16 @@ void play_on_body(const Score& score, const PlayOptions& options, Recorder& reco
     if (sample % 4096 == 0) done(sample);
     T force = 0;
     for (const auto& key : keys) {
-      force += key->player.tick(sample, key->controls, body.displacement());
+      const T of_key = key->player.tick(sample, key->controls, body.displacement());
+      if (!std::isfinite(of_key)) refuse_infinite(score, "voice " + key->voice.name, options, sample);
+      force += of_key;
       recorder.add_force(sample, static_cast<double>(key->player.force()), key->touches);
     }
     body.tick(force);
-    recorder.add_sound(sample, static_cast<double>(body.modes().velocity(left)),
-                       static_cast<double>(body.modes().velocity(right)));
+    const auto velocity_left = static_cast<double>(body.modes().velocity(left));
+    const auto velocity_right = static_cast<double>(body.modes().velocity(right));
+    if (!std::isfinite(velocity_left + velocity_right)) refuse_infinite(score, "body", options, sample);
+    recorder.add_sound(sample, velocity_left, velocity_right);
   }
 }
 

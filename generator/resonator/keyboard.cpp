@@ -116,8 +116,9 @@ KeyboardNote note_of(const Keyboard& keyboard, int key) {
 
 std::vector<ResonatorMode> modes_of(const KeyboardNote& note, double max_frequency_hz) {
   std::vector<ResonatorMode> modes;
-  for (const auto& [mode, beta] : modes_below(note.string, max_frequency_hz))
-    modes.push_back({mode, beta, std::sin(beta * note.strike_position_m), bridge_shape(note.string, beta)});
+  for (const StringMode& mode : modes_below(note.string, max_frequency_hz))
+    modes.push_back({mode.mode, mode.wavenumber_per_m, std::sin(mode.wavenumber_per_m * note.strike_position_m),
+                     bridge_shape(note.string, mode)});
   return modes;
 }
 

@@ -16,30 +16,15 @@
 
 namespace contactspline {
 
-/// Stiffness [N/m] that strings add to the bridge they end at. The displacement of a string with a moving end is the
-/// sum of its modes, so each mode pulls at the bridge with shape (q - shape w/k): shape is the force on the bridge
-/// per modal displacement, as bridge_shape() gives it, w the bridge's displacement, k the modal stiffness. This is
-/// the sum of shape^2/k; `tension_over_length` is the rest of the string's own stiffness [N/m], the sum of T/L
-/// (docs/body.md).
-[[nodiscard]] inline double bridge_stiffness(std::span<const Mode> modes, std::span<const double> shapes,
-                                             double tension_over_length_n_per_m) {
-  double sum = tension_over_length_n_per_m;
-  for (std::size_t i = 0; i < modes.size(); ++i) {
-    const auto& [w, decay, mass] = modes[i];
-    sum += shapes[i] * shapes[i] / (mass * (w * w + decay * decay));
-  }
-  return sum;
-}
-
 /// A body with one bridge. Strings and body take turns, half a sample apart: the strings advance one sample while the
-/// bridge stands still, at displacement(), then the body advances one sample under the force of the strings at rest,
-/// tick(). Each side sees a constant force, so nothing is solved together, and yet the energy of strings, bridge and
-/// body is balanced to rounding (docs/body.md). No allocation after construction.
+/// bridge stands still, at displacement(), then the body advances one sample while the strings
+/// stand still, tick(). Each side sees a constant force, so nothing is solved together, and yet the energy of
+/// strings, bridge and body is balanced to rounding (docs/body.md). No allocation after construction.
 template <std::floating_point T>
 class Body {
  public:
-  /// `bridge`: shapes of the body's modes at the bridge. `stiffness`: what all strings add, the sum of their
-  /// bridge_stiffness() [N/m], >= 0.
+  /// `bridge`: shapes of the body's modes at the bridge, one for each mode. `stiffness`: what all strings add, the
+  /// sum of their bridge_stiffness() [N/m], >= 0.
   Body(std::span<const Mode> modes, ModeShapes<T> bridge, double stiffness_n_per_m, double sample_rate_hz)
       : bank_(modes, sample_rate_hz),
         bridge_(std::move(bridge)),
@@ -50,13 +35,14 @@ class Body {
   [[nodiscard]] T displacement() const { return displacement_; }
 
   /// Advances one sample under the force of the strings on the bridge [N], taken after their sample: the sum of shape
-  /// times modal displacement. A force that is not a number counts as the last one. Safe in an audio thread.
+  /// times modal displacement, -1e6 to 1e6. A force that is not a number counts as the last one. Safe in an audio
+  /// thread. The body feels this force less stiffness times displacement.
   void tick(T force_n) {
-    force_n_ = held(force_n_, force_n, ControlRange<T>{-kMaxForce, kMaxForce});
+    force_n_ = held(force_n_, force_n, ControlRanges<T>::bridge_force_n);
     bank_.predict();
     const T pull = force_n_ - stiffness_ * displacement_;
-    const T increment = (bank_.increment(bridge_) + admittance_ * pull) / (1 + admittance_ * stiffness_ / 2);
-    bank_.push(bridge_, pull - stiffness_ / 2 * increment);
+    // The force is pull - stiffness increment/2, where increment is the free one plus admittance times the force.
+    bank_.push(bridge_, (pull - stiffness_ / 2 * bank_.increment(bridge_)) / (1 + admittance_ * stiffness_ / 2));
     bank_.commit();
     displacement_ = bank_.displacement(bridge_);
   }
@@ -78,8 +64,6 @@ class Body {
   }
 
  private:
-  static constexpr T kMaxForce = T(1e6);
-
   ModalBank<T> bank_;
   ModeShapes<T> bridge_;
   T stiffness_, admittance_;

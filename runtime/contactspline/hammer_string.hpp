@@ -26,11 +26,12 @@ struct HammerStringControls {
   T damping_per_s = 0;           ///< of the damper, at any time: extra decay of every mode
 };
 
-/// Strings at their bridge: the force on it per modal displacement [N/m], and that times the admittance of the mode.
+/// Strings at their bridge: what each mode adds to the force on it per displacement [N/m], and what the displacement
+/// of the bridge adds to the increment of the mode, shape times admittance.
 template <std::floating_point T, std::size_t Modes = std::dynamic_extent>
 struct BridgeShapes {
   ModeShapes<T, Modes> shapes;
-  detail::ModalArray<T, Modes> admittances;
+  detail::ModalArray<T, Modes> increments;
 };
 
 /// A hammer in free flight in front of a resonator, which it strikes at one place. Several strings under one hammer
@@ -87,14 +88,16 @@ class HammerString {
   }
 
   /// The same on a bridge that is displaced by so many metres during this sample, as Body::displacement() tells.
-  /// Returns the force on the bridge [N]. Safe in an audio thread.
+  /// Returns what Body::tick() takes [N]: the sum of shape times modal displacement. With ContactSpline::simd,
+  /// string().dissipated() is not known after this, and the caller turns denormals off (FlushDenormals). Safe in an
+  /// audio thread.
   T tick(const HammerStringControls<T>& controls, const BridgeShapes<T, Modes>& bridge, T displacement_m) {
     const T w = held(T(0), displacement_m, Ranges::displacement_m);
 #ifdef CONTACTSPLINE_SIMD
     if constexpr (Modes == std::dynamic_extent) {
       if (!is_flying_) {
         hammer_.force_n = 0;
-        return detail::advance_on_bridge(string_.arrays(), bridge.shapes.data(), bridge.admittances.data(),
+        return detail::advance_on_bridge(string_.arrays(), bridge.shapes.data(), bridge.increments.data(),
                                          1 / (1 + take_damping(controls)), w);
       }
     }
@@ -103,10 +106,10 @@ class HammerString {
     return string_.displacement(bridge.shapes);
   }
 
-  /// What tick() on a bridge needs of the forces on it per modal displacement [N/m], as bridge_shape() gives them.
+  /// The arrays for tick() on a bridge, from bridge_shape() of each mode [N/m].
   [[nodiscard]] BridgeShapes<T, Modes> bridge(const Shapes& shapes) const {
     BridgeShapes<T, Modes> bridge{shapes, detail::ModalArray<T, Modes>(shapes.size())};
-    for (std::size_t i = 0; i < shapes.size(); ++i) bridge.admittances[i] = string_.admittance(i) * shapes[i];
+    for (std::size_t i = 0; i < shapes.size(); ++i) bridge.increments[i] = string_.admittance(i) * shapes[i];
     return bridge;
   }
 

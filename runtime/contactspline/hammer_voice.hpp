@@ -88,7 +88,6 @@ class HammerVoice {
   HammerVoice(SegmentTable<T> felt, std::span<const Mode> modes, ModeShapes<T> strike, const ModeShapes<T>& output,
               const HammerStringControls<T>& controls, const Damper& damper, double sample_rate_hz)
       : model_(felt, modes, std::move(strike), sample_rate_hz),
-        bridge_(model_.bridge(output)),
         output_(model_.string().sound_pickup(output)),
         controls_(controls),
         damper_(damper, sample_rate_hz) {}
@@ -97,19 +96,22 @@ class HammerVoice {
   /// nothing if the velocity is not a number.
   void strike(T velocity_m_per_s) {
     if (!is_number(velocity_m_per_s)) return;
-    damper_.lift();
+    lift();
     model_.strike(velocity_m_per_s, kThrowDistance_m);
   }
 
   /// Moves the place of the strike, from the next throw on. Does nothing if a shape is not finite.
   void strike_at(const ModeShapes<T>& strike) { model_.strike_at(strike); }
 
+  /// Lifts the damper, as a key does that is pressed without a sound.
+  void lift() { damper_.lift(); }
+
   /// Lowers the damper.
   void release() { damper_.lower(); }
 
   /// Brings the strings to rest, stops the hammer and lifts the damper. Does not allocate.
   void reset() {
-    damper_.lift();
+    lift();
     model_.reset();
   }
 
@@ -121,11 +123,12 @@ class HammerVoice {
     return model_.string().displacement(output_);
   }
 
-  /// Advances one sample on a bridge that is displaced by so many metres, and returns the force on it [N], for
-  /// Body::tick. `output` must be the force on the bridge per modal displacement [N/m]. Safe in an audio thread.
-  T tick(T bridge_displacement_m) {
+  /// Advances one sample on a bridge that is displaced by so many metres, and returns what Body::tick() takes [N]
+  /// (HammerString::tick). `bridge`: of model().bridge(), for a model of each string by itself. Safe in an audio
+  /// thread.
+  T tick(const BridgeShapes<T>& bridge, T displacement_m) {
     damping_per_s_ = own_damping();
-    const T force = model_.tick(damped(), bridge_, bridge_displacement_m);
+    const T force = model_.tick(damped(), bridge, displacement_m);
     damper_.advance(1);
     return force;
   }
@@ -172,7 +175,6 @@ class HammerVoice {
   }
 
   HammerString<T> model_;
-  BridgeShapes<T> bridge_;
   ModeShapes<T> output_;
   HammerStringControls<T> controls_;
   T damping_per_s_ = 0;  // the last one of the controls that was a number

@@ -105,12 +105,12 @@ inline constexpr T kHammerStop_m = T(-0.05);
 void process_free(const ModalArrays<float>& modes, float damping_gain, const float* pickup, std::span<float> out);
 void process_free(const ModalArrays<double>& modes, double damping_gain, const double* pickup, std::span<double> out);
 
-/// Advances the modes by one sample on a bridge that is displaced by so many metres, and returns the force on it [N],
-/// the sum of shape times displacement. shape: force on the bridge per modal displacement [N/m]; admittance: of the
-/// mode, times shape.
+/// Advances the modes by one sample on a bridge that is displaced by so many metres, and returns the sum of shape
+/// times displacement [N]. increment: what a metre of the bridge adds to the increment of the mode, shape times
+/// admittance.
 float advance_on_bridge(const ModalArrays<float>& modes, const float* shape, const float* admittance,
                         float damping_gain, float displacement_m);
-double advance_on_bridge(const ModalArrays<double>& modes, const double* shape, const double* admittance,
+double advance_on_bridge(const ModalArrays<double>& modes, const double* shape, const double* increment,
                          double damping_gain, double displacement_m);
 
 /// The same as process_free() with a hammer in flight, until it is stopped or `out` is full. Returns the number of

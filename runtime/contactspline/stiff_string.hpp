@@ -63,11 +63,33 @@ struct UndampedMode {
   return {std::sqrt(stiffness * string.length_m / string.mass_kg), beta, string.mass_kg / 2};
 }
 
-/// Force on the support at the string's far end per modal displacement, for a mode of this wavenumber [N/m]:
-/// -(T beta + EI beta^3) cos(beta L).
-[[nodiscard]] inline double bridge_shape(const StiffString& string, double wavenumber_per_m) {
-  const double beta = wavenumber_per_m;
-  return -beta * (string.tension_n + string.bending_stiffness_n_m2 * beta * beta) * std::cos(beta * string.length_m);
+/// Stiffness [N/m] of a mode: mass (w^2 + decay^2).
+[[nodiscard]] inline double stiffness_of(const Mode& mode) {
+  const auto& [w, decay, mass] = mode;
+  return mass * (w * w + decay * decay);
+}
+
+/// Force on the support at the string's far end per modal displacement [N/m]: -(T beta + EI beta^3) cos(beta L),
+/// where T is the tension of the string that the mode belongs to, detuned or not. It is computed from the stiffness k
+/// of the mode, as T beta + EI beta^3 = 2 k/(L beta). Row: StringMode, or another type with members `mode` and
+/// `wavenumber_per_m`.
+template <typename Row>
+[[nodiscard]] double bridge_shape(const StiffString& string, const Row& row) {
+  const double angle = row.wavenumber_per_m * string.length_m;
+  return -2 * stiffness_of(row.mode) / angle * std::cos(angle);
+}
+
+/// Stiffness [N/m] that strings add to a bridge at their far end that moves: the sum of bridge_shape^2/k over their
+/// modes, and of T/L over the strings (docs/body.md). Row: as in bridge_shape().
+template <typename Row>
+[[nodiscard]] double bridge_stiffness(const StiffString& string, const std::vector<Row>& rows) {
+  double sum = 0;
+  for (const double cents : string.detuning_cents) sum += string.tension_n * std::exp2(cents / 600) / string.length_m;
+  for (const Row& row : rows) {
+    const double shape = bridge_shape(string, row);
+    sum += shape * shape / stiffness_of(row.mode);
+  }
+  return sum;
 }
 
 /// The modes of a vector of StringMode, or of another type with a member `mode`, without what is beside them.
@@ -78,13 +100,12 @@ template <typename Row>
   return modes;
 }
 
-/// The shapes of a pickup whose signal is the force [N] of `strings` equal strings on that support. Row: StringMode,
-/// or another type with a member `wavenumber_per_m`.
+/// The shapes of a pickup whose signal is the force [N] of `strings` equal strings on that support. Row: as in
+/// bridge_shape().
 template <std::floating_point T, typename Row>
 [[nodiscard]] ModeShapes<T> bridge_shapes(const StiffString& string, const std::vector<Row>& rows, double strings) {
   ModeShapes<T> shapes(rows.size());
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    shapes[i] = static_cast<T>(strings * bridge_shape(string, rows[i].wavenumber_per_m));
+  for (std::size_t i = 0; i < rows.size(); ++i) shapes[i] = static_cast<T>(strings * bridge_shape(string, rows[i]));
   return shapes;
 }
 

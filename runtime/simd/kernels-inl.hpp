@@ -21,9 +21,9 @@ void process_free_here(const ModalArrays<Sample>& modes, Sample damping_gain, co
                        std::span<Sample> out) {
   process_free_block(modes, damping_gain, pickup, out);
 }
-Sample advance_on_bridge_here(const ModalArrays<Sample>& modes, const Sample* shape, const Sample* admittance,
+Sample advance_on_bridge_here(const ModalArrays<Sample>& modes, const Sample* shape, const Sample* increment,
                               Sample damping_gain, Sample displacement_m) {
-  return advance_on_bridge_as(modes, shape, admittance, damping_gain, displacement_m);
+  return advance_on_bridge_as(modes, shape, increment, damping_gain, displacement_m);
 }
 HWY_FLATTEN std::size_t process_struck_here(const StrikeConstants<Sample>& strike, HammerState<Sample>& hammer,
                                             std::span<Sample> out, Sample* force) {
@@ -47,9 +47,9 @@ void process_free(const ModalArrays<Sample>& modes, Sample damping_gain, const S
   const FlushDenormals flushed;
   HWY_DYNAMIC_DISPATCH(process_free_here)(modes, damping_gain, pickup, out);
 }
-Sample advance_on_bridge(const ModalArrays<Sample>& modes, const Sample* shape, const Sample* admittance,
+Sample advance_on_bridge(const ModalArrays<Sample>& modes, const Sample* shape, const Sample* increment,
                          Sample damping_gain, Sample displacement_m) {
-  return HWY_DYNAMIC_DISPATCH(advance_on_bridge_here)(modes, shape, admittance, damping_gain, displacement_m);
+  return HWY_DYNAMIC_DISPATCH(advance_on_bridge_here)(modes, shape, increment, damping_gain, displacement_m);
 }
 std::size_t process_struck(const StrikeConstants<Sample>& strike, HammerState<Sample>& hammer, std::span<Sample> out,
                            Sample* force) {

@@ -179,7 +179,7 @@ TEST(RenderScore, PlaysTheHammerString) {
   const auto bridge = [](const HammerString<double>& model, const Parts& p) {
     ModeShapes<double> shapes(p.modes.size());
     for (std::size_t i = 0; i < p.modes.size(); ++i)
-      shapes[i] = bridge_shape(std::get<StiffString>(p.resonator.body), p.wavenumbers[i]);
+      shapes[i] = bridge_shape(std::get<StiffString>(p.resonator.body), StringMode{p.modes[i], p.wavenumbers[i]});
     return model.string().displacement(model.string().sound_pickup(shapes));
   };
   const auto velocity = [](const HammerString<double>& model, const Parts& p) {
@@ -518,12 +518,13 @@ TEST(RenderScore, PlaysAKeyboardOnItsBody) {
     string.detuning_cents = number == 40 ? std::vector{-0.3, 0.3} : std::vector{-0.4, 0.1, 0.5};
     string.losses = {0.4 * string.losses.constant_per_s, 0.4 * string.losses.quadratic_m2_per_s};
     Key key{count * note.hammer_mass_kg, count, speed, {}, {}, {}, segment_table(design_spline(note.felt, "felt"))};
-    for (const auto& [mode, beta] : modes_below(string, kRate / 2)) {
-      key.modes.push_back(mode);
-      key.strike.push_back(std::sin(beta * note.strike_position_m) / count);
-      key.bridge.push_back(bridge_shape(string, beta));
+    const auto modes = modes_below(string, kRate / 2);
+    for (const StringMode& mode : modes) {
+      key.modes.push_back(mode.mode);
+      key.strike.push_back(std::sin(mode.wavenumber_per_m * note.strike_position_m) / count);
+      key.bridge.push_back(bridge_shape(string, mode));
     }
-    stiffness += bridge_stiffness(key.modes, key.bridge, count * string.tension_n / string.length_m);
+    stiffness += bridge_stiffness(string, modes);
     keys.push_back(std::move(key));
   }
   const auto of = [](const std::vector<double>& values) {
@@ -563,6 +564,48 @@ TEST(RenderScore, PlaysAKeyboardOnItsBody) {
   EXPECT_EQ(sound.channels, 2);
   expect_is(sound, expected);
   expect_is(sound_of("hammer-string", score, {"--precision", "single"}), expected, 1e-3);
+}
+
+// A body that is silent at this rate is named. Of a keyboard beside the score.
+TEST(RenderScore, RefusesABodyThatCannotSound) {
+  const Sandbox box;
+  std::string keyboard = shipped(embedded_files(Shipped::kKeyboards), "piano");
+  keyboard.replace(keyboard.find("\"soundboard\""), 12, "\"board.json\"");
+  write_file(box / "piano.json", keyboard);
+  write_file(box / "board.json", R"({ "name": "board", "modes": [
+    { "frequency_hz": 30000, "decay_per_s": 5, "mass_kg": 1, "strike_shape": 1, "pickup_shape": 1 } ] })");
+  write_file(box / "probe.json", R"({ "instrument": "hammer-string", "duration_s": 0.1, "keyboard": "piano.json",
+    "events": [ { "time_s": 0.01, "key": 60, "speed_m_per_s": 3 } ] })");
+  const auto before = box.listing();
+  expect_refused(
+      run({.arguments = {"render", "hammer-string", "--score", "probe.json", "-o", "a.wav"}, .folder = box.path()}),
+      "--rate: no mode of board lies below 22050 Hz", "allowed: a higher rate");
+  EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
+}
+
+// Stems of a keyboard on its body: the dampers of all keys move as in the whole, so that their sum lacks only what
+// one hammer's contact changes in another. Keys 60 and 48 share a board; every partial of C3 that C4 has rings with
+// it.
+TEST(RenderScore, StemsOfABodyAddUp) {
+  const Sandbox box;
+  write_file(box / "probe.json", R"({ "instrument": "hammer-string", "duration_s": 1, "keyboard": "piano",
+    "events": [ { "time_s": 0.01, "key": 60, "speed_m_per_s": 3, "hold_s": 0.5 },
+                { "time_s": 0.01, "key": 48, "speed_m_per_s": 2, "hold_s": 0.8 } ] })");
+  succeed({.arguments = {"render", "hammer-string", "--score", "probe.json", "-o", "mix.wav", "--no-figure", "--gain",
+                         "0", "--stems", "stems"},
+           .folder = box.path()});
+  const Sound mix = read_sound(box / "mix.wav"), low = read_sound(box / "stems/48.wav"),
+              high = read_sound(box / "stems/60.wav");
+  double rest = 0, whole = 0, of_one = 0;
+  for (std::size_t i = 0; i < mix.samples.size(); ++i) {
+    rest += std::pow(mix.samples[i] - low.samples[i] - high.samples[i], 2);
+    whole += mix.samples[i] * mix.samples[i];
+    of_one += low.samples[i] * low.samples[i];
+  }
+  const double level = 10 * std::log10(rest / whole);
+  std::cout << "mix less stems: " << level << " dB\n";
+  EXPECT_GT(of_one, 0.01 * whole);
+  EXPECT_LT(level, -50);
 }
 
 TEST(RenderScore, FindsFilesBesideTheScore) {

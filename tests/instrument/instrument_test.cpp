@@ -58,7 +58,7 @@ TEST(InstrumentFile, OfAHammerStringIsTheHammerString) {
     modes.push_back(mode.mode);
     struck.push_back(mode.strike_shape);
     pickup.push_back(mode.pickup_shape);
-    bridge.push_back(bridge_shape(std::get<StiffString>(resonator.body), mode.wavenumber_per_m));
+    bridge.push_back(bridge_shape(std::get<StiffString>(resonator.body), mode));
   }
   const auto table = segment_table(design_material(shipped_text(Shipped::kMaterials, "felt_c4"), "felt").spline);
   HammerString<double> by_hand(table, modes, ModeShapes<double>(std::span<const double>(struck)), kRate);

@@ -35,21 +35,19 @@ struct Strings {
   Strings(const StruckString& struck, std::vector<double> cents, int max_modes, double max_frequency_hz) {
     StiffString string = struck.string;
     if (!kHasLosses) string.losses = {0, 0};
-    tension_over_length = static_cast<double>(cents.size()) * string.tension_n / string.length_m;
     string.detuning_cents = std::move(cents);
     const int all = max_modes * static_cast<int>(string.detuning_cents.size());
     const auto found = modes_of({"", "", string, {struck.strike_m}, {struck.strike_m}, all}, max_frequency_hz).modes;
     modes = bare(found);
     strike = shapes<double>(found, &ResonatorMode::strike_shape);
-    for (const auto& mode : found) bridge.push_back(bridge_shape(struck.string, mode.wavenumber_per_m));
+    for (const auto& mode : found) bridge.push_back(bridge_shape(string, mode));
+    stiffness = bridge_stiffness(string, found);
   }
-
-  [[nodiscard]] double stiffness() const { return bridge_stiffness(modes, bridge, tension_over_length); }
 
   std::vector<Mode> modes;
   ModeShapes<double> strike;
   std::vector<double> bridge;
-  double tension_over_length;
+  double stiffness;
 };
 
 /// A key with its hammer and its energy.
@@ -104,7 +102,7 @@ TEST_P(StrungBody, BalancesItsEnergy) {
       high(c7(), {0, 1, -1}, 400, 22050);
   const auto modes = board(120);
   Body<double> body(bare(modes), shapes<double>(modes, &ResonatorMode::strike_shape),
-                    low.stiffness() + middle.stiffness() + high.stiffness(), rate);
+                    low.stiffness + middle.stiffness + high.stiffness, rate);
   std::vector<Key<double>> keys;
   keys.emplace_back(c2(), low, rate);
   keys.emplace_back(c4(), middle, rate);
@@ -158,7 +156,7 @@ class ExactMotion {
     for (Eigen::Index i = 0; i < b; ++i) {
       const double shape = body[static_cast<std::size_t>(i)].strike_shape;
       for (Eigen::Index j = 0; j < b; ++j)
-        stiffness(s + i, s + j) += strings.stiffness() * shape * body[static_cast<std::size_t>(j)].strike_shape;
+        stiffness(s + i, s + j) += strings.stiffness * shape * body[static_cast<std::size_t>(j)].strike_shape;
       for (Eigen::Index j = 0; j < s; ++j)
         stiffness(s + i, j) = stiffness(j, s + i) = -shape * strings.bridge[static_cast<std::size_t>(j)];
     }
@@ -224,7 +222,7 @@ class ExactMotion {
 /// The same at a sample rate: force on the bridge after each sample.
 std::vector<double> played(const Strings& strings, const std::vector<ResonatorMode>& modes,
                            const std::vector<double>& displacement, double rate, double duration_s) {
-  Body<double> body(bare(modes), shapes<double>(modes, &ResonatorMode::strike_shape), strings.stiffness(), rate);
+  Body<double> body(bare(modes), shapes<double>(modes, &ResonatorMode::strike_shape), strings.stiffness, rate);
   ModalBank<double> bank(strings.modes, rate);
   const ModeShapes<double> bridge{std::span<const double>(strings.bridge)};
   for (std::size_t i = 0; i < displacement.size(); ++i) bank.set_motion(i, displacement[i], 0);
@@ -260,6 +258,80 @@ TEST(StrungBodyMotion, HasTheFrequenciesOfAStringAtAMass) {
   }
 }
 
+// A string on a bridge that moves at random, with losses and a damper, against its modes one by one: the kernel,
+// where there is one, and the scalar code sum up in other orders only.
+template <typename T>
+void expect_the_modes_motion(double bound) {
+  const Strings strings(c4(), {0, 0.8}, 50, 22050);
+  const ModeShapes<T> shapes(std::span<const double>(strings.bridge));
+  const StruckString struck = c4();
+  const auto felt = table_in<T>(felt_table(struck, 32));
+  HammerString<T> model(SegmentTable<T>(felt), strings.modes, ModeShapes<T>(strings.modes.size()), 44100);
+  const auto bridge = model.bridge(shapes);
+  ModalBank<T> bank(strings.modes, 44100);
+  std::mt19937_64 random(5);
+  double worst = 0, largest = 0;
+  for (int n = 0; n < 20000; ++n) {
+    const T w = static_cast<T>(std::uniform_real_distribution<double>(-1e-6, 1e-6)(random));
+    const T damping_per_s = n / 1000 % 2 == 0 ? T(0) : T(60), damping = damping_per_s * T(1 / 44100.0);
+    bank.predict(damping);
+    bank.push(shapes, w / (1 + damping));
+    bank.commit();
+    const double expected = double(bank.displacement(shapes));
+    const double force = double(model.tick({.hammer_mass_kg = T(0.003), .damping_per_s = damping_per_s}, bridge, w));
+    worst = std::isfinite(force) ? std::max(worst, std::abs(force - expected)) : force;
+    largest = std::max(largest, std::abs(expected));
+  }
+  EXPECT_GT(largest, 0.01);
+  EXPECT_TRUE(within(worst, 0, bound * largest)) << largest;
+}
+
+TEST(StringOnABridge, MovesAsItsModesInDouble) {
+  expect_the_modes_motion<double>(1e-12);
+}
+TEST(StringOnABridge, MovesAsItsModesInSingle) {
+  expect_the_modes_motion<float>(1e-4);
+}
+
+// A body so light that the strings' stiffness is 1e7 times its own inertia over a sample: the bridge stays bounded by
+// the energy of the pluck.
+TEST(StrungBodyMotion, IsBoundedOnALightBodyInSinglePrecision) {
+  const Strings strings(c4(), {0}, 40, 22050);
+  const std::vector<Mode> light = {{2 * pi * 200, 5, 1e-9}};
+  ModeShapes<float> one(1);
+  one[0] = 1;
+  Body<float> body(light, one, strings.stiffness, 44100);
+  ModalBank<float> bank(strings.modes, 44100);
+  const ModeShapes<float> bridge{std::span<const double>(strings.bridge)};
+  bank.set_motion(0, 1e-3f, 0);
+  float largest = 0;
+  for (int n = 0; n < 44100; ++n) {
+    bank.predict();
+    bank.push(bridge, body.displacement());
+    bank.commit();
+    body.tick(bank.displacement(bridge));
+    largest = std::isfinite(body.displacement()) ? std::max(largest, std::abs(body.displacement())) : INFINITY;
+  }
+  EXPECT_GT(largest, 1e-4f);
+  EXPECT_LT(largest, 3e-3f);
+}
+
+// A string that is tuned up by an octave is one of four times the tension, at its bridge too.
+TEST(BridgeShape, KnowsTheTensionOfATunedString) {
+  StiffString tuned = c4().string, tense = tuned;
+  tuned.bending_stiffness_n_m2 = tense.bending_stiffness_n_m2 = 0.01;
+  tuned.detuning_cents = {1200};
+  tense.tension_n *= 4;
+  const auto of_tuned = modes_below(tuned, 20000), of_tense = modes_below(tense, 20000);
+  ASSERT_EQ(of_tuned.size(), of_tense.size());
+  for (std::size_t i = 0; i < of_tuned.size(); ++i)
+    EXPECT_TRUE(relatively_within(bridge_shape(tuned, of_tuned[i]), bridge_shape(tense, of_tense[i]), 1e-13));
+  EXPECT_TRUE(relatively_within(bridge_stiffness(tuned, of_tuned), bridge_stiffness(tense, of_tense), 1e-13));
+  const double beta = of_tense[2].wavenumber_per_m;  // -(T beta + EI beta^3) cos(beta L), and cos(3 pi) = -1
+  EXPECT_TRUE(
+      relatively_within(bridge_shape(tense, of_tense[2]), beta * (tense.tension_n + 0.01 * beta * beta), 1e-13));
+}
+
 // Each mode adds 2 (T + EI beta^2)/L to the bridge, the string as a whole T/L.
 TEST(BridgeStiffness, IsThatOfAllModes) {
   const Strings strings(c4(), {0}, 30, 22050);
@@ -268,7 +340,7 @@ TEST(BridgeStiffness, IsThatOfAllModes) {
   for (int i = 1; i <= 30; ++i)
     expected += 2 * (string.tension_n + string.bending_stiffness_n_m2 * std::pow(i * pi / string.length_m, 2)) /
                 string.length_m;
-  EXPECT_TRUE(relatively_within(strings.stiffness(), expected, 1e-13));
+  EXPECT_TRUE(relatively_within(strings.stiffness, expected, 1e-13));
 }
 
 // A pluck of two strings, eight modes each, on a board of six: the error falls with the square of the rate.

@@ -112,7 +112,7 @@ struct Resonator {
   template <typename T>
   [[nodiscard]] ModeShapes<T> bridge() const {
     ModeShapes<T> shapes(modes.size());
-    for (std::size_t i = 0; i < modes.size(); ++i) shapes[i] = T(bridge_shape(string, modes[i].wavenumber_per_m));
+    for (std::size_t i = 0; i < modes.size(); ++i) shapes[i] = T(bridge_shape(string, modes[i]));
     return shapes;
   }
 };
