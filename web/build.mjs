@@ -33,7 +33,9 @@ const packed = Object.entries(assets).map(
   ([name, bytes]) => `<script type="text/plain" id="asset-${name}">${gzipSync(bytes, { level: 9 }).toString("base64")}</script>`,
 );
 const style = readFileSync(join(resolve(modules), "uplot", "dist", "uPlot.min.css"), "utf8") + readFileSync(join(source, "style.css"), "utf8");
+const licence = readFileSync(join(resolve(modules), "uplot", "LICENSE"), "utf8");
 const fill = {
+  "<!--LICENCES-->": `<!-- The plots are drawn by uPlot:\n\n${licence.replaceAll("--", "- -")}-->`,
   "/*STYLE*/": style,
   "<!--ASSETS-->": packed.join("\n"),
   "/*SCRIPT*/": bundle("main.js").replaceAll("</script", "<\\/script"),

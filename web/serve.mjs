@@ -3,6 +3,7 @@
 import { readFileSync } from "node:fs";
 import { createServer } from "node:http";
 import { resolve } from "node:path";
+import { fileURLToPath } from "node:url";
 
 /** A server of one page at http://127.0.0.1:PORT/; port 0 chooses a free one. Returns its address and close(). */
 export function serve(page, port = 0) {
@@ -16,7 +17,7 @@ export function serve(page, port = 0) {
   });
 }
 
-if (import.meta.filename === resolve(process.argv[1])) {
+if (fileURLToPath(import.meta.url) === resolve(process.argv[1])) {
   const [page, port = "8000"] = process.argv.slice(2);
   console.log(`The page is at ${(await serve(page, Number(port))).address}; Ctrl-C ends.`);
 }

@@ -17,6 +17,7 @@ for (const [device, size] of Object.entries(sizes))
     const { page, close } = await openPage(modules, server.address, { ...size, colorScheme });
     await page.evaluate(() => contactSpline.loaded);
     await page.click("#tour-start");
+    await page.getByText("The material file as text").click(); // what is hidden is not audited
     await page.addScriptTag({ path: join(modules, "axe-core", "axe.min.js") });
     const { violations, passes } = await page.evaluate(() => axe.run());
     assert.ok(passes.length > 20, "the audit must have looked");

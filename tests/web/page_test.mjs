@@ -178,6 +178,31 @@ const cases = {
     });
   },
 
+  async "the tour and the presets go through"() {
+    await withPage(server.address, async (page) => {
+      await page.getByRole("button", { name: "Tour" }).click();
+      for (let step = 1; step <= 6; ++step) {
+        await page.getByText(new RegExp(`^${step}\\. `)).waitFor();
+        await page.waitForTimeout(100);
+        await page.locator("#tour-next").click();
+      }
+      assert.ok(await page.locator("#tour").isHidden());
+      assert.equal(await page.locator("#instrument").inputValue(), "piano");
+      const presets = await page.locator("#preset option").evaluateAll((options) => options.map(({ value }) => value).filter(Boolean));
+      assert.ok(presets.length >= 8);
+      for (const preset of presets) {
+        await page.selectOption("#preset", preset);
+        await page.waitForFunction(() => document.getElementById("design-note").className === "");
+        const state = await page.evaluate(async (preset) => {
+          const { page, presets } = contactSpline;
+          await page.show(presets[preset]);
+          return { now: page.state(), wanted: presets[preset] };
+        }, preset);
+        assert.deepEqual(state.now, state.wanted, preset);
+      }
+    });
+  },
+
   async "no MIDI is no error"() {
     await withPage(server.address, async (page) => {
       await page.locator("#strike").click();

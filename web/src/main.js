@@ -217,7 +217,7 @@ class Page {
 
 const page = new Page();
 // For tests, and for the curious at the console.
-globalThis.contactSpline = { page, renderOffline, instrumentMessage, loaded: page.load().then(() => page.run()) };
+globalThis.contactSpline = { page, presets: kPresets, renderOffline, instrumentMessage, loaded: page.load().then(() => page.run()) };
 contactSpline.loaded.catch((error) => {
   byId("stage-caption").textContent = `This browser cannot play the page: ${error.message}`;
 });
