@@ -13,10 +13,10 @@ mkdirSync(folder, { recursive: true });
 const devices = { desktop: { width: 1280, height: 800 }, phone: { width: 390, height: 844 }, docs: { width: 1280, height: 1130 } };
 for (const [device, size] of Object.entries(devices))
   for (const colorScheme of ["light", "dark"]) {
-    const { page, close } = await openPage(modules, server.address, { ...size, colorScheme });
+    const { page, close } = await openPage(modules, server.address, { ...size, colorScheme, permissions: ["midi"] });
     await page.evaluate(() => contactSpline.loaded);
     for (const key of "adg") {
-      await page.keyboard.press(key);
+      await page.keyboard.down(key);
       await page.waitForTimeout(600);
     }
     await page.evaluate(() => {
