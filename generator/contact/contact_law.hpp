@@ -117,16 +117,16 @@ std::pair<Real, Real> layer_compression(const PowerLaw& layer, const Real& force
 }
 
 /// The force that compresses layers in series by y. Newton's method for ln y(F) over ln F, which is convex. It starts
-/// at the smallest force that compresses one layer alone by y, so no step passes the solution; a power law takes one
-/// step.
+/// at the smallest force that compresses one layer alone by y, so the force falls from step to step, until rounding
+/// ends that.
 template <typename Real>
 Real force_of(const PowerSeries& series, const Real& y) {
-  using std::abs, std::exp, std::log, std::pow;
+  using std::exp, std::log, std::pow;
   if (!(y > 0)) return 0;
   Real force = std::numeric_limits<Real>::max();
   for (const PowerLaw& layer : series.layers)
     force = std::min<Real>(force, Real(layer.stiffness) * pow(y, Real(layer.exponent)));
-  constexpr int kMaxSteps = 100;  // some eight are needed
+  constexpr int kMaxSteps = 100;  // some ten are needed
   for (int i = 0; i < kMaxSteps && force > 0; ++i) {
     Real sum = 0, slope = 0;
     for (const PowerLaw& layer : series.layers) {
@@ -136,7 +136,7 @@ Real force_of(const PowerSeries& series, const Real& y) {
     }
     const Real step = log(Real(sum / y)) * sum / (slope * force);
     force *= exp(Real(-step));
-    if (abs(step) < 4 * std::numeric_limits<Real>::epsilon()) break;
+    if (!(step > 4 * std::numeric_limits<Real>::epsilon())) break;
   }
   return force;
 }

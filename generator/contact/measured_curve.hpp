@@ -35,7 +35,8 @@ enum class CurveShape { kMonotone, kHardening };
 /// With an impact speed [m/s], a loading branch with rising compression and an unloading branch with falling
 /// compression follow one another. The speed of a mass that arrives at the impact speed v and turns at the largest
 /// compression is v sqrt(1 - W(y)/W(ymax)), W(y) the work of the force up to y; on the way out it follows from the
-/// work that is given back. Throws BadInput, too, if more work is given back than was taken up. Samples are returned
+/// work that is given back. It is also an error if the force
+/// has more than one peak, or if more work is given back than was taken up. Samples are returned
 /// by rising compression.
 [[nodiscard]] std::vector<CurveSample> parse_curve(std::string_view text, std::string_view file,
                                                    std::optional<double> impact_speed_m_per_s = {});
@@ -46,7 +47,8 @@ enum class CurveShape { kMonotone, kHardening };
 [[nodiscard]] ForceCurve smooth_curve(const std::vector<CurveSample>& samples, CurveShape shape,
                                       double loss_s_per_m = 0);
 
-/// The loss [s/m] between 0 and `max_loss` for which smooth_curve leaves the smallest sum of squared errors.
+/// The loss [s/m] between 0 and `max_loss` > 0 for which smooth_curve leaves the smallest sum of squared errors; it
+/// may be `max_loss` itself. 1 + max_loss v must be positive for every sample.
 [[nodiscard]] double fitted_loss(const std::vector<CurveSample>& samples, CurveShape shape, double max_loss_s_per_m);
 
 /// The power law with the smallest sum of squared force errors at a given loss, exponent 0.1 to 10.

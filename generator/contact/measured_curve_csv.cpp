@@ -5,7 +5,9 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <numeric>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "generator/contact/measured_curve.hpp"
@@ -105,12 +107,13 @@ void require_loop(const std::vector<CurveSample>& samples, const CurveSample& ne
                   "compressions that rise to the largest, then fall, each once in each branch");
 }
 
-// Noise lets the force fall a little. A second contact, or loading and unloading in one file, lets it fall further.
+// The samples first, second ... of a branch have forces that rise, apart from noise. A second contact lets them fall
+// further.
 void require_monotone(const std::vector<CurveSample>& samples, const std::vector<std::size_t>& lines,
-                      std::string_view file) {
+                      std::span<const std::size_t> branch, std::string_view file, std::string_view allowed) {
   const double largest = std::ranges::max(samples, {}, &CurveSample::force_n).force_n;
   double max_so_far = 0;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
+  for (const std::size_t i : branch) {
     const double force = samples[i].force_n;
     const Position position{file, lines[i]};
     max_so_far = std::max(max_so_far, force);
@@ -118,8 +121,7 @@ void require_monotone(const std::vector<CurveSample>& samples, const std::vector
       position.fail(fmt::format("force {} N is negative", force),
                     "positive forces, apart from noise of a fifth of the largest");
     if (force < max_so_far - kNoise * largest)
-      position.fail(fmt::format("force falls from {} to {} N", max_so_far, force),
-                    "forces that rise, apart from noise of a fifth of the largest");
+      position.fail(fmt::format("force falls from {} to {} N", max_so_far, force), allowed);
   }
 }
 
@@ -131,7 +133,7 @@ std::vector<double> works(const std::vector<CurveSample>& samples, CurveSample f
   double work = 0;
   for (std::size_t i = first; i < last; from = samples[i], ++i) {
     work += (samples[i].force_n + from.force_n) / 2 * std::abs(samples[i].compression_m - from.compression_m);
-    works.push_back(std::max(work, 0.0));
+    works.push_back(std::max(work, 0.0));  // noise at the first touch may pull
   }
   return works;
 }
@@ -198,10 +200,20 @@ std::vector<CurveSample> parse_curve(std::string_view text, std::string_view fil
     lines.push_back(position.line);
   }
   require_size(samples, file);
-  if (impact_speed_m_per_s)
-    add_speeds(samples, *impact_speed_m_per_s, file);
-  else
-    require_monotone(samples, lines, file);
+  std::vector<std::size_t> branch(samples.size());
+  std::iota(branch.begin(), branch.end(), std::size_t{0});
+  if (!impact_speed_m_per_s) {
+    require_monotone(samples, lines, branch, file, "forces that rise, apart from noise of a fifth of the largest");
+    return samples;
+  }
+  // Over time the force of an impact rises to its peak and falls: from its end backwards it rises, too.
+  constexpr auto kOnePeak = "forces with one peak, apart from noise of a fifth of the largest";
+  const auto peak = std::ranges::max_element(samples, {}, &CurveSample::force_n) - samples.begin();
+  require_monotone(samples, lines, std::span(branch).first(static_cast<std::size_t>(peak)), file, kOnePeak);
+  std::ranges::reverse(branch);
+  require_monotone(samples, lines, std::span(branch).first(samples.size() - static_cast<std::size_t>(peak)), file,
+                   kOnePeak);
+  add_speeds(samples, *impact_speed_m_per_s, file);
   return samples;
 }
 

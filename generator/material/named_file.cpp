@@ -8,16 +8,24 @@
 #include <optional>
 #include <utility>
 
+#include "generator/support/error.hpp"
 #include "generator/support/file_kind.hpp"
 
 namespace contactspline {
 
-NamedText read_named(const JsonObject& object, const char* key, Shipped folder, const ReadFile& read) {
-  const std::string allowed = fmt::format("a .json file, {}", fmt::join(shipped_names(folder), ", "));
-  const std::string name = object.text(key, allowed);
+namespace {
+
+std::string allowed_in(Shipped folder) {
+  return fmt::format("a .json file, {}", fmt::join(shipped_names(folder), ", "));
+}
+
+}  // namespace
+
+NamedText named_text(std::string_view file, std::string_view key, const std::string& name, Shipped folder,
+                     const ReadFile& read) {
   const auto refuse_other = [&](std::optional<Shipped> kind) {
     if (kind && *kind != folder)
-      object.fail(object.key(key), fmt::format("'{}' is a {}", shown(name), kind_name(*kind)), allowed);
+      refuse(file, key, fmt::format("'{}' is a {}", shown(name), kind_name(*kind)), allowed_in(folder));
   };
   if (is_path(name)) {
     std::string text = read(name);
@@ -26,8 +34,12 @@ NamedText read_named(const JsonObject& object, const char* key, Shipped folder, 
   }
   const EmbeddedFile* found = find_embedded(folder, name + ".json");
   if (found == nullptr) refuse_other(kind_of_name(name));
-  if (found == nullptr) object.fail(object.key(key), fmt::format("'{}' does not ship", shown(name)), allowed);
+  if (found == nullptr) refuse(file, key, fmt::format("'{}' does not ship", shown(name)), allowed_in(folder));
   return {std::string(found->content), name + ".json", true};
+}
+
+NamedText read_named(const JsonObject& object, const char* key, Shipped folder, const ReadFile& read) {
+  return named_text(object.file(), object.key(key), object.text(key, allowed_in(folder)), folder, read);
 }
 
 ReadFile reader_beside(const NamedText& named, const ReadFile& read) {

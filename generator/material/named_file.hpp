@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "generator/material/contact_reader.hpp"
 #include "generator/support/embedded_files.hpp"
@@ -15,8 +16,13 @@ struct NamedText {
   bool ships;
 };
 
-/// The text of what the key `key` names: a .json file, which `read` reads, or something in a folder of what ships.
-/// Throws BadInput if there is no such file, or if it is of another kind.
+/// The text of what `name` names, the value of `key` in `file`: a .json file, which `read` reads, or something in a
+/// folder of what ships. Throws BadInput if there is no such file, or if it is of another kind.
+[[nodiscard]] NamedText named_text(std::string_view file, std::string_view key, const std::string& name,
+                                   Shipped folder, const ReadFile& read);
+
+/// The text of what the key `key` of an object names: a .json file, which `read` reads, or something in a folder of
+/// what ships. Throws BadInput as named_text() does.
 [[nodiscard]] NamedText read_named(const JsonObject& object, const char* key, Shipped folder, const ReadFile& read);
 
 /// Reads what a named file names in turn: beside the file, or what ships if the file ships. Both must outlive it.

@@ -174,16 +174,9 @@ std::string left_out_line(std::string_view file, const Keyboard& keyboard, std::
 // The body of a keyboard, beside the keyboard's file.
 std::optional<Resonator> body_of(const Keyboard& keyboard, const NamedText& file, const ReadFile& read) {
   if (!keyboard.body) return {};
-  const std::string& name = keyboard.body->resonator;
-  if (is_path(name)) {
-    const std::string path = (std::filesystem::path(file.file).parent_path() / name).string();
-    return parse_resonator(read(path), path);
-  }
-  const EmbeddedFile* found = find_embedded(Shipped::kResonators, name + ".json");
-  if (found == nullptr)
-    refuse(file.file, "keyboard.body.resonator", fmt::format("'{}' does not ship", shown(name)),
-           fmt::format("a .json file, {}", fmt::join(shipped_names(Shipped::kResonators), ", ")));
-  return parse_resonator(found->content, found->name);
+  const NamedText named = named_text(file.file, "keyboard.body.resonator", keyboard.body->resonator,
+                                     Shipped::kResonators, reader_beside(file, read));
+  return parse_resonator(named.text, named.file);
 }
 
 // Every key that is played.
@@ -358,7 +351,7 @@ Score parse_midi_score(std::string_view bytes, std::string_view file, std::span<
               title,
               end + kRing,
               {},
-              body_of(keyboard, {{}, std::string(piano->name), true}, {}),
+              body_of(keyboard, {{}, std::string(piano->name), true}, shipped_file),
               left_out_line(file, keyboard, beyond, beyond_octave, bends_in_notes)};
   for (auto& [key, voice] : voices) score.voices.push_back(std::move(voice));
   return score;

@@ -44,7 +44,7 @@ struct Plate {
   double youngs_modulus_pa;         ///< along x
   double youngs_modulus_across_pa;  ///< along y
   double shear_modulus_pa;
-  double poisson_ratio;  ///< nu_xy: shortening along y per stretch along x; nu_xy^2 Ey/Ex < 1
+  double poisson_ratio;  ///< nu_xy: shortening along y per stretch along x; nu_xy^2 Ey/Ex < 1, H >= 0
   Losses losses;
 };
 

@@ -57,12 +57,10 @@ Membrane read_membrane(const JsonObject& body) {
           body.number("tension_n_per_m", kTension), read_losses(body)};
 }
 
-// The smallest of along c^4 + 2 mixed c^2 s^2 + across s^4 over all directions, c^2 + s^2 = 1.
+// The smallest of along c^4 + 2 mixed c^2 s^2 + across s^4 over all directions, c^2 + s^2 = 1; mixed >= 0.
 double softest(double along, double across, double mixed) {
-  const double inner =
-      along + across - 2 * mixed;  // of a quadratic function of c^2 that has its minimum within (0, 1)
   const double smaller = std::min(along, across);
-  return mixed < smaller ? (along * across - mixed * mixed) / inner : smaller;
+  return mixed < smaller ? (along * across - mixed * mixed) / (along + across - 2 * mixed) : smaller;
 }
 
 // Without the second modulus the material is isotropic: G = E/(2 (1 + nu)).
@@ -89,6 +87,9 @@ Plate read_plate(const JsonObject& body) {
     body.fail(body.key("poisson_ratio"), fmt::format("{} is too large for these moduli", plate.poisson_ratio),
               "poisson_ratio^2 youngs_modulus_across_pa < youngs_modulus_pa");
   const auto [along, across, mixed] = bending_stiffness(plate);
+  if (mixed < 0)
+    body.fail(body.key("poisson_ratio"), fmt::format("{} needs a larger shear modulus", plate.poisson_ratio),
+              "frequencies that rise with both mode numbers: poisson_ratio D_across + G thickness^3/6 >= 0");
   const double critical = std::sqrt(softest(along, across, mixed) / (plate.density_kg_m3 * plate.thickness_m));
   if (!(plate.losses.quadratic_m2_per_s < critical))
     body.fail(body.key("quadratic_loss_m2_per_s"), fmt::format("{} is critical", plate.losses.quadratic_m2_per_s),

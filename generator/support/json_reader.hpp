@@ -45,6 +45,9 @@ class JsonObject {
   /// Throws BadInput: "file: key: wrong; allowed: allowed". `key` is a full path, as key() returns it.
   [[noreturn]] void fail(std::string_view key, std::string_view wrong, std::string_view allowed) const;
 
+  /// The file, as messages name it.
+  [[nodiscard]] const std::string& file() const { return file_; }
+
   /// The full path of a member of this object, such as `spline.knots`.
   [[nodiscard]] std::string key(std::string_view name) const;
 

@@ -580,6 +580,16 @@ TEST(RenderScore, RefusesABodyThatCannotSound) {
   expect_refused(
       run({.arguments = {"render", "hammer-string", "--score", "probe.json", "-o", "a.wav"}, .folder = box.path()}),
       "--rate: no mode of board lies below 22050 Hz", "allowed: a higher rate");
+  for (const auto& [name, wrong] :
+       {std::pair{"felt_c4", "'felt_c4' is a material"}, {"bord", "'bord' does not ship"}}) {
+    std::string other = keyboard;
+    other.replace(other.find("board.json"), 10, name);
+    write_file(box / "piano.json", other);
+    expect_refused(
+        run({.arguments = {"render", "hammer-string", "--score", "probe.json", "-o", "a.wav"}, .folder = box.path()}),
+        std::string("piano.json: keyboard.body.resonator: ") + wrong, "allowed: a .json file, drum_head");
+  }
+  write_file(box / "piano.json", keyboard);
   EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
 }
 
