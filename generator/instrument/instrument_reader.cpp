@@ -22,13 +22,7 @@ namespace {
 constexpr std::size_t kMaxBodies = 64;
 constexpr std::size_t kMaxPoints = 512;  // of all places together; also of connections
 constexpr std::size_t kMaxObjects = 256;
-constexpr Range kMass{1e-9, 1e4};
-constexpr Range kCents{-1200, 1200};
-constexpr Range kFrequency{0.1, 1e6};
-constexpr Range kDecay{0, 1e6};
-constexpr Range kAngle{-7, 7};
-constexpr Range kShape{-1e6, 1e6};
-constexpr Range kGap{-0.1, 0.1};
+constexpr Range kGap{ControlRanges<double>::gap_m.min, ControlRanges<double>::gap_m.max};
 constexpr Range kWeight{1e-9, 1e9};
 constexpr Range kStiffness{0, 1e9};
 constexpr Range kResistance{0, 1e6};
@@ -142,7 +136,7 @@ class Reader {
         one_of_keys(body, {"resonator", "string", "bar", "membrane", "plate", "modes", "mass_kg"}, "kinds of body");
     if (kind == "mass_kg") {
       read.is_mass = true;
-      read.resonator = {read.name, "", ModeTable{{{{0, 0, body.number("mass_kg", kMass)}, 1, 1}}}, {}, {}, 1};
+      read.resonator = {read.name, "", ModeTable{{{{0, 0, body.number("mass_kg", kModalMass_kg)}, 1, 1}}}, {}, {}, 1};
       model_.places.push_back({read.name, model_.bodies.size(), {Place{}}});
     } else if (kind == "resonator") {
       const NamedText named = read_named(body, "resonator", Shipped::kResonators, read_);
@@ -158,8 +152,8 @@ class Reader {
   static decltype(Resonator::body) read_modes(const JsonObject& body) {
     ModeTable table;
     for (const JsonObject& row : body.objects("modes", {"frequency_hz", "decay_per_s", "mass_kg"}, kMaxModes))
-      table.rows.push_back({{2 * std::numbers::pi * row.number("frequency_hz", kFrequency),
-                             row.number("decay_per_s", kDecay), row.number("mass_kg", kMass)},
+      table.rows.push_back({{2 * std::numbers::pi * row.number("frequency_hz", kModeFrequency_hz),
+                             row.number("decay_per_s", kModeDecay_per_s), row.number("mass_kg", kModalMass_kg)},
                             0,
                             0});
     return table;
@@ -171,7 +165,7 @@ class Reader {
       body.fail(body.key(body.has("resonator") ? "resonator" : "string"), "has several strings", "one body each");
     if (body.has("tuning_cents")) {
       if (string == nullptr) body.fail(body.key("tuning_cents"), "is not for this body", "beside strings");
-      string->detuning_cents.front() += body.number("tuning_cents", kCents);
+      string->detuning_cents.front() += body.number("tuning_cents", kTuningCents);
     }
     if (body.has("max_modes")) {
       if (read.is_mass) body.fail(body.key("max_modes"), "is not for a mass", "beside resonators");
@@ -189,7 +183,7 @@ class Reader {
     if (const auto* table = std::get_if<ModeTable>(&body.resonator.body)) {
       for (const char* key : {"position_m", "positions_m", "angle_rad", "across_m"})
         if (place.has(key)) place.fail(place.key(key), "has no meaning on a table of modes", "shapes");
-      read.shapes = place.numbers("shapes", kShape, kMaxModes);
+      read.shapes = place.numbers("shapes", kModeShape, kMaxModes);
       if (read.shapes.size() != table->rows.size())
         place.fail(place.key("shapes"), fmt::format("has {} entries", read.shapes.size()),
                    fmt::format("one for each of the {} modes", table->rows.size()));
@@ -212,7 +206,7 @@ class Reader {
     if (place.has("across_m") && plate == nullptr)
       place.fail(place.key("across_m"), "is not for this body", "on a plate");
     const double across = plate != nullptr ? place.number("across_m", {0, plate->width_m}) : 0;
-    const double angle = place.has("angle_rad") ? place.number("angle_rad", kAngle) : 0;
+    const double angle = place.has("angle_rad") ? place.number("angle_rad", kPlaceAngle_rad) : 0;
     // On a membrane a negative radius lies on the other side of the centre.
     const double extent = extent_of(body.resonator.body);
     const Range range{is_round ? -extent : 0, extent};

@@ -2,7 +2,6 @@
 #include "generator/player/instrument_score_reader.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <limits>
@@ -12,22 +11,13 @@
 
 #include "generator/instrument/instrument_reader.hpp"
 #include "generator/material/named_file.hpp"
+#include "generator/player/score_keys.hpp"
+#include "generator/resonator/resonator_reader.hpp"
 
 namespace contactspline {
 namespace {
 
-constexpr Range kTime{0, 3600};
-constexpr Range kDuration{1e-3, 3600};
 constexpr Range kSpeed{-100, 100};
-constexpr Range kCents{-1200, 1200};
-constexpr Range kPan{-1, 1};
-constexpr double kPluckRise = 0.004;  // s
-constexpr std::size_t kMaxVoices = 128;
-constexpr std::size_t kMaxEvents = 65536;
-
-double number_or(const JsonObject& object, const char* name, Range range, double otherwise) {
-  return object.has(name) ? object.number(name, range) : otherwise;
-}
 
 // pluck_force_n becomes pluck_pluck_n.
 std::string pluck_name(const ModelControl& control) {
@@ -45,31 +35,14 @@ Voice voice_of(const InstrumentModel& model, double tuning_cents) {
 
 std::vector<Voice> read_voices(const JsonObject& score, const InstrumentModel& model) {
   if (!score.has("voices")) return {voice_of(model, 0)};
-  constexpr auto kNameAllowed = "1 to 64 characters";
   std::vector<Voice> voices;
   std::set<std::string> names;
   for (const JsonObject& json : score.objects("voices", {"name", "tuning_cents", "pan"}, kMaxVoices)) {
-    Voice& voice = voices.emplace_back(voice_of(model, number_or(json, "tuning_cents", kCents, 0)));
-    voice.name = json.text("name", kNameAllowed);
-    if (voice.name.empty() || voice.name.size() > 64)
-      json.fail(json.key("name"), fmt::format("has {} characters", voice.name.size()), kNameAllowed);
-    if (!names.insert(voice.name).second)
-      json.fail(json.key("name"), fmt::format("'{}' is the name of two voices", shown(voice.name)), "once");
-    voice.pan = number_or(json, "pan", kPan, 0);
+    Voice& voice = voices.emplace_back(voice_of(model, number_or(json, "tuning_cents", kTuningCents, 0)));
+    voice.name = read_voice_name(json, names);
+    voice.pan = number_or(json, "pan", kVoicePan, 0);
   }
   return voices;
-}
-
-// The voices that an event is for: the one it names, or all.
-std::span<Voice> voices_of(const JsonObject& event, std::vector<Voice>& voices) {
-  if (!event.has("voice")) return voices;
-  std::vector<std::string_view> names;
-  for (const Voice& voice : voices) names.push_back(voice.name);
-  const std::string allowed = shown(fmt::format("{}", fmt::join(names, ", ")), 240);
-  const std::string name = event.text("voice", allowed);
-  const auto found = std::ranges::find(voices, name, &Voice::name);
-  if (found == voices.end()) event.fail(event.key("voice"), fmt::format("'{}' is no voice", shown(name)), allowed);
-  return {found, 1};
 }
 
 std::vector<std::string> event_keys(const InstrumentModel& model) {
@@ -89,13 +62,14 @@ bool read_control(const JsonObject& event, const InstrumentModel& model, std::si
   const Range range = range_of(of.quantity);
   const bool moves = event.has(of.name.c_str());
   if (moves) {
-    const double to = event.number(of.name.c_str(), range), over = number_or(event, "over_s", kTime, 0);
+    const double to = event.number(of.name.c_str(), range), over = number_or(event, "over_s", kEventTime_s, 0);
     for (Voice& voice : voices) voice.glides.push_back({time, over, control, to});
   }
   if (of.quantity != ControlQuantity::kForce || !event.has(pluck_name(of).c_str())) return moves;
   const std::string key = pluck_name(of);
   if (moves) event.fail(event.key(key), fmt::format("stands beside {}", of.name), "one of the two");
-  const double force = event.number(key.c_str(), range), rise = number_or(event, "over_s", kTime, kPluckRise);
+  const double force = event.number(key.c_str(), range),
+               rise = number_or(event, "over_s", kEventTime_s, kPluckRise_s);
   for (Voice& voice : voices) {
     voice.glides.push_back({time, rise, control, force});
     voice.glides.push_back({time + rise, 0, control, 0});
@@ -126,14 +100,11 @@ Score parse_instrument_score(const JsonObject& score, std::string_view file, con
   const NamedText named = read_named(score, "instrument", Shipped::kInstruments, read);
   const InstrumentModel model = parse_instrument(named.text, named.file, reader_beside(named, read));
   if (score.has("keyboard")) score.fail("keyboard", "has no place here", "in a score for hammer-string");
-  Score result{std::string(file), Instrument::kFile, read_description(score), score.number("duration_s", kDuration),
-               read_voices(score, model)};
+  Score result{std::string(file), Instrument::kFile, read_description(score),
+               score.number("duration_s", kScoreDuration_s), read_voices(score, model)};
   for (const JsonObject& event : score.objects("events", event_keys(model), kMaxEvents))
     read_event(event, model, result.duration_s, result.voices);
-  for (Voice& voice : result.voices) {
-    std::ranges::stable_sort(voice.glides, {}, &Glide::time_s);
-    std::ranges::stable_sort(voice.strikes, {}, &Strike::time_s);
-  }
+  sort_by_time(result.voices);
   return result;
 }
 

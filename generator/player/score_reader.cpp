@@ -17,6 +17,7 @@
 #include "generator/material/named_file.hpp"
 #include "generator/player/instrument_score_reader.hpp"
 #include "generator/player/midi_reader.hpp"
+#include "generator/player/score_keys.hpp"
 #include "generator/resonator/keyboard_reader.hpp"
 #include "generator/resonator/resonator_reader.hpp"
 #include "generator/spline/design.hpp"
@@ -31,21 +32,14 @@ namespace {
 
 constexpr double kForEver = std::numeric_limits<double>::infinity();
 
-constexpr Range kTime{0, 3600};
-constexpr Range kDuration{1e-3, 3600};
 constexpr Range kSpeed{1e-3, 100};
 constexpr Range kMass{1e-6, 100};
 constexpr Range kDecay{0, 1e5};
-constexpr Range kPan{-1, 1};
 constexpr Range kHeight{-0.1, 0.1};
 constexpr Range kForce{-1e3, 1e3};
-constexpr Range kCents{-1200, 1200};
 
-constexpr double kPluckRise = 0.004;    // s
 constexpr double kRing = 1;             // s, after the last note of a MIDI file
 constexpr double kKeyboardWidth = 0.6;  // pan of its ends
-constexpr std::size_t kMaxVoices = 128;
-constexpr std::size_t kMaxEvents = 65536;
 
 bool has_hammer(Instrument instrument) {
   return instrument == Instrument::kHammerString;
@@ -65,15 +59,12 @@ Instrument read_instrument(const JsonObject& score) {
   return kAll[static_cast<std::size_t>(found - names.begin())];
 }
 
-double number_or(const JsonObject& object, const char* name, Range range, double otherwise) {
-  return object.has(name) ? object.number(name, range) : otherwise;
-}
-
+// Changes the pitch of a string by `tuning_cents`, -1200 to 1200. No other resonator may have the key.
 void tune(const JsonObject& json, Resonator& resonator) {
   if (!json.has("tuning_cents")) return;
   auto* string = std::get_if<StiffString>(&resonator.body);
   if (string == nullptr) json.fail(json.key("tuning_cents"), "is not for this resonator", "beside strings");
-  for (double& cents : string->detuning_cents) cents += json.number("tuning_cents", kCents);
+  for (double& cents : string->detuning_cents) cents += json.number("tuning_cents", kTuningCents);
 }
 
 void complete_hammer(const JsonObject& json, const Material& material, Voice& voice) {
@@ -94,12 +85,10 @@ void complete_plucked(const JsonObject& json, Voice& voice) {
   voice.resonator.pickup.position_m = json.number("pickup_m", {0, string->length_m});
 }
 
-Voice read_voice(const JsonObject& json, Instrument instrument, const ReadFile& read, DesignedMaterials& materials) {
-  constexpr auto kNameAllowed = "1 to 64 characters";
+Voice read_voice(const JsonObject& json, Instrument instrument, const ReadFile& read, DesignedMaterials& materials,
+                 std::set<std::string>& names) {
   Voice voice;
-  voice.name = json.text("name", kNameAllowed);
-  if (voice.name.empty() || voice.name.size() > 64)
-    json.fail(json.key("name"), fmt::format("has {} characters", voice.name.size()), kNameAllowed);
+  voice.name = read_voice_name(json, names);
   const NamedText resonator = read_named(json, "resonator", Shipped::kResonators, read);
   voice.resonator = parse_resonator(resonator.text, resonator.file);
   tune(json, voice.resonator);
@@ -108,7 +97,7 @@ Voice read_voice(const JsonObject& json, Instrument instrument, const ReadFile& 
   for (const ControlName& control : rules_of(instrument).controls)
     voice.initial.push_back(control.name == std::string_view("loss_s_per_m") ? material.loss_s_per_m
                                                                              : control.initial);
-  voice.pan = number_or(json, "pan", kPan, 0);
+  voice.pan = number_or(json, "pan", kVoicePan, 0);
   if (has_hammer(instrument))
     complete_hammer(json, material, voice);
   else
@@ -123,15 +112,12 @@ std::vector<Voice> read_voices(const JsonObject& score, Instrument instrument, c
   DesignedMaterials materials(read);
   std::vector<Voice> voices;
   std::set<std::string> names;
-  for (const JsonObject& json : score.objects("voices", keys, kMaxVoices)) {
-    voices.push_back(read_voice(json, instrument, read, materials));
-    if (!names.insert(voices.back().name).second)
-      json.fail(json.key("name"), fmt::format("'{}' is the name of two voices", shown(voices.back().name)), "once");
-  }
+  for (const JsonObject& json : score.objects("voices", keys, kMaxVoices))
+    voices.push_back(read_voice(json, instrument, read, materials, names));
   return voices;
 }
 
-// A key of a keyboard as a voice, panned as the player hears it.
+// A key of a keyboard as a voice, panned as from the bench of the piano.
 Voice voice_of(const Keyboard& keyboard, int key) {
   KeyboardNote note = note_of(keyboard, key);
   const int span = keyboard.last_key - keyboard.first_key;
@@ -193,43 +179,26 @@ std::vector<Voice> read_keys(const JsonObject& score, const Keyboard& keyboard,
   return voices;
 }
 
-/// The voices that an event is for: the one it names, or all.
-std::span<Voice> voices_of(const JsonObject& event, std::vector<Voice>& voices) {
-  if (event.has("key"))
-    return {std::ranges::find(voices, fmt::format("{}", event.integer("key", 0, 127)), &Voice::name), 1};
-  if (!event.has("voice")) return voices;
-  std::vector<std::string_view> names;
-  for (const Voice& voice : voices) names.push_back(voice.name);
-  const std::string allowed = shown(fmt::format("{}", fmt::join(names, ", ")), 240);
-  const std::string name = event.text("voice", allowed);
-  const auto found = std::ranges::find(voices, name, &Voice::name);
-  if (found == voices.end()) event.fail(event.key("voice"), fmt::format("'{}' is no voice", shown(name)), allowed);
-  return {found, 1};
-}
-
-// Largest place along a resonator; none on a table of modes.
-std::optional<double> reach_of(const Resonator& resonator) {
-  if (const auto* string = std::get_if<StiffString>(&resonator.body)) return string->length_m;
-  if (const auto* bar = std::get_if<FreeBar>(&resonator.body)) return bar->length_m;
-  if (const auto* membrane = std::get_if<Membrane>(&resonator.body)) return membrane->radius_m;
-  if (const auto* plate = std::get_if<Plate>(&resonator.body)) return plate->length_m;
-  return {};
+// The voices that an event is for: of the key or the voice that it names, or all.
+std::span<Voice> concerned_voices(const JsonObject& event, std::vector<Voice>& voices) {
+  if (!event.has("key")) return voices_of(event, voices);
+  return {std::ranges::find(voices, fmt::format("{}", event.integer("key", 0, 127)), &Voice::name), 1};
 }
 
 // A place must lie on the resonator.
 void check_place(const JsonObject& event, const ControlName& control, const Voice& voice, double place_m) {
   if (control.name != std::string_view("place_m") && control.name != std::string_view("strike_m")) return;
-  const auto reach = reach_of(voice.resonator);
-  if (!reach) event.fail(event.key(control.name), "has no meaning on a table of modes", "no such key");
-  if (place_m > *reach)
+  const double extent = extent_of(voice.resonator.body);
+  if (extent == 0) event.fail(event.key(control.name), "has no meaning on a table of modes", "no such key");
+  if (place_m > extent)
     event.fail(event.key(control.name), fmt::format("{} is beyond {}", place_m, voice.resonator.name),
-               fmt::format("a number from 0 to {}", *reach));
+               fmt::format("a number from 0 to {}", extent));
 }
 
 // Sets the controls that an event names; false where it names none.
 bool read_glides(const JsonObject& event, Instrument instrument, double time, std::span<Voice> voices) {
   const auto controls = rules_of(instrument).controls;
-  const double over = number_or(event, "over_s", kTime, 0);
+  const double over = number_or(event, "over_s", kEventTime_s, 0);
   bool any = false;
   for (std::size_t i = 0; i < controls.size(); ++i) {
     if (!event.has(controls[i].name)) continue;
@@ -253,10 +222,11 @@ bool read_note(const JsonObject& event, Instrument instrument, double time, std:
   if (!event.has(rules.note)) return false;
   for (Voice& voice : voices) {
     if (has_hammer(instrument)) {
-      voice.strikes.push_back({time, event.number(rules.note, kSpeed), number_or(event, "hold_s", kTime, kForEver)});
+      voice.strikes.push_back(
+          {time, event.number(rules.note, kSpeed), number_or(event, "hold_s", kEventTime_s, kForEver)});
     } else {
-      voice.glides.push_back({time, kPluckRise, rules.pluck_force, event.number(rules.note, kForce)});
-      voice.glides.push_back({time + kPluckRise, 0, rules.pluck_force, 0});
+      voice.glides.push_back({time, kPluckRise_s, rules.pluck_force, event.number(rules.note, kForce)});
+      voice.glides.push_back({time + kPluckRise_s, 0, rules.pluck_force, 0});
     }
   }
   return true;
@@ -264,7 +234,7 @@ bool read_note(const JsonObject& event, Instrument instrument, double time, std:
 
 void read_event(const JsonObject& event, const Score& score, std::vector<Voice>& voices) {
   const double time = event.number("time_s", {0, score.duration_s});
-  const auto concerned = voices_of(event, voices);
+  const auto concerned = concerned_voices(event, voices);
   const bool glides = read_glides(event, score.instrument, time, concerned);
   const bool plays = read_note(event, score.instrument, time, concerned);
   if (!glides && !plays)
@@ -296,7 +266,8 @@ Score parse_score(std::string_view text, std::string_view file, const ReadFile& 
       parse_json(text, file, "score", {"instrument", "description", "duration_s", "keyboard", "voices", "events"});
   const Instrument instrument = read_instrument(score);
   if (instrument == Instrument::kFile) return parse_instrument_score(score, file, read);
-  Score result{std::string(file), instrument, read_description(score), score.number("duration_s", kDuration), {}};
+  Score result{
+      std::string(file), instrument, read_description(score), score.number("duration_s", kScoreDuration_s), {}};
   const bool has_keys = score.has("keyboard");
   if (has_keys && (score.has("voices") || !has_hammer(result.instrument)))
     score.fail("keyboard", "has no place here", "in a score for hammer-string, instead of voices");
@@ -311,10 +282,7 @@ Score parse_score(std::string_view text, std::string_view file, const ReadFile& 
   }
   for (const JsonObject& event : events) read_event(event, result, result.voices);
   require_initial(score, result.instrument, result.voices);
-  for (Voice& voice : result.voices) {
-    std::ranges::stable_sort(voice.glides, {}, &Glide::time_s);
-    std::ranges::stable_sort(voice.strikes, {}, &Strike::time_s);
-  }
+  sort_by_time(result.voices);
   return result;
 }
 
@@ -330,7 +298,7 @@ Score parse_midi_score(std::string_view bytes, std::string_view file, std::span<
       ++beyond;
       continue;
     }
-    if (std::abs(note.bend_cents) > kCents.max) {
+    if (std::abs(note.bend_cents) > kTuningCents.max) {
       ++beyond_octave;
       continue;
     }
@@ -343,9 +311,9 @@ Score parse_midi_score(std::string_view bytes, std::string_view file, std::span<
   if (voices.empty())
     throw BadInput(fmt::format("{}: MIDI: no note is on the piano; allowed: keys {} to {}, bent by an octave at most",
                                file, keyboard.first_key, keyboard.last_key));
-  if (!(end + kRing <= kDuration.max))
+  if (!(end + kRing <= kScoreDuration_s.max))
     throw BadInput(
-        fmt::format("{}: MIDI: it lasts {:.4g} s; allowed: at most {} s", file, end, kDuration.max - kRing));
+        fmt::format("{}: MIDI: it lasts {:.4g} s; allowed: at most {} s", file, end, kScoreDuration_s.max - kRing));
   Score score{std::string(file),
               Instrument::kHammerString,
               title,

@@ -23,10 +23,6 @@ constexpr Range kThickness{1e-6, 1};
 constexpr Range kDensity{1, 3e4};
 constexpr Range kModulus{1e3, 2e12};
 constexpr Range kPoisson{-0.999, 0.999};
-constexpr Range kAngle{-7, 7};
-constexpr Range kCents{-1200, 1200};
-constexpr Range kFrequency{0.1, 1e6};
-constexpr Range kShape{-1e6, 1e6};
 constexpr std::size_t kMaxStrings = 8;
 
 // Member names of the emitted C++ struct; the struct itself must have another name.
@@ -44,7 +40,7 @@ StiffString read_string(const JsonObject& body) {
           body.number("tension_n", kTension),
           body.number("bending_stiffness_n_m2", kBending),
           read_losses(body),
-          body.has("detuning_cents") ? body.numbers("detuning_cents", kCents, kMaxStrings) : std::vector{0.0}};
+          body.has("detuning_cents") ? body.numbers("detuning_cents", kTuningCents, kMaxStrings) : std::vector{0.0}};
 }
 
 FreeBar read_bar(const JsonObject& body) {
@@ -101,10 +97,10 @@ ModeTable read_modes(const JsonObject& resonator) {
   ModeTable table;
   for (const JsonObject& row : resonator.objects(
            "modes", {"frequency_hz", "decay_per_s", "mass_kg", "strike_shape", "pickup_shape"}, kMaxModes))
-    table.rows.push_back({{2 * std::numbers::pi * row.number("frequency_hz", kFrequency),
-                           row.number("decay_per_s", kConstantLoss), row.number("mass_kg", kMass)},
-                          row.number("strike_shape", kShape),
-                          row.number("pickup_shape", kShape)});
+    table.rows.push_back({{2 * std::numbers::pi * row.number("frequency_hz", kModeFrequency_hz),
+                           row.number("decay_per_s", kModeDecay_per_s), row.number("mass_kg", kModalMass_kg)},
+                          row.number("strike_shape", kModeShape),
+                          row.number("pickup_shape", kModeShape)});
   return table;
 }
 
@@ -156,16 +152,11 @@ Place read_place(const JsonObject& resonator, const char* name, const decltype(R
   if (round) keys.emplace_back("angle_rad");
   if (plate != nullptr) keys.emplace_back("across_m");
   const JsonObject place = resonator.object(name, keys);
-  return {place.number("position_m", {0, extent_of(body)}), round ? place.number("angle_rad", kAngle) : 0,
+  return {place.number("position_m", {0, extent_of(body)}), round ? place.number("angle_rad", kPlaceAngle_rad) : 0,
           plate != nullptr ? place.number("across_m", {0, plate->width_m}) : 0};
 }
 
 }  // namespace
-
-const std::vector<std::string>& body_keys() {
-  static const std::vector<std::string> keys = {"string", "bar", "membrane", "plate"};
-  return keys;
-}
 
 decltype(Resonator::body) read_shaped_body(const JsonObject& object) {
   if (object.has("string")) return read_string(object.object("string", kStringKeys));

@@ -2,9 +2,7 @@
 // Resonator files (docs/resonators.md).
 #pragma once
 
-#include <string>
 #include <string_view>
-#include <vector>
 
 #include "generator/resonator/resonator.hpp"
 #include "generator/support/json_reader.hpp"
@@ -15,15 +13,20 @@ namespace contactspline {
 /// stands in messages only. Throws BadInput.
 [[nodiscard]] Resonator parse_resonator(std::string_view text, std::string_view file);
 
-/// The keys of an object that name the kind of a body with a shape: string, bar, membrane, plate.
-[[nodiscard]] const std::vector<std::string>& body_keys();
-
-/// Reads the body of an object that has one of these keys. Throws BadInput.
+/// Reads the body of an object that has one of the keys string, bar, membrane, plate. Throws BadInput.
 [[nodiscard]] decltype(Resonator::body) read_shaped_body(const JsonObject& object);
 
 /// Largest position on a body [m]: length or radius; 0 for a table of modes.
 [[nodiscard]] double extent_of(const decltype(Resonator::body)& body);
 
 inline constexpr int kMaxModes = 4096;  ///< of a resonator
+
+/// Ranges that files of resonators, instruments and scores have in common.
+inline constexpr Range kTuningCents{-1200, 1200};
+inline constexpr Range kModeFrequency_hz{0.1, 1e6};
+inline constexpr Range kModeDecay_per_s{0, 1e6};
+inline constexpr Range kModalMass_kg{1e-9, 1e4};
+inline constexpr Range kPlaceAngle_rad{-7, 7};
+inline constexpr Range kModeShape{-1e6, 1e6};
 
 }  // namespace contactspline

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+// Keys that scores of all instruments have in common, for the two score readers.
+#pragma once
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "generator/player/score.hpp"
+#include "generator/support/json_reader.hpp"
+
+namespace contactspline {
+
+inline constexpr Range kEventTime_s{0, 3600};
+inline constexpr Range kScoreDuration_s{1e-3, 3600};
+inline constexpr Range kVoicePan{-1, 1};
+inline constexpr double kPluckRise_s = 0.004;
+inline constexpr std::size_t kMaxVoices = 128;
+inline constexpr std::size_t kMaxEvents = 65536;
+
+/// A number of an object, or `otherwise` if the object does not have it. Throws BadInput.
+[[nodiscard]] inline double number_or(const JsonObject& object, const char* name, Range range, double otherwise) {
+  return object.has(name) ? object.number(name, range) : otherwise;
+}
+
+/// The name of a voice, which is added to `names` and must not be in it. Throws BadInput.
+[[nodiscard]] inline std::string read_voice_name(const JsonObject& json, std::set<std::string>& names) {
+  constexpr auto kAllowed = "1 to 64 characters";
+  std::string name = json.text("name", kAllowed);
+  if (name.empty() || name.size() > 64)
+    json.fail(json.key("name"), fmt::format("has {} characters", name.size()), kAllowed);
+  if (!names.insert(name).second)
+    json.fail(json.key("name"), fmt::format("'{}' is the name of two voices", shown(name)), "once");
+  return name;
+}
+
+/// The voices that an event is for: the one it names, or all. Throws BadInput.
+[[nodiscard]] inline std::span<Voice> voices_of(const JsonObject& event, std::vector<Voice>& voices) {
+  if (!event.has("voice")) return voices;
+  std::vector<std::string_view> names;
+  for (const Voice& voice : voices) names.push_back(voice.name);
+  const std::string allowed = shown(fmt::format("{}", fmt::join(names, ", ")), 240);
+  const std::string name = event.text("voice", allowed);
+  const auto found = std::ranges::find(voices, name, &Voice::name);
+  if (found == voices.end()) event.fail(event.key("voice"), fmt::format("'{}' is no voice", shown(name)), allowed);
+  return {found, 1};
+}
+
+/// Sorts what happens to each voice by rising time.
+inline void sort_by_time(std::vector<Voice>& voices) {
+  for (Voice& voice : voices) {
+    std::ranges::stable_sort(voice.glides, {}, &Glide::time_s);
+    std::ranges::stable_sort(voice.strikes, {}, &Strike::time_s);
+  }
+}
+
+}  // namespace contactspline
