@@ -482,8 +482,7 @@ std::string figure_of(std::span<const Design> families, FigureFormat format) {
 }
 
 std::string figure_of(const InstrumentModel& model, FigureFormat format) {
-  return draw(heading(kWholePage) + instrument_diagram(model),
-              model.description.empty() ? model.name : model.description, format);
+  return draw(heading(kWholePage) + instrument_diagram(model), title_of(model), format);
 }
 
 std::string figure_of(std::span<const double> speeds, std::span<const ImpactErrors> models, const std::string& title,

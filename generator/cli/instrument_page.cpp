@@ -15,16 +15,7 @@ namespace contactspline {
 namespace {
 
 std::string_view kind_of(const InstrumentBody& body) {
-  if (body.is_mass) return "mass";
-  if (std::holds_alternative<StiffString>(body.resonator.body)) return "string";
-  if (std::holds_alternative<FreeBar>(body.resonator.body)) return "bar";
-  if (std::holds_alternative<Plate>(body.resonator.body)) return "plate";
-  return std::holds_alternative<Membrane>(body.resonator.body) ? "membrane" : "modes";
-}
-
-std::string_view kind_of(const ConnectionGroup& group) {
-  if (group.each.kind == ConnectionKind::kContact) return "contact";
-  return group.each.kind == ConnectionKind::kSpring ? "spring" : "link";
+  return body.is_mass ? "mass" : name_of(body.resonator.body);
 }
 
 std::string_view place_name(const InstrumentModel& model, std::size_t place) {
@@ -48,17 +39,25 @@ std::string body_row(const InstrumentBody& body, double sample_rate_hz) {
   return fmt::format("{} modes from {:.6g} to {:.6g} Hz", modes.size(), hz(modes.front()), hz(modes.back()));
 }
 
-// Distance from the middle of a membrane, negative on its other side, or from the end of a string or a bar [m].
+// Distance from the middle of a membrane, negative on its other side, or from an end of another body [m].
 double position_of(const Place& point) {
   return std::cos(point.angle_rad) < 0 ? -point.position_m : point.position_m;
 }
 
-std::string place_row(const InstrumentPlace& place) {
+// Of the diameter or radius on which a point lies, as position_of counts it [rad].
+double angle_of(const Place& point) {
+  return std::cos(point.angle_rad) < 0 ? point.angle_rad - std::numbers::pi : point.angle_rad;
+}
+
+// All points of a place lie on a line: across_m and the angle are the same for all of them.
+std::string place_row(const decltype(Resonator::body)& body, const InstrumentPlace& place) {
   if (!place.shapes.empty()) return "given by shapes";
   std::vector<double> positions;
   for (const Place& point : place.points) positions.push_back(position_of(point));
-  return fmt::format("{} m{}", range_text(positions),
-                     positions.size() == 1 ? "" : fmt::format(", {} points", positions.size()));
+  std::string row = fmt::format("{} m", range_text(positions));
+  if (std::holds_alternative<Plate>(body)) row += fmt::format(", {:.6g} m across", place.points.front().across_m);
+  if (std::holds_alternative<Membrane>(body)) row += fmt::format(", {:.6g} rad", angle_of(place.points.front()));
+  return positions.size() == 1 ? row : fmt::format("{}, {} points", row, positions.size());
 }
 
 std::string connection_row(const InstrumentModel& model, const ConnectionGroup& group) {
@@ -265,10 +264,12 @@ std::string instrument_table(const InstrumentModel& model, double sample_rate_hz
   heading("places");
   for (const InstrumentPlace& place : model.places)
     if (!model.bodies[place.body].is_mass)
-      row(place.name, "", fmt::format("{}: {}", model.bodies[place.body].name, place_row(place)));
+      row(place.name, "",
+          fmt::format("{}: {}", model.bodies[place.body].name,
+                      place_row(model.bodies[place.body].resonator.body, place)));
   heading("connections");
   for (const ConnectionGroup& group : model.connections)
-    row(group.name, kind_of(group), connection_row(model, group));
+    row(group.name, name_of(group.each.kind), connection_row(model, group));
   heading("controls");
   for (const ModelControl& control : model.controls) {
     const auto [min, max] = range_of(control.quantity);

@@ -36,21 +36,14 @@ std::string materials() {
   return table;
 }
 
-std::string_view body_of(const Resonator& resonator) {
-  if (std::holds_alternative<StiffString>(resonator.body)) return "string";
-  if (std::holds_alternative<FreeBar>(resonator.body)) return "bar";
-  if (std::holds_alternative<Plate>(resonator.body)) return "plate";
-  return std::holds_alternative<Membrane>(resonator.body) ? "membrane" : "modes";
-}
-
 std::string resonators() {
   constexpr double kMaxFrequency = 22050;
   std::string table = fmt::format("{:<20} {:<9} {:>16}  {}\n", "name", "body", "first mode [Hz]", "description");
   for (const std::string& name : shipped_names(Shipped::kResonators)) {
     const Resonator resonator = resonator_argument(name).value();
     const double lowest = modes_of(resonator, kMaxFrequency).modes.front().mode.angular_frequency_rad_per_s;
-    table += fmt::format("{:<20} {:<9} {:>16.5g}  {}\n", name, body_of(resonator), lowest / (2 * std::numbers::pi),
-                         resonator.description);
+    table += fmt::format("{:<20} {:<9} {:>16.5g}  {}\n", name, name_of(resonator.body),
+                         lowest / (2 * std::numbers::pi), resonator.description);
   }
   return table;
 }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "contactspline/version.hpp"
+#include "generator/material/material.hpp"
 #include "generator/support/json_reader.hpp"
 #include "generator/support/number_literal.hpp"
 #include "generator/support/text_template.hpp"
@@ -17,8 +18,7 @@
 namespace contactspline {
 namespace {
 
-constexpr std::array kKinds = {"contact", "spring", "link"};  // in the order of ConnectionKind
-constexpr std::array kKindNames = {"kContact", "kSpring", "kLink"};
+constexpr std::array kKindNames = {"kContact", "kSpring", "kLink"};  // of ConnectionKind
 constexpr std::array kQuantityNames = {"kForce",    "kDamping",   "kStiffnessRatio", "kLoss",
                                        "kGapShift", "kStiffness", "kResistance"};  // of ControlQuantity
 constexpr std::array kOutputNames = {"kDisplacement", "kVelocity", "kForce"};      // of OutputQuantity
@@ -47,8 +47,8 @@ std::string quoted(const std::vector<std::string>& names) {
   return fmt::format("{}", fmt::join(quoted, ", "));
 }
 
-std::string place_in(bool json, std::size_t place) {
-  return place == kGround ? json ? "null" : "kGround" : fmt::format("{}", place);
+std::string place_or(std::string_view ground, std::size_t place) {
+  return place == kGround ? std::string(ground) : fmt::format("{}", place);
 }
 
 // One row for each of `items`, by text_of(item, index).
@@ -99,7 +99,7 @@ std::string members_of(const InstrumentModel& model) {
 
 std::string cpp_connection(const InstrumentConnection& c) {
   return fmt::format("{{ConnectionKind::{}, {}, {}, {}, {}, {}, {}, {}, {}}}", name_in(kKindNames, c.kind),
-                     place_in(false, c.first), place_in(false, c.second), c.table, literal(c.gap_m),
+                     place_or("kGround", c.first), place_or("kGround", c.second), c.table, literal(c.gap_m),
                      literal(c.weight), literal(c.loss_s_per_m), literal(c.stiffness_n_per_m),
                      literal(c.resistance_n_s_per_m));
 }
@@ -136,9 +136,8 @@ TemplateValues cpp_values(const InstrumentModel& model, const InstrumentArrays& 
 }
 
 std::string json_connection(const InstrumentConnection& c) {
-  std::string row =
-      fmt::format("{{\"kind\": \"{}\", \"first\": {}, \"second\": {}, \"gap_m\": {}", name_in(kKinds, c.kind),
-                  place_in(true, c.first), place_in(true, c.second), literal(c.gap_m));
+  std::string row = fmt::format("{{\"kind\": \"{}\", \"first\": {}, \"second\": {}, \"gap_m\": {}", name_of(c.kind),
+                                place_or("null", c.first), place_or("null", c.second), literal(c.gap_m));
   if (c.kind == ConnectionKind::kContact)
     row += fmt::format(", \"table\": {}, \"weight\": {}, \"loss_s_per_m\": {}", c.table, literal(c.weight),
                        literal(c.loss_s_per_m));
@@ -181,7 +180,7 @@ std::string emit(const Emitter& emitter, const InstrumentModel& model, double ma
   values["VERSION"] = CONTACTSPLINE_VERSION;
   values["COMMAND"] = command;
   values["NAME"] = model.name;
-  values["TITLE"] = model.description.empty() ? model.name : model.description;
+  values["TITLE"] = title_of(model);
   values["MAX_FREQUENCY"] = literal(max_frequency_hz);
   return fill_template(emitted_template("instrument", emitter.extension), values);
 }

@@ -152,6 +152,11 @@ class Flattener {
 
 }  // namespace
 
+std::string_view name_of(ConnectionKind kind) {
+  constexpr std::array kNames = {"contact", "spring", "link"};  // in the order of ConnectionKind
+  return kNames[static_cast<std::size_t>(kind)];
+}
+
 std::string strike_name(const InstrumentModel& model, std::size_t strike) {
   return model.bodies[model.strikes[strike]].name + "_speed_m_per_s";
 }

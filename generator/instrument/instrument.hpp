@@ -68,6 +68,9 @@ struct InstrumentModel {
   std::vector<ModelOutput> outputs;
 };
 
+/// "contact", "spring" or "link".
+[[nodiscard]] std::string_view name_of(ConnectionKind kind);
+
 /// The name of a strike's speed: BODY_speed_m_per_s.
 [[nodiscard]] std::string strike_name(const InstrumentModel& model, std::size_t strike);
 

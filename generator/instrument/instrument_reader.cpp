@@ -323,11 +323,7 @@ class Reader {
     const std::size_t found = index_of(json, path, name, model_.connections, "contact, spring or link");
     const ConnectionKind kind = model_.connections[found].each.kind;
     if (!suits(quantity, kind))
-      json.fail(path,
-                fmt::format("'{}' is a {}", name,
-                            kind == ConnectionKind::kContact  ? "contact"
-                            : kind == ConnectionKind::kSpring ? "spring"
-                                                              : "link"),
+      json.fail(path, fmt::format("'{}' is a {}", name, name_of(kind)),
                 quantity == ControlQuantity::kStiffness || quantity == ControlQuantity::kResistance ? "a spring"
                                                                                                     : "a contact");
     return found;

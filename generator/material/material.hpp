@@ -62,7 +62,7 @@ struct Material {
   std::optional<LiveExponents> live_exponent = {};
 };
 
-/// The description of a material, resonator or keyboard, or its name if it has none.
+/// The description of a material, resonator, keyboard or instrument, or its name if it has none.
 template <typename Described>
 [[nodiscard]] const std::string& title_of(const Described& described) {
   return described.description.empty() ? described.name : described.description;

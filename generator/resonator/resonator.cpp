@@ -2,6 +2,7 @@
 #include "generator/resonator/resonator.hpp"
 
 #include <algorithm>
+#include <array>
 #include <boost/math/special_functions/bessel.hpp>
 #include <cmath>
 #include <numbers>
@@ -164,6 +165,12 @@ PlateStiffness bending_stiffness(const Plate& plate) {
   const double along = plate.youngs_modulus_pa * cube / (1 - plate.poisson_ratio * other_ratio);
   return {along, along * plate.youngs_modulus_across_pa / plate.youngs_modulus_pa,
           other_ratio * along + 2 * plate.shear_modulus_pa * cube};
+}
+
+std::string_view name_of(const decltype(Resonator::body)& body) {
+  constexpr std::array<std::string_view, std::variant_size_v<decltype(Resonator::body)>> kNames = {
+      "string", "bar", "membrane", "plate", "modes"};  // in the order of the variant
+  return kNames[body.index()];
 }
 
 ModeSet modes_of(const Resonator& resonator, double max_frequency_hz) {

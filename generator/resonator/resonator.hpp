@@ -5,6 +5,7 @@
 
 #include <span>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -77,6 +78,9 @@ struct Resonator {
   Place strike, pickup;  ///< not used by a ModeTable
   int max_modes;         ///< the modes with the lowest frequencies are kept, at most this number
 };
+
+/// "string", "bar", "membrane", "plate" or "modes".
+[[nodiscard]] std::string_view name_of(const decltype(Resonator::body)& body);
 
 /// A mode with its shape at the strike and at the pickup.
 struct ResonatorMode {

@@ -459,6 +459,31 @@ TEST(Inspect, SaysWhatAToleranceMeans) {
             std::string::npos);
 }
 
+// Where a place is on a body of two dimensions.
+TEST(InspectInstrument, ShowsBothCoordinatesOfAPlace) {
+  const Sandbox box;
+  write_file(box / "probe.json", R"({
+    "name": "probe",
+    "bodies": [
+      { "name": "head", "resonator": "drum_head", "max_modes": 12 },
+      { "name": "lid", "max_modes": 12,
+        "plate": { "length_m": 0.4, "width_m": 0.3, "thickness_m": 0.003, "density_kg_m3": 450,
+                   "youngs_modulus_pa": 1e10, "poisson_ratio": 0.37, "constant_loss_per_s": 8,
+                   "quadratic_loss_m2_per_s": 0.02 } } ],
+    "places": [ { "name": "spot", "body": "head", "position_m": 0.05, "angle_rad": 0.4 },
+                { "name": "other_side", "body": "head", "position_m": -0.05, "angle_rad": 0.4 },
+                { "name": "line", "body": "lid", "positions_m": [0.1, 0.2], "across_m": 0.13 } ],
+    "outputs": [ { "name": "spot", "displacement_m": "spot" } ]
+  })");
+  const std::string table = printed(box, {"inspect", "probe.json"});
+  for (const std::string line :
+       {"  head                     membrane  12 modes", "  lid                      plate     12 modes",
+        "  spot                               head: 0.05 m, 0.4 rad\n",
+        "  other_side                         head: -0.05 m, 0.4 rad\n",
+        "  line                               lid: 0.1 to 0.2 m, 0.13 m across, 2 points\n"})
+    EXPECT_NE(table.find("\n" + line), std::string::npos) << line << " is not in\n" << table;
+}
+
 // Every part of an instrument, in the table, in the drawing and as JSON.
 TEST(InspectInstrument, ShowsAllItsParts) {
   const Sandbox box;
