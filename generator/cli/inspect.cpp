@@ -46,8 +46,7 @@ std::string tolerance_line(const Material& material) {
 
 std::string loss_line(const Material& material) {
   if (material.loss_s_per_m == 0) return {};
-  const bool fitted = material.measured && material.measured->samples.back().speed_m_per_s !=
-                                               material.measured->samples.front().speed_m_per_s;
+  const bool fitted = material.measured && material.measured->impact_speed_m_per_s;
   return fmt::format("loss {:.6g} s/m{}\n", material.loss_s_per_m, fitted ? ", fitted to loading and unloading" : "");
 }
 

@@ -22,6 +22,7 @@ struct CurveSample {
 struct Measurement {
   std::string file;  ///< as named in the material
   std::vector<CurveSample> samples;
+  std::optional<double> impact_speed_m_per_s = {};  ///< of a measured impact; its loss is fitted
 };
 
 /// Shape of the smoothed force: never falling (monotone), or with a slope that never falls either (hardening).

@@ -84,7 +84,7 @@ Measurement read_measurement(const JsonObject& curve, std::optional<double> impa
                       std::ranges::all_of(file, [](unsigned char c) { return c >= 0x20 && c != 0x7f; });
   if (!usable) curve.fail("contact.curve.file", fmt::format("'{}' is not usable", shown(file)), kAllowed);
   const auto path = std::filesystem::path(material_file).parent_path() / file;
-  return {file, parse_curve(read(file), path.string(), impact_speed)};
+  return {file, parse_curve(read(file), path.string(), impact_speed), impact_speed};
 }
 
 CurveShape read_shape(const JsonObject& curve) {

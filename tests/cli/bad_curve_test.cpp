@@ -324,6 +324,25 @@ TEST_P(BadImpactCurveFile, IsRefusedInOneLine) {
 INSTANTIATE_TEST_SUITE_P(Impact, BadImpactCurveFile, ::testing::ValuesIn(impact_cases()),
                          ::testing::PrintToStringParamName());
 
+// A loss is called fitted only where an impact was measured.
+TEST(GoodImpactCurve, HasAFittedLoss) {
+  const Sandbox box;
+  const auto inspected = [&](const std::string& text, const std::string& curve, const std::string& loss) {
+    write_file(box / "probe.csv", text);
+    write_file(box / "probe.json", fmt::format(R"({{ "name": "probe", "contact": {{
+      "curve": {{ "file": "probe.csv", "shape": "hardening"{} }}{} }},
+      "impact": {{ "mass_kg": 0.003, "max_speed_m_per_s": 1.5, "min_speed_m_per_s": 0.1 }},
+      "spline": {{ "knots": "uniform", "segments": 16 }} }})",
+                                               curve, loss));
+    return succeed({.arguments = {"inspect", "probe.json"}, .folder = box.path()});
+  };
+  const std::string fitted = ", fitted to loading and unloading\n";
+  const std::string impact = inspected(branches(0.8), R"(, "impact_speed_m_per_s": 2.0)", "");
+  EXPECT_NE(impact.find(fitted), std::string::npos) << impact;
+  const std::string slow = inspected(good(), "", R"(, "loss_s_per_m": 0.1)");
+  EXPECT_NE(slow.find("\nloss 0.1 s/m\n"), std::string::npos) << slow;
+}
+
 TEST(BadCurveFile, CannotBeOpened) {
   const Sandbox box;
   const auto refused = [&](const std::string& curve, const std::string& begins, const std::string& says) {
