@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <cstddef>
+#include <span>
 
 #include "contactspline/instrument.hpp"
 #include "generator/player/voice_tracks.hpp"
@@ -18,14 +19,12 @@ template <typename T>
 class InstrumentPlayer {
  public:
   InstrumentPlayer(const Voice& voice, double sample_rate_hz)
-      : controls_(voice, sample_rate_hz),
-        strikes_(voice.strikes, sample_rate_hz),
+      : strikes_(voice.strikes, sample_rate_hz),
         arrays_(sounding(*voice.model, sample_rate_hz)),
         instrument_(arrays_.view(), sample_rate_hz) {}
 
-  /// Plays the next sample.
-  void tick() {
-    const auto values = controls_.at(sample_);
+  /// Plays the next sample. values: one for each control of the instrument.
+  void tick(std::span<const double> values) {
     for (std::size_t i = 0; i < values.size(); ++i) instrument_.set_control(i, static_cast<T>(values[i]));
     while (const auto* change = strikes_.next_until(sample_))
       instrument_.strike(change->strike->strike, static_cast<T>(change->strike->speed_m_per_s));
@@ -43,7 +42,6 @@ class InstrumentPlayer {
     return arrays_of(model, sample_rate_hz / 2);
   }
 
-  ControlTrack controls_;
   StrikeTrack strikes_;
   InstrumentArrays arrays_;
   NetworkInstrument<T> instrument_;

@@ -317,9 +317,9 @@ class FilePlayer {
   FilePlayer(const Voice& voice, const PlayOptions& options)
       : output_(options.output), player_(voice, options.sample_rate_hz) {}
 
-  void process(std::size_t, ControlTrack&, const Block& block) {
+  void process(std::size_t begin, ControlTrack& controls, const Block& block) {
     for (std::size_t n = 0; n < block.output.size(); ++n) {
-      player_.tick();
+      player_.tick(controls.at(begin + n));
       block.output[n] = player_.instrument().output(output_);
       block.force[n] = player_.instrument().contact_force();
     }

@@ -19,12 +19,13 @@ struct Balance {
 // The largest energy, and the largest difference between the energy and what went in and out.
 Balance balance_of(const Voice& voice, double rate, double duration_s) {
   InstrumentPlayer<double> player(voice, rate);
+  ControlTrack controls(voice, rate);
   const auto& instrument = player.instrument();
   const double begin = instrument.energy();
   double received = 0;
   Balance balance{0, 0};
-  for (int n = 0; n < duration_s * rate; ++n) {
-    player.tick();
+  for (std::size_t n = 0; static_cast<double>(n) < duration_s * rate; ++n) {
+    player.tick(controls.at(n));
     received += instrument.work() - instrument.dissipated();
     const double energy = instrument.energy();
     balance.peak_j = std::max(balance.peak_j, energy);
