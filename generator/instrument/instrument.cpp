@@ -17,24 +17,6 @@ double thirteen_digits(double value) {
   return rounded_to(value, 13);
 }
 
-struct Quantity {
-  const char* key;
-  ControlRange<double> range;
-};
-
-// In the order of ControlQuantity.
-const Quantity& quantity_of(ControlQuantity quantity) {
-  using Ranges = ControlRanges<double>;
-  static constexpr std::array kQuantities = {Quantity{"force_n", Ranges::force_n},
-                                             Quantity{"damping_per_s", Ranges::damping_per_s},
-                                             Quantity{"stiffness_ratio", Ranges::stiffness_ratio},
-                                             Quantity{"loss_s_per_m", Ranges::loss_s_per_m},
-                                             Quantity{"gap_shift_m", Ranges::gap_m},
-                                             Quantity{"stiffness_n_per_m", Ranges::hand_stiffness_n_per_m},
-                                             Quantity{"resistance_n_s_per_m", Ranges::resistance_n_s_per_m}};
-  return kQuantities[static_cast<std::size_t>(quantity)];
-}
-
 /// Fills the arrays, part after part.
 class Flattener {
  public:
@@ -162,12 +144,14 @@ std::string strike_name(const InstrumentModel& model, std::size_t strike) {
 }
 
 Range range_of(ControlQuantity quantity) {
-  const auto [min, max] = quantity_of(quantity).range;
+  const auto [min, max] = control_range<double>(quantity);
   return {min, max};
 }
 
 const char* key_of(ControlQuantity quantity) {
-  return quantity_of(quantity).key;
+  constexpr std::array kKeys = {"force_n",     "damping_per_s",     "stiffness_ratio",     "loss_s_per_m",
+                                "gap_shift_m", "stiffness_n_per_m", "resistance_n_s_per_m"};  // in its order
+  return kKeys[static_cast<std::size_t>(quantity)];
 }
 
 std::string_view unit_of(const ModelOutput& output) {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <numbers>
 #include <numeric>
@@ -368,7 +369,19 @@ class Reader {
     }
     control.initial = json.has("initial") ? json.number("initial", range_of(control.quantity))
                                           : value_of(control.quantity, control.targets.front());
+    if (control.quantity == ControlQuantity::kGapShift) check_gaps(json, control);
     model_.controls.push_back(std::move(control));
+  }
+
+  // A shifted gap stays within the range of a gap.
+  void check_gaps(const JsonObject& json, const ModelControl& control) const {
+    for (const std::size_t target : control.targets)
+      for (const double gap : model_.connections[target].gaps_m)
+        if (!(std::abs(gap + control.initial) <= kGap.max))
+          json.fail(json.key("initial"),
+                    fmt::format("{} m added to the gap {} m of '{}' is out of range", control.initial, gap,
+                                model_.connections[target].name),
+                    fmt::format("a sum from {} to {} m", kGap.min, kGap.max));
   }
 
   void read_strikes() {

@@ -36,10 +36,24 @@ enum class ControlQuantity {
   kDamping,         ///< extra decay of bodies [1/s]
   kStiffnessRatio,  ///< of contacts
   kLoss,            ///< of contacts [s/m]
-  kGapShift,        ///< of connections: is added to their gaps [m]
+  kGapShift,        ///< of connections: is added to their gaps [m]; the sum is moved into -0.1 to 0.1
   kStiffness,       ///< of springs [N/m]
   kResistance       ///< of springs [N s/m]
 };
+
+/// The values that a control of this quantity may take.
+template <std::floating_point T>
+[[nodiscard]] constexpr ControlRange<T> control_range(ControlQuantity quantity) {
+  using Ranges = ControlRanges<T>;
+  constexpr ControlRange<T> kRanges[] = {Ranges::force_n,
+                                         Ranges::damping_per_s,
+                                         Ranges::stiffness_ratio,
+                                         Ranges::loss_s_per_m,
+                                         Ranges::gap_m,
+                                         Ranges::hand_stiffness_n_per_m,
+                                         Ranges::resistance_n_s_per_m};  // in the order of ControlQuantity
+  return kRanges[static_cast<std::size_t>(quantity)];
+}
 
 /// A control of the objects targets[first_target] to targets[first_target + count - 1].
 struct InstrumentControl {
@@ -57,8 +71,9 @@ struct InstrumentOutput {
 };
 
 /// What an instrument is made of, as views of arrays that must outlive the instrument. body_ends[b]: number of modes
-/// of the bodies 0 to b. place_bodies: the body of each place. shapes: of all places one after the other, as many as
-/// the body of each has modes. table_ends[t]: number of segments of the tables 0 to t. strikes: bodies, free masses.
+/// of the bodies 0 to b. place_bodies: the body of each place. shapes: one place after the other; a place has one
+/// shape for each mode of its body. table_ends[t]: number of segments of the tables 0 to t. strikes: for each strike
+/// the body that it throws, a free mass.
 struct InstrumentData {
   std::span<const double> angular_frequencies, decays, masses;
   std::span<const std::size_t> body_ends;
@@ -81,7 +96,7 @@ class NetworkInstrument {
   NetworkInstrument(const InstrumentData& data, double sample_rate_hz)
       : data_(data), parts_(data), network_(parts_.plan(data), sample_rate_hz) {
     for (const InstrumentControl& control : data.controls) {
-      values_.push_back(static_cast<T>(control.initial));
+      values_.push_back(first_value(control));
       if (control.quantity == ControlQuantity::kDamping) apply(control, values_.back());
     }
     pickups_.resize(data.targets.size());
@@ -95,16 +110,19 @@ class NetworkInstrument {
   NetworkInstrument(const NetworkInstrument&) = delete;
   NetworkInstrument& operator=(const NetworkInstrument&) = delete;
 
-  /// Sets a control, 0 to the number of controls - 1, in the unit of its quantity. Ranges: ControlRanges. A value
-  /// that is not a number does nothing.
+  /// Sets a control, 0 to the number of controls - 1, in the unit of its quantity. The value is moved into its
+  /// control_range; one that is not a number does nothing.
   void set_control(std::size_t control, T value) {
-    if (!is_number(value) || value == values_[control]) return;
-    values_[control] = value;
-    apply(data_.controls[control], value);
+    const T next = held(values_[control], value, control_range<T>(data_.controls[control].quantity));
+    if (next == values_[control]) return;
+    values_[control] = next;
+    apply(data_.controls[control], next);
   }
+  /// The value of a control, 0 to the number of controls - 1, within its control_range.
   [[nodiscard]] T control(std::size_t control) const { return values_[control]; }
 
-  /// Puts the mass of a strike back to displacement 0, with a velocity [m/s].
+  /// Puts the mass of a strike, 0 to the number of strikes - 1, back to displacement 0, with a velocity [m/s], which
+  /// is moved into -1000 to 1000. A velocity that is not a number does nothing.
   void strike(std::size_t strike, T speed_m_per_s) {
     const double before = network_.energy();
     network_.set_motion(data_.strikes[strike], 0, speed_m_per_s);
@@ -123,7 +141,7 @@ class NetworkInstrument {
     network_.tick();
   }
 
-  /// Advances samples.size() samples, with one output in each.
+  /// Advances samples.size() samples and writes one output of each. output: 0 to the number of outputs - 1.
   void process(std::span<T> samples, std::size_t output = 0) {
     for (T& sample : samples) {
       tick();
@@ -131,7 +149,7 @@ class NetworkInstrument {
     }
   }
 
-  /// An output over the last sample [m], [m/s] or [N].
+  /// An output over the last sample [m], [m/s] or [N]. output: 0 to the number of outputs - 1.
   [[nodiscard]] T output(std::size_t output) const {
     const auto& [quantity, first, count] = data_.outputs[output];
     T sum = 0;
@@ -156,11 +174,18 @@ class NetworkInstrument {
   /// Energy of all bodies and connections [J]. Over a sample, with the strikes before it, it changes by work() -
   /// dissipated(), up to rounding.
   [[nodiscard]] double energy() const { return network_.energy(); }
+  /// Work of forces, moving gaps, stiffness controls and strikes: in the last sample, and of the strikes before it
+  /// [J].
   [[nodiscard]] double work() const { return network_.work() + last_work_of_strikes_; }
+  /// Energy that bodies, dampers, contacts and springs dissipated in the last sample [J].
   [[nodiscard]] double dissipated() const { return network_.dissipated(); }
   [[nodiscard]] const ContactNetwork<T>& network() const { return network_; }
 
  private:
+  static T first_value(const InstrumentControl& control) {
+    return held(T(0), static_cast<T>(control.initial), control_range<T>(control.quantity));
+  }
+
   // What the network is built of, and what its controls have set so far.
   struct Parts {
     explicit Parts(const InstrumentData& data) : connections(data.connections.begin(), data.connections.end()) {
@@ -176,7 +201,7 @@ class NetworkInstrument {
       }
       for (const InstrumentControl& control : data.controls)
         for (const std::size_t target : data.targets.subspan(control.first_target, control.count))
-          set(control.quantity, target, static_cast<T>(control.initial));
+          set(control.quantity, target, first_value(control));
     }
 
     // Keeps a control of a connection.
@@ -189,7 +214,8 @@ class NetworkInstrument {
           connections[target].loss_s_per_m = double(value);
           break;
         case ControlQuantity::kGapShift:
-          gaps_m[target] = static_cast<T>(connections[target].gap_m) + value;
+          gaps_m[target] =
+              held(gaps_m[target], static_cast<T>(connections[target].gap_m) + value, ControlRanges<T>::gap_m);
           break;
         case ControlQuantity::kStiffness:
           connections[target].stiffness_n_per_m = double(value);
