@@ -68,11 +68,11 @@ Source keyboard_source(Keyboard keyboard) {
           {}};
 }
 
-Source instrument_source(InstrumentSource instrument, double max_frequency_hz) {
+Source instrument_source(std::string_view file, InstrumentSource instrument, double max_frequency_hz) {
   const std::string name = instrument.model.name;
   if (const auto body = silent_body(instrument.model, max_frequency_hz))
-    refuse(name, *body, fmt::format("no mode below {} Hz sounds", max_frequency_hz),
-           "a higher --rate, or losses below the frequencies");
+    refuse(file, "bodies", fmt::format("body '{}' has no mode below {} Hz", *body, max_frequency_hz),
+           "a higher --rate, a lower frequency, or losses below the frequencies");
   return {name,
           [=, model = std::move(instrument.model)](const Emitter& emitter, std::string_view command) {
             return emit(emitter, model, max_frequency_hz, command);
@@ -121,7 +121,7 @@ Source file_source(const std::string& file, double max_frequency_hz) {
   const std::string text = read_input(file);
   const Shipped kind = kind_of_file(text, file, "material").value_or(Shipped::kMaterials);
   if (kind == Shipped::kScores) refuse_kind(file, "file", kind, "a material, resonator, keyboard or instrument");
-  if (kind == Shipped::kInstruments) return instrument_source(read_instrument(file, text), max_frequency_hz);
+  if (kind == Shipped::kInstruments) return instrument_source(file, read_instrument(file, text), max_frequency_hz);
   if (kind == Shipped::kMaterials) return material_source(file, design_material(text, file, reader_beside(file)));
   Source source = kind == Shipped::kResonators ? resonator_source(parse_resonator(text, file), max_frequency_hz)
                                                : keyboard_source(parse_keyboard(text, file));
@@ -200,7 +200,7 @@ Source source_argument(const std::string& argument, double max_frequency_hz) {
   if (const auto* file = shipped(Shipped::kKeyboards, argument))
     return keyboard_source(parse_keyboard(file->content, file->name));
   if (auto instrument = instrument_argument(argument))
-    return instrument_source(std::move(*instrument), max_frequency_hz);
+    return instrument_source(argument, std::move(*instrument), max_frequency_hz);
   if (shipped(Shipped::kMaterials, argument) == nullptr)
     refuse_name(argument, "material, resonator, keyboard or instrument",
                 {Shipped::kMaterials, Shipped::kResonators, Shipped::kKeyboards, Shipped::kInstruments});

@@ -335,8 +335,8 @@ TEST(BadInstrument, HasNoFaustTextAndNoModeAtALowRate) {
   EXPECT_EQ(generate(box).exit_code, 0);
   write_file(box / "probe.json", changed(changed(kGood, R"("frequency_hz": 100)", R"("frequency_hz": 21000)"),
                                          R"("frequency_hz": 200)", R"("frequency_hz": 21500)"));
-  expect_refused(generate(box, {"--rate", "40000"}), "probe: board: no mode below 20000 Hz sounds",
-                 "a higher --rate");
+  expect_refused(generate(box, {"--rate", "40000"}), "probe.json: bodies: body 'board' has no mode below 20000 Hz",
+                 "allowed: a higher --rate, a lower frequency, or losses below the frequencies");
 }
 
 const std::string kScore = R"({
