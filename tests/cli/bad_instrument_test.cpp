@@ -27,7 +27,11 @@ const std::string kGood = R"({
     { "name": "board", "modes": [ { "frequency_hz": 100, "decay_per_s": 20, "mass_kg": 4 },
                                   { "frequency_hz": 200, "decay_per_s": 25, "mass_kg": 5 } ] },
     { "name": "hammer", "mass_kg": 0.0031 },
-    { "name": "bolt", "mass_kg": 0.002 }
+    { "name": "bolt", "mass_kg": 0.002 },
+    { "name": "lid", "max_modes": 30,
+      "plate": { "length_m": 0.4, "width_m": 0.3, "thickness_m": 0.003, "density_kg_m3": 450,
+                 "youngs_modulus_pa": 1e10, "poisson_ratio": 0.37, "constant_loss_per_s": 8,
+                 "quadratic_loss_m2_per_s": 0.02 } }
   ],
   "places": [
     { "name": "struck", "body": "string", "position_m": 0.07 },
@@ -36,7 +40,8 @@ const std::string kGood = R"({
     { "name": "opposite", "body": "other", "positions_m": [0.15, 0.25, 0.35] },
     { "name": "pair", "body": "other", "positions_m": [0.16, 0.26] },
     { "name": "spot", "body": "head", "position_m": 0.05, "angle_rad": 0.4 },
-    { "name": "foot", "body": "board", "shapes": [1, -0.5] }
+    { "name": "foot", "body": "board", "shapes": [1, -0.5] },
+    { "name": "corner", "body": "lid", "position_m": 0.12, "across_m": 0.13 }
   ],
   "contacts": [
     { "name": "felt", "between": ["hammer", "struck"], "material": "felt_c4", "gap_m": 0.004, "weight": 1.25 },
@@ -62,7 +67,8 @@ const std::string kGood = R"({
     { "name": "string", "end_force_n": "string" },
     { "name": "spot", "displacement_m": "spot" },
     { "name": "foot", "velocity_m_per_s": ["foot", "spot"] },
-    { "name": "felt", "force_n": ["felt", "rattle"] }
+    { "name": "felt", "force_n": ["felt", "rattle"] },
+    { "name": "corner", "velocity_m_per_s": "corner" }
   ]
 })";
 
@@ -81,6 +87,8 @@ std::vector<BadFile> all_number_cases() {
       {"places[0].", "position_m", "0.07", range("0", "0.62"), {"-0.1", "0.63"}},
       {"places[5].", "position_m", "0.05", range("-0.165", "0.165"), {"-0.17", "0.17"}},
       {"places[5].", "angle_rad", "0.4", range("-7", "7"), {"-8", "8"}},
+      {"places[7].", "position_m", "0.12", range("0", "0.4"), {"-0.1", "0.41"}},
+      {"places[7].", "across_m", "0.13", range("0", "0.3"), {"-0.1", "0.31"}},
       {"contacts[0].", "gap_m", "0.004", range("-0.1", "0.1"), {"-0.11", "0.11"}},
       {"contacts[0].", "weight", "1.25", range("1e-09", "1000000000"), {"0", "-1"}},
       {"springs[0].", "stiffness_n_per_m", "150", range("0", "1000000000"), {"-1", "1e10"}},
@@ -117,7 +125,8 @@ std::vector<BadFile> body_cases() {
             "outputs": [ { "name": "a", "displacement_m": "a" } ] })",
        "contacts", "has 0 entries; allowed: an array of 1 to 256 objects"},
       {"body_unknown_key", changed(kGood, R"("mass_kg": 0.0031)", R"("mass": 0.0031)"), "bodies[4].mass",
-       "unknown key; allowed: name, resonator, string, bar, membrane, modes, mass_kg, tuning_cents, max_modes"},
+       "unknown key; allowed: name, resonator, string, bar, membrane, plate, modes, mass_kg, tuning_cents, "
+       "max_modes"},
       {"body_without_name", changed(kGood, R"("name": "bolt", )", ""), "bodies[5].name", "missing; allowed: a-z"},
       {"body_twice", changed(kGood, R"("name": "bolt")", R"("name": "hammer")"), "bodies[5].name",
        "'hammer' is the name of two objects; allowed: once"},
@@ -128,7 +137,7 @@ std::vector<BadFile> body_cases() {
       {"body_with_underscore", changed(kGood, R"("name": "bolt")", R"("name": "bolt_")"), "bodies[5].name",
        "'bolt_' is not a usable identifier"},
       {"body_of_nothing", changed(kGood, R"(, "mass_kg": 0.002)", ""), "bodies[5].resonator",
-       "0 kinds of body are given; allowed: just one of resonator, string, bar, membrane, modes, mass_kg"},
+       "0 kinds of body are given; allowed: just one of resonator, string, bar, membrane, plate, modes, mass_kg"},
       {"body_of_two_kinds", changed(kGood, R"("mass_kg": 0.002)", R"("mass_kg": 0.002, "resonator": "drum_head")"),
        "bodies[5].mass_kg", "2 kinds of body are given"},
       {"resonator_unknown", changed(kGood, R"("string_c4")", R"("string_c9")"), "bodies[0].resonator",
@@ -151,7 +160,7 @@ std::vector<BadFile> body_cases() {
 
 std::vector<BadFile> place_cases() {
   return {{"place_on_no_body", changed(kGood, R"("body": "board")", R"("body": "table")"), "places[6].body",
-           "'table' is no body; allowed: string, other, head, board, hammer, bolt"},
+           "'table' is no body; allowed: string, other, head, board, hammer, bolt, lid"},
           {"place_on_a_mass", changed(kGood, R"("body": "board")", R"("body": "bolt")"), "places[6].body",
            "'bolt' is a mass; allowed: a resonator; a mass is itself a place"},
           {"place_without_body", changed(kGood, R"("body": "board", )", ""), "places[6].body",
@@ -167,6 +176,16 @@ std::vector<BadFile> place_cases() {
           {"points_empty", changed(kGood, "[0.1, 0.2, 0.3]", "[]"), "places[2].positions_m", "has 0 entries"},
           {"angle_on_a_string", changed(kGood, R"("position_m": 0.07)", R"("position_m": 0.07, "angle_rad": 1)"),
            "places[0].angle_rad", "is not for this body; allowed: on a membrane"},
+          {"across_missing_on_a_plate", changed(kGood, R"(, "across_m": 0.13)", ""), "places[7].across_m",
+           "missing; allowed: a number from 0 to 0.3"},
+          {"across_on_a_string", changed(kGood, R"("position_m": 0.07)", R"("position_m": 0.07, "across_m": 0.1)"),
+           "places[0].across_m", "is not for this body; allowed: on a plate"},
+          {"across_on_a_membrane", changed(kGood, R"("angle_rad": 0.4)", R"("across_m": 0.1)"), "places[5].across_m",
+           "is not for this body; allowed: on a plate"},
+          {"across_on_modes", changed(kGood, R"("shapes": [1, -0.5])", R"("shapes": [1, -0.5], "across_m": 0.1)"),
+           "places[6].across_m", "has no meaning on a table of modes; allowed: shapes"},
+          {"angle_on_a_plate", changed(kGood, R"("across_m": 0.13)", R"("across_m": 0.13, "angle_rad": 1)"),
+           "places[7].angle_rad", "is not for this body; allowed: on a membrane"},
           {"shapes_on_a_string", changed(kGood, R"("position_m": 0.07)", R"("shapes": [1])"), "places[0].shapes",
            "is not for this body; allowed: position_m or positions_m"},
           {"position_on_modes", changed(kGood, R"("shapes": [1, -0.5])", R"("position_m": 0.1)"),
@@ -405,13 +424,15 @@ TEST(GoodInstrumentScore, IsPlayedFromAnyFolderWithEachOutput) {
   };
   for (const auto& [output, unit] : {std::pair("string_end_force_n", "N (string end force)"),
                                      {"spot_displacement_m", "m (spot displacement)"},
-                                     {"foot_velocity_m_per_s", "m/s (foot velocity)"}}) {
+                                     {"foot_velocity_m_per_s", "m/s (foot velocity)"},
+                                     {"corner_velocity_m_per_s", "m/s (corner velocity)"}}) {
     const Outcome outcome = render({"--signal", output});
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     EXPECT_NE(outcome.out.find(unit), std::string::npos) << outcome.out;
   }
   expect_refused(render({"--signal", "velocity"}), "--signal: 'velocity' is no output",
-                 "allowed: string_end_force_n, spot_displacement_m, foot_velocity_m_per_s, felt_force_n");
+                 "allowed: string_end_force_n, spot_displacement_m, foot_velocity_m_per_s, felt_force_n, "
+                 "corner_velocity_m_per_s");
   expect_refused(run({.arguments = {"render", "hammer-string", "--score", "music/score.json", "-o", "a.wav"},
                       .folder = box.path()}),
                  "music/score.json: instrument: it is for instrument", "allowed: hammer-string");
