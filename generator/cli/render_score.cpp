@@ -31,7 +31,7 @@ Signal signal_of(const ScoreOptions& options, const Score& score) {
   return static_cast<Signal>(std::ranges::find(signal_names(), options.signal) - signal_names().begin());
 }
 
-// Index of the output of an instrument file that is heard.
+// Index of the output of an instrument file that is played.
 std::size_t output_of(const ScoreOptions& options, const Score& score) {
   if (options.signal.empty()) return 0;
   std::vector<std::string> names;

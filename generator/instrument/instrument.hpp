@@ -52,7 +52,7 @@ struct ModelControl {
 struct ModelOutput {
   std::string name;  ///< with its quantity and unit, such as bridge_force_n
   OutputQuantity quantity;
-  std::vector<std::size_t> targets;  ///< places, groups of connections, or strings of which the end force is heard
+  std::vector<std::size_t> targets;  ///< places, groups of connections, or strings whose end force it is
   bool is_end_force = false;         ///< force of a string on its far support
 };
 
@@ -100,7 +100,7 @@ struct InstrumentArrays {
 /// The arrays with the modes below max_frequency_hz; a body may have none of them.
 [[nodiscard]] InstrumentArrays arrays_of(const InstrumentModel& model, double max_frequency_hz);
 
-/// Tunes all strings by a change of tension.
+/// Tunes all strings by a change of tension, -1200 to 1200 cents; they add to what the file says.
 void tune(InstrumentModel& model, double cents);
 
 /// The first body without a mode below max_frequency_hz.

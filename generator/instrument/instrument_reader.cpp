@@ -393,7 +393,7 @@ class Reader {
     }
   }
 
-  // What an output hears.
+  // What an output is the sum of.
   std::size_t source_of(const JsonObject& json, const std::string& key, const std::string& name) const {
     if (key == "force_n") return index_of(json, json.key(key), name, model_.connections, "contact, spring or link");
     if (key != "end_force_n") return single_place(json, key.c_str(), name);
@@ -411,7 +411,7 @@ class Reader {
     if (key == "force_n") output.quantity = OutputQuantity::kForce;
     output.is_end_force = key == "end_force_n";
     for (const std::string& name :
-         json.texts(key.c_str(), "the name of what is heard, or an array of names", kMaxObjects))
+         json.texts(key.c_str(), "the name of its source, or an array of names", kMaxObjects))
       output.targets.push_back(source_of(json, key, name));
     model_.outputs.push_back(std::move(output));
   }

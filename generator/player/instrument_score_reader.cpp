@@ -19,9 +19,9 @@ namespace {
 
 constexpr Range kSpeed{-100, 100};
 
-// pluck_force_n becomes pluck_pluck_n.
-std::string pluck_name(const ModelControl& control) {
-  return control.name.substr(0, control.name.size() - std::string_view("force_n").size()) + "pluck_n";
+// pop_force_n becomes pop_release_n.
+std::string release_name(const ModelControl& control) {
+  return control.name.substr(0, control.name.size() - std::string_view("force_n").size()) + "release_n";
 }
 
 Voice voice_of(const InstrumentModel& model, double tuning_cents) {
@@ -49,7 +49,7 @@ std::vector<std::string> event_keys(const InstrumentModel& model) {
   std::vector<std::string> keys = {"time_s", "voice", "over_s"};
   for (const ModelControl& control : model.controls) {
     keys.push_back(control.name);
-    if (control.quantity == ControlQuantity::kForce) keys.push_back(pluck_name(control));
+    if (control.quantity == ControlQuantity::kForce) keys.push_back(release_name(control));
   }
   for (std::size_t i = 0; i < model.strikes.size(); ++i) keys.push_back(strike_name(model, i));
   return keys;
@@ -65,8 +65,8 @@ bool read_control(const JsonObject& event, const InstrumentModel& model, std::si
     const double to = event.number(of.name.c_str(), range), over = number_or(event, "over_s", kEventTime_s, 0);
     for (Voice& voice : voices) voice.glides.push_back({time, over, control, to});
   }
-  if (of.quantity != ControlQuantity::kForce || !event.has(pluck_name(of).c_str())) return moves;
-  const std::string key = pluck_name(of);
+  if (of.quantity != ControlQuantity::kForce || !event.has(release_name(of).c_str())) return moves;
+  const std::string key = release_name(of);
   if (moves) event.fail(event.key(key), fmt::format("stands beside {}", of.name), "one of the two");
   const double force = event.number(key.c_str(), range),
                rise = number_or(event, "over_s", kEventTime_s, kPluckRise_s);

@@ -49,11 +49,12 @@ struct FretStringControl {
   enum : std::size_t { kPlace, kGap, kPluckForce, kDamping, kStiffnessRatio, kLoss };
 };
 
-/// What scores and the command line call an instrument, and what a score may say of it. For kFile the name only.
+/// What scores and the command line call an instrument, and what a score may say of it. kFile has its name only:
+/// `note` is null, and both lists are empty.
 struct InstrumentRules {
   std::string_view name;                    ///< hammer-string, slide-string, fret-string, instrument
   std::span<const ControlName> controls;    ///< in the order of the enumerations above
-  const char* note;                         ///< the key of an event that plays
+  const char* note;                         ///< the key of an event that plays; null for kFile
   std::size_t pluck_force;                  ///< the control that a pluck moves
   std::span<const char* const> voice_keys;  ///< beside name, resonator, material, tuning_cents, pan
 };

@@ -21,8 +21,8 @@ enum class Precision { kSingle, kDouble };
 struct PlayOptions {
   double sample_rate_hz;  ///< > 0
   Signal signal = Signal::kVelocity;
-  Precision precision = Precision::kDouble;    ///< of the models; the sum of the voices is kept in single precision
-  std::size_t output = 0;                      ///< of an instrument file: what is heard, in place of signal
+  Precision precision = Precision::kDouble;  ///< of the models; the sum of the voices is kept in single precision
+  std::size_t output = 0;  ///< of an instrument file: index of the output to play, in place of signal
   std::optional<std::size_t> only_voice = {};  ///< plays this one alone, with the channels of the whole score
 };
 

@@ -364,7 +364,7 @@ const std::string kScore = R"({
   "voices": [ { "name": "a", "tuning_cents": 4, "pan": 0.2 } ],
   "events": [
     { "time_s": 0.01, "voice": "a", "hammer_speed_m_per_s": 2.5 },
-    { "time_s": 0.02, "over_s": 0.005, "push_pluck_n": 0.6 },
+    { "time_s": 0.02, "over_s": 0.005, "push_release_n": 0.6 },
     { "time_s": 0.03, "hand_damping_per_s": 7 }
   ]
 })";
@@ -382,12 +382,12 @@ std::vector<BadFile> score_cases() {
       {"voice_unknown", changed(kScore, R"("voice": "a")", R"("voice": "b")"), "events[0].voice",
        "'b' is no voice; allowed: a"},
       {"control_unknown", changed(kScore, "hand_damping_per_s", "hand_force_n"), "events[2].hand_force_n",
-       "unknown key; allowed: time_s, voice, over_s, push_force_n, push_pluck_n, hand_damping_per_s"},
+       "unknown key; allowed: time_s, voice, over_s, push_force_n, push_release_n, hand_damping_per_s"},
       {"control_out_of_range", changed(kScore, R"("hand_damping_per_s": 7)", R"("hand_damping_per_s": -1)"),
        "events[2].hand_damping_per_s", "-1 is out of range; allowed: a number from 0 to 100000"},
       {"speed_out_of_range", changed(kScore, "2.5", "101"), "events[0].hammer_speed_m_per_s", "101 is out of range"},
-      {"pluck_and_force", changed(kScore, R"("push_pluck_n": 0.6)", R"("push_pluck_n": 0.6, "push_force_n": 1)"),
-       "events[1].push_pluck_n", "stands beside push_force_n; allowed: one of the two"},
+      {"pluck_and_force", changed(kScore, R"("push_release_n": 0.6)", R"("push_release_n": 0.6, "push_force_n": 1)"),
+       "events[1].push_release_n", "stands beside push_force_n; allowed: one of the two"},
       {"glide_to_nothing", changed(kScore, R"("voice": "a")", R"("over_s": 0.1)"), "events[0].over_s",
        "glides to nothing; allowed: beside a control"},
       {"nothing_happens", changed(kScore, R"(, "hand_damping_per_s": 7)", ""), "events[2].time_s", "nothing happens"},
