@@ -116,6 +116,13 @@ const EmbeddedFile* shipped(Shipped folder, const std::string& name) {
                              fmt::join(names, ", ")));
 }
 
+// A keyboard whose body is there, too: emitted files do not hold it, scores play it.
+Keyboard checked_keyboard(const std::string& text, const std::string& file) {
+  Keyboard keyboard = parse_keyboard(text, file);
+  (void)body_of(keyboard, {text, file, false}, [](const std::string& path) { return read_input(path); });
+  return keyboard;
+}
+
 Source file_source(const std::string& file, double max_frequency_hz) {
   const WaitingLine line("designing " + file);
   const std::string text = read_input(file);
@@ -124,7 +131,7 @@ Source file_source(const std::string& file, double max_frequency_hz) {
   if (kind == Shipped::kInstruments) return instrument_source(file, read_instrument(file, text), max_frequency_hz);
   if (kind == Shipped::kMaterials) return material_source(file, design_material(text, file, reader_beside(file)));
   Source source = kind == Shipped::kResonators ? resonator_source(parse_resonator(text, file), max_frequency_hz)
-                                               : keyboard_source(parse_keyboard(text, file));
+                                               : keyboard_source(checked_keyboard(text, file));
   source.files = {file};
   return source;
 }

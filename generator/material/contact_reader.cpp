@@ -130,7 +130,12 @@ double read_fitted_loss(const JsonObject& contact, const std::vector<CurveSample
       contact.fail(contact.key(key), "is given together with curve.impact_speed_m_per_s",
                    "one of the two: the loss is fitted to both branches");
   const double fastest_out = -std::ranges::min(samples, {}, &CurveSample::speed_m_per_s).speed_m_per_s;
-  return fitted_loss(samples, shape, std::min(kLoss.max, 0.99 / fastest_out));  // 1 + loss v stays positive
+  const double loss =
+      fitted_loss(samples, shape, std::min(kLoss.max, 0.99 / fastest_out));  // 1 + loss v stays positive
+  if (!(loss < 0.999 * kLoss.max))
+    contact.fail("contact.curve.impact_speed_m_per_s", "asks for a loss beyond all allowed ones",
+                 fmt::format("a loss of at most {} s/m: a higher speed", kLoss.max));
+  return loss;
 }
 
 constexpr std::array kKinds = {"stiffness_n_per_m_alpha", "hertz", "curve", "sum", "series"};

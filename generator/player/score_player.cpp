@@ -501,6 +501,7 @@ void play_on_body(const Score& score, const PlayOptions& options, Recorder& reco
 }  // namespace
 
 int channels_of(const Score& score) {
+  if (score.body) return 2;
   return std::ranges::any_of(score.voices, [](const Voice& voice) { return voice.pan != 0; }) ? 2 : 1;
 }
 

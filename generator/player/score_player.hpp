@@ -40,7 +40,7 @@ struct Performance {
 /// velocity.
 [[nodiscard]] Signal best_signal(const Score& score);
 
-/// 2 if a voice is panned, else 1.
+/// 2 if a voice is panned or the score has a body, else 1.
 [[nodiscard]] int channels_of(const Score& score);
 
 /// Plays every voice of a score, or only one: the modes below half the sample rate, each contact with its own

@@ -157,14 +157,6 @@ std::string left_out_line(std::string_view file, const Keyboard& keyboard, std::
   return fmt::format("{}: MIDI: left out: {}", file, fmt::join(parts, ", "));
 }
 
-// The body of a keyboard, beside the keyboard's file.
-std::optional<Resonator> body_of(const Keyboard& keyboard, const NamedText& file, const ReadFile& read) {
-  if (!keyboard.body) return {};
-  const NamedText named = named_text(file.file, "keyboard.body.resonator", keyboard.body->resonator,
-                                     Shipped::kResonators, reader_beside(file, read));
-  return parse_resonator(named.text, named.file);
-}
-
 // Every key that is played.
 std::vector<Voice> read_keys(const JsonObject& score, const Keyboard& keyboard,
                              const std::vector<JsonObject>& events) {
@@ -261,6 +253,13 @@ void require_initial(const JsonObject& score, Instrument instrument, const std::
 
 }  // namespace
 
+std::optional<Resonator> body_of(const Keyboard& keyboard, const NamedText& file, const ReadFile& read) {
+  if (!keyboard.body) return {};
+  const NamedText named = named_text(file.file, "keyboard.body.resonator", keyboard.body->resonator,
+                                     Shipped::kResonators, reader_beside(file, read));
+  return parse_resonator(named.text, named.file);
+}
+
 Score parse_score(std::string_view text, std::string_view file, const ReadFile& read) {
   const JsonObject score =
       parse_json(text, file, "score", {"instrument", "description", "duration_s", "keyboard", "voices", "events"});
@@ -292,6 +291,7 @@ Score parse_midi_score(std::string_view bytes, std::string_view file, std::span<
   const Keyboard keyboard = parse_keyboard(piano->content, piano->name);
   std::map<std::pair<int, int>, Voice> voices;  // by key and cents
   double end = 0;
+  bool is_detuned = false;
   std::size_t beyond = 0, beyond_octave = 0;
   for (const MidiNote& note : notes) {
     if (note.key < keyboard.first_key || note.key > keyboard.last_key) {
@@ -305,6 +305,7 @@ Score parse_midi_score(std::string_view bytes, std::string_view file, std::span<
     const int cents = static_cast<int>(std::lround(note.bend_cents));
     Voice& voice = voices[{note.key, cents}];
     if (voice.name.empty()) voice = detuned_voice(keyboard, note.key, cents);
+    is_detuned = is_detuned || cents != 0;
     voice.strikes.push_back({note.time_s, strike_speed(keyboard, note.velocity / 127.0), note.hold_s});
     end = std::max(end, note.time_s + note.hold_s);
   }
@@ -319,7 +320,7 @@ Score parse_midi_score(std::string_view bytes, std::string_view file, std::span<
               title,
               end + kRing,
               {},
-              body_of(keyboard, {{}, std::string(piano->name), true}, shipped_file),
+              is_detuned ? std::nullopt : body_of(keyboard, {{}, std::string(piano->name), true}, shipped_file),
               left_out_line(file, keyboard, beyond, beyond_octave, bends_in_notes)};
   for (auto& [key, voice] : voices) score.voices.push_back(std::move(voice));
   return score;

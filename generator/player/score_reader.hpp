@@ -2,13 +2,20 @@
 // Score files: JSON and MIDI (docs/scores.md).
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string_view>
 
 #include "generator/material/contact_reader.hpp"
+#include "generator/material/named_file.hpp"
 #include "generator/player/score.hpp"
+#include "generator/resonator/keyboard.hpp"
 
 namespace contactspline {
+
+/// The body that a keyboard names: a resonator that ships, or a file beside the keyboard's, which `read` reads;
+/// nothing if it names none. Throws BadInput.
+[[nodiscard]] std::optional<Resonator> body_of(const Keyboard& keyboard, const NamedText& file, const ReadFile& read);
 
 /// Parses the text of a score: JSON with comments (docs/scores.md). `file` stands in messages only; `read` gives the
 /// files it names. Throws BadInput.
@@ -16,7 +23,8 @@ namespace contactspline {
 
 /// The notes of a MIDI file, of these channels as in parse_midi(), on the piano that ships, with 1 s to ring after
 /// the last one. The keyboard's velocity law turns velocity/127 into the hammer's speed. A bent note is played on a
-/// string of its own, with the tension of its pitch. Notes beyond the keyboard are left out. Throws BadInput.
+/// string of its own, with the tension of its pitch; then the piano has no body, which all these strings would load.
+/// Notes beyond the keyboard are left out. Throws BadInput.
 [[nodiscard]] Score parse_midi_score(std::string_view bytes, std::string_view file,
                                      std::span<const int> channels = {});
 

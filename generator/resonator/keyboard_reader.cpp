@@ -151,6 +151,10 @@ Keyboard parse_keyboard(std::string_view text, std::string_view file) {
   if (keyboard.has("body"))
     read.body =
         read_keyboard_body(keyboard.object("body", {"resonator", "double_cents", "triple_cents", "own_loss"}));
+  if (read.first_triple_key < read.first_double_key)
+    keyboard.fail(keyboard.key("first_triple_key"),
+                  fmt::format("{} is below first_double_key", read.first_triple_key),
+                  fmt::format("at least {}", read.first_double_key));
   if (read.min_speed_m_per_s > read.max_speed_m_per_s)
     keyboard.fail(keyboard.key("min_speed_m_per_s"),
                   fmt::format("{} is above max_speed_m_per_s", read.min_speed_m_per_s),

@@ -72,6 +72,12 @@ std::vector<BadFile> key_cases() {
       "min_speed_m_per_s, max_speed_m_per_s, felt_loss_s_per_m, damper_per_s, damper_time_s, segments, notes, body";
   return {{"name_missing", changed(kGood, R"("name": "probe",)", ""), "name", "missing; allowed: a-z"},
           {"name_is_member", changed(kGood, R"("probe")", R"("tensions")"), "name", "is not a usable identifier"},
+          {"triple_before_double", changed(kGood, R"("first_triple_key": 50)", R"("first_triple_key": 39)"),
+           "keyboard.first_triple_key", "39 is below first_double_key; allowed: at least 40"},
+          {"body_of_no_resonator", changed(kGood, R"("soundboard")", R"("bord")"), "keyboard.body.resonator",
+           "'bord' does not ship; allowed: a .json file, drum_head"},
+          {"body_of_a_material", changed(kGood, R"("soundboard")", R"("felt_c4")"), "keyboard.body.resonator",
+           "'felt_c4' is a material; allowed: a .json file, drum_head"},
           {"body_without_resonator", changed(kGood, R"("resonator": "soundboard", )", ""), "keyboard.body.resonator",
            "missing; allowed: the name of a resonator that ships"},
           {"body_is_text",
