@@ -69,7 +69,7 @@ PublishedNote read_note(const JsonObject& note) {
 }
 
 std::vector<double> read_cents(const JsonObject& body, const char* name, std::size_t strings) {
-  const std::vector<double> cents = body.numbers(name, {-100, 100}, strings);
+  std::vector<double> cents = body.numbers(name, {-100, 100}, strings);
   if (cents.size() != strings)
     body.fail(body.key(name), fmt::format("has {} entries", cents.size()), fmt::format("{} numbers", strings));
   return cents;

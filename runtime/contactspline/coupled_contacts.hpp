@@ -435,8 +435,9 @@ class CoupledContacts {
     compute_direction();
     move(1);
     const T length = search_along_direction();
-    if (length < 1 && length > 0) move(length);
-    return length > 0;
+    if (!(length > 0)) return false;
+    if (length < 1) move(length);
+    return true;
   }
 
   void move(T length) {

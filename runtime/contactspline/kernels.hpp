@@ -108,7 +108,7 @@ void process_free(const ModalArrays<double>& modes, double damping_gain, const d
 /// Advances the modes by one sample on a bridge that is displaced by so many metres, and returns the sum of shape
 /// times displacement [N]. increment: what a metre of the bridge adds to the increment of the mode, shape times
 /// admittance.
-float advance_on_bridge(const ModalArrays<float>& modes, const float* shape, const float* admittance,
+float advance_on_bridge(const ModalArrays<float>& modes, const float* shape, const float* increment,
                         float damping_gain, float displacement_m);
 double advance_on_bridge(const ModalArrays<double>& modes, const double* shape, const double* increment,
                          double damping_gain, double displacement_m);
