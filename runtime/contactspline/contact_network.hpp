@@ -140,6 +140,13 @@ class ContactNetwork {
     place_all();
   }
 
+  // Bodies point to the shapes of their places. These do not move when a network is moved.
+  ContactNetwork(const ContactNetwork&) = delete;
+  ContactNetwork& operator=(const ContactNetwork&) = delete;
+  ContactNetwork(ContactNetwork&&) = default;
+  ContactNetwork& operator=(ContactNetwork&&) = default;
+  ~ContactNetwork() = default;
+
   /// Pushes at a place during the next sample [N], -1000 to 1000. Several pushes add up. Not a number does nothing.
   void push(std::size_t place, T force_n) { places_[place].push += held(T(0), force_n, Ranges::force_n); }
 

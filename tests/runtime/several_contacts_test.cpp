@@ -3,6 +3,8 @@
 #include <functional>
 #include <numbers>
 #include <random>
+#include <type_traits>
+#include <utility>
 
 #include "contactspline/contact_network.hpp"
 #include "contactspline/hammer_string.hpp"
@@ -407,6 +409,19 @@ TEST(ContactNetwork, ConvergesAsAProfileIsRefined) {
   }
   for (std::size_t i = 1; i < errors.size(); ++i) EXPECT_LT(errors[i], 0.6 * errors[i - 1]);
   EXPECT_LT(errors.back(), 1e-3);
+}
+
+// Its bodies point to the shapes of its places: a copy would point into the original, a moved network does not.
+static_assert(!std::is_copy_constructible_v<ContactNetwork<double>> &&
+              !std::is_copy_assignable_v<ContactNetwork<double>>);
+
+TEST(ContactNetwork, PlaysOnAfterAMove) {
+  Tanpura<double> stays(12, kRate), moves(12, kRate);
+  for (int n = 0; n < 500; ++n) {
+    stays.tick(), moves.tick();
+    if (n % 100 == 99) moves.network = ContactNetwork<double>(std::move(moves.network));
+    ASSERT_EQ(moves.network.displacement(moves.pluck), stays.network.displacement(stays.pluck)) << n;
+  }
 }
 
 // Points of a profile that touch at once act together as one contact of the sum of their weights.
