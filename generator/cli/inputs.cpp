@@ -35,14 +35,19 @@ Source material_source(const std::string& argument, Design design) {
           std::move(files)};
 }
 
-// Something must sound; where modes are left out, a line says so.
-void check_modes(const Resonator& resonator, double max_frequency_hz) {
-  const ModeSet set = modes_of(resonator, max_frequency_hz);
+// The modes, of which there must be one.
+ModeSet sounding_modes(const Resonator& resonator, double max_frequency_hz) {
+  ModeSet set = modes_of(resonator, max_frequency_hz);
   if (set.modes.empty())
     throw BadInput(
         fmt::format("{}: constant_loss_per_s: no mode below {} Hz sounds; allowed: losses below the frequencies",
                     resonator.name, max_frequency_hz));
-  if (!set.cut) return;
+  return set;
+}
+
+// Something must sound; where modes are left out, a line says so.
+void check_modes(const Resonator& resonator, double max_frequency_hz) {
+  if (!sounding_modes(resonator, max_frequency_hz).cut) return;
   const auto line = fmt::format("contactspline: {}: max_modes: {} leaves out modes below {} Hz\n", resonator.name,
                                 resonator.max_modes, max_frequency_hz);
   std::fputs(line.c_str(), stderr);
@@ -58,14 +63,19 @@ Source resonator_source(Resonator resonator, double max_frequency_hz) {
           {}};
 }
 
-Source keyboard_source(Keyboard keyboard) {
+// A keyboard and the body that it names; `read` reads what a file names.
+Source keyboard_source(const NamedText& file, double max_frequency_hz, const ReadFile& read) {
+  Keyboard keyboard = parse_keyboard(file.text, file.file);
+  std::optional<Resonator> body = body_of(keyboard, file, read);
+  if (body) (void)sounding_modes(*body, max_frequency_hz);
   const std::string name = keyboard.name;
-  return {name,
-          [keyboard = std::move(keyboard)](const Emitter& emitter, std::string_view command) {
-            const WaitingLine line("designing " + keyboard.name);
-            return emit(emitter, keyboard, command);
-          },
-          {}};
+  return {
+      name,
+      [=, keyboard = std::move(keyboard), body = std::move(body)](const Emitter& emitter, std::string_view command) {
+        const WaitingLine line("designing " + keyboard.name);
+        return emit(emitter, keyboard, body, max_frequency_hz, command);
+      },
+      {}};
 }
 
 Source instrument_source(std::string_view file, InstrumentSource instrument, double max_frequency_hz) {
@@ -116,11 +126,16 @@ const EmbeddedFile* shipped(Shipped folder, const std::string& name) {
                              fmt::join(names, ", ")));
 }
 
-// A keyboard whose body is there, too: emitted files do not hold it, scores play it.
-Keyboard checked_keyboard(const std::string& text, const std::string& file) {
-  Keyboard keyboard = parse_keyboard(text, file);
-  (void)body_of(keyboard, {text, file, false}, [](const std::string& path) { return read_input(path); });
-  return keyboard;
+// A keyboard file, with the body that it names.
+Source keyboard_file(const std::string& text, const std::string& file, double max_frequency_hz) {
+  std::vector<std::filesystem::path> files;
+  Source source = keyboard_source({text, file, false}, max_frequency_hz, [&](const std::string& path) {
+    files.emplace_back(path);
+    return read_input(path);
+  });
+  files.emplace(files.begin(), file);
+  source.files = std::move(files);
+  return source;
 }
 
 Source file_source(const std::string& file, double max_frequency_hz) {
@@ -130,8 +145,8 @@ Source file_source(const std::string& file, double max_frequency_hz) {
   if (kind == Shipped::kScores) refuse_kind(file, "file", kind, "a material, resonator, keyboard or instrument");
   if (kind == Shipped::kInstruments) return instrument_source(file, read_instrument(file, text), max_frequency_hz);
   if (kind == Shipped::kMaterials) return material_source(file, design_material(text, file, reader_beside(file)));
-  Source source = kind == Shipped::kResonators ? resonator_source(parse_resonator(text, file), max_frequency_hz)
-                                               : keyboard_source(checked_keyboard(text, file));
+  if (kind == Shipped::kKeyboards) return keyboard_file(text, file, max_frequency_hz);
+  Source source = resonator_source(parse_resonator(text, file), max_frequency_hz);
   source.files = {file};
   return source;
 }
@@ -205,7 +220,8 @@ Source source_argument(const std::string& argument, double max_frequency_hz) {
   if (const auto* file = shipped(Shipped::kResonators, argument))
     return resonator_source(parse_resonator(file->content, file->name), max_frequency_hz);
   if (const auto* file = shipped(Shipped::kKeyboards, argument))
-    return keyboard_source(parse_keyboard(file->content, file->name));
+    return keyboard_source({std::string(file->content), std::string(file->name), true}, max_frequency_hz,
+                           shipped_file);
   if (auto instrument = instrument_argument(argument))
     return instrument_source(argument, std::move(*instrument), max_frequency_hz);
   if (shipped(Shipped::kMaterials, argument) == nullptr)

@@ -63,9 +63,39 @@ void add_felts(TemplateValues& values, const Keyboard& keyboard, const std::vect
   values["HALF_CURVATURES"] = literal_rows(half_curvatures, 4);
 }
 
+std::string column(const std::vector<BodyMode>& modes, double (*member)(const BodyMode&)) {
+  std::vector<double> values;
+  for (const BodyMode& mode : modes) values.push_back(rounded_to(member(mode), 13));  // as in emit_resonator
+  return literal_rows(values, 4);
+}
+
+std::string in_one_row(const std::vector<double>& values) {
+  std::vector<std::string> literals;
+  for (const double value : values) literals.push_back(literal(value));
+  return fmt::format("{}", fmt::join(literals, ", "));
+}
+
+// The part of the templates for keyboards with a body.
+std::string body_text(const Emitter& emitter, const KeyboardBody& body, const std::vector<BodyMode>& modes) {
+  TemplateValues values{
+      {"DOUBLE_CENTS", in_one_row(body.double_cents)},
+      {"TRIPLE_CENTS", in_one_row(body.triple_cents)},
+      {"OWN_LOSS", literal(body.own_loss)},
+      {"UNA_CORDA", literal(body.una_corda_stiffness_ratio)},
+      {"ANGULAR_FREQUENCIES", column(modes, [](const BodyMode& m) { return m.mode.angular_frequency_rad_per_s; })},
+      {"DECAYS", column(modes, [](const BodyMode& m) { return m.mode.decay_per_s; })},
+      {"MASSES", column(modes, [](const BodyMode& m) { return m.mode.mass_kg; })},
+      {"BRIDGE_SHAPES", column(modes, [](const BodyMode& m) { return m.bridge_shape; })},
+      {"LEFT_SHAPES", column(modes, [](const BodyMode& m) { return m.left_shape; })},
+      {"RIGHT_SHAPES", column(modes, [](const BodyMode& m) { return m.right_shape; })}};
+  if (emitter.name == "cpp") values["MODES"] = fmt::format("{}", modes.size());
+  return fill_template(emitted_template("keyboard_body", emitter.extension), values);
+}
+
 }  // namespace
 
-std::string emit(const Emitter& emitter, const Keyboard& keyboard, std::string_view command) {
+std::string emit(const Emitter& emitter, const Keyboard& keyboard, const std::optional<Resonator>& body,
+                 double max_frequency_hz, std::string_view command) {
   const auto notes = all_notes(keyboard);
   TemplateValues values{{"VERSION", CONTACTSPLINE_VERSION},
                         {"COMMAND", std::string(command)},
@@ -88,6 +118,8 @@ std::string emit(const Emitter& emitter, const Keyboard& keyboard, std::string_v
   values["STRINGS"] = strings_of(notes);
   add_strings(values, notes);
   add_felts(values, keyboard, notes);
+  if (emitter.name != "faust")
+    values["BODY"] = body ? body_text(emitter, *keyboard.body, body_modes(*body, max_frequency_hz)) : "";
   return fill_template(emitted_template("keyboard", emitter.extension), values);
 }
 

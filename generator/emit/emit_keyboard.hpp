@@ -2,6 +2,7 @@
 // A keyboard as source text: Faust library, C++ header, JSON.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -10,7 +11,9 @@
 
 namespace contactspline {
 
-/// Source text of a keyboard: the strings and felts of all its keys. Throws BadInput as note_of() does.
-[[nodiscard]] std::string emit(const Emitter& emitter, const Keyboard& keyboard, std::string_view command);
+/// Source text of a keyboard: the strings and felts of all its keys and, if it has a body, the body's modes below
+/// `max_frequency_hz`. body: as body_of() reads it. Throws BadInput as note_of() does.
+[[nodiscard]] std::string emit(const Emitter& emitter, const Keyboard& keyboard, const std::optional<Resonator>& body,
+                               double max_frequency_hz, std::string_view command);
 
 }  // namespace contactspline

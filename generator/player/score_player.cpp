@@ -20,6 +20,7 @@
 #include "contactspline/slide_string.hpp"
 #include "generator/player/instrument_player.hpp"
 #include "generator/player/voice_tracks.hpp"
+#include "generator/resonator/keyboard.hpp"
 #include "generator/spline/contact_spline.hpp"
 #include "generator/support/error.hpp"
 
@@ -441,10 +442,12 @@ Voice on_body(const Voice& voice) {
   return played;
 }
 
-/// The same body with its pickup on the other side, for the other ear.
-Resonator mirrored(Resonator body) {
-  if (auto* plate = std::get_if<Plate>(&body.body)) body.pickup.position_m = plate->length_m - body.pickup.position_m;
-  return body;
+// The shapes of all modes of a body at its bridge or at an ear.
+template <typename T>
+ModeShapes<T> body_shapes(const std::vector<BodyMode>& modes, double BodyMode::*shape) {
+  ModeShapes<T> shapes(modes.size());
+  for (std::size_t i = 0; i < modes.size(); ++i) shapes[i] = static_cast<T>(modes[i].*shape);
+  return shapes;
 }
 
 /// A key on the body.
@@ -475,12 +478,11 @@ void play_on_body(const Score& score, const PlayOptions& options, Recorder& reco
     keys.push_back(std::make_unique<KeyOnBody<T>>(score.voices[v], options.only_voice.value_or(v) == v, options));
     stiffness += keys.back()->stiffness();
   }
-  const auto modes = modes_of(*score.body, options.sample_rate_hz / 2).modes;
+  const auto modes = body_modes(*score.body, options.sample_rate_hz / 2);
   if (modes.empty()) refuse_rate(score.body->name, options);
-  const auto other_side = modes_of(mirrored(*score.body), options.sample_rate_hz / 2).modes;
-  Body<T> body(bare(modes), shapes_in<T>(modes, &ResonatorMode::strike_shape), stiffness, options.sample_rate_hz);
-  const auto left = body.modes().sound_pickup(shapes_in<T>(modes, &ResonatorMode::pickup_shape));
-  const auto right = body.modes().sound_pickup(shapes_in<T>(other_side, &ResonatorMode::pickup_shape));
+  Body<T> body(bare(modes), body_shapes<T>(modes, &BodyMode::bridge_shape), stiffness, options.sample_rate_hz);
+  const auto left = body.modes().sound_pickup(body_shapes<T>(modes, &BodyMode::left_shape));
+  const auto right = body.modes().sound_pickup(body_shapes<T>(modes, &BodyMode::right_shape));
   for (std::size_t sample = 0; sample < recorder.samples(); ++sample) {
     if (sample % 4096 == 0) done(sample);
     T force = 0;

@@ -253,13 +253,6 @@ void require_initial(const JsonObject& score, Instrument instrument, const std::
 
 }  // namespace
 
-std::optional<Resonator> body_of(const Keyboard& keyboard, const NamedText& file, const ReadFile& read) {
-  if (!keyboard.body) return {};
-  const NamedText named = named_text(file.file, "keyboard.body.resonator", keyboard.body->resonator,
-                                     Shipped::kResonators, reader_beside(file, read));
-  return parse_resonator(named.text, named.file);
-}
-
 Score parse_score(std::string_view text, std::string_view file, const ReadFile& read) {
   const JsonObject score =
       parse_json(text, file, "score", {"instrument", "description", "duration_s", "keyboard", "voices", "events"});

@@ -2,20 +2,13 @@
 // Score files: JSON and MIDI (docs/scores.md).
 #pragma once
 
-#include <optional>
 #include <span>
 #include <string_view>
 
 #include "generator/material/contact_reader.hpp"
-#include "generator/material/named_file.hpp"
 #include "generator/player/score.hpp"
-#include "generator/resonator/keyboard.hpp"
 
 namespace contactspline {
-
-/// The body that a keyboard names: a resonator that ships, or a file beside the keyboard's, which `read` reads;
-/// nothing if it names none. Throws BadInput.
-[[nodiscard]] std::optional<Resonator> body_of(const Keyboard& keyboard, const NamedText& file, const ReadFile& read);
 
 /// Parses the text of a score: JSON with comments (docs/scores.md). `file` stands in messages only; `read` gives the
 /// files it names. Throws BadInput.

@@ -100,6 +100,17 @@ StiffString strings_on_body(const KeyboardNote& note, const KeyboardBody& body) 
   return string;
 }
 
+std::vector<BodyMode> body_modes(const Resonator& body, double max_frequency_hz) {
+  Resonator mirrored = body;
+  if (auto* plate = std::get_if<Plate>(&mirrored.body))
+    mirrored.pickup.position_m = plate->length_m - mirrored.pickup.position_m;
+  const auto left = modes_of(body, max_frequency_hz).modes, right = modes_of(mirrored, max_frequency_hz).modes;
+  std::vector<BodyMode> modes;
+  for (std::size_t i = 0; i < left.size(); ++i)
+    modes.push_back({left[i].mode, left[i].strike_shape, left[i].pickup_shape, right[i].pickup_shape});
+  return modes;
+}
+
 double strike_speed(const Keyboard& keyboard, double velocity) {
   return keyboard.min_speed_m_per_s * std::pow(keyboard.max_speed_m_per_s / keyboard.min_speed_m_per_s, velocity);
 }

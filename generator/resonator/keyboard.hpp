@@ -28,6 +28,7 @@ struct KeyboardBody {
   std::vector<double> double_cents;  ///< detuning of the strings of a key that has two
   std::vector<double> triple_cents;  ///< and three
   double own_loss;  ///< part of the published losses that is the strings' own; the rest goes into the body
+  double una_corda_stiffness_ratio;  ///< of the felt that strikes while the soft pedal is down
 };
 
 /// As read from a keyboard file.
@@ -59,6 +60,16 @@ struct KeyboardNote {
 
 /// The strings of a key on the keyboard's body, each by itself: detuned, with their own losses.
 [[nodiscard]] StiffString strings_on_body(const KeyboardNote& note, const KeyboardBody& body);
+
+/// A mode of a keyboard's body, with its shapes at the bridge and at the two places where the ears are.
+struct BodyMode {
+  Mode mode;
+  double bridge_shape, left_shape, right_shape;
+};
+
+/// The modes of a body below `max_frequency_hz`: the strike is the bridge, the pickup the left ear, and the mirrored
+/// place on a plate the right ear. Other bodies have one place for both ears.
+[[nodiscard]] std::vector<BodyMode> body_modes(const Resonator& body, double max_frequency_hz);
 
 /// Speed [m/s] at which a velocity from 0 to 1 throws the hammer: min (max/min)^velocity.
 [[nodiscard]] double strike_speed(const Keyboard& keyboard, double velocity);

@@ -5,6 +5,7 @@
 
 #include <iterator>
 
+#include "generator/resonator/resonator_reader.hpp"
 #include "generator/support/json_reader.hpp"
 
 namespace contactspline {
@@ -27,6 +28,7 @@ constexpr Range kSpeed{1e-3, 100};
 constexpr Range kLoss{0, 1e3};
 constexpr Range kDamping{0, 1e5};
 constexpr Range kDamperTime{1e-5, 1};
+constexpr Range kUnaCorda{1e-3, 1};
 
 // Members of the emitted C++ struct, which must not be called like it.
 constexpr const char* kTaken[] = {"first_key",
@@ -52,7 +54,8 @@ constexpr const char* kTaken[] = {"first_key",
                                   "bending_stiffnesses",
                                   "strike_positions",
                                   "hammer_masses",
-                                  "strings"};
+                                  "strings",
+                                  "body"};
 
 PublishedNote read_note(const JsonObject& note) {
   PublishedNote read{
@@ -77,7 +80,8 @@ std::vector<double> read_cents(const JsonObject& body, const char* name, std::si
 
 KeyboardBody read_keyboard_body(const JsonObject& body) {
   return {body.text("resonator", "the name of a resonator that ships, or its .json file"),
-          read_cents(body, "double_cents", 2), read_cents(body, "triple_cents", 3), body.number("own_loss", {0, 1})};
+          read_cents(body, "double_cents", 2), read_cents(body, "triple_cents", 3), body.number("own_loss", {0, 1}),
+          body.number("una_corda_stiffness_ratio", kUnaCorda)};
 }
 
 std::vector<PublishedNote> read_notes(const JsonObject& keyboard) {
@@ -149,8 +153,8 @@ Keyboard parse_keyboard(std::string_view text, std::string_view file) {
                 keyboard.integer("segments", 1, kMaxSegments),
                 read_notes(keyboard)};
   if (keyboard.has("body"))
-    read.body =
-        read_keyboard_body(keyboard.object("body", {"resonator", "double_cents", "triple_cents", "own_loss"}));
+    read.body = read_keyboard_body(keyboard.object(
+        "body", {"resonator", "double_cents", "triple_cents", "own_loss", "una_corda_stiffness_ratio"}));
   if (read.first_triple_key < read.first_double_key)
     keyboard.fail(keyboard.key("first_triple_key"),
                   fmt::format("{} is below first_double_key", read.first_triple_key),
@@ -161,6 +165,13 @@ Keyboard parse_keyboard(std::string_view text, std::string_view file) {
                   fmt::format("at most {}", read.max_speed_m_per_s));
   check_notes(read, keyboard);
   return read;
+}
+
+std::optional<Resonator> body_of(const Keyboard& keyboard, const NamedText& file, const ReadFile& read) {
+  if (!keyboard.body) return {};
+  const NamedText named = named_text(file.file, "keyboard.body.resonator", keyboard.body->resonator,
+                                     Shipped::kResonators, reader_beside(file, read));
+  return parse_resonator(named.text, named.file);
 }
 
 }  // namespace contactspline

@@ -22,7 +22,8 @@ const std::string kGood = R"({
     "first_key": 35, "last_key": 61, "first_double_key": 40, "first_triple_key": 50, "last_damped_key": 60,
     "concert_pitch_hz": 440, "min_speed_m_per_s": 0.2, "max_speed_m_per_s": 6, "felt_loss_s_per_m": 0.1,
     "damper_per_s": 60, "damper_time_s": 0.005, "segments": 4,
-    "body": { "resonator": "soundboard", "double_cents": [-0.25, 0.35], "triple_cents": [-0.45, 0.15, 0.55], "own_loss": 0.41 },
+    "body": { "resonator": "soundboard", "double_cents": [-0.25, 0.35], "triple_cents": [-0.45, 0.15, 0.55], "own_loss": 0.41,
+      "una_corda_stiffness_ratio": 0.51 },
     "notes": [
       )" + kLowNote + R"(,
       { "key":60, "length_m":0.657, "mass_kg":4.051e-3, "bending_stiffness_n_m2":0.0099, "strike_position_m":0.079,
@@ -50,6 +51,7 @@ std::vector<BadFile> all_number_cases() {
       {"keyboard.", "damper_time_s", "0.005", "a number from 1e-05 to 1", {"0", "-1", "1.1"}},
       {"keyboard.", "segments", "4", "an integer from 1 to 256", {"0", "-1", "257"}, true},
       {"keyboard.body.", "own_loss", "0.41", "a number from 0 to 1", {"-0.1", "1.1"}},
+      {"keyboard.body.", "una_corda_stiffness_ratio", "0.51", "a number from 0.001 to 1", {"0", "1.1"}},
       {"keyboard.notes[0].", "key", "36", "an integer from 0 to 127", kNotMidi, true},
       {"keyboard.notes[0].", "length_m", "1.602", "a number from 0.001 to 100", {"0", "-1", "101"}},
       {"keyboard.notes[0].", "mass_kg", "0.03324", kMass, {"0", "-1", "10001"}},
@@ -84,7 +86,7 @@ std::vector<BadFile> key_cases() {
            changed(kGood, R"("body": { "resonator": "soundboard",)", R"("body": "soundboard", "impact": {)"),
            "keyboard.impact", "unknown key; allowed: " + keys},
           {"unknown_in_body", changed(kGood, R"("own_loss")", R"("loss": 1, "own_loss")"), "keyboard.body.loss",
-           "unknown key; allowed: resonator, double_cents, triple_cents, own_loss"},
+           "unknown key; allowed: resonator, double_cents, triple_cents, own_loss, una_corda_stiffness_ratio"},
           {"one_string_of_two", changed(kGood, "[-0.25, 0.35]", "[0]"), "keyboard.body.double_cents",
            "has 1 entries; allowed: 2 numbers"},
           {"four_strings_of_three", changed(kGood, "[-0.45, 0.15, 0.55]", "[0, 0, 0, 0]"),
@@ -142,6 +144,36 @@ TEST(GoodKeyboardFile, IsAccepted) {
   const auto outcome = run({.arguments = {"generate", "probe.json", "-o", "out"}, .folder = box.path()});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(std::distance(fs::directory_iterator(box / "out"), {}), 3);
+}
+
+// A body of its own lies beside the keyboard, and its file is one that the output depends on.
+TEST(GoodKeyboardFile, HoldsTheBodyOfItsFolder) {
+  const Sandbox box;
+  fs::create_directory(box / "mine");
+  write_file(box / "mine" / "probe.json", changed(kGood, "\"soundboard\"", "\"board.json\""));
+  write_file(box / "mine" / "board.json", R"({ "name": "board", "modes": [
+    { "frequency_hz": 100, "decay_per_s": 5, "mass_kg": 3.25, "strike_shape": 1.5, "pickup_shape": -0.75 }] })");
+  const auto outcome =
+      run({.arguments = {"generate", "mine/probe.json", "-o", "out", "--depfile", "out.d"}, .folder = box.path()});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const std::string header = read_file(box / "out" / "probe.hpp"), rule = read_file(box / "out.d");
+  for (const char* text : {"masses = {\n    3.25}", "bridge_shapes = {\n    1.5}", "left_shapes = {\n    -0.75}",
+                           "right_shapes = {\n    -0.75}", "double_cents = {-0.25, 0.35}", "own_loss = 0.41"})
+    EXPECT_NE(header.find(text), header.npos) << text;
+  EXPECT_NE(rule.find(" mine/board.json"), rule.npos) << rule;
+}
+
+// Without a body nothing of it is written.
+TEST(GoodKeyboardFile, NeedsNoBody) {
+  const Sandbox box;
+  const std::size_t begin = kGood.find("\"body\""), end = kGood.find("\"notes\"");
+  write_file(box / "probe.json", kGood.substr(0, begin) + kGood.substr(end));
+  const auto outcome = run({.arguments = {"generate", "probe.json", "-o", "out"}, .folder = box.path()});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const std::string header = read_file(box / "out" / "probe.hpp"), json = read_file(box / "out" / "probe.json");
+  EXPECT_EQ(header.find("struct body"), header.npos);
+  EXPECT_EQ(json.find("\"body\""), json.npos);
+  EXPECT_NE(json.find("\"half_curvature_n_per_m\""), json.npos);
 }
 
 }  // namespace

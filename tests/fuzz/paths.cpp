@@ -143,7 +143,8 @@ void play_keyboard(std::string_view text) {
   Keyboard keyboard = parse_keyboard(text, kJson);
   keyboard.segments = std::min(keyboard.segments, 4);
   keyboard.last_key = std::min(keyboard.last_key, keyboard.first_key + kMaxKeys);
-  for (const Emitter& emitter : emitters()) demand_text(emitter, emit(emitter, keyboard, kCommand));
+  const auto body = body_of(keyboard, {std::string(text), kJson, true}, shipped_file);
+  for (const Emitter& emitter : emitters()) demand_text(emitter, emit(emitter, keyboard, body, kHz / 2, kCommand));
 }
 
 // A hundredth of a second of the first two voices.
