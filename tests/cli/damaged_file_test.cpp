@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Damaged material, curve, resonator, keyboard, score and MIDI files: each gives either output or one readable line
-// that names the file. scripts/fuzz does the same guided by coverage.
+// Damaged material, curve, resonator, keyboard, score, instrument and MIDI files: each gives either output or one
+// readable line that names the file. scripts/fuzz does the same guided by coverage.
+#include <regex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -66,6 +67,21 @@ TEST(DamagedScore, PlaysOrGivesOneReadableLine) {
       "\"events\" \"time_s\":1, \"over_s\":1, \"hold_s\":1, \"key\":60, \"voice\":\"g3\", \"place_m\":0.1, "
       "\"tuning_cents\":5, \"pan\":1, \"speed_m_per_s\":2, \"pluck_n\":2,",
       4'000, path.play, 40);  // most damage to a large file is fatal
+}
+
+// The instruments that ship, with a material that is designed at once.
+TEST(DamagedInstrument, GivesOutputOrOneReadableLine) {
+  const Path& path = path_of("instrument");
+  std::vector<std::string> texts;
+  for (const std::string& text : shipped_texts(Shipped::kInstruments))
+    texts.push_back(
+        std::regex_replace(text, std::regex("\"material\": \"[a-z0-9_]+\""), "\"material\": \"felt.json\""));
+  damage_files(
+      texts, path.file,
+      "\"name\" \"bodies\" \"places\" \"contacts\" \"springs\" \"links\" \"controls\" \"strikes\" \"outputs\" "
+      "\"mass_kg\":1, \"ground\" \"gap_m\":1e-4, \"gaps_m\" \"weight\":2, \"initial\":1, \"tuning_cents\":9, "
+      "\"max_modes\":2, \"position_m\":0.1, \"shapes\" \"string\" \"modes\" \"force_n\"",
+      2'000, path.play);
 }
 
 TEST(DamagedMidi, PlaysOrGivesOneReadableLine) {

@@ -11,11 +11,14 @@
 #include <vector>
 
 #include "contactspline/hammer_voice.hpp"
+#include "contactspline/instrument.hpp"
 #include "contactspline/mass_barrier.hpp"
+#include "generator/emit/emit_instrument.hpp"
 #include "generator/emit/emit_keyboard.hpp"
 #include "generator/emit/emit_material.hpp"
 #include "generator/emit/emit_resonator.hpp"
 #include "generator/emit/emitter.hpp"
+#include "generator/instrument/instrument_reader.hpp"
 #include "generator/player/midi_reader.hpp"
 #include "generator/player/score_player.hpp"
 #include "generator/player/score_reader.hpp"
@@ -158,8 +161,8 @@ void play_a_little(Score score) {
          "a score is not finite");
 }
 
-// The two files that a score may name: other ones do not exist.
-std::string beside_score(const std::string& path) {
+// The two files that a score or an instrument may name: other ones do not exist.
+std::string beside(const std::string& path) {
   if (path.ends_with("felt.json"))
     return R"({"name": "felt", "contact": {"stiffness_n_per_m_alpha": 4e9, "exponent": 2.5}, "spline": {"knots":
       "uniform", "segments": 4, "max_compression_m": 1e-3}, "impact": {"mass_kg": 0.003, "max_speed_m_per_s": 6,
@@ -172,7 +175,44 @@ std::string beside_score(const std::string& path) {
 }
 
 Score read_score(std::string_view text) {
-  return parse_score(text, kJson, beside_score);
+  return parse_score(text, kJson, beside);
+}
+
+InstrumentModel read_instrument(std::string_view text) {
+  return parse_instrument(text, kJson, beside);
+}
+
+// Energy never grows by more than the work that is done, but for rounding.
+template <typename T>
+void play_instrument_in(const InstrumentArrays& arrays) {
+  NetworkInstrument<T> instrument(arrays.view(), kHz);
+  const double begin = instrument.energy();
+  double work = 0, reached = std::abs(begin);
+  for (int n = 0; n < kSamples; ++n) {
+    for (std::size_t i = 0; i < arrays.controls.size(); ++i)
+      if (n % 8 == 0) instrument.set_control(i, static_cast<T>(n % 16 == 0 ? 1 : arrays.controls[i].initial));
+    for (std::size_t i = 0; i < arrays.strikes.size(); ++i)
+      if (n % 32 == 0) instrument.strike(i, T(2));
+    instrument.tick();
+    work += instrument.work();
+    reached += std::abs(instrument.work()) + std::abs(instrument.energy());
+    for (std::size_t i = 0; i < arrays.outputs.size(); ++i)
+      demand(std::isfinite(instrument.output(i)), "an output of an instrument is not finite");
+    demand(std::isfinite(work) && std::isfinite(reached), "the energy of an instrument is not finite");
+    if constexpr (std::same_as<T, double>)
+      demand(instrument.energy() <= begin + work + 1e-9 * reached, "an instrument gains energy");
+  }
+}
+
+void play_instrument(std::string_view text) {
+  InstrumentModel model = read_instrument(text);
+  for (InstrumentBody& body : model.bodies) body.resonator.max_modes = std::min(body.resonator.max_modes, kMaxModes);
+  if (silent_body(model, kHz / 2)) return;
+  for (const Emitter& emitter : emitters())
+    if (emitter.name != "faust") demand_text(emitter, emit(emitter, model, kHz / 2, kCommand));
+  const InstrumentArrays arrays = arrays_of(model, kHz / 2);
+  play_instrument_in<double>(arrays);
+  play_instrument_in<float>(arrays);
 }
 
 void demand_notes(const MidiSong& song) {
@@ -192,6 +232,7 @@ constexpr std::array kPaths = {
     Path{"keyboard", kJson, [](std::string_view text) { (void)parse_keyboard(text, kJson); }, play_keyboard},
     Path{"score", kJson, [](std::string_view text) { (void)read_score(text); },
          [](std::string_view text) { play_a_little(read_score(text)); }},
+    Path{"instrument", kJson, [](std::string_view text) { (void)read_instrument(text); }, play_instrument},
     Path{"midi", kMidi, [](std::string_view bytes) { demand_notes(parse_midi(bytes, kMidi)); },
          [](std::string_view bytes) { play_a_little(parse_midi_score(bytes, kMidi)); }}};
 
