@@ -46,20 +46,13 @@ struct EndOfSample {
   std::size_t segment;
 };
 
-/// The law of one connection over one sample: force(x) never falls with the increment x.
+/// The law of one contact over one sample: force(x) never falls with the increment x.
 template <std::floating_point T>
 class SampleLaw {
  public:
   SampleLaw() = default;
 
-  SampleLaw(const CoupledConnection<T>& c, T time_step)
-      : table_(c.table), start_(c.segment), y0_(c.compression), is_contact_(!c.table.empty()) {
-    if (!is_contact_) {
-      force_ = c.spring_n_per_m * y0_;
-      half_curvature_ = c.spring_n_per_m / 2;
-      resistance_ = c.resistance;
-      return;
-    }
+  SampleLaw(const CoupledConnection<T>& c, T time_step) : table_(c.table), start_(c.segment), y0_(c.compression) {
     const Segment<T>& here = table_[start_];
     ratio_ = c.contact.stiffness_ratio;
     slope_at_knot_ = here.force_at(y0_);
@@ -75,7 +68,7 @@ class SampleLaw {
     ForceAndSlope<T> elastic{force_ + half_curvature_ * x, half_curvature_};
     if (x < lower_ || x >= upper_) elastic = crossing(x);
     const ForceAndSlope<T> total{elastic.force + resistance_ * x, elastic.slope + resistance_};
-    if (is_contact_ && total.force < 0) return {0, 0};  // it would pull
+    if (total.force < 0) return {0, 0};  // it would pull
     return total;
   }
 
@@ -89,11 +82,9 @@ class SampleLaw {
   }
 
   [[nodiscard]] T force_at_rest() const { return force_; }  ///< for x = 0 [N]
-  [[nodiscard]] bool is_contact() const { return is_contact_; }
 
   /// Where a step with the increment x ends.
   [[nodiscard]] EndOfSample<T> end_of(T x) const {
-    if (!is_contact_) return {y0_ + x, 0};
     if (x >= lower_ && x < upper_) return {y0_ + x, relocate_segment(table_, start_, y0_ + x)};
     const Crossed crossed = cross(x);
     const T y = table_[crossed.entry].knot + crossed.beyond;
@@ -135,7 +126,6 @@ class SampleLaw {
   T y0_ = 0, ratio_ = 1, slope_at_knot_ = 0;
   T force_ = 0, half_curvature_ = 0, resistance_ = 0;  // within the segment of y0
   T lower_ = -std::numeric_limits<T>::infinity(), upper_ = std::numeric_limits<T>::infinity();  // its ends
-  bool is_contact_ = false;
 };
 
 /// A symmetric matrix, or the lower triangle of one. Its columns begin on cache lines.
@@ -174,7 +164,8 @@ void add_scaled(std::size_t from, std::size_t n, T factor, const T* __restrict c
 /// Xi is the matrix of admittances: by how much a newton in connection j reduces the increment of connection i. Each
 /// force is the discrete gradient of its contact, so the stored energy changes by force x, exactly. A contact that
 /// does not touch costs a comparison and a dot product with the forces that act. Groups without admittance between
-/// them are solved apart, and a contact that is alone in its group is contact_step. No allocation after construction.
+/// them are solved apart. Springs are linear: they are eliminated, and each contact meets bodies and springs
+/// together. A contact that is alone in its group is contact_step. No allocation after construction.
 /// (docs/several-contacts.md)
 template <std::floating_point T>
 class CoupledContacts {
@@ -192,16 +183,23 @@ class CoupledContacts {
         is_active_(connections),
         is_grouped_(connections),
         admittance_(connections),
+        beside_springs_(connections),
+        eliminated_columns_(connections),
+        spring_factor_(connections),
         coupling_(connections),
         factor_(connections),
         root_admittance_(connections),
         free_(connections),
+        spring_slope_(connections),
+        spring_root_(connections),
+        ahead_(connections),
         root_(connections),
         right_(connections),
         step_(connections),
         now_(connections),
         next_(connections) {
-    for (auto* list : {&active_, &watched_, &members_, &group_, &rows_}) list->reserve(connections);
+    for (auto* list : {&active_, &touching_, &springs_, &watched_, &eliminated_, &members_, &group_, &rows_})
+      list->reserve(connections);
   }
 
   [[nodiscard]] std::size_t size() const { return connections_.size(); }
@@ -215,13 +213,13 @@ class CoupledContacts {
   void set_admittance(std::size_t i, std::size_t j, T admittance) {
     admittance_(i, j) = admittance_(j, i) = admittance;
     members_.clear();
+    eliminated_.clear();
   }
   [[nodiscard]] T admittance(std::size_t i, std::size_t j) const { return admittance_(i, j); }
 
   /// Begins a sample without connections.
   void begin() {
-    active_.clear();
-    watched_.clear();
+    for (auto* list : {&active_, &touching_, &springs_, &watched_}) list->clear();
     std::ranges::fill(is_active_, false);
     steps_ = 0;
   }
@@ -229,17 +227,24 @@ class CoupledContacts {
   /// Adds connection i to this sample.
   void add(std::size_t i) {
     CoupledConnection<T>& c = connections_[i];
-    if (c.table.empty() || c.compression > 0 || c.compression + c.free_increment > 0) return activate(i);
+    if (c.table.empty()) {
+      is_active_[i] = true;
+      active_.push_back(i);
+      return springs_.push_back(i);
+    }
+    if (c.compression > 0 || c.compression + c.free_increment > 0) return activate(i);
     c.force = 0;
     watched_.push_back(i);
   }
 
   /// Computes the forces. May be called again after further calls of add().
   void solve() {
+    if (!springs_.empty()) predict_springs();
     do {
       std::ranges::fill(is_grouped_, false);
-      for (const std::size_t i : active_)
+      for (const std::size_t i : touching_)
         if (!is_grouped_[i]) solve_group_of(i);
+      if (!springs_.empty()) solve_springs();
     } while (activate_touching());
   }
 
@@ -267,13 +272,13 @@ class CoupledContacts {
 
   /// Connections whose force solve() computed.
   [[nodiscard]] std::span<const std::size_t> active() const { return active_; }
-  /// Newton steps of the last sample, of all groups.
+  /// Newton steps of the last sample, of all groups of contacts.
   [[nodiscard]] int steps() const { return steps_; }
   /// In how many samples a group took the bounding law, since construction.
   [[nodiscard]] std::size_t bounded() const { return bounded_; }
 
  private:
-  // Forces of a group with what follows from them. Index: position in the group.
+  // Forces of a group of contacts with what follows from them. Index: position in the group.
   struct State {
     explicit State(std::size_t size) : force(size), increment(size), residual(size), slope(size) {}
 
@@ -285,11 +290,15 @@ class CoupledContacts {
   };
 
   static constexpr T kRounding = std::numeric_limits<T>::epsilon();
+  // Motions whose energies round to 0 [m]: errors of less do not count.
+  static constexpr T kTiny = std::numeric_limits<T>::min_exponent < -1000 ? T(1e-150) : T(1e-18);
   static constexpr int kPatience = 8;
+  static constexpr int kRefinements = 2;  // of the forces of springs
 
   void activate(std::size_t i) {
     is_active_[i] = true;
     active_.push_back(i);
+    touching_.push_back(i);
     laws_[i] = detail::SampleLaw<T>(connections_[i], time_step_);
   }
 
@@ -304,9 +313,110 @@ class CoupledContacts {
     return active_.size() > before;
   }
 
+  // Slope of a spring's force [N/m]: force = K compression + slope increment.
+  [[nodiscard]] T slope_of_spring(std::size_t i) const {
+    return connections_[i].spring_n_per_m / 2 + connections_[i].resistance;
+  }
+
+  // The forces of springs are root z with (I + root Xi root) z = root (K compression/slope + free increment - Xi of
+  // contacts), root the roots of their slopes. The Cholesky factor L of the matrix eliminates z as it does rows of
+  // any system: with W = L^-1 root Xi, contacts meet the admittances Xi - W' W and have the increments free - W'
+  // ahead without forces of contacts, ahead = L^-1 root (K compression/slope + free increment).
+  void predict_springs() {
+    if (is_elimination_old()) eliminate_springs();
+    for (std::size_t s = 0; s < springs_.size(); ++s) {
+      const CoupledConnection<T>& c = connections_[springs_[s]];
+      const T root = spring_root_[s], slope = spring_slope_[s];
+      ahead_[s] = slope > 0 ? root * (c.free_increment + c.spring_n_per_m * c.compression / slope) : T(0);
+    }
+    solve_forwards(spring_factor_, springs_.size(), ahead_.data());
+  }
+
+  // The forces of the springs beside those of the contacts, and where they end.
+  void solve_springs() {
+    const std::size_t m = springs_.size();
+    std::copy_n(ahead_.data(), m, right_.data());
+    for (const std::size_t i : touching_)
+      detail::add_scaled(0, m, -connections_[i].force, eliminated_columns_.column(i), right_.data());
+    for (std::size_t s = 0; s < m; ++s) connections_[springs_[s]].force = 0;
+    for (int pass = 0;; ++pass) {
+      solve_backwards(spring_factor_, m, right_.data());
+      for (std::size_t s = 0; s < m; ++s) connections_[springs_[s]].force += spring_root_[s] * right_[s];
+      if (!have_springs_errors() || pass == kRefinements) return;
+      solve_forwards(spring_factor_, m, right_.data());
+    }
+  }
+
+  // Moves the ends of the springs by the forces found. Does the law of one of them want a force that differs by more
+  // than rounding? right_ becomes what corrects the forces.
+  bool have_springs_errors() {
+    bool have_errors = false;
+    for (std::size_t s = 0; s < springs_.size(); ++s) {
+      const std::size_t i = springs_[s];
+      const CoupledConnection<T>& c = connections_[i];
+      const T x = c.free_increment - force_displacement(i), slope = spring_slope_[s];
+      const T error = c.spring_n_per_m * c.compression + slope * x - c.force;
+      const T displacements = std::abs(c.free_increment) + std::abs(x) + admittance_(i, i) * std::abs(c.force);
+      const T forces = std::abs(c.force) + std::abs(c.spring_n_per_m * c.compression);
+      have_errors |= std::abs(error) > kRounding * (2 * forces + slope * displacements) + slope * kTiny;
+      ends_[i] = {c.compression + x, 0};
+      right_[s] = slope > 0 ? error / spring_root_[s] : T(0);
+    }
+    return have_errors;
+  }
+
+  [[nodiscard]] bool is_elimination_old() const {
+    if (eliminated_ != springs_) return true;
+    for (std::size_t s = 0; s < springs_.size(); ++s)
+      if (spring_slope_[s] != slope_of_spring(springs_[s])) return true;
+    return false;
+  }
+
+  void eliminate_springs() {
+    eliminated_ = springs_;
+    members_.clear();
+    const std::size_t m = springs_.size(), padded = spring_factor_.padded(m);
+    for (std::size_t s = 0; s < m; ++s) {
+      spring_slope_[s] = slope_of_spring(springs_[s]);
+      spring_root_[s] = std::sqrt(spring_slope_[s]);
+    }
+    for (std::size_t s = 0; s < m; ++s) {
+      T* to = spring_factor_.column(s);
+      for (std::size_t t = 0; t < m; ++t)
+        to[t] = spring_root_[s] * spring_root_[t] * admittance_(springs_[t], springs_[s]);
+      std::fill(to + m, to + padded, T(0));
+      to[s] += 1;
+    }
+    factorise(spring_factor_, m);
+    for (std::size_t i = 0; i < size(); ++i) {
+      T* column = eliminated_columns_.column(i);
+      for (std::size_t s = 0; s < m; ++s) column[s] = spring_root_[s] * admittance_(springs_[s], i);
+      solve_forwards(spring_factor_, m, column);
+      for (std::size_t j = 0; j <= i; ++j)
+        beside_springs_(i, j) = beside_springs_(j, i) =
+            admittance_(i, j) - product(m, column, eliminated_columns_.column(j));
+      beside_springs_(i, i) = std::max(beside_springs_(i, i), kRounding * admittance_(i, i));
+    }
+  }
+
+  [[nodiscard]] static T product(std::size_t n, const T* a, const T* b) {
+    T sum = 0;
+    for (std::size_t i = 0; i < n; ++i) sum += a[i] * b[i];
+    return sum;
+  }
+
+  // The admittances that contacts meet.
+  [[nodiscard]] const detail::ColumnMatrix<T>& acting_admittance() const {
+    return springs_.empty() ? admittance_ : beside_springs_;
+  }
+  // The increment of a contact without forces of contacts.
+  [[nodiscard]] T increment_beside_springs(std::size_t i) const {
+    return connections_[i].free_increment - product(springs_.size(), eliminated_columns_.column(i), ahead_.data());
+  }
+
   void solve_group_of(std::size_t seed) {
     collect_group(seed);
-    if (group_.size() == 1 && laws_[seed].is_contact()) return solve_alone(seed);
+    if (group_.size() == 1) return solve_alone(seed);
     gather();
     if (!iterate()) apply_bounding_law();
     for (std::size_t a = 0; a < group_.size(); ++a) {
@@ -318,19 +428,19 @@ class CoupledContacts {
 
   void solve_alone(std::size_t i) {
     CoupledConnection<T>& c = connections_[i];
-    const Approach<T> approach{c.compression, c.free_increment, admittance_(i, i)};
+    const Approach<T> approach{c.compression, increment_beside_springs(i), acting_admittance()(i, i)};
     const auto step = contact_step(c.table, c.contact, time_step_, approach, c.segment);
     c.force = step.force;
     ends_[i] = {step.compression, step.segment};
   }
 
-  // The active connections that are coupled with this one, directly or through others.
+  // The contacts that touch and are coupled with this one, directly or through others.
   void collect_group(std::size_t seed) {
     group_.assign(1, seed);
     is_grouped_[seed] = true;
-    for (std::size_t a = 0; a < group_.size() && group_.size() < active_.size(); ++a) {
-      const T* column = admittance_.column(group_[a]);
-      for (const std::size_t j : active_) {
+    for (std::size_t a = 0; a < group_.size() && group_.size() < touching_.size(); ++a) {
+      const T* column = acting_admittance().column(group_[a]);
+      for (const std::size_t j : touching_) {
         if (is_grouped_[j] || column[j] == 0) continue;
         is_grouped_[j] = true;
         group_.push_back(j);
@@ -343,7 +453,7 @@ class CoupledContacts {
     if (group_ != members_) {
       members_ = group_;
       for (std::size_t b = 0; b < n; ++b) {
-        const T* from = admittance_.column(group_[b]);
+        const T* from = acting_admittance().column(group_[b]);
         T* to = coupling_.column(b);
         for (std::size_t a = 0; a < n; ++a) to[a] = from[group_[a]];
         std::fill(to + n, to + coupling_.padded(n), T(0));
@@ -351,7 +461,7 @@ class CoupledContacts {
       }
     }
     for (std::size_t a = 0; a < n; ++a) {
-      free_[a] = connections_[group_[a]].free_increment;
+      free_[a] = increment_beside_springs(group_[a]);
       now_.force[a] = connections_[group_[a]].force;
     }
     std::fill(free_.data() + n, free_.data() + coupling_.padded(n), T(0));
@@ -374,12 +484,11 @@ class CoupledContacts {
       const T forces = std::abs(law.force) + std::abs(laws_[group_[a]].force_at_rest());
       // Beside a law that is 0 here and not there: what moves the contact by less than rounding.
       const T slope = law.force == 0 ? std::max(law.slope, 1 / xi) : law.slope;
-      const T rounding = kRounding * (2 * forces + slope * displacements);
+      const T rounding = kRounding * (2 * forces + slope * displacements) + slope * kTiny;
       state.residual[a] = residual;
       state.slope[a] = law.slope;
       state.norm = std::max(state.norm, root_admittance_[a] * std::abs(residual));
-      if (std::abs(residual) > state.excess * rounding)
-        state.excess = rounding > 0 ? std::abs(residual) / rounding : std::numeric_limits<T>::max();
+      if (std::abs(residual) > state.excess * rounding) state.excess = std::abs(residual) / rounding;
     }
   }
 
@@ -409,7 +518,7 @@ class CoupledContacts {
       const T root = root_admittance_[a],
               forces = std::abs(state.force[a]) + std::abs(laws_[group_[a]].force_at_rest());
       const T slope = state.slope[a] + 1 / (root * root);
-      const T rounding = kRounding * (forces + slope * (std::abs(free_[a]) + root * reach));
+      const T rounding = kRounding * (forces + slope * (std::abs(free_[a]) + root * reach)) + slope * kTiny;
       if (!(std::abs(state.residual[a]) <= 16 * rounding)) return false;
     }
     return true;
@@ -420,7 +529,6 @@ class CoupledContacts {
   void linearise_nearby() {
     for (std::size_t a = 0; a < group_.size(); ++a) {
       const CoupledConnection<T>& c = connections_[group_[a]];
-      if (c.table.empty()) continue;
       const T xi = coupling_(a, a);
       const Approach<T> alone{c.compression, now_.increment[a] + xi * now_.force[a], xi};
       const auto step = contact_step(c.table, c.contact, time_step_, alone, c.segment);
@@ -497,8 +605,9 @@ class CoupledContacts {
       if (others_move) residual -= root_[r] * moved_by_others(rows_[r]);
       right_[r] = residual;
     }
-    std::fill(right_.data() + m, right_.data() + padded, T(0));
-    factorise_and_solve(m);
+    factorise(factor_, m);
+    solve_forwards(factor_, m, right_.data());
+    solve_backwards(factor_, m, right_.data());
     for (std::size_t r = 0; r < m; ++r) step_[rows_[r]] = root_[r] * right_[r];
   }
 
@@ -514,23 +623,34 @@ class CoupledContacts {
     return sum;
   }
 
-  // right_ becomes factor_^-1 right_. Above its diagonal, factor_ is scratch, so that all loops run on whole vectors.
-  void factorise_and_solve(std::size_t m) {
+  // The matrix becomes its Cholesky factor, with the inverse of its diagonal. Above its diagonal it is scratch, so
+  // that all loops run on whole vectors.
+  static void factorise(detail::ColumnMatrix<T>& factor, std::size_t m) {
     constexpr std::size_t kLine = detail::ModalArray<T>::kLine;
-    const std::size_t padded = factor_.padded(m);
-    T* right = right_.data();
+    const std::size_t padded = factor.padded(m);
     for (std::size_t j = 0; j < m; ++j) {
-      T* column = factor_.column(j);
+      T* column = factor.column(j);
       const T inverse = 1 / std::sqrt(std::max(column[j], T(1)));  // no pivot of I + ... is below 1
       for (std::size_t i = j / kLine * kLine; i < padded; ++i) column[i] *= inverse;
       for (std::size_t k = j + 1; k < m; ++k)
-        detail::add_scaled(k / kLine * kLine, padded, -column[k], column, factor_.column(k));
-      column[j] = inverse;  // of the diagonal
-      right[j] *= inverse;
+        detail::add_scaled(k / kLine * kLine, padded, -column[k], column, factor.column(k));
+      column[j] = inverse;
+    }
+  }
+
+  // right becomes factor^-1 right.
+  static void solve_forwards(const detail::ColumnMatrix<T>& factor, std::size_t m, T* right) {
+    for (std::size_t j = 0; j < m; ++j) {
+      const T* column = factor.column(j);
+      right[j] *= column[j];
       for (std::size_t i = j + 1; i < m; ++i) right[i] -= right[j] * column[i];
     }
+  }
+
+  // right becomes factor^-T right.
+  static void solve_backwards(const detail::ColumnMatrix<T>& factor, std::size_t m, T* right) {
     for (std::size_t j = m; j-- > 0;) {
-      const T* column = factor_.column(j);
+      const T* column = factor.column(j);
       T sum = right[j];
       for (std::size_t i = j + 1; i < m; ++i) sum -= column[i] * right[i];
       right[j] = sum * column[j];
@@ -544,7 +664,7 @@ class CoupledContacts {
     const std::size_t n = group_.size();
     for (std::size_t a = 0; a < n; ++a) {
       const auto& law = laws_[group_[a]];
-      next_.force[a] = !law.is_contact() || law.at(now_.increment[a]).force > 0;  // does it act?
+      next_.force[a] = law.at(now_.increment[a]).force > 0;  // does it act?
     }
     for (bool changed = true; changed;) {
       for (std::size_t a = 0; a < n; ++a) {
@@ -575,11 +695,13 @@ class CoupledContacts {
   std::vector<detail::EndOfSample<T>> ends_;
   std::vector<char> is_active_, is_grouped_;
   std::vector<std::size_t> active_, watched_;
-  std::vector<std::size_t> members_;  // whose admittances coupling_ holds
-  std::vector<std::size_t> group_;    // that is being solved
-  std::vector<std::size_t> rows_;     // positions in the group with a slope
-  detail::ColumnMatrix<T> admittance_, coupling_, factor_;
-  detail::ModalArray<T> root_admittance_, free_, root_, right_, step_;
+  std::vector<std::size_t> touching_, springs_;  // the active ones by kind
+  std::vector<std::size_t> eliminated_;          // springs that are eliminated from beside_springs_
+  std::vector<std::size_t> members_;             // whose admittances coupling_ holds
+  std::vector<std::size_t> group_;               // that is being solved
+  std::vector<std::size_t> rows_;                // positions in the group with a slope
+  detail::ColumnMatrix<T> admittance_, beside_springs_, eliminated_columns_, spring_factor_, coupling_, factor_;
+  detail::ModalArray<T> root_admittance_, free_, spring_slope_, spring_root_, ahead_, root_, right_, step_;
   State now_, next_;
   int steps_ = 0;
   std::size_t bounded_ = 0;

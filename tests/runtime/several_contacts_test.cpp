@@ -215,6 +215,26 @@ TEST(CoupledContacts, SolvesIndependentGroupsApart) {
   }
 }
 
+// Motions near the smallest numbers, which round to multiples of them, are solved like any other.
+TEST(CoupledContacts, SolvesTheSmallestMotions) {
+  Random random(4);
+  const Problem problem(random, 3);
+  for (const double scale : {1e-290, 1e-300, 1e-305, 1e-310, 1e-320}) {
+    CoupledContacts<double> solver(3, kRate);
+    problem.put_into(solver);
+    solver.begin();
+    for (std::size_t i = 0; i < 3; ++i) {
+      solver[i].compression = scale;
+      solver[i].segment = 1;
+      solver[i].free_increment = 0.7 * scale;
+      solver.add(i);
+    }
+    solver.solve();
+    EXPECT_EQ(solver.bounded(), 0U) << scale;
+    EXPECT_LE(solver.steps(), 10) << scale;
+  }
+}
+
 // A random network: masses and modal bodies, contacts of 8 decades of stiffness, springs, dampers and rigid links.
 struct RandomNetwork {
   explicit RandomNetwork(unsigned seed) : random(seed) {
@@ -317,7 +337,7 @@ TEST(ContactNetwork, BalancesItsEnergy) {
     coupled += books.coupled;
   }
   std::cout << "largest error of the energy, over its peak: " << worst << "\n";
-  EXPECT_GT(coupled, 100000U);
+  EXPECT_GT(coupled, 90000U);
 }
 
 // A solver that may take no step uses the bounding law wherever contacts are coupled: energy is lost, never gained.
