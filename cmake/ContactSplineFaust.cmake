@@ -1,19 +1,23 @@
-# contactspline_lv2(TARGET name DSP file [VOICES n] [URI uri] [OUTPUT_DIR folder] [MATERIALS target...]
+# contactspline_lv2(TARGET name DSP file | INSTRUMENT name [VOICES n] [URI uri] [OUTPUT_DIR folder] [MATERIALS target...]
 #                   [FAUST_OPTIONS option...])
-# contactspline_jack(TARGET name DSP file [VOICES n] [OUTPUT_DIR folder] [MATERIALS target...] [FAUST_OPTIONS option...])
+# contactspline_jack(TARGET name DSP file | INSTRUMENT name [VOICES n] [OUTPUT_DIR folder] [MATERIALS target...]
+#                    [FAUST_OPTIONS option...])
 #
-# Compile a Faust program with Faust's own architecture files lv2.cpp and jack-console.cpp: contactspline_lv2 to a plug-in,
+# Compile a Faust program or an instrument from a file with Faust's own architecture files lv2.cpp and jack-console.cpp: contactspline_lv2 to a plug-in,
 # the bundle OUTPUT_DIR/FILE.lv2; contactspline_jack to a program for the JACK server, OUTPUT_DIR/FILE, that is played by
-# MIDI. FILE is the name of the Faust file without .dsp.
+# MIDI. FILE is the name of the Faust file without .dsp, or that of the instrument.
 #
 # DSP            the Faust program, relative to the current source folder; or a C++ file, FILE.cpp, with a class FILE that
 #                has Faust's `dsp` interface, such as a HammerStringDsp of contactspline/faust_dsp.hpp: it goes into the
 #                architecture file in place of what Faust would write
+# INSTRUMENT     the name of an instrument that ships, or of one in MATERIALS: an InstrumentDsp of its class, in single
+#                precision
 # VOICES         how many notes may sound at once, for programs with freq, gain and gate; 0: it is not played by notes.
 #                Default: what the program says by `declare options "[nvoices:16]"`, else 0
 # URI            identity of the plug-in, never to change; default: urn:contactspline:FILE
 # OUTPUT_DIR     relative to the current binary folder; default: that folder
-# MATERIALS      targets of contactspline_generate with EMIT faust (for a C++ file: cpp), whose materials the program uses
+# MATERIALS      targets of contactspline_generate with EMIT faust (for a C++ file or an instrument: cpp), whose materials the
+#                program uses
 # FAUST_OPTIONS  for the Faust compiler, for instance -double or -vec
 #
 # To install a bundle: install(DIRECTORY $<TARGET_FILE_DIR:name> DESTINATION lib/lv2).
@@ -54,10 +58,51 @@ function(_contactspline_find)
   endif()
 endfunction()
 
+# Writes a C++ file with the class of the instrument arg_INSTRUMENT, and sets arg_DSP to it.
+function(_contactspline_instrument_class)
+  get_target_property(known ContactSpline::materials CONTACTSPLINE_INSTRUMENTS)
+  set(header contactspline/instruments/${arg_INSTRUMENT}.hpp)
+  foreach(target IN LISTS arg_MATERIALS)
+    get_target_property(outputs ${target} CONTACTSPLINE_OUTPUTS)
+    list(FILTER outputs INCLUDE REGEX "\\.hpp$")
+    list(TRANSFORM outputs REPLACE "^.*/|\\.hpp$" "")
+    list(APPEND known ${outputs})
+    if(arg_INSTRUMENT IN_LIST outputs)
+      set(header ${arg_INSTRUMENT}.hpp)
+    endif()
+  endforeach()
+  if(NOT arg_INSTRUMENT IN_LIST known)
+    list(JOIN known ", " known)
+    _contactspline_fail("INSTRUMENT: no '${arg_INSTRUMENT}' ships or is emitted as cpp by MATERIALS; allowed: ${known}")
+  endif()
+  set(arg_DSP "${CMAKE_CURRENT_BINARY_DIR}/${arg_TARGET}_class/${arg_INSTRUMENT}.cpp")
+  file(CONFIGURE OUTPUT "${arg_DSP}" @ONLY CONTENT
+"#include \"contactspline/faust_dsp.hpp\"
+#include \"@header@\"
+
+class @arg_INSTRUMENT@ : public contactspline::InstrumentDsp<contactspline::instruments::@arg_INSTRUMENT@<float>> {};
+")
+  return(PROPAGATE arg_DSP)
+endfunction()
+
 # Checks and completes the arguments that both functions share, and sets `stem`, the name of the Faust file.
 function(_contactspline_faust_arguments more)
-  set(one TARGET DSP VOICES ${more} OUTPUT_DIR)
-  _contactspline_parse("${one}" "MATERIALS;FAUST_OPTIONS" "TARGET;DSP" ${ARGN})
+  set(one TARGET DSP INSTRUMENT VOICES ${more} OUTPUT_DIR)
+  _contactspline_parse("${one}" "MATERIALS;FAUST_OPTIONS" "TARGET" ${ARGN})
+  if(DEFINED arg_DSP AND DEFINED arg_INSTRUMENT)
+    _contactspline_fail("INSTRUMENT: stands beside DSP; allowed: one of the two")
+  elseif(NOT DEFINED arg_DSP AND NOT DEFINED arg_INSTRUMENT)
+    _contactspline_fail("DSP: missing; needed: DSP or INSTRUMENT")
+  endif()
+  foreach(target IN LISTS arg_MATERIALS)
+    get_property(is_generated TARGET ${target} PROPERTY CONTACTSPLINE_OUTPUTS SET)
+    if(NOT is_generated)
+      _contactspline_fail("MATERIALS: '${target}' is no target of contactspline_generate; allowed: such targets")
+    endif()
+  endforeach()
+  if(DEFINED arg_INSTRUMENT)
+    _contactspline_instrument_class()
+  endif()
   cmake_path(ABSOLUTE_PATH arg_DSP BASE_DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}" NORMALIZE)
   cmake_path(GET arg_DSP STEM LAST_ONLY stem)
   if(NOT EXISTS "${arg_DSP}" OR NOT arg_DSP MATCHES "\\.(dsp|cpp)$")
@@ -73,12 +118,6 @@ function(_contactspline_faust_arguments more)
   elseif(NOT arg_VOICES MATCHES "^[0-9]+$")
     _contactspline_fail("VOICES: '${arg_VOICES}' is not usable; allowed: a whole number, 0 or more")
   endif()
-  foreach(target IN LISTS arg_MATERIALS)
-    get_property(is_generated TARGET ${target} PROPERTY CONTACTSPLINE_OUTPUTS SET)
-    if(NOT is_generated)
-      _contactspline_fail("MATERIALS: '${target}' is no target of contactspline_generate; allowed: such targets")
-    endif()
-  endforeach()
   if(NOT DEFINED arg_OUTPUT_DIR)
     set(arg_OUTPUT_DIR "${CMAKE_CURRENT_BINARY_DIR}")
   endif()
@@ -141,7 +180,12 @@ function(_contactspline_faust_options target)
     target_link_libraries(${target} PRIVATE ContactSpline::materials ${arg_MATERIALS})
   endif()
   _contactspline_kernels(${target})
-  target_compile_options(${target} PRIVATE -Ofast -w)
+  # The runtime asks whether a residual is rounding, which -ffast-math changes.
+  if(arg_DSP MATCHES "\\.cpp$")
+    target_compile_options(${target} PRIVATE -O3 -fno-math-errno -fno-trapping-math -w)
+  else()
+    target_compile_options(${target} PRIVATE -Ofast -w)
+  endif()
   # jack-console.cpp minds NVOICES where it differs from NUM_VOICES only.
   target_compile_definitions(${target} PRIVATE NVOICES=${arg_VOICES} NUM_VOICES=-1)
   target_include_directories(${target} SYSTEM PRIVATE "${FAUST_INCLUDE_DIR}" "${CONTACTSPLINE_BOOST_INCLUDE_DIR}")

@@ -20,19 +20,35 @@ class prepared_piano : public NetworkInstrument<T> {
     static_assert(fits_runtime<prepared_piano>, "generated for another version: run `contactspline generate` again");
   }
 
-  /// -1000 to 1000, at the beginning 0.049.
+  /// 0 to 1, at the beginning 0.049.
   void set_weight_force_n(T value) { this->set_control(0, value); }
-  /// 0 to 1000, at the beginning 0.2.
+  /// 0 to 2, at the beginning 0.2.
   void set_bolt_loss_s_per_m(T value) { this->set_control(1, value); }
-  /// -0.1 to 0.1, at the beginning 0.
+  /// -0.0005 to 0.0005, at the beginning 0.
   void set_play_gap_shift_m(T value) { this->set_control(2, value); }
-  /// 0 to 1e+09, at the beginning 40000.
+  /// 100 to 1e+07, at the beginning 40000.
   void set_screw_stiffness_n_per_m(T value) { this->set_control(3, value); }
-  /// 0 to 100000, at the beginning 0.
+  /// 0 to 1000, at the beginning 0.
   void set_damper_damping_per_s(T value) { this->set_control(4, value); }
   void strike_hammer(T speed_m_per_s) { this->strike(0, speed_m_per_s); }
   [[nodiscard]] T bridge_end_force_n() const { return this->output(0); }
   [[nodiscard]] T bolt_force_n() const { return this->output(1); }
+
+  // As in the file, in the order of their numbers.
+  struct names {
+    static constexpr const char* instrument = "prepared_piano";
+    static constexpr std::array<const char*, 5> controls = {
+        "weight_force_n",
+        "bolt_loss_s_per_m",
+        "play_gap_shift_m",
+        "screw_stiffness_n_per_m",
+        "damper_damping_per_s"};
+    static constexpr std::array<const char*, 1> strikes = {
+        "hammer"};
+    static constexpr std::array<const char*, 2> outputs = {
+        "bridge_end_force_n",
+        "bolt_force_n"};
+  };
 
   // What NetworkInstrument plays. Its members: struct InstrumentData.
   struct data {
@@ -392,16 +408,16 @@ class prepared_piano : public NetworkInstrument<T> {
         {ConnectionKind::kSpring, 6, 2, 0, 0.0, 1.0, 0.0, 40000.0, 0.05},
         {ConnectionKind::kSpring, 2, 7, 0, 0.0, 1.0, 0.0, 40000.0, 0.05}}};
     static constexpr std::array<InstrumentControl, 5> controls = {{
-        {ControlQuantity::kForce, 0, 1, 0.049},
-        {ControlQuantity::kLoss, 1, 2, 0.2},
-        {ControlQuantity::kGapShift, 3, 2, 0.0},
-        {ControlQuantity::kStiffness, 5, 2, 40000.0},
-        {ControlQuantity::kDamping, 7, 2, 0.0}}};
+        {ControlQuantity::kForce, 0, 1, 0.049, 0.0, 1.0, 0.0},
+        {ControlQuantity::kLoss, 1, 2, 0.2, 0.0, 2.0, 0.0},
+        {ControlQuantity::kGapShift, 3, 2, 0.0, -0.0005, 0.0005, 0.0},
+        {ControlQuantity::kStiffness, 5, 2, 40000.0, 100.0, 10000000.0, 0.0},
+        {ControlQuantity::kDamping, 7, 2, 0.0, 0.0, 1000.0, 0.0}}};
     static constexpr std::array<std::size_t, 13> targets = {1, 2, 3, 2, 3, 4, 5, 0, 1, 8, 9, 2, 3};
     static constexpr std::array<std::size_t, 1> strikes = {2};
     static constexpr std::array<InstrumentOutput, 2> outputs = {{
-        {OutputQuantity::kDisplacement, 9, 2},
-        {OutputQuantity::kForce, 11, 2}}};
+        {OutputQuantity::kDisplacement, 9, 2, 50.0},
+        {OutputQuantity::kForce, 11, 2, 100.0}}};
 
     static constexpr InstrumentData view() {
       return {angular_frequencies, decays, masses, body_ends, place_bodies, shapes, knots, energies, forces,

@@ -20,19 +20,19 @@ class slap_bass : public NetworkInstrument<T> {
     static_assert(fits_runtime<slap_bass>, "generated for another version: run `contactspline generate` again");
   }
 
-  /// -1000 to 1000, at the beginning 0.
+  /// 0 to 20, at the beginning 0.
   void set_press_2_force_n(T value) { this->set_control(0, value); }
-  /// -1000 to 1000, at the beginning 0.
+  /// 0 to 20, at the beginning 0.
   void set_press_5_force_n(T value) { this->set_control(1, value); }
-  /// -1000 to 1000, at the beginning 0.
+  /// 0 to 20, at the beginning 0.
   void set_press_7_force_n(T value) { this->set_control(2, value); }
-  /// -1000 to 1000, at the beginning 0.
+  /// 0 to 20, at the beginning 0.
   void set_press_9_force_n(T value) { this->set_control(3, value); }
-  /// -1000 to 1000, at the beginning 0.
+  /// -20 to 20, at the beginning 0.
   void set_pop_force_n(T value) { this->set_control(4, value); }
-  /// -0.1 to 0.1, at the beginning 0.
+  /// -0.002 to 0.002, at the beginning 0.
   void set_action_gap_shift_m(T value) { this->set_control(5, value); }
-  /// 0 to 100000, at the beginning 0.
+  /// 0 to 1000, at the beginning 0.
   void set_palm_damping_per_s(T value) { this->set_control(6, value); }
   void strike_thumb(T speed_m_per_s) { this->strike(0, speed_m_per_s); }
   void strike_finger_2(T speed_m_per_s) { this->strike(1, speed_m_per_s); }
@@ -41,6 +41,28 @@ class slap_bass : public NetworkInstrument<T> {
   void strike_finger_9(T speed_m_per_s) { this->strike(4, speed_m_per_s); }
   [[nodiscard]] T pickup_velocity_m_per_s() const { return this->output(0); }
   [[nodiscard]] T frets_force_n() const { return this->output(1); }
+
+  // As in the file, in the order of their numbers.
+  struct names {
+    static constexpr const char* instrument = "slap_bass";
+    static constexpr std::array<const char*, 7> controls = {
+        "press_2_force_n",
+        "press_5_force_n",
+        "press_7_force_n",
+        "press_9_force_n",
+        "pop_force_n",
+        "action_gap_shift_m",
+        "palm_damping_per_s"};
+    static constexpr std::array<const char*, 5> strikes = {
+        "thumb",
+        "finger_2",
+        "finger_5",
+        "finger_7",
+        "finger_9"};
+    static constexpr std::array<const char*, 2> outputs = {
+        "pickup_velocity_m_per_s",
+        "frets_force_n"};
+  };
 
   // What NetworkInstrument plays. Its members: struct InstrumentData.
   struct data {
@@ -754,20 +776,20 @@ class slap_bass : public NetworkInstrument<T> {
         {ConnectionKind::kSpring, 3, kGround, 0, 0.0, 1.0, 0.0, 200.0, 2.0},
         {ConnectionKind::kSpring, 4, kGround, 0, 0.0, 1.0, 0.0, 400.0, 4.0}}};
     static constexpr std::array<InstrumentControl, 7> controls = {{
-        {ControlQuantity::kForce, 0, 1, 0.0},
-        {ControlQuantity::kForce, 1, 1, 0.0},
-        {ControlQuantity::kForce, 2, 1, 0.0},
-        {ControlQuantity::kForce, 3, 1, 0.0},
-        {ControlQuantity::kForce, 4, 1, 0.0},
-        {ControlQuantity::kGapShift, 5, 20, 0.0},
-        {ControlQuantity::kDamping, 25, 1, 0.0}}};
+        {ControlQuantity::kForce, 0, 1, 0.0, 0.0, 20.0, 0.0},
+        {ControlQuantity::kForce, 1, 1, 0.0, 0.0, 20.0, 0.0},
+        {ControlQuantity::kForce, 2, 1, 0.0, 0.0, 20.0, 0.0},
+        {ControlQuantity::kForce, 3, 1, 0.0, 0.0, 20.0, 0.0},
+        {ControlQuantity::kForce, 4, 1, 0.0, -20.0, 20.0, -9.0},
+        {ControlQuantity::kGapShift, 5, 20, 0.0, -0.002, 0.002, 0.0},
+        {ControlQuantity::kDamping, 25, 1, 0.0, 0.0, 1000.0, 0.0}}};
     static constexpr std::array<std::size_t, 47> targets = {0, 1, 2, 3, 30, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 
         16, 17, 18, 19, 0, 31, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 
         14, 15, 16, 17, 18, 19};
     static constexpr std::array<std::size_t, 5> strikes = {5, 1, 2, 3, 4};
     static constexpr std::array<InstrumentOutput, 2> outputs = {{
-        {OutputQuantity::kVelocity, 26, 1},
-        {OutputQuantity::kForce, 27, 20}}};
+        {OutputQuantity::kVelocity, 26, 1, 10.0},
+        {OutputQuantity::kForce, 27, 20, 200.0}}};
 
     static constexpr InstrumentData view() {
       return {angular_frequencies, decays, masses, body_ends, place_bodies, shapes, knots, energies, forces,

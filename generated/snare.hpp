@@ -20,13 +20,26 @@ class snare : public NetworkInstrument<T> {
     static_assert(fits_runtime<snare>, "generated for another version: run `contactspline generate` again");
   }
 
-  /// -0.1 to 0.1, at the beginning 0.
+  /// -1e-05 to 0.002, at the beginning 0.
   void set_strainer_gap_shift_m(T value) { this->set_control(0, value); }
-  /// 0 to 100000, at the beginning 0.
+  /// 0 to 1000, at the beginning 0.
   void set_hand_damping_per_s(T value) { this->set_control(1, value); }
   void strike_stick(T speed_m_per_s) { this->strike(0, speed_m_per_s); }
   [[nodiscard]] T head_velocity_m_per_s() const { return this->output(0); }
   [[nodiscard]] T wires_force_n() const { return this->output(1); }
+
+  // As in the file, in the order of their numbers.
+  struct names {
+    static constexpr const char* instrument = "snare";
+    static constexpr std::array<const char*, 2> controls = {
+        "strainer_gap_shift_m",
+        "hand_damping_per_s"};
+    static constexpr std::array<const char*, 1> strikes = {
+        "stick"};
+    static constexpr std::array<const char*, 2> outputs = {
+        "head_velocity_m_per_s",
+        "wires_force_n"};
+  };
 
   // What NetworkInstrument plays. Its members: struct InstrumentData.
   struct data {
@@ -1271,15 +1284,15 @@ class snare : public NetworkInstrument<T> {
         {ConnectionKind::kContact, 9, 33, 1, -2e-06, 0.01, 0.0, 0.0, 0.0},
         {ConnectionKind::kContact, 10, 34, 1, -2e-06, 0.01, 0.0, 0.0, 0.0}}};
     static constexpr std::array<InstrumentControl, 2> controls = {{
-        {ControlQuantity::kGapShift, 0, 24, 0.0},
-        {ControlQuantity::kDamping, 24, 1, 0.0}}};
+        {ControlQuantity::kGapShift, 0, 24, 0.0, -1e-05, 0.002, 0.0},
+        {ControlQuantity::kDamping, 24, 1, 0.0, 0.0, 1000.0, 0.0}}};
     static constexpr std::array<std::size_t, 50> targets = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 
         20, 21, 22, 23, 24, 0, 2, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 
         14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24};
     static constexpr std::array<std::size_t, 1> strikes = {4};
     static constexpr std::array<InstrumentOutput, 2> outputs = {{
-        {OutputQuantity::kVelocity, 25, 1},
-        {OutputQuantity::kForce, 26, 24}}};
+        {OutputQuantity::kVelocity, 25, 1, 2.0},
+        {OutputQuantity::kForce, 26, 24, 50.0}}};
 
     static constexpr InstrumentData view() {
       return {angular_frequencies, decays, masses, body_ends, place_bodies, shapes, knots, energies, forces,

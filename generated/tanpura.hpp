@@ -20,14 +20,27 @@ class tanpura : public NetworkInstrument<T> {
     static_assert(fits_runtime<tanpura>, "generated for another version: run `contactspline generate` again");
   }
 
-  /// -1000 to 1000, at the beginning 0.
+  /// -2 to 2, at the beginning 0.
   void set_finger_force_n(T value) { this->set_control(0, value); }
-  /// 0 to 100000, at the beginning 0.
+  /// 0 to 1000, at the beginning 0.
   void set_hand_damping_per_s(T value) { this->set_control(1, value); }
-  /// -0.1 to 0.1, at the beginning 0.
+  /// -0.0001 to 0.0001, at the beginning 0.
   void set_bridge_gap_shift_m(T value) { this->set_control(2, value); }
   [[nodiscard]] T wire_end_force_n() const { return this->output(0); }
   [[nodiscard]] T bridge_force_n() const { return this->output(1); }
+
+  // As in the file, in the order of their numbers.
+  struct names {
+    static constexpr const char* instrument = "tanpura";
+    static constexpr std::array<const char*, 3> controls = {
+        "finger_force_n",
+        "hand_damping_per_s",
+        "bridge_gap_shift_m"};
+    static constexpr std::array<const char*, 0> strikes = {};
+    static constexpr std::array<const char*, 2> outputs = {
+        "wire_end_force_n",
+        "bridge_force_n"};
+  };
 
   // What NetworkInstrument plays. Its members: struct InstrumentData.
   struct data {
@@ -752,16 +765,16 @@ class tanpura : public NetworkInstrument<T> {
         {ConnectionKind::kContact, 25, kGround, 0, 7.07e-05, 0.0416667, 0.0, 0.0, 0.0},
         {ConnectionKind::kSpring, 1, kGround, 0, 0.0, 1.0, 0.0, 120000.0, 1.2}}};
     static constexpr std::array<InstrumentControl, 3> controls = {{
-        {ControlQuantity::kForce, 0, 1, 0.0},
-        {ControlQuantity::kDamping, 1, 1, 0.0},
-        {ControlQuantity::kGapShift, 2, 24, 0.0}}};
+        {ControlQuantity::kForce, 0, 1, 0.0, -2.0, 2.0, 0.45},
+        {ControlQuantity::kDamping, 1, 1, 0.0, 0.0, 1000.0, 0.0},
+        {ControlQuantity::kGapShift, 2, 24, 0.0, -0.0001, 0.0001, 0.0}}};
     static constexpr std::array<std::size_t, 51> targets = {0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 
         18, 19, 20, 21, 22, 23, 26, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 
         13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23};
     static constexpr std::array<std::size_t, 0> strikes = {};
     static constexpr std::array<InstrumentOutput, 2> outputs = {{
-        {OutputQuantity::kDisplacement, 26, 1},
-        {OutputQuantity::kForce, 27, 24}}};
+        {OutputQuantity::kDisplacement, 26, 1, 2.0},
+        {OutputQuantity::kForce, 27, 24, 4.0}}};
 
     static constexpr InstrumentData view() {
       return {angular_frequencies, decays, masses, body_ends, place_bodies, shapes, knots, energies, forces,

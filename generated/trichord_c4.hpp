@@ -20,16 +20,31 @@ class trichord_c4 : public NetworkInstrument<T> {
     static_assert(fits_runtime<trichord_c4>, "generated for another version: run `contactspline generate` again");
   }
 
-  /// 1e-06 to 1e+06, at the beginning 1.
+  /// 0.01 to 100, at the beginning 1.
   void set_felt_stiffness_ratio(T value) { this->set_control(0, value); }
-  /// 0 to 1000, at the beginning 0.1.
+  /// 0 to 2, at the beginning 0.1.
   void set_felt_loss_s_per_m(T value) { this->set_control(1, value); }
-  /// 0 to 100000, at the beginning 0.
+  /// 0 to 1000, at the beginning 0.
   void set_damper_damping_per_s(T value) { this->set_control(2, value); }
   void strike_hammer(T speed_m_per_s) { this->strike(0, speed_m_per_s); }
   [[nodiscard]] T bridge_force_n() const { return this->output(0); }
   [[nodiscard]] T soundboard_velocity_m_per_s() const { return this->output(1); }
   [[nodiscard]] T hammer_force_n() const { return this->output(2); }
+
+  // As in the file, in the order of their numbers.
+  struct names {
+    static constexpr const char* instrument = "trichord_c4";
+    static constexpr std::array<const char*, 3> controls = {
+        "felt_stiffness_ratio",
+        "felt_loss_s_per_m",
+        "damper_damping_per_s"};
+    static constexpr std::array<const char*, 1> strikes = {
+        "hammer"};
+    static constexpr std::array<const char*, 3> outputs = {
+        "bridge_force_n",
+        "soundboard_velocity_m_per_s",
+        "hammer_force_n"};
+  };
 
   // What NetworkInstrument plays. Its members: struct InstrumentData.
   struct data {
@@ -244,15 +259,15 @@ class trichord_c4 : public NetworkInstrument<T> {
         {ConnectionKind::kLink, 4, 8, 0, 0.0, 1.0, 0.0, 0.0, 0.0},
         {ConnectionKind::kLink, 6, 9, 0, 0.0, 1.0, 0.0, 0.0, 0.0}}};
     static constexpr std::array<InstrumentControl, 3> controls = {{
-        {ControlQuantity::kStiffnessRatio, 0, 3, 1.0},
-        {ControlQuantity::kLoss, 3, 3, 0.1},
-        {ControlQuantity::kDamping, 6, 3, 0.0}}};
+        {ControlQuantity::kStiffnessRatio, 0, 3, 1.0, 0.01, 100.0, 0.0},
+        {ControlQuantity::kLoss, 3, 3, 0.1, 0.0, 2.0, 0.0},
+        {ControlQuantity::kDamping, 6, 3, 0.0, 0.0, 1000.0, 0.0}}};
     static constexpr std::array<std::size_t, 16> targets = {0, 1, 2, 0, 1, 2, 0, 1, 2, 3, 4, 5, 8, 0, 1, 2};
     static constexpr std::array<std::size_t, 1> strikes = {3};
     static constexpr std::array<InstrumentOutput, 3> outputs = {{
-        {OutputQuantity::kForce, 9, 3},
-        {OutputQuantity::kVelocity, 12, 1},
-        {OutputQuantity::kForce, 13, 3}}};
+        {OutputQuantity::kForce, 9, 3, 50.0},
+        {OutputQuantity::kVelocity, 12, 1, 0.03},
+        {OutputQuantity::kForce, 13, 3, 50.0}}};
 
     static constexpr InstrumentData view() {
       return {angular_frequencies, decays, masses, body_ends, place_bodies, shapes, knots, energies, forces,

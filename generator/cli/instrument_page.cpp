@@ -272,7 +272,7 @@ std::string instrument_table(const InstrumentModel& model, double sample_rate_hz
     row(group.name, name_of(group.each.kind), connection_row(model, group));
   heading("controls");
   for (const ModelControl& control : model.controls) {
-    const auto [min, max] = range_of(control.quantity);
+    const auto [min, max] = control.range;
     row(control.name, "", fmt::format("{:g} to {:g}, at the beginning {:g}", min, max, control.initial));
   }
   for (std::size_t i = 0; i < model.strikes.size(); ++i) row(strike_name(model, i), "strike", "");

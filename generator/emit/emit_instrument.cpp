@@ -47,6 +47,14 @@ std::string quoted(const std::vector<std::string>& names) {
   return fmt::format("{}", fmt::join(quoted, ", "));
 }
 
+// Names, one in a row.
+std::string name_rows(const std::vector<std::string>& names) {
+  std::string rows;
+  for (const std::string& name : names)
+    rows += fmt::format("{}\n        {}", rows.empty() ? "" : ",", json_string(name));
+  return rows;
+}
+
 std::string place_or(std::string_view ground, std::size_t place) {
   return place == kGround ? std::string(ground) : fmt::format("{}", place);
 }
@@ -84,7 +92,7 @@ std::string members_of(const InstrumentModel& model) {
   std::string members;
   for (std::size_t i = 0; i < model.controls.size(); ++i) {
     const ModelControl& control = model.controls[i];
-    const auto [min, max] = range_of(control.quantity);
+    const auto [min, max] = control.range;
     members += fmt::format(
         "\n  /// {:g} to {:g}, at the beginning {:g}.\n  void set_{}(T value) {{ this->set_control({}, value); }}",
         min, max, control.initial, control.name, i);
@@ -121,16 +129,25 @@ TemplateValues cpp_values(const InstrumentModel& model, const InstrumentArrays& 
   count("STRIKES", arrays.strikes.size());
   count("OUTPUTS", arrays.outputs.size());
   values["MEMBERS"] = members_of(model);
+  std::vector<std::string> controls, strikes, outputs;
+  for (const ModelControl& control : model.controls) controls.push_back(control.name);
+  for (const std::size_t body : model.strikes) strikes.push_back(model.bodies[body].name);
+  for (const ModelOutput& output : model.outputs) outputs.push_back(output.name);
+  values["CONTROL_NAMES"] = name_rows(controls);
+  values["STRIKE_NAMES"] = name_rows(strikes);
+  values["OUTPUT_NAMES"] = name_rows(outputs);
   values["TARGETS"] = whole_numbers(arrays.targets);
   values["STRIKE_BODIES"] = whole_numbers(arrays.strikes);
   values["CONNECTION_ROWS"] = rows_of(arrays.connections, kIndent,
                                       [](const InstrumentConnection& c, std::size_t) { return cpp_connection(c); });
   values["CONTROL_ROWS"] = rows_of(arrays.controls, kIndent, [](const InstrumentControl& c, std::size_t) {
-    return fmt::format("{{ControlQuantity::{}, {}, {}, {}}}", name_in(kQuantityNames, c.quantity), c.first_target,
-                       c.count, literal(c.initial));
+    return fmt::format("{{ControlQuantity::{}, {}, {}, {}, {}, {}, {}}}", name_in(kQuantityNames, c.quantity),
+                       c.first_target, c.count, literal(c.initial), literal(c.min), literal(c.max),
+                       literal(c.release_n));
   });
   values["OUTPUT_ROWS"] = rows_of(arrays.outputs, kIndent, [](const InstrumentOutput& o, std::size_t) {
-    return fmt::format("{{OutputQuantity::{}, {}, {}}}", name_in(kOutputNames, o.quantity), o.first_target, o.count);
+    return fmt::format("{{OutputQuantity::{}, {}, {}, {}}}", name_in(kOutputNames, o.quantity), o.first_target,
+                       o.count, literal(o.full_scale));
   });
   return values;
 }
@@ -160,12 +177,15 @@ TemplateValues json_values(const InstrumentModel& model, const InstrumentArrays&
   values["CONNECTION_ROWS"] = rows_of(arrays.connections, kIndent,
                                       [](const InstrumentConnection& c, std::size_t) { return json_connection(c); });
   values["CONTROL_ROWS"] = rows_of(arrays.controls, kIndent, [&](const InstrumentControl& c, std::size_t i) {
-    return fmt::format("{{\"name\": \"{}\", \"targets\": [{}], \"initial\": {}}}", model.controls[i].name,
-                       whole_numbers(std::span(arrays.targets).subspan(c.first_target, c.count)), literal(c.initial));
+    return fmt::format(
+        "{{\"name\": \"{}\", \"targets\": [{}], \"initial\": {}, \"min\": {}, \"max\": {}, \"release_n\": {}}}",
+        model.controls[i].name, whole_numbers(std::span(arrays.targets).subspan(c.first_target, c.count)),
+        literal(c.initial), literal(c.min), literal(c.max), literal(c.release_n));
   });
   values["OUTPUT_ROWS"] = rows_of(arrays.outputs, kIndent, [&](const InstrumentOutput& o, std::size_t i) {
-    return fmt::format("{{\"name\": \"{}\", \"targets\": [{}]}}", model.outputs[i].name,
-                       whole_numbers(std::span(arrays.targets).subspan(o.first_target, o.count)));
+    return fmt::format("{{\"name\": \"{}\", \"targets\": [{}], \"full_scale\": {}}}", model.outputs[i].name,
+                       whole_numbers(std::span(arrays.targets).subspan(o.first_target, o.count)),
+                       literal(o.full_scale));
   });
   return values;
 }

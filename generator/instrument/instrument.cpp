@@ -98,7 +98,8 @@ class Flattener {
         add_connections(target);
       }
     }
-    arrays_.controls.push_back({control.quantity, begin, arrays_.targets.size() - begin, control.initial});
+    arrays_.controls.push_back({control.quantity, begin, arrays_.targets.size() - begin, control.initial,
+                                control.range.min, control.range.max, control.release_n});
   }
 
   void add_output(const ModelOutput& output) {
@@ -109,7 +110,7 @@ class Flattener {
       else
         arrays_.targets.push_back(output.is_end_force ? add_end(target) : first_place_[target]);
     }
-    arrays_.outputs.push_back({output.quantity, begin, arrays_.targets.size() - begin});
+    arrays_.outputs.push_back({output.quantity, begin, arrays_.targets.size() - begin, output.full_scale});
   }
 
   void add_connections(std::size_t group) {

@@ -47,6 +47,8 @@ struct ModelControl {
   ControlQuantity quantity;
   std::vector<std::size_t> targets;  ///< places, bodies or groups of connections
   double initial;
+  Range range;           ///< of its values, within that of its quantity
+  double release_n = 0;  ///< of a force that plucks: what it rises to; else 0
 };
 
 struct ModelOutput {
@@ -54,6 +56,7 @@ struct ModelOutput {
   OutputQuantity quantity;
   std::vector<std::size_t> targets;  ///< places, groups of connections, or strings whose end force it is
   bool is_end_force = false;         ///< force of a string on its far support
+  double full_scale = 1;             ///< the value that plug-ins play as 1
 };
 
 struct InstrumentModel {

@@ -27,12 +27,14 @@ constexpr Range kGap{ControlRanges<double>::gap_m.min, ControlRanges<double>::ga
 constexpr Range kWeight{1e-9, 1e9};
 constexpr Range kStiffness{0, 1e9};
 constexpr Range kResistance{0, 1e6};
+constexpr Range kFullScale{1e-9, 1e9};
 constexpr auto kGroundName = "ground";
 
 // Members of the emitted C++ class, which must not be called like it.
-constexpr const char* kMemberNames[] = {
-    "tick",    "process", "output", "energy", "work",        "dissipated",    "network", "reset",   "strike",
-    "control", "data",    "speed",  "value",  "set_control", "contact_force", "ground",  "samples", "format_version"};
+constexpr const char* kMemberNames[] = {"tick",          "process", "output",  "energy",        "work",
+                                        "dissipated",    "network", "reset",   "strike",        "control",
+                                        "data",          "names",   "speed",   "value",         "set_control",
+                                        "contact_force", "ground",  "samples", "format_version"};
 
 constexpr std::array kQuantities = {
     ControlQuantity::kForce,    ControlQuantity::kDamping,   ControlQuantity::kStiffnessRatio, ControlQuantity::kLoss,
@@ -68,12 +70,13 @@ class Reader {
     if (connections_ > kMaxPoints)
       json_.fail("contacts", fmt::format("the file has {} connections", connections_),
                  fmt::format("at most {}, points of profiles included", kMaxPoints));
-    std::vector<std::string> keys = {"name", "initial"};
+    std::vector<std::string> keys = {"name", "initial", "min", "max", "release_n"};
     for (const ControlQuantity quantity : kQuantities) keys.emplace_back(key_of(quantity));
     for (const JsonObject& control : optional_objects("controls", keys)) read_control(control);
     if (json_.has("strikes")) read_strikes();
     for (const JsonObject& output : json_.objects(
-             "outputs", {"name", "displacement_m", "velocity_m_per_s", "force_n", "end_force_n"}, kMaxBodies))
+             "outputs", {"name", "displacement_m", "velocity_m_per_s", "force_n", "end_force_n", "full_scale"},
+             kMaxBodies))
       read_output(output);
     return std::move(model_);
   }
@@ -367,10 +370,28 @@ class Reader {
         json.fail(json.key(key), fmt::format("'{}' already has such a control", name), "one control for each");
       control.targets.push_back(target);
     }
-    control.initial = json.has("initial") ? json.number("initial", range_of(control.quantity))
+    read_range(json, control);
+    control.initial = json.has("initial") ? json.number("initial", control.range)
                                           : value_of(control.quantity, control.targets.front());
+    if (control.initial < control.range.min || control.initial > control.range.max)
+      json.fail(json.key("initial"), fmt::format("missing, and the file begins with {}", control.initial),
+                fmt::format("{} to {}", control.range.min, control.range.max));
     if (control.quantity == ControlQuantity::kGapShift) check_gaps(json, control);
     model_.controls.push_back(std::move(control));
+  }
+
+  // The values that a control may take, and the force of its pluck.
+  static void read_range(const JsonObject& json, ModelControl& control) {
+    const Range all = range_of(control.quantity);
+    control.range.min = json.has("min") ? json.number("min", all) : all.min;
+    control.range.max = json.has("max") ? json.number("max", all) : all.max;
+    if (!(control.range.min < control.range.max))
+      json.fail(json.key(json.has("max") ? "max" : "min"), "leaves no range", "min below max");
+    if (!json.has("release_n")) return;
+    if (control.quantity != ControlQuantity::kForce)
+      json.fail(json.key("release_n"), "is not for this control", "beside force_n");
+    control.release_n = json.number("release_n", control.range);
+    if (control.release_n == 0) json.fail(json.key("release_n"), "plucks without force", "not 0");
   }
 
   // A shifted gap stays within the range of a gap.
@@ -403,6 +424,12 @@ class Reader {
     return body;
   }
 
+  // A loud sound of most instruments.
+  static double default_full_scale(std::string_view unit) {
+    if (unit == "N") return 50;
+    return unit == "m/s" ? 1 : 0.001;
+  }
+
   void read_output(const JsonObject& json) {
     const std::string key =
         one_of_keys(json, {"displacement_m", "velocity_m_per_s", "force_n", "end_force_n"}, "quantities");
@@ -410,6 +437,8 @@ class Reader {
     if (key == "velocity_m_per_s") output.quantity = OutputQuantity::kVelocity;
     if (key == "force_n") output.quantity = OutputQuantity::kForce;
     output.is_end_force = key == "end_force_n";
+    output.full_scale =
+        json.has("full_scale") ? json.number("full_scale", kFullScale) : default_full_scale(unit_of(output));
     for (const std::string& name :
          json.texts(key.c_str(), "the name of its source, or an array of names", kMaxObjects))
       output.targets.push_back(source_of(json, key, name));

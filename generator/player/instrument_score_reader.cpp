@@ -59,7 +59,7 @@ std::vector<std::string> event_keys(const InstrumentModel& model) {
 bool read_control(const JsonObject& event, const InstrumentModel& model, std::size_t control, double time,
                   std::span<Voice> voices) {
   const ModelControl& of = model.controls[control];
-  const Range range = range_of(of.quantity);
+  const Range range = of.range;
   const bool moves = event.has(of.name.c_str());
   if (moves) {
     const double to = event.number(of.name.c_str(), range), over = number_or(event, "over_s", kEventTime_s, 0);

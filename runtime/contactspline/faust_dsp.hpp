@@ -15,11 +15,13 @@
 #include <numbers>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "contactspline/controls.hpp"
 #include "contactspline/hammer_string.hpp"
+#include "contactspline/instrument.hpp"
 
 namespace contactspline {
 
@@ -203,6 +205,207 @@ class HammerStringDsp : public dsp {
   ModeShapes<T> shapes_{std::span<const double>(Resonator::strike_shapes)};
   ModeShapes<T> pickup_;                  // for sound
   std::optional<Model> at_rest_, model_;  // instanceClear() copies at_rest_, so it does not allocate
+};
+
+/// An instrument from a file, with its outputs as audio channels, each divided by its full_scale. Instrument: an
+/// emitted class, such as instruments::trichord_c4<float>. Each control is a slider of the same name, unit, range and
+/// first value. A strike is a button strike_NAME with a slider NAME_speed_m_per_s; a force with
+/// release_n a button pluck_NAME with a slider NAME_release_n. A pluck is that of a score: it rises within 4 ms, is
+/// added to the force of the control, and stops. compute() allocates nothing and reads the sliders once. It moves
+/// each into its range and keeps the last value of one that is not a number. Forces and dampings follow within 5 ms.
+template <typename Instrument>
+class InstrumentDsp : public dsp {
+ public:
+  InstrumentDsp() {
+    for (std::size_t s = 0; s < kStrikes; ++s) add_strike(s);
+    for (std::size_t c = 0; c < kControls; ++c)
+      if (Data::controls[c].release_n != 0) add_pluck(c);
+    first_control_ = sliders_.size();
+    for (std::size_t c = 0; c < kControls; ++c) add_control(c);
+    for (std::size_t s = 0; s < sliders_.size(); ++s) sliders_[s].order = std::to_string(s);
+    zones_.resize(sliders_.size());
+    instanceResetUserInterface();
+  }
+  InstrumentDsp(const InstrumentDsp&) = delete;
+  InstrumentDsp& operator=(const InstrumentDsp&) = delete;
+
+  int getNumInputs() override { return 0; }
+  int getNumOutputs() override { return static_cast<int>(Data::outputs.size()); }
+  int getSampleRate() override { return sample_rate_hz_; }
+  dsp* clone() override { return new InstrumentDsp; }
+
+  void metadata(Meta* meta) override {
+    meta->declare("name", Names::instrument);
+    meta->declare("description",
+                  "Instrument from a file: contacts that are solved together, with exact energy balance");
+    meta->declare("license", "MIT");
+  }
+
+  void buildUserInterface(UI* ui) override {
+    ui->openVerticalBox(Names::instrument);
+    for (std::size_t i = 0; i < sliders_.size(); ++i) {
+      const Slider& slider = sliders_[i];
+      FAUSTFLOAT* const zone = &zones_[i];
+      ui->declare(zone, slider.order.c_str(), "");
+      if (!slider.unit.empty()) ui->declare(zone, "unit", slider.unit.c_str());
+      if (slider.is_logarithmic) ui->declare(zone, "scale", "log");
+      if (!slider.key.empty()) ui->declare(zone, "midi", slider.key.c_str());
+      const auto [min, max] = slider.range;
+      if (slider.is_button)
+        ui->addButton(slider.label.c_str(), zone);
+      else
+        ui->addHorizontalSlider(slider.label.c_str(), zone, slider.initial, min, max, slider.step());
+    }
+    ui->closeBox();
+  }
+
+  static void classInit(int) {}
+  void init(int sample_rate_hz) override { instanceInit(sample_rate_hz); }
+  void instanceInit(int sample_rate_hz) override {
+    instanceConstants(sample_rate_hz);
+    instanceResetUserInterface();
+    instanceClear();
+  }
+
+  void instanceConstants(int sample_rate_hz) override {
+    sample_rate_hz_ = sample_rate_hz;
+    glide_rate_ = static_cast<T>(-std::expm1(-1 / (kGlideTime_s * sample_rate_hz)));
+    pluck_length_ = std::max(1, static_cast<int>(std::lround(kPluckRise_s * sample_rate_hz)));
+    model_.emplace(sample_rate_hz);
+    instanceClear();
+  }
+
+  void instanceResetUserInterface() override {
+    for (std::size_t i = 0; i < sliders_.size(); ++i) zones_[i] = sliders_[i].initial;
+    held_ = zones_;
+  }
+
+  void instanceClear() override {
+    if (model_) model_->reset();
+    for (Throw& strike : throws_) strike.was_pressed = 0;
+    for (Pluck& pluck : plucks_) {
+      pluck.was_pressed = 0;
+      pluck.sample = pluck_length_;
+    }
+    is_new_ = true;
+  }
+
+  void compute(int count, FAUSTFLOAT**, FAUSTFLOAT** outputs) override {
+    for (std::size_t i = 0; i < sliders_.size(); ++i)
+      held_[i] = contactspline::held(held_[i], zones_[i], sliders_[i].range);
+    for (std::size_t s = 0; s < kStrikes; ++s)
+      if (has_risen(throws_[s])) model_->strike(s, static_cast<T>(held_[throws_[s].value]));
+    for (Pluck& pluck : plucks_)
+      if (has_risen(pluck)) pluck.sample = 0;
+    if (std::exchange(is_new_, false))
+      for (std::size_t c = 0; c < kControls; ++c) values_[c] = control(c);
+    for (int n = 0; n < count; ++n) {
+      set_controls();
+      model_->tick();
+      for (std::size_t o = 0; o < Data::outputs.size(); ++o)
+        outputs[o][n] = static_cast<FAUSTFLOAT>(model_->output(o) / static_cast<T>(Data::outputs[o].full_scale));
+    }
+  }
+
+ private:
+  using T = typename Instrument::value_type;
+  using Data = typename Instrument::data;
+  using Names = typename Instrument::names;
+  static constexpr std::size_t kControls = Data::controls.size(), kStrikes = Data::strikes.size();
+  static constexpr double kGlideTime_s = 0.005, kPluckRise_s = 0.004;
+  static constexpr int kFirstKey = 60;
+
+  struct Slider {
+    std::string label, unit;
+    FAUSTFLOAT initial = 0;
+    ControlRange<FAUSTFLOAT> range{0, 1};
+    bool is_button = false, is_logarithmic = false;
+    std::string key = {}, order = {};
+
+    [[nodiscard]] FAUSTFLOAT step() const {
+      return is_logarithmic ? range.min / 10 : (range.max - range.min) / FAUSTFLOAT(1e4);
+    }
+  };
+  // A button with the slider of its value.
+  struct Throw {
+    std::size_t button, value;
+    FAUSTFLOAT was_pressed = 0;
+  };
+  struct Pluck : Throw {
+    std::size_t control;
+    int sample = 0;  // since it began; pluck_length_ once it has ended
+  };
+
+  void add_control(std::size_t c) {
+    const InstrumentControl& control = Data::controls[c];
+    const auto range = control_range<FAUSTFLOAT>(control);
+    const bool is_logarithmic = range.min > 0 && range.max >= 100 * range.min;
+    sliders_.push_back({Names::controls[c], unit_of(control.quantity), static_cast<FAUSTFLOAT>(control.initial),
+                        range, false, is_logarithmic});
+  }
+
+  void add_strike(std::size_t s) {
+    const std::string name = Names::strikes[s];
+    throws_[s] = {add_button("strike_" + name), sliders_.size()};
+    sliders_.push_back({name + "_speed_m_per_s", "m/s", FAUSTFLOAT(2.5), {0, 10}});
+  }
+
+  void add_pluck(std::size_t c) {
+    const InstrumentControl& control = Data::controls[c];
+    std::string name = Names::controls[c];
+    name.resize(name.size() - std::string("_force_n").size());
+    plucks_.push_back({{add_button("pluck_" + name), sliders_.size()}, c});
+    sliders_.push_back(
+        {name + "_release_n", "N", static_cast<FAUSTFLOAT>(control.release_n), control_range<FAUSTFLOAT>(control)});
+  }
+
+  // A button, which MIDI hosts press by the next key from the middle C on.
+  std::size_t add_button(std::string label) {
+    const std::string key = "key " + std::to_string(kFirstKey + buttons_++);
+    sliders_.push_back({std::move(label), "", 0, {0, 1}, true, false, key});
+    return sliders_.size() - 1;
+  }
+
+  static std::string unit_of(ControlQuantity quantity) {
+    constexpr std::array kUnits = {"N", "1/s", "", "s/m", "m", "N/m", "N s/m"};  // in the order of ControlQuantity
+    return kUnits[static_cast<std::size_t>(quantity)];
+  }
+
+  // What the host wants of a control.
+  [[nodiscard]] T control(std::size_t c) const { return static_cast<T>(held_[first_control_ + c]); }
+
+  bool has_risen(Throw& button) const {
+    return held_[button.button] > std::exchange(button.was_pressed, held_[button.button]);
+  }
+
+  void set_controls() {
+    for (std::size_t c = 0; c < kControls; ++c) {
+      const auto quantity = Data::controls[c].quantity;
+      const T target = control(c);
+      const bool glides = quantity == ControlQuantity::kForce || quantity == ControlQuantity::kDamping;
+      const T next = glides ? values_[c] + glide_rate_ * (target - values_[c]) : target;
+      values_[c] = next == values_[c] ? target : next;  // what rounds away ends the glide
+      model_->set_control(c, values_[c]);
+    }
+    for (Pluck& pluck : plucks_) {
+      if (pluck.sample >= pluck_length_) continue;
+      const T part = static_cast<T>(pluck.sample++) / static_cast<T>(pluck_length_);
+      const T rise = part * part * (3 - 2 * part);
+      model_->set_control(pluck.control, values_[pluck.control] + static_cast<T>(held_[pluck.value]) * rise);
+    }
+  }
+
+  std::vector<Slider> sliders_;  // and buttons, in the order of their display
+  std::size_t first_control_ = 0;
+  std::array<Throw, kStrikes> throws_{};
+  std::vector<Pluck> plucks_;
+  int buttons_ = 0;
+  std::vector<FAUSTFLOAT> zones_, held_;  // what the host wrote; what acts
+  std::array<T, kControls> values_{};     // of the controls, which glide
+  int sample_rate_hz_ = 0, pluck_length_ = 0;
+  T glide_rate_ = 0;
+  bool is_new_ = true;
+  std::optional<Instrument> model_;
 };
 
 }  // namespace contactspline

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <concepts>
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -60,7 +61,16 @@ struct InstrumentControl {
   ControlQuantity quantity;
   std::size_t first_target, count;
   double initial;
+  double min = std::numeric_limits<double>::lowest(), max = std::numeric_limits<double>::max();
+  double release_n = 0;  ///< of a force that plucks: what it rises to; 0 for a control without a pluck
 };
+
+/// The values that this control may take: those between its min and max that its quantity allows.
+template <std::floating_point T>
+[[nodiscard]] constexpr ControlRange<T> control_range(const InstrumentControl& control) {
+  const auto [min, max] = control_range<double>(control.quantity);
+  return {static_cast<T>(std::max(min, control.min)), static_cast<T>(std::min(max, control.max))};
+}
 
 enum class OutputQuantity { kDisplacement, kVelocity, kForce };
 
@@ -68,6 +78,7 @@ enum class OutputQuantity { kDisplacement, kVelocity, kForce };
 struct InstrumentOutput {
   OutputQuantity quantity;
   std::size_t first_target, count;
+  double full_scale = 1;  ///< the value that plug-ins play as 1
 };
 
 /// What an instrument is made of, as views of arrays that must outlive the instrument. body_ends[b]: number of modes
@@ -93,6 +104,8 @@ struct InstrumentData {
 template <std::floating_point T>
 class NetworkInstrument {
  public:
+  using value_type = T;
+
   NetworkInstrument(const InstrumentData& data, double sample_rate_hz)
       : data_(data), parts_(data), network_(parts_.plan(data), sample_rate_hz) {
     for (const InstrumentControl& control : data.controls) {
@@ -113,7 +126,7 @@ class NetworkInstrument {
   /// Sets a control, 0 to the number of controls - 1, in the unit of its quantity. The value is moved into its
   /// control_range; one that is not a number does nothing.
   void set_control(std::size_t control, T value) {
-    const T next = held(values_[control], value, control_range<T>(data_.controls[control].quantity));
+    const T next = held(values_[control], value, control_range<T>(data_.controls[control]));
     if (next == values_[control]) return;
     values_[control] = next;
     apply(data_.controls[control], next);
@@ -151,9 +164,9 @@ class NetworkInstrument {
 
   /// An output over the last sample [m], [m/s] or [N]. output: 0 to the number of outputs - 1.
   [[nodiscard]] T output(std::size_t output) const {
-    const auto& [quantity, first, count] = data_.outputs[output];
+    const InstrumentOutput& of = data_.outputs[output];
     T sum = 0;
-    for (std::size_t i = first; i < first + count; ++i) sum += output_of(quantity, i);
+    for (std::size_t i = of.first_target; i < of.first_target + of.count; ++i) sum += output_of(of.quantity, i);
     return sum;
   }
 
@@ -183,7 +196,7 @@ class NetworkInstrument {
 
  private:
   static T first_value(const InstrumentControl& control) {
-    return held(T(0), static_cast<T>(control.initial), control_range<T>(control.quantity));
+    return held(T(0), static_cast<T>(control.initial), control_range<T>(control));
   }
 
   // What the network is built of, and what its controls have set so far.

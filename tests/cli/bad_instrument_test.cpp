@@ -54,7 +54,7 @@ const std::string kGood = R"({
   ],
   "links": [ { "name": "pin", "between": ["end", "foot"] } ],
   "controls": [
-    { "name": "push", "force_n": "spot", "initial": 0.11 },
+    { "name": "push", "force_n": "spot", "initial": 0.11, "min": -7, "max": 8, "release_n": 1.75 },
     { "name": "hand", "damping_per_s": ["string", "other"], "initial": 12 },
     { "name": "felt", "stiffness_ratio": "felt", "initial": 2.5 },
     { "name": "felt", "loss_s_per_m": "felt", "initial": 0.35 },
@@ -68,7 +68,7 @@ const std::string kGood = R"({
     { "name": "spot", "displacement_m": "spot" },
     { "name": "foot", "velocity_m_per_s": ["foot", "spot"] },
     { "name": "felt", "force_n": ["felt", "rattle"] },
-    { "name": "corner", "velocity_m_per_s": "corner" }
+    { "name": "corner", "velocity_m_per_s": "corner", "full_scale": 0.06 }
   ]
 })";
 
@@ -93,7 +93,11 @@ std::vector<BadFile> all_number_cases() {
       {"contacts[0].", "weight", "1.25", range("1e-09", "1000000000"), {"0", "-1"}},
       {"springs[0].", "stiffness_n_per_m", "150", range("0", "1000000000"), {"-1", "1e10"}},
       {"springs[0].", "resistance_n_s_per_m", "0.7", range("0", "1000000"), {"-1", "1e7"}},
-      {"controls[0].", "initial", "0.11", range("-1000", "1000"), {"-1001", "1001"}},
+      {"controls[0].", "initial", "0.11", range("-7", "8"), {"-7.1", "8.1"}},
+      {"controls[0].", "min", "-7", range("-1000", "1000"), {"-1001", "1001"}},
+      {"controls[0].", "max", "8", range("-1000", "1000"), {"-1001", "1001"}},
+      {"controls[0].", "release_n", "1.75", range("-7", "8"), {"-7.1", "8.1"}},
+      {"outputs[4].", "full_scale", "0.06", range("1e-09", "1000000000"), {"0", "-1", "1e10"}},
       {"controls[1].", "initial", "12", range("0", "100000"), {"-1", "1e6"}},
       {"controls[2].", "initial", "2.5", range("1e-06", "1000000"), {"0", "-1", "1e7"}},
       {"controls[3].", "initial", "0.35", range("0", "1000"), {"-1", "1001"}},
@@ -251,15 +255,26 @@ std::vector<BadFile> connection_cases() {
 std::vector<BadFile> outside_cases() {
   const std::string push = R"("force_n": "spot", "initial": 0.11)";
   return {
+      {"range_upside_down", changed(kGood, R"("max": 8)", R"("max": -8)"), "controls[0].max",
+       "leaves no range; allowed: min below max"},
+      {"range_of_one_value", changed(kGood, R"("min": -7, "max": 8)", R"("min": 1000)"), "controls[0].min",
+       "leaves no range; allowed: min below max"},
+      {"first_value_outside_the_range", changed(kGood, R"("initial": 0.11, "min": -7)", R"("min": 1)"),
+       "controls[0].initial", "missing, and the file begins with 0; allowed: 1 to 8"},
+      {"pluck_without_force", changed(kGood, "1.75", "0"), "controls[0].release_n",
+       "plucks without force; allowed: not 0"},
+      {"pluck_of_a_damping", changed(kGood, R"("initial": 12)", R"("initial": 12, "release_n": 1)"),
+       "controls[1].release_n", "is not for this control; allowed: beside force_n"},
       {"control_of_nothing", changed(kGood, push, R"("initial": 0.11)"), "controls[0].force_n",
        "0 quantities are given; allowed: just one of force_n, damping_per_s, stiffness_ratio, loss_s_per_m"},
       {"control_of_two", changed(kGood, push, push + R"(, "damping_per_s": "head")"), "controls[0].damping_per_s",
        "2 quantities are given"},
       {"control_unknown_quantity", changed(kGood, push, R"("pressure_pa": "spot")"), "controls[0].pressure_pa",
-       "unknown key; allowed: name, initial, force_n"},
+       "unknown key; allowed: name, initial, min, max, release_n, force_n"},
       {"control_without_name", changed(kGood, R"("name": "push", )", ""), "controls[0].name", "missing"},
       {"control_twice",
-       changed(kGood, R"("name": "push", "force_n": "spot")", R"("name": "felt", "loss_s_per_m": "rattle")"),
+       changed(kGood, R"("name": "push", "force_n": "spot", "initial": 0.11, "min": -7, "max": 8, "release_n": 1.75)",
+               R"("name": "felt", "loss_s_per_m": "rattle")"),
        "controls[3].name", "'felt_loss_s_per_m' stands for two things; allowed: another name"},
       {"target_twice", changed(kGood, R"(["string", "other"])", R"(["string", "string"])"),
        "controls[1].damping_per_s", "'string' already has such a control; allowed: one control for each"},

@@ -83,3 +83,8 @@ faust_twin_test(faust_dsp_test SOURCES faust_dsp_test.cpp ../support/count_alloc
   CLASSES hammer_string_double DEFINITIONS PLOT="$<TARGET_FILE:plot_hammer_string>")
 target_include_directories(faust_dsp_test SYSTEM PRIVATE ${FAUST_INCLUDE_DIR})
 add_dependencies(faust_dsp_test plot_hammer_string)
+
+# Instruments from files behind the same interface.
+contactspline_test(instrument_dsp_test O1 LABELS faust
+  SOURCES instrument_dsp_test.cpp ../support/count_allocations.cpp LIBRARIES contactspline_materials)
+target_include_directories(instrument_dsp_test SYSTEM PRIVATE ${FAUST_INCLUDE_DIR})

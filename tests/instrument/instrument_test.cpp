@@ -216,7 +216,7 @@ TEST(NetworkInstrument, MovesControlsIntoTheirRange) {
   const auto& controls = parse_instrument(shipped_text(Shipped::kInstruments, "prepared_piano"), "probe").controls;
   ASSERT_GE(controls.size(), 5U);
   for (std::size_t i = 0; i < controls.size(); ++i) {
-    const auto [min, max] = range_of(controls[i].quantity);
+    const auto [min, max] = controls[i].range;
     instrument.set_control(i, 2 * max);
     EXPECT_EQ(instrument.control(i), max) << controls[i].name;
     instrument.set_control(i, -kInfinity);

@@ -30,28 +30,29 @@ namespace contactspline {
 using String = resonators::string_c4;
 using Felt = materials::felt_c4;
 
-#define CONTACTSPLINE_EVERY_TEMPLATE(T)                 \
-  template struct ContactControls<T>;                   \
-  template struct Segment<T>;                           \
-  template class detail::ContactTableStorage<T>;        \
-  template class detail::StrikeConstantsStorage<T>;     \
-  template class Body<T>;                               \
-  template class ContactNetwork<T>;                     \
-  template class CoupledContacts<T>;                    \
-  template class Ensemble<T>;                           \
-  template class FretString<T>;                         \
-  template class HammerString<T>;                       \
-  template class HammerStringDsp<Felt, String, T>;      \
-  template class HammerVoice<T>;                        \
-  template class KeyboardVoice<keyboards::piano, T>;    \
-  template class LiveExponent<materials::felt_live, T>; \
-  template class MassBarrier<T>;                        \
-  template class ModalBank<T>;                          \
-  template class ModeShapes<T>;                         \
-  template class MovingPlace<T>;                        \
-  template class NetworkInstrument<T>;                  \
-  template class instruments::trichord_c4<T>;           \
-  template class SlideString<T>;                        \
+#define CONTACTSPLINE_EVERY_TEMPLATE(T)                      \
+  template struct ContactControls<T>;                        \
+  template struct Segment<T>;                                \
+  template class detail::ContactTableStorage<T>;             \
+  template class detail::StrikeConstantsStorage<T>;          \
+  template class Body<T>;                                    \
+  template class ContactNetwork<T>;                          \
+  template class CoupledContacts<T>;                         \
+  template class Ensemble<T>;                                \
+  template class FretString<T>;                              \
+  template class HammerString<T>;                            \
+  template class HammerStringDsp<Felt, String, T>;           \
+  template class HammerVoice<T>;                             \
+  template class KeyboardVoice<keyboards::piano, T>;         \
+  template class LiveExponent<materials::felt_live, T>;      \
+  template class MassBarrier<T>;                             \
+  template class ModalBank<T>;                               \
+  template class ModeShapes<T>;                              \
+  template class MovingPlace<T>;                             \
+  template class NetworkInstrument<T>;                       \
+  template class instruments::trichord_c4<T>;                \
+  template class InstrumentDsp<instruments::trichord_c4<T>>; \
+  template class SlideString<T>;                             \
   template class StringShapes<T>;
 
 CONTACTSPLINE_EVERY_TEMPLATE(float)

@@ -310,24 +310,30 @@ case_arguments() {
   local function
   for function in contactspline_lv2 contactspline_jack; do
     prefix="$function: "
-    expect_refusal "${prefix}DSP: missing; needed: TARGET and DSP" TARGET t
+    expect_refusal "${prefix}DSP: missing; needed: DSP or INSTRUMENT" TARGET t
+    expect_refusal "${prefix}INSTRUMENT: stands beside DSP" TARGET t DSP ball.dsp INSTRUMENT snare
+    expect_refusal "${prefix}INSTRUMENT: no 'snarl' ships or is emitted as cpp by MATERIALS; allowed: prepared_piano, " \
+      TARGET t INSTRUMENT snarl
     expect_refusal "absent.dsp is not there; allowed: a Faust program (.dsp) or a class in C++ (.cpp)" TARGET t DSP absent.dsp
     expect_refusal "cork.json is not there; allowed: a Faust program (.dsp) or a class in C++ (.cpp)" TARGET t DSP cork.json
     expect_refusal "${prefix}VOICES: 'many' is not usable; allowed: a whole number, 0 or more" \
       TARGET t DSP ball.dsp VOICES many
     expect_refusal "${prefix}MATERIALS: 'm' is no target of contactspline_generate" TARGET t DSP ball.dsp MATERIALS m
   done
-  expect_refusal "${prefix}'URI' is unknown; allowed: TARGET, DSP, VOICES, OUTPUT_DIR, MATERIALS" \
+  expect_refusal "${prefix}'URI' is unknown; allowed: TARGET, DSP, INSTRUMENT, VOICES, OUTPUT_DIR, MATERIALS" \
     TARGET t DSP ball.dsp URI urn:a:b
   function=contactspline_lv2
   expect_refusal "DSP: '2balls' would name a class of C++" TARGET t DSP 2balls.dsp
   PKG_CONFIG_LIBDIR=nowhere expect_refusal "something is not installed; Debian has it as: lv2-dev" TARGET t DSP ball.dsp
 }
 
-# A Faust program on a material of the project's own, as a plug-in and as a program for JACK.
+# A Faust program on a material of the project's own, as a plug-in and as a program for JACK; the instrument of
+# docs/instruments.md, as that page says.
 case_plugins() {
   install_at "$WORK/prefix"
   cp "$SOURCE"/tests/package/project/{ball.dsp,materials/cork.json} "$WORK"
+  readme_block json docs/instruments.md >"$WORK/my_zither.json"
+  readme_block cmake docs/instruments.md >"$WORK/zither.cmake"
   project="$WORK"
   cat >"$WORK/CMakeLists.txt" <<'END'
 cmake_minimum_required(VERSION 3.25)
@@ -337,6 +343,7 @@ contactspline_generate(TARGET materials MATERIALS cork.json EMIT faust)
 contactspline_lv2(TARGET plugin DSP ball.dsp VOICES 3 URI urn:a:ball OUTPUT_DIR lv2 MATERIALS materials)
 if(WITH_JACK)
   contactspline_jack(TARGET program DSP ball.dsp MATERIALS materials FAUST_OPTIONS -double)
+  include(zither.cmake)
 endif()
 END
   for generator in Ninja 'Unix Makefiles'; do
@@ -362,6 +369,8 @@ END
   configure "$generator" -DWITH_JACK=ON
   build
   [ -x "$build/ball" ] || fail "no program"
+  [ -x "$build/my_zither" ] || fail "no program of an instrument"
+  grep -q '"strike_hammer"' "$build/my_zither.lv2/my_zither.ttl" || fail "the instrument's plug-in has no strike"
 }
 
 # The plug-ins alone, out of the whole.

@@ -5,6 +5,11 @@
 #include <sstream>
 
 #include "contactspline/hammer_string.hpp"
+#include "contactspline/instruments/prepared_piano.hpp"
+#include "contactspline/instruments/slap_bass.hpp"
+#include "contactspline/instruments/snare.hpp"
+#include "contactspline/instruments/tanpura.hpp"
+#include "contactspline/instruments/trichord_c4.hpp"
 #include "contactspline/keyboard.hpp"
 #include "contactspline/keyboards/piano.hpp"
 #include "contactspline/materials/felt_c4.hpp"
@@ -17,6 +22,7 @@ namespace contactspline::testing {
 namespace {
 
 constexpr double kRate = 48000;
+constexpr std::size_t kSecond = static_cast<std::size_t>(kRate) / Lv2Instance::kBlock;  // blocks
 
 /// One world for all tests: reading the descriptions takes most of a host's time.
 const Lv2World& world() {
@@ -146,11 +152,54 @@ TEST(FastHammerStringPlugin, SoundsAsTheRuntime) {
   expect_the_sound_of_the_runtime("fast_hammer_string", 0);
 }
 
+// An instrument from a file, as soon as its user presses a button: each output between -30 and 0 dB of full scale,
+// and the first one is what the class plays in single precision. The samples differ by rounding, which contacts
+// amplify: 50 dB over the first 8 ms, in which hammers and fingers touch after 1 to 2 ms.
+template <typename Instrument>
+void expect_every_button_sounds() {
+  const std::string name = Instrument::names::instrument;
+  std::vector<std::string> buttons;
+  for (const Lv2Port& port : ports_of(world(), world().plugin(uri_of(name))))
+    if (port.is_button) buttons.push_back(port.name);
+  ASSERT_FALSE(buttons.empty());
+  for (const std::string& button : buttons) {
+    SCOPED_TRACE(button);
+    Lv2Instance plugin(world(), uri_of(name), kRate);
+    plugin.set(button, 1);
+    const auto sound = plugin.run(kSecond);
+    ASSERT_EQ(sound.size(), Instrument::data::outputs.size());
+    for (const auto& channel : sound) {
+      EXPECT_TRUE(is_finite(channel));
+      EXPECT_GE(20 * std::log10(peak(channel)), -30);
+      EXPECT_LE(20 * std::log10(peak(channel)), 0);
+    }
+    if (!button.starts_with("strike_")) continue;
+    Instrument instrument(kRate);
+    const auto strike = std::ranges::find(Instrument::names::strikes, button.substr(7),
+                                          [](const char* strike_name) { return std::string(strike_name); });
+    instrument.strike(static_cast<std::size_t>(strike - Instrument::names::strikes.begin()), 2.5f);
+    std::vector<double> expected;
+    for (int n = 0; n < 0.008 * kRate; ++n) {
+      instrument.tick();
+      expected.push_back(double(instrument.output(0)) / Instrument::data::outputs[0].full_scale);
+    }
+    const double decibels = agreement_db(std::span(sound[0]).first(expected.size()), expected);
+    ::testing::Test::RecordProperty(name + "_" + button, std::to_string(decibels));
+    EXPECT_GE(decibels, 50);
+  }
+}
+
+TEST(InstrumentPlugin, SoundsWhenAButtonIsPressed) {
+  expect_every_button_sounds<instruments::tanpura<float>>();
+  expect_every_button_sounds<instruments::trichord_c4<float>>();
+  expect_every_button_sounds<instruments::slap_bass<float>>();
+  expect_every_button_sounds<instruments::prepared_piano<float>>();
+  expect_every_button_sounds<instruments::snare<float>>();
+}
+
 double pitch_hz(int note) {
   return 440 * std::exp2((note - 69) / 12.0);
 }
-
-constexpr std::size_t kSecond = static_cast<std::size_t>(kRate) / Lv2Instance::kBlock;
 
 /// The right output of the piano. Voices cost time even while silent.
 class Piano : public Lv2Instance {

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: MIT
+// Instruments from files behind Faust's `dsp` interface, against the emitted classes themselves.
+#define FAUSTFLOAT double
+// clang-format off
+#include <faust/dsp/dsp.h>
+#include <faust/gui/DecoratorUI.h>
+#include <faust/gui/MapUI.h>
+#include <faust/gui/UI.h>
+#include <faust/gui/meta.h>
+// clang-format on
+
+#include "contactspline/faust_dsp.hpp"
+
+#include <limits>
+#include <sstream>
+
+#include "contactspline/instruments/prepared_piano.hpp"
+#include "contactspline/instruments/slap_bass.hpp"
+#include "contactspline/instruments/snare.hpp"
+#include "contactspline/instruments/tanpura.hpp"
+#include "contactspline/instruments/trichord_c4.hpp"
+#include "support/compare.hpp"
+#include "support/count_allocations.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+constexpr int kRate = 44100;
+
+template <typename Instrument>
+class Player {
+ public:
+  Player() {
+    instrument_.init(kRate);
+    instrument_.buildUserInterface(&controls_);
+  }
+  void set(const std::string& label, double value) {
+    ASSERT_NE(controls_.getParamZone(label), nullptr) << label;
+    controls_.setParamValue(label, value);
+  }
+  /// [output][sample]
+  std::vector<std::vector<double>> play(std::size_t samples) {
+    std::vector sound(static_cast<std::size_t>(instrument_.getNumOutputs()), std::vector<double>(samples));
+    std::vector<double*> outputs;
+    for (auto& channel : sound) outputs.push_back(channel.data());
+    const std::size_t allocated = allocations;
+    instrument_.compute(static_cast<int>(samples), nullptr, outputs.data());
+    EXPECT_EQ(allocations, allocated);
+    return sound;
+  }
+  InstrumentDsp<Instrument>& instrument() { return instrument_; }
+
+ private:
+  InstrumentDsp<Instrument> instrument_;
+  MapUI controls_;
+};
+
+/// The outputs of an emitted class over their full scales; before_sample(instrument, n) moves its controls.
+template <typename Instrument, typename BeforeSample>
+std::vector<std::vector<double>> bare(std::size_t samples, BeforeSample before_sample) {
+  Instrument instrument(kRate);
+  const auto& outputs = Instrument::data::outputs;
+  std::vector sound(outputs.size(), std::vector<double>());
+  for (std::size_t n = 0; n < samples; ++n) {
+    before_sample(instrument, n);
+    instrument.tick();
+    for (std::size_t o = 0; o < outputs.size(); ++o)
+      sound[o].push_back(instrument.output(o) / outputs[o].full_scale);
+  }
+  return sound;
+}
+
+double peak(const std::vector<double>& sound) {
+  double peak = 0;
+  for (const double x : sound) peak = std::max(peak, std::abs(x));
+  return peak;
+}
+
+// A pluck of 4 ms that eases in and out, as in a score.
+double pluck_n(std::size_t sample, double release_n) {
+  constexpr std::size_t kLength = 176;
+  const double part = static_cast<double>(sample) / kLength;
+  return sample < kLength ? release_n * (part * part * (3 - 2 * part)) : 0;
+}
+
+template <typename Instrument>
+void expect_same_strikes() {
+  for (std::size_t s = 0; s < Instrument::data::strikes.size(); ++s) {
+    SCOPED_TRACE(Instrument::names::strikes[s]);
+    Player<Instrument> player;
+    player.set(std::string("strike_") + Instrument::names::strikes[s], 1);
+    const auto sound = player.play(4410);
+    const auto expected = bare<Instrument>(4410, [&](Instrument& instrument, std::size_t n) {
+      if (n == 0) instrument.strike(s, 2.5);
+    });
+    EXPECT_GT(peak(sound[0]), 0.01);
+    EXPECT_EQ(sound, expected);
+  }
+}
+
+TEST(InstrumentDsp, IsTheClassToTheLastBit) {
+  expect_same_strikes<instruments::trichord_c4<double>>();
+  expect_same_strikes<instruments::slap_bass<double>>();
+  expect_same_strikes<instruments::prepared_piano<double>>();
+  expect_same_strikes<instruments::snare<double>>();
+}
+
+TEST(InstrumentDsp, PlucksAsAScore) {
+  using Tanpura = instruments::tanpura<double>;
+  Player<Tanpura> player;
+  player.set("pluck_finger", 1);
+  const auto sound = player.play(4410);
+  EXPECT_GT(peak(sound[0]), 0.01);
+  EXPECT_EQ(sound, bare<Tanpura>(4410, [](Tanpura& instrument, std::size_t n) {
+              instrument.set_finger_force_n(pluck_n(n, 0.45));
+            }));
+
+  using SlapBass = instruments::slap_bass<double>;
+  Player<SlapBass> popped;
+  popped.set("pop_release_n", -5);
+  popped.set("pluck_pop", 1);
+  EXPECT_EQ(popped.play(4410), bare<SlapBass>(4410, [](SlapBass& instrument, std::size_t n) {
+    instrument.set_pop_force_n(pluck_n(n, -5));
+  }));
+}
+
+// Between two blocks: a stiffness and a gap at once, a damping with the time constant of 5 ms.
+TEST(InstrumentDsp, FollowsItsControls) {
+  using Piano = instruments::prepared_piano<double>;
+  Player<Piano> player;
+  player.set("hammer_speed_m_per_s", 3.5);
+  player.set("strike_hammer", 1);
+  const auto first = player.play(2000);
+  player.set("screw_stiffness_n_per_m", 2e5);
+  player.set("play_gap_shift_m", -1e-4);
+  player.set("damper_damping_per_s", 60);
+  player.set("strike_hammer", 0);
+  auto sound = player.play(2000);
+  const double rate = -std::expm1(-1 / (0.005 * kRate));
+  double damping = 0;
+  const auto expected = bare<Piano>(4000, [&](Piano& instrument, std::size_t n) {
+    if (n == 0) instrument.strike_hammer(3.5);
+    if (n < 2000) return;
+    if (n == 2000) instrument.set_screw_stiffness_n_per_m(2e5);
+    if (n == 2000) instrument.set_play_gap_shift_m(-1e-4);
+    damping += rate * (60 - damping);
+    instrument.set_damper_damping_per_s(damping);
+  });
+  for (std::size_t o = 0; o < sound.size(); ++o) {
+    sound[o].insert(sound[o].begin(), first[o].begin(), first[o].end());
+    EXPECT_EQ(sound[o], expected[o]) << o;
+  }
+}
+
+// A control that is no number: as if it had stayed. One out of range acts as the end of its slider.
+TEST(InstrumentDsp, HoldsItsControlsInTheirRanges) {
+  using Bass = instruments::slap_bass<double>;
+  const auto played = [](const std::string& label, double value) {
+    Player<Bass> player;
+    (void)player.play(50);
+    player.set(label, value);
+    player.set("strike_thumb", 1);
+    player.set("pluck_pop", 1);
+    return player.play(1500)[0];
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+  const auto left_alone = played("thumb_speed_m_per_s", 2.5);
+  for (const char* label :
+       {"thumb_speed_m_per_s", "pop_release_n", "press_2_force_n", "action_gap_shift_m", "palm_damping_per_s"}) {
+    EXPECT_EQ(played(label, nan), left_alone) << label;
+    EXPECT_EQ(played(label, infinity), played(label, 1e30)) << label;
+    EXPECT_NE(played(label, infinity), left_alone) << label;
+  }
+  EXPECT_EQ(played("pop_release_n", 1e30), played("pop_release_n", 20));
+  EXPECT_EQ(played("palm_damping_per_s", 1e30), played("palm_damping_per_s", 1000));
+  EXPECT_EQ(played("thumb_speed_m_per_s", -1e30), played("thumb_speed_m_per_s", 0));
+
+  // A strike that is no number is no strike, and the next one is.
+  Player<Bass> player;
+  player.set("strike_thumb", nan);
+  EXPECT_EQ(peak(player.play(500)[0]), 0);
+  player.set("strike_thumb", 1);
+  EXPECT_GT(peak(player.play(500)[0]), 0.01);
+}
+
+TEST(InstrumentDsp, IsSilentUntilItsStrikeAndAfterItIsCleared) {
+  Player<instruments::trichord_c4<double>> player;
+  EXPECT_EQ(peak(player.play(1000)[0]), 0);
+  player.set("strike_hammer", 1);
+  const auto first = player.play(2000);
+  const std::size_t allocated = allocations;
+  player.instrument().instanceClear();
+  EXPECT_EQ(allocations, allocated);
+  player.set("strike_hammer", 0);
+  EXPECT_EQ(peak(player.play(1000)[0]), 0);
+  player.set("strike_hammer", 1);
+  EXPECT_EQ(player.play(2000), first);
+}
+
+/// What a host is told, line by line.
+class Transcript : public GenericUI {
+ public:
+  void openVerticalBox(const char* label) override { text_ << label << '\n'; }
+  void addButton(const char* label, FAUSTFLOAT* zone) override { line(zone) << label << '\n'; }
+  void addHorizontalSlider(const char* label, FAUSTFLOAT* zone, FAUSTFLOAT initial, FAUSTFLOAT min, FAUSTFLOAT max,
+                           FAUSTFLOAT) override {
+    line(zone) << label << ' ' << initial << ' ' << min << ' ' << max << '\n';
+  }
+  void declare(FAUSTFLOAT*, const char* key, const char* value) override { said_ += std::string(key) + value + ' '; }
+  [[nodiscard]] std::string text() const { return text_.str(); }
+
+ private:
+  std::ostringstream& line(const FAUSTFLOAT*) {
+    text_ << std::exchange(said_, "");
+    return text_;
+  }
+  std::ostringstream text_;
+  std::string said_;
+};
+
+TEST(InstrumentDsp, TellsHostsWhatTheFileSays) {
+  Player<instruments::trichord_c4<double>> player;
+  Transcript transcript;
+  const std::unique_ptr<dsp> copy(player.instrument().clone());
+  copy->buildUserInterface(&transcript);
+  EXPECT_EQ(transcript.text(),
+            "trichord_c4\n"
+            "0 midikey 60 strike_hammer\n"
+            "1 unitm/s hammer_speed_m_per_s 2.5 0 10\n"
+            "2 scalelog felt_stiffness_ratio 1 0.01 100\n"
+            "3 units/m felt_loss_s_per_m 0.1 0 2\n"
+            "4 unit1/s damper_damping_per_s 0 0 1000\n");
+  EXPECT_EQ(copy->getNumInputs(), 0);
+  EXPECT_EQ(copy->getNumOutputs(), 3);
+  EXPECT_EQ(player.instrument().getSampleRate(), kRate);
+}
+
+}  // namespace
+}  // namespace contactspline::testing
