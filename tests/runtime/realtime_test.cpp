@@ -15,10 +15,12 @@
 #include <utility>
 
 #include "band.hpp"
+#include "contactspline/body.hpp"
 #include "contactspline/contact_network.hpp"
 #include "contactspline/ensemble.hpp"
 #include "contactspline/fret_string.hpp"
 #include "contactspline/hammer_voice.hpp"
+#include "contactspline/instruments/trichord_c4.hpp"
 #include "contactspline/keyboard.hpp"
 #include "contactspline/keyboards/piano.hpp"
 #include "contactspline/live_exponent.hpp"
@@ -205,12 +207,62 @@ Play contact_network() {
   };
 }
 
+// A class emitted for an instrument file, with contacts, rigid links and every call that an audio thread makes.
+template <typename T>
+Play network_instrument() {
+  struct Parts {
+    instruments::trichord_c4<T> model{kRate};
+    std::vector<T> sound = std::vector<T>(512);
+  };
+  return [parts = std::make_shared<Parts>()] {
+    auto& model = parts->model;
+    for (int block = 0; block < 6; ++block) {
+      model.strike_hammer(T(block));
+      model.set_felt_stiffness_ratio(T(1 + block)), model.set_felt_loss_s_per_m(T(0.1)),
+          model.set_control(2, T(block));
+      model.process(parts->sound);
+      model.tick();
+      (void)(model.output(1) + model.contact_force() + model.control(0));
+      (void)(model.energy() + model.work() - model.dissipated());
+    }
+    model.reset();
+  };
+}
+
+// A string on a body.
+template <typename T>
+Play body() {
+  struct Parts : StringParts<T> {
+    HammerString<T> model{this->table, bare(this->modes), this->strike, kRate};
+    std::vector<double> shape = std::vector<double>(this->modes.size(), 1000);
+    BridgeShapes<T> bridge = model.bridge(ModeShapes<T>(std::span<const double>(shape)));
+    std::vector<Mode> board = {{600, 10, 1}, {1500, 20, 1}};
+    std::vector<double> at = {1, -0.5};
+    Body<T> body{board, ModeShapes<T>(std::span<const double>(at)), 1e5, kRate};
+  };
+  return [parts = std::make_shared<Parts>()] {
+    parts->model.strike(2, T(1e-4));
+    for (int n = 0; n < kSamples; ++n) {
+      const T displacement = parts->body.displacement();
+      parts->body.tick(parts->model.tick({.hammer_mass_kg = T(0.003)}, parts->bridge, displacement));
+    }
+    (void)parts->body.energy();
+    parts->body.reset();
+  };
+}
+
 template <typename T>
 std::vector<std::pair<const char*, Play>> all_models() {
-  return {{"mass-barrier", mass_barrier<T>()},   {"hammer-string", hammer_string<T>()},
-          {"hammer-voice", hammer_voice<T>()},   {"ensemble", ensemble<T>()},
-          {"slide-string", slide_string<T>()},   {"fret-string", fret_string<T>()},
-          {"live-exponent", live_exponent<T>()}, {"contact-network", contact_network<T>()}};
+  return {{"mass-barrier", mass_barrier<T>()},
+          {"hammer-string", hammer_string<T>()},
+          {"hammer-voice", hammer_voice<T>()},
+          {"ensemble", ensemble<T>()},
+          {"slide-string", slide_string<T>()},
+          {"fret-string", fret_string<T>()},
+          {"live-exponent", live_exponent<T>()},
+          {"contact-network", contact_network<T>()},
+          {"network-instrument", network_instrument<T>()},
+          {"body", body<T>()}};
 }
 
 template <typename T>

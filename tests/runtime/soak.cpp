@@ -1,0 +1,386 @@
+// SPDX-License-Identifier: MIT
+// soak SECONDS [NAME...]: every model played at random, in turn, in both precisions. `played`: controls, strikes and
+// places change every tenth of a second, to anything. `jumping`: they change in each sample. A fault is a number that
+// is not finite, energy beyond the work put in, or a sample of coupled contacts whose solver did not converge. Prints
+// how many samples each model played; exits with 1 after a fault. NAME: models that contain it only. scripts/soak
+// runs it for long.
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "contactspline/body.hpp"
+#include "contactspline/ensemble.hpp"
+#include "contactspline/instruments/prepared_piano.hpp"
+#include "contactspline/instruments/slap_bass.hpp"
+#include "contactspline/instruments/snare.hpp"
+#include "contactspline/instruments/tanpura.hpp"
+#include "contactspline/instruments/trichord_c4.hpp"
+#include "contactspline/keyboard.hpp"
+#include "contactspline/keyboards/piano.hpp"
+#include "contactspline/mass_barrier.hpp"
+#include "storm.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+constexpr double kHz = 44100;
+constexpr std::size_t kGust = 4410, kSlice = 20000;  // samples
+constexpr std::size_t kTake = 1'000'000;             // samples after which a model is brought to rest
+
+/// What became of a model.
+struct Record {
+  std::size_t samples = 0, faults = 0;
+  double peak_j = 0;
+
+  void fault(std::string_view what) {
+    if (++faults <= 3)
+      std::printf("  fault at sample %zu: %.*s\n", samples, static_cast<int>(what.size()), what.data());
+  }
+  template <typename T>
+  void demand_finite(T value) {
+    if (!is_finite(value)) fault("a number that is not finite");
+  }
+};
+
+/// One model: plays a slice of samples.
+struct Soaked {
+  std::string name;
+  std::function<void(Record&)> play;
+  Record record = {};
+};
+
+template <typename T>
+const Parts<T>& parts() {
+  static const Parts<T> parts(kHz);
+  return parts;
+}
+
+/// Books of the work put into a model until it is brought to rest.
+template <typename T>
+class Take {
+ public:
+  explicit Take(Record& record) : record_(&record) {}
+  void close(double work_j, double energy_j) {
+    books_.close(work_j, energy_j);
+    record_->peak_j = std::max(record_->peak_j, books_.peak());
+    if (books_.is_within()) return;
+    record_->fault("energy beyond the work put in");
+    books_ = WorkBooks<T>(kHz);
+    books_.close(energy_j, energy_j);
+  }
+  void restart() { books_ = WorkBooks<T>(kHz); }
+
+ private:
+  Record* record_;
+  WorkBooks<T> books_{kHz};
+};
+
+template <typename T>
+std::function<void(Record&)> mass_barrier(std::size_t gust) {
+  struct State {
+    MassBarrier<T> model{parts<T>().table, T(kHz)};
+    Weather<T> weather;
+  };
+  auto s = std::make_shared<State>();
+  s->weather = Weather<T>(gust);
+  return [s](Record& record) {
+    using Ranges = ControlRanges<T>;
+    for (std::size_t n = 0; n < kSlice; ++n, ++record.samples) {
+      s->weather.next();
+      if (n % 2500 == 0)
+        s->model.throw_from(s->weather.any(Ranges::displacement_m), s->weather.any(Ranges::speed_m_per_s));
+      s->model.tick(
+          {s->weather.any(Ranges::mass_kg), s->weather.any(Ranges::gravity_m_per_s2), any_contact(s->weather)});
+      record.demand_finite(s->model.displacement());
+      record.demand_finite(s->model.velocity());
+      record.demand_finite(s->model.force());
+    }
+  };
+}
+
+/// The kinetic energy that a strike brings: a speed that is not a number throws nothing.
+template <typename T>
+double thrown_j(T mass_kg, T speed) {
+  if (!is_number(speed)) return 0;
+  const auto v = static_cast<double>(held(T(0), speed, ControlRanges<T>::speed_m_per_s));
+  return static_cast<double>(mass_kg) * v * v / 2;
+}
+
+/// Blocks of 1 to 4096 samples; where controls jump, of one.
+template <typename T>
+std::function<void(Record&)> hammer_string(std::size_t gust) {
+  struct State {
+    HammerString<T> model{parts<T>().table, bare(parts<T>().modes), parts<T>().strike, kHz};
+    Weather<T> weather;
+    std::vector<T> out = std::vector<T>(kGust);
+  };
+  auto s = std::make_shared<State>();
+  s->weather = Weather<T>(gust);
+  return [s, gust, take = std::shared_ptr<Take<T>>()](Record& record) mutable {
+    using Ranges = ControlRanges<T>;
+    if (!take) take = std::make_shared<Take<T>>(record);
+    if (record.samples % kTake < kSlice) s->model.reset(), take->restart();
+    for (std::size_t n = 0, block = 0; n < kSlice; n += block, record.samples += block) {
+      s->weather.next();
+      const T mass = T(0.003);
+      double work = 0;
+      if (gust > 1 || n % 50 == 0) {
+        const T speed = s->weather.any(Ranges::speed_m_per_s);
+        s->model.strike(speed, s->weather.any(Ranges::throw_distance_m));
+        work = thrown_j(mass, speed);
+      }
+      block = std::min(gust, kSlice - n);
+      s->model.process({mass, any_contact(s->weather), s->weather.any(Ranges::damping_per_s)}, parts<T>().pickup,
+                       std::span(s->out).first(block));
+      for (std::size_t i = 0; i < block; ++i) record.demand_finite(s->out[i]);
+      take->close(work, s->model.string().energy());
+    }
+  };
+}
+
+template <typename T>
+std::function<void(Record&)> keyboard_voice(std::size_t gust) {
+  struct State {
+    std::vector<KeyboardVoice<keyboards::piano, T>> keys;
+    Weather<T> weather;
+    std::vector<T> out = std::vector<T>(kGust);
+    std::size_t at = 0;
+  };
+  auto s = std::make_shared<State>();
+  for (const int key : {21, 45, 60, 76, 96, 108}) s->keys.emplace_back(key, kHz);
+  s->weather = Weather<T>(gust);
+  return [s, gust](Record& record) {
+    auto& voice = s->keys[s->at++ % s->keys.size()];
+    for (std::size_t n = 0, block = 0; n < kSlice; n += block, record.samples += block) {
+      s->weather.next();
+      if (gust > 1 || n % 50 == 0) voice.strike(s->weather.any(ControlRanges<T>::speed_m_per_s));
+      if (s->weather.now_and_then(2)) voice.release();
+      voice.controls().felt = any_contact(s->weather);
+      voice.controls().damping_per_s = s->weather.any(ControlRanges<T>::damping_per_s);
+      block = std::min(gust, kSlice - n);
+      voice.process(std::span(s->out).first(block));
+      for (std::size_t i = 0; i < block; ++i) record.demand_finite(s->out[i]);
+      record.peak_j = std::max(record.peak_j, voice.model().string().energy());
+    }
+    voice.reset();
+  };
+}
+
+template <typename T>
+std::function<void(Record&)> ensemble(std::size_t gust) {
+  struct State {
+    Ensemble<T> model{kHz};
+    Weather<T> weather;
+    std::vector<T> left = std::vector<T>(kGust), right = std::vector<T>(kGust);
+  };
+  constexpr std::size_t kVoices = 10;
+  auto s = std::make_shared<State>();
+  for (std::size_t voice = 0; voice < kVoices; ++voice)
+    s->model.add(parts<T>().table, bare(parts<T>().modes), parts<T>().strike, parts<T>().pickup,
+                 {.hammer_mass_kg = T(0.003)});
+  s->weather = Weather<T>(gust);
+  return [s, gust](Record& record) {
+    using Ranges = ControlRanges<T>;
+    for (std::size_t n = 0, block = 0; n < kSlice; n += block, record.samples += block) {
+      s->weather.next();
+      for (std::size_t voice = 0; voice < kVoices; ++voice) {
+        if (gust > 1 || n % 50 == 0)
+          s->model.strike(voice, s->weather.any(Ranges::speed_m_per_s), s->weather.any(Ranges::throw_distance_m));
+        s->model.controls(voice) = {s->weather.any(Ranges::mass_kg), any_contact(s->weather),
+                                    s->weather.any(Ranges::damping_per_s)};
+        s->model.mix(voice) = {s->weather.any(Ranges::gain), s->weather.any(Ranges::pan)};
+      }
+      block = std::min(gust, kSlice - n);
+      s->model.process(std::span(s->left).first(block), std::span(s->right).first(block));
+      for (std::size_t i = 0; i < block; ++i) {
+        record.demand_finite(s->left[i]);
+        record.demand_finite(s->right[i]);
+      }
+    }
+  };
+}
+
+/// A slide-string or a fret-string.
+template <typename Stormy, typename T>
+std::function<void(Record&)> along_a_string(std::size_t gust) {
+  struct State {
+    Stormy stormy{parts<T>()};
+    Weather<T> weather;
+    ModeShapes<T> pluck = ModeShapes<T>(parts<T>().modes.size());
+  };
+  auto s = std::make_shared<State>();
+  s->weather = Weather<T>(gust);
+  parts<T>().places.at(T(0.1), s->pluck);
+  return [s, take = std::shared_ptr<Take<T>>()](Record& record) mutable {
+    if (!take) take = std::make_shared<Take<T>>(record);
+    const auto& model = s->stormy.model;
+    if (record.samples % kTake < kSlice) s->stormy = Stormy(parts<T>()), take->restart();
+    for (std::size_t n = 0; n < kSlice; ++n, ++record.samples) {
+      s->weather.next();
+      const double displacement = model.string().displacement(s->pluck);
+      const double work = s->stormy.tick(s->weather);
+      const double moved = model.string().displacement(s->pluck) - displacement;
+      record.demand_finite(model.force());
+      record.demand_finite(model.compression());
+      take->close(work + s->stormy.pluck_force * moved, model.string().energy());
+    }
+  };
+}
+
+/// Three keys on a soundboard, struck at random.
+template <typename T>
+std::function<void(Record&)> body(std::size_t gust) {
+  struct State {
+    std::vector<HammerString<T>> keys;
+    std::vector<BridgeShapes<T>> bridges;
+    std::unique_ptr<Body<T>> body;
+    Weather<T> weather;
+  };
+  auto s = std::make_shared<State>();
+  s->weather = Weather<T>(gust);
+  double stiffness = 0;
+  for (const StruckString& struck : {c2(), c4(), c7()}) {
+    const auto modes = audible_modes(struck);
+    std::vector<double> bridge;
+    for (const auto& mode : modes) bridge.push_back(bridge_shape(struck.string, mode));
+    stiffness += bridge_stiffness(struck.string, modes);
+    s->keys.emplace_back(SegmentTable<T>(parts<T>().table), bare(modes),
+                         shapes<T>(modes, &ResonatorMode::strike_shape), kHz);
+    s->bridges.push_back(s->keys.back().bridge(ModeShapes<T>(std::span<const double>(bridge))));
+  }
+  const Plate plate{1.39, 0.91, 0.018, 392, 11.5e9, 8e9, 1.5e9, 0.3, {8, 0.29}};
+  const auto board = modes_of({"board", "", plate, {0.62, 0, 0.51}, {0.87, 0, 0.29}, 120}, 22050).modes;
+  s->body = std::make_unique<Body<T>>(bare(board), shapes<T>(board, &ResonatorMode::strike_shape), stiffness, kHz);
+  return [s, gust, take = std::shared_ptr<Take<T>>()](Record& record) mutable {
+    using Ranges = ControlRanges<T>;
+    if (!take) take = std::make_shared<Take<T>>(record);
+    if (record.samples % kTake < kSlice) {
+      for (auto& key : s->keys) key.reset();
+      s->body->reset();
+      take->restart();
+    }
+    double work = 0;
+    for (std::size_t n = 0; n < kSlice; ++n, ++record.samples) {
+      s->weather.next();
+      T force = 0;
+      const T mass = T(0.003);
+      for (std::size_t k = 0; k < s->keys.size(); ++k) {
+        if (n % (gust > 1 ? gust : 50) == 0) {
+          const T speed = s->weather.any(Ranges::speed_m_per_s);
+          s->keys[k].strike(speed, s->weather.any(Ranges::throw_distance_m));
+          work += thrown_j(mass, speed);
+        }
+        force += s->keys[k].tick({mass, any_contact(s->weather), s->weather.any(Ranges::damping_per_s)},
+                                 s->bridges[k], s->body->displacement());
+      }
+      s->body->tick(force);
+      record.demand_finite(s->body->displacement());
+      if (n % 64 != 0) continue;
+      double energy = s->body->energy();
+      for (const auto& key : s->keys) energy += key.string().energy();
+      take->close(std::exchange(work, 0), energy);
+    }
+  };
+}
+
+/// An instrument of a file.
+template <typename Emitted, typename T>
+std::function<void(Record&)> instrument(std::size_t gust) {
+  struct State {
+    std::unique_ptr<Emitted> model = std::make_unique<Emitted>(kHz);
+    Weather<T> weather;
+    std::size_t bounded = 0;
+  };
+  auto s = std::make_shared<State>();
+  s->weather = Weather<T>(gust);
+  return [s, gust, take = std::shared_ptr<Take<T>>()](Record& record) mutable {
+    if (!take) take = std::make_shared<Take<T>>(record);
+    auto& model = *s->model;
+    const InstrumentData data = Emitted::data::view();
+    const auto rest = [&] {
+      model.reset();
+      take->restart();
+      take->close(model.energy(), model.energy());  // of a spring that is not relaxed
+    };
+    if (record.samples % kTake < kSlice) rest();
+    for (std::size_t n = 0; n < kSlice; ++n, ++record.samples) {
+      s->weather.next();
+      if (gust == 1 || n % gust == 0)
+        for (std::size_t i = 0; i < data.controls.size(); ++i)
+          model.set_control(i, s->weather.any(control_range<T>(data.controls[i].quantity)));
+      for (std::size_t i = 0; n % (gust > 1 ? gust : 500) == 0 && i < data.strikes.size(); ++i)
+        model.strike(i, s->weather.any({-100, 100}));
+      model.tick();
+      for (std::size_t i = 0; i < data.outputs.size(); ++i) record.demand_finite(model.output(i));
+      take->close(model.work(), model.energy());
+    }
+    if (const std::size_t bounded = model.network().solver().bounded(); bounded != s->bounded) {
+      for (; s->bounded < bounded; ++s->bounded) record.fault("coupled contacts did not converge");
+    }
+  };
+}
+
+template <typename T>
+void add_models(std::vector<Soaked>& models) {
+  const std::string precision = sizeof(T) == sizeof(double) ? ".double" : ".float";
+  for (const std::size_t gust : {kGust, std::size_t{1}}) {
+    const std::string end = precision + (gust > 1 ? ".played" : ".jumping");
+    models.push_back({"mass-barrier" + end, mass_barrier<T>(gust)});
+    models.push_back({"hammer-string" + end, hammer_string<T>(gust)});
+    models.push_back({"slide-string" + end, along_a_string<StormySlide<T>, T>(gust)});
+    models.push_back({"fret-string" + end, along_a_string<StormyFret<T>, T>(gust)});
+    models.push_back({"keyboard-voice" + end, keyboard_voice<T>(gust)});
+    models.push_back({"ensemble" + end, ensemble<T>(gust)});
+    models.push_back({"body" + end, body<T>(gust)});
+    models.push_back({"tanpura" + end, instrument<instruments::tanpura<T>, T>(gust)});
+    models.push_back({"trichord_c4" + end, instrument<instruments::trichord_c4<T>, T>(gust)});
+    models.push_back({"slap_bass" + end, instrument<instruments::slap_bass<T>, T>(gust)});
+    models.push_back({"prepared_piano" + end, instrument<instruments::prepared_piano<T>, T>(gust)});
+    models.push_back({"snare" + end, instrument<instruments::snare<T>, T>(gust)});
+  }
+}
+
+int soak(double seconds, const std::vector<std::string_view>& names) {
+  std::vector<Soaked> models;
+  add_models<double>(models);
+  add_models<float>(models);
+  if (!names.empty())
+    std::erase_if(models, [&](const Soaked& model) {
+      return std::ranges::none_of(names, [&](std::string_view name) { return model.name.find(name) != name.npos; });
+    });
+  using Clock = std::chrono::steady_clock;
+  const auto begin = Clock::now();
+  const auto elapsed = [](Clock::time_point since) {
+    return std::chrono::duration<double>(Clock::now() - since).count();
+  };
+  do {
+    for (Soaked& model : models) {
+      const auto turn = Clock::now();
+      do model.play(model.record);
+      while (elapsed(turn) < std::min(1.0, seconds / 10));
+    }
+  } while (elapsed(begin) < seconds);
+  std::size_t samples = 0, faults = 0;
+  for (const Soaked& model : models) {
+    std::printf("%-32s %12zu samples, at most %8.2g J, %zu faults\n", model.name.c_str(), model.record.samples,
+                model.record.peak_j, model.record.faults);
+    samples += model.record.samples, faults += model.record.faults;
+  }
+  std::printf("%-32s %12zu samples in %.0f s, %zu faults\n", "together", samples, elapsed(begin), faults);
+  return faults > 0 || models.empty() ? 1 : 0;
+}
+
+}  // namespace
+}  // namespace contactspline::testing
+
+int main(int count, char** arguments) {
+  if (count < 2) {
+    std::fputs("usage: soak SECONDS [NAME...]\n", stderr);
+    return 2;
+  }
+  return contactspline::testing::soak(std::atof(arguments[1]), {arguments + 2, arguments + count});
+}

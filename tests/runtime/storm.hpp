@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: MIT
+// Controls that jump to anything, and models that they drive, with the books of their energy: for extremes_test and
+// for soak.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "contactspline/fret_string.hpp"
+#include "contactspline/slide_string.hpp"
+#include "strings.hpp"
+#include "support/finite.hpp"
+
+namespace contactspline::testing {
+
+/// Values of a control: anything within its range and, where it storms, the ends, infinities and NaN.
+template <typename T>
+class Weather {
+ public:
+  /// Draws the same values for so many samples in a row.
+  explicit Weather(std::size_t gust = 1, std::uint64_t seed = 3) : gust_(gust), state_(seed), seed_(seed) {}
+
+  /// Begins a sample.
+  void next() {
+    if (sample_ % gust_ == 0) seed_ = random_();
+    ++sample_;
+    if (gust_ > 1) state_ = seed_;
+  }
+  T any(ControlRange<T> range) {
+    constexpr T kInfinity = std::numeric_limits<T>::infinity();
+    switch (random_() % 8) {
+      case 0:
+      case 1:
+        return range.min;
+      case 2:
+      case 3:
+        return range.max;
+      case 4:
+        return std::numeric_limits<T>::quiet_NaN();
+      case 5:
+        return random_() % 2 == 0 ? kInfinity : -kInfinity;
+      case 6:  // as far from 0 as 1e-6 of the larger end, on a logarithmic scale
+        return std::clamp(range.max * static_cast<T>(std::exp(-14 * uniform())), range.min, range.max);
+      default:
+        return range.min + (range.max - range.min) * static_cast<T>(uniform());
+    }
+  }
+  bool now_and_then(std::uint64_t period) { return random_() % period == 0; }
+
+ private:
+  double uniform() { return static_cast<double>(random_() >> 11) * 0x1p-53; }
+
+  // Steele, Lea and Flood's SplitMix: any state is a seed.
+  std::uint64_t random_() {
+    std::uint64_t z = state_ += 0x9e3779b97f4a7c15;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
+    return z ^ (z >> 31);
+  }
+
+  std::size_t gust_, sample_ = 0;
+  std::uint64_t state_, seed_;
+};
+
+template <typename T>
+ContactControls<T> any_contact(Weather<T>& weather) {
+  return {weather.any(ControlRanges<T>::stiffness_ratio), weather.any(ControlRanges<T>::loss_s_per_m)};
+}
+
+/// Strings and tables of all models, at one rate.
+template <typename T>
+struct Parts {
+  explicit Parts(double rate)
+      : rate_hz(rate),
+        modes(modes_of({"C4", "", c4().string, {c4().strike_m}, {0.2}, 60}, rate / 2).modes),
+        table(table_in<T>(felt_table(c4(), 40))),
+        strike(shapes<T>(modes, &ResonatorMode::strike_shape)),
+        pickup(shapes<T>(modes, &ResonatorMode::pickup_shape)),
+        places(wavenumbers_of(modes)) {}
+
+  double rate_hz;
+  std::vector<ResonatorMode> modes;
+  std::vector<Segment<T>> table;
+  ModeShapes<T> strike, pickup;
+  StringShapes<T> places;
+};
+
+/// The energy of a string against the work done on it so far. Single precision rounds the work of a sample by 1e-5 or
+/// so of what flows to and fro in it.
+template <typename T>
+class WorkBooks {
+ public:
+  explicit WorkBooks(double rate_hz) : rate_hz_(rate_hz) {}
+  void close(double work_j, double energy_j) {
+    work_ += work_j + 2 / rate_hz_;  // a rise of the contact's stiffness and one of the hand's spring: 1 W each
+    flow_ += std::abs(work_j) + energy_j;
+    const double excess = energy_j - work_ - (sizeof(T) == sizeof(double) ? 1e-12 : 1e-4) * flow_;
+    is_within_ &= is_finite(excess) && excess <= 0;
+    peak_ = std::max(peak_, energy_j);
+  }
+  [[nodiscard]] bool is_within() const { return is_within_; }
+  [[nodiscard]] double peak() const { return peak_; }
+
+ private:
+  double rate_hz_, work_ = 0, flow_ = 0, peak_ = 0;
+  bool is_within_ = true;
+};
+
+/// What a slide-string or a fret-string in the storm is: its model, a sample of any controls, and a calm.
+template <typename T>
+struct StormySlide {
+  explicit StormySlide(const Parts<T>& parts)
+      : model(parts.table, bare(parts.modes), parts.places, T(0.1), parts.rate_hz) {
+    model.place(T(0.3), 0);  // where neither spring nor contact hold energy
+  }
+  /// Returns the work on the string and the slide but that of the pluck [J].
+  double tick(Weather<T>& weather) {
+    using Ranges = ControlRanges<T>;
+    const double before = model.slide();
+    model.tick({weather.any({0, T(0.62)}), weather.any(Ranges::mass_kg), weather.any(Ranges::force_n),
+                weather.any(Ranges::hand_stiffness_n_per_m), weather.any(Ranges::resistance_n_s_per_m),
+                weather.any(Ranges::resistance_n_s_per_m), weather.any(Ranges::force_n), any_contact(weather)});
+    pluck_force = model.controls().pluck_force_n;
+    return model.controls().hand_force_n * (static_cast<double>(model.slide()) - before) + model.work_along();
+  }
+  void place(Weather<T>& weather) { model.place(weather.any({0, T(0.62)}), weather.any(ControlRanges<T>::height_m)); }
+  void calm() {
+    model.tick({.place_m = T(0.3),
+                .slide_mass_kg = T(0.02),
+                .hand_force_n = 2,
+                .hand_stiffness_n_per_m = 100,
+                .hand_resistance_n_s_per_m = 5,
+                .rest_resistance_n_s_per_m = 2});
+  }
+  SlideString<T> model;
+  T pluck_force = 0;
+};
+
+template <typename T>
+struct StormyFret {
+  explicit StormyFret(const Parts<T>& parts)
+      : model(parts.table, bare(parts.modes), parts.places, T(0.1), parts.rate_hz) {
+    model.place(T(0.3), 0);  // where neither spring nor contact hold energy
+  }
+  double tick(Weather<T>& weather) {
+    using Ranges = ControlRanges<T>;
+    const T pluck = weather.any(Ranges::force_n);
+    pluck_force = held(pluck_force, pluck, Ranges::force_n);
+    model.tick({weather.any({0, T(0.62)}), weather.any(Ranges::gap_m), pluck, weather.any(Ranges::damping_per_s),
+                any_contact(weather)});
+    return model.work_of_fret();
+  }
+  void place(Weather<T>& weather) { model.place(weather.any({0, T(0.62)}), weather.any(ControlRanges<T>::gap_m)); }
+  void calm() { model.tick({.place_m = T(0.3), .gap_m = T(-1e-3), .damping_per_s = 100}); }
+  FretString<T> model;
+  T pluck_force = 0;
+};
+
+}  // namespace contactspline::testing
