@@ -128,10 +128,16 @@ class ContactNetwork {
         solver_(plan.connections().size(), sample_rate_hz, max_steps),
         increments_(plan.places().size()) {
     for (const auto& modes : plan.bodies()) bodies_.emplace_back(modes, sample_rate_hz);
-    for (const auto& place : plan.places()) places_.emplace_back(place.body, place.shapes);
+    for (const auto& place : plan.places()) places_.emplace_back(place.body, place.shapes, bodies_[place.body].bank);
     for (std::size_t p = 0; p < places_.size(); ++p) bodies_[places_[p].body].places.push_back(p);
     for (Body& body : bodies_) body.reserve(body.places.size());
     for (const auto& connection : plan.connections()) connections_.emplace_back(connection);
+    for (Connection& c : connections_) {
+      if (c.first != kGround) c.first_body = places_[c.first].body, c.first_max = places_[c.first].max_shape;
+      if (c.second != kGround) c.second_body = places_[c.second].body, c.second_max = places_[c.second].max_shape;
+    }
+    for (auto* list : {&awake_, &asleep_}) list->reserve(connections_.size());
+    for (auto* list : {&pushed_, &last_pushed_}) list->reserve(places_.size());
     for (const Place& p : places_)
       for (const Place& q : places_)
         mutual_.push_back(p.body == q.body ? bodies_[p.body].bank.admittance(p.shapes, q.shapes) : T(0));
@@ -148,7 +154,13 @@ class ContactNetwork {
   ~ContactNetwork() = default;
 
   /// Pushes at a place during the next sample [N], -1000 to 1000. Several pushes add up. Not a number does nothing.
-  void push(std::size_t place, T force_n) { places_[place].push += held(T(0), force_n, Ranges::force_n); }
+  void push(std::size_t place, T force_n) {
+    const T force = held(T(0), force_n, Ranges::force_n);
+    if (force == 0) return;
+    Place& p = places_[place];
+    if (!std::exchange(p.is_pushed, true)) pushed_.push_back(place);
+    p.push += force;
+  }
 
   /// Puts a mode between two samples at a displacement [m], -1000 to 1000, with a velocity [m/s], -1000 to 1000. A
   /// free mass is mode 0 of its body. Does nothing if one of them is not a number.
@@ -195,7 +207,9 @@ class ContactNetwork {
   /// Brings all bodies to rest. Controls stay. Does not allocate.
   void reset() {
     for (Body& body : bodies_) body.bank.reset();
-    for (Place& place : places_) place.push = place.last_push = 0;
+    for (const std::size_t p : pushed_) places_[p].push = 0, places_[p].is_pushed = false;
+    pushed_.clear();
+    last_pushed_.clear();
     place_all();
   }
 
@@ -206,9 +220,8 @@ class ContactNetwork {
     if constexpr (kRounds) anchor_next();
     predict();
     solve();
-    push_forces();
-    for (Body& body : bodies_) body.bank.commit();
-    finish();
+    fall_asleep();
+    advance();
   }
 
   [[nodiscard]] const ModalBank<T>& body(std::size_t body) const { return bodies_[body].bank; }
@@ -254,9 +267,8 @@ class ContactNetwork {
   /// Work of pushes, moving gaps and stiffness controls in the last sample [J].
   [[nodiscard]] double work() const {
     double work = work_of_controls_;
-    for (const Place& place : places_)
-      if (place.last_push != 0)
-        work += double(place.last_push) * double(bodies_[place.body].bank.increment(place.shapes));
+    for (const std::size_t p : last_pushed_)
+      work += double(places_[p].last_push) * double(bodies_[places_[p].body].bank.increment(places_[p].shapes));
     for (const std::size_t k : solver_.active()) work += double(solver_[k].force) * double(connections_[k].lift);
     return work;
   }
@@ -274,34 +286,41 @@ class ContactNetwork {
     Body(std::span<const Mode> modes, double sample_rate_hz) : bank(modes, sample_rate_hz) {}
 
     void reserve(std::size_t n) {
-      awake.reserve(n);
-      awake_shapes.reserve(n);
-      forces.resize(n);
-      pushed.reserve(n);
-      found.resize(n);
+      for (auto* list : {&awake, &forced}) list->reserve(n);
+      for (auto* list : {&awake_shapes, &forced_shapes}) list->reserve(n);
+      for (auto* list : {&forces, &free_increments}) list->resize(n);
     }
 
     ModalBank<T> bank;
     T damping = 0;  // times dt, as is the gain
     T damping_gain = 1;
-    T travel = 0;  // bound of the free motion in this sample [m]
+    T travel = 0;  // bound of the motion in this sample without forces of connections [m]
     std::vector<std::size_t> places;
     std::vector<std::size_t> awake;  // places whose increments are computed in each sample
-    std::vector<const ModeShapes<T>*> awake_shapes, pushed;
-    std::vector<T> found, forces;
+    std::vector<const T*> awake_shapes;
+    T free_travel = 0;               // of the next sample without forces and damper, likewise these: [m]
+    std::vector<T> free_increments;  // of the awake places
+    bool is_predicted = false;       // do free_travel and free_increments belong to the state?
+    std::vector<std::size_t> forced;  // places where forces act in this sample
+    std::vector<const T*> forced_shapes;
+    std::vector<T> forces;
   };
 
   struct Place {
-    Place(std::size_t of_body, const ModeShapes<T>& of_place) : body(of_body), shapes(of_place) {
-      for (std::size_t i = 0; i < shapes.size(); ++i) max_shape = std::max(max_shape, std::abs(shapes[i]));
+    Place(std::size_t of_body, const ModeShapes<T>& of_place, const ModalBank<T>& bank)
+        : body(of_body), shapes(of_place) {
+      for (std::size_t i = 0; i < shapes.size(); ++i) {
+        max_shape = std::max(max_shape, std::abs(shapes[i]));
+        travel_per_force += std::abs(bank.admittance(i) * shapes[i]);
+      }
     }
 
     std::size_t body;
     ModeShapes<T> shapes;
-    T max_shape = 0;
+    T max_shape = 0, travel_per_force = 0;
     T push = 0, last_push = 0;  // from outside [N]
     T force = 0;                // of this sample [N]
-    bool is_awake = false;
+    bool is_awake = false, is_pushed = false, is_forced = false;
   };
 
   struct Connection {
@@ -316,6 +335,8 @@ class ContactNetwork {
           target_gap(plan.gap_m) {}
 
     std::size_t first, second;
+    std::size_t first_body = 0, second_body = 0;
+    T first_max = 0, second_max = 0;  // |shape|; 0 for the ground
     T weight;
     ContactControls<T> contact;  // targets, which the connection of the solver follows
     T spring, resistance;
@@ -369,6 +390,7 @@ class ContactNetwork {
       connections_[k].is_awake = true;
     }
     is_list_old_ = true;
+    for (Body& body : bodies_) body.is_predicted = false;
   }
 
   [[nodiscard]] T measured(std::size_t k) const {
@@ -437,52 +459,81 @@ class ContactNetwork {
     if (!c.table.empty()) c.segment = detail::relocate_segment(c.table, c.segment, c.compression);
   }
 
+  // Increments without forces of connections.
   void predict() {
-    for (Body& body : bodies_) body.bank.predict(body.damping);
-    for (Place& place : places_) {
-      place.force = 0;
-      place.last_push = std::exchange(place.push, T(0));
-      Body& body = bodies_[place.body];
-      if (place.last_push != 0) body.bank.push(place.shapes, body.damping_gain * place.last_push);
-    }
     if (is_list_old_) list_awake();
     for (Body& body : bodies_) {
-      body.travel = body.bank.travel();
-      body.bank.increments(body.awake_shapes, body.found.data());
-      for (std::size_t i = 0; i < body.awake.size(); ++i) increments_[body.awake[i]] = body.found[i];
+      if (!std::exchange(body.is_predicted, true))
+        body.free_travel = body.bank.free_increments(body.awake_shapes, body.free_increments.data());
+      body.travel = body.damping_gain * body.free_travel;
+      for (std::size_t i = 0; i < body.awake.size(); ++i)
+        increments_[body.awake[i]] = body.damping_gain * body.free_increments[i];
+    }
+    std::swap(pushed_, last_pushed_);
+    pushed_.clear();
+    for (const std::size_t p : last_pushed_) {
+      Place& place = places_[p];
+      place.is_pushed = false;
+      place.last_push = std::exchange(place.push, T(0));
+      add_force(p, place.last_push);
+      Body& body = bodies_[place.body];
+      body.travel += body.damping_gain * place.travel_per_force * std::abs(place.last_push);
+      for (const std::size_t q : body.awake) increments_[q] += mutual(p, q) * place.last_push;
     }
   }
 
-  // The places of the connections that are awake.
+  void add_force(std::size_t p, T force) {
+    Place& place = places_[p];
+    if (!std::exchange(place.is_forced, true)) {
+      place.force = 0;
+      bodies_[place.body].forced.push_back(p);
+    }
+    place.force += force;
+  }
+
+  // The connections that are awake, and their places.
   void list_awake() {
     is_list_old_ = false;
+    for (auto* list : {&awake_, &asleep_}) list->clear();
     for (Place& place : places_) place.is_awake = false;
-    for (const Connection& c : connections_)
+    for (std::size_t k = 0; k < connections_.size(); ++k) {
+      const Connection& c = connections_[k];
+      (c.is_awake ? awake_ : asleep_).push_back(k);
       for (const std::size_t p : {c.first, c.second})
         if (c.is_awake && p != kGround) places_[p].is_awake = true;
+    }
     for (Body& body : bodies_) {
+      body.is_predicted = false;
       body.awake.clear();
       body.awake_shapes.clear();
       for (const std::size_t p : body.places) {
         if (!places_[p].is_awake) continue;
         body.awake.push_back(p);
-        body.awake_shapes.push_back(&places_[p].shapes);
+        body.awake_shapes.push_back(places_[p].shapes.data());
       }
     }
   }
 
   void solve() {
     solver_.begin();
-    for (std::size_t k = 0; k < connections_.size(); ++k)
-      if (connections_[k].is_awake)
-        begin(k, increment_at(connections_[k].first) - increment_at(connections_[k].second));
+    for (const std::size_t k : awake_)
+      begin(k, increment_at(connections_[k].first) - increment_at(connections_[k].second));
     do solver_.solve();
     while (wake_reachable());
   }
 
   [[nodiscard]] T increment_at(std::size_t place) const { return place == kGround ? T(0) : increments_[place]; }
+  // The same for a place that is not awake.
   [[nodiscard]] T measured_increment(std::size_t p) const {
-    return p == kGround ? T(0) : bodies_[places_[p].body].bank.increment(places_[p].shapes);
+    if (p == kGround) return 0;
+    const Body& body = bodies_[places_[p].body];
+    const T* shapes = places_[p].shapes.data();
+    T increment;
+    body.bank.free_increments({&shapes, 1}, &increment);
+    increment *= body.damping_gain;
+    for (const std::size_t q : last_pushed_)
+      if (&bodies_[places_[q].body] == &body) increment += mutual(p, q) * places_[q].last_push;
+    return increment;
   }
 
   void begin(std::size_t k, T free_increment) {
@@ -494,10 +545,7 @@ class ContactNetwork {
 
   // Bound of the motion of a connection in this sample without the forces of connections [m].
   [[nodiscard]] T free_travel(const Connection& c) const {
-    T travel = 0;
-    for (const std::size_t p : {c.first, c.second})
-      if (p != kGround) travel += places_[p].max_shape * bodies_[places_[p].body].travel;
-    return travel;
+    return c.first_max * bodies_[c.first_body].travel + c.second_max * bodies_[c.second_body].travel;
   }
 
   // Wakes the sleeping contacts that may have come within reach, by the bound of what moved since they fell asleep.
@@ -507,7 +555,7 @@ class ContactNetwork {
     for (const std::size_t k : solver_.active())
       reach += connections_[k].root_admittance * std::abs(solver_[k].force);
     bool has_woken = false;
-    for (std::size_t k = 0; k < connections_.size(); ++k) {
+    for (const std::size_t k : asleep_) {
       Connection& c = connections_[k];
       if (c.is_awake || c.slack > kMargin * (free_travel(c) + c.root_admittance * reach)) continue;
       wake(k);
@@ -525,37 +573,45 @@ class ContactNetwork {
     is_list_old_ = true;
   }
 
-  void push_forces() {
-    for (const std::size_t k : solver_.active()) {
-      const T force = solver_[k].force;
-      if (connections_[k].first != kGround) places_[connections_[k].first].force -= force;
-      if (connections_[k].second != kGround) places_[connections_[k].second].force += force;
-    }
-    for (Body& body : bodies_) {
-      body.pushed.clear();
-      for (const std::size_t p : body.places) {
-        if (places_[p].force == 0) continue;
-        body.forces[body.pushed.size()] = body.damping_gain * places_[p].force;
-        body.pushed.push_back(&places_[p].shapes);
-      }
-      body.bank.push(body.pushed, body.forces.data());
-    }
-  }
-
-  void finish() {
+  // Moves the compressions, and lets contacts fall asleep that cannot touch soon.
+  void fall_asleep() {
     solver_.advance();
-    for (std::size_t k = 0; k < connections_.size(); ++k) {
+    for (const std::size_t k : asleep_) {
+      Connection& c = connections_[k];
+      if (!c.is_awake) c.slack -= kMargin * (free_travel(c) + c.root_admittance * reach_);
+    }
+    for (const std::size_t k : awake_) {
       Connection& c = connections_[k];
       const T y = solver_[k].compression;
-      if (c.is_awake && (y > 0 || solver_[k].force != 0 || solver_[k].table.empty())) continue;
+      if (y > 0 || solver_[k].force != 0 || solver_[k].table.empty()) continue;
       const T travel = kMargin * (free_travel(c) + c.root_admittance * reach_);
-      if (!c.is_awake) {
-        c.slack -= travel;
-      } else if (-y > kSleepingSamples * travel) {
-        c.is_awake = false;
-        c.slack = -y;
-        is_list_old_ = true;
+      if (-y <= kSleepingSamples * travel) continue;
+      c.is_awake = false;
+      c.slack = -y;
+      is_list_old_ = true;
+    }
+    if (is_list_old_) list_awake();
+  }
+
+  // Moves the bodies, and predicts the next sample.
+  void advance() {
+    for (const std::size_t k : solver_.active()) {
+      const T force = solver_[k].force;
+      if (force == 0) continue;
+      if (connections_[k].first != kGround) add_force(connections_[k].first, -force);
+      if (connections_[k].second != kGround) add_force(connections_[k].second, force);
+    }
+    for (Body& body : bodies_) {
+      body.forced_shapes.clear();
+      for (const std::size_t p : body.forced) {
+        places_[p].is_forced = false;
+        body.forces[body.forced_shapes.size()] = places_[p].force;
+        body.forced_shapes.push_back(places_[p].shapes.data());
       }
+      body.forced.clear();
+      body.free_travel = body.bank.advance(body.damping, body.forced_shapes, body.forces.data(), body.awake_shapes,
+                                           body.free_increments.data());
+      body.is_predicted = true;
     }
   }
 
@@ -588,6 +644,8 @@ class ContactNetwork {
   std::vector<Body> bodies_;
   std::vector<Place> places_;
   std::vector<Connection> connections_;
+  std::vector<std::size_t> awake_, asleep_;         // connections
+  std::vector<std::size_t> pushed_, last_pushed_;  // places
   std::vector<T> mutual_;      // admittances of all pairs of places, without damping [m/N]
   std::vector<T> increments_;  // of the places that are awake, without connections [m]
   T reach_ = 0;                // sum of force times root of admittance over the last sample

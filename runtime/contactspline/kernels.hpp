@@ -19,9 +19,14 @@ struct ModalArrays {
   const T* stiffness;
   const T* stiffness_rest;
   const T* loss;
+  const T* admittance;
   T* displacement;
   T* free_increment;
+  T* change;  ///< of the displacement over the last sample, where the modes are advanced one sample at a time
 };
+
+/// Banks of at most so many modes are advanced without kernels.
+inline constexpr std::size_t kFewModes = 4;
 
 /// Number of knots in a block of a ContactTable.
 inline constexpr std::size_t kKnotsPerBlock = 32;
@@ -112,6 +117,20 @@ float advance_on_bridge(const ModalArrays<float>& modes, const float* shape, con
                         float damping_gain, float displacement_m);
 double advance_on_bridge(const ModalArrays<double>& modes, const double* shape, const double* increment,
                          double damping_gain, double displacement_m);
+
+/// Sums of shape times free increment for several shapes. Returns the sum of |free increment|.
+float sum_free_increments(std::size_t modes, const float* free_increment, std::span<const float* const> at,
+                          float* increments);
+double sum_free_increments(std::size_t modes, const double* free_increment, std::span<const double* const> at,
+                           double* increments);
+
+/// Advances the modes by one sample under damping_gain times the forces at the places `pushed`. Then
+/// sum_free_increments().
+float advance_under_forces(const ModalArrays<float>& modes, float damping_gain, std::span<const float* const> pushed,
+                           const float* forces, std::span<const float* const> at, float* increments);
+double advance_under_forces(const ModalArrays<double>& modes, double damping_gain,
+                            std::span<const double* const> pushed, const double* forces,
+                            std::span<const double* const> at, double* increments);
 
 /// The same as process_free() with a hammer in flight, until it is stopped or `out` is full. Returns the number of
 /// samples written. force: destination of the contact forces, or null.

@@ -240,23 +240,6 @@ class ModalBank {
     return detail::sum_of<T>(size(), [&](std::size_t i) { return at[i] * change_[i]; });
   }
 
-  /// increment() at several places at once, which is faster.
-  void increments(std::span<const Shapes* const> at, T* increments) const requires(Modes == std::dynamic_extent) {
-    const T* change = change_.data();
-    const std::size_t modes = change_.padded_size();
-    std::size_t p = 0;
-    for (; p + 4 <= at.size(); p += 4)
-      sum_products(modes, change, at[p]->data(), at[p + 1]->data(), at[p + 2]->data(), at[p + 3]->data(),
-                   increments + p);
-    for (; p < at.size(); ++p) increments[p] = increment(*at[p]);
-  }
-
-  /// Sum of |change| over the modes in this sample [m], with the forces pushed so far. A place moves by at most this
-  /// times its largest |shape|.
-  [[nodiscard]] T travel() const {
-    return detail::sum_of<T>(size(), [&](std::size_t i) { return std::abs(change_[i]); });
-  }
-
   /// Displacement at a place in the middle of this sample [m], with the forces pushed so far.
   [[nodiscard]] T middle(const Shapes& at) const {
     return detail::sum_of<T>(size(), [&](std::size_t i) { return at[i] * (displacement_[i] + change_[i] / 2); });
@@ -268,14 +251,44 @@ class ModalBank {
     for (std::size_t i = 0; i < size(); ++i) change[i] += admittance_[i] * at[i] * force;
   }
 
-  /// push() at several places at once, which is faster.
-  void push(std::span<const Shapes* const> at, const T* forces) requires(Modes == std::dynamic_extent) {
-    const std::size_t modes = change_.padded_size();
+  /// Free increments over the next sample at several places [m], each an array of ModeShapes::data(), without damper.
+  /// Returns the sum of |free increment| over the modes: a place moves by at most this times its largest |shape|.
+  T free_increments(std::span<const T* const> at, T* increments) const requires(Modes == std::dynamic_extent) {
+#ifdef CONTACTSPLINE_SIMD
+    if (size() > detail::kFewModes) return detail::sum_free_increments(size(), free_increment_.data(), at, increments);
+#endif
+    const T* d = free_increment_.data();
+    const std::size_t modes = free_increment_.padded_size();
     std::size_t p = 0;
     for (; p + 4 <= at.size(); p += 4)
-      add_products(modes, admittance_.data(), at[p]->data(), at[p + 1]->data(), at[p + 2]->data(), at[p + 3]->data(),
-                   forces + p, change_.data());
-    for (; p < at.size(); ++p) push(*at[p], forces[p]);
+      sum_products(modes, d, at[p], at[p + 1], at[p + 2], at[p + 3], increments + p);
+    for (; p < at.size(); ++p)
+      increments[p] = detail::sum_of<T>(size(), [&](std::size_t i) { return at[p][i] * d[i]; });
+    return detail::sum_of<T>(size(), [&](std::size_t i) { return std::abs(d[i]); });
+  }
+
+  /// One whole sample with a damper, as in predict(), under forces [N] at several places. Then free_increments().
+  /// `pushed` and `at`: arrays of ModeShapes::data().
+  T advance(T damping, std::span<const T* const> pushed, const T* forces, std::span<const T* const> at,
+            T* increments) requires(Modes == std::dynamic_extent) {
+    damping_ = held(damping_, damping, ControlRanges<T>::damping);
+    const T damping_gain = 1 / (1 + damping_);
+#ifdef CONTACTSPLINE_SIMD
+    if (size() > detail::kFewModes)
+      return detail::advance_under_forces(arrays(), damping_gain, pushed, forces, at, increments);
+#endif
+    T* __restrict change = change_.data();
+    for (std::size_t i = 0; i < size(); ++i) change[i] = damping_gain * free_increment_[i];
+    std::size_t p = 0;
+    for (; p + 4 <= pushed.size(); p += 4)
+      add_products(size(), damping_gain, admittance_.data(), pushed[p], pushed[p + 1], pushed[p + 2], pushed[p + 3],
+                   forces + p, change);
+    for (; p < pushed.size(); ++p) {
+      const T force = damping_gain * forces[p];
+      for (std::size_t i = 0; i < size(); ++i) change[i] += admittance_[i] * pushed[p][i] * force;
+    }
+    commit();
+    return free_increments(at, increments);
   }
 
   /// Sets the motion of a mode between two samples: its displacement [m] and its velocity in free motion [m/s].
@@ -342,8 +355,14 @@ class ModalBank {
 
   /// Pointers to the state and the constants, for the kernels.
   [[nodiscard]] detail::ModalArrays<T> arrays() {
-    return {size(),       stiffness_.data(),    stiffness_rest_.data(),
-            loss_.data(), displacement_.data(), free_increment_.data()};
+    return {size(),
+            stiffness_.data(),
+            stiffness_rest_.data(),
+            loss_.data(),
+            admittance_.data(),
+            displacement_.data(),
+            free_increment_.data(),
+            change_.data()};
   }
 
   /// Brings all modes to rest. Does not allocate.
@@ -363,14 +382,14 @@ class ModalBank {
     return mode.velocity_gain * (double(free_increment_[i]) + one_minus_real * q) - mode.decay_per_s * q;
   }
 
-  // Four sums of change times shape.
-  static void sum_products(std::size_t modes, const T* change, const T* a, const T* b, const T* c, const T* d,
+  // Four sums of the modes' increments times shape.
+  static void sum_products(std::size_t modes, const T* increment, const T* a, const T* b, const T* c, const T* d,
                            T* sums) {
     constexpr std::size_t kLanes = 16 / sizeof(T);
     T of_a[kLanes] = {}, of_b[kLanes] = {}, of_c[kLanes] = {}, of_d[kLanes] = {};
     for (std::size_t i = 0; i < modes; i += kLanes)
       for (std::size_t lane = 0; lane < kLanes; ++lane) {
-        const T moved = change[i + lane];
+        const T moved = increment[i + lane];
         of_a[lane] += moved * a[i + lane];
         of_b[lane] += moved * b[i + lane];
         of_c[lane] += moved * c[i + lane];
@@ -386,10 +405,10 @@ class ModalBank {
   }
 
   // The change of each mode by four forces.
-  static void add_products(std::size_t modes, const T* __restrict admittance, const T* __restrict a,
+  static void add_products(std::size_t modes, T gain, const T* __restrict admittance, const T* __restrict a,
                            const T* __restrict b, const T* __restrict c, const T* __restrict d, const T* forces,
                            T* __restrict change) {
-    const T f0 = forces[0], f1 = forces[1], f2 = forces[2], f3 = forces[3];
+    const T f0 = gain * forces[0], f1 = gain * forces[1], f2 = gain * forces[2], f3 = gain * forces[3];
     for (std::size_t i = 0; i < modes; ++i)
       change[i] += admittance[i] * ((f0 * a[i] + f1 * b[i]) + (f2 * c[i] + f3 * d[i]));
   }

@@ -25,6 +25,15 @@ Sample advance_on_bridge_here(const ModalArrays<Sample>& modes, const Sample* sh
                               Sample damping_gain, Sample displacement_m) {
   return advance_on_bridge_as(modes, shape, increment, damping_gain, displacement_m);
 }
+Sample sum_free_increments_here(std::size_t modes, const Sample* free_increment, std::span<const Sample* const> at,
+                                Sample* increments) {
+  return sum_free_increments_as(modes, free_increment, at, increments);
+}
+Sample advance_under_forces_here(const ModalArrays<Sample>& modes, Sample damping_gain,
+                                 std::span<const Sample* const> pushed, const Sample* forces,
+                                 std::span<const Sample* const> at, Sample* increments) {
+  return advance_under_forces_as(modes, damping_gain, pushed, forces, at, increments);
+}
 HWY_FLATTEN std::size_t process_struck_here(const StrikeConstants<Sample>& strike, HammerState<Sample>& hammer,
                                             std::span<Sample> out, Sample* force) {
   return process_struck_block(strike, hammer, out, force);
@@ -40,6 +49,8 @@ namespace contactspline::detail {
 
 HWY_EXPORT(process_free_here);
 HWY_EXPORT(advance_on_bridge_here);
+HWY_EXPORT(sum_free_increments_here);
+HWY_EXPORT(advance_under_forces_here);
 HWY_EXPORT(process_struck_here);
 
 void process_free(const ModalArrays<Sample>& modes, Sample damping_gain, const Sample* pickup,
@@ -50,6 +61,15 @@ void process_free(const ModalArrays<Sample>& modes, Sample damping_gain, const S
 Sample advance_on_bridge(const ModalArrays<Sample>& modes, const Sample* shape, const Sample* increment,
                          Sample damping_gain, Sample displacement_m) {
   return HWY_DYNAMIC_DISPATCH(advance_on_bridge_here)(modes, shape, increment, damping_gain, displacement_m);
+}
+Sample sum_free_increments(std::size_t modes, const Sample* free_increment, std::span<const Sample* const> at,
+                           Sample* increments) {
+  return HWY_DYNAMIC_DISPATCH(sum_free_increments_here)(modes, free_increment, at, increments);
+}
+Sample advance_under_forces(const ModalArrays<Sample>& modes, Sample damping_gain,
+                            std::span<const Sample* const> pushed, const Sample* forces,
+                            std::span<const Sample* const> at, Sample* increments) {
+  return HWY_DYNAMIC_DISPATCH(advance_under_forces_here)(modes, damping_gain, pushed, forces, at, increments);
 }
 std::size_t process_struck(const StrikeConstants<Sample>& strike, HammerState<Sample>& hammer, std::span<Sample> out,
                            Sample* force) {

@@ -70,6 +70,66 @@ HWY_INLINE T advance_on_bridge_as(const ModalArrays<T>& modes, const T* shape, c
   return hn::GetLane(hn::SumOfLanes(tag, force));
 }
 
+/// Sums of kCount rows times a vector of modes.
+template <std::size_t kCount, typename T>
+HWY_INLINE void sum_rows(std::size_t modes, const T* vector, const T* const* rows, T* sums) {
+  const Tag<T> tag;
+  Vector<T> parts[kCount];
+  for (std::size_t p = 0; p < kCount; ++p) parts[p] = hn::Zero(tag);
+  for (std::size_t i = 0; i < modes; i += hn::Lanes(tag)) {
+    const auto v = hn::Load(tag, vector + i);
+    for (std::size_t p = 0; p < kCount; ++p) parts[p] = hn::MulAdd(v, hn::Load(tag, rows[p] + i), parts[p]);
+  }
+  for (std::size_t p = 0; p < kCount; ++p) sums[p] = hn::GetLane(hn::SumOfLanes(tag, parts[p]));
+}
+
+/// The same for any number of rows: eight at a time, so that as many sums run side by side.
+template <typename T>
+HWY_INLINE void sum_all_rows(std::size_t modes, const T* vector, std::span<const T* const> rows, T* sums) {
+  std::size_t p = 0;
+  for (; p + 8 <= rows.size(); p += 8) sum_rows<8>(modes, vector, rows.data() + p, sums + p);
+  if (p + 4 <= rows.size()) sum_rows<4>(modes, vector, rows.data() + p, sums + p), p += 4;
+  if (p + 2 <= rows.size()) sum_rows<2>(modes, vector, rows.data() + p, sums + p), p += 2;
+  if (p < rows.size()) sum_rows<1>(modes, vector, rows.data() + p, sums + p);
+}
+
+template <typename T>
+HWY_INLINE T sum_free_increments_as(std::size_t modes, const T* free_increment, std::span<const T* const> at,
+                                    T* increments) {
+  const Tag<T> tag;
+  auto travel = hn::Zero(tag);
+  for (std::size_t i = 0; i < modes; i += hn::Lanes(tag))
+    travel = hn::Add(travel, hn::Abs(hn::Load(tag, free_increment + i)));
+  sum_all_rows(modes, free_increment, at, increments);
+  return hn::GetLane(hn::SumOfLanes(tag, travel));
+}
+
+/// One sample under forces: the change of a mode is damping_gain times (free increment + admittance sum of shape force).
+template <typename T>
+HWY_INLINE T advance_under_forces_as(const ModalArrays<T>& modes, T damping_gain, std::span<const T* const> pushed,
+                                     const T* forces, std::span<const T* const> at, T* increments) {
+  const Tag<T> tag;
+  const auto gain = hn::Set(tag, damping_gain);
+  auto travel = hn::Zero(tag);
+  for (std::size_t i = 0; i < modes.modes; i += hn::Lanes(tag)) {
+    const auto d = hn::Load(tag, modes.free_increment + i), loss = hn::Load(tag, modes.loss + i);
+    auto force = hn::Zero(tag);
+    for (std::size_t p = 0; p < pushed.size(); ++p)
+      force = hn::MulAdd(hn::Set(tag, forces[p]), hn::Load(tag, pushed[p] + i), force);
+    const auto c = hn::Mul(gain, hn::MulAdd(hn::Load(tag, modes.admittance + i), force, d));
+    const auto q = hn::Add(hn::Load(tag, modes.displacement + i), c);
+    auto pull = hn::MulAdd(hn::Load(tag, modes.stiffness + i), q, hn::Mul(loss, c));
+    if constexpr (kRounds<T>) pull = hn::MulAdd(hn::Load(tag, modes.stiffness_rest + i), q, pull);
+    const auto next = hn::Add(hn::Sub(c, d), hn::Sub(c, pull));
+    hn::Store(c, tag, modes.change + i);
+    hn::Store(q, tag, modes.displacement + i);
+    hn::Store(next, tag, modes.free_increment + i);
+    travel = hn::Add(travel, hn::Abs(next));
+  }
+  sum_all_rows<T>(modes.modes, modes.free_increment, at, increments);
+  return hn::GetLane(hn::SumOfLanes(tag, travel));
+}
+
 inline constexpr std::size_t kBlock = 64;  // samples
 
 /// Advances kVectors vectors of modes over a block of samples, in registers, and adds shape times displacement to
