@@ -97,8 +97,8 @@ class HammerString {
     if constexpr (Modes == std::dynamic_extent) {
       if (!is_flying_) {
         hammer_.force_n = 0;
-        return detail::advance_on_bridge(string_.arrays(), bridge.shapes.data(), bridge.increments.data(),
-                                         1 / (1 + take_damping(controls)), w);
+        const auto strings = on_bridge(bridge, string_.size(), 1 / (1 + take_damping(controls)));
+        return detail::advance_on_bridge(std::span(&strings, 1), w);
       }
     }
 #endif
@@ -111,6 +111,43 @@ class HammerString {
     BridgeShapes<T, Modes> bridge{shapes, detail::ModalArray<T, Modes>(shapes.size())};
     for (std::size_t i = 0; i < shapes.size(); ++i) bridge.increments[i] = string_.admittance(i) * shapes[i];
     return bridge;
+  }
+
+  /// The lowest `modes` modes on a bridge, for the kernel that advances many strings; while no hammer flies.
+  [[nodiscard]] detail::StringsOnBridge<T> on_bridge(const BridgeShapes<T, Modes>& bridge, std::size_t modes,
+                                                     T damping_gain) {
+    detail::ModalArrays<T> arrays = string_.arrays();
+    arrays.modes = modes;
+    return {arrays, bridge.shapes.data(), bridge.increments.data(), damping_gain};
+  }
+
+  /// Lets modes first to last - 1 follow a bridge as strings without mass would, at shape displacement/stiffness, so
+  /// that they bring no energy but that of their motion. The bridge has this displacement and has changed by
+  /// change_m over its last sample (Body). Returns their force on the bridge, for Body::join() [N].
+  T follow(const BridgeShapes<T, Modes>& bridge, std::size_t first, std::size_t last, T displacement_m, T change_m) {
+    for (std::size_t i = first; i < last; ++i) {
+      const T rest = rest_per_displacement(bridge, i);
+      string_.set_state(i, rest * (displacement_m - change_m / 2),
+                        rest * change_m - bridge.increments[i] * displacement_m);
+    }
+    return bridge_force(bridge, first, last);
+  }
+
+  /// Force of modes first to last - 1 on a bridge [N], for Body::leave().
+  [[nodiscard]] T bridge_force(const BridgeShapes<T, Modes>& bridge, std::size_t first, std::size_t last) const {
+    T force = 0;
+    for (std::size_t i = first; i < last; ++i) force += bridge.shapes[i] * string_.displacement(i);
+    return force;
+  }
+
+  /// Energy of a mode on a bridge of this displacement [J]: what the bridge loses with it if it leaves.
+  [[nodiscard]] double energy_on(const BridgeShapes<T, Modes>& bridge, std::size_t mode, T displacement_m) const {
+    return string_.energy(mode, double(rest_per_displacement(bridge, mode)) * double(displacement_m));
+  }
+
+  /// Stiffness that a mode adds to a bridge [N/m]: shape^2/stiffness.
+  [[nodiscard]] double stiffness_on(const BridgeShapes<T, Modes>& bridge, std::size_t mode) const {
+    return double(bridge.shapes[mode]) * double(rest_per_displacement(bridge, mode));
   }
 
   /// Advances out.size() samples, writes the displacement at the pickup [m] after each and, unless `forces` is null,
@@ -149,6 +186,12 @@ class HammerString {
 
  private:
   using Ranges = ControlRanges<T>;
+
+  // Displacement of a mode at rest per displacement of the bridge: shape/stiffness.
+  [[nodiscard]] T rest_per_displacement(const BridgeShapes<T, Modes>& bridge, std::size_t mode) const {
+    const T stiffness = string_.stiffness(mode);
+    return stiffness > 0 ? 2 * bridge.increments[mode] / stiffness : T(0);
+  }
 
   // One sample; `drive` adds other forces to the string, each times the gain of the damper.
   template <typename Drive>

@@ -37,13 +37,17 @@ class FallingDamper {
         hold_factor_(std::pow(factor_, kHold)),
         mean_factor_(factor_ * (1 - hold_factor_) / (-std::expm1(-1 / (damper.time_s * sample_rate_hz)) * kHold)) {}
 
-  void lift() { target_ = remainder_ = 0; }
-
-  void lower() {
-    if (target_ > 0) return;
-    target_ = remainder_ = full_per_s_;
+  /// position: 0 lifted to 1 down. A damper that is lifted a little loses its damping at once.
+  void move_to(double position) {
+    const double target = position * full_per_s_, now = target_ - remainder_;
+    if (target == target_) return;
+    target_ = target;
+    remainder_ = std::max(0.0, target - now);
     done_ = 0;
   }
+
+  /// Ends the movement at once.
+  void finish() { remainder_ = 0; }
 
   /// Damping in the coming samples() [1/s].
   [[nodiscard]] double value() const { return target_ - remainder_ * mean_factor_; }
@@ -104,10 +108,10 @@ class HammerVoice {
   void strike_at(const ModeShapes<T>& strike) { model_.strike_at(strike); }
 
   /// Lifts the damper, as a key does that is pressed without a sound.
-  void lift() { damper_.lift(); }
+  void lift() { damper_.move_to(0); }
 
   /// Lowers the damper.
-  void release() { damper_.lower(); }
+  void release() { damper_.move_to(1); }
 
   /// Brings the strings to rest, stops the hammer and lifts the damper. Does not allocate.
   void reset() {

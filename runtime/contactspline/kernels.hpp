@@ -28,6 +28,15 @@ struct ModalArrays {
 /// Banks of at most so many modes are advanced without kernels.
 inline constexpr std::size_t kFewModes = 4;
 
+/// Strings that end at a bridge.
+template <std::floating_point T>
+struct StringsOnBridge {
+  ModalArrays<T> modes;
+  const T* shape;      ///< force of each mode on the bridge per displacement [N/m]
+  const T* increment;  ///< what a metre of the bridge adds to the increment of each mode: shape times admittance
+  T damping_gain;      ///< as in StrikeConstants
+};
+
 /// Number of knots in a block of a ContactTable.
 inline constexpr std::size_t kKnotsPerBlock = 32;
 
@@ -110,13 +119,10 @@ inline constexpr T kHammerStop_m = T(-0.05);
 void process_free(const ModalArrays<float>& modes, float damping_gain, const float* pickup, std::span<float> out);
 void process_free(const ModalArrays<double>& modes, double damping_gain, const double* pickup, std::span<double> out);
 
-/// Advances the modes by one sample on a bridge that is displaced by so many metres, and returns the sum of shape
-/// times displacement [N]. increment: what a metre of the bridge adds to the increment of the mode, shape times
-/// admittance.
-float advance_on_bridge(const ModalArrays<float>& modes, const float* shape, const float* increment,
-                        float damping_gain, float displacement_m);
-double advance_on_bridge(const ModalArrays<double>& modes, const double* shape, const double* increment,
-                         double damping_gain, double displacement_m);
+/// Advances all strings by one sample on a bridge that is displaced by so many metres, and returns the sum of shape
+/// times displacement [N].
+float advance_on_bridge(std::span<const StringsOnBridge<float>> strings, float displacement_m);
+double advance_on_bridge(std::span<const StringsOnBridge<double>> strings, double displacement_m);
 
 /// Sums of shape times free increment for several shapes. Returns the sum of |free increment|.
 float sum_free_increments(std::size_t modes, const float* free_increment, std::span<const float* const> at,
@@ -138,5 +144,27 @@ std::size_t process_struck(const StrikeConstants<float>& strike, HammerState<flo
                            float* force);
 std::size_t process_struck(const StrikeConstants<double>& strike, HammerState<double>& hammer, std::span<double> out,
                            double* force);
+
+/// advance_on_bridge() where ContactSpline::simd is linked, and a loop that does the same where it is not.
+template <std::floating_point T>
+T advance_strings(std::span<const StringsOnBridge<T>> strings, T displacement_m) {
+#ifdef CONTACTSPLINE_SIMD
+  return advance_on_bridge(strings, displacement_m);
+#else
+  constexpr std::size_t kLanes = 8;  // partial sums let the compiler use vector registers; the arrays are padded
+  T forces[kLanes] = {};
+  for (const auto& [modes, shape, increment, damping_gain] : strings)
+    for (std::size_t line = 0; line < modes.modes; line += kLanes)
+      for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        const std::size_t i = line + lane;
+        const T d = modes.free_increment[i], c = damping_gain * (d + increment[i] * displacement_m);
+        const T q = modes.displacement[i] + c, pull = modes.loss[i] * c + modes.stiffness[i] * q;
+        modes.displacement[i] = q;
+        modes.free_increment[i] = (c - d) + (c - (pull + modes.stiffness_rest[i] * q));
+        forces[lane] += shape[i] * q;
+      }
+  return ((forces[0] + forces[4]) + (forces[2] + forces[6])) + ((forces[1] + forces[5]) + (forces[3] + forces[7]));
+#endif
+}
 
 }  // namespace contactspline::detail

@@ -206,6 +206,27 @@ class ModalBank {
     return detail::sum_of<T>(size(), [&](std::size_t i) { return at[i] * static_cast<T>(velocity_of(i)); });
   }
 
+  /// A place for velocity() in T: what a metre of each mode and of its free increment add [1/s].
+  struct VelocityShapes {
+    Shapes of_displacement, of_free_increment;
+  };
+  [[nodiscard]] VelocityShapes velocity_shapes(const Shapes& at) const {
+    VelocityShapes shapes{Shapes(size()), Shapes(size())};
+    for (std::size_t i = 0; i < size(); ++i) {
+      const auto [of_displacement, of_free_increment] = velocity_gains(constants_[i]);
+      shapes.of_displacement[i] = static_cast<T>(double(at[i]) * of_displacement);
+      shapes.of_free_increment[i] = static_cast<T>(double(at[i]) * of_free_increment);
+    }
+    return shapes;
+  }
+
+  /// velocity() at a place that does not move, many times as fast.
+  [[nodiscard]] T velocity(const VelocityShapes& at) const {
+    return detail::sum_of<T>(size(), [&](std::size_t i) {
+      return at.of_displacement[i] * displacement_[i] + at.of_free_increment[i] * free_increment_[i];
+    });
+  }
+
   /// Shapes of a pickup for sound: each shape divided by what averaging takes away from its mode. A force that is
   /// constant over each sample excites a mode |1 - z|/|p dt| times as strongly as an impulse, and the contact force
   /// is itself an average over the sample, which takes away the same factor again. Use these shapes for sound.
@@ -301,6 +322,16 @@ class ModalBank {
         static_cast<T>((double(velocity_m_per_s) + c.decay_per_s * q) / c.velocity_gain - one_minus_real * q);
   }
 
+  /// Sets the state of a mode between two samples: its displacement and its free increment [m].
+  void set_state(std::size_t mode, T displacement_m, T free_increment_m) {
+    displacement_[mode] = displacement_m;
+    free_increment_[mode] = free_increment_m;
+  }
+  [[nodiscard]] T displacement(std::size_t mode) const { return displacement_[mode]; }
+
+  /// Stiffness of a mode in units of the sample: a force f holds the mode at rest at 2 admittance f/stiffness [m].
+  [[nodiscard]] T stiffness(std::size_t mode) const { return stiffness_[mode]; }
+
   /// Ends the sample: updates displacements and free increments.
   void commit() {
     commit_all(size(), stiffness_.data(), stiffness_rest_.data(), loss_.data(), change_.data(), displacement_.data(),
@@ -316,15 +347,19 @@ class ModalBank {
   /// Kinetic plus potential energy [J]. In each sample it changes by the work of the forces minus dissipated(), exact
   /// up to rounding. The potential energy is that of the continuous mode, m (w^2 + decay^2) q^2/2.
   [[nodiscard]] double energy() const {
-    double energy = 0;
-    for (std::size_t i = 0; i < size(); ++i) {
-      const detail::ModeConstants& mode = constants_[i];
-      if (mode.admittance == 0) continue;
-      const double q = double(displacement_[i]), weighted_step = double(free_increment_[i]) + mode.stiffness / 2 * q;
-      energy +=
-          (weighted_step * weighted_step / mode.one_plus_z_square + mode.stiffness / 4 * q * q) / mode.admittance;
-    }
-    return energy;
+    double sum = 0;
+    for (std::size_t i = 0; i < size(); ++i) sum += energy(i, 0);
+    return sum;
+  }
+
+  /// The same of one mode [J], with its potential energy counted from a displacement `rest_m`.
+  [[nodiscard]] double energy(std::size_t i, double rest_m) const {
+    const detail::ModeConstants& mode = constants_[i];
+    if (mode.admittance == 0) return 0;
+    const double q = double(displacement_[i]), from_rest = q - rest_m,
+                 weighted_step = double(free_increment_[i]) + mode.stiffness / 2 * q;
+    return (weighted_step * weighted_step / mode.one_plus_z_square + mode.stiffness / 4 * from_rest * from_rest) /
+           mode.admittance;
   }
 
   /// Energy [J] that the losses of the modes and the damper dissipated in the last committed sample.
@@ -375,11 +410,18 @@ class ModalBank {
  private:
   // Velocity of mode i in free motion [m/s], from its displacement q and the change d to its next one.
   [[nodiscard]] double velocity_of(std::size_t i) const {
-    const detail::ModeConstants& mode = constants_[i];
+    const auto [of_displacement, of_free_increment] = velocity_gains(constants_[i]);
+    return of_free_increment * double(free_increment_[i]) + of_displacement * double(displacement_[i]);
+  }
+
+  struct VelocityGains {
+    double of_displacement, of_free_increment;  // [1/s]
+  };
+  static VelocityGains velocity_gains(const detail::ModeConstants& mode) {
     constexpr double kMaxLoss = 0.19;  // 1 - 0.9^2
-    if (mode.loss > kMaxLoss) return 0;
-    const double q = double(displacement_[i]), one_minus_real = (mode.loss + mode.stiffness) / 2;  // 1 - Re z
-    return mode.velocity_gain * (double(free_increment_[i]) + one_minus_real * q) - mode.decay_per_s * q;
+    if (mode.loss > kMaxLoss) return {0, 0};
+    const double one_minus_real = (mode.loss + mode.stiffness) / 2;  // 1 - Re z
+    return {mode.velocity_gain * one_minus_real - mode.decay_per_s, mode.velocity_gain};
   }
 
   // Four sums of the modes' increments times shape.

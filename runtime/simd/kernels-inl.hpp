@@ -21,9 +21,8 @@ void process_free_here(const ModalArrays<Sample>& modes, Sample damping_gain, co
                        std::span<Sample> out) {
   process_free_block(modes, damping_gain, pickup, out);
 }
-Sample advance_on_bridge_here(const ModalArrays<Sample>& modes, const Sample* shape, const Sample* increment,
-                              Sample damping_gain, Sample displacement_m) {
-  return advance_on_bridge_as(modes, shape, increment, damping_gain, displacement_m);
+Sample advance_on_bridge_here(std::span<const StringsOnBridge<Sample>> strings, Sample displacement_m) {
+  return advance_on_bridge_as(strings, displacement_m);
 }
 Sample sum_free_increments_here(std::size_t modes, const Sample* free_increment, std::span<const Sample* const> at,
                                 Sample* increments) {
@@ -58,9 +57,8 @@ void process_free(const ModalArrays<Sample>& modes, Sample damping_gain, const S
   const FlushDenormals flushed;
   HWY_DYNAMIC_DISPATCH(process_free_here)(modes, damping_gain, pickup, out);
 }
-Sample advance_on_bridge(const ModalArrays<Sample>& modes, const Sample* shape, const Sample* increment,
-                         Sample damping_gain, Sample displacement_m) {
-  return HWY_DYNAMIC_DISPATCH(advance_on_bridge_here)(modes, shape, increment, damping_gain, displacement_m);
+Sample advance_on_bridge(std::span<const StringsOnBridge<Sample>> strings, Sample displacement_m) {
+  return HWY_DYNAMIC_DISPATCH(advance_on_bridge_here)(strings, displacement_m);
 }
 Sample sum_free_increments(std::size_t modes, const Sample* free_increment, std::span<const Sample* const> at,
                            Sample* increments) {

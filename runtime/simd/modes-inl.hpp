@@ -52,20 +52,22 @@ HWY_INLINE void move(Vector<T> stiffness, Vector<T> rest, Vector<T> loss, Vector
 
 /// One sample on a bridge: the change of a mode is damping_gain times (free increment + increment displacement).
 template <typename T>
-HWY_INLINE T advance_on_bridge_as(const ModalArrays<T>& modes, const T* shape, const T* increment, T damping_gain,
-                                  T displacement) {
+HWY_INLINE T advance_on_bridge_as(std::span<const StringsOnBridge<T>> strings, T displacement) {
   const Tag<T> tag;
-  const auto gain = hn::Set(tag, damping_gain), w = hn::Set(tag, displacement);
+  const auto w = hn::Set(tag, displacement);
   auto force = hn::Zero(tag);
-  for (std::size_t i = 0; i < modes.modes; i += hn::Lanes(tag)) {
-    const auto d = hn::Load(tag, modes.free_increment + i), loss = hn::Load(tag, modes.loss + i);
-    const auto c = hn::Mul(gain, hn::MulAdd(hn::Load(tag, increment + i), w, d));
-    const auto q_before = hn::Load(tag, modes.displacement + i), q = hn::Add(q_before, c);
-    auto pull = hn::MulAdd(hn::Load(tag, modes.stiffness + i), q, hn::Mul(loss, c));
-    if constexpr (kRounds<T>) pull = hn::MulAdd(hn::Load(tag, modes.stiffness_rest + i), q, pull);
-    hn::Store(q, tag, modes.displacement + i);
-    hn::Store(hn::Add(hn::Sub(c, d), hn::Sub(c, pull)), tag, modes.free_increment + i);
-    force = hn::MulAdd(hn::Load(tag, shape + i), q, force);
+  for (const auto& [modes, shape, increment, damping_gain] : strings) {
+    const auto gain = hn::Set(tag, damping_gain);
+    for (std::size_t i = 0; i < modes.modes; i += hn::Lanes(tag)) {
+      const auto d = hn::Load(tag, modes.free_increment + i), loss = hn::Load(tag, modes.loss + i);
+      const auto c = hn::Mul(gain, hn::MulAdd(hn::Load(tag, increment + i), w, d));
+      const auto q_before = hn::Load(tag, modes.displacement + i), q = hn::Add(q_before, c);
+      auto pull = hn::MulAdd(hn::Load(tag, modes.stiffness + i), q, hn::Mul(loss, c));
+      if constexpr (kRounds<T>) pull = hn::MulAdd(hn::Load(tag, modes.stiffness_rest + i), q, pull);
+      hn::Store(q, tag, modes.displacement + i);
+      hn::Store(hn::Add(hn::Sub(c, d), hn::Sub(c, pull)), tag, modes.free_increment + i);
+      force = hn::MulAdd(hn::Load(tag, shape + i), q, force);
+    }
   }
   return hn::GetLane(hn::SumOfLanes(tag, force));
 }

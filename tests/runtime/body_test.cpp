@@ -2,53 +2,16 @@
 // Strings on a body: energy, and the motion against the exact solution of the coupled equations.
 #include "contactspline/body.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <complex>
 #include <iostream>
-#include <numbers>
+#include <numeric>
+#include <random>
 
 #include "energy.hpp"
-#include "generator/resonator/resonator.hpp"
-#include "strings.hpp"
+#include "strings_on_body.hpp"
 #include "support/compare.hpp"
 
 namespace contactspline::testing {
 namespace {
-
-using std::numbers::pi;
-
-// The kernels do not tell what the strings dissipate: there they have no losses.
-#ifdef CONTACTSPLINE_SIMD
-constexpr bool kHasLosses = false;
-#else
-constexpr bool kHasLosses = true;
-#endif
-
-/// A board of spruce, as data/resonators/soundboard.json.
-std::vector<ResonatorMode> board(int max_modes, double quadratic_loss = 0.29) {
-  const Plate plate{1.39, 0.91, 0.018, 392, 11.5e9, 8e9, 1.5e9, 0.3, {8, quadratic_loss}};
-  return modes_of({"board", "", plate, {0.62, 0, 0.51}, {0.87, 0, 0.29}, max_modes}, 22050).modes;
-}
-
-/// The modes of all strings of a key, with their forces on the bridge.
-struct Strings {
-  Strings(const StruckString& struck, std::vector<double> cents, int max_modes, double max_frequency_hz) {
-    StiffString string = struck.string;
-    if (!kHasLosses) string.losses = {0, 0};
-    string.detuning_cents = std::move(cents);
-    const int all = max_modes * static_cast<int>(string.detuning_cents.size());
-    const auto found = modes_of({"", "", string, {struck.strike_m}, {struck.strike_m}, all}, max_frequency_hz).modes;
-    modes = bare(found);
-    strike = shapes<double>(found, &ResonatorMode::strike_shape);
-    for (const auto& mode : found) bridge.push_back(bridge_shape(string, mode));
-    stiffness = bridge_stiffness(string, found);
-  }
-
-  std::vector<Mode> modes;
-  ModeShapes<double> strike;
-  std::vector<double> bridge;
-  double stiffness;
-};
 
 /// A key with its hammer and its energy.
 template <typename T>
@@ -136,88 +99,113 @@ TEST_P(StrungBody, BalancesItsEnergy) {
 
 INSTANTIATE_TEST_SUITE_P(Rates, StrungBody, ::testing::Values(22050.0, 44100.0, 96000.0));
 
-/// The exact motion of strings on a body in continuous time: M x'' + 2 M S x' + K x = 0 by the eigenvectors of its
-/// matrix, in units in which all its numbers are of one size: sqrt(M) x and sqrt(M) x'/kUnit.
-class ExactMotion {
- public:
-  ExactMotion(const Strings& strings, const std::vector<ResonatorMode>& body) : strings_(strings), body_(body) {
-    const auto s = static_cast<Eigen::Index>(strings.modes.size()), b = static_cast<Eigen::Index>(body.size()),
-               n = s + b;
-    Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(n, n);
-    Eigen::VectorXd mass(n), decay(n);
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const auto at = static_cast<std::size_t>(i < s ? i : i - s);
-      const Mode& mode = i < s ? strings.modes[at] : body[at].mode;
-      mass(i) = mode.mass_kg;
-      decay(i) = mode.decay_per_s;
-      stiffness(i, i) =
-          mode.mass_kg * (std::pow(mode.angular_frequency_rad_per_s, 2) + std::pow(mode.decay_per_s, 2));
+// Twenty keys of one to three strings that join and leave the bridge in parts, at random, while others ring, with and
+// without dampers. Who joins follows the bridge and brings what moves: (change of the bridge)^2 K/(2 |1 - z|^2) for
+// each mode without loss, K = 2 (T + EI beta^2)/L. Bound: 1e-12 of the largest energy.
+TEST_P(StrungBody, BalancesItsEnergyWhileStringsJoinAndLeave) {
+  const double rate = GetParam();
+  const auto modes = board(60);
+  struct Joining {
+    Strings strings;
+    HammerString<double> model;
+    BridgeShapes<double> bridge;
+    std::vector<double> stiffness, work;  // of each mode; work for a change of one metre
+    std::size_t joined = 0;
+    double mass_kg;
+  };
+  const auto felt = table_in<double>(felt_table(c4(), 32));
+  std::vector<Joining> keys;
+  std::mt19937_64 random(11);
+  constexpr std::size_t kLine = 8;  // modes, which the kernels advance together
+  const auto draw = [&](std::size_t below) { return static_cast<std::size_t>(random() % below); };
+  double at_rest = 0;
+  for (int k = 0; k < 20; ++k) {
+    StruckString struck = c4();
+    struck.string.losses = {0, 0};
+    struck.string.length_m *= std::exp2(-k / 12.0);
+    struck.string.detuning_cents.clear();
+    for (int s = 0; s <= k % 3; ++s) struck.string.detuning_cents.push_back(0.7 * s);
+    const auto rows = modes_below(struck.string, std::min(22050.0, rate / 2), 30);
+    Strings strings(struck, struck.string.detuning_cents, 30, std::min(22050.0, rate / 2));
+    HammerString<double> model(SegmentTable<double>(felt), bare(rows), strings.strike, rate);
+    auto bridge = model.bridge(bridge_shapes<double>(struck.string, rows, 1));
+    std::vector<double> stiffness, work;
+    for (const StringMode& row : rows) {
+      const double sine = std::sin(row.mode.angular_frequency_rad_per_s / (2 * rate)),
+                   shape = bridge_shape(struck.string, row);
+      stiffness.push_back(shape * shape / stiffness_of(row.mode));
+      work.push_back(stiffness.back() / (8 * sine * sine));
     }
-    for (Eigen::Index i = 0; i < b; ++i) {
-      const double shape = body[static_cast<std::size_t>(i)].strike_shape;
-      for (Eigen::Index j = 0; j < b; ++j)
-        stiffness(s + i, s + j) += strings.stiffness * shape * body[static_cast<std::size_t>(j)].strike_shape;
-      for (Eigen::Index j = 0; j < s; ++j)
-        stiffness(s + i, j) = stiffness(j, s + i) = -shape * strings.bridge[static_cast<std::size_t>(j)];
+    at_rest += bridge_stiffness(struck.string, std::vector<StringMode>());
+    keys.push_back({std::move(strings), std::move(model), std::move(bridge), stiffness, work, 0, 0.003});
+  }
+  Body<double> body(bare(modes), shapes<double>(modes, &ResonatorMode::strike_shape), at_rest, rate);
+  EnergyBooks books;
+  const auto sum = [](const std::vector<double>& of, std::size_t first, std::size_t last) {
+    return std::accumulate(of.begin() + static_cast<std::ptrdiff_t>(first),
+                           of.begin() + static_cast<std::ptrdiff_t>(last), 0.0);
+  };
+  const auto hammer_energy = [&](const Joining& key) {
+    return key.mass_kg * std::pow(key.model.hammer_velocity(), 2) / 2 +
+           potential(SegmentTable<double>(felt), key.model.compression());
+  };
+  const auto set_modes = [&](Joining& key, std::size_t count) {
+    if (count > key.joined) {
+      const double force = key.model.follow(key.bridge, key.joined, count, body.displacement(), body.change());
+      body.join(sum(key.stiffness, key.joined, count), force);
+      books.work += body.change() * body.change() * sum(key.work, key.joined, count);
+    } else {
+      for (std::size_t i = count; i < key.joined; ++i)
+        books.dissipated += key.model.energy_on(key.bridge, i, body.displacement());
+      body.leave(sum(key.stiffness, count, key.joined), key.model.bridge_force(key.bridge, count, key.joined));
     }
-    Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(2 * n, 2 * n);
-    root_mass_ = mass.cwiseSqrt();
-    const Eigen::VectorXd inverse = root_mass_.cwiseInverse();
-    matrix.topRightCorner(n, n) = kUnit * Eigen::MatrixXd::Identity(n, n);
-    matrix.bottomLeftCorner(n, n) = (-inverse / kUnit).eval().asDiagonal() * stiffness * inverse.asDiagonal();
-    matrix.bottomRightCorner(n, n) = (-2 * decay).eval().asDiagonal();
-    const Eigen::EigenSolver<Eigen::MatrixXd> solver(matrix);
-    rates_ = solver.eigenvalues();
-    vectors_ = solver.eigenvectors();
-  }
-
-  /// From the displacements of the strings' modes at rest. The body is at rest half a sample later, as in Body: at
-  /// time 0 it moves backwards.
-  void start(const std::vector<double>& displacement, double rate) {
-    Eigen::VectorXcd state = Eigen::VectorXcd::Zero(rates_.size());
-    double force = 0;
-    for (std::size_t i = 0; i < displacement.size(); ++i) {
-      state(static_cast<Eigen::Index>(i)) = displacement[i];
-      force += strings_.bridge[i] * displacement[i];
+    key.joined = count;
+  };
+  double brought = 0, taken = 0;
+  bool pedal = false;
+  for (int n = 0; n < static_cast<int>(2 * rate); ++n) {
+    const auto joins_before = books.work, leaves_before = books.dissipated;
+    if (n % 97 == 0) {
+      Joining& key = keys[draw(20)];
+      if (!key.model.is_hammer_flying()) set_modes(key, std::min(kLine * draw(13), key.stiffness.size()));
     }
-    for (std::size_t i = 0; i < body_.size(); ++i) {
-      const auto at = static_cast<Eigen::Index>(displacement.size() + i);
-      const double acceleration = body_[i].strike_shape * force / body_[i].mode.mass_kg;
-      state(at) = acceleration / (8 * rate * rate);
-      state(rates_.size() / 2 + at) = -acceleration / (2 * rate) / kUnit;
+    if (n % 5000 == 0)
+      for (auto& key : keys)
+        if (key.model.is_hammer_flying() || key.joined < 10) set_modes(key, key.stiffness.size());
+    if (n % 7001 == 0) pedal = !pedal;
+    brought += static_cast<double>(books.work - joins_before);
+    taken += static_cast<double>(books.dissipated - leaves_before);
+    if (n % 1201 == 0) {
+      Joining& key = keys[draw(20)];
+      set_modes(key, key.stiffness.size());
+      const double before = hammer_energy(key);
+      key.model.strike(2, 1e-4);
+      books.work += hammer_energy(key) - before;
     }
-    for (Eigen::Index i = 0; i < state.size(); ++i) state(i) *= root_mass_(i % root_mass_.size());
-    parts_ = vectors_.partialPivLu().solve(state);
+    double force = 0, stored = 0;
+    for (auto& key : keys) {
+      const double damping = kHasLosses && !pedal && !key.model.is_hammer_flying() ? 60 : 0;
+      if (key.joined == key.stiffness.size()) {
+        force += key.model.tick({.hammer_mass_kg = key.mass_kg, .damping_per_s = damping}, key.bridge,
+                                body.displacement());
+        if (kHasLosses) books.dissipated += key.model.string().dissipated();
+      } else {  // by the code of the kernels or its portable twin
+        const auto strings = key.model.on_bridge(key.bridge, key.joined, 1);
+        force += detail::advance_strings<double>(std::span(&strings, 1), body.displacement());
+      }
+      for (std::size_t i = 0; i < key.joined; ++i) stored += key.model.string().energy(i, 0);
+      stored += hammer_energy(key);
+    }
+    body.tick(force);
+    books.dissipated += body.modes().dissipated();
+    books.close(stored + body.energy());
   }
-
-  /// Angular frequencies that sound [rad/s], rising.
-  [[nodiscard]] std::vector<double> frequencies() const {
-    std::vector<double> frequencies;
-    for (const auto& rate : rates_)
-      if (rate.imag() > 0) frequencies.push_back(rate.imag());
-    std::ranges::sort(frequencies);
-    return frequencies;
-  }
-
-  /// Force of the strings on the bridge [N].
-  [[nodiscard]] double force_at(double time_s) const {
-    const Eigen::VectorXcd state = vectors_ * (parts_.array() * (rates_.array() * time_s).exp()).matrix();
-    double force = 0;
-    for (std::size_t i = 0; i < strings_.bridge.size(); ++i)
-      force +=
-          strings_.bridge[i] * state(static_cast<Eigen::Index>(i)).real() / root_mass_(static_cast<Eigen::Index>(i));
-    return force;
-  }
-
- private:
-  const Strings& strings_;
-  const std::vector<ResonatorMode>& body_;
-  static constexpr double kUnit = 2 * pi * 1000;  // rad/s
-
-  Eigen::VectorXd root_mass_;
-  Eigen::VectorXcd rates_, parts_;
-  Eigen::MatrixXcd vectors_;
-};
+  std::cout << rate << " Hz: " << books.worst / books.peak << " of the largest energy; joins brought "
+            << brought / books.peak << ", leaves took " << taken / books.peak << " of it\n";
+  EXPECT_GT(brought, 1e-9 * books.peak);
+  EXPECT_GT(taken, 0.01 * books.peak);
+  EXPECT_TRUE(within(books.worst, 0, 1e-12 * books.peak));
+}
 
 /// The same at a sample rate: force on the bridge after each sample.
 std::vector<double> played(const Strings& strings, const std::vector<ResonatorMode>& modes,
