@@ -7,6 +7,9 @@
 # the bundle OUTPUT_DIR/FILE.lv2; contactspline_jack to a program for the JACK server, OUTPUT_DIR/FILE, that is played by
 # MIDI. FILE is the name of the Faust file without .dsp, or that of the instrument.
 #
+# A program with a line `effect = ...` that notes play has Faust's polyphonic effect: it processes the sum of all voices,
+# and has as many inputs and outputs as a voice has outputs.
+#
 # DSP            the Faust program, relative to the current source folder; or a C++ file, FILE.cpp, with a class FILE that
 #                has Faust's `dsp` interface, such as a HammerStringDsp of contactspline/faust_dsp.hpp: it goes into the
 #                architecture file in place of what Faust would write
@@ -85,7 +88,8 @@ class @arg_INSTRUMENT@ : public contactspline::InstrumentDsp<contactspline::inst
   return(PROPAGATE arg_DSP)
 endfunction()
 
-# Checks and completes the arguments that both functions share, and sets `stem`, the name of the Faust file.
+# Checks and completes the arguments that both functions share, and sets `stem`, the name of the Faust file, and
+# `has_effect`.
 function(_contactspline_faust_arguments more)
   set(one TARGET DSP INSTRUMENT VOICES ${more} OUTPUT_DIR)
   _contactspline_parse("${one}" "MATERIALS;FAUST_OPTIONS" "TARGET" ${ARGN})
@@ -122,8 +126,13 @@ function(_contactspline_faust_arguments more)
     set(arg_OUTPUT_DIR "${CMAKE_CURRENT_BINARY_DIR}")
   endif()
   cmake_path(ABSOLUTE_PATH arg_OUTPUT_DIR BASE_DIRECTORY "${CMAKE_CURRENT_BINARY_DIR}" NORMALIZE)
+  set(has_effect FALSE)
+  if(arg_VOICES GREATER 0 AND arg_DSP MATCHES "\\.dsp$")
+    file(STRINGS "${arg_DSP}" effects REGEX "^effect *=")
+    list(LENGTH effects has_effect)
+  endif()
   list(TRANSFORM one PREPEND arg_)
-  return(PROPAGATE ${one} arg_MATERIALS arg_FAUST_OPTIONS stem)
+  return(PROPAGATE ${one} arg_MATERIALS arg_FAUST_OPTIONS stem has_effect)
 endfunction()
 
 # Checks that a class may be called as the file.
@@ -134,6 +143,7 @@ function(_contactspline_class_name)
 endfunction()
 
 # The build step that makes `source`, the Faust program as C++ in an architecture file; further arguments are options.
+# With an effect it also makes `effect_folder`/effect.h, the effect as a class `effect`.
 function(_contactspline_faust_step source architecture)
   cmake_path(GET arg_DSP PARENT_PATH program_folder)
   set(include -I "${program_folder}")
@@ -163,6 +173,52 @@ function(_contactspline_faust_step source architecture)
     DEPENDS "${FAUST}" "${arg_DSP}" ${libraries} ${depends}
     COMMENT "Compiling ${arg_TARGET} with ${architecture}"
     VERBATIM)
+  if(has_effect)
+    set(effect_program "${effect_folder}/effect.dsp")
+    file(CONFIGURE OUTPUT "${effect_program}" @ONLY CONTENT
+"program = library(\"@arg_DSP@\");
+channels = par(i, outputs(program.process), _);
+process = channels : program.effect : channels;
+")
+    add_custom_command(
+      OUTPUT "${effect_folder}/effect.h"
+      COMMAND ${FAUST} -mcd 0 -cn effect ${arg_FAUST_OPTIONS} ${include} -I "${ContactSpline_FAUST_DIR}"
+              "${effect_program}" -o "${effect_folder}/effect.h"
+      DEPENDS "${FAUST}" "${arg_DSP}" ${libraries} ${depends}
+      COMMENT "Compiling the effect of ${arg_TARGET}"
+      VERBATIM)
+  endif()
+endfunction()
+
+# Sets `architecture` to a copy of Faust's lv2.cpp that passes the sum of the voices through the effect, which lv2.cpp
+# does not know.
+function(_contactspline_lv2_with_effect)
+  execute_process(COMMAND ${FAUST} -archdir OUTPUT_VARIABLE folder OUTPUT_STRIP_TRAILING_WHITESPACE)
+  file(READ "${folder}/lv2.cpp" text)
+  string(REPLACE "<<includeclass>>" "<<includeclass>>\n#include \"effect.h\"\n" text "${text}")
+  string(REGEX REPLACE "(struct LV2Plugin {\n)" "\\1  effect board;\n" text "${text}")
+  string(REPLACE "dsp[i]->init(rate);" "dsp[i]->init(rate); board.init(rate);" text "${text}")
+  string(REGEX REPLACE "(} else {[ \t\n]*// Simple effect: We can write directly)"
+    "board.compute(blocksz, outputs, outbuf);
+      for (int i = 0; i < m; i++) memcpy(outputs[i], outbuf[i], blocksz*sizeof(float));
+    \\1" text "${text}")
+  foreach(part "<<includeclass>>\n#include" "  effect board;" "board.init" "board.compute")
+    string(FIND "${text}" "${part}" place)
+    if(place LESS 0)
+      _contactspline_fail("DSP: ${arg_DSP} has an effect, and ${folder}/lv2.cpp no place for it; allowed: lv2.cpp of Faust 2.54")
+    endif()
+  endforeach()
+  set(architecture "${effect_folder}/lv2.cpp")
+  file(CONFIGURE OUTPUT "${architecture}" CONTENT "${text}" @ONLY)
+  return(PROPAGATE architecture)
+endfunction()
+
+# Adds the effect to what a program is compiled of.
+function(_contactspline_add_effect target)
+  if(has_effect)
+    target_sources(${target} PRIVATE "${effect_folder}/effect.h")
+    target_include_directories(${target} PRIVATE "${effect_folder}")
+  endif()
 endfunction()
 
 # Links the vectorised kernels, where they were built, to what a C++ file goes into.
@@ -202,11 +258,17 @@ function(contactspline_lv2)
   endif()
   set(bundle "${arg_OUTPUT_DIR}/${stem}.lv2")
   set(source "${CMAKE_CURRENT_BINARY_DIR}/${arg_TARGET}.cpp")
-  _contactspline_faust_step("${source}" lv2.cpp -cn ${stem})  # the class is called as the plug-in's binary
+  set(effect_folder "${CMAKE_CURRENT_BINARY_DIR}/${arg_TARGET}_effect")
+  set(architecture lv2.cpp)
+  if(has_effect)
+    _contactspline_lv2_with_effect()
+  endif()
+  _contactspline_faust_step("${source}" ${architecture} -cn ${stem})  # the class is called as the plug-in's binary
 
   set(objects ${arg_TARGET}_objects)
   add_library(${objects} OBJECT "${source}")
   _contactspline_faust_options(${objects})
+  _contactspline_add_effect(${objects})
   # Without tunings, which would be those of whoever builds.
   target_compile_definitions(${objects} PRIVATE PLUGIN_URI="${arg_URI}" FAUST_MTS=0)
   set_target_properties(${objects} PROPERTIES POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden)
@@ -254,10 +316,12 @@ function(contactspline_jack)
   _contactspline_find(jack libjack-jackd2-dev alsa libasound2-dev)
   find_package(Threads REQUIRED)
   set(source "${CMAKE_CURRENT_BINARY_DIR}/${arg_TARGET}.cpp")
+  set(effect_folder "${CMAKE_CURRENT_BINARY_DIR}/${arg_TARGET}_effect")
   _contactspline_faust_step("${source}" jack-console.cpp)
   add_executable(${arg_TARGET} "${source}")
   _contactspline_faust_options(${arg_TARGET})
-  target_compile_definitions(${arg_TARGET} PRIVATE MIDICTRL)
+  _contactspline_add_effect(${arg_TARGET})
+  target_compile_definitions(${arg_TARGET} PRIVATE MIDICTRL $<$<BOOL:${has_effect}>:POLY2>)
   target_link_libraries(${arg_TARGET} PRIVATE PkgConfig::CONTACTSPLINE_JACK PkgConfig::CONTACTSPLINE_ALSA Threads::Threads)
   set_target_properties(${arg_TARGET} PROPERTIES OUTPUT_NAME ${stem} RUNTIME_OUTPUT_DIRECTORY "$<1:${arg_OUTPUT_DIR}>")
 endfunction()

@@ -75,7 +75,35 @@ std::string in_one_row(const std::vector<double>& values) {
   return fmt::format("{}", fmt::join(literals, ", "));
 }
 
-// The part of the templates for keyboards with a body.
+// As in emit_resonator: Faust looks up rules faster than list entries.
+std::string faust_rules(const std::vector<BodyMode>& modes) {
+  std::string constants, bridge, left, right;
+  const auto number = [](double value) { return literal(rounded_to(value, 13)); };
+  for (std::size_t i = 0; i < modes.size(); ++i) {
+    const auto& [mode, bridge_shape, left_shape, right_shape] = modes[i];
+    constants += fmt::format("body_constants({}) = {}, {}, {};\n", i, number(mode.angular_frequency_rad_per_s),
+                             number(mode.decay_per_s), number(mode.mass_kg));
+    bridge += fmt::format("body_bridge_shape({}) = {};\n", i, number(bridge_shape));
+    left += fmt::format("body_left_shape({}) = {};\n", i, number(left_shape));
+    right += fmt::format("body_right_shape({}) = {};\n", i, number(right_shape));
+  }
+  return constants + bridge + left + right;
+}
+
+// The part of Faust's template. Without a body the strings are in tune, and no mode follows.
+std::string faust_body_text(const Keyboard& keyboard, const std::optional<Resonator>& body, double max_frequency_hz) {
+  const KeyboardBody strings = keyboard.body.value_or(KeyboardBody{"", {0, 0}, {0, 0, 0}, 1, 1});
+  const auto modes = body ? body_modes(*body, max_frequency_hz) : std::vector<BodyMode>();
+  return fill_template(emitted_template("keyboard_body", "lib"),
+                       {{"DOUBLE_CENTS", in_one_row(strings.double_cents)},
+                        {"TRIPLE_CENTS", in_one_row(strings.triple_cents)},
+                        {"UNA_CORDA", literal(strings.una_corda_stiffness_ratio)},
+                        {"BODY_TITLE", body ? title_of(*body) : "of which this keyboard has none"},
+                        {"MODES", fmt::format("{}", modes.size())},
+                        {"RULES", faust_rules(modes)}});
+}
+
+// The part of the other templates for keyboards with a body.
 std::string body_text(const Emitter& emitter, const KeyboardBody& body, const std::vector<BodyMode>& modes) {
   TemplateValues values{
       {"DOUBLE_CENTS", in_one_row(body.double_cents)},
@@ -118,7 +146,9 @@ std::string emit(const Emitter& emitter, const Keyboard& keyboard, const std::op
   values["STRINGS"] = strings_of(notes);
   add_strings(values, notes);
   add_felts(values, keyboard, notes);
-  if (emitter.name != "faust")
+  if (emitter.name == "faust")
+    values["BODY"] = faust_body_text(keyboard, body, max_frequency_hz);
+  else
     values["BODY"] = body ? body_text(emitter, *keyboard.body, body_modes(*body, max_frequency_hz)) : "";
   return fill_template(emitted_template("keyboard", emitter.extension), values);
 }

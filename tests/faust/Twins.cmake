@@ -30,6 +30,7 @@ faust_header(hammer_string_single ${programs_folder}/hammer_string.dsp single)
 faust_header(slide_string_ui ${programs_folder}/slide_string.dsp double)
 faust_header(fret_string_ui ${programs_folder}/fret_string.dsp double)
 faust_header(piano_double ${programs_folder}/piano.dsp double)
+faust_header(piano_effect_double ${here}/piano_effect.dsp double)
 faust_header(slide_string_model ${here}/slide_string_model.dsp double)
 faust_header(fret_string_model ${here}/fret_string_model.dsp double)
 faust_header(coefficients_double ${here}/coefficients.dsp double)
@@ -42,7 +43,9 @@ faust_twin_test(partials_test SOURCES partials_test.cpp CLASSES hammer_string_do
 faust_twin_test(faust_live_control_test SOURCES live_control_test.cpp
   CLASSES hammer_string_double slide_string_ui fret_string_ui)
 faust_twin_test(faust_string_models_test SOURCES string_models_test.cpp CLASSES slide_string_model fret_string_model)
-faust_twin_test(keyboard_test SOURCES keyboard_test.cpp CLASSES piano_double
+faust_twin_test(keyboard_test SOURCES keyboard_test.cpp
+  LIBRARIES contactspline_emit ${simd} DEFINITIONS SOURCE_FOLDER="${PROJECT_SOURCE_DIR}")
+faust_twin_test(faust_piano_test SOURCES piano_test.cpp CLASSES piano_double piano_effect_double
   LIBRARIES contactspline_emit ${simd} DEFINITIONS SOURCE_FOLDER="${PROJECT_SOURCE_DIR}")
 faust_twin_test(faust_coefficients_test SOURCES coefficients_test.cpp CLASSES coefficients_double)
 faust_twin_test(live_exponent_test SOURCES live_exponent_test.cpp CLASSES live_exponent_double)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The keyboard that ships: its notes, what is emitted of them, and one voice in Faust and in C++.
+// The keyboard that ships: its notes, what is emitted of them, and one voice in C++.
 #include "contactspline/keyboard.hpp"
 
 #include <fstream>
@@ -7,15 +7,11 @@
 #include <random>
 
 #include "contactspline/keyboards/piano.hpp"
-#include "cpp_program.hpp"
 #include "generator/resonator/keyboard.hpp"
 #include "generator/resonator/keyboard_reader.hpp"
 #include "generator/spline/contact_spline.hpp"
 #include "generator/spline/design.hpp"
 #include "support/compare.hpp"
-
-#define FAUSTFLOAT double
-#include "piano_double.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -92,27 +88,6 @@ TEST(Keyboard, IsEmittedAsItIs) {
   }
 }
 
-// A voice of piano.dsp and KeyboardVoice on the same key, same number of modes: the louder of its two channels.
-TEST(Keyboard, SoundsAlikeInFaustAndCpp) {
-  constexpr int kRate = 44100;
-  constexpr std::size_t kSamples = 22050;
-  for (const int key : {33, 60, 96}) {
-    CppProgram<piano_double, double> program(kRate);
-    program.set("freq", 440 * std::exp2((key - 69) / 12.0));
-    program.set("gain", 0.7);
-    program.set("gate", 1);
-    const auto outputs = program.run({}, kSamples + 1);
-    KeyboardVoice<Piano, double> voice(key, kRate, 80);
-    voice.strike(0.2 * std::pow(30.0, 0.7));
-    const double side = 0.2 + 0.6 * (key - 21) / 87;
-    const double gain = 0.5 * 0.02 * std::sqrt(side);
-    std::vector<double> expected;
-    for (std::size_t n = 0; n < kSamples; ++n) expected.push_back(gain * voice.tick());
-    const std::vector<double> found(outputs[1].begin() + 1, outputs[1].end());
-    EXPECT_TRUE(sequences_within<double>(found, expected, 1e-9)) << "key " << key;
-  }
-}
-
 /// A key struck, released while its damper still lifts from the blow before, struck again, in blocks of next_size().
 template <typename T, typename NextSize>
 std::vector<T> play_blocks(int key, NextSize next_size) {
@@ -182,41 +157,6 @@ TEST(Keyboard, LiftsItsDamperAtOnceAndLowersItGently) {
     held = (held + 1) % 16;
   }
   EXPECT_EQ(voice.damping_per_s(), 60);
-}
-
-// Faust's damper glides with each sample, C++'s by 16 samples with the same mean. While it covers D = 60/s the
-// two differ by d, in each 16 samples of length h by no more than half of what the glide does in them, and by a
-// quarter in the mean: the sum of |d| dt is D h/4. A damper of decay d takes 2 d v dt of the velocity v, of an
-// oscillation d dt of its amplitude in the mean, where the two agree, and no more than that swinging about it: no
-// mode differs by more than D h/4 of itself, and of many modes no more than that of the root of the mean square.
-TEST(Keyboard, IsReleasedAlikeInFaustAndCpp) {
-  constexpr int kRate = 44100;
-  for (const int key : {33, 60}) {
-    CppProgram<piano_double, double> program(kRate);
-    program.set("freq", 440 * std::exp2((key - 69) / 12.0));
-    program.set("gain", 0.7);
-    program.set("gate", 1);
-    (void)program.run({}, 4001);
-    program.set("gate", 0);
-    const auto outputs = program.run({}, 4410);
-    KeyboardVoice<Piano, double> voice(key, kRate, 80);
-    voice.strike(0.2 * std::pow(30.0, 0.7));
-    std::vector<double> expected(4000), found;
-    voice.process(expected);
-    const double before = voice.model().string().energy();
-    voice.release();
-    expected.resize(4410);
-    voice.process(expected);
-    EXPECT_LT(voice.model().string().energy(), 1e-3 * before);
-    const double side = 0.2 + 0.6 * (key - 21) / 87;
-    const double gain = 0.5 * 0.02 * std::sqrt(side);
-    double error = 0, size = 0;
-    for (std::size_t n = 0; n < expected.size(); ++n) {
-      error += std::pow(outputs[1][n] - gain * expected[n], 2);
-      size += std::pow(gain * expected[n], 2);
-    }
-    EXPECT_TRUE(within(std::sqrt(error / size), 0, 60 * 16.0 / kRate / 4)) << "key " << key;
-  }
 }
 
 // Released, a key's damper falls; the highest have none.
