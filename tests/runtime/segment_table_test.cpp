@@ -24,6 +24,20 @@
 namespace contactspline::testing {
 namespace {
 
+// Each search takes 3 ceil(log4(n + 1)) probes, whatever it finds.
+TEST(CountLeading, TakesAsManyProbesAsPromised) {
+  std::size_t rounds = 0, reach = 1;  // 4^rounds
+  for (std::size_t n = 0; n <= 300; ++n) {
+    if (n + 1 > reach) ++rounds, reach *= 4;
+    for (std::size_t leading = 0; leading <= n; ++leading) {
+      std::size_t probes = 0;
+      const auto holds = [&](std::size_t i) { return ++probes, i <= leading; };
+      ASSERT_EQ(detail::count_leading(n, holds), leading) << n;
+      ASSERT_EQ(probes, 3 * rounds) << n;
+    }
+  }
+}
+
 template <typename T>
 std::size_t index_by_looking(const std::vector<Segment<T>>& table, T y) {
   std::size_t index = 0;
