@@ -277,7 +277,7 @@ class ContactNetwork {
   using Ranges = ControlRanges<T>;
   static constexpr T kGapSpeed_m_per_s = 1;
   // A contact sleeps if even this many samples of fastest motion would not close it.
-  static constexpr T kSleepingSamples = 4;
+  static constexpr T kSleepingSamples = 8;
   // Does T round so much that compressions drift within minutes?
   static constexpr bool kRounds = std::numeric_limits<T>::digits < std::numeric_limits<double>::digits;
   static constexpr T kRigidity = kRounds ? T(1e3) : T(1e4);

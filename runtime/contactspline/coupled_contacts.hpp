@@ -63,10 +63,14 @@ class SampleLaw {
     if (start_ + 1 < table_.size()) upper_ = table_[start_ + 1].knot - y0_;
   }
 
-  /// Force over the sample [N] and its slope [N/m] for an increment x.
-  [[nodiscard]] ForceAndSlope<T> at(T x) const {
+  /// Force over the sample [N] and its slope [N/m] for an increment x. segment: where it is expected to end, becomes
+  /// where it ends.
+  [[nodiscard]] ForceAndSlope<T> at(T x, std::size_t& segment) const {
     ForceAndSlope<T> elastic{force_ + half_curvature_ * x, half_curvature_};
-    if (x < lower_ || x >= upper_) elastic = crossing(x);
+    if (x < lower_ || x >= upper_)
+      elastic = crossing(x, segment);
+    else
+      segment = start_;
     const ForceAndSlope<T> total{elastic.force + resistance_ * x, elastic.slope + resistance_};
     if (total.force < 0) return {0, 0};  // it would pull
     return total;
@@ -81,12 +85,13 @@ class SampleLaw {
     return half_curvature + resistance_;
   }
 
-  [[nodiscard]] T force_at_rest() const { return force_; }  ///< for x = 0 [N]
+  [[nodiscard]] T force_at_rest() const { return force_; }       ///< for x = 0 [N]
+  [[nodiscard]] std::size_t segment() const { return start_; }  ///< in which the sample begins
 
-  /// Where a step with the increment x ends.
-  [[nodiscard]] EndOfSample<T> end_of(T x) const {
+  /// Where a step with the increment x ends. segment: as in at().
+  [[nodiscard]] EndOfSample<T> end_of(T x, std::size_t segment) const {
     if (x >= lower_ && x < upper_) return {y0_ + x, relocate_segment(table_, start_, y0_ + x)};
-    const Crossed crossed = cross(x);
+    const Crossed crossed = cross(x, segment);
     const T y = table_[crossed.entry].knot + crossed.beyond;
     return {y, relocate_segment(table_, crossed.last, y)};
   }
@@ -98,18 +103,25 @@ class SampleLaw {
     T beyond;
   };
 
-  [[nodiscard]] Crossed cross(T x) const {
-    std::size_t last = start_;
+  [[nodiscard]] T distance_to(std::size_t knot) const { return table_[knot].knot - y0_; }
+
+  [[nodiscard]] Crossed cross(T x, std::size_t expected) const {
+    std::size_t last = expected;
     if (x >= upper_) {
-      while (last + 1 < table_.size() && x >= table_[last + 1].knot - y0_) ++last;
-      return {last, last, x - (table_[last].knot - y0_)};
+      last = std::max(last, start_);
+      while (last > start_ && x < distance_to(last)) --last;
+      while (last + 1 < table_.size() && x >= distance_to(last + 1)) ++last;
+      return {last, last, x - distance_to(last)};
     }
-    while (last > 0 && x < table_[last].knot - y0_) --last;
-    return {last, last + 1, x - (table_[last + 1].knot - y0_)};
+    last = std::min(last, start_);
+    while (last < start_ && x >= distance_to(last + 1)) ++last;
+    while (last > 0 && x < distance_to(last)) --last;
+    return {last, last + 1, x - distance_to(last + 1)};
   }
 
-  [[nodiscard]] ForceAndSlope<T> crossing(T x) const {
-    const Crossed crossed = cross(x);
+  [[nodiscard]] ForceAndSlope<T> crossing(T x, std::size_t& segment) const {
+    const Crossed crossed = cross(x, segment);
+    segment = crossed.last;
     const bool up = x >= upper_;
     const Segment<T>& first = table_[start_ + up];
     const Segment<T>& entry = table_[crossed.entry];
@@ -196,6 +208,7 @@ class CoupledContacts {
         root_(connections),
         right_(connections),
         step_(connections),
+        force_displacements_(connections),
         now_(connections),
         next_(connections) {
     for (auto* list : {&active_, &touching_, &springs_, &watched_, &eliminated_, &members_, &group_, &rows_})
@@ -244,6 +257,7 @@ class CoupledContacts {
       std::ranges::fill(is_grouped_, false);
       for (const std::size_t i : touching_)
         if (!is_grouped_[i]) solve_group_of(i);
+      sum_displacements(touching_);
       if (!springs_.empty()) solve_springs();
     } while (activate_touching());
   }
@@ -263,12 +277,7 @@ class CoupledContacts {
   }
 
   /// By how much the forces reduce the increment of connection i [m].
-  [[nodiscard]] T force_displacement(std::size_t i) const {
-    const T* column = admittance_.column(i);
-    T sum = 0;
-    for (const std::size_t j : active_) sum += column[j] * connections_[j].force;
-    return sum;
-  }
+  [[nodiscard]] T force_displacement(std::size_t i) const { return force_displacements_[i]; }
 
   /// Connections whose force solve() computed.
   [[nodiscard]] std::span<const std::size_t> active() const { return active_; }
@@ -280,11 +289,13 @@ class CoupledContacts {
  private:
   // Forces of a group of contacts with what follows from them. Index: position in the group.
   struct State {
-    explicit State(std::size_t size) : force(size), increment(size), residual(size), slope(size) {}
+    explicit State(std::size_t size)
+        : force(size), increment(size), residual(size), slope(size), segment(size) {}
 
     detail::ModalArray<T> force, increment;
     detail::ModalArray<T> residual;  // force that the law wants less force
     detail::ModalArray<T> slope;     // of the law
+    std::vector<std::size_t> segment;  // where the contacts end
     T norm = 0;                      // of the residual, in roots of joules
     T excess = 0;                    // largest residual over its rounding
   };
@@ -295,11 +306,20 @@ class CoupledContacts {
   static constexpr int kPatience = 8;
   static constexpr int kRefinements = 2;  // of the forces of springs
 
+  // Fills force_displacements_ by the forces of these connections.
+  void sum_displacements(const std::vector<std::size_t>& forces) {
+    std::fill_n(force_displacements_.data(), size(), T(0));
+    for (const std::size_t j : forces) displace(j, connections_[j].force);
+  }
+  void displace(std::size_t j, T force) {
+    if (force != 0)
+      detail::add_scaled(0, admittance_.padded(size()), force, admittance_.column(j), force_displacements_.data());
+  }
+
   void activate(std::size_t i) {
     is_active_[i] = true;
     active_.push_back(i);
     touching_.push_back(i);
-    laws_[i] = detail::SampleLaw<T>(connections_[i], time_step_);
   }
 
   // Lets the watched contacts act that the forces of others close. Are there any?
@@ -341,7 +361,11 @@ class CoupledContacts {
     for (std::size_t s = 0; s < m; ++s) connections_[springs_[s]].force = 0;
     for (int pass = 0;; ++pass) {
       solve_backwards(spring_factor_, m, right_.data());
-      for (std::size_t s = 0; s < m; ++s) connections_[springs_[s]].force += spring_root_[s] * right_[s];
+      for (std::size_t s = 0; s < m; ++s) {
+        const T change = spring_root_[s] * right_[s];
+        connections_[springs_[s]].force += change;
+        displace(springs_[s], change);
+      }
       if (!have_springs_errors() || pass == kRefinements) return;
       solve_forwards(spring_factor_, m, right_.data());
     }
@@ -422,7 +446,7 @@ class CoupledContacts {
     for (std::size_t a = 0; a < group_.size(); ++a) {
       const std::size_t i = group_[a];
       connections_[i].force = now_.force[a];
-      ends_[i] = laws_[i].end_of(now_.increment[a]);
+      ends_[i] = laws_[a].end_of(now_.increment[a], now_.segment[a]);
     }
   }
 
@@ -461,8 +485,11 @@ class CoupledContacts {
       }
     }
     for (std::size_t a = 0; a < n; ++a) {
+      const CoupledConnection<T>& c = connections_[group_[a]];
+      laws_[a] = detail::SampleLaw<T>(c, time_step_);
       free_[a] = increment_beside_springs(group_[a]);
-      now_.force[a] = connections_[group_[a]].force;
+      now_.force[a] = c.force;
+      now_.segment[a] = next_.segment[a] = c.segment;
     }
     std::fill(free_.data() + n, free_.data() + coupling_.padded(n), T(0));
   }
@@ -476,12 +503,12 @@ class CoupledContacts {
       if (state.force[b] != 0) detail::add_scaled(0, padded, -state.force[b], coupling_.column(b), x);
     state.norm = state.excess = 0;
     for (std::size_t a = 0; a < n; ++a) {
-      const auto law = laws_[group_[a]].at(x[a]);
+      const auto law = laws_[a].at(x[a], state.segment[a]);
       const T residual = law.force - state.force[a];
       // Where forces cancel each other, rounding is larger: then the search ends without progress.
       const T xi = coupling_(a, a),
               displacements = std::abs(free_[a]) + std::abs(x[a]) + xi * std::abs(state.force[a]);
-      const T forces = std::abs(law.force) + std::abs(laws_[group_[a]].force_at_rest());
+      const T forces = std::abs(law.force) + std::abs(laws_[a].force_at_rest());
       // Beside a law that is 0 here and not there: what moves the contact by less than rounding.
       const T slope = law.force == 0 ? std::max(law.slope, 1 / xi) : law.slope;
       const T rounding = kRounding * (2 * forces + slope * displacements) + slope * kTiny;
@@ -516,7 +543,7 @@ class CoupledContacts {
     for (std::size_t a = 0; a < group_.size(); ++a) reach += root_admittance_[a] * std::abs(state.force[a]);
     for (std::size_t a = 0; a < group_.size(); ++a) {
       const T root = root_admittance_[a],
-              forces = std::abs(state.force[a]) + std::abs(laws_[group_[a]].force_at_rest());
+              forces = std::abs(state.force[a]) + std::abs(laws_[a].force_at_rest());
       const T slope = state.slope[a] + 1 / (root * root);
       const T rounding = kRounding * (forces + slope * (std::abs(free_[a]) + root * reach)) + slope * kTiny;
       if (!(std::abs(state.residual[a]) <= 16 * rounding)) return false;
@@ -532,7 +559,9 @@ class CoupledContacts {
       const T xi = coupling_(a, a);
       const Approach<T> alone{c.compression, now_.increment[a] + xi * now_.force[a], xi};
       const auto step = contact_step(c.table, c.contact, time_step_, alone, c.segment);
-      now_.slope[a] = laws_[group_[a]].at(step.compression - c.compression).slope;
+      std::size_t segment = step.segment;
+      now_.slope[a] = laws_[a].at(step.compression - c.compression, segment).slope;
+      next_.segment[a] = step.segment;
       now_.residual[a] = (1 + xi * now_.slope[a]) * (step.force - now_.force[a]);
     }
   }
@@ -558,7 +587,8 @@ class CoupledContacts {
     T sum = 0;
     for (std::size_t a = 0; a < group_.size(); ++a) {
       const T change = next_.increment[a] - now_.increment[a];
-      const T force = laws_[group_[a]].at(now_.increment[a] + length * change).force;
+      std::size_t segment = now_.segment[a];
+      const T force = laws_[a].at(now_.increment[a] + length * change, segment).force;
       sum += change * (force - (now_.force[a] + length * step_[a]));
     }
     return sum;
@@ -663,12 +693,12 @@ class CoupledContacts {
     ++bounded_;
     const std::size_t n = group_.size();
     for (std::size_t a = 0; a < n; ++a) {
-      const auto& law = laws_[group_[a]];
-      next_.force[a] = law.at(now_.increment[a]).force > 0;  // does it act?
+      const auto& law = laws_[a];
+      next_.force[a] = law.at(now_.increment[a], now_.segment[a]).force > 0;  // does it act?
     }
     for (bool changed = true; changed;) {
       for (std::size_t a = 0; a < n; ++a) {
-        const auto& law = laws_[group_[a]];
+        const auto& law = laws_[a];
         const bool acts = next_.force[a] != 0;
         now_.slope[a] = acts ? law.steepest_slope() : T(0);
         now_.residual[a] = acts ? law.force_at_rest() + now_.slope[a] * free_[a] : T(0);
@@ -691,7 +721,7 @@ class CoupledContacts {
   T time_step_;
   int max_steps_;
   std::vector<CoupledConnection<T>> connections_;
-  std::vector<detail::SampleLaw<T>> laws_;
+  std::vector<detail::SampleLaw<T>> laws_;  // of the positions in the group
   std::vector<detail::EndOfSample<T>> ends_;
   std::vector<char> is_active_, is_grouped_;
   std::vector<std::size_t> active_, watched_;
@@ -702,6 +732,7 @@ class CoupledContacts {
   std::vector<std::size_t> rows_;                // positions in the group with a slope
   detail::ColumnMatrix<T> admittance_, beside_springs_, eliminated_columns_, spring_factor_, coupling_, factor_;
   detail::ModalArray<T> root_admittance_, free_, spring_slope_, spring_root_, ahead_, root_, right_, step_;
+  detail::ModalArray<T> force_displacements_;
   State now_, next_;
   int steps_ = 0;
   std::size_t bounded_ = 0;

@@ -116,8 +116,10 @@ class NetworkInstrument {
     for (const InstrumentOutput& output : data.outputs)
       for (std::size_t i = 0; output.quantity != OutputQuantity::kForce && i < output.count; ++i) {
         const std::size_t place = data.targets[output.first_target + i];
-        pickups_[output.first_target + i] =
-            network_.body(data.place_bodies[place]).sound_pickup(Parts::shapes_of(data, place));
+        const ModalBank<T>& body = network_.body(data.place_bodies[place]);
+        Pickup& pickup = pickups_[output.first_target + i];
+        pickup.displacement = body.sound_pickup(Parts::shapes_of(data, place));
+        if (output.quantity == OutputQuantity::kVelocity) pickup.velocity = body.velocity_shapes(pickup.displacement);
       }
   }
   NetworkInstrument(const NetworkInstrument&) = delete;
@@ -285,6 +287,11 @@ class NetworkInstrument {
     std::vector<std::vector<Segment<T>>> tables;
   };
 
+  struct Pickup {
+    ModeShapes<T> displacement;
+    typename ModalBank<T>::VelocityShapes velocity;  // of velocity outputs only
+  };
+
   [[nodiscard]] std::span<const std::size_t> targets_of(const InstrumentControl& control) const {
     return data_.targets.subspan(control.first_target, control.count);
   }
@@ -293,8 +300,8 @@ class NetworkInstrument {
     const std::size_t k = data_.targets[target];
     if (quantity == OutputQuantity::kForce) return network_.force(k);
     const ModalBank<T>& body = network_.body(data_.place_bodies[k]);
-    return quantity == OutputQuantity::kVelocity ? body.velocity(pickups_[target])
-                                                 : body.displacement(pickups_[target]);
+    return quantity == OutputQuantity::kVelocity ? body.velocity(pickups_[target].velocity)
+                                                 : body.displacement(pickups_[target].displacement);
   }
 
   void apply(const InstrumentControl& control, T value) {
@@ -326,7 +333,7 @@ class NetworkInstrument {
   Parts parts_;
   ContactNetwork<T> network_;
   std::vector<T> values_;               // of the controls
-  std::vector<ModeShapes<T>> pickups_;  // of the targets of outputs
+  std::vector<Pickup> pickups_;  // of the targets of outputs
   double work_of_strikes_ = 0, last_work_of_strikes_ = 0;
 };
 

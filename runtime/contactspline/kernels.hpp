@@ -124,6 +124,10 @@ void process_free(const ModalArrays<double>& modes, double damping_gain, const d
 float advance_on_bridge(std::span<const StringsOnBridge<float>> strings, float displacement_m);
 double advance_on_bridge(std::span<const StringsOnBridge<double>> strings, double displacement_m);
 
+/// The sum of a[i] b[i] over arrays of so many modes, padded as in ModalArrays.
+float inner_product(std::size_t modes, const float* a, const float* b);
+double inner_product(std::size_t modes, const double* a, const double* b);
+
 /// Sums of shape times free increment for several shapes. Returns the sum of |free increment|.
 float sum_free_increments(std::size_t modes, const float* free_increment, std::span<const float* const> at,
                           float* increments);

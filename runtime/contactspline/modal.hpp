@@ -222,9 +222,7 @@ class ModalBank {
 
   /// velocity() at a place that does not move, many times as fast.
   [[nodiscard]] T velocity(const VelocityShapes& at) const {
-    return detail::sum_of<T>(size(), [&](std::size_t i) {
-      return at.of_displacement[i] * displacement_[i] + at.of_free_increment[i] * free_increment_[i];
-    });
+    return product(at.of_displacement, displacement_) + product(at.of_free_increment, free_increment_);
   }
 
   /// Shapes of a pickup for sound: each shape divided by what averaging takes away from its mode. A force that is
@@ -408,6 +406,15 @@ class ModalBank {
   }
 
  private:
+  static T product(const Shapes& weights, const detail::ModalArray<T, Modes>& state) {
+#ifdef CONTACTSPLINE_SIMD
+    if constexpr (Modes == std::dynamic_extent)
+      if (weights.size() > detail::kFewModes)
+        return detail::inner_product(weights.size(), weights.data(), state.data());
+#endif
+    return detail::sum_of<T>(weights.size(), [&](std::size_t i) { return weights[i] * state[i]; });
+  }
+
   // Velocity of mode i in free motion [m/s], from its displacement q and the change d to its next one.
   [[nodiscard]] double velocity_of(std::size_t i) const {
     const auto [of_displacement, of_free_increment] = velocity_gains(constants_[i]);
@@ -418,7 +425,7 @@ class ModalBank {
     double of_displacement, of_free_increment;  // [1/s]
   };
   static VelocityGains velocity_gains(const detail::ModeConstants& mode) {
-    constexpr double kMaxLoss = 0.19;  // 1 - 0.9^2
+    constexpr double kMaxLoss = 0.19;  // 1 - 0.9^2: modes that decay faster have no velocity
     if (mode.loss > kMaxLoss) return {0, 0};
     const double one_minus_real = (mode.loss + mode.stiffness) / 2;  // 1 - Re z
     return {mode.velocity_gain * one_minus_real - mode.decay_per_s, mode.velocity_gain};

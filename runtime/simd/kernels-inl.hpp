@@ -24,6 +24,9 @@ void process_free_here(const ModalArrays<Sample>& modes, Sample damping_gain, co
 Sample advance_on_bridge_here(std::span<const StringsOnBridge<Sample>> strings, Sample displacement_m) {
   return advance_on_bridge_as(strings, displacement_m);
 }
+Sample inner_product_here(std::size_t modes, const Sample* a, const Sample* b) {
+  return inner_product_of(modes, a, b);
+}
 Sample sum_free_increments_here(std::size_t modes, const Sample* free_increment, std::span<const Sample* const> at,
                                 Sample* increments) {
   return sum_free_increments_as(modes, free_increment, at, increments);
@@ -48,6 +51,7 @@ namespace contactspline::detail {
 
 HWY_EXPORT(process_free_here);
 HWY_EXPORT(advance_on_bridge_here);
+HWY_EXPORT(inner_product_here);
 HWY_EXPORT(sum_free_increments_here);
 HWY_EXPORT(advance_under_forces_here);
 HWY_EXPORT(process_struck_here);
@@ -59,6 +63,9 @@ void process_free(const ModalArrays<Sample>& modes, Sample damping_gain, const S
 }
 Sample advance_on_bridge(std::span<const StringsOnBridge<Sample>> strings, Sample displacement_m) {
   return HWY_DYNAMIC_DISPATCH(advance_on_bridge_here)(strings, displacement_m);
+}
+Sample inner_product(std::size_t modes, const Sample* a, const Sample* b) {
+  return HWY_DYNAMIC_DISPATCH(inner_product_here)(modes, a, b);
 }
 Sample sum_free_increments(std::size_t modes, const Sample* free_increment, std::span<const Sample* const> at,
                            Sample* increments) {

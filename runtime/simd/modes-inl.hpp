@@ -72,6 +72,20 @@ HWY_INLINE T advance_on_bridge_as(std::span<const StringsOnBridge<T>> strings, T
   return hn::GetLane(hn::SumOfLanes(tag, force));
 }
 
+template <typename T>
+HWY_INLINE T inner_product_of(std::size_t modes, const T* a, const T* b) {
+  const Tag<T> tag;
+  const std::size_t lanes = hn::Lanes(tag);
+  auto even = hn::Zero(tag), odd = even;
+  std::size_t i = 0;
+  for (; i + 2 * lanes <= modes; i += 2 * lanes) {
+    even = hn::MulAdd(hn::Load(tag, a + i), hn::Load(tag, b + i), even);
+    odd = hn::MulAdd(hn::Load(tag, a + i + lanes), hn::Load(tag, b + i + lanes), odd);
+  }
+  for (; i < modes; i += lanes) even = hn::MulAdd(hn::Load(tag, a + i), hn::Load(tag, b + i), even);
+  return hn::GetLane(hn::SumOfLanes(tag, hn::Add(even, odd)));
+}
+
 /// Sums of kCount rows times a vector of modes.
 template <std::size_t kCount, typename T>
 HWY_INLINE void sum_rows(std::size_t modes, const T* vector, const T* const* rows, T* sums) {
@@ -384,11 +398,7 @@ class ModesInPlace {
 
  private:
   [[nodiscard]] HWY_INLINE T inner_product(const T* a, const T* b) const {
-    const Tag<T> tag;
-    auto sum = hn::Zero(tag);
-    for (std::size_t at = 0; at < strike_.modes.modes; at += hn::Lanes(tag))
-      sum = hn::MulAdd(hn::Load(tag, a + at), hn::Load(tag, b + at), sum);
-    return hn::GetLane(hn::SumOfLanes(tag, sum));
+    return inner_product_of(strike_.modes.modes, a, b);
   }
 
   StrikeConstants<T> strike_;
