@@ -14,9 +14,13 @@ class ShippedInstrument : public ::testing::TestWithParam<std::string> {};
 
 struct Balance {
   double peak_j, error_j;
+  std::size_t solved = 0;   ///< samples with coupled contacts or springs
+  std::size_t steps = 0;    ///< of the solver, of all samples
+  int largest_steps = 0;    ///< of one sample
+  std::size_t bounded = 0;  ///< samples that took the bounding law
 };
 
-// The largest energy, and the largest difference between the energy and what went in and out.
+// The largest energy, the largest difference between the energy and what went in and out, and what the solver did.
 Balance balance_of(const Voice& voice, double rate, double duration_s) {
   InstrumentPlayer<double> player(voice, rate);
   ControlTrack controls(voice, rate);
@@ -31,7 +35,12 @@ Balance balance_of(const Voice& voice, double rate, double duration_s) {
     balance.peak_j = std::max(balance.peak_j, energy);
     const double error = std::abs(energy - begin - received);
     if (!(error <= balance.error_j)) balance.error_j = error;
+    const int steps = instrument.network().solver().steps();
+    balance.solved += steps > 0;
+    balance.steps += static_cast<std::size_t>(steps);
+    balance.largest_steps = std::max(balance.largest_steps, steps);
   }
+  balance.bounded = instrument.network().solver().bounded();
   return balance;
 }
 
@@ -47,7 +56,10 @@ TEST_P(ShippedInstrument, KeepsItsEnergyToRounding) {
       const Balance balance = balance_of(voice, rate, is_full ? score.duration_s : 3);
       EXPECT_GT(balance.peak_j, 1e-4) << voice.name;
       EXPECT_TRUE(within(balance.error_j, 0, 1e-12 * balance.peak_j)) << voice.name << " at " << rate << " Hz";
-      std::cout << voice.name << " at " << rate << " Hz: " << balance.error_j / balance.peak_j << " of the peak\n";
+      EXPECT_EQ(balance.bounded, 0U) << voice.name << ": no sample may need more than the largest number of steps";
+      std::cout << voice.name << " at " << rate << " Hz: " << balance.error_j / balance.peak_j << " of the peak; "
+                << static_cast<double>(balance.steps) / static_cast<double>(std::max<std::size_t>(balance.solved, 1))
+                << " steps on average, " << balance.largest_steps << " at most\n";
     }
 }
 
