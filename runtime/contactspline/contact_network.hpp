@@ -141,6 +141,7 @@ class ContactNetwork {
     for (const Place& p : places_)
       for (const Place& q : places_)
         mutual_.push_back(p.body == q.body ? bodies_[p.body].bank.admittance(p.shapes, q.shapes) : T(0));
+    couple_bodies();
     couple();
     for (std::size_t k = 0; k < connections_.size(); ++k) install(plan.connections()[k], k);
     place_all();
@@ -175,7 +176,7 @@ class ContactNetwork {
   void set_damping(std::size_t body, T damping_per_s) {
     Body& b = bodies_[body];
     const T damping = held(b.damping, damping_per_s * time_step_, {0, Ranges::damping_per_s.max * time_step_});
-    if (std::exchange(b.damping, damping) != damping) couple();
+    if (std::exchange(b.damping, damping) != damping) is_coupling_old_ = true;
   }
 
   /// Stiffness ratio and loss of a contact. A stiffness that rises under load does at most 1 W of work.
@@ -216,6 +217,7 @@ class ContactNetwork {
   /// Advances one sample. Safe on an audio thread: no allocation, no lock, bounded time.
   void tick() {
     work_of_controls_ = 0;
+    if (std::exchange(is_coupling_old_, false)) couple();
     follow_controls();
     if constexpr (kRounds) anchor_next();
     predict();
@@ -296,6 +298,8 @@ class ContactNetwork {
     T damping_gain = 1;
     T travel = 0;  // bound of the motion in this sample without forces of connections [m]
     std::vector<std::size_t> places;
+    std::vector<std::size_t> connections;
+    std::vector<T> admittances;      // between all pairs of these, without damping [m/N]
     std::vector<std::size_t> awake;  // places whose increments are computed in each sample
     std::vector<const T*> awake_shapes;
     T free_travel = 0;               // of the next sample without forces and damper, likewise these: [m]
@@ -349,23 +353,47 @@ class ContactNetwork {
     bool is_following = false;
   };
 
+  // What each body adds to the admittances of its connections, without damping.
+  void couple_bodies() {
+    const auto between = [&](std::size_t body, std::size_t p, std::size_t q) {
+      return p == kGround || q == kGround || places_[p].body != body ? T(0) : mutual_[p * places_.size() + q];
+    };
+    for (std::size_t b = 0; b < bodies_.size(); ++b) {
+      Body& body = bodies_[b];
+      for (std::size_t k = 0; k < connections_.size(); ++k)
+        for (const std::size_t p : {connections_[k].first, connections_[k].second})
+          if (p != kGround && places_[p].body == b && (body.connections.empty() || body.connections.back() != k))
+            body.connections.push_back(k);
+      for (const std::size_t k : body.connections)
+        for (const std::size_t l : body.connections) {
+          const Connection &c = connections_[k], &d = connections_[l];
+          body.admittances.push_back((between(b, c.first, d.first) + between(b, c.second, d.second)) -
+                                     (between(b, c.first, d.second) + between(b, c.second, d.first)));
+        }
+    }
+    admittances_.resize(connections_.size() * connections_.size());
+  }
+
   // Admittances of all pairs of connections.
   void couple() {
-    for (Body& body : bodies_) body.damping_gain = 1 / (1 + body.damping);
-    for (std::size_t k = 0; k < connections_.size(); ++k) {
-      for (std::size_t l = 0; l <= k; ++l) {
-        const Connection &a = connections_[k], &b = connections_[l];
-        const T sum = (mutual(a.first, b.first) + mutual(a.second, b.second)) -
-                      (mutual(a.first, b.second) + mutual(a.second, b.first));
-        solver_.set_admittance(k, l, k == l ? std::max(sum, kMinAdmittance) : sum);
-      }
-      connections_[k].root_admittance = std::sqrt(solver_.admittance(k, k));
+    const std::size_t n = connections_.size();
+    std::ranges::fill(admittances_, T(0));
+    for (Body& body : bodies_) {
+      body.damping_gain = 1 / (1 + body.damping);
+      const T* admittance = body.admittances.data();
+      for (const std::size_t k : body.connections)
+        for (const std::size_t l : body.connections) admittances_[k * n + l] += body.damping_gain * *admittance++;
+    }
+    for (std::size_t k = 0; k < n; ++k) {
+      T& own = admittances_[k * n + k];
+      own = std::max(own, kMinAdmittance);
+      for (std::size_t l = 0; l <= k; ++l) solver_.set_admittance(k, l, admittances_[k * n + l]);
+      connections_[k].root_admittance = std::sqrt(own);
     }
   }
 
-  // Admittance between two places.
+  // Admittance between two places of one body.
   [[nodiscard]] T mutual(std::size_t p, std::size_t q) const {
-    if (p == kGround || q == kGround) return 0;
     return bodies_[places_[p].body].damping_gain * mutual_[p * places_.size() + q];
   }
 
@@ -413,9 +441,9 @@ class ContactNetwork {
       Connection& c = connections_[k];
       c.lift = 0;
       if (!c.is_following) continue;
-      wake(k);
       const bool gap_follows = move_gap(c), stiffness_follows = follow_stiffness(k);
       c.is_following = gap_follows || stiffness_follows;
+      if (!c.is_awake) c.slack -= std::abs(c.lift);
       // A gap that moved in this sample must be seen at rest in the next one.
       is_following_ = is_following_ || c.is_following || c.lift != 0;
     }
@@ -434,14 +462,15 @@ class ContactNetwork {
   bool follow_stiffness(std::size_t k) {
     const Connection& c = connections_[k];
     CoupledConnection<T>& acting = solver_[k];
-    const double before = stored(k, acting.compression);
     T& stiffness = acting.table.empty() ? acting.spring_n_per_m : acting.contact.stiffness_ratio;
     const T target = acting.table.empty() ? c.spring : c.contact.stiffness_ratio * c.weight;
+    acting.contact.loss_s_per_m = c.contact.loss_s_per_m;
+    acting.resistance = c.resistance / time_step_;
+    if (stiffness == target) return false;
+    const double before = stored(k, acting.compression);
     const T energy_per_stiffness = acting.table.empty() ? acting.compression * acting.compression / 2
                                                         : potential(acting.table, acting.compression);
     stiffness = followed_stiffness(stiffness, target, energy_per_stiffness, time_step_);
-    acting.contact.loss_s_per_m = c.contact.loss_s_per_m;
-    acting.resistance = c.resistance / time_step_;
     work_of_controls_ += stored(k, acting.compression) - before;
     return stiffness != target;
   }
@@ -646,12 +675,13 @@ class ContactNetwork {
   std::vector<Connection> connections_;
   std::vector<std::size_t> awake_, asleep_;         // connections
   std::vector<std::size_t> pushed_, last_pushed_;  // places
+  std::vector<T> admittances_;                     // of all pairs of connections [m/N]
   std::vector<T> mutual_;      // admittances of all pairs of places, without damping [m/N]
   std::vector<T> increments_;  // of the places that are awake, without connections [m]
   T reach_ = 0;                // sum of force times root of admittance over the last sample
   double work_of_controls_ = 0;
   std::size_t anchor_ = 0;
-  bool is_list_old_ = true, is_following_ = false;
+  bool is_list_old_ = true, is_following_ = false, is_coupling_old_ = false;
 };
 
 }  // namespace contactspline

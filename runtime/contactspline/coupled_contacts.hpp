@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "contactspline/contact.hpp"
+#include "contactspline/kernels.hpp"
 #include "contactspline/modal.hpp"
 
 namespace contactspline {
@@ -151,6 +152,8 @@ class ColumnMatrix {
   [[nodiscard]] static std::size_t padded(std::size_t n) {
     return (n + ModalArray<T>::kLine - 1) / ModalArray<T>::kLine * ModalArray<T>::kLine;
   }
+  /// From the beginning of a column to that of the next one.
+  [[nodiscard]] std::size_t stride() const { return stride_; }
   [[nodiscard]] T* column(std::size_t j) { return values_.data() + j * stride_; }
   [[nodiscard]] const T* column(std::size_t j) const { return values_.data() + j * stride_; }
   [[nodiscard]] T operator()(std::size_t i, std::size_t j) const { return column(j)[i]; }
@@ -196,7 +199,7 @@ class CoupledContacts {
         is_grouped_(connections),
         admittance_(connections),
         beside_springs_(connections),
-        eliminated_columns_(connections),
+        eliminated_rows_(connections),
         spring_factor_(connections),
         coupling_(connections),
         factor_(connections),
@@ -357,7 +360,7 @@ class CoupledContacts {
     const std::size_t m = springs_.size();
     std::copy_n(ahead_.data(), m, right_.data());
     for (const std::size_t i : touching_)
-      detail::add_scaled(0, m, -connections_[i].force, eliminated_columns_.column(i), right_.data());
+      for (std::size_t s = 0; s < m; ++s) right_[s] -= eliminated_rows_.column(s)[i] * connections_[i].force;
     for (std::size_t s = 0; s < m; ++s) connections_[springs_[s]].force = 0;
     for (int pass = 0;; ++pass) {
       solve_backwards(spring_factor_, m, right_.data());
@@ -412,21 +415,20 @@ class CoupledContacts {
       to[s] += 1;
     }
     factorise(spring_factor_, m);
-    for (std::size_t i = 0; i < size(); ++i) {
-      T* column = eliminated_columns_.column(i);
-      for (std::size_t s = 0; s < m; ++s) column[s] = spring_root_[s] * admittance_(springs_[s], i);
-      solve_forwards(spring_factor_, m, column);
-      for (std::size_t j = 0; j <= i; ++j)
-        beside_springs_(i, j) = beside_springs_(j, i) =
-            admittance_(i, j) - product(m, column, eliminated_columns_.column(j));
-      beside_springs_(i, i) = std::max(beside_springs_(i, i), kRounding * admittance_(i, i));
+    const std::size_t n = size(), line = admittance_.padded(n);
+    for (std::size_t i = 0; i < n; ++i) std::copy_n(admittance_.column(i), line, beside_springs_.column(i));
+    for (std::size_t s = 0; s < m; ++s) {
+      T* row = eliminated_rows_.column(s);
+      std::fill_n(row, line, T(0));
+      detail::add_scaled(0, line, spring_root_[s], admittance_.column(springs_[s]), row);
+      for (std::size_t t = 0; t < s; ++t)
+        detail::add_scaled(0, line, -spring_factor_(s, t), eliminated_rows_.column(t), row);
+      for (std::size_t i = 0; i < line; ++i) row[i] *= spring_factor_(s, s);
+      for (std::size_t i = 0; i < n; ++i)
+        if (row[i] != 0) detail::add_scaled(0, line, -row[i], row, beside_springs_.column(i));
     }
-  }
-
-  [[nodiscard]] static T product(std::size_t n, const T* a, const T* b) {
-    T sum = 0;
-    for (std::size_t i = 0; i < n; ++i) sum += a[i] * b[i];
-    return sum;
+    for (std::size_t i = 0; i < n; ++i)
+      beside_springs_(i, i) = std::max(beside_springs_(i, i), kRounding * admittance_(i, i));
   }
 
   // The admittances that contacts meet.
@@ -435,7 +437,9 @@ class CoupledContacts {
   }
   // The increment of a contact without forces of contacts.
   [[nodiscard]] T increment_beside_springs(std::size_t i) const {
-    return connections_[i].free_increment - product(springs_.size(), eliminated_columns_.column(i), ahead_.data());
+    T increment = connections_[i].free_increment;
+    for (std::size_t s = 0; s < springs_.size(); ++s) increment -= eliminated_rows_.column(s)[i] * ahead_[s];
+    return increment;
   }
 
   void solve_group_of(std::size_t seed) {
@@ -635,9 +639,7 @@ class CoupledContacts {
       if (others_move) residual -= root_[r] * moved_by_others(rows_[r]);
       right_[r] = residual;
     }
-    factorise(factor_, m);
-    solve_forwards(factor_, m, right_.data());
-    solve_backwards(factor_, m, right_.data());
+    solve_factor(m);
     for (std::size_t r = 0; r < m; ++r) step_[rows_[r]] = root_[r] * right_[r];
   }
 
@@ -651,6 +653,19 @@ class CoupledContacts {
         sum += coupling_(a, b) * now_.residual[b];
     }
     return sum;
+  }
+
+  // Solves factor_ x = right_; right_ becomes x.
+  void solve_factor(std::size_t m) {
+#ifdef CONTACTSPLINE_SIMD
+    if (m >= 4) {
+      std::fill(right_.data() + m, right_.data() + factor_.padded(m), T(0));
+      return detail::solve_positive_definite(m, factor_.column(0), factor_.stride(), right_.data());
+    }
+#endif
+    factorise(factor_, m);
+    solve_forwards(factor_, m, right_.data());
+    solve_backwards(factor_, m, right_.data());
   }
 
   // The matrix becomes its Cholesky factor, with the inverse of its diagonal. Above its diagonal it is scratch, so
@@ -730,7 +745,7 @@ class CoupledContacts {
   std::vector<std::size_t> members_;             // whose admittances coupling_ holds
   std::vector<std::size_t> group_;               // that is being solved
   std::vector<std::size_t> rows_;                // positions in the group with a slope
-  detail::ColumnMatrix<T> admittance_, beside_springs_, eliminated_columns_, spring_factor_, coupling_, factor_;
+  detail::ColumnMatrix<T> admittance_, beside_springs_, eliminated_rows_, spring_factor_, coupling_, factor_;
   detail::ModalArray<T> root_admittance_, free_, spring_slope_, spring_root_, ahead_, root_, right_, step_;
   detail::ModalArray<T> force_displacements_;
   State now_, next_;

@@ -128,6 +128,12 @@ double advance_on_bridge(std::span<const StringsOnBridge<double>> strings, doubl
 float inner_product(std::size_t modes, const float* a, const float* b);
 double inner_product(std::size_t modes, const double* a, const double* b);
 
+/// Solves matrix x = right, the matrix I plus a positive semidefinite one; right becomes x. Column j of the matrix
+/// begins at matrix + j stride, a cache line; its lower triangle counts, and what follows row `size` in a line is 0.
+/// Overwrites the matrix.
+void solve_positive_definite(std::size_t size, float* matrix, std::size_t stride, float* right);
+void solve_positive_definite(std::size_t size, double* matrix, std::size_t stride, double* right);
+
 /// Sums of shape times free increment for several shapes. Returns the sum of |free increment|.
 float sum_free_increments(std::size_t modes, const float* free_increment, std::span<const float* const> at,
                           float* increments);

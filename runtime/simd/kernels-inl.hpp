@@ -27,6 +27,9 @@ Sample advance_on_bridge_here(std::span<const StringsOnBridge<Sample>> strings, 
 Sample inner_product_here(std::size_t modes, const Sample* a, const Sample* b) {
   return inner_product_of(modes, a, b);
 }
+void solve_positive_definite_here(std::size_t size, Sample* matrix, std::size_t stride, Sample* right) {
+  solve_positive_definite_as(size, matrix, stride, right);
+}
 Sample sum_free_increments_here(std::size_t modes, const Sample* free_increment, std::span<const Sample* const> at,
                                 Sample* increments) {
   return sum_free_increments_as(modes, free_increment, at, increments);
@@ -52,6 +55,7 @@ namespace contactspline::detail {
 HWY_EXPORT(process_free_here);
 HWY_EXPORT(advance_on_bridge_here);
 HWY_EXPORT(inner_product_here);
+HWY_EXPORT(solve_positive_definite_here);
 HWY_EXPORT(sum_free_increments_here);
 HWY_EXPORT(advance_under_forces_here);
 HWY_EXPORT(process_struck_here);
@@ -66,6 +70,9 @@ Sample advance_on_bridge(std::span<const StringsOnBridge<Sample>> strings, Sampl
 }
 Sample inner_product(std::size_t modes, const Sample* a, const Sample* b) {
   return HWY_DYNAMIC_DISPATCH(inner_product_here)(modes, a, b);
+}
+void solve_positive_definite(std::size_t size, Sample* matrix, std::size_t stride, Sample* right) {
+  HWY_DYNAMIC_DISPATCH(solve_positive_definite_here)(size, matrix, stride, right);
 }
 Sample sum_free_increments(std::size_t modes, const Sample* free_increment, std::span<const Sample* const> at,
                            Sample* increments) {

@@ -9,6 +9,10 @@
 
 #include <hwy/highway.h>
 
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+
 #include "contactspline/kernels.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -121,16 +125,24 @@ HWY_INLINE T sum_free_increments_as(std::size_t modes, const T* free_increment, 
 }
 
 /// One sample under forces: the change of a mode is damping_gain times (free increment + admittance sum of shape force).
-template <typename T>
-HWY_INLINE T advance_under_forces_as(const ModalArrays<T>& modes, T damping_gain, std::span<const T* const> pushed,
-                                     const T* forces, std::span<const T* const> at, T* increments) {
+/// Sums the first kRows rows of `at` on the way. The arrays are copied pointers, so that stores do not make the compiler
+/// load them again.
+template <std::size_t kRows, typename T>
+HWY_INLINE T advance_and_sum(const ModalArrays<T> modes, T damping_gain, std::span<const T* const> pushed,
+                             const T* forces, const T* const* at, T* increments) {
   const Tag<T> tag;
   const auto gain = hn::Set(tag, damping_gain);
   auto travel = hn::Zero(tag);
+  const T* rows[kRows + 1] = {};
+  Vector<T> parts[kRows + 1];
+  for (std::size_t p = 0; p < kRows; ++p) rows[p] = at[p], parts[p] = hn::Zero(tag);
+  const std::size_t pushes = pushed.size();
+  const T* const first = pushes > 0 ? pushed[0] : modes.admittance;
+  const auto first_force = hn::Set(tag, pushes > 0 ? forces[0] : T(0));
   for (std::size_t i = 0; i < modes.modes; i += hn::Lanes(tag)) {
     const auto d = hn::Load(tag, modes.free_increment + i), loss = hn::Load(tag, modes.loss + i);
-    auto force = hn::Zero(tag);
-    for (std::size_t p = 0; p < pushed.size(); ++p)
+    auto force = hn::Mul(first_force, hn::Load(tag, first + i));
+    for (std::size_t p = 1; p < pushes; ++p)
       force = hn::MulAdd(hn::Set(tag, forces[p]), hn::Load(tag, pushed[p] + i), force);
     const auto c = hn::Mul(gain, hn::MulAdd(hn::Load(tag, modes.admittance + i), force, d));
     const auto q = hn::Add(hn::Load(tag, modes.displacement + i), c);
@@ -141,9 +153,73 @@ HWY_INLINE T advance_under_forces_as(const ModalArrays<T>& modes, T damping_gain
     hn::Store(q, tag, modes.displacement + i);
     hn::Store(next, tag, modes.free_increment + i);
     travel = hn::Add(travel, hn::Abs(next));
+    for (std::size_t p = 0; p < kRows; ++p) parts[p] = hn::MulAdd(next, hn::Load(tag, rows[p] + i), parts[p]);
   }
-  sum_all_rows<T>(modes.modes, modes.free_increment, at, increments);
+  for (std::size_t p = 0; p < kRows; ++p) increments[p] = hn::GetLane(hn::SumOfLanes(tag, parts[p]));
   return hn::GetLane(hn::SumOfLanes(tag, travel));
+}
+
+template <typename T>
+HWY_INLINE T advance_under_forces_as(const ModalArrays<T>& modes, T damping_gain, std::span<const T* const> pushed,
+                                     const T* forces, std::span<const T* const> at, T* increments) {
+  const auto advance = [&](auto rows) HWY_ATTR {
+    return advance_and_sum<rows>(modes, damping_gain, pushed, forces, at.data(), increments);
+  };
+  switch (at.size()) {
+    case 0: return advance(std::integral_constant<std::size_t, 0>());
+    case 1: return advance(std::integral_constant<std::size_t, 1>());
+    case 2: return advance(std::integral_constant<std::size_t, 2>());
+    case 3: return advance(std::integral_constant<std::size_t, 3>());
+    default: break;
+  }
+  const T travel = advance(std::integral_constant<std::size_t, 4>());
+  sum_all_rows<T>(modes.modes, modes.free_increment, at.subspan(4), increments + 4);
+  return travel;
+}
+
+/// A vector of a column, 0 in the lanes up to that of the diagonal.
+template <typename T>
+HWY_INLINE Vector<T> below_diagonal(std::size_t diagonal, const T* column) {
+  const Tag<T> tag;
+  return hn::IfThenZeroElse(hn::FirstN(tag, diagonal + 1), hn::Load(tag, column));
+}
+
+/// Solves a positive definite system by a Cholesky factor. Column j of the matrix begins at matrix + j stride, on a cache
+/// line; its lower triangle counts, rows from `size` to whole vectors are 0. The matrix and `right` are overwritten.
+template <typename T>
+HWY_INLINE void solve_positive_definite_as(std::size_t size, T* matrix, std::size_t stride, T* right) {
+  const Tag<T> tag;
+  const std::size_t lanes = hn::Lanes(tag);
+  for (std::size_t j = 0; j < size; ++j) {
+    T* column = matrix + j * stride;
+    const std::size_t first = j / lanes * lanes;
+    const T inverse = 1 / std::sqrt(std::max(column[j], T(1)));
+    const auto scale = hn::Set(tag, inverse);
+    for (std::size_t i = first; i < size; i += lanes)
+      hn::Store(hn::Mul(scale, hn::Load(tag, column + i)), tag, column + i);
+    const T solved = right[j] * inverse;
+    const auto subtract = [&](std::size_t i, Vector<T> below) HWY_ATTR {
+      hn::Store(hn::NegMulAdd(hn::Set(tag, solved), below, hn::Load(tag, right + i)), tag, right + i);
+    };
+    subtract(first, below_diagonal(j - first, column + first));
+    for (std::size_t i = first + lanes; i < size; i += lanes) subtract(i, hn::Load(tag, column + i));
+    right[j] = solved;
+    column[j] = inverse;
+    for (std::size_t k = j + 1; k < size; ++k) {
+      T* next = matrix + k * stride;
+      const auto factor = hn::Set(tag, column[k]);
+      for (std::size_t i = k / lanes * lanes; i < size; i += lanes)
+        hn::Store(hn::NegMulAdd(factor, hn::Load(tag, column + i), hn::Load(tag, next + i)), tag, next + i);
+    }
+  }
+  for (std::size_t j = size; j-- > 0;) {
+    const T* column = matrix + j * stride;
+    std::size_t i = j / lanes * lanes;
+    auto sum = hn::Mul(below_diagonal(j - i, column + i), hn::Load(tag, right + i));
+    for (i += lanes; i < size; i += lanes)
+      sum = hn::MulAdd(hn::Load(tag, column + i), hn::Load(tag, right + i), sum);
+    right[j] = (right[j] - hn::GetLane(hn::SumOfLanes(tag, sum))) * column[j];
+  }
 }
 
 inline constexpr std::size_t kBlock = 64;  // samples
