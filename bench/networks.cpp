@@ -105,7 +105,8 @@ void measure(const Voice& voice, double duration_s, int rounds, Measurement& tot
     ++total.forces[with_force];
     bounded = solver.bounded();
   };
-  play<T>(voice, gestures, samples, [] {}, [](std::size_t) {}, count);
+  play<T>(
+      voice, gestures, samples, [] {}, [](std::size_t) {}, count);
   total.voices += 1;
   total.samples += samples;
   total.bounded += bounded;
@@ -135,7 +136,8 @@ void report(const Score& score, const std::string& name, const char* precision, 
 
 void report_all(int rounds, const std::string& only) {
   fmt::print(
-      "| score | precision | times real time | ns per sample | block, 99.9 % / median | slowest / median | steps, mean "
+      "| score | precision | times real time | ns per sample | block, 99.9 % / median | slowest / median | steps, "
+      "mean "
       "| max | forces, mean | max | bounded |\n|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n");
   flush_denormals();
   for (const EmbeddedFile& file : embedded_files(Shipped::kScores)) {

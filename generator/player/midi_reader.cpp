@@ -65,6 +65,7 @@ class Reader final : private Midifile_reader {
  private:
   void read(std::string_view bytes) {
     bytes_ = bytes;
+    tracks_ = 0;
     midifile();
   }
 
@@ -93,6 +94,7 @@ class Reader final : private Midifile_reader {
     division_ = division;
   }
   void Mf_starttrack() override {
+    ++tracks_;
     last_tick_ = 0;
     has_ended_ = false;
   }
@@ -126,7 +128,7 @@ class Reader final : private Midifile_reader {
   void Mf_keysig(int, int) override {}
   void Mf_sqspecific(int, unsigned char*) override {}
   void Mf_text(int type, int length, unsigned char* text) override {
-    if (type == kTrackName && title_.empty() && length > 0)
+    if (type == kTrackName && tracks_ == 1 && title_.empty() && length > 0)
       title_ = shown({reinterpret_cast<const char*>(text), static_cast<std::size_t>(length)}, kLongestTitle);
   }
 
@@ -134,7 +136,7 @@ class Reader final : private Midifile_reader {
   std::string title_;
   std::vector<MidiEvent> events_;
   long last_tick_ = 0;
-  int division_ = 0;
+  int division_ = 0, tracks_ = 0;
   bool has_ended_ = false;
 };
 
@@ -172,13 +174,12 @@ class NoteTracker {
     let_go(time_s, channel, key);
     if (velocity == 0) return;
     pressed_[{channel, key}] = notes_.size();
-    notes_.push_back({time_s, 0, key, velocity, of_channel(channel).bend_cents()});
+    notes_.push_back({time_s, 0, key, velocity, channel});
   }
 
-  void bend(int channel, int wheel) {
-    Channel& of = of_channel(channel);
-    if (wheel != of.wheel && sounds(channel)) ++bends_in_notes_;
-    of.wheel = wheel;
+  void bend(double time_s, int channel, int wheel) {
+    of_channel(channel).wheel = wheel;
+    note_bend(time_s, channel);
   }
 
   void controller(double time_s, int channel, int number, int value) {
@@ -186,7 +187,10 @@ class NoteTracker {
     if (number == kSustainPedal) pedal(time_s, channel, value >= kPedalDown);
     if (number == kParameterHigh) of.parameter = 128 * value + of.parameter % 128;
     if (number == kParameterLow) of.parameter = of.parameter / 128 * 128 + value;
-    if (number == kDataEntry && of.parameter == 0) of.bend_range = value;
+    if (number == kDataEntry && of.parameter == 0) {
+      of.bend_range = value;
+      note_bend(time_s, channel);
+    }
   }
 
   void pedal(double time_s, int channel, bool down) {
@@ -202,15 +206,16 @@ class NoteTracker {
     return std::move(notes_);
   }
 
-  [[nodiscard]] std::size_t bends_in_notes() const { return bends_in_notes_; }
+  [[nodiscard]] std::vector<MidiBend> bends() { return std::move(bends_); }
 
  private:
   struct Channel {
-    [[nodiscard]] double bend_cents() const { return 100.0 * bend_range * (wheel - kWheelCentre) / kWheelCentre; }
+    [[nodiscard]] double cents() const { return 100.0 * bend_range * (wheel - kWheelCentre) / kWheelCentre; }
 
     bool pedal_is_down = false;
     int wheel = kWheelCentre;
     int bend_range = 2;             ///< semitones
+    double bend_cents = 0;          ///< of the last bend
     int parameter = 0x3fff;         ///< registered parameter that a data entry sets; 0x3fff: none
     std::vector<std::size_t> held;  ///< notes that only the pedal holds
   };
@@ -220,6 +225,13 @@ class NoteTracker {
   bool sounds(int channel) {
     const auto is_pressed = [=](const auto& entry) { return entry.first.first == channel; };
     return !of_channel(channel).held.empty() || std::ranges::any_of(pressed_, is_pressed);
+  }
+
+  void note_bend(double time_s, int channel) {
+    Channel& of = of_channel(channel);
+    if (of.cents() == of.bend_cents) return;
+    of.bend_cents = of.cents();
+    bends_.push_back({time_s, channel, of.bend_cents, sounds(channel)});
   }
 
   void let_go(double time_s, int channel, int key) {
@@ -238,7 +250,7 @@ class NoteTracker {
   std::vector<MidiNote> notes_;
   std::map<std::pair<int, int>, std::size_t> pressed_;  ///< channel and key to note
   std::array<Channel, 16> channels_;
-  std::size_t bends_in_notes_ = 0;
+  std::vector<MidiBend> bends_;
 };
 
 bool is_chosen(int channel, std::span<const int> channels) {
@@ -274,11 +286,11 @@ MidiSong parse_midi(std::string_view bytes, std::string_view file, std::span<con
     if (!is_chosen(channel, channels)) continue;
     if (kind == MidiEvent::kKey) tracker.key(time, channel, number, value);
     if (kind == MidiEvent::kController) tracker.controller(time, channel, number, value);
-    if (kind == MidiEvent::kBend) tracker.bend(channel, value);
+    if (kind == MidiEvent::kBend) tracker.bend(time, channel, value);
   }
   auto notes = tracker.notes_at_end(time);
   if (notes.empty()) refuse_silence(file, with_notes);
-  return {reader.title(), std::move(notes), tracker.bends_in_notes()};
+  return {reader.title(), std::move(notes), tracker.bends()};
 }
 
 }  // namespace contactspline

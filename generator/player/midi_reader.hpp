@@ -12,16 +12,24 @@ namespace contactspline {
 
 struct MidiNote {
   double time_s;
-  double hold_s;      ///< until the key is let go, or the pedal that holds it
-  int key;            ///< 0 to 127, 60 is middle C
-  int velocity;       ///< 1 to 127
-  double bend_cents;  ///< by the pitch wheel when the note begins
+  double hold_s;  ///< until the key is let go, or the pedal that holds it
+  int key;        ///< 0 to 127, 60 is middle C
+  int velocity;   ///< 1 to 127
+  int channel;    ///< 0 to 15
+};
+
+/// The pitch wheel of a channel goes to another place.
+struct MidiBend {
+  double time_s;
+  int channel;  ///< 0 to 15
+  double cents;
+  bool in_note;  ///< does a note of the channel sound?
 };
 
 struct MidiSong {
   std::string title;            ///< of the first track, printable; empty where it has none
   std::vector<MidiNote> notes;  ///< by rising time
-  std::size_t bends_in_notes;   ///< changes of the pitch wheel while a note of its channel sounds; they are left out
+  std::vector<MidiBend> bends;  ///< by rising time
 };
 
 /// Title and notes of a MIDI file of format 0 or 1: of the channels (1 to 16), or if none is given of all but the

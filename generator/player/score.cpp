@@ -4,6 +4,8 @@
 #include <array>
 #include <limits>
 
+#include "generator/resonator/resonator_reader.hpp"
+
 namespace contactspline {
 namespace {
 
@@ -23,8 +25,8 @@ constexpr Range kVibratoRate{0, 100};
 
 constexpr std::array kHammerControls = {
     ControlName{"hammer_mass_kg", kMass, kUnset}, ControlName{"stiffness_ratio", kRatio, 1},
-    ControlName{"loss_s_per_m", kLoss, 0}, ControlName{"damping_per_s", kDecay, 0},
-    ControlName{"strike_m", kPlace, kUnset}};
+    ControlName{"loss_s_per_m", kLoss, 0},        ControlName{"damping_per_s", kDecay, 0},
+    ControlName{"strike_m", kPlace, kUnset},      ControlName{"bend_cents", kTuningCents, 0}};
 
 constexpr std::array kSlideControls = {ControlName{"place_m", kPlace, kUnset},
                                        ControlName{"slide_mass_kg", kMass, kUnset},

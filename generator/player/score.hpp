@@ -28,7 +28,7 @@ struct ControlName {
 
 /// Places of the controls among a voice's values.
 struct HammerStringControl {
-  enum : std::size_t { kHammerMass, kStiffnessRatio, kLoss, kDamping, kPlace };
+  enum : std::size_t { kHammerMass, kStiffnessRatio, kLoss, kDamping, kPlace, kBend };
 };
 struct SlideStringControl {
   enum : std::size_t {

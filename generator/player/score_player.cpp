@@ -114,8 +114,9 @@ class HammerStringPlayer {
     for (std::size_t done = 0; done < block.output.size();) {
       const std::size_t sample = begin + done, left = block.output.size() - done;
       take_events(sample, controls);
-      const std::size_t steady = std::min(
-          {left, controls.steady_samples(sample, Control::kDamping), strikes_.samples_to_next(sample), kMaxSteady});
+      const std::size_t steady = std::min({left, controls.steady_samples(sample, Control::kDamping),
+                                           controls.steady_samples(sample, Control::kBend, kBendStep),
+                                           strikes_.samples_to_next(sample), kMaxSteady});
       process_steady({block.output.subspan(done, steady), block.force.subspan(done, steady)});
       done += steady;
     }
@@ -135,6 +136,7 @@ class HammerStringPlayer {
  private:
   using Control = HammerStringControl;
   static constexpr std::size_t kMaxSteady = 1024;  // samples; a voice may fall silent after each
+  static constexpr std::size_t kBendStep = 16;     // samples between the steps of a bend
 
   static HammerStringControls<T> controls_from(std::span<const double> values) {
     return {.hammer_mass_kg = static_cast<T>(values[Control::kHammerMass]),
@@ -145,6 +147,7 @@ class HammerStringPlayer {
   void take_events(std::size_t sample, ControlTrack& controls) {
     const auto values = controls.at(sample);
     voice_.controls() = controls_from(values);
+    bend(values[Control::kBend]);
     while (const auto* change = strikes_.next_until(sample)) take(*change, values[Control::kPlace]);
   }
 
@@ -157,6 +160,15 @@ class HammerStringPlayer {
     is_silent_ = false;
     if (place_m != place_m_) move_strike(place_m);
     throws_ ? voice_.strike(static_cast<T>(change.strike->speed_m_per_s)) : voice_.lift();
+  }
+
+  void bend(double cents) {
+    if (cents == bend_cents_) return;
+    bend_cents_ = cents;
+    const auto& string = std::get<StiffString>(resonator_.body);
+    std::ranges::transform(parts_.set.modes, parts_.modes.begin(),
+                           [&](const ResonatorMode& row) { return retuned(string, row, cents); });
+    voice_.retune(parts_.modes);
   }
 
   void move_strike(double place_m) {
@@ -199,6 +211,7 @@ class HammerStringPlayer {
   PlayOptions options_;
   Parts<T> parts_;
   double place_m_;
+  double bend_cents_ = 0;
   StrikeTrack strikes_;
   HammerVoice<T> voice_;
   BridgeShapes<T> bridge_;  // for Signal::kBody

@@ -39,6 +39,8 @@ constexpr Range kHeight{-0.1, 0.1};
 constexpr Range kForce{-1e3, 1e3};
 
 constexpr double kRing = 1;             // s, after the last note of a MIDI file
+constexpr double kBendTime_s = 0.01;    // in which a sounding string follows the pitch wheel
+constexpr int kNoBends = -1;            // instead of a channel
 constexpr double kKeyboardWidth = 0.6;  // pan of its ends
 
 bool has_hammer(Instrument instrument) {
@@ -126,7 +128,7 @@ Voice voice_of(const Keyboard& keyboard, int key) {
   voice.name = fmt::format("{}", key);
   voice.resonator = {keyboard.name, "", note.string, {note.strike_position_m}, {note.strike_position_m}, kMaxModes};
   voice.contact = segment_table(design_spline(note.felt, keyboard.name));
-  voice.initial = {note.hammer_mass_kg, 1, keyboard.felt_loss_s_per_m, 0, note.strike_position_m};
+  voice.initial = {note.hammer_mass_kg, 1, keyboard.felt_loss_s_per_m, 0, note.strike_position_m, 0};
   voice.damper = {key <= keyboard.last_damped_key ? keyboard.damper_per_s : 0, keyboard.damper_time_s};
   voice.strings = note.strings;
   voice.pan = kKeyboardWidth * from_middle;
@@ -134,27 +136,25 @@ Voice voice_of(const Keyboard& keyboard, int key) {
   return voice;
 }
 
-// The same key with its string tuned by a change of tension.
-Voice detuned_voice(const Keyboard& keyboard, int key, int cents) {
-  Voice voice = voice_of(keyboard, key);
-  if (cents == 0) return voice;
-  voice.name += fmt::format("{:+}", cents);
-  for (double& detuning : std::get<StiffString>(voice.resonator.body).detuning_cents) detuning += cents;
-  if (voice.on_body)
-    for (double& detuning : voice.on_body->detuning_cents) detuning += cents;
-  return voice;
-}
-
-// What of a MIDI file is not played. The modes of a voice are fixed, so a sounding string cannot change its pitch.
-std::string left_out_line(std::string_view file, const Keyboard& keyboard, std::size_t notes,
-                          std::size_t beyond_octave, std::size_t bends) {
+// What of a MIDI file is not played as it is written.
+std::string left_out_line(std::string_view file, const Keyboard& keyboard, std::size_t notes, std::size_t far_bends) {
   std::vector<std::string> parts;
   if (notes > 0)
-    parts.push_back(fmt::format("notes beyond the keys {} to {} ({})", keyboard.first_key, keyboard.last_key, notes));
-  if (beyond_octave > 0) parts.push_back(fmt::format("notes bent by more than an octave ({})", beyond_octave));
-  if (bends > 0) parts.push_back(fmt::format("changes of the pitch wheel while a note sounds ({})", bends));
+    parts.push_back(
+        fmt::format("left out: notes beyond the keys {} to {} ({})", keyboard.first_key, keyboard.last_key, notes));
+  if (far_bends > 0)
+    parts.push_back(fmt::format("played as an octave: bends by more than an octave ({})", far_bends));
   if (parts.empty()) return {};
-  return fmt::format("{}: MIDI: left out: {}", file, fmt::join(parts, ", "));
+  return fmt::format("{}: MIDI: {}", file, fmt::join(parts, "; "));
+}
+
+// Bends the string of a voice as the wheel of its channel.
+void add_bends(std::span<const MidiBend> bends, int channel, Voice& voice) {
+  for (const MidiBend& bend : bends) {
+    if (bend.channel != channel) continue;
+    const double cents = std::clamp(bend.cents, kTuningCents.min, kTuningCents.max);
+    voice.glides.push_back({bend.time_s, bend.in_note ? kBendTime_s : 0, HammerStringControl::kBend, cents});
+  }
 }
 
 // Every key that is played.
@@ -187,6 +187,12 @@ void check_place(const JsonObject& event, const ControlName& control, const Voic
                fmt::format("a number from 0 to {}", extent));
 }
 
+// Only a string has a tension.
+void check_bend(const JsonObject& event, const ControlName& control, const Voice& voice) {
+  if (control.name == std::string_view("bend_cents") && !std::holds_alternative<StiffString>(voice.resonator.body))
+    event.fail(event.key(control.name), fmt::format("{} is no string", voice.resonator.name), "for strings");
+}
+
 // Sets the controls that an event names; false where it names none.
 bool read_glides(const JsonObject& event, Instrument instrument, double time, std::span<Voice> voices) {
   const auto controls = rules_of(instrument).controls;
@@ -198,6 +204,7 @@ bool read_glides(const JsonObject& event, Instrument instrument, double time, st
     const double to = event.number(controls[i].name, controls[i].range);
     for (Voice& voice : voices) {
       check_place(event, controls[i], voice, to);
+      check_bend(event, controls[i], voice);
       if (time == 0 && over == 0) voice.initial[i] = to;
       voice.glides.push_back({time, over, i, to});
     }
@@ -268,7 +275,8 @@ Score parse_score(std::string_view text, std::string_view file, const ReadFile& 
     const NamedText named = read_named(score, "keyboard", Shipped::kKeyboards, read);
     const Keyboard keyboard = parse_keyboard(named.text, named.file);
     result.voices = read_keys(score, keyboard, events);
-    result.body = body_of(keyboard, named, read);
+    const auto bends = [](const JsonObject& event) { return event.has("bend_cents"); };
+    if (std::ranges::none_of(events, bends)) result.body = body_of(keyboard, named, read);
   } else {
     result.voices = read_voices(score, result.instrument, read);
   }
@@ -279,42 +287,45 @@ Score parse_score(std::string_view text, std::string_view file, const ReadFile& 
 }
 
 Score parse_midi_score(std::string_view bytes, std::string_view file, std::span<const int> channels) {
-  const auto [title, notes, bends_in_notes] = parse_midi(bytes, file, channels);
+  const auto [title, notes, bends] = parse_midi(bytes, file, channels);
   const EmbeddedFile* piano = find_embedded(Shipped::kKeyboards, "piano.json");
   const Keyboard keyboard = parse_keyboard(piano->content, piano->name);
-  std::map<std::pair<int, int>, Voice> voices;  // by key and cents
+  std::set<int> bending_channels;
+  for (const MidiBend& bend : bends) bending_channels.insert(bend.channel);
+  std::map<std::pair<int, int>, Voice> voices;  // by key and channel; channels without bends share their strings
   double end = 0;
-  bool is_detuned = false;
-  std::size_t beyond = 0, beyond_octave = 0;
+  std::size_t beyond = 0;
   for (const MidiNote& note : notes) {
     if (note.key < keyboard.first_key || note.key > keyboard.last_key) {
       ++beyond;
       continue;
     }
-    if (std::abs(note.bend_cents) > kTuningCents.max) {
-      ++beyond_octave;
-      continue;
+    const int channel = bending_channels.contains(note.channel) ? note.channel : kNoBends;
+    Voice& voice = voices[{note.key, channel}];
+    if (voice.name.empty()) {
+      voice = voice_of(keyboard, note.key);
+      if (channel != kNoBends) voice.name += fmt::format("_channel_{}", channel + 1);
+      add_bends(bends, channel, voice);
     }
-    const int cents = static_cast<int>(std::lround(note.bend_cents));
-    Voice& voice = voices[{note.key, cents}];
-    if (voice.name.empty()) voice = detuned_voice(keyboard, note.key, cents);
-    is_detuned = is_detuned || cents != 0;
     voice.strikes.push_back({note.time_s, strike_speed(keyboard, note.velocity / 127.0), note.hold_s});
     end = std::max(end, note.time_s + note.hold_s);
   }
   if (voices.empty())
-    throw BadInput(fmt::format("{}: MIDI: no note is on the piano; allowed: keys {} to {}, bent by an octave at most",
-                               file, keyboard.first_key, keyboard.last_key));
+    throw BadInput(fmt::format("{}: MIDI: no note is on the piano; allowed: keys {} to {}", file, keyboard.first_key,
+                               keyboard.last_key));
   if (!(end + kRing <= kScoreDuration_s.max))
     throw BadInput(
         fmt::format("{}: MIDI: it lasts {:.4g} s; allowed: at most {} s", file, end, kScoreDuration_s.max - kRing));
+  const bool has_bends = std::ranges::any_of(voices, [](const auto& entry) { return !entry.second.glides.empty(); });
+  const auto is_far = [](const MidiBend& bend) { return std::abs(bend.cents) > kTuningCents.max; };
+  const auto far_bends = static_cast<std::size_t>(std::ranges::count_if(bends, is_far));
   Score score{std::string(file),
               Instrument::kHammerString,
               title,
               end + kRing,
               {},
-              is_detuned ? std::nullopt : body_of(keyboard, {{}, std::string(piano->name), true}, shipped_file),
-              left_out_line(file, keyboard, beyond, beyond_octave, bends_in_notes)};
+              has_bends ? std::nullopt : body_of(keyboard, {{}, std::string(piano->name), true}, shipped_file),
+              left_out_line(file, keyboard, beyond, far_bends)};
   for (auto& [key, voice] : voices) score.voices.push_back(std::move(voice));
   return score;
 }

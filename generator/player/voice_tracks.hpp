@@ -33,9 +33,10 @@ class ControlTrack {
     return values_;
   }
 
-  /// Number of samples from this one, the one just asked for, in which a control stays the same.
-  [[nodiscard]] std::size_t steady_samples(std::size_t sample, std::size_t control) const {
-    if (moves_[control].is_active) return 1;
+  /// Number of samples from this one, the one just asked for, in which a control stays the same; `step` while it
+  /// moves.
+  [[nodiscard]] std::size_t steady_samples(std::size_t sample, std::size_t control, std::size_t step = 1) const {
+    if (moves_[control].is_active) return step;
     if (next_ == glides_.size()) return std::numeric_limits<std::size_t>::max();
     return sample_at(glides_[next_].time_s, sample_rate_hz_) - sample;
   }

@@ -302,9 +302,9 @@ class ContactNetwork {
     std::vector<T> admittances;      // between all pairs of these, without damping [m/N]
     std::vector<std::size_t> awake;  // places whose increments are computed in each sample
     std::vector<const T*> awake_shapes;
-    T free_travel = 0;               // of the next sample without forces and damper, likewise these: [m]
-    std::vector<T> free_increments;  // of the awake places
-    bool is_predicted = false;       // do free_travel and free_increments belong to the state?
+    T free_travel = 0;                // of the next sample without forces and damper, likewise these: [m]
+    std::vector<T> free_increments;   // of the awake places
+    bool is_predicted = false;        // do free_travel and free_increments belong to the state?
     std::vector<std::size_t> forced;  // places where forces act in this sample
     std::vector<const T*> forced_shapes;
     std::vector<T> forces;
@@ -673,7 +673,7 @@ class ContactNetwork {
   std::vector<Body> bodies_;
   std::vector<Place> places_;
   std::vector<Connection> connections_;
-  std::vector<std::size_t> awake_, asleep_;         // connections
+  std::vector<std::size_t> awake_, asleep_;        // connections
   std::vector<std::size_t> pushed_, last_pushed_;  // places
   std::vector<T> admittances_;                     // of all pairs of connections [m/N]
   std::vector<T> mutual_;      // admittances of all pairs of places, without damping [m/N]

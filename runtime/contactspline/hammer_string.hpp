@@ -60,6 +60,16 @@ class HammerString {
     has_moved_ = true;
   }
 
+  /// Changes frequencies and decays of the sounding string (ModalBank::retune), also in contact. What bridge()
+  /// returned before no longer holds. Does not allocate.
+  void retune(std::type_identity_t<std::span<const Mode, Modes>> modes) {
+    string_.retune(modes);
+    if (is_flying_)
+      constants_.strike_at(string_, strike_);
+    else
+      has_moved_ = true;
+  }
+
   /// Throws the hammer at the string from a distance [m], 0 to 0.05, with a velocity [m/s], -1000 to 1000. The string
   /// may be sounding. Does nothing if one of them is not a number.
   void strike(T velocity_m_per_s, T distance_m) {
@@ -264,7 +274,7 @@ class HammerString {
   T time_step_;
   detail::HammerState<T> hammer_;
   T damping_per_s_ = 0;
-  bool has_moved_ = true;   // the place of the strike, since the last throw
+  bool has_moved_ = true;   // the place of the strike, or the tuning, since the last throw
   bool is_thrown_ = false;  // by strike(); the next sample takes the hammer's controls
   bool is_flying_ = false;
 };

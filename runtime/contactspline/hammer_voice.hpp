@@ -107,6 +107,10 @@ class HammerVoice {
   /// Moves the place of the strike, from the next throw on. Does nothing if a shape is not finite.
   void strike_at(const ModeShapes<T>& strike) { model_.strike_at(strike); }
 
+  /// Changes frequencies and decays of the sounding strings (ModalBank::retune), for a bend of the pitch; the output
+  /// stays that of the first frequencies. Does not allocate.
+  void retune(std::span<const Mode> modes) { model_.retune(modes); }
+
   /// Lifts the damper, as a key does that is pressed without a sound.
   void lift() { damper_.move_to(0); }
 

@@ -274,13 +274,13 @@ class ModalBank {
   /// Returns the sum of |free increment| over the modes: a place moves by at most this times its largest |shape|.
   T free_increments(std::span<const T* const> at, T* increments) const requires(Modes == std::dynamic_extent) {
 #ifdef CONTACTSPLINE_SIMD
-    if (size() > detail::kFewModes) return detail::sum_free_increments(size(), free_increment_.data(), at, increments);
+    if (size() > detail::kFewModes)
+      return detail::sum_free_increments(size(), free_increment_.data(), at, increments);
 #endif
     const T* d = free_increment_.data();
     const std::size_t modes = free_increment_.padded_size();
     std::size_t p = 0;
-    for (; p + 4 <= at.size(); p += 4)
-      sum_products(modes, d, at[p], at[p + 1], at[p + 2], at[p + 3], increments + p);
+    for (; p + 4 <= at.size(); p += 4) sum_products(modes, d, at[p], at[p + 1], at[p + 2], at[p + 3], increments + p);
     for (; p < at.size(); ++p)
       increments[p] = detail::sum_of<T>(size(), [&](std::size_t i) { return at[p][i] * d[i]; });
     return detail::sum_of<T>(size(), [&](std::size_t i) { return std::abs(d[i]); });
@@ -325,10 +325,32 @@ class ModalBank {
     displacement_[mode] = displacement_m;
     free_increment_[mode] = free_increment_m;
   }
-  [[nodiscard]] T displacement(std::size_t mode) const { return displacement_[mode]; }
+  [[nodiscard]] T displacement(std::size_t mode) const {
+    return displacement_[mode];
+  }
 
   /// Stiffness of a mode in units of the sample: a force f holds the mode at rest at 2 admittance f/stiffness [m].
-  [[nodiscard]] T stiffness(std::size_t mode) const { return stiffness_[mode]; }
+  [[nodiscard]] T stiffness(std::size_t mode) const {
+    return stiffness_[mode];
+  }
+
+  /// Changes frequencies and decays between two samples, as a change of tension does. Masses, shapes and the number
+  /// of modes stay. Each mode keeps its displacement and velocity, so energy() changes by the work of what changes
+  /// the stiffness, m (w^2 + decay^2) q^2/2. Modes at half the sample rate and above come to rest. A change by more
+  /// than a few cents at once can be noticed. Does nothing if a number is not finite. Does not allocate.
+  void retune(std::span<const Mode, Modes> modes) {
+    for (const auto& [w, decay, mass] : modes)
+      if (const double values[] = {w, decay, mass}; !all_finite(std::span<const double>(values))) return;
+    for (std::size_t i = 0; i < size(); ++i) {
+      const T q = displacement_[i];
+      const auto [of_displacement, of_free_increment] = exact_velocity_gains(constants_[i]);
+      const auto velocity =
+          static_cast<T>(of_free_increment * double(free_increment_[i]) + of_displacement * double(q));
+      set(i, modes[i]);
+      const bool sounds = constants_[i].admittance > 0;
+      set_motion(i, sounds ? q : T(0), sounds ? velocity : T(0));
+    }
+  }
 
   /// Ends the sample: updates displacements and free increments.
   void commit() {
@@ -415,7 +437,7 @@ class ModalBank {
     return detail::sum_of<T>(weights.size(), [&](std::size_t i) { return weights[i] * state[i]; });
   }
 
-  // Velocity of mode i in free motion [m/s], from its displacement q and the change d to its next one.
+  // Velocity of mode i at a pickup [m/s].
   [[nodiscard]] double velocity_of(std::size_t i) const {
     const auto [of_displacement, of_free_increment] = velocity_gains(constants_[i]);
     return of_free_increment * double(free_increment_[i]) + of_displacement * double(displacement_[i]);
@@ -426,7 +448,9 @@ class ModalBank {
   };
   static VelocityGains velocity_gains(const detail::ModeConstants& mode) {
     constexpr double kMaxLoss = 0.19;  // 1 - 0.9^2: modes that decay faster have no velocity
-    if (mode.loss > kMaxLoss) return {0, 0};
+    return mode.loss > kMaxLoss ? VelocityGains{0, 0} : exact_velocity_gains(mode);
+  }
+  static VelocityGains exact_velocity_gains(const detail::ModeConstants& mode) {
     const double one_minus_real = (mode.loss + mode.stiffness) / 2;  // 1 - Re z
     return {mode.velocity_gain * one_minus_real - mode.decay_per_s, mode.velocity_gain};
   }

@@ -161,6 +161,18 @@ struct StringMode {
   double wavenumber_per_m;
 };
 
+/// The mode after a change of tension that detunes its string by `cents`: w0^2 gains (T' - T) beta^2/mu. The tension
+/// T is that of the string that the mode belongs to, detuned or not. Frequency 0 if it no longer oscillates. Row: as
+/// in bridge_shape().
+template <typename Row>
+[[nodiscard]] Mode retuned(const StiffString& string, const Row& row, double cents) {
+  const double beta = row.wavenumber_per_m, decay = row.mode.decay_per_s, w = row.mode.angular_frequency_rad_per_s;
+  const double by_bending = string.bending_stiffness_n_m2 * std::pow(beta, 4) * string.length_m / string.mass_kg;
+  const double by_tension = w * w + decay * decay - by_bending;
+  const double square = w * w + std::expm1(cents / 600 * std::numbers::ln2) * by_tension;
+  return {std::sqrt(std::max(0.0, square)), decay, row.mode.mass_kg};
+}
+
 /// All modes with an undamped frequency below a limit, sorted by frequency; at most `max_modes` from each string. A
 /// force at a place acts on all strings equally, so divide the shapes there by the number of strings.
 [[nodiscard]] inline std::vector<StringMode> modes_below(

@@ -24,7 +24,7 @@ const std::string kHammer = R"({
   ],
   "events": [
     { "time_s": 0.01, "voice": "a", "speed_m_per_s": 2.5, "hold_s": 0.02, "over_s": 0.015, "stiffness_ratio": 1.5,
-      "loss_s_per_m": 0.3, "damping_per_s": 4, "strike_m": 0.08 }
+      "loss_s_per_m": 0.3, "damping_per_s": 4, "strike_m": 0.08, "bend_cents": 5 }
   ]
 })";
 const std::string kKeys = R"({
@@ -74,7 +74,8 @@ std::vector<BadFile> all_number_cases() {
       {"events[0].", "stiffness_ratio", "1.5", range("1e-06", "1000000"), {"0", "-1", "1.1e6"}},
       {"events[0].", "loss_s_per_m", "0.3", range("0", "1000"), {"-1", "1001"}},
       {"events[0].", "damping_per_s", "4", range("0", "100000"), {"-1", "1e6"}},
-      {"events[0].", "strike_m", "0.08", range("0", "100"), {"-1", "101"}}};
+      {"events[0].", "strike_m", "0.08", range("0", "100"), {"-1", "101"}},
+      {"events[0].", "bend_cents", "5", range("-1200", "1200"), {"-1201", "1201"}}};
   const std::vector<NumberKey> keys = {
       {"events[0].", "key", "60", "an integer from 21 to 108", {"20", "109", "-1", "4294967356"}, true}};
   const std::vector<NumberKey> slide = {
@@ -192,6 +193,10 @@ std::vector<BadFile> key_cases() {
        "glides to nothing; allowed: beside a control"},
       {"nothing_happens", changed(kKeys, ", " + note, ""), "events[0].time_s",
        "nothing happens; allowed: beside speed_m_per_s or a control"},
+      {"bend_of_bar",
+       changed(changed(changed(kHammer, "string_c4", "marimba_c4"), R"("tuning_cents": 3, )", ""),
+               R"("strike_m": 0.08, )", ""),
+       "events[0].bend_cents", "marimba_c4 is no string; allowed: for strings"},
       {"strike_beyond_string", changed(kHammer, R"("strike_m": 0.08)", R"("strike_m": 0.63)"), "events[0].strike_m",
        "0.63 is beyond string_c4; allowed: a number from 0 to 0.62"},
       {"slide_beyond_string", changed(kSlide, R"("place_m": 0.3)", R"("place_m": 0.65)"), "events[0].place_m",
@@ -268,7 +273,9 @@ TEST(BadScore, MayLeaveNoSound) {
       run({.arguments = {"render", "hammer-string", "--score", "probe.json", "--rate", "8000", "-o", "a.wav"},
            .folder = box.path()}),
       "--rate: no mode of piano lies below 4000 Hz", "allowed: a higher rate");
-  write_file(box / "drum.json", changed(changed(kHammer, "string_c4", "drum_head"), R"("tuning_cents": 3, )", ""));
+  write_file(box / "drum.json",
+             changed(changed(changed(kHammer, "string_c4", "drum_head"), R"("tuning_cents": 3, )", ""),
+                     R"(, "bend_cents": 5)", ""));
   expect_refused(
       run({.arguments = {"render", "hammer-string", "--score", "drum.json", "--signal", "bridge", "-o", "a.wav"},
            .folder = box.path()}),
@@ -364,22 +371,24 @@ TEST(BadMidiChannel, IsRefused) {
   EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
 }
 
-// One line counts what is left out; the rest sounds.
+// One line counts what is left out, and bends that are played as an octave; the rest sounds.
 TEST(GoodMidiFile, IsPlayedWithoutWhatIsBeyondThePiano) {
   const auto bytes = [](const char* data, std::size_t size) { return std::string(data, size); };
-  const std::string low = bytes("\0\x90\x14\x40\0\x90\x7f\x40", 8), bent = bytes("\0\xe0\0\x50", 4);
-  // On another channel, the wheel at the end of a range of 24 semitones.
-  const std::string far = bytes("\0\xb1\x65\0\0\xb1\x64\0\0\xb1\x06\x18\0\xe1\x7f\x7f\0\x91\x3c\x40", 20);
+  const std::string low = bytes("\0\x90\x14\x40\0\x90\x7f\x40", 8);
+  // Another channel with the wheel at the low end of a range of so many semitones.
+  const auto far = [&](char semitones) {
+    return bytes("\0\xb1\x65\0\0\xb1\x64\0\0\xb1\x06", 11) + semitones + bytes("\0\xe1\0\0\0\x91\x3c\x40", 8);
+  };
   const Sandbox box;
-  write_file(box / "clean.mid", midi(kNote + kEnd));
-  write_file(box / "probe.mid", midi(low + low + far + kNote + bent + kEnd));
+  write_file(box / "clean.mid", midi(far(12) + kNote + kEnd));
+  write_file(box / "probe.mid", midi(low + low + far(24) + kNote + kEnd));
   const Outcome outcome =
       run({.arguments = {"render", "hammer-string", "--score", "probe.mid", "-o", "a.wav"}, .folder = box.path()});
   EXPECT_EQ(outcome.exit_code, 0);
-  EXPECT_EQ(
-      outcome.err,
-      "contactspline: probe.mid: MIDI: left out: notes beyond the keys 21 to 108 (4), notes bent by more than an "
-      "octave (1), changes of the pitch wheel while a note sounds (1)\n");
+  EXPECT_EQ(outcome.err,
+            "contactspline: probe.mid: MIDI: left out: notes beyond the keys 21 to 108 (4); played as an octave: "
+            "bends by more "
+            "than an octave (1)\n");
   succeed({.arguments = {"render", "hammer-string", "--score", "clean.mid", "-o", "b.wav"}, .folder = box.path()});
   EXPECT_TRUE(read_file(box / "a.wav") == read_file(box / "b.wav"));
 }

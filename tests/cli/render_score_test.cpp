@@ -731,6 +731,33 @@ TEST(RenderScore, BendsThePitchOfMidiNotes) {
   }
 }
 
+// In the middle of a note, by the pitch wheel of a MIDI file, and by a score: the string sounds at the pitch of its
+// new tension, to which it glides.
+TEST(RenderScore, BendsASoundingString) {
+  const Sandbox box;
+  // C4 for 1.8 s of 96 ticks a quarter of 0.5 s; the wheel goes up by 2 semitones after 52 ms.
+  const std::string track("\0\x90\x3c\x40\x0a\xe0\x7f\x7f\x82\x5a\x80\x3c\0\0\xff\x2f\0", 17);
+  write_file(box / "bend.mid",
+             std::string("MThd\0\0\0\6\0\0\0\1\0\x60MTrk\0\0\0", 21) + static_cast<char>(track.size()) + track);
+  write_file(box / "bend.json",
+             R"({ "instrument": "hammer-string", "duration_s": 2.5, "keyboard": "piano", "events": [
+      { "time_s": 0, "key": 60, "speed_m_per_s": 2.5, "hold_s": 1.8 },
+      { "time_s": 0.05, "over_s": 0.1, "key": 60, "bend_cents": -1200 } ] })");
+  const auto keyboard = parse_keyboard(shipped(embedded_files(Shipped::kKeyboards), "piano"), "piano");
+  for (const auto& [file, bend] : {std::pair{"bend.mid", 200.0 * 8191 / 8192}, std::pair{"bend.json", -1200.0}}) {
+    succeed({.arguments = {"render", "hammer-string", "--score", file, "--no-figure", "-o", "a.wav"},
+             .folder = box.path()});
+    const Sound sound = read_sound(box / "a.wav");
+    std::vector<double> left;
+    for (std::size_t i = 0; i < sound.samples.size(); i += 2) left.push_back(sound.samples[i]);
+    StiffString string = note_of(keyboard, 60).string;
+    string.tension_n *= std::exp2(bend / 600);
+    const Mode lowest = undamped_mode(string, 1, string.detuning_cents.front()).with(string.losses).value();
+    const double expected = lowest.angular_frequency_rad_per_s / (2 * pi);
+    EXPECT_TRUE(within(1200 * std::log2(frequency_near(left, expected + 0.2) / expected), 0, 0.1)) << file;
+  }
+}
+
 // C4's partials up to the 24th as written by the program, both precisions, against the formula of the stiff string.
 TEST(RenderScore, IsInTune) {
   const double length = 0.62, mass = 0.00393, tension = 670, bending = 0.00983833;

@@ -9,11 +9,10 @@
 #include <faust/gui/meta.h>
 // clang-format on
 
-#include "contactspline/faust_dsp.hpp"
-
 #include <limits>
 #include <sstream>
 
+#include "contactspline/faust_dsp.hpp"
 #include "contactspline/instruments/prepared_piano.hpp"
 #include "contactspline/instruments/slap_bass.hpp"
 #include "contactspline/instruments/snare.hpp"
@@ -64,8 +63,7 @@ std::vector<std::vector<double>> bare(std::size_t samples, BeforeSample before_s
   for (std::size_t n = 0; n < samples; ++n) {
     before_sample(instrument, n);
     instrument.tick();
-    for (std::size_t o = 0; o < outputs.size(); ++o)
-      sound[o].push_back(instrument.output(o) / outputs[o].full_scale);
+    for (std::size_t o = 0; o < outputs.size(); ++o) sound[o].push_back(instrument.output(o) / outputs[o].full_scale);
   }
   return sound;
 }
@@ -120,8 +118,8 @@ TEST(InstrumentDsp, PlucksAsAScore) {
   popped.set("pop_release_n", -5);
   popped.set("pluck_pop", 1);
   EXPECT_EQ(popped.play(4410), bare<SlapBass>(4410, [](SlapBass& instrument, std::size_t n) {
-    instrument.set_pop_force_n(pluck_n(n, -5));
-  }));
+              instrument.set_pop_force_n(pluck_n(n, -5));
+            }));
 }
 
 // Between two blocks: a stiffness and a gap at once, a damping with the time constant of 5 ms.

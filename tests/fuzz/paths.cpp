@@ -220,9 +220,11 @@ void demand_notes(const MidiSong& song) {
   for (const MidiNote& note : song.notes) {
     demand(std::isfinite(note.time_s) && note.time_s >= last_s && note.hold_s >= 0, "a note at a wrong time");
     demand(note.key >= 0 && note.key < 128 && note.velocity > 0 && note.velocity < 128, "a wrong note");
-    demand(std::isfinite(note.bend_cents), "a wrong bend");
     last_s = note.time_s;
   }
+  for (const MidiBend& bend : song.bends)
+    demand(std::isfinite(bend.time_s) && bend.channel >= 0 && bend.channel < 16 && std::isfinite(bend.cents),
+           "a wrong bend");
 }
 
 constexpr std::array kPaths = {

@@ -102,25 +102,48 @@ TEST(Midi, PlaysTheChannelsThatAreChosen) {
   EXPECT_EQ(keys_of({10, 1}), (std::vector{60, 36}));
 }
 
-// The wheel bends by 2 semitones to either side, on its own channel, or by the range that parameter 0 sets.
+// The wheel bends by 2 semitones to either side, on its own channel, or by the range that parameter 0 sets; a place
+// where it already is changes nothing.
 TEST(Midi, FollowsThePitchWheel) {
   const auto song = parse_midi(
-      file_of({0, 100}, {bytes({0, 0xe0, 0,  0x60, 0, 0x90, 60,  64,   10, 60,   0,  // half up
-                                0, 0xe0, 0,  0,    0, 0x90, 61,  64,   0,  0x91, 61, 64, 10, 0x80, 61, 0,
-                                0, 0x81, 61, 0,    0, 0xb0, 101, 0,    0,  100,  0,  0,  6,  12,  // a range of 12
-                                0, 0x90, 62, 64,   5, 0xe0, 0,   0x40, 5,  0x80, 62, 0,      // released in a note
-                                0, 0x90, 63, 64,   5, 0xe0, 0,   0x40, 5,  0x80, 63, 0})}),  // no change
+      file_of({0, 100},
+              {bytes({0, 0xe0, 0,   0x60, 0,  0x90, 60, 64, 10, 60,   0,  0,    0xe0, 0,    0x60,  // half up
+                      0, 0xe0, 0,   0,    20, 0x91, 61, 64, 10, 0xe1, 0,  0,                       // in a note
+                      0, 0xb0, 101, 0,    0,  100,  0,  0,  6,  12,   10, 0xe0, 0,    0x40, 0,    0x81, 61, 0})}),
       "probe.mid");
-  std::vector<double> cents;
-  for (const MidiNote& note : song.notes) cents.push_back(note.bend_cents);
-  EXPECT_EQ(cents, (std::vector<double>{100, -200, 0, -1200, 0}));
-  EXPECT_EQ(song.bends_in_notes, 1u);
+  const std::vector<MidiBend> expected = {
+      {0, 0, 100, false}, {0.05, 0, -200, false}, {0.2, 1, -200, true}, {0.2, 0, -1200, false}, {0.25, 0, 0, false}};
+  ASSERT_EQ(song.bends.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_TRUE(within(song.bends[i].time_s, expected[i].time_s, 1e-12)) << i;
+    EXPECT_EQ(song.bends[i].channel, expected[i].channel) << i;
+    EXPECT_EQ(song.bends[i].cents, expected[i].cents) << i;
+    EXPECT_EQ(song.bends[i].in_note, expected[i].in_note) << i;
+  }
+  ASSERT_EQ(song.notes.size(), 2u);
+  EXPECT_EQ(song.notes[0].channel, 0);
+  EXPECT_EQ(song.notes[1].channel, 1);
 }
 
+// The name (type 3) that comes first in the first track: not another text, nor a later name, nor that of another
+// track.
 TEST(Midi, IsCalledAsItsFirstTrack) {
+  const auto text = [](int type, const std::string& words) {
+    return bytes({0, 0xff, type, static_cast<int>(words.size())}) + words;
+  };
   const std::string note = bytes({0, 0x90, 60, 64, 100, 60, 0});
-  EXPECT_EQ(parse_midi(file_of({0, 100}, {bytes({0, 0xff, 3, 4, 'a', 7, 0xff, 'b'}), note}), "probe").title, "a??b");
-  EXPECT_EQ(parse_midi(file_of({0, 100}, {note}), "probe").title, "");
+  const auto title_of = [](const std::vector<std::string>& tracks) {
+    return parse_midi(file_of({0, 100}, tracks), "probe").title;
+  };
+  EXPECT_EQ(title_of({text(1, "by") +
+                          text(3,
+                               "a\7\xff"
+                               "b") +
+                          text(3, "later"),
+                      text(3, "other") + note}),
+            "a??b");
+  EXPECT_EQ(title_of({text(1, "by"), text(3, "other") + note}), "");
+  EXPECT_EQ(title_of({note + text(3, "late")}), "late");
 }
 
 }  // namespace

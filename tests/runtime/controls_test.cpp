@@ -349,6 +349,14 @@ TEST(Calls, WithoutANumberDoNothing) {
               model.strike(1e3, 0.05);
             }),
             fastest);
+  for (double Mode::*number : {&Mode::angular_frequency_rad_per_s, &Mode::decay_per_s, &Mode::mass_kg})
+    EXPECT_EQ(play([&](auto& model) {
+                std::vector<Mode> modes(20, Mode{1000, 1, 0.001});
+                modes[7].*number = not_a_number<double>();
+                model.retune(modes);
+                model.strike(1e3, 0.05);
+              }),
+              fastest);
 }
 
 TEST(Calls, ThatPlaceWithoutANumberDoNothing) {

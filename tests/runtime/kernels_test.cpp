@@ -334,6 +334,37 @@ TYPED_TEST(Kernels, StayWithinTheTableForAnyLoad) {
   }
 }
 
+// A string that is retuned in contact and after it is retuned at once.
+TYPED_TEST(Kernels, FollowARetunedString) {
+  const auto modes = audible_modes(c4());
+  const auto shape = shapes<TypeParam>(modes, &ResonatorMode::strike_shape);
+  const auto pickup = shapes<TypeParam>(modes, &ResonatorMode::pickup_shape);
+  const auto table = table_in<TypeParam>(felt_table(c4(), 32));
+  const auto play = [&](bool by_ticks) {
+    HammerString<TypeParam> model(table, bare(modes), shape, 44100);
+    const HammerStringControls<TypeParam> controls{.hammer_mass_kg = TypeParam(0.00297)};
+    std::vector<TypeParam> out(3000);
+    for (std::size_t at = 0; at < out.size(); at += 20) {
+      std::vector<Mode> other;
+      for (const auto& row : modes) other.push_back(retuned(c4().string, row, static_cast<double>(at % 200)));
+      model.retune(other);
+      if (at % 1500 == 0) model.strike(TypeParam(2.5), TypeParam(1e-4));
+      for (TypeParam& sample : std::span(out).subspan(at, 20)) {
+        if (!by_ticks) break;
+        model.tick(controls);
+        sample = model.string().displacement(pickup);
+      }
+      if (!by_ticks) model.process(controls, pickup, std::span(out).subspan(at, 20));
+    }
+    return out;
+  };
+  const auto expected = play(true);
+  for (const std::int64_t target : targets()) {
+    const OnlyTarget only(target);
+    EXPECT_TRUE(sequences_within<TypeParam>(play(false), expected, bound<TypeParam>())) << hwy::TargetName(target);
+  }
+}
+
 // What has died away must not crawl on in the numbers below the smallest normal one, which are slow.
 TEST(Kernels, LeaveNoDenormalsOfADyingSound) {
   const auto modes = audible_modes(c4());

@@ -105,12 +105,18 @@ Play hammer_voice() {
     HammerVoice<T> voice{this->table, bare(this->modes), this->strike, this->pickup, {.hammer_mass_kg = T(0.003)}, {},
                          kRate};
     KeyboardVoice<keyboards::piano, T> key{60, kRate};
+    std::vector<Mode> other = [this] {
+      auto sharper = bare(this->modes);
+      for (Mode& mode : sharper) mode.angular_frequency_rad_per_s *= 1.01;
+      return sharper;
+    }();
     std::vector<T> sound = std::vector<T>(512);
   };
   return [parts = std::make_shared<Parts>()] {
     const auto play = [&](HammerVoice<T>& voice) {
       voice.strike(static_cast<T>(strike_speed<keyboards::piano>(0.7)));
       voice.process(parts->sound);
+      if (voice.model().string().size() == parts->other.size()) voice.retune(parts->other);
       voice.release();
       voice.process(parts->sound);
       voice.strike_at(voice.output_shapes());
