@@ -676,9 +676,9 @@ class ContactNetwork {
   std::vector<std::size_t> awake_, asleep_;        // connections
   std::vector<std::size_t> pushed_, last_pushed_;  // places
   std::vector<T> admittances_;                     // of all pairs of connections [m/N]
-  std::vector<T> mutual_;      // admittances of all pairs of places, without damping [m/N]
-  std::vector<T> increments_;  // of the places that are awake, without connections [m]
-  T reach_ = 0;                // sum of force times root of admittance over the last sample
+  std::vector<T> mutual_;                          // admittances of all pairs of places, without damping [m/N]
+  std::vector<T> increments_;                      // of the places that are awake, without connections [m]
+  T reach_ = 0;                                    // sum of force times root of admittance over the last sample
   double work_of_controls_ = 0;
   std::size_t anchor_ = 0;
   bool is_list_old_ = true, is_following_ = false, is_coupling_old_ = false;

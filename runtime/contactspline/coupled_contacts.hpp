@@ -86,7 +86,7 @@ class SampleLaw {
     return half_curvature + resistance_;
   }
 
-  [[nodiscard]] T force_at_rest() const { return force_; }       ///< for x = 0 [N]
+  [[nodiscard]] T force_at_rest() const { return force_; }      ///< for x = 0 [N]
   [[nodiscard]] std::size_t segment() const { return start_; }  ///< in which the sample begins
 
   /// Where a step with the increment x ends. segment: as in at().
@@ -292,15 +292,14 @@ class CoupledContacts {
  private:
   // Forces of a group of contacts with what follows from them. Index: position in the group.
   struct State {
-    explicit State(std::size_t size)
-        : force(size), increment(size), residual(size), slope(size), segment(size) {}
+    explicit State(std::size_t size) : force(size), increment(size), residual(size), slope(size), segment(size) {}
 
     detail::ModalArray<T> force, increment;
-    detail::ModalArray<T> residual;  // force that the law wants less force
-    detail::ModalArray<T> slope;     // of the law
+    detail::ModalArray<T> residual;    // force that the law wants less force
+    detail::ModalArray<T> slope;       // of the law
     std::vector<std::size_t> segment;  // where the contacts end
-    T norm = 0;                      // of the residual, in roots of joules
-    T excess = 0;                    // largest residual over its rounding
+    T norm = 0;                        // of the residual, in roots of joules
+    T excess = 0;                      // largest residual over its rounding
   };
 
   static constexpr T kRounding = std::numeric_limits<T>::epsilon();
@@ -546,8 +545,7 @@ class CoupledContacts {
     T reach = 0;
     for (std::size_t a = 0; a < group_.size(); ++a) reach += root_admittance_[a] * std::abs(state.force[a]);
     for (std::size_t a = 0; a < group_.size(); ++a) {
-      const T root = root_admittance_[a],
-              forces = std::abs(state.force[a]) + std::abs(laws_[a].force_at_rest());
+      const T root = root_admittance_[a], forces = std::abs(state.force[a]) + std::abs(laws_[a].force_at_rest());
       const T slope = state.slope[a] + 1 / (root * root);
       const T rounding = kRounding * (forces + slope * (std::abs(free_[a]) + root * reach)) + slope * kTiny;
       if (!(std::abs(state.residual[a]) <= 16 * rounding)) return false;

@@ -332,7 +332,7 @@ class NetworkInstrument {
   InstrumentData data_;
   Parts parts_;
   ContactNetwork<T> network_;
-  std::vector<T> values_;               // of the controls
+  std::vector<T> values_;        // of the controls
   std::vector<Pickup> pickups_;  // of the targets of outputs
   double work_of_strikes_ = 0, last_work_of_strikes_ = 0;
 };

@@ -124,9 +124,9 @@ HWY_INLINE T sum_free_increments_as(std::size_t modes, const T* free_increment, 
   return hn::GetLane(hn::SumOfLanes(tag, travel));
 }
 
-/// One sample under forces: the change of a mode is damping_gain times (free increment + admittance sum of shape force).
-/// Sums the first kRows rows of `at` on the way. The arrays are copied pointers, so that stores do not make the compiler
-/// load them again.
+/// One sample under forces: the change of a mode is damping_gain times (free increment + admittance sum of shape
+/// force). Sums the first kRows rows of `at` on the way. The arrays are copied pointers, so that stores do not make
+/// the compiler load them again.
 template <std::size_t kRows, typename T>
 HWY_INLINE T advance_and_sum(const ModalArrays<T> modes, T damping_gain, std::span<const T* const> pushed,
                              const T* forces, const T* const* at, T* increments) {
@@ -166,11 +166,16 @@ HWY_INLINE T advance_under_forces_as(const ModalArrays<T>& modes, T damping_gain
     return advance_and_sum<rows>(modes, damping_gain, pushed, forces, at.data(), increments);
   };
   switch (at.size()) {
-    case 0: return advance(std::integral_constant<std::size_t, 0>());
-    case 1: return advance(std::integral_constant<std::size_t, 1>());
-    case 2: return advance(std::integral_constant<std::size_t, 2>());
-    case 3: return advance(std::integral_constant<std::size_t, 3>());
-    default: break;
+    case 0:
+      return advance(std::integral_constant<std::size_t, 0>());
+    case 1:
+      return advance(std::integral_constant<std::size_t, 1>());
+    case 2:
+      return advance(std::integral_constant<std::size_t, 2>());
+    case 3:
+      return advance(std::integral_constant<std::size_t, 3>());
+    default:
+      break;
   }
   const T travel = advance(std::integral_constant<std::size_t, 4>());
   sum_all_rows<T>(modes.modes, modes.free_increment, at.subspan(4), increments + 4);
@@ -184,8 +189,9 @@ HWY_INLINE Vector<T> below_diagonal(std::size_t diagonal, const T* column) {
   return hn::IfThenZeroElse(hn::FirstN(tag, diagonal + 1), hn::Load(tag, column));
 }
 
-/// Solves a positive definite system by a Cholesky factor. Column j of the matrix begins at matrix + j stride, on a cache
-/// line; its lower triangle counts, rows from `size` to whole vectors are 0. The matrix and `right` are overwritten.
+/// Solves a positive definite system by a Cholesky factor. Column j of the matrix begins at matrix + j stride, on a
+/// cache line; its lower triangle counts, rows from `size` to whole vectors are 0. The matrix and `right` are
+/// overwritten.
 template <typename T>
 HWY_INLINE void solve_positive_definite_as(std::size_t size, T* matrix, std::size_t stride, T* right) {
   const Tag<T> tag;
@@ -216,8 +222,7 @@ HWY_INLINE void solve_positive_definite_as(std::size_t size, T* matrix, std::siz
     const T* column = matrix + j * stride;
     std::size_t i = j / lanes * lanes;
     auto sum = hn::Mul(below_diagonal(j - i, column + i), hn::Load(tag, right + i));
-    for (i += lanes; i < size; i += lanes)
-      sum = hn::MulAdd(hn::Load(tag, column + i), hn::Load(tag, right + i), sum);
+    for (i += lanes; i < size; i += lanes) sum = hn::MulAdd(hn::Load(tag, column + i), hn::Load(tag, right + i), sum);
     right[j] = (right[j] - hn::GetLane(hn::SumOfLanes(tag, sum))) * column[j];
   }
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // An independent solution of the equations of docs/instruments.md in long double. It shares the numbers of an
-// instrument with the runtime, and no code: modes move by exact propagators between two kicks, forces are integrals of
-// the piecewise linear law, and the increments come from Newton's method with Gaussian elimination, helped by
+// instrument with the runtime, and no code: modes move by exact propagators between two kicks, forces are integrals
+// of the piecewise linear law, and the increments come from Newton's method with Gaussian elimination, helped by
 // Gauss-Seidel sweeps of bisection.
 #pragma once
 
@@ -26,7 +26,11 @@ class ReferenceLaw {
   /// A contact: energies are not used, but the forces at the knots and the curvatures.
   ReferenceLaw(std::span<const double> knots, std::span<const double> forces, std::span<const double> half_curvatures,
                Real weight, Real loss_s_per_m, Real rate)
-      : knots_(knots), forces_(forces), half_curvatures_(half_curvatures), weight_(weight), loss_rate_(loss_s_per_m * rate) {}
+      : knots_(knots),
+        forces_(forces),
+        half_curvatures_(half_curvatures),
+        weight_(weight),
+        loss_rate_(loss_s_per_m * rate) {}
 
   /// A spring; resistance: N s/m times the rate.
   ReferenceLaw(Real stiffness, Real resistance) : stiffness_(stiffness), resistance_(resistance) {}
@@ -184,13 +188,26 @@ class ReferenceNetwork {
   // The first value of a control. Forces are pushed from outside.
   void set_first(const InstrumentControl& control, std::size_t target) {
     switch (control.quantity) {
-      case ControlQuantity::kForce: return;
-      case ControlQuantity::kDamping: bodies_[target].damping = control.initial * time_step_; return;
-      case ControlQuantity::kStiffnessRatio: ratios_[target] = control.initial; return;
-      case ControlQuantity::kLoss: connections_[target].loss_s_per_m = control.initial; return;
-      case ControlQuantity::kGapShift: connections_[target].gap_m += control.initial; return;
-      case ControlQuantity::kStiffness: connections_[target].stiffness_n_per_m = control.initial; return;
-      case ControlQuantity::kResistance: connections_[target].resistance_n_s_per_m = control.initial; return;
+      case ControlQuantity::kForce:
+        return;
+      case ControlQuantity::kDamping:
+        bodies_[target].damping = control.initial * time_step_;
+        return;
+      case ControlQuantity::kStiffnessRatio:
+        ratios_[target] = control.initial;
+        return;
+      case ControlQuantity::kLoss:
+        connections_[target].loss_s_per_m = control.initial;
+        return;
+      case ControlQuantity::kGapShift:
+        connections_[target].gap_m += control.initial;
+        return;
+      case ControlQuantity::kStiffness:
+        connections_[target].stiffness_n_per_m = control.initial;
+        return;
+      case ControlQuantity::kResistance:
+        connections_[target].resistance_n_s_per_m = control.initial;
+        return;
     }
   }
 
@@ -204,7 +221,8 @@ class ReferenceNetwork {
     mode.qv = e * sine_over_w;
     mode.vq = -e * square * sine_over_w;
     mode.vv = e * (c - s * sine_over_w);
-    // A constant force f kicks v by admittance f/qv before and after each sample. Then q = f/(m square) stays at rest.
+    // A constant force f kicks v by admittance f/qv before and after each sample. Then q = f/(m square) stays at
+    // rest.
     const Real determinant = (1 - mode.qq) * (1 - mode.vv) - mode.qv * mode.vq;  // |1 - z|^2
     mode.admittance = square > 0 ? determinant / (2 * m * square) : dt * dt / (2 * m);
     mode.averaging = square > 0 ? determinant / (square * dt * dt) : Real(1);
@@ -221,7 +239,8 @@ class ReferenceNetwork {
       const Real stiffness = 1e4L / coupling_[k * connections_.size() + k];
       return {stiffness, stiffness / 2};
     }
-    const std::size_t begin = c.table == 0 ? 0 : data_.table_ends[c.table - 1], count = data_.table_ends[c.table] - begin;
+    const std::size_t begin = c.table == 0 ? 0 : data_.table_ends[c.table - 1],
+                      count = data_.table_ends[c.table] - begin;
     return {data_.knots.subspan(begin, count),
             data_.forces.subspan(begin, count),
             data_.half_curvatures.subspan(begin, count),
@@ -272,7 +291,8 @@ class ReferenceNetwork {
   }
 
   // The sum of both sides of each equation x + Xi f(x) = free, or their difference.
-  Real residuals(std::span<const Real> free, std::span<const Real> x, std::vector<Real>& r, std::vector<Real>& f) const {
+  Real residuals(std::span<const Real> free, std::span<const Real> x, std::vector<Real>& r,
+                 std::vector<Real>& f) const {
     const std::size_t n = x.size();
     for (std::size_t k = 0; k < n; ++k) f[k] = laws_[k].force(x[k]);
     Real norm = 0;

@@ -163,9 +163,9 @@ double relative_error(const std::vector<double>& found, const std::vector<double
 }
 
 // 5 ms against the independent solution at 16 times the rate. With an error c/k^2 at k times the rate, the ratios are
-// (1 - 1/256)/(1/4 - 1/256) = 4.05 and 4.2. Two things reduce the order, and are left out here: contacts so stiff that
-// a hit is shorter than a sample (their stiffness is reduced; the snare has too many of them), and the loss, which
-// takes the force at the beginning of the sample and is of first order.
+// (1 - 1/256)/(1/4 - 1/256) = 4.05 and 4.2. Two things reduce the order, and are left out here: contacts so stiff
+// that a hit is shorter than a sample (their stiffness is reduced; the snare has too many of them), and the loss,
+// which takes the force at the beginning of the sample and is of first order.
 TEST_P(SmoothInstrument, IsOfSecondOrder) {
   const InstrumentModel model = parse_instrument(shipped_text(Shipped::kInstruments, GetParam()), GetParam());
   InstrumentArrays arrays = arrays_of(model, kRate / 2);

@@ -23,7 +23,6 @@ namespace contactspline::testing {
 
 inline constexpr double kFeatureRate = 44100;
 
-
 [[nodiscard]] inline Score one_note(int key, double speed_m_per_s, double hold_s, double duration_s) {
   const std::string text = fmt::format(
       R"({{ "instrument": "hammer-string", "duration_s": {}, "keyboard": "piano",
@@ -40,11 +39,12 @@ inline constexpr double kFeatureRate = 44100;
   return left;
 }
 
-/// From the first to the last sample in which the hammer touches the strings in the first 20 ms [s], to 6 us. Reflected waves
-/// may part them in between.
+/// From the first to the last sample in which the hammer touches the strings in the first 20 ms [s], to 6 us.
+/// Reflected waves may part them in between.
 [[nodiscard]] inline double contact_time_s(int key, double speed_m_per_s) {
   constexpr double kRate = 176400, kDuration_s = 0.02;
-  const Performance played = play(one_note(key, speed_m_per_s, 1, kDuration_s), {kRate, Signal::kBody}, [](double) {});
+  const Performance played =
+      play(one_note(key, speed_m_per_s, 1, kDuration_s), {kRate, Signal::kBody}, [](double) {});
   const auto touches = [](float force) { return force > 0; };
   const auto first = std::ranges::find_if(played.force_n, touches);
   const auto last = std::find_if(played.force_n.rbegin(), played.force_n.rend(), touches).base();
@@ -55,12 +55,13 @@ inline constexpr double kFeatureRate = 44100;
 [[nodiscard]] inline std::vector<double> power_spectrum(std::span<const double> sound) {
   std::vector<double> windowed(sound.begin(), sound.end());
   for (std::size_t n = 0; n < windowed.size(); ++n)
-    windowed[n] *= 1 - std::cos(2 * std::numbers::pi * (static_cast<double>(n) + 0.5) /
-                                static_cast<double>(windowed.size()));
+    windowed[n] *=
+        1 - std::cos(2 * std::numbers::pi * (static_cast<double>(n) + 0.5) / static_cast<double>(windowed.size()));
   std::vector<std::complex<double>> spectrum;
   Eigen::FFT<double>().fwd(spectrum, windowed);
   std::vector<double> power(sound.size() / 2);
-  for (std::size_t k = 0; k < power.size(); ++k) power[k] = std::norm(2.0 / static_cast<double>(sound.size()) * spectrum[k]);
+  for (std::size_t k = 0; k < power.size(); ++k)
+    power[k] = std::norm(2.0 / static_cast<double>(sound.size()) * spectrum[k]);
   return power;
 }
 
@@ -105,7 +106,8 @@ inline constexpr double kFeatureRate = 44100;
 }
 
 /// Decay of a partial between two times [dB/s]: the line of least squares through its level.
-[[nodiscard]] inline double decay_db_per_s(std::span<const double> sound, double frequency_hz, double from_s, double to_s) {
+[[nodiscard]] inline double decay_db_per_s(std::span<const double> sound, double frequency_hz, double from_s,
+                                           double to_s) {
   double n = 0, t_sum = 0, l_sum = 0, tt = 0, tl = 0;
   for (double t = from_s; t <= to_s; t += 0.05) {
     const double level = partial_level_db(sound, frequency_hz, t);
@@ -129,12 +131,13 @@ inline constexpr double kFeatureRate = 44100;
 }
 
 /// Frequencies of partials 1 to `partials` of a sound whose partials lie near those of the string [Hz].
-[[nodiscard]] inline std::vector<double> partials_hz(std::span<const double> sound, const StiffString& string, int partials) {
+[[nodiscard]] inline std::vector<double> partials_hz(std::span<const double> sound, const StiffString& string,
+                                                     int partials) {
   const auto power = power_spectrum(sound.first(1 << 17));
   std::vector<double> found;
   for (int i = 1; i <= partials; ++i)
-    found.push_back(peak_near_hz(
-        power, undamped_mode(string, i).angular_frequency_rad_per_s / (2 * std::numbers::pi), 5));
+    found.push_back(
+        peak_near_hz(power, undamped_mode(string, i).angular_frequency_rad_per_s / (2 * std::numbers::pi), 5));
   return found;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// piano_features_data: prints what docs/keyboard.md says of middle C. piano_features_data FOLDER: writes its waveform and its
-// spectrum at three speeds there, for scripts/figures.
+// piano_features_data: prints what docs/keyboard.md says of middle C. piano_features_data FOLDER: writes its waveform
+// and its spectrum at three speeds there, for scripts/figures.
 #include <fmt/os.h>
 
 #include "piano_features.hpp"
@@ -26,10 +26,15 @@ void print_table() {
     for (std::size_t i = 0; i < 3; ++i) fmt::print(" {:.3g}{} |", value(i), unit);
     fmt::print("\n");
   };
-  row("contact time", [](std::size_t i) { return 1000 * contact_time_s(60, kDynamics[i].speed_m_per_s); }, " ms");
-  row("attack time", [&](std::size_t i) { return 1000 * attack_time_s(sounds[i]); }, " ms");
-  row("spectral centroid", [&](std::size_t i) { return spectral_centroid_hz(sounds[i]); }, " Hz");
-  row("inharmonicity B", [&](std::size_t i) { return 1e4 * inharmonicity(partials_hz(sounds[i], string, 20)); }, "e-4");
+  row(
+      "contact time", [](std::size_t i) { return 1000 * contact_time_s(60, kDynamics[i].speed_m_per_s); }, " ms");
+  row(
+      "attack time", [&](std::size_t i) { return 1000 * attack_time_s(sounds[i]); }, " ms");
+  row(
+      "spectral centroid", [&](std::size_t i) { return spectral_centroid_hz(sounds[i]); }, " Hz");
+  row(
+      "inharmonicity B", [&](std::size_t i) { return 1e4 * inharmonicity(partials_hz(sounds[i], string, 20)); },
+      "e-4");
   fmt::print("\n| partial | frequency | level | decay 0.1 to 1 s | decay 3 to 7 s |\n|---|---|---|---|---|\n");
   const auto& sound = sounds[1];
   const auto partials = partials_hz(sound, string, 10);
@@ -44,7 +49,8 @@ void write_figure(const std::string& folder) {
   for (const Dynamic& dynamic : kDynamics) {
     const auto sound = sound_of(one_note(60, dynamic.speed_m_per_s, 100, 3));
     auto waveform = fmt::output_file(fmt::format("{}/waveform_{}", folder, dynamic.name));
-    for (std::size_t n = 0; n < 4410; ++n) waveform.print("{:.6g} {:.6g}\n", 1000.0 * static_cast<double>(n) / kFeatureRate, 1000 * sound[n]);
+    for (std::size_t n = 0; n < 4410; ++n)
+      waveform.print("{:.6g} {:.6g}\n", 1000.0 * static_cast<double>(n) / kFeatureRate, 1000 * sound[n]);
     auto spectrum = fmt::output_file(fmt::format("{}/spectrum_{}", folder, dynamic.name));
     const auto power = power_spectrum(std::span(sound).first(44100));
     for (std::size_t k = 30; k < 10000; ++k) spectrum.print("{} {:.5g}\n", k, 10 * std::log10(power[k]) + 60);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Middle C of the piano that ships, on its soundboard, against published features (docs/keyboard.md names the sources; the
-// bounds are the ranges there), and what must not be in its sound.
+// Middle C of the piano that ships, on its soundboard, against published features (docs/keyboard.md names the
+// sources; the bounds are the ranges there), and what must not be in its sound.
 #include "piano_features.hpp"
 
 #include <gtest/gtest.h>
@@ -57,11 +57,12 @@ TEST(PianoFeatures, ALouderNoteIsBrighter) {
   EXPECT_TRUE(is_from(1.2, 3, loud / soft));
 }
 
-// The range of published strings; and the string's own B, pi^2 EI/(T L^2), to what the soundboard shifts a partial by: 5
-// cents at the first is 0.6 % of (f/i)^2, which 20 partials spread over B i^2 = 0.13.
+// The range of published strings; and the string's own B, pi^2 EI/(T L^2), to what the soundboard shifts a partial
+// by: 5 cents at the first is 0.6 % of (f/i)^2, which 20 partials spread over B i^2 = 0.13.
 TEST(PianoFeatures, PartialsAreStretched) {
   const double b = inharmonicity(partials_hz(sounds()[2], string(), 20));
-  const double own = std::pow(std::numbers::pi / string().length_m, 2) * string().bending_stiffness_n_m2 / string().tension_n;
+  const double own =
+      std::pow(std::numbers::pi / string().length_m, 2) * string().bending_stiffness_n_m2 / string().tension_n;
   EXPECT_TRUE(is_from(2e-4, 6e-4, b));
   EXPECT_TRUE(relatively_within(b, own, 0.006 / 0.13));
 }
@@ -83,7 +84,8 @@ TEST(PianoFeatures, PartialsDecayInTwoStages) {
 // Only the contact is nonlinear, and it ends after some milliseconds: a loud note decays as a soft one.
 TEST(PianoFeatures, DecayDoesNotDependOnTheLoudness) {
   for (const double partial : partials_hz(sounds()[1], string(), 10))
-    EXPECT_TRUE(within(decay_db_per_s(sounds()[0], partial, 0.1, 1), decay_db_per_s(sounds()[2], partial, 0.1, 1), 0.5))
+    EXPECT_TRUE(
+        within(decay_db_per_s(sounds()[0], partial, 0.1, 1), decay_db_per_s(sounds()[2], partial, 0.1, 1), 0.5))
         << partial << " Hz";
 }
 
@@ -93,14 +95,15 @@ double peak_of(std::span<const double> sound) {
   return peak;
 }
 
-/// Amplitude spectrum by the Blackman-Harris window of four terms, whose side lobes are 92 dB down; a tone of amplitude 1
-/// has height 1.
+/// Amplitude spectrum by the Blackman-Harris window of four terms, whose side lobes are 92 dB down; a tone of
+/// amplitude 1 has height 1.
 std::vector<double> spectrum_without_lobes(std::span<const double> sound) {
   constexpr std::array kTerms = {0.35875, 0.48829, 0.14128, 0.01168};
   std::vector<double> windowed(sound.begin(), sound.end());
   for (std::size_t n = 0; n < windowed.size(); ++n) {
     const double phase = 2 * std::numbers::pi * (static_cast<double>(n) + 0.5) / static_cast<double>(windowed.size());
-    windowed[n] *= kTerms[0] - kTerms[1] * std::cos(phase) + kTerms[2] * std::cos(2 * phase) - kTerms[3] * std::cos(3 * phase);
+    windowed[n] *=
+        kTerms[0] - kTerms[1] * std::cos(phase) + kTerms[2] * std::cos(2 * phase) - kTerms[3] * std::cos(3 * phase);
   }
   std::vector<std::complex<double>> spectrum;
   Eigen::FFT<double>().fwd(spectrum, windowed);
@@ -110,8 +113,8 @@ std::vector<double> spectrum_without_lobes(std::span<const double> sound) {
   return amplitude;
 }
 
-// From 1 s on the modes of the board, which decay by at least 13/s, are 110 dB below what they were: only partials of the
-// strings are left. Between them, 12 Hz and more away from each, nothing is above -80 dB of the strongest one; at
+// From 1 s on the modes of the board, which decay by at least 13/s, are 110 dB below what they were: only partials of
+// the strings are left. Between them, 12 Hz and more away from each, nothing is above -80 dB of the strongest one; at
 // 0 Hz nothing is above -100 dB of it.
 TEST(PianoArtefacts, NoToneIsInANoteButItsPartials) {
   for (const auto& sound : sounds()) {
@@ -141,7 +144,8 @@ TEST(PianoArtefacts, NoToneIsInANoteButItsPartials) {
 TEST(PianoArtefacts, AReleasedNoteEndsInSilence) {
   for (const double speed : kSpeeds) {
     const auto sound = sound_of(one_note(kKey, speed, 0.5, 4));
-    const double peak = peak_of(sound), rest = peak_of(std::span(sound).subspan(static_cast<std::size_t>(3.5 * kFeatureRate)));
+    const double peak = peak_of(sound),
+                 rest = peak_of(std::span(sound).subspan(static_cast<std::size_t>(3.5 * kFeatureRate)));
     ASSERT_GT(peak, 1e-4);
     EXPECT_LT(rest, 1e-5 * peak);
   }
@@ -155,8 +159,8 @@ double largest_kink(std::span<const double> x) {
   return largest;
 }
 
-// The damper makes no click: it takes the partials away, so what it changes in 50 ms has no larger kinks than the held note
-// has there. A click of -60 dB of the note's peak would have.
+// The damper makes no click: it takes the partials away, so what it changes in 50 ms has no larger kinks than the
+// held note has there. A click of -60 dB of the note's peak would have.
 TEST(PianoArtefacts, AReleaseDoesNotClick) {
   for (const double speed : kSpeeds) {
     auto released = sound_of(one_note(kKey, speed, 0.5, 1));
