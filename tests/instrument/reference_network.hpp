@@ -159,10 +159,10 @@ class ReferenceNetwork {
   }
 
   [[nodiscard]] Real output(std::size_t output) const {
-    const auto& [quantity, first, count] = data_.outputs[output];
+    const InstrumentOutput& of = data_.outputs[output];
     Real sum = 0;
-    for (const std::size_t target : data_.targets.subspan(first, count))
-      sum += quantity == OutputQuantity::kForce ? forces_[target] : sound(target, quantity);
+    for (const std::size_t target : data_.targets.subspan(of.first_target, of.count))
+      sum += of.quantity == OutputQuantity::kForce ? forces_[target] : sound(target, of.quantity);
     return sum;
   }
 
