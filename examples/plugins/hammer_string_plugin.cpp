@@ -60,7 +60,9 @@ class HammerStringInstrument {
     release_if_free();
   }
 
-  void set_pedal(bool is_down) {
+  void move_pedal(int controller, float position) {
+    if (controller != 64) return;
+    const bool is_down = position >= 0.5f;
     is_pedal_down_ = is_down;
     release_if_free();
   }

@@ -35,7 +35,8 @@ struct PluginProgram {
 /// The plug-in of an Instrument, which has
 ///   name, description, unique_id, controls, programs     static constants
 ///   Instrument(sample_rate_hz)                           allocates
-///   set(values), note_on, note_off, set_pedal, reset, process(left, right)      safe on an audio thread
+///   set(values), note_on, note_off, move_pedal, reset, process(left, right)     safe on an audio thread
+/// move_pedal(controller, position): of the MIDI controllers 64 to 67, from 0 to 1.
 /// The plug-in adds a volume as the last parameter.
 template <typename Instrument>
 class InstrumentPlugin : public DISTRHO_NAMESPACE::Plugin {
@@ -139,8 +140,8 @@ class InstrumentPlugin : public DISTRHO_NAMESPACE::Plugin {
       instrument_->note_on(first, static_cast<float>(second) / 127);
     } else if (status == 0x80 || status == 0x90) {
       instrument_->note_off(first);
-    } else if (status == 0xb0 && first == 64) {
-      instrument_->set_pedal(second >= 64);
+    } else if (status == 0xb0 && first >= 64 && first <= 67) {
+      instrument_->move_pedal(first, static_cast<float>(second) / 127);
     } else if (status == 0xb0 && first == 120) {  // all sound off
       instrument_->reset();
     } else if (status == 0xb0 && first == 123) {  // all notes off

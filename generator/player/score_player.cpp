@@ -122,11 +122,11 @@ class HammerStringPlayer {
     }
   }
 
-  /// One sample on a bridge that is displaced by so many metres; returns what Body::tick() takes [N]. For
+  /// One sample on a bridge that has changed by so many metres; returns what Body::tick() takes [N]. For
   /// Signal::kBody.
-  T tick(std::size_t sample, ControlTrack& controls, T bridge_displacement_m) {
+  T tick(std::size_t sample, ControlTrack& controls, T bridge_change_m) {
     take_events(sample, controls);
-    return voice_.tick(bridge_, bridge_displacement_m);
+    return voice_.tick(bridge_, bridge_change_m);
   }
 
   void release() { voice_.release(); }
@@ -472,7 +472,7 @@ struct KeyOnBody {
   }
 
   /// What its strings add to the bridge [N/m].
-  [[nodiscard]] double stiffness() const {
+  [[nodiscard]] BridgeStiffness stiffness() const {
     return bridge_stiffness(std::get<StiffString>(voice.resonator.body), player.modes());
   }
 
@@ -486,7 +486,7 @@ struct KeyOnBody {
 template <typename T>
 void play_on_body(const Score& score, const PlayOptions& options, Recorder& recorder, const PartDone& done) {
   std::vector<std::unique_ptr<KeyOnBody<T>>> keys;
-  double stiffness = 0;
+  BridgeStiffness stiffness;
   for (std::size_t v = 0; v < score.voices.size(); ++v) {
     keys.push_back(std::make_unique<KeyOnBody<T>>(score.voices[v], options.only_voice.value_or(v) == v, options));
     stiffness += keys.back()->stiffness();
@@ -500,7 +500,7 @@ void play_on_body(const Score& score, const PlayOptions& options, Recorder& reco
     if (sample % 4096 == 0) done(sample);
     T force = 0;
     for (const auto& key : keys) {
-      const T of_key = key->player.tick(sample, key->controls, body.displacement());
+      const T of_key = key->player.tick(sample, key->controls, body.change());
       if (!std::isfinite(of_key)) refuse_infinite(score, "voice " + key->voice.name, options, sample);
       force += of_key;
       recorder.add_force(sample, static_cast<double>(key->player.force()), key->touches);

@@ -26,12 +26,11 @@ struct HammerStringControls {
   T damping_per_s = 0;           ///< of the damper, at any time: extra decay of every mode
 };
 
-/// Strings at their bridge: what each mode adds to the force on it per displacement [N/m], and what the displacement
-/// of the bridge adds to the increment of the mode, shape times admittance.
+/// Strings at their bridge: what each mode adds to the force on it per displacement [N/m], and the displacement at
+/// which the mode rests per displacement of the bridge: shape times compliance.
 template <std::floating_point T, std::size_t Modes = std::dynamic_extent>
 struct BridgeShapes {
-  ModeShapes<T, Modes> shapes;
-  detail::ModalArray<T, Modes> increments;
+  ModeShapes<T, Modes> shapes, rests;
 };
 
 /// A hammer in free flight in front of a resonator, which it strikes at one place. Several strings under one hammer
@@ -94,32 +93,42 @@ class HammerString {
 
   /// Advances one sample. Safe in an audio thread: no allocation, no lock, bounded time.
   void tick(const HammerStringControls<T>& controls) {
-    advance(controls, [](T) {});
+    const T damping = take_damping(controls), damping_gain = 1 / (1 + damping);
+    string_.predict(damping);
+    hammer_.force_n = 0;
+    if (is_flying_) {
+      take(controls);
+      collide(damping_gain);
+    }
+    string_.commit();
   }
 
-  /// The same on a bridge that is displaced by so many metres during this sample, as Body::displacement() tells.
-  /// Returns what Body::tick() takes [N]: the sum of shape times modal displacement. With ContactSpline::simd,
-  /// string().dissipated() is not known after this, and the caller turns denormals off (FlushDenormals). Safe in an
-  /// audio thread.
-  T tick(const HammerStringControls<T>& controls, const BridgeShapes<T, Modes>& bridge, T displacement_m) {
-    const T w = held(T(0), displacement_m, Ranges::displacement_m);
+  /// The same on a bridge, whose displacement changes by so many metres, as Body::change() tells. The modes count
+  /// their displacements from where the bridge would hold them at rest. Returns what Body::tick() takes [N]: the sum
+  /// of shape times modal displacement. With ContactSpline::simd, string().dissipated() is not known after this, and
+  /// the caller turns denormals off (FlushDenormals). Safe in an audio thread.
+  T tick(const HammerStringControls<T>& controls, const BridgeShapes<T, Modes>& bridge, T change_m) {
+    const T change = held(T(0), change_m, Ranges::displacement_m);
 #ifdef CONTACTSPLINE_SIMD
     if constexpr (Modes == std::dynamic_extent) {
       if (!is_flying_) {
         hammer_.force_n = 0;
         const auto strings = on_bridge(bridge, string_.size(), 1 / (1 + take_damping(controls)));
-        return detail::advance_on_bridge(std::span(&strings, 1), w);
+        return detail::advance_on_bridge(std::span(&strings, 1), change);
       }
     }
 #endif
-    advance(controls, [&](T damping_gain) { string_.push(bridge.shapes, damping_gain * w); });
+    string_.shift(bridge.rests, change / 2);
+    tick(controls);
+    string_.shift(bridge.rests, change / 2);
     return string_.displacement(bridge.shapes);
   }
 
   /// The arrays for tick() on a bridge, from bridge_shape() of each mode [N/m].
   [[nodiscard]] BridgeShapes<T, Modes> bridge(const Shapes& shapes) const {
-    BridgeShapes<T, Modes> bridge{shapes, detail::ModalArray<T, Modes>(shapes.size())};
-    for (std::size_t i = 0; i < shapes.size(); ++i) bridge.increments[i] = string_.admittance(i) * shapes[i];
+    BridgeShapes<T, Modes> bridge{shapes, Shapes(shapes.size())};
+    for (std::size_t i = 0; i < shapes.size(); ++i)
+      bridge.rests[i] = static_cast<T>(string_.compliance(i) * double(shapes[i]));
     return bridge;
   }
 
@@ -128,36 +137,28 @@ class HammerString {
                                                      T damping_gain) {
     detail::ModalArrays<T> arrays = string_.arrays();
     arrays.modes = modes;
-    return {arrays, bridge.shapes.data(), bridge.increments.data(), damping_gain};
+    return {arrays, bridge.shapes.data(), bridge.rests.data(), damping_gain};
   }
 
-  /// Lets modes first to last - 1 follow a bridge as strings without mass would, at shape displacement/stiffness, so
-  /// that they bring no energy but that of their motion. The bridge has this displacement and has changed by
-  /// change_m over its last sample (Body). Returns their force on the bridge, for Body::join() [N].
-  T follow(const BridgeShapes<T, Modes>& bridge, std::size_t first, std::size_t last, T displacement_m, T change_m) {
-    for (std::size_t i = first; i < last; ++i) {
-      const T rest = rest_per_displacement(bridge, i);
-      string_.set_state(i, rest * (displacement_m - change_m / 2),
-                        rest * change_m - bridge.increments[i] * displacement_m);
-    }
-    return bridge_force(bridge, first, last);
+  /// Lets modes first to last - 1 follow a bridge as strings without mass would, so that they bring no energy but
+  /// that of their motion. change_m: Body::change(). Returns the stiffness that they add [N/m], for Body::join().
+  double follow(const BridgeShapes<T, Modes>& bridge, std::size_t first, std::size_t last, T change_m) {
+    for (std::size_t i = first; i < last; ++i) string_.follow(i, bridge.rests[i] * change_m);
+    return stiffness_on(bridge, first, last);
+  }
+
+  /// Stiffness that modes first to last - 1 add to a bridge [N/m], for Body::leave(): the sum of shape^2/stiffness.
+  [[nodiscard]] double stiffness_on(const BridgeShapes<T, Modes>& bridge, std::size_t first, std::size_t last) const {
+    double sum = 0;
+    for (std::size_t i = first; i < last; ++i) sum += double(bridge.shapes[i]) * double(bridge.rests[i]);
+    return sum;
   }
 
   /// Force of modes first to last - 1 on a bridge [N], for Body::leave().
   [[nodiscard]] T bridge_force(const BridgeShapes<T, Modes>& bridge, std::size_t first, std::size_t last) const {
-    T force = 0;
-    for (std::size_t i = first; i < last; ++i) force += bridge.shapes[i] * string_.displacement(i);
-    return force;
-  }
-
-  /// Energy of a mode on a bridge of this displacement [J]: what the bridge loses with it if it leaves.
-  [[nodiscard]] double energy_on(const BridgeShapes<T, Modes>& bridge, std::size_t mode, T displacement_m) const {
-    return string_.energy(mode, double(rest_per_displacement(bridge, mode)) * double(displacement_m));
-  }
-
-  /// Stiffness that a mode adds to a bridge [N/m]: shape^2/stiffness.
-  [[nodiscard]] double stiffness_on(const BridgeShapes<T, Modes>& bridge, std::size_t mode) const {
-    return double(bridge.shapes[mode]) * double(rest_per_displacement(bridge, mode));
+    T sum = 0;
+    for (std::size_t i = first; i < last; ++i) sum += bridge.shapes[i] * string_.displacement(i);
+    return sum;
   }
 
   /// Advances out.size() samples, writes the displacement at the pickup [m] after each and, unless `forces` is null,
@@ -196,26 +197,6 @@ class HammerString {
 
  private:
   using Ranges = ControlRanges<T>;
-
-  // Displacement of a mode at rest per displacement of the bridge: shape/stiffness.
-  [[nodiscard]] T rest_per_displacement(const BridgeShapes<T, Modes>& bridge, std::size_t mode) const {
-    const T stiffness = string_.stiffness(mode);
-    return stiffness > 0 ? 2 * bridge.increments[mode] / stiffness : T(0);
-  }
-
-  // One sample; `drive` adds other forces to the string, each times the gain of the damper.
-  template <typename Drive>
-  void advance(const HammerStringControls<T>& controls, Drive drive) {
-    const T damping = take_damping(controls), damping_gain = 1 / (1 + damping);
-    string_.predict(damping);
-    drive(damping_gain);
-    hammer_.force_n = 0;
-    if (is_flying_) {
-      take(controls);
-      collide(damping_gain);
-    }
-    string_.commit();
-  }
 
   void take(const HammerStringControls<T>& controls) {
     if (!std::exchange(is_thrown_, false)) return;

@@ -131,12 +131,12 @@ class HammerVoice {
     return model_.string().displacement(output_);
   }
 
-  /// Advances one sample on a bridge that is displaced by so many metres, and returns what Body::tick() takes [N]
+  /// Advances one sample on a bridge that has changed by so many metres, and returns what Body::tick() takes [N]
   /// (HammerString::tick). `bridge`: of model().bridge(), for a model of each string by itself. Safe in an audio
   /// thread.
-  T tick(const BridgeShapes<T>& bridge, T displacement_m) {
+  T tick(const BridgeShapes<T>& bridge, T change_m) {
     damping_per_s_ = own_damping();
-    const T force = model_.tick(damped(), bridge, displacement_m);
+    const T force = model_.tick(damped(), bridge, change_m);
     damper_.advance(1);
     return force;
   }

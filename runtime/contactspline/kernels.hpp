@@ -32,9 +32,9 @@ inline constexpr std::size_t kFewModes = 4;
 template <std::floating_point T>
 struct StringsOnBridge {
   ModalArrays<T> modes;
-  const T* shape;      ///< force of each mode on the bridge per displacement [N/m]
-  const T* increment;  ///< what a metre of the bridge adds to the increment of each mode: shape times admittance
-  T damping_gain;      ///< as in StrikeConstants
+  const T* shape;  ///< force of each mode on the bridge per displacement [N/m]
+  const T* rest;   ///< displacement of each mode at rest per displacement of the bridge
+  T damping_gain;  ///< as in StrikeConstants
 };
 
 /// Number of knots in a block of a ContactTable.
@@ -119,10 +119,10 @@ inline constexpr T kHammerStop_m = T(-0.05);
 void process_free(const ModalArrays<float>& modes, float damping_gain, const float* pickup, std::span<float> out);
 void process_free(const ModalArrays<double>& modes, double damping_gain, const double* pickup, std::span<double> out);
 
-/// Advances all strings by one sample on a bridge that is displaced by so many metres, and returns the sum of shape
+/// Advances all strings by one sample on a bridge that has changed by so many metres, and returns the sum of shape
 /// times displacement [N].
-float advance_on_bridge(std::span<const StringsOnBridge<float>> strings, float displacement_m);
-double advance_on_bridge(std::span<const StringsOnBridge<double>> strings, double displacement_m);
+float advance_on_bridge(std::span<const StringsOnBridge<float>> strings, float change_m);
+double advance_on_bridge(std::span<const StringsOnBridge<double>> strings, double change_m);
 
 /// The sum of a[i] b[i] over arrays of so many modes, padded as in ModalArrays.
 float inner_product(std::size_t modes, const float* a, const float* b);
@@ -157,21 +157,22 @@ std::size_t process_struck(const StrikeConstants<double>& strike, HammerState<do
 
 /// advance_on_bridge() where ContactSpline::simd is linked, and a loop that does the same where it is not.
 template <std::floating_point T>
-T advance_strings(std::span<const StringsOnBridge<T>> strings, T displacement_m) {
+T advance_strings(std::span<const StringsOnBridge<T>> strings, T change_m) {
 #ifdef CONTACTSPLINE_SIMD
-  return advance_on_bridge(strings, displacement_m);
+  return advance_on_bridge(strings, change_m);
 #else
   constexpr std::size_t kLanes = 8;  // partial sums let the compiler use vector registers; the arrays are padded
   T forces[kLanes] = {};
-  for (const auto& [modes, shape, increment, damping_gain] : strings)
+  for (const auto& [modes, shape, rest, damping_gain] : strings)
     for (std::size_t line = 0; line < modes.modes; line += kLanes)
       for (std::size_t lane = 0; lane < kLanes; ++lane) {
         const std::size_t i = line + lane;
-        const T d = modes.free_increment[i], c = damping_gain * (d + increment[i] * displacement_m);
-        const T q = modes.displacement[i] + c, pull = modes.loss[i] * c + modes.stiffness[i] * q;
-        modes.displacement[i] = q;
-        modes.free_increment[i] = (c - d) + (c - (pull + modes.stiffness_rest[i] * q));
-        forces[lane] += shape[i] * q;
+        const T by = rest[i] * (change_m / 2), pull_by = modes.stiffness[i] * by;
+        const T d = modes.free_increment[i] + pull_by, c = damping_gain * d;
+        const T q = modes.displacement[i] - by + c, pull = modes.loss[i] * c + modes.stiffness[i] * q;
+        modes.displacement[i] = q - by;
+        modes.free_increment[i] = (c - d) + (c - (pull + modes.stiffness_rest[i] * q)) + pull_by;
+        forces[lane] += shape[i] * (q - by);
       }
   return ((forces[0] + forces[4]) + (forces[2] + forces[6])) + ((forces[1] + forces[5]) + (forces[3] + forces[7]));
 #endif

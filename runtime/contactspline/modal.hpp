@@ -320,18 +320,27 @@ class ModalBank {
         static_cast<T>((double(velocity_m_per_s) + c.decay_per_s * q) / c.velocity_gain - one_minus_real * q);
   }
 
-  /// Sets the state of a mode between two samples: its displacement and its free increment [m].
-  void set_state(std::size_t mode, T displacement_m, T free_increment_m) {
-    displacement_[mode] = displacement_m;
-    free_increment_[mode] = free_increment_m;
+  /// Lets a mode follow its place of rest, which has moved by so many metres over a sample and which shift() has not
+  /// moved yet: it moves as fast, and is half a sample behind.
+  void follow(std::size_t mode, T change_m) {
+    displacement_[mode] = change_m / 2;
+    free_increment_[mode] = change_m * (1 - stiffness_[mode] / 2);
   }
-  [[nodiscard]] T displacement(std::size_t mode) const {
-    return displacement_[mode];
+  [[nodiscard]] T displacement(std::size_t mode) const { return displacement_[mode]; }
+  /// Displacement of a mode per static force [m/N].
+  [[nodiscard]] double compliance(std::size_t mode) const {
+    const detail::ModeConstants& constants = constants_[mode];
+    return constants.stiffness > 0 ? 2 * constants.admittance / constants.stiffness : 0;
   }
 
-  /// Stiffness of a mode in units of the sample: a force f holds the mode at rest at 2 admittance f/stiffness [m].
-  [[nodiscard]] T stiffness(std::size_t mode) const {
-    return stiffness_[mode];
+  /// Moves the places from which the modes count their displacements by rest times `by_m`, as the end of a string
+  /// that moves does. The modes themselves stay.
+  void shift(const Shapes& rest, T by_m) {
+    for (std::size_t i = 0; i < size(); ++i) {
+      const T by = rest[i] * by_m;
+      displacement_[i] -= by;
+      free_increment_[i] += stiffness_[i] * by;
+    }
   }
 
   /// Changes frequencies and decays between two samples, as a change of tension does. Masses, shapes and the number
@@ -368,18 +377,16 @@ class ModalBank {
   /// up to rounding. The potential energy is that of the continuous mode, m (w^2 + decay^2) q^2/2.
   [[nodiscard]] double energy() const {
     double sum = 0;
-    for (std::size_t i = 0; i < size(); ++i) sum += energy(i, 0);
+    for (std::size_t i = 0; i < size(); ++i) sum += energy(i);
     return sum;
   }
 
-  /// The same of one mode [J], with its potential energy counted from a displacement `rest_m`.
-  [[nodiscard]] double energy(std::size_t i, double rest_m) const {
+  /// The same of one mode [J].
+  [[nodiscard]] double energy(std::size_t i) const {
     const detail::ModeConstants& mode = constants_[i];
     if (mode.admittance == 0) return 0;
-    const double q = double(displacement_[i]), from_rest = q - rest_m,
-                 weighted_step = double(free_increment_[i]) + mode.stiffness / 2 * q;
-    return (weighted_step * weighted_step / mode.one_plus_z_square + mode.stiffness / 4 * from_rest * from_rest) /
-           mode.admittance;
+    const double q = double(displacement_[i]), weighted_step = double(free_increment_[i]) + mode.stiffness / 2 * q;
+    return (weighted_step * weighted_step / mode.one_plus_z_square + mode.stiffness / 4 * q * q) / mode.admittance;
   }
 
   /// Energy [J] that the losses of the modes and the damper dissipated in the last committed sample.

@@ -79,15 +79,28 @@ template <typename Row>
   return -2 * stiffness_of(row.mode) / angle * std::cos(angle);
 }
 
-/// Stiffness [N/m] that strings add to a bridge at their far end that moves: the sum of bridge_shape^2/k over their
-/// modes, and of T/L over the strings (docs/body.md). Row: as in bridge_shape().
+/// Stiffness [N/m] that strings add to a bridge.
+struct BridgeStiffness {
+  double ends = 0;   ///< by their tension, sounding or not
+  double modes = 0;  ///< by their modes, which follow the bridge
+
+  BridgeStiffness& operator+=(const BridgeStiffness& other) {
+    ends += other.ends;
+    modes += other.modes;
+    return *this;
+  }
+};
+
+/// Stiffness that strings add to a bridge at their far end that moves: the sum of T/L over the strings, and of
+/// bridge_shape^2/k over their modes (docs/body.md). Row: as in bridge_shape().
 template <typename Row>
-[[nodiscard]] double bridge_stiffness(const StiffString& string, const std::vector<Row>& rows) {
-  double sum = 0;
-  for (const double cents : string.detuning_cents) sum += string.tension_n * std::exp2(cents / 600) / string.length_m;
+[[nodiscard]] BridgeStiffness bridge_stiffness(const StiffString& string, const std::vector<Row>& rows) {
+  BridgeStiffness sum;
+  for (const double cents : string.detuning_cents)
+    sum.ends += string.tension_n * std::exp2(cents / 600) / string.length_m;
   for (const Row& row : rows) {
     const double shape = bridge_shape(string, row);
-    sum += shape * shape / stiffness_of(row.mode);
+    sum.modes += shape * shape / stiffness_of(row.mode);
   }
   return sum;
 }

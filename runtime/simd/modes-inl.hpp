@@ -54,23 +54,25 @@ HWY_INLINE void move(Vector<T> stiffness, Vector<T> rest, Vector<T> loss, Vector
   }
 }
 
-/// One sample on a bridge: the change of a mode is damping_gain times (free increment + increment displacement).
+/// One sample on a bridge: the modes follow half its change, advance, and follow the other half (ModalBank::shift).
 template <typename T>
-HWY_INLINE T advance_on_bridge_as(std::span<const StringsOnBridge<T>> strings, T displacement) {
+HWY_INLINE T advance_on_bridge_as(std::span<const StringsOnBridge<T>> strings, T change) {
   const Tag<T> tag;
-  const auto w = hn::Set(tag, displacement);
+  const auto half = hn::Set(tag, change / 2);
   auto force = hn::Zero(tag);
-  for (const auto& [modes, shape, increment, damping_gain] : strings) {
+  for (const auto& [modes, shape, rest, damping_gain] : strings) {
     const auto gain = hn::Set(tag, damping_gain);
     for (std::size_t i = 0; i < modes.modes; i += hn::Lanes(tag)) {
-      const auto d = hn::Load(tag, modes.free_increment + i), loss = hn::Load(tag, modes.loss + i);
-      const auto c = hn::Mul(gain, hn::MulAdd(hn::Load(tag, increment + i), w, d));
-      const auto q_before = hn::Load(tag, modes.displacement + i), q = hn::Add(q_before, c);
-      auto pull = hn::MulAdd(hn::Load(tag, modes.stiffness + i), q, hn::Mul(loss, c));
+      const auto stiffness = hn::Load(tag, modes.stiffness + i);
+      const auto by = hn::Mul(hn::Load(tag, rest + i), half);
+      const auto d = hn::MulAdd(stiffness, by, hn::Load(tag, modes.free_increment + i));
+      const auto c = hn::Mul(gain, d), q = hn::Add(hn::Sub(hn::Load(tag, modes.displacement + i), by), c);
+      auto pull = hn::MulAdd(stiffness, hn::Sub(q, by), hn::Mul(hn::Load(tag, modes.loss + i), c));
       if constexpr (kRounds<T>) pull = hn::MulAdd(hn::Load(tag, modes.stiffness_rest + i), q, pull);
-      hn::Store(q, tag, modes.displacement + i);
+      const auto followed = hn::Sub(q, by);
+      hn::Store(followed, tag, modes.displacement + i);
       hn::Store(hn::Add(hn::Sub(c, d), hn::Sub(c, pull)), tag, modes.free_increment + i);
-      force = hn::MulAdd(hn::Load(tag, shape + i), q, force);
+      force = hn::MulAdd(hn::Load(tag, shape + i), followed, force);
     }
   }
   return hn::GetLane(hn::SumOfLanes(tag, force));

@@ -45,27 +45,27 @@ constexpr KeyEvent kEvents[] = {{100, 60, 0.7f},   {100, 64, 0.6f},   {3000, 60,
                                 {5000, 109, 0.5f}, {7000, 100, 0.0f}, {12345, 64, 0.0f},  {12345, 64, 0.3f},
                                 {20000, 60, 0.0f}, {20000, 64, 0.0f}, {22000, 108, 1.0f}, {22000, 21, 1.0f}};
 
-// Events are taken at their samples, wherever the host cuts. Only when a key falls asleep depends on that: at 1e-14
-// J, where the blow gave more than 1e-3 J, some 3e-6 of the amplitude.
+// Events are taken at their samples, wherever the host cuts.
 TEST(PianoExample, SoundsTheSameInBlocksOfAnySize) {
   const auto in_one = play(kEvents, 30000, [] { return 30000; });
   std::mt19937 random(1);
   for (int trial = 0; trial < 3; ++trial)
-    EXPECT_TRUE(sequences_within<float>(
-        play(kEvents, 30000, [&] { return std::uniform_int_distribution(1, 700)(random); }), in_one, 1e-5));
+    EXPECT_EQ(play(kEvents, 30000, [&] { return std::uniform_int_distribution(1, 700)(random); }), in_one);
   EXPECT_GT(rms(in_one), 1e-3);
 }
 
-// One key is the voice of the runtime, to the sample.
-TEST(PianoExample, PlaysTheVoiceOfTheRuntime) {
+// One key is that of the runtime in double precision, in mono.
+TEST(PianoExample, PlaysTheInstrumentOfTheRuntime) {
   const KeyEvent event = {37, 60, 0.5f};
   const auto sound = play({&event, 1}, 24000, [] { return 512; });
-  KeyboardVoice<keyboards::piano, double> voice(60, kRate, 80);
-  voice.strike(0.2 * std::sqrt(30.0));
-  std::vector<float> expected(37);
-  while (expected.size() < sound.size()) expected.push_back(static_cast<float>(0.02 * voice.tick()));
-  // Single precision keeps 85 dB of the mean over a second (hammer_string_test.cpp), some 25 dB less of a sample.
-  EXPECT_TRUE(sequences_within<float>(sound, expected, 1e-3));
+  KeyboardInstrument<keyboards::piano, double> piano(kRate);
+  piano.note_on(60, 0.5);
+  std::vector<double> expected(24000 - 37);
+  piano.process(expected);
+  std::vector<float> scaled(37);
+  for (const double x : expected) scaled.push_back(static_cast<float>(12 * x));
+  // Single precision keeps 95 dB of the mean over a second (docs/body.md), some 25 dB less of a sample.
+  EXPECT_TRUE(sequences_within<float>(sound, scaled, 1e-3));
 }
 
 TEST(PianoExample, TheAudioCallbackAllocatesNothing) {
@@ -81,10 +81,10 @@ TEST(PianoExample, TheAudioCallbackAllocatesNothing) {
 
 // Released, it falls asleep: exact silence, and at once awake.
 TEST(PianoExample, SleepsWhenSilent) {
-  const KeyEvent events[] = {{0, 60, 0.7f}, {10000, 60, 0}, {90000, 60, 0.7f}};
-  const auto sound = play(events, 100000, [] { return 512; });
-  EXPECT_EQ(rms(std::span(sound).subspan(80000, 10000)), 0);
-  EXPECT_GT(rms(std::span(sound).subspan(90000)), 0.01);
+  const KeyEvent events[] = {{0, 60, 0.7f}, {10000, 60, 0}, {490000, 60, 0.7f}};
+  const auto sound = play(events, 500000, [] { return 512; });
+  EXPECT_EQ(rms(std::span(sound).subspan(480000, 10000)), 0);
+  EXPECT_GT(rms(std::span(sound).subspan(490000)), 0.01);
 }
 
 // The program's file: whole, in tune, not clipped.
@@ -104,14 +104,15 @@ TEST(PianoExample, WritesAPhrase) {
                                     static_cast<std::size_t>((to_s - from_s) * kRate));
   };
   for (const float x : sound) ASSERT_LT(std::abs(x), 0.95f);
-  EXPECT_LT(rms(part(5.8, 6)), 1e-6);
-  // Lone notes. A peak is within 0.02 of a bin of 3 and 4 Hz: 0.7 and 0.2 cent.
+  EXPECT_LT(rms(part(5.8, 6)), 1e-3 * rms(part(4, 5)));  // strings without dampers ring on
+  // Lone notes. A peak is within 0.02 of a bin of 3 and 4 Hz: 0.7 and 0.2 cent. The soundboard and the tuning of the
+  // unison move it by some cents.
   const auto expect_in_tune = [&](std::span<const float> what, int key, double cents) {
     const double found = strongest_partial(what, kRate, 0.97 * pitch_hz(key), 1.03 * pitch_hz(key)).frequency_hz;
     EXPECT_TRUE(within(1200 * std::log2(found / pitch_hz(key)), 0, cents)) << "key " << key;
   };
-  expect_in_tune(part(0, 0.4), 48, 1);
-  expect_in_tune(part(2.25, 2.5), 76, 1);
+  expect_in_tune(part(0, 0.4), 48, 4);
+  expect_in_tune(part(2.25, 2.5), 76, 4);
 }
 
 TEST(PianoExample, SaysWhereItCannotWrite) {

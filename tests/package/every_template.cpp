@@ -14,6 +14,7 @@
 #include "contactspline/instrument.hpp"
 #include "contactspline/instruments/trichord_c4.hpp"
 #include "contactspline/keyboard.hpp"
+#include "contactspline/keyboard_instrument.hpp"
 #include "contactspline/keyboards/piano.hpp"
 #include "contactspline/live_exponent.hpp"
 #include "contactspline/mass_barrier.hpp"
@@ -43,6 +44,8 @@ using Felt = materials::felt_c4;
   template class HammerString<T>;                            \
   template class HammerStringDsp<Felt, String, T>;           \
   template class HammerVoice<T>;                             \
+  template class KeyboardInstrument<keyboards::piano, T>;    \
+  template class KeyboardOnBody<T>;                          \
   template class KeyboardVoice<keyboards::piano, T>;         \
   template class LiveExponent<materials::felt_live, T>;      \
   template class MassBarrier<T>;                             \

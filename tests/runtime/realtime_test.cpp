@@ -21,7 +21,7 @@
 #include "contactspline/fret_string.hpp"
 #include "contactspline/hammer_voice.hpp"
 #include "contactspline/instruments/trichord_c4.hpp"
-#include "contactspline/keyboard.hpp"
+#include "contactspline/keyboard_instrument.hpp"
 #include "contactspline/keyboards/piano.hpp"
 #include "contactspline/live_exponent.hpp"
 #include "contactspline/mass_barrier.hpp"
@@ -125,6 +125,29 @@ Play hammer_voice() {
       voice.reset();
     };
     play(parts->voice), play(parts->key);
+  };
+}
+
+template <typename T>
+Play keyboard_instrument() {
+  struct Parts {
+    KeyboardInstrument<keyboards::piano, T> piano{kRate, 20};
+    std::vector<T> left = std::vector<T>(700), right = std::vector<T>(700);
+  };
+  return [parts = std::make_shared<Parts>()] {
+    auto& piano = parts->piano;
+    for (int block = 0; block < 6; ++block) {
+      piano.sustain(block % 3 / 2.0);
+      piano.una_corda(block % 2);
+      piano.sostenuto(block == 3);
+      for (int key = 40; key < 90; key += 7) piano.note_on(key + block, 0.7);
+      piano.press(3);
+      piano.set_hammers(T(1 + block), {T(1), T(0.1)});
+      piano.process(parts->left, parts->right);
+      for (int key = 0; key < 128; ++key) piano.note_off(key);
+      piano.process(parts->left);
+    }
+    piano.reset();
   };
 }
 
@@ -263,6 +286,7 @@ std::vector<std::pair<const char*, Play>> all_models() {
           {"hammer-string", hammer_string<T>()},
           {"hammer-voice", hammer_voice<T>()},
           {"ensemble", ensemble<T>()},
+          {"keyboard-instrument", keyboard_instrument<T>()},
           {"slide-string", slide_string<T>()},
           {"fret-string", fret_string<T>()},
           {"live-exponent", live_exponent<T>()},

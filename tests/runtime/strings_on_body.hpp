@@ -48,7 +48,7 @@ struct Strings {
   std::vector<Mode> modes;
   ModeShapes<double> strike;
   std::vector<double> bridge;
-  double stiffness;
+  BridgeStiffness stiffness;
 };
 
 /// The exact motion of strings on a body in continuous time: M x'' + 2 M S x' + K x = 0 by the eigenvectors of its
@@ -71,7 +71,8 @@ class ExactMotion {
     for (Eigen::Index i = 0; i < b; ++i) {
       const double shape = body[static_cast<std::size_t>(i)].strike_shape;
       for (Eigen::Index j = 0; j < b; ++j)
-        stiffness(s + i, s + j) += strings.stiffness * shape * body[static_cast<std::size_t>(j)].strike_shape;
+        stiffness(s + i, s + j) += (strings.stiffness.ends + strings.stiffness.modes) * shape *
+                                   body[static_cast<std::size_t>(j)].strike_shape;
       for (Eigen::Index j = 0; j < s; ++j)
         stiffness(s + i, j) = stiffness(j, s + i) = -shape * strings.bridge[static_cast<std::size_t>(j)];
     }

@@ -1,0 +1,422 @@
+// SPDX-License-Identifier: MIT
+// A keyboard on its body: against the same strings on a Body by hand, against the exact motion, its energy, its pedals,
+// and what must not sound.
+#include "contactspline/keyboard_instrument.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <iostream>
+#include <limits>
+#include <random>
+
+#include "contactspline/keyboards/piano.hpp"
+#include "strings_on_body.hpp"
+#include "support/compare.hpp"
+#include "support/finite.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+using Piano = keyboards::piano;
+constexpr double kRate = 44100;
+
+template <typename T>
+using Sound = std::vector<T>;
+
+/// Plays some seconds in blocks of 441 samples and appends the left ear.
+template <typename Instrument, typename T>
+void play(Instrument& instrument, double seconds, Sound<T>& left) {
+  Sound<T> right(441);
+  for (auto left_over = static_cast<std::size_t>(seconds * kRate); left_over > 0;) {
+    const std::size_t samples = std::min<std::size_t>(left_over, right.size()), begin = left.size();
+    left.resize(begin + samples);
+    instrument.process(std::span(left).subspan(begin), std::span(right).first(samples));
+    left_over -= samples;
+  }
+}
+
+template <typename T>
+double peak_of(std::span<const T> sound) {
+  double peak = 0;
+  for (const T x : sound) peak = is_finite(x) ? std::max(peak, std::abs(double(x))) : std::numeric_limits<double>::infinity();
+  return peak;
+}
+
+/// Largest of what a step of height 1 leaves in the fourth difference as 1: near half the sample rate it passes, low
+/// partials it does not.
+double largest_step(std::span<const double> sound) {
+  double largest = 0;
+  for (std::size_t n = 4; n < sound.size(); ++n) {
+    const double difference = sound[n] - 4 * sound[n - 1] + 6 * sound[n - 2] - 4 * sound[n - 3] + sound[n - 4];
+    largest = std::isfinite(difference) ? std::max(largest, std::abs(difference) / 3) : difference;
+  }
+  return largest;
+}
+
+/// Middle C of the tests on a board, three strings apart by so many cents, of so many modes each.
+struct OneKey {
+  explicit OneKey(std::vector<double> cents, int kept, double loss = 1) {
+    struck.string.detuning_cents = std::move(cents);
+    struck.string.losses = {0.1 * loss, 1e-4 * loss};
+    max_modes = static_cast<std::size_t>(kept);
+    for (const auto& mode : modes) {
+      bare_modes.push_back(mode.mode);
+      bridge.push_back(mode.strike_shape);
+      ear.push_back(mode.pickup_shape);
+    }
+  }
+
+  [[nodiscard]] BoardOfKeyboard keyboard_board() const { return {bare_modes, bridge, ear, bridge}; }
+  [[nodiscard]] KeyOnBody<double> key(double transposed = 0) const {
+    StiffString strings = struck.string;
+    strings.length_m *= std::exp2(-transposed / 12);
+    return {strings, struck.strike_m, SegmentTable<double>(felt), {.hammer_mass_kg = struck.hammer_kg / 3}, {60, 0.005}};
+  }
+
+  StruckString struck = c4();
+  std::size_t max_modes;
+  std::vector<ResonatorMode> modes = board(40, 3);
+  std::vector<Mode> bare_modes;
+  std::vector<double> bridge, ear;
+  std::vector<Segment<double>> felt = felt_table(c4(), 32);
+};
+
+/// The same key by hand: Body and HammerString, all modes from the beginning; and the forces of the hammer.
+struct ByHand {
+  ByHand(const OneKey& one, BridgeStiffness stiffness) {
+    const auto rows = modes_below(one.struck.string, kRate / 2, one.max_modes);
+    stiffness += bridge_stiffness(one.struck.string, rows);
+    const double strings = static_cast<double>(one.struck.string.detuning_cents.size());
+    strike = ModeShapes<double>(rows.size());
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      strike[i] = std::sin(rows[i].wavenumber_per_m * one.struck.strike_m) / strings;
+    HammerString<double> model(SegmentTable<double>(one.felt), bare(rows), strike, kRate);
+    const auto bridge = model.bridge(bridge_shapes<double>(one.struck.string, rows, 1));
+    Body<double> body(one.bare_modes, ModeShapes<double>(std::span<const double>(one.bridge)),
+                      stiffness, kRate);
+    const auto ear = body.modes().sound_pickup(ModeShapes<double>(std::span<const double>(one.ear)));
+    model.strike(2, 1e-4);
+    const HammerStringControls<double> controls{.hammer_mass_kg = one.struck.hammer_kg / 3 * strings,
+                                                .felt = {.stiffness_ratio = strings}};
+    for (int n = 0; n < static_cast<int>(8 * kRate); ++n) {
+      body.tick(model.tick(controls, bridge, body.change()));
+      sound.push_back(body.modes().velocity(ear));
+      forces.push_back(model.force());
+    }
+  }
+
+  ModeShapes<double> strike;
+  std::vector<double> sound, forces;
+};
+
+// The class plays what Body and HammerString play: a second key is there but sleeps, with the tension of its strings at the
+// board. What leaves at 90 dB below the rest, or 1e-14 J, changes the sound by less than 1e-4 of its peak.
+TEST(KeyboardOnBody, PlaysItsStringsOnABody) {
+  const OneKey one({0, 0.15, -0.1}, 12);
+  const KeyOnBody<double> keys[] = {one.key(), one.key(7)};
+  KeyboardOnBody<double> keyboard(keys, one.keyboard_board(), kRate, one.max_modes);
+  keyboard.strike(0, 2);
+  Sound<double> sound;
+  play(keyboard, 8, sound);
+  const ByHand expected(one, bridge_stiffness(keys[1].strings, std::vector<StringMode>()));
+  EXPECT_EQ(keyboard.awake(), 1u);
+  const double peak = peak_of<double>(expected.sound);
+  EXPECT_GT(peak, 1e-3);
+  EXPECT_TRUE(sequences_within<double>(sound, expected.sound, 1e-4));
+  EXPECT_TRUE(sequences_within<double>(std::span(sound).first(2000), std::span(expected.sound).first(2000), 1e-9));
+}
+
+// A unison of three under one hammer, whose force drives the exact motion of the coupled equations: levels in windows of 0.1 s
+// over 8 s, and the two slopes (G. Weinreich, JASA 1977).
+TEST(KeyboardOnBody, HasTheTwoDecaysOfAUnison) {
+  constexpr int kPartials = 3;
+  OneKey one({0, 0.15, -0.1}, kPartials);
+  if (!kHasLosses) one.struck.string.losses = {0, 0};  // as in Strings
+  const KeyOnBody<double> keys[] = {one.key()};
+  KeyboardOnBody<double> keyboard(keys, one.keyboard_board(), kRate, one.max_modes);
+  keyboard.strike(0, 2);
+  Sound<double> sound;
+  play(keyboard, 8, sound);
+  const ByHand by_hand(one, {});
+  const Strings strings(one.struck, one.struck.string.detuning_cents, kPartials, kRate / 2);
+  ExactMotion exact(strings, one.modes);
+  exact.rest();
+  const auto ear =
+      ModalBank<double>(one.bare_modes, kRate).sound_pickup(ModeShapes<double>(std::span<const double>(one.ear)));
+  std::vector<double> levels;
+  double worst = 0;
+  const auto window = static_cast<std::size_t>(0.1 * kRate);
+  for (std::size_t begin = 0; begin + window <= sound.size(); begin += window) {
+    double sum = 0, exact_sum = 0;
+    for (std::size_t n = begin; n < begin + window; ++n) {
+      exact.advance(by_hand.strike, by_hand.forces[n], 1 / kRate);
+      if (n % 7 != 0) continue;
+      sum += sound[n] * sound[n];
+      exact_sum += std::pow(exact.body_velocity(ear), 2);
+    }
+    levels.push_back(10 * std::log10(sum));
+    const double error = std::abs(levels.back() - 10 * std::log10(exact_sum));
+    worst = std::isfinite(error) ? std::max(worst, error) : std::numeric_limits<double>::infinity();
+  }
+  const double early = (levels[0] - levels[4]) / 0.4, late = (levels[59] - levels[79]) / 2;
+  std::cout << "decay " << early << " dB/s at first, " << late << " dB/s after 6 s; levels within " << worst << " dB\n";
+  EXPECT_TRUE(within(worst, 0, 0.05));
+  EXPECT_GT(early, 5 * late);
+  EXPECT_GT(late, 0);
+}
+
+// Twenty keys ring with the pedal down, and every string without a damper on it with them: no sample adds energy, with joins
+// and leaves in between. Bound: 1e-12 of the largest energy.
+TEST(KeyboardInstrument, NeverGainsEnergy) {
+  KeyboardInstrument<Piano, double> piano(kRate, 40);
+  double left, right;
+  const auto tick = [&] { piano.process(std::span(&left, 1), std::span(&right, 1)); };
+  for (int key = 30; key < 50; ++key) piano.note_on(2 * key - 30, 0.7);
+  while (piano.is_hammer_flying()) tick();
+  double peak = 0, worst = 0;
+  const auto listen = [&](int samples) {
+    for (int n = 0; n < samples; ++n) {
+      const double before = piano.energy();
+      tick();
+      const double growth = piano.energy() - before;
+      peak = std::max(peak, before);
+      worst = std::isfinite(growth) ? std::max(worst, growth) : std::numeric_limits<double>::infinity();
+    }
+  };
+  listen(200);
+  const std::size_t held = piano.awake();
+  const double before = piano.energy();
+  piano.sustain(1);
+  EXPECT_LT(piano.energy() - before, 1e-3 * peak);  // what joins follows the bridge
+  EXPECT_GT(piano.awake(), held + 20);
+  for (int key = 30; key < 50; ++key) piano.note_off(2 * key - 30);
+  listen(3000);
+  piano.sustain(0.6);
+  listen(1000);
+  piano.sustain(0);
+  listen(3000);
+  std::cout << "grows by " << worst / peak << " of the largest energy, " << peak << " J\n";
+  EXPECT_GT(peak, 1e-3);
+  EXPECT_LE(worst, 1e-12 * peak);
+}
+
+template <typename T>
+Sound<T> phrase(const std::function<std::size_t()>& next_size) {
+  KeyboardInstrument<Piano, T> piano(kRate, 20);
+  Sound<T> left(30000), right(30000);
+  const struct {
+    std::size_t time;
+    std::function<void()> act;
+  } events[] = {{100, [&] { piano.note_on(60, 0.7); }},
+                {3001, [&] { piano.sustain(0.4), piano.note_on(64, 0.6), piano.note_on(5, 0.9); }},
+                {5000, [&] { piano.note_off(60), piano.una_corda(0.7), piano.note_on(60, 0.9); }},
+                {9000, [&] { piano.sostenuto(true), piano.sustain(0); }},
+                {12345, [&] { piano.note_off(64), piano.note_on(108, 1), piano.note_off(60); }},
+                {20000, [&] { piano.sostenuto(false), piano.note_off(108); }}};
+  std::size_t done = 0;
+  const auto play_to = [&](std::size_t time) {
+    while (done < time) {
+      const std::size_t samples = std::min(next_size(), time - done);
+      piano.process(std::span(left).subspan(done, samples), std::span(right).subspan(done, samples));
+      done += samples;
+    }
+  };
+  for (const auto& event : events) play_to(event.time), event.act();
+  play_to(left.size());
+  left.insert(left.end(), right.begin(), right.end());
+  return left;
+}
+
+template <typename T>
+class KeyboardInstrumentIn : public ::testing::Test {};
+using Precisions = ::testing::Types<double, float>;
+TYPED_TEST_SUITE(KeyboardInstrumentIn, Precisions);
+
+TYPED_TEST(KeyboardInstrumentIn, SoundsTheSameInBlocksOfAnySize) {
+  const auto in_one = phrase<TypeParam>([] { return 30000; });
+  EXPECT_GT(peak_of<TypeParam>(in_one), 1e-3);
+  EXPECT_LT(peak_of<TypeParam>(in_one), 10);
+  std::mt19937 random(1);
+  for (int trial = 0; trial < 3; ++trial)
+    EXPECT_EQ(phrase<TypeParam>([&] { return std::uniform_int_distribution<std::size_t>(1, 700)(random); }), in_one);
+}
+
+// Single precision: 60 dB below the peak.
+TEST(KeyboardInstrument, SoundsTheSameInSinglePrecision) {
+  const auto expected = phrase<double>([] { return 512; });
+  const auto single = phrase<float>([] { return 512; });
+  EXPECT_TRUE(sequences_within<double>(Sound<double>(single.begin(), single.end()), expected, 1e-3));
+}
+
+// What is no number or no key does nothing; what is out of range counts as the end of its range.
+TYPED_TEST(KeyboardInstrumentIn, TakesAnyControl) {
+  using T = TypeParam;
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInfinite = std::numeric_limits<double>::infinity();
+  const auto sound = [&](bool is_wrong) {
+    KeyboardInstrument<Piano, T> piano(kRate, 10);
+    Sound<T> left;
+    piano.sustain(is_wrong ? kInfinite : 1);
+    piano.una_corda(is_wrong ? 7 : 1);
+    piano.note_on(60, is_wrong ? kInfinite : 1);
+    if (is_wrong) {
+      piano.sustain(kNan);
+      piano.una_corda(kNan);
+      piano.set_hammers(static_cast<T>(kNan), {.stiffness_ratio = static_cast<T>(kNan), .loss_s_per_m = static_cast<T>(kNan)});
+      for (const int key : {-1, 20, 109, 1 << 30, -(1 << 30)}) piano.note_on(key, 0.5), piano.note_off(key);
+      piano.note_on(62, kNan);
+    }
+    play(piano, 0.1, left);
+    piano.sustain(is_wrong ? -kInfinite : 0);
+    play(piano, 0.1, left);
+    return left;
+  };
+  EXPECT_EQ(sound(true), sound(false));
+  EXPECT_GT(peak_of<T>(sound(false)), 1e-3);
+}
+
+// Released, everything falls asleep: 100 dB below the peak after 3 s, exact silence in the end, and at once awake.
+TYPED_TEST(KeyboardInstrumentIn, IsSilentAfterTheRelease) {
+  using T = TypeParam;
+  KeyboardInstrument<Piano, T> piano(kRate);
+  Sound<T> sound;
+  for (const int key : {36, 48, 60, 67}) piano.note_on(key, 0.8);
+  play(piano, 0.5, sound);
+  const double peak = peak_of<T>(sound);
+  for (const int key : {36, 48, 60, 67}) piano.note_off(key);
+  play(piano, 2.5, sound);
+  Sound<T> rest, silence;
+  play(piano, 0.5, rest);
+  std::cout << 20 * std::log10(peak_of<T>(rest) / peak) << " dB after 2.5 s, " << piano.modes_awake() << " modes\n";
+  EXPECT_LT(peak_of<T>(rest), 1e-5 * peak);
+  play(piano, 20, rest);
+  play(piano, 0.1, silence);
+  EXPECT_EQ(peak_of<T>(silence), 0);
+  EXPECT_EQ(piano.awake(), 0u);
+  Sound<T> again;
+  piano.note_on(60, 0.8);
+  play(piano, 0.1, again);
+  EXPECT_GT(peak_of<T>(again), 0.1 * peak);
+  double mean = 0;
+  for (const T x : sound) mean += double(x) / static_cast<double>(sound.size());
+  EXPECT_LT(std::abs(mean), 1e-5 * peak);
+}
+
+// A low soft note rings; a pedal moves, a key is pressed, or everything that joined leaves. Nothing of it may click: 60 dB below
+// the peak of the note as a step within the next 50 ms, and what sleeps later, too.
+TEST(KeyboardInstrument, DoesNotClick) {
+  const struct {
+    const char* name;
+    std::function<void(KeyboardInstrument<Piano, double>&)> prepare, move;
+  } moves[] = {{"nothing", [](auto&) {}, [](auto&) {}},
+               {"sustain down", [](auto&) {}, [](auto& p) { p.sustain(1); }},
+               {"sustain up", [](auto& p) { p.sustain(1); }, [](auto& p) { p.sustain(0); }},
+               {"half pedal", [](auto& p) { p.sustain(1), p.note_off(36); }, [](auto& p) { p.sustain(0.5); }},
+               {"una corda", [](auto&) {}, [](auto& p) { p.una_corda(1); }},
+               {"press", [](auto&) {}, [](auto& p) { p.press(15), p.press(27), p.press(39); }},
+               {"sostenuto", [](auto& p) { p.sostenuto(true), p.note_off(36); }, [](auto& p) { p.sostenuto(false); }},
+               {"release", [](auto&) {}, [](auto& p) { p.note_off(36); }}};
+  for (const auto& [name, prepare, move] : moves) {
+    KeyboardInstrument<Piano, double> piano(kRate);
+    Sound<double> sound;
+    piano.note_on(36, 0.1);
+    play(piano, 0.5, sound);
+    const double peak = peak_of<double>(sound);
+    prepare(piano);
+    play(piano, 1, sound);
+    const std::size_t moved = sound.size();
+    move(piano);
+    play(piano, 3, sound);
+    const double before = largest_step(std::span(sound).subspan(moved - 4410, 4410)), after = largest_step(std::span(sound).subspan(moved - 4));
+    std::cout << name << ": " << 20 * std::log10(before / peak) << " dB before, " << 20 * std::log10(after / peak) << " dB after\n";
+    EXPECT_LT(after, 1e-3 * peak) << name;
+    EXPECT_LT(after, 2 * before + 1e-4 * peak) << name;
+  }
+}
+
+double energy_after(const std::function<void(KeyboardInstrument<Piano, double>&)>& act, double seconds) {
+  KeyboardInstrument<Piano, double> piano(kRate, 30);
+  Sound<double> sound;
+  piano.note_on(60, 0.6);
+  play(piano, 0.1, sound);
+  act(piano);
+  play(piano, seconds, sound);
+  return piano.energy();
+}
+
+// The pedal in between damps in between: exp(-2 (1 - position) 60/s t) of the energy, within a factor for the 5 ms that the
+// dampers take and the energy that other strings take up.
+TEST(KeyboardInstrument, HasAHalfPedal) {
+  const double held = energy_after([](auto& p) { p.sustain(1); }, 0.2);
+  for (const double position : {1.0, 0.9, 0.75, 0.5}) {
+    const double damped = energy_after([&](auto& p) { p.sustain(position), p.note_off(60); }, 0.2);
+    EXPECT_TRUE(relatively_within(std::log(held / damped), 2 * (1 - position) * 60 * 0.195, 0.05)) << position;
+  }
+}
+
+TEST(KeyboardInstrument, HoldsWhatSostenutoHolds) {
+  const double held = energy_after([](auto&) {}, 0.2);
+  const auto sostenuto = [&](bool before) {
+    return energy_after([&](auto& p) {
+      if (before) p.sostenuto(true);
+      p.note_off(60);
+      p.sostenuto(true);
+    }, 0.2);
+  };
+  EXPECT_TRUE(relatively_within(sostenuto(true), held, 1e-9));
+  EXPECT_LT(sostenuto(false), 1e-4 * held);
+}
+
+// The soft pedal: the last string is not struck but rings in sympathy, so the whole is softer at first; one string alone
+// meets a softer felt only.
+TEST(KeyboardInstrument, StrikesOneStringLessUnaCorda) {
+  const auto peak = [](int key, double position) {
+    KeyboardInstrument<Piano, double> piano(kRate, 30);
+    piano.una_corda(position);
+    piano.note_on(key, 0.6);
+    Sound<double> sound;
+    play(piano, 0.05, sound);
+    return peak_of<double>(sound);
+  };
+  for (const int key : {24, 60}) {
+    EXPECT_LT(peak(key, 1), 0.95 * peak(key, 0)) << key;
+    EXPECT_LT(peak(key, 1), peak(key, 0.5)) << key;
+    EXPECT_LT(peak(key, 0.5), peak(key, 0)) << key;
+  }
+}
+
+// With the pedal down the strings of other keys take up energy; up, they sleep.
+TEST(KeyboardInstrument, RingsInSympathy) {
+  KeyboardInstrument<Piano, float> piano(kRate);
+  Sound<float> sound;
+  piano.note_on(48, 0.8);
+  play(piano, 0.05, sound);
+  const std::size_t alone = piano.awake();
+  piano.sustain(1);
+  piano.note_off(48);
+  EXPECT_EQ(piano.awake(), piano.keys());
+  play(piano, 1, sound);
+  EXPECT_GT(piano.awake(), alone + 40);
+  piano.sustain(0);
+  play(piano, 3, sound);
+  EXPECT_LT(piano.awake(), 25u);  // those without a damper
+}
+
+// The emitted numbers are those of the resonator, to the digits of the header.
+TEST(EmittedKeyboard, HoldsItsBody) {
+  using Board = Piano::body;
+  const auto expected = board(300, 0.29);
+  ASSERT_EQ(Board::modes, expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_TRUE(relatively_within(Board::angular_frequencies[i], expected[i].mode.angular_frequency_rad_per_s, 1e-12));
+    EXPECT_TRUE(relatively_within(Board::decays[i], expected[i].mode.decay_per_s, 1e-12));
+    EXPECT_TRUE(relatively_within(Board::masses[i], expected[i].mode.mass_kg, 1e-12));
+    EXPECT_TRUE(within(Board::bridge_shapes[i], expected[i].strike_shape, 1e-11));
+    EXPECT_TRUE(within(Board::left_shapes[i], expected[i].pickup_shape, 1e-11));
+    EXPECT_TRUE(within(std::abs(Board::right_shapes[i]), std::abs(expected[i].pickup_shape), 1e-11));
+  }
+  EXPECT_NE(Board::right_shapes[1], Board::left_shapes[1]);
+}
+
+}  // namespace
+}  // namespace contactspline::testing
