@@ -26,11 +26,11 @@ namespace contactspline {
 /// One key of a KeyboardOnBody.
 template <std::floating_point T>
 struct KeyOnBody {
-  StiffString strings;          ///< each by itself: one for each detuning
-  double strike_position_m;     ///< from the end that does not move
-  SegmentTable<T> felt;         ///< of one string; must outlive the instrument
+  StiffString strings;             ///< each by itself: one for each detuning
+  double strike_position_m;        ///< from the end that does not move
+  SegmentTable<T> felt;            ///< of one string; must outlive the instrument
   HammerStringControls<T> hammer;  ///< of one string
-  Damper damper;                ///< damping 0: there is none
+  Damper damper;                   ///< damping 0: there is none
 };
 
 /// The body of a KeyboardOnBody: its modes, with shapes at the bridge and at both ears.
@@ -41,8 +41,8 @@ struct BoardOfKeyboard {
 
 /// Struck strings on one body, with dampers and pedals; the output is the velocity of the body at two places [m/s].
 /// A key sleeps until it is struck, pressed, or lifted by the pedal while something sounds: then its strings join the
-/// bridge, in sympathy with their modes below kSympathy_hz only. Modes that ring no more leave (docs/keyboard.md). All
-/// functions but the constructor are safe on an audio thread: no allocation, no lock, bounded time.
+/// bridge, in sympathy with their modes below kSympathy_hz only. Modes that ring no more leave (docs/keyboard.md).
+/// All functions but the constructor are safe on an audio thread: no allocation, no lock, bounded time.
 template <std::floating_point T>
 class KeyboardOnBody {
  public:
@@ -62,8 +62,8 @@ class KeyboardOnBody {
     struck_.reserve(keys.size());
   }
 
-  /// Throws the hammer of a key, 0 to keys() - 1, at a speed [m/s], -1000 to 1000, and lifts its damper. Other keys and
-  /// speeds that are not a number do nothing.
+  /// Throws the hammer of a key, 0 to keys() - 1, at a speed [m/s], -1000 to 1000, and lifts its damper. Other keys
+  /// and speeds that are not a number do nothing.
   void strike(std::size_t key, T speed_m_per_s) {
     if (key >= keys_.size() || !is_number(speed_m_per_s)) return;
     Key& struck = keys_[key];
@@ -106,9 +106,9 @@ class KeyboardOnBody {
     }
   }
 
-  /// The soft pedal: 0 up to 1 down, clamped, from the next strikes on. It moves the hammers away from the last string
-  /// of keys that have several, and to a softer part of the felts: their stiffness is multiplied by
-  /// 1 + position (soft_ratio - 1).
+  /// The soft pedal: 0 up to 1 down, clamped, from the next strikes on. It moves the hammers away from the last
+  /// string of keys that have several, and to a softer part of the felts: their stiffness is multiplied by 1 +
+  /// position (soft_ratio - 1).
   void una_corda(double position) { una_corda_ = held(una_corda_, position, kPedal); }
 
   /// Hammers and felts of all keys, from the next strikes on: mass as a ratio, stiffness as a ratio, loss [s/m].
@@ -127,8 +127,8 @@ class KeyboardOnBody {
     stored_j_ = 0;
   }
 
-  /// Advances left.size() samples and writes the velocity of the body at the places of both ears [m/s]; both spans must
-  /// have the same size. The sound does not depend on where blocks are cut.
+  /// Advances left.size() samples and writes the velocity of the body at the places of both ears [m/s]; both spans
+  /// must have the same size. The sound does not depend on where blocks are cut.
   void process(std::span<T> left, std::span<T> right) {
     const FlushDenormals flushed;
     for (std::size_t done = 0; done < left.size();) {
@@ -247,8 +247,9 @@ class KeyboardOnBody {
         model.strike_at(strike);
       }
       controls.hammer_mass_kg = mass_ratio * static_cast<T>(static_cast<double>(strings)) * hammer.hammer_mass_kg;
-      controls.felt.stiffness_ratio =
-          felt.stiffness_ratio * static_cast<T>(all * std::lerp(1.0, soft_ratio, una_corda)) * hammer.felt.stiffness_ratio;
+      controls.felt.stiffness_ratio = felt.stiffness_ratio *
+                                      static_cast<T>(all * std::lerp(1.0, soft_ratio, una_corda)) *
+                                      hammer.felt.stiffness_ratio;
       controls.felt.loss_s_per_m = felt.loss_s_per_m;
     }
 
@@ -401,7 +402,8 @@ class KeyboardOnBody {
   Body<T> body_;
   typename ModalBank<T>::VelocityShapes left_, right_;
   std::vector<Key> keys_;
-  std::vector<std::size_t> awake_, struck_;  // numbers of the keys at the bridge, rising, and of those with a hammer in flight
+  std::vector<std::size_t> awake_,
+      struck_;  // numbers of the keys at the bridge, rising, and of those with a hammer in flight
   std::vector<detail::StringsOnBridge<T>> resting_;
   std::size_t clock_ = 0, next_check_ = 0;
   double sustain_ = 0, una_corda_ = 0, soft_ratio_ = 1;
@@ -446,9 +448,13 @@ class KeyboardInstrument : public KeyboardOnBody<T> {
       StiffString strings = string_of<Keyboard>(key);
       strings.losses.constant_per_s *= Board::own_loss;
       strings.losses.quadratic_m2_per_s *= Board::own_loss;
-      if (Keyboard::strings[k] == 2) strings.detuning_cents.assign(Board::double_cents.begin(), Board::double_cents.end());
-      if (Keyboard::strings[k] == 3) strings.detuning_cents.assign(Board::triple_cents.begin(), Board::triple_cents.end());
-      keys.push_back({std::move(strings), Keyboard::strike_positions[k], SegmentTable<T>(felts_of<Keyboard, T>[k]),
+      if (Keyboard::strings[k] == 2)
+        strings.detuning_cents.assign(Board::double_cents.begin(), Board::double_cents.end());
+      if (Keyboard::strings[k] == 3)
+        strings.detuning_cents.assign(Board::triple_cents.begin(), Board::triple_cents.end());
+      keys.push_back({std::move(strings),
+                      Keyboard::strike_positions[k],
+                      SegmentTable<T>(felts_of<Keyboard, T>[k]),
                       {.hammer_mass_kg = static_cast<T>(Keyboard::hammer_masses[k])},
                       {key <= Keyboard::last_damped_key ? Keyboard::damper_per_s : 0.0, Keyboard::damper_time_s}});
     }

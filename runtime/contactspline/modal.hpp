@@ -326,7 +326,9 @@ class ModalBank {
     displacement_[mode] = change_m / 2;
     free_increment_[mode] = change_m * (1 - stiffness_[mode] / 2);
   }
-  [[nodiscard]] T displacement(std::size_t mode) const { return displacement_[mode]; }
+  [[nodiscard]] T displacement(std::size_t mode) const {
+    return displacement_[mode];
+  }
   /// Displacement of a mode per static force [m/N].
   [[nodiscard]] double compliance(std::size_t mode) const {
     const detail::ModeConstants& constants = constants_[mode];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A keyboard on its body: against the same strings on a Body by hand, against the exact motion, its energy, its pedals,
-// and what must not sound.
+// A keyboard on its body: against the same strings on a Body by hand, against the exact motion, its energy, its
+// pedals, and what must not sound.
 #include "contactspline/keyboard_instrument.hpp"
 
 #include <gtest/gtest.h>
@@ -39,7 +39,8 @@ void play(Instrument& instrument, double seconds, Sound<T>& left) {
 template <typename T>
 double peak_of(std::span<const T> sound) {
   double peak = 0;
-  for (const T x : sound) peak = is_finite(x) ? std::max(peak, std::abs(double(x))) : std::numeric_limits<double>::infinity();
+  for (const T x : sound)
+    peak = is_finite(x) ? std::max(peak, std::abs(double(x))) : std::numeric_limits<double>::infinity();
   return peak;
 }
 
@@ -71,7 +72,8 @@ struct OneKey {
   [[nodiscard]] KeyOnBody<double> key(double transposed = 0) const {
     StiffString strings = struck.string;
     strings.length_m *= std::exp2(-transposed / 12);
-    return {strings, struck.strike_m, SegmentTable<double>(felt), {.hammer_mass_kg = struck.hammer_kg / 3}, {60, 0.005}};
+    return {
+        strings, struck.strike_m, SegmentTable<double>(felt), {.hammer_mass_kg = struck.hammer_kg / 3}, {60, 0.005}};
   }
 
   StruckString struck = c4();
@@ -93,8 +95,7 @@ struct ByHand {
       strike[i] = std::sin(rows[i].wavenumber_per_m * one.struck.strike_m) / strings;
     HammerString<double> model(SegmentTable<double>(one.felt), bare(rows), strike, kRate);
     const auto bridge = model.bridge(bridge_shapes<double>(one.struck.string, rows, 1));
-    Body<double> body(one.bare_modes, ModeShapes<double>(std::span<const double>(one.bridge)),
-                      stiffness, kRate);
+    Body<double> body(one.bare_modes, ModeShapes<double>(std::span<const double>(one.bridge)), stiffness, kRate);
     const auto ear = body.modes().sound_pickup(ModeShapes<double>(std::span<const double>(one.ear)));
     model.strike(2, 1e-4);
     const HammerStringControls<double> controls{.hammer_mass_kg = one.struck.hammer_kg / 3 * strings,
@@ -110,8 +111,8 @@ struct ByHand {
   std::vector<double> sound, forces;
 };
 
-// The class plays what Body and HammerString play: a second key is there but sleeps, with the tension of its strings at the
-// board. What leaves at 90 dB below the rest, or 1e-14 J, changes the sound by less than 1e-4 of its peak.
+// The class plays what Body and HammerString play: a second key is there but sleeps, with the tension of its strings
+// at the board. What leaves at 90 dB below the rest, or 1e-14 J, changes the sound by less than 1e-4 of its peak.
 TEST(KeyboardOnBody, PlaysItsStringsOnABody) {
   const OneKey one({0, 0.15, -0.1}, 12);
   const KeyOnBody<double> keys[] = {one.key(), one.key(7)};
@@ -127,8 +128,8 @@ TEST(KeyboardOnBody, PlaysItsStringsOnABody) {
   EXPECT_TRUE(sequences_within<double>(std::span(sound).first(2000), std::span(expected.sound).first(2000), 1e-9));
 }
 
-// A unison of three under one hammer, whose force drives the exact motion of the coupled equations: levels in windows of 0.1 s
-// over 8 s, and the two slopes (G. Weinreich, JASA 1977).
+// A unison of three under one hammer, whose force drives the exact motion of the coupled equations: levels in windows
+// of 0.1 s over 8 s, and the two slopes (G. Weinreich, JASA 1977).
 TEST(KeyboardOnBody, HasTheTwoDecaysOfAUnison) {
   constexpr int kPartials = 3;
   OneKey one({0, 0.15, -0.1}, kPartials);
@@ -160,14 +161,15 @@ TEST(KeyboardOnBody, HasTheTwoDecaysOfAUnison) {
     worst = std::isfinite(error) ? std::max(worst, error) : std::numeric_limits<double>::infinity();
   }
   const double early = (levels[0] - levels[4]) / 0.4, late = (levels[59] - levels[79]) / 2;
-  std::cout << "decay " << early << " dB/s at first, " << late << " dB/s after 6 s; levels within " << worst << " dB\n";
+  std::cout << "decay " << early << " dB/s at first, " << late << " dB/s after 6 s; levels within " << worst
+            << " dB\n";
   EXPECT_TRUE(within(worst, 0, 0.05));
   EXPECT_GT(early, 5 * late);
   EXPECT_GT(late, 0);
 }
 
-// Twenty keys ring with the pedal down, and every string without a damper on it with them: no sample adds energy, with joins
-// and leaves in between. Bound: 1e-12 of the largest energy.
+// Twenty keys ring with the pedal down, and every string without a damper on it with them: no sample adds energy,
+// with joins and leaves in between. Bound: 1e-12 of the largest energy.
 TEST(KeyboardInstrument, NeverGainsEnergy) {
   KeyboardInstrument<Piano, double> piano(kRate, 40);
   double left, right;
@@ -252,7 +254,8 @@ TEST(KeyboardInstrument, SoundsTheSameInSinglePrecision) {
 // What is no number or no key does nothing; what is out of range counts as the end of its range.
 TYPED_TEST(KeyboardInstrumentIn, TakesAnyControl) {
   using T = TypeParam;
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInfinite = std::numeric_limits<double>::infinity();
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN(),
+                   kInfinite = std::numeric_limits<double>::infinity();
   const auto sound = [&](bool is_wrong) {
     KeyboardInstrument<Piano, T> piano(kRate, 10);
     Sound<T> left;
@@ -262,7 +265,8 @@ TYPED_TEST(KeyboardInstrumentIn, TakesAnyControl) {
     if (is_wrong) {
       piano.sustain(kNan);
       piano.una_corda(kNan);
-      piano.set_hammers(static_cast<T>(kNan), {.stiffness_ratio = static_cast<T>(kNan), .loss_s_per_m = static_cast<T>(kNan)});
+      piano.set_hammers(static_cast<T>(kNan),
+                        {.stiffness_ratio = static_cast<T>(kNan), .loss_s_per_m = static_cast<T>(kNan)});
       for (const int key : {-1, 20, 109, 1 << 30, -(1 << 30)}) piano.note_on(key, 0.5), piano.note_off(key);
       piano.note_on(62, kNan);
     }
@@ -302,8 +306,8 @@ TYPED_TEST(KeyboardInstrumentIn, IsSilentAfterTheRelease) {
   EXPECT_LT(std::abs(mean), 1e-5 * peak);
 }
 
-// A low soft note rings; a pedal moves, a key is pressed, or everything that joined leaves. Nothing of it may click: 60 dB below
-// the peak of the note as a step within the next 50 ms, and what sleeps later, too.
+// A low soft note rings; a pedal moves, a key is pressed, or everything that joined leaves. Nothing of it may click:
+// 60 dB below the peak of the note as a step within the next 50 ms, and what sleeps later, too.
 TEST(KeyboardInstrument, DoesNotClick) {
   const struct {
     const char* name;
@@ -327,8 +331,10 @@ TEST(KeyboardInstrument, DoesNotClick) {
     const std::size_t moved = sound.size();
     move(piano);
     play(piano, 3, sound);
-    const double before = largest_step(std::span(sound).subspan(moved - 4410, 4410)), after = largest_step(std::span(sound).subspan(moved - 4));
-    std::cout << name << ": " << 20 * std::log10(before / peak) << " dB before, " << 20 * std::log10(after / peak) << " dB after\n";
+    const double before = largest_step(std::span(sound).subspan(moved - 4410, 4410)),
+                 after = largest_step(std::span(sound).subspan(moved - 4));
+    std::cout << name << ": " << 20 * std::log10(before / peak) << " dB before, " << 20 * std::log10(after / peak)
+              << " dB after\n";
     EXPECT_LT(after, 1e-3 * peak) << name;
     EXPECT_LT(after, 2 * before + 1e-4 * peak) << name;
   }
@@ -344,8 +350,8 @@ double energy_after(const std::function<void(KeyboardInstrument<Piano, double>&)
   return piano.energy();
 }
 
-// The pedal in between damps in between: exp(-2 (1 - position) 60/s t) of the energy, within a factor for the 5 ms that the
-// dampers take and the energy that other strings take up.
+// The pedal in between damps in between: exp(-2 (1 - position) 60/s t) of the energy, within a factor for the 5 ms
+// that the dampers take and the energy that other strings take up.
 TEST(KeyboardInstrument, HasAHalfPedal) {
   const double held = energy_after([](auto& p) { p.sustain(1); }, 0.2);
   for (const double position : {1.0, 0.9, 0.75, 0.5}) {
@@ -357,18 +363,20 @@ TEST(KeyboardInstrument, HasAHalfPedal) {
 TEST(KeyboardInstrument, HoldsWhatSostenutoHolds) {
   const double held = energy_after([](auto&) {}, 0.2);
   const auto sostenuto = [&](bool before) {
-    return energy_after([&](auto& p) {
-      if (before) p.sostenuto(true);
-      p.note_off(60);
-      p.sostenuto(true);
-    }, 0.2);
+    return energy_after(
+        [&](auto& p) {
+          if (before) p.sostenuto(true);
+          p.note_off(60);
+          p.sostenuto(true);
+        },
+        0.2);
   };
   EXPECT_TRUE(relatively_within(sostenuto(true), held, 1e-9));
   EXPECT_LT(sostenuto(false), 1e-4 * held);
 }
 
-// The soft pedal: the last string is not struck but rings in sympathy, so the whole is softer at first; one string alone
-// meets a softer felt only.
+// The soft pedal: the last string is not struck but rings in sympathy, so the whole is softer at first; one string
+// alone meets a softer felt only.
 TEST(KeyboardInstrument, StrikesOneStringLessUnaCorda) {
   const auto peak = [](int key, double position) {
     KeyboardInstrument<Piano, double> piano(kRate, 30);
@@ -408,7 +416,8 @@ TEST(EmittedKeyboard, HoldsItsBody) {
   const auto expected = board(300, 0.29);
   ASSERT_EQ(Board::modes, expected.size());
   for (std::size_t i = 0; i < expected.size(); ++i) {
-    EXPECT_TRUE(relatively_within(Board::angular_frequencies[i], expected[i].mode.angular_frequency_rad_per_s, 1e-12));
+    EXPECT_TRUE(
+        relatively_within(Board::angular_frequencies[i], expected[i].mode.angular_frequency_rad_per_s, 1e-12));
     EXPECT_TRUE(relatively_within(Board::decays[i], expected[i].mode.decay_per_s, 1e-12));
     EXPECT_TRUE(relatively_within(Board::masses[i], expected[i].mode.mass_kg, 1e-12));
     EXPECT_TRUE(within(Board::bridge_shapes[i], expected[i].strike_shape, 1e-11));

@@ -267,13 +267,13 @@ Play body() {
     BridgeShapes<T> bridge = model.bridge(ModeShapes<T>(std::span<const double>(shape)));
     std::vector<Mode> board = {{600, 10, 1}, {1500, 20, 1}};
     std::vector<double> at = {1, -0.5};
-    Body<T> body{board, ModeShapes<T>(std::span<const double>(at)), 1e5, kRate};
+    Body<T> body{board, ModeShapes<T>(std::span<const double>(at)), {1e3, 1e5}, kRate};
   };
   return [parts = std::make_shared<Parts>()] {
     parts->model.strike(2, T(1e-4));
     for (int n = 0; n < kSamples; ++n) {
-      const T displacement = parts->body.displacement();
-      parts->body.tick(parts->model.tick({.hammer_mass_kg = T(0.003)}, parts->bridge, displacement));
+      const T change = parts->body.change();
+      parts->body.tick(parts->model.tick({.hammer_mass_kg = T(0.003)}, parts->bridge, change));
     }
     (void)parts->body.energy();
     parts->body.reset();

@@ -242,7 +242,7 @@ std::function<void(Record&)> body(std::size_t gust) {
   };
   auto s = std::make_shared<State>();
   s->weather = Weather<T>(gust);
-  double stiffness = 0;
+  BridgeStiffness stiffness;
   for (const StruckString& struck : {c2(), c4(), c7()}) {
     const auto modes = audible_modes(struck);
     std::vector<double> bridge;
@@ -275,7 +275,7 @@ std::function<void(Record&)> body(std::size_t gust) {
           work += thrown_j(mass, speed);
         }
         force += s->keys[k].tick({mass, any_contact(s->weather), s->weather.any(Ranges::damping_per_s)},
-                                 s->bridges[k], s->body->displacement());
+                                 s->bridges[k], s->body->change());
       }
       s->body->tick(force);
       record.demand_finite(s->body->displacement());
