@@ -71,7 +71,7 @@ class KeyboardOnBody {
     set_modes(key, struck.model.string().size());
     struck.prepare_strike(una_corda_, soft_ratio_, hammer_mass_ratio_, felt_);
     struck.model.strike(speed_m_per_s, HammerVoice<T>::kThrowDistance_m);
-    sounds_ = true;
+    struck.is_struck = sounds_ = true;
     wake_lifted();
   }
 
@@ -258,7 +258,7 @@ class KeyboardOnBody {
       modes = 0;
       checks = 0;
       energy_j = 0;
-      is_down = is_held = false;
+      is_struck = is_down = is_held = false;
     }
 
     HammerString<T> model;
@@ -277,6 +277,8 @@ class KeyboardOnBody {
     std::size_t modes = 0;  // that are at the bridge; 0: the key sleeps
     std::size_t checks = 0;
     double energy_j = 0;  // at the last check
+    bool is_struck =
+        false;  // by a hammer in flight at the last check of the clock, so that where blocks are cut has no effect
     bool is_down = false, is_held = false;
   };
 
@@ -333,6 +335,7 @@ class KeyboardOnBody {
     }
     if (clock_ == kCheckInterval) {
       clock_ = 0;
+      for (const std::size_t key : awake_) keys_[key].is_struck = keys_[key].model.is_hammer_flying();
       check();
     }
   }
@@ -344,7 +347,7 @@ class KeyboardOnBody {
     for (const std::size_t k : awake_) {
       Key& key = keys_[k];
       key.controls.damping_per_s = static_cast<T>(key.damper.value());
-      if (key.model.is_hammer_flying()) {
+      if (key.is_struck) {
         struck_.push_back(k);
       } else {
         resting_.push_back(key.model.on_bridge(key.bridge, key.modes,
@@ -373,7 +376,7 @@ class KeyboardOnBody {
     }
     const std::size_t k = next_check_++;
     Key& key = keys_[k];
-    if (key.modes == 0 || key.model.is_hammer_flying() || key.checks++ == 0) return;
+    if (key.modes == 0 || key.is_struck || key.checks++ == 0) return;
     const double limit =
         std::max(kSilence_j, (is_lifted(key) ? kRingingFraction : kDampedFraction) * (body_j_ + stored_j_));
     double leaving = 0;
