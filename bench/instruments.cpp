@@ -96,9 +96,10 @@ void hammer_string_dsp(benchmark::State& state) {
 
 constexpr int kChord = 16;  // notes, from C3 upwards
 
-/// The piano of examples/, 16 keys down.
-void piano_example(benchmark::State& state) {
+/// The piano of examples/ on its soundboard, 16 keys down; with the pedal down all other strings ring in sympathy.
+void piano_example(benchmark::State& state, double pedal) {
   Piano piano(kRate);
+  piano.sustain(pedal);
   std::array<KeyEvent, kChord> chord;
   for (int i = 0; i < kChord; ++i) chord[static_cast<std::size_t>(i)] = {0, 48 + i, 0.7f};
   std::array<float, kBlock> sound;
@@ -133,7 +134,8 @@ BENCHMARK(hammer_string<double>)->Name("hammer-string C4, 56 modes, C++ double")
 BENCHMARK(hammer_string<float>)->Name("hammer-string C4, 56 modes, C++ float");
 BENCHMARK(hammer_string_dsp<double>)->Name("hammer-string C4, 56 modes, C++ double as dsp");
 BENCHMARK(hammer_string_dsp<float>)->Name("hammer-string C4, 56 modes, C++ float as dsp");
-BENCHMARK(piano_example)->Name("piano, C++ float, 16 notes of up to 80 modes");
+BENCHMARK_CAPTURE(piano_example, up, 0)->Name("piano on its board, C++ float, 16 notes of up to 80 modes");
+BENCHMARK_CAPTURE(piano_example, down, 1)->Name("piano on its board, C++ float, 16 notes, pedal down");
 
 const int kFaust = [] {
   const struct {
