@@ -104,7 +104,7 @@ struct Score {
   std::string description;  ///< one line, may be empty
   double duration_s;
   std::vector<Voice> voices;
-  std::optional<Resonator> body = {};  ///< that all strings end at; struck at its bridge
+  std::optional<Resonator> body = {};  ///< that all strings end at; struck at its bridge; on a keyboard it moves them
   std::string left_out = {};           ///< what of a MIDI file is not played, in one line; empty: nothing
 };
 

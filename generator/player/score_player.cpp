@@ -348,7 +348,8 @@ class FilePlayer {
 class Recorder {
  public:
   Recorder(const Score& score, const PlayOptions& options)
-      : samples_(sample_at(score.duration_s, options.sample_rate_hz)),
+      : is_on_body_(options.signal == Signal::kBody),
+        samples_(sample_at(score.duration_s, options.sample_rate_hz)),
         stretch_(std::max<std::size_t>(1, (samples_ + kColumns - 1) / kColumns)) {
     performance_ = {options.sample_rate_hz, channels_of(score), {}, {}, 0, 0};
     performance_.samples.resize(samples_ * static_cast<std::size_t>(performance_.channels));
@@ -358,8 +359,8 @@ class Recorder {
   void begin(const Voice& voice) {
     const double angle = (voice.pan + 1) * std::numbers::pi / 4;  // equal power
     strings_ = voice.strings;
-    left_ = performance_.channels == 1 ? 1 : std::cos(angle);
-    right_ = std::sin(angle);
+    left_ = is_on_body_ || performance_.channels == 1 ? 1 : std::cos(angle);
+    right_ = is_on_body_ ? 1 : std::sin(angle);
     touches_ = false;
   }
 
@@ -392,6 +393,7 @@ class Recorder {
   [[nodiscard]] Performance&& take() { return std::move(performance_); }
 
  private:
+  bool is_on_body_;  // all strings drive one bridge
   std::size_t samples_, stretch_;
   Performance performance_;
   double strings_ = 1, left_ = 1, right_ = 1;
@@ -513,6 +515,26 @@ void play_on_body(const Score& score, const PlayOptions& options, Recorder& reco
   }
 }
 
+/// What a sound is where a force drives a body: its velocity at both ears. The body moves no string.
+template <typename T>
+void drive_body(const Score& score, const PlayOptions& options, Performance& performance) {
+  const auto modes = body_modes(*score.body, options.sample_rate_hz / 2);
+  if (modes.empty()) refuse_rate(score.body->name, options);
+  ModalBank<T> bank(bare(modes), options.sample_rate_hz);
+  const auto bridge = body_shapes<T>(modes, &BodyMode::bridge_shape);
+  const auto left = bank.sound_pickup(body_shapes<T>(modes, &BodyMode::left_shape));
+  const auto right = bank.sound_pickup(body_shapes<T>(modes, &BodyMode::right_shape));
+  for (std::size_t n = 0; n < performance.samples.size(); n += 2) {
+    bank.predict();
+    bank.push(bridge, static_cast<T>(performance.samples[n]));
+    bank.commit();
+    performance.samples[n] = static_cast<float>(bank.velocity(left));
+    performance.samples[n + 1] = static_cast<float>(bank.velocity(right));
+    if (!std::isfinite(performance.samples[n] + performance.samples[n + 1]))
+      refuse_infinite(score, "body", options, n / 2);
+  }
+}
+
 }  // namespace
 
 int channels_of(const Score& score) {
@@ -531,10 +553,10 @@ Signal best_signal(const Score& score) {
 Performance play(const Score& score, const PlayOptions& options, const Progress& progress) {
   const FlushDenormals flushed;
   Recorder recorder(score, options);
-  if (options.signal == Signal::kBody) {
-    if (!score.body)
-      throw BadInput(
-          "--signal: body: the score has no keyboard with a body; allowed: displacement, velocity, bridge, force");
+  const bool is_on_body = options.signal == Signal::kBody;
+  if (is_on_body && !score.body)
+    throw BadInput("--signal: body: the score has no body; allowed: displacement, velocity, bridge, force");
+  if (is_on_body && score.instrument == Instrument::kHammerString) {
     const auto done = [&](std::size_t sample) {
       progress(static_cast<double>(sample) / static_cast<double>(recorder.samples()));
     };
@@ -555,7 +577,11 @@ Performance play(const Score& score, const PlayOptions& options, const Progress&
       play_in<float>(score, score.voices[v], options, recorder, done);
   }
   progress(1);
-  return recorder.take();
+  Performance performance = recorder.take();
+  if (is_on_body)
+    options.precision == Precision::kDouble ? drive_body<double>(score, options, performance)
+                                            : drive_body<float>(score, options, performance);
+  return performance;
 }
 
 }  // namespace contactspline

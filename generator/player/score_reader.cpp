@@ -261,9 +261,11 @@ void require_initial(const JsonObject& score, Instrument instrument, const std::
 }  // namespace
 
 Score parse_score(std::string_view text, std::string_view file, const ReadFile& read) {
-  const JsonObject score =
-      parse_json(text, file, "score", {"instrument", "description", "duration_s", "keyboard", "voices", "events"});
+  const JsonObject score = parse_json(
+      text, file, "score", {"instrument", "description", "duration_s", "keyboard", "body", "voices", "events"});
   const Instrument instrument = read_instrument(score);
+  if (score.has("body") && instrument != Instrument::kSlideString && instrument != Instrument::kFretString)
+    score.fail("body", "has no place here", "in a score for slide-string or fret-string");
   if (instrument == Instrument::kFile) return parse_instrument_score(score, file, read);
   Score result{
       std::string(file), instrument, read_description(score), score.number("duration_s", kScoreDuration_s), {}};
@@ -279,6 +281,10 @@ Score parse_score(std::string_view text, std::string_view file, const ReadFile& 
     if (std::ranges::none_of(events, bends)) result.body = body_of(keyboard, named, read);
   } else {
     result.voices = read_voices(score, result.instrument, read);
+  }
+  if (score.has("body")) {
+    const NamedText named = read_named(score, "body", Shipped::kResonators, read);
+    result.body = parse_resonator(named.text, named.file);
   }
   for (const JsonObject& event : events) read_event(event, result, result.voices);
   require_initial(score, result.instrument, result.voices);

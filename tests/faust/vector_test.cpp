@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "cpp_program.hpp"
-#include "fret_string_ui.hpp"
+#include "fret_string_double.hpp"
 #include "fret_string_vector.hpp"
 #include "hammer_string_double.hpp"
 #include "hammer_string_vector.hpp"
@@ -15,7 +15,7 @@
 #include "mass_barrier_vector.hpp"
 #include "piano_double.hpp"
 #include "piano_vector.hpp"
-#include "slide_string_ui.hpp"
+#include "slide_string_double.hpp"
 #include "slide_string_vector.hpp"
 
 namespace contactspline::testing {
@@ -59,11 +59,11 @@ TEST(VectorMode, HammerStringHasTheScalarSamples) {
 }
 
 TEST(VectorMode, SlideStringHasTheScalarSamples) {
-  expect_same_samples<slide_string_ui, slide_string_vector>("pluck");
+  expect_same_samples<slide_string_double, slide_string_vector>("pluck");
 }
 
 TEST(VectorMode, FretStringHasTheScalarSamples) {
-  expect_same_samples<fret_string_ui, fret_string_vector>("pluck");
+  expect_same_samples<fret_string_double, fret_string_vector>("pluck");
 }
 
 TEST(VectorMode, PianoHasTheScalarSamples) {

@@ -8,6 +8,7 @@
 #include "generator/player/score_reader.hpp"
 #include "generator/support/embedded_files.hpp"
 #include "generator/support/error.hpp"
+#include "support/compare.hpp"
 #include "support/finite.hpp"
 
 namespace contactspline::testing {
@@ -84,6 +85,38 @@ TEST(ScorePlayer, SaysWhereASoundIsNotFinite) {
     EXPECT_TRUE(message.starts_with("probe.json: voice h: its sound is not finite from 0.1")) << message;
     EXPECT_NE(message.find(" s on; allowed: "), std::string::npos) << message;
   }
+}
+
+// A plucked string on a body: the sound is that of the body's modes under the force on the bridge. The sound is
+// stored in single precision, and so is the force that is played here: 6e-8 of the peak each, of which the force's is
+// noise that the modes take up for some hundred samples.
+TEST(ScorePlayer, DrivesABodyByTheForceOnTheBridge) {
+  Score score = slide_score("");
+  const auto silent = [](double) {};
+  const auto force = play(score, {44100, Signal::kBridge}, silent);
+  ASSERT_EQ(force.channels, 1);
+  score.body =
+      Resonator{"probe", "", ModeTable{{{{600, 20, 0.1}, 1.5, 0.5}, {{3000, 100, 0.2}, -1, 2}}}, {0}, {0}, 10};
+  score.voices[0].pan = -0.5;  // the body has the ears, not the string
+  ASSERT_EQ(best_signal(score), Signal::kBody);
+  const auto sound = play(score, {44100, Signal::kBody}, silent);
+  ASSERT_EQ(sound.channels, 2);
+  const std::vector<Mode> modes = {{600, 20, 0.1}, {3000, 100, 0.2}};
+  const std::vector<double> strike = {1.5, -1}, pickup = {0.5, 2};
+  ModalBank<double> bank(modes, 44100);
+  const auto bridge = ModeShapes<double>(std::span<const double>(strike));
+  const auto ear = bank.sound_pickup(ModeShapes<double>(std::span<const double>(pickup)));
+  std::vector<double> expected, left, right;
+  for (std::size_t n = 0; n < force.samples.size(); ++n) {
+    bank.predict();
+    bank.push(bridge, static_cast<double>(force.samples[n]));
+    bank.commit();
+    expected.push_back(bank.velocity(ear));
+    left.push_back(static_cast<double>(sound.samples[2 * n]));
+    right.push_back(static_cast<double>(sound.samples[2 * n + 1]));
+  }
+  EXPECT_TRUE(sequences_within<double>(left, expected, 1e-6));
+  EXPECT_EQ(left, right);
 }
 
 }  // namespace
