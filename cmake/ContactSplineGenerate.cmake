@@ -5,7 +5,7 @@
 #
 # MATERIALS   files (.json) of materials, resonators, keyboards or instruments, relative to the current source folder, or
 #             names of those that ship
-# EMIT        what to write: cpp (NAME.hpp), faust (NAME.lib; not of instruments), json (NAME.json), or several; default cpp
+# EMIT        what to write: cpp (NAME.hpp), faust (NAME.lib; of instruments if they have few contacts), json (NAME.json), or several; default cpp
 # OUTPUT_DIR  where to, relative to the current binary folder; default: a folder called like TARGET
 #
 # In a project that takes Contact Spline from source, set(CONTACTSPLINE_BUILD_GENERATOR ON) before add_subdirectory or

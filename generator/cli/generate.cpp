@@ -36,6 +36,7 @@ std::string rate_option(const GenerateOptions& options) {
 struct Emitted {
   std::vector<OutputFile> files;
   std::vector<std::filesystem::path> inputs;
+  std::string left_out;  ///< a line for each file that cannot be written
 };
 
 Emitted emit_all(const GenerateOptions& options) {
@@ -48,9 +49,12 @@ Emitted emit_all(const GenerateOptions& options) {
       refuse(argument, "name", fmt::format("'{}' is the name of two materials", name), "once");
     emitted.inputs.insert(emitted.inputs.end(), source.files.begin(), source.files.end());
     for (const Emitter& emitter : chosen_emitters(options.formats)) {
-      if (emitter.name == "faust" && !source.has_faust) {
-        if (options.formats.empty()) continue;
-        refuse(argument, "--emit", "an instrument cannot be written as faust", "cpp, json");
+      if (emitter.name == "faust" && source.faust_obstacle) {
+        if (!options.formats.empty())
+          refuse(argument, "--emit", *source.faust_obstacle,
+                 "cpp, whose class hosts play (docs/instruments.md), json");
+        emitted.left_out += fmt::format("left out {}.{}: {}\n", name, emitter.extension, *source.faust_obstacle);
+        continue;
       }
       const std::string command =
           fmt::format("contactspline generate {}.json --emit {}{}", name, emitter.name, rate_option(options));
@@ -130,6 +134,7 @@ void write_to_folder(const GenerateOptions& options, Emitted emitted) {
   const auto written = write_files(emitted.files);
   std::string report = written.empty() ? fmt::format("{} files are current\n", sources) : "";
   for (const auto& path : written) report += fmt::format("wrote {}\n", path.string());
+  report += emitted.left_out;
   write_stdout(report);
 }
 

@@ -11,6 +11,7 @@
 #include "generator/cli/files.hpp"
 #include "generator/cli/waiting_line.hpp"
 #include "generator/emit/emit_instrument.hpp"
+#include "generator/emit/emit_instrument_faust.hpp"
 #include "generator/emit/emit_keyboard.hpp"
 #include "generator/emit/emit_material.hpp"
 #include "generator/emit/emit_resonator.hpp"
@@ -83,11 +84,12 @@ Source instrument_source(std::string_view file, InstrumentSource instrument, dou
   if (const auto body = silent_body(instrument.model, max_frequency_hz))
     refuse(file, "bodies", fmt::format("body '{}' has no mode below {} Hz", *body, max_frequency_hz),
            "a higher --rate, a lower frequency, or losses below the frequencies");
+  auto obstacle = faust_obstacle(instrument.model, arrays_of(instrument.model, max_frequency_hz));
   return {name,
           [=, model = std::move(instrument.model)](const Emitter& emitter, std::string_view command) {
             return emit(emitter, model, max_frequency_hz, command);
           },
-          std::move(instrument.files), false};
+          std::move(instrument.files), std::move(obstacle)};
 }
 
 // An instrument file, with what it names beside it.

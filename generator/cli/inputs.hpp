@@ -40,8 +40,8 @@ struct InstrumentSource {
 struct Source {
   std::string name;
   std::function<std::string(const Emitter&, std::string_view command)> emit;
-  std::vector<std::filesystem::path> files;  ///< it was read from; none for a shipped name
-  bool has_faust = true;                     ///< can it be written in Faust?
+  std::vector<std::filesystem::path> files;        ///< it was read from; none for a shipped name
+  std::optional<std::string> faust_obstacle = {};  ///< why it cannot be written in Faust
 };
 
 /// Reads a MATERIAL argument of `generate`. Resonators and instruments keep their modes below

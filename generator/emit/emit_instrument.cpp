@@ -6,10 +6,10 @@
 
 #include <array>
 #include <span>
-#include <stdexcept>
 #include <vector>
 
 #include "contactspline/version.hpp"
+#include "generator/emit/emit_instrument_faust.hpp"
 #include "generator/material/material.hpp"
 #include "generator/support/json_reader.hpp"
 #include "generator/support/number_literal.hpp"
@@ -194,9 +194,10 @@ TemplateValues json_values(const InstrumentModel& model, const InstrumentArrays&
 
 std::string emit(const Emitter& emitter, const InstrumentModel& model, double max_frequency_hz,
                  std::string_view command) {
-  if (emitter.name == "faust") throw std::logic_error("an instrument has no Faust text");
   const InstrumentArrays arrays = arrays_of(model, max_frequency_hz);
-  TemplateValues values = emitter.name == "cpp" ? cpp_values(model, arrays) : json_values(model, arrays);
+  TemplateValues values = emitter.name == "cpp"    ? cpp_values(model, arrays)
+                          : emitter.name == "json" ? json_values(model, arrays)
+                                                   : faust_instrument_values(model, arrays);
   values["VERSION"] = CONTACTSPLINE_VERSION;
   values["COMMAND"] = command;
   values["NAME"] = model.name;

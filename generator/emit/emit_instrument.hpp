@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// An instrument as source text: C++ header, JSON.
+// An instrument as source text: C++ header, Faust program, JSON.
 #pragma once
 
 #include <string>
@@ -10,8 +10,8 @@
 
 namespace contactspline {
 
-/// Source text of an instrument with its modes below `max_frequency_hz`: a C++ class or JSON. Several coupled
-/// contacts cannot be written in Faust: throws std::logic_error for it.
+/// Source text of an instrument with its modes below `max_frequency_hz`: a C++ class, JSON, or a Faust program if it
+/// has no faust_obstacle.
 [[nodiscard]] std::string emit(const Emitter& emitter, const InstrumentModel& model, double max_frequency_hz,
                                std::string_view command);
 

@@ -247,9 +247,9 @@ class InstrumentDsp : public dsp {
       const Slider& slider = sliders_[i];
       FAUSTFLOAT* const zone = &zones_[i];
       ui->declare(zone, slider.order.c_str(), "");
-      if (!slider.unit.empty()) ui->declare(zone, "unit", slider.unit.c_str());
-      if (slider.is_logarithmic) ui->declare(zone, "scale", "log");
       if (!slider.key.empty()) ui->declare(zone, "midi", slider.key.c_str());
+      if (slider.is_logarithmic) ui->declare(zone, "scale", "log");
+      if (!slider.unit.empty()) ui->declare(zone, "unit", slider.unit.c_str());
       const auto [min, max] = slider.range;
       if (slider.is_button)
         ui->addButton(slider.label.c_str(), zone);

@@ -356,15 +356,28 @@ TEST(GoodInstrumentFile, IsAccepted) {
   write_file(box / "probe.json", kGood);
   const Outcome outcome = generate(box);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_EQ(outcome.out, "wrote out/probe.hpp\nwrote out/probe.json\n");
+  EXPECT_EQ(outcome.out, "wrote out/probe.lib\nwrote out/probe.hpp\nwrote out/probe.json\n");
 }
 
-TEST(BadInstrument, HasNoFaustTextAndNoModeAtALowRate) {
+// A Faust program of many contacts would take too long to compile.
+TEST(BadInstrument, OfManyContactsHasNoFaustText) {
   const Sandbox box;
-  write_file(box / "probe.json", kGood);
-  const auto before = box.listing();
-  expect_refused(generate(box, {"--emit", "faust"}), "probe.json: --emit: an instrument cannot be written as faust",
-                 "allowed: cpp, json");
+  std::string many = kGood;
+  for (const auto& [three, six] : {std::pair("[0.1, 0.2, 0.3]", "[0.1, 0.15, 0.2, 0.25, 0.3, 0.35]"),
+                                   {"[0.15, 0.25, 0.35]", "[0.1, 0.15, 0.2, 0.25, 0.3, 0.35]"},
+                                   {"[1e-4, 2e-4, 3e-4]", "[1e-4, 1e-4, 1e-4, 1e-4, 1e-4, 1e-4]"},
+                                   {"[0.3, 0.4, 0.6]", "[1, 1, 1, 1, 1, 1]"}})
+    many = changed(many, three, six);
+  write_file(box / "probe.json", many);
+  const std::string why = "probe has 7 points of contact, and Faust compiles at most 6 in reasonable time";
+  expect_refused(generate(box, {"--emit", "faust"}), "probe.json: --emit: " + why, "allowed: cpp, whose class");
+  const Outcome outcome = generate(box);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.out, "wrote out/probe.hpp\nwrote out/probe.json\nleft out probe.lib: " + why + "\n");
+}
+
+TEST(BadInstrument, HasNoModeAtALowRate) {
+  const Sandbox box;
   write_file(box / "probe.json", changed(kGood, R"("frequency_hz": 100)", R"("frequency_hz": 21000)"));
   EXPECT_EQ(generate(box).exit_code, 0);
   write_file(box / "probe.json", changed(changed(kGood, R"("frequency_hz": 100)", R"("frequency_hz": 21000)"),

@@ -91,7 +91,9 @@ faust_twin_test(faust_dsp_test SOURCES faust_dsp_test.cpp ../support/count_alloc
 target_include_directories(faust_dsp_test SYSTEM PRIVATE ${FAUST_INCLUDE_DIR})
 add_dependencies(faust_dsp_test plot_hammer_string)
 
-# Instruments from files behind the same interface.
-contactspline_test(instrument_dsp_test O1 LABELS faust
-  SOURCES instrument_dsp_test.cpp ../support/count_allocations.cpp LIBRARIES contactspline_materials)
+# Instruments from files behind the same interface, and as Faust programs.
+faust_header(trichord_c4_double ${PROJECT_SOURCE_DIR}/generated/trichord_c4.lib double)
+faust_header(prepared_piano_double ${PROJECT_SOURCE_DIR}/generated/prepared_piano.lib double)
+faust_twin_test(instrument_dsp_test SOURCES instrument_dsp_test.cpp ../support/count_allocations.cpp
+  CLASSES trichord_c4_double prepared_piano_double)
 target_include_directories(instrument_dsp_test SYSTEM PRIVATE ${FAUST_INCLUDE_DIR})

@@ -18,18 +18,21 @@
 #include "contactspline/instruments/snare.hpp"
 #include "contactspline/instruments/tanpura.hpp"
 #include "contactspline/instruments/trichord_c4.hpp"
+#include "prepared_piano_double.hpp"
 #include "support/compare.hpp"
 #include "support/count_allocations.hpp"
+#include "trichord_c4_double.hpp"
 
 namespace contactspline::testing {
 namespace {
 
 constexpr int kRate = 44100;
 
-template <typename Instrument>
-class Player {
+/// A class with Faust's interface.
+template <typename Dsp>
+class DspPlayer {
  public:
-  Player() {
+  DspPlayer() {
     instrument_.init(kRate);
     instrument_.buildUserInterface(&controls_);
   }
@@ -47,12 +50,15 @@ class Player {
     EXPECT_EQ(allocations, allocated);
     return sound;
   }
-  InstrumentDsp<Instrument>& instrument() { return instrument_; }
+  Dsp& instrument() { return instrument_; }
 
  private:
-  InstrumentDsp<Instrument> instrument_;
+  Dsp instrument_;
   MapUI controls_;
 };
+
+template <typename Instrument>
+using Player = DspPlayer<InstrumentDsp<Instrument>>;
 
 /// The outputs of an emitted class over their full scales; before_sample(instrument, n) moves its controls.
 template <typename Instrument, typename BeforeSample>
@@ -231,6 +237,115 @@ TEST(InstrumentDsp, TellsHostsWhatTheFileSays) {
   EXPECT_EQ(copy->getNumInputs(), 0);
   EXPECT_EQ(copy->getNumOutputs(), 3);
   EXPECT_EQ(player.instrument().getSampleRate(), kRate);
+}
+
+/// A slider that is moved at a sample.
+struct Move {
+  std::size_t sample;
+  const char* label;
+  double value;
+};
+
+/// All outputs, one after the other, of a class that is played in blocks of 100 samples; from sample `delay` on.
+template <typename Dsp>
+std::vector<std::vector<double>> played(std::size_t samples, const std::vector<Move>& moves, std::size_t delay = 0) {
+  DspPlayer<Dsp> player;
+  std::vector<std::vector<double>> sound;
+  for (std::size_t n = 0; n < samples; n += 100) {
+    for (const Move& move : moves)
+      if (move.sample == n) player.set(move.label, move.value);
+    const auto block = player.play(100);
+    sound.resize(block.size());
+    for (std::size_t o = 0; o < block.size(); ++o) sound[o].insert(sound[o].end(), block[o].begin(), block[o].end());
+  }
+  for (auto& channel : sound) {
+    channel.erase(channel.begin(), channel.begin() + static_cast<std::ptrdiff_t>(delay));
+    channel.resize(samples - 1);
+  }
+  return sound;
+}
+
+// Contact steps and Newton's method by a fixed number of steps, springs and links by elimination, modes in half
+// steps: the class by another path, a sample later.
+template <typename Instrument, typename Program>
+void expect_same_sound(std::size_t samples, const std::vector<Move>& moves) {
+  const auto expected = played<InstrumentDsp<Instrument>>(samples, moves);
+  const auto found = played<Program>(samples, moves, 1);
+  ASSERT_EQ(found.size(), expected.size());
+  for (std::size_t o = 0; o < found.size(); ++o) {
+    if (o != 0 && peak(expected[o]) == 0) {
+      EXPECT_EQ(peak(found[o]), 0) << o;
+      continue;
+    }
+    EXPECT_GT(peak(expected[o]), 1e-3) << o;
+    EXPECT_TRUE(sequences_within(std::span<const double>(found[o]), std::span<const double>(expected[o]), 1e-9)) << o;
+  }
+}
+
+TEST(FaustInstrument, OfTheTrichordIsTheClass) {
+  expect_same_sound<instruments::trichord_c4<double>, trichord_c4_double>(22000,
+                                                                          {{0, "strike_hammer", 1},
+                                                                           {8000, "felt_stiffness_ratio", 2},
+                                                                           {9000, "damper_damping_per_s", 60},
+                                                                           {9500, "felt_loss_s_per_m", 0.3},
+                                                                           {12000, "damper_damping_per_s", 0},
+                                                                           {12000, "strike_hammer", 0},
+                                                                           {13000, "hammer_speed_m_per_s", 4.5},
+                                                                           {13000, "strike_hammer", 1}});
+}
+
+// Where the bolt does not rattle, and its output is silent.
+TEST(FaustInstrument, OfThePreparedPianoIsTheClass) {
+  expect_same_sound<instruments::prepared_piano<double>, prepared_piano_double>(
+      22000, {{0, "weight_force_n", 0},
+              {0, "play_gap_shift_m", 5e-4},
+              {0, "hammer_speed_m_per_s", 0.5},
+              {3000, "strike_hammer", 1},
+              {8000, "screw_stiffness_n_per_m", 2e5},
+              {9000, "damper_damping_per_s", 20}});
+}
+
+// Where it is pressed from above and below: two stiff contacts of the same two places, for which the program needs
+// all its steps.
+TEST(FaustInstrument, OfThePreparedPianoHoldsItsBoltAsTheClass) {
+  expect_same_sound<instruments::prepared_piano<double>, prepared_piano_double>(
+      10000, {{0, "play_gap_shift_m", -3e-4}, {2000, "strike_hammer", 1}});
+}
+
+// Where it rattles, each bounce amplifies rounding: the program may differ from the class by what the class itself
+// differs from one whose hammer is faster by some roundings.
+TEST(FaustInstrument, OfThePreparedPianoRattlesAsTheClass) {
+  using Class = InstrumentDsp<instruments::prepared_piano<double>>;
+  constexpr std::size_t kSamples = 2200;
+  const auto moves = [](double speed) {
+    return std::vector<Move>{{0, "hammer_speed_m_per_s", speed}, {0, "strike_hammer", 1}};
+  };
+  const auto expected = played<Class>(kSamples, moves(2.5));
+  const auto faster = played<Class>(kSamples, moves(2.5 * (1 + 64 * std::numeric_limits<double>::epsilon())));
+  const auto found = played<prepared_piano_double>(kSamples, moves(2.5), 1);
+  for (std::size_t o = 0; o < 2; ++o) {
+    double error = 0, allowed = 0, largest = peak(expected[o]);
+    for (std::size_t n = 0; n < expected[o].size(); ++n) {
+      error = std::max(error, std::abs(found[o][n] - expected[o][n]) / largest);
+      allowed = std::max(allowed, std::abs(faster[o][n] - expected[o][n]) / largest);
+      ASSERT_LE(error, 30 * allowed + 1e-13) << o << ' ' << n;
+      EXPECT_TRUE(n > 882 || error <= 1e-9) << n;
+    }
+    EXPECT_GT(allowed, 1e-9);  // it does rattle
+  }
+}
+
+template <typename Dsp>
+std::string told() {
+  DspPlayer<Dsp> player;
+  Transcript transcript;
+  player.instrument().buildUserInterface(&transcript);
+  return transcript.text();
+}
+
+TEST(FaustInstrument, TellsHostsWhatTheClassTellsThem) {
+  EXPECT_EQ(told<trichord_c4_double>(), told<InstrumentDsp<instruments::trichord_c4<double>>>());
+  EXPECT_EQ(told<prepared_piano_double>(), told<InstrumentDsp<instruments::prepared_piano<double>>>());
 }
 
 }  // namespace

@@ -332,7 +332,7 @@ case_arguments() {
 case_plugins() {
   install_at "$WORK/prefix"
   cp "$SOURCE"/tests/package/project/{ball.dsp,materials/cork.json} "$WORK"
-  readme_block json docs/instruments.md >"$WORK/my_zither.json"
+  (cd "$WORK" && blocks_of "$SOURCE/docs/instruments.md" json block && mv block1.json my_zither.json)
   readme_block cmake docs/instruments.md >"$WORK/zither.cmake"
   project="$WORK"
   cat >"$WORK/CMakeLists.txt" <<'END'
