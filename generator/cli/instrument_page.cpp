@@ -52,6 +52,8 @@ double angle_of(const Place& point) {
 // All points of a place lie on a line: across_m and the angle are the same for all of them.
 std::string place_row(const decltype(Resonator::body)& body, const InstrumentPlace& place) {
   if (!place.shapes.empty()) return "given by shapes";
+  if (const double radius = place.points.front().mean_radius_m; radius > 0)
+    return fmt::format("mean over the disc of {:.6g} m about the middle", radius);
   std::vector<double> positions;
   for (const Place& point : place.points) positions.push_back(position_of(point));
   std::string row = fmt::format("{} m", range_text(positions));

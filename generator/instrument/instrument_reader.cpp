@@ -57,8 +57,8 @@ class Reader {
         json_.fail("name", fmt::format("begins with {}", prefix), "a name that no member of the emitted class has");
     model_.description = read_description(json_);
     for (const JsonObject& body : json_.objects("bodies", kBodyKeys, kMaxBodies)) read_body(body);
-    for (const JsonObject& place :
-         optional_objects("places", {"name", "body", "position_m", "angle_rad", "across_m", "positions_m", "shapes"}))
+    for (const JsonObject& place : optional_objects("places", {"name", "body", "position_m", "angle_rad", "across_m",
+                                                               "positions_m", "mean_radius_m", "shapes"}))
       read_place(place);
     for (const JsonObject& contact :
          optional_objects("contacts", {"name", "between", "material", "gap_m", "gaps_m", "weight", "weights"}))
@@ -185,7 +185,7 @@ class Reader {
     if (body.is_mass)
       place.fail(place.key("body"), fmt::format("'{}' is a mass", name), "a resonator; a mass is itself a place");
     if (const auto* table = std::get_if<ModeTable>(&body.resonator.body)) {
-      for (const char* key : {"position_m", "positions_m", "angle_rad", "across_m"})
+      for (const char* key : {"position_m", "positions_m", "angle_rad", "across_m", "mean_radius_m"})
         if (place.has(key)) place.fail(place.key(key), "has no meaning on a table of modes", "shapes");
       read.shapes = place.numbers("shapes", kModeShape, kMaxModes);
       if (read.shapes.size() != table->rows.size())
@@ -204,6 +204,14 @@ class Reader {
   static void read_points(const JsonObject& place, const InstrumentBody& body, InstrumentPlace& read) {
     if (place.has("shapes")) place.fail(place.key("shapes"), "is not for this body", "position_m or positions_m");
     const bool is_round = std::holds_alternative<Membrane>(body.resonator.body);
+    if (place.has("mean_radius_m")) {
+      if (!is_round) place.fail(place.key("mean_radius_m"), "is not for this body", "on a membrane");
+      for (const char* key : {"position_m", "positions_m", "angle_rad"})
+        if (place.has(key)) place.fail(place.key(key), "stands beside mean_radius_m", "one of the two");
+      read.points.push_back(
+          {.position_m = 0, .mean_radius_m = place.number("mean_radius_m", {1e-6, extent_of(body.resonator.body)})});
+      return;
+    }
     if (place.has("angle_rad") && !is_round)
       place.fail(place.key("angle_rad"), "is not for this body", "on a membrane");
     const auto* plate = std::get_if<Plate>(&body.resonator.body);

@@ -110,19 +110,25 @@ double keep_lowest(std::vector<ResonatorMode>& modes, std::size_t max, double li
   return natural_frequency(modes.back());
 }
 
+// J_m(beta r) cos(m angle), or its mean over a disc of radius a: 2 J_1(beta a)/(beta a) for m = 0, otherwise 0.
+double shape_at(const Place& at, int order, double beta, double angle) {
+  using boost::math::cyl_bessel_j;
+  if (at.mean_radius_m == 0) return cyl_bessel_j(order, beta * at.position_m) * std::cos(order * angle);
+  const double x = beta * at.mean_radius_m;
+  return order == 0 ? 2 * cyl_bessel_j(1, x) / x : 0;
+}
+
 // The first zero of J_m rises with m, so the search ends at the first order without a mode below the limit.
 std::vector<ResonatorMode> modes_below(const Membrane& membrane, const Resonator& resonator, double limit) {
   const Place& strike = resonator.strike;
   const Place& pickup = resonator.pickup;
   std::vector<ResonatorMode> modes;
   for (int order = 0;; ++order) {
-    const auto radial = [&](double x) { return boost::math::cyl_bessel_j(order, x); };
     const auto found = modes_while_below(
         limit, max_modes(resonator), membrane.losses, [&](int i) { return undamped_mode(membrane, order, i); },
         [&](double beta) {
-          return std::pair(
-              radial(beta * strike.position_m),
-              radial(beta * pickup.position_m) * std::cos(order * (pickup.angle_rad - strike.angle_rad)));
+          return std::pair(shape_at(strike, order, beta, 0),
+                           shape_at(pickup, order, beta, pickup.angle_rad - strike.angle_rad));
         });
     if (found.empty()) return modes;
     modes.insert(modes.end(), found.begin(), found.end());

@@ -64,11 +64,13 @@ struct ModeTable {
   std::vector<Row> rows;
 };
 
-/// A place on the resonator; `angle_rad` is used for a membrane only, `across_m` for a plate only.
+/// A place on the resonator; `angle_rad` is used for a membrane only, `across_m` for a plate only. On a membrane
+/// `mean_radius_m` > 0 stands for the mean displacement over the disc of this radius about the middle.
 struct Place {
   double position_m;
   double angle_rad = 0;
   double across_m = 0;
+  double mean_radius_m = 0;
 };
 
 struct Resonator {

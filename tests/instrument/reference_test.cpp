@@ -29,10 +29,13 @@ struct Excitation {
 // Rattling wires and bolts amplify differences: rounding to 1e-16 becomes 1e-6 within 50 ms. So the reference
 // continues from the state of the instrument each 10 or 5 ms.
 const std::map<std::string, Excitation> kExcitations = {
+    {"classical_guitar", {"guitar_arpeggio", "saddle", 2205, 1}},
+    {"marimba_tube", {"marimba_blows", "mouth", 2205, 1}},
     {"prepared_piano", {"prepared_notes", "under_bolt", 221, 1e-6}},
     {"slap_bass", {"slap_line", "pickup", 2205, 1}},
     {"snare", {"snare_roll", "pickup", 441, 1}},
     {"tanpura", {"tanpura_drone", "finger", 2205, 1e-4}},
+    {"tom", {"tom_pattern", "pickup", 2205, 1}},
     {"trichord_c4", {"trichord_blows", "bridge_middle", 2205, 1}}};
 
 class EachInstrument : public ::testing::TestWithParam<std::string> {};
@@ -43,7 +46,8 @@ INSTANTIATE_TEST_SUITE_P(, EachInstrument, ::testing::ValuesIn(shipped_names(Shi
 class SmoothInstrument : public EachInstrument {};
 
 INSTANTIATE_TEST_SUITE_P(, SmoothInstrument,
-                         ::testing::Values("prepared_piano", "slap_bass", "tanpura", "trichord_c4"),
+                         ::testing::Values("classical_guitar", "marimba_tube", "prepared_piano", "slap_bass",
+                                           "tanpura", "trichord_c4"),
                          [](const auto& test) { return test.param; });
 
 double first_event_s(const Voice& voice) {
