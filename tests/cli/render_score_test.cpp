@@ -510,7 +510,7 @@ TEST(RenderScore, PlaysAKeyboardOnItsBody) {
     std::vector<Segment<double>> felt;
   };
   std::vector<Key> keys;
-  double stiffness = 0;
+  BridgeStiffness stiffness;
   for (const auto& [number, speed] : {std::pair{40, 2.0}, {88, 3.0}}) {
     KeyboardNote note = note_of(keyboard, number);
     const double count = note.strings;
@@ -551,7 +551,7 @@ TEST(RenderScore, PlaysAKeyboardOnItsBody) {
       if (n == 441) models[k].strike(keys[k].speed, 1e-4);
       const HammerStringControls<double> controls{.hammer_mass_kg = keys[k].hammer_kg,
                                                   .felt = {keys[k].strings, 0.1}};
-      force += models[k].tick(controls, models[k].bridge(of(keys[k].bridge)), body.displacement());
+      force += models[k].tick(controls, models[k].bridge(of(keys[k].bridge)), body.change());
     }
     body.tick(force);
     expected.push_back(body.modes().velocity(to_left));

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // slide_string.dsp on its guitar body against the bank of the body's modes in C++.
-#include "contactspline/modal.hpp"
 #include "contactspline/resonators/guitar_body.hpp"
+
+#include "contactspline/modal.hpp"
 #include "contactspline/stiff_string.hpp"
 #include "cpp_program.hpp"
 #include "support/compare.hpp"
@@ -40,7 +41,8 @@ TEST(GuitarBody, IsDrivenByTheBridge) {
   EXPECT_TRUE(sequences_within<double>(on_body[1], on_bridge[1], 1e-9));
 }
 
-// (T beta + EI beta^3) cos(beta L) of the string in data/resonators/guitar_g3.json, to 13 digits of the emitted modes.
+// (T beta + EI beta^3) cos(beta L) of the string in data/resonators/guitar_g3.json, to 13 digits of the emitted
+// modes.
 TEST(GuitarBody, KnowsTheForceOnTheBridge) {
   const auto shapes = plucked<slide_on_bridge>(1);
   for (int i = 1; i <= 5; ++i) {

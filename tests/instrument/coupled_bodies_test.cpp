@@ -97,9 +97,9 @@ TEST(Tom, SoundsAtTheFrequenciesOfTwoHeadsOnASpringOfAir) {
 }
 
 // Two masses and the spring K of the air: with the top at f_p while the air spring is closed, and the hole's
-// resonance f_h, f_+^2 + f_-^2 = f_p^2 + f_h^2 (Christensen and Vistisen 1980), and f_+ f_- = f_0 f_h, f_0 of the top in
-// vacuum. The string is taken off. Losses of 2 % shift a frequency by 1e-4, but draw overlapping resonances together:
-// less than 1 Hz.
+// resonance f_h, f_+^2 + f_-^2 = f_p^2 + f_h^2 (Christensen and Vistisen 1980), and f_+ f_- = f_0 f_h, f_0 of the top
+// in vacuum. The string is taken off. Losses of 2 % shift a frequency by 1e-4, but draw overlapping resonances
+// together: less than 1 Hz.
 TEST(ClassicalGuitar, HasTheCoupledModesOfTopAndAir) {
   const InstrumentModel model = shipped("classical_guitar");
   InstrumentArrays arrays = arrays_of(model, kRate / 2);
