@@ -73,8 +73,8 @@ template <typename UndampedAt, typename ShapesOf>
 std::vector<ResonatorMode> modes_while_below(double limit, std::size_t max, const Losses& losses,
                                              UndampedAt undamped_at, ShapesOf shapes_of) {
   std::vector<ResonatorMode> modes;
-  detail::for_sounding_modes(limit, max + 1, losses, undamped_at, [&](const Mode& mode, double beta) {
-    const auto [strike, pickup] = shapes_of(beta);
+  detail::for_sounding_modes(limit, max + 1, losses, undamped_at, [&](const Mode& mode, double beta, int i) {
+    const auto [strike, pickup] = shapes_of(beta, i);
     modes.push_back({mode, beta, without_rounding(strike), without_rounding(pickup)});
   });
   return modes;
@@ -96,7 +96,7 @@ std::vector<ResonatorMode> modes_below(const StiffString& string, const Resonato
 std::vector<ResonatorMode> modes_below(const FreeBar& bar, const Resonator& resonator, double limit) {
   return modes_while_below(
       limit, max_modes(resonator), bar.losses, [&](int i) { return undamped_mode(bar, i); },
-      [&](double beta) {
+      [&](double beta, int) {
         return std::pair(shape_at(bar, beta, resonator.strike.position_m),
                          shape_at(bar, beta, resonator.pickup.position_m));
       });
@@ -126,7 +126,7 @@ std::vector<ResonatorMode> modes_below(const Membrane& membrane, const Resonator
   for (int order = 0;; ++order) {
     const auto found = modes_while_below(
         limit, max_modes(resonator), membrane.losses, [&](int i) { return undamped_mode(membrane, order, i); },
-        [&](double beta) {
+        [&](double beta, int) {
           return std::pair(shape_at(strike, order, beta, 0),
                            shape_at(pickup, order, beta, pickup.angle_rad - strike.angle_rad));
         });
@@ -143,8 +143,8 @@ std::vector<ResonatorMode> modes_below(const Plate& plate, const Resonator& reso
     const double kx = m * pi / plate.length_m;
     const auto found = modes_while_below(
         limit, max_modes(resonator), plate.losses, [&](int n) { return undamped_mode(plate, m, n); },
-        [&](double beta) {
-          const double ky = std::round(std::sqrt(beta * beta - kx * kx) * plate.width_m / pi) * pi / plate.width_m;
+        [&](double, int n) {
+          const double ky = n * pi / plate.width_m;
           const auto shape = [&](const Place& at) {
             return std::sin(kx * at.position_m) * std::sin(ky * at.across_m);
           };

@@ -144,7 +144,7 @@ template <typename FrequencyAt>
   return above;
 }
 
-/// Calls take(mode, wavenumber) for the modes i = 1, 2, ... with undamped frequencies below the limit [rad/s] that
+/// Calls take(mode, wavenumber, i) for the modes i = 1, 2, ... with undamped frequencies below the limit [rad/s] that
 /// oscillate, at most `max` of them. Overdamped ones are passed over without a visit to each: a mode of a higher
 /// index decays faster, so it must also be faster than this decay.
 template <typename UndampedAt, typename Take>
@@ -157,7 +157,7 @@ void for_sounding_modes(double limit, std::size_t max, const Losses& losses, Und
     if (w0 >= limit || decay >= limit) return;
     if (losses.quadratic_m2_per_s * beta * beta >= w0) return;  // overdamped, and so are all higher modes
     if (const auto mode = undamped.with(losses)) {
-      take(*mode, beta);
+      take(*mode, beta, i);
       --max;
       ++i;
     } else {
@@ -196,7 +196,7 @@ template <typename Row>
     detail::for_sounding_modes(
         2 * std::numbers::pi * max_frequency_hz, max_modes, string.losses,
         [&](int i) { return undamped_mode(string, i, cents); },
-        [&](const Mode& mode, double wavenumber_per_m) {
+        [&](const Mode& mode, double wavenumber_per_m, int) {
           modes.push_back({mode, wavenumber_per_m});
         });
   std::ranges::stable_sort(modes, {}, [](const StringMode& m) {
