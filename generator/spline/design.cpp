@@ -8,6 +8,7 @@
 #include <limits>
 #include <optional>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "generator/spline/compensation.hpp"
@@ -137,7 +138,8 @@ class ToleranceSearch {
   }
 
   // The error does not fall with every segment, so a smaller number may meet the tolerance even if missed_ does not.
-  // For uniform knots, whose splines are cheap, all smaller numbers are tried.
+  // For uniform knots, whose splines are cheap, all smaller numbers are tried; not for series, whose force is a root
+  // that each integral seeks at every point.
   void try_smaller() {
     const int tries = max_tries();
     for (int fewer = met_ - 2; fewer > 0 && fewer >= met_ - 1 - tries; --fewer)
@@ -146,7 +148,8 @@ class ToleranceSearch {
   [[nodiscard]] int max_tries() const {
     constexpr int kMaxTriedFully = 64;
     const SplineDesign& design = material_.spline;
-    if (design.knots == Knots::uniform && met_ < kMaxTriedFully) return met_;
+    const bool is_cheap = !std::holds_alternative<PowerSeries>(material_.contact.law());
+    if (design.knots == Knots::uniform && is_cheap && met_ < kMaxTriedFully) return met_;
     if (design.knots == Knots::optimal && design.minimise != ErrorOf::spectrum) return 2;
     return std::clamp(met_ / 8, 3, 16);
   }
