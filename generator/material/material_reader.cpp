@@ -136,13 +136,19 @@ void require_measured(const JsonObject& material, const Material& read) {
   if (!read.measured) return;
   const double measured = read.measured->samples.back().compression_m;
   const double used = read.spline.max_compression_m;
+  // A blow without loss compresses further than the measured one at the same speed.
+  const bool is_loop = used > measured && read.measured->impact_speed_m_per_s;
   if (!(used <= measured && used >= measured / 100))
     material.fail(
         "contact.curve",
         fmt::format(
             "measured up to {:.6g} m, and {:.6g} m are needed: a wrong unit in its header, or a wrong impact?",
             measured, used),
-        "a curve that reaches the largest compression, and at most 100 times as far");
+        is_loop ? fmt::format(
+                      "impact.max_speed_m_per_s clearly below curve.impact_speed_m_per_s, {}: the spline reaches as "
+                      "far as a blow without loss",
+                      *read.measured->impact_speed_m_per_s)
+                : "a curve that reaches the largest compression, and at most 100 times as far");
   if (!(read.contact.force(used) > 0))
     material.fail("contact.curve", fmt::format("has no force up to {:.6g} m", used),
                   "a positive force at the largest compression");

@@ -324,6 +324,19 @@ TEST_P(BadImpactCurveFile, IsRefusedInOneLine) {
 INSTANTIATE_TEST_SUITE_P(Impact, BadImpactCurveFile, ::testing::ValuesIn(impact_cases()),
                          ::testing::PrintToStringParamName());
 
+// The spline of an impact reaches as far as a blow without loss, further than the measured one.
+TEST(BadImpactCurve, IsTooShortForItsOwnSpeed) {
+  const Sandbox box;
+  write_file(box / "probe.csv", branches(0.8));
+  write_file(box / "probe.json", R"({ "name": "probe",
+    "contact": { "curve": { "file": "probe.csv", "shape": "hardening", "impact_speed_m_per_s": 2.0 } },
+    "impact": { "mass_kg": 0.1, "max_speed_m_per_s": 2.0, "min_speed_m_per_s": 0.1 },
+    "spline": { "knots": "uniform", "segments": 16 } })");
+  expect_refused(run({.arguments = {"inspect", "probe.json"}, .folder = box.path()}),
+                 "probe.json: contact.curve: measured up to 0.001 m",
+                 "allowed: impact.max_speed_m_per_s clearly below curve.impact_speed_m_per_s, 2:");
+}
+
 // A loss is called fitted only where an impact was measured.
 TEST(GoodImpactCurve, HasAFittedLoss) {
   const Sandbox box;
