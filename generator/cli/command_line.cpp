@@ -134,8 +134,8 @@ void add_generate(CLI::App& app) {
 
 void add_inspect(CLI::App& app) {
   const auto options = std::make_shared<InspectOptions>();
-  CLI::App* command =
-      app.add_subcommand("inspect", "Show a material's spline, a resonator's modes or an instrument's parts");
+  CLI::App* command = app.add_subcommand(
+      "inspect", "Show a material's spline, a resonator's modes, a keyboard's keys, an instrument");
   command->add_option("MATERIAL", options->material, kMaterialHelp)->check(not_empty(kMaterialHelp))->required();
   command
       ->add_option("--figure", options->figure,
@@ -147,7 +147,7 @@ void add_inspect(CLI::App& app) {
   command->add_flag("--json", options->json, "print all numbers as JSON; errors as fractions, not in %");
   command
       ->add_option("--rate", options->sample_rate_hz,
-                   "of a resonator's or instrument's simulation in Hz (default: 44100)")
+                   "of a resonator's, keyboard's or instrument's simulation in Hz (default: 44100)")
       ->check(number_from(1e3, 1e8));
   add_force(*command, options->force);
   command->footer(
@@ -170,14 +170,16 @@ void add_list(CLI::App& app) {
 
 void add_show(CLI::App& app) {
   constexpr auto kHelp = "name of something that ships, as `list` prints it";
-  const auto name = std::make_shared<std::string>();
+  const auto name = std::make_shared<std::string>(), own_name = std::make_shared<std::string>();
   CLI::App* command = app.add_subcommand("show", "Print a file that ships, to start a file of your own from");
   command->add_option("NAME", *name, kHelp)->check(not_empty(kHelp))->required();
+  constexpr auto kNameHelp = "name that the printed file states instead of its own";
+  command->add_option("--name", *own_name, kNameHelp)->check(not_empty(kNameHelp));
   command->footer(
       "Examples:\n"
-      "  contactspline show felt_c4 > my_felt.json\n"
+      "  contactspline show felt_c4 --name my_felt > my_felt.json\n"
       "  contactspline show felt_synthetic.csv > felt_synthetic.csv");
-  command->callback([name] { show(*name); });
+  command->callback([name, own_name] { show(*name, *own_name); });
 }
 
 void add_impact(CLI::App& app) {

@@ -56,8 +56,8 @@ void compare_impacts(const ImpactOptions& options);
 /// Prints tables of what ships: of one kind, or of all if `only` is empty.
 void list(const std::string& only);
 
-/// Prints a file that ships, byte by byte.
-void show(const std::string& name);
+/// Prints a file that ships, byte by byte; with `own_name`, unless it is empty, in place of its name.
+void show(const std::string& name, const std::string& own_name);
 
 struct MassBarrierOptions {
   std::string material = "rubber_on_wood";

@@ -26,6 +26,8 @@
 namespace contactspline {
 namespace {
 
+constexpr std::string_view kAnyKind = "material, resonator, keyboard or instrument";
+
 Source material_source(const std::string& argument, Design design) {
   const std::string name = design.material.name;
   auto files = input_files(argument, design.material);
@@ -115,7 +117,8 @@ const EmbeddedFile* shipped(Shipped folder, const std::string& name) {
 
 [[noreturn]] void refuse_kind(const std::string& argument, std::string_view key, Shipped kind,
                               std::string_view allowed) {
-  refuse(argument, key, fmt::format("is a {}", kind_name(kind)), allowed);
+  refuse(argument, key, fmt::format("is {} {}", kind == Shipped::kInstruments ? "an" : "a", kind_name(kind)),
+         allowed);
 }
 
 [[noreturn]] void refuse_name(const std::string& argument, std::string_view kinds,
@@ -126,6 +129,11 @@ const EmbeddedFile* shipped(Shipped folder, const std::string& name) {
     for (std::string& name : shipped_names(folder)) names.push_back(std::move(name));
   throw BadInput(fmt::format("{}: MATERIAL: no such {} ships; allowed: a .json file, {}", argument, kinds,
                              fmt::join(names, ", ")));
+}
+
+[[noreturn]] void refuse_any_name(const std::string& argument) {
+  refuse_name(argument, kAnyKind,
+              {Shipped::kMaterials, Shipped::kResonators, Shipped::kKeyboards, Shipped::kInstruments});
 }
 
 // A keyboard file, with the body that it names.
@@ -144,7 +152,7 @@ Source file_source(const std::string& file, double max_frequency_hz) {
   const WaitingLine line("designing " + file);
   const std::string text = read_input(file);
   const Shipped kind = kind_of_file(text, file, "material").value_or(Shipped::kMaterials);
-  if (kind == Shipped::kScores) refuse_kind(file, "file", kind, "a material, resonator, keyboard or instrument");
+  if (kind == Shipped::kScores) refuse_kind(file, "file", kind, fmt::format("a {}", kAnyKind));
   if (kind == Shipped::kInstruments) return instrument_source(file, read_instrument(file, text), max_frequency_hz);
   if (kind == Shipped::kMaterials) return material_source(file, design_material(text, file, reader_beside(file)));
   if (kind == Shipped::kKeyboards) return keyboard_file(text, file, max_frequency_hz);
@@ -153,12 +161,22 @@ Source file_source(const std::string& file, double max_frequency_hz) {
   return source;
 }
 
-// The text of a file, which may not be of another kind.
-std::string read_kind(const std::string& file, Shipped kind) {
+// The text of a file, which may not be of another kind. `kinds`: what a message says is allowed.
+std::string read_kind(const std::string& file, Shipped kind, std::string_view kinds) {
   std::string text = read_input(file);
   const auto found = kind_of_file(text, file, kind_name(kind));
-  if (found && *found != kind) refuse_kind(file, "file", *found, fmt::format("a {}", kind_name(kind)));
+  if (found && *found != kind) refuse_kind(file, "file", *found, fmt::format("a {}", kinds));
   return text;
+}
+
+// The text of a file of this kind, or of one that ships, with its name; nothing for other files and names.
+std::optional<NamedText> text_of_kind(const std::string& argument, Shipped kind) {
+  if (const auto* file = shipped(kind, argument))
+    return NamedText{std::string(file->content), std::string(file->name), true};
+  if (!is_path(argument)) return std::nullopt;
+  std::string text = read_input(argument);
+  if (kind_of_file(text, argument, "material") != kind) return std::nullopt;
+  return NamedText{std::move(text), argument, false};
 }
 
 bool is_midi(std::string_view file) {
@@ -184,12 +202,14 @@ ScoreSource shipped_score(const std::string& name, const std::vector<int>& chann
 
 }  // namespace
 
-Design design_argument(const std::string& argument) {
+Design design_argument(const std::string& argument, bool of_any_kind) {
+  const std::string_view kinds = of_any_kind ? kAnyKind : "material";
   const WaitingLine line("designing " + argument);
   if (is_path(argument))
-    return design_material(read_kind(argument, Shipped::kMaterials), argument, reader_beside(argument));
+    return design_material(read_kind(argument, Shipped::kMaterials, kinds), argument, reader_beside(argument));
   const auto* material = shipped(Shipped::kMaterials, argument);
-  if (material == nullptr) refuse_name(argument, "material", {Shipped::kMaterials});
+  if (material == nullptr)
+    of_any_kind ? refuse_any_name(argument) : refuse_name(argument, kinds, {Shipped::kMaterials});
   return design_material(material->content, material->name);
 }
 
@@ -201,20 +221,20 @@ std::vector<std::filesystem::path> input_files(const std::string& argument, cons
 }
 
 std::optional<Resonator> resonator_argument(const std::string& argument) {
-  if (const auto* file = shipped(Shipped::kResonators, argument)) return parse_resonator(file->content, file->name);
-  if (!is_path(argument)) return std::nullopt;
-  const std::string text = read_input(argument);
-  if (kind_of_file(text, argument, "material") != Shipped::kResonators) return std::nullopt;
-  return parse_resonator(text, argument);
+  const auto named = text_of_kind(argument, Shipped::kResonators);
+  return named ? std::optional(parse_resonator(named->text, named->file)) : std::nullopt;
+}
+
+std::optional<Keyboard> keyboard_argument(const std::string& argument) {
+  const auto named = text_of_kind(argument, Shipped::kKeyboards);
+  return named ? std::optional(parse_keyboard(named->text, named->file)) : std::nullopt;
 }
 
 std::optional<InstrumentSource> instrument_argument(const std::string& argument) {
-  if (const auto* file = shipped(Shipped::kInstruments, argument))
-    return InstrumentSource{parse_instrument(file->content, file->name), {}};
-  if (!is_path(argument)) return std::nullopt;
-  const std::string text = read_input(argument);
-  if (kind_of_file(text, argument, "material") != Shipped::kInstruments) return std::nullopt;
-  return read_instrument(argument, text);
+  const auto named = text_of_kind(argument, Shipped::kInstruments);
+  if (!named) return std::nullopt;
+  if (named->ships) return InstrumentSource{parse_instrument(named->text, named->file), {}};
+  return read_instrument(argument, named->text);
 }
 
 Source source_argument(const std::string& argument, double max_frequency_hz) {
@@ -226,9 +246,7 @@ Source source_argument(const std::string& argument, double max_frequency_hz) {
                            shipped_file);
   if (auto instrument = instrument_argument(argument))
     return instrument_source(argument, std::move(*instrument), max_frequency_hz);
-  if (shipped(Shipped::kMaterials, argument) == nullptr)
-    refuse_name(argument, "material, resonator, keyboard or instrument",
-                {Shipped::kMaterials, Shipped::kResonators, Shipped::kKeyboards, Shipped::kInstruments});
+  if (shipped(Shipped::kMaterials, argument) == nullptr) refuse_any_name(argument);
   return material_source(argument, design_argument(argument));
 }
 
@@ -244,7 +262,7 @@ ScoreSource score_argument(const std::string& argument, const std::vector<int>& 
     return read_input(source.files.back());
   };
   source.score = is_midi(argument) ? parse_midi_score(read_input(file), argument, channels)
-                                   : parse_score(read_kind(argument, Shipped::kScores), argument, read);
+                                   : parse_score(read_kind(argument, Shipped::kScores, "score"), argument, read);
   return source;
 }
 

@@ -12,20 +12,24 @@
 #include "generator/emit/emitter.hpp"
 #include "generator/instrument/instrument.hpp"
 #include "generator/player/score.hpp"
+#include "generator/resonator/keyboard.hpp"
 #include "generator/resonator/resonator.hpp"
 #include "generator/spline/design.hpp"
 
 namespace contactspline {
 
 /// Reads and designs a MATERIAL: a file if it ends in .json or .mid or has a slash, else the name of one that ships.
-/// Throws BadInput.
-[[nodiscard]] Design design_argument(const std::string& argument);
+/// `of_any_kind`: messages say that resonators, keyboards and instruments are allowed, too. Throws BadInput.
+[[nodiscard]] Design design_argument(const std::string& argument, bool of_any_kind = false);
 
 /// The files that a MATERIAL argument was read from: none for a shipped name.
 [[nodiscard]] std::vector<std::filesystem::path> input_files(const std::string& argument, const Material& material);
 
 /// The resonator of such an argument, or nothing if it is not a resonator. Throws BadInput.
 [[nodiscard]] std::optional<Resonator> resonator_argument(const std::string& argument);
+
+/// The keyboard of such an argument, or nothing if it is not a keyboard. Throws BadInput.
+[[nodiscard]] std::optional<Keyboard> keyboard_argument(const std::string& argument);
 
 /// An instrument and the files it was read from.
 struct InstrumentSource {

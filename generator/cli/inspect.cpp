@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <optional>
+#include <set>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "generator/cli/commands.hpp"
@@ -148,9 +151,8 @@ std::string decibels(const std::optional<SpectrumError>& error, double SpectrumE
   return error ? fmt::format("{:.4g} dB", (*error).*member) : "-";
 }
 
-void compare(const InspectOptions& options) {
-  Design design = design_argument(options.material);
-  Material& material = design.material;
+void compare(const InspectOptions& options, const Design& design) {
+  Material material = design.material;
   if (!material.impact)
     refuse(options.material, "impact", "missing", "an object, because --compare measures impacts");
   material.spline.max_compression_m =
@@ -207,10 +209,58 @@ std::string resonator_table(const Resonator& resonator, double rate) {
 void inspect_resonator(const Resonator& resonator, const InspectOptions& options) {
   if (options.compare || !options.figure.empty())
     refuse(options.material, options.compare ? "--compare" : "--figure", "cannot be used with a resonator",
-           "with a material");
+           options.compare ? "with a material" : "with a material or an instrument");
   const double rate = options.sample_rate_hz.value_or(kDefaultRate);
   const std::string table = resonator_table(resonator, rate);
   write_stdout(options.json ? json_of(resonator, rate) : table);
+}
+
+// The keys of the published notes, and the first and the last of the keyboard.
+std::vector<KeyRow> key_rows(const Keyboard& keyboard, double rate) {
+  std::set<int> keys = {keyboard.first_key, keyboard.last_key};
+  for (const PublishedNote& note : keyboard.notes) keys.insert(note.key);
+  std::vector<KeyRow> rows;
+  for (const int key : keys) {
+    const KeyboardNote note = note_of(keyboard, key);
+    const StiffString& string = note.string;
+    rows.push_back(
+        {key, note, undamped_mode(string, 1).angular_frequency_rad_per_s / (2 * std::numbers::pi),
+         std::pow(std::numbers::pi / string.length_m, 2) * string.bending_stiffness_n_m2 / string.tension_n,
+         modes_of(note, rate / 2).size()});
+  }
+  return rows;
+}
+
+std::string keyboard_table(const Keyboard& keyboard, const std::vector<KeyRow>& rows, double rate) {
+  std::string table = fmt::format(
+      "{}{}{}\n{} keys, {} to {}; two strings from key {} on, three from {} on; dampers up to key {}\n"
+      "hammers of {} to {} m/s, felts of {} segments with a loss of {} s/m\n{}\n"
+      "{:>4} {:>9} {:>13} {:>7} {:>6} {:>9} {:>10} {:>10} {:>11} {:>11} {:>9}\n"
+      "{:>4} {:>9} {:>13} {:>7} {:>6} {:>9} {:>10} {:>10} {:>11} {:>11} {:>9}\n",
+      keyboard.name, keyboard.description.empty() ? "" : ": ", keyboard.description,
+      keyboard.last_key - keyboard.first_key + 1, keyboard.first_key, keyboard.last_key, keyboard.first_double_key,
+      keyboard.first_triple_key, keyboard.last_damped_key, keyboard.min_speed_m_per_s, keyboard.max_speed_m_per_s,
+      keyboard.segments, keyboard.felt_loss_s_per_m,
+      keyboard.body ? fmt::format("body {}\n", keyboard.body->resonator) : "", "key", "pitch", "inharmonicity",
+      "strings", "modes", "length", "mass", "tension", "hammer", "stiffness", "exponent", "", "[Hz]", "", "", "",
+      "[m]", "[kg]", "[N]", "[kg]", "[N/m^a]", "");
+  for (const auto& [key, note, pitch_hz, inharmonicity, modes] : rows) {
+    const PowerLaw& felt = *note.felt.contact.power_law();
+    table += fmt::format(
+        "{:>4} {:>9.6g} {:>13.4g} {:>7} {:>6} {:>9.4g} {:>10.4g} {:>10.4g} {:>11.4g} {:>11.4g} {:>9.4g}\n", key,
+        pitch_hz, inharmonicity, note.strings, modes, note.string.length_m, note.string.mass_kg,
+        note.string.tension_n, note.strings * note.hammer_mass_kg, note.strings * felt.stiffness, felt.exponent);
+  }
+  return table + fmt::format("modes of one string at {} Hz; hammer and stiffness for all strings of the key\n", rate);
+}
+
+void inspect_keyboard(const Keyboard& keyboard, const InspectOptions& options) {
+  if (options.compare || !options.figure.empty())
+    refuse(options.material, options.compare ? "--compare" : "--figure", "cannot be used with a keyboard",
+           options.compare ? "with a material" : "with a material or an instrument");
+  const double rate = options.sample_rate_hz.value_or(kDefaultRate);
+  const auto rows = key_rows(keyboard, rate);
+  write_stdout(options.json ? json_of(keyboard, rows, rate) : keyboard_table(keyboard, rows, rate));
 }
 
 // As JSON it is what `generate` writes.
@@ -237,10 +287,12 @@ void inspect(const InspectOptions& options) {
   if (!options.figure.empty()) (void)figure_format(options.figure);
   if (const auto resonator = resonator_argument(options.material)) return inspect_resonator(*resonator, options);
   if (const auto instrument = instrument_argument(options.material)) return inspect_instrument(*instrument, options);
+  if (const auto keyboard = keyboard_argument(options.material)) return inspect_keyboard(*keyboard, options);
+  const Design design = design_argument(options.material, true);
   if (options.sample_rate_hz)
-    refuse(options.material, "--rate", "cannot be used with a material", "with a resonator or an instrument");
-  if (options.compare) return compare(options);
-  const Design design = design_argument(options.material);
+    refuse(options.material, "--rate", "cannot be used with a material",
+           "with a resonator, a keyboard or an instrument");
+  if (options.compare) return compare(options, design);
   if (!options.figure.empty()) {
     require_writable({{options.figure}}, input_files(options.material, design.material), options.force);
     write_files({{OutputFile{options.figure, figure_of(design, figure_format(options.figure))}}});

@@ -73,4 +73,23 @@ std::string json_of(const Resonator& resonator, double sample_rate_hz) {
       resonator.name, json_string(resonator.description), sample_rate_hz, set.cut, fmt::join(modes, ",\n"));
 }
 
+std::string json_of(const Keyboard& keyboard, std::span<const KeyRow> rows, double sample_rate_hz) {
+  std::vector<std::string> keys;
+  for (const auto& [key, note, pitch_hz, inharmonicity, modes] : rows) {
+    const PowerLaw& felt = *note.felt.contact.power_law();
+    keys.push_back(fmt::format(
+        "    {{\"key\": {}, \"pitch_hz\": {}, \"inharmonicity\": {}, \"strings\": {}, \"modes\": {}, \"length_m\": "
+        "{}, "
+        "\"mass_kg\": {},\n     \"tension_n\": {}, \"hammer_mass_kg\": {}, \"stiffness_n_per_m_alpha\": {}, "
+        "\"exponent\": {}}}",
+        key, pitch_hz, inharmonicity, note.strings, modes, note.string.length_m, note.string.mass_kg,
+        note.string.tension_n, note.strings * note.hammer_mass_kg, note.strings * felt.stiffness, felt.exponent));
+  }
+  return fmt::format(
+      "{{\n  \"name\": \"{}\",\n  \"description\": {},\n  \"sample_rate_hz\": {},\n  \"first_key\": {},\n  "
+      "\"last_key\": {},\n  \"keys\": [\n{}\n  ]\n}}\n",
+      keyboard.name, json_string(keyboard.description), sample_rate_hz, keyboard.first_key, keyboard.last_key,
+      fmt::join(keys, ",\n"));
+}
+
 }  // namespace contactspline

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "generator/resonator/keyboard.hpp"
 #include "generator/resonator/resonator.hpp"
 #include "generator/spline/design.hpp"
 
@@ -30,5 +31,17 @@ struct ComparedFamily {
 
 /// The modes of a resonator that a simulation at this rate keeps.
 [[nodiscard]] std::string json_of(const Resonator& resonator, double sample_rate_hz);
+
+/// A key of a keyboard: its first partial without losses, its inharmonicity B, as f_n = n f_0 sqrt(1 + B n^2), and
+/// the number of modes of a string that a simulation keeps.
+struct KeyRow {
+  int key;
+  KeyboardNote note;
+  double pitch_hz, inharmonicity;
+  std::size_t modes;
+};
+
+/// Some keys of a keyboard.
+[[nodiscard]] std::string json_of(const Keyboard& keyboard, std::span<const KeyRow> rows, double sample_rate_hz);
 
 }  // namespace contactspline

@@ -15,6 +15,7 @@
 #include "generator/resonator/keyboard_reader.hpp"
 #include "generator/support/embedded_files.hpp"
 #include "generator/support/error.hpp"
+#include "generator/support/json_reader.hpp"
 
 namespace contactspline {
 namespace {
@@ -117,7 +118,7 @@ void list(const std::string& only) {
   write_stdout(text);
 }
 
-void show(const std::string& name) {
+void show(const std::string& name, const std::string& own_name) {
   const EmbeddedFile* file = file_that_ships(name);
   if (file == nullptr) {
     std::vector<std::string> names;
@@ -127,7 +128,15 @@ void show(const std::string& name) {
   }
   if (file->name.ends_with(".mid") && ::isatty(STDOUT_FILENO) != 0)
     refuse(name, "NAME", "is a MIDI file, which a terminal cannot show", "to a file, with > FILE");
-  write_stdout(file->content);
+  if (own_name.empty()) return write_stdout(file->content);
+  const auto named = fmt::format("{{\"name\": {}}}", json_string(own_name));
+  (void)read_name(parse_json(named, "--name", "name", {"name"}), {});
+  std::string text(file->content);
+  const std::string key = fmt::format("\"name\": \"{}\"", file->name.substr(0, file->name.rfind('.')));
+  const std::size_t at = text.find(key);
+  if (at == std::string::npos)
+    refuse(name, "--name", "the file has no name of its own", "with a material, resonator, keyboard or instrument");
+  write_stdout(text.replace(at, key.size(), fmt::format("\"name\": \"{}\"", own_name)));
 }
 
 }  // namespace contactspline

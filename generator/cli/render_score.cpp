@@ -100,6 +100,14 @@ std::string write_stems(const std::vector<std::filesystem::path>& files, const S
   return fmt::format("stems:  {} in {}\n", files.size(), options.stems);
 }
 
+// A sound without any sound is an error of the score, most likely.
+void report_silence(const std::string& score, const Performance& performance) {
+  if (std::ranges::any_of(performance.samples, [](float sample) { return sample != 0; })) return;
+  const auto* why = performance.contacts == 0 ? "nothing is struck or plucked so that it sounds"
+                                              : "the contact or the pickup is where no mode moves";
+  std::fputs(fmt::format("contactspline: {}: the sound is silent: {}\n", score, why).c_str(), stderr);
+}
+
 }  // namespace
 
 // In the order of Signal.
@@ -112,14 +120,17 @@ void render_score(Instrument instrument, const ScoreOptions& options) {
   const ScoreSource source = score_argument(options.score, options.channels);
   const Score& score = source.score;
   if (score.instrument != instrument)
-    throw BadInput(fmt::format("{}: instrument: it is for {}; allowed: {}", options.score, name_of(score.instrument),
-                               name_of(instrument)));
+    refuse(options.score, "instrument",
+           score.instrument == Instrument::kFile ? "the score is for an instrument file"
+                                                 : fmt::format("the score is for a {}", name_of(score.instrument)),
+           fmt::format("render {}", name_of(score.instrument)));
   require_short(options.score + ": duration_s", score.duration_s, options.output.sample_rate_hz);
   const auto stems = stem_files(options, score);
   require_outputs(options.output, channels_of(score), source.files, stems);
   if (!score.left_out.empty()) std::fputs(fmt::format("contactspline: {}\n", score.left_out).c_str(), stderr);
   const PlayOptions how = play_options(options, score);
   Performance performance = play(score, how, show_progress);
+  report_silence(options.score, performance);
   fade_end(performance.samples, performance.channels, performance.sample_rate_hz);
   const double scale = scale_of(options.output, performance.samples);
   const SoundLabel sound = label_of(how, score);

@@ -52,8 +52,8 @@ ModeShapes<T> output_shapes(const Voice& voice, const std::vector<ResonatorMode>
   return bridge_shapes<T>(*string, modes, voice.strings);
 }
 
-[[noreturn]] void refuse_rate(const std::string& resonator, const PlayOptions& options) {
-  throw BadInput(fmt::format("--rate: no mode of {} lies below {} Hz; allowed: a higher rate", resonator,
+[[noreturn]] void refuse_rate(const std::string& what, const PlayOptions& options) {
+  throw BadInput(fmt::format("--rate: no mode of {} lies below {} Hz; allowed: a higher rate", what,
                              options.sample_rate_hz / 2));
 }
 
@@ -74,7 +74,7 @@ struct Parts {
         modes(bare(set.modes)),
         output(output_shapes<T>(voice, set.modes, options.signal)),
         contact(table_in<T>(voice.contact)) {
-    if (modes.empty()) refuse_rate(voice.resonator.name, options);
+    if (modes.empty()) refuse_rate(fmt::format("voice {} ({})", voice.name, voice.resonator.name), options);
   }
 
   [[nodiscard]] SegmentTable<T> table() const { return contact; }

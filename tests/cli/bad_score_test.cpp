@@ -276,7 +276,7 @@ TEST(BadScore, MayLeaveNoSound) {
   expect_refused(
       run({.arguments = {"render", "hammer-string", "--score", "probe.json", "--rate", "8000", "-o", "a.wav"},
            .folder = box.path()}),
-      "--rate: no mode of piano lies below 4000 Hz", "allowed: a higher rate");
+      "--rate: no mode of voice 108 (piano) lies below 4000 Hz", "allowed: a higher rate");
   write_file(box / "drum.json",
              changed(changed(changed(kHammer, "string_c4", "drum_head"), R"("tuning_cents": 3, )", ""),
                      R"(, "bend_cents": 5)", ""));
@@ -284,6 +284,24 @@ TEST(BadScore, MayLeaveNoSound) {
       run({.arguments = {"render", "hammer-string", "--score", "drum.json", "--signal", "bridge", "-o", "a.wav"},
            .folder = box.path()}),
       "--signal: bridge: drum_head has none", "allowed: displacement, velocity, force");
+}
+
+// It is written, with one line: nothing is thrown, or the pickup stands at the end of the string.
+TEST(SilentScore, IsPlayedWithAWarning) {
+  const Sandbox box;
+  write_file(box / "still.json", R"({ "instrument": "hammer-string", "duration_s": 0.1, "keyboard": "piano",
+    "events": [ { "time_s": 0, "key": 60, "damping_per_s": 1 } ] })");
+  write_file(box / "node.json", R"({ "instrument": "fret-string", "duration_s": 0.1,
+    "voices": [ { "name": "a", "resonator": "guitar_d3", "material": "steel_on_steel", "pluck_m": 0.1, "pickup_m": 0 } ],
+    "events": [ { "time_s": 0, "place_m": 0.3, "gap_m": 0.0001 }, { "time_s": 0.01, "pluck_n": 2 } ] })");
+  for (const auto& [instrument, file, why] :
+       {std::tuple{"hammer-string", "still.json", "nothing is struck or plucked so that it sounds"},
+        std::tuple{"fret-string", "node.json", "the contact or the pickup is where no mode moves"}}) {
+    const Outcome outcome = run(
+        {.arguments = {"render", instrument, "--score", file, "--no-figure", "-o", "a.wav"}, .folder = box.path()});
+    EXPECT_EQ(outcome.exit_code, 0);
+    EXPECT_EQ(outcome.err, std::string("contactspline: ") + file + ": the sound is silent: " + why + "\n");
+  }
 }
 
 TEST(BadScore, IsAFileTheOutputWouldReplace) {

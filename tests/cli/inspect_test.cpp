@@ -14,6 +14,7 @@
 
 #include "generator/contact/barrier_impact.hpp"
 #include "generator/emit/emitter.hpp"
+#include "generator/resonator/keyboard_reader.hpp"
 #include "generator/spline/design.hpp"
 #include "generator/spline/simulated_impact.hpp"
 #include "generator/support/embedded_files.hpp"
@@ -738,6 +739,44 @@ TEST(Impact, TakesTheLargestSpeedAndFourRatesByDefault) {
                           "176400", "--rate", "352800"}));
   EXPECT_EQ(printed(box, {"impact", "probe.json", "mb1"}),
             printed(box, {"impact", "probe.json"}) + printed(box, {"impact", "mb1"}));
+}
+
+// Pitches are equal-tempered, to the six digits of a rounded tension. B follows from the first two partials of the
+// formula f_n = n f_0 sqrt(1 + B n^2), which the modes of the emitted note must have, too.
+TEST(InspectKeyboard, ShowsPitchAndInharmonicityOfItsKeys) {
+  const Sandbox box;
+  const auto json = Json::parse(printed(box, {"inspect", "piano", "--json", "--rate", "48000"}));
+  const auto keyboard = parse_keyboard(find_embedded(Shipped::kKeyboards, "piano.json")->content, "piano");
+  std::vector<int> keys;
+  for (const Json& row : json["keys"]) {
+    const int key = row["key"];
+    keys.push_back(key);
+    EXPECT_TRUE(relatively_within(row["pitch_hz"].get<double>(), 440 * std::exp2((key - 69) / 12.0), 1e-6)) << key;
+    const StiffString string = note_of(keyboard, key).string;
+    const double ratio =
+        undamped_mode(string, 2).angular_frequency_rad_per_s / undamped_mode(string, 1).angular_frequency_rad_per_s;
+    const double inharmonicity = (ratio * ratio - 4) / (16 - ratio * ratio);
+    EXPECT_TRUE(relatively_within(row["inharmonicity"].get<double>(), inharmonicity, 1e-8)) << key;
+    EXPECT_EQ(row["modes"], modes_of(note_of(keyboard, key), 24000).size()) << key;
+    EXPECT_EQ(row["strings"], key < 32 ? 1 : key < 44 ? 2 : 3) << key;
+  }
+  EXPECT_EQ(keys, (std::vector{21, 36, 48, 60, 72, 84, 96, 108}));
+  const std::string table = printed(box, {"inspect", "piano"});
+  EXPECT_NE(table.find("88 keys, 21 to 108"), std::string::npos) << table;
+  EXPECT_NE(table.find("  60   261.626     0.0003112       3     58"), std::string::npos) << table;
+}
+
+TEST(Show, MayStateAnotherName) {
+  const Sandbox box;
+  std::string expected = printed(box, {"show", "felt_c4"});
+  const std::size_t at = expected.find("\"felt_c4\"");
+  ASSERT_NE(at, std::string::npos);
+  expected.replace(at, 9, "\"my_felt\"");
+  EXPECT_EQ(printed(box, {"show", "felt_c4", "--name", "my_felt"}), expected);
+  expect_refused(run({.arguments = {"show", "felt_c4", "--name", "My Felt"}, .folder = box.path()}),
+                 "--name: name: 'My Felt' is not a usable identifier", "allowed: a-z");
+  expect_refused(run({.arguments = {"show", "dulcimer", "--name", "mine"}, .folder = box.path()}),
+                 "dulcimer: --name: the file has no name of its own", "allowed: with a material");
 }
 
 }  // namespace

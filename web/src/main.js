@@ -60,7 +60,7 @@ class Page {
     this.stage.draw();
   }
 
-  /** Loads what is heard and drawn; the rest follows when the page has been seen. */
+  /** Loads what sounds and what is drawn; the rest follows when the page has been seen. */
   async load() {
     const [engine, generator] = await Promise.all([compile("engine"), compile("generator")]);
     this.studio = startEngine(engine, kSampleRate);
