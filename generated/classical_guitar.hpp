@@ -20,11 +20,11 @@ class classical_guitar : public NetworkInstrument<T> {
     static_assert(fits_runtime<classical_guitar>, "generated for another version: run `contactspline generate` again");
   }
 
-  /// -1000 to 1000, at the beginning 0.
+  /// -20 to 20, at the beginning 0.
   void set_finger_force_n(T value) { this->set_control(0, value); }
-  /// 0 to 1e+09, at the beginning 25210.
+  /// 0 to 100000, at the beginning 25210.
   void set_cavity_stiffness_n_per_m(T value) { this->set_control(1, value); }
-  /// 0 to 100000, at the beginning 0.
+  /// 0 to 1000, at the beginning 0.
   void set_hand_damping_per_s(T value) { this->set_control(2, value); }
   [[nodiscard]] T body_velocity_m_per_s() const { return this->output(0); }
   [[nodiscard]] T bridge_force_n() const { return this->output(1); }
@@ -156,9 +156,9 @@ class classical_guitar : public NetworkInstrument<T> {
         {ConnectionKind::kSpring, 0, kGround, 0, 0.0, 1.0, 0.0, 0.0, 1.25},
         {ConnectionKind::kLink, 2, 3, 0, 0.0, 1.0, 0.0, 0.0, 0.0}}};
     static constexpr std::array<InstrumentControl, 3> controls = {{
-        {ControlQuantity::kForce, 0, 1, 0.0, -1000.0, 1000.0, 0.0},
-        {ControlQuantity::kStiffness, 1, 1, 25210.0, 0.0, 1000000000.0, 0.0},
-        {ControlQuantity::kDamping, 2, 1, 0.0, 0.0, 100000.0, 0.0}}};
+        {ControlQuantity::kForce, 0, 1, 0.0, -20.0, 20.0, 4.0},
+        {ControlQuantity::kStiffness, 1, 1, 25210.0, 0.0, 100000.0, 0.0},
+        {ControlQuantity::kDamping, 2, 1, 0.0, 0.0, 1000.0, 0.0}}};
     static constexpr std::array<std::size_t, 6> targets = {1, 0, 0, 3, 0, 2};
     static constexpr std::array<std::size_t, 0> strikes = {};
     static constexpr std::array<InstrumentOutput, 2> outputs = {{

@@ -20,11 +20,11 @@ class marimba_tube : public NetworkInstrument<T> {
     static_assert(fits_runtime<marimba_tube>, "generated for another version: run `contactspline generate` again");
   }
 
-  /// 0 to 1e+09, at the beginning 100.
+  /// 0 to 100000, at the beginning 100.
   void set_air_stiffness_n_per_m(T value) { this->set_control(0, value); }
-  /// 1e-06 to 1e+06, at the beginning 1.
+  /// 0.01 to 100, at the beginning 1.
   void set_head_stiffness_ratio(T value) { this->set_control(1, value); }
-  /// 0 to 100000, at the beginning 0.
+  /// 0 to 1000, at the beginning 0.
   void set_hand_damping_per_s(T value) { this->set_control(2, value); }
   void strike_mallet(T speed_m_per_s) { this->strike(0, speed_m_per_s); }
   [[nodiscard]] T both_velocity_m_per_s() const { return this->output(0); }
@@ -104,9 +104,9 @@ class marimba_tube : public NetworkInstrument<T> {
         {ConnectionKind::kContact, 0, 1, 0, 0.005, 1.0, 0.0, 0.0, 0.0},
         {ConnectionKind::kSpring, 2, 3, 0, 0.0, 1.0, 0.0, 100.0, 0.0}}};
     static constexpr std::array<InstrumentControl, 3> controls = {{
-        {ControlQuantity::kStiffness, 0, 1, 100.0, 0.0, 1000000000.0, 0.0},
-        {ControlQuantity::kStiffnessRatio, 1, 1, 1.0, 1e-06, 1000000.0, 0.0},
-        {ControlQuantity::kDamping, 2, 1, 0.0, 0.0, 100000.0, 0.0}}};
+        {ControlQuantity::kStiffness, 0, 1, 100.0, 0.0, 100000.0, 0.0},
+        {ControlQuantity::kStiffnessRatio, 1, 1, 1.0, 0.01, 100.0, 0.0},
+        {ControlQuantity::kDamping, 2, 1, 0.0, 0.0, 1000.0, 0.0}}};
     static constexpr std::array<std::size_t, 6> targets = {1, 0, 0, 3, 2, 2};
     static constexpr std::array<std::size_t, 1> strikes = {2};
     static constexpr std::array<InstrumentOutput, 2> outputs = {{

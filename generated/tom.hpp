@@ -20,9 +20,9 @@ class tom : public NetworkInstrument<T> {
     static_assert(fits_runtime<tom>, "generated for another version: run `contactspline generate` again");
   }
 
-  /// 0 to 1e+09, at the beginning 48300.
+  /// 0 to 100000, at the beginning 48300.
   void set_air_stiffness_n_per_m(T value) { this->set_control(0, value); }
-  /// 0 to 100000, at the beginning 0.
+  /// 0 to 1000, at the beginning 0.
   void set_hand_damping_per_s(T value) { this->set_control(1, value); }
   void strike_stick(T speed_m_per_s) { this->strike(0, speed_m_per_s); }
   [[nodiscard]] T batter_velocity_m_per_s() const { return this->output(0); }
@@ -308,8 +308,8 @@ class tom : public NetworkInstrument<T> {
         {ConnectionKind::kContact, 0, 1, 0, 0.004, 1.0, 0.0, 0.0, 0.0},
         {ConnectionKind::kSpring, 3, 4, 0, 0.0, 1.0, 0.0, 48300.0, 0.0}}};
     static constexpr std::array<InstrumentControl, 2> controls = {{
-        {ControlQuantity::kStiffness, 0, 1, 48300.0, 0.0, 1000000000.0, 0.0},
-        {ControlQuantity::kDamping, 1, 2, 0.0, 0.0, 100000.0, 0.0}}};
+        {ControlQuantity::kStiffness, 0, 1, 48300.0, 0.0, 100000.0, 0.0},
+        {ControlQuantity::kDamping, 1, 2, 0.0, 0.0, 1000.0, 0.0}}};
     static constexpr std::array<std::size_t, 5> targets = {1, 0, 1, 2, 4};
     static constexpr std::array<std::size_t, 1> strikes = {2};
     static constexpr std::array<InstrumentOutput, 2> outputs = {{

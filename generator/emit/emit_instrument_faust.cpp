@@ -548,6 +548,7 @@ class Writer {
   // other forces held, then Newton's method on these (docs/several-contacts.md). At the end the contact steps alone.
   void search() {
     const std::size_t n = contacts_.size();
+    if (n == 0) return;
     std::vector<std::string> given, forces, last;  // signals that steps need, forces before and after
     for (std::size_t a = 0; a < n; ++a) {
       const std::size_t k = contacts_[a];
@@ -580,9 +581,8 @@ class Writer {
     std::vector<std::string> arguments = given;
     arguments.insert(arguments.end(), last.begin(), last.end());
     for (std::size_t a = 0; a < n; ++a) forces_.push_back(name_at("f", a));
-    if (n != 0)
-      chain_.add(forces_, fmt::format("({}{} : contact_steps)", fmt::join(arguments, ", "),
-                                      is_coupled ? fmt::format(" : seq(i, {}, newton_step)", kSteps - 1) : ""));
+    chain_.add(forces_, fmt::format("({}{} : contact_steps)", fmt::join(arguments, ", "),
+                                    is_coupled ? fmt::format(" : seq(i, {}, newton_step)", kSteps - 1) : ""));
     chain_.next();
   }
 

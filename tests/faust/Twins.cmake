@@ -92,8 +92,11 @@ target_include_directories(faust_dsp_test SYSTEM PRIVATE ${FAUST_INCLUDE_DIR})
 add_dependencies(faust_dsp_test plot_hammer_string)
 
 # Instruments from files behind the same interface, and as Faust programs.
-faust_header(trichord_c4_double ${PROJECT_SOURCE_DIR}/generated/trichord_c4.lib double)
-faust_header(prepared_piano_double ${PROJECT_SOURCE_DIR}/generated/prepared_piano.lib double)
+set(programs "")
+foreach(instrument trichord_c4 prepared_piano classical_guitar marimba_tube tom)
+  faust_header(${instrument}_double ${PROJECT_SOURCE_DIR}/generated/${instrument}.lib double)
+  list(APPEND programs ${instrument}_double)
+endforeach()
 faust_twin_test(instrument_dsp_test SOURCES instrument_dsp_test.cpp ../support/count_allocations.cpp
-  CLASSES trichord_c4_double prepared_piano_double)
+  CLASSES ${programs})
 target_include_directories(instrument_dsp_test SYSTEM PRIVATE ${FAUST_INCLUDE_DIR})

@@ -12,15 +12,21 @@
 #include <limits>
 #include <sstream>
 
+#include "classical_guitar_double.hpp"
 #include "contactspline/faust_dsp.hpp"
+#include "contactspline/instruments/classical_guitar.hpp"
+#include "contactspline/instruments/marimba_tube.hpp"
 #include "contactspline/instruments/prepared_piano.hpp"
 #include "contactspline/instruments/slap_bass.hpp"
 #include "contactspline/instruments/snare.hpp"
 #include "contactspline/instruments/tanpura.hpp"
+#include "contactspline/instruments/tom.hpp"
 #include "contactspline/instruments/trichord_c4.hpp"
+#include "marimba_tube_double.hpp"
 #include "prepared_piano_double.hpp"
 #include "support/compare.hpp"
 #include "support/count_allocations.hpp"
+#include "tom_double.hpp"
 #include "trichord_c4_double.hpp"
 
 namespace contactspline::testing {
@@ -333,6 +339,16 @@ TEST(FaustInstrument, OfThePreparedPianoRattlesAsTheClass) {
     }
     EXPECT_GT(allowed, 1e-9);  // it does rattle
   }
+}
+
+// Without a contact, with one, and with springs that follow their controls.
+TEST(FaustInstrument, OfBodiesOnSpringsIsTheClass) {
+  expect_same_sound<instruments::classical_guitar<double>, classical_guitar_double>(
+      10000, {{100, "pluck_finger", 1}, {5000, "hand_damping_per_s", 20}});
+  expect_same_sound<instruments::marimba_tube<double>, marimba_tube_double>(
+      10000, {{0, "air_stiffness_n_per_m", 2000}, {100, "strike_mallet", 1}});
+  expect_same_sound<instruments::tom<double>, tom_double>(
+      10000, {{100, "strike_stick", 1}, {5000, "hand_damping_per_s", 20}});
 }
 
 template <typename Dsp>

@@ -5,10 +5,13 @@
 #include <sstream>
 
 #include "contactspline/hammer_string.hpp"
+#include "contactspline/instruments/classical_guitar.hpp"
+#include "contactspline/instruments/marimba_tube.hpp"
 #include "contactspline/instruments/prepared_piano.hpp"
 #include "contactspline/instruments/slap_bass.hpp"
 #include "contactspline/instruments/snare.hpp"
 #include "contactspline/instruments/tanpura.hpp"
+#include "contactspline/instruments/tom.hpp"
 #include "contactspline/instruments/trichord_c4.hpp"
 #include "contactspline/keyboard.hpp"
 #include "contactspline/keyboards/piano.hpp"
@@ -195,6 +198,9 @@ TEST(InstrumentPlugin, SoundsWhenAButtonIsPressed) {
   expect_every_button_sounds<instruments::slap_bass<float>>();
   expect_every_button_sounds<instruments::prepared_piano<float>>();
   expect_every_button_sounds<instruments::snare<float>>();
+  expect_every_button_sounds<instruments::tom<float>>();
+  expect_every_button_sounds<instruments::marimba_tube<float>>();
+  expect_every_button_sounds<instruments::classical_guitar<float>>();
 }
 
 double pitch_hz(int note) {
