@@ -222,7 +222,7 @@ class ContactNetwork {
     if constexpr (kRounds) anchor_next();
     predict();
     solve();
-    fall_asleep();
+    put_to_sleep();
     advance();
   }
 
@@ -603,7 +603,7 @@ class ContactNetwork {
   }
 
   // Moves the compressions, and lets contacts fall asleep that cannot touch soon.
-  void fall_asleep() {
+  void put_to_sleep() {
     solver_.advance();
     for (const std::size_t k : asleep_) {
       Connection& c = connections_[k];

@@ -370,7 +370,9 @@ TEST(StrungBodyMotion, IsOfSecondOrder) {
     }
     std::cout << rate << " Hz: " << worst / largest << " of the largest force\n";
     EXPECT_GT(largest, 0.1);
-    if (before > 0) EXPECT_TRUE(relatively_within(before / worst, 4, 0.1));
+    if (before > 0) {
+      EXPECT_TRUE(relatively_within(before / worst, 4, 0.1));
+    }
     before = worst;
   }
 }
