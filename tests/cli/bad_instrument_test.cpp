@@ -409,7 +409,7 @@ const std::string kScore = R"({
 std::vector<BadFile> score_cases() {
   std::vector<BadFile> cases = {
       {"instrument_unknown", changed(kScore, R"("probe.json")", R"("sitar")"), "instrument",
-       "'sitar' is unknown; allowed: hammer-string, slide-string, fret-string, a .json file, prepared_piano"},
+       "'sitar' is unknown; allowed: hammer-string, slide-string, fret-string, a .json file, classical_guitar"},
       {"instrument_is_a_score", changed(kScore, R"("probe.json")", R"("score.json")"), "instrument",
        "'score.json' is a score"},
       {"keyboard", changed(kScore, R"("voices")", R"("keyboard": "piano", "voices")"), "keyboard",

@@ -290,12 +290,12 @@ class ReferenceNetwork {
       }
   }
 
-  // The sum of both sides of each equation x + Xi f(x) = free, or their difference.
+  // The differences of both sides of x + Xi f(x) = free, and the largest one as a part of the largest sum of terms.
   Real residuals(std::span<const Real> free, std::span<const Real> x, std::vector<Real>& r,
                  std::vector<Real>& f) const {
     const std::size_t n = x.size();
     for (std::size_t k = 0; k < n; ++k) f[k] = laws_[k].force(x[k]);
-    Real norm = 0;
+    Real norm = 0, largest = 0;
     for (std::size_t k = 0; k < n; ++k) {
       Real sum = x[k] - free[k], size = std::abs(x[k]) + std::abs(free[k]);
       for (std::size_t l = 0; l < n; ++l) {
@@ -303,8 +303,11 @@ class ReferenceNetwork {
         size += std::abs(coupling_[k * n + l] * f[l]);
       }
       r[k] = sum;
-      if (sum != 0) norm = std::max(norm, std::abs(sum) / size);
+      const Real scale = std::sqrt(coupling_[k * n + k]);  // in roots of joules
+      norm = std::max(norm, std::abs(sum) / scale);
+      largest = std::max(largest, size / scale);
     }
+    if (norm > 0) norm /= largest;
     return norm;
   }
 
@@ -327,7 +330,7 @@ class ReferenceNetwork {
         forces_ = trial_f;
       }
       if (better) continue;
-      if (norm < 1e-16L) break;  // rounding
+      if (norm < 1e-15L) break;  // rounding
       for (int i = 0; i < 30; ++i) sweep(free);
       norm = residuals(free, x, r, forces_);
     }
