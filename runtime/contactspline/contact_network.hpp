@@ -279,7 +279,9 @@ class ContactNetwork {
   using Ranges = ControlRanges<T>;
   static constexpr T kGapSpeed_m_per_s = 1;
   // A contact sleeps if even this many samples of fastest motion would not close it.
-  static constexpr T kSleepingSamples = 8;
+  static constexpr T kSleepingSamples = 4;
+  // Samples between two decisions which contacts fall asleep.
+  static constexpr int kSleepInterval = 16;
   // Does T round so much that compressions drift within minutes?
   static constexpr bool kRounds = std::numeric_limits<T>::digits < std::numeric_limits<double>::digits;
   static constexpr T kRigidity = kRounds ? T(1e3) : T(1e4);
@@ -609,6 +611,11 @@ class ContactNetwork {
       Connection& c = connections_[k];
       if (!c.is_awake) c.slack -= kMargin * (free_travel(c) + c.root_admittance * reach_);
     }
+    if (++since_sleep_ < kSleepInterval) {
+      if (is_list_old_) list_awake();
+      return;
+    }
+    since_sleep_ = 0;
     for (const std::size_t k : awake_) {
       Connection& c = connections_[k];
       const T y = solver_[k].compression;
@@ -681,6 +688,7 @@ class ContactNetwork {
   T reach_ = 0;                                    // sum of force times root of admittance over the last sample
   double work_of_controls_ = 0;
   std::size_t anchor_ = 0;
+  int since_sleep_ = 0;
   bool is_list_old_ = true, is_following_ = false, is_coupling_old_ = false;
 };
 

@@ -214,7 +214,8 @@ class CoupledContacts {
         force_displacements_(connections),
         now_(connections),
         next_(connections) {
-    for (auto* list : {&active_, &touching_, &springs_, &watched_, &eliminated_, &members_, &group_, &rows_})
+    for (auto* list : {&active_, &touching_, &springs_, &watched_, &eliminated_, &spring_ends_, &row_ends_, &members_,
+                       &group_, &rows_})
       list->reserve(connections);
   }
 
@@ -351,7 +352,7 @@ class CoupledContacts {
       const T root = spring_root_[s], slope = spring_slope_[s];
       ahead_[s] = slope > 0 ? root * (c.free_increment + c.spring_n_per_m * c.compression / slope) : T(0);
     }
-    solve_forwards(spring_factor_, springs_.size(), ahead_.data());
+    solve_forwards(spring_factor_, spring_ends_, ahead_.data());
   }
 
   // The forces of the springs beside those of the contacts, and where they end.
@@ -362,14 +363,14 @@ class CoupledContacts {
       for (std::size_t s = 0; s < m; ++s) right_[s] -= eliminated_rows_.column(s)[i] * connections_[i].force;
     for (std::size_t s = 0; s < m; ++s) connections_[springs_[s]].force = 0;
     for (int pass = 0;; ++pass) {
-      solve_backwards(spring_factor_, m, right_.data());
+      solve_backwards(spring_factor_, spring_ends_, right_.data());
       for (std::size_t s = 0; s < m; ++s) {
         const T change = spring_root_[s] * right_[s];
         connections_[springs_[s]].force += change;
         displace(springs_[s], change);
       }
       if (!have_springs_errors() || pass == kRefinements) return;
-      solve_forwards(spring_factor_, m, right_.data());
+      solve_forwards(spring_factor_, spring_ends_, right_.data());
     }
   }
 
@@ -414,6 +415,10 @@ class CoupledContacts {
       to[s] += 1;
     }
     factorise(spring_factor_, m);
+    spring_ends_.assign(m, 0);
+    for (std::size_t s = 0; s < m; ++s)
+      for (std::size_t t = s; t < m; ++t)
+        if (spring_factor_(t, s) != 0) spring_ends_[s] = t + 1;
     const std::size_t n = size(), line = admittance_.padded(n);
     for (std::size_t i = 0; i < n; ++i) std::copy_n(admittance_.column(i), line, beside_springs_.column(i));
     for (std::size_t s = 0; s < m; ++s) {
@@ -508,6 +513,9 @@ class CoupledContacts {
     for (std::size_t a = 0; a < n; ++a) {
       const auto law = laws_[a].at(x[a], state.segment[a]);
       const T residual = law.force - state.force[a];
+      state.residual[a] = residual;
+      state.slope[a] = law.slope;
+      if (residual == 0) continue;
       // Where forces cancel each other, rounding is larger: then the search ends without progress.
       const T xi = coupling_(a, a),
               displacements = std::abs(free_[a]) + std::abs(x[a]) + xi * std::abs(state.force[a]);
@@ -515,8 +523,6 @@ class CoupledContacts {
       // Beside a law that is 0 here and not there: what moves the contact by less than rounding.
       const T slope = law.force == 0 ? std::max(law.slope, 1 / xi) : law.slope;
       const T rounding = kRounding * (2 * forces + slope * displacements) + slope * kTiny;
-      state.residual[a] = residual;
-      state.slope[a] = law.slope;
       state.norm = std::max(state.norm, root_admittance_[a] * std::abs(residual));
       if (std::abs(residual) > state.excess * rounding) state.excess = std::abs(residual) / rounding;
     }
@@ -558,6 +564,8 @@ class CoupledContacts {
   void linearise_nearby() {
     for (std::size_t a = 0; a < group_.size(); ++a) {
       const CoupledConnection<T>& c = connections_[group_[a]];
+      if (now_.force[a] == 0 && c.compression <= 0 && c.compression + now_.increment[a] <= 0)
+        continue;  // stays apart
       const T xi = coupling_(a, a);
       const Approach<T> alone{c.compression, now_.increment[a] + xi * now_.force[a], xi};
       const auto step = contact_step(c.table, c.contact, time_step_, alone, c.segment);
@@ -662,8 +670,9 @@ class CoupledContacts {
     }
 #endif
     factorise(factor_, m);
-    solve_forwards(factor_, m, right_.data());
-    solve_backwards(factor_, m, right_.data());
+    row_ends_.assign(m, m);
+    solve_forwards(factor_, row_ends_, right_.data());
+    solve_backwards(factor_, row_ends_, right_.data());
   }
 
   // The matrix becomes its Cholesky factor, with the inverse of its diagonal. Above its diagonal it is scratch, so
@@ -681,21 +690,21 @@ class CoupledContacts {
     }
   }
 
-  // right becomes factor^-1 right.
-  static void solve_forwards(const detail::ColumnMatrix<T>& factor, std::size_t m, T* right) {
-    for (std::size_t j = 0; j < m; ++j) {
+  // right becomes factor^-1 right. Below row ends[j] - 1, column j is 0.
+  static void solve_forwards(const detail::ColumnMatrix<T>& factor, const std::vector<std::size_t>& ends, T* right) {
+    for (std::size_t j = 0; j < ends.size(); ++j) {
       const T* column = factor.column(j);
       right[j] *= column[j];
-      for (std::size_t i = j + 1; i < m; ++i) right[i] -= right[j] * column[i];
+      for (std::size_t i = j + 1; i < ends[j]; ++i) right[i] -= right[j] * column[i];
     }
   }
 
   // right becomes factor^-T right.
-  static void solve_backwards(const detail::ColumnMatrix<T>& factor, std::size_t m, T* right) {
-    for (std::size_t j = m; j-- > 0;) {
+  static void solve_backwards(const detail::ColumnMatrix<T>& factor, const std::vector<std::size_t>& ends, T* right) {
+    for (std::size_t j = ends.size(); j-- > 0;) {
       const T* column = factor.column(j);
       T sum = right[j];
-      for (std::size_t i = j + 1; i < m; ++i) sum -= column[i] * right[i];
+      for (std::size_t i = j + 1; i < ends[j]; ++i) sum -= column[i] * right[i];
       right[j] = sum * column[j];
     }
   }
@@ -740,6 +749,8 @@ class CoupledContacts {
   std::vector<std::size_t> active_, watched_;
   std::vector<std::size_t> touching_, springs_;  // the active ones by kind
   std::vector<std::size_t> eliminated_;          // springs that are eliminated from beside_springs_
+  std::vector<std::size_t> spring_ends_;         // rows of spring_factor_ from which on each column is 0
+  std::vector<std::size_t> row_ends_;            // the same of factor_
   std::vector<std::size_t> members_;             // whose admittances coupling_ holds
   std::vector<std::size_t> group_;               // that is being solved
   std::vector<std::size_t> rows_;                // positions in the group with a slope

@@ -278,6 +278,10 @@ class ModalBank {
       return detail::sum_free_increments(size(), free_increment_.data(), at, increments);
 #endif
     const T* d = free_increment_.data();
+    if (size() == 1) {
+      for (std::size_t p = 0; p < at.size(); ++p) increments[p] = at[p][0] * d[0];
+      return std::abs(d[0]);
+    }
     const std::size_t modes = free_increment_.padded_size();
     std::size_t p = 0;
     for (; p + 4 <= at.size(); p += 4) sum_products(modes, d, at[p], at[p + 1], at[p + 2], at[p + 3], increments + p);
@@ -297,6 +301,13 @@ class ModalBank {
       return detail::advance_under_forces(arrays(), damping_gain, pushed, forces, at, increments);
 #endif
     T* __restrict change = change_.data();
+    if (size() == 1) {  // a free mass
+      T force = 0;
+      for (std::size_t p = 0; p < pushed.size(); ++p) force += pushed[p][0] * forces[p];
+      change[0] = damping_gain * (free_increment_[0] + admittance_[0] * force);
+      commit();
+      return free_increments(at, increments);
+    }
     for (std::size_t i = 0; i < size(); ++i) change[i] = damping_gain * free_increment_[i];
     std::size_t p = 0;
     for (; p + 4 <= pushed.size(); p += 4)
