@@ -211,6 +211,8 @@ class ContactNetwork {
     for (const std::size_t p : pushed_) places_[p].push = 0, places_[p].is_pushed = false;
     pushed_.clear();
     last_pushed_.clear();
+    since_sleep_ = 0;
+    anchor_ = 0;
     place_all();
   }
 

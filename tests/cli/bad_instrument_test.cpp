@@ -472,7 +472,7 @@ TEST(GoodInstrumentScore, IsPlayedFromAnyFolderWithEachOutput) {
                  "corner_velocity_m_per_s");
   expect_refused(run({.arguments = {"render", "hammer-string", "--score", "music/score.json", "-o", "a.wav"},
                       .folder = box.path()}),
-                 "music/score.json: instrument: it is for instrument", "allowed: hammer-string");
+                 "music/score.json: instrument: the score is for an instrument file", "allowed: render instrument");
 }
 
 }  // namespace

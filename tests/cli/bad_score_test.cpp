@@ -113,7 +113,7 @@ std::vector<BadFile> key_cases() {
        "'organ' is unknown; " + instruments},
       {"instrument_is_number", changed(kHammer, R"("hammer-string")", "1"), "instrument",
        "is not a string; " + instruments},
-      {"instrument_is_another", kSlide, "instrument", "it is for slide-string; allowed: hammer-string"},
+      {"instrument_is_another", kSlide, "instrument", "the score is for a slide-string; allowed: render slide-string"},
       {"description_with_quote", changed(kHammer, "a probe", R"(a \" probe)"), "description", "allowed: one line"},
       {"duration_missing", changed(kHammer, R"("duration_s": 0.05,)", ""), "duration_s",
        "missing; allowed: a number"},

@@ -312,7 +312,7 @@ case_arguments() {
     prefix="$function: "
     expect_refusal "${prefix}DSP: missing; needed: DSP or INSTRUMENT" TARGET t
     expect_refusal "${prefix}INSTRUMENT: stands beside DSP" TARGET t DSP ball.dsp INSTRUMENT snare
-    expect_refusal "${prefix}INSTRUMENT: no 'snarl' ships or is emitted as cpp by MATERIALS; allowed: prepared_piano, " \
+    expect_refusal "${prefix}INSTRUMENT: no 'snarl' ships or is emitted as cpp by MATERIALS; allowed: classical_guitar, " \
       TARGET t INSTRUMENT snarl
     expect_refusal "absent.dsp is not there; allowed: a Faust program (.dsp) or a class in C++ (.cpp)" TARGET t DSP absent.dsp
     expect_refusal "cork.json is not there; allowed: a Faust program (.dsp) or a class in C++ (.cpp)" TARGET t DSP cork.json

@@ -199,7 +199,7 @@ HostedPlugin::Sound play_phrase(HostedPlugin& plugin) {
   plugin.send(50, {0xb0, 64, 0});
   append(20);
   plugin.send(1, {0xb0, 123, 0});
-  append(20);
+  append(60);  // until the board is quiet, too
   return sound;
 }
 
