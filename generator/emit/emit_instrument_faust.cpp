@@ -443,6 +443,7 @@ class Writer {
   // it, and the signals of its columns, which are returned.
   std::vector<std::vector<std::string>> solved(std::vector<std::vector<std::string>> rows, const std::string& name) {
     const std::size_t n = rows.size();
+    if (n == 0) return rows;
     std::vector<std::string> inputs, outputs, columns;
     for (const auto& row : rows)
       for (const std::string& entry : row)
@@ -474,7 +475,7 @@ class Writer {
     }
     functions_ += chain_.text(name, inputs, outputs);
     chain_ = std::move(outside);
-    if (n != 0) chain_.add(columns, fmt::format("({} : {})", fmt::join(inputs, ", "), name));
+    chain_.add(columns, fmt::format("({} : {})", fmt::join(inputs, ", "), name));
     chain_.next();
     return rows;
   }
@@ -661,6 +662,7 @@ class Writer {
     results.insert(results.end(), states_.begin(), states_.end());
     fed_back.insert(fed_back.end(), state_inputs_.begin(), state_inputs_.end());
     for (std::size_t o = 0; o < arrays_.outputs.size(); ++o) results.push_back(write_output(o));
+    if (inputs_.empty()) input("nothing", "0.0");  // an empty list is no Faust
     std::vector<std::string> inputs = fed_back;
     inputs.insert(inputs.end(), inputs_.begin(), inputs_.end());
     std::vector<std::string> outputs;

@@ -29,7 +29,7 @@ struct KeyOnBody {
   StiffString strings;             ///< each by itself: one for each detuning
   double strike_position_m;        ///< from the end that does not move
   SegmentTable<T> felt;            ///< of one string; must outlive the instrument
-  HammerStringControls<T> hammer;  ///< of one string
+  HammerStringControls<T> hammer;  ///< mass and stiffness ratio of one string; KeyboardOnBody sets loss and damping
   Damper damper;                   ///< damping 0: there is none
 };
 
@@ -117,14 +117,16 @@ class KeyboardOnBody {
     felt_ = held(felt_, felt);
   }
 
-  /// Brings everything to rest; the pedals stay.
+  /// Brings everything to rest and lets all keys go; the pedals stay.
   void reset() {
     for (const std::size_t key : awake_) body_.leave(keys_[key].stiffness_of(keys_[key].modes), 0);
-    for (Key& key : keys_) key.rest();
+    for (Key& key : keys_) {
+      key.rest();
+      move_damper(key);
+      key.damper.finish();
+    }
     awake_.clear();
-    body_.reset();
-    sounds_ = false;
-    stored_j_ = 0;
+    reset_body();
   }
 
   /// Advances left.size() samples and writes the velocity of the body at the places of both ears [m/s]; both spans
@@ -237,7 +239,8 @@ class KeyboardOnBody {
     // Stiffness that the lowest modes add to the bridge, in whole lines or all [N/m].
     [[nodiscard]] double stiffness_of(std::size_t count) const { return stiffness[(count + kLine - 1) / kLine]; }
 
-    // The hammer takes hold of the last of several strings in part, and then the felt is that of the others.
+    // Under the soft pedal the hammer strikes the last of several strings in part, and the felt is as stiff as that
+    // of the strings it strikes.
     void prepare_strike(double una_corda, double soft_ratio, T mass_ratio, const ContactControls<T>& felt) {
       const double last = strings > 1 ? 1 - una_corda : 1, all = static_cast<double>(strings - 1) + last;
       if (last != struck_part) {
@@ -277,9 +280,9 @@ class KeyboardOnBody {
     std::size_t modes = 0;  // that are at the bridge; 0: the key sleeps
     std::size_t checks = 0;
     double energy_j = 0;  // at the last check
-    bool is_struck =
-        false;  // by a hammer in flight at the last check of the clock, so that where blocks are cut has no effect
-    bool is_down = false, is_held = false;
+    // Did a hammer fly at the last check? Not asked more often, so that where blocks are cut has no effect.
+    bool is_struck = false;
+    bool is_down = false, is_held = false;  // by the key; by the sostenuto pedal
   };
 
   static BridgeStiffness stiffness_at_rest(std::span<const KeyOnBody<T>> keys) {
@@ -391,6 +394,7 @@ class KeyboardOnBody {
     }
     double energy = 0;
     for (std::size_t i = 0; i < modes; ++i) energy += key.model.string().energy(i);
+    if (!all_finite(std::span<const double>(&energy, 1))) return reset();
     stored_j_ += energy - std::exchange(key.energy_j, energy);
     set_modes(k, modes);
   }
@@ -405,8 +409,8 @@ class KeyboardOnBody {
   Body<T> body_;
   typename ModalBank<T>::VelocityShapes left_, right_;
   std::vector<Key> keys_;
-  std::vector<std::size_t> awake_,
-      struck_;  // numbers of the keys at the bridge, rising, and of those with a hammer in flight
+  std::vector<std::size_t> awake_;   // numbers of the keys at the bridge, rising
+  std::vector<std::size_t> struck_;  // of those with a hammer in flight
   std::vector<detail::StringsOnBridge<T>> resting_;
   std::size_t clock_ = 0, next_check_ = 0;
   double sustain_ = 0, una_corda_ = 0, soft_ratio_ = 1;
@@ -442,7 +446,9 @@ class KeyboardInstrument : public KeyboardOnBody<T> {
                                           Board::right_shapes};
 
   // Of a key that the keyboard lacks: a number above all keys.
-  static std::size_t index_of(int key) { return static_cast<std::size_t>(key - Keyboard::first_key); }
+  static std::size_t index_of(int key) {
+    return static_cast<std::size_t>(key) - static_cast<std::size_t>(Keyboard::first_key);
+  }
 
   static std::vector<KeyOnBody<T>> all_keys() {
     std::vector<KeyOnBody<T>> keys;
