@@ -31,21 +31,22 @@ async function withPage(address, use, options) {
   }
 }
 
-/** Sound of messages, rendered offline in the page. */
+/** Sound of messages, rendered offline in the page: `samples` are the left channel. */
 function render(page, instrument, messages, seconds) {
   return page.evaluate(
     async ([instrument, messages, seconds]) => {
       const { page, instrumentMessage, renderOffline } = contactSpline;
       const first = [await instrumentMessage(instrument), { do: "material", design: page.editor.current }];
       const began = performance.now();
-      const [left] = await renderOffline([...first, ...messages], seconds);
-      return { samples: Array.from(left), factor: (1000 * seconds) / (performance.now() - began) };
+      const [left, right] = await renderOffline([...first, ...messages], seconds);
+      return { samples: Array.from(left), right: Array.from(right), factor: (1000 * seconds) / (performance.now() - began) };
     },
     [instrument, messages, seconds],
   );
 }
 
 const control = (changes) => ({ do: "control", controls: { stiffness: 1, mass: 1, loss: 0, position: 0.12, ...changes } });
+const largest = (list) => list.reduce((max, x) => Math.max(max, Math.abs(x)), 0);
 const strike = (key) => ({ do: "strike", key, speed: 2.5, velocity: 0.7 });
 
 /** Moves a slider as a user does. */
@@ -93,6 +94,25 @@ const cases = {
     });
   },
 
+  async "the piano sounds through its board"() {
+    await withPage(server.address, async (page) => {
+      const keys = [48, 64, 67];
+      const chord = await render(page, "piano", keys.map(strike), 0.5);
+      const peaks = [chord.samples, chord.right].map(largest);
+      console.log(`  a chord: ${peaks.map((peak) => (20 * Math.log10(peak)).toFixed(1)).join(" and ")} dBFS`);
+      for (const peak of peaks) assert.ok(peak > 10 ** (-30 / 20) && peak < 1, `peak of a chord: ${peak}`);
+      // A voice is the same left and right; the board's two places move differently.
+      const apart = largest(chord.samples.map((x, i) => x - chord.right[i])) / peaks[0];
+      assert.ok(apart > 0.1, `left and right are within ${apart} of the peak: no board`);
+      // The board is linear: one board under three voices is three boards under a voice each.
+      const alone = await Promise.all(keys.map((key) => render(page, "piano", [strike(key)], 0.5)));
+      for (const side of ["samples", "right"]) {
+        const error = largest(chord[side].map((x, i) => alone.reduce((sum, one) => sum - one[side][i], x))) / peaks[0];
+        assert.ok(error < 1e-5, `${side}: a chord is ${error} of its peak from the sum of its keys`);
+      }
+    });
+  },
+
   async "a new material is in the next strike"() {
     await withPage(server.address, async (page) => {
       const steel = await page.evaluate(() => {
@@ -102,7 +122,6 @@ const cases = {
       const alone = await render(page, "keyboard", [control({}), { do: "material", design: steel }, strike(60)], 0.3);
       const after = await render(page, "keyboard", [control({}), strike(48), { do: "material", design: steel }, strike(60)], 0.3);
       const old = await render(page, "keyboard", [control({}), strike(48)], 0.3);
-      const largest = (list) => list.reduce((max, x) => Math.max(max, Math.abs(x)), 0);
       const difference = largest(after.samples.map((x, i) => x - alone.samples[i] - old.samples[i]));
       assert.ok(difference < 1e-6, `the key struck before must keep its felt: ${difference}`);
       const felt = await render(page, "keyboard", [control({}), strike(60)], 0.3);

@@ -8,11 +8,18 @@ export const kSampleRate = 44100;
 
 const isFaust = (name) => kInstruments[name].by === "Faust";
 
+/** A compiled Faust program: { description, bytes }. */
+async function faustProgram(name) {
+  const [description, bytes] = await Promise.all([jsonAsset(`${name}-json`), asset(`${name}-wasm`)]);
+  return { description, bytes };
+}
+
 /** The message that makes the audio thread play an instrument. */
 export async function instrumentMessage(name) {
   if (!isFaust(name)) return { do: "instrument" };
-  const [description, bytes] = await Promise.all([jsonAsset(`${name}-json`), asset(`${name}-wasm`)]);
-  return { do: "instrument", description, bytes };
+  const voice = await faustProgram(name);
+  const { effect } = voice.description;
+  return { do: "instrument", voice, effect: effect && (await faustProgram(effect)) };
 }
 
 /** A node of the audio thread in any context, with messages that it takes before its first block. */

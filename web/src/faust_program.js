@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A program of Faust in WebAssembly: its controls, and blocks of samples. In single precision, without inputs.
+// A program of Faust in WebAssembly: its controls, and blocks of samples. In single precision.
 
 const kBlock = 128;
 
@@ -18,27 +18,31 @@ export function controlsOf(description) {
   }));
 }
 
-/** One voice of a compiled module. */
+/** One voice of a compiled module, or its effect. */
 export function startProgram(module, description, sampleRate) {
   const { exports } = new WebAssembly.Instance(module, { env: kEnvironment });
-  const { size, outputs } = description;
+  const { size, inputs, outputs } = description;
+  const count = inputs + outputs;
   const lists = Math.ceil(size / 16) * 16;
-  const channels = lists + 16 * Math.ceil((4 * outputs) / 16);
-  const needed = channels + outputs * kBlock * 4 - exports.memory.buffer.byteLength;
+  const channels = lists + 16 * Math.ceil((4 * count) / 16);
+  const needed = channels + count * kBlock * 4 - exports.memory.buffer.byteLength;
   if (needed > 0) exports.memory.grow(Math.ceil(needed / 65536));
   exports.init(0, sampleRate);
-  const list = new Int32Array(exports.memory.buffer, lists, outputs);
-  const views = Array.from({ length: outputs }, (_, k) => {
+  const list = new Int32Array(exports.memory.buffer, lists, count);
+  const views = Array.from({ length: count }, (_, k) => {
     list[k] = channels + k * kBlock * 4;
     return new Float32Array(exports.memory.buffer, list[k], kBlock);
   });
   const indexOf = Object.fromEntries(controlsOf(description).map(({ label, index }) => [label, index]));
+  const played = views.slice(inputs);
   return {
+    /** Up to 128 samples for each input, to be written before process(). */
+    inputs: views.slice(0, inputs),
     set: (label, value) => exports.setParamValue(0, indexOf[label], value),
     /** Plays up to 128 samples; returns the outputs, which the next call changes. */
     process(samples) {
-      exports.compute(0, samples, lists, lists);
-      return views;
+      exports.compute(0, samples, lists, lists + 4 * inputs);
+      return played;
     },
   };
 }

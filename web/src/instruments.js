@@ -7,8 +7,8 @@ export const kInstruments = {
   piano: { title: "Piano, 88 keys", by: "Faust", voices: 8, gain: 1 },
   hammer_string: { title: "Hammer and string, C4", by: "Faust", button: "strike", output: 0, force: 1, gain: 0.4 },
   mass_barrier: { title: "Mass at a barrier", by: "Faust", button: "throw", output: 1, force: 1, gain: 0.02 },
-  slide_string: { title: "Slide guitar", by: "Faust", button: "pluck", output: 0, force: 1, gain: 0.4 },
-  fret_string: { title: "String buzzing at a fret", by: "Faust", button: "pluck", output: 0, force: 1, gain: 0.25 },
+  slide_string: { title: "Slide guitar", by: "Faust", button: "pluck", output: 0, force: 1, gain: 15 },
+  fret_string: { title: "String buzzing at a fret", by: "Faust", button: "pluck", output: 0, force: 1, gain: 1.5 },
 };
 
 /** Controls of the keyboard by the C++ runtime. They act at the next strike. */

@@ -7,16 +7,19 @@ import { frequencyOf, kInstruments } from "./instruments.js";
 const kReport = 1024; // samples between two reports
 const kSleep = 0.5; // seconds of silence after which a voice of Faust rests
 
-/** A Faust program with one voice, or with several for the keys of a keyboard. */
+const start = ({ description, bytes }) => startProgram(new WebAssembly.Module(bytes), description, sampleRate);
+
+/** A Faust program with one voice, or with several for the keys of a keyboard; its effect plays their sum. */
 class FaustInstrument {
-  constructor(module, description) {
-    this.kind = kInstruments[description.name];
+  constructor(voice, effect) {
+    this.kind = kInstruments[voice.description.name];
     this.voices = Array.from({ length: this.kind.voices ?? 1 }, () => ({
-      program: startProgram(module, description, sampleRate),
+      program: start(voice),
       key: null,
       age: 0,
       quiet: Infinity,
     }));
+    this.effect = effect && start(effect);
     this.clock = 0;
   }
 
@@ -69,13 +72,20 @@ class FaustInstrument {
       const b = outputs[this.kind.output ?? 1];
       let peak = 0;
       for (let i = 0; i < left.length; ++i) {
-        left[i] += this.kind.gain * a[i];
-        right[i] += this.kind.gain * b[i];
+        left[i] += a[i];
+        right[i] += b[i];
         peak = Math.max(peak, Math.abs(a[i]));
       }
       voice.quiet = peak > 1e-5 ? 0 : voice.quiet + left.length / sampleRate;
       if (this.kind.force !== undefined) force.set(outputs[this.kind.force].subarray(0, left.length));
     }
+    const channels = [left, right];
+    if (this.effect) {
+      channels.forEach((channel, k) => this.effect.inputs[k].set(channel));
+      const outputs = this.effect.process(left.length);
+      channels.forEach((channel, k) => channel.set(outputs[k].subarray(0, left.length)));
+    }
+    for (const channel of channels) for (let i = 0; i < channel.length; ++i) channel[i] *= this.kind.gain;
   }
 }
 
@@ -114,9 +124,9 @@ class ContactSplineProcessor extends AudioWorkletProcessor {
     this.filled = 0;
   }
 
-  choose({ description, bytes }) {
+  choose({ voice, effect }) {
     this.engine.silence();
-    this.faust = description ? new FaustInstrument(new WebAssembly.Module(bytes), description) : null;
+    this.faust = voice ? new FaustInstrument(voice, effect) : null;
   }
 
   process(_, [[left, right]]) {
