@@ -42,7 +42,7 @@ const kSteps = [
   },
   {
     title: "6. The piano",
-    text: "88 hammers on 88 strings, compiled from Faust. Hold Sustain and play.",
+    text: "88 hammers on 88 strings and their soundboard, compiled from Faust. Hold Sustain and play.",
     look: "play",
     state: { instrument: "piano", material: { name: "felt_c4" }, controls: {} },
   },
