@@ -78,9 +78,9 @@ std::string json_of(const Keyboard& keyboard, std::span<const KeyRow> rows, doub
   for (const auto& [key, note, pitch_hz, inharmonicity, modes] : rows) {
     const PowerLaw& felt = *note.felt.contact.power_law();
     keys.push_back(fmt::format(
-        "    {{\"key\": {}, \"pitch_hz\": {}, \"inharmonicity\": {}, \"strings\": {}, \"modes\": {}, \"length_m\": "
-        "{}, "
-        "\"mass_kg\": {},\n     \"tension_n\": {}, \"hammer_mass_kg\": {}, \"stiffness_n_per_m_alpha\": {}, "
+        "    {{\"key\": {}, \"pitch_hz\": {}, \"inharmonicity\": {}, \"strings\": {}, \"modes\": {}, "
+        "\"length_m\": {}, \"mass_kg\": {},\n     \"tension_n\": {}, \"hammer_mass_kg\": {}, "
+        "\"stiffness_n_per_m_alpha\": {}, "
         "\"exponent\": {}}}",
         key, pitch_hz, inharmonicity, note.strings, modes, note.string.length_m, note.string.mass_kg,
         note.string.tension_n, note.strings * note.hammer_mass_kg, note.strings * felt.stiffness, felt.exponent));

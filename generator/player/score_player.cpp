@@ -122,7 +122,7 @@ class HammerStringPlayer {
     }
   }
 
-  /// One sample on a bridge that has changed by so many metres; returns what Body::tick() takes [N]. For
+  /// One sample on a bridge that has moved by bridge_change_m; returns what Body::tick() takes [N]. For
   /// Signal::kBody.
   T tick(std::size_t sample, ControlTrack& controls, T bridge_change_m) {
     take_events(sample, controls);

@@ -212,7 +212,8 @@ class HammerStringDsp : public dsp {
 /// first value. A strike is a button strike_NAME with a slider NAME_speed_m_per_s; a force with
 /// release_n a button pluck_NAME with a slider NAME_release_n. A pluck is that of a score: it rises within 4 ms, is
 /// added to the force of the control, and stops. compute() allocates nothing and reads the sliders once. It moves
-/// each into its range and keeps the last value of one that is not a number. Forces and dampings follow within 5 ms.
+/// each into its range and keeps the last value of one that is not a number. Forces and dampings follow with a time
+/// constant of 5 ms.
 template <typename Instrument>
 class InstrumentDsp : public dsp {
  public:

@@ -103,7 +103,7 @@ class HammerString {
     string_.commit();
   }
 
-  /// The same on a bridge, whose displacement changes by so many metres, as Body::change() tells. The modes count
+  /// The same on a bridge, whose displacement changes by change_m, as Body::change() tells. The modes count
   /// their displacements from where the bridge would hold them at rest. Returns what Body::tick() takes [N]: the sum
   /// of shape times modal displacement. With ContactSpline::simd, string().dissipated() is not known after this, and
   /// the caller turns denormals off (FlushDenormals). Safe in an audio thread.

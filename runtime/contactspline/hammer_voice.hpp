@@ -131,7 +131,7 @@ class HammerVoice {
     return model_.string().displacement(output_);
   }
 
-  /// Advances one sample on a bridge that has changed by so many metres, and returns what Body::tick() takes [N]
+  /// Advances one sample on a bridge that has moved by change_m, and returns what Body::tick() takes [N]
   /// (HammerString::tick). `bridge`: of model().bridge(), for a model of each string by itself. Safe in an audio
   /// thread.
   T tick(const BridgeShapes<T>& bridge, T change_m) {

@@ -25,7 +25,7 @@ struct ModalArrays {
   T* change;  ///< of the displacement over the last sample, where the modes are advanced one sample at a time
 };
 
-/// Banks of at most so many modes are advanced without kernels.
+/// Banks with at most this number of modes are advanced without kernels.
 inline constexpr std::size_t kFewModes = 4;
 
 /// Strings that end at a bridge.
@@ -119,12 +119,12 @@ inline constexpr T kHammerStop_m = T(-0.05);
 void process_free(const ModalArrays<float>& modes, float damping_gain, const float* pickup, std::span<float> out);
 void process_free(const ModalArrays<double>& modes, double damping_gain, const double* pickup, std::span<double> out);
 
-/// Advances all strings by one sample on a bridge that has changed by so many metres, and returns the sum of shape
+/// Advances all strings by one sample on a bridge that has moved by change_m, and returns the sum of shape
 /// times displacement [N].
 float advance_on_bridge(std::span<const StringsOnBridge<float>> strings, float change_m);
 double advance_on_bridge(std::span<const StringsOnBridge<double>> strings, double change_m);
 
-/// The sum of a[i] b[i] over arrays of so many modes, padded as in ModalArrays.
+/// The sum of a[i] b[i] over arrays of that number of modes, padded as in ModalArrays.
 float inner_product(std::size_t modes, const float* a, const float* b);
 double inner_product(std::size_t modes, const double* a, const double* b);
 

@@ -331,7 +331,7 @@ class ModalBank {
         static_cast<T>((double(velocity_m_per_s) + c.decay_per_s * q) / c.velocity_gain - one_minus_real * q);
   }
 
-  /// Lets a mode follow its place of rest, which has moved by so many metres over a sample and which shift() has not
+  /// Lets a mode follow its place of rest, which has moved by change_m over a sample and which shift() has not
   /// moved yet: it moves as fast, and is half a sample behind.
   void follow(std::size_t mode, T change_m) {
     displacement_[mode] = change_m / 2;
