@@ -8,7 +8,7 @@
 #include "contactspline/keyboard_instrument.hpp"
 #include "contactspline/keyboards/piano.hpp"
 
-/// A key goes down or up, so many samples after the beginning of a block.
+/// A key goes down or up, `time` samples after the beginning of a block.
 struct KeyEvent {
   std::size_t time;
   int key;         ///< as MIDI counts them; keys that a piano lacks are ignored

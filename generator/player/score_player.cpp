@@ -467,8 +467,8 @@ ModeShapes<T> body_shapes(const std::vector<BodyMode>& modes, double BodyMode::*
 
 /// A key on the body.
 template <typename T>
-struct KeyOnBody {
-  KeyOnBody(const Voice& of, bool is_struck, const PlayOptions& options)
+struct VoiceOnBody {
+  VoiceOnBody(const Voice& of, bool is_struck, const PlayOptions& options)
       : voice(on_body(of)), controls(voice, options.sample_rate_hz), player(voice, options, is_struck) {
     player.release();  // the dampers of all keys are down at first
   }
@@ -487,10 +487,10 @@ struct KeyOnBody {
 // All voices at once: each sample of the strings, then one of the body.
 template <typename T>
 void play_on_body(const Score& score, const PlayOptions& options, Recorder& recorder, const PartDone& done) {
-  std::vector<std::unique_ptr<KeyOnBody<T>>> keys;
+  std::vector<std::unique_ptr<VoiceOnBody<T>>> keys;
   BridgeStiffness stiffness;
   for (std::size_t v = 0; v < score.voices.size(); ++v) {
-    keys.push_back(std::make_unique<KeyOnBody<T>>(score.voices[v], options.only_voice.value_or(v) == v, options));
+    keys.push_back(std::make_unique<VoiceOnBody<T>>(score.voices[v], options.only_voice.value_or(v) == v, options));
     stiffness += keys.back()->stiffness();
   }
   const auto modes = body_modes(*score.body, options.sample_rate_hz / 2);
