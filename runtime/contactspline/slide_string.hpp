@@ -84,13 +84,14 @@ class SlideString {
                          fingers.stiffness * fingers.admittance_to_end * fingers.admittance_to_mean;
     const Approach<T> approach{compression_, slide.free_increment - increment - shape_change,
                                slide.admittance + admittance};
-    force_ = contact_force(table_, controls_.contact, time_step_, approach);
+    const auto step = contact_step(table_, controls_.contact, time_step_, approach);
+    force_ = step.force;
     rest_force_ = -fingers.stiffness * (fingers.increment + fingers.admittance_to_mean * force_);
     string_.push(place_.mean(), force_);
     string_.push(rest_, rest_force_);
     mean_shape_change_ = string_.middle(place_.change());
     string_.commit();
-    compression_ += approach.free_increment - approach.admittance * force_;
+    compression_ = step.compression;
     advance_slide(slide);
   }
 

@@ -8,18 +8,23 @@
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <string>
 #include <string_view>
 
 #include "contactspline/body.hpp"
 #include "contactspline/ensemble.hpp"
+#include "contactspline/instruments/classical_guitar.hpp"
+#include "contactspline/instruments/marimba_tube.hpp"
 #include "contactspline/instruments/prepared_piano.hpp"
 #include "contactspline/instruments/slap_bass.hpp"
 #include "contactspline/instruments/snare.hpp"
 #include "contactspline/instruments/tanpura.hpp"
+#include "contactspline/instruments/tom.hpp"
 #include "contactspline/instruments/trichord_c4.hpp"
 #include "contactspline/keyboard.hpp"
+#include "contactspline/keyboard_instrument.hpp"
 #include "contactspline/keyboards/piano.hpp"
 #include "contactspline/mass_barrier.hpp"
 #include "storm.hpp"
@@ -79,29 +84,6 @@ class Take {
   WorkBooks<T> books_{kHz};
 };
 
-template <typename T>
-std::function<void(Record&)> mass_barrier(std::size_t gust) {
-  struct State {
-    MassBarrier<T> model{parts<T>().table, T(kHz)};
-    Weather<T> weather;
-  };
-  auto s = std::make_shared<State>();
-  s->weather = Weather<T>(gust);
-  return [s](Record& record) {
-    using Ranges = ControlRanges<T>;
-    for (std::size_t n = 0; n < kSlice; ++n, ++record.samples) {
-      s->weather.next();
-      if (n % 2500 == 0)
-        s->model.throw_from(s->weather.any(Ranges::displacement_m), s->weather.any(Ranges::speed_m_per_s));
-      s->model.tick(
-          {s->weather.any(Ranges::mass_kg), s->weather.any(Ranges::gravity_m_per_s2), any_contact(s->weather)});
-      record.demand_finite(s->model.displacement());
-      record.demand_finite(s->model.velocity());
-      record.demand_finite(s->model.force());
-    }
-  };
-}
-
 /// The kinetic energy that a strike brings: a speed that is not a number throws nothing.
 template <typename T>
 double thrown_j(T mass_kg, T speed) {
@@ -110,7 +92,53 @@ double thrown_j(T mass_kg, T speed) {
   return static_cast<double>(mass_kg) * v * v / 2;
 }
 
-/// Blocks of 1 to 4096 samples; where controls jump, of one.
+template <typename T>
+std::function<void(Record&)> mass_barrier(std::size_t gust) {
+  struct State {
+    MassBarrier<T> model{parts<T>().table, T(kHz)};
+    Weather<T> weather;
+    T mass = 1, gravity = 0;  // that act
+
+    [[nodiscard]] double energy() const {
+      return static_cast<double>(mass) * model.velocity() * model.velocity() / 2 +
+             static_cast<double>(model.stiffness_ratio()) *
+                 potential(SegmentTable<T>(parts<T>().table), model.displacement());
+    }
+  };
+  auto s = std::make_shared<State>();
+  s->weather = Weather<T>(gust);
+  return [s, take = std::shared_ptr<Take<T>>()](Record& record) mutable {
+    using Ranges = ControlRanges<T>;
+    if (!take) take = std::make_shared<Take<T>>(record);
+    bool is_thrown = false;
+    for (std::size_t n = 0; n < kSlice; ++n, ++record.samples) {
+      s->weather.next();
+      if (n % 2500 == 0) {
+        s->model.throw_from(s->weather.any(Ranges::displacement_m), s->weather.any(Ranges::speed_m_per_s));
+        is_thrown = true;
+      }
+      const T mass = s->weather.any(Ranges::mass_kg), gravity = s->weather.any(Ranges::gravity_m_per_s2);
+      const double before = s->model.displacement();
+      s->model.tick({mass, gravity, any_contact(s->weather)});
+      s->mass = held(s->mass, mass, Ranges::mass_kg);
+      s->gravity = held(s->gravity, gravity, Ranges::gravity_m_per_s2);
+      record.demand_finite(s->model.displacement());
+      record.demand_finite(s->model.velocity());
+      record.demand_finite(s->model.force());
+      if (std::exchange(is_thrown, false)) {  // to anywhere: the books begin
+        take->restart();
+        take->close(s->energy(), s->energy());
+      } else {
+        // Each displacement is rounded; gravity and contact act over that distance.
+        const double weight = static_cast<double>(s->mass) * s->gravity, after = s->model.displacement();
+        const double rounding = std::numeric_limits<T>::epsilon() * std::max(std::abs(before), std::abs(after));
+        take->close(weight * (after - before) + rounding * (std::abs(weight) + s->model.force()), s->energy());
+      }
+    }
+  };
+}
+
+/// Models that process blocks draw anew for each: of a tenth of a second and, where controls jump, of one sample.
 template <typename T>
 std::function<void(Record&)> hammer_string(std::size_t gust) {
   struct State {
@@ -119,7 +147,6 @@ std::function<void(Record&)> hammer_string(std::size_t gust) {
     std::vector<T> out = std::vector<T>(kGust);
   };
   auto s = std::make_shared<State>();
-  s->weather = Weather<T>(gust);
   return [s, gust, take = std::shared_ptr<Take<T>>()](Record& record) mutable {
     using Ranges = ControlRanges<T>;
     if (!take) take = std::make_shared<Take<T>>(record);
@@ -152,19 +179,25 @@ std::function<void(Record&)> keyboard_voice(std::size_t gust) {
   };
   auto s = std::make_shared<State>();
   for (const int key : {21, 45, 60, 76, 96, 108}) s->keys.emplace_back(key, kHz);
-  s->weather = Weather<T>(gust);
-  return [s, gust](Record& record) {
+  return [s, gust, take = std::shared_ptr<Take<T>>()](Record& record) mutable {
+    if (!take) take = std::make_shared<Take<T>>(record);
+    take->restart();
     auto& voice = s->keys[s->at++ % s->keys.size()];
     for (std::size_t n = 0, block = 0; n < kSlice; n += block, record.samples += block) {
       s->weather.next();
-      if (gust > 1 || n % 50 == 0) voice.strike(s->weather.any(ControlRanges<T>::speed_m_per_s));
+      double work = 0;
+      if (gust > 1 || n % 50 == 0) {
+        const T speed = s->weather.any(ControlRanges<T>::speed_m_per_s);
+        voice.strike(speed);
+        work = thrown_j(voice.controls().hammer_mass_kg, speed);
+      }
       if (s->weather.now_and_then(2)) voice.release();
       voice.controls().felt = any_contact(s->weather);
       voice.controls().damping_per_s = s->weather.any(ControlRanges<T>::damping_per_s);
       block = std::min(gust, kSlice - n);
       voice.process(std::span(s->out).first(block));
       for (std::size_t i = 0; i < block; ++i) record.demand_finite(s->out[i]);
-      record.peak_j = std::max(record.peak_j, voice.model().string().energy());
+      take->close(work, voice.model().string().energy());
     }
     voice.reset();
   };
@@ -178,20 +211,25 @@ std::function<void(Record&)> ensemble(std::size_t gust) {
     std::vector<T> left = std::vector<T>(kGust), right = std::vector<T>(kGust);
   };
   constexpr std::size_t kVoices = 10;
+  const T mass = T(0.003);
   auto s = std::make_shared<State>();
   for (std::size_t voice = 0; voice < kVoices; ++voice)
     s->model.add(parts<T>().table, bare(parts<T>().modes), parts<T>().strike, parts<T>().pickup,
-                 {.hammer_mass_kg = T(0.003)});
-  s->weather = Weather<T>(gust);
-  return [s, gust](Record& record) {
+                 {.hammer_mass_kg = mass});
+  return [s, gust, mass, take = std::shared_ptr<Take<T>>()](Record& record) mutable {
     using Ranges = ControlRanges<T>;
+    if (!take) take = std::make_shared<Take<T>>(record);
+    if (record.samples % kTake < kSlice) s->model.reset(), take->restart();
     for (std::size_t n = 0, block = 0; n < kSlice; n += block, record.samples += block) {
       s->weather.next();
+      double work = 0, energy = 0;
       for (std::size_t voice = 0; voice < kVoices; ++voice) {
-        if (gust > 1 || n % 50 == 0)
-          s->model.strike(voice, s->weather.any(Ranges::speed_m_per_s), s->weather.any(Ranges::throw_distance_m));
-        s->model.controls(voice) = {s->weather.any(Ranges::mass_kg), any_contact(s->weather),
-                                    s->weather.any(Ranges::damping_per_s)};
+        if (gust > 1 || n % 50 == 0) {
+          const T speed = s->weather.any(Ranges::speed_m_per_s);
+          s->model.strike(voice, speed, s->weather.any(Ranges::throw_distance_m));
+          work += thrown_j(mass, speed);
+        }
+        s->model.controls(voice) = {mass, any_contact(s->weather), s->weather.any(Ranges::damping_per_s)};
         s->model.mix(voice) = {s->weather.any(Ranges::gain), s->weather.any(Ranges::pan)};
       }
       block = std::min(gust, kSlice - n);
@@ -200,6 +238,52 @@ std::function<void(Record&)> ensemble(std::size_t gust) {
         record.demand_finite(s->left[i]);
         record.demand_finite(s->right[i]);
       }
+      for (std::size_t voice = 0; voice < kVoices; ++voice) energy += s->model.model(voice).string().energy();
+      take->close(work, energy);
+    }
+  };
+}
+
+/// A whole piano: keys struck, pressed and released at random, under all pedals. Few of them where controls jump:
+/// each sample is a block then.
+template <typename T>
+std::function<void(Record&)> keyboard_instrument(std::size_t gust) {
+  using Piano = keyboards::piano;
+  struct State {
+    KeyboardInstrument<Piano, T> model{kHz};
+    Weather<T> weather;
+    std::vector<T> left = std::vector<T>(kGust), right = std::vector<T>(kGust);
+    T mass_ratio = 1;  // that acts
+  };
+  auto s = std::make_shared<State>();
+  return [s, gust, take = std::shared_ptr<Take<T>>()](Record& record) mutable {
+    using Ranges = ControlRanges<T>;
+    if (!take) take = std::make_shared<Take<T>>(record);
+    if (record.samples % kTake < kSlice) s->model.reset(), take->restart();
+    for (std::size_t n = 0, block = 0; n < kSlice; n += block, record.samples += block) {
+      s->weather.next();
+      const T mass_ratio = s->weather.any({T(1e-3), T(1e3)});
+      s->model.set_hammers(mass_ratio, any_contact(s->weather));
+      s->mass_ratio = held(s->mass_ratio, mass_ratio, {T(1e-3), T(1e3)});
+      const std::size_t key = s->weather.below(Piano::keys + 2);  // also beyond the last one
+      double work = 0;
+      if (gust > 1 || n % 500 == 0) {
+        const T speed = s->weather.any(Ranges::speed_m_per_s);
+        s->model.strike(key, speed);
+        if (key < Piano::keys)
+          work = Piano::strings[key] * thrown_j(s->mass_ratio * static_cast<T>(Piano::hammer_masses[key]), speed);
+      }
+      s->weather.now_and_then(2) ? s->model.press(s->weather.below(Piano::keys + 2)) : s->model.release(key);
+      s->model.sustain(static_cast<double>(s->weather.any({0, 1})));
+      s->model.sostenuto(s->weather.now_and_then(2));
+      s->model.una_corda(static_cast<double>(s->weather.any({0, 1})));
+      block = std::min(gust, kSlice - n);
+      s->model.process(std::span(s->left).first(block), std::span(s->right).first(block));
+      for (std::size_t i = 0; i < block; ++i) {
+        record.demand_finite(s->left[i]);
+        record.demand_finite(s->right[i]);
+      }
+      take->close(work, s->model.energy());
     }
   };
 }
@@ -335,11 +419,15 @@ void add_models(std::vector<Soaked>& models) {
     models.push_back({"keyboard-voice" + end, keyboard_voice<T>(gust)});
     models.push_back({"ensemble" + end, ensemble<T>(gust)});
     models.push_back({"body" + end, body<T>(gust)});
+    models.push_back({"keyboard-instrument" + end, keyboard_instrument<T>(gust)});
     models.push_back({"tanpura" + end, instrument<instruments::tanpura<T>, T>(gust)});
     models.push_back({"trichord_c4" + end, instrument<instruments::trichord_c4<T>, T>(gust)});
     models.push_back({"slap_bass" + end, instrument<instruments::slap_bass<T>, T>(gust)});
     models.push_back({"prepared_piano" + end, instrument<instruments::prepared_piano<T>, T>(gust)});
     models.push_back({"snare" + end, instrument<instruments::snare<T>, T>(gust)});
+    models.push_back({"tom" + end, instrument<instruments::tom<T>, T>(gust)});
+    models.push_back({"marimba_tube" + end, instrument<instruments::marimba_tube<T>, T>(gust)});
+    models.push_back({"classical_guitar" + end, instrument<instruments::classical_guitar<T>, T>(gust)});
   }
 }
 

@@ -49,6 +49,7 @@ class Weather {
         return range.min + (range.max - range.min) * static_cast<T>(uniform());
     }
   }
+  std::size_t below(std::size_t count) { return random_() % count; }
   bool now_and_then(std::uint64_t period) { return random_() % period == 0; }
 
  private:
