@@ -546,7 +546,7 @@ case_arm() {
 
 # Commands of the pages that case_pages does not run, and why.
 not_run='
-^(\./)?scripts/(run|test|plugins|web|tidy|format|bench|sanitize|fuzz|mutate|matrix|soak|bare-root)    builds the whole tree, or changes the source
+^(\./)?scripts/(run|test|plugins|web|tidy|format|bench|sanitize|fuzz|mutate|matrix|soak|coverage|bare-root)    builds the whole tree, or changes the source
 ^(\./)?scripts/install-packages                asks the network
 ^cmake --(preset|build)                        builds the whole tree
 ^cmake (-S examples|--install build )           in case_examples_plugins
