@@ -50,6 +50,12 @@ class Body {
     force_n_ -= force_n;
   }
 
+  /// Strings at the bridge change their tension: what their stiffness gains, and their force on the bridge [N].
+  void retune(const BridgeStiffness& gain, T force_gain_n) {
+    stiffness_ += gain;
+    force_n_ += force_gain_n;
+  }
+
   /// Advances one sample under the force of the strings on the bridge [N], taken after their sample: the sum of shape
   /// times modal displacement, -1e6 to 1e6. A force that is not a number counts as the last one. Safe in an audio
   /// thread.

@@ -111,10 +111,38 @@ class KeyboardOnBody {
   /// position (soft_ratio - 1).
   void una_corda(double position) { una_corda_ = held(una_corda_, position, kPedal); }
 
+  /// Stiffness of the felts under the soft pedal, as a ratio, 1e-3 to 1, clamped; at first 1.
+  void set_soft_ratio(double ratio) { soft_ratio_ = held(soft_ratio_, ratio, {1e-3, 1}); }
+
   /// Hammers and felts of all keys, from the next strikes on: mass as a ratio, stiffness as a ratio, loss [s/m].
   void set_hammers(T mass_ratio, const ContactControls<T>& felt) {
-    hammer_mass_ratio_ = held(hammer_mass_ratio_, mass_ratio, {T(1e-3), T(1e3)});
+    hammer_mass_ratio_ = held(hammer_mass_ratio_, mass_ratio, {T(1e-6), T(1e6)});
     felt_ = held(felt_, felt);
+  }
+
+  /// Moves the place at which a key's hammer strikes, from the end that does not move [m], from the next strike on;
+  /// clamped to the string.
+  void strike_at(std::size_t key, double position_m) {
+    if (key < keys_.size()) keys_[key].strike_at(position_m);
+  }
+
+  /// Damping of a key's strings beside the damper's: extra decay of every mode [1/s], 0 to 1e5, clamped.
+  void damp(std::size_t key, T damping_per_s) {
+    if (key >= keys_.size()) return;
+    T& extra = keys_[key].extra_damping_per_s;
+    extra = held(extra, damping_per_s, ControlRanges<T>::damping_per_s);
+  }
+
+  /// Bends a key's strings, also while they sound, by a change of their tension: so many cents above their own pitch,
+  /// -1200 to 1200, clamped. The bridge feels the new tension. A bend by more than a few cents at once can be
+  /// noticed.
+  void bend(std::size_t key, double cents) {
+    if (key >= keys_.size()) return;
+    Key& of = keys_[key];
+    const double before = std::exchange(of.cents, held(of.cents, cents, {-1200, 1200}));
+    if (of.cents == before) return;
+    body_.retune({of.ends_n_per_m * (std::exp2(of.cents / 600) - std::exp2(before / 600)), 0}, 0);
+    if (of.modes > 0) retune(of);
   }
 
   /// Brings everything to rest and lets all keys go; the pedals stay.
@@ -160,6 +188,8 @@ class KeyboardOnBody {
     for (const std::size_t key : awake_) modes += keys_[key].modes;
     return modes;
   }
+  /// Contact force of a key's hammer over the last sample [N].
+  [[nodiscard]] T force(std::size_t key) const { return keys_[key].model.force(); }
   [[nodiscard]] bool is_hammer_flying() const {
     return std::ranges::any_of(awake_, [&](std::size_t key) { return keys_[key].model.is_hammer_flying(); });
   }
@@ -172,10 +202,8 @@ class KeyboardOnBody {
     return energy;
   }
   [[nodiscard]] const Body<T>& body() const { return body_; }
-
- protected:
-  /// Stiffness ratio of the felts under the soft pedal.
-  void set_soft_ratio(double ratio) { soft_ratio_ = ratio; }
+  /// How often it came to rest because body or strings were not finite.
+  [[nodiscard]] std::size_t failures() const { return failures_; }
 
  private:
   static constexpr ControlRange<double> kPedal{0, 1};
@@ -198,23 +226,25 @@ class KeyboardOnBody {
       std::size_t string;
     };
 
-    Key(const KeyOnBody<T>& key, const std::vector<Row>& rows, double sample_rate_hz)
-        : model(key.felt, bare(rows), ModeShapes<T>(rows.size()), sample_rate_hz),
+    Key(const KeyOnBody<T>& key, std::vector<Row> sorted, double sample_rate_hz)
+        : rows(std::move(sorted)),
+          tuned(bare(rows)),
+          model(key.felt, tuned, ModeShapes<T>(rows.size()), sample_rate_hz),
           bridge(model.bridge(bridge_shapes<T>(key.strings, rows, 1))),
           strike(rows.size()),
+          shapes(rows.size()),
+          stiffness((rows.size() + kLine - 1) / kLine + 1),
+          ends_n_per_m(bridge_stiffness(key.strings, std::vector<StringMode>()).ends),
           damper(key.damper, sample_rate_hz),
           hammer(key.hammer),
           controls(key.hammer),
+          string(key.strings),
           strings(key.strings.detuning_cents.size()),
           has_damper(key.damper.damping_per_s > 0) {
-      for (std::size_t i = 0; i < rows.size(); ++i) {
-        shapes.push_back(static_cast<T>(std::sin(rows[i].wavenumber_per_m * key.strike_position_m)));
-        string_of_mode.push_back(rows[i].string);
-        if (i % kLine == 0) stiffness.push_back(stiffness_sum);
-        stiffness_sum += model.stiffness_on(bridge, i, i + 1);
+      strike_at(key.strike_position_m);
+      sum_stiffness();
+      for (std::size_t i = 0; i < rows.size(); ++i)
         if (rows[i].mode.angular_frequency_rad_per_s < 2 * std::numbers::pi * kSympathy_hz) sympathetic = i + 1;
-      }
-      stiffness.push_back(stiffness_sum);
       sympathetic = in_lines(sympathetic);
       damper.move_to(1);
       damper.finish();
@@ -239,6 +269,36 @@ class KeyboardOnBody {
     // Stiffness that the lowest modes add to the bridge, in whole lines or all [N/m].
     [[nodiscard]] double stiffness_of(std::size_t count) const { return stiffness[(count + kLine - 1) / kLine]; }
 
+    void sum_stiffness() {
+      double sum = 0;
+      for (std::size_t i = 0; i < shapes.size(); ++i) {
+        if (i % kLine == 0) stiffness[i / kLine] = sum;
+        sum += model.stiffness_on(bridge, i, i + 1);
+      }
+      stiffness.back() = sum;
+    }
+
+    void strike_at(double position_m) {
+      const double place = held(position, position_m, {0, string.length_m});
+      if (place == std::exchange(position, place)) return;
+      for (std::size_t i = 0; i < shapes.size(); ++i)
+        shapes[i] = static_cast<T>(std::sin(rows[i].wavenumber_per_m * position));
+      struck_part = -1;
+    }
+
+    // Takes the tension of its cents. A mode rests per displacement of the bridge where it did before.
+    void retune() {
+      if (tuned_cents == cents) return;
+      tuned_cents = cents;
+      for (std::size_t i = 0; i < rows.size(); ++i) tuned[i] = retuned(string, rows[i], cents);
+      model.retune(tuned);
+      for (std::size_t i = 0; i < rows.size(); ++i) {
+        bridge.shapes[i] = static_cast<T>(bridge_shape(string, StringMode{tuned[i], rows[i].wavenumber_per_m}));
+        bridge.rests[i] = static_cast<T>(model.string().compliance(i) * double(bridge.shapes[i]));
+      }
+      sum_stiffness();
+    }
+
     // Under the soft pedal the hammer strikes the last of several strings in part, and the felt is as stiff as that
     // of the strings it strikes.
     void prepare_strike(double una_corda, double soft_ratio, T mass_ratio, const ContactControls<T>& felt) {
@@ -246,7 +306,7 @@ class KeyboardOnBody {
       if (last != struck_part) {
         struck_part = last;
         for (std::size_t i = 0; i < shapes.size(); ++i)
-          strike[i] = shapes[i] * static_cast<T>((string_of_mode[i] + 1 == strings ? last : 1) / all);
+          strike[i] = shapes[i] * static_cast<T>((rows[i].string + 1 == strings ? last : 1) / all);
         model.strike_at(strike);
       }
       controls.hammer_mass_kg = mass_ratio * static_cast<T>(static_cast<double>(strings)) * hammer.hammer_mass_kg;
@@ -264,18 +324,23 @@ class KeyboardOnBody {
       is_struck = is_down = is_held = false;
     }
 
+    std::vector<Row> rows;
+    std::vector<Mode> tuned;  // the same at the tension of tuned_cents
     HammerString<T> model;
     BridgeShapes<T> bridge;
-    ModeShapes<T> strike;  // of the whole hammer
-    std::vector<T> shapes = {};
-    std::vector<std::size_t> string_of_mode = {};
-    std::vector<double> stiffness = {};  // of the modes below each line
-    double stiffness_sum = 0;
+    ModeShapes<T> strike;           // of the whole hammer
+    std::vector<T> shapes;          // where the hammer strikes
+    std::vector<double> stiffness;  // of the modes below each line
+    double ends_n_per_m;            // stiffness of the ends of the strings, without a bend
     detail::FallingDamper damper;
     HammerStringControls<T> hammer, controls;
+    StiffString string;
     std::size_t strings, sympathetic = 0;
     bool has_damper;
-    double struck_part = -1;  // of the last string
+    double struck_part = -1;            // of the last string
+    double position = 0;                // of the strike [m]
+    double cents = 0, tuned_cents = 0;  // of the bend; keys that sleep take it when they wake
+    T extra_damping_per_s = 0;
     // Of the sound:
     std::size_t modes = 0;  // that are at the bridge; 0: the key sleeps
     std::size_t checks = 0;
@@ -306,8 +371,17 @@ class KeyboardOnBody {
       }
   }
 
+  void retune(Key& key) {
+    const double stiffness = key.stiffness_of(key.modes);
+    const T force = key.model.bridge_force(key.bridge, 0, key.modes);
+    key.retune();
+    body_.retune({0, key.stiffness_of(key.modes) - stiffness},
+                 key.model.bridge_force(key.bridge, 0, key.modes) - force);
+  }
+
   void set_modes(std::size_t key, std::size_t modes) {
     Key& changed = keys_[key];
+    if (changed.modes == 0) changed.retune();
     const std::size_t before = std::exchange(changed.modes, modes);
     if (modes > before) {
       (void)changed.model.follow(changed.bridge, before, modes, body_.change());
@@ -349,7 +423,7 @@ class KeyboardOnBody {
     struck_.clear();
     for (const std::size_t k : awake_) {
       Key& key = keys_[k];
-      key.controls.damping_per_s = static_cast<T>(key.damper.value());
+      key.controls.damping_per_s = static_cast<T>(key.damper.value()) + key.extra_damping_per_s;
       if (key.is_struck) {
         struck_.push_back(k);
       } else {
@@ -372,7 +446,7 @@ class KeyboardOnBody {
     if (next_check_ == keys_.size()) {
       next_check_ = 0;
       const std::array<T, 1> w = {body_.displacement()};
-      if (!all_finite(std::span<const T>(w))) return reset();
+      if (!all_finite(std::span<const T>(w))) return fail();
       body_j_ = body_.modes().energy();
       if (awake_.empty() && body_j_ < kBodySilence_j) reset_body();
       return;
@@ -394,9 +468,14 @@ class KeyboardOnBody {
     }
     double energy = 0;
     for (std::size_t i = 0; i < modes; ++i) energy += key.model.string().energy(i);
-    if (!all_finite(std::span<const double>(&energy, 1))) return reset();
+    if (!all_finite(std::span<const double>(&energy, 1))) return fail();
     stored_j_ += energy - std::exchange(key.energy_j, energy);
     set_modes(k, modes);
+  }
+
+  void fail() {
+    ++failures_;
+    reset();
   }
 
   void reset_body() {
@@ -412,7 +491,7 @@ class KeyboardOnBody {
   std::vector<std::size_t> awake_;   // numbers of the keys at the bridge, rising
   std::vector<std::size_t> struck_;  // of those with a hammer in flight
   std::vector<detail::StringsOnBridge<T>> resting_;
-  std::size_t clock_ = 0, next_check_ = 0;
+  std::size_t clock_ = 0, next_check_ = 0, failures_ = 0;
   double sustain_ = 0, una_corda_ = 0, soft_ratio_ = 1;
   T hammer_mass_ratio_ = 1;
   ContactControls<T> felt_ = {};

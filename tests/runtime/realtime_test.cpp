@@ -139,6 +139,7 @@ Play keyboard_instrument() {
     for (int block = 0; block < 6; ++block) {
       piano.sustain(block % 3 / 2.0);
       piano.una_corda(block % 2);
+      piano.bend(39, 10 * block), piano.damp(39, T(block)), piano.strike_at(39, 0.01 * block);
       piano.sostenuto(block == 3);
       for (int key = 40; key < 90; key += 7) piano.note_on(key + block, 0.7);
       piano.press(3);
