@@ -129,6 +129,11 @@ void render_score(Instrument instrument, const ScoreOptions& options) {
   require_outputs(options.output, channels_of(score), source.files, stems);
   if (!score.left_out.empty()) std::fputs(fmt::format("contactspline: {}\n", score.left_out).c_str(), stderr);
   const PlayOptions how = play_options(options, score);
+  if (how.signal != Signal::kBody && !score.left_out_at_rest.empty())
+    std::fputs(fmt::format("contactspline: {}: left out, because only the keys on their body have them: {}\n",
+                           options.score, score.left_out_at_rest)
+                   .c_str(),
+               stderr);
   Performance performance = play(score, how, show_progress);
   report_silence(options.score, performance);
   fade_end(performance.samples, performance.channels, performance.sample_rate_hz);

@@ -25,7 +25,8 @@ namespace {
 
 constexpr int kTrackName = 3;
 constexpr std::size_t kLongestTitle = 100;
-constexpr int kDrums = 9;  // the tenth channel
+constexpr int kDrums = 9;                     // the tenth channel
+constexpr std::array kPedals = {64, 66, 67};  // controllers
 constexpr int kSustainPedal = 64;
 constexpr int kPedalDown = 64;
 constexpr int kDataEntry = 6, kParameterLow = 100,
@@ -174,7 +175,7 @@ class NoteTracker {
     let_go(time_s, channel, key);
     if (velocity == 0) return;
     pressed_[{channel, key}] = notes_.size();
-    notes_.push_back({time_s, 0, key, velocity, channel});
+    notes_.push_back({time_s, 0, 0, key, velocity, channel});
   }
 
   void bend(double time_s, int channel, int wheel) {
@@ -185,6 +186,7 @@ class NoteTracker {
   void controller(double time_s, int channel, int number, int value) {
     Channel& of = of_channel(channel);
     if (number == kSustainPedal) pedal(time_s, channel, value >= kPedalDown);
+    note_pedal(time_s, channel, number, value);
     if (number == kParameterHigh) of.parameter = 128 * value + of.parameter % 128;
     if (number == kParameterLow) of.parameter = of.parameter / 128 * 128 + value;
     if (number == kDataEntry && of.parameter == 0) {
@@ -201,18 +203,21 @@ class NoteTracker {
   }
 
   std::vector<MidiNote> notes_at_end(double time_s) {
-    for (const auto& [key, note] : std::exchange(pressed_, {})) end(note, time_s);
-    for (int channel = 0; channel < 16; ++channel) pedal(time_s, channel, false);
+    while (!pressed_.empty()) let_go(time_s, pressed_.begin()->first.first, pressed_.begin()->first.second);
+    for (int channel = 0; channel < 16; ++channel)
+      for (const int controller : kPedals) this->controller(time_s, channel, controller, 0);
     return std::move(notes_);
   }
 
   [[nodiscard]] std::vector<MidiBend> bends() { return std::move(bends_); }
+  [[nodiscard]] std::vector<MidiPedal> pedals() { return std::move(pedals_); }
 
  private:
   struct Channel {
     [[nodiscard]] double cents() const { return 100.0 * bend_range * (wheel - kWheelCentre) / kWheelCentre; }
 
     bool pedal_is_down = false;
+    std::array<int, kPedals.size()> pedals = {};
     int wheel = kWheelCentre;
     int bend_range = 2;             ///< semitones
     double bend_cents = 0;          ///< of the last bend
@@ -234,9 +239,21 @@ class NoteTracker {
     bends_.push_back({time_s, channel, of.bend_cents, sounds(channel)});
   }
 
+  void note_pedal(double time_s, int channel, int controller, int value) {
+    const auto pedal = static_cast<std::size_t>(std::ranges::find(kPedals, controller) - kPedals.begin());
+    if (pedal == kPedals.size()) return;
+    const auto farthest = [&] {
+      return std::ranges::max(channels_, {}, [=](const Channel& of) { return of.pedals[pedal]; }).pedals[pedal];
+    };
+    const int before = farthest();
+    of_channel(channel).pedals[pedal] = value;
+    if (farthest() != before) pedals_.push_back({time_s, controller, farthest() / 127.0});
+  }
+
   void let_go(double time_s, int channel, int key) {
     const auto pressed = pressed_.find({channel, key});
     if (pressed == pressed_.end()) return;
+    notes_[pressed->second].key_hold_s = time_s - notes_[pressed->second].time_s;
     Channel& of = of_channel(channel);
     if (of.pedal_is_down)
       of.held.push_back(pressed->second);
@@ -251,6 +268,7 @@ class NoteTracker {
   std::map<std::pair<int, int>, std::size_t> pressed_;  ///< channel and key to note
   std::array<Channel, 16> channels_;
   std::vector<MidiBend> bends_;
+  std::vector<MidiPedal> pedals_;
 };
 
 bool is_chosen(int channel, std::span<const int> channels) {
@@ -290,7 +308,7 @@ MidiSong parse_midi(std::string_view bytes, std::string_view file, std::span<con
   }
   auto notes = tracker.notes_at_end(time);
   if (notes.empty()) refuse_silence(file, with_notes);
-  return {reader.title(), std::move(notes), tracker.bends()};
+  return {reader.title(), std::move(notes), tracker.bends(), tracker.pedals()};
 }
 
 }  // namespace contactspline

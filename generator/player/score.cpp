@@ -45,6 +45,9 @@ constexpr std::array kFretControls = {
     ControlName{"pluck_force_n", kForce, 0},   ControlName{"damping_per_s", kDecay, 0},
     ControlName{"stiffness_ratio", kRatio, 1}, ControlName{"loss_s_per_m", kLoss, 0}};
 
+constexpr std::array kPedals = {ControlName{"sustain", {0, 1}, 0}, ControlName{"sostenuto", {0, 1}, 0},
+                                ControlName{"una_corda", {0, 1}, 0}};
+
 constexpr const char* kHammerKeys[] = {"hammer_mass_kg", "damper_per_s"};
 constexpr const char* kSlideKeys[] = {"pluck_m", "pickup_m", "height_m"};
 constexpr const char* kFretKeys[] = {"pluck_m", "pickup_m"};
@@ -57,6 +60,10 @@ constexpr std::array kRules = {
     InstrumentRules{"instrument", {}, nullptr, 0, {}}};
 
 }  // namespace
+
+std::span<const ControlName> pedal_controls() {
+  return kPedals;
+}
 
 const InstrumentRules& rules_of(Instrument instrument) {
   return kRules[static_cast<std::size_t>(instrument)];

@@ -10,6 +10,7 @@
 
 #include "contactspline/contact.hpp"
 #include "contactspline/hammer_voice.hpp"
+#include "contactspline/keyboard_instrument.hpp"
 #include "generator/instrument/instrument.hpp"
 #include "generator/resonator/resonator.hpp"
 #include "generator/support/json_reader.hpp"
@@ -49,6 +50,12 @@ struct FretStringControl {
   enum : std::size_t { kPlace, kGap, kPluckForce, kDamping, kStiffnessRatio, kLoss };
 };
 
+/// The pedals of a keyboard on its body, as scores name them, in the order of MIDI's controllers 64, 66, 67.
+struct PedalControl {
+  enum : std::size_t { kSustain, kSostenuto, kUnaCorda };
+};
+[[nodiscard]] std::span<const ControlName> pedal_controls();
+
 /// What scores and the command line call an instrument, and what a score may say of it. kFile has its name only:
 /// `note` is null, and both lists are empty.
 struct InstrumentRules {
@@ -76,9 +83,10 @@ struct Glide {
 /// A hammer thrown at a resonator; after `hold_s` the damper falls, if no other note holds it.
 struct Strike {
   double time_s;
-  double speed_m_per_s;
-  double hold_s;           ///< infinite: for ever
-  std::size_t strike = 0;  ///< of an instrument file: which mass is thrown
+  double speed_m_per_s;        ///< 0: a key is pressed without a blow
+  double hold_s;               ///< infinite: for ever
+  std::size_t strike = 0;      ///< of an instrument file: which mass is thrown
+  double key_hold_s = hold_s;  ///< on a keyboard's body, where the score moves the pedals: by the key alone
 };
 
 /// One resonator with its hammer, slide or fret, or one instrument of a file.
@@ -94,7 +102,7 @@ struct Voice {
   double height_m = 0;                        ///< of the slide before the string at the beginning; slide-string
   double strings = 1;                         ///< number of identical strings that the resonator stands for
   double pan = 0;                             ///< -1 left to 1 right
-  std::optional<StiffString> on_body = {};    ///< its strings on the body of the score, each by itself
+  std::size_t key = 0;                        ///< among the keys of the score
   std::optional<InstrumentModel> model = {};  ///< of an instrument file: replaces resonator and contact
 };
 
@@ -105,7 +113,11 @@ struct Score {
   double duration_s;
   std::vector<Voice> voices;
   std::optional<Resonator> body = {};  ///< that all strings end at; struck at its bridge; on a keyboard it moves them
-  std::string left_out = {};           ///< what of a MIDI file is not played, in one line; empty: nothing
+  std::vector<KeyOnBody<double>> keys = {};  ///< on the body, also those that are not played; without felts
+  double una_corda_stiffness_ratio = 1;      ///< of all felts
+  std::vector<Glide> pedals = {};            ///< by rising time; of PedalControl, all up at first
+  std::string left_out = {};                 ///< what of a MIDI file is not played, in one line; empty: nothing
+  std::string left_out_at_rest = {};         ///< the same without the body, as a list
 };
 
 }  // namespace contactspline

@@ -8,15 +8,16 @@
 #include <cmath>
 #include <concepts>
 #include <limits>
-#include <memory>
 #include <numbers>
 #include <span>
+#include <utility>
 
 #include "contactspline/body.hpp"
 #include "contactspline/controls.hpp"
 #include "contactspline/flush_denormals.hpp"
 #include "contactspline/fret_string.hpp"
 #include "contactspline/hammer_voice.hpp"
+#include "contactspline/keyboard_instrument.hpp"
 #include "contactspline/slide_string.hpp"
 #include "generator/player/instrument_player.hpp"
 #include "generator/player/voice_tracks.hpp"
@@ -28,8 +29,10 @@ namespace contactspline {
 namespace {
 
 constexpr std::size_t kColumns = 1200;
+constexpr std::size_t kBendStep = 16;  // samples between the steps of a bend
 
-std::vector<double> each(const std::vector<ResonatorMode>& modes, double ResonatorMode::*member) {
+template <typename Row>
+std::vector<double> each(const std::vector<Row>& modes, double Row::*member) {
   std::vector<double> values;
   for (const auto& mode : modes) values.push_back(mode.*member);
   return values;
@@ -57,6 +60,10 @@ ModeShapes<T> output_shapes(const Voice& voice, const std::vector<ResonatorMode>
                              options.sample_rate_hz / 2));
 }
 
+[[noreturn]] void refuse_rate(const Voice& voice, const PlayOptions& options) {
+  refuse_rate(fmt::format("voice {} ({})", voice.name, voice.resonator.name), options);
+}
+
 // Where a sound stops being finite, it says so: in a sum of voices, or in a figure, nobody could tell what it was.
 [[noreturn]] void refuse_infinite(const Score& score, const std::string& what, const PlayOptions& options,
                                   std::size_t sample) {
@@ -74,7 +81,7 @@ struct Parts {
         modes(bare(set.modes)),
         output(output_shapes<T>(voice, set.modes, options.signal)),
         contact(table_in<T>(voice.contact)) {
-    if (modes.empty()) refuse_rate(fmt::format("voice {} ({})", voice.name, voice.resonator.name), options);
+    if (modes.empty()) refuse_rate(voice, options);
   }
 
   [[nodiscard]] SegmentTable<T> table() const { return contact; }
@@ -98,17 +105,14 @@ struct Block {
 template <typename T>
 class HammerStringPlayer {
  public:
-  /// Without `throws` keys are pressed, which lifts their dampers, but no hammer is thrown.
-  HammerStringPlayer(const Voice& voice, const PlayOptions& options, bool throws = true)
+  HammerStringPlayer(const Voice& voice, const PlayOptions& options)
       : resonator_(voice.resonator),
         options_(options),
         parts_(voice, options),
         place_m_(voice.resonator.strike.position_m),
         strikes_(voice.strikes, options.sample_rate_hz),
         voice_(parts_.table(), parts_.modes, parts_.strike(), parts_.output, controls_from(voice.initial),
-               voice.damper, options.sample_rate_hz),
-        bridge_(voice_.model().bridge(parts_.output)),
-        throws_(throws) {}
+               voice.damper, options.sample_rate_hz) {}
 
   void process(std::size_t begin, ControlTrack& controls, const Block& block) {
     for (std::size_t done = 0; done < block.output.size();) {
@@ -122,21 +126,9 @@ class HammerStringPlayer {
     }
   }
 
-  /// One sample on a bridge that has moved by bridge_change_m; returns what Body::tick() takes [N]. For
-  /// Signal::kBody.
-  T tick(std::size_t sample, ControlTrack& controls, T bridge_change_m) {
-    take_events(sample, controls);
-    return voice_.tick(bridge_, bridge_change_m);
-  }
-
-  void release() { voice_.release(); }
-  [[nodiscard]] T force() const { return voice_.model().force(); }
-  [[nodiscard]] const std::vector<ResonatorMode>& modes() const { return parts_.set.modes; }
-
  private:
   using Control = HammerStringControl;
   static constexpr std::size_t kMaxSteady = 1024;  // samples; a voice may fall silent after each
-  static constexpr std::size_t kBendStep = 16;     // samples between the steps of a bend
 
   static HammerStringControls<T> controls_from(std::span<const double> values) {
     return {.hammer_mass_kg = static_cast<T>(values[Control::kHammerMass]),
@@ -159,7 +151,8 @@ class HammerStringPlayer {
     ++held_;
     is_silent_ = false;
     if (place_m != place_m_) move_strike(place_m);
-    throws_ ? voice_.strike(static_cast<T>(change.strike->speed_m_per_s)) : voice_.lift();
+    const double speed = change.strike->speed_m_per_s;
+    speed > 0 ? voice_.strike(static_cast<T>(speed)) : voice_.lift();
   }
 
   void bend(double cents) {
@@ -214,8 +207,6 @@ class HammerStringPlayer {
   double bend_cents_ = 0;
   StrikeTrack strikes_;
   HammerVoice<T> voice_;
-  BridgeShapes<T> bridge_;  // for Signal::kBody
-  bool throws_;
   int held_ = 0;           // notes
   bool is_silent_ = true;  // until the next strike
   double max_energy_j_ = 0;
@@ -443,77 +434,150 @@ void play_in(const Score& score, const Voice& voice, const PlayOptions& options,
   }
 }
 
-/// A voice whose strings end at the score's body, each by itself, with its whole hammer.
-Voice on_body(const Voice& voice) {
-  using Control = HammerStringControl;
-  Voice played = voice;
-  played.resonator.body = *voice.on_body;
-  for (const std::size_t control : {Control::kHammerMass, Control::kStiffnessRatio}) {
-    played.initial[control] *= voice.strings;
-    for (Glide& glide : played.glides)
-      if (glide.control == control) glide.to *= voice.strings;
-  }
-  played.strings = 1;
-  return played;
-}
-
 // The shapes of all modes of a body at its bridge or at an ear.
 template <typename T>
 ModeShapes<T> body_shapes(const std::vector<BodyMode>& modes, double BodyMode::*shape) {
-  ModeShapes<T> shapes(modes.size());
-  for (std::size_t i = 0; i < modes.size(); ++i) shapes[i] = static_cast<T>(modes[i].*shape);
-  return shapes;
+  return ModeShapes<T>(std::span<const double>(each(modes, shape)));
 }
 
-/// A key on the body.
+/// The keyboard of a score on its body, with the pedals, under the same calls as a plug-in makes.
 template <typename T>
-struct VoiceOnBody {
-  VoiceOnBody(const Voice& of, bool is_struck, const PlayOptions& options)
-      : voice(on_body(of)), controls(voice, options.sample_rate_hz), player(voice, options, is_struck) {
-    player.release();  // the dampers of all keys are down at first
+class KeyboardPlayer {
+ public:
+  KeyboardPlayer(const Score& score, const PlayOptions& options, Recorder& recorder)
+      : score_(score),
+        options_(options),
+        recorder_(recorder),
+        felts_(felts_of(score, options)),
+        keyboard_(keyboard_of(score, felts_, options)),
+        pedals_(score.pedals, {0, 0, 0}, options.sample_rate_hz) {
+    keyboard_.set_soft_ratio(score.una_corda_stiffness_ratio);
+    for (std::size_t v = 0; v < score.voices.size(); ++v)
+      voices_.emplace_back(score.voices[v], options.only_voice.value_or(v) == v, options.sample_rate_hz);
   }
 
-  /// What its strings add to the bridge [N/m].
-  [[nodiscard]] BridgeStiffness stiffness() const {
-    return bridge_stiffness(std::get<StiffString>(voice.resonator.body), player.modes());
-  }
-
-  Voice voice;
-  ControlTrack controls;
-  HammerStringPlayer<T> player;
-  bool touches = false;
-};
-
-// All voices at once: each sample of the strings, then one of the body.
-template <typename T>
-void play_on_body(const Score& score, const PlayOptions& options, Recorder& recorder, const PartDone& done) {
-  std::vector<std::unique_ptr<VoiceOnBody<T>>> keys;
-  BridgeStiffness stiffness;
-  for (std::size_t v = 0; v < score.voices.size(); ++v) {
-    keys.push_back(std::make_unique<VoiceOnBody<T>>(score.voices[v], options.only_voice.value_or(v) == v, options));
-    stiffness += keys.back()->stiffness();
-  }
-  const auto modes = body_modes(*score.body, options.sample_rate_hz / 2);
-  if (modes.empty()) refuse_rate(score.body->name, options);
-  Body<T> body(bare(modes), body_shapes<T>(modes, &BodyMode::bridge_shape), stiffness, options.sample_rate_hz);
-  const auto left = body.modes().sound_pickup(body_shapes<T>(modes, &BodyMode::left_shape));
-  const auto right = body.modes().sound_pickup(body_shapes<T>(modes, &BodyMode::right_shape));
-  for (std::size_t sample = 0; sample < recorder.samples(); ++sample) {
-    if (sample % 4096 == 0) done(sample);
-    T force = 0;
-    for (const auto& key : keys) {
-      const T of_key = key->player.tick(sample, key->controls, body.change());
-      if (!std::isfinite(of_key)) refuse_infinite(score, "voice " + key->voice.name, options, sample);
-      force += of_key;
-      recorder.add_force(sample, static_cast<double>(key->player.force()), key->touches);
+  void play(const PartDone& done) {
+    std::array<T, kMaxSteady> left, right;
+    for (std::size_t sample = 0; sample < recorder_.samples();) {
+      if (sample >= reported_) done(std::exchange(reported_, sample + kMaxSteady));
+      const std::size_t end = sample + std::min(recorder_.samples() - sample, take_events(sample));
+      while (sample < end) {
+        // While a hammer flies, its force is recorded in each sample.
+        const bool flies = keyboard_.is_hammer_flying();
+        const std::size_t samples = flies ? 1 : end - sample;
+        keyboard_.process(std::span(left).first(samples), std::span(right).first(samples));
+        for (std::size_t n = 0; n < samples; ++n, ++sample) record(sample, left[n], right[n]);
+        if (flies)
+          for (PlayedKey& played : voices_)
+            recorder_.add_force(sample - 1, static_cast<double>(keyboard_.force(played.voice.key)), played.touches);
+      }
     }
-    body.tick(force);
-    const auto velocity_left = static_cast<double>(body.modes().velocity(left));
-    const auto velocity_right = static_cast<double>(body.modes().velocity(right));
-    if (!std::isfinite(velocity_left + velocity_right)) refuse_infinite(score, "body", options, sample);
-    recorder.add_sound(sample, velocity_left, velocity_right);
   }
-}
+
+ private:
+  using Control = HammerStringControl;
+  static constexpr std::size_t kMaxSteady = 4096;
+
+  struct PlayedKey {
+    PlayedKey(const Voice& of, bool is_struck, double sample_rate_hz)
+        : voice(of),
+          throws(is_struck),
+          controls(of, sample_rate_hz),
+          strikes(of.strikes, sample_rate_hz, &Strike::key_hold_s) {}
+
+    const Voice& voice;
+    bool throws;  // otherwise its damper moves without a blow
+    ControlTrack controls;
+    StrikeTrack strikes;
+    int held = 0;  // notes
+    bool touches = false;
+  };
+
+  using Felts = std::vector<std::vector<Segment<T>>>;
+
+  // Of each key; empty where no voice plays it.
+  static Felts felts_of(const Score& score, const PlayOptions& options) {
+    Felts felts(score.keys.size());
+    for (const Voice& voice : score.voices) {
+      if (modes_of(voice.resonator, options.sample_rate_hz / 2).modes.empty()) refuse_rate(voice, options);
+      felts[voice.key] = table_in<T>(voice.contact);
+    }
+    return felts;
+  }
+
+  static KeyboardOnBody<T> keyboard_of(const Score& score, const Felts& felts, const PlayOptions& options) {
+    std::vector<KeyOnBody<T>> keys;
+    for (std::size_t k = 0; k < felts.size(); ++k) {
+      const auto& [strings, position_m, no_felt, hammer, damper] = score.keys[k];
+      const auto& felt = felts[felts[k].empty() ? score.voices.front().key : k];  // any, where nothing is struck
+      keys.push_back({strings, position_m, felt, {.hammer_mass_kg = static_cast<T>(hammer.hammer_mass_kg)}, damper});
+    }
+    const auto modes = body_modes(*score.body, options.sample_rate_hz / 2);
+    if (modes.empty()) refuse_rate(score.body->name, options);
+    const auto bridge = each(modes, &BodyMode::bridge_shape), left = each(modes, &BodyMode::left_shape),
+               right = each(modes, &BodyMode::right_shape);
+    const auto board = bare(modes);
+    return KeyboardOnBody<T>(keys, {board, bridge, left, right}, options.sample_rate_hz);
+  }
+
+  // Returns the number of samples to the next event.
+  std::size_t take_events(std::size_t sample) {
+    std::size_t steady = kMaxSteady;
+    move_pedals(pedals_.at(sample));
+    for (std::size_t pedal = 0; pedal < positions_.size(); ++pedal)
+      steady = std::min(steady, pedals_.steady_samples(sample, pedal, kBendStep));
+    for (PlayedKey& played : voices_) {
+      const auto values = played.controls.at(sample);
+      keyboard_.bend(played.voice.key, values[Control::kBend]);
+      keyboard_.damp(played.voice.key, static_cast<T>(values[Control::kDamping]));
+      while (const auto* change = played.strikes.next_until(sample)) take(*change, played, values);
+      steady = std::min({steady, played.controls.steady_samples(sample, Control::kDamping, kBendStep),
+                         played.controls.steady_samples(sample, Control::kBend, kBendStep),
+                         played.strikes.samples_to_next(sample)});
+    }
+    return steady;
+  }
+
+  void move_pedals(std::span<const double> positions) {
+    for (std::size_t pedal = 0; pedal < positions_.size(); ++pedal) {
+      const double to = positions[pedal];
+      if (to == std::exchange(positions_[pedal], to)) continue;
+      if (pedal == PedalControl::kSustain) keyboard_.sustain(to);
+      if (pedal == PedalControl::kSostenuto) keyboard_.sostenuto(to >= 0.5);
+      if (pedal == PedalControl::kUnaCorda) keyboard_.una_corda(to);
+    }
+  }
+
+  void take(const StrikeTrack::Change& change, PlayedKey& played, std::span<const double> values) {
+    const std::size_t key = played.voice.key;
+    if (change.strike == nullptr) {
+      if (--played.held == 0) keyboard_.release(key);
+      return;
+    }
+    ++played.held;
+    if (!played.throws || change.strike->speed_m_per_s == 0) return keyboard_.press(key);
+    keyboard_.strike_at(key, values[Control::kPlace]);
+    keyboard_.set_hammers(static_cast<T>(values[Control::kHammerMass] / score_.keys[key].hammer.hammer_mass_kg),
+                          {static_cast<T>(values[Control::kStiffnessRatio]), static_cast<T>(values[Control::kLoss])});
+    keyboard_.strike(key, static_cast<T>(change.strike->speed_m_per_s));
+  }
+
+  void record(std::size_t sample, T left, T right) {
+    if (!std::isfinite(left + right) || keyboard_.failures() > 0)
+      refuse_infinite(score_, "keyboard", options_, sample);
+    recorder_.add_sound(sample, static_cast<double>(left), static_cast<double>(right));
+  }
+
+  const Score& score_;
+  const PlayOptions& options_;
+  Recorder& recorder_;
+  Felts felts_;
+  KeyboardOnBody<T> keyboard_;
+  ControlTrack pedals_;
+  std::array<double, 3> positions_ = {};  // of the pedals
+  std::vector<PlayedKey> voices_;
+  std::size_t reported_ = 0;  // sample
+};
 
 /// What a sound is where a force drives a body: its velocity at both ears. The body moves no string.
 template <typename T>
@@ -560,8 +624,8 @@ Performance play(const Score& score, const PlayOptions& options, const Progress&
     const auto done = [&](std::size_t sample) {
       progress(static_cast<double>(sample) / static_cast<double>(recorder.samples()));
     };
-    options.precision == Precision::kDouble ? play_on_body<double>(score, options, recorder, done)
-                                            : play_on_body<float>(score, options, recorder, done);
+    options.precision == Precision::kDouble ? KeyboardPlayer<double>(score, options, recorder).play(done)
+                                            : KeyboardPlayer<float>(score, options, recorder).play(done);
     progress(1);
     return recorder.take();
   }

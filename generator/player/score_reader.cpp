@@ -38,10 +38,11 @@ constexpr Range kDecay{0, 1e5};
 constexpr Range kHeight{-0.1, 0.1};
 constexpr Range kForce{-1e3, 1e3};
 
-constexpr double kRing = 1;             // s, after the last note of a MIDI file
-constexpr double kBendTime_s = 0.01;    // in which a sounding string follows the pitch wheel
-constexpr int kNoBends = -1;            // instead of a channel
-constexpr double kKeyboardWidth = 0.6;  // pan of its ends
+constexpr double kRing = 1;                      // s, after the last note of a MIDI file
+constexpr double kBendTime_s = 0.01;             // in which a sounding string follows the pitch wheel
+constexpr int kNoBends = -1;                     // instead of a channel
+constexpr int kSostenuto = 66, kSoftPedal = 67;  // controllers
+constexpr double kKeyboardWidth = 0.6;           // pan of its ends
 
 bool has_hammer(Instrument instrument) {
   return instrument == Instrument::kHammerString;
@@ -119,6 +120,10 @@ std::vector<Voice> read_voices(const JsonObject& score, Instrument instrument, c
   return voices;
 }
 
+Damper damper_of(const Keyboard& keyboard, int key) {
+  return {key <= keyboard.last_damped_key ? keyboard.damper_per_s : 0, keyboard.damper_time_s};
+}
+
 // A key of a keyboard as a voice, panned as from the bench of the piano.
 Voice voice_of(const Keyboard& keyboard, int key) {
   KeyboardNote note = note_of(keyboard, key);
@@ -129,11 +134,26 @@ Voice voice_of(const Keyboard& keyboard, int key) {
   voice.resonator = {keyboard.name, "", note.string, {note.strike_position_m}, {note.strike_position_m}, kMaxModes};
   voice.contact = segment_table(design_spline(note.felt, keyboard.name));
   voice.initial = {note.hammer_mass_kg, 1, keyboard.felt_loss_s_per_m, 0, note.strike_position_m, 0};
-  voice.damper = {key <= keyboard.last_damped_key ? keyboard.damper_per_s : 0, keyboard.damper_time_s};
+  voice.damper = damper_of(keyboard, key);
   voice.strings = note.strings;
   voice.pan = kKeyboardWidth * from_middle;
-  if (keyboard.body) voice.on_body = strings_on_body(note, *keyboard.body);
+  voice.key = static_cast<std::size_t>(key - keyboard.first_key);
   return voice;
+}
+
+// All keys of a keyboard, which end at its body.
+void add_body(const Keyboard& keyboard, const NamedText& file, const ReadFile& read, Score& score) {
+  score.body = body_of(keyboard, file, read);
+  if (!score.body) return;
+  score.una_corda_stiffness_ratio = keyboard.body->una_corda_stiffness_ratio;
+  for (int key = keyboard.first_key; key <= keyboard.last_key; ++key) {
+    const KeyboardNote note = note_of(keyboard, key);
+    score.keys.push_back({strings_on_body(note, *keyboard.body),
+                          note.strike_position_m,
+                          {},
+                          {.hammer_mass_kg = note.hammer_mass_kg},
+                          damper_of(keyboard, key)});
+  }
 }
 
 // What of a MIDI file is not played as it is written.
@@ -154,6 +174,18 @@ void add_bends(std::span<const MidiBend> bends, int channel, Voice& voice) {
     if (bend.channel != channel) continue;
     const double cents = std::clamp(bend.cents, kTuningCents.min, kTuningCents.max);
     voice.glides.push_back({bend.time_s, bend.in_note ? kBendTime_s : 0, HammerStringControl::kBend, cents});
+  }
+}
+
+// Without the body the sustain pedal holds notes, from halfway on, and that is all.
+void add_pedals(std::span<const MidiPedal> pedals, Score& score) {
+  for (const auto& [time_s, controller, position] : pedals) {
+    const std::size_t pedal = controller == kSostenuto   ? PedalControl::kSostenuto
+                              : controller == kSoftPedal ? PedalControl::kUnaCorda
+                                                         : PedalControl::kSustain;
+    score.pedals.push_back({time_s, 0, pedal, position});
+    if (pedal != PedalControl::kSustain || (position > 0 && position < 1))
+      score.left_out_at_rest = "half pedal, sostenuto and soft pedal";
   }
 }
 
@@ -209,20 +241,33 @@ bool read_glides(const JsonObject& event, Instrument instrument, double time, st
       voice.glides.push_back({time, over, i, to});
     }
   }
-  if (event.has("over_s") && !any) event.fail(event.key("over_s"), "glides to nothing", "beside a control");
+  return any;
+}
+
+// Moves the pedals that an event names; false where it names none.
+bool read_pedals(const JsonObject& event, double time, Score& score) {
+  bool any = false;
+  for (std::size_t i = 0; i < pedal_controls().size(); ++i) {
+    const auto& [name, range, up] = pedal_controls()[i];
+    if (!event.has(name)) continue;
+    any = true;
+    if (event.has("key")) event.fail(event.key(name), "is for all keys", "without key");
+    score.pedals.push_back({time, number_or(event, "over_s", kEventTime_s, 0), i, event.number(name, range)});
+  }
   return any;
 }
 
 // A throw of the hammer; or a pluck: the force rises, and lets go at once.
 bool read_note(const JsonObject& event, Instrument instrument, double time, std::span<Voice> voices) {
   const InstrumentRules& rules = rules_of(instrument);
-  if (event.has("hold_s") && !event.has(rules.note))
+  const bool presses = event.has("hold_s") && event.has("key");  // without a blow
+  if (event.has("hold_s") && !event.has(rules.note) && !presses)
     event.fail(event.key("hold_s"), "holds nothing", fmt::format("beside {}", rules.note));
-  if (!event.has(rules.note)) return false;
+  if (!event.has(rules.note) && !presses) return false;
   for (Voice& voice : voices) {
     if (has_hammer(instrument)) {
       voice.strikes.push_back(
-          {time, event.number(rules.note, kSpeed), number_or(event, "hold_s", kEventTime_s, kForEver)});
+          {time, number_or(event, rules.note, kSpeed, 0), number_or(event, "hold_s", kEventTime_s, kForEver)});
     } else {
       voice.glides.push_back({time, kPluckRise_s, rules.pluck_force, event.number(rules.note, kForce)});
       voice.glides.push_back({time + kPluckRise_s, 0, rules.pluck_force, 0});
@@ -231,12 +276,15 @@ bool read_note(const JsonObject& event, Instrument instrument, double time, std:
   return true;
 }
 
-void read_event(const JsonObject& event, const Score& score, std::vector<Voice>& voices) {
+void read_event(const JsonObject& event, Score& score) {
   const double time = event.number("time_s", {0, score.duration_s});
-  const auto concerned = concerned_voices(event, voices);
+  const auto concerned = concerned_voices(event, score.voices);
   const bool glides = read_glides(event, score.instrument, time, concerned);
+  const bool moves = read_pedals(event, time, score);
   const bool plays = read_note(event, score.instrument, time, concerned);
-  if (!glides && !plays)
+  if (event.has("over_s") && !glides && !moves)
+    event.fail(event.key("over_s"), "glides to nothing", "beside a control");
+  if (!glides && !moves && !plays)
     event.fail(event.key("time_s"), "nothing happens",
                fmt::format("beside {} or a control", rules_of(score.instrument).note));
 }
@@ -246,6 +294,8 @@ std::vector<std::string> event_keys(Instrument instrument, bool has_keys) {
   if (has_hammer(instrument)) keys.emplace_back("hold_s");
   keys.emplace_back("over_s");
   for (const ControlName& control : rules_of(instrument).controls) keys.emplace_back(control.name);
+  if (has_keys)
+    for (const ControlName& pedal : pedal_controls()) keys.emplace_back(pedal.name);
   return keys;
 }
 
@@ -277,8 +327,7 @@ Score parse_score(std::string_view text, std::string_view file, const ReadFile& 
     const NamedText named = read_named(score, "keyboard", Shipped::kKeyboards, read);
     const Keyboard keyboard = parse_keyboard(named.text, named.file);
     result.voices = read_keys(score, keyboard, events);
-    const auto bends = [](const JsonObject& event) { return event.has("bend_cents"); };
-    if (std::ranges::none_of(events, bends)) result.body = body_of(keyboard, named, read);
+    add_body(keyboard, named, read, result);
   } else {
     result.voices = read_voices(score, result.instrument, read);
   }
@@ -286,14 +335,16 @@ Score parse_score(std::string_view text, std::string_view file, const ReadFile& 
     const NamedText named = read_named(score, "body", Shipped::kResonators, read);
     result.body = parse_resonator(named.text, named.file);
   }
-  for (const JsonObject& event : events) read_event(event, result, result.voices);
+  for (const JsonObject& event : events) read_event(event, result);
   require_initial(score, result.instrument, result.voices);
   sort_by_time(result.voices);
+  std::ranges::stable_sort(result.pedals, {}, &Glide::time_s);
+  if (!result.pedals.empty()) result.left_out_at_rest = "pedals";
   return result;
 }
 
 Score parse_midi_score(std::string_view bytes, std::string_view file, std::span<const int> channels) {
-  const auto [title, notes, bends] = parse_midi(bytes, file, channels);
+  const auto [title, notes, bends, pedals] = parse_midi(bytes, file, channels);
   const EmbeddedFile* piano = find_embedded(Shipped::kKeyboards, "piano.json");
   const Keyboard keyboard = parse_keyboard(piano->content, piano->name);
   std::set<int> bending_channels;
@@ -313,26 +364,32 @@ Score parse_midi_score(std::string_view bytes, std::string_view file, std::span<
       if (channel != kNoBends) voice.name += fmt::format("_channel_{}", channel + 1);
       add_bends(bends, channel, voice);
     }
-    voice.strikes.push_back({note.time_s, strike_speed(keyboard, note.velocity / 127.0), note.hold_s});
+    voice.strikes.push_back(
+        {note.time_s, strike_speed(keyboard, note.velocity / 127.0), note.hold_s, 0, note.key_hold_s});
     end = std::max(end, note.time_s + note.hold_s);
   }
+  for (const MidiPedal& pedal : pedals)
+    if (pedal.controller == kSostenuto) end = std::max(end, pedal.time_s);
   if (voices.empty())
     throw BadInput(fmt::format("{}: MIDI: no note is on the piano; allowed: keys {} to {}", file, keyboard.first_key,
                                keyboard.last_key));
   if (!(end + kRing <= kScoreDuration_s.max))
     throw BadInput(
         fmt::format("{}: MIDI: it lasts {:.4g} s; allowed: at most {} s", file, end, kScoreDuration_s.max - kRing));
-  const bool has_bends = std::ranges::any_of(voices, [](const auto& entry) { return !entry.second.glides.empty(); });
   const auto is_far = [](const MidiBend& bend) { return std::abs(bend.cents) > kTuningCents.max; };
   const auto far_bends = static_cast<std::size_t>(std::ranges::count_if(bends, is_far));
-  Score score{std::string(file),
-              Instrument::kHammerString,
-              title,
-              end + kRing,
-              {},
-              has_bends ? std::nullopt : body_of(keyboard, {{}, std::string(piano->name), true}, shipped_file),
-              left_out_line(file, keyboard, beyond, far_bends)};
-  for (auto& [key, voice] : voices) score.voices.push_back(std::move(voice));
+  Score score{std::string(file), Instrument::kHammerString, title, end + kRing, {}};
+  score.left_out = left_out_line(file, keyboard, beyond, far_bends);
+  add_body(keyboard, {{}, std::string(piano->name), true}, shipped_file, score);
+  std::set<std::size_t> keys;
+  for (auto& [key, voice] : voices) {
+    if (!keys.insert(voice.key).second) {  // another channel has bent strings there
+      score.keys.push_back(score.keys[voice.key]);
+      voice.key = score.keys.size() - 1;
+    }
+    score.voices.push_back(std::move(voice));
+  }
+  add_pedals(pedals, score);
   return score;
 }
 

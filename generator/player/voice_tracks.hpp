@@ -18,11 +18,13 @@ namespace contactspline {
   return static_cast<std::size_t>(std::llround(time_s * sample_rate_hz));
 }
 
-/// The controls of a voice over time.
+/// The controls of a voice, or the pedals of a score, over time.
 class ControlTrack {
  public:
   ControlTrack(const Voice& voice, double sample_rate_hz)
-      : glides_(voice.glides), sample_rate_hz_(sample_rate_hz), values_(voice.initial), moves_(values_.size()) {}
+      : ControlTrack(voice.glides, voice.initial, sample_rate_hz) {}
+  ControlTrack(std::span<const Glide> glides, std::vector<double> initial, double sample_rate_hz)
+      : glides_(glides), sample_rate_hz_(sample_rate_hz), values_(std::move(initial)), moves_(values_.size()) {}
 
   /// Values for a sample. Samples must be asked for by rising number.
   std::span<const double> at(std::size_t sample) {
@@ -76,11 +78,12 @@ class StrikeTrack {
     const Strike* strike;  ///< null at the end of a hold
   };
 
-  StrikeTrack(std::span<const Strike> strikes, double sample_rate_hz) {
+  /// hold: a member of Strike, after which the hold ends.
+  StrikeTrack(std::span<const Strike> strikes, double sample_rate_hz, double Strike::*hold = &Strike::hold_s) {
     for (const Strike& strike : strikes) {
       changes_.push_back({sample_at(strike.time_s, sample_rate_hz), &strike});
-      if (std::isfinite(strike.hold_s))
-        changes_.push_back({sample_at(strike.time_s + strike.hold_s, sample_rate_hz), nullptr});
+      if (std::isfinite(strike.*hold))
+        changes_.push_back({sample_at(strike.time_s + strike.*hold, sample_rate_hz), nullptr});
     }
     std::ranges::stable_sort(changes_, {}, &Change::sample);
   }

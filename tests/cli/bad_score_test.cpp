@@ -31,7 +31,8 @@ const std::string kKeys = R"({
   "instrument": "hammer-string",
   "duration_s": 0.05,
   "keyboard": "piano",
-  "events": [ { "time_s": 0.01, "key": 60, "speed_m_per_s": 2.5 } ]
+  "events": [ { "time_s": 0.01, "key": 60, "speed_m_per_s": 2.5 },
+              { "time_s": 0, "over_s": 0.02, "sustain": 0.75, "sostenuto": 1, "una_corda": 0.4 } ]
 })";
 const std::string kSlide = R"({
   "instrument": "slide-string",
@@ -77,7 +78,11 @@ std::vector<BadFile> all_number_cases() {
       {"events[0].", "strike_m", "0.08", range("0", "100"), {"-1", "101"}},
       {"events[0].", "bend_cents", "5", range("-1200", "1200"), {"-1201", "1201"}}};
   const std::vector<NumberKey> keys = {
-      {"events[0].", "key", "60", "an integer from 21 to 108", {"20", "109", "-1", "4294967356"}, true}};
+      {"events[0].", "key", "60", "an integer from 21 to 108", {"20", "109", "-1", "4294967356"}, true},
+      {"events[1].", "over_s", "0.02", range("0", "3600"), {"-1", "3601"}},
+      {"events[1].", "sustain", "0.75", range("0", "1"), {"-0.1", "1.1"}},
+      {"events[1].", "sostenuto", "1", range("0", "1"), {"-0.1", "1.1"}},
+      {"events[1].", "una_corda", "0.4", range("0", "1"), {"-0.1", "1.1"}}};
   const std::vector<NumberKey> slide = {
       {"voices[0].", "pluck_m", "0.5", range("0", "0.648"), {"-1", "0.649"}},
       {"voices[0].", "pickup_m", "0.61", range("0", "0.648"), {"-1", "0.649"}},
@@ -196,6 +201,10 @@ std::vector<BadFile> key_cases() {
        "holds nothing; allowed: beside speed_m_per_s"},
       {"glide_without_control", changed(kKeys, note, note + R"(, "over_s": 1)"), "events[0].over_s",
        "glides to nothing; allowed: beside a control"},
+      {"pedal_of_a_key", changed(kKeys, note, R"("sustain": 1)"), "events[0].sustain",
+       "is for all keys; allowed: without key"},
+      {"pedal_of_a_voice", changed(kHammer, R"("over_s")", R"("sustain": 1, "over_s")"), "events[0].sustain",
+       "unknown key; allowed: time_s, voice"},
       {"nothing_happens", changed(kKeys, ", " + note, ""), "events[0].time_s",
        "nothing happens; allowed: beside speed_m_per_s or a control"},
       {"bend_of_bar",

@@ -87,6 +87,29 @@ TEST(ScorePlayer, SaysWhereASoundIsNotFinite) {
   }
 }
 
+// Strings so light that single precision cannot hold what a force does to them: the keyboard comes to rest at one of
+// its checks, within 88 times 32 samples, which would be a silence that nobody explains. A board whose motion is no
+// number is found at once.
+TEST(ScorePlayer, SaysWhereAKeyboardIsNotFinite) {
+  const Score good = parse_score(R"({ "instrument": "hammer-string", "duration_s": 0.3, "keyboard": "piano",
+    "events": [ { "time_s": 0.1, "key": 60, "speed_m_per_s": 2 } ] })",
+                                 "probe.json", shipped_file);
+  Score light = good, board = good;
+  StiffString& strings = light.keys[39].strings;
+  for (double* value : {&strings.mass_kg, &strings.tension_n, &strings.bending_stiffness_n_m2}) *value *= 1e-46;
+  board.body =
+      Resonator{"probe", "", ModeTable{{{{600, 20, std::numeric_limits<double>::quiet_NaN()}, 1, 1}}}, {0}, {0}, 10};
+  for (const Score* score : {&light, &board}) {
+    std::string message;
+    try {
+      (void)play(*score, {44100, Signal::kBody, Precision::kSingle}, [](double) {});
+    } catch (const BadInput& bad) {
+      message = bad.what();
+    }
+    EXPECT_TRUE(message.starts_with("probe.json: keyboard: its sound is not finite from 0.1")) << message;
+  }
+}
+
 // A plucked string on a body: the sound is that of the body's modes under the force on the bridge. The sound is
 // stored in single precision, and so is the force that is played here: 6e-8 of the peak each, of which the force's is
 // noise that the modes take up for some hundred samples.

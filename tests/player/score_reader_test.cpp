@@ -36,5 +36,25 @@ TEST(ScoreReader, DesignsEachMaterialOnce) {
   EXPECT_GT(score.voices[4].contact.size(), 5u);
 }
 
+// Middle C of three channels, two of them bent: one has the strings of the key, the others have strings of their own.
+// The whole piano stands on the board.
+TEST(ScoreReader, GivesBentChannelsTheirOwnStrings) {
+  const std::string events(
+      "\0\xe0\0\x60\0\xe1\0\x20\0\x90\x3c\x40\0\x91\x3c\x40\0\x92\x3c\x40\0\x90\x30\x40\x60\x80\x3c\0\0\xff\x2f\0",
+      32);
+  const std::string head("MThd\0\0\0\6\0\0\0\1\0\x60MTrk\0\0\0", 21);
+  const Score score = parse_midi_score(head + static_cast<char>(events.size()) + events, "probe.mid");
+  EXPECT_TRUE(score.body.has_value());
+  ASSERT_EQ(score.keys.size(), 90u);
+  std::map<std::string, std::size_t> keys;
+  for (const Voice& voice : score.voices) keys[voice.name] = voice.key;
+  const std::map<std::string, std::size_t> expected = {
+      {"48_channel_1", 27}, {"60", 39}, {"60_channel_1", 88}, {"60_channel_2", 89}};
+  EXPECT_EQ(keys, expected);
+  for (const std::size_t key : {88, 89})
+    EXPECT_EQ(score.keys[key].strings.tension_n, score.keys[39].strings.tension_n);
+  EXPECT_EQ(score.keys[39].strings.detuning_cents.size(), 3u);
+}
+
 }  // namespace
 }  // namespace contactspline::testing
