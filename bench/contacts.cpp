@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: MIT
+// contacts [ROUNDS [PLUCKS]]: strings over several contacts by ContactNetwork and by linearly implicit schemes: time,
+// penetration and drift, as a section of docs/speed.md on standard output (scripts/bench).
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bench/contact_problems.hpp"
+#include "bench/paired_timer.hpp"
+
+namespace contactspline::bench {
+namespace {
+
+constexpr int kRate = 44100, kBetween = kRate / 20;  // samples from pluck to pluck
+
+using Ours = NetworkOfString;
+using Zero = QuadratisedNetwork<OpenGradient::zero>;
+using FreeMotion = QuadratisedNetwork<OpenGradient::free_motion>;
+using Limited = QuadratisedNetwork<OpenGradient::limited>;
+
+template <typename Scheme>
+constexpr const char* kName = "spline";
+template <>
+constexpr const char* kName<Zero> = "linearly implicit";
+template <>
+constexpr const char* kName<FreeMotion> = "with release";
+template <>
+constexpr const char* kName<Limited> = "with limit";
+
+/// A scheme at a multiple of 44.1 kHz. Its finger plucks every 50 ms.
+template <typename Scheme>
+class Performer {
+ public:
+  Performer(const PluckedString& plucked, int oversampling)
+      : plucked_(plucked),
+        rate_(static_cast<double>(kRate) * oversampling),
+        between_(static_cast<std::size_t>(kBetween * oversampling)),
+        scheme_(plucked.string, rate_) {}
+
+  /// Plays a sample. Returns the force of the finger. It acts over a whole sample of ours, and at the beginning of
+  /// one of the others.
+  double tick() {
+    constexpr double kActs = std::same_as<Scheme, Ours> ? 0.5 : 0;
+    const double force = plucked_.force_at((static_cast<double>(sample_++ % between_) + kActs) / rate_);
+    scheme_.tick(force);
+    return force;
+  }
+  [[nodiscard]] const Scheme& scheme() const { return scheme_; }
+
+ private:
+  const PluckedString& plucked_;
+  double rate_;
+  std::size_t between_, sample_ = 0;
+  Scheme scheme_;
+};
+
+// --- Time ---
+
+/// A task that plays the 50 ms of a pluck.
+template <typename Scheme>
+TimedTask<std::function<void()>> task_of(const PluckedString& plucked, int oversampling) {
+  const auto performer = std::make_shared<Performer<Scheme>>(plucked, oversampling);
+  const int samples = kBetween * oversampling;
+  return {kName<Scheme>, [performer, samples] {
+            for (int n = 0; n < samples; ++n) performer->tick();
+          }};
+}
+
+void print_times(const PluckedString& plucked, int ours, int others, int rounds) {
+  std::vector tasks = {task_of<Ours>(plucked, ours), task_of<Zero>(plucked, others),
+                       task_of<FreeMotion>(plucked, others), task_of<Limited>(plucked, others)};
+  PairedTimer timer(tasks, kBetween * ours);
+  for (int i = 0; i < rounds; ++i) timer.round();
+  fmt::print("| {} | {} | {} | {:.0f} |", plucked.name, ours, others, timer.nanoseconds(0));
+  for (std::size_t i = 1; i < tasks.size(); ++i) fmt::print(" {:.2f} |", timer.ratio(i));
+  fmt::print("\n");
+}
+
+// --- Penetration ---
+
+/// Over 20 plucks.
+struct Penetration {
+  double largest = 0, rms = 0, mean_force = 0;  // compression [m], force of all contacts [N]
+};
+
+template <typename Scheme>
+Penetration penetration(const PluckedString& plucked, int oversampling) {
+  Performer<Scheme> performer(plucked, oversampling);
+  const Scheme& scheme = performer.scheme();
+  Penetration found;
+  const int samples = 20 * kBetween * oversampling;
+  for (int n = 0; n < samples; ++n) {
+    performer.tick();
+    for (std::size_t k = 0; k < scheme.contacts(); ++k) {
+      const double y = std::max(scheme.compression(k), 0.0);
+      found.largest = std::max(found.largest, y);
+      found.rms += y * y;
+      found.mean_force += scheme.force(k);
+    }
+  }
+  found.rms = std::sqrt(found.rms / samples);
+  found.mean_force /= samples;
+  return found;
+}
+
+template <typename Scheme>
+void print_penetration(const PluckedString& plucked, const Penetration& reference, int oversampling) {
+  const Penetration found = penetration<Scheme>(plucked, oversampling);
+  fmt::print("| {} | {} | {} | {:.3g} | {:.3g} | {:.3g} |\n", plucked.name, kName<Scheme>, oversampling,
+             found.largest / reference.largest, found.rms / reference.rms, found.mean_force / reference.mean_force);
+}
+
+void print_penetrations(const PluckedString& plucked) {
+  const Penetration reference = penetration<Ours>(plucked, 16);
+  for (const int oversampling : {1, 4}) {
+    print_penetration<Ours>(plucked, reference, oversampling);
+    print_penetration<Zero>(plucked, reference, oversampling);
+    print_penetration<FreeMotion>(plucked, reference, oversampling);
+    print_penetration<Limited>(plucked, reference, oversampling);
+  }
+}
+
+// --- Drift ---
+
+struct Drift {
+  std::vector<double> of_psi;      // mean of the sum of |psi^2/2 - V| over the last of 1, 10, 100... plucks [J]
+  double in_open = 0;              // the part in contacts that are apart, over the last pluck [J]
+  double of_energy = 0, peak = 0;  // largest error of the energy balance, largest energy [J]
+};
+
+bool is_power_of_ten(int n) {
+  while (n % 10 == 0) n /= 10;
+  return n == 1;
+}
+
+template <typename Scheme>
+Drift drift(const PluckedString& plucked, int oversampling, int plucks) {
+  Performer<Scheme> performer(plucked, oversampling);
+  const Scheme& scheme = performer.scheme();
+  EnergyOf<Scheme> books(scheme, plucked.string, static_cast<double>(kRate) * oversampling);
+  const int samples = kBetween * oversampling;
+  Drift drift;
+  for (int pluck = 1; pluck <= plucks; ++pluck) {
+    double of_psi = drift.in_open = 0;
+    for (int n = 0; n < samples; ++n) {
+      books.follow(performer.tick());
+      drift.peak = std::max(drift.peak, books.energy());
+      drift.of_energy = std::max(drift.of_energy, std::isfinite(books.error()) ? std::abs(books.error()) : INFINITY);
+      if constexpr (!std::same_as<Scheme, Ours>) {
+        for (std::size_t k = 0; k < scheme.contacts(); ++k) {
+          const double potential = scheme.potential(k), stored = scheme.stored(k);
+          of_psi += std::abs(stored - potential) / samples;
+          if (potential == 0) drift.in_open += stored / samples;
+        }
+      }
+    }
+    if (is_power_of_ten(pluck)) drift.of_psi.push_back(of_psi);
+  }
+  return drift;
+}
+
+template <typename Scheme>
+void print_drift(const PluckedString& plucked, int oversampling, const Drift& d, double peak) {
+  fmt::print("| {} | {} | {} |", plucked.name, kName<Scheme>, oversampling);
+  if constexpr (std::same_as<Scheme, Ours>) {
+    for (std::size_t column = 0; column < d.of_psi.size() + 2; ++column) fmt::print(" |");
+  } else {
+    for (const double of_psi : d.of_psi) fmt::print(" {:.1e} |", of_psi / peak);
+    fmt::print(" {:.1e} | {:.1e} |", d.of_psi.back(), d.in_open);
+  }
+  fmt::print(" {:.1e} |\n", d.of_energy / peak);
+}
+
+void print_drifts(const PluckedString& plucked, int oversampling, int plucks) {
+  const Drift ours = drift<Ours>(plucked, oversampling, plucks);
+  print_drift<Ours>(plucked, oversampling, ours, ours.peak);
+  print_drift<Zero>(plucked, oversampling, drift<Zero>(plucked, oversampling, plucks), ours.peak);
+  print_drift<FreeMotion>(plucked, oversampling, drift<FreeMotion>(plucked, oversampling, plucks), ours.peak);
+  print_drift<Limited>(plucked, oversampling, drift<Limited>(plucked, oversampling, plucks), ours.peak);
+}
+
+constexpr const char* kText =
+    "\n## Several contacts\n\n"
+    "A string over several contacts, plucked every 50 ms: by `ContactNetwork`, which solves for all forces of a "
+    "sample "
+    "together, and by\nlinearly implicit schemes (`bench/baselines/quadratised_network.hpp`), which store the energy "
+    "of "
+    "each contact as psi^2/2 and solve one linear\nsystem per sample. Both play the same modes and the same steel "
+    "contacts in double precision, and leave out contacts that are far away.\n\n"
+    "| scheme | what it is |\n"
+    "|---|---|\n"
+    "| spline | `ContactNetwork`, 64 segments |\n"
+    "| linearly implicit | Ducceschi and Bilbao (DAFx 2019): a contact that opens keeps its psi |\n"
+    "| with release | Ducceschi et al. (JSV 2021): a contact that opens returns its psi to the motion without "
+    "contact "
+    "forces |\n"
+    "| with limit | psi of a contact that opens becomes 0, as in EXP-3; exact only if no other contact has a force "
+    "|\n\n"
+    "The tanpura is the instrument that ships: 120 modes, 24 points of the bridge. The guitar string D3 has 118 "
+    "modes; "
+    "a finger holds it down on\nthe fifth of 20 frets.\n\n"
+    "Time of the spline per sample of 44.1 kHz, and this time divided by that of the other schemes. Above 1 the "
+    "spline "
+    "is slower.\n\n";
+constexpr const char* kPenetrationText =
+    "\nCompression of all contacts over the first 20 plucks, and their mean force, divided by those of the spline at "
+    "16 "
+    "times 44.1 kHz.\n\n"
+    "| string | scheme | rate, 44.1 kHz | largest compression | rms compression | mean force |\n"
+    "|---|---|---:|---:|---:|---:|\n";
+constexpr const char* kDriftText =
+    "\nDrift: sum over the contacts of |psi^2/2 - V|, V at the middle between two samples, mean over the last of 1, "
+    "10, "
+    "100 and 1,000 plucks, divided\nby the largest energy of the string. Then the same after 1,000 in joules, the "
+    "part of "
+    "contacts that are open, where psi should be 0, and the\nlargest error of each scheme's own energy balance, "
+    "divided "
+    "by the same energy. The spline has no psi.\n\n"
+    "| string | scheme | rate, 44.1 kHz | 1 | 10 | 100 | 1,000 | 1,000, J | open, J | energy balance |\n"
+    "|---|---|---:|---:|---:|---:|---:|---:|---:|---:|\n";
+
+void report(int rounds, int plucks) {
+  flush_denormals();
+  const std::vector<PluckedString> strings = {plucked_tanpura(), plucked_over_frets()};
+  fmt::print("{}", kText);
+  fmt::print(
+      "| string | rate of the spline, 44.1 kHz | of the others | spline, ns | {} | {} | {} |\n"
+      "|---|---:|---:|---:|---:|---:|---:|\n",
+      kName<Zero>, kName<FreeMotion>, kName<Limited>);
+  for (const PluckedString& plucked : strings)
+    for (const auto& [ours, others] : {std::pair{1, 1}, {4, 4}, {1, 4}}) print_times(plucked, ours, others, rounds);
+  fmt::print("{}", kPenetrationText);
+  for (const PluckedString& plucked : strings) print_penetrations(plucked);
+  fmt::print("{}", kDriftText);
+  for (const PluckedString& plucked : strings)
+    for (const int oversampling : {1, 4}) print_drifts(plucked, oversampling, plucks);
+}
+
+}  // namespace
+}  // namespace contactspline::bench
+
+int main(int argc, char** argv) {
+  contactspline::bench::report(argc > 1 ? std::max(1, std::atoi(argv[1])) : 51,
+                               argc > 2 ? std::max(1, std::atoi(argv[2])) : 1000);
+}
