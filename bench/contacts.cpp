@@ -76,7 +76,7 @@ TimedTask<std::function<void()>> task_of(const PluckedString& plucked, int overs
 void print_times(const PluckedString& plucked, int ours, int others, int rounds) {
   std::vector tasks = {task_of<Ours>(plucked, ours), task_of<Zero>(plucked, others),
                        task_of<FreeMotion>(plucked, others), task_of<Limited>(plucked, others)};
-  PairedTimer timer(tasks, kBetween * ours);
+  PairedTimer<std::function<void()>, ThreadClock> timer(tasks, kBetween * ours);
   for (int i = 0; i < rounds; ++i) timer.round();
   fmt::print("| {} | {} | {} | {:.0f} |", plucked.name, ours, others, timer.nanoseconds(0));
   for (std::size_t i = 1; i < tasks.size(); ++i) fmt::print(" {:.2f} |", timer.ratio(i));

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Compares the hammer-string that Faust generates with that of the C++ runtime, alone and behind Faust's interface.
 // Prints a Markdown table; scripts/bench --faust runs it.
-#include <time.h>
-
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
@@ -40,15 +38,6 @@ class Struck {
 
 // Samples of each player in a round. With fewer, the cache contents of the player before affect the times.
 constexpr std::size_t kSamples = kSampleRate;
-
-/// CPU time of this thread. Wall time would count interruptions, which are common in rounds of milliseconds.
-struct ThreadClock {
-  static std::chrono::nanoseconds now() {
-    timespec time{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-    return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
-  }
-};
 
 void print_header(const std::vector<NamedBlockPlayer>& players) {
   std::printf("| string | struck every | %s, ns |", players.front().name.c_str());

@@ -2,6 +2,8 @@
 // Times several tasks against each other.
 #pragma once
 
+#include <time.h>
+
 #include <chrono>
 #include <string>
 #include <vector>
@@ -19,6 +21,15 @@ inline void flush_denormals() {
   _mm_setcsr(_mm_getcsr() | 0x8040);
 #endif
 }
+
+/// CPU time of this thread. Wall time would count interruptions, which are common in rounds of milliseconds.
+struct ThreadClock {
+  static std::chrono::nanoseconds now() {
+    timespec time{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+    return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
+  }
+};
 
 template <typename Run>
 struct TimedTask {
