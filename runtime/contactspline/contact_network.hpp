@@ -129,14 +129,18 @@ class ContactNetwork {
         increments_(plan.places().size()) {
     for (const auto& modes : plan.bodies()) bodies_.emplace_back(modes, sample_rate_hz);
     for (const auto& place : plan.places()) places_.emplace_back(place.body, place.shapes, bodies_[place.body].bank);
-    for (std::size_t p = 0; p < places_.size(); ++p) bodies_[places_[p].body].places.push_back(p);
+    for (std::size_t p = 0; p < places_.size(); ++p) {
+      Body& body = bodies_[places_[p].body];
+      body.places.push_back(p);
+      body.max_shape = std::max(body.max_shape, places_[p].max_shape);
+    }
     for (Body& body : bodies_) body.reserve(body.places.size());
     for (const auto& connection : plan.connections()) connections_.emplace_back(connection);
     for (Connection& c : connections_) {
       if (c.first != kGround) c.first_body = places_[c.first].body, c.first_max = places_[c.first].max_shape;
       if (c.second != kGround) c.second_body = places_[c.second].body, c.second_max = places_[c.second].max_shape;
     }
-    for (auto* list : {&awake_, &asleep_}) list->reserve(connections_.size());
+    for (auto* list : {&awake_, &asleep_, &woken_}) list->reserve(connections_.size());
     for (auto* list : {&pushed_, &last_pushed_}) list->reserve(places_.size());
     for (const Place& p : places_)
       for (const Place& q : places_)
@@ -280,8 +284,9 @@ class ContactNetwork {
  private:
   using Ranges = ControlRanges<T>;
   static constexpr T kGapSpeed_m_per_s = 1;
-  // A contact sleeps if even this many samples of fastest motion would not close it.
-  static constexpr T kSleepingSamples = 4;
+  // A contact sleeps if even this many samples of fastest motion would not close it, and wakes before this many
+  // might.
+  static constexpr T kSleepingSamples = 16, kWakingSamples = 2;
   // Samples between two decisions which contacts fall asleep.
   static constexpr int kSleepInterval = 16;
   // Does T round so much that compressions drift within minutes?
@@ -300,10 +305,12 @@ class ContactNetwork {
     ModalBank<T> bank;
     T damping = 0;  // times dt, as is the gain
     T damping_gain = 1;
-    T travel = 0;  // bound of the motion in this sample without forces of connections [m]
+    T max_shape = 0;  // of its places
+    // Bounds of the motion without forces of connections [m]: in this sample, and since slacks were last reduced.
+    T travel = 0, travelled = 0;
     std::vector<std::size_t> places;
     std::vector<std::size_t> connections;
-    std::vector<T> admittances;      // between all pairs of these, without damping [m/N]
+    std::vector<T> admittances;      // of each with those up to itself, without damping [m/N]
     std::vector<std::size_t> awake;  // places whose increments are computed in each sample
     std::vector<const T*> awake_shapes;
     T free_travel = 0;                // of the next sample without forces and damper, likewise these: [m]
@@ -370,6 +377,7 @@ class ContactNetwork {
             body.connections.push_back(k);
       for (const std::size_t k : body.connections)
         for (const std::size_t l : body.connections) {
+          if (l > k) break;
           const Connection &c = connections_[k], &d = connections_[l];
           body.admittances.push_back((between(b, c.first, d.first) + between(b, c.second, d.second)) -
                                      (between(b, c.first, d.second) + between(b, c.second, d.first)));
@@ -386,13 +394,17 @@ class ContactNetwork {
       body.damping_gain = 1 / (1 + body.damping);
       const T* admittance = body.admittances.data();
       for (const std::size_t k : body.connections)
-        for (const std::size_t l : body.connections) admittances_[k * n + l] += body.damping_gain * *admittance++;
+        for (const std::size_t l : body.connections) {
+          if (l > k) break;
+          admittances_[k * n + l] += body.damping_gain * *admittance++;
+        }
     }
     for (std::size_t k = 0; k < n; ++k) {
       T& own = admittances_[k * n + k];
       own = std::max(own, kMinAdmittance);
       for (std::size_t l = 0; l <= k; ++l) solver_.set_admittance(k, l, admittances_[k * n + l]);
       connections_[k].root_admittance = std::sqrt(own);
+      max_root_admittance_ = std::max(max_root_admittance_, connections_[k].root_admittance);
     }
   }
 
@@ -447,7 +459,7 @@ class ContactNetwork {
       if (!c.is_following) continue;
       const bool gap_follows = move_gap(c), stiffness_follows = follow_stiffness(k);
       c.is_following = gap_follows || stiffness_follows;
-      if (!c.is_awake) c.slack -= std::abs(c.lift);
+      if (!c.is_awake) c.slack -= std::abs(c.lift), min_slack_ = std::min(min_slack_, c.slack);
       // A gap that moved in this sample must be seen at rest in the next one.
       is_following_ = is_following_ || c.is_following || c.lift != 0;
     }
@@ -513,6 +525,7 @@ class ContactNetwork {
       body.travel += body.damping_gain * place.travel_per_force * std::abs(place.last_push);
       for (const std::size_t q : body.awake) increments_[q] += mutual(p, q) * place.last_push;
     }
+    for (Body& body : bodies_) body.travelled += body.travel;
   }
 
   void add_force(std::size_t p, T force) {
@@ -576,26 +589,35 @@ class ContactNetwork {
     solver_.add(k);
   }
 
-  // Bound of the motion of a connection in this sample without the forces of connections [m].
-  [[nodiscard]] T free_travel(const Connection& c) const {
-    return c.first_max * bodies_[c.first_body].travel + c.second_max * bodies_[c.second_body].travel;
+  // Bound of the motion of a connection by the travel of its bodies and the reach of forces [m].
+  [[nodiscard]] T motion(const Connection& c, T Body::*travel, T reach) const {
+    return kMargin * (c.first_max * bodies_[c.first_body].*travel + c.second_max * bodies_[c.second_body].*travel +
+                      c.root_admittance * reach);
+  }
+
+  // Might a sleeping contact have used up its slack, with this reach since slacks were last reduced and so many more
+  // samples like this one? A bound for all of them together.
+  [[nodiscard]] bool may_touch(T reach, T more_samples) const {
+    T motion = max_root_admittance_ * reach;
+    for (const Body& body : bodies_) motion += body.max_shape * (body.travelled + more_samples * body.travel);
+    return kMargin * motion >= min_slack_;
   }
 
   // Wakes the sleeping contacts that may have come within reach, by the bound of what moved since they fell asleep.
   // Must solve() run again?
   bool wake_reachable() {
-    T reach = 0;
+    reach_ = 0;
     for (const std::size_t k : solver_.active())
-      reach += connections_[k].root_admittance * std::abs(solver_[k].force);
+      reach_ += connections_[k].root_admittance * std::abs(solver_[k].force);
     bool has_woken = false;
+    if (!may_touch(reached_ + reach_, 0)) return false;
     for (const std::size_t k : asleep_) {
       Connection& c = connections_[k];
-      if (c.is_awake || c.slack > kMargin * (free_travel(c) + c.root_admittance * reach)) continue;
+      if (c.is_awake || c.slack > motion(c, &Body::travelled, reached_ + reach_)) continue;
       wake(k);
       begin(k, measured_increment(c.first) - measured_increment(c.second));
       has_woken = true;
     }
-    reach_ = reach;
     return has_woken;
   }
 
@@ -606,29 +628,44 @@ class ContactNetwork {
     is_list_old_ = true;
   }
 
-  // Moves the compressions, and lets contacts fall asleep that cannot touch soon.
+  // Moves the compressions, lets contacts fall asleep that cannot touch soon, and wakes those that may.
   void put_to_sleep() {
     solver_.advance();
-    for (const std::size_t k : asleep_) {
-      Connection& c = connections_[k];
-      if (!c.is_awake) c.slack -= kMargin * (free_travel(c) + c.root_admittance * reach_);
-    }
-    if (++since_sleep_ < kSleepInterval) {
-      if (is_list_old_) list_awake();
-      return;
-    }
-    since_sleep_ = 0;
-    for (const std::size_t k : awake_) {
-      Connection& c = connections_[k];
-      const T y = solver_[k].compression;
-      if (y > 0 || solver_[k].force != 0 || solver_[k].table.empty()) continue;
-      const T travel = kMargin * (free_travel(c) + c.root_admittance * reach_);
-      if (-y <= kSleepingSamples * travel) continue;
-      c.is_awake = false;
-      c.slack = -y;
-      is_list_old_ = true;
+    reached_ += reach_;
+    const bool is_time = ++since_sleep_ == kSleepInterval;
+    if (is_time || may_touch(reached_ + kWakingSamples * reach_, kWakingSamples)) reduce_slacks();
+    if (is_time) {
+      since_sleep_ = 0;
+      for (const std::size_t k : awake_) {
+        Connection& c = connections_[k];
+        const T y = solver_[k].compression;
+        if (y > 0 || solver_[k].force != 0 || solver_[k].table.empty()) continue;
+        if (-y <= kSleepingSamples * motion(c, &Body::travel, reach_)) continue;
+        c.is_awake = false;
+        c.slack = -y;
+        min_slack_ = std::min(min_slack_, c.slack);
+        is_list_old_ = true;
+      }
     }
     if (is_list_old_) list_awake();
+  }
+
+  // Takes from the slacks what moved since this was last done. Wakes contacts that may soon touch.
+  void reduce_slacks() {
+    min_slack_ = std::numeric_limits<T>::max();
+    for (const std::size_t k : asleep_) {
+      Connection& c = connections_[k];
+      if (c.is_awake) continue;
+      c.slack -= motion(c, &Body::travelled, reached_);
+      if (c.slack > kWakingSamples * motion(c, &Body::travel, reach_)) {
+        min_slack_ = std::min(min_slack_, c.slack);
+      } else {
+        c.is_awake = is_list_old_ = true;
+        woken_.push_back(k);
+      }
+    }
+    for (Body& body : bodies_) body.travelled = 0;
+    reached_ = 0;
   }
 
   // Moves the bodies, and predicts the next sample.
@@ -651,6 +688,8 @@ class ContactNetwork {
                                            body.free_increments.data());
       body.is_predicted = true;
     }
+    for (const std::size_t k : woken_) set_compression(k, measured(k));
+    woken_.clear();
   }
 
   [[nodiscard]] double stored(std::size_t k, T compression) const {
@@ -683,11 +722,15 @@ class ContactNetwork {
   std::vector<Place> places_;
   std::vector<Connection> connections_;
   std::vector<std::size_t> awake_, asleep_;        // connections
+  std::vector<std::size_t> woken_;                 // whose compressions are measured at the end of the sample
   std::vector<std::size_t> pushed_, last_pushed_;  // places
-  std::vector<T> admittances_;                     // of all pairs of connections [m/N]
+  std::vector<T> admittances_;                     // of each connection with those up to itself [m/N]
   std::vector<T> mutual_;                          // admittances of all pairs of places, without damping [m/N]
   std::vector<T> increments_;                      // of the places that are awake, without connections [m]
-  T reach_ = 0;                                    // sum of force times root of admittance over the last sample
+  // Sum of force times root of admittance: over the last sample, and since slacks were last reduced.
+  T reach_ = 0, reached_ = 0;
+  T max_root_admittance_ = 0;
+  T min_slack_ = std::numeric_limits<T>::max();  // of the sleeping contacts
   double work_of_controls_ = 0;
   std::size_t anchor_ = 0;
   int since_sleep_ = 0;

@@ -77,6 +77,15 @@ class SampleLaw {
     return total;
   }
 
+  /// Slope of the force [N/m] where a contact step ends.
+  [[nodiscard]] T slope_at(const ContactStep<T>& step) const {
+    if (step.force == 0) return 0;
+    const T x = step.compression - y0_;
+    if ((x >= lower_ && x < upper_) || x == 0) return half_curvature_ + resistance_;
+    const T elastic = step.force - resistance_ * x, at_end = ratio_ * table_[step.segment].force_at(step.compression);
+    return std::max(T(0), (at_end - elastic) / x) + resistance_;
+  }
+
   /// A slope C [N/m] with force_at_rest() + C x >= force(x) for x > 0 and <= force(x) for x < 0, whatever x: half the
   /// largest curvature, and the resistance.
   [[nodiscard]] T steepest_slope() const {
@@ -197,9 +206,10 @@ class CoupledContacts {
         ends_(connections),
         is_active_(connections),
         is_grouped_(connections),
+        spring_range_(connections),
         admittance_(connections),
         beside_springs_(connections),
-        eliminated_rows_(connections),
+        spring_rows_(connections),
         spring_factor_(connections),
         coupling_(connections),
         factor_(connections),
@@ -207,15 +217,17 @@ class CoupledContacts {
         free_(connections),
         spring_slope_(connections),
         spring_root_(connections),
+        spring_push_(connections),
         ahead_(connections),
         root_(connections),
         right_(connections),
         step_(connections),
+        increments_(connections),
         force_displacements_(connections),
         now_(connections),
         next_(connections) {
-    for (auto* list : {&active_, &touching_, &springs_, &watched_, &eliminated_, &spring_ends_, &row_ends_, &members_,
-                       &group_, &rows_})
+    for (auto* list : {&contacts_, &active_, &touching_, &springs_, &eliminated_, &spring_ends_, &row_ends_,
+                       &members_, &group_, &rows_})
       list->reserve(connections);
   }
 
@@ -236,33 +248,41 @@ class CoupledContacts {
 
   /// Begins a sample without connections.
   void begin() {
-    for (auto* list : {&active_, &touching_, &springs_, &watched_}) list->clear();
-    std::ranges::fill(is_active_, false);
+    for (auto* list : {&active_, &contacts_, &touching_, &springs_}) list->clear();
     steps_ = 0;
+    is_first_pass_ = true;
   }
 
   /// Adds connection i to this sample.
   void add(std::size_t i) {
-    CoupledConnection<T>& c = connections_[i];
-    if (c.table.empty()) {
-      is_active_[i] = true;
+    if (connections_[i].table.empty()) {
       active_.push_back(i);
-      return springs_.push_back(i);
+      springs_.push_back(i);
+    } else {
+      is_active_[i] = false;
+      contacts_.push_back(i);
     }
-    if (c.compression > 0 || c.compression + c.free_increment > 0) return activate(i);
-    c.force = 0;
-    watched_.push_back(i);
   }
 
   /// Computes the forces. May be called again after further calls of add().
   void solve() {
     if (!springs_.empty()) predict_springs();
+    for (const std::size_t i : contacts_) {
+      if (is_active_[i]) continue;
+      CoupledConnection<T>& c = connections_[i];
+      increments_[i] = increment_beside_springs(i);
+      if (c.compression > 0 || c.compression + increments_[i] > 0)
+        activate(i);
+      else
+        c.force = 0;
+    }
     do {
-      std::ranges::fill(is_grouped_, false);
+      for (const std::size_t i : touching_) is_grouped_[i] = false;
       for (const std::size_t i : touching_)
         if (!is_grouped_[i]) solve_group_of(i);
-      sum_displacements(touching_);
+      displace_by_contacts();
       if (!springs_.empty()) solve_springs();
+      is_first_pass_ = false;
     } while (activate_touching());
   }
 
@@ -272,16 +292,13 @@ class CoupledContacts {
       connections_[i].compression = ends_[i].compression;
       connections_[i].segment = ends_[i].segment;
     }
-    for (const std::size_t i : watched_) {
+    for (const std::size_t i : contacts_) {
       if (is_active_[i]) continue;
       CoupledConnection<T>& c = connections_[i];
-      c.compression += c.free_increment - force_displacement(i);
-      c.segment = detail::relocate_segment(c.table, 0, c.compression);
+      c.compression += increments_[i] - force_displacements_[i];
+      c.segment = c.compression < 0 ? 0 : detail::relocate_segment(c.table, 0, c.compression);
     }
   }
-
-  /// By how much the forces reduce the increment of connection i [m].
-  [[nodiscard]] T force_displacement(std::size_t i) const { return force_displacements_[i]; }
 
   /// Connections whose force solve() computed.
   [[nodiscard]] std::span<const std::size_t> active() const { return active_; }
@@ -291,6 +308,10 @@ class CoupledContacts {
   [[nodiscard]] std::size_t bounded() const { return bounded_; }
 
  private:
+  struct Range {
+    std::size_t begin, end;
+  };
+
   // Forces of a group of contacts with what follows from them. Index: position in the group.
   struct State {
     explicit State(std::size_t size) : force(size), increment(size), residual(size), slope(size), segment(size) {}
@@ -300,7 +321,7 @@ class CoupledContacts {
     detail::ModalArray<T> slope;       // of the law
     std::vector<std::size_t> segment;  // where the contacts end
     T norm = 0;                        // of the residual, in roots of joules
-    T excess = 0;                      // largest residual over its rounding
+    bool is_found = false;             // are all residuals rounding?
   };
 
   static constexpr T kRounding = std::numeric_limits<T>::epsilon();
@@ -309,14 +330,13 @@ class CoupledContacts {
   static constexpr int kPatience = 8;
   static constexpr int kRefinements = 2;  // of the forces of springs
 
-  // Fills force_displacements_ by the forces of these connections.
-  void sum_displacements(const std::vector<std::size_t>& forces) {
-    std::fill_n(force_displacements_.data(), size(), T(0));
-    for (const std::size_t j : forces) displace(j, connections_[j].force);
-  }
-  void displace(std::size_t j, T force) {
-    if (force != 0)
-      detail::add_scaled(0, admittance_.padded(size()), force, admittance_.column(j), force_displacements_.data());
+  // By how much the forces of the contacts reduce the increments of all, with the springs.
+  void displace_by_contacts() {
+    const std::size_t padded = admittance_.padded(size());
+    std::fill_n(force_displacements_.data(), padded, T(0));
+    for (const std::size_t j : touching_)
+      if (const T force = connections_[j].force; force != 0)
+        detail::add_scaled(0, padded, force, acting_admittance().column(j), force_displacements_.data());
   }
 
   void activate(std::size_t i) {
@@ -325,13 +345,13 @@ class CoupledContacts {
     touching_.push_back(i);
   }
 
-  // Lets the watched contacts act that the forces of others close. Are there any?
+  // Lets the contacts act that the forces of others close. Are there any?
   bool activate_touching() {
     const std::size_t before = active_.size();
     if (before == 0) return false;
-    for (const std::size_t i : watched_) {
+    for (const std::size_t i : contacts_) {
       const CoupledConnection<T>& c = connections_[i];
-      if (!is_active_[i] && c.compression + (c.free_increment - force_displacement(i)) > 0) activate(i);
+      if (!is_active_[i] && c.compression + (increments_[i] - force_displacements_[i]) > 0) activate(i);
     }
     return active_.size() > before;
   }
@@ -349,43 +369,60 @@ class CoupledContacts {
     if (is_elimination_old()) eliminate_springs();
     for (std::size_t s = 0; s < springs_.size(); ++s) {
       const CoupledConnection<T>& c = connections_[springs_[s]];
-      const T root = spring_root_[s], slope = spring_slope_[s];
-      ahead_[s] = slope > 0 ? root * (c.free_increment + c.spring_n_per_m * c.compression / slope) : T(0);
+      ahead_[s] = spring_root_[s] * c.free_increment + spring_push_[s] * c.compression;
     }
     solve_forwards(spring_factor_, spring_ends_, ahead_.data());
+  }
+
+  // The increment of a contact without forces of contacts.
+  [[nodiscard]] T increment_beside_springs(std::size_t i) const {
+    T increment = connections_[i].free_increment;
+    if (springs_.empty()) return increment;
+    const T* w = spring_rows_.column(i);
+    for (std::size_t s = spring_range_[i].begin; s < spring_range_[i].end; ++s) increment -= w[s] * ahead_[s];
+    return increment;
   }
 
   // The forces of the springs beside those of the contacts, and where they end.
   void solve_springs() {
     const std::size_t m = springs_.size();
-    std::copy_n(ahead_.data(), m, right_.data());
-    for (const std::size_t i : touching_)
-      for (std::size_t s = 0; s < m; ++s) right_[s] -= eliminated_rows_.column(s)[i] * connections_[i].force;
-    for (std::size_t s = 0; s < m; ++s) connections_[springs_[s]].force = 0;
+    for (std::size_t s = 0; s < m; ++s) {
+      right_[s] = ahead_[s];
+      step_[s] = 0;
+      free_[s] = connections_[springs_[s]].free_increment;
+    }
+    for (const std::size_t i : touching_) {
+      const T force = connections_[i].force;
+      if (force == 0) continue;
+      for (std::size_t s = spring_range_[i].begin; s < spring_range_[i].end; ++s) {
+        right_[s] -= spring_rows_(s, i) * force;
+        free_[s] -= admittance_(springs_[s], i) * force;
+      }
+    }
     for (int pass = 0;; ++pass) {
       solve_backwards(spring_factor_, spring_ends_, right_.data());
-      for (std::size_t s = 0; s < m; ++s) {
-        const T change = spring_root_[s] * right_[s];
-        connections_[springs_[s]].force += change;
-        displace(springs_[s], change);
-      }
+      for (std::size_t s = 0; s < m; ++s) step_[s] += spring_root_[s] * right_[s];
       if (!have_springs_errors() || pass == kRefinements) return;
       solve_forwards(spring_factor_, spring_ends_, right_.data());
     }
   }
 
-  // Moves the ends of the springs by the forces found. Does the law of one of them want a force that differs by more
-  // than rounding? right_ becomes what corrects the forces.
+  // Moves the springs by the forces step_. Does the law of one of them want a force that differs by more than
+  // rounding? right_ becomes what corrects the forces. free_: their increments under the forces of contacts.
   bool have_springs_errors() {
     bool have_errors = false;
     for (std::size_t s = 0; s < springs_.size(); ++s) {
       const std::size_t i = springs_[s];
-      const CoupledConnection<T>& c = connections_[i];
-      const T x = c.free_increment - force_displacement(i), slope = spring_slope_[s];
-      const T error = c.spring_n_per_m * c.compression + slope * x - c.force;
-      const T displacements = std::abs(c.free_increment) + std::abs(x) + admittance_(i, i) * std::abs(c.force);
-      const T forces = std::abs(c.force) + std::abs(c.spring_n_per_m * c.compression);
+      CoupledConnection<T>& c = connections_[i];
+      T x = free_[s];
+      for (std::size_t t = spring_range_[i].begin; t < spring_range_[i].end; ++t)
+        x -= admittance_(springs_[t], i) * step_[t];
+      const T slope = spring_slope_[s], at_rest = c.spring_n_per_m * c.compression;
+      const T error = at_rest + slope * x - step_[s];
+      const T displacements = std::abs(c.free_increment) + std::abs(x) + admittance_(i, i) * std::abs(step_[s]);
+      const T forces = std::abs(step_[s]) + std::abs(at_rest);
       have_errors |= std::abs(error) > kRounding * (2 * forces + slope * displacements) + slope * kTiny;
+      c.force = step_[s];
       ends_[i] = {c.compression + x, 0};
       right_[s] = slope > 0 ? error / spring_root_[s] : T(0);
     }
@@ -406,6 +443,8 @@ class CoupledContacts {
     for (std::size_t s = 0; s < m; ++s) {
       spring_slope_[s] = slope_of_spring(springs_[s]);
       spring_root_[s] = std::sqrt(spring_slope_[s]);
+      spring_push_[s] =
+          spring_slope_[s] > 0 ? connections_[springs_[s]].spring_n_per_m / spring_slope_[s] * spring_root_[s] : T(0);
     }
     for (std::size_t s = 0; s < m; ++s) {
       T* to = spring_factor_.column(s);
@@ -419,31 +458,28 @@ class CoupledContacts {
     for (std::size_t s = 0; s < m; ++s)
       for (std::size_t t = s; t < m; ++t)
         if (spring_factor_(t, s) != 0) spring_ends_[s] = t + 1;
-    const std::size_t n = size(), line = admittance_.padded(n);
-    for (std::size_t i = 0; i < n; ++i) std::copy_n(admittance_.column(i), line, beside_springs_.column(i));
-    for (std::size_t s = 0; s < m; ++s) {
-      T* row = eliminated_rows_.column(s);
-      std::fill_n(row, line, T(0));
-      detail::add_scaled(0, line, spring_root_[s], admittance_.column(springs_[s]), row);
-      for (std::size_t t = 0; t < s; ++t)
-        detail::add_scaled(0, line, -spring_factor_(s, t), eliminated_rows_.column(t), row);
-      for (std::size_t i = 0; i < line; ++i) row[i] *= spring_factor_(s, s);
-      for (std::size_t i = 0; i < n; ++i)
-        if (row[i] != 0) detail::add_scaled(0, line, -row[i], row, beside_springs_.column(i));
-    }
-    for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t i = 0; i < size(); ++i) {
+      T* w = spring_rows_.column(i);
+      for (std::size_t s = 0; s < m; ++s) w[s] = spring_root_[s] * admittance_(springs_[s], i);
+      solve_forwards(spring_factor_, spring_ends_, w);
+      Range& range = spring_range_[i] = {0, m};
+      const auto is_apart = [&](std::size_t s) { return w[s] == 0 && admittance_(springs_[s], i) == 0; };
+      while (range.end > 0 && is_apart(range.end - 1)) --range.end;
+      while (range.begin < range.end && is_apart(range.begin)) ++range.begin;
+      for (std::size_t j = 0; j <= i; ++j) {
+        const T* v = spring_rows_.column(j);
+        T admittance = admittance_(i, j);
+        const std::size_t end = std::min(range.end, spring_range_[j].end);
+        for (std::size_t s = std::max(range.begin, spring_range_[j].begin); s < end; ++s) admittance -= v[s] * w[s];
+        beside_springs_(i, j) = beside_springs_(j, i) = admittance;
+      }
       beside_springs_(i, i) = std::max(beside_springs_(i, i), kRounding * admittance_(i, i));
+    }
   }
 
   // The admittances that contacts meet.
   [[nodiscard]] const detail::ColumnMatrix<T>& acting_admittance() const {
     return springs_.empty() ? admittance_ : beside_springs_;
-  }
-  // The increment of a contact without forces of contacts.
-  [[nodiscard]] T increment_beside_springs(std::size_t i) const {
-    T increment = connections_[i].free_increment;
-    for (std::size_t s = 0; s < springs_.size(); ++s) increment -= eliminated_rows_.column(s)[i] * ahead_[s];
-    return increment;
   }
 
   void solve_group_of(std::size_t seed) {
@@ -460,7 +496,7 @@ class CoupledContacts {
 
   void solve_alone(std::size_t i) {
     CoupledConnection<T>& c = connections_[i];
-    const Approach<T> approach{c.compression, increment_beside_springs(i), acting_admittance()(i, i)};
+    const Approach<T> approach{c.compression, increments_[i], acting_admittance()(i, i)};
     const auto step = contact_step(c.table, c.contact, time_step_, approach, c.segment);
     c.force = step.force;
     ends_[i] = {step.compression, step.segment};
@@ -495,21 +531,29 @@ class CoupledContacts {
     for (std::size_t a = 0; a < n; ++a) {
       const CoupledConnection<T>& c = connections_[group_[a]];
       laws_[a] = detail::SampleLaw<T>(c, time_step_);
-      free_[a] = increment_beside_springs(group_[a]);
+      free_[a] = increments_[group_[a]];
       now_.force[a] = c.force;
       now_.segment[a] = next_.segment[a] = c.segment;
     }
     std::fill(free_.data() + n, free_.data() + coupling_.padded(n), T(0));
   }
 
+  // The increments under the forces of a state.
+  void displace(State& state) const {
+    const std::size_t n = group_.size(), padded = coupling_.padded(n);
+    std::copy_n(free_.data(), padded, state.increment.data());
+    for (std::size_t b = 0; b < n; ++b)
+      if (state.force[b] != 0)
+        detail::add_scaled(0, padded, -state.force[b], coupling_.column(b), state.increment.data());
+  }
+
   // Fills in a state from its forces.
   void evaluate(State& state) const {
-    const std::size_t n = group_.size(), padded = coupling_.padded(n);
-    T* x = state.increment.data();
-    std::copy_n(free_.data(), padded, x);
-    for (std::size_t b = 0; b < n; ++b)
-      if (state.force[b] != 0) detail::add_scaled(0, padded, -state.force[b], coupling_.column(b), x);
-    state.norm = state.excess = 0;
+    displace(state);
+    const std::size_t n = group_.size();
+    const T* x = state.increment.data();
+    state.norm = 0;
+    state.is_found = true;
     for (std::size_t a = 0; a < n; ++a) {
       const auto law = laws_[a].at(x[a], state.segment[a]);
       const T residual = law.force - state.force[a];
@@ -524,24 +568,32 @@ class CoupledContacts {
       const T slope = law.force == 0 ? std::max(law.slope, 1 / xi) : law.slope;
       const T rounding = kRounding * (2 * forces + slope * displacements) + slope * kTiny;
       state.norm = std::max(state.norm, root_admittance_[a] * std::abs(residual));
-      if (std::abs(residual) > state.excess * rounding) state.excess = std::abs(residual) / rounding;
+      state.is_found &= std::abs(residual) <= rounding;
     }
   }
 
-  // Is the solution found? Each step is Newton's, about the point that linearise_nearby() chooses. If kPatience of
-  // them in a row do not halve the smallest residual, Newton's method on the convex merit goes on, which cannot fail.
+  // Finds the solution, or returns false. Each step is Newton's, about the point that linearise_nearby() chooses. If
+  // kPatience of them in a row do not halve the smallest residual, Newton's method on the convex merit goes on, which
+  // cannot fail.
   bool iterate() {
-    evaluate(now_);
-    T best = now_.norm;
-    for (int step = 0, refused = 0; step < max_steps_; ++step, ++steps_) {
-      if (now_.excess <= 1 || (refused > 1 && is_rounding(now_))) return true;
+    if (max_steps_ == 0) return false;
+    if (is_first_pass_) {
+      displace(now_);
+    } else {
+      evaluate(now_);  // this group may be solved already
+      if (now_.is_found) return true;
+    }
+    T best = std::numeric_limits<T>::max();
+    for (int step = 0, refused = 0; step < max_steps_; ++step) {
       linearise_nearby();
       compute_direction();
       move(1);
+      ++steps_;
       refused = next_.norm <= best / 2 ? 0 : refused + 1;
-      if (refused > kPatience && next_.excess > 1 && !descend()) break;
+      if (refused > kPatience && !next_.is_found && !descend()) break;
       std::swap(now_, next_);
       best = std::min(best, now_.norm);
+      if (now_.is_found || (refused > 1 && is_rounding(now_))) return true;
     }
     return is_rounding(now_);
   }
@@ -564,13 +616,13 @@ class CoupledContacts {
   void linearise_nearby() {
     for (std::size_t a = 0; a < group_.size(); ++a) {
       const CoupledConnection<T>& c = connections_[group_[a]];
+      now_.slope[a] = now_.residual[a] = 0;
       if (now_.force[a] == 0 && c.compression <= 0 && c.compression + now_.increment[a] <= 0)
         continue;  // stays apart
       const T xi = coupling_(a, a);
       const Approach<T> alone{c.compression, now_.increment[a] + xi * now_.force[a], xi};
       const auto step = contact_step(c.table, c.contact, time_step_, alone, c.segment);
-      std::size_t segment = step.segment;
-      now_.slope[a] = laws_[a].at(step.compression - c.compression, segment).slope;
+      now_.slope[a] = laws_[a].slope_at(step);
       next_.segment[a] = step.segment;
       now_.residual[a] = (1 + xi * now_.slope[a]) * (step.force - now_.force[a]);
     }
@@ -663,16 +715,40 @@ class CoupledContacts {
 
   // Solves factor_ x = right_; right_ becomes x.
   void solve_factor(std::size_t m) {
+    if (m == 1) return solve_few<1>();
+    if (m == 2) return solve_few<2>();
+    if (m == 3) return solve_few<3>();
 #ifdef CONTACTSPLINE_SIMD
-    if (m >= 4) {
-      std::fill(right_.data() + m, right_.data() + factor_.padded(m), T(0));
-      return detail::solve_positive_definite(m, factor_.column(0), factor_.stride(), right_.data());
-    }
+    std::fill(right_.data() + m, right_.data() + factor_.padded(m), T(0));
+    return detail::solve_positive_definite(m, factor_.column(0), factor_.stride(), right_.data());
 #endif
     factorise(factor_, m);
     row_ends_.assign(m, m);
     solve_forwards(factor_, row_ends_, right_.data());
     solve_backwards(factor_, row_ends_, right_.data());
+  }
+
+  // The same for so few rows that they fit into registers.
+  template <std::size_t kRows>
+  void solve_few() {
+    T l[kRows][kRows], x[kRows];
+    for (std::size_t j = 0; j < kRows; ++j) {
+      T pivot = factor_(j, j);
+      x[j] = right_[j];
+      for (std::size_t k = 0; k < j; ++k) {
+        l[j][k] = factor_(j, k);
+        for (std::size_t q = 0; q < k; ++q) l[j][k] -= l[j][q] * l[k][q];
+        l[j][k] *= l[k][k];
+        pivot -= l[j][k] * l[j][k];
+        x[j] -= l[j][k] * x[k];
+      }
+      l[j][j] = 1 / std::sqrt(std::max(pivot, T(1)));
+      x[j] *= l[j][j];
+    }
+    for (std::size_t j = kRows; j-- > 0;) {
+      for (std::size_t k = j + 1; k < kRows; ++k) x[j] -= l[k][j] * x[k];
+      right_[j] = x[j] *= l[j][j];
+    }
   }
 
   // The matrix becomes its Cholesky factor, with the inverse of its diagonal. Above its diagonal it is scratch, so
@@ -746,19 +822,23 @@ class CoupledContacts {
   std::vector<detail::SampleLaw<T>> laws_;  // of the positions in the group
   std::vector<detail::EndOfSample<T>> ends_;
   std::vector<char> is_active_, is_grouped_;
-  std::vector<std::size_t> active_, watched_;
-  std::vector<std::size_t> touching_, springs_;  // the active ones by kind
-  std::vector<std::size_t> eliminated_;          // springs that are eliminated from beside_springs_
-  std::vector<std::size_t> spring_ends_;         // rows of spring_factor_ from which on each column is 0
-  std::vector<std::size_t> row_ends_;            // the same of factor_
-  std::vector<std::size_t> members_;             // whose admittances coupling_ holds
-  std::vector<std::size_t> group_;               // that is being solved
-  std::vector<std::size_t> rows_;                // positions in the group with a slope
-  detail::ColumnMatrix<T> admittance_, beside_springs_, eliminated_rows_, spring_factor_, coupling_, factor_;
-  detail::ModalArray<T> root_admittance_, free_, spring_slope_, spring_root_, ahead_, root_, right_, step_;
+  std::vector<Range> spring_range_;                       // springs that move a connection
+  std::vector<std::size_t> contacts_;                     // that were added
+  std::vector<std::size_t> active_, touching_, springs_;  // all that act, and these by kind
+  std::vector<std::size_t> eliminated_;                   // springs that are eliminated from beside_springs_
+  std::vector<std::size_t> spring_ends_;                  // rows of spring_factor_ from which on each column is 0
+  std::vector<std::size_t> row_ends_;                     // the same of factor_
+  std::vector<std::size_t> members_;                      // whose admittances coupling_ holds
+  std::vector<std::size_t> group_;                        // that is being solved
+  std::vector<std::size_t> rows_;                         // positions in the group with a slope
+  detail::ColumnMatrix<T> admittance_, beside_springs_, spring_rows_, spring_factor_, coupling_, factor_;
+  detail::ModalArray<T> root_admittance_, free_, spring_slope_, spring_root_, spring_push_, ahead_, root_, right_,
+      step_;
+  detail::ModalArray<T> increments_;  // of the contacts that were added, with springs, without forces of contacts
   detail::ModalArray<T> force_displacements_;
   State now_, next_;
   int steps_ = 0;
+  bool is_first_pass_ = true;  // of solve() in this sample
   std::size_t bounded_ = 0;
 };
 
