@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Each instrument that ships against an independent solution of its equations, and how it converges.
 #include <map>
+#include <set>
 
 #include "generator/instrument/instrument_reader.hpp"
 #include "generator/player/score_reader.hpp"
@@ -33,9 +34,9 @@ const std::map<std::string, Excitation> kExcitations = {
     {"marimba_tube", {"marimba_blows", "mouth", 2205, 1}},
     {"prepared_piano", {"prepared_notes", "under_bolt", 221, 1e-6}},
     {"slap_bass", {"slap_line", "pickup", 2205, 1}},
-    {"snare", {"snare_roll", "pickup", 441, 1}},
+    {"snare", {"snare_roll", "pickup", 441, 1e-4}},
     {"tanpura", {"tanpura_drone", "finger", 2205, 1e-4}},
-    {"tom", {"tom_pattern", "pickup", 2205, 1}},
+    {"tom", {"tom_pattern", "pickup", 2205, 1e-3}},
     {"trichord_c4", {"trichord_blows", "bridge_middle", 2205, 1}}};
 
 class EachInstrument : public ::testing::TestWithParam<std::string> {};
@@ -46,7 +47,8 @@ INSTANTIATE_TEST_SUITE_P(, EachInstrument, ::testing::ValuesIn(shipped_names(Shi
 class SmoothInstrument : public EachInstrument {};
 
 INSTANTIATE_TEST_SUITE_P(, SmoothInstrument,
-                         ::testing::Values("marimba_tube", "prepared_piano", "slap_bass", "tanpura", "trichord_c4"),
+                         ::testing::Values("classical_guitar", "marimba_tube", "prepared_piano", "slap_bass", "snare",
+                                           "tanpura", "tom", "trichord_c4"),
                          [](const auto& test) { return test.param; });
 
 double first_event_s(const Voice& voice) {
@@ -167,14 +169,16 @@ double relative_error(const std::vector<double>& found, const std::vector<double
 
 // 5 ms against the independent solution at 16 times the rate. With an error c/k^2 at k times the rate, the ratios are
 // (1 - 1/256)/(1/4 - 1/256) = 4.05 and 4.2. Two things reduce the order, and are left out here: contacts so stiff
-// that a hit is shorter than a sample (their stiffness is reduced; the snare has too many of them), and the loss,
+// that a hit is shorter than a sample (steel on steel and a drum stick; their stiffness is reduced), and the loss,
 // which takes the force at the beginning of the sample and is of first order.
 TEST_P(SmoothInstrument, IsOfSecondOrder) {
   const InstrumentModel model = parse_instrument(shipped_text(Shipped::kInstruments, GetParam()), GetParam());
   InstrumentArrays arrays = arrays_of(model, kRate / 2);
   const Excitation& excitation = kExcitations.at(GetParam());
+  const std::set<std::string> kStiff{"felt_over_wood", "steel_on_steel"};
   for (InstrumentConnection& connection : arrays.connections)
-    if (model.tables[connection.table].material == "steel_on_steel") connection.weight *= excitation.softening;
+    if (connection.kind == ConnectionKind::kContact && kStiff.contains(model.tables[connection.table].material))
+      connection.weight *= excitation.softening;
   for (InstrumentConnection& connection : arrays.connections) connection.loss_s_per_m = 0;
   for (InstrumentControl& control : arrays.controls)
     if (control.quantity == ControlQuantity::kLoss) control.initial = 0;
