@@ -466,12 +466,14 @@ class CoupledContacts {
       const auto is_apart = [&](std::size_t s) { return w[s] == 0 && admittance_(springs_[s], i) == 0; };
       while (range.end > 0 && is_apart(range.end - 1)) --range.end;
       while (range.begin < range.end && is_apart(range.begin)) ++range.begin;
+      std::copy_n(admittance_.column(i), admittance_.stride(), beside_springs_.column(i));
+      if (range.begin == range.end) continue;
       for (std::size_t j = 0; j <= i; ++j) {
         const T* v = spring_rows_.column(j);
-        T admittance = admittance_(i, j);
+        const std::size_t begin = std::max(range.begin, spring_range_[j].begin);
         const std::size_t end = std::min(range.end, spring_range_[j].end);
-        for (std::size_t s = std::max(range.begin, spring_range_[j].begin); s < end; ++s) admittance -= v[s] * w[s];
-        beside_springs_(i, j) = beside_springs_(j, i) = admittance;
+        for (std::size_t s = begin; s < end; ++s) beside_springs_(j, i) -= v[s] * w[s];
+        beside_springs_(i, j) = beside_springs_(j, i);
       }
       beside_springs_(i, i) = std::max(beside_springs_(i, i), kRounding * admittance_(i, i));
     }
