@@ -529,6 +529,21 @@ TEST(ContactNetwork, MissesNoContactThatSleeps) {
   EXPECT_GT(asleep, 1000U);
 }
 
+// A push that drives a mass into a sleeping contact within one sample: it wakes in this sample.
+TEST(ContactNetwork, WakesAContactInTheSampleOfAPush) {
+  const Table table = power_table(1e9, 1.5, 1e-4);
+  NetworkPlan<double> plan;
+  const std::size_t place = plan.add_mass_place(plan.add_mass(1e-3));
+  plan.add_contact(place, kGround, table, 1e-4);
+  ContactNetwork<double> network(plan, kRate);
+  for (int n = 0; n < 100; ++n) network.tick();
+  ASSERT_EQ(network.sleeping(), 1U);
+  network.push(place, 1000);  // 0.257 mm within a sample without the contact
+  network.tick();
+  EXPECT_GT(network.force(0), 1);
+  EXPECT_LT(network.displacement(place), 2.3e-4);
+}
+
 // A network of a string and a mass is HammerString.
 TEST(ContactNetwork, IsTheHammerString) {
   const auto modes = string_modes(262, 60, 2e-3);
