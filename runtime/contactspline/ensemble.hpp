@@ -46,8 +46,8 @@ concept Runner = std::invocable<Run, std::size_t, void (*)(std::size_t)>;
 template <std::floating_point T>
 class Ensemble {
  public:
-  static constexpr std::size_t kBlock = 128;  ///< samples that a voice computes at a time
-  static constexpr std::size_t kGroup = 8;    ///< voices that one thread computes as one task
+  static constexpr std::size_t kBlock = 256;  ///< samples that a voice computes at a time
+  static constexpr std::size_t kGroup = 16;   ///< voices that one thread computes as one task
 
   /// inaudible_j [J]: the default is 90 dB below the energy of a C4 hammer at 0.1 m/s.
   explicit Ensemble(double sample_rate_hz, double inaudible_j = 1e-14)
@@ -112,7 +112,7 @@ class Ensemble {
   }
 
  private:
-  static constexpr std::size_t kCheckInterval = 32 * kBlock;  // samples between two checks of a voice's energy
+  static constexpr std::size_t kCheckInterval = 16 * kBlock;  // samples between two checks of a voice's energy
 
   // Each voice starts on a cache line, because different threads may write to neighbouring voices.
   struct alignas(64) Voice {
@@ -147,11 +147,17 @@ class Ensemble {
     const std::span<T> left(bus.left, samples), right(bus.right, is_stereo ? samples : 0);
     std::ranges::fill(left, T(0));
     std::ranges::fill(right, T(0));
-    alignas(64) T sound[kBlock];
-    const std::size_t end = std::min((group + 1) * kGroup, awake_.size());
-    for (std::size_t i = group * kGroup; i < end; ++i) {
-      Voice& voice = voices_[awake_[i]];
-      voice.model.process(voice.controls, voice.pickup, {sound, samples});
+    alignas(64) T sounds[kGroup][kBlock];
+    typename HammerString<T>::Part parts[kGroup];
+    const std::size_t first = group * kGroup, size = std::min(kGroup, awake_.size() - first);
+    for (std::size_t i = 0; i < size; ++i) {
+      Voice& voice = voices_[awake_[first + i]];
+      parts[i] = {&voice.model, &voice.controls, &voice.pickup, {sounds[i], samples}};
+    }
+    HammerString<T>::process_together({parts, size});
+    for (std::size_t i = 0; i < size; ++i) {
+      Voice& voice = voices_[awake_[first + i]];
+      const T* sound = sounds[i];
       if (!all_finite(std::span<const T>(sound, samples).last(1))) {  // modes that are not finite stay so
         rest(voice);
         continue;

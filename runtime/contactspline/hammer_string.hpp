@@ -166,13 +166,44 @@ class HammerString {
   /// linked. Safe in an audio thread.
   void process(const HammerStringControls<T>& controls, const Shapes& pickup, std::span<T> out, T* forces = nullptr) {
 #ifdef CONTACTSPLINE_SIMD
-    if constexpr (Modes == std::dynamic_extent) return process_in_kernels(controls, pickup, out, forces);
+    if constexpr (Modes == std::dynamic_extent) {
+      const Part part{this, &controls, &pickup, out, forces};
+      return process_together({&part, 1});
+    }
 #endif
     for (T& sample : out) {
       tick(controls);
       sample = string_.displacement(pickup);
       if (forces != nullptr) *forces++ = force();
     }
+  }
+
+  /// A model and the arguments of its process().
+  struct Part {
+    HammerString* model;
+    const HammerStringControls<T>* controls;
+    const Shapes* pickup;
+    std::span<T> out;
+    T* forces = nullptr;
+  };
+
+  /// process() of at most kMaxTogether models, which ContactSpline::simd computes side by side.
+  static constexpr std::size_t kMaxTogether = detail::kMaxTogether;
+  static void process_together(std::span<const Part> parts) {
+#ifdef CONTACTSPLINE_SIMD
+    if constexpr (Modes == std::dynamic_extent) {
+      detail::StruckVoice<T> struck[kMaxTogether];
+      std::size_t count = 0;
+      for (const Part& part : parts)
+        if (part.model->is_flying_ && !part.out.empty()) struck[count++] = part.model->struck_voice(part);
+      if (count > 0) detail::process_struck(std::span(struck, count));
+      const detail::StruckVoice<T>* voice = struck;
+      for (const Part& part : parts)
+        if (!part.out.empty()) part.model->process_rest(part, part.model->is_flying_ ? (voice++)->written : 0);
+      return;
+    }
+#endif
+    for (const auto& [model, controls, pickup, out, forces] : parts) model->process(*controls, *pickup, out, forces);
   }
 
   /// Contact force over the last sample [N].
@@ -211,23 +242,22 @@ class HammerString {
   }
 
 #ifdef CONTACTSPLINE_SIMD
-  void process_in_kernels(const HammerStringControls<T>& controls, const Shapes& pickup, std::span<T> out,
-                          T* forces) {
-    if (out.empty()) return;
-    const T damping_gain = 1 / (1 + take_damping(controls));
-    if (is_flying_) {
-      take(controls);
-      constants_.follow(felt_);
-      const auto strike = constants_.view(string_.arrays(), felt_, strike_, time_step_, damping_gain, pickup);
-      const std::size_t samples = detail::process_struck(strike, hammer_, out, forces);
-      is_flying_ = hammer_.compression_m > detail::kHammerStop_m<T>;
-      out = out.subspan(samples);
-      if (forces != nullptr) forces += samples;
-    }
+  detail::StruckVoice<T> struck_voice(const Part& part) {
+    take(*part.controls);
+    constants_.follow(felt_);
+    const T damping_gain = 1 / (1 + take_damping(*part.controls));
+    return {constants_.view(string_.arrays(), felt_, strike_, time_step_, damping_gain, *part.pickup), &hammer_,
+            part.out, part.forces};
+  }
+
+  // What follows the samples that the kernel of struck voices has written.
+  void process_rest(const Part& part, std::size_t written) {
+    is_flying_ = is_flying_ && hammer_.compression_m > detail::kHammerStop_m<T>;
+    const auto out = part.out.subspan(written);
     if (out.empty()) return;
     hammer_.force_n = 0;
-    if (forces != nullptr) std::fill_n(forces, out.size(), T(0));
-    detail::process_free(string_.arrays(), damping_gain, pickup.data(), out);
+    if (part.forces != nullptr) std::fill_n(part.forces + written, out.size(), T(0));
+    detail::process_free(string_.arrays(), 1 / (1 + take_damping(*part.controls)), part.pickup->data(), out);
   }
 #endif
 

@@ -44,13 +44,16 @@ inline constexpr std::size_t kKnotsPerBlock = 32;
 template <std::floating_point T>
 inline constexpr std::size_t kKnotsPerWindow = 64 / sizeof(T);
 
+/// Number of knots beyond the first one crossed that a kernel of several voices judges at once.
+inline constexpr int kKnotsAhead = 16;
+
 /// Sentinel knot on both sides of a table's knots [m]. Its square is infinite, so that no step crosses it.
 template <std::floating_point T>
 inline constexpr T kSentinelKnot = std::numeric_limits<T>::max() / 4;
 
 /// A SegmentTable column by column, with its products with the admittance. Entry k of a column is entry k of the
-/// table, except knots[0]. Sentinel segments without force stand before entry 0 (one or more) and after entry N
-/// (kKnotsPerWindow or more).
+/// table, except knots[0]. Sentinel segments without force stand on both sides: kKnotsAhead + 1 and more before entry
+/// 1 and after entry N.
 template <std::floating_point T>
 struct ContactTable {
   std::size_t segments;  ///< N
@@ -61,6 +64,7 @@ struct ContactTable {
   const T* block_first_knots;     ///< padded like the knots, on cache lines
   const T* block_first_energies;  ///< there
   std::size_t blocks;             ///< from entry 1 on
+  const Segment<T>* rows;         ///< the same table by segments
   // Products with xi, the admittance times the stiffness ratio:
   T* prepared_xi;          ///< the xi that the products hold [m/N], -1 at first
   T* force_displacements;  ///< xi times the force at each knot [m]
@@ -114,6 +118,19 @@ struct HammerState {
 template <std::floating_point T>
 inline constexpr T kHammerStop_m = T(-0.05);
 
+/// A string with a hammer in flight. Whatever it points to must outlive the call.
+template <std::floating_point T>
+struct StruckVoice {
+  StrikeConstants<T> strike;
+  HammerState<T>* hammer;
+  std::span<T> out;         ///< displacement at the pickup [m]
+  T* force;                 ///< destination of the contact forces, or null
+  std::size_t written = 0;  ///< number of samples written
+};
+
+/// Largest number of voices that a kernel advances side by side.
+inline constexpr std::size_t kMaxTogether = 16;
+
 /// Advances the modes by out.size() samples without force and writes the displacement at the pickup after each.
 /// damping_gain: as in StrikeConstants.
 void process_free(const ModalArrays<float>& modes, float damping_gain, const float* pickup, std::span<float> out);
@@ -148,12 +165,10 @@ double advance_under_forces(const ModalArrays<double>& modes, double damping_gai
                             std::span<const double* const> pushed, const double* forces,
                             std::span<const double* const> at, double* increments);
 
-/// The same as process_free() with a hammer in flight, until it is stopped or `out` is full. Returns the number of
-/// samples written. force: destination of the contact forces, or null.
-std::size_t process_struck(const StrikeConstants<float>& strike, HammerState<float>& hammer, std::span<float> out,
-                           float* force);
-std::size_t process_struck(const StrikeConstants<double>& strike, HammerState<double>& hammer, std::span<double> out,
-                           double* force);
+/// The same as process_free() with a hammer in flight, for several voices: each until its hammer is stopped or its
+/// `out` is full.
+void process_struck(std::span<StruckVoice<float>> voices);
+void process_struck(std::span<StruckVoice<double>> voices);
 
 /// advance_on_bridge() where ContactSpline::simd is linked, and a loop that does the same where it is not.
 template <std::floating_point T>

@@ -20,10 +20,10 @@ template <std::floating_point T>
 class ContactTableStorage {
  public:
   explicit ContactTableStorage(SegmentTable<T> table)
-      : table_(table.begin(), table.end()),
-        segments_(table.size() - 1),
+      : segments_(table.size() - 1),
         blocks_((segments_ + kKnotsPerBlock - 1) / kKnotsPerBlock),
-        knots_(kBefore + blocks_ * kKnotsPerBlock + kLine),
+        rows_(kEntry0 + table.size() + kBefore),
+        knots_(kBefore + blocks_ * kKnotsPerBlock + kBefore),
         energies_(knots_.size()),
         forces_(knots_.size()),
         half_curvatures_(knots_.size()),
@@ -32,14 +32,13 @@ class ContactTableStorage {
         force_displacements_(knots_.size()),
         stiffnesses_(knots_.size()),
         inverse_slopes_(knots_.size()) {
-    fill();
+    fill(table);
   }
 
   /// Copies the table again if it has changed.
   void follow(SegmentTable<T> table) {
-    if (std::memcmp(table_.data(), table.data(), table.size_bytes()) == 0) return;
-    std::ranges::copy(table, table_.begin());
-    fill();
+    const auto segments = table.subspan(1);
+    if (std::memcmp(&rows_[kEntry0 + 1], segments.data(), segments.size_bytes()) != 0) fill(table);
   }
 
   [[nodiscard]] ContactTable<T> view() {
@@ -51,6 +50,7 @@ class ContactTableStorage {
             block_first_knots_.data(),
             block_first_energies_.data(),
             blocks_,
+            &rows_[kEntry0],
             &prepared_xi_,
             force_displacements_.data() + kEntry0,
             stiffnesses_.data() + kEntry0,
@@ -59,20 +59,23 @@ class ContactTableStorage {
 
  private:
   static constexpr std::size_t kLine = ModalArray<T>::kLine;
-  // The kernels read entry -1, of the segment below knot 0, to entry N + kKnotsPerWindow - 1.
-  static constexpr std::size_t kBefore = kLine;
-  static_assert(kLine >= kKnotsPerWindow<T>);
+  // Sentinels on both sides. The kernels read entries -kKnotsAhead to N + kKnotsAhead + 2.
+  static constexpr std::size_t kBefore = 32;
+  static_assert(kBefore % kLine == 0 && kBefore > kKnotsAhead + 2 && kBefore > kKnotsPerWindow<T>);
   static constexpr std::size_t kEntry0 = kBefore - 1;
 
-  void fill() {
+  void fill(SegmentTable<T> table) {
     prepared_xi_ = -1;
+    for (std::size_t i = 0; i < rows_.size(); ++i)
+      rows_[i] = {i <= kEntry0 ? -kSentinelKnot<T> : kSentinelKnot<T>, 0, 0, 0};
+    std::copy(table.begin() + 1, table.end(), rows_.begin() + kEntry0 + 1);
     for (std::size_t i = 0; i < knots_.size(); ++i) knots_[i] = i < kBefore ? -kSentinelKnot<T> : kSentinelKnot<T>;
     for (std::size_t i = 0; i < block_first_knots_.size(); ++i) block_first_knots_[i] = kSentinelKnot<T>;
     for (std::size_t k = 1; k <= segments_; ++k) {
-      knots_[kEntry0 + k] = table_[k].knot;
-      energies_[kEntry0 + k] = table_[k].energy;
-      forces_[kEntry0 + k] = table_[k].force;
-      half_curvatures_[kEntry0 + k] = table_[k].half_curvature;
+      knots_[kEntry0 + k] = table[k].knot;
+      energies_[kEntry0 + k] = table[k].energy;
+      forces_[kEntry0 + k] = table[k].force;
+      half_curvatures_[kEntry0 + k] = table[k].half_curvature;
     }
     for (std::size_t block = 0; block < blocks_; ++block) {
       block_first_knots_[block] = knots_[kEntry0 + 1 + block * kKnotsPerBlock];
@@ -80,8 +83,8 @@ class ContactTableStorage {
     }
   }
 
-  std::vector<Segment<T>> table_;
   std::size_t segments_, blocks_;
+  std::vector<Segment<T>> rows_;
   ModalArray<T> knots_, energies_, forces_, half_curvatures_, block_first_knots_, block_first_energies_;
   T prepared_xi_ = -1;
   ModalArray<T> force_displacements_, stiffnesses_, inverse_slopes_;

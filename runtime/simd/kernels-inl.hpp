@@ -39,9 +39,8 @@ Sample advance_under_forces_here(const ModalArrays<Sample>& modes, Sample dampin
                                  std::span<const Sample* const> at, Sample* increments) {
   return advance_under_forces_as(modes, damping_gain, pushed, forces, at, increments);
 }
-HWY_FLATTEN std::size_t process_struck_here(const StrikeConstants<Sample>& strike, HammerState<Sample>& hammer,
-                                            std::span<Sample> out, Sample* force) {
-  return process_struck_block(strike, hammer, out, force);
+void process_struck_here(std::span<StruckVoice<Sample>> voices) {
+  process_struck_voices(voices);
 }
 
 }  // namespace
@@ -83,10 +82,9 @@ Sample advance_under_forces(const ModalArrays<Sample>& modes, Sample damping_gai
                             std::span<const Sample* const> at, Sample* increments) {
   return HWY_DYNAMIC_DISPATCH(advance_under_forces_here)(modes, damping_gain, pushed, forces, at, increments);
 }
-std::size_t process_struck(const StrikeConstants<Sample>& strike, HammerState<Sample>& hammer, std::span<Sample> out,
-                           Sample* force) {
+void process_struck(std::span<StruckVoice<Sample>> voices) {
   const FlushDenormals flushed;
-  return HWY_DYNAMIC_DISPATCH(process_struck_here)(strike, hammer, out, force);
+  HWY_DYNAMIC_DISPATCH(process_struck_here)(voices);
 }
 
 }  // namespace contactspline::detail

@@ -26,6 +26,11 @@ template <typename T>
 using Tag = hn::ScalableTag<T>;
 template <typename T>
 using Vector = hn::Vec<Tag<T>>;
+/// A lane for each of some voices: half a vector of 512 bits, so that there are two vectors to work on by turns.
+template <typename T>
+using VoiceTag = std::remove_cv_t<decltype(hn::CappedTag<T, 32 / sizeof(T)>())>;
+template <typename T>
+using VoiceVector = hn::Vec<VoiceTag<T>>;
 
 /// Is the rest of the stiffness kept beside it, because T rounds it? As in ModalBank.
 template <typename T>
@@ -277,13 +282,12 @@ HWY_INLINE void advance_group(std::size_t vectors, const ModalArrays<T>& modes, 
 
 /// Sums over the lanes of each of kCount vectors, a power of two of at most the number of lanes. With as many vectors
 /// as lanes, lane i holds the sum of vector i.
-template <std::size_t kCount, typename T>
-HWY_INLINE Vector<T> sums_over_lanes(const T* vectors) {
-  const Tag<T> tag;
+template <std::size_t kCount, typename D, typename T = hn::TFromD<D>>
+HWY_INLINE hn::Vec<D> sums_over_lanes(D tag, const T* vectors) {
 #if HWY_TARGET != HWY_SCALAR
   if constexpr (kCount > 1) {
-    const auto first = sums_over_lanes<kCount / 2>(vectors);
-    const auto second = sums_over_lanes<kCount / 2>(vectors + kCount / 2 * hn::Lanes(tag));
+    const auto first = sums_over_lanes<kCount / 2>(tag, vectors);
+    const auto second = sums_over_lanes<kCount / 2>(tag, vectors + kCount / 2 * hn::Lanes(tag));
     return hn::Add(hn::ConcatEven(tag, second, first), hn::ConcatOdd(tag, second, first));
   }
 #endif
@@ -308,7 +312,7 @@ HWY_INLINE void process_free_as(const ModalArrays<T>& modes, T damping_gain, con
     }
     HWY_ALIGN T output[kBlock];
     for (std::size_t i = 0; i < samples; i += lanes)
-      hn::Store(sums_over_lanes<hn::MaxLanes(tag)>(sums + i * lanes), tag, output + i);
+      hn::Store(sums_over_lanes<hn::MaxLanes(tag)>(tag, sums + i * lanes), tag, output + i);
     std::copy_n(output, samples, out.data());
     out = out.subspan(samples);
   }
@@ -327,19 +331,25 @@ HWY_INLINE void process_free_block(const ModalArrays<T>& modes, T damping_gain, 
 template <typename T>
 class ModesUnderLoad {
  public:
+  ModesUnderLoad() = default;
+  explicit ModesUnderLoad(const StrikeConstants<T>& strike)
+      : strike_(strike), lines_((strike.modes.modes + kLine - 1) / kLine) {}
+
   /// Takes the modes over; store() returns them.
-  HWY_ATTR explicit ModesUnderLoad(const StrikeConstants<T>& strike)
-      : strike_(strike), lines_((strike.modes.modes + kLine - 1) / kLine) {
+  HWY_INLINE void take() {
     each([&](std::size_t i, T* mode) HWY_ATTR {
-      const auto per_unit = hn::Load(tag(), strike.per_unit + i);
-      hn::Store(hn::Mul(per_unit, hn::Load(tag(), strike.modes.displacement + i)), tag(),
+      const auto per_unit = hn::Load(tag(), strike_.per_unit + i);
+      hn::Store(hn::Mul(per_unit, hn::Load(tag(), strike_.modes.displacement + i)), tag(),
                 row(mode, ModeRow::displacement));
-      hn::Store(hn::Mul(per_unit, hn::Load(tag(), strike.modes.free_increment + i)), tag(),
+      hn::Store(hn::Mul(per_unit, hn::Load(tag(), strike_.modes.free_increment + i)), tag(),
                 row(mode, ModeRow::free_increment));
-      hn::Store(hn::Mul(hn::Load(tag(), strike.unit + i), hn::Load(tag(), strike.pickup + i)), tag(),
+      hn::Store(hn::Mul(hn::Load(tag(), strike_.unit + i), hn::Load(tag(), strike_.pickup + i)), tag(),
                 row(mode, ModeRow::pickup));
     });
   }
+
+  /// Number of cache lines of a row.
+  [[nodiscard]] std::size_t lines() const { return lines_; }
 
   /// Sums over the modes: the place's free increment over the coming sample, and the displacement at the pickup.
   struct Sums {
@@ -375,6 +385,33 @@ class ModesUnderLoad {
             hn::GetLane(hn::SumOfLanes(tag(), hn::Add(output0, output1)))};
   }
 
+  /// Advances the modes by one sample under a force, damping_gain times. Leaves the sums of pass(), of which none
+  /// lacks a force, lane by lane.
+  template <bool kDamped>
+  HWY_INLINE void advance(T damping_gain, T push, T* HWY_RESTRICT predicted, T* HWY_RESTRICT output) {
+    const auto pushes = hn::Set(tag(), push), gains = hn::Set(tag(), damping_gain);
+    auto predicted_sum = hn::Zero(tag()), output_sum = predicted_sum;
+    const auto vector = [&](T* HWY_RESTRICT mode) HWY_ATTR {
+      const auto d = load(mode, ModeRow::free_increment);
+      const auto c = kDamped ? hn::MulAdd(gains, d, pushes) : hn::Add(d, pushes);
+      const auto q = hn::Add(load(mode, ModeRow::displacement), c);
+      auto pull = hn::MulAdd(load(mode, ModeRow::stiffness), q, hn::Mul(load(mode, ModeRow::loss), c));
+      if constexpr (kRounds<T>) pull = hn::MulAdd(load(mode, ModeRow::rest), q, pull);
+      const auto next = hn::Add(kDamped ? hn::Sub(c, d) : pushes, hn::Sub(c, pull));
+      hn::Store(q, tag(), row(mode, ModeRow::displacement));
+      hn::Store(next, tag(), row(mode, ModeRow::free_increment));
+      predicted_sum = hn::MulAdd(load(mode, ModeRow::shape), next, predicted_sum);
+      output_sum = hn::MulAdd(load(mode, ModeRow::pickup), q, output_sum);
+    };
+    const std::size_t modes = strike_.modes.modes;
+    T* line = strike_.workspace;
+    for (T* const end = line + modes / kLine * kStride; line != end; line += kStride)
+      for (std::size_t v = 0; v < kLine; v += hn::Lanes(tag())) vector(line + v);
+    for (std::size_t v = 0; v < modes % kLine; v += hn::Lanes(tag())) vector(line + v);
+    store_folded(predicted_sum, predicted);
+    store_folded(output_sum, output);
+  }
+
   /// Applies the last force and returns the modes.
   HWY_ATTR void store(T push) {
     const auto pushes = hn::Set(tag(), push);
@@ -392,6 +429,16 @@ class ModesUnderLoad {
   static constexpr Tag<T> tag() { return {}; }
   static HWY_INLINE T* row(T* mode, std::size_t which) { return mode + which * kLine; }
   static HWY_INLINE Vector<T> load(const T* mode, std::size_t which) { return hn::Load(tag(), mode + which * kLine); }
+
+  static HWY_INLINE void store_folded(Vector<T> sum, T* to) {
+    const VoiceTag<T> voices;
+#if HWY_TARGET != HWY_SCALAR
+    if constexpr (hn::MaxLanes(voices) < hn::MaxLanes(tag()))
+      hn::Store(hn::Add(hn::LowerHalf(voices, sum), hn::UpperHalf(voices, sum)), voices, to);
+    else
+#endif
+      hn::Store(sum, voices, to);
+  }
 
   /// Calls act(first mode, its rows) for each vector of modes.
   template <typename Act>

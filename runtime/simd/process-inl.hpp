@@ -11,6 +11,7 @@
 
 #include "contactspline/kernels.hpp"
 #include "simd/contact-inl.hpp"
+#include "simd/group-inl.hpp"
 #include "simd/modes-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -91,8 +92,10 @@ class HammerUnderLoad {
   T inverse_ = 1;     // 1/(1 + admittance resistance)
 };
 
-/// Samples between two checks whether a hammer apart from the string is out of its reach.
-inline constexpr std::size_t kCheckInterval = 32;
+/// Fewest voices that are worth advancing side by side.
+inline constexpr std::size_t kMinTogether = 4;
+/// Cache lines of modes of voices side by side: their workspaces fit into the first cache.
+inline constexpr std::size_t kMaxLinesTogether = 64;
 /// Shortest run out of reach for which the check's passes over the modes pay.
 inline constexpr std::size_t kMinFreeRun = 16;
 /// Longest block that is advanced in the modes' own arrays.
@@ -106,6 +109,7 @@ HWY_INLINE std::size_t process_in_lines(const StrikeConstants<T>& strike, Hammer
                                         T* force) {
   const T gain = strike.damping_gain;
   ModesUnderLoad<T> modes(strike);
+  modes.take();
   const T pickup_admittance = modes.pickup_admittance();
   HammerUnderLoad<kLossy, T> hammer(strike, state);
   const T free_admittance = hammer.free_admittance() + gain * gain * strike.free_admittance;
@@ -189,6 +193,60 @@ HWY_INLINE std::size_t process_struck_block(const StrikeConstants<T>& strike, Ha
   if (strike.damping_gain != 1) return process_struck_as<true, true>(strike, hammer, out, force);
   return hammer.felt.loss_s_per_m == 0 ? process_struck_as<false, false>(strike, hammer, out, force)
                                        : process_struck_as<false, true>(strike, hammer, out, force);
+}
+
+template <typename T>
+[[nodiscard]] HWY_INLINE bool is_finished(const StruckVoice<T>& voice) {
+  return voice.written == voice.out.size() || !(voice.hammer->compression_m >= kHammerStop_m<T>);
+}
+
+/// Advances a voice while its hammer is out of reach.
+template <typename T>
+HWY_INLINE void skip_apart(StruckVoice<T>& voice) {
+  while (!is_finished(voice) && voice.strike.damping_gain == 1 && voice.hammer->compression_m < 0) {
+    const std::span<T> rest = voice.out.subspan(voice.written);
+    if (rest.size() <= kMinFreeRun) return;
+    T* const forces = voice.force == nullptr ? nullptr : voice.force + voice.written;
+    const std::size_t samples = process_apart(voice.strike, *voice.hammer, rest, forces);
+    if (samples == 0) return;
+    voice.written += samples;
+  }
+}
+
+/// The rest of a voice's block alone.
+template <typename T>
+HWY_NOINLINE HWY_FLATTEN void finish_alone(StruckVoice<T>& voice) {
+  T* const forces = voice.force == nullptr ? nullptr : voice.force + voice.written;
+  voice.written += process_struck_block(voice.strike, *voice.hammer, voice.out.subspan(voice.written), forces);
+}
+
+/// Chooses voices for process_side_by_side: those that their hammers can reach, as many as fit into the first cache.
+/// Returns their number.
+template <typename T>
+HWY_INLINE std::size_t choose_together(std::span<StruckVoice<T>> voices, StruckVoice<T>** together) {
+  std::size_t count = 0, lines = 0;
+  for (StruckVoice<T>& voice : voices) {
+    if (count == kMaxTogether || lines >= kMaxLinesTogether) break;
+    skip_apart(voice);
+    if (!is_finished(voice) && voice.out.size() - voice.written <= kMaxInPlace) finish_alone(voice);
+    if (is_finished(voice)) continue;
+    lines += ModesUnderLoad<T>(voice.strike).lines();
+    together[count++] = &voice;
+  }
+  constexpr std::size_t kLanes = hn::MaxLanes(VoiceTag<T>());
+  return count > kLanes ? count / kLanes * kLanes : count;  // whole vectors
+}
+
+template <typename T>
+HWY_INLINE void process_struck_voices(std::span<StruckVoice<T>> voices) {
+  while (voices.size() >= kMinTogether) {
+    StruckVoice<T>* together[kMaxTogether];
+    const std::size_t count = choose_together(voices, together);
+    if (count < kMinTogether) break;
+    process_side_by_side<T>({together, count});
+  }
+  for (StruckVoice<T>& voice : voices)
+    if (!is_finished(voice)) finish_alone(voice);
 }
 
 }  // namespace

@@ -21,6 +21,7 @@
 #include "contactspline/materials/felt_live.hpp"
 #include "contactspline/slide_string.hpp"
 #include "strings.hpp"
+#include "support/compare.hpp"
 #include "support/count_allocations.hpp"
 #include "support/finite.hpp"
 
@@ -467,12 +468,16 @@ std::vector<float> sound_of_three(bool with_third, Damage damage) {
   return out;
 }
 
-// Modes that are no numbers: the others play as if the voice were not there. It is put to sleep at once.
+// Modes that are no numbers: the others play as if the voice were not there, up to the rounding of voices side by
+// side (kernels_test). It is put to sleep at once.
 TEST(EnsembleOfControls, LeavesAVoiceOutThatIsNotFinite) {
   const auto alone = sound_of_three(false, [](auto&) {});
-  EXPECT_EQ(sound_of_three(true, [](auto& player) { player.modes[3].mass_kg = not_a_number<double>(); }), alone);
-  EXPECT_EQ(sound_of_three(true, [](auto& player) { player.modes[0].decay_per_s = not_a_number<double>(); }), alone);
-  EXPECT_NE(sound_of_three(true, [](auto&) {}), alone);
+  const auto is_alone = [&](auto damage) {
+    return sequences_within<float>(sound_of_three(true, damage), alone, 5.6e-5);
+  };
+  EXPECT_TRUE(is_alone([](auto& player) { player.modes[3].mass_kg = not_a_number<double>(); }));
+  EXPECT_TRUE(is_alone([](auto& player) { player.modes[0].decay_per_s = not_a_number<double>(); }));
+  EXPECT_FALSE(is_alone([](auto&) {}));
   auto players = band<float>(4);
   players[2].modes[3].mass_kg = not_a_number<double>();
   auto ensemble = ensemble_of(players);

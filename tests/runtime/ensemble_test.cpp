@@ -29,8 +29,8 @@ class EnsembleOf : public ::testing::Test {};
 using Precisions = ::testing::Types<float, double>;
 TYPED_TEST_SUITE(EnsembleOf, Precisions);
 
-// To the last bit what the voices play alone, added by rising number in groups of eight. Two of them are not struck,
-// the others in another order than their numbers'. Gains are powers of two: no product rounds.
+// What the voices play alone, within the bounds of kernels_test for voices side by side. Two of them are not struck,
+// the others in another order than their numbers'.
 TYPED_TEST(EnsembleOf, SumsWhatItsVoicesPlayAlone) {
   using T = TypeParam;
   const auto players = band<T>(21);
@@ -61,7 +61,7 @@ TYPED_TEST(EnsembleOf, SumsWhatItsVoicesPlayAlone) {
         play_alone<T>(alone[i], players[struck[i]], gain(struck[i]), group);
       for (std::size_t n = 0; n < size; ++n) expected[n] += group[n];
     }
-    ASSERT_EQ(found, expected) << size;
+    ASSERT_TRUE(sequences_within<T>(found, expected, sizeof(T) == sizeof(double) ? 1e-12 : 5.6e-5)) << size;
     for (const T x : found) peak = std::max(peak, static_cast<double>(std::abs(x)));
   }
   EXPECT_GT(peak, 1e-4);
@@ -112,7 +112,7 @@ TEST(Ensemble, LeavesItsGroupsToTheRunner) {
     while (count-- > 0) task(count);
   });
   EXPECT_EQ(found, expected);
-  EXPECT_EQ(tasks, (std::vector<std::size_t>{3, 3, 3}));
+  EXPECT_EQ(tasks, (std::vector<std::size_t>{2, 2}));
 }
 
 // One thread for each group: `--preset tsan` shows that groups share no memory that one of them writes. It cannot

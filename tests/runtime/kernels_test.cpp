@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
+#include <memory>
 #include <numbers>
 #include <random>
 
@@ -298,6 +299,36 @@ TEST(Kernels, OutliveWhatIsNoNumber) {
     }
 }
 
+/// A string with a hammer in any state.
+template <typename T>
+struct Thrown {
+  Thrown(SegmentTable<T> felt_table, std::span<const Mode> modes, const ModeShapes<T>& at,
+         const ContactControls<T>& felt, T velocity, T compression, std::size_t block)
+      : table(felt_table),
+        string(modes, 44100),
+        shape(at),
+        constants(table, modes.size()),
+        hammer{.mass_kg = T(0.003),
+               .felt = felt,
+               .compression_m = compression,
+               .velocity_m_per_s = velocity,
+               .segment = segment_index(table, compression)},
+        out(block),
+        force(block) {
+    constants.strike_at(string, shape);
+  }
+  detail::StruckVoice<T> voice() {
+    return {constants.view(string.arrays(), table, shape, T(1 / 44100.0), 1, shape), &hammer, out, force.data()};
+  }
+
+  SegmentTable<T> table;
+  ModalBank<T> string;
+  ModeShapes<T> shape;
+  detail::StrikeConstantsStorage<T> constants;
+  detail::HammerState<T> hammer;
+  std::vector<T> out, force;
+};
+
 // Whatever the state of the hammer, a kernel stays within the table: in one, two and three levels of knots, with and
 // without loss. HammerString keeps such numbers out (controls_test); this is the kernels' own door.
 TYPED_TEST(Kernels, StayWithinTheTableForAnyLoad) {
@@ -312,26 +343,157 @@ TYPED_TEST(Kernels, StayWithinTheTableForAnyLoad) {
     for (const std::int64_t target : targets()) {
       const OnlyTarget only(target);
       for (const std::size_t block : {1u, 40u})
-        for (const T velocity : values)
+        for (const T velocity : values) {
+          // Each alone, then all together.
+          std::vector<std::unique_ptr<Thrown<T>>> all;
+          std::vector<detail::StruckVoice<T>> voices;
           for (const T compression : {T(-1e-4), T(0), table.back().knot / 2, 2 * table.back().knot})
-            for (const ContactControls<T>& felt : {ContactControls<T>{1, 0}, {1, 1}, {kMax, 0}, {kMax, kMax}}) {
-              ModalBank<T> string(modes, 44100);
-              detail::StrikeConstantsStorage<T> constants(table, modes.size());
-              constants.strike_at(string, shape);
-              const auto strike = constants.view(string.arrays(), table, shape, T(1 / 44100.0), 1, shape);
-              detail::HammerState<T> hammer{.mass_kg = T(0.003),
-                                            .felt = felt,
-                                            .compression_m = compression,
-                                            .velocity_m_per_s = velocity,
-                                            .segment = segment_index(SegmentTable<T>(table), compression)};
-              std::vector<T> out(block), force(block);
-              for (int again = 0; again < 3; ++again) {
-                EXPECT_LE(detail::process_struck(strike, hammer, out, force.data()), block);
-                ASSERT_LT(hammer.segment, table.size())
-                    << hwy::TargetName(target) << ' ' << segments << " segments, " << velocity << " m/s";
+            for (const ContactControls<T>& felt : {ContactControls<T>{1, 0}, {1, 1}, {kMax, 0}, {kMax, kMax}})
+              for (int twice = 0; twice < 2; ++twice)
+                all.push_back(std::make_unique<Thrown<T>>(table, modes, shape, felt, velocity, compression, block));
+          for (int again = 0; again < 3; ++again) {
+            voices.clear();
+            for (std::size_t i = 0; i < all.size(); ++i) {
+              auto voice = all[i]->voice();
+              if (i % 2 == 0) {
+                detail::process_struck(std::span(&voice, 1));
+                EXPECT_LE(voice.written, block);
+              } else {
+                voices.push_back(voice);
               }
             }
+            detail::process_struck(std::span(voices));
+            for (const auto& voice : voices) EXPECT_LE(voice.written, block);
+            for (const auto& thrown : all)
+              ASSERT_LT(thrown->hammer.segment, table.size())
+                  << hwy::TargetName(target) << ' ' << segments << " segments, " << velocity << " m/s";
+          }
+        }
     }
+  }
+}
+
+// Voices that differ in everything: 1 to 300 modes, tables of one, two and three levels of knots, with loss, damper
+// and controls that are no numbers, two of them never struck. They are struck between blocks of any length, each when
+// its time has come, and must play together what tick() plays of each: within the bound of one voice, whose roundings
+// a voice beside others also has, in another order.
+TYPED_TEST(Kernels, PlayVoicesTogetherAsAlone) {
+  using T = TypeParam;
+  constexpr std::size_t kVoices = 20, kSamples = 2000;
+  const std::size_t sizes[] = {1, 300, 17, 56, 4, 65, 5, 128}, segments[] = {32, 33, 8, 1024, 1, 64, 16};
+  std::vector<std::vector<Segment<T>>> tables;
+  std::vector<HammerString<T>> models;
+  std::vector<ModeShapes<T>> pickups;
+  for (std::size_t i = 0; i < kVoices; ++i) {
+    const std::size_t size = sizes[i % std::size(sizes)];
+    std::vector<Mode> modes;
+    ModeShapes<T> strike(size), pickup(size);
+    for (std::size_t k = 0; k < size; ++k) {
+      const double number = static_cast<double>(k + 1);
+      modes.push_back({2 * std::numbers::pi * 21000 * number / static_cast<double>(size + i), 2, 0.002});
+      strike[k] = static_cast<T>(std::sin(0.12 * std::numbers::pi * number));
+      pickup[k] = static_cast<T>(std::sin(0.4 * std::numbers::pi * number));
+    }
+    tables.push_back(table_in<T>(felt_table(c4(), static_cast<int>(segments[i % std::size(segments)]))));
+    models.emplace_back(tables.back(), modes, strike, 44100);
+    pickups.push_back(pickup);
+  }
+  const auto play = [&](std::size_t block) {
+    auto voices = models;
+    std::vector<HammerStringControls<T>> controls;
+    std::vector<std::vector<T>> sound(kVoices, std::vector<T>(kSamples)), force = sound;
+    for (std::size_t i = 0; i < kVoices; ++i)
+      controls.push_back({.hammer_mass_kg = static_cast<T>(0.002 + 0.001 * static_cast<double>(i % 3)),
+                          .felt = {static_cast<T>(1 + i % 4), static_cast<T>(i % 3 == 1 ? 0.1 : 0)},
+                          .damping_per_s = static_cast<T>(i % 5 == 4 ? 20 : 0)});
+    for (std::size_t at = 0; at < kSamples;) {
+      std::size_t until = kSamples;  // the next strike of any voice
+      for (std::size_t i = 0; i < kVoices; ++i) {
+        const std::size_t between = 450 + 91 * i, first = 17 * i;
+        if (i % 9 == 5) continue;
+        if (at >= first && (at - first) % between == 0) {
+          voices[i].strike(static_cast<T>(0.3 + 0.2 * static_cast<double>(i)), i % 2 == 0 ? T(1e-4) : T(0));
+          if (i % 6 == 2 && at > first) {
+            controls[i].hammer_mass_kg = controls[i].damping_per_s = std::numeric_limits<T>::quiet_NaN();
+            controls[i].felt.loss_s_per_m = std::numeric_limits<T>::quiet_NaN();
+          }
+        }
+        until = std::min(until, at < first ? first : at + between - (at - first) % between);
+      }
+      const std::size_t samples = std::min(until - at, std::max<std::size_t>(block, 1));
+      std::vector<typename HammerString<T>::Part> parts;
+      for (std::size_t i = 0; i < kVoices; ++i) {
+        if (block == 0) {
+          voices[i].tick(controls[i]);
+          sound[i][at] = voices[i].string().displacement(pickups[i]);
+          force[i][at] = voices[i].force();
+          continue;
+        }
+        parts.push_back(
+            {&voices[i], &controls[i], &pickups[i], std::span(sound[i]).subspan(at, samples), &force[i][at]});
+        if (parts.size() < HammerString<T>::kMaxTogether && i + 1 < kVoices) continue;
+        HammerString<T>::process_together(parts);
+        parts.clear();
+      }
+      at += samples;
+    }
+    return std::pair(sound, force);
+  };
+  const auto [expected, expected_force] = play(0);
+  for (const std::int64_t target : targets()) {
+    const OnlyTarget only(target);
+    for (const std::size_t block : {1u, 37u, 128u, 3000u}) {
+      const auto [found, found_force] = play(block);
+      for (std::size_t i = 0; i < kVoices; ++i) {
+        SCOPED_TRACE(std::string(hwy::TargetName(target)) + ", blocks of " + std::to_string(block) + ", voice " +
+                     std::to_string(i));
+        if (i % 9 == 5) {
+          EXPECT_EQ(found[i], std::vector<T>(kSamples));
+          EXPECT_EQ(found_force[i], std::vector<T>(kSamples));
+          continue;
+        }
+        EXPECT_TRUE(sequences_within<T>(found[i], expected[i], bound<T>()));
+        if (sizeof(T) == sizeof(double)) {  // as in PlayWhatThePlainModelPlays
+          EXPECT_TRUE(sequences_within<T>(found_force[i], expected_force[i], bound<T>()));
+        }
+      }
+    }
+  }
+}
+
+// The balance of BalanceTheEnergy for strings side by side, each struck at a speed of its own.
+TEST(Kernels, BalanceTheEnergyOfVoicesTogether) {
+  auto modes = bare(audible_modes(c4()));
+  for (Mode& mode : modes) mode.decay_per_s = 0;
+  const auto table = felt_table(c4(), 32);
+  const auto shape = shapes<double>(audible_modes(c4()), &ResonatorMode::strike_shape);
+  const HammerStringControls<double> controls{.hammer_mass_kg = c4().hammer_kg};
+  for (const std::int64_t target : targets()) {
+    const OnlyTarget only(target);
+    std::vector<HammerString<double>> models(11, HammerString<double>(table, modes, shape, 44100));
+    const auto of_hammer = [&](const HammerString<double>& model) {
+      const double v = model.hammer_velocity();
+      return controls.hammer_mass_kg * v * v / 2 + potential(SegmentTable<double>(table), model.compression());
+    };
+    std::vector<double> expected(models.size());
+    std::vector<std::vector<double>> out(models.size(), std::vector<double>(64));
+    std::vector<HammerString<double>::Part> parts;
+    for (std::size_t i = 0; i < models.size(); ++i) parts.push_back({&models[i], &controls, &shape, out[i]});
+    double worst = 0;
+    for (int n = 0; n < 441000 / 64; ++n) {
+      for (std::size_t i = 0; i < models.size(); ++i) {
+        if (n % 7 != 0) continue;
+        expected[i] -= of_hammer(models[i]);
+        models[i].strike(2 + 0.1 * static_cast<double>(i), 1e-4);
+        expected[i] += of_hammer(models[i]);
+      }
+      HammerString<double>::process_together(parts);
+      for (std::size_t i = 0; i < models.size(); ++i) {
+        const double error = std::abs(models[i].string().energy() + of_hammer(models[i]) - expected[i]) / expected[i];
+        worst = std::isfinite(error) ? std::max(worst, error) : std::numeric_limits<double>::infinity();
+      }
+    }
+    EXPECT_LT(worst, 1e-12) << hwy::TargetName(target);
   }
 }
 
