@@ -735,16 +735,16 @@ class CoupledContacts {
   void solve_few() {
     T l[kRows][kRows], x[kRows];
     for (std::size_t j = 0; j < kRows; ++j) {
-      T pivot = factor_(j, j);
+      T diagonal = factor_(j, j);
       x[j] = right_[j];
       for (std::size_t k = 0; k < j; ++k) {
         l[j][k] = factor_(j, k);
         for (std::size_t q = 0; q < k; ++q) l[j][k] -= l[j][q] * l[k][q];
         l[j][k] *= l[k][k];
-        pivot -= l[j][k] * l[j][k];
+        diagonal -= l[j][k] * l[j][k];
         x[j] -= l[j][k] * x[k];
       }
-      l[j][j] = 1 / std::sqrt(std::max(pivot, T(1)));
+      l[j][j] = 1 / std::sqrt(std::max(diagonal, T(1)));
       x[j] *= l[j][j];
     }
     for (std::size_t j = kRows; j-- > 0;) {
@@ -760,7 +760,7 @@ class CoupledContacts {
     const std::size_t padded = factor.padded(m);
     for (std::size_t j = 0; j < m; ++j) {
       T* column = factor.column(j);
-      const T inverse = 1 / std::sqrt(std::max(column[j], T(1)));  // no pivot of I + ... is below 1
+      const T inverse = 1 / std::sqrt(std::max(column[j], T(1)));  // no diagonal of I + ... is below 1
       for (std::size_t i = j / kLine * kLine; i < padded; ++i) column[i] *= inverse;
       for (std::size_t k = j + 1; k < m; ++k)
         detail::add_scaled(k / kLine * kLine, padded, -column[k], column, factor.column(k));
