@@ -262,9 +262,9 @@ std::function<void(Record&)> keyboard_instrument(std::size_t gust) {
     if (record.samples % kTake < kSlice) s->model.reset(), take->restart();
     for (std::size_t n = 0, block = 0; n < kSlice; n += block, record.samples += block) {
       s->weather.next();
-      const T mass_ratio = s->weather.any({T(1e-3), T(1e3)});
+      const T mass_ratio = s->weather.any({T(1e-6), T(1e6)});
       s->model.set_hammers(mass_ratio, any_contact(s->weather));
-      s->mass_ratio = held(s->mass_ratio, mass_ratio, {T(1e-3), T(1e3)});
+      s->mass_ratio = held(s->mass_ratio, mass_ratio, {T(1e-6), T(1e6)});
       const std::size_t key = s->weather.below(Piano::keys + 2);  // also beyond the last one
       double work = 0;
       if (gust > 1 || n % 500 == 0) {
