@@ -9,7 +9,7 @@ set title 'Middle C on the soundboard, left ear: the first 100 ms, each level by
 set xlabel 'time [ms]'
 set ylabel 'velocity / peak'
 set xrange [0:100]
-set yrange [-1.1:1.1]
+set yrange [-1.1:1.6]
 set ytics 0.5
 plot ARG1.'/waveform_ff' using 1:($2/ff_max) with lines lt 3 title 'ff, 4 m/s', \
      ARG1.'/waveform_pp' using 1:($2/pp_max) with lines lt 2 title 'pp, 0.5 m/s'
