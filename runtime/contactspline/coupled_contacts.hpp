@@ -197,10 +197,14 @@ class CoupledContacts {
   /// Newton steps that a group may take in a sample. After these, the bounding law computes its forces.
   static constexpr int kMaxSteps = 64;
 
-  /// max_steps: in place of kMaxSteps, 0 or more.
-  CoupledContacts(std::size_t connections, double sample_rate_hz, int max_steps = kMaxSteps)
+  /// Steps in a row that need not halve the residual. After these, each step must lower the convex merit.
+  static constexpr int kPatience = 8;
+
+  /// max_steps: in place of kMaxSteps, 0 or more. patience: in place of kPatience; -1: all steps lower the merit.
+  CoupledContacts(std::size_t connections, double sample_rate_hz, int max_steps = kMaxSteps, int patience = kPatience)
       : time_step_(T(1 / sample_rate_hz)),
         max_steps_(max_steps),
+        patience_(patience),
         connections_(connections),
         laws_(connections),
         ends_(connections),
@@ -327,7 +331,6 @@ class CoupledContacts {
   static constexpr T kRounding = std::numeric_limits<T>::epsilon();
   // Motions whose energies round to 0 [m]: errors of less do not count.
   static constexpr T kTiny = std::numeric_limits<T>::min_exponent < -1000 ? T(1e-150) : T(1e-18);
-  static constexpr int kPatience = 8;
   static constexpr int kRefinements = 2;  // of the forces of springs
 
   // By how much the forces of the contacts reduce the increments of all, with the springs.
@@ -575,7 +578,7 @@ class CoupledContacts {
   }
 
   // Finds the solution, or returns false. Each step is Newton's, about the point that linearise_nearby() chooses. If
-  // kPatience of them in a row do not halve the smallest residual, Newton's method on the convex merit goes on, which
+  // patience_ of them in a row do not halve the smallest residual, Newton's method on the convex merit goes on, which
   // cannot fail.
   bool iterate() {
     if (max_steps_ == 0) return false;
@@ -592,7 +595,7 @@ class CoupledContacts {
       move(1);
       ++steps_;
       refused = next_.norm <= best / 2 ? 0 : refused + 1;
-      if (refused > kPatience && !next_.is_found && !descend()) break;
+      if (refused > patience_ && !next_.is_found && !descend()) break;
       std::swap(now_, next_);
       best = std::min(best, now_.norm);
       if (now_.is_found || (refused > 1 && is_rounding(now_))) return true;
@@ -819,7 +822,7 @@ class CoupledContacts {
   }
 
   T time_step_;
-  int max_steps_;
+  int max_steps_, patience_;
   std::vector<CoupledConnection<T>> connections_;
   std::vector<detail::SampleLaw<T>> laws_;  // of the positions in the group
   std::vector<detail::EndOfSample<T>> ends_;

@@ -160,9 +160,10 @@ TYPED_TEST(OneContact, IsTheContactStep) {
   EXPECT_GT(touching, 100000);
 }
 
-void expect_agreement_with_bisection(std::size_t contacts, int problems) {
+void expect_agreement_with_bisection(std::size_t contacts, int problems,
+                                     int patience = CoupledContacts<double>::kPatience) {
   Random random(2);
-  CoupledContacts<double> solver(contacts, kRate);
+  CoupledContacts<double> solver(contacts, kRate, CoupledContacts<double>::kMaxSteps, patience);
   int coupled = 0;
   for (int n = 0; n < problems; ++n) {
     const Problem problem(random, contacts);
@@ -187,6 +188,13 @@ TEST(CoupledContacts, AgreesWithBisectionForTwo) {
 }
 TEST(CoupledContacts, AgreesWithBisectionForThree) {
   expect_agreement_with_bisection(3, 30);
+}
+
+// Newton's method on the convex merit, which takes over where the quicker steps fail, finds the same forces by
+// itself.
+TEST(CoupledContacts, AgreesWithBisectionIfEachStepLowersTheMerit) {
+  expect_agreement_with_bisection(2, 1000, -1);
+  expect_agreement_with_bisection(3, 30, -1);
 }
 
 // Two problems without admittance between them give the bits that each gives alone.
