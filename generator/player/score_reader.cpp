@@ -38,11 +38,11 @@ constexpr Range kDecay{0, 1e5};
 constexpr Range kHeight{-0.1, 0.1};
 constexpr Range kForce{-1e3, 1e3};
 
-constexpr double kRing = 1;                      // s, after the last note of a MIDI file
-constexpr double kBendTime_s = 0.01;             // in which a sounding string follows the pitch wheel
-constexpr int kNoBends = -1;                     // instead of a channel
-constexpr int kSostenuto = 66, kSoftPedal = 67;  // controllers
-constexpr double kKeyboardWidth = 0.6;           // pan of its ends
+constexpr double kRing = 1;                                     // s, after the last note of a MIDI file
+constexpr double kBendTime_s = 0.01;                            // in which a sounding string follows the pitch wheel
+constexpr int kNoBends = -1;                                    // instead of a channel
+constexpr int kSustain = 64, kSostenuto = 66, kSoftPedal = 67;  // controllers
+constexpr double kKeyboardWidth = 0.6;                          // pan of its ends
 
 bool has_hammer(Instrument instrument) {
   return instrument == Instrument::kHammerString;
@@ -189,6 +189,18 @@ void add_pedals(std::span<const MidiPedal> pedals, Score& score) {
   }
 }
 
+// When the pedals that are down at the end of the last note are up again: they may hold it.
+double end_of_pedals(std::span<const MidiPedal> pedals, double end_s) {
+  bool sustains = false, holds = false;
+  for (const MidiPedal& pedal : pedals) {
+    if (pedal.time_s > end_s && !sustains && !holds) break;
+    if (pedal.controller == kSostenuto) holds = pedal.position > 0;
+    if (pedal.controller == kSustain) sustains = pedal.position > 0;
+    end_s = std::max(end_s, pedal.time_s);
+  }
+  return end_s;
+}
+
 // Every key that is played.
 std::vector<Voice> read_keys(const JsonObject& score, const Keyboard& keyboard,
                              const std::vector<JsonObject>& events) {
@@ -262,7 +274,8 @@ bool read_note(const JsonObject& event, Instrument instrument, double time, std:
   const InstrumentRules& rules = rules_of(instrument);
   const bool presses = event.has("hold_s") && event.has("key");  // without a blow
   if (event.has("hold_s") && !event.has(rules.note) && !presses)
-    event.fail(event.key("hold_s"), "holds nothing", fmt::format("beside {}", rules.note));
+    event.fail(event.key("hold_s"), "holds nothing",
+               fmt::format("beside {}{}", rules.note, has_hammer(instrument) ? " or key" : ""));
   if (!event.has(rules.note) && !presses) return false;
   for (Voice& voice : voices) {
     if (has_hammer(instrument)) {
@@ -368,8 +381,7 @@ Score parse_midi_score(std::string_view bytes, std::string_view file, std::span<
         {note.time_s, strike_speed(keyboard, note.velocity / 127.0), note.hold_s, 0, note.key_hold_s});
     end = std::max(end, note.time_s + note.hold_s);
   }
-  for (const MidiPedal& pedal : pedals)
-    if (pedal.controller == kSostenuto) end = std::max(end, pedal.time_s);
+  end = end_of_pedals(pedals, end);
   if (voices.empty())
     throw BadInput(fmt::format("{}: MIDI: no note is on the piano; allowed: keys {} to {}", file, keyboard.first_key,
                                keyboard.last_key));

@@ -47,7 +47,8 @@ template <std::floating_point T>
 class Ensemble {
  public:
   static constexpr std::size_t kBlock = 256;  ///< samples that a voice computes at a time
-  static constexpr std::size_t kGroup = 16;   ///< voices that one thread computes as one task
+  static constexpr std::size_t kGroup =
+      HammerString<T>::kMaxTogether;  ///< voices that one thread computes as one task
 
   /// inaudible_j [J]: the default is 90 dB below the energy of a C4 hammer at 0.1 m/s.
   explicit Ensemble(double sample_rate_hz, double inaudible_j = 1e-14)

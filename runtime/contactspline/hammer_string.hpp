@@ -187,11 +187,13 @@ class HammerString {
     T* forces = nullptr;
   };
 
-  /// process() of at most kMaxTogether models, which ContactSpline::simd computes side by side.
+  /// process() of models of which none stands there twice. ContactSpline::simd computes kMaxTogether side by side.
   static constexpr std::size_t kMaxTogether = detail::kMaxTogether;
   static void process_together(std::span<const Part> parts) {
 #ifdef CONTACTSPLINE_SIMD
     if constexpr (Modes == std::dynamic_extent) {
+      for (; parts.size() > kMaxTogether; parts = parts.subspan(kMaxTogether))
+        process_together(parts.first(kMaxTogether));
       detail::StruckVoice<T> struck[kMaxTogether];
       std::size_t count = 0;
       for (const Part& part : parts)

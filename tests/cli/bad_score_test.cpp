@@ -198,7 +198,7 @@ std::vector<BadFile> key_cases() {
       {"voice_is_number", changed(kHammer, R"("voice": "a")", R"("voice": 1)"), "events[0].voice",
        "is not a string; allowed: a"},
       {"hold_without_note", changed(kHammer, note + ", ", ""), "events[0].hold_s",
-       "holds nothing; allowed: beside speed_m_per_s"},
+       "holds nothing; allowed: beside speed_m_per_s or key"},
       {"glide_without_control", changed(kKeys, note, note + R"(, "over_s": 1)"), "events[0].over_s",
        "glides to nothing; allowed: beside a control"},
       {"pedal_of_a_key", changed(kKeys, note, R"("sustain": 1)"), "events[0].sustain",

@@ -56,5 +56,17 @@ TEST(ScoreReader, GivesBentChannelsTheirOwnStrings) {
   EXPECT_EQ(score.keys[39].strings.detuning_cents.size(), 3u);
 }
 
+// A note of 0.5 s that the pedal of another channel holds until 5 s; and one before a pedal that holds nothing. A
+// second rings after the end.
+TEST(ScoreReader, EndsWhenThePedalsLetGo) {
+  const auto duration_s = [](std::string_view events) {
+    const std::string head("MThd\0\0\0\6\0\0\0\1\0\x60MTrk\0\0\0", 21);
+    return parse_midi_score(head + static_cast<char>(events.size()) + std::string(events), "probe.mid").duration_s;
+  };
+  EXPECT_DOUBLE_EQ(duration_s({"\0\xb1\x40\x7f\0\x90\x3c\x40\x60\x80\x3c\0\x86\x60\xb1\x40\0\0\xff\x2f\0", 21}), 6);
+  EXPECT_DOUBLE_EQ(duration_s({"\0\x90\x3c\x40\x60\x80\x3c\0\x60\xb0\x42\x7f\x86\x60\xb0\x42\0\0\xff\x2f\0", 21}),
+                   1.5);
+}
+
 }  // namespace
 }  // namespace contactspline::testing

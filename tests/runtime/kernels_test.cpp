@@ -431,10 +431,8 @@ TYPED_TEST(Kernels, PlayVoicesTogetherAsAlone) {
         }
         parts.push_back(
             {&voices[i], &controls[i], &pickups[i], std::span(sound[i]).subspan(at, samples), &force[i][at]});
-        if (parts.size() < HammerString<T>::kMaxTogether && i + 1 < kVoices) continue;
-        HammerString<T>::process_together(parts);
-        parts.clear();
       }
+      HammerString<T>::process_together(parts);
       at += samples;
     }
     return std::pair(sound, force);
