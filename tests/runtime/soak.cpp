@@ -146,7 +146,27 @@ std::function<void(Record&)> mass_barrier(std::size_t gust) {
   };
 }
 
-/// Models that process blocks draw anew for each: of a tenth of a second and, where controls jump, of one sample.
+/// The work put into a model and its energy afterwards [J].
+struct Flow {
+  double work, energy;
+};
+
+/// Plays a model in blocks, a tenth of a second each and, where controls jump, one sample. play(n, block, record)
+/// draws anew and plays the block that begins with sample n of the slice.
+template <typename T, typename State, typename Play>
+std::function<void(Record&)> in_blocks(std::shared_ptr<State> s, std::size_t gust, Play play) {
+  return [s, gust, play, take = std::shared_ptr<Take<T>>()](Record& record) mutable {
+    if (!take) take = std::make_shared<Take<T>>(record);
+    if (record.samples % kTake < kSlice) s->model.reset(), take->restart();
+    for (std::size_t n = 0, block = 0; n < kSlice; n += block, record.samples += block) {
+      s->weather.next();
+      block = std::min(gust, kSlice - n);
+      const Flow flow = play(n, block, record);
+      take->close(flow.work, flow.energy);
+    }
+  };
+}
+
 template <typename T>
 std::function<void(Record&)> hammer_string(std::size_t gust) {
   struct State {
@@ -155,26 +175,20 @@ std::function<void(Record&)> hammer_string(std::size_t gust) {
     std::vector<T> out = std::vector<T>(kGust);
   };
   auto s = std::make_shared<State>();
-  return [s, gust, take = std::shared_ptr<Take<T>>()](Record& record) mutable {
+  return in_blocks<T>(s, gust, [s, gust](std::size_t n, std::size_t block, Record& record) {
     using Ranges = ControlRanges<T>;
-    if (!take) take = std::make_shared<Take<T>>(record);
-    if (record.samples % kTake < kSlice) s->model.reset(), take->restart();
-    for (std::size_t n = 0, block = 0; n < kSlice; n += block, record.samples += block) {
-      s->weather.next();
-      const T mass = T(0.003);
-      double work = 0;
-      if (gust > 1 || n % 50 == 0) {
-        const T speed = s->weather.any(Ranges::speed_m_per_s);
-        s->model.strike(speed, s->weather.any(Ranges::throw_distance_m));
-        work = thrown_j(mass, speed);
-      }
-      block = std::min(gust, kSlice - n);
-      s->model.process({mass, any_contact(s->weather), s->weather.any(Ranges::damping_per_s)}, parts<T>().pickup,
-                       std::span(s->out).first(block));
-      for (std::size_t i = 0; i < block; ++i) record.demand_finite(s->out[i]);
-      take->close(work, s->model.string().energy());
+    const T mass = T(0.003);
+    double work = 0;
+    if (gust > 1 || n % 50 == 0) {
+      const T speed = s->weather.any(Ranges::speed_m_per_s);
+      s->model.strike(speed, s->weather.any(Ranges::throw_distance_m));
+      work = thrown_j(mass, speed);
     }
-  };
+    s->model.process({mass, any_contact(s->weather), s->weather.any(Ranges::damping_per_s)}, parts<T>().pickup,
+                     std::span(s->out).first(block));
+    for (std::size_t i = 0; i < block; ++i) record.demand_finite(s->out[i]);
+    return Flow{work, s->model.string().energy()};
+  });
 }
 
 template <typename T>
@@ -224,32 +238,26 @@ std::function<void(Record&)> ensemble(std::size_t gust) {
   for (std::size_t voice = 0; voice < kVoices; ++voice)
     s->model.add(parts<T>().table, bare(parts<T>().modes), parts<T>().strike, parts<T>().pickup,
                  {.hammer_mass_kg = mass});
-  return [s, gust, mass, take = std::shared_ptr<Take<T>>()](Record& record) mutable {
+  return in_blocks<T>(s, gust, [s, gust, mass](std::size_t n, std::size_t block, Record& record) {
     using Ranges = ControlRanges<T>;
-    if (!take) take = std::make_shared<Take<T>>(record);
-    if (record.samples % kTake < kSlice) s->model.reset(), take->restart();
-    for (std::size_t n = 0, block = 0; n < kSlice; n += block, record.samples += block) {
-      s->weather.next();
-      double work = 0, energy = 0;
-      for (std::size_t voice = 0; voice < kVoices; ++voice) {
-        if (gust > 1 || n % 50 == 0) {
-          const T speed = s->weather.any(Ranges::speed_m_per_s);
-          s->model.strike(voice, speed, s->weather.any(Ranges::throw_distance_m));
-          work += thrown_j(mass, speed);
-        }
-        s->model.controls(voice) = {mass, any_contact(s->weather), s->weather.any(Ranges::damping_per_s)};
-        s->model.mix(voice) = {s->weather.any(Ranges::gain), s->weather.any(Ranges::pan)};
+    double work = 0, energy = 0;
+    for (std::size_t voice = 0; voice < kVoices; ++voice) {
+      if (gust > 1 || n % 50 == 0) {
+        const T speed = s->weather.any(Ranges::speed_m_per_s);
+        s->model.strike(voice, speed, s->weather.any(Ranges::throw_distance_m));
+        work += thrown_j(mass, speed);
       }
-      block = std::min(gust, kSlice - n);
-      s->model.process(std::span(s->left).first(block), std::span(s->right).first(block));
-      for (std::size_t i = 0; i < block; ++i) {
-        record.demand_finite(s->left[i]);
-        record.demand_finite(s->right[i]);
-      }
-      for (std::size_t voice = 0; voice < kVoices; ++voice) energy += s->model.model(voice).string().energy();
-      take->close(work, energy);
+      s->model.controls(voice) = {mass, any_contact(s->weather), s->weather.any(Ranges::damping_per_s)};
+      s->model.mix(voice) = {s->weather.any(Ranges::gain), s->weather.any(Ranges::pan)};
     }
-  };
+    s->model.process(std::span(s->left).first(block), std::span(s->right).first(block));
+    for (std::size_t i = 0; i < block; ++i) {
+      record.demand_finite(s->left[i]);
+      record.demand_finite(s->right[i]);
+    }
+    for (std::size_t voice = 0; voice < kVoices; ++voice) energy += s->model.model(voice).string().energy();
+    return Flow{work, energy};
+  });
 }
 
 /// A whole piano: keys struck, pressed and released at random, under all pedals. Few of them where controls jump:
@@ -264,36 +272,30 @@ std::function<void(Record&)> keyboard_instrument(std::size_t gust) {
     T mass_ratio = 1;  // that acts
   };
   auto s = std::make_shared<State>();
-  return [s, gust, take = std::shared_ptr<Take<T>>()](Record& record) mutable {
+  return in_blocks<T>(s, gust, [s, gust](std::size_t n, std::size_t block, Record& record) {
     using Ranges = ControlRanges<T>;
-    if (!take) take = std::make_shared<Take<T>>(record);
-    if (record.samples % kTake < kSlice) s->model.reset(), take->restart();
-    for (std::size_t n = 0, block = 0; n < kSlice; n += block, record.samples += block) {
-      s->weather.next();
-      const T mass_ratio = s->weather.any({T(1e-6), T(1e6)});
-      s->model.set_hammers(mass_ratio, any_contact(s->weather));
-      s->mass_ratio = held(s->mass_ratio, mass_ratio, {T(1e-6), T(1e6)});
-      const std::size_t key = s->weather.below(Piano::keys + 2);  // also beyond the last one
-      double work = 0;
-      if (gust > 1 || n % 500 == 0) {
-        const T speed = s->weather.any(Ranges::speed_m_per_s);
-        s->model.strike(key, speed);
-        if (key < Piano::keys)
-          work = Piano::strings[key] * thrown_j(s->mass_ratio * static_cast<T>(Piano::hammer_masses[key]), speed);
-      }
-      s->weather.now_and_then(2) ? s->model.press(s->weather.below(Piano::keys + 2)) : s->model.release(key);
-      s->model.sustain(static_cast<double>(s->weather.any({0, 1})));
-      s->model.sostenuto(s->weather.now_and_then(2));
-      s->model.una_corda(static_cast<double>(s->weather.any({0, 1})));
-      block = std::min(gust, kSlice - n);
-      s->model.process(std::span(s->left).first(block), std::span(s->right).first(block));
-      for (std::size_t i = 0; i < block; ++i) {
-        record.demand_finite(s->left[i]);
-        record.demand_finite(s->right[i]);
-      }
-      take->close(work, s->model.energy());
+    const T mass_ratio = s->weather.any({T(1e-6), T(1e6)});
+    s->model.set_hammers(mass_ratio, any_contact(s->weather));
+    s->mass_ratio = held(s->mass_ratio, mass_ratio, {T(1e-6), T(1e6)});
+    const std::size_t key = s->weather.below(Piano::keys + 2);  // also beyond the last one
+    double work = 0;
+    if (gust > 1 || n % 500 == 0) {
+      const T speed = s->weather.any(Ranges::speed_m_per_s);
+      s->model.strike(key, speed);
+      if (key < Piano::keys)
+        work = Piano::strings[key] * thrown_j(s->mass_ratio * static_cast<T>(Piano::hammer_masses[key]), speed);
     }
-  };
+    s->weather.now_and_then(2) ? s->model.press(s->weather.below(Piano::keys + 2)) : s->model.release(key);
+    s->model.sustain(static_cast<double>(s->weather.any({0, 1})));
+    s->model.sostenuto(s->weather.now_and_then(2));
+    s->model.una_corda(static_cast<double>(s->weather.any({0, 1})));
+    s->model.process(std::span(s->left).first(block), std::span(s->right).first(block));
+    for (std::size_t i = 0; i < block; ++i) {
+      record.demand_finite(s->left[i]);
+      record.demand_finite(s->right[i]);
+    }
+    return Flow{work, s->model.energy()};
+  });
 }
 
 /// A slide-string or a fret-string.
