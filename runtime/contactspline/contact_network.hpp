@@ -95,7 +95,7 @@ class NetworkPlan {
                               .resistance_n_s_per_m = resistance_n_s_per_m});
   }
 
-  /// A link so stiff that its length changes by 1e-4 (float: 1e-3) of what the places would move apart in a sample.
+  /// A link so stiff that its length changes by 1e-3 of what the places would move apart in a sample.
   std::size_t add_rigid_link(std::size_t first, std::size_t second, T gap_m = 0) {
     return add(connections_, {.first = first, .second = second, .gap_m = gap_m, .is_rigid = true});
   }
@@ -215,7 +215,7 @@ class ContactNetwork {
     for (const std::size_t p : pushed_) places_[p].push = 0, places_[p].is_pushed = false;
     pushed_.clear();
     last_pushed_.clear();
-    since_sleep_ = 0;
+    since_interval_ = 0;
     anchor_ = 0;
     place_all();
   }
@@ -225,7 +225,7 @@ class ContactNetwork {
     work_of_controls_ = 0;
     if (std::exchange(is_coupling_old_, false)) couple();
     follow_controls();
-    if constexpr (kRounds) anchor_next();
+    if (since_interval_ == 0) anchor_next();
     predict();
     solve();
     put_to_sleep();
@@ -287,11 +287,10 @@ class ContactNetwork {
   // A contact sleeps if even this many samples of fastest motion would not close it, and wakes before this many
   // might.
   static constexpr T kSleepingSamples = 16, kWakingSamples = 2;
-  // Samples between two decisions which contacts fall asleep.
-  static constexpr int kSleepInterval = 16;
-  // Does T round so much that compressions drift within minutes?
-  static constexpr bool kRounds = std::numeric_limits<T>::digits < std::numeric_limits<double>::digits;
-  static constexpr T kRigidity = kRounds ? T(1e3) : T(1e4);
+  // Samples from one decision which contacts fall asleep to the next, and from one correction of a compression.
+  static constexpr int kInterval = 16;
+  // Stiffness of a rigid link times its admittance. Energy is balanced up to rounding of this times what it stores.
+  static constexpr T kRigidity = T(1e3);
 
   struct Body {
     Body(std::span<const Mode> modes, double sample_rate_hz) : bank(modes, sample_rate_hz) {}
@@ -310,8 +309,8 @@ class ContactNetwork {
     T travel = 0, travelled = 0;
     std::vector<std::size_t> places;
     std::vector<std::size_t> connections;
-    std::vector<T> admittances;      // of each with those up to itself, without damping [m/N]
-    std::vector<std::size_t> awake;  // places whose increments are computed in each sample
+    std::vector<double> admittances;  // of each with those up to itself, without damping [m/N]
+    std::vector<std::size_t> awake;   // places whose increments are computed in each sample
     std::vector<const T*> awake_shapes;
     T free_travel = 0;                // of the next sample without forces and damper, likewise these: [m]
     std::vector<T> free_increments;   // of the awake places
@@ -366,33 +365,46 @@ class ContactNetwork {
 
   // What each body adds to the admittances of its connections, without damping.
   void couple_bodies() {
-    const auto between = [&](std::size_t body, std::size_t p, std::size_t q) {
-      return p == kGround || q == kGround || places_[p].body != body ? T(0) : mutual_[p * places_.size() + q];
-    };
     for (std::size_t b = 0; b < bodies_.size(); ++b) {
       Body& body = bodies_[b];
       for (std::size_t k = 0; k < connections_.size(); ++k)
-        for (const std::size_t p : {connections_[k].first, connections_[k].second})
-          if (p != kGround && places_[p].body == b && (body.connections.empty() || body.connections.back() != k))
-            body.connections.push_back(k);
-      for (const std::size_t k : body.connections)
-        for (const std::size_t l : body.connections) {
-          if (l > k) break;
-          const Connection &c = connections_[k], &d = connections_[l];
-          body.admittances.push_back((between(b, c.first, d.first) + between(b, c.second, d.second)) -
-                                     (between(b, c.first, d.second) + between(b, c.second, d.first)));
+        if (has_end_on(connections_[k], b)) body.connections.push_back(k);
+      std::vector<std::vector<double>> shapes;
+      for (const std::size_t k : body.connections) shapes.push_back(shapes_of(connections_[k], b));
+      for (std::size_t k = 0; k < shapes.size(); ++k)
+        for (std::size_t l = 0; l <= k; ++l) {
+          double admittance = 0;
+          for (std::size_t i = 0; i < body.bank.size(); ++i)
+            admittance += body.bank.admittance(i) * shapes[k][i] * shapes[l][i];
+          body.admittances.push_back(admittance);
         }
     }
     admittances_.resize(connections_.size() * connections_.size());
   }
 
+  [[nodiscard]] bool has_end_on(const Connection& c, std::size_t body) const {
+    return (c.first != kGround && places_[c.first].body == body) ||
+           (c.second != kGround && places_[c.second].body == body);
+  }
+
+  // Shapes of a connection on a body: those of its first place minus those of its second. The admittance of two
+  // places that move almost together needs the difference before the sum over the modes, or it loses its digits.
+  [[nodiscard]] std::vector<double> shapes_of(const Connection& c, std::size_t body) const {
+    std::vector<double> shapes(bodies_[body].bank.size());
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+      if (c.first != kGround && places_[c.first].body == body) shapes[i] += places_[c.first].shapes[i];
+      if (c.second != kGround && places_[c.second].body == body) shapes[i] -= places_[c.second].shapes[i];
+    }
+    return shapes;
+  }
+
   // Admittances of all pairs of connections.
   void couple() {
     const std::size_t n = connections_.size();
-    std::ranges::fill(admittances_, T(0));
+    std::ranges::fill(admittances_, 0.0);
     for (Body& body : bodies_) {
       body.damping_gain = 1 / (1 + body.damping);
-      const T* admittance = body.admittances.data();
+      const double* admittance = body.admittances.data();
       for (const std::size_t k : body.connections)
         for (const std::size_t l : body.connections) {
           if (l > k) break;
@@ -400,10 +412,10 @@ class ContactNetwork {
         }
     }
     for (std::size_t k = 0; k < n; ++k) {
-      T& own = admittances_[k * n + k];
+      double& own = admittances_[k * n + k];
       own = std::max(own, kMinAdmittance);
-      for (std::size_t l = 0; l <= k; ++l) solver_.set_admittance(k, l, admittances_[k * n + l]);
-      connections_[k].root_admittance = std::sqrt(own);
+      for (std::size_t l = 0; l <= k; ++l) solver_.set_admittance(k, l, static_cast<T>(admittances_[k * n + l]));
+      connections_[k].root_admittance = std::sqrt(static_cast<T>(own));
       max_root_admittance_ = std::max(max_root_admittance_, connections_[k].root_admittance);
     }
   }
@@ -491,13 +503,14 @@ class ContactNetwork {
     return stiffness != target;
   }
 
-  // Keeps the rounding errors of the increments from adding up: corrects one compression in each sample.
+  // Keeps the rounding errors of the increments from adding up: corrects one compression after the other, at a rate
+  // of 1e-4 per sample.
   void anchor_next() {
     if (connections_.empty()) return;
     anchor_ = (anchor_ + 1) % connections_.size();
     if (!connections_[anchor_].is_awake) return;
     CoupledConnection<T>& c = solver_[anchor_];
-    const T part = std::min(T(1e-4) * static_cast<T>(connections_.size()), T(1));
+    const T part = std::min(T(1e-4) * static_cast<T>(connections_.size() * kInterval), T(1));
     // Not the gap of this sample, but the one before it moved.
     const T error = measured(anchor_) - connections_[anchor_].lift - c.compression;
     c.compression += part * error;
@@ -632,10 +645,10 @@ class ContactNetwork {
   void put_to_sleep() {
     solver_.advance();
     reached_ += reach_;
-    const bool is_time = ++since_sleep_ == kSleepInterval;
+    const bool is_time = ++since_interval_ == kInterval;
     if (is_time || may_touch(reached_ + kWakingSamples * reach_, kWakingSamples)) reduce_slacks();
     if (is_time) {
-      since_sleep_ = 0;
+      since_interval_ = 0;
       for (const std::size_t k : awake_) {
         Connection& c = connections_[k];
         const T y = solver_[k].compression;
@@ -712,7 +725,7 @@ class ContactNetwork {
   }
 
   // [m/N]. Where nothing moves the admittance is 0; a contact needs one > 0.
-  static constexpr T kMinAdmittance = T(1e-18);
+  static constexpr double kMinAdmittance = 1e-18;
   // Covers the rounding of the bounds.
   static constexpr T kMargin = T(1.001);
 
@@ -724,7 +737,7 @@ class ContactNetwork {
   std::vector<std::size_t> awake_, asleep_;        // connections
   std::vector<std::size_t> woken_;                 // whose compressions are measured at the end of the sample
   std::vector<std::size_t> pushed_, last_pushed_;  // places
-  std::vector<T> admittances_;                     // of each connection with those up to itself [m/N]
+  std::vector<double> admittances_;                // of each connection with those up to itself [m/N]
   std::vector<T> mutual_;                          // admittances of all pairs of places, without damping [m/N]
   std::vector<T> increments_;                      // of the places that are awake, without connections [m]
   // Sum of force times root of admittance: over the last sample, and since slacks were last reduced.
@@ -733,7 +746,7 @@ class ContactNetwork {
   T min_slack_ = std::numeric_limits<T>::max();  // of the sleeping contacts
   double work_of_controls_ = 0;
   std::size_t anchor_ = 0;
-  int since_sleep_ = 0;
+  int since_interval_ = 0;
   bool is_list_old_ = true, is_following_ = false, is_coupling_old_ = false;
 };
 

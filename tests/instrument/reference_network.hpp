@@ -236,7 +236,7 @@ class ReferenceNetwork {
     const Real rate = 1 / time_step_;
     if (c.kind == ConnectionKind::kSpring) return {c.stiffness_n_per_m, c.resistance_n_s_per_m * rate};
     if (c.kind == ConnectionKind::kLink) {
-      const Real stiffness = 1e4L / coupling_[k * connections_.size() + k];
+      const Real stiffness = 1e3L / coupling_[k * connections_.size() + k];
       return {stiffness, stiffness / 2};
     }
     const std::size_t begin = c.table == 0 ? 0 : data_.table_ends[c.table - 1],

@@ -51,7 +51,8 @@ struct Problem {
       for (std::size_t j = 0; j < n; ++j)
         for (std::size_t m = 0; m < 6; ++m) admittance[i][j] += scale * shapes[i][m] * shapes[j][m];
     for (std::size_t i = 0; i < n; ++i) {
-      tables.push_back(power_table(random.log_between(1e4, 1e12), random.between(1, 3), 1e-3));
+      const double exponent = random.between(1, 3), stiffness = random.log_between(1e4, 1e12);
+      tables.push_back(power_table(stiffness, exponent, 1e-3));
       compression.push_back(random.between(-3e-4, 5e-4));
       free_increment.push_back(random.between(-1e-3, 1e-3));
       controls.push_back({random.log_between(0.1, 10), random.below(2) != 0 ? random.between(0, 1) : 0.0});
@@ -279,9 +280,11 @@ struct RandomNetwork {
       case 0:
         plan.add_spring(first, second, random.log_between(10, 1e7));
         return;
-      case 1:
-        plan.add_spring(first, second, random.log_between(10, 1e5), random.log_between(1e-3, 10));
+      case 1: {
+        const double resistance = random.log_between(1e-3, 10), stiffness = random.log_between(10, 1e5);
+        plan.add_spring(first, second, stiffness, resistance);
         return;
+      }
       case 2:
         if (second != kGround) {
           plan.add_rigid_link(first, second);
@@ -289,9 +292,10 @@ struct RandomNetwork {
         }
         [[fallthrough]];
       default:
-        tables.push_back(power_table(random.log_between(1e4, 1e12), random.between(1.01, 3), 1e-4));
-        plan.add_contact(first, second, tables.back(), random.between(0, 1e-3),
-                         {1, random.below(3) == 0 ? random.between(0, 1) : 0.0});
+        const double exponent = random.between(1.01, 3), stiffness = random.log_between(1e4, 1e12);
+        tables.push_back(power_table(stiffness, exponent, 1e-4));
+        const double loss = random.below(3) == 0 ? random.between(0, 1) : 0.0, gap = random.between(0, 1e-3);
+        plan.add_contact(first, second, tables.back(), gap, {1, loss});
     }
   }
 
@@ -409,6 +413,25 @@ struct Tanpura {
   double rate_hz;
   int sample = 0;
 };
+
+// A string that is pressed onto its bridge for long stays where it is: neither its compressions nor its energy drift.
+TEST(ContactNetwork, HoldsAPressedStringWithoutDrift) {
+  Tanpura<double> tanpura(24, 44100);
+  auto& network = tanpura.network;
+  for (std::size_t k = 0; k < tanpura.bridge.count; ++k)
+    network.set_gap(tanpura.bridge.first + k, network.gap(tanpura.bridge.first + k) - 1e-3);
+  long double balance = 0;
+  double peak = 0, worst = 0;
+  for (int n = 0; n < 4 * 44100; ++n) {
+    tanpura.tick();
+    balance += static_cast<long double>(network.work()) - network.dissipated();
+    const double stored = network.energy(), error = std::abs(static_cast<double>(stored - balance));
+    peak = std::max(peak, stored);
+    if (!(error <= worst)) worst = error;
+  }
+  EXPECT_TRUE(within(worst, 0, 2e-13 * peak));
+  EXPECT_GT(network.energy(), 0.5 * peak);
+}
 
 TEST(ContactNetwork, ConvergesAsAProfileIsRefined) {
   const auto played = [](std::size_t points) {
