@@ -310,13 +310,13 @@ class ContactNetwork {
     std::vector<std::size_t> places;
     std::vector<std::size_t> connections;
     std::vector<double> admittances;  // of each with those up to itself, without damping [m/N]
-    std::vector<std::size_t> awake;   // places whose increments are computed in each sample
-    std::vector<const T*> awake_shapes;
-    T free_travel = 0;                // of the next sample without forces and damper, likewise these: [m]
-    std::vector<T> free_increments;   // of the awake places
-    bool is_predicted = false;        // do free_travel and free_increments belong to the state?
-    std::vector<std::size_t> forced;  // places where forces act in this sample
-    std::vector<const T*> forced_shapes;
+    detail::IndexList awake;          // places whose increments are computed in each sample
+    detail::ReservedList<const T*> awake_shapes;
+    T free_travel = 0;               // of the next sample without forces and damper, likewise these: [m]
+    std::vector<T> free_increments;  // of the awake places
+    bool is_predicted = false;       // do free_travel and free_increments belong to the state?
+    detail::IndexList forced;        // places where forces act in this sample
+    detail::ReservedList<const T*> forced_shapes;
     std::vector<T> forces;
   };
 
@@ -734,12 +734,12 @@ class ContactNetwork {
   std::vector<Body> bodies_;
   std::vector<Place> places_;
   std::vector<Connection> connections_;
-  std::vector<std::size_t> awake_, asleep_;        // connections
-  std::vector<std::size_t> woken_;                 // whose compressions are measured at the end of the sample
-  std::vector<std::size_t> pushed_, last_pushed_;  // places
-  std::vector<double> admittances_;                // of each connection with those up to itself [m/N]
-  std::vector<T> mutual_;                          // admittances of all pairs of places, without damping [m/N]
-  std::vector<T> increments_;                      // of the places that are awake, without connections [m]
+  detail::IndexList awake_, asleep_;        // connections
+  detail::IndexList woken_;                 // whose compressions are measured at the end of the sample
+  detail::IndexList pushed_, last_pushed_;  // places
+  std::vector<double> admittances_;         // of each connection with those up to itself [m/N]
+  std::vector<T> mutual_;                   // admittances of all pairs of places, without damping [m/N]
+  std::vector<T> increments_;               // of the places that are awake, without connections [m]
   // Sum of force times root of admittance: over the last sample, and since slacks were last reduced.
   T reach_ = 0, reached_ = 0;
   T max_root_admittance_ = 0;

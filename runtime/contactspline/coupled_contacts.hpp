@@ -150,6 +150,28 @@ class SampleLaw {
   T lower_ = -std::numeric_limits<T>::infinity(), upper_ = std::numeric_limits<T>::infinity();  // its ends
 };
 
+/// A list of no more elements than were reserved: to add one is to store it.
+template <typename Element>
+class ReservedList {
+ public:
+  void reserve(std::size_t size) { elements_.resize(size); }
+  void clear() { size_ = 0; }
+  void push_back(const Element& element) { elements_[size_++] = element; }
+
+  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] bool empty() const { return size_ == 0; }
+  [[nodiscard]] const Element* begin() const { return elements_.data(); }
+  [[nodiscard]] const Element* end() const { return elements_.data() + size_; }
+  [[nodiscard]] const Element& operator[](std::size_t i) const { return elements_[i]; }
+  friend bool operator==(const ReservedList& a, const ReservedList& b) { return std::ranges::equal(a, b); }
+
+ private:
+  std::vector<Element> elements_;
+  std::size_t size_ = 0;
+};
+
+using IndexList = ReservedList<std::size_t>;
+
 /// A symmetric matrix, or the lower triangle of one. Its columns begin on cache lines.
 template <std::floating_point T>
 class ColumnMatrix {
@@ -230,9 +252,9 @@ class CoupledContacts {
         force_displacements_(connections),
         now_(connections),
         next_(connections) {
-    for (auto* list : {&contacts_, &active_, &touching_, &springs_, &eliminated_, &spring_ends_, &row_ends_,
-                       &members_, &group_, &rows_})
+    for (auto* list : {&contacts_, &active_, &touching_, &springs_, &eliminated_, &members_, &group_, &rows_})
       list->reserve(connections);
+    for (auto* ends : {&spring_ends_, &row_ends_}) ends->reserve(connections);
   }
 
   [[nodiscard]] std::size_t size() const { return connections_.size(); }
@@ -509,7 +531,8 @@ class CoupledContacts {
 
   // The contacts that touch and are coupled with this one, directly or through others.
   void collect_group(std::size_t seed) {
-    group_.assign(1, seed);
+    group_.clear();
+    group_.push_back(seed);
     is_grouped_[seed] = true;
     for (std::size_t a = 0; a < group_.size() && group_.size() < touching_.size(); ++a) {
       const T* column = acting_admittance().column(group_[a]);
@@ -827,15 +850,15 @@ class CoupledContacts {
   std::vector<detail::SampleLaw<T>> laws_;  // of the positions in the group
   std::vector<detail::EndOfSample<T>> ends_;
   std::vector<char> is_active_, is_grouped_;
-  std::vector<Range> spring_range_;                       // springs that move a connection
-  std::vector<std::size_t> contacts_;                     // that were added
-  std::vector<std::size_t> active_, touching_, springs_;  // all that act, and these by kind
-  std::vector<std::size_t> eliminated_;                   // springs that are eliminated from beside_springs_
-  std::vector<std::size_t> spring_ends_;                  // rows of spring_factor_ from which on each column is 0
-  std::vector<std::size_t> row_ends_;                     // the same of factor_
-  std::vector<std::size_t> members_;                      // whose admittances coupling_ holds
-  std::vector<std::size_t> group_;                        // that is being solved
-  std::vector<std::size_t> rows_;                         // positions in the group with a slope
+  std::vector<Range> spring_range_;                // springs that move a connection
+  detail::IndexList contacts_;                     // that were added
+  detail::IndexList active_, touching_, springs_;  // all that act, and these by kind
+  detail::IndexList eliminated_;                   // springs that are eliminated from beside_springs_
+  std::vector<std::size_t> spring_ends_;           // rows of spring_factor_ from which on each column is 0
+  std::vector<std::size_t> row_ends_;              // the same of factor_
+  detail::IndexList members_;                      // whose admittances coupling_ holds
+  detail::IndexList group_;                        // that is being solved
+  detail::IndexList rows_;                         // positions in the group with a slope
   detail::ColumnMatrix<T> admittance_, beside_springs_, spring_rows_, spring_factor_, coupling_, factor_;
   detail::ModalArray<T> root_admittance_, free_, spring_slope_, spring_root_, spring_push_, ahead_, root_, right_,
       step_;
