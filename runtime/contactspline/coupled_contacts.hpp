@@ -60,8 +60,8 @@ class SampleLaw {
     force_ = ratio_ * slope_at_knot_;
     half_curvature_ = ratio_ * here.half_curvature;
     resistance_ = c.contact.loss_s_per_m > 0 ? c.contact.loss_s_per_m * ratio_ / time_step * slope_at_knot_ : T(0);
-    if (start_ > 0) lower_ = here.knot - y0_;
-    if (start_ + 1 < table_.size()) upper_ = table_[start_ + 1].knot - y0_;
+    if (start_ > 0) lower_ = distance_to(start_);
+    if (start_ + 1 < table_.size()) upper_ = distance_to(start_ + 1);
   }
 
   /// Force over the sample [N] and its slope [N/m] for an increment x. segment: where it is expected to end, becomes
@@ -113,7 +113,7 @@ class SampleLaw {
     T beyond;
   };
 
-  [[nodiscard]] T distance_to(std::size_t knot) const { return table_[knot].knot - y0_; }
+  [[nodiscard]] T distance_to(std::size_t knot) const { return whole(table_[knot].knot - y0_); }
 
   [[nodiscard]] Crossed cross(T x, std::size_t expected) const {
     std::size_t last = expected;
@@ -136,7 +136,7 @@ class SampleLaw {
     const Segment<T>& first = table_[start_ + up];
     const Segment<T>& entry = table_[crossed.entry];
     const T c = table_[crossed.last].half_curvature, s = crossed.beyond;
-    const T gain_to_first = (first.knot - y0_) * (slope_at_knot_ + first.force) / 2;
+    const T gain_to_first = distance_to(start_ + up) * (slope_at_knot_ + first.force) / 2;
     const T gain = gain_to_first + whole(entry.energy - first.energy) + s * (entry.force + c * s);
     const T force = x != 0 ? gain / x : slope_at_knot_;
     const T slope = x != 0 ? (entry.force + 2 * c * s - force) / x : c;
