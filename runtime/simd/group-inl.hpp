@@ -79,7 +79,7 @@ class ContactLanes {
   /// Takes over the hammers of at most kLanes voices; store() returns them. Lanes without a voice repeat the first.
   HWY_ATTR void take(std::span<StruckVoice<T>* const> voices) {
     voices_ = voices;
-    is_lossy_ = false, force_ = hn::Zero(tag());
+    is_lossy_ = has_stopped_ = false, force_ = hn::Zero(tag());
     const auto load = [&](auto value_of) HWY_ATTR {
       HWY_ALIGN T values[kLanes];
       for (std::size_t lane = 0; lane < kLanes; ++lane) values[lane] = value_of(voice(lane));
@@ -202,16 +202,17 @@ class ContactLanes {
     if (is_lossy_) f = hn::Div(hn::MulAdd(resistance_, free_increment_, f), divisor_);
     V y = hn::Add(hn::IfThenElse(crosses, knot, y_), moved);
     // Not so for a number that is none.
-    const auto is_right = hn::And(hn::And(hn::Ge(y, here_.knot), hn::Lt(y, next_.knot)), hn::Ge(f, zero));
+    const V lowest = hn::Max(here_.knot, hn::Set(tag(), kHammerStop_m<T>));
+    const auto is_right = hn::And(hn::And(hn::Ge(y, lowest), hn::Lt(y, next_.knot)), hn::Ge(f, zero));
     if (HWY_UNLIKELY(!hn::AllTrue(tag(), is_right))) step_alone(is_right, y, f);
     y_ = y, force_ = f;
     velocity_ = hn::NegMulAdd(velocity_per_force_, f, velocity_);
     return hn::Mul(gain_, f);
   }
 
-  [[nodiscard]] HWY_INLINE bool any_below(T compression) const {
-    return !hn::AllFalse(tag(), hn::Lt(y_, hn::Set(tag(), compression)));
-  }
+  [[nodiscard]] HWY_INLINE bool any_apart() const { return !hn::AllFalse(tag(), hn::Lt(y_, hn::Zero(tag()))); }
+  /// Has finish() moved a hammer beyond kHammerStop_m, or to what is no number?
+  [[nodiscard]] HWY_INLINE bool has_stopped() const { return has_stopped_; }
 
  private:
   using WindowTag = std::remove_cv_t<decltype(hn::CappedTag<T, kWindow>())>;
@@ -231,7 +232,7 @@ class ContactLanes {
   }
 
   /// contact_step for lanes whose root does not lie in the segment found, because it is beyond the window or because
-  /// of rounding, and for those that would pull.
+  /// of rounding, for those that would pull and for those that stop.
   HWY_NOINLINE HWY_ATTR void step_alone(hn::Mask<VoiceTag<T>> is_right, V& y, V& f) {
     HWY_ALIGN T right[kLanes], y0[kLanes], xf[kLanes], xi[kLanes], ys[kLanes], fs[kLanes];
     hn::Store(hn::IfThenElseZero(is_right, hn::Set(tag(), T(1))), tag(), right);
@@ -245,6 +246,7 @@ class ContactLanes {
                        static_cast<std::size_t>(left_[lane]));
       ys[lane] = step.compression, segment_[lane] = static_cast<Knot>(step.segment);
       fs[lane] = step.force >= 0 ? step.force : 0;  // 0 for a load that is not a number
+      has_stopped_ |= !(step.compression >= kHammerStop_m<T>);
     }
     y = hn::Load(tag(), ys), f = hn::Load(tag(), fs);
     load_segments_here();
@@ -262,7 +264,7 @@ class ContactLanes {
   std::span<StruckVoice<T>* const> voices_;
   const Segment<T>* rows_[kLanes];
   const T *knots_[kLanes], *energies_[kLanes];
-  bool is_lossy_;  // any of them
+  bool is_lossy_, has_stopped_;  // any of them
   V dt_, gain_, ratio_, velocity_per_force_, admittance_, xi_, loss_;
   // State:
   V y_, velocity_, force_;
@@ -281,9 +283,10 @@ class ContactLanes {
 /// Samples between two checks whether a hammer apart from the string is out of its reach.
 inline constexpr std::size_t kCheckInterval = 32;
 
-/// Advances voices with hammers in flight, sample by sample, until a block is full or, every kCheckInterval samples,
-/// a hammer is found apart or stopped. The voices of one vector have their contacts while the modes of those of
-/// another advance: neither waits for the other, so the processor computes both at the same time.
+/// Advances voices with hammers in flight, sample by sample, until a block is full, a hammer stops or, every
+/// kCheckInterval samples, one is found apart while a voice has no damper. The voices of one vector have their
+/// contacts while the modes of those of another advance: neither waits for the other, so the processor computes both
+/// at the same time.
 template <typename T>
 HWY_NOINLINE HWY_FLATTEN void process_side_by_side(std::span<StruckVoice<T>* const> voices) {
   const VoiceTag<T> tag;
@@ -294,14 +297,14 @@ HWY_NOINLINE HWY_FLATTEN void process_side_by_side(std::span<StruckVoice<T>* con
   ModesUnderLoad<T> modes[kMaxTogether];
   ContactLanes<T> contacts[kVectors];
   std::size_t samples = ~std::size_t{0};
-  T apart = kHammerStop_m<T>;
+  bool may_be_out_of_reach = false;
   for (std::size_t i = 0; i < voices.size(); ++i) {
     const auto& [strike, hammer, out, force, written] = *voices[i];
     modes[i] = ModesUnderLoad<T>(strike);
     modes[i].take();
     predicted[i * kLanes] = modes[i].predicted();
     samples = std::min(samples, out.size() - written);
-    if (strike.damping_gain == 1) apart = 0;
+    may_be_out_of_reach |= strike.damping_gain == 1;
   }
   const std::size_t vectors = (voices.size() + kLanes - 1) / kLanes;
   for (std::size_t v = 0; v < vectors; ++v)
@@ -351,8 +354,9 @@ HWY_NOINLINE HWY_FLATTEN void process_side_by_side(std::span<StruckVoice<T>* con
       }
     }
     goes_on = ++n < samples;
-    if (n % kCheckInterval == 0)
-      for (std::size_t v = 0; v < vectors; ++v) goes_on = goes_on && !contacts[v].any_below(apart);
+    const bool looks = may_be_out_of_reach && n % kCheckInterval == 0;
+    for (std::size_t v = 0; v < vectors; ++v)
+      goes_on = goes_on && !contacts[v].has_stopped() && !(looks && contacts[v].any_apart());
   }
   if (vectors > 1) advance_all(vectors - 1, n - 1);
   for (std::size_t v = 0; v < vectors; ++v) contacts[v].store();

@@ -459,6 +459,51 @@ TYPED_TEST(Kernels, PlayVoicesTogetherAsAlone) {
   }
 }
 
+// Strings that swing by 0.1 m and more beside hammers that stand 0.05 m away: each hammer stops in the sample that
+// takes it too far, and is no longer there when the string comes.
+TYPED_TEST(Kernels, StopHammersTogetherAsAlone) {
+  using T = TypeParam;
+  constexpr std::size_t kVoices = 20, kBlocks = 60;
+  const Mode mode{2 * std::numbers::pi * 1000, 1, 0.001};
+  const auto table = table_in<T>(felt_table(c4(), 32));
+  ModeShapes<T> shape(1);
+  shape[0] = 1;
+  std::vector<HammerString<T>> models(kVoices, HammerString<T>(table, {&mode, 1}, shape, 44100));
+  const HammerStringControls<T> controls{.hammer_mass_kg = T(0.003)};
+  for (std::size_t i = 0; i < kVoices; ++i) {
+    models[i].strike(static_cast<T>(400 + i), 0);
+    for (std::size_t n = 0; n < 40 + 3 * i || models[i].is_hammer_flying(); ++n) models[i].tick(controls);
+    models[i].strike(static_cast<T>(-1e-3), T(0.05) - T(1e-5));
+  }
+  for (const std::int64_t target : targets()) {
+    const OnlyTarget only(target);
+    auto alone = models, together = models;
+    std::vector<std::vector<T>> expected(kVoices), found(kVoices);
+    std::size_t stopped = 0;
+    for (std::size_t block = 0; block < kBlocks; ++block) {
+      const std::size_t samples = 20 + block;
+      std::vector<typename HammerString<T>::Part> parts;
+      for (std::size_t i = 0; i < kVoices; ++i) {
+        found[i].resize(found[i].size() + samples);
+        parts.push_back({&together[i], &controls, &shape, std::span(found[i]).last(samples)});
+        for (std::size_t n = 0; n < samples; ++n) {
+          alone[i].tick(controls);
+          expected[i].push_back(alone[i].string().displacement(shape));
+        }
+      }
+      HammerString<T>::process_together(parts);
+      for (std::size_t i = 0; i < kVoices; ++i) {
+        ASSERT_EQ(together[i].is_hammer_flying(), alone[i].is_hammer_flying())
+            << hwy::TargetName(target) << ", voice " << i << ", block " << block;
+        stopped += !alone[i].is_hammer_flying();
+      }
+    }
+    EXPECT_GT(stopped, kVoices * kBlocks / 4);
+    for (std::size_t i = 0; i < kVoices; ++i)
+      EXPECT_TRUE(sequences_within<T>(found[i], expected[i], bound<T>())) << hwy::TargetName(target) << ' ' << i;
+  }
+}
+
 // The balance of BalanceTheEnergy for strings side by side, each struck at a speed of its own.
 TEST(Kernels, BalanceTheEnergyOfVoicesTogether) {
   auto modes = bare(audible_modes(c4()));
