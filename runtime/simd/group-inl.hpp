@@ -76,7 +76,8 @@ class ContactLanes {
   static constexpr VoiceTag<T> tag() { return {}; }
 
  public:
-  /// Takes over the hammers of at most kLanes voices; store() returns them. Lanes without a voice repeat the first.
+  /// Takes over the hammers of at most kLanes voices; store() returns them. In lanes without a voice the hammer of
+  /// the first rests at its string.
   HWY_ATTR void take(std::span<StruckVoice<T>* const> voices) {
     voices_ = voices;
     is_lossy_ = has_stopped_ = false, force_ = hn::Zero(tag());
@@ -86,8 +87,9 @@ class ContactLanes {
       return hn::Load(tag(), values);
     };
     using Voice = const StruckVoice<T>&;
-    y_ = load([](Voice voice) { return voice.hammer->compression_m; });
-    velocity_ = load([](Voice voice) { return voice.hammer->velocity_m_per_s; });
+    const auto has_voice = hn::FirstN(tag(), voices.size());
+    y_ = hn::IfThenElseZero(has_voice, load([](Voice voice) { return voice.hammer->compression_m; }));
+    velocity_ = hn::IfThenElseZero(has_voice, load([](Voice voice) { return voice.hammer->velocity_m_per_s; }));
     ratio_ = load([](Voice voice) { return voice.hammer->felt.stiffness_ratio; });
     dt_ = load([](Voice voice) { return voice.strike.time_step_s; });
     gain_ = load([](Voice voice) { return voice.strike.damping_gain; });
@@ -101,7 +103,7 @@ class ContactLanes {
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
       const ContactTable<T>& table = voice(lane).strike.table;
       rows_[lane] = table.rows, knots_[lane] = table.knots, energies_[lane] = table.energies;
-      segment_[lane] = static_cast<Knot>(voice(lane).hammer->segment);
+      segment_[lane] = lane < voices.size() ? static_cast<Knot>(voice(lane).hammer->segment) : 1;
       is_lossy_ |= voice(lane).hammer->felt.loss_s_per_m != 0;
     }
     load_segments_here();
