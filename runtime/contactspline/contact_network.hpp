@@ -129,16 +129,12 @@ class ContactNetwork {
         increments_(plan.places().size()) {
     for (const auto& modes : plan.bodies()) bodies_.emplace_back(modes, sample_rate_hz);
     for (const auto& place : plan.places()) places_.emplace_back(place.body, place.shapes, bodies_[place.body].bank);
-    for (std::size_t p = 0; p < places_.size(); ++p) {
-      Body& body = bodies_[places_[p].body];
-      body.places.push_back(p);
-      body.max_shape = std::max(body.max_shape, places_[p].max_shape);
-    }
+    for (std::size_t p = 0; p < places_.size(); ++p) bodies_[places_[p].body].places.push_back(p);
     for (Body& body : bodies_) body.reserve(body.places.size());
     for (const auto& connection : plan.connections()) connections_.emplace_back(connection);
     for (Connection& c : connections_) {
-      if (c.first != kGround) c.first_body = places_[c.first].body, c.first_max = places_[c.first].max_shape;
-      if (c.second != kGround) c.second_body = places_[c.second].body, c.second_max = places_[c.second].max_shape;
+      if (c.first != kGround) c.first_body = places_[c.first].body;
+      if (c.second != kGround) c.second_body = places_[c.second].body;
     }
     for (auto* list : {&awake_, &asleep_, &woken_}) list->reserve(connections_.size());
     for (auto* list : {&pushed_, &last_pushed_}) list->reserve(places_.size());
@@ -147,6 +143,10 @@ class ContactNetwork {
         mutual_.push_back(p.body == q.body ? bodies_[p.body].bank.admittance(p.shapes, q.shapes) : T(0));
     couple_bodies();
     couple();
+    for (std::size_t k = 0; k < connections_.size(); ++k) {
+      connections_[k].root_admittance = std::sqrt(solver_.admittance(k, k));  // no body has a damper yet
+      max_root_admittance_ = std::max(max_root_admittance_, connections_[k].root_admittance);
+    }
     for (std::size_t k = 0; k < connections_.size(); ++k) install(plan.connections()[k], k);
     place_all();
   }
@@ -304,7 +304,7 @@ class ContactNetwork {
     ModalBank<T> bank;
     T damping = 0;  // times dt, as is the gain
     T damping_gain = 1;
-    T max_shape = 0;  // of its places
+    T max_shape = 0;  // of its connections
     // Bounds of the motion without forces of connections [m]: in this sample, and since slacks were last reduced.
     T travel = 0, travelled = 0;
     std::vector<std::size_t> places;
@@ -323,15 +323,12 @@ class ContactNetwork {
   struct Place {
     Place(std::size_t of_body, const ModeShapes<T>& of_place, const ModalBank<T>& bank)
         : body(of_body), shapes(of_place) {
-      for (std::size_t i = 0; i < shapes.size(); ++i) {
-        max_shape = std::max(max_shape, std::abs(shapes[i]));
-        travel_per_force += std::abs(bank.admittance(i) * shapes[i]);
-      }
+      for (std::size_t i = 0; i < shapes.size(); ++i) travel_per_force += std::abs(bank.admittance(i) * shapes[i]);
     }
 
     std::size_t body;
     ModeShapes<T> shapes;
-    T max_shape = 0, travel_per_force = 0;
+    T travel_per_force = 0;
     T push = 0, last_push = 0;  // from outside [N]
     T force = 0;                // of this sample [N]
     bool is_awake = false, is_pushed = false, is_forced = false;
@@ -350,13 +347,13 @@ class ContactNetwork {
 
     std::size_t first, second;
     std::size_t first_body = 0, second_body = 0;
-    T first_max = 0, second_max = 0;  // |shape|; 0 for the ground
+    T first_max = 0, second_max = 0;  // |shape| on these bodies; if they are one, the first holds that of both
     T weight;
     ContactControls<T> contact;  // targets, which the connection of the solver follows
     T spring, resistance;
     T gap, target_gap;
     T lift = 0;             // by how much the gap shrinks in this sample [m]
-    T root_admittance = 0;  // [sqrt(m/N)]
+    T root_admittance = 0;  // without damping, which can only make it smaller [sqrt(m/N)]
     T slack = 0;            // of a sleeping contact: the gap that is certainly left [m]
     T before = 0;           // compression at the beginning of the sample [m]
     bool is_awake = true;
@@ -370,7 +367,13 @@ class ContactNetwork {
       for (std::size_t k = 0; k < connections_.size(); ++k)
         if (has_end_on(connections_[k], b)) body.connections.push_back(k);
       std::vector<std::vector<double>> shapes;
-      for (const std::size_t k : body.connections) shapes.push_back(shapes_of(connections_[k], b));
+      for (const std::size_t k : body.connections) {
+        Connection& c = connections_[k];
+        shapes.push_back(shapes_of(c, b));
+        T& max = c.first != kGround && c.first_body == b ? c.first_max : c.second_max;
+        for (const double shape : shapes.back()) max = std::max(max, static_cast<T>(std::abs(shape)));
+        body.max_shape = std::max(body.max_shape, max);
+      }
       for (std::size_t k = 0; k < shapes.size(); ++k)
         for (std::size_t l = 0; l <= k; ++l) {
           double admittance = 0;
@@ -415,8 +418,6 @@ class ContactNetwork {
       double& own = admittances_[k * n + k];
       own = std::max(own, kMinAdmittance);
       for (std::size_t l = 0; l <= k; ++l) solver_.set_admittance(k, l, static_cast<T>(admittances_[k * n + l]));
-      connections_[k].root_admittance = std::sqrt(static_cast<T>(own));
-      max_root_admittance_ = std::max(max_root_admittance_, connections_[k].root_admittance);
     }
   }
 

@@ -586,6 +586,48 @@ TEST(ContactNetwork, WakesAContactInTheSampleOfAPush) {
   EXPECT_LT(network.displacement(place), 2.3e-4);
 }
 
+// The same between two places of one mode that move against each other: they close by twice what each one moves.
+TEST(ContactNetwork, WakesAContactWithinABodyInTheSampleOfAPush) {
+  const Table table = power_table(1e9, 1.5, 1e-4);
+  const Mode mode{2 * std::numbers::pi * 100, 1, 1e-3};
+  const double up = 1, down = -1;
+  NetworkPlan<double> plan;
+  const std::size_t body = plan.add_body({&mode, 1});
+  const std::size_t first = plan.add_place(body, {&up, 1}), second = plan.add_place(body, {&down, 1});
+  plan.add_contact(first, second, table, 4e-4);
+  ContactNetwork<double> network(plan, kRate);
+  for (int n = 0; n < 100; ++n) network.tick();
+  ASSERT_EQ(network.sleeping(), 1U);
+  network.push(first, 1000);  // without the contact 0.514 mm between the places
+  network.tick();
+  EXPECT_GT(network.force(0), 1);
+  EXPECT_LT(network.compression(0), 1e-4);
+}
+
+// A mass that a spring pulls towards a sleeping contact while its damping jumps up and down: forces of samples
+// without damping count as what they were when the damping rises.
+TEST(ContactNetwork, WakesAContactWhileTheDampingJumps) {
+  const Table table = power_table(1e9, 1.5, 1e-4);
+  NetworkPlan<double> plan;
+  const std::size_t place = plan.add_mass_place(plan.add_mass(1e-3));
+  plan.add_contact(place, kGround, table, 0.01);
+  plan.add_spring(place, kGround, 10, 0, 0.1);  // pulls with 1 N
+  ContactNetwork<double> network(plan, kRate);
+  bool has_slept = false;
+  double deepest = 0;
+  for (int n = 0; n < 5000; ++n) {
+    network.set_damping(0, n % 16 == 15 ? kRate : 0);
+    network.tick();
+    has_slept |= network.sleeping() == 1;
+    if (network.compression(0) > 0) {
+      EXPECT_EQ(network.sleeping(), 0U) << n << " " << network.compression(0);
+    }
+    deepest = std::max(deepest, network.compression(0));
+  }
+  EXPECT_TRUE(has_slept);
+  EXPECT_GT(deepest, 0);
+}
+
 // A network of a string and a mass is HammerString.
 TEST(ContactNetwork, IsTheHammerString) {
   const auto modes = string_modes(262, 60, 2e-3);
