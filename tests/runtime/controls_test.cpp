@@ -403,6 +403,22 @@ TEST(HammerVoice, LowersItsDamperWhateverTheControlsAre) {
   EXPECT_LT(energy_after(3, true), energy_after(3, false) / 2);
 }
 
+// tick() lowers the damper in holds of 16 samples, each at the mean of an exponential, and in the end all the way.
+TEST(HammerVoice, LowersItsDamperExponentially) {
+  constexpr double kDamping = 60, kTime_s = 0.005;
+  Voice<double> player;
+  HammerVoice<double>& voice = player.voice;
+  voice.release();
+  const double own = player.voice.controls().damping_per_s;
+  for (int n = 0; n < 8000; ++n) {
+    double mean = 0;
+    for (int i = 1; i <= 16; ++i) mean += std::exp(-(n / 16 * 16 + i) / (kTime_s * kHz)) / 16;
+    ASSERT_TRUE(within(voice.damping_per_s(), own + kDamping * (1 - mean), 1e-5)) << n;
+    voice.tick();
+  }
+  EXPECT_EQ(voice.damping_per_s(), own + kDamping);
+}
+
 TEST(LiveExponent, KeepsTheLastNumber) {
   using Live = LiveExponent<materials::felt_live, float>;
   const auto table_at = [](float exponent) {
