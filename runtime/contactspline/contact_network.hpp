@@ -472,7 +472,7 @@ class ContactNetwork {
       if (!c.is_following) continue;
       const bool gap_follows = move_gap(c), stiffness_follows = follow_stiffness(k);
       c.is_following = gap_follows || stiffness_follows;
-      if (!c.is_awake) c.slack -= std::abs(c.lift), min_slack_ = std::min(min_slack_, c.slack);
+      if (!c.is_awake) c.slack -= kMargin * std::abs(c.lift), min_slack_ = std::min(min_slack_, c.slack);
       // A gap that moved in this sample must be seen at rest in the next one.
       is_following_ = is_following_ || c.is_following || c.lift != 0;
     }

@@ -604,6 +604,29 @@ TEST(ContactNetwork, WakesAContactWithinABodyInTheSampleOfAPush) {
   EXPECT_LT(network.compression(0), 1e-4);
 }
 
+// A gap that moves to a mass at rest in thousands of steps, each rounded to single precision.
+TEST(ContactNetwork, WakesAContactWhoseGapCloses) {
+  const auto table = power_table<float>(1e5, 1, 0.1);
+  std::size_t touched = 0;
+  for (int m = 0; m < 40; ++m) {
+    NetworkPlan<float> plan;
+    const std::size_t place = plan.add_mass_place(plan.add_mass(1000));
+    plan.add_contact(place, kGround, table, 0.1f);
+    ContactNetwork<float> network(plan, 96000);
+    network.set_motion(0, static_cast<float>(0.0989 - 0.0049 * m), 0);
+    for (int n = 0; n < 40; ++n) network.tick();
+    ASSERT_EQ(network.sleeping(), 1U);
+    network.set_gap(0, -0.1f);
+    for (int n = 0; n < 24000; ++n) {
+      network.tick();
+      if (network.compression(0) <= 0) continue;
+      ++touched;
+      ASSERT_EQ(network.sleeping(), 0U) << "mass " << m << ", " << network.compression(0);
+    }
+  }
+  EXPECT_GT(touched, 40U);
+}
+
 // A mass that a spring pulls towards a sleeping contact while its damping jumps up and down: forces of samples
 // without damping count as what they were when the damping rises.
 TEST(ContactNetwork, WakesAContactWhileTheDampingJumps) {
