@@ -10,6 +10,7 @@
 #include "runtime/exact_contact.hpp"
 #include "runtime/random_steps.hpp"
 #include "runtime/step_cases.hpp"
+#include "support/compare.hpp"
 #include "support/finite.hpp"
 
 namespace contactspline::testing {
@@ -147,7 +148,7 @@ TYPED_TEST(ContactStepProperty, StiffnessRatioIsAStifferSpline) {
     return table;
   };
   for (const double ratio : {0x1p-10, 4.0, 0x1p+20, 0.001, 3.0, 1e6}) {
-    const bool exact = std::exp2(std::round(std::log2(ratio))) == ratio;
+    const bool exact = kCopiesRoundAlike && std::exp2(std::round(std::log2(ratio))) == ratio;
     std::vector<std::vector<Segment<TypeParam>>> scaled;
     for (const auto& table : this->tables_) scaled.push_back(stiffer(table.segments, static_cast<TypeParam>(ratio)));
     int steps = 0;
@@ -207,8 +208,16 @@ TYPED_TEST(ContactStepProperty, WithoutLossTheLossyStepIsTheElasticOne) {
   this->for_steps([&](const auto& step, const auto& table) {
     const auto elastic = contact_step(table, this->approach(step));
     const auto lossy = contact_step(table, ContactControls<TypeParam>{1, 0}, TypeParam(1e-5), this->approach(step));
-    ASSERT_EQ(lossy.force, elastic.force);
-    ASSERT_EQ(lossy.compression, elastic.compression);
+    if constexpr (kCopiesRoundAlike) {
+      ASSERT_EQ(lossy.force, elastic.force);
+      ASSERT_EQ(lossy.compression, elastic.compression);
+    } else {
+      const Wide x = this->increment(step, elastic.force);
+      const ExactApproach path(this->contacts_[step.table], step.compression, 0, 1);
+      const double fraction = this->fraction(step, path.work(x, path.end_segment(x)), step.compression + x);
+      const double bound = 2 * this->force_error(step, elastic.force, fraction, 1);
+      ASSERT_NEAR(static_cast<double>(lossy.force), static_cast<double>(elastic.force), bound);
+    }
   });
 }
 

@@ -10,6 +10,14 @@
 
 namespace contactspline::testing {
 
+/// Does a compiler round all copies of an inlined function alike? Not where it may reorder sums (-Ofast) or join a
+/// product and a sum.
+#if defined(__FAST_MATH__) || defined(__FMA__)
+inline constexpr bool kCopiesRoundAlike = false;
+#else
+inline constexpr bool kCopiesRoundAlike = true;
+#endif
+
 /// Passes where both are finite and |actual - expected| <= bound. Written so that a NaN anywhere fails.
 inline ::testing::AssertionResult within(double actual, double expected, double bound) {
   const double error = std::abs(actual - expected);
