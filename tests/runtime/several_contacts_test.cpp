@@ -40,9 +40,25 @@ struct Random {
   std::mt19937_64 engine;
 };
 
+// Up to eight quadratic pieces, each stiffer or softer than the one before.
+Table uneven_table(Random& random) {
+  Table table(1, {0, 0, 0, 0});
+  double knot = 0, energy = 0, force = 0;
+  for (std::size_t pieces = 1 + random.below(8); pieces > 0; --pieces) {
+    const double length = random.log_between(1e-7, 1e-4), half_curvature = random.log_between(1e3, 1e12);
+    table.push_back({knot, energy, force, half_curvature});
+    energy += length * (force + half_curvature * length);
+    force += 2 * half_curvature * length;
+    knot += length;
+  }
+  return table;
+}
+
+enum class Law { power, uneven };
+
 // n contacts on a body of some modes: their admittances are positive definite and strongly coupled.
 struct Problem {
-  Problem(Random& random, std::size_t n) : admittance(n, std::vector<double>(n)) {
+  Problem(Random& random, std::size_t n, Law law = Law::power) : admittance(n, std::vector<double>(n)) {
     std::vector<std::vector<double>> shapes(n, std::vector<double>(6));
     for (auto& row : shapes)
       for (double& shape : row) shape = random.between(-1, 1);
@@ -52,7 +68,7 @@ struct Problem {
         for (std::size_t m = 0; m < 6; ++m) admittance[i][j] += scale * shapes[i][m] * shapes[j][m];
     for (std::size_t i = 0; i < n; ++i) {
       const double exponent = random.between(1, 3), stiffness = random.log_between(1e4, 1e12);
-      tables.push_back(power_table(stiffness, exponent, 1e-3));
+      tables.push_back(law == Law::power ? power_table(stiffness, exponent, 1e-3) : uneven_table(random));
       compression.push_back(random.between(-3e-4, 5e-4));
       free_increment.push_back(random.between(-1e-3, 1e-3));
       controls.push_back({random.log_between(0.1, 10), random.below(2) != 0 ? random.between(0, 1) : 0.0});
@@ -167,12 +183,12 @@ TYPED_TEST(OneContact, IsTheContactStep) {
 }
 
 void expect_agreement_with_bisection(std::size_t contacts, int problems,
-                                     int patience = CoupledContacts<double>::kPatience) {
+                                     int patience = CoupledContacts<double>::kPatience, Law law = Law::power) {
   Random random(2);
   CoupledContacts<double> solver(contacts, kRate, CoupledContacts<double>::kMaxSteps, patience);
   int coupled = 0;
   for (int n = 0; n < problems; ++n) {
-    const Problem problem(random, contacts);
+    const Problem problem(random, contacts, law);
     std::vector<long double> expected(contacts);
     bisect(problem, 0, expected);
     problem.put_into(solver);
@@ -201,6 +217,13 @@ TEST(CoupledContacts, AgreesWithBisectionForThree) {
 TEST(CoupledContacts, AgreesWithBisectionIfEachStepLowersTheMerit) {
   expect_agreement_with_bisection(2, 1000, -1);
   expect_agreement_with_bisection(3, 30, -1);
+}
+
+// Contacts that become softer: full steps of Newton's method overshoot, and of these problems one in three is found
+// by shortened ones only.
+TEST(CoupledContacts, AgreesWithBisectionWhereContactsSoften) {
+  expect_agreement_with_bisection(2, 1000, -1, Law::uneven);
+  expect_agreement_with_bisection(2, 1000, CoupledContacts<double>::kPatience, Law::uneven);
 }
 
 // Two problems without admittance between them give the bits that each gives alone.
