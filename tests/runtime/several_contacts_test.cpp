@@ -219,8 +219,8 @@ TEST(CoupledContacts, AgreesWithBisectionIfEachStepLowersTheMerit) {
   expect_agreement_with_bisection(3, 30, -1);
 }
 
-// Contacts that become softer: full steps of Newton's method overshoot, and of these problems one in three is found
-// by shortened ones only.
+// Contacts that become softer: full steps of Newton's method overshoot, and do not converge in more than a quarter of
+// such problems.
 TEST(CoupledContacts, AgreesWithBisectionWhereContactsSoften) {
   expect_agreement_with_bisection(2, 1000, -1, Law::uneven);
   expect_agreement_with_bisection(2, 1000, CoupledContacts<double>::kPatience, Law::uneven);
