@@ -25,10 +25,9 @@ namespace {
 
 constexpr int kTrackName = 3;
 constexpr std::size_t kLongestTitle = 100;
-constexpr int kDrums = 9;                     // the tenth channel
-constexpr std::array kPedals = {64, 66, 67};  // controllers
-constexpr int kSustainPedal = 64;
-constexpr int kPedalDown = 64;
+constexpr int kDrums = 9;  // the tenth channel
+constexpr std::array<int, 3> kPedals = {MidiPedal::kSustain, MidiPedal::kSostenuto, MidiPedal::kSoft};
+constexpr int kPedalDown = 64;  // value of a controller
 constexpr int kDataEntry = 6, kParameterLow = 100,
               kParameterHigh = 101;  // controllers; parameter 0 is the bend range
 constexpr int kWheelCentre = 0x2000;
@@ -185,21 +184,15 @@ class NoteTracker {
 
   void controller(double time_s, int channel, int number, int value) {
     Channel& of = of_channel(channel);
-    if (number == kSustainPedal) pedal(time_s, channel, value >= kPedalDown);
     note_pedal(time_s, channel, number, value);
+    if (!of.is_sustained())
+      for (const std::size_t note : std::exchange(of.held, {})) end(note, time_s);
     if (number == kParameterHigh) of.parameter = 128 * value + of.parameter % 128;
     if (number == kParameterLow) of.parameter = of.parameter / 128 * 128 + value;
     if (number == kDataEntry && of.parameter == 0) {
       of.bend_range = value;
       note_bend(time_s, channel);
     }
-  }
-
-  void pedal(double time_s, int channel, bool down) {
-    Channel& of = of_channel(channel);
-    of.pedal_is_down = down;
-    if (down) return;
-    for (const std::size_t note : std::exchange(of.held, {})) end(note, time_s);
   }
 
   std::vector<MidiNote> notes_at_end(double time_s) {
@@ -216,8 +209,9 @@ class NoteTracker {
   struct Channel {
     [[nodiscard]] double cents() const { return 100.0 * bend_range * (wheel - kWheelCentre) / kWheelCentre; }
 
-    bool pedal_is_down = false;
-    std::array<int, kPedals.size()> pedals = {};
+    [[nodiscard]] bool is_sustained() const { return pedals[0] >= kPedalDown; }
+
+    std::array<int, kPedals.size()> pedals = {};  ///< positions, 0 to 127, in the order of kPedals
     int wheel = kWheelCentre;
     int bend_range = 2;             ///< semitones
     double bend_cents = 0;          ///< of the last bend
@@ -255,7 +249,7 @@ class NoteTracker {
     if (pressed == pressed_.end()) return;
     notes_[pressed->second].key_hold_s = time_s - notes_[pressed->second].time_s;
     Channel& of = of_channel(channel);
-    if (of.pedal_is_down)
+    if (of.is_sustained())
       of.held.push_back(pressed->second);
     else
       end(pressed->second, time_s);

@@ -38,11 +38,10 @@ constexpr Range kDecay{0, 1e5};
 constexpr Range kHeight{-0.1, 0.1};
 constexpr Range kForce{-1e3, 1e3};
 
-constexpr double kRing = 1;                                     // s, after the last note of a MIDI file
-constexpr double kBendTime_s = 0.01;                            // in which a sounding string follows the pitch wheel
-constexpr int kNoBends = -1;                                    // instead of a channel
-constexpr int kSustain = 64, kSostenuto = 66, kSoftPedal = 67;  // controllers
-constexpr double kKeyboardWidth = 0.6;                          // pan of its ends
+constexpr double kRing = 1;             // s, after the last note of a MIDI file
+constexpr double kBendTime_s = 0.01;    // in which a sounding string follows the pitch wheel
+constexpr int kNoBends = -1;            // instead of a channel
+constexpr double kKeyboardWidth = 0.6;  // pan of its ends
 
 bool has_hammer(Instrument instrument) {
   return instrument == Instrument::kHammerString;
@@ -180,9 +179,9 @@ void add_bends(std::span<const MidiBend> bends, int channel, Voice& voice) {
 // Without the body the sustain pedal holds notes, from halfway on, and that is all.
 void add_pedals(std::span<const MidiPedal> pedals, Score& score) {
   for (const auto& [time_s, controller, position] : pedals) {
-    const std::size_t pedal = controller == kSostenuto   ? PedalControl::kSostenuto
-                              : controller == kSoftPedal ? PedalControl::kUnaCorda
-                                                         : PedalControl::kSustain;
+    const std::size_t pedal = controller == MidiPedal::kSostenuto ? PedalControl::kSostenuto
+                              : controller == MidiPedal::kSoft    ? PedalControl::kUnaCorda
+                                                                  : PedalControl::kSustain;
     score.pedals.push_back({time_s, 0, pedal, position});
     if (pedal != PedalControl::kSustain || (position > 0 && position < 1))
       score.left_out_at_rest = "half pedal, sostenuto and soft pedal";
@@ -194,8 +193,8 @@ double end_of_pedals(std::span<const MidiPedal> pedals, double end_s) {
   bool sustains = false, holds = false;
   for (const MidiPedal& pedal : pedals) {
     if (pedal.time_s > end_s && !sustains && !holds) break;
-    if (pedal.controller == kSostenuto) holds = pedal.position > 0;
-    if (pedal.controller == kSustain) sustains = pedal.position > 0;
+    if (pedal.controller == MidiPedal::kSostenuto) holds = pedal.position > 0;
+    if (pedal.controller == MidiPedal::kSustain) sustains = pedal.position > 0;
     end_s = std::max(end_s, pedal.time_s);
   }
   return end_s;
