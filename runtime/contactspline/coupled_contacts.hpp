@@ -604,13 +604,13 @@ class CoupledContacts {
   // patience_ of them in a row do not halve the smallest residual, Newton's method on the convex merit goes on, which
   // cannot fail.
   bool iterate() {
-    if (max_steps_ == 0) return false;
     if (is_first_pass_) {
       displace(now_);
     } else {
       evaluate(now_);  // this group may be solved already
       if (now_.is_found) return true;
     }
+    if (max_steps_ == 0) return false;
     T best = std::numeric_limits<T>::max();
     for (int step = 0, refused = 0; step < max_steps_; ++step) {
       linearise_nearby();
@@ -831,9 +831,7 @@ class CoupledContacts {
       }
       compute_direction();
       std::copy_n(step_.data(), n, now_.force.data());
-      now_.increment = free_;
-      for (std::size_t b = 0; b < n; ++b)
-        detail::add_scaled(0, n, -now_.force[b], coupling_.column(b), now_.increment.data());
+      displace(now_);
       changed = false;
       for (std::size_t a = 0; a < n; ++a) {
         const CoupledConnection<T>& c = connections_[group_[a]];

@@ -252,6 +252,23 @@ TEST(CoupledContacts, SolvesIndependentGroupsApart) {
   }
 }
 
+// The bounding law begins where the forces of the sample before would move the contacts of this one.
+TEST(CoupledContacts, BoundsEachSampleByItself) {
+  Random random(5);
+  CoupledContacts<double> used(3, kRate, 0);
+  for (int n = 0; n < 1000; ++n) {
+    const Problem problem(random, 3);
+    CoupledContacts<double> fresh(3, kRate, 0);
+    for (auto* solver : {&used, &fresh}) {
+      problem.put_into(*solver);
+      for (std::size_t i = 0; i < 3; ++i) (*solver)[i].force = 0;
+      solver->solve();
+    }
+    for (std::size_t i = 0; i < 3; ++i) ASSERT_EQ(used[i].force, fresh[i].force) << n;
+  }
+  EXPECT_GT(used.bounded(), 300U);
+}
+
 // Motions near the smallest numbers, which round to multiples of them, are solved like any other.
 TEST(CoupledContacts, SolvesTheSmallestMotions) {
   Random random(4);
