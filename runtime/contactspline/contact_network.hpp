@@ -29,9 +29,9 @@ struct ConnectionRange {
 };
 
 /// What a ContactNetwork is made of. Each add function returns the index of what it adds. A connection joins two
-/// places of earlier calls, one of which may be kGround. Its compression is displacement(first) -
-/// displacement(second)
-/// - gap.
+/// places of earlier calls, one of which may be kGround. Its compression is
+///
+///     displacement(first) - displacement(second) - gap
 template <std::floating_point T>
 class NetworkPlan {
  public:
@@ -284,7 +284,7 @@ class ContactNetwork {
  private:
   using Ranges = ControlRanges<T>;
   static constexpr T kGapSpeed_m_per_s = 1;
-  // A contact sleeps if even this many samples of fastest motion would not close it, and wakes before this many
+  // A contact falls asleep if this many samples like the last one would not close it, and wakes before this many
   // might.
   static constexpr T kSleepingSamples = 16, kWakingSamples = 2;
   // Samples from one decision which contacts fall asleep to the next, and from one correction of a compression.
@@ -476,7 +476,6 @@ class ContactNetwork {
       // A gap that moved in this sample must be seen at rest in the next one.
       is_following_ = is_following_ || c.is_following || c.lift != 0;
     }
-    if (is_list_old_) list_awake();
   }
 
   // Is the gap still moving?
@@ -628,18 +627,11 @@ class ContactNetwork {
     for (const std::size_t k : asleep_) {
       Connection& c = connections_[k];
       if (c.is_awake || c.slack > motion(c, &Body::travelled, reached_ + reach_)) continue;
-      wake(k);
+      c.is_awake = is_list_old_ = has_woken = true;
+      set_compression(k, measured(k) - c.lift);
       begin(k, measured_increment(c.first) - measured_increment(c.second));
-      has_woken = true;
     }
     return has_woken;
-  }
-
-  void wake(std::size_t k) {
-    Connection& c = connections_[k];
-    if (std::exchange(c.is_awake, true)) return;
-    set_compression(k, measured(k) - c.lift);
-    is_list_old_ = true;
   }
 
   // Moves the compressions, lets contacts fall asleep that cannot touch soon, and wakes those that may.

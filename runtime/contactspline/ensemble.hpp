@@ -96,8 +96,8 @@ class Ensemble {
   [[nodiscard]] std::size_t awake() const { return awake_.size(); }  ///< number of voices that are computed
 
   /// Advances out.size() samples and writes the sum of all voices: gain times displacement at the pickup, as
-  /// ModalBank::sound_pickup gives it. run:
-  /// OneThread or Threads; computes the groups. No allocation, no lock (see Threads for its own), bounded time.
+  /// ModalBank::sound_pickup gives it. run: OneThread or Threads, computes the groups. No allocation, no lock (see
+  /// Threads for its own), bounded time. Takes less than 64 KB of stack on each thread.
   template <Runner Run = OneThread>
   void process(std::span<T> out, Run&& run = {}) {
     process(out, std::span<T>(), run);

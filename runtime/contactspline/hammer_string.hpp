@@ -187,7 +187,8 @@ class HammerString {
     T* forces = nullptr;
   };
 
-  /// process() of models of which none stands there twice. ContactSpline::simd computes kMaxTogether side by side.
+  /// process() of several models, which must be different ones. ContactSpline::simd computes up to kMaxTogether side
+  /// by side.
   static constexpr std::size_t kMaxTogether = detail::kMaxTogether;
   static void process_together(std::span<const Part> parts) {
 #ifdef CONTACTSPLINE_SIMD
@@ -252,7 +253,7 @@ class HammerString {
             part.out, part.forces};
   }
 
-  // What follows the samples that the kernel of struck voices has written.
+  // The samples after the first `written`, which the kernel of struck voices has computed: the string alone.
   void process_rest(const Part& part, std::size_t written) {
     is_flying_ = is_flying_ && hammer_.compression_m > detail::kHammerStop_m<T>;
     const auto out = part.out.subspan(written);

@@ -203,7 +203,7 @@ class ContactLanes {
     f = hn::Mul(ratio_, hn::Max(f, zero));
     if (is_lossy_) f = hn::Div(hn::MulAdd(resistance_, free_increment_, f), divisor_);
     V y = hn::Add(hn::IfThenElse(crosses, knot, y_), moved);
-    // Not so for a number that is none.
+    // False for NaN.
     const V lowest = hn::Max(here_.knot, hn::Set(tag(), kHammerStop_m<T>));
     const auto is_right = hn::And(hn::And(hn::Ge(y, lowest), hn::Lt(y, next_.knot)), hn::Ge(f, zero));
     if (HWY_UNLIKELY(!hn::AllTrue(tag(), is_right))) step_alone(is_right, y, f);
@@ -286,15 +286,16 @@ class ContactLanes {
 inline constexpr std::size_t kCheckInterval = 32;
 
 /// Advances voices with hammers in flight, sample by sample, until a block is full, a hammer stops or, every
-/// kCheckInterval samples, one is found apart while a voice has no damper. The voices of one vector have their
-/// contacts while the modes of those of another advance: neither waits for the other, so the processor computes both
-/// at the same time.
+/// kCheckInterval samples, one is found apart while a voice has no damper: it may be out of reach. The voices of one
+/// vector have their contacts while the modes of those of another advance: neither waits for the other, so the
+/// processor computes both at the same time.
 template <typename T>
 HWY_NOINLINE HWY_FLATTEN void process_side_by_side(std::span<StruckVoice<T>* const> voices) {
   const VoiceTag<T> tag;
   constexpr std::size_t kLanes = hn::MaxLanes(VoiceTag<T>()), kVectors = kMaxTogether / kLanes;
-  HWY_ALIGN T predicted[kMaxTogether * kLanes] = {},
-                                       output[kMaxTogether * kLanes] = {};  // parts of each voice's sums
+  // Parts of each voice's sums:
+  HWY_ALIGN T predicted[kMaxTogether * kLanes] = {};
+  HWY_ALIGN T output[kMaxTogether * kLanes] = {};
   HWY_ALIGN T pushes[kMaxTogether], outputs[kMaxTogether];
   ModesUnderLoad<T> modes[kMaxTogether];
   ContactLanes<T> contacts[kVectors];
@@ -341,6 +342,7 @@ HWY_NOINLINE HWY_FLATTEN void process_side_by_side(std::span<StruckVoice<T>* con
     write(v, n);
   };
 
+  // Modes advance one vector behind the contacts: those of the last vector in the next sample.
   std::size_t n = 0;
   bool goes_on = true;
   while (goes_on) {

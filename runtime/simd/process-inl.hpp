@@ -221,7 +221,7 @@ HWY_NOINLINE HWY_FLATTEN void finish_alone(StruckVoice<T>& voice) {
 }
 
 /// Chooses voices for process_side_by_side: those that their hammers can reach, as many as fit into the first cache.
-/// Returns their number.
+/// Advances the others that it meets by themselves. Returns the number of voices chosen.
 template <typename T>
 HWY_INLINE std::size_t choose_together(std::span<StruckVoice<T>> voices, StruckVoice<T>** together) {
   std::size_t count = 0, lines = 0;
