@@ -318,6 +318,24 @@ TEST(StrungBodyMotion, IsBoundedOnALightBodyInSinglePrecision) {
   EXPECT_LT(largest, 3e-3f);
 }
 
+// A body at rest stays there while the force is not a number, then keeps the last force.
+TEST(Body, KeepsItsForceWhileItIsNotANumber) {
+  const Mode mode{2 * std::numbers::pi * 100, 1, 1};
+  const double shape = 1;
+  Body<double> body({&mode, 1}, ModeShapes<double>({&shape, 1}), {}, 44100);
+  Body<double> expected = body;
+  body.tick(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_EQ(body.change(), 0);
+  for (auto* each : {&body, &expected}) {
+    each->reset();
+    each->tick(10);
+  }
+  EXPECT_GT(body.change(), 0);
+  body.tick(std::numeric_limits<double>::quiet_NaN());
+  expected.tick(10);
+  EXPECT_EQ(body.change(), expected.change());
+}
+
 // A string that is tuned up by an octave is one of four times the tension, at its bridge too.
 TEST(BridgeShape, KnowsTheTensionOfATunedString) {
   StiffString tuned = c4().string, tense = tuned;
