@@ -378,7 +378,7 @@ class ContactNetwork {
         for (std::size_t l = 0; l <= k; ++l) {
           double admittance = 0;
           for (std::size_t i = 0; i < body.bank.size(); ++i)
-            admittance += body.bank.admittance(i) * shapes[k][i] * shapes[l][i];
+            admittance += double(body.bank.admittance(i)) * shapes[k][i] * shapes[l][i];
           body.admittances.push_back(admittance);
         }
     }
@@ -395,8 +395,8 @@ class ContactNetwork {
   [[nodiscard]] std::vector<double> shapes_of(const Connection& c, std::size_t body) const {
     std::vector<double> shapes(bodies_[body].bank.size());
     for (std::size_t i = 0; i < shapes.size(); ++i) {
-      if (c.first != kGround && places_[c.first].body == body) shapes[i] += places_[c.first].shapes[i];
-      if (c.second != kGround && places_[c.second].body == body) shapes[i] -= places_[c.second].shapes[i];
+      if (c.first != kGround && places_[c.first].body == body) shapes[i] += double(places_[c.first].shapes[i]);
+      if (c.second != kGround && places_[c.second].body == body) shapes[i] -= double(places_[c.second].shapes[i]);
     }
     return shapes;
   }
@@ -411,7 +411,7 @@ class ContactNetwork {
       for (const std::size_t k : body.connections)
         for (const std::size_t l : body.connections) {
           if (l > k) break;
-          admittances_[k * n + l] += body.damping_gain * *admittance++;
+          admittances_[k * n + l] += double(body.damping_gain) * *admittance++;
         }
     }
     for (std::size_t k = 0; k < n; ++k) {
