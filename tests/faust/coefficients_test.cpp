@@ -42,6 +42,19 @@ TEST(FaustCoefficients, AreThoseOfThePolesWhateverTheDecay) {
     EXPECT_TRUE(relatively_within(found[2][i], averaging / (2 * kMass * kRate * kRate), kBound));
     EXPECT_EQ(found[3][i], audible);
     EXPECT_TRUE(relatively_within(found[4][i], audible / averaging, kBound));
+    // exp(-x) = 1 - decay_loss and, near half the sample rate, the sine lose digits; so does 1 + Re z there.
+    const long double real = std::exp(-x) * std::cos(phase), imaginary = std::exp(-x) * std::sin(phase);
+    const long double cotangent = (1 + real) / imaginary, push = audible / (2 * kMass * kRate);
+    const double lost = 1e-15 * static_cast<double>(std::exp(x) / std::abs(std::sin(phase)));
+    const auto bound = [&](long double value) {
+      return lost * static_cast<double>(std::abs(value) + 8 * push * phase / std::abs(imaginary));
+    };
+    EXPECT_TRUE(
+        relatively_within(found[5][i], static_cast<double>(missing + 2 * std::exp(-x) * sine * sine), kBound));
+    EXPECT_TRUE(relatively_within(found[6][i], static_cast<double>(imaginary), 8 * lost));
+    const long double push_v = push * (phase * cotangent - x), push_u = push * (phase + x * cotangent);
+    EXPECT_TRUE(within(found[7][i], static_cast<double>(push_v), 8 * bound(push_v)));
+    EXPECT_TRUE(within(found[8][i], static_cast<double>(push_u), 8 * bound(push_u)));
   }
 }
 
