@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // All the errors that an instrument file can have: one line that names file, key and what is allowed, and nothing
 // written.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -383,6 +384,39 @@ TEST(BadInstrument, OfManyContactsHasNoFaustText) {
   const Outcome outcome = generate(box);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(outcome.out, "wrote out/probe.hpp\nwrote out/probe.json\nleft out probe.lib: " + why + "\n");
+}
+
+// The good file with so many modes of its board.
+std::string with_board_modes(std::size_t count) {
+  std::string modes, shapes;
+  for (std::size_t i = 0; i < count; ++i) {
+    modes +=
+        fmt::format(R"({}{{ "frequency_hz": {}, "decay_per_s": 20, "mass_kg": 4 }})", i > 0 ? ", " : "", 100 + i);
+    shapes += i > 0 ? ", 1" : "1";
+  }
+  const std::size_t begin = kGood.find(R"({ "frequency_hz": 100)"), end = kGood.find(" ] },", begin);
+  return changed(changed(kGood, kGood.substr(begin, end - begin), modes), "[1, -0.5]", "[" + shapes + "]");
+}
+
+TEST(BadInstrument, Of401ModesHasNoFaustText) {
+  const Sandbox box;
+  const auto generated = [&](std::size_t board_modes) {
+    write_file(box / "probe.json", with_board_modes(board_modes));
+    const Outcome outcome = generate(box);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return outcome.out;
+  };
+  const auto left_out = [](std::size_t modes) {
+    return fmt::format("left out probe.lib: probe has {} modes, and Faust compiles at most 400 in reasonable time\n",
+                       modes);
+  };
+  constexpr std::size_t modes = 500;  // of the board; those of the other bodies follow from what is left out
+  const std::string message = generated(modes);
+  std::size_t others = 0;
+  while (others < 400 && message.find(left_out(modes + others)) == std::string::npos) ++others;
+  ASSERT_LT(others, 400U) << message;
+  EXPECT_NE(generated(401 - others).find(left_out(401)), std::string::npos);
+  EXPECT_NE(generated(400 - others).find("wrote out/probe.lib\n"), std::string::npos);
 }
 
 TEST(BadInstrument, HasNoModeAtALowRate) {
