@@ -365,12 +365,12 @@ class ContactNetwork {
     for (std::size_t b = 0; b < bodies_.size(); ++b) {
       Body& body = bodies_[b];
       for (std::size_t k = 0; k < connections_.size(); ++k)
-        if (has_end_on(connections_[k], b)) body.connections.push_back(k);
+        if (is_on(connections_[k].first, b) || is_on(connections_[k].second, b)) body.connections.push_back(k);
       std::vector<std::vector<double>> shapes;
       for (const std::size_t k : body.connections) {
         Connection& c = connections_[k];
         shapes.push_back(shapes_of(c, b));
-        T& max = c.first != kGround && c.first_body == b ? c.first_max : c.second_max;
+        T& max = is_on(c.first, b) ? c.first_max : c.second_max;
         for (const double shape : shapes.back()) max = std::max(max, static_cast<T>(std::abs(shape)));
         body.max_shape = std::max(body.max_shape, max);
       }
@@ -385,9 +385,8 @@ class ContactNetwork {
     admittances_.resize(connections_.size() * connections_.size());
   }
 
-  [[nodiscard]] bool has_end_on(const Connection& c, std::size_t body) const {
-    return (c.first != kGround && places_[c.first].body == body) ||
-           (c.second != kGround && places_[c.second].body == body);
+  [[nodiscard]] bool is_on(std::size_t place, std::size_t body) const {
+    return place != kGround && places_[place].body == body;
   }
 
   // Shapes of a connection on a body: those of its first place minus those of its second. The admittance of two
@@ -395,8 +394,8 @@ class ContactNetwork {
   [[nodiscard]] std::vector<double> shapes_of(const Connection& c, std::size_t body) const {
     std::vector<double> shapes(bodies_[body].bank.size());
     for (std::size_t i = 0; i < shapes.size(); ++i) {
-      if (c.first != kGround && places_[c.first].body == body) shapes[i] += double(places_[c.first].shapes[i]);
-      if (c.second != kGround && places_[c.second].body == body) shapes[i] -= double(places_[c.second].shapes[i]);
+      if (is_on(c.first, body)) shapes[i] += double(places_[c.first].shapes[i]);
+      if (is_on(c.second, body)) shapes[i] -= double(places_[c.second].shapes[i]);
     }
     return shapes;
   }
