@@ -133,8 +133,8 @@ template <typename FrequencyAt>
 [[nodiscard]] int first_index_above(int i, double w, FrequencyAt frequency_at) {
   int below = i, above = i;
   for (int step = 1; above == below; step *= 2) {
-    if (step > kMaxModeIndex - below) return kMaxModeIndex + 1;
-    above = below + step;
+    if (below == kMaxModeIndex) return kMaxModeIndex + 1;
+    above = below + std::min(step, kMaxModeIndex - below);
     if (!(frequency_at(above) > w)) below = above;
   }
   while (above - below > 1) {

@@ -260,11 +260,16 @@ struct RingingString {
 
 // The first mode above a frequency, up to the largest index there is.
 TEST(StiffString, FindsTheFirstModeAboveAFrequency) {
-  const auto first_above = [](double w) { return detail::first_index_above(1, w, [](int i) { return double(i); }); };
-  for (const int n : {1, 2, 3, 4, 5, 100, 65536, (1 << 29) - 1, 1 << 29, (1 << 29) + 5, (1 << 30) - 1})
-    EXPECT_EQ(first_above(n), n + 1);
-  EXPECT_EQ(first_above(1 << 30), (1 << 30) + 1);
-  EXPECT_EQ(first_above(1e12), (1 << 30) + 1);
+  constexpr int kLast = 1 << 30;
+  for (const int from : {1, 2, 3, 1000, (1 << 29) + 7, kLast - 1, kLast}) {
+    const auto first_above = [&](double w) {
+      return detail::first_index_above(from, w, [](int i) { return double(i); });
+    };
+    for (const int n : {1, 2, 3, 4, 5, 100, 65536, (1 << 29) - 1, 1 << 29, (1 << 29) + 5, kLast - 2, kLast - 1})
+      if (n >= from) EXPECT_EQ(first_above(n), n + 1) << "from " << from;
+    EXPECT_EQ(first_above(kLast), kLast + 1) << "from " << from;
+    EXPECT_EQ(first_above(1e12), kLast + 1) << "from " << from;
+  }
 }
 
 // Against the formula of the string at another tension, with its losses. The difference w'^2 - w^2 carries the
