@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Every program that ships, compiled by Faust with -vec, against the scalar one.
+// Every program that ships, compiled by Faust with -vec, against the scalar one; both as an audio thread plays them.
 #define FAUSTFLOAT double
 #include <gtest/gtest.h>
 
@@ -17,6 +17,7 @@
 #include "piano_vector.hpp"
 #include "slide_string_double.hpp"
 #include "slide_string_vector.hpp"
+#include "support/real_time.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -26,8 +27,19 @@ namespace {
 constexpr std::size_t kSamples = 2205;
 
 template <typename Dsp>
+class RealTimeProgram : public CppProgram<Dsp, double> {
+ public:
+  using CppProgram<Dsp, double>::CppProgram;
+
+ protected:
+  void compute(int samples, double** inputs, double** outputs) override {
+    expect_real_time([&] { CppProgram<Dsp, double>::compute(samples, inputs, outputs); });
+  }
+};
+
+template <typename Dsp>
 Signals<double> play(const std::string& trigger) {
-  CppProgram<Dsp, double> program(44100);
+  RealTimeProgram<Dsp> program(44100);
   program.set(trigger, 1);
   return program.run({}, kSamples);
 }

@@ -27,24 +27,12 @@
 #include "contactspline/mass_barrier.hpp"
 #include "contactspline/materials/felt_live.hpp"
 #include "contactspline/slide_string.hpp"
-#include "support/count_allocations.hpp"
-
-#ifdef CONTACTSPLINE_REALTIME_SANITIZER
-#define CONTACTSPLINE_NONBLOCKING [[clang::nonblocking]]
-#else
-#define CONTACTSPLINE_NONBLOCKING
-#endif
+#include "support/real_time.hpp"
 
 namespace contactspline::testing {
 namespace {
 
 constexpr int kSamples = 3000;
-
-using Play = std::function<void()>;
-
-void play_in_real_time(const Play& play) noexcept CONTACTSPLINE_NONBLOCKING {
-  play();
-}
 
 /// How a process of its own ends that may only return from here: by SIGKILL at any system call.
 int end_without_system_calls(const Play& play) {
@@ -303,9 +291,8 @@ TYPED_TEST_SUITE(RealTime, Precisions);
 
 TYPED_TEST(RealTime, AllocatesNothing) {
   for (const auto& [name, play] : all_models<TypeParam>()) {
-    const std::size_t before = allocations;
-    play_in_real_time(play);
-    EXPECT_EQ(allocations, before) << name;
+    SCOPED_TRACE(name);
+    expect_real_time(play);
   }
 }
 
