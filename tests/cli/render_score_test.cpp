@@ -758,43 +758,50 @@ TEST(RenderScore, HasTheRateAskedFor) {
   }
 }
 
-// Every shipped score: about ten seconds of sound, in stereo if its voices are panned, never silent for half a second
-// before the last two, no sample at full scale, all of it gone at the end.
 Words words_of(const std::string& line) {
   std::istringstream stream(line);
   return {std::istream_iterator<std::string>(stream), {}};
 }
 
-TEST(RenderScore, PlaysWhatShips) {
+// Every shipped score: about ten seconds of sound, in stereo if its voices are panned, never silent for half a second
+// before the last two, no sample at full scale, all of it gone at the end.
+class ShippedScore : public ::testing::TestWithParam<EmbeddedFile> {};
+
+TEST_P(ShippedScore, Plays) {
   const Sandbox box;
+  const auto& [file, text] = GetParam();
   const std::string list = succeed({.arguments = {"list", "scores"}});
-  int played = 0;
-  for (const auto& [file, text] : embedded_files(Shipped::kScores)) {
-    const std::string name(file.substr(0, file.rfind('.')));
-    const bool is_midi = file.ends_with(".mid");
-    const auto line = list.substr(list.find("\n" + name + " ") + 1);
-    const std::string instrument = words_of(line).at(1);
-    succeed({.arguments = {"render", instrument, "--score", name, "-o", name + ".wav"}, .folder = box.path()});
-    expect_drawn(box / (name + ".svg"), 3);
-    const Sound sound = read_sound(box / (name + ".wav"));
-    const bool is_panned = text.find("\"pan\"") != text.npos || text.find("\"keyboard\"") != text.npos || is_midi;
-    EXPECT_EQ(sound.channels, is_panned ? 2 : 1) << name;
-    EXPECT_TRUE(within(sound.peak(), kPeak, kLevel)) << name;
-    const std::size_t half_second = 22050 * static_cast<std::size_t>(sound.channels);
-    const std::size_t stretches = sound.samples.size() / half_second;
-    EXPECT_TRUE(within(static_cast<double>(stretches), 24, 5)) << name;
-    for (std::size_t i = 0; i < stretches; ++i) {
-      const auto begin = sound.samples.begin() + static_cast<std::ptrdiff_t>(i * half_second);
-      double loudest = 0;
-      for (auto at = begin; at != begin + half_second; ++at) loudest = std::max(loudest, std::abs(*at));
-      EXPECT_TRUE(loudest > 0.01 || i + 4 >= stretches) << name << " at " << 0.5 * static_cast<double>(i) << " s";
-    }
-    double last = 0;
-    for (auto at = sound.samples.end() - 4410; at != sound.samples.end(); ++at) last = std::max(last, std::abs(*at));
-    EXPECT_LT(last, 0.02) << name;
-    ++played;
+  const std::string name(file.substr(0, file.rfind('.')));
+  const bool is_midi = file.ends_with(".mid");
+  const auto line = list.substr(list.find("\n" + name + " ") + 1);
+  const std::string instrument = words_of(line).at(1);
+  succeed({.arguments = {"render", instrument, "--score", name, "-o", name + ".wav"}, .folder = box.path()});
+  expect_drawn(box / (name + ".svg"), 3);
+  const Sound sound = read_sound(box / (name + ".wav"));
+  const bool is_panned = text.find("\"pan\"") != text.npos || text.find("\"keyboard\"") != text.npos || is_midi;
+  EXPECT_EQ(sound.channels, is_panned ? 2 : 1);
+  EXPECT_TRUE(within(sound.peak(), kPeak, kLevel));
+  const std::size_t half_second = 22050 * static_cast<std::size_t>(sound.channels);
+  const std::size_t stretches = sound.samples.size() / half_second;
+  EXPECT_TRUE(within(static_cast<double>(stretches), 24, 5));
+  for (std::size_t i = 0; i < stretches; ++i) {
+    const auto begin = sound.samples.begin() + static_cast<std::ptrdiff_t>(i * half_second);
+    double loudest = 0;
+    for (auto at = begin; at != begin + half_second; ++at) loudest = std::max(loudest, std::abs(*at));
+    EXPECT_TRUE(loudest > 0.01 || i + 4 >= stretches) << "at " << 0.5 * static_cast<double>(i) << " s";
   }
-  EXPECT_GE(played, 5);
+  double last = 0;
+  for (auto at = sound.samples.end() - 4410; at != sound.samples.end(); ++at) last = std::max(last, std::abs(*at));
+  EXPECT_LT(last, 0.02);
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, ShippedScore, ::testing::ValuesIn(embedded_files(Shipped::kScores)),
+                         [](const auto& score) {
+                           return std::string(score.param.name.substr(0, score.param.name.rfind('.')));
+                         });
+
+TEST(RenderScore, HasFiveScoresThatShip) {
+  EXPECT_GE(embedded_files(Shipped::kScores).size(), 5u);
 }
 
 TEST(RenderScore, PlaysTheExamplesOfTheDocs) {
