@@ -58,8 +58,7 @@ template <typename Felt, typename String, std::floating_point T>
 class BarePlayer final : public BlockPlayer {
  public:
   BarePlayer(double hammer_kg, bool with_forces)
-      : model_(segments_of<Felt, T>, modes_in<String>, ModeShapes<T>(std::span<const double>(String::strike_shapes)),
-               kSampleRate),
+      : model_(segments_of<Felt, T>, modes_in<String>, ModeShapes<T>(String::strike_shapes), kSampleRate),
         controls_{.hammer_mass_kg = static_cast<T>(hammer_kg)},
         with_forces_(with_forces) {}
   void strike() override { model_.strike(T(2.5), T(1e-4)); }

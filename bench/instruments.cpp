@@ -62,9 +62,8 @@ template <std::floating_point T>
 void hammer_string(benchmark::State& state) {
   using String = resonators::string_c4;
   constexpr auto& felt = segments_of<materials::felt_c4, T>;
-  HammerString<T, felt.size()> model(felt, modes_in<String>,
-                                     ModeShapes<T>(std::span<const double>(String::strike_shapes)), kRate);
-  const ModeShapes<T> pickup(std::span<const double>(String::pickup_shapes));
+  HammerString<T, felt.size()> model(felt, modes_in<String>, ModeShapes<T>(String::strike_shapes), kRate);
+  const ModeShapes<T> pickup(String::pickup_shapes);
   std::array<T, kBlock> sound;
   run(
       state, [&] { model.strike(T(2.5), T(1e-4)); },

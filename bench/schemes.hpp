@@ -32,8 +32,7 @@ class SplineHammerString {
   SplineHammerString(const Model& model, double hammer_kg)
       : felt_(felt_in_precision(model.felt)),
         pickup_(std::span<const double>(model.pickup_shapes)),
-        string_(SegmentTable<T>(felt_), model.modes, ModeShapes<T>(std::span<const double>(model.strike_shapes)),
-                kSampleRate),
+        string_(SegmentTable<T>(felt_), model.modes, ModeShapes<T>(model.strike_shapes), kSampleRate),
         controls_{.hammer_mass_kg = static_cast<T>(hammer_kg)} {}
 
   void strike(T speed_m_per_s, T distance_m) { string_.strike(speed_m_per_s, distance_m); }

@@ -23,8 +23,8 @@ constexpr std::size_t kBlock = 256;
 
 Ensemble<float> ensemble_of(std::size_t voices) {
   using String = resonators::string_c4;
-  const ModeShapes<float> strike(std::span<const double>(String::strike_shapes));
-  const ModeShapes<float> pickup(std::span<const double>(String::pickup_shapes));
+  const ModeShapes<float> strike(String::strike_shapes);
+  const ModeShapes<float> pickup(String::pickup_shapes);
   Ensemble<float> ensemble(kRate);
   for (std::size_t i = 0; i < voices; ++i)
     ensemble.add(segments_of<materials::felt_c4, float>, modes_in<String>, strike, pickup,
@@ -101,8 +101,7 @@ void in_permanent_contact(benchmark::State& state, std::int64_t target) {
   const Model model = c4();
   const Workload press = model.workloads()[3];
   const HammerStringControls<T> controls{.hammer_mass_kg = static_cast<T>(model.hammer.mass_kg * press.mass_ratio)};
-  const ModeShapes<T> strike(std::span<const double>(String::strike_shapes)),
-      pickup(std::span<const double>(String::pickup_shapes));
+  const ModeShapes<T> strike(String::strike_shapes), pickup(std::span<const double>(String::pickup_shapes));
   const auto speed = [&](std::size_t voice) {
     return static_cast<T>(press.speed_m_per_s * (0.8 + 0.4 * static_cast<double>(voice) / kVoices));
   };

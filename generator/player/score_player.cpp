@@ -41,7 +41,7 @@ std::vector<double> each(const std::vector<Row>& modes, double Row::*member) {
 template <typename T>
 ModeShapes<T> shapes_in(const std::vector<ResonatorMode>& modes, double ResonatorMode::*member) {
   const std::vector<double> values = each(modes, member);
-  return ModeShapes<T>(std::span<const double>(values));
+  return ModeShapes<T>(values);
 }
 
 // At the pickup or the bridge.
@@ -437,7 +437,7 @@ void play_in(const Score& score, const Voice& voice, const PlayOptions& options,
 // The shapes of all modes of a body at its bridge or at an ear.
 template <typename T>
 ModeShapes<T> body_shapes(const std::vector<BodyMode>& modes, double BodyMode::*shape) {
-  return ModeShapes<T>(std::span<const double>(each(modes, shape)));
+  return ModeShapes<T>(each(modes, shape));
 }
 
 /// The keyboard of a score on its body, with the pedals, under the same calls as a plug-in makes.

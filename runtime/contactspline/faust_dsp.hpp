@@ -202,7 +202,7 @@ class HammerStringDsp : public dsp {
   int sample_rate_hz_ = 0;
   T damping_rate_ = 0;
   std::optional<T> damping_per_s_;  // empty until the first compute(), which starts at the control's value
-  ModeShapes<T> shapes_{std::span<const double>(Resonator::strike_shapes)};
+  ModeShapes<T> shapes_{Resonator::strike_shapes};
   ModeShapes<T> pickup_;                  // for sound
   std::optional<Model> at_rest_, model_;  // instanceClear() copies at_rest_, so it does not allocate
 };

@@ -23,7 +23,7 @@ struct Sound {
 template <typename Felt, typename String>
 Sound reference(double hammer_kg) {
   HammerString<double> model(std::span<const Segment<double>>(segments_of<Felt, double>), modes_in<String>,
-                             ModeShapes<double>(std::span<const double>(String::strike_shapes)), kSampleRate);
+                             ModeShapes<double>(String::strike_shapes), kSampleRate);
   const auto pickup = model.string().sound_pickup(String::pickup_shapes);
   Sound sound;
   for (int note = 0; note < kNotes; ++note) {

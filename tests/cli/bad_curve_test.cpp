@@ -299,6 +299,8 @@ std::vector<BadImpactCurve> impact_cases() {
       {"gives_back_more", branches(1.1), "2.0", "", "probe.csv: force: gives back 0.05",
        "of 0.05 J; allowed: an unloading"},
       {"no_speed", loop, "0", "", speed_is + "0 is out of range", "allowed: a number from 1e-06 to 1000"},
+      {"asks_for_too_much_loss", branches(0.2), "1e-4", "", speed_is + "asks for a loss beyond all allowed ones",
+       "allowed: a loss of at most 1000 s/m: a higher speed"},
       {"speed_is_text", loop, R"("fast")", "", speed_is + "is not a number", "allowed: a number from 1e-06 to 1000"},
       {"loss", loop, "2.0", R"(, "loss_s_per_m": 0.1)", "probe.json: contact.loss_s_per_m: is given together with",
        "allowed: one of the two: the loss is fitted"},
@@ -352,6 +354,8 @@ TEST(GoodImpactCurve, HasAFittedLoss) {
   const std::string fitted = ", fitted to loading and unloading\n";
   const std::string impact = inspected(branches(0.8), R"(, "impact_speed_m_per_s": 2.0)", "");
   EXPECT_NE(impact.find(fitted), std::string::npos) << impact;
+  const std::string fewest = inspected(branches(0.8, 4), R"(, "impact_speed_m_per_s": 2.0)", "");
+  EXPECT_NE(fewest.find(fitted), std::string::npos) << fewest;
   const std::string slow = inspected(good(), "", R"(, "loss_s_per_m": 0.1)");
   EXPECT_NE(slow.find("\nloss 0.1 s/m\n"), std::string::npos) << slow;
 }

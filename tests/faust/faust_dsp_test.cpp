@@ -66,8 +66,7 @@ class Player {
 
 Sound bare(std::size_t samples) {
   constexpr auto& felt = segments_of<Felt, double>;
-  HammerString<double, felt.size()> model(felt, modes_in<String>,
-                                          ModeShapes<double>(std::span<const double>(String::strike_shapes)), kRate);
+  HammerString<double, felt.size()> model(felt, modes_in<String>, ModeShapes<double>(String::strike_shapes), kRate);
   const auto pickup = model.string().sound_pickup(String::pickup_shapes);
   ModeShapes<double> shapes(String::modes);
   const double place_m = 0.12 * std::numbers::pi / String::wavenumbers[0];

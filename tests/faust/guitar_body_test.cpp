@@ -28,8 +28,8 @@ TEST(GuitarBody, IsDrivenByTheBridge) {
   constexpr std::size_t kSamples = 11025;
   const auto on_bridge = plucked<slide_on_bridge>(kSamples), on_body = plucked<slide_string_double>(kSamples);
   ModalBank<double> body(modes_in<GuitarBody>, 44100);
-  const ModeShapes<double> bridge(std::span<const double>(GuitarBody::strike_shapes));
-  const auto pickup = body.sound_pickup(ModeShapes<double>(std::span<const double>(GuitarBody::pickup_shapes)));
+  const ModeShapes<double> bridge(GuitarBody::strike_shapes);
+  const auto pickup = body.sound_pickup(ModeShapes<double>(GuitarBody::pickup_shapes));
   std::vector<double> expected;
   for (const double millinewtons : on_bridge[0]) {
     body.predict();

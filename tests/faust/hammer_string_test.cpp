@@ -29,7 +29,7 @@ struct Sound {
 
 Sound twin() {
   HammerString<double> model(std::span<const Segment<double>>(segments_of<Felt, double>), modes_in<String>,
-                             ModeShapes<double>(std::span<const double>(String::strike_shapes)), kRate);
+                             ModeShapes<double>(String::strike_shapes), kRate);
   const auto pickup = model.string().sound_pickup(String::pickup_shapes);
   model.strike(2.5, 1e-4);
   Sound sound;

@@ -89,9 +89,9 @@ class Analyser {
 template <typename T>
 std::vector<double> struck() {
   using String = resonators::string_c4;
-  const ModeShapes<T> pickup(std::span<const double>(String::pickup_shapes));
+  const ModeShapes<T> pickup(String::pickup_shapes);
   HammerString<T> model(std::span<const Segment<T>>(segments_of<materials::felt_c4, T>), modes_in<String>,
-                        ModeShapes<T>(std::span<const double>(String::strike_shapes)), kRate);
+                        ModeShapes<T>(String::strike_shapes), kRate);
   model.strike(T(2.5), T(1e-4));
   std::vector<double> sound;
   for (std::size_t n = 0; n < kSamples; ++n) {

@@ -194,6 +194,12 @@ TEST(EmittedClass, SoundsAlikeInSinglePrecision) {
   EXPECT_TRUE(sequences_within(std::span<const double>(actual), std::span<const double>(expected), 0.02));
 }
 
+TEST(NetworkInstrument, DoesNoWorkUntilItIsPlayed) {
+  instruments::slap_bass<> instrument(kRate);
+  instrument.tick();
+  EXPECT_EQ(instrument.work(), 0);
+}
+
 // Controls that are not numbers do nothing; reset() brings an instrument to where it began.
 TEST(NetworkInstrument, ResetsAndIgnoresWhatIsNoNumber) {
   instruments::slap_bass<> instrument(kRate);

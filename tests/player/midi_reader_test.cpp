@@ -67,9 +67,10 @@ TEST(Midi, CountsFramesOfFilm) {
   expect_notes(file_of({256 - 29, 100}, {track}), {{1 / 29.97, 1 / 29.97, 60, 64}});
 }
 
-// The pedal holds what is let go while it is down, and what it holds ends with it; on its own channel only.
+// The pedal, down from 64 on, holds what is let go meanwhile, and what it holds ends with it; on its own channel
+// only.
 TEST(Midi, HoldsByThePedal) {
-  expect_notes(file_of({0, 100}, {bytes({0,  0x90, 60, 64,   0,  0x91, 72, 64,   10, 0xb0, 64, 127,  10, 0x80,
+  expect_notes(file_of({0, 100}, {bytes({0,  0x90, 60, 64,   0,  0x91, 72, 64,   10, 0xb0, 64, 64,   10, 0x80,
                                          60, 0,    0,  0x81, 72, 0,    20, 0x90, 64, 50,   20, 0x80, 64, 0,
                                          20, 0xb0, 64, 63,   10, 0x90, 65, 9,    10, 0x80, 65, 0})}),
                {{0, 0.4, 60, 64}, {0, 0.1, 72, 64}, {0.2, 0.2, 64, 50}, {0.45, 0.05, 65, 9}});

@@ -127,8 +127,8 @@ TEST(ScorePlayer, DrivesABodyByTheForceOnTheBridge) {
   const std::vector<Mode> modes = {{600, 20, 0.1}, {3000, 100, 0.2}};
   const std::vector<double> strike = {1.5, -1}, pickup = {0.5, 2};
   ModalBank<double> bank(modes, 44100);
-  const auto bridge = ModeShapes<double>(std::span<const double>(strike));
-  const auto ear = bank.sound_pickup(ModeShapes<double>(std::span<const double>(pickup)));
+  const auto bridge = ModeShapes<double>(strike);
+  const auto ear = bank.sound_pickup(ModeShapes<double>(pickup));
   std::vector<double> expected, left, right;
   for (std::size_t n = 0; n < force.samples.size(); ++n) {
     bank.predict();

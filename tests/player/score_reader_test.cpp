@@ -56,6 +56,27 @@ TEST(ScoreReader, GivesBentChannelsTheirOwnStrings) {
   EXPECT_EQ(score.keys[39].strings.detuning_cents.size(), 3u);
 }
 
+// Where a note sounds without the body, the sustain pedal holds it when it is all the way down. The rest is left out.
+TEST(ScoreReader, TellsThePedalsApart) {
+  const auto with_pedal = [](char controller, char position) {
+    const std::string head("MThd\0\0\0\6\0\0\0\1\0\x60MTrk\0\0\0", 21);
+    std::string events("\0\xb0\0\0\0\x90\x3c\x40\x60\x80\x3c\0\0\xff\x2f\0", 16);
+    events[2] = controller, events[3] = position;
+    return parse_midi_score(head + static_cast<char>(events.size()) + events, "probe.mid");
+  };
+  const std::map<char, std::size_t> pedals = {
+      {64, PedalControl::kSustain}, {66, PedalControl::kSostenuto}, {67, PedalControl::kUnaCorda}};
+  for (const auto& [controller, pedal] : pedals) {
+    const Score down = with_pedal(controller, 127), half = with_pedal(controller, 90);
+    for (const Score& score : {down, half}) {
+      ASSERT_FALSE(score.pedals.empty());
+      EXPECT_EQ(score.pedals[0].control, pedal) << int(controller);
+    }
+    EXPECT_EQ(down.left_out_at_rest.empty(), pedal == PedalControl::kSustain) << int(controller);
+    EXPECT_FALSE(half.left_out_at_rest.empty()) << int(controller);
+  }
+}
+
 // A note of 0.5 s that the pedal of another channel holds until 5 s; and one before a pedal that holds nothing. A
 // second rings after the end.
 TEST(ScoreReader, EndsWhenThePedalsLetGo) {

@@ -146,8 +146,7 @@ std::vector<double> piano_note(int key, double sample_rate_hz, std::size_t sampl
 std::vector<double> hammer_string_note(double sample_rate_hz, std::size_t samples) {
   using String = resonators::string_c4;
   HammerString<double> model(std::span<const Segment<double>>(segments_of<materials::felt_c4, double>),
-                             modes_in<String>, ModeShapes<double>(std::span<const double>(String::strike_shapes)),
-                             sample_rate_hz);
+                             modes_in<String>, ModeShapes<double>(String::strike_shapes), sample_rate_hz);
   const auto pickup = model.string().sound_pickup(String::pickup_shapes);
   model.strike(2.5 * kVelocity / 127, 1e-4);
   std::vector<double> sound(kNoteTime);

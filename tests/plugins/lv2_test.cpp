@@ -132,7 +132,7 @@ void expect_the_sound_of_the_runtime(const std::string& name, std::size_t delay)
   const auto sound = plugin.run(kBlocks);
 
   HammerString<double> model(std::span<const Segment<double>>(segments_of<Felt, double>), modes_in<String>,
-                             ModeShapes<double>(std::span<const double>(String::strike_shapes)), kRate);
+                             ModeShapes<double>(String::strike_shapes), kRate);
   const auto pickup = model.string().sound_pickup(String::pickup_shapes);
   model.strike(2.5, 1e-4);
   std::vector<double> expected_mm;
@@ -272,8 +272,8 @@ TEST(PianoPlugin, SoundsAsTheRuntime) {
     for (std::size_t i = 0; i < Board::modes; ++i)
       modes.push_back({Board::angular_frequencies[i], Board::decays[i], Board::masses[i]});
     ModalBank<double> board(modes, kRate);
-    const ModeShapes<double> bridge(std::span<const double>(Board::bridge_shapes));
-    const auto right = board.sound_pickup(ModeShapes<double>(std::span<const double>(Board::right_shapes)));
+    const ModeShapes<double> bridge(Board::bridge_shapes);
+    const auto right = board.sound_pickup(ModeShapes<double>(Board::right_shapes));
     std::vector<double> expected;
     for (std::size_t n = 0; n + kLatency < sound.size(); ++n) {
       board.predict();

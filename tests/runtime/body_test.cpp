@@ -24,9 +24,8 @@ class Key {
  public:
   Key(const StruckString& struck, const Strings& strings, double rate)
       : table_(table_in<T>(felt_table(struck, 32))),
-        model_(SegmentTable<T>(table_), strings.modes,
-               ModeShapes<T>(std::span<const double>(vector_of(strings.strike))), rate),
-        bridge_(model_.bridge(ModeShapes<T>(std::span<const double>(strings.bridge)))),
+        model_(SegmentTable<T>(table_), strings.modes, ModeShapes<T>(vector_of(strings.strike)), rate),
+        bridge_(model_.bridge(ModeShapes<T>(strings.bridge))),
         controls_{.hammer_mass_kg = static_cast<T>(struck.hammer_kg)} {}
 
   void strike(T speed) {
@@ -221,7 +220,7 @@ std::vector<double> played(const Strings& strings, const std::vector<ResonatorMo
                            const std::vector<double>& displacement, double rate, double duration_s) {
   Body<double> body(bare(modes), shapes<double>(modes, &ResonatorMode::strike_shape), strings.stiffness, rate);
   ModalBank<double> bank(strings.modes, rate);
-  const ModeShapes<double> bridge{std::span<const double>(strings.bridge)};
+  const ModeShapes<double> bridge{strings.bridge};
   for (std::size_t i = 0; i < displacement.size(); ++i) bank.set_motion(i, displacement[i], 0);
   std::vector<double> forces;
   for (int n = 0; n < static_cast<int>(duration_s * rate); ++n) {
@@ -260,7 +259,7 @@ TEST(StrungBodyMotion, HasTheFrequenciesOfAStringAtAMass) {
 template <typename T>
 void expect_the_modes_motion(double bound) {
   const Strings strings(c4(), {0, 0.8}, 50, 22050);
-  const ModeShapes<T> shapes(std::span<const double>(strings.bridge));
+  const ModeShapes<T> shapes(strings.bridge);
   const StruckString struck = c4();
   const auto felt = table_in<T>(felt_table(struck, 32));
   HammerString<T> model(SegmentTable<T>(felt), strings.modes, ModeShapes<T>(strings.modes.size()), 44100);
@@ -302,7 +301,7 @@ TEST(StrungBodyMotion, IsBoundedOnALightBodyInSinglePrecision) {
   one[0] = 1;
   Body<float> body(light, one, strings.stiffness, 44100);
   ModalBank<float> bank(strings.modes, 44100);
-  const ModeShapes<float> bridge{std::span<const double>(strings.bridge)};
+  const ModeShapes<float> bridge{strings.bridge};
   ModeShapes<float> rest(bridge.size());
   for (std::size_t i = 0; i < rest.size(); ++i) rest[i] = static_cast<float>(bank.compliance(i) * strings.bridge[i]);
   bank.set_motion(0, 1e-3f, 0);

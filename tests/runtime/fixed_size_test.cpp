@@ -104,10 +104,9 @@ void expect_same(const Samples& fixed, const Samples& heap) {
 }
 
 TEST(FixedSize, HammerStringPlaysAsTheOneOnTheHeap) {
-  HammerString<double> heap(kFelt, kPianoModes, ModeShapes<double>(std::span<const double>(Piano::strike_shapes)),
-                            kRate);
-  const Samples expected = played_hammer(heap, heap.string().sound_pickup(Piano::pickup_shapes),
-                                         ModeShapes<double>(std::span<const double>(Piano::pickup_shapes)));
+  HammerString<double> heap(kFelt, kPianoModes, ModeShapes<double>(Piano::strike_shapes), kRate);
+  const Samples expected =
+      played_hammer(heap, heap.string().sound_pickup(Piano::pickup_shapes), ModeShapes<double>(Piano::pickup_shapes));
   const Samples played = played_hammer(hammer_string, hammer_string.string().sound_pickup(Piano::pickup_shapes),
                                        PianoShapes(Piano::pickup_shapes));
   expect_same({played.begin(), played.begin() + kSamples}, {expected.begin(), expected.begin() + kSamples});

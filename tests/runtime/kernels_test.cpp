@@ -216,9 +216,7 @@ TEST(Kernels, CatchTheHammerAtTheSameSample) {
 TYPED_TEST(Kernels, KeepModesThatAreNotStruck) {
   const std::vector<Mode> modes = {{1600, 1, 0.002}, {3300, 1, 0.002}, {5100, 1, 0.002}};
   const auto table = table_in<TypeParam>(felt_table(c4(), 32));
-  const auto of = [](double a, double b, double c) {
-    return ModeShapes<TypeParam>(std::span<const double>(std::array{a, b, c}));
-  };
+  const auto of = [](double a, double b, double c) { return ModeShapes<TypeParam>(std::array{a, b, c}); };
   const auto pickup = of(1, 1, 1);
   const HammerStringControls<TypeParam> controls{.hammer_mass_kg = TypeParam(0.00297)};
   const auto play = [&](std::size_t block) {

@@ -98,8 +98,8 @@ struct ByHand {
       strike[i] = std::sin(rows[i].wavenumber_per_m * one.struck.strike_m) / strings;
     HammerString<double> model(SegmentTable<double>(one.felt), bare(rows), strike, kRate);
     const auto bridge = model.bridge(bridge_shapes<double>(one.struck.string, rows, 1));
-    Body<double> body(one.bare_modes, ModeShapes<double>(std::span<const double>(one.bridge)), stiffness, kRate);
-    const auto ear = body.modes().sound_pickup(ModeShapes<double>(std::span<const double>(one.ear)));
+    Body<double> body(one.bare_modes, ModeShapes<double>(one.bridge), stiffness, kRate);
+    const auto ear = body.modes().sound_pickup(ModeShapes<double>(one.ear));
     model.strike(2, 1e-4);
     const HammerStringControls<double> controls{.hammer_mass_kg = one.struck.hammer_kg / 3 * strings,
                                                 .felt = {.stiffness_ratio = strings}};
@@ -217,8 +217,7 @@ TEST(KeyboardOnBody, HasTheTwoDecaysOfAUnison) {
   const Strings strings(one.struck, one.struck.string.detuning_cents, kPartials, kRate / 2);
   ExactMotion exact(strings, one.modes);
   exact.rest();
-  const auto ear =
-      ModalBank<double>(one.bare_modes, kRate).sound_pickup(ModeShapes<double>(std::span<const double>(one.ear)));
+  const auto ear = ModalBank<double>(one.bare_modes, kRate).sound_pickup(ModeShapes<double>(one.ear));
   std::vector<double> levels;
   double worst = 0;
   const auto window = static_cast<std::size_t>(0.1 * kRate);

@@ -253,10 +253,10 @@ Play body() {
   struct Parts : StringParts<T> {
     HammerString<T> model{this->table, bare(this->modes), this->strike, kRate};
     std::vector<double> shape = std::vector<double>(this->modes.size(), 1000);
-    BridgeShapes<T> bridge = model.bridge(ModeShapes<T>(std::span<const double>(shape)));
+    BridgeShapes<T> bridge = model.bridge(ModeShapes<T>(shape));
     std::vector<Mode> board = {{600, 10, 1}, {1500, 20, 1}};
     std::vector<double> at = {1, -0.5};
-    Body<T> body{board, ModeShapes<T>(std::span<const double>(at)), {1e3, 1e5}, kRate};
+    Body<T> body{board, ModeShapes<T>(at), {1e3, 1e5}, kRate};
   };
   return [parts = std::make_shared<Parts>()] {
     parts->model.strike(2, T(1e-4));

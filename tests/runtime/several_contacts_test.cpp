@@ -656,6 +656,30 @@ TEST(ContactNetwork, WakesAContactWithinABodyInTheSampleOfAPush) {
   EXPECT_LT(network.compression(0), 1e-4);
 }
 
+// A hammer meets one end of a lever at rest. In the same sample the other end moves 30 times as far, further than any
+// body moved by itself, into a sleeping contact: it wakes.
+TEST(ContactNetwork, WakesAContactInTheSampleOfABlow) {
+  const Table table = power_table(1e9, 1.5, 1e-3);
+  const Mode mode{2 * std::numbers::pi * 100, 1, 1e-4};
+  const double near = 1, far = 30;
+  NetworkPlan<double> plan;
+  const std::size_t mass = plan.add_mass(0.1), hammer = plan.add_mass_place(mass);
+  const std::size_t lever = plan.add_body({&mode, 1});
+  const std::size_t first = plan.add_place(lever, {&near, 1}), second = plan.add_place(lever, {&far, 1});
+  plan.add_contact(hammer, first, table, 0);
+  plan.add_contact(second, kGround, table, 5e-4);
+  ContactNetwork<double> network(plan, kRate);
+  network.set_motion(mass, -0.05, 10);  // 0.23 mm per sample
+  std::size_t asleep = 0;
+  for (int n = 0; n < 300 && network.displacement(second) == 0; ++n) {
+    asleep = network.sleeping();
+    network.tick();
+  }
+  EXPECT_EQ(asleep, 1U);
+  EXPECT_GT(network.force(1), 1);
+  EXPECT_LT(network.displacement(second), 7e-4);
+}
+
 // A gap that moves to a mass at rest in thousands of steps, each rounded to single precision.
 TEST(ContactNetwork, WakesAContactWhoseGapCloses) {
   const auto table = power_table<float>(1e5, 1, 0.1);

@@ -344,7 +344,7 @@ std::function<void(Record&)> body(std::size_t gust) {
     stiffness += bridge_stiffness(struck.string, modes);
     s->keys.emplace_back(SegmentTable<T>(parts<T>().table), bare(modes),
                          shapes<T>(modes, &ResonatorMode::strike_shape), kHz);
-    s->bridges.push_back(s->keys.back().bridge(ModeShapes<T>(std::span<const double>(bridge))));
+    s->bridges.push_back(s->keys.back().bridge(ModeShapes<T>(bridge)));
   }
   const Plate plate{1.39, 0.91, 0.018, 392, 11.5e9, 8e9, 1.5e9, 0.3, {8, 0.29}};
   const auto board = modes_of({"board", "", plate, {0.62, 0, 0.51}, {0.87, 0, 0.29}, 120}, 22050).modes;
