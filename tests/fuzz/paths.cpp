@@ -142,14 +142,6 @@ void play_resonator(std::string_view text) {
     demand(std::isfinite(out[n]) && std::isfinite(forces[n]) && forces[n] >= 0, "a struck resonator is not finite");
 }
 
-void play_keyboard(std::string_view text) {
-  Keyboard keyboard = parse_keyboard(text, kJson);
-  keyboard.segments = std::min(keyboard.segments, 4);
-  keyboard.last_key = std::min(keyboard.last_key, keyboard.first_key + kMaxKeys);
-  const auto body = body_of(keyboard, {std::string(text), kJson, true}, shipped_file);
-  for (const Emitter& emitter : emitters()) demand_text(emitter, emit(emitter, keyboard, body, kHz / 2, kCommand));
-}
-
 // A hundredth of a second of the first two voices.
 void play_a_little(Score score) {
   score.duration_s = 0.01;
@@ -161,7 +153,28 @@ void play_a_little(Score score) {
          "a score is not finite");
 }
 
-// The two files that a score or an instrument may name: other ones do not exist.
+// A score that strikes a key of the keyboard once.
+void strike_key(std::string_view keyboard, int key) {
+  const nlohmann::json event = {{"time_s", 0}, {"key", key}, {"speed_m_per_s", 2}};
+  const nlohmann::json text = {
+      {"instrument", "hammer-string"}, {"duration_s", 0.1}, {"keyboard", kJson}, {"events", {event}}};
+  Score score = parse_score(text.dump(), kJson, [&](const std::string& path) {
+    return path == kJson ? std::string(keyboard) : shipped_file(path);
+  });
+  score.keys.resize(std::min(score.keys.size(), std::size_t{kMaxKeys}));
+  play_a_little(score);
+}
+
+void play_keyboard(std::string_view text) {
+  Keyboard keyboard = parse_keyboard(text, kJson);
+  keyboard.segments = std::min(keyboard.segments, 4);
+  keyboard.last_key = std::min(keyboard.last_key, keyboard.first_key + kMaxKeys);
+  const auto body = body_of(keyboard, {std::string(text), kJson, true}, shipped_file);
+  for (const Emitter& emitter : emitters()) demand_text(emitter, emit(emitter, keyboard, body, kHz / 2, kCommand));
+  strike_key(text, keyboard.first_key);
+}
+
+// The files that a score or an instrument may name: other ones do not exist.
 std::string beside(const std::string& path) {
   if (path.ends_with("felt.json"))
     return R"({"name": "felt", "contact": {"stiffness_n_per_m_alpha": 4e9, "exponent": 2.5}, "spline": {"knots":
@@ -171,6 +184,12 @@ std::string beside(const std::string& path) {
     return R"({"name": "string", "max_modes": 10, "string": {"length_m": 0.6, "mass_kg": 0.004, "tension_n": 670,
       "bending_stiffness_n_m2": 0.01, "constant_loss_per_s": 0.5, "quadratic_loss_m2_per_s": 1e-4},
       "strike": {"position_m": 0.07}, "pickup": {"position_m": 0.2}})";
+  if (path.ends_with("instrument.json"))
+    return R"({"name": "instrument", "bodies": [{"name": "a", "mass_kg": 0.1}, {"name": "b", "resonator": "string.json"}],
+      "places": [{"name": "p", "body": "b", "position_m": 0.1}],
+      "contacts": [{"name": "c", "between": ["a", "p"], "material": "felt.json", "gap_m": 1e-4}],
+      "controls": [{"name": "ratio", "stiffness_ratio": "c"}], "strikes": ["a"],
+      "outputs": [{"name": "o", "force_n": "c"}]})";
   refuse(kJson, shown(path), "does not exist", "a file");
 }
 
