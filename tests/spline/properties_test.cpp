@@ -122,6 +122,7 @@ TEST(EverySpline, IsTheSameInOtherUnits) {
                         {},
                         {segments, std::ldexp(range, length)}},
                        "b");
+    ASSERT_EQ(spline.segments.size(), scaled.segments.size());
     for (std::size_t j = 0; j < spline.segments.size(); ++j) {
       const auto &s = spline.segments[j], &t = scaled.segments[j];
       ASSERT_EQ(std::ldexp(s.knot, length), t.knot);
@@ -135,12 +136,15 @@ TEST(EverySpline, IsTheSameInOtherUnits) {
 TEST(EverySpline, IsTheSameTwice) {
   const auto& first = splines();
   const auto second = random_splines();
-  for (std::size_t i = 0; i < first.size(); ++i)
+  ASSERT_EQ(first.size(), second.size());
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    ASSERT_EQ(first[i].second.segments.size(), second[i].second.segments.size());
     for (std::size_t j = 0; j < first[i].second.segments.size(); ++j) {
       const auto &s = first[i].second.segments[j], &t = second[i].second.segments[j];
       ASSERT_TRUE(s.knot == t.knot && s.energy == t.energy && s.force == t.force &&
                   s.half_curvature == t.half_curvature);
     }
+  }
 }
 
 }  // namespace
