@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Every model at its limits: 8 to 768 kHz, blocks of 1 to 4096 samples, controls that jump between the ends of their
-// ranges, infinity and NaN in every sample. It stays finite, holds no more energy than it was given, allocates
-// nothing, and plays again when its controls do.
+// Models of one contact and ensembles at their limits: 8 to 768 kHz, blocks of 1 to 4096 samples, controls that jump
+// between the ends of their ranges, infinity and NaN in every sample or block. They stay finite, allocate nothing,
+// and play again when their controls do. Strings hold no more energy than they were given.
 #include "contactspline/ensemble.hpp"
 #include "contactspline/hammer_voice.hpp"
 #include "contactspline/mass_barrier.hpp"
@@ -164,7 +164,7 @@ TYPED_TEST(Extremes, OfAFretString) {
       expect_to_outlive_the_storm<StormyFret<TypeParam>>("fret", Parts<TypeParam>(rate), is_placed);
 }
 
-// All voices in the storm but one, which is heard as if it were alone.
+// After the storm one voice plays alone.
 TYPED_TEST(Extremes, OfAnEnsemble) {
   using T = TypeParam;
   using Ranges = ControlRanges<T>;
