@@ -409,7 +409,7 @@ std::function<void(Record&)> instrument(std::size_t gust) {
         model.strike(i, s->weather.any({-100, 100}));
       model.tick();
       for (std::size_t i = 0; i < data.outputs.size(); ++i) record.demand_finite(model.output(i));
-      take->close(model.work(), model.energy());
+      take->close(model.work() - model.dissipated(), model.energy());
     }
     const std::size_t bounded = model.network().solver().bounded();
     if (sizeof(T) == sizeof(double) && bounded > record.bounded) record.fault("coupled contacts did not converge");
