@@ -17,6 +17,7 @@
 #include "generator/cli/inputs.hpp"
 #include "generator/cli/inspect_json.hpp"
 #include "generator/cli/instrument_page.hpp"
+#include "generator/cli/waiting_line.hpp"
 #include "generator/emit/emit_instrument.hpp"
 #include "generator/spline/exponent_family.hpp"
 #include "generator/support/error.hpp"
@@ -151,7 +152,8 @@ std::string decibels(const std::optional<SpectrumError>& error, double SpectrumE
   return error ? fmt::format("{:.4g} dB", (*error).*member) : "-";
 }
 
-void compare(const InspectOptions& options, const Design& design) {
+std::string comparison(const InspectOptions& options, const Design& design) {
+  const WaitingLine line("comparing knots for " + options.material);
   Material material = design.material;
   if (!material.impact)
     refuse(options.material, "impact", "missing", "an object, because --compare measures impacts");
@@ -188,7 +190,7 @@ void compare(const InspectOptions& options, const Design& design) {
     write_files({{OutputFile{options.figure, figure_of(families, figure_format(options.figure))}}});
     table += fmt::format("\nfigure: {}\n", options.figure);
   }
-  write_stdout(options.json ? json_of(material, rows) : table);
+  return options.json ? json_of(material, rows) : table;
 }
 
 double frequency_hz(const ResonatorMode& mode) {
@@ -292,7 +294,7 @@ void inspect(const InspectOptions& options) {
   if (options.sample_rate_hz)
     refuse(options.material, "--rate", "cannot be used with a material",
            "with a resonator, a keyboard or an instrument");
-  if (options.compare) return compare(options, design);
+  if (options.compare) return write_stdout(comparison(options, design));
   if (!options.figure.empty()) {
     require_writable({{options.figure}}, input_files(options.material, design.material), options.force);
     write_files({{OutputFile{options.figure, figure_of(design, figure_format(options.figure))}}});
