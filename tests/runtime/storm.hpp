@@ -90,8 +90,8 @@ struct Parts {
   StringShapes<T> places;
 };
 
-/// The energy of a string against the work done on it so far. Single precision rounds the work of a sample by 1e-5 or
-/// so of what flows to and fro in it.
+/// The energy of a model against the work done on it so far. Rounding is a part of what flows to and fro: in single
+/// precision 1e-7 of it was enough for 270 million samples of soak, in double precision 1e-13 for 130 million.
 template <typename T>
 class WorkBooks {
  public:
@@ -99,7 +99,7 @@ class WorkBooks {
   void close(double work_j, double energy_j) {
     work_ += work_j + 2 / rate_hz_;  // a rise of the contact's stiffness and one of the hand's spring: 1 W each
     flow_ += std::abs(work_j) + energy_j;
-    const double excess = energy_j - work_ - (sizeof(T) == sizeof(double) ? 1e-12 : 1e-4) * flow_;
+    const double excess = energy_j - work_ - (sizeof(T) == sizeof(double) ? 1e-12 : 1e-6) * flow_;
     is_within_ &= is_finite(excess) && excess <= 0;
     peak_ = std::max(peak_, energy_j);
   }
