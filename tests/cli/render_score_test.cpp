@@ -568,7 +568,7 @@ TEST(RenderScore, PlaysTheKeyboardInstrument) {
   for (double step_s = 0; step_s < 0.01; step_s += 16 / kRate)  // of the 10 ms in which the string follows the wheel
     events.emplace_back(70 * tick_s + step_s, [=](Piano& p) {
       const double part = step_s * kRate / 441;
-      for (const std::size_t key : {15, 39}) p.bend(key, 100 * part * part * (3 - 2 * part));
+      for (const std::size_t key : {15u, 39u}) p.bend(key, 100 * part * part * (3 - 2 * part));
     });
   events.emplace_back(at(70 * tick_s) / kRate + 448 / kRate, [](Piano& p) { p.bend(15, 100), p.bend(39, 100); });
   events.emplace_back(120 * tick_s, [](Piano& p) { p.sostenuto(false), p.note_off(60); });

@@ -219,7 +219,7 @@ TEST(Tanpura, ConvergesAsItsBridgeIsRefined) {
   };
   const auto exact = sound_of(192);
   double coarse = std::numeric_limits<double>::infinity();
-  for (const std::size_t points : {6, 12, 24, 48}) {
+  for (const std::size_t points : {6u, 12u, 24u, 48u}) {
     const double error = relative_error(sound_of(points), exact);
     std::cout << points << " points: " << error << " of the largest\n";
     EXPECT_LT(error, coarse / 1.5) << points;

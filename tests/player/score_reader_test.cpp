@@ -51,7 +51,7 @@ TEST(ScoreReader, GivesBentChannelsTheirOwnStrings) {
   const std::map<std::string, std::size_t> expected = {
       {"48_channel_1", 27}, {"60", 39}, {"60_channel_1", 88}, {"60_channel_2", 89}};
   EXPECT_EQ(keys, expected);
-  for (const std::size_t key : {88, 89})
+  for (const std::size_t key : {88u, 89u})
     EXPECT_EQ(score.keys[key].strings.tension_n, score.keys[39].strings.tension_n);
   EXPECT_EQ(score.keys[39].strings.detuning_cents.size(), 3u);
 }

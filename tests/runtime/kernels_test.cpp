@@ -577,7 +577,7 @@ TYPED_TEST(Kernels, AdvanceABankUnderForces) {
   std::uniform_real_distribution<double> number(-1, 1);
   for (const std::int64_t target : targets()) {
     const OnlyTarget only(target);
-    for (const std::size_t size : {1, 2, 5, 8, 17, 56, 120})
+    for (const std::size_t size : {1u, 2u, 5u, 8u, 17u, 56u, 120u})
       for (std::size_t places = 0; places < 15; ++places) {
         std::vector<Mode> modes;
         for (std::size_t i = 0; i < size; ++i) modes.push_back({100.0 + 900.0 * static_cast<double>(i), 30, 1e-3});

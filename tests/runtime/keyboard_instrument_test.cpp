@@ -190,7 +190,7 @@ TEST(KeyboardOnBody, GainsEnergyByBendsAlone) {
   EXPECT_TRUE(relatively_within(keyboard.energy(), unbent, 1e-12));
   double worst = 0, peak = unbent;
   for (int n = 0; n < 2000; ++n) {
-    if (n % 50 == 0) keyboard.bend(n % 100 / 50, n % 300 - 100);
+    if (n % 50 == 0) keyboard.bend(n % 100 < 50 ? 0 : 1, n % 300 - 100);
     const double before = keyboard.energy();
     double left, right;
     keyboard.process(std::span(&left, 1), std::span(&right, 1));

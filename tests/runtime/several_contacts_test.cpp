@@ -492,7 +492,7 @@ TEST(ContactNetwork, ConvergesAsAProfileIsRefined) {
   };
   const auto reference = played(192);
   std::vector<double> errors;
-  for (const std::size_t points : {6, 12, 24, 48}) {
+  for (const std::size_t points : {6u, 12u, 24u, 48u}) {
     const auto found = played(points);
     double sum = 0, square = 0;
     for (std::size_t n = 0; n < found.size(); ++n) {
