@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "contactspline/hammer_string.hpp"
+#include "support/finite.hpp"
 
 namespace contactspline::testing {
 
@@ -21,7 +22,7 @@ struct EnergyBooks {
   /// Closes a sample with what is stored at its end.
   void close(double stored) {
     const double error = static_cast<double>(std::abs(stored + dissipated - work));
-    worst = std::isfinite(error) ? std::max(worst, error) : std::numeric_limits<double>::infinity();
+    worst = is_finite(error) ? std::max(worst, error) : std::numeric_limits<double>::infinity();
     peak = std::max(peak, stored);
   }
 };

@@ -373,8 +373,8 @@ Books books_of(RandomNetwork& random_network, ContactNetwork<double>& network, i
     balance += static_cast<long double>(network.work()) - network.dissipated();
     const double stored = network.energy(), error = static_cast<double>(stored - balance);
     books.peak = std::max(books.peak, stored);
-    books.worst = std::isfinite(error) ? std::max(books.worst, std::abs(error)) : error;
-    if (!std::isfinite(error)) return books;
+    books.worst = is_finite(error) ? std::max(books.worst, std::abs(error)) : error;
+    if (!is_finite(error)) return books;
     books.gained = std::max(books.gained, error);
     books.coupled += network.solver().steps() > 0;
   }
@@ -404,7 +404,7 @@ TEST(ContactNetwork, GainsNoEnergyAtTheBound) {
     RandomNetwork random_network(seed);
     auto network = random_network.network(0);
     const Books books = books_of(random_network, network, 1000);
-    EXPECT_TRUE(std::isfinite(books.worst)) << "network " << seed;
+    EXPECT_TRUE(is_finite(books.worst)) << "network " << seed;
     EXPECT_LE(books.gained, 1e-12 * books.peak) << "network " << seed;
     bounded += network.solver().bounded();
   }
@@ -554,7 +554,7 @@ TEST(ContactNetwork, DoesNotAllocate) {
   }
   tanpura.network.reset();
   EXPECT_EQ(allocations, before);
-  EXPECT_TRUE(std::isfinite(in_float.network.displacement(in_float.pluck)));
+  EXPECT_TRUE(is_finite(in_float.network.displacement(in_float.pluck)));
   EXPECT_GT(in_float.network.energy(), 1e-6);
 }
 
@@ -809,10 +809,10 @@ TEST(ContactNetwork, FollowsItsControls) {
       const double stored = network.energy();
       peak = std::max(peak, stored);
       const double error = static_cast<double>(stored - balance);
-      worst = std::isfinite(error) ? std::max(worst, std::abs(error)) : inf;
+      worst = is_finite(error) ? std::max(worst, std::abs(error)) : inf;
       gained = std::max(gained, error);
     }
-    EXPECT_TRUE(std::isfinite(worst)) << "network " << seed;
+    EXPECT_TRUE(is_finite(worst)) << "network " << seed;
     EXPECT_LE(gained, 1e-9 * peak) << "network " << seed;
     if (network.solver().bounded() == 0) {
       EXPECT_LE(worst, 1e-9 * peak) << "network " << seed;

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <span>
 
+#include "support/finite.hpp"
+
 namespace contactspline::testing {
 
 /// Does a compiler round all copies of an inlined function alike? Not where it may reorder sums (-Ofast) or join a
@@ -18,10 +20,11 @@ inline constexpr bool kCopiesRoundAlike = false;
 inline constexpr bool kCopiesRoundAlike = true;
 #endif
 
-/// Passes where both are finite and |actual - expected| <= bound. Written so that a NaN anywhere fails.
+/// Passes where all are finite and |actual - expected| <= bound, also under -Ofast.
 inline ::testing::AssertionResult within(double actual, double expected, double bound) {
   const double error = std::abs(actual - expected);
-  if (std::isfinite(actual) && std::isfinite(expected) && error <= bound) return ::testing::AssertionSuccess();
+  if (is_finite(actual) && is_finite(expected) && is_finite(bound) && error <= bound)
+    return ::testing::AssertionSuccess();
   return ::testing::AssertionFailure() << actual << " is not within " << bound << " of " << expected << " (error "
                                        << error << ")";
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The comparator itself, with planted wrong answers.
+// The comparator itself, with planted wrong answers. Compiled once more with -Ofast, which assumes that all numbers
+// are finite.
 #include "support/compare.hpp"
 
 #include <limits>
