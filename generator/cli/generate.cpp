@@ -12,6 +12,7 @@
 #include "generator/cli/commands.hpp"
 #include "generator/cli/files.hpp"
 #include "generator/cli/inputs.hpp"
+#include "generator/cli/waiting_line.hpp"
 #include "generator/support/error.hpp"
 
 namespace contactspline {
@@ -48,6 +49,7 @@ Emitted emit_all(const GenerateOptions& options) {
     if (!names.insert(name).second)
       refuse(argument, "name", fmt::format("'{}' is the name of two materials", name), "once");
     emitted.inputs.insert(emitted.inputs.end(), source.files.begin(), source.files.end());
+    const WaitingLine line("emitting " + argument);
     for (const Emitter& emitter : chosen_emitters(options.formats)) {
       if (emitter.name == "faust" && source.faust_obstacle) {
         if (!options.formats.empty())

@@ -568,7 +568,7 @@ TEST(RenderScore, PlaysTheKeyboardInstrument) {
   for (double step_s = 0; step_s < 0.01; step_s += 16 / kRate)  // of the 10 ms in which the string follows the wheel
     events.emplace_back(70 * tick_s + step_s, [=](Piano& p) {
       const double part = step_s * kRate / 441;
-      for (const std::size_t key : {15u, 39u}) p.bend(key, 100 * part * part * (3 - 2 * part));
+      for (const unsigned key : {15u, 39u}) p.bend(key, 100 * part * part * (3 - 2 * part));
     });
   events.emplace_back(at(70 * tick_s) / kRate + 448 / kRate, [](Piano& p) { p.bend(15, 100), p.bend(39, 100); });
   events.emplace_back(120 * tick_s, [](Piano& p) { p.sostenuto(false), p.note_off(60); });
@@ -781,11 +781,11 @@ TEST_P(ShippedScore, Plays) {
   const bool is_panned = text.find("\"pan\"") != text.npos || text.find("\"keyboard\"") != text.npos || is_midi;
   EXPECT_EQ(sound.channels, is_panned ? 2 : 1);
   EXPECT_TRUE(within(sound.peak(), kPeak, kLevel));
-  const std::size_t half_second = 22050 * static_cast<std::size_t>(sound.channels);
-  const std::size_t stretches = sound.samples.size() / half_second;
+  const std::ptrdiff_t half_second = 22050 * sound.channels;
+  const std::ptrdiff_t stretches = std::ssize(sound.samples) / half_second;
   EXPECT_TRUE(within(static_cast<double>(stretches), 24, 5));
-  for (std::size_t i = 0; i < stretches; ++i) {
-    const auto begin = sound.samples.begin() + static_cast<std::ptrdiff_t>(i * half_second);
+  for (std::ptrdiff_t i = 0; i < stretches; ++i) {
+    const auto begin = sound.samples.begin() + i * half_second;
     double loudest = 0;
     for (auto at = begin; at != begin + half_second; ++at) loudest = std::max(loudest, std::abs(*at));
     EXPECT_TRUE(loudest > 0.01 || i + 4 >= stretches) << "at " << 0.5 * static_cast<double>(i) << " s";

@@ -14,6 +14,7 @@
 #include "contactspline/instrument.hpp"
 #include "contactspline/mass_barrier.hpp"
 #include "generator/emit/emit_instrument.hpp"
+#include "generator/emit/emit_instrument_faust.hpp"
 #include "generator/emit/emit_keyboard.hpp"
 #include "generator/emit/emit_material.hpp"
 #include "generator/emit/emit_resonator.hpp"
@@ -227,9 +228,10 @@ void play_instrument(std::string_view text) {
   InstrumentModel model = read_instrument(text);
   for (InstrumentBody& body : model.bodies) body.resonator.max_modes = std::min(body.resonator.max_modes, kMaxModes);
   if (silent_body(model, kHz / 2)) return;
-  for (const Emitter& emitter : emitters())
-    if (emitter.name != "faust") demand_text(emitter, emit(emitter, model, kHz / 2, kCommand));
   const InstrumentArrays arrays = arrays_of(model, kHz / 2);
+  for (const Emitter& emitter : emitters())
+    if (emitter.name != "faust" || !faust_obstacle(model, arrays))
+      demand_text(emitter, emit(emitter, model, kHz / 2, kCommand));
   play_instrument_in<double>(arrays);
   play_instrument_in<float>(arrays);
 }

@@ -46,12 +46,14 @@ std::uint64_t seed() {
 
 /// What became of a model.
 struct Record {
+  std::string model;
   std::size_t samples = 0, faults = 0, bounded = 0;
   double peak_j = 0;
 
   void fault(std::string_view what) {
     if (++faults <= 3)
-      std::printf("  fault at sample %zu: %.*s\n", samples, static_cast<int>(what.size()), what.data());
+      std::printf("  %s, fault at sample %zu: %.*s\n", model.c_str(), samples, static_cast<int>(what.size()),
+                  what.data());
   }
   template <typename T>
   void demand_finite(T value) {
@@ -61,9 +63,11 @@ struct Record {
 
 /// One model: plays a slice of samples.
 struct Soaked {
-  std::string name;
+  Soaked(std::string name, std::function<void(Record&)> play_slice)
+      : play(std::move(play_slice)), record{.model = std::move(name)} {}
+
   std::function<void(Record&)> play;
-  Record record = {};
+  Record record;
 };
 
 template <typename T>
@@ -422,22 +426,22 @@ void add_models(std::vector<Soaked>& models) {
   const std::string precision = sizeof(T) == sizeof(double) ? ".double" : ".float";
   for (const std::size_t gust : {kGust, std::size_t{1}}) {
     const std::string end = precision + (gust > 1 ? ".played" : ".jumping");
-    models.push_back({"mass-barrier" + end, mass_barrier<T>(gust)});
-    models.push_back({"hammer-string" + end, hammer_string<T>(gust)});
-    models.push_back({"slide-string" + end, along_a_string<StormySlide<T>, T>(gust)});
-    models.push_back({"fret-string" + end, along_a_string<StormyFret<T>, T>(gust)});
-    models.push_back({"keyboard-voice" + end, keyboard_voice<T>(gust)});
-    models.push_back({"ensemble" + end, ensemble<T>(gust)});
-    models.push_back({"body" + end, body<T>(gust)});
-    models.push_back({"keyboard-instrument" + end, keyboard_instrument<T>(gust)});
-    models.push_back({"tanpura" + end, instrument<instruments::tanpura<T>, T>(gust)});
-    models.push_back({"trichord_c4" + end, instrument<instruments::trichord_c4<T>, T>(gust)});
-    models.push_back({"slap_bass" + end, instrument<instruments::slap_bass<T>, T>(gust)});
-    models.push_back({"prepared_piano" + end, instrument<instruments::prepared_piano<T>, T>(gust)});
-    models.push_back({"snare" + end, instrument<instruments::snare<T>, T>(gust)});
-    models.push_back({"tom" + end, instrument<instruments::tom<T>, T>(gust)});
-    models.push_back({"marimba_tube" + end, instrument<instruments::marimba_tube<T>, T>(gust)});
-    models.push_back({"classical_guitar" + end, instrument<instruments::classical_guitar<T>, T>(gust)});
+    models.emplace_back("mass-barrier" + end, mass_barrier<T>(gust));
+    models.emplace_back("hammer-string" + end, hammer_string<T>(gust));
+    models.emplace_back("slide-string" + end, along_a_string<StormySlide<T>, T>(gust));
+    models.emplace_back("fret-string" + end, along_a_string<StormyFret<T>, T>(gust));
+    models.emplace_back("keyboard-voice" + end, keyboard_voice<T>(gust));
+    models.emplace_back("ensemble" + end, ensemble<T>(gust));
+    models.emplace_back("body" + end, body<T>(gust));
+    models.emplace_back("keyboard-instrument" + end, keyboard_instrument<T>(gust));
+    models.emplace_back("tanpura" + end, instrument<instruments::tanpura<T>, T>(gust));
+    models.emplace_back("trichord_c4" + end, instrument<instruments::trichord_c4<T>, T>(gust));
+    models.emplace_back("slap_bass" + end, instrument<instruments::slap_bass<T>, T>(gust));
+    models.emplace_back("prepared_piano" + end, instrument<instruments::prepared_piano<T>, T>(gust));
+    models.emplace_back("snare" + end, instrument<instruments::snare<T>, T>(gust));
+    models.emplace_back("tom" + end, instrument<instruments::tom<T>, T>(gust));
+    models.emplace_back("marimba_tube" + end, instrument<instruments::marimba_tube<T>, T>(gust));
+    models.emplace_back("classical_guitar" + end, instrument<instruments::classical_guitar<T>, T>(gust));
   }
 }
 
@@ -447,7 +451,8 @@ int soak(double seconds, const std::vector<std::string_view>& names) {
   add_models<float>(models);
   if (!names.empty())
     std::erase_if(models, [&](const Soaked& model) {
-      return std::ranges::none_of(names, [&](std::string_view name) { return model.name.find(name) != name.npos; });
+      return std::ranges::none_of(names,
+                                  [&](std::string_view name) { return model.record.model.find(name) != name.npos; });
     });
   using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();
@@ -463,8 +468,9 @@ int soak(double seconds, const std::vector<std::string_view>& names) {
   } while (elapsed(begin) < seconds);
   std::size_t samples = 0, faults = 0;
   for (const Soaked& model : models) {
-    std::printf("%-32s %12zu samples, at most %8.2g J, %zu faults, %zu by the bounding law\n", model.name.c_str(),
-                model.record.samples, model.record.peak_j, model.record.faults, model.record.bounded);
+    std::printf("%-32s %12zu samples, at most %8.2g J, %zu faults, %zu by the bounding law\n",
+                model.record.model.c_str(), model.record.samples, model.record.peak_j, model.record.faults,
+                model.record.bounded);
     samples += model.record.samples, faults += model.record.faults;
   }
   std::printf("%-32s %12zu samples in %.0f s, %zu faults\n", "together", samples, elapsed(begin), faults);
