@@ -120,7 +120,7 @@ class HammerStringPlayer {
       take_events(sample, controls);
       const std::size_t steady = std::min({left, controls.steady_samples(sample, Control::kDamping),
                                            controls.steady_samples(sample, Control::kBend, kBendStep),
-                                           strikes_.samples_to_next(sample), kMaxSteady});
+                                           strikes_.samples_to_next(sample), is_bending_ ? kBendStep : kMaxSteady});
       process_steady({block.output.subspan(done, steady), block.force.subspan(done, steady)});
       done += steady;
     }
@@ -139,7 +139,7 @@ class HammerStringPlayer {
   void take_events(std::size_t sample, ControlTrack& controls) {
     const auto values = controls.at(sample);
     voice_.controls() = controls_from(values);
-    bend(values[Control::kBend]);
+    bend(values[Control::kBend], sample);
     while (const auto* change = strikes_.next_until(sample)) take(*change, values[Control::kPlace]);
   }
 
@@ -155,12 +155,16 @@ class HammerStringPlayer {
     speed > 0 ? voice_.strike(static_cast<T>(speed)) : voice_.lift();
   }
 
-  void bend(double cents) {
-    if (cents == bend_cents_) return;
-    bend_cents_ = cents;
+  void bend(double cents, std::size_t sample) {
+    if (cents == bend_.cents()) return;
     const auto& string = std::get<StiffString>(resonator_.body);
-    std::ranges::transform(parts_.set.modes, parts_.modes.begin(),
-                           [&](const ResonatorMode& row) { return retuned(string, row, cents); });
+    const std::span<const ResonatorMode> rows(parts_.set.modes);
+    const double energy = detail::tension_energy(string, rows, voice_.model().string());
+    const bool follows = bend_.follow(cents, energy, static_cast<double>(sample) / options_.sample_rate_hz);
+    is_bending_ = cents != bend_.cents();
+    if (!follows) return;
+    std::ranges::transform(rows, parts_.modes.begin(),
+                           [&](const ResonatorMode& row) { return retuned(string, row, bend_.cents()); });
     voice_.retune(parts_.modes);
   }
 
@@ -204,7 +208,8 @@ class HammerStringPlayer {
   PlayOptions options_;
   Parts<T> parts_;
   double place_m_;
-  double bend_cents_ = 0;
+  detail::Bend bend_;
+  bool is_bending_ = false;  // is it still on its way?
   StrikeTrack strikes_;
   HammerVoice<T> voice_;
   int held_ = 0;           // notes

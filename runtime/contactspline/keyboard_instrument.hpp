@@ -9,6 +9,7 @@
 #include <cmath>
 #include <concepts>
 #include <cstddef>
+#include <cstdint>
 #include <numbers>
 #include <span>
 #include <utility>
@@ -134,15 +135,13 @@ class KeyboardOnBody {
   }
 
   /// Bends a key's strings, also while they sound, by a change of their tension: so many cents above their own pitch,
-  /// -1200 to 1200, clamped. The bridge feels the new tension. A bend by more than a few cents at once can be
+  /// -1200 to 1200, clamped. The bridge feels the new tension. A tension that rises does at most 1 W of work (saved
+  /// up for 10 ms), so that strings that swing far follow later. A bend by more than a few cents at once can be
   /// noticed.
   void bend(std::size_t key, double cents) {
     if (key >= keys_.size()) return;
-    Key& of = keys_[key];
-    const double before = std::exchange(of.cents, held(of.cents, cents, {-1200, 1200}));
-    if (of.cents == before) return;
-    body_.retune({of.ends_n_per_m * (std::exp2(of.cents / 600) - std::exp2(before / 600)), 0}, 0);
-    if (of.modes > 0) retune(of);
+    keys_[key].cents = held(keys_[key].cents, cents, {-1200, 1200});
+    follow_bend(keys_[key]);
   }
 
   /// Brings everything to rest and lets all keys go; the pedals stay.
@@ -286,11 +285,11 @@ class KeyboardOnBody {
       struck_part = -1;
     }
 
-    // Takes the tension of its cents. A mode rests per displacement of the bridge where it did before.
+    // Takes the tension of its bend. A mode rests per displacement of the bridge where it did before.
     void retune() {
-      if (tuned_cents == cents) return;
-      tuned_cents = cents;
-      for (std::size_t i = 0; i < rows.size(); ++i) tuned[i] = retuned(string, rows[i], cents);
+      if (tuned_cents == bend.cents()) return;
+      tuned_cents = bend.cents();
+      for (std::size_t i = 0; i < rows.size(); ++i) tuned[i] = retuned(string, rows[i], tuned_cents);
       model.retune(tuned);
       for (std::size_t i = 0; i < rows.size(); ++i) {
         bridge.shapes[i] = static_cast<T>(bridge_shape(string, StringMode{tuned[i], rows[i].wavenumber_per_m}));
@@ -337,9 +336,11 @@ class KeyboardOnBody {
     StiffString string;
     std::size_t strings, sympathetic = 0;
     bool has_damper;
-    double struck_part = -1;            // of the last string
-    double position = 0;                // of the strike [m]
-    double cents = 0, tuned_cents = 0;  // of the bend; keys that sleep take it when they wake
+    double struck_part = -1;  // of the last string
+    double position = 0;      // of the strike [m]
+    double cents = 0;         // the control of the bend
+    detail::Bend bend;        // that the bridge feels
+    double tuned_cents = 0;   // the same of the modes: keys that sleep take it when they wake
     T extra_damping_per_s = 0;
     // Of the sound:
     std::size_t modes = 0;  // that are at the bridge; 0: the key sleeps
@@ -369,6 +370,19 @@ class KeyboardOnBody {
         keys_[key].checks = 0;
         if (keys_[key].modes < keys_[key].sympathetic) set_modes(key, keys_[key].sympathetic);
       }
+  }
+
+  void follow_bend(Key& key) {
+    const double before = key.bend.cents(), w = double(body_.displacement());
+    if (key.cents == before) return;
+    const double energy =
+        detail::tension_energy(key.string, std::span<const typename Key::Row>(key.rows).first(key.modes),
+                               key.model.string()) +
+        key.ends_n_per_m * w * w / 2;
+    if (!key.bend.follow(key.cents, energy, static_cast<double>(samples_) * time_step_s_)) return;
+    const double change = std::exp2(key.bend.cents() / 600) - std::exp2(before / 600);
+    body_.retune({key.ends_n_per_m * change, 0}, 0);
+    if (key.modes > 0) retune(key);
   }
 
   void retune(Key& key) {
@@ -402,6 +416,7 @@ class KeyboardOnBody {
       return;
     }
     clock_ += left.size();
+    samples_ += left.size();
     while (!left.empty()) {
       std::size_t samples = left.size();
       for (const std::size_t key : awake_) samples = std::min(samples, keys_[key].damper.samples());
@@ -413,6 +428,7 @@ class KeyboardOnBody {
     if (clock_ == kCheckInterval) {
       clock_ = 0;
       for (const std::size_t key : awake_) keys_[key].is_struck = keys_[key].model.is_hammer_flying();
+      for (Key& key : keys_) follow_bend(key);
       check();
     }
   }
@@ -492,6 +508,7 @@ class KeyboardOnBody {
   std::vector<std::size_t> struck_;  // of those with a hammer in flight
   std::vector<detail::StringsOnBridge<T>> resting_;
   std::size_t clock_ = 0, next_check_ = 0, failures_ = 0;
+  std::uint64_t samples_ = 0;
   double sustain_ = 0, una_corda_ = 0, soft_ratio_ = 1;
   T hammer_mass_ratio_ = 1;
   ContactControls<T> felt_ = {};

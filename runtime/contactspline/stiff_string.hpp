@@ -11,6 +11,7 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "contactspline/modal.hpp"
@@ -174,17 +175,64 @@ struct StringMode {
   double wavenumber_per_m;
 };
 
+/// T beta^2/mu [1/s^2], by which the tension adds to w0^2. Row: as in bridge_shape().
+template <typename Row>
+[[nodiscard]] double square_by_tension(const StiffString& string, const Row& row) {
+  const double beta = row.wavenumber_per_m, decay = row.mode.decay_per_s, w = row.mode.angular_frequency_rad_per_s;
+  return w * w + decay * decay - string.bending_stiffness_n_m2 * std::pow(beta, 4) * string.length_m / string.mass_kg;
+}
+
 /// The mode after a change of tension that detunes its string by `cents`: w0^2 gains (T' - T) beta^2/mu. The tension
 /// T is that of the string that the mode belongs to, detuned or not. Frequency 0 if it no longer oscillates. Row: as
 /// in bridge_shape().
 template <typename Row>
 [[nodiscard]] Mode retuned(const StiffString& string, const Row& row, double cents) {
-  const double beta = row.wavenumber_per_m, decay = row.mode.decay_per_s, w = row.mode.angular_frequency_rad_per_s;
-  const double by_bending = string.bending_stiffness_n_m2 * std::pow(beta, 4) * string.length_m / string.mass_kg;
-  const double by_tension = w * w + decay * decay - by_bending;
-  const double square = w * w + std::expm1(cents / 600 * std::numbers::ln2) * by_tension;
-  return {std::sqrt(std::max(0.0, square)), decay, row.mode.mass_kg};
+  const double w = row.mode.angular_frequency_rad_per_s;
+  const double square = w * w + std::expm1(cents / 600 * std::numbers::ln2) * square_by_tension(string, row);
+  return {std::sqrt(std::max(0.0, square)), row.mode.decay_per_s, row.mode.mass_kg};
 }
+
+namespace detail {
+
+/// Energy [J] that the tension stores in the first modes of a sounding string while it is not detuned: the sum of
+/// m T beta^2/mu q^2/2. It is proportional to the tension. Row: as in bridge_shape(), not detuned.
+template <typename Row, std::floating_point T, std::size_t Modes>
+[[nodiscard]] double tension_energy(const StiffString& string, std::span<const Row> first,
+                                    const ModalBank<T, Modes>& sounding) {
+  double sum = 0;
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    const double q = double(sounding.displacement(i));
+    sum += first[i].mode.mass_kg * square_by_tension(string, first[i]) * q * q / 2;
+  }
+  return sum;
+}
+
+/// The bend of a string that sounds. A tension that falls follows its control at once. One that rises does work: at
+/// most that of kStiffeningPower_w, which may be saved up for 10 ms.
+class Bend {
+ public:
+  [[nodiscard]] double cents() const { return cents_; }
+
+  /// Follows a control of so many cents at the time now_s. energy_j: tension_energy(). Has the bend changed?
+  bool follow(double control_cents, double energy_j, double now_s) {
+    if (!all_finite(std::span<const double>(&energy_j, 1))) return false;
+    const double tension = std::exp2(cents_ / 600), control = std::exp2(control_cents / 600);
+    const double saved_s = std::min(kLongest_s, now_s - used_s_);
+    const double next = followed_stiffness(tension, control, energy_j, saved_s);
+    if (next == tension) return false;
+    used_s_ = now_s - saved_s + std::max(0.0, (next - tension) * energy_j / kStiffeningPower_w);
+    cents_ = next == control ? control_cents : 600 * std::log2(next);
+    return true;
+  }
+
+ private:
+  static constexpr double kLongest_s = 0.01;
+
+  double cents_ = 0;
+  double used_s_ = 0;  // up to when the time has been worked
+};
+
+}  // namespace detail
 
 /// All modes with an undamped frequency below a limit, sorted by frequency; at most `max_modes` from each string. A
 /// force at a place acts on all strings equally, so divide the shapes there by the number of strings.

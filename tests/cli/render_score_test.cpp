@@ -832,6 +832,19 @@ TEST(RenderScore, BendsThePitchOfMidiNotes) {
   }
 }
 
+// An octave up and down every millisecond: the blow stays the loudest. Bends that did any work would drown it.
+TEST(RenderScore, IsNotPumpedByBends) {
+  std::string events = R"({ "time_s": 0, "speed_m_per_s": 5 })";
+  for (int n = 0; n < 400; ++n)
+    events += fmt::format(R"(, {{ "time_s": {}, "bend_cents": {} }})", 0.05 + 0.001 * n, n % 2 == 0 ? -1200 : 1200);
+  const Sound sound = sound_of("hammer-string", R"({ "instrument": "hammer-string", "duration_s": 0.5, "voices": [ {
+    "name": "a", "resonator": "string_c4", "material": "felt_c4" } ], "events": [ )" +
+                                                    events + " ] }");
+  double blow = 0;
+  for (std::size_t n = 0; n < 2205; ++n) blow = std::max(blow, std::abs(sound.samples[n]));
+  EXPECT_GT(blow, 0.5 * kPeak);
+}
+
 // In the middle of a note, by the pitch wheel of a MIDI file, and by a score: the string sounds at the pitch of its
 // new tension, to which it glides.
 TEST(RenderScore, BendsASoundingString) {

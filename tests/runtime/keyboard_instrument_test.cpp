@@ -202,6 +202,29 @@ TEST(KeyboardOnBody, GainsEnergyByBendsAlone) {
   EXPECT_LE(worst, 1e-12 * peak);
 }
 
+// Bends that alternate as fast as a host can move them: they would pump the strings (17 orders of magnitude in half a
+// second), but do no more work than 1 W.
+TEST(KeyboardOnBody, IsNotPumpedByBends) {
+  const OneKey one({0, 0.15, -0.1}, 12);
+  const KeyOnBody<double> keys[] = {one.key()};
+  for (const auto& [samples, cents] : {std::pair(64, 200.0), {1, 1200.0}, {83, 50.0}}) {
+    KeyboardOnBody<double> keyboard(keys, one.keyboard_board(), kRate, one.max_modes);
+    Sound<double> sound;
+    keyboard.strike(0, 4);
+    play(keyboard, 0.1, sound);
+    ASSERT_FALSE(keyboard.is_hammer_flying());
+    const double before = keyboard.energy(), seconds = 0.5;
+    ASSERT_GT(before, 0.01);
+    for (int n = 0; n < seconds * kRate; n += samples) {
+      keyboard.bend(0, n / samples % 2 == 0 ? cents : -cents);
+      play(keyboard, samples / kRate, sound);
+    }
+    EXPECT_TRUE(is_finite(keyboard.energy()));
+    EXPECT_LT(keyboard.energy(), before + seconds + 0.01);
+    EXPECT_EQ(keyboard.failures(), 0u);
+  }
+}
+
 // A unison of three under one hammer, whose force drives the exact motion of the coupled equations: levels in windows
 // of 0.1 s over 8 s, and the two slopes (G. Weinreich, JASA 1977).
 TEST(KeyboardOnBody, HasTheTwoDecaysOfAUnison) {

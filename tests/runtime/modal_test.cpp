@@ -266,10 +266,34 @@ TEST(StiffString, FindsTheFirstModeAboveAFrequency) {
       return detail::first_index_above(from, w, [](int i) { return double(i); });
     };
     for (const int n : {1, 2, 3, 4, 5, 100, 65536, (1 << 29) - 1, 1 << 29, (1 << 29) + 5, kLast - 2, kLast - 1})
-      if (n >= from) EXPECT_EQ(first_above(n), n + 1) << "from " << from;
+      if (n >= from) {
+        EXPECT_EQ(first_above(n), n + 1) << "from " << from;
+      }
     EXPECT_EQ(first_above(kLast), kLast + 1) << "from " << from;
     EXPECT_EQ(first_above(1e12), kLast + 1) << "from " << from;
   }
+}
+
+// A tension that would store 1 J at 0 cents, bent up by an octave, to four times as much: 1 W takes 3 s for it. What
+// is not used is saved up for 10 ms. A fall, or a rise that does no work, takes no time.
+TEST(Bend, DoesTheWorkOfOneWatt) {
+  detail::Bend bend;
+  const auto tension = [&] { return std::exp2(bend.cents() / 600); };
+  for (int n = 1; n <= 301; ++n) {
+    const bool is_there = bend.cents() == 1200;
+    EXPECT_EQ(bend.follow(1200, 1, 0.01 * n), !is_there) << n;
+    EXPECT_TRUE(within(tension() - 1, std::min(3.0, 0.01 * n), 1e-12)) << n;
+  }
+  EXPECT_EQ(bend.cents(), 1200);
+  EXPECT_FALSE(bend.follow(1200, 1, 4));
+  EXPECT_TRUE(bend.follow(0, 1, 4));
+  EXPECT_EQ(bend.cents(), 0);
+  EXPECT_TRUE(bend.follow(1200, 1, 4));
+  EXPECT_TRUE(within(tension() - 1, 0.01, 1e-12));
+  EXPECT_FALSE(bend.follow(1200, 1, 4));
+  EXPECT_FALSE(bend.follow(1200, std::numeric_limits<double>::quiet_NaN(), 5));
+  EXPECT_TRUE(bend.follow(1200, 0, 5));
+  EXPECT_EQ(bend.cents(), 1200);
 }
 
 // Against the formula of the string at another tension, with its losses. The difference w'^2 - w^2 carries the

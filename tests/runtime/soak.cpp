@@ -293,6 +293,8 @@ std::function<void(Record&)> keyboard_instrument(std::size_t gust) {
     s->model.sustain(static_cast<double>(s->weather.any({0, 1})));
     s->model.sostenuto(s->weather.now_and_then(2));
     s->model.una_corda(static_cast<double>(s->weather.any({0, 1})));
+    s->model.bend(s->weather.below(Piano::keys + 2), static_cast<double>(s->weather.any({-1200, 1200})));
+    work += Piano::keys * kStiffeningPower_w * static_cast<double>(block) / kHz;  // of the bends
     s->model.process(std::span(s->left).first(block), std::span(s->right).first(block));
     for (std::size_t i = 0; i < block; ++i) {
       record.demand_finite(s->left[i]);
