@@ -213,8 +213,12 @@ void inspect_resonator(const Resonator& resonator, const InspectOptions& options
     refuse(options.material, options.compare ? "--compare" : "--figure", "cannot be used with a resonator",
            options.compare ? "with a material" : "with a material or an instrument");
   const double rate = options.sample_rate_hz.value_or(kDefaultRate);
-  const std::string table = resonator_table(resonator, rate);
-  write_stdout(options.json ? json_of(resonator, rate) : table);
+  const std::string page = [&] {
+    const WaitingLine line("computing the modes of " + resonator.name);
+    const std::string table = resonator_table(resonator, rate);
+    return options.json ? json_of(resonator, rate) : table;
+  }();
+  write_stdout(page);
 }
 
 // The keys of the published notes, and the first and the last of the keyboard.
