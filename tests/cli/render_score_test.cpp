@@ -570,7 +570,8 @@ TEST(RenderScore, PlaysTheKeyboardInstrument) {
       const double part = step_s * kRate / 441;
       for (const unsigned key : {15u, 39u}) p.bend(key, 100 * part * part * (3 - 2 * part));
     });
-  events.emplace_back(at(70 * tick_s) / kRate + 448 / kRate, [](Piano& p) { p.bend(15, 100), p.bend(39, 100); });
+  events.emplace_back((static_cast<double>(at(70 * tick_s)) + 448) / kRate,
+                      [](Piano& p) { p.bend(15, 100), p.bend(39, 100); });
   events.emplace_back(120 * tick_s, [](Piano& p) { p.sostenuto(false), p.note_off(60); });
   const auto midi = played(events, 120 * tick_s + 1);
   const std::string bytes(
