@@ -267,6 +267,7 @@ class Writer {
     const std::size_t modes = modes_of(body), begin = first_mode(body);
     const auto pickups = pickups_of(body);
     const auto& places = places_[body];
+    if (places.empty() && pickups.empty()) return;  // a function of no output is no Faust
     bodies_ += fmt::format("// {}: angular frequency, decay and modal mass; shapes at its places\n",
                            model_.bodies[body].name);
     for (std::size_t i = 0; i < modes; ++i)
@@ -312,7 +313,7 @@ class Writer {
         has_velocity ? "_with_velocity" : "", has_velocity ? ", velocity" : "");
     arguments.push_back(gain_of(body));
     arguments.push_back(damping_of(body));
-    if (!signals.empty()) chain_.add(signals, fmt::format("body_{}({})", body, fmt::join(arguments, ", ")));
+    chain_.add(signals, fmt::format("body_{}({})", body, fmt::join(arguments, ", ")));
   }
 
   static std::string scaled(const std::vector<std::string>& forces) {

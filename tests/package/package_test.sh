@@ -466,13 +466,14 @@ case_faust() {
   faust_samples "$WORK/prefix/share/contactspline/faust/mass_barrier.dsp" >"$WORK/samples"
   expect_peak_force 2 4.5e9 2.5 0.00297 2 <"$WORK/samples"
 
-  # Instruments without what others have: springs, controls, contacts.
-  local bodies='"bodies": [{ "name": "ball", "mass_kg": 0.01 }, { "name": "bar", "resonator": "marimba_c4" }],
+  # Instruments without what others have: springs, controls, contacts. Nothing acts on their idle body.
+  local bodies='"bodies": [{ "name": "ball", "mass_kg": 0.01 }, { "name": "bar", "resonator": "marimba_c4" },
+      { "name": "idle", "modes": [{ "frequency_hz": 100, "decay_per_s": 1, "mass_kg": 1 }] }],
     "places": [{ "name": "middle", "body": "bar", "position_m": 0.1 }],
     "outputs": [{ "name": "bar", "velocity_m_per_s": "middle" }]'
   local contact='"contacts": [{ "name": "hit", "between": ["ball", "middle"], "material": "felt_c4" }]'
   local spring='"springs": [{ "name": "coil", "between": ["ball", "middle"], "stiffness_n_per_m": 100 }]'
-  local control='"controls": [{ "name": "hand", "damping_per_s": "bar" }]' part n=0
+  local control='"controls": [{ "name": "hand", "damping_per_s": ["bar", "idle"] }]' part n=0
   for part in "$contact" "$spring" "$contact, $control" "$contact, $spring" "$control"; do
     n=$((n + 1))
     echo "{ \"name\": \"probe_$n\", $bodies, $part }" >"$WORK/probe_$n.json"
