@@ -17,7 +17,8 @@ class classical_guitar : public NetworkInstrument<T> {
   static constexpr int format_version = 1;  // of this layout; the runtime checks it
 
   explicit classical_guitar(double sample_rate_hz) : NetworkInstrument<T>(data::view(), sample_rate_hz) {
-    static_assert(fits_runtime<classical_guitar>, "generated for another version: run `contactspline generate` again");
+    static_assert(contactspline::fits_runtime<classical_guitar>,
+                  "generated for another version: run `contactspline generate` again");
   }
 
   /// -20 to 20, at the beginning 0.

@@ -17,7 +17,8 @@ class marimba_tube : public NetworkInstrument<T> {
   static constexpr int format_version = 1;  // of this layout; the runtime checks it
 
   explicit marimba_tube(double sample_rate_hz) : NetworkInstrument<T>(data::view(), sample_rate_hz) {
-    static_assert(fits_runtime<marimba_tube>, "generated for another version: run `contactspline generate` again");
+    static_assert(contactspline::fits_runtime<marimba_tube>,
+                  "generated for another version: run `contactspline generate` again");
   }
 
   /// 0 to 100000, at the beginning 100.

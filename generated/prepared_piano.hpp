@@ -17,7 +17,8 @@ class prepared_piano : public NetworkInstrument<T> {
   static constexpr int format_version = 1;  // of this layout; the runtime checks it
 
   explicit prepared_piano(double sample_rate_hz) : NetworkInstrument<T>(data::view(), sample_rate_hz) {
-    static_assert(fits_runtime<prepared_piano>, "generated for another version: run `contactspline generate` again");
+    static_assert(contactspline::fits_runtime<prepared_piano>,
+                  "generated for another version: run `contactspline generate` again");
   }
 
   /// 0 to 1, at the beginning 0.049.

@@ -17,7 +17,8 @@ class slap_bass : public NetworkInstrument<T> {
   static constexpr int format_version = 1;  // of this layout; the runtime checks it
 
   explicit slap_bass(double sample_rate_hz) : NetworkInstrument<T>(data::view(), sample_rate_hz) {
-    static_assert(fits_runtime<slap_bass>, "generated for another version: run `contactspline generate` again");
+    static_assert(contactspline::fits_runtime<slap_bass>,
+                  "generated for another version: run `contactspline generate` again");
   }
 
   /// 0 to 20, at the beginning 0.

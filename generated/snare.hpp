@@ -17,7 +17,8 @@ class snare : public NetworkInstrument<T> {
   static constexpr int format_version = 1;  // of this layout; the runtime checks it
 
   explicit snare(double sample_rate_hz) : NetworkInstrument<T>(data::view(), sample_rate_hz) {
-    static_assert(fits_runtime<snare>, "generated for another version: run `contactspline generate` again");
+    static_assert(contactspline::fits_runtime<snare>,
+                  "generated for another version: run `contactspline generate` again");
   }
 
   /// -1e-05 to 0.002, at the beginning 0.

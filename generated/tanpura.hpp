@@ -17,7 +17,8 @@ class tanpura : public NetworkInstrument<T> {
   static constexpr int format_version = 1;  // of this layout; the runtime checks it
 
   explicit tanpura(double sample_rate_hz) : NetworkInstrument<T>(data::view(), sample_rate_hz) {
-    static_assert(fits_runtime<tanpura>, "generated for another version: run `contactspline generate` again");
+    static_assert(contactspline::fits_runtime<tanpura>,
+                  "generated for another version: run `contactspline generate` again");
   }
 
   /// -2 to 2, at the beginning 0.

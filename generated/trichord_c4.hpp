@@ -17,7 +17,8 @@ class trichord_c4 : public NetworkInstrument<T> {
   static constexpr int format_version = 1;  // of this layout; the runtime checks it
 
   explicit trichord_c4(double sample_rate_hz) : NetworkInstrument<T>(data::view(), sample_rate_hz) {
-    static_assert(fits_runtime<trichord_c4>, "generated for another version: run `contactspline generate` again");
+    static_assert(contactspline::fits_runtime<trichord_c4>,
+                  "generated for another version: run `contactspline generate` again");
   }
 
   /// 0.01 to 100, at the beginning 1.

@@ -30,11 +30,11 @@ constexpr Range kResistance{0, 1e6};
 constexpr Range kFullScale{1e-9, 1e9};
 constexpr auto kGroundName = "ground";
 
-// Members of the emitted C++ class, which must not be called like it.
-constexpr const char* kMemberNames[] = {"tick",          "process", "output",  "energy",        "work",
-                                        "dissipated",    "network", "reset",   "strike",        "control",
-                                        "data",          "names",   "speed",   "value",         "set_control",
-                                        "contact_force", "ground",  "samples", "format_version"};
+// Members of the emitted C++ class and a parameter, which must not be called like it.
+constexpr const char* kMemberNames[] = {"tick",          "process", "output",  "energy",         "work",
+                                        "dissipated",    "network", "reset",   "strike",         "control",
+                                        "data",          "names",   "speed",   "value",          "set_control",
+                                        "contact_force", "ground",  "samples", "format_version", "sample_rate_hz"};
 
 constexpr std::array kQuantities = {
     ControlQuantity::kForce,    ControlQuantity::kDamping,   ControlQuantity::kStiffnessRatio, ControlQuantity::kLoss,

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Names of materials: those that the program accepts compile as the README uses them, macros are refused.
+// Names: those that the program accepts compile, those of materials as the README uses them. Macros are refused.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cctype>
 #include <set>
 #include <sstream>
 #include <string>
@@ -82,6 +83,82 @@ TEST(Names, ThatAreAcceptedCompile) {
        .program = "c++"});
   EXPECT_EQ(compiled.exit_code, 0) << compiled.err;
 }
+
+std::string resonator(const std::string& name) {
+  return fmt::format(R"({{"name": "{}", "modes": [{{"frequency_hz": 440, "decay_per_s": 1, "mass_kg": 0.01,
+    "strike_shape": 1, "pickup_shape": 1}}]}})",
+                     name);
+}
+
+std::string instrument(const std::string& name) {
+  return fmt::format(R"({{"name": "{}", "bodies": [{{"name": "a", "mass_kg": 0.1}}, {{"name": "b", "mass_kg": 1}}],
+    "contacts": [{{"name": "c", "between": ["a", "b"], "material": "felt_c4"}}], "strikes": ["a"],
+    "controls": [{{"name": "d", "damping_per_s": "b"}}], "outputs": [{{"name": "o", "force_n": "c"}}]}})",
+                     name);
+}
+
+std::string keyboard(const std::string& name) {
+  std::string text = read_file(SOURCE_FOLDER "/tests/fuzz/corpus/keyboard/two.json");
+  const std::string before = R"("name": "two")";
+  return text.replace(text.find(before), before.size(), fmt::format(R"("name": "{}")", name));
+}
+
+std::set<std::string> words_in(const std::string& text) {
+  std::set<std::string> words;
+  std::string word;
+  for (const char c : text + " ") {
+    if (c == '_' || std::isalnum(static_cast<unsigned char>(c)) != 0) {
+      word += c;
+    } else {
+      words.insert(word);
+      word.clear();
+    }
+  }
+  return words;
+}
+
+struct Kind {
+  std::string folder;
+  std::string (*file)(const std::string& name);
+  std::string use;  // of a name in that namespace
+};
+
+void PrintTo(const Kind& kind, std::ostream* stream) {
+  *stream << kind.folder;
+}
+
+class EmittedHeader : public ::testing::TestWithParam<Kind> {};
+
+// Each word of an emitted header as a name. All headers stand in one program: a name must not break the next ones.
+TEST_P(EmittedHeader, MayHaveEachOfItsWordsAsAName) {
+  const Sandbox box;
+  const auto generate = [&](const std::string& name) {
+    write_file(box / "probe.json", GetParam().file(name));
+    return run({.arguments = {"generate", "probe.json", "--emit", "cpp", "-o", "out"}, .folder = box.path()});
+  };
+  succeed(generate("probe"));
+  const auto words = words_in(read_file(box / "out/probe.hpp"));
+  std::string includes, uses;
+  for (const std::string& word : words) {
+    if (generate(word).exit_code != 0) continue;
+    includes += fmt::format("#include \"out/{}.hpp\"\n", word);
+    uses += fmt::format(fmt::runtime(GetParam().use), fmt::format("contactspline::{}::{}", GetParam().folder, word));
+  }
+  EXPECT_NE(includes.find("out/probe.hpp"), std::string::npos);
+  write_file(box / "use.cpp", includes + uses);
+  const Outcome compiled = run_program(
+      {.arguments = {"-std=gnu++20", "-fsyntax-only", "-I.", fmt::format("-I{}/runtime", SOURCE_FOLDER), "use.cpp"},
+       .folder = box.path(),
+       .program = "c++"});
+  EXPECT_EQ(compiled.exit_code, 0) << compiled.err;
+}
+
+INSTANTIATE_TEST_SUITE_P(Names, EmittedHeader,
+                         ::testing::Values(Kind{"materials", material, "static_assert({}::segments > 0);\n"},
+                                           Kind{"resonators", resonator, "static_assert({}::modes > 0);\n"},
+                                           Kind{"keyboards", keyboard, "static_assert({}::keys > 0);\n"},
+                                           Kind{"instruments", instrument, "template class {}<double>;\n"}),
+                         ::testing::PrintToStringParamName());
 
 }  // namespace
 }  // namespace contactspline::testing
