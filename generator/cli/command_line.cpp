@@ -125,9 +125,8 @@ void add_generate(CLI::App& app) {
       "  contactspline generate my_felt.json --emit faust --emit cpp -o build\n"
       "  contactspline generate felt_c4 --emit json -o -\n"
       "  contactspline generate string_c4 --rate 96000 -o build\n"
-      "Each file has the name of its material, resonator, keyboard or instrument. An instrument is written as C++ "
-      "and\n"
-      "JSON only. A file that would not change is not touched.\n"
+      "Each file has the name of its material, resonator, keyboard or instrument. An instrument is a Faust program\n"
+      "too if its contacts, springs, links and modes are few. A file that would not change is not touched.\n"
       "A file that this program did not write is replaced only with --force.");
   command->callback([options] { generate(*options); });
 }

@@ -25,7 +25,7 @@ const std::vector<Command> kCommands = {
     {"generate",
      {"generate"},
      {"MATERIAL", "--emit", "faust", "cpp", "json", "-o,--output", "--check", "--depfile", "--rate", "--force",
-      "standard output"}},
+      "standard output", "An instrument is a Faust program\ntoo if"}},
     {"inspect", {"inspect"}, {"MATERIAL", "--figure", "--compare", "--rate"}},
     {"list", {"list"}, {"contact duration", "materials", "resonators", "keyboards", "instruments", "scores"}},
     {"show", {"show"}, {"NAME", "my_felt.json"}},
