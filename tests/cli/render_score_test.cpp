@@ -231,6 +231,26 @@ TEST(RenderScore, PlaysTheSlideString) {
             motion, 1e-5);
 }
 
+// A stiffness that jumps by twelve orders of magnitude in every sample does at most 1 W of work on a pressed slide:
+// no force is far beyond those of the hand and of the pluck.
+TEST(RenderScore, StaysCalmWhileAStiffnessJumps) {
+  std::string events = R"({ "time_s": 0, "place_m": 0.2, "slide_mass_kg": 0.04, "hand_force_n": 2,
+    "hand_stiffness_n_per_m": 200, "hand_resistance_n_s_per_m": 2, "rest_resistance_n_s_per_m": 1,
+    "stiffness_ratio": 0.5, "loss_s_per_m": 0.1 }, { "time_s": 0.02, "pluck_n": 4 })";
+  for (int n = 0; n < 4000; ++n)
+    events += fmt::format(R"(, {{ "time_s": {}, "stiffness_ratio": {} }})", 0.01 + n / 44100.0, n % 2 ? 1e6 : 1e-6);
+  const Sandbox box;
+  write_file(box / "jumps.json", R"({ "instrument": "slide-string", "duration_s": 0.2, "voices": [ { "name": "g",
+    "resonator": "guitar_g3", "material": "steel_on_steel", "pluck_m": 0.5, "pickup_m": 0.6, "height_m": 0.001 } ], "events": [ )" +
+                                     events + " ] }");
+  const std::string report =
+      succeed({.arguments = {"render", "slide-string", "--score", "jumps.json", "--no-figure", "-o", "jumps.wav"},
+               .folder = box.path()});
+  const std::string before = "largest contact force ";
+  ASSERT_NE(report.find(before), std::string::npos) << report;
+  EXPECT_LT(std::stod(report.substr(report.find(before) + before.size())), 1000) << report;
+}
+
 TEST(RenderScore, PlaysTheFretString) {
   Parts parts("guitar_d3", "steel_on_steel");
   FretString<double> model(parts.table, parts.modes, StringShapes<double>(parts.wavenumbers), 0.3, kRate);
