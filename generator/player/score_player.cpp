@@ -64,6 +64,11 @@ ModeShapes<T> output_shapes(const Voice& voice, const std::vector<ResonatorMode>
   refuse_rate(fmt::format("voice {} ({})", voice.name, voice.resonator.name), options);
 }
 
+// May a sample be a part of a sound? All voices together must fit single precision, in which sounds are stored.
+bool is_bounded(double sample) {
+  return std::abs(sample) < 1e30;
+}
+
 // Where a sound stops being finite, it says so: in a sum of voices, or in a figure, nobody could tell what it was.
 [[noreturn]] void refuse_infinite(const Score& score, const std::string& what, const PlayOptions& options,
                                   std::size_t sample) {
@@ -400,10 +405,9 @@ using PartDone = std::function<void(std::size_t)>;
 
 void require_finite(const Score& score, const Voice& voice, const PlayOptions& options, std::size_t begin,
                     const Block& block) {
-  if (all_finite(std::span<const double>(block.output)) && all_finite(std::span<const double>(block.force))) return;
-  std::size_t n = 0;
-  while (std::isfinite(block.output[n]) && std::isfinite(block.force[n])) ++n;
-  refuse_infinite(score, "voice " + voice.name, options, begin + n);
+  for (std::size_t n = 0; n < block.output.size(); ++n)
+    if (!is_bounded(block.output[n]) || !is_bounded(block.force[n]))
+      refuse_infinite(score, "voice " + voice.name, options, begin + n);
 }
 
 template <typename Player>
@@ -568,7 +572,7 @@ class KeyboardPlayer {
   }
 
   void record(std::size_t sample, T left, T right) {
-    if (!std::isfinite(left + right) || keyboard_.failures() > 0)
+    if (!is_bounded(double(left)) || !is_bounded(double(right)) || keyboard_.failures() > 0)
       refuse_infinite(score_, "keyboard", options_, sample);
     recorder_.add_sound(sample, static_cast<double>(left), static_cast<double>(right));
   }
@@ -599,7 +603,7 @@ void drive_body(const Score& score, const PlayOptions& options, Performance& per
     bank.commit();
     performance.samples[n] = static_cast<float>(bank.velocity(left));
     performance.samples[n + 1] = static_cast<float>(bank.velocity(right));
-    if (!std::isfinite(performance.samples[n] + performance.samples[n + 1]))
+    if (!is_bounded(performance.samples[n]) || !is_bounded(performance.samples[n + 1]))
       refuse_infinite(score, "body", options, n / 2);
   }
 }
