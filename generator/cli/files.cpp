@@ -194,9 +194,11 @@ std::string read_input(const fs::path& path) {
   if (fs::file_size(path, error) > kMaxInputBytes || error) fail_to_read(path, "is larger than 1 MiB");
   std::ifstream stream(path, std::ios::binary);
   if (!stream) fail_to_read(path, std::strerror(errno));
-  std::string bytes((std::istreambuf_iterator<char>(stream)), {});
-  if (stream.bad()) fail_to_read(path, std::strerror(errno));
-  return bytes;
+  try {
+    return {std::istreambuf_iterator<char>(stream), {}};
+  } catch (const std::ios_base::failure& failure) {
+    fail_to_read(path, failure.code().message());
+  }
 }
 
 void require_distinct(std::span<const fs::path> outputs, std::span<const fs::path> inputs) {

@@ -251,12 +251,29 @@ std::string read_local_name(const JsonObject& object, std::string_view taken) {
   return name;
 }
 
+namespace {
+
+// Does UTF-8 text have a character that prints nothing? The controls of ASCII and U+0080 to U+009F, ends of lines,
+// and those that change the direction of writing, with which source code can be made to look like another.
+bool has_control(std::string_view text) {
+  constexpr std::array<std::string_view, 14> kControls = {"\u061c", "\u200e", "\u200f", "\u2028", "\u2029",
+                                                          "\u202a", "\u202b", "\u202c", "\u202d", "\u202e",
+                                                          "\u2066", "\u2067", "\u2068", "\u2069"};
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto c = static_cast<unsigned char>(text[i]);
+    const auto next = i + 1 < text.size() ? static_cast<unsigned char>(text[i + 1]) : 0;
+    if (c < 0x20 || c == 0x7f || (c == 0xc2 && next >= 0x80 && next < 0xa0)) return true;
+  }
+  return std::ranges::any_of(kControls, [&](std::string_view control) { return text.find(control) != text.npos; });
+}
+
+}  // namespace
+
 std::string read_description(const JsonObject& object) {
   if (!object.has("description")) return {};
   constexpr auto kAllowed = "one line of at most 200 printable characters, no quote, no backslash";
   std::string text = object.text("description", kAllowed);
-  const bool printable =
-      std::ranges::none_of(text, [](unsigned char c) { return c < 0x20 || c == 0x7f || c == '"' || c == '\\'; });
+  const bool printable = text.find_first_of("\"\\") == text.npos && !has_control(text);
   const auto begins_character = [](unsigned char c) { return (c & 0xc0) != 0x80; };  // of UTF-8
   if (!printable || std::ranges::count_if(text, begins_character) > kMaxDescriptionLength)
     object.fail(object.key("description"), "is too long or has a quote, a backslash or a control character",

@@ -369,6 +369,10 @@ TEST(BadCurveFile, CannotBeOpened) {
   fs::create_directories(box / "folder.csv");
   refused("nowhere.csv", "./nowhere.csv: file: does not exist", "allowed: a file of at most 1 MiB");
   refused("folder.csv", "./folder.csv: file: is not a regular file", "allowed: a file of at most 1 MiB");
+#ifdef __linux__
+  expect_refused(run({.arguments = {"inspect", "/proc/self/mem"}, .folder = box.path()}),
+                 "/proc/self/mem: file: Input/output error", "allowed: a file of at most 1 MiB");
+#endif
 }
 
 TEST(BadCurveFile, IsNotReplacedByAnOutput) {

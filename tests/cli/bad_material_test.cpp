@@ -356,6 +356,10 @@ std::vector<BadMaterial> text_cases() {
                                                                          {"delete",
                                                                           "a\x7f"
                                                                           "b"},
+                                                                         {"direction", "a\\u202eb"},
+                                                                         {"isolate", "a\\u2066b"},
+                                                                         {"line_separator", "a\\u2028b"},
+                                                                         {"c1_control", "a\\u0085b"},
                                                                          {"escape", "\\u001b[31m"}};
   for (const auto& [kind, text] : descriptions)
     cases.push_back({"description_has_" + kind, changed("a probe", text), "description", description_rule});
