@@ -34,6 +34,8 @@ struct FretStringControls {
 template <std::floating_point T, std::size_t Extent = std::dynamic_extent, std::size_t Modes = std::dynamic_extent>
 class FretString {
  public:
+  /// pluck_place_m: where the control of the pluck pushes [m], 0 to the length of the string, clamped; 0 if it is not
+  /// a number.
   constexpr FretString(SegmentTable<T, Extent> fret, std::type_identity_t<std::span<const Mode, Modes>> modes,
                        const StringShapes<T, Modes>& shapes, T pluck_place_m, double sample_rate_hz)
       : fret_(fret),
@@ -41,7 +43,7 @@ class FretString {
         place_(shapes, pluck_place_m, shapes.longest_step(modes, sample_rate_hz)),
         pluck_(shapes.size()),
         time_step_(T(1 / sample_rate_hz)) {
-    shapes.at(pluck_place_m, pluck_);
+    pluck_ = place_.after();
   }
 
   /// Sets the fret at a place [m] along the string, at a distance [m], -0.1 to 0.1, from the string at rest. Does

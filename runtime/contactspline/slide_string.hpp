@@ -35,6 +35,8 @@ struct SlideStringControls {
 template <std::floating_point T, std::size_t Extent = std::dynamic_extent, std::size_t Modes = std::dynamic_extent>
 class SlideString {
  public:
+  /// pluck_place_m: where the control of the pluck pushes [m], 0 to the length of the string, clamped; 0 if it is not
+  /// a number.
   constexpr SlideString(SegmentTable<T, Extent> table, std::type_identity_t<std::span<const Mode, Modes>> modes,
                         const StringShapes<T, Modes>& shapes, T pluck_place_m, double sample_rate_hz)
       : table_(table),
@@ -44,7 +46,7 @@ class SlideString {
         pluck_(shapes.size()),
         rest_(shapes.size()),
         time_step_(T(1 / sample_rate_hz)) {
-    shapes_.at(pluck_place_m, pluck_);
+    pluck_ = place_.after();
   }
 
   /// Sets the slide at a place [m] along the string, at a distance [m], -0.1 to 0.1, from the string at rest (0: it

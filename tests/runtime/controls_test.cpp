@@ -386,6 +386,21 @@ TEST(Calls, ThatPlaceWithoutANumberDoNothing) {
   EXPECT_NE(play(Barrier<double>(), [&](auto& model) { model.throw_from(0, 1); }), barrier);
 }
 
+// The place of the pluck is held as that of a slide is: within the string, at 0 if it is no number.
+TEST(Calls, ThatPluckDoSoWithinTheString) {
+  const auto plucked = [](auto model, double place_m) {
+    model.model = {model.table, bare(model.modes), StringShapes<double>(wavenumbers_of(model.modes)), place_m, kHz};
+    return model.play([](int, auto&) {});
+  };
+  const double nan = not_a_number<double>(), far = 1e30, infinity = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(plucked(Slide<double>(), nan), plucked(Slide<double>(), 0));
+  EXPECT_EQ(plucked(Fret<double>(), nan), plucked(Fret<double>(), 0));
+  EXPECT_EQ(plucked(Slide<double>(), infinity), plucked(Slide<double>(), far));
+  EXPECT_EQ(plucked(Fret<double>(), infinity), plucked(Fret<double>(), far));
+  EXPECT_NE(plucked(Slide<double>(), 0.1), plucked(Slide<double>(), 0));
+  EXPECT_NE(plucked(Fret<double>(), 0.1), plucked(Fret<double>(), 0));
+}
+
 // A release is heard although the damping of the controls is no number.
 TEST(HammerVoice, LowersItsDamperWhateverTheControlsAre) {
   const auto energy_after = [](double damping, bool released) {
