@@ -23,6 +23,7 @@
 #include "contactspline/modal.hpp"
 #include "contactspline/resonators/string_c4.hpp"
 #include "contactspline/slide_string.hpp"
+#include "contactspline/stiff_string.hpp"
 #include "contactspline/strike_constants.hpp"
 #include "contactspline/string_place.hpp"
 
@@ -31,31 +32,32 @@ namespace contactspline {
 using String = resonators::string_c4;
 using Felt = materials::felt_c4;
 
-#define CONTACTSPLINE_EVERY_TEMPLATE(T)                      \
-  template struct ContactControls<T>;                        \
-  template struct Segment<T>;                                \
-  template class detail::ContactTableStorage<T>;             \
-  template class detail::StrikeConstantsStorage<T>;          \
-  template class Body<T>;                                    \
-  template class ContactNetwork<T>;                          \
-  template class CoupledContacts<T>;                         \
-  template class Ensemble<T>;                                \
-  template class FretString<T>;                              \
-  template class HammerString<T>;                            \
-  template class HammerStringDsp<Felt, String, T>;           \
-  template class HammerVoice<T>;                             \
-  template class KeyboardInstrument<keyboards::piano, T>;    \
-  template class KeyboardOnBody<T>;                          \
-  template class KeyboardVoice<keyboards::piano, T>;         \
-  template class LiveExponent<materials::felt_live, T>;      \
-  template class MassBarrier<T>;                             \
-  template class ModalBank<T>;                               \
-  template class ModeShapes<T>;                              \
-  template class MovingPlace<T>;                             \
-  template class NetworkInstrument<T>;                       \
-  template class instruments::trichord_c4<T>;                \
-  template class InstrumentDsp<instruments::trichord_c4<T>>; \
-  template class SlideString<T>;                             \
+#define CONTACTSPLINE_EVERY_TEMPLATE(T)                                                                         \
+  template struct ContactControls<T>;                                                                           \
+  template struct Segment<T>;                                                                                   \
+  template class detail::ContactTableStorage<T>;                                                                \
+  template class detail::StrikeConstantsStorage<T>;                                                             \
+  template double detail::tension_energy(const StiffString&, std::span<const StringMode>, const ModalBank<T>&); \
+  template class Body<T>;                                                                                       \
+  template class ContactNetwork<T>;                                                                             \
+  template class CoupledContacts<T>;                                                                            \
+  template class Ensemble<T>;                                                                                   \
+  template class FretString<T>;                                                                                 \
+  template class HammerString<T>;                                                                               \
+  template class HammerStringDsp<Felt, String, T>;                                                              \
+  template class HammerVoice<T>;                                                                                \
+  template class KeyboardInstrument<keyboards::piano, T>;                                                       \
+  template class KeyboardOnBody<T>;                                                                             \
+  template class KeyboardVoice<keyboards::piano, T>;                                                            \
+  template class LiveExponent<materials::felt_live, T>;                                                         \
+  template class MassBarrier<T>;                                                                                \
+  template class ModalBank<T>;                                                                                  \
+  template class ModeShapes<T>;                                                                                 \
+  template class MovingPlace<T>;                                                                                \
+  template class NetworkInstrument<T>;                                                                          \
+  template class instruments::trichord_c4<T>;                                                                   \
+  template class InstrumentDsp<instruments::trichord_c4<T>>;                                                    \
+  template class SlideString<T>;                                                                                \
   template class StringShapes<T>;
 
 CONTACTSPLINE_EVERY_TEMPLATE(float)
