@@ -100,10 +100,10 @@ class MovingPlace {
     return true;
   }
 
-  [[nodiscard]] T place() const { return place_; }                ///< [m]
-  [[nodiscard]] const Shapes& after() const { return after_; }    ///< shapes at the end of the sample
-  [[nodiscard]] const Shapes& mean() const { return mean_; }      ///< mean of the shapes before and after
-  [[nodiscard]] const Shapes& change() const { return change_; }  ///< change of the shapes over the sample
+  [[nodiscard]] T place() const { return place_; }                        ///< [m]
+  [[nodiscard]] constexpr const Shapes& after() const { return after_; }  ///< shapes at the end of the sample
+  [[nodiscard]] const Shapes& mean() const { return mean_; }              ///< mean of the shapes before and after
+  [[nodiscard]] const Shapes& change() const { return change_; }          ///< change of the shapes over the sample
 
  private:
   constexpr void compare_with(const Shapes& before) {
