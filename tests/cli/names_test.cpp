@@ -59,6 +59,16 @@ TEST(Names, OfMacrosAreRefused) {
   }
 }
 
+/// A program that includes headers beside it.
+void expect_compiles(const Sandbox& box, const std::string& source) {
+  write_file(box / "use.cpp", source);
+  const Outcome compiled = run_program(
+      {.arguments = {"-std=gnu++20", "-fsyntax-only", "-I.", fmt::format("-I{}/runtime", SOURCE_FOLDER), "use.cpp"},
+       .folder = box.path(),
+       .program = "c++"});
+  EXPECT_EQ(compiled.exit_code, 0) << compiled.err;
+}
+
 // Behind a using-declaration, as in the README, with names that stand for something else elsewhere.
 TEST(Names, ThatAreAcceptedCompile) {
   const Sandbox box;
@@ -76,12 +86,7 @@ TEST(Names, ThatAreAcceptedCompile) {
         "  model.throw_from(-0.001f, 2.0f);\n  return model.force() + {0}::max_compression_m;\n}}\n",
         name);
   }
-  write_file(box / "use.cpp", includes + uses);
-  const Outcome compiled = run_program(
-      {.arguments = {"-std=gnu++20", "-fsyntax-only", "-I.", fmt::format("-I{}/runtime", SOURCE_FOLDER), "use.cpp"},
-       .folder = box.path(),
-       .program = "c++"});
-  EXPECT_EQ(compiled.exit_code, 0) << compiled.err;
+  expect_compiles(box, includes + uses);
 }
 
 std::string resonator(const std::string& name) {
@@ -145,12 +150,7 @@ TEST_P(EmittedHeader, MayHaveEachOfItsWordsAsAName) {
     uses += fmt::format(fmt::runtime(GetParam().use), fmt::format("contactspline::{}::{}", GetParam().folder, word));
   }
   EXPECT_NE(includes.find("out/probe.hpp"), std::string::npos);
-  write_file(box / "use.cpp", includes + uses);
-  const Outcome compiled = run_program(
-      {.arguments = {"-std=gnu++20", "-fsyntax-only", "-I.", fmt::format("-I{}/runtime", SOURCE_FOLDER), "use.cpp"},
-       .folder = box.path(),
-       .program = "c++"});
-  EXPECT_EQ(compiled.exit_code, 0) << compiled.err;
+  expect_compiles(box, includes + uses);
 }
 
 INSTANTIATE_TEST_SUITE_P(Names, EmittedHeader,
