@@ -161,7 +161,8 @@ class HammerStringPlayer {
   }
 
   void bend(double cents, std::size_t sample) {
-    if (cents == bend_.cents()) return;
+    is_bending_ = cents != bend_.cents();
+    if (!is_bending_) return;
     const auto& string = std::get<StiffString>(resonator_.body);
     const std::span<const ResonatorMode> rows(parts_.set.modes);
     const double energy = detail::tension_energy(string, rows, voice_.model().string());

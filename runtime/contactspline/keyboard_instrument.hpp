@@ -154,6 +154,7 @@ class KeyboardOnBody {
     }
     awake_.clear();
     reset_body();
+    for (Key& key : keys_) follow_bend(key);  // at once: nothing sounds
   }
 
   /// Advances left.size() samples and writes the velocity of the body at the places of both ears [m/s]; both spans

@@ -225,6 +225,25 @@ TEST(KeyboardOnBody, IsNotPumpedByBends) {
   }
 }
 
+// A bend that is still on its way when everything comes to rest has arrived at the next blow.
+TEST(KeyboardOnBody, HasArrivedAtItsBendAfterAReset) {
+  const OneKey one({0, 0.15, -0.1}, 12);
+  const KeyOnBody<double> keys[] = {one.key()};
+  const auto played = [&](bool sounds) {
+    KeyboardOnBody<double> keyboard(keys, one.keyboard_board(), kRate, one.max_modes);
+    Sound<double> sound;
+    if (sounds) keyboard.strike(0, 4);
+    play(keyboard, 0.1, sound);
+    keyboard.bend(0, 1200);
+    keyboard.reset();
+    keyboard.strike(0, 2);
+    sound.clear();
+    play(keyboard, 0.2, sound);
+    return sound;
+  };
+  EXPECT_TRUE(sequences_within<double>(played(true), played(false), 1e-9));
+}
+
 // A unison of three under one hammer, whose force drives the exact motion of the coupled equations: levels in windows
 // of 0.1 s over 8 s, and the two slopes (G. Weinreich, JASA 1977).
 TEST(KeyboardOnBody, HasTheTwoDecaysOfAUnison) {
