@@ -8,15 +8,18 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <memory>
+#include <numbers>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "bench/faust_strings/programs.hpp"
 #include "bench/models.hpp"
-#include "contactspline/faust_dsp.hpp"
-#include "contactspline/hammer_string.hpp"
+#include "contactspline/host/faust_dsp.hpp"
+#include "contactspline/instrument/instruments_of.hpp"
+#include "contactspline/models/hammer_string.hpp"
 
 namespace contactspline::bench {
 
@@ -32,6 +35,7 @@ struct string_c2_80 {
   using All = resonators::string_c2;
   static constexpr std::size_t modes = 80;
   static constexpr std::size_t strings = All::strings;
+  static constexpr double strike_position_m = All::strike_position_m;
   static constexpr auto angular_frequencies = lowest<modes>(All::angular_frequencies);
   static constexpr auto decays = lowest<modes>(All::decays);
   static constexpr auto masses = lowest<modes>(All::masses);
@@ -77,13 +81,17 @@ class BarePlayer final : public BlockPlayer {
   std::array<T, kMax> displacement_m_{}, force_n_{};
 };
 
-/// A class with Faust's `dsp` interface and the controls of `hammer_string_ui`.
+/// A class with Faust's `dsp` interface: the controls of `hammer_string_ui`, or those of HammerStringInstrument.
 class DspPlayer final : public BlockPlayer {
  public:
-  explicit DspPlayer(std::unique_ptr<dsp> program) : program_(std::move(program)) {
+  /// values: of sliders. full_scale_n: what the output of the force is divided by.
+  explicit DspPlayer(std::unique_ptr<dsp> program, const std::map<std::string, double>& values = {},
+                     double full_scale_n = 1)
+      : program_(std::move(program)), full_scale_n_(full_scale_n) {
     program_->init(kSampleRate);
     MapUI controls;
     program_->buildUserInterface(&controls);
+    for (const auto& [label, value] : values) controls.setParamValue(label, static_cast<FAUSTFLOAT>(value));
     strike_ = controls.getParamZone("strike");
   }
   void strike() override { *strike_ = 1; }
@@ -95,10 +103,13 @@ class DspPlayer final : public BlockPlayer {
   [[nodiscard]] double displacement_mm(std::size_t sample) const override {
     return static_cast<double>(displacement_mm_[sample]);
   }
-  [[nodiscard]] double force_n(std::size_t sample) const override { return static_cast<double>(force_n_[sample]); }
+  [[nodiscard]] double force_n(std::size_t sample) const override {
+    return full_scale_n_ * static_cast<double>(force_n_[sample]);
+  }
 
  private:
   std::unique_ptr<dsp> program_;
+  double full_scale_n_;
   FAUSTFLOAT* strike_;
   std::array<FAUSTFLOAT, kMax> displacement_mm_{}, force_n_{};
 };
@@ -114,8 +125,12 @@ std::vector<NamedBlockPlayer> block_players(const std::string& program, double h
   std::vector<NamedBlockPlayer> all;
   all.push_back({"HammerString", std::make_unique<BarePlayer<Felt, String, T>>(hammer_kg, false)});
   all.push_back({"with forces", std::make_unique<BarePlayer<Felt, String, T>>(hammer_kg, true)});
-  all.push_back({"HammerStringDsp", std::make_unique<DspPlayer>(std::make_unique<HammerStringDsp<Felt, String, T>>(
-                                        "hammer_string", hammer_kg))});
+  const double length_m = std::numbers::pi / String::wavenumbers[0];
+  all.push_back(
+      {"InstrumentDsp",
+       std::make_unique<DspPlayer>(
+           std::make_unique<InstrumentDsp<HammerStringOf<Felt, String, T>>>(),
+           std::map<std::string, double>{{"hammer_mass_kg", hammer_kg}, {"strike_m", 0.12 * length_m}}, 50)});
   for (const FaustString& faust : faust_strings())
     if (faust.string == program && faust.precision == (std::same_as<T, double> ? "double" : "single"))
       all.push_back({faust.name, std::make_unique<DspPlayer>(faust.make())});

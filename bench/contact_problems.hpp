@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "bench/baselines/quadratised_network.hpp"
-#include "contactspline/contact_network.hpp"
 #include "contactspline/instruments/tanpura.hpp"
 #include "contactspline/materials/steel_on_steel.hpp"
+#include "contactspline/network/contact_network.hpp"
 #include "contactspline/resonators/guitar_d3.hpp"
 
 namespace contactspline::bench {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // contacts [ROUNDS [PLUCKS]]: strings over several contacts by ContactNetwork and by linearly implicit schemes: time,
-// penetration and drift, as a section of docs/speed.md on standard output (scripts/bench).
+// penetration and drift, as a section of docs/measurements/speed.md on standard output (scripts/bench).
 #include <fmt/format.h>
 
 #include <algorithm>

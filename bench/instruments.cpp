@@ -8,9 +8,10 @@
 #include <array>
 #include <concepts>
 
-#include "contactspline/faust_dsp.hpp"
-#include "contactspline/hammer_string.hpp"
+#include "contactspline/host/faust_dsp.hpp"
+#include "contactspline/instrument/instruments_of.hpp"
 #include "contactspline/materials/felt_c4.hpp"
+#include "contactspline/models/hammer_string.hpp"
 #include "contactspline/resonators/string_c4.hpp"
 #include "examples/piano.hpp"
 #include "faust_programs.hpp"
@@ -76,7 +77,7 @@ void hammer_string(benchmark::State& state) {
 /// The same behind Faust's `dsp` interface, which also outputs the force.
 template <std::floating_point T>
 void hammer_string_dsp(benchmark::State& state) {
-  HammerStringDsp<materials::felt_c4, resonators::string_c4, T> program("hammer_string", 0.00297);
+  InstrumentDsp<HammerStringOf<materials::felt_c4, resonators::string_c4, T>> program;
   program.init(kRate);
   MapUI controls;
   program.buildUserInterface(&controls);

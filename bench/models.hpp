@@ -12,13 +12,13 @@
 
 #include "bench/baselines/fd_hammer.hpp"
 #include "bench/baselines/power_law_hammer.hpp"
-#include "contactspline/contact.hpp"
 #include "contactspline/materials/felt_c2.hpp"
 #include "contactspline/materials/felt_c4.hpp"
 #include "contactspline/materials/mb1.hpp"
-#include "contactspline/modal.hpp"
+#include "contactspline/modal/modal.hpp"
 #include "contactspline/resonators/string_c2.hpp"
 #include "contactspline/resonators/string_c4.hpp"
+#include "contactspline/step/contact.hpp"
 
 namespace contactspline::bench {
 
@@ -41,7 +41,7 @@ struct Model {
   double max_compression_m;           ///< to which the felt's table is designed
   std::vector<Mode> modes;
   std::vector<double> strike_shapes, pickup_shapes;
-  double press_speed_m_per_s;  ///< of the heavy hammer that stays in contact
+  double press_speed_m_per_s;  ///< speed of the heavy hammer that stays in contact
   std::optional<FdString> fd;
 
   /// Single notes, a trill, immediate repetition, and permanent contact. In permanent contact the hammer has 1e6

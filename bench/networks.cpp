@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "bench/paired_timer.hpp"
-#include "contactspline/instrument.hpp"
+#include "contactspline/instrument/network_instrument.hpp"
 #include "generator/player/score_reader.hpp"
 #include "generator/player/voice_tracks.hpp"
 #include "generator/support/embedded_files.hpp"
@@ -65,7 +65,7 @@ void play(const Voice& voice, const std::vector<Gesture>& gestures, std::size_t 
       if (gesture->is_strike)
         instrument.strike(gesture->number, value);
       else
-        instrument.set_control(gesture->number, value);
+        instrument.set(gesture->number, value);
     }
     instrument.tick();
     output = instrument.output(0);
@@ -77,7 +77,7 @@ void play(const Voice& voice, const std::vector<Gesture>& gestures, std::size_t 
 
 struct Measurement {
   std::size_t voices = 0, samples = 0, bounded = 0;
-  std::vector<double> block_ns, in_contact_ns;       // of all blocks, of those in which a contact has a force
+  std::vector<double> block_ns, in_contact_ns;       // times of all blocks; times of blocks with a force in a contact
   std::map<std::size_t, std::size_t> steps, forces;  // number of samples by solver steps, by contacts with a force
 };
 
@@ -150,7 +150,7 @@ void report_all(int rounds, const std::string& only) {
     if (file.name.find(".json") == file.name.npos || file.content.find("\"instrument\": \"") == file.content.npos)
       continue;
     const Score score = parse_score(file.content, file.name, shipped_file);
-    if (score.instrument != Instrument::kFile || file.name.find(only) == file.name.npos) continue;
+    if (score.model != Model::kFile || file.name.find(only) == file.name.npos) continue;
     const std::string name(file.name.substr(0, file.name.find('.')));
     report<double>(score, name, "double", rounds);
     report<float>(score, name, "float", rounds);

@@ -313,7 +313,7 @@ void write(const std::vector<Build>& all, const std::string& folder) {
   for (const Build& build : all) fmt::print("| {} | {} | {} |\n", build.name, build.compiler, build.vector_bits);
 
   const std::vector<std::string> precisions = {"double", "float"};
-  fmt::print("\n![time of a sample by scheme and workload](figures/speed.svg)\n\n## Goals\n");
+  fmt::print("\n![time of a sample by scheme and workload](../figures/speed.svg)\n\n## Goals\n");
   for (const Build& build : all)
     for (const std::string& precision : precisions) goals(build, precision);
   fmt::print("\n## Ratios\n");
@@ -326,7 +326,7 @@ void write(const std::vector<Build>& all, const std::string& folder) {
       "processor needs time to\nwake up vectors of 512 bits.\n",
       all.front().ticks);
   for (const std::string& precision : precisions) percentiles(all.front(), precision);
-  fmt::print("\n## Scaling\n\n![scaling in modes, segments and voices](figures/speed_scaling.svg)\n");
+  fmt::print("\n## Scaling\n\n![scaling in modes, segments and voices](../figures/speed_scaling.svg)\n");
   for (const std::string& precision : precisions) scaling(all.front(), precision);
   fmt::print("\n## Builds\n");
   for (const std::string& precision : precisions) builds(all, precision);

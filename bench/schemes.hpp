@@ -13,7 +13,7 @@
 #include "bench/linear_string.hpp"
 #include "bench/models.hpp"
 #include "bench/roofline.hpp"
-#include "contactspline/hammer_string.hpp"
+#include "contactspline/models/hammer_string.hpp"
 
 namespace contactspline::bench {
 

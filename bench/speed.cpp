@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Compares all schemes in one run: medians of paired ratios, percentiles of single samples, scaling. bench/report.cpp
-// writes docs/speed.md from its JSON output (scripts/bench).
+// writes docs/measurements/speed.md from its JSON output (scripts/bench).
 #include <benchmark/benchmark.h>
 
 #include <cstdlib>

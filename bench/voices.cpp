@@ -10,10 +10,10 @@
 #include "bench/linear_string.hpp"
 #include "bench/models.hpp"
 #include "bench/paired_timer.hpp"
-#include "contactspline/ensemble.hpp"
+#include "contactspline/host/threads.hpp"
 #include "contactspline/materials/felt_c4.hpp"
+#include "contactspline/models/ensemble.hpp"
 #include "contactspline/resonators/string_c4.hpp"
-#include "contactspline/threads.hpp"
 
 namespace contactspline::bench {
 namespace {

@@ -11,7 +11,7 @@
 # and has as many inputs and outputs as a voice has outputs.
 #
 # DSP            the Faust program, relative to the current source folder; or a C++ file, FILE.cpp, with a class FILE that
-#                has Faust's `dsp` interface, such as a HammerStringDsp of contactspline/faust_dsp.hpp: it goes into the
+#                has Faust's `dsp` interface, such as a HammerStringDsp of contactspline/host/faust_dsp.hpp: it goes into the
 #                architecture file in place of what Faust would write
 # INSTRUMENT     the name of an instrument that ships, or of one in MATERIALS: an InstrumentDsp of its class, in single
 #                precision
@@ -80,7 +80,7 @@ function(_contactspline_instrument_class)
   endif()
   set(arg_DSP "${CMAKE_CURRENT_BINARY_DIR}/${arg_TARGET}_class/${arg_INSTRUMENT}.cpp")
   file(CONFIGURE OUTPUT "${arg_DSP}" @ONLY CONTENT
-"#include \"contactspline/faust_dsp.hpp\"
+"#include \"contactspline/host/faust_dsp.hpp\"
 #include \"@header@\"
 
 class @arg_INSTRUMENT@ : public contactspline::InstrumentDsp<contactspline::instruments::@arg_INSTRUMENT@<float>> {};
@@ -165,7 +165,7 @@ function(_contactspline_faust_step source architecture)
     file(CONFIGURE OUTPUT "${class}" @ONLY CONTENT "#include \"@arg_DSP@\"\nusing mydsp = @stem@;\n")
     list(APPEND ARGN -inj "${class}")
   endif()
-  # -mcd 0: states in turn in two places, instead of copied after every sample (docs/faust-speed.md).
+  # -mcd 0: states in turn in two places, instead of copied after every sample (docs/measurements/faust-speed.md).
   add_custom_command(
     OUTPUT "${source}"
     COMMAND ${FAUST} -a ${architecture} -mcd 0 ${ARGN} ${arg_FAUST_OPTIONS} ${include} -I "${ContactSpline_FAUST_DIR}"

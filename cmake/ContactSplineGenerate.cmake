@@ -9,7 +9,7 @@
 # OUTPUT_DIR  where to, relative to the current binary folder; default: a folder called like TARGET
 #
 # In a project that takes Contact Spline from source, set(CONTACTSPLINE_BUILD_GENERATOR ON) before add_subdirectory or
-# FetchContent_MakeAvailable: the program is then built, for which its libraries are needed (docs/cmake.md).
+# FetchContent_MakeAvailable: the program is then built, for which its libraries are needed (docs/how-to/cmake.md).
 #
 # For Faust: faust -I ${ContactSpline_FAUST_DIR} -I OUTPUT_DIR; contactspline_lv2 and contactspline_jack do so.
 

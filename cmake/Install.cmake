@@ -11,7 +11,9 @@ install(TARGETS contactspline_runtime contactspline_materials EXPORT ContactSpli
 if(CONTACTSPLINE_BUILD_GENERATOR)
   install(TARGETS contactspline EXPORT ContactSplineTargets)
 endif()
-install(DIRECTORY runtime/contactspline DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN *.hpp)
+install(FILES runtime/contactspline.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(DIRECTORY runtime/contactspline DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
+        FILES_MATCHING PATTERN *.hpp PATTERN simd/*-inl.hpp EXCLUDE)
 install(DIRECTORY data/materials data/resonators data/scores data/keyboards data/instruments DESTINATION ${contactspline_data_dir}
         FILES_MATCHING PATTERN *.json PATTERN *.csv PATTERN *.mid)
 install(FILES LICENSE TYPE DOC)
@@ -32,7 +34,10 @@ write_basic_package_version_file(ContactSplineConfigVersion.cmake COMPATIBILITY 
 install(FILES
   ${PROJECT_BINARY_DIR}/ContactSplineConfig.cmake ${PROJECT_BINARY_DIR}/ContactSplineConfigVersion.cmake
   cmake/ContactSplineArguments.cmake cmake/ContactSplineFaust.cmake cmake/ContactSplineGenerate.cmake
+  cmake/ContactSplinePlugin.cmake
   DESTINATION ${contactspline_cmake_dir})
+# What contactspline_plugin() compiles.
+install(DIRECTORY hosts/plugin DESTINATION ${contactspline_data_dir} PATTERN CMakeLists.txt EXCLUDE)
 
 # From the file's own folder to the prefix, whatever the folders are called.
 set(contactspline_pkgconfig_to_prefix ${CMAKE_INSTALL_PREFIX})

@@ -1,6 +1,6 @@
-# Sets contactspline_version from runtime/contactspline/version.hpp, where the version stands, and checks CITATION.cff,
+# Sets contactspline_version from runtime/contactspline/step/version.hpp, where the version stands, and checks CITATION.cff,
 # which repeats it.
-set(version_header ${CMAKE_CURRENT_LIST_DIR}/../runtime/contactspline/version.hpp)
+set(version_header ${CMAKE_CURRENT_LIST_DIR}/../runtime/contactspline/step/version.hpp)
 set(contactspline_version "")
 foreach(part Major Minor Patch)
   file(STRINGS ${version_header} line REGEX "^inline constexpr int kVersion${part} = [0-9]+")

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <span>
 
-#include "contactspline/keyboard_instrument.hpp"
+#include "contactspline/instrument/keyboard_instrument.hpp"
 #include "contactspline/keyboards/piano.hpp"
 
 /// A key goes down or up, `time` samples after the beginning of a block.

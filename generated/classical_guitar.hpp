@@ -7,41 +7,32 @@
 #include <concepts>
 #include <cstddef>
 
-#include "contactspline/instrument.hpp"
+#include "contactspline/instrument/network_instrument.hpp"
 
 namespace contactspline::instruments {
 
 template <std::floating_point T = double>
 class classical_guitar : public NetworkInstrument<T> {
  public:
-  static constexpr int format_version = 1;  // of this layout; the runtime checks it
+  static constexpr int format_version = 2;  // version of the layout; the runtime checks it
 
-  explicit classical_guitar(double sample_rate_hz) : NetworkInstrument<T>(data::view(), sample_rate_hz) {
+  classical_guitar() : NetworkInstrument<T>(data::view()) {
     static_assert(contactspline::fits_runtime<classical_guitar>,
                   "generated for another version: run `contactspline generate` again");
   }
+  explicit classical_guitar(double sample_rate_hz) : classical_guitar() { this->prepare(sample_rate_hz); }
 
   /// -20 to 20, at the beginning 0.
-  void set_finger_force_n(T value) { this->set_control(0, value); }
+  void set_finger_force_n(T value) { this->set(0, double(value)); }
   /// 0 to 100000, at the beginning 25210.
-  void set_cavity_stiffness_n_per_m(T value) { this->set_control(1, value); }
+  void set_cavity_stiffness_n_per_m(T value) { this->set(1, double(value)); }
   /// 0 to 1000, at the beginning 0.
-  void set_hand_damping_per_s(T value) { this->set_control(2, value); }
+  void set_hand_damping_per_s(T value) { this->set(2, double(value)); }
+  /// -20 to 20, at the beginning 4.
+  void set_finger_release_n(T value) { this->set(3, double(value)); }
+  void pluck_finger(T force_n) { this->pluck(0, force_n); }
   [[nodiscard]] T body_velocity_m_per_s() const { return this->output(0); }
   [[nodiscard]] T bridge_force_n() const { return this->output(1); }
-
-  // As in the file, in the order of their numbers.
-  struct names {
-    static constexpr const char* instrument = "classical_guitar";
-    static constexpr std::array<const char*, 3> controls = {
-        "finger_force_n",
-        "cavity_stiffness_n_per_m",
-        "hand_damping_per_s"};
-    static constexpr std::array<const char*, 0> strikes = {};
-    static constexpr std::array<const char*, 2> outputs = {
-        "body_velocity_m_per_s",
-        "bridge_force_n"};
-  };
 
   // What NetworkInstrument plays. Its members: struct InstrumentData.
   struct data {
@@ -157,18 +148,31 @@ class classical_guitar : public NetworkInstrument<T> {
         {ConnectionKind::kSpring, 0, kGround, 0, 0.0, 1.0, 0.0, 0.0, 1.25},
         {ConnectionKind::kLink, 2, 3, 0, 0.0, 1.0, 0.0, 0.0, 0.0}}};
     static constexpr std::array<InstrumentControl, 3> controls = {{
-        {ControlQuantity::kForce, 0, 1, 0.0, -20.0, 20.0, 4.0},
-        {ControlQuantity::kStiffness, 1, 1, 25210.0, 0.0, 100000.0, 0.0},
-        {ControlQuantity::kDamping, 2, 1, 0.0, 0.0, 1000.0, 0.0}}};
+        {ControlQuantity::kForce, 0, 1},
+        {ControlQuantity::kStiffness, 1, 1},
+        {ControlQuantity::kDamping, 2, 1}}};
     static constexpr std::array<std::size_t, 6> targets = {1, 0, 0, 3, 0, 2};
     static constexpr std::array<std::size_t, 0> strikes = {};
-    static constexpr std::array<InstrumentOutput, 2> outputs = {{
-        {OutputQuantity::kVelocity, 3, 2, 0.5},
-        {OutputQuantity::kForce, 5, 1, 20.0}}};
+    static constexpr std::array<std::size_t, 1> plucks = {0};
+    static constexpr std::array<InstrumentOutput, 2> sources = {{
+        {OutputQuantity::kVelocity, 3, 2},
+        {OutputQuantity::kForce, 5, 1}}};
+    // Values that are allowed, those of sliders, the first one, scale, when it acts, how slowly it follows [s].
+    static constexpr std::array<Parameter, 4> parameters = {{
+        {"finger_force_n", "N", {-20.0, 20.0}, {-20.0, 20.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.005},
+        {"cavity_stiffness_n_per_m", "N/m", {0.0, 100000.0}, {0.0, 100000.0}, 25210.0, Scale::kLinear, Acts::kAtOnce, 0.0},
+        {"hand_damping_per_s", "1/s", {0.0, 1000.0}, {0.0, 1000.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.005},
+        {"finger_release_n", "N", {-20.0, 20.0}, {0.0, 8.0}, 4.0, Scale::kLinear, Acts::kAtNextNote, 0.0}}};
+    static constexpr std::array<Event, 1> events = {{
+        {"pluck_finger", EventKind::kPluck, 0, 3}}};
+    static constexpr std::array<Output, 2> outputs = {{
+        {"body_velocity_m_per_s", "m/s", 0.5},
+        {"bridge_force_n", "N", 20.0}}};
 
     static constexpr InstrumentData view() {
-      return {angular_frequencies, decays, masses, body_ends, place_bodies, shapes, knots, energies, forces,
-              half_curvatures, table_ends, connections, controls, targets, strikes, outputs};
+      return {"classical_guitar", "guitar string on a guitar body", "MIT", angular_frequencies, decays, masses, body_ends, place_bodies, shapes,
+              knots, energies, forces, half_curvatures, table_ends, connections, controls, targets, strikes, plucks, sources,
+              parameters, events, outputs};
     }
   };
 };

@@ -13,7 +13,7 @@
 namespace contactspline::materials {
 
 struct felt_c7 {
-  static constexpr int format_version = 1;  // of this layout; the runtime checks it
+  static constexpr int format_version = 2;  // version of the layout; the runtime checks it
   static constexpr std::size_t segments = 32;
   static constexpr double stiffness_n_per_m_alpha = 476300000000.0;
   static constexpr double exponent = 3.155;
@@ -60,7 +60,7 @@ struct felt_c7 {
 
   // The same for y in length scales and V in energy_scale_j: free of units.
   struct normalised {
-    static constexpr int format_version = 1;
+    static constexpr int format_version = 2;
     static constexpr std::size_t segments = 32;
     static constexpr double loss = 0.0;  // s per length scale
     static constexpr std::array<double, segments> knots = {

@@ -14,7 +14,7 @@
 namespace contactspline::materials {
 
 struct felt_over_wood {
-  static constexpr int format_version = 1;  // of this layout; the runtime checks it
+  static constexpr int format_version = 2;  // version of the layout; the runtime checks it
   static constexpr std::size_t segments = 64;
   static constexpr double loss_s_per_m = 0.0;  // Hunt-Crossley: force F(y) (1 + loss dy/dt)
   static constexpr double max_compression_m = 0.0007455177467147833;
@@ -88,7 +88,7 @@ struct felt_over_wood {
   // The same for y in segment widths and V in energy_scale_j. That of a power law depends on exponent and number of
   // segments only.
   struct normalised {
-    static constexpr int format_version = 1;
+    static constexpr int format_version = 2;
     static constexpr std::size_t segments = 64;
     static constexpr double loss = 0.0;  // s per segment width
     static constexpr std::array<double, segments> knots = {

@@ -14,7 +14,7 @@
 namespace contactspline::materials {
 
 struct felt_synthetic {
-  static constexpr int format_version = 1;  // of this layout; the runtime checks it
+  static constexpr int format_version = 2;  // version of the layout; the runtime checks it
   static constexpr std::size_t segments = 48;
   static constexpr double loss_s_per_m = 0.1;  // Hunt-Crossley: force F(y) (1 + loss dy/dt)
   static constexpr double max_compression_m = 0.0015221400211216398;
@@ -74,7 +74,7 @@ struct felt_synthetic {
   // The same for y in segment widths and V in energy_scale_j. That of a power law depends on exponent and number of
   // segments only.
   struct normalised {
-    static constexpr int format_version = 1;
+    static constexpr int format_version = 2;
     static constexpr std::size_t segments = 48;
     static constexpr double loss = 3.1711250440034167e-06;  // s per segment width
     static constexpr std::array<double, segments> knots = {

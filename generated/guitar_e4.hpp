@@ -9,9 +9,10 @@
 namespace contactspline::resonators {
 
 struct guitar_e4 {
-  static constexpr int format_version = 1;  // of this layout; the runtime checks it
+  static constexpr int format_version = 2;  // version of the layout; the runtime checks it
   static constexpr std::size_t modes = 64;
   static constexpr std::size_t strings = 1;
+  static constexpr double strike_position_m = 0.13;
 
   // Angular frequency of the damped oscillation [rad/s], decay [1/s], modal mass [kg], wavenumber [rad/m], and shapes at
   // the places of strike and pickup.

@@ -7,43 +7,32 @@
 #include <concepts>
 #include <cstddef>
 
-#include "contactspline/instrument.hpp"
+#include "contactspline/instrument/network_instrument.hpp"
 
 namespace contactspline::instruments {
 
 template <std::floating_point T = double>
 class marimba_tube : public NetworkInstrument<T> {
  public:
-  static constexpr int format_version = 1;  // of this layout; the runtime checks it
+  static constexpr int format_version = 2;  // version of the layout; the runtime checks it
 
-  explicit marimba_tube(double sample_rate_hz) : NetworkInstrument<T>(data::view(), sample_rate_hz) {
+  marimba_tube() : NetworkInstrument<T>(data::view()) {
     static_assert(contactspline::fits_runtime<marimba_tube>,
                   "generated for another version: run `contactspline generate` again");
   }
+  explicit marimba_tube(double sample_rate_hz) : marimba_tube() { this->prepare(sample_rate_hz); }
 
   /// 0 to 100000, at the beginning 100.
-  void set_air_stiffness_n_per_m(T value) { this->set_control(0, value); }
+  void set_air_stiffness_n_per_m(T value) { this->set(0, double(value)); }
   /// 0.01 to 100, at the beginning 1.
-  void set_head_stiffness_ratio(T value) { this->set_control(1, value); }
+  void set_head_stiffness_ratio(T value) { this->set(1, double(value)); }
   /// 0 to 1000, at the beginning 0.
-  void set_hand_damping_per_s(T value) { this->set_control(2, value); }
+  void set_hand_damping_per_s(T value) { this->set(2, double(value)); }
+  /// -100 to 100, at the beginning 2.5.
+  void set_mallet_speed_m_per_s(T value) { this->set(3, double(value)); }
   void strike_mallet(T speed_m_per_s) { this->strike(0, speed_m_per_s); }
   [[nodiscard]] T both_velocity_m_per_s() const { return this->output(0); }
   [[nodiscard]] T bar_velocity_m_per_s() const { return this->output(1); }
-
-  // As in the file, in the order of their numbers.
-  struct names {
-    static constexpr const char* instrument = "marimba_tube";
-    static constexpr std::array<const char*, 3> controls = {
-        "air_stiffness_n_per_m",
-        "head_stiffness_ratio",
-        "hand_damping_per_s"};
-    static constexpr std::array<const char*, 1> strikes = {
-        "mallet"};
-    static constexpr std::array<const char*, 2> outputs = {
-        "both_velocity_m_per_s",
-        "bar_velocity_m_per_s"};
-  };
 
   // What NetworkInstrument plays. Its members: struct InstrumentData.
   struct data {
@@ -105,18 +94,31 @@ class marimba_tube : public NetworkInstrument<T> {
         {ConnectionKind::kContact, 0, 1, 0, 0.005, 1.0, 0.0, 0.0, 0.0},
         {ConnectionKind::kSpring, 2, 3, 0, 0.0, 1.0, 0.0, 100.0, 0.0}}};
     static constexpr std::array<InstrumentControl, 3> controls = {{
-        {ControlQuantity::kStiffness, 0, 1, 100.0, 0.0, 100000.0, 0.0},
-        {ControlQuantity::kStiffnessRatio, 1, 1, 1.0, 0.01, 100.0, 0.0},
-        {ControlQuantity::kDamping, 2, 1, 0.0, 0.0, 1000.0, 0.0}}};
+        {ControlQuantity::kStiffness, 0, 1},
+        {ControlQuantity::kStiffnessRatio, 1, 1},
+        {ControlQuantity::kDamping, 2, 1}}};
     static constexpr std::array<std::size_t, 6> targets = {1, 0, 0, 3, 2, 2};
     static constexpr std::array<std::size_t, 1> strikes = {2};
-    static constexpr std::array<InstrumentOutput, 2> outputs = {{
-        {OutputQuantity::kVelocity, 3, 2, 4.0},
-        {OutputQuantity::kVelocity, 5, 1, 0.5}}};
+    static constexpr std::array<std::size_t, 0> plucks = {};
+    static constexpr std::array<InstrumentOutput, 2> sources = {{
+        {OutputQuantity::kVelocity, 3, 2},
+        {OutputQuantity::kVelocity, 5, 1}}};
+    // Values that are allowed, those of sliders, the first one, scale, when it acts, how slowly it follows [s].
+    static constexpr std::array<Parameter, 4> parameters = {{
+        {"air_stiffness_n_per_m", "N/m", {0.0, 100000.0}, {0.0, 100000.0}, 100.0, Scale::kLinear, Acts::kAtOnce, 0.0},
+        {"head_stiffness_ratio", "", {0.01, 100.0}, {0.01, 100.0}, 1.0, Scale::kLogarithmic, Acts::kAtOnce, 0.0},
+        {"hand_damping_per_s", "1/s", {0.0, 1000.0}, {0.0, 1000.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.005},
+        {"mallet_speed_m_per_s", "m/s", {-100.0, 100.0}, {0.0, 10.0}, 2.5, Scale::kLinear, Acts::kAtNextNote, 0.0}}};
+    static constexpr std::array<Event, 1> events = {{
+        {"strike_mallet", EventKind::kStrike, 0, 3}}};
+    static constexpr std::array<Output, 2> outputs = {{
+        {"both_velocity_m_per_s", "m/s", 4.0},
+        {"bar_velocity_m_per_s", "m/s", 0.5}}};
 
     static constexpr InstrumentData view() {
-      return {angular_frequencies, decays, masses, body_ends, place_bodies, shapes, knots, energies, forces,
-              half_curvatures, table_ends, connections, controls, targets, strikes, outputs};
+      return {"marimba_tube", "marimba bar over its tube", "MIT", angular_frequencies, decays, masses, body_ends, place_bodies, shapes,
+              knots, energies, forces, half_curvatures, table_ends, connections, controls, targets, strikes, plucks, sources,
+              parameters, events, outputs};
     }
   };
 };

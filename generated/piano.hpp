@@ -9,7 +9,8 @@
 namespace contactspline::keyboards {
 
 struct piano {
-  static constexpr int format_version = 1;  // of this layout; the runtime checks it
+  static constexpr int format_version = 2;  // version of the layout; the runtime checks it
+  static constexpr const char* name = "piano";
   static constexpr int first_key = 21;
   static constexpr std::size_t keys = 88;
   static constexpr int last_damped_key = 88;

@@ -7,49 +7,36 @@
 #include <concepts>
 #include <cstddef>
 
-#include "contactspline/instrument.hpp"
+#include "contactspline/instrument/network_instrument.hpp"
 
 namespace contactspline::instruments {
 
 template <std::floating_point T = double>
 class prepared_piano : public NetworkInstrument<T> {
  public:
-  static constexpr int format_version = 1;  // of this layout; the runtime checks it
+  static constexpr int format_version = 2;  // version of the layout; the runtime checks it
 
-  explicit prepared_piano(double sample_rate_hz) : NetworkInstrument<T>(data::view(), sample_rate_hz) {
+  prepared_piano() : NetworkInstrument<T>(data::view()) {
     static_assert(contactspline::fits_runtime<prepared_piano>,
                   "generated for another version: run `contactspline generate` again");
   }
+  explicit prepared_piano(double sample_rate_hz) : prepared_piano() { this->prepare(sample_rate_hz); }
 
   /// 0 to 1, at the beginning 0.049.
-  void set_weight_force_n(T value) { this->set_control(0, value); }
+  void set_weight_force_n(T value) { this->set(0, double(value)); }
   /// 0 to 2, at the beginning 0.2.
-  void set_bolt_loss_s_per_m(T value) { this->set_control(1, value); }
+  void set_bolt_loss_s_per_m(T value) { this->set(1, double(value)); }
   /// -0.0005 to 0.0005, at the beginning 0.
-  void set_play_gap_shift_m(T value) { this->set_control(2, value); }
+  void set_play_gap_shift_m(T value) { this->set(2, double(value)); }
   /// 100 to 1e+07, at the beginning 40000.
-  void set_screw_stiffness_n_per_m(T value) { this->set_control(3, value); }
+  void set_screw_stiffness_n_per_m(T value) { this->set(3, double(value)); }
   /// 0 to 1000, at the beginning 0.
-  void set_damper_damping_per_s(T value) { this->set_control(4, value); }
+  void set_damper_damping_per_s(T value) { this->set(4, double(value)); }
+  /// -100 to 100, at the beginning 2.5.
+  void set_hammer_speed_m_per_s(T value) { this->set(5, double(value)); }
   void strike_hammer(T speed_m_per_s) { this->strike(0, speed_m_per_s); }
   [[nodiscard]] T bridge_end_force_n() const { return this->output(0); }
   [[nodiscard]] T bolt_force_n() const { return this->output(1); }
-
-  // As in the file, in the order of their numbers.
-  struct names {
-    static constexpr const char* instrument = "prepared_piano";
-    static constexpr std::array<const char*, 5> controls = {
-        "weight_force_n",
-        "bolt_loss_s_per_m",
-        "play_gap_shift_m",
-        "screw_stiffness_n_per_m",
-        "damper_damping_per_s"};
-    static constexpr std::array<const char*, 1> strikes = {
-        "hammer"};
-    static constexpr std::array<const char*, 2> outputs = {
-        "bridge_end_force_n",
-        "bolt_force_n"};
-  };
 
   // What NetworkInstrument plays. Its members: struct InstrumentData.
   struct data {
@@ -409,20 +396,35 @@ class prepared_piano : public NetworkInstrument<T> {
         {ConnectionKind::kSpring, 6, 2, 0, 0.0, 1.0, 0.0, 40000.0, 0.05},
         {ConnectionKind::kSpring, 2, 7, 0, 0.0, 1.0, 0.0, 40000.0, 0.05}}};
     static constexpr std::array<InstrumentControl, 5> controls = {{
-        {ControlQuantity::kForce, 0, 1, 0.049, 0.0, 1.0, 0.0},
-        {ControlQuantity::kLoss, 1, 2, 0.2, 0.0, 2.0, 0.0},
-        {ControlQuantity::kGapShift, 3, 2, 0.0, -0.0005, 0.0005, 0.0},
-        {ControlQuantity::kStiffness, 5, 2, 40000.0, 100.0, 10000000.0, 0.0},
-        {ControlQuantity::kDamping, 7, 2, 0.0, 0.0, 1000.0, 0.0}}};
+        {ControlQuantity::kForce, 0, 1},
+        {ControlQuantity::kLoss, 1, 2},
+        {ControlQuantity::kGapShift, 3, 2},
+        {ControlQuantity::kStiffness, 5, 2},
+        {ControlQuantity::kDamping, 7, 2}}};
     static constexpr std::array<std::size_t, 13> targets = {1, 2, 3, 2, 3, 4, 5, 0, 1, 8, 9, 2, 3};
     static constexpr std::array<std::size_t, 1> strikes = {2};
-    static constexpr std::array<InstrumentOutput, 2> outputs = {{
-        {OutputQuantity::kDisplacement, 9, 2, 50.0},
-        {OutputQuantity::kForce, 11, 2, 100.0}}};
+    static constexpr std::array<std::size_t, 0> plucks = {};
+    static constexpr std::array<InstrumentOutput, 2> sources = {{
+        {OutputQuantity::kDisplacement, 9, 2},
+        {OutputQuantity::kForce, 11, 2}}};
+    // Values that are allowed, those of sliders, the first one, scale, when it acts, how slowly it follows [s].
+    static constexpr std::array<Parameter, 6> parameters = {{
+        {"weight_force_n", "N", {0.0, 1.0}, {0.0, 1.0}, 0.049, Scale::kLinear, Acts::kAtOnce, 0.005},
+        {"bolt_loss_s_per_m", "s/m", {0.0, 2.0}, {0.0, 2.0}, 0.2, Scale::kLinear, Acts::kAtOnce, 0.0},
+        {"play_gap_shift_m", "m", {-0.0005, 0.0005}, {-0.0005, 0.0005}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.0},
+        {"screw_stiffness_n_per_m", "N/m", {100.0, 10000000.0}, {100.0, 10000000.0}, 40000.0, Scale::kLogarithmic, Acts::kAtOnce, 0.0},
+        {"damper_damping_per_s", "1/s", {0.0, 1000.0}, {0.0, 1000.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.005},
+        {"hammer_speed_m_per_s", "m/s", {-100.0, 100.0}, {0.0, 10.0}, 2.5, Scale::kLinear, Acts::kAtNextNote, 0.0}}};
+    static constexpr std::array<Event, 1> events = {{
+        {"strike_hammer", EventKind::kStrike, 0, 5}}};
+    static constexpr std::array<Output, 2> outputs = {{
+        {"bridge_end_force_n", "N", 50.0},
+        {"bolt_force_n", "N", 100.0}}};
 
     static constexpr InstrumentData view() {
-      return {angular_frequencies, decays, masses, body_ends, place_bodies, shapes, knots, energies, forces,
-              half_curvatures, table_ends, connections, controls, targets, strikes, outputs};
+      return {"prepared_piano", "two strings with a rattling bolt and a screw between them", "MIT", angular_frequencies, decays, masses, body_ends, place_bodies, shapes,
+              knots, energies, forces, half_curvatures, table_ends, connections, controls, targets, strikes, plucks, sources,
+              parameters, events, outputs};
     }
   };
 };

@@ -7,63 +7,55 @@
 #include <concepts>
 #include <cstddef>
 
-#include "contactspline/instrument.hpp"
+#include "contactspline/instrument/network_instrument.hpp"
 
 namespace contactspline::instruments {
 
 template <std::floating_point T = double>
 class slap_bass : public NetworkInstrument<T> {
  public:
-  static constexpr int format_version = 1;  // of this layout; the runtime checks it
+  static constexpr int format_version = 2;  // version of the layout; the runtime checks it
 
-  explicit slap_bass(double sample_rate_hz) : NetworkInstrument<T>(data::view(), sample_rate_hz) {
+  slap_bass() : NetworkInstrument<T>(data::view()) {
     static_assert(contactspline::fits_runtime<slap_bass>,
                   "generated for another version: run `contactspline generate` again");
   }
+  explicit slap_bass(double sample_rate_hz) : slap_bass() { this->prepare(sample_rate_hz); }
 
   /// 0 to 20, at the beginning 0.
-  void set_press_2_force_n(T value) { this->set_control(0, value); }
+  void set_press_2_force_n(T value) { this->set(0, double(value)); }
   /// 0 to 20, at the beginning 0.
-  void set_press_5_force_n(T value) { this->set_control(1, value); }
+  void set_press_5_force_n(T value) { this->set(1, double(value)); }
   /// 0 to 20, at the beginning 0.
-  void set_press_7_force_n(T value) { this->set_control(2, value); }
+  void set_press_7_force_n(T value) { this->set(2, double(value)); }
   /// 0 to 20, at the beginning 0.
-  void set_press_9_force_n(T value) { this->set_control(3, value); }
+  void set_press_9_force_n(T value) { this->set(3, double(value)); }
   /// -20 to 20, at the beginning 0.
-  void set_pop_force_n(T value) { this->set_control(4, value); }
+  void set_pop_force_n(T value) { this->set(4, double(value)); }
   /// -0.002 to 0.002, at the beginning 0.
-  void set_action_gap_shift_m(T value) { this->set_control(5, value); }
+  void set_action_gap_shift_m(T value) { this->set(5, double(value)); }
   /// 0 to 1000, at the beginning 0.
-  void set_palm_damping_per_s(T value) { this->set_control(6, value); }
+  void set_palm_damping_per_s(T value) { this->set(6, double(value)); }
+  /// -100 to 100, at the beginning 2.5.
+  void set_thumb_speed_m_per_s(T value) { this->set(7, double(value)); }
+  /// -100 to 100, at the beginning 2.5.
+  void set_finger_2_speed_m_per_s(T value) { this->set(8, double(value)); }
+  /// -100 to 100, at the beginning 2.5.
+  void set_finger_5_speed_m_per_s(T value) { this->set(9, double(value)); }
+  /// -100 to 100, at the beginning 2.5.
+  void set_finger_7_speed_m_per_s(T value) { this->set(10, double(value)); }
+  /// -100 to 100, at the beginning 2.5.
+  void set_finger_9_speed_m_per_s(T value) { this->set(11, double(value)); }
+  /// -20 to 20, at the beginning -9.
+  void set_pop_release_n(T value) { this->set(12, double(value)); }
   void strike_thumb(T speed_m_per_s) { this->strike(0, speed_m_per_s); }
   void strike_finger_2(T speed_m_per_s) { this->strike(1, speed_m_per_s); }
   void strike_finger_5(T speed_m_per_s) { this->strike(2, speed_m_per_s); }
   void strike_finger_7(T speed_m_per_s) { this->strike(3, speed_m_per_s); }
   void strike_finger_9(T speed_m_per_s) { this->strike(4, speed_m_per_s); }
+  void pluck_pop(T force_n) { this->pluck(0, force_n); }
   [[nodiscard]] T pickup_velocity_m_per_s() const { return this->output(0); }
   [[nodiscard]] T frets_force_n() const { return this->output(1); }
-
-  // As in the file, in the order of their numbers.
-  struct names {
-    static constexpr const char* instrument = "slap_bass";
-    static constexpr std::array<const char*, 7> controls = {
-        "press_2_force_n",
-        "press_5_force_n",
-        "press_7_force_n",
-        "press_9_force_n",
-        "pop_force_n",
-        "action_gap_shift_m",
-        "palm_damping_per_s"};
-    static constexpr std::array<const char*, 5> strikes = {
-        "thumb",
-        "finger_2",
-        "finger_5",
-        "finger_7",
-        "finger_9"};
-    static constexpr std::array<const char*, 2> outputs = {
-        "pickup_velocity_m_per_s",
-        "frets_force_n"};
-  };
 
   // What NetworkInstrument plays. Its members: struct InstrumentData.
   struct data {
@@ -777,24 +769,51 @@ class slap_bass : public NetworkInstrument<T> {
         {ConnectionKind::kSpring, 3, kGround, 0, 0.0, 1.0, 0.0, 200.0, 2.0},
         {ConnectionKind::kSpring, 4, kGround, 0, 0.0, 1.0, 0.0, 400.0, 4.0}}};
     static constexpr std::array<InstrumentControl, 7> controls = {{
-        {ControlQuantity::kForce, 0, 1, 0.0, 0.0, 20.0, 0.0},
-        {ControlQuantity::kForce, 1, 1, 0.0, 0.0, 20.0, 0.0},
-        {ControlQuantity::kForce, 2, 1, 0.0, 0.0, 20.0, 0.0},
-        {ControlQuantity::kForce, 3, 1, 0.0, 0.0, 20.0, 0.0},
-        {ControlQuantity::kForce, 4, 1, 0.0, -20.0, 20.0, -9.0},
-        {ControlQuantity::kGapShift, 5, 20, 0.0, -0.002, 0.002, 0.0},
-        {ControlQuantity::kDamping, 25, 1, 0.0, 0.0, 1000.0, 0.0}}};
+        {ControlQuantity::kForce, 0, 1},
+        {ControlQuantity::kForce, 1, 1},
+        {ControlQuantity::kForce, 2, 1},
+        {ControlQuantity::kForce, 3, 1},
+        {ControlQuantity::kForce, 4, 1},
+        {ControlQuantity::kGapShift, 5, 20},
+        {ControlQuantity::kDamping, 25, 1}}};
     static constexpr std::array<std::size_t, 47> targets = {0, 1, 2, 3, 30, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 
         16, 17, 18, 19, 0, 31, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 
         14, 15, 16, 17, 18, 19};
     static constexpr std::array<std::size_t, 5> strikes = {5, 1, 2, 3, 4};
-    static constexpr std::array<InstrumentOutput, 2> outputs = {{
-        {OutputQuantity::kVelocity, 26, 1, 10.0},
-        {OutputQuantity::kForce, 27, 20, 200.0}}};
+    static constexpr std::array<std::size_t, 1> plucks = {4};
+    static constexpr std::array<InstrumentOutput, 2> sources = {{
+        {OutputQuantity::kVelocity, 26, 1},
+        {OutputQuantity::kForce, 27, 20}}};
+    // Values that are allowed, those of sliders, the first one, scale, when it acts, how slowly it follows [s].
+    static constexpr std::array<Parameter, 13> parameters = {{
+        {"press_2_force_n", "N", {0.0, 20.0}, {0.0, 20.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.005},
+        {"press_5_force_n", "N", {0.0, 20.0}, {0.0, 20.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.005},
+        {"press_7_force_n", "N", {0.0, 20.0}, {0.0, 20.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.005},
+        {"press_9_force_n", "N", {0.0, 20.0}, {0.0, 20.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.005},
+        {"pop_force_n", "N", {-20.0, 20.0}, {-20.0, 20.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.005},
+        {"action_gap_shift_m", "m", {-0.002, 0.002}, {-0.002, 0.002}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.0},
+        {"palm_damping_per_s", "1/s", {0.0, 1000.0}, {0.0, 1000.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.005},
+        {"thumb_speed_m_per_s", "m/s", {-100.0, 100.0}, {0.0, 10.0}, 2.5, Scale::kLinear, Acts::kAtNextNote, 0.0},
+        {"finger_2_speed_m_per_s", "m/s", {-100.0, 100.0}, {0.0, 10.0}, 2.5, Scale::kLinear, Acts::kAtNextNote, 0.0},
+        {"finger_5_speed_m_per_s", "m/s", {-100.0, 100.0}, {0.0, 10.0}, 2.5, Scale::kLinear, Acts::kAtNextNote, 0.0},
+        {"finger_7_speed_m_per_s", "m/s", {-100.0, 100.0}, {0.0, 10.0}, 2.5, Scale::kLinear, Acts::kAtNextNote, 0.0},
+        {"finger_9_speed_m_per_s", "m/s", {-100.0, 100.0}, {0.0, 10.0}, 2.5, Scale::kLinear, Acts::kAtNextNote, 0.0},
+        {"pop_release_n", "N", {-20.0, 20.0}, {-18.0, 0.0}, -9.0, Scale::kLinear, Acts::kAtNextNote, 0.0}}};
+    static constexpr std::array<Event, 6> events = {{
+        {"strike_thumb", EventKind::kStrike, 0, 7},
+        {"strike_finger_2", EventKind::kStrike, 1, 8},
+        {"strike_finger_5", EventKind::kStrike, 2, 9},
+        {"strike_finger_7", EventKind::kStrike, 3, 10},
+        {"strike_finger_9", EventKind::kStrike, 4, 11},
+        {"pluck_pop", EventKind::kPluck, 0, 12}}};
+    static constexpr std::array<Output, 2> outputs = {{
+        {"pickup_velocity_m_per_s", "m/s", 10.0},
+        {"frets_force_n", "N", 200.0}}};
 
     static constexpr InstrumentData view() {
-      return {angular_frequencies, decays, masses, body_ends, place_bodies, shapes, knots, energies, forces,
-              half_curvatures, table_ends, connections, controls, targets, strikes, outputs};
+      return {"slap_bass", "bass string over 20 frets, with thumb and fingers", "MIT", angular_frequencies, decays, masses, body_ends, place_bodies, shapes,
+              knots, energies, forces, half_curvatures, table_ends, connections, controls, targets, strikes, plucks, sources,
+              parameters, events, outputs};
     }
   };
 };

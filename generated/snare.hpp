@@ -7,40 +7,30 @@
 #include <concepts>
 #include <cstddef>
 
-#include "contactspline/instrument.hpp"
+#include "contactspline/instrument/network_instrument.hpp"
 
 namespace contactspline::instruments {
 
 template <std::floating_point T = double>
 class snare : public NetworkInstrument<T> {
  public:
-  static constexpr int format_version = 1;  // of this layout; the runtime checks it
+  static constexpr int format_version = 2;  // version of the layout; the runtime checks it
 
-  explicit snare(double sample_rate_hz) : NetworkInstrument<T>(data::view(), sample_rate_hz) {
+  snare() : NetworkInstrument<T>(data::view()) {
     static_assert(contactspline::fits_runtime<snare>,
                   "generated for another version: run `contactspline generate` again");
   }
+  explicit snare(double sample_rate_hz) : snare() { this->prepare(sample_rate_hz); }
 
   /// -1e-05 to 0.002, at the beginning 0.
-  void set_strainer_gap_shift_m(T value) { this->set_control(0, value); }
+  void set_strainer_gap_shift_m(T value) { this->set(0, double(value)); }
   /// 0 to 1000, at the beginning 0.
-  void set_hand_damping_per_s(T value) { this->set_control(1, value); }
+  void set_hand_damping_per_s(T value) { this->set(1, double(value)); }
+  /// -100 to 100, at the beginning 2.5.
+  void set_stick_speed_m_per_s(T value) { this->set(2, double(value)); }
   void strike_stick(T speed_m_per_s) { this->strike(0, speed_m_per_s); }
   [[nodiscard]] T head_velocity_m_per_s() const { return this->output(0); }
   [[nodiscard]] T wires_force_n() const { return this->output(1); }
-
-  // As in the file, in the order of their numbers.
-  struct names {
-    static constexpr const char* instrument = "snare";
-    static constexpr std::array<const char*, 2> controls = {
-        "strainer_gap_shift_m",
-        "hand_damping_per_s"};
-    static constexpr std::array<const char*, 1> strikes = {
-        "stick"};
-    static constexpr std::array<const char*, 2> outputs = {
-        "head_velocity_m_per_s",
-        "wires_force_n"};
-  };
 
   // What NetworkInstrument plays. Its members: struct InstrumentData.
   struct data {
@@ -1285,19 +1275,31 @@ class snare : public NetworkInstrument<T> {
         {ConnectionKind::kContact, 9, 33, 1, -2e-06, 0.01, 0.0, 0.0, 0.0},
         {ConnectionKind::kContact, 10, 34, 1, -2e-06, 0.01, 0.0, 0.0, 0.0}}};
     static constexpr std::array<InstrumentControl, 2> controls = {{
-        {ControlQuantity::kGapShift, 0, 24, 0.0, -1e-05, 0.002, 0.0},
-        {ControlQuantity::kDamping, 24, 1, 0.0, 0.0, 1000.0, 0.0}}};
+        {ControlQuantity::kGapShift, 0, 24},
+        {ControlQuantity::kDamping, 24, 1}}};
     static constexpr std::array<std::size_t, 50> targets = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 
         20, 21, 22, 23, 24, 0, 2, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 
         14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24};
     static constexpr std::array<std::size_t, 1> strikes = {4};
-    static constexpr std::array<InstrumentOutput, 2> outputs = {{
-        {OutputQuantity::kVelocity, 25, 1, 2.0},
-        {OutputQuantity::kForce, 26, 24, 50.0}}};
+    static constexpr std::array<std::size_t, 0> plucks = {};
+    static constexpr std::array<InstrumentOutput, 2> sources = {{
+        {OutputQuantity::kVelocity, 25, 1},
+        {OutputQuantity::kForce, 26, 24}}};
+    // Values that are allowed, those of sliders, the first one, scale, when it acts, how slowly it follows [s].
+    static constexpr std::array<Parameter, 3> parameters = {{
+        {"strainer_gap_shift_m", "m", {-1e-05, 0.002}, {-1e-05, 0.002}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.0},
+        {"hand_damping_per_s", "1/s", {0.0, 1000.0}, {0.0, 1000.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.005},
+        {"stick_speed_m_per_s", "m/s", {-100.0, 100.0}, {0.0, 10.0}, 2.5, Scale::kLinear, Acts::kAtNextNote, 0.0}}};
+    static constexpr std::array<Event, 1> events = {{
+        {"strike_stick", EventKind::kStrike, 0, 2}}};
+    static constexpr std::array<Output, 2> outputs = {{
+        {"head_velocity_m_per_s", "m/s", 2.0},
+        {"wires_force_n", "N", 50.0}}};
 
     static constexpr InstrumentData view() {
-      return {angular_frequencies, decays, masses, body_ends, place_bodies, shapes, knots, energies, forces,
-              half_curvatures, table_ends, connections, controls, targets, strikes, outputs};
+      return {"snare", "drum head with three wires that rattle along a diameter", "MIT", angular_frequencies, decays, masses, body_ends, place_bodies, shapes,
+              knots, energies, forces, half_curvatures, table_ends, connections, controls, targets, strikes, plucks, sources,
+              parameters, events, outputs};
     }
   };
 };

@@ -13,7 +13,7 @@
 namespace contactspline::materials {
 
 struct steel_on_steel {
-  static constexpr int format_version = 1;  // of this layout; the runtime checks it
+  static constexpr int format_version = 2;  // version of the layout; the runtime checks it
   static constexpr std::size_t segments = 64;
   static constexpr double stiffness_n_per_m_alpha = 10879000000.0;
   static constexpr double exponent = 1.5;
@@ -89,7 +89,7 @@ struct steel_on_steel {
   // The same for y in segment widths and V in energy_scale_j. That of a power law depends on exponent and number of
   // segments only.
   struct normalised {
-    static constexpr int format_version = 1;
+    static constexpr int format_version = 2;
     static constexpr std::size_t segments = 64;
     static constexpr double loss = 0.0;  // s per segment width
     static constexpr std::array<double, segments> knots = {

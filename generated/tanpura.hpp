@@ -7,41 +7,32 @@
 #include <concepts>
 #include <cstddef>
 
-#include "contactspline/instrument.hpp"
+#include "contactspline/instrument/network_instrument.hpp"
 
 namespace contactspline::instruments {
 
 template <std::floating_point T = double>
 class tanpura : public NetworkInstrument<T> {
  public:
-  static constexpr int format_version = 1;  // of this layout; the runtime checks it
+  static constexpr int format_version = 2;  // version of the layout; the runtime checks it
 
-  explicit tanpura(double sample_rate_hz) : NetworkInstrument<T>(data::view(), sample_rate_hz) {
+  tanpura() : NetworkInstrument<T>(data::view()) {
     static_assert(contactspline::fits_runtime<tanpura>,
                   "generated for another version: run `contactspline generate` again");
   }
+  explicit tanpura(double sample_rate_hz) : tanpura() { this->prepare(sample_rate_hz); }
 
   /// -2 to 2, at the beginning 0.
-  void set_finger_force_n(T value) { this->set_control(0, value); }
+  void set_finger_force_n(T value) { this->set(0, double(value)); }
   /// 0 to 1000, at the beginning 0.
-  void set_hand_damping_per_s(T value) { this->set_control(1, value); }
+  void set_hand_damping_per_s(T value) { this->set(1, double(value)); }
   /// -0.0001 to 0.0001, at the beginning 0.
-  void set_bridge_gap_shift_m(T value) { this->set_control(2, value); }
+  void set_bridge_gap_shift_m(T value) { this->set(2, double(value)); }
+  /// -2 to 2, at the beginning 0.45.
+  void set_finger_release_n(T value) { this->set(3, double(value)); }
+  void pluck_finger(T force_n) { this->pluck(0, force_n); }
   [[nodiscard]] T wire_end_force_n() const { return this->output(0); }
   [[nodiscard]] T bridge_force_n() const { return this->output(1); }
-
-  // As in the file, in the order of their numbers.
-  struct names {
-    static constexpr const char* instrument = "tanpura";
-    static constexpr std::array<const char*, 3> controls = {
-        "finger_force_n",
-        "hand_damping_per_s",
-        "bridge_gap_shift_m"};
-    static constexpr std::array<const char*, 0> strikes = {};
-    static constexpr std::array<const char*, 2> outputs = {
-        "wire_end_force_n",
-        "bridge_force_n"};
-  };
 
   // What NetworkInstrument plays. Its members: struct InstrumentData.
   struct data {
@@ -766,20 +757,33 @@ class tanpura : public NetworkInstrument<T> {
         {ConnectionKind::kContact, 25, kGround, 0, 7.07e-05, 0.0416667, 0.0, 0.0, 0.0},
         {ConnectionKind::kSpring, 1, kGround, 0, 0.0, 1.0, 0.0, 120000.0, 1.2}}};
     static constexpr std::array<InstrumentControl, 3> controls = {{
-        {ControlQuantity::kForce, 0, 1, 0.0, -2.0, 2.0, 0.45},
-        {ControlQuantity::kDamping, 1, 1, 0.0, 0.0, 1000.0, 0.0},
-        {ControlQuantity::kGapShift, 2, 24, 0.0, -0.0001, 0.0001, 0.0}}};
+        {ControlQuantity::kForce, 0, 1},
+        {ControlQuantity::kDamping, 1, 1},
+        {ControlQuantity::kGapShift, 2, 24}}};
     static constexpr std::array<std::size_t, 51> targets = {0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 
         18, 19, 20, 21, 22, 23, 26, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 
         13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23};
     static constexpr std::array<std::size_t, 0> strikes = {};
-    static constexpr std::array<InstrumentOutput, 2> outputs = {{
-        {OutputQuantity::kDisplacement, 26, 1, 2.0},
-        {OutputQuantity::kForce, 27, 24, 4.0}}};
+    static constexpr std::array<std::size_t, 1> plucks = {0};
+    static constexpr std::array<InstrumentOutput, 2> sources = {{
+        {OutputQuantity::kDisplacement, 26, 1},
+        {OutputQuantity::kForce, 27, 24}}};
+    // Values that are allowed, those of sliders, the first one, scale, when it acts, how slowly it follows [s].
+    static constexpr std::array<Parameter, 4> parameters = {{
+        {"finger_force_n", "N", {-2.0, 2.0}, {-2.0, 2.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.005},
+        {"hand_damping_per_s", "1/s", {0.0, 1000.0}, {0.0, 1000.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.005},
+        {"bridge_gap_shift_m", "m", {-0.0001, 0.0001}, {-0.0001, 0.0001}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.0},
+        {"finger_release_n", "N", {-2.0, 2.0}, {0.0, 0.9}, 0.45, Scale::kLinear, Acts::kAtNextNote, 0.0}}};
+    static constexpr std::array<Event, 1> events = {{
+        {"pluck_finger", EventKind::kPluck, 0, 3}}};
+    static constexpr std::array<Output, 2> outputs = {{
+        {"wire_end_force_n", "N", 2.0},
+        {"bridge_force_n", "N", 4.0}}};
 
     static constexpr InstrumentData view() {
-      return {angular_frequencies, decays, masses, body_ends, place_bodies, shapes, knots, energies, forces,
-              half_curvatures, table_ends, connections, controls, targets, strikes, outputs};
+      return {"tanpura", "tanpura string over its curved bridge, with a thread", "MIT", angular_frequencies, decays, masses, body_ends, place_bodies, shapes,
+              knots, energies, forces, half_curvatures, table_ends, connections, controls, targets, strikes, plucks, sources,
+              parameters, events, outputs};
     }
   };
 };

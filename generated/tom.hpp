@@ -7,40 +7,30 @@
 #include <concepts>
 #include <cstddef>
 
-#include "contactspline/instrument.hpp"
+#include "contactspline/instrument/network_instrument.hpp"
 
 namespace contactspline::instruments {
 
 template <std::floating_point T = double>
 class tom : public NetworkInstrument<T> {
  public:
-  static constexpr int format_version = 1;  // of this layout; the runtime checks it
+  static constexpr int format_version = 2;  // version of the layout; the runtime checks it
 
-  explicit tom(double sample_rate_hz) : NetworkInstrument<T>(data::view(), sample_rate_hz) {
+  tom() : NetworkInstrument<T>(data::view()) {
     static_assert(contactspline::fits_runtime<tom>,
                   "generated for another version: run `contactspline generate` again");
   }
+  explicit tom(double sample_rate_hz) : tom() { this->prepare(sample_rate_hz); }
 
   /// 0 to 100000, at the beginning 48300.
-  void set_air_stiffness_n_per_m(T value) { this->set_control(0, value); }
+  void set_air_stiffness_n_per_m(T value) { this->set(0, double(value)); }
   /// 0 to 1000, at the beginning 0.
-  void set_hand_damping_per_s(T value) { this->set_control(1, value); }
+  void set_hand_damping_per_s(T value) { this->set(1, double(value)); }
+  /// -100 to 100, at the beginning 2.5.
+  void set_stick_speed_m_per_s(T value) { this->set(2, double(value)); }
   void strike_stick(T speed_m_per_s) { this->strike(0, speed_m_per_s); }
   [[nodiscard]] T batter_velocity_m_per_s() const { return this->output(0); }
   [[nodiscard]] T lower_velocity_m_per_s() const { return this->output(1); }
-
-  // As in the file, in the order of their numbers.
-  struct names {
-    static constexpr const char* instrument = "tom";
-    static constexpr std::array<const char*, 2> controls = {
-        "air_stiffness_n_per_m",
-        "hand_damping_per_s"};
-    static constexpr std::array<const char*, 1> strikes = {
-        "stick"};
-    static constexpr std::array<const char*, 2> outputs = {
-        "batter_velocity_m_per_s",
-        "lower_velocity_m_per_s"};
-  };
 
   // What NetworkInstrument plays. Its members: struct InstrumentData.
   struct data {
@@ -309,17 +299,29 @@ class tom : public NetworkInstrument<T> {
         {ConnectionKind::kContact, 0, 1, 0, 0.004, 1.0, 0.0, 0.0, 0.0},
         {ConnectionKind::kSpring, 3, 4, 0, 0.0, 1.0, 0.0, 48300.0, 0.0}}};
     static constexpr std::array<InstrumentControl, 2> controls = {{
-        {ControlQuantity::kStiffness, 0, 1, 48300.0, 0.0, 100000.0, 0.0},
-        {ControlQuantity::kDamping, 1, 2, 0.0, 0.0, 1000.0, 0.0}}};
+        {ControlQuantity::kStiffness, 0, 1},
+        {ControlQuantity::kDamping, 1, 2}}};
     static constexpr std::array<std::size_t, 5> targets = {1, 0, 1, 2, 4};
     static constexpr std::array<std::size_t, 1> strikes = {2};
-    static constexpr std::array<InstrumentOutput, 2> outputs = {{
-        {OutputQuantity::kVelocity, 3, 1, 3.0},
-        {OutputQuantity::kVelocity, 4, 1, 2.0}}};
+    static constexpr std::array<std::size_t, 0> plucks = {};
+    static constexpr std::array<InstrumentOutput, 2> sources = {{
+        {OutputQuantity::kVelocity, 3, 1},
+        {OutputQuantity::kVelocity, 4, 1}}};
+    // Values that are allowed, those of sliders, the first one, scale, when it acts, how slowly it follows [s].
+    static constexpr std::array<Parameter, 3> parameters = {{
+        {"air_stiffness_n_per_m", "N/m", {0.0, 100000.0}, {0.0, 100000.0}, 48300.0, Scale::kLinear, Acts::kAtOnce, 0.0},
+        {"hand_damping_per_s", "1/s", {0.0, 1000.0}, {0.0, 1000.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.005},
+        {"stick_speed_m_per_s", "m/s", {-100.0, 100.0}, {0.0, 10.0}, 2.5, Scale::kLinear, Acts::kAtNextNote, 0.0}}};
+    static constexpr std::array<Event, 1> events = {{
+        {"strike_stick", EventKind::kStrike, 0, 2}}};
+    static constexpr std::array<Output, 2> outputs = {{
+        {"batter_velocity_m_per_s", "m/s", 3.0},
+        {"lower_velocity_m_per_s", "m/s", 2.0}}};
 
     static constexpr InstrumentData view() {
-      return {angular_frequencies, decays, masses, body_ends, place_bodies, shapes, knots, energies, forces,
-              half_curvatures, table_ends, connections, controls, targets, strikes, outputs};
+      return {"tom", "drum with two heads and the air between them", "MIT", angular_frequencies, decays, masses, body_ends, place_bodies, shapes,
+              knots, energies, forces, half_curvatures, table_ends, connections, controls, targets, strikes, plucks, sources,
+              parameters, events, outputs};
     }
   };
 };

@@ -7,45 +7,33 @@
 #include <concepts>
 #include <cstddef>
 
-#include "contactspline/instrument.hpp"
+#include "contactspline/instrument/network_instrument.hpp"
 
 namespace contactspline::instruments {
 
 template <std::floating_point T = double>
 class trichord_c4 : public NetworkInstrument<T> {
  public:
-  static constexpr int format_version = 1;  // of this layout; the runtime checks it
+  static constexpr int format_version = 2;  // version of the layout; the runtime checks it
 
-  explicit trichord_c4(double sample_rate_hz) : NetworkInstrument<T>(data::view(), sample_rate_hz) {
+  trichord_c4() : NetworkInstrument<T>(data::view()) {
     static_assert(contactspline::fits_runtime<trichord_c4>,
                   "generated for another version: run `contactspline generate` again");
   }
+  explicit trichord_c4(double sample_rate_hz) : trichord_c4() { this->prepare(sample_rate_hz); }
 
   /// 0.01 to 100, at the beginning 1.
-  void set_felt_stiffness_ratio(T value) { this->set_control(0, value); }
+  void set_felt_stiffness_ratio(T value) { this->set(0, double(value)); }
   /// 0 to 2, at the beginning 0.1.
-  void set_felt_loss_s_per_m(T value) { this->set_control(1, value); }
+  void set_felt_loss_s_per_m(T value) { this->set(1, double(value)); }
   /// 0 to 1000, at the beginning 0.
-  void set_damper_damping_per_s(T value) { this->set_control(2, value); }
+  void set_damper_damping_per_s(T value) { this->set(2, double(value)); }
+  /// -100 to 100, at the beginning 2.5.
+  void set_hammer_speed_m_per_s(T value) { this->set(3, double(value)); }
   void strike_hammer(T speed_m_per_s) { this->strike(0, speed_m_per_s); }
   [[nodiscard]] T bridge_force_n() const { return this->output(0); }
   [[nodiscard]] T soundboard_velocity_m_per_s() const { return this->output(1); }
   [[nodiscard]] T hammer_force_n() const { return this->output(2); }
-
-  // As in the file, in the order of their numbers.
-  struct names {
-    static constexpr const char* instrument = "trichord_c4";
-    static constexpr std::array<const char*, 3> controls = {
-        "felt_stiffness_ratio",
-        "felt_loss_s_per_m",
-        "damper_damping_per_s"};
-    static constexpr std::array<const char*, 1> strikes = {
-        "hammer"};
-    static constexpr std::array<const char*, 3> outputs = {
-        "bridge_force_n",
-        "soundboard_velocity_m_per_s",
-        "hammer_force_n"};
-  };
 
   // What NetworkInstrument plays. Its members: struct InstrumentData.
   struct data {
@@ -260,19 +248,33 @@ class trichord_c4 : public NetworkInstrument<T> {
         {ConnectionKind::kLink, 4, 8, 0, 0.0, 1.0, 0.0, 0.0, 0.0},
         {ConnectionKind::kLink, 6, 9, 0, 0.0, 1.0, 0.0, 0.0, 0.0}}};
     static constexpr std::array<InstrumentControl, 3> controls = {{
-        {ControlQuantity::kStiffnessRatio, 0, 3, 1.0, 0.01, 100.0, 0.0},
-        {ControlQuantity::kLoss, 3, 3, 0.1, 0.0, 2.0, 0.0},
-        {ControlQuantity::kDamping, 6, 3, 0.0, 0.0, 1000.0, 0.0}}};
+        {ControlQuantity::kStiffnessRatio, 0, 3},
+        {ControlQuantity::kLoss, 3, 3},
+        {ControlQuantity::kDamping, 6, 3}}};
     static constexpr std::array<std::size_t, 16> targets = {0, 1, 2, 0, 1, 2, 0, 1, 2, 3, 4, 5, 8, 0, 1, 2};
     static constexpr std::array<std::size_t, 1> strikes = {3};
-    static constexpr std::array<InstrumentOutput, 3> outputs = {{
-        {OutputQuantity::kForce, 9, 3, 50.0},
-        {OutputQuantity::kVelocity, 12, 1, 0.03},
-        {OutputQuantity::kForce, 13, 3, 50.0}}};
+    static constexpr std::array<std::size_t, 0> plucks = {};
+    static constexpr std::array<InstrumentOutput, 3> sources = {{
+        {OutputQuantity::kForce, 9, 3},
+        {OutputQuantity::kVelocity, 12, 1},
+        {OutputQuantity::kForce, 13, 3}}};
+    // Values that are allowed, those of sliders, the first one, scale, when it acts, how slowly it follows [s].
+    static constexpr std::array<Parameter, 4> parameters = {{
+        {"felt_stiffness_ratio", "", {0.01, 100.0}, {0.01, 100.0}, 1.0, Scale::kLogarithmic, Acts::kAtOnce, 0.0},
+        {"felt_loss_s_per_m", "s/m", {0.0, 2.0}, {0.0, 2.0}, 0.1, Scale::kLinear, Acts::kAtOnce, 0.0},
+        {"damper_damping_per_s", "1/s", {0.0, 1000.0}, {0.0, 1000.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.005},
+        {"hammer_speed_m_per_s", "m/s", {-100.0, 100.0}, {0.0, 10.0}, 2.5, Scale::kLinear, Acts::kAtNextNote, 0.0}}};
+    static constexpr std::array<Event, 1> events = {{
+        {"strike_hammer", EventKind::kStrike, 0, 3}}};
+    static constexpr std::array<Output, 3> outputs = {{
+        {"bridge_force_n", "N", 50.0},
+        {"soundboard_velocity_m_per_s", "m/s", 0.03},
+        {"hammer_force_n", "N", 50.0}}};
 
     static constexpr InstrumentData view() {
-      return {angular_frequencies, decays, masses, body_ends, place_bodies, shapes, knots, energies, forces,
-              half_curvatures, table_ends, connections, controls, targets, strikes, outputs};
+      return {"trichord_c4", "three strings of C4 under one hammer, on a soundboard", "MIT", angular_frequencies, decays, masses, body_ends, place_bodies, shapes,
+              knots, energies, forces, half_curvatures, table_ends, connections, controls, targets, strikes, plucks, sources,
+              parameters, events, outputs};
     }
   };
 };

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "contactspline/modal.hpp"
+#include "contactspline/modal/modal.hpp"
 
 namespace contactspline::bench {
 
@@ -31,8 +31,8 @@ struct alignas(64) Modes {
 };
 
 /// Advances every mode by one sample: d = rest + gain F, q += d, and the next free increment rest = keep d - pull q
-/// (docs/modal.md, "In small changes"). It handles two vectors at a time, so that two chains of sums run in parallel;
-/// the number of vectors must be even.
+/// (docs/how-it-works/modal.md, "In small changes"). It handles two vectors at a time, so that two chains of sums run
+/// in parallel; the number of vectors must be even.
 template <std::floating_point T>
 [[nodiscard]] inline PassSums<T> pass(std::span<Modes<T>> modes, T force) {
   using Lanes = typename Modes<T>::Lanes;

@@ -12,7 +12,7 @@ namespace contactspline::bench {
 
 /// The gradient g of psi that a sample uses.
 enum class PsiGradient {
-  potential,    ///< of the power law: linearly implicit, as first published ("EXP-0"); the force may pull
+  potential,    ///< the power law's potential: linearly implicit, as first published ("EXP-0"); the force may pull
   never_pulls,  ///< the same, limited so that psi does not become negative ("EXP-3")
 };
 
@@ -46,7 +46,7 @@ class QuadratisedHammerString {
     for (T& sample : out) sample = tick();
   }
 
-  [[nodiscard]] T force() const { return force_; }              ///< at the last sample [N]
+  [[nodiscard]] T force() const { return force_; }              ///< the force of the last sample [N]
   [[nodiscard]] T compression() const { return compression_; }  ///< [m]
   [[nodiscard]] T hammer_velocity() const { return velocity_step_ / time_step_; }
   [[nodiscard]] T psi() const { return psi_; }  ///< between the last sample and this one [sqrt(J)]

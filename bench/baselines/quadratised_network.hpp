@@ -12,8 +12,8 @@
 #include <span>
 #include <vector>
 
-#include "contactspline/contact.hpp"
-#include "contactspline/modal.hpp"
+#include "contactspline/modal/modal.hpp"
+#include "contactspline/step/contact.hpp"
 
 namespace contactspline::bench {
 
@@ -24,7 +24,7 @@ struct StringOverContacts {
   std::vector<Mode> modes;
   SegmentTable<double> table;    ///< must outlive the schemes
   std::vector<Shapes> contacts;  ///< shapes at each
-  std::vector<double> gaps_m;    ///< of each
+  std::vector<double> gaps_m;    ///< one for each contact
   double weight = 1;             ///< multiplies the stiffness of each
   Shapes spring;                 ///< its place
   double spring_n_per_m = 0, resistance_n_s_per_m = 0;
@@ -102,8 +102,9 @@ class QuadratisedNetwork {
   }
 
   [[nodiscard]] std::size_t contacts() const { return contacts_.size(); }
-  [[nodiscard]] double force(std::size_t k) const { return contacts_[k].force; }  ///< at the last sample [N]
-  /// At this sample [m]; of a contact that is not computed, its last one.
+  /// Force at the last sample [N].
+  [[nodiscard]] double force(std::size_t k) const { return contacts_[k].force; }
+  /// Compression at this sample [m]; the last one of a contact that is not computed.
   [[nodiscard]] double compression(std::size_t k) const { return contacts_[k].y; }
   /// Energy in psi, between the last sample and this one [J].
   [[nodiscard]] double stored(std::size_t k) const { return contacts_[k].psi * contacts_[k].psi / 2; }
@@ -137,7 +138,7 @@ class QuadratisedNetwork {
     double psi = 0;   // [sqrt(J)]
     double force = 0;
     double per_push = 0, per_spring = 0;  // increment over two samples per newton there [m/N]
-    double spring_fraction = 0;           // of its force, by which the spring's force falls
+    double spring_fraction = 0;           // fraction of this force that the spring's force loses
     double max_shape = 0;
     double wake_at = 0;  // travel of the string at which a sleeping contact may touch [m]
     std::size_t segment = 0;
@@ -379,13 +380,13 @@ class QuadratisedNetwork {
   std::vector<Lanes> rows_;  // shapes of the contacts, the spring, the push
   std::vector<double> gaps_;
   std::vector<Contact> contacts_;
-  std::vector<double> admittances_;  // of all pairs of contacts, with the spring eliminated [m/N]
+  std::vector<double> admittances_;  // for each pair of contacts, with the spring eliminated [m/N]
   std::vector<std::size_t> awake_, active_;
   std::vector<Push> pushed_;
   std::vector<Listener> listening_;
   // One element for each active contact.
   std::vector<double> g_, free_, psi_, next_, matrix_;
-  std::vector<double> moved_;  // of each contact
+  std::vector<double> moved_;  // one for each contact
   double spring_gain_, spring_slope_, resistance_, spring_admittance_, spring_per_push_;
   double spring_free_ = 0, spring_last_ = 0;  // next and last increment of the spring [m]
   double spring_psi_ = 0, spring_force_ = 0;

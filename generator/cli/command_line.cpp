@@ -90,7 +90,8 @@ constexpr auto kSourceHelp = "file (.json), or the name of a shipped material, r
 constexpr auto kScoreHelp = "score file (.json, .mid), or the name of a score that ships";
 
 void add_force(CLI::App& command, bool& force) {
-  command.add_flag("--force", force, "also replace files that this program did not write");
+  command.add_flag("--force", force,
+                   "also replace files that this program did not write, and figures of another kind");
 }
 
 void add_generate(CLI::App& app) {
@@ -105,7 +106,7 @@ void add_generate(CLI::App& app) {
       ->type_name("FORMAT")
       ->allow_extra_args(false);
   command->add_option("-o,--output", options->output, "folder to write to, or - for standard output")
-      ->check(not_empty("a folder, or - for standard output"))
+      ->check(folder_name("a folder, or - for standard output"))
       ->type_name("DIR")
       ->capture_default_str();
   command
@@ -138,7 +139,7 @@ void add_inspect(CLI::App& app) {
   command->add_option("MATERIAL", options->material, kMaterialHelp)->check(not_empty(kMaterialHelp))->required();
   command
       ->add_option("--figure", options->figure,
-                   "also draw the spline and its errors, or the instrument (.svg, .png, .pdf)")
+                   "also draw the spline, the modes or the instrument (.svg, .png, .pdf)")
       ->check(file_name())
       ->type_name("FILE");
   command->add_flag("--compare", options->compare,
@@ -163,7 +164,6 @@ void add_list(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("list", "List the materials, resonators, keyboards, instruments and scores that ship");
   command->add_option("KIND", *kind, "what to list (default: all)")->check(one_of(kinds_that_ship()));
-  command->footer("T is the contact duration on a rigid barrier, over the material's range of impact speeds.");
   command->callback([kind] { list(*kind); });
 }
 
@@ -203,7 +203,7 @@ void add_impact(CLI::App& app) {
   command->add_flag("--json", options->json, "print all numbers as JSON; errors as fractions, not in %");
   command
       ->add_option("--figure", options->figure,
-                   "also draw the errors of one material over --speeds (.svg, .png, .pdf)")
+                   "also draw impacts over --speeds, or their errors over --rate (.svg, .png, .pdf)")
       ->check(file_name())
       ->type_name("FILE");
   add_force(*command, options->force);
@@ -211,21 +211,23 @@ void add_impact(CLI::App& app) {
       "Examples:\n"
       "  contactspline impact mb1 felt_c4 --speed 2\n"
       "  contactspline impact felt_c4 --speeds 0.1 6 20 --rate 44100\n"
-      "  contactspline impact felt_c4 --speeds 0.1 6 200 --figure errors.svg\n"
+      "  contactspline impact felt_c4 felt_c2 --speeds 0.1 6 200 --rate 44100 --figure impacts.svg\n"
+      "  contactspline impact felt_c4 --speed 1 --speed 5 --figure errors.svg\n"
       "Errors are relative to the exact motion under the contact law with the material's loss. Where the time step\n"
       "dominates, they fall by 4 with each doubling of the rate; with loss by 2. samples: duration of the exact\n"
-      "contact in samples.");
+      "contact in samples. A table of speeds states the errors of the contact duration at each rate.");
   command->callback([options] { compare_impacts(*options); });
 }
 
-void add_outputs(CLI::App& command, RenderOutput& output) {
+// Returns the option of the sound file.
+CLI::Option* add_outputs(CLI::App& command, RenderOutput& output) {
   command.add_option("--rate", output.sample_rate_hz, "sample rate in Hz")
       ->check(number_from(1000, 768000))
       ->capture_default_str();
-  command.add_option("-o,--output", output.sound, "sound file to write (.wav, .flac, .ogg, .aiff)")
-      ->check(file_name())
-      ->type_name("FILE")
-      ->required();
+  CLI::Option* sound =
+      command.add_option("-o,--output", output.sound, "sound file to write (.wav, .flac, .ogg, .aiff)")
+          ->check(file_name())
+          ->type_name("FILE");
   command
       .add_option("--figure", output.figure,
                   "figure to write (.svg, .png, .pdf; default: the sound file's name with .svg)")
@@ -239,6 +241,7 @@ void add_outputs(CLI::App& command, RenderOutput& output) {
       ->check(number_or("off", -300, 300))
       ->type_name("DB");
   add_force(command, output.force);
+  return sound;
 }
 
 void add_mass_barrier(CLI::App& render) {
@@ -264,61 +267,78 @@ void add_mass_barrier(CLI::App& render) {
   command->add_option("--signal", options->signal, "the signal in the sound file")
       ->check(one_of({"force", "displacement"}))
       ->capture_default_str();
-  add_outputs(*command, options->output);
+  add_outputs(*command, options->output)->required();
   command->footer(
       "Example:\n"
       "  contactspline render mass-barrier --material rubber_on_wood --loss 0.08 -o bounce.wav");
   command->callback([options] { render_mass_barrier(*options); });
 }
 
-void add_instrument(CLI::App& render, Instrument instrument, const char* help, const char* example) {
+// The options of a score. Without a model it is for what the score names.
+std::shared_ptr<ScoreOptions> add_score_options(CLI::App& command, std::optional<Model> model) {
   const auto options = std::make_shared<ScoreOptions>();
-  CLI::App* command = render.add_subcommand(std::string(name_of(instrument)), help);
-  command->add_option("--score", options->score, kScoreHelp)->check(not_empty(kScoreHelp))->required();
-  if (instrument == Instrument::kFile)
-    command->add_option("--signal", options->signal,
-                        "the output in the sound file (default: the instrument's first)");
-  else
-    command
-        ->add_option(
-            "--signal", options->signal,
-            "the signal in the sound file: displacement or velocity at the pickup, force on the bridge, contact "
-            "force, velocity of the keyboard's body (default: body, else bridge for hammers on strings, else "
-            "velocity)")
-        ->check(one_of(signal_names()));
-  command->add_option("--precision", options->precision, "floating-point precision of the model")
+  command
+      .add_option("--signal", options->signal,
+                  model == Model::kFile ? "the output in the sound file (default: the instrument's first)"
+                                        : "displacement, velocity, bridge, force or body (default: what sounds best)")
+      ->check(not_empty("an output"));
+  command.add_option("--precision", options->precision, "floating-point precision of the model")
       ->check(one_of({"single", "double"}))
       ->capture_default_str();
   command
-      ->add_option("--stems", options->stems,
-                   "folder for one file per voice, in the format and with the gain of the sound")
-      ->check(not_empty("a folder"))
+      .add_option("--stems", options->stems,
+                  "folder for one file per voice, in the format and with the gain of the sound")
+      ->check(folder_name("a folder"))
       ->type_name("DIR");
-  if (instrument == Instrument::kHammerString)
+  if (!model || model == Model::kHammerString)
     command
-        ->add_option("--channel", options->channels,
-                     "MIDI channel to play; may be repeated (default: all but 10, which is for drums)")
+        .add_option("--channel", options->channels,
+                    "MIDI channel to play; may be repeated (default: all but 10, which is for drums)")
         ->check(number_from(1, 16))
         ->allow_extra_args(false);
-  add_outputs(*command, options->output);
+  if (!model || model == Model::kFile)
+    command
+        .add_option("--instrument", options->instrument,
+                    "instrument file with keys that plays a MIDI file (default: the piano)")
+        ->check(not_empty("an instrument"))
+        ->type_name("FILE");
+  return options;
+}
+
+void add_model(CLI::App& render, Model model, const char* help, const char* example) {
+  CLI::App* command = render.add_subcommand(std::string(name_of(model)), help);
+  const auto options = add_score_options(*command, model);
+  command->add_option("--score", options->score, kScoreHelp)->check(not_empty(kScoreHelp))->required();
+  add_outputs(*command, options->output)->required();
   command->footer(fmt::format(
       "Example:\n  contactspline render {} --score {} -o out.wav\nThe scores that ship: contactspline list scores",
-      name_of(instrument), example));
-  command->callback([options, instrument] { render_score(instrument, *options); });
+      name_of(model), example));
+  command->callback([options, model] { render_score(model, *options); });
 }
 
 void add_render(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("render", "Play an instrument to a sound file and a figure");
-  command->require_subcommand(1);
+  CLI::App* command = app.add_subcommand("render", "Play a score, or an instrument, to a sound file and a figure");
+  command->require_subcommand(0, 1);
+  const auto options = add_score_options(*command, {});
+  command->add_option("SCORE", options->score, kScoreHelp)->check(not_empty(kScoreHelp));
+  const CLI::Option* sound = add_outputs(*command, options->output);
+  command->footer(
+      "Examples:\n  contactspline render fur_elise -o elise.wav\n  contactspline render my_song.mid -o song.wav\n"
+      "  contactspline render my_song.mid --instrument my_zither.json -o zither.wav\n"
+      "The scores that ship: contactspline list scores");
+  command->callback([command, options, sound] {
+    if (!command->get_subcommands().empty()) return;
+    if (options->score.empty()) throw CLI::RequiredError("SCORE");
+    if (sound->empty()) throw CLI::RequiredError("--output");
+    render_score({}, *options);
+  });
   add_mass_barrier(*command);
-  add_instrument(*command, Instrument::kHammerString, "Felt hammers on strings, bars or drums, played from a score",
-                 "dulcimer");
-  add_instrument(*command, Instrument::kSlideString, "Plucked strings with a slide, played from a score",
-                 "slide_guitar");
-  add_instrument(*command, Instrument::kFretString, "Plucked strings that buzz against a fret, played from a score",
-                 "fret_buzz");
-  add_instrument(*command, Instrument::kFile, "The instrument that a score names, of any bodies and contacts",
-                 "tanpura_drone");
+  add_model(*command, Model::kHammerString, "Felt hammers on strings, bars or drums, played from a score",
+            "dulcimer");
+  add_model(*command, Model::kSlideString, "Plucked strings with a slide, played from a score", "slide_guitar");
+  add_model(*command, Model::kFretString, "Plucked strings that buzz against a fret, played from a score",
+            "fret_buzz");
+  add_model(*command, Model::kFile, "The instrument that a score names, of any bodies and contacts", "tanpura_drone");
 }
 
 void add_all(CLI::App& app) {

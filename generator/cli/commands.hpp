@@ -75,15 +75,14 @@ void render_mass_barrier(const MassBarrierOptions& options);
 
 struct ScoreOptions {
   std::string score;
-  std::string signal;  ///< one of signal_names(), of an instrument file an output; empty: the one that sounds best
+  std::string signal;  ///< an output or "body"; empty: what sounds best
   std::string precision = "double";
   std::string stems;          ///< folder for the sound of each voice, or empty
   std::vector<int> channels;  ///< of a MIDI file, 1 to 16; empty: all but the tenth
+  std::string instrument;     ///< that plays a MIDI file: one that ships or its file; empty: the piano
   RenderOutput output;
 };
-void render_score(Instrument instrument, const ScoreOptions& options);
-
-/// Words of --signal for scores.
-[[nodiscard]] const std::vector<std::string>& signal_names();
+/// model: what the score must be for; empty: any.
+void render_score(std::optional<Model> model, const ScoreOptions& options);
 
 }  // namespace contactspline

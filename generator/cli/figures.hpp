@@ -7,19 +7,14 @@
 #include <string>
 #include <vector>
 
+#include "generator/cli/figure_file.hpp"
+#include "generator/contact/barrier_impact.hpp"
 #include "generator/instrument/instrument.hpp"
-#include "generator/player/mass_barrier_player.hpp"
 #include "generator/player/score_player.hpp"
+#include "generator/resonator/resonator.hpp"
 #include "generator/spline/design.hpp"
 
 namespace contactspline {
-
-enum class FigureFormat { kSvg, kPng, kPdf };
-
-/// The format that the ending of a name chooses: .svg, .png or .pdf. Throws BadInput for any other.
-[[nodiscard]] FigureFormat figure_format(const std::string& file);
-
-[[nodiscard]] bool has_gnuplot();
 
 /// Potential and force of a design, exact and as a spline with its knots, and the errors of the spline.
 [[nodiscard]] std::string figure_of(const Design& design, FigureFormat format);
@@ -28,24 +23,52 @@ enum class FigureFormat { kSvg, kPng, kPdf };
 /// impact.
 [[nodiscard]] std::string figure_of(std::span<const Design> families, FigureFormat format);
 
+/// Decay and shapes of the modes of a resonator below a frequency over their frequencies. There must be one.
+[[nodiscard]] std::string figure_of(const Resonator& resonator, double max_frequency_hz, FigureFormat format);
+
 /// Bodies, places and connections of an instrument.
 [[nodiscard]] std::string figure_of(const InstrumentModel& model, FigureFormat format);
 
-/// Errors of one model of an impact, as fractions, one for each speed.
-struct ImpactErrors {
-  std::string model;
-  std::vector<double> contact_duration = {}, max_compression = {}, max_force = {};
+/// Impacts of one material at one speed, by several models.
+struct ImpactPoint {
+  double speed_m_per_s;
+  std::vector<BarrierImpact> impacts;  ///< one for each model
 };
 
-/// Magnitudes of the errors of several models over the impact speed [m/s].
-[[nodiscard]] std::string figure_of(std::span<const double> speeds, std::span<const ImpactErrors> models,
-                                    const std::string& title, FigureFormat format);
+/// Impacts of one material on a rigid barrier by several models: the exact motion, that of the spline, simulations.
+struct ImpactSweep {
+  std::string material;
+  std::vector<std::string> models;      ///< their names; the first is exact, the second the spline
+  std::vector<double> sample_rates_hz;  ///< of the models; 0 for the first two
+  std::vector<ImpactPoint> points;      ///< by rising speed
+};
+
+/// Contact duration, largest force and restitution over the impact speed; for one material also the envelopes of the
+/// errors of duration, compression and force. All sweeps have the same speeds and models.
+[[nodiscard]] std::string figure_over_speed(std::span<const ImpactSweep> sweeps, const std::string& title,
+                                            FigureFormat format);
+
+/// Errors of contact duration, compression and force over the sample rate, one curve for each material and speed.
+[[nodiscard]] std::string figure_over_rate(std::span<const ImpactSweep> sweeps, const std::string& title,
+                                           FigureFormat format);
+
+/// A bouncing mass, sample by sample.
+struct MassBarrierMotion {
+  double sample_rate_hz;
+  std::vector<double> displacement_m;  ///< after each sample, into the barrier
+  std::vector<double> force_n;         ///< over each sample
+};
 
 /// Height and contact force of a simulated motion over time, and the force of the first contact sample by sample.
+/// Without any contact the height alone.
 [[nodiscard]] std::string figure_of(const MassBarrierMotion& motion, const std::string& title, FigureFormat format);
 
-/// Waveform, contact force and spectrogram of a played score. `signal` names the signal with its unit, for the axis.
-[[nodiscard]] std::string figure_of(const Performance& performance, const std::string& title,
-                                    const std::string& signal, FigureFormat format);
+/// The words in the figure of a played score: its title and the labels of two axes, with their units.
+struct PerformanceText {
+  std::string title, signal, force;
+};
+
+/// Waveform, contact force and spectrogram of a played score. Without any contact there is no panel of the force.
+[[nodiscard]] std::string figure_of(const Performance& performance, const PerformanceText& text, FigureFormat format);
 
 }  // namespace contactspline

@@ -16,6 +16,7 @@
 #include <iterator>
 #include <memory>
 #include <set>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -148,6 +149,7 @@ void create_folder_of(const fs::path& path) {
 fs::path real_target(const fs::path& path) {
   std::error_code error;
   const auto status = fs::status(path, error);
+  if (error == std::errc::filename_too_long) fail(path, fmt::format("cannot be written: {}", error.message()));
   if (fs::exists(status) && !fs::is_regular_file(status)) fail(path, "is not a regular file");
   if (!fs::is_symlink(fs::symlink_status(path, error))) return path;
   fs::path target = fs::canonical(path, error);
@@ -170,12 +172,7 @@ std::string end_of(const fs::path& path) {
 }
 
 bool bears_mark(const fs::path& path) {
-  std::error_code error;
-  if (!fs::is_regular_file(path, error)) return false;  // opening a pipe would wait for its writer
-  const auto has_mark = [](std::string_view part) {
-    return std::ranges::any_of(kMarks, [&](std::string_view mark) { return part.find(mark) != part.npos; });
-  };
-  return has_mark(beginning_of(path)) || has_mark(end_of(path));
+  return std::ranges::any_of(kMarks, [&](std::string_view mark) { return bears(path, mark); });
 }
 
 // The same path for every spelling of it, also if the file does not exist.
@@ -218,6 +215,12 @@ std::string beginning_of(const fs::path& path) {
   if (!fs::is_regular_file(path, error)) return {};  // opening a pipe would wait for its writer
   std::ifstream stream(path, std::ios::binary);
   return read_part(stream);
+}
+
+bool bears(const fs::path& path, std::string_view text) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) return false;  // opening a pipe would wait for its writer
+  return beginning_of(path).find(text) != std::string::npos || end_of(path).find(text) != std::string::npos;
 }
 
 // Another program may write the same file meanwhile: one that exists is whole.

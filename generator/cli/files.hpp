@@ -24,6 +24,9 @@ struct OutputFile {
 /// instance as a comment; emitted JSON has it as "written_by".
 [[nodiscard]] std::string_view mark();
 
+/// True if the first or the last 64 KiB of a regular file contain this text.
+[[nodiscard]] bool bears(const std::filesystem::path& path, std::string_view text);
+
 /// The first 64 KiB of a regular file; empty if it does not exist or cannot be read.
 [[nodiscard]] std::string beginning_of(const std::filesystem::path& path);
 

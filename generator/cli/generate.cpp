@@ -54,7 +54,7 @@ Emitted emit_all(const GenerateOptions& options) {
       if (emitter.name == "faust" && source.faust_obstacle) {
         if (!options.formats.empty())
           refuse(argument, "--emit", *source.faust_obstacle,
-                 "cpp, whose class hosts play (docs/instruments.md), json");
+                 "cpp, whose class hosts play (docs/reference/instruments.md), json");
         emitted.left_out += fmt::format("left out {}.{}: {}\n", name, emitter.extension, *source.faust_obstacle);
         continue;
       }

@@ -3,9 +3,14 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <filesystem>
+#include <iterator>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "generator/cli/commands.hpp"
@@ -140,25 +145,86 @@ std::string text_of(const Comparison& c) {
   return text;
 }
 
-// One line for each speed: the exact motion, the errors of the spline, and those of each simulation.
-std::string table_of(const std::vector<Comparison>& comparisons) {
-  const Comparison& first = comparisons.front();
-  std::string table =
-      fmt::format("{}, {} kg\n{:>11} {:>14} {:>16} {:>18} {:>21}", first.material().name, first.mass_kg,
-                  "speed [m/s]", "duration [us]", "compression [um]", "duration error [%]", "compression error [%]");
-  for (const Motion& motion : first.motions)
-    if (motion.sample_rate_hz > 0)
-      table += fmt::format(" {:>14}", fmt::format("at {} kHz", motion.sample_rate_hz / 1000));
-  table += '\n';
-  for (const Comparison& c : comparisons) {
-    table += fmt::format("{:>11.5g} {:>14.3f} {:>16.4f} {:>18.3f} {:>21.3f}", c.speed,
-                         1e6 * c.exact().contact_duration_s, 1e6 * c.exact().max_compression_m,
-                         100 * c.error(c.motions[1], kDuration), 100 * c.error(c.motions[1], kCompression));
-    for (const Motion& motion : c.motions)
-      if (motion.sample_rate_hz > 0) table += fmt::format(" {:>14.3f}", 100 * c.error(motion, kDuration));
-    table += c.is_in_range() ? "\n" : "  out of the material's range\n";
+/// A column of the table of speeds: three lines of heading, then a cell for each speed.
+struct Column {
+  std::size_t width;
+  std::array<std::string, 3> heading;
+  std::vector<std::string> cells;
+};
+
+template <typename Cell>
+Column column(std::size_t width, std::array<std::string, 3> heading, const std::vector<Comparison>& comparisons,
+              Cell cell) {
+  Column made{width, std::move(heading), {}};
+  for (const Comparison& c : comparisons) made.cells.push_back(cell(c));
+  return made;
+}
+
+// A number of at most nine characters.
+std::string fixed(double number, int decimals) {
+  const std::string text = fmt::format("{:.{}f}", number, decimals);
+  return text.size() <= 9 ? text : fmt::format("{:.3g}", number);
+}
+
+// The exact motion, the errors of the spline, and those of each simulation; the first column is the speed.
+std::vector<Column> columns_of(const std::vector<Comparison>& comparisons) {
+  const auto of = [&](std::size_t width, std::array<std::string, 3> heading, auto cell) {
+    return column(width, std::move(heading), comparisons, cell);
+  };
+  std::vector<Column> columns{
+      of(9, {"", "speed", "[m/s]"},
+         [](const Comparison& c) { return fmt::format("{:.5g}{}", c.speed, c.is_in_range() ? " " : "*"); }),
+      of(13, {"exact", "duration", "[us]"},
+         [](const Comparison& c) { return fixed(1e6 * c.exact().contact_duration_s, 3); }),
+      of(13, {"exact", "compression", "[um]"},
+         [](const Comparison& c) { return fixed(1e6 * c.exact().max_compression_m, 4); }),
+      of(10, {"spline", "duration", "error [%]"},
+         [](const Comparison& c) { return fixed(100 * c.error(c.motions[1], kDuration), 3); }),
+      of(12, {"spline", "compression", "error [%]"},
+         [](const Comparison& c) { return fixed(100 * c.error(c.motions[1], kCompression), 3); })};
+  for (std::size_t i = 2; i < comparisons.front().motions.size(); ++i)
+    columns.push_back(
+        of(10,
+           {fmt::format("{:.4g} kHz", comparisons.front().motions[i].sample_rate_hz / 1000), "duration", "error [%]"},
+           [=](const Comparison& c) { return fixed(100 * c.error(c.motions[i], kDuration), 3); }));
+  return columns;
+}
+
+std::string lines_of(std::span<const Column* const> columns) {
+  std::string lines;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (const Column* shown : columns) lines += fmt::format("{:>{}}", shown->heading[i], shown->width);
+    lines += '\n';
   }
-  return table + "errors: of the spline, then the duration error [%] of the simulations\n";
+  for (std::size_t i = 0; i < columns.front()->cells.size(); ++i) {
+    for (const Column* shown : columns) lines += fmt::format("{:>{}}", shown->cells[i], shown->width);
+    lines += '\n';
+  }
+  return lines;
+}
+
+// One line for each speed, of at most 100 columns: where there are more, the speeds come again with the next ones.
+std::string table_of(const std::vector<Comparison>& comparisons) {
+  constexpr std::size_t kMaxWidth = 100;
+  const Comparison& first = comparisons.front();
+  const std::vector<Column> columns = columns_of(comparisons);
+  std::string table = fmt::format("{}, {} kg\n", first.material().name, first.mass_kg);
+  std::vector<const Column*> shown{&columns.front()};
+  std::size_t width = columns.front().width;
+  for (std::size_t i = 1; i < columns.size(); ++i) {
+    if (width + columns[i].width > kMaxWidth) {
+      table += lines_of(shown) + '\n';
+      shown.resize(1);
+      width = columns.front().width;
+    }
+    shown.push_back(&columns[i]);
+    width += columns[i].width;
+  }
+  table += lines_of(shown);
+  if (std::ranges::all_of(comparisons, &Comparison::is_in_range)) return table;
+  const Impact& impact = *first.material().impact;
+  return table + fmt::format("* out of the material's range, {} to {} m/s\n", impact.min_speed_m_per_s,
+                             impact.max_speed_m_per_s);
 }
 
 std::string csv_of(const std::vector<Comparison>& comparisons) {
@@ -201,25 +267,43 @@ std::string json_of(const std::vector<Comparison>& comparisons) {
   return fmt::format("[\n{}\n]\n", fmt::join(objects, ",\n"));
 }
 
-std::string figure_bytes(const std::vector<Comparison>& comparisons, FigureFormat format) {
+// The impacts of one material, for a figure.
+ImpactSweep sweep_of(const std::vector<Comparison>& comparisons) {
   const Comparison& first = comparisons.front();
-  std::vector<double> speeds;
-  for (const Comparison& c : comparisons) speeds.push_back(c.speed);
-  std::vector<ImpactErrors> models;
-  for (std::size_t i = 1; i < first.motions.size(); ++i) {
-    const Motion& motion = first.motions[i];
-    ImpactErrors& errors = models.emplace_back();
-    errors.model = motion.sample_rate_hz > 0
-                       ? fmt::format("{} kHz", motion.sample_rate_hz / 1000)
-                       : fmt::format("spline, {} segments", first.design->spline.segments.size());
-    for (const Comparison& c : comparisons) {
-      errors.contact_duration.push_back(c.error(c.motions[i], kDuration));
-      errors.max_compression.push_back(c.error(c.motions[i], kCompression));
-      errors.max_force.push_back(c.error(c.motions[i], kForce));
-    }
+  ImpactSweep sweep{first.material().name, {}, {}, {}};
+  for (const Motion& motion : first.motions) {
+    sweep.models.push_back(motion.model == "spline"
+                               ? fmt::format("spline, {} segments", first.design->spline.segments.size())
+                           : motion.sample_rate_hz > 0 ? fmt::format("{} kHz", motion.sample_rate_hz / 1000)
+                                                       : motion.model);
+    sweep.sample_rates_hz.push_back(motion.sample_rate_hz);
   }
-  return figure_of(speeds, models, fmt::format("{}: impacts of {:g} kg", title_of(first.material()), first.mass_kg),
-                   format);
+  for (const Comparison& c : comparisons) {
+    ImpactPoint& point = sweep.points.emplace_back(ImpactPoint{c.speed, {}});
+    for (const Motion& motion : c.motions) point.impacts.push_back(motion.impact);
+  }
+  return sweep;
+}
+
+// The key of the figure has room for some entries only.
+void require_room(const std::vector<ImpactSweep>& sweeps, bool over_speed) {
+  constexpr std::size_t kMaxEntries = 12;
+  std::size_t entries = over_speed ? sweeps.front().models.size() + (sweeps.size() > 1 ? sweeps.size() : 0) : 0;
+  if (!over_speed)
+    for (const ImpactSweep& sweep : sweeps) entries += sweep.points.size();
+  if (entries > kMaxEntries)
+    throw BadInput(fmt::format("--figure: its key has {} entries; allowed: at most {}: fewer materials, {}", entries,
+                               kMaxEntries, over_speed ? "or fewer --rate" : "or fewer --speed"));
+}
+
+// The title names one material and its mass, or nothing that the key names.
+std::string figure_of(const std::vector<Comparison>& all, const std::vector<ImpactSweep>& sweeps, bool over_speed,
+                      FigureFormat format) {
+  const std::string title = sweeps.size() == 1
+                                ? fmt::format("{}: impacts of {:g} g on a rigid barrier",
+                                              title_of(all.front().material()), 1e3 * all.front().mass_kg)
+                                : "impacts on a rigid barrier";
+  return over_speed ? figure_over_speed(sweeps, title, format) : figure_over_rate(sweeps, title, format);
 }
 
 // Speeds at equal ratios.
@@ -236,8 +320,8 @@ std::vector<double> speeds_between(const std::vector<double>& range) {
 void require_consistent(const ImpactOptions& options) {
   if (options.csv && options.json) throw BadInput("--csv: cannot be combined with --json; allowed: one of the two");
   if (!options.figure.empty()) {
-    if (options.speed_range.empty()) throw BadInput("--figure: draws errors over speed; allowed: with --speeds");
-    if (options.materials.size() > 1) throw BadInput("--figure: draws one material; allowed: one MATERIAL");
+    if (options.speed_range.empty() && options.rates.size() < 2)
+      throw BadInput("--figure: draws over speeds or over sample rates; allowed: with --speeds, or with two --rate");
     (void)figure_format(options.figure);
   }
   if (options.speed_range.empty()) return;
@@ -261,6 +345,8 @@ void compare_impacts(const ImpactOptions& options) {
   std::vector<Design> designs;
   designs.reserve(options.materials.size());
   std::vector<Comparison> all;
+  std::vector<ImpactSweep> sweeps;
+  std::vector<std::filesystem::path> inputs;
   std::string text;
   for (const std::string& argument : options.materials) {
     const Design& design = designs.emplace_back(design_argument(argument));
@@ -272,12 +358,15 @@ void compare_impacts(const ImpactOptions& options) {
       text += table_of(comparisons);
     else
       for (const Comparison& comparison : comparisons) text += text_of(comparison);
-    if (!options.figure.empty()) {
-      require_writable({{options.figure}}, input_files(argument, design.material), options.force);
-      write_files({{OutputFile{options.figure, figure_bytes(comparisons, figure_format(options.figure))}}});
-      text += fmt::format("\nfigure: {}\n", options.figure);
-    }
+    sweeps.push_back(sweep_of(comparisons));
+    std::ranges::copy(input_files(argument, design.material), std::back_inserter(inputs));
     all.insert(all.end(), comparisons.begin(), comparisons.end());
+  }
+  if (!options.figure.empty()) {
+    require_room(sweeps, !options.speed_range.empty());
+    write_figure(options.figure, FigureKind::kImpacts, inputs, options.force,
+                 [&](FigureFormat format) { return figure_of(all, sweeps, !options.speed_range.empty(), format); });
+    text += fmt::format("\nfigure: {}\n", options.figure);
   }
   write_stdout(options.json ? json_of(all) : options.csv ? csv_of(all) : text);
 }

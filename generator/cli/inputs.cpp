@@ -16,6 +16,7 @@
 #include "generator/emit/emit_material.hpp"
 #include "generator/emit/emit_resonator.hpp"
 #include "generator/instrument/instrument_reader.hpp"
+#include "generator/player/instrument_score_reader.hpp"
 #include "generator/player/score_reader.hpp"
 #include "generator/resonator/keyboard_reader.hpp"
 #include "generator/resonator/resonator_reader.hpp"
@@ -187,6 +188,22 @@ void require_no_channels(const std::string& score, const std::vector<int>& chann
   if (!channels.empty()) refuse(score, "--channel", "the score is not a MIDI file", "with a .mid file");
 }
 
+// A MIDI file on an instrument of the user's choice.
+ScoreSource score_on_instrument(const std::string& argument, const std::vector<int>& channels,
+                                const std::string& instrument) {
+  auto played = instrument_argument(instrument);
+  if (!played) refuse("--instrument", shown(instrument), "is no instrument", "an instrument that ships, or its file");
+  const auto* midi = find_embedded(Shipped::kScores, argument + ".mid");
+  if (midi == nullptr && !is_midi(argument))
+    refuse(argument, "--instrument", "the score is not a MIDI file and names its instrument itself",
+           "with a .mid file");
+  ScoreSource source{{}, std::move(played->files)};
+  if (midi == nullptr) source.files.emplace_back(argument);
+  source.score = parse_midi_on_instrument(midi != nullptr ? std::string(midi->content) : read_input(argument),
+                                          argument, channels, played->model);
+  return source;
+}
+
 ScoreSource shipped_score(const std::string& name, const std::vector<int>& channels) {
   if (const auto* midi = find_embedded(Shipped::kScores, name + ".mid"))
     return {parse_midi_score(midi->content, midi->name, channels), {}};
@@ -213,10 +230,14 @@ Design design_argument(const std::string& argument, bool of_any_kind) {
   return design_material(material->content, material->name);
 }
 
-std::vector<std::filesystem::path> input_files(const std::string& argument, const Material& material) {
+std::vector<std::filesystem::path> input_files(const std::string& argument) {
   if (!is_path(argument)) return {};
-  std::vector<std::filesystem::path> files{argument};
-  if (material.measured) files.push_back(files.front().parent_path() / material.measured->file);
+  return {argument};
+}
+
+std::vector<std::filesystem::path> input_files(const std::string& argument, const Material& material) {
+  auto files = input_files(argument);
+  if (!files.empty() && material.measured) files.push_back(files.front().parent_path() / material.measured->file);
   return files;
 }
 
@@ -250,8 +271,10 @@ Source source_argument(const std::string& argument, double max_frequency_hz) {
   return material_source(argument, design_argument(argument));
 }
 
-ScoreSource score_argument(const std::string& argument, const std::vector<int>& channels) {
+ScoreSource score_argument(const std::string& argument, const std::vector<int>& channels,
+                           const std::string& instrument) {
   const WaitingLine line("designing the contacts of " + argument);
+  if (!instrument.empty()) return score_on_instrument(argument, channels, instrument);
   if (!is_path(argument)) return shipped_score(argument, channels);
   if (!is_midi(argument)) require_no_channels(argument, channels);
   const std::filesystem::path file = argument;

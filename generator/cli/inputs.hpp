@@ -22,6 +22,9 @@ namespace contactspline {
 /// `of_any_kind`: messages say that resonators, keyboards and instruments are allowed, too. Throws BadInput.
 [[nodiscard]] Design design_argument(const std::string& argument, bool of_any_kind = false);
 
+/// The file that an argument names: none for a shipped name.
+[[nodiscard]] std::vector<std::filesystem::path> input_files(const std::string& argument);
+
 /// The files that a MATERIAL argument was read from: none for a shipped name.
 [[nodiscard]] std::vector<std::filesystem::path> input_files(const std::string& argument, const Material& material);
 
@@ -62,6 +65,8 @@ struct ScoreSource {
 /// Reads a SCORE and the resonators and materials it names: a file if it ends in .json or .mid or has a slash, else
 /// the name of one that ships. `channels` (1 to 16) chooses those of a MIDI file; empty: all but the tenth. Throws
 /// BadInput.
-[[nodiscard]] ScoreSource score_argument(const std::string& argument, const std::vector<int>& channels = {});
+/// `instrument`: an instrument with keys that plays a MIDI file, as MATERIAL; empty: the piano.
+[[nodiscard]] ScoreSource score_argument(const std::string& argument, const std::vector<int>& channels = {},
+                                         const std::string& instrument = {});
 
 }  // namespace contactspline

@@ -186,11 +186,16 @@ std::string comparison(const InspectOptions& options, const Design& design) {
                     or_dash(row.segments_for_01_percent));
   }
   if (!options.figure.empty()) {
-    require_writable({{options.figure}}, input_files(options.material, material), options.force);
-    write_files({{OutputFile{options.figure, figure_of(families, figure_format(options.figure))}}});
+    write_figure(options.figure, FigureKind::kKnots, input_files(options.material, material), options.force,
+                 [&](FigureFormat format) { return figure_of(families, format); });
     table += fmt::format("\nfigure: {}\n", options.figure);
   }
   return options.json ? json_of(material, rows) : table;
+}
+
+// Names the figure, except after JSON.
+std::string figure_line(const InspectOptions& options) {
+  return options.figure.empty() || options.json ? "" : fmt::format("\nfigure: {}\n", options.figure);
 }
 
 double frequency_hz(const ResonatorMode& mode) {
@@ -209,16 +214,17 @@ std::string resonator_table(const Resonator& resonator, double rate) {
 }
 
 void inspect_resonator(const Resonator& resonator, const InspectOptions& options) {
-  if (options.compare || !options.figure.empty())
-    refuse(options.material, options.compare ? "--compare" : "--figure", "cannot be used with a resonator",
-           options.compare ? "with a material" : "with a material or an instrument");
+  if (options.compare) refuse(options.material, "--compare", "cannot be used with a resonator", "with a material");
   const double rate = options.sample_rate_hz.value_or(kDefaultRate);
   const std::string page = [&] {
     const WaitingLine line("computing the modes of " + resonator.name);
     const std::string table = resonator_table(resonator, rate);
     return options.json ? json_of(resonator, rate) : table;
   }();
-  write_stdout(page);
+  if (!options.figure.empty())
+    write_figure(options.figure, FigureKind::kResonator, input_files(options.material), options.force,
+                 [&](FigureFormat format) { return figure_of(resonator, rate / 2, format); });
+  write_stdout(page + figure_line(options));
 }
 
 // The keys of the published notes, and the first and the last of the keyboard.
@@ -263,7 +269,7 @@ std::string keyboard_table(const Keyboard& keyboard, const std::vector<KeyRow>& 
 void inspect_keyboard(const Keyboard& keyboard, const InspectOptions& options) {
   if (options.compare || !options.figure.empty())
     refuse(options.material, options.compare ? "--compare" : "--figure", "cannot be used with a keyboard",
-           options.compare ? "with a material" : "with a material or an instrument");
+           options.compare ? "with a material" : "with a material, a resonator or an instrument");
   const double rate = options.sample_rate_hz.value_or(kDefaultRate);
   const auto rows = key_rows(keyboard, rate);
   write_stdout(options.json ? json_of(keyboard, rows, rate) : keyboard_table(keyboard, rows, rate));
@@ -278,13 +284,11 @@ std::string json_of(const InstrumentModel& model, double rate) {
 void inspect_instrument(const InstrumentSource& source, const InspectOptions& options) {
   if (options.compare) refuse(options.material, "--compare", "cannot be used with an instrument", "with a material");
   const double rate = options.sample_rate_hz.value_or(kDefaultRate);
-  if (!options.figure.empty()) {
-    require_writable({{options.figure}}, source.files, options.force);
-    write_files({{OutputFile{options.figure, figure_of(source.model, figure_format(options.figure))}}});
-  }
+  if (!options.figure.empty())
+    write_figure(options.figure, FigureKind::kInstrument, source.files, options.force,
+                 [&](FigureFormat format) { return figure_of(source.model, format); });
   write_stdout(options.json ? json_of(source.model, rate)
-                            : instrument_table(source.model, rate) +
-                                  (options.figure.empty() ? "" : fmt::format("\nfigure: {}\n", options.figure)));
+                            : instrument_table(source.model, rate) + figure_line(options));
 }
 
 }  // namespace
@@ -299,13 +303,11 @@ void inspect(const InspectOptions& options) {
     refuse(options.material, "--rate", "cannot be used with a material",
            "with a resonator, a keyboard or an instrument");
   if (options.compare) return write_stdout(comparison(options, design));
-  if (!options.figure.empty()) {
-    require_writable({{options.figure}}, input_files(options.material, design.material), options.force);
-    write_files({{OutputFile{options.figure, figure_of(design, figure_format(options.figure))}}});
-  }
+  if (!options.figure.empty())
+    write_figure(options.figure, FigureKind::kSpline, input_files(options.material, design.material), options.force,
+                 [&](FigureFormat format) { return figure_of(design, format); });
   if (options.json) return write_stdout(json_of(design));
-  write_stdout(heading(design) + coefficient_table(design.spline) + quality_table(design) +
-               (options.figure.empty() ? "" : fmt::format("\nfigure: {}\n", options.figure)));
+  write_stdout(heading(design) + coefficient_table(design.spline) + quality_table(design) + figure_line(options));
 }
 
 }  // namespace contactspline

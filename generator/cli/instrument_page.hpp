@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// What `inspect` shows of an instrument: a table of its parts, and a drawing of what joins them.
+// What `inspect` shows of an instrument: a table of its parts.
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "generator/instrument/instrument.hpp"
 
@@ -11,7 +12,10 @@ namespace contactspline {
 /// Bodies, places, connections, controls, strikes and outputs, with the modes that a simulation at this rate keeps.
 [[nodiscard]] std::string instrument_table(const InstrumentModel& model, double sample_rate_hz);
 
-/// gnuplot commands that draw bodies, places and connections, one body in each row, in a frame of 0 to 1.
-[[nodiscard]] std::string instrument_diagram(const InstrumentModel& model);
+/// The kind of a body: of a resonator, or "mass".
+[[nodiscard]] std::string_view kind_of(const InstrumentBody& body);
+
+/// Distance from the middle of a membrane, negative on its other side, or from an end of another body [m].
+[[nodiscard]] double position_of(const Place& point);
 
 }  // namespace contactspline

@@ -12,6 +12,8 @@
 #include "generator/cli/commands.hpp"
 #include "generator/cli/files.hpp"
 #include "generator/cli/inputs.hpp"
+#include "generator/material/material_reader.hpp"
+#include "generator/player/score_reader.hpp"
 #include "generator/resonator/keyboard_reader.hpp"
 #include "generator/support/embedded_files.hpp"
 #include "generator/support/error.hpp"
@@ -20,18 +22,18 @@
 namespace contactspline {
 namespace {
 
+// What the files say, without designing a spline: the list is there at once.
 std::string materials() {
-  std::string table = fmt::format("{:<20} {:>14} {:>9} {:>9} {:>15}  {}\n", "name", "k [N/m^a]", "exponent",
-                                  "segments", "worst T error", "description");
+  std::string table =
+      fmt::format("{:<20} {:>14} {:>9} {:>9}  {}\n", "name", "k [N/m^a]", "exponent", "segments", "description");
   for (const std::string& name : shipped_names(Shipped::kMaterials)) {
-    const Design design = design_argument(name);
-    const Material& material = design.material;
+    const EmbeddedFile& file = *find_embedded(Shipped::kMaterials, name + ".json");
+    const Material material = parse_material(file.content, file.name, shipped_file);
     const PowerLaw* law = material.contact.power_law();
     const std::string stiffness =
         law == nullptr ? std::string(name_of_law(material)) : fmt::format("{:.4g}", law->stiffness);
     const std::string exponent = law == nullptr ? "-" : fmt::format("{:.4g}", law->exponent);
-    table += fmt::format("{:<20} {:>14} {:>9} {:>9} {:>13.2g} %  {}\n", name, stiffness, exponent,
-                         design.spline.segments.size(), 100 * design.quality.impact.value().contact_duration,
+    table += fmt::format("{:<20} {:>14} {:>9} {:>9}  {}\n", name, stiffness, exponent, material.spline.segments,
                          material.description);
   }
   return table;
@@ -75,9 +77,12 @@ std::string instruments() {
 std::string scores() {
   std::string table = fmt::format("{:<20} {:<14} {:>12}  {}\n", "name", "instrument", "duration [s]", "description");
   for (const std::string& name : shipped_names(Shipped::kScores)) {
-    const Score score = score_argument(name).score;
-    table += fmt::format("{:<20} {:<14} {:>12.4g}  {}\n", name, name_of(score.instrument), score.duration_s,
-                         score.description);
+    const EmbeddedFile* midi = find_embedded(Shipped::kScores, name + ".mid");
+    const EmbeddedFile* file = midi != nullptr ? midi : find_embedded(Shipped::kScores, name + ".json");
+    const ScoreHeading score =
+        midi != nullptr ? midi_score_heading(file->content, file->name) : score_heading(file->content, file->name);
+    table +=
+        fmt::format("{:<20} {:<14} {:>12.4g}  {}\n", name, name_of(score.model), score.duration_s, score.description);
   }
   return table;
 }
@@ -112,8 +117,8 @@ std::vector<std::string> kinds_that_ship() {
 void list(const std::string& only) {
   std::string text;
   for (const Kind& kind : kKinds) {
-    if (only == kind.name) return write_stdout(kind.table());
-    text += fmt::format("{}{}\n\n{}", text.empty() ? "" : "\n", kind.name, kind.table());
+    if (only.empty()) text += fmt::format("{}{}\n\n", text.empty() ? "" : "\n", kind.name);
+    if (only.empty() || only == kind.name) text += kind.table();
   }
   write_stdout(text);
 }

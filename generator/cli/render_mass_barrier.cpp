@@ -3,11 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "contactspline/instrument/mass_barrier_instrument.hpp"
 #include "generator/cli/commands.hpp"
 #include "generator/cli/figures.hpp"
 #include "generator/cli/files.hpp"
@@ -29,17 +32,29 @@ double option_or(std::optional<double> given, const Design& design, double Impac
   return (*impact).*member;
 }
 
-MassBarrierScore score_of(const MassBarrierOptions& options, const Design& design) {
-  const double mass_kg = option_or(options.mass_kg, design, &Impact::mass_kg, options, "--mass");
-  const double speed = option_or(options.speed_m_per_s, design, &Impact::max_speed_m_per_s, options, "--speed");
-  return {{.mass_kg = mass_kg,
-           .gravity_m_per_s2 = options.gravity_m_per_s2,
-           .contact = {.stiffness_ratio = options.stiffness_ratio,
-                       .loss_s_per_m = options.loss_s_per_m.value_or(design.material.loss_s_per_m)}},
-          options.start_m,
-          speed,
-          options.duration_s,
-          static_cast<double>(options.output.sample_rate_hz)};
+MassBarrierMotion play(const MassBarrierOptions& options, const Design& design) {
+  using Barrier = MassBarrierInstrument<double>;
+  Barrier barrier({.contact = segment_table(design.spline),
+                   .mass_kg = option_or(options.mass_kg, design, &Impact::mass_kg, options, "--mass"),
+                   .loss_s_per_m = options.loss_s_per_m.value_or(design.material.loss_s_per_m)});
+  barrier.set(Barrier::kGravity, options.gravity_m_per_s2);
+  barrier.set(Barrier::kStiffnessRatio, options.stiffness_ratio);
+  barrier.set(Barrier::kStart, options.start_m);
+  const auto rate = static_cast<double>(options.output.sample_rate_hz);
+  const auto samples = static_cast<std::size_t>(std::llround(options.duration_s * rate));
+  MassBarrierMotion motion{rate, std::vector<double>(samples), std::vector<double>(samples)};
+  barrier.prepare(rate);
+  barrier.strike(0, option_or(options.speed_m_per_s, design, &Impact::max_speed_m_per_s, options, "--speed"));
+  const std::size_t block = std::max<std::size_t>(1, samples / 100);
+  for (std::size_t begin = 0; begin < samples; begin += block) {
+    show_progress(static_cast<double>(begin) / static_cast<double>(samples));
+    const std::size_t length = std::min(block, samples - begin);
+    const std::array outputs = {std::span(motion.displacement_m).subspan(begin, length),
+                                std::span(motion.force_n).subspan(begin, length)};
+    barrier.process(outputs);
+  }
+  show_progress(1);
+  return motion;
 }
 
 std::size_t contacts_in(std::span<const double> force) {
@@ -54,15 +69,17 @@ void render_mass_barrier(const MassBarrierOptions& options) {
   require_short("--duration", options.duration_s, options.output.sample_rate_hz);
   const Design design = design_argument(options.material);
   require_outputs(options.output, 1, input_files(options.material, design.material));
-  const auto motion = play_mass_barrier(segment_table(design.spline), score_of(options, design), show_progress);
+  const auto motion = play(options, design);
   std::vector<double> signal = options.signal == "force" ? motion.force_n : motion.displacement_m;
   fade_end(signal, options.output.sample_rate_hz);
   const double scale = scale_of(options.output, signal);
+  const std::string title =
+      fmt::format("{}: {:g} g thrown at {:g} m/s", title_of(design.material),
+                  1e3 * option_or(options.mass_kg, design, &Impact::mass_kg, options, "--mass"),
+                  option_or(options.speed_m_per_s, design, &Impact::max_speed_m_per_s, options, "--speed"));
   const std::string written = write_outputs(
       options.output, sound_bytes(options.output.sound, signal, scale, 1, options.output.sample_rate_hz),
-      [&](FigureFormat format) {
-        return figure_of(motion, fmt::format("mass on a barrier: {}", design.material.name), format);
-      });
+      [&](FigureFormat format) { return figure_of(motion, title, format); });
   write_stdout(fmt::format(
       "{} contacts in {} s, largest contact force {:.4g} N\nfull scale of the sound: {:.4g} {} ({})\n{}",
       contacts_in(motion.force_n), options.duration_s, peak_of<double>(motion.force_n), 1 / scale,

@@ -10,8 +10,9 @@
 #include <numbers>
 #include <utility>
 
-#include "generator/cli/figures.hpp"
+#include "generator/cli/figure_file.hpp"
 #include "generator/cli/files.hpp"
+#include "generator/cli/gnuplot.hpp"
 #include "generator/cli/sound_file.hpp"
 #include "generator/support/error.hpp"
 
@@ -96,6 +97,7 @@ void require_outputs(const RenderOutput& output, int channels, const std::vector
     throw BadInput("--no-figure: cannot be combined with --figure; allowed: one of the two");
   if (!output.no_figure) {
     (void)figure_format(figure_file(output));
+    require_kind(figure_file(output), FigureKind::kSound, output.force);
     outputs.emplace_back(figure_file(output));
   }
   outputs.insert(outputs.end(), stems.begin(), stems.end());

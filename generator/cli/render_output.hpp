@@ -11,7 +11,7 @@
 
 namespace contactspline {
 
-enum class FigureFormat;  // figures.hpp
+enum class FigureFormat;  // figure_file.hpp
 
 /// What every instrument of `render` writes.
 struct RenderOutput {

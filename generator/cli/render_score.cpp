@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
-// contactspline render hammer-string, slide-string, fret-string, instrument: a score to a sound file and a figure.
+// contactspline render SCORE: a score to a sound file and a figure.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "generator/cli/commands.hpp"
@@ -22,52 +24,83 @@
 namespace contactspline {
 namespace {
 
-constexpr const char* kTraces[] = {"displacement", "velocity", "bridge force", "contact force",
-                                   "velocity of the body"};
-constexpr const char* kUnits[] = {"m", "m/s", "N", "N", "m/s"};
+constexpr std::string_view kBody = "body";
 
-Signal signal_of(const ScoreOptions& options, const Score& score) {
-  if (options.signal.empty()) return best_signal(score);
-  return static_cast<Signal>(std::ranges::find(signal_names(), options.signal) - signal_names().begin());
+// The name of an output without its unit: bridge_force.
+std::string_view stem_of(const Output& output) {
+  const std::string_view name = output.name;
+  return name.substr(0, label_of(name).text.size());
 }
 
-// Index of the output of an instrument file that is played.
-std::size_t output_of(const ScoreOptions& options, const Score& score) {
-  if (options.signal.empty()) return 0;
-  std::vector<std::string> names;
-  for (const ModelOutput& output : score.voices.front().model->outputs) names.push_back(output.name);
-  const auto found = std::ranges::find(names, options.signal);
-  if (found == names.end())
-    throw BadInput(
-        fmt::format("--signal: '{}' is no output; allowed: {}", shown(options.signal), fmt::join(names, ", ")));
-  return static_cast<std::size_t>(found - names.begin());
+// Is an output meant by its name, by its name without the unit, or by the first or last word of that?
+bool is_called(const Output& output, std::string_view signal) {
+  const std::string_view stem = stem_of(output);
+  return signal == output.name || signal == stem || stem.starts_with(fmt::format("{}_", signal)) ||
+         (stem.ends_with(fmt::format("_{}", signal)) && signal == "force");
+}
+
+// Chooses the output that the sound is.
+void choose_output(const ScoreOptions& options, const Score& score, PlayOptions& how) {
+  if (options.signal.empty()) return choose_best_output(score, how);
+  const std::vector<Output> outputs = outputs_of(score);
+  if (options.signal == kBody && score.model != Model::kFile) {
+    how.is_on_body = true;
+    return;
+  }
+  const auto found = std::ranges::find_if(outputs, [&](const Output& o) { return is_called(o, options.signal); });
+  how.output = static_cast<std::size_t>(found - outputs.begin());
+  if (found != outputs.end()) return;
+  std::vector<std::string_view> names;
+  for (const Output& output : outputs)
+    names.emplace_back(score.model == Model::kFile ? output.name : stem_of(output));
+  if (score.body) names.push_back(kBody);
+  throw BadInput(
+      fmt::format("--signal: '{}' is no output; allowed: {}", shown(options.signal), fmt::join(names, ", ")));
 }
 
 PlayOptions play_options(const ScoreOptions& options, const Score& score) {
   PlayOptions how{static_cast<double>(options.output.sample_rate_hz)};
   how.precision = options.precision == "single" ? Precision::kSingle : Precision::kDouble;
-  if (score.instrument == Instrument::kFile)
-    how.output = output_of(options, score);
-  else
-    how.signal = signal_of(options, score);
+  choose_output(options, score, how);
   return how;
 }
 
 /// What the sound is, in words, and its unit.
 struct SoundLabel {
   std::string trace;
-  std::string_view unit;
+  std::string unit;
 };
 
-SoundLabel label_of(const PlayOptions& how, const Score& score) {
-  if (score.instrument != Instrument::kFile)
-    return {kTraces[static_cast<std::size_t>(how.signal)], kUnits[static_cast<std::size_t>(how.signal)]};
-  const ModelOutput& output = score.voices.front().model->outputs[how.output];
-  const auto is_unit = [&](std::string_view ending) { return output.name.ends_with(ending); };
-  const std::size_t unit = is_unit("_m_per_s") ? 8 : 2;  // _n, _m
-  std::string name = output.name.substr(0, output.name.size() - unit);
-  std::ranges::replace(name, '_', ' ');
-  return {name, unit_of(output)};
+SoundLabel sound_label(const PlayOptions& how, const Score& score) {
+  if (how.is_on_body) return {"velocity of the body", "m/s"};
+  const Output output = outputs_of(score)[how.output];
+  return {label_of(output.name).text, output.unit};
+}
+
+// The description of a score, or what is played by what.
+std::string title_of(const ScoreOptions& options, const Score& score) {
+  if (!score.description.empty()) return score.description;
+  const bool is_file = score.model == Model::kFile;
+  return fmt::format("{}, played by {}", std::filesystem::path(options.score).stem().string(),
+                     is_file ? score.voices.front().model->name : std::string(name_of(score.model)));
+}
+
+// How many contacts of an instrument file the recorded force adds up; otherwise 1.
+std::size_t summed_contacts(const Score& score) {
+  if (score.model != Model::kFile) return 1;
+  std::size_t contacts = 0;
+  for (const ConnectionGroup& group : score.voices.front().model->connections)
+    if (group.each.kind == ConnectionKind::kContact) contacts += group.gaps_m.size();
+  return contacts;
+}
+
+// The recorded force is the largest of all voices, and in an instrument file the sum of all contacts.
+std::string force_label(const Score& score) {
+  const std::size_t contacts = summed_contacts(score), voices = score.voices.size();
+  const std::string whose = voices > 1     ? fmt::format("largest {}of {} voices", contacts > 1 ? "sum " : "", voices)
+                            : contacts > 1 ? fmt::format("sum of {} contacts", contacts)
+                                           : "";
+  return "contact force [N]" + (whose.empty() ? "" : ",\\n" + whose);
 }
 
 // A file in the folder of the stems for each voice, in the format of the sound.
@@ -110,26 +143,20 @@ void report_silence(const std::string& score, const Performance& performance) {
 
 }  // namespace
 
-// In the order of Signal.
-const std::vector<std::string>& signal_names() {
-  static const std::vector<std::string> names = {"displacement", "velocity", "bridge", "force", "body"};
-  return names;
-}
-
-void render_score(Instrument instrument, const ScoreOptions& options) {
-  const ScoreSource source = score_argument(options.score, options.channels);
+void render_score(std::optional<Model> model, const ScoreOptions& options) {
+  const ScoreSource source = score_argument(options.score, options.channels, options.instrument);
   const Score& score = source.score;
-  if (score.instrument != instrument)
+  if (model && score.model != *model)
     refuse(options.score, "instrument",
-           score.instrument == Instrument::kFile ? "the score is for an instrument file"
-                                                 : fmt::format("the score is for a {}", name_of(score.instrument)),
-           fmt::format("render {}", name_of(score.instrument)));
+           score.model == Model::kFile ? "the score is for an instrument file"
+                                       : fmt::format("the score is for a {}", name_of(score.model)),
+           fmt::format("render {}", name_of(score.model)));
   require_short(options.score + ": duration_s", score.duration_s, options.output.sample_rate_hz);
   const auto stems = stem_files(options, score);
   require_outputs(options.output, channels_of(score), source.files, stems);
   if (!score.left_out.empty()) std::fputs(fmt::format("contactspline: {}\n", score.left_out).c_str(), stderr);
   const PlayOptions how = play_options(options, score);
-  if (how.signal != Signal::kBody && !score.left_out_at_rest.empty())
+  if (!how.is_on_body && !score.left_out_at_rest.empty())
     std::fputs(fmt::format("contactspline: {}: left out, because only the keys on their body have them: {}\n",
                            options.score, score.left_out_at_rest)
                    .c_str(),
@@ -138,16 +165,14 @@ void render_score(Instrument instrument, const ScoreOptions& options) {
   report_silence(options.score, performance);
   fade_end(performance.samples, performance.channels, performance.sample_rate_hz);
   const double scale = scale_of(options.output, performance.samples);
-  const SoundLabel sound = label_of(how, score);
-  const std::string title =
-      score.description.empty() ? fmt::format("{} score", name_of(instrument)) : score.description;
+  const SoundLabel sound = sound_label(how, score);
+  const PerformanceText text{title_of(options, score), fmt::format("{} [{}]", sound.trace, sound.unit),
+                             force_label(score)};
   const std::string written =
       write_outputs(options.output,
                     sound_bytes(options.output.sound, performance.samples, scale, performance.channels,
                                 options.output.sample_rate_hz),
-                    [&](FigureFormat format) {
-                      return figure_of(performance, title, fmt::format("{} [{}]", sound.trace, sound.unit), format);
-                    });
+                    [&](FigureFormat format) { return figure_of(performance, text, format); });
   write_stdout(fmt::format(
       "{} contacts in {:.4g} s, largest contact force {:.4g} N\nfull scale of the sound: {:.4g} {} ({})\n{}{}",
       performance.contacts, score.duration_s, performance.largest_force_n, 1 / scale, sound.unit, sound.trace,

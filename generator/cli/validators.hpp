@@ -8,7 +8,9 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <concepts>
+#include <filesystem>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -45,12 +47,29 @@ template <typename T>
   return {check, fmt::format("{{{}}}", fmt::join(words, ","))};
 }
 
+/// Empty unless a path is longer than the file system takes.
+[[nodiscard]] inline std::string why_too_long(const std::string& path) {
+  std::error_code error;
+  static_cast<void>(std::filesystem::status(path, error));
+  if (error != std::errc::filename_too_long) return {};
+  return fmt::format("the name has {} bytes, too many for a file system; allowed: a name of at most 255 bytes",
+                     path.size());
+}
+
 /// The name of a file to write. "-" is refused, because for other options it means standard output.
 [[nodiscard]] inline CLI::Validator file_name() {
   const auto check = [](const std::string& text) {
     return text.empty() || text == "-" || text.ends_with('/')
                ? fmt::format("'{}' is refused; allowed: a file name", text)
-               : std::string();
+               : why_too_long(text);
+  };
+  return {check, ""};
+}
+
+/// The name of a folder to write to, as `allowed` says.
+[[nodiscard]] inline CLI::Validator folder_name(std::string allowed) {
+  const auto check = [allowed = std::move(allowed)](const std::string& text) {
+    return text.empty() ? fmt::format("'' is refused; allowed: {}", allowed) : why_too_long(text);
   };
   return {check, ""};
 }

@@ -39,7 +39,7 @@ struct PowerTerm {
 
 /// Layers in parallel: all have the same compression, and their forces add up. F(y) = sum of k_i (y - d_i)^a_i.
 struct PowerSum {
-  std::vector<PowerTerm> terms;  ///< at least one has offset 0
+  std::vector<PowerTerm> terms;  ///< one or more have the offset 0
 
   [[nodiscard]] double energy(double compression_m) const;
   [[nodiscard]] double force(double compression_m) const;
@@ -47,7 +47,7 @@ struct PowerSum {
 
 /// Layers in series: all carry the same force, and their compressions add up. y(F) = sum of (F/k_i)^(1/a_i).
 struct PowerSeries {
-  std::vector<PowerLaw> layers;  ///< at least one
+  std::vector<PowerLaw> layers;  ///< one or more layers
 
   [[nodiscard]] double energy(double compression_m) const;
   [[nodiscard]] double force(double compression_m) const;
@@ -58,8 +58,8 @@ struct PowerSeries {
 struct ForceCurve {
   std::vector<double> knot_m;         ///< rising from 0
   std::vector<double> slope_n_per_m;  ///< dF/dy at the knots, >= 0
-  std::vector<double> force_n;        ///< at the knots
-  std::vector<double> energy_j;       ///< at the knots
+  std::vector<double> force_n;        ///< values at the knots
+  std::vector<double> energy_j;       ///< values at the knots
 
   /// Computes force and energy from knots and slopes.
   ForceCurve(std::vector<double> knots, std::vector<double> slopes);

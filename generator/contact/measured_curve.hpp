@@ -22,7 +22,8 @@ struct CurveSample {
 struct Measurement {
   std::string file;  ///< as named in the material
   std::vector<CurveSample> samples;
-  std::optional<double> impact_speed_m_per_s = {};  ///< of a measured impact; its loss is fitted
+  std::optional<double> impact_speed_m_per_s =
+      {};  ///< speed of the impact that was measured; the loss is fitted to it
 };
 
 /// Shape of the smoothed force: never falling (monotone), or with a slope that never falls either (hardening).

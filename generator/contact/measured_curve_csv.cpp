@@ -18,7 +18,7 @@ namespace contactspline {
 namespace {
 
 constexpr std::size_t kMinSamples = 8, kMaxSamples = 10000;
-constexpr double kNoise = 0.2;  // of the largest force; the noise of any sensor is smaller
+constexpr double kNoise = 0.2;  // part of the largest force; the noise of any sensor is smaller
 
 // Wide enough for every struck object, narrow enough to catch a wrong unit.
 constexpr Range kCompression{1e-8, 0.1};
@@ -55,11 +55,11 @@ std::optional<std::string_view> next_line(std::string_view& rest, Position& posi
   return std::nullopt;
 }
 
-/// The two columns of a line.
-std::array<std::string_view, 2> columns(std::string_view line, const Position& position) {
+/// The two columns of a line; `what` is wrong if it has another number of them.
+std::array<std::string_view, 2> columns(std::string_view line, const Position& position, std::string_view what) {
   const auto comma = line.find(',');
   if (comma == std::string_view::npos || line.find(',', comma + 1) != std::string_view::npos)
-    position.fail(fmt::format("'{}' does not have two columns", shown(line, 40)), kHeaders);
+    position.fail(what, kHeaders);
   return {trimmed(line.substr(0, comma)), trimmed(line.substr(comma + 1))};
 }
 
@@ -71,9 +71,10 @@ constexpr std::array kLengths = {Unit{"compression_m", 1}, Unit{"compression_mm"
                                  Unit{"compression_um", 1e-6}};
 constexpr std::array kForces = {Unit{"force_n", 1}, Unit{"force_mn", 1e-3}, Unit{"force_kn", 1e3}};
 
-Unit unit_of(std::string_view header, std::span<const Unit> units, const Position& position) {
+// A header that is not one of a curve is not shown: a material may name a file that is somebody else's.
+Unit unit_of(std::string_view header, std::span<const Unit> units, const Position& position, std::string_view which) {
   const auto found = std::ranges::find(units, header, &Unit::name);
-  if (found == units.end()) position.fail(fmt::format("'{}' is not a known column", shown(header, 40)), kHeaders);
+  if (found == units.end()) position.fail(fmt::format("the {} column of the header is unknown", which), kHeaders);
   return *found;
 }
 
@@ -182,14 +183,14 @@ std::vector<CurveSample> parse_curve(std::string_view text, std::string_view fil
   Position position{file};
   const auto header = next_line(text, position);
   if (!header) refuse(file, "header", "missing", kHeaders);
-  const auto [length_name, force_name] = columns(*header, position);
-  const Unit length = unit_of(length_name, kLengths, position);
-  const Unit force = unit_of(force_name, kForces, position);
+  const auto [length_name, force_name] = columns(*header, position, "the header does not have two columns");
+  const Unit length = unit_of(length_name, kLengths, position, "first");
+  const Unit force = unit_of(force_name, kForces, position, "second");
   std::vector<CurveSample> samples;
   std::vector<std::size_t> lines;
   bool turned = false;
   while (const auto line = next_line(text, position)) {
-    const auto [y, f] = columns(*line, position);
+    const auto [y, f] = columns(*line, position, fmt::format("'{}' does not have two columns", shown(*line, 40)));
     const CurveSample sample{number(y, position) * length.size, number(f, position) * force.size};
     if (impact_speed_m_per_s)
       require_loop(samples, sample, turned, position);

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "contactspline/version.hpp"
+#include "contactspline/step/version.hpp"
 #include "generator/emit/emit_instrument_faust.hpp"
 #include "generator/material/material.hpp"
 #include "generator/support/json_reader.hpp"
@@ -18,10 +18,10 @@
 namespace contactspline {
 namespace {
 
-constexpr std::array kKindNames = {"kContact", "kSpring", "kLink"};  // of ConnectionKind
+constexpr std::array kKindNames = {"kContact", "kSpring", "kLink"};  // names of ConnectionKind
 constexpr std::array kQuantityNames = {"kForce",    "kDamping",   "kStiffnessRatio", "kLoss",
-                                       "kGapShift", "kStiffness", "kResistance"};  // of ControlQuantity
-constexpr std::array kOutputNames = {"kDisplacement", "kVelocity", "kForce"};      // of OutputQuantity
+                                       "kGapShift", "kStiffness", "kResistance"};  // names of ControlQuantity
+constexpr std::array kOutputNames = {"kDisplacement", "kVelocity", "kForce"};      // names of OutputQuantity
 
 template <typename Enum, std::size_t N>
 const char* name_in(const std::array<const char*, N>& names, Enum value) {
@@ -45,14 +45,6 @@ std::string quoted(const std::vector<std::string>& names) {
   std::vector<std::string> quoted;
   for (const std::string& name : names) quoted.push_back(json_string(name));
   return fmt::format("{}", fmt::join(quoted, ", "));
-}
-
-// Names, one in a row.
-std::string name_rows(const std::vector<std::string>& names) {
-  std::string rows;
-  for (const std::string& name : names)
-    rows += fmt::format("{}\n        {}", rows.empty() ? "" : ",", json_string(name));
-  return rows;
 }
 
 std::string place_or(std::string_view ground, std::size_t place) {
@@ -90,16 +82,18 @@ TemplateValues number_values(const InstrumentArrays& arrays, bool json) {
 // The named members of the class.
 std::string members_of(const InstrumentModel& model) {
   std::string members;
-  for (std::size_t i = 0; i < model.controls.size(); ++i) {
-    const ModelControl& control = model.controls[i];
-    const auto [min, max] = control.range;
+  for (std::size_t i = 0; i < model.parameters.size(); ++i) {
+    const ModelParameter& parameter = model.parameters[i];
     members += fmt::format(
-        "\n  /// {:g} to {:g}, at the beginning {:g}.\n  void set_{}(T value) {{ this->set_control({}, value); }}",
-        min, max, control.initial, control.name, i);
+        "\n  /// {:g} to {:g}, at the beginning {:g}.\n  void set_{}(T value) {{ this->set({}, double(value)); }}",
+        parameter.allowed.min, parameter.allowed.max, parameter.initial, parameter.name, i);
   }
-  for (std::size_t i = 0; i < model.strikes.size(); ++i)
-    members += fmt::format("\n  void strike_{}(T speed_m_per_s) {{ this->strike({}, speed_m_per_s); }}",
-                           model.bodies[model.strikes[i]].name, i);
+  for (const ModelEvent& event : model.events) {
+    const bool is_strike = event.kind == EventKind::kStrike;
+    members +=
+        fmt::format("\n  void {}(T {}) {{ this->{}({}, {}); }}", event.name, is_strike ? "speed_m_per_s" : "force_n",
+                    is_strike ? "strike" : "pluck", event.number, is_strike ? "speed_m_per_s" : "force_n");
+  }
   for (std::size_t i = 0; i < model.outputs.size(); ++i)
     members += fmt::format("\n  [[nodiscard]] T {}() const {{ return this->output({}); }}", model.outputs[i].name, i);
   return members + "\n";
@@ -110,6 +104,50 @@ std::string cpp_connection(const InstrumentConnection& c) {
                      place_or("kGround", c.first), place_or("kGround", c.second), c.table, literal(c.gap_m),
                      literal(c.weight), literal(c.loss_s_per_m), literal(c.stiffness_n_per_m),
                      literal(c.resistance_n_s_per_m));
+}
+
+std::string cpp_parameter(const Parameter& p) {
+  const std::string more =
+      p.controller == 0 && p.step_samples == 1 ? "" : fmt::format(", {}, {}", int{p.controller}, p.step_samples);
+  return fmt::format("{{\"{}\", \"{}\", {{{}, {}}}, {{{}, {}}}, {}, Scale::{}, Acts::{}, {}{}}}", p.name, p.unit,
+                     literal(p.allowed.min), literal(p.allowed.max), literal(p.slider.min), literal(p.slider.max),
+                     literal(p.initial), p.scale == Scale::kLinear ? "kLinear" : "kLogarithmic",
+                     p.acts == Acts::kAtOnce ? "kAtOnce" : "kAtNextNote", literal(p.glide_s), more);
+}
+
+// The array of a member of the struct, in lines of its own.
+std::string cpp_array(std::string_view type, std::size_t size, std::string_view name, const std::string& values) {
+  return fmt::format("    static constexpr std::array<{}, {}> {} = {{{}}};\n", type, size, name, values);
+}
+
+// What keys and presets add to the arrays, and to the view of them.
+void add_cpp_keys(const InstrumentModel& model, const InstrumentArrays& arrays, TemplateValues& values) {
+  const ModelKeys& keys = model.keys;
+  const bool has_keys = !keys.ranges.empty(), has_presets = !arrays.preset_names.empty();
+  values["BASE"] = has_keys ? "Voices<NetworkInstrument<T>>" : "NetworkInstrument<T>";
+  values["VOICES"] = has_keys ? "\n#include \"contactspline/instrument/voices.hpp\"" : "";
+  std::string& text = values["KEYS"] = "";
+  std::string& view = values["KEYS_VIEW"] = has_presets && !has_keys ? ",\n              {}" : "";
+  if (has_keys) {
+    text +=
+        cpp_array("KeyRange", keys.ranges.size(), "key_ranges",
+                  "{\n" + rows_of(keys.ranges, "        ", [](const KeyRange& range, std::size_t) {
+                    return fmt::format("{{{}, {}, {}, {}}}", range.first, range.last, range.event, range.tuned_key);
+                  }) + "}");
+    text += cpp_array("double", arrays.tension_squares.size(), "tension_squares",
+                      arrays.tension_squares.empty() ? "" : "\n" + literal_rows(arrays.tension_squares, 8));
+    text += cpp_array("std::size_t", keys.damped.size(), "damped", whole_numbers(keys.damped));
+    const auto parameter = [](std::size_t p) { return place_or("kNoParameter", p); };
+    view = fmt::format(",\n              {{key_ranges, {}, tension_squares, {}, damped, {}, {}, {}}}", keys.voices,
+                       arrays.far_ends, literal(keys.damper_per_s), parameter(keys.sustain), parameter(keys.bend));
+  }
+  if (!has_presets) return;
+  std::vector<std::string> names;
+  for (const ModelPreset& preset : model.presets) names.push_back(preset.name);
+  text += cpp_array("const char*", names.size(), "preset_names", quoted(names));
+  text +=
+      cpp_array("double", arrays.preset_values.size(), "preset_values", "\n" + literal_rows(arrays.preset_values, 8));
+  view += ", preset_names, preset_values";
 }
 
 TemplateValues cpp_values(const InstrumentModel& model, const InstrumentArrays& arrays) {
@@ -128,28 +166,64 @@ TemplateValues cpp_values(const InstrumentModel& model, const InstrumentArrays& 
   count("TARGET_COUNT", arrays.targets.size());
   count("STRIKES", arrays.strikes.size());
   count("OUTPUTS", arrays.outputs.size());
+  count("PLUCKS", arrays.plucks.size());
+  count("PARAMETERS", arrays.parameters.size());
+  count("EVENTS", arrays.events.size());
+  add_cpp_keys(model, arrays, values);
   values["MEMBERS"] = members_of(model);
-  std::vector<std::string> controls, strikes, outputs;
-  for (const ModelControl& control : model.controls) controls.push_back(control.name);
-  for (const std::size_t body : model.strikes) strikes.push_back(model.bodies[body].name);
-  for (const ModelOutput& output : model.outputs) outputs.push_back(output.name);
-  values["CONTROL_NAMES"] = name_rows(controls);
-  values["STRIKE_NAMES"] = name_rows(strikes);
-  values["OUTPUT_NAMES"] = name_rows(outputs);
+  values["DESCRIPTION"] = json_string(model.description);
   values["TARGETS"] = whole_numbers(arrays.targets);
   values["STRIKE_BODIES"] = whole_numbers(arrays.strikes);
+  values["PLUCK_CONTROLS"] = whole_numbers(arrays.plucks);
   values["CONNECTION_ROWS"] = rows_of(arrays.connections, kIndent,
                                       [](const InstrumentConnection& c, std::size_t) { return cpp_connection(c); });
   values["CONTROL_ROWS"] = rows_of(arrays.controls, kIndent, [](const InstrumentControl& c, std::size_t) {
-    return fmt::format("{{ControlQuantity::{}, {}, {}, {}, {}, {}, {}}}", name_in(kQuantityNames, c.quantity),
-                       c.first_target, c.count, literal(c.initial), literal(c.min), literal(c.max),
-                       literal(c.release_n));
+    return fmt::format("{{ControlQuantity::{}, {}, {}}}", name_in(kQuantityNames, c.quantity), c.first_target,
+                       c.count);
   });
-  values["OUTPUT_ROWS"] = rows_of(arrays.outputs, kIndent, [](const InstrumentOutput& o, std::size_t) {
-    return fmt::format("{{OutputQuantity::{}, {}, {}, {}}}", name_in(kOutputNames, o.quantity), o.first_target,
-                       o.count, literal(o.full_scale));
+  values["SOURCE_ROWS"] = rows_of(arrays.sources, kIndent, [](const InstrumentOutput& o, std::size_t) {
+    return fmt::format("{{OutputQuantity::{}, {}, {}}}", name_in(kOutputNames, o.quantity), o.first_target, o.count);
+  });
+  values["PARAMETER_ROWS"] =
+      rows_of(arrays.parameters, kIndent, [](const Parameter& p, std::size_t) { return cpp_parameter(p); });
+  values["EVENT_ROWS"] = rows_of(arrays.events, kIndent, [](const Event& e, std::size_t) {
+    return fmt::format("{{\"{}\", EventKind::{}, {}, {}}}", e.name,
+                       e.kind == EventKind::kStrike ? "kStrike" : "kPluck", e.number, e.parameter);
+  });
+  values["OUTPUT_ROWS"] = rows_of(arrays.outputs, kIndent, [](const Output& o, std::size_t) {
+    return fmt::format("{{\"{}\", \"{}\", {}}}", o.name, o.unit, literal(o.full_scale));
   });
   return values;
+}
+
+// Keys and presets of a file that has them.
+std::string json_keys_of(const InstrumentModel& model, const InstrumentArrays& arrays) {
+  std::string text;
+  if (!model.keys.ranges.empty()) {
+    text += fmt::format(",\n  \"keys\": [\n{}\n  ],\n  \"polyphony\": {}",
+                        rows_of(model.keys.ranges, "    ",
+                                [&](const KeyRange& range, std::size_t) {
+                                  const std::string tuned =
+                                      range.tuned_key < 0 ? "" : fmt::format(", \"tuned_key\": {}", range.tuned_key);
+                                  return fmt::format("{{\"first\": {}, \"last\": {}, \"event\": \"{}\"{}}}",
+                                                     range.first, range.last, model.events[range.event].name, tuned);
+                                }),
+                        model.keys.voices);
+    if (!arrays.tension_squares.empty())
+      text += fmt::format(",\n  \"tension_squares_per_s2\": [\n{}\n  ]", literal_rows(arrays.tension_squares, 4));
+    if (!model.keys.damped.empty())
+      text += fmt::format(",\n  \"damper\": {{\"bodies\": [{}], \"damping_per_s\": {}}}",
+                          whole_numbers(model.keys.damped), literal(model.keys.damper_per_s));
+  }
+  if (model.presets.empty()) return text;
+  return text + fmt::format(",\n  \"presets\": [\n{}\n  ]",
+                            rows_of(model.presets, "    ", [&](const ModelPreset& preset, std::size_t) {
+                              std::string row = fmt::format("{{\"name\": {}", json_string(preset.name));
+                              for (std::size_t p = 0; p < preset.values.size(); ++p)
+                                row +=
+                                    fmt::format(", \"{}\": {}", model.parameters[p].name, literal(preset.values[p]));
+                              return row + "}";
+                            }));
 }
 
 std::string json_connection(const InstrumentConnection& c) {
@@ -167,25 +241,26 @@ std::string json_connection(const InstrumentConnection& c) {
 TemplateValues json_values(const InstrumentModel& model, const InstrumentArrays& arrays) {
   constexpr auto kIndent = "    ";
   TemplateValues values = number_values(arrays, true);
-  std::vector<std::string> bodies, materials, strikes;
+  std::vector<std::string> bodies, materials, events;
   for (const InstrumentBody& body : model.bodies) bodies.push_back(body.name);
   for (const ContactTable& table : model.tables) materials.push_back(table.material);
-  for (std::size_t i = 0; i < model.strikes.size(); ++i) strikes.push_back(strike_name(model, i));
+  for (const ModelEvent& event : model.events) events.push_back(model.parameters[event.parameter].name);
   values["BODY_NAMES"] = quoted(bodies);
   values["TABLE_NAMES"] = quoted(materials);
-  values["STRIKE_ROWS"] = quoted(strikes);
+  values["EVENT_NAMES"] = quoted(events);
+  values["KEYS"] = json_keys_of(model, arrays);
   values["CONNECTION_ROWS"] = rows_of(arrays.connections, kIndent,
                                       [](const InstrumentConnection& c, std::size_t) { return json_connection(c); });
   values["CONTROL_ROWS"] = rows_of(arrays.controls, kIndent, [&](const InstrumentControl& c, std::size_t i) {
-    return fmt::format(
-        "{{\"name\": \"{}\", \"targets\": [{}], \"initial\": {}, \"min\": {}, \"max\": {}, \"release_n\": {}}}",
-        model.controls[i].name, whole_numbers(std::span(arrays.targets).subspan(c.first_target, c.count)),
-        literal(c.initial), literal(c.min), literal(c.max), literal(c.release_n));
+    const Parameter& p = arrays.parameters[i];
+    return fmt::format("{{\"name\": \"{}\", \"targets\": [{}], \"initial\": {}, \"min\": {}, \"max\": {}}}", p.name,
+                       whole_numbers(std::span(arrays.targets).subspan(c.first_target, c.count)), literal(p.initial),
+                       literal(p.allowed.min), literal(p.allowed.max));
   });
-  values["OUTPUT_ROWS"] = rows_of(arrays.outputs, kIndent, [&](const InstrumentOutput& o, std::size_t i) {
-    return fmt::format("{{\"name\": \"{}\", \"targets\": [{}], \"full_scale\": {}}}", model.outputs[i].name,
+  values["OUTPUT_ROWS"] = rows_of(arrays.sources, kIndent, [&](const InstrumentOutput& o, std::size_t i) {
+    return fmt::format("{{\"name\": \"{}\", \"targets\": [{}], \"full_scale\": {}}}", arrays.outputs[i].name,
                        whole_numbers(std::span(arrays.targets).subspan(o.first_target, o.count)),
-                       literal(o.full_scale));
+                       literal(arrays.outputs[i].full_scale));
   });
   return values;
 }
@@ -201,6 +276,7 @@ std::string emit(const Emitter& emitter, const InstrumentModel& model, double ma
   values["VERSION"] = CONTACTSPLINE_VERSION;
   values["COMMAND"] = command;
   values["NAME"] = model.name;
+  values["LICENSE"] = model.license;
   values["TITLE"] = title_of(model);
   values["MAX_FREQUENCY"] = literal(max_frequency_hz);
   return fill_template(emitted_template("instrument", emitter.extension), values);

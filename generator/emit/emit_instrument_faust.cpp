@@ -12,13 +12,14 @@
 #include <utility>
 #include <vector>
 
+#include "contactspline/instrument/sliders.hpp"
 #include "generator/emit/faust_chain.hpp"
 #include "generator/support/number_literal.hpp"
 
 namespace contactspline {
 namespace {
 
-// With these a program compiles within 3 s (docs/instruments.md).
+// With these a program compiles within 3 s (docs/reference/instruments.md).
 constexpr std::size_t kMaxContacts = 6;
 constexpr std::size_t kMaxLinear = 8;  // springs and links
 constexpr std::size_t kMaxModes = 400;
@@ -54,22 +55,12 @@ std::string kept(const std::string& expression) {
   return expression.empty() ? "" : fmt::format("cm.keep({})", expression);
 }
 
-// A slider or a button of InstrumentDsp.
-std::string order_and(std::size_t& order, const std::string& label) {
-  return fmt::format("[{}]{}", order++, label);
-}
-
-std::string slider(std::size_t& order, const std::string& label, std::string_view unit, double initial, Range range) {
-  const bool is_logarithmic = range.min > 0 && range.max >= 100 * range.min;
-  const double step = is_logarithmic ? range.min / 10 : (range.max - range.min) / 1e4;
-  return fmt::format("hslider(\"{}{}{}\", {}, {}, {}, {})", order_and(order, label),
-                     is_logarithmic ? "[scale:log]" : "", unit.empty() ? "" : fmt::format("[unit:{}]", unit),
-                     literal(initial), literal(range.min), literal(range.max), literal(step));
-}
-
-std::string_view unit_of(ControlQuantity quantity) {
-  constexpr std::string_view kUnits[] = {"N", "1/s", "", "s/m", "m", "N/m", "N s/m"};  // in its order
-  return kUnits[static_cast<std::size_t>(quantity)];
+std::string slider(std::size_t order, const ModelParameter& parameter) {
+  const auto [min, max] = parameter.slider;
+  return fmt::format("hslider(\"[{}]{}{}{}\", {}, {}, {}, {})", order, parameter.name,
+                     parameter.scale == Scale::kLogarithmic ? "[scale:log]" : "",
+                     parameter.unit.empty() ? "" : fmt::format("[unit:{}]", parameter.unit),
+                     literal(parameter.initial), literal(min), literal(max), literal(slider_step(parameter)));
 }
 
 /// Writes an instrument, part after part.
@@ -121,36 +112,45 @@ class Writer {
   }
   [[nodiscard]] bool is_control(std::size_t c) const { return c < arrays_.controls.size(); }
 
-  // In the order of InstrumentDsp: strikes, plucks, controls.
   void write_sliders() {
-    std::size_t order = 0, key = 60;
-    const auto button = [&](const std::string& label) {
-      return fmt::format("button(\"{}[midi:key {}]\")", order_and(order, label), key++);
-    };
-    for (std::size_t s = 0; s < model_.strikes.size(); ++s) {
-      const std::string& name = model_.bodies[model_.strikes[s]].name;
-      sliders_ += fmt::format("strike_{} = {};\n", s, button("strike_" + name));
-      sliders_ += fmt::format("speed_{} = {};\n", s, slider(order, strike_name(model_, s), "m/s", 2.5, {0, 10}));
+    const auto& parameters = model_.parameters;
+    const auto& events = model_.events;
+    std::size_t order = 0;
+    for (const auto& [is_button, number] :
+         sliders_of(std::span<const ModelParameter>(parameters), std::span<const ModelEvent>(events))) {
+      if (is_button)
+        sliders_ += fmt::format("{} = button(\"[{}]{}[midi:key {}]\");\n", button_name(events[number]), order,
+                                events[number].name, key_of_button(number));
+      else
+        sliders_ += fmt::format("{} = {};\n", parameter_name(number), shown_parameter(order, number));
+      ++order;
     }
-    for (std::size_t c = 0; c < model_.controls.size(); ++c) {
-      const ModelControl& control = model_.controls[c];
-      if (control.release_n == 0) continue;
-      const std::string name = control.name.substr(0, control.name.size() - std::string_view("_force_n").size());
-      sliders_ += fmt::format("pluck_{} = {};\n", c, button("pluck_" + name));
-      sliders_ += fmt::format("release_{} = {};\n", c,
-                              slider(order, name + "_release_n", "N", control.release_n, control.range));
-    }
-    for (std::size_t c = 0; c < model_.controls.size(); ++c) {
-      const ModelControl& control = model_.controls[c];
-      std::string text = slider(order, control.name, unit_of(control.quantity), control.initial, control.range);
-      if (control.quantity == ControlQuantity::kForce || control.quantity == ControlQuantity::kDamping)
-        text += " : ci.glide(0.005)";
-      if (control.release_n != 0)
-        text = fmt::format("({}) + pluck(release_{}, pluck_{}) : max({}) : min({})", text, c, c,
-                           number(control.range.min), number(control.range.max));
-      sliders_ += fmt::format("control_{} = {};\n", c, text);
+    for (std::size_t c = 0; c < model_.controls.size(); ++c)
       input(fmt::format("c{}", c), fmt::format("control_{}", c));
-    }
+  }
+
+  static std::string button_name(const ModelEvent& event) {
+    return fmt::format("{}_{}", event.kind == EventKind::kStrike ? "strike" : "pluck", event.number);
+  }
+
+  // control_2, speed_0 or release_1.
+  [[nodiscard]] std::string parameter_name(std::size_t number) const {
+    for (const ModelEvent& event : model_.events)
+      if (event.parameter == number)
+        return fmt::format("{}_{}", event.kind == EventKind::kStrike ? "speed" : "release", event.number);
+    return fmt::format("control_{}", number);
+  }
+
+  // The slider of a parameter, how it glides, and the plucks that add to it.
+  [[nodiscard]] std::string shown_parameter(std::size_t order, std::size_t index) const {
+    const ModelParameter& parameter = model_.parameters[index];
+    std::string text = slider(order, parameter);
+    if (parameter.glide_s > 0) text += fmt::format(" : ci.glide({})", literal(parameter.glide_s));
+    for (std::size_t p = 0; p < model_.plucks.size(); ++p)
+      if (model_.plucks[p] == index)
+        text = fmt::format("({}) + ci.pluck(release_{}, pluck_{}) : max({}) : min({})", text, p, p,
+                           number(parameter.allowed.min), number(parameter.allowed.max));
+    return text;
   }
 
   void write_materials() {
@@ -237,7 +237,7 @@ class Writer {
       input(speed, fmt::format("speed_{}", s));
     }
     for (const std::size_t q : places_[body])
-      input(fmt::format("Y{}_{}", q, q), fmt::format("cm.dt * cm.dt / {}", literal(2 * mass)));
+      input(fmt::format("xi{}_{}", q, q), fmt::format("cm.dt * cm.dt / {}", literal(2 * mass)));
     chain_.add(
         {fmt::format("i{}", place), fmt::format("z{}", body), fmt::format("q{}", body), fmt::format("v{}", body)},
         fmt::format("cm.free_mass({}, {}, {}, {}, {})", literal(mass), force_at(place), gain_of(body), throws,
@@ -256,24 +256,29 @@ class Writer {
   // What the outputs take from a body: targets with their quantity.
   [[nodiscard]] std::vector<std::pair<std::size_t, OutputQuantity>> pickups_of(std::size_t body) const {
     std::vector<std::pair<std::size_t, OutputQuantity>> pickups;
-    for (const InstrumentOutput& output : arrays_.outputs)
+    for (const InstrumentOutput& output : arrays_.sources)
       if (output.quantity != OutputQuantity::kForce)
         for (std::size_t t = output.first_target; t < output.first_target + output.count; ++t)
           if (arrays_.place_bodies[arrays_.targets[t]] == body) pickups.emplace_back(t, output.quantity);
     return pickups;
   }
 
-  void write_bank(std::size_t body) {
-    const std::size_t modes = modes_of(body), begin = first_mode(body);
-    const auto pickups = pickups_of(body);
-    const auto& places = places_[body];
-    if (places.empty() && pickups.empty()) return;  // a function of no output is no Faust
+  void write_constants(std::size_t body) {
     bodies_ += fmt::format("// {}: angular frequency, decay and modal mass; shapes at its places\n",
                            model_.bodies[body].name);
-    for (std::size_t i = 0; i < modes; ++i)
+    const std::size_t begin = first_mode(body);
+    for (std::size_t i = 0; i < modes_of(body); ++i)
       bodies_ +=
           fmt::format("constants_{}({}) = {}, {}, {};\n", body, i, literal(arrays_.angular_frequencies[begin + i]),
                       literal(arrays_.decays[begin + i]), literal(arrays_.masses[begin + i]));
+  }
+
+  void write_bank(std::size_t body) {
+    const std::size_t modes = modes_of(body);
+    const auto pickups = pickups_of(body);
+    const auto& places = places_[body];
+    if (places.empty() && pickups.empty()) return;  // a function of no output is no Faust
+    write_constants(body);
     std::vector<std::string> forces, weighted, observed, signals, arguments;
     for (std::size_t n = 0; n < places.size(); ++n) {
       write_shapes(places[n]);
@@ -294,8 +299,12 @@ class Writer {
       for (std::size_t n = m; n < places.size(); ++n) {
         const auto [p, q] = std::minmax(places[m], places[n]);
         observed.push_back(fmt::format("shape_{}(i) * shape_{}(i) * admittance", p, q));
-        signals.push_back(fmt::format("Y{}_{}", p, q));
+        signals.push_back(fmt::format("xi{}_{}", p, q));
       }
+    if (modes == 0) {  // all of them are too fast: it does not move
+      for (const std::string& signal : signals) chain_.add(signal, "0.0");
+      return;
+    }
     if (weighted.empty()) weighted.emplace_back("0.0");
     const bool has_velocity =
         std::ranges::any_of(pickups, [](const auto& pickup) { return pickup.second == OutputQuantity::kVelocity; });
@@ -325,14 +334,14 @@ class Writer {
   // Displacement over a sample at place p per newton at place q; empty for 0.
   [[nodiscard]] std::string mutual(std::size_t p, std::size_t q) const {
     if (p == kGround || q == kGround || arrays_.place_bodies[p] != arrays_.place_bodies[q]) return "";
-    return product(gain_of(arrays_.place_bodies[p]), fmt::format("Y{}_{}", std::min(p, q), std::max(p, q)));
+    return product(gain_of(arrays_.place_bodies[p]), fmt::format("xi{}_{}", std::min(p, q), std::max(p, q)));
   }
 
   // The same without dampers, between the ends of one connection.
   [[nodiscard]] std::string own_admittance(const InstrumentConnection& connection) const {
     Sum sum;
     for (const std::size_t p : {connection.first, connection.second})
-      if (p != kGround) sum.add(fmt::format("Y{}_{}", p, p));
+      if (p != kGround) sum.add(fmt::format("xi{}_{}", p, p));
     return sum.text();
   }
 
@@ -390,9 +399,9 @@ class Writer {
     const auto [min, max] = ControlRanges<double>::gap_m;
     const double gap = connections()[k].gap_m;
     if (!is_control(c)) return std::clamp(gap, min, max);
-    const double initial = std::clamp(gap + arrays_.controls[c].initial, min, max);
-    input(name_at("lift", k), fmt::format("(max({}, min({}, {} + control_{})) : lift({}))", number(min), literal(max),
-                                          number(gap), c, number(initial)));
+    const double initial = std::clamp(gap + arrays_.parameters[c].initial, min, max);
+    input(name_at("lift", k), fmt::format("(max({}, min({}, {} + control_{})) : ci.follow_gap({}))", number(min),
+                                          literal(max), number(gap), c, number(initial)));
     return initial;
   }
 
@@ -403,7 +412,8 @@ class Writer {
     sum.add(mutual(a.first, b.second), true).add(mutual(a.second, b.first), true);
     if (sum.text().empty()) return;
     admittance(k, l) = fmt::format("X{}_{}", k, l);
-    chain_.add(admittance(k, l), kept(sum.text()));
+    // Of its own a connection has at least that of ContactNetwork, also where nothing moves.
+    chain_.add(admittance(k, l), k == l ? fmt::format("max(1.0e-18, {})", kept(sum.text())) : kept(sum.text()));
   }
 
   // The stiffness ratio of a contact or the stiffness of a spring that acts.
@@ -413,7 +423,7 @@ class Writer {
     const std::size_t c = control_of(is_contact ? ControlQuantity::kStiffnessRatio : ControlQuantity::kStiffness, k);
     if (connection.kind == ConnectionKind::kLink) {
       ratio_[k] = name_at("r", k);
-      chain_.add(ratio_[k], fmt::format("rigidity / ({})", own_admittance(connection)));
+      chain_.add(ratio_[k], fmt::format("cm.link_stiffness({})", own_admittance(connection)));
     } else if (!is_control(c)) {
       ratio_[k] = literal(is_contact ? connection.weight : connection.stiffness_n_per_m);
     } else {
@@ -422,8 +432,8 @@ class Writer {
                                             : fmt::format("y{0} * y{0} * 0.5", k);
       ratio_[k] = name_at("r", k);
       states_.push_back(ratio_[k]);
-      chain_.add(ratio_[k], fmt::format("follow_stiffness(select2(cm.is_first, S{}, {}), {} * c{}, {})", k,
-                                        literal(weight * arrays_.controls[c].initial), literal(weight), c, energy));
+      chain_.add(ratio_[k], fmt::format("ci.follow_stiffness(select2(cm.is_first, S{}, {}), {} * c{}, {})", k,
+                                        literal(weight * arrays_.parameters[c].initial), literal(weight), c, energy));
       state_inputs_.push_back(name_at("S", k));
     }
   }
@@ -435,8 +445,8 @@ class Writer {
 
   // Hunt-Crossley resistance of a contact [N/m] over this sample.
   void write_resistance(std::size_t k) {
-    chain_.add(name_at("R", k),
-               fmt::format("resistance(material_{}, {}, {}, y{})", connections()[k].table, ratio_[k], loss_of(k), k));
+    chain_.add(name_at("R", k), fmt::format("ct.resistance(material_{}, {}, {}, y{})", connections()[k].table,
+                                            ratio_[k], loss_of(k), k));
   }
 
   // Solves rows of names, the matrix and after it columns of the right side, by Gauss and Jordan. No pivot is sought:
@@ -547,7 +557,8 @@ class Writer {
   }
 
   // The forces of the contacts, from those of the last sample. A step of the search: every contact step with the
-  // other forces held, then Newton's method on these (docs/several-contacts.md). At the end the contact steps alone.
+  // other forces held, then Newton's method on these (docs/how-it-works/several-contacts.md). At the end the contact
+  // steps alone.
   void search() {
     const std::size_t n = contacts_.size();
     if (n == 0) return;
@@ -620,8 +631,8 @@ class Writer {
     for (std::size_t a = 0; a < n; ++a) {
       const std::size_t k = contacts_[a];
       chain_.add(name_at("k", a),
-                 fmt::format("(y{}, a{} - {} * t{}, t{}, R{} : secant(material_{}, {}, {}))", k, a, reduced_[a][a], a,
-                             a, k, connections()[k].table, ratio_[k], reduced_[a][a]));
+                 fmt::format("(y{}, a{} - {} * t{}, t{}, R{} : ct.secant(material_{}, {}, {}))", k, a, reduced_[a][a],
+                             a, a, k, connections()[k].table, ratio_[k], reduced_[a][a]));
     }
     chain_.next();
     std::vector<std::vector<std::string>> rows(n);
@@ -677,7 +688,7 @@ class Writer {
 
   // Forces of the last sample, and motions at its end.
   std::string write_output(std::size_t o) {
-    const InstrumentOutput& output = arrays_.outputs[o];
+    const InstrumentOutput& output = arrays_.sources[o];
     Sum sum;
     for (std::size_t t = output.first_target; t < output.first_target + output.count; ++t) {
       const std::size_t target = arrays_.targets[t];
@@ -689,7 +700,7 @@ class Writer {
         sum.add(name_at("o", t));
       }
     }
-    return set(name_at("out", o), fmt::format("({}) / {}", sum.text(), literal(output.full_scale)));
+    return set(name_at("out", o), fmt::format("({}) / {}", sum.text(), literal(arrays_.outputs[o].full_scale)));
   }
 
   const InstrumentModel& model_;
@@ -709,7 +720,28 @@ class Writer {
 
 }  // namespace
 
+namespace {
+
+// A strike that moves more than one mass: the class moves all that is joined to it, and puts back what it may meet.
+std::optional<std::string> joined_strike(const InstrumentModel& model, const InstrumentArrays& arrays) {
+  const auto body_at = [&](std::size_t place) { return place == kGround ? kGround : arrays.place_bodies[place]; };
+  const auto is_mass = [&](std::size_t body) { return body != kGround && model.bodies[body].is_mass; };
+  for (const std::size_t struck : model.strikes)
+    for (const InstrumentConnection& c : arrays.connections) {
+      const std::size_t first = body_at(c.first), second = body_at(c.second);
+      if (first != struck && second != struck) continue;
+      const std::size_t other = first == struck ? second : first;
+      if (is_mass(other))
+        return fmt::format("{}: the strike of {} moves {}, too, and a program of Faust moves one mass alone",
+                           model.name, model.bodies[struck].name, model.bodies[other].name);
+    }
+  return {};
+}
+
+}  // namespace
+
 std::optional<std::string> faust_obstacle(const InstrumentModel& model, const InstrumentArrays& arrays) {
+  if (!model.keys.ranges.empty()) return fmt::format("{} has keys, which only the C++ class plays", model.name);
   const auto contacts = static_cast<std::size_t>(
       std::ranges::count(arrays.connections, ConnectionKind::kContact, &InstrumentConnection::kind));
   const std::size_t linear = arrays.connections.size() - contacts;
@@ -720,7 +752,7 @@ std::optional<std::string> faust_obstacle(const InstrumentModel& model, const In
   if (contacts > kMaxContacts) return too_many(contacts, kMaxContacts, "points of contact");
   if (linear > kMaxLinear) return too_many(linear, kMaxLinear, "springs and links");
   if (arrays.masses.size() > kMaxModes) return too_many(arrays.masses.size(), kMaxModes, "modes");
-  return {};
+  return joined_strike(model, arrays);
 }
 
 TemplateValues faust_instrument_values(const InstrumentModel& model, const InstrumentArrays& arrays) {

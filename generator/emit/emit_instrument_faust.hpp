@@ -11,7 +11,7 @@
 namespace contactspline {
 
 /// Why an instrument cannot be written in Faust, or nothing if it can: its program would take too long to compile
-/// (docs/instruments.md).
+/// (docs/reference/instruments.md).
 [[nodiscard]] std::optional<std::string> faust_obstacle(const InstrumentModel& model, const InstrumentArrays& arrays);
 
 /// The values of templates/instrument.lib.in that are not those of every format. Expects no faust_obstacle.

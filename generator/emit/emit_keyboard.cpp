@@ -7,7 +7,7 @@
 #include <bit>
 #include <vector>
 
-#include "contactspline/version.hpp"
+#include "contactspline/step/version.hpp"
 #include "generator/spline/design.hpp"
 #include "generator/support/number_literal.hpp"
 #include "generator/support/text_template.hpp"

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <vector>
 
-#include "contactspline/version.hpp"
+#include "contactspline/step/version.hpp"
 #include "generator/spline/exponent_family.hpp"
 #include "generator/support/json_reader.hpp"
 #include "generator/support/number_literal.hpp"

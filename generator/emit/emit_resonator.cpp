@@ -6,7 +6,7 @@
 #include <array>
 #include <vector>
 
-#include "contactspline/version.hpp"
+#include "contactspline/step/version.hpp"
 #include "generator/material/material.hpp"
 #include "generator/support/number_literal.hpp"
 #include "generator/support/text_template.hpp"
@@ -83,6 +83,7 @@ std::string emit(const Emitter& emitter, const Resonator& resonator, double max_
   values["TITLE"] = title_of(resonator);
   values["MAX_FREQUENCY"] = literal(max_frequency_hz);
   values["STRINGS"] = fmt::format("{}", strings_of(resonator));
+  if (emitter.name == "cpp") values["STRIKE_POSITION"] = literal(resonator.strike.position_m);
   return fill_template(emitted_template("resonator", emitter.extension), values);
 }
 

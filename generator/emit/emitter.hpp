@@ -10,7 +10,7 @@ namespace contactspline {
 /// One output format.
 struct Emitter {
   std::string_view name;       ///< the word for --emit
-  std::string_view extension;  ///< of the written file and of its template
+  std::string_view extension;  ///< the written file and its template end with it
 };
 
 /// The formats faust, cpp and json.

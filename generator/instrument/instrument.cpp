@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 
 #include "generator/support/number_literal.hpp"
 
@@ -17,26 +18,56 @@ double thirteen_digits(double value) {
   return rounded_to(value, 13);
 }
 
+// The pitch of the lowest key that tunes, 0 at most.
+double lowest_key_cents(const InstrumentModel& model) {
+  double lowest = 0;
+  for (const KeyRange& range : model.keys.ranges)
+    if (range.tuned_key >= 0) lowest = std::min(lowest, 100.0 * (range.first - range.tuned_key));
+  return lowest;
+}
+
+// A body with its pickup at a point of a place.
+Resonator picked_up_at(Resonator resonator, const InstrumentPlace& place, const Place& point) {
+  resonator.strike = {};
+  resonator.pickup = point;
+  if (auto* table = std::get_if<ModeTable>(&resonator.body))
+    for (std::size_t i = 0; i < place.shapes.size(); ++i) table->rows[i].pickup_shape = place.shapes[i];
+  return resonator;
+}
+
 /// Fills the arrays, part after part.
 class Flattener {
  public:
   Flattener(const InstrumentModel& model, double max_frequency_hz)
-      : model_(model), max_frequency_hz_(max_frequency_hz) {}
+      : model_(model), max_frequency_hz_(max_frequency_hz) {
+    arrays_.model = std::make_shared<InstrumentModel>(model);
+  }
 
   InstrumentArrays flatten() {
     for (const InstrumentBody& body : model_.bodies) add_body(body);
     for (const InstrumentPlace& place : model_.places) add_place(place);
     for (const ContactTable& table : model_.tables) add_table(table);
     for (const ConnectionGroup& group : model_.connections) add_group(group);
-    for (const ModelControl& control : model_.controls) add_control(control);
-    for (const ModelOutput& output : model_.outputs) add_output(output);
+    for (const ControlTargets& control : model_.controls) add_control(control);
+    for (const ModelOutput& output : model_.outputs) add_source(output);
     arrays_.strikes = model_.strikes;
+    arrays_.plucks = model_.plucks;
+    add_lists();
     return std::move(arrays_);
   }
 
  private:
+  // Keys that lower a string bring down modes that lie above the limit.
+  [[nodiscard]] ModeSet modes_on(const Resonator& resonator) const {
+    const bool is_lowered = std::holds_alternative<StiffString>(resonator.body);
+    return modes_of(resonator, max_frequency_hz_ * (is_lowered ? std::exp2(-lowest_key_cents(model_) / 1200) : 1));
+  }
+
   void add_body(const InstrumentBody& body) {
-    for (const ResonatorMode& mode : modes_of(body.resonator, max_frequency_hz_).modes) {
+    const auto* string = std::get_if<StiffString>(&body.resonator.body);
+    for (const ResonatorMode& mode : modes_on(body.resonator).modes) {
+      if (model_.keys.tune())
+        arrays_.tension_squares.push_back(string == nullptr ? 0 : thirteen_digits(square_by_tension(*string, mode)));
       arrays_.angular_frequencies.push_back(thirteen_digits(mode.mode.angular_frequency_rad_per_s));
       arrays_.decays.push_back(thirteen_digits(mode.mode.decay_per_s));
       arrays_.masses.push_back(thirteen_digits(mode.mode.mass_kg));
@@ -44,17 +75,12 @@ class Flattener {
     arrays_.body_ends.push_back(arrays_.masses.size());
   }
 
-  // The shapes of a resonator at its pickup, with the pickup at this place.
   void add_place(const InstrumentPlace& place) {
     first_place_.push_back(arrays_.place_bodies.size());
     for (const Place& point : place.points) {
-      Resonator resonator = model_.bodies[place.body].resonator;
-      resonator.strike = {};
-      resonator.pickup = point;
-      if (auto* table = std::get_if<ModeTable>(&resonator.body))
-        for (std::size_t i = 0; i < place.shapes.size(); ++i) table->rows[i].pickup_shape = place.shapes[i];
       arrays_.place_bodies.push_back(place.body);
-      for (const ResonatorMode& mode : modes_of(resonator, max_frequency_hz_).modes)
+      for (const ResonatorMode& mode :
+           modes_on(picked_up_at(model_.bodies[place.body].resonator, place, point)).modes)
         arrays_.shapes.push_back(thirteen_digits(mode.pickup_shape));
     }
   }
@@ -87,7 +113,7 @@ class Flattener {
     }
   }
 
-  void add_control(const ModelControl& control) {
+  void add_control(const ControlTargets& control) {
     const std::size_t begin = arrays_.targets.size();
     for (const std::size_t target : control.targets) {
       if (control.quantity == ControlQuantity::kForce) {
@@ -98,11 +124,10 @@ class Flattener {
         add_connections(target);
       }
     }
-    arrays_.controls.push_back({control.quantity, begin, arrays_.targets.size() - begin, control.initial,
-                                control.range.min, control.range.max, control.release_n});
+    arrays_.controls.push_back({control.quantity, begin, arrays_.targets.size() - begin});
   }
 
-  void add_output(const ModelOutput& output) {
+  void add_source(const ModelOutput& output) {
     const std::size_t begin = arrays_.targets.size();
     for (const std::size_t target : output.targets) {
       if (output.quantity == OutputQuantity::kForce)
@@ -110,7 +135,22 @@ class Flattener {
       else
         arrays_.targets.push_back(output.is_end_force ? add_end(target) : first_place_[target]);
     }
-    arrays_.outputs.push_back({output.quantity, begin, arrays_.targets.size() - begin, output.full_scale});
+    arrays_.sources.push_back({output.quantity, begin, arrays_.targets.size() - begin});
+  }
+
+  // What hosts see, with the names of the model that the arrays keep.
+  void add_lists() {
+    const InstrumentModel& kept = *arrays_.model;
+    for (const ModelParameter& p : kept.parameters)
+      arrays_.parameters.push_back({p.name.c_str(), p.unit.c_str(), p.allowed, p.slider, p.initial, p.scale, p.acts,
+                                    p.glide_s, p.controller, p.step_samples});
+    for (const ModelEvent& e : kept.events) arrays_.events.push_back({e.name.c_str(), e.kind, e.number, e.parameter});
+    for (const ModelOutput& o : kept.outputs)
+      arrays_.outputs.push_back({o.name.c_str(), unit_of(o.name).data(), o.full_scale});
+    for (const ModelPreset& preset : kept.presets) {
+      arrays_.preset_names.push_back(preset.name.c_str());
+      std::ranges::copy(preset.values, std::back_inserter(arrays_.preset_values));
+    }
   }
 
   void add_connections(std::size_t group) {
@@ -121,7 +161,8 @@ class Flattener {
   // A place whose displacement is the force on the far end of a string.
   std::size_t add_end(std::size_t body) {
     const Resonator& resonator = model_.bodies[body].resonator;
-    for (const ResonatorMode& mode : modes_of(resonator, max_frequency_hz_).modes)
+    ++arrays_.far_ends;
+    for (const ResonatorMode& mode : modes_on(resonator).modes)
       arrays_.shapes.push_back(thirteen_digits(bridge_shape(std::get<StiffString>(resonator.body), mode)));
     arrays_.place_bodies.push_back(body);
     return arrays_.place_bodies.size() - 1;
@@ -130,7 +171,7 @@ class Flattener {
   const InstrumentModel& model_;
   double max_frequency_hz_;
   InstrumentArrays arrays_;
-  std::vector<std::size_t> first_place_, first_connection_;  // of each place and group
+  std::vector<std::size_t> first_place_, first_connection_;  // one for each place, one for each group
 };
 
 }  // namespace
@@ -138,10 +179,6 @@ class Flattener {
 std::string_view name_of(ConnectionKind kind) {
   constexpr std::array kNames = {"contact", "spring", "link"};  // in the order of ConnectionKind
   return kNames[static_cast<std::size_t>(kind)];
-}
-
-std::string strike_name(const InstrumentModel& model, std::size_t strike) {
-  return model.bodies[model.strikes[strike]].name + "_speed_m_per_s";
 }
 
 Range range_of(ControlQuantity quantity) {
@@ -155,14 +192,53 @@ const char* key_of(ControlQuantity quantity) {
   return kKeys[static_cast<std::size_t>(quantity)];
 }
 
-std::string_view unit_of(const ModelOutput& output) {
-  if (output.quantity == OutputQuantity::kVelocity) return "m/s";
-  return output.quantity == OutputQuantity::kForce || output.is_end_force ? "N" : "m";
+InstrumentData InstrumentArrays::view() const {
+  return {.name = model->name.c_str(),
+          .description = model->description.c_str(),
+          .license = model->license.c_str(),
+          .angular_frequencies = angular_frequencies,
+          .decays = decays,
+          .masses = masses,
+          .body_ends = body_ends,
+          .place_bodies = place_bodies,
+          .shapes = shapes,
+          .knots = knots,
+          .energies = energies,
+          .forces = forces,
+          .half_curvatures = half_curvatures,
+          .table_ends = table_ends,
+          .connections = connections,
+          .controls = controls,
+          .targets = targets,
+          .strikes = strikes,
+          .plucks = plucks,
+          .sources = sources,
+          .parameters = parameters,
+          .events = events,
+          .outputs = outputs,
+          .keyed = {.ranges = model->keys.ranges,
+                    .voices = model->keys.voices,
+                    .tension_squares = tension_squares,
+                    .far_ends = far_ends,
+                    .damped = model->keys.damped,
+                    .damper_per_s = model->keys.damper_per_s,
+                    .sustain = model->keys.sustain,
+                    .bend = model->keys.bend},
+          .preset_names = preset_names,
+          .preset_values = preset_values};
 }
 
-InstrumentData InstrumentArrays::view() const {
-  return {angular_frequencies, decays,     masses,      body_ends, place_bodies, shapes,  knots,  energies, forces,
-          half_curvatures,     table_ends, connections, controls,  targets,      strikes, outputs};
+double effective_mass(const InstrumentModel& model, std::size_t place, std::size_t point) {
+  constexpr int kLowest = 64;
+  constexpr double kMaxFrequency_hz = 384e3;  // half of the highest sample rate
+  const InstrumentPlace& at = model.places[place];
+  Resonator resonator = model.bodies[at.body].resonator;
+  if (!std::holds_alternative<ModeTable>(resonator.body))
+    resonator.max_modes = std::min(resonator.max_modes, kLowest);
+  double motion_per_impulse = 0;
+  for (const ResonatorMode& mode : modes_of(picked_up_at(resonator, at, at.points[point]), kMaxFrequency_hz).modes)
+    motion_per_impulse += mode.pickup_shape * mode.pickup_shape / mode.mode.mass_kg;
+  return 1 / motion_per_impulse;
 }
 
 InstrumentArrays arrays_of(const InstrumentModel& model, double max_frequency_hz) {

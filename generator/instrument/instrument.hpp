@@ -2,14 +2,16 @@
 // An instrument as its file describes it, and the arrays that the runtime plays.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "contactspline/contact.hpp"
-#include "contactspline/instrument.hpp"
+#include "contactspline/instrument/network_instrument.hpp"
+#include "contactspline/step/contact.hpp"
 #include "generator/resonator/resonator.hpp"
 #include "generator/support/json_reader.hpp"
 
@@ -39,17 +41,17 @@ struct ContactTable {
 struct ConnectionGroup {
   std::string name;
   InstrumentConnection each;                 ///< first, second: places of the model, or kGround
-  std::vector<double> gaps_m, weights = {};  ///< of each connection; weights: of contacts
+  std::vector<double> gaps_m, weights = {};  ///< one for each connection; weights of contacts only
 };
 
-struct ModelControl {
-  std::string name;  ///< with its quantity and unit, such as pluck_force_n
+/// What a control sets.
+struct ControlTargets {
   ControlQuantity quantity;
   std::vector<std::size_t> targets;  ///< places, bodies or groups of connections
-  double initial;
-  Range range;           ///< of its values, within that of its quantity
-  double release_n = 0;  ///< of a force that plucks: what it rises to; else 0
 };
+
+using ModelParameter = BasicParameter<std::string>;
+using ModelEvent = BasicEvent<std::string>;
 
 struct ModelOutput {
   std::string name;  ///< with its quantity and unit, such as bridge_force_n
@@ -59,30 +61,48 @@ struct ModelOutput {
   double full_scale = 1;             ///< the value that plug-ins play as 1
 };
 
+struct ModelPreset {
+  std::string name;
+  std::vector<double> values;  ///< one for each parameter
+};
+
+/// What keys play, and on how many copies of the instrument.
+struct ModelKeys {
+  std::vector<KeyRange> ranges;  ///< by rising key; none: the instrument has no keys of its own
+  std::size_t voices = 1;
+  std::vector<std::size_t> damped;  ///< bodies
+  double damper_per_s = 0;
+  std::size_t sustain = kNoParameter, bend = kNoParameter;
+
+  [[nodiscard]] bool tune() const {
+    return std::ranges::any_of(ranges, [](const KeyRange& range) { return range.tuned_key >= 0; });
+  }
+};
+
 struct InstrumentModel {
   std::string name;         ///< lower-case identifier
   std::string description;  ///< one line, may be empty
+  std::string license;      ///< SPDX identifier
   std::vector<InstrumentBody> bodies;
   std::vector<InstrumentPlace> places;  ///< those of the masses have the names of the masses
   std::vector<ContactTable> tables;
   std::vector<ConnectionGroup> connections;
-  std::vector<ModelControl> controls;
-  std::vector<std::size_t> strikes;  ///< bodies, free masses
+  std::vector<ControlTargets> controls;
+  std::vector<std::size_t> strikes;        ///< bodies, free masses
+  std::vector<std::size_t> plucks;         ///< controls of forces
+  std::vector<ModelParameter> parameters;  ///< of controls, strikes, plucks; then sustain and bend, if keys have them
+  std::vector<ModelEvent> events;          ///< strikes, then plucks
   std::vector<ModelOutput> outputs;
+  ModelKeys keys = {};
+  std::vector<ModelPreset> presets = {};
 };
 
 /// "contact", "spring" or "link".
 [[nodiscard]] std::string_view name_of(ConnectionKind kind);
 
-/// The name of a strike's speed: BODY_speed_m_per_s.
-[[nodiscard]] std::string strike_name(const InstrumentModel& model, std::size_t strike);
-
 /// The values that a control may take, and the key of its quantity: force_n, damping_per_s, ...
 [[nodiscard]] Range range_of(ControlQuantity quantity);
 [[nodiscard]] const char* key_of(ControlQuantity quantity);
-
-/// Unit of an output: m, m/s or N.
-[[nodiscard]] std::string_view unit_of(const ModelOutput& output);
 
 /// The arrays of an instrument, with its modes below a frequency. Their numbers are rounded to 13 digits, so that
 /// every machine finds the same.
@@ -94,11 +114,23 @@ struct InstrumentArrays {
   std::vector<std::size_t> table_ends;
   std::vector<InstrumentConnection> connections;
   std::vector<InstrumentControl> controls;
-  std::vector<std::size_t> targets, strikes;
-  std::vector<InstrumentOutput> outputs;
+  std::vector<std::size_t> targets, strikes, plucks;
+  std::vector<InstrumentOutput> sources;
+  std::vector<Parameter> parameters;
+  std::vector<Event> events;
+  std::vector<Output> outputs;
+  std::vector<double> tension_squares;  ///< of the modes; empty unless keys tune them
+  std::size_t far_ends = 0;             ///< the last places are far ends of strings
+  std::vector<const char*> preset_names;
+  std::vector<double> preset_values;
+  std::shared_ptr<const InstrumentModel> model;  ///< with the text of all names
 
   [[nodiscard]] InstrumentData view() const;
 };
+
+/// Mass that a force at a point of a place moves at first [kg]: 1/(sum of shape^2/mass), over all rows of a table of
+/// modes or the lowest 64 modes of another body, up to 384 kHz. Infinite where no mode moves.
+[[nodiscard]] double effective_mass(const InstrumentModel& model, std::size_t place, std::size_t point);
 
 /// The arrays with the modes below max_frequency_hz; a body may have none of them.
 [[nodiscard]] InstrumentArrays arrays_of(const InstrumentModel& model, double max_frequency_hz);

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <numeric>
@@ -21,20 +22,29 @@ namespace contactspline {
 namespace {
 
 constexpr std::size_t kMaxBodies = 64;
-constexpr std::size_t kMaxPoints = 512;  // of all places together; also of connections
+constexpr std::size_t kMaxPoints = 512;  // for all places together; the same for connections
 constexpr std::size_t kMaxObjects = 256;
 constexpr Range kGap{ControlRanges<double>::gap_m.min, ControlRanges<double>::gap_m.max};
 constexpr Range kWeight{1e-9, 1e9};
 constexpr Range kStiffness{0, 1e9};
 constexpr Range kResistance{0, 1e6};
 constexpr Range kFullScale{1e-9, 1e9};
+constexpr unsigned char kSustainController = 64;
+constexpr int kMaxKey = 127, kMaxVoices = 64;
+constexpr int kMaxSemitones = 24;   // that a key may tune
+constexpr int kVoices = 8;          // of keys that tune
+constexpr double kGlide_s = 0.005;  // of forces and dampings, which would click
+constexpr double kFinger_n = 10;
 constexpr auto kGroundName = "ground";
 
 // Members of the emitted C++ class and a parameter, which must not be called like it.
-constexpr const char* kMemberNames[] = {"tick",          "process", "output",  "energy",         "work",
-                                        "dissipated",    "network", "reset",   "strike",         "control",
-                                        "data",          "names",   "speed",   "value",          "set_control",
-                                        "contact_force", "ground",  "samples", "format_version", "sample_rate_hz"};
+constexpr const char* kMemberNames[] = {
+    "tick",          "process",  "output",  "energy",    "work",           "dissipated",
+    "network",       "reset",    "strike",  "release",   "pluck",          "data",
+    "speed",         "value",    "set",     "prepare",   "name",           "events",
+    "contact_force", "ground",   "samples", "is_silent", "format_version", "sample_rate_hz",
+    "parameters",    "outputs",  "presets", "force",     "note_on",        "description",
+    "value_type",    "note_off", "tune",    "keyed",     "voice",          "license"};
 
 constexpr std::array kQuantities = {
     ControlQuantity::kForce,    ControlQuantity::kDamping,   ControlQuantity::kStiffnessRatio, ControlQuantity::kLoss,
@@ -52,10 +62,11 @@ class Reader {
 
   InstrumentModel read() {
     model_.name = read_name(json_, kMemberNames);
-    for (const char* prefix : {"set_", "strike_"})
+    for (const char* prefix : {"set_", "strike_", "pluck_"})
       if (model_.name.starts_with(prefix))
         json_.fail("name", fmt::format("begins with {}", prefix), "a name that no member of the emitted class has");
     model_.description = read_description(json_);
+    model_.license = read_license(json_);
     for (const JsonObject& body : json_.objects("bodies", kBodyKeys, kMaxBodies)) read_body(body);
     for (const JsonObject& place : optional_objects("places", {"name", "body", "position_m", "angle_rad", "across_m",
                                                                "positions_m", "mean_radius_m", "shapes"}))
@@ -74,10 +85,13 @@ class Reader {
     for (const ControlQuantity quantity : kQuantities) keys.emplace_back(key_of(quantity));
     for (const JsonObject& control : optional_objects("controls", keys)) read_control(control);
     if (json_.has("strikes")) read_strikes();
+    add_events();
+    read_keys();
     for (const JsonObject& output : json_.objects(
              "outputs", {"name", "displacement_m", "velocity_m_per_s", "force_n", "end_force_n", "full_scale"},
              kMaxBodies))
       read_output(output);
+    read_presets();
     return std::move(model_);
   }
 
@@ -241,6 +255,7 @@ class Reader {
     group.each.first = place_of(between[0]);
     group.each.second = place_of(between[1]);
     check_ends(json, group.each);
+    for (const std::size_t place : {group.each.first, group.each.second}) check_motion(json, place);
     const std::size_t size = std::max(points_of(group.each.first), points_of(group.each.second));
     for (const std::size_t place : {group.each.first, group.each.second})
       if (points_of(place) != 1 && points_of(place) != size)
@@ -258,6 +273,23 @@ class Reader {
     if (body == model_.places[each.second].body)
       json.fail(json.key("between"), fmt::format("joins body '{}' with itself", model_.bodies[body].name),
                 "places of two bodies");
+  }
+
+  // A connection moves what it holds, and no less than the lightest mass of a file.
+  void check_motion(const JsonObject& json, std::size_t place) {
+    if (place == kGround || !moves_.insert(place).second) return;
+    const std::string& name = model_.places[place].name;
+    for (std::size_t i = 0; i < points_of(place); ++i) {
+      const double mass = effective_mass(model_, place, i);
+      if (!(mass < std::numeric_limits<double>::max()))
+        json.fail(json.key("between"), fmt::format("no mode moves at place '{}'", name),
+                  "a place away from supports and edges, or ground");
+      if (mass < kModalMass_kg.min)
+        json.fail(
+            json.key("between"),
+            fmt::format("place '{}' moves like a mass of {:.3g} kg, 1/(sum of shape^2/mass)", name, mass),
+            fmt::format("at least {} kg, with smaller shapes, larger masses or fewer modes", kModalMass_kg.min));
+    }
   }
 
   [[nodiscard]] std::size_t points_of(std::size_t place) const {
@@ -368,47 +400,102 @@ class Reader {
     std::vector<std::string> keys;
     for (const ControlQuantity quantity : kQuantities) keys.emplace_back(key_of(quantity));
     const std::string key = one_of_keys(json, keys, "quantities");
-    ModelControl control;
+    ControlTargets control;
     control.quantity = kQuantities[static_cast<std::size_t>(std::ranges::find(keys, key) - keys.begin())];
-    control.name = read_public_name(json, key.c_str());
-    for (const std::string& name :
+    const std::string name = read_public_name(json, key.c_str());
+    for (const std::string& target_name :
          json.texts(key.c_str(), "the name of what it controls, or an array of names", kMaxObjects)) {
-      const std::size_t target = target_of(json, key.c_str(), control.quantity, name);
+      const std::size_t target = target_of(json, key.c_str(), control.quantity, target_name);
       if (!controlled_.insert({control.quantity, target}).second)
-        json.fail(json.key(key), fmt::format("'{}' already has such a control", name), "one control for each");
+        json.fail(json.key(key), fmt::format("'{}' already has such a control", target_name), "one control for each");
       control.targets.push_back(target);
     }
-    read_range(json, control);
-    control.initial = json.has("initial") ? json.number("initial", control.range)
-                                          : value_of(control.quantity, control.targets.front());
-    if (control.initial < control.range.min || control.initial > control.range.max)
-      json.fail(json.key("initial"), fmt::format("missing, and the file begins with {}", control.initial),
-                fmt::format("{} to {}", control.range.min, control.range.max));
-    if (control.quantity == ControlQuantity::kGapShift) check_gaps(json, control);
+    ModelParameter parameter = parameter_of(json, name, control);
+    if (control.quantity == ControlQuantity::kGapShift) check_gaps(json, control, parameter.initial);
+    if (json.has("release_n")) read_pluck(json, parameter, control.quantity);
+    if (control.quantity == ControlQuantity::kForce) narrow_slider(json, parameter);
+    model_.parameters.push_back(std::move(parameter));
     model_.controls.push_back(std::move(control));
   }
 
-  // The values that a control may take, and the force of its pluck.
-  static void read_range(const JsonObject& json, ModelControl& control) {
+  // The values that a control may take, and its first one.
+  [[nodiscard]] ModelParameter parameter_of(const JsonObject& json, const std::string& name,
+                                            const ControlTargets& control) const {
     const Range all = range_of(control.quantity);
-    control.range.min = json.has("min") ? json.number("min", all) : all.min;
-    control.range.max = json.has("max") ? json.number("max", all) : all.max;
-    if (!(control.range.min < control.range.max))
+    const Range range{json.has("min") ? json.number("min", all) : all.min,
+                      json.has("max") ? json.number("max", all) : all.max};
+    if (!(range.min < range.max))
       json.fail(json.key(json.has("max") ? "max" : "min"), "leaves no range", "min below max");
-    if (!json.has("release_n")) return;
-    if (control.quantity != ControlQuantity::kForce)
+    const double initial =
+        json.has("initial") ? json.number("initial", range) : value_of(control.quantity, control.targets.front());
+    if (initial < range.min || initial > range.max)
+      json.fail(json.key("initial"), fmt::format("missing, and the file begins with {}", initial),
+                fmt::format("{} to {}", range.min, range.max));
+    const bool glides = control.quantity == ControlQuantity::kForce || control.quantity == ControlQuantity::kDamping;
+    const bool is_logarithmic = range.min > 0 && range.max >= 100 * range.min;
+    return {.name = name,
+            .unit = std::string(unit_of(name)),
+            .allowed = {range.min, range.max},
+            .slider = {range.min, range.max},
+            .initial = initial,
+            .scale = is_logarithmic ? Scale::kLogarithmic : Scale::kLinear,
+            .glide_s = glides ? kGlide_s : 0};
+  }
+
+  void read_pluck(const JsonObject& json, const ModelParameter& control, ControlQuantity quantity) {
+    if (quantity != ControlQuantity::kForce)
       json.fail(json.key("release_n"), "is not for this control", "beside force_n");
-    control.release_n = json.number("release_n", control.range);
-    if (control.release_n == 0) json.fail(json.key("release_n"), "plucks without force", "not 0");
+    const double release_n = json.number("release_n", {control.allowed.min, control.allowed.max});
+    if (release_n == 0) json.fail(json.key("release_n"), "plucks without force", "not 0");
+    const std::string stem = control.name.substr(0, control.name.size() - std::string_view("_force_n").size());
+    plucks_.push_back({.name = stem + "_release_n",
+                       .unit = "N",
+                       .allowed = control.allowed,
+                       .slider = {std::max(control.allowed.min, std::min(0.0, 2 * release_n)),
+                                  std::min(control.allowed.max, std::max(0.0, 2 * release_n))},
+                       .initial = release_n,
+                       .acts = Acts::kAtNextNote});
+    model_.plucks.push_back(model_.controls.size());
+  }
+
+  // A force without limits of its own is played up to what a finger does.
+  static void narrow_slider(const JsonObject& json, ModelParameter& force) {
+    const double largest = std::max(kFinger_n, 2 * std::abs(force.initial));
+    if (!json.has("min")) force.slider.min = std::max(force.slider.min, -largest);
+    if (!json.has("max")) force.slider.max = std::min(force.slider.max, largest);
+  }
+
+  // The parameters of strikes and plucks, after those of the controls, and the events.
+  void add_events() {
+    for (std::size_t s = 0; s < model_.strikes.size(); ++s) {
+      const std::string& mass = model_.bodies[model_.strikes[s]].name;
+      model_.events.push_back({"strike_" + mass, EventKind::kStrike, s, model_.parameters.size()});
+      model_.parameters.push_back({.name = speed_name(s),
+                                   .unit = "m/s",
+                                   .allowed = {-100, 100},
+                                   .slider = {0, 10},
+                                   .initial = 2.5,
+                                   .acts = Acts::kAtNextNote});
+    }
+    for (std::size_t p = 0; p < plucks_.size(); ++p) {
+      const std::string stem =
+          plucks_[p].name.substr(0, plucks_[p].name.size() - std::string_view("_release_n").size());
+      model_.events.push_back({"pluck_" + stem, EventKind::kPluck, p, model_.parameters.size()});
+      model_.parameters.push_back(plucks_[p]);
+    }
+  }
+
+  [[nodiscard]] std::string speed_name(std::size_t strike) const {
+    return model_.bodies[model_.strikes[strike]].name + "_speed_m_per_s";
   }
 
   // A shifted gap stays within the range of a gap.
-  void check_gaps(const JsonObject& json, const ModelControl& control) const {
+  void check_gaps(const JsonObject& json, const ControlTargets& control, double initial) const {
     for (const std::size_t target : control.targets)
       for (const double gap : model_.connections[target].gaps_m)
-        if (!(std::abs(gap + control.initial) <= kGap.max))
+        if (!(std::abs(gap + initial) <= kGap.max))
           json.fail(json.key("initial"),
-                    fmt::format("{} m added to the gap {} m of '{}' is out of range", control.initial, gap,
+                    fmt::format("{} m added to the gap {} m of '{}' is out of range", initial, gap,
                                 model_.connections[target].name),
                     fmt::format("a sum from {} to {} m", kGap.min, kGap.max));
   }
@@ -418,7 +505,91 @@ class Reader {
       const std::size_t body = index_of(json_, "strikes", name, model_.bodies, "body");
       if (!model_.bodies[body].is_mass) json_.fail("strikes", fmt::format("'{}' is not a mass", name), "masses");
       model_.strikes.push_back(body);
-      require_public(json_, "strikes", strike_name(model_, model_.strikes.size() - 1));
+      require_public(json_, "strikes", speed_name(model_.strikes.size() - 1));
+    }
+  }
+
+  void read_keys() {
+    for (const char* key : {"polyphony", "damper"})
+      if (json_.has(key) && !json_.has("keys")) json_.fail(key, "has no place here", "beside keys");
+    for (const JsonObject& row : optional_objects("keys", {"key", "first", "last", "event", "tuned_key"}))
+      read_key(row);
+    if (model_.keys.ranges.empty()) return;
+    std::ranges::sort(model_.keys.ranges, {}, &KeyRange::first);
+    model_.keys.voices = static_cast<std::size_t>(json_.has("polyphony") ? json_.integer("polyphony", 1, kMaxVoices)
+                                                  : model_.keys.tune()   ? kVoices
+                                                                         : 1);
+    if (json_.has("damper")) read_damper(json_.object("damper", {"bodies", "damping_per_s"}));
+    if (!model_.keys.tune()) return;
+    model_.keys.bend = model_.parameters.size();
+    model_.parameters.push_back({.name = "bend_cents",
+                                 .unit = "cents",
+                                 .allowed = {-1200, 1200},
+                                 .slider = {-200, 200},
+                                 .initial = 0,
+                                 .step_samples = 16});
+  }
+
+  // Keys that play one event.
+  void read_key(const JsonObject& row) {
+    const std::string key = one_of_keys(row, {"key", "first"}, "kinds of keys");
+    if (key == "key" && row.has("last")) row.fail(row.key("last"), "stands beside key", "beside first");
+    KeyRange range{row.integer(key.c_str(), 0, kMaxKey), 0, 0};
+    range.last = key == "key" ? range.first : row.integer("last", range.first, kMaxKey);
+    const std::string name = row.text("event", joined(names_of(model_.events)));
+    range.event = index_of(row, row.key("event"), name, model_.events, "event");
+    if (row.has("tuned_key")) read_tuned_key(row, range);
+    for (const KeyRange& other : model_.keys.ranges)
+      if (range.first <= other.last && other.first <= range.last)
+        row.fail(row.key(key), fmt::format("key {} plays two events", std::max(range.first, other.first)),
+                 "each key once");
+    model_.keys.ranges.push_back(range);
+  }
+
+  void read_tuned_key(const JsonObject& row, KeyRange& range) const {
+    range.tuned_key = row.integer("tuned_key", 0, kMaxKey);
+    const auto is_string = [](const InstrumentBody& body) {
+      return std::holds_alternative<StiffString>(body.resonator.body);
+    };
+    if (std::ranges::none_of(model_.bodies, is_string))
+      row.fail(row.key("tuned_key"), "tunes nothing", "in a file with a string among its bodies");
+    for (const int key : {range.first, range.last})
+      if (std::abs(key - range.tuned_key) > kMaxSemitones)
+        row.fail(row.key("tuned_key"),
+                 fmt::format("key {} is {} semitones from {}", key, std::abs(key - range.tuned_key), range.tuned_key),
+                 fmt::format("at most {} semitones, such as {}", kMaxSemitones, (range.first + range.last) / 2));
+  }
+
+  void read_damper(const JsonObject& damper) {
+    for (const std::string& name : damper.texts("bodies", joined(names_of(model_.bodies)), kMaxBodies)) {
+      const std::size_t body = index_of(damper, damper.key("bodies"), name, model_.bodies, "body");
+      if (std::ranges::find(model_.keys.damped, body) != model_.keys.damped.end())
+        damper.fail(damper.key("bodies"), fmt::format("'{}' is named twice", name), "once");
+      model_.keys.damped.push_back(body);
+    }
+    model_.keys.damper_per_s = damper.number("damping_per_s", range_of(ControlQuantity::kDamping));
+    model_.keys.sustain = model_.parameters.size();
+    model_.parameters.push_back({.name = "sustain",
+                                 .unit = "",
+                                 .allowed = {0, 1},
+                                 .slider = {0, 1},
+                                 .initial = 0,
+                                 .controller = kSustainController});
+  }
+
+  // Values of parameters under a name.
+  void read_presets() {
+    std::vector<std::string> keys = names_of(model_.parameters);
+    keys.insert(keys.begin(), "name");
+    for (const JsonObject& json : optional_objects("presets", keys)) {
+      ModelPreset preset{read_line(json, "name", 64), {}};
+      if (preset.name.empty()) json.fail(json.key("name"), "is empty", "a name such as bright");
+      if (std::ranges::find(model_.presets, preset.name, &ModelPreset::name) != model_.presets.end())
+        json.fail(json.key("name"), fmt::format("'{}' is the name of two presets", shown(preset.name)), "once");
+      for (const ModelParameter& p : model_.parameters)
+        preset.values.push_back(json.has(p.name.c_str()) ? json.number(p.name.c_str(), {p.allowed.min, p.allowed.max})
+                                                         : p.initial);
+      model_.presets.push_back(std::move(preset));
     }
   }
 
@@ -432,7 +603,7 @@ class Reader {
     return body;
   }
 
-  // A loud sound of most instruments.
+  // A loud sound of largest instruments.
   static double default_full_scale(std::string_view unit) {
     if (unit == "N") return 50;
     return unit == "m/s" ? 1 : 0.001;
@@ -446,7 +617,7 @@ class Reader {
     if (key == "force_n") output.quantity = OutputQuantity::kForce;
     output.is_end_force = key == "end_force_n";
     output.full_scale =
-        json.has("full_scale") ? json.number("full_scale", kFullScale) : default_full_scale(unit_of(output));
+        json.has("full_scale") ? json.number("full_scale", kFullScale) : default_full_scale(unit_of(output.name));
     for (const std::string& name :
          json.texts(key.c_str(), "the name of its source, or an array of names", kMaxObjects))
       output.targets.push_back(source_of(json, key, name));
@@ -460,7 +631,9 @@ class Reader {
   const ReadFile& read_;
   DesignedMaterials materials_;
   InstrumentModel model_;
+  std::vector<ModelParameter> plucks_;
   std::set<std::string> names_, public_names_;
+  std::set<std::size_t> moves_;  // places that connections may move
   std::set<std::pair<ControlQuantity, std::size_t>> controlled_;
   std::map<std::size_t, std::size_t> chains_;  // from a place to the next one that rigid links hold with it
   std::size_t points_ = 0, connections_ = 0;
@@ -469,9 +642,10 @@ class Reader {
 }  // namespace
 
 InstrumentModel parse_instrument(std::string_view text, std::string_view file, const ReadFile& read) {
-  const JsonObject json = parse_json(
-      text, file, "instrument",
-      {"name", "description", "bodies", "places", "contacts", "springs", "links", "controls", "strikes", "outputs"});
+  const JsonObject json =
+      parse_json(text, file, "instrument",
+                 {"name", "description", "license", "bodies", "places", "contacts", "springs", "links", "controls",
+                  "strikes", "outputs", "keys", "polyphony", "damper", "presets"});
   return Reader(json, read).read();
 }
 

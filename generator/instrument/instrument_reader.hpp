@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Instrument files (docs/instruments.md).
+// Instrument files (docs/reference/instruments.md).
 #pragma once
 
 #include <string_view>

@@ -123,7 +123,7 @@ double read_loss(const JsonObject& contact) {
   return loss;
 }
 
-// Of a curve measured in an impact, with both branches.
+// The loss of a curve that was measured in an impact, with both branches.
 double read_fitted_loss(const JsonObject& contact, const std::vector<CurveSample>& samples, CurveShape shape) {
   for (const char* key : {"loss_s_per_m", "restitution"})
     if (contact.has(key))

@@ -18,7 +18,8 @@ struct Impact {
   double min_speed_m_per_s;
 };
 
-/// How knots are placed (docs/knots.md): at equal distances, in geometric progression, or for the smallest error.
+/// How knots are placed (docs/how-it-works/knots.md): at equal distances, in geometric progression, or for the
+/// smallest error.
 enum class Knots { uniform, graded, optimal };
 
 /// The error that optimal knots minimise and that a tolerance bounds: the worst relative error of the contact
@@ -38,16 +39,16 @@ struct SplineDesign {
   double tolerance = 0;  ///< 0 if `segments` is given; in decibels if `minimise` is the spectrum
 };
 
-/// The simulation whose time-step error a spline compensates (docs/knots.md).
+/// The simulation whose time-step error a spline compensates (docs/how-it-works/knots.md).
 struct Compensation {
   double sample_rate_hz;
-  double mass_kg;  ///< of the free body that meets the rigid barrier or the other body
+  double mass_kg;  ///< mass of the free body that meets the rigid barrier or the other body
 };
 
 /// Range of exponents for which a material is also emitted as a family (exponent_family.hpp).
 struct LiveExponents {
   double min, max;
-  int members;  ///< at equal steps of the exponent
+  int members;  ///< number of splines, at equal steps of the exponent
 };
 
 struct Material {

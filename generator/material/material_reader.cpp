@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "generator/contact/barrier_impact.hpp"
+#include "generator/support/number_literal.hpp"
 
 namespace contactspline {
 namespace {
@@ -130,25 +131,43 @@ Compensation read_compensation(const JsonObject& compensation) {
   return {compensation.number("sample_rate_hz", kSampleRate), compensation.number("mass_kg", kMass)};
 }
 
+// To four digits, in one direction: a number that a message offers must be accepted.
+double rounded_down(double number) {
+  return rounded_to(number * (1 - 5.1e-4), 4);
+}
+double rounded_up(double number) {
+  return rounded_to(number * (1 + 5.1e-4), 4);
+}
+
+// What would keep the spline within a curve that is measured up to there.
+std::string within_curve(const Material& read, bool has_compression, double measured_m) {
+  const double fewest = measured_m / 100;
+  if (has_compression || !read.impact)
+    return fmt::format("spline.max_compression_m from {:.4g} to {:.4g}", rounded_up(fewest),
+                       rounded_down(measured_m));
+  const auto speed_to = [&](double compression_m) {
+    return std::sqrt(2 * read.contact.energy(compression_m) / read.impact->mass_kg);
+  };
+  constexpr auto kHow = "with which a blow without loss ends within the curve";
+  return read.spline.max_compression_m > measured_m
+             ? fmt::format("impact.max_speed_m_per_s of at most {:.4g}, {}", rounded_down(speed_to(measured_m)), kHow)
+             : fmt::format("impact.max_speed_m_per_s of at least {:.4g}, {}, and beyond a hundredth of it",
+                           rounded_up(speed_to(fewest)), kHow);
+}
+
 // The curve must cover the spline. If the spline uses less than a hundredth of the curve, a unit is probably
 // wrong.
-void require_measured(const JsonObject& material, const Material& read) {
+void require_measured(const JsonObject& material, const Material& read, bool has_compression) {
   if (!read.measured) return;
   const double measured = read.measured->samples.back().compression_m;
   const double used = read.spline.max_compression_m;
-  // A blow without loss compresses further than the measured one at the same speed.
-  const bool is_loop = used > measured && read.measured->impact_speed_m_per_s;
   if (!(used <= measured && used >= measured / 100))
     material.fail(
         "contact.curve",
         fmt::format(
             "measured up to {:.6g} m, and {:.6g} m are needed: a wrong unit in its header, or a wrong impact?",
             measured, used),
-        is_loop ? fmt::format(
-                      "impact.max_speed_m_per_s clearly below curve.impact_speed_m_per_s, {}: the spline reaches as "
-                      "far as a blow without loss",
-                      *read.measured->impact_speed_m_per_s)
-                : "a curve that reaches the largest compression, and at most 100 times as far");
+        within_curve(read, has_compression, measured));
   if (!(read.contact.force(used) > 0))
     material.fail("contact.curve", fmt::format("has no force up to {:.6g} m", used),
                   "a positive force at the largest compression");
@@ -186,10 +205,10 @@ Material parse_material(std::string_view text, std::string_view file, const Read
                 std::move(contact.measured)};
   if (material.has("impact"))
     read.impact = read_impact(material.object("impact", {"mass_kg", "max_speed_m_per_s", "min_speed_m_per_s"}));
-  read.spline = read_spline(
-      material.object("spline", {"knots", "segments", "max_compression_m", "minimise", "tolerance", "tolerance_db"}),
-      read.contact, read.impact);
-  require_measured(material, read);
+  const JsonObject spline =
+      material.object("spline", {"knots", "segments", "max_compression_m", "minimise", "tolerance", "tolerance_db"});
+  read.spline = read_spline(spline, read.contact, read.impact);
+  require_measured(material, read, spline.has("max_compression_m"));
   if (material.has("compensation"))
     read.compensation = read_compensation(material.object("compensation", {"sample_rate_hz", "mass_kg"}));
   if (material.has("live_exponent"))

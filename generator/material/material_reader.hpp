@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Material files (docs/materials.md).
+// Material files (docs/reference/materials.md).
 #pragma once
 
 #include <string_view>

@@ -2,35 +2,83 @@
 #include "generator/player/instrument_score_reader.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "contactspline/instrument/pluck.hpp"
 #include "generator/instrument/instrument_reader.hpp"
 #include "generator/material/named_file.hpp"
+#include "generator/player/midi_reader.hpp"
 #include "generator/player/score_keys.hpp"
 #include "generator/resonator/resonator_reader.hpp"
+#include "generator/support/error.hpp"
 
 namespace contactspline {
 namespace {
-
-constexpr Range kSpeed{-100, 100};
-
-// pop_force_n becomes pop_release_n.
-std::string release_name(const ModelControl& control) {
-  return control.name.substr(0, control.name.size() - std::string_view("force_n").size()) + "release_n";
-}
 
 Voice voice_of(const InstrumentModel& model, double tuning_cents) {
   Voice voice;
   voice.name = model.name;
   voice.model = model;
   tune(*voice.model, tuning_cents);
-  for (const ModelControl& control : model.controls) voice.initial.push_back(control.initial);
+  for (const ModelParameter& parameter : model.parameters) voice.initial.push_back(parameter.initial);
   return voice;
+}
+
+bool plays_key(const InstrumentModel& model, int key) {
+  return std::ranges::any_of(model.keys.ranges,
+                             [&](const KeyRange& range) { return range.first <= key && key <= range.last; });
+}
+
+std::string keys_in_words(const InstrumentModel& model) {
+  std::vector<std::string> words;
+  for (const KeyRange& range : model.keys.ranges)
+    words.push_back(range.first == range.last ? fmt::format("{}", range.first)
+                                              : fmt::format("{} to {}", range.first, range.last));
+  return shown(fmt::format("keys {}", fmt::join(words, ", ")), 240);
+}
+
+// The notes of a MIDI file and what it left out.
+struct MidiVoices {
+  std::map<int, Voice> by_channel;
+  std::size_t beyond = 0;
+  double end_s = 0;
+};
+
+MidiVoices midi_voices(const InstrumentModel& model, const MidiSong& song) {
+  const bool bends = model.keys.bend != kNoParameter;
+  MidiVoices voices;
+  for (const MidiNote& note : song.notes) {
+    if (!plays_key(model, note.key)) {
+      ++voices.beyond;
+      continue;
+    }
+    const bool has_bends =
+        bends && std::ranges::find(song.bends, note.channel, &MidiBend::channel) != song.bends.end();
+    const int channel = has_bends ? note.channel : -1;
+    Voice& voice = voices.by_channel.try_emplace(channel, voice_of(model, 0)).first->second;
+    if (has_bends) voice.name = fmt::format("{}_channel_{}", model.name, channel + 1);
+    voice.notes.push_back({note.time_s, note.key, note.velocity / 127.0, note.key_hold_s});
+    voices.end_s = std::max(voices.end_s, note.time_s + note.hold_s);
+  }
+  return voices;
+}
+
+// The wheel of its channel, and the sustain pedal.
+void add_controllers(const InstrumentModel& model, const MidiSong& song, int channel, Voice& voice) {
+  for (const MidiBend& bend : song.bends)
+    if (bend.channel == channel)
+      voice.glides.push_back({bend.time_s, bend.in_note ? kMidiBendTime_s : 0, model.keys.bend,
+                              std::clamp(bend.cents, kTuningCents.min, kTuningCents.max)});
+  for (const MidiPedal& pedal : song.pedals)
+    if (pedal.controller == MidiPedal::kSustain && model.keys.sustain != kNoParameter)
+      voice.glides.push_back({pedal.time_s, 0, model.keys.sustain, pedal.position});
 }
 
 std::vector<Voice> read_voices(const JsonObject& score, const InstrumentModel& model) {
@@ -45,30 +93,41 @@ std::vector<Voice> read_voices(const JsonObject& score, const InstrumentModel& m
   return voices;
 }
 
+// A score may pluck by any force: pop_force_n by pop_release_n.
+std::string release_name(const ModelParameter& force) {
+  return force.name.substr(0, force.name.size() - std::string_view("force_n").size()) + "release_n";
+}
+
+bool is_force(const InstrumentModel& model, std::size_t parameter) {
+  return parameter < model.controls.size() && model.controls[parameter].quantity == ControlQuantity::kForce;
+}
+
 std::vector<std::string> event_keys(const InstrumentModel& model) {
   std::vector<std::string> keys = {"time_s", "voice", "over_s"};
-  for (const ModelControl& control : model.controls) {
-    keys.push_back(control.name);
-    if (control.quantity == ControlQuantity::kForce) keys.push_back(release_name(control));
+  if (!model.keys.ranges.empty()) keys.insert(keys.end(), {"key", "velocity", "hold_s"});
+  for (std::size_t i = 0; i < model.parameters.size(); ++i) {
+    const std::string& name = model.parameters[i].name;
+    if (std::ranges::find(keys, name) == keys.end()) keys.push_back(name);  // a pluck stands beside its force
+    if (i < model.controls.size() && is_force(model, i)) keys.push_back(release_name(model.parameters[i]));
   }
-  for (std::size_t i = 0; i < model.strikes.size(); ++i) keys.push_back(strike_name(model, i));
   return keys;
 }
 
 // A control that moves to a value, or a pluck: a force that rises and lets go at once. Does one of them happen?
 bool read_control(const JsonObject& event, const InstrumentModel& model, std::size_t control, double time,
                   std::span<Voice> voices) {
-  const ModelControl& of = model.controls[control];
-  const Range range = of.range;
-  const bool moves = event.has(of.name.c_str());
+  const ModelParameter& parameter = model.parameters[control];
+  const Range range{parameter.allowed.min, parameter.allowed.max};
+  const bool moves = event.has(parameter.name.c_str());
   if (moves) {
-    const double to = event.number(of.name.c_str(), range), over = number_or(event, "over_s", kEventTime_s, 0);
+    const double to = event.number(parameter.name.c_str(), range), over = number_or(event, "over_s", kEventTime_s, 0);
     for (Voice& voice : voices) voice.glides.push_back({time, over, control, to});
   }
-  if (of.quantity != ControlQuantity::kForce || !event.has(release_name(of).c_str())) return moves;
-  const std::string key = release_name(of);
-  if (moves) event.fail(event.key(key), fmt::format("stands beside {}", of.name), "one of the two");
-  const double force = event.number(key.c_str(), range),
+  if (!is_force(model, control)) return moves;
+  const std::string release = release_name(parameter);
+  if (!event.has(release.c_str())) return moves;
+  if (moves) event.fail(event.key(release), fmt::format("stands beside {}", parameter.name), "one of the two");
+  const double force = event.number(release.c_str(), range),
                rise = number_or(event, "over_s", kEventTime_s, kPluckRise_s);
   for (Voice& voice : voices) {
     voice.glides.push_back({time, rise, control, force});
@@ -77,31 +136,77 @@ bool read_control(const JsonObject& event, const InstrumentModel& model, std::si
   return true;
 }
 
+// A key that goes down, and after hold_s up.
+bool read_note(const JsonObject& event, const InstrumentModel& model, double time, std::span<Voice> voices) {
+  for (const char* key : {"velocity", "hold_s"})
+    if (event.has(key) && !event.has("key")) event.fail(event.key(key), "has no key", "beside key");
+  if (!event.has("key")) return false;
+  const int key = event.integer("key", 0, 127);
+  if (!plays_key(model, key))
+    event.fail(event.key("key"), fmt::format("{} plays nothing", key), keys_in_words(model));
+  const Note note{time, key, number_or(event, "velocity", {0, 1}, 1),
+                  number_or(event, "hold_s", kEventTime_s, std::numeric_limits<double>::infinity())};
+  for (Voice& voice : voices) voice.notes.push_back(note);
+  return true;
+}
+
 void read_event(const JsonObject& event, const InstrumentModel& model, double duration_s,
                 std::vector<Voice>& voices) {
   const double time = event.number("time_s", {0, duration_s});
   const auto concerned = voices_of(event, voices);
   bool moves = false, strikes = false;
-  for (std::size_t i = 0; i < model.controls.size(); ++i) moves |= read_control(event, model, i, time, concerned);
-  for (std::size_t i = 0; i < model.strikes.size(); ++i) {
-    const std::string key = strike_name(model, i);
-    if (!event.has(key.c_str())) continue;
+  for (std::size_t i = 0; i < model.parameters.size(); ++i)
+    if (i < model.controls.size() || i == model.keys.sustain || i == model.keys.bend)
+      moves |= read_control(event, model, i, time, concerned);
+  const bool plays = read_note(event, model, time, concerned);
+  for (const ModelEvent& played : model.events) {
+    const ModelParameter& parameter = model.parameters[played.parameter];
+    if (played.kind != EventKind::kStrike || !event.has(parameter.name.c_str())) continue;
     strikes = true;
-    const double speed = event.number(key.c_str(), kSpeed);
-    for (Voice& voice : concerned) voice.strikes.push_back({time, speed, std::numeric_limits<double>::infinity(), i});
+    const double speed = event.number(parameter.name.c_str(), {parameter.allowed.min, parameter.allowed.max});
+    for (Voice& voice : concerned)
+      voice.strikes.push_back({time, speed, std::numeric_limits<double>::infinity(), played.number});
   }
   if (event.has("over_s") && !moves) event.fail(event.key("over_s"), "glides to nothing", "beside a control");
-  if (!moves && !strikes) event.fail(event.key("time_s"), "nothing happens", "beside a control or a strike");
+  if (!moves && !strikes && !plays)
+    event.fail(event.key("time_s"), "nothing happens", "beside a control, a strike or a key");
 }
 
 }  // namespace
+
+Score parse_midi_on_instrument(std::string_view bytes, std::string_view file, std::span<const int> channels,
+                               const InstrumentModel& model) {
+  if (model.keys.ranges.empty())
+    throw BadInput(fmt::format("--instrument: {} has no keys; allowed: an instrument file with keys", model.name));
+  constexpr int kDrums[] = {10};
+  const bool is_drum = channels.empty() && !model.keys.tune();
+  const MidiSong song = parse_midi(bytes, file, is_drum ? std::span<const int>(kDrums) : channels);
+  MidiVoices voices = midi_voices(model, song);
+  if (voices.by_channel.empty())
+    throw BadInput(fmt::format("{}: MIDI: no note of {} is on {}; allowed: {}, or --channel", file,
+                               is_drum ? "channel 10" : "its channels", model.name, keys_in_words(model)));
+  const double duration_s = voices.end_s + kMidiRing_s;
+  if (!(duration_s <= kScoreDuration_s.max))
+    throw BadInput(fmt::format("{}: MIDI: it lasts {:.4g} s; allowed: at most {} s", file, voices.end_s,
+                               kScoreDuration_s.max - kMidiRing_s));
+  Score score{std::string(file), Model::kFile, song.title, duration_s, {}};
+  if (voices.beyond > 0)
+    score.left_out =
+        fmt::format("{}: MIDI: left out: notes beyond {} ({})", file, keys_in_words(model), voices.beyond);
+  for (auto& [channel, voice] : voices.by_channel) {
+    add_controllers(model, song, channel, voice);
+    score.voices.push_back(std::move(voice));
+  }
+  sort_by_time(score.voices);
+  return score;
+}
 
 Score parse_instrument_score(const JsonObject& score, std::string_view file, const ReadFile& read) {
   const NamedText named = read_named(score, "instrument", Shipped::kInstruments, read);
   const InstrumentModel model = parse_instrument(named.text, named.file, reader_beside(named, read));
   if (score.has("keyboard")) score.fail("keyboard", "has no place here", "in a score for hammer-string");
-  Score result{std::string(file), Instrument::kFile, read_description(score),
-               score.number("duration_s", kScoreDuration_s), read_voices(score, model)};
+  Score result{std::string(file), Model::kFile, read_description(score), score.number("duration_s", kScoreDuration_s),
+               read_voices(score, model)};
   for (const JsonObject& event : score.objects("events", event_keys(model), kMaxEvents))
     read_event(event, model, result.duration_s, result.voices);
   sort_by_time(result.voices);

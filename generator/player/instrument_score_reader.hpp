@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Scores of instruments that a file describes (docs/scores.md).
+// Scores of instruments that a file describes (docs/reference/scores.md).
 #pragma once
 
+#include <span>
 #include <string_view>
 
 #include "generator/material/contact_reader.hpp"
@@ -13,5 +14,11 @@ namespace contactspline {
 /// Reads a score whose key `instrument` names an instrument file. `file` stands in messages only; `read` reads the
 /// files that it names. Throws BadInput.
 [[nodiscard]] Score parse_instrument_score(const JsonObject& score, std::string_view file, const ReadFile& read);
+
+/// The notes of a MIDI file, of these channels as in parse_midi(), on an instrument with keys, with 1 s to ring after
+/// the last one. Without channels, keys that tune nothing play the tenth, which is for drums. A channel with a pitch
+/// wheel has an instrument of its own. Throws BadInput.
+[[nodiscard]] Score parse_midi_on_instrument(std::string_view bytes, std::string_view file,
+                                             std::span<const int> channels, const InstrumentModel& model);
 
 }  // namespace contactspline

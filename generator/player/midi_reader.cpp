@@ -26,7 +26,7 @@ namespace {
 constexpr int kTrackName = 3;
 constexpr std::size_t kLongestTitle = 100;
 constexpr int kDrums = 9;  // the tenth channel
-constexpr std::array<int, 3> kPedals = {MidiPedal::kSustain, MidiPedal::kSostenuto, MidiPedal::kSoft};
+constexpr std::array<int, 3> kPedalControllers = {MidiPedal::kSustain, MidiPedal::kSostenuto, MidiPedal::kSoft};
 constexpr int kPedalDown = 64;  // value of a controller
 constexpr int kDataEntry = 6, kParameterLow = 100,
               kParameterHigh = 101;  // controllers; parameter 0 is the bend range
@@ -198,7 +198,7 @@ class NoteTracker {
   std::vector<MidiNote> notes_at_end(double time_s) {
     while (!pressed_.empty()) let_go(time_s, pressed_.begin()->first.first, pressed_.begin()->first.second);
     for (int channel = 0; channel < 16; ++channel)
-      for (const int controller : kPedals) this->controller(time_s, channel, controller, 0);
+      for (const int controller : kPedalControllers) this->controller(time_s, channel, controller, 0);
     return std::move(notes_);
   }
 
@@ -211,7 +211,8 @@ class NoteTracker {
 
     [[nodiscard]] bool is_sustained() const { return pedals[0] >= kPedalDown; }
 
-    std::array<int, kPedals.size()> pedals = {};  ///< positions, 0 to 127, in the order of kPedals
+    std::array<int, kPedalControllers.size()> pedals =
+        {};  ///< positions, 0 to 127, in the order of kPedalControllers
     int wheel = kWheelCentre;
     int bend_range = 2;             ///< semitones
     double bend_cents = 0;          ///< of the last bend
@@ -234,8 +235,9 @@ class NoteTracker {
   }
 
   void note_pedal(double time_s, int channel, int controller, int value) {
-    const auto pedal = static_cast<std::size_t>(std::ranges::find(kPedals, controller) - kPedals.begin());
-    if (pedal == kPedals.size()) return;
+    const auto pedal =
+        static_cast<std::size_t>(std::ranges::find(kPedalControllers, controller) - kPedalControllers.begin());
+    if (pedal == kPedalControllers.size()) return;
     const auto farthest = [&] {
       return std::ranges::max(channels_, {}, [=](const Channel& of) { return of.pedals[pedal]; }).pedals[pedal];
     };

@@ -21,7 +21,8 @@ namespace contactspline {
 inline constexpr Range kEventTime_s{0, 3600};
 inline constexpr Range kScoreDuration_s{1e-3, 3600};
 inline constexpr Range kVoicePan{-1, 1};
-inline constexpr double kPluckRise_s = 0.004;
+inline constexpr double kMidiRing_s = 1;         ///< after the last note of a MIDI file
+inline constexpr double kMidiBendTime_s = 0.01;  ///< in which a sounding string follows the pitch wheel
 inline constexpr std::size_t kMaxVoices = 128;
 inline constexpr std::size_t kMaxEvents = 65536;
 
@@ -34,8 +35,8 @@ inline constexpr std::size_t kMaxEvents = 65536;
 [[nodiscard]] inline std::string read_voice_name(const JsonObject& json, std::set<std::string>& names) {
   constexpr auto kAllowed = "1 to 64 characters";
   std::string name = json.text("name", kAllowed);
-  if (name.empty() || name.size() > 64)
-    json.fail(json.key("name"), fmt::format("has {} characters", name.size()), kAllowed);
+  if (const std::size_t characters = count_characters(name); characters == 0 || characters > 64)
+    json.fail(json.key("name"), fmt::format("has {} characters", characters), kAllowed);
   if (!names.insert(name).second)
     json.fail(json.key("name"), fmt::format("'{}' is the name of two voices", shown(name)), "once");
   return name;
@@ -58,6 +59,7 @@ inline void sort_by_time(std::vector<Voice>& voices) {
   for (Voice& voice : voices) {
     std::ranges::stable_sort(voice.glides, {}, &Glide::time_s);
     std::ranges::stable_sort(voice.strikes, {}, &Strike::time_s);
+    std::ranges::stable_sort(voice.notes, {}, &Note::time_s);
   }
 }
 

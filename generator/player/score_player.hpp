@@ -3,26 +3,21 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <vector>
 
-#include "generator/player/mass_barrier_player.hpp"
 #include "generator/player/score.hpp"
 
 namespace contactspline {
 
-/// The signal in the sound: of the resonator at its pickup, the force of a string on its bridge (the end farthest
-/// from 0), the contact force, or the velocity of the body that all strings end at. Without the body the bridge
-/// stands still.
-enum class Signal { kDisplacement, kVelocity, kBridge, kForce, kBody };
-
 enum class Precision { kSingle, kDouble };
 
 struct PlayOptions {
-  double sample_rate_hz;  ///< > 0
-  Signal signal = Signal::kVelocity;
-  Precision precision = Precision::kDouble;  ///< of the models; the sum of the voices is kept in single precision
-  std::size_t output = 0;  ///< of an instrument file: index of the output to play, in place of signal
+  double sample_rate_hz;    ///< > 0
+  std::size_t output = 0;   ///< of outputs_of() the score
+  bool is_on_body = false;  ///< the sound is the velocity of the body that all strings end at, in place of an output
+  Precision precision = Precision::kDouble;    ///< of the models; the sum of the voices is kept in single precision
   std::optional<std::size_t> only_voice = {};  ///< plays this one alone, with the channels of the whole score
 };
 
@@ -36,12 +31,18 @@ struct Performance {
   std::size_t contacts;  ///< of all voices
 };
 
-/// The signal that sounds best: that of the body, if there is one, bridge for other hammers on strings, else
-/// velocity.
-[[nodiscard]] Signal best_signal(const Score& score);
+/// The outputs of a score's instrument. A resonator without a bridge lacks the last one.
+[[nodiscard]] std::vector<Output> outputs_of(const Score& score);
+
+/// The output that sounds best: the body, if there is one, the bridge for other hammers on strings, the velocity of
+/// other resonators, the first output of an instrument file. Sets output and is_on_body.
+void choose_best_output(const Score& score, PlayOptions& options);
 
 /// 2 if a voice is panned or the score has a body, else 1.
 [[nodiscard]] int channels_of(const Score& score);
+
+/// Called with the part done, 0 to 1, a hundred times over a render.
+using Progress = std::function<void(double)>;
 
 /// Plays every voice of a score, or only one: the modes below half the sample rate, each contact with its own
 /// controls. The sound is the sum of the voices. `progress` is called a hundred times or so. Throws BadInput where

@@ -10,10 +10,13 @@
 #include <filesystem>
 #include <limits>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <utility>
 
+#include "contactspline/instrument/hammer_string_instrument.hpp"
+#include "contactspline/instrument/pluck.hpp"
 #include "generator/material/named_file.hpp"
 #include "generator/player/instrument_score_reader.hpp"
 #include "generator/player/midi_reader.hpp"
@@ -32,30 +35,26 @@ namespace {
 
 constexpr double kForEver = std::numeric_limits<double>::infinity();
 
-constexpr Range kSpeed{1e-3, 100};
 constexpr Range kMass{1e-6, 100};
 constexpr Range kDecay{0, 1e5};
 constexpr Range kHeight{-0.1, 0.1};
-constexpr Range kForce{-1e3, 1e3};
 
-constexpr double kRing = 1;             // s, after the last note of a MIDI file
-constexpr double kBendTime_s = 0.01;    // in which a sounding string follows the pitch wheel
 constexpr int kNoBends = -1;            // instead of a channel
 constexpr double kKeyboardWidth = 0.6;  // pan of its ends
 
-bool has_hammer(Instrument instrument) {
-  return instrument == Instrument::kHammerString;
+bool has_hammer(Model model) {
+  return model == Model::kHammerString;
 }
 
 // The instrument of the runtime that a score names, or kFile.
-Instrument read_instrument(const JsonObject& score) {
-  constexpr std::array kAll = {Instrument::kHammerString, Instrument::kSlideString, Instrument::kFretString};
+Model read_model(const JsonObject& score) {
+  constexpr std::array kAll = {Model::kHammerString, Model::kSlideString, Model::kFretString};
   std::vector<std::string_view> names;
-  for (const Instrument instrument : kAll) names.push_back(name_of(instrument));
+  for (const Model model : kAll) names.push_back(name_of(model));
   const std::string allowed = fmt::format("{}, a .json file, {}", fmt::join(names, ", "),
                                           fmt::join(shipped_names(Shipped::kInstruments), ", "));
   const std::string name = score.text("instrument", allowed);
-  if (is_path(name) || find_embedded(Shipped::kInstruments, name + ".json") != nullptr) return Instrument::kFile;
+  if (is_path(name) || find_embedded(Shipped::kInstruments, name + ".json") != nullptr) return Model::kFile;
   const auto found = std::ranges::find(names, name);
   if (found == names.end()) score.fail("instrument", fmt::format("'{}' is unknown", shown(name)), allowed);
   return kAll[static_cast<std::size_t>(found - names.begin())];
@@ -70,7 +69,7 @@ void tune(const JsonObject& json, Resonator& resonator) {
 }
 
 void complete_hammer(const JsonObject& json, const Material& material, Voice& voice) {
-  using Control = HammerStringControl;
+  using Control = HammerStringInstrument<double>;
   if (!json.has("hammer_mass_kg") && !material.impact)
     json.fail(json.key("hammer_mass_kg"), "missing, and the material has no impact", "a number");
   voice.initial[Control::kHammerMass] =
@@ -87,7 +86,7 @@ void complete_plucked(const JsonObject& json, Voice& voice) {
   voice.resonator.pickup.position_m = json.number("pickup_m", {0, string->length_m});
 }
 
-Voice read_voice(const JsonObject& json, Instrument instrument, const ReadFile& read, DesignedMaterials& materials,
+Voice read_voice(const JsonObject& json, Model model, const ReadFile& read, DesignedMaterials& materials,
                  std::set<std::string>& names) {
   Voice voice;
   voice.name = read_voice_name(json, names);
@@ -96,26 +95,26 @@ Voice read_voice(const JsonObject& json, Instrument instrument, const ReadFile& 
   tune(json, voice.resonator);
   const auto& [material, table] = materials.of(json);
   voice.contact = table;
-  for (const ControlName& control : rules_of(instrument).controls)
-    voice.initial.push_back(control.name == std::string_view("loss_s_per_m") ? material.loss_s_per_m
-                                                                             : control.initial);
+  for (const Parameter& parameter : rules_of(model).parameters)
+    voice.initial.push_back(parameter.name == std::string_view("loss_s_per_m") ? material.loss_s_per_m
+                                                                               : parameter.initial);
   voice.pan = number_or(json, "pan", kVoicePan, 0);
-  if (has_hammer(instrument))
+  if (has_hammer(model))
     complete_hammer(json, material, voice);
   else
     complete_plucked(json, voice);
-  if (instrument == Instrument::kSlideString) voice.height_m = json.number("height_m", kHeight);
+  if (model == Model::kSlideString) voice.height_m = json.number("height_m", kHeight);
   return voice;
 }
 
-std::vector<Voice> read_voices(const JsonObject& score, Instrument instrument, const ReadFile& read) {
+std::vector<Voice> read_voices(const JsonObject& score, Model model, const ReadFile& read) {
   std::vector<std::string> keys = {"name", "resonator", "material", "tuning_cents", "pan"};
-  for (const char* key : rules_of(instrument).voice_keys) keys.emplace_back(key);
+  for (const char* key : rules_of(model).voice_keys) keys.emplace_back(key);
   DesignedMaterials materials(read);
   std::vector<Voice> voices;
   std::set<std::string> names;
   for (const JsonObject& json : score.objects("voices", keys, kMaxVoices))
-    voices.push_back(read_voice(json, instrument, read, materials, names));
+    voices.push_back(read_voice(json, model, read, materials, names));
   return voices;
 }
 
@@ -132,7 +131,11 @@ Voice voice_of(const Keyboard& keyboard, int key) {
   voice.name = fmt::format("{}", key);
   voice.resonator = {keyboard.name, "", note.string, {note.strike_position_m}, {note.strike_position_m}, kMaxModes};
   voice.contact = segment_table(design_spline(note.felt, keyboard.name));
-  voice.initial = {note.hammer_mass_kg, 1, keyboard.felt_loss_s_per_m, 0, note.strike_position_m, 0};
+  using Control = HammerStringInstrument<double>;
+  for (const Parameter& parameter : Control::kList) voice.initial.push_back(parameter.initial);
+  voice.initial[Control::kHammerMass] = note.hammer_mass_kg;
+  voice.initial[Control::kLoss] = keyboard.felt_loss_s_per_m;
+  voice.initial[Control::kPlace] = note.strike_position_m;
   voice.damper = damper_of(keyboard, key);
   voice.strings = note.strings;
   voice.pan = kKeyboardWidth * from_middle;
@@ -167,23 +170,25 @@ std::string left_out_line(std::string_view file, const Keyboard& keyboard, std::
   return fmt::format("{}: MIDI: {}", file, fmt::join(parts, "; "));
 }
 
-// Bends the string of a voice as the wheel of its channel.
-void add_bends(std::span<const MidiBend> bends, int channel, Voice& voice) {
+// How the wheel of a channel bends its strings. Of several bends at one time the last one counts.
+SharedGlides bends_of(std::span<const MidiBend> bends, int channel) {
+  std::vector<Glide> glides;
   for (const MidiBend& bend : bends) {
     if (bend.channel != channel) continue;
+    if (!glides.empty() && glides.back().time_s == bend.time_s) glides.pop_back();
     const double cents = std::clamp(bend.cents, kTuningCents.min, kTuningCents.max);
-    voice.glides.push_back({bend.time_s, bend.in_note ? kBendTime_s : 0, HammerStringControl::kBend, cents});
+    glides.push_back({bend.time_s, bend.in_note ? kMidiBendTime_s : 0, HammerStringInstrument<double>::kBend, cents});
   }
+  return std::make_shared<const std::vector<Glide>>(std::move(glides));
 }
 
 // Without the body the sustain pedal holds notes, from halfway on, and that is all.
 void add_pedals(std::span<const MidiPedal> pedals, Score& score) {
   for (const auto& [time_s, controller, position] : pedals) {
-    const std::size_t pedal = controller == MidiPedal::kSostenuto ? PedalControl::kSostenuto
-                              : controller == MidiPedal::kSoft    ? PedalControl::kUnaCorda
-                                                                  : PedalControl::kSustain;
-    score.pedals.push_back({time_s, 0, pedal, position});
-    if (pedal != PedalControl::kSustain || (position > 0 && position < 1))
+    const auto pedal = std::ranges::find(KeyboardParameter::kList, controller, &Parameter::controller);
+    const auto parameter = static_cast<std::size_t>(pedal - KeyboardParameter::kList.begin());
+    score.pedals.push_back({time_s, 0, parameter, position});
+    if (parameter != KeyboardParameter::kSustain || (position > 0 && position < 1))
       score.left_out_at_rest = "half pedal, sostenuto and soft pedal";
   }
 }
@@ -221,7 +226,7 @@ std::span<Voice> concerned_voices(const JsonObject& event, std::vector<Voice>& v
 }
 
 // A place must lie on the resonator.
-void check_place(const JsonObject& event, const ControlName& control, const Voice& voice, double place_m) {
+void check_place(const JsonObject& event, const Parameter& control, const Voice& voice, double place_m) {
   if (control.name != std::string_view("place_m") && control.name != std::string_view("strike_m")) return;
   const double extent = extent_of(voice.resonator.body);
   if (extent == 0) event.fail(event.key(control.name), "has no meaning on a table of modes", "no such key");
@@ -231,23 +236,32 @@ void check_place(const JsonObject& event, const ControlName& control, const Voic
 }
 
 // Only a string has a tension.
-void check_bend(const JsonObject& event, const ControlName& control, const Voice& voice) {
+void check_bend(const JsonObject& event, const Parameter& control, const Voice& voice) {
   if (control.name == std::string_view("bend_cents") && !std::holds_alternative<StiffString>(voice.resonator.body))
     event.fail(event.key(control.name), fmt::format("{} is no string", voice.resonator.name), "for strings");
 }
 
+// The parameters that events of a score may set: all but those of its notes; of a keyboard's keys, what keys have.
+std::vector<std::size_t> controls_of(Model model, bool has_keys) {
+  const auto& [name, parameters, events, pluck, keys] = rules_of(model);
+  std::vector<std::size_t> controls;
+  for (std::size_t i = 0; i < (has_keys ? HammerStringInstrument<double>::kOfKeys : parameters.size()); ++i)
+    if (std::ranges::find(events, i, &Event::parameter) == events.end()) controls.push_back(i);
+  return controls;
+}
+
 // Sets the controls that an event names; false where it names none.
-bool read_glides(const JsonObject& event, Instrument instrument, double time, std::span<Voice> voices) {
-  const auto controls = rules_of(instrument).controls;
+bool read_glides(const JsonObject& event, Model model, double time, std::span<Voice> voices) {
   const double over = number_or(event, "over_s", kEventTime_s, 0);
   bool any = false;
-  for (std::size_t i = 0; i < controls.size(); ++i) {
-    if (!event.has(controls[i].name)) continue;
+  for (const std::size_t i : controls_of(model, event.has("key"))) {
+    const Parameter& parameter = rules_of(model).parameters[i];
+    if (!event.has(parameter.name)) continue;
     any = true;
-    const double to = event.number(controls[i].name, controls[i].range);
+    const double to = event.number(parameter.name, {parameter.allowed.min, parameter.allowed.max});
     for (Voice& voice : voices) {
-      check_place(event, controls[i], voice, to);
-      check_bend(event, controls[i], voice);
+      check_place(event, parameter, voice, to);
+      check_bend(event, parameter, voice);
       if (time == 0 && over == 0) voice.initial[i] = to;
       voice.glides.push_back({time, over, i, to});
     }
@@ -258,30 +272,38 @@ bool read_glides(const JsonObject& event, Instrument instrument, double time, st
 // Moves the pedals that an event names; false where it names none.
 bool read_pedals(const JsonObject& event, double time, Score& score) {
   bool any = false;
-  for (std::size_t i = 0; i < pedal_controls().size(); ++i) {
-    const auto& [name, range, up] = pedal_controls()[i];
-    if (!event.has(name)) continue;
+  for (std::size_t i = 0; i < KeyboardParameter::kParameters; ++i) {
+    const Parameter& pedal = KeyboardParameter::kList[i];
+    if (!is_pedal(i) || score.keys.empty() || !event.has(pedal.name)) continue;
     any = true;
-    if (event.has("key")) event.fail(event.key(name), "is for all keys", "without key");
-    score.pedals.push_back({time, number_or(event, "over_s", kEventTime_s, 0), i, event.number(name, range)});
+    if (event.has("key")) event.fail(event.key(pedal.name), "is for all keys", "without key");
+    score.pedals.push_back({time, number_or(event, "over_s", kEventTime_s, 0), i,
+                            event.number(pedal.name, {pedal.allowed.min, pedal.allowed.max})});
   }
   return any;
 }
 
+// What a note of a model is: the speed of a blow, or the force of a pluck.
+const Parameter& note_of(Model model) {
+  return rules_of(model).parameters[rules_of(model).events.front().parameter];
+}
+
 // A throw of the hammer; or a pluck: the force rises, and lets go at once.
-bool read_note(const JsonObject& event, Instrument instrument, double time, std::span<Voice> voices) {
-  const InstrumentRules& rules = rules_of(instrument);
+bool read_note(const JsonObject& event, Model model, double time, std::span<Voice> voices) {
+  const ModelRules& rules = rules_of(model);
+  const Parameter& note = note_of(model);
   const bool presses = event.has("hold_s") && event.has("key");  // without a blow
-  if (event.has("hold_s") && !event.has(rules.note) && !presses)
+  if (event.has("hold_s") && !event.has(note.name) && !presses)
     event.fail(event.key("hold_s"), "holds nothing",
-               fmt::format("beside {}{}", rules.note, has_hammer(instrument) ? " or key" : ""));
-  if (!event.has(rules.note) && !presses) return false;
+               fmt::format("beside {}{}", note.name, has_hammer(model) ? " or key" : ""));
+  if (!event.has(note.name) && !presses) return false;
+  const Range range{note.allowed.min, note.allowed.max};
   for (Voice& voice : voices) {
-    if (has_hammer(instrument)) {
+    if (has_hammer(model)) {
       voice.strikes.push_back(
-          {time, number_or(event, rules.note, kSpeed, 0), number_or(event, "hold_s", kEventTime_s, kForEver)});
+          {time, number_or(event, note.name, range, 0), number_or(event, "hold_s", kEventTime_s, kForEver)});
     } else {
-      voice.glides.push_back({time, kPluckRise_s, rules.pluck_force, event.number(rules.note, kForce)});
+      voice.glides.push_back({time, kPluckRise_s, rules.pluck_force, event.number(note.name, range)});
       voice.glides.push_back({time + kPluckRise_s, 0, rules.pluck_force, 0});
     }
   }
@@ -291,64 +313,102 @@ bool read_note(const JsonObject& event, Instrument instrument, double time, std:
 void read_event(const JsonObject& event, Score& score) {
   const double time = event.number("time_s", {0, score.duration_s});
   const auto concerned = concerned_voices(event, score.voices);
-  const bool glides = read_glides(event, score.instrument, time, concerned);
+  const bool glides = read_glides(event, score.model, time, concerned);
   const bool moves = read_pedals(event, time, score);
-  const bool plays = read_note(event, score.instrument, time, concerned);
+  const bool plays = read_note(event, score.model, time, concerned);
   if (event.has("over_s") && !glides && !moves)
     event.fail(event.key("over_s"), "glides to nothing", "beside a control");
   if (!glides && !moves && !plays)
     event.fail(event.key("time_s"), "nothing happens",
-               fmt::format("beside {} or a control", rules_of(score.instrument).note));
+               fmt::format("beside {} or a control", note_of(score.model).name));
 }
 
-std::vector<std::string> event_keys(Instrument instrument, bool has_keys) {
-  std::vector<std::string> keys = {"time_s", has_keys ? "key" : "voice", rules_of(instrument).note};
-  if (has_hammer(instrument)) keys.emplace_back("hold_s");
+std::vector<std::string> event_keys(Model model, bool has_keys) {
+  std::vector<std::string> keys = {"time_s", has_keys ? "key" : "voice", note_of(model).name};
+  if (has_hammer(model)) keys.emplace_back("hold_s");
   keys.emplace_back("over_s");
-  for (const ControlName& control : rules_of(instrument).controls) keys.emplace_back(control.name);
-  if (has_keys)
-    for (const ControlName& pedal : pedal_controls()) keys.emplace_back(pedal.name);
+  for (const std::size_t i : controls_of(model, has_keys)) keys.emplace_back(rules_of(model).parameters[i].name);
+  for (std::size_t i = 0; has_keys && i < KeyboardParameter::kParameters; ++i)
+    if (is_pedal(i)) keys.emplace_back(KeyboardParameter::kList[i].name);
   return keys;
 }
 
-void require_initial(const JsonObject& score, Instrument instrument, const std::vector<Voice>& voices) {
-  const auto controls = rules_of(instrument).controls;
+void require_initial(const JsonObject& score, Model model, const std::vector<Voice>& voices) {
+  const auto parameters = rules_of(model).parameters;
   for (const Voice& voice : voices)
-    for (std::size_t i = 0; i < controls.size(); ++i)
+    for (std::size_t i = 0; i < parameters.size(); ++i)
       if (std::isnan(voice.initial[i]))
-        score.fail("events", fmt::format("{} of {} is not set", controls[i].name, shown(voice.name)),
+        score.fail("events", fmt::format("{} of {} is not set", parameters[i].name, shown(voice.name)),
                    "an event at time_s 0 that sets it at once");
+}
+
+JsonObject parse_score_object(std::string_view text, std::string_view file) {
+  return parse_json(text, file, "score",
+                    {"instrument", "description", "duration_s", "keyboard", "body", "voices", "events"});
+}
+
+Keyboard shipped_piano() {
+  const EmbeddedFile& piano = *find_embedded(Shipped::kKeyboards, "piano.json");
+  return parse_keyboard(piano.content, piano.name);
+}
+
+bool is_on(const Keyboard& keyboard, const MidiNote& note) {
+  return note.key >= keyboard.first_key && note.key <= keyboard.last_key;
+}
+
+// How long the notes on a keyboard last, with the pedals that hold them, and ring.
+double duration_of(const MidiSong& song, const Keyboard& keyboard, std::string_view file) {
+  const auto on_keyboard = [&](const MidiNote& note) { return is_on(keyboard, note); };
+  if (std::ranges::none_of(song.notes, on_keyboard))
+    throw BadInput(fmt::format("{}: MIDI: no note is on the piano; allowed: keys {} to {}", file, keyboard.first_key,
+                               keyboard.last_key));
+  double end = 0;
+  for (const MidiNote& note : song.notes)
+    if (is_on(keyboard, note)) end = std::max(end, note.time_s + note.hold_s);
+  end = end_of_pedals(song.pedals, end);
+  if (!(end + kMidiRing_s <= kScoreDuration_s.max))
+    throw BadInput(fmt::format("{}: MIDI: it lasts {:.4g} s; allowed: at most {} s", file, end,
+                               kScoreDuration_s.max - kMidiRing_s));
+  return end + kMidiRing_s;
 }
 
 }  // namespace
 
+ScoreHeading score_heading(std::string_view text, std::string_view file) {
+  const JsonObject score = parse_score_object(text, file);
+  return {read_model(score), read_description(score), score.number("duration_s", kScoreDuration_s)};
+}
+
+ScoreHeading midi_score_heading(std::string_view bytes, std::string_view file) {
+  const MidiSong song = parse_midi(bytes, file);
+  return {Model::kHammerString, song.title, duration_of(song, shipped_piano(), file)};
+}
+
 Score parse_score(std::string_view text, std::string_view file, const ReadFile& read) {
-  const JsonObject score = parse_json(
-      text, file, "score", {"instrument", "description", "duration_s", "keyboard", "body", "voices", "events"});
-  const Instrument instrument = read_instrument(score);
-  if (score.has("body") && instrument != Instrument::kSlideString && instrument != Instrument::kFretString)
+  const JsonObject score = parse_score_object(text, file);
+  const Model model = read_model(score);
+  if (score.has("body") && model != Model::kSlideString && model != Model::kFretString)
     score.fail("body", "has no place here", "in a score for slide-string or fret-string");
-  if (instrument == Instrument::kFile) return parse_instrument_score(score, file, read);
-  Score result{
-      std::string(file), instrument, read_description(score), score.number("duration_s", kScoreDuration_s), {}};
+  if (model == Model::kFile) return parse_instrument_score(score, file, read);
+  Score result{std::string(file), model, read_description(score), score.number("duration_s", kScoreDuration_s), {}};
   const bool has_keys = score.has("keyboard");
-  if (has_keys && (score.has("voices") || !has_hammer(result.instrument)))
+  if (has_keys && (score.has("voices") || !has_hammer(result.model)))
     score.fail("keyboard", "has no place here", "in a score for hammer-string, instead of voices");
-  const auto events = score.objects("events", event_keys(result.instrument, has_keys), kMaxEvents);
+  const auto events = score.objects("events", event_keys(result.model, has_keys), kMaxEvents);
   if (has_keys) {
     const NamedText named = read_named(score, "keyboard", Shipped::kKeyboards, read);
     const Keyboard keyboard = parse_keyboard(named.text, named.file);
     result.voices = read_keys(score, keyboard, events);
     add_body(keyboard, named, read, result);
   } else {
-    result.voices = read_voices(score, result.instrument, read);
+    result.voices = read_voices(score, result.model, read);
   }
   if (score.has("body")) {
     const NamedText named = read_named(score, "body", Shipped::kResonators, read);
     result.body = parse_resonator(named.text, named.file);
   }
   for (const JsonObject& event : events) read_event(event, result);
-  require_initial(score, result.instrument, result.voices);
+  require_initial(score, result.model, result.voices);
   sort_by_time(result.voices);
   std::ranges::stable_sort(result.pedals, {}, &Glide::time_s);
   if (!result.pedals.empty()) result.left_out_at_rest = "pedals";
@@ -356,42 +416,35 @@ Score parse_score(std::string_view text, std::string_view file, const ReadFile& 
 }
 
 Score parse_midi_score(std::string_view bytes, std::string_view file, std::span<const int> channels) {
-  const auto [title, notes, bends, pedals] = parse_midi(bytes, file, channels);
-  const EmbeddedFile* piano = find_embedded(Shipped::kKeyboards, "piano.json");
-  const Keyboard keyboard = parse_keyboard(piano->content, piano->name);
-  std::set<int> bending_channels;
-  for (const MidiBend& bend : bends) bending_channels.insert(bend.channel);
+  const MidiSong song = parse_midi(bytes, file, channels);
+  const Keyboard keyboard = shipped_piano();
+  Score score{std::string(file), Model::kHammerString, song.title, duration_of(song, keyboard, file), {}};
+  std::map<int, SharedGlides> bends;  // of the channels that have some
+  for (const MidiBend& bend : song.bends)
+    if (!bends.contains(bend.channel)) bends.emplace(bend.channel, bends_of(song.bends, bend.channel));
   std::map<std::pair<int, int>, Voice> voices;  // by key and channel; channels without bends share their strings
-  double end = 0;
   std::size_t beyond = 0;
-  for (const MidiNote& note : notes) {
-    if (note.key < keyboard.first_key || note.key > keyboard.last_key) {
+  for (const MidiNote& note : song.notes) {
+    if (!is_on(keyboard, note)) {
       ++beyond;
       continue;
     }
-    const int channel = bending_channels.contains(note.channel) ? note.channel : kNoBends;
+    const int channel = bends.contains(note.channel) ? note.channel : kNoBends;
     Voice& voice = voices[{note.key, channel}];
     if (voice.name.empty()) {
       voice = voice_of(keyboard, note.key);
-      if (channel != kNoBends) voice.name += fmt::format("_channel_{}", channel + 1);
-      add_bends(bends, channel, voice);
+      if (channel != kNoBends) {
+        voice.name += fmt::format("_channel_{}", channel + 1);
+        voice.bends = bends.at(channel);
+      }
     }
     voice.strikes.push_back(
         {note.time_s, strike_speed(keyboard, note.velocity / 127.0), note.hold_s, 0, note.key_hold_s});
-    end = std::max(end, note.time_s + note.hold_s);
   }
-  end = end_of_pedals(pedals, end);
-  if (voices.empty())
-    throw BadInput(fmt::format("{}: MIDI: no note is on the piano; allowed: keys {} to {}", file, keyboard.first_key,
-                               keyboard.last_key));
-  if (!(end + kRing <= kScoreDuration_s.max))
-    throw BadInput(
-        fmt::format("{}: MIDI: it lasts {:.4g} s; allowed: at most {} s", file, end, kScoreDuration_s.max - kRing));
   const auto is_far = [](const MidiBend& bend) { return std::abs(bend.cents) > kTuningCents.max; };
-  const auto far_bends = static_cast<std::size_t>(std::ranges::count_if(bends, is_far));
-  Score score{std::string(file), Instrument::kHammerString, title, end + kRing, {}};
+  const auto far_bends = static_cast<std::size_t>(std::ranges::count_if(song.bends, is_far));
   score.left_out = left_out_line(file, keyboard, beyond, far_bends);
-  add_body(keyboard, {{}, std::string(piano->name), true}, shipped_file, score);
+  add_body(keyboard, {{}, "piano.json", true}, shipped_file, score);
   std::set<std::size_t> keys;
   for (auto& [key, voice] : voices) {
     if (!keys.insert(voice.key).second) {  // another channel has bent strings there
@@ -400,7 +453,7 @@ Score parse_midi_score(std::string_view bytes, std::string_view file, std::span<
     }
     score.voices.push_back(std::move(voice));
   }
-  add_pedals(pedals, score);
+  add_pedals(song.pedals, score);
   return score;
 }
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Score files: JSON and MIDI (docs/scores.md).
+// Score files: JSON and MIDI (docs/reference/scores.md).
 #pragma once
 
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "generator/material/contact_reader.hpp"
@@ -10,9 +11,22 @@
 
 namespace contactspline {
 
-/// Parses the text of a score: JSON with comments (docs/scores.md). `file` stands in messages only; `read` gives the
-/// files it names. Throws BadInput.
+/// Parses the text of a score: JSON with comments (docs/reference/scores.md). `file` stands in messages only; `read`
+/// gives the files it names. Throws BadInput.
 [[nodiscard]] Score parse_score(std::string_view text, std::string_view file, const ReadFile& read);
+
+/// What a score says of itself, for a list.
+struct ScoreHeading {
+  Model model;
+  std::string description;  ///< one line, may be empty
+  double duration_s;
+};
+
+/// The heading of such a score. Reads no event, and designs no contact. Throws BadInput.
+[[nodiscard]] ScoreHeading score_heading(std::string_view text, std::string_view file);
+
+/// The heading of a MIDI file as parse_midi_score() plays it. Throws BadInput.
+[[nodiscard]] ScoreHeading midi_score_heading(std::string_view bytes, std::string_view file);
 
 /// The notes of a MIDI file, of these channels as in parse_midi(), on the piano that ships, with 1 s to ring after
 /// the last one. The keyboard's velocity law turns velocity/127 into the hammer's speed. A bent note is played on a

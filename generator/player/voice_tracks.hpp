@@ -22,7 +22,7 @@ namespace contactspline {
 class ControlTrack {
  public:
   ControlTrack(const Voice& voice, double sample_rate_hz)
-      : ControlTrack(voice.glides, voice.initial, sample_rate_hz) {}
+      : ControlTrack(voice.bends ? *voice.bends : voice.glides, voice.initial, sample_rate_hz) {}
   ControlTrack(std::span<const Glide> glides, std::vector<double> initial, double sample_rate_hz)
       : glides_(glides), sample_rate_hz_(sample_rate_hz), values_(std::move(initial)), moves_(values_.size()) {}
 
@@ -60,7 +60,7 @@ class ControlTrack {
     move.is_active = sample < move.begin + move.length;
     if (!move.is_active) return move.to;
     const double part = static_cast<double>(sample - move.begin) / static_cast<double>(move.length);
-    return move.from + (move.to - move.from) * part * part * (3 - 2 * part);
+    return move.from + (move.to - move.from) * part * part * (3 - 2 * part);  // eased(part), in this order
   }
 
   std::span<const Glide> glides_;
@@ -70,20 +70,22 @@ class ControlTrack {
   std::size_t next_ = 0;
 };
 
-/// The strikes of a voice, and the ends of their holds, by rising sample.
-class StrikeTrack {
+/// The strikes of a voice, or its notes, and the ends of their holds, by rising sample.
+template <typename Played>
+class PlayedTrack {
  public:
   struct Change {
     std::size_t sample;
-    const Strike* strike;  ///< null at the end of a hold
+    const Played* strike;
+    bool is_end;  ///< of its hold
   };
 
-  /// hold: a member of Strike, after which the hold ends.
-  StrikeTrack(std::span<const Strike> strikes, double sample_rate_hz, double Strike::*hold = &Strike::hold_s) {
-    for (const Strike& strike : strikes) {
-      changes_.push_back({sample_at(strike.time_s, sample_rate_hz), &strike});
+  /// hold: a member of what is played, after which the hold ends.
+  PlayedTrack(std::span<const Played> strikes, double sample_rate_hz, double Played::*hold = &Played::hold_s) {
+    for (const Played& strike : strikes) {
+      changes_.push_back({sample_at(strike.time_s, sample_rate_hz), &strike, false});
       if (std::isfinite(strike.*hold))
-        changes_.push_back({sample_at(strike.time_s + strike.*hold, sample_rate_hz), nullptr});
+        changes_.push_back({sample_at(strike.time_s + strike.*hold, sample_rate_hz), &strike, true});
     }
     std::ranges::stable_sort(changes_, {}, &Change::sample);
   }
@@ -101,5 +103,7 @@ class StrikeTrack {
   std::vector<Change> changes_;
   std::size_t next_ = 0;
 };
+using StrikeTrack = PlayedTrack<Strike>;
+using NoteTrack = PlayedTrack<Note>;
 
 }  // namespace contactspline

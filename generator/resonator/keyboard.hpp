@@ -28,28 +28,29 @@ struct KeyboardBody {
   std::vector<double> double_cents;  ///< detuning of the strings of a key that has two
   std::vector<double> triple_cents;  ///< and three
   double own_loss;  ///< part of the published losses that is the strings' own; the rest goes into the body
-  double una_corda_stiffness_ratio;  ///< of the felt that strikes while the soft pedal is down
+  double una_corda_stiffness_ratio;  ///< ratio for the felt that strikes while the soft pedal is down
 };
 
 /// As read from a keyboard file.
 struct Keyboard {
-  std::string name;                             ///< lower-case identifier
-  std::string description;                      ///< one line, may be empty
-  int first_key, last_key;                      ///< MIDI numbers, 60 is middle C
-  int first_double_key, first_triple_key;       ///< from here on two, three strings a key
-  int last_damped_key;                          ///< higher strings have no damper
-  double concert_pitch_hz;                      ///< of key 69, the A above middle C
-  double min_speed_m_per_s, max_speed_m_per_s;  ///< of a hammer, at velocity 0 and 1; the felts' splines reach to max
-  double felt_loss_s_per_m;                     ///< Hunt-Crossley loss of all felts
-  double damper_per_s;                          ///< extra decay while the damper is down
-  double damper_time_s;                         ///< time constant with which the damper comes down
-  int segments;                                 ///< of the felt's spline
-  std::vector<PublishedNote> notes;             ///< at least two, by rising key
+  std::string name;                        ///< lower-case identifier
+  std::string description;                 ///< one line, may be empty
+  int first_key, last_key;                 ///< MIDI numbers, 60 is middle C
+  int first_double_key, first_triple_key;  ///< from here on two, three strings a key
+  int last_damped_key;                     ///< higher strings have no damper
+  double concert_pitch_hz;                 ///< pitch of key 69, the A above middle C
+  double min_speed_m_per_s,
+      max_speed_m_per_s;             ///< hammer speeds at velocity 0 and 1; the felts' splines reach to max
+  double felt_loss_s_per_m;          ///< Hunt-Crossley loss of all felts
+  double damper_per_s;               ///< extra decay while the damper is down
+  double damper_time_s;              ///< time constant with which the damper comes down
+  int segments;                      ///< segments of the felt's spline
+  std::vector<PublishedNote> notes;  ///< two or more, by rising key
   std::optional<KeyboardBody> body = {};
 };
 
-/// What one key moves: one of its strings, which are all alike, with its share of the hammer's mass and stiffness.
-/// That is the motion of all of them.
+/// What one key moves: one of its strings, with its share of the hammer's mass and stiffness. All strings of a key
+/// are alike, so all move like this one.
 struct KeyboardNote {
   StiffString string;  ///< tuned so that its first partial has the key's equal-tempered pitch
   double strike_position_m;
@@ -80,7 +81,7 @@ struct BodyMode {
 [[nodiscard]] KeyboardNote note_of(const Keyboard& keyboard, int key);
 
 /// The note as a resonator whose pickup is the bridge, at the string's far end: pickup shapes are the force on the
-/// bridge per modal displacement [N/m] (docs/keyboard.md).
+/// bridge per modal displacement [N/m] (docs/how-it-works/keyboards.md).
 [[nodiscard]] std::vector<ResonatorMode> modes_of(const KeyboardNote& note, double max_frequency_hz);
 
 }  // namespace contactspline

@@ -31,7 +31,8 @@ constexpr Range kDamperTime{1e-5, 1};
 constexpr Range kUnaCorda{1e-3, 1};
 
 // Members of the emitted C++ struct, which must not be called like it.
-constexpr const char* kTaken[] = {"first_key",
+constexpr const char* kTaken[] = {"name",
+                                  "first_key",
                                   "keys",
                                   "last_damped_key",
                                   "concert_pitch_hz",

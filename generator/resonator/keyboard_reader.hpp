@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Keyboard files (docs/keyboard.md).
+// Keyboard files (docs/reference/keyboard.md).
 #pragma once
 
 #include <optional>
@@ -11,8 +11,8 @@
 
 namespace contactspline {
 
-/// Parses the text of a keyboard file: JSON with comments, SI units in the key names (docs/keyboard.md). `file`
-/// stands in messages only. Throws BadInput.
+/// Parses the text of a keyboard file: JSON with comments, SI units in the key names (docs/reference/keyboard.md).
+/// `file` stands in messages only. Throws BadInput.
 [[nodiscard]] Keyboard parse_keyboard(std::string_view text, std::string_view file);
 
 /// The body that a keyboard names: a resonator that ships, or a file beside the keyboard's, which `read` reads;

@@ -5,6 +5,7 @@
 #include <array>
 #include <boost/math/special_functions/bessel.hpp>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <utility>
 
@@ -13,27 +14,25 @@ namespace {
 
 using std::numbers::pi;
 
-// The i-th positive root of cosh(x) cos(x) = 1. Newton's method for cos(x) - 1/cosh(x) starts at the asymptotic value
-// (i + 1/2) pi.
-double free_bar_root(int i) {
-  double x = (i + 0.5) * pi;
-  for (int step = 0; step < 8; ++step) {
-    const double slope = -std::sin(x) + std::tanh(x) / std::cosh(x);
-    x -= (std::cos(x) - 1 / std::cosh(x)) / slope;
-  }
-  return x;
-}
+// The i-th positive root of J_order, and J_order+1 there.
+struct BesselRoot {
+  double root, next_order;
+};
 
-UndampedMode undamped_mode(const FreeBar& bar, int i) {
-  const double beta = free_bar_root(i) / bar.length_m;
-  const double stiffness = bar.bending_stiffness_n_m2 * std::pow(beta, 4);
-  return {std::sqrt(stiffness * bar.length_m / bar.mass_kg), beta, bar.mass_kg / 4};
+// Each is found once: the modes of a membrane are asked for again for each place on it.
+const BesselRoot& bessel_root(int order, int i) {
+  thread_local std::map<std::pair<int, int>, BesselRoot> roots;
+  const auto [found, is_new] = roots.try_emplace({order, i});
+  if (is_new) {
+    const double root = boost::math::cyl_bessel_j_zero(static_cast<double>(order), i);
+    found->second = {root, boost::math::cyl_bessel_j(order + 1, root)};
+  }
+  return found->second;
 }
 
 UndampedMode undamped_mode(const Membrane& membrane, int order, int i) {
-  const double root = boost::math::cyl_bessel_j_zero(static_cast<double>(order), i);
+  const auto [root, ring] = bessel_root(order, i);
   const double beta = root / membrane.radius_m;
-  const double ring = boost::math::cyl_bessel_j(order + 1, root);
   const double area = pi * membrane.radius_m * membrane.radius_m * (order == 0 ? 1.0 : 0.5);
   return {beta * std::sqrt(membrane.tension_n_per_m / membrane.mass_per_area_kg_m2), beta,
           membrane.mass_per_area_kg_m2 * area * ring * ring};
@@ -45,18 +44,6 @@ UndampedMode undamped_mode(const Plate& plate, int m, int n) {
   const double mass_per_area = plate.density_kg_m3 * plate.thickness_m;
   return {std::sqrt((along * x * x + 2 * mixed * x * y + across * y * y) / mass_per_area), std::sqrt(x + y),
           mass_per_area * plate.length_m * plate.width_m / 4};
-}
-
-// (cosh x + cos x - k (sinh x + sin x))/2 with k = (cosh X - cos X)/(sinh X - sin X), X = beta L. Written with
-// decaying exponentials only, because the difference of large exponentials would cancel.
-double shape_at(const FreeBar& bar, double wavenumber, double position_m) {
-  const double x = wavenumber * position_m;
-  const double end = wavenumber * bar.length_m;
-  const double decay = std::exp(-end);
-  const double rising = std::exp(x - end) - decay * std::exp(-x) + 2 * decay * std::sin(x);  // (sinh x + sin x) 2/e^X
-  const double whole = 1 - decay * decay - 2 * decay * std::sin(end);                        // (sinh X - sin X) 2/e^X
-  const double excess = std::cos(end) - std::sin(end) - decay;  // (1 - k)(sinh X - sin X)
-  return (std::exp(-x) + std::cos(x) - std::sin(x) + excess * rising / whole) / 2;
 }
 
 // At a node sin() and Bessel functions return a rounding error, which differs between machines, instead of 0.
@@ -93,12 +80,12 @@ std::vector<ResonatorMode> modes_below(const StiffString& string, const Resonato
   return modes;
 }
 
-std::vector<ResonatorMode> modes_below(const FreeBar& bar, const Resonator& resonator, double limit) {
+std::vector<ResonatorMode> modes_below(const Bar& bar, const Resonator& resonator, double limit) {
   return modes_while_below(
       limit, max_modes(resonator), bar.losses, [&](int i) { return undamped_mode(bar, i); },
-      [&](double beta, int) {
-        return std::pair(shape_at(bar, beta, resonator.strike.position_m),
-                         shape_at(bar, beta, resonator.pickup.position_m));
+      [&](double beta, int i) {
+        return std::pair(shape_at(bar, i, beta, resonator.strike.position_m),
+                         shape_at(bar, i, beta, resonator.pickup.position_m));
       });
 }
 

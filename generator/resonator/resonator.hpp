@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The modes of a resonator from its physical parameters: stiff string, free-free bar, circular membrane,
+// The modes of a resonator from its physical parameters: stiff string, bar, circular membrane,
 // rectangular plate, table of modes.
 #pragma once
 
@@ -9,19 +9,11 @@
 #include <variant>
 #include <vector>
 
-#include "contactspline/modal.hpp"
-#include "contactspline/stiff_string.hpp"
+#include "contactspline/modal/modal.hpp"
+#include "contactspline/modal/stiff_string.hpp"
+#include "generator/resonator/bar.hpp"
 
 namespace contactspline {
-
-/// Free-free Euler-Bernoulli bar: w0^2 = EI beta^4/mu, cosh(beta L) cos(beta L) = 1. The shapes are 1 at the ends;
-/// the modal mass is M/4. Place: x [m] from one end. The two rigid-body modes are omitted.
-struct FreeBar {
-  double length_m;
-  double mass_kg;
-  double bending_stiffness_n_m2;
-  Losses losses;
-};
 
 /// Circular membrane with a fixed rim: w0 = beta sqrt(T/sigma), beta R a zero of J_m. The shapes are J_m(beta r)
 /// cos(m angle), with the angle counted from the strike; the modal mass is sigma times the integral of the squared
@@ -76,7 +68,7 @@ struct Place {
 struct Resonator {
   std::string name;         ///< lower-case identifier
   std::string description;  ///< one line, may be empty
-  std::variant<StiffString, FreeBar, Membrane, Plate, ModeTable> body;
+  std::variant<StiffString, Bar, Membrane, Plate, ModeTable> body;
   Place strike, pickup;  ///< not used by a ModeTable
   int max_modes;         ///< the modes with the lowest frequencies are kept, at most this number
 };

@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 #include "generator/support/json_reader.hpp"
@@ -26,9 +28,9 @@ constexpr Range kPoisson{-0.999, 0.999};
 constexpr std::size_t kMaxStrings = 8;
 
 // Member names of the emitted C++ struct; the struct itself must have another name.
-constexpr const char* kMemberNames[] = {"modes",         "strings",       "angular_frequencies",
-                                        "decays",        "masses",        "wavenumbers",
-                                        "strike_shapes", "pickup_shapes", "format_version"};
+constexpr const char* kMemberNames[] = {"modes",          "strings",          "angular_frequencies", "decays",
+                                        "masses",         "wavenumbers",      "strike_shapes",       "pickup_shapes",
+                                        "format_version", "strike_position_m"};
 
 Losses read_losses(const JsonObject& body) {
   return {body.number("constant_loss_per_s", kConstantLoss), body.number("quadratic_loss_m2_per_s", kQuadraticLoss)};
@@ -43,9 +45,29 @@ StiffString read_string(const JsonObject& body) {
           body.has("detuning_cents") ? body.numbers("detuning_cents", kTuningCents, kMaxStrings) : std::vector{0.0}};
 }
 
-FreeBar read_bar(const JsonObject& body) {
-  return {body.number("length_m", kLength), body.number("mass_kg", kMass),
+// In the order of BarEnd.
+constexpr const char* kBarEnds[] = {"free", "clamped", "supported"};
+constexpr std::string_view kAllowedEnds = R"(two of free, clamped, supported, such as ["clamped", "free"])";
+
+std::array<BarEnd, 2> read_ends(const JsonObject& body) {
+  const std::vector<std::string> names = body.texts("ends", kAllowedEnds, 2);
+  if (names.size() != 2) body.fail(body.key("ends"), "names one end", kAllowedEnds);
+  std::array<BarEnd, 2> ends{};
+  for (std::size_t e = 0; e < 2; ++e) {
+    const auto* const found = std::ranges::find(kBarEnds, names[e]);
+    if (found == std::end(kBarEnds))
+      body.fail(fmt::format("{}[{}]", body.key("ends"), e), fmt::format("'{}' is no end of a bar", shown(names[e])),
+                kAllowedEnds);
+    ends[e] = static_cast<BarEnd>(found - std::begin(kBarEnds));
+  }
+  return ends;
+}
+
+Bar read_bar(const JsonObject& body) {
+  Bar bar{body.number("length_m", kLength), body.number("mass_kg", kMass),
           body.number("bending_stiffness_n_m2", {1e-9, kBending.max}), read_losses(body)};
+  if (body.has("ends")) bar.ends = read_ends(body);
+  return bar;
 }
 
 Membrane read_membrane(const JsonObject& body) {
@@ -111,8 +133,8 @@ const std::vector<std::string> kStringKeys = {"length_m",
                                               "constant_loss_per_s",
                                               "quadratic_loss_m2_per_s",
                                               "detuning_cents"};
-const std::vector<std::string> kBarKeys = {"length_m", "mass_kg", "bending_stiffness_n_m2", "constant_loss_per_s",
-                                           "quadratic_loss_m2_per_s"};
+const std::vector<std::string> kBarKeys = {
+    "length_m", "mass_kg", "bending_stiffness_n_m2", "constant_loss_per_s", "quadratic_loss_m2_per_s", "ends"};
 const std::vector<std::string> kMembraneKeys = {"radius_m", "mass_per_area_kg_m2", "tension_n_per_m",
                                                 "constant_loss_per_s", "quadratic_loss_m2_per_s"};
 
@@ -139,7 +161,7 @@ decltype(Resonator::body) read_body(const JsonObject& resonator) {
 /// The largest position on a body [m].
 struct Extent {
   double operator()(const StiffString& body) const { return body.length_m; }
-  double operator()(const FreeBar& body) const { return body.length_m; }
+  double operator()(const Bar& body) const { return body.length_m; }
   double operator()(const Membrane& body) const { return body.radius_m; }
   double operator()(const Plate& body) const { return body.length_m; }
   double operator()(const ModeTable&) const { return 0; }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Resonator files (docs/resonators.md).
+// Resonator files (docs/reference/resonators.md).
 #pragma once
 
 #include <string_view>
@@ -9,8 +9,8 @@
 
 namespace contactspline {
 
-/// Parses the text of a resonator file: JSON with comments, SI units in the key names (docs/resonators.md). `file`
-/// stands in messages only. Throws BadInput.
+/// Parses the text of a resonator file: JSON with comments, SI units in the key names (docs/reference/resonators.md).
+/// `file` stands in messages only. Throws BadInput.
 [[nodiscard]] Resonator parse_resonator(std::string_view text, std::string_view file);
 
 /// Reads the body of an object that has one of the keys string, bar, membrane, plate. Throws BadInput.
@@ -19,7 +19,7 @@ namespace contactspline {
 /// Largest position on a body [m]: length or radius; 0 for a table of modes.
 [[nodiscard]] double extent_of(const decltype(Resonator::body)& body);
 
-inline constexpr int kMaxModes = 4096;  ///< of a resonator
+inline constexpr int kMaxModes = 4096;  ///< largest number of modes in one resonator
 
 /// Ranges that files of resonators, instruments and scores have in common.
 inline constexpr Range kTuningCents{-1200, 1200};

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "contactspline/contact.hpp"
+#include "contactspline/step/contact.hpp"
 #include "generator/contact/barrier_impact.hpp"
 #include "generator/material/material.hpp"
 #include "generator/spline/piecewise_linear_force.hpp"
@@ -42,16 +42,6 @@ struct Spline {
 
 /// The table for the contact step: a segment for "out of contact", then the segments of the spline.
 [[nodiscard]] std::vector<Segment<double>> segment_table(const Spline& spline);
-
-/// A table in the precision T.
-template <typename T>
-[[nodiscard]] std::vector<Segment<T>> table_in(const std::vector<Segment<double>>& table) {
-  std::vector<Segment<T>> rounded;
-  for (const auto& s : table)
-    rounded.push_back({static_cast<T>(s.knot), static_cast<T>(s.energy), static_cast<T>(s.force),
-                       static_cast<T>(s.half_curvature)});
-  return rounded;
-}
 
 /// The spline as a LawView, which holds a copy of the table.
 [[nodiscard]] LawView law_view(const Spline& spline);

@@ -18,7 +18,7 @@ struct Design {
   Material material;
   Spline spline;
   Quality quality;
-  std::optional<SpectrumError> spectrum;  ///< of the force of the impacts (measure_spectrum)
+  std::optional<SpectrumError> spectrum;  ///< error of the impacts' force (measure_spectrum)
 };
 
 /// Designs the spline of a material. If the material has a tolerance, sets its `segments` to the smallest number that

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "contactspline/contact.hpp"
+#include "contactspline/step/contact.hpp"
 #include "generator/material/contact_reader.hpp"
 #include "generator/material/material.hpp"
 #include "generator/support/json_reader.hpp"

@@ -10,9 +10,9 @@
 namespace contactspline {
 namespace {
 
-constexpr int kDigits = 13;                // to which pow() agrees on all machines
-constexpr double kMaxLowering = 0.5;       // of a force, relative
-constexpr double kDefaultSpeedRatio = 50;  // of the fastest to the slowest impact, if the material has no impact
+constexpr int kDigits = 13;                // digits to which pow() agrees on all machines
+constexpr double kMaxLowering = 0.5;       // largest fraction that a force is lowered by
+constexpr double kDefaultSpeedRatio = 50;  // fastest over slowest impact, if the material has no impact
 constexpr double kFirstKnot = 0.5;         // in compressions of the slowest impact
 
 // Largest compression of an impact at a speed, relative to max_compression_m: ((a + 1) c)^(1/(a + 1)), where c is the

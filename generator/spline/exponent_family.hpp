@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "contactspline/contact.hpp"
+#include "contactspline/step/contact.hpp"
 #include "generator/material/material.hpp"
 #include "generator/spline/spline_error.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Graded knots and their forces, for a range of impacts (docs/knots.md). Compression and force are relative to the
-// largest ones; the mass is 1.
+// Graded knots and their forces, for a range of impacts (docs/how-it-works/knots.md). Compression and force are
+// relative to the largest ones; the mass is 1.
 #pragma once
 
 #include "generator/spline/fit_target.hpp"

@@ -11,7 +11,7 @@ namespace {
 // The motion through one segment, about the middle of its time: at the time s from there, the force is
 // force cos(phase s/half_time) - quadrature sin(phase s/half_time).
 struct Transit {
-  double half_time, phase, cosine, sine;  // of the phase w half_time
+  double half_time, phase, cosine, sine;  // cosine and sine of the phase w half_time
   double force, quadrature;               // quadrature: w times the speed, for a unit mass
 };
 
@@ -87,7 +87,7 @@ class RotatingTransit {
 
 std::vector<double> impact_spectrum(const PiecewiseLinearForce& force, double energy, double step, int count) {
   std::vector<RotatingTransit> motion;
-  double time = 0;  // of the middle of a transit, before the largest compression
+  double time = 0;  // middle of a transit, before the largest compression
   std::vector<Transit> found = transits(force, energy);
   std::ranges::reverse(found);
   for (const Transit& transit : found) {

@@ -28,9 +28,9 @@ struct KnotDensity {
       const double before = point(i - 1), at = point(i), after = point(i + 1), exact = target.force(at);
       const double left = (exact - target.force(before)) / (at - before);
       const double right = (target.force(after) - exact) / (after - at);
-      const double bend = 2 * std::abs(right - left) / (after - before);
+      const double bend = exact > 0 ? 2 * std::abs(right - left) / (after - before) : 0;  // a curve may begin with 0
       const double end = i + 1 == kPoints ? high : point(i + 0.5);
-      sum.push_back(sum.back() + (end - y.back()) * std::max(std::sqrt(bend / exact), kMin / at));
+      sum.push_back(sum.back() + (end - y.back()) * std::max(bend > 0 ? std::sqrt(bend / exact) : 0, kMin / at));
       y.push_back(end);
     }
   }

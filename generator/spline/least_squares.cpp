@@ -110,7 +110,7 @@ PiecewiseLinearForce least_squares(PiecewiseLinearForce force, std::size_t end, 
                                    const std::vector<double>& log_energies, StopCriterion stop) {
   const GradedParameters parameters(force.segments(), end);
   Linearised at(force, parameters, target, log_energies);
-  constexpr double kMaxStep = 10;  // of a logarithm
+  constexpr double kMaxStep = 10;  // largest change of a logarithm
   double damping = 1e-3;
   for (int i = 0; i < stop.max_steps && damping < 1e9; ++i) {
     Eigen::MatrixXd normal = at.jacobian.transpose() * at.jacobian;

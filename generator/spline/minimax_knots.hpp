@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Knots that make the worst error of the contact duration as small as possible (docs/knots.md).
+// Knots that make the worst error of the contact duration as small as possible (docs/how-it-works/knots.md).
 #pragma once
 
 #include "generator/spline/fit_target.hpp"

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "contactspline/mass_barrier.hpp"
+#include "contactspline/models/mass_barrier.hpp"
 
 namespace contactspline {
 namespace {

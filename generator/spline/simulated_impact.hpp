@@ -4,15 +4,15 @@
 
 #include <span>
 
-#include "contactspline/contact.hpp"
+#include "contactspline/step/contact.hpp"
 
 namespace contactspline {
 
 struct SimulatedImpact {
   double contact_duration_s;  ///< from the end of the free motion before to the beginning of the free motion after
-  double max_compression_m;   ///< at the turning point, also between samples
+  double max_compression_m;   ///< compression at the turning point, also between samples
   double exit_speed_m_per_s;
-  double max_force_n;  ///< of the parabola through the largest force and its neighbours
+  double max_force_n;  ///< peak of the parabola through the largest force and its neighbours
 };
 
 /// Simulates a mass (> 0) that hits the barrier with a speed (> 0), at a sample rate (> 0). `phase` in [0, 1) is the

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The error of the spectrum of the contact force of impacts (docs/knots.md).
+// The error of the spectrum of the contact force of impacts (docs/how-it-works/knots.md).
 #pragma once
 
 #include <optional>

@@ -17,11 +17,21 @@
 namespace contactspline {
 namespace {
 
-// Widths in proportion to (y + offset)^growth.
+// The compression up to which a measured curve has no force.
+double slack_of(const FitTarget& target) {
+  double slack = 0;
+  for (const Break& at : target.breaks)
+    if (at.energy == 0) slack = at.compression;
+  return slack;
+}
+
+// Widths in proportion to (y + offset)^growth, from where the force begins.
 PiecewiseLinearForce growing_widths(int segments, double offset, double growth, const FitTarget& target) {
   const double power = 1 - growth, from = std::pow(offset, power), to = std::pow(offset + 1, power);
+  const double slack = slack_of(target);
   const auto knot = [&](int j) {
-    return j == 0 ? 0.0 : j == segments ? 1.0 : std::pow(from + (to - from) * j / segments, 1 / power) - offset;
+    if (j == 0 || j == segments) return j == 0 ? 0.0 : 1.0;
+    return slack + (1 - slack) * (std::pow(from + (to - from) * j / segments, 1 / power) - offset);
   };
   PiecewiseLinearForce force{{0}, {0}};
   for (int j = 1; j <= segments; ++j) {

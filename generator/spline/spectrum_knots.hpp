@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Knots that make the error of the spectrum of impacts small (docs/knots.md).
+// Knots that make the error of the spectrum of impacts small (docs/how-it-works/knots.md).
 #pragma once
 
 #include "generator/spline/fit_target.hpp"

@@ -21,8 +21,8 @@ constexpr const char* kOfMaterials[] = {"contact", "impact", "spline"};
 constexpr const char* kOfResonators[] = {"string", "bar",    "membrane", "plate",
                                          "modes",  "strike", "pickup",   "max_modes"};
 constexpr const char* kOfScores[] = {"instrument", "duration_s", "voices", "events"};
-constexpr const char* kOfInstruments[] = {"bodies", "places",   "contacts", "springs",
-                                          "links",  "controls", "strikes",  "outputs"};
+constexpr const char* kOfInstruments[] = {"bodies",   "places",  "contacts", "springs", "links",
+                                          "controls", "strikes", "outputs",  "keys",    "presets"};
 constexpr const char* kOfKeyboards[] = {"keyboard"};
 constexpr const char* kOfOutputs[] = {"written_by"};
 

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -19,7 +20,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::size_t kMaxNameLength = 64;
-constexpr std::ptrdiff_t kMaxDescriptionLength = 200;
+constexpr std::size_t kMaxDescriptionLength = 200;
 
 std::string joined(const std::vector<std::string>& names) {
   return fmt::format("{}", fmt::join(names, ", "));
@@ -89,6 +90,20 @@ std::string shown(std::string_view text, std::size_t max) {
   std::ranges::replace_if(
       safe, [](unsigned char c) { return c < 0x20 || c >= 0x7f; }, '?');
   return text.size() > max ? safe + "..." : safe;
+}
+
+std::size_t count_characters(std::string_view text) {
+  std::size_t count = 0;
+  bool after_letter = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto byte = [&](std::size_t at) { return at < text.size() ? static_cast<unsigned char>(text[at]) : 0; };
+    if ((byte(i) & 0xc0) == 0x80) continue;
+    // U+0300 to U+036F are accents of the letter before them.
+    const bool is_accent = byte(i) == 0xcc || (byte(i) == 0xcd && byte(i + 1) < 0xb0);
+    if (!is_accent || !after_letter) ++count;
+    after_letter = !is_accent;
+  }
+  return count;
 }
 
 struct JsonObject::Value {
@@ -269,15 +284,29 @@ bool has_control(std::string_view text) {
 
 }  // namespace
 
-std::string read_description(const JsonObject& object) {
-  if (!object.has("description")) return {};
-  constexpr auto kAllowed = "one line of at most 200 printable characters, no quote, no backslash";
-  std::string text = object.text("description", kAllowed);
+std::string read_line(const JsonObject& object, const char* name, int max_length) {
+  const std::string allowed =
+      fmt::format("one line of at most {} printable characters, no quote, no backslash", max_length);
+  std::string text = object.text(name, allowed);
   const bool printable = text.find_first_of("\"\\") == text.npos && !has_control(text);
-  const auto begins_character = [](unsigned char c) { return (c & 0xc0) != 0x80; };  // of UTF-8
-  if (!printable || std::ranges::count_if(text, begins_character) > kMaxDescriptionLength)
-    object.fail(object.key("description"), "is too long or has a quote, a backslash or a control character",
-                kAllowed);
+  if (!printable || count_characters(text) > static_cast<std::size_t>(max_length))
+    object.fail(object.key(name), "is too long or has a quote, a backslash or a control character", allowed);
+  return text;
+}
+
+std::string read_description(const JsonObject& object) {
+  return object.has("description") ? read_line(object, "description", kMaxDescriptionLength) : std::string();
+}
+
+std::string read_license(const JsonObject& object) {
+  if (!object.has("license")) return "MIT";
+  constexpr auto kAllowed = "an SPDX identifier of at most 100 letters, digits and . + - ( ), such as \"CC-BY-4.0\"";
+  std::string text = object.text("license", kAllowed);
+  const auto is_usable = [](unsigned char c) {
+    return (c < 0x80 && std::isalnum(c)) || std::string_view(" .+-()").find(char(c)) != std::string_view::npos;
+  };
+  if (text.empty() || text.size() > 100 || !std::ranges::all_of(text, is_usable))
+    object.fail(object.key("license"), fmt::format("'{}' is no identifier of a licence", shown(text)), kAllowed);
   return text;
 }
 

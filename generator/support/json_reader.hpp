@@ -2,6 +2,7 @@
 // A strict reader for JSON input files. Every error names the file and the key.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <span>
 #include <string>
@@ -18,6 +19,10 @@ struct Range {
 /// Text from a file, made safe for a one-line message: at most `max` characters, of which only printable ASCII ones
 /// stay; the others become '?'.
 [[nodiscard]] std::string shown(std::string_view text, std::size_t max = 80);
+
+/// The characters of UTF-8 as a reader counts them: a letter with an accent that follows as a character of its own is
+/// one.
+[[nodiscard]] std::size_t count_characters(std::string_view text);
 
 /// The keys of the text's JSON object; none if it is not an object. Throws BadInput for wrong syntax, with `file` and
 /// `what` as in parse_json().
@@ -75,7 +80,12 @@ class JsonObject {
 /// Reads the key `name` of an object within a file: as read_name(), but keywords and macros are allowed.
 [[nodiscard]] std::string read_local_name(const JsonObject& object, std::string_view taken = {});
 
+/// Reads a text of one line, as hosts and figures show it.
+[[nodiscard]] std::string read_line(const JsonObject& object, const char* name, int max_length);
+
 /// Reads the optional key `description`: one line; an empty string if it is missing.
 [[nodiscard]] std::string read_description(const JsonObject& object);
+/// Reads the optional key `license`, an SPDX identifier or expression; MIT if it is missing.
+[[nodiscard]] std::string read_license(const JsonObject& object);
 
 }  // namespace contactspline

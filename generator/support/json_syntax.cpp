@@ -73,6 +73,12 @@ std::string found_at(std::string_view text, std::size_t at) {
   return fmt::format("'{}' is not expected", text.substr(at, std::min<std::size_t>(end - at, 40)));
 }
 
+// A file of another kind, which another file may name: nothing of it is shown.
+bool is_something_else(std::string_view text) {
+  const auto begin = text.find_first_not_of(" \t\r\n");
+  return begin != text.npos && text[begin] > 0x20 && text[begin] != 0x7f && text[begin] != '{' && text[begin] != '/';
+}
+
 }  // namespace
 
 void refuse_syntax(std::string_view text, std::string_view file, std::size_t at, std::string_view message) {
@@ -80,6 +86,7 @@ void refuse_syntax(std::string_view text, std::string_view file, std::size_t at,
   const std::string_view before = text.substr(0, at);
   const auto line = 1 + std::ranges::count(before, '\n');
   const auto column = at - (before.rfind('\n') + 1) + 1;  // npos + 1 is 0
+  if (is_something_else(text)) refuse(file, "file", "is not a JSON object", "a file that begins with {");
   refuse(file, fmt::format("line {}, column {}", line, column), found_at(text, at), expected_in(message));
 }
 

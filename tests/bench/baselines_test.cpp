@@ -13,7 +13,7 @@
 #include "bench/baselines/quadratised.hpp"
 #include "bench/baselines/quadratised_network.hpp"
 #include "bench/contact_problems.hpp"
-#include "contactspline/hammer_string.hpp"
+#include "contactspline/models/hammer_string.hpp"
 #include "runtime/energy.hpp"
 #include "runtime/strings.hpp"
 #include "support/compare.hpp"
@@ -39,7 +39,7 @@ bench::PowerLawHammer hammer_of(const StruckString& struck, double stiffness_rat
 }
 
 /// Modes that have the admittances with which the schemes were published, dt^2 |1 + z|^2/(8 m): the midpoint rule
-/// with the modal mass kept instead of the stiffness (docs/modal.md).
+/// with the modal mass kept instead of the stiffness (docs/how-it-works/modal.md).
 std::vector<Mode> with_mass_kept(const std::vector<ResonatorMode>& modes, double rate) {
   std::vector<Mode> kept = bare(modes);
   for (Mode& mode : kept) {

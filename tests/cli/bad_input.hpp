@@ -17,7 +17,7 @@ namespace contactspline::testing {
 
 struct BadFile {
   std::string test;
-  std::string text;  ///< of the file
+  std::string text;  ///< text of the file
   std::string key;   ///< the message begins with "file: key: "
   std::string says;
 };
@@ -47,7 +47,7 @@ inline void expect_refused_by_generate(const BadFile& bad) {
 
 /// A number of a good file, which reads "member": value.
 struct NumberKey {
-  std::string path;  ///< of the object it is in, with its point; may be empty
+  std::string path;  ///< path of the object it is in, with its point; may be empty
   std::string member, value, allowed;
   std::vector<std::string> out_of_range;
   bool is_integer = false;
@@ -76,7 +76,10 @@ inline std::vector<BadFile> number_cases(const std::string& name, const std::str
     add("is_out_of_range_" + std::to_string(i), number.out_of_range[i], key,
         "is out of range; allowed: " + number.allowed);
   add("overflows", "1e999", key.substr(0, key.find('[')), "1e999 is too large; allowed: a finite number");
+  add("overflows_below", "-1e999", key.substr(0, key.find('[')), "-1e999 is too large; allowed: a finite number");
   add("is_nan", "NaN", "line ", "'NaN' is not expected; allowed: a value: a number");
+  add("is_infinite", "Infinity", "line ", "'Infinity' is not expected; allowed: a value: a number");
+  add("is_hexadecimal", "0x10", "line ", "'0x10' is not expected; allowed: a comma or }");
   add("is_twice", number.value + ", " + number.text(number.value), key.substr(0, key.find('[')),
       "duplicate key; allowed: once");
   return cases;

@@ -118,8 +118,9 @@ std::vector<BadFile> body_cases() {
       {"name_of_a_setter", changed(kGood, R"("probe")", R"("set_a")"), "name", "begins with set_"},
       {"description_of_two_lines", changed(kGood, "a probe", "a\\nprobe"), "description", "allowed: one line"},
       {"unknown_key", changed(kGood, R"("bodies")", R"("tempo": 3, "bodies")"), "tempo",
-       "unknown key; allowed: name, description, bodies, places, contacts, springs, links, controls, strikes, "
-       "outputs"},
+       "unknown key; allowed: name, description, license, bodies, places, contacts, springs, links, controls, "
+       "strikes, "
+       "outputs, keys, polyphony, damper, presets"},
       {"outputs_missing", kGood.substr(0, kGood.find(",\n  \"outputs\"")) + "}", "outputs",
        "missing; allowed: an array of 1 to 64 objects"},
       {"bodies_missing", R"({ "name": "probe", "outputs": [ { "name": "a", "force_n": "b" } ] })", "bodies",
@@ -410,7 +411,7 @@ TEST(BadInstrument, Of401ModesHasNoFaustText) {
     return fmt::format("left out probe.lib: probe has {} modes, and Faust compiles at most 400 in reasonable time\n",
                        modes);
   };
-  constexpr std::size_t modes = 500;  // of the board; those of the other bodies follow from what is left out
+  constexpr std::size_t modes = 500;  // modes of the board; the other bodies get what is left
   const std::string message = generated(modes);
   std::size_t others = 0;
   while (others < 400 && message.find(left_out(modes + others)) == std::string::npos) ++others;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // All the errors that a material file can have: one line that names file, key and what is allowed, and nothing
 // written.
+#include "bad_material.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,96 +10,37 @@
 #include <utility>
 #include <vector>
 
+#include "bad_input.hpp"
 #include "program.hpp"
 #include "sandbox.hpp"
 
 namespace contactspline::testing {
 namespace {
 
-constexpr auto kGood = R"({
-  "name": "probe",
-  "description": "a probe",
-  "contact": { "stiffness_n_per_m_alpha": 4.5e9, "exponent": 2.5 },
-  "impact": { "mass_kg": 0.003, "max_speed_m_per_s": 6.0, "min_speed_m_per_s": 0.1 },
-  "spline": { "knots": "uniform", "segments": 8, "max_compression_m": 1e-3 }
-})";
-
-struct BadMaterial {
-  std::string test;
-  std::string text;  ///< of the file
-  std::string key;   ///< the message begins with "probe.json: key: "
-  std::string says;
-};
-
-void PrintTo(const BadMaterial& bad, std::ostream* stream) {
-  *stream << bad.test;
-}
-
-// kGood with its one `from` replaced.
-std::string changed(const std::string& from, const std::string& to) {
-  std::string text = kGood;
-  const auto at = text.find(from);
-  if (at == std::string::npos || text.find(from, at + 1) != std::string::npos)
-    throw std::logic_error(from + " does not occur just once");
-  return text.replace(at, from.size(), to);
-}
-
-struct Number {
-  std::string object, member, value, allowed;
-  std::vector<std::string> out_of_range;
-
-  [[nodiscard]] std::string key() const { return object + "." + member; }
-  [[nodiscard]] std::string text() const { return text(value); }
-  [[nodiscard]] std::string text(const std::string& other) const { return '"' + member + "\": " + other; }
-};
-
-const std::vector<Number> kNumbers = {
-    {"contact", "stiffness_n_per_m_alpha", "4.5e9", "a number from 0.001 to 1e+18", {"0", "-1", "9e-4", "1.1e18"}},
-    {"contact", "exponent", "2.5", "a number from 0.1 to 10", {"0", "-1", "0.09", "10.1", "1e308"}},
-    {"impact", "mass_kg", "0.003", "a number from 1e-09 to 10000", {"0", "-1", "9e-10", "10001", "1e-320"}},
-    {"impact", "max_speed_m_per_s", "6.0", "a number from 1e-06 to 1000", {"0", "-1", "9e-7", "1001"}},
-    {"impact", "min_speed_m_per_s", "0.1", "a number from 1e-06 to 1000", {"0", "-1", "9e-7", "1001"}},
-    {"spline",
+const std::vector<NumberKey> kNumbers = {
+    {"contact.", "stiffness_n_per_m_alpha", "4.5e9", "a number from 0.001 to 1e+18", {"0", "-1", "9e-4", "1.1e18"}},
+    {"contact.", "exponent", "2.5", "a number from 0.1 to 10", {"0", "-1", "0.09", "10.1", "1e308"}},
+    {"impact.", "mass_kg", "0.003", "a number from 1e-09 to 10000", {"0", "-1", "9e-10", "10001", "1e-320"}},
+    {"impact.", "max_speed_m_per_s", "6.0", "a number from 1e-06 to 1000", {"0", "-1", "9e-7", "1001"}},
+    {"impact.", "min_speed_m_per_s", "0.1", "a number from 1e-06 to 1000", {"0", "-1", "9e-7", "1001"}},
+    {"spline.",
      "segments",
      "8",
      "an integer from 1 to 65536",
-     {"0", "-1", "65537", "4294967304", "18446744073709551615", "-9223372036854775808"}},
-    {"spline", "max_compression_m", "1e-3", "a number from 1e-09 to 1", {"0", "-1", "9e-10", "1.1"}}};
+     {"0", "-1", "65537", "4294967304", "18446744073709551615", "-9223372036854775808"},
+     true},
+    {"spline.", "max_compression_m", "1e-3", "a number from 1e-09 to 1", {"0", "-1", "9e-10", "1.1"}}};
 
-std::vector<BadMaterial> number_cases(const Number& number) {
-  const std::string is_wrong = number.member == "segments" ? "is not an integer" : "is not a number";
-  std::vector<std::pair<std::string, std::string>> wrong_types = {{"null", "null"},
-                                                                  {"text", '"' + number.value + '"'},
-                                                                  {"bool", "true"},
-                                                                  {"array", "[" + number.value + "]"},
-                                                                  {"object", "{}"}};
-  if (number.member == "segments") wrong_types.insert(wrong_types.end(), {{"float", "8.0"}, {"huge", "1e30"}});
-  std::vector<BadMaterial> cases;
-  const auto add = [&](const std::string& kind, const std::string& value, const std::string& key,
-                       const std::string& says) {
-    cases.push_back({number.member + "_" + kind, changed(number.text(), number.text(value)), key, says});
-  };
-  for (const auto& [kind, value] : wrong_types)
-    add("is_" + kind, value, number.key(), is_wrong + "; allowed: " + number.allowed);
-  for (std::size_t i = 0; i < number.out_of_range.size(); ++i)
-    add("is_out_of_range_" + std::to_string(i), number.out_of_range[i], number.key(),
-        "is out of range; allowed: " + number.allowed);
-  add("overflows", "1e999", number.key(), "1e999 is too large; allowed: a finite number");
-  add("overflows_below", "-1e999", number.key(), "-1e999 is too large; allowed: a finite number");
-  add("is_nan", "NaN", "line ", "'NaN' is not expected; allowed: a value: a number");
-  add("is_infinite", "Infinity", "line ", "'Infinity' is not expected; allowed: a value: a number");
-  add("is_hexadecimal", "0x10", "line ", "'0x10' is not expected; allowed: a comma or }");
-  add("is_twice", number.value + ", " + number.text(), number.key(), "duplicate key; allowed: once");
+std::vector<BadFile> all_number_cases() {
+  std::vector<BadFile> cases;
+  for (const NumberKey& number : kNumbers) {
+    const std::string object = number.path.substr(0, number.path.size() - 1);
+    std::ranges::move(number_cases(object, kGood, number), std::back_inserter(cases));
+  }
   return cases;
 }
 
-std::vector<BadMaterial> all_number_cases() {
-  std::vector<BadMaterial> cases;
-  for (const Number& number : kNumbers) std::ranges::move(number_cases(number), std::back_inserter(cases));
-  return cases;
-}
-
-std::vector<BadMaterial> missing_cases() {
+std::vector<BadFile> missing_cases() {
   const std::string impact =
       R"(  "impact": { "mass_kg": 0.003, "max_speed_m_per_s": 6.0, "min_speed_m_per_s": 0.1 },)";
   std::string bare = changed(impact, "");
@@ -129,7 +72,7 @@ std::vector<BadMaterial> missing_cases() {
           {"everything_missing", "{}", "contact", "missing; allowed: stiffness_n_per_m_alpha, exponent"}};
 }
 
-std::vector<BadMaterial> key_cases() {
+std::vector<BadFile> key_cases() {
   const std::string root = "name, description, contact, impact, spline, compensation, live_exponent";
   return {
       {"unknown_at_root", changed(R"("name")", R"("colour": 1, "name")"), "colour", "unknown key; allowed: " + root},
@@ -163,19 +106,9 @@ std::vector<BadMaterial> key_cases() {
        "spline", "is not an object; allowed: knots"}};
 }
 
-// kGood with another spline, with its impact or without.
-std::string with_spline(const std::string& spline, bool impact = true) {
-  std::string text =
-      changed(R"({ "knots": "uniform", "segments": 8, "max_compression_m": 1e-3 })", "{ " + spline + " }");
-  if (impact) return text;
-  const std::string range =
-      R"(  "impact": { "mass_kg": 0.003, "max_speed_m_per_s": 6.0, "min_speed_m_per_s": 0.1 },)";
-  return text.erase(text.find(range), range.size());
-}
-
-std::vector<BadMaterial> design_cases() {
+std::vector<BadFile> design_cases() {
   const std::string tolerance = "a number from 1e-07 to 0.5";
-  std::vector<BadMaterial> cases = {
+  std::vector<BadFile> cases = {
       {"graded_without_impact", with_spline(R"("knots": "graded", "segments": 8)", false), "spline.knots",
        "'graded' needs a range of impacts; allowed: with an impact, or uniform"},
       {"optimal_without_impact", with_spline(R"("knots": "optimal", "tolerance": 0.01)", false), "spline.knots",
@@ -232,7 +165,7 @@ std::vector<BadMaterial> design_cases() {
     return text.insert(text.rfind('}'), R"(, "compensation": )" + compensation);
   };
   const std::string good = R"({ "sample_rate_hz": 44100, "mass_kg": 0.003 })";
-  const std::vector<BadMaterial> compensations = {
+  const std::vector<BadFile> compensations = {
       {"compensation_is_number", compensated("1"), "compensation",
        "is not an object; allowed: sample_rate_hz, mass_kg"},
       {"compensation_unknown", compensated(R"({ "rate": 1 })"), "compensation.rate",
@@ -267,7 +200,7 @@ std::vector<BadMaterial> design_cases() {
   return cases;
 }
 
-std::vector<BadMaterial> live_cases() {
+std::vector<BadFile> live_cases() {
   const auto live = [](const std::string& object, const std::string& segments = "8") {
     std::string text = changed("\"segments\": 8", "\"segments\": " + segments);
     return text.insert(text.rfind('}'), R"(, "live_exponent": )" + object);
@@ -306,11 +239,11 @@ std::vector<BadMaterial> live_cases() {
        "has 257 segments; allowed: at most 256 segments"}};
 }
 
-std::vector<BadMaterial> text_cases() {
+std::vector<BadFile> text_cases() {
   const std::string name_rule = "is not a usable identifier; allowed: a-z, 0-9 and single _, a letter first";
   const std::string description_rule =
       "allowed: one line of at most 200 printable characters, no quote, no backslash";
-  std::vector<BadMaterial> cases = {
+  std::vector<BadFile> cases = {
       {"name_is_number", changed(R"("probe")", "1"), "name", "is not a string; allowed: a-z"},
       {"description_is_number", changed(R"("a probe")", "1"), "description", "is not a string; " + description_rule},
       {"description_is_long", changed("a probe", std::string(201, 'x')), "description", description_rule},
@@ -366,79 +299,10 @@ std::vector<BadMaterial> text_cases() {
   return cases;
 }
 
-std::vector<BadMaterial> syntax_cases() {
-  const std::string good = kGood;
-  const std::string allowed = "; allowed: ";
-  const std::string object = "is not an object; allowed: name, description, contact, impact, spline, compensation";
-  std::string nested;
-  for (int i = 0; i < 100'000; ++i) nested += R"({"a":)";
-  return {
-      {"line_and_column", "{\n  // a comment\n  \"name\" \"probe\" }", "line 3, column 10: '\"' is not expected",
-       "allowed: a colon between key and value"},
-      {"comma_before_the_end", "{ \"name\": \"probe\",\n}", "line 2, column 1: '}' is not expected",
-       "allowed: a key in double quotes"},
-      {"comma_missing", "{ \"name\": \"probe\"\n  \"contact\": {} }", "line 2, column 3: '\"' is not expected",
-       "allowed: a comma or }"},
-      {"number_missing", "{ \"name\": }", "line 1, column 11: '}' is not expected", "allowed: a value: a number"},
-      {"word_for_a_value", "{ \"name\": probe_1 }", "line 1, column 11: 'probe_1' is not expected",
-       "allowed: a value: a number"},
-      {"digit_missing", "{ \"a\": 1. }", "line 1, column 10: ' ' is not expected", "allowed: a digit"},
-      {"array_not_closed", "{ \"a\": [1 2] }", "line 1, column 11: '2' is not expected", "allowed: a comma or ]"},
-      {"bad_escape", R"({ "a": "\q" })", "line 1, column 10: 'q' is not expected", "allowed: one of"},
-      {"quote_missing", "{ \"a\": \"b }\n", "line 1, column 12: the line ends", "allowed: no line end"},
-      {"quote_missing_at_end", "{ \"a\": \"b", "line 1, column 10: the file ends", "allowed: the double quote"},
-      {"comment_not_closed", "{ /* a", "line 1, column 7: the file ends", "allowed: */, the end of the comment"},
-      {"nul_after_the_end", good + std::string("\0 anything", 10), "line 7, column ", "a NUL byte"},
-      {"empty", "", "line ", "the file ends; allowed: "},
-      {"blank", " \n\t\n", "line ", "the file ends; allowed: "},
-      {"comment_only", "// nothing\n", "line ", "the file ends; allowed: "},
-      {"comment_open", good + "/* for ever", "line ", allowed},
-      {"array", "[" + good + "]", "material", object},
-      {"number", "1", "material", object},
-      {"text", "\"material\"", "material", object},
-      {"null", "null", "material", object},
-      {"lone_overflow", "1e999", "material", "is too large"},
-      {"truncated", good.substr(0, good.size() / 2), "line ", "the file ends; allowed: "},
-      {"last_brace_gone", good.substr(0, good.size() - 1), "line ", "the file ends; allowed: "},
-      {"trailing_garbage", good + "x", "line ", allowed},
-      {"two_materials", good + good, "line ", allowed},
-      {"trailing_comma", changed(R"("exponent": 2.5)", R"("exponent": 2.5,)"), "line ", allowed},
-      {"single_quotes", changed(R"("name")", "'name'"), "line ", allowed},
-      {"bare_key", changed(R"("name")", "name"), "line ", allowed},
-      {"invalid_utf8", changed("a probe", "a \xff\xfe probe"), "line ", "characters in UTF-8"},
-      {"overlong_utf8", changed("a probe", "a \xc0\xaf probe"), "line ", "characters in UTF-8"},
-      {"lone_surrogate", changed("a probe", "a \\ud800 probe"), "line ", "a pair of surrogates"},
-      {"utf16", std::string("\xff\xfe{\0}\0", 6), "line ", allowed},
-      {"half_a_byte_order_mark", "\xef\xbb" + good, "line ", "characters in UTF-8"},
-      {"null_byte", changed("a probe", std::string("a \0 probe", 9)), "line ", allowed},
-      {"line_end_in_text", changed("a probe", "a\nprobe"), "line ", allowed},
-      {"nested_arrays", std::string(400'000, '['), "line ", "the file ends; allowed: "},
-      {"nested_and_closed", std::string(400'000, '[') + std::string(400'000, ']'), "material", object},
-      {"nested_objects", nested, "line ", "the file ends; allowed: "},
-      {"binary",
-       std::string("\x7f"
-                   "ELF\x02\x01\x01\0\0",
-                   9),
-       "line ", allowed},
-      {"large", good + std::string(1 << 20, ' '), "file", "is larger than 1 MiB; allowed: a file of at most 1 MiB"}};
-}
-
-class BadMaterialFile : public ::testing::TestWithParam<BadMaterial> {};
+class BadMaterialFile : public ::testing::TestWithParam<BadFile> {};
 
 TEST_P(BadMaterialFile, IsRefusedInOneLineAndNothingIsWritten) {
-  const auto& [test, text, key, says] = GetParam();
-  const Sandbox box;
-  write_file(box / "probe.json", text);
-  fs::create_directories(box / "out");
-  fs::create_directories(box / "tmp");
-  for (const auto name : {"probe.lib", "probe.hpp", "probe.json"}) write_file(box / "out" / name, "old");
-  const auto before = box.listing();
-  const auto outcome = run({.arguments = {"generate", "probe.json", "-o", "out", "--depfile", "out/probe.d"},
-                            .folder = box.path(),
-                            .environment = {{"TMPDIR", (box / "tmp").string()}}});
-  expect_refused(outcome, "probe.json: " + key, says);
-  EXPECT_EQ(names_in(box.listing()), names_in(before));
-  EXPECT_TRUE(box.listing() == before);
+  expect_refused_without_a_trace(GetParam());
 }
 
 INSTANTIATE_TEST_SUITE_P(Number, BadMaterialFile, ::testing::ValuesIn(all_number_cases()),
@@ -451,8 +315,6 @@ INSTANTIATE_TEST_SUITE_P(Design, BadMaterialFile, ::testing::ValuesIn(design_cas
 INSTANTIATE_TEST_SUITE_P(Text, BadMaterialFile, ::testing::ValuesIn(text_cases()),
                          ::testing::PrintToStringParamName());
 INSTANTIATE_TEST_SUITE_P(Live, BadMaterialFile, ::testing::ValuesIn(live_cases()),
-                         ::testing::PrintToStringParamName());
-INSTANTIATE_TEST_SUITE_P(Syntax, BadMaterialFile, ::testing::ValuesIn(syntax_cases()),
                          ::testing::PrintToStringParamName());
 
 // The limits that depend on the material, as they are told, are kept.
@@ -502,124 +364,6 @@ TEST(BadMaterialFile, IsRefusedByEveryCommand) {
                    "allowed: uniform, graded, optimal");
   EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
 }
-
-TEST(BadMaterialFile, IsNotReadWhereItIsHuge) {
-  const Sandbox box;
-  write_file(box / "probe.json", kGood);
-  fs::resize_file(box / "probe.json", 1ULL << 40);
-  expect_refused(run({.arguments = {"inspect", "probe.json"}, .folder = box.path()}),
-                 "probe.json: file: ", "is larger than 1 MiB; allowed: a file of at most 1 MiB that can be read");
-}
-
-TEST(BadMaterialFile, CannotBeOpened) {
-  const Sandbox box;
-  fs::create_directories(box / "folder.json");
-  fs::create_symlink("nowhere", box / "dangling.json");
-  fs::create_symlink("loop.json", box / "loop.json");
-  ASSERT_EQ(::mkfifo((box / "pipe.json").c_str(), 0600), 0);
-  const std::string allowed = "; allowed: a file of at most 1 MiB that can be read";
-  const std::string long_name = std::string(300, 'a') + ".json";
-  for (const auto& [path, says] :
-       std::vector<std::pair<std::string, std::string>>{{"nowhere.json", "does not exist"},
-                                                        {"./nowhere", "does not exist"},
-                                                        {"no/where.json", "does not exist"},
-                                                        {"folder.json", "is not a regular file"},
-                                                        {"folder.json/", "is not a regular file"},
-                                                        {"dangling.json", "does not exist"},
-                                                        {"loop.json", "Too many levels of symbolic links"},
-                                                        {"pipe.json", "is not a regular file"},
-                                                        {"/dev/zero", "is not a regular file"},
-                                                        {long_name, "File name too long"}})
-    expect_refused(run({.arguments = {"inspect", path}, .folder = box.path()}), path + ": file: ", says + allowed);
-  expect_refused(run({.arguments = {"inspect", "a\nb\033.json"}, .folder = box.path()}),
-                 "a?b?.json: file: ", "does not exist");
-}
-
-TEST(BadMaterialFile, CannotBeRead) {
-  const Sandbox box;
-  write_file(box / "probe.json", kGood);
-  fs::permissions(box / "probe.json", fs::perms::none);
-  const auto outcome = run({.arguments = {"inspect", "probe.json"}, .folder = box.path(), .as_nobody = true});
-  if (outcome.exit_code == kNotStarted) GTEST_SKIP() << "root reads all, and nobody cannot start the program";
-  expect_refused(outcome, "probe.json: file: Permission denied", "allowed: a file of at most 1 MiB that can be read");
-}
-
-struct GoodMaterial {
-  std::string test, text;
-};
-
-void PrintTo(const GoodMaterial& good, std::ostream* stream) {
-  *stream << good.test;
-}
-
-std::string with_line_ends(std::string text, const std::string& line_end) {
-  for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos; at += line_end.size())
-    text.replace(at, 1, line_end);
-  return text;
-}
-
-// Just inside of what BadMaterialFile finds outside, so that neither limit moves unseen.
-std::vector<GoodMaterial> good_cases() {
-  const std::string good = kGood;
-  std::string umlauts;
-  for (int i = 0; i < 200; ++i) umlauts += "\xc3\xa4";
-  std::vector<GoodMaterial> cases = {
-      {"as_it_is", good},
-      {"byte_order_mark", "\xef\xbb\xbf" + good},
-      {"comments", "// one\n/* two */" + changed("\"contact\"", "// three\n\"contact\"")},
-      {"windows_line_ends", with_line_ends(good, "\r\n")},
-      {"one_line", with_line_ends(good, " ")},
-      {"no_line_end_but_space_up_to_1_mib", good + std::string((1 << 20) - good.size(), ' ')},
-      {"no_description", changed("\"description\": \"a probe\",", "")},
-      {"empty_description", changed("a probe", "")},
-      {"description_of_200_umlauts", changed("a probe", umlauts)},
-      {"description_of_markup", changed("a probe", "<b>&amp; 'x' {/Symbol a} @NAME@ %s ]]> --> */")},
-      {"name_of_64", changed("\"probe\"", '"' + std::string(64, 'a') + '"')},
-      {"name_of_one", changed("\"probe\"", "\"a\"")},
-      {"equal_speeds", changed("\"min_speed_m_per_s\": 0.1", "\"min_speed_m_per_s\": 6")},
-      {"compression_from_impact", changed(", \"max_compression_m\": 1e-3", "")},
-      {"exponent_1", changed("2.5", "1")},
-      {"one_segment", changed("\"segments\": 8", "\"segments\": 1")},
-      {"graded", with_spline(R"("knots": "graded", "segments": 8)")},
-      {"graded_of_one_speed",
-       [] {
-         std::string text = with_spline(R"("knots": "graded", "segments": 8)");
-         return text.replace(text.find(R"("min_speed_m_per_s": 0.1)"), 24, R"("min_speed_m_per_s": 6.0)");
-       }()},
-      {"optimal_of_128", with_spline(R"("knots": "optimal", "segments": 128)")},
-      {"optimal_in_force", with_spline(R"("knots": "optimal", "segments": 8, "minimise": "force")")},
-      {"graded_by_tolerance", with_spline(R"("knots": "graded", "tolerance": 0.5)")},
-      {"optimal_in_spectrum", with_spline(R"("knots": "optimal", "segments": 8, "minimise": "spectrum")")},
-      {"spectrum_by_tolerance", with_spline(R"("knots": "optimal", "minimise": "spectrum", "tolerance_db": 20)")},
-      {"uniform_by_tolerance", with_spline(R"("knots": "uniform", "tolerance": 0.01, "max_compression_m": 1e-3)")}};
-  const std::vector<std::pair<std::string, std::vector<std::string>>> ends = {
-      {"\"stiffness_n_per_m_alpha\": 4.5e9", {"0.001", "1e18"}},
-      {"\"exponent\": 2.5", {"10"}},
-      {"\"mass_kg\": 0.003", {"1e-9", "1e4"}},
-      {"\"max_speed_m_per_s\": 6.0", {"1000"}},
-      {"\"min_speed_m_per_s\": 0.1", {"1e-6"}},
-      {"\"segments\": 8", {"65536"}},
-      {"\"max_compression_m\": 1e-3", {"1e-9", "1"}}};
-  for (const auto& [member, values] : ends)
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      const auto key = member.substr(1, member.find('"', 1) - 1);
-      cases.push_back({key + "_at_end_" + std::to_string(i),
-                       changed(member, member.substr(0, member.find(':') + 1) + values[i])});
-    }
-  return cases;
-}
-
-class GoodMaterialFile : public ::testing::TestWithParam<GoodMaterial> {};
-
-TEST_P(GoodMaterialFile, IsAccepted) {
-  const Sandbox box;
-  write_file(box / "probe.json", GetParam().text);
-  succeed({.arguments = {"generate", "probe.json", "-o", "out"}, .folder = box.path()});
-  EXPECT_EQ(std::distance(fs::directory_iterator(box / "out"), {}), 3);
-}
-
-INSTANTIATE_TEST_SUITE_P(Good, GoodMaterialFile, ::testing::ValuesIn(good_cases()),
-                         ::testing::PrintToStringParamName());
 
 }  // namespace
 }  // namespace contactspline::testing

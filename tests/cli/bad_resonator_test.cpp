@@ -141,6 +141,7 @@ std::vector<BadFile> all_number_cases() {
 
 std::vector<BadFile> key_cases() {
   const std::string root = "name, description, string, bar, membrane, plate, modes, strike, pickup, max_modes";
+  const std::string ends = R"(allowed: two of free, clamped, supported, such as ["clamped", "free"])";
   const std::string kinds = "kinds of body are given; allowed: just one of string, bar, membrane, plate, modes";
   std::vector<BadFile> cases = {
       {"name_missing", changed(kString, R"("name": "probe",)", ""), "name", "missing; allowed: a-z"},
@@ -151,6 +152,14 @@ std::vector<BadFile> key_cases() {
        "unknown key; allowed: " + root},
       {"unknown_in_string", changed(kString, R"("length_m")", R"("length_mm": 1, "length_m")"), "string.length_mm",
        "unknown key; allowed: length_m"},
+      {"one_end", changed(kBar, R"("length_m")", R"("ends": ["free"], "length_m")"), "bar.ends",
+       "names one end; " + ends},
+      {"word_for_ends", changed(kBar, R"("length_m")", R"("ends": "clamped", "length_m")"), "bar.ends",
+       "names one end; " + ends},
+      {"unknown_end", changed(kBar, R"("length_m")", R"("ends": ["free", "glued"], "length_m")"), "bar.ends[1]",
+       "'glued' is no end of a bar; " + ends},
+      {"number_for_an_end", changed(kBar, R"("length_m")", R"("ends": ["free", 1], "length_m")"), "bar.ends[1]",
+       "is not a string; " + ends},
       {"unknown_in_bar", changed(kBar, R"("length_m")", R"("tension_n": 1, "length_m")"), "bar.tension_n",
        "unknown key; allowed: length_m"},
       {"unknown_in_membrane", changed(kMembrane, R"("radius_m")", R"("length_m": 1, "radius_m")"),

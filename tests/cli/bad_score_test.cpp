@@ -203,7 +203,7 @@ std::vector<BadFile> key_cases() {
        "glides to nothing; allowed: beside a control"},
       {"pedal_of_a_key", changed(kKeys, note, R"("sustain": 1)"), "events[0].sustain",
        "is for all keys; allowed: without key"},
-      {"pedal_of_a_voice", changed(kHammer, R"("over_s")", R"("sustain": 1, "over_s")"), "events[0].sustain",
+      {"pedal_of_a_voice", changed(kHammer, R"("over_s")", R"("una_corda": 1, "over_s")"), "events[0].una_corda",
        "unknown key; allowed: time_s, voice"},
       {"nothing_happens", changed(kKeys, ", " + note, ""), "events[0].time_s",
        "nothing happens; allowed: beside speed_m_per_s or a control"},

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iostream>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <random>
@@ -20,6 +19,7 @@
 #include "fuzz/paths.hpp"
 #include "generator/support/embedded_files.hpp"
 #include "generator/support/error.hpp"
+#include "support/measured.hpp"
 
 namespace contactspline::testing {
 
@@ -125,7 +125,7 @@ inline void damage_files(const std::vector<std::string>& texts, std::string_view
       ADD_FAILURE() << "not BadInput: " << error.what() << "\n" << text;
     }
   }
-  std::cout << taken << " taken, " << refused << " refused with " << messages.size() << " different messages\n";
+  Measured() << taken << " taken, " << refused << " refused with " << messages.size() << " different messages";
   EXPECT_GE(taken, rounds / accepted_one_in);
   EXPECT_GE(refused, rounds / 4);
 }

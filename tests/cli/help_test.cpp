@@ -27,7 +27,7 @@ const std::vector<Command> kCommands = {
      {"MATERIAL", "--emit", "faust", "cpp", "json", "-o,--output", "--check", "--depfile", "--rate", "--force",
       "standard output", "An instrument is a Faust program\ntoo if"}},
     {"inspect", {"inspect"}, {"MATERIAL", "--figure", "--compare", "--rate"}},
-    {"list", {"list"}, {"contact duration", "materials", "resonators", "keyboards", "instruments", "scores"}},
+    {"list", {"list"}, {"materials", "resonators", "keyboards", "instruments", "scores"}},
     {"show", {"show"}, {"NAME", "my_felt.json"}},
     {"impact", {"impact"}, {"MATERIAL", "--speed", "--rate", "1e-06 to 1000"}},
     {"render", {"render"}, {"mass-barrier"}},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// docs/materials.md: every example is accepted by every command, and the figures it states come out.
+// docs/reference/materials.md: every example is accepted by every command, and the figures it states come out.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,7 +15,8 @@ namespace {
 
 /// The fenced blocks of a language.
 std::vector<std::string> blocks(const std::string& language) {
-  const std::string text = read_file(fs::path(SOURCE_FOLDER) / "docs/materials.md"), fence = "```" + language + "\n";
+  const std::string text = read_file(fs::path(SOURCE_FOLDER) / "docs/reference/materials.md"),
+                    fence = "```" + language + "\n";
   std::vector<std::string> found;
   for (std::size_t at = 0; (at = text.find(fence, at)) != std::string::npos;) {
     at += fence.size();

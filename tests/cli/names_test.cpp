@@ -73,7 +73,7 @@ void expect_compiles(const Sandbox& box, const std::string& source) {
 TEST(Names, ThatAreAcceptedCompile) {
   const Sandbox box;
   std::string includes = kHeaders, uses;
-  includes += "#include \"contactspline/mass_barrier.hpp\"\n";
+  includes += "#include \"contactspline/models/mass_barrier.hpp\"\n";
   for (const std::string name : {"printf", "size_t", "materials", "resonators", "detail", "main", "y0", "data",
                                  "table", "segment", "float_t", "a", "hammer"}) {
     write_file(box / "probe.json", material(name));
@@ -125,7 +125,7 @@ std::set<std::string> words_in(const std::string& text) {
 struct Kind {
   std::string folder;
   std::string (*file)(const std::string& name);
-  std::string use;  // of a name in that namespace
+  std::string use;  // uses a name of that namespace
 };
 
 void PrintTo(const Kind& kind, std::ostream* stream) {

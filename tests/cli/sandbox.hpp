@@ -36,7 +36,7 @@ struct FileState {
   mode_t mode;
   ino_t inode;
   long long modified_ns;
-  std::string content;  ///< of a regular file; the target of a link
+  std::string content;  ///< content of a regular file; target of a link
 
   auto operator<=>(const FileState&) const = default;
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Every file that ships through every command that takes it, also in a Debug build and under sanitizers. Scores are
-// played by render_score_test.
+// played by shipped_score_test.
 #include <gtest/gtest.h>
 
 #include <string>

@@ -12,6 +12,7 @@
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -23,22 +24,30 @@ struct Svg {
   std::size_t bytes = 0;
   std::size_t curves = 0;            ///< groups that gnuplot calls gnuplot_plot_...
   std::string text;                  ///< all of it
+  std::vector<std::string> labels;   ///< each text on its own
   std::vector<std::string> numbers;  ///< attributes that hold coordinates
+  std::string element;               ///< the last one that began
 };
 
 namespace detail {
 
 inline void take_element(void* user, const XML_Char* name, const XML_Char** attributes) {
   auto& svg = *static_cast<Svg*>(user);
+  svg.element = name;
+  if (svg.element == "text") svg.labels.emplace_back();
   for (; *attributes != nullptr; attributes += 2) {
     const std::string key = attributes[0], value = attributes[1];
-    svg.curves += std::string(name) == "g" && key == "id" && value.starts_with("gnuplot_plot");
+    svg.curves += svg.element == "g" && key == "id" && value.starts_with("gnuplot_plot");
     if (key == "d" || key == "points" || key == "transform" || key == "viewBox") svg.numbers.push_back(value);
   }
 }
 
 inline void take_text(void* user, const XML_Char* text, int length) {
-  static_cast<Svg*>(user)->text.append(text, static_cast<std::size_t>(length));
+  auto& svg = *static_cast<Svg*>(user);
+  const std::string_view part(text, static_cast<std::size_t>(length));
+  svg.text += part;
+  const bool is_label = svg.element == "text" || svg.element == "tspan";
+  if (is_label && part.find_first_not_of(" \n\t") != part.npos) svg.labels.back() += part;
 }
 
 }  // namespace detail
@@ -60,7 +69,7 @@ inline Svg read_svg(const fs::path& path) {
 
 /// No upright label, which is turned by 90 degrees around its baseline, reaches beyond the left edge.
 inline void expect_labels_whole(const fs::path& path) {
-  constexpr double kAscent = 11;  // of a font of 14
+  constexpr double kAscent = 11;  // ascent of a font of 14
   static const std::regex upright(R"(translate\(([-\d.]+),[-\d.]+\) rotate\(270\))");
   std::size_t labels = 0;
   for (const std::string& numbers : read_svg(path).numbers)

@@ -6,7 +6,6 @@
 
 #include <cerrno>
 #include <cstring>
-#include <iostream>
 #include <map>
 #include <memory>
 #include <random>
@@ -15,6 +14,7 @@
 
 #include "program.hpp"
 #include "sandbox.hpp"
+#include "support/measured.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -217,8 +217,8 @@ TEST(Killed, LeavesEveryFileOldOrNew) {
     if (is_mixed) succeed(variants.generating(next, "out"));
     if (renamed > 0) std::swap(now, next);
   }
-  std::cout << killed << " of 60 killed at work, " << mixed << " between the first and the last rename, "
-            << with_temporaries << " with temporary files; a whole run stops " << stops << " times\n";
+  Measured() << killed << " of 60 killed at work, " << mixed << " between the first and the last rename, "
+             << with_temporaries << " with temporary files; a whole run stops " << stops << " times";
   EXPECT_GE(killed, 57) << "too few kills came in time to prove anything";
   EXPECT_GE(mixed, 10);
   EXPECT_GE(with_temporaries, 20);

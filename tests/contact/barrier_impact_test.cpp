@@ -7,7 +7,6 @@
 
 #include <array>
 #include <cmath>
-#include <iostream>
 #include <numbers>
 
 #include "generator/contact/contact_law_quad.hpp"
@@ -15,6 +14,7 @@
 #include "generator/spline/simulated_impact.hpp"
 #include "generator/spline/spline_error.hpp"
 #include "support/compare.hpp"
+#include "support/measured.hpp"
 #include "support/reference.hpp"
 
 namespace contactspline::testing {
@@ -43,7 +43,7 @@ TEST(Collide, WithoutLossIsTheClosedFormOfAPowerLaw) {
       EXPECT_TRUE(relatively_within(found.exit_speed_m_per_s, speed, 1e-15));
       worst = std::max(worst, std::abs(found.contact_duration_s / law.contact_duration(kMass, speed) - 1));
     }
-  std::cout << "duration by quadrature: worst relative error " << worst << '\n';
+  Measured() << "duration by quadrature: worst relative error " << worst;
 }
 
 // A spring that gets a second one beside it at d: the motion is a sine up to d and one with a shifted centre beyond.
@@ -122,7 +122,7 @@ TEST(Collide, IsWhatTheContactStepConvergesTo) {
     };
     const auto coarse = errors(2e6), fine = errors(4e6);
     for (std::size_t i = 0; i < fine.size(); ++i) {
-      std::cout << "loss " << loss << ": " << coarse[i] << " at 2 MHz, " << fine[i] << " at 4 MHz\n";
+      Measured() << "loss " << loss << ": " << coarse[i] << " at 2 MHz, " << fine[i] << " at 4 MHz";
       EXPECT_LT(fine[i], 5e-4);
       EXPECT_LT(fine[i], 0.6 * coarse[i] + 2e-6);
     }

@@ -6,11 +6,11 @@
 
 #include <boost/math/quadrature/exp_sinh.hpp>
 #include <cmath>
-#include <iostream>
 #include <limits>
 #include <numbers>
 
 #include "support/compare.hpp"
+#include "support/measured.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -46,7 +46,7 @@ TEST(SteelBallOnSteelPlate, LastsAsLongAsMeasured) {
   const PowerLaw law = hertz_law(steel(Shape::kSphere, 0.00079), steel(Shape::kPlane));
   for (const double height_m : {0.05, 0.1, 0.2, 0.3}) {
     const double duration = law.contact_duration(steel_ball_kg(0.00079), std::sqrt(2 * 9.81 * height_m));
-    std::cout << "fall of " << height_m << " m: " << 1e6 * duration << " us\n";
+    Measured() << "fall of " << height_m << " m: " << 1e6 * duration << " us";
     EXPECT_TRUE(within(duration, 5e-6, 0.5e-6)) << height_m;
   }
 }
@@ -126,7 +126,7 @@ TEST(CrossedCylinders, FollowFromTheIntegralsOfTheTheory) {
     EXPECT_TRUE(relatively_within(hertz_law(sphere, cylinder).stiffness, crossed.stiffness, 1e-9)) << ratio;
     EXPECT_EQ(hertz_law(sphere, cylinder).stiffness, hertz_law(cylinder, sphere).stiffness);
   }
-  std::cout << "crossed cylinders: worst error " << worst << '\n';
+  Measured() << "crossed cylinders: worst error " << worst;
 }
 
 TEST(Contact, IsAtAPointUnlessSomethingFlatMeetsAPlaneOrACylinder) {

@@ -6,12 +6,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <iostream>
 #include <numbers>
 
 #include "generator/contact/barrier_impact.hpp"
 #include "generator/spline/contact_spline.hpp"
 #include "support/compare.hpp"
+#include "support/measured.hpp"
 #include "support/reference.hpp"
 
 namespace contactspline::testing {
@@ -82,9 +82,9 @@ TEST_P(NoisyCurve, GivesThePowerLawBack) {
       const double range_m = log_uniform(random, 1e-4, 1e-2);
       recovery.add(law, range_m, sampled(law, range_m, count, kind, 0.02, random));
     }
-    std::cout << name << ", exponent " << exponent << ", " << recovery.curves << " curves: exponent within "
-              << 100 * recovery.exponent << " %, duration within " << 100 * recovery.duration_at_top
-              << " %, at a third of the speed " << 100 * recovery.duration_at_third << " %\n";
+    Measured() << name << ", exponent " << exponent << ", " << recovery.curves << " curves: exponent within "
+               << 100 * recovery.exponent << " %, duration within " << 100 * recovery.duration_at_top
+               << " %, at a third of the speed " << 100 * recovery.duration_at_third << " %";
     EXPECT_LE(recovery.exponent, 0.03);
     EXPECT_LE(recovery.duration_at_top, 0.05);
     EXPECT_LE(recovery.duration_at_third, 0.05);
@@ -155,7 +155,7 @@ TEST_P(CurveFit, HasItsShapeAndNothingOfThatShapeIsNearer) {
       EXPECT_GE(squares(samples, other), min * (1 - 1e-12));
     }
   }
-  std::cout << tried << " neighbours of the shape, none nearer\n";
+  Measured() << tried << " neighbours of the shape, none nearer";
   EXPECT_GE(tried, 100);
 }
 
@@ -176,7 +176,7 @@ TEST(CurveShapes, DifferWhereAForceSoftens) {
 // times.
 struct MeasuredImpact {
   std::string csv = "compression_m,force_n\n";
-  std::vector<double> speeds;  ///< of the samples
+  std::vector<double> speeds;  ///< speeds of the samples
 };
 
 MeasuredImpact measured_impact(const PowerLaw& law, double loss, double speed, double noise,
@@ -229,8 +229,8 @@ TEST(MeasuredImpact, GivesLossAndForceBack) {
         const auto samples = parse_curve(measured_impact(law, loss, speed, noise, random).csv, "felt.csv", speed);
         const double fitted = fitted_loss(samples, CurveShape::kHardening, 0.49);
         const ForceCurve curve = smooth_curve(samples, CurveShape::kHardening, fitted);
-        std::cout << "exponent " << exponent << ", loss times speed " << scaled << ", noise " << noise << ": loss "
-                  << fitted / loss << " of the true one\n";
+        Measured() << "exponent " << exponent << ", loss times speed " << scaled << ", noise " << noise << ": loss "
+                   << fitted / loss << " of the true one";
         EXPECT_TRUE(within(fitted * speed, scaled, noise == 0 ? 0.01 : 0.02));
         const double deepest = samples.back().compression_m;
         for (const double part : {0.3, 0.6, 1.0})

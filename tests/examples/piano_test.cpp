@@ -64,7 +64,7 @@ TEST(PianoExample, PlaysTheInstrumentOfTheRuntime) {
   piano.process(expected);
   std::vector<float> scaled(37);
   for (const double x : expected) scaled.push_back(static_cast<float>(12 * x));
-  // Single precision keeps 95 dB of the mean over a second (docs/body.md), some 25 dB less of a sample.
+  // Single precision keeps 95 dB of the mean over a second (docs/how-it-works/body.md), some 25 dB less of a sample.
   EXPECT_TRUE(sequences_within<float>(sound, scaled, 1e-3));
 }
 

@@ -52,3 +52,7 @@ contactspline_test(faust_compiler O1 LABELS faust
   LIBRARIES faust_cpp nlohmann_json::nlohmann_json ${CMAKE_DL_LIBS})
 add_dependencies(faust_compiler faust_c)
 
+# Programs of random instruments against the class.
+contactspline_test(random_instruments_test O1 LABELS faust
+  LIBRARIES contactspline_emit nlohmann_json::nlohmann_json ${CMAKE_DL_LIBS} ${simd})
+target_include_directories(random_instruments_test PRIVATE ${generated})

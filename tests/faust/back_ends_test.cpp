@@ -4,10 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <iostream>
 #include <vector>
 
 #include "faust_command.hpp"
+#include "support/measured.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -51,7 +51,7 @@ TEST_P(BackEndTest, CompilesEveryProgram) {
     EXPECT_EQ(outcome.exit_code, 0) << program << ": " << outcome.output;
     EXPECT_TRUE(fs::exists(output) && fs::file_size(output) > 0) << program << ": no output";
   }
-  std::cout << all.size() << " programs\n";
+  Measured() << all.size() << " programs";
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -3,12 +3,12 @@
 // any: height, momentum, number of contacts, rest.
 #include <gtest/gtest.h>
 
-#include <iostream>
 #include <numeric>
 
 #include "strike_cases.hpp"
 #include "support/compare.hpp"
 #include "support/finite.hpp"
+#include "support/measured.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -76,7 +76,7 @@ void expect_lossless_bounces(const MaterialUnderTest& material) {
   const double samples = static_cast<double>(strike.samples);
   const auto reached = heights(motion);
   const double worst = std::ranges::max(reached, {}, [](double h) { return std::abs(h - kHeight); }) / kHeight - 1;
-  std::cout << contacts(motion) << " contacts (twin " << contacts(twin) << "), worst height off by " << worst << '\n';
+  Measured() << contacts(motion) << " contacts (twin " << contacts(twin) << "), worst height off by " << worst;
   ASSERT_GE(reached.size(), 10u);
   for (const double height : reached) EXPECT_TRUE(relatively_within(height, kHeight, 8 * samples * roundoff));
   EXPECT_LE(std::max(contacts(motion), contacts(twin)) - std::min(contacts(motion), contacts(twin)), 1u);
@@ -112,7 +112,7 @@ TEST_P(BounceTest, KeepsEnergyAtEverySample) {
   const double start = strike.mass_kg * kGravity * kHeight;
   double worst = 0;
   for (const double e : energy) worst = std::max(worst, std::abs(e / start - 1));
-  std::cout << "worst relative error of the energy " << worst << '\n';
+  Measured() << "worst relative error of the energy " << worst;
   EXPECT_LE(worst, 8 * static_cast<double>(strike.samples) * 0x1p-53);
 }
 
@@ -134,8 +134,8 @@ void expect_rest(const MaterialUnderTest& material) {
   const Motion<T> last_second{{}, {motion.force.end() - strike.sample_rate_hz, motion.force.end()}};
   const double weight = strike.mass_kg * kGravity;
   const double speed = std::sqrt(2 * kGravity * kMicrometre);
-  std::cout << contacts(motion) << " contacts, mean force of the last second " << mean_force(last_second) / weight - 1
-            << " off the weight\n";
+  Measured() << contacts(motion) << " contacts, mean force of the last second "
+             << mean_force(last_second) / weight - 1 << " off the weight";
   EXPECT_TRUE(within(mean_force(last_second), weight, 2 * strike.mass_kg * speed));
 }
 

@@ -2,11 +2,10 @@
 // A felt compensated for 44.1 kHz, as Faust compiles it, lasts as long on a rigid barrier as the law says.
 #include <gtest/gtest.h>
 
-#include <iostream>
-
 #include "generator/contact/contact_law.hpp"
 #include "strike_cases.hpp"
 #include "support/compare.hpp"
+#include "support/measured.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -45,7 +44,7 @@ TEST(CompensatedFelt, LastsAsLongAsTheLawInFaust) {
         of = std::max(of, error);
         ASSERT_TRUE(std::isfinite(error));
       }
-  std::cout << "exit time within " << worst << " samples, uncompensated " << plain << '\n';
+  Measured() << "exit time within " << worst << " samples, uncompensated " << plain;
   EXPECT_GT(worst, 0);
   EXPECT_LE(worst, 0.00444);
   EXPECT_GT(plain, 0.0444);

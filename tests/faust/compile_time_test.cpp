@@ -3,9 +3,8 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
-#include <iostream>
-
 #include "faust_command.hpp"
+#include "support/measured.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -30,9 +29,9 @@ class CompileTimeTest : public ::testing::TestWithParam<int> {};
 
 TEST_P(CompileTimeTest, OfTheMassBarrierIsPrinted) {
   const std::string name = "mass_barrier_felt_c4_n" + std::to_string(GetParam());
-  std::cout << "faust on mass_barrier.dsp with " << GetParam()
-            << " segments: " << compile_seconds(std::filesystem::path(kGenerated) / (name + ".dsp"))
-            << " s of user time\n";
+  Measured() << "faust on mass_barrier.dsp with " << GetParam()
+             << " segments: " << compile_seconds(std::filesystem::path(kGenerated) / (name + ".dsp"))
+             << " s of user time";
 }
 
 INSTANTIATE_TEST_SUITE_P(Segments, CompileTimeTest, ::testing::Values(1, 64, 1024));
@@ -41,8 +40,7 @@ TEST(CompileTime, OfStringsIsPrinted) {
   const std::filesystem::path shipped = kFaustSources, strings = kBenchStrings, tests = kFaustTests;
   for (const auto& program : {shipped / "hammer_string.dsp", strings / "eighty_modes.dsp", strings / "c2.dsp",
                               shipped / "piano.dsp", tests / "piano_effect.dsp", shipped / "slide_string.dsp"})
-    std::cout << "faust on " << program.filename().string() << ": " << compile_seconds(program)
-              << " s of user time\n";
+    Measured() << "faust on " << program.filename().string() << ": " << compile_seconds(program) << " s of user time";
 }
 
 }  // namespace

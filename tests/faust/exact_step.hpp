@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "contactspline/contact.hpp"
+#include "contactspline/step/contact.hpp"
 
 namespace contactspline::testing {
 

@@ -10,13 +10,16 @@
 #include <faust/gui/meta.h>
 // clang-format on
 
-#include "contactspline/faust_dsp.hpp"
+#include "contactspline/host/faust_dsp.hpp"
 
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <memory>
+#include <numbers>
 #include <sstream>
 
+#include "contactspline/instrument/instruments_of.hpp"
 #include "contactspline/materials/felt_c4.hpp"
 #include "contactspline/resonators/string_c4.hpp"
 #include "hammer_string_double.hpp"
@@ -34,11 +37,19 @@ constexpr int kRate = 44100;
 constexpr std::size_t kSecond = 44100;
 constexpr double kMass = 0.00297;
 
+using StruckC4 = HammerStringOf<Felt, String, double>;
+
 std::unique_ptr<dsp> wrapped() {
-  return std::make_unique<HammerStringDsp<Felt, String, double>>("hammer_string", kMass);
+  return std::make_unique<InstrumentDsp<StruckC4>>();
 }
 
-/// Displacement at the pickup [mm] and force [N].
+// What the program of Faust calls the parameters.
+const std::map<std::string, const char*> kNamesInFaust = {
+    {"speed_m_per_s", "speed"},    {"hammer_mass_kg", "hammer mass"}, {"stiffness_ratio", "stiffness ratio"},
+    {"loss_s_per_m", "felt loss"}, {"damping_per_s", "damping"},      {"strike_m", "strike position"}};
+const double kLength_m = std::numbers::pi / String::wavenumbers[0];
+
+/// Displacement at the pickup [mm] and force, over the full scale.
 struct Sound {
   std::vector<double> displacement, force;
 };
@@ -48,8 +59,18 @@ class Player {
   explicit Player(std::unique_ptr<dsp> instrument) : instrument_(std::move(instrument)) {
     instrument_->init(kRate);
     instrument_->buildUserInterface(&controls_);
+    if (is_faust())
+      full_scale_n_ = 1;
+    else
+      set("strike_m", 0.12 * kLength_m);
   }
-  void set(const char* label, double value) { controls_.setParamValue(label, value); }
+  /// label: that of our class.
+  void set(const std::string& label, double value) {
+    if (!is_faust() || label == "strike") return controls_.setParamValue(label, value);
+    controls_.setParamValue(kNamesInFaust.at(label), label == "strike_m" ? value / kLength_m : value);
+  }
+  [[nodiscard]] bool is_faust() { return controls_.getParamZone("hammer mass") != nullptr; }
+  [[nodiscard]] double full_scale_n() const { return full_scale_n_; }
   void play(std::size_t samples, Sound& sound) {
     const std::size_t before = sound.force.size();
     sound.displacement.resize(before + samples);
@@ -62,22 +83,22 @@ class Player {
  private:
   std::unique_ptr<dsp> instrument_;
   MapUI controls_;
+  double full_scale_n_ = 50;
 };
 
-Sound bare(std::size_t samples) {
+Sound bare(std::size_t samples, double place_m = 0.12 * kLength_m) {
   constexpr auto& felt = segments_of<Felt, double>;
   HammerString<double, felt.size()> model(felt, modes_in<String>, ModeShapes<double>(String::strike_shapes), kRate);
   const auto pickup = model.string().sound_pickup(String::pickup_shapes);
   ModeShapes<double> shapes(String::modes);
-  const double place_m = 0.12 * std::numbers::pi / String::wavenumbers[0];
   for (std::size_t i = 0; i < String::modes; ++i) shapes[i] = std::sin(String::wavenumbers[i] * place_m);
   model.strike_at(shapes);
   model.strike(2.5, 1e-4);
   Sound sound;
   for (std::size_t n = 0; n < samples; ++n) {
     model.tick({.hammer_mass_kg = kMass});
-    sound.displacement.push_back(1000 * model.string().displacement(pickup));
-    sound.force.push_back(model.force());
+    sound.displacement.push_back(model.string().displacement(pickup) / 0.001);
+    sound.force.push_back(model.force() / 50);
   }
   return sound;
 }
@@ -88,7 +109,7 @@ TEST(HammerStringDsp, IsTheModelToTheLastBit) {
   Sound sound;
   for (int block = 0; block < 100; ++block) player.play(441, sound);
   const Sound expected = bare(kSecond);
-  EXPECT_GT(*std::ranges::max_element(expected.force), 10);
+  EXPECT_GT(*std::ranges::max_element(expected.force), 0.2);
   EXPECT_EQ(sound.displacement, expected.displacement);
   EXPECT_EQ(sound.force, expected.force);
 }
@@ -102,13 +123,13 @@ TEST(HammerStringDsp, SoundsAsTheClassThatFaustWrites) {
     for (Player* player : {&ours, &faust}) {
       Sound& sound = player == &ours ? found : expected;
       player->set("strike", 0);
-      player->set("damping", i % 3 == 2 ? 40 : 0);
+      player->set("damping_per_s", i % 3 == 2 ? 40 : 0);
       player->play(2000 + 37 * static_cast<std::size_t>(i), sound);
-      player->set("speed", 1 + 0.3 * i);
-      player->set("hammer mass", kMass * (1 + 0.1 * i));
-      player->set("stiffness ratio", 0.5 + 0.2 * i);
-      player->set("felt loss", 0.03 * i);
-      player->set("strike position", 0.1 + 0.01 * i);
+      player->set("speed_m_per_s", 1 + 0.3 * i);
+      player->set("hammer_mass_kg", kMass * (1 + 0.1 * i));
+      player->set("stiffness_ratio", 0.5 + 0.2 * i);
+      player->set("loss_s_per_m", 0.03 * i);
+      player->set("strike_m", (0.1 + 0.01 * i) * kLength_m);
       player->set("strike", 1);
       player->play(1500, sound);
     }
@@ -119,7 +140,8 @@ TEST(HammerStringDsp, SoundsAsTheClassThatFaustWrites) {
     peak_n = std::max(peak_n, found.force[n]);
   }
   EXPECT_GT(peak_mm, 0.1);
-  EXPECT_GT(peak_n, 10);
+  EXPECT_GT(peak_n, 0.2);
+  for (double& force : expected.force) force /= ours.full_scale_n();
   const Sound earlier{{expected.displacement.begin() + 1, expected.displacement.end()}, {}};
   found.displacement.pop_back();
   EXPECT_TRUE(sequences_within<double>(found.displacement, earlier.displacement, 1e-9));
@@ -135,7 +157,7 @@ TEST(HammerStringDsp, HoldsItsControlsInTheirRanges) {
     for (int i = 0; i < 4; ++i) {
       player.set("strike", 0);
       player.play(100, sound);
-      if (i == 2) player.set("damping", 0);
+      if (i == 2) player.set("damping_per_s", 0);
       if (i == 1) player.set(label, value);
       player.set("strike", 1);
       player.play(500, sound);
@@ -143,17 +165,17 @@ TEST(HammerStringDsp, HoldsItsControlsInTheirRanges) {
     return sound.force;
   };
   const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
-  const auto left_alone = played("speed", 2.5);
-  for (const char* label : {"speed", "hammer mass", "stiffness ratio", "felt loss", "strike position"}) {
+  const auto left_alone = played("speed_m_per_s", 2.5);
+  for (const char* label : {"speed_m_per_s", "hammer_mass_kg", "stiffness_ratio", "loss_s_per_m", "strike_m"}) {
     EXPECT_EQ(played(label, nan), left_alone) << label;
     EXPECT_EQ(played(label, infinity), played(label, 1e30)) << label;
     EXPECT_EQ(played(label, -infinity), played(label, -1e30)) << label;
     EXPECT_NE(played(label, infinity), left_alone) << label;
   }
-  EXPECT_EQ(played("speed", 1e30), played("speed", 10));
-  EXPECT_EQ(played("strike position", 1e30), played("strike position", 0.99));
-  EXPECT_EQ(played("damping", nan), left_alone);
-  EXPECT_EQ(played("damping", infinity), played("damping", 1000));
+  EXPECT_EQ(played("speed_m_per_s", 1e30), played("speed_m_per_s", 10));
+  EXPECT_EQ(played("strike_m", 1e30), played("strike_m", kLength_m));
+  EXPECT_EQ(played("damping_per_s", nan), left_alone);
+  EXPECT_EQ(played("damping_per_s", infinity), played("damping_per_s", 1000));
 }
 
 // A strike that is no number is no strike, and the next one is.
@@ -165,7 +187,7 @@ TEST(HammerStringDsp, IsStruckAfterAStrikeThatIsNoNumber) {
   EXPECT_EQ(*std::ranges::max_element(sound.force), 0);
   player.set("strike", 1);
   player.play(500, sound);
-  EXPECT_GT(*std::ranges::max_element(sound.force), 10);
+  EXPECT_GT(*std::ranges::max_element(sound.force), 0.2);
 }
 
 /// What a host is told, line by line; zones by the order in which they come.
@@ -192,19 +214,30 @@ class Transcript : public GenericUI {
   std::map<FAUSTFLOAT*, std::size_t> zones_;
 };
 
-TEST(HammerStringDsp, TellsHostsWhatTheClassOfFaustTellsThem) {
+// Each parameter is a slider of its name, unit, range and first value; each event a button.
+TEST(HammerStringDsp, TellsHostsItsTable) {
   const auto told = [](dsp& instrument) {
     instrument.init(kRate);
     Transcript transcript;
     instrument.buildUserInterface(&transcript);
-    return transcript.text() + std::to_string(instrument.getNumInputs()) +
-           std::to_string(instrument.getNumOutputs()) + std::to_string(instrument.getSampleRate());
+    return transcript.text();
   };
-  hammer_string_double faust;
   const auto ours = wrapped();
-  EXPECT_EQ(told(*ours), told(faust));
+  const std::string text = told(*ours);
+  EXPECT_NE(text.find("button strike #"), std::string::npos) << text;
+  for (const Parameter& parameter : StruckC4().parameters()) {
+    std::ostringstream slider;
+    slider << "slider " << parameter.name << ' ' << parameter.initial << ' ' << parameter.slider.min << ' '
+           << parameter.slider.max << ' ' << slider_step(parameter) << ' ' << parameter.initial << " #";
+    EXPECT_NE(text.find(slider.str()), std::string::npos) << slider.str() << " in\n" << text;
+    const std::string unit = std::string("unit=") + parameter.unit + " #";
+    EXPECT_TRUE(*parameter.unit == 0 || text.find(unit) != std::string::npos) << unit;
+  }
+  EXPECT_EQ(ours->getNumInputs(), 0);
+  EXPECT_EQ(ours->getNumOutputs(), 2);
+  EXPECT_EQ(ours->getSampleRate(), kRate);
   const std::unique_ptr<dsp> copy(ours->clone());
-  EXPECT_EQ(told(*copy), told(faust));
+  EXPECT_EQ(told(*copy), text);
 }
 
 TEST(HammerStringDsp, IsSilentUntilItsThrowAndAfterItIsCleared) {
@@ -234,7 +267,7 @@ TEST(HammerStringDsp, IsTheModelInAnArchitectureFileOfFaust) {
     printed.displacement.push_back(std::stod(displacement));
     printed.force.push_back(std::stod(force));
   }
-  const Sound expected = bare(kSamples);
+  const Sound expected = bare(kSamples, String::strike_position_m);
   EXPECT_EQ(printed.displacement, expected.displacement);
   EXPECT_EQ(printed.force, expected.force);
 }

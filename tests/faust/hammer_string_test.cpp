@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // hammer_string.dsp against the C++ model on the same emitted felt and string.
-#include "contactspline/hammer_string.hpp"
+#include "contactspline/models/hammer_string.hpp"
 
 #include "contactspline/materials/felt_c4.hpp"
 #include "contactspline/resonators/string_c4.hpp"

@@ -13,7 +13,7 @@
 #include <sstream>
 
 #include "classical_guitar_double.hpp"
-#include "contactspline/faust_dsp.hpp"
+#include "contactspline/host/faust_dsp.hpp"
 #include "contactspline/instruments/classical_guitar.hpp"
 #include "contactspline/instruments/marimba_tube.hpp"
 #include "contactspline/instruments/prepared_piano.hpp"
@@ -94,9 +94,9 @@ double pluck_n(std::size_t sample, double release_n) {
 template <typename Instrument>
 void expect_same_strikes() {
   for (std::size_t s = 0; s < Instrument::data::strikes.size(); ++s) {
-    SCOPED_TRACE(Instrument::names::strikes[s]);
+    SCOPED_TRACE(Instrument::data::events[s].name);
     Player<Instrument> player;
-    player.set(std::string("strike_") + Instrument::names::strikes[s], 1);
+    player.set(Instrument::data::events[s].name, 1);
     const auto sound = player.play(4410);
     const auto expected = bare<Instrument>(4410, [&](Instrument& instrument, std::size_t n) {
       if (n == 0) instrument.strike(s, 2.5);

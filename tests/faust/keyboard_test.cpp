@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The keyboard that ships: its notes, what is emitted of them, and one voice in C++.
-#include "contactspline/keyboard.hpp"
+#include "contactspline/models/keyboard.hpp"
 
 #include <fstream>
 #include <iterator>

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 // The sliders of the Faust instruments, moved at random and one at a time: nothing blows up, nothing clicks.
-#include <iostream>
 #include <map>
 #include <memory>
 #include <random>
 
 #include "cpp_program.hpp"
 #include "support/compare.hpp"
+#include "support/measured.hpp"
 
 #define FAUSTFLOAT double
 #include "fret_string_ui.hpp"
@@ -36,7 +36,7 @@ struct Instrument {
   std::unique_ptr<FaustProgram<double>> (*make)();
   const char* trigger;
   std::vector<Slider> sliders;
-  double largest_mm;  ///< at the pickup
+  double largest_mm;  ///< largest displacement at the pickup
   std::map<std::string, double> at_first = {};
 };
 
@@ -122,7 +122,7 @@ TEST_P(FaustLiveControl, OfAllSlidersAtRandomStaysBounded) {
       largest = std::max(largest, std::abs(u));
     }
   }
-  std::cout << instrument.name << ": at most " << largest << " mm\n";
+  Measured() << instrument.name << ": at most " << largest << " mm";
   EXPECT_LE(largest, instrument.largest_mm);
 }
 
@@ -168,7 +168,7 @@ TEST_P(FaustLiveControl, MakesNoClick) {
     double worst = 0;
     for (int trial = 0; trial < 8; ++trial) worst = std::max(worst, edge_of_a_move(instrument, slider, player));
     EXPECT_TRUE(within(worst, 0, kNoClick)) << slider.label;
-    std::cout << instrument.name << ", " << slider.label << ": " << 20 * std::log10(worst) << " dB\n";
+    Measured() << instrument.name << ", " << slider.label << ": " << 20 * std::log10(worst) << " dB";
   }
 }
 

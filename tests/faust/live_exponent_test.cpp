@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: MIT
 // A live exponent: every blend of the family is convex, continuous and near its power law; a sweep in the midst of a
 // contact accounts for its energy; Faust blends as C++ does.
-#include "contactspline/live_exponent.hpp"
+#include "contactspline/step/live_exponent.hpp"
 
 #include <random>
 
-#include "contactspline/mass_barrier.hpp"
 #include "contactspline/materials/felt_live.hpp"
+#include "contactspline/models/mass_barrier.hpp"
 #include "cpp_program.hpp"
 #include "generator/contact/contact_law.hpp"
 #include "generator/spline/piecewise_linear_force.hpp"
 #include "support/compare.hpp"
+#include "support/measured.hpp"
 
 #define FAUSTFLOAT double
 #include "live_exponent_double.hpp"
@@ -72,7 +73,7 @@ TEST(LiveExponent, ContactsLastAsThePowerLawsDo) {
     }
   }
   RecordProperty("worst_percent", std::to_string(100 * worst));
-  std::cout << "worst error of the contact duration " << 100 * worst << " %\n";
+  Measured() << "worst error of the contact duration " << 100 * worst << " %";
   EXPECT_TRUE(within(worst, 0, 0.01));
   EXPECT_TRUE(relatively_within(Felt::live::max_compression_m, deepest, 1e-12));
   EXPECT_GT(deepest, 1.04 * range);

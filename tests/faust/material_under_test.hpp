@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "contactspline/contact.hpp"
+#include "contactspline/step/contact.hpp"
 #include "faust_program.hpp"
 
 namespace contactspline::testing {
@@ -25,7 +25,7 @@ struct MaterialUnderTest {
   std::string name;
   double max_compression_m;
   const char* length_scale_name;  ///< in Faust
-  double length_scale_m;          ///< of `normalised`
+  double length_scale_m;          ///< length scale of `normalised`
   double energy_scale_j;
   double loss_s_per_m;  ///< the material's own
   Programs<double> in_double;

@@ -2,12 +2,11 @@
 // What the C and LLVM back ends made of mass_barrier.dsp and probe.dsp on felt C4, run and judged like the C++.
 #include <gtest/gtest.h>
 
-#include <iostream>
-
 #include "native_program.hpp"
 #include "paths.hpp"
 #include "step_cases.hpp"
 #include "strike_cases.hpp"
+#include "support/measured.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -57,14 +56,14 @@ class NativeTest : public ::testing::TestWithParam<BackEnd> {
       const auto cpp = run_faust(*felt_c4().in<T>().mass_barrier(strike.sample_rate_hz), strike);
       widen(from_cpp, relative(difference(actual, cpp), exact));
     }
-    std::cout << "worst difference from the twin in double, relative to the peak: " << worst
-              << "\nfrom the C++ back end: " << from_cpp << '\n';
+    Measured() << "worst difference from the twin in double, relative to the peak: " << worst
+               << ", from the C++ back end: " << from_cpp;
   }
 
   template <std::floating_point T>
   void expect_exact_but_for_roundings(double lowest) const {
     const auto worst = worst_error<T>(felt_c4(), *make<T>("probe", kRate), lowest);
-    std::cout << "worst error in roundings: " << worst << '\n';
+    Measured() << "worst error in roundings: " << worst;
     EXPECT_LE(worst.largest(), kRoundings);
   }
 

@@ -2,14 +2,14 @@
 // The partials that sound after a stroke on C4, against the formula of the stiff string: C++ and Faust, both
 // precisions.
 #include <complex>
-#include <iostream>
 #include <numbers>
 
-#include "contactspline/hammer_string.hpp"
 #include "contactspline/materials/felt_c4.hpp"
+#include "contactspline/models/hammer_string.hpp"
 #include "contactspline/resonators/string_c4.hpp"
 #include "cpp_program.hpp"
 #include "support/compare.hpp"
+#include "support/measured.hpp"
 
 #define FAUSTFLOAT double
 #include "hammer_string_double.hpp"
@@ -143,8 +143,8 @@ TEST_P(PartialsOfC4, AreWithinATenthOfACentOfTheory) {
     if (i <= 20) worst_decay = std::max(worst_decay, std::abs(found.decay_per_s / theory.decay_per_s - 1));
   }
   EXPECT_TRUE(within(worst_decay, 0, 1e-3));
-  std::cout << GetParam().name << ": " << judged << " partials up to " << highest_hz << " Hz within " << worst_cents
-            << " cent of theory, the decay of the lowest 20 within " << worst_decay << " of theirs\n";
+  Measured() << GetParam().name << ": " << judged << " partials up to " << highest_hz << " Hz within " << worst_cents
+             << " cent of theory, the decay of the lowest 20 within " << worst_decay << " of theirs";
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -8,9 +8,9 @@
 #include <numbers>
 #include <random>
 
-#include "contactspline/hammer_voice.hpp"
-#include "contactspline/modal.hpp"
-#include "contactspline/stiff_string.hpp"
+#include "contactspline/modal/modal.hpp"
+#include "contactspline/modal/stiff_string.hpp"
+#include "contactspline/models/hammer_voice.hpp"
 #include "cpp_program.hpp"
 #include "generator/resonator/keyboard.hpp"
 #include "generator/resonator/keyboard_reader.hpp"
@@ -70,11 +70,14 @@ class OneString {
       : note_(note_of(piano(), key)),
         felt_(segment_table(design_spline(note_.felt, "piano"))),
         rows_(modes_below(note_.string, kRate / 2.0, 80)),
-        voice_(std::span<const Segment<double>>(felt_), bare(rows_), strike(),
-               bridge_shapes<double>(note_.string, rows_, 1),
-               {.hammer_mass_kg = mass_ratio * note_.hammer_mass_kg,
-                .felt = {stiffness_ratio, piano().felt_loss_s_per_m}},
-               {piano().damper_per_s, piano().damper_time_s}, kRate) {}
+        voice_({.felt = felt_,
+                .modes = bare(rows_),
+                .strike = strike(),
+                .output = bridge_shapes<double>(note_.string, rows_, 1),
+                .controls = {.hammer_mass_kg = mass_ratio * note_.hammer_mass_kg,
+                             .felt = {stiffness_ratio, piano().felt_loss_s_per_m}},
+                .damper = {piano().damper_per_s, piano().damper_time_s}},
+               kRate) {}
 
   HammerVoice<double>& voice() { return voice_; }
 
@@ -232,10 +235,14 @@ TEST(Piano, BeatsAsThreeStringsDo) {
   for (std::size_t i = 0; i < rows.size(); ++i)
     strike[i] = std::sin(rows[i].wavenumber_per_m * note.strike_position_m) / 3;
   const auto felt = segment_table(design_spline(note.felt, "piano"));
-  HammerVoice<double> voice(std::span<const Segment<double>>(felt), bare(rows), strike,
-                            bridge_shapes<double>(strings, rows, 1),
-                            {.hammer_mass_kg = 3 * note.hammer_mass_kg, .felt = {3, piano().felt_loss_s_per_m}},
-                            {piano().damper_per_s, piano().damper_time_s}, kRate);
+  HammerVoice<double> voice(
+      {.felt = felt,
+       .modes = bare(rows),
+       .strike = strike,
+       .output = bridge_shapes<double>(strings, rows, 1),
+       .controls = {.hammer_mass_kg = 3 * note.hammer_mass_kg, .felt = {3, piano().felt_loss_s_per_m}},
+       .damper = {piano().damper_per_s, piano().damper_time_s}},
+      kRate);
   voice.strike(strike_speed(piano(), kVelocity));
   constexpr std::size_t kSamples = 6 * kRate;
   std::vector<double> expected(kSamples);

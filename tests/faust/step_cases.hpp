@@ -176,7 +176,7 @@ inline std::ostream& operator<<(std::ostream& out, const Worst& worst) {
 // expressions of the force. The error of the root cancels in their mean, and no term is larger than the momentum.
 inline constexpr double kRoundings = 8;
 
-/// Of probe.dsp on a material, lengths down to 10^lowest.
+/// The worst error of probe.dsp on a material, lengths down to 10^lowest.
 template <typename T>
 Worst worst_error(const MaterialUnderTest& material, FaustProgram<T>& program, double lowest) {
   const ExactContact exact(material.in<T>().table);

@@ -2,9 +2,8 @@
 // ct.potential, ct.force, ct.step and ct.contact on random input over many decades.
 #include <gtest/gtest.h>
 
-#include <iostream>
-
 #include "step_cases.hpp"
+#include "support/measured.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -12,7 +11,7 @@ namespace {
 template <typename T>
 void expect_exact_but_for_roundings(const MaterialUnderTest& material, double lowest) {
   const auto worst = worst_error(material, *material.in<T>().probe(kRate), lowest);
-  std::cout << "worst error in roundings: " << worst << '\n';
+  Measured() << "worst error in roundings: " << worst;
   EXPECT_LE(worst.largest(), kRoundings);
 }
 
@@ -25,7 +24,7 @@ void expect_the_runtime(const MaterialUnderTest& material, double lowest) {
   for (std::size_t i = 0; i < inputs.size(); ++i)
     worst.widen(roundings(exact, inputs[i], solve_exactly(exact, inputs[i])), outputs[i],
                 run_twin(material.in<T>().table, inputs[i]));
-  std::cout << "worst difference in roundings: " << worst << '\n';
+  Measured() << "worst difference in roundings: " << worst;
   EXPECT_LE(worst.largest(), 2 * kRoundings);
 }
 

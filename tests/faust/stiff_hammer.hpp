@@ -35,7 +35,7 @@ inline std::vector<double> struck_by_fd(double stiffness_ratio, std::size_t samp
 }
 
 struct StruckByUs {
-  std::vector<double> displacement;  ///< of the string where it is struck [m]
+  std::vector<double> displacement;  ///< displacement of the string where it is struck [m]
   EnergyBooks books;
 };
 

@@ -4,7 +4,7 @@
 
 #include <ostream>
 
-#include "contactspline/mass_barrier.hpp"
+#include "contactspline/models/mass_barrier.hpp"
 #include "faust_program.hpp"
 
 namespace contactspline::testing {

@@ -2,11 +2,10 @@
 // Single strikes: the Faust mass-barrier model against its C++ twin, sample by sample.
 #include <gtest/gtest.h>
 
-#include <iostream>
-
 #include "strike_cases.hpp"
 #include "support/compare.hpp"
 #include "support/finite.hpp"
+#include "support/measured.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -30,7 +29,7 @@ TEST_P(StrikeTest, InDoubleAgreesWithTheTwinToTwelveDigits) {
     EXPECT_TRUE(sequences_within<double>(actual.force, expected.force, 1e-12));
     widen(worst, relative(difference(actual, expected), expected));
   }
-  std::cout << "worst difference, relative to the peak: " << worst << '\n';
+  Measured() << "worst difference, relative to the peak: " << worst;
 }
 
 // The slider begins at the loss emitted for Faust; the twin takes the one emitted for C++.
@@ -43,7 +42,7 @@ TEST_P(StrikeTest, HasTheMaterialsLossUnlessAnotherIsSet) {
   const auto actual = run_faust(*material.in_double.mass_barrier(strike.sample_rate_hz), strike);
   EXPECT_TRUE(sequences_within<double>(actual.displacement, expected.displacement, 1e-12));
   EXPECT_TRUE(sequences_within<double>(actual.force, expected.force, 1e-12));
-  std::cout << "loss " << material.loss_s_per_m << " s/m\n";
+  Measured() << "loss " << material.loss_s_per_m << " s/m";
 }
 
 TEST_P(StrikeTest, InSingleStaysWithinRoundingOfTheTwinInSingleAndInDouble) {
@@ -63,8 +62,8 @@ TEST_P(StrikeTest, InSingleStaysWithinRoundingOfTheTwinInSingleAndInDouble) {
     widen(worst, relative(from_exact, exact));
     widen(worst_of_bound, {from_exact.displacement / bound.displacement, from_exact.force / bound.force});
   }
-  std::cout << "worst difference from double, relative to the peak: " << worst
-            << "\nthe same, relative to the bound: " << worst_of_bound << '\n';
+  Measured() << "worst difference from double, relative to the peak: " << worst
+             << ", relative to the bound: " << worst_of_bound;
 }
 
 INSTANTIATE_TEST_SUITE_P(Materials, StrikeTest, ::testing::ValuesIn(materials_under_test()),

@@ -2,11 +2,11 @@
 // Faust's slide-string and fret-string against the C++ models, on the same emitted strings and material.
 #include <numbers>
 
-#include "contactspline/fret_string.hpp"
 #include "contactspline/materials/steel_on_steel.hpp"
+#include "contactspline/models/fret_string.hpp"
+#include "contactspline/models/slide_string.hpp"
 #include "contactspline/resonators/guitar_d3.hpp"
 #include "contactspline/resonators/guitar_g3.hpp"
-#include "contactspline/slide_string.hpp"
 #include "cpp_program.hpp"
 #include "support/compare.hpp"
 

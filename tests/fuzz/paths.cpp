@@ -10,9 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "contactspline/hammer_voice.hpp"
-#include "contactspline/instrument.hpp"
-#include "contactspline/mass_barrier.hpp"
+#include "contactspline/instrument/network_instrument.hpp"
+#include "contactspline/instrument/voices.hpp"
+#include "contactspline/models/hammer_voice.hpp"
+#include "contactspline/models/mass_barrier.hpp"
 #include "generator/emit/emit_instrument.hpp"
 #include "generator/emit/emit_instrument_faust.hpp"
 #include "generator/emit/emit_keyboard.hpp"
@@ -73,7 +74,7 @@ void bounce(const Design& design) {
   }
 }
 
-bool fits_single(const Spline& spline) {  // tables of single precision: docs/materials.md
+bool fits_single(const Spline& spline) {  // tables of single precision: docs/reference/materials.md
   return std::ranges::all_of(spline.segments, [](const Segment<double>& s) {
     return std::max({s.energy, s.force, s.half_curvature}) < 1e30;
   });
@@ -134,8 +135,12 @@ void play_resonator(std::string_view text) {
   for (const auto& mode : modes)
     bare.push_back(mode.mode), strike.push_back(mode.strike_shape), pickup.push_back(mode.pickup_shape);
   const std::vector<Segment<double>> felt = {{0, 0, 0, 0}, {0, 0, 0, 1e5}, {1e-3, 0.1, 200, 1e6}};
-  HammerVoice<double> voice(felt, bare, ModeShapes<double>(strike), ModeShapes<double>(pickup),
-                            {.hammer_mass_kg = 0.003, .felt = {1, 0.1}}, {}, kHz);
+  HammerVoice<double> voice({.felt = felt,
+                             .modes = bare,
+                             .strike = ModeShapes<double>(strike),
+                             .output = ModeShapes<double>(pickup),
+                             .controls = {.hammer_mass_kg = 0.003, .felt = {1, 0.1}}},
+                            kHz);
   voice.strike(2);
   std::array<double, kSamples> out, forces;
   voice.process(out, forces.data());
@@ -148,7 +153,9 @@ void play_a_little(Score score) {
   score.duration_s = 0.01;
   if (score.voices.size() > 2) score.voices.resize(2);
   for (Voice& voice : score.voices) voice.resonator.max_modes = std::min(voice.resonator.max_modes, kMaxModes / 2);
-  const Performance played = play(score, {.sample_rate_hz = kHz, .signal = best_signal(score)}, [](double) {});
+  PlayOptions options{kHz};
+  choose_best_output(score, options);
+  const Performance played = play(score, options, [](double) {});
   demand(played.samples.size() == 441u * static_cast<std::size_t>(played.channels), "a score of a wrong length");
   demand(std::ranges::all_of(played.samples, [](float sample) { return std::isfinite(sample); }),
          "a score is not finite");
@@ -185,6 +192,12 @@ std::string beside(const std::string& path) {
     return R"({"name": "string", "max_modes": 10, "string": {"length_m": 0.6, "mass_kg": 0.004, "tension_n": 670,
       "bending_stiffness_n_m2": 0.01, "constant_loss_per_s": 0.5, "quadratic_loss_m2_per_s": 1e-4},
       "strike": {"position_m": 0.07}, "pickup": {"position_m": 0.2}})";
+  if (path.ends_with("keyed_instrument.json"))
+    return R"({"name": "zither", "bodies": [{"name": "a", "mass_kg": 0.1}, {"name": "b", "resonator": "string.json"}],
+      "places": [{"name": "p", "body": "b", "position_m": 0.1}],
+      "contacts": [{"name": "c", "between": ["a", "p"], "material": "felt.json"}], "strikes": ["a"],
+      "keys": [{"first": 50, "last": 70, "event": "strike_a", "tuned_key": 60}], "polyphony": 2,
+      "damper": {"bodies": "b", "damping_per_s": 60}, "outputs": [{"name": "o", "force_n": "c"}]})";
   if (path.ends_with("instrument.json"))
     return R"({"name": "instrument", "bodies": [{"name": "a", "mass_kg": 0.1}, {"name": "b", "resonator": "string.json"}],
       "places": [{"name": "p", "body": "b", "position_m": 0.1}],
@@ -203,16 +216,22 @@ InstrumentModel read_instrument(std::string_view text) {
 }
 
 // Energy never grows by more than the work that is done, but for rounding.
-template <typename T>
+template <typename I>
 void play_instrument_in(const InstrumentArrays& arrays) {
-  NetworkInstrument<T> instrument(arrays.view(), kHz);
+  using T = typename I::value_type;
+  I instrument(arrays.view());
+  instrument.prepare(kHz);
   const double begin = instrument.energy();
   double work = 0, reached = std::abs(begin);
   for (int n = 0; n < kSamples; ++n) {
     for (std::size_t i = 0; i < arrays.controls.size(); ++i)
-      if (n % 8 == 0) instrument.set_control(i, static_cast<T>(n % 16 == 0 ? 1 : arrays.controls[i].initial));
+      if (n % 8 == 0) instrument.set(i, n % 16 == 0 ? 1 : arrays.parameters[i].initial);
     for (std::size_t i = 0; i < arrays.strikes.size(); ++i)
       if (n % 32 == 0) instrument.strike(i, T(2));
+    for (const KeyRange& keys : arrays.model->keys.ranges) {
+      if (n % 16 == 3) instrument.note_on(n % 32 == 3 ? keys.first : keys.last, 0.9);
+      if (n % 16 == 11) instrument.note_off(keys.first);
+    }
     instrument.tick();
     work += instrument.work();
     reached += std::abs(instrument.work()) + std::abs(instrument.energy());
@@ -232,8 +251,11 @@ void play_instrument(std::string_view text) {
   for (const Emitter& emitter : emitters())
     if (emitter.name != "faust" || !faust_obstacle(model, arrays))
       demand_text(emitter, emit(emitter, model, kHz / 2, kCommand));
-  play_instrument_in<double>(arrays);
-  play_instrument_in<float>(arrays);
+  play_instrument_in<NetworkInstrument<double>>(arrays);
+  play_instrument_in<NetworkInstrument<float>>(arrays);
+  if (model.keys.ranges.empty()) return;
+  play_instrument_in<Voices<NetworkInstrument<double>>>(arrays);
+  play_instrument_in<Voices<NetworkInstrument<float>>>(arrays);
 }
 
 void demand_notes(const MidiSong& song) {

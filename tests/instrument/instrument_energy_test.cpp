@@ -2,10 +2,12 @@
 // The energy balance of each instrument that ships, over its score: work of hands, pushes and strikes included.
 #include <cstdlib>
 
-#include "generator/player/instrument_player.hpp"
+#include "generator/player/instrument_parts.hpp"
 #include "generator/player/score_reader.hpp"
+#include "generator/player/voice_tracks.hpp"
 #include "generator/support/embedded_files.hpp"
 #include "support/compare.hpp"
+#include "support/measured.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -15,21 +17,26 @@ class ShippedInstrument : public ::testing::TestWithParam<std::string> {};
 struct Balance {
   double peak_j, error_j;
   std::size_t solved = 0;   ///< samples with coupled contacts or springs
-  std::size_t steps = 0;    ///< of the solver, of all samples
-  int largest_steps = 0;    ///< of one sample
+  std::size_t steps = 0;    ///< steps of the solver in all samples
+  int largest_steps = 0;    ///< most steps in one sample
   std::size_t bounded = 0;  ///< samples that took the bounding law
 };
 
 // The largest energy, the largest difference between the energy and what went in and out, and what the solver did.
 Balance balance_of(const Voice& voice, double rate, double duration_s) {
-  InstrumentPlayer<double> player(voice, rate);
+  const InstrumentArrays arrays = instrument_arrays(*voice.model, rate);
+  NetworkInstrument<double> instrument(arrays.view(), rate);
   ControlTrack controls(voice, rate);
-  const auto& instrument = player.instrument();
+  StrikeTrack strikes(voice.strikes, rate);
   const double begin = instrument.energy();
   double received = 0;
   Balance balance{0, 0};
   for (std::size_t n = 0; static_cast<double>(n) < duration_s * rate; ++n) {
-    player.tick(controls.at(n));
+    const auto values = controls.at(n);
+    for (std::size_t i = 0; i < values.size(); ++i) instrument.set(i, values[i]);
+    while (const auto* change = strikes.next_until(n))
+      instrument.strike(change->strike->strike, change->strike->speed_m_per_s);
+    instrument.tick();
     received += instrument.work() - instrument.dissipated();
     const double energy = instrument.energy();
     balance.peak_j = std::max(balance.peak_j, energy);
@@ -57,9 +64,9 @@ TEST_P(ShippedInstrument, KeepsItsEnergyToRounding) {
       EXPECT_GT(balance.peak_j, 1e-4) << voice.name;
       EXPECT_TRUE(within(balance.error_j, 0, 1e-12 * balance.peak_j)) << voice.name << " at " << rate << " Hz";
       EXPECT_EQ(balance.bounded, 0U) << voice.name << ": no sample may need more than the largest number of steps";
-      std::cout << voice.name << " at " << rate << " Hz: " << balance.error_j / balance.peak_j << " of the peak; "
-                << static_cast<double>(balance.steps) / static_cast<double>(std::max<std::size_t>(balance.solved, 1))
-                << " steps on average, " << balance.largest_steps << " at most\n";
+      Measured() << voice.name << " at " << rate << " Hz: " << balance.error_j / balance.peak_j << " of the peak; "
+                 << static_cast<double>(balance.steps) / static_cast<double>(std::max<std::size_t>(balance.solved, 1))
+                 << " steps on average, " << balance.largest_steps << " at most";
     }
 }
 

@@ -4,7 +4,6 @@
 
 #include <memory>
 
-#include "contactspline/hammer_string.hpp"
 #include "contactspline/instruments/marimba_tube.hpp"
 #include "contactspline/instruments/prepared_piano.hpp"
 #include "contactspline/instruments/slap_bass.hpp"
@@ -12,6 +11,7 @@
 #include "contactspline/instruments/tanpura.hpp"
 #include "contactspline/instruments/tom.hpp"
 #include "contactspline/instruments/trichord_c4.hpp"
+#include "contactspline/models/hammer_string.hpp"
 #include "generator/instrument/instrument_reader.hpp"
 #include "generator/player/score_player.hpp"
 #include "generator/player/score_reader.hpp"
@@ -102,7 +102,7 @@ void expect_same_as_render(const std::string& score_name) {
   double largest = 0;
   for (std::size_t n = 0; n < expected.samples.size(); ++n) {
     const auto values = controls.at(n);
-    for (std::size_t i = 0; i < values.size(); ++i) emitted->set_control(i, values[i]);
+    for (std::size_t i = 0; i < values.size(); ++i) emitted->set(i, values[i]);
     while (const auto* change = strikes.next_until(n))
       emitted->strike(change->strike->strike, change->strike->speed_m_per_s);
     double sample = 0;
@@ -221,16 +221,16 @@ TEST(NetworkInstrument, ResetsAndIgnoresWhatIsNoNumber) {
 TEST(NetworkInstrument, MovesControlsIntoTheirRange) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   instruments::prepared_piano<> instrument(kRate);
-  const auto& controls = parse_instrument(shipped_text(Shipped::kInstruments, "prepared_piano"), "probe").controls;
+  const auto controls = instrument.parameters();
   ASSERT_GE(controls.size(), 5U);
   for (std::size_t i = 0; i < controls.size(); ++i) {
-    const auto [min, max] = controls[i].range;
-    instrument.set_control(i, 2 * max);
-    EXPECT_EQ(instrument.control(i), max) << controls[i].name;
-    instrument.set_control(i, -kInfinity);
-    EXPECT_EQ(instrument.control(i), min) << controls[i].name;
-    instrument.set_control(i, std::numeric_limits<double>::quiet_NaN());
-    EXPECT_EQ(instrument.control(i), min) << controls[i].name;
+    const auto [min, max] = controls[i].allowed;
+    instrument.set(i, 2 * max);
+    EXPECT_EQ(instrument.value(i), max) << controls[i].name;
+    instrument.set(i, -kInfinity);
+    EXPECT_EQ(instrument.value(i), min) << controls[i].name;
+    instrument.set(i, std::numeric_limits<double>::quiet_NaN());
+    EXPECT_EQ(instrument.value(i), min) << controls[i].name;
   }
 }
 
@@ -249,15 +249,15 @@ TEST(NetworkInstrument, LimitsAShiftedGapFromTheBeginning) {
                                                  "probe.json");
   InstrumentArrays arrays = arrays_of(model, kRate / 2);
   for (const auto& [shift, gap] : {std::pair(0.03, 0.08), {0.09, 0.1}, {5.0, 0.1}, {-0.1, -0.05}}) {
-    arrays.controls[0].initial = 0;
+    arrays.parameters[0].initial = 0;
     NetworkInstrument<double> later(arrays.view(), kRate);
-    later.set_control(0, shift);
+    later.set(0, shift);
     for (int n = 0; n < 0.2 * kRate; ++n) later.tick();
     EXPECT_TRUE(relatively_within(later.energy(), gap * gap / 2, 4e-6)) << shift;
-    arrays.controls[0].initial = shift;
+    arrays.parameters[0].initial = shift;
     const NetworkInstrument<double> at_first(arrays.view(), kRate);
     EXPECT_TRUE(relatively_within(at_first.energy(), gap * gap / 2, 1e-14)) << shift;
-    EXPECT_EQ(at_first.control(0), later.control(0));
+    EXPECT_EQ(at_first.value(0), later.value(0));
   }
 }
 
@@ -265,7 +265,7 @@ TEST(NetworkInstrument, LimitsAShiftedGapFromTheBeginning) {
 TEST(InstrumentFile, GivesControlsTheirFirstValue) {
   const InstrumentModel model = parse_instrument(shipped_text(Shipped::kInstruments, "prepared_piano"), "probe");
   const auto initial = [&](const std::string& name) {
-    return std::ranges::find(model.controls, name, &ModelControl::name)->initial;
+    return std::ranges::find(model.parameters, name, &ModelParameter::name)->initial;
   };
   EXPECT_EQ(initial("weight_force_n"), 0.049);
   EXPECT_EQ(initial("bolt_loss_s_per_m"), 0.2);

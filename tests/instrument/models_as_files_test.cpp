@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Models written by hand, described as instrument files: the same samples up to rounding.
-#include "contactspline/fret_string.hpp"
-#include "contactspline/mass_barrier.hpp"
+#include "contactspline/models/fret_string.hpp"
+#include "contactspline/models/mass_barrier.hpp"
 #include "generator/instrument/instrument_reader.hpp"
 #include "generator/resonator/resonator_reader.hpp"
 #include "generator/spline/design.hpp"
@@ -89,9 +89,9 @@ TEST(ModelsAsFiles, FretStringWhoseFretStaysAtItsPlace) {
   for (int n = 0; n < 44100; ++n) {
     const double force = n % 15000 < 200 ? 0.02 * (n % 15000) : 0;
     const double gap = n < 20000 ? 1e-4 : 2e-5, damping = n > 40000 ? 20 : 0;
-    instrument.set_control(0, force);
-    instrument.set_control(1, gap - 1e-4);
-    instrument.set_control(3, damping);
+    instrument.set(0, force);
+    instrument.set(1, gap - 1e-4);
+    instrument.set(3, damping);
     instrument.tick();
     by_hand.tick({.place_m = 0.6,
                   .gap_m = gap,

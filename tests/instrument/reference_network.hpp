@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// An independent solution of the equations of docs/instruments.md in long double. It shares the numbers of an
-// instrument with the runtime, and no code: modes move by exact propagators between two kicks, forces are integrals
-// of the piecewise linear law, and the increments come from Newton's method with Gaussian elimination, helped by
-// Gauss-Seidel sweeps of bisection.
+// An independent solution of the equations of docs/how-it-works/instrument-files.md in long double. It shares the
+// numbers of an instrument with the runtime, and no code: modes move by exact propagators between two kicks, forces
+// are integrals of the piecewise linear law, and the increments come from Newton's method with Gaussian elimination,
+// helped by Gauss-Seidel sweeps of bisection.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-#include "contactspline/instrument.hpp"  // the structs of its numbers
+#include "contactspline/instrument/network_instrument.hpp"  // the structs of its numbers
 
 namespace contactspline::testing {
 
@@ -99,9 +99,9 @@ class ReferenceNetwork {
     pushes_.resize(shapes_.size());
     connections_.assign(data.connections.begin(), data.connections.end());
     ratios_.assign(connections_.size(), 1);
-    for (const InstrumentControl& control : data.controls)
-      for (const std::size_t target : data.targets.subspan(control.first_target, control.count))
-        set_first(control, target);
+    for (std::size_t i = 0; i < data.controls.size(); ++i)
+      for (const std::size_t target : data.targets.subspan(data.controls[i].first_target, data.controls[i].count))
+        set_first(data.controls[i].quantity, data.parameters[i].initial, target);
     couple();
     for (std::size_t k = 0; k < data.connections.size(); ++k) laws_.push_back(law_of(k));
     increments_.resize(laws_.size());
@@ -159,7 +159,7 @@ class ReferenceNetwork {
   }
 
   [[nodiscard]] Real output(std::size_t output) const {
-    const InstrumentOutput& of = data_.outputs[output];
+    const InstrumentOutput& of = data_.sources[output];
     Real sum = 0;
     for (const std::size_t target : data_.targets.subspan(of.first_target, of.count))
       sum += of.quantity == OutputQuantity::kForce ? forces_[target] : sound(target, of.quantity);
@@ -175,7 +175,7 @@ class ReferenceNetwork {
 
  private:
   struct Mode {
-    Real qq, qv, vq, vv;  // of displacement and velocity in free motion over a sample
+    Real qq, qv, vq, vv;  // what displacement and velocity become in free motion over a sample
     Real admittance, averaging;
     Real decay, w;
     Real q = 0, v = 0, free = 0, force = 0;
@@ -186,27 +186,27 @@ class ReferenceNetwork {
   };
 
   // The first value of a control. Forces are pushed from outside.
-  void set_first(const InstrumentControl& control, std::size_t target) {
-    switch (control.quantity) {
+  void set_first(ControlQuantity quantity, double initial, std::size_t target) {
+    switch (quantity) {
       case ControlQuantity::kForce:
         return;
       case ControlQuantity::kDamping:
-        bodies_[target].damping = control.initial * time_step_;
+        bodies_[target].damping = initial * time_step_;
         return;
       case ControlQuantity::kStiffnessRatio:
-        ratios_[target] = control.initial;
+        ratios_[target] = initial;
         return;
       case ControlQuantity::kLoss:
-        connections_[target].loss_s_per_m = control.initial;
+        connections_[target].loss_s_per_m = initial;
         return;
       case ControlQuantity::kGapShift:
-        connections_[target].gap_m += control.initial;
+        connections_[target].gap_m += initial;
         return;
       case ControlQuantity::kStiffness:
-        connections_[target].stiffness_n_per_m = control.initial;
+        connections_[target].stiffness_n_per_m = initial;
         return;
       case ControlQuantity::kResistance:
-        connections_[target].resistance_n_s_per_m = control.initial;
+        connections_[target].resistance_n_s_per_m = initial;
         return;
     }
   }
@@ -403,7 +403,7 @@ class ReferenceNetwork {
   std::vector<Body> bodies_;
   std::vector<std::span<const double>> shapes_;
   std::vector<InstrumentConnection> connections_;
-  std::vector<Real> ratios_;  // of the controls
+  std::vector<Real> ratios_;  // one for each control
   std::vector<ReferenceLaw> laws_;
   std::vector<Real> coupling_, pushes_, increments_, forces_;
   Real largest_residual_ = 0;

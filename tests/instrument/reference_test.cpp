@@ -9,6 +9,7 @@
 #include "generator/support/embedded_files.hpp"
 #include "reference_network.hpp"
 #include "support/compare.hpp"
+#include "support/measured.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -24,7 +25,7 @@ struct Excitation {
   std::string score;
   std::string place;  ///< whose displacement is compared
   std::size_t alone;
-  double softening;  ///< of stiff contacts, where the order is measured
+  double softening;  ///< ratio that softens stiff contacts, where the order is measured
 };
 
 // Rattling wires and bolts amplify differences: rounding to 1e-16 becomes 1e-6 within 50 ms. So the reference
@@ -79,19 +80,19 @@ TEST_P(EachInstrument, AgreesWithAnIndependentSolution) {
   ReferenceNetwork reference(arrays.view(), kRate);
   ControlTrack controls(voice, kRate);
   StrikeTrack strikes(voice.strikes, kRate);
-  const std::size_t begin = sample_at(first_event_s(voice), kRate), outputs = arrays.outputs.size();
+  const std::size_t begin = sample_at(first_event_s(voice), kRate), outputs = arrays.sources.size();
   std::vector<double> peak(outputs), error(outputs);
   for (std::size_t n = begin; n < begin + 2205; ++n) {
     if (n > begin && (n - begin) % excitation.alone == 0) copy_state(instrument, reference, arrays);
     const auto values = controls.at(n);
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      instrument.set_control(i, values[i]);
+    for (std::size_t i = 0; i < arrays.controls.size(); ++i) {
+      instrument.set(i, values[i]);
       const InstrumentControl& control = arrays.controls[i];
       if (control.quantity == ControlQuantity::kForce)
         for (std::size_t t = 0; t < control.count; ++t)
           reference.push(arrays.targets[control.first_target + t], values[i]);
       else
-        ASSERT_EQ(values[i], control.initial) << "only forces may change here";
+        ASSERT_EQ(values[i], arrays.parameters[i].initial) << "only forces may change here";
     }
     while (const auto* change = strikes.next_until(n)) {
       instrument.strike(change->strike->strike, change->strike->speed_m_per_s);
@@ -110,8 +111,8 @@ TEST_P(EachInstrument, AgreesWithAnIndependentSolution) {
   for (std::size_t i = 0; i < outputs; ++i) {
     EXPECT_GT(peak[i], 1e-3);
     EXPECT_TRUE(within(error[i], 0, 1e-10 * peak[i])) << voice.model->outputs[i].name;
-    std::cout << GetParam() << ", " << voice.model->outputs[i].name << ": " << error[i] / peak[i]
-              << " of the largest\n";
+    Measured() << GetParam() << ", " << voice.model->outputs[i].name << ": " << error[i] / peak[i]
+               << " of the largest";
   }
 }
 
@@ -137,13 +138,13 @@ std::vector<double> displacements(const InstrumentArrays& arrays, std::size_t pl
     for (std::size_t i = 0; i < arrays.controls.size(); ++i) {
       const InstrumentControl& control = arrays.controls[i];
       if (control.quantity != ControlQuantity::kForce) continue;
-      double force = control.initial;
+      double force = arrays.parameters[i].initial;
       const double part = (static_cast<double>(n) + 0.5) / (oversampling * 100);
       if (arrays.strikes.empty() && part < 1) force = 0.45 * part * part * (3 - 2 * part);
       if constexpr (std::same_as<Network, ReferenceNetwork>) {
         network.push(arrays.targets[control.first_target], force);
       } else {
-        network.set_control(i, force);
+        network.set(i, force);
       }
     }
     network.tick();
@@ -180,15 +181,15 @@ TEST_P(SmoothInstrument, IsOfSecondOrder) {
     if (connection.kind == ConnectionKind::kContact && kStiff.contains(model.tables[connection.table].material))
       connection.weight *= excitation.softening;
   for (InstrumentConnection& connection : arrays.connections) connection.loss_s_per_m = 0;
-  for (InstrumentControl& control : arrays.controls)
-    if (control.quantity == ControlQuantity::kLoss) control.initial = 0;
+  for (std::size_t i = 0; i < arrays.controls.size(); ++i)
+    if (arrays.controls[i].quantity == ControlQuantity::kLoss) arrays.parameters[i].initial = 0;
   const std::size_t place = place_index(model, excitation.place);
   const auto exact = displacements<ReferenceNetwork>(arrays, place, 16, 221);
   double coarse = 0;
   for (const int oversampling : {1, 2, 4}) {
     const double error =
         relative_error(displacements<NetworkInstrument<double>>(arrays, place, oversampling, 221), exact);
-    std::cout << GetParam() << " at " << oversampling << " times 44.1 kHz: " << error << " of the largest\n";
+    Measured() << GetParam() << " at " << oversampling << " times 44.1 kHz: " << error << " of the largest";
     if (coarse > 0) {
       EXPECT_TRUE(within(coarse / error, 4.15, 0.45)) << oversampling;
     }
@@ -221,7 +222,7 @@ TEST(Tanpura, ConvergesAsItsBridgeIsRefined) {
   double coarse = std::numeric_limits<double>::infinity();
   for (const std::size_t points : {6u, 12u, 24u, 48u}) {
     const double error = relative_error(sound_of(points), exact);
-    std::cout << points << " points: " << error << " of the largest\n";
+    Measured() << points << " points: " << error << " of the largest";
     EXPECT_LT(error, coarse / 1.5) << points;
     coarse = error;
   }

@@ -3,29 +3,49 @@
 #include <faust/gui/UI.h>
 #include <faust/gui/meta.h>
 
-#include "contactspline/body.hpp"
-#include "contactspline/contact_network.hpp"
-#include "contactspline/coupled_contacts.hpp"
-#include "contactspline/ensemble.hpp"
-#include "contactspline/faust_dsp.hpp"
-#include "contactspline/fret_string.hpp"
-#include "contactspline/hammer_string.hpp"
-#include "contactspline/hammer_voice.hpp"
-#include "contactspline/instrument.hpp"
+#include "contactspline/host/faust_dsp.hpp"
+#include "contactspline/host/hosted.hpp"
+#include "contactspline/instrument/fret_string_instrument.hpp"
+#include "contactspline/instrument/hammer_string_instrument.hpp"
+#include "contactspline/instrument/instruments_of.hpp"
+#include "contactspline/instrument/keyboard_instrument.hpp"
+#include "contactspline/instrument/mass_barrier_instrument.hpp"
+#include "contactspline/instrument/network_instrument.hpp"
+#include "contactspline/instrument/network_tuning.hpp"
+#include "contactspline/instrument/played_by_events.hpp"
+#include "contactspline/instrument/pluck.hpp"
+#include "contactspline/instrument/plucked_string_instrument.hpp"
+#include "contactspline/instrument/slide_string_instrument.hpp"
+#include "contactspline/instrument/string_outputs.hpp"
+#include "contactspline/instrument/voices.hpp"
 #include "contactspline/instruments/trichord_c4.hpp"
-#include "contactspline/keyboard.hpp"
-#include "contactspline/keyboard_instrument.hpp"
 #include "contactspline/keyboards/piano.hpp"
-#include "contactspline/live_exponent.hpp"
-#include "contactspline/mass_barrier.hpp"
 #include "contactspline/materials/felt_c4.hpp"
 #include "contactspline/materials/felt_live.hpp"
-#include "contactspline/modal.hpp"
+#include "contactspline/modal/modal.hpp"
+#include "contactspline/modal/stiff_string.hpp"
+#include "contactspline/modal/string_place.hpp"
+#include "contactspline/models/body.hpp"
+#include "contactspline/models/ensemble.hpp"
+#include "contactspline/models/fret_string.hpp"
+#include "contactspline/models/hammer_string.hpp"
+#include "contactspline/models/hammer_voice.hpp"
+#include "contactspline/models/keyboard.hpp"
+#include "contactspline/models/keyboard_on_body.hpp"
+#include "contactspline/models/mass_barrier.hpp"
+#include "contactspline/models/slide_string.hpp"
+#include "contactspline/models/strike_constants.hpp"
+#include "contactspline/network/assembly.hpp"
+#include "contactspline/network/contact_group.hpp"
+#include "contactspline/network/contact_network.hpp"
+#include "contactspline/network/coupled_contacts.hpp"
+#include "contactspline/network/linear_algebra.hpp"
+#include "contactspline/network/network_plan.hpp"
+#include "contactspline/network/newton.hpp"
+#include "contactspline/network/sample_law.hpp"
+#include "contactspline/network/spring_elimination.hpp"
 #include "contactspline/resonators/string_c4.hpp"
-#include "contactspline/slide_string.hpp"
-#include "contactspline/stiff_string.hpp"
-#include "contactspline/strike_constants.hpp"
-#include "contactspline/string_place.hpp"
+#include "contactspline/step/live_exponent.hpp"
 
 namespace contactspline {
 
@@ -38,13 +58,24 @@ using Felt = materials::felt_c4;
   template class detail::ContactTableStorage<T>;                                                                \
   template class detail::StrikeConstantsStorage<T>;                                                             \
   template double detail::tension_energy(const StiffString&, std::span<const StringMode>, const ModalBank<T>&); \
+  template class detail::ColumnMatrix<T>;                                                                       \
+  template class detail::ContactGroup<T>;                                                                       \
+  template class detail::LinearSystem<T>;                                                                       \
+  template class detail::NewtonSolver<T>;                                                                       \
+  template class detail::SampleLaw<T>;                                                                          \
+  template class detail::SpringElimination<T>;                                                                  \
   template class Body<T>;                                                                                       \
   template class ContactNetwork<T>;                                                                             \
   template class CoupledContacts<T>;                                                                            \
+  template class NetworkPlan<T>;                                                                                \
   template class Ensemble<T>;                                                                                   \
   template class FretString<T>;                                                                                 \
   template class HammerString<T>;                                                                               \
-  template class HammerStringDsp<Felt, String, T>;                                                              \
+  template class InstrumentDsp<HammerStringOf<Felt, String, T>>;                                                \
+  template class InstrumentDsp<SlideStringOf<Felt, String, T>>;                                                 \
+  template class InstrumentDsp<FretStringOf<Felt, String, T>>;                                                  \
+  template class InstrumentDsp<MassBarrierOf<Felt, T>>;                                                         \
+  template class Hosted<KeyboardInstrument<keyboards::piano, T>>;                                               \
   template class HammerVoice<T>;                                                                                \
   template class KeyboardInstrument<keyboards::piano, T>;                                                       \
   template class KeyboardOnBody<T>;                                                                             \

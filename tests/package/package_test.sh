@@ -186,6 +186,12 @@ endif()" >"$project/CMakeLists.txt"
   grep -q 'CONTACTSPLINE_BUILD_TESTS needs the program' "$WORK/log" || fail "is silent about the tests"
 }
 
+# The public headers of the runtime below a folder, by their names in an #include.
+public_headers() {
+  (cd "$1" && find contactspline.hpp contactspline/{step,simd,modal,network,models,instrument,host} -name '*.hpp' \
+    ! -name '*-inl.hpp' | sort)
+}
+
 # Every public header under C++17: the first error says what is missing, and nothing but it is said. A target that
 # links the library is compiled as C++20 (case headers_only asks for C++17 there).
 case_cpp17() {
@@ -193,10 +199,8 @@ case_cpp17() {
   local header compiler
   for compiler in "$CXX" g++ clang++; do
     command -v "$compiler" >/dev/null || continue
-    for header in "$WORK"/prefix/include/contactspline/*.hpp; do
-      header="${header##*/}"
-      case "$header" in *-inl.hpp) continue ;; esac
-      echo "#include \"contactspline/$header\"" >"$WORK/user.cpp"
+    for header in $(public_headers "$WORK/prefix/include"); do
+      echo "#include \"$header\"" >"$WORK/user.cpp"
       ! "$compiler" -std=c++17 -fsyntax-only -I"$WORK/prefix/include" "$WORK/user.cpp" >"$WORK/log" 2>&1 ||
         fail "$header compiles as C++17"
       grep 'error' "$WORK/log" | head -n 1 | grep -q 'Contact Spline needs C++20: compile with -std=c++20' ||
@@ -215,7 +219,7 @@ case_warnings() {
   local templates="$SOURCE/tests/package/every_template.cpp"
   for compiler in g++ clang++; do
     need "$compiler"
-    for header in "$include"/contactspline/*.hpp "$include"/contactspline/*/*.hpp; do
+    for header in "$include"/contactspline.hpp "$include"/contactspline/*/*.hpp; do
       header="${header#"$include/"}"
       case "$header" in
         *-inl.hpp) continue ;;
@@ -229,9 +233,9 @@ case_warnings() {
     run "$compiler" "${options[@]}" -DCONTACTSPLINE_SIMD "$templates"
   done
   # A class that the list of templates lacks.
-  for header in "$include"/contactspline/*.hpp; do
-    grep -qF "\"contactspline/${header##*/}\"" "$templates" || ! grep -q '^class' "$header" ||
-      grep -qE '^class (Threads|FlushDenormals)' "$header" || fail "${header##*/} is not in every_template.cpp"
+  for header in $(public_headers "$include"); do
+    grep -qF "\"$header\"" "$templates" || ! grep -q '^class' "$include/$header" ||
+      grep -qE '^class (Threads|FlushDenormals)' "$include/$header" || fail "$header is not in every_template.cpp"
   done
 }
 
@@ -328,12 +332,12 @@ case_arguments() {
 }
 
 # A Faust program on a material of the project's own, as a plug-in and as a program for JACK; the instrument of
-# docs/instruments.md, as that page says.
+# docs/reference/instruments.md, as that page says.
 case_plugins() {
   install_at "$WORK/prefix"
   cp "$SOURCE"/tests/package/project/{ball.dsp,materials/cork.json} "$WORK"
-  (cd "$WORK" && blocks_of "$SOURCE/docs/instruments.md" json block && mv block1.json my_zither.json)
-  readme_block cmake docs/instruments.md >"$WORK/zither.cmake"
+  (cd "$WORK" && blocks_of "$SOURCE/docs/reference/instruments.md" json block && mv block1.json my_zither.json)
+  readme_block cmake docs/reference/instruments.md >"$WORK/zither.cmake"
   project="$WORK"
   cat >"$WORK/CMakeLists.txt" <<'END'
 cmake_minimum_required(VERSION 3.25)
@@ -370,21 +374,55 @@ END
   build
   [ -x "$build/ball" ] || fail "no program"
   [ -x "$build/my_zither" ] || fail "no program of an instrument"
-  grep -q '"strike_hammer"' "$build/my_zither.lv2/my_zither.ttl" || fail "the instrument's plug-in has no strike"
+  grep -q '"hammer_speed_m_per_s"' "$build/lv2/my_zither.lv2/my_zither.ttl" || fail "the instrument's plug-in has no speed"
 }
 
-# The plug-ins alone, out of the whole.
+# The plug-ins alone, out of the whole. All names begin with contactspline: nobody else's are overwritten.
 case_plugins_install() {
   run cmake --install "$BUILD" --component plugins --prefix "$WORK/prefix"
   local file
   for file in lib/clap/contactspline_{piano,hammer_string}.clap lib/vst3/contactspline_{piano,hammer_string}.vst3 \
-    lib/lv2/{contactspline_piano,contactspline_hammer_string,piano,slide_string}.lv2/manifest.ttl \
+    lib/lv2/contactspline_{piano,hammer_string,faust_piano,faust_slide_string}.lv2/manifest.ttl \
     bin/contactspline-{piano,hammer_string}; do
     [ -s "$WORK/prefix/$file" ] || fail "no $file"
   done
-  [ "$(echo "$WORK"/prefix/lib/vst3/*/Contents/*-linux/*.so | wc -w)" = 2 ] || fail "a VST3 plug-in has no binary"
+  [ "$(echo "$WORK"/prefix/lib/vst3/*/Contents/*-linux/*.so | wc -w)" = 3 ] || fail "a VST3 plug-in has no binary"
   [ "$(cd "$WORK/prefix" && echo * lib/*)" = "bin lib lib/clap lib/lv2 lib/vst3" ] || fail "not the plug-ins alone"
   [ ! -e "$WORK/prefix/bin/contactspline" ] || fail "not the plug-ins alone"
+  ! (cd "$WORK/prefix" && ls bin lib/*) | grep -vE '^$|:$|^contactspline[-_]' || fail "a name that others may have"
+}
+
+# scripts/plugins with the plug-ins of the build tree: what others have installed is kept, --remove removes the rest.
+case_plugins_script() {
+  export HOME="$WORK/home"
+  mkdir -p "$WORK/tree/scripts" "$WORK/bin" "$HOME"/.lv2/{piano,contactspline_piano}.lv2
+  echo foreign | tee "$HOME"/.lv2/{piano,contactspline_piano}.lv2/manifest.ttl >"$HOME/.lv2/note"
+  cp "$SOURCE/scripts/plugins" "$WORK/tree/scripts"
+  printf '#!/bin/sh\n' >"$WORK/tree/scripts/install-packages"
+  printf '#!/bin/sh\n[ "$1" = --install ] || exit 0\nexec "%s" --install "%s" --component plugins --prefix "$6"\n' \
+    "$(command -v cmake)" "$BUILD" >"$WORK/bin/cmake"
+  chmod +x "$WORK/bin/cmake" "$WORK/tree/scripts/install-packages"
+  mkdir -p "$WORK/tree/build/plugins"
+  (cd "$HOME" && find . | sort) >"$WORK/before"
+  local round script="$WORK/tree/scripts/plugins"
+  for round in 1 2; do  # the second time over the first one
+    PATH="$WORK/bin:$PATH" run "$script"
+    grep -q 'contactspline_piano.lv2 is there already' "$WORK/log" || fail "says nothing of a foreign plug-in"
+    [ -s "$HOME/.clap/contactspline_piano.clap" ] && [ -s "$HOME/.lv2/contactspline_faust_piano.lv2/manifest.ttl" ] &&
+      [ -x "$HOME/.local/bin/contactspline-piano" ] || fail "not installed"
+  done
+  grep -qx foreign "$HOME/.lv2/contactspline_piano.lv2/manifest.ttl" || fail "a foreign plug-in was overwritten"
+  run "$script" --remove
+  (cd "$HOME" && find . ! -type d | sort) >"$WORK/after"
+  grep -vxFf "$WORK/before" "$WORK/after" >"$WORK/log" && fail "was not removed" || true
+  [ "$(wc -l <"$WORK/after")" = 3 ] || fail "a foreign file was removed"
+  ! "$script" --remove >"$WORK/log" 2>&1 || fail "removes twice"
+  grep -q 'no plug-ins are installed' "$WORK/log" || fail "is silent about what is not installed"
+
+  PATH="$WORK/bin:$PATH" run "$script" "$WORK/my-prefix"
+  [ -s "$WORK/my-prefix/lib/vst3/contactspline_piano.vst3/Contents/"*-linux/contactspline_piano.so ] || fail "not in PREFIX"
+  run "$script" --remove "$WORK/my-prefix"
+  [ -z "$(find "$WORK/my-prefix" ! -type d)" ] || fail "PREFIX keeps something"
 }
 
 # expect_settings FOLDER NAME=VALUE...: what a build folder of the scripts is set to.
@@ -414,11 +452,12 @@ case_scripts() {
   chmod +x "$WORK/bin/cmake"
 
   until_build run
-  expect_settings release TESTS=OFF PLUGINS=OFF
+  expect_settings program TESTS=OFF
+  ! grep -q 'CMake Warning' "$WORK/log" || fail "scripts/run warns"
+  [ ! -e "$tree/build/release" ] || fail "scripts/run configures build/release"
   until_build test
   expect_settings release TESTS=ON PLUGINS=ON
-  until_build run
-  expect_settings release TESTS=ON PLUGINS=ON
+  expect_settings program TESTS=OFF
   until_build plugins
   grep -qx 'packages: plugins' "$WORK/log" || fail "scripts/plugins installs other packages"
   expect_settings plugins PLUGINS=ON TESTS=OFF GENERATOR=OFF EXAMPLES=OFF
@@ -493,14 +532,62 @@ case_examples() {
   [ "$(stat -c %s "$WORK/phrase.wav")" -gt 800000 ] || fail "the phrase is short"
 }
 
-# An instrument of that folder as a plug-in.
+# The examples that are plug-ins.
 case_examples_plugins() {
   install_at "$WORK/prefix"
   cp -r "$SOURCE/examples" "$WORK/examples"
   project="$WORK/examples" build="$WORK/build"
   configure Ninja "-DCMAKE_PREFIX_PATH=$WORK/prefix" -DCONTACTSPLINE_BUILD_PLUGINS=ON
-  run cmake --build "$build" --target contactspline_piano_clap
-  [ -s "$build/clap/contactspline_piano.clap" ] || fail "no plug-in"
+  run cmake --build "$build" --target my_hammer_string_clap
+  run "$BUILD/tests/plugins/play_plugin" clap "$build/clap/my_hammer_string.clap"
+}
+
+# The instrument file of docs/reference/instruments.md and a class of one's own become CLAP, VST3 and LV2 by a line each, and sound.
+case_own_plugin() {
+  install_at "$WORK/prefix"
+  (cd "$WORK" && blocks_of "$SOURCE/docs/reference/instruments.md" json block && mv block1.json my_zither.json)
+  sed -i '0,/"name": "my_zither",/s//"name": "my_zither", "license": "CC-BY-4.0",/' "$WORK/my_zither.json"
+  cat >"$WORK/my_bell.hpp" <<'END'
+#include "contactspline/instrument/instruments_of.hpp"
+#include "contactspline/materials/felt_c7.hpp"
+#include "contactspline/resonators/string_c7.hpp"
+
+using MyBell = contactspline::HammerStringOf<contactspline::materials::felt_c7, contactspline::resonators::string_c7, float>;
+END
+  cat >"$WORK/CMakeLists.txt" <<'END'
+cmake_minimum_required(VERSION 3.25)
+project(OwnPlugin LANGUAGES CXX)
+find_package(ContactSpline CONFIG REQUIRED)
+contactspline_generate(TARGET my_instruments MATERIALS my_zither.json)
+contactspline_plugin(TARGET my_zither INSTRUMENT my_zither MATERIALS my_instruments VENDOR Me URI urn:me:my_zither)
+contactspline_plugin(TARGET my_bell HEADER my_bell.hpp CLASS MyBell FORMATS clap)
+END
+  project="$WORK" build="$WORK/build"
+  configure Ninja "-DCMAKE_PREFIX_PATH=$WORK/prefix"
+  build
+  local play="$BUILD/tests/plugins/play_plugin" ttl="$build/lv2/my_zither.lv2/my_zither.ttl"
+  run "$play" clap "$build/clap/my_zither.clap"
+  run "$play" vst3 "$build"/vst3/my_zither.vst3/Contents/*-linux/my_zither.so
+  LV2_PATH="$build/lv2" run "$play" lv2 urn:me:my_zither
+  run "$play" clap "$build/clap/my_bell.clap"
+  [ ! -e "$build/lv2/my_bell.lv2" ] || fail "a format that was not asked for"
+  local text
+  for text in '"a string that buzzes on a wire"' '"CC-BY-4.0"' 'doap:name "my zither"' 'foaf:name "Me"'; do
+    grep -qF "$text" "$ttl" || fail "the description of the plug-in lacks $text"
+  done
+  expect_current
+
+  cd "$WORK"
+  local function=contactspline_plugin prefix='contactspline_plugin: '
+  expect_refusal "${prefix}INSTRUMENT: missing; needed: INSTRUMENT, or HEADER with CLASS" TARGET t
+  expect_refusal "${prefix}INSTRUMENT: stands beside HEADER or CLASS" TARGET t INSTRUMENT piano CLASS C
+  expect_refusal "${prefix}INSTRUMENT: no 'snarl' ships or is emitted as cpp by MATERIALS; allowed: classical_guitar, " \
+    TARGET t INSTRUMENT snarl
+  expect_refusal "${prefix}TARGET: 'a.b' is not usable" TARGET a.b INSTRUMENT piano
+  expect_refusal "${prefix}FORMATS: 'vst2' is unknown; allowed: clap, vst3, lv2" TARGET t INSTRUMENT piano FORMATS vst2
+  expect_refusal "${prefix}MATERIALS: 'm' is no target" TARGET t INSTRUMENT piano MATERIALS m
+  expect_refusal "${prefix}ID: 'a b' is not usable" TARGET t INSTRUMENT piano ID '"a b"'
+  expect_refusal "${prefix}URI: 'my_piano' is no URI" TARGET t INSTRUMENT piano URI my_piano
 }
 
 # expect_object FILE CODE DATA SYMBOLS: an object for a microcontroller is at most that large, in bytes, and needs no other
@@ -511,23 +598,24 @@ expect_object() {
   [ -z "$symbols" ] || fail "$1 also needs $symbols"
   arm-none-eabi-size "$1" | awk -v code="$2" -v data="$3" '
     NR == 2 { print $6 ": " $1 " bytes of code, " $2 + $3 " of data"; exit !($1 > 1000 && $1 <= code && $2 + $3 <= data) }' ||
-    fail "$1 is larger than docs/microcontrollers.md says"
+    fail "$1 is larger than docs/how-to/microcontrollers.md says"
 }
 
-# docs/microcontrollers.md, word for word, and the figures that it states.
+# docs/how-to/microcontrollers.md, word for word, and the figures that it states.
 case_microcontroller() {
   need arm-none-eabi-g++
   need faust
   cd "$WORK"
-  readme_block cpp docs/microcontrollers.md >model.cpp
-  readme_block c docs/microcontrollers.md >main.c
+  readme_block cpp docs/how-to/microcontrollers.md >model.cpp
+  readme_block c docs/how-to/microcontrollers.md >main.c
   ln -s "$SOURCE/runtime" "$SOURCE/faust" "$SOURCE/generated" .
   mkdir build
-  ln -s "$BUILD" build/release
-  run bash -ec "$(readme_block sh docs/microcontrollers.md)"
+  ln -s "$BUILD" build/program
+  run bash -ec "$(readme_block sh docs/how-to/microcontrollers.md)"
+  ! grep -E ':[0-9]+:[0-9]+: (warning|error)' "$WORK/log" || fail "the page is compiled with warnings"
   expect_object model.o 12288 6144 'memcpy|memset'
   for program in slide_string fret_string; do
-    expect_object $program.o 102400 2048 'calloc|free|sinf|cosf|expf|logf|max|min|memcpy|memset'
+    expect_object $program.o 102400 2048 'calloc|free|sinf|cosf|expf|logf|memcpy|memset'
     expect_object $program.elf 112640 8192 ''
   done
 }
@@ -547,18 +635,18 @@ case_arm() {
 
 # Commands of the pages that case_pages does not run, and why.
 not_run='
-^(\./)?scripts/(run|test|plugins|web|tidy|format|bench|sanitize|fuzz|mutate|matrix|soak|coverage|bare-root)    builds the whole tree, or changes the source
+^(\./)?scripts/(run|test|plugins|web|site|tidy|format|bench|sanitize|fuzz|mutate|matrix|soak|coverage|bare-root)    builds the whole tree, or changes the source
 ^(\./)?scripts/install-packages                asks the network
 ^cmake --(preset|build)                        builds the whole tree
 ^cmake (-S examples|--install build )           in case_examples_plugins
-arm-none-eabi|^for program|^  faust|^  *-(idirafter|fno)|^done   in case_microcontroller
+arm-none-eabi|^for program|^  (read|echo|faust)|^ +(process|main\.c|-idirafter|-fno)|^done   in case_microcontroller
 '
 
 # The commands of a page in order: its sh blocks, and the indented lines that begin with a command.
 commands_of() {
   awk '/^```/ { on = !on; sh = on && $0 == "```sh"; next }
        sh { print }
-       !on && /^    (contactspline|cmake|build\/|(\.\/)?scripts\/)/ { sub(/^    /, ""); print }' "$1" |
+       !on && /^    (contactspline|cmake|mkdir|build\/|(\.\/)?scripts\/)/ { sub(/^    /, ""); print }' "$1" |
     grep -vE "$(awk 'NF { sub(/   .*/, ""); print }' <<<"$not_run" | paste -sd '|')" || true
 }
 
@@ -566,7 +654,7 @@ commands_of() {
 fresh_commands() {
   local command key
   while IFS= read -r command; do
-    key=$(sed 's/ *#.*//; s/ -o [^ ]*//; s|^build/release/generator/||' <<<"$command")
+    key=$(sed 's/ *#.*//; s/ -o [^ ]*//; s|^build/program/generator/||' <<<"$command")
     if [[ "$key" =~ ^contactspline\ (list|render\ .*--score\ [a-z_]+$) ]]; then
       ! grep -qxF -- "$key" "$WORK/commands that ran" || continue
       echo "$key" >>"$WORK/commands that ran"
@@ -581,7 +669,7 @@ blocks_of() {
     on { print > prefix count "." substr(fence, 4) }' "$1"
 }
 
-# The files that the commands of a page name: its materials and resonators, its curves, its scores.
+# The files that the commands of a page name: its materials and resonators, its curves, its scores, its project.
 files_of() {
   blocks_of "$1" json block
   blocks_of "$1" csv curve
@@ -593,20 +681,22 @@ files_of() {
   done
   [ ! -e curve1.csv ] || { mv curve1.csv my_felt.csv && mv curve2.csv my_impact.csv; }
   cp "$SOURCE/data/scores/bach_prelude.mid" my_song.mid
+  readme_block cmake "${1#"$SOURCE/"}" >CMakeLists.txt
 }
 
 # Every page word for word, in a folder of its own: its commands, its programs in C++ and in Faust. The cases readme,
-# kernels, polyphony and microcontroller compile those pages; materials_doc_test and render_score_test read every JSON.
+# kernels, polyphony and microcontroller compile those pages; materials_doc_test and shipped_score_test read every JSON.
 case_pages() {
   need faust
   install_at "$WORK/prefix"
   export PATH="$WORK/prefix/bin:$PATH"
   local page name block commands=0 programs=0
   : >"$WORK/commands that ran"
-  for page in "$SOURCE"/{README,CONTRIBUTING}.md "$SOURCE"/docs/*.md; do
+  for page in "$SOURCE"/{README,CONTRIBUTING}.md "$SOURCE"/docs/*/*.md; do
     name=$(basename "$page" .md)
-    mkdir -p "$WORK/$name/build"
-    cd "$WORK/$name"
+    mkdir -p "$WORK/${page#"$SOURCE/"}/build"
+    cd "$WORK/${page#"$SOURCE/"}"
+    ln -s "$BUILD" build/program
     ln -s "$BUILD" build/release
     files_of "$page"
     commands=$((commands + $(commands_of "$page" | wc -l)))
@@ -621,7 +711,7 @@ case_pages() {
       case "$block" in
         *.faust) run faust -I "$WORK/prefix/share/contactspline/faust" "$block" -o "$block.cpp" ;;
         *) if grep -q 'int main' "$block"; then
-            run "$CXX" -std=c++20 -O1 -I "$WORK/prefix/include" "$block" -o "$block.program"
+            run "$CXX" -std=c++20 -O1 -I "$WORK/prefix/include" -I . "$block" -o "$block.program"
             run "./$block.program"
           else
             run "$CXX" -std=c++20 -fsyntax-only -I "$WORK/prefix/include" -include faust/gui/UI.h \
@@ -630,8 +720,23 @@ case_pages() {
       esac
     done
   done
+  [ -s "$WORK/docs/start/tutorial.md/home/.lv2/my_instrument.lv2/my_instrument.so" ] || fail "the tutorial ends without a plug-in"
   echo "$commands commands, $programs programs"
   [ "$commands" -ge 30 ] && [ "$programs" -ge 13 ] || fail "only $commands commands and $programs programs were found"
+}
+
+# The site of the docs: complete, and without a request to elsewhere.
+case_site() {
+  need mkdocs
+  run "$SOURCE/scripts/site" --build
+  local site="$SOURCE/build/site" page
+  for page in "$SOURCE"/docs/*/*.md; do
+    page=${page#"$SOURCE/"}
+    [ -s "$site/${page%.md}.html" ] || fail "no page of $page"
+  done
+  grep -q '"title": "The contact step"' "$site/sections.js" || fail "the search does not know the contact step"
+  ! grep -rEo '(<(script|link|img|iframe|audio)[^>]*|@import[^;]*|url\()["'\'']?https?:[^ >]*' "$site" --include=*.html --include=*.css ||
+    fail "the site requests something from elsewhere"
 }
 
 # The README's examples, word for word.
@@ -659,12 +764,12 @@ add_executable(my_plugin main.cpp)'
   expect_peak_force 2 4.5e9 2.5 0.003 2 <"$WORK/samples"
 }
 
-# The example of docs/polyphony.md, on the optional libraries: one voice of 500, a third of the way to the right.
+# The example of docs/how-to/polyphony.md, on the optional libraries: one voice of 500, a third of the way to the right.
 case_polyphony() {
   install_at "$WORK/prefix"
   project="$WORK/project" build="$WORK/build"
   mkdir "$project"
-  readme_block cpp docs/polyphony.md >"$project/main.cpp"
+  readme_block cpp docs/how-to/polyphony.md >"$project/main.cpp"
   cat >"$project/CMakeLists.txt" <<'END'
 cmake_minimum_required(VERSION 3.25)
 project(Polyphony LANGUAGES CXX)
@@ -679,19 +784,19 @@ END
     END { exit !(ratio > 0.9999 && ratio < 1.0001 && $3 == 1) }' || fail "the example does not play as it says"
 }
 
-# The example of docs/kernels.md, with the vectorised kernels and without: the same but for rounding.
+# The example of docs/how-it-works/kernels.md, with the vectorised kernels and without: the same but for rounding.
 case_kernels() {
   install_at "$WORK/prefix"
   project="$WORK/project" build="$WORK/build"
   mkdir "$project"
-  readme_block cpp docs/kernels.md >"$project/main.cpp"
+  readme_block cpp docs/how-it-works/kernels.md >"$project/main.cpp"
   { echo 'cmake_minimum_required(VERSION 3.25)
 project(Kernels LANGUAGES CXX)
 find_package(ContactSpline CONFIG REQUIRED)
 add_executable(my_plugin main.cpp)
 add_executable(plain main.cpp)
 target_link_libraries(plain PRIVATE ContactSpline::materials)'
-    readme_block cmake docs/kernels.md; } >"$project/CMakeLists.txt"
+    readme_block cmake docs/how-it-works/kernels.md; } >"$project/CMakeLists.txt"
   configure Ninja "-DCMAKE_PREFIX_PATH=$WORK/prefix" -DCMAKE_BUILD_TYPE=Release
   build
   "$build/plain" >"$WORK/plain"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Measures notes of the piano that ships, on its soundboard: for the test and for the table of docs/keyboard.md.
+// Measures notes of the piano that ships, on its soundboard: for the test and for the table of
+// docs/measurements/piano.md.
 #pragma once
 
 #include <fmt/format.h>
@@ -33,7 +34,7 @@ inline constexpr double kFeatureRate = 44100;
 
 /// The left channel of a note on the soundboard [m/s].
 [[nodiscard]] inline std::vector<double> sound_of(const Score& score) {
-  const Performance played = play(score, {kFeatureRate, Signal::kBody}, [](double) {});
+  const Performance played = play(score, {.sample_rate_hz = kFeatureRate, .is_on_body = true}, [](double) {});
   std::vector<double> left;
   for (std::size_t n = 0; n < played.samples.size(); n += 2) left.push_back(static_cast<double>(played.samples[n]));
   return left;
@@ -43,8 +44,8 @@ inline constexpr double kFeatureRate = 44100;
 /// Reflected waves may part them in between.
 [[nodiscard]] inline double contact_time_s(int key, double speed_m_per_s) {
   constexpr double kRate = 176400, kDuration_s = 0.02;
-  const Performance played =
-      play(one_note(key, speed_m_per_s, 1, kDuration_s), {kRate, Signal::kBody}, [](double) {});
+  const Performance played = play(one_note(key, speed_m_per_s, 1, kDuration_s),
+                                  {.sample_rate_hz = kRate, .is_on_body = true}, [](double) {});
   const auto touches = [](float force) { return force > 0; };
   const auto first = std::ranges::find_if(played.force_n, touches);
   const auto last = std::find_if(played.force_n.rbegin(), played.force_n.rend(), touches).base();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// piano_features_data: prints what docs/keyboard.md says of middle C. piano_features_data FOLDER: writes its waveform
-// and its spectrum at three speeds there, for scripts/figures.
+// piano_features_data: prints what docs/measurements/piano.md says of middle C. piano_features_data FOLDER: writes
+// its waveform and its spectrum at three speeds there, for scripts/figures.
 #include <fmt/os.h>
 
 #include "piano_features.hpp"

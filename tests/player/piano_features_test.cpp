@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Middle C of the piano that ships, on its soundboard, against published features (docs/keyboard.md names the
-// sources; the bounds are the ranges there), and what must not be in its sound.
+// Middle C of the piano that ships, on its soundboard, against published features (docs/measurements/piano.md names
+// the sources; the bounds are the ranges there), and what must not be in its sound.
 #include "piano_features.hpp"
 
 #include <gtest/gtest.h>

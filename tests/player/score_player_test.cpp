@@ -5,11 +5,13 @@
 #include <limits>
 #include <sstream>
 
+#include "contactspline/instrument/string_outputs.hpp"
 #include "generator/player/score_reader.hpp"
 #include "generator/support/embedded_files.hpp"
 #include "generator/support/error.hpp"
 #include "support/compare.hpp"
 #include "support/finite.hpp"
+#include "support/measured.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -28,7 +30,9 @@ Score slide_score(const std::string& events) {
 }
 
 Performance played(const Score& score, Precision precision) {
-  return play(score, {44100, Signal::kVelocity, precision}, [](double) {});
+  return play(score,
+              {.sample_rate_hz = 44100, .output = detail::StringOutputs<double>::kVelocity, .precision = precision},
+              [](double) {});
 }
 
 // A stiffness that jumps by 1e12 under a pressed slide, each way a hundred times: its rises do 1 W of work at most,
@@ -47,7 +51,7 @@ TEST(ScorePlayer, IsBoundedWhereTheStiffnessJumps) {
     EXPECT_GT(still.largest_force_n, 2);
     EXPECT_GT(sound.largest_force_n, 2);
     EXPECT_LT(sound.largest_force_n, 1e4);
-    std::cout << "largest force " << sound.largest_force_n << " N, without jumps " << still.largest_force_n << " N\n";
+    Measured() << "largest force " << sound.largest_force_n << " N, without jumps " << still.largest_force_n << " N";
   }
 }
 
@@ -103,7 +107,8 @@ TEST(ScorePlayer, SaysWhereAKeyboardIsNotFinite) {
   for (const Score* score : {&light, &board}) {
     std::string message;
     try {
-      (void)play(*score, {44100, Signal::kBody, Precision::kSingle}, [](double) {});
+      (void)play(*score, {.sample_rate_hz = 44100, .is_on_body = true, .precision = Precision::kSingle},
+                 [](double) {});
     } catch (const BadInput& bad) {
       message = bad.what();
     }
@@ -117,13 +122,15 @@ TEST(ScorePlayer, SaysWhereAKeyboardIsNotFinite) {
 TEST(ScorePlayer, DrivesABodyByTheForceOnTheBridge) {
   Score score = slide_score("");
   const auto silent = [](double) {};
-  const auto force = play(score, {44100, Signal::kBridge}, silent);
+  const auto force = play(score, {.sample_rate_hz = 44100, .output = detail::StringOutputs<double>::kBridge}, silent);
   ASSERT_EQ(force.channels, 1);
   score.body =
       Resonator{"probe", "", ModeTable{{{{600, 20, 0.1}, 1.5, 0.5}, {{3000, 100, 0.2}, -1, 2}}}, {0}, {0}, 10};
   score.voices[0].pan = -0.5;  // the body has the ears, not the string
-  ASSERT_EQ(best_signal(score), Signal::kBody);
-  const auto sound = play(score, {44100, Signal::kBody}, silent);
+  PlayOptions best{44100};
+  choose_best_output(score, best);
+  ASSERT_TRUE(best.is_on_body);
+  const auto sound = play(score, best, silent);
   ASSERT_EQ(sound.channels, 2);
   const std::vector<Mode> modes = {{600, 20, 0.1}, {3000, 100, 0.2}};
   const std::vector<double> strike = {1.5, -1}, pickup = {0.5, 2};

@@ -65,14 +65,14 @@ TEST(ScoreReader, TellsThePedalsApart) {
     return parse_midi_score(head + static_cast<char>(events.size()) + events, "probe.mid");
   };
   const std::map<char, std::size_t> pedals = {
-      {64, PedalControl::kSustain}, {66, PedalControl::kSostenuto}, {67, PedalControl::kUnaCorda}};
+      {64, KeyboardParameter::kSustain}, {66, KeyboardParameter::kSostenuto}, {67, KeyboardParameter::kUnaCorda}};
   for (const auto& [controller, pedal] : pedals) {
     const Score down = with_pedal(controller, 127), half = with_pedal(controller, 90);
     for (const Score& score : {down, half}) {
       ASSERT_FALSE(score.pedals.empty());
       EXPECT_EQ(score.pedals[0].control, pedal) << int(controller);
     }
-    EXPECT_EQ(down.left_out_at_rest.empty(), pedal == PedalControl::kSustain) << int(controller);
+    EXPECT_EQ(down.left_out_at_rest.empty(), pedal == KeyboardParameter::kSustain) << int(controller);
     EXPECT_FALSE(half.left_out_at_rest.empty()) << int(controller);
   }
 }

@@ -52,6 +52,9 @@ class ClapPlugin : public HostedPlugin {
     return static_cast<const Extension*>(plugin_->get_extension(plugin_, id));
   }
 
+  /// As a host does on its audio thread, when the user stops all sound.
+  void reset() { plugin_->reset(plugin_); }
+
   /// The format has no units.
   [[nodiscard]] std::vector<HostedParameter> parameters() const override {
     std::vector<HostedParameter> parameters;

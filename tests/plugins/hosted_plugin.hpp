@@ -37,7 +37,8 @@ class HostedPlugin {
   [[nodiscard]] virtual double value(const std::string& parameter) = 0;
   /// For the beginning of the next block.
   virtual void set(const std::string& parameter, double value) = 0;
-  /// A note or a controller, so many samples after the beginning of the next block. In the order of the times.
+  /// A message of MIDI, so many samples after the beginning of the next block. In the order of the times. VST3 has
+  /// notes, controllers and the pitch wheel only.
   virtual void send(std::uint32_t time, std::array<std::uint8_t, 3> message) = 0;
   /// Names of the programs; empty if the format has none.
   [[nodiscard]] virtual std::vector<std::string> programs() = 0;

@@ -110,7 +110,7 @@ class JackProgram : public ::testing::TestWithParam<std::string> {
     setenv("JACK_NO_AUDIO_RESERVATION", "1", 1);
     setenv("HOME", folder_.c_str(), 1);  // the programs keep their last settings there
     std::filesystem::create_directories(folder_);
-    jack_set_error_function([](const char*) {});  // of trying until the server is there
+    jack_set_error_function([](const char*) {});  // no message while it tries to find the server
     server_.emplace(
         std::vector<std::string>{JACKD, "--no-realtime", "--sync", "--name", getenv("JACK_DEFAULT_SERVER"), "-d",
                                  "dummy", "-r", std::to_string(kRate), "-p", "512"},

@@ -75,7 +75,7 @@ class Lv2World {
 struct Lv2Port {
   std::string symbol, name;
   bool is_input, is_output, is_control, is_audio, is_midi, is_button;
-  float initial, min, max;  ///< of a control input; NaN where it does not say
+  float initial, min, max;  ///< values of a control input; NaN where it does not say
 };
 
 [[nodiscard]] inline std::vector<Lv2Port> ports_of(const Lv2World& world, const LilvPlugin* plugin) {

@@ -192,7 +192,7 @@ class Vst3Plugin : public HostedPlugin {
     event.sample_offset = static_cast<std::int32_t>(time);
     // The framework rounds velocities down, and some numbers v/127 lie below the v that is meant.
     const float velocity = (message[2] + 0.5f) / 127;
-    switch (message[0]) {
+    switch (message[0] & 0xf0) {
       case 0x90:
         event.type = V3_EVENT_NOTE_ON;
         event.note_on = {0, message[1], 0, velocity, 0, -1};
@@ -201,11 +201,13 @@ class Vst3Plugin : public HostedPlugin {
         event.type = V3_EVENT_NOTE_OFF;
         event.note_off = {0, message[1], velocity, -1, 0};
         return list_.events.push_back(event);
-      default: {
-        v3_param_id id = 0;
-        check(v3_cpp_obj(mapping_)->get_midi_controller_assignment(mapping_, 0, 0, message[1], &id));
-        change(id, event.sample_offset, message[2] / 127.0);
-      }
+      case 0xb0:
+        if (message[1] < 128) change(controller(message[1]), event.sample_offset, message[2] / 127.0);
+        return;
+      case 0xe0:
+        return change(controller(kPitchWheel), event.sample_offset, (message[2] << 7 | message[1]) / 16383.0);
+      default:
+        return;  // the format has no such events
     }
   }
 
@@ -213,18 +215,17 @@ class Vst3Plugin : public HostedPlugin {
     std::vector<std::string> names;
     for (int i = 0; i <= program_.step_count; ++i) {
       v3_str_128 name = {};
-      check(
-          v3_cpp_obj(controller_)
-              ->get_parameter_string_for_value(controller_, program_.param_id, 1.0 * i / program_.step_count, name));
+      check(v3_cpp_obj(controller_)
+                ->get_parameter_string_for_value(controller_, program_.param_id, normalised_program(i), name));
       names.push_back(text(name));
     }
     return names;
   }
 
   void load_program(std::size_t index) override {
-    check(v3_cpp_obj(controller_)
-              ->set_parameter_normalised(controller_, program_.param_id,
-                                         static_cast<double>(index) / program_.step_count));
+    check(
+        v3_cpp_obj(controller_)
+            ->set_parameter_normalised(controller_, program_.param_id, normalised_program(static_cast<int>(index))));
   }
 
   [[nodiscard]] std::string save() override {
@@ -250,6 +251,19 @@ class Vst3Plugin : public HostedPlugin {
     std::string text;
     for (const std::int16_t* c = ascii; *c != 0; ++c) text += static_cast<char>(*c);
     return text;
+  }
+
+  static constexpr std::int16_t kPitchWheel = 129;
+
+  [[nodiscard]] double normalised_program(int index) const {
+    return program_.step_count == 0 ? 0 : 1.0 * index / program_.step_count;
+  }
+
+  // The parameter that stands for a controller of MIDI.
+  [[nodiscard]] v3_param_id controller(std::int16_t number) const {
+    v3_param_id id = 0;
+    check(v3_cpp_obj(mapping_)->get_midi_controller_assignment(mapping_, 0, 0, number, &id));
+    return id;
   }
 
   [[nodiscard]] v3_param_info info(std::int32_t index) const {

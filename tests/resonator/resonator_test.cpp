@@ -38,7 +38,7 @@ TEST(Resonators, WithoutASoundingModeHaveNone) {
   const Losses losses{1e6, 0};
   const Resonator bodies[] = {{"membrane", "", Membrane{100, 1e4, 1e-3, losses}, {1}, {2}, 4096},
                               {"string", "", StiffString{100, 1e4, 1e-3, 0, losses}, {1}, {2}, 4096},
-                              {"bar", "", FreeBar{100, 1e4, 1e-9, losses}, {1}, {2}, 4096}};
+                              {"bar", "", Bar{100, 1e4, 1e-9, losses}, {1}, {2}, 4096}};
   for (const Resonator& body : bodies) EXPECT_TRUE(modes_of(body, 22050).modes.empty()) << body.name;
 }
 
@@ -64,7 +64,7 @@ TEST(Resonators, BeginWithTheFirstModeThatSounds) {
 
 // Classical frequency ratios of the free-free bar (Rossing, Fletcher): 1, 2.7565, 5.4039, 8.9330.
 TEST(FreeBar, FrequenciesStandInTheClassicalRatios) {
-  const Resonator bar{"bar", "", FreeBar{0.3, 0.4, 60, {1, 0}}, {0.15}, {0.0}, 100};
+  const Resonator bar{"bar", "", Bar{0.3, 0.4, 60, {1, 0}}, {0.15}, {0.0}, 100};
   const auto modes = modes_of(bar, 20000).modes;
   const double ratios[] = {1, 2.7565, 5.4039, 8.9330};
   for (std::size_t i = 0; i < 4; ++i)
@@ -78,7 +78,7 @@ TEST(FreeBar, ShapesAreNormalised) {
   constexpr int kPlaces = 2000;
   std::vector<double> integrals(6);
   for (int p = 0; p < kPlaces; ++p) {
-    const Resonator bar{"bar", "", FreeBar{0.3, 0.4, 60, {1, 0}}, {0.3 * (p + 0.5) / kPlaces}, {0.0}, 6};
+    const Resonator bar{"bar", "", Bar{0.3, 0.4, 60, {1, 0}}, {0.3 * (p + 0.5) / kPlaces}, {0.0}, 6};
     const auto modes = modes_of(bar, 1e6).modes;
     for (std::size_t i = 0; i < 6; ++i) {
       integrals[i] += modes[i].strike_shape * modes[i].strike_shape / kPlaces;
@@ -90,7 +90,7 @@ TEST(FreeBar, ShapesAreNormalised) {
 
 // sinh(beta L) leaves the range of double at beta L = 710; the shapes must not.
 TEST(FreeBar, OfManyModesKeepsItsShapes) {
-  const Resonator wire{"wire", "", FreeBar{10, 1, 0.01, {1, 0}}, {9.9}, {10}, 4096};
+  const Resonator wire{"wire", "", Bar{10, 1, 0.01, {1, 0}}, {9.9}, {10}, 4096};
   const auto modes = modes_of(wire, 22050).modes;
   ASSERT_GT(modes.size(), 1000u);
   for (const auto& mode : modes) {

@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "contactspline/ensemble.hpp"
+#include "contactspline/models/ensemble.hpp"
 #include "strings.hpp"
 
 namespace contactspline::testing {

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Strings on a body: energy, and the motion against the exact solution of the coupled equations.
-#include "contactspline/body.hpp"
+#include "contactspline/models/body.hpp"
 
-#include <iostream>
-#include <numeric>
 #include <random>
 
 #include "energy.hpp"
 #include "strings_on_body.hpp"
 #include "support/compare.hpp"
+#include "support/measured.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -96,124 +95,13 @@ TEST_P(StrungBody, BalancesItsEnergy) {
     largest_in_body = std::max(largest_in_body, body.modes().energy());
     books.close(stored + body.energy());
   }
-  std::cout << rate << " Hz: " << books.worst / books.peak << " of the largest energy, "
-            << largest_in_body / books.peak << " of it in the board\n";
+  Measured() << rate << " Hz: " << books.worst / books.peak << " of the largest energy, "
+             << largest_in_body / books.peak << " of it in the board";
   EXPECT_GT(largest_in_body, 0.001 * books.peak);
   EXPECT_TRUE(within(books.worst, 0, 1e-12 * books.peak));
 }
 
 INSTANTIATE_TEST_SUITE_P(Rates, StrungBody, ::testing::Values(22050.0, 44100.0, 96000.0));
-
-// Twenty keys of one to three strings that join and leave the bridge in parts, at random, while others ring, with and
-// without dampers. Who joins follows the bridge and brings what moves: (change of the bridge)^2 K/(2 |1 - z|^2) for
-// each mode without loss, K = 2 (T + EI beta^2)/L. Bound: 1e-12 of the largest energy.
-TEST_P(StrungBody, BalancesItsEnergyWhileStringsJoinAndLeave) {
-  const double rate = GetParam();
-  const auto modes = board(60);
-  struct Joining {
-    Strings strings;
-    HammerString<double> model;
-    BridgeShapes<double> bridge;
-    std::vector<double> stiffness, work;  // of each mode; work for a change of one metre
-    std::size_t joined = 0;
-    double mass_kg;
-  };
-  const auto felt = table_in<double>(felt_table(c4(), 32));
-  std::vector<Joining> keys;
-  std::mt19937_64 random(11);
-  constexpr std::size_t kLine = 8;  // modes, which the kernels advance together
-  const auto draw = [&](std::size_t below) { return static_cast<std::size_t>(random() % below); };
-  BridgeStiffness at_rest;
-  for (int k = 0; k < 20; ++k) {
-    StruckString struck = c4();
-    struck.string.losses = {0, 0};
-    struck.string.length_m *= std::exp2(-k / 12.0);
-    struck.string.detuning_cents.clear();
-    for (int s = 0; s <= k % 3; ++s) struck.string.detuning_cents.push_back(0.7 * s);
-    const auto rows = modes_below(struck.string, std::min(22050.0, rate / 2), 30);
-    Strings strings(struck, struck.string.detuning_cents, 30, std::min(22050.0, rate / 2));
-    HammerString<double> model(SegmentTable<double>(felt), bare(rows), strings.strike, rate);
-    auto bridge = model.bridge(bridge_shapes<double>(struck.string, rows, 1));
-    std::vector<double> stiffness, work;
-    for (const StringMode& row : rows) {
-      const double sine = std::sin(row.mode.angular_frequency_rad_per_s / (2 * rate)),
-                   shape = bridge_shape(struck.string, row);
-      stiffness.push_back(shape * shape / stiffness_of(row.mode));
-      work.push_back(stiffness.back() / (8 * sine * sine));
-    }
-    at_rest += bridge_stiffness(struck.string, std::vector<StringMode>());
-    keys.push_back({std::move(strings), std::move(model), std::move(bridge), stiffness, work, 0, 0.003});
-  }
-  Body<double> body(bare(modes), shapes<double>(modes, &ResonatorMode::strike_shape), at_rest, rate);
-  EnergyBooks books;
-  const auto sum = [](const std::vector<double>& of, std::size_t first, std::size_t last) {
-    return std::accumulate(of.begin() + static_cast<std::ptrdiff_t>(first),
-                           of.begin() + static_cast<std::ptrdiff_t>(last), 0.0);
-  };
-  const auto hammer_energy = [&](const Joining& key) {
-    return key.mass_kg * std::pow(key.model.hammer_velocity(), 2) / 2 +
-           potential(SegmentTable<double>(felt), key.model.compression());
-  };
-  const auto set_modes = [&](Joining& key, std::size_t count) {
-    if (count > key.joined) {
-      const double stiffness = key.model.follow(key.bridge, key.joined, count, body.change());
-      EXPECT_TRUE(relatively_within(stiffness, sum(key.stiffness, key.joined, count), 1e-12));
-      body.join(stiffness);
-      books.work += body.change() * body.change() * sum(key.work, key.joined, count);
-    } else {
-      for (std::size_t i = count; i < key.joined; ++i) books.dissipated += key.model.string().energy(i);
-      const double left = key.model.stiffness_on(key.bridge, count, key.joined),
-                   force = key.model.bridge_force(key.bridge, count, key.joined);
-      books.dissipated +=
-          (left / 2 * body.change() - force) * body.change();  // the change that they have not followed
-      body.leave(left, force);
-    }
-    key.joined = count;
-  };
-  double brought = 0, taken = 0;
-  bool pedal = false;
-  for (int n = 0; n < static_cast<int>(2 * rate); ++n) {
-    const auto joins_before = books.work, leaves_before = books.dissipated;
-    if (n % 97 == 0) {
-      Joining& key = keys[draw(20)];
-      if (!key.model.is_hammer_flying()) set_modes(key, std::min(kLine * draw(13), key.stiffness.size()));
-    }
-    if (n % 5000 == 0)
-      for (auto& key : keys)
-        if (key.model.is_hammer_flying() || key.joined < 10) set_modes(key, key.stiffness.size());
-    if (n % 7001 == 0) pedal = !pedal;
-    brought += static_cast<double>(books.work - joins_before);
-    taken += static_cast<double>(books.dissipated - leaves_before);
-    if (n % 1201 == 0) {
-      Joining& key = keys[draw(20)];
-      set_modes(key, key.stiffness.size());
-      const double before = hammer_energy(key);
-      key.model.strike(2, 1e-4);
-      books.work += hammer_energy(key) - before;
-    }
-    double force = 0, stored = 0;
-    for (auto& key : keys) {
-      const double damping = kHasLosses && !pedal && !key.model.is_hammer_flying() ? 60 : 0;
-      if (key.joined == key.stiffness.size()) {
-        force += key.model.tick({.hammer_mass_kg = key.mass_kg, .damping_per_s = damping}, key.bridge, body.change());
-        if (kHasLosses) books.dissipated += key.model.string().dissipated();
-      } else {  // by the code of the kernels or its portable twin
-        const auto strings = key.model.on_bridge(key.bridge, key.joined, 1);
-        force += detail::advance_strings<double>(std::span(&strings, 1), body.change());
-      }
-      for (std::size_t i = 0; i < key.joined; ++i) stored += key.model.string().energy(i);
-      stored += hammer_energy(key);
-    }
-    body.tick(force);
-    books.dissipated += body.modes().dissipated();
-    books.close(stored + body.energy());
-  }
-  std::cout << rate << " Hz: " << books.worst / books.peak << " of the largest energy; joins brought "
-            << brought / books.peak << ", leaves took " << taken / books.peak << " of it\n";
-  EXPECT_GT(brought, 1e-9 * books.peak);
-  EXPECT_GT(taken, 0.01 * books.peak);
-  EXPECT_TRUE(within(books.worst, 0, 1e-12 * books.peak));
-}
 
 /// The same at a sample rate: force on the bridge after each sample.
 std::vector<double> played(const Strings& strings, const std::vector<ResonatorMode>& modes,
@@ -385,7 +273,7 @@ TEST(StrungBodyMotion, IsOfSecondOrder) {
       worst = std::max(worst, std::abs(forces[n] - force));
       largest = std::max(largest, std::abs(force));
     }
-    std::cout << rate << " Hz: " << worst / largest << " of the largest force\n";
+    Measured() << rate << " Hz: " << worst / largest << " of the largest force";
     EXPECT_GT(largest, 0.1);
     if (before > 0) {
       EXPECT_TRUE(relatively_within(before / worst, 4, 0.1));
@@ -422,8 +310,8 @@ TEST(StrungBodyMotion, HasTheTwoDecaysOfAUnison) {
     worst = std::isfinite(error) ? std::max(worst, std::abs(error)) : error;
   }
   const double early = (levels[0] - levels[4]) / 0.4, late = (levels[59] - levels[79]) / 2;
-  std::cout << "decay " << early << " dB/s at first, " << late << " dB/s after 6 s; levels within " << worst
-            << " dB\n";
+  Measured() << "decay " << early << " dB/s at first, " << late << " dB/s after 6 s; levels within " << worst
+             << " dB";
   EXPECT_TRUE(within(worst, 0, 0.05));
   EXPECT_GT(early, 10 * late);
   EXPECT_GT(late, 0);

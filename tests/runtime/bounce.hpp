@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "contactspline/mass_barrier.hpp"
+#include "contactspline/models/mass_barrier.hpp"
 #include "runtime/step_cases.hpp"
 #include "support/finite.hpp"
 

@@ -12,6 +12,7 @@
 #include "runtime/step_cases.hpp"
 #include "support/compare.hpp"
 #include "support/finite.hpp"
+#include "support/measured.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -58,7 +59,7 @@ class ContactStepProperty : public ::testing::Test {
     const double x = std::abs(static_cast<double>(increment(step, force)));
     return kU * (x + roundings * (x + std::abs(static_cast<double>(step.free_increment))));
   }
-  /// Of a table, relative to a force: entries are rounded, and energies of many times the work subtracted.
+  /// Rounding of a table, relative to a force: entries are rounded, and energies of many times the work subtracted.
   double fraction(const RandomStep<T>& step, Wide work, Wide y1) const {
     const auto& contact = contacts_[step.table];
     const Wide energies = contact.energy(step.compression) + contact.energy(y1);
@@ -106,7 +107,7 @@ TYPED_TEST(ContactStepProperty, ExchangesTheEnergyTheContactStores) {
     ASSERT_LE(error, bound) << "y0 " << step.compression << " xf " << step.free_increment << " xi "
                             << step.admittance;
   });
-  std::cout << "worst energy error " << worst << " of its bound\n";
+  Measured() << "worst energy error " << worst << " of its bound";
   this->RecordProperty("worst", std::to_string(worst));
 }
 
@@ -259,7 +260,7 @@ TYPED_TEST(ContactStepProperty, LossIsViscousAndPassive) {
         << "y0 " << step.compression << " xf " << step.free_increment << " xi " << step.admittance << " loss "
         << controls.loss_s_per_m;
   });
-  std::cout << "worst " << worst << " of the bound; " << clamped << " steps would have pulled\n";
+  Measured() << "worst " << worst << " of the bound; " << clamped << " steps would have pulled";
   EXPECT_GT(clamped, 100);
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The rule for controls (docs/controls.md): every control of every model, set to what is out of range or no number
-// while it plays. Compiled once more with -Ofast, which assumes that all numbers are finite.
-#include "contactspline/controls.hpp"
+// The rule for controls (docs/reference/controls.md): every control of every model, set to what is out of range or no
+// number while it plays. Compiled once more with -Ofast, which assumes that all numbers are finite.
+#include "contactspline/step/controls.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,15 +11,15 @@
 #include <vector>
 
 #include "band.hpp"
-#include "contactspline/ensemble.hpp"
-#include "contactspline/fret_string.hpp"
-#include "contactspline/hammer_voice.hpp"
-#include "contactspline/keyboard.hpp"
 #include "contactspline/keyboards/piano.hpp"
-#include "contactspline/live_exponent.hpp"
-#include "contactspline/mass_barrier.hpp"
 #include "contactspline/materials/felt_live.hpp"
-#include "contactspline/slide_string.hpp"
+#include "contactspline/models/ensemble.hpp"
+#include "contactspline/models/fret_string.hpp"
+#include "contactspline/models/hammer_voice.hpp"
+#include "contactspline/models/keyboard.hpp"
+#include "contactspline/models/mass_barrier.hpp"
+#include "contactspline/models/slide_string.hpp"
+#include "contactspline/step/live_exponent.hpp"
 #include "strings.hpp"
 #include "support/compare.hpp"
 #include "support/count_allocations.hpp"
@@ -168,8 +168,12 @@ struct Voice : Hammer<T> {
   }
   void reset() { voice.reset(); }
 
-  HammerVoice<T> voice{this->table,  bare(this->modes),     shapes<T>(this->modes, &ResonatorMode::strike_shape),
-                       this->pickup, Hammer<T>::controls(), {},
+  std::vector<Mode> bare_modes = bare(this->modes);
+  HammerVoice<T> voice{{.felt = this->table,
+                        .modes = bare_modes,
+                        .strike = shapes<T>(this->modes, &ResonatorMode::strike_shape),
+                        .output = this->pickup,
+                        .controls = Hammer<T>::controls()},
                        kHz};
 };
 

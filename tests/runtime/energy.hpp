@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-#include "contactspline/hammer_string.hpp"
+#include "contactspline/models/hammer_string.hpp"
 #include "support/finite.hpp"
 
 namespace contactspline::testing {

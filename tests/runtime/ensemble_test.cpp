@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Many voices: their sum, their sleep.
-#include "contactspline/ensemble.hpp"
+#include "contactspline/models/ensemble.hpp"
 
 #include <memory>
 #include <thread>
@@ -29,8 +29,8 @@ class EnsembleOf : public ::testing::Test {};
 using Precisions = ::testing::Types<float, double>;
 TYPED_TEST_SUITE(EnsembleOf, Precisions);
 
-// What the voices play alone, within the bounds of kernels_test for voices side by side. Two of them are not struck,
-// the others in another order than their numbers'.
+// What the voices play alone, within the bounds of kernels_together_test for voices side by side. Two of them are not
+// struck, the others in another order than their numbers'.
 TYPED_TEST(EnsembleOf, SumsWhatItsVoicesPlayAlone) {
   using T = TypeParam;
   const auto players = band<T>(21);

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "contactspline/contact.hpp"
+#include "contactspline/step/contact.hpp"
 #if !defined(__SIZEOF_FLOAT128__)
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #endif
@@ -178,7 +178,7 @@ class ExactApproach {
   void narrow(Wide& low, Wide& high, std::size_t segment) const {
     const Wide enough = tolerance(low, high) / 4;
     Wide left = low, right = high, h_left = h(left, segment), h_right = h(right, segment), guess = low;
-    int side = 0;  // that moved last: -1 left, 1 right
+    int side = 0;  // the side that moved last: -1 left, 1 right
     for (int i = 0; i < 40 && h_left < 0 && h_right > 0; ++i) {
       const Wide next = right - h_right * (right - left) / (h_right - h_left);
       const bool found = magnitude(next - guess) <= enough || next <= left || next >= right;
@@ -219,7 +219,7 @@ class ExactApproach {
       (h(middle, below) < 0 ? low : high) = middle;
     }
     const Wide x = (low + high) / 2;
-    // Of the two expressions of the force, the one that passes on less of the error of x.
+    // The force has two expressions. Take the one that passes on less of the error of x.
     const Wide stored = mean_force(x, below);
     const bool stiff = below == start_ ? xi_ * contact_.slope(start_) / 2 > 1
                                        : xi_ * magnitude(contact_.force(y0_ + x) - stored) > magnitude(x);

@@ -2,18 +2,19 @@
 // Models of one contact and ensembles at their limits: 8 to 768 kHz, blocks of 1 to 4096 samples, controls that jump
 // between the ends of their ranges, infinity and NaN in every sample or block. They stay finite, allocate nothing,
 // and play again when their controls do. Strings hold no more energy than they were given.
-#include "contactspline/ensemble.hpp"
-#include "contactspline/hammer_voice.hpp"
-#include "contactspline/mass_barrier.hpp"
-#include "storm.hpp"
+#include "contactspline/models/ensemble.hpp"
+#include "contactspline/models/hammer_voice.hpp"
+#include "contactspline/models/mass_barrier.hpp"
+#include "random_controls.hpp"
 #include "support/count_allocations.hpp"
+#include "support/measured.hpp"
 
 namespace contactspline::testing {
 namespace {
 
 constexpr double kRates[] = {8000, 44100, 192000, 768000};
 constexpr std::size_t kBlocks[] = {1, 2, 3, 64, 257, 4096};
-constexpr int kStorm = 30000;  // samples
+constexpr int kSamples = 30000;  // samples
 
 template <typename T>
 class Extremes : public ::testing::Test {};
@@ -30,15 +31,15 @@ TYPED_TEST(Extremes, OfAMassBarrier) {
   using Ranges = ControlRanges<T>;
   for (const double rate : kRates) {
     const Parts<T> parts(rate);
-    Weather<T> weather;
+    RandomControls<T> random;
     MassBarrier<T> model(parts.table, static_cast<T>(rate));
     model.throw_from(T(-1e-3), 2);
     const std::size_t before = allocations;
     bool finite = true;
-    for (int n = 0; n < kStorm; ++n) {
-      if (weather.now_and_then(3000))
-        model.throw_from(weather.any(Ranges::displacement_m), weather.any(Ranges::speed_m_per_s));
-      model.tick({weather.any(Ranges::mass_kg), weather.any(Ranges::gravity_m_per_s2), any_contact(weather)});
+    for (int n = 0; n < kSamples; ++n) {
+      if (random.once_in(3000))
+        model.throw_from(random.any(Ranges::displacement_m), random.any(Ranges::speed_m_per_s));
+      model.tick({random.any(Ranges::mass_kg), random.any(Ranges::gravity_m_per_s2), any_contact(random)});
       finite &= is_finite(model.displacement()) && is_finite(model.velocity()) && is_finite(model.force());
     }
     EXPECT_TRUE(finite) << rate;
@@ -59,19 +60,19 @@ TYPED_TEST(Extremes, OfAHammerString) {
   using Ranges = ControlRanges<T>;
   for (const double rate : kRates) {
     const Parts<T> parts(rate);
-    Weather<T> weather;
+    RandomControls<T> random;
     HammerString<T> model(parts.table, bare(parts.modes), parts.strike, rate);
     std::vector<T> out(4096), force(4096);
     const std::size_t before = allocations;
     double thrown_j = 0, worst = 0;
     bool finite = true;
-    for (int n = 0, at = 0; n < kStorm; ++at) {
-      const T mass = T(1e-4), speed = weather.any(Ranges::speed_m_per_s);
-      if (weather.now_and_then(5)) {
-        model.strike(speed, weather.any(Ranges::throw_distance_m));
+    for (int n = 0, at = 0; n < kSamples; ++at) {
+      const T mass = T(1e-4), speed = random.any(Ranges::speed_m_per_s);
+      if (random.once_in(5)) {
+        model.strike(speed, random.any(Ranges::throw_distance_m));
         thrown_j += static_cast<double>(mass) * 1e6 / 2;
       }
-      const HammerStringControls<T> controls{mass, any_contact(weather), weather.any(Ranges::damping_per_s)};
+      const HammerStringControls<T> controls{mass, any_contact(random), random.any(Ranges::damping_per_s)};
       const std::size_t block = kBlocks[static_cast<std::size_t>(at) % std::size(kBlocks)];
       const auto sound = std::span(out).first(block);
       if (block == 3)
@@ -98,15 +99,15 @@ TYPED_TEST(Extremes, OfAHammerVoice) {
   using Ranges = ControlRanges<T>;
   for (const double rate : kRates) {
     const Parts<T> parts(rate);
-    Weather<T> weather;
-    HammerVoice<T> voice(parts.table, bare(parts.modes), parts.strike, parts.pickup, {.hammer_mass_kg = 1}, {}, rate);
+    RandomControls<T> random;
+    HammerVoice<T> voice({parts.table, bare(parts.modes), parts.strike, parts.pickup, {.hammer_mass_kg = 1}}, rate);
     std::vector<T> out(4096);
     const std::size_t before = allocations;
     bool finite = true;
-    for (int n = 0, at = 0; n < kStorm; ++at) {
-      if (weather.now_and_then(5)) voice.strike(weather.any(Ranges::speed_m_per_s));
-      if (weather.now_and_then(5)) voice.release();
-      voice.controls() = {weather.any(Ranges::mass_kg), any_contact(weather), weather.any(Ranges::damping_per_s)};
+    for (int n = 0, at = 0; n < kSamples; ++at) {
+      if (random.once_in(5)) voice.strike(random.any(Ranges::speed_m_per_s));
+      if (random.once_in(5)) voice.release();
+      voice.controls() = {random.any(Ranges::mass_kg), any_contact(random), random.any(Ranges::damping_per_s)};
       const auto sound = std::span(out).first(kBlocks[static_cast<std::size_t>(at) % std::size(kBlocks)]);
       voice.process(sound);
       finite &= contactspline::all_finite(std::span<const T>(sound)) && is_finite(voice.tick());
@@ -124,66 +125,66 @@ TYPED_TEST(Extremes, OfAHammerVoice) {
 
 /// is_placed: now and then it is also placed anywhere in the midst of the string, which puts any energy into the
 /// contact, so that the work says nothing.
-template <typename Stormy, typename T>
-void expect_to_outlive_the_storm(const char* name, const Parts<T>& parts, bool is_placed) {
+template <typename RandomModel, typename T>
+void expect_bounded_and_playable(const char* name, const Parts<T>& parts, bool is_placed) {
   const double rate = parts.rate_hz;
   ModeShapes<T> pluck(parts.modes.size());
   parts.places.at(T(0.1), pluck);
-  Weather<T> weather;
-  Stormy stormy(parts);
-  const auto& model = stormy.model;
+  RandomControls<T> random;
+  RandomModel played(parts);
+  const auto& model = played.model;
   WorkBooks<T> books(rate);
   bool finite = true;
   const std::size_t before = allocations;
-  for (int n = 0; n < kStorm; ++n) {
-    if (is_placed && weather.now_and_then(5000)) stormy.place(weather);
+  for (int n = 0; n < kSamples; ++n) {
+    if (is_placed && random.once_in(5000)) played.place(random);
     const double displacement = model.string().displacement(pluck);
-    const double work = stormy.tick(weather), energy = model.string().energy();
+    const double work = played.tick(random), energy = model.string().energy();
     finite &= is_finite(energy) && is_finite(model.force()) && is_finite(model.compression());
-    books.close(work + stormy.pluck_force * (model.string().displacement(pluck) - displacement), energy);
+    books.close(work + played.pluck_force * (model.string().displacement(pluck) - displacement), energy);
   }
-  stormy.model.reset();
-  for (int n = 0; n < rate; ++n) stormy.calm();
+  played.model.reset();
+  for (int n = 0; n < rate; ++n) played.play_moderately();
   EXPECT_EQ(allocations, before);
   EXPECT_TRUE(finite) << rate;
   EXPECT_TRUE(is_placed || books.is_within()) << rate;
   EXPECT_GT(model.force(), T(0.1)) << rate;
-  expect_bounded(model.string().energy(), 1, "energy in the calm", rate);
-  std::cout << name << (is_placed ? ", placed, " : ", ") << rate << " Hz: " << books.peak() << " J\n";
+  expect_bounded(model.string().energy(), 1, "energy after moderate controls", rate);
+  Measured() << name << (is_placed ? ", placed, " : ", ") << rate << " Hz: " << books.peak() << " J";
 }
 
 TYPED_TEST(Extremes, OfASlideString) {
   for (const double rate : kRates)
     for (const bool is_placed : {false, true})
-      expect_to_outlive_the_storm<StormySlide<TypeParam>>("slide", Parts<TypeParam>(rate), is_placed);
+      expect_bounded_and_playable<RandomSlide<TypeParam>>("slide", Parts<TypeParam>(rate), is_placed);
 }
 
 TYPED_TEST(Extremes, OfAFretString) {
   for (const double rate : kRates)
     for (const bool is_placed : {false, true})
-      expect_to_outlive_the_storm<StormyFret<TypeParam>>("fret", Parts<TypeParam>(rate), is_placed);
+      expect_bounded_and_playable<RandomFret<TypeParam>>("fret", Parts<TypeParam>(rate), is_placed);
 }
 
-// After the storm one voice plays alone.
+// After the random controls one voice plays alone.
 TYPED_TEST(Extremes, OfAnEnsemble) {
   using T = TypeParam;
   using Ranges = ControlRanges<T>;
   for (const double rate : kRates) {
     const Parts<T> parts(rate);
-    Weather<T> weather;
+    RandomControls<T> random;
     Ensemble<T> ensemble(rate);
     for (int voice = 0; voice < 20; ++voice)
       ensemble.add(parts.table, bare(parts.modes), parts.strike, parts.pickup, {.hammer_mass_kg = T(0.003)});
     std::vector<T> left(4096), right(4096);
     const std::size_t before = allocations;
     bool finite = true;
-    for (int n = 0, at = 0; n < kStorm; ++at) {
+    for (int n = 0, at = 0; n < kSamples; ++at) {
       for (std::size_t voice = 0; voice < 20; ++voice) {
-        if (weather.now_and_then(3))
-          ensemble.strike(voice, weather.any(Ranges::speed_m_per_s), weather.any(Ranges::throw_distance_m));
-        ensemble.controls(voice) = {weather.any(Ranges::mass_kg), any_contact(weather),
-                                    weather.any(Ranges::damping_per_s)};
-        ensemble.mix(voice) = {weather.any(Ranges::gain), weather.any(Ranges::pan)};
+        if (random.once_in(3))
+          ensemble.strike(voice, random.any(Ranges::speed_m_per_s), random.any(Ranges::throw_distance_m));
+        ensemble.controls(voice) = {random.any(Ranges::mass_kg), any_contact(random),
+                                    random.any(Ranges::damping_per_s)};
+        ensemble.mix(voice) = {random.any(Ranges::gain), random.any(Ranges::pan)};
       }
       const std::size_t block = kBlocks[static_cast<std::size_t>(at) % std::size(kBlocks)];
       ensemble.process(std::span(left).first(block), std::span(right).first(block));

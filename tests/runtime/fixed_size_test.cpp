@@ -6,13 +6,13 @@
 #include <cmath>
 #include <vector>
 
-#include "contactspline/fret_string.hpp"
-#include "contactspline/hammer_string.hpp"
 #include "contactspline/materials/felt_c4.hpp"
 #include "contactspline/materials/steel_on_steel.hpp"
+#include "contactspline/models/fret_string.hpp"
+#include "contactspline/models/hammer_string.hpp"
+#include "contactspline/models/slide_string.hpp"
 #include "contactspline/resonators/guitar_e4.hpp"
 #include "contactspline/resonators/string_c4.hpp"
-#include "contactspline/slide_string.hpp"
 #include "support/compare.hpp"
 #include "support/count_allocations.hpp"
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Emitted structs of the format version that this runtime reads plus OFFSET, and one use of them, USE.
-#include "contactspline/keyboard.hpp"
 #include "contactspline/keyboards/piano.hpp"
-#include "contactspline/live_exponent.hpp"
 #include "contactspline/materials/felt_live.hpp"
-#include "contactspline/modal.hpp"
+#include "contactspline/modal/modal.hpp"
+#include "contactspline/models/keyboard.hpp"
 #include "contactspline/resonators/string_c4.hpp"
+#include "contactspline/step/live_exponent.hpp"
 
 namespace contactspline {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A string that buzzes against a fret: energy with the work of the pluck and of the moving fret.
-#include "contactspline/fret_string.hpp"
+#include "contactspline/models/fret_string.hpp"
 
 #include <complex>
 #include <numbers>
@@ -8,6 +8,7 @@
 
 #include "strings.hpp"
 #include "support/compare.hpp"
+#include "support/measured.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -175,7 +176,7 @@ TEST(FretString, StaysBoundedWhereThePlaceLeaps) {
       ASSERT_TRUE(std::isfinite(model.force())) << rate << " Hz, " << modes.size() << " modes, sample " << n;
       largest = std::max(largest, model.force());
     }
-    std::cout << rate << " Hz, " << modes.size() << " modes: " << largest << " N\n";
+    Measured() << rate << " Hz, " << modes.size() << " modes: " << largest << " N";
     EXPECT_LT(largest, 1000) << rate << " Hz, " << modes.size() << " modes";
   }
 }

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A hammer on a string: accuracy, energy, precision, stiffness without limit.
-#include "contactspline/hammer_string.hpp"
+#include "contactspline/models/hammer_string.hpp"
 
-#include <iostream>
 #include <vector>
 
 #include "generator/resonator/resonator.hpp"
@@ -10,6 +9,7 @@
 #include "generator/spline/design.hpp"
 #include "strings.hpp"
 #include "support/compare.hpp"
+#include "support/measured.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -79,7 +79,7 @@ double force_error(const StruckString& struck, double rate, double band_hz = 441
 TEST(HammerString, FindsTheForceFourTimesAsWellAsTheNewtonScheme) {
   for (const auto& [struck, bound] : {std::pair{c4(), 5e-3}, std::pair{c2(), 1.6e-3}}) {
     const double error = force_error(struck, 44100);
-    std::cout << struck.name << ": force error " << error << "\n";
+    Measured() << struck.name << ": force error " << error;
     EXPECT_TRUE(within(error, 0, bound)) << struck.name;
   }
 }
@@ -94,7 +94,7 @@ TEST(HammerString, FindsTheForceAtEveryRate) {
   for (const auto& struck : strings)
     for (const double rate : {32000.0, 44100.0, 48000.0, 96000.0}) {
       const double error = force_error(struck, rate, rate);
-      std::cout << struck.name << " at " << rate << " Hz: force error " << error << "\n";
+      Measured() << struck.name << " at " << rate << " Hz: force error " << error;
       EXPECT_TRUE(within(error, 0, 2.5e-3)) << struck.name << " " << rate;
     }
 }
@@ -121,7 +121,7 @@ TEST(HammerString, FindsTheForceAsWellWithACompensatedFelt) {
     felt.compensation = {44100, struck.hammer_kg};
     const auto compensated = segment_table(design_spline(felt, "felt.json"));
     const double error = force_error(struck, 44100, 44100, compensated, exact);
-    std::cout << struck.name << ": force error with compensation " << error << "\n";
+    Measured() << struck.name << ": force error with compensation " << error;
     EXPECT_TRUE(within(error, 0, bound)) << struck.name;
   }
 }

@@ -1,37 +1,21 @@
 // SPDX-License-Identifier: MIT
-// The vectorised kernels against the plain model, on every instruction set of this machine.
+// The vectorised kernels of one voice against the plain model, on every instruction set of this machine.
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
-#include <memory>
+#include <limits>
 #include <numbers>
-#include <random>
 
+#include "kernel_targets.hpp"
 #include "strings.hpp"
 #include "support/compare.hpp"
 
 namespace contactspline::testing {
 namespace {
 
-/// Runs one instruction set while it lives.
-class OnlyTarget {
- public:
-  explicit OnlyTarget(std::int64_t target) { hwy::SetSupportedTargetsForTest(target); }
-  ~OnlyTarget() { hwy::SetSupportedTargetsForTest(0); }
-};
-
-/// All that the library holds and this machine has, the one without vectors among them.
-std::vector<std::int64_t> targets() {
-  std::vector<std::int64_t> all;
-  for (int bit = 0; bit < 63; ++bit)
-    if (const std::int64_t target = std::int64_t{1} << bit; hwy::SupportedTargets() & target) all.push_back(target);
-  return all;
-}
-
 struct Scene {
   StruckString struck;
   int segments;
-  std::size_t modes;  // at most
+  std::size_t modes;  // largest number of modes
   ContactControls<double> felt;
   double distance_m = 1e-4;
   double mass_ratio = 1;  // the hammer's mass over its own
@@ -86,17 +70,8 @@ Sound<T> sound(const Scene& scene, std::size_t block) {
   return out;
 }
 
-// Rounding differs, as sums are taken in another order and products may be fused. In double precision the difference
-// stays below 1e-12 of the peak, which is what is asked for; in single precision it is of the size of what single
-// precision leaves of the exact sound, 85 dB below it or less: 5.6e-5.
-template <typename T>
-double bound() {
-  return sizeof(T) == sizeof(double) ? 1e-12 : 5.6e-5;
-}
-
 template <typename T>
 class Kernels : public ::testing::Test {};
-using Precisions = ::testing::Types<float, double>;
 TYPED_TEST_SUITE(Kernels, Precisions);
 
 TYPED_TEST(Kernels, PlayWhatThePlainModelPlays) {
@@ -109,12 +84,13 @@ TYPED_TEST(Kernels, PlayWhatThePlainModelPlays) {
         SCOPED_TRACE(std::string(hwy::TargetName(target)) + ' ' + scene.struck.name + ", " +
                      std::to_string(scene.segments) + " segments, blocks of " + std::to_string(block));
         const auto found = sound<TypeParam>(scene, block);
-        EXPECT_TRUE(sequences_within<TypeParam>(found.displacement, expected.displacement, bound<TypeParam>()));
-        EXPECT_TRUE(sequences_within<TypeParam>(found.compression, expected.compression, bound<TypeParam>()));
+        EXPECT_TRUE(
+            sequences_within<TypeParam>(found.displacement, expected.displacement, kernel_bound<TypeParam>()));
+        EXPECT_TRUE(sequences_within<TypeParam>(found.compression, expected.compression, kernel_bound<TypeParam>()));
         // In single precision forces carry the rounding of the compression times the stiffness of the felt, which is
         // no error of a kernel: they are judged in double precision.
         if (sizeof(TypeParam) == sizeof(double)) {
-          EXPECT_TRUE(sequences_within<TypeParam>(found.force, expected.force, bound<TypeParam>()));
+          EXPECT_TRUE(sequences_within<TypeParam>(found.force, expected.force, kernel_bound<TypeParam>()));
         }
       }
     }
@@ -240,7 +216,7 @@ TYPED_TEST(Kernels, KeepModesThatAreNotStruck) {
   for (const std::int64_t target : targets()) {
     const OnlyTarget only(target);
     for (const std::size_t block : {1u, 50u, 500u})
-      EXPECT_TRUE(sequences_within<TypeParam>(play(block), expected, bound<TypeParam>()))
+      EXPECT_TRUE(sequences_within<TypeParam>(play(block), expected, kernel_bound<TypeParam>()))
           << hwy::TargetName(target) << ' ' << block;
   }
 }
@@ -371,173 +347,6 @@ TYPED_TEST(Kernels, StayWithinTheTableForAnyLoad) {
   }
 }
 
-// Voices that differ in everything: 1 to 300 modes, tables of one, two and three levels of knots, with loss, damper
-// and controls that are no numbers, two of them never struck. They are struck between blocks of any length, each when
-// its time has come, and must play together what tick() plays of each: within the bound of one voice, whose roundings
-// a voice beside others also has, in another order.
-TYPED_TEST(Kernels, PlayVoicesTogetherAsAlone) {
-  using T = TypeParam;
-  constexpr std::size_t kVoices = 20, kSamples = 2000;
-  const std::size_t sizes[] = {1, 300, 17, 56, 4, 65, 5, 128}, segments[] = {32, 33, 8, 1024, 1, 64, 16};
-  std::vector<std::vector<Segment<T>>> tables;
-  std::vector<HammerString<T>> models;
-  std::vector<ModeShapes<T>> pickups;
-  for (std::size_t i = 0; i < kVoices; ++i) {
-    const std::size_t size = sizes[i % std::size(sizes)];
-    std::vector<Mode> modes;
-    ModeShapes<T> strike(size), pickup(size);
-    for (std::size_t k = 0; k < size; ++k) {
-      const double number = static_cast<double>(k + 1);
-      modes.push_back({2 * std::numbers::pi * 21000 * number / static_cast<double>(size + i), 2, 0.002});
-      strike[k] = static_cast<T>(std::sin(0.12 * std::numbers::pi * number));
-      pickup[k] = static_cast<T>(std::sin(0.4 * std::numbers::pi * number));
-    }
-    tables.push_back(table_in<T>(felt_table(c4(), static_cast<int>(segments[i % std::size(segments)]))));
-    models.emplace_back(tables.back(), modes, strike, 44100);
-    pickups.push_back(pickup);
-  }
-  const auto play = [&](std::size_t block) {
-    auto voices = models;
-    std::vector<HammerStringControls<T>> controls;
-    std::vector<std::vector<T>> sound(kVoices, std::vector<T>(kSamples)), force = sound;
-    for (std::size_t i = 0; i < kVoices; ++i)
-      controls.push_back({.hammer_mass_kg = static_cast<T>(0.002 + 0.001 * static_cast<double>(i % 3)),
-                          .felt = {static_cast<T>(1 + i % 4), static_cast<T>(i % 3 == 1 ? 0.1 : 0)},
-                          .damping_per_s = static_cast<T>(i % 5 == 4 ? 20 : 0)});
-    for (std::size_t at = 0; at < kSamples;) {
-      std::size_t until = kSamples;  // the next strike of any voice
-      for (std::size_t i = 0; i < kVoices; ++i) {
-        const std::size_t between = 450 + 91 * i, first = 17 * i;
-        if (i % 9 == 5) continue;
-        if (at >= first && (at - first) % between == 0) {
-          voices[i].strike(static_cast<T>(0.3 + 0.2 * static_cast<double>(i)), i % 2 == 0 ? T(1e-4) : T(0));
-          if (i % 6 == 2 && at > first) {
-            controls[i].hammer_mass_kg = controls[i].damping_per_s = std::numeric_limits<T>::quiet_NaN();
-            controls[i].felt.loss_s_per_m = std::numeric_limits<T>::quiet_NaN();
-          }
-        }
-        until = std::min(until, at < first ? first : at + between - (at - first) % between);
-      }
-      const std::size_t samples = std::min(until - at, std::max<std::size_t>(block, 1));
-      std::vector<typename HammerString<T>::Part> parts;
-      for (std::size_t i = 0; i < kVoices; ++i) {
-        if (block == 0) {
-          voices[i].tick(controls[i]);
-          sound[i][at] = voices[i].string().displacement(pickups[i]);
-          force[i][at] = voices[i].force();
-          continue;
-        }
-        parts.push_back(
-            {&voices[i], &controls[i], &pickups[i], std::span(sound[i]).subspan(at, samples), &force[i][at]});
-      }
-      HammerString<T>::process_together(parts);
-      at += samples;
-    }
-    return std::pair(sound, force);
-  };
-  const auto [expected, expected_force] = play(0);
-  for (const std::int64_t target : targets()) {
-    const OnlyTarget only(target);
-    for (const std::size_t block : {1u, 37u, 128u, 3000u}) {
-      const auto [found, found_force] = play(block);
-      for (std::size_t i = 0; i < kVoices; ++i) {
-        SCOPED_TRACE(std::string(hwy::TargetName(target)) + ", blocks of " + std::to_string(block) + ", voice " +
-                     std::to_string(i));
-        if (i % 9 == 5) {
-          EXPECT_EQ(found[i], std::vector<T>(kSamples));
-          EXPECT_EQ(found_force[i], std::vector<T>(kSamples));
-          continue;
-        }
-        EXPECT_TRUE(sequences_within<T>(found[i], expected[i], bound<T>()));
-        if (sizeof(T) == sizeof(double)) {  // as in PlayWhatThePlainModelPlays
-          EXPECT_TRUE(sequences_within<T>(found_force[i], expected_force[i], bound<T>()));
-        }
-      }
-    }
-  }
-}
-
-// Strings that swing by 0.1 m and more beside hammers that stand 0.05 m away: each hammer stops in the sample that
-// takes it too far, and is no longer there when the string comes.
-TYPED_TEST(Kernels, StopHammersTogetherAsAlone) {
-  using T = TypeParam;
-  constexpr std::size_t kVoices = 20, kBlocks = 60;
-  const Mode mode{2 * std::numbers::pi * 1000, 1, 0.001};
-  const auto table = table_in<T>(felt_table(c4(), 32));
-  ModeShapes<T> shape(1);
-  shape[0] = 1;
-  std::vector<HammerString<T>> models(kVoices, HammerString<T>(table, {&mode, 1}, shape, 44100));
-  const HammerStringControls<T> controls{.hammer_mass_kg = T(0.003)};
-  for (std::size_t i = 0; i < kVoices; ++i) {
-    models[i].strike(static_cast<T>(400 + i), 0);
-    for (std::size_t n = 0; n < 40 + 3 * i || models[i].is_hammer_flying(); ++n) models[i].tick(controls);
-    models[i].strike(static_cast<T>(-1e-3), T(0.05) - T(1e-5));
-  }
-  for (const std::int64_t target : targets()) {
-    const OnlyTarget only(target);
-    auto alone = models, together = models;
-    std::vector<std::vector<T>> expected(kVoices), found(kVoices);
-    std::size_t stopped = 0;
-    for (std::size_t block = 0; block < kBlocks; ++block) {
-      const std::size_t samples = 20 + block;
-      std::vector<typename HammerString<T>::Part> parts;
-      for (std::size_t i = 0; i < kVoices; ++i) {
-        found[i].resize(found[i].size() + samples);
-        parts.push_back({&together[i], &controls, &shape, std::span(found[i]).last(samples)});
-        for (std::size_t n = 0; n < samples; ++n) {
-          alone[i].tick(controls);
-          expected[i].push_back(alone[i].string().displacement(shape));
-        }
-      }
-      HammerString<T>::process_together(parts);
-      for (std::size_t i = 0; i < kVoices; ++i) {
-        ASSERT_EQ(together[i].is_hammer_flying(), alone[i].is_hammer_flying())
-            << hwy::TargetName(target) << ", voice " << i << ", block " << block;
-        stopped += !alone[i].is_hammer_flying();
-      }
-    }
-    EXPECT_GT(stopped, kVoices * kBlocks / 4);
-    for (std::size_t i = 0; i < kVoices; ++i)
-      EXPECT_TRUE(sequences_within<T>(found[i], expected[i], bound<T>())) << hwy::TargetName(target) << ' ' << i;
-  }
-}
-
-// The balance of BalanceTheEnergy for strings side by side, each struck at a speed of its own.
-TEST(Kernels, BalanceTheEnergyOfVoicesTogether) {
-  auto modes = bare(audible_modes(c4()));
-  for (Mode& mode : modes) mode.decay_per_s = 0;
-  const auto table = felt_table(c4(), 32);
-  const auto shape = shapes<double>(audible_modes(c4()), &ResonatorMode::strike_shape);
-  const HammerStringControls<double> controls{.hammer_mass_kg = c4().hammer_kg};
-  for (const std::int64_t target : targets()) {
-    const OnlyTarget only(target);
-    std::vector<HammerString<double>> models(11, HammerString<double>(table, modes, shape, 44100));
-    const auto of_hammer = [&](const HammerString<double>& model) {
-      const double v = model.hammer_velocity();
-      return controls.hammer_mass_kg * v * v / 2 + potential(SegmentTable<double>(table), model.compression());
-    };
-    std::vector<double> expected(models.size());
-    std::vector<std::vector<double>> out(models.size(), std::vector<double>(64));
-    std::vector<HammerString<double>::Part> parts;
-    for (std::size_t i = 0; i < models.size(); ++i) parts.push_back({&models[i], &controls, &shape, out[i]});
-    double worst = 0;
-    for (int n = 0; n < 441000 / 64; ++n) {
-      for (std::size_t i = 0; i < models.size(); ++i) {
-        if (n % 7 != 0) continue;
-        expected[i] -= of_hammer(models[i]);
-        models[i].strike(2 + 0.1 * static_cast<double>(i), 1e-4);
-        expected[i] += of_hammer(models[i]);
-      }
-      HammerString<double>::process_together(parts);
-      for (std::size_t i = 0; i < models.size(); ++i) {
-        const double error = std::abs(models[i].string().energy() + of_hammer(models[i]) - expected[i]) / expected[i];
-        worst = std::isfinite(error) ? std::max(worst, error) : std::numeric_limits<double>::infinity();
-      }
-    }
-    EXPECT_LT(worst, 1e-12) << hwy::TargetName(target);
-  }
-}
-
 // A string that is retuned in contact and after it is retuned at once.
 TYPED_TEST(Kernels, FollowARetunedString) {
   const auto modes = audible_modes(c4());
@@ -565,88 +374,8 @@ TYPED_TEST(Kernels, FollowARetunedString) {
   const auto expected = play(true);
   for (const std::int64_t target : targets()) {
     const OnlyTarget only(target);
-    EXPECT_TRUE(sequences_within<TypeParam>(play(false), expected, bound<TypeParam>())) << hwy::TargetName(target);
-  }
-}
-
-// One sample of a bank under forces at several places, and what places will move by, as predict(), push(), commit()
-// and sums over the modes compute them one after the other.
-TYPED_TEST(Kernels, AdvanceABankUnderForces) {
-  using T = TypeParam;
-  std::mt19937 engine(1);
-  std::uniform_real_distribution<double> number(-1, 1);
-  for (const std::int64_t target : targets()) {
-    const OnlyTarget only(target);
-    for (const std::size_t size : {1u, 2u, 5u, 8u, 17u, 56u, 120u})
-      for (std::size_t places = 0; places < 15; ++places) {
-        std::vector<Mode> modes;
-        for (std::size_t i = 0; i < size; ++i) modes.push_back({100.0 + 900.0 * static_cast<double>(i), 30, 1e-3});
-        ModalBank<T> plain(modes, 44100), tested(modes, 44100);
-        std::vector<ModeShapes<T>> shapes(places, ModeShapes<T>(size));
-        std::vector<const T*> at;
-        for (auto& shape : shapes) {
-          for (std::size_t i = 0; i < size; ++i) shape[i] = static_cast<T>(number(engine));
-          at.push_back(shape.data());
-        }
-        std::vector<T> forces(places), increments(places);
-        const T damping = T(0.01) * static_cast<T>(places % 2), gain = 1 / (1 + damping);
-        T travel = 0;
-        for (int n = 0; n < 5; ++n) {
-          plain.predict(damping);
-          for (std::size_t p = 0; p < places; ++p) {
-            forces[p] = static_cast<T>(number(engine));
-            plain.push(shapes[p], gain * forces[p]);
-          }
-          plain.commit();
-          travel = tested.advance(damping, at, forces.data(), at, increments.data());
-        }
-        const double eps = 64 * double(std::numeric_limits<T>::epsilon());
-        plain.predict();
-        double expected_travel = 0;
-        for (std::size_t i = 0; i < size; ++i) {
-          const double q = double(plain.arrays().displacement[i]), d = double(plain.arrays().free_increment[i]);
-          expected_travel += std::abs(d);
-          ASSERT_TRUE(within(double(tested.arrays().displacement[i]), q, eps * 1e-4)) << size << " " << places;
-          ASSERT_TRUE(within(double(tested.arrays().free_increment[i]), d, eps * 1e-4)) << size << " " << places;
-        }
-        const double bound = eps * std::max(expected_travel, 1e-6);
-        EXPECT_TRUE(within(double(travel), expected_travel, bound)) << size << " " << places;
-        for (std::size_t p = 0; p < places; ++p)
-          EXPECT_TRUE(within(double(increments[p]), double(plain.increment(shapes[p])), bound))
-              << size << " " << places;
-      }
-  }
-}
-
-// Positive definite systems of every size up to 40: what was multiplied by the matrix comes back.
-TYPED_TEST(Kernels, SolvePositiveDefiniteSystems) {
-  using T = TypeParam;
-  std::mt19937 engine(2);
-  std::uniform_real_distribution<double> number(-1, 1);
-  for (const std::int64_t target : targets()) {
-    const OnlyTarget only(target);
-    for (std::size_t size = 1; size <= 40; ++size) {
-      constexpr std::size_t kStride = 48;
-      detail::ModalArray<T> matrix(kStride * size), right(kStride);
-      std::vector<double> rows(size * size), solution(size);
-      for (double& value : rows) value = number(engine);
-      for (double& value : solution) value = number(engine);
-      for (std::size_t j = 0; j < size; ++j) {
-        double sum = 0;
-        for (std::size_t i = 0; i < size; ++i) {
-          double value = i == j ? 1 : 0;
-          for (std::size_t k = 0; k < size; ++k) value += rows[i * size + k] * rows[j * size + k];
-          matrix[j * kStride + i] = static_cast<T>(value);
-          sum += value * solution[i];
-        }
-        right[j] = static_cast<T>(sum);
-      }
-      detail::solve_positive_definite(size, matrix.data(), kStride, right.data());
-      // The condition number is at most 1 + |rows|^2 <= 1 + size^2.
-      const double bound = 8 * double(std::numeric_limits<T>::epsilon()) * static_cast<double>(1 + size * size);
-      for (std::size_t i = 0; i < size; ++i)
-        ASSERT_TRUE(within(double(right[i]), solution[i], bound)) << size << ", row " << i;
-    }
+    EXPECT_TRUE(sequences_within<TypeParam>(play(false), expected, kernel_bound<TypeParam>()))
+        << hwy::TargetName(target);
   }
 }
 

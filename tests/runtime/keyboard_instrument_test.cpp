@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
 // A keyboard on its body: against the same strings on a Body by hand, against the exact motion, its energy, its
 // pedals, and what must not sound.
-#include "contactspline/keyboard_instrument.hpp"
+#include "contactspline/instrument/keyboard_instrument.hpp"
 
 #include <gtest/gtest.h>
 
 #include <functional>
-#include <iostream>
 #include <limits>
 #include <random>
 
@@ -17,6 +16,7 @@
 #include "strings_on_body.hpp"
 #include "support/compare.hpp"
 #include "support/finite.hpp"
+#include "support/measured.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -198,7 +198,7 @@ TEST(KeyboardOnBody, GainsEnergyByBendsAlone) {
     peak = std::max(peak, before);
     worst = std::isfinite(growth) ? std::max(worst, growth) : std::numeric_limits<double>::infinity();
   }
-  std::cout << "grows by " << worst / peak << " of the largest energy, " << peak << " J\n";
+  Measured() << "grows by " << worst / peak << " of the largest energy, " << peak << " J";
   EXPECT_LE(worst, 1e-12 * peak);
 }
 
@@ -276,8 +276,8 @@ TEST(KeyboardOnBody, HasTheTwoDecaysOfAUnison) {
     worst = std::isfinite(error) ? std::max(worst, error) : std::numeric_limits<double>::infinity();
   }
   const double early = (levels[0] - levels[4]) / 0.4, late = (levels[59] - levels[79]) / 2;
-  std::cout << "decay " << early << " dB/s at first, " << late << " dB/s after 6 s; levels within " << worst
-            << " dB\n";
+  Measured() << "decay " << early << " dB/s at first, " << late << " dB/s after 6 s; levels within " << worst
+             << " dB";
   EXPECT_TRUE(within(worst, 0, 0.05));
   EXPECT_GT(early, 5 * late);
   EXPECT_GT(late, 0);
@@ -313,7 +313,7 @@ TEST(KeyboardInstrument, NeverGainsEnergy) {
   listen(1000);
   piano.sustain(0);
   listen(3000);
-  std::cout << "grows by " << worst / peak << " of the largest energy, " << peak << " J\n";
+  Measured() << "grows by " << worst / peak << " of the largest energy, " << peak << " J";
   EXPECT_GT(peak, 1e-3);
   EXPECT_LE(worst, 1e-12 * peak);
 }
@@ -414,7 +414,7 @@ TYPED_TEST(KeyboardInstrumentIn, IsSilentAfterTheRelease) {
   play(piano, 2.5, sound);
   Sound<T> rest, silence;
   play(piano, 0.5, rest);
-  std::cout << 20 * std::log10(peak_of<T>(rest) / peak) << " dB after 2.5 s, " << piano.modes_awake() << " modes\n";
+  Measured() << 20 * std::log10(peak_of<T>(rest) / peak) << " dB after 2.5 s, " << piano.modes_awake() << " modes";
   EXPECT_LT(peak_of<T>(rest), 1e-5 * peak);
   play(piano, 20, rest);
   play(piano, 0.1, silence);
@@ -456,8 +456,8 @@ TEST(KeyboardInstrument, DoesNotClick) {
     play(piano, 3, sound);
     const double before = largest_step(std::span(sound).subspan(moved - 4410, 4410)),
                  after = largest_step(std::span(sound).subspan(moved - 4));
-    std::cout << name << ": " << 20 * std::log10(before / peak) << " dB before, " << 20 * std::log10(after / peak)
-              << " dB after\n";
+    Measured() << name << ": " << 20 * std::log10(before / peak) << " dB before, " << 20 * std::log10(after / peak)
+               << " dB after";
     EXPECT_LT(after, 1e-3 * peak) << name;
     EXPECT_LT(after, 2 * before + 1e-4 * peak) << name;
   }

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Ten minutes of controls that leap at random: everything stays finite, and energy is accounted for.
-#include <random>
-
-#include "contactspline/slide_string.hpp"
+#include "contactspline/models/slide_string.hpp"
 #include "energy.hpp"
 #include "strings.hpp"
 #include "support/compare.hpp"
+#include "support/random.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -13,20 +12,10 @@ namespace {
 constexpr double kSeconds = 600;
 constexpr std::size_t kModes = 12;
 
-/// What an unruly player does.
-class Random {
- public:
-  double between(double low, double high) { return std::uniform_real_distribution(low, high)(engine_); }
-  double between_log(double low, double high) { return std::exp(between(std::log(low), std::log(high))); }
-  /// Now nothing, now something between.
-  double between_or_0(double low, double high) { return below(2) * between(low, high); }
-  int below(int n) { return std::uniform_int_distribution(0, n - 1)(engine_); }
-  /// True every `period` samples on average.
-  bool now_and_then(int period) { return below(period) == 0; }
-
- private:
-  std::mt19937 engine_{4};
-};
+/// Now nothing, now something between.
+double between_or_0(Random& random, double low, double high) {
+  return random.below(2) == 0 ? 0 : random.between(low, high);
+}
 
 std::vector<ResonatorMode> lowest_modes(const StruckString& struck) {
   auto modes = audible_modes(struck);
@@ -46,13 +35,12 @@ class Piano {
         hammer_({felt_, bare(modes_), at(0.0744), rate}, felt_, rate) {}
 
   EnergyBooks process() {
-    Random random;
+    Random random(4);
     HammerStringControls<T> controls{.hammer_mass_kg = T(0.003)};
     for (int n = 0; n < kSeconds * rate_; ++n) {
-      if (random.now_and_then(300)) move_one(controls, random);
-      if (random.now_and_then(2000)) hammer_.model().strike_at(at(random.between(0, 0.62)));
-      if (random.now_and_then(3000))
-        hammer_.strike(T(random.between_log(0.05, 10)), T(random.between(0, 1e-3)), controls);
+      if (random.once_in(300)) move_one(controls, random);
+      if (random.once_in(2000)) hammer_.model().strike_at(at(random.between(0, 0.62)));
+      if (random.once_in(3000)) hammer_.strike(T(random.log_between(0.05, 10)), T(random.between(0, 1e-3)), controls);
       hammer_.tick(controls);
     }
     return hammer_.books();
@@ -69,16 +57,16 @@ class Piano {
   static void move_one(HammerStringControls<T>& controls, Random& random) {
     switch (random.below(4)) {
       case 0:
-        controls.hammer_mass_kg = T(random.between_log(5e-4, 0.05));
+        controls.hammer_mass_kg = T(random.log_between(5e-4, 0.05));
         break;
       case 1:
-        controls.felt.stiffness_ratio = T(random.between_log(1e-3, 1e3));
+        controls.felt.stiffness_ratio = T(random.log_between(1e-3, 1e3));
         break;
       case 2:
-        controls.felt.loss_s_per_m = T(random.between_or_0(0, 2));
+        controls.felt.loss_s_per_m = T(between_or_0(random, 0, 2));
         break;
       default:
-        controls.damping_per_s = T(random.below(2) * random.between_log(0.1, 1000));
+        controls.damping_per_s = T(random.below(2) == 0 ? 0 : random.log_between(0.1, 1000));
     }
   }
 
@@ -112,14 +100,14 @@ class Guitar {
   }
 
   EnergyBooks process() {
-    Random random;
+    Random random(4);
     SlideStringControls<T> controls{.place_m = T(0.3), .slide_mass_kg = T(0.02), .hand_stiffness_n_per_m = 500};
     T target = controls.place_m, reach = 0;
     for (int n = 0; n < kSeconds * rate_; ++n) {
-      if (random.now_and_then(300)) move_one(controls, random);
-      if (random.now_and_then(4000)) {  // glides at up to 30 m/s, as slide_string.dsp makes of a leap
+      if (random.once_in(300)) move_one(controls, random);
+      if (random.once_in(4000)) {  // glides at up to 30 m/s, as slide_string.dsp makes of a leap
         target = T(random.between(0, 0.65));
-        reach = T(random.between_log(0.1, 30) / rate_);
+        reach = T(random.log_between(0.1, 30) / rate_);
       }
       controls.place_m += std::clamp(target - controls.place_m, -reach, reach);
       tick(controls);
@@ -139,28 +127,28 @@ class Guitar {
   static void move_one(SlideStringControls<T>& controls, Random& random) {
     switch (random.below(8)) {
       case 0:
-        controls.slide_mass_kg = T(random.between_log(0.01, 0.1));
+        controls.slide_mass_kg = T(random.log_between(0.01, 0.1));
         break;
       case 1:
         controls.hand_force_n = T(random.between(-2, 10));
         break;
       case 2:
-        controls.hand_stiffness_n_per_m = T(random.between_log(500, 5000));
+        controls.hand_stiffness_n_per_m = T(random.log_between(500, 5000));
         break;
       case 3:
-        controls.hand_resistance_n_s_per_m = T(random.between_or_0(0, 20));
+        controls.hand_resistance_n_s_per_m = T(between_or_0(random, 0, 20));
         break;
       case 4:
-        controls.rest_resistance_n_s_per_m = T(random.between_or_0(0, 20));
+        controls.rest_resistance_n_s_per_m = T(between_or_0(random, 0, 20));
         break;
       case 5:
-        controls.pluck_force_n = T(random.between_or_0(0, 5));
+        controls.pluck_force_n = T(between_or_0(random, 0, 5));
         break;
       case 6:
-        controls.contact.stiffness_ratio = T(random.between_log(1e-3, 1e3));
+        controls.contact.stiffness_ratio = T(random.log_between(1e-3, 1e3));
         break;
       default:
-        controls.contact.loss_s_per_m = T(random.between_or_0(0, 2));
+        controls.contact.loss_s_per_m = T(between_or_0(random, 0, 2));
     }
   }
 
@@ -173,7 +161,7 @@ class Guitar {
     model_.tick(controls);
     const SlideStringControls<T>& now = model_.controls();
     // Who changes the mass, a stiffness or the hand's spring does the work of it, and no more than
-    // docs/slide-string.md says. A mass that is added is at rest.
+    // docs/how-to/slide-string.md says. A mass that is added is at rest.
     const double m = before.slide_mass_kg, kept = now.slide_mass_kg > m ? v * m / now.slide_mass_kg : v;
     const double of_mass = (now.slide_mass_kg * kept * kept - m * v * v) / 2;
     const double of_spring =

@@ -7,6 +7,7 @@
 
 #include "runtime/bounce.hpp"
 #include "runtime/random_steps.hpp"
+#include "support/measured.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -28,10 +29,10 @@ EnergyDrift drift_of(const Dropped& dropped, int segments, const Drop& drop) {
   const auto table = in_precision<T>(
       segment_table(uniform_spline({"test", "", dropped.contact, {}, {segments, dropped.range_m}}, "test")));
   const EnergyDrift drift = follow(SegmentTable<T>(table), drop);
-  std::cout << dropped.name << ", N = " << segments << ", " << drop.sample_rate_hz << " Hz, " << drop.speed_m_per_s
-            << " m/s, stiffness * " << drop.stiffness_ratio << ", " << 8 * sizeof(T) << " bits: energy off by "
-            << drift.worst << ", " << drift.worst / allowed_drift<T>(drop, drift) << " of its bound; "
-            << drift.bounces << " bounces\n";
+  Measured() << dropped.name << ", N = " << segments << ", " << drop.sample_rate_hz << " Hz, " << drop.speed_m_per_s
+             << " m/s, stiffness * " << drop.stiffness_ratio << ", " << 8 * sizeof(T) << " bits: energy off by "
+             << drift.worst << ", " << drift.worst / allowed_drift<T>(drop, drift) << " of its bound; "
+             << drift.bounces << " bounces";
   EXPECT_TRUE(drift.is_finite);
   EXPECT_GT(drift.bounces, 40);
   EXPECT_LE(drift.worst, allowed_drift<T>(drop, drift));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The physics of a mass on a barrier: rebound, loss, rest, count of bounces.
-#include "contactspline/mass_barrier.hpp"
+#include "contactspline/models/mass_barrier.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Poles, passivity and admittance of the modal bank.
-#include "contactspline/modal.hpp"
+#include "contactspline/modal/modal.hpp"
 
 #include <algorithm>
 #include <cmath>

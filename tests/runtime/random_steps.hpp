@@ -11,27 +11,9 @@
 
 #include "generator/spline/contact_spline.hpp"
 #include "runtime/exact_contact.hpp"
+#include "support/random.hpp"
 
 namespace contactspline::testing {
-
-/// SplitMix64: the same numbers with every compiler and library.
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : state_(seed) {}
-  std::uint64_t bits() {
-    std::uint64_t z = (state_ += 0x9e3779b97f4a7c15);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
-    return z ^ (z >> 31);
-  }
-  std::size_t below(std::size_t n) { return static_cast<std::size_t>(bits() % n); }
-  double between(double low, double high) { return low + (high - low) * static_cast<double>(bits() >> 11) * 0x1p-53; }
-  double decades(double low, double high) { return std::pow(10.0, between(low, high)); }
-  double sign() { return (bits() >> 63) == 0 ? 1.0 : -1.0; }
-
- private:
-  std::uint64_t state_;
-};
 
 inline constexpr std::array<int, 10> kSegmentCounts = {1, 2, 3, 7, 8, 16, 31, 64, 200, 1024};
 inline constexpr std::array<double, 5> kExponents = {1.0, 1.5, 2.3, 3.155, 5.0};

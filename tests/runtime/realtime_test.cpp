@@ -15,18 +15,18 @@
 #include <utility>
 
 #include "band.hpp"
-#include "contactspline/body.hpp"
-#include "contactspline/contact_network.hpp"
-#include "contactspline/ensemble.hpp"
-#include "contactspline/fret_string.hpp"
-#include "contactspline/hammer_voice.hpp"
+#include "contactspline/instrument/keyboard_instrument.hpp"
 #include "contactspline/instruments/trichord_c4.hpp"
-#include "contactspline/keyboard_instrument.hpp"
 #include "contactspline/keyboards/piano.hpp"
-#include "contactspline/live_exponent.hpp"
-#include "contactspline/mass_barrier.hpp"
 #include "contactspline/materials/felt_live.hpp"
-#include "contactspline/slide_string.hpp"
+#include "contactspline/models/body.hpp"
+#include "contactspline/models/ensemble.hpp"
+#include "contactspline/models/fret_string.hpp"
+#include "contactspline/models/hammer_voice.hpp"
+#include "contactspline/models/mass_barrier.hpp"
+#include "contactspline/models/slide_string.hpp"
+#include "contactspline/network/contact_network.hpp"
+#include "contactspline/step/live_exponent.hpp"
 #include "support/real_time.hpp"
 
 namespace contactspline::testing {
@@ -90,7 +90,7 @@ Play hammer_string() {
 template <typename T>
 Play hammer_voice() {
   struct Parts : StringParts<T> {
-    HammerVoice<T> voice{this->table, bare(this->modes), this->strike, this->pickup, {.hammer_mass_kg = T(0.003)}, {},
+    HammerVoice<T> voice{{this->table, bare(this->modes), this->strike, this->pickup, {.hammer_mass_kg = T(0.003)}},
                          kRate};
     KeyboardVoice<keyboards::piano, T> key{60, kRate};
     std::vector<Mode> other = [this] {
@@ -236,11 +236,10 @@ Play network_instrument() {
     auto& model = parts->model;
     for (int block = 0; block < 6; ++block) {
       model.strike_hammer(T(block));
-      model.set_felt_stiffness_ratio(T(1 + block)), model.set_felt_loss_s_per_m(T(0.1)),
-          model.set_control(2, T(block));
+      model.set_felt_stiffness_ratio(T(1 + block)), model.set_felt_loss_s_per_m(T(0.1)), model.set(2, T(block));
       model.process(parts->sound);
       model.tick();
-      (void)(model.output(1) + model.contact_force() + model.control(0));
+      (void)(model.output(1) + model.contact_force() + T(model.value(0)));
       (void)(model.energy() + model.work() - model.dissipated());
     }
     model.reset();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A slide on a string: energy with the work of the hand, detachment, placement.
-#include "contactspline/slide_string.hpp"
+#include "contactspline/models/slide_string.hpp"
 
 #include <numbers>
 

@@ -2,9 +2,9 @@
 // soak SECONDS [NAME...]: every model played at random, in turn, in both precisions. `played`: controls, strikes and
 // places change every tenth of a second, to anything. `jumping`: they change in each sample. A fault is a number that
 // is not finite, energy beyond the work put in, or, in double precision, a sample of coupled contacts whose solver
-// did not converge (docs/several-contacts.md). Prints how many samples each model played; exits with 1 after a fault.
-// NAME: models that contain it only. CONTACTSPLINE_SOAK_SEED is a number that chooses what is drawn. scripts/soak
-// runs it for long.
+// did not converge (docs/how-it-works/several-contacts.md). Prints how many samples each model played; exits with 1
+// after a fault. NAME: models that contain it only. CONTACTSPLINE_SOAK_SEED is a number that chooses what is drawn.
+// scripts/soak runs it for long.
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
@@ -15,8 +15,7 @@
 #include <string>
 #include <string_view>
 
-#include "contactspline/body.hpp"
-#include "contactspline/ensemble.hpp"
+#include "contactspline/instrument/keyboard_instrument.hpp"
 #include "contactspline/instruments/classical_guitar.hpp"
 #include "contactspline/instruments/marimba_tube.hpp"
 #include "contactspline/instruments/prepared_piano.hpp"
@@ -25,17 +24,18 @@
 #include "contactspline/instruments/tanpura.hpp"
 #include "contactspline/instruments/tom.hpp"
 #include "contactspline/instruments/trichord_c4.hpp"
-#include "contactspline/keyboard.hpp"
-#include "contactspline/keyboard_instrument.hpp"
 #include "contactspline/keyboards/piano.hpp"
-#include "contactspline/mass_barrier.hpp"
-#include "storm.hpp"
+#include "contactspline/models/body.hpp"
+#include "contactspline/models/ensemble.hpp"
+#include "contactspline/models/keyboard.hpp"
+#include "contactspline/models/mass_barrier.hpp"
+#include "random_controls.hpp"
 
 namespace contactspline::testing {
 namespace {
 
 constexpr double kHz = 44100;
-constexpr std::size_t kGust = 4410, kSlice = 20000;  // samples
+constexpr std::size_t kHeld = 4410, kSlice = 20000;  // samples
 constexpr std::size_t kTake = 1'000'000;             // samples after which a model is brought to rest
 
 /// Of all that is drawn: CONTACTSPLINE_SOAK_SEED, or 3.
@@ -105,11 +105,11 @@ double thrown_j(T mass_kg, T speed) {
 }
 
 template <typename T>
-std::function<void(Record&)> mass_barrier(std::size_t gust) {
+std::function<void(Record&)> mass_barrier(std::size_t held_for) {
   struct State {
     MassBarrier<T> model{parts<T>().table, T(kHz)};
-    Weather<T> weather;
-    T mass = 1, gravity = 0;  // that act
+    RandomControls<T> random;
+    T mass = 1, gravity = 0;  // the values that act
 
     [[nodiscard]] double energy() const {
       return static_cast<double>(mass) * model.velocity() * model.velocity() / 2 +
@@ -118,20 +118,20 @@ std::function<void(Record&)> mass_barrier(std::size_t gust) {
     }
   };
   auto s = std::make_shared<State>();
-  s->weather = Weather<T>(gust, seed());
+  s->random = RandomControls<T>(held_for, seed());
   return [s, take = std::shared_ptr<Take<T>>()](Record& record) mutable {
     using Ranges = ControlRanges<T>;
     if (!take) take = std::make_shared<Take<T>>(record);
     bool is_thrown = false;
     for (std::size_t n = 0; n < kSlice; ++n, ++record.samples) {
-      s->weather.next();
+      s->random.next();
       if (n % 2500 == 0) {
-        s->model.throw_from(s->weather.any(Ranges::displacement_m), s->weather.any(Ranges::speed_m_per_s));
+        s->model.throw_from(s->random.any(Ranges::displacement_m), s->random.any(Ranges::speed_m_per_s));
         is_thrown = true;
       }
-      const T mass = s->weather.any(Ranges::mass_kg), gravity = s->weather.any(Ranges::gravity_m_per_s2);
+      const T mass = s->random.any(Ranges::mass_kg), gravity = s->random.any(Ranges::gravity_m_per_s2);
       const double before = s->model.displacement();
-      s->model.tick({mass, gravity, any_contact(s->weather)});
+      s->model.tick({mass, gravity, any_contact(s->random)});
       s->mass = held(s->mass, mass, Ranges::mass_kg);
       s->gravity = held(s->gravity, gravity, Ranges::gravity_m_per_s2);
       record.demand_finite(s->model.displacement());
@@ -158,13 +158,13 @@ struct Flow {
 /// Plays a model in blocks, a tenth of a second each and, where controls jump, one sample. play(n, block, record)
 /// draws anew and plays the block that begins with sample n of the slice.
 template <typename T, typename State, typename Play>
-std::function<void(Record&)> in_blocks(std::shared_ptr<State> s, std::size_t gust, Play play) {
-  return [s, gust, play, take = std::shared_ptr<Take<T>>()](Record& record) mutable {
+std::function<void(Record&)> in_blocks(std::shared_ptr<State> s, std::size_t held_for, Play play) {
+  return [s, held_for, play, take = std::shared_ptr<Take<T>>()](Record& record) mutable {
     if (!take) take = std::make_shared<Take<T>>(record);
     if (record.samples % kTake < kSlice) s->model.reset(), take->restart();
     for (std::size_t n = 0, block = 0; n < kSlice; n += block, record.samples += block) {
-      s->weather.next();
-      block = std::min(gust, kSlice - n);
+      s->random.next();
+      block = std::min(held_for, kSlice - n);
       const Flow flow = play(n, block, record);
       take->close(flow.work, flow.energy);
     }
@@ -172,23 +172,23 @@ std::function<void(Record&)> in_blocks(std::shared_ptr<State> s, std::size_t gus
 }
 
 template <typename T>
-std::function<void(Record&)> hammer_string(std::size_t gust) {
+std::function<void(Record&)> hammer_string(std::size_t held_for) {
   struct State {
     HammerString<T> model{parts<T>().table, bare(parts<T>().modes), parts<T>().strike, kHz};
-    Weather<T> weather{1, seed()};
-    std::vector<T> out = std::vector<T>(kGust);
+    RandomControls<T> random{1, seed()};
+    std::vector<T> out = std::vector<T>(kHeld);
   };
   auto s = std::make_shared<State>();
-  return in_blocks<T>(s, gust, [s, gust](std::size_t n, std::size_t block, Record& record) {
+  return in_blocks<T>(s, held_for, [s, held_for](std::size_t n, std::size_t block, Record& record) {
     using Ranges = ControlRanges<T>;
     const T mass = T(0.003);
     double work = 0;
-    if (gust > 1 || n % 50 == 0) {
-      const T speed = s->weather.any(Ranges::speed_m_per_s);
-      s->model.strike(speed, s->weather.any(Ranges::throw_distance_m));
+    if (held_for > 1 || n % 50 == 0) {
+      const T speed = s->random.any(Ranges::speed_m_per_s);
+      s->model.strike(speed, s->random.any(Ranges::throw_distance_m));
       work = thrown_j(mass, speed);
     }
-    s->model.process({mass, any_contact(s->weather), s->weather.any(Ranges::damping_per_s)}, parts<T>().pickup,
+    s->model.process({mass, any_contact(s->random), s->random.any(Ranges::damping_per_s)}, parts<T>().pickup,
                      std::span(s->out).first(block));
     for (std::size_t i = 0; i < block; ++i) record.demand_finite(s->out[i]);
     return Flow{work, s->model.string().energy()};
@@ -196,31 +196,31 @@ std::function<void(Record&)> hammer_string(std::size_t gust) {
 }
 
 template <typename T>
-std::function<void(Record&)> keyboard_voice(std::size_t gust) {
+std::function<void(Record&)> keyboard_voice(std::size_t held_for) {
   struct State {
     std::vector<KeyboardVoice<keyboards::piano, T>> keys;
-    Weather<T> weather{1, seed()};
-    std::vector<T> out = std::vector<T>(kGust);
+    RandomControls<T> random{1, seed()};
+    std::vector<T> out = std::vector<T>(kHeld);
     std::size_t at = 0;
   };
   auto s = std::make_shared<State>();
   for (const int key : {21, 45, 60, 76, 96, 108}) s->keys.emplace_back(key, kHz);
-  return [s, gust, take = std::shared_ptr<Take<T>>()](Record& record) mutable {
+  return [s, held_for, take = std::shared_ptr<Take<T>>()](Record& record) mutable {
     if (!take) take = std::make_shared<Take<T>>(record);
     take->restart();
     auto& voice = s->keys[s->at++ % s->keys.size()];
     for (std::size_t n = 0, block = 0; n < kSlice; n += block, record.samples += block) {
-      s->weather.next();
+      s->random.next();
       double work = 0;
-      if (gust > 1 || n % 50 == 0) {
-        const T speed = s->weather.any(ControlRanges<T>::speed_m_per_s);
+      if (held_for > 1 || n % 50 == 0) {
+        const T speed = s->random.any(ControlRanges<T>::speed_m_per_s);
         voice.strike(speed);
         work = thrown_j(voice.controls().hammer_mass_kg, speed);
       }
-      if (s->weather.now_and_then(2)) voice.release();
-      voice.controls().felt = any_contact(s->weather);
-      voice.controls().damping_per_s = s->weather.any(ControlRanges<T>::damping_per_s);
-      block = std::min(gust, kSlice - n);
+      if (s->random.once_in(2)) voice.release();
+      voice.controls().felt = any_contact(s->random);
+      voice.controls().damping_per_s = s->random.any(ControlRanges<T>::damping_per_s);
+      block = std::min(held_for, kSlice - n);
       voice.process(std::span(s->out).first(block));
       for (std::size_t i = 0; i < block; ++i) record.demand_finite(s->out[i]);
       take->close(work, voice.model().string().energy());
@@ -230,11 +230,11 @@ std::function<void(Record&)> keyboard_voice(std::size_t gust) {
 }
 
 template <typename T>
-std::function<void(Record&)> ensemble(std::size_t gust) {
+std::function<void(Record&)> ensemble(std::size_t held_for) {
   struct State {
     Ensemble<T> model{kHz};
-    Weather<T> weather{1, seed()};
-    std::vector<T> left = std::vector<T>(kGust), right = std::vector<T>(kGust);
+    RandomControls<T> random{1, seed()};
+    std::vector<T> left = std::vector<T>(kHeld), right = std::vector<T>(kHeld);
   };
   constexpr std::size_t kVoices = 10;
   const T mass = T(0.003);
@@ -242,17 +242,17 @@ std::function<void(Record&)> ensemble(std::size_t gust) {
   for (std::size_t voice = 0; voice < kVoices; ++voice)
     s->model.add(parts<T>().table, bare(parts<T>().modes), parts<T>().strike, parts<T>().pickup,
                  {.hammer_mass_kg = mass});
-  return in_blocks<T>(s, gust, [s, gust, mass](std::size_t n, std::size_t block, Record& record) {
+  return in_blocks<T>(s, held_for, [s, held_for, mass](std::size_t n, std::size_t block, Record& record) {
     using Ranges = ControlRanges<T>;
     double work = 0, energy = 0;
     for (std::size_t voice = 0; voice < kVoices; ++voice) {
-      if (gust > 1 || n % 50 == 0) {
-        const T speed = s->weather.any(Ranges::speed_m_per_s);
-        s->model.strike(voice, speed, s->weather.any(Ranges::throw_distance_m));
+      if (held_for > 1 || n % 50 == 0) {
+        const T speed = s->random.any(Ranges::speed_m_per_s);
+        s->model.strike(voice, speed, s->random.any(Ranges::throw_distance_m));
         work += thrown_j(mass, speed);
       }
-      s->model.controls(voice) = {mass, any_contact(s->weather), s->weather.any(Ranges::damping_per_s)};
-      s->model.mix(voice) = {s->weather.any(Ranges::gain), s->weather.any(Ranges::pan)};
+      s->model.controls(voice) = {mass, any_contact(s->random), s->random.any(Ranges::damping_per_s)};
+      s->model.mix(voice) = {s->random.any(Ranges::gain), s->random.any(Ranges::pan)};
     }
     s->model.process(std::span(s->left).first(block), std::span(s->right).first(block));
     for (std::size_t i = 0; i < block; ++i) {
@@ -267,34 +267,34 @@ std::function<void(Record&)> ensemble(std::size_t gust) {
 /// A whole piano: keys struck, pressed and released at random, under all pedals. Few of them where controls jump:
 /// each sample is a block then.
 template <typename T>
-std::function<void(Record&)> keyboard_instrument(std::size_t gust) {
+std::function<void(Record&)> keyboard_instrument(std::size_t held_for) {
   using Piano = keyboards::piano;
   struct State {
     KeyboardInstrument<Piano, T> model{kHz};
-    Weather<T> weather{1, seed()};
-    std::vector<T> left = std::vector<T>(kGust), right = std::vector<T>(kGust);
-    T mass_ratio = 1;  // that acts
+    RandomControls<T> random{1, seed()};
+    std::vector<T> left = std::vector<T>(kHeld), right = std::vector<T>(kHeld);
+    T mass_ratio = 1;  // the value that acts
   };
   auto s = std::make_shared<State>();
-  return in_blocks<T>(s, gust, [s, gust](std::size_t n, std::size_t block, Record& record) {
+  return in_blocks<T>(s, held_for, [s, held_for](std::size_t n, std::size_t block, Record& record) {
     using Ranges = ControlRanges<T>;
-    const T mass_ratio = s->weather.any({T(1e-6), T(1e6)});
-    s->model.set_hammers(mass_ratio, any_contact(s->weather));
+    const T mass_ratio = s->random.any({T(1e-6), T(1e6)});
+    s->model.set_hammers(mass_ratio, any_contact(s->random));
     s->mass_ratio = held(s->mass_ratio, mass_ratio, {T(1e-6), T(1e6)});
-    const std::size_t key = s->weather.below(Piano::keys + 2);  // also beyond the last one
+    const std::size_t key = s->random.below(Piano::keys + 2);  // also beyond the last one
     double work = 0;
-    if (gust > 1 || n % 500 == 0) {
-      const T speed = s->weather.any(Ranges::speed_m_per_s);
+    if (held_for > 1 || n % 500 == 0) {
+      const T speed = s->random.any(Ranges::speed_m_per_s);
       s->model.strike(key, speed);
       if (key < Piano::keys)
         work = Piano::strings[key] * thrown_j(s->mass_ratio * static_cast<T>(Piano::hammer_masses[key]), speed);
     }
-    s->weather.now_and_then(2) ? s->model.press(s->weather.below(Piano::keys + 2)) : s->model.release(key);
-    s->model.sustain(static_cast<double>(s->weather.any({0, 1})));
-    s->model.sostenuto(s->weather.now_and_then(2));
-    s->model.una_corda(static_cast<double>(s->weather.any({0, 1})));
-    s->model.bend(s->weather.below(Piano::keys + 2), static_cast<double>(s->weather.any({-1200, 1200})));
-    work += Piano::keys * kStiffeningPower_w * static_cast<double>(block) / kHz;  // of the bends
+    s->random.once_in(2) ? s->model.press(s->random.below(Piano::keys + 2)) : s->model.release(key);
+    s->model.sustain(static_cast<double>(s->random.any({0, 1})));
+    s->model.sostenuto(s->random.once_in(2));
+    s->model.una_corda(static_cast<double>(s->random.any({0, 1})));
+    s->model.bend(s->random.below(Piano::keys + 2), static_cast<double>(s->random.any({-1200, 1200})));
+    work += Piano::keys * kStiffeningPower_w * static_cast<double>(block) / kHz;  // largest work of the bends
     s->model.process(std::span(s->left).first(block), std::span(s->right).first(block));
     for (std::size_t i = 0; i < block; ++i) {
       record.demand_finite(s->left[i]);
@@ -305,43 +305,43 @@ std::function<void(Record&)> keyboard_instrument(std::size_t gust) {
 }
 
 /// A slide-string or a fret-string.
-template <typename Stormy, typename T>
-std::function<void(Record&)> along_a_string(std::size_t gust) {
+template <typename RandomModel, typename T>
+std::function<void(Record&)> along_a_string(std::size_t held_for) {
   struct State {
-    Stormy stormy{parts<T>()};
-    Weather<T> weather;
+    RandomModel played{parts<T>()};
+    RandomControls<T> random;
     ModeShapes<T> pluck = ModeShapes<T>(parts<T>().modes.size());
   };
   auto s = std::make_shared<State>();
-  s->weather = Weather<T>(gust, seed());
+  s->random = RandomControls<T>(held_for, seed());
   parts<T>().places.at(T(0.1), s->pluck);
   return [s, take = std::shared_ptr<Take<T>>()](Record& record) mutable {
     if (!take) take = std::make_shared<Take<T>>(record);
-    const auto& model = s->stormy.model;
-    if (record.samples % kTake < kSlice) s->stormy = Stormy(parts<T>()), take->restart();
+    const auto& model = s->played.model;
+    if (record.samples % kTake < kSlice) s->played = RandomModel(parts<T>()), take->restart();
     for (std::size_t n = 0; n < kSlice; ++n, ++record.samples) {
-      s->weather.next();
+      s->random.next();
       const double displacement = model.string().displacement(s->pluck);
-      const double work = s->stormy.tick(s->weather);
+      const double work = s->played.tick(s->random);
       const double moved = model.string().displacement(s->pluck) - displacement;
       record.demand_finite(model.force());
       record.demand_finite(model.compression());
-      take->close(work + s->stormy.pluck_force * moved, model.string().energy());
+      take->close(work + s->played.pluck_force * moved, model.string().energy());
     }
   };
 }
 
 /// Three keys on a soundboard, struck at random.
 template <typename T>
-std::function<void(Record&)> body(std::size_t gust) {
+std::function<void(Record&)> body(std::size_t held_for) {
   struct State {
     std::vector<HammerString<T>> keys;
     std::vector<BridgeShapes<T>> bridges;
     std::unique_ptr<Body<T>> body;
-    Weather<T> weather;
+    RandomControls<T> random;
   };
   auto s = std::make_shared<State>();
-  s->weather = Weather<T>(gust, seed());
+  s->random = RandomControls<T>(held_for, seed());
   BridgeStiffness stiffness;
   for (const StruckString& struck : {c2(), c4(), c7()}) {
     const auto modes = audible_modes(struck);
@@ -355,7 +355,7 @@ std::function<void(Record&)> body(std::size_t gust) {
   const Plate plate{1.39, 0.91, 0.018, 392, 11.5e9, 8e9, 1.5e9, 0.3, {8, 0.29}};
   const auto board = modes_of({"board", "", plate, {0.62, 0, 0.51}, {0.87, 0, 0.29}, 120}, 22050).modes;
   s->body = std::make_unique<Body<T>>(bare(board), shapes<T>(board, &ResonatorMode::strike_shape), stiffness, kHz);
-  return [s, gust, take = std::shared_ptr<Take<T>>()](Record& record) mutable {
+  return [s, held_for, take = std::shared_ptr<Take<T>>()](Record& record) mutable {
     using Ranges = ControlRanges<T>;
     if (!take) take = std::make_shared<Take<T>>(record);
     if (record.samples % kTake < kSlice) {
@@ -365,17 +365,17 @@ std::function<void(Record&)> body(std::size_t gust) {
     }
     double work = 0;
     for (std::size_t n = 0; n < kSlice; ++n, ++record.samples) {
-      s->weather.next();
+      s->random.next();
       T force = 0;
       const T mass = T(0.003);
       for (std::size_t k = 0; k < s->keys.size(); ++k) {
-        if (n % (gust > 1 ? gust : 50) == 0) {
-          const T speed = s->weather.any(Ranges::speed_m_per_s);
-          s->keys[k].strike(speed, s->weather.any(Ranges::throw_distance_m));
+        if (n % (held_for > 1 ? held_for : 50) == 0) {
+          const T speed = s->random.any(Ranges::speed_m_per_s);
+          s->keys[k].strike(speed, s->random.any(Ranges::throw_distance_m));
           work += thrown_j(mass, speed);
         }
-        force += s->keys[k].tick({mass, any_contact(s->weather), s->weather.any(Ranges::damping_per_s)},
-                                 s->bridges[k], s->body->change());
+        force += s->keys[k].tick({mass, any_contact(s->random), s->random.any(Ranges::damping_per_s)}, s->bridges[k],
+                                 s->body->change());
       }
       s->body->tick(force);
       record.demand_finite(s->body->displacement());
@@ -389,32 +389,32 @@ std::function<void(Record&)> body(std::size_t gust) {
 
 /// An instrument of a file.
 template <typename Emitted, typename T>
-std::function<void(Record&)> instrument(std::size_t gust) {
+std::function<void(Record&)> instrument(std::size_t held_for) {
   struct State {
     std::unique_ptr<Emitted> model = std::make_unique<Emitted>(kHz);
-    Weather<T> weather;
+    RandomControls<T> random;
   };
   auto s = std::make_shared<State>();
-  s->weather = Weather<T>(gust, seed());
-  return [s, gust, take = std::shared_ptr<Take<T>>()](Record& record) mutable {
+  s->random = RandomControls<T>(held_for, seed());
+  return [s, held_for, take = std::shared_ptr<Take<T>>()](Record& record) mutable {
     if (!take) take = std::make_shared<Take<T>>(record);
     auto& model = *s->model;
     const InstrumentData data = Emitted::data::view();
     const auto rest = [&] {
       model.reset();
       take->restart();
-      take->close(model.energy(), model.energy());  // of a spring that is not relaxed
+      take->close(model.energy(), model.energy());  // energy of a spring that is not relaxed
     };
     if (record.samples % kTake < kSlice) rest();
     for (std::size_t n = 0; n < kSlice; ++n, ++record.samples) {
-      s->weather.next();
-      if (gust == 1 || n % gust == 0)
+      s->random.next();
+      if (held_for == 1 || n % held_for == 0)
         for (std::size_t i = 0; i < data.controls.size(); ++i)
-          model.set_control(i, s->weather.any(control_range<T>(data.controls[i].quantity)));
-      for (std::size_t i = 0; n % (gust > 1 ? gust : 500) == 0 && i < data.strikes.size(); ++i)
-        model.strike(i, s->weather.any({-100, 100}));
+          model.set(i, s->random.any(control_range<T>(data.controls[i].quantity)));
+      for (std::size_t i = 0; n % (held_for > 1 ? held_for : 500) == 0 && i < data.strikes.size(); ++i)
+        model.strike(i, s->random.any({-100, 100}));
       model.tick();
-      for (std::size_t i = 0; i < data.outputs.size(); ++i) record.demand_finite(model.output(i));
+      for (std::size_t i = 0; i < data.sources.size(); ++i) record.demand_finite(model.output(i));
       take->close(model.work() - model.dissipated(), model.energy());
     }
     const std::size_t bounded = model.network().solver().bounded();
@@ -426,24 +426,24 @@ std::function<void(Record&)> instrument(std::size_t gust) {
 template <typename T>
 void add_models(std::vector<Soaked>& models) {
   const std::string precision = sizeof(T) == sizeof(double) ? ".double" : ".float";
-  for (const std::size_t gust : {kGust, std::size_t{1}}) {
-    const std::string end = precision + (gust > 1 ? ".played" : ".jumping");
-    models.emplace_back("mass-barrier" + end, mass_barrier<T>(gust));
-    models.emplace_back("hammer-string" + end, hammer_string<T>(gust));
-    models.emplace_back("slide-string" + end, along_a_string<StormySlide<T>, T>(gust));
-    models.emplace_back("fret-string" + end, along_a_string<StormyFret<T>, T>(gust));
-    models.emplace_back("keyboard-voice" + end, keyboard_voice<T>(gust));
-    models.emplace_back("ensemble" + end, ensemble<T>(gust));
-    models.emplace_back("body" + end, body<T>(gust));
-    models.emplace_back("keyboard-instrument" + end, keyboard_instrument<T>(gust));
-    models.emplace_back("tanpura" + end, instrument<instruments::tanpura<T>, T>(gust));
-    models.emplace_back("trichord_c4" + end, instrument<instruments::trichord_c4<T>, T>(gust));
-    models.emplace_back("slap_bass" + end, instrument<instruments::slap_bass<T>, T>(gust));
-    models.emplace_back("prepared_piano" + end, instrument<instruments::prepared_piano<T>, T>(gust));
-    models.emplace_back("snare" + end, instrument<instruments::snare<T>, T>(gust));
-    models.emplace_back("tom" + end, instrument<instruments::tom<T>, T>(gust));
-    models.emplace_back("marimba_tube" + end, instrument<instruments::marimba_tube<T>, T>(gust));
-    models.emplace_back("classical_guitar" + end, instrument<instruments::classical_guitar<T>, T>(gust));
+  for (const std::size_t held_for : {kHeld, std::size_t{1}}) {
+    const std::string end = precision + (held_for > 1 ? ".played" : ".jumping");
+    models.emplace_back("mass-barrier" + end, mass_barrier<T>(held_for));
+    models.emplace_back("hammer-string" + end, hammer_string<T>(held_for));
+    models.emplace_back("slide-string" + end, along_a_string<RandomSlide<T>, T>(held_for));
+    models.emplace_back("fret-string" + end, along_a_string<RandomFret<T>, T>(held_for));
+    models.emplace_back("keyboard-voice" + end, keyboard_voice<T>(held_for));
+    models.emplace_back("ensemble" + end, ensemble<T>(held_for));
+    models.emplace_back("body" + end, body<T>(held_for));
+    models.emplace_back("keyboard-instrument" + end, keyboard_instrument<T>(held_for));
+    models.emplace_back("tanpura" + end, instrument<instruments::tanpura<T>, T>(held_for));
+    models.emplace_back("trichord_c4" + end, instrument<instruments::trichord_c4<T>, T>(held_for));
+    models.emplace_back("slap_bass" + end, instrument<instruments::slap_bass<T>, T>(held_for));
+    models.emplace_back("prepared_piano" + end, instrument<instruments::prepared_piano<T>, T>(held_for));
+    models.emplace_back("snare" + end, instrument<instruments::snare<T>, T>(held_for));
+    models.emplace_back("tom" + end, instrument<instruments::tom<T>, T>(held_for));
+    models.emplace_back("marimba_tube" + end, instrument<instruments::marimba_tube<T>, T>(held_for));
+    models.emplace_back("classical_guitar" + end, instrument<instruments::classical_guitar<T>, T>(held_for));
   }
 }
 

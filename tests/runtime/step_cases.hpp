@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "contactspline/contact.hpp"
+#include "contactspline/step/contact.hpp"
 
 namespace contactspline::testing {
 

@@ -134,7 +134,7 @@ class Checker {
          wide(e.free_increment), wide(e.admittance), wide(step.force), wide(step.compression));
   }
 
-  // Which pairs of start and end segment the cases cover, found without the search under test.
+  // Counts the pairs of start and end segment that the cases cover, found without the search under test.
   void note_hit(const std::vector<Segment<T>>& table, const StepCase<T>& c) {
     const auto segment_of = [&](double y) {
       const auto above = std::upper_bound(table.begin() + 1, table.end(), y,

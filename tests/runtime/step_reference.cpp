@@ -55,7 +55,7 @@
 namespace contactspline::testing {
 namespace {
 
-// Of the increment and of the force.
+// Rounding of the increment and of the force.
 template <typename T>
 constexpr double kIncrementRoundoff = 12 * kRoundoff<T>;
 template <typename T>

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "contactspline/hammer_string.hpp"
+#include "contactspline/models/hammer_string.hpp"
 #include "generator/resonator/resonator.hpp"
 #include "generator/spline/contact_spline.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Voices on many cores.
-#include "contactspline/threads.hpp"
+#include "contactspline/host/threads.hpp"
 
 #include <oneapi/tbb/global_control.h>
 

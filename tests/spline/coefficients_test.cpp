@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <iostream>
 #include <set>
 
+#include "support/measured.hpp"
 #include "support/reference.hpp"
 
 namespace contactspline::testing {
@@ -70,7 +70,7 @@ struct Accuracies {
     for (const auto& [name, group] : {std::pair{"local", local}, {"regular", regular}, {"normalised", normalised}}) {
       EXPECT_LE(group.worst(), kUnitRoundoff * (1 + 0x1p-20)) << name;
       EXPECT_EQ(group.misrounded(), 0) << name << ": of " << group.count();
-      std::cout << name << ": " << group.count() << " coefficients, worst relative error " << group.worst() << "\n";
+      Measured() << name << ": " << group.count() << " coefficients, worst relative error " << group.worst();
       ::testing::Test::RecordProperty(std::string("worst_") + name,
                                       std::to_string(group.worst() / kUnitRoundoff) + " u");
     }
@@ -127,7 +127,7 @@ TEST(Timing, OfUniformSplineIsPrinted) {
     const Spline spline = uniform_spline(material, "timed.json");
     const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
     ASSERT_EQ(spline.segments.size(), static_cast<std::size_t>(segments));
-    std::cout << "uniform_spline, " << segments << " segments: " << took.count() << " ms\n";
+    Measured() << "uniform_spline, " << segments << " segments: " << took.count() << " ms";
   }
 }
 

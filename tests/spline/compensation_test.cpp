@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iostream>
 #include <random>
 
 #include "generator/contact/barrier_impact.hpp"
@@ -14,6 +13,7 @@
 #include "generator/spline/simulated_impact.hpp"
 #include "generator/spline/spline_error.hpp"
 #include "support/compare.hpp"
+#include "support/measured.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -81,9 +81,9 @@ SimulatedErrors simulated(Material of) {
 }
 
 void print(const Case& c, const char* what, const SimulatedErrors& e) {
-  std::cout << c.name << " " << what << ": exit time within " << e.exit_samples << " samples, phases "
-            << e.phases_samples << ", max compression within " << 100 * e.compression << " %, corrected "
-            << 100 * e.corrected << " %\n";
+  Measured() << c.name << " " << what << ": exit time within " << e.exit_samples << " samples, phases "
+             << e.phases_samples << ", max compression within " << 100 * e.compression << " %, corrected "
+             << 100 * e.corrected << " %";
 }
 
 // Ten times below the published errors, over 50:1 in speed and all phases. The impulse is 2 m v to rounding, for
@@ -174,7 +174,7 @@ TEST(Compensation, KeepsItsToleranceInAFinerSweep) {
     EXPECT_LE(found, 1.003 * measured) << exponent << " " << samples << " " << spline.segments.size();
     EXPECT_LE(found, by_tolerance ? of.spline.tolerance : 1) << exponent << " " << samples;
   }
-  std::cout << "a finer sweep finds " << worst_ratio << " times the figure\n";
+  Measured() << "a finer sweep finds " << worst_ratio << " times the figure";
 }
 
 // Curves that bend sharply, plateaus too: an impact that turns just beyond a bend.

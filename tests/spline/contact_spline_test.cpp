@@ -6,12 +6,12 @@
 
 #include <array>
 #include <cstring>
-#include <iostream>
 #include <string>
 #include <tuple>
 
 #include "generator/contact/contact_law_quad.hpp"
 #include "generator/support/error.hpp"
+#include "support/measured.hpp"
 #include "support/reference.hpp"
 
 namespace contactspline::testing {
@@ -390,7 +390,7 @@ TEST(Convexity, BelowExponentOneExactlyTheConcaveSplinesAreRefused) {
       const std::string named = "(segment " + std::to_string(*concave) + " of " + std::to_string(segments) + " ";
       EXPECT_TRUE(contains(message, named)) << message << " does not name " << named;
     }
-  std::cout << "exponents below 1: " << refused << " refused, " << accepted << " convex\n";
+  Measured() << "exponents below 1: " << refused << " refused, " << accepted << " convex";
   EXPECT_GT(refused, 20);
   EXPECT_GT(accepted, 7);  // N = 1 is always convex
 }

@@ -4,7 +4,6 @@
 
 #include <chrono>
 #include <cstdlib>
-#include <iostream>
 #include <map>
 #include <numbers>
 #include <string>
@@ -20,6 +19,7 @@
 #include "generator/spline/spline_error.hpp"
 #include "generator/support/error.hpp"
 #include "support/compare.hpp"
+#include "support/measured.hpp"
 #include "support/reference.hpp"
 
 namespace contactspline::testing {
@@ -162,8 +162,8 @@ TEST(Knots, ErrorOfTheContactDurationIsWhatWasPromised) {
       worst_ratio = std::max(worst_ratio, graded.contact_duration / optimal.contact_duration);
       worst_compression = std::max(worst_compression, graded.max_compression);
     }
-    std::cout << segments << " segments: optimal within " << 100 * worst << " %, graded within " << worst_ratio
-              << " times that, compression within " << 100 * worst_compression << " %\n";
+    Measured() << segments << " segments: optimal within " << 100 * worst << " %, graded within " << worst_ratio
+               << " times that, compression within " << 100 * worst_compression << " %";
   }
 }
 
@@ -370,8 +370,8 @@ TEST(Knots, AtAKinkFittedOnesAreNoWorseThanUniformOnesAndOptimalOnesBest) {
       EXPECT_TRUE(at_most(graded, uniform)) << of.name << " " << segments << ": " << graded << " " << uniform;
       EXPECT_TRUE(at_most(optimal, graded)) << of.name << " " << segments << ": " << optimal << " " << graded;
       if (segments == 16 || segments == 32)
-        std::cout << of.name << ", " << segments << " segments: uniform " << 100 * uniform << " %, graded "
-                  << 100 * graded << " %, optimal " << 100 * optimal << " %\n";
+        Measured() << of.name << ", " << segments << " segments: uniform " << 100 * uniform << " %, graded "
+                   << 100 * graded << " %, optimal " << 100 * optimal << " %";
       // What is promised of smooth laws: 0.2 % and 0.05 % of optimal knots, of graded ones twice that.
       const double promised = segments == 16 ? 0.002 : segments == 32 ? 0.0005 : 1;
       EXPECT_LE(optimal, promised) << of.name << " " << segments;
@@ -497,8 +497,8 @@ TEST(Knots, TimeIsPrinted) {
       of.spline.segments = segments;
       kinked = std::max(kinked, milliseconds(of));
     }
-  std::cout << "graded, 16 segments " << small << " ms, 10,000 " << large << " ms; optimal, 32 segments " << optimal
-            << " ms, " << kMaxFittedSegments << " " << max << " ms; with kinks at most " << kinked << " ms\n";
+  Measured() << "graded, 16 segments " << small << " ms, 10,000 " << large << " ms; optimal, 32 segments " << optimal
+             << " ms, " << kMaxFittedSegments << " " << max << " ms; with kinks at most " << kinked << " ms";
 }
 
 /// 1,000 designs where CONTACTSPLINE_FULL_TESTS is set, else 60.
@@ -531,7 +531,7 @@ TEST(Tolerance, IsKeptWithTheFewestSegments) {
     fewer.spline.segments = found - 1;
     minimal += found == 1 || swept(designed(fewer), of, 20000).contact_duration > of.spline.tolerance;
   }
-  std::cout << designs << " designs: " << kept << " within tolerance, " << minimal << " minimal\n";
+  Measured() << designs << " designs: " << kept << " within tolerance, " << minimal << " minimal";
   EXPECT_EQ(kept, designs);
   EXPECT_GE(minimal, 95 * designs / 100);
 }

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "contactspline/mass_barrier.hpp"
+#include "contactspline/models/mass_barrier.hpp"
 #include "generator/spline/design.hpp"
 #include "generator/support/error.hpp"
 #include "support/compare.hpp"
@@ -23,8 +23,8 @@ double logarithmic(std::mt19937_64& random, double min, double max) {
   return std::exp(uniform(random, std::log(min), std::log(max)));
 }
 
-/// Stiffness, exponent, mass and speeds in the ranges of docs/materials.md, logarithmically, so that the ends are
-/// drawn too.
+/// Stiffness, exponent, mass and speeds in the ranges of docs/reference/materials.md, logarithmically, so that the
+/// ends are drawn too.
 Material random_material(std::mt19937_64& random) {
   const PowerLaw law{logarithmic(random, 1e-3, 1e18), uniform(random, 1, 10)};
   const double max_speed = logarithmic(random, 1e-6, 1e3);

@@ -7,12 +7,12 @@
 #include <algorithm>
 #include <boost/math/special_functions/beta.hpp>
 #include <cmath>
-#include <iostream>
 #include <vector>
 
 #include "generator/spline/contact_spline.hpp"
 #include "generator/spline/spline_error.hpp"
 #include "support/compare.hpp"
+#include "support/measured.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -78,8 +78,8 @@ TEST(Mb1ExitTime, PublishedErrorsLieWithinTheSpreadOverPhases) {
   const auto table = segment_table(kMb1.spline(kFine));
   for (const auto& [oversampling, published] : kPublished) {
     const Spread spread = over_phases(table, kMb1, oversampling, kMb1.duration_s());
-    std::cout << "MB1 at " << oversampling << "x: error " << spread.min << " to " << spread.max << " samples, mean "
-              << spread.mean << ", published " << published << "\n";
+    Measured() << "MB1 at " << oversampling << "x: error " << spread.min << " to " << spread.max << " samples, mean "
+               << spread.mean << ", published " << published;
     EXPECT_GE(published, spread.min - kHalfDigit);
     EXPECT_LE(published, spread.max + kHalfDigit);
   }
@@ -142,7 +142,7 @@ TEST(SplineForm, StaysCloseToTheNewtonForm) {
       double worst = 0;
       for (const int oversampling : {1, 2, 4, 8})
         worst = std::max(worst, distance_from_newton_form(strike, segments, oversampling));
-      std::cout << strike.name << ", N " << segments << ": " << worst << " samples from the Newton form\n";
+      Measured() << strike.name << ", N " << segments << ": " << worst << " samples from the Newton form";
       EXPECT_LE(worst, bound) << strike.name << " N " << segments;
       EXPECT_GT(worst, 0) << "a spline is not the power law";
     }
@@ -188,8 +188,8 @@ TEST(Convergence, OfTheHammersIsOfSecondOrder) {
     };
     for (const int oversampling : {1, 2, 4, 8, 16}) {
       const double ratio = error_s(oversampling) / error_s(2 * oversampling);
-      std::cout << strike.name << " " << oversampling << "x to " << 2 * oversampling << "x: error falls by " << ratio
-                << "\n";
+      Measured() << strike.name << " " << oversampling << "x to " << 2 * oversampling << "x: error falls by "
+                 << ratio;
       EXPECT_TRUE(relatively_within(ratio, 4, 3 * next_order(strike, kAudioRate * oversampling) + 5e-5));
     }
   }
@@ -205,7 +205,7 @@ TEST(Convergence, OfMb1ApproachesSecondOrder) {
     const double mean = over_phases(table, kMb1, oversampling, kMb1.duration_s()).mean / oversampling;
     const double ratio = previous / mean;
     previous = mean;
-    std::cout << "MB1 to " << oversampling << "x: error falls by " << ratio << "\n";
+    Measured() << "MB1 to " << oversampling << "x: error falls by " << ratio;
     EXPECT_GT(ratio, previous_ratio);
     EXPECT_LT(ratio, 4.001);
     previous_ratio = ratio;
@@ -248,7 +248,7 @@ TEST(Energy, ExitSpeedIsEntrySpeed) {
             worst = std::max(worst, std::abs(error));
           }
     }
-  std::cout << "exit speed: worst relative error " << worst << "\n";
+  Measured() << "exit speed: worst relative error " << worst;
   EXPECT_LT(worst, 1e-9);
 }
 
@@ -269,8 +269,8 @@ TEST(MaxCompression, IsExactToFourthOrder) {
         min = std::min(min, impact.max_compression_m / ym - 1);
         max = std::max(max, impact.max_compression_m / ym - 1);
       }
-      std::cout << strike.name << " " << oversampling << "x: max compression " << min << " to " << max << ", bound "
-                << bound << "\n";
+      Measured() << strike.name << " " << oversampling << "x: max compression " << min << " to " << max << ", bound "
+                 << bound;
       EXPECT_GE(min, -1e-12) << strike.name << " " << oversampling;
       EXPECT_LE(max, bound * 1.01 + 1e-12) << strike.name << " " << oversampling;
       EXPECT_GE(max, bound / 3) << strike.name << " " << oversampling;

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <iostream>
 #include <numbers>
 #include <random>
 #include <string>
@@ -17,6 +16,7 @@
 #include "generator/support/embedded_files.hpp"
 #include "generator/support/error.hpp"
 #include "support/compare.hpp"
+#include "support/measured.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -161,7 +161,7 @@ class Figure {
     for (const Long value : exact.spectrum) relative_.push_back(static_cast<double>(value / exact.spectrum[0]));
   }
 
-  /// Of a spline, over so many speeds.
+  /// The error of a spline over a number of speeds.
   [[nodiscard]] SpectrumError of(const Spline& spline, int speeds) const {
     const auto& [mass, fastest, slowest] = *material_.impact;
     PiecewiseLinearForce force{{}, {}};  // for a unit mass
@@ -234,7 +234,7 @@ struct Promise {
   double mean_db, worst_db;
 };
 
-// The figures of docs/knots.md, with the worst over 1,000 speeds, and the contact
+// The figures of docs/how-it-works/knots.md, with the worst over 1,000 speeds, and the contact
 // duration within 0.1 %.
 TEST(SpectrumKnots, KeepTheFiguresOfTheDocs) {
   for (const auto& [name, segments, mean_db, worst_db] : {Promise{"felt_c2", 32, 0.45, 4.2},
@@ -247,9 +247,9 @@ TEST(SpectrumKnots, KeepTheFiguresOfTheDocs) {
     const Design design = design_material(material, name);
     ASSERT_EQ(design.spline.segments.size(), static_cast<std::size_t>(segments));
     const SpectrumError error = Figure(material).of(design.spline, 1000);
-    std::cout << name << " " << segments << ": mean " << error.mean_db << " dB, worst " << error.worst_db
-              << " dB, measured " << design.spectrum->mean_db << ", " << design.spectrum->worst_db << ", duration "
-              << 100 * design.quality.impact->contact_duration << " %\n";
+    Measured() << name << " " << segments << ": mean " << error.mean_db << " dB, worst " << error.worst_db
+               << " dB, measured " << design.spectrum->mean_db << ", " << design.spectrum->worst_db << ", duration "
+               << 100 * design.quality.impact->contact_duration << " %";
     EXPECT_TRUE(within(error.mean_db, 0, mean_db)) << name << " " << segments;
     EXPECT_TRUE(within(error.worst_db, 0, worst_db)) << name << " " << segments;
     EXPECT_TRUE(within(design.quality.impact->contact_duration, 0, 1e-3)) << name << " " << segments;

@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include <boost/math/constants/constants.hpp>
-#include <iostream>
 #include <numbers>
 #include <string>
 
@@ -14,6 +13,7 @@
 #include "generator/contact/contact_law_quad.hpp"
 #include "generator/spline/contact_spline.hpp"
 #include "support/compare.hpp"
+#include "support/measured.hpp"
 #include "support/reference.hpp"
 
 namespace contactspline::testing {
@@ -149,7 +149,7 @@ TEST(PowerLaw, ContactLastsAsLongAsTheMotionTakes) {
     EXPECT_TRUE(within(error, 0, duration_bound(c))) << c.law.exponent;
     worst = std::max(worst, std::abs(error) / duration_bound(c));
   }
-  std::cout << "closed form of T: worst error " << worst << " of its bound\n";
+  Measured() << "closed form of T: worst error " << worst << " of its bound";
 }
 
 TEST(PowerLaw, ForceAndEnergyAreZeroOutOfContact) {
@@ -238,7 +238,7 @@ TEST(SplineImpact, LastsAsLongAsTheMotionTakes) {
       for (const double speed : {2e-6, 2e-3, 0.1, 0.6, 1.4, 2.0, 6.0, 200.0}) pair.strike(speed);
       worst = std::max(worst, pair.worst_of_bound());
     }
-  std::cout << "impact_on_spline: worst error " << worst << " of its bound\n";
+  Measured() << "impact_on_spline: worst error " << worst << " of its bound";
 }
 
 // The speed dies at a knot, to the last bit or nearly: the last square roots are of rounding errors.
@@ -248,7 +248,7 @@ TEST(SplineImpact, LastsAsLongWhereItTurnsAtAKnot) {
     for (const std::size_t j : {1U, 2U, 7U, 15U})
       for (const double off : {0.0, 1e-15, -1e-15, 1e-12, -1e-12, 1e-8, -1e-8})
         pair.strike(pair.knot_speed(j) * (1 + off));
-    std::cout << "impact_on_spline, turning at a knot: worst error " << pair.worst_of_bound() << " of its bound\n";
+    Measured() << "impact_on_spline, turning at a knot: worst error " << pair.worst_of_bound() << " of its bound";
   }
 }
 
@@ -325,8 +325,8 @@ TEST(DesignTable, IsAtMostFourPercentBelowTheMeasuredQuality) {
     const Material material = fifty_to_one(row.exponent, row.segments);
     const Quality quality = measure_quality(uniform_spline(material, "felt.json"), material);
     const double percent = 100 * quality.impact->contact_duration;
-    std::cout << "exponent " << row.exponent << ", N " << row.segments << ": " << percent << " % (design "
-              << row.tabled_percent << ")\n";
+    Measured() << "exponent " << row.exponent << ", N " << row.segments << ": " << percent << " % (design "
+               << row.tabled_percent << ")";
     EXPECT_GE(percent, row.tabled_percent - row.half_digit);
     EXPECT_LE(percent, (row.tabled_percent + row.half_digit) * 1.04);
   }
@@ -464,7 +464,7 @@ TEST(ImpactQuality, IsWithinTwelvePercentOfADenseSweepUpToTwoHundredSegments) {
       EXPECT_LE(missed, 0.12) << exponent << " " << segments;
       worst = std::max(worst, missed);
     }
-  std::cout << "512 speeds, 100 to 200 segments: up to " << 100 * worst << " % of the figure is missed\n";
+  Measured() << "512 speeds, 100 to 200 segments: up to " << 100 * worst << " % of the figure is missed";
 }
 
 }  // namespace

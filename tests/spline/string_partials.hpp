@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "contactspline/hammer_string.hpp"
+#include "contactspline/models/hammer_string.hpp"
 #include "generator/resonator/resonator_reader.hpp"
 #include "generator/spline/design.hpp"
 #include "generator/support/embedded_files.hpp"

@@ -6,10 +6,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <iostream>
 
 #include "generator/spline/spectrum_error.hpp"
 #include "support/compare.hpp"
+#include "support/measured.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -81,8 +81,8 @@ struct Bound {
 
 void expect(const SpectrumError& error, const Bound& bound) {
   const auto& [note, counting, segments, mean_db, worst_db] = bound;
-  std::cout << note << " " << segments << (counting == Within60DbOf::kMomentum ? ", by momentum" : "") << ": mean "
-            << error.mean_db << " dB, largest " << error.worst_db << " dB\n";
+  Measured() << note << " " << segments << (counting == Within60DbOf::kMomentum ? ", by momentum" : "") << ": mean "
+             << error.mean_db << " dB, largest " << error.worst_db << " dB";
   EXPECT_TRUE(within(error.mean_db, 0, mean_db)) << note << " " << segments;
   EXPECT_TRUE(within(error.worst_db, 0, worst_db)) << note << " " << segments;
 }
@@ -113,8 +113,8 @@ TEST(StringPartials, AreFarCloserThanWithOtherKnots) {
     const SpectrumError best = reference.error_of(reference.note.spline_of(Knots::optimal, ErrorOf::spectrum, 32));
     for (const Knots knots : {Knots::uniform, Knots::graded, Knots::optimal}) {
       const SpectrumError error = reference.error_of(reference.note.spline_of(knots, ErrorOf::contact_duration, 32));
-      std::cout << name << " " << name_of(knots) << ": mean " << error.mean_db << " dB, largest " << error.worst_db
-                << " dB\n";
+      Measured() << name << " " << name_of(knots) << ": mean " << error.mean_db << " dB, largest " << error.worst_db
+                 << " dB";
       EXPECT_LT(2.3 * best.mean_db, error.mean_db) << name << " " << name_of(knots);
       EXPECT_LT(2.3 * best.worst_db, error.worst_db) << name << " " << name_of(knots);
     }

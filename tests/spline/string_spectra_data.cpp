@@ -8,7 +8,7 @@
 namespace contactspline::testing {
 namespace {
 
-// The modes with their mass kept instead of their stiffness, as in version 0.1.0 (docs/modal.md).
+// The modes with their mass kept instead of their stiffness, as in version 0.1.0 (docs/how-it-works/modal.md).
 std::vector<Mode> with_mass_kept(std::vector<Mode> modes) {
   for (Mode& mode : modes) {
     const auto constants = detail::mode_constants(mode, kRate_hz);

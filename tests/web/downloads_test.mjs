@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // downloads_test.mjs GENERATOR.wasm CONTACTSPLINE [RANDOM]: what the page's generator emits is byte for byte what
 // `contactspline generate` writes, for every material that ships and RANDOM others with uniform knots. RANDOM others with
-// fitted knots too, but a fit may end at other last digits on another machine (docs/knots.md), as the browser is one.
+// fitted knots too, but a fit may end at other last digits on another machine (docs/how-it-works/knots.md), as the browser is one.
 import { execFileSync } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";

@@ -2,7 +2,7 @@
 // The books of a strike: what is stored in string, hammer and felt, what was dissipated, and the work of the throw.
 #pragma once
 
-#include "contactspline/hammer_string.hpp"
+#include "contactspline/models/hammer_string.hpp"
 
 namespace contactspline::web {
 

@@ -9,10 +9,10 @@
 #include <optional>
 #include <vector>
 
-#include "contactspline/hammer_voice.hpp"
-#include "contactspline/keyboard.hpp"
-#include "contactspline/mass_barrier.hpp"
-#include "contactspline/stiff_string.hpp"
+#include "contactspline/modal/stiff_string.hpp"
+#include "contactspline/models/hammer_voice.hpp"
+#include "contactspline/models/keyboard.hpp"
+#include "contactspline/models/mass_barrier.hpp"
 #include "generated/piano.hpp"
 #include "web/wasm/door.hpp"
 #include "web/wasm/energy_books.hpp"
@@ -95,24 +95,11 @@ struct Resonator {
   Resonator(int key, double sample_rate_hz)
       : string(string_of<Piano>(key)), modes(modes_below(string, sample_rate_hz / 2)) {}
 
-  [[nodiscard]] std::vector<Mode> bare_modes() const {
-    std::vector<Mode> bare;
-    for (const StringMode& mode : modes) bare.push_back(mode.mode);
-    return bare;
-  }
-
   template <typename T>
   [[nodiscard]] ModeShapes<T> shapes_at(double position) const {
     ModeShapes<T> shapes(modes.size());
     for (std::size_t i = 0; i < modes.size(); ++i)
       shapes[i] = T(std::sin(modes[i].wavenumber_per_m * position * string.length_m));
-    return shapes;
-  }
-
-  template <typename T>
-  [[nodiscard]] ModeShapes<T> bridge() const {
-    ModeShapes<T> shapes(modes.size());
-    for (std::size_t i = 0; i < modes.size(); ++i) shapes[i] = T(bridge_shape(string, modes[i]));
     return shapes;
   }
 };
@@ -124,8 +111,13 @@ class Key {
       : key_(key),
         resonator_(key, sample_rate_hz),
         table_(material.table<float>()),
-        voice_(SegmentTable<float>(table_), resonator_.bare_modes(), resonator_.shapes_at<float>(0.12),
-               resonator_.bridge<float>(), controls_of<float>(key), damper_of(key), sample_rate_hz),
+        voice_({.felt = SegmentTable<float>(table_),
+                .modes = bare(resonator_.modes),
+                .strike = resonator_.shapes_at<float>(0.12),
+                .output = bridge_shapes<float>(resonator_.string, resonator_.modes, 1),
+                .controls = controls_of<float>(key),
+                .damper = damper_of(key)},
+               sample_rate_hz),
         side_(0.2f + 0.6f * static_cast<float>(index_of(key)) / (Piano::keys - 1)) {}
   Key(const Key&) = delete;
   Key& operator=(const Key&) = delete;
@@ -355,7 +347,7 @@ CONTACTSPLINE_WEB(const double*, engine_study_string, int key, double speed_m_pe
   std::vector<ModeShapes<double>> points;
   for (std::size_t p = 0; p < kPoints; ++p)
     points.push_back(resonator.shapes_at<double>(static_cast<double>(p) / (kPoints - 1)));
-  HammerString<double> model(SegmentTable<double>(table), resonator.bare_modes(), strike, sample_rate_hz);
+  HammerString<double> model(SegmentTable<double>(table), bare(resonator.modes), strike, sample_rate_hz);
   model.strike(speed_m_per_s, 1e-4);
   StrikeBooks<double> books;
   books.open(model, table, controls);
@@ -375,14 +367,11 @@ CONTACTSPLINE_WEB(const double*, engine_study_string, int key, double speed_m_pe
 CONTACTSPLINE_WEB(const double*, engine_strike_c4, double stiffness_ratio, int samples, double sample_rate_hz) {
   const StiffString string{0.62, 0.00393, 670.0, 0.00983833, {0.5, 0.0001}};
   const auto modes = modes_below(string, sample_rate_hz / 2);
-  std::vector<Mode> bare;
   ModeShapes<float> strike(modes.size());
-  for (std::size_t i = 0; i < modes.size(); ++i) {
-    bare.push_back(modes[i].mode);
+  for (std::size_t i = 0; i < modes.size(); ++i)
     strike[i] = float(std::sin(modes[i].wavenumber_per_m * 0.12 * string.length_m));
-  }
   const auto table = material.table<float>();
-  HammerString<float> model(SegmentTable<float>(table), bare, strike, sample_rate_hz);
+  HammerString<float> model(SegmentTable<float>(table), bare(modes), strike, sample_rate_hz);
   model.strike(2.5f, 1e-4f);
   study.clear();
   for (int i = 0; i < samples; ++i) {

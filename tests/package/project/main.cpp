@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <numbers>
 
-#include "contactspline/mass_barrier.hpp"
 #include "contactspline/materials/felt_c4.hpp"
+#include "contactspline/models/mass_barrier.hpp"
 #include "cork.hpp"
 #include "drop.hpp"
 

@@ -1,0 +1,240 @@
+# contactspline_plugin(TARGET name INSTRUMENT name | HEADER file CLASS type [MATERIALS target...] [FORMATS format...]
+#                      [TITLE text] [VENDOR text] [ID text] [URI uri] [OUTPUT_DIR folder])
+#
+# Makes plug-ins of an instrument, by the DISTRHO Plugin Framework: OUTPUT_DIR/clap/TARGET.clap,
+# OUTPUT_DIR/vst3/TARGET.vst3 and OUTPUT_DIR/lv2/TARGET.lv2. The build target TARGET builds all of them, TARGET_clap and
+# so on one each. Only for Linux.
+#
+# INSTRUMENT  the name of an instrument that ships: a file of instruments, a keyboard on its body such as piano,
+#             hammer_string, slide_string, fret_string; or of an instrument in MATERIALS
+# HEADER      a C++ file, relative to the current source folder, or a name on the include path
+# CLASS       a class in it that meets contactspline::Instrument and is built without arguments:
+#             "my::Kalimba<float>"
+# MATERIALS   targets of contactspline_generate with EMIT cpp, and other libraries that the class needs
+# FORMATS     clap, vst3, lv2; default: all
+# TITLE       name that hosts show; default: TARGET in words
+# VENDOR      of the plug-in; default: Contact Spline
+# ID          identity of the plug-in in CLAP and VST3, never to change; default: contactspline.TARGET
+# URI         the same in LV2; default: urn:contactspline:TARGET
+# OUTPUT_DIR  relative to the current binary folder; default: that folder
+#
+# To install: install(DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/clap DESTINATION lib), and so on.
+
+cmake_policy(VERSION 3.25)  # whatever the caller's
+include(${CMAKE_CURRENT_LIST_DIR}/ContactSplineArguments.cmake)
+
+# In the source tree, else where the package is installed.
+find_path(ContactSpline_PLUGIN_DIR instrument_plugin.hpp NO_DEFAULT_PATH NO_CACHE
+          PATHS "${CMAKE_CURRENT_LIST_DIR}/../hosts/plugin" "${ContactSpline_DATA_DIR}/plugin")
+
+# Checks what has to be installed, and adds the program that writes the description of an LV2 plug-in.
+function(_contactspline_find_framework)
+  if(NOT CMAKE_SYSTEM_NAME STREQUAL Linux)
+    _contactspline_fail("${CMAKE_SYSTEM_NAME}; allowed: Linux")
+  endif()
+  find_path(DPF_DIR distrho/DistrhoPluginMain.cpp PATHS /usr/share/dpf /usr/local/share/dpf
+            DOC "Folder of the DISTRHO Plugin Framework")
+  if(NOT DPF_DIR)
+    _contactspline_fail("the DISTRHO Plugin Framework is not installed; Debian has it as: dpf-source. Allowed:
+                         -DDPF_DIR=FOLDER")
+  endif()
+  if(NOT TARGET contactspline_describe_lv2)
+    add_executable(contactspline_describe_lv2 "${ContactSpline_PLUGIN_DIR}/describe_lv2.cpp")
+    target_link_libraries(contactspline_describe_lv2 PRIVATE ${CMAKE_DL_LIBS})
+  endif()
+endfunction()
+
+# Sets `header` and `class` of arg_INSTRUMENT.
+function(_contactspline_plugin_class)
+  get_target_property(instruments ContactSpline::materials CONTACTSPLINE_INSTRUMENTS)
+  get_target_property(keyboards ContactSpline::materials CONTACTSPLINE_KEYBOARDS)
+  set(models hammer_string slide_string fret_string)
+  set(own "")
+  foreach(target IN LISTS arg_MATERIALS)
+    get_target_property(outputs ${target} CONTACTSPLINE_OUTPUTS)
+    if(outputs)
+      list(FILTER outputs INCLUDE REGEX "\\.hpp$")
+      list(TRANSFORM outputs REPLACE "^.*/|\\.hpp$" "")
+      list(APPEND own ${outputs})
+    endif()
+  endforeach()
+  set(class "contactspline::instruments::${arg_INSTRUMENT}<float>")
+  if(arg_INSTRUMENT IN_LIST own)
+    set(header ${arg_INSTRUMENT}.hpp)
+  elseif(arg_INSTRUMENT IN_LIST instruments)
+    set(header contactspline/instruments/${arg_INSTRUMENT}.hpp)
+  elseif(arg_INSTRUMENT IN_LIST keyboards)
+    set(header contactspline/instrument/keyboard_instrument.hpp contactspline/keyboards/${arg_INSTRUMENT}.hpp)
+    set(class "contactspline::KeyboardInstrument<contactspline::keyboards::${arg_INSTRUMENT}, float>")
+  elseif(arg_INSTRUMENT IN_LIST models)
+    set(parts_of_hammer_string HammerStringOf felt_c4 string_c4)
+    set(parts_of_slide_string SlideStringOf steel_on_steel guitar_g3)
+    set(parts_of_fret_string FretStringOf steel_on_steel guitar_d3)
+    list(POP_FRONT parts_of_${arg_INSTRUMENT} model material resonator)
+    set(header contactspline/instrument/instruments_of.hpp contactspline/materials/${material}.hpp
+               contactspline/resonators/${resonator}.hpp)
+    set(class "contactspline::${model}<contactspline::materials::${material}, contactspline::resonators::${resonator}, float>")
+  else()
+    list(JOIN instruments ", " instruments)
+    list(JOIN keyboards ", " keyboards)
+    list(JOIN models ", " models)
+    list(APPEND own ${instruments} ${keyboards} ${models})
+    list(JOIN own ", " own)
+    _contactspline_fail("INSTRUMENT: no '${arg_INSTRUMENT}' ships or is emitted as cpp by MATERIALS; allowed: ${own}")
+  endif()
+  return(PROPAGATE header class)
+endfunction()
+
+# Checks and completes the arguments; sets `header` and `class`.
+function(_contactspline_plugin_arguments)
+  set(one TARGET INSTRUMENT HEADER CLASS TITLE VENDOR ID URI OUTPUT_DIR)
+  _contactspline_parse("${one}" "MATERIALS;FORMATS" "TARGET" ${ARGV})
+  if(NOT arg_TARGET MATCHES "^[A-Za-z][A-Za-z0-9_]*$")
+    _contactspline_fail("TARGET: '${arg_TARGET}' is not usable; allowed: letters, digits and _, a letter first")
+  endif()
+  if(DEFINED arg_INSTRUMENT AND (DEFINED arg_HEADER OR DEFINED arg_CLASS))
+    _contactspline_fail("INSTRUMENT: stands beside HEADER or CLASS; allowed: INSTRUMENT alone, or HEADER with CLASS")
+  elseif(NOT DEFINED arg_INSTRUMENT AND NOT (DEFINED arg_HEADER AND DEFINED arg_CLASS))
+    _contactspline_fail("INSTRUMENT: missing; needed: INSTRUMENT, or HEADER with CLASS")
+  endif()
+  foreach(target IN LISTS arg_MATERIALS)
+    if(NOT TARGET ${target})
+      _contactspline_fail("MATERIALS: '${target}' is no target; allowed: targets of contactspline_generate and libraries")
+    endif()
+  endforeach()
+  if(NOT DEFINED arg_FORMATS)
+    set(arg_FORMATS clap vst3 lv2)
+  endif()
+  foreach(format IN LISTS arg_FORMATS)
+    if(NOT format MATCHES "^(clap|vst3|lv2)$")
+      _contactspline_fail("FORMATS: '${format}' is unknown; allowed: clap, vst3, lv2")
+    endif()
+  endforeach()
+  if(DEFINED arg_INSTRUMENT)
+    _contactspline_plugin_class()
+  else()
+    set(class "${arg_CLASS}")
+    cmake_path(ABSOLUTE_PATH arg_HEADER BASE_DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}" NORMALIZE OUTPUT_VARIABLE header)
+    if(NOT EXISTS "${header}")
+      set(header "${arg_HEADER}")
+    endif()
+  endif()
+  if(NOT DEFINED arg_TITLE)
+    string(REGEX REPLACE "_+" " " arg_TITLE "${arg_TARGET}")
+  endif()
+  if(NOT DEFINED arg_VENDOR)
+    set(arg_VENDOR "Contact Spline")
+  endif()
+  foreach(text TITLE VENDOR)
+    if(NOT arg_${text} MATCHES "^[^\"\\\\;]+$")
+      _contactspline_fail("${text}: has a quote, a backslash or a semicolon; allowed: other characters")
+    endif()
+  endforeach()
+  if(NOT DEFINED arg_ID)
+    set(arg_ID contactspline.${arg_TARGET})
+  endif()
+  if(NOT DEFINED arg_URI)
+    set(arg_URI urn:contactspline:${arg_TARGET})
+  endif()
+  if(NOT arg_ID MATCHES "^[A-Za-z0-9_.-]+$")
+    _contactspline_fail("ID: '${arg_ID}' is not usable; allowed: letters, digits, '.', '_' and '-', such as org.me.my_plugin")
+  endif()
+  if(NOT arg_URI MATCHES "^[a-z]+:[^\"<>\\ ]+$")
+    _contactspline_fail("URI: '${arg_URI}' is no URI; allowed: for instance urn:me:my_plugin")
+  endif()
+  if(NOT DEFINED arg_OUTPUT_DIR)
+    set(arg_OUTPUT_DIR "${CMAKE_CURRENT_BINARY_DIR}")
+  endif()
+  cmake_path(ABSOLUTE_PATH arg_OUTPUT_DIR BASE_DIRECTORY "${CMAKE_CURRENT_BINARY_DIR}" NORMALIZE)
+  list(TRANSFORM one PREPEND arg_)
+  return(PROPAGATE ${one} arg_MATERIALS arg_FORMATS header class)
+endfunction()
+
+# What the framework's side and the instrument's side of a format share.
+function(_contactspline_plugin_part part)
+  string(SHA256 hash "${arg_ID}")
+  string(SUBSTRING "${hash}" 0 8 hash)
+  target_compile_features(${part} PRIVATE cxx_std_20)
+  string(TOUPPER ${format} upper_format)
+  target_compile_definitions(${part} PRIVATE DISTRHO_PLUGIN_TARGET_${upper_format} DISTRHO_PLUGIN_NAME="${arg_TITLE}"
+    DISTRHO_PLUGIN_BRAND="${arg_VENDOR}" DISTRHO_PLUGIN_URI="${arg_URI}" DISTRHO_PLUGIN_CLAP_ID="${arg_ID}"
+    CONTACTSPLINE_PLUGIN_LABEL="${arg_TARGET}" CONTACTSPLINE_PLUGIN_UNIQUE_ID=0x${hash})
+  target_include_directories(${part} PRIVATE "${ContactSpline_PLUGIN_DIR}")
+  target_include_directories(${part} SYSTEM PRIVATE "${DPF_DIR}/distrho")
+  target_compile_options(${part} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fno-gnu-unique>)  # hosts can unload it
+  target_link_libraries(${part} PRIVATE ContactSpline::materials ${arg_MATERIALS})
+  if(TARGET ContactSpline::simd)  # many times as fast
+    target_link_libraries(${part} PRIVATE ContactSpline::simd)
+  endif()
+endfunction()
+
+# The binary of one format.
+function(_contactspline_plugin_format format)
+  set(target ${arg_TARGET}_${format})
+  set(main "${DPF_DIR}/distrho/DistrhoPluginMain.cpp")
+  set(symbols "${DPF_DIR}/utils/symbols/${format}.version")
+  if(format STREQUAL lv2)
+    set(symbols "${DPF_DIR}/utils/symbols/lv2-dsp.version")
+  else()
+    set(main "${ContactSpline_PLUGIN_DIR}/${format}.cpp")
+  endif()
+  # The instrument's side is the same for VST3 and LV2.
+  set(instrument ${arg_TARGET}_instrument)
+  if(format STREQUAL clap)
+    set(instrument ${arg_TARGET}_clap_instrument)
+  endif()
+  if(NOT TARGET ${instrument})
+    add_library(${instrument} OBJECT "${source}")
+    set_target_properties(${instrument} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+    _contactspline_plugin_part(${instrument})
+  endif()
+  # The framework's side: not ours to warn about, and nothing in it takes time.
+  add_library(${target} MODULE "${main}" $<TARGET_OBJECTS:${instrument}>)
+  target_compile_options(${target} PRIVATE -w -O1)
+  target_link_options(${target} PRIVATE "-Wl,--version-script=${symbols}")
+  _contactspline_plugin_part(${target})
+  set(folder "${arg_OUTPUT_DIR}/${format}")
+  set(suffix .so)
+  if(format STREQUAL clap)
+    set(suffix .clap)
+  elseif(format STREQUAL vst3)
+    string(APPEND folder "/${arg_TARGET}.vst3/Contents/${CMAKE_SYSTEM_PROCESSOR}-linux")
+  else()
+    string(APPEND folder "/${arg_TARGET}.lv2")
+  endif()
+  set_target_properties(${target} PROPERTIES
+    PREFIX "" OUTPUT_NAME ${arg_TARGET} SUFFIX ${suffix} LIBRARY_OUTPUT_DIRECTORY "$<1:${folder}>")
+  if(format STREQUAL lv2)
+    # Without the words of other vocabularies, which lv2_validate does not know.
+    add_custom_command(TARGET ${target} POST_BUILD
+      COMMAND contactspline_describe_lv2 ${arg_TARGET} > describe.log
+      COMMAND ${CMAKE_COMMAND} -E rm describe.log
+      COMMAND sed -zi -E "s/ ,\\n *<http:..kxstudio[^>]*>//; s/ *mod:(brand|label) [^\\n]*\\n//g" ${arg_TARGET}.ttl
+      WORKING_DIRECTORY "${folder}"
+      COMMENT "Describing ${arg_TARGET}.lv2"
+      VERBATIM)
+    add_dependencies(${target} contactspline_describe_lv2)
+  endif()
+endfunction()
+
+# See the top of this file.
+function(contactspline_plugin)
+  set(_contactspline_function contactspline_plugin)
+  _contactspline_plugin_arguments(${ARGV})
+  _contactspline_find_framework()
+  list(TRANSFORM header REPLACE "(.+)" "#include \"\\1\"\n")
+  list(JOIN header "" includes)
+  set(source "${CMAKE_CURRENT_BINARY_DIR}/${arg_TARGET}_plugin.cpp")
+  file(CONFIGURE OUTPUT "${source}" @ONLY CONTENT
+"@includes@#include \"instrument_plugin.hpp\"
+
+DISTRHO_NAMESPACE::Plugin* DISTRHO_NAMESPACE::createPlugin() {
+  return new contactspline::InstrumentPlugin<@class@>;
+}
+")
+  add_custom_target(${arg_TARGET} ALL)
+  foreach(format IN LISTS arg_FORMATS)
+    _contactspline_plugin_format(${format})
+    add_dependencies(${arg_TARGET} ${arg_TARGET}_${format})
+  endforeach()
+endfunction()

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+#include "generator/player/instrument_parts.hpp"
+
+#include <fmt/format.h>
+
+#include "generator/resonator/keyboard.hpp"
+#include "generator/resonator/resonator_reader.hpp"
+#include "generator/support/error.hpp"
+
+namespace contactspline {
+namespace {
+
+[[noreturn]] void refuse_rate(const std::string& what, double sample_rate_hz) {
+  throw BadInput(
+      fmt::format("--rate: no mode of {} lies below {} Hz; allowed: a higher rate", what, sample_rate_hz / 2));
+}
+
+template <typename Row>
+std::vector<double> each(const std::vector<Row>& rows, double Row::*member) {
+  std::vector<double> values;
+  for (const Row& row : rows) values.push_back(row.*member);
+  return values;
+}
+
+}  // namespace
+
+ResonatorParts resonator_parts(const Voice& voice, double sample_rate_hz) {
+  const Resonator& resonator = voice.resonator;
+  const auto rows = modes_of(resonator, sample_rate_hz / 2).modes;
+  if (rows.empty()) refuse_rate(fmt::format("voice {} ({})", voice.name, resonator.name), sample_rate_hz);
+  ResonatorParts parts;
+  parts.modes = bare(rows);
+  parts.wavenumbers_per_m = each(rows, &ResonatorMode::wavenumber_per_m);
+  parts.pickup = each(rows, &ResonatorMode::pickup_shape);
+  parts.length_m = extent_of(resonator.body);
+  parts.strike_m = resonator.strike.position_m;
+  parts.pluck_m = voice.pluck_m;
+  parts.strike_shapes = [resonator, sample_rate_hz](double place_m, std::span<double> shapes) {
+    Resonator struck = resonator;
+    struck.strike.position_m = place_m;
+    const auto modes = modes_of(struck, sample_rate_hz / 2).modes;
+    for (std::size_t i = 0; i < shapes.size(); ++i) shapes[i] = modes[i].strike_shape;
+  };
+  if (const auto* string = std::get_if<StiffString>(&resonator.body)) {
+    for (const ResonatorMode& row : rows) parts.bridge.push_back(voice.strings * bridge_shape(*string, row));
+    parts.string = *string;
+  }
+  return parts;
+}
+
+HammerStringParts hammer_string_parts(const Voice& voice, double sample_rate_hz) {
+  return {.resonator = resonator_parts(voice, sample_rate_hz),
+          .felt = voice.contact,
+          .hammer_mass_kg = voice.initial[HammerStringInstrument<double>::kHammerMass],
+          .loss_s_per_m = voice.initial[HammerStringInstrument<double>::kLoss],
+          .damper = voice.damper};
+}
+
+PluckedStringParts plucked_string_parts(const Voice& voice, double sample_rate_hz) {
+  return {.resonator = resonator_parts(voice, sample_rate_hz), .contact = voice.contact, .height_m = voice.height_m};
+}
+
+InstrumentArrays instrument_arrays(const InstrumentModel& model, double sample_rate_hz) {
+  if (const auto body = silent_body(model, sample_rate_hz / 2)) refuse_rate(*body, sample_rate_hz);
+  return arrays_of(model, sample_rate_hz / 2);
+}
+
+BodyArrays body_arrays(const Score& score, double sample_rate_hz) {
+  const auto modes = body_modes(*score.body, sample_rate_hz / 2);
+  if (modes.empty()) refuse_rate(score.body->name, sample_rate_hz);
+  return {bare(modes), each(modes, &BodyMode::bridge_shape), each(modes, &BodyMode::left_shape),
+          each(modes, &BodyMode::right_shape)};
+}
+
+}  // namespace contactspline

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+// What the instruments of the runtime are built of, from the voices of a score.
+#pragma once
+
+#include <vector>
+
+#include "contactspline/instrument/hammer_string_instrument.hpp"
+#include "contactspline/instrument/keyboard_instrument.hpp"
+#include "contactspline/instrument/resonator_parts.hpp"
+#include "generator/player/score.hpp"
+
+namespace contactspline {
+
+/// The resonator of a voice: its modes below half the sample rate. Throws BadInput where it has none.
+[[nodiscard]] ResonatorParts resonator_parts(const Voice& voice, double sample_rate_hz);
+
+[[nodiscard]] HammerStringParts hammer_string_parts(const Voice& voice, double sample_rate_hz);
+[[nodiscard]] PluckedStringParts plucked_string_parts(const Voice& voice, double sample_rate_hz);
+/// The arrays of an instrument file. Throws BadInput where a body has no mode below half the sample rate.
+[[nodiscard]] InstrumentArrays instrument_arrays(const InstrumentModel& model, double sample_rate_hz);
+
+/// The body of a score, with its modes below half the sample rate: places and what they read.
+struct BodyArrays {
+  std::vector<Mode> modes;
+  std::vector<double> bridge, left, right;
+};
+/// Throws BadInput where the body has no such mode.
+[[nodiscard]] BodyArrays body_arrays(const Score& score, double sample_rate_hz);
+
+/// The keyboard of a score on its body. The score must outlive it.
+template <std::floating_point T>
+class KeyboardOfScore : public PedaledKeyboard<KeyboardOfScore<T>, T> {
+  using Base = PedaledKeyboard<KeyboardOfScore, T>;
+
+ public:
+  KeyboardOfScore(const Score& score, double sample_rate_hz) : KeyboardOfScore(score, {score}, sample_rate_hz) {}
+
+  static const char* name() { return "keyboard"; }
+  static const char* description() { return ""; }
+  static std::span<const Preset> presets() { return {}; }
+  static int first_key() { return 0; }
+  static double speed_of(double velocity) { return velocity; }
+  void prepare(double) { this->reset(); }  // the score has one rate
+
+ private:
+  /// Felts of each key; any other where no voice plays it, for nothing is struck there.
+  struct Felts {
+    Felts(const Score& score) : tables(score.keys.size()) {  // NOLINT(google-explicit-constructor)
+      for (const Voice& voice : score.voices) tables[voice.key] = table_in<T>(voice.contact);
+      for (auto& table : tables)
+        if (table.empty()) table = table_in<T>(score.voices.front().contact);
+    }
+    std::vector<std::vector<Segment<T>>> tables;
+  };
+
+  KeyboardOfScore(const Score& score, Felts felts, double sample_rate_hz)
+      : KeyboardOfScore(score, std::move(felts), body_arrays(score, sample_rate_hz), sample_rate_hz) {}
+  KeyboardOfScore(const Score& score, Felts felts, const BodyArrays& body, double sample_rate_hz)
+      : Base(keys_of(score, felts), {body.modes, body.bridge, body.left, body.right}, sample_rate_hz),
+        felts_(std::move(felts)) {
+    this->set_soft_ratio(score.una_corda_stiffness_ratio);
+  }
+
+  static std::vector<KeyOnBody<T>> keys_of(const Score& score, const Felts& felts) {
+    std::vector<KeyOnBody<T>> keys;
+    for (std::size_t k = 0; k < score.keys.size(); ++k) {
+      const auto& [strings, position_m, no_felt, hammer, damper] = score.keys[k];
+      keys.push_back(
+          {strings, position_m, felts.tables[k], {.hammer_mass_kg = static_cast<T>(hammer.hammer_mass_kg)}, damper});
+    }
+    return keys;
+  }
+
+  Felts felts_;
+};
+
+}  // namespace contactspline

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+// What the DISTRHO Plugin Framework asks of every plug-in. contactspline_plugin() adds name and identity.
+#pragma once
+
+#define DISTRHO_PLUGIN_HAS_UI 0
+#define DISTRHO_PLUGIN_IS_RT_SAFE 1
+#define DISTRHO_PLUGIN_IS_SYNTH 1
+#define DISTRHO_PLUGIN_NUM_INPUTS 0
+#define DISTRHO_PLUGIN_NUM_OUTPUTS 2
+#define DISTRHO_PLUGIN_WANT_PROGRAMS 1
+#define DISTRHO_PLUGIN_CLAP_FEATURES "instrument", "synthesizer", "stereo"
+#define DISTRHO_PLUGIN_VST3_CATEGORIES "Instrument|Synth|Stereo"
+
+// Parameters are all that is saved. For CLAP the framework saves nothing without this; for LV2 and VST3 it needs nothing.
+#ifdef DISTRHO_PLUGIN_TARGET_CLAP
+#define DISTRHO_PLUGIN_WANT_STATE 1
+#define DISTRHO_PLUGIN_WANT_FULL_STATE 0
+#endif

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: MIT
+// An instrument as a plug-in of the DISTRHO Plugin Framework, which makes CLAP, VST3 and LV2 of it.
+#pragma once
+
+#include <DistrhoPlugin.hpp>
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "contactspline/host/hosted.hpp"
+#include "contactspline/instrument/instrument.hpp"
+#include "contactspline/step/controls.hpp"
+#include "contactspline/step/flush_denormals.hpp"
+#include "contactspline/step/version.hpp"
+
+namespace contactspline {
+
+namespace detail {
+
+/// A base that is there before the framework's class, which asks how many parameters and programs there are.
+template <Instrument I>
+struct PluginInstrument {
+  PluginInstrument() {
+    const auto parameters = hosted.instrument().parameters();
+    for (std::size_t p = 0; p < parameters.size(); ++p)
+      if (parameters[p].slider.min < parameters[p].slider.max) numbers.push_back(p);
+  }
+
+  Hosted<I> hosted;
+  std::vector<std::size_t> numbers;  // of the parameters that can move, which are those that hosts see
+};
+
+}  // namespace detail
+
+/// The plug-in of an instrument that is built without arguments. Parameters and programs are its parameters and
+/// presets, in units for people (label_of); a volume is the last parameter. Without presets one program sets all
+/// parameters to their first values. Left and right are the outputs whose names begin with left_ and right_; without
+/// them the first output is on both sides.
+template <Instrument I>
+class InstrumentPlugin : private detail::PluginInstrument<I>, public DISTRHO_NAMESPACE::Plugin {
+ public:
+  InstrumentPlugin()
+      : Plugin(static_cast<std::uint32_t>(this->numbers.size() + 1),
+               static_cast<std::uint32_t>(std::max<std::size_t>(1, this->hosted.instrument().presets().size())), 0),
+        volume_index_(this->numbers.size()),
+        factors_(all_factors()),
+        values_(factors_.size()),
+        outputs_(instrument().outputs().size()),
+        left_(output_of("left_", 0)),
+        right_(output_of("right_", left_)) {
+    for (std::size_t p = 0; p < values_.size(); ++p) values_[p].shown = shown(p, control(p).initial);
+  }
+
+ private:
+  using Control = contactspline::Parameter;
+  static constexpr unsigned char kVolumeController = 7;
+  static constexpr Control kVolume = {"volume",      "",   {0, 1},           {0, 1}, 0.5, Scale::kLinear,
+                                      Acts::kAtOnce, 0.01, kVolumeController};
+
+  // What a host has set, on any thread.
+  struct HostValue {
+    std::atomic<float> shown = 0;      ///< in the unit for people
+    std::atomic<bool> is_new = false;  ///< not yet passed on
+  };
+
+  [[nodiscard]] const I& instrument() const { return this->hosted.instrument(); }
+  [[nodiscard]] const Control& control(std::size_t index) const {
+    return index == volume_index_ ? kVolume : instrument().parameters()[this->numbers[index]];
+  }
+  [[nodiscard]] float shown(std::size_t index, double value) const {
+    return static_cast<float>(value * factors_[index]);
+  }
+
+  [[nodiscard]] std::size_t output_of(std::string_view beginning, std::size_t otherwise) const {
+    for (std::size_t o = 0; o < outputs_.size(); ++o)
+      if (std::string_view(instrument().outputs()[o].name).starts_with(beginning)) return o;
+    return otherwise;
+  }
+
+  const char* getLabel() const override { return CONTACTSPLINE_PLUGIN_LABEL; }
+  const char* getDescription() const override { return instrument().description(); }
+  const char* getMaker() const override { return DISTRHO_PLUGIN_BRAND; }
+  const char* getLicense() const override { return license_of(instrument()); }
+  std::uint32_t getVersion() const override { return d_version(kVersionMajor, kVersionMinor, kVersionPatch); }
+  std::int64_t getUniqueId() const override { return CONTACTSPLINE_PLUGIN_UNIQUE_ID; }
+
+  void initAudioPort(bool is_input, std::uint32_t index, DISTRHO_NAMESPACE::AudioPort& port) override {
+    port.groupId = DISTRHO_NAMESPACE::kPortGroupStereo;
+    Plugin::initAudioPort(is_input, index, port);
+  }
+
+  void initParameter(std::uint32_t index, DISTRHO_NAMESPACE::Parameter& parameter) override {
+    using namespace DISTRHO_NAMESPACE;
+    const Control& c = control(index);
+    const Label label = label_of(c.name);
+    parameter.hints = kParameterIsAutomatable | (c.scale == Scale::kLogarithmic ? kParameterIsLogarithmic : 0u);
+    parameter.name = label.text.c_str();
+    parameter.symbol = c.name;
+    parameter.unit = label.unit.c_str();
+    parameter.ranges = {shown(index, c.initial), shown(index, c.slider.min), shown(index, c.slider.max)};
+    parameter.midiCC = c.controller;
+  }
+
+  void initProgramName(std::uint32_t index, DISTRHO_NAMESPACE::String& name) override {
+    name = instrument().presets().empty() ? "initial" : instrument().presets()[index].name;
+  }
+
+  float getParameterValue(std::uint32_t index) const override { return values_[index].shown; }
+
+  // On any thread.
+  void setParameterValue(std::uint32_t index, float value) override {
+    if (index >= values_.size()) return;
+    const auto [min, max] = control(index).slider;
+    HostValue& kept = values_[index];
+    kept.shown = held(kept.shown.load(), value, {shown(index, min), shown(index, max)});
+    kept.is_new = true;
+  }
+
+  void loadProgram(std::uint32_t index) override {
+    const auto presets = instrument().presets();
+    if (index >= std::max<std::size_t>(1, presets.size())) return;
+    for (std::size_t p = 0; p < volume_index_; ++p)
+      setParameterValue(static_cast<std::uint32_t>(p),
+                        shown(p, presets.empty() ? control(p).initial : presets[index].values[this->numbers[p]]));
+  }
+
+  // Not on the audio thread.
+  void activate() override {
+    for (HostValue& value : values_) value.is_new = true;
+    take_values();
+    this->hosted.prepare(getSampleRate());
+    volume_ = volume_target_;
+    volume_rate_ = static_cast<float>(-std::expm1(-1 / (kVolume.glide_s * getSampleRate())));
+  }
+
+  void run(const float**, float** outputs, std::uint32_t samples, const DISTRHO_NAMESPACE::MidiEvent* events,
+           std::uint32_t count) override {
+    const FlushDenormals flushed;
+    take_values();
+    std::size_t done = 0;
+    for (const DISTRHO_NAMESPACE::MidiEvent& event : std::span(events, count)) {
+      const std::size_t time = std::clamp<std::size_t>(event.frame, done, samples);
+      play(outputs, done, time);
+      done = time;
+      take({event.size > DISTRHO_NAMESPACE::MidiEvent::kDataSize ? event.dataExt : event.data, event.size});
+    }
+    play(outputs, done, samples);
+  }
+
+  // Passes on what the host has set since the last block: a controller that MIDI has moved stays until then.
+  void take_values() {
+    for (std::size_t p = 0; p < values_.size(); ++p) {
+      if (!values_[p].is_new.load(std::memory_order_relaxed) || !values_[p].is_new.exchange(false)) continue;
+      const float value = values_[p].shown;
+      if (p == volume_index_)
+        volume_target_ = value;
+      else
+        this->hosted.set(this->numbers[p], static_cast<double>(value) / factors_[p]);
+    }
+  }
+
+  void take(std::span<const std::uint8_t> bytes) {
+    const auto message = midi_message(bytes);
+    if (message && message->status == 0xb0 && message->first == kVolumeController)
+      volume_target_ = static_cast<float>(message->second) / 127;
+    else
+      this->hosted.midi(bytes);
+  }
+
+  void play(float** outputs, std::size_t begin, std::size_t end) {
+    if (begin == end) return;
+    std::fill(outputs_.begin(), outputs_.end(), nullptr);
+    if (right_ != left_) outputs_[right_] = outputs[1] + begin;
+    outputs_[left_] = outputs[0] + begin;
+    this->hosted.template process<float>(outputs_, end - begin);
+    for (std::size_t n = begin; n < end; ++n) {
+      volume_ += volume_rate_ * (volume_target_ - volume_);
+      if (right_ == left_) outputs[1][n] = outputs[0][n];
+      outputs[0][n] *= volume_;
+      outputs[1][n] *= volume_;
+    }
+  }
+
+  [[nodiscard]] std::vector<double> all_factors() const {
+    std::vector<double> factors;
+    for (std::size_t p = 0; p <= volume_index_; ++p) factors.push_back(label_of(control(p).name).factor);
+    return factors;
+  }
+
+  std::size_t volume_index_;
+  std::vector<double> factors_;  // unit for people over the instrument's
+  std::vector<HostValue> values_;
+  std::vector<float*> outputs_;
+  std::size_t left_, right_;
+  float volume_ = 0, volume_target_ = 0, volume_rate_ = 0;
+};
+
+}  // namespace contactspline

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: MIT
+// An instrument as every host plays it: sliders that glide, buttons, MIDI, presets, outputs at full scale.
+#pragma once
+
+#include "contactspline/step/cpp20.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "contactspline/instrument/instrument.hpp"
+#include "contactspline/instrument/played_by_events.hpp"
+#include "contactspline/step/flush_denormals.hpp"
+
+namespace contactspline {
+
+/// A message of MIDI of three bytes.
+struct MidiMessage {
+  int status;         ///< without the channel
+  int first, second;  ///< 0 to 127
+};
+
+/// The one place where bytes of MIDI are checked; nothing for damaged messages and those of other lengths.
+[[nodiscard]] constexpr std::optional<MidiMessage> midi_message(std::span<const std::uint8_t> bytes) {
+  if (bytes.size() != 3 || bytes[0] < 0x80 || bytes[0] >= 0xf0 || (bytes[1] | bytes[2]) >= 0x80) return {};
+  return MidiMessage{bytes[0] & 0xf0, bytes[1], bytes[2]};
+}
+
+/// Plays an instrument for Faust's dsp, for plug-ins and the like. prepare() allocates, all else is safe on an audio
+/// thread. An instrument with kSleeps that nobody can hear any more sleeps: its outputs are exactly 0 until it is
+/// played or set.
+template <Instrument I>
+class Hosted {
+ public:
+  using T = typename I::value_type;
+
+  template <typename... Args>
+  explicit Hosted(Args&&... args) : instrument_(std::forward<Args>(args)...), buttons_(instrument_.events().size()) {
+    for (std::size_t p = 0; p < instrument_.parameters().size(); ++p) targets_.push_back(instrument_.value(p));
+    rates_.resize(targets_.size());
+    outputs_.resize(instrument_.outputs().size());
+    scratch_.resize(outputs_.size());
+  }
+
+  [[nodiscard]] I& instrument() { return instrument_; }
+  [[nodiscard]] const I& instrument() const { return instrument_; }
+
+  void prepare(double sample_rate_hz) {
+    instrument_.prepare(sample_rate_hz);
+    for (std::size_t p = 0; p < rates_.size(); ++p) {
+      const double time_s = instrument_.parameters()[p].glide_s;
+      rates_[p] = time_s > 0 ? -std::expm1(-1 / (time_s * sample_rate_hz)) : 1;
+    }
+    reset();
+  }
+
+  /// Moves a parameter to a value, as fast as it glides. A value that is not a number does nothing.
+  void set(std::size_t parameter, double value) {
+    if (parameter >= targets_.size() || !is_number(value)) return;
+    const Parameter& p = instrument_.parameters()[parameter];
+    const double target = held(targets_[parameter], value, p.allowed);
+    if (target != targets_[parameter]) is_asleep_ = false;
+    targets_[parameter] = target;
+    if (rates_[parameter] < 1 && !is_new_)
+      is_gliding_ = true;
+    else
+      instrument_.set(parameter, targets_[parameter]);
+  }
+  [[nodiscard]] double target(std::size_t parameter) const { return targets_[parameter]; }
+
+  /// Moves the button of an event: when it goes down, the event is played. Without a key the damper stays up.
+  void press(std::size_t event, bool is_down) {
+    if (event >= buttons_.size() || buttons_[event] == is_down) return;
+    buttons_[event] = is_down;
+    const Event& played = instrument_.events()[event];
+    if (!is_down) return;
+    is_asleep_ = false;
+    play_event(instrument_, played, targets_[played.parameter]);
+  }
+
+  /// Takes a message of MIDI; damaged and unknown ones do nothing. Notes play; a controller moves the parameter that
+  /// has it; controller 120 silences, 123 lets all keys go; the pitch wheel bends by two semitones.
+  void midi(std::span<const std::uint8_t> bytes) {
+    const auto message = midi_message(bytes);
+    if (!message) return;
+    const auto [status, first, second] = *message;
+    is_asleep_ = false;
+    if (status == 0x90 && second > 0) {
+      instrument_.note_on(first, second / 127.0);
+    } else if (status == 0x80 || status == 0x90) {
+      instrument_.note_off(first);
+    } else if (status == 0xb0 && first == 120) {
+      reset();
+    } else if (status == 0xb0 && first == 123) {
+      for (int key = 0; key < 128; ++key) instrument_.note_off(key);
+    } else if (status == 0xb0) {
+      for (std::size_t p = 0; p < targets_.size(); ++p)
+        if (first != 0 && instrument_.parameters()[p].controller == first) set(p, from_part(p, second / 127.0));
+    } else if (status == 0xe0) {
+      bend(((second << 7 | first) - 8192) / 8192.0 * 200);
+    }
+  }
+
+  /// Moves all parameters to those of a preset.
+  void load(std::size_t preset) {
+    if (preset >= instrument_.presets().size()) return;
+    const Preset& loaded = instrument_.presets()[preset];
+    for (std::size_t p = 0; p < loaded.values.size(); ++p) set(p, loaded.values[p]);
+  }
+
+  /// Advances a block. outputs: one array for each output, null for one that nobody wants; full scale is 1.
+  template <typename Sample>
+  void process(std::span<Sample* const> outputs, std::size_t samples) {
+    const FlushDenormals flushed;
+    is_new_ = false;
+    for (std::size_t done = 0; done < samples;) {
+      const std::size_t length = glide() ? 1 : std::min(samples - done, kBlock);
+      if (is_asleep_) {
+        for (Sample* const output : outputs)
+          if (output != nullptr) std::fill_n(output + done, length, Sample(0));
+        done += length;
+        continue;
+      }
+      for (std::size_t o = 0; o < outputs_.size(); ++o)
+        outputs_[o] =
+            o < outputs.size() && outputs[o] != nullptr ? std::span(scratch_[o]).first(length) : std::span<T>();
+      instrument_.process(outputs_);
+      for (std::size_t o = 0; o < outputs_.size(); ++o) {
+        const T full_scale = static_cast<T>(instrument_.outputs()[o].full_scale);
+        for (std::size_t n = 0; n < outputs_[o].size(); ++n)
+          outputs[o][done + n] = static_cast<Sample>(outputs_[o][n] / full_scale);
+      }
+      done += length;
+      go_to_sleep(length);
+    }
+  }
+
+  /// Brings the instrument to rest; parameters arrive where they glide to.
+  void reset() {
+    instrument_.reset();
+    std::fill(buttons_.begin(), buttons_.end(), false);
+    for (std::size_t p = 0; p < targets_.size(); ++p) instrument_.set(p, targets_[p]);
+    is_gliding_ = false;
+    is_new_ = true;
+    is_asleep_ = false;
+    since_check_ = 0;
+  }
+
+ private:
+  static constexpr std::size_t kBlock = 256;  // samples
+  // 160 dB below what models themselves take for silent. Without an end the smallest numbers go round for ever: the
+  // losses of a sample are flushed to 0.
+  static constexpr double kInaudible_J = 1e-30;
+
+  // A part of a slider's way, 0 to 1.
+  [[nodiscard]] double from_part(std::size_t parameter, double part) const {
+    const auto& [min, max] = instrument_.parameters()[parameter].slider;
+    return instrument_.parameters()[parameter].scale == Scale::kLogarithmic ? min * std::pow(max / min, part)
+                                                                            : min + part * (max - min);
+  }
+
+  // Looks once in a block: an energy is a sum over all modes.
+  void go_to_sleep(std::size_t samples) {
+    if constexpr (!requires { I::kSleeps; }) return;
+    since_check_ += samples;
+    if (since_check_ < kBlock) return;
+    since_check_ = 0;
+    is_asleep_ = !is_gliding_ && instrument_.is_silent(kInaudible_J);
+  }
+
+  void bend(double cents) {
+    for (std::size_t p = 0; p < targets_.size(); ++p)
+      if (std::string_view(instrument_.parameters()[p].name) == "bend_cents") set(p, cents);
+  }
+
+  // Moves parameters by one sample; true while one of them is on its way.
+  bool glide() {
+    if (!is_gliding_) return false;
+    is_gliding_ = false;
+    for (std::size_t p = 0; p < targets_.size(); ++p) {
+      const double now = instrument_.value(p);
+      if (now == targets_[p]) continue;
+      const double next = now + rates_[p] * (targets_[p] - now);
+      // What the instrument's precision no longer shows ends the glide.
+      const bool arrives = static_cast<T>(next) == static_cast<T>(now);
+      instrument_.set(p, arrives ? targets_[p] : next);
+      is_gliding_ |= !arrives;
+    }
+    return is_gliding_;
+  }
+
+  I instrument_;
+  std::vector<double> targets_, rates_;  // of the parameters; rates: of their glides over a sample
+  std::vector<bool> buttons_;            // that are down
+  std::vector<std::span<T>> outputs_;
+  std::vector<std::array<T, kBlock>> scratch_;
+  std::size_t since_check_ = 0;  // samples
+  bool is_asleep_ = false;
+  bool is_gliding_ = false;
+  bool is_new_ = true;  // nothing has sounded since the reset: parameters jump
+};
+
+}  // namespace contactspline

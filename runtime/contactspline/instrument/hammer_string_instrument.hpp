@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: MIT
+// One hammer on one resonator, with a damper, as an instrument.
+#pragma once
+
+#include "contactspline/step/cpp20.hpp"
+
+#include <algorithm>
+#include <array>
+#include <concepts>
+#include <cstddef>
+#include <initializer_list>
+#include <limits>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "contactspline/instrument/instrument.hpp"
+#include "contactspline/instrument/played_by_events.hpp"
+#include "contactspline/instrument/resonator_parts.hpp"
+#include "contactspline/instrument/string_outputs.hpp"
+#include "contactspline/models/hammer_voice.hpp"
+
+namespace contactspline {
+
+/// What a hammer-string is built of.
+struct HammerStringParts {
+  ResonatorParts resonator;
+  std::vector<Segment<double>> felt;  ///< segment table
+  double hammer_mass_kg;
+  double loss_s_per_m = 0;
+  Damper damper = {};
+};
+
+/// A felt hammer on a string or another resonator (docs/how-to/hammer-string.md). Meets Instrument.
+template <std::floating_point T>
+class HammerStringInstrument : public PlayedByEvents<HammerStringInstrument<T>> {
+ public:
+  using value_type = T;
+  enum : std::size_t { kHammerMass, kStiffnessRatio, kLoss, kDamping, kPlace, kBend, kSpeed, kSustain, kParameters };
+  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  static constexpr std::array<Parameter, kParameters> kList = {
+      {{"hammer_mass_kg", "kg", {1e-6, 100}, {0.0005, 0.05}, kNaN, Scale::kLogarithmic, Acts::kAtNextNote},
+       {"stiffness_ratio", "", {1e-6, 1e6}, {0.001, 1000}, 1, Scale::kLogarithmic, Acts::kAtNextNote, 0, 74},
+       {"loss_s_per_m", "s/m", {0, 1e3}, {0, 2}, kNaN, Scale::kLinear, Acts::kAtNextNote},
+       {"damping_per_s", "1/s", {0, 1e5}, {0, 1000}, 0, Scale::kLinear, Acts::kAtOnce, 0.005},
+       {"strike_m", "m", {0, 100}, {0, 100}, kNaN, Scale::kLinear, Acts::kAtNextNote},
+       {"bend_cents", "cents", {-1200, 1200}, {-200, 200}, 0, Scale::kLinear, Acts::kAtOnce, 0, 0, 16},
+       {"speed_m_per_s", "m/s", {1e-3, 100}, {0.05, 10}, 2.5, Scale::kLinear, Acts::kAtNextNote},
+       {"sustain", "", {0, 1}, {0, 1}, 0, Scale::kLinear, Acts::kAtOnce, 0, 64}}};
+  static constexpr std::size_t kOfKeys = kSpeed;  ///< so many of them each key of a keyboard has, too
+  static constexpr std::array<Event, 1> kEvents = {{{"strike", EventKind::kStrike, 0, kSpeed}}};
+
+  explicit HammerStringInstrument(HammerStringParts parts)
+      : parts_(std::move(parts)), felt_(table_in<T>(parts_.felt)), list_(kList) {
+    list_[kHammerMass].initial = parts_.hammer_mass_kg;
+    list_[kLoss].initial = parts_.loss_s_per_m;
+    list_[kLoss].slider.max = std::max(2.0, parts_.loss_s_per_m);
+    list_[kPlace].initial = parts_.resonator.strike_m;
+    list_[kPlace].allowed.max = list_[kPlace].slider.max = parts_.resonator.length_m;
+    if (!parts_.resonator.string) list_[kBend].allowed = list_[kBend].slider = {0, 0};
+    for (std::size_t i = 0; i < kParameters; ++i) values_[i] = list_[i].initial;
+    add_presets();
+  }
+
+  static constexpr bool kSleeps = true;  ///< silent until a strike
+
+  static const char* name() { return "hammer_string"; }
+  static const char* description() { return "Felt hammer on a string: contact without iteration, exact modes"; }
+  [[nodiscard]] std::span<const Parameter> parameters() const { return list_; }
+  static std::span<const Event> events() { return kEvents; }
+  [[nodiscard]] std::span<const Output> outputs() const { return StringOutputs::list(parts_.resonator); }
+  [[nodiscard]] std::span<const Preset> presets() const { return presets_; }
+
+  void prepare(double sample_rate_hz) {
+    time_step_s_ = 1 / sample_rate_hz;
+    const ResonatorParts& resonator = parts_.resonator;
+    place_m_ = kNaN;
+    tuned_ = resonator.modes;
+    rows_.clear();
+    for (std::size_t i = 0; i < resonator.wavenumbers_per_m.size(); ++i)
+      rows_.push_back({resonator.modes[i], resonator.wavenumbers_per_m[i]});
+    shapes_.resize(resonator.modes.size());
+    strike_ = ModeShapes<T>(resonator.modes.size());
+    voice_.emplace(HammerVoiceParts<T>{.felt = felt_,
+                                       .modes = resonator.modes,
+                                       .strike = strike_,
+                                       .output = ModeShapes<T>(std::span<const double>(resonator.pickup)),
+                                       .controls = controls(),
+                                       .damper = parts_.damper},
+                   sample_rate_hz);
+    outputs_ = StringOutputs(resonator, voice_->model().string());
+    reset();
+  }
+
+  void set(std::size_t parameter, double value) {
+    values_[parameter] = held(values_[parameter], value, list_[parameter].allowed);
+    if (parameter == kSustain && voice_) release_if_free();
+  }
+  [[nodiscard]] double value(std::size_t parameter) const { return values_[parameter]; }
+
+  void strike(std::size_t number, T speed_m_per_s) {
+    if (number != 0 || !is_number(speed_m_per_s)) return;
+    is_held_ = true;
+    if (speed_m_per_s == 0) return voice_->lift();
+    if (values_[kPlace] != place_m_) move_strike();
+    voice_->controls() = controls();
+    voice_->strike(speed_m_per_s);
+  }
+  void release(std::size_t number) {
+    if (number != 0) return;
+    is_held_ = false;
+    release_if_free();
+  }
+  void pluck(std::size_t, T, double = 0) {}
+
+  void process(Outputs<T> outputs, std::span<T> force = {}) {
+    voice_->controls() = controls();
+    const std::size_t length = detail::block_length<T>(outputs, force);
+    for (std::size_t done = 0; done < length;) {
+      follow_bend();
+      const std::size_t samples = std::min(length - done, is_bending() ? kBendStep : kLongest);
+      process_steady(outputs, force, done, samples);
+      done += samples;
+      sample_ += samples;
+    }
+  }
+
+  void reset() {
+    voice_->reset();
+    this->let_keys_go();
+    is_held_ = false;
+  }
+  [[nodiscard]] bool is_silent(double limit_j) const { return voice_->is_silent(limit_j); }
+  /// Without the hammer.
+  [[nodiscard]] double energy() const { return voice_->model().string().energy(); }
+  [[nodiscard]] const HammerVoice<T>& voice() const { return *voice_; }
+
+ private:
+  using StringOutputs = detail::StringOutputs<T>;
+  static constexpr std::size_t kBendStep = 16, kLongest = 1024;  // samples
+
+  [[nodiscard]] T value_of(std::size_t parameter) const { return static_cast<T>(values_[parameter]); }
+  [[nodiscard]] HammerStringControls<T> controls() const {
+    return {.hammer_mass_kg = value_of(kHammerMass),
+            .felt = {value_of(kStiffnessRatio), value_of(kLoss)},
+            .damping_per_s = value_of(kDamping)};
+  }
+
+  void add_presets() {
+    const double length_m = parts_.resonator.length_m;
+    const auto add = [&](const char* name, std::initializer_list<std::pair<std::size_t, double>> changes) {
+      Preset preset{name, {values_.begin(), values_.end()}};
+      for (const auto& [parameter, value] : changes) preset.values[parameter] = value;
+      presets_.push_back(std::move(preset));
+    };
+    add("felt hammer", {});
+    add("soft mallet", {{kHammerMass, 4 * parts_.hammer_mass_kg},
+                        {kStiffnessRatio, 0.05},
+                        {kLoss, 0.2},
+                        {kPlace, 0.2 * length_m},
+                        {kSpeed, 1.5}});
+    add("hard hammer", {{kStiffnessRatio, 50}, {kSpeed, 4}});
+    add("muted", {{kDamping, 20}, {kPlace, 0.3 * length_m}, {kSpeed, 3}});
+  }
+
+  void move_strike() {
+    place_m_ = values_[kPlace];
+    parts_.resonator.strike_shapes(place_m_, shapes_);
+    for (std::size_t i = 0; i < shapes_.size(); ++i) strike_[i] = static_cast<T>(shapes_[i]);
+    voice_->strike_at(strike_);
+  }
+
+  void release_if_free() {
+    if (!is_held_ && values_[kSustain] < 0.5) voice_->release();
+  }
+
+  [[nodiscard]] bool is_bending() const { return values_[kBend] != bend_.cents(); }
+
+  void follow_bend() {
+    if (!is_bending()) return;
+    const StiffString& string = *parts_.resonator.string;
+    const std::span<const StringMode> rows(rows_);
+    const double energy = detail::tension_energy(string, rows, voice_->model().string());
+    if (!bend_.follow(values_[kBend], energy, static_cast<double>(sample_) * time_step_s_)) return;
+    std::ranges::transform(rows, tuned_.begin(),
+                           [&](const StringMode& row) { return retuned(string, row, bend_.cents()); });
+    voice_->retune(tuned_);
+  }
+
+  // A block in which nothing changes. The kernels compute the contact force and one other output.
+  void process_steady(Outputs<T> outputs, std::span<T> force, std::size_t begin, std::size_t samples) {
+    const auto part = [&](std::size_t output) {
+      return output < outputs.size() ? detail::part_of(outputs[output], begin, samples) : std::span<T>();
+    };
+    const auto displacement = part(StringOutputs::kDisplacement), velocity = part(StringOutputs::kVelocity),
+               bridge = part(StringOutputs::kBridge);
+    const auto forces = part(StringOutputs::kForce), more_forces = detail::part_of(force, begin, samples);
+    if (velocity.empty() && (displacement.empty() || bridge.empty())) {
+      auto sound = displacement.empty() ? bridge : displacement;
+      if (sound.empty()) {
+        sound = std::span(scratch_).first(samples);
+      }
+      const auto first = forces.empty() ? more_forces : forces;
+      voice_->process(bridge.empty() ? outputs_.pickup() : outputs_.bridge(), sound,
+                      first.empty() ? nullptr : first.data());
+      if (!forces.empty() && !more_forces.empty()) std::ranges::copy(forces, more_forces.begin());
+      return;
+    }
+    for (std::size_t n = begin; n < begin + samples; ++n) {
+      voice_->tick();
+      outputs_.write(outputs, n, voice_->model().string(), voice_->model().force());
+      if (!force.empty()) force[n] = voice_->model().force();
+    }
+  }
+
+  HammerStringParts parts_;
+  std::vector<Segment<T>> felt_;
+  std::array<Parameter, kParameters> list_;
+  std::array<double, kParameters> values_{};
+  std::vector<Preset> presets_;
+  double time_step_s_ = 0;
+  double place_m_ = kNaN;  // of the last strike
+  std::vector<StringMode> rows_;
+  std::vector<Mode> tuned_;     // the same under the bend
+  std::vector<double> shapes_;  // at the place of the strike
+  ModeShapes<T> strike_;
+  std::optional<HammerVoice<T>> voice_;
+  StringOutputs outputs_;
+  std::array<T, kLongest> scratch_;  // the kernels write a sound where nobody asks for it
+  detail::Bend bend_;
+  std::size_t sample_ = 0;
+  bool is_held_ = false;
+};
+
+}  // namespace contactspline

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+// The concept of an instrument. What is written over it, plays every model: scores and MIDI, Faust's dsp, plug-ins,
+// the page, the tests. A model of one's own that meets it has all of them (docs/how-to/model.md).
+#pragma once
+
+#include "contactspline/step/cpp20.hpp"
+
+#include <concepts>
+#include <cstddef>
+#include <span>
+
+#include "contactspline/instrument/parameter.hpp"
+
+namespace contactspline {
+
+/// Arrays that a block of outputs is written to, one for each output; an empty one is not computed. All others have
+/// the length of the block.
+template <std::floating_point T>
+using Outputs = std::span<const std::span<T>>;
+
+/// name(), description()     text: identifier, one line
+/// parameters(), events(), outputs(), presets()     the lists, which prepare() does not change
+/// prepare(sample_rate_hz)   brings it to rest at a rate; allocates. All below is safe on an audio thread:
+/// set(parameter, value)     moves the value into its range; one that is not a number does nothing
+/// value(parameter)          what acts or will act at the next note
+/// note_on(key, velocity)    a key of MIDI, velocity 0 to 1; keys that it lacks do nothing
+/// note_off(key)
+/// strike(number, speed)     [m/s]; 0 lifts the damper without a blow
+/// release(number)           lowers the damper of a strike
+/// pluck(number, force, rise)     [N], within a time [s]
+/// process(outputs, force)   a block of any length; unless `force` is empty, also the force of its contacts [N]
+/// reset()                   brings it to rest; parameters stay
+/// is_silent(limit)          does nothing move on its own, and is the energy below a limit [J]?
+/// energy()                  stored [J]
+template <typename I>
+concept Instrument = std::floating_point<typename I::value_type> &&
+    requires(I& i, const I& c, typename I::value_type x, Outputs<typename I::value_type> outputs,
+             std::span<typename I::value_type> force) {
+  { c.name() } -> std::convertible_to<const char*>;
+  { c.description() } -> std::convertible_to<const char*>;
+  { c.parameters() } -> std::convertible_to<std::span<const Parameter>>;
+  { c.events() } -> std::convertible_to<std::span<const Event>>;
+  { c.outputs() } -> std::convertible_to<std::span<const Output>>;
+  { c.presets() } -> std::convertible_to<std::span<const Preset>>;
+  i.prepare(44100.0);
+  i.set(std::size_t{}, 0.5);
+  { c.value(std::size_t{}) } -> std::same_as<double>;
+  i.note_on(60, 0.5);
+  i.note_off(60);
+  i.strike(std::size_t{}, x);
+  i.release(std::size_t{});
+  i.pluck(std::size_t{}, x, 0.004);
+  i.process(outputs, force);
+  i.reset();
+  { c.is_silent(1e-14) } -> std::same_as<bool>;
+  { c.energy() } -> std::same_as<double>;
+};
+
+/// SPDX identifier of the licence of an instrument: its license(), MIT if it has none.
+template <Instrument I>
+[[nodiscard]] const char* license_of(const I& instrument) {
+  if constexpr (requires { instrument.license(); })
+    return instrument.license();
+  else
+    return "MIT";
+}
+
+}  // namespace contactspline

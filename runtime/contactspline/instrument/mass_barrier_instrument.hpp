@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+// A mass thrown at a rigid barrier, as an instrument.
+#pragma once
+
+#include "contactspline/step/cpp20.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <concepts>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "contactspline/instrument/instrument.hpp"
+#include "contactspline/instrument/played_by_events.hpp"
+#include "contactspline/instrument/string_outputs.hpp"
+#include "contactspline/models/mass_barrier.hpp"
+
+namespace contactspline {
+
+/// What a mass-barrier is built of.
+struct MassBarrierParts {
+  std::vector<Segment<double>> contact;  ///< segment table
+  double mass_kg;
+  double loss_s_per_m = 0;
+};
+
+/// A mass that bounces on a rigid barrier. Meets Instrument.
+template <std::floating_point T>
+class MassBarrierInstrument : public PlayedByEvents<MassBarrierInstrument<T>> {
+ public:
+  using value_type = T;
+  enum : std::size_t { kMass, kGravity, kStiffnessRatio, kLoss, kStart, kSpeed, kParameters };
+  static constexpr std::array<Parameter, kParameters> kList = {
+      {{"mass_kg", "kg", {1e-9, 1e4}, {1e-4, 1}, 0.003, Scale::kLogarithmic},
+       {"gravity_m_per_s2", "m/s2", {-1e3, 1e3}, {0, 1e3}, 0},
+       {"stiffness_ratio", "", {1e-6, 1e6}, {0.01, 100}, 1, Scale::kLogarithmic},
+       {"loss_s_per_m", "s/m", {0, 1e3}, {0, 2}, 0},
+       {"start_m", "m", {-1e3, 1e3}, {-0.1, 0}, -0.001, Scale::kLinear, Acts::kAtNextNote},
+       {"speed_m_per_s", "m/s", {-1e3, 1e3}, {0, 10}, 2, Scale::kLinear, Acts::kAtNextNote}}};
+  static constexpr std::array<Event, 1> kEvents = {{{"throw", EventKind::kStrike, 0, kSpeed}}};
+  static constexpr std::array<Output, 2> kOutputs = {{{"displacement_m", "m", 0.01}, {"contact_force_n", "N", 50}}};
+
+  explicit MassBarrierInstrument(MassBarrierParts parts) : contact_(table_in<T>(parts.contact)), list_(kList) {
+    list_[kMass].initial = parts.mass_kg;
+    list_[kLoss].initial = parts.loss_s_per_m;
+    list_[kLoss].slider.max = std::max(2.0, parts.loss_s_per_m);
+    for (std::size_t i = 0; i < kParameters; ++i) values_[i] = list_[i].initial;
+  }
+
+  static const char* name() { return "mass_barrier"; }
+  static const char* description() { return "Mass thrown at a rigid barrier: contact without iteration"; }
+  [[nodiscard]] std::span<const Parameter> parameters() const { return list_; }
+  static std::span<const Event> events() { return kEvents; }
+  static std::span<const Output> outputs() { return kOutputs; }
+  static std::span<const Preset> presets() { return {}; }
+
+  void prepare(double sample_rate_hz) { model_.emplace(contact_, static_cast<T>(sample_rate_hz)); }
+
+  void set(std::size_t parameter, double value) {
+    values_[parameter] = held(values_[parameter], value, list_[parameter].allowed);
+  }
+  [[nodiscard]] double value(std::size_t parameter) const { return values_[parameter]; }
+
+  void strike(std::size_t number, T speed_m_per_s) {
+    if (number == 0) model_->throw_from(value_of(kStart), speed_m_per_s);
+  }
+  void release(std::size_t) {}
+  void pluck(std::size_t, T, double = 0) {}
+
+  void process(Outputs<T> outputs, std::span<T> force = {}) {
+    const std::size_t length = detail::block_length<T>(outputs, force);
+    for (std::size_t n = 0; n < length; ++n) {
+      model_->tick({.mass_kg = value_of(kMass),
+                    .gravity_m_per_s2 = value_of(kGravity),
+                    .contact = {value_of(kStiffnessRatio), value_of(kLoss)}});
+      if (!outputs.empty() && !outputs[0].empty()) outputs[0][n] = model_->displacement();
+      if (outputs.size() > 1 && !outputs[1].empty()) outputs[1][n] = model_->force();
+      if (!force.empty()) force[n] = model_->force();
+    }
+  }
+
+  void reset() {
+    model_->reset();
+    this->let_keys_go();
+  }
+  /// A mass in flight needs no sound.
+  [[nodiscard]] bool is_silent(double limit_j) const { return model_->force() == 0 && energy() < limit_j; }
+  /// Kinetic, of the contact, and, where gravity pulls towards the barrier, of the height.
+  [[nodiscard]] double energy() const {
+    const double v = double(model_->velocity()), y = double(model_->displacement());
+    return values_[kMass] * (v * v / 2 + std::max(0.0, -values_[kGravity] * y)) +
+           double(model_->stiffness_ratio()) * double(potential(SegmentTable<T>(contact_), model_->displacement()));
+  }
+  [[nodiscard]] const MassBarrier<T>& model() const { return *model_; }
+
+ private:
+  [[nodiscard]] T value_of(std::size_t parameter) const { return static_cast<T>(values_[parameter]); }
+
+  std::vector<Segment<T>> contact_;
+  std::array<Parameter, kParameters> list_;
+  std::array<double, kParameters> values_{};
+  std::optional<MassBarrier<T>> model_;
+};
+
+}  // namespace contactspline

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+// How keys play an instrument without keys of its own.
+#pragma once
+
+#include "contactspline/step/cpp20.hpp"
+
+#include <algorithm>
+#include <bitset>
+#include <cstddef>
+#include <optional>
+#include <span>
+
+#include "contactspline/instrument/parameter.hpp"
+
+namespace contactspline {
+
+/// note_on() and note_off() of an instrument: each key plays its event where it has only one; else the keys from 60
+/// on play one event each. The velocity multiplies the parameter of the event.
+template <typename Derived>
+class PlayedByEvents {
+ public:
+  /// key: of MIDI, others do nothing; velocity: 0 to 1, clamped; one that is not a number does nothing.
+  void note_on(int key, double velocity) {
+    const auto event = event_of(key);
+    if (!event || !is_number(velocity)) return;
+    down_.set(static_cast<std::size_t>(key));
+    const double value = std::clamp(velocity, 0.0, 1.0) * self().value(event->parameter);
+    if (event->kind == EventKind::kStrike)
+      self().strike(event->number, static_cast<typename Derived::value_type>(value));
+    else
+      self().pluck(event->number, static_cast<typename Derived::value_type>(value));
+  }
+
+  void note_off(int key) {
+    const auto event = event_of(key);
+    if (!event) return;
+    down_.reset(static_cast<std::size_t>(key));
+    if (event->kind == EventKind::kStrike && (has_keys() || down_.none())) self().release(event->number);
+  }
+
+ protected:
+  void let_keys_go() { down_.reset(); }
+  [[nodiscard]] bool is_any_key_down() const { return down_.any(); }
+
+ private:
+  static constexpr int kFirstKey = 60;
+
+  [[nodiscard]] Derived& self() { return static_cast<Derived&>(*this); }
+  [[nodiscard]] const Derived& self() const { return static_cast<const Derived&>(*this); }
+  [[nodiscard]] bool has_keys() const { return self().events().size() > 1; }
+
+  [[nodiscard]] std::optional<Event> event_of(int key) const {
+    const std::span<const Event> events = self().events();
+    if (key < 0 || key > 127 || events.empty()) return {};
+    if (!has_keys()) return events.front();
+    const int event = key - kFirstKey;
+    if (event < 0 || event >= static_cast<int>(events.size())) return {};
+    return events[static_cast<std::size_t>(event)];
+  }
+
+  std::bitset<128> down_;
+};
+
+/// Plays an event by its value, a speed [m/s] or a force [N].
+template <typename I>
+void play_event(I& instrument, const Event& event, double value) {
+  const auto x = static_cast<typename I::value_type>(value);
+  event.kind == EventKind::kStrike ? instrument.strike(event.number, x) : instrument.pluck(event.number, x);
+}
+
+}  // namespace contactspline

@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: MIT
+// Keys on copies of an instrument, each tuned at its note.
+#pragma once
+
+#include "contactspline/step/cpp20.hpp"
+
+#include <algorithm>
+#include <bitset>
+#include <cstddef>
+#include <deque>
+#include <span>
+#include <tuple>
+#include <vector>
+
+#include "contactspline/instrument/instrument.hpp"
+#include "contactspline/instrument/network_tuning.hpp"
+#include "contactspline/instrument/played_by_events.hpp"
+#include "contactspline/instrument/pluck.hpp"
+#include "contactspline/instrument/string_outputs.hpp"
+
+namespace contactspline {
+
+/// keyed()       the ranges of its keys and the number of its voices
+/// tune(cents)   from the next sample on, beside the bend of its parameter; safe on an audio thread
+template <typename I>
+concept KeyedInstrument = Instrument<I> && requires(I& i, const I& c) {
+  { c.keyed() } -> std::convertible_to<const KeyedData&>;
+  i.tune(100.0);
+};
+
+/// Plays the keys of an instrument on so many copies of it as it has voices; the outputs are their sums. A key takes
+/// the voice that it had last; else one that is silent, the one that was released first, or the one that was struck
+/// first. An event without a key plays on a voice with the pitch of the file. Meets Instrument.
+template <KeyedInstrument I>
+class Voices {
+  using T = typename I::value_type;
+
+ public:
+  using value_type = T;
+
+  /// Arguments of each copy.
+  template <typename... Args>
+  explicit Voices(const Args&... args) {
+    voices_.emplace_back(args...);
+    while (voices_.size() < first().keyed().voices) voices_.emplace_back(args...);
+    last_.resize(first().outputs().size());
+    unmixed_.resize(last_.size(), std::vector<T>(kBlock));
+    parts_.resize(last_.size());
+    tick_parts_.resize(last_.size());
+    unmixed_force_.resize(kBlock);
+  }
+
+  [[nodiscard]] const char* name() const { return first().name(); }
+  [[nodiscard]] const char* description() const { return first().description(); }
+  [[nodiscard]] std::span<const Parameter> parameters() const { return first().parameters(); }
+  [[nodiscard]] std::span<const Event> events() const { return first().events(); }
+  [[nodiscard]] std::span<const Output> outputs() const { return first().outputs(); }
+  [[nodiscard]] std::span<const Preset> presets() const { return first().presets(); }
+  [[nodiscard]] const KeyedData& keyed() const { return first().keyed(); }
+
+  /// Brings all voices to rest at a sample rate; allocates. All below is safe on an audio thread.
+  void prepare(double sample_rate_hz) {
+    for (Voice& voice : voices_) voice.instrument.prepare(sample_rate_hz);
+    reset();
+  }
+
+  /// Sets a parameter of all voices.
+  void set(std::size_t parameter, double value) {
+    for (Voice& voice : voices_) {
+      const double before = voice.instrument.value(parameter);
+      voice.instrument.set(parameter, value);
+      if (voice.instrument.value(parameter) != before) voice.wake();
+    }
+  }
+  [[nodiscard]] double value(std::size_t parameter) const { return first().value(parameter); }
+
+  /// velocity: 0 to 1, clamped; multiplies the parameter of the event. Keys that it lacks and velocities that are not
+  /// a number do nothing.
+  void note_on(int key, double velocity) {
+    const KeyRange* range = range_of(key);
+    if (range == nullptr || !is_number(velocity)) return;
+    const Event& event = events()[range->event];
+    Voice& voice = take(static_cast<std::size_t>(key), range->tuned_key < 0 ? 0 : 100.0 * (key - range->tuned_key));
+    play_event(voice.instrument, event, std::clamp(velocity, 0.0, 1.0) * value(event.parameter));
+  }
+  void note_off(int key) {
+    if (range_of(key) != nullptr) let_go(static_cast<std::size_t>(key));
+  }
+  void strike(std::size_t number, T speed_m_per_s) {
+    if (const auto player = player_of(EventKind::kStrike, number); player < kPlayers && is_number(speed_m_per_s))
+      take(player, 0).instrument.strike(number, speed_m_per_s);
+  }
+  void release(std::size_t number) { let_go(player_of(EventKind::kStrike, number)); }
+  void pluck(std::size_t number, T force_n, double rise_s = kPluckRise_s) {
+    if (const auto player = player_of(EventKind::kPluck, number); player < kPlayers && is_number(force_n))
+      take(player, 0).instrument.pluck(number, force_n, rise_s);
+  }
+
+  void process(Outputs<T> outputs, std::span<T> force = {}) {
+    const std::size_t length = detail::block_length<T>(outputs, force);
+    for (const std::span<T> output : outputs) std::ranges::fill(output, T(0));
+    std::ranges::fill(force, T(0));
+    for (Voice& voice : voices_)
+      for (std::size_t done = 0; done < length && !voice.is_asleep;) {
+        const std::size_t samples = std::min({length - done, kBlock, voice.until_look});
+        add(voice, outputs, force, done, samples);
+        voice.advance(samples);
+        done += samples;
+      }
+  }
+
+  /// Advances samples.size() samples and writes one output. output: 0 to the number of outputs - 1.
+  void process(std::span<T> samples, std::size_t output = 0) {
+    for (T& sample : samples) {
+      tick();
+      sample = this->output(output);
+    }
+  }
+
+  /// Advances one sample; then output() and contact_force() are those of this sample.
+  void tick() {
+    std::span<T> samples(last_);
+    for (std::size_t o = 0; o < last_.size(); ++o) tick_parts_[o] = samples.subspan(o, 1);
+    process(tick_parts_, {&last_force_, 1});
+  }
+  [[nodiscard]] T output(std::size_t output) const { return last_[output]; }
+  [[nodiscard]] T contact_force() const { return last_force_; }
+
+  /// Brings all voices to rest. Parameters stay. Does not allocate.
+  void reset() {
+    for (Voice& voice : voices_) {
+      voice.instrument.tune(0);
+      voice.instrument.reset();
+      voice.players.reset();
+      voice.player = kPlayers;
+      voice.order = 0;
+      voice.wake();
+      voice.is_asleep = voice.instrument.is_silent(kSilent_j);
+    }
+    order_ = 0;
+    std::ranges::fill(last_, T(0));
+    last_force_ = 0;
+  }
+
+  [[nodiscard]] bool is_silent(double limit_j) const {
+    return std::ranges::all_of(
+        voices_, [&](const Voice& voice) { return voice.is_asleep || voice.instrument.is_silent(limit_j); });
+  }
+  /// The books of all voices, as in one of them.
+  [[nodiscard]] double energy() const {
+    double sum = 0;
+    for (const Voice& voice : voices_) sum += voice.instrument.energy();
+    return sum;
+  }
+  [[nodiscard]] double work() const {
+    double sum = 0;
+    for (const Voice& voice : voices_) sum += voice.is_asleep ? 0 : voice.instrument.work();
+    return sum;
+  }
+  [[nodiscard]] double dissipated() const {
+    double sum = 0;
+    for (const Voice& voice : voices_) sum += voice.is_asleep ? 0 : voice.instrument.dissipated();
+    return sum;
+  }
+  /// A voice, from 0 to keyed().voices - 1.
+  [[nodiscard]] const I& voice(std::size_t index) const { return voices_[index].instrument; }
+
+ private:
+  static constexpr std::size_t kBlock = 256, kLook = 1024;  // samples
+  static constexpr double kSilent_j = 1e-14;
+  static constexpr std::size_t kKeys = 128, kPlayers = 1024;  // what plays a voice: a key, or an event without a key
+
+  struct Voice {
+    template <typename... Args>
+    explicit Voice(const Args&... args) : instrument(args...) {}
+
+    void wake() {
+      is_asleep = false;
+      until_look = kLook;
+    }
+    // Looks after a while whether it is silent.
+    void advance(std::size_t samples) {
+      until_look -= samples;
+      if (until_look > 0) return;
+      until_look = kLook;
+      is_asleep = instrument.is_silent(kSilent_j);
+    }
+
+    I instrument;
+    std::bitset<kPlayers> players;  // that hold it
+    std::size_t player = kPlayers;  // the last one
+    std::size_t order = 0;          // of its last note or release
+    std::size_t until_look = kLook;
+    bool is_asleep = false;
+  };
+
+  [[nodiscard]] const I& first() const { return voices_.front().instrument; }
+
+  [[nodiscard]] const KeyRange* range_of(int key) const {
+    const auto& ranges = keyed().ranges;
+    const auto found =
+        std::ranges::find_if(ranges, [&](const KeyRange& r) { return r.first <= key && key <= r.last; });
+    return found == ranges.end() ? nullptr : &*found;
+  }
+
+  [[nodiscard]] std::size_t player_of(EventKind kind, std::size_t number) const {
+    for (std::size_t e = 0; e < events().size(); ++e)
+      if (events()[e].kind == kind && events()[e].number == number) return std::min(kKeys + e, kPlayers);
+    return kPlayers;
+  }
+
+  // The voice that a player gets, held by it.
+  Voice& take(std::size_t player, double cents) {
+    auto found = std::ranges::find(voices_, player, &Voice::player);
+    if (found == voices_.end())
+      found = std::ranges::min_element(voices_, {}, [](const Voice& voice) {
+        return std::tuple(voice.players.any(), !voice.is_asleep, voice.order);
+      });
+    if (voices_.size() > 1 && found->player != player) found->players.reset();
+    found->players.set(player);
+    found->player = player;
+    found->order = ++order_;
+    found->instrument.tune(cents);
+    found->wake();
+    return *found;
+  }
+
+  void let_go(std::size_t player) {
+    if (player >= kPlayers) return;
+    for (Voice& voice : voices_) {
+      if (!voice.players[player]) continue;
+      voice.players.reset(player);
+      if (voice.players.any()) continue;
+      voice.instrument.release(0);
+      voice.order = ++order_;
+    }
+  }
+
+  // Adds a part of a block of one voice.
+  void add(Voice& voice, Outputs<T> outputs, std::span<T> force, std::size_t begin, std::size_t samples) {
+    for (std::size_t o = 0; o < outputs.size(); ++o)
+      parts_[o] = outputs[o].empty() ? std::span<T>() : std::span(unmixed_[o]).first(samples);
+    const auto forces = std::span(unmixed_force_).first(samples);
+    voice.instrument.process(std::span(parts_).first(outputs.size()), forces);
+    for (std::size_t o = 0; o < outputs.size(); ++o)
+      for (std::size_t n = 0; n < parts_[o].size(); ++n) outputs[o][begin + n] += parts_[o][n];
+    for (std::size_t n = 0; n < (force.empty() ? 0 : samples); ++n) force[begin + n] += forces[n];
+  }
+
+  std::deque<Voice> voices_;  // which do not move
+  std::size_t order_ = 0;
+  std::vector<T> last_;
+  T last_force_ = 0;
+  std::vector<std::vector<T>> unmixed_;
+  std::vector<T> unmixed_force_;
+  std::vector<std::span<T>> parts_, tick_parts_;
+};
+
+}  // namespace contactspline

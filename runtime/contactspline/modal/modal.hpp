@@ -1,0 +1,552 @@
+// SPDX-License-Identifier: MIT
+// Modal resonators with exact poles, and their response at the places where a contact acts.
+#pragma once
+
+#include "contactspline/step/cpp20.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <concepts>
+#include <cstddef>
+#include <limits>
+#include <new>
+#include <numbers>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+#include "contactspline/simd/kernels.hpp"
+#include "contactspline/step/controls.hpp"
+#include "contactspline/step/version.hpp"
+
+namespace contactspline {
+
+/// One mode of a resonator: q'' + 2 decay q' + (angular_frequency^2 + decay^2) q = force / mass.
+struct Mode {
+  double angular_frequency_rad_per_s;  ///< of the damped oscillation, >= 0; 0 without decay is a free mass
+  double decay_per_s;                  ///< the amplitude decays as exp(-decay t), >= 0
+  double mass_kg;                      ///< modal mass that belongs to the mode shapes, > 0
+};
+
+/// The modes of an emitted resonator, a compile-time constant.
+template <typename Resonator>
+inline constexpr auto modes_in = [] {
+  static_assert(fits_runtime<Resonator>, "generated for another version: run `contactspline generate` again");
+  std::array<Mode, Resonator::modes> modes{};
+  for (std::size_t i = 0; i < Resonator::modes; ++i)
+    modes[i] = {Resonator::angular_frequencies[i], Resonator::decays[i], Resonator::masses[i]};
+  return modes;
+}();
+
+namespace detail {
+
+/// Allocates memory that begins on a cache line, so that no aligned vector crosses a cache line.
+template <typename T>
+struct CacheLineAllocator {
+  using value_type = T;
+  static constexpr std::align_val_t kLine{64};
+
+  CacheLineAllocator() = default;
+  template <typename U>
+  constexpr CacheLineAllocator(const CacheLineAllocator<U>&) {}
+
+  [[nodiscard]] T* allocate(std::size_t n) { return static_cast<T*>(::operator new(n * sizeof(T), kLine)); }
+  void deallocate(T* memory, std::size_t) { ::operator delete(memory, kLine); }
+  friend bool operator==(CacheLineAllocator, CacheLineAllocator) { return true; }
+};
+
+/// One number for each mode, padded with zeros to whole cache lines, so that vector loops need no scalar remainder.
+template <std::floating_point T, std::size_t Modes = std::dynamic_extent>
+class ModalArray {
+ public:
+  ModalArray() = default;
+  static constexpr std::size_t kLine = 64 / sizeof(T);
+
+  explicit constexpr ModalArray(std::size_t size) : size_(size), values_((size + kLine - 1) / kLine * kLine) {}
+
+  [[nodiscard]] constexpr std::size_t size() const { return size_; }
+  [[nodiscard]] constexpr std::size_t padded_size() const { return values_.size(); }
+  [[nodiscard]] constexpr T operator[](std::size_t i) const { return values_[i]; }
+  [[nodiscard]] constexpr T& operator[](std::size_t i) { return values_[i]; }
+  [[nodiscard]] constexpr const T* data() const { return values_.data(); }
+  [[nodiscard]] constexpr T* data() { return values_.data(); }
+  constexpr void clear() { std::ranges::fill(values_, T(0)); }
+
+ private:
+  std::size_t size_ = 0;
+  std::vector<T, CacheLineAllocator<T>> values_;
+};
+
+/// The same for a number of modes that is known at compile time: without the heap, and without padding.
+template <std::floating_point T, std::size_t Modes>
+requires(Modes != std::dynamic_extent) class ModalArray<T, Modes> : public std::array<T, Modes> {
+ public:
+  constexpr ModalArray() : std::array<T, Modes>{} {}
+  explicit constexpr ModalArray(std::size_t) : ModalArray() {}
+  constexpr void clear() { this->fill(T(0)); }
+};
+
+}  // namespace detail
+
+/// Mode shapes at one place. The displacement there is the sum over all modes of shape times modal displacement.
+template <std::floating_point T, std::size_t Modes = std::dynamic_extent>
+class ModeShapes {
+ public:
+  ModeShapes() = default;
+  explicit constexpr ModeShapes(std::size_t modes) : values_(modes) {}
+  explicit constexpr ModeShapes(std::span<const double, Modes> values) : values_(values.size()) {
+    for (std::size_t i = 0; i < values.size(); ++i) values_[i] = static_cast<T>(values[i]);
+  }
+
+  [[nodiscard]] constexpr std::size_t size() const { return values_.size(); }
+  [[nodiscard]] constexpr T operator[](std::size_t mode) const { return values_[mode]; }
+  [[nodiscard]] constexpr T& operator[](std::size_t mode) { return values_[mode]; }
+  [[nodiscard]] constexpr const T* data() const { return values_.data(); }
+
+ private:
+  detail::ModalArray<T, Modes> values_;
+};
+
+namespace detail {
+
+/// Constants of one mode at a sample rate (docs/how-it-works/modal.md), with p = -decay + j w and z = exp(p dt):
+struct ModeConstants {
+  double stiffness;         ///< |1 - z|^2
+  double loss;              ///< 1 - |z|^2
+  double admittance;        ///< |1 - z|^2/(2 m |p|^2), change of displacement over a sample per newton [m/N]
+  double averaging_factor;  ///< |1 - z|^2/|p dt|^2, the part of an impulse's response that averaging the force leaves
+  double one_plus_z_square;  ///< |1 + z|^2
+  double velocity_gain;      ///< w/Im z [rad/s]
+  double decay_per_s;
+};
+
+// A template: compilers that cannot compute std::exp at compile time refuse it as a plain constexpr function.
+template <std::same_as<double> Rate>
+constexpr ModeConstants mode_constants(const Mode& mode, Rate sample_rate_hz) {
+  const double w = mode.angular_frequency_rad_per_s, dt = 1 / sample_rate_hz;
+  const double decay_factor = std::exp(-mode.decay_per_s * dt);
+  const double decay_loss = -std::expm1(-mode.decay_per_s * dt);  // 1 - decay_factor, without cancellation
+  const double sine = std::sin(w * dt / 2), cosine = std::cos(w * dt / 2);
+  const double stiffness = decay_loss * decay_loss + 4 * decay_factor * sine * sine;
+  const double phase_square = (w * w + mode.decay_per_s * mode.decay_per_s) * dt * dt;  // |p dt|^2
+  const double averaging_factor = phase_square > 0 ? stiffness / phase_square : 1;      // 1 is the limit
+  return {.stiffness = stiffness,
+          .loss = -std::expm1(-2 * mode.decay_per_s * dt),
+          .admittance = averaging_factor * dt * dt / (2 * mode.mass_kg),
+          .averaging_factor = averaging_factor,
+          .one_plus_z_square = decay_loss * decay_loss + 4 * decay_factor * cosine * cosine,
+          .velocity_gain = (w > 0 ? w / (2 * sine * cosine) : sample_rate_hz) / decay_factor,
+          .decay_per_s = mode.decay_per_s};
+}
+
+/// Sum of term(i) over i < n. Eight partial sums let the compiler use vector registers.
+template <std::floating_point T, typename Term>
+[[nodiscard]] constexpr T sum_of(std::size_t n, Term term) {
+  constexpr std::size_t kLanes = 8;
+  T sums[kLanes] = {};
+  std::size_t i = 0;
+  for (; i + kLanes <= n; i += kLanes)
+    for (std::size_t lane = 0; lane < kLanes; ++lane) sums[lane] += term(i + lane);
+  for (; i < n; ++i) sums[i % kLanes] += term(i);
+  return ((sums[0] + sums[4]) + (sums[2] + sums[6])) + ((sums[1] + sums[5]) + (sums[3] + sums[7]));
+}
+
+}  // namespace detail
+
+/// A bank of modes, advanced by the midpoint rule. Its mass, stiffness and resistance are chosen so that the poles
+/// are exactly exp((-decay +- j w) dt) and the static compliance is that of the mode: the bank is passive, in tune
+/// and exactly as compliant at every sample rate. For each sample call predict(), then push() for each force, then
+/// commit(). No allocation after construction.
+///
+/// The state of a mode is its displacement q and its free increment d: the change of q over the next sample if no
+/// force acts. A sample changes q by c = d + admittance shape f, and d becomes 2 c - d - (loss c + stiffness q). This
+/// is the midpoint rule with the velocity eliminated (docs/how-it-works/modal.md). Only small numbers are added, so
+/// single precision keeps 100 dB.
+///
+/// Modes: their number, if it is known at compile time: then the bank needs no heap, and g++ can construct it at
+/// compile time (docs/how-to/microcontrollers.md).
+template <std::floating_point T, std::size_t Modes = std::dynamic_extent>
+class ModalBank {
+ public:
+  using Shapes = ModeShapes<T, Modes>;
+
+  constexpr ModalBank(std::span<const Mode, Modes> modes, double sample_rate_hz)
+      : sample_rate_hz_(sample_rate_hz),
+        stiffness_(modes.size()),
+        stiffness_rest_(modes.size()),
+        loss_(modes.size()),
+        admittance_(modes.size()),
+        displacement_(modes.size()),
+        free_increment_(modes.size()),
+        change_(modes.size()) {
+    if constexpr (Modes == std::dynamic_extent) constants_.resize(modes.size());
+    for (std::size_t i = 0; i < modes.size(); ++i) set(i, modes[i]);
+  }
+
+  [[nodiscard]] constexpr std::size_t size() const { return displacement_.size(); }
+
+  /// Change of displacement over one sample at place `at` per newton at place `of_force` [m/N]: the sum of
+  /// admittance shape shape.
+  [[nodiscard]] constexpr T admittance(const Shapes& at, const Shapes& of_force) const {
+    return detail::sum_of<T>(size(), [&](std::size_t i) { return admittance_[i] * at[i] * of_force[i]; });
+  }
+
+  /// Change of displacement of one mode over one sample per newton [m/N].
+  [[nodiscard]] constexpr T admittance(std::size_t mode) const { return admittance_[mode]; }
+
+  /// Displacement at a place [m].
+  [[nodiscard]] constexpr T displacement(const Shapes& at) const {
+    return detail::sum_of<T>(size(), [&](std::size_t i) { return at[i] * displacement_[i]; });
+  }
+
+  /// Velocity at a place [m/s]: that of the free motion of the modes, exact at every frequency. Modes that decay by
+  /// more than a tenth per sample do not sound and are left out.
+  [[nodiscard]] T velocity(const Shapes& at) const {
+    return detail::sum_of<T>(size(), [&](std::size_t i) { return at[i] * static_cast<T>(velocity_of(i)); });
+  }
+
+  /// A place for velocity() in T: what a metre of each mode and of its free increment add [1/s].
+  struct VelocityShapes {
+    Shapes of_displacement, of_free_increment;
+  };
+  [[nodiscard]] VelocityShapes velocity_shapes(const Shapes& at) const {
+    VelocityShapes shapes{Shapes(size()), Shapes(size())};
+    write_velocity_shapes(at, shapes);
+    return shapes;
+  }
+  /// The same without allocation; `shapes` has this size.
+  void write_velocity_shapes(const Shapes& at, VelocityShapes& shapes) const {
+    for (std::size_t i = 0; i < size(); ++i) {
+      const auto [of_displacement, of_free_increment] = velocity_gains(constants_[i]);
+      shapes.of_displacement[i] = static_cast<T>(double(at[i]) * of_displacement);
+      shapes.of_free_increment[i] = static_cast<T>(double(at[i]) * of_free_increment);
+    }
+  }
+
+  /// velocity() at a place that does not move, many times as fast.
+  [[nodiscard]] T velocity(const VelocityShapes& at) const {
+    return product(at.of_displacement, displacement_) + product(at.of_free_increment, free_increment_);
+  }
+
+  /// Shapes of a pickup for sound: each shape divided by what averaging takes away from its mode. A force that is
+  /// constant over each sample excites a mode |1 - z|/|p dt| times as strongly as an impulse, and the contact force
+  /// is itself an average over the sample, which takes away the same factor again. Use these shapes for sound.
+  /// Do not use them for displacements that act back, nor for energies: the state itself needs no correction.
+  [[nodiscard]] constexpr Shapes sound_pickup(const Shapes& pickup) const {
+    Shapes shapes(size());
+    for (std::size_t i = 0; i < size(); ++i) shapes[i] = sound_shape(i, pickup[i]);
+    return shapes;
+  }
+  /// The same of one mode.
+  [[nodiscard]] constexpr T sound_shape(std::size_t mode, T shape) const {
+    constexpr double kMin = 0.40528473456935109;  // (2/pi)^2, the factor at half the sample rate
+    return static_cast<T>(double(shape) / std::max(constants_[mode].averaging_factor, kMin));
+  }
+  [[nodiscard]] constexpr Shapes sound_pickup(std::span<const double, Modes> pickup) const {
+    return sound_pickup(Shapes(pickup));
+  }
+
+  /// Begins a sample: the change of each mode is its free increment.
+  void predict() { predict(0); }
+
+  /// Begins a sample with a damper that acts on all modes equally. It is a viscous resistance, which multiplies each
+  /// increment by the damping gain 1/(1 + damping); damping = extra decay [1/s] times dt, 0 to 1e5, and the last one
+  /// if it is not a number. push() and admittance() do not apply this gain: multiply the forces of this sample and
+  /// the admittances by it.
+  void predict(T damping) {
+    damping_ = held(damping_, damping, ControlRanges<T>::damping);
+    const T damping_gain = 1 / (1 + damping_);
+    T* __restrict change = change_.data();  // here and in push(): no other array of the loop overlaps this one
+    for (std::size_t i = 0; i < size(); ++i) change[i] = damping_gain * free_increment_[i];
+  }
+
+  /// Change of displacement at a place over this sample [m], with the forces pushed so far.
+  [[nodiscard]] T increment(const Shapes& at) const {
+    return detail::sum_of<T>(size(), [&](std::size_t i) { return at[i] * change_[i]; });
+  }
+
+  /// Displacement at a place in the middle of this sample [m], with the forces pushed so far.
+  [[nodiscard]] T middle(const Shapes& at) const {
+    return detail::sum_of<T>(size(), [&](std::size_t i) { return at[i] * (displacement_[i] + change_[i] / 2); });
+  }
+
+  /// Adds a force [N] at a place for this sample.
+  void push(const Shapes& at, T force) {
+    T* __restrict change = change_.data();
+    for (std::size_t i = 0; i < size(); ++i) change[i] += admittance_[i] * at[i] * force;
+  }
+
+  /// Free increments over the next sample at several places [m], each an array of ModeShapes::data(), without damper.
+  /// Returns the sum of |free increment| over the modes: a place moves by at most this times its largest |shape|.
+  T free_increments(std::span<const T* const> at, T* increments) const requires(Modes == std::dynamic_extent) {
+#ifdef CONTACTSPLINE_SIMD
+    if (size() > detail::kFewModes)
+      return detail::sum_free_increments(size(), free_increment_.data(), at, increments);
+#endif
+    const T* d = free_increment_.data();
+    if (size() == 1) {
+      for (std::size_t p = 0; p < at.size(); ++p) increments[p] = at[p][0] * d[0];
+      return std::abs(d[0]);
+    }
+    const std::size_t modes = free_increment_.padded_size();
+    std::size_t p = 0;
+    for (; p + 4 <= at.size(); p += 4) sum_products(modes, d, at[p], at[p + 1], at[p + 2], at[p + 3], increments + p);
+    for (; p < at.size(); ++p)
+      increments[p] = detail::sum_of<T>(size(), [&](std::size_t i) { return at[p][i] * d[i]; });
+    return detail::sum_of<T>(size(), [&](std::size_t i) { return std::abs(d[i]); });
+  }
+
+  /// One whole sample with a damper, as in predict(), under forces [N] at several places. Then free_increments().
+  /// `pushed` and `at`: arrays of ModeShapes::data().
+  T advance(T damping, std::span<const T* const> pushed, const T* forces, std::span<const T* const> at,
+            T* increments) requires(Modes == std::dynamic_extent) {
+    damping_ = held(damping_, damping, ControlRanges<T>::damping);
+    const T damping_gain = 1 / (1 + damping_);
+#ifdef CONTACTSPLINE_SIMD
+    if (size() > detail::kFewModes)
+      return detail::advance_under_forces(arrays(), damping_gain, pushed, forces, at, increments);
+#endif
+    T* __restrict change = change_.data();
+    if (size() == 1) {  // a free mass
+      T force = 0;
+      for (std::size_t p = 0; p < pushed.size(); ++p) force += pushed[p][0] * forces[p];
+      change[0] = damping_gain * (free_increment_[0] + admittance_[0] * force);
+      commit();
+      return free_increments(at, increments);
+    }
+    for (std::size_t i = 0; i < size(); ++i) change[i] = damping_gain * free_increment_[i];
+    std::size_t p = 0;
+    for (; p + 4 <= pushed.size(); p += 4)
+      add_products(size(), damping_gain, admittance_.data(), pushed[p], pushed[p + 1], pushed[p + 2], pushed[p + 3],
+                   forces + p, change);
+    for (; p < pushed.size(); ++p) {
+      const T force = damping_gain * forces[p];
+      for (std::size_t i = 0; i < size(); ++i) change[i] += admittance_[i] * pushed[p][i] * force;
+    }
+    commit();
+    return free_increments(at, increments);
+  }
+
+  /// Sets the motion of a mode between two samples: its displacement [m] and its velocity in free motion [m/s].
+  void set_motion(std::size_t mode, T displacement_m, T velocity_m_per_s) {
+    const detail::ModeConstants& c = constants_[mode];
+    const double one_minus_real = (c.loss + c.stiffness) / 2;  // 1 - Re z
+    displacement_[mode] = displacement_m;
+    const double q = double(displacement_m);
+    free_increment_[mode] =
+        static_cast<T>((double(velocity_m_per_s) + c.decay_per_s * q) / c.velocity_gain - one_minus_real * q);
+  }
+
+  /// Lets a mode follow its place of rest, which has moved by change_m over a sample and which shift() has not
+  /// moved yet: it moves as fast, and is half a sample behind.
+  void follow(std::size_t mode, T change_m) {
+    displacement_[mode] = change_m / 2;
+    free_increment_[mode] = change_m * (1 - stiffness_[mode] / 2);
+  }
+  [[nodiscard]] T displacement(std::size_t mode) const {
+    return displacement_[mode];
+  }
+  /// Displacement of a mode per static force [m/N].
+  [[nodiscard]] double compliance(std::size_t mode) const {
+    const detail::ModeConstants& constants = constants_[mode];
+    return constants.stiffness > 0 ? 2 * constants.admittance / constants.stiffness : 0;
+  }
+
+  /// Moves the places from which the modes count their displacements by rest times `by_m`, as the end of a string
+  /// that moves does. The modes themselves stay.
+  void shift(const Shapes& rest, T by_m) {
+    for (std::size_t i = 0; i < size(); ++i) {
+      const T by = rest[i] * by_m;
+      displacement_[i] -= by;
+      free_increment_[i] += stiffness_[i] * by;
+    }
+  }
+
+  /// Changes frequencies and decays between two samples, as a change of tension does. Masses, shapes and the number
+  /// of modes stay. Each mode keeps its displacement and velocity, so energy() changes by the work of what changes
+  /// the stiffness, m (w^2 + decay^2) q^2/2. Modes at half the sample rate and above come to rest. A change by more
+  /// than a few cents at once can be noticed. Does nothing if a number is not finite. Does not allocate.
+  void retune(std::span<const Mode, Modes> modes) {
+    for (const auto& [w, decay, mass] : modes)
+      if (const double values[] = {w, decay, mass}; !all_finite(std::span<const double>(values))) return;
+    for (std::size_t i = 0; i < size(); ++i) {
+      const T q = displacement_[i];
+      const auto [of_displacement, of_free_increment] = exact_velocity_gains(constants_[i]);
+      const auto velocity =
+          static_cast<T>(of_free_increment * double(free_increment_[i]) + of_displacement * double(q));
+      set(i, modes[i]);
+      const bool sounds = constants_[i].admittance > 0;
+      set_motion(i, sounds ? q : T(0), sounds ? velocity : T(0));
+    }
+  }
+
+  /// Ends the sample: updates displacements and free increments.
+  void commit() {
+    commit_all(size(), stiffness_.data(), stiffness_rest_.data(), loss_.data(), change_.data(), displacement_.data(),
+               free_increment_.data());
+  }
+
+  /// Advances one sample without force: predict(damping) and commit().
+  void advance(T damping) {
+    predict(damping);
+    commit();
+  }
+
+  /// Kinetic plus potential energy [J]. In each sample it changes by the work of the forces minus dissipated(), exact
+  /// up to rounding. The potential energy is that of the continuous mode, m (w^2 + decay^2) q^2/2.
+  [[nodiscard]] double energy() const {
+    double sum = 0;
+    for (std::size_t i = 0; i < size(); ++i) sum += energy(i);
+    return sum;
+  }
+
+  /// The same of one mode [J].
+  [[nodiscard]] double energy(std::size_t i) const {
+    const detail::ModeConstants& mode = constants_[i];
+    if (mode.admittance == 0) return 0;
+    const double q = double(displacement_[i]), weighted_step = double(free_increment_[i]) + mode.stiffness / 2 * q;
+    return (weighted_step * weighted_step / mode.one_plus_z_square + mode.stiffness / 4 * q * q) / mode.admittance;
+  }
+
+  /// Energy [J] that the losses of the modes and the damper dissipated in the last committed sample.
+  [[nodiscard]] double dissipated() const {
+    double energy = 0;
+    for (std::size_t i = 0; i < size(); ++i) {
+      if (constants_[i].admittance == 0) continue;
+      const double change = double(change_[i]);
+      energy += (double(loss_[i]) / 2 + double(damping_)) * change * change / constants_[i].admittance;
+    }
+    return energy;
+  }
+
+  /// Response of each mode to a force at a place. Per newton during one sample, its displacement rises by admittance
+  /// [m/N] and its free increment by free_increment_gain [m/N] at the end of the sample. amplitude_gain: amplitude of
+  /// the oscillation at the place per metre of free increment, for a mode with displacement 0: shape / Im z.
+  void respond(const Shapes& at, detail::ModalArray<T>& admittance, detail::ModalArray<T>& free_increment_gain,
+               detail::ModalArray<T>& amplitude_gain) const {
+    for (std::size_t i = 0; i < size(); ++i) {
+      admittance[i] = admittance_[i] * at[i];
+      free_increment_gain[i] = admittance[i] * (2 - loss_[i] - stiffness_[i]);
+      const double stiffness = constants_[i].stiffness;
+      const double one_minus_real = (constants_[i].loss + stiffness) / 2;           // 1 - Re z
+      const double imaginary_square = stiffness - one_minus_real * one_minus_real;  // (Im z)^2
+      amplitude_gain[i] = at[i] / static_cast<T>(std::sqrt(std::max(imaginary_square, 1e-30)));
+    }
+  }
+
+  /// Pointers to the state and the constants, for the kernels.
+  [[nodiscard]] detail::ModalArrays<T> arrays() {
+    return {size(),
+            stiffness_.data(),
+            stiffness_rest_.data(),
+            loss_.data(),
+            admittance_.data(),
+            displacement_.data(),
+            free_increment_.data(),
+            change_.data()};
+  }
+
+  /// Brings all modes to rest. Does not allocate.
+  void reset() {
+    displacement_.clear();
+    free_increment_.clear();
+    change_.clear();
+  }
+
+ private:
+  static T product(const Shapes& weights, const detail::ModalArray<T, Modes>& state) {
+#ifdef CONTACTSPLINE_SIMD
+    if constexpr (Modes == std::dynamic_extent)
+      if (weights.size() > detail::kFewModes)
+        return detail::inner_product(weights.size(), weights.data(), state.data());
+#endif
+    return detail::sum_of<T>(weights.size(), [&](std::size_t i) { return weights[i] * state[i]; });
+  }
+
+  // Velocity of mode i at a pickup [m/s].
+  [[nodiscard]] double velocity_of(std::size_t i) const {
+    const auto [of_displacement, of_free_increment] = velocity_gains(constants_[i]);
+    return of_free_increment * double(free_increment_[i]) + of_displacement * double(displacement_[i]);
+  }
+
+  struct VelocityGains {
+    double of_displacement, of_free_increment;  // [1/s]
+  };
+  static VelocityGains velocity_gains(const detail::ModeConstants& mode) {
+    constexpr double kMaxLoss = 0.19;  // 1 - 0.9^2: modes that decay faster have no velocity
+    return mode.loss > kMaxLoss ? VelocityGains{0, 0} : exact_velocity_gains(mode);
+  }
+  static VelocityGains exact_velocity_gains(const detail::ModeConstants& mode) {
+    const double one_minus_real = (mode.loss + mode.stiffness) / 2;  // 1 - Re z
+    return {mode.velocity_gain * one_minus_real - mode.decay_per_s, mode.velocity_gain};
+  }
+
+  // Four sums of the modes' increments times shape.
+  static void sum_products(std::size_t modes, const T* increment, const T* a, const T* b, const T* c, const T* d,
+                           T* sums) {
+    constexpr std::size_t kLanes = 16 / sizeof(T);
+    T of_a[kLanes] = {}, of_b[kLanes] = {}, of_c[kLanes] = {}, of_d[kLanes] = {};
+    for (std::size_t i = 0; i < modes; i += kLanes)
+      for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        const T moved = increment[i + lane];
+        of_a[lane] += moved * a[i + lane];
+        of_b[lane] += moved * b[i + lane];
+        of_c[lane] += moved * c[i + lane];
+        of_d[lane] += moved * d[i + lane];
+      }
+    for (std::size_t place = 0; place < 4; ++place) sums[place] = 0;
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      sums[0] += of_a[lane];
+      sums[1] += of_b[lane];
+      sums[2] += of_c[lane];
+      sums[3] += of_d[lane];
+    }
+  }
+
+  // The change of each mode by four forces.
+  static void add_products(std::size_t modes, T gain, const T* __restrict admittance, const T* __restrict a,
+                           const T* __restrict b, const T* __restrict c, const T* __restrict d, const T* forces,
+                           T* __restrict change) {
+    const T f0 = gain * forces[0], f1 = gain * forces[1], f2 = gain * forces[2], f3 = gain * forces[3];
+    for (std::size_t i = 0; i < modes; ++i)
+      change[i] += admittance[i] * ((f0 * a[i] + f1 * b[i]) + (f2 * c[i] + f3 * d[i]));
+  }
+
+  // A separate function, because compilers respect __restrict on parameters.
+  static void commit_all(std::size_t modes, const T* __restrict stiffness, const T* __restrict stiffness_rest,
+                         const T* __restrict loss, const T* __restrict change, T* __restrict displacement,
+                         T* __restrict free_increment) {
+    for (std::size_t i = 0; i < modes; ++i) {
+      const T q = displacement[i] + change[i];
+      T pull = loss[i] * change[i] + stiffness[i] * q;
+      if constexpr (kRounds) pull += stiffness_rest[i] * q;
+      displacement[i] = q;
+      free_increment[i] = (change[i] - free_increment[i]) + (change[i] - pull);
+    }
+  }
+
+  constexpr void set(std::size_t i, const Mode& mode) {
+    detail::ModeConstants& constants = constants_[i] = detail::mode_constants(mode, sample_rate_hz_);
+    // A mode above half the sample rate would sound at a wrong pitch. As in contactspline_modal.lib, no force drives
+    // it.
+    if (!(mode.angular_frequency_rad_per_s < std::numbers::pi * sample_rate_hz_)) constants.admittance = 0;
+    stiffness_[i] = static_cast<T>(constants.stiffness);
+    stiffness_rest_[i] = static_cast<T>(constants.stiffness - static_cast<double>(stiffness_[i]));
+    loss_[i] = static_cast<T>(constants.loss);
+    admittance_[i] = static_cast<T>(constants.admittance);
+  }
+
+  // Does T round the constants? Then stiffness_rest_ holds the rounding error of the stiffness.
+  static constexpr bool kRounds = std::numeric_limits<T>::digits < std::numeric_limits<double>::digits;
+
+  double sample_rate_hz_;
+  T damping_ = 0;  // of the current sample
+  detail::ModalArray<T, Modes> stiffness_, stiffness_rest_, loss_, admittance_;
+  detail::ModalArray<T, Modes> displacement_, free_increment_, change_;
+  std::conditional_t<Modes == std::dynamic_extent, std::vector<detail::ModeConstants>,
+                     std::array<detail::ModeConstants, Modes>>
+      constants_{};
+};
+
+}  // namespace contactspline

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+// A soundboard or another body that strings drive through their bridge, and that moves their ends.
+#pragma once
+
+#include "contactspline/step/cpp20.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <concepts>
+#include <cstddef>
+#include <span>
+#include <utility>
+
+#include "contactspline/modal/modal.hpp"
+#include "contactspline/modal/stiff_string.hpp"
+#include "contactspline/step/controls.hpp"
+
+namespace contactspline {
+
+/// A body with one bridge. Strings and body take turns, half a sample apart: the strings advance one sample while the
+/// bridge stands still, then the body advances one sample while the strings stand still, tick(). The strings count
+/// the displacements of their modes from where the bridge would hold them at rest, so they follow its change(). Each
+/// side sees a constant force, so nothing is solved together, and yet the energy of strings, bridge and body is
+/// balanced to rounding (docs/how-it-works/body.md). No allocation after construction.
+template <std::floating_point T>
+class Body {
+ public:
+  /// `bridge`: shapes of the body's modes at the bridge, one for each mode. `stiffness`: the sum of
+  /// bridge_stiffness() of all strings that are there from the beginning.
+  Body(std::span<const Mode> modes, ModeShapes<T> bridge, const BridgeStiffness& stiffness, double sample_rate_hz)
+      : bank_(modes, sample_rate_hz),
+        bridge_(std::move(bridge)),
+        stiffness_(stiffness),
+        admittance_(bank_.admittance(bridge_, bridge_)) {}
+
+  /// Displacement of the bridge [m], and its change over the last sample, which the strings follow in the next one.
+  [[nodiscard]] T displacement() const { return displacement_; }
+  [[nodiscard]] T change() const { return change_; }
+
+  /// Modes of strings join between two samples: the stiffness that they add [N/m] (HammerString::follow), whose ends
+  /// have been there all the time.
+  void join(double stiffness_n_per_m) {
+    stiffness_.modes += stiffness_n_per_m;
+    force_n_ += static_cast<T>(stiffness_n_per_m / 2) * change_;
+  }
+  /// Modes of strings leave, with their energy: their stiffness, and their force on the bridge
+  /// (HammerString::bridge_force).
+  void leave(double stiffness_n_per_m, T force_n) {
+    stiffness_.modes -= stiffness_n_per_m;
+    force_n_ -= force_n;
+  }
+
+  /// Strings at the bridge change their tension: what their stiffness gains, and their force on the bridge [N].
+  void retune(const BridgeStiffness& gain, T force_gain_n) {
+    stiffness_ += gain;
+    force_n_ += force_gain_n;
+  }
+
+  /// Advances one sample under the force of the strings on the bridge [N], taken after their sample: the sum of shape
+  /// times modal displacement, -1e6 to 1e6. A force that is not a number counts as the last one. Safe in an audio
+  /// thread.
+  void tick(T force_n) {
+    force_n_ = held(force_n_, force_n, ControlRanges<T>::bridge_force_n);
+    bank_.predict();
+    const T free = bank_.increment(bridge_);
+    const T half = static_cast<T>((stiffness_.ends + stiffness_.modes) / 2);
+    // The force is pull - half change, where the change is the free one plus admittance times the force.
+    const T pull = force_n_ - static_cast<T>(stiffness_.ends) * displacement_;
+    const T force = (pull - half * free) / (1 + admittance_ * half);
+    bank_.push(bridge_, force);
+    bank_.commit();
+    change_ = free + admittance_ * force;
+    displacement_ = bank_.displacement(bridge_);
+  }
+
+  /// Energy [J] of the body, of the tension of the strings at its bridge, and of the change that the strings have not
+  /// followed yet; the sum with the strings' own energy changes by the work of other forces minus dissipated() of
+  /// all.
+  [[nodiscard]] double energy() const {
+    const double w = double(displacement_), change = double(change_);
+    return bank_.energy() + stiffness_.ends / 2 * w * w + (stiffness_.modes / 2 * change - double(force_n_)) * change;
+  }
+
+  /// The modes, for pickups and dissipated().
+  [[nodiscard]] const ModalBank<T>& modes() const { return bank_; }
+
+  /// Brings the body to rest. Does not allocate.
+  void reset() {
+    bank_.reset();
+    displacement_ = change_ = force_n_ = 0;
+  }
+
+ private:
+  ModalBank<T> bank_;
+  ModeShapes<T> bridge_;
+  BridgeStiffness stiffness_;
+  T admittance_;
+  T displacement_ = 0, change_ = 0, force_n_ = 0;
+};
+
+}  // namespace contactspline

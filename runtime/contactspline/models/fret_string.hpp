@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: MIT
+// A plucked string that buzzes against a fret.
+#pragma once
+
+#include "contactspline/step/cpp20.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+#include <utility>
+
+#include "contactspline/modal/modal.hpp"
+#include "contactspline/modal/string_place.hpp"
+#include "contactspline/step/contact.hpp"
+#include "contactspline/step/controls.hpp"
+
+namespace contactspline {
+
+/// Live controls of the fret-string model. Their ranges are those of ControlRanges (docs/reference/controls.md).
+template <std::floating_point T>
+struct FretStringControls {
+  T place_m;  ///< place of the fret on the string, 0 to its length (MovingPlace::move_to)
+  T gap_m;    ///< distance from the string at rest to the fret, which follows at 1 m/s; negative: the fret lifts the
+              ///< string
+  T pluck_force_n = 0;  ///< pushes the string at the pluck, towards the fret
+  T damping_per_s = 0;  ///< a hand that damps the string: extra decay of every mode
+  ContactControls<T> contact = {};
+};
+
+/// A modal string over a fret on a rigid neck. Displacements are positive towards the fret: compression = string -
+/// gap. Moving the fret, along the string or towards it, does the work work_of_fret(). With this work the energy
+/// balance is exact up to rounding (docs/how-to/fret-string.md).
+/// Modes: their number, if it is known at compile time: then the model needs no heap
+/// (docs/how-to/microcontrollers.md).
+template <std::floating_point T, std::size_t Extent = std::dynamic_extent, std::size_t Modes = std::dynamic_extent>
+class FretString {
+ public:
+  /// pluck_place_m: where the control of the pluck pushes [m], 0 to the length of the string, clamped; 0 if it is not
+  /// a number.
+  constexpr FretString(SegmentTable<T, Extent> fret, std::type_identity_t<std::span<const Mode, Modes>> modes,
+                       const StringShapes<T, Modes>& shapes, T pluck_place_m, double sample_rate_hz)
+      : fret_(fret),
+        string_(modes, sample_rate_hz),
+        place_(shapes, pluck_place_m, shapes.longest_step(modes, sample_rate_hz)),
+        pluck_(shapes.size()),
+        time_step_(T(1 / sample_rate_hz)) {
+    pluck_ = place_.after();
+  }
+
+  /// Sets the fret at a place [m] along the string, at a distance [m], -0.1 to 0.1, from the string at rest. Does
+  /// nothing if one of them is not a number.
+  void place(T place_m, T gap_m) {
+    if (!is_number(place_m) || !is_number(gap_m)) return;
+    place_.put(place_m);
+    gap_ = held(gap_, gap_m, Ranges::gap_m);
+    compression_ = string_.displacement(place_.after()) - gap_;
+    force_ = work_of_fret_ = 0;
+    is_placed_ = true;
+  }
+
+  /// Brings the string to rest. The fret stays where it is, and so do the last controls. Does not allocate.
+  void reset() {
+    string_.reset();
+    place(place_.place(), gap_);
+  }
+
+  /// Advances one sample. Safe on an audio thread: no allocation, no lock, bounded time.
+  void tick(const FretStringControls<T>& controls) {
+    compression_ = anchored(compression_, string_.displacement(place_.after()) - gap_);
+    follow(controls);
+    place_.move_to(controls.place_m);
+    const T lift = move_gap(controls.gap_m);
+    const T damping = damping_per_s_ * time_step_;
+    const T damping_gain = 1 / (1 + damping);
+    if (damping > 0)
+      string_.predict(damping);
+    else
+      string_.predict();
+    string_.push(pluck_, damping_gain * pluck_force_);
+    const T admittance = damping_gain * string_.admittance(place_.after(), place_.mean());
+    const Approach<T> approach{compression_,
+                               string_.increment(place_.after()) + string_.displacement(place_.change()) + lift,
+                               std::max(admittance, kMinAdmittance)};
+    const auto step = contact_step(fret_, contact_, time_step_, approach);
+    force_ = step.force;
+    string_.push(place_.mean(), -damping_gain * force_);
+    work_of_fret_ = force_ * (string_.middle(place_.change()) + lift);
+    string_.commit();
+    compression_ = step.compression;
+  }
+
+  [[nodiscard]] T force() const { return force_; }              ///< contact force over the last sample [N]
+  [[nodiscard]] T compression() const { return compression_; }  ///< of the contact, negative while apart [m]
+  /// Work that the moving fret did on the string over the last sample [J].
+  [[nodiscard]] T work_of_fret() const { return work_of_fret_; }
+  [[nodiscard]] const ModalBank<T, Modes>& string() const { return string_; }
+  [[nodiscard]] T gap() const { return gap_; }  ///< at the end of the last sample [m]
+  /// That acts: a control that rises under load is ahead of it.
+  [[nodiscard]] T stiffness_ratio() const { return contact_.stiffness_ratio; }
+
+ private:
+  using Ranges = ControlRanges<T>;
+  static constexpr T kGapSpeed_m_per_s = 1;
+
+  void follow(const FretStringControls<T>& controls) {
+    pluck_force_ = held(pluck_force_, controls.pluck_force_n, Ranges::force_n);
+    damping_per_s_ = held(damping_per_s_, controls.damping_per_s, Ranges::damping_per_s);
+    contact_ = std::exchange(is_placed_, false)
+                   ? held(contact_, controls.contact)
+                   : followed_contact(fret_, compression_, contact_, controls.contact, time_step_);
+  }
+
+  // Returns by how much the fret rises towards the string [m]. A fret that jumped would do work without bound.
+  T move_gap(T gap_m) {
+    const T before = gap_, target = held(gap_, gap_m, Ranges::gap_m), max_step = kGapSpeed_m_per_s * time_step_;
+    gap_ = std::abs(target - gap_) < max_step ? target : target > gap_ ? gap_ + max_step : gap_ - max_step;
+    return before - gap_;
+  }
+
+  // [m/N]. At the very end of the string the admittance is 0; the contact step needs one > 0.
+  static constexpr T kMinAdmittance = T(1e-18);
+
+  SegmentTable<T, Extent> fret_;
+  ModalBank<T, Modes> string_;
+  MovingPlace<T, Modes> place_;
+  ModeShapes<T, Modes> pluck_;
+  T time_step_;
+  T pluck_force_ = 0, damping_per_s_ = 0;
+  ContactControls<T> contact_;
+  bool is_placed_ = true;  // since the last sample: the next one takes the stiffness as it is
+  T gap_ = 0;
+  T compression_ = 0;
+  T force_ = 0;
+  T work_of_fret_ = 0;
+};
+
+}  // namespace contactspline

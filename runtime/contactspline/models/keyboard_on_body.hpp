@@ -1,0 +1,539 @@
+// SPDX-License-Identifier: MIT
+// A whole keyboard on its body: all strings end at one bridge and sound through it.
+#pragma once
+
+#include "contactspline/step/cpp20.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "contactspline/modal/stiff_string.hpp"
+#include "contactspline/models/body.hpp"
+#include "contactspline/models/hammer_voice.hpp"
+#include "contactspline/step/controls.hpp"
+#include "contactspline/step/flush_denormals.hpp"
+
+namespace contactspline {
+
+/// One key of a KeyboardOnBody.
+template <std::floating_point T>
+struct KeyOnBody {
+  StiffString strings;             ///< each by itself: one for each detuning
+  double strike_position_m;        ///< from the end that does not move
+  SegmentTable<T> felt;            ///< of one string; must outlive the instrument
+  HammerStringControls<T> hammer;  ///< mass and stiffness ratio of one string; KeyboardOnBody sets loss and damping
+  Damper damper;                   ///< damping 0: there is none
+};
+
+/// The body of a KeyboardOnBody: its modes, with shapes at the bridge and at both ears.
+struct BoardOfKeyboard {
+  std::span<const Mode> modes;
+  std::span<const double> bridge, left, right;
+};
+
+/// Struck strings on one body, with dampers and pedals; the output is the velocity of the body at two places [m/s].
+/// A key sleeps until it is struck, pressed, or lifted by the pedal while something sounds: then its strings join the
+/// bridge, in sympathy with their modes below kSympathy_hz only. Modes that ring no more leave
+/// (docs/how-it-works/keyboards.md). All functions but the constructor are safe on an audio thread: no allocation, no
+/// lock, bounded time.
+template <std::floating_point T>
+class KeyboardOnBody {
+ public:
+  static constexpr double kSympathy_hz = 5000;
+
+  /// The lowest `max_modes` modes below half the sample rate of each string. Allocates.
+  KeyboardOnBody(std::span<const KeyOnBody<T>> keys, const BoardOfKeyboard& board, double sample_rate_hz,
+                 std::size_t max_modes = 4096)
+      : time_step_s_(1 / sample_rate_hz),
+        body_(board.modes, ModeShapes<T>(board.bridge), stiffness_at_rest(keys), sample_rate_hz),
+        left_(body_.modes().velocity_shapes(body_.modes().sound_pickup(board.left))),
+        right_(body_.modes().velocity_shapes(body_.modes().sound_pickup(board.right))) {
+    keys_.reserve(keys.size());
+    for (const KeyOnBody<T>& key : keys) keys_.emplace_back(key, sample_rate_hz, max_modes);
+    awake_.reserve(keys.size());
+    resting_.reserve(keys.size());
+    struck_.reserve(keys.size());
+  }
+
+  /// Throws the hammer of a key, 0 to keys() - 1, at a speed [m/s], -1000 to 1000, and lifts its damper; at speed 0
+  /// it is pressed without a blow. Other keys and speeds that are not a number do nothing.
+  void strike(std::size_t key, T speed_m_per_s) {
+    if (key >= keys_.size() || !is_number(speed_m_per_s)) return;
+    if (speed_m_per_s == 0) return press(key);
+    Key& struck = keys_[key];
+    press(key);
+    set_modes(key, struck.model.string().size());
+    struck.prepare_strike(una_corda_, soft_ratio_, hammer_mass_ratio_, felt_);
+    struck.model.strike(speed_m_per_s, HammerVoice<T>::kThrowDistance_m);
+    struck.is_struck = sounds_ = true;
+    wake_lifted();
+  }
+
+  /// Lifts the damper of a key, as a key does that is pressed without a sound.
+  void press(std::size_t key) {
+    if (key >= keys_.size()) return;
+    keys_[key].is_down = true;
+    move_damper(keys_[key]);
+    wake_lifted();
+  }
+
+  /// Lowers the damper of a key, as far as the pedals allow.
+  void release(std::size_t key) {
+    if (key >= keys_.size()) return;
+    keys_[key].is_down = false;
+    move_damper(keys_[key]);
+  }
+
+  /// The sustain pedal: 0 up to 1 down, clamped. In between, the dampers damp with the fraction 1 - position.
+  void sustain(double position) {
+    sustain_ = held(sustain_, position, kPedal);
+    for (Key& key : keys_) move_damper(key);
+    wake_lifted();
+  }
+
+  /// The sostenuto pedal: while it is down, the dampers of the keys that were down when it went down stay up.
+  void sostenuto(bool is_down) {
+    if (is_down == std::exchange(is_sostenuto_, is_down)) return;
+    for (Key& key : keys_) {
+      key.is_held = is_down && key.is_down;
+      move_damper(key);
+    }
+  }
+
+  /// The soft pedal: 0 up to 1 down, clamped, from the next strikes on. It moves the hammers away from the last
+  /// string of keys that have several, and to a softer part of the felts: their stiffness is multiplied by 1 +
+  /// position (soft_ratio - 1).
+  void una_corda(double position) { una_corda_ = held(una_corda_, position, kPedal); }
+
+  /// Stiffness of the felts under the soft pedal, as a ratio, 1e-3 to 1, clamped; at first 1.
+  void set_soft_ratio(double ratio) { soft_ratio_ = held(soft_ratio_, ratio, {1e-3, 1}); }
+
+  /// Hammers and felts of all keys, from the next strikes on: mass as a ratio, stiffness as a ratio, loss [s/m].
+  void set_hammers(T mass_ratio, const ContactControls<T>& felt) {
+    hammer_mass_ratio_ = held(hammer_mass_ratio_, mass_ratio, {T(1e-6), T(1e6)});
+    felt_ = held(felt_, felt);
+  }
+
+  /// Moves the place at which a key's hammer strikes, from the end that does not move [m], from the next strike on;
+  /// clamped to the string.
+  void strike_at(std::size_t key, double position_m) {
+    if (key < keys_.size()) keys_[key].strike_at(position_m);
+  }
+
+  /// Damping of a key's strings beside the damper's: extra decay of every mode [1/s], 0 to 1e5, clamped.
+  void damp(std::size_t key, T damping_per_s) {
+    if (key >= keys_.size()) return;
+    T& extra = keys_[key].extra_damping_per_s;
+    extra = held(extra, damping_per_s, ControlRanges<T>::damping_per_s);
+  }
+
+  /// Bends a key's strings, also while they sound, by a change of their tension: so many cents above their own pitch,
+  /// -1200 to 1200, clamped. The bridge feels the new tension. A tension that rises does at most 1 W of work (saved
+  /// up for 10 ms), so that strings that swing far follow later. A bend by more than a few cents at once can be
+  /// noticed.
+  void bend(std::size_t key, double cents) {
+    if (key >= keys_.size()) return;
+    keys_[key].cents = held(keys_[key].cents, cents, {-1200, 1200});
+    follow_bend(keys_[key]);
+  }
+
+  /// Brings everything to rest and lets all keys go; the pedals stay.
+  void reset() {
+    for (const std::size_t key : awake_) body_.leave(keys_[key].stiffness_of(keys_[key].modes), 0);
+    for (Key& key : keys_) {
+      key.rest();
+      move_damper(key);
+      key.damper.finish();
+    }
+    awake_.clear();
+    clock_ = next_check_ = 0;
+    reset_body();
+    for (Key& key : keys_) follow_bend(key);  // at once: nothing sounds
+  }
+
+  /// Advances left.size() samples and writes the velocity of the body at the places of both ears [m/s]; both spans
+  /// must have the same size. The sound does not depend on where blocks are cut.
+  /// force: unless it is empty, the largest contact force of any key [N].
+  void process(std::span<T> left, std::span<T> right, std::span<T> force = {}) {
+    const FlushDenormals flushed;
+    for (std::size_t done = 0; done < left.size();) {
+      const std::size_t samples = std::min(left.size() - done, kCheckInterval - clock_);
+      process_steady(left.subspan(done, samples), right.subspan(done, samples),
+                     force.empty() ? force : force.subspan(done, samples));
+      done += samples;
+    }
+  }
+  /// The same in mono: the mean of both.
+  void process(std::span<T> out) {
+    const FlushDenormals flushed;
+    std::array<T, kCheckInterval> other;
+    for (std::size_t done = 0; done < out.size();) {
+      const std::size_t samples = std::min(out.size() - done, kCheckInterval - clock_);
+      const auto left = out.subspan(done, samples), right = std::span(other).first(samples);
+      process_steady(left, right, {});
+      for (std::size_t n = 0; n < samples; ++n) left[n] = (left[n] + right[n]) / 2;
+      done += samples;
+    }
+  }
+
+  [[nodiscard]] std::size_t keys() const { return keys_.size(); }
+  /// Number of keys that are computed, and of their modes.
+  [[nodiscard]] std::size_t awake() const { return awake_.size(); }
+  [[nodiscard]] std::size_t modes_awake() const {
+    std::size_t modes = 0;
+    for (const std::size_t key : awake_) modes += keys_[key].modes;
+    return modes;
+  }
+  /// Contact force of a key's hammer over the last sample [N].
+  [[nodiscard]] T force(std::size_t key) const { return keys_[key].model.force(); }
+  [[nodiscard]] bool is_hammer_flying() const {
+    return std::ranges::any_of(awake_, [&](std::size_t key) { return keys_[key].model.is_hammer_flying(); });
+  }
+
+  /// Energy of strings, bridge and body [J], without the hammers.
+  [[nodiscard]] double energy() const {
+    double energy = body_.energy();
+    for (const std::size_t key : awake_)
+      for (std::size_t i = 0; i < keys_[key].modes; ++i) energy += keys_[key].model.string().energy(i);
+    return energy;
+  }
+  /// Number of contacts that have begun.
+  [[nodiscard]] std::size_t contacts() const { return contacts_; }
+  [[nodiscard]] const Body<T>& body() const { return body_; }
+  /// How often it came to rest because body or strings were not finite.
+  [[nodiscard]] std::size_t failures() const { return failures_; }
+
+ private:
+  static constexpr ControlRange<double> kPedal{0, 1};
+  // Modes that join and leave together: whole cache lines in both precisions.
+  static constexpr std::size_t kLine = detail::ModalArray<float>::kLine;
+  static constexpr std::size_t kCheckInterval = 32;  // samples, after each of which one key is checked
+  static constexpr double kSilence_j = 1e-14;        // 100 dB below the blow of a C4 hammer at 0.4 m/s
+  // What may leave, as a fraction of all energy: of a key that is damped, and of one that rings.
+  static constexpr double kDampedFraction = 1e-7, kRingingFraction = 1e-9;
+  static constexpr double kBodySilence_j = 1e-17;
+
+  /// The modes of all strings by rising frequency, in whole lines: a number of them can be advanced alone.
+  struct Key {
+    Key(const KeyOnBody<T>& key, double sample_rate_hz, std::size_t max_modes)
+        : Key(key, rows_of(key.strings, sample_rate_hz / 2, max_modes), sample_rate_hz) {}
+
+    struct Row {
+      Mode mode;
+      double wavenumber_per_m;
+      std::size_t string;
+    };
+
+    Key(const KeyOnBody<T>& key, std::vector<Row> sorted, double sample_rate_hz)
+        : rows(std::move(sorted)),
+          tuned(bare(rows)),
+          model(key.felt, tuned, ModeShapes<T>(rows.size()), sample_rate_hz),
+          bridge(model.bridge(bridge_shapes<T>(key.strings, rows, 1))),
+          strike(rows.size()),
+          shapes(rows.size()),
+          stiffness((rows.size() + kLine - 1) / kLine + 1),
+          ends_n_per_m(bridge_stiffness(key.strings, std::vector<StringMode>()).ends),
+          damper(key.damper, sample_rate_hz),
+          hammer(key.hammer),
+          controls(key.hammer),
+          string(key.strings),
+          strings(key.strings.detuning_cents.size()),
+          has_damper(key.damper.damping_per_s > 0) {
+      strike_at(key.strike_position_m);
+      sum_stiffness();
+      for (std::size_t i = 0; i < rows.size(); ++i)
+        if (rows[i].mode.angular_frequency_rad_per_s < 2 * std::numbers::pi * kSympathy_hz) sympathetic = i + 1;
+      sympathetic = in_lines(sympathetic);
+      damper.move_to(1);
+      damper.finish();
+    }
+
+    static std::vector<Row> rows_of(const StiffString& strings, double max_frequency_hz, std::size_t max_modes) {
+      std::vector<Row> rows;
+      for (std::size_t s = 0; s < strings.detuning_cents.size(); ++s) {
+        StiffString one = strings;
+        one.detuning_cents = {strings.detuning_cents[s]};
+        for (const StringMode& mode : modes_below(one, max_frequency_hz, max_modes))
+          rows.push_back({mode.mode, mode.wavenumber_per_m, s});
+      }
+      std::ranges::stable_sort(rows, {}, [](const Row& row) { return row.mode.angular_frequency_rad_per_s; });
+      return rows;
+    }
+
+    // A number of modes, up to the end of its line.
+    [[nodiscard]] std::size_t in_lines(std::size_t count) const {
+      return std::min((count + kLine - 1) / kLine * kLine, model.string().size());
+    }
+    // Stiffness that the lowest modes add to the bridge, in whole lines or all [N/m].
+    [[nodiscard]] double stiffness_of(std::size_t count) const { return stiffness[(count + kLine - 1) / kLine]; }
+
+    void sum_stiffness() {
+      double sum = 0;
+      for (std::size_t i = 0; i < shapes.size(); ++i) {
+        if (i % kLine == 0) stiffness[i / kLine] = sum;
+        sum += model.stiffness_on(bridge, i, i + 1);
+      }
+      stiffness.back() = sum;
+    }
+
+    void strike_at(double position_m) {
+      const double place = held(position, position_m, {0, string.length_m});
+      if (place == std::exchange(position, place)) return;
+      for (std::size_t i = 0; i < shapes.size(); ++i)
+        shapes[i] = static_cast<T>(std::sin(rows[i].wavenumber_per_m * position));
+      struck_part = -1;
+    }
+
+    // Takes the tension of its bend. A mode rests per displacement of the bridge where it did before.
+    void retune() {
+      if (tuned_cents == bend.cents()) return;
+      tuned_cents = bend.cents();
+      for (std::size_t i = 0; i < rows.size(); ++i) tuned[i] = retuned(string, rows[i], tuned_cents);
+      model.retune(tuned);
+      for (std::size_t i = 0; i < rows.size(); ++i) {
+        bridge.shapes[i] = static_cast<T>(bridge_shape(string, StringMode{tuned[i], rows[i].wavenumber_per_m}));
+        bridge.rests[i] = static_cast<T>(model.string().compliance(i) * double(bridge.shapes[i]));
+      }
+      sum_stiffness();
+    }
+
+    // Under the soft pedal the hammer strikes the last of several strings in part, and the felt is as stiff as that
+    // of the strings it strikes.
+    void prepare_strike(double una_corda, double soft_ratio, T mass_ratio, const ContactControls<T>& felt) {
+      const double last = strings > 1 ? 1 - una_corda : 1, all = static_cast<double>(strings - 1) + last;
+      if (last != struck_part) {
+        struck_part = last;
+        for (std::size_t i = 0; i < shapes.size(); ++i)
+          strike[i] = shapes[i] * static_cast<T>((rows[i].string + 1 == strings ? last : 1) / all);
+        model.strike_at(strike);
+      }
+      controls.hammer_mass_kg = mass_ratio * static_cast<T>(static_cast<double>(strings)) * hammer.hammer_mass_kg;
+      controls.felt.stiffness_ratio = felt.stiffness_ratio *
+                                      static_cast<T>(all * std::lerp(1.0, soft_ratio, una_corda)) *
+                                      hammer.felt.stiffness_ratio;
+      controls.felt.loss_s_per_m = felt.loss_s_per_m;
+    }
+
+    void rest() {
+      model.reset();
+      modes = 0;
+      checks = 0;
+      energy_j = 0;
+      is_struck = is_down = is_held = touches = false;
+    }
+
+    std::vector<Row> rows;
+    std::vector<Mode> tuned;  // the same at the tension of tuned_cents
+    HammerString<T> model;
+    BridgeShapes<T> bridge;
+    ModeShapes<T> strike;           // of the whole hammer
+    std::vector<T> shapes;          // where the hammer strikes
+    std::vector<double> stiffness;  // of the modes below each line
+    double ends_n_per_m;            // stiffness of the ends of the strings, without a bend
+    detail::FallingDamper damper;
+    HammerStringControls<T> hammer, controls;
+    StiffString string;
+    std::size_t strings, sympathetic = 0;
+    bool has_damper;
+    double struck_part = -1;  // of the last string
+    double position = 0;      // of the strike [m]
+    double cents = 0;         // the control of the bend
+    detail::Bend bend;        // that the bridge feels
+    double tuned_cents = 0;   // the same of the modes: keys that sleep take it when they wake
+    T extra_damping_per_s = 0;
+    // Of the sound:
+    std::size_t modes = 0;  // that are at the bridge; 0: the key sleeps
+    std::size_t checks = 0;
+    double energy_j = 0;  // at the last check
+    // Did a hammer fly at the last check? Not asked more often, so that where blocks are cut has no effect.
+    bool is_struck = false;
+    bool is_down = false, is_held = false;  // by the key; by the sostenuto pedal
+    bool touches = false;                   // does the hammer touch?
+  };
+
+  static BridgeStiffness stiffness_at_rest(std::span<const KeyOnBody<T>> keys) {
+    BridgeStiffness stiffness;
+    for (const KeyOnBody<T>& key : keys) stiffness += bridge_stiffness(key.strings, std::vector<StringMode>());
+    return stiffness;
+  }
+
+  [[nodiscard]] bool is_lifted(const Key& key) const {
+    return !key.has_damper || key.is_down || key.is_held || sustain_ > 0;
+  }
+  void move_damper(Key& key) { key.damper.move_to(key.is_down || key.is_held ? 0 : 1 - sustain_); }
+
+  // Whatever has no damper on it rings in sympathy.
+  void wake_lifted() {
+    if (!sounds_) return;
+    for (std::size_t key = 0; key < keys_.size(); ++key)
+      if (is_lifted(keys_[key])) {
+        keys_[key].checks = 0;
+        if (keys_[key].modes < keys_[key].sympathetic) set_modes(key, keys_[key].sympathetic);
+      }
+  }
+
+  void follow_bend(Key& key) {
+    const double before = key.bend.cents(), w = double(body_.displacement());
+    if (key.cents == before) return;
+    const double energy =
+        detail::tension_energy(key.string, std::span<const typename Key::Row>(key.rows).first(key.modes),
+                               key.model.string()) +
+        key.ends_n_per_m * w * w / 2;
+    if (!key.bend.follow(key.cents, energy, static_cast<double>(samples_) * time_step_s_)) return;
+    const double change = std::exp2(key.bend.cents() / 600) - std::exp2(before / 600);
+    body_.retune({key.ends_n_per_m * change, 0}, 0);
+    if (key.modes > 0) retune(key);
+  }
+
+  void retune(Key& key) {
+    const double stiffness = key.stiffness_of(key.modes);
+    const T force = key.model.bridge_force(key.bridge, 0, key.modes);
+    key.retune();
+    body_.retune({0, key.stiffness_of(key.modes) - stiffness},
+                 key.model.bridge_force(key.bridge, 0, key.modes) - force);
+  }
+
+  void set_modes(std::size_t key, std::size_t modes) {
+    Key& changed = keys_[key];
+    if (changed.modes == 0) changed.retune();
+    const std::size_t before = std::exchange(changed.modes, modes);
+    if (modes > before) {
+      (void)changed.model.follow(changed.bridge, before, modes, body_.change());
+      body_.join(changed.stiffness_of(modes) - changed.stiffness_of(before));
+      if (before == 0) awake_.insert(std::ranges::lower_bound(awake_, key), key);  // does not allocate
+    } else if (modes < before) {
+      body_.leave(changed.stiffness_of(before) - changed.stiffness_of(modes),
+                  changed.model.bridge_force(changed.bridge, modes, before));
+      if (modes == 0) std::erase(awake_, key);
+    }
+  }
+
+  // A block in which no key joins or leaves.
+  void process_steady(std::span<T> left, std::span<T> right, std::span<T> force) {
+    if (!sounds_) {
+      std::ranges::fill(left, T(0));
+      std::ranges::fill(right, T(0));
+      std::ranges::fill(force, T(0));
+      return;
+    }
+    clock_ += left.size();
+    samples_ += left.size();
+    while (!left.empty()) {
+      std::size_t samples = left.size();
+      for (const std::size_t key : awake_) samples = std::min(samples, keys_[key].damper.samples());
+      process_damped(left.first(samples), right.first(samples), force.empty() ? force : force.first(samples));
+      for (const std::size_t key : awake_) keys_[key].damper.advance(samples);
+      left = left.subspan(samples);
+      right = right.subspan(samples);
+      if (!force.empty()) force = force.subspan(samples);
+    }
+    if (clock_ == kCheckInterval) {
+      clock_ = 0;
+      for (const std::size_t key : awake_) keys_[key].is_struck = keys_[key].model.is_hammer_flying();
+      for (Key& key : keys_) follow_bend(key);
+      check();
+    }
+  }
+
+  // A block in which no damper moves.
+  void process_damped(std::span<T> left, std::span<T> right, std::span<T> forces) {
+    resting_.clear();
+    struck_.clear();
+    for (const std::size_t k : awake_) {
+      Key& key = keys_[k];
+      key.controls.damping_per_s = static_cast<T>(key.damper.value()) + key.extra_damping_per_s;
+      if (key.is_struck) {
+        struck_.push_back(k);
+      } else {
+        resting_.push_back(key.model.on_bridge(key.bridge, key.modes,
+                                               1 / (1 + key.controls.damping_per_s * static_cast<T>(time_step_s_))));
+      }
+    }
+    for (std::size_t n = 0; n < left.size(); ++n) {
+      const T change = body_.change();
+      T force = detail::advance_strings<T>(std::span<const detail::StringsOnBridge<T>>(resting_), change);
+      T largest = 0;
+      for (const std::size_t k : struck_) {
+        Key& key = keys_[k];
+        force += key.model.tick(key.controls, key.bridge, change);
+        const bool touches = key.model.force() > 0;
+        contacts_ += touches && !std::exchange(key.touches, touches);
+        key.touches = touches;
+        largest = std::max(largest, key.model.force());
+      }
+      if (!forces.empty()) forces[n] = largest;
+      body_.tick(force);
+      left[n] = body_.modes().velocity(left_);
+      right[n] = body_.modes().velocity(right_);
+    }
+  }
+
+  // Looks at one key, and at the body after all keys: what rings no more leaves.
+  void check() {
+    if (next_check_ == keys_.size()) {
+      next_check_ = 0;
+      const std::array<T, 1> w = {body_.displacement()};
+      if (!all_finite(std::span<const T>(w))) return fail();
+      body_j_ = body_.modes().energy();
+      if (awake_.empty() && body_j_ < kBodySilence_j) reset_body();
+      return;
+    }
+    const std::size_t k = next_check_++;
+    Key& key = keys_[k];
+    if (key.modes == 0 || key.is_struck || key.checks++ == 0) return;
+    const double limit =
+        std::max(kSilence_j, (is_lifted(key) ? kRingingFraction : kDampedFraction) * (body_j_ + stored_j_));
+    double leaving = 0;
+    std::size_t modes = key.modes;
+    while (modes > 0) {
+      const std::size_t first = (modes - 1) / kLine * kLine;
+      double energy = 0;
+      for (std::size_t i = first; i < modes; ++i) energy += key.model.string().energy(i);
+      if (!(leaving + energy < limit)) break;
+      leaving += energy;
+      modes = first;
+    }
+    double energy = 0;
+    for (std::size_t i = 0; i < modes; ++i) energy += key.model.string().energy(i);
+    if (!all_finite(std::span<const double>(&energy, 1))) return fail();
+    stored_j_ += energy - std::exchange(key.energy_j, energy);
+    set_modes(k, modes);
+  }
+
+  void fail() {
+    ++failures_;
+    reset();
+  }
+
+  void reset_body() {
+    body_.reset();
+    sounds_ = false;
+    stored_j_ = body_j_ = 0;
+  }
+
+  double time_step_s_;
+  Body<T> body_;
+  typename ModalBank<T>::VelocityShapes left_, right_;
+  std::vector<Key> keys_;
+  std::vector<std::size_t> awake_;   // numbers of the keys at the bridge, rising
+  std::vector<std::size_t> struck_;  // of those with a hammer in flight
+  std::vector<detail::StringsOnBridge<T>> resting_;
+  std::size_t clock_ = 0, next_check_ = 0, failures_ = 0, contacts_ = 0;
+  std::uint64_t samples_ = 0;
+  double sustain_ = 0, una_corda_ = 0, soft_ratio_ = 1;
+  T hammer_mass_ratio_ = 1;
+  ContactControls<T> felt_ = {};
+  bool is_sostenuto_ = false;
+  bool sounds_ = false;
+  double body_j_ = 0, stored_j_ = 0;  // of the body and of all keys, at their last checks
+};
+
+}  // namespace contactspline

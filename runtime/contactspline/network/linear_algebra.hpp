@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT
+// Lists and matrices whose memory is reserved once, and Cholesky factors of I + positive semidefinite matrices.
+#pragma once
+
+#include "contactspline/step/cpp20.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <concepts>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "contactspline/modal/modal.hpp"
+#include "contactspline/simd/kernels.hpp"
+
+namespace contactspline::detail {
+
+/// A list of no more elements than were reserved: to add one is to store it.
+template <typename Element>
+class ReservedList {
+ public:
+  void reserve(std::size_t size) { elements_.resize(size); }
+  void clear() { size_ = 0; }
+  void push_back(const Element& element) { elements_[size_++] = element; }
+
+  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] bool empty() const { return size_ == 0; }
+  [[nodiscard]] const Element* begin() const { return elements_.data(); }
+  [[nodiscard]] const Element* end() const { return elements_.data() + size_; }
+  [[nodiscard]] const Element& operator[](std::size_t i) const { return elements_[i]; }
+  friend bool operator==(const ReservedList& a, const ReservedList& b) { return std::ranges::equal(a, b); }
+
+ private:
+  std::vector<Element> elements_;
+  std::size_t size_ = 0;
+};
+
+using IndexList = ReservedList<std::size_t>;
+
+/// A symmetric matrix, or the lower triangle of one. Its columns begin on cache lines.
+template <std::floating_point T>
+class ColumnMatrix {
+ public:
+  ColumnMatrix() = default;
+  explicit ColumnMatrix(std::size_t size) : stride_(padded(size)), values_(stride_ * size) {}
+
+  /// n rounded up to whole cache lines.
+  [[nodiscard]] static std::size_t padded(std::size_t n) {
+    return (n + ModalArray<T>::kLine - 1) / ModalArray<T>::kLine * ModalArray<T>::kLine;
+  }
+  /// From the beginning of a column to that of the next one.
+  [[nodiscard]] std::size_t stride() const { return stride_; }
+  [[nodiscard]] T* column(std::size_t j) { return values_.data() + j * stride_; }
+  [[nodiscard]] const T* column(std::size_t j) const { return values_.data() + j * stride_; }
+  [[nodiscard]] T operator()(std::size_t i, std::size_t j) const { return column(j)[i]; }
+  [[nodiscard]] T& operator()(std::size_t i, std::size_t j) { return column(j)[i]; }
+
+ private:
+  std::size_t stride_ = 0;
+  ModalArray<T> values_;
+};
+
+/// to[from..n) += factor * column[from..n)
+template <std::floating_point T>
+void add_scaled(std::size_t from, std::size_t n, T factor, const T* __restrict column, T* __restrict to) {
+  for (std::size_t i = from; i < n; ++i) to[i] += factor * column[i];
+}
+
+/// I + a positive semidefinite matrix of m rows becomes its Cholesky factor, with the inverse of its diagonal. Above
+/// its diagonal it is scratch, so that all loops run on whole vectors.
+template <std::floating_point T>
+void factorise(ColumnMatrix<T>& factor, std::size_t m) {
+  constexpr std::size_t kLine = ModalArray<T>::kLine;
+  const std::size_t padded = factor.padded(m);
+  for (std::size_t j = 0; j < m; ++j) {
+    T* column = factor.column(j);
+    const T inverse = 1 / std::sqrt(std::max(column[j], T(1)));  // no diagonal of I + ... is below 1
+    for (std::size_t i = j / kLine * kLine; i < padded; ++i) column[i] *= inverse;
+    for (std::size_t k = j + 1; k < m; ++k)
+      add_scaled(k / kLine * kLine, padded, -column[k], column, factor.column(k));
+    column[j] = inverse;
+  }
+}
+
+/// right becomes factor^-1 right. From row ends[j] on, column j is 0.
+template <std::floating_point T>
+void solve_forwards(const ColumnMatrix<T>& factor, const std::vector<std::size_t>& ends, T* right) {
+  for (std::size_t j = 0; j < ends.size(); ++j) {
+    const T* column = factor.column(j);
+    right[j] *= column[j];
+    for (std::size_t i = j + 1; i < ends[j]; ++i) right[i] -= right[j] * column[i];
+  }
+}
+
+/// right becomes factor^-T right.
+template <std::floating_point T>
+void solve_backwards(const ColumnMatrix<T>& factor, const std::vector<std::size_t>& ends, T* right) {
+  for (std::size_t j = ends.size(); j-- > 0;) {
+    const T* column = factor.column(j);
+    T sum = right[j];
+    for (std::size_t i = j + 1; i < ends[j]; ++i) sum -= column[i] * right[i];
+    right[j] = sum * column[j];
+  }
+}
+
+/// A system of equations whose matrix is I + a positive semidefinite one, of up to a given number of rows.
+template <std::floating_point T>
+class LinearSystem {
+ public:
+  explicit LinearSystem(std::size_t max_rows) : matrix_(max_rows), right_(max_rows) { row_ends_.reserve(max_rows); }
+
+  /// For the caller to fill in before solve(): column j and the right side. Rows m to padded(m) of a column are 0.
+  [[nodiscard]] T* column(std::size_t j) { return matrix_.column(j); }
+  [[nodiscard]] std::size_t padded(std::size_t m) const { return matrix_.padded(m); }
+  [[nodiscard]] T& right(std::size_t i) { return right_[i]; }
+
+  /// Solves m rows. The right side becomes the solution, the matrix scratch.
+  void solve(std::size_t m) {
+    if (m == 1) return solve_few<1>();
+    if (m == 2) return solve_few<2>();
+    if (m == 3) return solve_few<3>();
+#ifdef CONTACTSPLINE_SIMD
+    std::fill(right_.data() + m, right_.data() + matrix_.padded(m), T(0));
+    return solve_positive_definite(m, matrix_.column(0), matrix_.stride(), right_.data());
+#endif
+    factorise(matrix_, m);
+    row_ends_.assign(m, m);
+    solve_forwards(matrix_, row_ends_, right_.data());
+    solve_backwards(matrix_, row_ends_, right_.data());
+  }
+
+ private:
+  // The same for so few rows that they fit into registers.
+  template <std::size_t kRows>
+  void solve_few() {
+    T l[kRows][kRows], x[kRows];
+    for (std::size_t j = 0; j < kRows; ++j) {
+      T diagonal = matrix_(j, j);
+      x[j] = right_[j];
+      for (std::size_t k = 0; k < j; ++k) {
+        l[j][k] = matrix_(j, k);
+        for (std::size_t q = 0; q < k; ++q) l[j][k] -= l[j][q] * l[k][q];
+        l[j][k] *= l[k][k];
+        diagonal -= l[j][k] * l[j][k];
+        x[j] -= l[j][k] * x[k];
+      }
+      l[j][j] = 1 / std::sqrt(std::max(diagonal, T(1)));
+      x[j] *= l[j][j];
+    }
+    for (std::size_t j = kRows; j-- > 0;) {
+      for (std::size_t k = j + 1; k < kRows; ++k) x[j] -= l[k][j] * x[k];
+      right_[j] = x[j] *= l[j][j];
+    }
+  }
+
+  ColumnMatrix<T> matrix_;
+  ModalArray<T> right_;
+  std::vector<std::size_t> row_ends_;
+};
+
+}  // namespace contactspline::detail

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+// What a network of bodies and connections is made of.
+#pragma once
+
+#include "contactspline/step/cpp20.hpp"
+
+#include <concepts>
+#include <cstddef>
+#include <limits>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "contactspline/modal/modal.hpp"
+#include "contactspline/step/contact.hpp"
+
+namespace contactspline {
+
+/// Stands for a place that does not move.
+inline constexpr std::size_t kGround = std::numeric_limits<std::size_t>::max();
+
+/// Consecutive connections of a network.
+struct ConnectionRange {
+  std::size_t first, count;
+};
+
+/// What a ContactNetwork is made of. Each add function returns the index of what it adds. A connection joins two
+/// places of earlier calls, one of which may be kGround. Its compression is
+///
+///     displacement(first) - displacement(second) - gap
+template <std::floating_point T>
+class NetworkPlan {
+ public:
+  struct Place {
+    std::size_t body;
+    ModeShapes<T> shapes;
+  };
+  struct Connection {
+    std::size_t first, second;
+    SegmentTable<T> table = {};  // of a contact
+    ContactControls<T> contact = {};
+    T weight = 1;  // multiplies the stiffness of a contact
+    T gap_m = 0;
+    T spring_n_per_m = 0, resistance_n_s_per_m = 0;
+    bool is_rigid = false;
+  };
+
+  std::size_t add_body(std::span<const Mode> modes) { return add(bodies_, {modes.begin(), modes.end()}); }
+
+  /// A free mass [kg], which moves along one line. Returns its body; mass_place() has its place.
+  std::size_t add_mass(double mass_kg) {
+    const Mode mode{0, 0, mass_kg};
+    return add_body({&mode, 1});
+  }
+  std::size_t add_place(std::size_t body, std::span<const double> shapes) {
+    return add(places_, {body, ModeShapes<T>(shapes)});
+  }
+  std::size_t add_mass_place(std::size_t mass) {
+    const double shape = 1;
+    return add_place(mass, {&shape, 1});
+  }
+
+  /// The table must outlive the network. weight: multiplies the stiffness, > 0.
+  std::size_t add_contact(std::size_t first, std::size_t second, SegmentTable<T> table, T gap_m = 0,
+                          const ContactControls<T>& contact = {}, T weight = 1) {
+    return add(
+        connections_,
+        {.first = first, .second = second, .table = table, .contact = contact, .weight = weight, .gap_m = gap_m});
+  }
+
+  /// A distributed contact between places of one body and one place or the ground. gaps_m: distance from each place
+  /// to the profile. weights: part of the profile that each point stands for. If the material's force is per metre,
+  /// they are lengths [m].
+  ConnectionRange add_profile(std::span<const std::size_t> places, std::size_t second, SegmentTable<T> table,
+                              std::span<const double> gaps_m, std::span<const double> weights,
+                              const ContactControls<T>& contact = {}) {
+    const std::size_t first = connections_.size();
+    for (std::size_t k = 0; k < places.size(); ++k)
+      add_contact(places[k], second, table, static_cast<T>(gaps_m[k]), contact, static_cast<T>(weights[k]));
+    return {first, places.size()};
+  }
+
+  /// A spring [N/m] with a damper [N s/m] beside it; one of them may be 0. gap_m: displacement(first) -
+  /// displacement(second) where the spring is relaxed.
+  std::size_t add_spring(std::size_t first, std::size_t second, T spring_n_per_m, T resistance_n_s_per_m = 0,
+                         T gap_m = 0) {
+    return add(connections_, {.first = first,
+                              .second = second,
+                              .gap_m = gap_m,
+                              .spring_n_per_m = spring_n_per_m,
+                              .resistance_n_s_per_m = resistance_n_s_per_m});
+  }
+
+  /// A link so stiff that its length changes by 1e-3 of what the places would move apart in a sample.
+  std::size_t add_rigid_link(std::size_t first, std::size_t second, T gap_m = 0) {
+    return add(connections_, {.first = first, .second = second, .gap_m = gap_m, .is_rigid = true});
+  }
+
+  [[nodiscard]] const std::vector<std::vector<Mode>>& bodies() const { return bodies_; }
+  [[nodiscard]] const std::vector<Place>& places() const { return places_; }
+  [[nodiscard]] const std::vector<Connection>& connections() const { return connections_; }
+
+ private:
+  template <typename Element>
+  static std::size_t add(std::vector<Element>& elements, Element element) {
+    elements.push_back(std::move(element));
+    return elements.size() - 1;
+  }
+
+  std::vector<std::vector<Mode>> bodies_;
+  std::vector<Place> places_;
+  std::vector<Connection> connections_;
+};
+
+}  // namespace contactspline

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: MIT
+// A contact or a spring over one sample, and the law that a contact's force follows over it.
+#pragma once
+
+#include "contactspline/step/cpp20.hpp"
+
+#include <algorithm>
+#include <concepts>
+#include <cstddef>
+#include <limits>
+#include <span>
+
+#include "contactspline/step/contact.hpp"
+
+namespace contactspline {
+
+/// A contact or a spring over one sample. It is a contact if it has a table. A spring has none, pulls as well as it
+/// pushes, and stores spring_n_per_m compression^2/2.
+template <std::floating_point T>
+struct CoupledConnection {
+  SegmentTable<T> table = {};
+  ContactControls<T> contact = {};
+  T spring_n_per_m = 0;     ///< >= 0
+  T resistance = 0;         ///< viscous force per metre of increment [N/m], R/dt, >= 0; of springs only
+  T compression = 0;        ///< at the beginning of the sample [m]; advance() moves it to the end
+  T free_increment = 0;     ///< change of the compression over the sample if no connection acted [m]
+  std::size_t segment = 0;  ///< of a contact: the one that holds the compression; advance() moves it too
+  T force = 0;              ///< over the last sample [N]; the search for the next one begins here
+};
+
+namespace detail {
+
+/// Force of a connection over a sample and its slope, as functions of the increment.
+template <std::floating_point T>
+struct ForceAndSlope {
+  T force, slope;
+};
+
+/// Compression [m] at the end of a sample, and the segment that holds it.
+template <std::floating_point T>
+struct EndOfSample {
+  T compression;
+  std::size_t segment;
+};
+
+/// The law of one contact over one sample: force(x) never falls with the increment x.
+template <std::floating_point T>
+class SampleLaw {
+ public:
+  SampleLaw() = default;
+
+  SampleLaw(const CoupledConnection<T>& c, T time_step) : table_(c.table), start_(c.segment), y0_(c.compression) {
+    const Segment<T>& here = table_[start_];
+    ratio_ = c.contact.stiffness_ratio;
+    slope_at_knot_ = here.force_at(y0_);
+    force_ = ratio_ * slope_at_knot_;
+    half_curvature_ = ratio_ * here.half_curvature;
+    resistance_ = c.contact.loss_s_per_m > 0 ? c.contact.loss_s_per_m * ratio_ / time_step * slope_at_knot_ : T(0);
+    if (start_ > 0) lower_ = distance_to(start_);
+    if (start_ + 1 < table_.size()) upper_ = distance_to(start_ + 1);
+  }
+
+  /// Force over the sample [N] and its slope [N/m] for an increment x. segment: where it is expected to end, becomes
+  /// where it ends.
+  [[nodiscard]] ForceAndSlope<T> at(T x, std::size_t& segment) const {
+    ForceAndSlope<T> elastic{force_ + half_curvature_ * x, half_curvature_};
+    if (x < lower_ || x >= upper_)
+      elastic = crossing(x, segment);
+    else
+      segment = start_;
+    const ForceAndSlope<T> total{elastic.force + resistance_ * x, elastic.slope + resistance_};
+    if (total.force < 0) return {0, 0};  // it would pull
+    return total;
+  }
+
+  /// Slope of the force [N/m] where a contact step ends.
+  [[nodiscard]] T slope_at(const ContactStep<T>& step) const {
+    if (step.force == 0) return 0;
+    const T x = step.compression - y0_;
+    if ((x >= lower_ && x < upper_) || x == 0) return half_curvature_ + resistance_;
+    const T elastic = step.force - resistance_ * x, at_end = ratio_ * table_[step.segment].force_at(step.compression);
+    return std::max(T(0), (at_end - elastic) / x) + resistance_;
+  }
+
+  /// A slope C [N/m] with force_at_rest() + C x >= force(x) for x > 0 and <= force(x) for x < 0, whatever x: half the
+  /// largest curvature, and the resistance.
+  [[nodiscard]] T steepest_slope() const {
+    T half_curvature = half_curvature_;
+    for (const Segment<T>& segment : table_)
+      half_curvature = std::max(half_curvature, ratio_ * segment.half_curvature);
+    return half_curvature + resistance_;
+  }
+
+  [[nodiscard]] T force_at_rest() const { return force_; }      ///< for x = 0 [N]
+  [[nodiscard]] std::size_t segment() const { return start_; }  ///< in which the sample begins
+
+  /// Where a step with the increment x ends. segment: as in at().
+  [[nodiscard]] EndOfSample<T> end_of(T x, std::size_t segment) const {
+    if (x >= lower_ && x < upper_) return {y0_ + x, relocate_segment(table_, start_, y0_ + x)};
+    const Crossed crossed = cross(x, segment);
+    const T y = table_[crossed.entry].knot + crossed.beyond;
+    return {y, relocate_segment(table_, crossed.last, y)};
+  }
+
+ private:
+  // A step that ends in segment `last`, `beyond` the knot `entry` by which it enters this segment.
+  struct Crossed {
+    std::size_t last, entry;
+    T beyond;
+  };
+
+  [[nodiscard]] T distance_to(std::size_t knot) const { return whole(table_[knot].knot - y0_); }
+
+  [[nodiscard]] Crossed cross(T x, std::size_t expected) const {
+    std::size_t last = expected;
+    if (x >= upper_) {
+      last = std::max(last, start_);
+      while (last > start_ && x < distance_to(last)) --last;
+      while (last + 1 < table_.size() && x >= distance_to(last + 1)) ++last;
+      return {last, last, x - distance_to(last)};
+    }
+    last = std::min(last, start_);
+    while (last < start_ && x >= distance_to(last + 1)) ++last;
+    while (last > 0 && x < distance_to(last)) --last;
+    return {last, last + 1, x - distance_to(last + 1)};
+  }
+
+  [[nodiscard]] ForceAndSlope<T> crossing(T x, std::size_t& segment) const {
+    const Crossed crossed = cross(x, segment);
+    segment = crossed.last;
+    const PotentialWalk<T, std::dynamic_extent> walk(table_, start_, y0_, x >= upper_);
+    const T c = table_[crossed.last].half_curvature, s = crossed.beyond;
+    const Segment<T>& entry = table_[crossed.entry];
+    const T gain = walk.gain_to(crossed.entry) + s * (entry.force + c * s);
+    const T force = x != 0 ? gain / x : slope_at_knot_;
+    const T slope = x != 0 ? (entry.force + 2 * c * s - force) / x : c;
+    return {ratio_ * std::max(T(0), force), ratio_ * std::max(T(0), slope)};
+  }
+
+  SegmentTable<T> table_{};
+  std::size_t start_ = 0;
+  T y0_ = 0, ratio_ = 1, slope_at_knot_ = 0;
+  T force_ = 0, half_curvature_ = 0, resistance_ = 0;  // within the segment of y0
+  T lower_ = -std::numeric_limits<T>::infinity(), upper_ = std::numeric_limits<T>::infinity();  // its ends
+};
+
+}  // namespace detail
+
+}  // namespace contactspline

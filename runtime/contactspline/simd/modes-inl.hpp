@@ -1,0 +1,542 @@
+// SPDX-License-Identifier: MIT
+// The modes of a resonator in vectors: alone, and under the force of a hammer (docs/how-it-works/kernels.md).
+#if defined(CONTACTSPLINE_MODES_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef CONTACTSPLINE_MODES_INL
+#undef CONTACTSPLINE_MODES_INL
+#else
+#define CONTACTSPLINE_MODES_INL
+#endif
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+
+#include "contactspline/simd/kernels.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace contactspline::detail {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+template <typename T>
+using Tag = hn::ScalableTag<T>;
+template <typename T>
+using Vector = hn::Vec<Tag<T>>;
+/// A lane for each of some voices: half a vector of 512 bits, so that there are two vectors to work on by turns.
+template <typename T>
+using VoiceTag = std::remove_cv_t<decltype(hn::CappedTag<T, 32 / sizeof(T)>())>;
+template <typename T>
+using VoiceVector = hn::Vec<VoiceTag<T>>;
+
+/// Is the rest of the stiffness kept beside it, because T rounds it? As in ModalBank.
+template <typename T>
+constexpr bool kRounds = sizeof(T) < sizeof(double);
+
+/// The loss of a mode, plus the rest of its stiffness where that is kept (see move).
+template <typename T>
+HWY_INLINE Vector<T> loss_with(Vector<T> rest, Vector<T> loss) {
+  return kRounds<T> ? hn::Add(loss, rest) : loss;
+}
+
+/// One sample of a mode without force: its change c is damping_gain times its free increment d. Does what
+/// ModalBank::commit does, and sums the pull in the order in which its parts are known. loss: loss_with(rest, loss).
+template <bool kDamped, typename T>
+HWY_INLINE void move(Vector<T> stiffness, Vector<T> rest, Vector<T> loss, Vector<T> damping_gain, Vector<T>& q,
+                     Vector<T>& d) {
+  const auto c = kDamped ? hn::Mul(damping_gain, d) : d;
+  const auto q_before = q;
+  q = hn::Add(q, c);
+  if constexpr (kRounds<T>) {
+    const auto pull = hn::MulAdd(stiffness, q, hn::MulAdd(loss, c, hn::Mul(rest, q_before)));
+    d = kDamped ? hn::Add(hn::Sub(c, d), hn::Sub(c, pull)) : hn::Sub(c, pull);
+  } else {
+    const auto kept = hn::NegMulAdd(stiffness, q, hn::NegMulAdd(loss, c, c));
+    d = kDamped ? hn::Add(hn::Sub(c, d), kept) : kept;
+  }
+}
+
+/// One sample on a bridge: the modes follow half its change, advance, and follow the other half (ModalBank::shift).
+template <typename T>
+HWY_INLINE T advance_on_bridge_as(std::span<const StringsOnBridge<T>> strings, T change) {
+  const Tag<T> tag;
+  const auto half = hn::Set(tag, change / 2);
+  auto force = hn::Zero(tag);
+  for (const auto& [modes, shape, rest, damping_gain] : strings) {
+    const auto gain = hn::Set(tag, damping_gain);
+    for (std::size_t i = 0; i < modes.modes; i += hn::Lanes(tag)) {
+      const auto stiffness = hn::Load(tag, modes.stiffness + i);
+      const auto by = hn::Mul(hn::Load(tag, rest + i), half);
+      const auto d = hn::MulAdd(stiffness, by, hn::Load(tag, modes.free_increment + i));
+      const auto c = hn::Mul(gain, d), q = hn::Add(hn::Sub(hn::Load(tag, modes.displacement + i), by), c);
+      auto pull = hn::MulAdd(stiffness, hn::Sub(q, by), hn::Mul(hn::Load(tag, modes.loss + i), c));
+      if constexpr (kRounds<T>) pull = hn::MulAdd(hn::Load(tag, modes.stiffness_rest + i), q, pull);
+      const auto followed = hn::Sub(q, by);
+      hn::Store(followed, tag, modes.displacement + i);
+      hn::Store(hn::Add(hn::Sub(c, d), hn::Sub(c, pull)), tag, modes.free_increment + i);
+      force = hn::MulAdd(hn::Load(tag, shape + i), followed, force);
+    }
+  }
+  return hn::GetLane(hn::SumOfLanes(tag, force));
+}
+
+template <typename T>
+HWY_INLINE T inner_product_of(std::size_t modes, const T* a, const T* b) {
+  const Tag<T> tag;
+  const std::size_t lanes = hn::Lanes(tag);
+  auto even = hn::Zero(tag), odd = even;
+  std::size_t i = 0;
+  for (; i + 2 * lanes <= modes; i += 2 * lanes) {
+    even = hn::MulAdd(hn::Load(tag, a + i), hn::Load(tag, b + i), even);
+    odd = hn::MulAdd(hn::Load(tag, a + i + lanes), hn::Load(tag, b + i + lanes), odd);
+  }
+  for (; i < modes; i += lanes) even = hn::MulAdd(hn::Load(tag, a + i), hn::Load(tag, b + i), even);
+  return hn::GetLane(hn::SumOfLanes(tag, hn::Add(even, odd)));
+}
+
+/// Sums of kCount rows times a vector of modes.
+template <std::size_t kCount, typename T>
+HWY_INLINE void sum_rows(std::size_t modes, const T* vector, const T* const* rows, T* sums) {
+  const Tag<T> tag;
+  Vector<T> parts[kCount];
+  for (std::size_t p = 0; p < kCount; ++p) parts[p] = hn::Zero(tag);
+  for (std::size_t i = 0; i < modes; i += hn::Lanes(tag)) {
+    const auto v = hn::Load(tag, vector + i);
+    for (std::size_t p = 0; p < kCount; ++p) parts[p] = hn::MulAdd(v, hn::Load(tag, rows[p] + i), parts[p]);
+  }
+  for (std::size_t p = 0; p < kCount; ++p) sums[p] = hn::GetLane(hn::SumOfLanes(tag, parts[p]));
+}
+
+/// The same for any number of rows: eight at a time, so that as many sums run side by side.
+template <typename T>
+HWY_INLINE void sum_all_rows(std::size_t modes, const T* vector, std::span<const T* const> rows, T* sums) {
+  std::size_t p = 0;
+  for (; p + 8 <= rows.size(); p += 8) sum_rows<8>(modes, vector, rows.data() + p, sums + p);
+  if (p + 4 <= rows.size()) sum_rows<4>(modes, vector, rows.data() + p, sums + p), p += 4;
+  if (p + 2 <= rows.size()) sum_rows<2>(modes, vector, rows.data() + p, sums + p), p += 2;
+  if (p < rows.size()) sum_rows<1>(modes, vector, rows.data() + p, sums + p);
+}
+
+template <typename T>
+HWY_INLINE T sum_free_increments_as(std::size_t modes, const T* free_increment, std::span<const T* const> at,
+                                    T* increments) {
+  const Tag<T> tag;
+  auto travel = hn::Zero(tag);
+  for (std::size_t i = 0; i < modes; i += hn::Lanes(tag))
+    travel = hn::Add(travel, hn::Abs(hn::Load(tag, free_increment + i)));
+  sum_all_rows(modes, free_increment, at, increments);
+  return hn::GetLane(hn::SumOfLanes(tag, travel));
+}
+
+/// One sample under forces: the change of a mode is damping_gain times (free increment + admittance sum of shape
+/// force). Sums the first kRows rows of `at` on the way. The arrays are copied pointers, so that stores do not make
+/// the compiler load them again.
+template <std::size_t kRows, typename T>
+HWY_INLINE T advance_and_sum(const ModalArrays<T> modes, T damping_gain, std::span<const T* const> pushed,
+                             const T* forces, const T* const* at, T* increments) {
+  const Tag<T> tag;
+  const auto gain = hn::Set(tag, damping_gain);
+  auto travel = hn::Zero(tag);
+  const T* rows[kRows + 1] = {};
+  Vector<T> parts[kRows + 1];
+  for (std::size_t p = 0; p < kRows; ++p) rows[p] = at[p], parts[p] = hn::Zero(tag);
+  const std::size_t pushes = pushed.size();
+  const T* const first = pushes > 0 ? pushed[0] : modes.admittance;
+  const auto first_force = hn::Set(tag, pushes > 0 ? forces[0] : T(0));
+  for (std::size_t i = 0; i < modes.modes; i += hn::Lanes(tag)) {
+    const auto d = hn::Load(tag, modes.free_increment + i), loss = hn::Load(tag, modes.loss + i);
+    auto force = hn::Mul(first_force, hn::Load(tag, first + i));
+    for (std::size_t p = 1; p < pushes; ++p)
+      force = hn::MulAdd(hn::Set(tag, forces[p]), hn::Load(tag, pushed[p] + i), force);
+    const auto c = hn::Mul(gain, hn::MulAdd(hn::Load(tag, modes.admittance + i), force, d));
+    const auto q = hn::Add(hn::Load(tag, modes.displacement + i), c);
+    auto pull = hn::MulAdd(hn::Load(tag, modes.stiffness + i), q, hn::Mul(loss, c));
+    if constexpr (kRounds<T>) pull = hn::MulAdd(hn::Load(tag, modes.stiffness_rest + i), q, pull);
+    const auto next = hn::Add(hn::Sub(c, d), hn::Sub(c, pull));
+    hn::Store(c, tag, modes.change + i);
+    hn::Store(q, tag, modes.displacement + i);
+    hn::Store(next, tag, modes.free_increment + i);
+    travel = hn::Add(travel, hn::Abs(next));
+    for (std::size_t p = 0; p < kRows; ++p) parts[p] = hn::MulAdd(next, hn::Load(tag, rows[p] + i), parts[p]);
+  }
+  for (std::size_t p = 0; p < kRows; ++p) increments[p] = hn::GetLane(hn::SumOfLanes(tag, parts[p]));
+  return hn::GetLane(hn::SumOfLanes(tag, travel));
+}
+
+template <typename T>
+HWY_INLINE T advance_under_forces_as(const ModalArrays<T>& modes, T damping_gain, std::span<const T* const> pushed,
+                                     const T* forces, std::span<const T* const> at, T* increments) {
+  const auto advance = [&](auto rows) HWY_ATTR {
+    return advance_and_sum<rows>(modes, damping_gain, pushed, forces, at.data(), increments);
+  };
+  switch (at.size()) {
+    case 0:
+      return advance(std::integral_constant<std::size_t, 0>());
+    case 1:
+      return advance(std::integral_constant<std::size_t, 1>());
+    case 2:
+      return advance(std::integral_constant<std::size_t, 2>());
+    case 3:
+      return advance(std::integral_constant<std::size_t, 3>());
+    default:
+      break;
+  }
+  const T travel = advance(std::integral_constant<std::size_t, 4>());
+  sum_all_rows<T>(modes.modes, modes.free_increment, at.subspan(4), increments + 4);
+  return travel;
+}
+
+/// A vector of a column, 0 in the lanes up to that of the diagonal.
+template <typename T>
+HWY_INLINE Vector<T> below_diagonal(std::size_t diagonal, const T* column) {
+  const Tag<T> tag;
+  return hn::IfThenZeroElse(hn::FirstN(tag, diagonal + 1), hn::Load(tag, column));
+}
+
+/// Solves a positive definite system by a Cholesky factor. Column j of the matrix begins at matrix + j stride, on a
+/// cache line; its lower triangle counts, rows from `size` to whole vectors are 0. The matrix and `right` are
+/// overwritten.
+template <typename T>
+HWY_INLINE void solve_positive_definite_as(std::size_t size, T* matrix, std::size_t stride, T* right) {
+  const Tag<T> tag;
+  const std::size_t lanes = hn::Lanes(tag);
+  for (std::size_t j = 0; j < size; ++j) {
+    T* column = matrix + j * stride;
+    const std::size_t first = j / lanes * lanes;
+    const T inverse = 1 / std::sqrt(std::max(column[j], T(1)));
+    const auto scale = hn::Set(tag, inverse);
+    for (std::size_t i = first; i < size; i += lanes)
+      hn::Store(hn::Mul(scale, hn::Load(tag, column + i)), tag, column + i);
+    const T solved = right[j] * inverse;
+    const auto subtract = [&](std::size_t i, Vector<T> below) HWY_ATTR {
+      hn::Store(hn::NegMulAdd(hn::Set(tag, solved), below, hn::Load(tag, right + i)), tag, right + i);
+    };
+    subtract(first, below_diagonal(j - first, column + first));
+    for (std::size_t i = first + lanes; i < size; i += lanes) subtract(i, hn::Load(tag, column + i));
+    right[j] = solved;
+    column[j] = inverse;
+    for (std::size_t k = j + 1; k < size; ++k) {
+      T* next = matrix + k * stride;
+      const auto factor = hn::Set(tag, column[k]);
+      for (std::size_t i = k / lanes * lanes; i < size; i += lanes)
+        hn::Store(hn::NegMulAdd(factor, hn::Load(tag, column + i), hn::Load(tag, next + i)), tag, next + i);
+    }
+  }
+  for (std::size_t j = size; j-- > 0;) {
+    const T* column = matrix + j * stride;
+    std::size_t i = j / lanes * lanes;
+    auto sum = hn::Mul(below_diagonal(j - i, column + i), hn::Load(tag, right + i));
+    for (i += lanes; i < size; i += lanes) sum = hn::MulAdd(hn::Load(tag, column + i), hn::Load(tag, right + i), sum);
+    right[j] = (right[j] - hn::GetLane(hn::SumOfLanes(tag, sum))) * column[j];
+  }
+}
+
+inline constexpr std::size_t kBlock = 64;  // samples
+
+/// Advances kVectors vectors of modes over a block of samples, in registers, and adds shape times displacement to
+/// `sums`.
+template <std::size_t kVectors, bool kDamped, typename T>
+HWY_INLINE void advance_vectors(const ModalArrays<T>& modes, std::size_t first, T damping_gain, const T* pickup,
+                                std::size_t samples, T* HWY_RESTRICT sums) {
+  const Tag<T> tag;
+  const std::size_t lanes = hn::Lanes(tag);
+  const auto gains = hn::Set(tag, damping_gain);
+  Vector<T> stiffness[kVectors], rest[kVectors], loss[kVectors], q[kVectors], d[kVectors], shape[kVectors];
+  for (std::size_t v = 0; v < kVectors; ++v) {
+    const std::size_t at = first + v * lanes;
+    stiffness[v] = hn::Load(tag, modes.stiffness + at);
+    rest[v] = hn::Load(tag, modes.stiffness_rest + at);
+    loss[v] = loss_with<T>(rest[v], hn::Load(tag, modes.loss + at));
+    shape[v] = hn::Load(tag, pickup + at);
+    q[v] = hn::Load(tag, modes.displacement + at);
+    d[v] = hn::Load(tag, modes.free_increment + at);
+  }
+  for (std::size_t n = 0; n < samples; ++n) {
+    auto sum = hn::Load(tag, sums + n * lanes);
+    for (std::size_t v = 0; v < kVectors; ++v) {
+      move<kDamped, T>(stiffness[v], rest[v], loss[v], gains, q[v], d[v]);
+      sum = hn::MulAdd(shape[v], q[v], sum);
+    }
+    hn::Store(sum, tag, sums + n * lanes);
+  }
+  for (std::size_t v = 0; v < kVectors; ++v) {
+    hn::Store(q[v], tag, modes.displacement + first + v * lanes);
+    hn::Store(d[v], tag, modes.free_increment + first + v * lanes);
+  }
+}
+
+/// Vectors advanced together: enough to hide the latency of each.
+inline constexpr std::size_t kMaxVectors = 7;
+
+template <bool kDamped, std::size_t kVectors = kMaxVectors, typename T>
+HWY_INLINE void advance_group(std::size_t vectors, const ModalArrays<T>& modes, std::size_t first, T damping_gain,
+                              const T* pickup, std::size_t samples, T* HWY_RESTRICT sums) {
+  if (vectors == kVectors)
+    return advance_vectors<kVectors, kDamped>(modes, first, damping_gain, pickup, samples, sums);
+  if constexpr (kVectors > 1)
+    advance_group<kDamped, kVectors - 1>(vectors, modes, first, damping_gain, pickup, samples, sums);
+}
+
+/// Sums over the lanes of each of kCount vectors, a power of two of at most the number of lanes. With as many vectors
+/// as lanes, lane i holds the sum of vector i.
+template <std::size_t kCount, typename D, typename T = hn::TFromD<D>>
+HWY_INLINE hn::Vec<D> sums_over_lanes(D tag, const T* vectors) {
+#if HWY_TARGET != HWY_SCALAR
+  if constexpr (kCount > 1) {
+    const auto first = sums_over_lanes<kCount / 2>(tag, vectors);
+    const auto second = sums_over_lanes<kCount / 2>(tag, vectors + kCount / 2 * hn::Lanes(tag));
+    return hn::Add(hn::ConcatEven(tag, second, first), hn::ConcatOdd(tag, second, first));
+  }
+#endif
+  return hn::Load(tag, vectors);
+}
+
+template <bool kDamped, typename T>
+HWY_INLINE void process_free_as(const ModalArrays<T>& modes, T damping_gain, const T* pickup, std::span<T> out) {
+  const Tag<T> tag;
+  const std::size_t lanes = hn::Lanes(tag);
+  const std::size_t vectors = (modes.modes + lanes - 1) / lanes;
+  const std::size_t groups = (vectors + kMaxVectors - 1) / kMaxVectors;
+  HWY_ALIGN T sums[kBlock * HWY_MAX_BYTES / sizeof(T)];
+  static_assert(kBlock % hn::MaxLanes(tag) == 0);
+  while (!out.empty()) {
+    const std::size_t samples = std::min(out.size(), kBlock), rounded = (samples + lanes - 1) / lanes * lanes;
+    for (std::size_t i = 0; i < rounded; ++i) hn::Store(hn::Zero(tag), tag, sums + i * lanes);
+    for (std::size_t group = 0, at = 0; group < groups; ++group) {
+      const std::size_t count = (vectors - at + groups - group - 1) / (groups - group);
+      advance_group<kDamped>(count, modes, at * lanes, damping_gain, pickup, samples, sums);
+      at += count;
+    }
+    HWY_ALIGN T output[kBlock];
+    for (std::size_t i = 0; i < samples; i += lanes)
+      hn::Store(sums_over_lanes<hn::MaxLanes(tag)>(tag, sums + i * lanes), tag, output + i);
+    std::copy_n(output, samples, out.data());
+    out = out.subspan(samples);
+  }
+}
+
+template <typename T>
+HWY_INLINE void process_free_block(const ModalArrays<T>& modes, T damping_gain, const T* pickup, std::span<T> out) {
+  if (damping_gain == 1)
+    process_free_as<false>(modes, damping_gain, pickup, out);
+  else
+    process_free_as<true>(modes, damping_gain, pickup, out);
+}
+
+/// The modes of a struck string, line by line: all that a pass reads and writes of one cache line of modes lies side
+/// by side. A pass then reads one stream of memory, and no store has the page offset of a later load.
+template <typename T>
+class ModesUnderLoad {
+ public:
+  ModesUnderLoad() = default;
+  explicit ModesUnderLoad(const StrikeConstants<T>& strike)
+      : strike_(strike), lines_((strike.modes.modes + kLine - 1) / kLine) {}
+
+  /// Takes the modes over; store() returns them.
+  HWY_INLINE void take() {
+    each([&](std::size_t i, T* mode) HWY_ATTR {
+      const auto per_unit = hn::Load(tag(), strike_.per_unit + i);
+      hn::Store(hn::Mul(per_unit, hn::Load(tag(), strike_.modes.displacement + i)), tag(),
+                row(mode, ModeRow::displacement));
+      hn::Store(hn::Mul(per_unit, hn::Load(tag(), strike_.modes.free_increment + i)), tag(),
+                row(mode, ModeRow::free_increment));
+      hn::Store(hn::Mul(hn::Load(tag(), strike_.unit + i), hn::Load(tag(), strike_.pickup + i)), tag(),
+                row(mode, ModeRow::pickup));
+    });
+  }
+
+  /// Number of cache lines of a row.
+  [[nodiscard]] std::size_t lines() const { return lines_; }
+
+  /// Sums over the modes: the place's free increment over the coming sample, and the displacement at the pickup.
+  struct Sums {
+    T predicted, output;
+  };
+
+  [[nodiscard]] HWY_ATTR T predicted() const {
+    auto sum = hn::Zero(tag());
+    each([&](std::size_t, const T* mode)
+             HWY_ATTR { sum = hn::MulAdd(load(mode, ModeRow::shape), load(mode, ModeRow::free_increment), sum); });
+    return hn::GetLane(hn::SumOfLanes(tag(), sum));
+  }
+  /// Displacement at the pickup per newton, once the force is applied.
+  [[nodiscard]] HWY_ATTR T pickup_admittance() const {
+    auto sum = hn::Zero(tag());
+    each([&](std::size_t, const T* mode) HWY_ATTR { sum = hn::Add(sum, load(mode, ModeRow::pickup)); });
+    return hn::GetLane(hn::SumOfLanes(tag(), sum));
+  }
+
+  /// Applies the force of the last sample, damping_gain times, and advances the modes by the next sample without its
+  /// force, which the sums therefore lack.
+  template <bool kDamped>
+  HWY_INLINE Sums pass(T damping_gain, T push) {
+    const auto pushes = hn::Set(tag(), push), gains = hn::Set(tag(), damping_gain);
+    auto predicted0 = hn::Zero(tag()), predicted1 = predicted0, output0 = predicted0, output1 = predicted0;
+    std::size_t line = 0;
+    for (; line + 1 < lines_; line += 2) {
+      step<kDamped>(strike_.workspace + line * kStride, gains, pushes, predicted0, output0);
+      step<kDamped>(strike_.workspace + (line + 1) * kStride, gains, pushes, predicted1, output1);
+    }
+    if (line < lines_) step<kDamped>(strike_.workspace + line * kStride, gains, pushes, predicted0, output0);
+    return {hn::GetLane(hn::SumOfLanes(tag(), hn::Add(predicted0, predicted1))),
+            hn::GetLane(hn::SumOfLanes(tag(), hn::Add(output0, output1)))};
+  }
+
+  /// Advances the modes by one sample under a force, damping_gain times. Leaves the sums of pass(), of which none
+  /// lacks a force, lane by lane.
+  template <bool kDamped>
+  HWY_INLINE void advance(T damping_gain, T push, T* HWY_RESTRICT predicted, T* HWY_RESTRICT output) {
+    const auto pushes = hn::Set(tag(), push), gains = hn::Set(tag(), damping_gain);
+    auto predicted_sum = hn::Zero(tag()), output_sum = predicted_sum;
+    const auto vector = [&](T* HWY_RESTRICT mode) HWY_ATTR {
+      const auto d = load(mode, ModeRow::free_increment);
+      const auto c = kDamped ? hn::MulAdd(gains, d, pushes) : hn::Add(d, pushes);
+      const auto q = hn::Add(load(mode, ModeRow::displacement), c);
+      auto pull = hn::MulAdd(load(mode, ModeRow::stiffness), q, hn::Mul(load(mode, ModeRow::loss), c));
+      if constexpr (kRounds<T>) pull = hn::MulAdd(load(mode, ModeRow::rest), q, pull);
+      const auto next = hn::Add(kDamped ? hn::Sub(c, d) : pushes, hn::Sub(c, pull));
+      hn::Store(q, tag(), row(mode, ModeRow::displacement));
+      hn::Store(next, tag(), row(mode, ModeRow::free_increment));
+      predicted_sum = hn::MulAdd(load(mode, ModeRow::shape), next, predicted_sum);
+      output_sum = hn::MulAdd(load(mode, ModeRow::pickup), q, output_sum);
+    };
+    const std::size_t modes = strike_.modes.modes;
+    T* line = strike_.workspace;
+    for (T* const end = line + modes / kLine * kStride; line != end; line += kStride)
+      for (std::size_t v = 0; v < kLine; v += hn::Lanes(tag())) vector(line + v);
+    for (std::size_t v = 0; v < modes % kLine; v += hn::Lanes(tag())) vector(line + v);
+    store_folded(predicted_sum, predicted);
+    store_folded(output_sum, output);
+  }
+
+  /// Applies the last force and returns the modes.
+  HWY_ATTR void store(T push) {
+    const auto pushes = hn::Set(tag(), push);
+    each([&](std::size_t i, T* mode) HWY_ATTR {
+      const auto unit = hn::Load(tag(), strike_.unit + i);
+      hn::Store(hn::Mul(unit, pushed_displacement(mode, pushes)), tag(), strike_.modes.displacement + i);
+      hn::Store(hn::Mul(unit, pushed_increment(mode, pushes)), tag(), strike_.modes.free_increment + i);
+    });
+  }
+
+ private:
+  static constexpr std::size_t kLine = 64 / sizeof(T);
+  static constexpr std::size_t kStride = kRowsPerLine * kLine;
+
+  static constexpr Tag<T> tag() { return {}; }
+  static HWY_INLINE T* row(T* mode, std::size_t which) { return mode + which * kLine; }
+  static HWY_INLINE Vector<T> load(const T* mode, std::size_t which) { return hn::Load(tag(), mode + which * kLine); }
+
+  static HWY_INLINE void store_folded(Vector<T> sum, T* to) {
+    const VoiceTag<T> voices;
+#if HWY_TARGET != HWY_SCALAR
+    if constexpr (hn::MaxLanes(voices) < hn::MaxLanes(tag()))
+      hn::Store(hn::Add(hn::LowerHalf(voices, sum), hn::UpperHalf(voices, sum)), voices, to);
+    else
+#endif
+      hn::Store(sum, voices, to);
+  }
+
+  /// Calls act(first mode, its rows) for each vector of modes.
+  template <typename Act>
+  HWY_INLINE void each(Act act) const {
+    for (std::size_t line = 0; line < lines_; ++line)
+      for (std::size_t v = 0; v < kLine; v += hn::Lanes(tag()))
+        act(line * kLine + v, strike_.workspace + line * kStride + v);
+  }
+
+  static HWY_INLINE Vector<T> pushed_displacement(const T* mode, Vector<T> pushes) {
+    return hn::Add(load(mode, ModeRow::displacement), pushes);
+  }
+  static HWY_INLINE Vector<T> pushed_increment(const T* mode, Vector<T> pushes) {
+    return hn::MulAdd(load(mode, ModeRow::free_increment_gain), pushes, load(mode, ModeRow::free_increment));
+  }
+
+  template <bool kDamped>
+  HWY_INLINE static void step(T* HWY_RESTRICT line, Vector<T> gains, Vector<T> pushes, Vector<T>& predicted,
+                              Vector<T>& output) {
+    for (std::size_t v = 0; v < kLine; v += hn::Lanes(tag())) {
+      T* const mode = line + v;
+      auto q = pushed_displacement(mode, pushes), d = pushed_increment(mode, pushes);
+      const auto rest = kRounds<T> ? load(mode, ModeRow::rest) : hn::Zero(tag());
+      move<kDamped, T>(load(mode, ModeRow::stiffness), rest, load(mode, ModeRow::loss), gains, q, d);
+      hn::Store(q, tag(), row(mode, ModeRow::displacement));
+      hn::Store(d, tag(), row(mode, ModeRow::free_increment));
+      predicted = hn::MulAdd(load(mode, ModeRow::shape), d, predicted);
+      output = hn::MulAdd(load(mode, ModeRow::pickup), q, output);
+    }
+  }
+
+  StrikeConstants<T> strike_;
+  std::size_t lines_;
+};
+
+/// The modes of a struck string in their own arrays: for a sample or two, for which ModesUnderLoad does not pay.
+template <typename T>
+class ModesInPlace {
+ public:
+  HWY_ATTR explicit ModesInPlace(const StrikeConstants<T>& strike) : strike_(strike) {}
+
+  /// Free increment of the place over the coming sample [m].
+  [[nodiscard]] HWY_INLINE T predicted() const { return inner_product(strike_.shape, strike_.modes.free_increment); }
+  /// Displacement of the place [m].
+  [[nodiscard]] HWY_INLINE T displacement() const { return inner_product(strike_.shape, strike_.modes.displacement); }
+
+  /// Upper bound of the displacement at the place without force or damper, for any phases of the modes [m]. The
+  /// amplitude of a mode is sqrt(q^2 + r^2) with r = (d + (loss + stiffness) q / 2) / sqrt(stiffness - (loss +
+  /// stiffness)^2 / 4).
+  [[nodiscard]] HWY_INLINE T max_displacement() const {
+    const Tag<T> tag;
+    const ModalArrays<T>& modes = strike_.modes;
+    const auto half = hn::Set(tag, T(0.5));
+    auto sum = hn::Zero(tag);
+    for (std::size_t at = 0; at < modes.modes; at += hn::Lanes(tag)) {
+      const auto q = hn::Load(tag, modes.displacement + at), d = hn::Load(tag, modes.free_increment + at);
+      const auto pull = hn::Mul(half, hn::Add(hn::Load(tag, modes.loss + at), hn::Load(tag, modes.stiffness + at)));
+      const auto a = hn::Mul(hn::Load(tag, strike_.shape + at), q);
+      const auto b = hn::Mul(hn::Load(tag, strike_.amplitude_gain + at), hn::MulAdd(pull, q, d));
+      // sqrt(a^2 + b^2) is at most max + (sqrt(2) - 1) min
+      const auto large = hn::Max(hn::Abs(a), hn::Abs(b)), small = hn::Min(hn::Abs(a), hn::Abs(b));
+      sum = hn::Add(sum, hn::MulAdd(hn::Set(tag, T(0.4143)), small, large));
+    }
+    return T(1.001) * hn::GetLane(hn::SumOfLanes(tag, sum));
+  }
+
+  /// One sample under a force, damping_gain times. Returns the displacement at the pickup.
+  template <bool kDamped>
+  HWY_INLINE T advance(T damping_gain, T push) {
+    const Tag<T> tag;
+    const ModalArrays<T>& modes = strike_.modes;
+    const auto gains = hn::Set(tag, damping_gain), pushes = hn::Set(tag, push);
+    auto output = hn::Zero(tag);
+    for (std::size_t at = 0; at < modes.modes; at += hn::Lanes(tag)) {
+      auto q = hn::Load(tag, modes.displacement + at), d = hn::Load(tag, modes.free_increment + at);
+      const auto rest = kRounds<T> ? hn::Load(tag, modes.stiffness_rest + at) : hn::Zero(tag);
+      const auto loss = loss_with<T>(rest, hn::Load(tag, modes.loss + at));
+      move<kDamped, T>(hn::Load(tag, modes.stiffness + at), rest, loss, gains, q, d);
+      q = hn::MulAdd(hn::Load(tag, strike_.admittance + at), pushes, q);
+      d = hn::MulAdd(hn::Load(tag, strike_.free_increment_gain + at), pushes, d);
+      hn::Store(q, tag, modes.displacement + at);
+      hn::Store(d, tag, modes.free_increment + at);
+      output = hn::MulAdd(hn::Load(tag, strike_.pickup + at), q, output);
+    }
+    return hn::GetLane(hn::SumOfLanes(tag, output));
+  }
+
+ private:
+  [[nodiscard]] HWY_INLINE T inner_product(const T* a, const T* b) const {
+    return inner_product_of(strike_.modes.modes, a, b);
+  }
+
+  StrikeConstants<T> strike_;
+};
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace contactspline::detail
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: MIT
+// contactspline impact: the numbers of the library as table, JSON, CSV and figure.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "generator/contact/barrier_impact.hpp"
+#include "generator/spline/design.hpp"
+#include "generator/spline/simulated_impact.hpp"
+#include "generator/support/embedded_files.hpp"
+#include "printed_text.hpp"
+#include "program.hpp"
+#include "sandbox.hpp"
+#include "support/compare.hpp"
+#include "svg.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+using Json = nlohmann::json;
+
+struct ImpactRow {
+  double duration_us, duration_error, compression_um, compression_error, exit_error, samples;
+};
+
+ImpactRow parse_row(const std::string& line, const std::string& label) {
+  std::istringstream row(line.substr(label.size()));
+  std::string unit, percent;
+  ImpactRow found{};
+  row >> found.duration_us >> unit >> found.duration_error >> percent >> found.compression_um >> unit >>
+      found.compression_error >> percent;
+  EXPECT_TRUE(line.starts_with(label) && row && unit == "um" && percent == "%") << line;
+  row >> found.exit_error >> percent >> found.samples;
+  found.exit_error /= 100;
+  return found;
+}
+
+TEST(Impact, PrintsTheNumbersOfTheLibrary) {
+  const Sandbox box;
+  write_file(box / "probe.json", material(16));
+  const auto design = design_material(material(16), "probe.json");
+  const auto lines = lines_of(printed(
+      box, {"impact", "probe.json", "--speed", "1.5", "--speed", "0.25", "--rate", "44100", "--rate", "1e6"}));
+  ASSERT_EQ(lines.size(), 12u);
+  std::size_t line = 0;
+  for (const double speed : {1.5, 0.25}) {
+    const double duration = contact_duration(design.material.contact, 0.01, speed);
+    const double compression = max_compression(design.material.contact, 0.01, speed);
+    EXPECT_EQ(lines[line], fmt::format("probe, 0.01 kg at {} m/s", speed));
+    EXPECT_TRUE(within(number_after(lines[line + 2], "exact"), 1e6 * duration, 6e-4));
+    EXPECT_TRUE(within(number_after(lines[line + 2], " us"), 1e6 * compression, 6e-5));
+    const auto exact = impact_on_spline(design.spline, 0.01, speed);
+    const auto spline = parse_row(lines[line + 3], "  spline  16");
+    EXPECT_TRUE(within(spline.duration_us, 1e6 * exact.contact_duration_s, 6e-4));
+    EXPECT_TRUE(within(spline.duration_error, 100 * (exact.contact_duration_s / duration - 1), 6e-4));
+    EXPECT_TRUE(within(spline.compression_um, 1e6 * exact.max_compression_m, 6e-5));
+    EXPECT_TRUE(within(spline.compression_error, 100 * (exact.max_compression_m / compression - 1), 6e-4));
+    line += 4;
+    for (const auto& [label, rate] : {std::pair{"    44.1 kHz", 44100.0}, std::pair{"  1000.0 kHz", 1e6}}) {
+      const auto simulated = simulate_impact(segment_table(design.spline), 0.01, speed, rate);
+      const auto row = parse_row(lines[line++], label);
+      EXPECT_TRUE(within(row.duration_us, 1e6 * simulated.contact_duration_s, 6e-4));
+      EXPECT_TRUE(within(row.duration_error, 100 * (simulated.contact_duration_s / duration - 1), 6e-4));
+      EXPECT_TRUE(within(row.compression_um, 1e6 * simulated.max_compression_m, 6e-5));
+      EXPECT_TRUE(within(row.compression_error, 100 * (simulated.max_compression_m / compression - 1), 6e-4));
+      EXPECT_TRUE(within(row.exit_error, simulated.exit_speed_m_per_s / speed - 1, 1e-12));
+      EXPECT_TRUE(within(row.samples, duration * rate, 6e-3));
+    }
+  }
+}
+
+// Without loss by closed form or quadrature, with loss by quadrature through law and spline; simulated at 100 MHz.
+class ImpactOf : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(ImpactOf, AMaterialThatShipsConvergesToTheExactMotion) {
+  const Sandbox box;
+  const auto texts = embedded_files(Shipped::kMaterials);
+  const auto file = std::ranges::find(texts, GetParam() + ".json", &EmbeddedFile::name);
+  const auto material = design_material(file->content, file->name).material;
+  const double mass = material.impact->mass_kg, loss = material.loss_s_per_m;
+  const BarrierImpact exact = barrier_impact(law_view(material.contact), mass, 1.0, loss);
+  const auto lines = lines_of(printed(box, {"impact", GetParam(), "--speed", "1", "--rate", "1e7"}));
+  ASSERT_EQ(lines.size(), 5u);
+  const std::string left = fmt::format(", loss {:.4g} s/m: restitution {:.4g}", loss, exact.exit_speed_m_per_s);
+  EXPECT_EQ(lines[0], fmt::format("{}, {} kg at 1 m/s{}", GetParam(), mass, loss > 0 ? left : ""));
+  EXPECT_TRUE(relatively_within(number_after(lines[2], "exact"), 1e6 * exact.contact_duration_s, 2e-5));
+  EXPECT_TRUE(relatively_within(number_after(lines[2], " us"), 1e6 * exact.max_compression_m, 2e-4));
+  const auto spline = parse_row(lines[3], fmt::format("  spline {:>3}", material.spline.segments));
+  const auto simulated = parse_row(lines[4], "  10000.0 kHz");
+  EXPECT_LE(std::abs(spline.duration_error), 0.3);  // per cent
+  EXPECT_LE(std::abs(spline.compression_error), 0.1);
+  EXPECT_TRUE(within(simulated.duration_error, spline.duration_error, 0.02));
+  EXPECT_TRUE(within(simulated.compression_error, spline.compression_error, 0.02));
+  EXPECT_TRUE(within(simulated.exit_error, 0, loss > 0 ? 1e-4 : 1e-10));
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, ImpactOf,
+                         ::testing::Values("felt_c4", "felt_over_wood", "felt_synthetic", "steel_ball_on_plate"),
+                         [](const auto& test) { return test.param; });
+
+// Within the range to its ends no word; beyond it a line before the numbers.
+TEST(Impact, SaysWhereASpeedIsOutOfTheRange) {
+  const Sandbox box;
+  write_file(box / "probe.json", material(16));
+  const auto lines_at = [&](const std::string& speed) {
+    return lines_of(printed(box, {"impact", "probe.json", "--rate", "44100", "--speed", speed}));
+  };
+  for (const std::string speed : {"0.1", "2"}) EXPECT_EQ(lines_at(speed).size(), 5u) << speed;
+  for (const std::string speed : {"0.099", "2.001", "100"}) {
+    const auto lines = lines_at(speed);
+    ASSERT_EQ(lines.size(), 6u) << speed;
+    EXPECT_EQ(lines[1], "  out of the material's range, 0.1 to 2 m/s: the spline is not designed for this speed");
+  }
+}
+
+// JSON and CSV carry the same numbers, those of the library; the table rounds them.
+TEST(Impact, PrintsARangeOfSpeedsInThreeForms) {
+  const Sandbox box;
+  write_file(box / "probe.json", material(16));
+  const auto design = design_material(material(16), "probe.json");
+  const Words range = {"impact", "probe.json", "mb1",   "--speeds", "0.05", "3.2",
+                       "7",      "--rate",     "44100", "--rate",   "96000"};
+  const Json json = Json::parse(printed(box, followed_by(range, {"--json"})));
+  ASSERT_EQ(json.size(), 14u);
+  std::vector<std::string> rows;
+  for (const Json& one : json)
+    for (const Json& motion : one.at("motions")) {
+      const auto number = [&](const char* key) { return fmt::format(",{}", motion.at(key).get<double>()); };
+      rows.push_back(fmt::format("{},{},{},{},{},{}", one.at("material").get<std::string>(),
+                                 one.at("mass_kg").get<double>(), one.at("loss_s_per_m").get<double>(),
+                                 one.at("speed_m_per_s").get<double>(), one.at("in_range").get<bool>() ? 1 : 0,
+                                 motion.at("model").get<std::string>()));
+      for (const auto* key :
+           {"sample_rate_hz", "contact_duration_s", "max_compression_m", "exit_speed_m_per_s", "max_force_n",
+            "contact_duration_error", "max_compression_error", "exit_speed_error", "max_force_error", "samples"})
+        rows.back() += number(key);
+    }
+  auto csv = lines_of(printed(box, followed_by(range, {"--csv"})));
+  EXPECT_TRUE(csv.front().starts_with("material,mass_kg,")) << csv.front();
+  EXPECT_EQ(std::vector(csv.begin() + 1, csv.end()), rows);
+  const auto table = lines_of(printed(box, range));
+  ASSERT_EQ(table.size(), 24u);
+  EXPECT_EQ(table[11], "* out of the material's range, 0.1 to 2 m/s");
+  for (std::size_t i = 0; i < 7; ++i) {
+    const double speed = 0.05 * std::pow(2.0, static_cast<double>(i));
+    const Json& one = json.at(i);
+    const double duration = contact_duration(design.material.contact, 0.01, speed);
+    EXPECT_TRUE(relatively_within(one.at("speed_m_per_s").get<double>(), speed, 1e-12));
+    EXPECT_EQ(one.at("in_range").get<bool>(), i > 0 && i < 6);
+    const Json& motions = one.at("motions");
+    ASSERT_EQ(motions.size(), 4u);
+    EXPECT_TRUE(relatively_within(motions[0].at("contact_duration_s").get<double>(), duration, 1e-9));
+    const auto spline = impact_on_spline(design.spline, 0.01, one.at("speed_m_per_s").get<double>());
+    EXPECT_TRUE(within(motions[1].at("contact_duration_error").get<double>(),
+                       spline.contact_duration_s / duration - 1, 1e-9));
+    const auto table_of_spline = segment_table(design.spline);
+    EXPECT_EQ(motions[1].at("max_force_n").get<double>(),
+              force<double>(std::span(table_of_spline), spline.max_compression_m));
+    const auto simulated =
+        simulate_impact(segment_table(design.spline), 0.01, one.at("speed_m_per_s").get<double>(), 96000);
+    EXPECT_EQ(motions[3].at("max_compression_m").get<double>(), simulated.max_compression_m);
+    EXPECT_EQ(motions[3].at("max_force_n").get<double>(), simulated.max_force_n);
+    const double compression = motions[0].at("max_compression_m").get<double>();
+    EXPECT_TRUE(relatively_within(motions[0].at("max_force_n").get<double>(),
+                                  design.material.contact.force(compression), 1e-12));
+    std::string text = table[4 + i];
+    const std::size_t star = text.find('*');
+    EXPECT_EQ(star == std::string::npos, i > 0 && i < 6) << text;
+    if (star != std::string::npos) text[star] = ' ';
+    std::istringstream row(text);
+    double shown_speed = NAN, duration_us = NAN, compression_um = NAN, duration_error = NAN, compression_error = NAN,
+           at_44 = NAN, at_96 = NAN;
+    row >> shown_speed >> duration_us >> compression_um >> duration_error >> compression_error >> at_44 >> at_96;
+    EXPECT_TRUE(relatively_within(shown_speed, speed, 1e-4));
+    EXPECT_TRUE(within(duration_us, 1e6 * duration, 6e-4));
+    EXPECT_TRUE(within(duration_error, 100 * motions[1].at("contact_duration_error").get<double>(), 6e-4));
+    EXPECT_TRUE(within(compression_error, 100 * motions[1].at("max_compression_error").get<double>(), 6e-4));
+    EXPECT_TRUE(within(at_44, 100 * motions[2].at("contact_duration_error").get<double>(), 6e-4));
+    EXPECT_TRUE(within(at_96, 100 * motions[3].at("contact_duration_error").get<double>(), 6e-4));
+  }
+}
+
+TEST(Impact, TakesTheLargestSpeedAndFourRatesByDefault) {
+  const Sandbox box;
+  write_file(box / "probe.json", material(16));
+  EXPECT_EQ(printed(box, {"impact", "probe.json"}),
+            printed(box, {"impact", "probe.json", "--speed", "2", "--rate", "44100", "--rate", "88200", "--rate",
+                          "176400", "--rate", "352800"}));
+  EXPECT_EQ(printed(box, {"impact", "probe.json", "mb1"}),
+            printed(box, {"impact", "probe.json"}) + printed(box, {"impact", "mb1"}));
+}
+
+}  // namespace
+}  // namespace contactspline::testing

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: MIT
+// Keys and presets of instrument files: errors in one line, MIDI files that they play, what `inspect` says of them.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "bad_input.hpp"
+#include "program.hpp"
+#include "sandbox.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+const std::string kGood = R"({
+  "name": "probe",
+  "bodies": [
+    { "name": "string", "resonator": "string_c4", "max_modes": 20 },
+    { "name": "hammer", "mass_kg": 0.003 }
+  ],
+  "places": [ { "name": "struck", "body": "string", "position_m": 0.07 } ],
+  "contacts": [ { "name": "felt", "between": ["hammer", "struck"], "material": "felt_c4" } ],
+  "controls": [
+    { "name": "felt", "stiffness_ratio": "felt", "max": 50 },
+    { "name": "finger", "force_n": "struck", "release_n": 0.5 }
+  ],
+  "strikes": ["hammer"],
+  "keys": [
+    { "first": 48, "last": 62, "event": "strike_hammer", "tuned_key": 60 },
+    { "key": 70, "event": "pluck_finger" }
+  ],
+  "polyphony": 4,
+  "damper": { "bodies": "string", "damping_per_s": 55 },
+  "presets": [ { "name": "bright", "felt_stiffness_ratio": 4, "hammer_speed_m_per_s": 5 } ],
+  "outputs": [ { "name": "string", "end_force_n": "string" } ]
+})";
+
+std::vector<BadFile> all_number_cases() {
+  std::vector<BadFile> cases;
+  for (const NumberKey& number :
+       std::vector<NumberKey>{{"keys[0].", "first", "48", "an integer from 0 to 127", {"-1", "128"}, true},
+                              {"keys[0].", "last", "62", "an integer from 48 to 127", {"47", "128"}, true},
+                              {"keys[0].", "tuned_key", "60", "an integer from 0 to 127", {"-1", "128"}, true},
+                              {"keys[1].", "key", "70", "an integer from 0 to 127", {"-1", "128"}, true},
+                              {"", "polyphony", "4", "an integer from 1 to 64", {"0", "65"}, true},
+                              {"damper.", "damping_per_s", "55", "a number from 0 to 100000", {"-1", "1e6"}},
+                              {"presets[0].", "felt_stiffness_ratio", "4", "a number from 1e-06 to 50", {"0", "51"}}})
+    std::ranges::copy(number_cases("n" + std::to_string(cases.size()), kGood, number), std::back_inserter(cases));
+  return cases;
+}
+
+const std::string kDrumKeys = R"("keys": [
+    { "first": 48, "last": 62, "event": "strike_hammer", "tuned_key": 60 },
+    { "key": 70, "event": "pluck_finger" }
+  ],)";
+
+std::vector<BadFile> key_cases() {
+  return {
+      {"event_unknown", changed(kGood, R"("strike_hammer", "tuned)", R"("hammer", "tuned)"), "keys[0].event",
+       "'hammer' is no event; allowed: strike_hammer, pluck_finger"},
+      {"event_missing", changed(kGood, R"("key": 70, "event": "pluck_finger")", R"("key": 70)"), "keys[1].event",
+       "missing; allowed: strike_hammer, pluck_finger"},
+      {"two_kinds", changed(kGood, R"("key": 70)", R"("key": 70, "first": 71)"), "keys[1].first",
+       "2 kinds of keys are given; allowed: just one of key, first"},
+      {"last_beside_key", changed(kGood, R"("key": 70)", R"("key": 70, "last": 71)"), "keys[1].last",
+       "stands beside key; allowed: beside first"},
+      {"last_missing", changed(kGood, R"("last": 62, )", ""), "keys[0].last",
+       "missing; allowed: an integer from 48 to 127"},
+      {"key_twice", changed(kGood, R"("key": 70)", R"("key": 62)"), "keys[1].key",
+       "key 62 plays two events; allowed: each key once"},
+      {"far", changed(kGood, R"("last": 62)", R"("last": 69)"), "", ""},  // replaced below
+      {"unknown", changed(kGood, R"("key": 70)", R"("key": 70, "tuning": 3)"), "keys[1].tuning",
+       "unknown key; allowed: key, first, last, event, tuned_key"},
+      {"without_a_string",
+       changed(changed(changed(kGood, R"("resonator": "string_c4")", R"("resonator": "marimba_c4")"),
+                       R"("end_force_n": "string")", R"("velocity_m_per_s": "struck")"),
+               R"("position_m": 0.07)", R"("position_m": 0.05)"),
+       "keys[0].tuned_key", "tunes nothing; allowed: in a file with a string among its bodies"},
+      {"polyphony_without_keys", changed(kGood, kDrumKeys, ""), "polyphony",
+       "has no place here; allowed: beside keys"},
+      {"damper_without_keys", changed(changed(kGood, kDrumKeys, ""), R"("polyphony": 4,)", ""), "damper",
+       "has no place here; allowed: beside keys"},
+      {"damper_of_nothing", changed(kGood, R"("bodies": "string")", R"("bodies": "wire")"), "damper.bodies",
+       "'wire' is no body; allowed: string, hammer"},
+      {"damper_twice", changed(kGood, R"("bodies": "string")", R"("bodies": ["string", "string"])"), "damper.bodies",
+       "'string' is named twice; allowed: once"},
+      {"damper_misspelt", changed(kGood, R"("damping_per_s": 55)", R"("damper_per_s": 55)"), "damper.damper_per_s",
+       "unknown key; allowed: bodies, damping_per_s"},
+      {"preset_unknown", changed(kGood, R"("felt_stiffness_ratio": 4)", R"("felt": 4)"), "presets[0].felt",
+       "unknown key; allowed: name, felt_stiffness_ratio, finger_force_n, hammer_speed_m_per_s, finger_release_n, "
+       "sustain, bend_cents"},
+      {"preset_without_name", changed(kGood, R"("name": "bright", )", ""), "presets[0].name", "missing"},
+      {"preset_with_empty_name", changed(kGood, R"("name": "bright")", R"("name": "")"), "presets[0].name",
+       "is empty; allowed: a name such as bright"},
+      {"preset_twice", changed(kGood, R"("presets": [ )", R"("presets": [ { "name": "bright" }, )"),
+       "presets[1].name", "'bright' is the name of two presets; allowed: once"},
+      {"preset_with_a_quote", changed(kGood, R"("bright")", R"("a\"b")"), "presets[0].name",
+       "is too long or has a quote"}};
+}
+
+std::vector<BadFile> cases() {
+  std::vector<BadFile> cases = key_cases();
+  const auto far = std::ranges::find(cases, "far", &BadFile::test);
+  far->text = changed(kGood, R"("first": 48)", R"("first": 35)");
+  far->key = "keys[0].tuned_key";
+  far->says = "key 35 is 25 semitones from 60; allowed: at most 24 semitones, such as 48";
+  return cases;
+}
+
+class BadKeys : public ::testing::TestWithParam<BadFile> {};
+
+TEST_P(BadKeys, AreRefusedInOneLineAndNothingIsWritten) {
+  expect_refused_by_generate(GetParam());
+}
+INSTANTIATE_TEST_SUITE_P(Number, BadKeys, ::testing::ValuesIn(all_number_cases()),
+                         ::testing::PrintToStringParamName());
+INSTANTIATE_TEST_SUITE_P(Key, BadKeys, ::testing::ValuesIn(cases()), ::testing::PrintToStringParamName());
+
+class KeysOnTheCommandLine : public ::testing::Test {
+ protected:
+  KeysOnTheCommandLine() {
+    write_file(box_ / "probe.json", kGood);
+    write_file(box_ / "song.mid", midi(0));
+    write_file(box_ / "drums.mid", midi(9));
+  }
+
+  // A note of key 60 on a channel for half a second, at 120 beats per minute; then 20, which is on no instrument.
+  static std::string midi(int channel) {
+    const auto byte = [](int value) { return std::string(1, static_cast<char>(value)); };
+    std::string track;
+    for (const auto& [delta, status, key, velocity] : {std::array{0, 0x90, 60, 100}, std::array{96, 0x80, 60, 0},
+                                                       std::array{0, 0x90, 20, 100}, std::array{96, 0x80, 20, 0}})
+      track += byte(delta) + byte(status | channel) + byte(key) + byte(velocity);
+    track += byte(0) + "\xff\x2f" + byte(0);
+    return "MThd" + std::string("\0\0\0\6\0\0\0\1\0\x60", 10) + "MTrk" + std::string(3, '\0') +
+           byte(static_cast<int>(track.size())) + track;
+  }
+
+  [[nodiscard]] Outcome run_here(const Words& words) const {
+    return run({.arguments = words, .folder = box_.path()});
+  }
+  [[nodiscard]] Outcome render(const std::string& score, const std::string& instrument,
+                               const Words& options = {}) const {
+    return run_here(
+        followed_by({"render", score, "--instrument", instrument, "-o", "a.wav", "--no-figure"}, options));
+  }
+
+  Sandbox box_;
+};
+
+TEST_F(KeysOnTheCommandLine, PlayAMidiFile) {
+  const Outcome outcome = render("song.mid", "probe.json");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "contactspline: song.mid: MIDI: left out: notes beyond keys 48 to 62, 70 (1)\n");
+  EXPECT_NE(outcome.out.find("N (string end force)"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("1 contacts in 1.5 s"), std::string::npos) << outcome.out;
+}
+
+// Keys that tune nothing are those of a drum, which plays the tenth channel.
+TEST_F(KeysOnTheCommandLine, OfADrumPlayTheTenthChannel) {
+  write_file(box_ / "drum.json", changed(kGood, R"(, "tuned_key": 60)", ""));
+  EXPECT_EQ(render("drums.mid", "drum.json").exit_code, 0);
+  EXPECT_EQ(render("song.mid", "drum.json", {"--channel", "1"}).exit_code, 0);
+  expect_refused(render("song.mid", "drum.json"), "song.mid: MIDI: no note is on a chosen channel",
+                 "allowed: --channel 1");
+}
+
+TEST_F(KeysOnTheCommandLine, AreRefusedWhereTheyCannotPlay) {
+  expect_refused(render("fur_elise", "probe.json"), "fur_elise: --instrument: the score is not a MIDI file",
+                 "allowed: with a .mid file");
+  expect_refused(render("song.mid", "snare"), "--instrument: snare has no keys",
+                 "allowed: an instrument file with keys");
+  expect_refused(render("song.mid", "felt_c4"), "--instrument: felt_c4: is no instrument",
+                 "allowed: an instrument that ships, or its file");
+}
+
+TEST_F(KeysOnTheCommandLine, AreInWhatInspectSays) {
+  const Outcome outcome = run_here({"inspect", "probe.json"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  for (const char* line :
+       {"keys, on 4 voices\n",
+        "  48 to 62                           strike_hammer, tuned: 60 has the pitch of the file\n",
+        "  70                                 pluck_finger\n",
+        "  damper                             55 1/s on string\n",
+        "  bright                             felt_stiffness_ratio 4, hammer_speed_m_per_s 5\n"})
+    EXPECT_NE(outcome.out.find(line), std::string::npos) << line << outcome.out;
+}
+
+TEST_F(KeysOnTheCommandLine, HaveNoFaustText) {
+  const std::string why = "probe has keys, which only the C++ class plays";
+  expect_refused(run_here({"generate", "probe.json", "-o", "out", "--emit", "faust"}), "probe.json: --emit: " + why,
+                 "allowed: cpp");
+  const Outcome outcome = run_here({"generate", "probe.json", "-o", "out"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.out, "wrote out/probe.hpp\nwrote out/probe.json\nleft out probe.lib: " + why + "\n");
+}
+
+// Events of a score play keys as a MIDI file does.
+TEST_F(KeysOnTheCommandLine, ArePlayedByAScore) {
+  const std::string good = R"({ "instrument": "probe.json", "duration_s": 1.5,
+    "events": [ { "time_s": 0, "key": 60, "velocity": 0.787401574803149607, "hold_s": 0.5 } ] })";
+  const auto render_score = [&](const std::string& text, const std::string& sound) {
+    write_file(box_ / "score.json", text);
+    return run_here({"render", "score.json", "-o", sound, "--no-figure"});
+  };
+  EXPECT_EQ(render_score(good, "b.wav").exit_code, 0);
+  EXPECT_EQ(render("song.mid", "probe.json").exit_code, 0);
+  EXPECT_EQ(read_file(box_ / "a.wav"), read_file(box_ / "b.wav"));
+  expect_refused(render_score(changed(good, R"("key": 60)", R"("key": 63)"), "c.wav"),
+                 "score.json: events[0].key: 63 plays nothing", "allowed: keys 48 to 62, 70");
+  expect_refused(render_score(changed(good, R"("key": 60, )", ""), "c.wav"),
+                 "score.json: events[0].velocity: has no key", "allowed: beside key");
+}
+
+}  // namespace
+}  // namespace contactspline::testing

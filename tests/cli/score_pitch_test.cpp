@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: MIT
+// The pitch of what a score plays: in tune, and bent by scores and MIDI files.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "generator/resonator/keyboard.hpp"
+#include "generator/resonator/keyboard_reader.hpp"
+#include "program.hpp"
+#include "render_score.hpp"
+#include "sandbox.hpp"
+#include "sound.hpp"
+#include "support/compare.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+using std::numbers::pi;
+
+// C4 with the wheel a quarter of its range up, and E4 of the second channel with it all the way down.
+TEST(ScorePitch, BendsThePitchOfMidiNotes) {
+  const std::string events("\0\xe0\0\x50\0\xe1\0\0\0\x90\x3c\x40\0\x91\x40\x40\x83\x60\x80\x3c\0\0\x81\x40\0", 25);
+  const auto keyboard = parse_keyboard(shipped(embedded_files(Shipped::kKeyboards), "piano"), "piano");
+  for (const auto& [channel, key, bend] : {std::tuple{"1", 60, 50.0}, std::tuple{"2", 64, -200.0}}) {
+    const Sound sound = sound_of_midi(events, {"--channel", channel, "--signal", "bridge"});
+    std::vector<double> left;
+    for (std::size_t i = 0; i < sound.samples.size(); i += 2) left.push_back(sound.samples[i]);
+    StiffString string = note_of(keyboard, key).string;
+    string.tension_n *= std::exp2(bend / 600);  // frequency is proportional to its square root
+    const Mode lowest = undamped_mode(string, 1, string.detuning_cents.front()).with(string.losses).value();
+    const double expected = lowest.angular_frequency_rad_per_s / (2 * pi);
+    EXPECT_TRUE(within(1200 * std::log2(frequency_near(left, expected + 0.2) / expected), 0, 0.1)) << key;
+  }
+}
+
+// An octave up and down every millisecond: the blow stays the loudest. Bends that did any work would drown it.
+TEST(ScorePitch, IsNotPumpedByBends) {
+  std::string events = R"({ "time_s": 0, "speed_m_per_s": 5 })";
+  for (int n = 0; n < 400; ++n)
+    events += fmt::format(R"(, {{ "time_s": {}, "bend_cents": {} }})", 0.05 + 0.001 * n, n % 2 == 0 ? -1200 : 1200);
+  const Sound sound = sound_of("hammer-string", R"({ "instrument": "hammer-string", "duration_s": 0.5, "voices": [ {
+    "name": "a", "resonator": "string_c4", "material": "felt_c4" } ], "events": [ )" +
+                                                    events + " ] }");
+  double blow = 0;
+  for (std::size_t n = 0; n < 2205; ++n) blow = std::max(blow, std::abs(sound.samples[n]));
+  EXPECT_GT(blow, 0.5 * kPeak);
+}
+
+// In the middle of a note, by the pitch wheel of a MIDI file, and by a score: the string sounds at the pitch of its
+// new tension, to which it glides.
+TEST(ScorePitch, BendsASoundingString) {
+  const Sandbox box;
+  // C4 for 1.8 s of 96 ticks a quarter of 0.5 s; the wheel goes up by 2 semitones after 52 ms.
+  write_file(box / "bend.mid", midi_file(std::string("\0\x90\x3c\x40\x0a\xe0\x7f\x7f\x82\x5a\x80\x3c\0", 13)));
+  write_file(box / "bend.json",
+             R"({ "instrument": "hammer-string", "duration_s": 2.5, "keyboard": "piano", "events": [
+      { "time_s": 0, "key": 60, "speed_m_per_s": 2.5, "hold_s": 1.8 },
+      { "time_s": 0.05, "over_s": 0.1, "key": 60, "bend_cents": -1200 } ] })");
+  const auto keyboard = parse_keyboard(shipped(embedded_files(Shipped::kKeyboards), "piano"), "piano");
+  // At rest the bridge shifts no partial. The soundboard shifts it by at most 5 cents (docs/reference/keyboard.md),
+  // and strings of one key are 0.9 cents apart.
+  for (const auto& [signal, bound] : {std::pair{"bridge", 0.1}, {"body", 5.9}})
+    for (const auto& [file, bend] : {std::pair{"bend.mid", 200.0 * 8191 / 8192}, std::pair{"bend.json", -1200.0}}) {
+      succeed({.arguments = {"render", "hammer-string", "--score", file, "--signal", signal, "--no-figure", "-o",
+                             "a.wav"},
+               .folder = box.path()});
+      const Sound sound = read_sound(box / "a.wav");
+      std::vector<double> left;
+      for (std::size_t i = 0; i < sound.samples.size(); i += 2) left.push_back(sound.samples[i]);
+      StiffString string = note_of(keyboard, 60).string;
+      string.tension_n *= std::exp2(bend / 600);
+      const Mode lowest = undamped_mode(string, 1, string.detuning_cents.front()).with(string.losses).value();
+      const double expected = lowest.angular_frequency_rad_per_s / (2 * pi);
+      EXPECT_TRUE(within(1200 * std::log2(frequency_near(left, expected + 0.2) / expected), 0, bound))
+          << file << signal;
+    }
+}
+
+// C4's partials up to the 24th as written by the program, both precisions, against the formula of the stiff string.
+TEST(ScorePitch, IsInTune) {
+  const double length = 0.62, mass = 0.00393, tension = 670, bending = 0.00983833;
+  std::vector<double> frequencies, decays;
+  for (int i = 1; i <= 24; ++i) {
+    const double beta = i * pi / length;
+    const double square = beta * beta * (tension + bending * beta * beta) * length / mass;
+    decays.push_back(0.5 + 1e-4 * beta * beta);
+    frequencies.push_back(std::sqrt(square - decays.back() * decays.back()) / (2 * pi));
+  }
+  std::vector<double> known(66150);
+  for (std::size_t n = 0; n < known.size(); ++n)
+    for (std::size_t i = 0; i < frequencies.size(); ++i)
+      known[n] += std::exp(-decays[i] * static_cast<double>(n) / kRate) / static_cast<double>(1 + i) *
+                  std::cos(2 * pi * frequencies[i] * static_cast<double>(n) / kRate);
+  const auto cents = [](double found, double expected) { return 1200 * std::log2(found / expected); };
+  for (std::size_t i = 0; i < frequencies.size(); ++i)
+    EXPECT_TRUE(within(cents(frequency_near(known, frequencies[i] + 0.2), frequencies[i]), 0, 1e-3)) << i + 1;
+  for (const std::string precision : {"double", "single"}) {
+    const Sound sound = sound_of("hammer-string", R"({
+      "instrument": "hammer-string", "duration_s": 1.5,
+      "voices": [ { "name": "c4", "resonator": "string_c4", "material": "felt_c4" } ],
+      "events": [ { "time_s": 0, "speed_m_per_s": 2.5 } ] })",
+                                 {"--precision", precision});
+    for (std::size_t i = 0; i < frequencies.size(); ++i)
+      EXPECT_TRUE(within(cents(frequency_near(sound.samples, frequencies[i] + 0.2), frequencies[i]), 0, 0.1))
+          << precision << ", partial " << i + 1;
+  }
+}
+
+}  // namespace
+}  // namespace contactspline::testing

@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: MIT
+// The Faust programs of random instruments against the runtime's class on the same arrays.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <limits>
+
+#include "contactspline/instrument/instrument.hpp"
+#include "faust_command.hpp"
+#include "generator/emit/emit_instrument.hpp"
+#include "generator/emit/emit_instrument_faust.hpp"
+#include "generator/instrument/instrument_reader.hpp"
+#include "generator/support/error.hpp"
+#include "native_program.hpp"
+#include "random_instrument.hpp"
+#include "support/finite.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+constexpr double kMaxFrequency = 22050;
+constexpr std::size_t kSamples = 1500;
+
+/// A slider or a button that is moved at a sample.
+struct Move {
+  std::size_t sample;
+  std::string label;
+  double value;
+};
+
+struct Case {
+  std::string file;
+  InstrumentModel model;
+  InstrumentArrays arrays;
+  std::vector<Move> moves;
+  int sample_rate_hz;
+};
+
+// The strike of every mass, and what each control is before and after sample 800.
+std::vector<Move> moves_of(const InstrumentModel& model, RandomInstruments& random) {
+  std::vector<Move> moves;
+  for (std::size_t s = 0; s < model.strikes.size(); ++s) {
+    const std::size_t sample = 37 * (1 + 5 * s);
+    const ModelEvent& strike = model.events[s];
+    moves.push_back({sample, model.parameters[strike.parameter].name, random.number(0.01, 10, 0.01, 10)});
+    moves.push_back({sample, strike.name, 1});
+  }
+  for (std::size_t c = 0; c < model.controls.size(); ++c)
+    for (const std::size_t sample : {std::size_t(0), std::size_t(37 * 22)}) {
+      if (sample != 0 && random.integer(0, 1) == 0) continue;
+      double value = 0;
+      switch (model.controls[c].quantity) {
+        case ControlQuantity::kForce:
+          value = random.uniform(-2, 2);
+          break;
+        case ControlQuantity::kDamping:
+          value = random.number(1, 1e4, 0, model.parameters[c].slider.max);
+          break;
+        case ControlQuantity::kStiffnessRatio:
+          value = random.number(0.1, 10, 0.01, 100);
+          break;
+        case ControlQuantity::kLoss:
+          value = random.number(0.01, 10, 0, 100);
+          break;
+        case ControlQuantity::kGapShift:
+          value = random.uniform(-1e-3, 1e-3);
+          break;
+        case ControlQuantity::kStiffness:
+          value = random.number(1, 1e6, 0, model.parameters[c].slider.max);
+          break;
+        case ControlQuantity::kResistance:
+          value = random.number(1e-3, 100, 0, model.parameters[c].slider.max);
+          break;
+      }
+      moves.push_back({sample, model.parameters[c].name, value});
+    }
+  return moves;
+}
+
+// Does each connection join places of which one moves? Modes that are silent at the sample rate do not.
+bool all_connections_move(const Case& drawn) {
+  const InstrumentArrays& arrays = drawn.arrays;
+  std::vector<double> admittances = {};
+  for (std::size_t p = 0, shape = 0; p < arrays.place_bodies.size(); ++p) {
+    const std::size_t body = arrays.place_bodies[p];
+    double sum = 0;
+    for (std::size_t i = body == 0 ? 0 : arrays.body_ends[body - 1]; i < arrays.body_ends[body]; ++i, ++shape) {
+      const Mode mode{arrays.angular_frequencies[i], arrays.decays[i], arrays.masses[i]};
+      if (mode.angular_frequency_rad_per_s < std::numbers::pi * drawn.sample_rate_hz)
+        sum += detail::mode_constants(mode, double(drawn.sample_rate_hz)).admittance * arrays.shapes[shape] *
+               arrays.shapes[shape];
+    }
+    admittances.push_back(sum);
+  }
+  const auto at = [&](std::size_t place) { return place == kGround ? 0 : admittances[place]; };
+  return std::ranges::all_of(arrays.connections, [&](const InstrumentConnection& connection) {
+    return at(connection.first) + at(connection.second) > 1e-16;
+  });
+}
+
+Case next_case(RandomInstruments& random) {
+  constexpr int kRates[] = {8000, 22050, 44100, 96000, 192000, 768000};
+  for (;;) {
+    std::string file = random.next();
+    try {
+      InstrumentModel model = parse_instrument(file, "random.json");
+      InstrumentArrays arrays = arrays_of(model, kMaxFrequency);
+      if (faust_obstacle(model, arrays)) continue;
+      std::vector<Move> moves = moves_of(model, random);
+      Case drawn{std::move(file), std::move(model), std::move(arrays), std::move(moves),
+                 kRates[random.integer(0, 5)]};
+      if (all_connections_move(drawn) || random.integer(0, 4) == 0) return drawn;
+    } catch (const BadInput&) {
+      continue;  // a link that closes a circle, for instance
+    }
+  }
+}
+
+// The outputs of the class over their full scales, [output][sample]. All speeds and controls are multiplied by
+// `factor`.
+Signals<double> sound_of_class(const Case& drawn, double factor) {
+  NetworkInstrument<double> instrument(drawn.arrays.view(), drawn.sample_rate_hz);
+  const double glide = -std::expm1(-1 / (0.005 * drawn.sample_rate_hz));
+  const auto& controls = drawn.model.controls;
+  const auto& parameters = drawn.model.parameters;
+  std::vector<double> targets, values, speeds(drawn.model.strikes.size(), 2.5);
+  for (std::size_t c = 0; c < controls.size(); ++c) targets.push_back(parameters[c].initial);
+  Signals<double> sound(drawn.arrays.outputs.size());
+  for (std::size_t n = 0; n < kSamples; ++n) {
+    for (const Move& move : drawn.moves) {
+      if (move.sample != n) continue;
+      for (std::size_t c = 0; c < controls.size(); ++c)
+        if (parameters[c].name == move.label) targets[c] = factor * move.value;
+      for (std::size_t s = 0; s < speeds.size(); ++s) {
+        const ModelEvent& strike = drawn.model.events[s];
+        if (parameters[strike.parameter].name == move.label) speeds[s] = factor * move.value;
+        if (strike.name == move.label) instrument.strike(s, speeds[s]);
+      }
+    }
+    if (n == 0) values = targets;
+    for (std::size_t c = 0; c < controls.size(); ++c) {
+      const bool glides =
+          controls[c].quantity == ControlQuantity::kForce || controls[c].quantity == ControlQuantity::kDamping;
+      values[c] = glides ? values[c] + glide * (targets[c] - values[c]) : targets[c];
+      instrument.set(c, values[c]);
+    }
+    instrument.tick();
+    for (std::size_t o = 0; o < sound.size(); ++o)
+      sound[o].push_back(instrument.output(o) / drawn.arrays.outputs[o].full_scale);
+  }
+  return sound;
+}
+
+// A control that no output hears is not there: Faust leaves it out.
+void set_if_heard(CProgram<double>& program, const Move& move) {
+  try {
+    program.set(move.label, move.value);
+  } catch (const std::out_of_range&) {
+  }
+}
+
+// The outputs of the program, from the second sample on.
+Signals<double> sound_of_program(const Case& drawn, CProgram<double> program) {
+  Signals<double> sound(drawn.arrays.outputs.size());
+  for (std::size_t n = 0; n < kSamples + 37; n += 37) {
+    for (const Move& move : drawn.moves)
+      if (move.sample == n) set_if_heard(program, move);
+    const Signals<double> block = program.run({}, 37);
+    for (std::size_t o = 0; o < sound.size(); ++o) sound[o].insert(sound[o].end(), block[o].begin(), block[o].end());
+  }
+  for (auto& channel : sound) {
+    channel.erase(channel.begin());
+    channel.resize(kSamples);
+  }
+  return sound;
+}
+
+const Emitter& faust_emitter() {
+  return *std::ranges::find(emitters(), "faust", &Emitter::name);
+}
+
+// The programs of all cases, as one shared library of classes random_0, random_1, ...
+Library compiled(const std::vector<Case>& cases, const std::filesystem::path& folder) {
+  std::ostringstream compile;
+  compile << kCCompiler << " -O0 -w -shared -fPIC -DFAUSTFLOAT=double -include " << kFaustTests << "/c_glue.h -o "
+          << folder / "programs.so";
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const std::string name = "random_" + std::to_string(i);
+    const auto program = folder / (name + ".lib"), source = folder / (name + ".c");
+    std::ofstream(program) << emit(faust_emitter(), cases[i].model, kMaxFrequency, "test");
+    const Outcome outcome = run_faust_compiler("-t 900 -lang c -double -cn " + name, program, source);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.output << cases[i].file;
+    compile << ' ' << source;
+  }
+  compile << " -lm";
+  const Outcome outcome = run(compile.str());
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+  return Library(folder / "programs.so");
+}
+
+double peak(const std::vector<double>& sound) {
+  double peak = 0;
+  for (const double x : sound) peak = std::max(peak, std::abs(x));
+  return peak;
+}
+
+/// How far a program is from the class in an output, and how far the class itself from one whose speeds and controls
+/// are larger by some roundings: a contact that rattles amplifies them with each bounce.
+struct Agreement {
+  double error = 0;  // of the peak
+  bool rattles = false;
+  bool holds = true;  // within 1e-9, or within what rattling explains
+};
+
+Agreement agreement(const std::vector<double>& found, const std::vector<double>& expected,
+                    const std::vector<double>& moved) {
+  Agreement result;
+  const double largest = std::max(peak(expected), std::numeric_limits<double>::min());
+  double sensitivity = 0;
+  for (std::size_t n = 0; n < expected.size(); ++n) {
+    const double error = std::abs(found[n] - expected[n]) / largest;
+    sensitivity = std::max(sensitivity, std::abs(moved[n] - expected[n]) / largest);
+    if (!(error <= std::max(1e-9, 30 * sensitivity))) result.holds = false;
+    result.error = std::max(result.error, error);
+  }
+  result.rattles = 30 * sensitivity > 1e-9;
+  return result;
+}
+
+/// What became of all cases.
+struct Summary {
+  std::size_t compared = 0, rattling = 0, unfinished = 0;
+  double largest_error = 0;  // of those that do not rattle
+};
+
+void compare(const Case& drawn, const Signals<double>& found, Summary& summary) {
+  const auto expected = sound_of_class(drawn, 1);
+  const auto moved = sound_of_class(drawn, 1 + 64 * std::numeric_limits<double>::epsilon());
+  const bool is_coupled =
+      std::ranges::count(drawn.arrays.connections, ConnectionKind::kContact, &InstrumentConnection::kind) > 1;
+  bool rattles = false, finished = true;
+  for (std::size_t o = 0; o < expected.size(); ++o) {
+    const Agreement result = agreement(found[o], expected[o], moved[o]);
+    // The program's steps are counted (docs/how-it-works/instrument-files.md): a light mass between two stiff
+    // contacts may want more.
+    EXPECT_TRUE(result.holds || (is_coupled && result.error <= 1e-6))
+        << drawn.model.outputs[o].name << " is wrong by " << result.error;
+    finished &= result.holds;
+    if (!result.rattles) summary.largest_error = std::max(summary.largest_error, result.error);
+    rattles |= result.rattles;
+  }
+  ++summary.compared;
+  summary.rattling += rattles;
+  summary.unfinished += !finished;
+}
+
+std::string text_of(const Case& drawn) {
+  std::ostringstream text;
+  text << drawn.sample_rate_hz << " Hz\n";
+  for (const Move& move : drawn.moves) text << move.sample << ' ' << move.label << ' ' << move.value << '\n';
+  return text.str() + drawn.file;
+}
+
+TEST(RandomInstruments, SoundInFaustAsInTheClass) {
+  const std::size_t count = std::getenv("CONTACTSPLINE_FULL_TESTS") != nullptr ? 200 : 8;
+  RandomInstruments random(1);
+  std::vector<Case> cases;
+  while (cases.size() < count) cases.push_back(next_case(random));
+  const Library library = compiled(cases, empty_folder("random_instruments_" + std::to_string(count)));
+  Summary summary;
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const Case& drawn = cases[i];
+    SCOPED_TRACE(text_of(drawn));
+    const auto found = sound_of_program(drawn, {library, "random_" + std::to_string(i), drawn.sample_rate_hz});
+    for (const auto& channel : found) EXPECT_TRUE(all_finite(channel));
+    if (all_connections_move(drawn)) compare(drawn, found, summary);
+  }
+  RecordProperty("compared", std::to_string(summary.compared));
+  RecordProperty("rattling", std::to_string(summary.rattling));
+  RecordProperty("largest_error", std::to_string(summary.largest_error * 1e9) + "e-9");
+  EXPECT_GE(4 * summary.compared, 3 * cases.size());
+  EXPECT_LE(100 * summary.unfinished, summary.compared);
+  EXPECT_LE(3 * summary.rattling, summary.compared);
+}
+
+}  // namespace
+}  // namespace contactspline::testing

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+// The list of all instruments that ship. Tests over the concept take it; a new model is one line here.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include "contactspline/instrument/instruments_of.hpp"
+#include "contactspline/instrument/keyboard_instrument.hpp"
+#include "contactspline/instruments/classical_guitar.hpp"
+#include "contactspline/instruments/marimba_tube.hpp"
+#include "contactspline/instruments/prepared_piano.hpp"
+#include "contactspline/instruments/slap_bass.hpp"
+#include "contactspline/instruments/snare.hpp"
+#include "contactspline/instruments/tanpura.hpp"
+#include "contactspline/instruments/tom.hpp"
+#include "contactspline/instruments/trichord_c4.hpp"
+#include "contactspline/keyboards/piano.hpp"
+#include "contactspline/materials/felt_c4.hpp"
+#include "contactspline/materials/steel_on_steel.hpp"
+#include "contactspline/resonators/guitar_g3.hpp"
+#include "contactspline/resonators/string_c4.hpp"
+
+namespace contactspline::testing {
+
+template <typename T>
+using ModelsByHand = ::testing::Types<
+    MassBarrierOf<materials::felt_c4, T>, HammerStringOf<materials::felt_c4, resonators::string_c4, T>,
+    SlideStringOf<materials::steel_on_steel, resonators::guitar_g3, T>,
+    FretStringOf<materials::steel_on_steel, resonators::guitar_g3, T>, KeyboardInstrument<keyboards::piano, T>>;
+
+template <typename T>
+using InstrumentsOfFiles =
+    ::testing::Types<instruments::classical_guitar<T>, instruments::marimba_tube<T>, instruments::prepared_piano<T>,
+                     instruments::slap_bass<T>, instruments::snare<T>, instruments::tanpura<T>, instruments::tom<T>,
+                     instruments::trichord_c4<T>>;
+
+/// What a test calls an instrument.
+struct InstrumentNames {
+  template <typename I>
+  static std::string GetName(int) {
+    return std::string(I().name()) + (sizeof(typename I::value_type) == sizeof(float) ? "_single" : "_double");
+  }
+};
+
+}  // namespace contactspline::testing

@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: MIT
+// Keys of instrument files: tuning against a file with that pitch, voices, damper and pedal, energy, presets.
+#include "contactspline/instrument/network_instrument.hpp"
+#include "contactspline/instrument/voices.hpp"
+#include "generator/instrument/instrument_reader.hpp"
+#include "support/compare.hpp"
+#include "support/count_allocations.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+constexpr double kRate = 44100;
+constexpr int kTunedKey = 60;
+
+using Keyed = Voices<NetworkInstrument<double>>;
+static_assert(Instrument<Keyed>);
+static_assert(KeyedInstrument<NetworkInstrument<float>>);
+
+// A hammered string. `tuning`: of the string in cents; `more`: keys of the file.
+std::string zither(int tuning, const std::string& more) {
+  return R"({ "name": "zither",
+    "bodies": [ { "name": "string", "resonator": "string_c4", "tuning_cents": )" +
+         std::to_string(tuning) + R"( }, { "name": "hammer", "mass_kg": 0.003 } ],
+    "places": [ { "name": "struck", "body": "string", "position_m": 0.0744 } ],
+    "contacts": [ { "name": "felt", "between": ["hammer", "struck"], "material": "felt_c4" } ],
+    "controls": [ { "name": "felt", "stiffness_ratio": "felt" }, { "name": "felt", "loss_s_per_m": "felt" } ],
+    "strikes": ["hammer"],
+    )" + more +
+         R"( "outputs": [ { "name": "end", "end_force_n": "string" },
+                                 { "name": "struck", "velocity_m_per_s": "struck" } ] })";
+}
+
+constexpr auto kKeys = R"("keys": [ { "first": 48, "last": 72, "event": "strike_hammer", "tuned_key": 60 } ],)";
+constexpr auto kPiano = R"("keys": [ { "first": 48, "last": 72, "event": "strike_hammer", "tuned_key": 60 } ],
+  "polyphony": 2, "damper": { "bodies": "string", "damping_per_s": 60 },
+  "presets": [ { "name": "plain" }, { "name": "bright", "felt_stiffness_ratio": 4, "hammer_speed_m_per_s": 5 } ],)";
+
+InstrumentArrays arrays_of_text(const std::string& text) {
+  return arrays_of(parse_instrument(text, "probe.json"), kRate / 2);
+}
+
+using Sound = std::array<std::vector<double>, 2>;
+
+// The next samples of both outputs.
+template <typename I>
+Sound played(I& instrument, std::size_t samples) {
+  Sound sound;
+  const std::array<std::span<double>, 2> outputs = {sound[0] = std::vector<double>(samples),
+                                                    sound[1] = std::vector<double>(samples)};
+  instrument.process(outputs);
+  return sound;
+}
+
+void expect_alike(const Sound& actual, const Sound& expected, double bound) {
+  for (std::size_t i = 0; i < 2; ++i)
+    EXPECT_TRUE(sequences_within(std::span<const double>(actual[i]), std::span<const double>(expected[i]), bound))
+        << i;
+}
+
+class Tuned : public ::testing::TestWithParam<int> {};
+
+// A key plays the samples of a file whose string has the pitch of the key. Both have the same modes, but their
+// numbers are rounded to 13 digits before and after tuning: after 0.2 s a mode of 20 kHz has a phase of 2.5e4 rad, so
+// 1e-13 of it are 3e-9, and the felt multiplies differences by at most 10.
+TEST_P(Tuned, KeyPlaysTheSamplesOfAFileWithItsPitch) {
+  const int key = GetParam();
+  const InstrumentArrays keyed = arrays_of_text(zither(0, kKeys));
+  const InstrumentArrays by_file = arrays_of_text(zither(100 * (key - kTunedKey), ""));
+  Keyed instrument(keyed.view());
+  instrument.prepare(kRate);
+  NetworkInstrument<double> expected(by_file.view(), kRate);
+  instrument.note_on(key, 0.8);
+  expected.strike(0, 0.8 * 2.5);
+  expect_alike(played(instrument, 8820), played(expected, 8820), 3e-8);
+}
+INSTANTIATE_TEST_SUITE_P(Keys, Tuned, ::testing::Values(48, 55, 60, 61, 72));
+
+// The sum of two keys is that of two instruments.
+TEST(Voices, SumTheirOutputs) {
+  const InstrumentArrays arrays = arrays_of_text(zither(0, kKeys));
+  Keyed both(arrays.view()), low(arrays.view()), high(arrays.view());
+  for (Keyed* instrument : {&both, &low, &high}) instrument->prepare(kRate);
+  for (Keyed* instrument : {&both, &low}) instrument->note_on(50, 0.5);
+  for (Keyed* instrument : {&both, &high}) instrument->note_on(57, 0.9);
+  const Sound actual = played(both, 2000), of_low = played(low, 2000), of_high = played(high, 2000);
+  for (std::size_t i = 0; i < 2; ++i)
+    for (std::size_t n = 0; n < 2000; ++n) ASSERT_EQ(actual[i][n], of_low[i][n] + of_high[i][n]) << n;
+}
+
+TEST(Voices, BlocksOfAnyLengthSoundAlike) {
+  const InstrumentArrays arrays = arrays_of_text(zither(0, kPiano));
+  Keyed whole(arrays.view()), parts(arrays.view());
+  Sound expected, actual;
+  for (const bool is_whole : {true, false}) {
+    Keyed& instrument = is_whole ? whole : parts;
+    instrument.prepare(kRate);
+    Sound& sound = is_whole ? expected : actual;
+    for (const int key : {60, 67, 48}) {  // the third takes a voice that sounds
+      instrument.note_on(key, 0.7);
+      for (std::size_t done = 0, length = 1; done < 3000; done += length, length = is_whole ? 3000 : done % 97 + 1) {
+        if (is_whole) length = 3000;
+        length = std::min<std::size_t>(length, 3000 - done);
+        const Sound part = played(instrument, length);
+        for (std::size_t i = 0; i < 2; ++i) sound[i].insert(sound[i].end(), part[i].begin(), part[i].end());
+      }
+      instrument.note_off(key);
+    }
+  }
+  EXPECT_EQ(actual, expected);
+}
+
+// The voice of a key that is struck again is its own; a new key takes the voice that was released first.
+TEST(Voices, AreTakenInOrder) {
+  const InstrumentArrays arrays = arrays_of_text(zither(0, kPiano));
+  Keyed instrument(arrays.view());
+  instrument.prepare(kRate);
+  const auto energies = [&] { return std::pair(instrument.voice(0).energy(), instrument.voice(1).energy()); };
+  instrument.note_on(60, 0.5);
+  instrument.note_on(64, 0.5);
+  (void)played(instrument, 500);
+  const auto before = energies();
+  EXPECT_GT(before.first, 0);
+  EXPECT_GT(before.second, 0);
+  instrument.note_on(60, 1);  // again: the first voice
+  EXPECT_GT(energies().first, before.first);
+  EXPECT_EQ(energies().second, before.second);
+  instrument.note_off(64);
+  instrument.note_off(60);
+  const auto released = energies();
+  instrument.note_on(67, 1);  // the second one was released first
+  EXPECT_EQ(energies().first, released.first);
+  EXPECT_GT(energies().second, released.second);
+}
+
+// A free damper of 60 1/s takes all in 0.2 s but e^-12 of the amplitude; the pedal holds it up.
+TEST(Damper, FallsWithTheKeyUnlessThePedalHoldsIt) {
+  const InstrumentArrays arrays = arrays_of_text(zither(0, kPiano));
+  const std::size_t sustain = arrays.model->keys.sustain;
+  const auto loudness = [&](bool is_held, double pedal) {
+    Keyed instrument(arrays.view());
+    instrument.prepare(kRate);
+    instrument.set(sustain, pedal);
+    instrument.note_on(60, 1);
+    (void)played(instrument, 2000);
+    if (!is_held) instrument.note_off(60);
+    (void)played(instrument, 8820);
+    const Sound sound = played(instrument, 2000);
+    return std::ranges::max(sound[0]);
+  };
+  const double held = loudness(true, 0);
+  EXPECT_GT(held, 0.1);
+  EXPECT_LT(loudness(false, 0), 3e-5 * held);
+  EXPECT_EQ(loudness(false, 1), held);
+}
+
+// Energy minus work plus dissipation stays, also while a key tunes a string that sounds, and while the wheel bends.
+// The rounding of a thousandth of a million operations in each sample: 1e-12 of the energy.
+TEST(Tuning, KeepsTheBooksOfEnergy) {
+  const InstrumentArrays arrays = arrays_of_text(zither(0, std::string(kKeys) + R"("polyphony": 1,)"));
+  Keyed instrument(arrays.view());
+  instrument.prepare(kRate);
+  double balance = 0, largest = 0, work_of_tuning = 0;
+  const auto play = [&](std::size_t samples) {
+    for (std::size_t n = 0; n < samples; ++n) {
+      instrument.tick();
+      balance += instrument.work() - instrument.dissipated();
+      work_of_tuning = std::max(work_of_tuning, std::abs(instrument.work()));
+      ASSERT_NEAR(instrument.energy(), balance, 1e-11 * (largest = std::max(largest, instrument.energy()))) << n;
+    }
+  };
+  for (const int key : {60, 72, 48}) {
+    instrument.note_on(key, 1);
+    play(1500);
+    instrument.set(arrays.model->keys.bend, key == 72 ? -180 : 150);
+    play(1500);
+  }
+  EXPECT_GT(work_of_tuning, 1e-6);
+}
+
+// At most what may be worked in 10 ms at 1 W in one step, whatever the keys do.
+TEST(Tuning, OfAStringThatSoundsDoesBoundedWork) {
+  const InstrumentArrays arrays = arrays_of_text(zither(0, std::string(kKeys) + R"("polyphony": 1,)"));
+  Keyed instrument(arrays.view());
+  instrument.prepare(kRate);
+  instrument.set(arrays.model->parameters.size() - 2, 100);  // m/s
+  instrument.note_on(60, 1);
+  (void)played(instrument, 2000);
+  double risen = 0;
+  for (int n = 0; n < 4410; ++n) {
+    instrument.set(arrays.model->keys.bend, n % 64 < 32 ? 1200 : -1200);
+    instrument.tick();
+    risen += std::max(0.0, instrument.work());
+  }
+  EXPECT_GT(risen, 0.01);
+  EXPECT_LE(risen, 0.1 + 0.01 + 1e-9);
+}
+
+TEST(Presets, AreValuesOfAllParameters) {
+  const InstrumentArrays arrays = arrays_of_text(zither(0, kPiano));
+  const NetworkInstrument<float> instrument(arrays.view());
+  ASSERT_EQ(instrument.presets().size(), 2U);
+  EXPECT_STREQ(instrument.presets()[1].name, "bright");
+  const auto parameters = instrument.parameters();
+  for (std::size_t p = 0; p < parameters.size(); ++p) {
+    const std::string_view name = parameters[p].name;
+    EXPECT_EQ(instrument.presets()[0].values[p], parameters[p].initial);
+    const double bright = name == "felt_stiffness_ratio"   ? 4
+                          : name == "hammer_speed_m_per_s" ? 5
+                                                           : parameters[p].initial;
+    EXPECT_EQ(instrument.presets()[1].values[p], bright) << name;
+  }
+}
+
+TEST(Voices, AllocateNothingWhileTheyPlay) {
+  const InstrumentArrays arrays = arrays_of_text(zither(0, kPiano));
+  Voices<NetworkInstrument<float>> instrument(arrays.view());
+  instrument.prepare(kRate);
+  std::vector<float> end(2000), struck(2000);
+  const std::array<std::span<float>, 2> outputs = {end, struck};
+  const std::size_t before = allocations;
+  for (const int key : {48, 60, 72, 61}) {
+    instrument.note_on(key, 0.9);
+    instrument.process(outputs);
+    instrument.set(arrays.model->keys.bend, key);
+    instrument.note_off(key);
+    instrument.process(outputs);
+  }
+  EXPECT_TRUE(instrument.energy() > 0 && !instrument.is_silent(1e-14));
+  instrument.reset();
+  EXPECT_EQ(allocations, before);
+  EXPECT_TRUE(all_finite(end));
+  EXPECT_TRUE(instrument.is_silent(1e-14));
+}
+
+// What is no key and no number does nothing; a reset forgets all.
+TEST(Voices, IgnoreWhatIsNoKey) {
+  const InstrumentArrays arrays = arrays_of_text(zither(0, kPiano));
+  Keyed instrument(arrays.view());
+  instrument.prepare(kRate);
+  for (const int key : {-1, 0, 47, 73, 128, 1000}) instrument.note_on(key, 1), instrument.note_off(key);
+  instrument.note_on(60, std::numeric_limits<double>::quiet_NaN());
+  instrument.strike(1, 1);
+  instrument.pluck(0, 1);
+  instrument.release(7);
+  EXPECT_TRUE(instrument.is_silent(1e-14));
+  const auto note = [&] {
+    instrument.note_on(65, 1);
+    return played(instrument, 1000);
+  };
+  const Sound first = note();
+  instrument.note_on(50, 1);
+  (void)played(instrument, 700);
+  instrument.reset();
+  EXPECT_EQ(note(), first);
+}
+
+// Keys of a drum strike one and the same head.
+TEST(Drum, HasOneVoiceForAllKeys) {
+  const InstrumentArrays arrays = arrays_of_text(R"({ "name": "drum",
+    "bodies": [ { "name": "head", "resonator": "drum_head", "max_modes": 30 }, { "name": "left", "mass_kg": 0.02 },
+                { "name": "right", "mass_kg": 0.03 } ],
+    "places": [ { "name": "here", "body": "head", "position_m": 0.05 }, { "name": "there", "body": "head", "position_m": 0.1 } ],
+    "contacts": [ { "name": "one", "between": ["left", "here"], "material": "felt_over_wood" },
+                  { "name": "two", "between": ["right", "there"], "material": "felt_over_wood" } ],
+    "strikes": ["left", "right"],
+    "keys": [ { "key": 40, "event": "strike_right" }, { "key": 38, "event": "strike_left" } ],
+    "outputs": [ { "name": "here", "velocity_m_per_s": "here" }, { "name": "one", "force_n": "one" } ] })");
+  ASSERT_EQ(arrays.model->keys.voices, 1U);
+  Keyed by_keys(arrays.view());
+  by_keys.prepare(kRate);
+  NetworkInstrument<double> by_strikes(arrays.view(), kRate);
+  for (const auto& [key, strike] : {std::pair(38, 0), std::pair(40, 1)}) {
+    by_keys.note_on(key, 0.5);
+    by_strikes.strike(static_cast<std::size_t>(strike), 1.25);
+    EXPECT_EQ(played(by_keys, 1200), played(by_strikes, 1200));
+  }
+}
+
+}  // namespace
+}  // namespace contactspline::testing

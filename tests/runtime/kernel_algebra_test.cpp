@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+// The vectorised bank and linear solver against plain sums, on every instruction set of this machine.
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "kernel_targets.hpp"
+#include "strings.hpp"
+#include "support/compare.hpp"
+#include "support/random.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+template <typename T>
+class KernelAlgebra : public ::testing::Test {};
+TYPED_TEST_SUITE(KernelAlgebra, Precisions);
+
+// One sample of a bank under forces at several places, and what places will move by, as predict(), push(), commit()
+// and sums over the modes compute them one after the other.
+TYPED_TEST(KernelAlgebra, AdvanceABankUnderForces) {
+  using T = TypeParam;
+  Random random(1);
+  const auto number = [&] { return random.between(-1, 1); };
+  for (const std::int64_t target : targets()) {
+    const OnlyTarget only(target);
+    for (const std::size_t size : {1u, 2u, 5u, 8u, 17u, 56u, 120u})
+      for (std::size_t places = 0; places < 15; ++places) {
+        std::vector<Mode> modes;
+        for (std::size_t i = 0; i < size; ++i) modes.push_back({100.0 + 900.0 * static_cast<double>(i), 30, 1e-3});
+        ModalBank<T> plain(modes, 44100), tested(modes, 44100);
+        std::vector<ModeShapes<T>> shapes(places, ModeShapes<T>(size));
+        std::vector<const T*> at;
+        for (auto& shape : shapes) {
+          for (std::size_t i = 0; i < size; ++i) shape[i] = static_cast<T>(number());
+          at.push_back(shape.data());
+        }
+        std::vector<T> forces(places), increments(places);
+        const T damping = T(0.01) * static_cast<T>(places % 2), gain = 1 / (1 + damping);
+        T travel = 0;
+        for (int n = 0; n < 5; ++n) {
+          plain.predict(damping);
+          for (std::size_t p = 0; p < places; ++p) {
+            forces[p] = static_cast<T>(number());
+            plain.push(shapes[p], gain * forces[p]);
+          }
+          plain.commit();
+          travel = tested.advance(damping, at, forces.data(), at, increments.data());
+        }
+        const double eps = 64 * double(std::numeric_limits<T>::epsilon());
+        plain.predict();
+        double expected_travel = 0;
+        for (std::size_t i = 0; i < size; ++i) {
+          const double q = double(plain.arrays().displacement[i]), d = double(plain.arrays().free_increment[i]);
+          expected_travel += std::abs(d);
+          ASSERT_TRUE(within(double(tested.arrays().displacement[i]), q, eps * 1e-4)) << size << " " << places;
+          ASSERT_TRUE(within(double(tested.arrays().free_increment[i]), d, eps * 1e-4)) << size << " " << places;
+        }
+        const double bound = eps * std::max(expected_travel, 1e-6);
+        EXPECT_TRUE(within(double(travel), expected_travel, bound)) << size << " " << places;
+        for (std::size_t p = 0; p < places; ++p)
+          EXPECT_TRUE(within(double(increments[p]), double(plain.increment(shapes[p])), bound))
+              << size << " " << places;
+      }
+  }
+}
+
+// Positive definite systems of every size up to 40: what was multiplied by the matrix comes back.
+TYPED_TEST(KernelAlgebra, SolvePositiveDefiniteSystems) {
+  using T = TypeParam;
+  Random random(2);
+  const auto number = [&] { return random.between(-1, 1); };
+  for (const std::int64_t target : targets()) {
+    const OnlyTarget only(target);
+    for (std::size_t size = 1; size <= 40; ++size) {
+      constexpr std::size_t kStride = 48;
+      detail::ModalArray<T> matrix(kStride * size), right(kStride);
+      std::vector<double> rows(size * size), solution(size);
+      for (double& value : rows) value = number();
+      for (double& value : solution) value = number();
+      for (std::size_t j = 0; j < size; ++j) {
+        double sum = 0;
+        for (std::size_t i = 0; i < size; ++i) {
+          double value = i == j ? 1 : 0;
+          for (std::size_t k = 0; k < size; ++k) value += rows[i * size + k] * rows[j * size + k];
+          matrix[j * kStride + i] = static_cast<T>(value);
+          sum += value * solution[i];
+        }
+        right[j] = static_cast<T>(sum);
+      }
+      detail::solve_positive_definite(size, matrix.data(), kStride, right.data());
+      // The condition number is at most 1 + |rows|^2 <= 1 + size^2.
+      const double bound = 8 * double(std::numeric_limits<T>::epsilon()) * static_cast<double>(1 + size * size);
+      for (std::size_t i = 0; i < size; ++i)
+        ASSERT_TRUE(within(double(right[i]), solution[i], bound)) << size << ", row " << i;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace contactspline::testing
