@@ -134,6 +134,18 @@ TYPED_TEST(EveryInstrument, SoundsAndIsAsNewAfterAReset) {
   EXPECT_EQ(Test::note(other), first);
 }
 
+// A bend that has arrived holds for the new strings, too.
+TYPED_TEST(EveryInstrument, KeepsItsBendWhereItIsPreparedAgain) {
+  using Test = EveryInstrument<TypeParam>;
+  TypeParam instrument;
+  for (std::size_t p = 0; p < instrument.parameters().size(); ++p)
+    if (std::string(instrument.parameters()[p].name) == "bend_cents") instrument.set(p, 100);
+  instrument.prepare(kRate);
+  const auto first = Test::note(instrument);
+  instrument.prepare(kRate);
+  EXPECT_EQ(Test::note(instrument), first);
+}
+
 // The kernels of a hammer-string may round a sample differently where a block ends: by some roundings of the largest
 // sample, which later contacts amplify a hundredfold.
 TYPED_TEST(EveryInstrument, SoundsTheSameInBlocksOfAnyLength) {

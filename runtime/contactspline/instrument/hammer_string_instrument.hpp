@@ -76,6 +76,8 @@ class HammerStringInstrument : public PlayedByEvents<HammerStringInstrument<T>> 
     time_step_s_ = 1 / sample_rate_hz;
     const ResonatorParts& resonator = parts_.resonator;
     place_m_ = kNaN;
+    bend_ = {};
+    sample_ = 0;
     tuned_ = resonator.modes;
     rows_.clear();
     for (std::size_t i = 0; i < resonator.wavenumbers_per_m.size(); ++i)

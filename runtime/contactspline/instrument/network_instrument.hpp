@@ -172,12 +172,12 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
     const double next = held(values_[parameter], value, range_of(parameter));
     if (next == values_[parameter]) return;
     values_[parameter] = next;
-    if (in_double_) return in_double_->set(parameter, next);
+    if (in_double_) in_double_->set(parameter, next);
     if (parameter == data_.keyed.bend) tune(key_cents_);
     if (parameter == data_.keyed.sustain && next < 0.5 && damper_) damper_->end_sustain();
     if (parameter >= data_.controls.size()) return;
     const InstrumentControl& control = data_.controls[parameter];
-    network_ ? apply(control, static_cast<T>(next)) : keep(control, static_cast<T>(next));
+    network_ && !in_double_ ? apply(control, static_cast<T>(next)) : keep(control, static_cast<T>(next));
   }
   [[nodiscard]] double value(std::size_t parameter) const { return values_[parameter]; }
 
@@ -215,7 +215,7 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
 
   /// Tunes all strings by a change of tension, beside the bend. One that rises under load does at most 1 W of work.
   void tune(double cents) {
-    if (in_double_) return in_double_->tune(cents);
+    if (in_double_) in_double_->tune(cents);
     key_cents_ = cents;
     tuning_.tune(cents + (data_.keyed.bend == kNoParameter ? 0 : values_[data_.keyed.bend]));
   }

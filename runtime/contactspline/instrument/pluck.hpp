@@ -20,10 +20,12 @@ inline constexpr double kPluckRise_s = 0.004;  ///< of a pluck by a finger
 /// Force of a pluck over time: force (3 u^2 - 2 u^3), u = time/rise, up to its end.
 class Pluck {
  public:
-  /// Begins with the next sample. rise_s >= 0.
+  static constexpr double kLongest_s = 3600;
+
+  /// Begins with the next sample. rise_s: 0 to kLongest_s, clamped.
   void begin(double force_n, double rise_s, double sample_rate_hz) {
     force_n_ = force_n;
-    length_ = static_cast<std::size_t>(std::llround(std::max(0.0, rise_s) * sample_rate_hz));
+    length_ = static_cast<std::size_t>(std::llround(std::clamp(rise_s, 0.0, kLongest_s) * sample_rate_hz));
     sample_ = 0;
   }
   void stop() { sample_ = length_; }

@@ -52,6 +52,7 @@ class Voices {
 
   [[nodiscard]] const char* name() const { return first().name(); }
   [[nodiscard]] const char* description() const { return first().description(); }
+  [[nodiscard]] const char* license() const { return license_of(first()); }
   [[nodiscard]] std::span<const Parameter> parameters() const { return first().parameters(); }
   [[nodiscard]] std::span<const Event> events() const { return first().events(); }
   [[nodiscard]] std::span<const Output> outputs() const { return first().outputs(); }
