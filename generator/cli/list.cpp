@@ -87,20 +87,21 @@ std::string scores() {
   return table;
 }
 
-struct Kind {
+struct ShippedKind {
   const char* name;
   Shipped folder;
   std::string (*table)();
 };
 
-constexpr std::array kKinds = {
-    Kind{"materials", Shipped::kMaterials, materials}, Kind{"resonators", Shipped::kResonators, resonators},
-    Kind{"keyboards", Shipped::kKeyboards, keyboards}, Kind{"instruments", Shipped::kInstruments, instruments},
-    Kind{"scores", Shipped::kScores, scores}};
+constexpr std::array kShippedKinds = {ShippedKind{"materials", Shipped::kMaterials, materials},
+                                      ShippedKind{"resonators", Shipped::kResonators, resonators},
+                                      ShippedKind{"keyboards", Shipped::kKeyboards, keyboards},
+                                      ShippedKind{"instruments", Shipped::kInstruments, instruments},
+                                      ShippedKind{"scores", Shipped::kScores, scores}};
 
 // The file of that name, with or without its ending.
 const EmbeddedFile* file_that_ships(const std::string& name) {
-  for (const Kind& kind : kKinds)
+  for (const ShippedKind& kind : kShippedKinds)
     for (const char* ending : {"", ".json", ".mid"})
       if (const auto* file = find_embedded(kind.folder, name + ending)) return file;
   return nullptr;
@@ -110,13 +111,13 @@ const EmbeddedFile* file_that_ships(const std::string& name) {
 
 std::vector<std::string> kinds_that_ship() {
   std::vector<std::string> names;
-  for (const Kind& kind : kKinds) names.emplace_back(kind.name);
+  for (const ShippedKind& kind : kShippedKinds) names.emplace_back(kind.name);
   return names;
 }
 
 void list(const std::string& only) {
   std::string text;
-  for (const Kind& kind : kKinds) {
+  for (const ShippedKind& kind : kShippedKinds) {
     if (only.empty()) text += fmt::format("{}{}\n\n", text.empty() ? "" : "\n", kind.name);
     if (only.empty() || only == kind.name) text += kind.table();
   }
@@ -127,7 +128,7 @@ void show(const std::string& name, const std::string& own_name) {
   const EmbeddedFile* file = file_that_ships(name);
   if (file == nullptr) {
     std::vector<std::string> names;
-    for (const Kind& kind : kKinds)
+    for (const ShippedKind& kind : kShippedKinds)
       for (std::string& shipped : shipped_names(kind.folder)) names.push_back(std::move(shipped));
     refuse(name, "NAME", "nothing of this name ships", fmt::format("{}", fmt::join(names, ", ")));
   }

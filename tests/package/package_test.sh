@@ -441,12 +441,29 @@ until_build() {
   grep -q '^building ' "$WORK/log" || fail "scripts/$1 ends before it builds"
 }
 
+# A copy of the tree without its builds, whose scripts install no packages.
+copy_tree() {
+  tree="$WORK/tree"
+  mkdir "$tree"
+  tar -C "$SOURCE" --exclude=./.git --exclude=./build --exclude=./out --exclude=".${BUILD#"$SOURCE"}" -cf - . |
+    tar -C "$tree" -xf -
+  printf '#!/bin/sh\necho "packages: $*"\n' | tee "$tree/scripts/install-packages" >"$tree/scripts/format"
+}
+
+# The first command of the README.
+case_run() {
+  copy_tree
+  "$tree/scripts/run" >"$WORK/log" 2>&1 || fail "scripts/run fails"
+  for sound in fur_elise slide_guitar; do
+    [ -s "$tree/out/$sound.wav" ] && [ -s "$tree/out/$sound.svg" ] || fail "scripts/run does not play $sound"
+  done
+  ! grep -qi 'warning' "$WORK/log" || fail "scripts/run warns"
+}
+
 # The scripts one after the other: none undoes what another has set. With a cmake that configures, but builds nothing.
 case_scripts() {
-  tree="$WORK/tree"
-  mkdir "$tree" "$WORK/bin"
-  tar -C "$SOURCE" --exclude=./.git --exclude=./build --exclude=".${BUILD#"$SOURCE"}" -cf - . | tar -C "$tree" -xf -
-  printf '#!/bin/sh\necho "packages: $*"\n' | tee "$tree/scripts/install-packages" >"$tree/scripts/format"
+  copy_tree
+  mkdir "$WORK/bin"
   printf '#!/bin/sh\n[ "$1" != --build ] || { echo "building $*"; exit 9; }\nexec "%s" "$@"\n' "$(command -v cmake)" \
     >"$WORK/bin/cmake"
   chmod +x "$WORK/bin/cmake"
