@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "contactspline/instrument/instrument.hpp"
+#include "contactspline/instrument/parameter_values.hpp"
 #include "contactspline/instrument/played_by_events.hpp"
 #include "contactspline/instrument/resonator_parts.hpp"
 #include "contactspline/instrument/string_outputs.hpp"
@@ -32,13 +33,10 @@ struct HammerStringParts {
   Damper damper = {};
 };
 
-/// A felt hammer on a string or another resonator (docs/how-to/hammer-string.md). Meets Instrument.
-template <std::floating_point T>
-class HammerStringInstrument : public PlayedByEvents<HammerStringInstrument<T>> {
- public:
-  using value_type = T;
+/// The parameters of a hammer-string.
+struct HammerStringParameter {
   enum : std::size_t { kHammerMass, kStiffnessRatio, kLoss, kDamping, kPlace, kBend, kSpeed, kSustain, kParameters };
-  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();  // the parts decide
   static constexpr std::array<Parameter, kParameters> kList = {
       {{"hammer_mass_kg", "kg", {1e-6, 100}, {0.0005, 0.05}, kNaN, Scale::kLogarithmic, Acts::kAtNextNote},
        {"stiffness_ratio", "", {1e-6, 1e6}, {0.001, 1000}, 1, Scale::kLogarithmic, Acts::kAtNextNote, 0, 74},
@@ -50,16 +48,27 @@ class HammerStringInstrument : public PlayedByEvents<HammerStringInstrument<T>> 
        {"sustain", "", {0, 1}, {0, 1}, 0, Scale::kLinear, Acts::kAtOnce, 0, 64}}};
   static constexpr std::size_t kOfKeys = kSpeed;  ///< so many of them each key of a keyboard has, too
   static constexpr std::array<Event, 1> kEvents = {{{"strike", EventKind::kStrike, 0, kSpeed}}};
+};
+
+/// A felt hammer on a string or another resonator (docs/how-to/hammer-string.md). Meets Instrument.
+template <std::floating_point T>
+class HammerStringInstrument : public HammerStringParameter,
+                               public ParameterValues<T, HammerStringParameter::kParameters>,
+                               public PlayedByEvents<HammerStringInstrument<T>> {
+  using Values = ParameterValues<T, kParameters>;
+
+ public:
+  using value_type = T;
+  using Values::value;
 
   explicit HammerStringInstrument(HammerStringParts parts)
-      : parts_(std::move(parts)), felt_(table_in<T>(parts_.felt)), list_(kList) {
-    list_[kHammerMass].initial = parts_.hammer_mass_kg;
-    list_[kLoss].initial = parts_.loss_s_per_m;
-    list_[kLoss].slider.max = std::max(2.0, parts_.loss_s_per_m);
-    list_[kPlace].initial = parts_.resonator.strike_m;
-    list_[kPlace].allowed.max = list_[kPlace].slider.max = parts_.resonator.length_m;
-    if (!parts_.resonator.string) list_[kBend].allowed = list_[kBend].slider = {0, 0};
-    for (std::size_t i = 0; i < kParameters; ++i) values_[i] = list_[i].initial;
+      : Values(kList), parts_(std::move(parts)), felt_(table_in<T>(parts_.felt)) {
+    const ControlRange<double> places{0, parts_.resonator.length_m};
+    this->limit(kPlace, places, places);
+    if (!parts_.resonator.string) this->limit(kBend, {0, 0}, {0, 0});
+    this->set_initial(kHammerMass, parts_.hammer_mass_kg);
+    this->set_initial(kLoss, parts_.loss_s_per_m);
+    this->set_initial(kPlace, parts_.resonator.strike_m);
     add_presets();
   }
 
@@ -67,7 +76,6 @@ class HammerStringInstrument : public PlayedByEvents<HammerStringInstrument<T>> 
 
   static const char* name() { return "hammer_string"; }
   static const char* description() { return "Felt hammer on a string: contact without iteration, exact modes"; }
-  [[nodiscard]] std::span<const Parameter> parameters() const { return list_; }
   static std::span<const Event> events() { return kEvents; }
   [[nodiscard]] std::span<const Output> outputs() const { return StringOutputs::list(parts_.resonator); }
   [[nodiscard]] std::span<const Preset> presets() const { return presets_; }
@@ -96,16 +104,15 @@ class HammerStringInstrument : public PlayedByEvents<HammerStringInstrument<T>> 
   }
 
   void set(std::size_t parameter, double value) {
-    values_[parameter] = held(values_[parameter], value, list_[parameter].allowed);
+    Values::set(parameter, value);
     if (parameter == kSustain && voice_) release_if_free();
   }
-  [[nodiscard]] double value(std::size_t parameter) const { return values_[parameter]; }
 
   void strike(std::size_t number, T speed_m_per_s) {
     if (number != 0 || !is_number(speed_m_per_s)) return;
     is_held_ = true;
     if (speed_m_per_s == 0) return voice_->lift();
-    if (values_[kPlace] != place_m_) move_strike();
+    if (value(kPlace) != place_m_) move_strike();
     voice_->controls() = controls();
     voice_->strike(speed_m_per_s);
   }
@@ -140,9 +147,9 @@ class HammerStringInstrument : public PlayedByEvents<HammerStringInstrument<T>> 
 
  private:
   using StringOutputs = detail::StringOutputs<T>;
+  using Values::value_of;
   static constexpr std::size_t kBendStep = 16, kLongest = 1024;  // samples
 
-  [[nodiscard]] T value_of(std::size_t parameter) const { return static_cast<T>(values_[parameter]); }
   [[nodiscard]] HammerStringControls<T> controls() const {
     return {.hammer_mass_kg = value_of(kHammerMass),
             .felt = {value_of(kStiffnessRatio), value_of(kLoss)},
@@ -152,7 +159,8 @@ class HammerStringInstrument : public PlayedByEvents<HammerStringInstrument<T>> 
   void add_presets() {
     const double length_m = parts_.resonator.length_m;
     const auto add = [&](const char* name, std::initializer_list<std::pair<std::size_t, double>> changes) {
-      Preset preset{name, {values_.begin(), values_.end()}};
+      Preset preset{name, {}};
+      for (const Parameter& parameter : this->parameters()) preset.values.push_back(parameter.initial);
       for (const auto& [parameter, value] : changes) preset.values[parameter] = value;
       presets_.push_back(std::move(preset));
     };
@@ -167,24 +175,24 @@ class HammerStringInstrument : public PlayedByEvents<HammerStringInstrument<T>> 
   }
 
   void move_strike() {
-    place_m_ = values_[kPlace];
+    place_m_ = value(kPlace);
     parts_.resonator.strike_shapes(place_m_, shapes_);
     for (std::size_t i = 0; i < shapes_.size(); ++i) strike_[i] = static_cast<T>(shapes_[i]);
     voice_->strike_at(strike_);
   }
 
   void release_if_free() {
-    if (!is_held_ && values_[kSustain] < 0.5) voice_->release();
+    if (!is_held_ && value(kSustain) < 0.5) voice_->release();
   }
 
-  [[nodiscard]] bool is_bending() const { return values_[kBend] != bend_.cents(); }
+  [[nodiscard]] bool is_bending() const { return value(kBend) != bend_.cents(); }
 
   void follow_bend() {
     if (!is_bending()) return;
     const StiffString& string = *parts_.resonator.string;
     const std::span<const StringMode> rows(rows_);
     const double energy = detail::tension_energy(string, rows, voice_->model().string());
-    if (!bend_.follow(values_[kBend], energy, static_cast<double>(sample_) * time_step_s_)) return;
+    if (!bend_.follow(value(kBend), energy, static_cast<double>(sample_) * time_step_s_)) return;
     std::ranges::transform(rows, tuned_.begin(),
                            [&](const StringMode& row) { return retuned(string, row, bend_.cents()); });
     voice_->retune(tuned_);
@@ -200,9 +208,7 @@ class HammerStringInstrument : public PlayedByEvents<HammerStringInstrument<T>> 
     const auto forces = part(StringOutputs::kForce), more_forces = detail::part_of(force, begin, samples);
     if (velocity.empty() && (displacement.empty() || bridge.empty())) {
       auto sound = displacement.empty() ? bridge : displacement;
-      if (sound.empty()) {
-        sound = std::span(scratch_).first(samples);
-      }
+      if (sound.empty()) sound = std::span(scratch_).first(samples);
       const auto first = forces.empty() ? more_forces : forces;
       voice_->process(bridge.empty() ? outputs_.pickup() : outputs_.bridge(), sound,
                       first.empty() ? nullptr : first.data());
@@ -218,8 +224,6 @@ class HammerStringInstrument : public PlayedByEvents<HammerStringInstrument<T>> 
 
   HammerStringParts parts_;
   std::vector<Segment<T>> felt_;
-  std::array<Parameter, kParameters> list_;
-  std::array<double, kParameters> values_{};
   std::vector<Preset> presets_;
   double time_step_s_ = 0;
   double place_m_ = kNaN;  // of the last strike

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "contactspline/instrument/instrument.hpp"
+#include "contactspline/instrument/parameter_values.hpp"
 #include "contactspline/instrument/played_by_events.hpp"
 #include "contactspline/instrument/string_outputs.hpp"
 #include "contactspline/models/mass_barrier.hpp"
@@ -28,11 +29,8 @@ struct MassBarrierParts {
   double loss_s_per_m = 0;
 };
 
-/// A mass that bounces on a rigid barrier. Meets Instrument.
-template <std::floating_point T>
-class MassBarrierInstrument : public PlayedByEvents<MassBarrierInstrument<T>> {
- public:
-  using value_type = T;
+/// The parameters of a mass-barrier.
+struct MassBarrierParameter {
   enum : std::size_t { kMass, kGravity, kStiffnessRatio, kLoss, kStart, kSpeed, kParameters };
   static constexpr std::array<Parameter, kParameters> kList = {
       {{"mass_kg", "kg", {1e-9, 1e4}, {1e-4, 1}, 0.003, Scale::kLogarithmic},
@@ -42,28 +40,29 @@ class MassBarrierInstrument : public PlayedByEvents<MassBarrierInstrument<T>> {
        {"start_m", "m", {-1e3, 1e3}, {-0.1, 0}, -0.001, Scale::kLinear, Acts::kAtNextNote},
        {"speed_m_per_s", "m/s", {-1e3, 1e3}, {0, 10}, 2, Scale::kLinear, Acts::kAtNextNote}}};
   static constexpr std::array<Event, 1> kEvents = {{{"throw", EventKind::kStrike, 0, kSpeed}}};
+};
+
+/// A mass that bounces on a rigid barrier. Meets Instrument.
+template <std::floating_point T>
+class MassBarrierInstrument : public MassBarrierParameter,
+                              public ParameterValues<T, MassBarrierParameter::kParameters>,
+                              public PlayedByEvents<MassBarrierInstrument<T>> {
+ public:
+  using value_type = T;
   static constexpr std::array<Output, 2> kOutputs = {{{"displacement_m", "m", 0.01}, {"contact_force_n", "N", 50}}};
 
-  explicit MassBarrierInstrument(MassBarrierParts parts) : contact_(table_in<T>(parts.contact)), list_(kList) {
-    list_[kMass].initial = parts.mass_kg;
-    list_[kLoss].initial = parts.loss_s_per_m;
-    list_[kLoss].slider.max = std::max(2.0, parts.loss_s_per_m);
-    for (std::size_t i = 0; i < kParameters; ++i) values_[i] = list_[i].initial;
+  explicit MassBarrierInstrument(MassBarrierParts parts) : Values(kList), contact_(table_in<T>(parts.contact)) {
+    this->set_initial(kMass, parts.mass_kg);
+    this->set_initial(kLoss, parts.loss_s_per_m);
   }
 
   static const char* name() { return "mass_barrier"; }
   static const char* description() { return "Mass thrown at a rigid barrier: contact without iteration"; }
-  [[nodiscard]] std::span<const Parameter> parameters() const { return list_; }
   static std::span<const Event> events() { return kEvents; }
   static std::span<const Output> outputs() { return kOutputs; }
   static std::span<const Preset> presets() { return {}; }
 
   void prepare(double sample_rate_hz) { model_.emplace(contact_, static_cast<T>(sample_rate_hz)); }
-
-  void set(std::size_t parameter, double value) {
-    values_[parameter] = held(values_[parameter], value, list_[parameter].allowed);
-  }
-  [[nodiscard]] double value(std::size_t parameter) const { return values_[parameter]; }
 
   void strike(std::size_t number, T speed_m_per_s) {
     if (number == 0) model_->throw_from(value_of(kStart), speed_m_per_s);
@@ -92,17 +91,16 @@ class MassBarrierInstrument : public PlayedByEvents<MassBarrierInstrument<T>> {
   /// Kinetic, of the contact, and, where gravity pulls towards the barrier, of the height.
   [[nodiscard]] double energy() const {
     const double v = double(model_->velocity()), y = double(model_->displacement());
-    return values_[kMass] * (v * v / 2 + std::max(0.0, -values_[kGravity] * y)) +
+    return this->value(kMass) * (v * v / 2 + std::max(0.0, -this->value(kGravity) * y)) +
            double(model_->stiffness_ratio()) * double(potential(SegmentTable<T>(contact_), model_->displacement()));
   }
   [[nodiscard]] const MassBarrier<T>& model() const { return *model_; }
 
  private:
-  [[nodiscard]] T value_of(std::size_t parameter) const { return static_cast<T>(values_[parameter]); }
+  using Values = ParameterValues<T, kParameters>;
+  using Values::value_of;
 
   std::vector<Segment<T>> contact_;
-  std::array<Parameter, kParameters> list_;
-  std::array<double, kParameters> values_{};
   std::optional<MassBarrier<T>> model_;
 };
 

@@ -14,6 +14,13 @@
 
 namespace contactspline {
 
+/// Plays an event by its value, a speed [m/s] or a force [N].
+template <typename I>
+void play_event(I& instrument, const Event& event, double value) {
+  const auto x = static_cast<typename I::value_type>(value);
+  event.kind == EventKind::kStrike ? instrument.strike(event.number, x) : instrument.pluck(event.number, x);
+}
+
 /// note_on() and note_off() of an instrument: each key plays its event where it has only one; else the keys from 60
 /// on play one event each. The velocity multiplies the parameter of the event.
 template <typename Derived>
@@ -24,11 +31,7 @@ class PlayedByEvents {
     const auto event = event_of(key);
     if (!event || !is_number(velocity)) return;
     down_.set(static_cast<std::size_t>(key));
-    const double value = std::clamp(velocity, 0.0, 1.0) * self().value(event->parameter);
-    if (event->kind == EventKind::kStrike)
-      self().strike(event->number, static_cast<typename Derived::value_type>(value));
-    else
-      self().pluck(event->number, static_cast<typename Derived::value_type>(value));
+    play_event(self(), *event, std::clamp(velocity, 0.0, 1.0) * self().value(event->parameter));
   }
 
   void note_off(int key) {
@@ -40,7 +43,6 @@ class PlayedByEvents {
 
  protected:
   void let_keys_go() { down_.reset(); }
-  [[nodiscard]] bool is_any_key_down() const { return down_.any(); }
 
  private:
   static constexpr int kFirstKey = 60;
@@ -60,12 +62,5 @@ class PlayedByEvents {
 
   std::bitset<128> down_;
 };
-
-/// Plays an event by its value, a speed [m/s] or a force [N].
-template <typename I>
-void play_event(I& instrument, const Event& event, double value) {
-  const auto x = static_cast<typename I::value_type>(value);
-  event.kind == EventKind::kStrike ? instrument.strike(event.number, x) : instrument.pluck(event.number, x);
-}
 
 }  // namespace contactspline

@@ -22,7 +22,8 @@ class Pluck {
  public:
   static constexpr double kLongest_s = 3600;
 
-  /// Begins with the next sample. rise_s: 0 to kLongest_s, clamped.
+  /// Begins with the next sample. rise_s: 0 to kLongest_s, clamped. The impulse is half of force times rise: without
+  /// a rise there is no pluck.
   void begin(double force_n, double rise_s, double sample_rate_hz) {
     force_n_ = force_n;
     length_ = static_cast<std::size_t>(std::llround(std::clamp(rise_s, 0.0, kLongest_s) * sample_rate_hz));

@@ -4,8 +4,7 @@
 
 #include "contactspline/step/cpp20.hpp"
 
-#include <algorithm>
-#include <array>
+#include <concepts>
 #include <cstddef>
 #include <limits>
 #include <optional>
@@ -14,6 +13,7 @@
 #include <vector>
 
 #include "contactspline/instrument/instrument.hpp"
+#include "contactspline/instrument/parameter_values.hpp"
 #include "contactspline/instrument/played_by_events.hpp"
 #include "contactspline/instrument/pluck.hpp"
 #include "contactspline/instrument/resonator_parts.hpp"
@@ -22,15 +22,27 @@
 
 namespace contactspline {
 
-/// An instrument of a Model<T> that has string(), force(), tick(controls) and place(). Derived has the list kList
-/// with kPlace, kLoss and kPluck, controls() of the next sample, and put() which places the contact at rest.
-template <typename Derived, template <typename> typename Model, std::floating_point T, std::size_t parameter_count>
-class PluckedStringInstrument : public PlayedByEvents<Derived> {
+/// The parameters that all plucked strings with a contact have; NaN: the parts decide.
+struct PluckedStringParameter {
+  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  static constexpr Parameter kPlaceOnString = {"place_m",      "m",           {0, 100}, {0, 100}, kNaN,
+                                               Scale::kLinear, Acts::kAtOnce, 0.02,     1};
+  static constexpr Parameter kContactStiffness = {
+      "stiffness_ratio", "", {1e-6, 1e6}, {0.001, 1000}, 1, Scale::kLogarithmic, Acts::kAtOnce, 0.005};
+  static constexpr Parameter kContactLoss = {"loss_s_per_m", "s/m", {0, 1e3}, {0, 2}, kNaN};
+};
+
+/// An instrument of a model that has string(), force(), tick(controls) and place(). Its Parameters have the list
+/// kList with kPlace and kLoss. Derived has controls() of the next sample, and put() which places the contact at
+/// rest.
+template <typename Derived, typename Model, std::floating_point T, typename Parameters>
+class PluckedStringInstrument : public Parameters,
+                                public ParameterValues<T, Parameters::kParameters>,
+                                public PlayedByEvents<Derived> {
  public:
   using value_type = T;
-  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-  [[nodiscard]] std::span<const Parameter> parameters() const { return list_; }
+  static std::span<const Event> events() { return Parameters::kEvents; }
   [[nodiscard]] std::span<const Output> outputs() const { return detail::StringOutputs<T>::list(parts_.resonator); }
   static std::span<const Preset> presets() { return {}; }
 
@@ -42,11 +54,6 @@ class PluckedStringInstrument : public PlayedByEvents<Derived> {
     outputs_ = detail::StringOutputs<T>(resonator, model_->string());
     reset();
   }
-
-  void set(std::size_t parameter, double value) {
-    values_[parameter] = held(values_[parameter], value, list_[parameter].allowed);
-  }
-  [[nodiscard]] double value(std::size_t parameter) const { return values_[parameter]; }
 
   void strike(std::size_t, T) {}
   void release(std::size_t) {}
@@ -72,38 +79,31 @@ class PluckedStringInstrument : public PlayedByEvents<Derived> {
   [[nodiscard]] bool is_silent(double limit_j) const { return !pluck_.is_active() && energy() < limit_j; }
   /// Of the string.
   [[nodiscard]] double energy() const { return model_->string().energy(); }
-  [[nodiscard]] const Model<T>& model() const { return *model_; }
+  [[nodiscard]] const Model& model() const { return *model_; }
 
  protected:
-  PluckedStringInstrument(PluckedStringParts parts, const std::array<Parameter, parameter_count>& list)
-      : parts_(std::move(parts)), contact_(table_in<T>(parts_.contact)), list_(list) {
-    Parameter& loss = list_[Derived::kLoss];
-    loss.initial = parts_.loss_s_per_m;
-    loss.slider.max = std::max(2.0, parts_.loss_s_per_m);
-    Parameter& place = list_[Derived::kPlace];
+  explicit PluckedStringInstrument(PluckedStringParts parts)
+      : ParameterValues<T, Parameters::kParameters>(Parameters::kList),
+        parts_(std::move(parts)),
+        contact_(table_in<T>(parts_.contact)) {
     const double length_m = parts_.resonator.length_m;
-    place.allowed.max = length_m;
-    place.slider = {0.02 * length_m, 0.98 * length_m};
-    place.initial = length_m / 2;
-    for (std::size_t i = 0; i < parameter_count; ++i) values_[i] = list_[i].initial;
+    this->limit(Parameters::kPlace, {0, length_m}, {0.02 * length_m, 0.98 * length_m});
+    this->set_initial(Parameters::kPlace, length_m / 2);
+    this->set_initial(Parameters::kLoss, parts_.loss_s_per_m);
   }
 
-  void set_first(std::size_t parameter, double value) { values_[parameter] = list_[parameter].initial = value; }
-  [[nodiscard]] T value_of(std::size_t parameter) const { return static_cast<T>(values_[parameter]); }
   // The force of a control with that of a pluck, for the next sample.
-  [[nodiscard]] T plucked(std::size_t parameter) { return static_cast<T>(values_[parameter] + pluck_.next()); }
+  [[nodiscard]] T plucked(std::size_t parameter) { return static_cast<T>(this->value(parameter) + pluck_.next()); }
 
   [[nodiscard]] const PluckedStringParts& parts() const { return parts_; }
   [[nodiscard]] double sample_rate_hz() const { return sample_rate_hz_; }
-  [[nodiscard]] Model<T>& contact_model() { return *model_; }
+  [[nodiscard]] Model& contact_model() { return *model_; }
 
  private:
   PluckedStringParts parts_;
   std::vector<Segment<T>> contact_;
-  std::array<Parameter, parameter_count> list_;
-  std::array<double, parameter_count> values_{};
   double sample_rate_hz_ = 0;
-  std::optional<Model<T>> model_;
+  std::optional<Model> model_;
   detail::StringOutputs<T> outputs_;
   Pluck pluck_;
 };

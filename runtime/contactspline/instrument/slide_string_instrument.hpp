@@ -20,7 +20,7 @@
 namespace contactspline {
 
 /// The parameters of a slide-string.
-struct SlideStringParameter {
+struct SlideStringParameter : PluckedStringParameter {
   enum : std::size_t {
     kPlace,
     kSlideMass,
@@ -36,68 +36,58 @@ struct SlideStringParameter {
     kPluck,
     kParameters
   };
-  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   static constexpr std::array<Parameter, kParameters> kList = {
-      {{"place_m", "m", {0, 100}, {0, 100}, kNaN, Scale::kLinear, Acts::kAtOnce, 0.02, 1},
-       {"slide_mass_kg", "kg", {1e-6, 100}, {0.001, 0.2}, kNaN, Scale::kLogarithmic},
+      {kPlaceOnString,
+       {"slide_mass_kg", "kg", {1e-6, 100}, {0.001, 0.2}, 0.02, Scale::kLogarithmic},
        {"hand_force_n", "N", {-1e3, 1e3}, {-2, 10}, 0, Scale::kLinear, Acts::kAtOnce, 0.005},
        {"hand_stiffness_n_per_m", "N/m", {0, 1e9}, {0, 1e4}, 0},
        {"hand_resistance_n_s_per_m", "N s/m", {0, 1e6}, {0, 20}, 0},
        {"rest_resistance_n_s_per_m", "N s/m", {0, 1e6}, {0, 20}, 0, Scale::kLinear, Acts::kAtOnce, 0.005},
        {"pluck_force_n", "N", {-1e3, 1e3}, {-5, 5}, 0, Scale::kLinear, Acts::kAtOnce, 0.005},
-       {"stiffness_ratio", "", {1e-6, 1e6}, {0.001, 1000}, 1, Scale::kLogarithmic, Acts::kAtOnce, 0.005},
-       {"loss_s_per_m", "s/m", {0, 1e3}, {0, 2}, kNaN},
+       kContactStiffness,
+       kContactLoss,
        {"vibrato_m", "m", {0, 0.1}, {0, 0.01}, 0, Scale::kLinear, Acts::kAtOnce, 0.05},
-       {"vibrato_hz", "Hz", {0, 100}, {0, 10}, 0},
+       {"vibrato_hz", "Hz", {0, 100}, {0, 10}, 5.5},
        {"pluck_n", "N", {-1e3, 1e3}, {0, 5}, 1, Scale::kLinear, Acts::kAtNextNote}}};
   static constexpr std::array<Event, 1> kEvents = {{{"pluck", EventKind::kPluck, 0, kPluck}}};
 };
 
-namespace detail {
-template <typename T>
-using DynamicSlideString = SlideString<T>;
-}  // namespace detail
-
 /// A plucked string under a slide with vibrato (docs/how-to/slide-string.md). Meets Instrument.
 template <std::floating_point T>
-class SlideStringInstrument : public SlideStringParameter,
-                              public PluckedStringInstrument<SlideStringInstrument<T>, detail::DynamicSlideString, T,
-                                                             SlideStringParameter::kParameters> {
-  using Base = PluckedStringInstrument<SlideStringInstrument, detail::DynamicSlideString, T, kParameters>;
+class SlideStringInstrument
+    : public PluckedStringInstrument<SlideStringInstrument<T>, SlideString<T>, T, SlideStringParameter> {
+  using Base = PluckedStringInstrument<SlideStringInstrument, SlideString<T>, T, SlideStringParameter>;
   friend Base;
+  using P = SlideStringParameter;
 
  public:
-  explicit SlideStringInstrument(PluckedStringParts parts) : Base(std::move(parts), kList) {
-    this->set_first(kSlideMass, 0.02);
-    this->set_first(kVibratoRate, 5.5);
-  }
+  explicit SlideStringInstrument(PluckedStringParts parts) : Base(std::move(parts)) {}
 
   static const char* name() { return "slide_string"; }
   static const char* description() { return "Slide on a string: glissando, vibrato and rattling without iteration"; }
-  static std::span<const Event> events() { return kEvents; }
 
  private:
   void put() {
-    this->contact_model().place(this->value_of(kPlace), static_cast<T>(this->parts().height_m));
+    this->contact_model().place(this->value_of(P::kPlace), static_cast<T>(this->parts().height_m));
     phase_ = 0;
   }
 
   SlideStringControls<T> controls() {
     return {.place_m = static_cast<T>(place()),
-            .slide_mass_kg = this->value_of(kSlideMass),
-            .hand_force_n = this->value_of(kHandForce),
-            .hand_stiffness_n_per_m = this->value_of(kHandStiffness),
-            .hand_resistance_n_s_per_m = this->value_of(kHandResistance),
-            .rest_resistance_n_s_per_m = this->value_of(kRestResistance),
-            .pluck_force_n = this->plucked(kPluckForce),
-            .contact = {this->value_of(kStiffnessRatio), this->value_of(kLoss)}};
+            .slide_mass_kg = this->value_of(P::kSlideMass),
+            .hand_force_n = this->value_of(P::kHandForce),
+            .hand_stiffness_n_per_m = this->value_of(P::kHandStiffness),
+            .hand_resistance_n_s_per_m = this->value_of(P::kHandResistance),
+            .rest_resistance_n_s_per_m = this->value_of(P::kRestResistance),
+            .pluck_force_n = this->plucked(P::kPluckForce),
+            .contact = {this->value_of(P::kStiffnessRatio), this->value_of(P::kLoss)}};
   }
 
   double place() {
-    phase_ += this->value(kVibratoRate) / this->sample_rate_hz();
+    phase_ += this->value(P::kVibratoRate) / this->sample_rate_hz();
     phase_ -= std::floor(phase_);
-    const double vibrato_m = this->value(kVibratoDepth) * std::sin(2 * std::numbers::pi * phase_);
-    return std::clamp(this->value(kPlace) + vibrato_m, 0.0, this->parts().resonator.length_m);
+    const double vibrato_m = this->value(P::kVibratoDepth) * std::sin(2 * std::numbers::pi * phase_);
+    return std::clamp(this->value(P::kPlace) + vibrato_m, 0.0, this->parts().resonator.length_m);
   }
 
   double phase_ = 0;  // periods of the vibrato

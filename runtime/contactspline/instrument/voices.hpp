@@ -93,8 +93,11 @@ class Voices {
   }
   void release(std::size_t number) { let_go(player_of(EventKind::kStrike, number)); }
   void pluck(std::size_t number, T force_n, double rise_s = kPluckRise_s) {
-    if (const auto player = player_of(EventKind::kPluck, number); player < kPlayers && is_number(force_n))
-      take(player, 0).instrument.pluck(number, force_n, rise_s);
+    const auto player = player_of(EventKind::kPluck, number);
+    if (player >= kPlayers || !is_number(force_n)) return;
+    Voice& voice = take(player, 0);
+    voice.players.reset(player);  // nothing lets go of it later
+    voice.instrument.pluck(number, force_n, rise_s);
   }
 
   void process(Outputs<T> outputs, std::span<T> force = {}) {
