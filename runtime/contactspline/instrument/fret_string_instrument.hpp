@@ -21,7 +21,7 @@ struct FretStringParameter : PluckedStringParameter {
   enum : std::size_t { kPlace, kGap, kPluckForce, kDamping, kStiffnessRatio, kLoss, kPluck, kParameters };
   static constexpr std::array<Parameter, kParameters> kList = {
       {kPlaceOnString,
-       {"gap_m", "m", {-0.1, 0.1}, {-0.002, 0.005}, 0.0003, Scale::kLinear, Acts::kAtOnce, 0.02},
+       {"gap_m", "m", {-0.1, 0.1}, {-0.002, 0.005}, kNaN, Scale::kLinear, Acts::kAtOnce, 0.02},
        {"pluck_force_n", "N", {-1e3, 1e3}, {-10, 10}, 0, Scale::kLinear, Acts::kAtOnce, 0.005},
        {"damping_per_s", "1/s", {0, 1e5}, {0, 1000}, 0, Scale::kLinear, Acts::kAtOnce, 0.005},
        kContactStiffness,
@@ -39,7 +39,9 @@ class FretStringInstrument
   using P = FretStringParameter;
 
  public:
-  explicit FretStringInstrument(PluckedStringParts parts) : Base(std::move(parts)) {}
+  explicit FretStringInstrument(PluckedStringParts parts) : Base(std::move(parts)) {
+    this->set_initial(P::kGap, 0.0003);
+  }
 
   static const char* name() { return "fret_string"; }
   static const char* description() { return "Plucked string that buzzes against a fret without iteration"; }

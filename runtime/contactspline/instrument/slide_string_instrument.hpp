@@ -19,7 +19,7 @@
 
 namespace contactspline {
 
-/// The parameters of a slide-string.
+/// The parameters of a slide-string. A score gives the values that are not numbers here and starts from the others.
 struct SlideStringParameter : PluckedStringParameter {
   enum : std::size_t {
     kPlace,
@@ -38,7 +38,7 @@ struct SlideStringParameter : PluckedStringParameter {
   };
   static constexpr std::array<Parameter, kParameters> kList = {
       {kPlaceOnString,
-       {"slide_mass_kg", "kg", {1e-6, 100}, {0.001, 0.2}, 0.02, Scale::kLogarithmic},
+       {"slide_mass_kg", "kg", {1e-6, 100}, {0.001, 0.2}, kNaN, Scale::kLogarithmic},
        {"hand_force_n", "N", {-1e3, 1e3}, {-2, 10}, 0, Scale::kLinear, Acts::kAtOnce, 0.005},
        {"hand_stiffness_n_per_m", "N/m", {0, 1e9}, {0, 1e4}, 0},
        {"hand_resistance_n_s_per_m", "N s/m", {0, 1e6}, {0, 20}, 0},
@@ -47,7 +47,7 @@ struct SlideStringParameter : PluckedStringParameter {
        kContactStiffness,
        kContactLoss,
        {"vibrato_m", "m", {0, 0.1}, {0, 0.01}, 0, Scale::kLinear, Acts::kAtOnce, 0.05},
-       {"vibrato_hz", "Hz", {0, 100}, {0, 10}, 5.5},
+       {"vibrato_hz", "Hz", {0, 100}, {0, 10}, 0},
        {"pluck_n", "N", {-1e3, 1e3}, {0, 5}, 1, Scale::kLinear, Acts::kAtNextNote}}};
   static constexpr std::array<Event, 1> kEvents = {{{"pluck", EventKind::kPluck, 0, kPluck}}};
 };
@@ -61,7 +61,10 @@ class SlideStringInstrument
   using P = SlideStringParameter;
 
  public:
-  explicit SlideStringInstrument(PluckedStringParts parts) : Base(std::move(parts)) {}
+  explicit SlideStringInstrument(PluckedStringParts parts) : Base(std::move(parts)) {
+    this->set_initial(P::kSlideMass, 0.02);
+    this->set_initial(P::kVibratoRate, 5.5);
+  }
 
   static const char* name() { return "slide_string"; }
   static const char* description() { return "Slide on a string: glissando, vibrato and rattling without iteration"; }
