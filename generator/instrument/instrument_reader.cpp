@@ -26,6 +26,9 @@ constexpr std::size_t kMaxPoints = 512;  // for all places together; the same fo
 constexpr std::size_t kMaxObjects = 256;
 constexpr Range kGap{ControlRanges<double>::gap_m.min, ControlRanges<double>::gap_m.max};
 constexpr Range kWeight{1e-9, 1e9};
+// Of a contact at its steepest with the masses that it moves. Rounding of forces that cancel each other moves it by a
+// part of its compression that rises with the square (docs/how-it-works/several-contacts.md).
+constexpr double kMaxContactFrequency_hz = 1e9;
 constexpr Range kStiffness{0, 1e9};
 constexpr Range kResistance{0, 1e6};
 constexpr Range kFullScale{1e-9, 1e9};
@@ -277,10 +280,10 @@ class Reader {
 
   // A connection moves what it holds, and no less than the lightest mass of a file.
   void check_motion(const JsonObject& json, std::size_t place) {
-    if (place == kGround || !moves_.insert(place).second) return;
+    if (place == kGround || masses_kg_.contains(place)) return;
     const std::string& name = model_.places[place].name;
     for (std::size_t i = 0; i < points_of(place); ++i) {
-      const double mass = effective_mass(model_, place, i);
+      const double mass = masses_kg_[place].emplace_back(effective_mass(model_, place, i));
       if (!(mass < std::numeric_limits<double>::max()))
         json.fail(json.key("between"), fmt::format("no mode moves at place '{}'", name),
                   "a place away from supports and edges, or ground");
@@ -289,6 +292,28 @@ class Reader {
             json.key("between"),
             fmt::format("place '{}' moves like a mass of {:.3g} kg, 1/(sum of shape^2/mass)", name, mass),
             fmt::format("at least {} kg, with smaller shapes, larger masses or fewer modes", kModalMass_kg.min));
+    }
+  }
+
+  // No contact is too stiff for the masses that it moves, at this stiffness ratio. key: what makes it stiffer.
+  void check_stiffness(const JsonObject& json, const std::string& key, const ConnectionGroup& group,
+                       double ratio) const {
+    double steepest = 0;
+    for (const Segment<double>& segment : model_.tables[group.each.table].segments)
+      steepest = std::max(steepest, 2 * segment.half_curvature);
+    for (std::size_t i = 0; i < group.weights.size(); ++i) {
+      double inverse_mass = 0;
+      for (const std::size_t place : {group.each.first, group.each.second})
+        if (place != kGround) inverse_mass += 1 / masses_kg_.at(place)[points_of(place) == 1 ? 0 : i];
+      const double stiffness = steepest * group.weights[i] * ratio;
+      const double frequency_hz = std::sqrt(stiffness * inverse_mass) / (2 * std::numbers::pi);
+      if (frequency_hz <= kMaxContactFrequency_hz) continue;
+      const double too_large = std::pow(frequency_hz / kMaxContactFrequency_hz, 2);
+      json.fail(json.key(key),
+                fmt::format("contact '{}' with {:.3g} N/m oscillates on the {:.3g} kg that it moves at {:.3g} Hz",
+                            group.name, stiffness, 1 / inverse_mass, frequency_hz),
+                fmt::format("at most {:g} Hz: larger masses, or a {} of at most {:.2g}", kMaxContactFrequency_hz, key,
+                            (key == "max" ? ratio : group.weights[i]) / too_large));
     }
   }
 
@@ -318,6 +343,7 @@ class Reader {
     if (found == model_.tables.end()) model_.tables.push_back({name, table});
     group.each.loss_s_per_m = material.loss_s_per_m;
     group.weights = read_column(json, "weight", "weights", kWeight, 1, group.gaps_m.size());
+    check_stiffness(json, json.has("weights") ? "weights" : "weight", group, 1);
     model_.connections.push_back(std::move(group));
   }
 
@@ -412,6 +438,9 @@ class Reader {
     }
     ModelParameter parameter = parameter_of(json, name, control);
     if (control.quantity == ControlQuantity::kGapShift) check_gaps(json, control, parameter.initial);
+    if (control.quantity == ControlQuantity::kStiffnessRatio)
+      for (const std::size_t group : control.targets)
+        check_stiffness(json, "max", model_.connections[group], parameter.allowed.max);
     if (json.has("release_n")) read_pluck(json, parameter, control.quantity);
     if (control.quantity == ControlQuantity::kForce) narrow_slider(json, parameter);
     model_.parameters.push_back(std::move(parameter));
@@ -633,7 +662,7 @@ class Reader {
   InstrumentModel model_;
   std::vector<ModelParameter> plucks_;
   std::set<std::string> names_, public_names_;
-  std::set<std::size_t> moves_;  // places that connections may move
+  std::map<std::size_t, std::vector<double>> masses_kg_;  // of the points of the places that connections may move
   std::set<std::pair<ControlQuantity, std::size_t>> controlled_;
   std::map<std::size_t, std::size_t> chains_;  // from a place to the next one that rigid links hold with it
   std::size_t points_ = 0, connections_ = 0;

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Random instruments, each quantity anywhere in its range: in both precisions the energy stays within the work put
 // in. With CONTACTSPLINE_FULL_TESTS set, 100,000 of them.
+#include <algorithm>
 #include <cstdlib>
 #include <numbers>
+#include <numeric>
 #include <random>
+#include <vector>
 
 #include "contactspline/instrument/network_instrument.hpp"
 #include "contactspline/materials/felt_c4.hpp"
@@ -63,6 +66,7 @@ class RandomInstrument {
  private:
   template <typename Material>
   void add_table() {
+    steepest_.push_back(2 * std::ranges::max(Material::half_curvatures));
     for (std::size_t j = 0; j < Material::segments; ++j) {
       knots_.push_back(Material::knots[j]);
       energies_.push_back(Material::energies[j]);
@@ -106,6 +110,25 @@ class RandomInstrument {
     }
   }
 
+  // 1/(sum of shape^2/mass) of a place is the mass that it moves.
+  [[nodiscard]] double inverse_mass_at(std::size_t place) const {
+    if (place == kGround) return 0;
+    std::size_t shape = 0;
+    for (std::size_t p = 0; p < place; ++p) shape += body_ends_[place_bodies_[p]] - begin_of(place_bodies_[p]);
+    double sum = 0;
+    for (std::size_t i = begin_of(place_bodies_[place]); i < body_ends_[place_bodies_[place]]; ++i, ++shape)
+      sum += shapes_[shape] * shapes_[shape] / masses_[i];
+    return sum;
+  }
+  [[nodiscard]] std::size_t begin_of(std::size_t body) const { return body == 0 ? 0 : body_ends_[body - 1]; }
+
+  // No file has a contact that is stiffer than this beside the masses that it moves.
+  [[nodiscard]] double max_weight(const InstrumentConnection& c) const {
+    constexpr double kMaxAngularFrequency = 2 * std::numbers::pi * 1e9;
+    return kMaxAngularFrequency * kMaxAngularFrequency / steepest_[c.table] /
+           (inverse_mass_at(c.first) + inverse_mass_at(c.second));
+  }
+
   // The last place that links hold with this one.
   [[nodiscard]] std::size_t end_of_chain(std::size_t place) const {
     while (chain_[place] != place) place = chain_[place];
@@ -130,6 +153,7 @@ class RandomInstrument {
     } else {
       c.table = random_.below(table_ends_.size());
       if (random_.one_in(2)) c.weight = random_.log_between(1e-9, 1e9);
+      c.weight = std::min(c.weight, max_weight(c));
       if (random_.one_in(3)) c.loss_s_per_m = random_.log_between(1e-4, 1e3);
     }
     connections_.push_back(c);
@@ -137,7 +161,7 @@ class RandomInstrument {
 
   Random& random_;
   std::vector<double> angular_frequencies_, decays_, masses_, shapes_;
-  std::vector<double> knots_, energies_, forces_, half_curvatures_;
+  std::vector<double> knots_, energies_, forces_, half_curvatures_, steepest_;
   std::vector<std::size_t> body_ends_, place_bodies_, table_ends_, masses_struck_, chain_;
   std::vector<InstrumentConnection> connections_;
 };
@@ -161,13 +185,17 @@ double largest_energy(const RandomInstrument& random_instrument, double rate, Ra
   return largest;
 }
 
-// Rounding adds 0.7 % in the worst of these 1,000, in single precision. Of 100,000, two seen go beyond: 1.18 (seed
-// 53831) and 9.9 (seed 59658), in both precisions, with light masses between contacts whose weights reach 1e9.
+// Rounding adds 0.7 % in the worst of the first 1,000, in single precision. The last two have light masses between
+// contacts whose weights are the largest that a file may have: with 1e9 they would reach 1.2 and 11 times the work
+// put in, in both precisions.
 TEST(RandomNetworks, KeepTheirEnergyWithinTheWorkPutIn) {
   const std::size_t count = std::getenv("CONTACTSPLINE_FULL_TESTS") != nullptr ? 100000 : 1000;
   constexpr double kRates[] = {8000, 22050, 44100, 48000, 96000, 192000, 768000};
+  std::vector<std::size_t> seeds(count);
+  std::iota(seeds.begin(), seeds.end(), std::size_t{0});
+  seeds.insert(seeds.end(), {53831, 59658});
   double worst_single = 0, worst_double = 0;
-  for (std::size_t seed = 0; seed < count; ++seed) {
+  for (const std::size_t seed : seeds) {
     Random random(seed);
     const RandomInstrument instrument(random);
     const double rate = kRates[seed % std::size(kRates)];
