@@ -92,6 +92,7 @@ TYPED_TEST(EveryInstrument, HasListsThatFitEachOther) {
     EXPECT_EQ(unit_of(o.name), o.unit) << o.name;
     EXPECT_GT(o.full_scale, 0) << o.name;
   }
+  expect_real_time([&] { (void)instrument.presets(); });  // also the first time
   for (const Preset& preset : instrument.presets())
     ASSERT_EQ(preset.values.size(), instrument.parameters().size()) << preset.name;
 }
@@ -192,6 +193,26 @@ TYPED_TEST(EveryInstrument, OutlivesAnything) {
     instrument.set(p, instrument.parameters()[p].initial);
   instrument.prepare(kRate);
   EXPECT_EQ(Test::note(instrument), expected);
+}
+
+// A host may want no output for a while. Kernels round other outputs differently, as in blocks.
+TYPED_TEST(EveryInstrument, AdvancesWhereNobodyWantsAnOutput) {
+  using T = typename TypeParam::value_type;
+  std::vector<std::vector<T>> ends;
+  for (const bool is_wanted : {true, false}) {
+    Hosted<TypeParam> hosted;
+    hosted.prepare(kRate);
+    hosted.midi(std::array<std::uint8_t, 3>{0x90, 60, 100});
+    std::vector<T> sound(1000);
+    std::vector<T*> outputs(hosted.instrument().outputs().size());
+    if (is_wanted) outputs.front() = sound.data();
+    hosted.process(std::span<T* const>(outputs), sound.size());
+    outputs.front() = sound.data();
+    hosted.process(std::span<T* const>(outputs), sound.size());
+    ends.push_back(sound);
+  }
+  EXPECT_GT(EveryInstrument<TypeParam>::peak(ends[0]), 0);
+  EXPECT_TRUE(ends[0] == ends[1] || sequences_within<T>(ends[1], ends[0], sizeof(T) == sizeof(float) ? 1e-5 : 1e-12));
 }
 
 // Random bytes as MIDI, then silence on demand.

@@ -195,6 +195,23 @@ TEST(Tuning, OfAStringThatSoundsDoesBoundedWork) {
   EXPECT_LE(risen, 0.1 + 0.01 + 1e-9);
 }
 
+// Whenever in the wait between two changes of tension it comes.
+TEST(Tuning, BeginsAnewAtAReset) {
+  const InstrumentArrays arrays = arrays_of_text(zither(0, std::string(kKeys) + R"("polyphony": 1,)"));
+  const auto after_reset = [&](std::size_t samples) {
+    Keyed instrument(arrays.view());
+    instrument.prepare(kRate);
+    instrument.note_on(60, 1);
+    (void)played(instrument, 500);
+    instrument.set(arrays.model->keys.bend, 1200);
+    (void)played(instrument, samples);
+    instrument.reset();
+    instrument.note_on(60, 1);
+    return played(instrument, 1000);
+  };
+  EXPECT_EQ(after_reset(9), after_reset(2));
+}
+
 TEST(Presets, AreValuesOfAllParameters) {
   const InstrumentArrays arrays = arrays_of_text(zither(0, kPiano));
   const NetworkInstrument<float> instrument(arrays.view());

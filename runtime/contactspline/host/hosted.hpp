@@ -34,8 +34,7 @@ struct MidiMessage {
 }
 
 /// Plays an instrument for Faust's dsp, for plug-ins and the like. prepare() allocates, all else is safe on an audio
-/// thread. An instrument with kSleeps that nobody can hear any more sleeps: its outputs are exactly 0 until it is
-/// played or set.
+/// thread. An instrument that is silent sleeps: its outputs are exactly 0 until it is played or set.
 template <Instrument I>
 class Hosted {
  public:
@@ -115,7 +114,8 @@ class Hosted {
     for (std::size_t p = 0; p < loaded.values.size(); ++p) set(p, loaded.values[p]);
   }
 
-  /// Advances a block. outputs: one array for each output, null for one that nobody wants; full scale is 1.
+  /// Advances a block, also where nobody wants an output. outputs: one array for each output, null for one that
+  /// nobody wants; full scale is 1.
   template <typename Sample>
   void process(std::span<Sample* const> outputs, std::size_t samples) {
     const FlushDenormals flushed;
@@ -128,15 +128,7 @@ class Hosted {
         done += length;
         continue;
       }
-      for (std::size_t o = 0; o < outputs_.size(); ++o)
-        outputs_[o] =
-            o < outputs.size() && outputs[o] != nullptr ? std::span(scratch_[o]).first(length) : std::span<T>();
-      instrument_.process(outputs_);
-      for (std::size_t o = 0; o < outputs_.size(); ++o) {
-        const T full_scale = static_cast<T>(instrument_.outputs()[o].full_scale);
-        for (std::size_t n = 0; n < outputs_[o].size(); ++n)
-          outputs[o][done + n] = static_cast<Sample>(outputs_[o][n] / full_scale);
-      }
+      play(outputs, done, length);
       done += length;
       go_to_sleep(length);
     }
@@ -158,6 +150,8 @@ class Hosted {
   // 160 dB below what models themselves take for silent. Without an end the smallest numbers go round for ever: the
   // losses of a sample are flushed to 0.
   static constexpr double kInaudible_J = 1e-30;
+  // Of full scale. A mass that rests away from 0 has no energy, but an output.
+  static constexpr double kInaudible = 1e-9;
 
   // A part of a slider's way, 0 to 1.
   [[nodiscard]] double from_part(std::size_t parameter, double part) const {
@@ -166,13 +160,38 @@ class Hosted {
                                                                             : min + part * (max - min);
   }
 
+  // An instrument advances by the length of its outputs: where nobody wants one, it writes the first.
+  template <typename Sample>
+  void play(std::span<Sample* const> outputs, std::size_t begin, std::size_t samples) {
+    const auto is_wanted = [&](std::size_t o) { return o < outputs.size() && outputs[o] != nullptr; };
+    bool is_any_wanted = false;
+    for (std::size_t o = 0; o < outputs_.size(); ++o) {
+      outputs_[o] = is_wanted(o) ? std::span(scratch_[o]).first(samples) : std::span<T>();
+      is_any_wanted |= is_wanted(o);
+    }
+    if (!is_any_wanted) outputs_.front() = std::span(scratch_.front()).first(samples);
+    instrument_.process(outputs_);
+    for (std::size_t o = 0; o < outputs_.size(); ++o) {
+      const T full_scale = static_cast<T>(instrument_.outputs()[o].full_scale);
+      for (std::size_t n = 0; is_wanted(o) && n < samples; ++n)
+        outputs[o][begin + n] = static_cast<Sample>(outputs_[o][n] / full_scale);
+    }
+  }
+
   // Looks once in a block: an energy is a sum over all modes.
   void go_to_sleep(std::size_t samples) {
-    if constexpr (!requires { I::kSleeps; }) return;
     since_check_ += samples;
     if (since_check_ < kBlock) return;
     since_check_ = 0;
-    is_asleep_ = !is_gliding_ && instrument_.is_silent(kInaudible_J);
+    is_asleep_ = !is_gliding_ && is_inaudible() && instrument_.is_silent(kInaudible_J);
+  }
+
+  // Does the last block have no sound?
+  [[nodiscard]] bool is_inaudible() const {
+    for (std::size_t o = 0; o < outputs_.size(); ++o)
+      for (const T sample : outputs_[o])
+        if (!(std::abs(double(sample)) <= kInaudible * instrument_.outputs()[o].full_scale)) return false;
+    return true;
   }
 
   void bend(double cents) {

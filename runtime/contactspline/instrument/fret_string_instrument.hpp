@@ -49,6 +49,10 @@ class FretStringInstrument
  private:
   void put() { this->contact_model().place(this->value_of(P::kPlace), this->value_of(P::kGap)); }
 
+  [[nodiscard]] bool is_contact_at_rest(double) const {
+    return this->model().gap() == this->value_of(P::kGap) && this->has_arrived();
+  }
+
   FretStringControls<T> controls() {
     return {.place_m = this->value_of(P::kPlace),
             .gap_m = this->value_of(P::kGap),

@@ -136,13 +136,7 @@ class KeyboardInstrument : public PedaledKeyboard<KeyboardInstrument<Keyboard, T
   static const char* name() { return Keyboard::name; }
   static std::span<const Parameter> parameters() { return kParameterList; }
   static const char* description() { return "Keys of strings on a soundboard, contact without iteration"; }
-  static std::span<const Preset> presets() {
-    static const std::vector<Preset> kPresets = {
-        {"concert", {1, 1, 0.1, 0, 0, 0, 0}},         {"una corda", {1, 1, 0.1, 0, 0, 1, 0}},
-        {"soft felt", {0.2, 1, 0.3, 0, 0, 0, 0}},     {"hard felt", {6, 1, 0.05, 0, 0, 0, 0}},
-        {"heavy hammers", {1, 2.5, 0.1, 0, 0, 0, 0}}, {"long sustain", {1, 1, 0.1, 1, 0, 0, 0}}};
-    return kPresets;
-  }
+  [[nodiscard]] std::span<const Preset> presets() const { return presets_; }
 
   void prepare(double sample_rate_hz) {
     static_cast<KeyboardOnBody<T>&>(*this) = KeyboardOnBody<T>(all_keys(), kBoard, sample_rate_hz, max_modes_);
@@ -186,6 +180,10 @@ class KeyboardInstrument : public PedaledKeyboard<KeyboardInstrument<Keyboard, T
   }
 
   std::size_t max_modes_ = kMaxModes;
+  std::vector<Preset> presets_ = {
+      {"concert", {1, 1, 0.1, 0, 0, 0, 0}},         {"una corda", {1, 1, 0.1, 0, 0, 1, 0}},
+      {"soft felt", {0.2, 1, 0.3, 0, 0, 0, 0}},     {"hard felt", {6, 1, 0.05, 0, 0, 0, 0}},
+      {"heavy hammers", {1, 2.5, 0.1, 0, 0, 0, 0}}, {"long sustain", {1, 1, 0.1, 1, 0, 0, 0}}};
 };
 
 }  // namespace contactspline

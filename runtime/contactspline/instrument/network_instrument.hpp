@@ -275,6 +275,7 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
   void reset() {
     if (in_double_) in_double_->reset();
     network_->reset();
+    tuning_.rest();
     std::ranges::fill(is_flying_, 0);
     for (Pluck& pluck : plucks_) pluck.stop();
     this->let_keys_go();

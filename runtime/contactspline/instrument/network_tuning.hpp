@@ -59,6 +59,8 @@ class NetworkTuning {
   void tune(double cents) {
     if (std::exchange(target_, cents) != cents) wait_ = 0;
   }
+  /// The network is at rest: a change that is under way need not wait.
+  void rest() { wait_ = 0; }
   /// The network is new: its strings have the pitch of the file.
   void restart() {
     bend_ = {};

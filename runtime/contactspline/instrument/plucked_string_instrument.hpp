@@ -4,6 +4,7 @@
 
 #include "contactspline/step/cpp20.hpp"
 
+#include <cmath>
 #include <concepts>
 #include <cstddef>
 #include <limits>
@@ -33,8 +34,8 @@ struct PluckedStringParameter {
 };
 
 /// An instrument of a model that has string(), force(), tick(controls) and place(). Its Parameters have the list
-/// kList with kPlace and kLoss. Derived has controls() of the next sample, and put() which places the contact at
-/// rest.
+/// kList with kPlace, kLoss and kPluckForce. Derived has controls() of the next sample, put() which places the
+/// contact at rest, and is_contact_at_rest(limit): does it stay where it is, with less energy than the limit?
 template <typename Derived, typename Model, std::floating_point T, typename Parameters>
 class PluckedStringInstrument : public Parameters,
                                 public ParameterValues<T, Parameters::kParameters>,
@@ -76,7 +77,10 @@ class PluckedStringInstrument : public Parameters,
     pluck_.stop();
     this->let_keys_go();
   }
-  [[nodiscard]] bool is_silent(double limit_j) const { return !pluck_.is_active() && energy() < limit_j; }
+  [[nodiscard]] bool is_silent(double limit_j) const {
+    return !pluck_.is_active() && this->value(Parameters::kPluckForce) == 0 && energy() < limit_j &&
+           static_cast<const Derived*>(this)->is_contact_at_rest(limit_j);
+  }
   /// Of the string.
   [[nodiscard]] double energy() const { return model_->string().energy(); }
   [[nodiscard]] const Model& model() const { return *model_; }
@@ -94,6 +98,12 @@ class PluckedStringInstrument : public Parameters,
 
   // The force of a control with that of a pluck, for the next sample.
   [[nodiscard]] T plucked(std::size_t parameter) { return static_cast<T>(this->value(parameter) + pluck_.next()); }
+
+  // Is the contact within a distance of the place that its control wants?
+  [[nodiscard]] bool has_arrived(double within_m = 0) const {
+    const double rounding_m = 1e-5 * parts_.resonator.length_m;
+    return std::abs(double(model_->place()) - this->value(Parameters::kPlace)) <= within_m + rounding_m;
+  }
 
   [[nodiscard]] const PluckedStringParts& parts() const { return parts_; }
   [[nodiscard]] double sample_rate_hz() const { return sample_rate_hz_; }

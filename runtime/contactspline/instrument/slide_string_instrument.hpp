@@ -86,6 +86,14 @@ class SlideStringInstrument
             .contact = {this->value_of(P::kStiffnessRatio), this->value_of(P::kLoss)}};
   }
 
+  // A vibrato at rest moves nothing.
+  [[nodiscard]] bool is_contact_at_rest(double limit_j) const {
+    const double velocity = double(this->model().slide_velocity()), height_m = double(this->model().slide());
+    const double energy_j =
+        (this->value(P::kSlideMass) * velocity * velocity + this->value(P::kHandStiffness) * height_m * height_m) / 2;
+    return this->value(P::kHandForce) == 0 && energy_j < limit_j && this->has_arrived(this->value(P::kVibratoDepth));
+  }
+
   double place() {
     phase_ += this->value(P::kVibratoRate) / this->sample_rate_hz();
     phase_ -= std::floor(phase_);

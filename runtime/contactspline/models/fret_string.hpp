@@ -91,6 +91,7 @@ class FretString {
 
   [[nodiscard]] T force() const { return force_; }              ///< contact force over the last sample [N]
   [[nodiscard]] T compression() const { return compression_; }  ///< of the contact, negative while apart [m]
+  [[nodiscard]] T place() const { return place_.place(); }      ///< of the fret along the string [m]
   /// Work that the moving fret did on the string over the last sample [J].
   [[nodiscard]] T work_of_fret() const { return work_of_fret_; }
   [[nodiscard]] const ModalBank<T, Modes>& string() const { return string_; }

@@ -100,6 +100,7 @@ class SlideString {
 
   [[nodiscard]] T force() const { return force_; }              ///< contact force over the last sample [N]
   [[nodiscard]] T compression() const { return compression_; }  ///< of the contact, negative while apart [m]
+  [[nodiscard]] T place() const { return place_.place(); }      ///< of the slide along the string [m]
   [[nodiscard]] T slide() const { return slide_; }              ///< height, positive towards the string [m]
   [[nodiscard]] T slide_velocity() const { return velocity_; }  ///< positive towards the string [m/s]
   [[nodiscard]] T rest_force() const { return rest_force_; }    ///< of the resting fingers on the string [N]

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+// When instruments are silent, and that Hosted then writes exactly 0.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "contactspline/host/hosted.hpp"
+#include "contactspline/instrument/instruments_of.hpp"
+#include "contactspline/instruments/marimba_tube.hpp"
+#include "contactspline/instruments/tom.hpp"
+#include "contactspline/materials/steel_on_steel.hpp"
+#include "contactspline/resonators/guitar_g3.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+constexpr double kRate = 44100;
+
+// The next samples of the first output.
+template <typename I>
+std::vector<float> hosted_sound(Hosted<I>& hosted, std::size_t samples) {
+  std::vector<float> sound(samples);
+  std::vector<float*> outputs(hosted.instrument().outputs().size());
+  outputs.front() = sound.data();
+  hosted.process(std::span<float* const>(outputs), samples);
+  return sound;
+}
+
+float peak(const std::vector<float>& sound) {
+  float peak = 0;
+  for (const float x : sound) peak = std::max(peak, std::abs(x));
+  return peak;
+}
+
+template <typename I>
+class InstrumentOfAFile : public ::testing::Test {};
+using Drums = ::testing::Types<instruments::tom<float>, instruments::tom<double>, instruments::marimba_tube<float>,
+                               instruments::marimba_tube<double>>;
+TYPED_TEST_SUITE(InstrumentOfAFile, Drums);
+
+// It decays by 27 decades of energy in less than 6 s; its mallets fly away.
+TYPED_TEST(InstrumentOfAFile, FallsExactlySilentAndWakes) {
+  Hosted<TypeParam> hosted;
+  hosted.prepare(kRate);
+  for (int note = 0; note < 2; ++note) {
+    hosted.press(0, true);
+    EXPECT_GT(peak(hosted_sound(hosted, 4410)), 1e-3f);
+    hosted.press(0, false);
+    (void)hosted_sound(hosted, static_cast<std::size_t>(6 * kRate));
+    EXPECT_EQ(peak(hosted_sound(hosted, 1000)), 0.0f) << "after note " << note;
+  }
+}
+
+template <typename I>
+std::size_t parameter(const I& instrument, std::string_view name) {
+  const auto list = instrument.parameters();
+  return static_cast<std::size_t>(
+      std::ranges::find(list, name, [](const Parameter& p) { return std::string_view(p.name); }) - list.begin());
+}
+
+// Moves a parameter of an instrument at rest: is it silent 10 samples later?
+template <typename I>
+bool is_silent_after(const char* name, double value) {
+  I instrument;
+  instrument.prepare(kRate);
+  std::vector<double> sound(10);
+  const std::vector<std::span<double>> outputs = {sound};
+  instrument.process(outputs);
+  EXPECT_TRUE(instrument.is_silent(1e-14)) << "at rest";
+  instrument.set(parameter(instrument, name), value);
+  instrument.process(outputs);
+  return instrument.is_silent(1e-14);
+}
+
+using Slide = SlideStringOf<materials::steel_on_steel, resonators::guitar_g3, double>;
+using Fret = FretStringOf<materials::steel_on_steel, resonators::guitar_g3, double>;
+
+// What a hand moves may reach the string.
+TEST(PluckedString, IsNotSilentWhileAHandMovesOrPushes) {
+  EXPECT_FALSE(is_silent_after<Slide>("hand_force_n", -1e-3));
+  EXPECT_FALSE(is_silent_after<Slide>("place_m", 0.1));
+  EXPECT_FALSE(is_silent_after<Slide>("pluck_force_n", 1e-12));
+  EXPECT_FALSE(is_silent_after<Fret>("gap_m", 0.05));
+  EXPECT_FALSE(is_silent_after<Fret>("place_m", 0.1));
+  EXPECT_FALSE(is_silent_after<Fret>("pluck_force_n", 1e-12));
+}
+
+TEST(PluckedString, IsSilentWhereTheHandHasArrived) {
+  for (const char* name : {"place_m", "gap_m"}) {
+    Fret fret;
+    fret.prepare(kRate);
+    fret.set(parameter(fret, name), name[0] == 'p' ? 0.1 : 0.05);
+    std::vector<double> sound(static_cast<std::size_t>(kRate));
+    const std::vector<std::span<double>> outputs = {sound};
+    fret.process(outputs);
+    EXPECT_TRUE(fret.is_silent(1e-14)) << name;
+  }
+  EXPECT_TRUE(is_silent_after<Slide>("vibrato_m", 0.005));
+}
+
+}  // namespace
+}  // namespace contactspline::testing
