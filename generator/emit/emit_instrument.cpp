@@ -276,6 +276,8 @@ std::string emit(const Emitter& emitter, const InstrumentModel& model, double ma
   values["VERSION"] = CONTACTSPLINE_VERSION;
   values["COMMAND"] = command;
   values["NAME"] = model.name;
+  // `reuse` would take what stands behind the tag in a template for the template's own licence.
+  if (emitter.name != "json") values["SPDX"] = "SPDX-License-Identifier";
   values["LICENSE"] = model.license;
   values["TITLE"] = title_of(model);
   values["MAX_FREQUENCY"] = literal(max_frequency_hz);
