@@ -707,7 +707,7 @@ case_pages() {
   need faust
   install_at "$WORK/prefix"
   export PATH="$WORK/prefix/bin:$PATH"
-  local page name block commands=0 programs=0
+  local page name block plugin commands=0 programs=0
   : >"$WORK/commands that ran"
   for page in "$SOURCE"/{README,CONTRIBUTING}.md "$SOURCE"/docs/*/*.md; do
     name=$(basename "$page" .md)
@@ -737,7 +737,9 @@ case_pages() {
       esac
     done
   done
-  [ -s "$WORK/docs/start/tutorial.md/home/.lv2/my_instrument.lv2/my_instrument.so" ] || fail "the tutorial ends without a plug-in"
+  for plugin in clap/my_instrument.clap vst3/my_instrument.vst3/Contents lv2/my_instrument.lv2/my_instrument.so; do
+    [ -e "$WORK/docs/start/tutorial.md/home/.$plugin" ] || fail "the tutorial ends without $plugin"
+  done
   echo "$commands commands, $programs programs"
   [ "$commands" -ge 30 ] && [ "$programs" -ge 13 ] || fail "only $commands commands and $programs programs were found"
 }
