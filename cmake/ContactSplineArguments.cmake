@@ -30,3 +30,11 @@ function(_contactspline_parse one several required)
   list(TRANSFORM results PREPEND arg_)
   return(PROPAGATE ${results})
 endfunction()
+
+# Makes arg_OUTPUT_DIR absolute: below the folder of the build, which it is where the caller gave none.
+macro(_contactspline_output_dir)
+  if(NOT DEFINED arg_OUTPUT_DIR)
+    set(arg_OUTPUT_DIR "${CMAKE_CURRENT_BINARY_DIR}")
+  endif()
+  cmake_path(ABSOLUTE_PATH arg_OUTPUT_DIR BASE_DIRECTORY "${CMAKE_CURRENT_BINARY_DIR}" NORMALIZE)
+endmacro()

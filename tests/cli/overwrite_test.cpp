@@ -15,11 +15,6 @@
 namespace contactspline::testing {
 namespace {
 
-constexpr auto kStroke = R"({
-  "instrument": "hammer-string", "duration_s": 0.05,
-  "voices": [ { "name": "c4", "resonator": "string_c4", "material": "felt_c4" } ],
-  "events": [ { "time_s": 0, "speed_m_per_s": 2 } ] })";
-
 // Two keys of the piano, with two segments each: its 88 keys take 1.6 s.
 std::string small_keyboard() {
   std::string text(find_embedded(Shipped::kKeyboards, "piano.json")->content);

@@ -31,6 +31,12 @@ namespace contactspline::testing {
 
 constexpr auto kProgram = CONTACTSPLINE_PROGRAM;
 
+/// A short score of one blow.
+constexpr auto kStroke = R"({
+  "instrument": "hammer-string", "duration_s": 0.05,
+  "voices": [ { "name": "c4", "resonator": "string_c4", "material": "felt_c4" } ],
+  "events": [ { "time_s": 0, "speed_m_per_s": 2 } ] })";
+
 using Words = std::vector<std::string>;
 
 inline Words followed_by(Words words, const Words& more) {

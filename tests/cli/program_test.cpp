@@ -5,10 +5,6 @@
 namespace contactspline::testing {
 namespace {
 
-constexpr auto kStroke = R"({
-  "instrument": "hammer-string", "duration_s": 0.05,
-  "voices": [ { "name": "c4", "resonator": "string_c4", "material": "felt_c4" } ],
-  "events": [ { "time_s": 0, "speed_m_per_s": 2 } ] })";
 constexpr auto kBuzz = R"({
   "instrument": "fret-string", "duration_s": 0.05,
   "voices": [ { "name": "d", "resonator": "guitar_d3", "material": "steel_on_steel", "pluck_m": 0.3, "pickup_m": 0.05 } ],

@@ -4,6 +4,7 @@
 
 #include "generator/instrument/instrument_reader.hpp"
 #include "generator/support/embedded_files.hpp"
+#include "place_index.hpp"
 #include "support/compare.hpp"
 #include "support/measured.hpp"
 
@@ -16,15 +17,6 @@ constexpr double kRate = 44100;
 
 InstrumentModel shipped(const std::string& name) {
   return parse_instrument(find_embedded(Shipped::kInstruments, name + ".json")->content, name);
-}
-
-std::size_t place_index(const InstrumentModel& model, const std::string& name) {
-  std::size_t index = 0;
-  for (const InstrumentPlace& place : model.places) {
-    if (place.name == name) return index;
-    index += place.points.size();
-  }
-  throw std::runtime_error(name);
 }
 
 // The frequency of the largest partial between two limits [Hz], by a Hann window.

@@ -7,6 +7,7 @@
 #include "generator/player/score_reader.hpp"
 #include "generator/player/voice_tracks.hpp"
 #include "generator/support/embedded_files.hpp"
+#include "place_index.hpp"
 #include "reference_network.hpp"
 #include "support/compare.hpp"
 #include "support/measured.hpp"
@@ -114,15 +115,6 @@ TEST_P(EachInstrument, AgreesWithAnIndependentSolution) {
     Measured() << GetParam() << ", " << voice.model->outputs[i].name << ": " << error[i] / peak[i]
                << " of the largest";
   }
-}
-
-std::size_t place_index(const InstrumentModel& model, const std::string& name) {
-  std::size_t index = 0;
-  for (const InstrumentPlace& place : model.places) {
-    if (place.name == name) return index;
-    index += place.points.size();
-  }
-  throw std::runtime_error(name);
 }
 
 // Displacement of a place at multiples of 1/44100 s. Forces are those in the middle of each sample, for a force that

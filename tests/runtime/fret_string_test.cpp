@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-#include "strings.hpp"
+#include "plucked_string.hpp"
 #include "support/compare.hpp"
 #include "support/measured.hpp"
 
@@ -20,27 +20,10 @@ constexpr double kGap = 3e-4;    // m
 /// The string against a stiff barrier of the reference.
 const StruckString kString{"buzz", {0.5, 0.0025, 250, 1e-4, {0.4, 2e-4}}, 0, {1e9, 1.01}, kPluck};
 
-struct Buzz {
+struct Buzz : PluckedString<FretString<double>> {
   explicit Buzz(double rate)
-      : modes(audible_modes(kString)),
-        table(segment_table(uniform_spline({"fret", "", kString.felt, {}, {16, 1e-5}}, "fret"))),
-        shapes(wavenumbers_of(modes)),
-        model(table, bare(modes), shapes, kPluck, rate) {
-    model.place(kFret, kGap);
-  }
-
-  [[nodiscard]] ModeShapes<double> shapes_at(double place) const {
-    ModeShapes<double> at(shapes.size());
-    shapes.at(place, at);
-    return at;
-  }
-  [[nodiscard]] double displacement(const ModeShapes<double>& at) const { return model.string().displacement(at); }
-  [[nodiscard]] double displacement_at(double place) const { return displacement(shapes_at(place)); }
-
-  std::vector<ResonatorMode> modes;
-  std::vector<Segment<double>> table;
-  StringShapes<double> shapes;
-  FretString<double> model;
+      : PluckedString(kString, segment_table(uniform_spline({"fret", "", kString.felt, {}, {16, 1e-5}}, "fret")),
+                      kPluck, kFret, kGap, rate) {}
 };
 
 // Plucks every second; the fret rises and sinks and wanders, and a hand damps the string for a while.

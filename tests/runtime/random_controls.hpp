@@ -104,12 +104,21 @@ class WorkBooks {
 };
 
 /// A slide-string or a fret-string that plays random controls, and moderate ones.
-template <typename T>
-struct RandomSlide {
-  explicit RandomSlide(const Parts<T>& parts)
+template <typename Model, typename T>
+struct RandomContact {
+  explicit RandomContact(const Parts<T>& parts)
       : model(parts.table, bare(parts.modes), parts.places, T(0.1), parts.rate_hz) {
     model.place(T(0.3), 0);  // where neither spring nor contact hold energy
   }
+  Model model;
+  T pluck_force = 0;
+};
+
+template <typename T>
+struct RandomSlide : RandomContact<SlideString<T>, T> {
+  using RandomContact<SlideString<T>, T>::RandomContact, RandomContact<SlideString<T>, T>::model,
+      RandomContact<SlideString<T>, T>::pluck_force;
+
   /// Returns the work on the string and the slide but that of the pluck [J].
   double tick(RandomControls<T>& random) {
     using Ranges = ControlRanges<T>;
@@ -131,16 +140,13 @@ struct RandomSlide {
                 .hand_resistance_n_s_per_m = 5,
                 .rest_resistance_n_s_per_m = 2});
   }
-  SlideString<T> model;
-  T pluck_force = 0;
 };
 
 template <typename T>
-struct RandomFret {
-  explicit RandomFret(const Parts<T>& parts)
-      : model(parts.table, bare(parts.modes), parts.places, T(0.1), parts.rate_hz) {
-    model.place(T(0.3), 0);  // where neither spring nor contact hold energy
-  }
+struct RandomFret : RandomContact<FretString<T>, T> {
+  using RandomContact<FretString<T>, T>::RandomContact, RandomContact<FretString<T>, T>::model,
+      RandomContact<FretString<T>, T>::pluck_force;
+
   double tick(RandomControls<T>& random) {
     using Ranges = ControlRanges<T>;
     const T pluck = random.any(Ranges::force_n);
@@ -153,8 +159,6 @@ struct RandomFret {
     model.place(random.any({0, T(0.62)}), random.any(ControlRanges<T>::gap_m));
   }
   void play_moderately() { model.tick({.place_m = T(0.3), .gap_m = T(-1e-3), .damping_per_s = 100}); }
-  FretString<T> model;
-  T pluck_force = 0;
 };
 
 }  // namespace contactspline::testing

@@ -4,7 +4,7 @@
 
 #include <numbers>
 
-#include "strings.hpp"
+#include "plucked_string.hpp"
 #include "support/compare.hpp"
 
 namespace contactspline::testing {
@@ -17,33 +17,16 @@ constexpr double kSpring = 50;    // N/m
 const StruckString kGuitar{"guitar", {0.65, 0.0036, 70, 3e-4, {0.4, 2e-4}}, 0, {1e8, 1.5}, kPluck};
 
 /// A guitar string with a slide above it.
-struct Guitar {
+struct Guitar : PluckedString<SlideString<double>> {
   explicit Guitar(double rate)
-      : modes(audible_modes(kGuitar)),
-        table(segment_table(uniform_spline({"slide", "", kGuitar.felt, {}, {32, 2e-4}}, "slide"))),
-        shapes(wavenumbers_of(modes)),
-        model(table, bare(modes), shapes, kPluck, rate) {
-    model.place(0.3, kHeight);
-  }
-
-  [[nodiscard]] ModeShapes<double> shapes_at(double place) const {
-    ModeShapes<double> at(shapes.size());
-    shapes.at(place, at);
-    return at;
-  }
-  [[nodiscard]] double displacement(const ModeShapes<double>& at) const { return model.string().displacement(at); }
-  [[nodiscard]] double displacement_at(double place) const { return displacement(shapes_at(place)); }
+      : PluckedString(kGuitar, segment_table(uniform_spline({"slide", "", kGuitar.felt, {}, {32, 2e-4}}, "slide")),
+                      kPluck, 0.3, kHeight, rate) {}
 
   [[nodiscard]] double energy(const SlideStringControls<double>& controls) const {
     const double v = model.slide_velocity(), u = model.slide();
     return model.string().energy() + controls.slide_mass_kg * v * v / 2 + kSpring * u * u / 2 +
            potential(std::span<const Segment<double>>(table), model.compression());
   }
-
-  std::vector<ResonatorMode> modes;
-  std::vector<Segment<double>> table;
-  StringShapes<double> shapes;
-  SlideString<double> model;
 };
 
 // What a hand does: presses in and out, slides with vibrato, plucks every second.
