@@ -11,12 +11,9 @@
 #include <span>
 #include <utility>
 
-#include "contactspline/instrument/fret_string_instrument.hpp"
 #include "contactspline/instrument/hammer_string_instrument.hpp"
-#include "contactspline/instrument/network_instrument.hpp"
-#include "contactspline/instrument/slide_string_instrument.hpp"
-#include "contactspline/instrument/voices.hpp"
 #include "contactspline/step/flush_denormals.hpp"
+#include "generator/player/any_instrument.hpp"
 #include "generator/player/instrument_parts.hpp"
 #include "generator/player/voice_tracks.hpp"
 #include "generator/support/error.hpp"
@@ -173,10 +170,11 @@ class VoicePlayer {
 /// Skips an instrument that is silent until its next strike.
 class Sleep {
  public:
+  explicit Sleep(bool sleeps) : sleeps_(sleeps) {}
+
   /// Called before each block. Is the block silent?
-  template <typename I>
   [[nodiscard]] bool skips(bool is_struck, std::size_t samples) {
-    if constexpr (!requires { I::kSleeps; }) return false;
+    if (!sleeps_) return false;
     if (is_struck) is_asleep_ = false;
     processed_ += samples;
     return is_asleep_;
@@ -192,29 +190,29 @@ class Sleep {
   }
 
  private:
+  bool sleeps_;
   bool is_asleep_ = true;  // until the next strike
   double max_energy_j_ = 0;
   std::size_t processed_ = 0;  // samples since the last look
 };
 
 /// Plays one voice on an instrument of its own, block by block.
-template <Instrument I>
-void play_voice(I& instrument, const Score& score, const Voice& voice, const PlayOptions& options, Recorder& recorder,
-                const PartDone& done) {
-  using T = typename I::value_type;
+template <typename T>
+void play_voice(AnyInstrument<T>& instrument, const Score& score, const Voice& voice, const PlayOptions& options,
+                Recorder& recorder, const PartDone& done) {
   std::vector<T> sound(kBlock), force(kBlock);
   std::vector<std::span<T>> outputs(options.output + 1);
   for (std::size_t i = 0; i < voice.initial.size(); ++i) instrument.set(i, voice.initial[i]);
   instrument.prepare(options.sample_rate_hz);
-  VoicePlayer<I> player(instrument, voice, options.sample_rate_hz);
-  Sleep sleep;
+  VoicePlayer<AnyInstrument<T>> player(instrument, voice, options.sample_rate_hz);
+  Sleep sleep(instrument.sleeps());
   recorder.begin(voice);
   for (std::size_t begin = 0; begin < recorder.samples();) {
     if (begin % kBlock == 0) done(begin);
     const std::size_t end = std::min(recorder.samples(), (begin / kBlock + 1) * kBlock);
     const std::size_t samples = std::min({end - begin, player.take_events(begin), kMaxSteady});
     const auto sound_block = std::span(sound).first(samples), force_block = std::span(force).first(samples);
-    if (sleep.skips<I>(player.is_struck(), samples)) {
+    if (sleep.skips(player.is_struck(), samples)) {
       std::ranges::fill(sound_block, T(0));
       std::ranges::fill(force_block, T(0));
     } else {
@@ -227,26 +225,6 @@ void play_voice(I& instrument, const Score& score, const Voice& voice, const Pla
         refuse_infinite(score, "voice " + voice.name, options, begin + n);
     recorder.add<T>(begin, sound_block, force_block);
     begin += samples;
-  }
-}
-
-template <typename T>
-void play_voice_in(const Score& score, const Voice& voice, const PlayOptions& options, Recorder& recorder,
-                   const PartDone& done) {
-  const double rate = options.sample_rate_hz;
-  const auto play = [&](auto&& instrument) { play_voice(instrument, score, voice, options, recorder, done); };
-  switch (score.model) {
-    case Model::kHammerString:
-      return play(HammerStringInstrument<T>(hammer_string_parts(voice, rate)));
-    case Model::kSlideString:
-      return play(SlideStringInstrument<T>(plucked_string_parts(voice, rate)));
-    case Model::kFretString:
-      return play(FretStringInstrument<T>(plucked_string_parts(voice, rate)));
-    case Model::kFile: {
-      const InstrumentArrays arrays = instrument_arrays(*voice.model, rate);
-      if (voice.model->keys.ranges.empty()) return play(NetworkInstrument<T>(arrays.view()));
-      return play(Voices<NetworkInstrument<T>>(arrays.view()));
-    }
   }
 }
 
@@ -378,9 +356,9 @@ Performance play_in(const Score& score, PlayOptions options, const Progress& pro
   for (std::size_t v = 0; v < score.voices.size(); ++v) {
     if (options.only_voice.value_or(v) != v) continue;
     require_output(score, score.voices[v], options);
-    play_voice_in<T>(score, score.voices[v], options, recorder, [&](std::size_t sample) {
-      progress(static_cast<double>(v * recorder.samples() + sample) / total);
-    });
+    const auto instrument = instrument_of<T>(score.model, score.voices[v], options.sample_rate_hz);
+    play_voice(*instrument, score, score.voices[v], options, recorder,
+               [&](std::size_t sample) { progress(static_cast<double>(v * recorder.samples() + sample) / total); });
   }
   progress(1);
   Performance performance = recorder.take();

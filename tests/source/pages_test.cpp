@@ -131,8 +131,9 @@ TEST(Pages, AreAllInTheIndex) {
 // Every text of the tree but the pages.
 std::vector<SourceFile> sources() {
   return source_files(
-      {"bench", "cmake", "data", "examples", "faust", "generator", "runtime", "scripts", "templates", "tests", "web"},
-      {".cpp", ".hpp", ".h", ".lib", ".dsp", ".in", ".json", ".cmake", ".txt", ".sh", ".mjs", ".js", ""});
+      {"bench", "cmake", "data", "examples", "faust", "generator", "hosts", "runtime", "scripts", "templates",
+       "tests", "web"},
+      {".cpp", ".hpp", ".h", ".lib", ".dsp", ".in", ".json", ".cmake", ".txt", ".sh", ".mjs", ".js", ".py", ""});
 }
 
 TEST(Pages, ThatSourcesNameExist) {

@@ -103,8 +103,8 @@ class HammerStringInstrument : public HammerStringParameter,
     reset();
   }
 
-  void set(std::size_t parameter, double value) {
-    Values::set(parameter, value);
+  void set(std::size_t parameter, double to) {
+    Values::set(parameter, to);
     if (parameter == kSustain && voice_) release_if_free();
   }
 
@@ -161,7 +161,7 @@ class HammerStringInstrument : public HammerStringParameter,
     const auto add = [&](const char* name, std::initializer_list<std::pair<std::size_t, double>> changes) {
       Preset preset{name, {}};
       for (const Parameter& parameter : this->parameters()) preset.values.push_back(parameter.initial);
-      for (const auto& [parameter, value] : changes) preset.values[parameter] = value;
+      for (const auto& [parameter, changed] : changes) preset.values[parameter] = changed;
       presets_.push_back(std::move(preset));
     };
     add("felt hammer", {});

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+// Impacts of a design on a rigid barrier: of its law, of its spline, and simulated with its spline.
+#pragma once
+
+#include "generator/contact/barrier_impact.hpp"
+#include "generator/spline/design.hpp"
+
+namespace contactspline {
+
+/// The impact by the material's law: closed forms for a power law without loss, else a quadrature with a relative
+/// error of about 1e-10. mass_kg > 0, speed_m_per_s > 0.
+[[nodiscard]] BarrierImpact exact_impact(const Material& material, double mass_kg, double speed_m_per_s);
+
+/// The same by the spline, in continuous time.
+[[nodiscard]] BarrierImpact spline_impact(const Design& design, double mass_kg, double speed_m_per_s);
+
+/// The same by the contact step at a sample rate (> 0), which takes one step a sample. Throws BadInput, with
+/// `argument` in its message, if the contact lasts more than 1e8 samples.
+[[nodiscard]] BarrierImpact simulated_impact(const Design& design, double mass_kg, double speed_m_per_s,
+                                             double sample_rate_hz, std::string_view argument);
+
+}  // namespace contactspline

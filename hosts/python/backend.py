@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: MIT
+"""What pip calls to build the package (PEP 517): CMake builds and installs it into a folder, which becomes a wheel.
+
+It needs no network and no package of Python.
+"""
+
+import base64
+import hashlib
+import pathlib
+import subprocess
+import sys
+import sysconfig
+import tempfile
+import zipfile
+
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+
+
+def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
+    """Builds the wheel in build/wheel. Returns its name."""
+    build = ROOT / "build" / "wheel"
+    subprocess.run(["cmake", "--preset", "program", "-B", build, "-DCONTACTSPLINE_BUILD_PYTHON=ON",
+                    f"-DPython_EXECUTABLE={sys.executable}"], cwd=ROOT, check=True)
+    subprocess.run(["cmake", "--build", build, "--target", "contactspline_python"], check=True)
+    with tempfile.TemporaryDirectory() as stage:
+        subprocess.run(["cmake", "--install", build, "--component", "python", "--prefix", stage], check=True)
+        version = (pathlib.Path(stage) / "contactspline" / "VERSION").read_text().strip()
+        abi = f"cp{sys.version_info.major}{sys.version_info.minor}"
+        platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
+        tag = f"{abi}-{abi}-{platform}"
+        return _write(pathlib.Path(wheel_directory), pathlib.Path(stage), version, tag)
+
+
+def _write(directory, stage, version, tag):
+    info = f"contactspline-{version}.dist-info"
+    files = {str(path.relative_to(stage)): path.read_bytes() for path in sorted(stage.rglob("*")) if path.is_file()}
+    files[f"{info}/METADATA"] = (
+        f"Metadata-Version: 2.1\nName: contactspline\nVersion: {version}\n"
+        "Summary: Collisions of musical instruments, solved in closed form\nLicense: MIT\nRequires-Dist: numpy\n").encode()
+    files[f"{info}/WHEEL"] = f"Wheel-Version: 1.0\nGenerator: contactspline\nRoot-Is-Purelib: false\nTag: {tag}\n".encode()
+    rows = [f"{name},sha256={_digest(content)},{len(content)}" for name, content in files.items()]
+    files[f"{info}/RECORD"] = "\n".join([*rows, f"{info}/RECORD,,", ""]).encode()
+    name = f"contactspline-{version}-{tag}.whl"
+    with zipfile.ZipFile(directory / name, "w", zipfile.ZIP_DEFLATED) as wheel:
+        for path, content in files.items():
+            wheel.writestr(zipfile.ZipInfo(path), content)
+    return name
+
+
+def _digest(content):
+    return base64.urlsafe_b64encode(hashlib.sha256(content).digest()).rstrip(b"=").decode()

@@ -1,0 +1,17 @@
+# SPDX-License-Identifier: MIT
+"""Collisions of musical instruments, solved in closed form: materials, impacts, instruments and their sound.
+
+    import contactspline as cs
+    cs.Material("felt_c4").impact(2.5)
+    cs.Instrument("tanpura").play(cs.pluck(0, 0.5), seconds=2).plot()
+"""
+
+from ._core import Error, __version__
+from .instrument import Instrument, Sound, change, note, pluck, release, render_many, strike
+from .material import Material, design_many
+from .score import play_score, shipped
+
+__all__ = ["Error", "Instrument", "Material", "Sound", "change", "design_many", "note", "play_score", "pluck", "release",
+           "render_many", "shipped", "strike"]
+
+Error.__module__ = __name__

@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: MIT
+"""Scores and MIDI files."""
+
+from . import _core
+from .instrument import Sound
+from .source import source_of
+
+
+def play_score(source, *, sample_rate_hz=44100, precision="double"):
+    """Plays a score: a name that ships, the path of a .json or .mid file, or a dict. Returns a Sound, as `render` plays it.
+
+    The sound has the shape (samples,) or, in stereo, (samples, 2). Its force_n holds the largest contact force in each
+    of at most 1200 equal stretches of time.
+    """
+    if precision not in ("single", "double"):
+        raise ValueError(f"precision: '{precision}' is unknown; allowed: single, double")
+    if not 1000 <= sample_rate_hz <= 768000:
+        raise ValueError(f"sample_rate_hz: {sample_rate_hz} is refused; allowed: 1000 to 768000")
+    samples, forces, contacts, output, unit = _core.play_score(*source_of(source), sample_rate_hz, precision == "single")
+    title = source if isinstance(source, str) else "score"
+    sound = Sound(title, {output: samples[:, 0] if samples.shape[1] == 1 else samples}, {output: unit}, sample_rate_hz, forces)
+    sound.contacts = contacts
+    return sound
+
+
+def shipped(kind):
+    """The names that ship: kind is "materials", "resonators", "instruments" or "scores"."""
+    if kind not in _core.shipped:
+        raise ValueError(f"kind: '{kind}' is unknown; allowed: {', '.join(_core.shipped)}")
+    return list(_core.shipped[kind])

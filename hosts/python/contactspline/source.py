@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: MIT
+"""What names, paths and objects mean for the compiled part."""
+
+import json
+import os
+
+
+def source_of(source):
+    """The text that the compiled part reads, and whether it is the text of a file: a name, a path or a dict."""
+    if isinstance(source, dict):
+        return json.dumps(source, allow_nan=False), True
+    return os.fspath(source), False
+
+
+def threads_of(threads):
+    """The number of threads; None: one for each core."""
+    threads = (os.cpu_count() or 1) if threads is None else threads
+    if threads < 1:
+        raise ValueError(f"threads: {threads} is refused; allowed: 1 or more, such as 2")
+    return threads
+
+
+def watch_of(progress, total):
+    """Tells progress(done, total), if there is one. An interrupt from the keyboard is raised here and stops the work."""
+
+    def watch(done):
+        if progress is not None:
+            progress(done, total)
+
+    return watch

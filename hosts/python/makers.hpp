@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+// What plays a name, a file or a description: the instruments of Python.
+#pragma once
+
+#include <string>
+
+#include "hosts/python/playing.hpp"
+
+namespace contactspline::python {
+
+/// source: mass_barrier, hammer_string, slide_string, fret_string or piano; an instrument that ships; the path of an
+/// instrument file; or, with is_text, the text of one. parts: a JSON object of what hand-written models are made of:
+/// the keys of a voice of a score (docs/reference/scores.md), where resonator and material may be whole objects, and
+/// first values of parameters. Throws BadInput.
+[[nodiscard]] Maker maker_of(const std::string& source, bool is_text, const std::string& parts);
+
+}  // namespace contactspline::python

@@ -1,0 +1,336 @@
+// SPDX-License-Identifier: MIT
+// contactspline._core: what the Python package calls. Arrays go in and out without a copy where that is possible; the
+// interpreter's lock is released while something is designed or played.
+#include <fmt/format.h>
+#include <pybind11/functional.h>
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "generator/cli/files.hpp"
+#include "generator/cli/inputs.hpp"
+#include "generator/cli/inspect_json.hpp"
+#include "generator/player/score_player.hpp"
+#include "generator/player/score_reader.hpp"
+#include "generator/spline/design_impact.hpp"
+#include "generator/support/embedded_files.hpp"
+#include "generator/support/error.hpp"
+#include "generator/support/file_kind.hpp"
+#include "hosts/python/makers.hpp"
+
+namespace contactspline::python {
+namespace {
+
+namespace py = pybind11;
+template <typename T>
+using Array = py::array_t<T, py::array::c_style | py::array::forcecast>;
+
+Design design_of(const std::string& source, bool is_text) {
+  const py::gil_scoped_release unlocked;
+  return is_text ? design_material(source, "material", read_input) : design_argument(source);
+}
+
+// Designs the materials that ship or that files and texts describe, on so many threads.
+std::vector<Design> design_many(const std::vector<std::pair<std::string, bool>>& sources, std::size_t threads,
+                                const std::function<void(std::size_t)>& watch) {
+  std::vector<std::optional<Design>> designs(sources.size());
+  std::atomic<bool> is_stopped = false;
+  {
+    const py::gil_scoped_release unlocked;
+    for_each(
+        sources.size(), threads,
+        [&](std::size_t i) {
+          const auto& [source, is_text] = sources[i];
+          designs[i] = is_text ? design_material(source, "material", read_input) : design_argument(source);
+        },
+        [&](std::size_t done) {
+          const py::gil_scoped_acquire locked;
+          watch(done);
+        },
+        is_stopped);
+  }
+  std::vector<Design> all;
+  for (auto& design : designs)
+    if (design) all.push_back(std::move(*design));
+  return all;
+}
+
+// The members of all segments as an array.
+Array<double> members(const Design& design, double Segment<double>::* member) {
+  Array<double> values(static_cast<py::ssize_t>(design.spline.segments.size()));
+  for (std::size_t i = 0; i < design.spline.segments.size(); ++i)
+    values.mutable_at(static_cast<py::ssize_t>(i)) = design.spline.segments[i].*member;
+  return values;
+}
+
+template <typename F>
+Array<double> each(const Array<double>& compressions, F f) {
+  Array<double> values(compressions.request().shape);
+  for (py::ssize_t i = 0; i < compressions.size(); ++i) values.mutable_data()[i] = f(compressions.data()[i]);
+  return values;
+}
+
+// The mass of an impact: the given one, or the material's.
+double mass_of(const Design& design, std::optional<double> mass_kg) {
+  if (!mass_kg && !design.material.impact)
+    refuse(design.material.name, "mass_kg", "missing, and the material has no impact", "a number above 0, such as 0.003");
+  const double mass = mass_kg.value_or(design.material.impact ? design.material.impact->mass_kg : 0);
+  if (!(mass > 0 && mass <= 1e4))
+    refuse(design.material.name, "mass_kg", fmt::format("{} is refused", mass), "a number above 0, up to 10000");
+  return mass;
+}
+
+BarrierImpact impact_of(const Design& design, double speed, std::optional<double> mass_kg, const std::string& of,
+                        double rate) {
+  if (!(speed > 0 && speed <= 1e3))
+    refuse(design.material.name, "speed_m_per_s", fmt::format("{} is refused", speed), "a number above 0, up to 1000");
+  const double mass = mass_of(design, mass_kg);
+  const py::gil_scoped_release unlocked;
+  if (of == "exact") return exact_impact(design.material, mass, speed);
+  if (of == "spline") return spline_impact(design, mass, speed);
+  if (!(rate >= 1e3 && rate <= 1e8))
+    refuse(design.material.name, "sample_rate_hz", fmt::format("{} is refused", rate), "a number from 1000 to 1e+08");
+  return simulated_impact(design, mass, speed, rate, design.material.name);
+}
+
+// The first values of parameters, and all that happens.
+using Values = std::vector<std::pair<std::size_t, double>>;
+using Rows = std::vector<std::tuple<double, int, std::size_t, double, double>>;  // sample, action, number, value, rise
+
+std::vector<Happening> happenings_of(const Rows& rows) {
+  std::vector<Happening> happenings;
+  for (const auto& [sample, action, number, value, rise] : rows)
+    happenings.push_back({static_cast<std::size_t>(sample), Action(action), number, value, rise});
+  return happenings;
+}
+
+/// An instrument of Python: how to make it, and one that tells its lists.
+class Source {
+ public:
+  Source(const std::string& source, bool is_text, const std::string& parts) {
+    const py::gil_scoped_release unlocked;
+    maker_ = maker_of(source, is_text, parts);
+    shown_ = maker_.make<double>(44100);
+  }
+
+  [[nodiscard]] const AnyInstrument<double>& shown() const { return *shown_; }
+
+  /// Returns all wanted outputs, the force (or nothing) and the energies (or nothing).
+  template <std::floating_point T>
+  [[nodiscard]] py::tuple play(const Values& initial, const Rows& rows, std::size_t samples, double rate, const std::vector<bool>& wanted,
+                               bool force, std::size_t energy_step) const {
+    py::list outputs;
+    Recording<T> recording;
+    const auto array = [&](auto value, std::size_t length) {
+      return py::array_t<decltype(value)>(static_cast<py::ssize_t>(length));
+    };
+    for (const bool is_wanted : wanted) {
+      py::array_t<T> output = array(T(), is_wanted ? samples : 0);
+      recording.outputs.emplace_back(output.mutable_data(), is_wanted ? samples : 0);
+      outputs.append(output);
+    }
+    py::array_t<T> forces = array(T(), force ? samples : 0);
+    py::array_t<double> energies = array(0.0, energy_step > 0 ? samples / energy_step : 0);
+    if (force) recording.force = {forces.mutable_data(), samples};
+    recording.energy = {energies.mutable_data(), static_cast<std::size_t>(energies.size())};
+    recording.energy_step = energy_step;
+    {
+      const py::gil_scoped_release unlocked;
+      const auto happenings = happenings_of(rows);
+      const auto instrument = maker_.make<T>(rate);
+      for (const auto& [parameter, value] : initial) instrument->set(parameter, value);
+      instrument->prepare(rate);
+      render<T>(*instrument, happenings, samples, recording, [] {
+        const py::gil_scoped_acquire locked;
+        if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+      });
+    }
+    return py::make_tuple(outputs, forces, energies);
+  }
+
+  /// Row i of `sounds` is what output `output` plays under row i of `values`, of the parameters `numbers`.
+  template <std::floating_point T>
+  void play_many(const std::vector<std::size_t>& numbers, const Array<double>& values, const Rows& rows, double rate,
+                 std::size_t output, py::array_t<float, py::array::c_style> sounds, std::size_t threads,
+                 const std::function<void(std::size_t)>& watch) const {
+    const auto samples = static_cast<std::size_t>(sounds.shape(1));
+    float* const first = sounds.mutable_data();
+    const double* const value = values.data();
+    const std::size_t outputs = shown_->outputs().size();
+    std::atomic<bool> is_stopped = false;
+    const py::gil_scoped_release unlocked;
+    const auto happenings = happenings_of(rows);
+    for_each(
+        static_cast<std::size_t>(sounds.shape(0)), threads,
+        [&](std::size_t i) {
+          const auto instrument = maker_.make<T>(rate);
+          for (std::size_t p = 0; p < numbers.size(); ++p)
+            instrument->set(numbers[p], value[i * numbers.size() + p]);
+          instrument->prepare(rate);
+          const auto stop = [&] {
+            if (is_stopped) throw std::runtime_error("stopped");
+          };
+          const std::span<float> sound(first + i * samples, samples);
+          Recording<T> recording{std::vector<std::span<T>>(outputs), {}};
+          if constexpr (std::same_as<T, float>) {
+            recording.outputs[output] = sound;
+            render<T>(*instrument, happenings, samples, recording, stop);
+          } else {
+            std::vector<T> exact(samples);
+            recording.outputs[output] = exact;
+            render<T>(*instrument, happenings, samples, recording, stop);
+            std::ranges::transform(exact, sound.begin(), [](T sample) { return static_cast<float>(sample); });
+          }
+        },
+        [&](std::size_t done) {
+          const py::gil_scoped_acquire locked;
+          watch(done);
+        },
+        is_stopped);
+  }
+
+ private:
+  Maker maker_;
+  std::unique_ptr<AnyInstrument<double>> shown_;
+};
+
+// The list of parameters, events, outputs or presets as dictionaries.
+py::list parameters_of(const Source& source) {
+  py::list rows;
+  for (const Parameter& p : source.shown().parameters()) {
+    const Label label = label_of(p.name);
+    rows.append(py::dict(py::arg("name") = p.name, py::arg("title") = label.text, py::arg("unit") = p.unit,
+                         py::arg("min") = p.allowed.min, py::arg("max") = p.allowed.max,
+                         py::arg("slider") = py::make_tuple(p.slider.min, p.slider.max),
+                         py::arg("initial") = p.initial, py::arg("is_logarithmic") = p.scale == Scale::kLogarithmic,
+                         py::arg("acts") = p.acts == Acts::kAtOnce ? "at once" : "at the next note"));
+  }
+  return rows;
+}
+
+py::list events_of(const Source& source) {
+  py::list rows;
+  for (const Event& e : source.shown().events())
+    rows.append(py::dict(py::arg("name") = e.name, py::arg("kind") = e.kind == EventKind::kStrike ? "strike" : "pluck",
+                         py::arg("number") = e.number,
+                         py::arg("parameter") = source.shown().parameters()[e.parameter].name));
+  return rows;
+}
+
+py::list outputs_of(const Source& source) {
+  py::list rows;
+  for (const Output& o : source.shown().outputs())
+    rows.append(py::dict(py::arg("name") = o.name, py::arg("unit") = o.unit, py::arg("full_scale") = o.full_scale));
+  return rows;
+}
+
+py::dict presets_of(const Source& source) {
+  py::dict presets;
+  for (const Preset& preset : source.shown().presets()) presets[preset.name] = preset.values;
+  return presets;
+}
+
+// A score that ships, of a file or of a text: samples by channel, largest forces, and what the sound is.
+py::tuple play_score(const std::string& source, bool is_text, double rate, bool is_single) {
+  Performance performance;
+  std::string output, unit;
+  {
+    const py::gil_scoped_release unlocked;
+    const Score score = is_text ? parse_score(source, "score", read_input) : score_argument(source).score;
+    PlayOptions options{rate};
+    options.precision = is_single ? Precision::kSingle : Precision::kDouble;
+    choose_best_output(score, options);
+    performance = play(score, options, [](double) {});
+    const Output chosen = contactspline::outputs_of(score)[options.output];
+    output = options.is_on_body ? "body_velocity_m_per_s" : chosen.name;
+    unit = options.is_on_body ? "m/s" : chosen.unit;
+  }
+  const auto channels = static_cast<py::ssize_t>(performance.channels);
+  py::array_t<float> samples({static_cast<py::ssize_t>(performance.samples.size()) / channels, channels});
+  std::ranges::copy(performance.samples, samples.mutable_data());
+  return py::make_tuple(samples, py::array_t<float>(static_cast<py::ssize_t>(performance.force_n.size()),
+                                                    performance.force_n.data()),
+                        performance.contacts, output, unit);
+}
+
+void bind_design(py::module_& m) {
+  py::class_<BarrierImpact>(m, "Impact", "What an impact on a rigid barrier does.")
+      .def_readonly("max_compression_m", &BarrierImpact::max_compression_m)
+      .def_readonly("contact_duration_s", &BarrierImpact::contact_duration_s)
+      .def_readonly("exit_speed_m_per_s", &BarrierImpact::exit_speed_m_per_s)
+      .def_readonly("max_force_n", &BarrierImpact::max_force_n);
+  py::class_<Design>(m, "Design", "A material with its spline.")
+      .def_property_readonly("name", [](const Design& d) { return d.material.name; })
+      .def_property_readonly("description", [](const Design& d) { return d.material.description; })
+      .def_property_readonly("law", [](const Design& d) { return law_text(d.material); })
+      .def_property_readonly("loss_s_per_m", [](const Design& d) { return d.material.loss_s_per_m; })
+      .def_property_readonly("end_m", [](const Design& d) { return d.spline.end_m; })
+      .def_property_readonly("json", [](const Design& d) { return json_of(d); })
+      .def_property_readonly(
+          "speeds",
+          [](const Design& d) -> std::optional<std::pair<double, double>> {
+            if (!d.material.impact) return std::nullopt;
+            return std::pair(d.material.impact->min_speed_m_per_s, d.material.impact->max_speed_m_per_s);
+          })
+      .def("mass_kg", [](const Design& d) { return mass_of(d, std::nullopt); })
+      .def("knots", [](const Design& d) { return members(d, &Segment<double>::knot); })
+      .def("energies", [](const Design& d) { return members(d, &Segment<double>::energy); })
+      .def("forces", [](const Design& d) { return members(d, &Segment<double>::force); })
+      .def("half_curvatures", [](const Design& d) { return members(d, &Segment<double>::half_curvature); })
+      .def("spline_force",
+           [](const Design& d, const Array<double>& y) {
+             const auto table = segment_table(d.spline);
+             return each(y, [&](double at) { return force<double>(std::span(table), at); });
+           })
+      .def("spline_potential",
+           [](const Design& d, const Array<double>& y) {
+             const auto table = segment_table(d.spline);
+             return each(y, [&](double at) { return potential<double>(std::span(table), at); });
+           })
+      .def("exact_force",
+           [](const Design& d, const Array<double>& y) {
+             return each(y, [&](double at) { return at > 0 ? d.material.contact.force(at) : 0; });
+           })
+      .def("impact", &impact_of);
+  m.def("design", &design_of);
+  m.def("design_many", &design_many);
+}
+
+void bind_instrument(py::module_& m) {
+  py::class_<Source>(m, "Source", "What an instrument is made of.")
+      .def(py::init<const std::string&, bool, const std::string&>())
+      .def_property_readonly("name", [](const Source& s) { return s.shown().name(); })
+      .def_property_readonly("description", [](const Source& s) { return s.shown().description(); })
+      .def_property_readonly("license", [](const Source& s) { return s.shown().license(); })
+      .def("parameters", &parameters_of)
+      .def("events", &events_of)
+      .def("outputs", &outputs_of)
+      .def("presets", &presets_of)
+      .def("play_single", &Source::play<float>)
+      .def("play_double", &Source::play<double>)
+      .def("play_many_single", &Source::play_many<float>)
+      .def("play_many_double", &Source::play_many<double>);
+  m.def("play_score", &play_score);
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_core, m) {
+  m.doc() = "The compiled part of contactspline.";
+  m.attr("__version__") = CONTACTSPLINE_VERSION;
+  py::register_exception<BadInput>(m, "Error", PyExc_ValueError);
+  bind_design(m);
+  bind_instrument(m);
+  py::dict shipped;
+  for (const Shipped folder : {Shipped::kMaterials, Shipped::kResonators, Shipped::kInstruments, Shipped::kScores})
+    shipped[py::str(std::string(kind_name(folder)) + "s")] = shipped_names(folder);
+  m.attr("shipped") = shipped;
+}
+
+}  // namespace contactspline::python

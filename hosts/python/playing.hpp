@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: MIT
+// Plays an instrument into arrays, and many of them on all cores.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <concepts>
+#include <cstddef>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <stdexcept>
+#include <thread>
+#include <vector>
+
+#include "contactspline/step/flush_denormals.hpp"
+#include "generator/player/any_instrument.hpp"
+
+namespace contactspline::python {
+
+enum class Action : int { kStrike, kRelease, kPluck, kNoteOn, kNoteOff, kSet };
+
+/// What happens at a sample: to an event, a key or a parameter, with a speed, a force, a velocity or a value.
+struct Happening {
+  std::size_t sample;
+  Action action;
+  std::size_t number;
+  double value;
+  double rise_s;  ///< of a pluck
+};
+
+/// Makes instruments for a sample rate, always the same one; prepare() comes next.
+struct Maker {
+  std::function<std::unique_ptr<AnyInstrument<float>>(double sample_rate_hz)> in_single;
+  std::function<std::unique_ptr<AnyInstrument<double>>(double sample_rate_hz)> in_double;
+
+  template <std::floating_point T>
+  [[nodiscard]] std::unique_ptr<AnyInstrument<T>> make(double sample_rate_hz) const {
+    if constexpr (std::same_as<T, float>)
+      return in_single(sample_rate_hz);
+    else
+      return in_double(sample_rate_hz);
+  }
+};
+
+template <std::floating_point T>
+void play(AnyInstrument<T>& instrument, const Happening& now) {
+  switch (now.action) {
+    case Action::kStrike:
+      return instrument.strike(now.number, static_cast<T>(now.value));
+    case Action::kRelease:
+      return instrument.release(now.number);
+    case Action::kPluck:
+      return instrument.pluck(now.number, static_cast<T>(now.value), now.rise_s);
+    case Action::kNoteOn:
+      return instrument.note_on(static_cast<int>(now.number), now.value);
+    case Action::kNoteOff:
+      return instrument.note_off(static_cast<int>(now.number));
+    case Action::kSet:
+      return instrument.set(now.number, now.value);
+  }
+}
+
+/// Where a rendering goes: an array of the length of the sound for each output, empty where nobody wants it; the
+/// contact force; the stored energy after every block of energy_step samples (0: never).
+template <std::floating_point T>
+struct Recording {
+  std::vector<std::span<T>> outputs;
+  std::span<T> force;
+  std::span<double> energy = {};
+  std::size_t energy_step = 0;
+};
+
+/// Renders a prepared instrument. happenings: by rising sample. `watch` is called in every block, and may throw to stop.
+/// Throws std::runtime_error where a sample is not finite.
+template <std::floating_point T>
+void render(AnyInstrument<T>& instrument, std::span<const Happening> happenings, std::size_t samples,
+            const Recording<T>& recording, const std::function<void()>& watch) {
+  constexpr std::size_t kBlock = 1024;
+  const FlushDenormals flushed;
+  std::vector<std::span<T>> block(recording.outputs.size());
+  std::size_t next = 0;
+  for (std::size_t begin = 0; begin < samples;) {
+    watch();
+    for (; next < happenings.size() && happenings[next].sample <= begin; ++next) play(instrument, happenings[next]);
+    std::size_t length = std::min(kBlock, samples - begin);
+    if (next < happenings.size()) length = std::min(length, happenings[next].sample - begin);
+    const std::size_t step = recording.energy_step;
+    if (step > 0) length = std::min(length, step - begin % step);
+    for (std::size_t o = 0; o < block.size(); ++o)
+      block[o] = recording.outputs[o].empty() ? std::span<T>() : recording.outputs[o].subspan(begin, length);
+    instrument.process(block, recording.force.empty() ? std::span<T>() : recording.force.subspan(begin, length));
+    for (const std::span<T> part : block)
+      for (const T sample : part)
+        if (!std::isfinite(sample)) throw std::runtime_error("the sound is not finite");
+    begin += length;
+    if (step > 0 && begin % step == 0) recording.energy[begin / step - 1] = instrument.energy();
+  }
+}
+
+/// Calls task(i) for all i below tasks, on so many threads. Where one throws, the others stop, and it is thrown again.
+/// watch: called about ten times a second on this thread with the number of tasks done; it stops all by an exception.
+inline void for_each(std::size_t tasks, std::size_t threads, const std::function<void(std::size_t)>& task,
+                     const std::function<void(std::size_t)>& watch, std::atomic<bool>& is_stopped) {
+  std::atomic<std::size_t> next = 0, done = 0, running = threads;
+  std::exception_ptr failure;
+  std::mutex mutex;
+  const auto work = [&] {
+    try {
+      for (std::size_t i = next++; i < tasks && !is_stopped; i = next++) {
+        task(i);
+        ++done;
+      }
+    } catch (...) {
+      const std::lock_guard lock(mutex);
+      if (!failure) failure = std::current_exception();
+      is_stopped = true;
+    }
+    --running;
+  };
+  {
+    std::vector<std::jthread> pool;
+    for (std::size_t t = 0; t < threads; ++t) pool.emplace_back(work);
+    for (std::size_t pauses = 1; running > 0; ++pauses) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      try {
+        if (pauses % 100 == 0) watch(done);
+      } catch (...) {
+        is_stopped = true;
+        throw;
+      }
+    }
+  }
+  if (failure) std::rethrow_exception(failure);
+}
+
+}  // namespace contactspline::python

@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: MIT
+import json
+import math
+import wave
+
+import numpy as np
+import pytest
+
+import contactspline as cs
+
+HAMMER = {"resonator": "string_c4", "material": "felt_c4"}
+
+
+def made(name):
+    guitar = {"resonator": "guitar_d3", "material": "steel_on_steel", "pluck_m": 0.5, "pickup_m": 0.6, "place_m": 0.3}
+    parts = {"hammer_string": HAMMER, "mass_barrier": {"material": "felt_c4"},
+             "slide_string": {**guitar, "height_m": 0.001, "slide_mass_kg": 0.05, "hand_force_n": 8},
+             "fret_string": {**guitar, "gap_m": 0.0005}}
+    return cs.Instrument(name, **parts.get(name, {}))
+
+
+def blow(instrument, time=0.01):
+    event = next(iter(instrument.events.values()), None)
+    if event is None:
+        return cs.note(time, 60, 0.7)
+    play = cs.strike if event["kind"] == "strike" else cs.pluck
+    return play(time, instrument.parameters[event["parameter"]]["initial"], event["number"])
+
+
+ALL = ["hammer_string", "slide_string", "fret_string", "mass_barrier", "piano", *cs.shipped("instruments")]
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_every_instrument_sounds_in_both_precisions_and_again_alike(name):
+    instrument = made(name)
+    seconds = 0.03 if name == "piano" else 0.1
+    sound = instrument.play(blow(instrument), seconds)
+    again = instrument.play(blow(instrument), seconds)
+    single = instrument.play(blow(instrument), seconds, precision="single")
+    assert list(sound.outputs) == list(instrument.outputs)
+    assert any(np.any(samples != 0) for samples in sound.outputs.values())
+    for output, samples in sound.outputs.items():
+        assert samples.dtype == np.float64 and single[output].dtype == np.float32
+        assert len(samples) == round(seconds * 44100) and np.all(np.isfinite(samples))
+        assert np.array_equal(samples, again[output])
+    assert all(row["min"] <= row["initial"] <= row["max"] for row in instrument.parameters.values())
+
+
+def test_a_hammer_string_plays_what_a_score_plays(tmp_path):
+    score = {"instrument": "hammer-string", "duration_s": 0.5, "voices": [{"name": "c4", **HAMMER}],
+             "events": [{"time_s": 0.01, "speed_m_per_s": 2.5, "hold_s": 0.15}, {"time_s": 0.2, "speed_m_per_s": 1, "hold_s": 0.1}]}
+    played = cs.play_score(score).samples
+    sound = made("hammer_string").play([cs.strike(0.01, 2.5, hold_s=0.15), cs.strike(0.2, 1, hold_s=0.1)], 0.5,
+                                       outputs="bridge_force_n")
+    assert np.array_equal(sound["bridge_force_n"].astype(np.float32), played)
+    assert np.max(np.abs(played)) > 1
+
+
+@pytest.mark.parametrize("score", ["trichord_blows", "fret_buzz", "tanpura_drone", "slap_line"])
+def test_scores_are_those_of_the_program(tmp_path, program, score):
+    samples = np.asarray(cs.play_score(score).samples, float).reshape(-1)
+    gain = math.floor(-20 * math.log10(np.max(np.abs(samples))) - 1)
+    path = tmp_path / "sound.wav"
+    assert program("render", score, "--no-figure", "--gain", gain, "-o", path).returncode == 0
+    with wave.open(str(path)) as file:
+        assert file.getsampwidth() == 3
+        frames = np.frombuffer(file.readframes(file.getnframes()), np.uint8).reshape(-1, 3).astype(np.int32)
+        channels = file.getnchannels()
+    whole = (frames[:, 0] | frames[:, 1] << 8 | frames[:, 2] << 16) << 8 >> 8
+    assert len(samples) == len(whole) and np.max(np.abs(whole)) > 2**20
+    unfaded = len(samples) - round(0.01 * 44100) * channels
+    lost = samples[:unfaded] * 10 ** (gain / 20) * 2**23 - whole[:unfaded]
+    # libsndfile rounds to 32 bits, which is 2**-9 of the file's step, and cuts off what is below 24.
+    assert -0.002 < np.min(lost) and np.max(lost) < 1
+
+
+def test_energy_falls_after_a_blow():
+    sound = made("hammer_string").play(cs.strike(0, 2.5), 0.5, energy_step=441)
+    assert len(sound.energy_j) == 50 and np.all(sound.energy_j > 0)
+    assert np.all(np.diff(sound.energy_j[5:]) <= 0)  # the hammer has left after 50 ms
+    assert sound.energy_j[5] < 0.5 * 2.97e-3 * 2.5**2
+    assert sound.force_n.max() > 10 and sound.force_n.min() >= 0
+
+
+def test_parameters_move_over_time():
+    instrument = made("hammer_string")
+    still = instrument.play(cs.strike(0, 2), 0.3)
+    damped = instrument.play(cs.strike(0, 2), 0.3, parameters={"damping_per_s": np.repeat([0.0, 100.0], 50)})
+    half = len(still.samples) // 2
+    for output in still.outputs:
+        assert np.array_equal(still[output][:half], damped[output][:half])
+    width = 100 * 1000 / 44100  # of the last stretch, in time constants
+    decay = math.exp(-100 * 0.15 + width / 2) * math.sqrt(math.sinh(width) / width)
+    rms = np.sqrt(np.mean(damped["bridge_force_n"][-1000:] ** 2) / np.mean(still["bridge_force_n"][-1000:] ** 2))
+    assert rms == pytest.approx(decay, rel=0.1)
+    changed = instrument.play([cs.strike(0, 2), cs.change(0.15, "damping_per_s", 100)], 0.3)
+    assert np.array_equal(changed["bridge_force_n"], damped["bridge_force_n"])
+
+
+def test_many_are_the_same_in_any_order_batch_and_number_of_threads():
+    instrument = made("hammer_string")
+    speeds = np.linspace(0.5, 4, 9)
+    masses = np.geomspace(0.001, 0.01, 9)
+    columns = {"hammer_mass_kg": masses, "stiffness_ratio": speeds}
+    played = cs.render_many(instrument, columns, cs.strike(0, 2), 0.1, output="bridge_force_n", threads=1)
+    assert played.dtype == np.float32 and played.shape == (9, 4410) and np.all(np.any(played != 0, axis=1))
+    for threads in (2, 5):
+        assert np.array_equal(
+            cs.render_many(instrument, columns, cs.strike(0, 2), 0.1, output="bridge_force_n", threads=threads), played)
+    backwards = {name: values[::-1] for name, values in columns.items()}
+    assert np.array_equal(
+        cs.render_many(instrument, backwards, cs.strike(0, 2), 0.1, output="bridge_force_n")[::-1], played)
+    for i in (0, 4, 8):
+        alone = instrument.play(cs.strike(0, 2), 0.1, precision="single", outputs="bridge_force_n", force=False,
+                                parameters={name: values[i] for name, values in columns.items()})
+        assert np.array_equal(alone["bridge_force_n"], played[i])
+    into = np.zeros((9, 4410), np.float32)
+    cs.render_many(instrument, columns, cs.strike(0, 2), 0.1, output="bridge_force_n", out=into)
+    assert np.array_equal(into, played)
+
+
+def test_instruments_of_files_and_dicts(tmp_path):
+    described = {"name": "probe", "description": "one mass on a spring",
+                 "bodies": [{"name": "ball", "mass_kg": 0.01}]}
+    with pytest.raises(cs.Error) as raised:
+        cs.Instrument({**described, "wrong": 1})
+    assert "wrong" in str(raised.value) and "\n" not in str(raised.value)
+    with pytest.raises(cs.Error, match="no such instrument; allowed"):
+        cs.Instrument("no_such")
+    with pytest.raises(cs.Error, match="is no part"):
+        cs.Instrument("piano", resonator="string_c4")
+    with pytest.raises(cs.Error, match="hammer_string: .*voices.*wrong|wrong"):
+        cs.Instrument("hammer_string", **HAMMER, wrong=1)
+    own = {**HAMMER, "material": {"name": "probe", "contact": {"stiffness_n_per_m_alpha": 1e9, "exponent": 2},
+                                  "impact": {"mass_kg": 0.003, "max_speed_m_per_s": 5, "min_speed_m_per_s": 0.5}, "spline": {"segments": 8, "knots": "uniform"}}}
+    assert np.any(cs.Instrument("hammer_string", **own).play(cs.strike(0, 1), 0.1)["bridge_force_n"])
+
+
+@pytest.mark.parametrize("wrong, told", [
+    (dict(seconds=0), "seconds"), (dict(seconds=math.nan), "seconds"), (dict(sample_rate_hz=10), "sample_rate_hz"),
+    (dict(parameters={"nothing": 1}), "nothing"), (dict(parameters={"damping_per_s": math.nan}), "damping_per_s"),
+    (dict(parameters={"damping_per_s": np.zeros(9000)}), "damping_per_s"), (dict(outputs="nothing"), "nothing"),
+    (dict(events=cs.strike(-1, 1)), "time"), (dict(events=cs.strike(0, math.nan)), "value"),
+    (dict(events=cs.strike(0, 1, "nothing")), "strike"), (dict(events=cs.pluck(0, 1)), "pluck"),
+    (dict(events=cs.note(0, 200)), "key"), (dict(precision="half"), "precision")])
+def test_what_is_wrong_is_told(wrong, told):
+    with pytest.raises(ValueError, match=told):
+        made("hammer_string").play(**{"seconds": 0.1, **wrong})
+
+
+def test_sounds_are_written_drawn_and_shown(tmp_path):
+    sound = made("hammer_string").play(cs.strike(0, 2), 0.2)
+    sound.write(tmp_path / "a.wav", "bridge_force_n")
+    with wave.open(str(tmp_path / "a.wav")) as file:
+        assert (file.getframerate(), file.getnframes()) == (44100, 8820)
+        samples = np.frombuffer(file.readframes(8820), "<i2").astype(float)
+    assert np.max(np.abs(samples)) == round(32767 * 10 ** (-1 / 20))
+    exact = sound["bridge_force_n"] / np.max(np.abs(sound["bridge_force_n"]))
+    assert np.max(np.abs(samples / np.max(np.abs(samples)) - exact)) < 1.5e-4 / 2
+    line = sound.plot("bridge_force_n").get_lines()[0]
+    assert np.array_equal(line.get_ydata(), sound["bridge_force_n"])
+    assert "<audio" in sound._repr_html_() and "hammer" in made("hammer_string")._repr_html_()
+    json.dumps(list(sound.units))
