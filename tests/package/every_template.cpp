@@ -13,6 +13,7 @@
 #include "contactspline/instrument/network_instrument.hpp"
 #include "contactspline/instrument/network_tuning.hpp"
 #include "contactspline/instrument/played_by_events.hpp"
+#include "contactspline/instrument/parameter_values.hpp"
 #include "contactspline/instrument/pluck.hpp"
 #include "contactspline/instrument/plucked_string_instrument.hpp"
 #include "contactspline/instrument/slide_string_instrument.hpp"

@@ -219,7 +219,7 @@ const cases = {
         const state = await page.evaluate(async (preset) => {
           const { page, presets } = contactSpline;
           await page.show(presets[preset]);
-          return { now: page.state(), wanted: presets[preset] };
+          return { now: page.sound(), wanted: presets[preset] };
         }, preset);
         assert.deepEqual(state.now, state.wanted, preset);
       }
@@ -229,13 +229,16 @@ const cases = {
   async "no MIDI is no error"() {
     await withPage(server.address, async (page) => {
       await page.locator("#strike").click();
+      await page.waitForFunction(() => contactSpline.page.audio.analyser !== null);
+      assert.equal(await page.locator("#midi").textContent(), "", "a strike must not ask for MIDI");
+      await page.locator("#midi-connect").click();
       await page.getByText("MIDI was not allowed.").waitFor();
     });
     const opened = await openPage(modules, server.address);
     await opened.page.addInitScript(() => delete Navigator.prototype.requestMIDIAccess);
     await opened.page.reload();
     await opened.page.evaluate(() => contactSpline.loaded);
-    await opened.page.locator("#strike").click();
+    await opened.page.locator("#midi-connect").click();
     await opened.page.getByText("No MIDI in this browser.").waitFor();
     assert.deepEqual(opened.complaints, []);
     await opened.close();
@@ -255,6 +258,235 @@ const cases = {
       const stiff = await verdict(1000);
       assert.ok(stiff.ours.bounded && stiff.ours.peak < 0.002, JSON.stringify(stiff));
       assert.ok(!stiff.fd.bounded || Math.abs(stiff.fd.peak / stiff.ours.peak - 1) > 0.5, JSON.stringify(stiff));
+    });
+  },
+
+  async "computer keys play after a menu and after Sustain"() {
+    await withPage(server.address, async (page) => {
+      const plays = async (key) => {
+        const before = await page.evaluate(() => contactSpline.page.figures.strikes);
+        await page.keyboard.press(key);
+        await page.waitForFunction((before) => contactSpline.page.figures.strikes === before + 1, before);
+      };
+      for (const menu of ["#instrument", "#preset", "#material", "#stage-speed"]) {
+        const value = await page.locator(menu).inputValue();
+        await page.locator(menu).focus();
+        await plays("s");
+        await plays("p");
+        assert.equal(await page.locator(menu).inputValue(), value, `${menu} changed`);
+      }
+      await page.locator("#pedal").click();
+      await plays("A");
+      await page.getByText("The material file as text").click();
+      const text = page.getByLabel("Material file");
+      await text.fill("");
+      await text.press("a");
+      assert.equal(await text.inputValue(), "a", "letters go into a text");
+    });
+  },
+
+  async "another exponent keeps the force at half a millimetre"() {
+    await withPage(server.address, async (page) => {
+      const force = () => page.evaluate(() => {
+        const { contact } = JSON.parse(document.getElementById("text").value);
+        return contact.stiffness_n_per_m_alpha * 5e-4 ** contact.exponent;
+      });
+      const felt = 4.5e9 * 5e-4 ** 2.5; // felt_c4
+      for (const exponent of [1, 1.25, 1.5, 3, 5]) {
+        await slide(page, "exponent a", exponent);
+        await page.waitForFunction((a) => document.getElementById("design-note").textContent.includes(`a = ${a}.`), exponent);
+        assert.equal(await page.locator("#design-note").getAttribute("class"), "", `exponent ${exponent} is designed`);
+        assert.ok(Math.abs((await force()) / felt - 1) < 1e-5, `exponent ${exponent}: ${await force()} N`); // k has 6 digits
+      }
+    });
+  },
+
+  async "both sides of the comparison are as loud"() {
+    await withPage(server.address, async (page) => {
+      for (const ratio of [1, 200, 1000]) {
+        const peaks = await page.evaluate((ratio) => {
+          const { comparison } = contactSpline.page;
+          comparison.setStiffness(ratio);
+          return [comparison.ours(1.5), comparison.theirs(1.5)].map((list) => comparison.levelled(list).samples.reduce((m, x) => Math.max(m, Math.abs(x)), 0));
+        }, ratio);
+        for (const peak of peaks) assert.ok(Math.abs(decibels(peak) - decibels(0.2)) < 0.1, `at ${ratio}: peaks ${peaks}`);
+      }
+      assert.match(await page.locator("#compare-note").textContent(), /turned down by \d+ dB/);
+    });
+  },
+
+  async "each note has its own time"() {
+    await withPage(server.address, async (page) => {
+      const sent = () => page.evaluate(() => contactSpline.sent);
+      await page.evaluate(() => {
+        const { audio } = contactSpline.page;
+        const send = audio.send.bind(audio);
+        contactSpline.sent = [];
+        audio.send = (message) => {
+          contactSpline.sent.push([message.do, performance.now()]);
+          send(message);
+        };
+      });
+      await page.locator("#strike").click();
+      await page.waitForTimeout(900);
+      await page.locator("#strike").click();
+      await page.waitForFunction(() => contactSpline.sent.some(([what]) => what === "release"));
+      await page.waitForTimeout(1200);
+      const list = await sent();
+      const strikes = list.filter(([what]) => what === "strike");
+      const releases = list.filter(([what]) => what === "release");
+      assert.deepEqual([strikes.length, releases.length], [2, 1]);
+      assert.ok(releases[0][1] - strikes[1][1] > 1300, "the second note is released by its own timer");
+    });
+  },
+
+  async "a text that is no material is told in one line"() {
+    await withPage(server.address, async (page) => {
+      await page.getByText("The material file as text").click();
+      for (const text of ["felt", "{}", "null", "[]", "", "3", '{ "name": 3 }', '{"contact": null}']) {
+        await page.evaluate(() => (document.getElementById("design-note").textContent = ""));
+        await page.getByLabel("Material file").fill(text);
+        await page.getByRole("button", { name: "Design this text" }).click();
+        const told = await page.locator("#design-note.error").textContent();
+        assert.ok(told.length > 10 && !told.includes("\n") && told.length < 300, `${text}: ${told}`);
+        assert.equal(await page.evaluate(() => contactSpline.page.editor.current.name), "felt_c4", "the last one plays on");
+      }
+    });
+  },
+
+  async "a damaged link leaves the page alive"() {
+    const links = { "text=garbage": /material/, "instrument=constructor": /instrument constructor/, "material=__proto__": /no material __proto__ ships/,
+      "material=toString&.speed=4": /material/, "text=%E0%A4&instrument=piano": /material/, ".speed=1e999&.nothing=3": /speed.*nothing/,
+      "octave=99&key=-1&compare=NaN&step=2.5e9&theme=constructor&constructor=1": /octave 99.*theme constructor/ };
+    for (const [link, told] of Object.entries(links))
+      await withPage(`${server.address}#${link}`, async (page) => {
+        assert.match(await page.locator("#notice").textContent(), told, link);
+        assert.equal(await page.evaluate(() => contactSpline.page.editor.current.name), "felt_c4", link);
+        await page.keyboard.press("a");
+        await page.waitForFunction(() => contactSpline.page.figures.captured.length > 0 || contactSpline.page.instrument === "piano");
+      });
+  },
+
+  async "10,000 random links and texts do no harm"() {
+    await withPage(server.address, async (page) => {
+      const broken = await page.evaluate(async () => {
+        const { page, stateOf, presets } = contactSpline;
+        let seed = 1;
+        const random = (n) => (seed = (seed * 48271) % 2147483647) % n;
+        const one = (list) => list[random(list.length)];
+        const words = ["instrument", "material", "text", "octave", "key", "compare", "step", "theme", ".speed", ".", "constructor", "__proto__",
+          "felt_c4", "piano", "keyboard", "1", "-1e308", "NaN", "", "{}", "[", "null", "dark", "%", "%00", "\u{1F3B9}", "name", "toString", "\u0000", "\\"];
+        const shipped = Object.values(page.editor.shipped);
+        const text = () => {
+          const whole = one(shipped);
+          const at = random(whole.length);
+          return one([whole.slice(0, at), whole.slice(0, at) + one(words) + whole.slice(at + random(9)), one(words) + one(words)]);
+        };
+        const wrong = [];
+        for (let i = 0; i < 10000; ++i) {
+          const parts = Array.from({ length: random(5) }, () => `${one(words)}=${one([one(words), encodeURIComponent(text())])}`);
+          const link = i % 5 === 0 ? `#${parts.join(one(["&", "", "#"]))}` : null;
+          const input = link ?? text();
+          try {
+            if (link) await page.show(stateOf(link));
+            else page.editor.load({ text: input });
+          } catch (error) {
+            wrong.push(`${input}: ${error}`);
+          }
+        }
+        await page.show(Object.values(presets)[0]);
+        return wrong;
+      });
+      assert.deepEqual(broken.slice(0, 3), []);
+      await page.keyboard.press("a");
+      await page.waitForFunction(() => contactSpline.page.figures.captured.length > 0);
+      await slide(page, "exponent a", 2.2);
+      await page.getByText("a = 2.2.").waitFor();
+    });
+  },
+
+  async "Sustain, hints and menus say what is true"() {
+    await withPage(server.address, async (page) => {
+      await page.locator("#pedal").check();
+      await page.selectOption("#instrument", "piano");
+      await page.waitForFunction(() => contactSpline.page.instrument === "piano");
+      assert.ok(!(await page.locator("#pedal").isChecked()), "another instrument has its pedal up");
+      await page.selectOption("#instrument", "mass_barrier");
+      await page.waitForFunction(() => contactSpline.page.instrument === "mass_barrier");
+      for (const id of ["keys-note", "midi-connect", "pedal-box", "keys"]) assert.ok(await page.locator(`#${id}`).isHidden(), id);
+      await page.selectOption("#preset", "Rubber");
+      await page.waitForFunction(() => contactSpline.page.editor.current.name === "rubber_on_wood");
+      await page.waitForTimeout(400);
+      assert.equal(await page.locator("#preset").inputValue(), "Rubber");
+      await slide(page, "speed [m/s]", 900);
+      await page.waitForFunction(() => document.getElementById("preset").value === "");
+    });
+  },
+
+  async "a change can be undone, and a reload keeps it"() {
+    await withPage(server.address, async (page) => {
+      const law = () => page.evaluate(() => contactSpline.page.editor.current.law);
+      await slide(page, "exponent a", 3.3);
+      await page.getByText("a = 3.3.").waitFor();
+      await page.waitForFunction(() => location.hash.includes("text="));
+      const own = await law();
+      await page.getByRole("button", { name: "Tour" }).click();
+      await page.waitForFunction(() => location.hash.includes("step=1"));
+      assert.notEqual(await law(), own, "the tour has its own material");
+      await page.getByRole("button", { name: "Undo" }).click();
+      await page.waitForFunction((own) => contactSpline.page.editor.current.law === own, own);
+      assert.ok(await page.locator("#tour").isHidden());
+      await page.locator("#theme").click();
+      await page.locator("#octave-up").click();
+      await page.keyboard.press("d");
+      await slide(page, "stiffness ratio", 700);
+      await page.evaluate(() => contactSpline.page.comparison.stiffness.set(50));
+      await page.evaluate(() => contactSpline.page.settle());
+      const state = await page.evaluate(() => contactSpline.page.state());
+      assert.deepEqual([state.theme, state.octave, state.key, state.compare], ["dark", 5, 76, 50]);
+      await page.reload();
+      await page.evaluate(() => contactSpline.loaded);
+      assert.deepEqual(await page.evaluate(() => contactSpline.page.state()), state, "after a reload");
+      await page.getByRole("button", { name: "Tour" }).click();
+      await page.locator("#tour-next").click();
+      await page.waitForFunction(() => location.hash.includes("step=2"));
+      await page.reload();
+      await page.evaluate(() => contactSpline.loaded);
+      assert.ok(await page.getByText(/^2\. /).isVisible(), "the step of the tour");
+    });
+  },
+
+  async "a paused picture is drawn anew when its size changes"() {
+    await withPage(server.address, async (page) => {
+      await page.locator("#stage-play").click();
+      await page.setViewportSize({ width: 700, height: 900 });
+      await page.waitForFunction(() => {
+        const stage = document.getElementById("stage");
+        return stage.width === Math.round(stage.clientWidth * devicePixelRatio);
+      });
+    });
+  },
+
+  async "reduced motion, Escape, Tab and forced colours"() {
+    await withPage(server.address, async (page) => {
+      await page.emulateMedia({ reducedMotion: "reduce" });
+      await page.selectOption("#preset", "Rubber");
+      await page.waitForFunction(() => contactSpline.page.editor.current.name === "rubber_on_wood");
+      await page.waitForTimeout(200);
+      const at = () => page.evaluate(() => contactSpline.page.stage.at);
+      const before = await at();
+      await page.waitForTimeout(300);
+      assert.ok(before > 0 && (await at()) === before, "the picture rests");
+      await page.getByRole("button", { name: "Tour" }).click();
+      await page.keyboard.press("Escape");
+      assert.ok(await page.locator("#tour").isHidden());
+      await page.locator("#keys button[data-key='67']").focus();
+      await page.keyboard.press("Tab");
+      await page.keyboard.press("Shift+Tab");
+      assert.equal(await page.evaluate(() => document.activeElement.dataset.key), "67", "Tab comes back to the key");
+      await page.emulateMedia({ forcedColors: "active" });
+      const shades = await page.evaluate(() => ["black", "white"].map((kind) => getComputedStyle(document.querySelector(`#keys .${kind}`)).backgroundColor));
+      assert.notEqual(shades[0], shades[1], "black keys stay black");
     });
   },
 

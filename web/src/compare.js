@@ -7,6 +7,8 @@ import { linePlot } from "./plots.js";
 
 const kShown = 0.008; // seconds
 const kHeard = 1.5;
+const kBound = 0.05; // metres: no string swings so far
+const kPeak = 0.2; // of full scale: both play equally loud
 
 const byId = (id) => document.getElementById(id);
 
@@ -33,31 +35,36 @@ function verdict(samples, bound) {
   return { peak, bounded: true };
 }
 
-// As sound: without the slow parts below 60 Hz, for which speakers are not made, and never louder than 0.9.
-function audible(samples) {
-  const out = new Float32Array(samples.length);
+// As sound, up to where it leaves a bound: without the slow parts below 60 Hz, for which speakers are not made.
+function audible(samples, bound) {
+  const end = samples.findIndex((value) => !(Math.abs(value) < bound));
+  const out = new Float32Array(end < 0 ? samples : samples.slice(0, end));
   let slow = 0;
-  for (let i = 0; i < samples.length; ++i) {
-    const value = Number.isFinite(samples[i]) ? samples[i] * 400 : 1;
-    slow += 0.008 * (value - slow);
-    out[i] = Math.max(-0.9, Math.min(0.9, value - slow));
+  for (let i = 0; i < out.length; ++i) {
+    slow += 0.008 * (out[i] - slow);
+    out[i] -= slow;
   }
   return out;
 }
 
+const peakOf = (samples) => samples.reduce((peak, value) => Math.max(peak, Math.abs(value)), 0);
+
 export class Comparison {
-  /** reference: an engine whose material is felt_c4. play(samples) sounds. */
-  constructor(reference, sampleRate, play) {
-    Object.assign(this, { reference, sampleRate });
+  /** reference: an engine whose material is felt_c4. play(samples) sounds; change() after each new stiffness. */
+  constructor(reference, sampleRate, play, change) {
+    Object.assign(this, { reference, sampleRate, change });
     this.plot = linePlot(byId("comparison"), {
       x: "time [ms]",
       y: "displacement [mm]",
       lines: [{ label: "contact step", colour: "blue", width: 3 }, { label: "fd.hammer", colour: "orange", dash: [6, 3] }],
     });
-    this.stiffness = slider({ label: "stiffness ratio", min: 0.1, max: 1000, init: 1, isLogarithmic: true }, () => this.draw());
+    this.stiffness = slider({ label: "stiffness ratio", min: 0.1, max: 1000, init: 1, isLogarithmic: true }, () => {
+      this.draw();
+      change();
+    });
     byId("compare-controls").append(this.stiffness.box);
-    byId("play-ours").addEventListener("click", () => play(audible(this.ours(kHeard))));
-    byId("play-fd").addEventListener("click", () => play(audible(this.theirs(kHeard))));
+    byId("play-ours").addEventListener("click", () => play(this.levelled(this.ours(kHeard)).samples));
+    byId("play-fd").addEventListener("click", () => play(this.levelled(this.theirs(kHeard)).samples));
   }
 
   setStiffness(ratio) {
@@ -71,6 +78,13 @@ export class Comparison {
     this.draw();
   }
 
+  /** As sound with the peak kPeak; peak: before that [m]. */
+  levelled(displacement) {
+    const samples = audible(displacement, kBound);
+    const peak = peakOf(samples);
+    return { peak, samples: samples.map((value) => (value * kPeak) / Math.max(peak, 1e-30)) };
+  }
+
   ours(seconds) {
     return this.reference.strikeC4(this.stiffness.get(), Math.round(seconds * this.sampleRate));
   }
@@ -82,14 +96,15 @@ export class Comparison {
   draw() {
     const ours = this.ours(0.25);
     const theirs = this.theirs(0.25);
-    const bound = 0.05;
     const samples = Math.round(kShown * this.sampleRate);
-    const shown = (list) => Array.from(list.slice(0, samples), (value) => (Math.abs(value) < bound ? 1000 * value : null));
+    const shown = (list) => Array.from(list.slice(0, samples), (value) => (Math.abs(value) < kBound ? 1000 * value : null));
     this.plot.set([Array.from({ length: samples }, (_, i) => (1000 * i) / this.sampleRate), shown(ours), shown(theirs)]);
-    const us = verdict(ours, bound);
-    const them = verdict(theirs, bound);
+    const us = verdict(ours, kBound);
+    const them = verdict(theirs, kBound);
     const told = them.bounded ? `a peak of ${readable(1000 * them.peak)} mm` : "no bound: it has become unstable";
-    byId("compare-note").textContent = `Contact step: a peak of ${readable(1000 * us.peak)} mm. fd.hammer: ${told}.`;
+    const louder = 20 * Math.log10(this.levelled(theirs).peak / this.levelled(ours).peak);
+    const turned = louder > 1 ? ` To play as loud, it is turned down by ${louder.toFixed(0)} dB.` : "";
+    byId("compare-note").textContent = `Contact step: a peak of ${readable(1000 * us.peak)} mm. fd.hammer: ${told}.${turned}`;
     this.verdict = { ours: us, fd: them };
   }
 }

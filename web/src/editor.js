@@ -5,7 +5,7 @@ import { materialFields, materialText } from "./material.js";
 import { linePlot } from "./plots.js";
 
 const kSliders = {
-  stiffness: { label: "stiffness k", unit: "N/m^a", min: 1e2, max: 1e14, isLogarithmic: true },
+  force: { label: "force at 0.5 mm", unit: "N", min: 1e-3, max: 1e7, isLogarithmic: true },
   exponent: { label: "exponent a", min: 1, max: 5, step: 0.01 },
   loss: { label: "loss", unit: "s/m", min: 0, max: 2, step: 0.01 },
   segments: { label: "segments", min: 1, max: 128, step: 1 },
@@ -13,6 +13,8 @@ const kSliders = {
   slowest: { label: "slowest impact", unit: "m/s", min: 0.01, max: 2, isLogarithmic: true },
   fastest: { label: "fastest impact", unit: "m/s", min: 1, max: 20, isLogarithmic: true },
 };
+/** The compression [m] at which the force stays when the exponent changes. */
+const kHeldAt = 5e-4;
 const kKnots = { uniform: "uniform", graded: "graded", optimal: "optimal" };
 const kMinimise = { contact_duration: "contact duration", force: "force", spectrum: "spectrum" };
 
@@ -36,10 +38,10 @@ export class Editor {
     byId("material").addEventListener("change", ({ target }) => target.value && this.load({ name: target.value }));
     byId("use-text").addEventListener("click", () => this.load({ text: byId("text").value }));
     this.controls = Object.fromEntries(
-      Object.entries(kSliders).map(([key, shape]) => [key, slider({ ...shape, init: shape.min }, () => this.edited())]),
+      Object.entries(kSliders).map(([key, shape]) => [key, slider({ ...shape, init: shape.min }, () => this.edited(key))]),
     );
-    this.controls.knots = choice({ label: "knots", choices: kKnots, init: "uniform" }, () => this.edited());
-    this.controls.minimise = choice({ label: "optimal knots minimise the error of", choices: kMinimise, init: "spectrum" }, () => this.edited());
+    this.controls.knots = choice({ label: "knots", choices: kKnots, init: "uniform" }, () => this.edited("knots"));
+    this.controls.minimise = choice({ label: "optimal knots minimise the error of", choices: kMinimise, init: "spectrum" }, () => this.edited("minimise"));
     byId("fields").append(...Object.values(this.controls).map(({ box }) => box));
     this.curve = linePlot(byId("curve"), {
       x: "compression [mm]",
@@ -49,49 +51,60 @@ export class Editor {
     this.error = linePlot(byId("error"), { x: "compression [mm]", y: "error [%]", lines: [{ label: "spline less law", colour: "blue" }] });
   }
 
-  /** Shows a material: { name } of one that ships, or { text } of a file. */
+  /** Shows a material: { name } of one that ships, or { text } of a file. Returns what is wrong with it, or null. */
   load(material) {
-    const text = material.text ?? this.shipped[material.name];
-    if (text === undefined) return this.load({ name: "felt_c4" });
-    this.name = material.text === undefined ? material.name : null;
-    byId("material").value = this.name ?? "";
-    byId("text").value = text;
-    this.fields = materialFields(text);
-    byId("fields").hidden = this.fields === null;
-    if (this.fields) for (const [key, control] of Object.entries(this.controls)) control.set(this.fields[key]);
-    this.design();
+    const name = material.text === undefined ? String(material.name) : null;
+    if (name !== null && !Object.hasOwn(this.shipped, name)) return `no material ${name} ships`;
+    byId("material").value = name ?? "";
+    byId("text").value = name === null ? material.text : this.shipped[name];
+    const error = this.design(name);
+    if (error === null) this.showFields();
+    return error;
   }
 
-  // A field moved: the material is the user's own from now on.
-  edited() {
-    for (const [key, control] of Object.entries(this.controls)) this.fields[key] = control.get();
-    if (this.name) this.fields.name = `my_${this.name}`.replace(/^my_my_/, "my_");
-    this.name = null;
+  showFields() {
+    this.fields = materialFields(byId("text").value);
+    byId("fields").hidden = this.fields === null;
+    if (!this.fields) return;
+    const force = this.fields.stiffness * kHeldAt ** this.fields.exponent;
+    for (const [key, control] of Object.entries(this.controls)) control.set(key === "force" ? force : this.fields[key]);
+  }
+
+  // A field moved: the material is the user's own from now on. Another exponent keeps the force at kHeldAt.
+  edited(moved) {
+    for (const [key, control] of Object.entries(this.controls)) if (key !== "force") this.fields[key] = control.get();
+    if (moved === "force" || moved === "exponent")
+      this.fields.stiffness = Number((this.controls.force.get() / kHeldAt ** this.fields.exponent).toPrecision(6));
+    if (this.source.name) this.fields.name = `my_${this.source.name}`.replace(/^my_my_/, "my_");
     byId("material").value = "";
     byId("text").value = materialText(this.fields);
     cancelAnimationFrame(this.pending);
-    this.pending = requestAnimationFrame(() => this.design());
+    this.pending = requestAnimationFrame(() => this.design(null));
   }
 
-  /** What a link says of the material. */
+  /** What a link says of the material that plays. */
   state() {
-    return this.name ? { name: this.name } : { text: byId("text").value };
+    return this.source;
   }
 
-  design() {
+  // Designs the text; name: of a material that ships. Returns what is wrong with it, or null.
+  design(name) {
     const note = byId("design-note");
     const text = byId("text").value;
     try {
       const began = performance.now();
-      const design = this.generator.design(text, `${this.name ?? this.fields?.name ?? "material"}.json`);
+      const design = this.generator.design(text, `${name ?? "material"}.json`);
       this.showDesign(design, performance.now() - began);
       this.offer(design, text);
       note.className = "";
+      this.source = name === null ? { text } : { name };
       this.current = design;
       this.change(design);
+      return null;
     } catch (error) {
       note.className = "error";
       note.textContent = error.message;
+      return error.message;
     }
   }
 

@@ -3,15 +3,15 @@
 
 const kComputerKeys = "awsedftgyhujkolp";
 const kBlack = new Set([1, 3, 6, 8, 10]);
+const kNames = ["C", "C♯", "D", "E♭", "E", "F", "F♯", "G", "A♭", "A", "B♭", "B"];
+
 /** The name of a key, as C4. */
 export const keyName = (key) => `${kNames[key % 12]}${Math.floor(key / 12) - 1}`;
 
-const kNames = ["C", "C♯", "D", "E♭", "E", "F", "F♯", "G", "A♭", "A", "B♭", "B"];
-
 export class Keys {
-  /** strike(key, velocity 0 to 1) and release(key); pedal(down). */
-  constructor(element, { strike, release, pedal }) {
-    Object.assign(this, { element, strike, release, pedal, first: 60, held: new Map() });
+  /** strike(key, velocity 0 to 1, or null where it has none), release(key), pedal(down); moved() after an octave. */
+  constructor(element, { strike, release, pedal, moved }) {
+    Object.assign(this, { element, strike, release, pedal, moved, first: 60, focused: 60, held: new Map() });
     this.build();
     new ResizeObserver(() => this.build()).observe(element);
     this.listenToPointers();
@@ -23,7 +23,13 @@ export class Keys {
   }
 
   shift(octaves) {
-    this.first = Math.max(24, Math.min(96, this.first + 12 * octaves));
+    this.goTo(this.first + 12 * octaves);
+    this.moved();
+  }
+
+  /** Shows the octave that begins with this C. */
+  goTo(first) {
+    this.first = Math.max(24, Math.min(96, first));
     this.built = null;
     this.build();
   }
@@ -33,16 +39,18 @@ export class Keys {
     if (this.built === octaves) return;
     this.built = octaves;
     const begin = Math.max(24, Math.min(this.first - (octaves > 1 ? 12 : 0), 108 - 12 * octaves));
+    const end = begin + 12 * octaves;
+    if (this.focused < begin || this.focused > end) this.focused = Math.min(this.first, end);
     const white = 7 * octaves + 1;
     let place = 0;
     this.element.replaceChildren();
-    for (let key = begin; key <= begin + 12 * octaves; ++key) {
+    for (let key = begin; key <= end; ++key) {
       const button = document.createElement("button");
       const isBlack = kBlack.has(key % 12);
       button.dataset.key = key;
       button.className = isBlack ? "black" : "white";
       button.setAttribute("aria-label", keyName(key));
-      button.tabIndex = key === this.first ? 0 : -1;
+      button.tabIndex = key === this.focused ? 0 : -1;
       const size = 100 / white;
       button.style.width = `${isBlack ? size * 0.62 : size}%`;
       button.style.left = `${isBlack ? place * size - size * 0.31 : place * size}%`;
@@ -105,20 +113,32 @@ export class Keys {
       }
     });
     element.addEventListener("keyup", () => this.lift("focus"));
+    element.addEventListener("focusin", ({ target }) => this.stay(target));
   }
 
+  // Tab comes back to the key that had the focus.
+  stay(button) {
+    this.element.querySelector("[tabindex='0']").tabIndex = -1;
+    button.tabIndex = 0;
+    this.focused = Number(button.dataset.key);
+  }
+
+  // Everywhere but in text: a menu that has the focus must not take the letter for a search.
   listenToComputerKeys() {
+    const indexOf = ({ key }) => (key.length === 1 ? kComputerKeys.indexOf(key.toLowerCase()) : -1);
     addEventListener("keydown", (event) => {
-      if (event.repeat || event.ctrlKey || event.metaKey || event.altKey) return;
-      if (event.target.closest("textarea, select, input:not([type=range])")) return;
-      const index = kComputerKeys.indexOf(event.key.toLowerCase());
-      if (event.key.length === 1 && index >= 0) this.press(this.first + index, null, `computer ${index}`);
-      if (event.key === "z") this.shift(-1);
-      if (event.key === "x") this.shift(1);
+      if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest?.("textarea")) return;
+      const index = indexOf(event);
+      const octaves = { z: -1, x: 1 }[event.key.toLowerCase()];
+      if (index < 0 && octaves === undefined) return;
+      event.preventDefault();
+      if (event.repeat) return;
+      if (octaves) this.shift(octaves);
+      else this.press(this.first + index, null, `computer ${index}`);
     });
     addEventListener("keyup", (event) => {
-      const index = kComputerKeys.indexOf(event.key.toLowerCase());
-      if (event.key.length === 1 && index >= 0) this.lift(`computer ${index}`);
+      const index = indexOf(event);
+      if (index >= 0) this.lift(`computer ${index}`);
     });
     addEventListener("blur", () => [...this.held.keys()].forEach((by) => this.lift(by)));
   }

@@ -19,6 +19,9 @@ import { Tour } from "./tour.js";
 
 const kStudyFrames = 530; // 12 ms
 const kStudyKey = 60;
+const kStrikeHold = 1500; // milliseconds that the button holds a key
+const kSettled = 250; // milliseconds after the last change
+const kMaxPast = 100;
 const [kFirstKey, kLastKey] = [21, 108]; // of the piano, whose strings the keyboard has
 
 const byId = (id) => document.getElementById(id);
@@ -28,6 +31,9 @@ class Page {
   constructor() {
     this.instrument = "keyboard";
     this.controls = new Map();
+    this.releases = new Map();
+    this.past = [];
+    this.turn = 0;
     this.figures = new Figures();
     this.audio = new Audio((report) => this.figures.report(report));
     this.stage = new Stage(byId("stage"), { play: byId("stage-play"), time: byId("stage-time"), speed: byId("stage-speed") });
@@ -35,6 +41,7 @@ class Page {
       strike: (key, velocity) => this.strike(key, velocity),
       release: (key) => this.audio.send({ do: "release", key }),
       pedal: (down) => this.setPedal(down),
+      moved: () => this.changed(),
     });
     this.connectButtons();
   }
@@ -44,13 +51,21 @@ class Page {
     fillSelect(byId("preset"), { "": "choose …", ...Object.fromEntries(Object.keys(kPresets).map((title) => [title, title])) });
     byId("instrument").addEventListener("change", ({ target }) => this.play(target.value, {}));
     byId("preset").addEventListener("change", ({ target }) => target.value && this.show(kPresets[target.value]));
+    byId("undo").addEventListener("click", () => this.undo());
+    byId("midi-connect").addEventListener("click", async () => (byId("midi").textContent = await this.keys.listenToMidi()));
     byId("octave-down").addEventListener("click", () => this.keys.shift(-1));
     byId("octave-up").addEventListener("click", () => this.keys.shift(1));
     byId("pedal").addEventListener("change", ({ target }) => this.setPedal(target.checked));
     byId("strike").addEventListener("click", () => this.strikeOnce());
     byId("share").addEventListener("click", () => this.copyLink());
-    byId("theme").addEventListener("click", () => this.setTheme(document.documentElement.dataset.theme !== "dark"));
+    byId("theme").addEventListener("click", () => this.chooseTheme(document.documentElement.dataset.theme === "dark" ? "light" : "dark"));
     this.setTheme(matchMedia("(prefers-color-scheme: dark)").matches);
+  }
+
+  chooseTheme(theme) {
+    this.theme = theme;
+    this.setTheme(theme === "dark");
+    this.changed();
   }
 
   setTheme(isDark) {
@@ -68,46 +83,78 @@ class Page {
     this.editor = new Editor(startGenerator(generator), (design) => this.useDesign(design));
     this.editor.load({ name: "felt_c4" });
     this.reference.useMaterial(this.editor.current);
-    await this.show(stateOf(location.hash));
-    this.comparison = new Comparison(this.reference, kSampleRate, (samples) => this.audio.play(samples));
-    await this.comparison.load();
+    this.comparison = new Comparison(this.reference, kSampleRate, (samples) => this.audio.play(samples), () => this.changed());
     this.tour = new Tour({
       show: (state) => this.show(state),
       strike: () => this.strikeOnce(),
       compare: (ratio) => this.comparison.setStiffness(ratio),
+      change: () => this.changed(),
     });
+    await this.comparison.load(); // a link may set its stiffness
+    await this.show(stateOf(location.hash));
+    this.address = addressOf(this.state());
     addEventListener("hashchange", () => this.show(stateOf(location.hash)));
   }
 
-  /** Sets the page to a state: { instrument, material, controls }. */
-  async show({ instrument, material, controls }) {
-    if (material) this.editor.load(material);
-    await this.play(kInstruments[instrument] ? instrument : "keyboard", controls);
+  /** Sets the page to a state (state.js). What is no state is left out, and one line says so. */
+  async show({ instrument, material, controls, octave, key, compare, step, theme, leftOut = [] }) {
+    const without = [...leftOut];
+    const kept = this.editor.state();
+    const error = material ? this.editor.load(material) : null;
+    if (error !== null) {
+      without.push(`material: ${error}`);
+      this.editor.load(kept);
+    }
+    const isKnown = Object.hasOwn(kInstruments, instrument ?? "keyboard");
+    if (!isKnown) without.push(`instrument ${instrument}`);
+    const unknown = await this.play(isKnown ? (instrument ?? "keyboard") : this.instrument, controls);
+    without.push(...unknown.map((label) => `control ${label}`));
+    if (octave !== undefined) this.keys.goTo(12 * (octave + 1));
+    if (key !== undefined) this.lastKey = key;
+    if (compare !== undefined) this.comparison.setStiffness(compare);
+    if (theme !== undefined) this.chooseTheme(theme);
+    if (step !== undefined) await this.tour.go(step - 1, true);
+    this.notice(without);
   }
 
-  /** Changes the instrument; controls: { label: value } of those that differ from the initial ones. */
-  async play(name, values) {
+  // One line, however much was left out.
+  notice(without) {
+    const text = `Left out of the link: ${without.join("; ")}`;
+    byId("notice").textContent = text.length > 200 ? `${text.slice(0, 199)}…` : text;
+    byId("notice").hidden = without.length === 0;
+  }
+
+  /** Changes the instrument; controls: { label: value } of those that differ from the initial ones. Returns the labels
+   * that it lacks. */
+  async play(name, values = {}) {
+    const turn = ++this.turn;
+    const [message, description] = await Promise.all([instrumentMessage(name), name === "keyboard" ? null : jsonAsset(`${name}-json`)]);
+    if (turn !== this.turn) return []; // another one was chosen meanwhile
     this.instrument = name;
     byId("instrument").value = name;
+    this.setPedal(false);
     const isKeyboard = name === "keyboard";
     const shapes = isKeyboard
       ? kKeyboardControls
-      : controlsOf(await jsonAsset(`${name}-json`)).filter(({ type, label }) => type === "hslider" && !["freq", "gain", "sustain pedal"].includes(label));
+      : controlsOf(description).filter(({ type, label }) => type === "hslider" && !["freq", "gain", "sustain pedal"].includes(label));
     this.controls = new Map(shapes.map((shape) => [shape.label, slider(shape, () => this.controlMoved(shape.label))]));
     byId("controls").replaceChildren(...[...this.controls.values()].map(({ box }) => box));
-    this.audio.send(await instrumentMessage(name));
-    for (const [label, value] of Object.entries(values ?? {})) this.controls.get(label)?.set(value);
+    this.audio.send(message);
+    for (const [label, value] of Object.entries(values)) this.controls.get(label)?.set(value);
     for (const label of this.controls.keys()) this.sendControl(label);
     byId("stage-figure").hidden = !["keyboard", "mass_barrier"].includes(name);
     const { button } = kInstruments[name];
     byId("strike").textContent = button ? button[0].toUpperCase() + button.slice(1) : "Strike";
-    for (const id of ["keys", "octave-down", "octave-up"]) byId(id).hidden = button !== undefined;
+    for (const id of ["keys", "octave-down", "octave-up", "keys-note", "midi-connect", "pedal-box"]) byId(id).hidden = button !== undefined;
     this.figures.reset(isKeyboard);
     this.study(kStudyKey);
+    this.changed();
+    return Object.keys(values).filter((label) => !this.controls.has(label));
   }
 
   controlMoved(label) {
     this.sendControl(label);
+    this.changed();
     clearTimeout(this.studying);
     this.studying = setTimeout(() => this.study(this.lastKey ?? kStudyKey), 60);
   }
@@ -135,6 +182,7 @@ class Page {
       return;
     }
     this.audio.send({ do: "material", design: { table, mass_kg, loss_s_per_m } });
+    this.changed();
     if (this.instrument === "keyboard" && this.controls.size > 0) this.controlMoved("speed");
   }
 
@@ -160,11 +208,13 @@ class Page {
 
   async strike(key, velocity) {
     if (key < kFirstKey || key > kLastKey) return;
-    await this.startSound();
+    clearTimeout(this.releases.get(key)); // of the note before
+    await this.audio.start();
     // A soft key of MIDI strikes at a tenth of the speed of the slider, the hardest at its double.
     const speed = this.value("speed") * (velocity === null ? 1 : 0.1 * 20 ** velocity);
     this.audio.send({ do: "strike", key, velocity: velocity ?? 0.7, speed });
     this.lastKey = key;
+    this.changed();
     this.figures.struck();
     if (this.instrument === "keyboard" || this.instrument === "mass_barrier") setTimeout(() => this.study(key), 0);
   }
@@ -172,13 +222,7 @@ class Page {
   strikeOnce() {
     const key = this.lastKey ?? kStudyKey;
     this.strike(key, null);
-    setTimeout(() => this.audio.send({ do: "release", key }), 1500);
-  }
-
-  async startSound() {
-    const first = !this.audio.starting;
-    await this.audio.start();
-    if (first) byId("midi").textContent = await this.keys.listenToMidi();
+    this.releases.set(key, setTimeout(() => this.audio.send({ do: "release", key }), kStrikeHold));
   }
 
   setPedal(down) {
@@ -186,16 +230,59 @@ class Page {
     this.audio.send({ do: "pedal", down });
   }
 
-  /** The state in a link: what differs from the initial controls. */
-  state() {
+  /** What sounds, as presets have it: of the controls those that differ from the initial ones. */
+  sound() {
     const controls = {};
     for (const [label, control] of this.controls) if (control.get() !== control.init) controls[label] = control.get();
     return { instrument: this.instrument, material: this.editor.state(), controls };
   }
 
-  async copyLink() {
+  /** The state in a link. */
+  state() {
+    const state = { ...this.sound(), octave: this.keys.first / 12 - 1, compare: this.comparison.stiffness.get() };
+    if (this.lastKey !== undefined) state.key = this.lastKey;
+    if (this.tour.isOpen()) state.step = this.tour.step + 1;
+    if (this.theme) state.theme = this.theme;
+    return state;
+  }
+
+  /** Call after every change: when it has settled, the address and the menu of presets follow, and Undo can take it back. */
+  changed() {
+    clearTimeout(this.settling);
+    this.settling = setTimeout(() => this.settle(), kSettled);
+  }
+
+  settle() {
+    clearTimeout(this.settling);
+    if (this.address === undefined) return; // not loaded yet
+    const sound = addressOf(this.sound());
+    const preset = Object.entries(kPresets).find(([, state]) => addressOf(state) === sound);
+    byId("preset").value = preset ? preset[0] : "";
     const address = addressOf(this.state());
+    if (address === this.address) return;
+    this.past = [...this.past, this.address].slice(-kMaxPast);
+    this.goTo(address);
+  }
+
+  goTo(address) {
+    this.address = address;
     history.replaceState(null, "", address);
+    byId("undo").disabled = this.past.length === 0;
+  }
+
+  async undo() {
+    this.settle();
+    const address = this.past.pop();
+    if (address === undefined) return;
+    const state = stateOf(address);
+    if (state.step === undefined && this.tour.isOpen()) this.tour.end();
+    await this.show(state);
+    this.goTo(addressOf(this.state()));
+  }
+
+  async copyLink() {
+    this.settle();
+    history.replaceState(null, "", this.address);
     try {
       await navigator.clipboard.writeText(location.href);
       byId("share").textContent = "Link copied";
@@ -217,7 +304,7 @@ class Page {
 
 const page = new Page();
 // For tests, and for the curious at the console.
-globalThis.contactSpline = { page, presets: kPresets, renderOffline, instrumentMessage, loaded: page.load().then(() => page.run()) };
+globalThis.contactSpline = { page, presets: kPresets, renderOffline, instrumentMessage, stateOf, loaded: page.load().then(() => page.run()) };
 contactSpline.loaded.catch((error) => {
   byId("stage-caption").textContent = `This browser cannot play the page: ${error.message}`;
 });

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The material that the editor shows, and its file.
 
-/** The fields of a material with a power law, as the editor holds them; SI units. */
-export const kMaterialFields = ["name", "stiffness", "exponent", "loss", "mass", "slowest", "fastest", "segments", "knots", "minimise"];
-
 /** The text of the material file. */
 export function materialText(m) {
   const contact = { stiffness_n_per_m_alpha: m.stiffness, exponent: m.exponent };
@@ -22,10 +19,18 @@ export function materialText(m) {
 
 /** The fields of a material file's text, or null if its contact is not one power law, which the editor cannot show. */
 export function materialFields(text) {
-  const material = JSON.parse(text.replace(/^\s*\/\/.*$/gm, ""));
-  const { contact, impact, spline } = material;
-  if (contact.stiffness_n_per_m_alpha === undefined || !impact || spline.segments === undefined || material.live_exponent)
+  let material;
+  try {
+    material = JSON.parse(text.replace(/^\s*\/\/.*$/gm, ""));
+  } catch {
     return null;
+  }
+  const { contact, impact, spline } = material ?? {};
+  const needed = [
+    contact?.stiffness_n_per_m_alpha, contact?.exponent, impact?.mass_kg, impact?.min_speed_m_per_s, impact?.max_speed_m_per_s,
+    spline?.segments,
+  ];
+  if (!needed.every(Number.isFinite) || material.live_exponent) return null;
   return {
     name: material.name,
     stiffness: contact.stiffness_n_per_m_alpha,

@@ -17,6 +17,7 @@ export class Stage {
       this.at = Number(time.value) * this.length();
       this.draw();
     });
+    new ResizeObserver(() => this.draw()).observe(canvas);
   }
 
   /** Shows a study from its beginning. kind: "string" or "barrier"; position: of the hammer, part of the length. */
@@ -26,7 +27,17 @@ export class Stage {
     const inView = study.place.filter((place) => place > -2e-3);
     this.scale = 1 / Math.max(largest(shapes), Math.min(2e-3, largest(inView)));
     Object.assign(this, { study, kind, position, at: 0 });
-    this.setPlaying(true);
+    if (matchMedia("(prefers-reduced-motion: reduce)").matches) this.rest();
+    else this.setPlaying(true);
+  }
+
+  // Where the force is largest, without motion.
+  rest() {
+    const { force, sampleRate } = this.study;
+    this.at = force.indexOf(force.reduce((max, value) => Math.max(max, value), 0)) / sampleRate;
+    this.time.value = this.at / this.length();
+    this.setPlaying(false);
+    this.draw();
   }
 
   setPlaying(isPlaying) {

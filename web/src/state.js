@@ -1,20 +1,35 @@
 // SPDX-License-Identifier: MIT
-// The state of the page in its address: instrument, material and controls.
+// The state of the page in its address: instrument, material, controls, keys, comparison, tour and theme.
 
-/** The address part of a state { instrument, material: a name that ships or the text of a file, controls: { label: value } }. */
-export function addressOf({ instrument, material, controls }) {
+/** The numbers of a state beside its controls, with what they may be. */
+const kNumbers = { octave: [1, 8], key: [0, 127], compare: [0.1, 1000], step: [1, 6] };
+const kThemes = ["light", "dark"];
+
+/** The address part of a state { instrument, material: a name that ships or the text of a file, controls: { label: value },
+ * octave, key, compare, step, theme }. */
+export function addressOf({ instrument, material, controls, ...rest }) {
   const part = new URLSearchParams({ instrument });
   if (material.name) part.set("material", material.name);
   else part.set("text", material.text);
-  for (const [label, value] of Object.entries(controls)) part.set(`.${label}`, String(value));
+  for (const [label, value] of Object.entries(controls).sort()) part.set(`.${label}`, String(value));
+  for (const [name, value] of Object.entries(rest)) part.set(name, String(value));
   return `#${part}`;
 }
 
-/** The state of an address part; nothing for what it does not say. */
+/** The state of an address part, nothing for what it does not say; leftOut: what of it is no state, each in words. */
 export function stateOf(hash) {
   const part = new URLSearchParams(hash.replace(/^#/, ""));
-  const controls = {};
-  for (const [key, value] of part) if (key.startsWith(".") && Number.isFinite(Number(value))) controls[key.slice(1)] = Number(value);
-  const material = part.has("text") ? { text: part.get("text") } : part.has("material") ? { name: part.get("material") } : null;
-  return { instrument: part.get("instrument"), material, controls };
+  const state = { instrument: part.get("instrument"), material: null, controls: {}, leftOut: [] };
+  if (part.has("text")) state.material = { text: part.get("text") };
+  else if (part.has("material")) state.material = { name: part.get("material") };
+  for (const [name, value] of part) {
+    if (["instrument", "material", "text"].includes(name)) continue;
+    const number = value.trim() === "" ? NaN : Number(value);
+    const [low, high] = Object.hasOwn(kNumbers, name) ? kNumbers[name] : [NaN, NaN];
+    if (name.startsWith(".") && Number.isFinite(number)) state.controls[name.slice(1)] = number;
+    else if (number >= low && number <= high) state[name] = number;
+    else if (name === "theme" && kThemes.includes(value)) state.theme = value;
+    else state.leftOut.push(`${name} ${value}`);
+  }
+  return state;
 }

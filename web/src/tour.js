@@ -51,16 +51,23 @@ const kSteps = [
 const byId = (id) => document.getElementById(id);
 
 export class Tour {
-  /** show(state) sets the page; strike() strikes if sound may play; compare(ratio) sets the stiffness of the comparison. */
-  constructor({ show, strike, compare }) {
-    Object.assign(this, { show, strike, compare, step: 0 });
+  /** show(state) sets the page; strike() strikes if sound may play; compare(ratio) sets the stiffness of the comparison;
+   * change() after each step. */
+  constructor({ show, strike, compare, change }) {
+    Object.assign(this, { show, strike, compare, change, step: 0 });
     byId("tour-start").addEventListener("click", () => this.go(0));
     byId("tour-next").addEventListener("click", () => this.go(this.step + 1));
     byId("tour-back").addEventListener("click", () => this.go(this.step - 1));
     byId("tour-end").addEventListener("click", () => this.end());
+    addEventListener("keydown", ({ key }) => key === "Escape" && this.isOpen() && this.end());
   }
 
-  async go(step) {
+  isOpen() {
+    return !byId("tour").hidden;
+  }
+
+  /** Shows a step with its state of the page; `restored`: the page has its state from a link already. */
+  async go(step, restored = false) {
     if (step >= kSteps.length) return this.end();
     this.step = Math.max(0, step);
     const { title, text, look, state, strike, compare } = kSteps[this.step];
@@ -69,10 +76,11 @@ export class Tour {
     byId("tour-text").textContent = text;
     byId("tour-back").disabled = this.step === 0;
     byId("tour-next").textContent = this.step === kSteps.length - 1 ? "End" : "Next";
-    if (state) await this.show(state);
-    if (compare) this.compare(compare);
+    if (state && !restored) await this.show(state);
+    if (compare && !restored) this.compare(compare);
     this.highlight(byId(look));
-    if (strike) this.strike();
+    if (strike && !restored) this.strike();
+    this.change();
   }
 
   highlight(element) {
@@ -87,5 +95,6 @@ export class Tour {
     byId("tour").hidden = true;
     this.highlight(null);
     byId("tour-start").focus();
+    this.change();
   }
 }
