@@ -27,6 +27,9 @@ if(CONTACTSPLINE_BUILD_THREADS)
   install(TARGETS contactspline_threads EXPORT ContactSplineThreadsTargets)
   install(EXPORT ContactSplineThreadsTargets NAMESPACE ContactSpline:: DESTINATION ${contactspline_cmake_dir})
 endif()
+if(CONTACTSPLINE_BUILD_C)
+  install(EXPORT ContactSplineCTargets NAMESPACE ContactSpline:: DESTINATION ${contactspline_cmake_dir})
+endif()
 configure_package_config_file(cmake/ContactSplineConfig.cmake.in ContactSplineConfig.cmake
   INSTALL_DESTINATION ${contactspline_cmake_dir}
   PATH_VARS contactspline_data_dir)
@@ -45,3 +48,7 @@ cmake_path(RELATIVE_PATH contactspline_pkgconfig_to_prefix
            BASE_DIRECTORY ${CMAKE_INSTALL_PREFIX}/${contactspline_pkgconfig_dir})
 configure_file(cmake/contactspline.pc.in contactspline.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/contactspline.pc DESTINATION ${contactspline_pkgconfig_dir})
+if(CONTACTSPLINE_BUILD_C)
+  configure_file(cmake/contactspline-c.pc.in contactspline-c.pc @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/contactspline-c.pc DESTINATION ${contactspline_pkgconfig_dir})
+endif()

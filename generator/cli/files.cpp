@@ -13,7 +13,6 @@
 #include <cstdio>
 #include <cstring>
 #include <fstream>
-#include <iterator>
 #include <memory>
 #include <set>
 #include <system_error>
@@ -27,7 +26,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uintmax_t kMaxInputBytes = 1 << 20;
 constexpr std::size_t kBlock = 1 << 16;
 constexpr std::size_t kMarkedBytes = 1 << 16;  // at the beginning and at the end of a file
 
@@ -36,10 +34,6 @@ constexpr std::array<std::string_view, 2> kMarks = {"Written by contactspline ",
 
 [[noreturn]] void fail(const fs::path& path, std::string_view what) {
   throw BadInput(fmt::format("{}: file: {}", path.string(), what));
-}
-
-[[noreturn]] void fail_to_read(const fs::path& path, std::string_view what) {
-  fail(path, fmt::format("{}; allowed: a file of at most 1 MiB that can be read", what));
 }
 
 [[noreturn]] void fail_with_errno(const fs::path& path) {
@@ -183,20 +177,6 @@ fs::path normal_form(const fs::path& path) {
 }
 
 }  // namespace
-
-std::string read_input(const fs::path& path) {
-  std::error_code error;
-  if (!fs::exists(path, error)) fail_to_read(path, error ? error.message() : "does not exist");
-  if (!fs::is_regular_file(path, error)) fail_to_read(path, "is not a regular file");
-  if (fs::file_size(path, error) > kMaxInputBytes || error) fail_to_read(path, "is larger than 1 MiB");
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) fail_to_read(path, std::strerror(errno));
-  try {
-    return {std::istreambuf_iterator<char>(stream), {}};
-  } catch (const std::ios_base::failure& failure) {
-    fail_to_read(path, failure.code().message());
-  }
-}
 
 void require_distinct(std::span<const fs::path> outputs, std::span<const fs::path> inputs) {
   std::set<fs::path> taken;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Reading input files and writing output files. A file is written completely or not at all, and only if it changes.
+// Writing output files. A file is written completely or not at all, and only if it changes.
 // No file of somebody else is replaced: every file that the program writes bears its mark.
 #pragma once
 
@@ -15,10 +15,6 @@ struct OutputFile {
   std::filesystem::path path;
   std::string bytes;
 };
-
-/// The content of a regular file. Throws BadInput, with the path in its message, if the file cannot be read or is
-/// larger than 1 MiB.
-[[nodiscard]] std::string read_input(const std::filesystem::path& path);
 
 /// The mark of this program and its version. Every file that it writes has it in its first or last 64 KiB, for
 /// instance as a comment; emitted JSON has it as "written_by".

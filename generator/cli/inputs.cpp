@@ -8,7 +8,6 @@
 #include <cstdio>
 #include <utility>
 
-#include "generator/cli/files.hpp"
 #include "generator/cli/waiting_line.hpp"
 #include "generator/emit/emit_instrument.hpp"
 #include "generator/emit/emit_instrument_faust.hpp"
@@ -23,6 +22,7 @@
 #include "generator/support/embedded_files.hpp"
 #include "generator/support/error.hpp"
 #include "generator/support/file_kind.hpp"
+#include "generator/support/input_file.hpp"
 
 namespace contactspline {
 namespace {

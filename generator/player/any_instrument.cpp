@@ -32,9 +32,11 @@ template <std::floating_point T>
 std::unique_ptr<AnyInstrument<T>> instrument_of(Model model, const Voice& voice, double sample_rate_hz) {
   switch (model) {
     case Model::kHammerString:
-      return std::make_unique<InstrumentBehind<HammerStringInstrument<T>>>(hammer_string_parts(voice, sample_rate_hz));
+      return std::make_unique<InstrumentBehind<HammerStringInstrument<T>>>(
+          hammer_string_parts(voice, sample_rate_hz));
     case Model::kSlideString:
-      return std::make_unique<InstrumentBehind<SlideStringInstrument<T>>>(plucked_string_parts(voice, sample_rate_hz));
+      return std::make_unique<InstrumentBehind<SlideStringInstrument<T>>>(
+          plucked_string_parts(voice, sample_rate_hz));
     case Model::kFretString:
       return std::make_unique<InstrumentBehind<FretStringInstrument<T>>>(plucked_string_parts(voice, sample_rate_hz));
     case Model::kFile: {

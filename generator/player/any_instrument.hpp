@@ -74,7 +74,11 @@ class InstrumentBehind final : public AnyInstrument<typename I::value_type> {
   void reset() override { instrument_.reset(); }
   [[nodiscard]] bool is_silent(double limit_j) const override { return instrument_.is_silent(limit_j); }
   [[nodiscard]] double energy() const override { return instrument_.energy(); }
-  [[nodiscard]] bool sleeps() const override { return requires { I::kSleeps; }; }
+  [[nodiscard]] bool sleeps() const override {
+    return requires {
+      I::kSleeps;
+    };
+  }
 
   [[nodiscard]] I& instrument() { return instrument_; }
 

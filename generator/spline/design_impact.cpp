@@ -35,9 +35,10 @@ BarrierImpact simulated_impact(const Design& design, double mass_kg, double spee
   constexpr double kMaxSamples = 1e8;
   const double samples = spline_impact(design, mass_kg, speed_m_per_s).contact_duration_s * sample_rate_hz;
   if (!(samples <= kMaxSamples))
-    refuse(argument, "--rate",
-           fmt::format("at {} m/s and {} Hz the contact lasts {:.3g} samples", speed_m_per_s, sample_rate_hz, samples),
-           fmt::format("at most {:g}", kMaxSamples));
+    refuse(
+        argument, "--rate",
+        fmt::format("at {} m/s and {} Hz the contact lasts {:.3g} samples", speed_m_per_s, sample_rate_hz, samples),
+        fmt::format("at most {:g}", kMaxSamples));
   const SimulatedImpact found = simulate_impact(segment_table(design.spline), mass_kg, speed_m_per_s, sample_rate_hz,
                                                 0.5, design.material.loss_s_per_m);
   return {found.max_compression_m, found.contact_duration_s, found.exit_speed_m_per_s, found.max_force_n};

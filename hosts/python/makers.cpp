@@ -1,25 +1,18 @@
 // SPDX-License-Identifier: MIT
 #include "hosts/python/makers.hpp"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <array>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <utility>
 
-#include "contactspline/instrument/keyboard_instrument.hpp"
 #include "contactspline/instrument/mass_barrier_instrument.hpp"
-#include "contactspline/keyboards/piano.hpp"
-#include "generator/cli/files.hpp"
 #include "generator/cli/inputs.hpp"
-#include "generator/instrument/instrument_reader.hpp"
 #include "generator/player/score_reader.hpp"
-#include "generator/support/embedded_files.hpp"
 #include "generator/support/error.hpp"
+#include "generator/support/input_file.hpp"
+#include "hosts/named_instruments.hpp"
 
 namespace contactspline::python {
 namespace {
@@ -33,20 +26,6 @@ std::string identifier_of(Model model) {
   std::string name(name_of(model));
   std::ranges::replace(name, '-', '_');
   return name;
-}
-
-template <typename Make>
-Maker maker(const Make& make) {
-  return {[make](double rate) { return make(float(), rate); }, [make](double rate) { return make(double(), rate); }};
-}
-
-Maker voice_maker(Model model, Voice voice) {
-  return maker([=](auto precision, double rate) {
-    using T = decltype(precision);
-    auto instrument = instrument_of<T>(model, voice, rate);
-    for (std::size_t i = 0; i < voice.initial.size(); ++i) instrument->set(i, voice.initial[i]);
-    return instrument;
-  });
 }
 
 // Objects that stand for files: a score names them by paths that no file system has.
@@ -68,7 +47,7 @@ class Objects {
 };
 
 // A voice of a score: its reader knows the keys, their units and ranges.
-Maker model_maker(Model model, Json parts) {
+InstrumentMaker model_maker(Model model, Json parts) {
   Objects objects;
   objects.replace(parts, "resonator");
   objects.replace(parts, "material");
@@ -86,12 +65,12 @@ Maker model_maker(Model model, Json parts) {
                       {"duration_s", 1},
                       {"voices", Json::array({std::move(parts)})},
                       {"events", Json::array({std::move(first)})}};
-  Score read = parse_score(score.dump(), identifier_of(model),
-                           [&](const std::string& path) { return objects.read(path); });
-  return voice_maker(model, std::move(read.voices.front()));
+  Score read =
+      parse_score(score.dump(), identifier_of(model), [&](const std::string& path) { return objects.read(path); });
+  return maker_of_voice(model, std::move(read.voices.front()));
 }
 
-Maker mass_barrier_maker(const Json& parts) {
+InstrumentMaker mass_barrier_maker(const Json& parts) {
   for (const auto& [key, value] : parts.items())
     if (key != "material") refuse("mass_barrier", key, "is unknown", "material");
   if (!parts.contains("material")) refuse("mass_barrier", "material", "missing", "a name, a path or an object");
@@ -102,44 +81,23 @@ Maker mass_barrier_maker(const Json& parts) {
   const MassBarrierParts made{segment_table(design.spline),
                               design.material.impact ? design.material.impact->mass_kg : kAnyMass_kg,
                               design.material.loss_s_per_m};
-  return maker([made](auto precision, double) -> std::unique_ptr<AnyInstrument<decltype(precision)>> {
+  return InstrumentMaker::of([made](auto precision, double) -> std::unique_ptr<AnyInstrument<decltype(precision)>> {
     return std::make_unique<InstrumentBehind<MassBarrierInstrument<decltype(precision)>>>(made);
   });
 }
 
-Maker piano_maker() {
-  return maker([](auto precision, double) -> std::unique_ptr<AnyInstrument<decltype(precision)>> {
-    return std::make_unique<InstrumentBehind<KeyboardInstrument<keyboards::piano, decltype(precision)>>>();
-  });
-}
-
-Maker file_maker(InstrumentModel model) {
-  Voice voice;
-  voice.name = model.name;
-  for (const ModelParameter& parameter : model.parameters) voice.initial.push_back(parameter.initial);
-  voice.model = std::move(model);
-  return voice_maker(Model::kFile, std::move(voice));
-}
-
 }  // namespace
 
-Maker maker_of(const std::string& source, bool is_text, const std::string& parts_text) {
+InstrumentMaker maker_of(const std::string& source, bool is_text, const std::string& parts_text) {
   Json parts = Json::parse(parts_text);
-  if (!is_text)
+  if (parts.empty()) return is_text ? maker_of_text(source, "instrument") : maker_of_name(source);
+  if (!is_text) {
     for (const Model model : kModels)
       if (source == identifier_of(model)) return model_maker(model, std::move(parts));
-  if (!is_text && source == "mass_barrier") return mass_barrier_maker(parts);
-  if (!parts.empty())
-    refuse(is_text ? "instrument" : source, parts.begin().key(), "is no part of this instrument",
-           "no keys: set its parameters instead");
-  if (is_text) return file_maker(parse_instrument(source, "instrument", read_input));
-  if (source == keyboards::piano::name) return piano_maker();
-  if (auto found = instrument_argument(source)) return file_maker(std::move(found->model));
-  std::vector<std::string> names = {"mass_barrier", keyboards::piano::name};
-  for (const Model model : kModels) names.push_back(identifier_of(model));
-  for (std::string& name : shipped_names(Shipped::kInstruments)) names.push_back(std::move(name));
-  throw BadInput(fmt::format("{}: instrument: no such instrument; allowed: a path of a .json file, {}", source,
-                             fmt::join(names, ", ")));
+    if (source == "mass_barrier") return mass_barrier_maker(parts);
+  }
+  refuse(is_text ? "instrument" : source, parts.begin().key(), "is no part of this instrument",
+         "no keys: set its parameters instead");
 }
 
 }  // namespace contactspline::python

@@ -13,7 +13,6 @@
 #include <utility>
 #include <vector>
 
-#include "generator/cli/files.hpp"
 #include "generator/cli/inputs.hpp"
 #include "generator/cli/inspect_json.hpp"
 #include "generator/player/score_player.hpp"
@@ -22,7 +21,9 @@
 #include "generator/support/embedded_files.hpp"
 #include "generator/support/error.hpp"
 #include "generator/support/file_kind.hpp"
+#include "generator/support/input_file.hpp"
 #include "hosts/python/makers.hpp"
+#include "hosts/python/playing.hpp"
 
 namespace contactspline::python {
 namespace {
@@ -62,7 +63,7 @@ std::vector<Design> design_many(const std::vector<std::pair<std::string, bool>>&
 }
 
 // The members of all segments as an array.
-Array<double> members(const Design& design, double Segment<double>::* member) {
+Array<double> members(const Design& design, double Segment<double>::*member) {
   Array<double> values(static_cast<py::ssize_t>(design.spline.segments.size()));
   for (std::size_t i = 0; i < design.spline.segments.size(); ++i)
     values.mutable_at(static_cast<py::ssize_t>(i)) = design.spline.segments[i].*member;
@@ -79,7 +80,8 @@ Array<double> each(const Array<double>& compressions, F f) {
 // The mass of an impact: the given one, or the material's.
 double mass_of(const Design& design, std::optional<double> mass_kg) {
   if (!mass_kg && !design.material.impact)
-    refuse(design.material.name, "mass_kg", "missing, and the material has no impact", "a number above 0, such as 0.003");
+    refuse(design.material.name, "mass_kg", "missing, and the material has no impact",
+           "a number above 0, such as 0.003");
   const double mass = mass_kg.value_or(design.material.impact ? design.material.impact->mass_kg : 0);
   if (!(mass > 0 && mass <= 1e4))
     refuse(design.material.name, "mass_kg", fmt::format("{} is refused", mass), "a number above 0, up to 10000");
@@ -89,7 +91,8 @@ double mass_of(const Design& design, std::optional<double> mass_kg) {
 BarrierImpact impact_of(const Design& design, double speed, std::optional<double> mass_kg, const std::string& of,
                         double rate) {
   if (!(speed > 0 && speed <= 1e3))
-    refuse(design.material.name, "speed_m_per_s", fmt::format("{} is refused", speed), "a number above 0, up to 1000");
+    refuse(design.material.name, "speed_m_per_s", fmt::format("{} is refused", speed),
+           "a number above 0, up to 1000");
   const double mass = mass_of(design, mass_kg);
   const py::gil_scoped_release unlocked;
   if (of == "exact") return exact_impact(design.material, mass, speed);
@@ -101,7 +104,8 @@ BarrierImpact impact_of(const Design& design, double speed, std::optional<double
 
 // The first values of parameters, and all that happens.
 using Values = std::vector<std::pair<std::size_t, double>>;
-using Rows = std::vector<std::tuple<double, int, std::size_t, double, double>>;  // sample, action, number, value, rise
+using Rows =
+    std::vector<std::tuple<double, int, std::size_t, double, double>>;  // sample, action, number, value, rise
 
 std::vector<Happening> happenings_of(const Rows& rows) {
   std::vector<Happening> happenings;
@@ -123,8 +127,8 @@ class Source {
 
   /// Returns all wanted outputs, the force (or nothing) and the energies (or nothing).
   template <std::floating_point T>
-  [[nodiscard]] py::tuple play(const Values& initial, const Rows& rows, std::size_t samples, double rate, const std::vector<bool>& wanted,
-                               bool force, std::size_t energy_step) const {
+  [[nodiscard]] py::tuple play(const Values& initial, const Rows& rows, std::size_t samples, double rate,
+                               const std::vector<bool>& wanted, bool force, std::size_t energy_step) const {
     py::list outputs;
     Recording<T> recording;
     const auto array = [&](auto value, std::size_t length) {
@@ -170,8 +174,7 @@ class Source {
         static_cast<std::size_t>(sounds.shape(0)), threads,
         [&](std::size_t i) {
           const auto instrument = maker_.make<T>(rate);
-          for (std::size_t p = 0; p < numbers.size(); ++p)
-            instrument->set(numbers[p], value[i * numbers.size() + p]);
+          for (std::size_t p = 0; p < numbers.size(); ++p) instrument->set(numbers[p], value[i * numbers.size() + p]);
           instrument->prepare(rate);
           const auto stop = [&] {
             if (is_stopped) throw std::runtime_error("stopped");
@@ -196,7 +199,7 @@ class Source {
   }
 
  private:
-  Maker maker_;
+  InstrumentMaker maker_;
   std::unique_ptr<AnyInstrument<double>> shown_;
 };
 
@@ -217,9 +220,9 @@ py::list parameters_of(const Source& source) {
 py::list events_of(const Source& source) {
   py::list rows;
   for (const Event& e : source.shown().events())
-    rows.append(py::dict(py::arg("name") = e.name, py::arg("kind") = e.kind == EventKind::kStrike ? "strike" : "pluck",
-                         py::arg("number") = e.number,
-                         py::arg("parameter") = source.shown().parameters()[e.parameter].name));
+    rows.append(
+        py::dict(py::arg("name") = e.name, py::arg("kind") = e.kind == EventKind::kStrike ? "strike" : "pluck",
+                 py::arg("number") = e.number, py::arg("parameter") = source.shown().parameters()[e.parameter].name));
   return rows;
 }
 
@@ -254,9 +257,9 @@ py::tuple play_score(const std::string& source, bool is_text, double rate, bool 
   const auto channels = static_cast<py::ssize_t>(performance.channels);
   py::array_t<float> samples({static_cast<py::ssize_t>(performance.samples.size()) / channels, channels});
   std::ranges::copy(performance.samples, samples.mutable_data());
-  return py::make_tuple(samples, py::array_t<float>(static_cast<py::ssize_t>(performance.force_n.size()),
-                                                    performance.force_n.data()),
-                        performance.contacts, output, unit);
+  return py::make_tuple(
+      samples, py::array_t<float>(static_cast<py::ssize_t>(performance.force_n.size()), performance.force_n.data()),
+      performance.contacts, output, unit);
 }
 
 void bind_design(py::module_& m) {
@@ -272,12 +275,12 @@ void bind_design(py::module_& m) {
       .def_property_readonly("loss_s_per_m", [](const Design& d) { return d.material.loss_s_per_m; })
       .def_property_readonly("end_m", [](const Design& d) { return d.spline.end_m; })
       .def_property_readonly("json", [](const Design& d) { return json_of(d); })
-      .def_property_readonly(
-          "speeds",
-          [](const Design& d) -> std::optional<std::pair<double, double>> {
-            if (!d.material.impact) return std::nullopt;
-            return std::pair(d.material.impact->min_speed_m_per_s, d.material.impact->max_speed_m_per_s);
-          })
+      .def_property_readonly("speeds",
+                             [](const Design& d) -> std::optional<std::pair<double, double>> {
+                               if (!d.material.impact) return std::nullopt;
+                               return std::pair(d.material.impact->min_speed_m_per_s,
+                                                d.material.impact->max_speed_m_per_s);
+                             })
       .def("mass_kg", [](const Design& d) { return mass_of(d, std::nullopt); })
       .def("knots", [](const Design& d) { return members(d, &Segment<double>::knot); })
       .def("energies", [](const Design& d) { return members(d, &Segment<double>::energy); })

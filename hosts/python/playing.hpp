@@ -33,20 +33,6 @@ struct Happening {
   double rise_s;  ///< of a pluck
 };
 
-/// Makes instruments for a sample rate, always the same one; prepare() comes next.
-struct Maker {
-  std::function<std::unique_ptr<AnyInstrument<float>>(double sample_rate_hz)> in_single;
-  std::function<std::unique_ptr<AnyInstrument<double>>(double sample_rate_hz)> in_double;
-
-  template <std::floating_point T>
-  [[nodiscard]] std::unique_ptr<AnyInstrument<T>> make(double sample_rate_hz) const {
-    if constexpr (std::same_as<T, float>)
-      return in_single(sample_rate_hz);
-    else
-      return in_double(sample_rate_hz);
-  }
-};
-
 template <std::floating_point T>
 void play(AnyInstrument<T>& instrument, const Happening& now) {
   switch (now.action) {
@@ -75,8 +61,8 @@ struct Recording {
   std::size_t energy_step = 0;
 };
 
-/// Renders a prepared instrument. happenings: by rising sample. `watch` is called in every block, and may throw to stop.
-/// Throws std::runtime_error where a sample is not finite.
+/// Renders a prepared instrument. happenings: by rising sample. `watch` is called in every block, and may throw to
+/// stop. Throws std::runtime_error where a sample is not finite.
 template <std::floating_point T>
 void render(AnyInstrument<T>& instrument, std::span<const Happening> happenings, std::size_t samples,
             const Recording<T>& recording, const std::function<void()>& watch) {
@@ -102,8 +88,9 @@ void render(AnyInstrument<T>& instrument, std::span<const Happening> happenings,
   }
 }
 
-/// Calls task(i) for all i below tasks, on so many threads. Where one throws, the others stop, and it is thrown again.
-/// watch: called about ten times a second on this thread with the number of tasks done; it stops all by an exception.
+/// Calls task(i) for all i below tasks, on so many threads. Where one throws, the others stop, and it is thrown
+/// again. watch: called about ten times a second on this thread with the number of tasks done; it stops all by an
+/// exception.
 inline void for_each(std::size_t tasks, std::size_t threads, const std::function<void(std::size_t)>& task,
                      const std::function<void(std::size_t)>& watch, std::atomic<bool>& is_stopped) {
   std::atomic<std::size_t> next = 0, done = 0, running = threads;

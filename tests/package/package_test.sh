@@ -656,6 +656,7 @@ not_run='
 ^(\./)?scripts/install-packages                asks the network
 ^cmake --(preset|build)                        builds the whole tree
 ^cmake (-S examples|--install build )           in case_examples_plugins
+^cmake --install build/c |^cc -std=c99|^  -Wl,-rpath|^./first     in case_c
 arm-none-eabi|^for program|^  (read|echo|faust)|^ +(process|main\.c|-idirafter|-fno)|^done   in case_microcontroller
 '
 
@@ -801,6 +802,72 @@ END
   "$build/band" | awk '
     { print; ratio = $2 / $1 / sqrt(0.3 / 0.7) }
     END { exit !(ratio > 0.9999 && ratio < 1.0001 && $3 == 1) }' || fail "the example does not play as it says"
+}
+
+# docs/how-to/c.md word for word, on the installed library; its symbols; the program's line for a wrong file.
+case_c() {
+  need cc
+  need pkg-config
+  need python3
+  local page="$SOURCE/docs/how-to/c.md" prefix="$WORK/home/.local"
+  mkdir "$WORK/home"
+  install_at "$prefix"
+  cd "$WORK"
+  export PKG_CONFIG_PATH="$prefix/share/pkgconfig"
+  blocks_of "$page" c block
+  mv block1.c first.c
+  # Without a warning in C99; the commands of the page; two seconds of two channels that sound.
+  run cc -std=c99 -pedantic-errors -Wall -Wextra -Wconversion -Werror -fsyntax-only "-I$prefix/include" first.c
+  blocks_of "$page" sh block
+  run bash -ex block1.sh
+  loudest first.raw 192000
+  blocks_of "$page" python block
+  HOME="$WORK/home" run python3 block1.python
+  grep -q '^finger_release_n$' "$WORK/log" || fail "the page lists no parameters"
+  loudest guitar.raw 48000
+
+  # Only functions of the interface are visible, each with a version.
+  nm -D --defined-only "$prefix"/lib/libcontactspline.so | awk '$2 != "A" { print $3 }' >symbols
+  [ "$(wc -l <symbols)" = "$(grep -cE '^[a-z].*contactspline_[a-z_]+\(' "$SOURCE/hosts/c/contactspline.h")" ] ||
+    fail "the header and the library have different functions: $(cat symbols)"
+  ! grep -vE '^contactspline_[a-z_]+@@CONTACTSPLINE_[0-9.]+$' symbols || fail "other symbols are visible"
+
+  # The program's own line, from text and from a file.
+  sed 's/"mass_kg": 0.000555/"mass_kg": -1/' "$SOURCE/data/instruments/tanpura.json" >bad.json
+  ! "$prefix/bin/contactspline" generate bad.json -o out 2>expected || fail "a negative mass is accepted"
+  cat >create.c <<'END'
+#include <contactspline.h>
+#include <stdio.h>
+int main(int argc, char** argv) {
+  (void)argc;
+  contactspline_instrument* instrument = contactspline_create(argv[1], 44100, CONTACTSPLINE_DOUBLE);
+  if (!instrument) return printf("contactspline: %s\n", contactspline_last_error()), 2;
+  contactspline_destroy(instrument);
+  return 0;
+}
+END
+  project="$WORK/project" build="$WORK/build"
+  mkdir "$project"
+  mv create.c "$project"
+  echo 'cmake_minimum_required(VERSION 3.25)
+project(Create LANGUAGES C)
+set(CMAKE_C_STANDARD 99)
+find_package(ContactSpline CONFIG REQUIRED)
+add_executable(create create.c)
+target_link_libraries(create PRIVATE ContactSpline::c)' >"$project/CMakeLists.txt"
+  configure Ninja "-DCMAKE_PREFIX_PATH=$prefix"
+  build
+  ! "$build/create" bad.json >actual || fail "the library accepts a negative mass"
+  diff expected actual || fail "the library says something else than the program"
+  run "$build/create" tanpura
+  run "$build/create" "$SOURCE/data/instruments/tanpura.json"
+}
+
+# A file of so many single-precision samples, all finite, which sounds without reaching full scale: loudest FILE COUNT.
+loudest() {
+  od -An -v -tf4 -w4 "$1" | awk -v count="$2" '
+    { x = $1 < 0 ? -$1 : $1; if (!(x < 1)) exit bad = 1; if (x > peak) peak = x }
+    END { print NR " samples, largest " peak; exit bad || NR != count || !(peak > 1e-3) }' || fail "$1 does not sound"
 }
 
 # The example of docs/how-it-works/kernels.md, with the vectorised kernels and without: the same but for rounding.

@@ -107,8 +107,8 @@ class Instrument:
     """What makes sound: `parameters`, `events`, `outputs` and `presets` tell what it has, `play` plays it.
 
     source: hammer_string, slide_string, fret_string, mass_barrier, piano, an instrument that ships, the path of an
-    instrument file, or a dict with the keys of such a file. parts: for the first four, what they are made of, with the
-    keys of a voice of a score: resonator and material (names, paths or dicts), pluck_m, ...; and first values of
+    instrument file, or a dict with the keys of such a file. parts: for the first four, what they are made of instead, with
+    the keys of a voice of a score: resonator and material (names, paths or dicts), pluck_m, ...; and first values of
     parameters. Raises Error with the line that the program prints.
     """
 

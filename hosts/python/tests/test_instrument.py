@@ -125,7 +125,7 @@ def test_instruments_of_files_and_dicts(tmp_path):
     with pytest.raises(cs.Error) as raised:
         cs.Instrument({**described, "wrong": 1})
     assert "wrong" in str(raised.value) and "\n" not in str(raised.value)
-    with pytest.raises(cs.Error, match="no such instrument; allowed"):
+    with pytest.raises(cs.Error, match="no such instrument ships; allowed"):
         cs.Instrument("no_such")
     with pytest.raises(cs.Error, match="is no part"):
         cs.Instrument("piano", resonator="string_c4")

@@ -1,0 +1,404 @@
+// SPDX-License-Identifier: MIT
+// The library for C plays what the classes play, bit by bit, says what is wrong, and takes any value.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "contactspline.h"
+#include "contactspline/instrument/instruments_of.hpp"
+#include "contactspline/instrument/keyboard_instrument.hpp"
+#include "contactspline/instruments/classical_guitar.hpp"
+#include "contactspline/instruments/marimba_tube.hpp"
+#include "contactspline/instruments/prepared_piano.hpp"
+#include "contactspline/instruments/slap_bass.hpp"
+#include "contactspline/instruments/snare.hpp"
+#include "contactspline/instruments/tanpura.hpp"
+#include "contactspline/instruments/tom.hpp"
+#include "contactspline/instruments/trichord_c4.hpp"
+#include "contactspline/keyboards/piano.hpp"
+#include "contactspline/materials/felt_c4.hpp"
+#include "contactspline/materials/steel_on_steel.hpp"
+#include "contactspline/resonators/guitar_d3.hpp"
+#include "contactspline/resonators/guitar_g3.hpp"
+#include "contactspline/resonators/string_c4.hpp"
+#include "contactspline/step/flush_denormals.hpp"
+#include "generator/instrument/instrument_reader.hpp"
+#include "generator/support/embedded_files.hpp"
+#include "generator/support/error.hpp"
+#include "support/random.hpp"
+#include "support/real_time.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+constexpr double kRate = 44100;  // the emitted classes have their modes below half of it
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+struct Destroy {
+  void operator()(contactspline_instrument* instrument) const { contactspline_destroy(instrument); }
+};
+using Handle = std::unique_ptr<contactspline_instrument, Destroy>;
+
+Handle create(const char* name, int precision = CONTACTSPLINE_DOUBLE) {
+  Handle handle(contactspline_create(name, kRate, precision));
+  EXPECT_TRUE(handle) << contactspline_last_error();
+  return handle;
+}
+
+void process(Handle& handle, const std::vector<float*>& outputs, float* force, std::size_t samples) {
+  contactspline_process(handle.get(), outputs.data(), force, samples);
+}
+void process(Handle& handle, const std::vector<double*>& outputs, double* force, std::size_t samples) {
+  contactspline_process_double(handle.get(), outputs.data(), force, samples);
+}
+
+/// Arrays for a block of each output and of the force.
+template <typename T>
+struct Block {
+  explicit Block(std::size_t outputs) : sound(outputs, std::vector<T>(kLongest)), force(kLongest) {
+    for (auto& array : sound) pointers.push_back(array.data());
+  }
+  std::vector<std::span<T>> spans(std::size_t samples) {
+    std::vector<std::span<T>> parts;
+    for (auto& array : sound) parts.push_back(std::span(array).first(samples));
+    return parts;
+  }
+  static constexpr std::size_t kLongest = 700;  // samples
+  std::vector<std::vector<T>> sound;
+  std::vector<T> force;
+  std::vector<T*> pointers;
+};
+
+template <typename I>
+class CLibrary : public ::testing::Test {
+ public:
+  using T = typename I::value_type;
+  static constexpr int kPrecision = sizeof(T) == sizeof(float) ? CONTACTSPLINE_FLOAT : CONTACTSPLINE_DOUBLE;
+};
+
+template <typename T>
+using Strings = ::testing::Types<
+    MassBarrierOf<materials::felt_c4, T>, HammerStringOf<materials::felt_c4, resonators::string_c4, T>,
+    SlideStringOf<materials::steel_on_steel, resonators::guitar_g3, T>,
+    FretStringOf<materials::steel_on_steel, resonators::guitar_d3, T>, KeyboardInstrument<keyboards::piano, T>>;
+template <typename T>
+using Files = ::testing::Types<instruments::classical_guitar<T>, instruments::marimba_tube<T>,
+                               instruments::prepared_piano<T>, instruments::slap_bass<T>, instruments::snare<T>,
+                               instruments::tanpura<T>, instruments::tom<T>, instruments::trichord_c4<T>>;
+
+template <typename... Lists>
+struct Joined;
+template <typename... A, typename... B, typename... C, typename... D>
+struct Joined<::testing::Types<A...>, ::testing::Types<B...>, ::testing::Types<C...>, ::testing::Types<D...>> {
+  using Type = ::testing::Types<A..., B..., C..., D...>;
+};
+using All = Joined<Strings<double>, Files<double>, Strings<float>, Files<float>>::Type;
+
+struct Names {
+  template <typename I>
+  static std::string GetName(int) {
+    return std::string(I().name()) + (sizeof(typename I::value_type) == sizeof(float) ? "_single" : "_double");
+  }
+};
+TYPED_TEST_SUITE(CLibrary, All, Names);
+
+TYPED_TEST(CLibrary, HasTheListsOfTheClass) {
+  const TypeParam expected;
+  const Handle handle = create(expected.name(), this->kPrecision);
+  const auto* const x = handle.get();
+  EXPECT_STREQ(contactspline_name(x), expected.name());
+  EXPECT_STREQ(contactspline_description(x), expected.description());
+  EXPECT_STREQ(contactspline_license(x), license_of(expected));
+  ASSERT_EQ(contactspline_parameter_count(x), expected.parameters().size());
+  for (std::size_t i = 0; i < expected.parameters().size(); ++i) {
+    const Parameter& p = expected.parameters()[i];
+    const contactspline_parameter* const c = contactspline_parameter_at(x, i);
+    EXPECT_STREQ(c->name, p.name);
+    EXPECT_STREQ(c->unit, p.unit);
+    EXPECT_EQ((std::array{c->min, c->max, c->slider_min, c->slider_max, c->initial, c->glide_s}),
+              (std::array{p.allowed.min, p.allowed.max, p.slider.min, p.slider.max, p.initial, p.glide_s}))
+        << p.name;
+    EXPECT_EQ(c->is_logarithmic, p.scale == Scale::kLogarithmic) << p.name;
+    EXPECT_EQ(c->acts_at_next_note, p.acts == Acts::kAtNextNote) << p.name;
+    EXPECT_EQ(contactspline_get(x, i), expected.value(i)) << p.name;
+  }
+  ASSERT_EQ(contactspline_output_count(x), expected.outputs().size());
+  for (std::size_t i = 0; i < expected.outputs().size(); ++i) {
+    EXPECT_STREQ(contactspline_output_at(x, i)->name, expected.outputs()[i].name);
+    EXPECT_STREQ(contactspline_output_at(x, i)->unit, expected.outputs()[i].unit);
+    EXPECT_EQ(contactspline_output_at(x, i)->full_scale, expected.outputs()[i].full_scale);
+  }
+  ASSERT_EQ(contactspline_event_count(x), expected.events().size());
+  for (std::size_t i = 0; i < expected.events().size(); ++i) {
+    const Event& e = expected.events()[i];
+    EXPECT_STREQ(contactspline_event_at(x, i)->name, e.name);
+    EXPECT_EQ(contactspline_event_at(x, i)->kind == CONTACTSPLINE_PLUCK, e.kind == EventKind::kPluck);
+    EXPECT_EQ(contactspline_event_at(x, i)->number, e.number);
+    EXPECT_EQ(contactspline_event_at(x, i)->parameter, e.parameter);
+  }
+  ASSERT_EQ(contactspline_preset_count(x), expected.presets().size());
+  for (std::size_t i = 0; i < expected.presets().size(); ++i)
+    EXPECT_STREQ(contactspline_preset_name(x, i), expected.presets()[i].name);
+}
+
+/// Plays the same random events on a class and on the library: notes, strikes, plucks and sliders.
+template <typename I>
+void play_at_random(Random& random, I& expected, contactspline_instrument* actual) {
+  using T = typename I::value_type;
+  const auto parameter = random.below(expected.parameters().size());
+  const auto [min, max] = expected.parameters()[parameter].slider;
+  const double value = min + (max - min) * random.uniform();
+  const int key = 40 + static_cast<int>(random.below(40));
+  const double velocity = random.uniform();
+  switch (random.below(6)) {
+    case 0:
+      expected.set(parameter, value);
+      return contactspline_set(actual, parameter, value);
+    case 1:
+    case 2:
+      expected.note_on(key, velocity);
+      return contactspline_note_on(actual, key, velocity);
+    case 3:
+      expected.note_off(key);
+      return contactspline_note_off(actual, key);
+    default:
+      break;
+  }
+  if (expected.events().empty()) return;
+  const Event& event = expected.events()[random.below(expected.events().size())];
+  const double strength = expected.value(event.parameter) * velocity;
+  if (event.kind == EventKind::kPluck) {
+    expected.pluck(event.number, static_cast<T>(strength), 0.004);
+    contactspline_pluck(actual, event.number, strength, 0.004);
+  } else if (random.below(3) == 0) {
+    expected.release(event.number);
+    contactspline_release(actual, event.number);
+  } else {
+    expected.strike(event.number, static_cast<T>(strength));
+    contactspline_strike(actual, event.number, strength);
+  }
+}
+
+template <typename T>
+bool same_bits(const T* a, const T* b, std::size_t count) {
+  return std::memcmp(a, b, count * sizeof(T)) == 0;
+}
+
+TYPED_TEST(CLibrary, PlaysTheSamplesOfTheClass) {
+  using Number = typename TypeParam::value_type;
+  TypeParam expected;
+  expected.prepare(kRate);
+  Handle actual = create(expected.name(), this->kPrecision);
+  Random random(7);
+  Block<Number> a(expected.outputs().size()), b(expected.outputs().size());
+  double largest = 0;
+  for (int block = 0; block < 60; ++block) {
+    play_at_random(random, expected, actual.get());
+    const std::size_t samples = 1 + random.below(Block<Number>::kLongest);
+    {
+      const FlushDenormals flushed;
+      expected.process(a.spans(samples), std::span(a.force).first(samples));
+    }
+    expect_real_time([&] { process(actual, b.pointers, b.force.data(), samples); });
+    for (std::size_t o = 0; o < a.sound.size(); ++o)
+      ASSERT_TRUE(same_bits(a.sound[o].data(), b.sound[o].data(), samples)) << "output " << o << ", block " << block;
+    ASSERT_TRUE(same_bits(a.force.data(), b.force.data(), samples)) << "force, block " << block;
+    ASSERT_EQ(contactspline_energy(actual.get()), expected.energy());
+    ASSERT_EQ(contactspline_is_silent(actual.get(), 1e-14), expected.is_silent(1e-14));
+    for (std::size_t n = 0; n < samples; ++n) largest = std::max(largest, std::abs(double(b.sound[0][n])));
+  }
+  EXPECT_GT(largest, 1e-6);
+}
+
+// Any value and any index, at any time: no sample that is not finite, and no allocation.
+TYPED_TEST(CLibrary, TakesAnyValue) {
+  constexpr double kHostile[] = {kNaN, kInfinity, -kInfinity, 0, -0.0, 1e308, -1e308, 5e-324, 1, 60, -1, 0.5};
+  using Number = typename TypeParam::value_type;
+  Handle handle = create(TypeParam().name(), this->kPrecision);
+  auto* const x = handle.get();
+  const std::size_t outputs = contactspline_output_count(x);
+  Block<Number> block(outputs);
+  Random random(11);
+  const auto any = [&] {
+    return random.below(4) == 0 ? random.uniform() : kHostile[random.below(std::size(kHostile))];
+  };
+  const auto index = [&] {
+    return random.below(8) == 0 ? std::numeric_limits<std::size_t>::max() : random.below(16);
+  };
+  for (int round = 0; round < 40; ++round) {
+    const std::size_t samples = random.below(64);
+    expect_real_time([&] {
+      for (int call = 0; call < 40; ++call) {
+        contactspline_set(x, index(), any());
+        contactspline_note_on(x, static_cast<int>(random.bits()), any());
+        contactspline_note_on(x, static_cast<int>(random.below(128)), any());
+        contactspline_note_off(x, static_cast<int>(random.bits()));
+        contactspline_strike(x, index(), any());
+        contactspline_release(x, index());
+        contactspline_pluck(x, index(), any(), any());
+        contactspline_load_preset(x, index());
+      }
+      process(handle, block.pointers, block.force.data(), samples);
+    });
+    for (const auto& sound : block.sound)
+      for (std::size_t n = 0; n < samples; ++n) ASSERT_TRUE(std::isfinite(sound[n])) << round;
+    ASSERT_TRUE(std::isfinite(contactspline_energy(x)));
+    if (round % 10 == 9) expect_real_time([&] { contactspline_reset(x); });
+  }
+}
+
+// The other kind of process function rounds or widens, once, whatever the block.
+TEST(CLibraryBlocks, AreOfEitherPrecision) {
+  for (const int precision : {CONTACTSPLINE_DOUBLE, CONTACTSPLINE_FLOAT}) {
+    Handle single = create("trichord_c4", precision), twice = create("trichord_c4", precision);
+    const std::size_t outputs = contactspline_output_count(single.get());
+    Block<float> a(outputs);
+    Block<double> b(outputs);
+    for (const auto* handle : {&single, &twice}) contactspline_note_on(handle->get(), 60, 0.7);
+    double largest = 0;
+    for (int block = 0; block < 30; ++block) {
+      process(single, a.pointers, a.force.data(), 600);
+      process(twice, b.pointers, b.force.data(), 600);
+      for (std::size_t n = 0; n < 600; ++n) {
+        ASSERT_EQ(a.sound[0][n], static_cast<float>(b.sound[0][n])) << n;
+        ASSERT_EQ(a.force[n], static_cast<float>(b.force[n])) << n;
+        largest = std::max(largest, std::abs(b.sound[0][n]));
+      }
+    }
+    EXPECT_GT(largest, 1e-3);
+  }
+}
+
+// Time passes where nobody listens.
+TEST(CLibraryBlocks, MayBeUnheard) {
+  Handle heard = create("trichord_c4"), unheard = create("trichord_c4");
+  Block<double> a(contactspline_output_count(heard.get())), b(contactspline_output_count(heard.get()));
+  for (const auto* handle : {&heard, &unheard}) contactspline_note_on(handle->get(), 60, 0.7);
+  process(heard, a.pointers, nullptr, 600);
+  contactspline_process_double(unheard.get(), nullptr, nullptr, 300);
+  const std::vector<double*> nowhere(a.pointers.size(), nullptr);
+  process(unheard, nowhere, nullptr, 300);
+  process(heard, a.pointers, nullptr, 600);
+  process(unheard, b.pointers, nullptr, 600);
+  EXPECT_TRUE(same_bits(a.sound[0].data(), b.sound[0].data(), 600));
+  EXPECT_EQ(contactspline_energy(heard.get()), contactspline_energy(unheard.get()));
+  EXPECT_GT(contactspline_energy(heard.get()), 0);
+}
+
+TEST(CLibraryText, GivesTheSameInstrumentAsItsName) {
+  const std::string text(find_embedded(Shipped::kInstruments, "tanpura.json")->content);
+  Handle named = create("tanpura");
+  Handle told(contactspline_create_from_json(text.c_str(), "mine.json", kRate, CONTACTSPLINE_DOUBLE));
+  ASSERT_TRUE(told) << contactspline_last_error();
+  Block<double> a(contactspline_output_count(named.get())), b(contactspline_output_count(named.get()));
+  for (const auto* handle : {&named, &told}) contactspline_pluck(handle->get(), 0, 2, 0.004);
+  for (int block = 0; block < 10; ++block) {
+    process(named, a.pointers, nullptr, 441);
+    process(told, b.pointers, nullptr, 441);
+    ASSERT_TRUE(same_bits(a.sound[0].data(), b.sound[0].data(), 441));
+  }
+  EXPECT_GT(contactspline_energy(named.get()), 0);
+}
+
+std::string refusal(const char* text, const char* file) {
+  EXPECT_EQ(contactspline_create_from_json(text, file, kRate, CONTACTSPLINE_DOUBLE), nullptr);
+  return contactspline_last_error();
+}
+
+// A missing comma, an unknown key, a number that is out of range: what the program's reader says.
+TEST(CLibraryText, IsRefusedInTheLineOfTheProgram) {
+  const std::string good(find_embedded(Shipped::kInstruments, "tanpura.json")->content);
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string text = good;
+    const auto at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return text.replace(at, from.size(), to);
+  };
+  for (const std::string& bad : {with("\"name\"", "\"nme\""), with("\"bodies\":", "\"bodies\""), std::string("{"),
+                                 with("\"mass_kg\": 0.000555", "\"mass_kg\": -1"), std::string()}) {
+    std::string expected;
+    try {
+      (void)parse_instrument(bad, "my folder/mine.json");
+    } catch (const BadInput& error) {
+      expected = error.what();
+    }
+    ASSERT_FALSE(expected.empty());
+    EXPECT_EQ(refusal(bad.c_str(), "my folder/mine.json"), expected);
+    EXPECT_EQ(expected.find('\n'), std::string::npos);
+    EXPECT_TRUE(expected.starts_with("my folder/mine.json: ")) << expected;
+  }
+}
+
+TEST(CLibraryText, OfAnotherKindIsRefused) {
+  const std::string felt(find_embedded(Shipped::kMaterials, "felt_c4.json")->content);
+  EXPECT_EQ(refusal(felt.c_str(), "felt.json"), "felt.json: file: is a material; allowed: an instrument");
+  EXPECT_EQ(refusal(nullptr, "felt.json"), "contactspline: text: is null; allowed: text");
+  EXPECT_EQ(refusal("{}", nullptr), "contactspline: file: is null; allowed: text");
+}
+
+TEST(CLibraryNames, AreAllPlayable) {
+  std::size_t count = 0;
+  for (const char* const* name = contactspline_names(); *name != nullptr; ++name, ++count)
+    EXPECT_STREQ(contactspline_name(create(*name).get()), *name);
+  EXPECT_EQ(count, 5 + shipped_names(Shipped::kInstruments).size());
+}
+
+TEST(CLibraryNames, ThatAreWrongAreRefused) {
+  const auto refused = [](const char* name, double rate_hz, int precision) -> std::string {
+    EXPECT_EQ(contactspline_create(name, rate_hz, precision), nullptr);
+    return contactspline_last_error();
+  };
+  EXPECT_TRUE(
+      refused("harpsichord", kRate, 0)
+          .starts_with(
+              "harpsichord: INSTRUMENT: no such instrument ships; allowed: a .json file, piano, hammer_string, "));
+  EXPECT_EQ(refused("absent.json", kRate, 0),
+            "absent.json: file: does not exist; allowed: a file of at most 1 MiB that can be read");
+  EXPECT_EQ(refused(nullptr, kRate, 0), "contactspline: name: is null; allowed: text");
+  EXPECT_EQ(refused("piano", kNaN, 0),
+            "contactspline: sample_rate_hz: nan is out of range; allowed: 1000 to 768000, such as 48000");
+  for (const double rate_hz : {0.0, -44100.0, 999.0, 768001.0, kInfinity})
+    EXPECT_NE(refused("piano", rate_hz, 0).find("is out of range; allowed: 1000 to 768000"), std::string::npos);
+  EXPECT_EQ(refused("piano", kRate, 2), "contactspline: precision: 2 is unknown; allowed: 0 for double, 1 for float");
+}
+
+TEST(CLibraryNull, DoesNothing) {
+  contactspline_destroy(nullptr);
+  EXPECT_EQ(contactspline_name(nullptr), nullptr);
+  EXPECT_EQ(contactspline_description(nullptr), nullptr);
+  EXPECT_EQ(contactspline_license(nullptr), nullptr);
+  EXPECT_EQ(contactspline_parameter_count(nullptr) + contactspline_output_count(nullptr) +
+                contactspline_event_count(nullptr) + contactspline_preset_count(nullptr),
+            0U);
+  EXPECT_EQ(contactspline_parameter_at(nullptr, 0), nullptr);
+  EXPECT_EQ(contactspline_output_at(nullptr, 0), nullptr);
+  EXPECT_EQ(contactspline_event_at(nullptr, 0), nullptr);
+  EXPECT_EQ(contactspline_preset_name(nullptr, 0), nullptr);
+  EXPECT_TRUE(std::isnan(contactspline_get(nullptr, 0)));
+  contactspline_set(nullptr, 0, 1);
+  contactspline_load_preset(nullptr, 0);
+  contactspline_note_on(nullptr, 60, 1);
+  contactspline_note_off(nullptr, 60);
+  contactspline_strike(nullptr, 0, 1);
+  contactspline_release(nullptr, 0);
+  contactspline_pluck(nullptr, 0, 1, 0.004);
+  contactspline_process(nullptr, nullptr, nullptr, 64);
+  contactspline_process_double(nullptr, nullptr, nullptr, 64);
+  contactspline_reset(nullptr);
+  EXPECT_EQ(contactspline_energy(nullptr), 0);
+  EXPECT_EQ(contactspline_is_silent(nullptr, 1), 1);
+  const Handle piano = create("piano");
+  EXPECT_EQ(contactspline_parameter_at(piano.get(), contactspline_parameter_count(piano.get())), nullptr);
+  EXPECT_EQ(contactspline_preset_name(piano.get(), contactspline_preset_count(piano.get())), nullptr);
+  EXPECT_TRUE(std::isnan(contactspline_get(piano.get(), contactspline_parameter_count(piano.get()))));
+}
+
+}  // namespace
+}  // namespace contactspline::testing
