@@ -1,11 +1,12 @@
-# contactspline_lv2(TARGET name DSP file | INSTRUMENT name [VOICES n] [URI uri] [OUTPUT_DIR folder] [MATERIALS target...]
+# contactspline_lv2(TARGET name DSP file [VOICES n] [URI uri] [OUTPUT_DIR folder] [MATERIALS target...]
 #                   [FAUST_OPTIONS option...])
 # contactspline_jack(TARGET name DSP file | INSTRUMENT name [VOICES n] [OUTPUT_DIR folder] [MATERIALS target...]
 #                    [FAUST_OPTIONS option...])
 #
-# Compile a Faust program or an instrument from a file with Faust's own architecture files lv2.cpp and jack-console.cpp: contactspline_lv2 to a plug-in,
+# Compile a Faust program with Faust's own architecture files lv2.cpp and jack-console.cpp: contactspline_lv2 to a plug-in,
 # the bundle OUTPUT_DIR/FILE.lv2; contactspline_jack to a program for the JACK server, OUTPUT_DIR/FILE, that is played by
-# MIDI. FILE is the name of the Faust file without .dsp, or that of the instrument.
+# MIDI. FILE is the name of the Faust file without .dsp, or that of the instrument. Plug-ins of instruments are made by
+# contactspline_plugin.
 #
 # A program with a line `effect = ...` that notes play has Faust's polyphonic effect: it processes the sum of all voices,
 # and has as many inputs and outputs as a voice has outputs.
@@ -13,8 +14,8 @@
 # DSP            the Faust program, relative to the current source folder; or a C++ file, FILE.cpp, with a class FILE that
 #                has Faust's `dsp` interface, such as a HammerStringDsp of contactspline/host/faust_dsp.hpp: it goes into the
 #                architecture file in place of what Faust would write
-# INSTRUMENT     the name of an instrument that ships, or of one in MATERIALS: an InstrumentDsp of its class, in single
-#                precision
+# INSTRUMENT     for contactspline_jack: the name of an instrument that ships, or of one in MATERIALS: an InstrumentDsp of
+#                its class, in single precision
 # VOICES         how many notes may sound at once, for programs with freq, gain and gate; 0: it is not played by notes.
 #                Default: what the program says by `declare options "[nvoices:16]"`, else 0
 # URI            identity of the plug-in, never to change; default: urn:contactspline:FILE
@@ -91,12 +92,15 @@ endfunction()
 # Checks and completes the arguments that both functions share, and sets `stem`, the name of the Faust file, and
 # `has_effect`.
 function(_contactspline_faust_arguments more)
-  set(one TARGET DSP INSTRUMENT VOICES ${more} OUTPUT_DIR)
+  set(one TARGET DSP VOICES ${more} OUTPUT_DIR)
   _contactspline_parse("${one}" "MATERIALS;FAUST_OPTIONS" "TARGET" ${ARGN})
   if(DEFINED arg_DSP AND DEFINED arg_INSTRUMENT)
     _contactspline_fail("INSTRUMENT: stands beside DSP; allowed: one of the two")
   elseif(NOT DEFINED arg_DSP AND NOT DEFINED arg_INSTRUMENT)
-    _contactspline_fail("DSP: missing; needed: DSP or INSTRUMENT")
+    set(sources DSP ${more})
+    list(FILTER sources INCLUDE REGEX "^(DSP|INSTRUMENT)$")
+    list(JOIN sources " or " sources)
+    _contactspline_fail("DSP: missing; needed: ${sources}")
   endif()
   foreach(target IN LISTS arg_MATERIALS)
     get_property(is_generated TARGET ${target} PROPERTY CONTACTSPLINE_OUTPUTS SET)
@@ -306,7 +310,7 @@ endfunction()
 # See the top of this file.
 function(contactspline_jack)
   set(_contactspline_function contactspline_jack)
-  _contactspline_faust_arguments("" ${ARGN})
+  _contactspline_faust_arguments(INSTRUMENT ${ARGN})
   if(arg_DSP MATCHES "\\.cpp$")
     _contactspline_class_name()
   endif()

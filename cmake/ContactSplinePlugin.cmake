@@ -165,15 +165,45 @@ function(_contactspline_plugin_part part)
   endif()
 endfunction()
 
+# Writes instrument_vst3.cpp into a folder: the framework's source, with InstrumentVst3 of instrument_vst3.hpp in place of
+# its class PluginVst3.
+function(_contactspline_vst3_source folder)
+  set(framework "${DPF_DIR}/distrho/src/DistrhoPluginVST3.cpp")
+  file(READ "${framework}" text)
+  string(FIND "${text}" "static uint32_t V3_API dpf_static_ref(void*)" place)
+  string(SUBSTRING "${text}" 0 ${place} class)
+  string(SUBSTRING "${text}" ${place} -1 rest)
+  string(REPLACE "\nprivate:\n    // Plugin\n" "\nprotected:\n" class_of_instrument "${class}")
+  string(REPLACE "PluginVst3" "InstrumentVst3" rest "${rest}")
+  foreach(object edit_controller component)
+    string(REPLACE edit_ "" self ${object})
+    string(REGEX REPLACE "query_interface_${object}\\(void\\* const self, const v3_tuid iid, void\\*\\* const iface\\)\n    {\n[^\n]*\n"
+      "\\0
+        if (void* const object = ${self}->vst3 != nullptr ? ${self}->vst3->interface(iid) : nullptr)
+        {
+            *iface = object;
+            return V3_OK;
+        }
+" changed "${rest}")
+    if(changed STREQUAL rest)
+      set(place -1)
+    endif()
+    set(rest "${changed}")
+  endforeach()
+  if(place LESS 0 OR class_of_instrument STREQUAL class)
+    _contactspline_fail("${framework} has no place for InstrumentVst3; allowed: version 1.6 of the framework")
+  endif()
+  string(REGEX REPLACE "#include \"([^\"]*)\"" "#include <src/\\1>" class "${class_of_instrument}")
+  file(CONFIGURE OUTPUT "${folder}/instrument_vst3.cpp" @ONLY CONTENT
+    "${class}END_NAMESPACE_DISTRHO\n#include \"instrument_vst3.hpp\"\nSTART_NAMESPACE_DISTRHO\n${rest}")
+endfunction()
+
 # The binary of one format.
 function(_contactspline_plugin_format format)
   set(target ${arg_TARGET}_${format})
-  set(main "${DPF_DIR}/distrho/DistrhoPluginMain.cpp")
   set(symbols "${DPF_DIR}/utils/symbols/${format}.version")
   if(format STREQUAL lv2)
     set(symbols "${DPF_DIR}/utils/symbols/lv2-dsp.version")
-  else()
-    set(main "${ContactSpline_PLUGIN_DIR}/${format}.cpp")
   endif()
   # The instrument's side is the same for VST3 and LV2.
   set(instrument ${arg_TARGET}_instrument)
@@ -186,7 +216,12 @@ function(_contactspline_plugin_format format)
     _contactspline_plugin_part(${instrument})
   endif()
   # The framework's side: not ours to warn about, and nothing in it takes time.
-  add_library(${target} MODULE "${main}" $<TARGET_OBJECTS:${instrument}>)
+  add_library(${target} MODULE "${ContactSpline_PLUGIN_DIR}/${format}.cpp" $<TARGET_OBJECTS:${instrument}>)
+  if(format STREQUAL vst3)
+    set(framework "${CMAKE_CURRENT_BINARY_DIR}/contactspline_vst3")
+    _contactspline_vst3_source("${framework}")
+    target_include_directories(${target} SYSTEM PRIVATE "${framework}")
+  endif()
   target_compile_options(${target} PRIVATE -w -O1)
   target_link_options(${target} PRIVATE "-Wl,--version-script=${symbols}")
   _contactspline_plugin_part(${target})
@@ -202,11 +237,12 @@ function(_contactspline_plugin_format format)
   set_target_properties(${target} PROPERTIES
     PREFIX "" OUTPUT_NAME ${arg_TARGET} SUFFIX ${suffix} LIBRARY_OUTPUT_DIRECTORY "$<1:${folder}>")
   if(format STREQUAL lv2)
-    # Without the words of other vocabularies, which lv2_validate does not know.
+    # Without the words of other vocabularies, which lv2_validate does not know; `options` are welcome, not needed.
     add_custom_command(TARGET ${target} POST_BUILD
       COMMAND contactspline_describe_lv2 ${arg_TARGET} > describe.log
       COMMAND ${CMAKE_COMMAND} -E rm describe.log
-      COMMAND sed -zi -E "s/ ,\\n *<http:..kxstudio[^>]*>//; s/ *mod:(brand|label) [^\\n]*\\n//g" ${arg_TARGET}.ttl
+      COMMAND sed -zi -E -e "s/ ,\\n *<http:..kxstudio[^>]*>//; s/ *mod:(brand|label) [^\\n]*\\n//g"
+              -e "s/(requiredFeature) opts:options ,\\n */\\1 /; s/(optionalFeature) /\\1 opts:options, /" ${arg_TARGET}.ttl
       WORKING_DIRECTORY "${folder}"
       COMMENT "Describing ${arg_TARGET}.lv2"
       VERBATIM)

@@ -1,21 +1,148 @@
 // SPDX-License-Identifier: MIT
-// The CLAP side of a plug-in. In version 1.6 of the framework `reset` does nothing; here it silences the instrument,
-// as the MIDI message "all sound off" does.
+// The CLAP side of a plug-in. What version 1.6 of the framework lacks is here: `reset`, parameters that change within
+// a block, units with the values, a version, tails; and it writes beyond an array where a host names a parameter that
+// is not there.
 #include <src/clap/plugin.h>
 
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
 #include <src/DistrhoPluginInternal.hpp>
 
+#include "contactspline/step/version.hpp"
+
 START_NAMESPACE_DISTRHO
-static CLAP_ABI void clap_plugin_reset(const clap_plugin_t* plugin);
+static CLAP_ABI void clap_plugin_reset(const clap_plugin_t*);
+static CLAP_ABI clap_process_status clap_plugin_process(const clap_plugin_t*, const clap_process_t*);
+static CLAP_ABI const void* clap_plugin_get_extension(const clap_plugin_t*, const char*);
 END_NAMESPACE_DISTRHO
 
-// Renames the framework's function, but not where its address is taken.
-#define clap_plugin_reset(plugin) clap_plugin_reset_of_framework(plugin)
-#include <DistrhoPluginMain.cpp>
-#undef clap_plugin_reset
+#include <src/clap/ext/params.h>
+#include <src/clap/plugin-factory.h>
 
 START_NAMESPACE_DISTRHO
-// The framework passes events on with a block only: one of a sample, which nobody hears.
+static CLAP_ABI bool clap_plugin_params_get_info(const clap_plugin_t*, uint32_t, clap_param_info_t*);
+static CLAP_ABI bool clap_plugin_params_get_value(const clap_plugin_t*, clap_id, double*);
+static CLAP_ABI bool clap_plugin_params_value_to_text(const clap_plugin_t*, clap_id, double, char*, uint32_t);
+static CLAP_ABI bool clap_plugin_params_text_to_value(const clap_plugin_t*, clap_id, const char*, double*);
+static CLAP_ABI void clap_plugin_params_flush(const clap_plugin_t*, const clap_input_events_t*,
+                                              const clap_output_events_t*);
+static const clap_plugin_descriptor_t* clap_get_plugin_descriptor(const clap_plugin_factory_t*, uint32_t);
+static const clap_plugin_t* clap_create_plugin(const clap_plugin_factory_t*, const clap_host_t*, const char*);
+END_NAMESPACE_DISTRHO
+
+// Renames the framework's functions, but not where their addresses are taken.
+#define clap_plugin_reset(...) clap_plugin_reset_of_framework(__VA_ARGS__)
+#define clap_plugin_process(...) clap_plugin_process_of_framework(__VA_ARGS__)
+#define clap_plugin_get_extension(...) clap_plugin_get_extension_of_framework(__VA_ARGS__)
+#define clap_plugin_params_get_info(...) clap_plugin_params_get_info_of_framework(__VA_ARGS__)
+#define clap_plugin_params_get_value(...) clap_plugin_params_get_value_of_framework(__VA_ARGS__)
+#define clap_plugin_params_value_to_text(...) clap_plugin_params_value_to_text_of_framework(__VA_ARGS__)
+#define clap_plugin_params_text_to_value(...) clap_plugin_params_text_to_value_of_framework(__VA_ARGS__)
+#define clap_plugin_params_flush(...) clap_plugin_params_flush_of_framework(__VA_ARGS__)
+#define clap_get_plugin_descriptor(...) clap_get_plugin_descriptor_of_framework(__VA_ARGS__)
+#define clap_create_plugin(...) clap_create_plugin_of_framework(__VA_ARGS__)
+#include <DistrhoPluginMain.cpp>
+#undef clap_plugin_reset
+#undef clap_plugin_process
+#undef clap_plugin_get_extension
+#undef clap_plugin_params_get_info
+#undef clap_plugin_params_get_value
+#undef clap_plugin_params_value_to_text
+#undef clap_plugin_params_text_to_value
+#undef clap_plugin_params_flush
+#undef clap_get_plugin_descriptor
+#undef clap_create_plugin
+
+START_NAMESPACE_DISTRHO
+
+namespace {
+
+// A part of a host's events, in the order of their times, for a block that begins with a sample.
+class EventsWithin {
+ public:
+  EventsWithin(const clap_input_events_t* all, uint32_t first, uint32_t last, uint32_t begin)
+      : all_(all), first_(first), count_(last - first), begin_(begin) {}
+  EventsWithin(const EventsWithin&) = delete;
+
+  [[nodiscard]] const clap_input_events_t* events() const { return &events_; }
+
+  // A parameter that is there, and a value, which the instrument moves into its range.
+  static bool is_change(const clap_event_header_t& event) {
+    if (event.space_id != CLAP_CORE_EVENT_SPACE_ID || event.type != CLAP_EVENT_PARAM_VALUE) return false;
+    if (event.size != sizeof(clap_event_param_value_t)) return false;
+    const auto& change = reinterpret_cast<const clap_event_param_value_t&>(event);
+    return change.param_id < sPlugin->getParameterCount() && !sPlugin->isParameterOutput(change.param_id) &&
+           !std::isnan(change.value);
+  }
+
+ private:
+  static const clap_event_header_t* get(const clap_input_events_t* list, uint32_t i) {
+    auto& self = *static_cast<EventsWithin*>(list->ctx);
+    const clap_event_header_t* const event = self.all_->get(self.all_, self.first_ + i);
+    const bool is_played = event != nullptr && event->space_id == CLAP_CORE_EVENT_SPACE_ID &&
+                           (event->type != CLAP_EVENT_PARAM_VALUE || is_change(*event));
+    if (!is_played || event->size > sizeof self.copy_) return &self.nothing_;
+    std::memcpy(&self.copy_, event, event->size);
+    self.copy_.header.time -= std::min(self.copy_.header.time, self.begin_);
+    return &self.copy_.header;
+  }
+
+  const clap_input_events_t* all_;
+  uint32_t first_, count_, begin_;
+  union {
+    clap_event_header_t header;
+    clap_event_param_value_t change;
+    clap_event_note_t note;
+    clap_event_midi_t midi;
+  } copy_ = {};  // the framework is done with one before it asks for the next
+  clap_event_header_t nothing_ = {sizeof nothing_, 0, CLAP_CORE_EVENT_SPACE_ID, CLAP_EVENT_NOTE_END, 0};
+  clap_input_events_t events_ = {
+      this, [](const clap_input_events_t* list) { return static_cast<EventsWithin*>(list->ctx)->count_; }, get};
+};
+
+bool is_parameter(clap_id id) {
+  return id < sPlugin->getParameterCount();
+}
+
+}  // namespace
+
+// Plays the parts of a block between changes of parameters.
+static CLAP_ABI clap_process_status clap_plugin_process(const clap_plugin_t* plugin, const clap_process_t* process) {
+  const clap_input_events_t* const in = process->in_events;
+  const uint32_t count = in == nullptr ? 0 : in->size(in), length = process->frames_count;
+  const bool is_stereo =
+      process->audio_outputs_count == 1 && process->audio_outputs[0].channel_count == DISTRHO_PLUGIN_NUM_OUTPUTS;
+  if (count == 0 || !is_stereo) return clap_plugin_process_of_framework(plugin, process);
+  clap_audio_buffer_t bus = process->audio_outputs[0];
+  float* channels[DISTRHO_PLUGIN_NUM_OUTPUTS];
+  clap_process_t part = *process;
+  part.audio_outputs = &bus;
+  bus.data32 = channels;
+  for (uint32_t begin = 0, first = 0;;) {
+    uint32_t end = length, last = first;
+    for (; last < count && end == length; last += end == length) {
+      const clap_event_header_t* const event = in->get(in, last);
+      if (event != nullptr && EventsWithin::is_change(*event) && event->time > begin && event->time < length)
+        end = event->time;
+    }
+    const EventsWithin events(in, first, last, begin);
+    for (uint32_t c = 0; c < DISTRHO_PLUGIN_NUM_OUTPUTS; ++c)
+      channels[c] = process->audio_outputs[0].data32[c] + begin;
+    part.in_events = events.events();
+    part.frames_count = end - begin;
+    if (process->steady_time >= 0) part.steady_time = process->steady_time + begin;
+    const clap_process_status status = clap_plugin_process_of_framework(plugin, &part);
+    if (status == CLAP_PROCESS_ERROR || end == length) return status;
+    begin = end;
+    first = last;
+  }
+}
+
+// As the MIDI message "all sound off". The framework passes events on with a block only: one of a sample, which
+// nobody hears.
 static CLAP_ABI void clap_plugin_reset(const clap_plugin_t* const plugin) {
   static const clap_event_midi_t all_sound_off = {
       {sizeof(clap_event_midi_t), 0, CLAP_CORE_EVENT_SPACE_ID, CLAP_EVENT_MIDI, 0}, 0, {0xb0, 120, 0}};
@@ -27,6 +154,68 @@ static CLAP_ABI void clap_plugin_reset(const clap_plugin_t* const plugin) {
   const clap_output_events_t none = {nullptr,
                                      [](const clap_output_events_t*, const clap_event_header_t*) { return true; }};
   const clap_process_t block = {-1, 1, nullptr, nullptr, &bus, 0, 1, &events, &none};
-  clap_plugin_process(plugin, &block);
+  clap_plugin_process_of_framework(plugin, &block);
 }
+
+static CLAP_ABI bool clap_plugin_params_get_info(const clap_plugin_t* plugin, uint32_t index,
+                                                 clap_param_info_t* info) {
+  return is_parameter(index) && clap_plugin_params_get_info_of_framework(plugin, index, info);
+}
+
+static CLAP_ABI bool clap_plugin_params_get_value(const clap_plugin_t* plugin, clap_id id, double* value) {
+  return is_parameter(id) && clap_plugin_params_get_value_of_framework(plugin, id, value);
+}
+
+static CLAP_ABI bool clap_plugin_params_value_to_text(const clap_plugin_t*, clap_id id, double value, char* text,
+                                                      uint32_t size) {
+  if (!is_parameter(id) || size == 0) return false;
+  const String& unit = sPlugin->getParameterUnit(id);
+  std::snprintf(text, size, unit.isEmpty() ? "%.4g%s" : "%.4g %s", value, unit.buffer());
+  return true;
+}
+
+static CLAP_ABI bool clap_plugin_params_text_to_value(const clap_plugin_t*, clap_id id, const char* text,
+                                                      double* value) {
+  char* end = nullptr;
+  *value = std::strtod(text, &end);
+  return is_parameter(id) && end != text && std::isfinite(*value);
+}
+
+static CLAP_ABI void clap_plugin_params_flush(const clap_plugin_t* plugin, const clap_input_events_t* in,
+                                              const clap_output_events_t* out) {
+  const EventsWithin events(in, 0, in == nullptr ? 0 : in->size(in), 0);
+  clap_plugin_params_flush_of_framework(plugin, events.events(), out);
+}
+
+// CLAP's "tail": instruments ring as long as they are not damped.
+static CLAP_ABI const void* clap_plugin_get_extension(const clap_plugin_t* plugin, const char* id) {
+  struct Tail {
+    uint32_t(CLAP_ABI* get)(const clap_plugin_t*);
+  };
+  static const Tail tail = {[](const clap_plugin_t*) { return UINT32_MAX; }};
+  return std::strcmp(id, "clap.tail") == 0 ? &tail : clap_plugin_get_extension_of_framework(plugin, id);
+}
+
+static const clap_plugin_descriptor_t* clap_get_plugin_descriptor(const clap_plugin_factory_t* factory,
+                                                                  uint32_t index) {
+  if (index != 0) return nullptr;
+  static const clap_plugin_descriptor_t descriptor = [factory] {
+    clap_plugin_descriptor_t complete = *clap_get_plugin_descriptor_of_framework(factory, 0);
+    static char version[32];
+    std::snprintf(version, sizeof version, "%d.%d.%d", contactspline::kVersionMajor, contactspline::kVersionMinor,
+                  contactspline::kVersionPatch);
+    complete.version = version;
+    return complete;
+  }();
+  return &descriptor;
+}
+
+static const clap_plugin_t* clap_create_plugin(const clap_plugin_factory_t* factory, const clap_host_t* host,
+                                               const char* id) {
+  if (std::strcmp(id, DISTRHO_PLUGIN_CLAP_ID) != 0) return nullptr;
+  auto* const plugin = const_cast<clap_plugin_t*>(clap_create_plugin_of_framework(factory, host, id));
+  if (plugin != nullptr) plugin->desc = clap_get_plugin_descriptor(factory, 0);
+  return plugin;
+}
+
 END_NAMESPACE_DISTRHO

@@ -4,11 +4,13 @@
 
 #include <DistrhoPlugin.hpp>
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -40,20 +42,27 @@ struct PluginInstrument {
 /// The plug-in of an instrument that is built without arguments. Parameters and programs are its parameters and
 /// presets, in units for people (label_of); a volume is the last parameter. Without presets one program sets all
 /// parameters to their first values. Left and right are the outputs whose names begin with left_ and right_; without
-/// them the first output is on both sides.
+/// them the first output is on both sides. Behind the volume stand what hosts can only read: the peak of each output,
+/// in its unit, which falls within 0.3 s.
 template <Instrument I>
 class InstrumentPlugin : private detail::PluginInstrument<I>, public DISTRHO_NAMESPACE::Plugin {
  public:
   InstrumentPlugin()
-      : Plugin(static_cast<std::uint32_t>(this->numbers.size() + 1),
+      : Plugin(static_cast<std::uint32_t>(this->numbers.size() + 1 + this->hosted.instrument().outputs().size()),
                static_cast<std::uint32_t>(std::max<std::size_t>(1, this->hosted.instrument().presets().size())), 0),
         volume_index_(this->numbers.size()),
         factors_(all_factors()),
         values_(factors_.size()),
         outputs_(instrument().outputs().size()),
+        unheard_(outputs_.size()),
+        peaks_(outputs_.size()),
         left_(output_of("left_", 0)),
         right_(output_of("right_", left_)) {
     for (std::size_t p = 0; p < values_.size(); ++p) values_[p].shown = shown(p, control(p).initial);
+    for (std::size_t o = 0; o < peaks_.size(); ++o) {
+      const Output& output = instrument().outputs()[o];
+      peaks_[o].unit = output.full_scale * label_of(output.name).factor;
+    }
   }
 
  private:
@@ -62,10 +71,20 @@ class InstrumentPlugin : private detail::PluginInstrument<I>, public DISTRHO_NAM
   static constexpr Control kVolume = {"volume",      "",   {0, 1},           {0, 1}, 0.5, Scale::kLinear,
                                       Acts::kAtOnce, 0.01, kVolumeController};
 
+  static constexpr std::size_t kBlock = 256;  // samples
+  static constexpr double kPeakTime_s = 0.3;
+
   // What a host has set, on any thread.
   struct HostValue {
     std::atomic<float> shown = 0;      ///< in the unit for people
     std::atomic<bool> is_new = false;  ///< not yet passed on
+  };
+
+  // The largest magnitude of an output, which falls with its time constant.
+  struct Peak {
+    double unit = 1;               ///< shown value of full scale
+    float fallen = 0;              ///< of full scale
+    std::atomic<float> shown = 0;  ///< in the unit for people
   };
 
   [[nodiscard]] const I& instrument() const { return this->hosted.instrument(); }
@@ -90,12 +109,14 @@ class InstrumentPlugin : private detail::PluginInstrument<I>, public DISTRHO_NAM
   std::int64_t getUniqueId() const override { return CONTACTSPLINE_PLUGIN_UNIQUE_ID; }
 
   void initAudioPort(bool is_input, std::uint32_t index, DISTRHO_NAMESPACE::AudioPort& port) override {
-    port.groupId = DISTRHO_NAMESPACE::kPortGroupStereo;
     Plugin::initAudioPort(is_input, index, port);
+    port.groupId = DISTRHO_NAMESPACE::kPortGroupStereo;
+    port.name = index == 0 ? "left" : "right";
   }
 
   void initParameter(std::uint32_t index, DISTRHO_NAMESPACE::Parameter& parameter) override {
     using namespace DISTRHO_NAMESPACE;
+    if (index > volume_index_) return describe_peak(instrument().outputs()[index - volume_index_ - 1], parameter);
     const Control& c = control(index);
     const Label label = label_of(c.name);
     parameter.hints = kParameterIsAutomatable | (c.scale == Scale::kLogarithmic ? kParameterIsLogarithmic : 0u);
@@ -106,11 +127,23 @@ class InstrumentPlugin : private detail::PluginInstrument<I>, public DISTRHO_NAM
     parameter.midiCC = c.controller;
   }
 
+  static void describe_peak(const Output& output, DISTRHO_NAMESPACE::Parameter& parameter) {
+    const Label label = label_of(output.name);
+    parameter.hints = DISTRHO_NAMESPACE::kParameterIsOutput;
+    parameter.name = ("peak " + label.text).c_str();
+    parameter.symbol = (std::string("peak_") + output.name).c_str();
+    parameter.unit = label.unit.c_str();
+    // Up to 20 dB more than what is played as 1.
+    parameter.ranges = {0, 0, static_cast<float>(10 * output.full_scale * label.factor)};
+  }
+
   void initProgramName(std::uint32_t index, DISTRHO_NAMESPACE::String& name) override {
     name = instrument().presets().empty() ? "initial" : instrument().presets()[index].name;
   }
 
-  float getParameterValue(std::uint32_t index) const override { return values_[index].shown; }
+  float getParameterValue(std::uint32_t index) const override {
+    return index > volume_index_ ? peaks_[index - volume_index_ - 1].shown : values_[index].shown;
+  }
 
   // On any thread.
   void setParameterValue(std::uint32_t index, float value) override {
@@ -135,6 +168,7 @@ class InstrumentPlugin : private detail::PluginInstrument<I>, public DISTRHO_NAM
     take_values();
     this->hosted.prepare(getSampleRate());
     volume_ = volume_target_;
+    for (Peak& peak : peaks_) peak.fallen = 0;
     volume_rate_ = static_cast<float>(-std::expm1(-1 / (kVolume.glide_s * getSampleRate())));
   }
 
@@ -173,17 +207,30 @@ class InstrumentPlugin : private detail::PluginInstrument<I>, public DISTRHO_NAM
   }
 
   void play(float** outputs, std::size_t begin, std::size_t end) {
-    if (begin == end) return;
-    std::fill(outputs_.begin(), outputs_.end(), nullptr);
-    if (right_ != left_) outputs_[right_] = outputs[1] + begin;
-    outputs_[left_] = outputs[0] + begin;
-    this->hosted.template process<float>(outputs_, end - begin);
-    for (std::size_t n = begin; n < end; ++n) {
+    for (; begin < end; begin += kBlock) play_piece(outputs, begin, std::min(kBlock, end - begin));
+  }
+
+  void play_piece(float** outputs, std::size_t begin, std::size_t samples) {
+    for (std::size_t o = 0; o < outputs_.size(); ++o) outputs_[o] = unheard_[o].data();
+    float* const left = outputs_[left_] = outputs[0] + begin;
+    float* const right = outputs[1] + begin;
+    if (right_ != left_) outputs_[right_] = right;
+    this->hosted.template process<float>(outputs_, samples);
+    for (std::size_t o = 0; o < outputs_.size(); ++o) measure(peaks_[o], {outputs_[o], samples});
+    for (std::size_t n = 0; n < samples; ++n) {
       volume_ += volume_rate_ * (volume_target_ - volume_);
-      if (right_ == left_) outputs[1][n] = outputs[0][n];
-      outputs[0][n] *= volume_;
-      outputs[1][n] *= volume_;
+      if (right_ == left_) right[n] = left[n];
+      left[n] *= volume_;
+      right[n] *= volume_;
     }
+  }
+
+  void measure(Peak& peak, std::span<const float> sound) {
+    constexpr float kNothing = 1e-9f;  // 180 dB below full scale
+    peak.fallen *= static_cast<float>(std::exp(-static_cast<double>(sound.size()) / (kPeakTime_s * getSampleRate())));
+    for (const float x : sound) peak.fallen = std::max(peak.fallen, std::abs(x));
+    if (peak.fallen < kNothing) peak.fallen = 0;
+    peak.shown.store(static_cast<float>(peak.fallen * peak.unit), std::memory_order_relaxed);
   }
 
   [[nodiscard]] std::vector<double> all_factors() const {
@@ -196,6 +243,8 @@ class InstrumentPlugin : private detail::PluginInstrument<I>, public DISTRHO_NAM
   std::vector<double> factors_;  // unit for people over the instrument's
   std::vector<HostValue> values_;
   std::vector<float*> outputs_;
+  std::vector<std::array<float, kBlock>> unheard_;  // of outputs that are on neither side
+  std::vector<Peak> peaks_;
   std::size_t left_, right_;
   float volume_ = 0, volume_target_ = 0, volume_rate_ = 0;
 };

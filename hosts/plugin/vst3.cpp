@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// The VST3 side of a plug-in. In version 1.6 of the framework the MIDI controllers end one parameter too late, so
-// hosts can neither read nor set the first parameter of an instrument (github.com/DISTRHO/DPF, issue 442).
-#include <src/DistrhoPluginVST.hpp>
+// The VST3 side of a plug-in. contactspline_plugin() makes instrument_vst3.cpp of the framework's source and of
+// instrument_vst3.hpp.
+#include <src/DistrhoPlugin.cpp>
 
-#define kVst3InternalParameterMidiCC_end (kVst3InternalParameterMidiCC_start + 130 * 16 - 1)
+#include "instrument_vst3.cpp"
 
-#include <DistrhoPluginMain.cpp>
+#define DISTRHO_IS_STANDALONE 0
+#include <src/DistrhoUtils.cpp>

@@ -314,19 +314,22 @@ case_arguments() {
   local function
   for function in contactspline_lv2 contactspline_jack; do
     prefix="$function: "
-    expect_refusal "${prefix}DSP: missing; needed: DSP or INSTRUMENT" TARGET t
-    expect_refusal "${prefix}INSTRUMENT: stands beside DSP" TARGET t DSP ball.dsp INSTRUMENT snare
-    expect_refusal "${prefix}INSTRUMENT: no 'snarl' ships or is emitted as cpp by MATERIALS; allowed: classical_guitar, " \
-      TARGET t INSTRUMENT snarl
+    expect_refusal "${prefix}DSP: missing; needed: DSP" TARGET t
     expect_refusal "absent.dsp is not there; allowed: a Faust program (.dsp) or a class in C++ (.cpp)" TARGET t DSP absent.dsp
     expect_refusal "cork.json is not there; allowed: a Faust program (.dsp) or a class in C++ (.cpp)" TARGET t DSP cork.json
     expect_refusal "${prefix}VOICES: 'many' is not usable; allowed: a whole number, 0 or more" \
       TARGET t DSP ball.dsp VOICES many
     expect_refusal "${prefix}MATERIALS: 'm' is no target of contactspline_generate" TARGET t DSP ball.dsp MATERIALS m
   done
-  expect_refusal "${prefix}'URI' is unknown; allowed: TARGET, DSP, INSTRUMENT, VOICES, OUTPUT_DIR, MATERIALS" \
+  expect_refusal "${prefix}DSP: missing; needed: DSP or INSTRUMENT" TARGET t
+  expect_refusal "${prefix}INSTRUMENT: stands beside DSP" TARGET t DSP ball.dsp INSTRUMENT snare
+  expect_refusal "${prefix}INSTRUMENT: no 'snarl' ships or is emitted as cpp by MATERIALS; allowed: classical_guitar, " \
+    TARGET t INSTRUMENT snarl
+  expect_refusal "${prefix}'URI' is unknown; allowed: TARGET, DSP, VOICES, INSTRUMENT, OUTPUT_DIR, MATERIALS" \
     TARGET t DSP ball.dsp URI urn:a:b
   function=contactspline_lv2
+  expect_refusal "contactspline_lv2: 'INSTRUMENT' is unknown; allowed: TARGET, DSP, VOICES, URI, OUTPUT_DIR, MATERIALS" \
+    TARGET t INSTRUMENT snare
   expect_refusal "DSP: '2balls' would name a class of C++" TARGET t DSP 2balls.dsp
   PKG_CONFIG_LIBDIR=nowhere expect_refusal "something is not installed; Debian has it as: lv2-dev" TARGET t DSP ball.dsp
 }
@@ -382,13 +385,14 @@ case_plugins_install() {
   run cmake --install "$BUILD" --component plugins --prefix "$WORK/prefix"
   local file
   for file in lib/clap/contactspline_{piano,hammer_string}.clap lib/vst3/contactspline_{piano,hammer_string}.vst3 \
-    lib/lv2/contactspline_{piano,hammer_string,faust_piano,faust_slide_string}.lv2/manifest.ttl \
+    lib/lv2/contactspline_{piano,hammer_string,slide_string,faust_piano}.lv2/manifest.ttl \
     bin/contactspline-{piano,hammer_string}; do
     [ -s "$WORK/prefix/$file" ] || fail "no $file"
   done
-  [ "$(echo "$WORK"/prefix/lib/vst3/*/Contents/*-linux/*.so | wc -w)" = 3 ] || fail "a VST3 plug-in has no binary"
+  [ "$(echo "$WORK"/prefix/lib/vst3/*/Contents/*-linux/*.so | wc -w)" = 5 ] || fail "a VST3 plug-in has no binary"
   [ "$(cd "$WORK/prefix" && echo * lib/*)" = "bin lib lib/clap lib/lv2 lib/vst3" ] || fail "not the plug-ins alone"
   [ ! -e "$WORK/prefix/bin/contactspline" ] || fail "not the plug-ins alone"
+  [ ! -e "$WORK/prefix/lib/lv2/contactspline_faust_mass_barrier.lv2" ] || fail "a plug-in that no note plays"
   ! (cd "$WORK/prefix" && ls bin lib/*) | grep -vE '^$|:$|^contactspline[-_]' || fail "a name that others may have"
 }
 

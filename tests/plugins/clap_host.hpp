@@ -55,15 +55,13 @@ class ClapPlugin : public HostedPlugin {
   /// As a host does on its audio thread, when the user stops all sound.
   void reset() { plugin_->reset(plugin_); }
 
-  /// The format has no units.
-  [[nodiscard]] std::vector<HostedParameter> parameters() const override {
-    std::vector<HostedParameter> parameters;
-    for (std::uint32_t i = 0; i < params_->count(plugin_); ++i) {
-      clap_param_info_t info;
-      require(params_->get_info(plugin_, i, &info), "no parameter");
-      parameters.push_back({info.name, "", info.min_value, info.max_value, info.default_value});
-    }
-    return parameters;
+  [[nodiscard]] std::vector<HostedParameter> parameters() const override { return parameters(false); }
+  [[nodiscard]] std::vector<HostedParameter> readings() const override { return parameters(true); }
+
+  /// A value as hosts show it, empty where the plug-in has no such parameter.
+  [[nodiscard]] std::string text(clap_id id, double value) const {
+    char shown[64];
+    return params_->value_to_text(plugin_, id, value, shown, sizeof shown) ? shown : "";
   }
 
   [[nodiscard]] double value(const std::string& parameter) override {
@@ -72,10 +70,13 @@ class ClapPlugin : public HostedPlugin {
     return value;
   }
 
-  void set(const std::string& parameter, double value) override {
+  void set(const std::string& parameter, double value, std::uint32_t time = 0) override {
+    set(ids_.at(parameter), value, time);
+  }
+  void set(clap_id parameter, double value, std::uint32_t time) {
     Event event = {};
-    event.parameter = {.header = header(sizeof event.parameter, 0, CLAP_EVENT_PARAM_VALUE),
-                       .param_id = ids_.at(parameter),
+    event.parameter = {.header = header(sizeof event.parameter, time, CLAP_EVENT_PARAM_VALUE),
+                       .param_id = parameter,
                        .cookie = nullptr,
                        .note_id = -1,
                        .port_index = -1,
@@ -118,6 +119,21 @@ class ClapPlugin : public HostedPlugin {
   }
 
  private:
+  // The format has no units: they stand in the text of a value.
+  [[nodiscard]] std::vector<HostedParameter> parameters(bool are_readings) const {
+    std::vector<HostedParameter> parameters;
+    for (std::uint32_t i = 0; i < params_->count(plugin_); ++i) {
+      clap_param_info_t info;
+      require(params_->get_info(plugin_, i, &info), "no parameter");
+      if (((info.flags & CLAP_PARAM_IS_READONLY) != 0) != are_readings) continue;
+      const std::string shown = text(info.id, info.max_value);
+      const std::size_t space = shown.find(' ');
+      parameters.push_back({info.name, space == std::string::npos ? "" : shown.substr(space + 1), info.min_value,
+                            info.max_value, info.default_value});
+    }
+    return parameters;
+  }
+
   union Event {
     clap_event_header_t head;
     clap_event_midi_t midi;

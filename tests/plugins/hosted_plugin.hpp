@@ -34,9 +34,12 @@ class HostedPlugin {
   virtual ~HostedPlugin() = default;
 
   [[nodiscard]] virtual std::vector<HostedParameter> parameters() const = 0;
+  /// What a host can only read.
+  [[nodiscard]] virtual std::vector<HostedParameter> readings() const = 0;
+  /// Of a parameter or a reading.
   [[nodiscard]] virtual double value(const std::string& parameter) = 0;
-  /// For the beginning of the next block.
-  virtual void set(const std::string& parameter, double value) = 0;
+  /// So many samples after the beginning of the next block. LV2 has beginnings only.
+  virtual void set(const std::string& parameter, double value, std::uint32_t time = 0) = 0;
   /// A message of MIDI, so many samples after the beginning of the next block. In the order of the times. VST3 has
   /// notes, controllers and the pitch wheel only.
   virtual void send(std::uint32_t time, std::array<std::uint8_t, 3> message) = 0;

@@ -4,7 +4,6 @@
 
 #include <lilv/lilv.h>
 #include <lv2/atom/util.h>
-#include <lv2/buf-size/buf-size.h>
 #include <lv2/midi/midi.h>
 #include <lv2/options/options.h>
 #include <lv2/presets/presets.h>
@@ -133,8 +132,13 @@ class Lv2Instance {
   /// The control of that name or symbol. Throws where there is none.
   [[nodiscard]] float& control(const std::string& name) {
     for (std::size_t i = 0; i < ports_.size(); ++i)
-      if (ports_[i].is_control && ports_[i].is_input && (ports_[i].name == name || ports_[i].symbol == name))
-        return controls_[i];
+      if (ports_[i].is_input && &controls_[i] == &control_port(name)) return controls_[i];
+    throw std::invalid_argument("no input " + name);
+  }
+  /// The same, of inputs and outputs.
+  [[nodiscard]] float& control_port(const std::string& name) {
+    for (std::size_t i = 0; i < ports_.size(); ++i)
+      if (ports_[i].is_control && (ports_[i].name == name || ports_[i].symbol == name)) return controls_[i];
     throw std::invalid_argument("no control " + name);
   }
   void set(const std::string& name, float value) { control(name) = value; }
@@ -187,12 +191,7 @@ class Lv2Instance {
   };
 
   LilvInstance* open(const LilvPlugin* plugin, double sample_rate_hz) {
-    const std::int32_t block = kBlock;
-    const LV2_Options_Option options[] = {
-        {LV2_OPTIONS_INSTANCE, 0, urids_(LV2_BUF_SIZE__maxBlockLength), sizeof block, urids_(LV2_ATOM__Int), &block},
-        {}};
-    const LV2_Feature with_options = {LV2_OPTIONS__options, const_cast<LV2_Options_Option*>(options)};
-    const LV2_Feature* const features[] = {urids_.feature(), &with_options, nullptr};
+    const LV2_Feature* const features[] = {urids_.feature(), nullptr};  // all that a small host has
     return lilv_plugin_instantiate(plugin, sample_rate_hz, features);
   }
 

@@ -2,6 +2,7 @@
 // An LV2 plug-in behind the interface of the other formats.
 #pragma once
 
+#include <algorithm>
 #include <cstdlib>
 
 #include "plugins/hosted_plugin.hpp"
@@ -26,16 +27,12 @@ class Lv2Plugin : public HostedPlugin {
     lilv_nodes_free(presets);
   }
 
-  [[nodiscard]] std::vector<HostedParameter> parameters() const override {
-    std::vector<HostedParameter> parameters;
-    for (const Lv2Port& port : instance_.ports())
-      if (port.is_control && port.is_input)
-        parameters.push_back({port.name, unit(port), port.min, port.max, port.initial});
-    return parameters;
-  }
+  [[nodiscard]] std::vector<HostedParameter> parameters() const override { return controls(true); }
+  [[nodiscard]] std::vector<HostedParameter> readings() const override { return controls(false); }
 
-  [[nodiscard]] double value(const std::string& parameter) override { return instance_.control(parameter); }
-  void set(const std::string& parameter, double value) override {
+  [[nodiscard]] double value(const std::string& parameter) override { return instance_.control_port(parameter); }
+  void set(const std::string& parameter, double value, std::uint32_t time = 0) override {
+    if (time != 0) throw std::invalid_argument("LV2: controls change with a block");
     instance_.set(parameter, static_cast<float>(value));
   }
   void send(std::uint32_t time, std::array<std::uint8_t, 3> message) override { instance_.send(message, time); }
@@ -70,6 +67,14 @@ class Lv2Plugin : public HostedPlugin {
  private:
   using State = std::unique_ptr<LilvState, decltype(&lilv_state_free)>;
 
+  [[nodiscard]] std::vector<HostedParameter> controls(bool are_inputs) const {
+    std::vector<HostedParameter> controls;
+    for (const Lv2Port& port : instance_.ports())
+      if (port.is_control && port.is_input == are_inputs)
+        controls.push_back({port.name, unit(port), port.min, port.max, port.initial});
+    return controls;
+  }
+
   [[nodiscard]] std::string unit(const Lv2Port& port) const {
     const Lv2World::Node symbol(lilv_new_string(world_.get(), port.symbol.c_str()), lilv_node_free);
     const LilvPort* const found = lilv_plugin_get_port_by_symbol(plugin_, symbol.get());
@@ -92,6 +97,8 @@ class Lv2Plugin : public HostedPlugin {
   }
   static void set(const char* symbol, void* self, const void* value, std::uint32_t, std::uint32_t type) {
     Lv2Instance& instance = static_cast<Lv2Plugin*>(self)->instance_;
+    if (std::ranges::none_of(instance.ports(), [symbol](const Lv2Port& port) { return port.symbol == symbol; }))
+      return;
     const bool is_float = type == instance.urids()(LV2_ATOM__Float);  // else an integer
     instance.set(symbol, is_float ? *static_cast<const float*>(value)
                                   : static_cast<float>(*static_cast<const std::int32_t*>(value)));

@@ -7,11 +7,13 @@
 #include <travesty/component.h>
 #include <travesty/edit_controller.h>
 #include <travesty/factory.h>
+#include <travesty/unit.h>
 
 #include <algorithm>
 #include <cstring>
 #include <map>
 #include <memory>
+#include <set>
 
 #include "plugins/hosted_plugin.hpp"
 
@@ -82,6 +84,54 @@ class ParameterChange : public HostObject<v3_param_value_queue> {
   double normalised_;
 };
 
+/// What a plug-in tells of its readings within a block: the last value of each.
+class ReadingChanges : public HostObject<v3_param_changes> {
+ public:
+  static constexpr std::size_t kMax = 64;
+
+  ReadingChanges()
+      : HostObject({[](void* self) { return static_cast<std::int32_t>(of<ReadingChanges>(self).count_); },
+                    [](void*, std::int32_t) -> v3_param_value_queue** { return nullptr; },
+                    [](void* self, v3_param_id* id, std::int32_t* index) -> v3_param_value_queue** {
+                      return of<ReadingChanges>(self).add(*id, *index);
+                    }}) {}
+
+  /// The part of the slider; 0 where the plug-in has told none.
+  [[nodiscard]] double part(v3_param_id id) const {
+    for (std::size_t i = 0; i < count_; ++i)
+      if (readings_[i].id == id) return readings_[i].part;
+    return 0;
+  }
+
+ private:
+  struct Reading : HostObject<v3_param_value_queue> {
+    Reading()
+        : HostObject(
+              {[](void* self) { return of<Reading>(self).id; }, [](void*) { return 1; },
+               [](void*, std::int32_t, std::int32_t*, double*) { return static_cast<v3_result>(V3_NOT_IMPLEMENTED); },
+               [](void* self, std::int32_t, double value, std::int32_t* index) {
+                 of<Reading>(self).part = value;
+                 *index = 0;
+                 return static_cast<v3_result>(V3_OK);
+               }}) {}
+    v3_param_id id = 0;
+    double part = 0;
+  };
+
+  v3_param_value_queue** add(v3_param_id id, std::int32_t& index) {
+    std::size_t i = 0;
+    while (i < count_ && readings_[i].id != id) ++i;
+    if (i == kMax) return nullptr;
+    count_ = std::max(count_, i + 1);
+    readings_[i].id = id;
+    index = static_cast<std::int32_t>(i);
+    return readings_[i].pointer();
+  }
+
+  std::array<Reading, kMax> readings_;
+  std::size_t count_ = 0;
+};
+
 /// All changes of parameters within a block.
 class ParameterChanges : public HostObject<v3_param_changes> {
  public:
@@ -145,16 +195,19 @@ class Vst3Plugin : public HostedPlugin {
     check(v3_cpp_obj(component_)->activate_bus(component_, V3_AUDIO, V3_OUTPUT, 0, true));
     check(v3_cpp_obj(component_)->set_active(component_, true));
     v3_cpp_obj(processor_)->set_processing(processor_, true);
-    for (std::int32_t i = 0; i < v3_cpp_obj(controller_)->get_parameter_count(controller_); ++i) {
+    check(v3_cpp_obj_query_interface(controller_, v3_unit_information_iid, &units_));
+    for (std::int32_t i = 0; i < count(); ++i) {
       const v3_param_info info = this->info(i);
       if (!(info.flags & V3_PARAM_IS_HIDDEN)) ids_[text(info.title)] = info.param_id;
       if (info.flags & V3_PARAM_PROGRAM_CHANGE) program_ = info;
+      if (info.flags & V3_PARAM_READ_ONLY) read_only_.insert(info.param_id);
     }
     list_.events.reserve(64);
   }
   ~Vst3Plugin() override {
     v3_cpp_obj(processor_)->set_processing(processor_, false);
     v3_cpp_obj(component_)->set_active(component_, false);
+    v3_cpp_obj_unref(units_);
     v3_cpp_obj_unref(mapping_);
     v3_cpp_obj_unref(controller_);
     v3_cpp_obj_unref(processor_);
@@ -166,25 +219,31 @@ class Vst3Plugin : public HostedPlugin {
 
   [[nodiscard]] const v3_class_info& class_info() const { return class_; }
 
-  [[nodiscard]] std::vector<HostedParameter> parameters() const override {
-    std::vector<HostedParameter> parameters;
-    for (std::int32_t i = 0; i < v3_cpp_obj(controller_)->get_parameter_count(controller_); ++i) {
-      const v3_param_info info = this->info(i);
-      if (info.flags & V3_PARAM_IS_HIDDEN) continue;  // programs and MIDI controllers
-      parameters.push_back({text(info.title), text(info.units), plain(info.param_id, 0), plain(info.param_id, 1),
-                            plain(info.param_id, info.default_normalised_value)});
-    }
-    return parameters;
+  /// How many parameters a host finds, hidden ones among them.
+  [[nodiscard]] std::int32_t count() const { return v3_cpp_obj(controller_)->get_parameter_count(controller_); }
+
+  [[nodiscard]] std::vector<HostedParameter> parameters() const override { return parameters(false); }
+  [[nodiscard]] std::vector<HostedParameter> readings() const override { return parameters(true); }
+
+  /// The value at a part of the slider, as hosts ask for it.
+  [[nodiscard]] double value_at(const std::string& parameter, double part) const {
+    return plain(ids_.at(parameter), part);
   }
+  [[nodiscard]] double part_of(const std::string& parameter, double value) const {
+    return v3_cpp_obj(controller_)->plain_parameter_to_normalised(controller_, ids_.at(parameter), value);
+  }
+  [[nodiscard]] std::uint32_t tail() const { return v3_cpp_obj(processor_)->get_tail_samples(processor_); }
 
   [[nodiscard]] double value(const std::string& parameter) override {
     const v3_param_id id = ids_.at(parameter);
+    if (read_only_.contains(id)) return plain(id, readings_.part(id));
     return plain(id, v3_cpp_obj(controller_)->get_parameter_normalised(controller_, id));
   }
 
-  void set(const std::string& parameter, double value) override {
+  void set(const std::string& parameter, double value, std::uint32_t time = 0) override {
     const v3_param_id id = ids_.at(parameter);
-    change(id, 0, v3_cpp_obj(controller_)->plain_parameter_to_normalised(controller_, id, value));
+    change(id, static_cast<std::int32_t>(time),
+           v3_cpp_obj(controller_)->plain_parameter_to_normalised(controller_, id, value));
   }
 
   void send(std::uint32_t time, std::array<std::uint8_t, 3> message) override {
@@ -202,21 +261,29 @@ class Vst3Plugin : public HostedPlugin {
         event.note_off = {0, message[1], velocity, -1, 0};
         return list_.events.push_back(event);
       case 0xb0:
-        if (message[1] < 128) change(controller(message[1]), event.sample_offset, message[2] / 127.0);
-        return;
+        return move_controller(message[1], event.sample_offset, message[2] / 127.0);
       case 0xe0:
-        return change(controller(kPitchWheel), event.sample_offset, (message[2] << 7 | message[1]) / 16383.0);
+        return move_controller(kPitchWheel, event.sample_offset, (message[2] << 7 | message[1]) / 16383.0);
       default:
         return;  // the format has no such events
     }
   }
 
+  /// As hosts list them: by the units of the plug-in.
   [[nodiscard]] std::vector<std::string> programs() override {
+    v3_unit_info root = {};
+    check(v3_cpp_obj(units_)->get_unit_info(units_, 0, &root));
+    if (v3_cpp_obj(units_)->get_program_list_count(units_) == 0) return {};
+    v3_program_list_info list = {};
+    check(v3_cpp_obj(units_)->get_program_list_info(units_, 0, &list));
+    require(list.id == root.program_list_id, "the root has no programs");
     std::vector<std::string> names;
-    for (int i = 0; i <= program_.step_count; ++i) {
-      v3_str_128 name = {};
+    for (int i = 0; i < list.programCount; ++i) {
+      v3_str_128 name = {}, shown = {};
+      check(v3_cpp_obj(units_)->get_program_name(units_, list.id, i, name));
       check(v3_cpp_obj(controller_)
-                ->get_parameter_string_for_value(controller_, program_.param_id, normalised_program(i), name));
+                ->get_parameter_string_for_value(controller_, program_.param_id, normalised_program(i), shown));
+      require(text(name) == text(shown), "a program has two names");
       names.push_back(text(name));
     }
     return names;
@@ -259,11 +326,26 @@ class Vst3Plugin : public HostedPlugin {
     return program_.step_count == 0 ? 0 : 1.0 * index / program_.step_count;
   }
 
-  // The parameter that stands for a controller of MIDI.
-  [[nodiscard]] v3_param_id controller(std::int16_t number) const {
+  // Hosts drop a controller that the plug-in has no parameter for.
+  void move_controller(std::int16_t number, std::int32_t time, double normalised) {
     v3_param_id id = 0;
-    check(v3_cpp_obj(mapping_)->get_midi_controller_assignment(mapping_, 0, 0, number, &id));
-    return id;
+    if (number > 129 || v3_cpp_obj(mapping_)->get_midi_controller_assignment(mapping_, 0, 0, number, &id) != V3_TRUE)
+      return;
+    for (std::int32_t i = 0; i < count(); ++i)
+      if (info(i).param_id == id) return change(id, time, std::min(normalised, 1.0));
+    throw std::runtime_error("VST3: a controller moves a parameter that is not there");
+  }
+
+  [[nodiscard]] std::vector<HostedParameter> parameters(bool are_readings) const {
+    std::vector<HostedParameter> parameters;
+    for (std::int32_t i = 0; i < count(); ++i) {
+      const v3_param_info info = this->info(i);
+      if (info.flags & (V3_PARAM_IS_HIDDEN | V3_PARAM_PROGRAM_CHANGE)) continue;
+      if (((info.flags & V3_PARAM_READ_ONLY) != 0) != are_readings) continue;
+      parameters.push_back({text(info.title), text(info.units), plain(info.param_id, 0), plain(info.param_id, 1),
+                            plain(info.param_id, info.default_normalised_value)});
+    }
+    return parameters;
   }
 
   [[nodiscard]] v3_param_info info(std::int32_t index) const {
@@ -291,7 +373,7 @@ class Vst3Plugin : public HostedPlugin {
     data.num_output_buses = 1;
     data.outputs = &bus;
     data.input_params = changes_.pointer();
-    data.output_params = none_.pointer();
+    data.output_params = readings_.pointer();
     data.input_events = list_.pointer();
     check(v3_cpp_obj(processor_)->process(processor_, &data));
     list_.events.clear();
@@ -305,10 +387,13 @@ class Vst3Plugin : public HostedPlugin {
   v3_audio_processor** processor_ = nullptr;
   v3_edit_controller** controller_ = nullptr;
   v3_midi_mapping** mapping_ = nullptr;
+  v3_unit_information** units_ = nullptr;
   v3_param_info program_ = {};
   std::map<std::string, v3_param_id> ids_;
   EventList list_;
-  ParameterChanges changes_, none_;
+  ParameterChanges changes_;
+  ReadingChanges readings_;
+  std::set<v3_param_id> read_only_;
 };
 
 }  // namespace contactspline::testing

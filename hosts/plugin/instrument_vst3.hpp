@@ -1,0 +1,400 @@
+// SPDX-License-Identifier: MIT
+// What version 1.6 of the framework lacks in VST3. contactspline_plugin() includes it in the framework's source, behind
+// its class PluginVst3, which this one takes the place of:
+// - parameters that MIDI moves are these themselves, not one of 2,080 hidden ones for all controllers of all channels
+// - programs are a list of the host, logarithmic parameters are logarithmic, units stand with the values
+// - parameters change at their sample, and the sound does not end with the last note
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <limits>
+
+#include "host_values.hpp"
+#include "src/travesty/unit.h"
+
+START_NAMESPACE_DISTRHO
+
+// Objects as VST3 passes them: a pointer to one of these is what their functions are called with. Their functions
+// stand first. They live on the stack or in the plug-in, so nobody counts references.
+namespace vst3_object {
+
+inline v3_result V3_API query(void*, const v3_tuid, void**) { return V3_NO_INTERFACE; }
+inline uint32_t V3_API one(void*) { return 1; }
+
+template <typename Functions>
+struct Table {
+  v3_funknown unknown = {query, one, one};
+  Functions functions;
+};
+
+/// A controller that moves at the first sample of a block.
+struct ControllerPoint {
+  static const Table<v3_param_value_queue>& table() {
+    static const Table<v3_param_value_queue> kTable = {
+        {query, one, one},
+        {[](void* self) { return static_cast<ControllerPoint*>(self)->id; }, [](void*) { return int32_t(1); },
+         [](void* self, int32_t, int32_t* offset, double* value) -> v3_result {
+           *offset = 0;
+           *value = static_cast<ControllerPoint*>(self)->value;
+           return V3_OK;
+         },
+         [](void*, int32_t, double, int32_t*) -> v3_result { return V3_NOT_IMPLEMENTED; }}};
+    return kTable;
+  }
+  const Table<v3_param_value_queue>* functions = &table();
+  v3_param_id id = 0;
+  double value = 0;
+};
+
+/// The controllers that move at the first sample of a block.
+struct ControllerPoints {
+  static constexpr int32_t kMax = 3;
+  static const Table<v3_param_changes>& table() {
+    static const Table<v3_param_changes> kTable = {
+        {query, one, one},
+        {[](void* self) { return static_cast<ControllerPoints*>(self)->count; },
+         [](void* self, int32_t i) {
+           auto& points = *static_cast<ControllerPoints*>(self);
+           return reinterpret_cast<v3_param_value_queue**>(&points.points[i]);
+         },
+         [](void*, v3_param_id*, int32_t*) -> v3_param_value_queue** { return nullptr; }}};
+    return kTable;
+  }
+  const Table<v3_param_changes>* functions = &table();
+  ControllerPoint points[kMax];
+  int32_t count = 0;
+};
+
+/// The notes from a sample on and before another one, for a block that begins with the first.
+struct NotesWithin {
+  static const Table<v3_event_list>& table() {
+    static const Table<v3_event_list> kTable = {
+        {query, one, one},
+        {[](void* self) {
+           auto& notes = *static_cast<NotesWithin*>(self);
+           uint32_t count = 0;
+           v3_event event;
+           while (notes.find(count, event)) ++count;
+           return count;
+         },
+         [](void* self, int32_t i, v3_event* event) -> v3_result {
+           return static_cast<NotesWithin*>(self)->find(static_cast<uint32_t>(i), *event) ? V3_OK : V3_INVALID_ARG;
+         },
+         [](void*, v3_event*) -> v3_result { return V3_NOT_IMPLEMENTED; }}};
+    return kTable;
+  }
+
+  bool find(uint32_t number, v3_event& event) const {
+    if (all == nullptr) return false;
+    const uint32_t count = v3_cpp_obj(all)->get_event_count(all);
+    for (uint32_t i = 0; i < count; ++i) {
+      if (v3_cpp_obj(all)->get_event(all, static_cast<int32_t>(i), &event) != V3_OK) return false;
+      if (event.sample_offset < begin || event.sample_offset >= end || number-- > 0) continue;
+      event.sample_offset -= begin;
+      return true;
+    }
+    return false;
+  }
+
+  const Table<v3_event_list>* functions = &table();
+  v3_event_list** all = nullptr;
+  int32_t begin = 0, end = 0;
+};
+
+}  // namespace vst3_object
+
+class InstrumentVst3 : public PluginVst3 {
+ public:
+  InstrumentVst3(v3_host_application** host, bool is_component) : PluginVst3(host, is_component) {
+    static_assert(kVst3InternalParameterProgram == 0 && kVst3InternalParameterMidiCC_start == 1);
+    // "All sound off" and "all notes off"; the pitch wheel where the instrument bends.
+    hidden_[hidden_count_++] = kVst3InternalParameterMidiCC_start + 120;
+    hidden_[hidden_count_++] = kVst3InternalParameterMidiCC_start + 123;
+    for (uint32_t i = 0; i < fParameterCount; ++i)
+      if (fPlugin.getParameterSymbol(i) == "bend_cents")
+        hidden_[hidden_count_++] = kVst3InternalParameterMidiCC_start + kPitchWheel;
+  }
+
+  // The host's list: programs, parameters, hidden controllers.
+
+  int32_t getParameterCount() const noexcept {
+    return static_cast<int32_t>(program_parameters() + fParameterCount + hidden_count_);
+  }
+
+  v3_result getParameterInfo(int32_t number, v3_param_info* info) const noexcept {
+    std::memset(info, 0, sizeof *info);
+    uint32_t index = static_cast<uint32_t>(number);
+    if (number < 0 || number >= getParameterCount()) return V3_INVALID_ARG;
+    if (index < program_parameters()) {
+      info->param_id = kVst3InternalParameterProgram;
+      info->flags = V3_PARAM_CAN_AUTOMATE | V3_PARAM_IS_LIST | V3_PARAM_PROGRAM_CHANGE;
+      info->step_count = static_cast<int32_t>(fProgramCountMinusOne);
+      strncpy_utf16(info->title, "preset", 128);
+      strncpy_utf16(info->short_title, "preset", 128);
+      return V3_OK;
+    }
+    index -= program_parameters();
+    if (index >= fParameterCount) {
+      info->param_id = hidden_[index - fParameterCount];
+      info->flags = V3_PARAM_CAN_AUTOMATE | V3_PARAM_IS_HIDDEN;
+      const v3_param_id controller = info->param_id - kVst3InternalParameterMidiCC_start;
+      info->default_normalised_value = controller == kPitchWheel ? 0.5 : 0;
+      const char* const title = controller == kPitchWheel ? "pitch wheel"
+                                : controller == 120       ? "all sound off"
+                                                          : "all notes off";
+      strncpy_utf16(info->title, title, 128);
+      strncpy_utf16(info->short_title, title, 128);
+      return V3_OK;
+    }
+    info->param_id = kVst3InternalParameterCount + index;
+    const uint32_t hints = fPlugin.getParameterHints(index);
+    info->flags = (hints & kParameterIsAutomatable ? V3_PARAM_CAN_AUTOMATE : 0) |
+                  (hints & kParameterIsOutput ? V3_PARAM_READ_ONLY : 0);
+    info->default_normalised_value = scale(index).part_of(fPlugin.getParameterRanges(index).def);
+    strncpy_utf16(info->title, fPlugin.getParameterName(index), 128);
+    strncpy_utf16(info->short_title, fPlugin.getParameterShortName(index), 128);
+    strncpy_utf16(info->units, fPlugin.getParameterUnit(index), 128);
+    return V3_OK;
+  }
+
+  /// The parameter that a controller of MIDI moves, 129 for the pitch wheel, on any channel.
+  bool controllerAssignment(int16_t controller, v3_param_id* id) const noexcept {
+    for (uint32_t i = 0; i < fParameterCount; ++i)
+      if (controller > 0 && fPlugin.getParameterMidiCC(i) == controller) {
+        *id = kVst3InternalParameterCount + i;
+        return true;
+      }
+    *id = static_cast<v3_param_id>(kVst3InternalParameterMidiCC_start + controller);
+    return is_hidden(*id);
+  }
+
+  // Values: `part` is 0 to 1 along the slider.
+
+  double normalizedParameterToPlain(v3_param_id id, double part) {
+    if (id == kVst3InternalParameterProgram) return std::round(part * fProgramCountMinusOne);
+    return is_parameter(id) ? scale(index_of(id)).value_at(part) : part;
+  }
+
+  double plainParameterToNormalized(v3_param_id id, double plain) {
+    if (id == kVst3InternalParameterProgram)
+      return fProgramCountMinusOne == 0 ? 0 : std::clamp(plain / fProgramCountMinusOne, 0.0, 1.0);
+    return is_parameter(id) ? scale(index_of(id)).part_of(plain) : plain;
+  }
+
+  double getParameterNormalized(v3_param_id id) {
+    if (id == kVst3InternalParameterProgram) return plainParameterToNormalized(id, fCurrentProgram);
+    return is_parameter(id) ? scale(index_of(id)).part_of(cached(index_of(id))) : 0;
+  }
+
+  v3_result setParameterNormalized(v3_param_id id, double part) {
+    if (!(part >= 0 && part <= 1)) return V3_INVALID_ARG;
+    if (id == kVst3InternalParameterProgram) return PluginVst3::setParameterNormalized(id, part);
+    if (!is_parameter(id)) return is_hidden(id) ? V3_OK : V3_INVALID_ARG;
+    move(index_of(id), part);
+    return V3_OK;
+  }
+
+  v3_result getParameterStringForValue(v3_param_id id, double part, v3_str_128 text) {
+    if (!(part >= 0 && part <= 1)) return V3_INVALID_ARG;
+    if (!is_parameter(id) && id != kVst3InternalParameterProgram) return V3_INVALID_ARG;
+    const double value = normalizedParameterToPlain(id, part);
+    char shown[128];
+    if (id == kVst3InternalParameterProgram)
+      std::snprintf(shown, sizeof shown, "%s", fPlugin.getProgramName(static_cast<uint32_t>(value)).buffer());
+    else
+      std::snprintf(shown, sizeof shown, "%.4g", value);  // the host adds the unit
+    strncpy_utf16(text, shown, 128);
+    return V3_OK;
+  }
+
+  v3_result getParameterValueForString(v3_param_id id, int16_t* text, double* part) {
+    if (!is_parameter(id)) return PluginVst3::getParameterValueForString(id, text, part);
+    const ScopedUTF8String typed(text);
+    char* end = nullptr;
+    const double value = std::strtod(typed, &end);
+    if (end == static_cast<const char*>(typed) || !std::isfinite(value)) return V3_INVALID_ARG;
+    *part = scale(index_of(id)).part_of(value);
+    return V3_OK;
+  }
+
+  /// Instruments ring as long as they are not damped.
+  uint32_t getTailSamples() const noexcept { return ~uint32_t(0); }
+
+  /// Plays the parts of a block between changes of parameters.
+  v3_result process(v3_process_data* data) {
+    const int32_t length = data->nframes;
+    if (data->input_params == nullptr || v3_cpp_obj(data->input_params)->get_param_count(data->input_params) == 0)
+      return PluginVst3::process(data);
+    v3_process_data part = *data;
+    v3_audio_bus_buffers bus = data->num_output_buses > 0 ? data->outputs[0] : v3_audio_bus_buffers();
+    float* channels[DISTRHO_PLUGIN_NUM_OUTPUTS] = {};
+    part.outputs = data->num_output_buses > 0 ? &bus : nullptr;
+    bus.num_channels = std::min<int32_t>(bus.num_channels, DISTRHO_PLUGIN_NUM_OUTPUTS);
+    for (int32_t begin = 0;;) {
+      vst3_object::ControllerPoints points;
+      const int32_t end = change_parameters(data->input_params, begin, length, points);
+      // What a host sends outside of the block belongs to its ends.
+      vst3_object::NotesWithin notes = {.all = data->input_events,
+                                        .begin = begin,
+                                        .end = end == length ? std::numeric_limits<int32_t>::max() : end};
+      for (int32_t c = 0; c < bus.num_channels; ++c) channels[c] = data->outputs[0].channel_buffers_32[c] + begin;
+      bus.channel_buffers_32 = channels;
+      part.nframes = end - begin;
+      part.input_params = reinterpret_cast<v3_param_changes**>(&points);
+      part.input_events = reinterpret_cast<v3_event_list**>(&notes);
+      const v3_result result = PluginVst3::process(&part);
+      if (result != V3_OK || end >= length) return result;
+      begin = end;
+    }
+  }
+
+  /// What a host may ask the controller for and the framework does not have; null for all else.
+  void* interface(const v3_tuid id) {
+    if (v3_tuid_match(id, v3_unit_information_iid)) return &programs_;
+    return v3_tuid_match(id, v3_midi_mapping_iid) ? &mapping_ : nullptr;
+  }
+
+ private:
+  static constexpr v3_param_id kPitchWheel = 129;
+
+  [[nodiscard]] uint32_t program_parameters() const { return fProgramCountMinusOne > 0 ? 1 : 0; }
+  [[nodiscard]] bool is_parameter(v3_param_id id) const {
+    return id >= kVst3InternalParameterCount && index_of(id) < fParameterCount;
+  }
+  [[nodiscard]] static uint32_t index_of(v3_param_id id) { return id - kVst3InternalParameterCount; }
+  [[nodiscard]] bool is_hidden(v3_param_id id) const {
+    return std::find(hidden_, hidden_ + hidden_count_, id) != hidden_ + hidden_count_;
+  }
+  [[nodiscard]] contactspline::HostScale scale(uint32_t index) const {
+    const ParameterRanges& ranges = fPlugin.getParameterRanges(index);
+    return {ranges.min, ranges.max, (fPlugin.getParameterHints(index) & kParameterIsLogarithmic) != 0};
+  }
+  [[nodiscard]] float& cached(uint32_t index) { return fCachedParameterValues[kVst3InternalParameterBaseCount + index]; }
+
+  void move(uint32_t index, double part) {
+    if (fPlugin.isParameterOutputOrTrigger(index) || !(part >= 0 && part <= 1)) return;
+    // Some hosts keep parts in single precision: what they repeat is no change.
+    if (std::abs(scale(index).part_of(cached(index)) - part) < 1e-7) return;
+    cached(index) = static_cast<float>(scale(index).value_at(part));
+    fPlugin.setParameterValue(index, cached(index));
+  }
+
+  void load_program(double part) {
+    const auto program = static_cast<uint32_t>(std::round(std::clamp(part, 0.0, 1.0) * fProgramCountMinusOne));
+    if (program == fCurrentProgram) return;
+    fCurrentProgram = program;
+    fPlugin.loadProgram(program);
+    for (uint32_t i = 0; i < fParameterCount; ++i) cached(i) = fPlugin.getParameterValue(i);
+  }
+
+  // Moves what changes at a sample, and returns where the next change is, or the end of the block.
+  int32_t change_parameters(v3_param_changes** changes, int32_t begin, int32_t length,
+                            vst3_object::ControllerPoints& points) {
+    int32_t next = length;
+    const int32_t count = v3_cpp_obj(changes)->get_param_count(changes);
+    for (int32_t i = 0; i < count; ++i) {
+      v3_param_value_queue** const queue = v3_cpp_obj(changes)->get_param_data(changes, i);
+      if (queue == nullptr) continue;
+      const v3_param_id id = v3_cpp_obj(queue)->get_param_id(queue);
+      const int32_t moves = v3_cpp_obj(queue)->get_point_count(queue);
+      for (int32_t m = 0; m < moves; ++m) {
+        int32_t offset = 0;
+        double part = 0;
+        if (v3_cpp_obj(queue)->get_point(queue, m, &offset, &part) != V3_OK) break;
+        offset = std::clamp(offset, 0, std::max(0, length - 1));
+        if (offset > begin) next = std::min(next, offset);
+        if (offset == begin) change(id, part, points);
+      }
+    }
+    return next;
+  }
+
+  void change(v3_param_id id, double part, vst3_object::ControllerPoints& points) {
+    if (is_parameter(id)) return move(index_of(id), part);
+    if (id == kVst3InternalParameterProgram) return load_program(part);
+    if (!is_hidden(id) || !(part >= 0 && part <= 1)) return;
+    vst3_object::ControllerPoint* point = std::find_if(points.points, points.points + points.count,
+                                                       [id](const auto& known) { return known.id == id; });
+    if (point == points.points + points.count) ++points.count;
+    point->id = id;
+    point->value = part;
+  }
+
+  struct Mapping {
+    using Table = vst3_object::Table<v3_midi_mapping>;
+    static const Table& table() {
+      static const Table kTable = {
+          {vst3_object::query, vst3_object::one, vst3_object::one},
+          {[](void* self, int32_t bus, int16_t, int16_t controller, v3_param_id* id) -> v3_result {
+            return bus == 0 && static_cast<Mapping*>(self)->plugin->controllerAssignment(controller, id) ? V3_TRUE
+                                                                                                         : V3_FALSE;
+          }}};
+      return kTable;
+    }
+    const Table* functions = &table();
+    const InstrumentVst3* plugin;
+  };
+
+  // The programs, for hosts that ask for units. All stand in the root.
+  struct Programs {
+    using Table = vst3_object::Table<v3_unit_information>;
+    static const Programs& of(void* self) { return *static_cast<Programs*>(self); }
+    [[nodiscard]] int32_t count() const { return static_cast<int32_t>(plugin->getProgramCount()); }
+    [[nodiscard]] int32_t lists() const { return count() > 1 ? 1 : 0; }
+    [[nodiscard]] bool has(int32_t list, int32_t program) const {
+      return list == 0 && lists() == 1 && program >= 0 && program < count();
+    }
+
+    static int32_t V3_API unit_count(void*) { return 1; }
+    static v3_result V3_API unit_info(void* self, int32_t unit, v3_unit_info* info) {
+      if (unit != 0) return V3_INVALID_ARG;
+      *info = {};
+      info->parent_unit_id = -1;
+      info->program_list_id = of(self).lists() - 1;
+      strncpy_utf16(info->name, "root", 128);
+      return V3_OK;
+    }
+    static int32_t V3_API list_count(void* self) { return of(self).lists(); }
+    static v3_result V3_API list_info(void* self, int32_t list, v3_program_list_info* info) {
+      if (!of(self).has(list, 0)) return V3_INVALID_ARG;
+      *info = {};
+      info->programCount = of(self).count();
+      strncpy_utf16(info->name, "presets", 128);
+      return V3_OK;
+    }
+    static v3_result V3_API program_name(void* self, int32_t list, int32_t program, v3_str_128 name) {
+      if (!of(self).has(list, program)) return V3_INVALID_ARG;
+      strncpy_utf16(name, of(self).plugin->getProgramName(static_cast<uint32_t>(program)), 128);
+      return V3_OK;
+    }
+    static const Table& table() {
+      static const Table kTable = {
+          {vst3_object::query, vst3_object::one, vst3_object::one},
+          {unit_count, unit_info, list_count, list_info, program_name,
+           [](void*, int32_t, int32_t, const char*, v3_str_128) -> v3_result { return V3_NOT_IMPLEMENTED; },
+           [](void*, int32_t, int32_t) -> v3_result { return V3_FALSE; },
+           [](void*, int32_t, int32_t, int16_t, v3_str_128) -> v3_result { return V3_NOT_IMPLEMENTED; },
+           [](void*) { return int32_t(0); },
+           [](void*, int32_t unit) -> v3_result { return unit == 0 ? V3_OK : V3_INVALID_ARG; },
+           [](void*, int32_t, int32_t, int32_t, int32_t, int32_t* unit) -> v3_result {
+             *unit = 0;
+             return V3_OK;
+           },
+           [](void*, int32_t, int32_t, v3_bstream**) -> v3_result { return V3_NOT_IMPLEMENTED; }}};
+      return kTable;
+    }
+
+    const Table* functions = &table();
+    const PluginExporter* plugin;
+  };
+
+  Programs programs_ = {.plugin = &fPlugin};
+  Mapping mapping_ = {.plugin = this};
+  v3_param_id hidden_[vst3_object::ControllerPoints::kMax] = {};
+  uint32_t hidden_count_ = 0;
+};
+
+END_NAMESPACE_DISTRHO
