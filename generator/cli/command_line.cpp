@@ -132,6 +132,31 @@ void add_generate(CLI::App& app) {
   command->callback([options] { generate(*options); });
 }
 
+void add_plugin(CLI::App& app) {
+  constexpr auto kHelp = "instrument file (.json), or the name of an instrument that ships";
+  const auto options = std::make_shared<PluginOptions>();
+  CLI::App* command = app.add_subcommand("plugin", "Make CLAP, VST3 and LV2 plug-ins of an instrument");
+  command->add_option("INSTRUMENT", options->instrument, kHelp)->check(not_empty(kHelp))->required();
+  command->add_option("-o,--output", options->output, "folder for the project and the plug-ins")
+      ->check(folder_name("a folder"))
+      ->type_name("DIR")
+      ->required();
+  constexpr auto kVendorHelp = "name of the maker that hosts show";
+  command->add_option("--vendor", options->vendor, kVendorHelp)
+      ->check(not_empty(kVendorHelp))
+      ->type_name("NAME")
+      ->capture_default_str();
+  command->add_flag("--no-build", options->no_build, "write the project of CMake only, and build nothing");
+  add_force(*command, options->force);
+  command->footer(
+      "Example:\n"
+      "  contactspline plugin my_zither.json -o zither --vendor Me\n"
+      "It needs cmake, a compiler of C++20, the installed package and the DISTRHO Plugin Framework; on Debian: "
+      "cmake,\n"
+      "g++ and dpf-source. The project can be built again, and changed, with cmake alone.");
+  command->callback([options] { make_plugin(*options); });
+}
+
 void add_inspect(CLI::App& app) {
   const auto options = std::make_shared<InspectOptions>();
   CLI::App* command = app.add_subcommand(
@@ -357,6 +382,7 @@ void add_all(CLI::App& app) {
   add_show(app);
   add_impact(app);
   add_render(app);
+  add_plugin(app);
   add_version(app);
 }
 

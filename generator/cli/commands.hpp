@@ -29,6 +29,16 @@ struct GenerateOptions {
 };
 void generate(const GenerateOptions& options);
 
+struct PluginOptions {
+  std::string instrument;
+  std::string output;  ///< folder of the project
+  std::string vendor = "Contact Spline";
+  bool no_build = false;
+  bool force = false;  ///< as in GenerateOptions
+};
+/// Writes an instrument's project of plug-ins, and builds it.
+void make_plugin(const PluginOptions& options);
+
 struct InspectOptions {
   std::string material;
   std::string figure;  ///< file to draw, or empty

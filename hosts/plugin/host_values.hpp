@@ -15,8 +15,8 @@ inline double shortest_within(double value, double distance) {
   for (int digits = 1; digits <= 6; ++digits) {
     const double unit = std::pow(10.0, leading + 1 - digits);
     // Powers of 10 below 1 are not exact: a quotient by a whole one is.
-    const double rounded = unit < 1 ? std::round(value * std::round(1 / unit)) / std::round(1 / unit)
-                                    : std::round(value / unit) * unit;
+    const double rounded =
+        unit < 1 ? std::round(value * std::round(1 / unit)) / std::round(1 / unit) : std::round(value / unit) * unit;
     if (std::abs(rounded - value) <= distance) return rounded;
   }
   return value;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What version 1.6 of the framework lacks in VST3. contactspline_plugin() includes it in the framework's source, behind
-// its class PluginVst3, which this one takes the place of:
+// What version 1.6 of the framework lacks in VST3. contactspline_plugin() includes it in the framework's source,
+// behind its class PluginVst3, which this one takes the place of:
 // - parameters that MIDI moves are these themselves, not one of 2,080 hidden ones for all controllers of all channels
 // - programs are a list of the host, logarithmic parameters are logarithmic, units stand with the values
 // - parameters change at their sample, and the sound does not end with the last note
@@ -21,8 +21,12 @@ START_NAMESPACE_DISTRHO
 // stand first. They live on the stack or in the plug-in, so nobody counts references.
 namespace vst3_object {
 
-inline v3_result V3_API query(void*, const v3_tuid, void**) { return V3_NO_INTERFACE; }
-inline uint32_t V3_API one(void*) { return 1; }
+inline v3_result V3_API query(void*, const v3_tuid, void**) {
+  return V3_NO_INTERFACE;
+}
+inline uint32_t V3_API one(void*) {
+  return 1;
+}
 
 template <typename Functions>
 struct Table {
@@ -272,7 +276,9 @@ class InstrumentVst3 : public PluginVst3 {
     const ParameterRanges& ranges = fPlugin.getParameterRanges(index);
     return {ranges.min, ranges.max, (fPlugin.getParameterHints(index) & kParameterIsLogarithmic) != 0};
   }
-  [[nodiscard]] float& cached(uint32_t index) { return fCachedParameterValues[kVst3InternalParameterBaseCount + index]; }
+  [[nodiscard]] float& cached(uint32_t index) {
+    return fCachedParameterValues[kVst3InternalParameterBaseCount + index];
+  }
 
   void move(uint32_t index, double part) {
     if (fPlugin.isParameterOutputOrTrigger(index) || !(part >= 0 && part <= 1)) return;
@@ -316,8 +322,8 @@ class InstrumentVst3 : public PluginVst3 {
     if (is_parameter(id)) return move(index_of(id), part);
     if (id == kVst3InternalParameterProgram) return load_program(part);
     if (!is_hidden(id) || !(part >= 0 && part <= 1)) return;
-    vst3_object::ControllerPoint* point = std::find_if(points.points, points.points + points.count,
-                                                       [id](const auto& known) { return known.id == id; });
+    vst3_object::ControllerPoint* point =
+        std::find_if(points.points, points.points + points.count, [id](const auto& known) { return known.id == id; });
     if (point == points.points + points.count) ++points.count;
     point->id = id;
     point->value = part;

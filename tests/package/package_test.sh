@@ -598,6 +598,21 @@ END
   done
   expect_current
 
+  # The same without a word of CMake, by the installed program.
+  (cd "$WORK" && run "$WORK/prefix/bin/contactspline" plugin my_zither.json -o "my plug-ins" --vendor Me)
+  local made="$WORK/my plug-ins"
+  run "$play" clap "$made/clap/my_zither.clap"
+  run "$play" vst3 "$made"/vst3/my_zither.vst3/Contents/*-linux/my_zither.so
+  LV2_PATH="$made/lv2" run "$play" lv2 urn:contactspline:own:my_zither
+  grep -qF 'foaf:name "Me"' "$made/lv2/my_zither.lv2/my_zither.ttl" || fail "the plug-in has another maker"
+  local sources="$WORK/prefix/share/contactspline/plugin"
+  mv "$sources" "$sources.away"
+  (cd "$WORK" && ! "$WORK/prefix/bin/contactspline" plugin my_zither.json -o broken 2>"$WORK/log") ||
+    fail "a plug-in of a damaged package"
+  [ "$(wc -l <"$WORK/log")" = 1 ] && grep -q '^contactspline: broken/build/build.log: build: ' "$WORK/log" ||
+    fail "no clear line where the project cannot be built"
+  mv "$sources.away" "$sources"
+
   cd "$WORK"
   local function=contactspline_plugin prefix='contactspline_plugin: '
   expect_refusal "${prefix}INSTRUMENT: missing; needed: INSTRUMENT, or HEADER with CLASS" TARGET t
@@ -661,6 +676,7 @@ not_run='
 ^cmake --(preset|build)                        builds the whole tree
 ^cmake (-S examples|--install build )           in case_examples_plugins
 ^cmake --install build/c |^cc -std=c99|^  -Wl,-rpath|^./first     in case_c
+^contactspline plugin tom                      half a minute, as the tutorial takes for its instrument
 arm-none-eabi|^for program|^  (read|echo|faust)|^ +(process|main\.c|-idirafter|-fno)|^done   in case_microcontroller
 '
 

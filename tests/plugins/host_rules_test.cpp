@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What hosts stumbled over: classes, features, units, hidden parameters, scales, values within a block, readings, state.
+// What hosts stumbled over: classes, features, units, hidden parameters, scales, values within a block, readings,
+// state.
 #include "contactspline/host/hosted.hpp"
 #include "contactspline/instrument/instruments_of.hpp"
 #include "contactspline/instruments/trichord_c4.hpp"
@@ -106,9 +107,9 @@ TEST(Vst3, HasNoParametersForControllers) {
 
 TEST(Vst3, HasLogarithmicScales) {
   const auto plugin = open_vst3("hammer_string");
-  EXPECT_TRUE(relatively_within(plugin->value_at("stiffness ratio", 0.5), 1, 1e-6));    // 0.001 to 1000
+  EXPECT_TRUE(relatively_within(plugin->value_at("stiffness ratio", 0.5), 1, 1e-6));  // 0.001 to 1000
   EXPECT_TRUE(relatively_within(plugin->value_at("stiffness ratio", 0.75), std::sqrt(1000), 1e-6));
-  EXPECT_TRUE(relatively_within(plugin->value_at("damping", 0.25), 250, 1e-6));         // linear, 0 to 1000
+  EXPECT_TRUE(relatively_within(plugin->value_at("damping", 0.25), 250, 1e-6));  // linear, 0 to 1000
   for (const HostedParameter& parameter : plugin->parameters())
     for (const double part : {0.0, 0.125, 0.5, 0.9, 1.0})
       EXPECT_TRUE(within(plugin->part_of(parameter.name, plugin->value_at(parameter.name, part)), part, 2e-7))
@@ -153,8 +154,8 @@ std::vector<float> played(const char* moved, double value, std::uint32_t note, s
   return sound;
 }
 
-// A parameter that moves within a block acts at its sample, as in the C++ class. The vectorised kernels of the plug-in
-// round in another order: 100 dB is 6 bits above single precision, for 38,000 samples.
+// A parameter that moves within a block acts at its sample, as in the C++ class. The vectorised kernels of the
+// plug-in round in another order: 100 dB is 6 bits above single precision, for 38,000 samples.
 TEST(EveryFormat, MovesParametersAtTheirSample) {
   using Hammer = HammerStringOf<materials::felt_c4, resonators::string_c4, float>;
   constexpr std::uint32_t kNote = 5 * kBlock + 37, kMove = 20 * kBlock + 201;
@@ -205,11 +206,13 @@ TEST(EveryFormat, ReadsThePeaksOfItsOutputs) {
   }
 }
 
-// A state of another version: parameters that it does not know keep their values, those that are gone are passed over.
+// A state of another version: parameters that it does not know keep their values, those that are gone are passed
+// over.
 TEST(EveryFormat, TakesTheStateOfAnotherVersion) {
   for (const char* format : {"clap", "vst3", "lv2"}) {
     SCOPED_TRACE(format);
-    const auto first = open_plugin(format, "hammer_string", kRate), second = open_plugin(format, "hammer_string", kRate);
+    const auto first = open_plugin(format, "hammer_string", kRate),
+               second = open_plugin(format, "hammer_string", kRate);
     first->set("damping", 321);
     first->set("hammer mass", 7);
     (void)first->run(1);
