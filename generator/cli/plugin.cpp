@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// contactspline plugin: an instrument as a project of CMake that makes CLAP, VST3 and LV2 plug-ins of it, and builds it.
+// contactspline plugin: an instrument as a project of CMake that makes CLAP, VST3 and LV2 plug-ins of it, and builds
+// it.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <spawn.h>

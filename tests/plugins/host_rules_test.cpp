@@ -227,6 +227,44 @@ TEST(EveryFormat, TakesTheStateOfAnotherVersion) {
   }
 }
 
+// 1,000 values for each instrument in each format, most of them hostile, at any sample, with notes between.
+TEST(EveryFormat, SurvivesHostileParameters) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
+  const std::map<std::string, double> rates = {{"clap", 8000}, {"vst3", 192000}, {"lv2", 44100}};
+  std::mt19937 random(32);
+  const auto below = [&](std::size_t end) { return std::uniform_int_distribution<std::size_t>(0, end - 1)(random); };
+  for (const auto& [format, rate_hz] : rates)
+    for (const std::string& name : instruments()) {
+      SCOPED_TRACE(format + " " + name);
+      const auto plugin = open_plugin(format, name, rate_hz);
+      const auto parameters = plugin->parameters();
+      const std::size_t last_time = format == "lv2" ? 1 : kBlock;
+      for (int block = 0; block < 250; ++block) {
+        std::vector<std::uint32_t> times(4);
+        for (std::uint32_t& time : times) time = static_cast<std::uint32_t>(below(last_time));
+        std::ranges::sort(times);
+        for (const std::uint32_t time : times) {
+          const HostedParameter& moved = parameters[below(parameters.size())];
+          const double within = moved.min + (moved.max - moved.min) * static_cast<double>(below(1001)) / 1000;
+          const double values[] = {within,     within,      moved.min, moved.max, kInfinity,
+                                   -kInfinity, kNotANumber, 1e38,      -1e38,     1e-310};
+          plugin->set(moved.name, values[below(std::size(values))], time);
+        }
+        plugin->send(kBlock - 1, {static_cast<std::uint8_t>(below(3) == 0 ? 0x80 : 0x90),
+                                  static_cast<std::uint8_t>(below(128)), static_cast<std::uint8_t>(below(128))});
+        for (const auto& side : plugin->run(1))
+          for (const float x : side) ASSERT_TRUE(std::isfinite(x)) << block;
+      }
+      EXPECT_EQ(plugin->allocated(), 0u);
+      for (const HostedParameter& parameter : parameters) {
+        if (format == "lv2") continue;  // its host keeps the values
+        EXPECT_GE(plugin->value(parameter.name), parameter.min) << parameter.name;
+        EXPECT_LE(plugin->value(parameter.name), parameter.max) << parameter.name;
+      }
+    }
+}
+
 // What clap-validator asks of parameters.
 TEST(Clap, RefusesParametersThatAreNotThere) {
   const auto plugin = open_clap("piano");
