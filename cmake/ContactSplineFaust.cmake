@@ -62,29 +62,17 @@ function(_contactspline_find)
   endif()
 endfunction()
 
-# Writes a C++ file with the class of the instrument arg_INSTRUMENT, and sets arg_DSP to it.
+# Writes a C++ file with the class of the instrument arg_INSTRUMENT, as contactspline_plugin() knows it, and sets arg_DSP
+# to it.
 function(_contactspline_instrument_class)
-  get_target_property(known ContactSpline::materials CONTACTSPLINE_INSTRUMENTS)
-  set(header contactspline/instruments/${arg_INSTRUMENT}.hpp)
-  foreach(target IN LISTS arg_MATERIALS)
-    get_target_property(outputs ${target} CONTACTSPLINE_OUTPUTS)
-    list(FILTER outputs INCLUDE REGEX "\\.hpp$")
-    list(TRANSFORM outputs REPLACE "^.*/|\\.hpp$" "")
-    list(APPEND known ${outputs})
-    if(arg_INSTRUMENT IN_LIST outputs)
-      set(header ${arg_INSTRUMENT}.hpp)
-    endif()
-  endforeach()
-  if(NOT arg_INSTRUMENT IN_LIST known)
-    list(JOIN known ", " known)
-    _contactspline_fail("INSTRUMENT: no '${arg_INSTRUMENT}' ships or is emitted as cpp by MATERIALS; allowed: ${known}")
-  endif()
+  _contactspline_plugin_class()
+  list(TRANSFORM header REPLACE "(.+)" "#include \"\\1\"\n")
+  list(JOIN header "" includes)
   set(arg_DSP "${CMAKE_CURRENT_BINARY_DIR}/${arg_TARGET}_class/${arg_INSTRUMENT}.cpp")
   file(CONFIGURE OUTPUT "${arg_DSP}" @ONLY CONTENT
-"#include \"contactspline/host/faust_dsp.hpp\"
-#include \"@header@\"
+"@includes@#include \"contactspline/host/faust_dsp.hpp\"
 
-class @arg_INSTRUMENT@ : public contactspline::InstrumentDsp<contactspline::instruments::@arg_INSTRUMENT@<float>> {};
+class @arg_INSTRUMENT@ : public contactspline::InstrumentDsp<@class@> {};
 ")
   return(PROPAGATE arg_DSP)
 endfunction()
