@@ -684,7 +684,7 @@ arm-none-eabi|^for program|^  (read|echo|faust)|^ +(process|main\.c|-idirafter|-
 commands_of() {
   awk '/^```/ { on = !on; sh = on && $0 == "```sh"; next }
        sh { print }
-       !on && /^    (contactspline|cmake|mkdir|build\/|(\.\/)?scripts\/)/ { sub(/^    /, ""); print }' "$1" |
+       !on && /^    (contactspline|cmake|cp (-r )?[a-z]|mkdir|build\/|(\.\/)?scripts\/)/ { sub(/^    /, ""); print }' "$1" |
     grep -vE "$(awk 'NF { sub(/   .*/, ""); print }' <<<"$not_run" | paste -sd '|')" || true
 }
 
