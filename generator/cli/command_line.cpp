@@ -301,7 +301,7 @@ void add_mass_barrier(CLI::App& render) {
 
 // The options of a score. Without a model it is for what the score names.
 std::shared_ptr<ScoreOptions> add_score_options(CLI::App& command, std::optional<Model> model) {
-  const auto options = std::make_shared<ScoreOptions>();
+  auto options = std::make_shared<ScoreOptions>();
   command
       .add_option("--signal", options->signal,
                   model == Model::kFile ? "the output in the sound file (default: the instrument's first)"

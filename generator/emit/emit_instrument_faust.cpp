@@ -338,7 +338,7 @@ class Writer {
   }
 
   // The same without dampers, between the ends of one connection.
-  [[nodiscard]] std::string own_admittance(const InstrumentConnection& connection) const {
+  [[nodiscard]] static std::string own_admittance(const InstrumentConnection& connection) {
     Sum sum;
     for (const std::size_t p : {connection.first, connection.second})
       if (p != kGround) sum.add(fmt::format("xi{}_{}", p, p));

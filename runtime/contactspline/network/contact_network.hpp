@@ -55,8 +55,8 @@ class ContactNetwork {
   // Bodies point to the shapes of their places. These do not move when a network is moved.
   ContactNetwork(const ContactNetwork&) = delete;
   ContactNetwork& operator=(const ContactNetwork&) = delete;
-  ContactNetwork(ContactNetwork&&) = default;
-  ContactNetwork& operator=(ContactNetwork&&) = default;
+  ContactNetwork(ContactNetwork&&) noexcept = default;
+  ContactNetwork& operator=(ContactNetwork&&) noexcept = default;
   ~ContactNetwork() = default;
 
   /// Pushes at a place during the next sample [N], -1000 to 1000. Several pushes add up. Not a number does nothing.

@@ -38,7 +38,6 @@ class SpringElimination {
  public:
   explicit SpringElimination(std::size_t connections)
       : range_(connections),
-        ends_(),
         exact_factor_(connections),
         exact_rows_(connections),
         exact_root_(connections),
