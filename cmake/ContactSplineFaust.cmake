@@ -282,8 +282,9 @@ function(contactspline_lv2)
   add_custom_command(
     OUTPUT "${description}"
     COMMAND ${describe} > "${description}" 2> "${CMAKE_CURRENT_BINARY_DIR}/${describe}.log"
-    # Faust 2.54 names units by a property that LV2 does not have.
-    COMMAND sed -i s/units:name/rdfs:label/ "${description}"
+    # Faust 2.54 names units by a property that LV2 does not have. It tells the author and the version of what it does
+    # not call a project; a project has no version there.
+    COMMAND sed -i -e s/units:name/rdfs:label/ -e "s/a lv2:Plugin/a doap:Project, lv2:Plugin/" -e /doap:revision/d "${description}"
     DEPENDS ${describe}
     COMMENT "Describing ${stem}.lv2"
     VERBATIM)
