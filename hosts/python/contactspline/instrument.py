@@ -55,6 +55,8 @@ class Sound:
         self.force_n, self.energy_j, self.energy_step = force_n, energy_j, energy_step
 
     def __getitem__(self, output):
+        if output not in self.outputs:
+            raise ValueError(f"{self.title}: output '{output}' is unknown; allowed: {', '.join(self.outputs)}")
         return self.outputs[output]
 
     @property
@@ -68,7 +70,7 @@ class Sound:
 
     def wav(self, output=None, peak_db=-1.0):
         """An output (by default the first) as the bytes of a WAV file of 16 bits, with its peak at a level."""
-        samples = self.samples if output is None else self.outputs[output]
+        samples = self.samples if output is None else self[output]
         peak = np.max(np.abs(samples), initial=0.0)
         scale = 32767 * 10 ** (peak_db / 20) / peak if peak > 0 else 0
         whole = np.round(np.asarray(samples, float) * scale).astype("<i2")
@@ -89,7 +91,7 @@ class Sound:
         """Draws an output (by default the first) over time. Returns the axes of matplotlib."""
         axes = axes_or_new(axes)
         name = next(iter(self.outputs)) if output is None else output
-        axes.plot(self.time_s(), self.outputs[name], linewidth=0.5)
+        axes.plot(self.time_s(), self[name], linewidth=0.5)
         axes.set(xlabel="time [s]", ylabel=f"{name} [{self.units[name]}]", title=self.title)
         return axes
 

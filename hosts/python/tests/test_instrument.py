@@ -159,5 +159,8 @@ def test_sounds_are_written_drawn_and_shown(tmp_path):
     assert np.max(np.abs(samples / np.max(np.abs(samples)) - exact)) < 1.5e-4 / 2
     line = sound.plot("bridge_force_n").get_lines()[0]
     assert np.array_equal(line.get_ydata(), sound["bridge_force_n"])
+    for ask in (sound.wav, sound.plot, sound.__getitem__):
+        with pytest.raises(ValueError, match="'nothing' is unknown; allowed: .*bridge_force_n"):
+            ask("nothing")
     assert "<audio" in sound._repr_html_() and "hammer" in made("hammer_string")._repr_html_()
     json.dumps(list(sound.units))
