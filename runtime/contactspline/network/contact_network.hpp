@@ -8,11 +8,13 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "contactspline/modal/modal.hpp"
+#include "contactspline/modal/string_place.hpp"
 #include "contactspline/network/coupled_contacts.hpp"
 #include "contactspline/network/linear_algebra.hpp"
 #include "contactspline/network/network_plan.hpp"
@@ -34,7 +36,10 @@ class ContactNetwork {
         solver_(plan.connections().size(), sample_rate_hz, max_steps),
         increments_(plan.places().size()) {
     for (const auto& modes : plan.bodies()) bodies_.emplace_back(modes, sample_rate_hz);
-    for (const auto& place : plan.places()) places_.emplace_back(place.body, place.shapes);
+    for (const auto& place : plan.places()) {
+      places_.emplace_back(place.body, place.shapes);
+      if (!place.wavenumbers_per_m.empty()) add_mover(plan, place, sample_rate_hz);
+    }
     for (std::size_t p = 0; p < places_.size(); ++p) bodies_[places_[p].body].places.push_back(p);
     for (Body& body : bodies_) body.reserve(body.places.size());
     for (const auto& connection : plan.connections()) connections_.emplace_back(connection);
@@ -101,6 +106,26 @@ class ContactNetwork {
     place_all();
   }
 
+  /// Moves a place of NetworkPlan::add_moving_place() along its string [m], as fast as the string can follow
+  /// (MovingPlace::move_to). The place takes its connections along; what that does is work().
+  void move_place(std::size_t place, T place_m) { movers_[*places_[place].mover].target_m = place_m; }
+
+  /// Puts such a place elsewhere between two samples [m], without moving there. Its connections are pressed as they
+  /// are there.
+  void put_place(std::size_t place, T place_m) {
+    Mover& mover = movers_[*places_[place].mover];
+    mover.motion.put(place_m);
+    mover.target_m = mover.motion.place();
+    follow(mover);
+    measure_roots();
+    place_all();
+  }
+  /// Shapes of the modes at a place, after the last sample.
+  [[nodiscard]] const ModeShapes<T>& shapes(std::size_t place) const {
+    const Place& p = places_[place];
+    return p.mover ? movers_[*p.mover].motion.after() : p.shapes;
+  }
+
   /// Stiffness ratio and loss of a contact. A stiffness that rises under load does at most 1 W of work.
   void set_contact(std::size_t connection, const ContactControls<T>& controls) {
     Connection& c = connections_[connection];
@@ -141,9 +166,10 @@ class ContactNetwork {
   /// Advances one sample. Safe on an audio thread: no allocation, no lock, bounded time.
   void tick() {
     work_of_controls_ = 0;
-    if (std::exchange(is_coupling_old_, false)) couple();
     follow_controls();
     if (since_interval_ == 0) anchor_next();
+    move_places();
+    if (std::exchange(is_coupling_old_, false)) couple();
     predict();
     solve();
     put_to_sleep();
@@ -152,10 +178,10 @@ class ContactNetwork {
 
   [[nodiscard]] const ModalBank<T>& body(std::size_t body) const { return bodies_[body].bank; }
   [[nodiscard]] T displacement(std::size_t place) const {  ///< of a place [m]
-    return bodies_[places_[place].body].bank.displacement(places_[place].shapes);
+    return bodies_[places_[place].body].bank.displacement(shapes(place));
   }
   [[nodiscard]] T velocity(std::size_t place) const {  ///< of a place [m/s]
-    return bodies_[places_[place].body].bank.velocity(places_[place].shapes);
+    return bodies_[places_[place].body].bank.velocity(shapes(place));
   }
   /// Force of a connection over the last sample [N], positive if it pushes its places apart.
   [[nodiscard]] T force(std::size_t connection) const { return solver_[connection].force; }
@@ -168,7 +194,7 @@ class ContactNetwork {
     return connections_[connection].is_awake ? solver_[connection].compression : measured(connection);
   }
   [[nodiscard]] T gap(std::size_t connection) const { return connections_[connection].gap; }  ///< that acts [m]
-  /// Are gaps or stiffnesses still behind their controls?
+  /// Are gaps, stiffnesses or places still behind their controls?
   [[nodiscard]] bool is_following() const { return is_following_; }
   /// Number of contacts that are too far apart to be looked at.
   [[nodiscard]] std::size_t sleeping() const {
@@ -192,7 +218,7 @@ class ContactNetwork {
     return energy;
   }
 
-  /// Work of pushes, moving gaps and stiffness controls in the last sample [J].
+  /// Work of pushes, moving gaps, moving places and stiffness controls in the last sample [J].
   [[nodiscard]] double work() const {
     double work = work_of_controls_;
     for (const std::size_t p : last_pushed_)
@@ -224,7 +250,8 @@ class ContactNetwork {
     ModalBank<T> bank;
     T damping = 0;  // times dt, as is the gain
     T damping_gain = 1;
-    T max_shape = 0;  // of its connections
+    T max_shape = 0;              // of its connections
+    double total_admittance = 0;  // of all modes, where their shapes are 1 [m/N]
     // Bounds of the motion without forces of connections [m]: in this sample, and since slacks were last reduced.
     T travel = 0, travelled = 0;
     std::vector<std::size_t> places;
@@ -248,13 +275,29 @@ class ContactNetwork {
       travel_per_force = 0;
       for (std::size_t i = 0; i < shapes.size(); ++i) travel_per_force += std::abs(bank.admittance(i) * shapes[i]);
     }
+    // Largest |shape|, also where the place may move to.
+    [[nodiscard]] T max_shape() const {
+      T max = mover ? T(1) : T(0);
+      for (std::size_t i = 0; i < shapes.size(); ++i) max = std::max(max, std::abs(shapes[i]));
+      return max;
+    }
 
     std::size_t body;
-    ModeShapes<T> shapes;
+    ModeShapes<T> shapes;              // in this sample, where the place moves
+    std::optional<std::size_t> mover;  // of a place that moves
     T travel_per_force = 0;
     T push = 0, last_push = 0;  // from outside [N]
     T force = 0;                // of this sample [N]
     bool is_awake = false, is_pushed = false, is_forced = false;
+  };
+
+  // A place that moves.
+  struct Mover {
+    std::size_t place;
+    MovingPlace<T> motion;
+    T target_m;
+    T owed = 0;  // of the string's displacement there, so much presses the connections in the next sample only [m]
+    bool is_moving = false;
   };
 
   struct Connection {
@@ -284,6 +327,49 @@ class ContactNetwork {
     bool is_following = false;
   };
 
+  void add_mover(const NetworkPlan<T>& plan, const typename NetworkPlan<T>::Place& place, double sample_rate_hz) {
+    const StringShapes<T> shapes{std::span<const double>(place.wavenumbers_per_m)};
+    const T longest_step = shapes.longest_step(plan.bodies()[place.body], sample_rate_hz);
+    places_.back().mover = movers_.size();
+    movers_.push_back({places_.size() - 1, MovingPlace<T>(shapes, place.place_m, longest_step), place.place_m});
+  }
+
+  // Gives a place that moves its shapes in this sample: the mean of those before and after.
+  void follow(const Mover& mover) {
+    places_[mover.place].shapes = mover.motion.mean();
+    measure(places_[mover.place].body, mover.place);
+    bodies_[places_[mover.place].body].is_predicted = false;
+    is_coupling_old_ = true;
+  }
+
+  // Moves places along their strings. Forces act there with the mean of the shapes before and after the sample. The
+  // change of the shapes, times the displacements in the middle of the sample, presses the connections like a gap
+  // that shrinks. The middle is extrapolated from the last sample, and what that lacked follows in the next one: so
+  // the admittances stay symmetric, and the energy balance exact (docs/how-it-works/several-contacts.md).
+  void move_places() {
+    for (Mover& mover : movers_) {
+      mover.is_moving = mover.motion.move_to(mover.target_m);
+      if (!mover.is_moving) continue;
+      const std::size_t p = mover.place;
+      const T half_way = half_increment(mover);
+      const T lift = bodies_[places_[p].body].bank.displacement(mover.motion.change()) + half_way +
+                     std::exchange(mover.owed, -half_way);
+      for (const std::size_t k : bodies_[places_[p].body].connections) {
+        Connection& c = connections_[k];
+        if (c.first != p && c.second != p) continue;
+        c.lift += c.first == p ? lift : -lift;
+        if (!c.is_awake) c.slack -= kMargin * std::abs(lift), min_slack_ = std::min(min_slack_, c.slack);
+      }
+      follow(mover);
+      is_following_ = true;  // the lifts end with the sample
+    }
+  }
+
+  // Half of the last sample's increments, times the change of the shapes.
+  [[nodiscard]] T half_increment(const Mover& mover) const {
+    return bodies_[places_[mover.place].body].bank.increment(mover.motion.change()) / 2;
+  }
+
   // The connections of each body.
   void couple_bodies() {
     for (std::size_t b = 0; b < bodies_.size(); ++b) {
@@ -297,40 +383,67 @@ class ContactNetwork {
     admittances_.resize(connections_.size() * connections_.size());
   }
 
-  // What a body adds to the admittances of its connections and places, without damping.
-  void measure(std::size_t b) {
+  // What a body adds to the admittances of its connections and places, without damping. moved: only what concerns
+  // this place; otherwise all of it.
+  void measure(std::size_t b, std::optional<std::size_t> moved = {}) {
     Body& body = bodies_[b];
-    const std::size_t modes = body.bank.size();
-    double* shapes = body.shapes.data();
-    body.max_shape = 0;
-    for (const std::size_t k : body.connections) {
-      Connection& c = connections_[k];
-      T& max = is_on(c.first, b) ? c.first_max : c.second_max;
-      max = write_shapes(c, b, shapes);
-      body.max_shape = std::max(body.max_shape, max);
-      shapes += modes;
-    }
+    const std::size_t modes = body.bank.size(), count = body.connections.size();
+    const auto concerns = [&](std::size_t i) {
+      const Connection& c = connections_[body.connections[i]];
+      return !moved || c.first == *moved || c.second == *moved;
+    };
+    for (std::size_t i = 0; i < count; ++i)
+      if (concerns(i)) write_shapes(connections_[body.connections[i]], b, body.shapes.data() + i * modes);
     double* admittance = body.admittances.data();
-    for (const double* first = body.shapes.data(); first != shapes; first += modes)
-      for (const double* second = body.shapes.data(); second <= first; second += modes) {
+    for (std::size_t i = 0; i < count; ++i)
+      for (std::size_t j = 0; j <= i; ++j, ++admittance) {
+        if (!concerns(i) && !concerns(j)) continue;
+        const double *first = body.shapes.data() + i * modes, *second = body.shapes.data() + j * modes;
         *admittance = 0;
-        for (std::size_t i = 0; i < modes; ++i) *admittance += double(body.bank.admittance(i)) * first[i] * second[i];
-        ++admittance;
+        for (std::size_t n = 0; n < modes; ++n) *admittance += double(body.bank.admittance(n)) * first[n] * second[n];
       }
     for (const std::size_t p : body.places) {
-      places_[p].measure(body.bank);
+      if (!moved || p == *moved) places_[p].measure(body.bank);
       for (const std::size_t q : body.places)
-        mutual_[p * places_.size() + q] = body.bank.admittance(places_[p].shapes, places_[q].shapes);
+        if (!moved || p == *moved || q == *moved)
+          mutual_[p * places_.size() + q] = body.bank.admittance(places_[p].shapes, places_[q].shapes);
+    }
+    if (!moved) measure_bounds(b);
+  }
+
+  // By how much the modes of a body move its connections at most, wherever their places are.
+  void measure_bounds(std::size_t b) {
+    Body& body = bodies_[b];
+    body.max_shape = 0;
+    body.total_admittance = 0;
+    for (std::size_t n = 0; n < body.bank.size(); ++n) body.total_admittance += double(body.bank.admittance(n));
+    for (std::size_t i = 0; i < body.connections.size(); ++i) {
+      Connection& c = connections_[body.connections[i]];
+      T& max = is_on(c.first, b) ? c.first_max : c.second_max;
+      max = moves_on(c, b) ? max_shape(c.first, b) + max_shape(c.second, b) : T(0);
+      const double* shapes = body.shapes.data() + i * body.bank.size();
+      for (std::size_t n = 0; n < body.bank.size(); ++n) max = std::max(max, static_cast<T>(std::abs(shapes[n])));
+      body.max_shape = std::max(body.max_shape, max);
     }
   }
 
-  // Roots of the admittances of the connections without damping.
+  [[nodiscard]] bool moves_on(const Connection& c, std::size_t body) const {
+    return (is_on(c.first, body) && places_[c.first].mover) || (is_on(c.second, body) && places_[c.second].mover);
+  }
+  [[nodiscard]] T max_shape(std::size_t place, std::size_t body) const {
+    return is_on(place, body) ? places_[place].max_shape() : T(0);
+  }
+
+  // Roots of the admittances of the connections without damping, the largest ones where a place moves.
   void measure_roots() {
     for (Connection& c : connections_) c.own_admittance = 0;
-    for (const Body& body : bodies_) {
+    for (std::size_t b = 0; b < bodies_.size(); ++b) {
+      const Body& body = bodies_[b];
       std::size_t own = 0;  // on the diagonal of its triangle
       for (std::size_t k = 0; k < body.connections.size(); ++k) {
-        connections_[body.connections[k]].own_admittance += body.admittances[own];
+        Connection& c = connections_[body.connections[k]];
+        const double max = double(is_on(c.first, b) ? c.first_max : c.second_max);
+        c.own_admittance += moves_on(c, b) ? body.total_admittance * max * max : body.admittances[own];
         own += k + 2;
       }
     }
@@ -347,15 +460,11 @@ class ContactNetwork {
 
   // Shapes of a connection on a body: those of its first place minus those of its second. The admittance of two
   // places that move almost together needs the difference before the sum over the modes, or it loses its digits.
-  // Returns the largest |shape|.
-  T write_shapes(const Connection& c, std::size_t body, double* shapes) const {
-    T max = 0;
+  void write_shapes(const Connection& c, std::size_t body, double* shapes) const {
     for (std::size_t i = 0; i < bodies_[body].bank.size(); ++i) {
       shapes[i] = is_on(c.first, body) ? double(places_[c.first].shapes[i]) : 0;
       if (is_on(c.second, body)) shapes[i] -= double(places_[c.second].shapes[i]);
-      max = std::max(max, static_cast<T>(std::abs(shapes[i])));
     }
-    return max;
   }
 
   // Admittances of all pairs of connections.
@@ -398,6 +507,7 @@ class ContactNetwork {
 
   // Takes all compressions from the displacements, and wakes all contacts.
   void place_all() {
+    for (Mover& mover : movers_) mover.owed = 0;
     for (std::size_t k = 0; k < connections_.size(); ++k) {
       set_compression(k, measured(k));
       solver_[k].force = 0;
@@ -409,8 +519,12 @@ class ContactNetwork {
 
   [[nodiscard]] T measured(std::size_t k) const {
     const Connection& c = connections_[k];
-    return (c.first == kGround ? T(0) : displacement(c.first)) -
-           (c.second == kGround ? T(0) : displacement(c.second)) - c.gap;
+    return pressing(c.first) - pressing(c.second) - c.gap;
+  }
+  [[nodiscard]] T pressing(std::size_t place) const {
+    if (place == kGround) return 0;
+    const auto& mover = places_[place].mover;
+    return displacement(place) - (mover ? movers_[*mover].owed : T(0));
   }
 
   void set_compression(std::size_t k, T compression) {
@@ -651,6 +765,8 @@ class ContactNetwork {
                                            body.free_increments.data());
       body.is_predicted = true;
     }
+    for (Mover& mover : movers_)
+      if (mover.is_moving) mover.owed += half_increment(mover);
     for (const std::size_t k : woken_) set_compression(k, measured(k));
     woken_.clear();
   }
@@ -684,6 +800,7 @@ class ContactNetwork {
   std::vector<Body> bodies_;
   std::vector<Place> places_;
   std::vector<Connection> connections_;
+  std::vector<Mover> movers_;
   detail::IndexList awake_, asleep_;        // connections
   detail::IndexList woken_;                 // whose compressions are measured at the end of the sample
   detail::IndexList pushed_, last_pushed_;  // places

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "contactspline/modal/modal.hpp"
+#include "contactspline/modal/string_place.hpp"
 #include "contactspline/step/contact.hpp"
 
 namespace contactspline {
@@ -33,7 +34,9 @@ class NetworkPlan {
  public:
   struct Place {
     std::size_t body;
-    ModeShapes<T> shapes;
+    ModeShapes<T> shapes;                        ///< where it begins, if it moves
+    std::vector<double> wavenumbers_per_m = {};  ///< of the modes of its string; empty: it does not move
+    T place_m = 0;                               ///< where it begins on its string
   };
   struct Connection {
     std::size_t first, second;
@@ -54,6 +57,13 @@ class NetworkPlan {
   }
   std::size_t add_place(std::size_t body, std::span<const double> shapes) {
     return add(places_, {body, ModeShapes<T>(shapes)});
+  }
+  /// A place that moves along a string, where the shapes of the modes are sin(wavenumber x). place_m: where it
+  /// begins, 0 to the length of the string.
+  std::size_t add_moving_place(std::size_t string, std::span<const double> wavenumbers_per_m, T place_m) {
+    ModeShapes<T> shapes(wavenumbers_per_m.size());
+    StringShapes<T>(wavenumbers_per_m).at(place_m, shapes);
+    return add(places_, {string, shapes, {wavenumbers_per_m.begin(), wavenumbers_per_m.end()}, place_m});
   }
   std::size_t add_mass_place(std::size_t mass) {
     const double shape = 1;
