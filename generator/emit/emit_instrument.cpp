@@ -19,9 +19,10 @@ namespace contactspline {
 namespace {
 
 constexpr std::array kKindNames = {"kContact", "kSpring", "kLink"};  // names of ConnectionKind
-constexpr std::array kQuantityNames = {"kForce",    "kDamping",   "kStiffnessRatio", "kLoss",
-                                       "kGapShift", "kStiffness", "kResistance"};  // names of ControlQuantity
-constexpr std::array kOutputNames = {"kDisplacement", "kVelocity", "kForce"};      // names of OutputQuantity
+constexpr std::array kQuantityNames = {
+    "kForce",     "kDamping",    "kStiffnessRatio", "kLoss", "kGapShift",
+    "kStiffness", "kResistance", "kPlace",          "kMass"};                  // names of ControlQuantity
+constexpr std::array kOutputNames = {"kDisplacement", "kVelocity", "kForce"};  // names of OutputQuantity
 
 template <typename Enum, std::size_t N>
 const char* name_in(const std::array<const char*, N>& names, Enum value) {
@@ -120,14 +121,14 @@ std::string cpp_array(std::string_view type, std::size_t size, std::string_view 
   return fmt::format("    static constexpr std::array<{}, {}> {} = {{{}}};\n", type, size, name, values);
 }
 
-// What keys and presets add to the arrays, and to the view of them.
-void add_cpp_keys(const InstrumentModel& model, const InstrumentArrays& arrays, TemplateValues& values) {
+// What keys, presets and places that move add to the arrays, and to the view of them.
+void add_cpp_options(const InstrumentModel& model, const InstrumentArrays& arrays, TemplateValues& values) {
   const ModelKeys& keys = model.keys;
-  const bool has_keys = !keys.ranges.empty(), has_presets = !arrays.preset_names.empty();
+  const bool has_keys = !keys.ranges.empty();
   values["BASE"] = has_keys ? "Voices<NetworkInstrument<T>>" : "NetworkInstrument<T>";
   values["VOICES"] = has_keys ? "\n#include \"contactspline/instrument/voices.hpp\"" : "";
-  std::string& text = values["KEYS"] = "";
-  std::string& view = values["KEYS_VIEW"] = has_presets && !has_keys ? ",\n              {}" : "";
+  std::string& text = values["OPTIONS"] = "";
+  std::vector<std::string> view(4, "{}");  // the last members of InstrumentData
   if (has_keys) {
     text +=
         cpp_array("KeyRange", keys.ranges.size(), "key_ranges",
@@ -138,16 +139,24 @@ void add_cpp_keys(const InstrumentModel& model, const InstrumentArrays& arrays, 
                       arrays.tension_squares.empty() ? "" : "\n" + literal_rows(arrays.tension_squares, 8));
     text += cpp_array("std::size_t", keys.damped.size(), "damped", whole_numbers(keys.damped));
     const auto parameter = [](std::size_t p) { return place_or("kNoParameter", p); };
-    view = fmt::format(",\n              {{key_ranges, {}, tension_squares, {}, damped, {}, {}, {}}}", keys.voices,
-                       arrays.far_ends, literal(keys.damper_per_s), parameter(keys.sustain), parameter(keys.bend));
+    view[0] = fmt::format("{{key_ranges, {}, tension_squares, {}, damped, {}, {}, {}}}", keys.voices, arrays.far_ends,
+                          literal(keys.damper_per_s), parameter(keys.sustain), parameter(keys.bend));
   }
-  if (!has_presets) return;
-  std::vector<std::string> names;
-  for (const ModelPreset& preset : model.presets) names.push_back(preset.name);
-  text += cpp_array("const char*", names.size(), "preset_names", quoted(names));
-  text +=
-      cpp_array("double", arrays.preset_values.size(), "preset_values", "\n" + literal_rows(arrays.preset_values, 8));
-  view += ", preset_names, preset_values";
+  if (!arrays.preset_names.empty()) {
+    std::vector<std::string> names;
+    for (const ModelPreset& preset : model.presets) names.push_back(preset.name);
+    text += cpp_array("const char*", names.size(), "preset_names", quoted(names));
+    text += cpp_array("double", arrays.preset_values.size(), "preset_values",
+                      "\n" + literal_rows(arrays.preset_values, 8));
+    view[1] = "preset_names";
+    view[2] = "preset_values";
+  }
+  if (!arrays.wavenumbers.empty()) {
+    text += cpp_array("double", arrays.wavenumbers.size(), "wavenumbers", "\n" + literal_rows(arrays.wavenumbers, 8));
+    view[3] = "wavenumbers";
+  }
+  while (!view.empty() && view.back() == "{}") view.pop_back();
+  values["OPTIONS_VIEW"] = view.empty() ? "" : fmt::format(",\n              {}", fmt::join(view, ", "));
 }
 
 TemplateValues cpp_values(const InstrumentModel& model, const InstrumentArrays& arrays) {
@@ -169,7 +178,7 @@ TemplateValues cpp_values(const InstrumentModel& model, const InstrumentArrays& 
   count("PLUCKS", arrays.plucks.size());
   count("PARAMETERS", arrays.parameters.size());
   count("EVENTS", arrays.events.size());
-  add_cpp_keys(model, arrays, values);
+  add_cpp_options(model, arrays, values);
   values["MEMBERS"] = members_of(model);
   values["DESCRIPTION"] = json_string(model.description);
   values["TARGETS"] = whole_numbers(arrays.targets);
@@ -196,8 +205,8 @@ TemplateValues cpp_values(const InstrumentModel& model, const InstrumentArrays& 
   return values;
 }
 
-// Keys and presets of a file that has them.
-std::string json_keys_of(const InstrumentModel& model, const InstrumentArrays& arrays) {
+// Keys, presets and places that move, of a file that has them.
+std::string json_options_of(const InstrumentModel& model, const InstrumentArrays& arrays) {
   std::string text;
   if (!model.keys.ranges.empty()) {
     text += fmt::format(",\n  \"keys\": [\n{}\n  ],\n  \"polyphony\": {}",
@@ -215,6 +224,8 @@ std::string json_keys_of(const InstrumentModel& model, const InstrumentArrays& a
       text += fmt::format(",\n  \"damper\": {{\"bodies\": [{}], \"damping_per_s\": {}}}",
                           whole_numbers(model.keys.damped), literal(model.keys.damper_per_s));
   }
+  if (!arrays.wavenumbers.empty())
+    text += fmt::format(",\n  \"wavenumber_rad_per_m\": [\n{}\n  ]", literal_rows(arrays.wavenumbers, 4));
   if (model.presets.empty()) return text;
   return text + fmt::format(",\n  \"presets\": [\n{}\n  ]",
                             rows_of(model.presets, "    ", [&](const ModelPreset& preset, std::size_t) {
@@ -248,7 +259,7 @@ TemplateValues json_values(const InstrumentModel& model, const InstrumentArrays&
   values["BODY_NAMES"] = quoted(bodies);
   values["TABLE_NAMES"] = quoted(materials);
   values["EVENT_NAMES"] = quoted(events);
-  values["KEYS"] = json_keys_of(model, arrays);
+  values["OPTIONS"] = json_options_of(model, arrays);
   values["CONNECTION_ROWS"] = rows_of(arrays.connections, kIndent,
                                       [](const InstrumentConnection& c, std::size_t) { return json_connection(c); });
   values["CONTROL_ROWS"] = rows_of(arrays.controls, kIndent, [&](const InstrumentControl& c, std::size_t i) {

@@ -68,6 +68,8 @@ class Flattener {
     for (const ResonatorMode& mode : modes_on(body.resonator).modes) {
       if (model_.keys.tune())
         arrays_.tension_squares.push_back(string == nullptr ? 0 : thirteen_digits(square_by_tension(*string, mode)));
+      if (model_.has_movers())
+        arrays_.wavenumbers.push_back(string == nullptr ? 0 : thirteen_digits(mode.wavenumber_per_m));
       arrays_.angular_frequencies.push_back(thirteen_digits(mode.mode.angular_frequency_rad_per_s));
       arrays_.decays.push_back(thirteen_digits(mode.mode.decay_per_s));
       arrays_.masses.push_back(thirteen_digits(mode.mode.mass_kg));
@@ -116,9 +118,9 @@ class Flattener {
   void add_control(const ControlTargets& control) {
     const std::size_t begin = arrays_.targets.size();
     for (const std::size_t target : control.targets) {
-      if (control.quantity == ControlQuantity::kForce) {
+      if (control.quantity == ControlQuantity::kForce || control.quantity == ControlQuantity::kPlace) {
         arrays_.targets.push_back(first_place_[target]);
-      } else if (control.quantity == ControlQuantity::kDamping) {
+      } else if (control.quantity == ControlQuantity::kDamping || control.quantity == ControlQuantity::kMass) {
         arrays_.targets.push_back(target);
       } else {
         add_connections(target);
@@ -187,8 +189,9 @@ Range range_of(ControlQuantity quantity) {
 }
 
 const char* key_of(ControlQuantity quantity) {
-  constexpr std::array kKeys = {"force_n",     "damping_per_s",     "stiffness_ratio",     "loss_s_per_m",
-                                "gap_shift_m", "stiffness_n_per_m", "resistance_n_s_per_m"};  // in its order
+  constexpr std::array kKeys = {"force_n",     "damping_per_s",     "stiffness_ratio",      "loss_s_per_m",
+                                "gap_shift_m", "stiffness_n_per_m", "resistance_n_s_per_m", "place_m",
+                                "mass_kg"};  // in its order
   return kKeys[static_cast<std::size_t>(quantity)];
 }
 
@@ -225,10 +228,11 @@ InstrumentData InstrumentArrays::view() const {
                     .sustain = model->keys.sustain,
                     .bend = model->keys.bend},
           .preset_names = preset_names,
-          .preset_values = preset_values};
+          .preset_values = preset_values,
+          .wavenumbers = wavenumbers};
 }
 
-double effective_mass(const InstrumentModel& model, std::size_t place, std::size_t point) {
+double effective_mass(const InstrumentModel& model, std::size_t place, std::size_t point, bool moves) {
   constexpr int kLowest = 64;
   constexpr double kMaxFrequency_hz = 384e3;  // half of the highest sample rate
   const InstrumentPlace& at = model.places[place];
@@ -237,7 +241,7 @@ double effective_mass(const InstrumentModel& model, std::size_t place, std::size
     resonator.max_modes = std::min(resonator.max_modes, kLowest);
   double motion_per_impulse = 0;
   for (const ResonatorMode& mode : modes_of(picked_up_at(resonator, at, at.points[point]), kMaxFrequency_hz).modes)
-    motion_per_impulse += mode.pickup_shape * mode.pickup_shape / mode.mode.mass_kg;
+    motion_per_impulse += (moves ? 1 : mode.pickup_shape * mode.pickup_shape) / mode.mode.mass_kg;
   return 1 / motion_per_impulse;
 }
 

@@ -80,6 +80,12 @@ struct ModelKeys {
 };
 
 struct InstrumentModel {
+  /// Does a control move any place?
+  [[nodiscard]] bool has_movers() const {
+    return std::ranges::any_of(
+        controls, [](const ControlTargets& control) { return control.quantity == ControlQuantity::kPlace; });
+  }
+
   std::string name;         ///< lower-case identifier
   std::string description;  ///< one line, may be empty
   std::string license;      ///< SPDX identifier
@@ -110,6 +116,7 @@ struct InstrumentArrays {
   std::vector<double> angular_frequencies, decays, masses;
   std::vector<std::size_t> body_ends, place_bodies;
   std::vector<double> shapes;
+  std::vector<double> wavenumbers;  ///< of the modes; empty unless places move
   std::vector<double> knots, energies, forces, half_curvatures;
   std::vector<std::size_t> table_ends;
   std::vector<InstrumentConnection> connections;
@@ -129,8 +136,10 @@ struct InstrumentArrays {
 };
 
 /// Mass that a force at a point of a place moves at first [kg]: 1/(sum of shape^2/mass), over all rows of a table of
-/// modes or the lowest 64 modes of another body, up to 384 kHz. Infinite where no mode moves.
-[[nodiscard]] double effective_mass(const InstrumentModel& model, std::size_t place, std::size_t point);
+/// modes or the lowest 64 modes of another body, up to 384 kHz. Infinite where no mode moves. moves: the least mass
+/// anywhere on a string, where all shapes are at most 1.
+[[nodiscard]] double effective_mass(const InstrumentModel& model, std::size_t place, std::size_t point,
+                                    bool moves = false);
 
 /// The arrays with the modes below max_frequency_hz; a body may have none of them.
 [[nodiscard]] InstrumentArrays arrays_of(const InstrumentModel& model, double max_frequency_hz);

@@ -37,6 +37,7 @@ constexpr int kMaxKey = 127, kMaxVoices = 64;
 constexpr int kMaxSemitones = 24;   // that a key may tune
 constexpr int kVoices = 8;          // of keys that tune
 constexpr double kGlide_s = 0.005;  // of forces and dampings, which would click
+constexpr double kPlaceGlide_s = 0.02;
 constexpr double kFinger_n = 10;
 constexpr auto kGroundName = "ground";
 
@@ -50,8 +51,9 @@ constexpr const char* kMemberNames[] = {
     "value_type",    "note_off", "tune",    "keyed",     "voice",          "license"};
 
 constexpr std::array kQuantities = {
-    ControlQuantity::kForce,    ControlQuantity::kDamping,   ControlQuantity::kStiffnessRatio, ControlQuantity::kLoss,
-    ControlQuantity::kGapShift, ControlQuantity::kStiffness, ControlQuantity::kResistance};
+    ControlQuantity::kForce,      ControlQuantity::kDamping,  ControlQuantity::kStiffnessRatio,
+    ControlQuantity::kLoss,       ControlQuantity::kGapShift, ControlQuantity::kStiffness,
+    ControlQuantity::kResistance, ControlQuantity::kPlace,    ControlQuantity::kMass};
 
 std::string joined(const std::vector<std::string>& names) {
   return names.empty() ? "none, for the file has no such object"
@@ -84,10 +86,10 @@ class Reader {
     if (connections_ > kMaxPoints)
       json_.fail("contacts", fmt::format("the file has {} connections", connections_),
                  fmt::format("at most {}, points of profiles included", kMaxPoints));
-    std::vector<std::string> keys = {"name", "initial", "min", "max", "release_n"};
+    std::vector<std::string> keys = {"name", "initial", "min", "max", "release_n", "acts"};
     for (const ControlQuantity quantity : kQuantities) keys.emplace_back(key_of(quantity));
-    for (const JsonObject& control : optional_objects("controls", keys)) read_control(control);
     if (json_.has("strikes")) read_strikes();
+    for (const JsonObject& control : optional_objects("controls", keys)) read_control(control);
     add_events();
     read_keys();
     for (const JsonObject& output : json_.objects(
@@ -312,9 +314,41 @@ class Reader {
       json.fail(json.key(key),
                 fmt::format("contact '{}' with {:.3g} N/m oscillates on the {:.3g} kg that it moves at {:.3g} Hz",
                             group.name, stiffness, 1 / inverse_mass, frequency_hz),
-                fmt::format("at most {:g} Hz: larger masses, or a {} of at most {:.2g}", kMaxContactFrequency_hz, key,
+                fmt::format("at most {:g} Hz: larger masses, or a {} of at most {:.2g}", kMaxContactFrequency_hz,
+                            key == "max" || key == "weights" ? key : "weight",
                             (key == "max" ? ratio : group.weights[i]) / too_large));
     }
+  }
+
+  // Contacts are not too stiff where a control moves their place or makes their mass lightest.
+  void check_lightest(const JsonObject& json, const ControlTargets& control, double least_mass_kg) {
+    const bool moves = control.quantity == ControlQuantity::kPlace;
+    for (const std::size_t target : control.targets) {
+      const std::size_t place = moves ? target : place_of_mass(target);
+      if (!masses_kg_.contains(place)) continue;  // nothing touches it
+      masses_kg_[place] = {moves ? effective_mass(model_, place, 0, true) : least_mass_kg};
+      for (const ConnectionGroup& group : model_.connections)
+        if (group.each.kind == ConnectionKind::kContact && (group.each.first == place || group.each.second == place))
+          check_stiffness(json, moves ? "place_m" : "min", group, largest_ratio(group));
+    }
+  }
+
+  [[nodiscard]] std::size_t place_of_mass(std::size_t body) const {
+    return static_cast<std::size_t>(std::ranges::find(model_.places, body, &InstrumentPlace::body) -
+                                    model_.places.begin());
+  }
+  [[nodiscard]] double mass_of(std::size_t body) const {
+    return std::get<ModeTable>(model_.bodies[body].resonator.body).rows.front().mode.mass_kg;
+  }
+
+  // The largest stiffness ratio that the controls so far may give a contact.
+  [[nodiscard]] double largest_ratio(const ConnectionGroup& group) const {
+    double largest = 1;
+    for (std::size_t c = 0; c < model_.controls.size(); ++c)
+      for (const std::size_t target : model_.controls[c].targets)
+        if (model_.controls[c].quantity == ControlQuantity::kStiffnessRatio && &model_.connections[target] == &group)
+          largest = std::max(largest, model_.parameters[c].allowed.max);
+    return largest;
   }
 
   [[nodiscard]] std::size_t points_of(std::size_t place) const {
@@ -390,6 +424,8 @@ class Reader {
     const std::string path = json.key(key);
     if (quantity == ControlQuantity::kDamping) return index_of(json, path, name, model_.bodies, "body");
     if (quantity == ControlQuantity::kForce) return single_place(json, key, name);
+    if (quantity == ControlQuantity::kPlace) return place_on_string(json, key, name);
+    if (quantity == ControlQuantity::kMass) return struck_mass(json, key, name);
     const std::size_t found = index_of(json, path, name, model_.connections, "contact, spring or link");
     const ConnectionKind kind = model_.connections[found].each.kind;
     if (!suits(quantity, kind))
@@ -406,6 +442,25 @@ class Reader {
     return place;
   }
 
+  // A place that a control may move: one point of a string, which no rigid link holds.
+  std::size_t place_on_string(const JsonObject& json, const char* key, const std::string& name) const {
+    const std::size_t place = single_place(json, key, name);
+    if (!std::holds_alternative<StiffString>(model_.bodies[model_.places[place].body].resonator.body))
+      json.fail(json.key(key), fmt::format("'{}' is not on a string", name), "a place on a string");
+    for (const ConnectionGroup& group : model_.connections)
+      if (group.each.kind == ConnectionKind::kLink && (group.each.first == place || group.each.second == place))
+        json.fail(json.key(key), fmt::format("the rigid link '{}' holds '{}' where it is", group.name, name),
+                  "a place under contacts, springs or forces; a stiff spring instead of the link");
+    return place;
+  }
+
+  std::size_t struck_mass(const JsonObject& json, const char* key, const std::string& name) const {
+    const std::size_t body = index_of(json, json.key(key), name, model_.bodies, "body");
+    if (std::ranges::find(model_.strikes, body) == model_.strikes.end())
+      json.fail(json.key(key), fmt::format("'{}' is not struck", name), "a mass that `strikes` names");
+    return body;
+  }
+
   // What a control is before it is set: what the file says of its first target.
   [[nodiscard]] double value_of(ControlQuantity quantity, std::size_t target) const {
     switch (quantity) {
@@ -417,6 +472,10 @@ class Reader {
         return model_.connections[target].each.stiffness_n_per_m;
       case ControlQuantity::kResistance:
         return model_.connections[target].each.resistance_n_s_per_m;
+      case ControlQuantity::kPlace:
+        return model_.places[target].points.front().position_m;
+      case ControlQuantity::kMass:
+        return mass_of(target);
       default:
         return 0;
     }
@@ -441,6 +500,8 @@ class Reader {
     if (control.quantity == ControlQuantity::kStiffnessRatio)
       for (const std::size_t group : control.targets)
         check_stiffness(json, "max", model_.connections[group], parameter.allowed.max);
+    if (control.quantity == ControlQuantity::kPlace || control.quantity == ControlQuantity::kMass)
+      check_lightest(json, control, parameter.allowed.min);
     if (json.has("release_n")) read_pluck(json, parameter, control.quantity);
     if (control.quantity == ControlQuantity::kForce) narrow_slider(json, parameter);
     model_.parameters.push_back(std::move(parameter));
@@ -450,7 +511,10 @@ class Reader {
   // The values that a control may take, and its first one.
   [[nodiscard]] ModelParameter parameter_of(const JsonObject& json, const std::string& name,
                                             const ControlTargets& control) const {
-    const Range all = range_of(control.quantity);
+    Range all = range_of(control.quantity);
+    if (control.quantity == ControlQuantity::kPlace)
+      for (const std::size_t place : control.targets)
+        all.max = std::min(all.max, extent_of(model_.bodies[model_.places[place].body].resonator.body));
     const Range range{json.has("min") ? json.number("min", all) : all.min,
                       json.has("max") ? json.number("max", all) : all.max};
     if (!(range.min < range.max))
@@ -460,7 +524,7 @@ class Reader {
     if (initial < range.min || initial > range.max)
       json.fail(json.key("initial"), fmt::format("missing, and the file begins with {}", initial),
                 fmt::format("{} to {}", range.min, range.max));
-    const bool glides = control.quantity == ControlQuantity::kForce || control.quantity == ControlQuantity::kDamping;
+    const bool waits = acts_at_next_note(json, control.quantity);
     const bool is_logarithmic = range.min > 0 && range.max >= 100 * range.min;
     return {.name = name,
             .unit = std::string(unit_of(name)),
@@ -468,7 +532,26 @@ class Reader {
             .slider = {range.min, range.max},
             .initial = initial,
             .scale = is_logarithmic ? Scale::kLogarithmic : Scale::kLinear,
-            .glide_s = glides ? kGlide_s : 0};
+            .acts = waits ? Acts::kAtNextNote : Acts::kAtOnce,
+            .glide_s = waits ? 0 : glide_of(control.quantity)};
+  }
+
+  static bool acts_at_next_note(const JsonObject& json, ControlQuantity quantity) {
+    const bool is_mass = quantity == ControlQuantity::kMass;
+    if (!json.has("acts")) return is_mass;
+    constexpr auto kAllowed = "at_once or at_next_note";
+    const std::string acts = json.text("acts", kAllowed);
+    if (acts != "at_once" && acts != "at_next_note")
+      json.fail(json.key("acts"), fmt::format("'{}' is neither", shown(acts)), kAllowed);
+    if (is_mass && acts == "at_once") json.fail(json.key("acts"), "is at_once beside a mass", "at_next_note");
+    if (quantity == ControlQuantity::kForce && acts == "at_next_note")
+      json.fail(json.key("acts"), "is at_next_note beside a force", "at_once, or release_n for a pluck");
+    return acts == "at_next_note";
+  }
+
+  static double glide_of(ControlQuantity quantity) {
+    if (quantity == ControlQuantity::kPlace) return kPlaceGlide_s;
+    return quantity == ControlQuantity::kForce || quantity == ControlQuantity::kDamping ? kGlide_s : 0;
   }
 
   void read_pluck(const JsonObject& json, const ModelParameter& control, ControlQuantity quantity) {
@@ -625,11 +708,18 @@ class Reader {
   // What an output is the sum of.
   std::size_t source_of(const JsonObject& json, const std::string& key, const std::string& name) const {
     if (key == "force_n") return index_of(json, json.key(key), name, model_.connections, "contact, spring or link");
-    if (key != "end_force_n") return single_place(json, key.c_str(), name);
+    if (key != "end_force_n") return place_that_stays(json, key, name);
     const std::size_t body = index_of(json, json.key(key), name, model_.bodies, "body");
     if (!std::holds_alternative<StiffString>(model_.bodies[body].resonator.body))
       json.fail(json.key(key), fmt::format("'{}' is not a string", name), "a string");
     return body;
+  }
+
+  std::size_t place_that_stays(const JsonObject& json, const std::string& key, const std::string& name) const {
+    const std::size_t place = single_place(json, key.c_str(), name);
+    if (controlled_.contains({ControlQuantity::kPlace, place}))
+      json.fail(json.key(key), fmt::format("a control moves '{}'", name), "a place of its own that stays");
+    return place;
   }
 
   // A loud sound of largest instruments.

@@ -268,6 +268,35 @@ std::vector<BadFile> connection_cases() {
            "links[1].between", "closes a circle of rigid links"}};
 }
 
+// Controls that move a place, and set a mass from note to note.
+std::vector<BadFile> note_cases() {
+  const std::string last = R"("resistance_n_s_per_m": "coil", "initial": 0.8 })";
+  const std::string moving = changed(kGood, last, last + R"(,
+    { "name": "hammer", "mass_kg": "hammer", "initial": 0.0032, "min": 0.001 },
+    { "name": "struck", "place_m": "struck", "initial": 0.083, "acts": "at_next_note" })");
+  return {
+      {"place_of_a_head", changed(moving, R"("place_m": "struck")", R"("place_m": "spot")"), "controls[8].place_m",
+       "'spot' is not on a string; allowed: a place on a string"},
+      {"place_of_several_points", changed(moving, R"("place_m": "struck")", R"("place_m": "line")"),
+       "controls[8].place_m", "'line' has several points; allowed: a place of one point"},
+      {"place_that_a_link_holds", changed(moving, R"("place_m": "struck")", R"("place_m": "end")"),
+       "controls[8].place_m", "the rigid link 'pin' holds 'end' where it is"},
+      {"place_that_an_output_reads", changed(moving, R"("displacement_m": "spot")", R"("displacement_m": "struck")"),
+       "outputs[1].displacement_m", "a control moves 'struck'; allowed: a place of its own that stays"},
+      {"mass_that_nothing_strikes", changed(moving, R"("mass_kg": "hammer")", R"("mass_kg": "bolt")"),
+       "controls[7].mass_kg", "'bolt' is not struck; allowed: a mass that `strikes` names"},
+      {"mass_too_light_for_its_contact", changed(moving, R"("min": 0.001)", R"("min": 1e-9)"), "controls[7].min",
+       "allowed: at most 1e+09 Hz: larger masses, or a weight of at most 0.11"},
+      {"acts_some_day", changed(moving, R"("at_next_note")", R"("later")"), "controls[8].acts",
+       "'later' is neither; allowed: at_once or at_next_note"},
+      {"mass_at_once", changed(moving, R"("initial": 0.0032)", R"("initial": 0.0032, "acts": "at_once")"),
+       "controls[7].acts", "is at_once beside a mass; allowed: at_next_note"},
+      {"place_beyond_the_string", changed(moving, "0.083", "0.63"), "controls[8].initial",
+       "is out of range; allowed: " + range("0", "0.62")},
+      {"mass_beyond_its_range", changed(moving, "0.0032", "1e5"), "controls[7].initial",
+       "is out of range; allowed: " + range("0.001", "10000")}};
+}
+
 std::vector<BadFile> outside_cases() {
   const std::string push = R"("force_n": "spot", "initial": 0.11)";
   return {
@@ -286,7 +315,7 @@ std::vector<BadFile> outside_cases() {
       {"control_of_two", changed(kGood, push, push + R"(, "damping_per_s": "head")"), "controls[0].damping_per_s",
        "2 quantities are given"},
       {"control_unknown_quantity", changed(kGood, push, R"("pressure_pa": "spot")"), "controls[0].pressure_pa",
-       "unknown key; allowed: name, initial, min, max, release_n, force_n"},
+       "unknown key; allowed: name, initial, min, max, release_n, acts, force_n"},
       {"control_without_name", changed(kGood, R"("name": "push", )", ""), "controls[0].name", "missing"},
       {"control_twice",
        changed(kGood, R"("name": "push", "force_n": "spot", "initial": 0.11, "min": -7, "max": 8, "release_n": 1.75)",
@@ -318,6 +347,8 @@ std::vector<BadFile> outside_cases() {
        changed(changed(kGood, R"("gap_m": 0.004)", R"("gap_m": -0.004)"), R"("initial": 0.0015)",
                R"("initial": -0.097)"),
        "controls[4].initial", "-0.097 m added to the gap -0.004 m of 'felt' is out of range"},
+      {"force_at_next_note", changed(kGood, push, push + R"(, "acts": "at_next_note")"), "controls[0].acts",
+       "is at_next_note beside a force; allowed: at_once, or release_n for a pluck"},
       {"control_of_a_number", changed(kGood, push, R"("force_n": 3)"), "controls[0].force_n", "is not an array"},
       {"strike_of_a_string", changed(kGood, R"(["hammer"])", R"(["string"])"), "strikes",
        "'string' is not a mass; allowed: masses"},
@@ -362,6 +393,8 @@ INSTANTIATE_TEST_SUITE_P(Body, BadInstrumentFile, ::testing::ValuesIn(body_cases
 INSTANTIATE_TEST_SUITE_P(Place, BadInstrumentFile, ::testing::ValuesIn(place_cases()),
                          ::testing::PrintToStringParamName());
 INSTANTIATE_TEST_SUITE_P(Connection, BadInstrumentFile, ::testing::ValuesIn(connection_cases()),
+                         ::testing::PrintToStringParamName());
+INSTANTIATE_TEST_SUITE_P(Note, BadInstrumentFile, ::testing::ValuesIn(note_cases()),
                          ::testing::PrintToStringParamName());
 INSTANTIATE_TEST_SUITE_P(Outside, BadInstrumentFile, ::testing::ValuesIn(outside_cases()),
                          ::testing::PrintToStringParamName());

@@ -71,6 +71,10 @@ std::vector<Move> moves_of(const InstrumentModel& model, RandomInstruments& rand
         case ControlQuantity::kResistance:
           value = random.number(1e-3, 100, 0, model.parameters[c].slider.max);
           break;
+        case ControlQuantity::kPlace:
+        case ControlQuantity::kMass:
+          ADD_FAILURE() << "no Faust program has such a control";
+          break;
       }
       moves.push_back({sample, model.parameters[c].name, value});
     }

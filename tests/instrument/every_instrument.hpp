@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The list of all instruments that ship. Tests over the concept take it; a new model is one line here.
+// The list of all instruments that ship, and of those in examples/. Tests over the concept take it; a new model is
+// one line here.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -19,6 +20,9 @@
 #include "contactspline/materials/steel_on_steel.hpp"
 #include "contactspline/resonators/guitar_g3.hpp"
 #include "contactspline/resonators/string_c4.hpp"
+#include "fret_under_string.hpp"
+#include "hammer_on_string.hpp"
+#include "slide_on_string.hpp"
 
 namespace contactspline::testing {
 
@@ -32,7 +36,8 @@ template <typename T>
 using InstrumentsOfFiles =
     ::testing::Types<instruments::classical_guitar<T>, instruments::marimba_tube<T>, instruments::prepared_piano<T>,
                      instruments::slap_bass<T>, instruments::snare<T>, instruments::tanpura<T>, instruments::tom<T>,
-                     instruments::trichord_c4<T>>;
+                     instruments::trichord_c4<T>, instruments::fret_under_string<T>, instruments::hammer_on_string<T>,
+                     instruments::slide_on_string<T>>;
 
 /// What a test calls an instrument.
 struct InstrumentNames {

@@ -208,6 +208,9 @@ class ReferenceNetwork {
       case ControlQuantity::kResistance:
         connections_[target].resistance_n_s_per_m = initial;
         return;
+      case ControlQuantity::kPlace:
+      case ControlQuantity::kMass:
+        return;  // that of the file
     }
   }
 

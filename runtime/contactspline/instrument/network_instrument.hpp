@@ -48,20 +48,19 @@ enum class ControlQuantity {
   kLoss,            ///< of contacts [s/m]
   kGapShift,        ///< of connections: is added to their gaps [m]; the sum is moved into -0.1 to 0.1
   kStiffness,       ///< of springs [N/m]
-  kResistance       ///< of springs [N s/m]
+  kResistance,      ///< of springs [N s/m]
+  kPlace,           ///< where places are on their strings [m]
+  kMass             ///< of free masses, from their next throw on [kg]
 };
 
 /// The values that a control of this quantity may take.
 template <std::floating_point T>
 [[nodiscard]] constexpr ControlRange<T> control_range(ControlQuantity quantity) {
   using Ranges = ControlRanges<T>;
-  constexpr ControlRange<T> kRanges[] = {Ranges::force_n,
-                                         Ranges::damping_per_s,
-                                         Ranges::stiffness_ratio,
-                                         Ranges::loss_s_per_m,
-                                         Ranges::gap_m,
-                                         Ranges::hand_stiffness_n_per_m,
-                                         Ranges::resistance_n_s_per_m};  // in the order of ControlQuantity
+  constexpr ControlRange<T> kRanges[] = {
+      Ranges::force_n, Ranges::damping_per_s,          Ranges::stiffness_ratio,      Ranges::loss_s_per_m,
+      Ranges::gap_m,   Ranges::hand_stiffness_n_per_m, Ranges::resistance_n_s_per_m, Ranges::place_m,
+      Ranges::mass_kg};  // in the order of ControlQuantity
   return kRanges[static_cast<std::size_t>(quantity)];
 }
 
@@ -84,7 +83,8 @@ struct InstrumentOutput {
 /// shape for each mode of its body. table_ends[t]: number of segments of the tables 0 to t. strikes: for each strike
 /// the body that it throws, a free mass. plucks: for each pluck the control of its force. parameters: one for each
 /// control, then the speed of each strike, then the force of each pluck, then sustain and bend where keys have them.
-/// preset_values: for each preset a value for each parameter. license: SPDX identifier.
+/// preset_values: for each preset a value for each parameter. wavenumbers: of the modes, 0 where the body is no
+/// string [rad/m]; empty where no place moves. license: SPDX identifier.
 struct InstrumentData {
   const char *name, *description, *license;
   std::span<const double> angular_frequencies, decays, masses;
@@ -104,6 +104,7 @@ struct InstrumentData {
   KeyedData keyed = {};
   std::span<const char* const> preset_names = {};
   std::span<const double> preset_values = {};
+  std::span<const double> wavenumbers = {};
 };
 
 /// Plays what InstrumentData describes. `contactspline generate` emits a class on top of it, with names for controls,
@@ -116,12 +117,13 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
 
   explicit NetworkInstrument(const InstrumentData& data) : data_(data), parts_(data), plucks_(data.plucks.size()) {
     for (const Parameter& parameter : data.parameters) values_.push_back(parameter.initial);
-    for (std::size_t c = 0; c < data.controls.size(); ++c) values_[c] = double(first_value(data, c));
+    for (std::size_t c = 0; c < data.controls.size(); ++c) values_[c] = first_value(data, c);
     for (std::size_t i = 0; i < data.preset_names.size(); ++i) {
       const auto values = data.preset_values.subspan(i * values_.size(), values_.size());
       presets_.push_back({data.preset_names[i], {values.begin(), values.end()}});
     }
     if (!data.keyed.tension_squares.empty()) tuning_ = {all_modes(data), data.keyed.tension_squares, data.body_ends};
+    is_waiting_.resize(data.controls.size());
     for (std::size_t s = 0; s < data.strikes.size(); ++s) sides_.push_back(side_of(data, data.strikes[s]));
   }
   NetworkInstrument(const InstrumentData& data, double sample_rate_hz) : NetworkInstrument(data) {
@@ -147,6 +149,7 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
     throws_.clear();
     for (const std::size_t mass : data_.strikes) throws_.push_back(throw_of(plan, mass));
     is_flying_.assign(throws_.size(), 0);
+    std::ranges::fill(is_waiting_, 0);
     damper_.emplace(data_.keyed.damped, data_.keyed.damper_per_s, data_.body_ends.size(), sample_rate_hz);
     tuning_.restart();
     for (std::size_t c = 0; c < data_.controls.size(); ++c)
@@ -167,7 +170,8 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
   }
 
   /// Sets a parameter: a control in the unit of its quantity, the speed of a strike or the force of a pluck. The
-  /// value is moved into its range; one that is not a number does nothing.
+  /// value is moved into its range; one that is not a number does nothing. Where it acts at the next note, it waits
+  /// for a strike or pluck: a mass for its own next throw.
   void set(std::size_t parameter, double value) {
     const double next = held(values_[parameter], value, range_of(parameter));
     if (next == values_[parameter]) return;
@@ -177,7 +181,10 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
     if (parameter == data_.keyed.sustain && next < 0.5 && damper_) damper_->end_sustain();
     if (parameter >= data_.controls.size()) return;
     const InstrumentControl& control = data_.controls[parameter];
-    network_ && !in_double_ ? apply(control, static_cast<T>(next)) : keep(control, static_cast<T>(next));
+    keep(control, static_cast<T>(next));
+    if (!network_ || in_double_) return;
+    is_waiting_[parameter] = data_.parameters[parameter].acts == Acts::kAtNextNote;
+    if (!is_waiting_[parameter]) apply(control, static_cast<T>(next));
   }
   [[nodiscard]] double value(std::size_t parameter) const { return values_[parameter]; }
 
@@ -189,6 +196,7 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
     if (in_double_) return in_double_->strike(strike, double(speed_m_per_s));
     if (strike >= throws_.size() || !is_number(speed_m_per_s)) return;
     const Throw& moved = throws_[strike];
+    apply_waiting(moved.thrown.masses);
     const double before = network_->energy();
     for (const std::size_t mass : moved.returned) network_->set_motion(mass, 0, 0);
     for (const std::size_t mass : moved.thrown.masses) network_->set_motion(mass, 0, speed_m_per_s);
@@ -209,6 +217,7 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
   void pluck(std::size_t pluck, T force_n, double rise_s = kPluckRise_s) {
     if (in_double_) return in_double_->pluck(pluck, double(force_n), rise_s);
     if (pluck >= plucks_.size() || !is_number(force_n)) return;
+    apply_waiting({});
     plucks_[pluck].begin(double(force_n), rise_s, sample_rate_hz_);
     damper_->lift();
   }
@@ -337,7 +346,7 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
   [[nodiscard]] bool is_too_stiff(double sample_rate_hz) const {
     for (std::size_t k = 0; k < data_.connections.size(); ++k) {
       const InstrumentConnection& c = data_.connections[k];
-      const double admittance = double(network_->solver().admittance(k, k));
+      const double admittance = network_->largest_admittance(k) + lightest(c, sample_rate_hz);
       if (c.kind == ConnectionKind::kSpring) {
         const double stiffness = largest(ControlQuantity::kStiffness, k, c.stiffness_n_per_m);
         const double resistance = largest(ControlQuantity::kResistance, k, c.resistance_n_s_per_m);
@@ -351,6 +360,18 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
       }
     }
     return false;
+  }
+
+  // What controls of masses may add to the admittance of a connection.
+  [[nodiscard]] double lightest(const InstrumentConnection& connection, double sample_rate_hz) const {
+    double added = 0;
+    for (std::size_t c = 0; c < data_.controls.size(); ++c)
+      for (const std::size_t mass : targets_of(data_.controls[c]))
+        for (const std::size_t place : {connection.first, connection.second})
+          if (data_.controls[c].quantity == ControlQuantity::kMass && place != kGround &&
+              data_.place_bodies[place] == mass)
+            added += (1 / range_of(c).min - 1 / *parts_.masses_kg[mass]) / (2 * sample_rate_hz * sample_rate_hz);
+    return added;
   }
 
   // Displacement of thrown masses at which no contact is pressed further than at rest; 0 if there is none.
@@ -385,8 +406,8 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
     const auto [min, max] = control_range<double>(data.controls[parameter].quantity);
     return {std::max(min, listed.min), std::min(max, listed.max)};
   }
-  static T first_value(const InstrumentData& data, std::size_t control) {
-    return static_cast<T>(held(0.0, data.parameters[control].initial, range_of(data, control)));
+  static double first_value(const InstrumentData& data, std::size_t control) {
+    return held(0.0, data.parameters[control].initial, range_of(data, control));
   }
 
   static std::vector<Mode> all_modes(const InstrumentData& data) {
@@ -455,6 +476,27 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
     for (const std::size_t k : targets_of(control)) parts_.set(control.quantity, k, value);
   }
 
+  // Applies the controls that wait for a note; those of masses only to masses that are thrown now. The work counts as
+  // that of a strike.
+  void apply_waiting(std::span<const std::size_t> thrown) {
+    const double before = network_->energy();
+    bool has_changed = false;
+    for (std::size_t c = 0; c < data_.controls.size(); ++c) {
+      const InstrumentControl& control = data_.controls[c];
+      const auto is_thrown = [&](std::size_t mass) { return std::ranges::find(thrown, mass) != thrown.end(); };
+      if (!is_waiting_[c]) continue;
+      if (control.quantity == ControlQuantity::kMass && !std::ranges::all_of(targets_of(control), is_thrown))
+        continue;
+      is_waiting_[c] = false;
+      has_changed = true;
+      if (control.quantity == ControlQuantity::kPlace)
+        for (const std::size_t place : targets_of(control)) network_->put_place(place, static_cast<T>(values_[c]));
+      else
+        apply(control, static_cast<T>(values_[c]));
+    }
+    if (has_changed) work_of_strikes_ += network_->energy() - before;
+  }
+
   // What the network is built of, and what its controls have set so far.
   struct Parts {
     explicit Parts(const InstrumentData& data) : connections(data.connections.begin(), data.connections.end()) {
@@ -468,9 +510,11 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
         gaps_m.push_back(static_cast<T>(connection.gap_m));
         ratios.push_back(1);
       }
+      places_m.resize(data.place_bodies.size());
+      masses_kg.resize(data.body_ends.size());
       for (std::size_t c = 0; c < data.controls.size(); ++c)
         for (const std::size_t target : data.targets.subspan(data.controls[c].first_target, data.controls[c].count))
-          set(data.controls[c].quantity, target, first_value(data, c));
+          set(data.controls[c].quantity, target, static_cast<T>(first_value(data, c)));
     }
 
     // Keeps a control of a connection.
@@ -492,6 +536,12 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
         case ControlQuantity::kResistance:
           connections[target].resistance_n_s_per_m = double(value);
           break;
+        case ControlQuantity::kPlace:
+          places_m[target] = value;
+          break;
+        case ControlQuantity::kMass:
+          masses_kg[target] = double(value);
+          break;
         case ControlQuantity::kForce:
         case ControlQuantity::kDamping:
           break;
@@ -508,6 +558,12 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
       return data.shapes.subspan(begin, modes_of(data, data.place_bodies[place]));
     }
 
+    // Those of the numbers of all modes that belong to a body.
+    static std::span<const double> part_of(const InstrumentData& data, std::span<const double> numbers,
+                                           std::size_t body) {
+      return numbers.subspan(data.body_ends[body] - modes_of(data, body), modes_of(data, body));
+    }
+
     static std::size_t modes_of(const InstrumentData& data, std::size_t body) {
       return data.body_ends[body] - (body == 0 ? 0 : data.body_ends[body - 1]);
     }
@@ -519,10 +575,16 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
         modes.clear();
         for (; i < data.body_ends[b]; ++i)
           modes.push_back({data.angular_frequencies[i], data.decays[i], data.masses[i]});
+        if (masses_kg[b]) modes.front().mass_kg = *masses_kg[b];
         plan.add_body(modes);
       }
-      for (std::size_t p = 0; p < data.place_bodies.size(); ++p)
-        plan.add_place(data.place_bodies[p], shapes_of(data, p));
+      for (std::size_t p = 0; p < data.place_bodies.size(); ++p) {
+        const std::size_t body = data.place_bodies[p];
+        if (places_m[p])
+          plan.add_moving_place(body, part_of(data, data.wavenumbers, body), *places_m[p]);
+        else
+          plan.add_place(body, shapes_of(data, p));
+      }
       for (std::size_t k = 0; k < connections.size(); ++k) {
         const InstrumentConnection& c = connections[k];
         if (c.kind == ConnectionKind::kContact)
@@ -538,6 +600,8 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
 
     std::vector<InstrumentConnection> connections;
     std::vector<T> gaps_m, ratios;
+    std::vector<std::optional<T>> places_m;        // of the places that a control moves
+    std::vector<std::optional<double>> masses_kg;  // of the bodies, where a control sets it
     std::vector<std::vector<Segment<T>>> tables;
   };
 
@@ -579,6 +643,14 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
           network_->set_spring(k, static_cast<T>(parts_.connections[k].stiffness_n_per_m),
                                static_cast<T>(parts_.connections[k].resistance_n_s_per_m));
           break;
+        case ControlQuantity::kPlace:
+          network_->move_place(k, value);
+          break;
+        case ControlQuantity::kMass: {
+          const Mode mass{0, 0, double(value)};
+          network_->retune(k, {&mass, 1});
+          break;
+        }
       }
     }
   }
@@ -595,9 +667,10 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
   std::optional<detail::NetworkDamper<T>> damper_;
   std::vector<int> sides_;  // of the strikes
   ModeShapes<T> whole_mass_{std::span<const double>(kWholeMass)};
-  double key_cents_ = 0;         // of the key that is played
-  std::vector<Throw> throws_;    // of the strikes
-  std::vector<char> is_flying_;  // may what a strike has thrown still fly away?
+  double key_cents_ = 0;          // of the key that is played
+  std::vector<Throw> throws_;     // of the strikes
+  std::vector<char> is_flying_;   // may what a strike has thrown still fly away?
+  std::vector<char> is_waiting_;  // of the controls: for the next note
   double work_of_strikes_ = 0, last_work_of_strikes_ = 0;
   std::unique_ptr<NetworkInstrument<double>> in_double_;
 };

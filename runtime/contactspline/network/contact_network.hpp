@@ -108,7 +108,10 @@ class ContactNetwork {
 
   /// Moves a place of NetworkPlan::add_moving_place() along its string [m], as fast as the string can follow
   /// (MovingPlace::move_to). The place takes its connections along; what that does is work().
-  void move_place(std::size_t place, T place_m) { movers_[*places_[place].mover].target_m = place_m; }
+  void move_place(std::size_t place, T place_m) {
+    movers_[*places_[place].mover].target_m = place_m;
+    is_following_ = true;
+  }
 
   /// Puts such a place elsewhere between two samples [m], without moving there. Its connections are pressed as they
   /// are there.
@@ -117,7 +120,6 @@ class ContactNetwork {
     mover.motion.put(place_m);
     mover.target_m = mover.motion.place();
     follow(mover);
-    measure_roots();
     place_all();
   }
   /// Shapes of the modes at a place, after the last sample.
@@ -152,8 +154,12 @@ class ContactNetwork {
     follow(c);
   }
 
-  /// Brings all bodies to rest. Controls stay. Does not allocate.
+  /// Brings all bodies to rest. Controls stay, and places are where they want them. Does not allocate.
   void reset() {
+    for (Mover& mover : movers_) {
+      mover.motion.put(mover.target_m);
+      follow(mover);
+    }
     for (Body& body : bodies_) body.bank.reset();
     for (const std::size_t p : pushed_) places_[p].push = 0, places_[p].is_pushed = false;
     pushed_.clear();
@@ -201,6 +207,10 @@ class ContactNetwork {
     return static_cast<std::size_t>(std::ranges::count(connections_, false, &Connection::is_awake));
   }
   [[nodiscard]] const CoupledContacts<T>& solver() const { return solver_; }
+  /// Motion of a connection over a sample per newton, without damping and wherever its places may be [m/N].
+  [[nodiscard]] double largest_admittance(std::size_t connection) const {
+    return connections_[connection].own_admittance;
+  }
 
   /// Energy of all bodies and connections [J]. In each sample it changes by work() - dissipated(), up to rounding.
   [[nodiscard]] double energy() const {

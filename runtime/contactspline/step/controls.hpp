@@ -75,6 +75,7 @@ struct ControlRanges {
   static constexpr Range hand_stiffness_n_per_m{0, T(1e9)};
   static constexpr Range resistance_n_s_per_m{0, T(1e6)};
   static constexpr Range gap_m{T(-0.1), T(0.1)};
+  static constexpr Range place_m{0, T(100)};
   static constexpr Range height_m{T(-0.1), T(0.1)};
   static constexpr Range speed_m_per_s{T(-1e3), T(1e3)};
   static constexpr Range throw_distance_m{0, T(0.05)};
