@@ -321,12 +321,12 @@ class Reader {
   }
 
   // Contacts are not too stiff where a control moves their place or makes their mass lightest.
-  void check_lightest(const JsonObject& json, const ControlTargets& control, double least_mass_kg) {
+  void check_lightest(const JsonObject& json, const ControlTargets& control, double min_mass_kg) {
     const bool moves = control.quantity == ControlQuantity::kPlace;
     for (const std::size_t target : control.targets) {
       const std::size_t place = moves ? target : place_of_mass(target);
       if (!masses_kg_.contains(place)) continue;  // nothing touches it
-      masses_kg_[place] = {moves ? effective_mass(model_, place, 0, true) : least_mass_kg};
+      masses_kg_[place] = {moves ? effective_mass(model_, place, 0, true) : min_mass_kg};
       for (const ConnectionGroup& group : model_.connections)
         if (group.each.kind == ConnectionKind::kContact && (group.each.first == place || group.each.second == place))
           check_stiffness(json, moves ? "place_m" : "min", group, largest_ratio(group));

@@ -567,7 +567,14 @@ case_examples_plugins() {
 case_own_plugin() {
   install_at "$WORK/prefix"
   (cd "$WORK" && blocks_of "$SOURCE/docs/reference/instruments.md" json block && mv block1.json my_zither.json)
-  sed -i '0,/"name": "my_zither",/s//"name": "my_zither", "license": "CC-BY-4.0",/' "$WORK/my_zither.json"
+  # With a licence, keys, presets and a place that moves; then it plays a MIDI file: C4 and G4, half a second each.
+  sed -i -e '0,/"name": "my_zither",/s//"name": "my_zither", "license": "CC-BY-4.0",/' \
+    -e 's/"controls": \[/"controls": [ { "name": "hammer", "place_m": "struck", "max": 0.5 },/' \
+    -e 's/"strikes":/"keys": [ { "first": 48, "last": 72, "event": "strike_hammer", "tuned_key": 60 } ],\n  &/' \
+    -e 's/"outputs":/"presets": [ { "name": "middle", "hammer_place_m": 0.3 } ],\n  &/' "$WORK/my_zither.json"
+  printf 'MThd\0\0\0\6\0\0\0\1\0\140MTrk\0\0\0\24\0\220\074\144\140\200\074\0\0\220\103\144\140\200\103\0\0\377\057\0' >"$WORK/song.mid"
+  (cd "$WORK" && run "$WORK/prefix/bin/contactspline" render song.mid --instrument my_zither.json -o song.wav)
+  [ -s "$WORK/song.wav" ] || fail "no sound of the MIDI file"
   cat >"$WORK/my_bell.hpp" <<'END'
 #include "contactspline/instrument/instruments_of.hpp"
 #include "contactspline/materials/felt_c7.hpp"

@@ -361,9 +361,9 @@ class ContactNetwork {
       mover.is_moving = mover.motion.move_to(mover.target_m);
       if (!mover.is_moving) continue;
       const std::size_t p = mover.place;
-      const T half_way = half_increment(mover);
-      const T lift = bodies_[places_[p].body].bank.displacement(mover.motion.change()) + half_way +
-                     std::exchange(mover.owed, -half_way);
+      const T half_change = half_increment(mover);
+      const T lift = bodies_[places_[p].body].bank.displacement(mover.motion.change()) + half_change +
+                     std::exchange(mover.owed, -half_change);
       for (const std::size_t k : bodies_[places_[p].body].connections) {
         Connection& c = connections_[k];
         if (c.first != p && c.second != p) continue;
