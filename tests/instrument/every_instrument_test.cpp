@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // What every instrument does, whatever its model: its lists, wrong values, extremes, allocations, blocks of any
-// length, reset, damaged MIDI. Compiled for models by hand and for instruments of files.
-#include "every_instrument.hpp"
+// length, reset, damaged MIDI. Compiled for models by hand, for instruments of files, and by the test of the package
+// for a model outside the tree. CONTACTSPLINE_LIST: the header with the list.
+#include CONTACTSPLINE_LIST
 
 #include <algorithm>
 #include <array>
@@ -118,60 +119,56 @@ TYPED_TEST(EveryInstrument, MovesWrongValuesIntoTheirRange) {
 }
 
 TYPED_TEST(EveryInstrument, SoundsAndIsAsNewAfterAReset) {
-  using Test = EveryInstrument<TypeParam>;
   TypeParam instrument;
   instrument.prepare(kRate);
   // An instrument on which a weight or a tension acts is not silent at rest.
   const bool is_silent_at_rest = instrument.is_silent(1e-14);
-  const auto first = Test::note(instrument);
+  const auto first = TestFixture::note(instrument);
   EXPECT_FALSE(instrument.is_silent(1e-14));
   EXPECT_GT(instrument.energy(), 1e-9);
-  EXPECT_GT(Test::peak(first[0]), 1e-3 * instrument.outputs()[0].full_scale);
+  EXPECT_GT(TestFixture::peak(first[0]), 1e-3 * instrument.outputs()[0].full_scale);
   expect_real_time([&] { instrument.reset(); });
   EXPECT_EQ(instrument.is_silent(1e-14), is_silent_at_rest);
-  EXPECT_EQ(Test::note(instrument), first);
+  EXPECT_EQ(TestFixture::note(instrument), first);
   TypeParam other;
   other.prepare(kRate);
-  EXPECT_EQ(Test::note(other), first);
+  EXPECT_EQ(TestFixture::note(other), first);
 }
 
 // A bend that has arrived holds for the new strings, too.
 TYPED_TEST(EveryInstrument, KeepsItsBendWhereItIsPreparedAgain) {
-  using Test = EveryInstrument<TypeParam>;
   TypeParam instrument;
   for (std::size_t p = 0; p < instrument.parameters().size(); ++p)
     if (std::string(instrument.parameters()[p].name) == "bend_cents") instrument.set(p, 100);
   instrument.prepare(kRate);
-  const auto first = Test::note(instrument);
+  const auto first = TestFixture::note(instrument);
   instrument.prepare(kRate);
-  EXPECT_EQ(Test::note(instrument), first);
+  EXPECT_EQ(TestFixture::note(instrument), first);
 }
 
 // The kernels of a hammer-string may round a sample differently where a block ends: by some roundings of the largest
 // sample, which later contacts amplify a hundredfold.
 TYPED_TEST(EveryInstrument, SoundsTheSameInBlocksOfAnyLength) {
-  using Test = EveryInstrument<TypeParam>;
-  using T = typename TypeParam::value_type;
+  using Value = typename TypeParam::value_type;
   TypeParam instrument;
   instrument.prepare(kRate);
-  const auto expected = Test::note(instrument, 1000);
+  const auto expected = TestFixture::note(instrument, 1000);
   for (const std::size_t block : {1, 7, 64, 4410}) {
     instrument.reset();
-    const auto found = Test::note(instrument, block);
+    const auto found = TestFixture::note(instrument, block);
     for (std::size_t o = 0; o < expected.size(); ++o)
       EXPECT_TRUE(found[o] == expected[o] ||
-                  sequences_within<T>(found[o], expected[o], sizeof(T) == sizeof(float) ? 1e-5 : 1e-12))
+                  sequences_within<Value>(found[o], expected[o], sizeof(Value) == sizeof(float) ? 1e-5 : 1e-12))
           << o << " in blocks of " << block;
   }
 }
 
 // All parameters jump to anything, all events and keys are played, for a second; then it sounds as new.
 TYPED_TEST(EveryInstrument, OutlivesAnything) {
-  using Test = EveryInstrument<TypeParam>;
-  using T = typename TypeParam::value_type;
+  using Value = typename TypeParam::value_type;
   TypeParam instrument;
   instrument.prepare(kRate);
-  const auto expected = Test::note(instrument);
+  const auto expected = TestFixture::note(instrument);
   RandomControls<double> random;
   const auto change = [&](std::size_t) {
     for (std::size_t p = 0; p < instrument.parameters().size(); ++p)
@@ -181,38 +178,39 @@ TYPED_TEST(EveryInstrument, OutlivesAnything) {
     for (const Event& event : instrument.events())
       if (random.once_in(4))
         play_event(instrument, event, random.any(instrument.parameters()[event.parameter].allowed));
-    if (random.once_in(5)) instrument.strike(random.below(100), static_cast<T>(random.any({-1e3, 1e3})));
-    if (random.once_in(5)) instrument.pluck(random.below(100), static_cast<T>(random.any({-1e3, 1e3})), 0.004);
+    if (random.once_in(5)) instrument.strike(random.below(100), static_cast<Value>(random.any({-1e3, 1e3})));
+    if (random.once_in(5)) instrument.pluck(random.below(100), static_cast<Value>(random.any({-1e3, 1e3})), 0.004);
     if (random.once_in(9)) instrument.release(random.below(100));
     if (random.once_in(99)) instrument.reset();
   };
   for (const std::size_t block : {1, 13, 128})
-    for (const auto& sound : Test::play(instrument, block * 300, block, change))
-      ASSERT_TRUE(contactspline::all_finite(std::span<const T>(sound)));
+    for (const auto& sound : TestFixture::play(instrument, block * 300, block, change))
+      ASSERT_TRUE(contactspline::all_finite(std::span<const Value>(sound)));
   for (std::size_t p = 0; p < instrument.parameters().size(); ++p)
     instrument.set(p, instrument.parameters()[p].initial);
   instrument.prepare(kRate);
-  EXPECT_EQ(Test::note(instrument), expected);
+  EXPECT_EQ(TestFixture::note(instrument), expected);
 }
 
 // A host may want no output for a while. Kernels round other outputs differently, as in blocks.
 TYPED_TEST(EveryInstrument, AdvancesWhereNobodyWantsAnOutput) {
-  using T = typename TypeParam::value_type;
-  std::vector<std::vector<T>> ends;
+  using Value = typename TypeParam::value_type;
+  std::vector<std::vector<Value>> ends;
   for (const bool is_wanted : {true, false}) {
     Hosted<TypeParam> hosted;
     hosted.prepare(kRate);
     hosted.midi(std::array<std::uint8_t, 3>{0x90, 60, 100});
-    std::vector<T> sound(1000);
-    std::vector<T*> outputs(hosted.instrument().outputs().size());
+    std::vector<Value> sound(1000);
+    std::vector<Value*> outputs(hosted.instrument().outputs().size());
     if (is_wanted) outputs.front() = sound.data();
-    hosted.process(std::span<T* const>(outputs), sound.size());
+    hosted.process(std::span<Value* const>(outputs), sound.size());
     outputs.front() = sound.data();
-    hosted.process(std::span<T* const>(outputs), sound.size());
+    hosted.process(std::span<Value* const>(outputs), sound.size());
     ends.push_back(sound);
   }
-  EXPECT_GT(EveryInstrument<TypeParam>::peak(ends[0]), 0);
-  EXPECT_TRUE(ends[0] == ends[1] || sequences_within<T>(ends[1], ends[0], sizeof(T) == sizeof(float) ? 1e-5 : 1e-12));
+  EXPECT_GT(TestFixture::peak(ends[0]), 0);
+  EXPECT_TRUE(ends[0] == ends[1] ||
+              sequences_within<Value>(ends[1], ends[0], sizeof(Value) == sizeof(float) ? 1e-5 : 1e-12));
 }
 
 // Random bytes as MIDI, then silence on demand.

@@ -575,30 +575,58 @@ case_own_plugin() {
   printf 'MThd\0\0\0\6\0\0\0\1\0\140MTrk\0\0\0\24\0\220\074\144\140\200\074\0\0\220\103\144\140\200\103\0\0\377\057\0' >"$WORK/song.mid"
   (cd "$WORK" && run "$WORK/prefix/bin/contactspline" render song.mid --instrument my_zither.json -o song.wav)
   [ -s "$WORK/song.wav" ] || fail "no sound of the MIDI file"
-  cat >"$WORK/my_bell.hpp" <<'END'
-#include "contactspline/instrument/instruments_of.hpp"
-#include "contactspline/materials/felt_c7.hpp"
-#include "contactspline/resonators/string_c7.hpp"
+  # The class of docs/how-to/model.md, without its program.
+  (cd "$WORK" && blocks_of "$SOURCE/docs/how-to/model.md" cpp bell && sed '/^int main/,$d' bell1.cpp >my_bell.hpp)
+  cat >"$WORK/my_bell_dsp.cpp" <<'END'
+#include "my_bell.hpp"
+#include "contactspline/host/faust_dsp.hpp"
 
-using MyBell = contactspline::HammerStringOf<contactspline::materials::felt_c7, contactspline::resonators::string_c7, float>;
+class my_bell_dsp : public contactspline::InstrumentDsp<Bell> {
+ public:
+  my_bell_dsp() : InstrumentDsp("my_bell_dsp") {}
+};
 END
   cat >"$WORK/CMakeLists.txt" <<'END'
 cmake_minimum_required(VERSION 3.25)
 project(OwnPlugin LANGUAGES CXX)
 find_package(ContactSpline CONFIG REQUIRED)
+find_package(GTest REQUIRED)
 contactspline_generate(TARGET my_instruments MATERIALS my_zither.json)
 contactspline_plugin(TARGET my_zither INSTRUMENT my_zither MATERIALS my_instruments VENDOR Me URI urn:me:my_zither)
-contactspline_plugin(TARGET my_bell HEADER my_bell.hpp CLASS MyBell FORMATS clap)
+contactspline_plugin(TARGET my_bell HEADER my_bell.hpp CLASS Bell FORMATS clap lv2 URI urn:me:my_bell)
+contactspline_lv2(TARGET my_bell_dsp DSP my_bell_dsp.cpp URI urn:me:my_bell_dsp OUTPUT_DIR lv2)
+
+# The tests of all instruments that ship, over this class.
+add_executable(my_bell_test ${TESTS}/instrument/every_instrument_test.cpp ${TESTS}/support/count_allocations.cpp)
+target_include_directories(my_bell_test PRIVATE ${CMAKE_CURRENT_SOURCE_DIR} ${TESTS} ${TESTS}/..)
+target_link_libraries(my_bell_test PRIVATE ContactSpline::materials GTest::gtest_main)
+target_compile_definitions(my_bell_test PRIVATE
+  CONTACTSPLINE_LIST="my_list.hpp" CONTACTSPLINE_INSTRUMENTS=MyInstruments CONTACTSPLINE_PRECISION=float)
+END
+  cat >"$WORK/my_list.hpp" <<'END'
+#include <gtest/gtest.h>
+#include "my_bell.hpp"
+namespace contactspline::testing {
+template <typename T>
+using MyInstruments = ::testing::Types<Bell>;
+struct InstrumentNames {
+  template <typename I>
+  static std::string GetName(int) { return I::name(); }
+};
+}  // namespace contactspline::testing
 END
   project="$WORK" build="$WORK/build"
-  configure Ninja "-DCMAKE_PREFIX_PATH=$WORK/prefix"
+  configure Ninja "-DCMAKE_PREFIX_PATH=$WORK/prefix" "-DTESTS=$SOURCE/tests"
   build
+  run "$build/my_bell_test"
   local play="$BUILD/tests/plugins/play_plugin" ttl="$build/lv2/my_zither.lv2/my_zither.ttl"
   run "$play" clap "$build/clap/my_zither.clap"
   run "$play" vst3 "$build"/vst3/my_zither.vst3/Contents/*-linux/my_zither.so
   LV2_PATH="$build/lv2" run "$play" lv2 urn:me:my_zither
   run "$play" clap "$build/clap/my_bell.clap"
-  [ ! -e "$build/lv2/my_bell.lv2" ] || fail "a format that was not asked for"
+  LV2_PATH="$build/lv2" run "$play" lv2 urn:me:my_bell
+  LV2_PATH="$build/lv2" run "$play" lv2 urn:me:my_bell_dsp
+  [ ! -e "$build/vst3/my_bell.vst3" ] || fail "a format that was not asked for"
   local text
   for text in '"a string that buzzes on a wire"' '"CC-BY-4.0"' 'doap:name "my zither"' 'foaf:name "Me"'; do
     grep -qF "$text" "$ttl" || fail "the description of the plug-in lacks $text"
