@@ -21,6 +21,7 @@
 #include "generator/cli/validators.hpp"
 #include "generator/emit/emitter.hpp"
 #include "generator/support/error.hpp"
+#include "generator/support/input_file.hpp"
 
 namespace contactspline {
 namespace {
@@ -85,20 +86,33 @@ void parse(CLI::App& app, int argc, const char* const* argv) {
   }
 }
 
-constexpr auto kMaterialHelp = "material file (.json), or the name of a material that ships";
-constexpr auto kSourceHelp = "file (.json), or the name of a shipped material, resonator, keyboard or instrument";
-constexpr auto kScoreHelp = "score file (.json, .mid), or the name of a score that ships";
+constexpr auto kMaterialHelp = "material file (.json), or the name of a material that ships; -: standard input";
+constexpr auto kSourceHelp = "file (.json), or the name of something that `list` prints; -: standard input";
+constexpr auto kScoreHelp = "score file (.json, .mid), or the name of a score that ships; -: standard input";
+
+// In an option for an input file, - is standard input.
+std::string named_input(std::string argument) {
+  return argument == "-" ? std::string(kStandardInput) : argument;
+}
 
 void add_force(CLI::App& command, bool& force) {
   command.add_flag("--force", force,
                    "also replace files that this program did not write, and figures of another kind");
 }
 
+void add_jobs(CLI::App& command, int& jobs) {
+  command.add_option("--jobs", jobs, "files to work on at once (default: one for each core)")
+      ->check(number_from(1, 256));
+}
+
 void add_generate(CLI::App& app) {
   const auto options = std::make_shared<GenerateOptions>();
   CLI::App* command =
       app.add_subcommand("generate", "Write a material, a resonator, a keyboard or an instrument as source text");
-  command->add_option("MATERIAL", options->materials, kSourceHelp)->check(not_empty(kSourceHelp))->required();
+  command->add_option("MATERIAL", options->materials, kSourceHelp)
+      ->check(not_empty(kSourceHelp))
+      ->transform(named_input)
+      ->required();
   std::vector<std::string> formats;
   for (const Emitter& emitter : emitters()) formats.emplace_back(emitter.name);
   command->add_option("--emit", options->formats, "format to write; may be repeated (default: all)")
@@ -119,6 +133,7 @@ void add_generate(CLI::App& app) {
       ->add_option("--depfile", options->depfile, "also write a make rule with the files that the outputs depend on")
       ->check(file_name())
       ->type_name("FILE");
+  add_jobs(*command, options->jobs);
   add_force(*command, options->force);
   command->footer(
       "Examples:\n"
@@ -161,7 +176,10 @@ void add_inspect(CLI::App& app) {
   const auto options = std::make_shared<InspectOptions>();
   CLI::App* command = app.add_subcommand(
       "inspect", "Show a material's spline, a resonator's modes, a keyboard's keys, an instrument");
-  command->add_option("MATERIAL", options->material, kMaterialHelp)->check(not_empty(kMaterialHelp))->required();
+  command->add_option("MATERIAL", options->materials, kSourceHelp)
+      ->check(not_empty(kSourceHelp))
+      ->transform(named_input)
+      ->required();
   command
       ->add_option("--figure", options->figure,
                    "also draw the spline, the modes or the instrument (.svg, .png, .pdf)")
@@ -174,10 +192,12 @@ void add_inspect(CLI::App& app) {
       ->add_option("--rate", options->sample_rate_hz,
                    "of a resonator's, keyboard's or instrument's simulation in Hz (default: 44100)")
       ->check(number_from(1e3, 1e8));
+  add_jobs(*command, options->jobs);
   add_force(*command, options->force);
   command->footer(
       "Examples:\n"
       "  contactspline inspect felt_c4 --figure felt_c4.svg\n"
+      "  contactspline inspect my_felts/*.json --jobs 2\n"
       "  contactspline inspect felt_c4 --compare --figure families.svg\n"
       "  contactspline inspect string_c4 --rate 48000\n"
       "  contactspline inspect tanpura --figure tanpura.svg");
@@ -209,7 +229,10 @@ void add_show(CLI::App& app) {
 void add_impact(CLI::App& app) {
   const auto options = std::make_shared<ImpactOptions>();
   CLI::App* command = app.add_subcommand("impact", "Compare exact, spline and simulated impacts on a rigid barrier");
-  command->add_option("MATERIAL", options->materials, kMaterialHelp)->check(not_empty(kMaterialHelp))->required();
+  command->add_option("MATERIAL", options->materials, kMaterialHelp)
+      ->check(not_empty(kMaterialHelp))
+      ->transform(named_input)
+      ->required();
   command
       ->add_option("--speed", options->speeds,
                    "impact speed in m/s; may be repeated (default: the material's largest)")
@@ -278,6 +301,7 @@ void add_mass_barrier(CLI::App& render) {
   };
   command->add_option("--material", options->material, kMaterialHelp)
       ->check(not_empty(kMaterialHelp))
+      ->transform(named_input)
       ->capture_default_str();
   number("--mass", options->mass_kg, "mass in kg (default: the material's)", 1e-9, 1e4);
   number("--speed", options->speed_m_per_s, "speed of the throw in m/s (default: the material's largest)", 0.0, 1e3);
@@ -333,7 +357,10 @@ std::shared_ptr<ScoreOptions> add_score_options(CLI::App& command, std::optional
 void add_model(CLI::App& render, Model model, const char* help, const char* example) {
   CLI::App* command = render.add_subcommand(std::string(name_of(model)), help);
   const auto options = add_score_options(*command, model);
-  command->add_option("--score", options->score, kScoreHelp)->check(not_empty(kScoreHelp))->required();
+  command->add_option("--score", options->score, kScoreHelp)
+      ->check(not_empty(kScoreHelp))
+      ->transform(named_input)
+      ->required();
   add_outputs(*command, options->output)->required();
   command->footer(fmt::format(
       "Example:\n  contactspline render {} --score {} -o out.wav\nThe scores that ship: contactspline list scores",
@@ -345,7 +372,7 @@ void add_render(CLI::App& app) {
   CLI::App* command = app.add_subcommand("render", "Play a score, or an instrument, to a sound file and a figure");
   command->require_subcommand(0, 1);
   const auto options = add_score_options(*command, {});
-  command->add_option("SCORE", options->score, kScoreHelp)->check(not_empty(kScoreHelp));
+  command->add_option("SCORE", options->score, kScoreHelp)->check(not_empty(kScoreHelp))->transform(named_input);
   const CLI::Option* sound = add_outputs(*command, options->output);
   command->footer(
       "Examples:\n  contactspline render fur_elise -o elise.wav\n  contactspline render my_song.mid -o song.wav\n"

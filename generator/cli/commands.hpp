@@ -24,6 +24,7 @@ struct GenerateOptions {
   std::string output = ".";
   std::string depfile;
   double sample_rate_hz = 44100;
+  int jobs = 0;  ///< materials at once; 0: one for each core
   bool check = false;
   bool force = false;  ///< replaces files that the program did not write
 };
@@ -40,8 +41,9 @@ struct PluginOptions {
 void make_plugin(const PluginOptions& options);
 
 struct InspectOptions {
-  std::string material;
-  std::string figure;  ///< file to draw, or empty
+  std::vector<std::string> materials;
+  int jobs = 0;        ///< as in GenerateOptions
+  std::string figure;  ///< file to draw, of one material only, or empty
   bool compare = false;
   bool json = false;
   bool force = false;  ///< as in GenerateOptions

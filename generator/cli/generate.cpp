@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <set>
 #include <string>
 #include <vector>
@@ -12,8 +13,10 @@
 #include "generator/cli/commands.hpp"
 #include "generator/cli/files.hpp"
 #include "generator/cli/inputs.hpp"
+#include "generator/cli/parallel.hpp"
 #include "generator/cli/waiting_line.hpp"
 #include "generator/support/error.hpp"
+#include "generator/support/input_file.hpp"
 
 namespace contactspline {
 namespace {
@@ -40,31 +43,49 @@ struct Emitted {
   std::string left_out;  ///< a line for each file that cannot be written
 };
 
-Emitted emit_all(const GenerateOptions& options) {
+/// What one material becomes, and the files that it was read from.
+struct EmittedSource {
+  std::string name;
   Emitted emitted;
-  std::set<std::string> names;
-  for (const std::string& argument : options.materials) {
-    const Source source = source_argument(argument, options.sample_rate_hz / 2);
-    const std::string& name = source.name;
-    if (!names.insert(name).second)
-      refuse(argument, "name", fmt::format("'{}' is the name of two materials", name), "once");
-    emitted.inputs.insert(emitted.inputs.end(), source.files.begin(), source.files.end());
-    const WaitingLine line("emitting " + argument);
-    for (const Emitter& emitter : chosen_emitters(options.formats)) {
-      if (emitter.name == "faust" && source.faust_obstacle) {
-        if (!options.formats.empty())
-          refuse(argument, "--emit", *source.faust_obstacle,
-                 "cpp, whose class hosts play (docs/reference/instruments.md), json");
-        emitted.left_out += fmt::format("left out {}.{}: {}\n", name, emitter.extension, *source.faust_obstacle);
-        continue;
-      }
-      const std::string command =
-          fmt::format("contactspline generate {}.json --emit {}{}", name, emitter.name, rate_option(options));
-      emitted.files.push_back({std::filesystem::path(options.output) / fmt::format("{}.{}", name, emitter.extension),
-                               source.emit(emitter, command)});
+};
+
+EmittedSource emit_one(const std::string& argument, const GenerateOptions& options) {
+  const Source source = source_argument(argument, options.sample_rate_hz / 2);
+  const std::string& name = source.name;
+  EmittedSource made{name, {{}, source.files, {}}};
+  const WaitingLine line("emitting " + argument);
+  for (const Emitter& emitter : chosen_emitters(options.formats)) {
+    if (emitter.name == "faust" && source.faust_obstacle) {
+      if (!options.formats.empty())
+        refuse(argument, "--emit", *source.faust_obstacle,
+               "cpp, whose class hosts play (docs/reference/instruments.md), json");
+      made.emitted.left_out += fmt::format("left out {}.{}: {}\n", name, emitter.extension, *source.faust_obstacle);
+      continue;
     }
+    const std::string command =
+        fmt::format("contactspline generate {}.json --emit {}{}", name, emitter.name, rate_option(options));
+    made.emitted.files.push_back(
+        {std::filesystem::path(options.output) / fmt::format("{}.{}", name, emitter.extension),
+         source.emit(emitter, command)});
   }
-  return emitted;
+  return made;
+}
+
+Emitted emit_all(const GenerateOptions& options) {
+  std::vector<EmittedSource> sources(options.materials.size());
+  in_parallel(sources.size(), options.jobs, "emitted",
+              [&](std::size_t i) { sources[i] = emit_one(options.materials[i], options); });
+  Emitted all;
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    const auto& [name, emitted] = sources[i];
+    if (!names.insert(name).second)
+      refuse(options.materials[i], "name", fmt::format("'{}' is the name of two materials", name), "once");
+    std::ranges::copy(emitted.files, std::back_inserter(all.files));
+    std::ranges::copy(emitted.inputs, std::back_inserter(all.inputs));
+    all.left_out += emitted.left_out;
+  }
+  return all;
 }
 
 void require_current(const std::vector<OutputFile>& files) {
@@ -147,6 +168,8 @@ void require_compatible(const GenerateOptions& options) {
     throw BadInput("--depfile: needs files to name; allowed: with -o DIR");
   if (!options.depfile.empty() && options.check)
     throw BadInput("--depfile: cannot be combined with --check, which writes nothing; allowed: one of the two");
+  if (!options.depfile.empty() && std::ranges::find(options.materials, kStandardInput) != options.materials.end())
+    throw BadInput("--depfile: standard input is no file to depend on; allowed: with material files");
 }
 
 }  // namespace

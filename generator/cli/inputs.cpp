@@ -29,6 +29,15 @@ namespace {
 
 constexpr std::string_view kAnyKind = "material, resonator, keyboard or instrument";
 
+// Does an argument name a file, or standard input?
+bool is_file(std::string_view argument) {
+  return is_path(argument) || argument == kStandardInput;
+}
+
+std::string text_of(const std::string& argument) {
+  return argument == kStandardInput ? read_standard_input() : read_input(argument);
+}
+
 Source material_source(const std::string& argument, Design design) {
   const std::string name = design.material.name;
   auto files = input_files(argument, design.material);
@@ -151,7 +160,7 @@ Source keyboard_file(const std::string& text, const std::string& file, double ma
 
 Source file_source(const std::string& file, double max_frequency_hz) {
   const WaitingLine line("designing " + file);
-  const std::string text = read_input(file);
+  const std::string text = text_of(file);
   const Shipped kind = kind_of_file(text, file, "material").value_or(Shipped::kMaterials);
   if (kind == Shipped::kScores) refuse_kind(file, "file", kind, fmt::format("a {}", kAnyKind));
   if (kind == Shipped::kInstruments) return instrument_source(file, read_instrument(file, text), max_frequency_hz);
@@ -164,7 +173,7 @@ Source file_source(const std::string& file, double max_frequency_hz) {
 
 // The text of a file, which may not be of another kind. `kinds`: what a message says is allowed.
 std::string read_kind(const std::string& file, Shipped kind, std::string_view kinds) {
-  std::string text = read_input(file);
+  std::string text = text_of(file);
   const auto found = kind_of_file(text, file, kind_name(kind));
   if (found && *found != kind) refuse_kind(file, "file", *found, fmt::format("a {}", kinds));
   return text;
@@ -174,14 +183,14 @@ std::string read_kind(const std::string& file, Shipped kind, std::string_view ki
 std::optional<NamedText> text_of_kind(const std::string& argument, Shipped kind) {
   if (const auto* file = shipped(kind, argument))
     return NamedText{std::string(file->content), std::string(file->name), true};
-  if (!is_path(argument)) return std::nullopt;
-  std::string text = read_input(argument);
+  if (!is_file(argument)) return std::nullopt;
+  std::string text = text_of(argument);
   if (kind_of_file(text, argument, "material") != kind) return std::nullopt;
   return NamedText{std::move(text), argument, false};
 }
 
-bool is_midi(std::string_view file) {
-  return file.ends_with(".mid");
+bool is_midi(const std::string& argument) {
+  return argument == kStandardInput ? text_of(argument).starts_with("MThd") : argument.ends_with(".mid");
 }
 
 void require_no_channels(const std::string& score, const std::vector<int>& channels) {
@@ -199,8 +208,8 @@ ScoreSource score_on_instrument(const std::string& argument, const std::vector<i
            "with a .mid file");
   ScoreSource source{{}, std::move(played->files)};
   if (midi == nullptr) source.files.emplace_back(argument);
-  source.score = parse_midi_on_instrument(midi != nullptr ? std::string(midi->content) : read_input(argument),
-                                          argument, channels, played->model);
+  source.score = parse_midi_on_instrument(midi != nullptr ? std::string(midi->content) : text_of(argument), argument,
+                                          channels, played->model);
   return source;
 }
 
@@ -222,7 +231,7 @@ ScoreSource shipped_score(const std::string& name, const std::vector<int>& chann
 Design design_argument(const std::string& argument, bool of_any_kind) {
   const std::string_view kinds = of_any_kind ? kAnyKind : "material";
   const WaitingLine line("designing " + argument);
-  if (is_path(argument))
+  if (is_file(argument))
     return design_material(read_kind(argument, Shipped::kMaterials, kinds), argument, reader_beside(argument));
   const auto* material = shipped(Shipped::kMaterials, argument);
   if (material == nullptr)
@@ -231,7 +240,7 @@ Design design_argument(const std::string& argument, bool of_any_kind) {
 }
 
 std::vector<std::filesystem::path> input_files(const std::string& argument) {
-  if (!is_path(argument)) return {};
+  if (!is_file(argument)) return {};
   return {argument};
 }
 
@@ -259,7 +268,7 @@ std::optional<InstrumentSource> instrument_argument(const std::string& argument)
 }
 
 Source source_argument(const std::string& argument, double max_frequency_hz) {
-  if (is_path(argument)) return file_source(argument, max_frequency_hz);
+  if (is_file(argument)) return file_source(argument, max_frequency_hz);
   if (const auto* file = shipped(Shipped::kResonators, argument))
     return resonator_source(parse_resonator(file->content, file->name), max_frequency_hz);
   if (const auto* file = shipped(Shipped::kKeyboards, argument))
@@ -275,7 +284,7 @@ ScoreSource score_argument(const std::string& argument, const std::vector<int>& 
                            const std::string& instrument) {
   const WaitingLine line("designing the contacts of " + argument);
   if (!instrument.empty()) return score_on_instrument(argument, channels, instrument);
-  if (!is_path(argument)) return shipped_score(argument, channels);
+  if (!is_file(argument)) return shipped_score(argument, channels);
   if (!is_midi(argument)) require_no_channels(argument, channels);
   const std::filesystem::path file = argument;
   ScoreSource source;
@@ -284,7 +293,7 @@ ScoreSource score_argument(const std::string& argument, const std::vector<int>& 
     source.files.push_back(file.parent_path() / path);
     return read_input(source.files.back());
   };
-  source.score = is_midi(argument) ? parse_midi_score(read_input(file), argument, channels)
+  source.score = is_midi(argument) ? parse_midi_score(text_of(argument), argument, channels)
                                    : parse_score(read_kind(argument, Shipped::kScores, "score"), argument, read);
   return source;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The arguments of the command line that name a file or something that ships: MATERIAL and SCORE.
+// The arguments of the command line that name a file or something that ships: MATERIAL and SCORE. kStandardInput in
+// place of a file is standard input.
 #pragma once
 
 #include <filesystem>

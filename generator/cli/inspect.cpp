@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // contactspline inspect: shows a spline or an instrument as a table and as a figure, or the modes of a resonator.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -17,6 +18,7 @@
 #include "generator/cli/inputs.hpp"
 #include "generator/cli/inspect_json.hpp"
 #include "generator/cli/instrument_page.hpp"
+#include "generator/cli/parallel.hpp"
 #include "generator/cli/waiting_line.hpp"
 #include "generator/emit/emit_instrument.hpp"
 #include "generator/spline/exponent_family.hpp"
@@ -152,11 +154,10 @@ std::string decibels(const std::optional<SpectrumError>& error, double SpectrumE
   return error ? fmt::format("{:.4g} dB", (*error).*member) : "-";
 }
 
-std::string comparison(const InspectOptions& options, const Design& design) {
-  const WaitingLine line("comparing knots for " + options.material);
+std::string comparison(const std::string& argument, const InspectOptions& options, const Design& design) {
+  const WaitingLine line("comparing knots for " + argument);
   Material material = design.material;
-  if (!material.impact)
-    refuse(options.material, "impact", "missing", "an object, because --compare measures impacts");
+  if (!material.impact) refuse(argument, "impact", "missing", "an object, because --compare measures impacts");
   material.spline.max_compression_m =
       max_compression(material.contact, material.impact->mass_kg, material.impact->max_speed_m_per_s);
   std::vector<Design> families;
@@ -186,7 +187,7 @@ std::string comparison(const InspectOptions& options, const Design& design) {
                     or_dash(row.segments_for_01_percent));
   }
   if (!options.figure.empty()) {
-    write_figure(options.figure, FigureKind::kKnots, input_files(options.material, material), options.force,
+    write_figure(options.figure, FigureKind::kKnots, input_files(argument, material), options.force,
                  [&](FigureFormat format) { return figure_of(families, format); });
     table += fmt::format("\nfigure: {}\n", options.figure);
   }
@@ -213,8 +214,8 @@ std::string resonator_table(const Resonator& resonator, double rate) {
                      set.cut ? "; max_modes leaves out others" : "");
 }
 
-void inspect_resonator(const Resonator& resonator, const InspectOptions& options) {
-  if (options.compare) refuse(options.material, "--compare", "cannot be used with a resonator", "with a material");
+std::string resonator_page(const std::string& argument, const Resonator& resonator, const InspectOptions& options) {
+  if (options.compare) refuse(argument, "--compare", "cannot be used with a resonator", "with a material");
   const double rate = options.sample_rate_hz.value_or(kDefaultRate);
   const std::string page = [&] {
     const WaitingLine line("computing the modes of " + resonator.name);
@@ -222,9 +223,9 @@ void inspect_resonator(const Resonator& resonator, const InspectOptions& options
     return options.json ? json_of(resonator, rate) : table;
   }();
   if (!options.figure.empty())
-    write_figure(options.figure, FigureKind::kResonator, input_files(options.material), options.force,
+    write_figure(options.figure, FigureKind::kResonator, input_files(argument), options.force,
                  [&](FigureFormat format) { return figure_of(resonator, rate / 2, format); });
-  write_stdout(page + figure_line(options));
+  return page + figure_line(options);
 }
 
 // The keys of the published notes, and the first and the last of the keyboard.
@@ -266,13 +267,13 @@ std::string keyboard_table(const Keyboard& keyboard, const std::vector<KeyRow>& 
   return table + fmt::format("modes of one string at {} Hz; hammer and stiffness for all strings of the key\n", rate);
 }
 
-void inspect_keyboard(const Keyboard& keyboard, const InspectOptions& options) {
+std::string keyboard_page(const std::string& argument, const Keyboard& keyboard, const InspectOptions& options) {
   if (options.compare || !options.figure.empty())
-    refuse(options.material, options.compare ? "--compare" : "--figure", "cannot be used with a keyboard",
+    refuse(argument, options.compare ? "--compare" : "--figure", "cannot be used with a keyboard",
            options.compare ? "with a material" : "with a material, a resonator or an instrument");
   const double rate = options.sample_rate_hz.value_or(kDefaultRate);
   const auto rows = key_rows(keyboard, rate);
-  write_stdout(options.json ? json_of(keyboard, rows, rate) : keyboard_table(keyboard, rows, rate));
+  return options.json ? json_of(keyboard, rows, rate) : keyboard_table(keyboard, rows, rate);
 }
 
 // As JSON it is what `generate` writes.
@@ -281,33 +282,53 @@ std::string json_of(const InstrumentModel& model, double rate) {
   return emit(*json, model, rate / 2, fmt::format("contactspline inspect {}.json --json", model.name));
 }
 
-void inspect_instrument(const InstrumentSource& source, const InspectOptions& options) {
-  if (options.compare) refuse(options.material, "--compare", "cannot be used with an instrument", "with a material");
+std::string instrument_page(const std::string& argument, const InstrumentSource& source,
+                            const InspectOptions& options) {
+  if (options.compare) refuse(argument, "--compare", "cannot be used with an instrument", "with a material");
   const double rate = options.sample_rate_hz.value_or(kDefaultRate);
   if (!options.figure.empty())
     write_figure(options.figure, FigureKind::kInstrument, source.files, options.force,
                  [&](FigureFormat format) { return figure_of(source.model, format); });
-  write_stdout(options.json ? json_of(source.model, rate)
-                            : instrument_table(source.model, rate) + figure_line(options));
+  return options.json ? json_of(source.model, rate) : instrument_table(source.model, rate) + figure_line(options);
+}
+
+std::string material_page(const std::string& argument, const InspectOptions& options) {
+  const Design design = design_argument(argument, true);
+  if (options.sample_rate_hz)
+    refuse(argument, "--rate", "cannot be used with a material", "with a resonator, a keyboard or an instrument");
+  if (options.compare) return comparison(argument, options, design);
+  if (!options.figure.empty())
+    write_figure(options.figure, FigureKind::kSpline, input_files(argument, design.material), options.force,
+                 [&](FigureFormat format) { return figure_of(design, format); });
+  if (options.json) return json_of(design);
+  return heading(design) + coefficient_table(design.spline) + quality_table(design) + figure_line(options);
+}
+
+std::string page_of(const std::string& argument, const InspectOptions& options) {
+  if (const auto resonator = resonator_argument(argument)) return resonator_page(argument, *resonator, options);
+  if (const auto instrument = instrument_argument(argument)) return instrument_page(argument, *instrument, options);
+  if (const auto keyboard = keyboard_argument(argument)) return keyboard_page(argument, *keyboard, options);
+  return material_page(argument, options);
+}
+
+// Several pages: one after the other, or an array of JSON.
+std::string joined(const std::vector<std::string>& pages, bool json) {
+  if (pages.size() == 1) return pages.front();
+  const std::string text = fmt::format("{}", fmt::join(pages, json ? "," : "\n"));
+  return json ? "[\n" + text + "]\n" : text;
 }
 
 }  // namespace
 
 void inspect(const InspectOptions& options) {
+  const std::size_t files = options.materials.size();
   if (!options.figure.empty()) (void)figure_format(options.figure);
-  if (const auto resonator = resonator_argument(options.material)) return inspect_resonator(*resonator, options);
-  if (const auto instrument = instrument_argument(options.material)) return inspect_instrument(*instrument, options);
-  if (const auto keyboard = keyboard_argument(options.material)) return inspect_keyboard(*keyboard, options);
-  const Design design = design_argument(options.material, true);
-  if (options.sample_rate_hz)
-    refuse(options.material, "--rate", "cannot be used with a material",
-           "with a resonator, a keyboard or an instrument");
-  if (options.compare) return write_stdout(comparison(options, design));
-  if (!options.figure.empty())
-    write_figure(options.figure, FigureKind::kSpline, input_files(options.material, design.material), options.force,
-                 [&](FigureFormat format) { return figure_of(design, format); });
-  if (options.json) return write_stdout(json_of(design));
-  write_stdout(heading(design) + coefficient_table(design.spline) + quality_table(design) + figure_line(options));
+  if (!options.figure.empty() && files > 1)
+    throw BadInput(fmt::format("--figure: draws one file, not {}; allowed: one MATERIAL", files));
+  std::vector<std::string> pages(files);
+  in_parallel(files, options.jobs, "inspected",
+              [&](std::size_t i) { pages[i] = page_of(options.materials[i], options); });
+  write_stdout(joined(pages, options.json));
 }
 
 }  // namespace contactspline

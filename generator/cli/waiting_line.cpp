@@ -4,15 +4,24 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <utility>
 
 namespace contactspline {
 
-WaitingLine::WaitingLine(std::string what) : what_(std::move(what)) {
-  if (::isatty(STDERR_FILENO) != 0) thread_ = std::thread([this] { show(); });
+namespace {
+
+std::atomic<bool> one_lives = false;
+
+}  // namespace
+
+WaitingLine::WaitingLine(std::function<std::string()> what) : what_(std::move(what)) {
+  if (::isatty(STDERR_FILENO) != 0 && !one_lives.exchange(true)) thread_ = std::thread([this] { show(); });
 }
+
+WaitingLine::WaitingLine(std::string what) : WaitingLine([what = std::move(what)] { return what; }) {}
 
 WaitingLine::~WaitingLine() {
   if (!thread_.joinable()) return;
@@ -22,13 +31,14 @@ WaitingLine::~WaitingLine() {
   }
   ended_.notify_one();
   thread_.join();
+  one_lives = false;
 }
 
 void WaitingLine::show() {
   std::unique_lock lock(mutex_);
   int seconds = 0;
   while (!ended_.wait_for(lock, std::chrono::seconds(1), [this] { return has_ended_; }))
-    std::fputs(fmt::format("\r{}: {} s", what_, ++seconds).c_str(), stderr);
+    std::fputs(fmt::format("\r{}: {} s", what_(), ++seconds).c_str(), stderr);
   if (seconds > 0) std::fputs("\r\x1b[K", stderr);
 }
 

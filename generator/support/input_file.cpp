@@ -5,6 +5,7 @@
 
 #include <cerrno>
 #include <cstdint>
+#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <ios>
@@ -39,6 +40,17 @@ std::string read_input(const fs::path& path) {
   } catch (const std::ios_base::failure& failure) {
     fail_to_read(path, failure.code().message());
   }
+}
+
+const std::string& read_standard_input() {
+  static const std::string text = [] {
+    std::string read(kMaxInputBytes + 1, '\0');
+    read.resize(std::fread(read.data(), 1, read.size(), stdin));
+    if (std::ferror(stdin) != 0) fail_to_read(kStandardInput, std::strerror(errno));
+    if (read.size() > kMaxInputBytes) fail_to_read(kStandardInput, "is larger than 1 MiB");
+    return read;
+  }();
+  return text;
 }
 
 }  // namespace contactspline

@@ -264,6 +264,35 @@ TEST(Inspect, SaysWhatAToleranceMeans) {
             std::string::npos);
 }
 
+// Of any kind, in the order of the arguments; as JSON an array.
+TEST(Inspect, PrintsSeveralFiles) {
+  const Sandbox box;
+  write_file(box / "probe.json", material(16));
+  const Words files{"probe.json", "string_c4", "tom", "piano"};
+  std::string pages;
+  Json array = Json::array();
+  for (const std::string& file : files) {
+    pages += (pages.empty() ? "" : "\n") + printed(box, {"inspect", file});
+    array.push_back(Json::parse(printed(box, {"inspect", file, "--json"})));
+  }
+  for (const std::string jobs : {"1", "3"}) {
+    EXPECT_EQ(printed(box, followed_by({"inspect", "--jobs", jobs}, files)), pages);
+    EXPECT_EQ(Json::parse(printed(box, followed_by({"inspect", "--json", "--jobs", jobs}, files))), array);
+  }
+}
+
+// Nothing is printed, and the first bad file is named, whichever is refused first.
+TEST(Inspect, RefusesSeveralFilesForTheFirstBadOne) {
+  const Sandbox box;
+  write_file(box / "slow.json", R"({"name": "slow", "contact": {"stiffness_n_per_m_alpha": 1e9, "exponent": 1.5},
+    "impact": {"mass_kg": 0.01, "max_speed_m_per_s": 2, "min_speed_m_per_s": 0.1},
+    "spline": {"knots": "uniform", "tolerance": 1e-12}})");
+  for (const std::string jobs : {"1", "2"}) {
+    const Words words{"inspect", "--jobs", jobs, "felt_c4", "slow.json", "gone.json", "nothing"};
+    expect_refused(run({.arguments = words, .folder = box.path()}), "slow.json: spline.tolerance", "allowed");
+  }
+}
+
 // Where a place is on a body of two dimensions.
 TEST(InspectInstrument, ShowsBothCoordinatesOfAPlace) {
   const Sandbox box;

@@ -49,7 +49,8 @@ struct Call {
   fs::path folder = {};                                 ///< to run in
   std::map<std::string, std::string> environment = {};  ///< beside or instead of ours
   std::optional<rlim_t> largest_file_bytes = {};        ///< stands for a full disk
-  fs::path standard_output = {};                        ///< instead of being captured
+  fs::path standard_input = "/dev/null";
+  fs::path standard_output = {};  ///< instead of being captured
   std::optional<mode_t> umask = {};
   bool as_nobody = false;  ///< root reads what it likes
   bool traced = false;     ///< for Process::kill_at_stop
@@ -130,7 +131,7 @@ class Process {
   [[noreturn]] void become(const Call& call) const {
     const int out =
         call.standard_output.empty() ? streams_[0].writing() : ::open(call.standard_output.c_str(), O_WRONLY);
-    ::dup2(::open("/dev/null", O_RDONLY), STDIN_FILENO);
+    ::dup2(::open(call.standard_input.c_str(), O_RDONLY), STDIN_FILENO);
     ::dup2(out, STDOUT_FILENO);
     ::dup2(streams_[1].writing(), STDERR_FILENO);
     for (const auto& [name, value] : call.environment) ::setenv(name.c_str(), value.c_str(), 1);
@@ -244,8 +245,8 @@ inline Outcome run_in_process(const Call& call) {
 
 /// Does a call ask for nothing that only a process of its own can have?
 inline bool fits_in_process(const Call& call) {
-  return call.program == kProgram && !call.largest_file_bytes && call.standard_output.empty() && !call.umask &&
-         !call.as_nobody && !call.traced;
+  return call.program == kProgram && !call.largest_file_bytes && call.standard_input == "/dev/null" &&
+         call.standard_output.empty() && !call.umask && !call.as_nobody && !call.traced;
 }
 
 /// Within the test if possible, which takes a hundredth of the time.

@@ -13,6 +13,7 @@
 #include <string>
 #include <thread>
 
+#include "generator/cli/parallel.hpp"
 #include "program.hpp"
 
 namespace contactspline::testing {
@@ -45,6 +46,22 @@ TEST(WaitingLine, ComesAfterASecondAndIsWiped) {
     EXPECT_EQ(::poll(&written, 1, 60'000), 1);
   });
   EXPECT_TRUE(text.starts_with("\rdesigning my_felt.json: 1 s")) << text;
+  EXPECT_TRUE(text.ends_with("\r\x1b[K")) << text;
+}
+
+// Tasks have lines of their own, which are silent meanwhile.
+TEST(WaitingLine, OfSeveralFilesCountsThem) {
+  const std::string text = on_terminal([](int terminal) {
+    in_parallel(3, 2, "emitted", [&](std::size_t i) {
+      if (i == 0) return;
+      const WaitingLine line("emitting my_felt.json");
+      pollfd written{terminal, POLLIN, 0};
+      EXPECT_EQ(::poll(&written, 1, 60'000), 1);
+      std::this_thread::sleep_for(std::chrono::milliseconds(300));  // a second line would be here by now
+    });
+  });
+  EXPECT_TRUE(text.starts_with("\remitted 1 of 3 files: 1 s")) << text;
+  EXPECT_EQ(text.find("my_felt"), std::string::npos) << text;
   EXPECT_TRUE(text.ends_with("\r\x1b[K")) << text;
 }
 
