@@ -254,6 +254,11 @@ void add_impact(CLI::App& app) {
                    "also draw impacts over --speeds, or their errors over --rate (.svg, .png, .pdf)")
       ->check(file_name())
       ->type_name("FILE");
+  command
+      ->add_option("--trace", options->trace,
+                   "also write time, compression and force of each impact as a table (.csv)")
+      ->check(file_name())
+      ->type_name("FILE");
   add_force(*command, options->force);
   command->footer(
       "Examples:\n"
@@ -261,6 +266,7 @@ void add_impact(CLI::App& app) {
       "  contactspline impact felt_c4 --speeds 0.1 6 20 --rate 44100\n"
       "  contactspline impact felt_c4 felt_c2 --speeds 0.1 6 200 --rate 44100 --figure impacts.svg\n"
       "  contactspline impact felt_c4 --speed 1 --speed 5 --figure errors.svg\n"
+      "  contactspline impact felt_c4 felt_c2 --speed 2 --trace blows.csv\n"
       "Errors are relative to the exact motion under the contact law with the material's loss. Where the time step\n"
       "dominates, they fall by 4 with each doubling of the rate; with loss by 2. samples: duration of the exact\n"
       "contact in samples. A table of speeds states the errors of the contact duration at each rate.");

@@ -58,6 +58,7 @@ struct ImpactOptions {
   std::vector<double> rates = {44100, 88200, 176400, 352800};
   bool csv = false, json = false;
   std::string figure;  ///< file to draw, or empty
+  std::string trace;   ///< file for each motion over time, or empty
   bool force = false;  ///< as in GenerateOptions
 };
 void compare_impacts(const ImpactOptions& options);

@@ -15,6 +15,7 @@
 
 #include "generator/cli/commands.hpp"
 #include "generator/cli/figures.hpp"
+#include "generator/cli/file_ending.hpp"
 #include "generator/cli/files.hpp"
 #include "generator/cli/inputs.hpp"
 #include "generator/spline/design_impact.hpp"
@@ -50,6 +51,8 @@ struct Comparison {
     return speed >= impact.min_speed_m_per_s && speed <= impact.max_speed_m_per_s;
   }
 };
+
+constexpr auto kTraceHeader = "material,speed_m_per_s,model,sample_rate_hz,time_s,compression_m,force_n\n";
 
 constexpr auto kDuration = &BarrierImpact::contact_duration_s;
 constexpr auto kCompression = &BarrierImpact::max_compression_m;
@@ -208,6 +211,22 @@ std::string csv_of(const std::vector<Comparison>& comparisons) {
   return csv;
 }
 
+std::vector<ImpactMoment> trace_of(const Comparison& c, const Motion& motion, const std::string& argument) {
+  if (motion.model == "exact") return exact_motion(c.material(), c.mass_kg, c.speed);
+  if (motion.model == "spline") return spline_motion(*c.design, c.mass_kg, c.speed);
+  return simulated_motion(*c.design, c.mass_kg, c.speed, motion.sample_rate_hz, argument);
+}
+
+// The rows of --trace for one impact.
+std::string trace_of(const Comparison& c, const std::string& argument) {
+  std::string rows;
+  for (const Motion& motion : c.motions)
+    for (const auto& [time_s, compression_m, force_n] : trace_of(c, motion, argument))
+      rows += fmt::format("{},{},{},{},{},{},{}\n", c.material().name, c.speed, motion.model, motion.sample_rate_hz,
+                          time_s, compression_m, force_n);
+  return rows;
+}
+
 std::string json_of(const Comparison& c, const Motion& m) {
   return fmt::format(
       "      {{\"model\": \"{}\", \"sample_rate_hz\": {}, \"contact_duration_s\": {}, \"max_compression_m\": {}, "
@@ -289,6 +308,8 @@ void require_consistent(const ImpactOptions& options) {
       throw BadInput("--figure: draws over speeds or over sample rates; allowed: with --speeds, or with two --rate");
     (void)figure_format(options.figure);
   }
+  if (!options.trace.empty() && file_ending(options.trace) != ".csv")
+    refuse(options.trace, "--trace", "its ending is not that of a table", ".csv");
   if (options.speed_range.empty()) return;
   if (!options.speeds.empty()) throw BadInput("--speeds: cannot be combined with --speed; allowed: one of the two");
   const auto& range = options.speed_range;
@@ -312,7 +333,7 @@ void compare_impacts(const ImpactOptions& options) {
   std::vector<Comparison> all;
   std::vector<ImpactSweep> sweeps;
   std::vector<std::filesystem::path> inputs;
-  std::string text;
+  std::string text, trace;
   for (const std::string& argument : options.materials) {
     const Design& design = designs.emplace_back(design_argument(argument));
     const Impact& impact = impact_of(design.material, argument);
@@ -323,15 +344,22 @@ void compare_impacts(const ImpactOptions& options) {
       text += table_of(comparisons);
     else
       for (const Comparison& comparison : comparisons) text += text_of(comparison);
+    if (!options.trace.empty())
+      for (const Comparison& comparison : comparisons) trace += trace_of(comparison, argument);
     sweeps.push_back(sweep_of(comparisons));
     std::ranges::copy(input_files(argument, design.material), std::back_inserter(inputs));
     all.insert(all.end(), comparisons.begin(), comparisons.end());
   }
+  if (!options.trace.empty()) require_writable({{options.trace}}, inputs, options.force);
   if (!options.figure.empty()) {
     require_room(sweeps, !options.speed_range.empty());
     write_figure(options.figure, FigureKind::kImpacts, inputs, options.force,
                  [&](FigureFormat format) { return figure_of(all, sweeps, !options.speed_range.empty(), format); });
     text += fmt::format("\nfigure: {}\n", options.figure);
+  }
+  if (!options.trace.empty()) {
+    write_files({{OutputFile{options.trace, fmt::format("# {}\n{}{}", mark(), kTraceHeader, trace)}}});
+    text += fmt::format("{}trace: {}\n", options.figure.empty() ? "\n" : "", options.trace);
   }
   write_stdout(options.json ? json_of(all) : options.csv ? csv_of(all) : text);
 }

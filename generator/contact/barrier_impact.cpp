@@ -2,6 +2,7 @@
 #include "generator/contact/barrier_impact.hpp"
 
 #include <algorithm>
+#include <boost/math/quadrature/gauss.hpp>
 #include <boost/math/quadrature/tanh_sinh.hpp>
 #include <boost/math/special_functions/lambert_w.hpp>
 #include <boost/math/special_functions/log1p.hpp>
@@ -53,6 +54,13 @@ struct Speeds {
     out = -scaled_speed(s, false) / loss;
   }
 };
+
+// Energy that the contact stores at the turning point.
+double stored_energy(double mass_kg, double speed, double loss) {
+  const double d = loss * speed;
+  const double kinetic = mass_kg * speed * speed / 2;
+  return d == 0 ? kinetic : kinetic * scaled_energy(d) / (d * d / 2);
+}
 
 // Energy that the contact stores over the last `distance` metres before the turning point ym. Very close to ym the
 // difference of the two energies would cancel; there Simpson's rule for the force is exact to rounding.
@@ -136,12 +144,40 @@ double contact_duration(const ContactLaw& law, double mass_kg, double speed_m_pe
 }
 
 BarrierImpact barrier_impact(const LawView& law, double mass_kg, double speed_m_per_s, double loss_s_per_m) {
-  const double d = loss_s_per_m * speed_m_per_s;
-  const double kinetic = mass_kg * speed_m_per_s * speed_m_per_s / 2;
-  const double stored = d == 0 ? kinetic : kinetic * scaled_energy(d) / (d * d / 2);
+  const double stored = stored_energy(mass_kg, speed_m_per_s, loss_s_per_m);
   const double ym = compression_at_energy(law, stored);
   return {ym, duration(law, ym, mass_kg, loss_s_per_m), Speeds(stored, mass_kg, loss_s_per_m).out,
           max_force(law, ym, mass_kg, loss_s_per_m)};
+}
+
+std::vector<ImpactMoment> barrier_motion(const LawView& law, double mass_kg, double speed_m_per_s,
+                                         double loss_s_per_m, int steps) {
+  const double stored = stored_energy(mass_kg, speed_m_per_s, loss_s_per_m);
+  const double ym = compression_at_energy(law, stored);
+  const auto speeds = [&](double x) {
+    return Speeds(remaining_energy(law, ym, stored, ym * x * x), mass_kg, loss_s_per_m);
+  };
+  // dy = 2 ym x dx: the speed falls like x towards the turning point, so the integrand stays smooth.
+  const auto time_between = [&](double from, double to, double Speeds::*speed) {
+    const auto time_per_x = [&](double x) { return 2 * ym * x / (speeds(x).*speed); };
+    return quadrature::gauss<double, 15>::integrate(time_per_x, from, to);
+  };
+  const auto at = [&](int step) { return static_cast<double>(step) / steps; };
+  const auto moment = [&](double time, int step, double Speeds::*speed, double sign) {
+    const double x = at(step), y = ym * (1 - x * x);
+    return ImpactMoment{time, y, law.force(y) * (1 + sign * loss_s_per_m * (speeds(x).*speed))};
+  };
+  std::vector<ImpactMoment> motion;
+  double time = 0;
+  for (int step = steps; step >= 0; --step) {
+    motion.push_back(moment(time, step, &Speeds::in, 1));
+    if (step > 0) time += time_between(at(step - 1), at(step), &Speeds::in);
+  }
+  for (int step = 1; step <= steps; ++step) {
+    time += time_between(at(step - 1), at(step), &Speeds::out);
+    motion.push_back(moment(time, step, &Speeds::out, -1));
+  }
+  return motion;
 }
 
 }  // namespace contactspline

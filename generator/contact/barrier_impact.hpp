@@ -26,6 +26,11 @@ struct BarrierImpact {
   double max_force_n;  ///< with loss, its damping part included: the largest force comes before the turning point
 };
 
+/// A moment of an impact: the time since the bodies touched, and the force with its damping part.
+struct ImpactMoment {
+  double time_s, compression_m, force_n;
+};
+
 /// Compression [m] at which V equals `energy_j` (> 0) [J], to double precision.
 [[nodiscard]] double compression_at_energy(const LawView& law, double energy_j);
 
@@ -46,6 +51,11 @@ struct BarrierImpact {
 /// 1e-10.
 [[nodiscard]] BarrierImpact barrier_impact(const LawView& law, double mass_kg, double speed_m_per_s,
                                            double loss_s_per_m);
+
+/// The same impact from touch to separation: `steps` (> 0) steps in, to the turning point, and as many out. They are
+/// shorter near the turning point: the compression is ym (1 - x^2) at equal steps of x. Times as exact as durations.
+[[nodiscard]] std::vector<ImpactMoment> barrier_motion(const LawView& law, double mass_kg, double speed_m_per_s,
+                                                       double loss_s_per_m, int steps);
 
 /// The loss [s/m] for which the exit speed is `restitution` (0.05 to 1) times the impact speed (> 0). It does not
 /// depend on the law: d (1 + e) = ln((1 + d)/(1 - e d)), d = loss v. Computed in 113 bits and rounded once.

@@ -11,6 +11,24 @@
 
 namespace contactspline {
 
+namespace {
+
+constexpr int kSteps = 128;  // each way
+constexpr double kPhase = 0.5;
+
+// Refuses a contact that lasts too many samples: a heavy mass on a soft spring stays in contact for a long time.
+void require_short(const Design& design, double mass_kg, double speed_m_per_s, double sample_rate_hz,
+                   std::string_view argument, double max_samples) {
+  const double samples = spline_impact(design, mass_kg, speed_m_per_s).contact_duration_s * sample_rate_hz;
+  if (!(samples <= max_samples))
+    refuse(
+        argument, "--rate",
+        fmt::format("at {} m/s and {} Hz the contact lasts {:.3g} samples", speed_m_per_s, sample_rate_hz, samples),
+        fmt::format("at most {:g}", max_samples));
+}
+
+}  // namespace
+
 BarrierImpact exact_impact(const Material& material, double mass_kg, double speed_m_per_s) {
   const ContactLaw& contact = material.contact;
   // With loss, exact and spline impact are computed by the same quadrature.
@@ -31,17 +49,27 @@ BarrierImpact spline_impact(const Design& design, double mass_kg, double speed_m
 
 BarrierImpact simulated_impact(const Design& design, double mass_kg, double speed_m_per_s, double sample_rate_hz,
                                std::string_view argument) {
-  // A heavy mass on a soft spring stays in contact for a long time.
-  constexpr double kMaxSamples = 1e8;
-  const double samples = spline_impact(design, mass_kg, speed_m_per_s).contact_duration_s * sample_rate_hz;
-  if (!(samples <= kMaxSamples))
-    refuse(
-        argument, "--rate",
-        fmt::format("at {} m/s and {} Hz the contact lasts {:.3g} samples", speed_m_per_s, sample_rate_hz, samples),
-        fmt::format("at most {:g}", kMaxSamples));
+  require_short(design, mass_kg, speed_m_per_s, sample_rate_hz, argument, 1e8);
   const SimulatedImpact found = simulate_impact(segment_table(design.spline), mass_kg, speed_m_per_s, sample_rate_hz,
-                                                0.5, design.material.loss_s_per_m);
+                                                kPhase, design.material.loss_s_per_m);
   return {found.max_compression_m, found.contact_duration_s, found.exit_speed_m_per_s, found.max_force_n};
+}
+
+std::vector<ImpactMoment> exact_motion(const Material& material, double mass_kg, double speed_m_per_s) {
+  return barrier_motion(law_view(material.contact), mass_kg, speed_m_per_s, material.loss_s_per_m, kSteps);
+}
+
+std::vector<ImpactMoment> spline_motion(const Design& design, double mass_kg, double speed_m_per_s) {
+  return barrier_motion(law_view(design.spline), mass_kg, speed_m_per_s, design.material.loss_s_per_m, kSteps);
+}
+
+std::vector<ImpactMoment> simulated_motion(const Design& design, double mass_kg, double speed_m_per_s,
+                                           double sample_rate_hz, std::string_view argument) {
+  require_short(design, mass_kg, speed_m_per_s, sample_rate_hz, argument, 1e5);
+  std::vector<ImpactMoment> motion;
+  (void)simulate_impact(segment_table(design.spline), mass_kg, speed_m_per_s, sample_rate_hz, kPhase,
+                        design.material.loss_s_per_m, &motion);
+  return motion;
 }
 
 }  // namespace contactspline

@@ -2,6 +2,9 @@
 // Impacts of a design on a rigid barrier: of its law, of its spline, and simulated with its spline.
 #pragma once
 
+#include <string_view>
+#include <vector>
+
 #include "generator/contact/barrier_impact.hpp"
 #include "generator/spline/design.hpp"
 
@@ -18,5 +21,12 @@ namespace contactspline {
 /// `argument` in its message, if the contact lasts more than 1e8 samples.
 [[nodiscard]] BarrierImpact simulated_impact(const Design& design, double mass_kg, double speed_m_per_s,
                                              double sample_rate_hz, std::string_view argument);
+
+/// These three impacts over time, without loss or with it: the first two at 257 moments, the third once a sample. The
+/// third throws BadInput, with `argument` in its message, if the contact lasts more than 1e5 samples.
+[[nodiscard]] std::vector<ImpactMoment> exact_motion(const Material& material, double mass_kg, double speed_m_per_s);
+[[nodiscard]] std::vector<ImpactMoment> spline_motion(const Design& design, double mass_kg, double speed_m_per_s);
+[[nodiscard]] std::vector<ImpactMoment> simulated_motion(const Design& design, double mass_kg, double speed_m_per_s,
+                                                         double sample_rate_hz, std::string_view argument);
 
 }  // namespace contactspline

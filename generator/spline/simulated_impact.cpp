@@ -36,7 +36,8 @@ class PeakFollower {
 }  // namespace
 
 SimulatedImpact simulate_impact(std::span<const Segment<double>> table, double mass_kg, double speed_m_per_s,
-                                double sample_rate_hz, double phase, double loss_s_per_m) {
+                                double sample_rate_hz, double phase, double loss_s_per_m,
+                                std::vector<ImpactMoment>* motion) {
   MassBarrier<double> model(table, sample_rate_hz);
   const MassBarrierControls<double> controls{.mass_kg = mass_kg, .contact = {.loss_s_per_m = loss_s_per_m}};
   model.throw_from(-phase * speed_m_per_s / sample_rate_hz, speed_m_per_s);
@@ -50,6 +51,9 @@ SimulatedImpact simulate_impact(std::span<const Segment<double>> table, double m
     force.add(model.force());
     if (velocity > 0 && model.velocity() <= 0)
       max_compression = displacement + turning_distance(velocity, model.velocity(), 1 / sample_rate_hz);
+    if (motion != nullptr)
+      motion->push_back(
+          {(samples + 0.5 - phase) / sample_rate_hz, (displacement + model.displacement()) / 2, model.force()});
     ++samples;
   } while (model.displacement() > 0 || model.velocity() > 0);
   const double entry_s = phase / sample_rate_hz;

@@ -4,8 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -194,6 +197,84 @@ TEST(Impact, TakesTheLargestSpeedAndFourRatesByDefault) {
                           "176400", "--rate", "352800"}));
   EXPECT_EQ(printed(box, {"impact", "probe.json", "mb1"}),
             printed(box, {"impact", "probe.json"}) + printed(box, {"impact", "mb1"}));
+}
+
+/// A row of --trace.
+struct TraceRow {
+  std::string material, model;
+  double speed, rate, time_s, compression_m, force_n;
+};
+
+std::vector<TraceRow> trace_rows(const std::string& csv) {
+  const auto lines = lines_of(csv);
+  EXPECT_EQ(lines.at(0), "# Written by contactspline " VERSION);
+  EXPECT_EQ(lines.at(1), "material,speed_m_per_s,model,sample_rate_hz,time_s,compression_m,force_n");
+  std::vector<TraceRow> rows;
+  for (std::size_t i = 2; i < lines.size(); ++i) {
+    std::istringstream line(lines[i]);
+    std::array<std::string, 7> cells;
+    for (std::string& cell : cells) std::getline(line, cell, ',');
+    const auto number = [&](std::size_t at) { return std::stod(cells[at]); };
+    rows.push_back({cells[0], cells[2], number(1), number(3), number(4), number(5), number(6)});
+  }
+  return rows;
+}
+
+// A linear spring, whose spline is exact: a sine, of the law and of the spline. The simulation's force is constant
+// over a sample and turns the mass around.
+TEST(ImpactTrace, IsForceAndCompressionOverTime) {
+  const Sandbox box;
+  const double mass = 0.01, k = 1e6, w = std::sqrt(k / mass);
+  for (const std::string name : {"spring", "other"})
+    write_file(box / (name + ".json"), R"({"name": ")" + name + R"(",
+      "contact": {"stiffness_n_per_m_alpha": 1e6, "exponent": 1},
+      "impact": {"mass_kg": 0.01, "max_speed_m_per_s": 2, "min_speed_m_per_s": 0.1},
+      "spline": {"knots": "uniform", "segments": 1}})");
+  const Words words{"impact", "spring.json", "other.json", "--speed", "1.5",   "--speed", "0.5",
+                    "--rate", "44100",       "--rate",     "96000",   "--csv", "--trace", "a.csv"};
+  const auto summary = lines_of(printed(box, words));
+  const auto rows = trace_rows(read_file(box / "a.csv"));
+  std::map<std::string, double> impulses, sizes;
+  for (const TraceRow& row : rows) {
+    const std::string motion = fmt::format("{},{},{},{}", row.material, row.speed, row.model, row.rate);
+    ++sizes[motion];
+    if (row.model == "simulated") impulses[motion] += row.force_n / row.rate;
+    if (row.model == "simulated") continue;
+    EXPECT_TRUE(within(row.compression_m, row.speed / w * std::sin(w * row.time_s), 1e-10 * row.speed / w));
+    EXPECT_TRUE(within(row.force_n, k * row.compression_m, 1e-10 * k * row.speed / w));
+  }
+  EXPECT_EQ(sizes.size(), 16u);  // two materials, two speeds; exact, spline, two rates
+  EXPECT_EQ(sizes.at("spring,1.5,exact,0"), 257);
+  EXPECT_EQ(sizes.at("other,0.5,spline,0"), 257);
+  ASSERT_EQ(impulses.size(), 8u);
+  for (const auto& [motion, impulse] : impulses) {
+    const double speed = std::stod(motion.substr(motion.find(',') + 1));
+    EXPECT_TRUE(relatively_within(impulse, 2 * mass * speed, 1e-12)) << motion;
+    EXPECT_GT(sizes.at(motion), std::floor(std::numbers::pi / w * 44100)) << motion;
+  }
+  EXPECT_EQ(summary.size(), 17u);
+}
+
+TEST(ImpactTrace, ReplacesNoFileOfAnother) {
+  const Sandbox box;
+  write_file(box / "a.csv", "mine");
+  expect_refused(run({.arguments = {"impact", "mb1", "--trace", "a.csv"}, .folder = box.path()}),
+                 "a.csv: file: exists", "--force");
+  EXPECT_EQ(read_file(box / "a.csv"), "mine");
+  EXPECT_NE(printed(box, {"impact", "mb1", "--trace", "a.csv", "--force"}).find("\ntrace: a.csv\n"),
+            std::string::npos);
+  printed(box, {"impact", "felt_c4", "--trace", "a.csv"});  // its own
+  EXPECT_EQ(trace_rows(read_file(box / "a.csv")).front().material, "felt_c4");
+}
+
+TEST(ImpactTrace, IsRefusedWhereItWouldBeEndless) {
+  const Sandbox box;
+  expect_refused(run({.arguments = {"impact", "felt_c4", "--rate", "1e8", "--speed", "1e-6", "--trace", "a.csv"},
+                      .folder = box.path()}),
+                 "felt_c4: --rate: at 1e-06 m/s and 100000000 Hz the contact lasts", "allowed: at most 100000");
+  expect_refused(run({.arguments = {"impact", "felt_c4", "--trace", "a.txt"}, .folder = box.path()}),
+                 "a.txt: --trace: its ending is not that of a table", "allowed: .csv");
+  EXPECT_FALSE(fs::exists(box / "a.csv"));
 }
 
 }  // namespace

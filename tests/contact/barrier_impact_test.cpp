@@ -71,6 +71,40 @@ TEST(Collide, ThroughASplineIsItsClosedForm) {
   }
 }
 
+// A linear spring: the compression is a sine and the force k times it.
+TEST(BarrierMotion, OfASpringIsASine) {
+  const double k = 1e6, speed = 2, w = std::sqrt(k / kMass);
+  const auto motion = barrier_motion(law_view(ContactLaw(k, 1)), kMass, speed, 0, 64);
+  ASSERT_EQ(motion.size(), 129u);
+  for (const auto& [time_s, compression_m, force_n] : motion) {
+    EXPECT_TRUE(within(compression_m, speed / w * std::sin(w * time_s), 1e-12 * speed / w)) << time_s;
+    EXPECT_TRUE(within(force_n, k * compression_m, 1e-12 * k * speed / w)) << time_s;
+  }
+  EXPECT_TRUE(relatively_within(motion[64].time_s, std::numbers::pi / 2 / w, 1e-12));
+  EXPECT_TRUE(relatively_within(motion[128].time_s, std::numbers::pi / w, 1e-12));
+}
+
+// It takes the time of the impact, reaches its compression and its force, and its impulse turns the mass around. The
+// bound of the impulse: the trapezoidal rule, whose error is (h^2/12) (F'(end) - F'(begin)), here below 1e-5 of it.
+TEST(BarrierMotion, IsTheImpactOverTime) {
+  for (const ContactLaw& law : laws())
+    for (const double loss : {0.0, 0.1, 2.0}) {
+      const double speed = 2;
+      const BarrierImpact impact = barrier_impact(law_view(law), kMass, speed, loss);
+      const auto motion = barrier_motion(law_view(law), kMass, speed, loss, 2000);
+      EXPECT_TRUE(relatively_within(motion.back().time_s, impact.contact_duration_s, 1e-9));
+      EXPECT_EQ(motion[2000].compression_m, impact.max_compression_m);
+      double impulse = 0, largest = 0;
+      for (std::size_t i = 1; i < motion.size(); ++i) {
+        ASSERT_GT(motion[i].time_s, motion[i - 1].time_s);
+        impulse += (motion[i].time_s - motion[i - 1].time_s) * (motion[i].force_n + motion[i - 1].force_n) / 2;
+        largest = std::max(largest, motion[i].force_n);
+      }
+      EXPECT_TRUE(relatively_within(impulse, kMass * (speed + impact.exit_speed_m_per_s), 1e-5)) << loss;
+      EXPECT_TRUE(relatively_within(largest, impact.max_force_n, 1e-5)) << loss;
+    }
+}
+
 /// m dv/dt = -F(y)(1 + loss v) by the classical Runge-Kutta method; exit by the last step's straight line.
 BarrierImpact by_runge_kutta(const ContactLaw& law, double speed, double loss, double time_step) {
   using State = std::array<double, 2>;
