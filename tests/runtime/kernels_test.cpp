@@ -8,6 +8,7 @@
 #include "kernel_targets.hpp"
 #include "strings.hpp"
 #include "support/compare.hpp"
+#include "support/random.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -343,6 +344,44 @@ TYPED_TEST(Kernels, StayWithinTheTableForAnyLoad) {
                   << hwy::TargetName(target) << ' ' << segments << " segments, " << velocity << " m/s";
           }
         }
+    }
+  }
+}
+
+// The search begins where the last steps led. Wherever that is, the samples are the same to the bit: in steps within
+// a segment, across the knots that are judged at once, next to them and far beyond.
+TYPED_TEST(Kernels, StepTheSameWhereverTheSearchBegins) {
+  using T = TypeParam;
+  const auto modes = bare(audible_modes(c4()));
+  const auto shape = shapes<T>(audible_modes(c4()), &ResonatorMode::strike_shape);
+  for (const int segments : {1, 32, 48, 200, 1500}) {
+    const auto table = table_in<T>(felt_table(c4(), segments));
+    for (const std::int64_t target : targets()) {
+      const OnlyTarget only(target);
+      Random random(static_cast<unsigned>(segments));
+      for (int trial = 0; trial < 100; ++trial) {
+        const ContactControls<T> felt{T(random.log_between(0.01, 100)), T(random.below(2))};
+        const T compression = T(random.between(-0.2, 1.2)) * table.back().knot;
+        const T velocity = T(random.between(-1, 1) * random.log_between(0.1, 100));
+        const std::size_t block = random.below(2) == 0 ? 1 : 8;
+        const auto from = [&](std::ptrdiff_t last, std::ptrdiff_t before) {
+          Thrown<T> thrown(table, modes, shape, felt, velocity, compression, block);
+          thrown.hammer.crossed[0] = last, thrown.hammer.crossed[1] = before;
+          auto voice = thrown.voice();
+          detail::process_struck(std::span(&voice, 1));
+          auto sound = thrown.out;
+          sound.insert(sound.end(), thrown.force.begin(), thrown.force.end());
+          sound.push_back(thrown.hammer.compression_m);
+          return sound;
+        };
+        const auto expected = from(0, 0);
+        ASSERT_TRUE(all_finite<T>(expected));
+        for (int start = 0; start < 5; ++start) {
+          const auto any = [&] { return static_cast<std::ptrdiff_t>(random.below(61)) - 30; };
+          const auto found = from(any(), any());
+          ASSERT_EQ(found, expected) << hwy::TargetName(target) << ", " << segments << " segments, trial " << trial;
+        }
+      }
     }
   }
 }

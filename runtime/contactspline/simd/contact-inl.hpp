@@ -142,8 +142,7 @@ class ContactUnderLoad {
       return 0;
     }
     const auto [below_root, last] = candidates.knots;
-    if (HWY_UNLIKELY((below_root == 0) | (below_root == kWindow)))
-      return step_beyond_window(below_root > 0, candidates.xf, load);
+    if (HWY_UNLIKELY((below_root == 0) | (below_root == kWindow))) return step_beyond_window(below_root > 0, load);
     const Knot crossed = std::min(below_root - behind_, static_cast<Knot>(table_.segments) - segment_);
     const T rebased = enter(crossed);
     const StepCoefficients<T> chosen{steps.b[last], steps.g[last], steps.p[last], steps.q[last],
@@ -252,15 +251,15 @@ class ContactUnderLoad {
     return kVaries ? load.xi * table_.forces[k] : table_.force_displacements[k];
   }
 
-  /// The knot nearest to the compression, below or above it.
+  /// The knot nearest to the compression, below or above it, for each of some knots on that side.
+  template <typename V>
   struct NearestKnots {
-    Knots distance, energy;
-    Knots mean_displacement;  ///< xi times the mean force up to there [m]
-    Knots past;               ///< the motion that is left there [m]
+    V distance, energy;
+    V mean_displacement;  ///< xi times the mean force up to there [m]
+    V past;               ///< the motion that is left there [m]
   };
-  template <typename Mask>
-  HWY_INLINE NearestKnots nearest_knots(Mask lie_below, const Load& load, T stiffness) const {
-    const WindowTag tag;
+  template <typename D, typename Mask>
+  HWY_INLINE NearestKnots<hn::Vec<D>> nearest_knots(D tag, Mask lie_below, const Load& load, T stiffness) const {
     const auto of_side = [&](T below, T above)
                              HWY_ATTR { return hn::IfThenElse(lie_below, hn::Set(tag, below), hn::Set(tag, above)); };
     const auto beyond = hn::Set(tag, beyond_), here = hn::Set(tag, force_displacement_at(entry_, load));
@@ -275,6 +274,40 @@ class ContactUnderLoad {
     return {distance, energy, mean, hn::NegMulAdd(hn::Set(tag, load.per_force), hn::Set(tag, load.last), left)};
   }
 
+  /// What a motion to each of some knots takes, in the terms of step_coefficients(). The same operations for knots of
+  /// the window and for those beyond it: a step does not depend on where the window is.
+  template <typename V>
+  struct MotionToKnots {
+    V distance, work, remaining;
+  };
+  template <typename D>
+  HWY_INLINE MotionToKnots<hn::Vec<D>> motion_to(D tag, const T* knots, const T* energies,
+                                                 const NearestKnots<hn::Vec<D>>& near, const Load& load) const {
+    const auto distance =
+        hn::Sub(hn::Sub(hn::LoadU(tag, knots), hn::Set(tag, table_.knots[entry_])), hn::Set(tag, beyond_));
+    const auto remaining = hn::NegMulAdd(hn::Set(tag, load.per_force), hn::Set(tag, load.last),
+                                         hn::Sub(hn::Set(tag, load.before), distance));
+    const auto further = hn::Mul(hn::Set(tag, load.xi), hn::Sub(hn::LoadU(tag, energies), near.energy));
+    return {distance, hn::MulAdd(near.distance, near.mean_displacement, further), remaining};
+  }
+
+  /// The step coefficients for each knot of a vector, from knot `at` on, as the last one crossed.
+  template <typename D, typename Mask>
+  HWY_INLINE StepCoefficients<hn::Vec<D>> coefficients(D tag, Knot at, Mask lie_below,
+                                                       const NearestKnots<hn::Vec<D>>& near, const Load& load) const {
+    const auto xis = hn::Set(tag, load.xi);
+    const auto force_displacement =
+        kVaries ? hn::Mul(xis, hn::LoadU(tag, table_.forces + at)) : hn::LoadU(tag, table_.force_displacements + at);
+    const auto of_segment_entered = [&](const T* column) HWY_ATTR {
+      return hn::IfThenElse(lie_below, hn::LoadU(tag, column + at - 1), hn::LoadU(tag, column + at));
+    };
+    const auto entered =
+        kVaries ? hn::Mul(xis, of_segment_entered(table_.half_curvatures)) : of_segment_entered(table_.stiffnesses);
+    const auto motion = motion_to(tag, table_.knots + at, table_.energies + at, near, load);
+    return step_coefficients(VectorArithmetic<D>(), motion.distance, motion.work, force_displacement,
+                             motion.remaining, entered);
+  }
+
   /// judge_window for one vector of knots, from the window's knot v on. stiffness: xi c of the segment.
   HWY_INLINE void judge_knots(Knot v, const Load& load, T stiffness, Steps& steps, CrossedKnots& found) const {
     const WindowTag tag;
@@ -285,24 +318,8 @@ class ContactUnderLoad {
     const auto lie_below = first(behind_);
     const auto nearest_below = hn::AndNot(first(behind_ - 1), lie_below),
                nearest_above = hn::AndNot(lie_below, first(behind_ + 1));
-    const NearestKnots near = nearest_knots(lie_below, load, stiffness);
-
-    const auto xis = hn::Set(tag, load.xi);
-    const auto force_displacement =
-        kVaries ? hn::Mul(xis, hn::LoadU(tag, table_.forces + at)) : hn::LoadU(tag, table_.force_displacements + at);
-    const auto of_segment_entered = [&](const T* column) HWY_ATTR {
-      return hn::IfThenElse(lie_below, hn::LoadU(tag, column + at - 1), hn::LoadU(tag, column + at));
-    };
-    const auto entered =
-        kVaries ? hn::Mul(xis, of_segment_entered(table_.half_curvatures)) : of_segment_entered(table_.stiffnesses);
-    const auto distance = hn::Sub(hn::Sub(hn::LoadU(tag, table_.knots + at), hn::Set(tag, table_.knots[entry_])),
-                                  hn::Set(tag, beyond_));
-    const auto remaining = hn::NegMulAdd(hn::Set(tag, load.per_force), hn::Set(tag, load.last),
-                                         hn::Sub(hn::Set(tag, load.before), distance));
-    const auto further = hn::Mul(xis, hn::Sub(hn::LoadU(tag, table_.energies + at), near.energy));
-    const auto work = hn::MulAdd(near.distance, near.mean_displacement, further);
-    const auto step =
-        step_coefficients(VectorArithmetic<WindowTag>(), distance, work, force_displacement, remaining, entered);
+    const auto near = nearest_knots(tag, lie_below, load, stiffness);
+    const auto step = coefficients(tag, at, lie_below, near, load);
     const auto test =
         hn::IfThenElse(nearest_above, hn::Neg(near.past), hn::IfThenElse(nearest_below, near.past, step.g));
     // A comparison with NaN is false: the compression then stays where it is.
@@ -317,78 +334,58 @@ class ContactUnderLoad {
     hn::Store(step.q, tag, steps.q + v);
   }
 
-  /// A knot at an end of the segment, and the energy gained up to it [J].
-  struct NearestKnot {
-    Knot knot;
-    T gain;
-  };
-  [[nodiscard]] HWY_INLINE NearestKnot nearest(bool up) const {
-    const Knot knot = segment_ + up;
-    const T distance = (table_.knots[knot] - table_.knots[entry_]) - beyond_;
-    return {knot, distance * (force() + table_.forces[knot]) / 2};
-  }
-
   /// A step across more knots than the window holds.
-  HWY_INLINE T step_beyond_window(bool up, T xf, const Load& load) {
-    const NearestKnot near = nearest(up);
-    const Knot last = search(up, near, xf, load), crossed = last - segment_, knot = last + !up;
-    const T xi = load.xi, sign = T(up ? 1 : -1);
-    const T work = xi * ((table_.energies[knot] - table_.energies[near.knot]) + near.gain);
-    const T distance = (table_.knots[knot] - table_.knots[entry_]) - beyond_;
-    auto step = detail::step_coefficients(detail::ScalarArithmetic<T>(), distance, work, xi * table_.forces[knot],
-                                          xf - distance, xi * table_.half_curvatures[last]);
+  HWY_INLINE T step_beyond_window(bool up, const Load& load) {
+    const T stiffness = kVaries ? load.xi * table_.half_curvatures[segment_] : table_.stiffnesses[segment_];
+    const Knot last = search(up, load, stiffness), crossed = last - segment_;
+    const One tag;
+    const auto lie_below = hn::FirstN(tag, up ? 0 : 1);
+    const auto step = coefficients(tag, last + !up, lie_below, nearest_knots(tag, lie_below, load, stiffness), load);
     enter(crossed);
-    return solve(sign, {step.b, step.g, step.p, step.q, std::abs(step.discriminant)}, load, 0, 0);
+    const StepCoefficients<T> chosen{hn::GetLane(step.b), hn::GetLane(step.g), hn::GetLane(step.p),
+                                     hn::GetLane(step.q), hn::GetLane(hn::Abs(step.discriminant))};
+    return solve(T(up ? 1 : -1), chosen, load, 0, 0);
   }
 
-  /// A step that leaves the segment, and what judges the knots ahead.
-  struct Leaving {
-    bool up;
-    T origin, beyond;        // of all distances; this compression from there
-    T nearest;               // knot that is crossed for certain
-    T energy, work, xi, xf;  // there; xi times the energy gained up to there
-  };
-
-  /// Counts, in whole vectors of knots, those below the root. Upwards: the knots up to the nearest, and those beyond
-  /// with g < 0. Downwards: those for which neither this nor its mirror image holds.
-  static HWY_INLINE Knot below_root(const T* knots, const T* energies, std::size_t count, const Leaving& leaving) {
+  /// Counts, in whole vectors of knots, those below the root, which lies beyond the nearest knot.
+  HWY_INLINE Knot below_root(bool up, const T* knots, const T* energies, std::size_t count,
+                             const NearestKnots<hn::Vec<hn::ScalableTag<T>>>& near, const Load& load) const {
     const hn::ScalableTag<T> tag;
-    const T upwards = T(leaving.up ? 1 : -1);
-    const auto sign = hn::Set(tag, upwards), nearest = hn::Set(tag, upwards * leaving.nearest);
-    const auto origin = hn::Set(tag, leaving.origin), beyond = hn::Set(tag, leaving.beyond);
-    const auto xf = hn::Set(tag, leaving.xf), xi = hn::Set(tag, leaving.xi);
-    const auto energy = hn::Set(tag, leaving.energy), work = hn::Set(tag, leaving.work);
-    std::size_t found = 0;
+    const auto sign = hn::Set(tag, T(up ? 1 : -1)),
+               nearest = hn::Set(tag, up ? table_.knots[segment_ + 1] : -table_.knots[segment_]);
+    std::size_t crossed = 0;
     for (std::size_t k = 0; k < count; k += hn::Lanes(tag)) {
-      const auto knot = hn::Load(tag, knots + k);
-      const auto distance = hn::Sub(hn::Sub(knot, origin), beyond);
-      const auto further = hn::Sub(hn::Load(tag, energies + k), energy);
-      const auto g = hn::NegMulAdd(distance, hn::Sub(xf, distance), hn::MulAdd(xi, further, work));
-      found += hn::CountTrue(tag, hn::Or(hn::Lt(g, hn::Zero(tag)), hn::Le(hn::Mul(sign, knot), nearest)));
+      const auto motion = motion_to(tag, knots + k, energies + k, near, load);
+      const auto g = hn::NegMulAdd(motion.distance, motion.remaining, motion.work);
+      const auto is_nearer = hn::Le(hn::Mul(sign, hn::LoadU(tag, knots + k)), nearest);
+      crossed += hn::CountTrue(tag, hn::Or(hn::Lt(g, hn::Zero(tag)), is_nearer));
     }
-    return static_cast<Knot>(leaving.up ? found : count - found);
+    return static_cast<Knot>(up ? crossed : count - crossed);
   }
 
-  /// The segment of the root among all: two levels of whole vectors. In range for any increment, also an infinite
-  /// one, for which g is not a number or the sentinel knots count as crossed.
-  HWY_INLINE Knot search(bool up, const NearestKnot& near, T xf, const Load& load) const {
-    const Leaving leaving{up,
-                          table_.knots[entry_],
-                          beyond_,
-                          table_.knots[near.knot],
-                          table_.energies[near.knot],
-                          load.xi * near.gain,
-                          load.xi,
-                          xf};
-    Knot at = 0;
+  /// The segment of the root: among the knots next to the window, which few steps leave behind, then among all in two
+  /// levels of whole vectors. In range for any increment, also an infinite one, for which g is not a number or the
+  /// sentinel knots count as crossed.
+  HWY_INLINE Knot search(bool up, const Load& load, T stiffness) const {
+    const hn::ScalableTag<T> tag;
+    const auto near = nearest_knots(tag, hn::FirstN(tag, up ? 0 : hn::Lanes(tag)), load, stiffness);
+    const auto below = [&](const T* knots, const T* energies, std::size_t count)
+                           HWY_ATTR { return below_root(up, knots, energies, count, near, load); };
+    constexpr Knot kBeside = kKnotsAhead, kBlock = kKnotsPerBlock;
+    const Knot window = segment_ + 1 - behind_, segments = static_cast<Knot>(table_.segments);
+    const Knot beside = up ? std::min(window + kWindow, segments + 1) : std::max(window - kBeside, 1 - kBeside);
+    const Knot found = below(table_.knots + beside, table_.energies + beside, kBeside);
+    if (HWY_LIKELY(up ? found < kBeside : found > 0)) return in_range(beside - 1 + found, up);
+    Knot first = 1;
     if (table_.blocks > 1) {
-      constexpr Knot kBlock = kKnotsPerBlock;
-      const Knot blocks = static_cast<Knot>(table_.blocks);
       const std::size_t padded = (table_.blocks + kKnotsPerBlock - 1) / kKnotsPerBlock * kKnotsPerBlock;
-      const Knot block = below_root(table_.block_first_knots, table_.block_first_energies, padded, leaving) - 1;
-      at = kBlock * std::clamp<Knot>(block, 0, blocks - 1);
+      const Knot block = below(table_.block_first_knots, table_.block_first_energies, padded) - 1;
+      first += kBlock * std::clamp<Knot>(block, 0, static_cast<Knot>(table_.blocks) - 1);
     }
-    const Knot found = at + below_root(table_.knots + 1 + at, table_.energies + 1 + at, kKnotsPerBlock, leaving);
+    return in_range(first - 1 + below(table_.knots + first, table_.energies + first, kKnotsPerBlock), up);
+  }
+
+  [[nodiscard]] HWY_INLINE Knot in_range(Knot found, bool up) const {
     const Knot lowest = up * (segment_ + 1), highest = up * static_cast<Knot>(table_.segments) + !up * (segment_ - 1);
     return std::min(std::max(found, lowest), highest);
   }
