@@ -240,6 +240,9 @@ TEST(SpectrumKnots, KeepTheFiguresOfTheDocs) {
   for (const auto& [name, segments, mean_db, worst_db] : {Promise{"felt_c2", 32, 0.45, 4.2},
                                                           {"felt_c4", 32, 0.57, 7.0},
                                                           {"felt_c7", 32, 0.38, 7.0},
+                                                          {"felt_c2", 48, 0.18, 2.1},
+                                                          {"felt_c4", 48, 0.24, 3.2},
+                                                          {"felt_c7", 48, 0.15, 3.4},
                                                           {"felt_c2", 64, 0.085, 1.4},
                                                           {"felt_c4", 64, 0.12, 1.9},
                                                           {"felt_c7", 64, 0.08, 2.2}}) {
