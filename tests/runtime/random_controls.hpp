@@ -94,12 +94,15 @@ class WorkBooks {
     const double excess = energy_j - work_ - (sizeof(T) == sizeof(double) ? 1e-12 : 1e-6) * flow_;
     is_within_ &= is_finite(excess) && excess <= 0;
     peak_ = std::max(peak_, energy_j);
+    excess_ = std::max(excess_, energy_j - work_);
   }
   [[nodiscard]] bool is_within() const { return is_within_; }
   [[nodiscard]] double peak() const { return peak_; }
+  /// The largest energy beyond the work [J], with what rounding adds.
+  [[nodiscard]] double excess() const { return excess_; }
 
  private:
-  double rate_hz_, work_ = 0, flow_ = 0, peak_ = 0;
+  double rate_hz_, work_ = 0, flow_ = 0, peak_ = 0, excess_ = 0;
   bool is_within_ = true;
 };
 

@@ -4,6 +4,7 @@
 // is not finite, energy beyond the work put in, or, in double precision, a sample of coupled contacts whose solver
 // did not converge (docs/how-it-works/several-contacts.md). Prints how many samples each model played; exits with 1
 // after a fault. NAME: models that contain it only. CONTACTSPLINE_SOAK_SEED is a number that chooses what is drawn.
+// soak --own-time SECONDS [NAME...]: each model for so many seconds of its own time, and never brought to rest.
 // scripts/soak runs it for long.
 #include <chrono>
 #include <cstdint>
@@ -36,7 +37,7 @@ namespace {
 
 constexpr double kHz = 44100;
 constexpr std::size_t kHeld = 4410, kSlice = 20000;  // samples
-constexpr std::size_t kTake = 1'000'000;             // samples after which a model is brought to rest
+std::size_t samples_of_take = 1'000'000;             // after which a model is brought to rest
 
 /// Of all that is drawn: CONTACTSPLINE_SOAK_SEED, or 3.
 std::uint64_t seed() {
@@ -48,7 +49,7 @@ std::uint64_t seed() {
 struct Record {
   std::string model;
   std::size_t samples = 0, faults = 0, bounded = 0;
-  double peak_j = 0;
+  double peak_j = 0, excess_j = 0;
 
   void fault(std::string_view what) {
     if (++faults <= 3)
@@ -84,6 +85,7 @@ class Take {
   void close(double work_j, double energy_j) {
     books_.close(work_j, energy_j);
     record_->peak_j = std::max(record_->peak_j, books_.peak());
+    record_->excess_j = std::max(record_->excess_j, books_.excess());
     if (books_.is_within()) return;
     record_->fault("energy beyond the work put in");
     books_ = WorkBooks<T>(kHz);
@@ -161,7 +163,7 @@ template <typename T, typename State, typename Play>
 std::function<void(Record&)> in_blocks(std::shared_ptr<State> s, std::size_t held_for, Play play) {
   return [s, held_for, play, take = std::shared_ptr<Take<T>>()](Record& record) mutable {
     if (!take) take = std::make_shared<Take<T>>(record);
-    if (record.samples % kTake < kSlice) s->model.reset(), take->restart();
+    if (record.samples % samples_of_take < kSlice) s->model.reset(), take->restart();
     for (std::size_t n = 0, block = 0; n < kSlice; n += block, record.samples += block) {
       s->random.next();
       block = std::min(held_for, kSlice - n);
@@ -318,7 +320,7 @@ std::function<void(Record&)> along_a_string(std::size_t held_for) {
   return [s, take = std::shared_ptr<Take<T>>()](Record& record) mutable {
     if (!take) take = std::make_shared<Take<T>>(record);
     const auto& model = s->played.model;
-    if (record.samples % kTake < kSlice) s->played = RandomModel(parts<T>()), take->restart();
+    if (record.samples % samples_of_take < kSlice) s->played = RandomModel(parts<T>()), take->restart();
     for (std::size_t n = 0; n < kSlice; ++n, ++record.samples) {
       s->random.next();
       const double displacement = model.string().displacement(s->pluck);
@@ -358,7 +360,7 @@ std::function<void(Record&)> body(std::size_t held_for) {
   return [s, held_for, take = std::shared_ptr<Take<T>>()](Record& record) mutable {
     using Ranges = ControlRanges<T>;
     if (!take) take = std::make_shared<Take<T>>(record);
-    if (record.samples % kTake < kSlice) {
+    if (record.samples % samples_of_take < kSlice) {
       for (auto& key : s->keys) key.reset();
       s->body->reset();
       take->restart();
@@ -405,7 +407,7 @@ std::function<void(Record&)> instrument(std::size_t held_for) {
       take->restart();
       take->close(model.energy(), model.energy());  // energy of a spring that is not relaxed
     };
-    if (record.samples % kTake < kSlice) rest();
+    if (record.samples % samples_of_take < kSlice) rest();
     for (std::size_t n = 0; n < kSlice; ++n, ++record.samples) {
       s->random.next();
       if (held_for == 1 || n % held_for == 0)
@@ -447,7 +449,33 @@ void add_models(std::vector<Soaked>& models) {
   }
 }
 
-int soak(double seconds, const std::vector<std::string_view>& names) {
+using Clock = std::chrono::steady_clock;
+
+double elapsed(Clock::time_point since) {
+  return std::chrono::duration<double>(Clock::now() - since).count();
+}
+
+/// Plays all models by turns.
+void play_in_turn(std::vector<Soaked>& models, double seconds) {
+  const auto begin = Clock::now();
+  do {
+    for (Soaked& model : models) {
+      const auto turn = Clock::now();
+      do model.play(model.record);
+      while (elapsed(turn) < std::min(1.0, seconds / 10));
+    }
+  } while (elapsed(begin) < seconds);
+}
+
+/// Plays one model after the other, each for so many seconds of its own time, without a rest.
+void play_own_time(std::vector<Soaked>& models, double seconds) {
+  samples_of_take = std::numeric_limits<std::size_t>::max();
+  for (Soaked& model : models) do
+      model.play(model.record);
+    while (static_cast<double>(model.record.samples) < seconds * kHz && model.record.faults == 0);
+}
+
+int soak(bool in_own_time, double seconds, const std::vector<std::string_view>& names) {
   std::vector<Soaked> models;
   add_models<double>(models);
   add_models<float>(models);
@@ -456,23 +484,14 @@ int soak(double seconds, const std::vector<std::string_view>& names) {
       return std::ranges::none_of(names,
                                   [&](std::string_view name) { return model.record.model.find(name) != name.npos; });
     });
-  using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();
-  const auto elapsed = [](Clock::time_point since) {
-    return std::chrono::duration<double>(Clock::now() - since).count();
-  };
-  do {
-    for (Soaked& model : models) {
-      const auto turn = Clock::now();
-      do model.play(model.record);
-      while (elapsed(turn) < std::min(1.0, seconds / 10));
-    }
-  } while (elapsed(begin) < seconds);
+  in_own_time ? play_own_time(models, seconds) : play_in_turn(models, seconds);
   std::size_t samples = 0, faults = 0;
   for (const Soaked& model : models) {
-    std::printf("%-32s %12zu samples, at most %8.2g J, %zu faults, %zu by the bounding law\n",
-                model.record.model.c_str(), model.record.samples, model.record.peak_j, model.record.faults,
-                model.record.bounded);
+    std::printf(
+        "%-32s %12zu samples, at most %8.2g J, %8.2g J beyond the work, %zu faults, %zu by the bounding law\n",
+        model.record.model.c_str(), model.record.samples, model.record.peak_j, model.record.excess_j,
+        model.record.faults, model.record.bounded);
     samples += model.record.samples, faults += model.record.faults;
   }
   std::printf("%-32s %12zu samples in %.0f s, %zu faults\n", "together", samples, elapsed(begin), faults);
@@ -483,9 +502,13 @@ int soak(double seconds, const std::vector<std::string_view>& names) {
 }  // namespace contactspline::testing
 
 int main(int count, char** arguments) {
-  if (count < 2) {
-    std::fputs("usage: soak SECONDS [NAME...]\n", stderr);
+  const std::vector<std::string_view> given(arguments + 1, arguments + count);
+  const bool in_own_time = !given.empty() && given[0] == "--own-time";
+  const std::size_t seconds = in_own_time ? 1 : 0;
+  if (given.size() <= seconds) {
+    std::fputs("usage: soak [--own-time] SECONDS [NAME...]\n", stderr);
     return 2;
   }
-  return contactspline::testing::soak(std::atof(arguments[1]), {arguments + 2, arguments + count});
+  return contactspline::testing::soak(in_own_time, std::atof(arguments[1 + seconds]),
+                                      {given.begin() + std::ptrdiff_t(seconds) + 1, given.end()});
 }
