@@ -15,10 +15,8 @@
 #include "contactspline/resonators/guitar_d3.hpp"
 #include "contactspline/resonators/guitar_g3.hpp"
 #include "contactspline/resonators/string_c4.hpp"
-#include "generator/instrument/instrument_reader.hpp"
 #include "generator/support/embedded_files.hpp"
 #include "generator/support/error.hpp"
-#include "generator/support/file_kind.hpp"
 #include "generator/support/input_file.hpp"
 #include "generator/support/json_reader.hpp"
 
@@ -54,25 +52,7 @@ constexpr NamedModel kModels[] = {{"piano", maker_of_class<Piano>},
                                   {"fret_string", maker_of_class<PlainFretString>},
                                   {"mass_barrier", maker_of_class<PlainMassBarrier>}};
 
-InstrumentMaker maker_of_file(std::string_view text, const std::string& file, const ReadFile& read) {
-  const auto kind = kind_of_file(text, file, "instrument");
-  if (kind && *kind != Shipped::kInstruments)
-    refuse(file, "file", fmt::format("is a {}", kind_name(*kind)), "an instrument");
-  Voice voice;
-  voice.name = file;
-  voice.model = parse_instrument(text, file, read);
-  return maker_of_voice(Model::kFile, std::move(voice));
-}
-
 }  // namespace
-
-InstrumentMaker maker_of_voice(Model model, Voice voice) {
-  return InstrumentMaker::of([model, voice = std::move(voice)](auto precision, double rate) {
-    auto instrument = instrument_of<decltype(precision)>(model, voice, rate);
-    for (std::size_t i = 0; i < voice.initial.size(); ++i) instrument->set(i, voice.initial[i]);
-    return instrument;
-  });
-}
 
 std::vector<std::string> instrument_names() {
   std::vector<std::string> names;
@@ -82,7 +62,7 @@ std::vector<std::string> instrument_names() {
 }
 
 InstrumentMaker maker_of_text(std::string_view text, const std::string& file) {
-  return maker_of_file(text, file, [&](const std::string& path) {
+  return maker_of_text(text, file, [&](const std::string& path) {
     return read_input(std::filesystem::path(file).parent_path() / path);
   });
 }
@@ -91,11 +71,11 @@ InstrumentMaker maker_of_name(const std::string& name) {
   if (is_path(name)) return maker_of_text(read_input(name), name);
   for (const NamedModel& model : kModels)
     if (name == model.name) return model.maker();
-  const auto* shipped = find_embedded(Shipped::kInstruments, name + ".json");
-  if (shipped == nullptr)
+  auto shipped = maker_of_shipped(name);
+  if (!shipped)
     refuse(shown(name), "INSTRUMENT", "no such instrument ships",
            fmt::format("a .json file, {}", fmt::join(instrument_names(), ", ")));
-  return maker_of_file(shipped->content, std::string(shipped->name), shipped_file);
+  return *std::move(shipped);
 }
 
 }  // namespace contactspline

@@ -172,6 +172,44 @@ void add_plugin(CLI::App& app) {
   command->callback([options] { make_plugin(*options); });
 }
 
+#ifdef CONTACTSPLINE_DATASETS
+void add_dataset(CLI::App& app) {
+  constexpr auto kHelp = "plan file (.json): what is played, over which values, and what is kept";
+  const auto options = std::make_shared<DatasetOptions>();
+  CLI::App* command = app.add_subcommand("dataset", "Render thousands of samples of an instrument into HDF5 files");
+  command->add_option("PLAN", options->plan, kHelp)->check(not_empty(kHelp))->required();
+  command->add_option("-o,--output", options->output, "folder for the files")
+      ->check(folder_name("a folder"))
+      ->type_name("DIR")
+      ->required();
+  CLI::Option* all = command->add_option("--shards", options->shards, "number of files; a further one joins them")
+                         ->check(number_from(1, 99999))
+                         ->capture_default_str();
+  const auto one = [options](const std::string& text) {
+    options->only = std::stoul(text);
+    options->shards = std::stoul(text.substr(text.find('/') + 1));
+  };
+  command->add_option_function<std::string>("--shard", one, "write shard I of N only, such as 3/64")
+      ->check(part_of_whole(99999))
+      ->type_name("I/N")
+      ->excludes(all);
+  command->add_option("--threads", options->threads, "number of threads (default: one for each core)")
+      ->check(number_from(1, 1024));
+  command->add_flag("--join", options->join, "write no sample: join the --shards that are there");
+  command->add_flag("--force", options->force,
+                    "also replace shards of other plans, and files that this program did not write");
+  command->footer(
+      "Examples:\n"
+      "  contactspline dataset strikes.json -o strikes\n"
+      "  contactspline dataset strikes.json -o strikes --shards 64\n"
+      "  contactspline dataset strikes.json -o strikes --shard 3/64\n"
+      "  contactspline dataset strikes.json -o strikes --shards 64 --join\n"
+      "A sample depends on the plan alone: not on shards and threads. A shard is written as a whole or not at all.\n"
+      "One that is there and whose sums agree is kept, so the same command goes on where it was stopped.");
+  command->callback([options] { make_dataset(*options); });
+}
+#endif
+
 void add_inspect(CLI::App& app) {
   const auto options = std::make_shared<InspectOptions>();
   CLI::App* command = app.add_subcommand(
@@ -416,6 +454,9 @@ void add_all(CLI::App& app) {
   add_impact(app);
   add_render(app);
   add_plugin(app);
+#ifdef CONTACTSPLINE_DATASETS
+  add_dataset(app);
+#endif
   add_version(app);
 }
 

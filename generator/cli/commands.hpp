@@ -40,6 +40,18 @@ struct PluginOptions {
 /// Writes an instrument's project of plug-ins, and builds it.
 void make_plugin(const PluginOptions& options);
 
+struct DatasetOptions {
+  std::string plan;
+  std::string output;      ///< folder of the shards
+  std::size_t shards = 1;  ///< all of them are written, and joined
+  std::size_t only = 0;    ///< 1 to shards: this one alone; 0: all
+  int threads = 0;         ///< 0: one for each core
+  bool join = false;       ///< joins shards that are there, and writes none
+  bool force = false;      ///< as in GenerateOptions; also replaces shards of other plans
+};
+/// Renders the samples of a plan into HDF5 files. Shards that are whole are kept.
+void make_dataset(const DatasetOptions& options);
+
 struct InspectOptions {
   std::vector<std::string> materials;
   int jobs = 0;        ///< as in GenerateOptions

@@ -38,6 +38,22 @@ template <typename T>
   return {check, fmt::format("{} or {} to {}", word, min, max)};
 }
 
+/// I/N, two integers, I from 1 to N and N up to `max`.
+[[nodiscard]] inline CLI::Validator part_of_whole(int max) {
+  const auto check = [=](const std::string& text) {
+    const auto slash = text.find('/');
+    const auto is_digits = [](const std::string& digits) {
+      return !digits.empty() && digits.size() < 10 && digits.find_first_not_of("0123456789") == std::string::npos;
+    };
+    if (slash != std::string::npos && is_digits(text.substr(0, slash)) && is_digits(text.substr(slash + 1))) {
+      const int part = std::stoi(text), whole = std::stoi(text.substr(slash + 1));
+      if (1 <= part && part <= whole && whole <= max) return std::string();
+    }
+    return fmt::format("'{}' is refused; allowed: I/N, such as 3/64, with I from 1 to N and N up to {}", text, max);
+  };
+  return {check, ""};
+}
+
 /// One of the given words.
 [[nodiscard]] inline CLI::Validator one_of(std::vector<std::string> words) {
   const auto check = [words](const std::string& text) {

@@ -86,10 +86,9 @@ void complete_plucked(const JsonObject& json, Voice& voice) {
   voice.resonator.pickup.position_m = json.number("pickup_m", {0, string->length_m});
 }
 
-Voice read_voice(const JsonObject& json, Model model, const ReadFile& read, DesignedMaterials& materials,
-                 std::set<std::string>& names) {
+// All but its name.
+Voice read_parts(const JsonObject& json, Model model, const ReadFile& read, DesignedMaterials& materials) {
   Voice voice;
-  voice.name = read_voice_name(json, names);
   const NamedText resonator = read_named(json, "resonator", Shipped::kResonators, read);
   voice.resonator = parse_resonator(resonator.text, resonator.file);
   tune(json, voice.resonator);
@@ -107,14 +106,24 @@ Voice read_voice(const JsonObject& json, Model model, const ReadFile& read, Desi
   return voice;
 }
 
-std::vector<Voice> read_voices(const JsonObject& score, Model model, const ReadFile& read) {
-  std::vector<std::string> keys = {"name", "resonator", "material", "tuning_cents", "pan"};
+std::vector<std::string> part_keys(Model model) {
+  std::vector<std::string> keys = {"resonator", "material", "tuning_cents"};
   for (const char* key : rules_of(model).voice_keys) keys.emplace_back(key);
+  return keys;
+}
+
+std::vector<Voice> read_voices(const JsonObject& score, Model model, const ReadFile& read) {
+  std::vector<std::string> keys = part_keys(model);
+  keys.insert(keys.begin(), "name");
+  keys.insert(keys.begin() + 4, "pan");
   DesignedMaterials materials(read);
   std::vector<Voice> voices;
   std::set<std::string> names;
-  for (const JsonObject& json : score.objects("voices", keys, kMaxVoices))
-    voices.push_back(read_voice(json, model, read, materials, names));
+  for (const JsonObject& json : score.objects("voices", keys, kMaxVoices)) {
+    std::string name = read_voice_name(json, names);
+    voices.push_back(read_parts(json, model, read, materials));
+    voices.back().name = std::move(name);
+  }
   return voices;
 }
 
@@ -382,6 +391,13 @@ ScoreHeading score_heading(std::string_view text, std::string_view file) {
 ScoreHeading midi_score_heading(std::string_view bytes, std::string_view file) {
   const MidiSong song = parse_midi(bytes, file);
   return {Model::kHammerString, song.title, duration_of(song, shipped_piano(), file)};
+}
+
+Voice read_voice_parts(const JsonObject& object, const char* key, Model model, const ReadFile& read) {
+  DesignedMaterials materials(read);
+  Voice voice = read_parts(object.object(key, part_keys(model)), model, read, materials);
+  voice.name = name_of(model);
+  return voice;
 }
 
 Score parse_score(std::string_view text, std::string_view file, const ReadFile& read) {

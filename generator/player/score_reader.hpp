@@ -15,6 +15,10 @@ namespace contactspline {
 /// gives the files it names. Throws BadInput.
 [[nodiscard]] Score parse_score(std::string_view text, std::string_view file, const ReadFile& read);
 
+/// What a model is made of: the object under a key, with the keys of a voice but `name` and `pan`. First values that
+/// neither it nor the model states are NaN. Throws BadInput.
+[[nodiscard]] Voice read_voice_parts(const JsonObject& object, const char* key, Model model, const ReadFile& read);
+
 /// What a score says of itself, for a list.
 struct ScoreHeading {
   Model model;

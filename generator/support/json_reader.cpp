@@ -186,6 +186,14 @@ bool JsonObject::has(const char* name) const {
   return value_->json.contains(name);
 }
 
+bool JsonObject::has_object(const char* name) const {
+  return has(name) && value_->json.at(name).is_object();
+}
+
+std::string JsonObject::json(const char* name) const {
+  return value_at(*this, value_->json, name, "any value").dump();
+}
+
 JsonObject JsonObject::object(const char* name, const std::vector<std::string>& allowed) const {
   const std::string path = key(name);
   return {value_->part(value_at(*this, value_->json, name, joined(allowed))), file_, path, path, allowed};

@@ -36,7 +36,9 @@ struct Range {
 class JsonObject {
  public:
   [[nodiscard]] bool has(const char* name) const;
+  [[nodiscard]] bool has_object(const char* name) const;  ///< is there such a key, with an object?
   [[nodiscard]] JsonObject object(const char* name, const std::vector<std::string>& allowed) const;
+  [[nodiscard]] std::string json(const char* name) const;  ///< the value's text
   [[nodiscard]] std::vector<JsonObject> objects(const char* name, const std::vector<std::string>& allowed,
                                                 std::size_t max_count) const;  ///< 1 to max_count of them
   [[nodiscard]] std::string text(const char* name, std::string_view allowed) const;

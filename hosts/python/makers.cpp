@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "contactspline/instrument/mass_barrier_instrument.hpp"
 #include "generator/cli/inputs.hpp"
 #include "generator/player/score_reader.hpp"
 #include "generator/support/error.hpp"
@@ -75,15 +74,8 @@ InstrumentMaker mass_barrier_maker(const Json& parts) {
     if (key != "material") refuse("mass_barrier", key, "is unknown", "material");
   if (!parts.contains("material")) refuse("mass_barrier", "material", "missing", "a name, a path or an object");
   const Json& material = parts["material"];
-  const Design design = material.is_object() ? design_material(material.dump(), "material.json", read_input)
-                                             : design_argument(material.get<std::string>());
-  constexpr double kAnyMass_kg = 0.003;  // of a material without impacts
-  const MassBarrierParts made{segment_table(design.spline),
-                              design.material.impact ? design.material.impact->mass_kg : kAnyMass_kg,
-                              design.material.loss_s_per_m};
-  return InstrumentMaker::of([made](auto precision, double) -> std::unique_ptr<AnyInstrument<decltype(precision)>> {
-    return std::make_unique<InstrumentBehind<MassBarrierInstrument<decltype(precision)>>>(made);
-  });
+  return maker_of_mass_barrier(material.is_object() ? design_material(material.dump(), "material.json", read_input)
+                                                    : design_argument(material.get<std::string>()));
 }
 
 }  // namespace

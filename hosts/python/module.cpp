@@ -15,6 +15,7 @@
 
 #include "generator/cli/inputs.hpp"
 #include "generator/cli/inspect_json.hpp"
+#include "generator/player/playing.hpp"
 #include "generator/player/score_player.hpp"
 #include "generator/player/score_reader.hpp"
 #include "generator/spline/design_impact.hpp"
@@ -22,8 +23,8 @@
 #include "generator/support/error.hpp"
 #include "generator/support/file_kind.hpp"
 #include "generator/support/input_file.hpp"
+#include "hosts/python/for_each.hpp"
 #include "hosts/python/makers.hpp"
-#include "hosts/python/playing.hpp"
 
 namespace contactspline::python {
 namespace {

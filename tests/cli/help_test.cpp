@@ -21,7 +21,7 @@ void PrintTo(const Command& command, std::ostream* stream) {
 }
 
 const std::vector<Command> kCommands = {
-    {"program", {}, {"generate", "inspect", "list", "show", "impact", "render", "plugin", "Exit status"}},
+    {"program", {}, {"generate", "inspect", "list", "show", "impact", "render", "plugin", "dataset", "Exit status"}},
     {"generate",
      {"generate"},
      {"MATERIAL", "--emit", "faust", "cpp", "json", "-o,--output", "--check", "--depfile", "--rate", "--force",
@@ -31,6 +31,7 @@ const std::vector<Command> kCommands = {
     {"show", {"show"}, {"NAME", "my_felt.json"}},
     {"impact", {"impact"}, {"MATERIAL", "--speed", "--rate", "1e-06 to 1000"}},
     {"render", {"render"}, {"mass-barrier"}},
+    {"dataset", {"dataset"}, {"PLAN", "-o,--output", "--shards", "--shard", "--threads", "--join", "--force"}},
     {"plugin", {"plugin"}, {"INSTRUMENT", "-o,--output", "--vendor", "--no-build", "--force", "dpf-source"}},
     {"mass_barrier",
      {"render", "mass-barrier"},

@@ -32,7 +32,8 @@ const Tree kGenerator{"generator",
                        {"instrument", 6},
                        {"emit", 7},
                        {"player", 7},
-                       {"cli", 8}}};
+                       {"dataset", 8},
+                       {"cli", 9}}};
 const Tree kRuntime{
     "runtime/contactspline",
     R"(#include "(contactspline/[^"]+)\")",
@@ -170,7 +171,8 @@ TEST(LayersOfTheTree, LibrariesStayInTheirFolders) {
       {"nlohmann/", {"generator/support/json_reader.cpp"}},
       {"CLI/", {"generator/cli/command_line.cpp", "generator/cli/validators.hpp"}},
       {"sndfile", {"generator/cli/sound_file.cpp"}},
-      {"portSMF/", {"generator/player/midi_reader.cpp"}}};
+      {"portSMF/", {"generator/player/midi_reader.cpp"}},
+      {"hdf5.h", {"generator/dataset/hdf5_handle.hpp"}}};
   for (const SourceFile& file : files_of(kGenerator))
     for (const auto& [library, files] : allowed) {
       const bool is_included = file.text.find("#include <" + library) != std::string::npos;

@@ -1,26 +1,20 @@
 // SPDX-License-Identifier: MIT
-// Plays an instrument into arrays, and many of them on all cores.
+// Plays an instrument into arrays.
 #pragma once
 
 #include <algorithm>
-#include <atomic>
-#include <chrono>
 #include <cmath>
 #include <concepts>
 #include <cstddef>
-#include <exception>
 #include <functional>
-#include <memory>
-#include <mutex>
 #include <span>
 #include <stdexcept>
-#include <thread>
 #include <vector>
 
 #include "contactspline/step/flush_denormals.hpp"
 #include "generator/player/any_instrument.hpp"
 
-namespace contactspline::python {
+namespace contactspline {
 
 enum class Action : int { kStrike, kRelease, kPluck, kNoteOn, kNoteOff, kSet };
 
@@ -88,41 +82,4 @@ void render(AnyInstrument<T>& instrument, std::span<const Happening> happenings,
   }
 }
 
-/// Calls task(i) for all i below tasks, on so many threads. Where one throws, the others stop, and it is thrown
-/// again. watch: called about ten times a second on this thread with the number of tasks done; it stops all by an
-/// exception.
-inline void for_each(std::size_t tasks, std::size_t threads, const std::function<void(std::size_t)>& task,
-                     const std::function<void(std::size_t)>& watch, std::atomic<bool>& is_stopped) {
-  std::atomic<std::size_t> next = 0, done = 0, running = threads;
-  std::exception_ptr failure;
-  std::mutex mutex;
-  const auto work = [&] {
-    try {
-      for (std::size_t i = next++; i < tasks && !is_stopped; i = next++) {
-        task(i);
-        ++done;
-      }
-    } catch (...) {
-      const std::lock_guard lock(mutex);
-      if (!failure) failure = std::current_exception();
-      is_stopped = true;
-    }
-    --running;
-  };
-  {
-    std::vector<std::jthread> pool;
-    for (std::size_t t = 0; t < threads; ++t) pool.emplace_back(work);
-    for (std::size_t pauses = 1; running > 0; ++pauses) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-      try {
-        if (pauses % 100 == 0) watch(done);
-      } catch (...) {
-        is_stopped = true;
-        throw;
-      }
-    }
-  }
-  if (failure) std::rethrow_exception(failure);
-}
-
-}  // namespace contactspline::python
+}  // namespace contactspline

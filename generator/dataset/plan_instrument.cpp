@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+#include "generator/dataset/plan_instrument.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <string_view>
+
+#include "generator/material/named_file.hpp"
+#include "generator/player/score_reader.hpp"
+#include "generator/spline/design.hpp"
+#include "generator/support/embedded_files.hpp"
+
+namespace contactspline {
+namespace {
+
+constexpr auto kMassBarrier = "mass_barrier";
+
+struct NamedModel {
+  std::string_view name;
+  Model model;
+};
+constexpr std::array kModels = {NamedModel{"hammer_string", Model::kHammerString},
+                                NamedModel{"slide_string", Model::kSlideString},
+                                NamedModel{"fret_string", Model::kFretString}};
+
+PlanInstrument mass_barrier(const JsonObject& plan, const ReadFile& read) {
+  const NamedText named = read_named(plan.object("parts", {"material"}), "material", Shipped::kMaterials, read);
+  return {maker_of_mass_barrier(design_material(named.text, named.file, reader_beside(named, read))), {}};
+}
+
+}  // namespace
+
+PlanInstrument read_plan_instrument(const JsonObject& plan, const ReadFile& read) {
+  if (plan.has_object("instrument")) {
+    if (plan.has("parts")) plan.fail("parts", "has no meaning here", "beside the name of a model");
+    return {maker_of_text(plan.json("instrument"), plan.file(), read), {}};
+  }
+  std::vector<std::string> names;
+  for (const NamedModel& model : kModels) names.emplace_back(model.name);
+  names.emplace_back(kMassBarrier);
+  for (const std::string& shipped : shipped_names(Shipped::kInstruments)) names.push_back(shipped);
+  const std::string allowed = fmt::format("a .json file, an object with the keys of one, {}", fmt::join(names, ", "));
+  const std::string name = plan.text("instrument", allowed);
+  if (!is_path(name) && std::ranges::find(names, name) == names.end())
+    plan.fail("instrument", fmt::format("'{}' is unknown", shown(name)), allowed);
+  const auto found = std::ranges::find(kModels, name, &NamedModel::name);
+  const bool has_parts = found != kModels.end() || name == kMassBarrier;
+  if (!has_parts && plan.has("parts"))
+    plan.fail("parts", fmt::format("has no meaning for {}", shown(name)), "no such key: set its parameters instead");
+  if (name == kMassBarrier) return mass_barrier(plan, read);
+  if (found != kModels.end()) {
+    Voice voice = read_voice_parts(plan, "parts", found->model, read);
+    std::vector<double> initial = voice.initial;
+    return {maker_of_voice(found->model, std::move(voice)), std::move(initial)};
+  }
+  const NamedText named = read_named(plan, "instrument", Shipped::kInstruments, read);
+  return {maker_of_text(named.text, named.file, reader_beside(named, read)), {}};
+}
+
+}  // namespace contactspline

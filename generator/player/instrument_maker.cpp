@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+#include "generator/player/instrument_maker.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "contactspline/instrument/mass_barrier_instrument.hpp"
+#include "generator/instrument/instrument_reader.hpp"
+#include "generator/support/embedded_files.hpp"
+#include "generator/support/error.hpp"
+#include "generator/support/file_kind.hpp"
+
+namespace contactspline {
+
+InstrumentMaker maker_of_voice(Model model, Voice voice) {
+  return InstrumentMaker::of([model, voice = std::move(voice)](auto precision, double rate) {
+    auto instrument = instrument_of<decltype(precision)>(model, voice, rate);
+    for (std::size_t i = 0; i < voice.initial.size(); ++i) instrument->set(i, voice.initial[i]);
+    return instrument;
+  });
+}
+
+InstrumentMaker maker_of_mass_barrier(const Design& design) {
+  constexpr double kAnyMass_kg = 0.003;
+  const MassBarrierParts made{segment_table(design.spline),
+                              design.material.impact ? design.material.impact->mass_kg : kAnyMass_kg,
+                              design.material.loss_s_per_m};
+  return InstrumentMaker::of([made](auto precision, double) -> std::unique_ptr<AnyInstrument<decltype(precision)>> {
+    return std::make_unique<InstrumentBehind<MassBarrierInstrument<decltype(precision)>>>(made);
+  });
+}
+
+InstrumentMaker maker_of_text(std::string_view text, const std::string& file, const ReadFile& read) {
+  const auto kind = kind_of_file(text, file, "instrument");
+  if (kind && *kind != Shipped::kInstruments)
+    refuse(file, "file", fmt::format("is a {}", kind_name(*kind)), "an instrument");
+  Voice voice;
+  voice.name = file;
+  voice.model = parse_instrument(text, file, read);
+  return maker_of_voice(Model::kFile, std::move(voice));
+}
+
+std::optional<InstrumentMaker> maker_of_shipped(const std::string& name) {
+  const auto* shipped = find_embedded(Shipped::kInstruments, name + ".json");
+  if (shipped == nullptr) return std::nullopt;
+  return maker_of_text(shipped->content, std::string(shipped->name), shipped_file);
+}
+
+}  // namespace contactspline

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+// Instruments of scores and of files, made at run time.
+#pragma once
+
+#include <concepts>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "generator/material/contact_reader.hpp"
+#include "generator/player/any_instrument.hpp"
+#include "generator/spline/design.hpp"
+
+namespace contactspline {
+
+/// Makes instruments, always the same one, in either precision. prepare() at the rate comes next. Throws BadInput
+/// where a body has no mode below half the rate.
+struct InstrumentMaker {
+  std::function<std::unique_ptr<AnyInstrument<float>>(double sample_rate_hz)> in_single;
+  std::function<std::unique_ptr<AnyInstrument<double>>(double sample_rate_hz)> in_double;
+
+  template <std::floating_point T>
+  [[nodiscard]] std::unique_ptr<AnyInstrument<T>> make(double sample_rate_hz) const {
+    if constexpr (std::same_as<T, float>)
+      return in_single(sample_rate_hz);
+    else
+      return in_double(sample_rate_hz);
+  }
+
+  /// make: called with a number of the precision and with the sample rate.
+  template <typename Make>
+  [[nodiscard]] static InstrumentMaker of(const Make& make) {
+    return {[make](double rate) { return make(float(), rate); },
+            [make](double rate) { return make(double(), rate); }};
+  }
+};
+
+/// A voice of a score, with its first values.
+[[nodiscard]] InstrumentMaker maker_of_voice(Model model, Voice voice);
+
+/// A mass of the material's impact, of 3 g where it has none, before a rigid barrier.
+[[nodiscard]] InstrumentMaker maker_of_mass_barrier(const Design& design);
+
+/// The instrument of the text of a file. `file` stands in messages; `read` reads what the text names. Throws
+/// BadInput.
+[[nodiscard]] InstrumentMaker maker_of_text(std::string_view text, const std::string& file, const ReadFile& read);
+
+/// The instrument that ships under a name, or nothing.
+[[nodiscard]] std::optional<InstrumentMaker> maker_of_shipped(const std::string& name);
+
+}  // namespace contactspline

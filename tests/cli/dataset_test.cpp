@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: MIT
+// contactspline dataset: what it writes, keeps and refuses. hosts/python/tests/test_dataset.py reads the files.
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "program.hpp"
+#include "sandbox.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+constexpr auto kStrikes = R"({
+  "name": "strikes", "instrument": "hammer_string",
+  "parts": {"resonator": "string_c4", "material": "felt_c4"},
+  "parameters": {"speed_m_per_s": {"uniform": [1, 4]}, "stiffness_ratio": {"logarithmic": [0.5, 2]}},
+  "events": [{"time_s": 0, "event": "strike"}],
+  "outputs": ["bridge_force_n", "force_n", "energy_j"], "energy_step_samples": 100,
+  "sequence": "sobol", "seed": 1, "count": 20, "seconds": 0.05 })";
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const auto at = text.find(from);
+  if (at == std::string::npos) throw std::logic_error("no " + from);
+  return text.replace(at, from.size(), to);
+}
+
+class Dataset : public ::testing::Test {
+ protected:
+  Dataset() { write_file(box_ / "strikes.json", kStrikes); }
+
+  [[nodiscard]] Call call(const Words& more) const {
+    return {.arguments = followed_by({"dataset", "strikes.json", "-o", "out"}, more), .folder = box_.path()};
+  }
+  [[nodiscard]] std::string shard(int index, int shards) const { return read_file(box_ / fmt(index, shards)); }
+  [[nodiscard]] static std::string fmt(int index, int shards) {
+    const auto five = [](int number) {
+      const std::string digits = std::to_string(number);
+      return std::string(5 - digits.size(), '0') + digits;
+    };
+    return "out/strikes-" + five(index) + "-of-" + five(shards) + ".h5";
+  }
+
+  Sandbox box_;
+};
+
+TEST_F(Dataset, SaysWhatItWillWriteAndWritesIt) {
+  const std::string out = succeed(call({"--shards", "2", "--threads", "2"}));
+  EXPECT_TRUE(out.starts_with("strikes: 20 samples of 0.05 s in 2 shards, 0.357 MB, about 0.1 s on 2 threads\n"))
+      << out;
+  EXPECT_TRUE(out.ends_with("wrote " + fmt(1, 2) + "\nwrote " + fmt(2, 2) + "\njoined out/strikes.h5\n")) << out;
+  EXPECT_EQ(box_.listing().size(), 5u) << names_in(box_.listing());
+}
+
+TEST_F(Dataset, SameCommandAgainKeepsWholeShards) {
+  succeed(call({"--shards", "3"}));
+  const FileState first = state_of(box_ / fmt(1, 3)), second = state_of(box_ / fmt(2, 3));
+  std::string damaged = second.content;
+  damaged[damaged.size() / 2] ^= 1;
+  write_file(box_ / fmt(2, 3), damaged);
+  fs::remove(box_ / fmt(3, 3));
+  const std::string out = succeed(call({"--shards", "3"}));
+  EXPECT_NE(out.find("kept " + fmt(1, 3) + "\nwrote " + fmt(2, 3) + "\nwrote " + fmt(3, 3)), std::string::npos)
+      << out;
+  EXPECT_TRUE(state_of(box_ / fmt(1, 3)) == first);
+  EXPECT_TRUE(shard(2, 3) == second.content);
+}
+
+// A file holds nothing but what the plan and the program say: no time, no folder.
+TEST_F(Dataset, FilesAreTheSameWhereverAndOnHoweverManyThreadsTheyAreWritten) {
+  succeed(call({"--shard", "2/3", "--threads", "1"}));
+  const Sandbox other;
+  write_file(other / "strikes.json", kStrikes);
+  Call again = call({"--shard", "2/3", "--threads", "3"});
+  again.folder = other.path();
+  succeed(again);
+  EXPECT_TRUE(read_file(other / fmt(2, 3)) == shard(2, 3));
+  EXPECT_FALSE(fs::exists(box_ / "out/strikes.h5"));
+}
+
+TEST_F(Dataset, JoinsWhatIsThereAndNothingElse) {
+  succeed(call({"--shard", "1/2"}));
+  expect_refused(run(call({"--shards", "2", "--join"})), fmt(2, 2) + ": file: does not exist", "without --join");
+  succeed(call({"--shard", "2/2"}));
+  EXPECT_EQ(succeed(call({"--shards", "2", "--join"})), "joined out/strikes.h5\n");
+}
+
+TEST_F(Dataset, RefusesShardsOfAnotherPlanAndFilesOfOthers) {
+  succeed(call({}));
+  write_file(box_ / "strikes.json", replaced(kStrikes, "\"seed\": 1", "\"seed\": 2"));
+  expect_refused(run(call({})), fmt(1, 1) + ": file: is of another plan or version", "--force");
+  succeed(call({"--force"}));
+  write_file(box_ / fmt(1, 1), "a diary");
+  expect_refused(run(call({})), fmt(1, 1) + ": file: exists, and this program did not write it", "--force");
+  EXPECT_EQ(shard(1, 1), "a diary");
+}
+
+// A limit on the size of files stands for a full disk.
+TEST_F(Dataset, FullDiskCostsItsShardOnly) {
+  Call full = call({"--shards", "2"});
+  full.largest_file_bytes = 150000;  // a shard has 180 kB
+  const Outcome outcome = run(full);
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_NE(outcome.err.find(fmt(1, 2) + ": file: cannot be written: File too large"), std::string::npos)
+      << outcome.err;
+  EXPECT_NE(outcome.err.find("2 of 2 shards failed"), std::string::npos) << outcome.err;
+  EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 2) << outcome.err;
+  for (const auto& [name, state] : box_.listing()) EXPECT_EQ(name.find(".h5"), std::string::npos) << name;
+  succeed(call({"--shards", "2"}));
+}
+
+// Killed at any moment, what is there is whole, and the same command ends with the same bytes.
+TEST_F(Dataset, KilledAtAnyMomentGoesOnToTheSameBytes) {
+  const Words words = {"--shards", "4", "--threads", "1"};
+  succeed(call(words));
+  std::vector<std::string> wanted;
+  for (int i = 1; i <= 4; ++i) wanted.push_back(shard(i, 4));
+  Call traced = call(words);
+  traced.traced = true;
+  fs::remove_all(box_ / "out");
+  const std::size_t stops = Process(traced).kill_at_stop(std::numeric_limits<std::size_t>::max());
+  ASSERT_GT(stops, 100u);
+  std::mt19937 random(1);
+  for (int round = 0; round < 12; ++round) {
+    fs::remove_all(box_ / "out");
+    Process(traced).kill_at_stop(std::uniform_int_distribution<std::size_t>(0, stops - 1)(random));
+    for (int i = 1; i <= 4; ++i)
+      EXPECT_TRUE(!fs::exists(box_ / fmt(i, 4)) || shard(i, 4) == wanted[std::size_t(i - 1)]) << round << " " << i;
+    succeed(call(words));
+    for (int i = 1; i <= 4; ++i) EXPECT_TRUE(shard(i, 4) == wanted[std::size_t(i - 1)]) << round << " " << i;
+    for (const auto& [name, state] : box_.listing()) EXPECT_FALSE(name.ends_with(".part")) << name;
+  }
+}
+
+struct BadPlan {
+  const char *from, *to, *wrong, *allowed;
+};
+
+TEST_F(Dataset, RefusesBadPlansInOneLine) {
+  const BadPlan cases[] = {
+      {"\"seed\": 1", "\"sed\": 1", "sed: unknown key", "seed, count"},
+      {"\"name\": \"strikes\",", "", "name: missing", "a letter first"},
+      {"\"seed\": 1,", "", "seed: missing", "an integer from 0"},
+      {"\"count\": 20", "\"count\": 0", "count: 0 is out of range", "1 to 1000000000"},
+      {"\"seconds\": 0.05", "\"seconds\": 4000", "seconds: 4000 is out of range", "to 3600"},
+      {"sobol", "halton", "sequence: 'halton' is unknown", "random, sobol"},
+      {"\"hammer_string\"", "\"hammer\"", "instrument: 'hammer' is unknown", "hammer_string, slide_string"},
+      {"\"hammer_string\"", "\"trichord_c4\"", "parts: has no meaning for trichord_c4", "no such key"},
+      {"string_c4", "string_c44", "parts.resonator: 'string_c44' does not ship", "string_c4"},
+      {"\"material\"", "\"felt\"", "parts.felt: unknown key", "resonator, material"},
+      {"\"speed_m_per_s\"", "\"speed\"", "parameters.speed: unknown key", "hammer_mass_kg"},
+      {"[1, 4]", "[1, 400]", "parameters.speed_m_per_s.uniform[1]: 400 is out of range", "0.001 to 100"},
+      {"[1, 4]", "[4, 1]", "parameters.speed_m_per_s.uniform: is no range", "the smaller one first"},
+      {"[1, 4]", "[4]", "parameters.speed_m_per_s.uniform: is no range", "two numbers from 0.001 to 100"},
+      {"\"uniform\": [1, 4]", "", "parameters.speed_m_per_s: has no law or several", "one of uniform"},
+      {"\"uniform\": [1, 4]", "\"normal\": [1, 4]", "parameters.speed_m_per_s.normal: unknown key", "uniform"},
+      {"\"event\": \"strike\"", "\"event\": \"pluck\"", "events[0].event: 'pluck' is unknown", "strike"},
+      {", \"event\": \"strike\"", "", "events[0].event: nothing happens", "one of event, key and parameter"},
+      {"\"event\": \"strike\"", "\"event\": \"strike\", \"to\": 1", "events[0].to: has no meaning here", "parameter"},
+      {"\"event\": \"strike\"", "\"key\": 60.5", "events[0].key: is no key", "60"},
+      {"\"time_s\": 0", "\"time_s\": 1", "events[0].time_s: 1 is out of range", "from 0 to 0.05"},
+      {"\"force_n\"", "\"sound\"", "outputs: 'sound' is unknown", "bridge_force_n, force_n, energy_j"},
+      {"\"force_n\"", "\"energy_j\"", "outputs: 'energy_j' stands twice", "once"},
+      {"\"energy_step_samples\": 100,", "", "energy_step_samples: missing", "such as 1"},
+      {", \"energy_j\"", "", "energy_step_samples: has no meaning here", "energy_j"}};
+  for (const auto& [from, to, wrong, allowed] : cases) {
+    write_file(box_ / "strikes.json", replaced(kStrikes, from, to));
+    expect_refused(run(call({})), "strikes.json: " + std::string(wrong), allowed);
+    EXPECT_FALSE(fs::exists(box_ / "out")) << wrong;
+  }
+}
+
+TEST_F(Dataset, RefusesBadOptions) {
+  expect_refused(run(call({"--shard", "4/3"})), "--shard: '4/3' is refused", "such as 3/64");
+  expect_refused(run(call({"--shard", "0/3"})), "--shard: '0/3' is refused", "I from 1 to N");
+  expect_refused(run(call({"--shards", "21"})), "--shards: 21 are more than the samples", "1 to 20");
+  expect_refused(run({.arguments = {"dataset", "strikes.json"}, .folder = box_.path()}), "--output: missing",
+                 "folder");
+  expect_refused(run({.arguments = {"dataset", "absent.json", "-o", "out"}, .folder = box_.path()}),
+                 "absent.json: file: does not exist", "");
+}
+
+}  // namespace
+}  // namespace contactspline::testing
