@@ -3,6 +3,7 @@
 // function, which throws BadInput.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -41,16 +42,20 @@ struct PluginOptions {
 void make_plugin(const PluginOptions& options);
 
 struct DatasetOptions {
-  std::string plan;
-  std::string output;      ///< folder of the shards
-  std::size_t shards = 1;  ///< all of them are written, and joined
-  std::size_t only = 0;    ///< 1 to shards: this one alone; 0: all
-  int threads = 0;         ///< 0: one for each core
-  bool join = false;       ///< joins shards that are there, and writes none
-  bool force = false;      ///< as in GenerateOptions; also replaces shards of other plans
+  std::string plan;                                ///< its file
+  std::string text;                                ///< of the plan; empty: that of the file
+  std::string output;                              ///< folder of the shards
+  std::size_t shards = 1;                          ///< all of them are written, and joined
+  std::size_t only = 0;                            ///< 1 to shards: this one alone; 0: all
+  int threads = 0;                                 ///< 0: one for each core
+  bool join = false;                               ///< joins shards that are there, and writes none
+  bool force = false;                              ///< as in GenerateOptions; also replaces shards of other plans
+  std::function<void(const std::string&)> report;  ///< takes lines; empty: standard output
+  std::function<void()> watch = [] {};  ///< is called about once a second, and stops it all by an exception
 };
-/// Renders the samples of a plan into HDF5 files. Shards that are whole are kept.
-void make_dataset(const DatasetOptions& options);
+/// Renders the samples of a plan into HDF5 files. Shards that are whole are kept. Returns the file that was written
+/// last.
+std::string make_dataset(const DatasetOptions& options);
 
 struct InspectOptions {
   std::vector<std::string> materials;

@@ -66,9 +66,14 @@ class ProgressLine {
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };
 
-Plan read_plan(const std::string& file) {
-  return parse_plan(read_input(file), file,
-                    [&](const std::string& path) { return read_input(fs::path(file).parent_path() / path); });
+Plan read_plan(const DatasetOptions& options) {
+  const std::string text = options.text.empty() ? read_input(options.plan) : options.text;
+  return parse_plan(text, options.plan,
+                    [&](const std::string& path) { return read_input(fs::path(options.plan).parent_path() / path); });
+}
+
+void report(const DatasetOptions& options, const std::string& line) {
+  options.report ? options.report(line) : write_stdout(line);
 }
 
 std::vector<Shard> shards_of(const Plan& plan, const DatasetOptions& options) {
@@ -109,14 +114,14 @@ void announce(const std::vector<Shard>& shards, const Plan& plan, const DatasetO
                        size_in_words(bytes)),
            "a folder on a disk with enough room");
   const double time = measured_time_of_sample(plan, shards.front().heading.range) * static_cast<double>(samples);
-  write_stdout(fmt::format("{}: {} samples of {:.4g} s in {} {}, {}, about {} on {} {}\n", plan.name, samples,
-                           static_cast<double>(plan.length) / plan.sample_rate_hz, open,
-                           open == 1 ? "shard" : "shards", size_in_words(bytes), in_words(time / threads), threads,
-                           threads == 1 ? "thread" : "threads"));
+  report(options,
+         fmt::format("{}: {} samples of {:.4g} s in {} {}, {}, about {} on {} {}\n", plan.name, samples,
+                     static_cast<double>(plan.length) / plan.sample_rate_hz, open, open == 1 ? "shard" : "shards",
+                     size_in_words(bytes), in_words(time / threads), threads, threads == 1 ? "thread" : "threads"));
 }
 
 // Writes the shards that are not complete. One that fails costs the others nothing.
-void write_shards(const std::vector<Shard>& shards, const Plan& plan, int threads) {
+void write_shards(const std::vector<Shard>& shards, const Plan& plan, const DatasetOptions& options, int threads) {
   std::size_t total = 0, done = 0, failed = 0;
   for (const Shard& shard : shards)
     if (shard.state != ShardState::kComplete) total += shard.heading.range.count;
@@ -124,13 +129,15 @@ void write_shards(const std::vector<Shard>& shards, const Plan& plan, int thread
   std::string failure;
   for (const Shard& shard : shards) {
     if (shard.state == ShardState::kComplete) {
-      write_stdout(fmt::format("kept {}\n", shard.path.string()));
+      report(options, fmt::format("kept {}\n", shard.path.string()));
       continue;
     }
     try {
-      write_shard(shard.path, plan, shard.heading, threads,
-                  [&](std::size_t samples) { progress.show(done + samples); });
-      write_stdout(fmt::format("wrote {}\n", shard.path.string()));
+      write_shard(shard.path, plan, shard.heading, threads, [&](std::size_t samples) {
+        progress.show(done + samples);
+        options.watch();
+      });
+      report(options, fmt::format("wrote {}\n", shard.path.string()));
     } catch (const BadInput& error) {
       if (failed++ > 0) std::fputs(fmt::format("contactspline: {}\n", failure).c_str(), stderr);
       failure = error.what();
@@ -156,13 +163,13 @@ void join(const std::vector<Shard>& shards, const Plan& plan, const DatasetOptio
   }
   const fs::path joined = joined_path(plan, options.output);
   join_shards(joined, plan, std::string(mark()), paths, ranges);
-  write_stdout(fmt::format("joined {}\n", joined.string()));
+  report(options, fmt::format("joined {}\n", joined.string()));
 }
 
 }  // namespace
 
-void make_dataset(const DatasetOptions& options) {
-  const Plan plan = read_plan(options.plan);
+std::string make_dataset(const DatasetOptions& options) {
+  const Plan plan = read_plan(options);
   std::vector<Shard> shards = shards_of(plan, options);
   std::vector<fs::path> outputs = {joined_path(plan, options.output)}, inputs = {options.plan};
   for (const Shard& shard : shards) outputs.push_back(shard.path);
@@ -173,9 +180,11 @@ void make_dataset(const DatasetOptions& options) {
     const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
     const int threads = options.threads == 0 ? cores : options.threads;
     announce(shards, plan, options, threads);
-    write_shards(shards, plan, threads);
+    write_shards(shards, plan, options, threads);
   }
-  if (options.only == 0) join(shards, plan, options);
+  if (options.only > 0) return shards.front().path.string();
+  join(shards, plan, options);
+  return joined_path(plan, options.output).string();
 }
 
 }  // namespace contactspline

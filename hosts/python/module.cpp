@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "generator/cli/commands.hpp"
 #include "generator/cli/inputs.hpp"
 #include "generator/cli/inspect_json.hpp"
 #include "generator/player/playing.hpp"
@@ -263,6 +264,33 @@ py::tuple play_score(const std::string& source, bool is_text, double rate, bool 
       performance.contacts, output, unit);
 }
 
+// Renders a plan, of a file or of a text, into HDF5 files. Returns the path of the one that was written last.
+std::string dataset(const std::string& plan, bool is_text, const std::string& folder, std::size_t shards,
+                    std::size_t only, int threads, bool force, const std::function<void(std::string)>& report) {
+#ifdef CONTACTSPLINE_DATASETS
+  DatasetOptions options;
+  options.plan = is_text ? "plan" : plan;
+  options.text = is_text ? plan : std::string();
+  options.output = folder;
+  options.shards = shards;
+  options.only = only;
+  options.threads = threads;
+  options.force = force;
+  options.report = [&](const std::string& line) {
+    const py::gil_scoped_acquire locked;
+    report(line);
+  };
+  options.watch = [] {
+    const py::gil_scoped_acquire locked;
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+  };
+  const py::gil_scoped_release unlocked;
+  return make_dataset(options);
+#else
+  refuse("dataset", "HDF5", "is not part of this build", "a build with CONTACTSPLINE_BUILD_DATASETS=ON");
+#endif
+}
+
 void bind_design(py::module_& m) {
   py::class_<BarrierImpact>(m, "Impact", "What an impact on a rigid barrier does.")
       .def_readonly("max_compression_m", &BarrierImpact::max_compression_m)
@@ -321,6 +349,7 @@ void bind_instrument(py::module_& m) {
       .def("play_many_single", &Source::play_many<float>)
       .def("play_many_double", &Source::play_many<double>);
   m.def("play_score", &play_score);
+  m.def("dataset", &dataset);
 }
 
 }  // namespace
