@@ -311,6 +311,27 @@ void add_impact(CLI::App& app) {
   command->callback([options] { compare_impacts(*options); });
 }
 
+void add_fit(CLI::App& app) {
+  constexpr auto kHelp = "fit file (.json), which names the data";
+  const auto options = std::make_shared<FitOptions>();
+  CLI::App* command = app.add_subcommand("fit", "Make a material file from measurements of impacts");
+  command->add_option("FILE", options->file, kHelp)->check(not_empty(kHelp))->required();
+  command->add_option("-o,--output", options->output, "material file to write (.json)")
+      ->check(file_name())
+      ->type_name("FILE");
+  command->add_option("--figure", options->figure, "also draw data, model and residuals (.svg, .png, .pdf)")
+      ->check(file_name())
+      ->type_name("FILE");
+  command->add_flag("--json", options->json, "print all numbers as JSON; scatter as fractions, not in %");
+  add_force(*command, options->force);
+  command->footer(
+      "Example:\n"
+      "  contactspline fit my_felt.fit.json -o my_felt.json --figure my_felt.svg\n"
+      "The data are force pulses over time, or contact durations, largest forces and restitution over the speed,\n"
+      "of a known mass that meets a rigid wall. The law and its loss are chosen by an information criterion.");
+  command->callback([options] { fit(*options); });
+}
+
 // Returns the option of the sound file.
 CLI::Option* add_outputs(CLI::App& command, RenderOutput& output) {
   command.add_option("--rate", output.sample_rate_hz, "sample rate in Hz")
@@ -452,6 +473,7 @@ void add_all(CLI::App& app) {
   add_list(app);
   add_show(app);
   add_impact(app);
+  add_fit(app);
   add_render(app);
   add_plugin(app);
 #ifdef CONTACTSPLINE_DATASETS

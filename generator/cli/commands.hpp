@@ -80,6 +80,16 @@ struct ImpactOptions {
 };
 void compare_impacts(const ImpactOptions& options);
 
+struct FitOptions {
+  std::string file;
+  std::string output;  ///< material file to write, or empty
+  std::string figure;  ///< file to draw, or empty
+  bool json = false;
+  bool force = false;  ///< as in GenerateOptions
+};
+/// Fits a material to measurements, and writes its file.
+void fit(const FitOptions& options);
+
 /// The words that `list` takes: materials, resonators, keyboards, instruments, scores.
 [[nodiscard]] std::vector<std::string> kinds_that_ship();
 

@@ -49,7 +49,7 @@ const std::string kShipped =
     "rubber_on_wood, steel_ball_on_plate, steel_on_steel";
 
 std::vector<BadLine> command_cases() {
-  const std::string commands = "generate, inspect, list, show, impact, render, plugin, dataset";
+  const std::string commands = "generate, inspect, list, show, impact, fit, render, plugin, dataset";
   return {
       {"nothing", {}, "SUBCOMMAND: missing", "allowed: " + commands},
       {"unknown", {"generte"}, "generte: unknown", "allowed: " + commands},

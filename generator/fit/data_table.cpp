@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: MIT
+#include "generator/fit/data_table.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <optional>
+
+#include "generator/support/error.hpp"
+#include "generator/support/json_reader.hpp"
+
+namespace contactspline {
+namespace {
+
+struct Unit {
+  std::string_view name;  ///< as keys have it
+  double size;
+  std::string_view sign;  ///< as headers may have it, in lower case
+};
+
+/// A quantity, what headers call it, and its units.
+struct Kind {
+  Quantity quantity;
+  std::vector<std::string_view> names;
+  std::vector<Unit> units;
+};
+
+const std::vector<Unit> kTimes = {{"s", 1, "s"}, {"ms", 1e-3, "ms"}, {"us", 1e-6, "\u00b5s"}};
+
+const std::vector<Kind>& kinds() {
+  static const std::vector<Kind> all = {
+      {Quantity::kTime, {"time", "t"}, kTimes},
+      {Quantity::kForce, {"force", "f", "load"}, {{"n", 1, "n"}, {"mn", 1e-3, "mn"}, {"kn", 1e3, "kn"}}},
+      {Quantity::kAcceleration,
+       {"acceleration", "acc", "a"},
+       {{"m_per_s2", 1, "m/s^2"}, {"m_per_s2", 1, "m/s2"}, {"g", 9.80665, "g"}}},
+      {Quantity::kSpeed,
+       {"speed", "velocity", "v", "impact_speed"},
+       {{"m_per_s", 1, "m/s"}, {"cm_per_s", 1e-2, "cm/s"}, {"mm_per_s", 1e-3, "mm/s"}}},
+      {Quantity::kDuration, {"duration", "contact_duration", "contact_time"}, kTimes},
+      {Quantity::kRestitution, {"restitution", "cor", "e"}, {{"1", 1, ""}, {"percent", 1e-2, "%"}}},
+      {Quantity::kCompression,
+       {"compression", "displacement", "deflection", "indentation", "y", "x"},
+       {{"m", 1, "m"}, {"mm", 1e-3, "mm"}, {"um", 1e-6, "\u00b5m"}}}};
+  return all;
+}
+
+const Kind& kind_of(Quantity quantity) {
+  return *std::ranges::find(kinds(), quantity, &Kind::quantity);
+}
+
+struct Place {
+  std::string_view file;
+  std::size_t line = 0;
+
+  [[noreturn]] void fail(std::string_view wrong, std::string_view allowed) const {
+    refuse(file, fmt::format("line {}", line), wrong, allowed);
+  }
+};
+
+std::string_view trimmed(std::string_view text) {
+  const auto begin = text.find_first_not_of(" \t\r\"");
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(" \t\r\"") - begin + 1);
+}
+
+std::optional<std::string_view> next_line(std::string_view& rest, Place& place) {
+  while (!rest.empty()) {
+    const auto end = std::min(rest.find('\n'), rest.size());
+    const std::string_view line = rest.substr(0, end);
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+    ++place.line;
+    const std::string_view words = trimmed(line);
+    if (!words.empty() && words.front() != '#' && words.front() != '%') return line;
+  }
+  return std::nullopt;
+}
+
+// Blanks separate only where nothing else does: a header may have them in its names.
+char separator_of(std::string_view line) {
+  for (const char separator : {';', '\t', ','})
+    if (line.find(separator) != std::string_view::npos) return separator;
+  return ' ';
+}
+
+std::vector<std::string> cells_of(std::string_view line, char separator) {
+  std::vector<std::string> cells;
+  if (separator == ' ') line = trimmed(line);
+  while (true) {
+    const auto end = line.find(separator);
+    cells.emplace_back(trimmed(line.substr(0, end)));
+    if (end == std::string_view::npos) return cells;
+    line.remove_prefix(end + 1);
+    if (separator == ' ') line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
+  }
+}
+
+std::optional<double> number_in(std::string cell, char separator) {
+  if (separator != ',') std::ranges::replace(cell, ',', '.');
+  const char* begin = cell.data() + (cell.starts_with('+') ? 1 : 0);
+  double value = 0;
+  const auto [end, error] = std::from_chars(begin, cell.data() + cell.size(), value);
+  if (error != std::errc() || end != cell.data() + cell.size()) return std::nullopt;
+  return value;
+}
+
+std::string lower(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+/// A header's name and unit; the unit is empty where there is none.
+struct Heading {
+  std::string name, unit;
+};
+
+// "t [ms]", "t (ms)", "t/ms" or "time_ms".
+Heading heading_of(const std::string& cell) {
+  const std::string text = lower(cell);
+  const auto bracket = text.find_first_of("[(");
+  Heading heading{text, ""};
+  if (bracket != std::string::npos) {
+    const auto end = std::min(text.find_first_of("])", bracket), text.size());
+    heading = {std::string(trimmed(text.substr(0, bracket))),
+               std::string(trimmed(text.substr(bracket + 1, end - bracket - 1)))};
+  } else if (const auto slash = text.find('/'); slash != std::string::npos) {
+    heading = {std::string(trimmed(text.substr(0, slash))), std::string(trimmed(text.substr(slash + 1)))};
+  }
+  std::ranges::replace(heading.name, ' ', '_');
+  return heading;
+}
+
+std::string units_text(const Kind& kind) {
+  std::vector<std::string> keys;
+  for (const Unit& unit : kind.units)
+    if (const std::string key = fmt::format("{}_{}", kind.names.front(), unit.name);
+        keys.empty() || keys.back() != key)
+      keys.push_back(key);
+  return fmt::format("{}", fmt::join(keys, ", "));
+}
+
+const Unit* unit_named(const Kind& kind, std::string_view name) {
+  const auto found = std::ranges::find_if(
+      kind.units, [&](const Unit& unit) { return name == unit.name || name == unit.sign; });
+  return found == kind.units.end() ? nullptr : &*found;
+}
+
+// The size of the heading's unit if it names this kind: 0 if it names it without a unit.
+std::optional<double> unit_size(const Heading& heading, const Kind& kind, const Place& place) {
+  for (const std::string_view name : kind.names) {
+    if (heading.name == name) {
+      const Unit* unit = unit_named(kind, heading.unit);
+      if (unit == nullptr)
+        place.fail(heading.unit.empty()
+                       ? fmt::format("the column '{}' has no unit", shown(heading.name, 40))
+                       : fmt::format("the unit '{}' of the column '{}' is unknown", shown(heading.unit, 20),
+                                     shown(heading.name, 40)),
+                   units_text(kind));
+      return unit->size;
+    }
+    if (heading.unit.empty() && heading.name.starts_with(fmt::format("{}_", name)))
+      if (const Unit* unit = unit_named(kind, std::string_view(heading.name).substr(name.size() + 1))) return unit->size;
+  }
+  return std::nullopt;
+}
+
+/// A column of the file that is wanted.
+struct Found {
+  Quantity quantity;
+  std::size_t index;
+  double size;
+};
+
+std::size_t column_called(const std::string& name, const std::vector<std::string>& header, std::size_t count,
+                          const Place& place) {
+  const auto found = std::ranges::find(header, name);
+  if (found != header.end()) return static_cast<std::size_t>(found - header.begin());
+  std::size_t number = 0;
+  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
+  if (error == std::errc() && end == name.data() + name.size() && number >= 1 && number <= count) return number - 1;
+  place.fail(fmt::format("there is no column '{}'", shown(name, 40)),
+             header.empty() ? fmt::format("a number from 1 to {}", count)
+                            : fmt::format("{}, or a number from 1 to {}", fmt::join(header, ", "), count));
+}
+
+std::vector<Found> named_columns(const ColumnNames& names, const std::vector<std::string>& header, std::size_t count,
+                                 std::span<const Quantity> wanted, const Place& place) {
+  std::vector<Found> found;
+  for (const auto& [key, name] : names)
+    for (const Quantity quantity : wanted)
+      if (const auto size = unit_size({key, ""}, kind_of(quantity), place))
+        found.push_back({quantity, column_called(name, header, count, place), *size});
+  return found;
+}
+
+void find_in_header(std::vector<Found>& found, const std::vector<std::string>& header,
+                    std::span<const Quantity> wanted, const Place& place) {
+  for (const Quantity quantity : wanted) {
+    if (std::ranges::find(found, quantity, &Found::quantity) != found.end()) continue;
+    std::vector<Found> here;
+    for (std::size_t i = 0; i < header.size(); ++i)
+      if (const auto size = unit_size(heading_of(header[i]), kind_of(quantity), place))
+        here.push_back({quantity, i, *size});
+    if (here.size() > 1)
+      place.fail(fmt::format("two columns hold the {}: '{}' and '{}'", name_of(quantity),
+                             shown(header[here[0].index], 40), shown(header[here[1].index], 40)),
+                 fmt::format("one, or the key columns with {}", units_text(kind_of(quantity))));
+    found.insert(found.end(), here.begin(), here.end());
+  }
+}
+
+// Units in a line of their own: "(ms);(N)".
+bool holds_units(const std::vector<std::string>& cells) {
+  return std::ranges::all_of(cells, [](const std::string& cell) {
+    return cell.size() > 2 && ((cell.front() == '(' && cell.back() == ')') || (cell.front() == '[' && cell.back() == ']'));
+  });
+}
+
+void read_row(DataTable& table, const std::vector<std::string>& cells, const std::vector<Found>& found,
+              std::size_t count, char separator, const Place& place) {
+  if (cells.size() != count)
+    place.fail(fmt::format("has {} columns", cells.size()), fmt::format("{} columns, as in the first line", count));
+  for (const auto& [quantity, index, size] : found) {
+    const auto value = number_in(cells[index], separator);
+    if (!value || !std::isfinite(*value))
+      place.fail(fmt::format("'{}' is not a number", shown(cells[index], 40)), "finite numbers such as 1.5e-4");
+    table.columns[quantity].push_back(*value * size);
+  }
+  table.lines.push_back(place.line);
+}
+
+}  // namespace
+
+std::string_view name_of(Quantity quantity) {
+  return kind_of(quantity).names.front();
+}
+
+std::vector<std::string> column_keys() {
+  std::vector<std::string> keys;
+  for (const Kind& kind : kinds())
+    for (const Unit& unit : kind.units) {
+      std::string key = fmt::format("{}_{}", kind.names.front(), unit.name);
+      if (keys.empty() || keys.back() != key) keys.push_back(std::move(key));
+    }
+  return keys;
+}
+
+DataTable read_table(std::string_view text, std::string_view file, std::span<const Quantity> wanted,
+                     const ColumnNames& names) {
+  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  Place place{file};
+  auto line = next_line(text, place);
+  if (!line) refuse(file, "file", "is empty", "a header with quantities and units, then lines of numbers");
+  const char separator = separator_of(*line);
+  std::vector<std::string> header = cells_of(*line, separator);
+  const std::size_t count = header.size();
+  const Place first = place;
+  if (std::ranges::any_of(header, [&](const auto& cell) { return number_in(cell, separator).has_value(); })) {
+    header.clear();  // the first line is one of numbers
+  } else {
+    line = next_line(text, place);
+    if (line && cells_of(*line, separator).size() == count && holds_units(cells_of(*line, separator))) {
+      const auto units = cells_of(*line, separator);
+      for (std::size_t i = 0; i < count; ++i)
+        if (heading_of(header[i]).unit.empty()) header[i] += units[i];
+      line = next_line(text, place);
+    }
+  }
+  std::vector<Found> found = named_columns(names, header, count, wanted, first);
+  if (header.empty() && found.empty())
+    first.fail("there is no header", "a header such as time_s,force_n, or the key columns with their numbers");
+  find_in_header(found, header, wanted, first);
+  DataTable table;
+  for (; line; line = next_line(text, place))
+    read_row(table, cells_of(*line, separator), found, count, separator, place);
+  if (table.lines.empty()) refuse(file, "samples", "has a header and no numbers", "lines of numbers below the header");
+  return table;
+}
+
+}  // namespace contactspline

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+// Files of measured numbers in columns, as instruments, spreadsheets and scripts write them.
+#pragma once
+
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace contactspline {
+
+/// What a column may hold.
+enum class Quantity { kTime, kForce, kAcceleration, kSpeed, kDuration, kRestitution, kCompression };
+
+/// "time", "force" and so on.
+[[nodiscard]] std::string_view name_of(Quantity quantity);
+
+/// The name of a quantity with each of its units, such as time_s and time_ms: the keys of `columns` in a fit file.
+[[nodiscard]] std::vector<std::string> column_keys();
+
+/// Columns that a fit file names: the key of each, and what the data file calls it or its number from 1.
+using ColumnNames = std::map<std::string, std::string>;
+
+/// The columns that were wanted and found, in SI units, with the line of each row.
+struct DataTable {
+  std::map<Quantity, std::vector<double>> columns;
+  std::vector<std::size_t> lines;
+
+  [[nodiscard]] bool has(Quantity quantity) const { return columns.contains(quantity); }
+  [[nodiscard]] const std::vector<double>& at(Quantity quantity) const { return columns.at(quantity); }
+};
+
+/// Reads columns separated by semicolons, tabs, commas or blanks; with a decimal comma where commas do not separate.
+/// The header names each quantity with its unit: `time_ms`, `t [ms]`, `Time (ms)` or `t/ms`, or the units stand in a
+/// line of their own below it. Columns that nobody wants are left out. Throws BadInput with `file` and the line.
+[[nodiscard]] DataTable read_table(std::string_view text, std::string_view file, std::span<const Quantity> wanted,
+                                   const ColumnNames& names);
+
+}  // namespace contactspline

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: MIT
+#include "generator/fit/fit.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+
+#include "generator/fit/fit_problem.hpp"
+#include "generator/support/error.hpp"
+
+namespace contactspline {
+namespace {
+
+constexpr double kHertz = 1.5;
+
+/// A model, and the best values that were found for it.
+struct Candidate {
+  const ModelRow* law;
+  const ModelRow* loss;
+  std::vector<FitParameter> frees;
+  FitValues values;
+  double criterion = 0;
+};
+
+std::vector<Candidate> candidates_of(const Measurements& measured) {
+  std::vector<Candidate> all;
+  for (const ModelRow& law : laws())
+    for (const ModelRow& loss : losses())
+      if (std::ranges::count(measured.laws, law.name) > 0 && std::ranges::count(measured.losses, loss.name) > 0) {
+        all.push_back({&law, &loss, law.frees, {}});
+        all.back().frees.insert(all.back().frees.end(), loss.frees.begin(), loss.frees.end());
+      }
+  return all;
+}
+
+bool frees(const Candidate& candidate, FitParameter parameter) {
+  return std::ranges::find(candidate.frees, parameter) != candidate.frees.end();
+}
+
+// Values to start from: several exponents, and if the same law has been fitted without a loss, what that found.
+std::vector<FitValues> starts_of(const FitProblem& problem, const Candidate& candidate, const Candidate* simpler) {
+  const double loss = frees(candidate, kLoss) ? 0.3 : 0, weight = frees(candidate, kWeight) ? 0.5 : 0;
+  const std::vector exponents = !frees(candidate, kExponent) ? std::vector{kHertz}
+                                : simpler == nullptr         ? std::vector{1.5, 2.5, 3.5}
+                                                             : std::vector{2.5};
+  std::vector<FitValues> starts;
+  for (const double time : frees(candidate, kLogTime) ? std::vector{0.01, 0.1} : std::vector{0.01}) {
+    for (const double exponent : exponents) starts.push_back(problem.begin(exponent, loss, weight, time));
+    if (simpler == nullptr) continue;
+    starts.push_back(simpler->values);
+    const auto& lossy = starts.front().parameters;
+    for (const FitParameter parameter : {kLoss, kWeight, kLogTime}) starts.back().parameters[parameter] = lossy[parameter];
+  }
+  return starts;
+}
+
+// The best of several starts, then twice again with the noise that it shows.
+void fit_candidate(const FitProblem& problem, Candidate& candidate, const Candidate* simpler) {
+  constexpr int kFewSteps = 6, kManySteps = 60;
+  candidate.values.cost = std::numeric_limits<double>::infinity();
+  for (FitValues& start : starts_of(problem, candidate, simpler)) {
+    std::ranges::fill(start.noise, kFirstNoise);
+    const FitValues found = problem.search(start, candidate.frees, kFewSteps);
+    if (found.cost < candidate.values.cost) candidate.values = found;
+  }
+  for (int round = 0; round < 2 && std::isfinite(candidate.values.cost); ++round)
+    candidate.values =
+        problem.search(problem.with_noise(candidate.values, candidate.frees), candidate.frees, kManySteps);
+}
+
+// Twice the cost at the least noise that any candidate shows, and ln of the number of residuals for each parameter.
+void set_criteria(const FitProblem& problem, std::vector<Candidate>& all) {
+  std::vector<double> min_noise(problem.sources().size(), std::numeric_limits<double>::infinity());
+  for (const Candidate& candidate : all)
+    for (std::size_t s = 0; s < min_noise.size(); ++s) min_noise[s] = std::min(min_noise[s], candidate.values.noise[s]);
+  for (Candidate& candidate : all) {
+    const Eigen::VectorXd residuals = problem.linearised(candidate.values, candidate.frees).residuals;
+    double cost = 0;
+    for (Eigen::Index i = 0; i < residuals.size(); ++i) {
+      const std::size_t source = problem.source_of_residual()[static_cast<std::size_t>(i)];
+      const double r = residuals[i] * candidate.values.noise[source] / min_noise[source] / kRobust;
+      cost += 2 * kRobust * kRobust * (std::sqrt(1 + r * r) - 1);
+    }
+    candidate.criterion =
+        cost + static_cast<double>(candidate.frees.size()) * std::log(static_cast<double>(residuals.size()));
+  }
+  std::ranges::sort(all, {}, &Candidate::criterion);
+}
+
+/// Covariance of the free parameters, and the number of deviations that holds 95 %.
+struct Uncertainty {
+  Eigen::MatrixXd covariance;
+  double deviations;
+};
+
+// That of an estimate with a robust norm (P. J. Huber, Robust Statistics, 1981, section 7.6).
+Uncertainty uncertainty_of(const FitProblem& problem, const Candidate& candidate) {
+  const Linearised linear = problem.linearised(candidate.values, candidate.frees);
+  const double n = static_cast<double>(linear.residuals.size());
+  const double freedom = std::max(1.0, n - static_cast<double>(linear.jacobian.cols()));
+  double squares = 0, slopes = 0;
+  for (const double r : linear.residuals) {
+    const double u = 1 + r * r / (kRobust * kRobust);
+    squares += r * r / u;
+    slopes += 1 / (u * std::sqrt(u));
+  }
+  const Eigen::MatrixXd normal = linear.jacobian.transpose() * linear.jacobian;
+  const Eigen::MatrixXd inverse =
+      normal.ldlt().solve(Eigen::MatrixXd::Identity(normal.rows(), normal.cols())) * (squares / freedom) / std::pow(slopes / n, 2);
+  const auto shared = static_cast<Eigen::Index>(candidate.frees.size());
+  return {inverse.topLeftCorner(shared, shared),
+          boost::math::quantile(boost::math::students_t(freedom), 0.975)};
+}
+
+// The interval of one parameter, or of a sum of parameters with these weights.
+Estimate estimate(const Candidate& candidate, const Uncertainty& uncertainty, const std::vector<std::pair<FitParameter, double>>& sum) {
+  Eigen::VectorXd weights = Eigen::VectorXd::Zero(uncertainty.covariance.rows());
+  double value = 0;
+  for (const auto& [parameter, weight] : sum) {
+    value += weight * candidate.values.parameters[parameter];
+    const auto found = std::ranges::find(candidate.frees, parameter);
+    if (found != candidate.frees.end()) weights[found - candidate.frees.begin()] = weight;
+  }
+  const double half = uncertainty.deviations * std::sqrt(std::max(0.0, weights.dot(uncertainty.covariance * weights)));
+  return {value, value - half, value + half};
+}
+
+Estimate exponential(const Estimate& of) {
+  return {std::exp(of.value), std::exp(of.low), std::exp(of.high)};
+}
+
+std::vector<FitQuality> qualities_of(const FitProblem& problem, const Candidate& candidate) {
+  const Eigen::VectorXd residuals = problem.linearised(candidate.values, candidate.frees).residuals;
+  std::vector<FitQuality> all;
+  for (const FitSource& source : problem.sources())
+    all.push_back({source.file, source.quantity, source.at.size(), 0, source.at, source.measured, {}});
+  for (Eigen::Index i = 0; i < residuals.size(); ++i) {
+    const std::size_t s = problem.source_of_residual()[static_cast<std::size_t>(i)];
+    const double difference = residuals[i] * candidate.values.noise[s];
+    const std::size_t k = all[s].modelled.size();
+    all[s].modelled.push_back(all[s].measured[k] + difference * problem.sources()[s].scale[k]);
+    all[s].scatter += difference * difference / static_cast<double>(all[s].samples);
+  }
+  for (FitQuality& quality : all) quality.scatter = std::sqrt(quality.scatter);
+  return all;
+}
+
+// How far the data reach: the largest compression of all impacts, and their speeds.
+void set_reach(Fit& fit, const Measurements& measured, const FitValues& values) {
+  std::vector<double> speeds;
+  for (const auto& unknown : values.pulses) speeds.push_back(std::exp(unknown[kLogSpeed]));
+  for (const ImpactRow& row : measured.rows) speeds.push_back(row.speed_m_per_s);
+  const auto [slowest, fastest] = std::ranges::minmax(speeds);
+  if (const auto impact = measure_impact(fit.model, measured.mass_kg, fastest))
+    fit.max_compression_m = impact->max_compression_m;
+  const PowerLaw law{fit.stiffness.value, fit.exponent.value};
+  fit.max_speed_m_per_s = std::sqrt(2 * law.energy(fit.max_compression_m) / measured.mass_kg);
+  fit.min_speed_m_per_s = std::min(slowest, fit.max_speed_m_per_s);
+}
+
+}  // namespace
+
+Fit fit_material(const Measurements& measured, const std::string& file,
+                 const std::function<void(const std::string&)>& tell) {
+  const FitProblem problem(measured);
+  std::vector<Candidate> all = candidates_of(measured);
+  for (Candidate& candidate : all) {
+    tell(fmt::format("fitting a {} {}", candidate.law->words, candidate.loss->words));
+    const Candidate* before = &candidate == all.data() ? nullptr : &candidate - 1;
+    fit_candidate(problem, candidate, before != nullptr && before->law == candidate.law ? before : nullptr);
+  }
+  std::erase_if(all, [](const Candidate& candidate) { return !std::isfinite(candidate.values.cost); });
+  if (all.empty())
+    refuse(file, "fit", "no law describes the data", "data of impacts on a rigid wall, in the units that they state");
+  set_criteria(problem, all);
+  const Candidate& best = all.front();
+  const Uncertainty uncertainty = uncertainty_of(problem, best);
+  const auto of = [&](const std::vector<std::pair<FitParameter, double>>& sum) { return estimate(best, uncertainty, sum); };
+  Fit fit{best.law->name, best.loss->name, law_of(best.values.parameters.data(), problem.reference_m()),
+          exponential(of({{kLogForce, 1}, {kExponent, -std::log(problem.reference_m())}})), of({{kExponent, 1}}),
+          of({{kLoss, 1}}), of({{kWeight, 1}}), exponential(of({{kLogTime, 1}})), 0, 0, 0, qualities_of(problem, best), {}};
+  fit.loss_s_per_m.low = std::max(0.0, fit.loss_s_per_m.low);
+  set_reach(fit, measured, best.values);
+  for (const Candidate& candidate : all)
+    fit.candidates.push_back({candidate.law->name, candidate.loss->name, static_cast<int>(candidate.frees.size()),
+                              candidate.criterion - best.criterion});
+  return fit;
+}
+
+}  // namespace contactspline

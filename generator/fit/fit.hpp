@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+// The fit of a contact law and its loss to measurements.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "generator/fit/impact_model.hpp"
+#include "generator/fit/measurements.hpp"
+#include "generator/fit/models.hpp"
+
+namespace contactspline {
+
+/// A value, and the interval that holds the true one with 95 % if noise is the only error.
+struct Estimate {
+  double value, low, high;
+};
+
+/// What one source of data, a pulse, a table's column or a curve, says of the fit.
+struct FitQuality {
+  std::string file, quantity;
+  std::size_t samples;
+  double scatter;  ///< of the samples about the model: of a pulse or a curve in parts of the largest force, else relative
+  std::vector<double> at, measured, modelled;  ///< of a pulse over time [s], of a table over speed [m/s], else over y [m]
+};
+
+/// One model, fitted.
+struct FittedModel {
+  std::string law, loss;
+  int parameters;    ///< free ones of the law and the loss
+  double criterion;  ///< Bayesian information criterion, less that of the best model
+};
+
+/// The chosen model and the models it was chosen among, the best first.
+struct Fit {
+  std::string law, loss;
+  ViscoelasticLaw<double> model;
+  Estimate stiffness, exponent, loss_s_per_m, weight, time_s;
+  double max_compression_m;  ///< that the data reach
+  double max_speed_m_per_s;  ///< of an impact without loss that compresses as far
+  double min_speed_m_per_s;  ///< of the data
+  std::vector<FitQuality> qualities;
+  std::vector<FittedModel> candidates;
+};
+
+/// Fits every law and loss that is allowed, by least squares with a robust norm from several starts, and chooses by
+/// the Bayesian information criterion. `tell` hears what is fitted now. Throws BadInput if nothing describes the data,
+/// or if the program was built without Ceres.
+[[nodiscard]] Fit fit_material(const Measurements& measured, const std::string& file,
+                               const std::function<void(const std::string&)>& tell);
+
+}  // namespace contactspline

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: MIT
+#include "generator/fit/fit_problem.hpp"
+
+#include <ceres/ceres.h>
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace contactspline {
+namespace {
+
+constexpr double kMinNoise = 1e-7;
+constexpr std::array<Range, kParameters> kBounds = {
+    {{-30, 40}, {0.6, 9.5}, {0, 900}, {1e-4, 0.999}, {-18.5, -2.3}}};  // in the order of FitParameter
+
+double speed_of(const Pulse& pulse, double mass_kg) {
+  constexpr double kLikely = 1.6;  // 1 + restitution
+  return pulse.speed_m_per_s.value_or(measures_of(pulse).impulse_n_s / (kLikely * mass_kg));
+}
+
+}  // namespace
+
+/// The problem as Ceres takes it, over values that it moves.
+struct FitProblem::Posed {
+  ceres::Problem problem;
+  ceres::Problem::EvaluateOptions order;
+};
+
+FitProblem::FitProblem(const Measurements& measured) : measured_(measured), scales_{measured.mass_kg, 1} {
+  FLAGS_minloglevel = google::GLOG_FATAL;  // a search that fails is none of the user's business; another start is tried
+  for (const Pulse& pulse : measured.pulses) {
+    const PulseMeasures measures = measures_of(pulse);
+    max_speed_m_per_s_ = std::max(max_speed_m_per_s_, speed_of(pulse, measured.mass_kg));
+    duration_s_ = std::max(duration_s_, measures.end_s - measures.begin_s);
+  }
+  for (const ImpactRow& row : measured.rows) {
+    max_speed_m_per_s_ = std::max(max_speed_m_per_s_, row.speed_m_per_s);
+    duration_s_ = std::max(duration_s_, row.duration_s.value_or(0));
+  }
+  scales_.reference_m = anchor(2.5).first;
+  if (duration_s_ == 0) duration_s_ = 3 * scales_.reference_m / max_speed_m_per_s_;
+  add_sources();
+}
+
+FitProblem::~FitProblem() = default;
+
+// A compression and the force there, as one impact shows them if the law has this exponent and no loss.
+std::pair<double, double> FitProblem::anchor(double exponent) const {
+  const double energy = (exponent + 1) * measured_.mass_kg / 2;
+  for (const Pulse& pulse : measured_.pulses) {
+    const double v = speed_of(pulse, measured_.mass_kg), force = measures_of(pulse).max_force_n;
+    return {energy * v * v / force, force};
+  }
+  constexpr double kDurationOfImpact = 3.2;  // in units of ym/v, for most exponents
+  for (const ImpactRow& row : measured_.rows) {
+    const double v = row.speed_m_per_s;
+    if (row.max_force_n) return {energy * v * v / *row.max_force_n, *row.max_force_n};
+    if (row.duration_s) {
+      const double y = *row.duration_s * v / kDurationOfImpact;
+      return {y, energy * v * v / y};
+    }
+  }
+  return {1e-3, 1};
+}
+
+std::size_t FitProblem::source_called(const std::string& file, const std::string& quantity) {
+  const auto found = std::ranges::find_if(sources_, [&](const FitSource& source) {
+    return source.file == file && source.quantity == quantity;
+  });
+  if (found != sources_.end()) return static_cast<std::size_t>(found - sources_.begin());
+  sources_.push_back({file, quantity, std::make_shared<double>(kFirstNoise), {}, {}, {}});
+  return sources_.size() - 1;
+}
+
+void FitProblem::add_sample(std::size_t source, double at, double measured, double scale) {
+  sources_[source].at.push_back(at);
+  sources_[source].measured.push_back(measured);
+  sources_[source].scale.push_back(scale);
+  source_of_residual_.push_back(source);
+}
+
+void FitProblem::add_sources() {
+  for (const Pulse& pulse : measured_.pulses) {
+    sources_.push_back({pulse.file, "force", std::make_shared<double>(kFirstNoise), {}, {}, {}});
+    for (std::size_t i = 0; i < pulse.time_s.size(); ++i)
+      add_sample(sources_.size() - 1, pulse.time_s[i], pulse.force_n[i], measures_of(pulse).max_force_n);
+  }
+  for (const ImpactRow& row : measured_.rows) {
+    RowResidual residual{row.speed_m_per_s, {}, scales_, {}};
+    const std::array<std::pair<const char*, std::optional<double>>, 3> values = {
+        {{"duration", row.duration_s}, {"largest force", row.max_force_n}, {"restitution", row.restitution}}};
+    for (int i = 0; i < 3; ++i)
+      if (const auto& [quantity, value] = values[static_cast<std::size_t>(i)]; value) {
+        const std::size_t source = source_called(row.file, quantity);
+        add_sample(source, row.speed_m_per_s, *value, *value);
+        residual.measured.emplace_back(i, *value);
+        residual.noise.push_back(sources_[source].noise);
+      }
+    rows_.push_back(std::move(residual));
+  }
+}
+
+FitValues FitProblem::begin(double exponent, double loss, double weight, double time_ratio) const {
+  const auto [y, force] = anchor(exponent);
+  FitValues values{{std::log(force) + exponent * std::log(scales_.reference_m / y), exponent, loss / max_speed_m_per_s_,
+                    weight, std::log(time_ratio * duration_s_)},
+                   {},
+                   std::vector<double>(sources_.size(), kFirstNoise)};
+  constexpr double kBefore = -0.1;  // the contact begins before a tenth of its largest force
+  for (const Pulse& pulse : measured_.pulses)
+    values.pulses.push_back({kBefore, std::log(speed_of(pulse, measured_.mass_kg)), 0});
+  return values;
+}
+
+std::unique_ptr<FitProblem::Posed> FitProblem::pose(FitValues& values, const std::vector<FitParameter>& frees) const {
+  auto posed = std::make_unique<Posed>();
+  double* parameters = values.parameters.data();
+  posed->problem.AddParameterBlock(parameters, kParameters);
+  posed->order.parameter_blocks.push_back(parameters);
+  std::vector<int> fixed;
+  for (int i = 0; i < kParameters; ++i)
+    if (std::ranges::find(frees, i) == frees.end())
+      fixed.push_back(i);
+    else {
+      const auto& [min, max] = kBounds[static_cast<std::size_t>(i)];
+      posed->problem.SetParameterLowerBound(parameters, i, min);
+      posed->problem.SetParameterUpperBound(parameters, i, max);
+    }
+  if (!fixed.empty()) posed->problem.SetManifold(parameters, new ceres::SubsetManifold(kParameters, fixed));
+  for (std::size_t i = 0; i < sources_.size(); ++i) *sources_[i].noise = values.noise[i];
+  for (std::size_t i = 0; i < measured_.pulses.size(); ++i) {
+    const Pulse& pulse = measured_.pulses[i];
+    double* unknown = values.pulses[i].data();
+    posed->order.residual_blocks.push_back(posed->problem.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<PulseResidual, ceres::DYNAMIC, kParameters, kPulseUnknowns>(
+            new PulseResidual{pulse, measures_of(pulse), scales_, sources_[i].noise},
+            static_cast<int>(pulse.time_s.size())),
+        nullptr, parameters, unknown));
+    posed->order.parameter_blocks.push_back(unknown);
+    if (pulse.speed_m_per_s)
+      posed->problem.SetManifold(unknown, new ceres::SubsetManifold(kPulseUnknowns, {kLogSpeed}));
+  }
+  for (const RowResidual& row : rows_)
+    posed->order.residual_blocks.push_back(posed->problem.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<RowResidual, ceres::DYNAMIC, kParameters>(
+            new RowResidual(row), static_cast<int>(row.measured.size())),
+        nullptr, parameters));
+  return posed;
+}
+
+FitValues FitProblem::search(FitValues values, const std::vector<FitParameter>& frees, int max_steps) const {
+  scales_.is_robust = true;
+  const auto posed = pose(values, frees);
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.max_num_iterations = max_steps;
+  options.function_tolerance = 1e-10;
+  options.parameter_tolerance = 1e-9;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &posed->problem, &summary);
+  values.cost = summary.IsSolutionUsable() ? summary.final_cost : std::numeric_limits<double>::infinity();
+  return values;
+}
+
+Linearised FitProblem::linearised(const FitValues& at, const std::vector<FitParameter>& frees) const {
+  FitValues values = at;
+  scales_.is_robust = false;
+  const auto posed = pose(values, frees);
+  std::vector<double> residuals;
+  ceres::CRSMatrix sparse;
+  posed->problem.Evaluate(posed->order, nullptr, &residuals, nullptr, &sparse);
+  Linearised linear{Eigen::Map<Eigen::VectorXd>(residuals.data(), static_cast<Eigen::Index>(residuals.size())),
+                    Eigen::MatrixXd::Zero(sparse.num_rows, sparse.num_cols)};
+  for (int row = 0; row < sparse.num_rows; ++row)
+    for (int i = sparse.rows[static_cast<std::size_t>(row)]; i < sparse.rows[static_cast<std::size_t>(row) + 1]; ++i)
+      linear.jacobian(row, sparse.cols[static_cast<std::size_t>(i)]) = sparse.values[static_cast<std::size_t>(i)];
+  return linear;
+}
+
+FitValues FitProblem::with_noise(FitValues values, const std::vector<FitParameter>& frees) const {
+  const Linearised linear = linearised(values, frees);
+  const double all = static_cast<double>(linear.residuals.size());
+  const double free_part = std::max(0.1, 1 - static_cast<double>(linear.jacobian.cols()) / all);
+  for (std::size_t s = 0; s < sources_.size(); ++s) {
+    std::vector<double> sizes;
+    for (std::size_t i = 0; i < source_of_residual_.size(); ++i)
+      if (source_of_residual_[i] == s) sizes.push_back(std::abs(linear.residuals[static_cast<Eigen::Index>(i)]));
+    std::ranges::sort(sizes);
+    const double likely = 4 * sizes[sizes.size() / 2] / 0.6745;  // beyond four deviations is no noise
+    double sum = 0, count = 0;
+    for (const double size : sizes)
+      if (size <= likely) sum += size * size, ++count;
+    values.noise[s] = std::max(kMinNoise, values.noise[s] * std::sqrt(sum / count / free_part));
+  }
+  return values;
+}
+
+}  // namespace contactspline

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+#include "generator/fit/fitted_material.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "generator/support/json_reader.hpp"
+#include "generator/support/number_literal.hpp"
+
+namespace contactspline {
+namespace {
+
+/// An estimate with the key of the material file that holds it, and its unit.
+struct Result {
+  std::string key, unit;
+  Estimate estimate;
+};
+
+std::vector<Result> results_of(const Fit& fit) {
+  std::vector<Result> results = {{"stiffness_n_per_m_alpha", "N/m^a", fit.stiffness}, {"exponent", "", fit.exponent}};
+  if (fit.loss == "hunt_crossley") results.push_back({"loss_s_per_m", "s/m", fit.loss_s_per_m});
+  return results;
+}
+
+const char* words_of(const std::vector<ModelRow>& rows, const std::string& name) {
+  return std::ranges::find(rows, name, &ModelRow::name)->words;
+}
+
+std::string words_of(const std::string& law, const std::string& loss) {
+  return fmt::format("{} {}", words_of(laws(), law), words_of(losses(), loss));
+}
+
+// Downwards to four digits: what a file states is within the data.
+double rounded_down(double number) {
+  return rounded_to(number * (1 - 5.1e-4), 4);
+}
+
+std::string choice_text(const Fit& fit) {
+  std::string text = "chosen by the Bayesian information criterion, in which 10 more is strong evidence against a model:\n";
+  for (const FittedModel& model : fit.candidates)
+    text += fmt::format("  {:<40} {} parameters {:>+12.1f}\n", words_of(model.law, model.loss), model.parameters,
+                        model.criterion);
+  return text;
+}
+
+std::string json_of(const Estimate& estimate) {
+  return fmt::format(R"({{ "value": {}, "low": {}, "high": {} }})", estimate.value, estimate.low, estimate.high);
+}
+
+}  // namespace
+
+std::string report_of(const Fit& fit, const Measurements& measured) {
+  std::string text = fmt::format("{}, mass {} kg\n", words_of(fit.law, fit.loss), measured.mass_kg);
+  for (const Result& result : results_of(fit)) {
+    const bool is_given = result.key == "exponent" && fit.law == "hertz";
+    text += is_given ? fmt::format("  {:<24} {:.5g}, given by the law\n", result.key, result.estimate.value)
+                     : fmt::format("  {:<24} {:.5g} {}; 95 % interval {:.5g} to {:.5g}\n", result.key,
+                                   result.estimate.value, result.unit, result.estimate.low, result.estimate.high);
+  }
+  text += "scatter of the data about the model:\n";
+  for (const FitQuality& quality : fit.qualities)
+    text += fmt::format("  {:<40} {:>13} {:>6} samples {:>8.3f} %\n", shown(quality.file), quality.quantity,
+                        quality.samples, 100 * quality.scatter);
+  text += choice_text(fit);
+  return text + fmt::format(
+                    "the data reach a compression of {:.4g} m: that of an impact without loss at {:.4g} m/s, the "
+                    "largest speed\nthat they allow\n",
+                    fit.max_compression_m, rounded_down(fit.max_speed_m_per_s));
+}
+
+std::string material_text(const Fit& fit, const Measurements& measured, std::string_view mark) {
+  std::string text = fmt::format("// {}: fitted to measurements.\n// ", mark);
+  std::string report = report_of(fit, measured);
+  report.pop_back();
+  for (const char c : report) text += c == '\n' ? "\n// " : std::string(1, c);
+  text += fmt::format("\n{{\n  \"name\": \"{}\",\n", measured.name);
+  if (!measured.description.empty()) text += fmt::format("  \"description\": {},\n", json_string(measured.description));
+  std::vector<std::string> contact;
+  constexpr int kDigits = 8;
+  for (const Result& result : results_of(fit))
+    contact.push_back(fmt::format("\"{}\": {}", result.key, rounded_to(result.estimate.value, kDigits)));
+  const double max = rounded_down(fit.max_speed_m_per_s);
+  text += fmt::format("  \"contact\": {{ {} }},\n", fmt::join(contact, ", "));
+  text += fmt::format(
+      "  \"impact\": {{ \"mass_kg\": {}, \"max_speed_m_per_s\": {}, \"min_speed_m_per_s\": {} }},\n"
+      "  \"spline\": {{ \"knots\": \"graded\", \"tolerance\": 0.001 }}\n}}\n",
+      measured.mass_kg, max, std::min(max, rounded_down(fit.min_speed_m_per_s)));
+  return text;
+}
+
+std::string json_of(const Fit& fit, const Measurements& measured) {
+  std::vector<std::string> results, sources, models;
+  for (const Result& result : results_of(fit))
+    results.push_back(fmt::format("    \"{}\": {}", result.key, json_of(result.estimate)));
+  for (const FitQuality& quality : fit.qualities)
+    sources.push_back(fmt::format(
+        "    {{ \"file\": {}, \"quantity\": \"{}\", \"samples\": {}, \"scatter\": {},\n      \"at\": [{}],\n      "
+        "\"measured\": [{}],\n      \"modelled\": [{}] }}",
+        json_string(quality.file), quality.quantity, quality.samples, quality.scatter, fmt::join(quality.at, ", "),
+        fmt::join(quality.measured, ", "), fmt::join(quality.modelled, ", ")));
+  for (const FittedModel& model : fit.candidates)
+    models.push_back(fmt::format(R"(    {{ "law": "{}", "loss": "{}", "parameters": {}, "criterion": {} }})", model.law,
+                                 model.loss, model.parameters, model.criterion));
+  return fmt::format(
+      "{{\n  \"name\": \"{}\", \"law\": \"{}\", \"loss\": \"{}\", \"mass_kg\": {},\n  \"max_compression_m\": {}, "
+      "\"max_speed_m_per_s\": {}, \"min_speed_m_per_s\": {},\n  \"estimates\": {{\n{}\n  }},\n  \"models\": [\n{}\n  "
+      "],\n  \"data\": [\n{}\n  ]\n}}\n",
+      measured.name, fit.law, fit.loss, measured.mass_kg, fit.max_compression_m, fit.max_speed_m_per_s,
+      fit.min_speed_m_per_s, fmt::join(results, ",\n"), fmt::join(models, ",\n"), fmt::join(sources, ",\n"));
+}
+
+}  // namespace contactspline

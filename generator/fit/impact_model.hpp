@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: MIT
+// The impact of a mass on a rigid wall, integrated in any real type: with dual numbers its derivatives with respect to
+// all parameters come along.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <span>
+#include <type_traits>
+
+namespace contactspline {
+
+/// f = F (g (1 + loss v) - weight m), at least 0, with g = (y/reference)^exponent for y > 0 and time dm/dt = g - m:
+/// a power law with the viscous loss of Hunt and Crossley (1975) and the memory of Stulov (1995). weight 0: no memory.
+template <typename Real>
+struct ViscoelasticLaw {
+  Real log_force;  ///< ln of F [N], the force at the reference compression
+  Real exponent, loss_s_per_m, weight, time_s;
+  double reference_m;
+};
+
+/// What is measured of a whole impact.
+template <typename Real>
+struct ImpactMeasures {
+  Real duration_s, max_force_n, restitution, max_compression_m;
+};
+
+namespace impact_model {
+
+inline double number(double value) {
+  return value;
+}
+template <typename Dual>
+requires requires(const Dual& value) { value.a; }
+double number(const Dual& value) { return value.a; }
+
+template <typename Real>
+struct State {
+  Real y, v, m;
+};
+
+// a + h b
+template <typename Real, typename Step>
+State<Real> moved(const State<Real>& a, const State<Real>& b, const Step& h) {
+  return {a.y + h * b.y, a.v + h * b.v, a.m + h * b.m};
+}
+
+template <typename Real>
+class Impact {
+ public:
+  Impact(const ViscoelasticLaw<Real>& law, double mass_kg) : law_(law), mass_kg_(mass_kg), force_(exp_of(law.log_force)) {}
+
+  [[nodiscard]] bool remembers() const { return number(law_.weight) > 0; }
+
+  [[nodiscard]] Real force(const State<Real>& s) const {
+    const Real f = force_ * pull(s, Real(1.0) + law_.loss_s_per_m * s.v);
+    return number(f) > 0 ? f : Real(0.0);
+  }
+
+  /// Positive in contact, 0 at its end.
+  [[nodiscard]] Real touch(const State<Real>& s) const { return remembers() ? pull(s, Real(1.0)) : s.y; }
+
+  template <typename Step>
+  [[nodiscard]] State<Real> step(const State<Real>& s, const Step& h) const {
+    const auto k1 = rate(s), k2 = rate(moved(s, k1, h / 2.0)), k3 = rate(moved(s, k2, h / 2.0)), k4 = rate(moved(s, k3, h));
+    const auto sum = [&](const Real& a, const Real& b, const Real& c, const Real& d) { return (a + 2.0 * (b + c) + d) / 6.0; };
+    return moved(s, {sum(k1.y, k2.y, k3.y, k4.y), sum(k1.v, k2.v, k3.v, k4.v), sum(k1.m, k2.m, k3.m, k4.m)}, h);
+  }
+
+  /// A hundredth of the contact, and no longer than the memory: the Runge-Kutta method of order 4 is then right to 1e-6.
+  [[nodiscard]] double longest_step(double speed) const {
+    const double a = number(law_.exponent), force = number(force_);
+    const double ym = law_.reference_m * std::pow((a + 1) * mass_kg_ * speed * speed / (2 * force * law_.reference_m), 1 / (a + 1));
+    const double step = 3 * ym / speed / kSteps;
+    return remembers() ? std::min(step, 1.5 * number(law_.time_s)) : step;
+  }
+
+ private:
+  static constexpr double kSteps = 100;
+
+  static Real exp_of(const Real& x) {
+    using std::exp;
+    return exp(x);
+  }
+
+  [[nodiscard]] Real shape(const State<Real>& s) const {
+    using std::exp, std::log;
+    return number(s.y) > 0 ? Real(exp(law_.exponent * log(s.y / law_.reference_m))) : Real(0.0);
+  }
+
+  [[nodiscard]] Real pull(const State<Real>& s, const Real& viscous) const {
+    return remembers() ? Real(shape(s) * viscous - law_.weight * s.m) : Real(shape(s) * viscous);
+  }
+
+  [[nodiscard]] State<Real> rate(const State<Real>& s) const {
+    return {s.v, -force(s) / mass_kg_, remembers() ? Real((shape(s) - s.m) / law_.time_s) : Real(0.0)};
+  }
+
+  ViscoelasticLaw<Real> law_;
+  double mass_kg_;
+  Real force_;
+};
+
+inline constexpr int kMaxSteps = 50000;
+
+}  // namespace impact_model
+
+/// The force [N] at rising times of an impact that begins at `begin_s`. False if the motion cannot be computed.
+template <typename Real>
+[[nodiscard]] bool pulse_force(const ViscoelasticLaw<Real>& law, double mass_kg, const Real& speed, const Real& begin_s,
+                               std::span<const double> times, std::span<Real> forces) {
+  using impact_model::number;
+  const impact_model::Impact<Real> impact(law, mass_kg);
+  const double longest = impact.longest_step(number(speed));
+  impact_model::State<Real> state{Real(0.0), speed, Real(0.0)};
+  std::ranges::fill(forces, Real(0.0));
+  const auto advance = [&](const auto& interval) {
+    const double steps = std::ceil(number(interval) / longest);
+    if (!(steps < impact_model::kMaxSteps)) return false;
+    for (int i = 0; i < static_cast<int>(steps); ++i) state = impact.step(state, interval / steps);
+    return true;
+  };
+  bool begun = false;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    if (!(times[i] > number(begin_s))) continue;
+    if (!(begun ? advance(times[i] - times[i - 1]) : advance(Real(times[i] - begin_s)))) return false;
+    begun = true;
+    if (number(state.y) < 0) return true;  // it flies away, and the force stays 0
+    forces[i] = impact.force(state);
+    if (!std::isfinite(number(forces[i]))) return false;
+  }
+  return true;
+}
+
+/// Duration, largest force, restitution and largest compression of an impact; nothing if it cannot be computed.
+template <typename Real>
+[[nodiscard]] std::optional<ImpactMeasures<Real>> measure_impact(const ViscoelasticLaw<Real>& law, double mass_kg,
+                                                                 double speed) {
+  using impact_model::number;
+  const impact_model::Impact<Real> impact(law, mass_kg);
+  const double step = impact.longest_step(speed);
+  impact_model::State<Real> state{Real(0.0), Real(speed), Real(0.0)}, before = state;
+  // The top of the parabola through three neighbours.
+  const auto top_of = [](const Real& a, const Real& b, const Real& c) {
+    return Real(b - (c - a) * (c - a) / (8.0 * (a - 2.0 * b + c)));
+  };
+  Real forces[3] = {Real(0.0), Real(0.0), Real(0.0)}, places[3] = {Real(0.0), Real(0.0), Real(0.0)};
+  Real max_force(0.0), max_place(0.0);
+  for (int i = 1; i < impact_model::kMaxSteps; ++i) {
+    before = state;
+    state = impact.step(before, step);
+    if (!std::isfinite(number(state.y))) return std::nullopt;
+    if (number(impact.touch(state)) <= 0 && number(state.v) < 0) {
+      // Where touch is 0: found in the middle by halving, then once by Newton, which gives the derivatives.
+      double low = 0, high = step;
+      for (int n = 0; n < 40; ++n) {
+        const double middle = (low + high) / 2;
+        (number(impact.touch(impact.step(before, middle))) > 0 ? low : high) = middle;
+      }
+      const double h = (low + high) / 2, width = 1e-3 * step;
+      const auto end = impact.step(before, h);
+      const double slope = (number(impact.touch(impact.step(before, h + width))) -
+                            number(impact.touch(impact.step(before, h - width)))) / (2 * width);
+      return ImpactMeasures<Real>{Real((i - 1) * step + h - impact.touch(end) / slope), max_force, Real(-end.v / speed),
+                                  max_place};
+    }
+    const auto keep = [&](Real(&last)[3], const Real& next, Real& max) {
+      last[0] = last[1], last[1] = last[2], last[2] = next;
+      if (i > 1 && number(last[1]) >= number(last[0]) && number(last[1]) > number(last[2]) && number(last[1]) > number(max))
+        max = top_of(last[0], last[1], last[2]);
+    };
+    keep(forces, impact.force(state), max_force);
+    keep(places, state.y, max_place);
+  }
+  return std::nullopt;
+}
+
+}  // namespace contactspline

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <set>
+
+#include "generator/fit/data_table.hpp"
+#include "generator/fit/measurements.hpp"
+#include "generator/fit/models.hpp"
+#include "generator/fit/pulse_window.hpp"
+#include "generator/support/error.hpp"
+#include "generator/support/json_reader.hpp"
+
+namespace contactspline {
+namespace {
+
+// Wide enough for every collision in an instrument, narrow enough to catch a wrong unit.
+constexpr Range kMass{1e-7, 1e3};
+constexpr Range kSpeed{1e-3, 1e2};
+constexpr Range kDuration{1e-6, 0.2};
+constexpr Range kForce{1e-3, 1e6};
+constexpr Range kRestitution{0.01, 1};
+constexpr std::size_t kMaxFiles = 64;
+constexpr std::size_t kMinRows = 3;
+
+/// A file of data as a fit file names it: its path, as messages name it, and its text.
+struct DataFile {
+  std::string path, text;
+  ColumnNames names;
+};
+
+DataFile read_data(const JsonObject& entry, std::string_view fit_file, const ReadFile& read, Measurements& measured) {
+  constexpr auto kAllowed = "the name of a CSV file, relative to the fit file";
+  const std::string name = entry.text("file", kAllowed);
+  const bool usable = !name.empty() && name.front() != '/' && name.size() <= 200 &&
+                      std::ranges::all_of(name, [](unsigned char c) { return c >= 0x20 && c != 0x7f; });
+  if (!usable) entry.fail(entry.key("file"), fmt::format("'{}' is not usable", shown(name)), kAllowed);
+  DataFile data{(std::filesystem::path(fit_file).parent_path() / name).string(), read(name), {}};
+  measured.files.push_back(name);
+  if (!entry.has("columns")) return data;
+  const auto keys = column_keys();
+  const JsonObject columns = entry.object("columns", keys);
+  for (const std::string& key : keys)
+    if (columns.has(key.c_str()))
+      data.names[key] = columns.text(key.c_str(), "the name of a column, or its number from 1, in quotes");
+  return data;
+}
+
+void require(const DataFile& data, const DataTable& table, std::span<const Quantity> required) {
+  for (const Quantity quantity : required)
+    if (!table.has(quantity))
+      refuse(data.path, std::string(name_of(quantity)), "no column holds it",
+             fmt::format("a column {}_UNIT, or the key columns that names it", name_of(quantity)));
+}
+
+// The force of a pulse: measured, or the mass times the acceleration.
+std::vector<double> force_of(const DataFile& data, const DataTable& table, double mass_kg) {
+  if (table.has(Quantity::kForce) && table.has(Quantity::kAcceleration))
+    refuse(data.path, "force", "is there beside an acceleration", "one of the two; the key columns chooses it");
+  if (table.has(Quantity::kForce)) return table.at(Quantity::kForce);
+  if (!table.has(Quantity::kAcceleration))
+    refuse(data.path, "force", "no column holds it, nor an acceleration",
+           "a column force_UNIT or acceleration_UNIT, or the key columns that names it");
+  std::vector<double> force = table.at(Quantity::kAcceleration);
+  for (double& value : force) value *= mass_kg;
+  return force;
+}
+
+void read_pulse(const JsonObject& entry, std::string_view file, const ReadFile& read, Measurements& measured) {
+  const DataFile data = read_data(entry, file, read, measured);
+  constexpr std::array kWanted = {Quantity::kTime, Quantity::kForce, Quantity::kAcceleration};
+  const DataTable table = read_table(data.text, data.path, kWanted, data.names);
+  require(data, table, std::array{Quantity::kTime});
+  Pulse pulse{data.path, table.at(Quantity::kTime), force_of(data, table, measured.mass_kg), {}};
+  if (entry.has("speed_m_per_s")) pulse.speed_m_per_s = entry.number("speed_m_per_s", kSpeed);
+  measured.pulses.push_back(contact_window(pulse, table.lines, measured.mass_kg));
+}
+
+std::optional<double> value_of(const DataFile& data, const DataTable& table, std::size_t row, Quantity quantity,
+                               Range range) {
+  if (!table.has(quantity)) return std::nullopt;
+  const double value = table.at(quantity)[row];
+  if (!(value >= range.min && value <= range.max))
+    refuse(data.path, fmt::format("line {}", table.lines[row]),
+           fmt::format("a {} of {:.6g} in SI units: a wrong unit, or two columns exchanged?", name_of(quantity), value),
+           fmt::format("{} to {}", range.min, range.max));
+  return value;
+}
+
+void read_rows(const JsonObject& entry, std::string_view file, const ReadFile& read, Measurements& measured) {
+  const DataFile data = read_data(entry, file, read, measured);
+  constexpr std::array kWanted = {Quantity::kSpeed, Quantity::kDuration, Quantity::kForce, Quantity::kRestitution};
+  const DataTable table = read_table(data.text, data.path, kWanted, data.names);
+  require(data, table, std::array{Quantity::kSpeed});
+  if (table.columns.size() < 2)
+    refuse(data.path, "columns", "there is nothing but speeds", "contact durations, largest forces or restitution");
+  for (std::size_t i = 0; i < table.lines.size(); ++i)
+    measured.rows.push_back({data.path, *value_of(data, table, i, Quantity::kSpeed, kSpeed),
+                             value_of(data, table, i, Quantity::kDuration, kDuration),
+                             value_of(data, table, i, Quantity::kForce, kForce),
+                             value_of(data, table, i, Quantity::kRestitution, kRestitution)});
+}
+
+std::vector<std::string> read_choice(const JsonObject& fit, const char* key, const std::vector<std::string>& known) {
+  if (!fit.has(key)) return known;
+  const std::string allowed = fmt::format("one or more of {}", fmt::join(known, ", "));
+  std::vector<std::string> chosen = fit.texts(key, allowed, known.size());
+  for (const std::string& name : chosen)
+    if (std::ranges::find(known, name) == known.end())
+      fit.fail(key, fmt::format("'{}' is unknown", shown(name)), allowed);
+  if (std::set(chosen.begin(), chosen.end()).size() < chosen.size())
+    fit.fail(key, "names one of them twice", allowed);
+  return chosen;
+}
+
+// Stiffness and exponent follow from forces, durations and curves, at two speeds or more.
+void require_enough(const JsonObject& fit, const Measurements& measured) {
+  if (!measured.pulses.empty() || !measured.curves.empty()) return;
+  std::set<double> speeds;
+  std::size_t rows = 0;
+  for (const ImpactRow& row : measured.rows)
+    if (row.duration_s || row.max_force_n) {
+      speeds.insert(row.speed_m_per_s);
+      ++rows;
+    }
+  if (rows == 0)
+    fit.fail("tables", "tell nothing of the stiffness", "contact durations or largest forces beside the restitution");
+  constexpr double kMinRatio = 1.2;
+  if (rows < kMinRows || *speeds.rbegin() < kMinRatio * *speeds.begin())
+    fit.fail("tables",
+             fmt::format("has {} impacts at speeds from {:.4g} to {:.4g} m/s", rows, *speeds.begin(), *speeds.rbegin()),
+             fmt::format("{} or more, the fastest at least {} times as fast as the slowest", kMinRows, kMinRatio));
+}
+
+}  // namespace
+
+Measurements parse_measurements(std::string_view text, std::string_view file, const ReadFile& read) {
+  const JsonObject fit = parse_json(text, file, "fit",
+                                    {"name", "description", "mass_kg", "pulses", "tables", "curves", "laws", "losses"});
+  Measurements measured{read_name(fit, {}), read_description(fit), fit.number("mass_kg", kMass), {}, {}, {}, {}, {}, {}};
+  measured.laws = read_choice(fit, "laws", names_of_laws());
+  measured.losses = read_choice(fit, "losses", names_of_losses());
+  if (!fit.has("pulses") && !fit.has("tables"))
+    fit.fail("fit", "has no data", "pulses or tables");
+  if (fit.has("pulses"))
+    for (const JsonObject& entry : fit.objects("pulses", {"file", "speed_m_per_s", "columns"}, kMaxFiles))
+      read_pulse(entry, file, read, measured);
+  if (fit.has("tables"))
+    for (const JsonObject& entry : fit.objects("tables", {"file", "columns"}, kMaxFiles))
+      read_rows(entry, file, read, measured);
+  require_enough(fit, measured);
+  return measured;
+}
+
+}  // namespace contactspline

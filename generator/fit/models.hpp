@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+// The models that a fit chooses among: a law and a loss, and which of the common parameters each of them frees.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace contactspline {
+
+/// The parameters of all models, in the order of the fit.
+enum FitParameter { kLogForce, kExponent, kLoss, kWeight, kLogTime, kParameters };
+
+/// One row of the table of laws or of losses.
+struct ModelRow {
+  const char* name;
+  const char* words;             ///< for reports
+  std::vector<FitParameter> frees;  ///< the others stay at `fixed`
+};
+
+/// Laws: power, hertz. Both have a force at a reference compression; Hertz's exponent is 1.5.
+[[nodiscard]] const std::vector<ModelRow>& laws();
+
+/// Losses: none, hunt_crossley.
+[[nodiscard]] const std::vector<ModelRow>& losses();
+
+[[nodiscard]] std::vector<std::string> names_of_laws();
+[[nodiscard]] std::vector<std::string> names_of_losses();
+
+}  // namespace contactspline

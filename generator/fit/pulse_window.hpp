@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+// Where the contact lies in a recorded pulse.
+#pragma once
+
+#include <span>
+
+#include "generator/fit/measurements.hpp"
+
+namespace contactspline {
+
+/// The contact of a recorded pulse and a fourth of its duration before and after it. `lines` are those of the samples
+/// in their file. Throws BadInput if time does not rise, if there is no contact or a second one, if the record begins
+/// or ends within it, if it has too few samples or a saturated top, and if impulse, mass and speed disagree.
+[[nodiscard]] Pulse contact_window(const Pulse& pulse, std::span<const std::size_t> lines, double mass_kg);
+
+/// Contact of a pulse: time from the first to the last sample above a tenth of the largest force, that force [N], and
+/// the impulse [N s].
+struct PulseMeasures {
+  double begin_s, end_s, max_force_n, impulse_n_s;
+};
+[[nodiscard]] PulseMeasures measures_of(const Pulse& pulse);
+
+}  // namespace contactspline

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+// Residuals of measurements against the model of an impact, for Ceres and its dual numbers.
+#pragma once
+
+#include <cmath>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "generator/fit/impact_model.hpp"
+#include "generator/fit/measurements.hpp"
+#include "generator/fit/models.hpp"
+#include "generator/fit/pulse_window.hpp"
+
+namespace contactspline {
+
+/// What is unknown of each pulse: its begin in parts of its duration, ln of its speed, and the sensor's offset in parts
+/// of its largest force.
+enum PulseUnknown { kBegin, kLogSpeed, kOffset, kPulseUnknowns };
+
+/// Settings that all residuals share.
+struct FitScales {
+  double mass_kg, reference_m;
+  bool is_robust = true;  ///< large residuals count less
+};
+
+/// The standard deviation of one source's noise, in the unit of its residuals.
+using Noise = std::shared_ptr<double>;
+
+template <typename Real>
+ViscoelasticLaw<Real> law_of(const Real* p, double reference_m) {
+  using std::exp;
+  return {p[kLogForce], p[kExponent], p[kLoss], p[kWeight], Real(exp(p[kLogTime])), reference_m};
+}
+
+/// A residual in parts of the noise, in the norm 2 c^2 (sqrt(1 + r^2/c^2) - 1): r^2 for small ones, then linear.
+inline constexpr double kRobust = 3;
+template <typename Real>
+Real scaled(const Real& difference, double noise, const FitScales& scales) {
+  using std::sqrt;
+  const Real r = difference / noise;
+  if (!scales.is_robust) return r;
+  return r * sqrt(2.0 / (1.0 + sqrt(1.0 + r * r / (kRobust * kRobust))));
+}
+
+/// Force of a pulse, in parts of its largest one.
+struct PulseResidual {
+  const Pulse& pulse;
+  PulseMeasures measures;
+  const FitScales& scales;
+  Noise noise;
+
+  template <typename Real>
+  bool operator()(const Real* parameters, const Real* unknown, Real* residuals) const {
+    using std::exp;
+    const Real begin = measures.begin_s + unknown[kBegin] * (measures.end_s - measures.begin_s);
+    const std::span<Real> forces(residuals, pulse.time_s.size());
+    if (!pulse_force(law_of(parameters, scales.reference_m), scales.mass_kg, Real(exp(unknown[kLogSpeed])), begin,
+                     pulse.time_s, forces))
+      return false;
+    for (std::size_t i = 0; i < forces.size(); ++i)
+      residuals[i] = scaled(Real((forces[i] - pulse.force_n[i]) / measures.max_force_n + unknown[kOffset]), *noise, scales);
+    return true;
+  }
+};
+
+/// One quantity of a row of a table: its ratio to the measured one, less 1.
+struct RowResidual {
+  double speed_m_per_s;
+  std::vector<std::pair<int, double>> measured;  ///< 0: duration, 1: largest force, 2: restitution; and its value
+  const FitScales& scales;
+  std::vector<Noise> noise;
+
+  template <typename Real>
+  bool operator()(const Real* parameters, Real* residuals) const {
+    const auto impact = measure_impact(law_of(parameters, scales.reference_m), scales.mass_kg, speed_m_per_s);
+    if (!impact) return false;
+    const Real values[3] = {impact->duration_s, impact->max_force_n, impact->restitution};
+    for (std::size_t i = 0; i < measured.size(); ++i)
+      residuals[i] = scaled(Real(values[measured[i].first] / measured[i].second - 1.0), *noise[i], scales);
+    return true;
+  }
+};
+
+}  // namespace contactspline
