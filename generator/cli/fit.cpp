@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // contactspline fit: from measurements to a material file.
+#include "generator/fit/fit.hpp"
+
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -10,7 +12,6 @@
 #include "generator/cli/commands.hpp"
 #include "generator/cli/files.hpp"
 #include "generator/cli/waiting_line.hpp"
-#include "generator/fit/fit.hpp"
 #include "generator/fit/fitted_material.hpp"
 #include "generator/support/input_file.hpp"
 
@@ -18,9 +19,8 @@ namespace contactspline {
 
 void fit(const FitOptions& options) {
   const std::filesystem::path file = options.file;
-  const Measurements measured = parse_measurements(read_input(file), options.file, [&](const std::string& path) {
-    return read_input(file.parent_path() / path);
-  });
+  const Measurements measured = parse_measurements(
+      read_input(file), options.file, [&](const std::string& path) { return read_input(file.parent_path() / path); });
   std::vector<std::filesystem::path> inputs{file};
   for (const std::string& path : measured.files) inputs.push_back(file.parent_path() / path);
   if (!options.output.empty()) {

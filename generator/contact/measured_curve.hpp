@@ -43,6 +43,12 @@ enum class CurveShape { kMonotone, kHardening };
 [[nodiscard]] std::vector<CurveSample> parse_curve(std::string_view text, std::string_view file,
                                                    std::optional<double> impact_speed_m_per_s = {});
 
+/// The checks of parse_curve() on samples that were read otherwise, from these lines of a file; returns them by
+/// rising compression, with their speeds.
+[[nodiscard]] std::vector<CurveSample> checked_curve(std::vector<CurveSample> samples,
+                                                     const std::vector<std::size_t>& lines, std::string_view file,
+                                                     std::optional<double> impact_speed_m_per_s);
+
 /// Least-squares fit in force, F(y) (1 + loss v) for samples with a speed v. The slope is linear between at most 24
 /// knots, with about as many samples in each piece. It is >= 0 (monotone), or >= 0 and never falls (hardening).
 /// Non-negative least squares after Lawson and Hanson (1974). Computed in 113 bits and rounded once.

@@ -108,6 +108,21 @@ void require_loop(const std::vector<CurveSample>& samples, const CurveSample& ne
                   "compressions that rise to the largest, then fall, each once in each branch");
 }
 
+void require_order(const std::vector<CurveSample>& samples, const std::vector<std::size_t>& lines,
+                   std::string_view file, bool is_impact) {
+  std::vector<CurveSample> before;
+  bool turned = false;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const Position position{file, lines[i]};
+    if (is_impact)
+      require_loop(before, samples[i], turned, position);
+    else
+      require_rising(before, samples[i], position);
+    turned = turned || (i > 0 && samples[i].compression_m < samples[i - 1].compression_m);
+    before.push_back(samples[i]);
+  }
+}
+
 // The samples first, second ... of a branch have forces that rise, apart from noise. A second contact lets them fall
 // further.
 void require_monotone(const std::vector<CurveSample>& samples, const std::vector<std::size_t>& lines,
@@ -188,18 +203,17 @@ std::vector<CurveSample> parse_curve(std::string_view text, std::string_view fil
   const Unit force = unit_of(force_name, kForces, position, "second");
   std::vector<CurveSample> samples;
   std::vector<std::size_t> lines;
-  bool turned = false;
   while (const auto line = next_line(text, position)) {
     const auto [y, f] = columns(*line, position, fmt::format("'{}' does not have two columns", shown(*line, 40)));
-    const CurveSample sample{number(y, position) * length.size, number(f, position) * force.size};
-    if (impact_speed_m_per_s)
-      require_loop(samples, sample, turned, position);
-    else
-      require_rising(samples, sample, position);
-    turned = turned || (!samples.empty() && sample.compression_m < samples.back().compression_m);
-    samples.push_back(sample);
+    samples.push_back({number(y, position) * length.size, number(f, position) * force.size});
     lines.push_back(position.line);
   }
+  return checked_curve(std::move(samples), lines, file, impact_speed_m_per_s);
+}
+
+std::vector<CurveSample> checked_curve(std::vector<CurveSample> samples, const std::vector<std::size_t>& lines,
+                                       std::string_view file, std::optional<double> impact_speed_m_per_s) {
+  require_order(samples, lines, file, impact_speed_m_per_s.has_value());
   require_size(samples, file);
   std::vector<std::size_t> branch(samples.size());
   std::iota(branch.begin(), branch.end(), std::size_t{0});

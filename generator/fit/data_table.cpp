@@ -145,8 +145,8 @@ std::string units_text(const Kind& kind) {
 }
 
 const Unit* unit_named(const Kind& kind, std::string_view name) {
-  const auto found = std::ranges::find_if(
-      kind.units, [&](const Unit& unit) { return name == unit.name || name == unit.sign; });
+  const auto found =
+      std::ranges::find_if(kind.units, [&](const Unit& unit) { return name == unit.name || name == unit.sign; });
   return found == kind.units.end() ? nullptr : &*found;
 }
 
@@ -156,15 +156,15 @@ std::optional<double> unit_size(const Heading& heading, const Kind& kind, const 
     if (heading.name == name) {
       const Unit* unit = unit_named(kind, heading.unit);
       if (unit == nullptr)
-        place.fail(heading.unit.empty()
-                       ? fmt::format("the column '{}' has no unit", shown(heading.name, 40))
-                       : fmt::format("the unit '{}' of the column '{}' is unknown", shown(heading.unit, 20),
-                                     shown(heading.name, 40)),
+        place.fail(heading.unit.empty() ? fmt::format("the column '{}' has no unit", shown(heading.name, 40))
+                                        : fmt::format("the unit '{}' of the column '{}' is unknown",
+                                                      shown(heading.unit, 20), shown(heading.name, 40)),
                    units_text(kind));
       return unit->size;
     }
     if (heading.unit.empty() && heading.name.starts_with(fmt::format("{}_", name)))
-      if (const Unit* unit = unit_named(kind, std::string_view(heading.name).substr(name.size() + 1))) return unit->size;
+      if (const Unit* unit = unit_named(kind, std::string_view(heading.name).substr(name.size() + 1)))
+        return unit->size;
   }
   return std::nullopt;
 }
@@ -217,7 +217,8 @@ void find_in_header(std::vector<Found>& found, const std::vector<std::string>& h
 // Units in a line of their own: "(ms);(N)".
 bool holds_units(const std::vector<std::string>& cells) {
   return std::ranges::all_of(cells, [](const std::string& cell) {
-    return cell.size() > 2 && ((cell.front() == '(' && cell.back() == ')') || (cell.front() == '[' && cell.back() == ']'));
+    return cell.size() > 2 &&
+           ((cell.front() == '(' && cell.back() == ')') || (cell.front() == '[' && cell.back() == ']'));
   });
 }
 
@@ -279,7 +280,8 @@ DataTable read_table(std::string_view text, std::string_view file, std::span<con
   DataTable table;
   for (; line; line = next_line(text, place))
     read_row(table, cells_of(*line, separator), found, count, separator, place);
-  if (table.lines.empty()) refuse(file, "samples", "has a header and no numbers", "lines of numbers below the header");
+  if (table.lines.empty())
+    refuse(file, "samples", "has a header and no numbers", "lines of numbers below the header");
   return table;
 }
 

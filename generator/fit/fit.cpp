@@ -25,11 +25,19 @@ struct Candidate {
   double criterion = 0;
 };
 
+// Slow curves tell nothing of a loss.
+bool tells_of_loss(const Measurements& measured) {
+  return !measured.pulses.empty() || !measured.rows.empty() ||
+         std::ranges::any_of(measured.curves,
+                             [](const MeasuredForce& curve) { return curve.impact_speed_m_per_s.has_value(); });
+}
+
 std::vector<Candidate> candidates_of(const Measurements& measured) {
   std::vector<Candidate> all;
   for (const ModelRow& law : laws())
     for (const ModelRow& loss : losses())
-      if (std::ranges::count(measured.laws, law.name) > 0 && std::ranges::count(measured.losses, loss.name) > 0) {
+      if (std::ranges::count(measured.laws, law.name) > 0 && std::ranges::count(measured.losses, loss.name) > 0 &&
+          (loss.frees.empty() || tells_of_loss(measured))) {
         all.push_back({&law, &loss, law.frees, {}});
         all.back().frees.insert(all.back().frees.end(), loss.frees.begin(), loss.frees.end());
       }
@@ -52,7 +60,8 @@ std::vector<FitValues> starts_of(const FitProblem& problem, const Candidate& can
     if (simpler == nullptr) continue;
     starts.push_back(simpler->values);
     const auto& lossy = starts.front().parameters;
-    for (const FitParameter parameter : {kLoss, kWeight, kLogTime}) starts.back().parameters[parameter] = lossy[parameter];
+    for (const FitParameter parameter : {kLoss, kWeight, kLogTime})
+      starts.back().parameters[parameter] = lossy[parameter];
   }
   return starts;
 }
@@ -75,7 +84,8 @@ void fit_candidate(const FitProblem& problem, Candidate& candidate, const Candid
 void set_criteria(const FitProblem& problem, std::vector<Candidate>& all) {
   std::vector<double> min_noise(problem.sources().size(), std::numeric_limits<double>::infinity());
   for (const Candidate& candidate : all)
-    for (std::size_t s = 0; s < min_noise.size(); ++s) min_noise[s] = std::min(min_noise[s], candidate.values.noise[s]);
+    for (std::size_t s = 0; s < min_noise.size(); ++s)
+      min_noise[s] = std::min(min_noise[s], candidate.values.noise[s]);
   for (Candidate& candidate : all) {
     const Eigen::VectorXd residuals = problem.linearised(candidate.values, candidate.frees).residuals;
     double cost = 0;
@@ -108,15 +118,15 @@ Uncertainty uncertainty_of(const FitProblem& problem, const Candidate& candidate
     slopes += 1 / (u * std::sqrt(u));
   }
   const Eigen::MatrixXd normal = linear.jacobian.transpose() * linear.jacobian;
-  const Eigen::MatrixXd inverse =
-      normal.ldlt().solve(Eigen::MatrixXd::Identity(normal.rows(), normal.cols())) * (squares / freedom) / std::pow(slopes / n, 2);
+  const Eigen::MatrixXd inverse = normal.ldlt().solve(Eigen::MatrixXd::Identity(normal.rows(), normal.cols())) *
+                                  (squares / freedom) / std::pow(slopes / n, 2);
   const auto shared = static_cast<Eigen::Index>(candidate.frees.size());
-  return {inverse.topLeftCorner(shared, shared),
-          boost::math::quantile(boost::math::students_t(freedom), 0.975)};
+  return {inverse.topLeftCorner(shared, shared), boost::math::quantile(boost::math::students_t(freedom), 0.975)};
 }
 
 // The interval of one parameter, or of a sum of parameters with these weights.
-Estimate estimate(const Candidate& candidate, const Uncertainty& uncertainty, const std::vector<std::pair<FitParameter, double>>& sum) {
+Estimate estimate(const Candidate& candidate, const Uncertainty& uncertainty,
+                  const std::vector<std::pair<FitParameter, double>>& sum) {
   Eigen::VectorXd weights = Eigen::VectorXd::Zero(uncertainty.covariance.rows());
   double value = 0;
   for (const auto& [parameter, weight] : sum) {
@@ -124,7 +134,8 @@ Estimate estimate(const Candidate& candidate, const Uncertainty& uncertainty, co
     const auto found = std::ranges::find(candidate.frees, parameter);
     if (found != candidate.frees.end()) weights[found - candidate.frees.begin()] = weight;
   }
-  const double half = uncertainty.deviations * std::sqrt(std::max(0.0, weights.dot(uncertainty.covariance * weights)));
+  const double half =
+      uncertainty.deviations * std::sqrt(std::max(0.0, weights.dot(uncertainty.covariance * weights)));
   return {value, value - half, value + half};
 }
 
@@ -153,11 +164,17 @@ void set_reach(Fit& fit, const Measurements& measured, const FitValues& values) 
   std::vector<double> speeds;
   for (const auto& unknown : values.pulses) speeds.push_back(std::exp(unknown[kLogSpeed]));
   for (const ImpactRow& row : measured.rows) speeds.push_back(row.speed_m_per_s);
-  const auto [slowest, fastest] = std::ranges::minmax(speeds);
-  if (const auto impact = measure_impact(fit.model, measured.mass_kg, fastest))
-    fit.max_compression_m = impact->max_compression_m;
+  for (const MeasuredForce& curve : measured.curves) {
+    fit.max_compression_m = std::max(fit.max_compression_m, curve.samples.back().compression_m);
+    if (curve.impact_speed_m_per_s) speeds.push_back(*curve.impact_speed_m_per_s);
+  }
+  if (!speeds.empty())
+    if (const auto impact = measure_impact(fit.model, measured.mass_kg, std::ranges::max(speeds)))
+      fit.max_compression_m = std::max(fit.max_compression_m, impact->max_compression_m);
   const PowerLaw law{fit.stiffness.value, fit.exponent.value};
   fit.max_speed_m_per_s = std::sqrt(2 * law.energy(fit.max_compression_m) / measured.mass_kg);
+  constexpr double kRangeOfSlowCurves = 20;
+  const double slowest = speeds.empty() ? fit.max_speed_m_per_s / kRangeOfSlowCurves : std::ranges::min(speeds);
   fit.min_speed_m_per_s = std::min(slowest, fit.max_speed_m_per_s);
 }
 
@@ -178,10 +195,22 @@ Fit fit_material(const Measurements& measured, const std::string& file,
   set_criteria(problem, all);
   const Candidate& best = all.front();
   const Uncertainty uncertainty = uncertainty_of(problem, best);
-  const auto of = [&](const std::vector<std::pair<FitParameter, double>>& sum) { return estimate(best, uncertainty, sum); };
-  Fit fit{best.law->name, best.loss->name, law_of(best.values.parameters.data(), problem.reference_m()),
-          exponential(of({{kLogForce, 1}, {kExponent, -std::log(problem.reference_m())}})), of({{kExponent, 1}}),
-          of({{kLoss, 1}}), of({{kWeight, 1}}), exponential(of({{kLogTime, 1}})), 0, 0, 0, qualities_of(problem, best), {}};
+  const auto of = [&](const std::vector<std::pair<FitParameter, double>>& sum) {
+    return estimate(best, uncertainty, sum);
+  };
+  Fit fit{best.law->name,
+          best.loss->name,
+          law_of(best.values.parameters.data(), problem.reference_m()),
+          exponential(of({{kLogForce, 1}, {kExponent, -std::log(problem.reference_m())}})),
+          of({{kExponent, 1}}),
+          of({{kLoss, 1}}),
+          of({{kWeight, 1}}),
+          exponential(of({{kLogTime, 1}})),
+          0,
+          0,
+          0,
+          qualities_of(problem, best),
+          {}};
   fit.loss_s_per_m.low = std::max(0.0, fit.loss_s_per_m.low);
   set_reach(fit, measured, best.values);
   for (const Candidate& candidate : all)

@@ -21,8 +21,10 @@ struct Estimate {
 struct FitQuality {
   std::string file, quantity;
   std::size_t samples;
-  double scatter;  ///< of the samples about the model: of a pulse or a curve in parts of the largest force, else relative
-  std::vector<double> at, measured, modelled;  ///< of a pulse over time [s], of a table over speed [m/s], else over y [m]
+  double scatter;  ///< of the samples about the model: of a pulse or a curve in parts of the largest force, else
+                   ///< relative
+  std::vector<double> at, measured,
+      modelled;  ///< of a pulse over time [s], of a table over speed [m/s], else over y [m]
 };
 
 /// One model, fitted.
@@ -45,8 +47,8 @@ struct Fit {
 };
 
 /// Fits every law and loss that is allowed, by least squares with a robust norm from several starts, and chooses by
-/// the Bayesian information criterion. `tell` hears what is fitted now. Throws BadInput if nothing describes the data,
-/// or if the program was built without Ceres.
+/// the Bayesian information criterion. `tell` hears what is fitted now. Throws BadInput if nothing describes the
+/// data, or if the program was built without Ceres.
 [[nodiscard]] Fit fit_material(const Measurements& measured, const std::string& file,
                                const std::function<void(const std::string&)>& tell);
 

@@ -20,6 +20,10 @@ double speed_of(const Pulse& pulse, double mass_kg) {
   return pulse.speed_m_per_s.value_or(measures_of(pulse).impulse_n_s / (kLikely * mass_kg));
 }
 
+double max_force(const MeasuredForce& curve) {
+  return std::ranges::max(curve.samples, {}, &CurveSample::force_n).force_n;
+}
+
 }  // namespace
 
 /// The problem as Ceres takes it, over values that it moves.
@@ -29,7 +33,8 @@ struct FitProblem::Posed {
 };
 
 FitProblem::FitProblem(const Measurements& measured) : measured_(measured), scales_{measured.mass_kg, 1} {
-  FLAGS_minloglevel = google::GLOG_FATAL;  // a search that fails is none of the user's business; another start is tried
+  FLAGS_minloglevel =
+      google::GLOG_FATAL;  // a search that fails is none of the user's business; another start is tried
   for (const Pulse& pulse : measured.pulses) {
     const PulseMeasures measures = measures_of(pulse);
     max_speed_m_per_s_ = std::max(max_speed_m_per_s_, speed_of(pulse, measured.mass_kg));
@@ -40,6 +45,8 @@ FitProblem::FitProblem(const Measurements& measured) : measured_(measured), scal
     duration_s_ = std::max(duration_s_, row.duration_s.value_or(0));
   }
   scales_.reference_m = anchor(2.5).first;
+  for (const MeasuredForce& curve : measured.curves)
+    max_speed_m_per_s_ = std::max(max_speed_m_per_s_, curve.impact_speed_m_per_s.value_or(1));
   if (duration_s_ == 0) duration_s_ = 3 * scales_.reference_m / max_speed_m_per_s_;
   add_sources();
 }
@@ -62,13 +69,13 @@ std::pair<double, double> FitProblem::anchor(double exponent) const {
       return {y, energy * v * v / y};
     }
   }
-  return {1e-3, 1};
+  const MeasuredForce& curve = measured_.curves.front();
+  return {curve.samples.back().compression_m, max_force(curve)};
 }
 
 std::size_t FitProblem::source_called(const std::string& file, const std::string& quantity) {
-  const auto found = std::ranges::find_if(sources_, [&](const FitSource& source) {
-    return source.file == file && source.quantity == quantity;
-  });
+  const auto found = std::ranges::find_if(
+      sources_, [&](const FitSource& source) { return source.file == file && source.quantity == quantity; });
   if (found != sources_.end()) return static_cast<std::size_t>(found - sources_.begin());
   sources_.push_back({file, quantity, std::make_shared<double>(kFirstNoise), {}, {}, {}});
   return sources_.size() - 1;
@@ -100,12 +107,17 @@ void FitProblem::add_sources() {
       }
     rows_.push_back(std::move(residual));
   }
+  for (const MeasuredForce& curve : measured_.curves) {
+    sources_.push_back({curve.file, "force over compression", std::make_shared<double>(kFirstNoise), {}, {}, {}});
+    for (const CurveSample& sample : curve.samples)
+      add_sample(sources_.size() - 1, sample.compression_m, sample.force_n, max_force(curve));
+  }
 }
 
 FitValues FitProblem::begin(double exponent, double loss, double weight, double time_ratio) const {
   const auto [y, force] = anchor(exponent);
-  FitValues values{{std::log(force) + exponent * std::log(scales_.reference_m / y), exponent, loss / max_speed_m_per_s_,
-                    weight, std::log(time_ratio * duration_s_)},
+  FitValues values{{std::log(force) + exponent * std::log(scales_.reference_m / y), exponent,
+                    loss / max_speed_m_per_s_, weight, std::log(time_ratio * duration_s_)},
                    {},
                    std::vector<double>(sources_.size(), kFirstNoise)};
   constexpr double kBefore = -0.1;  // the contact begins before a tenth of its largest force
@@ -143,10 +155,18 @@ std::unique_ptr<FitProblem::Posed> FitProblem::pose(FitValues& values, const std
       posed->problem.SetManifold(unknown, new ceres::SubsetManifold(kPulseUnknowns, {kLogSpeed}));
   }
   for (const RowResidual& row : rows_)
+    posed->order.residual_blocks.push_back(
+        posed->problem.AddResidualBlock(new ceres::AutoDiffCostFunction<RowResidual, ceres::DYNAMIC, kParameters>(
+                                            new RowResidual(row), static_cast<int>(row.measured.size())),
+                                        nullptr, parameters));
+  for (std::size_t i = 0; i < measured_.curves.size(); ++i) {
+    const MeasuredForce& curve = measured_.curves[i];
+    const Noise& noise = sources_[sources_.size() - measured_.curves.size() + i].noise;
     posed->order.residual_blocks.push_back(posed->problem.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<RowResidual, ceres::DYNAMIC, kParameters>(
-            new RowResidual(row), static_cast<int>(row.measured.size())),
+        new ceres::AutoDiffCostFunction<CurveResidual, ceres::DYNAMIC, kParameters>(
+            new CurveResidual{curve, max_force(curve), scales_, noise}, static_cast<int>(curve.samples.size())),
         nullptr, parameters));
+  }
   return posed;
 }
 

@@ -39,7 +39,8 @@ double rounded_down(double number) {
 }
 
 std::string choice_text(const Fit& fit) {
-  std::string text = "chosen by the Bayesian information criterion, in which 10 more is strong evidence against a model:\n";
+  std::string text =
+      "chosen by the Bayesian information criterion, in which 10 more is strong evidence against a model:\n";
   for (const FittedModel& model : fit.candidates)
     text += fmt::format("  {:<40} {} parameters {:>+12.1f}\n", words_of(model.law, model.loss), model.parameters,
                         model.criterion);
@@ -77,7 +78,8 @@ std::string material_text(const Fit& fit, const Measurements& measured, std::str
   report.pop_back();
   for (const char c : report) text += c == '\n' ? "\n// " : std::string(1, c);
   text += fmt::format("\n{{\n  \"name\": \"{}\",\n", measured.name);
-  if (!measured.description.empty()) text += fmt::format("  \"description\": {},\n", json_string(measured.description));
+  if (!measured.description.empty())
+    text += fmt::format("  \"description\": {},\n", json_string(measured.description));
   std::vector<std::string> contact;
   constexpr int kDigits = 8;
   for (const Result& result : results_of(fit))
@@ -102,8 +104,8 @@ std::string json_of(const Fit& fit, const Measurements& measured) {
         json_string(quality.file), quality.quantity, quality.samples, quality.scatter, fmt::join(quality.at, ", "),
         fmt::join(quality.measured, ", "), fmt::join(quality.modelled, ", ")));
   for (const FittedModel& model : fit.candidates)
-    models.push_back(fmt::format(R"(    {{ "law": "{}", "loss": "{}", "parameters": {}, "criterion": {} }})", model.law,
-                                 model.loss, model.parameters, model.criterion));
+    models.push_back(fmt::format(R"(    {{ "law": "{}", "loss": "{}", "parameters": {}, "criterion": {} }})",
+                                 model.law, model.loss, model.parameters, model.criterion));
   return fmt::format(
       "{{\n  \"name\": \"{}\", \"law\": \"{}\", \"loss\": \"{}\", \"mass_kg\": {},\n  \"max_compression_m\": {}, "
       "\"max_speed_m_per_s\": {}, \"min_speed_m_per_s\": {},\n  \"estimates\": {{\n{}\n  }},\n  \"models\": [\n{}\n  "

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The impact of a mass on a rigid wall, integrated in any real type: with dual numbers its derivatives with respect to
-// all parameters come along.
+// The impact of a mass on a rigid wall, integrated in any real type: with dual numbers its derivatives with respect
+// to all parameters come along.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,8 @@
 namespace contactspline {
 
 /// f = F (g (1 + loss v) - weight m), at least 0, with g = (y/reference)^exponent for y > 0 and time dm/dt = g - m:
-/// a power law with the viscous loss of Hunt and Crossley (1975) and the memory of Stulov (1995). weight 0: no memory.
+/// a power law with the viscous loss of Hunt and Crossley (1975) and the memory of Stulov (1995). weight 0: no
+/// memory.
 template <typename Real>
 struct ViscoelasticLaw {
   Real log_force;  ///< ln of F [N], the force at the reference compression
@@ -33,8 +34,12 @@ inline double number(double value) {
   return value;
 }
 template <typename Dual>
-requires requires(const Dual& value) { value.a; }
-double number(const Dual& value) { return value.a; }
+requires requires(const Dual& value) {
+  value.a;
+}
+double number(const Dual& value) {
+  return value.a;
+}
 
 template <typename Real>
 struct State {
@@ -50,7 +55,8 @@ State<Real> moved(const State<Real>& a, const State<Real>& b, const Step& h) {
 template <typename Real>
 class Impact {
  public:
-  Impact(const ViscoelasticLaw<Real>& law, double mass_kg) : law_(law), mass_kg_(mass_kg), force_(exp_of(law.log_force)) {}
+  Impact(const ViscoelasticLaw<Real>& law, double mass_kg)
+      : law_(law), mass_kg_(mass_kg), force_(exp_of(law.log_force)) {}
 
   [[nodiscard]] bool remembers() const { return number(law_.weight) > 0; }
 
@@ -64,15 +70,20 @@ class Impact {
 
   template <typename Step>
   [[nodiscard]] State<Real> step(const State<Real>& s, const Step& h) const {
-    const auto k1 = rate(s), k2 = rate(moved(s, k1, h / 2.0)), k3 = rate(moved(s, k2, h / 2.0)), k4 = rate(moved(s, k3, h));
-    const auto sum = [&](const Real& a, const Real& b, const Real& c, const Real& d) { return (a + 2.0 * (b + c) + d) / 6.0; };
+    const auto k1 = rate(s), k2 = rate(moved(s, k1, h / 2.0)), k3 = rate(moved(s, k2, h / 2.0)),
+               k4 = rate(moved(s, k3, h));
+    const auto sum = [&](const Real& a, const Real& b, const Real& c, const Real& d) {
+      return (a + 2.0 * (b + c) + d) / 6.0;
+    };
     return moved(s, {sum(k1.y, k2.y, k3.y, k4.y), sum(k1.v, k2.v, k3.v, k4.v), sum(k1.m, k2.m, k3.m, k4.m)}, h);
   }
 
-  /// A hundredth of the contact, and no longer than the memory: the Runge-Kutta method of order 4 is then right to 1e-6.
+  /// A hundredth of the contact, and no longer than the memory: the Runge-Kutta method of order 4 is then right to
+  /// 1e-6.
   [[nodiscard]] double longest_step(double speed) const {
     const double a = number(law_.exponent), force = number(force_);
-    const double ym = law_.reference_m * std::pow((a + 1) * mass_kg_ * speed * speed / (2 * force * law_.reference_m), 1 / (a + 1));
+    const double ym =
+        law_.reference_m * std::pow((a + 1) * mass_kg_ * speed * speed / (2 * force * law_.reference_m), 1 / (a + 1));
     const double step = 3 * ym / speed / kSteps;
     return remembers() ? std::min(step, 1.5 * number(law_.time_s)) : step;
   }
@@ -109,8 +120,8 @@ inline constexpr int kMaxSteps = 50000;
 
 /// The force [N] at rising times of an impact that begins at `begin_s`. False if the motion cannot be computed.
 template <typename Real>
-[[nodiscard]] bool pulse_force(const ViscoelasticLaw<Real>& law, double mass_kg, const Real& speed, const Real& begin_s,
-                               std::span<const double> times, std::span<Real> forces) {
+[[nodiscard]] bool pulse_force(const ViscoelasticLaw<Real>& law, double mass_kg, const Real& speed,
+                               const Real& begin_s, std::span<const double> times, std::span<Real> forces) {
   using impact_model::number;
   const impact_model::Impact<Real> impact(law, mass_kg);
   const double longest = impact.longest_step(number(speed));
@@ -162,13 +173,15 @@ template <typename Real>
       const double h = (low + high) / 2, width = 1e-3 * step;
       const auto end = impact.step(before, h);
       const double slope = (number(impact.touch(impact.step(before, h + width))) -
-                            number(impact.touch(impact.step(before, h - width)))) / (2 * width);
-      return ImpactMeasures<Real>{Real((i - 1) * step + h - impact.touch(end) / slope), max_force, Real(-end.v / speed),
-                                  max_place};
+                            number(impact.touch(impact.step(before, h - width)))) /
+                           (2 * width);
+      return ImpactMeasures<Real>{Real((i - 1) * step + h - impact.touch(end) / slope), max_force,
+                                  Real(-end.v / speed), max_place};
     }
     const auto keep = [&](Real(&last)[3], const Real& next, Real& max) {
       last[0] = last[1], last[1] = last[2], last[2] = next;
-      if (i > 1 && number(last[1]) >= number(last[0]) && number(last[1]) > number(last[2]) && number(last[1]) > number(max))
+      if (i > 1 && number(last[1]) >= number(last[0]) && number(last[1]) > number(last[2]) &&
+          number(last[1]) > number(max))
         max = top_of(last[0], last[1], last[2]);
     };
     keep(forces, impact.force(state), max_force);

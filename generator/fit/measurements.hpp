@@ -30,6 +30,7 @@ struct ImpactRow {
 struct MeasuredForce {
   std::string file;
   std::vector<CurveSample> samples;
+  std::optional<double> impact_speed_m_per_s;
 };
 
 struct Measurements {

@@ -84,9 +84,10 @@ std::optional<double> value_of(const DataFile& data, const DataTable& table, std
   if (!table.has(quantity)) return std::nullopt;
   const double value = table.at(quantity)[row];
   if (!(value >= range.min && value <= range.max))
-    refuse(data.path, fmt::format("line {}", table.lines[row]),
-           fmt::format("a {} of {:.6g} in SI units: a wrong unit, or two columns exchanged?", name_of(quantity), value),
-           fmt::format("{} to {}", range.min, range.max));
+    refuse(
+        data.path, fmt::format("line {}", table.lines[row]),
+        fmt::format("a {} of {:.6g} in SI units: a wrong unit, or two columns exchanged?", name_of(quantity), value),
+        fmt::format("{} to {}", range.min, range.max));
   return value;
 }
 
@@ -102,6 +103,19 @@ void read_rows(const JsonObject& entry, std::string_view file, const ReadFile& r
                              value_of(data, table, i, Quantity::kDuration, kDuration),
                              value_of(data, table, i, Quantity::kForce, kForce),
                              value_of(data, table, i, Quantity::kRestitution, kRestitution)});
+}
+
+void read_curve(const JsonObject& entry, std::string_view file, const ReadFile& read, Measurements& measured) {
+  const DataFile data = read_data(entry, file, read, measured);
+  constexpr std::array kWanted = {Quantity::kCompression, Quantity::kForce};
+  const DataTable table = read_table(data.text, data.path, kWanted, data.names);
+  require(data, table, kWanted);
+  MeasuredForce curve{data.path, {}, {}};
+  if (entry.has("impact_speed_m_per_s")) curve.impact_speed_m_per_s = entry.number("impact_speed_m_per_s", kSpeed);
+  for (std::size_t i = 0; i < table.lines.size(); ++i)
+    curve.samples.push_back({table.at(Quantity::kCompression)[i], table.at(Quantity::kForce)[i]});
+  curve.samples = checked_curve(std::move(curve.samples), table.lines, data.path, curve.impact_speed_m_per_s);
+  measured.curves.push_back(std::move(curve));
 }
 
 std::vector<std::string> read_choice(const JsonObject& fit, const char* key, const std::vector<std::string>& known) {
@@ -130,27 +144,31 @@ void require_enough(const JsonObject& fit, const Measurements& measured) {
     fit.fail("tables", "tell nothing of the stiffness", "contact durations or largest forces beside the restitution");
   constexpr double kMinRatio = 1.2;
   if (rows < kMinRows || *speeds.rbegin() < kMinRatio * *speeds.begin())
-    fit.fail("tables",
-             fmt::format("has {} impacts at speeds from {:.4g} to {:.4g} m/s", rows, *speeds.begin(), *speeds.rbegin()),
-             fmt::format("{} or more, the fastest at least {} times as fast as the slowest", kMinRows, kMinRatio));
+    fit.fail(
+        "tables",
+        fmt::format("has {} impacts at speeds from {:.4g} to {:.4g} m/s", rows, *speeds.begin(), *speeds.rbegin()),
+        fmt::format("{} or more, the fastest at least {} times as fast as the slowest", kMinRows, kMinRatio));
 }
 
 }  // namespace
 
 Measurements parse_measurements(std::string_view text, std::string_view file, const ReadFile& read) {
-  const JsonObject fit = parse_json(text, file, "fit",
-                                    {"name", "description", "mass_kg", "pulses", "tables", "curves", "laws", "losses"});
-  Measurements measured{read_name(fit, {}), read_description(fit), fit.number("mass_kg", kMass), {}, {}, {}, {}, {}, {}};
+  const JsonObject fit = parse_json(
+      text, file, "fit", {"name", "description", "mass_kg", "pulses", "tables", "curves", "laws", "losses"});
+  Measurements measured{
+      read_name(fit, {}), read_description(fit), fit.number("mass_kg", kMass), {}, {}, {}, {}, {}, {}};
   measured.laws = read_choice(fit, "laws", names_of_laws());
   measured.losses = read_choice(fit, "losses", names_of_losses());
-  if (!fit.has("pulses") && !fit.has("tables"))
-    fit.fail("fit", "has no data", "pulses or tables");
+  if (!fit.has("pulses") && !fit.has("tables")) fit.fail("fit", "has no data", "pulses or tables");
   if (fit.has("pulses"))
     for (const JsonObject& entry : fit.objects("pulses", {"file", "speed_m_per_s", "columns"}, kMaxFiles))
       read_pulse(entry, file, read, measured);
   if (fit.has("tables"))
     for (const JsonObject& entry : fit.objects("tables", {"file", "columns"}, kMaxFiles))
       read_rows(entry, file, read, measured);
+  if (fit.has("curves"))
+    for (const JsonObject& entry : fit.objects("curves", {"file", "impact_speed_m_per_s", "columns"}, kMaxFiles))
+      read_curve(entry, file, read, measured);
   require_enough(fit, measured);
   return measured;
 }

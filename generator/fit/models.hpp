@@ -15,7 +15,7 @@ enum FitParameter { kLogForce, kExponent, kLoss, kWeight, kLogTime, kParameters 
 /// One row of the table of laws or of losses.
 struct ModelRow {
   const char* name;
-  const char* words;             ///< for reports
+  const char* words;                ///< for reports
   std::vector<FitParameter> frees;  ///< the others stay at `fixed`
 };
 

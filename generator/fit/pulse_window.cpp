@@ -106,9 +106,10 @@ void require_impulse(const Pulse& pulse, double mass_kg) {
   if (!pulse.speed_m_per_s) return;
   const double ratio = measures.impulse_n_s / (mass_kg * *pulse.speed_m_per_s);
   if (!(ratio > 0.85 && ratio < 2.3))
-    refuse(pulse.file, "force",
-           fmt::format("its impulse is {:.4g} times mass times speed: is a unit, the mass or the speed wrong?", ratio),
-           "1 to 2 times, for a restitution from 0 to 1");
+    refuse(
+        pulse.file, "force",
+        fmt::format("its impulse is {:.4g} times mass times speed: is a unit, the mass or the speed wrong?", ratio),
+        "1 to 2 times, for a restitution from 0 to 1");
 }
 
 }  // namespace

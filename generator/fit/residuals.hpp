@@ -14,8 +14,8 @@
 
 namespace contactspline {
 
-/// What is unknown of each pulse: its begin in parts of its duration, ln of its speed, and the sensor's offset in parts
-/// of its largest force.
+/// What is unknown of each pulse: its begin in parts of its duration, ln of its speed, and the sensor's offset in
+/// parts of its largest force.
 enum PulseUnknown { kBegin, kLogSpeed, kOffset, kPulseUnknowns };
 
 /// Settings that all residuals share.
@@ -59,7 +59,8 @@ struct PulseResidual {
                      pulse.time_s, forces))
       return false;
     for (std::size_t i = 0; i < forces.size(); ++i)
-      residuals[i] = scaled(Real((forces[i] - pulse.force_n[i]) / measures.max_force_n + unknown[kOffset]), *noise, scales);
+      residuals[i] =
+          scaled(Real((forces[i] - pulse.force_n[i]) / measures.max_force_n + unknown[kOffset]), *noise, scales);
     return true;
   }
 };
@@ -78,6 +79,29 @@ struct RowResidual {
     const Real values[3] = {impact->duration_s, impact->max_force_n, impact->restitution};
     for (std::size_t i = 0; i < measured.size(); ++i)
       residuals[i] = scaled(Real(values[measured[i].first] / measured[i].second - 1.0), *noise[i], scales);
+    return true;
+  }
+};
+
+/// Force over compression, in parts of the largest one. A slow press leaves the memory no time to be heard of.
+struct CurveResidual {
+  const MeasuredForce& curve;
+  double max_force_n;
+  const FitScales& scales;
+  Noise noise;
+
+  template <typename Real>
+  bool operator()(const Real* parameters, Real* residuals) const {
+    using std::exp, std::log;
+    const auto law = law_of(parameters, scales.reference_m);
+    for (std::size_t i = 0; i < curve.samples.size(); ++i) {
+      const auto& [y, force, speed] = curve.samples[i];
+      Real modelled(0.0);
+      if (y > 0)
+        modelled = exp(law.log_force + law.exponent * log(y / scales.reference_m)) *
+                   (1.0 - law.weight + law.loss_s_per_m * speed);
+      residuals[i] = scaled(Real((modelled - force) / max_force_n), *noise, scales);
+    }
     return true;
   }
 };

@@ -46,9 +46,10 @@ struct Tally {
   }
 
   void print() const {
-    std::printf("%d fits: largest error of the exponent %.4f, of the force at half the compression %.3f %%, of the loss "
-                "%.2f %%; intervals hold exponent %d, stiffness %d, loss %d times\n",
-                fits, exponent, 100 * force, 100 * loss, exponents_held, stiffnesses_held, losses_held);
+    std::printf(
+        "%d fits: largest error of the exponent %.4f, of the force at half the compression %.3f %%, of the loss "
+        "%.2f %%; intervals hold exponent %d, stiffness %d, loss %d times\n",
+        fits, exponent, 100 * force, 100 * loss, exponents_held, stiffnesses_held, losses_held);
   }
 };
 
@@ -65,8 +66,8 @@ TEST(Fit, FindsRandomMaterialsFromEightPulses) {
   Tally tally;
   for (int i = 0; i < materials(); ++i) {
     Random random(static_cast<std::uint64_t>(i) + 1);
-    const TrueMaterial truth = lasting(random.log_between(3e-3, 6e-3), random.between(1.5, 3), random.between(0.07, 0.2),
-                                       random.log_between(2e-3, 2e-2));
+    const TrueMaterial truth = lasting(random.log_between(3e-3, 6e-3), random.between(1.5, 3),
+                                       random.between(0.07, 0.2), random.log_between(2e-3, 2e-2));
     Measurements measured = measurements_of(truth);
     measured.pulses = pulses_of(truth, 8, 0.2, 6, 0.01, random);
     const Fit fit = fit_of(measured);
@@ -87,8 +88,8 @@ TEST(Fit, SaysHowWellShortPulsesAreKnown) {
   Tally tally;
   for (int i = 0; i < materials(); ++i) {
     Random random(static_cast<std::uint64_t>(i) + 1000);
-    const TrueMaterial truth = lasting(random.log_between(0.7e-3, 3e-3), random.between(1.5, 4), random.between(0.03, 0.3),
-                                       random.log_between(2e-3, 2e-2));
+    const TrueMaterial truth = lasting(random.log_between(0.7e-3, 3e-3), random.between(1.5, 4),
+                                       random.between(0.03, 0.3), random.log_between(2e-3, 2e-2));
     Measurements measured = measurements_of(truth);
     measured.pulses = pulses_of(truth, 5, 0.5, 4, 0.01, random);
     tally.add(fit_of(measured), truth);
@@ -105,16 +106,16 @@ TEST(Fit, FindsTheExponentFromDurationsAlone) {
   Tally tally;
   for (int i = 0; i < materials(); ++i) {
     Random random(static_cast<std::uint64_t>(i) + 2000);
-    const TrueMaterial truth = lasting(random.log_between(1e-3, 6e-3), random.between(1.5, 2.5), 0,
-                                       random.log_between(2e-3, 2e-1));
+    const TrueMaterial truth =
+        lasting(random.log_between(1e-3, 6e-3), random.between(1.5, 2.5), 0, random.log_between(2e-3, 2e-1));
     Measurements measured = measurements_of(truth);
     measured.laws = {"power"};
     measured.losses = {"none"};
     constexpr int kRows = 300;
     for (int row = 0; row < kRows; ++row) {
       const double speed = 0.05 * std::pow(100, row / (kRows - 1.0));
-      measured.rows.push_back({"rows", speed, truth.law.contact_duration(truth.mass_kg, speed) * (1 + 0.01 * normal(random)),
-                               {}, {}});
+      measured.rows.push_back(
+          {"rows", speed, truth.law.contact_duration(truth.mass_kg, speed) * (1 + 0.01 * normal(random)), {}, {}});
     }
     tally.add(fit_of(measured), truth);
   }
@@ -152,6 +153,31 @@ TEST(Fit, ChoosesTheSimplestLawThatDescribesTheData) {
     EXPECT_EQ(fit.candidates.size(), 4u);
     EXPECT_EQ(fit.candidates.front().criterion, 0);
   }
+}
+
+// A slow press, and both branches of an impact: F (1 + loss v) at the speed of each sample.
+TEST(Fit, FindsLawAndLossFromCurves) {
+  Random random(10);
+  const TrueMaterial truth = lasting(3e-3, 2.2, 0.15, 0.01);
+  const double reach = truth.law.max_compression(truth.mass_kg, 2);
+  MeasuredForce slow{"slow", {}, {}}, impact{"impact", {}, 2.0};
+  for (int i = 1; i <= 100; ++i) {
+    const double y = reach * i / 100, noise = 0.01 * truth.law.force(reach), speed = 2 * std::sqrt(1 - i / 100.0);
+    slow.samples.push_back({y, truth.law.force(y) + noise * normal(random)});
+    for (const double sign : {1.0, -0.8})
+      impact.samples.push_back(
+          {y, truth.law.force(y) * (1 + 0.15 * sign * speed) + noise * normal(random), sign * speed});
+  }
+  Measurements measured = measurements_of(truth);
+  measured.curves = {slow};
+  const Fit pressed = fit_of(measured);
+  EXPECT_EQ(pressed.loss, "none");
+  EXPECT_TRUE(holds(pressed.exponent, 2.2) && within(pressed.exponent.value, 2.2, 0.05)) << pressed.exponent.value;
+  EXPECT_TRUE(relatively_within(pressed.max_speed_m_per_s, 2, 0.01));
+  measured.curves = {slow, impact};
+  const Fit both = fit_of(measured);
+  EXPECT_EQ(both.loss, "hunt_crossley");
+  EXPECT_TRUE(holds(both.loss_s_per_m, 0.15) && within(both.loss_s_per_m.value, 0.15, 0.01));
 }
 
 // The impulse tells the speed if nobody measured it.

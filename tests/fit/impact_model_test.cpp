@@ -30,7 +30,8 @@ TEST(ImpactModel, LastsAsLongAsTheClosedForm) {
   for (const double exponent : {1.0, 1.5, 2.0, 2.5, 4.0, 6.0}) {
     const auto impact = measure_impact(law(exponent, 0.0), kMass, kSpeed);
     ASSERT_TRUE(impact);
-    EXPECT_TRUE(relatively_within(impact->duration_s, power(exponent).contact_duration(kMass, kSpeed), 2e-6)) << exponent;
+    EXPECT_TRUE(relatively_within(impact->duration_s, power(exponent).contact_duration(kMass, kSpeed), 2e-6))
+        << exponent;
     EXPECT_TRUE(relatively_within(impact->max_compression_m, power(exponent).max_compression(kMass, kSpeed), 2e-5));
     EXPECT_TRUE(within(impact->restitution, 1, 2e-6));
   }
@@ -70,7 +71,8 @@ TEST(ImpactModel, DerivativesOfAPulseAreItsDifferences) {
   for (int i = 1; i < 200; ++i) times.push_back(i * 2e-5);
   const auto forces = [&]<typename Real>(const std::vector<Real>& p) {
     std::vector<Real> found(times.size());
-    EXPECT_TRUE(pulse_force(law<Real>(p[1], p[2], p[3], p[0]), kMass, Real(kSpeed), p[4], times, std::span<Real>(found)));
+    EXPECT_TRUE(
+        pulse_force(law<Real>(p[1], p[2], p[3], p[0]), kMass, Real(kSpeed), p[4], times, std::span<Real>(found)));
     return found;
   };
   std::vector<Jet> dual;

@@ -58,7 +58,8 @@ inline std::vector<double> force_at(const TrueMaterial& material, double speed, 
 }
 
 /// A pulse at 44.1 kHz, with noise in parts of its largest force.
-inline Pulse pulse_of(const TrueMaterial& material, double speed, double noise, Random& random, double rate_hz = 44100) {
+inline Pulse pulse_of(const TrueMaterial& material, double speed, double noise, Random& random,
+                      double rate_hz = 44100) {
   const double duration = material.law.contact_duration(material.mass_kg, speed);
   Pulse pulse{"pulse", {}, {}, speed};
   for (double time = 0; time < 5 * duration; time = static_cast<double>(pulse.time_s.size()) / rate_hz)
@@ -70,8 +71,8 @@ inline Pulse pulse_of(const TrueMaterial& material, double speed, double noise, 
 }
 
 /// `count` pulses at speeds of equal ratios.
-inline std::vector<Pulse> pulses_of(const TrueMaterial& material, int count, double slowest, double fastest, double noise,
-                                    Random& random) {
+inline std::vector<Pulse> pulses_of(const TrueMaterial& material, int count, double slowest, double fastest,
+                                    double noise, Random& random) {
   std::vector<Pulse> pulses;
   for (int i = 0; i < count; ++i)
     pulses.push_back(pulse_of(material, slowest * std::pow(fastest / slowest, i / (count - 1.0)), noise, random));
