@@ -26,3 +26,4 @@
 #include "contactspline/step/controls.hpp"
 #include "contactspline/step/flush_denormals.hpp"
 #include "contactspline/step/live_exponent.hpp"
+#include "contactspline/step/memory.hpp"

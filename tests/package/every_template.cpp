@@ -47,6 +47,7 @@
 #include "contactspline/network/spring_elimination.hpp"
 #include "contactspline/resonators/string_c4.hpp"
 #include "contactspline/step/live_exponent.hpp"
+#include "contactspline/step/memory.hpp"
 
 namespace contactspline {
 
@@ -56,6 +57,8 @@ using Felt = materials::felt_c4;
 #define CONTACTSPLINE_EVERY_TEMPLATE(T)                                                                         \
   template struct ContactControls<T>;                                                                           \
   template struct Segment<T>;                                                                                   \
+  template class ContactMemory<T>;                                                                              \
+  template class detail::TableLessLine<T>;                                                                      \
   template class detail::ContactTableStorage<T>;                                                                \
   template class detail::StrikeConstantsStorage<T>;                                                             \
   template double detail::tension_energy(const StiffString&, std::span<const StringMode>, const ModalBank<T>&); \

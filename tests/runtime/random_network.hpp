@@ -13,9 +13,18 @@
 
 namespace contactspline::testing {
 
+// Memories of a random material: one to kMaxMemories, of 0.1 us to 0.1 s.
+inline std::vector<Memory> random_memories(Random& random) {
+  std::vector<Memory> memories(1 + random.below(kMaxMemories));
+  const double sum = random.between(0, 0.99);
+  for (Memory& memory : memories) memory = {sum / double(memories.size()), random.log_between(1e-7, 0.1)};
+  return memories;
+}
+
 // A random network: masses and modal bodies, contacts of 8 decades of stiffness, springs, dampers and rigid links.
 struct RandomNetwork {
-  explicit RandomNetwork(unsigned seed) : random(seed) {
+  /// has_memory: do contacts have memories?
+  explicit RandomNetwork(unsigned seed, bool has_memory = false) : random(seed), has_memory_(has_memory) {
     rate = std::vector<double>{22050, 44100, 96000, 192000}[random.below(4)];
     const std::size_t bodies = 2 + random.below(7), count = 1 + random.below(40);
     for (std::size_t b = 0; b < bodies; ++b) {
@@ -37,6 +46,7 @@ struct RandomNetwork {
       }
     }
     tables.reserve(count);
+    memories.reserve(count);
     for (std::size_t k = 0; k < count; ++k) connect();
   }
 
@@ -64,7 +74,9 @@ struct RandomNetwork {
         const double exponent = random.between(1.01, 3), stiffness = random.log_between(1e4, 1e12);
         tables.push_back(power_table(stiffness, exponent, 1e-4));
         const double loss = random.below(3) == 0 ? random.between(0, 1) : 0.0, gap = random.between(0, 1e-3);
-        plan.add_contact(first, second, tables.back(), gap, {1, loss});
+        if (has_memory_) memories.push_back(random_memories(random));
+        const std::span<const Memory> memory = has_memory_ ? memories.back() : std::span<const Memory>();
+        plan.add_contact(first, second, tables.back(), gap, {1, loss}, 1, memory);
     }
   }
 
@@ -78,6 +90,10 @@ struct RandomNetwork {
   double rate;
   NetworkPlan<double> plan;
   std::vector<Table> tables;
+  std::vector<std::vector<Memory>> memories;
+
+ private:
+  bool has_memory_;
 };
 
 inline std::vector<Mode> string_modes(double f0, std::size_t count, double modal_mass) {

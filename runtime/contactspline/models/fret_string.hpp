@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <type_traits>
 #include <utility>
 
@@ -13,6 +14,7 @@
 #include "contactspline/modal/string_place.hpp"
 #include "contactspline/step/contact.hpp"
 #include "contactspline/step/controls.hpp"
+#include "contactspline/step/memory.hpp"
 
 namespace contactspline {
 
@@ -36,25 +38,28 @@ template <std::floating_point T, std::size_t Extent = std::dynamic_extent, std::
 class FretString {
  public:
   /// pluck_place_m: where the control of the pluck pushes [m], 0 to the length of the string, clamped; 0 if it is not
-  /// a number.
+  /// a number. memories: of the fret's material, as memories_of tells them.
   constexpr FretString(SegmentTable<T, Extent> fret, std::type_identity_t<std::span<const Mode, Modes>> modes,
-                       const StringShapes<T, Modes>& shapes, T pluck_place_m, double sample_rate_hz)
+                       const StringShapes<T, Modes>& shapes, T pluck_place_m, double sample_rate_hz,
+                       std::span<const Memory> memories = {})
       : fret_(fret),
         string_(modes, sample_rate_hz),
         place_(shapes, pluck_place_m, shapes.longest_step(modes, sample_rate_hz)),
         pluck_(shapes.size()),
-        time_step_(T(1 / sample_rate_hz)) {
+        time_step_(T(1 / sample_rate_hz)),
+        memory_(memories, sample_rate_hz) {
     pluck_ = place_.after();
   }
 
   /// Sets the fret at a place [m] along the string, at a distance [m], -0.1 to 0.1, from the string at rest. Does
-  /// nothing if one of them is not a number.
+  /// nothing if one of them is not a number. The contact forgets what it remembers.
   void place(T place_m, T gap_m) {
     if (!is_number(place_m) || !is_number(gap_m)) return;
     place_.put(place_m);
     gap_ = held(gap_, gap_m, Ranges::gap_m);
     compression_ = string_.displacement(place_.after()) - gap_;
     force_ = work_of_fret_ = 0;
+    memory_.reset();
     is_placed_ = true;
   }
 
@@ -81,7 +86,7 @@ class FretString {
     const Approach<T> approach{compression_,
                                string_.increment(place_.after()) + string_.displacement(place_.change()) + lift,
                                std::max(admittance, kMinAdmittance)};
-    const auto step = contact_step(fret_, contact_, time_step_, approach);
+    const auto step = memory_.advance(fret_, contact_, time_step_, approach, segment_index(fret_, compression_));
     force_ = step.force;
     string_.push(place_.mean(), -damping_gain * force_);
     work_of_fret_ = force_ * (string_.middle(place_.change()) + lift);
@@ -95,6 +100,8 @@ class FretString {
   /// Work that the moving fret did on the string over the last sample [J].
   [[nodiscard]] T work_of_fret() const { return work_of_fret_; }
   [[nodiscard]] const ModalBank<T, Modes>& string() const { return string_; }
+  /// What the contact remembers.
+  [[nodiscard]] const ContactMemory<T>& memory() const { return memory_; }
   [[nodiscard]] T gap() const { return gap_; }  ///< at the end of the last sample [m]
   /// That acts: a control that rises under load is ahead of it.
   [[nodiscard]] T stiffness_ratio() const { return contact_.stiffness_ratio; }
@@ -108,7 +115,7 @@ class FretString {
     damping_per_s_ = held(damping_per_s_, controls.damping_per_s, Ranges::damping_per_s);
     contact_ = std::exchange(is_placed_, false)
                    ? held(contact_, controls.contact)
-                   : followed_contact(fret_, compression_, contact_, controls.contact, time_step_);
+                   : followed_contact(memory_, fret_, compression_, contact_, controls.contact, time_step_);
   }
 
   // Returns by how much the fret rises towards the string [m]. A fret that jumped would do work without bound.
@@ -128,6 +135,7 @@ class FretString {
   T time_step_;
   T pluck_force_ = 0, damping_per_s_ = 0;
   ContactControls<T> contact_;
+  ContactMemory<T> memory_;
   bool is_placed_ = true;  // since the last sample: the next one takes the stiffness as it is
   T gap_ = 0;
   T compression_ = 0;

@@ -13,6 +13,7 @@
 #include "contactspline/simd/kernels.hpp"
 #include "contactspline/step/contact.hpp"
 #include "contactspline/step/controls.hpp"
+#include "contactspline/step/memory.hpp"
 
 namespace contactspline {
 
@@ -43,14 +44,16 @@ class HammerString {
  public:
   using Shapes = ModeShapes<T, Modes>;
 
+  /// memories: of the felt, as memories_of tells them. With memories process() is the loop of tick().
   constexpr HammerString(SegmentTable<T, Extent> felt, std::type_identity_t<std::span<const Mode, Modes>> modes,
-                         Shapes strike, double sample_rate_hz)
+                         Shapes strike, double sample_rate_hz, std::span<const Memory> memories = {})
       : felt_(felt),
         string_(modes, sample_rate_hz),
         strike_(modes.size()),
         next_strike_(std::move(strike)),
         constants_(felt, modes.size()),
-        time_step_(T(1 / sample_rate_hz)) {}
+        time_step_(T(1 / sample_rate_hz)),
+        memory_(memories, sample_rate_hz) {}
 
   /// Moves the place of the strike, from the next throw on. Does nothing if a shape is not finite.
   void strike_at(const Shapes& strike) {
@@ -70,7 +73,8 @@ class HammerString {
   }
 
   /// Throws the hammer at the string from a distance [m], 0 to 0.05, with a velocity [m/s], -1000 to 1000. The string
-  /// may be sounding. A hammer without velocity is stopped. Does nothing if one of them is not a number.
+  /// may be sounding, and the felt remembers no blow. A hammer without velocity is stopped. Does nothing if one of
+  /// them is not a number.
   void strike(T velocity_m_per_s, T distance_m) {
     if (!is_number(velocity_m_per_s) || !is_number(distance_m)) return;
     if (std::exchange(has_moved_, false)) {
@@ -81,6 +85,7 @@ class HammerString {
     hammer_.segment = segment_index(felt_, hammer_.compression_m);
     hammer_.velocity_m_per_s = held(T(0), velocity_m_per_s, Ranges::speed_m_per_s);
     std::ranges::fill(hammer_.crossed, 0);
+    memory_.reset();
     is_thrown_ = is_flying_ = hammer_.velocity_m_per_s != 0;  // one without speed would hover for ever
   }
 
@@ -88,6 +93,7 @@ class HammerString {
   void reset() {
     string_.reset();
     hammer_ = {.mass_kg = hammer_.mass_kg, .felt = hammer_.felt};
+    memory_.reset();
     is_thrown_ = is_flying_ = false;
   }
 
@@ -168,7 +174,7 @@ class HammerString {
 #ifdef CONTACTSPLINE_SIMD
     if constexpr (Modes == std::dynamic_extent) {
       const Part part{this, &controls, &pickup, out, forces};
-      return process_together({&part, 1});
+      if (memory_.empty()) return process_together({&part, 1});
     }
 #endif
     for (T& sample : out) {
@@ -193,6 +199,11 @@ class HammerString {
   static void process_together(std::span<const Part> parts) {
 #ifdef CONTACTSPLINE_SIMD
     if constexpr (Modes == std::dynamic_extent) {
+      if (std::ranges::any_of(parts, [](const Part& part) { return !part.model->memory_.empty(); })) {
+        for (const auto& [model, controls, pickup, out, forces] : parts)
+          model->process(*controls, *pickup, out, forces);
+        return;
+      }
       for (; parts.size() > kMaxTogether; parts = parts.subspan(kMaxTogether))
         process_together(parts.first(kMaxTogether));
       detail::StruckVoice<T> struck[kMaxTogether];
@@ -220,6 +231,10 @@ class HammerString {
   /// Velocity of the hammer towards the string [m/s].
   [[nodiscard]] T hammer_velocity() const {
     return hammer_.velocity_m_per_s;
+  }
+  /// What the felt remembers of the blow.
+  [[nodiscard]] const ContactMemory<T>& memory() const {
+    return memory_;
   }
   /// True from a throw until the hammer is stopped.
   [[nodiscard]] bool is_hammer_flying() const {
@@ -270,7 +285,7 @@ class HammerString {
     const T free_increment = time_step_ * hammer_.velocity_m_per_s - string_.increment(strike_);
     const T admittance = time_step_ * velocity_per_force / 2 + damping_gain * constants_.admittance_of_string();
     const Approach<T> approach{hammer_.compression_m, free_increment, admittance};
-    const auto step = contact_step(felt_, hammer_.felt, time_step_, approach, hammer_.segment);
+    const auto step = memory_.advance(felt_, hammer_.felt, time_step_, approach, hammer_.segment);
     string_.push(strike_, damping_gain * step.force);
     hammer_.force_n = step.force;
     hammer_.compression_m = step.compression;
@@ -287,6 +302,7 @@ class HammerString {
       constants_;
   T time_step_;
   detail::HammerState<T> hammer_;
+  ContactMemory<T> memory_;
   T damping_per_s_ = 0;
   bool has_moved_ = true;   // the place of the strike, or the tuning, since the last throw
   bool is_thrown_ = false;  // by strike(); the next sample takes the hammer's controls

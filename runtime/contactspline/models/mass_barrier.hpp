@@ -5,10 +5,12 @@
 #include "contactspline/step/cpp20.hpp"
 
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "contactspline/step/contact.hpp"
 #include "contactspline/step/controls.hpp"
+#include "contactspline/step/memory.hpp"
 
 namespace contactspline {
 
@@ -27,11 +29,12 @@ struct MassBarrierControls {
 template <std::floating_point T, std::size_t Extent = std::dynamic_extent>
 class MassBarrier {
  public:
-  constexpr MassBarrier(SegmentTable<T, Extent> table, T sample_rate_hz)
-      : table_(table), time_step_(1 / sample_rate_hz) {}
+  /// memories: of the material, as memories_of tells them.
+  constexpr MassBarrier(SegmentTable<T, Extent> table, T sample_rate_hz, std::span<const Memory> memories = {})
+      : table_(table), time_step_(1 / sample_rate_hz), memory_(memories, double(sample_rate_hz)) {}
 
   /// Sets the displacement [m], -1000 to 1000 (negative: in front of the barrier), and the velocity [m/s] towards the
-  /// barrier, -1000 to 1000. Does nothing if one of them is not a number.
+  /// barrier, -1000 to 1000. The contact forgets what it remembers. Does nothing if one of them is not a number.
   void throw_from(T displacement_m, T velocity_m_per_s) {
     if (!is_number(displacement_m) || !is_number(velocity_m_per_s)) return;
     displacement_ = held(T(0), displacement_m, Ranges::displacement_m);
@@ -39,6 +42,7 @@ class MassBarrier {
     velocity_step_ = held(T(0), velocity_m_per_s, Ranges::speed_m_per_s) * time_step_;
     pending_step_ = 0;
     force_ = 0;
+    memory_.reset();
     is_thrown_ = true;
   }
 
@@ -52,7 +56,7 @@ class MassBarrier {
     const T admittance = dt * dt / (2 * mass_);
     const T gravity_step = dt * dt * gravity_;
     const Approach<T> approach{displacement_, velocity_step_ + pending_step_ + gravity_step / 2, admittance};
-    const auto step = contact_step(table_, contact_, dt, approach, segment_);
+    const auto step = memory_.advance(table_, contact_, dt, approach, segment_);
     segment_ = step.segment;
     displacement_ = step.compression;
     force_ = step.force;
@@ -67,6 +71,9 @@ class MassBarrier {
   [[nodiscard]] T force() const { return force_; }  ///< contact force over the last sample [N]
   /// That acts: a control that rises under load is ahead of it.
   [[nodiscard]] T stiffness_ratio() const { return contact_.stiffness_ratio; }
+  /// Energy that the contact stores [J], with what it remembers.
+  [[nodiscard]] T contact_energy() const { return memory_.energy(table_, displacement_, contact_.stiffness_ratio); }
+  [[nodiscard]] const ContactMemory<T>& memory() const { return memory_; }
 
  private:
   using Ranges = ControlRanges<T>;
@@ -85,7 +92,7 @@ class MassBarrier {
       pending_step_ *= factor;
       mass_ = mass;
     }
-    contact_ = followed_contact(table_, displacement_, contact_, controls.contact, time_step_);
+    contact_ = followed_contact(memory_, table_, displacement_, contact_, controls.contact, time_step_);
   }
 
   SegmentTable<T, Extent> table_;
@@ -101,6 +108,7 @@ class MassBarrier {
   bool is_thrown_ = true;  // since the last sample: the next one takes mass and stiffness as they are
   T mass_ = 1, gravity_ = 0;
   ContactControls<T> contact_;
+  ContactMemory<T> memory_;
 };
 
 }  // namespace contactspline

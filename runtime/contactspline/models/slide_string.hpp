@@ -5,6 +5,7 @@
 #include "contactspline/step/cpp20.hpp"
 
 #include <algorithm>
+#include <span>
 #include <type_traits>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include "contactspline/modal/string_place.hpp"
 #include "contactspline/step/contact.hpp"
 #include "contactspline/step/controls.hpp"
+#include "contactspline/step/memory.hpp"
 
 namespace contactspline {
 
@@ -37,21 +39,23 @@ template <std::floating_point T, std::size_t Extent = std::dynamic_extent, std::
 class SlideString {
  public:
   /// pluck_place_m: where the control of the pluck pushes [m], 0 to the length of the string, clamped; 0 if it is not
-  /// a number.
+  /// a number. memories: of the slide's material, as memories_of tells them.
   constexpr SlideString(SegmentTable<T, Extent> table, std::type_identity_t<std::span<const Mode, Modes>> modes,
-                        const StringShapes<T, Modes>& shapes, T pluck_place_m, double sample_rate_hz)
+                        const StringShapes<T, Modes>& shapes, T pluck_place_m, double sample_rate_hz,
+                        std::span<const Memory> memories = {})
       : table_(table),
         string_(modes, sample_rate_hz),
         shapes_(shapes),
         place_(shapes, pluck_place_m, shapes.longest_step(modes, sample_rate_hz)),
         pluck_(shapes.size()),
         rest_(shapes.size()),
-        time_step_(T(1 / sample_rate_hz)) {
+        time_step_(T(1 / sample_rate_hz)),
+        memory_(memories, sample_rate_hz) {
     pluck_ = place_.after();
   }
 
   /// Sets the slide at a place [m] along the string, at a distance [m], -0.1 to 0.1, from the string at rest (0: it
-  /// touches). Does nothing if one of them is not a number.
+  /// touches). Does nothing if one of them is not a number. The contact forgets what it remembers.
   void place(T place_m, T height_m) {
     if (!is_number(place_m) || !is_number(height_m)) return;
     place_.put(place_m);
@@ -61,6 +65,7 @@ class SlideString {
     velocity_ = 0;
     force_ = rest_force_ = mean_shape_change_ = 0;
     compression_ = slide_ - string_.displacement(place_.after());
+    memory_.reset();
     is_placed_ = true;
   }
 
@@ -87,7 +92,8 @@ class SlideString {
                          fingers.stiffness * fingers.admittance_to_end * fingers.admittance_to_mean;
     const Approach<T> approach{compression_, slide.free_increment - increment - shape_change,
                                slide.admittance + admittance};
-    const auto step = contact_step(table_, controls_.contact, time_step_, approach);
+    const auto step =
+        memory_.advance(table_, controls_.contact, time_step_, approach, segment_index(table_, compression_));
     force_ = step.force;
     rest_force_ = -fingers.stiffness * (fingers.increment + fingers.admittance_to_mean * force_);
     string_.push(place_.mean(), force_);
@@ -106,6 +112,8 @@ class SlideString {
   [[nodiscard]] T rest_force() const { return rest_force_; }    ///< of the resting fingers on the string [N]
   /// Work of the hand that moved the slide along the string in the last sample [J].
   [[nodiscard]] T work_along() const { return -force_ * mean_shape_change_; }
+  /// What the contact remembers.
+  [[nodiscard]] const ContactMemory<T>& memory() const { return memory_; }
   [[nodiscard]] const ModalBank<T, Modes>& string() const { return string_; }
   /// The controls that act, but for the place: those of the last sample, in their ranges. A stiffness that rises
   /// under load is behind its control.
@@ -145,7 +153,7 @@ class SlideString {
     } else {
       now.hand_stiffness_n_per_m =
           followed_stiffness(now.hand_stiffness_n_per_m, hand_stiffness, slide_ * slide_ / 2, time_step_);
-      now.contact = followed_contact(table_, compression_, now.contact, controls.contact, time_step_);
+      now.contact = followed_contact(memory_, table_, compression_, now.contact, controls.contact, time_step_);
     }
   }
 
@@ -180,6 +188,7 @@ class SlideString {
   MovingPlace<T, Modes> place_;
   ModeShapes<T, Modes> pluck_, rest_;  // shapes at the pluck and at the resting fingers
   T time_step_;
+  ContactMemory<T> memory_;
   SlideStringControls<T> controls_{.place_m = 0, .slide_mass_kg = 1};
   bool is_placed_ = true;  // since the last sample: the next one takes the stiffnesses as they are
   T height_ = 0;           // of the last place() [m]

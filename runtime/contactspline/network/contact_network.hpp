@@ -53,7 +53,10 @@ class ContactNetwork {
     couple_bodies();
     couple();  // no body has a damper yet
     measure_roots();
-    for (std::size_t k = 0; k < connections_.size(); ++k) install(plan.connections()[k], k);
+    for (std::size_t k = 0; k < connections_.size(); ++k) {
+      install(plan.connections()[k], k);
+      solver_.set_memory(k, {plan.connections()[k].memories, sample_rate_hz});
+    }
     place_all();
   }
 
@@ -161,6 +164,7 @@ class ContactNetwork {
       follow(mover);
     }
     for (Body& body : bodies_) body.bank.reset();
+    for (std::size_t k = 0; k < connections_.size(); ++k) solver_[k].memory.reset();
     for (const std::size_t p : pushed_) places_[p].push = 0, places_[p].is_pushed = false;
     pushed_.clear();
     last_pushed_.clear();
@@ -225,6 +229,7 @@ class ContactNetwork {
     double energy = 0;
     for (const Body& body : bodies_) energy += body.bank.dissipated();
     for (const std::size_t k : solver_.active()) energy += lost(k);
+    for (std::size_t k = 0; k < connections_.size(); ++k) energy += relaxed(k);
     return energy;
   }
 
@@ -578,7 +583,7 @@ class ContactNetwork {
     if (stiffness == target) return false;
     const double before = stored(k, acting.compression);
     const T energy_per_stiffness = acting.table.empty() ? acting.compression * acting.compression / 2
-                                                        : potential(acting.table, acting.compression);
+                                                        : acting.memory.energy(acting.table, acting.compression);
     stiffness = followed_stiffness(stiffness, target, energy_per_stiffness, time_step_);
     work_of_controls_ += stored(k, acting.compression) - before;
     return stiffness != target;
@@ -785,7 +790,7 @@ class ContactNetwork {
     const CoupledConnection<T>& c = solver_[k];
     const double y = double(compression);
     if (c.table.empty()) return double(c.spring_n_per_m) / 2 * y * y;
-    return double(c.contact.stiffness_ratio) * double(potential(c.table, compression));
+    return double(c.contact.stiffness_ratio) * double(c.memory.energy(c.table, compression));
   }
 
   // Energy that connection k dissipated over the last sample [J].
@@ -795,9 +800,19 @@ class ContactNetwork {
     const double x = double(c.compression) - double(y0);
     if (c.table.empty()) return double(c.resistance) * x * x;
     if (!(c.contact.loss_s_per_m > 0)) return 0;
-    if (!(c.force > 0)) return stored(k, y0) - stored(k, c.compression);  // all that it held beyond
+    if (!(c.force > 0))  // all that it held beyond
+      return double(c.contact.stiffness_ratio) *
+             (double(c.memory.energy_before(c.table, y0)) - double(c.memory.energy_before(c.table, c.compression)));
     return double(c.contact.loss_s_per_m) * double(c.contact.stiffness_ratio) / double(time_step_) *
-           double(contactspline::force(c.table, y0)) * x * x;
+           double(c.memory.force_before(c.table, y0)) * x * x;
+  }
+
+  // Energy that the memory of connection k dissipated when it relaxed last [J].
+  [[nodiscard]] double relaxed(std::size_t k) const {
+    const CoupledConnection<T>& c = solver_[k];
+    if (c.memory.empty()) return 0;
+    return double(c.contact.stiffness_ratio) *
+           (double(c.memory.energy_before(c.table, c.compression)) - double(c.memory.energy(c.table, c.compression)));
   }
 
   // [m/N]. Where nothing moves the admittance is 0; a contact needs one > 0.

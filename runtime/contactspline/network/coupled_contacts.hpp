@@ -53,7 +53,7 @@ class CoupledContacts {
         springs_(connections),
         group_(connections),
         newton_(connections, sample_rate_hz, max_steps, patience) {
-    for (auto* list : {&contacts_, &active_, &touching_, &grouped_}) list->reserve(connections);
+    for (auto* list : {&contacts_, &active_, &touching_, &grouped_, &remembering_}) list->reserve(connections);
   }
 
   [[nodiscard]] std::size_t size() const { return connections_.size(); }
@@ -69,6 +69,11 @@ class CoupledContacts {
     admittance_(i, j) = admittance_(j, i) = static_cast<T>(admittance);
     group_.forget();
     springs_.forget();
+  }
+  /// Gives contact i, once, a memory, which relaxes in each advance(), whether the contact was added or not.
+  void set_memory(std::size_t i, const ContactMemory<T>& memory) {
+    connections_[i].memory = memory;
+    if (!memory.empty()) remembering_.push_back(i);
   }
   [[nodiscard]] T admittance(std::size_t i, std::size_t j) const { return admittance_(i, j); }
 
@@ -113,7 +118,7 @@ class CoupledContacts {
     } while (activate_touching());
   }
 
-  /// Ends the sample: moves the compressions of the connections that were added.
+  /// Ends the sample: moves the compressions of the connections that were added, and lets memories relax.
   void advance() {
     for (const std::size_t i : active_) {
       connections_[i].compression = ends_[i].compression;
@@ -124,6 +129,10 @@ class CoupledContacts {
       CoupledConnection<T>& c = connections_[i];
       c.compression += increments_[i] - force_displacements_[i];
       c.segment = c.compression < 0 ? 0 : detail::relocate_segment(c.table, 0, c.compression);
+    }
+    for (const std::size_t i : remembering_) {
+      CoupledConnection<T>& c = connections_[i];
+      c.memory.relax(c.table, c.compression, c.segment);
     }
   }
 
@@ -181,7 +190,7 @@ class CoupledContacts {
   void solve_alone(std::size_t i) {
     CoupledConnection<T>& c = connections_[i];
     const Approach<T> approach{c.compression, increments_[i], acting_admittance()(i, i)};
-    const auto step = contact_step(c.table, c.contact, time_step_, approach, c.segment);
+    const auto step = c.memory.step(c.table, c.contact, time_step_, approach, c.segment);
     c.force = step.force;
     ends_[i] = {step.compression, step.segment};
   }
@@ -208,6 +217,7 @@ class CoupledContacts {
   detail::IndexList contacts_;           // that were added
   detail::IndexList active_, touching_;  // all that act, and the contacts of these
   detail::IndexList grouped_;            // contacts of the group that is being solved
+  detail::IndexList remembering_;        // contacts with a memory
   detail::ColumnMatrix<double> exact_admittance_;
   detail::ColumnMatrix<T> admittance_;  // rounded
   detail::ModalArray<T> increments_;    // of the contacts that were added, with springs, without forces of contacts

@@ -14,6 +14,7 @@
 #include "contactspline/modal/modal.hpp"
 #include "contactspline/modal/string_place.hpp"
 #include "contactspline/step/contact.hpp"
+#include "contactspline/step/memory.hpp"
 
 namespace contactspline {
 
@@ -44,6 +45,7 @@ class NetworkPlan {
     ContactControls<T> contact = {};
     T weight = 1;  // multiplies the stiffness of a contact
     T gap_m = 0;
+    std::span<const Memory> memories = {};  // of a contact
     T spring_n_per_m = 0, resistance_n_s_per_m = 0;
     bool is_rigid = false;
   };
@@ -70,12 +72,18 @@ class NetworkPlan {
     return add_place(mass, {&shape, 1});
   }
 
-  /// The table must outlive the network. weight: multiplies the stiffness, > 0.
+  /// The table must outlive the network. weight: multiplies the stiffness, > 0. memories: of the material, as
+  /// memories_of tells them.
   std::size_t add_contact(std::size_t first, std::size_t second, SegmentTable<T> table, T gap_m = 0,
-                          const ContactControls<T>& contact = {}, T weight = 1) {
-    return add(
-        connections_,
-        {.first = first, .second = second, .table = table, .contact = contact, .weight = weight, .gap_m = gap_m});
+                          const ContactControls<T>& contact = {}, T weight = 1,
+                          std::span<const Memory> memories = {}) {
+    return add(connections_, {.first = first,
+                              .second = second,
+                              .table = table,
+                              .contact = contact,
+                              .weight = weight,
+                              .gap_m = gap_m,
+                              .memories = memories});
   }
 
   /// A distributed contact between places of one body and one place or the ground. gaps_m: distance from each place
@@ -83,10 +91,10 @@ class NetworkPlan {
   /// they are lengths [m].
   ConnectionRange add_profile(std::span<const std::size_t> places, std::size_t second, SegmentTable<T> table,
                               std::span<const double> gaps_m, std::span<const double> weights,
-                              const ContactControls<T>& contact = {}) {
+                              const ContactControls<T>& contact = {}, std::span<const Memory> memories = {}) {
     const std::size_t first = connections_.size();
     for (std::size_t k = 0; k < places.size(); ++k)
-      add_contact(places[k], second, table, static_cast<T>(gaps_m[k]), contact, static_cast<T>(weights[k]));
+      add_contact(places[k], second, table, static_cast<T>(gaps_m[k]), contact, static_cast<T>(weights[k]), memories);
     return {first, places.size()};
   }
 

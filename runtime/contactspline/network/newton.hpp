@@ -93,7 +93,7 @@ class NewtonSolver {
         continue;  // stays apart
       const T xi = group.coupling()(a, a);
       const Approach<T> alone{c.compression, now_.increment[a] + xi * now_.force[a], xi};
-      const auto step = contact_step(c.table, c.contact, time_step_, alone, c.segment);
+      const auto step = c.memory.step(c.table, c.contact, time_step_, alone, c.segment);
       now_.slope[a] = group.law(a).slope_at(step);
       next_.segment[a] = step.segment;
       now_.residual[a] = (1 + xi * now_.slope[a]) * (step.force - now_.force[a]);

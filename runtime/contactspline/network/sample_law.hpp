@@ -11,6 +11,7 @@
 #include <span>
 
 #include "contactspline/step/contact.hpp"
+#include "contactspline/step/memory.hpp"
 
 namespace contactspline {
 
@@ -20,6 +21,7 @@ template <std::floating_point T>
 struct CoupledConnection {
   SegmentTable<T> table = {};
   ContactControls<T> contact = {};
+  ContactMemory<T> memory = {};
   T spring_n_per_m = 0;     ///< >= 0
   T resistance = 0;         ///< viscous force per metre of increment [N/m], R/dt, >= 0; of springs only
   T compression = 0;        ///< at the beginning of the sample [m]; advance() moves it to the end
@@ -49,9 +51,10 @@ class SampleLaw {
  public:
   SampleLaw() = default;
 
-  SampleLaw(const CoupledConnection<T>& c, T time_step) : table_(c.table), start_(c.segment), y0_(c.compression) {
-    const Segment<T>& here = table_[start_];
-    ratio_ = c.contact.stiffness_ratio;
+  SampleLaw(const CoupledConnection<T>& c, T time_step)
+      : table_(c.memory.spring(c.table)), start_(table_.segment_here(c.segment, c.compression)), y0_(c.compression) {
+    const Segment<T> here = table_[start_];
+    ratio_ = c.memory.designed(c.contact).stiffness_ratio;
     slope_at_knot_ = here.force_at(y0_);
     force_ = ratio_ * slope_at_knot_;
     half_curvature_ = ratio_ * here.half_curvature;
@@ -78,7 +81,8 @@ class SampleLaw {
     if (step.force == 0) return 0;
     const T x = step.compression - y0_;
     if ((x >= lower_ && x < upper_) || x == 0) return half_curvature_ + resistance_;
-    const T elastic = step.force - resistance_ * x, at_end = ratio_ * table_[step.segment].force_at(step.compression);
+    const T elastic = step.force - resistance_ * x,
+            at_end = ratio_ * table_[table_.segment_here(step.segment, step.compression)].force_at(step.compression);
     return std::max(T(0), (at_end - elastic) / x) + resistance_;
   }
 
@@ -86,20 +90,19 @@ class SampleLaw {
   /// largest curvature, and the resistance.
   [[nodiscard]] T steepest_slope() const {
     T half_curvature = half_curvature_;
-    for (const Segment<T>& segment : table_)
-      half_curvature = std::max(half_curvature, ratio_ * segment.half_curvature);
+    for (std::size_t k = 0; k < table_.size(); ++k)
+      half_curvature = std::max(half_curvature, ratio_ * table_[k].half_curvature);
     return half_curvature + resistance_;
   }
 
-  [[nodiscard]] T force_at_rest() const { return force_; }      ///< for x = 0 [N]
-  [[nodiscard]] std::size_t segment() const { return start_; }  ///< in which the sample begins
+  [[nodiscard]] T force_at_rest() const { return force_; }  ///< for x = 0 [N]
 
   /// Where a step with the increment x ends. segment: as in at().
   [[nodiscard]] EndOfSample<T> end_of(T x, std::size_t segment) const {
-    if (x >= lower_ && x < upper_) return {y0_ + x, relocate_segment(table_, start_, y0_ + x)};
+    if (x >= lower_ && x < upper_) return {y0_ + x, relocate_segment(table_.table(), start_, y0_ + x)};
     const Crossed crossed = cross(x, segment);
     const T y = table_[crossed.entry].knot + crossed.beyond;
-    return {y, relocate_segment(table_, crossed.last, y)};
+    return {y, relocate_segment(table_.table(), crossed.last, y)};
   }
 
  private:
@@ -128,16 +131,16 @@ class SampleLaw {
   [[nodiscard]] ForceAndSlope<T> crossing(T x, std::size_t& segment) const {
     const Crossed crossed = cross(x, segment);
     segment = crossed.last;
-    const PotentialWalk<T, std::dynamic_extent> walk(table_, start_, y0_, x >= upper_);
+    const PotentialWalk<T, TableLessLine<T>> walk(table_, start_, y0_, x >= upper_);
     const T c = table_[crossed.last].half_curvature, s = crossed.beyond;
-    const Segment<T>& entry = table_[crossed.entry];
+    const Segment<T> entry = table_[crossed.entry];
     const T gain = walk.gain_to(crossed.entry) + s * (entry.force + c * s);
     const T force = x != 0 ? gain / x : slope_at_knot_;
     const T slope = x != 0 ? (entry.force + 2 * c * s - force) / x : c;
     return {ratio_ * std::max(T(0), force), ratio_ * std::max(T(0), slope)};
   }
 
-  SegmentTable<T> table_{};
+  TableLessLine<T> table_;
   std::size_t start_ = 0;
   T y0_ = 0, ratio_ = 1, slope_at_knot_ = 0;
   T force_ = 0, half_curvature_ = 0, resistance_ = 0;  // within the segment of y0

@@ -89,12 +89,18 @@ template <typename Predicate>
   return count;
 }
 
+/// segment_index on any table with size() and operator[].
+template <typename Table, std::floating_point T>
+[[nodiscard]] constexpr std::size_t segment_holding(const Table& table, T y) {
+  return count_leading(table.size() - 1, [&](std::size_t k) { return table[k].knot <= y; });
+}
+
 }  // namespace detail
 
 /// Index of the segment that holds compression y [m]: 0 while y < 0, else 1 to N.
 template <std::floating_point T, std::size_t Extent>
 [[nodiscard]] constexpr std::size_t segment_index(SegmentTable<T, Extent> table, T y) {
-  return detail::count_leading(table.size() - 1, [&](std::size_t k) { return table[k].knot <= y; });
+  return detail::segment_holding(table, y);
 }
 
 /// Contact energy V(y) [J]; 0 out of contact.
@@ -134,9 +140,10 @@ struct ScalarArithmetic {
   static constexpr T neg_mul_add(T a, T b, T c) { return c - a * b; }
 };
 
-/// Corrects the segment index when rounding moved y across a knot.
-template <std::floating_point T, std::size_t Extent>
-[[nodiscard]] constexpr std::size_t relocate_segment(SegmentTable<T, Extent> table, std::size_t segment, T y) {
+/// Corrects the segment index when rounding moved y across a knot. This and what follows takes any table with size()
+/// and operator[], such as a SegmentTable.
+template <typename Table, std::floating_point T>
+[[nodiscard]] constexpr std::size_t relocate_segment(const Table& table, std::size_t segment, T y) {
   while (segment > 0 && y < table[segment].knot) --segment;
   while (segment + 1 < table.size() && y >= table[segment + 1].knot) ++segment;
   return segment;
@@ -158,16 +165,16 @@ template <std::floating_point T>
 }
 
 /// The way along the potential from y0 in the segment `start` to the knots above it, or to those below.
-template <std::floating_point T, std::size_t Extent>
+template <std::floating_point T, typename Table = SegmentTable<T>>
 struct PotentialWalk {
-  SegmentTable<T, Extent> table;
+  Table table;
   std::size_t start;
   T y0;
   bool up;
   std::size_t first;  // knot that is crossed first
   T gain_to_first;    // V(first knot) - V(y0), the area below the force
 
-  constexpr PotentialWalk(SegmentTable<T, Extent> segments, std::size_t from, T compression, bool upwards)
+  constexpr PotentialWalk(const Table& segments, std::size_t from, T compression, bool upwards)
       : table(segments),
         start(from),
         y0(compression),
@@ -182,13 +189,13 @@ struct PotentialWalk {
 };
 
 /// A step that leaves the segment `start` of y0, upwards or downwards.
-template <std::floating_point T, std::size_t Extent>
-struct Crossing : PotentialWalk<T, Extent> {
-  using Walk = PotentialWalk<T, Extent>;
+template <std::floating_point T, typename Table>
+struct Crossing : PotentialWalk<T, Table> {
+  using Walk = PotentialWalk<T, Table>;
   using Walk::gain_to, Walk::start, Walk::table, Walk::up, Walk::y0;
   T xf, xi;
 
-  constexpr Crossing(SegmentTable<T, Extent> segments, std::size_t from, const Approach<T>& approach, bool upwards)
+  constexpr Crossing(const Table& segments, std::size_t from, const Approach<T>& approach, bool upwards)
       : Walk(segments, from, approach.compression, upwards), xf(approach.free_increment), xi(approach.admittance) {}
 
   /// Does the root lie beyond this knot, one of those that may be crossed?
@@ -233,9 +240,8 @@ struct Crossing : PotentialWalk<T, Extent> {
 };
 
 /// The step from y0 in the segment `start` under x = (xf - xi f)/divisor, divisor >= 1.
-template <std::floating_point T, std::size_t Extent>
-[[nodiscard, gnu::always_inline]] constexpr ContactStep<T> contact_step(SegmentTable<T, Extent> table,
-                                                                        std::size_t start,
+template <typename Table, std::floating_point T>
+[[nodiscard, gnu::always_inline]] constexpr ContactStep<T> contact_step(const Table& table, std::size_t start,
                                                                         const Approach<T>& approach, T divisor) {
   const T y0 = approach.compression, xf = approach.free_increment, xi = approach.admittance;
   const Segment<T>& here = table[start];
@@ -253,7 +259,7 @@ template <std::floating_point T, std::size_t Extent>
   }
   const bool is_lossy = divisor != 1;
   const Approach<T> yielding{y0, is_lossy ? xf / divisor : xf, is_lossy ? xi / divisor : xi};
-  return Crossing<T, Extent>(table, start, yielding, above).step();
+  return Crossing<T, Table>(table, start, yielding, above).step();
 }
 
 }  // namespace detail
@@ -291,6 +297,30 @@ struct ContactControls {
   T loss_s_per_m = 0;     ///< Hunt-Crossley loss lambda >= 0: viscous force lambda F(y) dy/dt
 };
 
+namespace detail {
+
+/// contact_step under live controls, on any table.
+template <typename Table, std::floating_point T>
+[[nodiscard, gnu::always_inline]] constexpr ContactStep<T> controlled_step(const Table& table,
+                                                                           const ContactControls<T>& controls,
+                                                                           T time_step, const Approach<T>& approach,
+                                                                           std::size_t start) {
+  const T y0 = approach.compression, xf = approach.free_increment, xi = approach.admittance;
+  const T ratio = controls.stiffness_ratio;
+  if (controls.loss_s_per_m == 0) {
+    const auto elastic = contact_step(table, start, Approach<T>{y0, xf, ratio * xi}, T(1));
+    return {ratio * elastic.force, elastic.compression, elastic.segment};
+  }
+  const T resistance = controls.loss_s_per_m * ratio / time_step * table[start].force_at(y0);  // [N/m]
+  const T divisor = 1 + xi * resistance;
+  const auto elastic = contact_step(table, start, Approach<T>{y0, xf, ratio * xi}, divisor);
+  const T total = (ratio * elastic.force + resistance * xf) / divisor;
+  if (total >= 0) return {total, elastic.compression, elastic.segment};
+  return {0, y0 + xf, segment_holding(table, y0 + xf)};
+}
+
+}  // namespace detail
+
 /// contact_step with the material's stiffness scaled and a viscous force lambda F(y0) x/dt added. If the sum would
 /// pull, the force is 0 and the stored energy beyond is lost: this is passive, and the force stays continuous.
 /// time_step: dt [s]. start: the segment that holds y0.
@@ -298,18 +328,7 @@ template <std::floating_point T, std::size_t Extent>
 [[nodiscard, gnu::always_inline]] inline ContactStep<T> contact_step(SegmentTable<T, Extent> table,
                                                                      const ContactControls<T>& controls, T time_step,
                                                                      const Approach<T>& approach, std::size_t start) {
-  const T y0 = approach.compression, xf = approach.free_increment, xi = approach.admittance;
-  const T ratio = controls.stiffness_ratio;
-  if (controls.loss_s_per_m == 0) {
-    const auto elastic = detail::contact_step(table, start, Approach<T>{y0, xf, ratio * xi}, T(1));
-    return {ratio * elastic.force, elastic.compression, elastic.segment};
-  }
-  const T resistance = controls.loss_s_per_m * ratio / time_step * table[start].force_at(y0);  // [N/m]
-  const T divisor = 1 + xi * resistance;
-  const auto elastic = detail::contact_step(table, start, Approach<T>{y0, xf, ratio * xi}, divisor);
-  const T total = (ratio * elastic.force + resistance * xf) / divisor;
-  if (total >= 0) return {total, elastic.compression, elastic.segment};
-  return {0, y0 + xf, segment_index(table, y0 + xf)};
+  return detail::controlled_step(table, controls, time_step, approach, start);
 }
 
 /// The same without a known segment.

@@ -104,18 +104,6 @@ template <std::floating_point T>
   return (control - now) * energy_per_stiffness <= work ? control : now + work / energy_per_stiffness;
 }
 
-/// The contact controls of a model that is in contact at this compression [m].
-template <std::floating_point T, std::size_t Extent>
-[[nodiscard]] constexpr ContactControls<T> followed_contact(SegmentTable<T, Extent> table, T compression_m,
-                                                            const ContactControls<T>& now,
-                                                            const ContactControls<T>& controls, T time_step_s) {
-  ContactControls<T> next = held(now, controls);
-  if (next.stiffness_ratio > now.stiffness_ratio)
-    next.stiffness_ratio =
-        followed_stiffness(now.stiffness_ratio, next.stiffness_ratio, potential(table, compression_m), time_step_s);
-  return next;
-}
-
 /// A mass that follows a control: the factor for its velocity. What is added was at rest, what is taken away leaves
 /// with the velocity of the rest: neither adds kinetic energy.
 template <std::floating_point T>

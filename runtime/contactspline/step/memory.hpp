@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: MIT
+// A contact with memory, as felt, rubber and skin have it: its contact step, passive at any parameters
+// (docs/how-it-works/memory.md).
+#pragma once
+
+#include "contactspline/step/cpp20.hpp"
+
+#include <algorithm>
+#include <array>
+#include <concepts>
+#include <cstddef>
+#include <span>
+
+#include "contactspline/step/contact.hpp"
+#include "contactspline/step/controls.hpp"
+
+namespace contactspline {
+
+/// One memory of a contact: the force becomes F(y) - weight M, and M follows F(y) with the relaxation time. The
+/// stiffness of the table is that of a fast blow; a slow press meets 1 - sum of the weights of it (A. Stulov, J.
+/// Acoust. Soc. Am. 97, 1995).
+struct Memory {
+  double weight;  ///< 0 to 1; those of one contact add up to less than 1
+  double time_s;  ///< relaxation time > 0 [s]
+};
+
+/// The largest number of memories of one contact.
+inline constexpr std::size_t kMaxMemories = 4;
+
+/// The memories of an emitted material; none if it was emitted without.
+template <typename Material>
+inline constexpr auto memories_of = [] {
+  if constexpr (requires { Material::memory_weights; }) {
+    static_assert(Material::memory_weights.size() <= kMaxMemories);
+    std::array<Memory, Material::memory_weights.size()> memories{};
+    for (std::size_t i = 0; i < memories.size(); ++i)
+      memories[i] = {Material::memory_weights[i], Material::memory_times_s[i]};
+    return memories;
+  } else {
+    return std::array<Memory, 0>{};
+  }
+}();
+
+namespace detail {
+
+/// The potential of a table less a line, V(y) - line y, and flat below the compression at which its slope is 0. It
+/// has the indices of the table; entries below `split` are flat, and entry `split` begins where the slope is 0.
+template <std::floating_point T, std::size_t Extent = std::dynamic_extent>
+class TableLessLine {
+ public:
+  constexpr TableLessLine() = default;
+
+  /// line: a force >= 0 [N]. split: the last segment whose force at its knot is at most this, >= 1.
+  constexpr TableLessLine(SegmentTable<T, Extent> table, T line, std::size_t split)
+      : table_(table), line_(line), split_(split) {}
+
+  [[nodiscard]] constexpr std::size_t size() const { return table_.size(); }
+  [[nodiscard]] constexpr Segment<T> operator[](std::size_t k) const {
+    const Segment<T>& s = table_[k];
+    if (k > split_) return {s.knot, s.energy - line_ * s.knot, s.force - line_, s.half_curvature};
+    if (k < split_) return {s.knot, lowest_energy(), T(0), T(0)};
+    return {surface(), lowest_energy(), T(0), s.half_curvature};
+  }
+
+  [[nodiscard]] constexpr SegmentTable<T, Extent> table() const { return table_; }
+  /// The compression below which the force is 0 [m].
+  [[nodiscard]] constexpr T surface() const {
+    const Segment<T>& s = table_[split_];
+    return s.half_curvature > 0 ? s.knot + (line_ - s.force) / (2 * s.half_curvature) : s.knot;
+  }
+  /// The potential there and below [J], <= 0.
+  [[nodiscard]] constexpr T lowest_energy() const {
+    const T y = surface();
+    return table_[split_].energy_at(y) - line_ * y;
+  }
+  /// The segment here in which a compression lies that is in segment `start` of the table.
+  [[nodiscard]] constexpr std::size_t segment_here(std::size_t start, T compression) const {
+    return start == split_ && table_[start].force_at(compression) < line_ ? start - 1 : start;
+  }
+
+ private:
+  SegmentTable<T, Extent> table_{};
+  T line_ = 0;
+  std::size_t split_ = 1;
+};
+
+/// The last segment >= 1 whose force at the knot is at most `force` >= 0.
+template <std::floating_point T, std::size_t Extent>
+[[nodiscard]] constexpr std::size_t segment_of_force(SegmentTable<T, Extent> table, T force) {
+  return 1 + count_leading(table.size() - 2, [&](std::size_t k) { return table[k + 1].force <= force; });
+}
+
+}  // namespace detail
+
+/// What a contact remembers, and its step at one sample rate. Without memories it is the contact step alone.
+///
+/// Contact and memory take turns, half a sample apart: the contact moves at constant memory, on a potential that is
+/// as convex as the table's; then the memory relaxes at constant compression. Neither adds energy, whatever the
+/// weights and times. Weights and times are designed for the rate, so that memories shorter than a sample count as
+/// much as a blow feels of them.
+template <std::floating_point T>
+class ContactMemory {
+ public:
+  constexpr ContactMemory() = default;
+
+  /// At most kMaxMemories memories, weights > 0 with a sum below 1, times > 0.
+  constexpr ContactMemory(std::span<const Memory> memories, double sample_rate_hz) : count_(memories.size()) {
+    double stiffness = 1;  // that the rate asks for: a memory within half a sample stiffens less
+    for (const Memory& memory : memories)
+      stiffness -= memory.weight * std::max(0.0, 1 - 2 * memory.time_s * sample_rate_hz);
+    for (std::size_t i = 0; i < count_; ++i) {
+      const double half_samples = 2 * memories[i].time_s * sample_rate_hz;
+      const double weight = memories[i].weight * std::min(1.0, half_samples) / stiffness;
+      const double kept = std::max(0.0, (half_samples - 1) / (half_samples + 1));
+      weights_[i] = static_cast<T>(weight);
+      kept_[i] = static_cast<T>(kept);
+      taken_[i] = static_cast<T>(weight * (1 - kept));
+      sum_taken_ += taken_[i];
+    }
+    stiffness_ = static_cast<T>(stiffness);
+  }
+
+  [[nodiscard]] constexpr bool empty() const { return count_ == 0; }
+
+  /// Forgets everything.
+  constexpr void reset() {
+    remembered_ = before_ = {};
+    line_ = 0;
+  }
+
+  /// The contact step at constant memory: as contact_step with these controls, whose loss is in parts of the force
+  /// that the memory leaves. start: the segment of the table that holds y0.
+  template <std::size_t Extent>
+  [[nodiscard, gnu::always_inline]] constexpr ContactStep<T> step(SegmentTable<T, Extent> table,
+                                                                  const ContactControls<T>& controls, T time_step,
+                                                                  const Approach<T>& approach,
+                                                                  std::size_t start) const {
+    if (empty()) return detail::controlled_step(table, controls, time_step, approach, start);
+    const T y0 = approach.compression, xf = approach.free_increment, xi = approach.admittance;
+    if (y0 < 0 && y0 + xf < 0) return {0, y0 + xf, 0};
+    if (controls.loss_s_per_m == 0 && table[start].force_at(y0) >= line_) {
+      // Above the surface the line is a force that presses the bodies together.
+      const T ratio = controls.stiffness_ratio * stiffness_;
+      const ContactStep<T> pressed =
+          detail::contact_step(table, start, Approach<T>{y0, xf + ratio * xi * line_, ratio * xi}, T(1));
+      if (table[pressed.segment].force_at(pressed.compression) >= line_)
+        return {ratio * std::max(T(0), pressed.force - line_), pressed.compression, pressed.segment};
+    }
+    return step_through_surface(table, controls, time_step, approach, start);
+  }
+
+  /// The memory follows the force at the end of a sample, where the table's segment holds the compression [m]. The
+  /// surface of the felt stays behind when the other body leaves it.
+  template <std::size_t Extent>
+  [[gnu::always_inline]] constexpr void relax(SegmentTable<T, Extent> table, T compression, std::size_t segment) {
+    if (empty()) return;
+    const T force = std::max(table[segment].force_at(compression), line_);
+    before_ = remembered_;
+    T sum_kept = 0;  // apart from the force, for which this would have to wait
+    for (std::size_t i = 0; i < count_; ++i) {
+      const T kept = kept_[i] * remembered_[i];
+      sum_kept += kept;
+      remembered_[i] = taken_[i] * force + kept;
+    }
+    line_ = sum_taken_ * force + sum_kept;
+    if (!(line_ > kForgotten_n)) line_ = 0, remembered_ = {};
+  }
+
+  /// One sample of the contact and of its memory.
+  template <std::size_t Extent>
+  [[nodiscard, gnu::always_inline]] constexpr ContactStep<T> advance(SegmentTable<T, Extent> table,
+                                                                     const ContactControls<T>& controls, T time_step,
+                                                                     const Approach<T>& approach, std::size_t start) {
+    const ContactStep<T> result = step(table, controls, time_step, approach, start);
+    relax(table, result.compression, result.segment);
+    return result;
+  }
+
+  /// The potential at constant memory, in parts of designed().stiffness_ratio.
+  template <std::size_t Extent>
+  [[nodiscard]] constexpr detail::TableLessLine<T, Extent> spring(SegmentTable<T, Extent> table) const {
+    return {table, line_, empty() ? 1 : detail::segment_of_force(table, line_)};
+  }
+  /// The controls with the stiffness that the rate asks for.
+  [[nodiscard]] constexpr ContactControls<T> designed(const ContactControls<T>& controls) const {
+    return {controls.stiffness_ratio * stiffness_, controls.loss_s_per_m};
+  }
+
+  /// Compression below which the force of the next sample is 0 [m].
+  template <std::size_t Extent>
+  [[nodiscard]] constexpr T surface(SegmentTable<T, Extent> table) const {
+    return empty() ? T(0) : spring(table).surface();
+  }
+
+  /// Energy that contact and memory store [J]: above 0 also while the bodies are apart and the memory relaxes.
+  template <std::size_t Extent>
+  [[nodiscard]] constexpr T energy(SegmentTable<T, Extent> table, T compression, T stiffness_ratio = 1) const {
+    return energy_with(remembered_, table, compression, stiffness_ratio);
+  }
+  /// The same before the memory relaxed last.
+  template <std::size_t Extent>
+  [[nodiscard]] constexpr T energy_before(SegmentTable<T, Extent> table, T compression, T stiffness_ratio = 1) const {
+    return energy_with(before_, table, compression, stiffness_ratio);
+  }
+  /// Force at a compression, without loss, before the memory relaxed last [N].
+  template <std::size_t Extent>
+  [[nodiscard]] constexpr T force_before(SegmentTable<T, Extent> table, T compression, T stiffness_ratio = 1) const {
+    return stiffness_ratio * stiffness_ * std::max(T(0), force(table, compression) - sum(before_));
+  }
+
+ private:
+  using Forces = std::array<T, kMaxMemories>;
+
+  // Smaller forces are forgotten, before they become denormal [N].
+  static constexpr T kForgotten_n = T(1e-30);
+
+  // A step that ends or begins below the surface, or that has a loss.
+  template <std::size_t Extent>
+  constexpr ContactStep<T> step_through_surface(SegmentTable<T, Extent> table, const ContactControls<T>& controls,
+                                                T time_step, const Approach<T>& approach, std::size_t start) const {
+    const auto potential = spring(table);
+    const std::size_t from = potential.segment_here(start, approach.compression);
+    ContactStep<T> step = detail::controlled_step(potential, designed(controls), time_step, approach, from);
+    step.segment = detail::relocate_segment(table, step.segment, step.compression);
+    return step;
+  }
+
+  static constexpr T sum(const Forces& forces) {
+    T sum = 0;
+    for (const T force : forces) sum += force;
+    return sum;
+  }
+
+  template <std::size_t Extent>
+  constexpr T energy_with(const Forces& remembered, SegmentTable<T, Extent> table, T compression,
+                          T stiffness_ratio) const {
+    if (empty()) return stiffness_ratio * potential(table, compression);
+    const auto less_line = [&](T line) {
+      return detail::TableLessLine<T, Extent>(table, line, detail::segment_of_force(table, line));
+    };
+    T energy = 0;
+    for (std::size_t i = 0; i < count_; ++i)
+      energy -= weights_[i] * less_line(remembered[i] / weights_[i]).lowest_energy();
+    const T line = sum(remembered);
+    const auto spring = less_line(line);
+    const bool touches = compression > spring.surface();
+    energy += touches ? potential(table, compression) - line * compression : spring.lowest_energy();
+    return stiffness_ratio * stiffness_ * energy;
+  }
+
+  Forces weights_{}, kept_{}, taken_{};  // in a sample: kept of what is remembered, taken of the force
+  T sum_taken_ = 0;
+  T stiffness_ = 1;                 // that the rate asks for, in parts of the table's
+  Forces remembered_{}, before_{};  // weights times forces of the table: now, before the memory relaxed last [N]
+  T line_ = 0;                      // sum of what is remembered [N]
+  std::size_t count_ = 0;
+};
+
+/// The contact controls of a model that is in contact at this compression [m].
+template <std::floating_point T, std::size_t Extent>
+[[nodiscard]] constexpr ContactControls<T> followed_contact(const ContactMemory<T>& memory,
+                                                            SegmentTable<T, Extent> table, T compression_m,
+                                                            const ContactControls<T>& now,
+                                                            const ContactControls<T>& controls, T time_step_s) {
+  ContactControls<T> next = held(now, controls);
+  if (next.stiffness_ratio > now.stiffness_ratio)
+    next.stiffness_ratio = followed_stiffness(now.stiffness_ratio, next.stiffness_ratio,
+                                              memory.energy(table, compression_m), time_step_s);
+  return next;
+}
+
+}  // namespace contactspline
