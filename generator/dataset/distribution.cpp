@@ -29,11 +29,11 @@ double fraction(std::uint64_t bits) {
   return (static_cast<double>(bits >> 11) + 0.5) * 0x1p-53;
 }
 
-bool is_spread(const Column& column) {
+bool is_spread(const PlanColumn& column) {
   return column.law == Law::kUniform || column.law == Law::kLogarithmic;
 }
 
-double value_of(const Column& column, double part, std::uint64_t sample) {
+double value_of(const PlanColumn& column, double part, std::uint64_t sample) {
   switch (column.law) {
     case Law::kConstant:
       return column.low;
@@ -49,9 +49,9 @@ double value_of(const Column& column, double part, std::uint64_t sample) {
 
 }  // namespace
 
-Sampler::Sampler(std::span<const Column> columns, Sequence sequence, std::uint64_t seed)
+Sampler::Sampler(std::span<const PlanColumn> columns, Sequence sequence, std::uint64_t seed)
     : columns_(columns), sequence_(sequence) {
-  for (const Column& column : columns)
+  for (const PlanColumn& column : columns)
     if (is_spread(column)) starts_.push_back(start_of(column.name, seed));
 }
 
@@ -72,7 +72,7 @@ std::vector<double> Sampler::values(std::uint64_t sample) const {
   const std::vector<double> parts = spread(sample);
   std::vector<double> values;
   std::size_t next = 0;
-  for (const Column& column : columns_)
+  for (const PlanColumn& column : columns_)
     values.push_back(value_of(column, is_spread(column) ? parts[next++] : 0, sample));
   return values;
 }

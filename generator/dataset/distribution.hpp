@@ -13,7 +13,7 @@ namespace contactspline {
 enum class Law : unsigned char { kConstant, kUniform, kLogarithmic, kTable };
 
 /// A value of each sample.
-struct Column {
+struct PlanColumn {
   std::string name;  ///< hammer_mass_kg, or the key of an event: events[0].velocity
   std::string unit;  ///< of SI; empty for a number
   Law law = Law::kConstant;
@@ -33,7 +33,7 @@ enum class Sequence : unsigned char { kRandom, kSobol };
 class Sampler {
  public:
   /// The columns must outlive it.
-  Sampler(std::span<const Column> columns, Sequence sequence, std::uint64_t seed);
+  Sampler(std::span<const PlanColumn> columns, Sequence sequence, std::uint64_t seed);
 
   /// A value for each column.
   [[nodiscard]] std::vector<double> values(std::uint64_t sample) const;
@@ -42,7 +42,7 @@ class Sampler {
   // Numbers in (0, 1) for the columns with a law, in their order.
   [[nodiscard]] std::vector<double> spread(std::uint64_t sample) const;
 
-  std::span<const Column> columns_;
+  std::span<const PlanColumn> columns_;
   Sequence sequence_;
   std::vector<std::uint64_t> starts_;  ///< of the columns with a law
 };

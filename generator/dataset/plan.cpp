@@ -41,7 +41,7 @@ Range range_of(const Parameter& parameter) {
 
 // A number, or a distribution: an object with one law. Adds its column and returns its place.
 std::size_t read_column(const JsonObject& object, const char* name, std::string unit, Range range, Plan& plan) {
-  Column column;
+  PlanColumn column;
   column.name = object.key(name);
   column.unit = std::move(unit);
   if (const std::string own = "parameters."; column.name.starts_with(own)) column.name.erase(0, own.size());
@@ -103,7 +103,7 @@ std::size_t read_choice(const JsonObject& object, const char* key, std::span<con
 }
 
 void require_keys(const JsonObject& event, const Plan& plan, std::size_t column) {
-  const Column& keys = plan.columns[column];
+  const PlanColumn& keys = plan.columns[column];
   const auto is_whole = [](double key) { return key == std::floor(key); };
   const bool are_whole = keys.law == Law::kTable ? std::ranges::all_of(keys.table, is_whole)
                                                  : keys.law == Law::kConstant && is_whole(keys.low);

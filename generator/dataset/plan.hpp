@@ -50,7 +50,7 @@ struct Plan {
   std::map<std::string, std::string> inputs;  ///< the texts of the files that it names, by path
   InstrumentMaker maker;
   std::string instrument, description, license;
-  std::vector<Column> columns;
+  std::vector<PlanColumn> columns;
   std::vector<FirstValue> first;
   std::vector<PlannedEvent> events;  ///< by rising time
   std::vector<Recorded> recorded;

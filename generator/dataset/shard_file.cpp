@@ -34,7 +34,7 @@ struct ArrayPlan {
 
 std::vector<ArrayPlan> arrays_of(const Plan& plan) {
   std::vector<ArrayPlan> arrays;
-  for (const Column& column : plan.columns)
+  for (const PlanColumn& column : plan.columns)
     arrays.push_back({"parameters/" + column.name, column.unit, H5T_NATIVE_DOUBLE, 0, kBlockBytes / sizeof(double)});
   for (const Recorded& one : plan.recorded) {
     const bool is_energy = one.kind == Recorded::kEnergy;

@@ -12,8 +12,8 @@
 namespace contactspline::testing {
 namespace {
 
-Column column(std::string name, Law law, double low, double high) {
-  Column made;
+PlanColumn column(std::string name, Law law, double low, double high) {
+  PlanColumn made;
   made.name = std::move(name);
   made.law = law;
   made.low = low;
@@ -21,8 +21,8 @@ Column column(std::string name, Law law, double low, double high) {
   return made;
 }
 
-const std::vector<Column> kColumns = {column("a", Law::kUniform, -1, 3), column("b", Law::kLogarithmic, 0.01, 100),
-                                      column("c", Law::kConstant, 7, 0)};
+const std::vector<PlanColumn> kColumns = {
+    column("a", Law::kUniform, -1, 3), column("b", Law::kLogarithmic, 0.01, 100), column("c", Law::kConstant, 7, 0)};
 
 TEST(Sampler, SampleDependsOnItsNumberAlone) {
   for (const Sequence sequence : {Sequence::kRandom, Sequence::kSobol}) {
@@ -36,7 +36,7 @@ TEST(Sampler, SampleDependsOnItsNumberAlone) {
 }
 
 TEST(Sampler, OtherColumnsChangeNoRandomNumbers) {
-  const std::vector<Column> alone = {kColumns[1]};
+  const std::vector<PlanColumn> alone = {kColumns[1]};
   const Sampler both(kColumns, Sequence::kRandom, 1), one(alone, Sequence::kRandom, 1);
   for (std::uint64_t i = 0; i < 20; ++i) EXPECT_EQ(both.values(i)[1], one.values(i)[0]);
 }
@@ -45,7 +45,7 @@ TEST(Sampler, OtherColumnsChangeNoRandomNumbers) {
 // shape, because the first two dimensions of Sobol's sequence are a net with t = 0. A shift of the bits keeps that.
 TEST(Sampler, SobolPointsAreANet) {
   constexpr int kBits = 8, kPoints = 1 << kBits;
-  const std::vector<Column> unit = {column("x", Law::kUniform, 0, 1), column("y", Law::kUniform, 0, 1)};
+  const std::vector<PlanColumn> unit = {column("x", Law::kUniform, 0, 1), column("y", Law::kUniform, 0, 1)};
   const Sampler sampler(unit, Sequence::kSobol, 42);
   for (const std::uint64_t first : {std::uint64_t(kPoints - 1), std::uint64_t(1) << 30}) {
     // Boost leaves out the origin: sample i is point i + 1.
@@ -88,9 +88,9 @@ TEST(Sampler, RandomNumbersFollowTheirLaws) {
 }
 
 TEST(Sampler, TablesBeginAgain) {
-  Column table = column("t", Law::kTable, 0, 0);
+  PlanColumn table = column("t", Law::kTable, 0, 0);
   table.table = {3, 1, 2};
-  const std::vector<Column> columns = {table};
+  const std::vector<PlanColumn> columns = {table};
   const Sampler sampler(columns, Sequence::kRandom, 0);
   for (std::uint64_t i = 0; i < 9; ++i) EXPECT_EQ(sampler.values(i)[0], table.table[i % 3]);
 }

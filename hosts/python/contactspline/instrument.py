@@ -1,46 +1,60 @@
 # SPDX-License-Identifier: MIT
 """Instruments: what they have, what they play, and their sound."""
 
+from __future__ import annotations
+
 import base64
 import io
 import json
 import math
 import wave
-from collections import namedtuple
+import os
+from typing import Any, Callable, Iterable, Mapping, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from . import _core
 from .material import axes_or_new, table_html
 from .source import source_of, threads_of, watch_of
 
 _STRIKE, _RELEASE, _PLUCK, _NOTE_ON, _NOTE_OFF, _SET = range(6)
-_Event = namedtuple("_Event", "time_s action number value rise_s hold_s")
 
 
-def strike(time_s, speed_m_per_s, event=0, hold_s=math.inf):
+class Event(NamedTuple):
+    """What happens at a time: strike, release, pluck, note and change make it."""
+
+    time_s: float
+    action: int
+    number: int | str
+    value: float
+    rise_s: float
+    hold_s: float
+
+
+def strike(time_s: float, speed_m_per_s: float, event: int | str = 0, hold_s: float = math.inf) -> Event:
     """A blow at a time, by a name or a number of the instrument's events; its damper falls after hold_s."""
-    return _Event(time_s, _STRIKE, event, speed_m_per_s, 0, hold_s)
+    return Event(time_s, _STRIKE, event, speed_m_per_s, 0, hold_s)
 
 
-def release(time_s, event=0):
+def release(time_s: float, event: int | str = 0) -> Event:
     """Lets the damper of a blow fall."""
-    return _Event(time_s, _RELEASE, event, 0, 0, math.inf)
+    return Event(time_s, _RELEASE, event, 0, 0, math.inf)
 
 
-def pluck(time_s, force_n, event=0, rise_s=0.004):
+def pluck(time_s: float, force_n: float, event: int | str = 0, rise_s: float = 0.004) -> Event:
     """A pluck at a time, whose force rises within rise_s and lets go."""
-    return _Event(time_s, _PLUCK, event, force_n, rise_s, math.inf)
+    return Event(time_s, _PLUCK, event, force_n, rise_s, math.inf)
 
 
-def note(time_s, key, velocity=1.0, hold_s=math.inf):
+def note(time_s: float, key: int, velocity: float = 1.0, hold_s: float = math.inf) -> Event:
     """A key of MIDI (60: middle C) with a velocity from 0 to 1, let go after hold_s."""
-    return _Event(time_s, _NOTE_ON, key, velocity, 0, hold_s)
+    return Event(time_s, _NOTE_ON, key, velocity, 0, hold_s)
 
 
-def change(time_s, parameter, value):
+def change(time_s: float, parameter: str, value: float) -> Event:
     """A parameter takes another value."""
-    return _Event(time_s, _SET, parameter, value, 0, math.inf)
+    return Event(time_s, _SET, parameter, value, 0, math.inf)
 
 
 class Sound:
@@ -50,25 +64,27 @@ class Sound:
     samples, or None.
     """
 
-    def __init__(self, title, outputs, units, sample_rate_hz, force_n=None, energy_j=None, energy_step=0):
+    def __init__(self, title: str, outputs: dict[str, npt.NDArray[Any]], units: dict[str, str], sample_rate_hz: float,
+                 force_n: npt.NDArray[Any] | None = None, energy_j: npt.NDArray[np.float64] | None = None,
+                 energy_step: int = 0) -> None:
         self.title, self.outputs, self.units, self.sample_rate_hz = title, outputs, units, sample_rate_hz
         self.force_n, self.energy_j, self.energy_step = force_n, energy_j, energy_step
 
-    def __getitem__(self, output):
+    def __getitem__(self, output: str) -> npt.NDArray[Any]:
         if output not in self.outputs:
             raise ValueError(f"{self.title}: output '{output}' is unknown; allowed: {', '.join(self.outputs)}")
         return self.outputs[output]
 
     @property
-    def samples(self):
+    def samples(self) -> npt.NDArray[Any]:
         """The first output."""
         return next(iter(self.outputs.values()))
 
-    def time_s(self):
+    def time_s(self) -> npt.NDArray[np.float64]:
         """The time of each sample [s]."""
         return np.arange(len(self.samples)) / self.sample_rate_hz
 
-    def wav(self, output=None, peak_db=-1.0):
+    def wav(self, output: str | None = None, peak_db: float = -1.0) -> bytes:
         """An output (by default the first) as the bytes of a WAV file of 16 bits, with its peak at a level."""
         samples = self.samples if output is None else self[output]
         peak = np.max(np.abs(samples), initial=0.0)
@@ -82,12 +98,12 @@ class Sound:
             to.writeframes(whole.tobytes())
         return file.getvalue()
 
-    def write(self, path, output=None, peak_db=-1.0):
+    def write(self, path: str | os.PathLike[str], output: str | None = None, peak_db: float = -1.0) -> None:
         """Writes wav() to a file."""
         with open(path, "wb") as file:
             file.write(self.wav(output, peak_db))
 
-    def plot(self, output=None, axes=None):
+    def plot(self, output: str | None = None, axes: Any = None) -> Any:
         """Draws an output (by default the first) over time. Returns the axes of matplotlib."""
         axes = axes_or_new(axes)
         name = next(iter(self.outputs)) if output is None else output
@@ -95,10 +111,10 @@ class Sound:
         axes.set(xlabel="time [s]", ylabel=f"{name} [{self.units[name]}]", title=self.title)
         return axes
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<Sound {self.title}: {len(self.samples)} samples at {self.sample_rate_hz:g} Hz of {', '.join(self.outputs)}>"
 
-    def _repr_html_(self):
+    def _repr_html_(self) -> str:
         data = base64.b64encode(self.wav()).decode()
         return table_html(self.title, [("length", f"{len(self.samples) / self.sample_rate_hz:.3g} s"),
                                        ("outputs", ", ".join(self.outputs))]) + \
@@ -114,16 +130,19 @@ class Instrument:
     parameters. Raises Error with the line that the program prints.
     """
 
-    def __init__(self, source, /, **parts):
+    def __init__(self, source: str | os.PathLike[str] | Mapping[str, Any], /, **parts: Any) -> None:
         self._source = _core.Source(*source_of(source), json.dumps(parts, allow_nan=False))
-        self.name, self.description, self.license = self._source.name, self._source.description, self._source.license
-        self.parameters = {row["name"]: row for row in self._source.parameters()}
-        self.events = {row["name"]: row for row in self._source.events()}
-        self.outputs = {row["name"]: row for row in self._source.outputs()}
-        self.presets = {name: dict(zip(self.parameters, values)) for name, values in self._source.presets().items()}
+        self.name: str = self._source.name
+        self.description: str = self._source.description
+        self.license: str = self._source.license
+        self.parameters: dict[str, dict[str, Any]] = {row["name"]: row for row in self._source.parameters()}
+        self.events: dict[str, dict[str, Any]] = {row["name"]: row for row in self._source.events()}
+        self.outputs: dict[str, dict[str, Any]] = {row["name"]: row for row in self._source.outputs()}
+        self.presets: dict[str, dict[str, float]] = {name: dict(zip(self.parameters, values)) for name, values in self._source.presets().items()}
 
-    def play(self, events=(), seconds=1.0, *, sample_rate_hz=44100, parameters=None, outputs=None, force=True,
-             energy_step=0, precision="double"):
+    def play(self, events: Event | Iterable[Event] = (), seconds: float = 1.0, *, sample_rate_hz: float = 44100,
+             parameters: Mapping[str, npt.ArrayLike] | None = None, outputs: str | Iterable[str] | None = None,
+             force: bool = True, energy_step: int = 0, precision: str = "double") -> Sound:
         """Plays events (strike, pluck, note, ...; one or a list). Returns a Sound.
 
         parameters: values by name, each a number or an array of values over the whole time. outputs: the names of those
@@ -160,7 +179,7 @@ class Instrument:
     def _rows(self, events, rows, samples, rate):
         """These rows and all that happens, by time: (sample, action, number, value, rise)."""
         rows = list(rows)
-        for event in [events] if isinstance(events, _Event) else events:
+        for event in [events] if isinstance(events, Event) else events:
             rows += self._event_rows(event, rate)
         return sorted((row for row in rows if row[0] < samples), key=lambda row: row[0])
 
@@ -198,17 +217,19 @@ class Instrument:
             raise ValueError(f"{self.name}: {kind}: {event.number!r} is unknown; allowed: {', '.join(names) or 'none'}")
         return self.events[name]["number"]
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<Instrument {self.name}: {self.description}>"
 
-    def _repr_html_(self):
+    def _repr_html_(self) -> str:
         rows = [(row["name"], f"{row['initial']:g} {row['unit']}, {row['min']:g} to {row['max']:g}")
                 for row in self.parameters.values()]
         return table_html(self.description or self.name, rows)
 
 
-def render_many(instrument, parameters, events=(), seconds=1.0, *, sample_rate_hz=44100, output=None, precision="single",
-                threads=None, out=None, progress=None):
+def render_many(instrument: Instrument, parameters: Mapping[str, npt.ArrayLike], events: Event | Iterable[Event] = (),
+                seconds: float = 1.0, *, sample_rate_hz: float = 44100, output: str | None = None,
+                precision: str = "single", threads: int | None = None, out: npt.NDArray[np.float32] | None = None,
+                progress: Callable[[int, int], object] | None = None) -> npt.NDArray[np.float32]:
     """Renders an instrument once for each row of parameters, on all cores. Returns float32 samples, (rows, samples).
 
     parameters: a dict from names to arrays of the same length. events: what every row plays. output: a name (default:

@@ -1,9 +1,14 @@
 # SPDX-License-Identifier: MIT
 """Materials: a contact law, its spline and its impacts."""
 
+from __future__ import annotations
+
 import json
+import os
+from typing import Any, Callable, Iterable, Mapping
 
 import numpy as np
+import numpy.typing as npt
 
 from . import _core
 from .source import source_of, threads_of, watch_of
@@ -16,10 +21,11 @@ class Material:
     are keys of such a file, too. Raises Error with the line that the program prints.
     """
 
-    def __init__(self, source=None, /, **keys):
-        if source is not None and keys and not isinstance(source, dict):
+    def __init__(self, source: str | os.PathLike[str] | Mapping[str, Any] | None = None, /, **keys: Any) -> None:
+        if source is not None and keys and not isinstance(source, Mapping):
             raise TypeError("Material: keys stand alone or beside a dict; a name or a path takes none")
-        self._design = _core.design(*source_of(source if source is not None and not keys else {**(source or {}), **keys}))
+        own = source if isinstance(source, Mapping) else {}
+        self._design = _core.design(*source_of({**own, **keys} if keys or source is None else source))
 
     @classmethod
     def _of(cls, design):
@@ -27,37 +33,80 @@ class Material:
         made._design = design
         return made
 
-    name = property(lambda self: self._design.name, doc="The identifier.")
-    description = property(lambda self: self._design.description, doc="One line; may be empty.")
-    law = property(lambda self: self._design.law, doc="The contact law as a line of text.")
-    loss_s_per_m = property(lambda self: self._design.loss_s_per_m, doc="The Hunt-Crossley loss [s/m].")
-    end_m = property(lambda self: self._design.end_m, doc="The end of the spline's design range [m].")
-    mass_kg = property(lambda self: self._design.mass_kg(), doc="The mass of its impacts [kg].")
-    speeds_m_per_s = property(lambda self: self._design.speeds, doc="The range of its impacts' speeds, or None [m/s].")
-    knots_m = property(lambda self: self._design.knots(), doc="Left end of each segment [m].")
-    energies_j = property(lambda self: self._design.energies(), doc="Potential at each knot [J].")
-    forces_n = property(lambda self: self._design.forces(), doc="Force at each knot [N].")
-    half_curvatures_n_per_m = property(lambda self: self._design.half_curvatures(),
-                                       doc="Coefficient of the square in each segment [N/m].")
+    @property
+    def name(self) -> str:
+        """The identifier."""
+        return self._design.name
 
     @property
-    def errors(self):
+    def description(self) -> str:
+        """One line; may be empty."""
+        return self._design.description
+
+    @property
+    def law(self) -> str:
+        """The contact law as a line of text."""
+        return self._design.law
+
+    @property
+    def loss_s_per_m(self) -> float:
+        """The Hunt-Crossley loss [s/m]."""
+        return self._design.loss_s_per_m
+
+    @property
+    def end_m(self) -> float:
+        """The end of the spline's design range [m]."""
+        return self._design.end_m
+
+    @property
+    def mass_kg(self) -> float:
+        """The mass of its impacts [kg]."""
+        return self._design.mass_kg()
+
+    @property
+    def speeds_m_per_s(self) -> tuple[float, float] | None:
+        """The range of its impacts' speeds, or None [m/s]."""
+        return self._design.speeds
+
+    @property
+    def knots_m(self) -> npt.NDArray[np.float64]:
+        """Left end of each segment [m]."""
+        return self._design.knots()
+
+    @property
+    def energies_j(self) -> npt.NDArray[np.float64]:
+        """Potential at each knot [J]."""
+        return self._design.energies()
+
+    @property
+    def forces_n(self) -> npt.NDArray[np.float64]:
+        """Force at each knot [N]."""
+        return self._design.forces()
+
+    @property
+    def half_curvatures_n_per_m(self) -> npt.NDArray[np.float64]:
+        """Coefficient of the square in each segment [N/m]."""
+        return self._design.half_curvatures()
+
+    @property
+    def errors(self) -> dict[str, Any]:
         """The errors of the spline against the law, as `contactspline inspect --json` prints them."""
         return json.loads(self._design.json)["errors"]
 
-    def force(self, compression_m):
+    def force(self, compression_m: npt.ArrayLike) -> npt.NDArray[np.float64]:
         """The spline's force [N] at compressions [m], in their shape; 0 out of contact."""
         return self._design.spline_force(np.asarray(compression_m, float))
 
-    def potential(self, compression_m):
+    def potential(self, compression_m: npt.ArrayLike) -> npt.NDArray[np.float64]:
         """The spline's potential [J] at compressions [m], in their shape; 0 out of contact."""
         return self._design.spline_potential(np.asarray(compression_m, float))
 
-    def exact_force(self, compression_m):
+    def exact_force(self, compression_m: npt.ArrayLike) -> npt.NDArray[np.float64]:
         """The law's force [N] at compressions [m], in their shape; 0 out of contact."""
         return self._design.exact_force(np.asarray(compression_m, float))
 
-    def impact(self, speed_m_per_s, mass_kg=None, *, of="exact", sample_rate_hz=44100):
+    def impact(self, speed_m_per_s: float, mass_kg: float | None = None, *, of: str = "exact",
+               sample_rate_hz: float = 44100) -> _core.Impact:
         """A mass (by default the material's) that hits a rigid barrier.
 
         of: "exact", the law; "spline", its spline in continuous time; "simulated", the contact step at a sample rate.
@@ -66,7 +115,7 @@ class Material:
             raise ValueError(f"of: '{of}' is unknown; allowed: exact, spline, simulated")
         return self._design.impact(speed_m_per_s, mass_kg, of, sample_rate_hz)
 
-    def plot(self, axes=None):
+    def plot(self, axes: Any = None) -> Any:
         """Draws the force of law and spline over the compression. Returns the axes of matplotlib."""
         axes = axes_or_new(axes)
         y = np.linspace(0, self.end_m, 500)
@@ -77,13 +126,14 @@ class Material:
         axes.legend()
         return axes
 
-    def plot_impacts(self, speeds_m_per_s=None, axes=None):
+    def plot_impacts(self, speeds_m_per_s: npt.ArrayLike | None = None, axes: Any = None) -> Any:
         """Draws contact duration and largest force over speeds (by default the material's range)."""
         import matplotlib.pyplot as plt
 
         if speeds_m_per_s is None:
             slowest, fastest = self.speeds_m_per_s or (0.1, 10)
             speeds_m_per_s = np.geomspace(slowest, fastest, 40)
+        speeds_m_per_s = np.asarray(speeds_m_per_s, float)
         impacts = [self.impact(speed) for speed in speeds_m_per_s]
         if axes is None:
             _, axes = plt.subplots(2, 1, sharex=True)
@@ -93,22 +143,23 @@ class Material:
         axes[1].set(xlabel="speed [m/s]", ylabel="largest force [N]")
         return axes
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<Material {self.name}: {self.law}, {len(self.knots_m)} segments>"
 
-    def _repr_html_(self):
+    def _repr_html_(self) -> str:
         return table_html(self.description or self.name, [
             ("law", self.law), ("segments", len(self.knots_m)), ("design range", f"{1000 * self.end_m:.4g} mm"),
             ("loss", f"{self.loss_s_per_m:g} s/m"), ("worst error of the force", f"{100 * self.errors['force']['worst']:.3g} %")])
 
 
-def design_many(sources, *, threads=None, progress=None):
+def design_many(sources: Iterable[str | os.PathLike[str] | Mapping[str, Any]], *, threads: int | None = None,
+                progress: Callable[[int, int], object] | None = None) -> list[Material]:
     """Designs materials (names, paths or dicts) on all cores. Returns them in their order; the first error is raised.
 
     progress(done, total) is called about ten times a second.
     """
-    sources = [source_of(source) for source in sources]
-    designs = _core.design_many(sources, threads_of(threads), watch_of(progress, len(sources)))
+    texts = [source_of(source) for source in sources]
+    designs = _core.design_many(texts, threads_of(threads), watch_of(progress, len(texts)))
     return [Material._of(design) for design in designs]
 
 

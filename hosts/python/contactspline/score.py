@@ -1,12 +1,24 @@
 # SPDX-License-Identifier: MIT
 """Scores and MIDI files."""
 
+from __future__ import annotations
+
+import os
+from typing import Any, Mapping
+
 from . import _core
 from .instrument import Sound
 from .source import source_of
 
 
-def play_score(source, *, sample_rate_hz=44100, precision="double"):
+class ScoreSound(Sound):
+    """What a score plays: `contacts` is the number of its contacts."""
+
+    contacts: int
+
+
+def play_score(source: str | os.PathLike[str] | Mapping[str, Any], *, sample_rate_hz: float = 44100,
+               precision: str = "double") -> ScoreSound:
     """Plays a score: a name that ships, the path of a .json or .mid file, or a dict. Returns a Sound, as `render` plays it.
 
     The sound has the shape (samples,) or, in stereo, (samples, 2). Its force_n holds the largest contact force in each
@@ -18,12 +30,12 @@ def play_score(source, *, sample_rate_hz=44100, precision="double"):
         raise ValueError(f"sample_rate_hz: {sample_rate_hz} is refused; allowed: 1000 to 768000")
     samples, forces, contacts, output, unit = _core.play_score(*source_of(source), sample_rate_hz, precision == "single")
     title = source if isinstance(source, str) else "score"
-    sound = Sound(title, {output: samples[:, 0] if samples.shape[1] == 1 else samples}, {output: unit}, sample_rate_hz, forces)
+    sound = ScoreSound(title, {output: samples[:, 0] if samples.shape[1] == 1 else samples}, {output: unit}, sample_rate_hz, forces)
     sound.contacts = contacts
     return sound
 
 
-def shipped(kind):
+def shipped(kind: str) -> list[str]:
     """The names that ship: kind is "materials", "resonators", "instruments" or "scores"."""
     if kind not in _core.shipped:
         raise ValueError(f"kind: '{kind}' is unknown; allowed: {', '.join(_core.shipped)}")

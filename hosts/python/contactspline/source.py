@@ -1,18 +1,21 @@
 # SPDX-License-Identifier: MIT
 """What names, paths and objects mean for the compiled part."""
 
+from __future__ import annotations
+
 import json
 import os
+from typing import Any, Callable, Mapping
 
 
-def source_of(source):
+def source_of(source: str | os.PathLike[str] | Mapping[str, Any]) -> tuple[str, bool]:
     """The text that the compiled part reads, and whether it is the text of a file: a name, a path or a dict."""
-    if isinstance(source, dict):
-        return json.dumps(source, allow_nan=False), True
+    if isinstance(source, Mapping):
+        return json.dumps(dict(source), allow_nan=False), True
     return os.fspath(source), False
 
 
-def threads_of(threads):
+def threads_of(threads: int | None) -> int:
     """The number of threads; None: one for each core."""
     threads = (os.cpu_count() or 1) if threads is None else threads
     if threads < 1:
@@ -20,10 +23,10 @@ def threads_of(threads):
     return threads
 
 
-def watch_of(progress, total):
+def watch_of(progress: Callable[[int, int], object] | None, total: int) -> Callable[[int], None]:
     """Tells progress(done, total), if there is one. An interrupt from the keyboard is raised here and stops the work."""
 
-    def watch(done):
+    def watch(done: int) -> None:
         if progress is not None:
             progress(done, total)
 
