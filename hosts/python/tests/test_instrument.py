@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 import json
 import math
+import subprocess
+import sys
 import wave
 
 import numpy as np
@@ -164,3 +166,16 @@ def test_sounds_are_written_drawn_and_shown(tmp_path):
             ask("nothing")
     assert "<audio" in sound._repr_html_() and "hammer" in made("hammer_string")._repr_html_()
     json.dumps(list(sound.units))
+
+
+def test_calls_leave_nothing_behind():
+    code = """
+import resource, contactspline as cs
+string = cs.Instrument("hammer_string", resonator="string_c4", material="felt_c4")
+for call in range(4000):
+    string.play(cs.strike(0, 2), seconds=0.002)
+    if call in (500, 3999):
+        print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+"""
+    early, late = map(int, subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split())
+    assert late - early < 1000  # kB: less than 300 bytes of each call
