@@ -9,6 +9,7 @@
 
 #include "generator/cli/figure_file.hpp"
 #include "generator/contact/barrier_impact.hpp"
+#include "generator/fit/fit.hpp"
 #include "generator/instrument/instrument.hpp"
 #include "generator/player/score_player.hpp"
 #include "generator/resonator/resonator.hpp"
@@ -51,6 +52,9 @@ struct ImpactSweep {
 /// Errors of contact duration, compression and force over the sample rate, one curve for each material and speed.
 [[nodiscard]] std::string figure_over_rate(std::span<const ImpactSweep> sweeps, const std::string& title,
                                            FigureFormat format);
+
+/// Data and model of a fit, over time, speed or compression, with their residuals beside them.
+[[nodiscard]] std::string figure_of(const Fit& fit, const std::string& title, FigureFormat format);
 
 /// A bouncing mass, sample by sample.
 struct MassBarrierMotion {

@@ -200,11 +200,14 @@ std::vector<Found> named_columns(const ColumnNames& names, const std::vector<std
 
 void find_in_header(std::vector<Found>& found, const std::vector<std::string>& header,
                     std::span<const Quantity> wanted, const Place& place) {
+  const std::vector<Found> named = found;
   for (const Quantity quantity : wanted) {
-    if (std::ranges::find(found, quantity, &Found::quantity) != found.end()) continue;
+    if (std::ranges::find(named, quantity, &Found::quantity) != named.end()) continue;
     std::vector<Found> here;
     for (std::size_t i = 0; i < header.size(); ++i)
-      if (const auto size = unit_size(heading_of(header[i]), kind_of(quantity), place))
+      if (std::ranges::find(named, i, &Found::index) != named.end())
+        continue;
+      else if (const auto size = unit_size(heading_of(header[i]), kind_of(quantity), place))
         here.push_back({quantity, i, *size});
     if (here.size() > 1)
       place.fail(fmt::format("two columns hold the {}: '{}' and '{}'", name_of(quantity),

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
+#include <filesystem>
 
 #include "generator/fit/fit_problem.hpp"
 #include "generator/support/error.hpp"
@@ -147,7 +148,13 @@ std::vector<FitQuality> qualities_of(const FitProblem& problem, const Candidate&
   const Eigen::VectorXd residuals = problem.linearised(candidate.values, candidate.frees).residuals;
   std::vector<FitQuality> all;
   for (const FitSource& source : problem.sources())
-    all.push_back({source.file, source.quantity, source.at.size(), 0, source.at, source.measured, {}});
+    all.push_back({std::filesystem::path(source.file).filename().string(),
+                   source.quantity,
+                   source.at.size(),
+                   0,
+                   source.at,
+                   source.measured,
+                   {}});
   for (Eigen::Index i = 0; i < residuals.size(); ++i) {
     const std::size_t s = problem.source_of_residual()[static_cast<std::size_t>(i)];
     const double difference = residuals[i] * candidate.values.noise[s];

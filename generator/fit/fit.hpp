@@ -19,7 +19,7 @@ struct Estimate {
 
 /// What one source of data, a pulse, a table's column or a curve, says of the fit.
 struct FitQuality {
-  std::string file, quantity;
+  std::string file, quantity;  ///< the file without its folder
   std::size_t samples;
   double scatter;  ///< of the samples about the model: of a pulse or a curve in parts of the largest force, else
                    ///< relative

@@ -174,7 +174,7 @@ FitValues FitProblem::search(FitValues values, const std::vector<FitParameter>& 
   scales_.is_robust = true;
   const auto posed = pose(values, frees);
   ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_QR;
+  options.linear_solver_type = ceres::DENSE_SCHUR;  // each pulse's unknowns on their own
   options.max_num_iterations = max_steps;
   options.function_tolerance = 1e-10;
   options.parameter_tolerance = 1e-9;

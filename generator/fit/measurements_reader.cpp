@@ -159,7 +159,8 @@ Measurements parse_measurements(std::string_view text, std::string_view file, co
       read_name(fit, {}), read_description(fit), fit.number("mass_kg", kMass), {}, {}, {}, {}, {}, {}};
   measured.laws = read_choice(fit, "laws", names_of_laws());
   measured.losses = read_choice(fit, "losses", names_of_losses());
-  if (!fit.has("pulses") && !fit.has("tables")) fit.fail("fit", "has no data", "pulses or tables");
+  if (!fit.has("pulses") && !fit.has("tables") && !fit.has("curves"))
+    fit.fail("fit", "has no data", "pulses, tables or curves");
   if (fit.has("pulses"))
     for (const JsonObject& entry : fit.objects("pulses", {"file", "speed_m_per_s", "columns"}, kMaxFiles))
       read_pulse(entry, file, read, measured);

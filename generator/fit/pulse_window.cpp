@@ -54,18 +54,19 @@ double noise_of(const std::vector<double>& force) {
 
 void require_contact(const Pulse& pulse) {
   const auto [low, high] = std::ranges::minmax(pulse.force_n);
-  if (-low > std::max(high, 0.0))
+  if (low == high)
+    refuse(pulse.file, "force", fmt::format("is {:.4g} N throughout: there is no contact", low), "one pulse");
+  const double noise = noise_of(pulse.force_n);
+  constexpr double kMinRatio = 10;
+  if (!(high - low > kMinRatio * noise))
+    refuse(pulse.file, "force", fmt::format("no contact stands out of noise of {:.3g} N", noise),
+           "one pulse, well above the noise");
+  if (-low > high)
     refuse(pulse.file, "force", fmt::format("reaches {:.4g} N downwards", low),
            "a force that is positive in contact: change the sign of the column");
   if (!(high >= kForce.min && high <= kForce.max))
-    refuse(pulse.file, "force",
-           high == 0 ? "is 0 throughout: there is no contact" : fmt::format("reaches {:.4g} N: a wrong unit?", high),
+    refuse(pulse.file, "force", fmt::format("reaches {:.4g} N: a wrong unit?", high),
            fmt::format("a largest force from {} to {} N", kForce.min, kForce.max));
-  const double noise = noise_of(pulse.force_n);
-  constexpr double kMinRatio = 5;
-  if (!(high - low > 2 * kMinRatio * noise))
-    refuse(pulse.file, "force", fmt::format("no contact stands out of noise of {:.3g} N", noise),
-           "one pulse, well above the noise");
 }
 
 void require_whole(const Pulse& pulse, const SamplesOfContact& contact) {

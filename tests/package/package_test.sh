@@ -752,7 +752,7 @@ files_of() {
     name=$(sed -nE 's/^  "name": "([a-z_0-9]+)".*/\1/p; s/^  "instrument": "([a-z]+)-.*/my_\1/p; s/^  "instrument": "([a-z_]+)\.json".*/\1_score/p' "$block" | head -n 1)
     [ -z "$name" ] || mv "$block" "$name.json"
   done
-  [ ! -e curve1.csv ] || { mv curve1.csv my_felt.csv && mv curve2.csv my_impact.csv; }
+  [ ! -e curve2.csv ] || { mv curve1.csv my_felt.csv && mv curve2.csv my_impact.csv; }
   cp "$SOURCE/data/scores/bach_prelude.mid" my_song.mid
   readme_block cmake "${1#"$SOURCE/"}" >CMakeLists.txt
 }
@@ -771,6 +771,7 @@ case_pages() {
     cd "$WORK/${page#"$SOURCE/"}"
     ln -s "$BUILD" build/program
     ln -s "$BUILD" build/release
+    [ "$name" != fit ] || ln -s "$SOURCE/examples" examples
     files_of "$page"
     commands=$((commands + $(commands_of "$page" | wc -l)))
     commands_of "$page" | fresh_commands >commands.sh

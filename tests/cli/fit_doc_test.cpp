@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+// docs/how-to/fit.md and the data of its tutorials in examples/fit: the page shows them as they are, they lead to the
+// parameters that they were made from, and make_data.py makes them again.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "program.hpp"
+#include "sandbox.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+const fs::path kExamples = fs::path(SOURCE_FOLDER) / "examples/fit";
+
+void expect_held(const nlohmann::json& fit, const char* estimate, double value) {
+  const auto& found = fit.at("estimates").at(estimate);
+  EXPECT_LE(found.at("low").get<double>(), value) << estimate;
+  EXPECT_GE(found.at("high").get<double>(), value) << estimate;
+  EXPECT_LT(found.at("high").get<double>() / found.at("low").get<double>(), 1.4) << estimate;
+}
+
+TEST(FitTutorials, FindTheFeltFromFivePulses) {
+  const auto fit = nlohmann::json::parse(
+      succeed({.arguments = {"fit", (kExamples / "felt.fit.json").string(), "--json"}}));
+  EXPECT_EQ(fit.at("law").get<std::string>() + " " + fit.at("loss").get<std::string>(), "power hunt_crossley");
+  expect_held(fit, "stiffness_n_per_m_alpha", 4.5e9);
+  expect_held(fit, "exponent", 2.5);
+  expect_held(fit, "loss_s_per_m", 0.12);
+}
+
+TEST(FitTutorials, FindTheRubberBallFromContactTimes) {
+  const auto fit = nlohmann::json::parse(
+      succeed({.arguments = {"fit", (kExamples / "rubber_ball.fit.json").string(), "--json"}}));
+  EXPECT_EQ(fit.at("law").get<std::string>() + " " + fit.at("loss").get<std::string>(), "hertz hunt_crossley");
+  expect_held(fit, "stiffness_n_per_m_alpha", 4.903e5);
+  expect_held(fit, "loss_s_per_m", 0.1);
+}
+
+TEST(FitTutorials, HaveTheDataOfTheirScript) {
+  const Sandbox box;
+  const std::string command = "/usr/bin/python3 '" + (kExamples / "make_data.py").string() + "' '" + box.path().string() + "'";
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  int files = 0;
+  for (const auto& entry : fs::directory_iterator(box.path())) {
+    ++files;
+    EXPECT_EQ(read_file(entry.path()), read_file(kExamples / entry.path().filename())) << entry.path().filename();
+  }
+  EXPECT_EQ(files, 6);
+}
+
+// What the page shows of the files and of the reports is what they are.
+TEST(FitPage, ShowsFilesAndReportsAsTheyAre) {
+  const std::string page = read_file(fs::path(SOURCE_FOLDER) / "docs/how-to/fit.md");
+  for (const char* name : {"felt", "rubber_ball"}) {
+    const fs::path file = kExamples / (std::string(name) + ".fit.json");
+    EXPECT_NE(page.find("```json\n" + read_file(file) + "```"), std::string::npos) << name;
+    EXPECT_NE(page.find("```text\n" + succeed({.arguments = {"fit", file.string()}}) + "```"), std::string::npos) << name;
+  }
+}
+
+}  // namespace
+}  // namespace contactspline::testing
