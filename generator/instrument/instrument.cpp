@@ -58,14 +58,15 @@ class Flattener {
 
  private:
   // Keys that lower a string bring down modes that lie above the limit.
-  [[nodiscard]] ModeSet modes_on(const Resonator& resonator) const {
+  [[nodiscard]] double limit_hz(const Resonator& resonator) const {
     const bool is_lowered = std::holds_alternative<StiffString>(resonator.body);
-    return modes_of(resonator, max_frequency_hz_ * (is_lowered ? std::exp2(-lowest_key_cents(model_) / 1200) : 1));
+    return max_frequency_hz_ * (is_lowered ? std::exp2(-lowest_key_cents(model_) / 1200) : 1);
   }
 
   void add_body(const InstrumentBody& body) {
     const auto* string = std::get_if<StiffString>(&body.resonator.body);
-    for (const ResonatorMode& mode : modes_on(body.resonator).modes) {
+    modes_.push_back(numbered_modes_of(body.resonator, limit_hz(body.resonator)).modes);
+    for (const NumberedMode& mode : modes_.back()) {
       if (model_.keys.tune())
         arrays_.tension_squares.push_back(string == nullptr ? 0 : thirteen_digits(square_by_tension(*string, mode)));
       if (model_.has_movers())
@@ -81,9 +82,9 @@ class Flattener {
     first_place_.push_back(arrays_.place_bodies.size());
     for (const Place& point : place.points) {
       arrays_.place_bodies.push_back(place.body);
-      for (const ResonatorMode& mode :
-           modes_on(picked_up_at(model_.bodies[place.body].resonator, place, point)).modes)
-        arrays_.shapes.push_back(thirteen_digits(mode.pickup_shape));
+      const Resonator resonator = picked_up_at(model_.bodies[place.body].resonator, place, point);
+      for (const NumberedMode& mode : modes_[place.body])
+        arrays_.shapes.push_back(thirteen_digits(pickup_shape(resonator, mode)));
     }
   }
 
@@ -164,7 +165,7 @@ class Flattener {
   std::size_t add_end(std::size_t body) {
     const Resonator& resonator = model_.bodies[body].resonator;
     ++arrays_.far_ends;
-    for (const ResonatorMode& mode : modes_on(resonator).modes)
+    for (const NumberedMode& mode : modes_[body])
       arrays_.shapes.push_back(thirteen_digits(bridge_shape(std::get<StiffString>(resonator.body), mode)));
     arrays_.place_bodies.push_back(body);
     return arrays_.place_bodies.size() - 1;
@@ -173,6 +174,7 @@ class Flattener {
   const InstrumentModel& model_;
   double max_frequency_hz_;
   InstrumentArrays arrays_;
+  std::vector<std::vector<NumberedMode>> modes_;             // of each body: its places have them all
   std::vector<std::size_t> first_place_, first_connection_;  // one for each place, one for each group
 };
 

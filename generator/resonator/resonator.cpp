@@ -7,7 +7,9 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <type_traits>
 #include <utility>
+#include <variant>
 
 namespace contactspline {
 namespace {
@@ -51,103 +53,118 @@ double without_rounding(double shape) {
   return std::abs(shape) < 1e-12 ? 0.0 : shape;
 }
 
-double natural_frequency(const ResonatorMode& mode) {
+double natural_frequency(const NumberedMode& mode) {
   return std::hypot(mode.mode.angular_frequency_rad_per_s, mode.mode.decay_per_s);
 }
 
-// The modes i = 1, 2, ... with undamped frequencies below the limit, at most max + 1 of them.
-template <typename UndampedAt, typename ShapesOf>
-std::vector<ResonatorMode> modes_while_below(double limit, std::size_t max, const Losses& losses,
-                                             UndampedAt undamped_at, ShapesOf shapes_of) {
-  std::vector<ResonatorMode> modes;
-  detail::for_sounding_modes(limit, max + 1, losses, undamped_at, [&](const Mode& mode, double beta, int i) {
-    const auto [strike, pickup] = shapes_of(beta, i);
-    modes.push_back({mode, beta, without_rounding(strike), without_rounding(pickup)});
-  });
-  return modes;
-}
-
-std::size_t max_modes(const Resonator& resonator) {
-  return static_cast<std::size_t>(resonator.max_modes);
-}
-
-std::vector<ResonatorMode> modes_below(const StiffString& string, const Resonator& resonator, double limit) {
-  std::vector<ResonatorMode> modes;
-  const auto strings = static_cast<double>(string.detuning_cents.size());
-  for (const auto& [mode, beta] : modes_below(string, limit / (2 * pi), max_modes(resonator) + 1))
-    modes.push_back({mode, beta, without_rounding(std::sin(beta * resonator.strike.position_m)) / strings,
-                     without_rounding(std::sin(beta * resonator.pickup.position_m))});
-  return modes;
-}
-
-std::vector<ResonatorMode> modes_below(const Bar& bar, const Resonator& resonator, double limit) {
-  return modes_while_below(
-      limit, max_modes(resonator), bar.losses, [&](int i) { return undamped_mode(bar, i); },
-      [&](double beta, int i) {
-        return std::pair(shape_at(bar, i, beta, resonator.strike.position_m),
-                         shape_at(bar, i, beta, resonator.pickup.position_m));
-      });
-}
-
 // Sorts by rising frequency and keeps at most max + 1 modes. Returns the limit above which no further mode is needed.
-double keep_lowest(std::vector<ResonatorMode>& modes, std::size_t max, double limit) {
+double keep_lowest(std::vector<NumberedMode>& modes, std::size_t max, double limit) {
   std::ranges::stable_sort(modes, {}, natural_frequency);
   if (modes.size() <= max) return limit;
   modes.resize(max + 1);
   return natural_frequency(modes.back());
 }
 
-// J_m(beta r) cos(m angle), or its mean over a disc of radius a: 2 J_1(beta a)/(beta a) for m = 0, otherwise 0.
-double shape_at(const Place& at, int order, double beta, double angle) {
-  using boost::math::cyl_bessel_j;
-  if (at.mean_radius_m == 0) return cyl_bessel_j(order, beta * at.position_m) * std::cos(order * angle);
-  const double x = beta * at.mean_radius_m;
-  return order == 0 ? 2 * cyl_bessel_j(1, x) / x : 0;
+// Adds the modes i = 1, 2, ... of a row with undamped frequencies below the limit, at most max + 1 of them.
+template <typename UndampedAt>
+void add_row(std::vector<NumberedMode>& modes, int row, double limit, std::size_t max, const Losses& losses,
+             UndampedAt undamped_at) {
+  detail::for_sounding_modes(limit, max + 1, losses, undamped_at, [&](const Mode& mode, double beta, int i) {
+    modes.push_back({mode, beta, row, i});
+  });
 }
 
-// The first zero of J_m rises with m, so the search ends at the first order without a mode below the limit.
-std::vector<ResonatorMode> modes_below(const Membrane& membrane, const Resonator& resonator, double limit) {
-  const Place& strike = resonator.strike;
-  const Place& pickup = resonator.pickup;
-  std::vector<ResonatorMode> modes;
-  for (int order = 0;; ++order) {
-    const auto found = modes_while_below(
-        limit, max_modes(resonator), membrane.losses, [&](int i) { return undamped_mode(membrane, order, i); },
-        [&](double beta, int) {
-          return std::pair(shape_at(strike, order, beta, 0),
-                           shape_at(pickup, order, beta, pickup.angle_rad - strike.angle_rad));
-        });
-    if (found.empty()) return modes;
-    modes.insert(modes.end(), found.begin(), found.end());
-    limit = keep_lowest(modes, max_modes(resonator), limit);
+// All rows from the first. The lowest mode of a row rises with it, so the search ends at one without a mode below the
+// limit.
+template <typename UndampedAt>
+std::vector<NumberedMode> rows_below(int first, double limit, std::size_t max, const Losses& losses,
+                                     UndampedAt undamped_at) {
+  std::vector<NumberedMode> modes;
+  for (int row = first;; ++row) {
+    const std::size_t before = modes.size();
+    add_row(modes, row, limit, max, losses, [&](int i) { return undamped_at(row, i); });
+    if (modes.size() == before) return modes;
+    limit = keep_lowest(modes, max, limit);
   }
 }
 
-// The first mode of a row rises with m, so the search ends at the first row without a mode below the limit.
-std::vector<ResonatorMode> modes_below(const Plate& plate, const Resonator& resonator, double limit) {
-  std::vector<ResonatorMode> modes;
-  for (int m = 1;; ++m) {
-    const double kx = m * pi / plate.length_m;
-    const auto found = modes_while_below(
-        limit, max_modes(resonator), plate.losses, [&](int n) { return undamped_mode(plate, m, n); },
-        [&](double, int n) {
-          const double ky = n * pi / plate.width_m;
-          const auto shape = [&](const Place& at) {
-            return std::sin(kx * at.position_m) * std::sin(ky * at.across_m);
-          };
-          return std::pair(shape(resonator.strike), shape(resonator.pickup));
-        });
-    if (found.empty()) return modes;
-    modes.insert(modes.end(), found.begin(), found.end());
-    limit = keep_lowest(modes, max_modes(resonator), limit);
-  }
-}
-
-std::vector<ResonatorMode> modes_below(const ModeTable& table, const Resonator&, double limit) {
-  std::vector<ResonatorMode> modes;
-  for (const auto& [mode, strike_shape, pickup_shape] : table.rows)
-    if (mode.angular_frequency_rad_per_s < limit) modes.push_back({mode, 0, strike_shape, pickup_shape});
+std::vector<NumberedMode> numbered_below(const StiffString& string, double limit, std::size_t max) {
+  std::vector<NumberedMode> modes;
+  for (const auto& [mode, beta] : modes_below(string, limit / (2 * pi), max + 1))
+    modes.push_back({mode, beta, 0, static_cast<int>(modes.size()) + 1});
   return modes;
+}
+
+std::vector<NumberedMode> numbered_below(const Bar& bar, double limit, std::size_t max) {
+  std::vector<NumberedMode> modes;
+  add_row(modes, 0, limit, max, bar.losses, [&](int i) { return undamped_mode(bar, i); });
+  return modes;
+}
+
+std::vector<NumberedMode> numbered_below(const Membrane& membrane, double limit, std::size_t max) {
+  return rows_below(0, limit, max, membrane.losses,
+                    [&](int order, int i) { return undamped_mode(membrane, order, i); });
+}
+
+std::vector<NumberedMode> numbered_below(const Plate& plate, double limit, std::size_t max) {
+  return rows_below(1, limit, max, plate.losses, [&](int m, int n) { return undamped_mode(plate, m, n); });
+}
+
+std::vector<NumberedMode> numbered_below(const ModeTable& table, double limit, std::size_t) {
+  std::vector<NumberedMode> modes;
+  for (std::size_t i = 0; i < table.rows.size(); ++i)
+    if (table.rows[i].mode.angular_frequency_rad_per_s < limit)
+      modes.push_back({table.rows[i].mode, 0, 0, static_cast<int>(i)});
+  return modes;
+}
+
+// The shape of a mode at a place, whose angle counts from `zero_rad`.
+double shape_at(const StiffString&, const NumberedMode& mode, const Place& at, double) {
+  return std::sin(mode.wavenumber_per_m * at.position_m);
+}
+
+double shape_at(const Bar& bar, const NumberedMode& mode, const Place& at, double) {
+  return contactspline::shape_at(bar, mode.number, mode.wavenumber_per_m, at.position_m);
+}
+
+// J_m(beta r) cos(m angle), or its mean over a disc of radius a: 2 J_1(beta a)/(beta a) for m = 0, otherwise 0.
+double shape_at(const Membrane&, const NumberedMode& mode, const Place& at, double zero_rad) {
+  using boost::math::cyl_bessel_j;
+  const double beta = mode.wavenumber_per_m;
+  if (at.mean_radius_m == 0)
+    return cyl_bessel_j(mode.row, beta * at.position_m) * std::cos(mode.row * (at.angle_rad - zero_rad));
+  const double x = beta * at.mean_radius_m;
+  return mode.row == 0 ? 2 * cyl_bessel_j(1, x) / x : 0;
+}
+
+double shape_at(const Plate& plate, const NumberedMode& mode, const Place& at, double) {
+  const double kx = mode.row * pi / plate.length_m, ky = mode.number * pi / plate.width_m;
+  return std::sin(kx * at.position_m) * std::sin(ky * at.across_m);
+}
+
+const ModeTable::Row& row_of(const ModeTable& table, const NumberedMode& mode) {
+  return table.rows[static_cast<std::size_t>(mode.number)];
+}
+
+// The shape at a place of a body that is no table. Angles count from that of the strike.
+double shape_of(const Resonator& resonator, const NumberedMode& mode, const Place& at) {
+  const double zero_rad = resonator.strike.angle_rad;
+  return std::visit(
+      [&](const auto& body) {
+        if constexpr (std::is_same_v<decltype(body), const ModeTable&>)
+          return 0.0;
+        else
+          return without_rounding(shape_at(body, mode, at, zero_rad));
+      },
+      resonator.body);
+}
+
+// A strike is shared by the strings of a choir.
+double strike_shape(const Resonator& resonator, const NumberedMode& mode) {
+  if (const auto* table = std::get_if<ModeTable>(&resonator.body)) return row_of(*table, mode).strike_shape;
+  const auto* string = std::get_if<StiffString>(&resonator.body);
+  const double shape = shape_of(resonator, mode, resonator.strike);
+  return string == nullptr ? shape : shape / static_cast<double>(string->detuning_cents.size());
 }
 
 }  // namespace
@@ -166,13 +183,28 @@ std::string_view name_of(const decltype(Resonator::body)& body) {
   return kNames[body.index()];
 }
 
-ModeSet modes_of(const Resonator& resonator, double max_frequency_hz) {
+NumberedModeSet numbered_modes_of(const Resonator& resonator, double max_frequency_hz) {
   const double limit = 2 * pi * max_frequency_hz;
-  auto modes = std::visit([&](const auto& body) { return modes_below(body, resonator, limit); }, resonator.body);
-  keep_lowest(modes, max_modes(resonator), limit);
-  const bool cut = modes.size() > max_modes(resonator);
-  if (cut) modes.resize(max_modes(resonator));
+  const auto max = static_cast<std::size_t>(resonator.max_modes);
+  auto modes = std::visit([&](const auto& body) { return numbered_below(body, limit, max); }, resonator.body);
+  keep_lowest(modes, max, limit);
+  const bool cut = modes.size() > max;
+  if (cut) modes.resize(max);
   return {std::move(modes), cut};
+}
+
+double pickup_shape(const Resonator& resonator, const NumberedMode& mode) {
+  if (const auto* table = std::get_if<ModeTable>(&resonator.body)) return row_of(*table, mode).pickup_shape;
+  return shape_of(resonator, mode, resonator.pickup);
+}
+
+ModeSet modes_of(const Resonator& resonator, double max_frequency_hz) {
+  const auto [found, cut] = numbered_modes_of(resonator, max_frequency_hz);
+  ModeSet set{{}, cut};
+  for (const NumberedMode& mode : found)
+    set.modes.push_back(
+        {mode.mode, mode.wavenumber_per_m, strike_shape(resonator, mode), pickup_shape(resonator, mode)});
+  return set;
 }
 
 }  // namespace contactspline

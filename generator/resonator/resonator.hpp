@@ -76,6 +76,14 @@ struct Resonator {
 /// "string", "bar", "membrane", "plate" or "modes".
 [[nodiscard]] std::string_view name_of(const decltype(Resonator::body)& body);
 
+/// A mode of a body without a place: number 1, 2, ... in a row m of modes, for a membrane cos(m angle), for a plate
+/// sin(m pi x/length); 0 and the place in the table for a table of modes.
+struct NumberedMode {
+  Mode mode;
+  double wavenumber_per_m;  ///< for a string the shape is sin(wavenumber x); 0 in a table of modes
+  int row, number;
+};
+
 /// A mode with its shape at the strike and at the pickup.
 struct ResonatorMode {
   Mode mode;
@@ -83,7 +91,11 @@ struct ResonatorMode {
   double strike_shape, pickup_shape;
 };
 
-/// A set of modes by rising frequency. `cut` is true if max_modes excluded some modes below the frequency limit.
+/// Sets of modes by rising frequency. `cut` is true if max_modes excluded some modes below the frequency limit.
+struct NumberedModeSet {
+  std::vector<NumberedMode> modes;
+  bool cut;
+};
 struct ModeSet {
   std::vector<ResonatorMode> modes;
   bool cut;
@@ -92,5 +104,11 @@ struct ModeSet {
 /// The modes below `max_frequency_hz`, at most resonator.max_modes of them, without overdamped ones (decay above the
 /// undamped angular frequency).
 [[nodiscard]] ModeSet modes_of(const Resonator& resonator, double max_frequency_hz);
+
+/// The same modes without their shapes: enough for many places on one body.
+[[nodiscard]] NumberedModeSet numbered_modes_of(const Resonator& resonator, double max_frequency_hz);
+
+/// The shape of a mode of this resonator at its pickup.
+[[nodiscard]] double pickup_shape(const Resonator& resonator, const NumberedMode& mode);
 
 }  // namespace contactspline
