@@ -56,6 +56,19 @@ TYPED_TEST(InstrumentOfAFile, FallsExactlySilentAndWakes) {
   }
 }
 
+// A mass that rests in front of the barrier has no energy, but an output.
+TEST(MassAtRest, IsHeardWhereItIs) {
+  using Barrier = MassBarrierOf<materials::steel_on_steel, double>;
+  Hosted<Barrier> hosted;
+  hosted.prepare(kRate);
+  hosted.set(Barrier::kStart, -1e-3);
+  hosted.set(Barrier::kSpeed, 0);
+  hosted.press(0, true);
+  const std::vector<float> sound = hosted_sound(hosted, 4410);
+  EXPECT_TRUE(hosted.instrument().is_silent(1e-30));
+  EXPECT_EQ(std::ranges::count(sound, -0.1f), 4410);
+}
+
 template <typename I>
 std::size_t parameter(const I& instrument, std::string_view name) {
   const auto list = instrument.parameters();
@@ -83,6 +96,7 @@ using Fret = FretStringOf<materials::steel_on_steel, resonators::guitar_g3, doub
 // What a hand moves may reach the string.
 TEST(PluckedString, IsNotSilentWhileAHandMovesOrPushes) {
   EXPECT_FALSE(is_silent_after<Slide>("hand_force_n", -1e-3));
+  EXPECT_FALSE(is_silent_after<Slide>("hand_force_n", -1e-9));  // before it has moved the slide
   EXPECT_FALSE(is_silent_after<Slide>("place_m", 0.1));
   EXPECT_FALSE(is_silent_after<Slide>("pluck_force_n", 1e-12));
   EXPECT_FALSE(is_silent_after<Fret>("gap_m", 0.05));
@@ -90,16 +104,37 @@ TEST(PluckedString, IsNotSilentWhileAHandMovesOrPushes) {
   EXPECT_FALSE(is_silent_after<Fret>("pluck_force_n", 1e-12));
 }
 
-TEST(PluckedString, IsSilentWhereTheHandHasArrived) {
+// Away from the string, which it does not move.
+TEST(PluckedString, IsNotSilentWhileTheSlideFlies) {
+  Slide slide;
+  slide.prepare(kRate);
+  std::vector<double> sound(10);
+  const std::vector<std::span<double>> outputs = {sound};
+  for (const double force_n : {-1.0, 0.0}) {
+    slide.set(parameter(slide, "hand_force_n"), force_n);
+    slide.process(outputs);
+  }
+  EXPECT_EQ(slide.energy(), 0);
+  EXPECT_FALSE(slide.is_silent(1e-14));
+}
+
+// In single precision the place is rounded.
+template <typename T>
+void expect_silent_where_the_fret_has_arrived() {
   for (const char* name : {"place_m", "gap_m"}) {
-    Fret fret;
+    FretStringOf<materials::steel_on_steel, resonators::guitar_g3, T> fret;
     fret.prepare(kRate);
     fret.set(parameter(fret, name), name[0] == 'p' ? 0.1 : 0.05);
-    std::vector<double> sound(static_cast<std::size_t>(kRate));
-    const std::vector<std::span<double>> outputs = {sound};
+    std::vector<T> sound(static_cast<std::size_t>(kRate));
+    const std::vector<std::span<T>> outputs = {sound};
     fret.process(outputs);
     EXPECT_TRUE(fret.is_silent(1e-14)) << name;
   }
+}
+
+TEST(PluckedString, IsSilentWhereTheHandHasArrived) {
+  expect_silent_where_the_fret_has_arrived<double>();
+  expect_silent_where_the_fret_has_arrived<float>();
   EXPECT_TRUE(is_silent_after<Slide>("vibrato_m", 0.005));
 }
 
