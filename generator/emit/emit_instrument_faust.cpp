@@ -230,18 +230,38 @@ class Writer {
     const auto strike = std::ranges::find(model_.strikes, body);
     const auto s = strike - model_.strikes.begin();
     const bool is_struck = strike != model_.strikes.end();
-    const std::string throws = is_struck ? fmt::format("t{}", s) : "0",
-                      speed = is_struck ? fmt::format("u{}", s) : "0.0";
     if (is_struck) {
-      input(throws, fmt::format("(strike_{0} > strike_{0}')", s));
-      input(speed, fmt::format("speed_{}", s));
+      input(fmt::format("t{}", s), fmt::format("(strike_{0} > strike_{0}')", s));
+      input(fmt::format("u{}", s), fmt::format("speed_{}", s));
     }
     for (const std::size_t q : places_[body])
       input(fmt::format("xi{}_{}", q, q), fmt::format("cm.dt * cm.dt / {}", literal(2 * mass)));
+    const std::string moved = fmt::format("{}, {}, {}", literal(mass), force_at(place), gain_of(body));
     chain_.add(
         {fmt::format("i{}", place), fmt::format("z{}", body), fmt::format("q{}", body), fmt::format("v{}", body)},
-        fmt::format("cm.free_mass({}, {}, {}, {}, {})", literal(mass), force_at(place), gain_of(body), throws,
-                    speed));
+        is_struck ? fmt::format("cm.struck_mass({}, t{}, u{}, {}, {})", moved, s, s,
+                                pressed_at(body, &InstrumentConnection::first),
+                                pressed_at(body, &InstrumentConnection::second))
+                  : fmt::format("cm.free_mass({})", moved));
+  }
+
+  // The largest compression beyond that at rest of the contacts that have an end at a body, before the sample [m].
+  [[nodiscard]] std::string pressed_at(std::size_t body, std::size_t InstrumentConnection::*end) {
+    std::string largest;
+    for (const std::size_t k : contacts_) {
+      const std::size_t place = connections()[k].*end;
+      if (place == kGround || arrays_.place_bodies[place] != body) continue;
+      const double initial = initial_gap(k);
+      std::string pressed = fmt::format("select2(cm.is_first, Y{}, {})", k, number(-initial));
+      if (is_control(control_of(ControlQuantity::kGapShift, k))) {
+        input(name_at("rest", k), fmt::format("({} : ci.pressed_by_gap({}))", wanted_gap(k), number(initial)));
+        pressed += fmt::format(" - rest{}", k);
+      } else if (initial < 0) {
+        pressed += fmt::format(" - {}", literal(-initial));
+      }
+      largest = largest.empty() ? pressed : fmt::format("max({}, {})", largest, pressed);
+    }
+    return largest.empty() ? "0.0 - 1.0e9" : largest;  // nothing stands in the way
   }
 
   // The shapes at a place, as rules that Faust finds quickly.
@@ -396,13 +416,23 @@ class Writer {
   // Gap that acts at the beginning [m].
   double write_gap(std::size_t k) {
     const std::size_t c = control_of(ControlQuantity::kGapShift, k);
-    const auto [min, max] = ControlRanges<double>::gap_m;
-    const double gap = connections()[k].gap_m;
-    if (!is_control(c)) return std::clamp(gap, min, max);
-    const double initial = std::clamp(gap + arrays_.parameters[c].initial, min, max);
-    input(name_at("lift", k), fmt::format("(max({}, min({}, {} + control_{})) : ci.follow_gap({}))", number(min),
-                                          literal(max), number(gap), c, number(initial)));
+    const double initial = initial_gap(k);
+    if (is_control(c))
+      input(name_at("lift", k), fmt::format("({} : ci.follow_gap({}))", wanted_gap(k), number(initial)));
     return initial;
+  }
+
+  [[nodiscard]] double initial_gap(std::size_t k) const {
+    const std::size_t c = control_of(ControlQuantity::kGapShift, k);
+    const auto [min, max] = ControlRanges<double>::gap_m;
+    return std::clamp(connections()[k].gap_m + (is_control(c) ? arrays_.parameters[c].initial : 0), min, max);
+  }
+
+  // The gap that a control wants.
+  [[nodiscard]] std::string wanted_gap(std::size_t k) const {
+    const auto [min, max] = ControlRanges<double>::gap_m;
+    return fmt::format("max({}, min({}, {} + control_{}))", number(min), literal(max), number(connections()[k].gap_m),
+                       control_of(ControlQuantity::kGapShift, k));
   }
 
   void write_admittance(std::size_t k, std::size_t l) {

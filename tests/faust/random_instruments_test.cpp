@@ -265,11 +265,16 @@ std::string text_of(const Case& drawn) {
   return text.str() + drawn.file;
 }
 
+// In number 95 a mass is struck while a string presses it.
 TEST(RandomInstruments, SoundInFaustAsInTheClass) {
-  const std::size_t count = std::getenv("CONTACTSPLINE_FULL_TESTS") != nullptr ? 200 : 8;
+  const bool is_full = std::getenv("CONTACTSPLINE_FULL_TESTS") != nullptr;
+  const std::size_t count = is_full ? 200 : 9;
   RandomInstruments random(1);
   std::vector<Case> cases;
-  while (cases.size() < count) cases.push_back(next_case(random));
+  for (std::size_t n = 0; cases.size() < count; ++n) {
+    Case drawn = next_case(random);
+    if (is_full || n < 8 || n == 95) cases.push_back(std::move(drawn));
+  }
   const Library library = compiled(cases, empty_folder("random_instruments_" + std::to_string(count)));
   Summary summary;
   for (std::size_t i = 0; i < cases.size(); ++i) {
