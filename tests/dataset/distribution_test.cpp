@@ -82,6 +82,7 @@ TEST(Sampler, RandomNumbersFollowTheirLaws) {
     for (int i = 0; i < kSamples; ++i)
       distance = std::max(distance, std::abs((*parts)[std::size_t(i)] - (i + 0.5) / kSamples));
     EXPECT_LT(distance, 1.95 / std::sqrt(kSamples));
+    EXPECT_EQ(std::ranges::adjacent_find(*parts), parts->end());  // of 2^53 numbers, no two are the same
     EXPECT_GT(parts->front(), 0);
     EXPECT_LT(parts->back(), 1);
   }
