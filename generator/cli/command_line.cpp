@@ -91,7 +91,7 @@ constexpr auto kSourceHelp = "file (.json), or the name of something that `list`
 constexpr auto kScoreHelp = "score file (.json, .mid), or the name of a score that ships; -: standard input";
 
 // In an option for an input file, - is standard input.
-std::string named_input(std::string argument) {
+std::string named_input(const std::string& argument) {
   return argument == "-" ? std::string(kStandardInput) : argument;
 }
 
