@@ -1,18 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "generator/dataset/shard_file.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <cstring>
 #include <limits>
 
 #include "generator/dataset/hdf5_handle.hpp"
-#include "generator/support/error.hpp"
+#include "generator/dataset/pending_shard.hpp"
 #include "generator/support/json_reader.hpp"
 
 namespace contactspline {
@@ -130,53 +126,6 @@ void read_through(hid_t file, const ArrayPlan& array, std::size_t rows) {
   }
 }
 
-[[noreturn]] void fail(const fs::path& path, std::string_view what) {
-  refuse(path.string(), "file", what, "a folder with enough room that can be written to");
-}
-
-[[noreturn]] void fail_with_errno(const fs::path& path) {
-  fail(path, errno == 0 ? "cannot be written" : fmt::format("cannot be written: {}", std::strerror(errno)));
-}
-
-/// A file under a temporary name, locked against other processes.
-class PendingShard {
- public:
-  explicit PendingShard(const fs::path& path) : path_(path), pending_(path.string() + ".part") {
-    descriptor_ = ::open(pending_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-    if (descriptor_ < 0) fail_with_errno(path_);
-    if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
-    ::close(descriptor_);
-    refuse(path_.string(), "file", "is being written by another process", "another folder, or to wait for it");
-  }
-  PendingShard(const PendingShard&) = delete;
-  PendingShard& operator=(const PendingShard&) = delete;
-  ~PendingShard() {
-    if (!is_renamed_) ::unlink(pending_.c_str());
-    ::close(descriptor_);
-  }
-
-  [[nodiscard]] const fs::path& path() const { return path_; }
-  [[nodiscard]] const fs::path& pending() const { return pending_; }
-
-  /// Takes room on the disk. HDF5 would not survive a disk that fills while it writes.
-  void reserve(std::size_t bytes) const {
-    if (::fallocate(descriptor_, 0, 0, static_cast<off_t>(bytes)) != 0 && errno != EOPNOTSUPP && errno != ENOSYS)
-      fail_with_errno(path_);
-  }
-
-  void rename_into_place(std::size_t bytes) {
-    if (::ftruncate(descriptor_, static_cast<off_t>(bytes)) != 0 || ::fsync(descriptor_) != 0 ||
-        ::rename(pending_.c_str(), path_.c_str()) != 0)
-      fail_with_errno(path_);
-    is_renamed_ = true;
-  }
-
- private:
-  fs::path path_, pending_;
-  int descriptor_ = -1;
-  bool is_renamed_ = false;
-};
-
 // Ends a file. Returns its size.
 std::size_t close_file(Hdf5Handle& file) {
   checked(H5Fflush(file, H5F_SCOPE_LOCAL), "flush");
@@ -194,7 +143,7 @@ void guarded(const fs::path& path, const Write& write) {
   try {
     write();
   } catch (const Hdf5Failure&) {
-    fail_with_errno(path);
+    fail_to_write(path);
   }
 }
 
@@ -234,7 +183,7 @@ struct ShardWriter::File {
 ShardWriter::ShardWriter(const fs::path& path, const Plan& plan, const ShardHeading& heading) {
   std::error_code error;
   if (path.has_parent_path()) fs::create_directories(path.parent_path(), error);
-  if (error) fail(path, fmt::format("its folder cannot be created: {}", error.message()));
+  if (error) fail_to_write(path, fmt::format("its folder cannot be created: {}", error.message()));
   file_ = std::make_unique<File>(path);
   file_->plans = arrays_of(plan);
   for (const Recorded& one : plan.recorded) file_->kinds.push_back(one.kind);

@@ -23,8 +23,8 @@ void expect_held(const nlohmann::json& fit, const char* estimate, double value) 
 }
 
 TEST(FitTutorials, FindTheFeltFromFivePulses) {
-  const auto fit = nlohmann::json::parse(
-      succeed({.arguments = {"fit", (kExamples / "felt.fit.json").string(), "--json"}}));
+  const auto fit =
+      nlohmann::json::parse(succeed({.arguments = {"fit", (kExamples / "felt.fit.json").string(), "--json"}}));
   EXPECT_EQ(fit.at("law").get<std::string>() + " " + fit.at("loss").get<std::string>(), "power hunt_crossley");
   expect_held(fit, "stiffness_n_per_m_alpha", 4.5e9);
   expect_held(fit, "exponent", 2.5);
@@ -32,8 +32,8 @@ TEST(FitTutorials, FindTheFeltFromFivePulses) {
 }
 
 TEST(FitTutorials, FindTheRubberBallFromContactTimes) {
-  const auto fit = nlohmann::json::parse(
-      succeed({.arguments = {"fit", (kExamples / "rubber_ball.fit.json").string(), "--json"}}));
+  const auto fit =
+      nlohmann::json::parse(succeed({.arguments = {"fit", (kExamples / "rubber_ball.fit.json").string(), "--json"}}));
   EXPECT_EQ(fit.at("law").get<std::string>() + " " + fit.at("loss").get<std::string>(), "hertz hunt_crossley");
   expect_held(fit, "stiffness_n_per_m_alpha", 4.903e5);
   expect_held(fit, "loss_s_per_m", 0.1);
@@ -41,7 +41,8 @@ TEST(FitTutorials, FindTheRubberBallFromContactTimes) {
 
 TEST(FitTutorials, HaveTheDataOfTheirScript) {
   const Sandbox box;
-  const std::string command = "/usr/bin/python3 '" + (kExamples / "make_data.py").string() + "' '" + box.path().string() + "'";
+  const std::string command =
+      "/usr/bin/python3 '" + (kExamples / "make_data.py").string() + "' '" + box.path().string() + "'";
   ASSERT_EQ(std::system(command.c_str()), 0);
   int files = 0;
   for (const auto& entry : fs::directory_iterator(box.path())) {
@@ -57,7 +58,8 @@ TEST(FitPage, ShowsFilesAndReportsAsTheyAre) {
   for (const char* name : {"felt", "rubber_ball"}) {
     const fs::path file = kExamples / (std::string(name) + ".fit.json");
     EXPECT_NE(page.find("```json\n" + read_file(file) + "```"), std::string::npos) << name;
-    EXPECT_NE(page.find("```text\n" + succeed({.arguments = {"fit", file.string()}}) + "```"), std::string::npos) << name;
+    EXPECT_NE(page.find("```text\n" + succeed({.arguments = {"fit", file.string()}}) + "```"), std::string::npos)
+        << name;
   }
 }
 

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+// A file that is written under a temporary name and then renamed.
+#pragma once
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstddef>
+#include <cstring>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "generator/support/error.hpp"
+
+namespace contactspline {
+
+/// Throws BadInput that names the file.
+[[noreturn]] inline void fail_to_write(const std::filesystem::path& path, std::string_view what) {
+  refuse(path.string(), "file", what, "a folder with enough room that can be written to");
+}
+
+/// The same with what errno says.
+[[noreturn]] inline void fail_to_write(const std::filesystem::path& path) {
+  fail_to_write(path, errno == 0 ? "cannot be written" : fmt::format("cannot be written: {}", std::strerror(errno)));
+}
+
+/// A file under a temporary name, locked against other processes.
+class PendingShard {
+ public:
+  explicit PendingShard(const std::filesystem::path& path) : path_(path), pending_(path.string() + ".part") {
+    descriptor_ = ::open(pending_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (descriptor_ < 0) fail_to_write(path_);
+    if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
+    ::close(descriptor_);
+    refuse(path_.string(), "file", "is being written by another process", "another folder, or to wait for it");
+  }
+  PendingShard(const PendingShard&) = delete;
+  PendingShard& operator=(const PendingShard&) = delete;
+  ~PendingShard() {
+    if (!is_renamed_) ::unlink(pending_.c_str());
+    ::close(descriptor_);
+  }
+
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  [[nodiscard]] const std::filesystem::path& pending() const { return pending_; }
+
+  /// Takes room on the disk. HDF5 would not survive a disk that fills while it writes.
+  void reserve(std::size_t bytes) const {
+    if (::fallocate(descriptor_, 0, 0, static_cast<off_t>(bytes)) != 0 && errno != EOPNOTSUPP && errno != ENOSYS)
+      fail_to_write(path_);
+  }
+
+  void rename_into_place(std::size_t bytes) {
+    if (::ftruncate(descriptor_, static_cast<off_t>(bytes)) != 0 || ::fsync(descriptor_) != 0 ||
+        ::rename(pending_.c_str(), path_.c_str()) != 0)
+      fail_to_write(path_);
+    is_renamed_ = true;
+  }
+
+ private:
+  std::filesystem::path path_, pending_;
+  int descriptor_ = -1;
+  bool is_renamed_ = false;
+};
+
+}  // namespace contactspline
