@@ -75,9 +75,12 @@ Comparison compare(const Design& design, double mass_kg, double speed, const std
 }
 
 std::string loss_text(const Comparison& c) {
-  if (c.material().loss_s_per_m == 0) return {};
-  return fmt::format(", loss {:.4g} s/m: restitution {:.4g}", c.material().loss_s_per_m,
-                     c.exact().exit_speed_m_per_s / c.speed);
+  const Material& material = c.material();
+  std::string text;
+  if (material.loss_s_per_m > 0) text += fmt::format(", loss {:.4g} s/m", material.loss_s_per_m);
+  if (!material.memories.empty()) text += ", with memory";
+  if (text.empty()) return {};
+  return text + fmt::format(": restitution {:.4g}", c.exact().exit_speed_m_per_s / c.speed);
 }
 
 std::string range_line(const Comparison& c) {

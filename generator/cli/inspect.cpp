@@ -50,10 +50,21 @@ std::string tolerance_line(const Material& material) {
                      100 * spline.tolerance, spline.minimise == ErrorOf::force ? "force" : "contact duration");
 }
 
+std::string memory_lines(const Material& material) {
+  std::string lines;
+  for (const Memory& memory : material.memories)
+    lines += fmt::format("memory of weight {:.6g}, relaxation time {:.6g} us\n", memory.weight, 1e6 * memory.time_s);
+  if (!lines.empty())
+    lines += fmt::format("errors of impacts without memory, of {:.6g} kg: the mass that the slow stiffness stops\n",
+                         material.impact ? elastic_impact(material).mass_kg : 0);
+  return lines;
+}
+
 std::string loss_line(const Material& material) {
-  if (material.loss_s_per_m == 0) return {};
+  if (material.loss_s_per_m == 0) return memory_lines(material);
   const bool fitted = material.measured && material.measured->impact_speed_m_per_s;
-  return fmt::format("loss {:.6g} s/m{}\n", material.loss_s_per_m, fitted ? ", fitted to loading and unloading" : "");
+  return fmt::format("loss {:.6g} s/m{}\n{}", material.loss_s_per_m,
+                     fitted ? ", fitted to loading and unloading" : "", memory_lines(material));
 }
 
 std::string measurement_line(const Material& material) {

@@ -26,6 +26,11 @@ std::string errors_of(const Quality& quality, const std::optional<SpectrumError>
   return text + "}";
 }
 
+// A line of its own, if the material has a memory.
+std::string memory_member(const Material& material) {
+  return material.memories.empty() ? "" : fmt::format("  \"memory\": {},\n", json_of(material.memories));
+}
+
 }  // namespace
 
 std::string json_of(const Design& design) {
@@ -36,12 +41,13 @@ std::string json_of(const Design& design) {
         fmt::format("    {{\"knot_m\": {}, \"energy_j\": {}, \"force_n\": {}, \"half_curvature_n_per_m\": {}}}",
                     s.knot, s.energy, s.force, s.half_curvature));
   return fmt::format(
-      "{{\n  \"name\": \"{}\",\n  \"description\": {},\n  \"law\": {},\n  \"loss_s_per_m\": {},\n  \"knots\": "
+      "{{\n  \"name\": \"{}\",\n  \"description\": {},\n  \"law\": {},\n  \"loss_s_per_m\": {},\n{}  \"knots\": "
       "\"{}\",\n"
       "  \"end_m\": {},\n  \"errors\": {},\n  \"segments\": [\n{}\n  ]\n}}\n",
       material.name, json_string(material.description), json_string(law_text(material)), material.loss_s_per_m,
-      name_of(material.spline.knots), material.compensation ? spline.end_m : material.spline.max_compression_m,
-      errors_of(quality, spectrum), fmt::join(segments, ",\n"));
+      memory_member(material), name_of(material.spline.knots),
+      material.compensation ? spline.end_m : material.spline.max_compression_m, errors_of(quality, spectrum),
+      fmt::join(segments, ",\n"));
 }
 
 std::string json_of(const Material& material, std::span<const ComparedFamily> families) {

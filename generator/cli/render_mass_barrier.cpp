@@ -36,7 +36,8 @@ MassBarrierMotion play(const MassBarrierOptions& options, const Design& design) 
   using Barrier = MassBarrierInstrument<double>;
   Barrier barrier({.contact = segment_table(design.spline),
                    .mass_kg = option_or(options.mass_kg, design, &Impact::mass_kg, options, "--mass"),
-                   .loss_s_per_m = options.loss_s_per_m.value_or(design.material.loss_s_per_m)});
+                   .loss_s_per_m = options.loss_s_per_m.value_or(design.material.loss_s_per_m),
+                   .memories = design.material.memories});
   barrier.set(Barrier::kGravity, options.gravity_m_per_s2);
   barrier.set(Barrier::kStiffnessRatio, options.stiffness_ratio);
   barrier.set(Barrier::kStart, options.start_m);

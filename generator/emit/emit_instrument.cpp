@@ -121,14 +121,14 @@ std::string cpp_array(std::string_view type, std::size_t size, std::string_view 
   return fmt::format("    static constexpr std::array<{}, {}> {} = {{{}}};\n", type, size, name, values);
 }
 
-// What keys, presets and places that move add to the arrays, and to the view of them.
+// What keys, presets, places that move and memories add to the arrays, and to the view of them.
 void add_cpp_options(const InstrumentModel& model, const InstrumentArrays& arrays, TemplateValues& values) {
   const ModelKeys& keys = model.keys;
   const bool has_keys = !keys.ranges.empty();
   values["BASE"] = has_keys ? "Voices<NetworkInstrument<T>>" : "NetworkInstrument<T>";
   values["VOICES"] = has_keys ? "\n#include \"contactspline/instrument/voices.hpp\"" : "";
   std::string& text = values["OPTIONS"] = "";
-  std::vector<std::string> view(4, "{}");  // the last members of InstrumentData
+  std::vector<std::string> view(6, "{}");  // the last members of InstrumentData
   if (has_keys) {
     text +=
         cpp_array("KeyRange", keys.ranges.size(), "key_ranges",
@@ -154,6 +154,15 @@ void add_cpp_options(const InstrumentModel& model, const InstrumentArrays& array
   if (!arrays.wavenumbers.empty()) {
     text += cpp_array("double", arrays.wavenumbers.size(), "wavenumbers", "\n" + literal_rows(arrays.wavenumbers, 8));
     view[3] = "wavenumbers";
+  }
+  if (!arrays.memories.empty()) {
+    text += cpp_array("Memory", arrays.memories.size(), "memories",
+                      "{\n" + rows_of(arrays.memories, "        ", [](const Memory& memory, std::size_t) {
+                        return fmt::format("{{{}, {}}}", literal(memory.weight), literal(memory.time_s));
+                      }) + "}");
+    text += cpp_array("std::size_t", arrays.memory_ends.size(), "memory_ends", whole_numbers(arrays.memory_ends));
+    view[4] = "memories";
+    view[5] = "memory_ends";
   }
   while (!view.empty() && view.back() == "{}") view.pop_back();
   values["OPTIONS_VIEW"] = view.empty() ? "" : fmt::format(",\n              {}", fmt::join(view, ", "));
@@ -237,6 +246,13 @@ std::string json_options_of(const InstrumentModel& model, const InstrumentArrays
                             }));
 }
 
+// The memories of the tables, one after the other, of a file that has them.
+std::string json_memories(const InstrumentArrays& arrays) {
+  if (arrays.memories.empty()) return {};
+  return fmt::format(",\n  \"memories\": {},\n  \"memory_ends\": [{}]", json_of(arrays.memories),
+                     whole_numbers(arrays.memory_ends));
+}
+
 std::string json_connection(const InstrumentConnection& c) {
   std::string row = fmt::format("{{\"kind\": \"{}\", \"first\": {}, \"second\": {}, \"gap_m\": {}", name_of(c.kind),
                                 place_or("null", c.first), place_or("null", c.second), literal(c.gap_m));
@@ -259,7 +275,7 @@ TemplateValues json_values(const InstrumentModel& model, const InstrumentArrays&
   values["BODY_NAMES"] = quoted(bodies);
   values["TABLE_NAMES"] = quoted(materials);
   values["EVENT_NAMES"] = quoted(events);
-  values["OPTIONS"] = json_options_of(model, arrays);
+  values["OPTIONS"] = json_options_of(model, arrays) + json_memories(arrays);
   values["CONNECTION_ROWS"] = rows_of(arrays.connections, kIndent,
                                       [](const InstrumentConnection& c, std::size_t) { return json_connection(c); });
   values["CONTROL_ROWS"] = rows_of(arrays.controls, kIndent, [&](const InstrumentControl& c, std::size_t i) {

@@ -776,6 +776,8 @@ std::optional<std::string> faust_obstacle(const InstrumentModel& model, const In
     if (model.controls[c].quantity == ControlQuantity::kPlace || model.parameters[c].acts == Acts::kAtNextNote)
       return fmt::format("{} has the control {}, which only the C++ class plays", model.name,
                          model.parameters[c].name);
+  if (!arrays.memories.empty())
+    return fmt::format("{} has a contact with memory, which only the C++ class plays", model.name);
   const auto contacts = static_cast<std::size_t>(
       std::ranges::count(arrays.connections, ConnectionKind::kContact, &InstrumentConnection::kind));
   const std::size_t linear = arrays.connections.size() - contacts;

@@ -2,6 +2,7 @@
 #include "generator/emit/emit_material.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <bit>
@@ -60,11 +61,11 @@ std::string quality_lines(const Design& design) {
       fmt::format("// Worst force error {} of the largest force (rms {}), energy error {} (rms {}).",
                   percent(q.force.worst), percent(q.force.rms), percent(q.energy.worst), percent(q.energy.rms));
   if (q.impact)
-    text +=
-        fmt::format("\n// Impacts of {} kg at {} to {} m/s: contact duration within {}, max compression within {}.",
-                    design.material.impact->mass_kg, design.material.impact->min_speed_m_per_s,
-                    design.material.impact->max_speed_m_per_s, percent(q.impact->contact_duration),
-                    percent(q.impact->max_compression));
+    text += fmt::format(
+        "\n// Impacts of {} kg at {} to {} m/s{}: contact duration within {}, max compression within {}.",
+        elastic_impact(design.material).mass_kg, elastic_impact(design.material).min_speed_m_per_s,
+        design.material.impact->max_speed_m_per_s, design.material.memories.empty() ? "" : ", without memory",
+        percent(q.impact->contact_duration), percent(q.impact->max_compression));
   if (design.spectrum)
     text += fmt::format(
         "\n// Spectrum of their force up to {:g} Hz and down to {:g} dB: within {:.3g} dB, on average {:.3g} dB.",
@@ -178,6 +179,34 @@ std::string live_text(const Emitter& emitter, const Design& design) {
   return text;
 }
 
+// Weights and relaxation times of the memories; an empty text if the material has none.
+std::string cpp_memory(const Material& material, std::string_view indent) {
+  if (material.memories.empty()) return {};
+  std::vector<std::string> weights, times;
+  for (const Memory& memory : material.memories) {
+    weights.push_back(literal(memory.weight));
+    times.push_back(literal(memory.time_s));
+  }
+  return fmt::format(
+      "{0}// Memory: force F(y) - sum of weight M, where M follows F(y) with the relaxation time [s].\n"
+      "{0}static constexpr std::array<double, {1}> memory_weights = {{{2}}};\n"
+      "{0}static constexpr std::array<double, {1}> memory_times_s = {{{3}}};\n",
+      indent, weights.size(), fmt::join(weights, ", "), fmt::join(times, ", "));
+}
+
+std::string faust_memory(const Material& material, std::string_view indent) {
+  if (material.memories.empty()) return {};
+  std::string text = fmt::format(
+      "{0}// Memory, for ct.contact_with_memory: force F(y) - sum of weight M, where M follows F(y) with the "
+      "relaxation\n"
+      "{0}// time in seconds.\n{0}memories = {1};\n",
+      indent, material.memories.size());
+  for (std::size_t i = 0; i < material.memories.size(); ++i)
+    text += fmt::format("{0}memory_weight({1}) = {2};\n{0}memory_time({1}) = {3};\n", indent, i,
+                        literal(material.memories[i].weight), literal(material.memories[i].time_s));
+  return text;
+}
+
 TemplateValues common_values(const Design& design, std::string_view command) {
   const Material& material = design.material;
   return {{"VERSION", CONTACTSPLINE_VERSION},
@@ -211,6 +240,8 @@ TemplateValues faust_values(const Design& design, std::string_view command) {
   for (const auto unused : {"REGULAR_A", "REGULAR_B", "REGULAR_C"}) values.erase(unused);
   values["LAW_CONSTANTS"] = law_constants(design.material, "stiffness = {};\nexponent = {};\n");
   values["NORMALISED_LOSS"] = literal(design.material.loss_s_per_m * design.spline.length_scale_m);
+  values["MEMORY"] = faust_memory(design.material, "");
+  values["NORMALISED_MEMORY"] = faust_memory(design.material, "  ");
   values["FREE_OF_FAUST"] = normalised_note(design, "");
   values["PROBES"] = fmt::format("{}", std::bit_width(design.spline.segments.size()));
   return values;
@@ -224,6 +255,8 @@ TemplateValues cpp_values(const Design& design, std::string_view command) {
                                           "  static constexpr double stiffness_n_per_m_alpha = {};\n"
                                           "  static constexpr double exponent = {};\n");
   values["NORMALISED_LOSS"] = literal(design.material.loss_s_per_m * design.spline.length_scale_m);
+  values["MEMORY"] = cpp_memory(design.material, "  ");
+  values["NORMALISED_MEMORY"] = cpp_memory(design.material, "    ");
   values["FREE_OF_CPP"] = normalised_note(design, "  ");
   values["PER_LENGTH"] =
       design.material.spline.knots == Knots::uniform ? "s per segment width" : "s per length scale";
@@ -234,6 +267,8 @@ TemplateValues json_values(const Design& design, std::string_view command) {
   TemplateValues values = common_values(design, command);
   add_arrays(values, design.spline, 4);
   values["QUALITY"] = quality_members(design);
+  values["MEMORY"] =
+      design.material.memories.empty() ? "" : fmt::format("  \"memory\": {},\n", json_of(design.material.memories));
   values["LAW_MEMBERS"] =
       design.material.contact.power_law() == nullptr
           ? fmt::format("  \"law\": {},\n", json_string(law_text(design.material)))

@@ -47,6 +47,7 @@ class Flattener {
     for (const InstrumentBody& body : model_.bodies) add_body(body);
     for (const InstrumentPlace& place : model_.places) add_place(place);
     for (const ContactTable& table : model_.tables) add_table(table);
+    if (arrays_.memories.empty()) arrays_.memory_ends.clear();
     for (const ConnectionGroup& group : model_.connections) add_group(group);
     for (const ControlTargets& control : model_.controls) add_control(control);
     for (const ModelOutput& output : model_.outputs) add_source(output);
@@ -96,6 +97,8 @@ class Flattener {
       arrays_.half_curvatures.push_back(segment.half_curvature);
     }
     arrays_.table_ends.push_back(arrays_.knots.size());
+    arrays_.memories.insert(arrays_.memories.end(), table.memories.begin(), table.memories.end());
+    arrays_.memory_ends.push_back(arrays_.memories.size());
   }
 
   // Point i of a place, or its only point.
@@ -231,7 +234,9 @@ InstrumentData InstrumentArrays::view() const {
                     .bend = model->keys.bend},
           .preset_names = preset_names,
           .preset_values = preset_values,
-          .wavenumbers = wavenumbers};
+          .wavenumbers = wavenumbers,
+          .memories = memories,
+          .memory_ends = memory_ends};
 }
 
 double effective_mass(const InstrumentModel& model, std::size_t place, std::size_t point, bool moves) {

@@ -35,6 +35,7 @@ struct InstrumentPlace {
 struct ContactTable {
   std::string material;
   std::vector<Segment<double>> segments;  ///< entry 0 is "out of contact"
+  std::vector<Memory> memories = {};
 };
 
 /// Connections between two lists of points, one of which may be a single point or the ground.
@@ -119,6 +120,8 @@ struct InstrumentArrays {
   std::vector<double> wavenumbers;  ///< of the modes; empty unless places move
   std::vector<double> knots, energies, forces, half_curvatures;
   std::vector<std::size_t> table_ends;
+  std::vector<Memory> memories;
+  std::vector<std::size_t> memory_ends;  ///< empty if no table has a memory
   std::vector<InstrumentConnection> connections;
   std::vector<InstrumentControl> controls;
   std::vector<std::size_t> targets, strikes, plucks;

@@ -374,7 +374,7 @@ class Reader {
     const std::string name = json.text("material", "");
     const auto found = std::ranges::find(model_.tables, name, &ContactTable::material);
     group.each.table = static_cast<std::size_t>(found - model_.tables.begin());
-    if (found == model_.tables.end()) model_.tables.push_back({name, table});
+    if (found == model_.tables.end()) model_.tables.push_back({name, table, material.memories});
     group.each.loss_s_per_m = material.loss_s_per_m;
     group.weights = read_column(json, "weight", "weights", kWeight, 1, group.gaps_m.size());
     check_stiffness(json, json.has("weights") ? "weights" : "weight", group, 1);

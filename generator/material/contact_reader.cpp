@@ -26,6 +26,8 @@ constexpr Range kRadius{1e-5, 100};
 constexpr Range kLoss{0, 1e3};
 constexpr Range kRestitution{0.05, 1};
 constexpr Range kSpeed{1e-6, 1e3};
+constexpr Range kWeight{1e-6, 0.999};
+constexpr Range kRelaxation{1e-7, 10};
 constexpr std::size_t kMaxTerms = 8;
 
 PowerLaw read_power_law(const JsonObject& object) {
@@ -123,6 +125,20 @@ double read_loss(const JsonObject& contact) {
   return loss;
 }
 
+std::vector<Memory> read_memories(const JsonObject& contact) {
+  std::vector<Memory> memories;
+  if (!contact.has("memory")) return memories;
+  double sum = 0;
+  for (const JsonObject& memory : contact.objects("memory", {"weight", "relaxation_time_s"}, kMaxMemories)) {
+    memories.push_back({memory.number("weight", kWeight), memory.number("relaxation_time_s", kRelaxation)});
+    sum += memories.back().weight;
+  }
+  if (!(sum <= kWeight.max))
+    contact.fail("contact.memory", fmt::format("has weights with the sum {:.6g}", sum),
+                 fmt::format("a sum of at most {}", kWeight.max));
+  return memories;
+}
+
 // The loss of a curve that was measured in an impact, with both branches.
 double read_fitted_loss(const JsonObject& contact, const std::vector<CurveSample>& samples, CurveShape shape) {
   for (const char* key : {"loss_s_per_m", "restitution"})
@@ -164,22 +180,26 @@ std::string shipped_file(const std::string& path) {
 
 Contact read_contact(const JsonObject& material, std::string_view file, const ReadFile& read) {
   const JsonObject contact = material.object("contact", {"stiffness_n_per_m_alpha", "exponent", "hertz", "curve",
-                                                         "sum", "series", "loss_s_per_m", "restitution"});
+                                                         "sum", "series", "loss_s_per_m", "restitution", "memory"});
   const std::string_view kind = kind_of(contact);
   const double loss = read_loss(contact);
-  if (kind == "hertz") return {read_hertz(contact), loss, {}};
-  if (kind == "series") return {read_series(contact), loss, {}};
-  if (kind == "sum") return {read_sum(contact), loss, {}};
-  if (kind == "stiffness_n_per_m_alpha") return {read_power_law(contact), loss, {}};
+  std::vector<Memory> memories = read_memories(contact);
+  if (kind == "hertz") return {read_hertz(contact), loss, {}, memories};
+  if (kind == "series") return {read_series(contact), loss, {}, memories};
+  if (kind == "sum") return {read_sum(contact), loss, {}, memories};
+  if (kind == "stiffness_n_per_m_alpha") return {read_power_law(contact), loss, {}, memories};
   const JsonObject curve = contact.object("curve", {"file", "shape", "impact_speed_m_per_s"});
   const CurveShape shape = read_shape(curve);
   std::optional<double> impact_speed;
+  if (curve.has("impact_speed_m_per_s") && !memories.empty())
+    contact.fail("contact.memory", "is given together with curve.impact_speed_m_per_s",
+                 "one of the two: both branches give a Hunt-Crossley loss");
   if (curve.has("impact_speed_m_per_s")) impact_speed = curve.number("impact_speed_m_per_s", kSpeed);
   Measurement measured = read_measurement(curve, impact_speed, file, read);
   const double curve_loss = impact_speed ? read_fitted_loss(contact, measured.samples, shape) : loss;
   ForceCurve smooth = smooth_curve(measured.samples, shape, curve_loss);
   require_fit(curve, measured.samples, smooth, curve_loss);
-  return {std::move(smooth), curve_loss, std::move(measured)};
+  return {std::move(smooth), curve_loss, std::move(measured), std::move(memories)};
 }
 
 }  // namespace contactspline

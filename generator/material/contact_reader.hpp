@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "contactspline/step/memory.hpp"
 #include "generator/contact/contact_law.hpp"
 #include "generator/contact/measured_curve.hpp"
 #include "generator/support/json_reader.hpp"
@@ -24,6 +25,7 @@ struct Contact {
   ContactLaw law;
   double loss_s_per_m;  ///< Hunt-Crossley loss: force F(y) (1 + loss dy/dt)
   std::optional<Measurement> measured;
+  std::vector<Memory> memories = {};
 };
 
 /// Reads the `contact` object of a material. `file` is the path of the material, for the paths of its curves in

@@ -4,6 +4,9 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cmath>
+
+#include "generator/support/number_literal.hpp"
 
 namespace contactspline {
 namespace {
@@ -19,6 +22,26 @@ std::string measurement_text(const Measurement& measured) {
 }
 
 }  // namespace
+
+Impact elastic_impact(const Impact& impact, const std::vector<Memory>& memories) {
+  double slow = 1;
+  for (const Memory& memory : memories) slow -= memory.weight;
+  if (memories.empty()) return impact;
+  return {rounded_to(impact.mass_kg / slow, 9), impact.max_speed_m_per_s,
+          rounded_to(impact.min_speed_m_per_s * std::sqrt(slow), 9)};
+}
+
+Impact elastic_impact(const Material& material) {
+  return elastic_impact(*material.impact, material.memories);
+}
+
+std::string json_of(const std::vector<Memory>& memories) {
+  std::string rows;
+  for (const Memory& memory : memories)
+    rows += fmt::format("{}{{\"weight\": {}, \"relaxation_time_s\": {}}}", rows.empty() ? "" : ", ",
+                        literal(memory.weight), literal(memory.time_s));
+  return "[" + rows + "]";
+}
 
 std::string law_text(const Material& material) {
   if (const PowerLaw* law = material.contact.power_law())

@@ -5,7 +5,9 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "contactspline/step/memory.hpp"
 #include "generator/contact/contact_law.hpp"
 #include "generator/contact/measured_curve.hpp"
 
@@ -61,13 +63,23 @@ struct Material {
   std::optional<Measurement> measured = {};  ///< the samples from which `contact` was smoothed
   std::optional<Compensation> compensation = {};
   std::optional<LiveExponents> live_exponent = {};
+  std::vector<Memory> memories = {};  ///< at most kMaxMemories; then `contact` is the force of a fast blow
 };
+
+/// The impacts that the spline is designed for and whose errors are measured: without loss or memory. A felt with
+/// memory is compressed as far as by a mass that its slow stiffness stops, so the impacts have this mass; the slowest
+/// one is as short as the fast stiffness makes it.
+[[nodiscard]] Impact elastic_impact(const Impact& impact, const std::vector<Memory>& memories);
+[[nodiscard]] Impact elastic_impact(const Material& material);
 
 /// The description of a material, resonator, keyboard or instrument, or its name if it has none.
 template <typename Described>
 [[nodiscard]] const std::string& title_of(const Described& described) {
   return described.description.empty() ? described.name : described.description;
 }
+
+/// Memories as a list in JSON: [{"weight": 0.5, "relaxation_time_s": 1e-05}].
+[[nodiscard]] std::string json_of(const std::vector<Memory>& memories);
 
 /// The contact law as one line of text: its formula, or where the samples come from.
 [[nodiscard]] std::string law_text(const Material& material);

@@ -26,23 +26,11 @@ constexpr int kMaxMembers = 64;
 constexpr int kMaxLiveSegments = 256;
 
 // Member names of the emitted C++ struct; the struct itself must have another name.
-constexpr const char* kMemberNames[] = {"segments",
-                                        "stiffness_n_per_m_alpha",
-                                        "exponent",
-                                        "loss_s_per_m",
-                                        "max_compression_m",
-                                        "segment_width_m",
-                                        "length_scale_m",
-                                        "energy_scale_j",
-                                        "knots",
-                                        "energies",
-                                        "forces",
-                                        "half_curvatures",
-                                        "normalised",
-                                        "regular",
-                                        "loss",
-                                        "live",
-                                        "format_version"};
+constexpr const char* kMemberNames[] = {
+    "segments",        "stiffness_n_per_m_alpha", "exponent",       "loss_s_per_m",  "max_compression_m",
+    "segment_width_m", "length_scale_m",          "energy_scale_j", "knots",         "energies",
+    "forces",          "half_curvatures",         "normalised",     "regular",       "loss",
+    "memory_weights",  "memory_times_s",          "live",           "format_version"};
 
 Impact read_impact(const JsonObject& impact) {
   const Impact read{impact.number("mass_kg", kMass), impact.number("max_speed_m_per_s", kSpeed),
@@ -53,11 +41,12 @@ Impact read_impact(const JsonObject& impact) {
   return read;
 }
 
-double read_max_compression(const JsonObject& spline, const ContactLaw& contact,
-                            const std::optional<Impact>& impact) {
+double read_max_compression(const JsonObject& spline, const Material& material) {
   if (spline.has("max_compression_m")) return spline.number("max_compression_m", kCompression);
-  if (!impact) spline.fail("spline.max_compression_m", "missing", "a number, or an impact to compute it from");
-  const double compression = exact_max_compression(contact, impact->mass_kg, impact->max_speed_m_per_s);
+  if (!material.impact)
+    spline.fail("spline.max_compression_m", "missing", "a number, or an impact to compute it from");
+  const Impact impact = elastic_impact(material);
+  const double compression = exact_max_compression(material.contact, impact.mass_kg, impact.max_speed_m_per_s);
   if (!(compression >= kCompression.min && compression <= kCompression.max))
     spline.fail("spline.max_compression_m",
                 fmt::format("follows from impact as {} m, which is out of range", compression),
@@ -116,14 +105,14 @@ void require_impact(const JsonObject& spline, const SplineDesign& design, const 
     spline.fail("spline.tolerance", "needs a range of impacts", "with an impact, or segments instead");
 }
 
-SplineDesign read_spline(const JsonObject& spline, const ContactLaw& contact, const std::optional<Impact>& impact) {
+SplineDesign read_spline(const JsonObject& spline, const Material& material) {
   SplineDesign design{.segments = 0, .max_compression_m = 0, .knots = read_knots(spline)};
   design.minimise = read_minimise(spline, design.knots);
   const int max = design.knots == Knots::optimal ? kMaxFittedSegments : kMaxSegments;
   design.tolerance = read_tolerance(spline, design.minimise);
   if (design.tolerance == 0) design.segments = spline.integer("segments", 1, max);
-  require_impact(spline, design, impact);
-  design.max_compression_m = read_max_compression(spline, contact, impact);
+  require_impact(spline, design, material.impact);
+  design.max_compression_m = read_max_compression(spline, material);
   return design;
 }
 
@@ -146,7 +135,7 @@ std::string within_curve(const Material& read, bool has_compression, double meas
     return fmt::format("spline.max_compression_m from {:.4g} to {:.4g}", rounded_up(fewest),
                        rounded_down(measured_m));
   const auto speed_to = [&](double compression_m) {
-    return std::sqrt(2 * read.contact.energy(compression_m) / read.impact->mass_kg);
+    return std::sqrt(2 * read.contact.energy(compression_m) / elastic_impact(read).mass_kg);
   };
   constexpr auto kHow = "with which a blow without loss ends within the curve";
   return read.spline.max_compression_m > measured_m
@@ -181,6 +170,7 @@ LiveExponents read_live_exponent(const JsonObject& live, const Material& materia
   if (material.contact.power_law() == nullptr) live.fail("live_exponent", "needs a power law", "with a power law");
   if (material.compensation)
     live.fail("live_exponent", "cannot be compensated for a time step", "without compensation");
+  if (!material.memories.empty()) live.fail("live_exponent", "cannot have a memory", "without contact.memory");
   if (material.spline.tolerance > 0)
     live.fail("live_exponent", "needs a number of segments, not a tolerance", "with segments");
   if (material.spline.segments > kMaxLiveSegments)
@@ -207,10 +197,13 @@ Material parse_material(std::string_view text, std::string_view file, const Read
     read.impact = read_impact(material.object("impact", {"mass_kg", "max_speed_m_per_s", "min_speed_m_per_s"}));
   const JsonObject spline =
       material.object("spline", {"knots", "segments", "max_compression_m", "minimise", "tolerance", "tolerance_db"});
-  read.spline = read_spline(spline, read.contact, read.impact);
+  read.memories = std::move(contact.memories);
+  read.spline = read_spline(spline, read);
   require_measured(material, read, spline.has("max_compression_m"));
   if (material.has("compensation"))
     read.compensation = read_compensation(material.object("compensation", {"sample_rate_hz", "mass_kg"}));
+  if (read.compensation && !read.memories.empty())
+    material.fail("compensation", "cannot compensate a contact with memory", "without contact.memory");
   if (material.has("live_exponent"))
     read.live_exponent = read_live_exponent(material.object("live_exponent", {"min", "max", "members"}), read);
   return read;

@@ -25,7 +25,7 @@ InstrumentMaker maker_of_mass_barrier(const Design& design) {
   constexpr double kAnyMass_kg = 0.003;
   const MassBarrierParts made{segment_table(design.spline),
                               design.material.impact ? design.material.impact->mass_kg : kAnyMass_kg,
-                              design.material.loss_s_per_m};
+                              design.material.loss_s_per_m, design.material.memories};
   return InstrumentMaker::of([made](auto precision, double) -> std::unique_ptr<AnyInstrument<decltype(precision)>> {
     return std::make_unique<InstrumentBehind<MassBarrierInstrument<decltype(precision)>>>(made);
   });

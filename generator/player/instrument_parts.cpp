@@ -53,11 +53,15 @@ HammerStringParts hammer_string_parts(const Voice& voice, double sample_rate_hz)
           .felt = voice.contact,
           .hammer_mass_kg = voice.initial[HammerStringInstrument<double>::kHammerMass],
           .loss_s_per_m = voice.initial[HammerStringInstrument<double>::kLoss],
-          .damper = voice.damper};
+          .damper = voice.damper,
+          .memories = voice.memories};
 }
 
 PluckedStringParts plucked_string_parts(const Voice& voice, double sample_rate_hz) {
-  return {.resonator = resonator_parts(voice, sample_rate_hz), .contact = voice.contact, .height_m = voice.height_m};
+  return {.resonator = resonator_parts(voice, sample_rate_hz),
+          .contact = voice.contact,
+          .height_m = voice.height_m,
+          .memories = voice.memories};
 }
 
 InstrumentArrays instrument_arrays(const InstrumentModel& model, double sample_rate_hz) {

@@ -45,12 +45,17 @@ class KeyboardOfScore : public PedaledKeyboard<KeyboardOfScore<T>, T> {
  private:
   /// Felts of each key; any other where no voice plays it, for nothing is struck there.
   struct Felts {
-    Felts(const Score& score) : tables(score.keys.size()) {  // NOLINT(google-explicit-constructor)
-      for (const Voice& voice : score.voices) tables[voice.key] = table_in<T>(voice.contact);
+    Felts(const Score& score)  // NOLINT(google-explicit-constructor)
+        : tables(score.keys.size()), memories(score.keys.size()) {
+      for (const Voice& voice : score.voices) {
+        tables[voice.key] = table_in<T>(voice.contact);
+        memories[voice.key] = voice.memories;
+      }
       for (auto& table : tables)
         if (table.empty()) table = table_in<T>(score.voices.front().contact);
     }
     std::vector<std::vector<Segment<T>>> tables;
+    std::vector<std::vector<Memory>> memories;
   };
 
   KeyboardOfScore(const Score& score, Felts felts, double sample_rate_hz)
@@ -64,9 +69,13 @@ class KeyboardOfScore : public PedaledKeyboard<KeyboardOfScore<T>, T> {
   static std::vector<KeyOnBody<T>> keys_of(const Score& score, const Felts& felts) {
     std::vector<KeyOnBody<T>> keys;
     for (std::size_t k = 0; k < score.keys.size(); ++k) {
-      const auto& [strings, position_m, no_felt, hammer, damper] = score.keys[k];
-      keys.push_back(
-          {strings, position_m, felts.tables[k], {.hammer_mass_kg = static_cast<T>(hammer.hammer_mass_kg)}, damper});
+      const auto& [strings, position_m, no_felt, hammer, damper, no_memory] = score.keys[k];
+      keys.push_back({strings,
+                      position_m,
+                      felts.tables[k],
+                      {.hammer_mass_kg = static_cast<T>(hammer.hammer_mass_kg)},
+                      damper,
+                      felts.memories[k]});
     }
     return keys;
   }

@@ -75,6 +75,7 @@ struct Voice {
   std::string name;
   Resonator resonator;
   std::vector<Segment<double>> contact;       ///< table of the contact potential
+  std::vector<Memory> memories = {};          ///< of the contact
   std::vector<double> initial;                ///< values of the controls before the first event
   std::vector<Glide> glides;                  ///< by rising time; none if it has `bends`
   std::vector<Strike> strikes;                ///< by rising time; hammer-string

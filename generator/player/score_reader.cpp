@@ -94,6 +94,7 @@ Voice read_parts(const JsonObject& json, Model model, const ReadFile& read, Desi
   tune(json, voice.resonator);
   const auto& [material, table] = materials.of(json);
   voice.contact = table;
+  voice.memories = material.memories;
   for (const Parameter& parameter : rules_of(model).parameters)
     voice.initial.push_back(parameter.name == std::string_view("loss_s_per_m") ? material.loss_s_per_m
                                                                                : parameter.initial);

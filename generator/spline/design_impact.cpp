@@ -6,15 +6,31 @@
 #include <span>
 
 #include "contactspline/step/contact.hpp"
+#include "generator/contact/memory_impact.hpp"
 #include "generator/spline/simulated_impact.hpp"
 #include "generator/support/error.hpp"
 
 namespace contactspline {
-
 namespace {
+
+// By quadrature or integration, of the law or of the spline alike.
+BarrierImpact lossy_impact(const LawView& law, const Material& material, double mass_kg, double speed_m_per_s) {
+  if (material.memories.empty()) return barrier_impact(law, mass_kg, speed_m_per_s, material.loss_s_per_m);
+  return memory_impact(law, mass_kg, speed_m_per_s, material.loss_s_per_m, material.memories);
+}
+
+bool is_lossy(const Material& material) {
+  return material.loss_s_per_m > 0 || !material.memories.empty();
+}
 
 constexpr int kSteps = 128;  // each way
 constexpr double kPhase = 0.5;
+
+std::vector<ImpactMoment> motion_of(const LawView& law, const Material& material, double mass_kg,
+                                    double speed_m_per_s) {
+  if (material.memories.empty()) return barrier_motion(law, mass_kg, speed_m_per_s, material.loss_s_per_m, kSteps);
+  return memory_motion(law, mass_kg, speed_m_per_s, material.loss_s_per_m, material.memories);
+}
 
 // Refuses a contact that lasts too many samples: a heavy mass on a soft spring stays in contact for a long time.
 void require_short(const Design& design, double mass_kg, double speed_m_per_s, double sample_rate_hz,
@@ -31,16 +47,14 @@ void require_short(const Design& design, double mass_kg, double speed_m_per_s, d
 
 BarrierImpact exact_impact(const Material& material, double mass_kg, double speed_m_per_s) {
   const ContactLaw& contact = material.contact;
-  // With loss, exact and spline impact are computed by the same quadrature.
-  if (material.loss_s_per_m > 0)
-    return barrier_impact(law_view(contact), mass_kg, speed_m_per_s, material.loss_s_per_m);
+  if (is_lossy(material)) return lossy_impact(law_view(contact), material, mass_kg, speed_m_per_s);
   const double compression = max_compression(contact, mass_kg, speed_m_per_s);
   return {compression, contact_duration(contact, mass_kg, speed_m_per_s), speed_m_per_s, contact.force(compression)};
 }
 
 BarrierImpact spline_impact(const Design& design, double mass_kg, double speed_m_per_s) {
-  if (design.material.loss_s_per_m > 0)
-    return barrier_impact(law_view(design.spline), mass_kg, speed_m_per_s, design.material.loss_s_per_m);
+  if (is_lossy(design.material))
+    return lossy_impact(law_view(design.spline), design.material, mass_kg, speed_m_per_s);
   const SplineImpact impact = impact_on_spline(design.spline, mass_kg, speed_m_per_s);
   const auto table = segment_table(design.spline);
   return {impact.max_compression_m, impact.contact_duration_s, speed_m_per_s,
@@ -51,16 +65,16 @@ BarrierImpact simulated_impact(const Design& design, double mass_kg, double spee
                                std::string_view argument) {
   require_short(design, mass_kg, speed_m_per_s, sample_rate_hz, argument, 1e8);
   const SimulatedImpact found = simulate_impact(segment_table(design.spline), mass_kg, speed_m_per_s, sample_rate_hz,
-                                                kPhase, design.material.loss_s_per_m);
+                                                kPhase, design.material.loss_s_per_m, design.material.memories);
   return {found.max_compression_m, found.contact_duration_s, found.exit_speed_m_per_s, found.max_force_n};
 }
 
 std::vector<ImpactMoment> exact_motion(const Material& material, double mass_kg, double speed_m_per_s) {
-  return barrier_motion(law_view(material.contact), mass_kg, speed_m_per_s, material.loss_s_per_m, kSteps);
+  return motion_of(law_view(material.contact), material, mass_kg, speed_m_per_s);
 }
 
 std::vector<ImpactMoment> spline_motion(const Design& design, double mass_kg, double speed_m_per_s) {
-  return barrier_motion(law_view(design.spline), mass_kg, speed_m_per_s, design.material.loss_s_per_m, kSteps);
+  return motion_of(law_view(design.spline), design.material, mass_kg, speed_m_per_s);
 }
 
 std::vector<ImpactMoment> simulated_motion(const Design& design, double mass_kg, double speed_m_per_s,
@@ -68,7 +82,7 @@ std::vector<ImpactMoment> simulated_motion(const Design& design, double mass_kg,
   require_short(design, mass_kg, speed_m_per_s, sample_rate_hz, argument, 1e5);
   std::vector<ImpactMoment> motion;
   (void)simulate_impact(segment_table(design.spline), mass_kg, speed_m_per_s, sample_rate_hz, kPhase,
-                        design.material.loss_s_per_m, &motion);
+                        design.material.loss_s_per_m, design.material.memories, &motion);
   return motion;
 }
 

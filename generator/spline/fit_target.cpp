@@ -67,7 +67,7 @@ FitTarget tabulated(FitTarget target) {
 
 FitTarget fit_target(const Material& material) {
   const ContactLaw& contact = material.contact;
-  const Impact& impact = *material.impact;
+  const Impact impact = elastic_impact(material);
   const double range = material.spline.max_compression_m, max_force = contact.force(range);
   const double energy_unit = range * max_force, time_unit = std::sqrt(impact.mass_kg * range / max_force);
   const double slowest = std::min(impact.min_speed_m_per_s, impact.max_speed_m_per_s / 2);

@@ -33,17 +33,31 @@ class PeakFollower {
   double left_ = 0, middle_ = 0, peak_ = 0;
 };
 
+/// When a body leaves the surface of a felt with memory: where the line through its depth at two samples crosses 0.
+class SurfaceFollower {
+ public:
+  void add(double depth, double samples) {
+    if (last_ > 0 && depth <= 0) exit_samples_ = samples - 1 + last_ / (last_ - depth);
+    last_ = depth;
+  }
+  [[nodiscard]] double exit_samples() const { return exit_samples_; }
+
+ private:
+  double last_ = 0, exit_samples_ = 0;
+};
+
 }  // namespace
 
 SimulatedImpact simulate_impact(std::span<const Segment<double>> table, double mass_kg, double speed_m_per_s,
                                 double sample_rate_hz, double phase, double loss_s_per_m,
-                                std::vector<ImpactMoment>* motion) {
-  MassBarrier<double> model(table, sample_rate_hz);
+                                std::span<const Memory> memories, std::vector<ImpactMoment>* motion) {
+  MassBarrier<double> model(table, sample_rate_hz, memories);
   const MassBarrierControls<double> controls{.mass_kg = mass_kg, .contact = {.loss_s_per_m = loss_s_per_m}};
   model.throw_from(-phase * speed_m_per_s / sample_rate_hz, speed_m_per_s);
   double samples = 0;
   double max_compression = 0;
   PeakFollower force;
+  SurfaceFollower surface;
   do {
     const double displacement = model.displacement();
     const double velocity = model.velocity();
@@ -55,9 +69,11 @@ SimulatedImpact simulate_impact(std::span<const Segment<double>> table, double m
       motion->push_back(
           {(samples + 0.5 - phase) / sample_rate_hz, (displacement + model.displacement()) / 2, model.force()});
     ++samples;
+    surface.add(model.displacement() - model.memory().surface(table), samples);
   } while (model.displacement() > 0 || model.velocity() > 0);
   const double entry_s = phase / sample_rate_hz;
-  const double exit_s = samples / sample_rate_hz - model.displacement() / model.velocity();
+  const double exit_s = memories.empty() ? samples / sample_rate_hz - model.displacement() / model.velocity()
+                                         : surface.exit_samples() / sample_rate_hz;
   return {exit_s - entry_s, max_compression, -model.velocity(), force.peak()};
 }
 

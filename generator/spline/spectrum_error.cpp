@@ -115,8 +115,8 @@ bool has_spectrum(const Material& material) {
 std::optional<SpectrumError> measure_spectrum(const Spline& spline, const Material& material) {
   if (!material.impact || material.compensation) return {};
   Material over_impacts = material;
-  const double range =
-      max_compression(material.contact, material.impact->mass_kg, material.impact->max_speed_m_per_s);
+  const Impact impact = elastic_impact(material);
+  const double range = max_compression(material.contact, impact.mass_kg, impact.max_speed_m_per_s);
   over_impacts.spline.max_compression_m = range;
   // With 256 speeds the worst error is found to within a few per cent. Fewer only if they take too long.
   constexpr std::size_t kMin = 8, kMax = 256, kMaxSteps = 1 << 18;

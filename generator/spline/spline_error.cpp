@@ -84,10 +84,11 @@ void append_kinks(std::vector<double>& speeds, const ContactLaw& contact, const 
 std::vector<double> measured_speeds(const Spline& spline, const Material& material) {
   constexpr std::size_t kMany = 1024;
   const bool plain = material.spline.knots == Knots::uniform && material.spline.tolerance == 0;
+  const Impact impact = elastic_impact(material);
   std::vector<double> speeds = plain || spline.segments.size() > kMany
-                                   ? even_speeds(spline, *material.impact)
-                                   : speeds_by_segment(spline.segments, *material.impact, 32, 2048);
-  append_kinks(speeds, material.contact, *material.impact);
+                                   ? even_speeds(spline, impact)
+                                   : speeds_by_segment(spline.segments, impact, 32, 2048);
+  append_kinks(speeds, material.contact, impact);
   return speeds;
 }
 
@@ -95,7 +96,7 @@ std::vector<double> measured_speeds(const Spline& spline, const Material& materi
 ImpactError worst_impact_error(const Spline& spline, const Material& material, std::size_t stride = 1) {
   ImpactError worst{0, 0};
   const ContactLaw& contact = material.contact;
-  const double mass_kg = material.impact->mass_kg;
+  const double mass_kg = elastic_impact(material).mass_kg;
   const std::vector<double> speeds = measured_speeds(spline, material);
   for (std::size_t i = 0; i < speeds.size(); i += stride) {
     const double speed = speeds[i];

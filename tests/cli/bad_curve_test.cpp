@@ -244,7 +244,21 @@ std::vector<BadContact> contact_cases() {
       {"restitution_without_speed", power(R"(, "restitution": { "coefficient": 0.5 })"),
        "contact.restitution.speed_m_per_s", "missing"},
       {"restitution_at_no_speed", power(R"(, "restitution": { "coefficient": 0.5, "speed_m_per_s": 1e-5 })"),
-       "contact.restitution", "allowed: a loss of at most 1000 s/m"}};
+       "contact.restitution", "allowed: a loss of at most 1000 s/m"},
+      {"memory_is_object", power(R"(, "memory": { "weight": 0.5, "relaxation_time_s": 1e-5 })"), "contact.memory",
+       "allowed: an array of 1 to 4 objects"},
+      {"memory_of_none", power(R"(, "memory": [])"), "contact.memory", "has 0 entries"},
+      {"memory_without_time", power(R"(, "memory": [{ "weight": 0.5 }])"), "contact.memory[0].relaxation_time_s",
+       "missing; allowed: a number from 1e-07 to 10"},
+      {"memory_without_weight", power(R"(, "memory": [{ "relaxation_time_s": 1e-5 }])"), "contact.memory[0].weight",
+       "missing; allowed: a number from 1e-06 to 0.999"},
+      {"memory_in_microseconds", power(R"(, "memory": [{ "weight": 0.5, "relaxation_time_s": 20 }])"),
+       "contact.memory[0].relaxation_time_s", "20 is out of range"},
+      {"memory_of_all", power(R"(, "memory": [{ "weight": 1, "relaxation_time_s": 1e-5 }])"),
+       "contact.memory[0].weight", "1 is out of range"},
+      {"memories_of_more_than_all", power(R"(, "memory": [{ "weight": 0.5, "relaxation_time_s": 1e-5 },
+         { "weight": 0.6, "relaxation_time_s": 1e-4 }])"),
+       "contact.memory", "has weights with the sum 1.1; allowed: a sum of at most 0.999"}};
 }
 
 class BadContactObject : public ::testing::TestWithParam<BadContact> {};

@@ -45,8 +45,8 @@ void PrintTo(const BadLine& bad, std::ostream* stream) {
 }
 
 const std::string kShipped =
-    "allowed: a .json file, felt_c2, felt_c4, felt_c7, felt_live, felt_over_wood, felt_synthetic, mb1, "
-    "rubber_on_wood, steel_ball_on_plate, steel_on_steel";
+    "allowed: a .json file, felt_c2, felt_c4, felt_c7, felt_live, felt_over_wood, felt_stulov_c4, felt_synthetic, "
+    "mb1, rubber_on_wood, steel_ball_on_plate, steel_on_steel";
 
 std::vector<BadLine> command_cases() {
   const std::string commands = "generate, inspect, list, show, impact, fit, render, plugin, dataset";

@@ -27,8 +27,9 @@ constexpr auto kMaterial = R"({
   "spline": { "knots": "uniform", "segments": 8 }
 })";
 
-const Words kShipped = {"felt_c2",        "felt_c4", "felt_c7",        "felt_live",           "felt_over_wood",
-                        "felt_synthetic", "mb1",     "rubber_on_wood", "steel_ball_on_plate", "steel_on_steel"};
+const Words kShipped = {"felt_c2",        "felt_c4",        "felt_c7", "felt_live",      "felt_over_wood",
+                        "felt_stulov_c4", "felt_synthetic", "mb1",     "rubber_on_wood", "steel_ball_on_plate",
+                        "steel_on_steel"};
 const Words kResonators = {"string_c2", "marimba_c4"};
 const Words kFormats = {"faust", "cpp", "json"};
 

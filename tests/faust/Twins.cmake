@@ -38,6 +38,7 @@ faust_header(slide_string_model ${here}/slide_string_model.dsp double)
 faust_header(fret_string_model ${here}/fret_string_model.dsp double)
 faust_header(coefficients_double ${here}/coefficients.dsp double)
 faust_header(live_exponent_double ${here}/live_exponent.dsp double)
+faust_header(memory_double ${here}/memory.dsp double)
 faust_header(power_law_double ${here}/power_law.dsp double)
 faust_header(fd_hammer ${PROJECT_SOURCE_DIR}/bench/baselines/fd_hammer_c4.dsp double)
 
@@ -53,6 +54,7 @@ faust_twin_test(faust_piano_test SOURCES piano_test.cpp CLASSES piano_double pia
 faust_twin_test(faust_guitar_body_test SOURCES guitar_body_test.cpp CLASSES slide_string_double slide_on_bridge)
 faust_twin_test(faust_coefficients_test SOURCES coefficients_test.cpp CLASSES coefficients_double)
 faust_twin_test(live_exponent_test SOURCES live_exponent_test.cpp CLASSES live_exponent_double)
+faust_twin_test(faust_memory_test SOURCES memory_test.cpp CLASSES memory_double)
 faust_twin_test(power_law_test SOURCES power_law_test.cpp CLASSES power_law_double)
 # Every program, scalar and with -vec.
 faust_header(mass_barrier_double ${programs_folder}/mass_barrier.dsp double)

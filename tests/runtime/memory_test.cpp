@@ -281,7 +281,7 @@ struct Continuous {
   [[nodiscard]] Rates rates(double at_y, double at_v, double at_m) const {
     const double spring = at_y > 0 ? stiffness * std::pow(at_y, exponent) : 0.0;
     const double force = std::max(0.0, spring - weight * at_m);
-    return {at_v, -force / mass, (std::max(spring, weight * at_m) - at_m) / time_s};
+    return {at_v, -force / mass, (spring - at_m) / time_s};
   }
   void advance(double h) {
     const Rates a = rates(y, v, m), b = rates(y + h / 2 * a.y, v + h / 2 * a.v, m + h / 2 * a.m),

@@ -31,6 +31,7 @@ struct HammerStringParts {
   double hammer_mass_kg;
   double loss_s_per_m = 0;
   Damper damper = {};
+  std::vector<Memory> memories = {};  ///< of the felt
 };
 
 /// The parameters of a hammer-string.
@@ -97,7 +98,8 @@ class HammerStringInstrument : public HammerStringParameter,
                                        .strike = strike_,
                                        .output = ModeShapes<T>(std::span<const double>(resonator.pickup)),
                                        .controls = controls(),
-                                       .damper = parts_.damper},
+                                       .damper = parts_.damper,
+                                       .memories = parts_.memories},
                    sample_rate_hz);
     outputs_ = StringOutputs(resonator, voice_->model().string());
     reset();

@@ -22,6 +22,11 @@ template <typename Material>
   return {segments_of<Material, double>.begin(), segments_of<Material, double>.end()};
 }
 
+template <typename Material>
+[[nodiscard]] std::vector<Memory> memories_in() {
+  return {memories_of<Material>.begin(), memories_of<Material>.end()};
+}
+
 /// The outputs that hosts have of a string.
 [[nodiscard]] constexpr std::span<const Output> outputs_for_hosts() {
   return std::span(StringOutputs<double>::kList).first(StringOutputs<double>::kOfHosts);
@@ -34,7 +39,8 @@ template <typename Material, std::floating_point T>
 class MassBarrierOf : public MassBarrierInstrument<T> {
  public:
   explicit MassBarrierOf(double mass_kg = 0.003)
-      : MassBarrierInstrument<T>({detail::table_of<Material>(), mass_kg, Material::loss_s_per_m}) {}
+      : MassBarrierInstrument<T>(
+            {detail::table_of<Material>(), mass_kg, Material::loss_s_per_m, detail::memories_in<Material>()}) {}
 };
 
 /// A hammer of an emitted felt on an emitted string.
@@ -42,8 +48,12 @@ template <typename Felt, typename String, std::floating_point T>
 class HammerStringOf : public HammerStringInstrument<T> {
  public:
   explicit HammerStringOf(double hammer_mass_kg = 0.00297)
-      : HammerStringInstrument<T>(
-            {string_parts<String>(), detail::table_of<Felt>(), hammer_mass_kg, Felt::loss_s_per_m}) {}
+      : HammerStringInstrument<T>({string_parts<String>(),
+                                   detail::table_of<Felt>(),
+                                   hammer_mass_kg,
+                                   Felt::loss_s_per_m,
+                                   {},
+                                   detail::memories_in<Felt>()}) {}
   static std::span<const Output> outputs() { return detail::outputs_for_hosts(); }
 };
 
@@ -52,7 +62,8 @@ template <typename Slide, typename String, std::floating_point T>
 class SlideStringOf : public SlideStringInstrument<T> {
  public:
   SlideStringOf()
-      : SlideStringInstrument<T>({string_parts<String>(), detail::table_of<Slide>(), Slide::loss_s_per_m}) {}
+      : SlideStringInstrument<T>({string_parts<String>(), detail::table_of<Slide>(), Slide::loss_s_per_m, 0,
+                                  detail::memories_in<Slide>()}) {}
   static std::span<const Output> outputs() { return detail::outputs_for_hosts(); }
 };
 
@@ -60,7 +71,9 @@ class SlideStringOf : public SlideStringInstrument<T> {
 template <typename Fret, typename String, std::floating_point T>
 class FretStringOf : public FretStringInstrument<T> {
  public:
-  FretStringOf() : FretStringInstrument<T>({string_parts<String>(), detail::table_of<Fret>(), Fret::loss_s_per_m}) {}
+  FretStringOf()
+      : FretStringInstrument<T>(
+            {string_parts<String>(), detail::table_of<Fret>(), Fret::loss_s_per_m, 0, detail::memories_in<Fret>()}) {}
   static std::span<const Output> outputs() { return detail::outputs_for_hosts(); }
 };
 

@@ -27,6 +27,7 @@ struct MassBarrierParts {
   std::vector<Segment<double>> contact;  ///< segment table
   double mass_kg;
   double loss_s_per_m = 0;
+  std::vector<Memory> memories = {};  ///< of the material
 };
 
 /// The parameters of a mass-barrier.
@@ -51,7 +52,8 @@ class MassBarrierInstrument : public MassBarrierParameter,
   using value_type = T;
   static constexpr std::array<Output, 2> kOutputs = {{{"displacement_m", "m", 0.01}, {"contact_force_n", "N", 50}}};
 
-  explicit MassBarrierInstrument(MassBarrierParts parts) : Values(kList), contact_(table_in<T>(parts.contact)) {
+  explicit MassBarrierInstrument(MassBarrierParts parts)
+      : Values(kList), contact_(table_in<T>(parts.contact)), memories_(std::move(parts.memories)) {
     this->set_initial(kMass, parts.mass_kg);
     this->set_initial(kLoss, parts.loss_s_per_m);
   }
@@ -62,7 +64,7 @@ class MassBarrierInstrument : public MassBarrierParameter,
   static std::span<const Output> outputs() { return kOutputs; }
   static std::span<const Preset> presets() { return {}; }
 
-  void prepare(double sample_rate_hz) { model_.emplace(contact_, static_cast<T>(sample_rate_hz)); }
+  void prepare(double sample_rate_hz) { model_.emplace(contact_, static_cast<T>(sample_rate_hz), memories_); }
 
   void strike(std::size_t number, T speed_m_per_s) {
     if (number == 0) model_->throw_from(value_of(kStart), speed_m_per_s);
@@ -92,7 +94,8 @@ class MassBarrierInstrument : public MassBarrierParameter,
   [[nodiscard]] double energy() const {
     const double v = double(model_->velocity()), y = double(model_->displacement());
     return this->value(kMass) * (v * v / 2 + std::max(0.0, -this->value(kGravity) * y)) +
-           double(model_->stiffness_ratio()) * double(potential(SegmentTable<T>(contact_), model_->displacement()));
+           double(model_->stiffness_ratio()) *
+               double(model_->memory().energy(SegmentTable<T>(contact_), model_->displacement()));
   }
   [[nodiscard]] const MassBarrier<T>& model() const { return *model_; }
 
@@ -101,6 +104,7 @@ class MassBarrierInstrument : public MassBarrierParameter,
   using Values::value_of;
 
   std::vector<Segment<T>> contact_;
+  std::vector<Memory> memories_;
   std::optional<MassBarrier<T>> model_;
 };
 

@@ -84,7 +84,8 @@ struct InstrumentOutput {
 /// the body that it throws, a free mass. plucks: for each pluck the control of its force. parameters: one for each
 /// control, then the speed of each strike, then the force of each pluck, then sustain and bend where keys have them.
 /// preset_values: for each preset a value for each parameter. wavenumbers: of the modes, 0 where the body is no
-/// string [rad/m]; empty where no place moves. license: SPDX identifier.
+/// string [rad/m]; empty where no place moves. memory_ends[t]: number of memories of the tables 0 to t; empty if no
+/// contact has a memory. license: SPDX identifier.
 struct InstrumentData {
   const char *name, *description, *license;
   std::span<const double> angular_frequencies, decays, masses;
@@ -105,6 +106,8 @@ struct InstrumentData {
   std::span<const char* const> preset_names = {};
   std::span<const double> preset_values = {};
   std::span<const double> wavenumbers = {};
+  std::span<const Memory> memories = {};
+  std::span<const std::size_t> memory_ends = {};
 };
 
 /// Plays what InstrumentData describes. `contactspline generate` emits a class on top of it, with names for controls,
@@ -568,6 +571,12 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
       return data.body_ends[body] - (body == 0 ? 0 : data.body_ends[body - 1]);
     }
 
+    static std::span<const Memory> memories_of_table(const InstrumentData& data, std::size_t table) {
+      if (data.memory_ends.empty()) return {};
+      const std::size_t begin = table == 0 ? 0 : data.memory_ends[table - 1];
+      return data.memories.subspan(begin, data.memory_ends[table] - begin);
+    }
+
     [[nodiscard]] NetworkPlan<T> plan(const InstrumentData& data) const {
       NetworkPlan<T> plan;
       std::vector<Mode> modes;
@@ -588,7 +597,8 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
       for (std::size_t k = 0; k < connections.size(); ++k) {
         const InstrumentConnection& c = connections[k];
         if (c.kind == ConnectionKind::kContact)
-          plan.add_contact(c.first, c.second, tables[c.table], gaps_m[k], contact(k), static_cast<T>(c.weight));
+          plan.add_contact(c.first, c.second, tables[c.table], gaps_m[k], contact(k), static_cast<T>(c.weight),
+                           memories_of_table(data, c.table));
         else if (c.kind == ConnectionKind::kSpring)
           plan.add_spring(c.first, c.second, static_cast<T>(c.stiffness_n_per_m),
                           static_cast<T>(c.resistance_n_s_per_m), gaps_m[k]);

@@ -51,7 +51,7 @@ class PluckedStringInstrument : public Parameters,
     sample_rate_hz_ = sample_rate_hz;
     const ResonatorParts& resonator = parts_.resonator;
     model_.emplace(contact_, resonator.modes, StringShapes<T>(std::span<const double>(resonator.wavenumbers_per_m)),
-                   static_cast<T>(resonator.pluck_m), sample_rate_hz);
+                   static_cast<T>(resonator.pluck_m), sample_rate_hz, parts_.memories);
     outputs_ = detail::StringOutputs<T>(resonator, model_->string());
     reset();
   }

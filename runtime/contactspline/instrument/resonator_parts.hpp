@@ -16,6 +16,7 @@
 #include "contactspline/instrument/parameter.hpp"
 #include "contactspline/modal/stiff_string.hpp"
 #include "contactspline/step/contact.hpp"
+#include "contactspline/step/memory.hpp"
 
 namespace contactspline {
 
@@ -38,7 +39,8 @@ struct PluckedStringParts {
   ResonatorParts resonator;              ///< a string
   std::vector<Segment<double>> contact;  ///< segment table of slide or fret
   double loss_s_per_m = 0;
-  double height_m = 0;  ///< distance of the slide from the string at rest, where it begins
+  double height_m = 0;                ///< distance of the slide from the string at rest, where it begins
+  std::vector<Memory> memories = {};  ///< of the material of slide or fret
 };
 
 /// The string that modes belong to: tension and bending stiffness from the frequencies of the first and the last one.

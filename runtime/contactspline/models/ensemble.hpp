@@ -57,8 +57,9 @@ class Ensemble {
   /// Adds a sleeping voice and returns its number: 0, 1, ... The felt must outlive the ensemble. Allocates memory: do
   /// not call on the audio thread.
   std::size_t add(SegmentTable<T> felt, std::span<const Mode> modes, ModeShapes<T> strike,
-                  const ModeShapes<T>& pickup, const HammerStringControls<T>& controls) {
-    HammerString<T> model(felt, modes, std::move(strike), sample_rate_hz_);
+                  const ModeShapes<T>& pickup, const HammerStringControls<T>& controls,
+                  std::span<const Memory> memories = {}) {
+    HammerString<T> model(felt, modes, std::move(strike), sample_rate_hz_, memories);
     ModeShapes<T> shapes = model.string().sound_pickup(pickup);
     voices_.push_back({std::move(model), std::move(shapes), controls});
     awake_.reserve(voices_.size());

@@ -89,6 +89,7 @@ struct HammerVoiceParts {
   ModeShapes<T> strike, output;
   HammerStringControls<T> controls;
   Damper damper = {};
+  std::span<const Memory> memories = {};  ///< of the felt
 };
 
 /// A hammer-string with a damper. `output` are mode shapes: the output is the sum of shape times modal displacement,
@@ -99,7 +100,7 @@ class HammerVoice {
   static constexpr T kThrowDistance_m = T(1e-4);  ///< from which the hammer is thrown
 
   HammerVoice(HammerVoiceParts<T> parts, double sample_rate_hz)
-      : model_(parts.felt, parts.modes, std::move(parts.strike), sample_rate_hz),
+      : model_(parts.felt, parts.modes, std::move(parts.strike), sample_rate_hz, parts.memories),
         output_(model_.string().sound_pickup(parts.output)),
         controls_(parts.controls),
         damper_(parts.damper, sample_rate_hz) {}

@@ -31,6 +31,7 @@ struct KeyOnBody {
   SegmentTable<T> felt;            ///< of one string; must outlive the instrument
   HammerStringControls<T> hammer;  ///< mass and stiffness ratio of one string; KeyboardOnBody sets loss and damping
   Damper damper;                   ///< damping 0: there is none
+  std::span<const Memory> memories = {};  ///< of the felt
 };
 
 /// The body of a KeyboardOnBody: its modes, with shapes at the bridge and at both ears.
@@ -235,7 +236,7 @@ class KeyboardOnBody {
     Key(const KeyOnBody<T>& key, std::vector<Row> sorted, double sample_rate_hz)
         : rows(std::move(sorted)),
           tuned(bare(rows)),
-          model(key.felt, tuned, ModeShapes<T>(rows.size()), sample_rate_hz),
+          model(key.felt, tuned, ModeShapes<T>(rows.size()), sample_rate_hz, key.memories),
           bridge(model.bridge(bridge_shapes<T>(key.strings, rows, 1))),
           strike(rows.size()),
           shapes(rows.size()),

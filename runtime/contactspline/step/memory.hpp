@@ -149,21 +149,20 @@ class ContactMemory {
     return step_through_surface(table, controls, time_step, approach, start);
   }
 
-  /// The memory follows the force at the end of a sample, where the table's segment holds the compression [m]. The
-  /// surface of the felt stays behind when the other body leaves it.
+  /// The memory follows the force at the end of a sample, where the table's segment holds the compression [m].
   template <std::size_t Extent>
   [[gnu::always_inline]] constexpr void relax(SegmentTable<T, Extent> table, T compression, std::size_t segment) {
     if (empty()) return;
-    const T force = std::max(table[segment].force_at(compression), line_);
+    const T force = table[segment].force_at(compression);
     before_ = remembered_;
+    if (force < line_ && count_ > 1) return relax_apart(force);
     T sum_kept = 0;  // apart from the force, for which this would have to wait
     for (std::size_t i = 0; i < count_; ++i) {
       const T kept = kept_[i] * remembered_[i];
       sum_kept += kept;
       remembered_[i] = taken_[i] * force + kept;
     }
-    line_ = sum_taken_ * force + sum_kept;
-    if (!(line_ > kForgotten_n)) line_ = 0, remembered_ = {};
+    keep_line(sum_taken_ * force + sum_kept);
   }
 
   /// One sample of the contact and of its memory.
@@ -186,10 +185,12 @@ class ContactMemory {
     return {controls.stiffness_ratio * stiffness_, controls.loss_s_per_m};
   }
 
-  /// Compression below which the force of the next sample is 0 [m].
+  /// Compression at which the felt has its surface between two samples [m]: where the force is 0 by the mean of what
+  /// was remembered before and is now.
   template <std::size_t Extent>
   [[nodiscard]] constexpr T surface(SegmentTable<T, Extent> table) const {
-    return empty() ? T(0) : spring(table).surface();
+    const T line = (sum(before_) + line_) / 2;
+    return detail::TableLessLine<T, Extent>(table, line, detail::segment_of_force(table, line)).surface();
   }
 
   /// Energy that contact and memory store [J]: above 0 also while the bodies are apart and the memory relaxes.
@@ -223,6 +224,23 @@ class ContactMemory {
     ContactStep<T> step = detail::controlled_step(potential, designed(controls), time_step, approach, from);
     step.segment = detail::relocate_segment(table, step.segment, step.compression);
     return step;
+  }
+
+  // Several memories, below the surface: one after the other moves towards the force, but not past where the energy
+  // is least, or together they would add energy.
+  constexpr void relax_apart(T force) {
+    for (std::size_t i = 0; i < count_; ++i) {
+      const T others = line_ - remembered_[i];
+      const T target = force < line_ ? std::max(force, others / (1 - weights_[i])) : force;
+      remembered_[i] = taken_[i] * target + kept_[i] * remembered_[i];
+      line_ = others + remembered_[i];
+    }
+    keep_line(sum(remembered_));
+  }
+
+  constexpr void keep_line(T line) {
+    line_ = line;
+    if (!(line > kForgotten_n)) line_ = 0, remembered_ = {};
   }
 
   static constexpr T sum(const Forces& forces) {
