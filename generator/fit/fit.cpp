@@ -26,11 +26,13 @@ struct Candidate {
   double criterion = 0;
 };
 
-// Slow curves tell nothing of a loss.
-bool tells_of_loss(const Measurements& measured) {
-  return !measured.pulses.empty() || !measured.rows.empty() ||
-         std::ranges::any_of(measured.curves,
-                             [](const MeasuredForce& curve) { return curve.impact_speed_m_per_s.has_value(); });
+// Slow curves tell nothing of a loss. A curve of an impact has no times, which a memory needs.
+bool tells_of(const ModelRow& loss, const Measurements& measured) {
+  const auto is_impact = [](const MeasuredForce& curve) { return curve.impact_speed_m_per_s.has_value(); };
+  const bool has_impact_curve = std::ranges::any_of(measured.curves, is_impact);
+  if (loss.frees.empty()) return true;
+  if (std::ranges::count(loss.frees, kWeight) > 0 && has_impact_curve) return false;
+  return has_impact_curve || !measured.pulses.empty() || !measured.rows.empty();
 }
 
 std::vector<Candidate> candidates_of(const Measurements& measured) {
@@ -38,7 +40,7 @@ std::vector<Candidate> candidates_of(const Measurements& measured) {
   for (const ModelRow& law : laws())
     for (const ModelRow& loss : losses())
       if (std::ranges::count(measured.laws, law.name) > 0 && std::ranges::count(measured.losses, loss.name) > 0 &&
-          (loss.frees.empty() || tells_of_loss(measured))) {
+          tells_of(loss, measured)) {
         all.push_back({&law, &loss, law.frees, {}});
         all.back().frees.insert(all.back().frees.end(), loss.frees.begin(), loss.frees.end());
       }
@@ -67,18 +69,23 @@ std::vector<FitValues> starts_of(const FitProblem& problem, const Candidate& can
   return starts;
 }
 
-// The best of several starts, then twice again with the noise that it shows.
-void fit_candidate(const FitProblem& problem, Candidate& candidate, const Candidate* simpler) {
+// The best of several starts, then twice again with the noise that it shows; but not where an earlier candidate,
+// whose cost is `lowest_cost`, describes the data far better. Returns the cost of the best start.
+double fit_candidate(const FitProblem& problem, Candidate& candidate, const Candidate* simpler, double lowest_cost) {
   constexpr int kFewSteps = 6, kManySteps = 60;
+  constexpr double kHopeless = 10;
   candidate.values.cost = std::numeric_limits<double>::infinity();
   for (FitValues& start : starts_of(problem, candidate, simpler)) {
     std::ranges::fill(start.noise, kFirstNoise);
     const FitValues found = problem.search(start, candidate.frees, kFewSteps);
     if (found.cost < candidate.values.cost) candidate.values = found;
   }
-  for (int round = 0; round < 2 && std::isfinite(candidate.values.cost); ++round)
+  const double cost = candidate.values.cost;
+  const bool is_hopeless = !std::isfinite(cost) || cost > kHopeless * lowest_cost;
+  for (int round = 0; round < 2 && !is_hopeless; ++round)
     candidate.values =
         problem.search(problem.with_noise(candidate.values, candidate.frees), candidate.frees, kManySteps);
+  return cost;
 }
 
 // Twice the cost at the least noise that any candidate shows, and ln of the number of residuals for each parameter.
@@ -179,7 +186,8 @@ void set_reach(Fit& fit, const Measurements& measured, const FitValues& values) 
     if (const auto impact = measure_impact(fit.model, measured.mass_kg, std::ranges::max(speeds)))
       fit.max_compression_m = std::max(fit.max_compression_m, impact->max_compression_m);
   const PowerLaw law{fit.stiffness.value, fit.exponent.value};
-  fit.max_speed_m_per_s = std::sqrt(2 * law.energy(fit.max_compression_m) / measured.mass_kg);
+  const double slow = 1 - fit.model.weight;  // the stiffness of a slow press, in parts of that of a fast blow
+  fit.max_speed_m_per_s = std::sqrt(2 * slow * law.energy(fit.max_compression_m) / measured.mass_kg);
   constexpr double kRangeOfSlowCurves = 20;
   const double slowest = speeds.empty() ? fit.max_speed_m_per_s / kRangeOfSlowCurves : std::ranges::min(speeds);
   fit.min_speed_m_per_s = std::min(slowest, fit.max_speed_m_per_s);
@@ -191,10 +199,12 @@ Fit fit_material(const Measurements& measured, const std::string& file,
                  const std::function<void(const std::string&)>& tell) {
   const FitProblem problem(measured);
   std::vector<Candidate> all = candidates_of(measured);
+  double lowest_cost = std::numeric_limits<double>::infinity();
   for (Candidate& candidate : all) {
     tell(fmt::format("fitting a {} {}", candidate.law->words, candidate.loss->words));
     const Candidate* before = &candidate == all.data() ? nullptr : &candidate - 1;
-    fit_candidate(problem, candidate, before != nullptr && before->law == candidate.law ? before : nullptr);
+    const Candidate* simpler = before != nullptr && before->law == candidate.law ? before : nullptr;
+    lowest_cost = std::min(lowest_cost, fit_candidate(problem, candidate, simpler, lowest_cost));
   }
   std::erase_if(all, [](const Candidate& candidate) { return !std::isfinite(candidate.values.cost); });
   if (all.empty())

@@ -12,8 +12,9 @@ namespace contactspline {
 namespace {
 
 constexpr double kMinNoise = 1e-7;
-constexpr std::array<Range, kParameters> kBounds = {
-    {{-30, 40}, {0.6, 9.5}, {0, 900}, {1e-4, 0.999}, {-18.5, -2.3}}};  // in the order of FitParameter
+// In the order of FitParameter; the time in parts of the contact's. Shorter memories are a viscous loss, longer ones
+// none.
+constexpr std::array<Range, kParameters> kBounds = {{{-30, 40}, {0.6, 9.5}, {0, 900}, {1e-4, 0.999}, {-5.7, 1.6}}};
 
 double speed_of(const Pulse& pulse, double mass_kg) {
   constexpr double kLikely = 1.6;  // 1 + restitution
@@ -137,8 +138,9 @@ std::unique_ptr<FitProblem::Posed> FitProblem::pose(FitValues& values, const std
       fixed.push_back(i);
     else {
       const auto& [min, max] = kBounds[static_cast<std::size_t>(i)];
-      posed->problem.SetParameterLowerBound(parameters, i, min);
-      posed->problem.SetParameterUpperBound(parameters, i, max);
+      const double unit = i == kLogTime ? std::log(duration_s_) : 0;
+      posed->problem.SetParameterLowerBound(parameters, i, min + unit);
+      posed->problem.SetParameterUpperBound(parameters, i, max + unit);
     }
   if (!fixed.empty()) posed->problem.SetManifold(parameters, new ceres::SubsetManifold(kParameters, fixed));
   for (std::size_t i = 0; i < sources_.size(); ++i) *sources_[i].noise = values.noise[i];

@@ -22,6 +22,10 @@ struct Result {
 std::vector<Result> results_of(const Fit& fit) {
   std::vector<Result> results = {{"stiffness_n_per_m_alpha", "N/m^a", fit.stiffness}, {"exponent", "", fit.exponent}};
   if (fit.loss == "hunt_crossley") results.push_back({"loss_s_per_m", "s/m", fit.loss_s_per_m});
+  if (fit.loss == "memory") {
+    results.push_back({"weight", "", fit.weight});
+    results.push_back({"relaxation_time_s", "s", fit.time_s});
+  }
   return results;
 }
 
@@ -82,8 +86,13 @@ std::string material_text(const Fit& fit, const Measurements& measured, std::str
     text += fmt::format("  \"description\": {},\n", json_string(measured.description));
   std::vector<std::string> contact;
   constexpr int kDigits = 8;
-  for (const Result& result : results_of(fit))
-    contact.push_back(fmt::format("\"{}\": {}", result.key, rounded_to(result.estimate.value, kDigits)));
+  std::vector<std::string> memory;
+  for (const Result& result : results_of(fit)) {
+    const bool is_memory = result.key == "weight" || result.key == "relaxation_time_s";
+    (is_memory ? memory : contact)
+        .push_back(fmt::format("\"{}\": {}", result.key, rounded_to(result.estimate.value, kDigits)));
+  }
+  if (!memory.empty()) contact.push_back(fmt::format("\"memory\": [{{ {} }}]", fmt::join(memory, ", ")));
   const double max = rounded_down(fit.max_speed_m_per_s);
   text += fmt::format("  \"contact\": {{ {} }},\n", fmt::join(contact, ", "));
   text += fmt::format(

@@ -221,7 +221,7 @@ TEST(Measurements, AreReadInManyLayouts) {
     EXPECT_NE(read_file(box / "probe.json").find("\"name\": \"probe\""), std::string::npos);
     return found.at("estimates").at("exponent").at("value").get<double>();
   };
-  const std::string power = R"(, "laws": "power")", fit = fit_file(kPulse, "0.01", power);
+  const std::string power = R"(, "laws": "power", "losses": "hunt_crossley")", fit = fit_file(kPulse, "0.01", power);
   const double plainly = exponent(fit, pulse());
   const auto comma = [](double t, double f) {
     std::string line = fmt::format("{:.8f};x;{:.6f}\n", 1e3 * (t - 0.01), f);

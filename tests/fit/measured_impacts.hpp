@@ -33,10 +33,10 @@ inline double normal(Random& random) {
   return radius * std::cos(2 * std::numbers::pi * random.uniform());
 }
 
-/// The force at times of an impact that begins at `begin_s`: the midpoint rule with 256 steps a sample.
+/// The force at times of an impact that begins at `begin_s`: the midpoint rule with 64 steps a sample.
 inline std::vector<double> force_at(const TrueMaterial& material, double speed, double begin_s,
                                     const std::vector<double>& times) {
-  constexpr int kSteps = 256;
+  constexpr int kSteps = 64;
   const auto force = [&](long double y, long double v) {
     return y > 0 ? static_cast<long double>(material.law.stiffness) *
                        std::pow(y, static_cast<long double>(material.law.exponent)) * (1 + material.loss_s_per_m * v)
