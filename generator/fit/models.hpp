@@ -22,7 +22,7 @@ struct ModelRow {
 /// Laws: power, hertz. Both have a force at a reference compression; Hertz's exponent is 1.5.
 [[nodiscard]] const std::vector<ModelRow>& laws();
 
-/// Losses: none, hunt_crossley.
+/// Losses: none, hunt_crossley, memory (Stulov's law).
 [[nodiscard]] const std::vector<ModelRow>& losses();
 
 [[nodiscard]] std::vector<std::string> names_of_laws();
