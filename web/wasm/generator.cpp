@@ -6,8 +6,10 @@
 #include <string>
 
 #include "generator/emit/emit_material.hpp"
+#include "generator/material/material_reader.hpp"
 #include "generator/spline/design.hpp"
 #include "generator/support/embedded_files.hpp"
+#include "generator/support/error.hpp"
 #include "web/wasm/door.hpp"
 
 namespace contactspline::web {
@@ -71,17 +73,23 @@ Json described(const Design& design) {
 /// or {"error": one line} for bad input. The page frees `text`.
 CONTACTSPLINE_WEB(const char*, contactspline_generate, const char* text, const char* file) {
   try {
-    return keep(described(design_material(text, file)).dump());
+    const Design design = design_material(text, file);
+    if (!design.material.memories.empty())
+      refuse(file, "contact.memory", "is not played on this page",
+             "loss_s_per_m, or a plug-in of the instrument with such a felt");
+    return keep(described(design).dump());
   } catch (const std::exception& error) {
     return keep(Json{{"error", error.what()}}.dump());
   }
 }
 
-/// The material files that ship, as a JSON object: text by name.
+/// The material files that ship and that the page plays, those without memory, as a JSON object: text by name.
 CONTACTSPLINE_WEB(const char*, contactspline_materials) {
   Json texts = Json::object();
-  for (const std::string& name : shipped_names(Shipped::kMaterials))
-    texts[name] = std::string(find_embedded(Shipped::kMaterials, name + ".json")->content);
+  for (const std::string& name : shipped_names(Shipped::kMaterials)) {
+    const auto* file = find_embedded(Shipped::kMaterials, name + ".json");
+    if (parse_material(file->content, file->name).memories.empty()) texts[name] = std::string(file->content);
+  }
   return keep(texts.dump());
 }
 
