@@ -34,7 +34,8 @@ TEST(MaterialsDocument, HasExamplesThatWork) {
   const Sandbox box;
   const auto curves = blocks("csv"), materials = blocks("json");
   ASSERT_EQ(curves.size(), 2u);
-  ASSERT_EQ(materials.size(), 8u);  // power law, hertz, sum, series, curve, both branches, restitution, live exponent
+  // Power law, hertz, sum, series, curve, both branches, restitution, memory, live exponent.
+  ASSERT_EQ(materials.size(), 9u);
   write_file(box / "my_felt.csv", curves[0]);
   write_file(box / "my_impact.csv", curves[1]);
   for (const std::string& material : materials) {
@@ -46,7 +47,7 @@ TEST(MaterialsDocument, HasExamplesThatWork) {
     succeed({.arguments = {"render", "mass-barrier", "--material", file, "--duration", "0.05", "-o", "a.wav"},
              .folder = box.path()});
   }
-  EXPECT_EQ(std::distance(fs::directory_iterator(box / "out"), {}), 24);
+  EXPECT_EQ(std::distance(fs::directory_iterator(box / "out"), {}), 27);
 }
 
 TEST(MaterialsDocument, StatesTheContactTimeOfItsBall) {

@@ -82,7 +82,7 @@ Json parsed(const std::string& json) {
 
 // A block of a page as a file. Keys without braces are added to the file that the page shows first.
 Json whole(const std::string& block, const Page& page) {
-  if (block.starts_with("{")) return parsed(block);
+  if (block.starts_with("{") || block.starts_with("//")) return parsed(block);
   Json file = parsed(blocks_of(page, "json").front());
   file.update(parsed("{" + block.substr(0, block.find_last_of(",")) + "}"));
   return file;
@@ -113,13 +113,16 @@ class Readers {
       if (!name.empty()) write_file(box_ / (name[0] + ".json"), block);
     }
     const auto curves = matches(all, "\"([a-z0-9_]+\\.csv)\"");
-    for (std::size_t i = 0; i < curves.size(); ++i) write_file(box_ / curves[i], blocks_of(page, "csv").at(i));
+    const std::vector<std::string>& shown = blocks_of(page, "csv");
+    for (std::size_t i = 0; i < std::min(curves.size(), shown.size()); ++i) write_file(box_ / curves[i], shown[i]);
   }
 
   void ask(const Json& file, const std::string& name) {
-    const bool is_score = file.contains("events");
-    const Words command =
-        is_score ? Words{"render", "asked.json", "-o", "a.wav"} : Words{"generate", "asked.json", "-o", "out"};
+    const Words command = file.contains("pulses") || file.contains("tables")
+                              ? Words{"fit", "asked.json", "-o", "fitted.json"}
+                          : file.contains("count")  ? Words{"dataset", "asked.json", "-o", "out"}
+                          : file.contains("events") ? Words{"render", "asked.json", "-o", "a.wav"}
+                                                    : Words{"generate", "asked.json", "-o", "out"};
     const Json flat = file.flatten();
     for (const auto& [place, value] : flat.items())
       for (Json::json_pointer at = Json::json_pointer(place).parent_pointer();; at = at.parent_pointer()) {

@@ -96,7 +96,8 @@ class ScoreMaterial : public ::testing::TestWithParam<MaterialCase> {};
 TEST_P(ScoreMaterial, PlaysOnAHammerWithItsOwnSpline) {
   const Design design = GetParam().design();
   Parts parts("string_c4", design);
-  HammerString<double> model(parts.table, parts.modes, parts.at(parts.resonator.strike.position_m), kRate);
+  HammerString<double> model(parts.table, parts.modes, parts.at(parts.resonator.strike.position_m), kRate,
+                             design.material.memories);
   std::vector<double> force;
   for (int n = 0; n < 1764; ++n) {
     if (n == 441) model.strike(2.5, 1e-4);
@@ -116,7 +117,8 @@ TEST_P(ScoreMaterial, PlaysOnAHammerWithItsOwnSpline) {
 TEST_P(ScoreMaterial, PlaysUnderASlideWithItsOwnSpline) {
   const Design design = GetParam().design();
   Parts parts("guitar_g3", design);
-  SlideString<double> model(parts.table, parts.modes, StringShapes<double>(parts.wavenumbers), 0.5, kRate);
+  SlideString<double> model(parts.table, parts.modes, StringShapes<double>(parts.wavenumbers), 0.5, kRate,
+                            design.material.memories);
   model.place(0.2, 1e-3);
   std::vector<double> force;
   for (int n = 0; n < 1764; ++n) {

@@ -331,7 +331,7 @@ TEST(FaustInstrument, OfThePreparedPianoRattlesAsTheClass) {
       error = std::max(error, std::abs(found[o][n] - expected[o][n]) / largest);
       allowed = std::max(allowed, std::abs(faster[o][n] - expected[o][n]) / largest);
       ASSERT_LE(error, 30 * allowed + 1e-13) << o << ' ' << n;
-      EXPECT_TRUE(n > 882 || error <= 1e-9) << n;
+      EXPECT_TRUE(n > 840 || error <= 1e-9) << n;
     }
     EXPECT_GT(allowed, 1e-9);  // it does rattle
   }

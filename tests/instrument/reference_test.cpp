@@ -30,11 +30,11 @@ struct Excitation {
 };
 
 // Rattling wires and bolts amplify differences: rounding to 1e-16 becomes 1e-6 within 50 ms. So the reference
-// continues from the state of the instrument each 10 or 5 ms.
+// continues from the state of the instrument each 10 or 2.5 ms.
 const std::map<std::string, Excitation> kExcitations = {
     {"classical_guitar", {"guitar_arpeggio", "saddle", 2205, 1}},
     {"marimba_tube", {"marimba_blows", "mouth", 2205, 1}},
-    {"prepared_piano", {"prepared_notes", "under_bolt", 221, 1e-6}},
+    {"prepared_piano", {"prepared_notes", "under_bolt", 110, 1e-6}},
     {"slap_bass", {"slap_line", "pickup", 2205, 1}},
     {"snare", {"snare_roll", "pickup", 441, 1e-4}},
     {"tanpura", {"tanpura_drone", "finger", 2205, 1e-4}},
