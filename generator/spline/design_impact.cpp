@@ -23,12 +23,13 @@ bool is_lossy(const Material& material) {
   return material.loss_s_per_m > 0 || !material.memories.empty();
 }
 
-constexpr int kSteps = 128;  // each way
+constexpr int kMotionSteps = 128;  // each way
 constexpr double kPhase = 0.5;
 
 std::vector<ImpactMoment> motion_of(const LawView& law, const Material& material, double mass_kg,
                                     double speed_m_per_s) {
-  if (material.memories.empty()) return barrier_motion(law, mass_kg, speed_m_per_s, material.loss_s_per_m, kSteps);
+  if (material.memories.empty())
+    return barrier_motion(law, mass_kg, speed_m_per_s, material.loss_s_per_m, kMotionSteps);
   return memory_motion(law, mass_kg, speed_m_per_s, material.loss_s_per_m, material.memories);
 }
 
