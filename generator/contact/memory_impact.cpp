@@ -142,7 +142,9 @@ class Follower {
     const double middle = motion_.force(before), end = motion_.force(now_);
     if (middle >= peak_ && middle >= end && last_step_ > 0)
       for (const auto& [from, length] : {std::pair{last_, last_step_}, std::pair{before, step}}) {
-        const auto negative = [&](double time) { return -motion_.force(after(motion_, from, time)); };
+        const auto negative = [this, &start = from](double time) {
+          return -motion_.force(after(motion_, start, time));
+        };
         peak_ = std::max(peak_, -tools::brent_find_minima(negative, 0.0, length, kHalfOfTheBits).second);
       }
     peak_ = std::max(peak_, end);
