@@ -7,10 +7,14 @@
 #include "contactspline/host/hosted.hpp"
 #include "contactspline/instrument/fret_string_instrument.hpp"
 #include "contactspline/instrument/hammer_string_instrument.hpp"
+#include "contactspline/instrument/instrument_data.hpp"
+#include "contactspline/instrument/instrument_parts.hpp"
 #include "contactspline/instrument/instruments_of.hpp"
 #include "contactspline/instrument/keyboard_instrument.hpp"
 #include "contactspline/instrument/mass_barrier_instrument.hpp"
 #include "contactspline/instrument/network_instrument.hpp"
+#include "contactspline/instrument/network_pickups.hpp"
+#include "contactspline/instrument/network_strikes.hpp"
 #include "contactspline/instrument/network_tuning.hpp"
 #include "contactspline/instrument/parameter_values.hpp"
 #include "contactspline/instrument/played_by_events.hpp"
@@ -24,6 +28,7 @@
 #include "contactspline/materials/felt_c4.hpp"
 #include "contactspline/materials/felt_live.hpp"
 #include "contactspline/modal/modal.hpp"
+#include "contactspline/modal/mode.hpp"
 #include "contactspline/modal/stiff_string.hpp"
 #include "contactspline/modal/string_place.hpp"
 #include "contactspline/models/body.hpp"
@@ -31,6 +36,7 @@
 #include "contactspline/models/fret_string.hpp"
 #include "contactspline/models/hammer_string.hpp"
 #include "contactspline/models/hammer_voice.hpp"
+#include "contactspline/models/key_on_body.hpp"
 #include "contactspline/models/keyboard.hpp"
 #include "contactspline/models/keyboard_on_body.hpp"
 #include "contactspline/models/mass_barrier.hpp"
@@ -41,9 +47,12 @@
 #include "contactspline/network/contact_network.hpp"
 #include "contactspline/network/coupled_contacts.hpp"
 #include "contactspline/network/linear_algebra.hpp"
+#include "contactspline/network/network_admittances.hpp"
+#include "contactspline/network/network_parts.hpp"
 #include "contactspline/network/network_plan.hpp"
 #include "contactspline/network/newton.hpp"
 #include "contactspline/network/sample_law.hpp"
+#include "contactspline/network/sleeping_contacts.hpp"
 #include "contactspline/network/spring_elimination.hpp"
 #include "contactspline/resonators/string_c4.hpp"
 #include "contactspline/step/live_exponent.hpp"
@@ -65,6 +74,12 @@ using Felt = materials::felt_c4;
   template class detail::ColumnMatrix<T>;                                                                       \
   template class detail::ContactGroup<T>;                                                                       \
   template class detail::LinearSystem<T>;                                                                       \
+  template struct detail::InstrumentParts<T>;                                                                   \
+  template class detail::NetworkAdmittances<T>;                                                                 \
+  template struct detail::NetworkParts<T>;                                                                      \
+  template class detail::NetworkPickups<T>;                                                                     \
+  template class detail::NetworkStrikes<T>;                                                                     \
+  template class detail::SleepingContacts<T>;                                                                   \
   template class detail::NewtonSolver<T>;                                                                       \
   template class detail::SampleLaw<T>;                                                                          \
   template class detail::SpringElimination<T>;                                                                  \

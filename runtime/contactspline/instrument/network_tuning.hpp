@@ -12,39 +12,12 @@
 #include <utility>
 #include <vector>
 
-#include "contactspline/instrument/parameter.hpp"
 #include "contactspline/modal/modal.hpp"
 #include "contactspline/modal/stiff_string.hpp"
 #include "contactspline/models/hammer_voice.hpp"
 #include "contactspline/network/contact_network.hpp"
 
-namespace contactspline {
-
-/// Keys of MIDI from `first` to `last` that play an event. tuned_key: the key at which the strings have the pitch of
-/// the file; the others tune them, a semitone for each key. -1: the keys tune nothing.
-struct KeyRange {
-  int first, last;
-  std::size_t event;
-  int tuned_key = -1;
-};
-
-/// Stands for a parameter that an instrument lacks.
-inline constexpr std::size_t kNoParameter = std::numeric_limits<std::size_t>::max();
-
-/// Keys, tuning and damper of an instrument file. tension_squares: for each mode what the tension adds to w0^2
-/// (square_by_tension) [1/s^2]; empty: nothing is tuned. far_ends: so many places, the last ones, are far ends of
-/// strings, where a displacement is a force. damped: the bodies under the damper.
-struct KeyedData {
-  std::span<const KeyRange> ranges;
-  std::size_t voices = 1;
-  std::span<const double> tension_squares;
-  std::size_t far_ends = 0;
-  std::span<const std::size_t> damped;
-  double damper_per_s = 0;
-  std::size_t sustain = kNoParameter, bend = kNoParameter;
-};
-
-namespace detail {
+namespace contactspline::detail {
 
 /// The tuning of all strings of a network by one change of tension, which follows its control like any bend.
 template <std::floating_point T>
@@ -172,6 +145,4 @@ class NetworkDamper {
   bool has_moved_ = false;  // since the last sample
 };
 
-}  // namespace detail
-
-}  // namespace contactspline
+}  // namespace contactspline::detail

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "contactspline/instrument/instrument.hpp"
-#include "contactspline/instrument/network_tuning.hpp"
+#include "contactspline/instrument/instrument_data.hpp"
 #include "contactspline/instrument/played_by_events.hpp"
 #include "contactspline/instrument/pluck.hpp"
 #include "contactspline/instrument/string_outputs.hpp"

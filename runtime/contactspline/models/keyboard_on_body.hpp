@@ -10,7 +10,6 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
-#include <numbers>
 #include <span>
 #include <utility>
 #include <vector>
@@ -18,21 +17,11 @@
 #include "contactspline/modal/stiff_string.hpp"
 #include "contactspline/models/body.hpp"
 #include "contactspline/models/hammer_voice.hpp"
+#include "contactspline/models/key_on_body.hpp"
 #include "contactspline/step/controls.hpp"
 #include "contactspline/step/flush_denormals.hpp"
 
 namespace contactspline {
-
-/// One key of a KeyboardOnBody.
-template <std::floating_point T>
-struct KeyOnBody {
-  StiffString strings;             ///< each by itself: one for each detuning
-  double strike_position_m;        ///< from the end that does not move
-  SegmentTable<T> felt;            ///< of one string; must outlive the instrument
-  HammerStringControls<T> hammer;  ///< mass and stiffness ratio of one string; KeyboardOnBody sets loss and damping
-  Damper damper;                   ///< damping 0: there is none
-  std::span<const Memory> memories = {};  ///< of the felt
-};
 
 /// The body of a KeyboardOnBody: its modes, with shapes at the bridge and at both ears.
 struct BoardOfKeyboard {
@@ -48,7 +37,7 @@ struct BoardOfKeyboard {
 template <std::floating_point T>
 class KeyboardOnBody {
  public:
-  static constexpr double kSympathy_hz = 5000;
+  static constexpr double kSympathy_hz = detail::SoundingKey<T>::kSympathy_hz;
 
   /// The lowest `max_modes` modes below half the sample rate of each string. Allocates.
   KeyboardOnBody(std::span<const KeyOnBody<T>> keys, const BoardOfKeyboard& board, double sample_rate_hz,
@@ -213,152 +202,14 @@ class KeyboardOnBody {
   [[nodiscard]] std::size_t failures() const { return failures_; }
 
  private:
+  using Key = detail::SoundingKey<T>;
+  static constexpr std::size_t kLine = Key::kLine;
   static constexpr ControlRange<double> kPedal{0, 1};
-  // Modes that join and leave together: whole cache lines in both precisions.
-  static constexpr std::size_t kLine = detail::ModalArray<float>::kLine;
   static constexpr std::size_t kCheckInterval = 32;  // samples, after each of which one key is checked
   static constexpr double kSilence_j = 1e-14;        // 100 dB below the blow of a C4 hammer at 0.4 m/s
   // What may leave, as a fraction of all energy: of a key that is damped, and of one that rings.
   static constexpr double kDampedFraction = 1e-7, kRingingFraction = 1e-9;
   static constexpr double kBodySilence_j = 1e-17;
-
-  /// The modes of all strings by rising frequency, in whole lines: a number of them can be advanced alone.
-  struct Key {
-    Key(const KeyOnBody<T>& key, double sample_rate_hz, std::size_t max_modes)
-        : Key(key, rows_of(key.strings, sample_rate_hz / 2, max_modes), sample_rate_hz) {}
-
-    struct Row {
-      Mode mode;
-      double wavenumber_per_m;
-      std::size_t string;
-    };
-
-    Key(const KeyOnBody<T>& key, std::vector<Row> sorted, double sample_rate_hz)
-        : rows(std::move(sorted)),
-          tuned(bare(rows)),
-          model(key.felt, tuned, ModeShapes<T>(rows.size()), sample_rate_hz, key.memories),
-          bridge(model.bridge(bridge_shapes<T>(key.strings, rows, 1))),
-          strike(rows.size()),
-          shapes(rows.size()),
-          stiffness((rows.size() + kLine - 1) / kLine + 1),
-          ends_n_per_m(bridge_stiffness(key.strings, std::vector<StringMode>()).ends),
-          damper(key.damper, sample_rate_hz),
-          hammer(key.hammer),
-          controls(key.hammer),
-          string(key.strings),
-          strings(key.strings.detuning_cents.size()),
-          has_damper(key.damper.damping_per_s > 0) {
-      strike_at(key.strike_position_m);
-      sum_stiffness();
-      for (std::size_t i = 0; i < rows.size(); ++i)
-        if (rows[i].mode.angular_frequency_rad_per_s < 2 * std::numbers::pi * kSympathy_hz) sympathetic = i + 1;
-      sympathetic = in_lines(sympathetic);
-      damper.move_to(1);
-      damper.finish();
-    }
-
-    static std::vector<Row> rows_of(const StiffString& strings, double max_frequency_hz, std::size_t max_modes) {
-      std::vector<Row> rows;
-      for (std::size_t s = 0; s < strings.detuning_cents.size(); ++s) {
-        StiffString one = strings;
-        one.detuning_cents = {strings.detuning_cents[s]};
-        for (const StringMode& mode : modes_below(one, max_frequency_hz, max_modes))
-          rows.push_back({mode.mode, mode.wavenumber_per_m, s});
-      }
-      std::ranges::stable_sort(rows, {}, [](const Row& row) { return row.mode.angular_frequency_rad_per_s; });
-      return rows;
-    }
-
-    // A number of modes, up to the end of its line.
-    [[nodiscard]] std::size_t in_lines(std::size_t count) const {
-      return std::min((count + kLine - 1) / kLine * kLine, model.string().size());
-    }
-    // Stiffness that the lowest modes add to the bridge, in whole lines or all [N/m].
-    [[nodiscard]] double stiffness_of(std::size_t count) const { return stiffness[(count + kLine - 1) / kLine]; }
-
-    void sum_stiffness() {
-      double sum = 0;
-      for (std::size_t i = 0; i < shapes.size(); ++i) {
-        if (i % kLine == 0) stiffness[i / kLine] = sum;
-        sum += model.stiffness_on(bridge, i, i + 1);
-      }
-      stiffness.back() = sum;
-    }
-
-    void strike_at(double position_m) {
-      const double place = held(position, position_m, {0, string.length_m});
-      if (place == std::exchange(position, place)) return;
-      for (std::size_t i = 0; i < shapes.size(); ++i)
-        shapes[i] = static_cast<T>(std::sin(rows[i].wavenumber_per_m * position));
-      struck_part = -1;
-    }
-
-    // Takes the tension of its bend. A mode rests per displacement of the bridge where it did before.
-    void retune() {
-      if (tuned_cents == bend.cents()) return;
-      tuned_cents = bend.cents();
-      for (std::size_t i = 0; i < rows.size(); ++i) tuned[i] = retuned(string, rows[i], tuned_cents);
-      model.retune(tuned);
-      for (std::size_t i = 0; i < rows.size(); ++i) {
-        bridge.shapes[i] = static_cast<T>(bridge_shape(string, StringMode{tuned[i], rows[i].wavenumber_per_m}));
-        bridge.rests[i] = static_cast<T>(model.string().compliance(i) * double(bridge.shapes[i]));
-      }
-      sum_stiffness();
-    }
-
-    // Under the soft pedal the hammer strikes the last of several strings in part, and the felt is as stiff as that
-    // of the strings it strikes.
-    void prepare_strike(double una_corda, double soft_ratio, T mass_ratio, const ContactControls<T>& felt) {
-      const double last = strings > 1 ? 1 - una_corda : 1, all = static_cast<double>(strings - 1) + last;
-      if (last != struck_part) {
-        struck_part = last;
-        for (std::size_t i = 0; i < shapes.size(); ++i)
-          strike[i] = shapes[i] * static_cast<T>((rows[i].string + 1 == strings ? last : 1) / all);
-        model.strike_at(strike);
-      }
-      controls.hammer_mass_kg = mass_ratio * static_cast<T>(static_cast<double>(strings)) * hammer.hammer_mass_kg;
-      controls.felt.stiffness_ratio = felt.stiffness_ratio *
-                                      static_cast<T>(all * std::lerp(1.0, soft_ratio, una_corda)) *
-                                      hammer.felt.stiffness_ratio;
-      controls.felt.loss_s_per_m = felt.loss_s_per_m;
-    }
-
-    void rest() {
-      model.reset();
-      modes = 0;
-      checks = 0;
-      energy_j = 0;
-      is_struck = is_down = is_held = touches = false;
-    }
-
-    std::vector<Row> rows;
-    std::vector<Mode> tuned;  // the same at the tension of tuned_cents
-    HammerString<T> model;
-    BridgeShapes<T> bridge;
-    ModeShapes<T> strike;           // of the whole hammer
-    std::vector<T> shapes;          // where the hammer strikes
-    std::vector<double> stiffness;  // of the modes below each line
-    double ends_n_per_m;            // stiffness of the ends of the strings, without a bend
-    detail::FallingDamper damper;
-    HammerStringControls<T> hammer, controls;
-    StiffString string;
-    std::size_t strings, sympathetic = 0;
-    bool has_damper;
-    double struck_part = -1;  // of the last string
-    double position = 0;      // of the strike [m]
-    double cents = 0;         // the control of the bend
-    detail::Bend bend;        // that the bridge feels
-    double tuned_cents = 0;   // the same of the modes: keys that sleep take it when they wake
-    T extra_damping_per_s = 0;
-    // Of the sound:
-    std::size_t modes = 0;  // that are at the bridge; 0: the key sleeps
-    std::size_t checks = 0;
-    double energy_j = 0;  // at the last check
-    // Did a hammer fly at the last check? Not asked more often, so that where blocks are cut has no effect.
-    bool is_struck = false;
-    bool is_down = false, is_held = false;  // by the key; by the sostenuto pedal
-    bool touches = false;                   // does the hammer touch?
-  };
 
   static BridgeStiffness stiffness_at_rest(std::span<const KeyOnBody<T>> keys) {
     BridgeStiffness stiffness;

@@ -28,6 +28,29 @@ struct CoupledConnection {
   T free_increment = 0;     ///< change of the compression over the sample if no connection acted [m]
   std::size_t segment = 0;  ///< of a contact: the one that holds the compression; advance() moves it too
   T force = 0;              ///< over the last sample [N]; the search for the next one begins here
+
+  /// Energy that it stores at a compression [J].
+  [[nodiscard]] double energy_at(T y) const {
+    if (table.empty()) return double(spring_n_per_m) / 2 * double(y) * double(y);
+    return double(contact.stiffness_ratio) * double(memory.energy(table, y));
+  }
+  /// Energy that it dissipated over the last sample, which began at compression y0 [J].
+  [[nodiscard]] double dissipated_since(T y0, T time_step) const {
+    const double x = double(compression) - double(y0);
+    if (table.empty()) return double(resistance) * x * x;
+    if (!(contact.loss_s_per_m > 0)) return 0;
+    if (!(force > 0))  // all that it held beyond
+      return double(contact.stiffness_ratio) *
+             (double(memory.energy_before(table, y0)) - double(memory.energy_before(table, compression)));
+    return double(contact.loss_s_per_m) * double(contact.stiffness_ratio) / double(time_step) *
+           double(memory.force_before(table, y0)) * x * x;
+  }
+  /// Energy that its memory dissipated when it relaxed last [J].
+  [[nodiscard]] double dissipated_by_memory() const {
+    if (memory.empty()) return 0;
+    return double(contact.stiffness_ratio) *
+           (double(memory.energy_before(table, compression)) - double(memory.energy(table, compression)));
+  }
 };
 
 namespace detail {

@@ -15,6 +15,7 @@
 #include "contactspline/simd/contact-inl.hpp"
 #include "contactspline/simd/kernels.hpp"
 #include "contactspline/simd/modes-inl.hpp"
+#include "contactspline/simd/struck_modes-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace contactspline::detail {

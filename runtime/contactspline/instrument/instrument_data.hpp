@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: MIT
+// The arrays that an instrument file becomes: bodies, connections, controls, events, outputs, keys and presets.
+#pragma once
+
+#include "contactspline/step/cpp20.hpp"
+
+#include <algorithm>
+#include <concepts>
+#include <cstddef>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "contactspline/instrument/parameter.hpp"
+#include "contactspline/modal/modal.hpp"
+#include "contactspline/step/controls.hpp"
+#include "contactspline/step/memory.hpp"
+
+namespace contactspline {
+
+enum class ConnectionKind { kContact, kSpring, kLink };
+
+/// A connection between two places, kGround for one that does not move.
+struct InstrumentConnection {
+  ConnectionKind kind;
+  std::size_t first, second;
+  std::size_t table = 0;  ///< of a contact
+  double gap_m = 0;
+  double weight = 1, loss_s_per_m = 0;                     ///< of a contact
+  double stiffness_n_per_m = 0, resistance_n_s_per_m = 0;  ///< of a spring
+};
+
+/// What a control sets, with the objects it is for.
+enum class ControlQuantity {
+  kForce,           ///< on places [N]
+  kDamping,         ///< extra decay of bodies [1/s]
+  kStiffnessRatio,  ///< of contacts
+  kLoss,            ///< of contacts [s/m]
+  kGapShift,        ///< of connections: is added to their gaps [m]; the sum is moved into -0.1 to 0.1
+  kStiffness,       ///< of springs [N/m]
+  kResistance,      ///< of springs [N s/m]
+  kPlace,           ///< where places are on their strings [m]
+  kMass             ///< of free masses, from their next throw on [kg]
+};
+
+/// The values that a control of this quantity may take.
+template <std::floating_point T>
+[[nodiscard]] constexpr ControlRange<T> control_range(ControlQuantity quantity) {
+  using Ranges = ControlRanges<T>;
+  constexpr ControlRange<T> kRanges[] = {
+      Ranges::force_n, Ranges::damping_per_s,          Ranges::stiffness_ratio,      Ranges::loss_s_per_m,
+      Ranges::gap_m,   Ranges::hand_stiffness_n_per_m, Ranges::resistance_n_s_per_m, Ranges::place_m,
+      Ranges::mass_kg};  // in the order of ControlQuantity
+  return kRanges[static_cast<std::size_t>(quantity)];
+}
+
+/// A control of the objects targets[first_target] to targets[first_target + count - 1].
+struct InstrumentControl {
+  ControlQuantity quantity;
+  std::size_t first_target, count;
+};
+
+enum class OutputQuantity { kDisplacement, kVelocity, kForce };
+
+/// The sum of displacements or velocities of places, or of forces of connections, over such targets.
+struct InstrumentOutput {
+  OutputQuantity quantity;
+  std::size_t first_target, count;
+};
+
+/// Keys of MIDI from `first` to `last` that play an event. tuned_key: the key at which the strings have the pitch of
+/// the file; the others tune them, a semitone for each key. -1: the keys tune nothing.
+struct KeyRange {
+  int first, last;
+  std::size_t event;
+  int tuned_key = -1;
+};
+
+/// Stands for a parameter that an instrument lacks.
+inline constexpr std::size_t kNoParameter = std::numeric_limits<std::size_t>::max();
+
+/// Keys, tuning and damper of an instrument file. tension_squares: for each mode what the tension adds to w0^2
+/// (square_by_tension) [1/s^2]; empty: nothing is tuned. far_ends: so many places, the last ones, are far ends of
+/// strings, where a displacement is a force. damped: the bodies under the damper.
+struct KeyedData {
+  std::span<const KeyRange> ranges;
+  std::size_t voices = 1;
+  std::span<const double> tension_squares;
+  std::size_t far_ends = 0;
+  std::span<const std::size_t> damped;
+  double damper_per_s = 0;
+  std::size_t sustain = kNoParameter, bend = kNoParameter;
+};
+
+/// What an instrument is made of, as views of arrays that must outlive the instrument. body_ends[b]: number of modes
+/// of the bodies 0 to b. place_bodies: the body of each place. shapes: one place after the other; a place has one
+/// shape for each mode of its body. table_ends[t]: number of segments of the tables 0 to t. strikes: for each strike
+/// the body that it throws, a free mass. plucks: for each pluck the control of its force. parameters: one for each
+/// control, then the speed of each strike, then the force of each pluck, then sustain and bend where keys have them.
+/// preset_values: for each preset a value for each parameter. wavenumbers: of the modes, 0 where the body is no
+/// string [rad/m]; empty where no place moves. memory_ends[t]: number of memories of the tables 0 to t; empty if no
+/// contact has a memory. license: SPDX identifier.
+struct InstrumentData {
+  const char *name, *description, *license;
+  std::span<const double> angular_frequencies, decays, masses;
+  std::span<const std::size_t> body_ends;
+  std::span<const std::size_t> place_bodies;
+  std::span<const double> shapes;
+  std::span<const double> knots, energies, forces, half_curvatures;
+  std::span<const std::size_t> table_ends;
+  std::span<const InstrumentConnection> connections;
+  std::span<const InstrumentControl> controls;
+  std::span<const std::size_t> targets;
+  std::span<const std::size_t> strikes, plucks;
+  std::span<const InstrumentOutput> sources;
+  std::span<const Parameter> parameters;
+  std::span<const Event> events;
+  std::span<const Output> outputs;
+  KeyedData keyed = {};
+  std::span<const char* const> preset_names = {};
+  std::span<const double> preset_values = {};
+  std::span<const double> wavenumbers = {};
+  std::span<const Memory> memories = {};
+  std::span<const std::size_t> memory_ends = {};
+
+  [[nodiscard]] std::size_t modes_of(std::size_t body) const {
+    return body_ends[body] - (body == 0 ? 0 : body_ends[body - 1]);
+  }
+  /// Those of the numbers of all modes that belong to a body.
+  [[nodiscard]] std::span<const double> part_of(std::span<const double> numbers, std::size_t body) const {
+    return numbers.subspan(body_ends[body] - modes_of(body), modes_of(body));
+  }
+  [[nodiscard]] std::span<const double> shapes_of(std::size_t place) const {
+    std::size_t begin = 0;
+    for (std::size_t p = 0; p < place; ++p) begin += modes_of(place_bodies[p]);
+    return shapes.subspan(begin, modes_of(place_bodies[place]));
+  }
+  [[nodiscard]] std::span<const Memory> memories_of(std::size_t table) const {
+    if (memory_ends.empty()) return {};
+    const std::size_t begin = table == 0 ? 0 : memory_ends[table - 1];
+    return memories.subspan(begin, memory_ends[table] - begin);
+  }
+  [[nodiscard]] std::span<const std::size_t> targets_of(const InstrumentControl& control) const {
+    return targets.subspan(control.first_target, control.count);
+  }
+  [[nodiscard]] std::vector<Mode> modes() const {
+    std::vector<Mode> all;
+    for (std::size_t i = 0; i < masses.size(); ++i) all.push_back({angular_frequencies[i], decays[i], masses[i]});
+    return all;
+  }
+  /// The values that a parameter may take: those of its list that its quantity allows.
+  [[nodiscard]] ControlRange<double> range_of(std::size_t parameter) const {
+    const ControlRange<double>& listed = parameters[parameter].allowed;
+    if (parameter >= controls.size()) return listed;
+    const auto [min, max] = control_range<double>(controls[parameter].quantity);
+    return {std::max(min, listed.min), std::min(max, listed.max)};
+  }
+  [[nodiscard]] double first_value(std::size_t control) const {
+    return held(0.0, parameters[control].initial, range_of(control));
+  }
+};
+
+}  // namespace contactspline

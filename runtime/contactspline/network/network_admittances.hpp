@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: MIT
+// By how much a force at one place or connection of a network moves another.
+#pragma once
+
+#include "contactspline/step/cpp20.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <concepts>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "contactspline/network/coupled_contacts.hpp"
+#include "contactspline/network/network_parts.hpp"
+
+namespace contactspline::detail {
+
+/// The admittances of a network's connections and places [m/N]: in a sample, one newton moves them so far. The
+/// admittance of two connections is the sum over the modes of both bodies' shapes times xi_n
+/// (docs/how-it-works/several-contacts.md).
+template <std::floating_point T>
+class NetworkAdmittances {
+ public:
+  explicit NetworkAdmittances(NetworkParts<T>& parts)
+      : of_connections_(parts.connections.size() * parts.connections.size()),
+        of_places_(parts.places.size() * parts.places.size()) {
+    for (std::size_t b = 0; b < parts.bodies.size(); ++b) {
+      NetworkBody<T>& body = parts.bodies[b];
+      body.shapes.resize(body.connections.size() * body.bank.size());
+      body.admittances.resize(body.connections.size() * (body.connections.size() + 1) / 2);
+      measure(parts, b);
+    }
+  }
+
+  /// Measures a body anew whose modes have changed, or of it only what concerns a place that has moved.
+  void measure(NetworkParts<T>& parts, std::size_t b, std::optional<std::size_t> moved = {}) {
+    NetworkBody<T>& body = parts.bodies[b];
+    measure_connections(parts, b, moved);
+    for (const std::size_t p : body.places) {
+      if (!moved || p == *moved) parts.places[p].measure(body.bank);
+      for (const std::size_t q : body.places)
+        if (!moved || p == *moved || q == *moved)
+          of_places_[p * parts.places.size() + q] =
+              body.bank.admittance(parts.places[p].shapes, parts.places[q].shapes);
+    }
+    if (!moved) measure_bounds(parts, b);
+  }
+
+  /// Measures the roots of the connections' admittances without damping, the largest ones where a place moves.
+  void measure_roots(NetworkParts<T>& parts) {
+    for (NetworkConnection<T>& c : parts.connections) c.own_admittance = 0;
+    for (std::size_t b = 0; b < parts.bodies.size(); ++b) {
+      const NetworkBody<T>& body = parts.bodies[b];
+      std::size_t own = 0;  // on the diagonal of its triangle
+      for (std::size_t k = 0; k < body.connections.size(); ++k) {
+        NetworkConnection<T>& c = parts.connections[body.connections[k]];
+        const double max = double(parts.is_on(c.first, b) ? c.first_max : c.second_max);
+        c.own_admittance += moves_on(parts, c, b) ? body.total_admittance * max * max : body.admittances[own];
+        own += k + 2;
+      }
+    }
+    largest_root_ = 0;
+    for (NetworkConnection<T>& c : parts.connections) {
+      c.root_admittance = std::sqrt(static_cast<T>(std::max(c.own_admittance, kMinAdmittance)));
+      largest_root_ = std::max(largest_root_, c.root_admittance);
+    }
+  }
+
+  /// Gives the solver the admittances of all pairs of connections, with the damping of the bodies.
+  void couple(NetworkParts<T>& parts, CoupledContacts<T>& solver) {
+    const std::size_t n = parts.connections.size();
+    std::ranges::fill(of_connections_, 0.0);
+    for (NetworkBody<T>& body : parts.bodies) {
+      body.damping_gain = 1 / (1 + body.damping);
+      const double* admittance = body.admittances.data();
+      for (const std::size_t k : body.connections)
+        for (const std::size_t l : body.connections) {
+          if (l > k) break;
+          of_connections_[k * n + l] += double(body.damping_gain) * *admittance++;
+        }
+    }
+    for (std::size_t k = 0; k < n; ++k) {
+      double& own = of_connections_[k * n + k];
+      own = std::max(own, kMinAdmittance);
+      for (std::size_t l = 0; l <= k; ++l) solver.set_admittance(k, l, of_connections_[k * n + l]);
+    }
+  }
+
+  /// Admittance between two places of one body, with its damping.
+  [[nodiscard]] T mutual(const NetworkParts<T>& parts, std::size_t p, std::size_t q) const {
+    return parts.body_of(p).damping_gain * of_places_[p * parts.places.size() + q];
+  }
+
+  /// The largest root of all connections [sqrt(m/N)].
+  [[nodiscard]] T largest_root() const { return largest_root_; }
+
+ private:
+  // Where nothing moves the admittance is 0; a contact needs one > 0.
+  static constexpr double kMinAdmittance = 1e-18;
+
+  static void measure_connections(NetworkParts<T>& parts, std::size_t b, std::optional<std::size_t> moved) {
+    NetworkBody<T>& body = parts.bodies[b];
+    const std::size_t modes = body.bank.size(), count = body.connections.size();
+    const auto concerns = [&](std::size_t i) {
+      const NetworkConnection<T>& c = parts.connections[body.connections[i]];
+      return !moved || c.first == *moved || c.second == *moved;
+    };
+    for (std::size_t i = 0; i < count; ++i)
+      if (concerns(i)) write_shapes(parts, parts.connections[body.connections[i]], b, body.shapes.data() + i * modes);
+    double* admittance = body.admittances.data();
+    for (std::size_t i = 0; i < count; ++i)
+      for (std::size_t j = 0; j <= i; ++j, ++admittance) {
+        if (!concerns(i) && !concerns(j)) continue;
+        const double *first = body.shapes.data() + i * modes, *second = body.shapes.data() + j * modes;
+        *admittance = 0;
+        for (std::size_t n = 0; n < modes; ++n) *admittance += double(body.bank.admittance(n)) * first[n] * second[n];
+      }
+  }
+
+  // By how much the modes of a body move its connections at most, wherever their places are.
+  static void measure_bounds(NetworkParts<T>& parts, std::size_t b) {
+    NetworkBody<T>& body = parts.bodies[b];
+    body.max_shape = 0;
+    body.total_admittance = 0;
+    for (std::size_t n = 0; n < body.bank.size(); ++n) body.total_admittance += double(body.bank.admittance(n));
+    for (std::size_t i = 0; i < body.connections.size(); ++i) {
+      NetworkConnection<T>& c = parts.connections[body.connections[i]];
+      T& max = parts.is_on(c.first, b) ? c.first_max : c.second_max;
+      max = moves_on(parts, c, b) ? max_shape(parts, c.first, b) + max_shape(parts, c.second, b) : T(0);
+      const double* shapes = body.shapes.data() + i * body.bank.size();
+      for (std::size_t n = 0; n < body.bank.size(); ++n) max = std::max(max, static_cast<T>(std::abs(shapes[n])));
+      body.max_shape = std::max(body.max_shape, max);
+    }
+  }
+
+  // Shapes of a connection on a body: those of its first place minus those of its second. The admittance of two
+  // places that move almost together needs the difference before the sum over the modes, or it loses its digits.
+  static void write_shapes(const NetworkParts<T>& parts, const NetworkConnection<T>& c, std::size_t body,
+                           double* shapes) {
+    for (std::size_t i = 0; i < parts.bodies[body].bank.size(); ++i) {
+      shapes[i] = parts.is_on(c.first, body) ? double(parts.places[c.first].shapes[i]) : 0;
+      if (parts.is_on(c.second, body)) shapes[i] -= double(parts.places[c.second].shapes[i]);
+    }
+  }
+
+  [[nodiscard]] static bool moves_on(const NetworkParts<T>& parts, const NetworkConnection<T>& c, std::size_t body) {
+    return (parts.is_on(c.first, body) && parts.places[c.first].mover) ||
+           (parts.is_on(c.second, body) && parts.places[c.second].mover);
+  }
+  [[nodiscard]] static T max_shape(const NetworkParts<T>& parts, std::size_t place, std::size_t body) {
+    return parts.is_on(place, body) ? parts.places[place].max_shape() : T(0);
+  }
+
+  std::vector<double> of_connections_;  // of each with those up to itself
+  std::vector<T> of_places_;            // of all pairs, without damping
+  T largest_root_ = 0;
+};
+
+}  // namespace contactspline::detail
