@@ -37,6 +37,7 @@ write_basic_package_version_file(ContactSplineConfigVersion.cmake COMPATIBILITY 
 install(FILES
   ${PROJECT_BINARY_DIR}/ContactSplineConfig.cmake ${PROJECT_BINARY_DIR}/ContactSplineConfigVersion.cmake
   cmake/ContactSplineArguments.cmake cmake/ContactSplineFaust.cmake cmake/ContactSplineGenerate.cmake
+  cmake/ContactSplineModel.cmake
   cmake/ContactSplinePlugin.cmake
   DESTINATION ${contactspline_cmake_dir})
 # What contactspline_plugin() compiles.

@@ -412,8 +412,10 @@ std::shared_ptr<ScoreOptions> add_score_options(CLI::App& command, std::optional
         ->allow_extra_args(false);
   if (!model || model == Model::kFile)
     command
-        .add_option("--instrument", options->instrument,
-                    "instrument file with keys that plays a MIDI file (default: the piano)")
+        .add_option(
+            "--instrument", options->instrument,
+            "what plays a MIDI file: an instrument file with keys, or a model of your own (.so), which plays\n"
+            "scores, too (default: the piano)")
         ->check(not_empty("an instrument"))
         ->type_name("FILE");
   return options;

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "generator/cli/model_module.hpp"
 #include "generator/cli/waiting_line.hpp"
 #include "generator/emit/emit_instrument.hpp"
 #include "generator/emit/emit_instrument_faust.hpp"
@@ -200,14 +201,21 @@ void require_no_channels(const std::string& score, const std::vector<int>& chann
 // A MIDI file on an instrument of the user's choice.
 ScoreSource score_on_instrument(const std::string& argument, const std::vector<int>& channels,
                                 const std::string& instrument) {
-  auto played = instrument_argument(instrument);
+  const bool is_module = instrument.ends_with(".so");
+  auto played = is_module ? std::optional(InstrumentSource{load_model_module(instrument), {}})
+                          : instrument_argument(instrument);
   if (!played) refuse("--instrument", shown(instrument), "is no instrument", "an instrument that ships, or its file");
   const auto* midi = find_embedded(Shipped::kScores, argument + ".mid");
-  if (midi == nullptr && !is_midi(argument))
-    refuse(argument, "--instrument", "the score is not a MIDI file and names its instrument itself",
-           "with a .mid file");
   ScoreSource source{{}, std::move(played->files)};
   if (midi == nullptr) source.files.emplace_back(argument);
+  if (midi == nullptr && !is_midi(argument)) {
+    if (!is_module)
+      refuse(argument, "--instrument", "the score is not a MIDI file and names its instrument itself",
+             "with a .mid file, or a model of your own (.so)");
+    require_no_channels(argument, channels);
+    source.score = parse_score(read_kind(argument, Shipped::kScores, "score"), argument, read_input, &played->model);
+    return source;
+  }
   source.score = parse_midi_on_instrument(midi != nullptr ? std::string(midi->content) : text_of(argument), argument,
                                           channels, played->model);
   return source;

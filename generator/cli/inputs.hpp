@@ -66,7 +66,8 @@ struct ScoreSource {
 /// Reads a SCORE and the resonators and materials it names: a file if it ends in .json or .mid or has a slash, else
 /// the name of one that ships. `channels` (1 to 16) chooses those of a MIDI file; empty: all but the tenth. Throws
 /// BadInput.
-/// `instrument`: an instrument with keys that plays a MIDI file, as MATERIAL; empty: the piano.
+/// `instrument`: what plays: an instrument with keys for a MIDI file, as MATERIAL, or the library of a model of the
+/// user's own (.so), also for a score; empty: the piano.
 [[nodiscard]] ScoreSource score_argument(const std::string& argument, const std::vector<int>& channels = {},
                                          const std::string& instrument = {});
 

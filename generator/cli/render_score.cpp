@@ -58,9 +58,16 @@ void choose_output(const ScoreOptions& options, const Score& score, PlayOptions&
       fmt::format("--signal: '{}' is no output; allowed: {}", shown(options.signal), fmt::join(names, ", ")));
 }
 
+// A model of the user's own that plays, or null.
+const ModelModule* module_of(const Score& score) {
+  return score.model == Model::kFile ? score.voices.front().model->module : nullptr;
+}
+
 PlayOptions play_options(const ScoreOptions& options, const Score& score) {
   PlayOptions how{static_cast<double>(options.output.sample_rate_hz)};
   how.precision = options.precision == "single" ? Precision::kSingle : Precision::kDouble;
+  if (const ModelModule* module = module_of(score))  // it computes in one precision only
+    how.precision = module->make_single != nullptr ? Precision::kSingle : Precision::kDouble;
   choose_output(options, score, how);
   return how;
 }

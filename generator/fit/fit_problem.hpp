@@ -54,7 +54,7 @@ class FitProblem {
   /// The same values with the noise that their residuals show.
   [[nodiscard]] FitValues with_noise(FitValues values, const std::vector<FitParameter>& frees) const;
 
-  [[nodiscard]] Linearised linearised(const FitValues& values, const std::vector<FitParameter>& frees) const;
+  [[nodiscard]] Linearised linearised(const FitValues& at, const std::vector<FitParameter>& frees) const;
 
   [[nodiscard]] const std::vector<FitSource>& sources() const { return sources_; }
   [[nodiscard]] const std::vector<std::size_t>& source_of_residual() const { return source_of_residual_; }

@@ -38,7 +38,7 @@ inline constexpr double kRobust = 3;
 template <typename Real>
 Real scaled(const Real& difference, double noise, const FitScales& scales) {
   using std::sqrt;
-  const Real r = difference / noise;
+  Real r = difference / noise;
   if (!scales.is_robust) return r;
   return r * sqrt(2.0 / (1.0 + sqrt(1.0 + r * r / (kRobust * kRobust))));
 }

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "contactspline/host/model_module.hpp"
 #include "contactspline/instrument/network_instrument.hpp"
 #include "contactspline/step/contact.hpp"
 #include "generator/resonator/resonator.hpp"
@@ -102,6 +103,7 @@ struct InstrumentModel {
   std::vector<ModelOutput> outputs;
   ModelKeys keys = {};
   std::vector<ModelPreset> presets = {};
+  const ModelModule* module = nullptr;  ///< a class of the user's that plays; then bodies and controls are empty
 };
 
 /// "contact", "spring" or "link".

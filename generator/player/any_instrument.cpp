@@ -26,6 +26,15 @@ class OfFile : private OwnedArrays, public I {
   explicit OfFile(InstrumentArrays owned) : OwnedArrays{std::move(owned)}, I(arrays.view()) {}
 };
 
+template <std::floating_point T>
+std::unique_ptr<AnyInstrument<T>> of_module(const ModelModule& module) {
+  if constexpr (std::same_as<T, float>)
+    if (module.make_single != nullptr) return module.make_single();
+  if constexpr (std::same_as<T, double>)
+    if (module.make_double != nullptr) return module.make_double();
+  throw std::logic_error("instrument_of: the module computes in the other precision");
+}
+
 }  // namespace
 
 template <std::floating_point T>
@@ -40,6 +49,7 @@ std::unique_ptr<AnyInstrument<T>> instrument_of(Model model, const Voice& voice,
     case Model::kFretString:
       return std::make_unique<InstrumentBehind<FretStringInstrument<T>>>(plucked_string_parts(voice, sample_rate_hz));
     case Model::kFile: {
+      if (voice.model->module != nullptr) return of_module<T>(*voice.model->module);
       InstrumentArrays arrays = instrument_arrays(*voice.model, sample_rate_hz);
       if (voice.model->keys.ranges.empty())
         return std::make_unique<InstrumentBehind<OfFile<NetworkInstrument<T>>>>(std::move(arrays));

@@ -85,7 +85,9 @@ std::vector<Voice> read_voices(const JsonObject& score, const InstrumentModel& m
   if (!score.has("voices")) return {voice_of(model, 0)};
   std::vector<Voice> voices;
   std::set<std::string> names;
-  for (const JsonObject& json : score.objects("voices", {"name", "tuning_cents", "pan"}, kMaxVoices)) {
+  std::vector<std::string> keys = {"name", "pan"};
+  if (model.module == nullptr) keys.emplace_back("tuning_cents");
+  for (const JsonObject& json : score.objects("voices", keys, kMaxVoices)) {
     Voice& voice = voices.emplace_back(voice_of(model, number_or(json, "tuning_cents", kTuningCents, 0)));
     voice.name = read_voice_name(json, names);
     voice.pan = number_or(json, "pan", kVoicePan, 0);
@@ -156,7 +158,7 @@ void read_event(const JsonObject& event, const InstrumentModel& model, double du
   const auto concerned = voices_of(event, voices);
   bool moves = false, strikes = false;
   for (std::size_t i = 0; i < model.parameters.size(); ++i)
-    if (i < model.controls.size() || i == model.keys.sustain || i == model.keys.bend)
+    if (std::ranges::find(model.events, i, &ModelEvent::parameter) == model.events.end())
       moves |= read_control(event, model, i, time, concerned);
   const bool plays = read_note(event, model, time, concerned);
   for (const ModelEvent& played : model.events) {
@@ -203,7 +205,10 @@ Score parse_midi_on_instrument(std::string_view bytes, std::string_view file, st
 
 Score parse_instrument_score(const JsonObject& score, std::string_view file, const ReadFile& read) {
   const NamedText named = read_named(score, "instrument", Shipped::kInstruments, read);
-  const InstrumentModel model = parse_instrument(named.text, named.file, reader_beside(named, read));
+  return parse_score_on(score, file, parse_instrument(named.text, named.file, reader_beside(named, read)));
+}
+
+Score parse_score_on(const JsonObject& score, std::string_view file, const InstrumentModel& model) {
   if (score.has("keyboard")) score.fail("keyboard", "has no place here", "in a score for hammer-string");
   Score result{std::string(file), Model::kFile, read_description(score), score.number("duration_s", kScoreDuration_s),
                read_voices(score, model)};

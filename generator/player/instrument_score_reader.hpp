@@ -15,6 +15,9 @@ namespace contactspline {
 /// files that it names. Throws BadInput.
 [[nodiscard]] Score parse_instrument_score(const JsonObject& score, std::string_view file, const ReadFile& read);
 
+/// Reads a score that such an instrument plays.
+[[nodiscard]] Score parse_score_on(const JsonObject& score, std::string_view file, const InstrumentModel& model);
+
 /// The notes of a MIDI file, of these channels as in parse_midi(), on an instrument with keys, with 1 s to ring after
 /// the last one. Without channels, keys that tune nothing play the tenth, which is for drums. A channel with a pitch
 /// wheel has an instrument of its own. Throws BadInput.

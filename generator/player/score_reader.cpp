@@ -401,11 +401,16 @@ Voice read_voice_parts(const JsonObject& object, const char* key, Model model, c
   return voice;
 }
 
-Score parse_score(std::string_view text, std::string_view file, const ReadFile& read) {
+Score parse_score(std::string_view text, std::string_view file, const ReadFile& read, const InstrumentModel* played) {
   const JsonObject score = parse_score_object(text, file);
-  const Model model = read_model(score);
+  const Model model = played != nullptr ? Model::kFile : read_model(score);
   if (score.has("body") && model != Model::kSlideString && model != Model::kFretString)
     score.fail("body", "has no place here", "in a score for slide-string or fret-string");
+  if (played != nullptr) {
+    if (const std::string name = score.text("instrument", played->name); name != played->name)
+      score.fail("instrument", fmt::format("'{}' is not what --instrument names", shown(name)), played->name);
+    return parse_score_on(score, file, *played);
+  }
   if (model == Model::kFile) return parse_instrument_score(score, file, read);
   Score result{std::string(file), model, read_description(score), score.number("duration_s", kScoreDuration_s), {}};
   const bool has_keys = score.has("keyboard");

@@ -6,6 +6,7 @@
 
 #include "bench/block_players.hpp"
 #include "support/compare.hpp"
+#include "support/precisions.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -94,10 +95,7 @@ void expect_the_same(const std::string& program, double hammer_kg) {
   EXPECT_GE(faust_programs, 2);
 }
 
-template <typename T>
-class FaustStrings : public ::testing::Test {};
-using Precisions = ::testing::Types<double, float>;
-TYPED_TEST_SUITE(FaustStrings, Precisions);
+CONTACTSPLINE_EACH_PRECISION(FaustStrings);
 
 TYPED_TEST(FaustStrings, OfC4PlayAsTheRuntime) {
   expect_the_same<TypeParam, materials::felt_c4, resonators::string_c4>("c4", 0.00297);

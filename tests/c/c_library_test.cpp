@@ -11,26 +11,11 @@
 #include <vector>
 
 #include "contactspline.h"
-#include "contactspline/instrument/instruments_of.hpp"
-#include "contactspline/instrument/keyboard_instrument.hpp"
-#include "contactspline/instruments/classical_guitar.hpp"
-#include "contactspline/instruments/marimba_tube.hpp"
-#include "contactspline/instruments/prepared_piano.hpp"
-#include "contactspline/instruments/slap_bass.hpp"
-#include "contactspline/instruments/snare.hpp"
-#include "contactspline/instruments/tanpura.hpp"
-#include "contactspline/instruments/tom.hpp"
-#include "contactspline/instruments/trichord_c4.hpp"
-#include "contactspline/keyboards/piano.hpp"
-#include "contactspline/materials/felt_c4.hpp"
-#include "contactspline/materials/steel_on_steel.hpp"
-#include "contactspline/resonators/guitar_d3.hpp"
-#include "contactspline/resonators/guitar_g3.hpp"
-#include "contactspline/resonators/string_c4.hpp"
 #include "contactspline/step/flush_denormals.hpp"
 #include "generator/instrument/instrument_reader.hpp"
 #include "generator/support/embedded_files.hpp"
 #include "generator/support/error.hpp"
+#include "instrument/every_instrument.hpp"
 #include "support/random.hpp"
 #include "support/real_time.hpp"
 
@@ -83,31 +68,8 @@ class CLibrary : public ::testing::Test {
   static constexpr int kPrecision = sizeof(T) == sizeof(float) ? CONTACTSPLINE_FLOAT : CONTACTSPLINE_DOUBLE;
 };
 
-template <typename T>
-using Strings = ::testing::Types<
-    MassBarrierOf<materials::felt_c4, T>, HammerStringOf<materials::felt_c4, resonators::string_c4, T>,
-    SlideStringOf<materials::steel_on_steel, resonators::guitar_g3, T>,
-    FretStringOf<materials::steel_on_steel, resonators::guitar_d3, T>, KeyboardInstrument<keyboards::piano, T>>;
-template <typename T>
-using Files = ::testing::Types<instruments::classical_guitar<T>, instruments::marimba_tube<T>,
-                               instruments::prepared_piano<T>, instruments::slap_bass<T>, instruments::snare<T>,
-                               instruments::tanpura<T>, instruments::tom<T>, instruments::trichord_c4<T>>;
-
-template <typename... Lists>
-struct Joined;
-template <typename... A, typename... B, typename... C, typename... D>
-struct Joined<::testing::Types<A...>, ::testing::Types<B...>, ::testing::Types<C...>, ::testing::Types<D...>> {
-  using Type = ::testing::Types<A..., B..., C..., D...>;
-};
-using All = Joined<Strings<double>, Files<double>, Strings<float>, Files<float>>::Type;
-
-struct Names {
-  template <typename I>
-  static std::string GetName(int) {
-    return std::string(I().name()) + (sizeof(typename I::value_type) == sizeof(float) ? "_single" : "_double");
-  }
-};
-TYPED_TEST_SUITE(CLibrary, All, Names);
+using All = Joined<ModelsByHand<double>, ShippedInstruments<double>, ModelsByHand<float>, ShippedInstruments<float>>;
+TYPED_TEST_SUITE(CLibrary, All, InstrumentNames);
 
 TYPED_TEST(CLibrary, HasTheListsOfTheClass) {
   const TypeParam expected;

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "cases.hpp"
 #include "program.hpp"
 #include "sandbox.hpp"
 #include "support/compare.hpp"
@@ -151,7 +152,7 @@ TEST_P(BadCurveFile, IsRefusedInOneLineAndNothingIsWritten) {
   EXPECT_TRUE(box.listing() == before);
 }
 
-INSTANTIATE_TEST_SUITE_P(Curve, BadCurveFile, ::testing::ValuesIn(cases()), ::testing::PrintToStringParamName());
+CONTACTSPLINE_CASES(Curve, BadCurveFile, cases());
 
 struct BadContact {
   std::string test, contact, key, says;
@@ -274,8 +275,7 @@ TEST_P(BadContactObject, IsRefusedInOneLine) {
                  says);
 }
 
-INSTANTIATE_TEST_SUITE_P(Contact, BadContactObject, ::testing::ValuesIn(contact_cases()),
-                         ::testing::PrintToStringParamName());
+CONTACTSPLINE_CASES(Contact, BadContactObject, contact_cases());
 
 // Both branches of an impact: F = 1e5 y in loading, less in unloading.
 std::string branches(double unloading, int samples = 20) {
@@ -338,8 +338,7 @@ TEST_P(BadImpactCurveFile, IsRefusedInOneLine) {
   expect_refused(run({.arguments = {"inspect", "probe.json"}, .folder = box.path()}), says, allowed);
 }
 
-INSTANTIATE_TEST_SUITE_P(Impact, BadImpactCurveFile, ::testing::ValuesIn(impact_cases()),
-                         ::testing::PrintToStringParamName());
+CONTACTSPLINE_CASES(Impact, BadImpactCurveFile, impact_cases());
 
 // The spline of an impact reaches as far as a blow without loss, further than the measured one.
 TEST(BadImpactCurve, IsTooShortForItsOwnSpeed) {
@@ -445,8 +444,7 @@ TEST_P(GoodCurveFile, IsAccepted) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Curve, GoodCurveFile, ::testing::ValuesIn(good_cases()),
-                         ::testing::PrintToStringParamName());
+CONTACTSPLINE_CASES(Curve, GoodCurveFile, good_cases());
 
 // The curve is part of what the outputs follow from.
 TEST(Curve, IsNamedInTheDepfile) {

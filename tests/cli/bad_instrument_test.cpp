@@ -8,6 +8,7 @@
 #include <iterator>
 
 #include "bad_input.hpp"
+#include "cases.hpp"
 #include "program.hpp"
 #include "sandbox.hpp"
 
@@ -386,18 +387,12 @@ TEST_P(BadInstrumentFile, IsRefusedInOneLineAndNothingIsWritten) {
   EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
 }
 
-INSTANTIATE_TEST_SUITE_P(Number, BadInstrumentFile, ::testing::ValuesIn(all_number_cases()),
-                         ::testing::PrintToStringParamName());
-INSTANTIATE_TEST_SUITE_P(Body, BadInstrumentFile, ::testing::ValuesIn(body_cases()),
-                         ::testing::PrintToStringParamName());
-INSTANTIATE_TEST_SUITE_P(Place, BadInstrumentFile, ::testing::ValuesIn(place_cases()),
-                         ::testing::PrintToStringParamName());
-INSTANTIATE_TEST_SUITE_P(Connection, BadInstrumentFile, ::testing::ValuesIn(connection_cases()),
-                         ::testing::PrintToStringParamName());
-INSTANTIATE_TEST_SUITE_P(Note, BadInstrumentFile, ::testing::ValuesIn(note_cases()),
-                         ::testing::PrintToStringParamName());
-INSTANTIATE_TEST_SUITE_P(Outside, BadInstrumentFile, ::testing::ValuesIn(outside_cases()),
-                         ::testing::PrintToStringParamName());
+CONTACTSPLINE_CASES(Number, BadInstrumentFile, all_number_cases());
+CONTACTSPLINE_CASES(Body, BadInstrumentFile, body_cases());
+CONTACTSPLINE_CASES(Place, BadInstrumentFile, place_cases());
+CONTACTSPLINE_CASES(Connection, BadInstrumentFile, connection_cases());
+CONTACTSPLINE_CASES(Note, BadInstrumentFile, note_cases());
+CONTACTSPLINE_CASES(Outside, BadInstrumentFile, outside_cases());
 
 // What the tables above are made of is good itself.
 TEST(GoodInstrumentFile, IsAccepted) {
@@ -519,8 +514,7 @@ TEST_P(BadInstrumentScore, IsRefusedInOneLineAndNothingIsWritten) {
   EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
 }
 
-INSTANTIATE_TEST_SUITE_P(, BadInstrumentScore, ::testing::ValuesIn(score_cases()),
-                         ::testing::PrintToStringParamName());
+CONTACTSPLINE_CASES(All, BadInstrumentScore, score_cases());
 
 TEST(GoodInstrumentScore, IsPlayedFromAnyFolderWithEachOutput) {
   const Sandbox box;

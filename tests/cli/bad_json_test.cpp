@@ -9,6 +9,7 @@
 
 #include "bad_input.hpp"
 #include "bad_material.hpp"
+#include "cases.hpp"
 #include "program.hpp"
 #include "sandbox.hpp"
 
@@ -79,7 +80,7 @@ TEST_P(BadJson, IsRefusedInOneLineAndNothingIsWritten) {
   expect_refused_without_a_trace(GetParam());
 }
 
-INSTANTIATE_TEST_SUITE_P(Syntax, BadJson, ::testing::ValuesIn(syntax_cases()), ::testing::PrintToStringParamName());
+CONTACTSPLINE_CASES(Syntax, BadJson, syntax_cases());
 
 }  // namespace
 }  // namespace contactspline::testing

@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "bad_input.hpp"
+#include "cases.hpp"
 #include "program.hpp"
 #include "sandbox.hpp"
 
@@ -133,9 +134,8 @@ TEST_P(BadKeyboardFile, IsRefusedInOneLineAndNothingIsWritten) {
   expect_refused_by_generate(GetParam());
 }
 
-INSTANTIATE_TEST_SUITE_P(Number, BadKeyboardFile, ::testing::ValuesIn(all_number_cases()),
-                         ::testing::PrintToStringParamName());
-INSTANTIATE_TEST_SUITE_P(Key, BadKeyboardFile, ::testing::ValuesIn(key_cases()), ::testing::PrintToStringParamName());
+CONTACTSPLINE_CASES(Number, BadKeyboardFile, all_number_cases());
+CONTACTSPLINE_CASES(Key, BadKeyboardFile, key_cases());
 
 // What the tables above are made of is good itself.
 TEST(GoodKeyboardFile, IsAccepted) {

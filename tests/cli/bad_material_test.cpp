@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "bad_input.hpp"
+#include "cases.hpp"
 #include "program.hpp"
 #include "sandbox.hpp"
 
@@ -305,17 +306,12 @@ TEST_P(BadMaterialFile, IsRefusedInOneLineAndNothingIsWritten) {
   expect_refused_without_a_trace(GetParam());
 }
 
-INSTANTIATE_TEST_SUITE_P(Number, BadMaterialFile, ::testing::ValuesIn(all_number_cases()),
-                         ::testing::PrintToStringParamName());
-INSTANTIATE_TEST_SUITE_P(Missing, BadMaterialFile, ::testing::ValuesIn(missing_cases()),
-                         ::testing::PrintToStringParamName());
-INSTANTIATE_TEST_SUITE_P(Key, BadMaterialFile, ::testing::ValuesIn(key_cases()), ::testing::PrintToStringParamName());
-INSTANTIATE_TEST_SUITE_P(Design, BadMaterialFile, ::testing::ValuesIn(design_cases()),
-                         ::testing::PrintToStringParamName());
-INSTANTIATE_TEST_SUITE_P(Text, BadMaterialFile, ::testing::ValuesIn(text_cases()),
-                         ::testing::PrintToStringParamName());
-INSTANTIATE_TEST_SUITE_P(Live, BadMaterialFile, ::testing::ValuesIn(live_cases()),
-                         ::testing::PrintToStringParamName());
+CONTACTSPLINE_CASES(Number, BadMaterialFile, all_number_cases());
+CONTACTSPLINE_CASES(Missing, BadMaterialFile, missing_cases());
+CONTACTSPLINE_CASES(Key, BadMaterialFile, key_cases());
+CONTACTSPLINE_CASES(Design, BadMaterialFile, design_cases());
+CONTACTSPLINE_CASES(Text, BadMaterialFile, text_cases());
+CONTACTSPLINE_CASES(Live, BadMaterialFile, live_cases());
 
 // The limits that depend on the material, as they are told, are kept.
 TEST(BadMaterialFile, IsAcceptedWithWhatIsAllowed) {

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "cases.hpp"
 #include "generator/support/embedded_files.hpp"
 #include "program.hpp"
 #include "sandbox.hpp"
@@ -433,16 +434,11 @@ TEST_P(BadCommandLine, IsRefusedInOneLineAndNothingIsWritten) {
   EXPECT_TRUE(box.listing() == before);
 }
 
-INSTANTIATE_TEST_SUITE_P(Command, BadCommandLine, ::testing::ValuesIn(command_cases()),
-                         ::testing::PrintToStringParamName());
-INSTANTIATE_TEST_SUITE_P(Material, BadCommandLine, ::testing::ValuesIn(material_cases()),
-                         ::testing::PrintToStringParamName());
-INSTANTIATE_TEST_SUITE_P(Generate, BadCommandLine, ::testing::ValuesIn(generate_cases()),
-                         ::testing::PrintToStringParamName());
-INSTANTIATE_TEST_SUITE_P(Impact, BadCommandLine, ::testing::ValuesIn(impact_cases()),
-                         ::testing::PrintToStringParamName());
-INSTANTIATE_TEST_SUITE_P(Render, BadCommandLine, ::testing::ValuesIn(render_cases()),
-                         ::testing::PrintToStringParamName());
+CONTACTSPLINE_CASES(Command, BadCommandLine, command_cases());
+CONTACTSPLINE_CASES(Material, BadCommandLine, material_cases());
+CONTACTSPLINE_CASES(Generate, BadCommandLine, generate_cases());
+CONTACTSPLINE_CASES(Impact, BadCommandLine, impact_cases());
+CONTACTSPLINE_CASES(Render, BadCommandLine, render_cases());
 
 }  // namespace
 }  // namespace contactspline::testing

@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "bad_input.hpp"
+#include "cases.hpp"
 #include "program.hpp"
 #include "sandbox.hpp"
 
@@ -257,10 +258,8 @@ TEST_P(BadResonatorFile, IsRefusedInOneLineAndNothingIsWritten) {
   expect_refused_by_generate(GetParam());
 }
 
-INSTANTIATE_TEST_SUITE_P(Number, BadResonatorFile, ::testing::ValuesIn(all_number_cases()),
-                         ::testing::PrintToStringParamName());
-INSTANTIATE_TEST_SUITE_P(Key, BadResonatorFile, ::testing::ValuesIn(key_cases()),
-                         ::testing::PrintToStringParamName());
+CONTACTSPLINE_CASES(Number, BadResonatorFile, all_number_cases());
+CONTACTSPLINE_CASES(Key, BadResonatorFile, key_cases());
 
 // 1e10 overdamped modes below half the rate, none of which sounds: refused at once.
 TEST(BadResonator, WhoseModesAreAllOverdampedIsRefused) {

@@ -8,6 +8,7 @@
 #include <iterator>
 
 #include "bad_input.hpp"
+#include "cases.hpp"
 #include "program.hpp"
 #include "sandbox.hpp"
 
@@ -251,9 +252,8 @@ TEST_P(BadScoreFile, IsRefusedInOneLineAndNothingIsWritten) {
   EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
 }
 
-INSTANTIATE_TEST_SUITE_P(Number, BadScoreFile, ::testing::ValuesIn(all_number_cases()),
-                         ::testing::PrintToStringParamName());
-INSTANTIATE_TEST_SUITE_P(Key, BadScoreFile, ::testing::ValuesIn(key_cases()), ::testing::PrintToStringParamName());
+CONTACTSPLINE_CASES(Number, BadScoreFile, all_number_cases());
+CONTACTSPLINE_CASES(Key, BadScoreFile, key_cases());
 
 // What the tables above are made of is good itself.
 TEST(GoodScoreFile, IsAccepted) {
@@ -385,7 +385,7 @@ std::vector<BadMidi> midi_cases() {
       {"large", std::string((1 << 20) + 1, 'M'), "file: is larger than 1 MiB"}};
 }
 
-INSTANTIATE_TEST_SUITE_P(, BadMidiFile, ::testing::ValuesIn(midi_cases()), ::testing::PrintToStringParamName());
+CONTACTSPLINE_CASES(All, BadMidiFile, midi_cases());
 
 TEST(BadMidiChannel, IsRefused) {
   const Sandbox box;

@@ -9,6 +9,7 @@
 
 #include "bad_input.hpp"
 #include "bad_material.hpp"
+#include "cases.hpp"
 #include "program.hpp"
 #include "sandbox.hpp"
 
@@ -88,8 +89,7 @@ TEST_P(GoodMaterialFile, IsAccepted) {
   EXPECT_EQ(std::distance(fs::directory_iterator(box / "out"), {}), 3);
 }
 
-INSTANTIATE_TEST_SUITE_P(Good, GoodMaterialFile, ::testing::ValuesIn(good_cases()),
-                         ::testing::PrintToStringParamName());
+CONTACTSPLINE_CASES(Good, GoodMaterialFile, good_cases());
 
 }  // namespace
 }  // namespace contactspline::testing

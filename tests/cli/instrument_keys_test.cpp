@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "bad_input.hpp"
+#include "cases.hpp"
 #include "program.hpp"
 #include "sandbox.hpp"
 
@@ -110,9 +111,8 @@ class BadKeys : public ::testing::TestWithParam<BadFile> {};
 TEST_P(BadKeys, AreRefusedInOneLineAndNothingIsWritten) {
   expect_refused_by_generate(GetParam());
 }
-INSTANTIATE_TEST_SUITE_P(Number, BadKeys, ::testing::ValuesIn(all_number_cases()),
-                         ::testing::PrintToStringParamName());
-INSTANTIATE_TEST_SUITE_P(Key, BadKeys, ::testing::ValuesIn(cases()), ::testing::PrintToStringParamName());
+CONTACTSPLINE_CASES(Number, BadKeys, all_number_cases());
+CONTACTSPLINE_CASES(Key, BadKeys, cases());
 
 class KeysOnTheCommandLine : public ::testing::Test {
  protected:
@@ -170,6 +170,10 @@ TEST_F(KeysOnTheCommandLine, AreRefusedWhereTheyCannotPlay) {
                  "allowed: an instrument file with keys");
   expect_refused(render("song.mid", "felt_c4"), "--instrument: felt_c4: is no instrument",
                  "allowed: an instrument that ships, or its file");
+  write_file(box_ / "text.so", "no library");
+  for (const char* file : {"none.so", "text.so"})
+    expect_refused(render("song.mid", file), std::string(file) + ": --instrument: cannot be loaded",
+                   "allowed: a library of contactspline_model()");
 }
 
 TEST_F(KeysOnTheCommandLine, AreInWhatInspectSays) {

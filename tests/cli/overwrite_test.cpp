@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "cases.hpp"
 #include "generator/support/embedded_files.hpp"
 #include "program.hpp"
 #include "sandbox.hpp"
@@ -134,7 +135,7 @@ TEST_P(Overwriting, AFileOfTheProgramIsAllowed) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Each, Overwriting, ::testing::ValuesIn(all_writings()), ::testing::PrintToStringParamName());
+CONTACTSPLINE_CASES(Each, Overwriting, all_writings());
 
 // The name of a material, not that of its file, names the outputs.
 TEST(Overwrite, ACopyOfAMaterialDoesNotReplaceTheOriginal) {

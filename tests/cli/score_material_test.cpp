@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "cases.hpp"
 #include "contactspline/models/hammer_string.hpp"
 #include "contactspline/models/slide_string.hpp"
 #include "program.hpp"
@@ -143,8 +144,7 @@ TEST_P(ScoreMaterial, PlaysUnderASlideWithItsOwnSpline) {
             force, 1e-5);
 }
 
-INSTANTIATE_TEST_SUITE_P(Each, ScoreMaterial, ::testing::ValuesIn(material_cases()),
-                         ::testing::PrintToStringParamName());
+CONTACTSPLINE_CASES(Each, ScoreMaterial, material_cases());
 
 // Materials that differ in their splines only must not sound the same.
 TEST(ScoreMaterial, SoundsAsTheSplineOfItsMaterial) {

@@ -61,6 +61,12 @@ void expect_held(int held, int fits) {
   }
 }
 
+void expect_all_held(const Tally& tally) {
+  expect_held(tally.exponents_held, tally.fits);
+  expect_held(tally.stiffnesses_held, tally.fits);
+  expect_held(tally.losses_held, tally.fits);
+}
+
 // Contacts of 5 to 10 ms at 2 m/s, exponents from 1.6 to 2.5. Shorter ones have fewer samples, and all errors grow
 // with the root of that.
 TEST(Fit, FindsRandomMaterialsFromEightPulses) {
@@ -80,9 +86,7 @@ TEST(Fit, FindsRandomMaterialsFromEightPulses) {
   EXPECT_LT(tally.exponent, 0.01);
   EXPECT_LT(tally.force, 0.005);
   EXPECT_LT(tally.loss, 0.03);
-  expect_held(tally.exponents_held, tally.fits);
-  expect_held(tally.stiffnesses_held, tally.fits);
-  expect_held(tally.losses_held, tally.fits);
+  expect_all_held(tally);
 }
 
 // What the pulses of stiff hammers allow is less; the intervals say so.
@@ -98,9 +102,7 @@ TEST(Fit, SaysHowWellShortPulsesAreKnown) {
     tally.add(fit_of(measured), truth);
   }
   tally.print();
-  expect_held(tally.exponents_held, tally.fits);
-  expect_held(tally.stiffnesses_held, tally.fits);
-  expect_held(tally.losses_held, tally.fits);
+  expect_all_held(tally);
 }
 
 // ln T falls with ln v by (a - 1)/(a + 1). With n values of 1 % over a ratio R of speeds, its deviation is

@@ -7,21 +7,15 @@
 
 #include "contactspline/instrument/instruments_of.hpp"
 #include "contactspline/instrument/keyboard_instrument.hpp"
-#include "contactspline/instruments/classical_guitar.hpp"
-#include "contactspline/instruments/marimba_tube.hpp"
-#include "contactspline/instruments/prepared_piano.hpp"
-#include "contactspline/instruments/slap_bass.hpp"
-#include "contactspline/instruments/snare.hpp"
-#include "contactspline/instruments/tanpura.hpp"
-#include "contactspline/instruments/tom.hpp"
-#include "contactspline/instruments/trichord_c4.hpp"
 #include "contactspline/keyboards/piano.hpp"
 #include "contactspline/materials/felt_c4.hpp"
 #include "contactspline/materials/steel_on_steel.hpp"
+#include "contactspline/resonators/guitar_d3.hpp"
 #include "contactspline/resonators/guitar_g3.hpp"
 #include "contactspline/resonators/string_c4.hpp"
 #include "fret_under_string.hpp"
 #include "hammer_on_string.hpp"
+#include "shipped_instruments.hpp"
 #include "slide_on_string.hpp"
 
 namespace contactspline::testing {
@@ -30,14 +24,26 @@ template <typename T>
 using ModelsByHand = ::testing::Types<
     MassBarrierOf<materials::felt_c4, T>, HammerStringOf<materials::felt_c4, resonators::string_c4, T>,
     SlideStringOf<materials::steel_on_steel, resonators::guitar_g3, T>,
-    FretStringOf<materials::steel_on_steel, resonators::guitar_g3, T>, KeyboardInstrument<keyboards::piano, T>>;
+    FretStringOf<materials::steel_on_steel, resonators::guitar_d3, T>, KeyboardInstrument<keyboards::piano, T>>;
+
+template <typename... Lists>
+struct JoinedLists;
+template <typename... A>
+struct JoinedLists<::testing::Types<A...>> {
+  using Type = ::testing::Types<A...>;
+};
+template <typename... A, typename... B, typename... Others>
+struct JoinedLists<::testing::Types<A...>, ::testing::Types<B...>, Others...>
+    : JoinedLists<::testing::Types<A..., B...>, Others...> {};
+/// The types of several lists, in this order.
+template <typename... Lists>
+using Joined = typename JoinedLists<Lists...>::Type;
 
 template <typename T>
 using InstrumentsOfFiles =
-    ::testing::Types<instruments::classical_guitar<T>, instruments::marimba_tube<T>, instruments::prepared_piano<T>,
-                     instruments::slap_bass<T>, instruments::snare<T>, instruments::tanpura<T>, instruments::tom<T>,
-                     instruments::trichord_c4<T>, instruments::fret_under_string<T>, instruments::hammer_on_string<T>,
-                     instruments::slide_on_string<T>>;
+    Joined<ShippedInstruments<T>,
+           ::testing::Types<instruments::fret_under_string<T>, instruments::hammer_on_string<T>,
+                            instruments::slide_on_string<T>>>;
 
 /// What a test calls an instrument.
 struct InstrumentNames {

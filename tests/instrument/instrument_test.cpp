@@ -20,6 +20,7 @@
 #include "generator/support/embedded_files.hpp"
 #include "support/compare.hpp"
 #include "support/count_allocations.hpp"
+#include "support/precisions.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -156,10 +157,7 @@ TEST(EmittedClass, NamesItsStrikesAndOutputs) {
   EXPECT_GT(largest_hammer_force, 10);
 }
 
-template <typename T>
-class EveryPrecision : public ::testing::Test {};
-using Precisions = ::testing::Types<float, double>;
-TYPED_TEST_SUITE(EveryPrecision, Precisions);
+CONTACTSPLINE_EACH_PRECISION(EveryPrecision);
 
 TYPED_TEST(EveryPrecision, AllocatesNothingAfterConstruction) {
   using T = TypeParam;

@@ -577,6 +577,7 @@ case_own_plugin() {
   [ -s "$WORK/song.wav" ] || fail "no sound of the MIDI file"
   # The class of docs/how-to/model.md, without its program.
   (cd "$WORK" && blocks_of "$SOURCE/docs/how-to/model.md" cpp bell && sed '/^int main/,$d' bell1.cpp >my_bell.hpp)
+  (cd "$WORK" && blocks_of "$SOURCE/docs/how-to/model.md" json score && mv score1.json bell_score.json)
   cat >"$WORK/my_bell_dsp.cpp" <<'END'
 #include "my_bell.hpp"
 #include "contactspline/host/faust_dsp.hpp"
@@ -594,6 +595,7 @@ find_package(GTest REQUIRED)
 contactspline_generate(TARGET my_instruments MATERIALS my_zither.json)
 contactspline_plugin(TARGET my_zither INSTRUMENT my_zither MATERIALS my_instruments VENDOR Me URI urn:me:my_zither)
 contactspline_plugin(TARGET my_bell HEADER my_bell.hpp CLASS Bell FORMATS clap lv2 URI urn:me:my_bell)
+contactspline_model(TARGET bell HEADER my_bell.hpp CLASS Bell)
 contactspline_lv2(TARGET my_bell_dsp DSP my_bell_dsp.cpp URI urn:me:my_bell_dsp OUTPUT_DIR lv2)
 
 # The tests of all instruments that ship, over this class.
@@ -625,6 +627,16 @@ END
   LV2_PATH="$build/lv2" run "$play" lv2 urn:me:my_zither
   run "$play" clap "$build/clap/my_bell.clap"
   LV2_PATH="$build/lv2" run "$play" lv2 urn:me:my_bell
+  (cd "$WORK" && run "$WORK/prefix/bin/contactspline" render bell_score.json --instrument build/bell.so -o bell.wav)
+  grep -q '^2 contacts in 2 s' "$WORK/log" || fail "a score does not strike the bell twice: $(cat "$WORK/log")"
+  local plugin
+  plugin=$(echo "$build"/lv2/my_bell.lv2/*.so)
+  ! "$WORK/prefix/bin/contactspline" render "$WORK/bell_score.json" --instrument "$plugin" -o "$WORK/x.wav" 2>"$WORK/log" ||
+    fail "a plug-in is taken for a model"
+  grep -q -- '--instrument: is a library of something else; allowed: a library of contactspline_model()' "$WORK/log" ||
+    fail "says something else of a plug-in: $(cat "$WORK/log")"
+  (cd "$WORK" && run "$WORK/prefix/bin/contactspline" render song.mid --instrument build/bell.so -o bell_song.wav)
+  grep -q '^2 contacts in' "$WORK/log" || fail "a MIDI file does not strike the bell twice: $(cat "$WORK/log")"
   [ -s "$build/lv2/my_bell_dsp.lv2/my_bell_dsp.ttl" ] || fail "no plug-in of the class as Faust's dsp"
   [ ! -e "$build/vst3/my_bell.vst3" ] || fail "a format that was not asked for"
   local text

@@ -13,6 +13,7 @@
 #include "support/compare.hpp"
 #include "support/finite.hpp"
 #include "support/measured.hpp"
+#include "support/precisions.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -79,7 +80,6 @@ class ContactStepProperty : public ::testing::Test {
   std::vector<double> stiffest_;
 };
 
-using Precisions = ::testing::Types<double, float>;
 TYPED_TEST_SUITE(ContactStepProperty, Precisions);
 
 // f x is V(y0 + x) - V(y0), x = xf - xi f, up to the uncertainty e = D + fraction xi f of x, against which the mean

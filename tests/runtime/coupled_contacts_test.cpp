@@ -6,6 +6,7 @@
 
 #include "power_table.hpp"
 #include "support/compare.hpp"
+#include "support/precisions.hpp"
 #include "support/random.hpp"
 
 namespace contactspline::testing {
@@ -108,10 +109,7 @@ void bisect(const Problem& p, std::size_t i, std::vector<long double>& forces) {
   residual((low + high) / 2);
 }
 
-template <typename T>
-class OneContact : public ::testing::Test {};
-using Precisions = ::testing::Types<float, double>;
-TYPED_TEST_SUITE(OneContact, Precisions);
+CONTACTSPLINE_EACH_PRECISION(OneContact);
 
 // A contact that is alone computes the bits of contact_step, beside others that it is not coupled with too.
 TYPED_TEST(OneContact, IsTheContactStep) {

@@ -8,6 +8,7 @@
 #include "band.hpp"
 #include "support/compare.hpp"
 #include "support/count_allocations.hpp"
+#include "support/precisions.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -24,10 +25,7 @@ void play_alone(HammerString<T>& model, const Player<T>& player, T gain, std::sp
   }
 }
 
-template <typename T>
-class EnsembleOf : public ::testing::Test {};
-using Precisions = ::testing::Types<float, double>;
-TYPED_TEST_SUITE(EnsembleOf, Precisions);
+CONTACTSPLINE_EACH_PRECISION(EnsembleOf);
 
 // What the voices play alone, within the bounds of kernels_together_test for voices side by side. Two of them are not
 // struck, the others in another order than their numbers'.

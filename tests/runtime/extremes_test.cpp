@@ -8,6 +8,7 @@
 #include "random_controls.hpp"
 #include "support/count_allocations.hpp"
 #include "support/measured.hpp"
+#include "support/precisions.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -16,10 +17,7 @@ constexpr double kRates[] = {8000, 44100, 192000, 768000};
 constexpr std::size_t kBlocks[] = {1, 2, 3, 64, 257, 4096};
 constexpr int kSamples = 30000;  // samples
 
-template <typename T>
-class Extremes : public ::testing::Test {};
-using Precisions = ::testing::Types<double, float>;
-TYPED_TEST_SUITE(Extremes, Precisions);
+CONTACTSPLINE_EACH_PRECISION(Extremes);
 
 /// A number that is finite, and of which no more than `bound` is expected.
 void expect_bounded(double value, double bound, const char* what, double rate_hz) {

@@ -7,14 +7,13 @@
 #include "kernel_targets.hpp"
 #include "strings.hpp"
 #include "support/compare.hpp"
+#include "support/precisions.hpp"
 #include "support/random.hpp"
 
 namespace contactspline::testing {
 namespace {
 
-template <typename T>
-class KernelAlgebra : public ::testing::Test {};
-TYPED_TEST_SUITE(KernelAlgebra, Precisions);
+CONTACTSPLINE_EACH_PRECISION(KernelAlgebra);
 
 // One sample of a bank under forces at several places, and what places will move by, as predict(), push(), commit()
 // and sums over the modes compute them one after the other.

@@ -33,6 +33,4 @@ double kernel_bound() {
   return sizeof(T) == sizeof(double) ? 1e-12 : 5.6e-5;
 }
 
-using Precisions = ::testing::Types<float, double>;
-
 }  // namespace contactspline::testing

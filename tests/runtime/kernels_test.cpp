@@ -8,6 +8,7 @@
 #include "kernel_targets.hpp"
 #include "strings.hpp"
 #include "support/compare.hpp"
+#include "support/precisions.hpp"
 #include "support/random.hpp"
 
 namespace contactspline::testing {
@@ -71,9 +72,7 @@ Sound<T> sound(const Scene& scene, std::size_t block) {
   return out;
 }
 
-template <typename T>
-class Kernels : public ::testing::Test {};
-TYPED_TEST_SUITE(Kernels, Precisions);
+CONTACTSPLINE_EACH_PRECISION(Kernels);
 
 TYPED_TEST(Kernels, PlayWhatThePlainModelPlays) {
   ASSERT_GE(targets().size(), 2u);

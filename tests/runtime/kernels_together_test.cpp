@@ -8,13 +8,12 @@
 #include "kernel_targets.hpp"
 #include "strings.hpp"
 #include "support/compare.hpp"
+#include "support/precisions.hpp"
 
 namespace contactspline::testing {
 namespace {
 
-template <typename T>
-class KernelsTogether : public ::testing::Test {};
-TYPED_TEST_SUITE(KernelsTogether, Precisions);
+CONTACTSPLINE_EACH_PRECISION(KernelsTogether);
 
 constexpr std::size_t kVoices = 20;
 

@@ -17,6 +17,7 @@
 #include "support/compare.hpp"
 #include "support/finite.hpp"
 #include "support/measured.hpp"
+#include "support/precisions.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -345,10 +346,7 @@ Sound<T> phrase(const std::function<std::size_t()>& next_size) {
   return left;
 }
 
-template <typename T>
-class KeyboardInstrumentIn : public ::testing::Test {};
-using Precisions = ::testing::Types<double, float>;
-TYPED_TEST_SUITE(KeyboardInstrumentIn, Precisions);
+CONTACTSPLINE_EACH_PRECISION(KeyboardInstrumentIn);
 
 TYPED_TEST(KeyboardInstrumentIn, SoundsTheSameInBlocksOfAnySize) {
   const auto in_one = phrase<TypeParam>([] { return 30000; });

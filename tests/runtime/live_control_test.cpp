@@ -4,6 +4,7 @@
 #include "energy.hpp"
 #include "strings.hpp"
 #include "support/compare.hpp"
+#include "support/precisions.hpp"
 #include "support/random.hpp"
 
 namespace contactspline::testing {
@@ -210,10 +211,7 @@ class Guitar {
 template <typename T>
 constexpr double kBound = std::is_same_v<T, double> ? 1e-12 : 1e-3;
 
-template <typename T>
-class LiveControl : public ::testing::Test {};
-using Precisions = ::testing::Types<double, float>;
-TYPED_TEST_SUITE(LiveControl, Precisions);
+CONTACTSPLINE_EACH_PRECISION(LiveControl);
 
 TYPED_TEST(LiveControl, OfAHammerStringIsAccountedForOverTenMinutes) {
   Piano<TypeParam> piano(44100);

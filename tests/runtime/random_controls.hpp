@@ -119,8 +119,8 @@ struct RandomContact {
 
 template <typename T>
 struct RandomSlide : RandomContact<SlideString<T>, T> {
-  using RandomContact<SlideString<T>, T>::RandomContact, RandomContact<SlideString<T>, T>::model,
-      RandomContact<SlideString<T>, T>::pluck_force;
+  using Base = RandomContact<SlideString<T>, T>;
+  using Base::Base, Base::model, Base::pluck_force;
 
   /// Returns the work on the string and the slide but that of the pluck [J].
   double tick(RandomControls<T>& random) {
@@ -147,8 +147,8 @@ struct RandomSlide : RandomContact<SlideString<T>, T> {
 
 template <typename T>
 struct RandomFret : RandomContact<FretString<T>, T> {
-  using RandomContact<FretString<T>, T>::RandomContact, RandomContact<FretString<T>, T>::model,
-      RandomContact<FretString<T>, T>::pluck_force;
+  using Base = RandomContact<FretString<T>, T>;
+  using Base::Base, Base::model, Base::pluck_force;
 
   double tick(RandomControls<T>& random) {
     using Ranges = ControlRanges<T>;

@@ -27,6 +27,7 @@
 #include "contactspline/models/slide_string.hpp"
 #include "contactspline/network/contact_network.hpp"
 #include "contactspline/step/live_exponent.hpp"
+#include "support/precisions.hpp"
 #include "support/real_time.hpp"
 
 namespace contactspline::testing {
@@ -283,10 +284,7 @@ std::vector<std::pair<const char*, Play>> all_models() {
           {"body", body<T>()}};
 }
 
-template <typename T>
-class RealTime : public ::testing::Test {};
-using Precisions = ::testing::Types<double, float>;
-TYPED_TEST_SUITE(RealTime, Precisions);
+CONTACTSPLINE_EACH_PRECISION(RealTime);
 
 TYPED_TEST(RealTime, AllocatesNothing) {
   for (const auto& [name, play] : all_models<TypeParam>()) {

@@ -20,6 +20,7 @@
 #include "runtime/random_steps.hpp"
 #include "steel_on_steel.hpp"
 #include "support/compare.hpp"
+#include "support/precisions.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -58,10 +59,7 @@ std::vector<T> telling_points(const std::vector<Segment<T>>& table) {
   return points;
 }
 
-template <typename T>
-class SegmentLookup : public ::testing::Test {};
-using Precisions = ::testing::Types<double, float>;
-TYPED_TEST_SUITE(SegmentLookup, Precisions);
+CONTACTSPLINE_EACH_PRECISION(SegmentLookup);
 
 TYPED_TEST(SegmentLookup, FindsWhatLookingThroughTheTableFinds) {
   for (const auto& [segments, exponent, range, force_n] : test_tables<TypeParam>()) {

@@ -17,20 +17,13 @@
 #include <string_view>
 
 #include "contactspline/instrument/keyboard_instrument.hpp"
-#include "contactspline/instruments/classical_guitar.hpp"
-#include "contactspline/instruments/marimba_tube.hpp"
-#include "contactspline/instruments/prepared_piano.hpp"
-#include "contactspline/instruments/slap_bass.hpp"
-#include "contactspline/instruments/snare.hpp"
-#include "contactspline/instruments/tanpura.hpp"
-#include "contactspline/instruments/tom.hpp"
-#include "contactspline/instruments/trichord_c4.hpp"
 #include "contactspline/keyboards/piano.hpp"
 #include "contactspline/models/body.hpp"
 #include "contactspline/models/ensemble.hpp"
 #include "contactspline/models/keyboard.hpp"
 #include "contactspline/models/mass_barrier.hpp"
 #include "random_controls.hpp"
+#include "shipped_instruments.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -425,6 +418,12 @@ std::function<void(Record&)> instrument(std::size_t held_for) {
   };
 }
 
+template <typename... Emitted>
+void add_instruments(std::vector<Soaked>& models, const std::string& end, std::size_t held_for,
+                     ::testing::Types<Emitted...> /*all*/) {
+  (models.emplace_back(Emitted().name() + end, instrument<Emitted, typename Emitted::value_type>(held_for)), ...);
+}
+
 template <typename T>
 void add_models(std::vector<Soaked>& models) {
   const std::string precision = sizeof(T) == sizeof(double) ? ".double" : ".float";
@@ -438,14 +437,7 @@ void add_models(std::vector<Soaked>& models) {
     models.emplace_back("ensemble" + end, ensemble<T>(held_for));
     models.emplace_back("body" + end, body<T>(held_for));
     models.emplace_back("keyboard-instrument" + end, keyboard_instrument<T>(held_for));
-    models.emplace_back("tanpura" + end, instrument<instruments::tanpura<T>, T>(held_for));
-    models.emplace_back("trichord_c4" + end, instrument<instruments::trichord_c4<T>, T>(held_for));
-    models.emplace_back("slap_bass" + end, instrument<instruments::slap_bass<T>, T>(held_for));
-    models.emplace_back("prepared_piano" + end, instrument<instruments::prepared_piano<T>, T>(held_for));
-    models.emplace_back("snare" + end, instrument<instruments::snare<T>, T>(held_for));
-    models.emplace_back("tom" + end, instrument<instruments::tom<T>, T>(held_for));
-    models.emplace_back("marimba_tube" + end, instrument<instruments::marimba_tube<T>, T>(held_for));
-    models.emplace_back("classical_guitar" + end, instrument<instruments::classical_guitar<T>, T>(held_for));
+    add_instruments(models, end, held_for, ShippedInstruments<T>{});
   }
 }
 

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// A model of a user's own in a shared library, which `contactspline render SCORE --instrument FILE.so` plays. The CMake
+// function contactspline_model makes such a library of a class (docs/how-to/model.md).
+#pragma once
+
+#include "contactspline/step/cpp20.hpp"
+
+#include <concepts>
+#include <memory>
+
+#include "contactspline/host/any_instrument.hpp"
+#include "contactspline/instrument/instrument.hpp"
+#include "contactspline/step/version.hpp"
+
+namespace contactspline {
+
+/// What such a library gives. One of the two functions is not null: the one in the precision of the class.
+struct ModelModule {
+  int version[3] = {kVersionMajor, kVersionMinor, kVersionPatch};  ///< of the headers that it was built with
+  std::unique_ptr<AnyInstrument<float>> (*make_single)() = nullptr;
+  std::unique_ptr<AnyInstrument<double>> (*make_double)() = nullptr;
+};
+
+/// The name and the type of the one function of the library.
+inline constexpr const char* kModelModuleSymbol = "contactspline_model_module";
+using GetModelModule = const ModelModule*();
+
+/// The module of a class that is built without arguments.
+template <Instrument I>
+[[nodiscard]] ModelModule model_module() {
+  using T = typename I::value_type;
+  ModelModule module;
+  const auto make = []() -> std::unique_ptr<AnyInstrument<T>> { return std::make_unique<InstrumentBehind<I>>(); };
+  if constexpr (std::same_as<T, float>)
+    module.make_single = make;
+  else
+    module.make_double = make;
+  return module;
+}
+
+}  // namespace contactspline
