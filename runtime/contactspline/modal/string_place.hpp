@@ -121,11 +121,13 @@ class MovingPlace {
   bool is_moving_ = false;
 };
 
-/// Corrects a compression that is updated by increments, whose rounding errors add up over minutes in single
-/// precision. Moves it by 1e-4 of the difference towards the value computed from the displacements. The correction is
-/// small because the displacements are rounded too: a stiff contact would turn that rounding into audible noise.
+/// Corrects a compression that is updated by increments, whose rounding errors add up. While the contact is open by
+/// both values it holds no energy and is `by_displacements_m`: a body that comes back from afar must not be pressed
+/// into the contact by the errors of its flight. While it touches, it moves by 1e-4 of the difference: the
+/// displacements are rounded too, and a stiff contact would turn that rounding into audible noise.
 template <std::floating_point T>
 [[nodiscard]] T anchored(T compression_m, T by_displacements_m) {
+  if (compression_m < 0 && by_displacements_m < 0) return by_displacements_m;
   return compression_m + T(1e-4) * (by_displacements_m - compression_m);
 }
 
