@@ -188,7 +188,7 @@ endif()" >"$project/CMakeLists.txt"
 
 # The public headers of the runtime below a folder, by their names in an #include.
 public_headers() {
-  (cd "$1" && find contactspline.hpp contactspline/{step,simd,modal,network,models,instrument,host} -name '*.hpp' \
+  (cd "$1" && find contactspline.hpp contactspline/{step,simd,modal,network,models,tangent,instrument,host} -name '*.hpp' \
     ! -name '*-inl.hpp' | sort)
 }
 

@@ -214,6 +214,10 @@ class ModalBank {
   [[nodiscard]] T displacement(std::size_t mode) const {
     return displacement_[mode];
   }
+  /// Displacement of each mode, and its change over the last sample [m].
+  [[nodiscard]] constexpr std::span<const T> displacements() const { return {displacement_.data(), size()}; }
+  [[nodiscard]] constexpr std::span<const T> changes() const { return {change_.data(), size()}; }
+
   /// Displacement of a mode per static force [m/N].
   [[nodiscard]] double compliance(std::size_t mode) const {
     const detail::ModeConstants& constants = constants_[mode];

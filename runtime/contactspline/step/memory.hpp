@@ -92,6 +92,108 @@ template <std::floating_point T, std::size_t Extent>
 
 }  // namespace detail
 
+namespace detail {
+
+/// Memories as a sample rate sees them, in any type of number: duals give derivatives.
+template <typename Number>
+struct MemoryDesign {
+  std::array<Number, kMaxMemories> weights{}, kept{}, taken{};  ///< in a sample: kept of what is remembered, taken of
+                                                                ///< the force
+  Number stiffness = 1;  ///< in parts of the table's: a memory within half a sample stiffens less
+
+  constexpr MemoryDesign() = default;
+  constexpr MemoryDesign(std::span<const Number> memory_weights, std::span<const Number> times_s,
+                         double sample_rate_hz) {
+    for (std::size_t i = 0; i < memory_weights.size(); ++i)
+      stiffness =
+          stiffness - memory_weights[i] * std::max(Number(0), Number(1) - Number(2 * sample_rate_hz) * times_s[i]);
+    for (std::size_t i = 0; i < memory_weights.size(); ++i) {
+      const Number half_samples = Number(2 * sample_rate_hz) * times_s[i];
+      weights[i] = memory_weights[i] * std::min(Number(1), half_samples) / stiffness;
+      kept[i] = std::max(Number(0), (half_samples - Number(1)) / (half_samples + Number(1)));
+      taken[i] = weights[i] * (Number(1) - kept[i]);
+    }
+  }
+};
+
+/// What a contact remembers, in any type of number: duals give derivatives.
+template <typename Number>
+class RememberedForces {
+ public:
+  using Forces = std::array<Number, kMaxMemories>;
+
+  constexpr RememberedForces() = default;
+  /// The memories of a design in another precision.
+  template <typename Other>
+  constexpr RememberedForces(const MemoryDesign<Other>& design, std::size_t count) : count_(count) {
+    for (std::size_t i = 0; i < count; ++i) {
+      weights_[i] = static_cast<Number>(design.weights[i]);
+      kept_[i] = static_cast<Number>(design.kept[i]);
+      taken_[i] = static_cast<Number>(design.taken[i]);
+      sum_taken_ = sum_taken_ + taken_[i];
+    }
+  }
+
+  [[nodiscard]] constexpr std::size_t count() const { return count_; }
+  /// Weights as the rate sees them.
+  [[nodiscard]] constexpr const Forces& weights() const { return weights_; }
+  /// Weights times forces of the table [N].
+  [[nodiscard]] constexpr const Forces& values() const { return values_; }
+  /// Their sum [N].
+  [[nodiscard]] constexpr const Number& line() const { return line_; }
+
+  /// Takes other values.
+  constexpr void set(const Forces& values) {
+    values_ = values;
+    line_ = sum();
+  }
+
+  /// Follows the force of the table at the end of a sample [N].
+  [[gnu::always_inline]] constexpr void relax(const Number& force) {
+    if (force < line_ && count_ > 1) return relax_apart(force);
+    Number sum_kept = 0;  // apart from the force, for which this would have to wait
+    for (std::size_t i = 0; i < count_; ++i) {
+      const Number kept = kept_[i] * values_[i];
+      sum_kept = sum_kept + kept;
+      values_[i] = taken_[i] * force + kept;
+    }
+    keep_line(sum_taken_ * force + sum_kept);
+  }
+
+ private:
+  // Smaller forces are forgotten, before they become denormal [N].
+  static constexpr double kForgotten_n = 1e-30;
+
+  // Several memories, below the surface: one after the other moves towards the force, but not past where the energy
+  // is least, or together they would add energy.
+  constexpr void relax_apart(const Number& force) {
+    for (std::size_t i = 0; i < count_; ++i) {
+      const Number others = line_ - values_[i];
+      const Number target = force < line_ ? std::max(force, others / (Number(1) - weights_[i])) : force;
+      values_[i] = taken_[i] * target + kept_[i] * values_[i];
+      line_ = others + values_[i];
+    }
+    keep_line(sum());
+  }
+
+  constexpr void keep_line(const Number& line) {
+    line_ = line;
+    if (!(Number(kForgotten_n) < line)) line_ = 0, values_ = {};
+  }
+
+  [[nodiscard]] constexpr Number sum() const {
+    Number sum = 0;
+    for (const Number& value : values_) sum = sum + value;
+    return sum;
+  }
+
+  Forces weights_{}, kept_{}, taken_{}, values_{};
+  Number sum_taken_ = 0, line_ = 0;
+  std::size_t count_ = 0;
+};
+
+}  // namespace detail
+
 /// What a contact remembers, and its step at one sample rate. Without memories it is the contact step alone.
 ///
 /// Contact and memory take turns, half a sample apart: the contact moves at constant memory, on a potential that is
@@ -104,28 +206,22 @@ class ContactMemory {
   constexpr ContactMemory() = default;
 
   /// At most kMaxMemories memories, weights > 0 with a sum below 1, times > 0.
-  constexpr ContactMemory(std::span<const Memory> memories, double sample_rate_hz) : count_(memories.size()) {
-    double stiffness = 1;  // that the rate asks for: a memory within half a sample stiffens less
-    for (const Memory& memory : memories)
-      stiffness -= memory.weight * std::max(0.0, 1 - 2 * memory.time_s * sample_rate_hz);
-    for (std::size_t i = 0; i < count_; ++i) {
-      const double half_samples = 2 * memories[i].time_s * sample_rate_hz;
-      const double weight = memories[i].weight * std::min(1.0, half_samples) / stiffness;
-      const double kept = std::max(0.0, (half_samples - 1) / (half_samples + 1));
-      weights_[i] = static_cast<T>(weight);
-      kept_[i] = static_cast<T>(kept);
-      taken_[i] = static_cast<T>(weight * (1 - kept));
-      sum_taken_ += taken_[i];
-    }
-    stiffness_ = static_cast<T>(stiffness);
+  constexpr ContactMemory(std::span<const Memory> memories, double sample_rate_hz) {
+    std::array<double, kMaxMemories> weights{}, times_s{};
+    for (std::size_t i = 0; i < memories.size(); ++i)
+      weights[i] = memories[i].weight, times_s[i] = memories[i].time_s;
+    const detail::MemoryDesign<double> design({weights.data(), memories.size()}, {times_s.data(), memories.size()},
+                                              sample_rate_hz);
+    remembered_ = detail::RememberedForces<T>(design, memories.size());
+    stiffness_ = static_cast<T>(design.stiffness);
   }
 
-  [[nodiscard]] constexpr bool empty() const { return count_ == 0; }
+  [[nodiscard]] constexpr bool empty() const { return remembered_.count() == 0; }
 
   /// Forgets everything.
   constexpr void reset() {
-    remembered_ = before_ = {};
-    line_ = 0;
+    remembered_.set({});
+    before_ = {};
   }
 
   /// The contact step at constant memory: as contact_step with these controls, whose loss is in parts of the force
@@ -138,13 +234,13 @@ class ContactMemory {
     if (empty()) return detail::controlled_step(table, controls, time_step, approach, start);
     const T y0 = approach.compression, xf = approach.free_increment, xi = approach.admittance;
     if (y0 < 0 && y0 + xf < 0) return {0, y0 + xf, 0};
-    if (controls.loss_s_per_m == 0 && table[start].force_at(y0) >= line_) {
+    if (controls.loss_s_per_m == 0 && table[start].force_at(y0) >= remembered_.line()) {
       // Above the surface the line is a force that presses the bodies together.
       const T ratio = controls.stiffness_ratio * stiffness_;
       const ContactStep<T> pressed =
-          detail::contact_step(table, start, Approach<T>{y0, xf + ratio * xi * line_, ratio * xi}, T(1));
-      if (table[pressed.segment].force_at(pressed.compression) >= line_)
-        return {ratio * std::max(T(0), pressed.force - line_), pressed.compression, pressed.segment};
+          detail::contact_step(table, start, Approach<T>{y0, xf + ratio * xi * remembered_.line(), ratio * xi}, T(1));
+      if (table[pressed.segment].force_at(pressed.compression) >= remembered_.line())
+        return {ratio * std::max(T(0), pressed.force - remembered_.line()), pressed.compression, pressed.segment};
     }
     return step_through_surface(table, controls, time_step, approach, start);
   }
@@ -153,16 +249,8 @@ class ContactMemory {
   template <std::size_t Extent>
   [[gnu::always_inline]] constexpr void relax(SegmentTable<T, Extent> table, T compression, std::size_t segment) {
     if (empty()) return;
-    const T force = table[segment].force_at(compression);
-    before_ = remembered_;
-    if (force < line_ && count_ > 1) return relax_apart(force);
-    T sum_kept = 0;  // apart from the force, for which this would have to wait
-    for (std::size_t i = 0; i < count_; ++i) {
-      const T kept = kept_[i] * remembered_[i];
-      sum_kept += kept;
-      remembered_[i] = taken_[i] * force + kept;
-    }
-    keep_line(sum_taken_ * force + sum_kept);
+    before_ = remembered_.values();
+    remembered_.relax(table[segment].force_at(compression));
   }
 
   /// One sample of the contact and of its memory.
@@ -178,8 +266,10 @@ class ContactMemory {
   /// The potential at constant memory, in parts of designed().stiffness_ratio.
   template <std::size_t Extent>
   [[nodiscard]] constexpr detail::TableLessLine<T, Extent> spring(SegmentTable<T, Extent> table) const {
-    return {table, line_, empty() ? 1 : detail::segment_of_force(table, line_)};
+    return {table, remembered_.line(), empty() ? 1 : detail::segment_of_force(table, remembered_.line())};
   }
+  /// What is remembered now.
+  [[nodiscard]] constexpr const detail::RememberedForces<T>& remembered() const { return remembered_; }
   /// The controls with the stiffness that the rate asks for.
   [[nodiscard]] constexpr ContactControls<T> designed(const ContactControls<T>& controls) const {
     return {controls.stiffness_ratio * stiffness_, controls.loss_s_per_m};
@@ -189,14 +279,14 @@ class ContactMemory {
   /// was remembered before and is now.
   template <std::size_t Extent>
   [[nodiscard]] constexpr T surface(SegmentTable<T, Extent> table) const {
-    const T line = (sum(before_) + line_) / 2;
+    const T line = (sum(before_) + remembered_.line()) / 2;
     return detail::TableLessLine<T, Extent>(table, line, detail::segment_of_force(table, line)).surface();
   }
 
   /// Energy that contact and memory store [J]: above 0 also while the bodies are apart and the memory relaxes.
   template <std::size_t Extent>
   [[nodiscard]] constexpr T energy(SegmentTable<T, Extent> table, T compression, T stiffness_ratio = 1) const {
-    return energy_with(remembered_, table, compression, stiffness_ratio);
+    return energy_with(remembered_.values(), table, compression, stiffness_ratio);
   }
   /// The same before the memory relaxed last.
   template <std::size_t Extent>
@@ -210,10 +300,7 @@ class ContactMemory {
   }
 
  private:
-  using Forces = std::array<T, kMaxMemories>;
-
-  // Smaller forces are forgotten, before they become denormal [N].
-  static constexpr T kForgotten_n = T(1e-30);
+  using Forces = typename detail::RememberedForces<T>::Forces;
 
   // A step that ends or begins below the surface, or that has a loss.
   template <std::size_t Extent>
@@ -224,23 +311,6 @@ class ContactMemory {
     ContactStep<T> step = detail::controlled_step(potential, designed(controls), time_step, approach, from);
     step.segment = detail::relocate_segment(table, step.segment, step.compression);
     return step;
-  }
-
-  // Several memories, below the surface: one after the other moves towards the force, but not past where the energy
-  // is least, or together they would add energy.
-  constexpr void relax_apart(T force) {
-    for (std::size_t i = 0; i < count_; ++i) {
-      const T others = line_ - remembered_[i];
-      const T target = force < line_ ? std::max(force, others / (1 - weights_[i])) : force;
-      remembered_[i] = taken_[i] * target + kept_[i] * remembered_[i];
-      line_ = others + remembered_[i];
-    }
-    keep_line(sum(remembered_));
-  }
-
-  constexpr void keep_line(T line) {
-    line_ = line;
-    if (!(line > kForgotten_n)) line_ = 0, remembered_ = {};
   }
 
   static constexpr T sum(const Forces& forces) {
@@ -257,8 +327,10 @@ class ContactMemory {
       return detail::TableLessLine<T, Extent>(table, line, detail::segment_of_force(table, line));
     };
     T energy = 0;
-    for (std::size_t i = 0; i < count_; ++i)
-      energy -= weights_[i] * less_line(remembered[i] / weights_[i]).lowest_energy();
+    for (std::size_t i = 0; i < remembered_.count(); ++i) {
+      const T weight = remembered_.weights()[i];
+      energy -= weight * less_line(remembered[i] / weight).lowest_energy();
+    }
     const T line = sum(remembered);
     const auto spring = less_line(line);
     const bool touches = compression > spring.surface();
@@ -266,12 +338,9 @@ class ContactMemory {
     return stiffness_ratio * stiffness_ * energy;
   }
 
-  Forces weights_{}, kept_{}, taken_{};  // in a sample: kept of what is remembered, taken of the force
-  T sum_taken_ = 0;
-  T stiffness_ = 1;                 // that the rate asks for, in parts of the table's
-  Forces remembered_{}, before_{};  // weights times forces of the table: now, before the memory relaxed last [N]
-  T line_ = 0;                      // sum of what is remembered [N]
-  std::size_t count_ = 0;
+  detail::RememberedForces<T> remembered_;
+  Forces before_{};  // what was remembered before the memory relaxed last
+  T stiffness_ = 1;  // that the rate asks for, in parts of the table's
 };
 
 /// The contact controls of a model that is in contact at this compression [m].

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+// bench/gradients: what derivatives of a struck C4 string cost, in runs of the string itself. One second, medians
+// over rounds in which every task runs once.
+#include <fmt/format.h>
+
+#include <array>
+#include <cstdlib>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bench/paired_timer.hpp"
+#include "contactspline/materials/felt_c4.hpp"
+#include "contactspline/resonators/string_c4.hpp"
+#include "contactspline/tangent/strike_gradient.hpp"
+#include "contactspline/tangent/strike_tangent.hpp"
+
+namespace contactspline::bench {
+namespace {
+
+using Felt = materials::felt_c4;
+using String = resonators::string_c4;
+constexpr double kRate = 44100;
+constexpr std::size_t kSamples = 44100;
+double computed = 0;  // so that nothing is left out
+
+Strike<double> strike() {
+  const auto& felt = segments_of<Felt, double>;
+  return {felt,
+          modes_in<String>,
+          ModeShapes<double>(std::span<const double>(String::strike_shapes)),
+          ModeShapes<double>(std::span<const double>(String::pickup_shapes)),
+          {.hammer_mass_kg = 0.00297},
+          2.5,
+          1e-4};
+}
+
+// Parameters of the hammer and its felt; or of the string, whose modes all change.
+template <std::size_t P>
+std::array<StrikeNumbers<double>, P> directions(bool of_string) {
+  std::array<StrikeNumbers<double>, P> all;
+  for (std::size_t p = 0; p < P; ++p) {
+    if (of_string)
+      for (const Mode& mode : modes_in<String>)
+        all[p].modes.push_back({double(p + 1) * mode.angular_frequency_rad_per_s, mode.decay_per_s, 0});
+    else
+      (p % 2 == 0 ? all[p].felt.stiffness_ratio : all[p].velocity_m_per_s) = double(p + 1);
+  }
+  return all;
+}
+
+void play_by_tick() {
+  const Strike<double> s = strike();
+  auto model = detail::struck(s, kRate);
+  for (std::size_t n = 0; n < kSamples; ++n) {
+    model.tick(s.controls);
+    computed += model.string().displacement(s.output);
+  }
+}
+
+void play_by_process() {
+  const Strike<double> s = strike();
+  auto model = detail::struck(s, kRate);
+  std::vector<double> out(256);
+  for (std::size_t n = 0; n < kSamples; n += out.size()) model.process(s.controls, s.output, out);
+  computed += out[0];
+}
+
+template <std::size_t P>
+void play_forwards(bool of_string) {
+  StrikeTangent<double, P> tangent(strike(), kRate, directions<P>(of_string));
+  std::vector<Dual<double, P>> out(256);
+  for (std::size_t n = 0; n < kSamples; n += out.size()) tangent.process(out);
+  computed += out[0].slopes[0];
+}
+
+void play_backwards() {
+  const std::vector<double> weights(kSamples, 1.0);
+  const auto gradient = strike_gradient<double>(strike(), kRate, weights);
+  computed += gradient.felt.stiffness_ratio;
+}
+
+struct Task {
+  std::string name;
+  double parameters;
+  std::function<void()> run;
+};
+
+void print(int rounds) {
+  std::vector<Task> all = {{"tick", 0, play_by_tick}, {"process", 0, play_by_process}};
+  for (const bool of_string : {false, true}) {
+    const std::string of = of_string ? "of the string" : "of hammer and felt";
+    all.push_back({of, 1, [=] { play_forwards<1>(of_string); }});
+    all.push_back({of, 2, [=] { play_forwards<2>(of_string); }});
+    all.push_back({of, 4, [=] { play_forwards<4>(of_string); }});
+    all.push_back({of, 8, [=] { play_forwards<8>(of_string); }});
+    all.push_back({of, 16, [=] { play_forwards<16>(of_string); }});
+  }
+  const double numbers = 3.0 * segments_of<Felt, double>.size() + 5.0 * String::modes;
+  all.push_back({"backwards", numbers, play_backwards});
+  std::vector<TimedTask<std::function<void()>>> tasks;
+  for (const Task& task : all) tasks.push_back({task.name, task.run});
+  PairedTimer<std::function<void()>, ThreadClock> timer(tasks, kSamples);
+  for (int i = 0; i < rounds; ++i) timer.round();
+  fmt::print("| parameters | number | runs of `tick` | more runs for each parameter |\n|---|---|---|---|\n");
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const double runs = 1 / timer.ratio(i);
+    fmt::print("| {} | {} | {:.2f} | {} |\n", all[i].name, all[i].parameters, runs,
+               all[i].parameters > 0 ? fmt::format("{:.3f}", (runs - 1) / all[i].parameters) : "");
+  }
+  fmt::print("\n`tick`: {:.1f} ns a sample\n", timer.nanoseconds(0));
+}
+
+}  // namespace
+}  // namespace contactspline::bench
+
+int main(int argc, char** argv) {
+  contactspline::bench::print(argc > 1 ? std::atoi(argv[1]) : 21);
+  return contactspline::bench::computed == 0.5;
+}

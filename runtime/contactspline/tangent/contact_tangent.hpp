@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: MIT
+// Exact derivatives of the contact step: of its force and of the compression after it, with respect to whatever goes
+// in (docs/how-it-works/gradients.md).
+#pragma once
+
+#include "contactspline/step/cpp20.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <concepts>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "contactspline/step/contact.hpp"
+#include "contactspline/step/memory.hpp"
+#include "contactspline/tangent/dual.hpp"
+
+namespace contactspline {
+
+/// One value for each number of a contact. As a direction: the derivative of that number with respect to a parameter.
+/// As a gradient: the derivative of a sum with respect to that number.
+template <std::floating_point T>
+struct ContactNumbers {
+  T stiffness_ratio = 0, loss_s_per_m = 0;
+  std::vector<Segment<T>> table;  ///< of forces and half curvatures at constant knots; empty: all 0
+  std::vector<Memory> memories;   ///< of weights and times; empty: all 0
+};
+
+/// The direction of the table of a power law for its exponent, at a constant force at reference_m > 0 (1 m: at a
+/// constant stiffness): the force at each knot grows by F ln(y/reference_m), and is linear between knots. end_m: the
+/// end of the last segment, Material::max_compression_m.
+template <std::floating_point T>
+[[nodiscard]] std::vector<Segment<T>> exponent_direction(SegmentTable<T> table, T end_m, T reference_m = 1) {
+  const auto slope = [&](T y) { return y > 0 ? force(table, y) * std::log(y / reference_m) : T(0); };
+  std::vector<Segment<T>> direction(table.begin(), table.end());
+  for (std::size_t j = 1; j < table.size(); ++j) {
+    const T from = table[j].knot, to = j + 1 < table.size() ? table[j + 1].knot : end_m;
+    direction[j] = {from, 0, slope(from), (slope(to) - slope(from)) / (2 * (to - from))};
+    const Segment<T>& last = direction[j - 1];
+    if (j > 1) direction[j].energy = last.energy_at(from);
+  }
+  return direction;
+}
+
+namespace detail {
+
+/// The part of the path of a contact over one sample on which the potential is not flat, in pieces that lie in one
+/// segment each.
+template <std::floating_point T>
+class ContactPath {
+ public:
+  /// line: what is remembered [N], 0 without memory.
+  ContactPath(SegmentTable<T> table, T line, T before, T after) : table_(table), line_(line), before_(before) {
+    length_ = after - before;
+    low_ = std::min(before, after), high_ = std::max(before, after);
+    surface_ = line > 0 ? TableLessLine<T>(table, line, segment_of_force(table, line)).surface() : T(0);
+  }
+
+  /// Calls visit(segment, from, to) for each piece: the parts 0 to 1 of the path where it lies, from < to.
+  template <typename Visit>
+  void for_pieces(Visit visit) const {
+    if (high_ <= surface_) return;
+    const std::size_t last = segment_index(table_, high_);
+    if (!(low_ < high_)) return visit(last, T(0), T(1));
+    const T low = std::max(low_, surface_);
+    for (std::size_t j = segment_index(table_, low); j <= last; ++j) {
+      const T a = part(std::max(low, table_[j].knot)), b = part(j < last ? table_[j + 1].knot : high_);
+      if (a != b) visit(j, std::min(a, b), std::max(a, b));
+    }
+  }
+
+  /// The mean force along the path of a table with the same knots, such as a direction.
+  [[nodiscard]] T mean_force(std::span<const Segment<T>> direction) const {
+    T mean = 0;
+    for_pieces([&](std::size_t j, T from, T to) { mean += (to - from) * direction[j].force_at(middle(from, to)); });
+    return mean;
+  }
+  /// The compression in the middle of a piece.
+  [[nodiscard]] T middle(T from, T to) const { return before_ + length_ * ((from + to) / 2); }
+
+  [[nodiscard]] T length() const { return length_; }
+  /// Is the compression before the sample above the surface? Then its segment, else 0.
+  [[nodiscard]] std::size_t segment_before() const {
+    return before_ > surface_ ? segment_index(table_, before_) : std::size_t(0);
+  }
+  [[nodiscard]] T before() const { return before_; }
+  [[nodiscard]] T line() const { return line_; }
+  [[nodiscard]] SegmentTable<T> table() const { return table_; }
+
+ private:
+  [[nodiscard]] T part(T y) const { return std::clamp((y - before_) / length_, T(0), T(1)); }
+
+  SegmentTable<T> table_;
+  T line_, before_, length_, low_, high_, surface_;
+};
+
+/// The derivatives of the force of a contact step. Along its path the force is f(y0, y1, ...); the motion makes y1 =
+/// y0 + xf - xi f. Everything follows from the derivatives of the former, of which none is negative but the line's.
+template <std::floating_point T>
+struct ContactSlopes {
+  T before = 0, after = 0;  ///< df/dy0 at constant y1, df/dy1 at constant y0 [N/m]
+  T ratio = 0;              ///< df/d(stiffness ratio) at constant y0 and y1, as all that follow [N]
+  T loss = 0;               ///< df/d(loss) [N m/s]
+  T line = 0;               ///< df/d(line), the memory's
+  T table = 0;              ///< df/d(mean force of the table along the path)
+  T table_before = 0;       ///< df/d(force of the table at y0), by the loss
+  T gain = 1;               ///< by which the motion divides a change of the force: 1 + xi df/dy1
+
+  constexpr ContactSlopes() = default;
+
+  /// controls: designed for the rate. force: the step's [N]; where it is 0 nothing acts.
+  ContactSlopes(const ContactPath<T>& path, const ContactControls<T>& controls, T time_step, T admittance, T force) {
+    if (!(force > 0)) return;
+    T mean = 0, above = 0;
+    path.for_pieces([&](std::size_t j, T from, T to) {
+      const Segment<T>& s = path.table()[j];
+      const T part = to - from, curvature = controls.stiffness_ratio * s.half_curvature * part;
+      mean += part * (s.force_at(path.middle(from, to)) - path.line());
+      above += part;
+      before += curvature * (2 - from - to);
+      after += curvature * (from + to);
+    });
+    ratio = mean;
+    table = controls.stiffness_ratio;
+    line = -controls.stiffness_ratio * above;
+    const std::size_t j = path.segment_before();
+    const Segment<T>& s = path.table()[j];
+    const T resting = j > 0 ? s.force_at(path.before()) - path.line() : T(0);  // that the loss is in parts of
+    const T resistance = controls.loss_s_per_m / time_step, scaled = controls.stiffness_ratio * resistance;
+    ratio += resistance * resting * path.length();
+    loss = controls.stiffness_ratio * resting * path.length() / time_step;
+    table_before = j > 0 ? scaled * path.length() : T(0);
+    line -= table_before;
+    before += table_before * 2 * s.half_curvature - scaled * resting;
+    after += scaled * resting;
+    gain = 1 + admittance * after;
+  }
+
+  /// df/dy0 at constant increment.
+  [[nodiscard]] T moved() const { return before + after; }
+};
+
+/// Memories with the slopes of a direction each.
+template <std::floating_point T, std::size_t P>
+[[nodiscard]] MemoryDesign<Dual<T, P>> design_tangent(std::span<const Memory> memories, double sample_rate_hz,
+                                                      std::span<const ContactNumbers<T>, P> directions) {
+  std::array<Dual<T, P>, kMaxMemories> weights{}, times_s{};
+  for (std::size_t i = 0; i < memories.size(); ++i) {
+    weights[i].value = static_cast<T>(memories[i].weight);
+    times_s[i].value = static_cast<T>(memories[i].time_s);
+    for (std::size_t p = 0; p < P; ++p)
+      if (!directions[p].memories.empty()) {
+        weights[i].slopes[p] = static_cast<T>(directions[p].memories[i].weight);
+        times_s[i].slopes[p] = static_cast<T>(directions[p].memories[i].time_s);
+      }
+  }
+  return {{weights.data(), memories.size()}, {times_s.data(), memories.size()}, sample_rate_hz};
+}
+
+}  // namespace detail
+
+/// Tangents of a contact with memory, beside the model that computes it: the derivatives of its force and its
+/// compression with respect to P parameters. No allocation after construction.
+template <std::floating_point T, std::size_t P>
+class ContactTangent {
+ public:
+  using Number = Dual<T, P>;
+  struct Step {
+    Number force, compression;
+  };
+
+  /// table, memories: the model's. The table must outlive this. directions: one for each parameter.
+  ContactTangent(SegmentTable<T> table, std::span<const Memory> memories, double sample_rate_hz,
+                 std::array<ContactNumbers<T>, P> directions)
+      : table_(table), time_step_(static_cast<T>(1 / sample_rate_hz)), directions_(std::move(directions)) {
+    const auto design =
+        detail::design_tangent<T, P>(memories, sample_rate_hz, std::span<const ContactNumbers<T>, P>(directions_));
+    remembered_ = detail::RememberedForces<Number>(design, memories.size());
+    stiffness_ = design.stiffness;
+  }
+
+  /// Forgets everything.
+  void reset() { remembered_.set({}); }
+
+  /// Follows a sample that the model has advanced from the compression `before` [m], with its controls.
+  Step advance(const ContactControls<T>& controls, const Number& before, const Number& free_increment,
+               const Number& admittance, T force, T compression) {
+    const Number ratio = with_direction(controls.stiffness_ratio, &ContactNumbers<T>::stiffness_ratio) * stiffness_;
+    const detail::ContactPath<T> path(table_, remembered_.line().value, before.value, compression);
+    const detail::ContactSlopes<T> slopes(path, {ratio.value, controls.loss_s_per_m}, time_step_, admittance.value,
+                                          force);
+    Step step{force, compression};
+    for (std::size_t p = 0; p < P; ++p) {
+      const T pushed = free_increment.slopes[p] - force * admittance.slopes[p];
+      T change = slopes.moved() * before.slopes[p] + slopes.after * pushed + slopes.ratio * ratio.slopes[p] +
+                 slopes.loss * directions_[p].loss_s_per_m + slopes.line * remembered_.line().slopes[p];
+      if (const auto& table = directions_[p].table; force > 0 && !table.empty())
+        change += slopes.table * path.mean_force(table) +
+                  slopes.table_before * table[path.segment_before()].force_at(before.value);
+      step.force.slopes[p] = change / slopes.gain;
+      step.compression.slopes[p] = before.slopes[p] + pushed - admittance.value * step.force.slopes[p];
+    }
+    relax(step.compression);
+    return step;
+  }
+
+ private:
+  [[nodiscard]] Number with_direction(T value, T ContactNumbers<T>::*member) const {
+    Number number(value);
+    for (std::size_t p = 0; p < P; ++p) number.slopes[p] = directions_[p].*member;
+    return number;
+  }
+
+  void relax(const Number& compression) {
+    if (remembered_.count() == 0) return;
+    const T y = compression.value;
+    const std::size_t j = segment_index(table_, y);
+    Number force(table_[j].force_at(y));
+    for (std::size_t p = 0; p < P; ++p) {
+      force.slopes[p] = 2 * table_[j].half_curvature * compression.slopes[p];
+      if (!directions_[p].table.empty()) force.slopes[p] += directions_[p].table[j].force_at(y);
+    }
+    remembered_.relax(force);
+  }
+
+  SegmentTable<T> table_;
+  T time_step_;
+  std::array<ContactNumbers<T>, P> directions_;
+  detail::RememberedForces<Number> remembered_;
+  Number stiffness_ = T(1);
+};
+
+}  // namespace contactspline

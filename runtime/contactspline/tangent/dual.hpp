@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+// A number with its derivatives with respect to several parameters.
+#pragma once
+
+#include "contactspline/step/cpp20.hpp"
+
+#include <array>
+#include <concepts>
+#include <cstddef>
+
+namespace contactspline {
+
+/// A value and its slopes, the derivatives with respect to P parameters.
+template <std::floating_point T, std::size_t P>
+struct Dual {
+  T value = 0;
+  std::array<T, P> slopes{};
+
+  constexpr Dual() = default;
+  constexpr Dual(T constant) : value(constant) {}  // implicit: a constant is a number, too
+  constexpr Dual(T of, const std::array<T, P>& derivatives) : value(of), slopes(derivatives) {}
+
+  [[nodiscard]] friend constexpr Dual operator+(const Dual& a, const Dual& b) {
+    return each(a.value + b.value, [&](std::size_t p) { return a.slopes[p] + b.slopes[p]; });
+  }
+  [[nodiscard]] friend constexpr Dual operator-(const Dual& a, const Dual& b) {
+    return each(a.value - b.value, [&](std::size_t p) { return a.slopes[p] - b.slopes[p]; });
+  }
+  [[nodiscard]] friend constexpr Dual operator*(const Dual& a, const Dual& b) {
+    return each(a.value * b.value, [&](std::size_t p) { return a.slopes[p] * b.value + a.value * b.slopes[p]; });
+  }
+  [[nodiscard]] friend constexpr Dual operator/(const Dual& a, const Dual& b) {
+    const T quotient = a.value / b.value;
+    return each(quotient, [&](std::size_t p) { return (a.slopes[p] - quotient * b.slopes[p]) / b.value; });
+  }
+  [[nodiscard]] friend constexpr bool operator<(const Dual& a, const Dual& b) { return a.value < b.value; }
+
+ private:
+  template <typename Slope>
+  static constexpr Dual each(T value, Slope slope) {
+    Dual result(value);
+    for (std::size_t p = 0; p < P; ++p) result.slopes[p] = slope(p);
+    return result;
+  }
+};
+
+}  // namespace contactspline

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+// A mass thrown at a rigid barrier, with its derivatives with respect to several parameters.
+#pragma once
+
+#include "contactspline/step/cpp20.hpp"
+
+#include <array>
+#include <cstddef>
+#include <span>
+
+#include "contactspline/models/mass_barrier.hpp"
+#include "contactspline/tangent/contact_tangent.hpp"
+
+namespace contactspline {
+
+/// One value for each number of a throw, as in ContactNumbers.
+template <std::floating_point T>
+struct ThrowNumbers {
+  ContactNumbers<T> contact = {};
+  T mass_kg = 0, gravity_m_per_s2 = 0;
+  T displacement_m = 0, velocity_m_per_s = 0;  ///< of the throw
+};
+
+/// A MassBarrier with its derivatives with respect to P parameters. Their cost is that of P lines of the contact.
+template <std::floating_point T, std::size_t P>
+class MassBarrierTangent {
+ public:
+  using Number = Dual<T, P>;
+
+  /// As MassBarrier, with one direction for each parameter. Controls stay from the throw on.
+  MassBarrierTangent(SegmentTable<T> table, T sample_rate_hz, const MassBarrierControls<T>& controls,
+                     const std::array<ThrowNumbers<T>, P>& directions, std::span<const Memory> memories = {})
+      : model_(table, sample_rate_hz, memories),
+        contact_(table, memories, double(sample_rate_hz), contacts_of(directions)),
+        controls_(controls),
+        directions_(directions),
+        time_step_(1 / sample_rate_hz) {
+    const T dt = time_step_;
+    const Number mass = number(controls.mass_kg, &ThrowNumbers<T>::mass_kg);
+    admittance_ = Number(dt * dt / 2) / mass;
+    gravity_step_ = Number(dt * dt) * number(controls.gravity_m_per_s2, &ThrowNumbers<T>::gravity_m_per_s2);
+  }
+
+  /// MassBarrier::throw_from.
+  void throw_from(T displacement_m, T velocity_m_per_s) {
+    model_.throw_from(displacement_m, velocity_m_per_s);
+    contact_.reset();
+    displacement_ = number(model_.displacement(), &ThrowNumbers<T>::displacement_m);
+    velocity_step_ = Number(time_step_) * number(model_.velocity(), &ThrowNumbers<T>::velocity_m_per_s);
+    force_ = T(0);
+  }
+
+  /// MassBarrier::tick.
+  void tick() {
+    model_.tick(controls_);
+    const Number free_increment = velocity_step_ + Number(T(0.5)) * gravity_step_;
+    const auto step = contact_.advance(controls_.contact, displacement_, free_increment, admittance_, model_.force(),
+                                       model_.displacement());
+    displacement_ = step.compression;
+    force_ = step.force;
+    velocity_step_ = velocity_step_ + gravity_step_ - Number(2) * admittance_ * force_;
+  }
+
+  [[nodiscard]] const Number& displacement() const { return displacement_; }             ///< [m]
+  [[nodiscard]] Number velocity() const { return velocity_step_ / Number(time_step_); }  ///< [m/s]
+  [[nodiscard]] const Number& force() const { return force_; }                           ///< [N]
+  [[nodiscard]] const MassBarrier<T>& model() const { return model_; }
+
+ private:
+  static std::array<ContactNumbers<T>, P> contacts_of(const std::array<ThrowNumbers<T>, P>& directions) {
+    std::array<ContactNumbers<T>, P> contacts;
+    for (std::size_t p = 0; p < P; ++p) contacts[p] = directions[p].contact;
+    return contacts;
+  }
+  [[nodiscard]] Number number(T value, T ThrowNumbers<T>::*member) const {
+    Number result(value);
+    for (std::size_t p = 0; p < P; ++p) result.slopes[p] = directions_[p].*member;
+    return result;
+  }
+
+  MassBarrier<T> model_;
+  ContactTangent<T, P> contact_;
+  MassBarrierControls<T> controls_;
+  std::array<ThrowNumbers<T>, P> directions_;
+  T time_step_;
+  Number admittance_, gravity_step_, displacement_, velocity_step_, force_;
+};
+
+}  // namespace contactspline

@@ -1,0 +1,328 @@
+// SPDX-License-Identifier: MIT
+// The gradient of anything that is computed from a struck string's samples, with respect to all numbers of the strike
+// at once: backwards.
+#pragma once
+
+#include "contactspline/step/cpp20.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "contactspline/tangent/strike.hpp"
+
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wpsabi"  // of vectors that are returned: only by functions that are always inline
+
+namespace contactspline {
+
+namespace detail {
+
+/// What a sample of a strike is differentiated at.
+template <std::floating_point T>
+struct StrikeSample {
+  T before = 0, after = 0, force = 0;  // compression before and after [m], force over the sample [N]
+  bool flies = false;                  // the hammer
+  std::array<T, kMaxMemories> remembered{};
+};
+
+/// The samples of a strike backwards, a block at a time.
+template <std::floating_point T>
+class StrikeBackwards {
+ public:
+  StrikeBackwards(const Strike<T>& strike, double sample_rate_hz, std::size_t block)
+      : strike_(strike),
+        rate_(sample_rate_hz),
+        dt_(static_cast<T>(1 / sample_rate_hz)),
+        modes_(strike, sample_rate_hz),
+        admittance_(dt_ * dt_ / (2 * strike.controls.hammer_mass_kg) + modes_.admittance),
+        samples_(block),
+        moved_(block * modes_.padded_size()),
+        displaced_(moved_.size()),
+        adjoints_(strike.modes.size()) {
+    const std::array<ContactNumbers<T>, kDesignSeeds> seeds = design_seeds();
+    design_ = design_tangent<T, kDesignSeeds>(strike.memories, sample_rate_hz,
+                                              std::span<const ContactNumbers<T>, kDesignSeeds>(seeds));
+    gradient_.felt.table.assign(strike.felt.begin(), strike.felt.end());
+    for (Segment<T>& s : gradient_.felt.table) s.energy = s.force = s.half_curvature = 0;
+  }
+
+  /// The samples after the hammer is stopped. model: then. Their output is linear in the motion of the modes then,
+  /// and so is what it means with respect to the constants: nothing is played.
+  void begin(HammerString<T> model, std::span<const T> output_weights) {
+    const std::size_t modes = modes_.padded_size();
+    ModeLines<T> displacement(strike_.modes.size()), increment(strike_.modes.size());
+    std::ranges::copy(model.string().displacements(), displacement.data());
+    model.tick(strike_.controls);
+    std::ranges::copy(model.string().changes(), increment.data());
+    for (std::size_t i = 0; i < modes; i += kLaneCount<T>) {
+      const Lanes<T> keep = load(&modes_.keep.data()[i]), pull = load(&modes_.pull.data()[i]);
+      const Lanes<T> output = load(&modes_.output.data()[i]);
+      // Of the sum without the output's shapes: its derivatives with respect to displacement and increment, and
+      // theirs with respect to keep and pull.
+      Lanes<T> q{}, d{}, q_keep{}, d_keep{}, q_pull{}, d_pull{};
+      for (std::size_t n = output_weights.size(); n-- > 0;) {
+        q += output_weights[n] - pull * d;
+        q_keep -= pull * d_keep;
+        q_pull -= pull * d_pull + d;
+        d_keep = keep * d_keep + q_keep + d;
+        d_pull = keep * d_pull + q_pull;
+        d = keep * d + q;
+      }
+      const Lanes<T> q0 = load(&displacement.data()[i]), d0 = load(&increment.data()[i]);
+      store<T>(output * q, adjoints_.displacement.data() + i);
+      store<T>(output * d, adjoints_.increment.data() + i);
+      store<T>(output * (q_keep * q0 + d_keep * d0), adjoints_.keep.data() + i);
+      store<T>(output * (q_pull * q0 + d_pull * d0), adjoints_.pull.data() + i);
+      store<T>(q * q0 + d * d0, adjoints_.output.data() + i);
+    }
+  }
+
+  /// Plays the samples of a block again and keeps what each needs.
+  void record(HammerString<T>& model, std::size_t count) {
+    const std::size_t modes = modes_.padded_size();
+    for (std::size_t n = 0; n < count; ++n) {
+      StrikeSample<T>& sample = samples_[n];
+      sample = {model.compression(), 0, 0, model.is_hammer_flying(), model.memory().remembered().values()};
+      model.tick(strike_.controls);
+      sample.after = model.compression();
+      sample.force = model.force();
+      std::ranges::copy(model.string().changes(), &moved_[n * modes]);
+      std::ranges::copy(model.string().displacements(), &displaced_[n * modes]);
+    }
+  }
+
+  /// One recorded sample, which adds its weights times output and force to the sum.
+  void step(std::size_t n, T output_weight, T force_weight) {
+    const StrikeSample<T>& sample = samples_[n];
+    retract(n, output_weight);
+    if (!sample.flies) return;
+    const T force = force_weight - dt_ / strike_.controls.hammer_mass_kg * velocity_ + by_force(sample.force);
+    velocity_per_force_ -= sample.force * velocity_;
+    const T increment = contact(sample, force);
+    velocity_ += dt_ * increment;
+    const T* moved = &moved_[n * modes_.padded_size()];
+    for (std::size_t i = 0; i < modes_.padded_size(); ++i) {
+      adjoints_.increment[i] -= modes_.strike[i] * increment;
+      adjoints_.strike[i] -= (moved[i] - modes_.push[i] * sample.force) * increment;
+    }
+  }
+
+  /// After the first sample: the gradient.
+  [[nodiscard]] StrikeNumbers<T> gradient() {
+    StrikeNumbers<T>& g = gradient_;
+    const T mass = strike_.controls.hammer_mass_kg;
+    g.hammer_mass_kg = -dt_ / (mass * mass) * (velocity_per_force_ + dt_ / 2 * admittance_slope_);
+    g.velocity_m_per_s = velocity_;
+    g.distance_m = -compression_;
+    finish_memories();
+    finish_modes();
+    return g;
+  }
+
+ private:
+  static constexpr std::size_t kDesignSeeds = 2 * kMaxMemories;  // weight and time of each memory
+  // Of a relaxation: the force, then what is remembered, weight, kept and taken of each memory.
+  static constexpr std::size_t kRelaxSeeds = 1 + 4 * kMaxMemories;
+  using Relaxed = Dual<T, kRelaxSeeds>;
+
+  /// What state and constants of each mode mean for the sum.
+  struct ModeAdjoints {
+    ModeLines<T> displacement, increment, change;  ///< change: of the last sample, as the force sees it
+    ModeLines<T> keep, pull, push, strike, output;
+
+    explicit ModeAdjoints(std::size_t n)
+        : displacement(n), increment(n), change(n), keep(n), pull(n), push(n), strike(n), output(n) {}
+  };
+
+  [[nodiscard]] std::array<ContactNumbers<T>, kDesignSeeds> design_seeds() const {
+    std::array<ContactNumbers<T>, kDesignSeeds> seeds;
+    for (std::size_t i = 0; i < strike_.memories.size(); ++i) {
+      for (const std::size_t k : {2 * i, 2 * i + 1}) seeds[k].memories.resize(strike_.memories.size());
+      seeds[2 * i].memories[i].weight = 1;
+      seeds[2 * i + 1].memories[i].time_s = 1;
+    }
+    return seeds;
+  }
+
+  // The modes back over a sample.
+  void retract(std::size_t n, T output_weight) {
+    const std::size_t modes = modes_.padded_size();
+    const T* __restrict moved = &moved_[n * modes], * __restrict displaced = &displaced_[n * modes];
+    const T* __restrict keep = modes_.keep.data(), * __restrict pull = modes_.pull.data();
+    const T* __restrict output = modes_.output.data();
+    T* __restrict q = adjoints_.displacement.data(), * __restrict d = adjoints_.increment.data();
+    T* __restrict by_keep = adjoints_.keep.data(), * __restrict by_pull = adjoints_.pull.data();
+    T* __restrict by_output = adjoints_.output.data(), * __restrict change = adjoints_.change.data();
+    for (std::size_t i = 0; i < modes; ++i) {
+      const T next = d[i], displacement = q[i] + output_weight * output[i] - pull[i] * next;
+      q[i] = displacement;
+      d[i] = keep[i] * next + displacement;
+      by_keep[i] += moved[i] * next;
+      by_pull[i] -= displaced[i] * next;
+      by_output[i] += output_weight * displaced[i];
+      change[i] = d[i] + next;
+    }
+  }
+
+  // What the force of this sample means for the sum through the modes.
+  T by_force(T force) {
+    const std::size_t modes = modes_.padded_size();
+    for (std::size_t i = 0; i < modes; ++i) adjoints_.push[i] += force * adjoints_.change[i];
+    return product<T>(modes_.push, adjoints_.change.data());
+  }
+
+  // The contact back over a sample: memory, then step. Returns what the free increment means for the sum.
+  T contact(const StrikeSample<T>& sample, T force) {
+    T line = 0;
+    for (const T value : sample.remembered) line += value;
+    std::array<T, kMaxMemories> remembered{};
+    if (!strike_.memories.empty()) compression_ += relax(sample, remembered);
+    const ContactControls<T>& felt = strike_.controls.felt;
+    const ContactPath<T> path(strike_.felt, line, sample.before, sample.after);
+    const ContactSlopes<T> slopes(path, {felt.stiffness_ratio * design_.stiffness.value, felt.loss_s_per_m}, dt_,
+                                  admittance_, sample.force);
+    const T change = (force - admittance_ * compression_) / slopes.gain;
+    add_to_felt(path, slopes, sample, change);
+    const T increment = compression_ + slopes.after * change;
+    admittance_slope_ -= sample.force * increment;
+    compression_ += slopes.moved() * change;
+    for (std::size_t i = 0; i < kMaxMemories; ++i) remembered_[i] = remembered[i] + slopes.line * change;
+    return increment;
+  }
+
+  void add_to_felt(const ContactPath<T>& path, const ContactSlopes<T>& slopes, const StrikeSample<T>& sample,
+                   T change) {
+    ratio_ += slopes.ratio * change;
+    gradient_.felt.loss_s_per_m += slopes.loss * change;
+    if (!(sample.force > 0)) return;
+    path.for_pieces([&](std::size_t j, T from, T to) {
+      add_to_table(j, path.middle(from, to), (to - from) * slopes.table * change);
+    });
+    add_to_table(path.segment_before(), sample.before, slopes.table_before * change);
+  }
+
+  // A force of the table at a compression in segment j means so much for the sum.
+  void add_to_table(std::size_t j, T y, T adjoint) {
+    gradient_.felt.table[j].force += adjoint;
+    gradient_.felt.table[j].half_curvature += 2 * (y - strike_.felt[j].knot) * adjoint;
+  }
+
+  // The memory back: its derivatives by duals, read in the other direction. Writes what each value means for the sum,
+  // returns what the compression means.
+  T relax(const StrikeSample<T>& sample, std::array<T, kMaxMemories>& before) {
+    const std::size_t j = segment_index(strike_.felt, sample.after), count = strike_.memories.size();
+    std::array<T, kRelaxSeeds> adjoint{};
+    if (std::ranges::any_of(remembered_, [](T value) { return value != 0; })) {
+      const auto seed = [](T value, std::size_t k) {
+        Relaxed number(value);
+        number.slopes[k] = 1;
+        return number;
+      };
+      MemoryDesign<Relaxed> design;
+      std::array<Relaxed, kMaxMemories> values{};
+      for (std::size_t i = 0; i < count; ++i) {
+        values[i] = seed(sample.remembered[i], 1 + i);
+        design.weights[i] = seed(design_.weights[i].value, 1 + kMaxMemories + i);
+        design.kept[i] = seed(design_.kept[i].value, 1 + 2 * kMaxMemories + i);
+        design.taken[i] = seed(design_.taken[i].value, 1 + 3 * kMaxMemories + i);
+      }
+      RememberedForces<Relaxed> forces(design, count);
+      forces.set(values);
+      forces.relax(seed(strike_.felt[j].force_at(sample.after), 0));
+      for (std::size_t i = 0; i < count; ++i)
+        for (std::size_t k = 0; k < kRelaxSeeds; ++k) adjoint[k] += remembered_[i] * forces.values()[i].slopes[k];
+    }
+    for (std::size_t i = 0; i < count; ++i) before[i] = adjoint[1 + i];
+    for (std::size_t k = 0; k < design_adjoint_.size(); ++k) design_adjoint_[k] += adjoint[1 + kMaxMemories + k];
+    add_to_table(j, sample.after, adjoint[0]);
+    return 2 * strike_.felt[j].half_curvature * adjoint[0];
+  }
+
+  void finish_memories() {
+    gradient_.felt.stiffness_ratio = design_.stiffness.value * ratio_;
+    for (std::size_t i = 0; i < strike_.memories.size(); ++i) {
+      const auto sum = [&](std::size_t seed) {
+        T total = strike_.controls.felt.stiffness_ratio * ratio_ * design_.stiffness.slopes[seed];
+        for (std::size_t k = 0; k < strike_.memories.size(); ++k)
+          total += design_adjoint_[k] * design_.weights[k].slopes[seed] +
+                   design_adjoint_[kMaxMemories + k] * design_.kept[k].slopes[seed] +
+                   design_adjoint_[2 * kMaxMemories + k] * design_.taken[k].slopes[seed];
+        return double(total);
+      };
+      gradient_.felt.memories.push_back({sum(2 * i), sum(2 * i + 1)});
+    }
+  }
+
+  void finish_modes() {
+    StrikeNumbers<T>& g = gradient_;
+    const T gain = modes_.gain;
+    g.strike = g.output = ModeShapes<T>(strike_.modes.size());
+    for (std::size_t i = 0; i < strike_.modes.size(); ++i) {
+      const T shape = modes_.strike[i];
+      const T push = adjoints_.push[i] + shape * admittance_slope_;  // the string's admittance is push times shape
+      const auto by = [&](const Mode& direction) {
+        const ModeStep step = step_tangent(strike_.modes[i], direction, rate_);
+        return double(gain) * (double(adjoints_.pull[i]) * step.stiffness - double(adjoints_.keep[i]) * step.loss +
+                               double(push * shape) * step.admittance);
+      };
+      g.modes.push_back({by({1, 0, 0}), by({0, 1, 0}), by({0, 0, 1})});
+      const T admittance = gain * static_cast<T>(step_of(strike_.modes[i], rate_).admittance);
+      g.strike[i] = adjoints_.strike[i] + admittance * push + modes_.push[i] * admittance_slope_;
+      g.output[i] = adjoints_.output[i];
+    }
+  }
+
+  const Strike<T>& strike_;
+  double rate_;
+  T dt_;
+  StrikeModes<T> modes_;
+  T admittance_;
+  std::vector<StrikeSample<T>> samples_;
+  std::vector<T> moved_, displaced_;  // of each sample and mode
+  ModeAdjoints adjoints_;
+  T compression_ = 0, velocity_ = 0;          // what the state of the hammer means for the sum
+  std::array<T, kMaxMemories> remembered_{};  // what each remembered force means
+  T ratio_ = 0, admittance_slope_ = 0, velocity_per_force_ = 0;
+  std::array<T, 3 * kMaxMemories> design_adjoint_{};  // weights, kept, taken
+  MemoryDesign<Dual<T, kDesignSeeds>> design_;
+  StrikeNumbers<T> gradient_;
+};
+
+}  // namespace detail
+
+/// The gradient of sum(output_weights[n] output[n]) + sum(force_weights[n] force[n]) over the samples of a strike
+/// with respect to all its numbers. For a function of the samples, the weights are its derivatives with respect to
+/// them. force_weights: as many as output_weights, or none. It plays the flight of the hammer twice and goes back
+/// once through everything; memory grows with the square root of the flight's length.
+template <std::floating_point T>
+[[nodiscard]] StrikeNumbers<T> strike_gradient(const Strike<T>& strike, double sample_rate_hz,
+                                               std::span<const T> output_weights,
+                                               std::span<const T> force_weights = {}) {
+  const std::size_t samples = output_weights.size();
+  const auto block = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(samples))));
+  detail::StrikeBackwards<T> backwards(strike, sample_rate_hz, block);
+  std::vector<HammerString<T>> begins;  // of each block
+  HammerString<T> model = detail::struck(strike, sample_rate_hz);
+  std::size_t flight = 0;
+  for (; flight < samples && model.is_hammer_flying(); ++flight) {
+    if (flight % block == 0) begins.push_back(model);
+    model.tick(strike.controls);
+  }
+  backwards.begin(model, output_weights.subspan(flight));
+  for (; !begins.empty(); begins.pop_back()) {
+    const std::size_t first = (begins.size() - 1) * block, count = std::min(block, flight - first);
+    backwards.record(begins.back(), count);
+    for (std::size_t n = count; n-- > 0;)
+      backwards.step(n, output_weights[first + n], force_weights.empty() ? T(0) : force_weights[first + n]);
+  }
+  return backwards.gradient();
+}
+
+}  // namespace contactspline
+
+#pragma GCC diagnostic pop
