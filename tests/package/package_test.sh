@@ -722,6 +722,7 @@ not_run='
 ^(\./)?scripts/install-packages                asks the network
 ^cmake --(preset|build)                        builds the whole tree
 ^cmake (-S examples|--install build )           in case_examples_plugins
+^cmake --install build/hosts                     in case_hosts
 ^cmake --install build/c |^cc -std=c99|^  -Wl,-rpath|^./first     in case_c
 ^contactspline plugin tom                      half a minute, as the tutorial takes for its instrument
 arm-none-eabi|^for program|^  (read|echo|faust)|^ +(process|main\.c|-idirafter|-fno)|^done   in case_microcontroller
@@ -811,6 +812,25 @@ case_pages() {
   done
   echo "$commands commands, $programs programs"
   [ "$commands" -ge 30 ] && [ "$programs" -ge 13 ] || fail "only $commands commands and $programs programs were found"
+}
+
+# Csound and Pd find what is installed in ~/.local by themselves.
+case_hosts() {
+  mkdir -p "$WORK/home"
+  install_at "$WORK/home/.local"
+  export HOME="$WORK/home"
+  cd "$WORK"
+  if [ -e "$HOME/.local/lib/csound" ] && command -v csound >/dev/null; then
+    blocks_of "$SOURCE/docs/how-to/csound.md" csound first
+    run csound first1.csound
+    [ "$(wc -c <first.wav)" -gt 700000 ] || fail "csound wrote no first.wav of 2 s"
+  fi
+  if [ -e "$HOME/.local/lib/pd" ] && command -v pd >/dev/null; then
+    printf '%s\n' '#N canvas 0 0 450 300 10;' '#X obj 9 9 contactspline~ piano;' '#X msg 9 9 print;' '#X obj 9 9 loadbang;' \
+      '#X msg 9 9 \; pd quit;' '#X connect 1 0 0 0;' '#X connect 2 0 1 0;' '#X connect 2 0 3 0;' >first.pd
+    run pd -batch -nogui -noaudio -stderr first.pd
+    grep -q 'parameter bend_cents: -200 to 200 cents' "$WORK/log" || fail "pd did not find contactspline~"
+  fi
 }
 
 # The site of the docs: complete, and without a request to elsewhere.

@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: MIT
+"""The opcodes in Csound itself: see host_test.py."""
+import random
+import subprocess
+import sys
+
+from host_test import BLOCK, HostTest, Instrument, RATE, channels, need, require_pitch, run
+from sound import block
+import numpy as np
+
+HEADER = f"""<CsoundSynthesizer>
+<CsInstruments>
+sr = {RATE}
+ksmps = {BLOCK}
+0dbfs = 1
+nchnls = """
+
+
+def seconds(samples):
+    return repr(samples / RATE)
+
+
+class CsoundTest(HostTest):
+    def csound(self, orchestra, score, output, status=0):
+        """Renders to double precision; what Csound prints."""
+        with open("test.csd", "w") as file:
+            file.write(f"{orchestra}\n</CsInstruments>\n<CsScore>\n{score}\n</CsScore>\n</CsoundSynthesizer>\n")
+        return run("csound", f"--opcode-lib={self.module}", "-W", "--format=double", "-o", output, "test.csd", status=status)
+
+    def render(self, instrument, taps, performance, samples):
+        count = len(taps)
+        results = ", ".join(f"a{t}" for t in range(count))
+        names = ", ".join(f'"{tap}"' for tap in taps)
+        orchestra = f"""{HEADER}{count}
+gi contact_create "{instrument.name}"
+instr 1
+  contact_set gi, strget(p4), p5
+endin
+instr 2
+  contact_note gi, p4, p5
+endin
+instr 3
+  contact_play gi, strget(p4), 1
+endin
+instr 4
+  contact_play gi, strget(p4), 1, p5
+endin
+instr 10
+  {results} contact_out gi, {names}
+  outc {results}
+endin
+"""
+        once, score = seconds(BLOCK), [f"i 10 0 {seconds(samples)}"]
+        for at, kind, *words in performance:
+            if kind == "set":
+                score.append(f'i 1 {seconds(at)} {once} "{words[0]}" {words[1]!r}')
+            elif kind == "play":
+                number, value = (3, "") if words[1] is None else (4, repr(words[1]))
+                score.append(f'i {number} {seconds(at)} {once} "{words[0]}" {value}')
+            elif words[1] > 0:
+                ends = [row[0] for row in performance if row[0] > at and row[1:] == ("note", words[0], 0)]
+                score.append(f"i 2 {seconds(at)} {seconds((ends or [samples])[0] - at)} {words[0]} {words[1]!r}")
+        self.csound(orchestra, "\n".join(score), "test.wav")
+        return np.array(channels("test.wav"))
+
+    def page(self):
+        with open("first.csd", "w") as file:
+            file.write(block("csound.md", "csound"))
+        run("csound", f"--opcode-lib={self.module}", "first.csd")
+        require_pitch(channels("first.wav"))
+
+    def hostile(self):
+        """A million values at random, at every sample, of each kind of instrument."""
+        count = 0
+        for name in ("hammer_string", "slide_string", "fret_string", "snare", "piano", "slap_bass"):
+            instrument = Instrument(self.reference, name)
+            lines = [f'contact_set gi, "{p}", hostile()' for p in instrument.parameters]
+            lines += [f'contact_play gi, "{e}", hostile(), hostile()' for e in instrument.events]
+            calls, rounds = len(instrument.parameters) + 2 * len(instrument.events), 20000
+            orchestra = HEADER.replace(f"ksmps = {BLOCK}", "ksmps = 1") + f"""1
+gi contact_create "{name}"
+gkzero init 0
+opcode hostile, k, 0
+  kdraw = int(random:k(0, 13))
+  kvalue = 0
+  if kdraw == 0 then
+    kvalue = gkzero / gkzero
+  elseif kdraw == 1 then
+    kvalue = 1 / gkzero
+  elseif kdraw == 2 then
+    kvalue = -1 / gkzero
+  elseif kdraw == 3 then
+    kvalue = 1e300
+  elseif kdraw == 4 then
+    kvalue = -1e300
+  elseif kdraw == 5 then
+    kvalue = 5e-324
+  elseif kdraw < 10 then
+    kvalue = random:k(-1, 1)
+  elseif kdraw == 10 then
+    kvalue = random:k(-1000, 1000)
+  endif
+  xout kvalue
+endop
+instr 1
+  {chr(10).join(lines)}
+  a1 contact_out gi
+  out a1
+endin
+instr 2
+  contact_note gi, p4, p5
+endin
+"""
+            draw = random.Random(name)
+            score = [f"i 1 0 {seconds(rounds)}"] + [
+                f"i 2 {seconds(draw.randrange(rounds))} 0.01 {draw.choice([60, 64, -1e9, 1e30, 127.4])} {draw.choice([0.5, 1e30, -1, 0])}"
+                for _ in range(100)]
+            self.csound(orchestra, "\n".join(score), "test.wav")
+            sound = np.array(channels("test.wav"))
+            assert sound.shape[1] >= rounds, sound.shape
+            assert np.isfinite(sound).all(), name
+            count += calls * rounds
+        print(count, "values")
+        assert count >= 1000000, count
+
+    def lifetimes(self):
+        """100 instruments begin and end at random, more than one at a time."""
+        orchestra = HEADER + """1
+instr 1
+  Sname strget p4
+  i1 contact_create Sname
+  contact_note i1, 60, 0.7
+  a1 contact_out i1
+  out a1
+endin
+"""
+        draw = random.Random(1)
+        score = [f'i 1 {draw.random() * 5} {0.01 + draw.random()} "{draw.choice(["piano", "tom", "hammer_string", "tanpura"])}"'
+                 for _ in range(100)]
+        printed = self.csound(orchestra, "\n".join(score), "test.wav")
+        sound = np.array(channels("test.wav"))
+        assert np.isfinite(sound).all() and np.abs(sound).max() > 0.01 and "ERROR" not in printed
+
+    def refusals(self):
+        """What is wrong is said in a line, and no sound is made."""
+        for line, said in [
+            ('i1 contact_create "harpsichord"', "harpsichord: INSTRUMENT: no such instrument ships; allowed: a .json file"),
+            ('i1 contact_create "absent.json"', "absent.json: file: does not exist"),
+            ('contact_set 7, "strike_m", 1', "ihandle: 7 is no instrument"),
+            ('contact_set gi, "strike", 1', "Sparameter: there is none of the name strike; allowed are:"),
+            ('contact_play gi, "strike_m", 1', "Sevent: there is none of the name strike_m; allowed are:"),
+            ('a1 contact_out gi, "sound"', "Soutput: there is none of the name sound; allowed are:"),
+            ('a1, a2 contact_out gi, "left"', "2 results for 1 names"),
+            ('a1 contact_out gi\n a2 contact_out gi', "plays this instrument already"),
+        ]:
+            printed = self.csound(f'{HEADER}1\ngi contact_create "hammer_string"\ninstr 1\n {line}\nendin\n', "i 1 0 0.1", "test.wav", 1)
+            if said not in printed or "INIT ERROR" not in printed:
+                sys.exit(f"{line}: not said: {said}\n{printed}")
+
+
+need("csound")
+CsoundTest().main()

@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: MIT
+"""What the tests of Csound, Pd and SuperCollider share. A performance is a list of (sample, command...), at multiples of a
+block, in order: ("set", parameter, value), ("note", key, velocity), ("play", event, value). HOST_test.py CASE MODULE
+REFERENCE FOLDER runs a case: page, samples, parameters, hostile, lifetimes, refusals."""
+import os
+import random
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
+from sound import RATE, channels, need, require_pitch, run
+
+BLOCK = 64
+HOSTILE = [float("nan"), float("inf"), -float("inf"), 0.0, -0.0, 1e30, -1e30, 1e-40, 1.0, -1.0, 60.0, 0.5]
+
+
+class Instrument:
+    """The lists of an instrument, from its class."""
+
+    def __init__(self, reference, name):
+        self.reference, self.name = reference, name
+        self.parameters, self.events, self.outputs = {}, {}, {}
+        for line in self._run("double", "lists\n").decode().splitlines():
+            kind, item, *rest = line.split()
+            if kind == "parameter":
+                self.parameters[item] = tuple(map(float, rest))  # min, max, initial
+            elif kind == "event":
+                self.events[item] = rest[0]
+            else:
+                self.outputs[item] = float(rest[0])
+        first = next(iter(self.outputs))
+        self.left = next((o for o in self.outputs if o.startswith("left_")), first)
+        self.right = next((o for o in self.outputs if o.startswith("right_")), self.left)
+
+    def _run(self, precision, commands):
+        return subprocess.run([self.reference, precision, self.name, str(RATE)], input=commands.encode(), check=True,
+                              stdout=subprocess.PIPE).stdout
+
+    def taps(self):
+        return ["left", "right", *self.outputs, "force_n"]
+
+    def play(self, precision, performance, samples):
+        """What each of taps() must be: an array for each."""
+        commands, done = [], 0
+        for at, *words in performance:
+            commands += [f"process {at - done}"] * (at > done) + [" ".join(map(str, words))]
+            done = at
+        commands.append(f"process {samples - done}")
+        kind = np.float32 if precision == "single" else np.float64
+        sound = np.frombuffer(self._run(precision, "\n".join(commands) + "\n"), kind).reshape(samples, -1).T
+        rows = dict(zip(self.outputs, sound))
+        scaled = [rows[o] / kind(self.outputs[o]) for o in (self.left, self.right)]
+        return np.array([*scaled, *sound])
+
+    def something_to_hear(self):
+        """Commands that make it sound."""
+        return [("play", event, None) for event in self.events] + [("note", 60, 0.7)]
+
+
+    def rounded(self):
+        """Commands that set each parameter to its first value in single precision, as signals do."""
+        return [(0, "set", name, as_single(initial)) for name, (_, _, initial) in self.parameters.items()]
+
+
+def instruments(reference):
+    names = subprocess.run([reference, "names"], check=True, stdout=subprocess.PIPE, text=True).stdout.split()
+    assert len(names) >= 13, names
+    return [Instrument(reference, name) for name in names]
+
+
+def as_single(value):
+    return float(np.float32(value))
+
+
+def random_performance(instrument, draw, blocks):
+    """Notes, strikes, plucks and values at different blocks; each key goes up again."""
+    performance, down = [], {}
+    for index in range(2, blocks):
+        at = index * BLOCK
+        for key in [key for key, end in down.items() if end == index]:
+            performance.append((at, "note", key, 0))
+            del down[key]
+        if performance and performance[-1][0] == at or draw.random() < 0.5:
+            continue
+        kind = draw.choice(["note", "set", "play"])
+        if kind == "set" or kind == "play" and not instrument.events:
+            name = draw.choice(list(instrument.parameters))
+            low, high, _ = instrument.parameters[name]
+            performance.append((at, "set", name, as_single(draw.uniform(low, high))))
+        elif kind == "note":
+            key, end = draw.randrange(55, 75), index + draw.randrange(1, 20)
+            if key in down or end in down.values() or end >= blocks:
+                continue
+            down[key] = end
+            performance.append((at, "note", key, as_single(draw.random())))
+        else:
+            event = draw.choice(list(instrument.events))
+            low, high, _ = instrument.parameters[instrument.events[event]]
+            performance.append((at, "play", event, draw.choice([None, as_single(draw.uniform(low, high))])))
+    return sorted(performance, key=lambda row: row[0])
+
+
+def require_equal(expected, sound, precision, what):
+    """Every sample within a rounding, where the host may divide by full scale in another way; not silent."""
+    sound = np.asarray(sound)
+    epsilon = float(np.finfo(np.float32 if precision == "single" else np.float64).eps)
+    if sound.shape[0] != expected.shape[0] or sound.shape[1] < expected.shape[1]:
+        sys.exit(f"{what}: {sound.shape} instead of {expected.shape}")
+    sound = sound[:, :expected.shape[1]].astype(np.float64)
+    far = ~(np.abs(sound - expected) <= epsilon * np.abs(expected))
+    if far.any():
+        tap, sample = np.argwhere(far)[0]
+        sys.exit(f"{what}: tap {tap}, sample {sample}: {sound[tap, sample]!r} instead of {expected[tap, sample]!r}")
+    if not np.abs(expected[2:-1]).max() > 0:
+        sys.exit(f"{what}: silent")
+
+
+class HostTest:
+    """A host: render(instrument, taps, performance, samples) gives an array for each tap."""
+    precision = "double"
+
+    def render(self, instrument, taps, performance, samples):
+        raise NotImplementedError
+
+    def first_values(self, instrument):
+        """What the host does before the first sample."""
+        return []
+
+    def samples(self):
+        """Random performances of every instrument are those of its class."""
+        for seed, instrument in enumerate(instruments(self.reference)):
+            performance = random_performance(instrument, random.Random(seed), 150)
+            if instrument.events:
+                performance.insert(0, (BLOCK, "play", next(iter(instrument.events)), None))
+            performance = self.first_values(instrument) + performance
+            expected = instrument.play(self.precision, [(at, *[w for w in words if w is not None]) for at, *words in performance],
+                                       150 * BLOCK)
+            sound = self.render(instrument, instrument.taps(), performance, 150 * BLOCK)
+            require_equal(expected, sound, self.precision, instrument.name)
+            print(instrument.name, len(performance), "commands")
+
+    def parameters(self):
+        """Each parameter that can move, changes the sound."""
+        count = 0
+        for instrument in instruments(self.reference):
+            sounding = [((2 + n) * BLOCK, *command) for n, command in enumerate(instrument.something_to_hear())]
+            plain = self.render(instrument, instrument.taps(), sounding, 4800)
+            for name, (low, high, initial) in instrument.parameters.items():
+                value = as_single(high if initial < (low + high) / 2 else low)
+                moved = [(0, "set", name, value), *sounding]
+                if low == high or name in ("sustain", "sostenuto", "una_corda", "vibrato_hz"):
+                    continue  # part of the sound beside other keys and values only: the case samples moves them
+                if np.array_equal(plain, self.render(instrument, instrument.taps(), moved, 4800)):
+                    sys.exit(f"{instrument.name}: {name} = {value} does not change the sound")
+                count += 1
+        print(count, "parameters")
+        assert count >= 60, count
+
+    def main(self):
+        case, self.module, self.reference, folder = sys.argv[1:]
+        shutil.rmtree(folder, ignore_errors=True)
+        os.makedirs(folder)
+        os.chdir(folder)
+        getattr(self, case)()
