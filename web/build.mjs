@@ -25,7 +25,7 @@ function bundle(entry) {
 }
 
 const assets = { processor: Buffer.from(bundle("processor.js")) };
-for (const name of ["engine", "generator"]) assets[name] = readFileSync(join(wasm, `${name}.wasm`));
+for (const name of ["engine", "studies", "generator"]) assets[name] = readFileSync(join(wasm, `${name}.wasm`));
 for (const file of readdirSync(faust))
   assets[`${basename(file, extname(file))}-${extname(file) === ".wasm" ? "wasm" : "json"}`] = readFileSync(join(faust, file));
 

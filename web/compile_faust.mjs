@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // compile_faust.mjs NODE_MODULES OUTPUT_FOLDER FILE...: every .dsp among the files as NAME.wasm, in single precision, and
-// NAME.json with its controls, by the Faust compiler of npm. The .lib among the files are what they import. The effect of a
-// program with a line `effect = ...` becomes NAME_effect.wasm and NAME_effect.json, and NAME.json has `effect`, its name.
+// NAME.json with its controls, by the Faust compiler of npm. The .lib among the files are what they import.
 import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { basename, join, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
@@ -25,23 +24,11 @@ for (const file of files) {
 }
 mkdirSync(output, { recursive: true });
 
-/** Writes the compiled program NAME, whose description also has the entries of `more`. */
-async function compile(name, text, more = {}) {
+for (const [name, text] of programs) {
   const factory = await compiler.createMonoDSPFactory(name, text, `-I ${kVirtual} -single -ftz 2`);
   if (!factory?.code?.length) throw new Error(`${name}.dsp: ${compiler.getErrorMessage()}`);
   writeFileSync(join(output, `${name}.wasm`), factory.code);
   const { size, inputs, outputs, ui } = JSON.parse(factory.json);
-  writeFileSync(join(output, `${name}.json`), JSON.stringify({ name, size, inputs, outputs, ui, ...more }));
+  writeFileSync(join(output, `${name}.json`), JSON.stringify({ name, size, inputs, outputs, ui }));
   console.log(`${name}: ${factory.code.length} bytes`);
-}
-
-for (const [name, text] of programs) {
-  const effect = /^effect *=/m.test(text) ? `${name}_effect` : undefined;
-  await compile(name, text, { effect });
-  if (!effect) continue;
-  // As Faust's polyphonic architectures have it: as many inputs and outputs as a voice has outputs.
-  await compile(effect, `program = library("${name}.dsp");
-channels = par(i, outputs(program.process), _);
-process = channels : program.effect : channels;
-`);
 }

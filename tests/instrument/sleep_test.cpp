@@ -56,6 +56,29 @@ TYPED_TEST(InstrumentOfAFile, FallsExactlySilentAndWakes) {
   }
 }
 
+// Of a mass at a barrier the force is an output, too. While it sleeps, both are 0.
+TEST(ForceOfAHost, IsThatOfTheContacts) {
+  using Barrier = MassBarrierOf<materials::steel_on_steel, double>;
+  Hosted<Barrier> hosted;
+  hosted.prepare(kRate);
+  hosted.press(0, true);
+  std::vector<float> output(4410);
+  std::vector<double> force(output.size(), -1);
+  const std::vector<float*> outputs = {nullptr, output.data()};
+  hosted.process(std::span<float* const>(outputs), output.size(), std::span(force));
+  EXPECT_GT(peak(output), 1);
+  for (std::size_t n = 0; n < force.size(); ++n)
+    EXPECT_EQ(output[n], static_cast<float>(force[n] / Barrier::kOutputs[1].full_scale)) << n;
+  Hosted<instruments::tom<double>> asleep;
+  asleep.prepare(kRate);
+  const std::vector<float*> none(2);
+  for (int block = 0; block < 2; ++block) {
+    std::ranges::fill(force, -1);
+    asleep.process(std::span<float* const>(none), force.size(), std::span(force));
+    EXPECT_EQ(std::ranges::count(force, 0.0), 4410) << "block " << block;
+  }
+}
+
 // A mass that rests in front of the barrier has no energy, but an output.
 TEST(MassAtRest, IsHeardWhereItIs) {
   using Barrier = MassBarrierOf<materials::steel_on_steel, double>;

@@ -9,7 +9,7 @@ import { join, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
 
 import { serve } from "../../web/serve.mjs";
-import { openPage } from "./browser.mjs";
+import { closeBrowser, openPage } from "./browser.mjs";
 import { partialNear } from "./pitch.mjs";
 
 const [modules, file, program, chosen = ""] = process.argv.slice(2);
@@ -35,20 +35,22 @@ async function withPage(address, use, options) {
 function render(page, instrument, messages, seconds) {
   return page.evaluate(
     async ([instrument, messages, seconds]) => {
-      const { page, instrumentMessage, renderOffline } = contactSpline;
-      const first = [await instrumentMessage(instrument), { do: "material", design: page.editor.current }];
+      const { page, renderOffline } = contactSpline;
+      const { parameters } = page.instruments.get(instrument);
+      const first = [page.instrumentMessage(instrument), { do: "material", design: page.editor.current }];
+      const numbered = messages.map((message) => (message.name ? { ...message, parameter: parameters.findIndex(({ name }) => name === message.name) } : message));
       const began = performance.now();
-      const [left, right] = await renderOffline([...first, ...messages], seconds);
+      const [left, right] = await renderOffline([...first, ...numbered], seconds);
       return { samples: Array.from(left), right: Array.from(right), factor: (1000 * seconds) / (performance.now() - began) };
     },
     [instrument, messages, seconds],
   );
 }
 
-const control = (changes) => ({ do: "control", controls: { stiffness: 1, mass: 1, loss: 0, position: 0.12, ...changes } });
+const set = (name, value) => ({ do: "set", name, value });
 const decibels = (amplitude) => 20 * Math.log10(amplitude);
 const largest = (list) => list.reduce((max, x) => Math.max(max, Math.abs(x)), 0);
-const strike = (key) => ({ do: "strike", key, speed: 2.5, velocity: 0.7 });
+const strike = (key, velocity = 1) => ({ do: "noteOn", key, velocity });
 
 /** Moves a slider as a user does. */
 const slide = (page, label, value) =>
@@ -68,12 +70,13 @@ async function download(page, button, name) {
 const cases = {
   async "keys sound at their pitch"() {
     await withPage(server.address, async (page) => {
-      for (const [instrument, key] of [["keyboard", 45], ["keyboard", 60], ["keyboard", 69], ["piano", 57], ["piano", 69]]) {
-        const { samples } = await render(page, instrument, [control({}), strike(key)], 1.5);
+      for (const [instrument, key] of [["hammer_on_string", 45], ["hammer_on_string", 60], ["hammer_on_string", 69], ["piano", 57], ["piano", 69]]) {
+        const { samples } = await render(page, instrument, [strike(key, 0.7)], 1.5);
         const expected = 440 * 2 ** ((key - 69) / 12);
         const cents = 1200 * Math.log2(partialNear(samples.slice(4410), 44100, expected) / expected);
         console.log(`  ${instrument}, key ${key}: ${cents.toFixed(3)} cents`);
-        assert.ok(Math.abs(cents) < 0.5, `${instrument}, key ${key}: ${cents} cents off`);
+        // The piano's board pulls its strings by up to 5 cents (data/resonators/soundboard.json).
+        assert.ok(Math.abs(cents) < (instrument === "piano" ? 5 : 0.5), `${instrument}, key ${key}: ${cents} cents off`);
       }
     });
   },
@@ -81,17 +84,21 @@ const cases = {
   async "every instrument sounds, and sliders act"() {
     await withPage(server.address, async (page) => {
       const sound = (samples) => Math.sqrt(samples.reduce((sum, x) => sum + x * x, 0) / samples.length);
-      for (const name of ["keyboard", "piano", "hammer_string", "mass_barrier", "slide_string", "fret_string"]) {
-        const { samples } = await render(page, name, [control({}), strike(60)], 0.3);
-        const level = decibels(largest(samples));
+      const all = await page.evaluate(() => [...contactSpline.page.instruments.values()].map(({ name, velocity }) => [name, velocity]));
+      assert.equal(all.length, 13);
+      for (const [name, velocity] of all) {
+        const { samples, right } = await render(page, name, [strike(60, velocity)], 0.3);
+        const level = decibels(Math.max(largest(samples), largest(right)));
         console.log(`  ${name}: ${level.toFixed(1)} dBFS`);
-        assert.ok(level > -30 && level < 0, `${name}: a peak of ${level} dBFS`);
+        // All are as loud as the page measures before: 0.18 of full scale; a velocity has seven bits.
+        assert.ok(Math.abs(level - decibels(0.18)) < 0.5, `${name}: a peak of ${level} dBFS`);
       }
-      const before = await page.evaluate(() => Math.max(...contactSpline.page.stage.study.compression));
-      await slide(page, "stiffness ratio", 900); // of 1000 steps: about 300 times as stiff
-      await page.waitForFunction((old) => Math.max(...contactSpline.page.stage.study.compression) < 0.3 * old, before);
-      const soft = (await render(page, "keyboard", [control({}), strike(60)], 0.2)).samples;
-      const hard = (await render(page, "keyboard", [control({ stiffness: 100 }), strike(60)], 0.2)).samples;
+      const pressed = () => page.evaluate(() => Math.max(...contactSpline.page.stage.study.column(1)));
+      const before = await pressed();
+      await slide(page, "stiffness ratio", 900); // of 1000 steps: about 250 times as stiff
+      await page.waitForFunction((old) => Math.max(...contactSpline.page.stage.study.column(1)) < 0.3 * old, before);
+      const soft = (await render(page, "hammer_on_string", [strike(60)], 0.2)).samples;
+      const hard = (await render(page, "hammer_on_string", [set("stiffness_ratio", 100), strike(60)], 0.2)).samples;
       const roughness = (samples) => samples.slice(1).reduce((sum, x, i) => sum + (x - samples[i]) ** 2, 0) / sound(samples) ** 2;
       assert.ok(roughness(hard) > 2 * roughness(soft), "a harder felt must sound brighter");
     });
@@ -100,19 +107,18 @@ const cases = {
   async "the piano sounds through its board"() {
     await withPage(server.address, async (page) => {
       const keys = [48, 64, 67];
-      const chord = await render(page, "piano", keys.map(strike), 0.5);
+      const chord = await render(page, "piano", keys.map((key) => strike(key, 0.7)), 0.5);
       const peaks = [chord.samples, chord.right].map(largest);
-      const levels = peaks.map(decibels);
-      console.log(`  a chord: ${levels.map((level) => level.toFixed(1)).join(" and ")} dBFS`);
-      for (const level of levels) assert.ok(level > -30 && level < 0, `peak of a chord: ${level} dBFS`);
-      // A voice is the same left and right; the board's two places move differently.
+      console.log(`  a chord: ${peaks.map((peak) => decibels(peak).toFixed(1)).join(" and ")} dBFS`);
+      for (const peak of peaks) assert.ok(peak > 0.1 && peak < 0.5, `peak of a chord: ${peak}, which the limiter would bend`);
+      // The board's two places move differently.
       const apart = largest(chord.samples.map((x, i) => x - chord.right[i])) / peaks[0];
       assert.ok(apart > 0.1, `left and right are within ${apart} of the peak: no board`);
-      // The board is linear: one board under three voices is three boards under a voice each.
-      const alone = await Promise.all(keys.map((key) => render(page, "piano", [strike(key)], 0.5)));
+      // The strings hear each other through the board: a chord is near the sum of its keys, and not the sum.
+      const alone = await Promise.all(keys.map((key) => render(page, "piano", [strike(key, 0.7)], 0.5)));
       for (const side of ["samples", "right"]) {
         const error = largest(chord[side].map((x, i) => alone.reduce((sum, one) => sum - one[side][i], x))) / peaks[0];
-        assert.ok(error < 1e-5, `${side}: a chord is ${error} of its peak from the sum of its keys`);
+        assert.ok(error > 1e-5 && error < 0.2, `${side}: a chord is ${error} of its peak from the sum of its keys`);
       }
     });
   },
@@ -123,12 +129,12 @@ const cases = {
         const { generator, shipped } = contactSpline.page.editor;
         return generator.design(shipped.steel_on_steel, "steel_on_steel.json");
       });
-      const alone = await render(page, "keyboard", [control({}), { do: "material", design: steel }, strike(60)], 0.3);
-      const after = await render(page, "keyboard", [control({}), strike(48), { do: "material", design: steel }, strike(60)], 0.3);
-      const old = await render(page, "keyboard", [control({}), strike(48)], 0.3);
+      const alone = await render(page, "hammer_on_string", [{ do: "material", design: steel }, strike(60, 0.2)], 0.3);
+      const after = await render(page, "hammer_on_string", [strike(48, 0.2), { do: "material", design: steel }, strike(60, 0.2)], 0.3);
+      const old = await render(page, "hammer_on_string", [strike(48, 0.2)], 0.3);
       const difference = largest(after.samples.map((x, i) => x - alone.samples[i] - old.samples[i]));
       assert.ok(difference < 1e-6, `the key struck before must keep its felt: ${difference}`);
-      const felt = await render(page, "keyboard", [control({}), strike(60)], 0.3);
+      const felt = await render(page, "hammer_on_string", [strike(60, 0.2)], 0.3);
       assert.ok(largest(felt.samples.map((x, i) => x - alone.samples[i])) > 0.01, "steel must sound unlike felt");
     });
   },
@@ -161,9 +167,10 @@ const cases = {
   async "the energy line is flat"() {
     await withPage(server.address, async (page) => {
       const study = await page.evaluate(() => {
-        const { imbalance, hammer, felt, string, dissipated } = contactSpline.page.stage.study;
-        const total = hammer.map((x, i) => x + felt[i] + string[i] + dissipated[i]);
-        return { imbalance: Array.from(imbalance), total: Array.from(total), string: string.at(-1) };
+        const { study, energies } = contactSpline.page.stage;
+        const total = Array.from({ length: study.frames }, (_, i) => energies.reduce((sum, [, list]) => sum + list[i], 0));
+        const [, string] = energies.find(([name]) => name === "string");
+        return { imbalance: Array.from(study.column(study.scene.imbalance)), total, string: string.at(-1) };
       });
       assert.ok(study.string > 0.1 * study.total[0], "the string must have taken energy");
       for (const [i, total] of study.total.entries()) {
@@ -183,7 +190,7 @@ const cases = {
   },
 
   async "a link restores the state"() {
-    const state = { instrument: "keyboard", material: { name: "rubber_on_wood" }, controls: { speed: 4, "mass ratio": 0.5 } };
+    const state = { instrument: "hammer_on_string", material: { name: "rubber_on_wood" }, controls: { mass_ratio: 0.5, speed_m_per_s: 4 } };
     let address;
     await withPage(server.address, async (page) => {
       await page.evaluate((state) => contactSpline.page.show(state), state);
@@ -242,6 +249,169 @@ const cases = {
     await opened.page.getByText("No MIDI in this browser.").waitFor();
     assert.deepEqual(opened.complaints, []);
     await opened.close();
+  },
+
+  async "another instrument comes in without a click"() {
+    await withPage(server.address, async (page) => {
+      const alone = await render(page, "hammer_on_string", [strike(48)], 0.5);
+      const piano = await page.evaluate(() => contactSpline.page.instrumentMessage("piano"));
+      const changed = await render(page, "hammer_on_string", [strike(48), { ...piano, at: 0.3 }, { ...strike(60, 0.7), at: 0.3 }], 0.5);
+      const [first, fade] = [128 * Math.ceil((0.3 * 44100) / 128), 882];
+      const loud = largest(alone.samples.slice(first - 1000, first));
+      assert.ok(loud > 0.03, "it must sound before");
+      for (let i = 0; i < first + fade; ++i) {
+        const level = i < first ? 1 : 1 - (i - first + 1) / fade;
+        assert.ok(Math.abs(changed.samples[i] - level * alone.samples[i]) < 1e-6, `sample ${i - first} of the fade`);
+      }
+      const after = changed.samples.slice(first + fade);
+      assert.ok(Math.abs(after[0]) < 1e-4 && largest(after) > 0.1, "the next one begins from silence, with the note that waited");
+    });
+  },
+
+  async "a key that is stopped does not click"() {
+    await withPage(server.address, async (page) => {
+      const keys = Array.from({ length: 32 }, (_, i) => strike(40 + i, 0.3));
+      const last = { ...strike(90, 0.3), at: 0.1 };
+      const [before, after, alone] = [
+        await render(page, "hammer_on_string", keys, 0.2),
+        await render(page, "hammer_on_string", [...keys, last], 0.2),
+        await render(page, "hammer_on_string", [last], 0.2),
+      ];
+      const [first, fade] = [128 * Math.ceil((0.1 * 44100) / 128), 441];
+      // Without the new key what remains is the one that stops: minus its sound while it fades, then minus all of it.
+      const lost = after.samples.map((x, i) => x - before.samples[i] - alone.samples[i]);
+      const loud = largest(lost.slice(first + fade, first + 2 * fade));
+      assert.ok(loud > 1e-3, `a key must stop: ${loud}`);
+      assert.ok(largest(lost.slice(0, first)) < 1e-6);
+      for (let i = 0; i < 40; ++i) assert.ok(Math.abs(lost[first + i]) < (2 * loud * (i + 1)) / fade + 1e-6, `sample ${i}: ${lost[first + i]} of ${loud}`);
+    });
+  },
+
+  async "what is too loud is limited, and said"() {
+    await withPage(server.address, async (page) => {
+      const loud = await render(page, "piano", Array.from({ length: 20 }, (_, i) => strike(40 + 2 * i, 1)), 0.3);
+      const peak = Math.max(largest(loud.samples), largest(loud.right));
+      assert.ok(peak > 0.6 && peak < 1, `limited to ${peak}`);
+      assert.ok(await page.locator("#limit").isHidden());
+      await page.selectOption("#instrument", "piano");
+      await page.evaluate(() => {
+        for (let key = 40; key < 80; key += 2) contactSpline.page.strike(key, 1);
+      });
+      await page.locator("#limit").waitFor({ state: "visible" });
+      await page.locator("#limit").waitFor({ state: "hidden" });
+    });
+  },
+
+  async "the piano has its force and its board"() {
+    await withPage(server.address, async (page) => {
+      await page.selectOption("#instrument", "piano");
+      await page.click("#strike");
+      await page.waitForFunction(() => contactSpline.page.figures.captured.length > 100);
+      const force = await page.evaluate(() => contactSpline.page.figures.captured);
+      assert.ok(force.every((f) => f >= 0) && Math.max(...force) > 5, "the force of the blow");
+      const { names, worst, board, strings } = await page.evaluate(() => {
+        const { study, energies, items } = contactSpline.page.stage;
+        const { work, imbalance } = study.scene;
+        return {
+          names: energies.map(([name]) => name),
+          worst: Math.max(...study.column(imbalance).map(Math.abs)) / work,
+          board: Math.max(...items.find(({ kind }) => kind === "string").boards.map(Math.abs)),
+          strings: energies.find(([name]) => name === "strings")[1].at(-1) / work,
+        };
+      });
+      assert.deepEqual(names, ["hammer", "felt", "strings", "board", "lost"]);
+      assert.ok(worst < 1e-12, `energy out of balance by ${worst}`);
+      assert.ok(strings > 0.1 && board > 1e-7 && board < 1e-3, `strings ${strings}, board ${board} m`);
+    });
+  },
+
+  async "every instrument is drawn and moves"() {
+    await withPage(server.address, async (page) => {
+      const instruments = await page.evaluate(() => [...contactSpline.page.instruments.keys()]);
+      for (const instrument of instruments) {
+        await page.selectOption("#instrument", instrument);
+        const { drawn, force, reach } = await page.evaluate(() => {
+          const { stage } = contactSpline.page;
+          const { canvas } = stage;
+          // Strings and bodies without the numbers and the force.
+          const pixels = () => {
+            const { left, right, top, bottom } = stage.box;
+            const copy = Object.assign(document.createElement("canvas"), { width: right - left, height: bottom - top });
+            copy.getContext("2d").drawImage(canvas, -left, -top);
+            return copy.toDataURL();
+          };
+          stage.setPlaying(false);
+          stage.at = 0;
+          stage.draw();
+          const first = pixels();
+          stage.at = 0.8 * stage.length();
+          stage.draw();
+          return { drawn: pixels() !== first, force: Math.max(...stage.forces), reach: stage.reach };
+        });
+        assert.ok(drawn && reach > 1e-6 && reach < 0.1, `${instrument}: moves by ${reach} m`);
+        if (instrument !== "classical_guitar") assert.ok(force > 0.01, `${instrument}: ${force} N`); // it has no contact
+      }
+    });
+  },
+
+  async "a hammer is pulled back, moved and thrown"() {
+    await withPage(server.address, async (page) => {
+      const stage = await page.locator("#stage").boundingBox();
+      await page.evaluate(() => contactSpline.page.stage.rest());
+      const hold = await page.evaluate(() => contactSpline.page.stage.hold);
+      const [x, y] = [stage.x + hold.x, stage.y + hold.y];
+      await page.mouse.move(x, y);
+      await page.mouse.down();
+      await page.mouse.move(x + 150, y + 65, { steps: 4 });
+      const strikes = await page.evaluate(() => contactSpline.page.figures.strikes);
+      await page.mouse.up();
+      await page.waitForFunction((before) => contactSpline.page.figures.strikes === before + 1, strikes);
+      const [speed, place] = await page.evaluate(() => ["speed_m_per_s", "strike_position"].map((name) => contactSpline.page.value(name)));
+      assert.ok(Math.abs(speed - 5) < 0.1, `half of the way is half of the speed: ${speed}`);
+      const { left, right } = await page.evaluate(() => contactSpline.page.stage.box);
+      assert.ok(Math.abs(place - (hold.x + 150 - left) / (right - left)) < 0.01, `the place of the pointer: ${place}`);
+    });
+  },
+
+  async "controls are those of the table of parameters"() {
+    await withPage(server.address, async (page) => {
+      for (const instrument of ["tanpura", "tom", "slap_bass", "snare"]) {
+        const emitted = JSON.parse(readFileSync(new URL(`../../generated/${instrument}.json`, import.meta.url)));
+        await page.selectOption("#instrument", instrument);
+        const shown = await page.evaluate(() => [...contactSpline.page.controls].map(([name, control]) => [name, control.get()]));
+        const expected = [...emitted.controls.map(({ name, initial }) => [name, initial]), ...emitted.events.map((name) => [name, null])];
+        assert.deepEqual(shown.map(([name]) => name), expected.map(([name]) => name), instrument);
+        for (const [i, [name, initial]] of expected.entries()) if (initial !== null) assert.equal(shown[i][1], initial, name);
+        const ranges = await page.evaluate(() => contactSpline.page.played().parameters.map(({ min, max }) => [min, max]));
+        emitted.controls.forEach(({ name, min, max }, i) => assert.deepEqual(ranges[i], [min, max], name));
+      }
+      await page.selectOption("#instrument", "mass_barrier");
+      assert.equal(await page.getByLabel("mass [g]").getAttribute("aria-valuetext"), "3 g", "shown in grams");
+    });
+  },
+
+  async "MIDI plays, moves sliders and bends"() {
+    await withPage(server.address, async (page) => {
+      await page.selectOption("#instrument", "piano");
+      const midi = (...bytes) => page.evaluate((bytes) => contactSpline.page.keys.takeMidi(...bytes), bytes);
+      await midi(0xb3, 64, 127);
+      assert.ok(await page.locator("#pedal").isChecked());
+      await midi(0xb0, 64, 0);
+      assert.ok(!(await page.locator("#pedal").isChecked()));
+      await midi(0xb0, 74, 127);
+      assert.equal(await page.evaluate(() => contactSpline.page.value("stiffness_ratio")), 20);
+      const before = await page.evaluate(() => contactSpline.page.figures.strikes);
+      await midi(0x91, 60, 30);
+      await page.waitForFunction((before) => contactSpline.page.figures.strikes === before + 1, before);
+      assert.equal(await page.evaluate(() => contactSpline.page.lastVelocity), 30 / 127);
+      assert.ok(await page.locator("#keys .down").count());
+      await midi(0xb0, 123, 0);
+      assert.equal(await page.locator("#keys .down").count(), 0, "all notes off");
+      const bent = await render(page, "piano", [strike(69, 0.5), { do: "midi", bytes: [0xe0, 127, 127] }], 1.5);
+      const expected = 440 * 2 ** (((200 * 8191) / 8192) / 1200);
+      const cents = 1200 * Math.log2(partialNear(bent.samples.slice(4410), 44100, expected) / expected);
+      assert.ok(Math.abs(cents) < 2, `bent by two semitones, within ${cents} cents`);
+    });
   },
 
   async "fd.hammer fails where the contact step does not"() {
@@ -330,11 +500,11 @@ const cases = {
       await page.locator("#strike").click();
       await page.waitForTimeout(900);
       await page.locator("#strike").click();
-      await page.waitForFunction(() => contactSpline.sent.some(([what]) => what === "release"));
+      await page.waitForFunction(() => contactSpline.sent.some(([what]) => what === "noteOff"));
       await page.waitForTimeout(1200);
       const list = await sent();
-      const strikes = list.filter(([what]) => what === "strike");
-      const releases = list.filter(([what]) => what === "release");
+      const strikes = list.filter(([what]) => what === "noteOn");
+      const releases = list.filter(([what]) => what === "noteOff");
       assert.deepEqual([strikes.length, releases.length], [2, 1]);
       assert.ok(releases[0][1] - strikes[1][1] > 1300, "the second note is released by its own timer");
     });
@@ -367,15 +537,16 @@ const cases = {
       });
   },
 
-  async "10,000 random links and texts do no harm"() {
+  async "random links and texts do no harm"() {
     await withPage(server.address, async (page) => {
-      const broken = await page.evaluate(async () => {
+      const many = process.env.CONTACTSPLINE_FULL_TESTS ? 10000 : 1000;
+      const broken = await page.evaluate(async (many) => {
         const { page, stateOf, presets } = contactSpline;
         let seed = 1;
         const random = (n) => (seed = (seed * 48271) % 2147483647) % n;
         const one = (list) => list[random(list.length)];
-        const words = ["instrument", "material", "text", "octave", "key", "compare", "step", "theme", ".speed", ".", "constructor", "__proto__",
-          "felt_c4", "piano", "keyboard", "1", "-1e308", "NaN", "", "{}", "[", "null", "dark", "%", "%00", "\u{1F3B9}", "name", "toString", "\u0000", "\\"];
+        const words = ["instrument", "material", "text", "octave", "key", "compare", "step", "theme", ".speed_m_per_s", ".", "constructor", "__proto__",
+          "felt_c4", "piano", "hammer_on_string", "1", "-1e308", "NaN", "", "{}", "[", "null", "dark", "%", "%00", "\u{1F3B9}", "name", "toString", "\u0000", "\\"];
         const shipped = Object.values(page.editor.shipped);
         const text = () => {
           const whole = one(shipped);
@@ -383,7 +554,7 @@ const cases = {
           return one([whole.slice(0, at), whole.slice(0, at) + one(words) + whole.slice(at + random(9)), one(words) + one(words)]);
         };
         const wrong = [];
-        for (let i = 0; i < 10000; ++i) {
+        for (let i = 0; i < many; ++i) {
           const parts = Array.from({ length: random(5) }, () => `${one(words)}=${one([one(words), encodeURIComponent(text())])}`);
           const link = i % 5 === 0 ? `#${parts.join(one(["&", "", "#"]))}` : null;
           const input = link ?? text();
@@ -396,7 +567,7 @@ const cases = {
         }
         await page.show(Object.values(presets)[0]);
         return wrong;
-      });
+      }, many);
       assert.deepEqual(broken.slice(0, 3), []);
       await page.keyboard.press("a");
       await page.waitForFunction(() => contactSpline.page.figures.captured.length > 0);
@@ -413,7 +584,8 @@ const cases = {
       assert.ok(!(await page.locator("#pedal").isChecked()), "another instrument has its pedal up");
       await page.selectOption("#instrument", "mass_barrier");
       await page.waitForFunction(() => contactSpline.page.instrument === "mass_barrier");
-      for (const id of ["keys-note", "midi-connect", "pedal-box", "keys"]) assert.ok(await page.locator(`#${id}`).isHidden(), id);
+      for (const id of ["octave-up", "pedal-box", "keys"]) assert.ok(await page.locator(`#${id}`).isHidden(), id);
+      assert.match(await page.locator("#keys-note").textContent(), /^Any of the computer keys/);
       await page.selectOption("#preset", "Rubber");
       await page.waitForFunction(() => contactSpline.page.editor.current.name === "rubber_on_wood");
       await page.waitForTimeout(400);
@@ -511,14 +683,17 @@ const failed = [];
 const chosenCases = Object.entries(cases).filter(([name]) => name.includes(chosen));
 if (chosenCases.length === 0) throw new Error(`no case has ${chosen} in its name`);
 for (const [name, run] of chosenCases) {
-  console.log(name);
+  const began = performance.now();
   try {
     await run();
+    console.log(`${name}: ${((performance.now() - began) / 1000).toFixed(1)} s`);
   } catch (error) {
+    console.log(`${name}: failed`);
     failed.push(name);
     console.error(error);
   }
 }
+await closeBrowser();
 server.close();
 rmSync(folder, { recursive: true });
 console.log(failed.length === 0 ? `${chosenCases.length} cases passed` : `failed: ${failed.join("; ")}`);

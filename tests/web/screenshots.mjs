@@ -5,7 +5,7 @@ import { mkdirSync } from "node:fs";
 import { join } from "node:path";
 
 import { serve } from "../../web/serve.mjs";
-import { openPage } from "./browser.mjs";
+import { closeBrowser, openPage } from "./browser.mjs";
 
 const [modules, file, folder] = process.argv.slice(2);
 const server = await serve(file);
@@ -29,4 +29,5 @@ for (const [device, size] of Object.entries(devices))
     await page.screenshot({ path: join(folder, `${device}-${colorScheme}-whole.png`), fullPage: true });
     await close();
   }
+await closeBrowser();
 server.close();

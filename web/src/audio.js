@@ -1,26 +1,9 @@
 // SPDX-License-Identifier: MIT
 // The sound of the page: the audio thread, an analyser, and messages to and fro.
-import { asset, jsonAsset, scriptUrl } from "./assets.js";
-import { kInstruments } from "./instruments.js";
+import { asset, scriptUrl } from "./assets.js";
 
 /** Everything is computed at this rate; the browser converts it to that of the device. */
 export const kSampleRate = 44100;
-
-const isFaust = (name) => kInstruments[name].by === "Faust";
-
-/** A compiled Faust program: { description, bytes }. */
-async function faustProgram(name) {
-  const [description, bytes] = await Promise.all([jsonAsset(`${name}-json`), asset(`${name}-wasm`)]);
-  return { description, bytes };
-}
-
-/** The message that makes the audio thread play an instrument. */
-export async function instrumentMessage(name) {
-  if (!isFaust(name)) return { do: "instrument" };
-  const voice = await faustProgram(name);
-  const { effect } = voice.description;
-  return { do: "instrument", voice, effect: effect && (await faustProgram(effect)) };
-}
 
 /** A node of the audio thread in any context, with messages that it takes before its first block. */
 export async function makeNode(context, messages) {
@@ -74,7 +57,8 @@ export class Audio {
   }
 }
 
-/** Renders messages at times offline: [left, right] of so many seconds. The first messages come before the first block. */
+/** Renders messages offline: [left, right] of so many seconds. A message with a time `at` [s] comes before the first block that
+ * begins then or later, by rising times; those without come first. */
 export async function renderOffline(messages, seconds) {
   const context = new OfflineAudioContext(2, Math.round(seconds * kSampleRate), kSampleRate);
   const node = await makeNode(context, messages);

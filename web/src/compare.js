@@ -50,7 +50,7 @@ function audible(samples, bound) {
 const peakOf = (samples) => samples.reduce((peak, value) => Math.max(peak, Math.abs(value)), 0);
 
 export class Comparison {
-  /** reference: an engine whose material is felt_c4. play(samples) sounds; change() after each new stiffness. */
+  /** reference: studies whose material is felt_c4. play(samples) sounds; change() after each new stiffness. */
   constructor(reference, sampleRate, play, change) {
     Object.assign(this, { reference, sampleRate, change });
     this.plot = linePlot(byId("comparison"), {

@@ -10,8 +10,9 @@ export function readable(value) {
   return size >= 1e5 || size < 1e-3 ? value.toExponential(2).replace("e+", "e") : String(Number(value.toPrecision(4)));
 }
 
-/** A slider for { label, unit, min, max, step, init, isLogarithmic }; change(value) on every move. */
-export function slider({ label, unit = "", min, max, step, init, isLogarithmic }, change) {
+/** A slider for { label, unit, min, max, step, init, isLogarithmic }; change(value) on every move. Values are shown `factor`
+ * times as large, in their unit. */
+export function slider({ label, unit = "", factor = 1, min, max, step = (max - min) / kSteps, init, isLogarithmic }, change) {
   const box = document.createElement("label");
   box.className = "control";
   const name = document.createElement("span");
@@ -23,13 +24,13 @@ export function slider({ label, unit = "", min, max, step, init, isLogarithmic }
   Object.assign(input, logarithmic ? { min: 0, max: kSteps, step: 1 } : { min, max, step });
   input.setAttribute("aria-label", unit ? `${label} [${unit}]` : label);
   const valueOf = () => {
-    if (!logarithmic) return Number(input.value);
+    if (!logarithmic) return Number(Number(input.value).toPrecision(6));
     const value = min * (max / min) ** (input.value / kSteps);
     return Number(value.toPrecision(3));
   };
   let value = init;
   const show = () => {
-    shown.textContent = `${readable(value)} ${unit}`.trim();
+    shown.textContent = `${readable(factor * value)} ${unit}`.trim();
     input.setAttribute("aria-valuetext", shown.textContent);
   };
   const set = (to) => {
@@ -42,9 +43,14 @@ export function slider({ label, unit = "", min, max, step, init, isLogarithmic }
     show();
     change(value);
   });
+  // 0 to 1 along its way, as a controller of MIDI moves it.
+  const part = (to) => {
+    input.value = Number(input.min) + to * (input.max - input.min);
+    input.dispatchEvent(new Event("input"));
+  };
   set(init);
   box.append(name, shown, input);
-  return { box, set, get: () => value, label, init };
+  return { box, set, get: () => value, part, label, init };
 }
 
 /** A list for { label, choices: { value: text } }. */

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A program of Faust in WebAssembly: its controls, and blocks of samples. In single precision.
+// A program of Faust in WebAssembly, fd.hammer: its controls, and blocks of samples. In single precision.
 
 const kBlock = 128;
 
@@ -8,17 +8,9 @@ const kEnvironment = new Proxy({ memoryBase: 0, tableBase: 0 }, {
   get: (known, name) => known[name] ?? Math[name.replace(/^_/, "").replace(/f$/, "")],
 });
 
-/** The sliders and buttons of a program, from its description: { label, type, init, min, max, step, index, unit }. */
-export function controlsOf(description) {
-  const flat = (items) => items.flatMap((item) => (item.items ? flat(item.items) : [item]));
-  return flat(description.ui).map((item) => ({
-    ...item,
-    unit: item.meta?.find((entry) => entry.unit)?.unit ?? "",
-    isLogarithmic: item.meta?.some((entry) => entry.scale === "log") ?? false,
-  }));
-}
+const flat = (items) => items.flatMap((item) => (item.items ? flat(item.items) : [item]));
 
-/** One voice of a compiled module, or its effect. */
+/** A compiled module with its description. */
 export function startProgram(module, description, sampleRate) {
   const { exports } = new WebAssembly.Instance(module, { env: kEnvironment });
   const { size, inputs, outputs } = description;
@@ -33,11 +25,9 @@ export function startProgram(module, description, sampleRate) {
     list[k] = channels + k * kBlock * 4;
     return new Float32Array(exports.memory.buffer, list[k], kBlock);
   });
-  const indexOf = Object.fromEntries(controlsOf(description).map(({ label, index }) => [label, index]));
+  const indexOf = Object.fromEntries(flat(description.ui).map(({ label, index }) => [label, index]));
   const played = views.slice(inputs);
   return {
-    /** Up to 128 samples for each input, to be written before process(). */
-    inputs: views.slice(0, inputs),
     set: (label, value) => exports.setParamValue(0, indexOf[label], value),
     /** Plays up to 128 samples; returns the outputs, which the next call changes. */
     process(samples) {

@@ -2,11 +2,13 @@
 // Live figures of the model that sounds: contact force, energies, spectrogram.
 import { kSampleRate } from "./audio.js";
 import { readable } from "./controls.js";
+import { kLinear } from "./limiter.js";
 import { linePlot } from "./plots.js";
 import { Spectrogram } from "./spectrogram.js";
 
 const kShown = 529; // samples of force in view: 12 ms
 const kSpan = 6; // seconds of energy in view
+const kTold = 2000; // milliseconds that a line stays
 
 const byId = (id) => document.getElementById(id);
 
@@ -25,12 +27,12 @@ export class Figures {
       range: (_, low, high) => [0, Math.max(1e-9, high ?? 0) * 1.08],
     });
     this.spectrogram = new Spectrogram(byId("spectrogram"));
-    this.reset(true);
+    this.reset();
   }
 
-  /** For a new instrument; only the keyboard of the C++ runtime reports energies. */
-  reset(hasEnergy) {
-    byId("energy-figure").hidden = !hasEnergy;
+  /** For a new instrument, until its reports tell whether it keeps books of energy. */
+  reset() {
+    byId("energy-figure").hidden = true;
     this.captured = [];
     this.isArmed = false;
     this.strikes ??= 0;
@@ -47,10 +49,13 @@ export class Figures {
     this.began = null;
   }
 
-  report({ time, strikes, force, books }) {
+  report({ time, strikes, peak, force, books }) {
+    this.tellLimit(peak);
     if (strikes !== this.strikes) return;
     this.capture(force);
-    if (!books || books.work === 0) return;
+    if (!books) return;
+    byId("energy-figure").hidden = false;
+    if (books.work === 0) return;
     this.began ??= time;
     const seconds = time - this.began;
     if (seconds > kSpan) return;
@@ -60,6 +65,12 @@ export class Figures {
     this.books[0].push(seconds);
     this.imbalance = Math.max(seconds === 0 ? 0 : this.imbalance, Math.abs(total - books.work) / books.work);
     this.isDirty = true;
+  }
+
+  // Says so while the limiter of the audio thread bends the sound.
+  tellLimit(peak) {
+    if (peak > kLinear) this.limitedUntil = performance.now() + kTold;
+    byId("limit").hidden = !(performance.now() < this.limitedUntil);
   }
 
   // Takes the force from where it first acts.

@@ -2,6 +2,7 @@
 // Ways to strike: keys on the screen, the computer's keys, MIDI.
 
 const kComputerKeys = "awsedftgyhujkolp";
+const kSoftest = 0.3; // velocity at the far end of a key
 const kBlack = new Set([1, 3, 6, 8, 10]);
 const kNames = ["C", "C♯", "D", "E♭", "E", "F", "F♯", "G", "A♭", "A", "B♭", "B"];
 
@@ -9,9 +10,10 @@ const kNames = ["C", "C♯", "D", "E♭", "E", "F", "F♯", "G", "A♭", "A", "B
 export const keyName = (key) => `${kNames[key % 12]}${Math.floor(key / 12) - 1}`;
 
 export class Keys {
-  /** strike(key, velocity 0 to 1, or null where it has none), release(key), pedal(down); moved() after an octave. */
-  constructor(element, { strike, release, pedal, moved }) {
-    Object.assign(this, { element, strike, release, pedal, moved, first: 60, focused: 60, held: new Map() });
+  /** strike(key, velocity 0 to 1, or null where it has none), release(key); of MIDI control(controller, 0 to 1) and
+   * midi(bytes) of the pitch wheel; moved() after an octave. */
+  constructor(element, { strike, release, control, midi, moved }) {
+    Object.assign(this, { element, strike, release, control, midi, moved, first: 60, focused: 60, held: new Map() });
     this.build();
     new ResizeObserver(() => this.build()).observe(element);
     this.listenToPointers();
@@ -85,17 +87,22 @@ export class Keys {
       const button = document.elementFromPoint(event.clientX, event.clientY)?.closest("#keys button");
       return button ? Number(button.dataset.key) : null;
     };
+    // Further towards the player a key is struck harder.
+    const velocityAt = ({ clientX, clientY }) => {
+      const { top, height } = document.elementFromPoint(clientX, clientY).getBoundingClientRect();
+      return kSoftest + (1 - kSoftest) * Math.min(1, (1.2 * (clientY - top)) / height);
+    };
     element.addEventListener("pointerdown", (event) => {
       const key = keyAt(event);
       if (key === null) return;
       event.preventDefault();
       element.setPointerCapture(event.pointerId);
-      this.press(key, null, event.pointerId);
+      this.press(key, velocityAt(event), event.pointerId);
     });
     element.addEventListener("pointermove", (event) => {
       const key = keyAt(event);
       if (!this.held.has(event.pointerId) || key === null || key === this.held.get(event.pointerId)) return;
-      this.press(key, null, event.pointerId);
+      this.press(key, velocityAt(event), event.pointerId);
     });
     for (const end of ["pointerup", "pointercancel"])
       element.addEventListener(end, (event) => this.lift(event.pointerId));
@@ -140,7 +147,22 @@ export class Keys {
       const index = indexOf(event);
       if (index >= 0) this.lift(`computer ${index}`);
     });
-    addEventListener("blur", () => [...this.held.keys()].forEach((by) => this.lift(by)));
+    addEventListener("blur", () => this.liftAll());
+  }
+
+  /** A message of MIDI on any channel. */
+  takeMidi(status, first, second) {
+    const kind = status & 0xf0;
+    if (kind === 0x90 && second > 0) this.press(first, second / 127, `midi ${first}`);
+    else if (kind === 0x80 || kind === 0x90) this.lift(`midi ${first}`);
+    else if (kind === 0xb0 && (first === 120 || first === 123)) this.liftAll();
+    else if (kind === 0xb0) this.control(first, second / 127);
+    else if (kind === 0xe0) this.midi([kind, first, second]);
+  }
+
+  /** Lets all keys go. */
+  liftAll() {
+    [...this.held.keys()].forEach((by) => this.lift(by));
   }
 
   /** Listens to MIDI where there is some. Returns what to tell; a refusal is no error. */
@@ -152,12 +174,7 @@ export class Keys {
     } catch {
       return "MIDI was not allowed.";
     }
-    const onMessage = ({ data: [status, first, second] }) => {
-      const kind = status & 0xf0;
-      if (kind === 0x90 && second > 0) this.press(first, second / 127, `midi ${first}`);
-      else if (kind === 0x80 || kind === 0x90) this.lift(`midi ${first}`);
-      else if (kind === 0xb0 && first === 64) this.pedal(second >= 64);
-    };
+    const onMessage = ({ data: [status, first, second] }) => this.takeMidi(status, first, second);
     const listen = () => access.inputs.forEach((input) => (input.onmidimessage = onMessage));
     access.onstatechange = listen;
     listen();

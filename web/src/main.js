@@ -1,53 +1,60 @@
 // SPDX-License-Identifier: MIT
 // The page: puts instrument, figures, editor, comparison and tour together.
-import { asset, jsonAsset } from "./assets.js";
-import { Audio, instrumentMessage, kSampleRate, renderOffline } from "./audio.js";
+import { asset } from "./assets.js";
+import { Audio, kSampleRate, renderOffline } from "./audio.js";
 import { Comparison } from "./compare.js";
 import { fillSelect, readable, slider } from "./controls.js";
 import { Editor } from "./editor.js";
 import { startEngine } from "./engine.js";
-import { controlsOf } from "./faust_program.js";
 import { startGenerator } from "./generator.js";
-import { kInstruments, kKeyboardControls } from "./instruments.js";
 import { Keys, keyName } from "./keys.js";
 import { Figures } from "./figures.js";
 import { redrawPlots } from "./plots.js";
 import { kPresets } from "./presets.js";
 import { Stage } from "./stage.js";
 import { addressOf, stateOf } from "./state.js";
+import { startStudies } from "./studies.js";
 import { Tour } from "./tour.js";
 
-const kStudyFrames = 530; // 12 ms
-const kStudyKey = 60;
+const kFirst = "hammer_on_string";
+const kMiddleC = 60; // the key of the first event, too
+const kSustain = 64; // controller of MIDI
+const kPeak = 0.18; // of full scale: one note of every instrument, so that a chord has room
+const kPeakSeconds = 0.3;
 const kStrikeHold = 1500; // milliseconds that the button holds a key
 const kSettled = 250; // milliseconds after the last change
 const kMaxPast = 100;
-const [kFirstKey, kLastKey] = [21, 108]; // of the piano, whose strings the keyboard has
 
 const byId = (id) => document.getElementById(id);
 const compile = async (name) => WebAssembly.compile(await asset(name));
+const capital = (text) => text[0].toUpperCase() + text.slice(1);
 
 class Page {
   constructor() {
-    this.instrument = "keyboard";
-    this.controls = new Map();
+    this.instruments = new Map(); // what engine.cpp says of each, by name
+    this.instrument = kFirst;
+    this.controls = new Map(); // sliders by the names of their parameters
+    this.gains = new Map();
     this.releases = new Map();
     this.past = [];
-    this.turn = 0;
     this.figures = new Figures();
     this.audio = new Audio((report) => this.figures.report(report));
-    this.stage = new Stage(byId("stage"), { play: byId("stage-play"), time: byId("stage-time"), speed: byId("stage-speed") });
+    this.stage = new Stage(
+      byId("stage"),
+      { play: byId("stage-play"), time: byId("stage-time"), speed: byId("stage-speed") },
+      { thrown: (thrown) => this.throwHammer(thrown), tell: (power, place) => this.tellThrow(power, place) },
+    );
     this.keys = new Keys(byId("keys"), {
       strike: (key, velocity) => this.strike(key, velocity),
-      release: (key) => this.audio.send({ do: "release", key }),
-      pedal: (down) => this.setPedal(down),
+      release: (key) => this.audio.send({ do: "noteOff", key }),
+      control: (controller, part) => this.moveController(controller, part),
+      midi: (bytes) => this.audio.send({ do: "midi", bytes }),
       moved: () => this.changed(),
     });
     this.connectButtons();
   }
 
   connectButtons() {
-    fillSelect(byId("instrument"), Object.fromEntries(Object.entries(kInstruments).map(([name, { title, by }]) => [name, `${title} (${by})`])));
     fillSelect(byId("preset"), { "": "choose …", ...Object.fromEntries(Object.keys(kPresets).map((title) => [title, title])) });
     byId("instrument").addEventListener("change", ({ target }) => this.play(target.value, {}));
     byId("preset").addEventListener("change", ({ target }) => target.value && this.show(kPresets[target.value]));
@@ -56,7 +63,6 @@ class Page {
     byId("octave-down").addEventListener("click", () => this.keys.shift(-1));
     byId("octave-up").addEventListener("click", () => this.keys.shift(1));
     byId("pedal").addEventListener("change", ({ target }) => this.setPedal(target.checked));
-    byId("strike").addEventListener("click", () => this.strikeOnce());
     byId("share").addEventListener("click", () => this.copyLink());
     byId("theme").addEventListener("click", () => this.chooseTheme(document.documentElement.dataset.theme === "dark" ? "light" : "dark"));
     this.setTheme(matchMedia("(prefers-color-scheme: dark)").matches);
@@ -77,9 +83,12 @@ class Page {
 
   /** Loads what sounds and what is drawn; the rest follows when the page has been seen. */
   async load() {
-    const [engine, generator] = await Promise.all([compile("engine"), compile("generator")]);
-    this.studio = startEngine(engine, kSampleRate);
-    this.reference = startEngine(engine, kSampleRate);
+    const [engine, studies, generator] = await Promise.all(["engine", "studies", "generator"].map(compile));
+    this.engine = startEngine(engine, kSampleRate);
+    this.studies = startStudies(studies, kSampleRate);
+    this.reference = startStudies(studies, kSampleRate);
+    this.engine.instruments().forEach((instrument, number) => this.instruments.set(instrument.name, { ...instrument, number }));
+    fillSelect(byId("instrument"), Object.fromEntries([...this.instruments.values()].map(({ name, title }) => [name, capital(title)])));
     this.editor = new Editor(startGenerator(generator), (design) => this.useDesign(design));
     this.editor.load({ name: "felt_c4" });
     this.reference.useMaterial(this.editor.current);
@@ -105,10 +114,10 @@ class Page {
       without.push(`material: ${error}`);
       this.editor.load(kept);
     }
-    const isKnown = Object.hasOwn(kInstruments, instrument ?? "keyboard");
+    const isKnown = this.instruments.has(instrument ?? kFirst);
     if (!isKnown) without.push(`instrument ${instrument}`);
-    const unknown = await this.play(isKnown ? (instrument ?? "keyboard") : this.instrument, controls);
-    without.push(...unknown.map((label) => `control ${label}`));
+    const unknown = this.play(isKnown ? (instrument ?? kFirst) : this.instrument, controls);
+    without.push(...unknown.map((name) => `control ${name}`));
     if (octave !== undefined) this.keys.goTo(12 * (octave + 1));
     if (key !== undefined) this.lastKey = key;
     if (compare !== undefined) this.comparison.setStiffness(compare);
@@ -124,116 +133,168 @@ class Page {
     byId("notice").hidden = without.length === 0;
   }
 
-  /** Changes the instrument; controls: { label: value } of those that differ from the initial ones. Returns the labels
-   * that it lacks. */
-  async play(name, values = {}) {
-    const turn = ++this.turn;
-    const [message, description] = await Promise.all([instrumentMessage(name), name === "keyboard" ? null : jsonAsset(`${name}-json`)]);
-    if (turn !== this.turn) return []; // another one was chosen meanwhile
+  /** What engine.cpp says of the instrument that is played. */
+  played() {
+    return this.instruments.get(this.instrument);
+  }
+
+  /** Changes the instrument; values: { name: value } of the parameters that differ from the initial ones. Returns the
+   * names that it lacks. */
+  play(name, values = {}) {
     this.instrument = name;
     byId("instrument").value = name;
-    this.setPedal(false);
-    const isKeyboard = name === "keyboard";
-    const shapes = isKeyboard
-      ? kKeyboardControls
-      : controlsOf(description).filter(({ type, label }) => type === "hslider" && !["freq", "gain", "sustain pedal"].includes(label));
-    this.controls = new Map(shapes.map((shape) => [shape.label, slider(shape, () => this.controlMoved(shape.label))]));
-    byId("controls").replaceChildren(...[...this.controls.values()].map(({ box }) => box));
-    this.audio.send(message);
-    for (const [label, value] of Object.entries(values)) this.controls.get(label)?.set(value);
-    for (const label of this.controls.keys()) this.sendControl(label);
-    byId("stage-figure").hidden = !["keyboard", "mass_barrier"].includes(name);
-    const { button } = kInstruments[name];
-    byId("strike").textContent = button ? button[0].toUpperCase() + button.slice(1) : "Strike";
-    for (const id of ["keys", "octave-down", "octave-up", "keys-note", "midi-connect", "pedal-box"]) byId(id).hidden = button !== undefined;
-    this.figures.reset(isKeyboard);
-    this.study(kStudyKey);
+    const { parameters, keys, events } = this.played();
+    this.controls = new Map(parameters.map((shape, number) => [shape.name, slider(shape, () => this.controlMoved(number))]));
+    const isShown = ({ controller }) => controller !== kSustain || !keys; // keys have a pedal of their own
+    byId("controls").replaceChildren(...parameters.filter(isShown).map((shape) => this.controls.get(shape.name).box));
+    this.audio.send(this.instrumentMessage(name));
+    for (const [parameter, value] of Object.entries(values)) this.controls.get(parameter)?.set(value);
+    parameters.forEach((_, number) => this.sendControl(number));
+    byId("pedal").checked = this.value("sustain") >= 0.5;
+    this.showButtons(events);
+    for (const id of ["keys", "octave-down", "octave-up", "pedal-box"]) byId(id).hidden = keys === null;
+    byId("keys-note").textContent = keys
+      ? "Computer keys A W S E D F … play, Z and X change the octave."
+      : events.length > 1 ? "Computer keys A W S … play, each its own." : "Any of the computer keys A S D F … plays.";
+    this.figures.reset();
+    this.study();
     this.changed();
-    return Object.keys(values).filter((label) => !this.controls.has(label));
+    return Object.keys(values).filter((parameter) => !this.controls.has(parameter));
   }
 
-  controlMoved(label) {
-    this.sendControl(label);
+  // One button for each event, or one for the key that was struck last.
+  showButtons(events) {
+    const labels = events.length > 0 ? events.map(({ label }) => label) : ["strike"];
+    byId("events").replaceChildren(
+      ...labels.map((label, number) => {
+        const button = document.createElement("button");
+        button.textContent = capital(label);
+        button.className = number === 0 ? "primary" : "";
+        button.addEventListener("click", () => this.strikeOnce(events.length > 0 ? kMiddleC + number : undefined));
+        return button;
+      }),
+    );
+    byId("events").firstChild.id = "strike";
+  }
+
+  /** The message that makes the audio thread play an instrument, as loud as all others. */
+  instrumentMessage(name) {
+    const { number } = this.instruments.get(name);
+    if (!this.gains.has(name)) this.gains.set(name, kPeak / this.engine.peak(number, kPeakSeconds));
+    return { do: "instrument", number, gain: this.gains.get(name) };
+  }
+
+  controlMoved(number) {
+    this.sendControl(number);
     this.changed();
     clearTimeout(this.studying);
-    this.studying = setTimeout(() => this.study(this.lastKey ?? kStudyKey), 60);
+    this.studying = setTimeout(() => this.study(), 60);
   }
 
-  value(label) {
-    return this.controls.get(label)?.get();
+  value(name) {
+    return this.controls.get(name)?.get();
   }
 
-  sendControl(label) {
-    if (this.instrument !== "keyboard") return this.audio.send({ do: "set", label, value: this.value(label) });
-    const controls = {
-      stiffness: this.value("stiffness ratio"),
-      mass: this.value("mass ratio"),
-      loss: this.editor.current.loss_s_per_m,
-      position: this.value("strike position"),
-    };
-    this.studio.control(controls);
-    this.audio.send({ do: "control", controls });
+  values() {
+    return [...this.controls.values()].map((control) => control.get());
+  }
+
+  sendControl(number) {
+    this.audio.send({ do: "set", parameter: number, value: this.values()[number] });
+  }
+
+  // A controller of MIDI moves the slider of its parameter.
+  moveController(controller, part) {
+    const shape = this.played().parameters.find((other) => other.controller === controller);
+    if (!shape) return;
+    this.controls.get(shape.name).part(part);
+    if (controller === kSustain) byId("pedal").checked = part >= 0.5;
   }
 
   useDesign(design) {
     const { table, mass_kg, loss_s_per_m } = design;
-    if (!this.studio.useMaterial(design)) {
+    if (!this.studies.useMaterial(design)) {
       byId("design-note").append(" The keyboard plays up to 128 segments, and keeps the last material.");
       return;
     }
+    this.engine.useMaterial(design);
     this.audio.send({ do: "material", design: { table, mass_kg, loss_s_per_m } });
     this.changed();
-    if (this.instrument === "keyboard" && this.controls.size > 0) this.controlMoved("speed");
+    if (this.instrument === kFirst && this.controls.size > 0) this.study();
   }
 
-  // The slow motion of a strike of this key with the controls of now.
-  study(key) {
-    if (this.instrument === "keyboard") {
-      const study = this.studio.studyString(key, this.value("speed"), kStudyFrames);
-      this.stage.show(study, "string", this.value("strike position"));
-      this.caption(study, `${keyName(key)} struck from rest`);
-    } else if (this.instrument === "mass_barrier") {
-      this.reference.control({ stiffness: this.value("stiffness ratio"), mass: 1, loss: this.value("loss"), position: 0.12 });
-      const study = this.reference.studyBarrier(this.value("mass"), this.value("speed"), kStudyFrames);
-      this.stage.show(study, "barrier", 0.5);
-      this.caption(study, "the mass without gravity,");
+  // The slow motion of the note that was played last, with the controls of now.
+  study() {
+    const { keys, velocity, description } = this.played();
+    const key = this.lastKey ?? kMiddleC;
+    const event = keys ? 0 : Math.max(0, key - kMiddleC) % Math.max(1, this.played().events.length);
+    const study = this.studies.play(this.instrument, this.values(), { key, velocity: this.lastVelocity ?? velocity, event });
+    if (!study) return;
+    byId("stage-caption").textContent = `${capital(description)}${keys ? `, ${keyName(key)}` : ""}; one note from rest. ${this.balance(study)}`;
+    this.stage.show(study);
+  }
+
+  balance({ scene, column }) {
+    const places = scene.items.some(({ kind }) => kind === "body") ? "Squares: places of the body." : "";
+    if (scene.imbalance === undefined) return places;
+    const worst = column(scene.imbalance).reduce((max, value) => Math.max(max, Math.abs(value)), 0) / scene.work;
+    return `Energy is balanced within ${readable(worst)}. Pull the hammer back and let it go.`;
+  }
+
+  // What a hammer that is pulled back will do.
+  tellThrow(power, place) {
+    const { throws } = this.stage.study.scene;
+    const told = [];
+    if (throws !== null && power > 0) {
+      const { unit, max, factor } = this.played().parameters[throws];
+      told.push(`${readable(factor * power * max)} ${unit}`);
     }
+    if (throws === null && power > 0) told.push(`${Math.round(100 * power)} %`);
+    if (place !== null) told.push(`at ${place.toFixed(2)} of the length`);
+    return told.join(", ");
   }
 
-  caption({ imbalance, hammer }, name) {
-    const worst = imbalance.reduce((max, value) => Math.max(max, Math.abs(value)), 0) / hammer[0];
-    byId("stage-caption").textContent =
-      `Slow motion: ${name} at ${readable(this.value("speed"))} m/s. Energy balanced within ${readable(worst)}.`;
+  throwHammer({ power, place }) {
+    const { throws, moves } = this.stage.study.scene;
+    const controls = [...this.controls.values()];
+    if (place !== null && moves !== null) this.setTo(moves, controls[moves], place);
+    if (power !== null && throws !== null) this.setTo(throws, controls[throws], power * this.played().parameters[throws].max);
+    this.strikeOnce(this.lastKey, throws === null ? power : null);
   }
 
-  async strike(key, velocity) {
-    if (key < kFirstKey || key > kLastKey) return;
+  setTo(number, control, value) {
+    control.set(value);
+    this.controlMoved(number);
+  }
+
+  /** velocity: 0 to 1, or null where the player has none. */
+  async strike(key, velocity = null) {
+    const { keys, velocity: usual } = this.played();
+    if (keys && (key < keys[0] || key > keys[1])) return;
     clearTimeout(this.releases.get(key)); // of the note before
     await this.audio.start();
-    // A soft key of MIDI strikes at a tenth of the speed of the slider, the hardest at its double.
-    const speed = this.value("speed") * (velocity === null ? 1 : 0.1 * 20 ** velocity);
-    this.audio.send({ do: "strike", key, velocity: velocity ?? 0.7, speed });
-    this.lastKey = key;
+    this.audio.send({ do: "noteOn", key, velocity: velocity ?? usual });
+    Object.assign(this, { lastKey: key, lastVelocity: velocity ?? undefined });
     this.changed();
     this.figures.struck();
-    if (this.instrument === "keyboard" || this.instrument === "mass_barrier") setTimeout(() => this.study(key), 0);
+    setTimeout(() => this.study(), 0);
   }
 
-  strikeOnce() {
-    const key = this.lastKey ?? kStudyKey;
-    this.strike(key, null);
-    this.releases.set(key, setTimeout(() => this.audio.send({ do: "release", key }), kStrikeHold));
+  strikeOnce(key = this.lastKey ?? kMiddleC, velocity = null) {
+    this.strike(key, velocity);
+    this.releases.set(key, setTimeout(() => this.audio.send({ do: "noteOff", key }), kStrikeHold));
   }
 
   setPedal(down) {
     byId("pedal").checked = down;
-    this.audio.send({ do: "pedal", down });
+    this.moveController(kSustain, down ? 1 : 0);
   }
 
-  /** What sounds, as presets have it: of the controls those that differ from the initial ones. */
+  /** What sounds, as presets have it: of the controls those that differ from the initial ones. A pedal is no state. */
   sound() {
     const controls = {};
-    for (const [label, control] of this.controls) if (control.get() !== control.init) controls[label] = control.get();
+    for (const { name, controller, init } of this.played().parameters)
+      if (controller !== kSustain && this.value(name) !== init) controls[name] = this.value(name);
     return { instrument: this.instrument, material: this.editor.state(), controls };
   }
 
@@ -304,7 +365,7 @@ class Page {
 
 const page = new Page();
 // For tests, and for the curious at the console.
-globalThis.contactSpline = { page, presets: kPresets, renderOffline, instrumentMessage, stateOf, loaded: page.load().then(() => page.run()) };
+globalThis.contactSpline = { page, presets: kPresets, renderOffline, stateOf, loaded: page.load().then(() => page.run()) };
 contactSpline.loaded.catch((error) => {
   byId("stage-caption").textContent = `This browser cannot play the page: ${error.message}`;
 });

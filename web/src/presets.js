@@ -1,19 +1,21 @@
 // SPDX-License-Identifier: MIT
 // Sounds to start from.
 
-const keyboard = (material, controls = {}) => ({ instrument: "keyboard", material: { name: material }, controls });
-const faust = (instrument, controls = {}) => ({ instrument, material: { name: "felt_c4" }, controls });
+const keys = (material, controls = {}) => ({ instrument: "hammer_on_string", material: { name: material }, controls });
+const other = (instrument, controls = {}) => ({ instrument, material: { name: "felt_c4" }, controls });
 
 export const kPresets = {
-  "Piano felt": keyboard("felt_c4"),
-  "Hard, worn felt": keyboard("felt_c4", { "stiffness ratio": 30, speed: 3 }),
-  "Soft mallet": keyboard("felt_c2", { "stiffness ratio": 0.05, "mass ratio": 2 }),
-  "Struck in the middle": keyboard("felt_c4", { "strike position": 0.5 }),
-  "Felt over wood": keyboard("felt_over_wood", { speed: 4 }),
-  "Rubber": keyboard("rubber_on_wood", { "mass ratio": 0.5 }),
-  "Steel on steel": keyboard("steel_on_steel", { speed: 1 }),
-  "Piano of 88 keys": faust("piano"),
-  "Bouncing mass": faust("mass_barrier", { gravity: 50, speed: 1 }),
-  "Slide with vibrato": faust("slide_string", { "vibrato depth": 3 }),
-  "Buzzing string": faust("fret_string", { gap: 0.1 }),
+  "Piano felt": keys("felt_c4"),
+  "Hard, worn felt": keys("felt_c4", { stiffness_ratio: 30, speed_m_per_s: 3 }),
+  "Soft mallet": keys("felt_c2", { stiffness_ratio: 0.05, mass_ratio: 2 }),
+  "Struck in the middle": keys("felt_c4", { strike_position: 0.5 }),
+  "Felt over wood": keys("felt_over_wood", { speed_m_per_s: 4 }),
+  "Rubber": keys("rubber_on_wood", { mass_ratio: 0.5 }),
+  "Steel on steel": keys("steel_on_steel", { speed_m_per_s: 1 }),
+  "Piano of 88 keys": other("piano"),
+  "Bouncing mass": other("mass_barrier", { gravity_m_per_s2: 50, speed_m_per_s: 1 }),
+  "Slide with vibrato": other("slide_string", { vibrato_m: 0.003 }),
+  "Buzzing string": other("fret_string", { gap_m: 0.00002 }),
+  "Tanpura": other("tanpura"),
+  "Snare without wires": other("snare", { strainer_gap_shift_m: 0.002 }),
 };

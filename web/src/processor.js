@@ -1,148 +1,80 @@
 // SPDX-License-Identifier: MIT
-// The audio thread: plays the C++ keyboard or a program of Faust, and reports force, energies and sound to the page.
+// The audio thread: plays an instrument, and reports force, energies and sound to the page.
 import { startEngine } from "./engine.js";
-import { startProgram } from "./faust_program.js";
-import { frequencyOf, kInstruments } from "./instruments.js";
+import { limited } from "./limiter.js";
 
 const kReport = 1024; // samples between two reports
-const kSleep = 0.5; // seconds of silence after which a voice of Faust rests
-
-const start = ({ description, bytes }) => startProgram(new WebAssembly.Module(bytes), description, sampleRate);
-
-/** A Faust program with one voice, or with several for the keys of a keyboard; its effect plays their sum. */
-class FaustInstrument {
-  constructor(voice, effect) {
-    this.kind = kInstruments[voice.description.name];
-    this.voices = Array.from({ length: this.kind.voices ?? 1 }, () => ({
-      program: start(voice),
-      key: null,
-      age: 0,
-      quiet: Infinity,
-    }));
-    this.effect = effect && start(effect);
-    this.clock = 0;
-  }
-
-  set(label, value) {
-    for (const { program } of this.voices) program.set(label, value);
-  }
-
-  strike(key, velocity) {
-    const voice = this.voiceFor(key);
-    Object.assign(voice, { key, age: ++this.clock, quiet: 0 });
-    if (this.kind.button) return this.press(voice, this.kind.button);
-    voice.program.set("freq", frequencyOf(key));
-    voice.program.set("gain", velocity);
-    this.press(voice, "gate");
-  }
-
-  // A button that is down already is let go for one sample: only a rise strikes.
-  press({ program }, button) {
-    program.set(button, 0);
-    program.process(1);
-    program.set(button, 1);
-  }
-
-  release(key) {
-    for (const voice of this.voices) {
-      if (voice.key !== key) continue;
-      voice.program.set(this.kind.button ?? "gate", 0);
-      voice.key = null;
-    }
-  }
-
-  pedal(down) {
-    if (!this.kind.button) this.set("sustain pedal", down ? 1 : 0);
-  }
-
-  // The voice that has this key, else a resting one, else the one struck first.
-  voiceFor(key) {
-    const rank = (voice) => (voice.key === key ? -2 : voice.quiet > kSleep ? -1 : voice.age);
-    return this.voices.reduce((best, voice) => (rank(voice) < rank(best) ? voice : best));
-  }
-
-  process(left, right, force) {
-    force.fill(0);
-    left.fill(0);
-    right.fill(0);
-    for (const voice of this.voices) {
-      if (this.voices.length > 1 && voice.quiet > kSleep && voice.key === null) continue;
-      const outputs = voice.program.process(left.length);
-      const a = outputs[this.kind.output ?? 0];
-      const b = outputs[this.kind.output ?? 1];
-      let peak = 0;
-      for (let i = 0; i < left.length; ++i) {
-        left[i] += a[i];
-        right[i] += b[i];
-        peak = Math.max(peak, Math.abs(a[i]));
-      }
-      voice.quiet = peak > 1e-5 ? 0 : voice.quiet + left.length / sampleRate;
-      if (this.kind.force !== undefined) force.set(outputs[this.kind.force].subarray(0, left.length));
-    }
-    const channels = [left, right];
-    if (this.effect) {
-      channels.forEach((channel, k) => this.effect.inputs[k].set(channel));
-      const outputs = this.effect.process(left.length);
-      channels.forEach((channel, k) => channel.set(outputs[k].subarray(0, left.length)));
-    }
-    for (const channel of channels) for (let i = 0; i < channel.length; ++i) channel[i] *= this.kind.gain;
-  }
-}
+const kFade = 1 / 882; // of the level, in each sample: 20 ms
 
 class ContactSplineProcessor extends AudioWorkletProcessor {
   constructor({ processorOptions }) {
     super();
     this.engine = startEngine(processorOptions.engine, sampleRate);
-    this.engine.makeKeyboard();
-    this.faust = null;
+    this.isPlaying = false;
+    this.waiting = []; // messages from the choice of an instrument on, until the one before is silent
+    this.level = 1;
+    this.gain = 1;
     this.filled = 0;
     this.strikes = 0;
+    this.peak = 0;
     this.force = new Float32Array(kReport);
-    this.block = new Float32Array(128);
-    for (const message of processorOptions.messages ?? []) this.receive(message);
+    const messages = processorOptions.messages ?? [];
+    this.later = messages.filter(({ at }) => at > 0); // by rising time [s]
+    for (const message of messages) if (!(message.at > 0)) this.receive(message);
     this.port.onmessage = ({ data }) => this.receive(data);
-    this.port.postMessage({ is: "ready" });
   }
 
   receive(message) {
-    const { engine, faust } = this;
-    const playing = faust ?? engine;
-    if (message.do === "material") engine.useMaterial(message.design);
-    if (message.do === "control") engine.control(message.controls);
+    if (this.waiting.length > 0 || (message.do === "instrument" && this.isPlaying)) this.waiting.push(message);
+    else this.take(message);
+  }
+
+  take(message) {
+    const { engine } = this;
     if (message.do === "instrument") this.choose(message);
-    if (message.do === "set") faust?.set(message.label, message.value);
-    if (message.do === "strike") this.strike(playing, message);
-    if (message.do === "release") playing.release(message.key);
-    if (message.do === "pedal") playing.pedal(message.down);
+    if (message.do === "material") engine.useMaterial(message.design);
+    if (message.do === "set") engine.set(message.parameter, message.value);
+    if (message.do === "noteOn") this.strike(message);
+    if (message.do === "noteOff") engine.noteOff(message.key);
+    if (message.do === "midi") engine.midi(message.bytes);
     if (message.do === "watchNone") engine.watchNone();
   }
 
+  choose({ number, gain }) {
+    this.engine.choose(number);
+    this.gain = gain;
+    this.isPlaying = true;
+  }
+
   // The reports of a strike begin with its first sample: they hold nothing of the one before.
-  strike(playing, { key, speed, velocity }) {
-    playing.strike(key, this.faust ? velocity : speed);
+  strike({ key, velocity }) {
+    this.engine.noteOn(key, velocity);
     ++this.strikes;
     this.filled = 0;
   }
 
-  choose({ voice, effect }) {
-    this.engine.silence();
-    this.faust = voice ? new FaustInstrument(voice, effect) : null;
-  }
-
   process(_, [[left, right]]) {
-    const force = this.block.subarray(0, left.length);
-    if (this.faust) {
-      this.faust.process(left, right, force);
-    } else {
-      const played = this.engine.process(left.length);
-      left.set(played[0]);
-      right.set(played[1]);
-      force.set(played[2]);
+    while (this.later[0]?.at <= currentTime) this.receive(this.later.shift());
+    if (this.waiting.length > 0 && this.level === 0) this.change();
+    if (!this.isPlaying) return true;
+    const [a, b, force] = this.engine.process(left.length);
+    for (let i = 0; i < left.length; ++i) {
+      this.level = this.waiting.length > 0 ? Math.max(0, this.level - kFade) : 1;
+      this.peak = Math.max(this.peak, this.level * this.gain * Math.max(Math.abs(a[i]), Math.abs(b[i])));
+      left[i] = limited(this.level * this.gain * a[i]);
+      right[i] = limited(this.level * this.gain * b[i]);
     }
-    for (const channel of [left, right])
-      for (let i = 0; i < channel.length; ++i) channel[i] = Math.max(-1, Math.min(1, channel[i])) || 0;
     this.report(force);
     return true;
+  }
+
+  // The instrument before is silent: the next one begins. If another one was chosen meanwhile, it fades, too.
+  change() {
+    const messages = this.waiting;
+    this.waiting = [];
+    this.isPlaying = false;
+    this.level = 1;
+    for (const message of messages) this.receive(message);
   }
 
   report(force) {
@@ -150,8 +82,9 @@ class ContactSplineProcessor extends AudioWorkletProcessor {
     this.filled += force.length;
     if (this.filled < kReport) return;
     this.filled = 0;
-    const books = this.faust ? null : this.engine.books();
-    this.port.postMessage({ is: "report", time: currentTime, strikes: this.strikes, force: this.force.slice(), books });
+    const { strikes, peak } = this;
+    this.port.postMessage({ is: "report", time: currentTime, strikes, peak, force: this.force.slice(), books: this.engine.books() });
+    this.peak = 0;
   }
 }
 

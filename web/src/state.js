@@ -5,13 +5,13 @@
 const kNumbers = { octave: [1, 8], key: [0, 127], compare: [0.1, 1000], step: [1, 6] };
 const kThemes = ["light", "dark"];
 
-/** The address part of a state { instrument, material: a name that ships or the text of a file, controls: { label: value },
+/** The address part of a state { instrument, material: a name that ships or the text of a file, controls: { parameter: value },
  * octave, key, compare, step, theme }. */
 export function addressOf({ instrument, material, controls, ...rest }) {
   const part = new URLSearchParams({ instrument });
   if (material.name) part.set("material", material.name);
   else part.set("text", material.text);
-  for (const [label, value] of Object.entries(controls).sort()) part.set(`.${label}`, String(value));
+  for (const [parameter, value] of Object.entries(controls).sort()) part.set(`.${parameter}`, String(value));
   for (const [name, value] of Object.entries(rest)) part.set(name, String(value));
   return `#${part}`;
 }

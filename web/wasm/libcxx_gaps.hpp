@@ -115,6 +115,11 @@ constexpr auto by_projection(Less& less, Projection& projection) {
   };
 }
 
+template <typename First, typename Second>
+constexpr bool equal(const First& first, const Second& second) {
+  return std::equal(std::begin(first), std::end(first), std::begin(second), std::end(second));
+}
+
 template <typename Range, typename Less = std::less<>, typename Projection = identity>
 constexpr void sort(Range&& range, Less less = {}, Projection projection = {}) {
   std::sort(std::begin(range), std::end(range), by_projection(less, projection));

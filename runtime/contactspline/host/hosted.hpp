@@ -17,6 +17,7 @@
 
 #include "contactspline/instrument/instrument.hpp"
 #include "contactspline/instrument/played_by_events.hpp"
+#include "contactspline/instrument/string_outputs.hpp"
 #include "contactspline/step/flush_denormals.hpp"
 
 namespace contactspline {
@@ -115,9 +116,9 @@ class Hosted {
   }
 
   /// Advances a block, also where nobody wants an output. outputs: one array for each output, null for one that
-  /// nobody wants; full scale is 1.
+  /// nobody wants; full scale is 1. force: unless it is empty, so many contact forces are written [N].
   template <typename Sample>
-  void process(std::span<Sample* const> outputs, std::size_t samples) {
+  void process(std::span<Sample* const> outputs, std::size_t samples, std::span<T> force = {}) {
     const FlushDenormals flushed;
     is_new_ = false;
     for (std::size_t done = 0; done < samples;) {
@@ -125,10 +126,11 @@ class Hosted {
       if (is_asleep_) {
         for (Sample* const output : outputs)
           if (output != nullptr) std::fill_n(output + done, length, Sample(0));
+        std::ranges::fill(detail::part_of(force, done, length), T(0));
         done += length;
         continue;
       }
-      play(outputs, done, length);
+      play(outputs, done, length, detail::part_of(force, done, length));
       done += length;
       go_to_sleep(length);
     }
@@ -162,7 +164,7 @@ class Hosted {
 
   // An instrument advances by the length of its outputs: where nobody wants one, it writes the first.
   template <typename Sample>
-  void play(std::span<Sample* const> outputs, std::size_t begin, std::size_t samples) {
+  void play(std::span<Sample* const> outputs, std::size_t begin, std::size_t samples, std::span<T> force) {
     const auto is_wanted = [&](std::size_t o) { return o < outputs.size() && outputs[o] != nullptr; };
     bool is_any_wanted = false;
     for (std::size_t o = 0; o < outputs_.size(); ++o) {
@@ -170,7 +172,7 @@ class Hosted {
       is_any_wanted |= is_wanted(o);
     }
     if (!is_any_wanted) outputs_.front() = std::span(scratch_.front()).first(samples);
-    instrument_.process(outputs_);
+    instrument_.process(outputs_, force);
     for (std::size_t o = 0; o < outputs_.size(); ++o) {
       const T full_scale = static_cast<T>(instrument_.outputs()[o].full_scale);
       for (std::size_t n = 0; is_wanted(o) && n < samples; ++n)

@@ -29,6 +29,7 @@ class ReservedList {
   [[nodiscard]] const Element* begin() const { return elements_.data(); }
   [[nodiscard]] const Element* end() const { return elements_.data() + size_; }
   [[nodiscard]] const Element& operator[](std::size_t i) const { return elements_[i]; }
+  [[nodiscard]] const Element* data() const { return begin(); }
   friend bool operator==(const ReservedList& a, const ReservedList& b) { return std::ranges::equal(a, b); }
 
  private:

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+// The instruments of the page, in any precision: those that ship, and strings of a guitar with a slide and a fret.
+#pragma once
+
+#include <concepts>
+#include <span>
+
+#include "contactspline/instrument/instruments_of.hpp"
+#include "contactspline/instrument/keyboard_instrument.hpp"
+#include "generated/classical_guitar.hpp"
+#include "generated/felt_c4.hpp"
+#include "generated/guitar_d3.hpp"
+#include "generated/guitar_g3.hpp"
+#include "generated/marimba_tube.hpp"
+#include "generated/piano.hpp"
+#include "generated/prepared_piano.hpp"
+#include "generated/slap_bass.hpp"
+#include "generated/snare.hpp"
+#include "generated/steel_on_steel.hpp"
+#include "generated/tanpura.hpp"
+#include "generated/tom.hpp"
+#include "generated/trichord_c4.hpp"
+
+namespace contactspline::web {
+
+/// A slide on a guitar string, held as in the score slide_guitar. Its last output is the force on the bridge.
+template <std::floating_point T>
+class SlideGuitar : public SlideStringOf<materials::steel_on_steel, resonators::guitar_g3, T> {
+ public:
+  SlideGuitar() {
+    using P = SlideStringParameter;
+    this->set_initial(P::kSlideMass, 0.05);
+    this->set_initial(P::kHandForce, 8);
+    this->set_initial(P::kHandStiffness, 300);
+    this->set_initial(P::kHandResistance, 3);
+    this->set_initial(P::kRestResistance, 1.5);
+    this->set_initial(P::kLoss, 0.2);
+    this->set_initial(P::kPluck, 5);
+  }
+  static std::span<const Output> outputs() { return detail::StringOutputs<T>::kList; }
+};
+
+/// A guitar string over a fret, as in the score fret_buzz. Its last output is the force on the bridge.
+template <std::floating_point T>
+class FretGuitar : public FretStringOf<materials::steel_on_steel, resonators::guitar_d3, T> {
+ public:
+  FretGuitar() {
+    using P = FretStringParameter;
+    this->set_initial(P::kPlace, 0.635);
+    this->set_initial(P::kGap, 0.00006);
+    this->set_initial(P::kLoss, 0.3);
+  }
+  static std::span<const Output> outputs() { return detail::StringOutputs<T>::kList; }
+};
+
+/// Calls visit.template operator()<I>() for the class I<T> of each file in data/instruments.
+template <typename Visitor>
+void each_instrument_of_a_file(const Visitor& visit) {
+  visit.template operator()<instruments::tanpura>();
+  visit.template operator()<instruments::classical_guitar>();
+  visit.template operator()<instruments::slap_bass>();
+  visit.template operator()<instruments::trichord_c4>();
+  visit.template operator()<instruments::prepared_piano>();
+  visit.template operator()<instruments::marimba_tube>();
+  visit.template operator()<instruments::snare>();
+  visit.template operator()<instruments::tom>();
+}
+
+}  // namespace contactspline::web

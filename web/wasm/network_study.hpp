@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: MIT
+// Slow motion of the instruments that files describe, and of strings with a slide or a fret: their strings, what is
+// thrown at them and what they touch.
+#pragma once
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "contactspline/instrument/network_instrument.hpp"
+#include "contactspline/instrument/played_by_events.hpp"
+#include "web/wasm/study.hpp"
+
+namespace contactspline::web {
+
+/// The geometry of a network's places, as far as their shapes tell it.
+class NetworkGeometry {
+ public:
+  explicit NetworkGeometry(const InstrumentData& data) : data_(data), strings_(data.body_ends.size()) {
+    const std::size_t moving = data.place_bodies.size() - data.keyed.far_ends;
+    for (std::size_t p = 0, begin = 0; p < data.place_bodies.size(); ++p) {
+      const std::size_t modes = modes_of(data.place_bodies[p]);
+      places_.push_back(p < moving ? along_string(data.shapes.subspan(begin, modes)) : std::nullopt);
+      if (places_.back()) strings_[data.place_bodies[p]] = true;
+      begin += modes;
+    }
+  }
+
+  [[nodiscard]] std::size_t modes_of(std::size_t body) const {
+    return data_.body_ends[body] - (body == 0 ? 0 : data_.body_ends[body - 1]);
+  }
+  [[nodiscard]] bool is_string(std::size_t body) const { return strings_[body]; }
+  [[nodiscard]] bool is_mass(std::size_t body) const {
+    return std::ranges::find(data_.strikes, body) != data_.strikes.end();
+  }
+  /// Part of the length; nothing where the body is no string.
+  [[nodiscard]] std::optional<double> place(std::size_t place) const {
+    return place == kGround ? std::nullopt : places_[place];
+  }
+  [[nodiscard]] std::size_t body(std::size_t place) const {
+    return place == kGround ? kGround : data_.place_bodies[place];
+  }
+
+ private:
+  // Of a string between hinges, mode n has the shape sin(n angle) at one angle.
+  static std::optional<double> along_string(std::span<const double> shapes) {
+    if (shapes.size() < 10 || shapes[0] == 0) return {};
+    const double angle = std::acos(std::clamp(shapes[1] / (2 * shapes[0]), -1.0, 1.0));
+    for (std::size_t n = 0; n < 10; ++n)
+      if (std::abs(shapes[n] - std::sin(static_cast<double>(n + 1) * angle)) > 1e-6) return {};
+    return angle / std::numbers::pi;
+  }
+
+  InstrumentData data_;
+  std::vector<bool> strings_;
+  std::vector<std::optional<double>> places_;
+};
+
+namespace detail {
+
+inline ModeShapes<double> sines(std::size_t modes, double angle) {
+  ModeShapes<double> shapes(modes);
+  for (std::size_t n = 0; n < modes; ++n) shapes[n] = std::sin(static_cast<double>(n + 1) * angle);
+  return shapes;
+}
+
+/// What is read from a network in each frame, after the sum of the forces of its contacts.
+template <typename I>
+class NetworkFrames {
+ public:
+  explicit NetworkFrames(const InstrumentData& data) : data_(data), geometry_(data) {
+    for (std::size_t b = 0; b < data.body_ends.size(); ++b) {
+      if (geometry_.is_string(b))
+        add_string(b);
+      else if (!geometry_.is_mass(b))
+        add_body(b);
+    }
+    for (std::size_t k = 0; k < data.connections.size(); ++k) add_connection(k);
+  }
+
+  void append_to(std::vector<double>& numbers, const I& instrument) const {
+    const ContactNetwork<double>& network = instrument.network();
+    numbers.push_back(instrument.contact_force());
+    for (const Curve& curve : curves_)
+      for (const auto& shapes : curve.points) numbers.push_back(network.body(curve.body).displacement(shapes));
+    for (const auto& [body, shapes] : masses_) numbers.push_back(network.body(body).displacement(shapes));
+    for (const std::size_t k : contacts_) {
+      numbers.push_back(network.compression(k));
+      numbers.push_back(network.force(k));
+    }
+  }
+
+  /// throws: the parameter of the event.
+  [[nodiscard]] std::string scene(std::size_t throws) const {
+    std::vector<std::string> items;
+    std::size_t column = 1;
+    for (const Curve& curve : curves_) {
+      items.push_back(
+          fmt::format(R"({{"kind": "{}", "column": {}, "points": {}}})", curve.kind, column, curve.points.size()));
+      column += curve.points.size();
+    }
+    const std::size_t first_contact = column + masses_.size();
+    for (std::size_t i = 0; i < contacts_.size(); ++i)
+      items.push_back(contact_item(contacts_[i], column, first_contact + 2 * i));
+    return fmt::format(
+        R"({{"throws": {}, "moves": null, "force": 0, "energies": [], "isFlipped": {}, "items": [{}]}})", throws,
+        has_stops(), fmt::join(items, ", "));
+  }
+
+ private:
+  struct Curve {
+    const char* kind;
+    std::size_t body;
+    std::vector<ModeShapes<double>> points;
+  };
+
+  void add_string(std::size_t b) {
+    Curve& curve = curves_.emplace_back(Curve{"string", b, {}});
+    for (std::size_t p = 0; p < kPoints; ++p)
+      curve.points.push_back(sines(geometry_.modes_of(b), std::numbers::pi * static_cast<double>(p) / (kPoints - 1)));
+  }
+
+  // The places of a plate, a bar or a membrane, side by side.
+  void add_body(std::size_t b) {
+    Curve curve{"body", b, {}};
+    for (std::size_t p = 0, begin = 0; p < data_.place_bodies.size(); ++p) {
+      const std::size_t modes = geometry_.modes_of(data_.place_bodies[p]);
+      if (data_.place_bodies[p] == b) curve.points.emplace_back(data_.shapes.subspan(begin, modes));
+      begin += modes;
+    }
+    if (!curve.points.empty()) curves_.push_back(std::move(curve));
+  }
+
+  void add_connection(std::size_t k) {
+    const InstrumentConnection& c = data_.connections[k];
+    if (c.kind != ConnectionKind::kContact) return;
+    contacts_.push_back(k);
+    for (const std::size_t place : {c.first, c.second})
+      if (const std::size_t body = geometry_.body(place); body != kGround && geometry_.is_mass(body))
+        masses_.push_back({body, ModeShapes<double>(std::vector<double>{1})});
+  }
+
+  // A mass that meets something, a stop in the way of a string, or two bodies that meet.
+  [[nodiscard]] std::string contact_item(std::size_t k, std::size_t first_mass, std::size_t column) const {
+    const InstrumentConnection& c = data_.connections[k];
+    std::size_t masses = 0;
+    for (const std::size_t other : contacts_)
+      for (const std::size_t place : {data_.connections[other].first, data_.connections[other].second}) {
+        const std::size_t body = geometry_.body(place);
+        if (body == kGround || !geometry_.is_mass(body)) continue;
+        if (other == k)
+          return fmt::format(R"({{"kind": "hammer", "at": {}, "column": {}, "compression": {}, "surface": {:.17g}}})",
+                             at(place == c.first ? c.second : c.first), first_mass + masses, column,
+                             place == c.first ? -c.gap_m : c.gap_m);
+        ++masses;
+      }
+    if (c.first != kGround && c.second != kGround)
+      return fmt::format(R"({{"kind": "touch", "at": {}, "force": {}}})", at(c.first), column + 1);
+    const bool is_above = c.second == kGround;
+    return fmt::format(R"({{"kind": "stop", "at": {}, "height": {:.17g}, "side": {}, "force": {}}})",
+                       at(is_above ? c.first : c.second), is_above ? c.gap_m : -c.gap_m, is_above ? 1 : -1,
+                       column + 1);
+  }
+
+  // What a string meets on the ground is drawn below it.
+  [[nodiscard]] bool has_stops() const {
+    return std::ranges::any_of(contacts_, [&](std::size_t k) {
+      return data_.connections[k].first == kGround || data_.connections[k].second == kGround;
+    });
+  }
+
+  [[nodiscard]] double at(std::size_t place) const { return geometry_.place(place).value_or(0.5); }
+
+  InstrumentData data_;
+  NetworkGeometry geometry_;
+  std::vector<Curve> curves_;
+  std::vector<std::pair<std::size_t, ModeShapes<double>>> masses_;
+  std::vector<std::size_t> contacts_;
+};
+
+}  // namespace detail
+
+/// An event of an instrument of a file. I: of NetworkInstrument<double>. values: of its parameters.
+template <typename I>
+Study study_of_network(std::span<const double> values, std::size_t event, const StudyPlan& plan) {
+  I instrument(plan.sample_rate_hz);
+  for (std::size_t p = 0; p < values.size(); ++p) instrument.set(p, values[p]);
+  Study study;
+  if (event >= instrument.events().size()) return study;
+  const Event& played = instrument.events()[event];
+  play_event(instrument, played, values[played.parameter]);
+  const detail::NetworkFrames<I> frames(I::data::view());
+  for (std::size_t i = 0; i < plan.frames; ++i) {
+    frames.append_to(study.numbers, instrument);
+    instrument.tick();
+  }
+  study.scene = frames.scene(played.parameter);
+  return study;
+}
+
+/// A plucked string with a slide or a fret. I: of PluckedStringInstrument<double>. values: of its parameters.
+template <typename I>
+Study study_of_plucked(I& instrument, double length_m, std::span<const double> values, const StudyPlan& plan) {
+  for (std::size_t p = 0; p < values.size(); ++p) instrument.set(p, values[p]);
+  instrument.prepare(plan.sample_rate_hz);
+  const auto& model = instrument.model();
+  const std::size_t modes = model.string().size();
+  std::vector<ModeShapes<double>> points;
+  for (std::size_t p = 0; p < kPoints; ++p)
+    points.push_back(detail::sines(modes, std::numbers::pi * static_cast<double>(p) / (kPoints - 1)));
+  instrument.pluck(0, values[I::kPluck]);
+  Study study;
+  std::vector<double> force(1);
+  for (std::size_t i = 0; i < plan.frames; ++i) {
+    const double place = model.place();
+    const double at_contact = model.string().displacement(detail::sines(modes, std::numbers::pi * place / length_m));
+    constexpr bool kSlides = requires {
+      model.slide();
+    };
+    const double height = kSlides ? at_contact + model.compression() : at_contact - model.compression();
+    study.numbers.insert(study.numbers.end(), {model.force(), place / length_m, height});
+    for (const auto& point : points) study.numbers.push_back(model.string().displacement(point));
+    instrument.process({}, force);
+  }
+  constexpr bool kSlides = requires {
+    model.slide();
+  };
+  study.scene = fmt::format(
+      R"({{"throws": {}, "moves": null, "force": 0, "energies": [], "isFlipped": true, )"
+      R"("items": [{}{{"kind": "stop", "name": "{}", "atColumn": 1, "column": 2, "side": {}, "force": 0}}]}})",
+      std::size_t{I::kPluck}, detail::string_item(3), kSlides ? "slide" : "fret", kSlides ? -1 : 1);
+  return study;
+}
+
+}  // namespace contactspline::web

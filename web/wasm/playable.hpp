@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+// An instrument as the page plays it: any Instrument behind one interface, as hosts play it.
+#pragma once
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "contactspline/host/hosted.hpp"
+#include "web/wasm/energy_books.hpp"
+
+namespace contactspline::web {
+
+/// Beside Hosted: the description that the page makes its controls of, and two channels.
+class Playable {
+ public:
+  virtual ~Playable() = default;
+  [[nodiscard]] virtual std::string described() const = 0;
+  virtual void prepare(double sample_rate_hz) = 0;
+  virtual void set(std::size_t parameter, double value) = 0;
+  [[nodiscard]] virtual double velocity() const = 0;  ///< of a key that has none of its own
+  virtual void note_on(int key, double velocity) = 0;
+  virtual void note_off(int key) = 0;
+  virtual void midi(std::span<const std::uint8_t> bytes) = 0;
+  virtual void process(std::span<float> left, std::span<float> right, std::span<float> force) = 0;
+  /// Of the last strike; null where none are kept.
+  [[nodiscard]] virtual const Books* books() const = 0;
+  virtual void watch_none() = 0;
+};
+
+/// Where the velocity of a key multiplies a parameter, that is played as it is.
+template <typename I>
+inline constexpr double kVelocity = requires {
+  I::speed_of(0.5);
+}
+? 0.7 : 1.0;
+
+/// What the page needs to know of an instrument, as JSON. Numbers are those of the lists, in SI; shown values are
+/// `factor` times as large. keys: the first and the last one, null where the keys from middle C on play the events.
+/// velocity: of a key that has none of its own.
+template <typename I>
+[[nodiscard]] std::string description_of(const I& instrument) {
+  std::vector<std::string> parameters, events, presets;
+  for (std::size_t p = 0; p < instrument.parameters().size(); ++p) {
+    const Parameter& x = instrument.parameters()[p];
+    const Label label = label_of(x.name);
+    parameters.push_back(
+        fmt::format(R"({{"name": "{}", "label": "{}", "unit": "{}", "factor": {}, "min": {:.17g}, "max": {:.17g}, )"
+                    R"("init": {:.17g}, "isLogarithmic": {}, "controller": {}}})",
+                    x.name, label.text, label.unit, label.factor, x.slider.min, x.slider.max, instrument.value(p),
+                    x.scale == Scale::kLogarithmic, x.controller));
+  }
+  for (const Event& x : instrument.events())
+    events.push_back(fmt::format(R"({{"name": "{}", "label": "{}", "parameter": {}}})", x.name, label_of(x.name).text,
+                                 x.parameter));
+  for (const Preset& x : instrument.presets())
+    presets.push_back(fmt::format(R"({{"name": "{}", "values": [{:.17g}]}})", x.name, fmt::join(x.values, ", ")));
+  std::string keys = "null";
+  if constexpr (requires { instrument.first_key(); })
+    keys = fmt::format("[{}, {}]", instrument.first_key(), Piano::first_key + static_cast<int>(Piano::keys) - 1);
+  return fmt::format(
+      R"({{"name": "{}", "title": "{}", "description": "{}", "keys": {}, "velocity": {}, "parameters": [{}], "events": [{}], )"
+      R"("presets": [{}]}})",
+      instrument.name(), label_of(instrument.name()).text, instrument.description(), keys, kVelocity<I>,
+      fmt::join(parameters, ", "), fmt::join(events, ", "), fmt::join(presets, ", "));
+}
+
+/// I: an Instrument. Its sound is its outputs left_... and right_..., or else the one of number `sound`.
+template <Instrument I, std::size_t sound = 0>
+class PlayableBehind final : public Playable {
+ public:
+  template <typename... Args>
+  explicit PlayableBehind(Args&&... args) : hosted_(std::forward<Args>(args)...) {
+    const std::span<const Output> outputs = hosted_.instrument().outputs();
+    right_ = outputs.size() > 1 && std::string_view(outputs[1].name).starts_with("right_") ? 1 : sound;
+    wanted_.resize(outputs.size());
+  }
+
+  [[nodiscard]] std::string described() const override { return description_of(hosted_.instrument()); }
+  void prepare(double sample_rate_hz) override { hosted_.prepare(sample_rate_hz); }
+  void set(std::size_t parameter, double value) override { hosted_.set(parameter, value); }
+  [[nodiscard]] double velocity() const override { return kVelocity<I>; }
+  void note_on(int key, double velocity) override {
+    const auto part = static_cast<std::uint8_t>(std::clamp(127 * velocity + 0.5, 1.0, 127.0));
+    midi(std::array{std::uint8_t{0x90}, static_cast<std::uint8_t>(key & 127), part});
+  }
+  void note_off(int key) override {
+    midi(std::array{std::uint8_t{0x80}, static_cast<std::uint8_t>(key & 127), std::uint8_t{0}});
+  }
+  void midi(std::span<const std::uint8_t> bytes) override { hosted_.midi(bytes); }
+
+  void process(std::span<float> left, std::span<float> right, std::span<float> force) override {
+    std::ranges::fill(wanted_, nullptr);
+    wanted_[sound] = left.data();
+    if (right_ != sound) wanted_[right_] = right.data();
+    hosted_.process(std::span<float* const>(wanted_), left.size(), force);
+    if (right_ == sound) std::ranges::copy(left, right.begin());
+  }
+
+  [[nodiscard]] const Books* books() const override {
+    if constexpr (requires { hosted_.instrument().books(); })
+      return &hosted_.instrument().books();
+    else
+      return nullptr;
+  }
+  void watch_none() override {
+    if constexpr (requires { hosted_.instrument().watch_none(); }) hosted_.instrument().watch_none();
+  }
+
+ private:
+  Hosted<I> hosted_;
+  std::size_t right_;
+  std::vector<float*> wanted_;  // of the outputs
+};
+
+}  // namespace contactspline::web
