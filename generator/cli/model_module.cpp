@@ -35,8 +35,8 @@ InstrumentModel lists_of(const AnyInstrument<T>& played) {
   model.name = played.name();
   model.description = played.description();
   for (const Parameter& p : played.parameters())
-    model.parameters.push_back({p.name, p.unit, p.allowed, p.slider, p.initial, p.scale, p.acts, p.glide_s,
-                                p.controller, p.step_samples});
+    model.parameters.push_back(
+        {p.name, p.unit, p.allowed, p.slider, p.initial, p.scale, p.acts, p.glide_s, p.controller, p.step_samples});
   for (const Event& e : played.events()) model.events.push_back({e.name, e.kind, e.number, e.parameter});
   for (const Output& o : played.outputs())
     model.outputs.push_back({.name = o.name, .quantity = {}, .targets = {}, .full_scale = o.full_scale});
@@ -48,8 +48,8 @@ InstrumentModel lists_of(const AnyInstrument<T>& played) {
 
 InstrumentModel load_model_module(const std::string& file) {
   const ModelModule& module = module_in(file);
-  InstrumentModel model = module.make_single != nullptr ? lists_of(*module.make_single())
-                                                        : lists_of(*module.make_double());
+  InstrumentModel model =
+      module.make_single != nullptr ? lists_of(*module.make_single()) : lists_of(*module.make_double());
   model.module = &module;
   return model;
 }

@@ -86,3 +86,11 @@ inline std::vector<BadFile> number_cases(const std::string& name, const std::str
 }
 
 }  // namespace contactspline::testing
+
+/// A suite of bad files that `generate` refuses; CONTACTSPLINE_CASES lists them.
+#define CONTACTSPLINE_REFUSED_BY_GENERATE(Suite)             \
+  class Suite : public ::testing::TestWithParam<BadFile> {}; \
+  TEST_P(Suite, IsRefusedInOneLineAndNothingIsWritten) {     \
+    expect_refused_by_generate(GetParam());                  \
+  }                                                          \
+  static_assert(true)

@@ -128,12 +128,7 @@ std::vector<BadFile> key_cases() {
           {"truncated", kGood.substr(0, kGood.size() / 2), "line ", "; allowed: "}};
 }
 
-class BadKeyboardFile : public ::testing::TestWithParam<BadFile> {};
-
-TEST_P(BadKeyboardFile, IsRefusedInOneLineAndNothingIsWritten) {
-  expect_refused_by_generate(GetParam());
-}
-
+CONTACTSPLINE_REFUSED_BY_GENERATE(BadKeyboardFile);
 CONTACTSPLINE_CASES(Number, BadKeyboardFile, all_number_cases());
 CONTACTSPLINE_CASES(Key, BadKeyboardFile, key_cases());
 

@@ -252,12 +252,7 @@ std::vector<BadFile> key_cases() {
   return cases;
 }
 
-class BadResonatorFile : public ::testing::TestWithParam<BadFile> {};
-
-TEST_P(BadResonatorFile, IsRefusedInOneLineAndNothingIsWritten) {
-  expect_refused_by_generate(GetParam());
-}
-
+CONTACTSPLINE_REFUSED_BY_GENERATE(BadResonatorFile);
 CONTACTSPLINE_CASES(Number, BadResonatorFile, all_number_cases());
 CONTACTSPLINE_CASES(Key, BadResonatorFile, key_cases());
 

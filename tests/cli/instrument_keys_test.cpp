@@ -106,11 +106,7 @@ std::vector<BadFile> cases() {
   return cases;
 }
 
-class BadKeys : public ::testing::TestWithParam<BadFile> {};
-
-TEST_P(BadKeys, AreRefusedInOneLineAndNothingIsWritten) {
-  expect_refused_by_generate(GetParam());
-}
+CONTACTSPLINE_REFUSED_BY_GENERATE(BadKeys);
 CONTACTSPLINE_CASES(Number, BadKeys, all_number_cases());
 CONTACTSPLINE_CASES(Key, BadKeys, cases());
 

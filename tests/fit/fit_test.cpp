@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <set>
 
 #include "fit/measured_impacts.hpp"
 #include "support/compare.hpp"
@@ -29,11 +30,13 @@ bool holds(const Estimate& estimate, double value) {
 
 /// The largest errors of many fits, and how often the intervals hold the true values.
 struct Tally {
+  std::set<std::string> chosen;  ///< law and loss
   double exponent = 0, force = 0, loss = 0;
   int fits = 0, exponents_held = 0, stiffnesses_held = 0, losses_held = 0;
 
   void add(const Fit& fit, const TrueMaterial& truth) {
     ++fits;
+    chosen.insert(fit.law + " " + fit.loss);
     const double half = fit.max_compression_m / 2;
     const PowerLaw found{fit.stiffness.value, fit.exponent.value};
     exponent = std::max(exponent, std::abs(found.exponent - truth.law.exponent));
@@ -67,22 +70,36 @@ void expect_all_held(const Tally& tally) {
   expect_held(tally.losses_held, tally.fits);
 }
 
+struct Measured {
+  TrueMaterial truth;
+  Measurements measurements;
+};
+
+/// Fits random materials. measure(random): a material and what is measured of it.
+template <typename Measure>
+Tally tally_of(std::uint64_t seed, Measure measure) {
+  Tally tally;
+  for (int i = 0; i < materials(); ++i) {
+    Random random(seed + static_cast<std::uint64_t>(i));
+    const Measured measured = measure(random);
+    tally.add(fit_of(measured.measurements), measured.truth);
+  }
+  tally.print();
+  return tally;
+}
+
 // Contacts of 5 to 10 ms at 2 m/s, exponents from 1.6 to 2.5. Shorter ones have fewer samples, and all errors grow
 // with the root of that.
 TEST(Fit, FindsRandomMaterialsFromEightPulses) {
-  Tally tally;
-  for (int i = 0; i < materials(); ++i) {
-    Random random(static_cast<std::uint64_t>(i) + 1);
+  const Tally tally = tally_of(1, [](Random& random) {
     const TrueMaterial truth = lasting(random.log_between(5e-3, 10e-3), random.between(1.6, 2.5),
                                        random.between(0.1, 0.2), random.log_between(2e-3, 2e-2));
     Measurements measured = measurements_of(truth);
     measured.losses = {"none", "hunt_crossley"};
     measured.pulses = pulses_of(truth, 8, 0.2, 6, 0.01, random);
-    const Fit fit = fit_of(measured);
-    EXPECT_EQ(fit.law + " " + fit.loss, "power hunt_crossley");
-    tally.add(fit, truth);
-  }
-  tally.print();
+    return Measured{truth, measured};
+  });
+  EXPECT_EQ(tally.chosen, std::set<std::string>{"power hunt_crossley"});
   EXPECT_LT(tally.exponent, 0.01);
   EXPECT_LT(tally.force, 0.005);
   EXPECT_LT(tally.loss, 0.03);
@@ -91,26 +108,21 @@ TEST(Fit, FindsRandomMaterialsFromEightPulses) {
 
 // What the pulses of stiff hammers allow is less; the intervals say so.
 TEST(Fit, SaysHowWellShortPulsesAreKnown) {
-  Tally tally;
-  for (int i = 0; i < materials(); ++i) {
-    Random random(static_cast<std::uint64_t>(i) + 1000);
+  const Tally tally = tally_of(1000, [](Random& random) {
     const TrueMaterial truth = lasting(random.log_between(0.7e-3, 3e-3), random.between(1.6, 4),
                                        random.between(0.03, 0.3), random.log_between(2e-3, 2e-2));
     Measurements measured = measurements_of(truth);
     measured.losses = {"none", "hunt_crossley"};
     measured.pulses = pulses_of(truth, 5, 0.5, 4, 0.01, random);
-    tally.add(fit_of(measured), truth);
-  }
-  tally.print();
+    return Measured{truth, measured};
+  });
   expect_all_held(tally);
 }
 
 // ln T falls with ln v by (a - 1)/(a + 1). With n values of 1 % over a ratio R of speeds, its deviation is
 // 0.01 sqrt(12/n)/ln R, and that of the exponent (a + 1)^2/2 times as much: 0.0027 here for an exponent of 2.5.
 TEST(Fit, FindsTheExponentFromDurationsAlone) {
-  Tally tally;
-  for (int i = 0; i < materials(); ++i) {
-    Random random(static_cast<std::uint64_t>(i) + 2000);
+  const Tally tally = tally_of(2000, [](Random& random) {
     const TrueMaterial truth =
         lasting(random.log_between(1e-3, 6e-3), random.between(1.5, 2.5), 0, random.log_between(2e-3, 2e-1));
     Measurements measured = measurements_of(truth);
@@ -122,9 +134,8 @@ TEST(Fit, FindsTheExponentFromDurationsAlone) {
       measured.rows.push_back(
           {"rows", speed, truth.law.contact_duration(truth.mass_kg, speed) * (1 + 0.01 * normal(random)), {}, {}});
     }
-    tally.add(fit_of(measured), truth);
-  }
-  tally.print();
+    return Measured{truth, measured};
+  });
   EXPECT_LT(tally.exponent, 0.01);
   expect_held(tally.exponents_held, tally.fits);
 }

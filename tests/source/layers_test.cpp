@@ -35,10 +35,16 @@ const Tree kGenerator{"generator",
                        {"player", 7},
                        {"dataset", 8},
                        {"cli", 9}}};
-const Tree kRuntime{
-    "runtime/contactspline",
-    R"(#include "(contactspline/[^"]+)\")",
-    {{"step", 1}, {"simd", 2}, {"modal", 3}, {"network", 4}, {"models", 5}, {"tangent", 6}, {"instrument", 6}, {"host", 7}}};
+const Tree kRuntime{"runtime/contactspline",
+                    R"(#include "(contactspline/[^"]+)\")",
+                    {{"step", 1},
+                     {"simd", 2},
+                     {"modal", 3},
+                     {"network", 4},
+                     {"models", 5},
+                     {"tangent", 6},
+                     {"instrument", 6},
+                     {"host", 7}}};
 
 std::vector<SourceFile> files_of(const Tree& tree) {
   return source_files({tree.folder}, {".cpp", ".hpp"});

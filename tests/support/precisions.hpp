@@ -11,7 +11,7 @@ using Precisions = ::testing::Types<double, float>;
 }  // namespace contactspline::testing
 
 /// Declares a suite of TYPED_TESTs; TypeParam is the precision.
-#define CONTACTSPLINE_EACH_PRECISION(Suite)    \
-  template <typename T>                        \
-  class Suite : public ::testing::Test {};     \
+#define CONTACTSPLINE_EACH_PRECISION(Suite) \
+  template <typename T>                     \
+  class Suite : public ::testing::Test {};  \
   TYPED_TEST_SUITE(Suite, ::contactspline::testing::Precisions)

@@ -56,25 +56,16 @@ constexpr auto find_if(Range&& range, Predicate holds, Projection projection = {
                       [&](const auto& element) { return std::invoke(holds, std::invoke(projection, element)); });
 }
 
-template <typename Range, typename Predicate>
-constexpr bool any_of(Range&& range, Predicate holds) {
-  return std::any_of(std::begin(range), std::end(range), std::ref(holds));
-}
-
-template <typename Range, typename Predicate>
-constexpr bool all_of(Range&& range, Predicate holds) {
-  return std::all_of(std::begin(range), std::end(range), std::ref(holds));
-}
-
-template <typename Range, typename Predicate>
-constexpr bool none_of(Range&& range, Predicate holds) {
-  return std::none_of(std::begin(range), std::end(range), std::ref(holds));
-}
-
-template <typename Range, typename Predicate>
-constexpr auto count_if(Range&& range, Predicate holds) {
-  return std::count_if(std::begin(range), std::end(range), std::ref(holds));
-}
+#define CONTACTSPLINE_ALGORITHM(name)                                      \
+  template <typename Range, typename Predicate>                            \
+  constexpr auto name(Range&& range, Predicate holds) {                    \
+    return std::name(std::begin(range), std::end(range), std::ref(holds)); \
+  }
+CONTACTSPLINE_ALGORITHM(any_of)
+CONTACTSPLINE_ALGORITHM(all_of)
+CONTACTSPLINE_ALGORITHM(none_of)
+CONTACTSPLINE_ALGORITHM(count_if)
+#undef CONTACTSPLINE_ALGORITHM
 
 template <typename Range, typename Value, typename Projection = identity>
 constexpr auto count(Range&& range, const Value& value, Projection projection = {}) {

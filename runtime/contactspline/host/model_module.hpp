@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A model of a user's own in a shared library, which `contactspline render SCORE --instrument FILE.so` plays. The CMake
-// function contactspline_model makes such a library of a class (docs/how-to/model.md).
+// A model of a user's own in a shared library, which `contactspline render SCORE --instrument FILE.so` plays. The
+// CMake function contactspline_model makes such a library of a class (docs/how-to/model.md).
 #pragma once
 
 #include "contactspline/step/cpp20.hpp"

@@ -215,8 +215,12 @@ class ModalBank {
     return displacement_[mode];
   }
   /// Displacement of each mode, and its change over the last sample [m].
-  [[nodiscard]] constexpr std::span<const T> displacements() const { return {displacement_.data(), size()}; }
-  [[nodiscard]] constexpr std::span<const T> changes() const { return {change_.data(), size()}; }
+  [[nodiscard]] constexpr std::span<const T> displacements() const {
+    return {displacement_.data(), size()};
+  }
+  [[nodiscard]] constexpr std::span<const T> changes() const {
+    return {change_.data(), size()};
+  }
 
   /// Displacement of a mode per static force [m/N].
   [[nodiscard]] double compliance(std::size_t mode) const {
