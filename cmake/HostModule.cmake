@@ -1,7 +1,7 @@
 # contactspline_host_module(NAME HEADER FOLDER): the module of hosts/NAME, contactspline_NAME, if the host's header is found,
 # which sets contactspline_NAME_INCLUDE_DIR. FOLDER: where it is installed, below the prefix.
 function(contactspline_host_module name header folder)
-  find_path(CONTACTSPLINE_${name}_INCLUDE_DIR ${header} PATH_SUFFIXES pd)
+  find_path(CONTACTSPLINE_${name}_INCLUDE_DIR ${header} PATH_SUFFIXES pd SuperCollider/plugin_interface)
   if(NOT CONTACTSPLINE_${name}_INCLUDE_DIR)
     message(STATUS "hosts/${name} is not built: ${header} was not found")
     return()

@@ -63,6 +63,14 @@ class WiredInstrument {
     return {};
   }
 
+  /// Names of all, which allocates.
+  [[nodiscard]] std::vector<std::string> parameters() const {
+    return names(contactspline_parameter_count(get()), contactspline_parameter_at);
+  }
+  [[nodiscard]] std::vector<std::string> events() const {
+    return names(contactspline_event_count(get()), contactspline_event_at);
+  }
+
   [[nodiscard]] double value(std::size_t parameter) const { return contactspline_get(get(), parameter); }
   void set(std::size_t parameter, double value) { contactspline_set(get(), parameter, value); }
 
@@ -138,6 +146,13 @@ class WiredInstrument {
     for (std::size_t i = 0; i < count; ++i)
       if (name == at(get(), i)->name) return i;
     return {};
+  }
+
+  template <typename At>
+  [[nodiscard]] std::vector<std::string> names(std::size_t count, At at) const {
+    std::vector<std::string> list;
+    for (std::size_t i = 0; i < count; ++i) list.emplace_back(at(get(), i)->name);
+    return list;
   }
 
   [[nodiscard]] std::size_t side(std::string_view beginning, std::size_t otherwise) const {

@@ -5,6 +5,7 @@ REFERENCE FOLDER runs a case: page, samples, parameters, hostile, lifetimes, ref
 import os
 import random
 import shutil
+import struct
 import subprocess
 import sys
 from pathlib import Path
@@ -79,12 +80,13 @@ def as_single(value):
 def random_performance(instrument, draw, blocks):
     """Notes, strikes, plucks and values at different blocks; each key goes up again."""
     performance, down = [], {}
-    for index in range(2, blocks):
+    for index in range(3, blocks):
         at = index * BLOCK
         for key in [key for key, end in down.items() if end == index]:
             performance.append((at, "note", key, 0))
             del down[key]
-        if performance and performance[-1][0] == at or draw.random() < 0.5:
+        # A trigger falls for a block before it rises again.
+        if performance and performance[-1][0] >= at - BLOCK * (performance[-1][1] == "play") or draw.random() < 0.5:
             continue
         kind = draw.choice(["note", "set", "play"])
         if kind == "set" or kind == "play" and not instrument.events:
@@ -117,6 +119,15 @@ def require_equal(expected, sound, precision, what):
         sys.exit(f"{what}: tap {tap}, sample {sample}: {sound[tap, sample]!r} instead of {expected[tap, sample]!r}")
     if not np.abs(expected[2:-1]).max() > 0:
         sys.exit(f"{what}: silent")
+
+
+def write_wav(path, channels_):
+    """A WAV file of single precision with any values, not numbers, too."""
+    data = np.ascontiguousarray(channels_.T, "<f4").tobytes()
+    count = channels_.shape[0]
+    form = struct.pack("<HHIIHH", 3, count, RATE, RATE * 4 * count, 4 * count, 32)
+    parts = b"WAVEfmt " + struct.pack("<I", len(form)) + form + b"data" + struct.pack("<I", len(data)) + data
+    Path(path).write_bytes(b"RIFF" + struct.pack("<I", len(parts)) + parts)
 
 
 class HostTest:

@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: MIT
 """The object in Pd itself, pd -batch: see host_test.py."""
 import random
-import struct
 import sys
 from pathlib import Path
 
-from host_test import BLOCK, HOSTILE, HostTest, Instrument, RATE, as_single, channels, need, require_pitch, run
+from host_test import BLOCK, HOSTILE, HostTest, Instrument, RATE, as_single, channels, need, require_pitch, run, write_wav
 from sound import block
 import numpy as np
 
@@ -29,15 +28,6 @@ class Patch:
 
     def write(self, name):
         Path(name).write_text("\n".join(self.lines + self.connections) + "\n")
-
-
-def write_wav(path, channels_):
-    """A WAV file of single precision with any values, not numbers, too."""
-    data = np.ascontiguousarray(channels_.T, "<f4").tobytes()
-    count = channels_.shape[0]
-    form = struct.pack("<HHIIHH", 3, count, RATE, RATE * 4 * count, 4 * count, 32)
-    parts = b"WAVEfmt " + struct.pack("<I", len(form)) + form + b"data" + struct.pack("<I", len(data)) + data
-    Path(path).write_bytes(b"RIFF" + struct.pack("<I", len(parts)) + parts)
 
 
 class PdTest(HostTest):

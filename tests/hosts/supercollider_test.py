@@ -1,0 +1,221 @@
+# SPDX-License-Identifier: MIT
+"""The unit generator in SuperCollider's server itself, scsynth -N, and its classes in sclang: see host_test.py."""
+import os
+import random
+import re
+import struct
+import sys
+from pathlib import Path
+
+from host_test import BLOCK, HOSTILE, HostTest, Instrument, RATE, channels, need, require_pitch, run, write_wav
+from sound import block
+import numpy as np
+
+SCALAR, CONTROL, AUDIO, DEMAND = range(4)
+KEYS = range(55, 75)
+
+
+class SynthDef:
+    """A definition of units, and its file. An input is a number or a pair of unit and output."""
+
+    def __init__(self, name):
+        self.name, self.constants, self.controls, self.units = name, [], {}, []
+
+    def unit(self, kind, rate, inputs, outputs=1):
+        self.units.append((kind, rate, inputs, outputs))
+        return len(self.units) - 1
+
+    def add_controls(self, values, kind="Control"):
+        """A unit of controls with names and first values: what stands for each."""
+        first = len(self.controls)
+        self.controls.update(values)
+        unit = self.unit(kind, CONTROL, [], len(values))
+        self.units[unit] += (first,)
+        return {name: (unit, output) for output, name in enumerate(values)}
+
+    def bytes(self):
+        def text(word):
+            return bytes([len(word)]) + word.encode()
+
+        def constant(value):
+            self.constants.append(value)
+            return len(self.constants) - 1
+
+        units = b""
+        for kind, rate, inputs, outputs, *special in self.units:
+            units += text(kind) + struct.pack(">biih", rate, len(inputs), outputs, *(special or [0]))
+            for value in inputs:
+                units += struct.pack(">ii", *(value if isinstance(value, tuple) else (-1, constant(value))))
+            units += bytes([rate]) * outputs
+        values, names = self.controls.values(), self.controls
+        return (b"SCgf" + struct.pack(">ih", 2, 1) + text(self.name)
+                + struct.pack(f">i{len(self.constants)}f", len(self.constants), *self.constants)
+                + struct.pack(f">i{len(values)}f", len(values), *values)
+                + struct.pack(">i", len(names)) + b"".join(text(n) + struct.pack(">i", i) for i, n in enumerate(names))
+                + struct.pack(">i", len(self.units)) + units + struct.pack(">h", 0))
+
+
+def spelled(word):
+    return [len(word), *word.encode()]
+
+
+def message(*words):
+    """A message of Open Sound Control."""
+    def padded(data):
+        return data + b"\0" * (4 - len(data) % 4)
+
+    kinds = {int: (b"i", lambda x: struct.pack(">i", x)), float: (b"f", lambda x: struct.pack(">f", x)),
+             str: (b"s", lambda x: padded(x.encode())),
+             bytes: (b"b", lambda x: struct.pack(">i", len(x)) + x + b"\0" * (-len(x) % 4))}
+    tags = b"," + b"".join(kinds[type(word)][0] for word in words[1:])
+    return padded(words[0].encode()) + padded(tags) + b"".join(kinds[type(word)][1](word) for word in words[1:])
+
+
+class SuperColliderTest(HostTest):
+    precision = "single"
+
+    def first_values(self, instrument):
+        return instrument.rounded()
+
+    def scsynth(self, score, count, samples, inputs=None):
+        """Plays a score of (sample, message) in non-real time: what the server prints, and its outputs."""
+        with open("score.osc", "wb") as file:
+            for at, data in [*score, (samples, message("/c_set", 0, 0))]:
+                # Into the middle of a block: times are rounded.
+                seconds = (at + BLOCK // 2) / RATE if at > 0 else 0
+                bundle = b"#bundle\0" + struct.pack(">Q", int(seconds * 2**32)) + struct.pack(">i", len(data)) + data
+                file.write(struct.pack(">i", len(bundle)) + bundle)
+        plugins = ":".join([str(Path(self.module).parent), "/usr/lib/SuperCollider/plugins"])
+        printed = run("scsynth", "-N", "score.osc", inputs or "_", "test.wav", str(RATE), "WAV", "float", "-o", str(count),
+                      "-i", "32", "-D", "0", "-U", plugins)
+        return printed, np.array(channels("test.wav"))
+
+    def render(self, instrument, taps, performance, samples):
+        definition = SynthDef("test")
+        slots = definition.add_controls({f"gate{key}": 0 for key in KEYS} | {f"velocity{key}": 0 for key in KEYS}
+                                        | {f"value_{event}": 0 for event in instrument.events}
+                                        | {name: initial for name, (_, _, initial) in instrument.parameters.items()})
+        triggers = definition.add_controls({f"{kind}_{event}": 0 for event in instrument.events for kind in ("plain", "play")}
+                                           or {"unused": 0}, "TrigControl")
+        inputs = spelled(instrument.name) + [len(taps)] + sum(map(spelled, taps), []) + [len(KEYS)]
+        for key in KEYS:
+            inputs += [slots[f"gate{key}"], key, slots[f"velocity{key}"]]
+        inputs += [2 * len(instrument.events)]
+        for event in instrument.events:
+            inputs += spelled(event) + [triggers[f"plain_{event}"], 0, 0]
+            inputs += spelled(event) + [triggers[f"play_{event}"], 1, slots[f"value_{event}"]]
+        inputs += [len(instrument.parameters)]
+        for parameter in instrument.parameters:
+            inputs += spelled(parameter) + [slots[parameter]]
+        unit = definition.unit("ContactInstrument", AUDIO, inputs, len(taps))
+        definition.unit("Out", AUDIO, [0, *[(unit, tap) for tap in range(len(taps))]], 0)
+        score = [(0, message("/d_recv", definition.bytes())), (0, message("/s_new", "test", 1000, 0, 0))]
+        for at, kind, *words in performance:
+            if kind == "set":
+                sets = [words[0], words[1]]
+            elif kind == "note":
+                sets = [f"velocity{words[0]}", float(words[1]), f"gate{words[0]}", float(words[1] > 0)]
+            else:
+                sets = [f"plain_{words[0]}", 1.0] if words[1] is None else [f"value_{words[0]}", words[1], f"play_{words[0]}", 1.0]
+            score.append((at, message("/n_set", 1000, *sets)))
+        printed, sound = self.scsynth(score, len(taps), samples)
+        assert "contactspline:" not in printed and "FAILURE" not in printed, printed
+        return sound
+
+    def sclang(self, code):
+        """Runs code with the classes of the build: what it prints."""
+        Path("conf.yaml").write_text(f"includePaths:\n  - {Path(self.module).parent}/classes\nexcludePaths: []\npostInlineWarnings: false\n")
+        Path("test.scd").write_text(f"{code}\n0.exit;\n")
+        os.environ |= {"QT_QPA_PLATFORM": "offscreen", "HOME": os.getcwd(), "XDG_RUNTIME_DIR": os.getcwd(), "QTWEBENGINE_DISABLE_SANDBOX": "1"}
+        return run("sclang", "-D", "-l", "conf.yaml", "test.scd")
+
+    def page(self):
+        """The page's function and the example of each class, compiled by sclang; its pitch in scsynth."""
+        need("sclang")
+        function = re.search(r"(\{.*\})\.play", block("supercollider.md", "supercollider")).group(1)
+        helps = Path(self.module).parent / "HelpSource/Classes"
+        examples = [example for page in sorted(helps.glob("*.schelp"))
+                    for example in re.findall(r"(\{(?:[^{}]|\n)*\})\.play", page.read_text())]
+        assert len(examples) >= 16, len(examples)
+        code = "".join(f'SynthDef("d{i}", {{ Out.ar(0, ({example}).value) }}).writeDefFile("{os.getcwd()}");\n'
+                       for i, example in enumerate([function, *examples]))
+        printed = self.sclang(code)
+        assert "ERROR" not in printed, printed
+        for i in range(len(examples) + 1):
+            data = Path(f"d{i}.scsyndef").read_bytes()
+            score = [(0, message("/d_recv", data)), (0, message("/s_new", f"d{i}", 1000, 0, 0))]
+            printed, sound = self.scsynth(score, 2, 2 * RATE)
+            assert np.isfinite(sound).all() and np.abs(sound).max() > 1e-4 and "contactspline:" not in printed, (i, printed)
+            if i == 0:
+                require_pitch([list(channel[:2 * RATE]) for channel in sound])
+
+    def hostile(self):
+        """A million values at random, at audio rate, in gates, keys, velocities, triggers, values and parameters."""
+        count, rounds = 0, 30016
+        for name in ("hammer_string", "slide_string", "fret_string", "snare", "piano", "slap_bass"):
+            instrument, draw = Instrument(self.reference, name), random.Random(name)
+            wires = 5 + len(instrument.parameters)
+            values = np.array([[draw.choice(HOSTILE) if draw.random() < 0.5 else draw.uniform(-2, 2) for _ in range(rounds)]
+                               for _ in range(wires)], np.float32)
+            values[1] = np.where(np.arange(rounds) % 2 == 0, 60, values[1])
+            write_wav("values.wav", values)
+            definition = SynthDef("test")
+            source = definition.unit("In", AUDIO, [3], wires)  # the server's inputs follow its outputs
+            signal = [(source, wire) for wire in range(wires)]
+            inputs = spelled(name) + [3] + spelled("left") + spelled("force_n") + spelled("energy_j") + [1] + signal[:3]
+            inputs += [len(instrument.events)]
+            for event in instrument.events:
+                inputs += spelled(event) + [signal[3], 1, signal[4]]
+            inputs += [len(instrument.parameters)]
+            for parameter, wire in zip(instrument.parameters, signal[5:]):
+                inputs += spelled(parameter) + [wire]
+            unit = definition.unit("ContactInstrument", AUDIO, inputs, 3)
+            definition.unit("Out", AUDIO, [0, (unit, 0), (unit, 1), (unit, 2)], 0)
+            score = [(0, message("/d_recv", definition.bytes())), (0, message("/s_new", "test", 1000, 0, 0))]
+            printed, sound = self.scsynth(score, 3, rounds - BLOCK, "values.wav")
+            assert "contactspline:" not in printed, printed
+            assert np.isfinite(sound).all() and np.abs(sound).max() > 0, name
+            count += values.size
+        print(count, "values")
+        assert count >= 1000000, count
+
+    def lifetimes(self):
+        """100 synths begin and end at random, more than one at a time."""
+        draw, score = random.Random(5), []
+        names = ["piano", "tom", "hammer_string", "tanpura"]
+        for name in names:
+            definition = SynthDef(name)
+            inputs = spelled(name) + [1] + spelled("left") + [1, 1, 60, 0.7, 0, 0]
+            definition.unit("Out", AUDIO, [0, (definition.unit("ContactInstrument", AUDIO, inputs), 0)], 0)
+            score.append((0, message("/d_recv", definition.bytes())))
+        events = []
+        for node in range(1000, 1100):
+            begin = draw.randrange(1, 3000) * BLOCK
+            events += [(begin, message("/s_new", draw.choice(names), node, 0, 0)),
+                       (begin + draw.randrange(1, 600) * BLOCK, message("/n_free", node))]
+        printed, sound = self.scsynth(score + sorted(events, key=lambda row: row[0]), 1, 3600 * BLOCK)
+        assert np.isfinite(sound).all() and np.abs(sound).max() > 0.01 and "FAILURE" not in printed, printed
+        assert np.abs(sound[0, -2 * BLOCK:]).max() == 0
+
+    def refusals(self):
+        end = [0, 0, 0]
+        for inputs, said in [
+            (spelled("harpsichord") + [1] + spelled("left") + end, "harpsichord: INSTRUMENT: no such instrument ships"),
+            (spelled("tom") + [1] + spelled("sound") + end, "output: there is none of the name sound"),
+            (spelled("tom") + [1] + spelled("left") + [0, 1] + spelled("strike") + [1, 0, 0, 0], "event: there is none of the name strike"),
+            (spelled("tom") + [1] + spelled("left") + [0, 0, 1] + spelled("bend") + [1], "parameter: there is none of the name bend"),
+            (spelled("tom") + [1] + spelled("left") + [0, 0], "its inputs are damaged"),
+            ([float("nan")] + [1] + spelled("left") + end, "its inputs are damaged"),
+            ([1e30, 65], "its inputs are damaged"),
+            (spelled("tom") + [2] + spelled("left") * 2 + end, "its inputs are damaged"),
+        ]:
+            definition = SynthDef("test")
+            definition.unit("Out", AUDIO, [0, (definition.unit("ContactInstrument", AUDIO, inputs), 0)], 0)
+            printed, sound = self.scsynth([(0, message("/d_recv", definition.bytes())), (0, message("/s_new", "test", 1000, 0, 0))], 1, 640)
+            if said not in printed:
+                sys.exit(f"not said: {said}\n{printed}")
+            assert (sound == 0).all()
+
+
+need("scsynth")
+SuperColliderTest().main()
