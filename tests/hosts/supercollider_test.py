@@ -122,6 +122,27 @@ class SuperColliderTest(HostTest):
         assert "contactspline:" not in printed and "FAILURE" not in printed, printed
         return sound
 
+    def demand(self):
+        """Keys and a parameter at demand rate move when the gate rises; streams that have ended move nothing."""
+        definition = SynthDef("test")
+        gate = definition.add_controls({"gate": 0})["gate"]
+        keys = (definition.unit("Dseq", DEMAND, [1, 60, 64, 67]), 0)
+        stiffness = (definition.unit("Dseq", DEMAND, [1, 2, 0.5]), 0)
+        inputs = (spelled("piano") + [2] + spelled("left") + spelled("right") + [1, gate, keys, 0.75, 0, 1]
+                  + spelled("stiffness_ratio") + [stiffness])
+        unit = definition.unit("ContactInstrument", AUDIO, inputs, 2)
+        definition.unit("Out", AUDIO, [0, (unit, 0), (unit, 1)], 0)
+        score, performance = [(0, message("/d_recv", definition.bytes())), (0, message("/s_new", "test", 1000, 0, 0))], []
+        for turn, (key, ratio) in enumerate([(60, 2.0), (64, 0.5), (67, None), (None, None)]):
+            at, end = (1 + 20 * turn) * BLOCK, (11 + 20 * turn) * BLOCK
+            score += [(at, message("/n_set", 1000, "gate", 1.0)), (end, message("/n_set", 1000, "gate", 0.0))]
+            performance += [(at, "set", "stiffness_ratio", ratio)] * (ratio is not None)
+            performance += [(at, "note", key, 0.75), (end, "note", key, 0)] * (key is not None)
+        expected = Instrument(self.reference, "piano").play("single", performance, 100 * BLOCK)
+        _, sound = self.scsynth(score, 2, 100 * BLOCK)
+        assert np.abs(expected[:2]).max() > 0
+        assert np.array_equal(sound[:, :100 * BLOCK].astype(np.float32), expected[:2])
+
     def sclang(self, code):
         """Runs code with the classes of the build: what it prints."""
         Path("conf.yaml").write_text(f"includePaths:\n  - {Path(self.module).parent}/classes\nexcludePaths: []\npostInlineWarnings: false\n")
