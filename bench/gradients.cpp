@@ -24,7 +24,7 @@ constexpr double kRate = 44100;
 constexpr std::size_t kSamples = 44100;
 double computed = 0;  // so that nothing is left out
 
-Strike<double> strike() {
+HammerStrike<double> strike() {
   const auto& felt = segments_of<Felt, double>;
   return {felt,
           modes_in<String>,
@@ -50,7 +50,7 @@ std::array<StrikeNumbers<double>, P> directions(bool of_string) {
 }
 
 void play_by_tick() {
-  const Strike<double> s = strike();
+  const HammerStrike<double> s = strike();
   auto model = detail::struck(s, kRate);
   for (std::size_t n = 0; n < kSamples; ++n) {
     model.tick(s.controls);
@@ -59,7 +59,7 @@ void play_by_tick() {
 }
 
 void play_by_process() {
-  const Strike<double> s = strike();
+  const HammerStrike<double> s = strike();
   auto model = detail::struck(s, kRate);
   std::vector<double> out(256);
   for (std::size_t n = 0; n < kSamples; n += out.size()) model.process(s.controls, s.output, out);

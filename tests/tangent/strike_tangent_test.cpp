@@ -37,7 +37,7 @@ struct StruckAtRandom {
     modes = bare(rows);
   }
 
-  [[nodiscard]] Strike<double> strike() const {
+  [[nodiscard]] HammerStrike<double> strike() const {
     return {SegmentTable<double>(felt.table),
             modes,
             shapes(strike_m),
@@ -198,7 +198,7 @@ TEST(StrikeTangent, PlaysTheModel) {
   Random random(3);
   for (int i = 0; i < 10; ++i) {
     const StruckAtRandom struck(random);
-    const Strike<double> strike = struck.strike();
+    const HammerStrike<double> strike = struck.strike();
     auto model = detail::struck(strike, struck.kRate);
     std::vector<double> expected(6000), found;
     model.process(strike.controls, strike.output, expected);

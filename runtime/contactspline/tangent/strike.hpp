@@ -21,7 +21,7 @@ namespace contactspline {
 /// A hammer thrown at a resonator at rest, and its output: the sum of output shape times modal displacement. Felt,
 /// modes and memories must outlive it.
 template <std::floating_point T>
-struct Strike {
+struct HammerStrike {
   SegmentTable<T> felt;
   std::span<const Mode> modes;
   ModeShapes<T> strike, output;
@@ -102,7 +102,7 @@ struct StrikeModes {
   ModeLines<T> strike, output;    ///< shapes
   T admittance = 0;               ///< of the string at the strike [m/N]
 
-  StrikeModes(const Strike<T>& of, double sample_rate_hz)
+  StrikeModes(const HammerStrike<T>& of, double sample_rate_hz)
       : gain(1 / (1 + of.controls.damping_per_s / static_cast<T>(sample_rate_hz))),
         keep(of.modes.size()),
         pull(of.modes.size()),
@@ -123,7 +123,7 @@ struct StrikeModes {
 };
 
 template <std::floating_point T>
-[[nodiscard]] HammerString<T> struck(const Strike<T>& strike, double sample_rate_hz) {
+[[nodiscard]] HammerString<T> struck(const HammerStrike<T>& strike, double sample_rate_hz) {
   HammerString<T> model(strike.felt, strike.modes, strike.strike, sample_rate_hz, strike.memories);
   model.strike(strike.velocity_m_per_s, strike.distance_m);
   return model;

@@ -34,7 +34,7 @@ struct StrikeSample {
 template <std::floating_point T>
 class StrikeBackwards {
  public:
-  StrikeBackwards(const Strike<T>& strike, double sample_rate_hz, std::size_t block)
+  StrikeBackwards(const HammerStrike<T>& strike, double sample_rate_hz, std::size_t block)
       : strike_(strike),
         rate_(sample_rate_hz),
         dt_(static_cast<T>(1 / sample_rate_hz)),
@@ -277,7 +277,7 @@ class StrikeBackwards {
     }
   }
 
-  const Strike<T>& strike_;
+  const HammerStrike<T>& strike_;
   double rate_;
   T dt_;
   StrikeModes<T> modes_;
@@ -300,7 +300,7 @@ class StrikeBackwards {
 /// them. force_weights: as many as output_weights, or none. It plays the flight of the hammer twice and goes back
 /// once through everything; memory grows with the square root of the flight's length.
 template <std::floating_point T>
-[[nodiscard]] StrikeNumbers<T> strike_gradient(const Strike<T>& strike, double sample_rate_hz,
+[[nodiscard]] StrikeNumbers<T> strike_gradient(const HammerStrike<T>& strike, double sample_rate_hz,
                                                std::span<const T> output_weights,
                                                std::span<const T> force_weights = {}) {
   const std::size_t samples = output_weights.size();

@@ -25,7 +25,8 @@ class StrikeTangent {
   using Number = Dual<T, P>;
 
   /// directions: one for each parameter.
-  StrikeTangent(const Strike<T>& strike, double sample_rate_hz, const std::array<StrikeNumbers<T>, P>& directions)
+  StrikeTangent(const HammerStrike<T>& strike, double sample_rate_hz,
+                const std::array<StrikeNumbers<T>, P>& directions)
       : model_(detail::struck(strike, sample_rate_hz)),
         modes_(strike, sample_rate_hz),
         contact_(strike.felt, strike.memories, sample_rate_hz, contacts_of(directions)),
@@ -93,7 +94,8 @@ class StrikeTangent {
     T admittance = 0;
 
     Tangent() = default;
-    Tangent(const Strike<T>& of, const detail::StrikeModes<T>& modes, double rate, const StrikeNumbers<T>& direction)
+    Tangent(const HammerStrike<T>& of, const detail::StrikeModes<T>& modes, double rate,
+            const StrikeNumbers<T>& direction)
         : displacement(of.modes.size()),
           increment(of.modes.size()),
           keep(of.modes.size()),
