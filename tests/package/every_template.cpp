@@ -57,6 +57,10 @@
 #include "contactspline/resonators/string_c4.hpp"
 #include "contactspline/step/live_exponent.hpp"
 #include "contactspline/step/memory.hpp"
+#include "contactspline/tangent/contact_tangent.hpp"
+#include "contactspline/tangent/mass_barrier_tangent.hpp"
+#include "contactspline/tangent/strike_gradient.hpp"
+#include "contactspline/tangent/strike_tangent.hpp"
 
 namespace contactspline {
 
@@ -67,6 +71,16 @@ using Felt = materials::felt_c4;
   template struct ContactControls<T>;                                                                           \
   template struct Segment<T>;                                                                                   \
   template class ContactMemory<T>;                                                                              \
+  template struct Dual<T, 3>;                                                                                   \
+  template struct detail::MemoryDesign<Dual<T, 3>>;                                                             \
+  template class detail::RememberedForces<Dual<T, 3>>;                                                          \
+  template class detail::ContactPath<T>;                                                                        \
+  template struct detail::ContactSlopes<T>;                                                                     \
+  template class detail::StrikeBackwards<T>;                                                                    \
+  template class ContactTangent<T, 3>;                                                                          \
+  template class MassBarrierTangent<T, 3>;                                                                      \
+  template class StrikeTangent<T, 3>;                                                                           \
+  template T derivative(const StrikeNumbers<T>&, const StrikeNumbers<T>&);                                      \
   template class detail::TableLessLine<T>;                                                                      \
   template class detail::ContactTableStorage<T>;                                                                \
   template class detail::StrikeConstantsStorage<T>;                                                             \
@@ -123,5 +137,9 @@ template class SlideString<float, segments_of<Felt, float>.size(), String::modes
 
 template const std::array<Segment<float>, Felt::segments + 1> segments_of<Felt, float>;
 template const std::array<Mode, String::modes> modes_in<String>;
+template StrikeNumbers<float> strike_gradient(const HammerStrike<float>&, double, std::span<const float>,
+                                              std::span<const float>);
+template StrikeNumbers<double> strike_gradient(const HammerStrike<double>&, double, std::span<const double>,
+                                               std::span<const double>);
 
 }  // namespace contactspline

@@ -7,6 +7,7 @@
 #include <array>
 #include <concepts>
 #include <cstddef>
+#include <type_traits>
 
 namespace contactspline {
 
@@ -17,7 +18,10 @@ struct Dual {
   std::array<T, P> slopes{};
 
   constexpr Dual() = default;
-  constexpr Dual(T constant) : value(constant) {}  // implicit: a constant is a number, too
+  /// A constant, of any arithmetic type: implicit, because it is a number, too.
+  template <typename Constant>
+  requires std::is_arithmetic_v<Constant>
+  constexpr Dual(Constant constant) : value(static_cast<T>(constant)) {}
   constexpr Dual(T of, const std::array<T, P>& derivatives) : value(of), slopes(derivatives) {}
 
   [[nodiscard]] friend constexpr Dual operator+(const Dual& a, const Dual& b) {
