@@ -386,7 +386,7 @@ const cases = {
         emitted.controls.forEach(({ name, min, max }, i) => assert.deepEqual(ranges[i], [min, max], name));
       }
       await page.selectOption("#instrument", "mass_barrier");
-      assert.equal(await page.getByLabel("mass [g]").getAttribute("aria-valuetext"), "3 g", "shown in grams");
+      assert.equal(await page.getByLabel("mass [g]", { exact: true }).getAttribute("aria-valuetext"), "3 g", "shown in grams");
     });
   },
 
@@ -405,12 +405,67 @@ const cases = {
       await page.waitForFunction((before) => contactSpline.page.figures.strikes === before + 1, before);
       assert.equal(await page.evaluate(() => contactSpline.page.lastVelocity), 30 / 127);
       assert.ok(await page.locator("#keys .down").count());
+      const sent = await page.evaluate(() => {
+        const { audio, keys } = contactSpline.page;
+        const messages = [];
+        const send = audio.send;
+        audio.send = (message) => messages.push(message);
+        keys.takeMidi(0xe2, 5, 70);
+        audio.send = send;
+        return messages;
+      });
+      assert.deepEqual(sent, [{ do: "midi", bytes: [0xe0, 5, 70] }], "the wheel, on any channel");
       await midi(0xb0, 123, 0);
       assert.equal(await page.locator("#keys .down").count(), 0, "all notes off");
       const bent = await render(page, "piano", [strike(69, 0.5), { do: "midi", bytes: [0xe0, 127, 127] }], 1.5);
       const expected = 440 * 2 ** (((200 * 8191) / 8192) / 1200);
       const cents = 1200 * Math.log2(partialNear(bent.samples.slice(4410), 44100, expected) / expected);
       assert.ok(Math.abs(cents) < 2, `bent by two semitones, within ${cents} cents`);
+    });
+  },
+
+  async "sound and figures are saved"() {
+    await withPage(server.address, async (page) => {
+      await page.click("#record");
+      await page.waitForFunction(() => contactSpline.page.audio.recorded?.length > 10);
+      await page.keyboard.press("a");
+      await page.waitForTimeout(700);
+      const [sound] = await Promise.all([page.waitForEvent("download"), page.click("#record")]);
+      assert.equal(sound.suggestedFilename(), "hammer_on_string.wav");
+      const path = join(folder, "recorded.wav");
+      await sound.saveAs(path);
+      const wav = readFileSync(path);
+      assert.deepEqual([wav.toString("latin1", 0, 4), wav.readUInt32LE(4), wav.toString("latin1", 8, 16)], ["RIFF", wav.length - 8, "WAVEfmt "]);
+      assert.deepEqual([wav.readUInt16LE(20), wav.readUInt16LE(22), wav.readUInt32LE(24), wav.readUInt16LE(34)], [1, 2, 44100, 16]);
+      assert.equal(wav.readUInt32LE(40), wav.length - 44);
+      assert.equal((wav.length - 44) % (4 * 128), 0, "whole blocks");
+      const left = Array.from({ length: (wav.length - 44) / 4 }, (_, i) => wav.readInt16LE(44 + 4 * i) / 32767);
+      assert.ok(left.length > 0.4 * 44100 && largest(left) > 0.05 && largest(left.slice(0, 1280)) === 0, "a note after silence");
+      const [figure] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: "Save as CSV: Contact force" }).click()]);
+      const file = join(folder, "force.csv");
+      await figure.saveAs(file);
+      const [head, ...rows] = readFileSync(file, "utf8").trim().split("\n");
+      assert.equal(head, '"time [ms]","contact force: force [N]"');
+      const captured = await page.evaluate(() => contactSpline.page.figures.captured);
+      assert.deepEqual(rows.map((row) => Number(row.split(",")[1])), Array.from(captured));
+      assert.equal(await page.getByRole("button", { name: /^Save as CSV/ }).count(), 5);
+    });
+  },
+
+  async "figures say what they show"() {
+    await withPage(server.address, async (page) => {
+      const knots = await page.evaluate(() => {
+        const { curve, current } = contactSpline.page.editor;
+        const [y, , , marked] = curve.data();
+        const end = current.curve.compression_m.at(-1);
+        return [y.filter((_, i) => marked[i] !== null), current.table.map(([knot]) => 1000 * knot).filter((knot) => knot <= 1000 * end)];
+      });
+      assert.deepEqual(knots[0], knots[1], "a point at each knot");
+      assert.ok(knots[0].length > 5);
+      assert.equal(await page.getByLabel("hammer mass [g]").getAttribute("aria-valuetext"), "2.97 g");
+      assert.match(await page.locator("#spectrogram").locator("..").textContent(), /10 kHz.*6 s ago.*now/);
+      await slide(page, "force at 0.5 mm [N]", 1000);
+      await page.waitForFunction(() => document.querySelector("[aria-label='force at 0.5 mm [N]']").getAttribute("aria-valuetext") === "1 × 10⁷ N");
     });
   },
 

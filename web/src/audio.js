@@ -36,7 +36,10 @@ export class Audio {
     this.node = await makeNode(this.context, this.waiting);
     this.analyser = new AnalyserNode(this.context, { fftSize: 2048, smoothingTimeConstant: 0 });
     this.node.connect(this.analyser).connect(this.context.destination);
-    this.node.port.onmessage = ({ data }) => data.is === "report" && this.onReport(data);
+    this.node.port.onmessage = ({ data }) => {
+      if (data.is === "report") this.onReport(data);
+      if (data.is === "sound") this.recorded.push(data.channels);
+    };
     this.waiting = null;
     await resumed;
   }
@@ -44,6 +47,19 @@ export class Audio {
   send(message) {
     if (this.waiting) this.waiting.push(message);
     else this.node.port.postMessage(message);
+  }
+
+  /** Begins to keep what the instrument plays. */
+  async record() {
+    this.recorded = [];
+    await this.start();
+    this.send({ do: "record", isOn: true });
+  }
+
+  /** Ends it. Returns blocks of samples, each with its channels. */
+  stopRecording() {
+    this.send({ do: "record", isOn: false });
+    return this.recorded;
   }
 
   /** Plays samples, as those of a comparison, beside the instrument. */

@@ -3,11 +3,16 @@
 
 const kSteps = 1000;
 
-/** A number as people read it: at most four digits. */
+const kRaised = "⁰¹²³⁴⁵⁶⁷⁸⁹";
+
+/** A number as people read it: at most four digits, or as 4.5 × 10⁹. */
 export function readable(value) {
   const size = Math.abs(value);
   if (value === 0) return "0";
-  return size >= 1e5 || size < 1e-3 ? value.toExponential(2).replace("e+", "e") : String(Number(value.toPrecision(4)));
+  if (size < 1e5 && size >= 1e-3) return String(Number(value.toPrecision(4)));
+  const [digits, power] = value.toExponential(2).split("e");
+  const raised = String(Math.abs(power)).replace(/\d/g, (digit) => kRaised[digit]);
+  return `${Number(digits)} × 10${power < 0 ? "⁻" : ""}${raised}`;
 }
 
 /** A slider for { label, unit, min, max, step, init, isLogarithmic }; change(value) on every move. Values are shown `factor`

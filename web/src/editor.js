@@ -3,13 +3,14 @@
 import { choice, fillSelect, readable, slider } from "./controls.js";
 import { materialFields, materialText } from "./material.js";
 import { linePlot } from "./plots.js";
+import { download } from "./save.js";
 
 const kSliders = {
   force: { label: "force at 0.5 mm", unit: "N", min: 1e-3, max: 1e7, isLogarithmic: true },
   exponent: { label: "exponent a", min: 1, max: 5, step: 0.01 },
   loss: { label: "loss", unit: "s/m", min: 0, max: 2, step: 0.01 },
   segments: { label: "segments", min: 1, max: 128, step: 1 },
-  mass: { label: "hammer mass", unit: "kg", min: 1e-4, max: 0.1, isLogarithmic: true },
+  mass: { label: "hammer mass", unit: "g", factor: 1000, min: 1e-4, max: 0.1, isLogarithmic: true },
   slowest: { label: "slowest impact", unit: "m/s", min: 0.01, max: 2, isLogarithmic: true },
   fastest: { label: "fastest impact", unit: "m/s", min: 1, max: 20, isLogarithmic: true },
 };
@@ -20,12 +21,12 @@ const kMinimise = { contact_duration: "contact duration", force: "force", spectr
 
 const byId = (id) => document.getElementById(id);
 
-function download(name, text) {
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(new Blob([text], { type: "text/plain" }));
-  link.download = name;
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+/** The curves of law and spline, with a point at each knot in view. */
+function withKnots(millimetres, { law_n, spline_n }, table) {
+  const end = millimetres.at(-1);
+  const knots = table.map(([knot, , force]) => [1000 * knot, null, null, force]).filter(([knot]) => knot <= end);
+  const rows = [...millimetres.map((y, i) => [y, law_n[i], spline_n[i], null]), ...knots].sort(([a], [b]) => a - b);
+  return [0, 1, 2, 3].map((k) => rows.map((row) => row[k]));
 }
 
 export class Editor {
@@ -46,7 +47,11 @@ export class Editor {
     this.curve = linePlot(byId("curve"), {
       x: "compression [mm]",
       y: "force [N]",
-      lines: [{ label: "exact law", colour: "orange", width: 4 }, { label: "spline", colour: "blue", dash: [6, 4] }],
+      lines: [
+        { label: "exact law", colour: "orange", width: 5 },
+        { label: "spline", colour: "blue", width: 2 },
+        { label: "knots", colour: "ink", isPoints: true },
+      ],
     });
     this.error = linePlot(byId("error"), { x: "compression [mm]", y: "error [%]", lines: [{ label: "spline less law", colour: "blue" }] });
   }
@@ -111,7 +116,7 @@ export class Editor {
   showDesign({ curve, quality, law, table, title }, milliseconds) {
     const millimetres = curve.compression_m.map((y) => 1000 * y);
     const largest = curve.law_n[curve.law_n.length - 1];
-    this.curve.set([millimetres, curve.law_n, curve.spline_n]);
+    this.curve.set(withKnots(millimetres, curve, table));
     this.error.set([millimetres, curve.spline_n.map((force, i) => (100 * (force - curve.law_n[i])) / largest)]);
     const percent = (value) => `${readable(100 * value)} %`;
     const errors = [`force ${percent(quality.force)}`];

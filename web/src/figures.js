@@ -14,7 +14,7 @@ const byId = (id) => document.getElementById(id);
 
 export class Figures {
   constructor() {
-    this.force = linePlot(byId("force"), { x: "time [ms]", y: "force [N]", lines: [{ label: "contact force", colour: "blue" }] });
+    this.force = linePlot(byId("force"), { x: "time [ms]", y: "force [N]", lines: [{ label: "contact force", colour: "orange", isFilled: true }] });
     this.energy = linePlot(byId("energy"), {
       x: "time since the strike [s]",
       y: "energy [mJ]",

@@ -11,6 +11,7 @@ import { Keys, keyName } from "./keys.js";
 import { Figures } from "./figures.js";
 import { redrawPlots } from "./plots.js";
 import { kPresets } from "./presets.js";
+import { download, wavOf } from "./save.js";
 import { Stage } from "./stage.js";
 import { addressOf, stateOf } from "./state.js";
 import { startStudies } from "./studies.js";
@@ -60,6 +61,7 @@ class Page {
     byId("preset").addEventListener("change", ({ target }) => target.value && this.show(kPresets[target.value]));
     byId("undo").addEventListener("click", () => this.undo());
     byId("midi-connect").addEventListener("click", async () => (byId("midi").textContent = await this.keys.listenToMidi()));
+    byId("record").addEventListener("click", () => this.record());
     byId("octave-down").addEventListener("click", () => this.keys.shift(-1));
     byId("octave-up").addEventListener("click", () => this.keys.shift(1));
     byId("pedal").addEventListener("change", ({ target }) => this.setPedal(target.checked));
@@ -283,6 +285,15 @@ class Page {
   strikeOnce(key = this.lastKey ?? kMiddleC, velocity = null) {
     this.strike(key, velocity);
     this.releases.set(key, setTimeout(() => this.audio.send({ do: "noteOff", key }), kStrikeHold));
+  }
+
+  /** Records what is played until it is called again, and saves it. */
+  async record() {
+    const isOn = byId("record").getAttribute("aria-pressed") === "true";
+    byId("record").setAttribute("aria-pressed", String(!isOn));
+    byId("record").textContent = isOn ? "Record WAV" : "Stop and save";
+    if (!isOn) return this.audio.record();
+    download(`${this.instrument}.wav`, wavOf(this.audio.stopRecording(), kSampleRate), "audio/wav");
   }
 
   setPedal(down) {

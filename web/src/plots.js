@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: MIT
 // Line plots in the colours of the page, by uPlot.
 import uPlot from "uplot";
+import { csvOf, download } from "./save.js";
 
 /** A colour of style.css. */
 export const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 
 const plots = new Set();
 
-/** A plot in an element: { x, y } axis labels; lines: [{ label, colour, dash, width }]. set(data) redraws it. */
+/** A plot in an element: { x, y } axis labels; lines: [{ label, colour, dash, width, isPoints, isFilled }]. set(data) redraws it. A button
+ * in the caption of its figure saves the data as CSV. */
 export function linePlot(element, { x, y, lines, range }) {
   let plot = null;
   let data = [[], ...lines.map(() => [])];
@@ -37,8 +39,10 @@ export function linePlot(element, { x, y, lines, range }) {
             label: line.label,
             stroke: colour(line.colour),
             dash: line.dash,
-            width: line.width ?? 2,
-            points: { show: false },
+            width: line.isPoints ? 0 : (line.width ?? 2),
+            fill: line.isFilled ? `${colour(line.colour)}40` : undefined,
+            spanGaps: lines.some(({ isPoints }) => isPoints), // null: a point that another line has
+            points: { show: line.isPoints ?? false, size: 6, fill: colour(line.colour) },
           })),
         ],
       },
@@ -49,6 +53,16 @@ export function linePlot(element, { x, y, lines, range }) {
   draw();
   new ResizeObserver(() => plot.setSize({ width: Math.max(200, element.clientWidth), height: 190 })).observe(element);
   plots.add(draw);
+  const save = document.createElement("button");
+  const caption = element.parentElement.querySelector("figcaption");
+  const title = caption.querySelector("b").textContent;
+  save.textContent = "CSV";
+  save.className = "small";
+  save.setAttribute("aria-label", `Save as CSV: ${title}`);
+  save.addEventListener("click", () =>
+    download(`${title.toLowerCase().replace(/\W+/g, "_")}.csv`, csvOf([x, ...lines.map(({ label }) => `${label}: ${y}`)], data), "text/csv"),
+  );
+  caption.append(" ", save);
   return {
     set(next) {
       data = next;

@@ -11,6 +11,7 @@ class ContactSplineProcessor extends AudioWorkletProcessor {
     super();
     this.engine = startEngine(processorOptions.engine, sampleRate);
     this.isPlaying = false;
+    this.isRecording = false;
     this.waiting = []; // messages from the choice of an instrument on, until the one before is silent
     this.level = 1;
     this.gain = 1;
@@ -38,6 +39,7 @@ class ContactSplineProcessor extends AudioWorkletProcessor {
     if (message.do === "noteOff") engine.noteOff(message.key);
     if (message.do === "midi") engine.midi(message.bytes);
     if (message.do === "watchNone") engine.watchNone();
+    if (message.do === "record") this.isRecording = message.isOn;
   }
 
   choose({ number, gain }) {
@@ -64,6 +66,7 @@ class ContactSplineProcessor extends AudioWorkletProcessor {
       left[i] = limited(this.level * this.gain * a[i]);
       right[i] = limited(this.level * this.gain * b[i]);
     }
+    if (this.isRecording) this.port.postMessage({ is: "sound", channels: [left.slice(), right.slice()] });
     this.report(force);
     return true;
   }

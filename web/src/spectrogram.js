@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // A spectrogram that moves to the left: dark to light, in an order that also holds without colours.
 
-const kMaxFrequency = 10000; // Hz
-const kSpan = 6; // seconds in view
+// The top of the spectrogram [Hz], and its width [s].
+const kMaxFrequency = 10000;
+const kSpan = 6;
 const kFloor = -100; // dB
 
 /** From black over blue and orange to pale yellow: lightness rises throughout. */
