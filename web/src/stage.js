@@ -105,7 +105,7 @@ export class Stage {
     const value = (list) => list[i] + (list[i + 1] - list[i]) * (frame - i);
     const wide = width > 560;
     const bottom = height - (wide ? 96 : 76);
-    const box = { left: 60, right: width - (this.energies.length === 0 ? 24 : wide ? 150 : 104), top: 48, bottom };
+    const box = { left: 60, right: width - (this.energies.length === 0 ? 24 : wide ? 150 : 116), top: 48, bottom };
     box.middle = (box.top + bottom) / 2;
     box.unit = ((this.study.scene.isFlipped ? -1 : 1) * (bottom - box.top) * 0.42) / this.reach;
     this.box = box;
@@ -171,7 +171,7 @@ export class Stage {
     context.fillRect(box.right - 70, y, 76, 9);
     context.fillStyle = colour("ink");
     context.fillRect(box.right - 4, Math.min(y, box.middle), 6, Math.abs(y - box.middle) + 3);
-    this.write(context, `board, drawn ${zoom} times larger`, box.right - 196, box.bottom - 4, "soft");
+    this.write(context, `board × ${zoom}`, box.right - 70, Math.max(y, box.middle) + 28, "soft");
   }
 
   drawBody(context, box, curve) {
@@ -269,7 +269,7 @@ export class Stage {
     context.beginPath();
     for (let p = 0; p <= 60; ++p) context.lineTo(across((end * p) / 60), this.height(inner, at((end * p) / 60)));
     context.stroke();
-    this.write(context, `the bridge, ${this.bridge.length} points, drawn larger`, inset.left + 10, inset.top + 18, "soft");
+    this.write(context, `bridge, ${this.bridge.length} points`, inset.left + 10, inset.top + 18, "soft");
     context.restore();
   }
 
