@@ -12,6 +12,8 @@
 #include "contactspline/host/hosted.hpp"
 #include "contactspline/instrument/instruments_of.hpp"
 #include "contactspline/instruments/marimba_tube.hpp"
+#include "contactspline/instruments/prepared_piano.hpp"
+#include "contactspline/instruments/snare.hpp"
 #include "contactspline/instruments/tom.hpp"
 #include "contactspline/materials/steel_on_steel.hpp"
 #include "contactspline/resonators/guitar_g3.hpp"
@@ -159,6 +161,65 @@ TEST(PluckedString, IsSilentWhereTheHandHasArrived) {
   expect_silent_where_the_fret_has_arrived<double>();
   expect_silent_where_the_fret_has_arrived<float>();
   EXPECT_TRUE(is_silent_after<Slide>("vibrato_m", 0.005));
+}
+
+template <typename T>
+using SlideOf = SlideStringOf<materials::steel_on_steel, resonators::guitar_g3, T>;
+
+// Presses the slide on the string, where the instrument has one.
+template <typename I>
+void press(Hosted<I>& hosted) {
+  const auto count = hosted.instrument().parameters().size();
+  for (const auto& [name, value] :
+       {std::pair{"hand_force_n", 2.0}, std::pair{"hand_stiffness_n_per_m", 100.0},
+        std::pair{"hand_resistance_n_s_per_m", 5.0}, std::pair{"rest_resistance_n_s_per_m", 2.0}})
+    if (const std::size_t p = parameter(hosted.instrument(), name); p < count) hosted.set(p, value);
+}
+
+template <typename I>
+class LoadedInstrument : public ::testing::Test {};
+using Loaded = ::testing::Types<instruments::snare<float>, instruments::snare<double>,
+                                instruments::prepared_piano<float>, SlideOf<float>, SlideOf<double>>;
+TYPED_TEST_SUITE(LoadedInstrument, Loaded);
+
+// Wires that press on a head, a bolt between strings and a slide under a hand hold energy for ever. Asleep they keep
+// it, bit by bit, and their outputs stay at the load, until they are played. Played on without sleep they hold almost
+// the same energy E: what still moved, K = 1e-13 J at most, changes it by no more than 2 sqrt(E K) + K.
+TYPED_TEST(LoadedInstrument, SleepsUnderItsLoadAndWakes) {
+  Hosted<TypeParam> hosted;
+  hosted.prepare(kRate);
+  press(hosted);
+  hosted.press(0, true);
+  std::vector<float> sound = hosted_sound(hosted, static_cast<std::size_t>(28 * kRate));
+  EXPECT_GT(peak(sound), 1e-3f);
+  hosted.press(0, false);
+  const double energy_j = hosted.instrument().energy();
+  EXPECT_FALSE(hosted.instrument().is_silent(1e-14));
+  sound = hosted_sound(hosted, 10000);
+  EXPECT_EQ(std::ranges::count(sound, sound.front()), 10000) << "not asleep";
+  EXPECT_EQ(hosted.instrument().energy(), energy_j);
+  TypeParam& awake = hosted.instrument();
+  std::vector<typename TypeParam::value_type> played(10000);
+  std::vector<std::span<typename TypeParam::value_type>> outputs(awake.outputs().size());
+  outputs.front() = played;
+  awake.process(outputs);
+  const double full_scale = awake.outputs()[0].full_scale;
+  for (const auto sample : played) ASSERT_NEAR(double(sample) / full_scale, double(sound.front()), 0x1p-17);
+  EXPECT_NEAR(awake.energy(), energy_j, 2 * std::sqrt(1e-13 * energy_j) + 1e-13);
+  hosted.press(0, true);
+  EXPECT_GT(peak(hosted_sound(hosted, 4410)), std::abs(sound.front()) + 1e-3f);
+}
+
+// A hand that presses harder moves the slide: a control wakes what sleeps under a load.
+TEST(PluckedString, WakesWhereAHandPressesHarder) {
+  Hosted<SlideOf<double>> hosted;
+  hosted.prepare(kRate);
+  press(hosted);
+  (void)hosted_sound(hosted, static_cast<std::size_t>(28 * kRate));
+  const double before_j = hosted.instrument().energy();
+  hosted.set(parameter(hosted.instrument(), "hand_force_n"), 3.0);
+  (void)hosted_sound(hosted, static_cast<std::size_t>(kRate));
+  EXPECT_GT(hosted.instrument().energy(), 1.5 * before_j);
 }
 
 }  // namespace

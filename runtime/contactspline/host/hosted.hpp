@@ -35,7 +35,8 @@ struct MidiMessage {
 }
 
 /// Plays an instrument for Faust's dsp, for plug-ins and the like. prepare() allocates, all else is safe on an audio
-/// thread. An instrument that is silent sleeps: its outputs are exactly 0 until it is played or set.
+/// thread. An instrument that is silent sleeps: its outputs are exactly 0 until it is played or set. One that
+/// rests under a load, as a slide does that a hand presses, sleeps too: its outputs stay where they are.
 template <Instrument I>
 class Hosted {
  public:
@@ -46,6 +47,7 @@ class Hosted {
     for (std::size_t p = 0; p < instrument_.parameters().size(); ++p) targets_.push_back(instrument_.value(p));
     rates_.resize(targets_.size());
     outputs_.resize(instrument_.outputs().size());
+    levels_.resize(outputs_.size());
     scratch_.resize(outputs_.size());
   }
 
@@ -66,7 +68,7 @@ class Hosted {
     if (parameter >= targets_.size() || !is_number(value)) return;
     const Parameter& p = instrument_.parameters()[parameter];
     const double target = held(targets_[parameter], value, p.allowed);
-    if (target != targets_[parameter]) is_asleep_ = false;
+    if (target != targets_[parameter]) wake();
     targets_[parameter] = target;
     if (rates_[parameter] < 1 && !is_new_)
       is_gliding_ = true;
@@ -81,7 +83,7 @@ class Hosted {
     buttons_[event] = is_down;
     const Event& played = instrument_.events()[event];
     if (!is_down) return;
-    is_asleep_ = false;
+    wake();
     play_event(instrument_, played, targets_[played.parameter]);
   }
 
@@ -91,7 +93,7 @@ class Hosted {
     const auto message = midi_message(bytes);
     if (!message) return;
     const auto [status, first, second] = *message;
-    is_asleep_ = false;
+    wake();
     if (status == 0x90 && second > 0) {
       instrument_.note_on(first, second / 127.0);
     } else if (status == 0x80 || status == 0x90) {
@@ -123,16 +125,13 @@ class Hosted {
     is_new_ = false;
     for (std::size_t done = 0; done < samples;) {
       const std::size_t length = glide() ? 1 : std::min(samples - done, kBlock);
-      if (is_asleep_) {
-        for (Sample* const output : outputs)
-          if (output != nullptr) std::fill_n(output + done, length, Sample(0));
-        std::ranges::fill(detail::part_of(force, done, length), T(0));
-        done += length;
-        continue;
+      const std::span<T> forces = detail::part_of(force, done, length);
+      if (is_asleep_ && !stay(outputs, done, length, forces)) wake();
+      if (!is_asleep_) {
+        play(outputs, done, length, forces);
+        go_to_sleep(length);
       }
-      play(outputs, done, length, detail::part_of(force, done, length));
       done += length;
-      go_to_sleep(length);
     }
   }
 
@@ -143,7 +142,7 @@ class Hosted {
     for (std::size_t p = 0; p < targets_.size(); ++p) instrument_.set(p, targets_[p]);
     is_gliding_ = false;
     is_new_ = true;
-    is_asleep_ = false;
+    wake();
     since_check_ = 0;
   }
 
@@ -154,6 +153,16 @@ class Hosted {
   static constexpr double kInaudible_J = 1e-30;
   // Of full scale. A mass that rests away from 0 has no energy, but an output.
   static constexpr double kInaudible = 1e-9;
+  // Of what rests under a load; the rounding of loads keeps single precision from more. In so many blocks in a row
+  // the outputs stay within a part of full scale, 108 dB below it, and the kinetic energy is less than so much.
+  static constexpr double kStill_J = 1e-13, kStill = 0x1p-18;
+  static constexpr int kStillBlocks = 8;
+
+  // What an output has been in the blocks in which it was still, and what it is now, over full scale.
+  struct Level {
+    T low = 0, high = 0, now = 0;
+    bool is_known = false;  // was it computed?
+  };
 
   // A part of a slider's way, 0 to 1.
   [[nodiscard]] double from_part(std::size_t parameter, double part) const {
@@ -173,10 +182,11 @@ class Hosted {
     }
     if (!is_any_wanted) outputs_.front() = std::span(scratch_.front()).first(samples);
     instrument_.process(outputs_, force);
+    force_ = force.empty() ? std::nullopt : std::optional(force.back());
     for (std::size_t o = 0; o < outputs_.size(); ++o) {
-      const T full_scale = static_cast<T>(instrument_.outputs()[o].full_scale);
+      const T scale = full_scale(o);
       for (std::size_t n = 0; is_wanted(o) && n < samples; ++n)
-        outputs[o][begin + n] = static_cast<Sample>(outputs_[o][n] / full_scale);
+        outputs[o][begin + n] = static_cast<Sample>(outputs_[o][n] / scale);
     }
   }
 
@@ -185,7 +195,52 @@ class Hosted {
     since_check_ += samples;
     if (since_check_ < kBlock) return;
     since_check_ = 0;
-    is_asleep_ = !is_gliding_ && is_inaudible() && instrument_.is_silent(kInaudible_J);
+    if (is_gliding_) return;
+    if (is_inaudible() && instrument_.is_silent(kInaudible_J)) {
+      std::ranges::fill(levels_, Level{.is_known = true});
+      force_ = T(0);
+      is_asleep_ = true;
+    } else if constexpr (requires { instrument_.is_at_rest(kStill_J); }) {
+      if (!are_outputs_still() || !instrument_.is_at_rest(kStill_J)) still_blocks_ = 0;
+      is_asleep_ = still_blocks_ == kStillBlocks;
+    }
+  }
+
+  // Have all outputs stayed where they are, with those of the last block? Counts the blocks.
+  bool are_outputs_still() {
+    const bool is_first = still_blocks_++ == 0;
+    for (std::size_t o = 0; o < outputs_.size(); ++o) {
+      Level& level = levels_[o];
+      level.is_known = !outputs_[o].empty();
+      if (!level.is_known) continue;
+      const auto [low, high] = std::ranges::minmax(outputs_[o]);
+      level.low = is_first ? low : std::min(level.low, low);
+      level.high = is_first ? high : std::max(level.high, high);
+      level.now = outputs_[o].back() / full_scale(o);
+      if (!(level.high - level.low <= static_cast<T>(kStill) * full_scale(o))) return false;
+    }
+    return true;
+  }
+
+  [[nodiscard]] T full_scale(std::size_t output) const {
+    return static_cast<T>(instrument_.outputs()[output].full_scale);
+  }
+
+  // Writes what the outputs are while all rests; false if one was not computed when it fell asleep.
+  template <typename Sample>
+  bool stay(std::span<Sample* const> outputs, std::size_t begin, std::size_t samples, std::span<T> force) {
+    if (!force.empty() && !force_) return false;
+    std::ranges::fill(force, force_.value_or(T(0)));
+    for (std::size_t o = 0; o < outputs.size(); ++o)
+      if (outputs[o] != nullptr && !levels_[o].is_known) return false;
+    for (std::size_t o = 0; o < outputs.size(); ++o)
+      if (outputs[o] != nullptr) std::fill_n(outputs[o] + begin, samples, static_cast<Sample>(levels_[o].now));
+    return true;
+  }
+
+  void wake() {
+    is_asleep_ = false;
+    still_blocks_ = 0;
   }
 
   // Does the last block have no sound?
@@ -223,6 +278,9 @@ class Hosted {
   std::vector<std::span<T>> outputs_;
   std::vector<std::array<T, kBlock>> scratch_;
   std::size_t since_check_ = 0;  // samples
+  std::vector<Level> levels_;    // of the outputs
+  std::optional<T> force_;       // of the contacts in the last sample, if it was computed
+  int still_blocks_ = 0;
   bool is_asleep_ = false;
   bool is_gliding_ = false;
   bool is_new_ = true;  // nothing has sounded since the reset: parameters jump

@@ -53,6 +53,10 @@ class FretStringInstrument
     return this->model().gap() == this->value_of(P::kGap) && this->has_arrived();
   }
 
+  [[nodiscard]] bool is_contact_held(double limit_j) const {
+    return is_contact_at_rest(limit_j) && this->model().stiffness_ratio() == this->value_of(P::kStiffnessRatio);
+  }
+
   FretStringControls<T> controls() {
     return {.place_m = this->value_of(P::kPlace),
             .gap_m = this->value_of(P::kGap),

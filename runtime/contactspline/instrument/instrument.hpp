@@ -32,6 +32,7 @@ using Outputs = std::span<const std::span<T>>;
 /// reset()                   brings it to rest; parameters stay
 /// is_silent(limit)          does nothing move on its own, and is the energy below a limit [J]?
 /// energy()                  stored [J]
+/// It may also have is_at_rest(limit): do loads hold all still, but for a kinetic energy below a limit [J]?
 template <typename I>
 concept Instrument = std::floating_point<typename I::value_type> &&
     requires(I& i, const I& c, typename I::value_type x, Outputs<typename I::value_type> outputs,
@@ -55,6 +56,11 @@ concept Instrument = std::floating_point<typename I::value_type> &&
   { c.is_silent(1e-14) } -> std::same_as<bool>;
   { c.energy() } -> std::same_as<double>;
 };
+
+/// Is motion as small beside what is stored as where loads hold all still? Where all decays to nothing it never is.
+[[nodiscard]] constexpr bool is_held_by_loads(double kinetic_j, double energy_j) {
+  return kinetic_j < 1e-6 * energy_j;
+}
 
 /// SPDX identifier of the licence of an instrument: its license(), MIT if it has none.
 template <Instrument I>

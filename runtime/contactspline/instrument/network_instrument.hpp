@@ -194,11 +194,17 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
   /// Does no pluck or control push, and is the energy below a limit [J], without masses that fly away for ever?
   [[nodiscard]] bool is_silent(double limit_j) const {
     if (in_double_) return in_double_->is_silent(limit_j);
-    for (const Pluck& pluck : plucks_)
-      if (pluck.is_active()) return false;
     for (std::size_t c = 0; c < data_.controls.size(); ++c)
       if (data_.controls[c].quantity == ControlQuantity::kForce && values_[c] != 0) return false;
-    return !network_->is_following() && energy() - strikes_.leaving_energy(*network_) < limit_j;
+    return have_controls_arrived() && energy() - strikes_.leaving_energy(*network_) < limit_j;
+  }
+  /// Does no pluck push, and do loads hold all still, but for a kinetic energy below a limit [J], without such
+  /// masses?
+  [[nodiscard]] bool is_at_rest(double limit_j) const {
+    if (in_double_) return in_double_->is_at_rest(limit_j);
+    const double leaving_j = strikes_.leaving_energy(*network_), kinetic_j = network_->kinetic_energy() - leaving_j;
+    return have_controls_arrived() && tuning_.has_arrived() && kinetic_j < limit_j &&
+           is_held_by_loads(kinetic_j, energy() - leaving_j);
   }
 
   /// Energy of all bodies and connections [J]. Over a sample, with the strikes before it, it changes by work() -
@@ -225,6 +231,11 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
     for (std::size_t p = 0; p < values_.size(); ++p) in_double_->set(p, values_[p]);
     in_double_->tune(key_cents_);
     in_double_->prepare(sample_rate_hz);
+  }
+
+  // Has every pluck ended, and have gaps, places and stiffnesses arrived?
+  [[nodiscard]] bool have_controls_arrived() const {
+    return std::ranges::none_of(plucks_, &Pluck::is_active) && !network_->is_following();
   }
 
   void follow_tuning() {

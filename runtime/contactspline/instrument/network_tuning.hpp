@@ -32,6 +32,7 @@ class NetworkTuning {
   void tune(double cents) {
     if (std::exchange(target_, cents) != cents) wait_ = 0;
   }
+  [[nodiscard]] bool has_arrived() const { return !is_tunable() || target_ == bend_.cents(); }
   /// The network is at rest: a change that is under way need not wait.
   void rest() { wait_ = 0; }
   /// The network is new: its strings have the pitch of the file.

@@ -35,7 +35,8 @@ struct PluckedStringParameter {
 
 /// An instrument of a model that has string(), force(), tick(controls) and place(). Its Parameters have the list
 /// kList with kPlace, kLoss and kPluckForce. Derived has controls() of the next sample, put() which places the
-/// contact at rest, and is_contact_at_rest(limit): does it stay where it is, with less energy than the limit?
+/// contact at rest, is_contact_at_rest(limit): does it stay where it is, with less energy than the limit? and
+/// is_contact_held(limit): the same of its kinetic energy, with all controls arrived?
 template <typename Derived, typename Model, std::floating_point T, typename Parameters>
 class PluckedStringInstrument : public Parameters,
                                 public ParameterValues<T, Parameters::kParameters>,
@@ -80,6 +81,12 @@ class PluckedStringInstrument : public Parameters,
   [[nodiscard]] bool is_silent(double limit_j) const {
     return !pluck_.is_active() && this->value(Parameters::kPluckForce) == 0 && energy() < limit_j &&
            static_cast<const Derived*>(this)->is_contact_at_rest(limit_j);
+  }
+  /// Does no pluck push, and do loads hold the string still, but for a kinetic energy below a limit [J]?
+  [[nodiscard]] bool is_at_rest(double limit_j) const {
+    const double kinetic_j = model_->string().kinetic_energy();
+    return !pluck_.is_active() && kinetic_j < limit_j && is_held_by_loads(kinetic_j, energy()) &&
+           static_cast<const Derived*>(this)->is_contact_held(limit_j);
   }
   /// Of the string.
   [[nodiscard]] double energy() const { return model_->string().energy(); }

@@ -94,6 +94,15 @@ class SlideStringInstrument
     return this->value(P::kHandForce) == 0 && energy_j < limit_j && this->has_arrived(this->value(P::kVibratoDepth));
   }
 
+  [[nodiscard]] bool is_contact_held(double limit_j) const {
+    const auto& acting = this->model().controls();
+    const double velocity = double(this->model().slide_velocity());
+    return this->value(P::kSlideMass) * velocity * velocity / 2 < limit_j && this->has_arrived() &&
+           (this->value(P::kVibratoDepth) == 0 || this->value(P::kVibratoRate) == 0) &&
+           acting.hand_stiffness_n_per_m == this->value_of(P::kHandStiffness) &&
+           acting.contact.stiffness_ratio == this->value_of(P::kStiffnessRatio);
+  }
+
   double place() {
     phase_ += this->value(P::kVibratoRate) / this->sample_rate_hz();
     phase_ -= std::floor(phase_);

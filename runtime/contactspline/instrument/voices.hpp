@@ -150,6 +150,10 @@ class Voices {
     return std::ranges::all_of(
         voices_, [&](const Voice& voice) { return voice.is_asleep || voice.instrument.is_silent(limit_j); });
   }
+  [[nodiscard]] bool is_at_rest(double limit_j) const {
+    return std::ranges::all_of(
+        voices_, [&](const Voice& voice) { return voice.is_asleep || voice.instrument.is_at_rest(limit_j); });
+  }
   /// The books of all voices, as in one of them.
   [[nodiscard]] double energy() const {
     double sum = 0;

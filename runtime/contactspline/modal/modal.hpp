@@ -280,8 +280,16 @@ class ModalBank {
   [[nodiscard]] double energy(std::size_t i) const {
     const detail::ModeConstants& mode = constants_[i];
     if (mode.admittance == 0) return 0;
-    const double q = double(displacement_[i]), weighted_step = double(free_increment_[i]) + mode.stiffness / 2 * q;
-    return (weighted_step * weighted_step / mode.one_plus_z_square + mode.stiffness / 4 * q * q) / mode.admittance;
+    const double q = double(displacement_[i]);
+    return kinetic_energy(i) + mode.stiffness / 4 * q * q / mode.admittance;
+  }
+
+  /// The kinetic part of energy() [J]: 0 at rest, also under a load that bends the modes.
+  [[nodiscard]] double kinetic_energy() const {
+    double sum = 0;
+    for (std::size_t i = 0; i < size(); ++i)
+      if (constants_[i].admittance > 0) sum += kinetic_energy(i);
+    return sum;
   }
 
   /// Energy [J] that the losses of the modes and the damper dissipated in the last committed sample.
@@ -337,6 +345,12 @@ class ModalBank {
         return detail::inner_product(weights.size(), weights.data(), state.data());
 #endif
     return detail::sum_of<T>(weights.size(), [&](std::size_t i) { return weights[i] * state[i]; });
+  }
+
+  [[nodiscard]] double kinetic_energy(std::size_t i) const {
+    const detail::ModeConstants& mode = constants_[i];
+    const double weighted_step = double(free_increment_[i]) + mode.stiffness / 2 * double(displacement_[i]);
+    return weighted_step * weighted_step / mode.one_plus_z_square / mode.admittance;
   }
 
   // Velocity of mode i at a pickup [m/s].

@@ -210,6 +210,13 @@ class ContactNetwork {
     return energy;
   }
 
+  /// The kinetic part of it [J]: 0 at rest, also where connections press or pull.
+  [[nodiscard]] double kinetic_energy() const {
+    double energy = 0;
+    for (const Body& body : parts_.bodies) energy += body.bank.kinetic_energy();
+    return energy;
+  }
+
   /// Energy that bodies, dampers and contacts dissipated in the last sample [J].
   [[nodiscard]] double dissipated() const {
     double energy = 0;
