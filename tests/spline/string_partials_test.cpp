@@ -125,7 +125,8 @@ TEST(StringPartials, AreFarCloserThanWithOtherKnots) {
 }
 
 // With the shipped felts at 44.1 kHz, as heard, against the exact law in continuous time. One partial of C4, 58 dB
-// below the first and at a zero of the spectrum at one speed, is 10 dB off.
+// below the first and at a zero of the spectrum at one speed, is 10 dB off. 64 segments leave 3.1 dB, and 80 to 1,024
+// 3.4: those are of the time step.
 TEST(StringPartials, AreThoseOfTheExactLawInContinuousTime) {
   using enum Within60DbOf;
   for (const Bound& bound : {Bound{"c2", kFirstPartial, 48, 0.13, 2.4},
