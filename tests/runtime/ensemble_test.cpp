@@ -175,6 +175,15 @@ TEST(Ensemble, StaysAwakeForAHammerInFlight) {
   EXPECT_GT(ensemble.model(0).string().energy(), 1e-7);
 }
 
+// A hammer without speed would hover for ever, and the voice stay awake.
+TEST(Ensemble, FallsAsleepAfterAStrikeWithoutSpeed) {
+  auto ensemble = ensemble_of(band<double>(1));
+  ensemble.strike(0, 0, 0.025);
+  std::vector<double> sound(11000);
+  ensemble.process(sound);
+  EXPECT_EQ(ensemble.awake(), 0u);
+}
+
 // Whatever is thrown at it: a string never holds more than the blows gave, whose energies are m v^2/2.
 TEST(Ensemble, IsBounded) {
   const auto players = band<double>(30);
