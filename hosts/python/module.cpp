@@ -8,17 +8,23 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "generator/cli/commands.hpp"
+#include "generator/cli/files.hpp"
 #include "generator/cli/inputs.hpp"
 #include "generator/cli/inspect_json.hpp"
+#include "generator/fit/fit.hpp"
+#include "generator/fit/fitted_material.hpp"
 #include "generator/player/playing.hpp"
 #include "generator/player/score_player.hpp"
 #include "generator/player/score_reader.hpp"
+#include "generator/resonator/resonator_reader.hpp"
 #include "generator/spline/design_impact.hpp"
 #include "generator/support/embedded_files.hpp"
 #include "generator/support/error.hpp"
@@ -26,6 +32,7 @@
 #include "generator/support/input_file.hpp"
 #include "hosts/python/for_each.hpp"
 #include "hosts/python/makers.hpp"
+#include "hosts/python/struck_string.hpp"
 
 namespace contactspline::python {
 namespace {
@@ -291,6 +298,95 @@ std::string dataset(const std::string& plan, bool is_text, const std::string& fo
 #endif
 }
 
+// A felt and a string, each a name, a path or the text of a file.
+StruckString struck_string(const std::string& felt, bool felt_is_text, const std::string& string, bool string_is_text,
+                           double rate) {
+  Design design = design_of(felt, felt_is_text);
+  const py::gil_scoped_release unlocked;
+  auto resonator = string_is_text ? std::optional(parse_resonator(string, "string")) : resonator_argument(string);
+  if (!resonator) refuse(string, "string", "is no resonator", "the name or the file of a string, such as string_c4");
+  return {std::move(design), std::move(*resonator), rate};
+}
+
+std::span<const double> span_of(const Array<double>& values) {
+  return {values.data(), static_cast<std::size_t>(values.size())};
+}
+
+std::span<double> writable_span_of(py::array_t<double>& values) {
+  return {values.mutable_data(), static_cast<std::size_t>(values.size())};
+}
+
+py::tuple play_struck(const StruckString& struck, const Array<double>& values, py::ssize_t samples) {
+  py::array_t<double> displacement(samples), force(samples);
+  const auto all = span_of(values);
+  const auto d = writable_span_of(displacement), f = writable_span_of(force);
+  {
+    const py::gil_scoped_release unlocked;
+    struck.play(all, d, f);
+  }
+  return py::make_tuple(displacement, force);
+}
+
+py::tuple tangents_of_struck(const StruckString& struck, const Array<double>& values,
+                             const std::vector<std::size_t>& numbers, py::ssize_t samples) {
+  const auto rows = static_cast<py::ssize_t>(numbers.size());
+  py::array_t<double> displacements({rows, samples}), forces({rows, samples});
+  const auto all = span_of(values);
+  const auto d = writable_span_of(displacements), f = writable_span_of(forces);
+  {
+    const py::gil_scoped_release unlocked;
+    struck.tangents(all, numbers, d, f);
+  }
+  return py::make_tuple(displacements, forces);
+}
+
+std::vector<double> gradient_of_struck(const StruckString& struck, const Array<double>& values,
+                                       const Array<double>& displacement_weights,
+                                       const Array<double>& force_weights) {
+  const auto all = span_of(values), of_displacement = span_of(displacement_weights),
+             of_force = span_of(force_weights);
+  const py::gil_scoped_release unlocked;
+  return struck.gradient(all, of_displacement, of_force);
+}
+
+py::list parameters_of_struck(const StruckString& struck) {
+  py::list rows;
+  for (const auto& [name, unit, initial, min, max] : struck.parameters())
+    rows.append(py::dict(py::arg("name") = name, py::arg("unit") = unit, py::arg("initial") = initial,
+                         py::arg("min") = min, py::arg("max") = max));
+  return rows;
+}
+
+// Fits a material. Returns its numbers as JSON, its material file and the report. folder: of the data.
+py::tuple fit_of(const std::string& source, bool is_text, const std::string& folder,
+                 const std::function<void(std::string)>& tell) {
+  const py::gil_scoped_release unlocked;
+  const std::filesystem::path file = source;
+  const std::string name = is_text ? "fit" : source;
+  const std::filesystem::path beside = is_text ? std::filesystem::path(folder) : file.parent_path();
+  const Measurements measured = parse_measurements(
+      is_text ? source : read_input(file), name, [&](const std::string& path) { return read_input(beside / path); });
+  const Fit found = fit_material(measured, name, [&](const std::string& line) {
+    const py::gil_scoped_acquire locked;
+    tell(line);
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+  });
+  const std::string json = json_of(found, measured), material = material_text(found, measured, mark()),
+                    report = report_of(found, measured);
+  const py::gil_scoped_acquire locked;
+  return py::make_tuple(json, material, report);
+}
+
+void bind_struck_string(py::module_& m) {
+  py::class_<StruckString>(m, "StruckString", "A strike as a function of its parameters.")
+      .def(py::init(&struck_string))
+      .def("parameters", &parameters_of_struck)
+      .def("play", &play_struck)
+      .def("tangents", &tangents_of_struck)
+      .def("gradient", &gradient_of_struck);
+  m.def("fit", &fit_of);
+}
+
 void bind_design(py::module_& m) {
   py::class_<BarrierImpact>(m, "Impact", "What an impact on a rigid barrier does.")
       .def_readonly("max_compression_m", &BarrierImpact::max_compression_m)
@@ -360,6 +456,7 @@ PYBIND11_MODULE(_core, m) {
   py::register_exception<BadInput>(m, "Error", PyExc_ValueError);
   bind_design(m);
   bind_instrument(m);
+  bind_struck_string(m);
   py::dict shipped;
   for (const Shipped folder : {Shipped::kMaterials, Shipped::kResonators, Shipped::kInstruments, Shipped::kScores})
     shipped[py::str(std::string(kind_name(folder)) + "s")] = shipped_names(folder);

@@ -8,11 +8,13 @@
 
 from ._core import Error, __version__
 from .dataset import dataset
+from .fitting import Fit, fit
+from .gradients import StruckString
 from .instrument import Instrument, Sound, change, note, pluck, release, render_many, strike
 from .material import Material, design_many
 from .score import play_score, shipped
 
-__all__ = ["Error", "Instrument", "Material", "Sound", "change", "dataset", "design_many", "note", "play_score", "pluck", "release",
-           "render_many", "shipped", "strike"]
+__all__ = ["Error", "Fit", "Instrument", "Material", "Sound", "StruckString", "change", "dataset", "design_many", "fit", "note",
+           "play_score", "pluck", "release", "render_many", "shipped", "strike"]
 
 Error.__module__ = __name__

@@ -28,6 +28,8 @@ reveal_type(cs.render_many(string, {"hammer_mass_kg": np.ones(3)}, cs.strike(0, 
 reveal_type(cs.play_score("fret_buzz").contacts)
 reveal_type(cs.dataset({"name": "probe"}, "out", shards=2))
 reveal_type(cs.shipped("materials"))
+reveal_type(cs.StruckString().gradient(np.ones(3)))
+reveal_type(cs.fit("felt.fit.json").material)
 """
 
 
@@ -43,9 +45,9 @@ def test_a_users_program_has_types(tmp_path):
     checked = mypy("--strict", "user.py", cwd=tmp_path)
     assert checked.returncode == 0, checked.stdout
     types = [line.partition('type is "')[2].rstrip('"') for line in checked.stdout.splitlines() if "type is" in line]
-    assert len(types) == 8
+    assert len(types) == 10
     expected = ["ndarray", "dict[builtins.str, builtins.dict", "float", "ndarray", "floating", "int", "str",
-                "list[builtins.str]"]
+                "list[builtins.str]", "dict[builtins.str, builtins.float", "Material"]
     for found, part in zip(types, expected):
         assert part in found, (found, part)
 

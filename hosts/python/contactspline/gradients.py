@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: MIT
+"""A struck string as a function of its parameters, with exact derivatives."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, Iterable, Mapping
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core
+from .source import source_of
+
+Samples = npt.NDArray[np.float64]
+
+
+class StruckString:
+    """A hammer that strikes a string at rest: displacement at the pickup and contact force, and their derivatives.
+
+    felt, string: a material and a resonator of the kind string, each a name, a path or a dict. Keywords of the methods
+    are values of parameters; the others have those of the files. Raises Error with one line for what it cannot use.
+    """
+
+    def __init__(self, felt: str | os.PathLike[str] | Mapping[str, Any] = "felt_c4",
+                 string: str | os.PathLike[str] | Mapping[str, Any] = "string_c4", *,
+                 sample_rate_hz: float = 44100) -> None:
+        self._core = _core.StruckString(*source_of(felt), *source_of(string), sample_rate_hz)
+        self._rate = sample_rate_hz
+        self._rows = self._core.parameters()
+        self._names = [row["name"] for row in self._rows]
+
+    @property
+    def parameters(self) -> dict[str, dict[str, Any]]:
+        """Unit, first value and range of each parameter, by its name. exponent_change is added to the exponent, at a
+        constant force at the end of the felt's design range."""
+        return {row["name"]: {key: value for key, value in row.items() if key != "name"} for row in self._rows}
+
+    def play(self, seconds: float, **values: float) -> tuple[Samples, Samples]:
+        """Displacement at the pickup [m] and contact force [N] in each sample."""
+        return self._core.play(self._values(values), self._samples(seconds))
+
+    def tangents(self, seconds: float, names: Iterable[str], **values: float) -> tuple[Samples, Samples]:
+        """The derivatives of play() with respect to the parameters of these names: a row of samples for each."""
+        numbers = [self._number(name) for name in names]
+        return self._core.tangents(self._values(values), numbers, self._samples(seconds))
+
+    def gradient(self, displacement: npt.ArrayLike, force: npt.ArrayLike | None = None,
+                 **values: float) -> dict[str, float]:
+        """The derivatives with respect to all parameters of a number that depends on the samples of play().
+
+        displacement, force: its derivatives with respect to each sample of both; force None: it does not depend on it.
+        """
+        weights = np.asarray(displacement, float)
+        of_force = np.zeros(0) if force is None else np.asarray(force, float)
+        if weights.ndim != 1 or of_force.ndim != 1 or (force is not None and of_force.shape != weights.shape):
+            raise ValueError("gradient: displacement and force are one row of samples each, of one length")
+        return dict(zip(self._names, self._core.gradient(self._values(values), weights, of_force)))
+
+    def _number(self, name: str) -> int:
+        if name not in self._names:
+            raise ValueError(f"parameter: '{name}' is unknown; allowed: {', '.join(self._names)}")
+        return self._names.index(name)
+
+    def _values(self, values: Mapping[str, float]) -> Samples:
+        all_values = np.array([row["initial"] for row in self._rows], float)
+        for name, value in values.items():
+            all_values[self._number(name)] = value
+        return all_values
+
+    def _samples(self, seconds: float) -> int:
+        samples = round(seconds * self._rate) if 0 < seconds <= 3600 else 0
+        if samples < 1:
+            raise ValueError(f"seconds: {seconds} is refused; allowed: a sample to 3600 s, such as 0.5")
+        return samples

@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: MIT
+"""Derivatives of struck strings: central differences, both directions, torch."""
+
+import numpy as np
+import pytest
+
+import contactspline as cs
+
+SECONDS = 0.05
+FELTS = ["felt_c4", "felt_stulov_c4"]
+
+
+def step_of(row):
+    """A change whose effect is small, but far above rounding."""
+    return 1e-6 * (row["initial"] if row["initial"] else 1)
+
+
+@pytest.mark.parametrize("felt", FELTS)
+def test_tangents_are_central_differences(felt):
+    string = cs.StruckString(felt)
+    slopes, of_force = string.tangents(SECONDS, string.parameters)
+    assert slopes.shape == of_force.shape == (len(string.parameters), round(44100 * SECONDS))
+    for i, (name, row) in enumerate(string.parameters.items()):
+        if name == "loss_s_per_m":
+            continue  # it begins at the end of its range
+        h = step_of(row)
+        above, below = (string.play(SECONDS, **{name: row["initial"] + sign * h}) for sign in (1, -1))
+        for found, up, down in zip((slopes[i], of_force[i]), above, below):
+            expected = (up - down) / (2 * h)
+            # The rounding of samples, over the step; the table's kinks.
+            bound = 1e-4 * np.abs(expected).max() + 1e-13 * np.abs(up).max() / h
+            np.testing.assert_allclose(found, expected, rtol=0, atol=bound, err_msg=name)
+
+
+@pytest.mark.parametrize("felt", FELTS)
+def test_the_gradient_is_the_tangents_read_backwards(felt):
+    string = cs.StruckString(felt)
+    values = {"speed_m_per_s": 3.5, "loss_s_per_m": 0.05, "strike_m": 0.1, "exponent_change": 0.1}
+    weights = np.random.default_rng(1).normal(size=(2, round(44100 * SECONDS)))
+    gradient = string.gradient(*weights, **values)
+    slopes, of_force = string.tangents(SECONDS, string.parameters, **values)
+    assert list(gradient) == list(string.parameters)
+    for i, name in enumerate(string.parameters):
+        products = np.concatenate([weights[0] * slopes[i], weights[1] * of_force[i]])
+        assert abs(gradient[name] - products.sum()) <= 1e-10 * np.abs(products).sum(), name
+        assert np.abs(products).sum() > 0, name
+
+
+def test_a_search_along_the_gradient_finds_a_felt():
+    string = cs.StruckString()
+    target, _ = string.play(SECONDS, stiffness_ratio=2.0)
+
+    def error(log_ratio):
+        displacement, _ = string.play(SECONDS, stiffness_ratio=float(np.exp(log_ratio)))
+        return displacement - target
+
+    log_ratio = 0.0
+    for _ in range(30):  # Gauss and Newton
+        ratio = float(np.exp(log_ratio))
+        slope = string.tangents(SECONDS, ["stiffness_ratio"], stiffness_ratio=ratio)[0][0] * ratio
+        log_ratio -= slope @ error(log_ratio) / (slope @ slope)
+    assert abs(np.exp(log_ratio) - 2) < 1e-6
+
+
+@pytest.mark.parametrize("call, says", [
+    (lambda: cs.StruckString("felt_c4", "drum_head"), "drum_head: string: is no string"),
+    (lambda: cs.StruckString(sample_rate_hz=float("nan")), "sample_rate_hz: nan is refused"),
+    (lambda: cs.StruckString().play(0.1, speed=2), "'speed' is unknown; allowed: hammer_mass_kg"),
+    (lambda: cs.StruckString().play(0.1, hammer_mass_kg=-1), "hammer_mass_kg: -1 is refused; allowed: 1e-06 to 100"),
+    (lambda: cs.StruckString().play(0.1, string_tension_n=float("nan")), "string_tension_n: nan is refused"),
+    (lambda: cs.StruckString().play(-1), "seconds: -1 is refused"),
+    (lambda: cs.StruckString().gradient(np.ones((2, 3))), "one row of samples"),
+    (lambda: cs.StruckString().gradient(np.ones(3), np.ones(2)), "of one length")])
+def test_wrong_calls_are_refused_in_one_line(call, says):
+    with pytest.raises(ValueError) as refused:
+        call()
+    assert says in str(refused.value) and "\n" not in str(refused.value)
+
+
+def test_torch_differentiates_through_it():
+    torch = pytest.importorskip("torch", reason="python3-torch is not installed")
+    from contactspline.torch import strike
+
+    string = cs.StruckString()
+    values = {"stiffness_ratio": torch.tensor(1.5, dtype=torch.float64, requires_grad=True),
+              "speed_m_per_s": torch.tensor(2.0, dtype=torch.float64, requires_grad=True)}
+    displacement, force = strike(string, values, 0.01)
+    (1e6 * (displacement**2).sum() + force.max()).backward()
+    plain = {name: float(value) for name, value in values.items()}
+    d, f = string.play(0.01, **plain)
+    largest = np.zeros_like(f)
+    largest[f.argmax()] = 1
+    expected = string.gradient(2e6 * d, largest, **plain)
+    for name, value in values.items():
+        assert value.grad.item() == pytest.approx(expected[name], rel=1e-12)
+    assert torch.autograd.gradcheck(
+        lambda ratio: strike(string, {"stiffness_ratio": ratio}, 0.002)[1], values["stiffness_ratio"], eps=1e-5, atol=1e-3)
