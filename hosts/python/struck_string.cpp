@@ -170,6 +170,9 @@ StruckString::Made StruckString::make(std::span<const double> values) const {
   made.strike_m = values[kStrike];
   made.pickup_m = values[kPickup];
   made.table = with_exponent(segment_table(felt_.spline), made.end_m, values[kExponent]);
+  if (std::ranges::any_of(made.table, [](const Segment<double>& s) { return s.half_curvature < 0; }))
+    refuse("strike", "exponent_change", fmt::format("with {} the force would fall somewhere", values[kExponent]),
+           "a change after which the force rises, such as 0");
   double sum = 0;
   for (std::size_t k = kNumbers; k < values.size(); k += 2) {
     made.memories.push_back({values[k], values[k + 1]});

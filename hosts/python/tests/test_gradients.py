@@ -8,6 +8,9 @@ import contactspline as cs
 
 SECONDS = 0.05
 FELTS = ["felt_c4", "felt_stulov_c4"]
+SOFT = {"name": "soft", "contact": {"stiffness_n_per_m_alpha": 1e3, "exponent": 0.8},
+        "impact": {"mass_kg": 0.003, "max_speed_m_per_s": 4, "min_speed_m_per_s": 0.5},
+        "spline": {"knots": "graded", "segments": 20}}
 
 
 def step_of(row):
@@ -68,6 +71,7 @@ def test_a_search_along_the_gradient_finds_a_felt():
     (lambda: cs.StruckString().play(0.1, speed=2), "'speed' is unknown; allowed: hammer_mass_kg"),
     (lambda: cs.StruckString().play(0.1, hammer_mass_kg=-1), "hammer_mass_kg: -1 is refused; allowed: 1e-06 to 100"),
     (lambda: cs.StruckString().play(0.1, string_tension_n=float("nan")), "string_tension_n: nan is refused"),
+    (lambda: cs.StruckString(SOFT).play(0.1, exponent_change=-1), "exponent_change: with -1 the force would fall"),
     (lambda: cs.StruckString().play(-1), "seconds: -1 is refused"),
     (lambda: cs.StruckString().gradient(np.ones((2, 3))), "one row of samples"),
     (lambda: cs.StruckString().gradient(np.ones(3), np.ones(2)), "of one length")])
