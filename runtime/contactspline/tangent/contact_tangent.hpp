@@ -97,7 +97,7 @@ class ContactPath {
 };
 
 /// The derivatives of the force of a contact step. Along its path the force is f(y0, y1, ...); the motion makes y1 =
-/// y0 + xf - xi f. Everything follows from the derivatives of the former, of which none is negative but the line's.
+/// y0 + xf - xi f. Everything follows from the derivatives of the former. df/dy1 >= 0, so the division is safe.
 template <std::floating_point T>
 struct ContactSlopes {
   T before = 0, after = 0;  ///< df/dy0 at constant y1, df/dy1 at constant y0 [N/m]
