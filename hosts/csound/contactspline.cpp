@@ -108,11 +108,12 @@ struct Create {
   OPDS h;
   MYFLT* handle;
   STRINGDAT* name;
+  MYFLT made;  ///< the handle, whatever becomes of the variable
 };
 
 int release_handle(CSOUND* csound, void* opcode) {
   Players* const players = players_of(csound);
-  Players::Slot* const slot = players != nullptr ? players->of(*static_cast<Create*>(opcode)->handle) : nullptr;
+  Players::Slot* const slot = players != nullptr ? players->of(static_cast<Create*>(opcode)->made) : nullptr;
   if (slot != nullptr) slot->is_free = true;
   return OK;
 }
@@ -125,7 +126,7 @@ int create(CSOUND* csound, void* opcode) {
   if (player == nullptr || players == nullptr) return csound->InitError(csound, "%s", contactspline_last_error());
   const auto handle = players->keep(std::move(player));
   if (!handle) return csound->InitError(csound, "contactspline: %s", "more than 1024 instruments at a time");
-  *p->handle = static_cast<MYFLT>(*handle);
+  *p->handle = p->made = static_cast<MYFLT>(*handle);
   csound->RegisterDeinitCallback(csound, p, release_handle);
   return OK;
 }

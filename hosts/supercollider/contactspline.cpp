@@ -79,19 +79,26 @@ class Reader {
     return 0;
   }
   std::size_t count(std::size_t max) {
-    const float value = unit_->mInBuf[next()][0];
-    if (value >= 0 && value <= static_cast<float>(max) && !is_wrong_) return static_cast<std::size_t>(value);
-    is_wrong_ = true;
-    return 0;
+    const std::uint32_t input = constant();
+    const float value = is_wrong_ ? -1 : unit_->mInBuf[input][0];
+    is_wrong_ |= !(value >= 0 && value <= static_cast<float>(max));
+    return is_wrong_ ? 0 : static_cast<std::size_t>(value);
   }
   /// The input of the length of a text.
   std::uint32_t text() {
     const std::uint32_t begin = at_;
-    for (std::size_t left = count(kMaxText); left > 0 && !is_wrong_; --left) next();
+    for (std::size_t left = count(kMaxText); left > 0 && !is_wrong_; --left) constant();
     return begin;
   }
 
  private:
+  // An input that never moves: texts are read again when the instrument is ready.
+  std::uint32_t constant() {
+    const std::uint32_t input = next();
+    is_wrong_ |= is_wrong_ || unit_->mInput[input]->mCalcRate != calc_ScalarRate;
+    return input;
+  }
+
   const Unit* unit_;
   std::uint32_t at_ = 0;
   bool is_wrong_ = false;

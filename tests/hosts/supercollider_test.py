@@ -228,9 +228,13 @@ class SuperColliderTest(HostTest):
             (spelled("tom") + [1] + spelled("left") + [0, 0], "its inputs are damaged"),
             ([float("nan")] + [1] + spelled("left") + end, "its inputs are damaged"),
             ([1e30, 65], "its inputs are damaged"),
+            ([], "its inputs are damaged"),
+            ([None, *spelled("tom")[1:], 1] + spelled("left") + end, "its inputs are damaged"),
             (spelled("tom") + [2] + spelled("left") * 2 + end, "its inputs are damaged"),
         ]:
             definition = SynthDef("test")
+            length = definition.add_controls({"length": 3})["length"]
+            inputs = [length if value is None else value for value in inputs]
             definition.unit("Out", AUDIO, [0, (definition.unit("ContactInstrument", AUDIO, inputs), 0)], 0)
             printed, sound = self.scsynth([(0, message("/d_recv", definition.bytes())), (0, message("/s_new", "test", 1000, 0, 0))], 1, 640)
             if said not in printed:
