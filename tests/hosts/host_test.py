@@ -70,6 +70,8 @@ class Instrument:
 def instruments(reference):
     names = subprocess.run([reference, "names"], check=True, stdout=subprocess.PIPE, text=True).stdout.split()
     assert len(names) >= 13, names
+    shutil.copy(Path(__file__).parents[2] / "examples/instruments/hammer_on_string.json", "mine.json")
+    names.append("mine.json")
     return [Instrument(reference, name) for name in names]
 
 
