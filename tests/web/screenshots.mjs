@@ -10,7 +10,7 @@ import { closeBrowser, openPage } from "./browser.mjs";
 const [modules, file, folder] = process.argv.slice(2);
 const server = await serve(file);
 mkdirSync(folder, { recursive: true });
-const devices = { desktop: { width: 1280, height: 800 }, phone: { width: 390, height: 844 }, docs: { width: 1280, height: 1130 } };
+const devices = { desktop: { width: 1280, height: 800 }, phone: { width: 390, height: 844 }, docs: { width: 1280, height: 1612 } };
 for (const [device, size] of Object.entries(devices))
   for (const colorScheme of ["light", "dark"]) {
     const { page, close } = await openPage(modules, server.address, { ...size, colorScheme, permissions: ["midi"] });

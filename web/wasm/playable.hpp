@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "contactspline/host/hosted.hpp"
+#include "generated/piano.hpp"
 #include "web/wasm/energy_books.hpp"
 
 namespace contactspline::web {
@@ -66,7 +67,8 @@ template <typename I>
     presets.push_back(fmt::format(R"({{"name": "{}", "values": [{:.17g}]}})", x.name, fmt::join(x.values, ", ")));
   std::string keys = "null";
   if constexpr (requires { instrument.first_key(); })
-    keys = fmt::format("[{}, {}]", instrument.first_key(), Piano::first_key + static_cast<int>(Piano::keys) - 1);
+    keys = fmt::format("[{}, {}]", instrument.first_key(),
+                       keyboards::piano::first_key + static_cast<int>(keyboards::piano::keys) - 1);
   return fmt::format(
       R"({{"name": "{}", "title": "{}", "description": "{}", "keys": {}, "velocity": {}, "parameters": [{}], "events": [{}], )"
       R"("presets": [{}]}})",

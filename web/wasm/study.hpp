@@ -126,72 +126,101 @@ inline Study study_of_mass(std::span<const Segment<double>> table, std::span<con
   return study;
 }
 
-/// A key of the piano that ships: its hammer on all its strings, which move its soundboard. values: of
-/// KeyboardParameter.
+namespace detail {
+
+/// One of the strings of a key of the piano that ships, at its board, where its loss is its own.
+class PianoString {
+ public:
+  PianoString(int key, double sample_rate_hz) : string_(string_of<Piano>(key)) {
+    string_.losses.constant_per_s *= Piano::body::own_loss;
+    string_.losses.quadratic_m2_per_s *= Piano::body::own_loss;
+    rows_ = modes_below(string_, sample_rate_hz / 2, 80);
+  }
+
+  [[nodiscard]] const StiffString& string() const { return string_; }
+  [[nodiscard]] const std::vector<StringMode>& rows() const { return rows_; }
+  [[nodiscard]] ModeShapes<double> shapes_at(double position_m) const {
+    ModeShapes<double> shapes(rows_.size());
+    for (std::size_t i = 0; i < rows_.size(); ++i) shapes[i] = std::sin(rows_[i].wavenumber_per_m * position_m);
+    return shapes;
+  }
+
+  /// The board under all strings, of which so many like this one move.
+  [[nodiscard]] Body<double> board(double count, double sample_rate_hz) const {
+    using Board = Piano::body;
+    BridgeStiffness stiffness;
+    for (std::size_t k = 0; k < Piano::keys; ++k) {
+      const StiffString other = string_of<Piano>(Piano::first_key + static_cast<int>(k));
+      const double ends = bridge_stiffness(other, std::vector<StringMode>()).ends;
+      stiffness.ends += ends * static_cast<double>(Piano::strings[k]);
+    }
+    stiffness.modes = count * bridge_stiffness(string_, rows_).modes;
+    return Body<double>(modes_in<Board>, ModeShapes<double>(std::span<const double>(Board::bridge_shapes)), stiffness,
+                        sample_rate_hz);
+  }
+
+ private:
+  StiffString string_;
+  std::vector<StringMode> rows_;
+};
+
+/// The books of so many strings that do the same, with what their board lost beside.
+inline Books times(Books books, double count, double lost_j) {
+  for (double* const energy : {&books.hammer, &books.felt, &books.string, &books.dissipated, &books.work})
+    *energy *= count;
+  books.dissipated += lost_j;
+  return books;
+}
+
+}  // namespace detail
+
+/// A key of the piano that ships: its hammer on its strings, all of the same pitch here, which move its soundboard.
+/// values: of KeyboardParameter.
 inline Study study_of_piano(std::span<const double> values, const StudyPlan& plan) {
-  using Board = Piano::body;
   using P = KeyboardParameter;
   Study study;
   if (!is_key(plan.key)) return study;
   const std::size_t k = index_of(plan.key);
-  StiffString strings = string_of<Piano>(plan.key);
-  strings.losses.constant_per_s *= Board::own_loss;
-  strings.losses.quadratic_m2_per_s *= Board::own_loss;
-  const std::vector<StringMode> rows = modes_below(strings, plan.sample_rate_hz / 2, 80);
-  const auto shapes_at = [&](double position) {
-    ModeShapes<double> shapes(rows.size());
-    for (std::size_t i = 0; i < rows.size(); ++i) shapes[i] = std::sin(rows[i].wavenumber_per_m * position);
-    return shapes;
-  };
-  const double count = static_cast<double>(Piano::strings[k]);
+  const double count = static_cast<double>(Piano::strings[k]), position_m = Piano::strike_positions[k];
+  const detail::PianoString string(plan.key, plan.sample_rate_hz);
+  const double length_m = string.string().length_m;
+  const ModeShapes<double> strike = string.shapes_at(position_m);
+  std::vector<ModeShapes<double>> points;
+  for (std::size_t p = 0; p < kPoints; ++p)
+    points.push_back(string.shapes_at(length_m * static_cast<double>(p) / (kPoints - 1)));
   const HammerStringControls<double> controls{
       .hammer_mass_kg = values[P::kMassRatio] * Piano::hammer_masses[k],
       .felt = {.stiffness_ratio = values[P::kHardness], .loss_s_per_m = values[P::kLoss]}};
   const SegmentTable<double> felt(felts_of<Piano, double>[k]);
-  const double position_m = Piano::strike_positions[k];
-  const ModeShapes<double> strike = shapes_at(position_m);
-  std::vector<ModeShapes<double>> points;
-  for (std::size_t p = 0; p < kPoints; ++p)
-    points.push_back(shapes_at(strings.length_m * static_cast<double>(p) / (kPoints - 1)));
-  HammerString<double> model(felt, bare(rows), strike, plan.sample_rate_hz);
-  const auto bridge = model.bridge(bridge_shapes<double>(strings, rows, 1));
-  BridgeStiffness stiffness;
-  for (std::size_t other = 0; other < Piano::keys; ++other) {
-    const int key = Piano::first_key + static_cast<int>(other);
-    const auto ends = bridge_stiffness(string_of<Piano>(key), std::vector<StringMode>()).ends;
-    stiffness.ends += ends * static_cast<double>(Piano::strings[other]);
-  }
-  stiffness.modes = count * bridge_stiffness(strings, rows).modes;
-  Body<double> body(modes_in<Board>, ModeShapes<double>(std::span<const double>(Board::bridge_shapes)), stiffness,
-                    plan.sample_rate_hz);
+  HammerString<double> model(felt, bare(string.rows()), strike, plan.sample_rate_hz);
+  const auto bridge = model.bridge(bridge_shapes<double>(string.string(), string.rows(), 1));
+  Body<double> board = string.board(count, plan.sample_rate_hz);
   model.strike(strike_speed<Piano>(plan.velocity), 1e-4);
   StrikeBooks<double> books;
   books.open(model, felt, controls);
   double lost_j = 0;
   for (std::size_t i = 0; i < plan.frames; ++i) {
-    Books all = books.books();
-    for (double* const energy : {&all.hammer, &all.felt, &all.string, &all.dissipated, &all.work}) *energy *= count;
-    all.dissipated += lost_j;
-    const double compression = model.compression();
+    const double compression = model.compression(), board_m = board.displacement();
+    const Books all = detail::times(books.books(), count, lost_j);
     detail::HammerFrame{model.string().displacement(strike) + compression,
                         compression,
                         count * model.force(),
                         all,
-                        body.energy(),
-                        body.displacement()}
+                        board.energy(),
+                        board_m}
         .append_to(study.numbers);
     for (std::size_t p = 0; p < kPoints; ++p)
       study.numbers.push_back(model.string().displacement(points[p]) +
-                              body.displacement() * static_cast<double>(p) / (kPoints - 1));
-    body.tick(count * model.tick(controls, bridge, body.change()));
-    lost_j += body.modes().dissipated();
+                              board_m * static_cast<double>(p) / (kPoints - 1));
+    board.tick(count * model.tick(controls, bridge, board.change()));
+    lost_j += board.modes().dissipated();
     books.add_loss(model, felt, controls, plan.sample_rate_hz, compression);
     books.close(model, felt, controls);
   }
   study.scene =
       fmt::format(detail::kHammerScene, "null", "null", count * books.books().work, "hammer", "felt",
                   R"(, ["strings", 5], ["board", 6])", detail::string_item(detail::kHammerHead, R"(, "board": 8)"),
-                  "hammer", position_m / strings.length_m);
+                  "hammer", position_m / length_m);
   return study;
 }
 
