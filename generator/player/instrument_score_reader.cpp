@@ -163,6 +163,8 @@ void read_event(const JsonObject& event, const InstrumentModel& model, double du
   const bool plays = read_note(event, model, time, concerned);
   for (const ModelEvent& played : model.events) {
     const ModelParameter& parameter = model.parameters[played.parameter];
+    if (played.kind == EventKind::kPluck && model.module != nullptr && event.has(parameter.name.c_str()))
+      event.fail(event.key(parameter.name), "plucks, which only keys of a model of your own do", "a key");
     if (played.kind != EventKind::kStrike || !event.has(parameter.name.c_str())) continue;
     strikes = true;
     const double speed = event.number(parameter.name.c_str(), {parameter.allowed.min, parameter.allowed.max});
@@ -179,9 +181,12 @@ void read_event(const JsonObject& event, const InstrumentModel& model, double du
 Score parse_midi_on_instrument(std::string_view bytes, std::string_view file, std::span<const int> channels,
                                const InstrumentModel& model) {
   if (model.keys.ranges.empty())
-    throw BadInput(fmt::format("--instrument: {} has no keys; allowed: an instrument file with keys", model.name));
+    throw BadInput(
+        fmt::format("--instrument: {} has no keys; allowed: an instrument file with keys, or a model of "
+                    "your own (.so)",
+                    model.name));
   constexpr int kDrums[] = {10};
-  const bool is_drum = channels.empty() && !model.keys.tune();
+  const bool is_drum = channels.empty() && model.module == nullptr && !model.keys.tune();
   const MidiSong song = parse_midi(bytes, file, is_drum ? std::span<const int>(kDrums) : channels);
   MidiVoices voices = midi_voices(model, song);
   if (voices.by_channel.empty())

@@ -56,8 +56,8 @@ class InstrumentPlugin : private detail::PluginInstrument<I>, public DISTRHO_NAM
         outputs_(instrument().outputs().size()),
         unheard_(outputs_.size()),
         peaks_(outputs_.size()),
-        left_(output_of("left_", 0)),
-        right_(output_of("right_", left_)) {
+        left_(output_beginning(instrument().outputs(), "left_", 0)),
+        right_(output_beginning(instrument().outputs(), "right_", left_)) {
     for (std::size_t p = 0; p < values_.size(); ++p) values_[p].shown = shown(p, control(p).initial);
     for (std::size_t o = 0; o < peaks_.size(); ++o) {
       const Output& output = instrument().outputs()[o];
@@ -93,12 +93,6 @@ class InstrumentPlugin : private detail::PluginInstrument<I>, public DISTRHO_NAM
   }
   [[nodiscard]] float shown(std::size_t index, double value) const {
     return static_cast<float>(value * factors_[index]);
-  }
-
-  [[nodiscard]] std::size_t output_of(std::string_view beginning, std::size_t otherwise) const {
-    for (std::size_t o = 0; o < outputs_.size(); ++o)
-      if (std::string_view(instrument().outputs()[o].name).starts_with(beginning)) return o;
-    return otherwise;
   }
 
   const char* getLabel() const override { return CONTACTSPLINE_PLUGIN_LABEL; }

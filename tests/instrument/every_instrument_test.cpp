@@ -84,8 +84,9 @@ TYPED_TEST(EveryInstrument, HasListsThatFitEachOther) {
   for (const Event& e : instrument.events()) {
     EXPECT_TRUE(is_identifier(e.name)) << e.name;
     ASSERT_LT(e.parameter, instrument.parameters().size()) << e.name;
-    const std::string unit = instrument.parameters()[e.parameter].unit;
-    EXPECT_EQ(unit, e.kind == EventKind::kStrike ? "m/s" : "N") << e.name;
+    const Parameter& strength = instrument.parameters()[e.parameter];
+    EXPECT_EQ(std::string(strength.unit), e.kind == EventKind::kStrike ? "m/s" : "N") << e.name;
+    EXPECT_LE(strength.slider.max - strength.slider.min, 200) << e.name;  // that a hand can play
   }
   EXPECT_FALSE(instrument.outputs().empty());
   for (const Output& o : instrument.outputs()) {

@@ -58,7 +58,7 @@ TYPED_TEST(InstrumentOfAFile, FallsExactlySilentAndWakes) {
   }
 }
 
-// Of a mass at a barrier the force is an output, too. While it sleeps, both are 0.
+// The force of a mass at a barrier is an output, too. While it sleeps, both are 0.
 TEST(ForceOfAHost, IsThatOfTheContacts) {
   using Barrier = MassBarrierOf<materials::steel_on_steel, double>;
   Hosted<Barrier> hosted;

@@ -32,7 +32,7 @@ constexpr double kHz = 44100;
 constexpr std::size_t kHeld = 4410, kSlice = 20000;  // samples
 std::size_t samples_of_take = 1'000'000;             // after which a model is brought to rest
 
-/// Of all that is drawn: CONTACTSPLINE_SOAK_SEED, or 3.
+/// The seed of everything that is drawn: CONTACTSPLINE_SOAK_SEED, or 3.
 std::uint64_t seed() {
   const char* chosen = std::getenv("CONTACTSPLINE_SOAK_SEED");
   return chosen == nullptr ? 3 : std::strtoull(chosen, nullptr, 10);

@@ -3,7 +3,7 @@
 // precision on this machine, for a blow on instruments of files; and the limiter keeps within full scale.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 
@@ -16,6 +16,8 @@ const kDuration_s = 0.2; // the program fades out at the end
 const kGain = 1 / 100; // -40 dB, so that nothing reaches the full scale of the file
 const engine = startEngine(readFileSync(wasm), 44100);
 const instruments = engine.instruments();
+for (const file of readdirSync(new URL("../../data/instruments", import.meta.url)))
+  assert.ok(instruments.some(({ name }) => `${name}.json` === file), `the page lacks ${file}`);
 const folder = mkdtempSync(join(tmpdir(), "contactspline-engine-"));
 
 /** The first output by the program [m/s or N]: 24 bits, in one channel. */

@@ -50,7 +50,7 @@ class NetworkGeometry {
   }
 
  private:
-  // Of a string between hinges, mode n has the shape sin(n angle) at one angle.
+  // Mode n of a hinged string has the shape sin(n angle) at one angle.
   static std::optional<double> along_string(std::span<const double> shapes) {
     if (shapes.size() < 10 || shapes[0] == 0) return {};
     const double angle = std::acos(std::clamp(shapes[1] / (2 * shapes[0]), -1.0, 1.0));

@@ -76,14 +76,15 @@ template <typename I>
       fmt::join(parameters, ", "), fmt::join(events, ", "), fmt::join(presets, ", "));
 }
 
-/// I: an Instrument. Its sound is its outputs left_... and right_..., or else the one of number `sound`.
-template <Instrument I, std::size_t sound = 0>
+/// I: an Instrument. Its sound is its outputs left_... and right_..., or else the one of number `otherwise`.
+template <Instrument I, std::size_t otherwise = 0>
 class PlayableBehind final : public Playable {
  public:
   template <typename... Args>
   explicit PlayableBehind(Args&&... args) : hosted_(std::forward<Args>(args)...) {
     const std::span<const Output> outputs = hosted_.instrument().outputs();
-    right_ = outputs.size() > 1 && std::string_view(outputs[1].name).starts_with("right_") ? 1 : sound;
+    left_ = output_beginning(outputs, "left_", otherwise);
+    right_ = output_beginning(outputs, "right_", left_);
     wanted_.resize(outputs.size());
   }
 
@@ -102,10 +103,10 @@ class PlayableBehind final : public Playable {
 
   void process(std::span<float> left, std::span<float> right, std::span<float> force) override {
     std::ranges::fill(wanted_, nullptr);
-    wanted_[sound] = left.data();
-    if (right_ != sound) wanted_[right_] = right.data();
+    wanted_[left_] = left.data();
+    if (right_ != left_) wanted_[right_] = right.data();
     hosted_.process(std::span<float* const>(wanted_), left.size(), force);
-    if (right_ == sound) std::ranges::copy(left, right.begin());
+    if (right_ == left_) std::ranges::copy(left, right.begin());
   }
 
   [[nodiscard]] const Books* books() const override {
@@ -120,7 +121,7 @@ class PlayableBehind final : public Playable {
 
  private:
   Hosted<I> hosted_;
-  std::size_t right_;
+  std::size_t left_, right_;    // among the outputs
   std::vector<float*> wanted_;  // of the outputs
 };
 

@@ -34,6 +34,14 @@ struct MidiMessage {
   return MidiMessage{bytes[0] & 0xf0, bytes[1], bytes[2]};
 }
 
+/// The first output of a list whose name begins so, or another one.
+[[nodiscard]] constexpr std::size_t output_beginning(std::span<const Output> outputs, std::string_view beginning,
+                                                     std::size_t otherwise) {
+  for (std::size_t o = 0; o < outputs.size(); ++o)
+    if (std::string_view(outputs[o].name).starts_with(beginning)) return o;
+  return otherwise;
+}
+
 /// Plays an instrument for Faust's dsp, for plug-ins and the like. prepare() allocates, all else is safe on an audio
 /// thread. An instrument that is silent sleeps: its outputs are exactly 0 until it is played or set. One that
 /// rests under a load, as a slide does that a hand presses, sleeps too: its outputs stay where they are.
@@ -151,10 +159,10 @@ class Hosted {
   // 160 dB below what models themselves take for silent. Without an end the smallest numbers go round for ever: the
   // losses of a sample are flushed to 0.
   static constexpr double kInaudible_J = 1e-30;
-  // Of full scale. A mass that rests away from 0 has no energy, but an output.
+  // Part of full scale that counts as silent: a mass that rests away from 0 has no energy, but an output.
   static constexpr double kInaudible = 1e-9;
-  // Of what rests under a load; the rounding of loads keeps single precision from more. In so many blocks in a row
-  // the outputs stay within a part of full scale, 108 dB below it, and the kinetic energy is less than so much.
+  // An instrument rests under a load if in kStillBlocks blocks in a row its outputs stay within kStill of full scale,
+  // 108 dB below it, and its kinetic energy is below kStill_J. Single precision rounds loads and reaches no less.
   static constexpr double kStill_J = 1e-13, kStill = 0x1p-18;
   static constexpr int kStillBlocks = 8;
 
@@ -197,7 +205,7 @@ class Hosted {
     since_check_ = 0;
     if (is_gliding_) return;
     if (is_inaudible() && instrument_.is_silent(kInaudible_J)) {
-      std::ranges::fill(levels_, Level{.is_known = true});
+      for (std::size_t o = 0; o < levels_.size(); ++o) levels_[o] = {.is_known = !outputs_[o].empty()};
       force_ = T(0);
       is_asleep_ = true;
     } else if constexpr (requires { instrument_.is_at_rest(kStill_J); }) {
@@ -231,10 +239,11 @@ class Hosted {
   bool stay(std::span<Sample* const> outputs, std::size_t begin, std::size_t samples, std::span<T> force) {
     if (!force.empty() && !force_) return false;
     std::ranges::fill(force, force_.value_or(T(0)));
-    for (std::size_t o = 0; o < outputs.size(); ++o)
-      if (outputs[o] != nullptr && !levels_[o].is_known) return false;
-    for (std::size_t o = 0; o < outputs.size(); ++o)
-      if (outputs[o] != nullptr) std::fill_n(outputs[o] + begin, samples, static_cast<Sample>(levels_[o].now));
+    const auto wanted = outputs.first(std::min(outputs.size(), levels_.size()));
+    for (std::size_t o = 0; o < wanted.size(); ++o)
+      if (wanted[o] != nullptr && !levels_[o].is_known) return false;
+    for (std::size_t o = 0; o < wanted.size(); ++o)
+      if (wanted[o] != nullptr) std::fill_n(wanted[o] + begin, samples, static_cast<Sample>(levels_[o].now));
     return true;
   }
 

@@ -14,9 +14,15 @@
 
 namespace contactspline {
 
-/// What such a library gives. One of the two functions is not null: the one in the precision of the class.
+/// The layout of AnyInstrument and of the lists. Raise it with every change of theirs.
+inline constexpr int kModelModuleLayout = 1;
+
+/// What such a library gives. The first three say what it was built with. One of the two functions is not null: the
+/// one in the precision of the class.
 struct ModelModule {
-  int version[3] = {kVersionMajor, kVersionMinor, kVersionPatch};  ///< of the headers that it was built with
+  int version[3] = {kVersionMajor, kVersionMinor, kVersionPatch};
+  int layout = kModelModuleLayout;
+  const char* compiler = __VERSION__;
   std::unique_ptr<AnyInstrument<float>> (*make_single)() = nullptr;
   std::unique_ptr<AnyInstrument<double>> (*make_double)() = nullptr;
 };

@@ -69,7 +69,7 @@ class NetworkTuning {
     return false;
   }
 
-  // Of the tension of the file [J].
+  // Energy at the tension of the file [J].
   [[nodiscard]] double energy(const ContactNetwork<T>& network) const {
     double sum = 0;
     for (std::size_t b = 0, i = 0; b < body_ends_.size(); ++b)

@@ -167,7 +167,7 @@ struct SoundingKey {
   Bend bend;                // that the bridge feels
   double tuned_cents = 0;   // the same of the modes: keys that sleep take it when they wake
   T extra_damping_per_s = 0;
-  // Of the sound:
+  // State of the sound:
   std::size_t modes = 0;  // that are at the bridge; 0: the key sleeps
   std::size_t checks = 0;
   double energy_j = 0;  // at the last check
