@@ -18,7 +18,7 @@ namespace contactspline::python {
 namespace {
 
 // The parameters, before two for each memory. The first ones are those of the instrument of that name.
-enum Number : std::size_t {
+enum StrikeParameter : std::size_t {
   kMass,
   kStiffness,
   kLoss,
@@ -32,7 +32,7 @@ enum Number : std::size_t {
   kBending,
   kConstantLoss,
   kQuadraticLoss,
-  kNumbers
+  kParameters
 };
 
 constexpr double kThrowDistance_m = 1e-4;
@@ -55,17 +55,9 @@ ModeShapes<double> shapes_of(const std::vector<ResonatorMode>& rows, double Reso
 }
 
 // The table of forces times (y/end)^change at the knots.
-std::vector<Segment<double>> with_exponent(const std::vector<Segment<double>>& table, double end, double change) {
-  const auto force_at = [&](double y) {
-    return y > 0 ? force<double>(std::span(table), y) * std::pow(y / end, change) : 0.0;
-  };
-  std::vector<Segment<double>> changed = table;
-  for (std::size_t j = 1; j < table.size(); ++j) {
-    const double from = table[j].knot, to = j + 1 < table.size() ? table[j + 1].knot : end;
-    changed[j] = {from, j > 1 ? changed[j - 1].energy_at(from) : 0, force_at(from),
-                  (force_at(to) - force_at(from)) / (2 * (to - from))};
-  }
-  return changed;
+std::vector<Segment<double>> with_exponent(SegmentTable<double> table, double end, double change) {
+  return table_through(table, end,
+                       [&](double y) { return y > 0 ? force(table, y) * std::pow(y / end, change) : 0.0; });
 }
 
 }  // namespace
@@ -80,9 +72,9 @@ struct StruckString::Made {
   HammerStrike<double> strike;
   double end_m, strike_m, pickup_m;
 
-  [[nodiscard]] StrikeNumbers<double> direction(std::size_t number) const {
+  [[nodiscard]] StrikeNumbers<double> direction(std::size_t parameter) const {
     StrikeNumbers<double> direction;
-    switch (number) {
+    switch (parameter) {
       case kMass:
         direction.hammer_mass_kg = 1;
         break;
@@ -105,26 +97,26 @@ struct StruckString::Made {
         direction.output = shapes_tangent<double>(string, rows, pickup_m, 1, 0);
         break;
       default:
-        number < kNumbers ? of_string(number, direction) : of_memory(number - kNumbers, direction);
+        parameter < kParameters ? of_string(parameter, direction) : of_memory(parameter - kParameters, direction);
     }
     return direction;
   }
 
  private:
-  void of_string(std::size_t number, StrikeNumbers<double>& direction) const {
+  void of_string(std::size_t parameter, StrikeNumbers<double>& direction) const {
     StiffString change{};
-    if (number < kConstantLoss) change.*string_members()[number - kLength] = 1;
-    if (number == kConstantLoss) change.losses.constant_per_s = 1;
-    if (number == kQuadraticLoss) change.losses.quadratic_m2_per_s = 1;
+    if (parameter < kConstantLoss) change.*string_members()[parameter - kLength] = 1;
+    if (parameter == kConstantLoss) change.losses.constant_per_s = 1;
+    if (parameter == kQuadraticLoss) change.losses.quadratic_m2_per_s = 1;
     direction.modes = modes_tangent(string, rows, change);
-    if (number != kLength) return;
+    if (parameter != kLength) return;
     direction.strike = shapes_tangent<double>(string, rows, strike_m, 0, 1);
     direction.output = shapes_tangent<double>(string, rows, pickup_m, 0, 1);
   }
-  void of_memory(std::size_t number, StrikeNumbers<double>& direction) const {
+  void of_memory(std::size_t index, StrikeNumbers<double>& direction) const {
     direction.felt.memories.resize(memories.size());
-    Memory& memory = direction.felt.memories[number / 2];
-    (number % 2 == 0 ? memory.weight : memory.time_s) = 1;
+    Memory& memory = direction.felt.memories[index / 2];
+    (index % 2 == 0 ? memory.weight : memory.time_s) = 1;
   }
 };
 
@@ -173,8 +165,12 @@ StruckString::Made StruckString::make(std::span<const double> values) const {
   if (std::ranges::any_of(made.table, [](const Segment<double>& s) { return s.half_curvature < 0; }))
     refuse("strike", "exponent_change", fmt::format("with {} the force would fall somewhere", values[kExponent]),
            "a change after which the force rises, such as 0");
+  for (const std::size_t place : {kStrike, kPickup})
+    if (const double length = values[kLength]; values[place] > length)
+      refuse("strike", rows_[place].name, fmt::format("{} is beyond the string", values[place]),
+             fmt::format("0 to {}, its length, such as {}", length, std::min(rows_[place].initial, length)));
   double sum = 0;
-  for (std::size_t k = kNumbers; k < values.size(); k += 2) {
+  for (std::size_t k = kParameters; k < values.size(); k += 2) {
     made.memories.push_back({values[k], values[k + 1]});
     sum += values[k];
   }
@@ -211,15 +207,15 @@ void StruckString::play(std::span<const double> values, std::span<double> displa
   }
 }
 
-void StruckString::tangents(std::span<const double> values, std::span<const std::size_t> numbers,
+void StruckString::tangents(std::span<const double> values, std::span<const std::size_t> parameters,
                             std::span<double> displacements, std::span<double> forces) const {
   constexpr std::size_t kTogether = 4;
   const Made made = make(values);
-  const std::size_t samples = numbers.empty() ? 0 : displacements.size() / numbers.size();
-  for (std::size_t first = 0; first < numbers.size(); first += kTogether) {
-    const std::size_t count = std::min(kTogether, numbers.size() - first);
+  const std::size_t samples = parameters.empty() ? 0 : displacements.size() / parameters.size();
+  for (std::size_t first = 0; first < parameters.size(); first += kTogether) {
+    const std::size_t count = std::min(kTogether, parameters.size() - first);
     std::array<StrikeNumbers<double>, kTogether> directions;
-    for (std::size_t p = 0; p < count; ++p) directions[p] = made.direction(numbers[first + p]);
+    for (std::size_t p = 0; p < count; ++p) directions[p] = made.direction(parameters[first + p]);
     StrikeTangent<double, kTogether> tangent(made.strike, rate_, directions);
     std::array<Dual<double, kTogether>, 64> block;
     for (std::size_t n = 0; n < samples;) {

@@ -28,12 +28,12 @@ class StruckString {
   [[nodiscard]] const std::vector<Row>& parameters() const { return rows_; }
 
   /// Displacement at the pickup [m] and force [N] in each sample. Throws BadInput, as all that follow, if a value is
-  /// out of its range.
+  /// out of its range or a place is beyond the string.
   void play(std::span<const double> values, std::span<double> displacement, std::span<double> force) const;
 
-  /// Also their derivatives with respect to parameters of these numbers, one row of samples for each.
-  void tangents(std::span<const double> values, std::span<const std::size_t> numbers, std::span<double> displacements,
-                std::span<double> forces) const;
+  /// Their derivatives with respect to some parameters, by their indices: one row of samples for each.
+  void tangents(std::span<const double> values, std::span<const std::size_t> parameters,
+                std::span<double> displacements, std::span<double> forces) const;
 
   /// The derivatives of sum(displacement_weights displacement) + sum(force_weights force) with respect to all
   /// parameters.

@@ -9,6 +9,7 @@
 #include "contactspline/tangent/strike_gradient.hpp"
 #include "exact_felt.hpp"
 #include "support/compare.hpp"
+#include "support/count_allocations.hpp"
 #include "support/measured.hpp"
 
 namespace contactspline::testing {
@@ -214,6 +215,20 @@ TEST(StrikeTangent, PlaysTheModel) {
   }
 }
 
+// Also in the sample in which the hammer stops.
+TEST(StrikeTangent, AllocatesNothingAfterConstruction) {
+  Random random(4);
+  for (int i = 0; i < 10; ++i) {
+    const StruckAtRandom struck(random);
+    StrikeTangent<double, kDirections> tangent(struck.strike(), struck.kRate, struck.directions());
+    std::vector<Dual<double, kDirections>> block(40);
+    const std::size_t before = allocations;
+    for (int n = 0; n < 400; ++n) tangent.process(block);
+    EXPECT_EQ(allocations, before) << "strike " << i;
+    EXPECT_FALSE(tangent.is_hammer_flying()) << "strike " << i;
+  }
+}
+
 // The same derivatives the other way round: sums of thousands of products, each rounded.
 TEST(StrikeGradient, IsTheTangentReadBackwards) {
   Random random(2);
@@ -238,6 +253,25 @@ TEST(StrikeGradient, IsTheTangentReadBackwards) {
     }
   }
   Measured() << "worst difference, over the sum of the sizes: " << worst;
+}
+
+TEST(StrikeGradient, TakesMissingForceWeightsAs0) {
+  Random random(5);
+  const StruckAtRandom struck(random);
+  const auto directions = struck.directions();
+  const std::vector<double> outputs(kSamples);
+  std::vector<double> whole(kSamples);
+  for (std::size_t n = 0; n < 40; ++n) whole[n] = random.between(-1, 1);
+  const std::vector<double> part(whole.begin(), whole.begin() + 40);  // what lies behind it is not its own
+  const auto gradient_for = [&](std::span<const double> forces) {
+    return strike_gradient<double>(struck.strike(), struck.kRate, outputs, forces);
+  };
+  const auto expected = gradient_for(whole), found = gradient_for(part), none = gradient_for({});
+  EXPECT_NE(expected.velocity_m_per_s, 0);
+  for (std::size_t p = 0; p < kDirections; ++p) {
+    EXPECT_EQ(derivative(found, directions[p]), derivative(expected, directions[p])) << "direction " << p;
+    EXPECT_EQ(derivative(none, directions[p]), 0) << "direction " << p;
+  }
 }
 
 }  // namespace

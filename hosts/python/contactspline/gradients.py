@@ -33,7 +33,7 @@ class StruckString:
     @property
     def parameters(self) -> dict[str, dict[str, Any]]:
         """Unit, first value and range of each parameter, by its name. exponent_change is added to the exponent, at a
-        constant force at the end of the felt's design range."""
+        constant force at the end of the felt's design range. Places are at most string_length_m."""
         return {row["name"]: {key: value for key, value in row.items() if key != "name"} for row in self._rows}
 
     def play(self, seconds: float, **values: float) -> tuple[Samples, Samples]:

@@ -20,6 +20,7 @@ class _Strike(torch.autograd.Function):
         return torch.from_numpy(displacement), torch.from_numpy(force)
 
     @staticmethod
+    @torch.autograd.function.once_differentiable
     def backward(ctx: Any, *grad_outputs: Any) -> tuple[Any, ...]:
         displacement, force = grad_outputs
         gradient = ctx.string.gradient(displacement.numpy(), force.numpy(), **ctx.values)

@@ -72,6 +72,10 @@ def test_a_search_along_the_gradient_finds_a_felt():
     (lambda: cs.StruckString().play(0.1, hammer_mass_kg=-1), "hammer_mass_kg: -1 is refused; allowed: 1e-06 to 100"),
     (lambda: cs.StruckString().play(0.1, string_tension_n=float("nan")), "string_tension_n: nan is refused"),
     (lambda: cs.StruckString(SOFT).play(0.1, exponent_change=-1), "exponent_change: with -1 the force would fall"),
+    (lambda: cs.StruckString().play(0.1, strike_m=0.7), "strike_m: 0.7 is beyond the string; allowed: 0 to 0.62, its"),
+    (lambda: cs.StruckString().tangents(0.1, ["speed_m_per_s"], pickup_m=1), "pickup_m: 1 is beyond the string"),
+    (lambda: cs.StruckString().gradient(np.ones(3), strike_m=0.07, pickup_m=0.01, string_length_m=0.05),
+     "strike_m: 0.07 is beyond the string; allowed: 0 to 0.05, its length, such as 0.05"),
     (lambda: cs.StruckString().play(-1), "seconds: -1 is refused"),
     (lambda: cs.StruckString().gradient(np.ones((2, 3))), "one row of samples"),
     (lambda: cs.StruckString().gradient(np.ones(3), np.ones(2)), "of one length")])
@@ -79,6 +83,26 @@ def test_wrong_calls_are_refused_in_one_line(call, says):
     with pytest.raises(ValueError) as refused:
         call()
     assert says in str(refused.value) and "\n" not in str(refused.value)
+
+
+def test_a_place_may_be_the_end_of_the_string():
+    length = cs.StruckString().parameters["string_length_m"]["initial"]
+    displacement, force = cs.StruckString().play(0.01, pickup_m=length)
+    _, expected = cs.StruckString().play(0.01)
+    assert np.abs(displacement).max() < 1e-12 and np.array_equal(force, expected) and force.max() > 1
+
+
+def test_torch_refuses_a_second_derivative():
+    torch = pytest.importorskip("torch", reason="python3-torch is not installed")
+    from contactspline.torch import strike
+
+    speed = torch.tensor(2.0, dtype=torch.float64, requires_grad=True)
+    loss = (strike(cs.StruckString(), {"speed_m_per_s": speed}, 0.002)[1]**2).sum()
+    plain, = torch.autograd.grad(loss, speed, retain_graph=True)
+    first, = torch.autograd.grad(loss, speed, create_graph=True)
+    assert first.item() == plain.item()
+    with pytest.raises(RuntimeError, match="once_differentiable"):
+        first.backward()
 
 
 def test_torch_differentiates_through_it():

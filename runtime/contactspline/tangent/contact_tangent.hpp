@@ -28,20 +28,25 @@ struct ContactNumbers {
   std::vector<Memory> memories;   ///< of weights and times; empty: all 0
 };
 
+/// A table with the knots of another, whose force is force_at(y) at the knots and at end_m, the end of the last
+/// segment, and linear between.
+template <std::floating_point T, typename ForceAt>
+[[nodiscard]] std::vector<Segment<T>> table_through(SegmentTable<T> table, T end_m, ForceAt force_at) {
+  std::vector<Segment<T>> through(table.begin(), table.end());
+  for (std::size_t j = 1; j < table.size(); ++j) {
+    const T from = table[j].knot, to = j + 1 < table.size() ? table[j + 1].knot : end_m;
+    const T energy = j > 1 ? through[j - 1].energy_at(from) : T(0);
+    through[j] = {from, energy, force_at(from), (force_at(to) - force_at(from)) / (2 * (to - from))};
+  }
+  return through;
+}
+
 /// The direction of the table of a power law for its exponent, at a constant force at reference_m > 0 (1 m: at a
 /// constant stiffness): the force at each knot grows by F ln(y/reference_m), and is linear between knots. end_m: the
 /// end of the last segment, Material::max_compression_m.
 template <std::floating_point T>
 [[nodiscard]] std::vector<Segment<T>> exponent_direction(SegmentTable<T> table, T end_m, T reference_m = 1) {
-  const auto slope = [&](T y) { return y > 0 ? force(table, y) * std::log(y / reference_m) : T(0); };
-  std::vector<Segment<T>> direction(table.begin(), table.end());
-  for (std::size_t j = 1; j < table.size(); ++j) {
-    const T from = table[j].knot, to = j + 1 < table.size() ? table[j + 1].knot : end_m;
-    direction[j] = {from, 0, slope(from), (slope(to) - slope(from)) / (2 * (to - from))};
-    const Segment<T>& last = direction[j - 1];
-    if (j > 1) direction[j].energy = last.energy_at(from);
-  }
-  return direction;
+  return table_through(table, end_m, [&](T y) { return y > 0 ? force(table, y) * std::log(y / reference_m) : T(0); });
 }
 
 namespace detail {

@@ -30,7 +30,8 @@ struct StrikeSample {
   std::array<T, kMaxMemories> remembered{};
 };
 
-/// The samples of a strike backwards, a block at a time.
+/// The samples of a strike backwards, a block at a time. The adjoint of a value is the derivative of the sum with
+/// respect to it.
 template <std::floating_point T>
 class StrikeBackwards {
  public:
@@ -52,7 +53,7 @@ class StrikeBackwards {
   }
 
   /// The samples after the hammer is stopped. model: then. Their output is linear in the motion of the modes then,
-  /// and so is what it means with respect to the constants: nothing is played.
+  /// and so are the adjoints of the constants: nothing is played.
   void begin(HammerString<T> model, std::span<const T> output_weights) {
     const std::size_t modes = modes_.padded_size();
     ModeLines<T> displacement(strike_.modes.size()), increment(strike_.modes.size());
@@ -62,8 +63,8 @@ class StrikeBackwards {
     for (std::size_t i = 0; i < modes; i += kLaneCount<T>) {
       const Lanes<T> keep = load(&modes_.keep.data()[i]), pull = load(&modes_.pull.data()[i]);
       const Lanes<T> output = load(&modes_.output.data()[i]);
-      // Of the sum without the output's shapes: its derivatives with respect to displacement and increment, and
-      // theirs with respect to keep and pull.
+      // Derivatives of the sum, without the output's shapes, with respect to displacement and increment (q, d), and
+      // of these with respect to keep and pull.
       Lanes<T> q{}, d{}, q_keep{}, d_keep{}, q_pull{}, d_pull{};
       for (std::size_t n = output_weights.size(); n-- > 0;) {
         q += output_weights[n] - pull * d;
@@ -126,11 +127,11 @@ class StrikeBackwards {
 
  private:
   static constexpr std::size_t kDesignSeeds = 2 * kMaxMemories;  // weight and time of each memory
-  // Of a relaxation: the force, then what is remembered, weight, kept and taken of each memory.
+  // Seeds of a relaxation: the force, then for each memory its value, weight, kept and taken.
   static constexpr std::size_t kRelaxSeeds = 1 + 4 * kMaxMemories;
   using Relaxed = Dual<T, kRelaxSeeds>;
 
-  /// What state and constants of each mode mean for the sum.
+  /// The adjoints of state and constants of each mode.
   struct ModeAdjoints {
     ModeLines<T> displacement, increment, change;  ///< change: of the last sample, as the force sees it
     ModeLines<T> keep, pull, push, strike, output;
@@ -169,14 +170,14 @@ class StrikeBackwards {
     }
   }
 
-  // What the force of this sample means for the sum through the modes.
+  // The adjoint of the force of this sample through the modes.
   T by_force(T force) {
     const std::size_t modes = modes_.padded_size();
     for (std::size_t i = 0; i < modes; ++i) adjoints_.push[i] += force * adjoints_.change[i];
     return product<T>(modes_.push, adjoints_.change.data());
   }
 
-  // The contact back over a sample: memory, then step. Returns what the free increment means for the sum.
+  // The contact back over a sample: memory, then step. Returns the adjoint of the free increment.
   T contact(const StrikeSample<T>& sample, T force) {
     T line = 0;
     for (const T value : sample.remembered) line += value;
@@ -206,14 +207,14 @@ class StrikeBackwards {
     add_to_table(path.segment_before(), sample.before, slopes.table_before * change);
   }
 
-  // A force of the table at a compression in segment j means so much for the sum.
+  // adjoint: of a force of the table at compression y in segment j.
   void add_to_table(std::size_t j, T y, T adjoint) {
     gradient_.felt.table[j].force += adjoint;
     gradient_.felt.table[j].half_curvature += 2 * (y - strike_.felt[j].knot) * adjoint;
   }
 
-  // The memory back: its derivatives by duals, read in the other direction. Writes what each value means for the sum,
-  // returns what the compression means.
+  // The memory back: its derivatives by duals, read in the other direction. Writes the adjoint of each value before
+  // the sample, returns that of the compression.
   T relax(const StrikeSample<T>& sample, std::array<T, kMaxMemories>& before) {
     const std::size_t j = segment_index(strike_.felt, sample.after), count = strike_.memories.size();
     std::array<T, kRelaxSeeds> adjoint{};
@@ -285,8 +286,8 @@ class StrikeBackwards {
   std::vector<StrikeSample<T>> samples_;
   std::vector<T> moved_, displaced_;  // of each sample and mode
   ModeAdjoints adjoints_;
-  T compression_ = 0, velocity_ = 0;          // what the state of the hammer means for the sum
-  std::array<T, kMaxMemories> remembered_{};  // what each remembered force means
+  T compression_ = 0, velocity_ = 0;          // adjoints of the state of the hammer
+  std::array<T, kMaxMemories> remembered_{};  // adjoint of each remembered force
   T ratio_ = 0, admittance_slope_ = 0, velocity_per_force_ = 0;
   std::array<T, 3 * kMaxMemories> design_adjoint_{};  // weights, kept, taken
   MemoryDesign<Dual<T, kDesignSeeds>> design_;
@@ -297,8 +298,8 @@ class StrikeBackwards {
 
 /// The gradient of sum(output_weights[n] output[n]) + sum(force_weights[n] force[n]) over the samples of a strike
 /// with respect to all its numbers. For a function of the samples, the weights are its derivatives with respect to
-/// them. force_weights: as many as output_weights, or none. It plays the flight of the hammer twice and goes back
-/// once through everything; memory grows with the square root of the flight's length.
+/// them. Missing force_weights are 0. It plays the flight of the hammer twice and goes back once through everything;
+/// memory grows with the square root of the number of samples.
 template <std::floating_point T>
 [[nodiscard]] StrikeNumbers<T> strike_gradient(const HammerStrike<T>& strike, double sample_rate_hz,
                                                std::span<const T> output_weights,
@@ -318,7 +319,8 @@ template <std::floating_point T>
     const std::size_t first = (begins.size() - 1) * block, count = std::min(block, flight - first);
     backwards.record(begins.back(), count);
     for (std::size_t n = count; n-- > 0;)
-      backwards.step(n, output_weights[first + n], force_weights.empty() ? T(0) : force_weights[first + n]);
+      backwards.step(n, output_weights[first + n],
+                     first + n < force_weights.size() ? force_weights[first + n] : T(0));
   }
   return backwards.gradient();
 }

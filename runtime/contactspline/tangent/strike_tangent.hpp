@@ -124,7 +124,8 @@ class StrikeTangent {
     return contacts;
   }
 
-  // A sample of the model, with its contact. After the last one, the modes are left to themselves.
+  // A sample of the model, with its contact. After the last one the modes are left to themselves: the model runs one
+  // sample ahead, for their increments, and stops.
   void play_sample() {
     const T y = model_.compression();
     model_.tick(controls_);
@@ -132,9 +133,8 @@ class StrikeTangent {
     std::ranges::copy(model_.string().changes(), change_.data());
     collide(y);
     if (model_.is_hammer_flying()) return;
-    HammerString<T> next = model_;
-    next.tick(controls_);
-    std::ranges::copy(next.string().changes(), increment_.data());
+    model_.tick(controls_);
+    std::ranges::copy(model_.string().changes(), increment_.data());
   }
 
   // The contact of a sample that the model has advanced from compression y.
@@ -204,7 +204,7 @@ class StrikeTangent {
     }
   }
 
-  HammerString<T> model_;  // until the hammer is stopped
+  HammerString<T> model_;  // until the hammer is stopped, and one sample more
   detail::StrikeModes<T> modes_;
   ContactTangent<T, P> contact_;
   HammerStringControls<T> controls_;
