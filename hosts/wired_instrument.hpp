@@ -85,9 +85,10 @@ class WiredInstrument {
       contactspline_pluck(get(), played->number, strength, kPluckRise_s);
   }
 
-  /// A key of MIDI, 0 to 127, goes down with a velocity above 0, else up. Other keys do nothing.
+  /// A key of MIDI, 0 to 127, goes down with a velocity above 0, else up. Other keys, and a velocity that is not a
+  /// number, do nothing.
   void note(double key, double velocity) {
-    if (!(key >= 0 && key < 127.5)) return;
+    if (!(key >= 0 && key < 127.5) || !is_number(velocity)) return;
     const int number = static_cast<int>(std::lround(key));
     velocity > 0 ? contactspline_note_on(get(), number, velocity) : contactspline_note_off(get(), number);
   }

@@ -90,6 +90,19 @@ std::string names_of(const Player& player) {
   return names;
 }
 
+// Ends an opcode with its note. reinit begins it again before that: it must let go what it holds by itself. Csound
+// makes opcodes of zeros, which hold nothing.
+template <typename Opcode, void (*kEnd)(CSOUND*, Opcode*)>
+void end_with_note(CSOUND* csound, Opcode* p) {
+  const auto callback = [](CSOUND* of, void* opcode) {
+    kEnd(of, static_cast<Opcode*>(opcode));
+    static_cast<Opcode*>(opcode)->is_registered = false;
+    return OK;
+  };
+  if (!p->is_registered) csound->RegisterDeinitCallback(csound, p, callback);
+  p->is_registered = true;
+}
+
 // What an opcode needs of a handle; says so where there is none.
 Player* required_player(CSOUND* csound, MYFLT handle) {
   Player* const player = player_of(csound, handle);
@@ -109,13 +122,14 @@ struct Create {
   MYFLT* handle;
   STRINGDAT* name;
   MYFLT made;  ///< the handle, whatever becomes of the variable
+  bool is_registered;
 };
 
-int release_handle(CSOUND* csound, void* opcode) {
+void release_handle(CSOUND* csound, Create* p) {
   Players* const players = players_of(csound);
-  Players::Slot* const slot = players != nullptr ? players->of(static_cast<Create*>(opcode)->made) : nullptr;
+  Players::Slot* const slot = players != nullptr ? players->of(p->made) : nullptr;
   if (slot != nullptr) slot->is_free = true;
-  return OK;
+  p->made = 0;
 }
 
 int create(CSOUND* csound, void* opcode) {
@@ -126,8 +140,9 @@ int create(CSOUND* csound, void* opcode) {
   if (player == nullptr || players == nullptr) return csound->InitError(csound, "%s", contactspline_last_error());
   const auto handle = players->keep(std::move(player));
   if (!handle) return csound->InitError(csound, "contactspline: %s", "more than 1024 instruments at a time");
+  release_handle(csound, p);  // what was made before a reinit: the next create deletes it
   *p->handle = p->made = static_cast<MYFLT>(*handle);
-  csound->RegisterDeinitCallback(csound, p, release_handle);
+  end_with_note<Create, release_handle>(csound, p);
   return OK;
 }
 
@@ -137,6 +152,7 @@ struct Set {
   STRINGDAT* name;
   MYFLT* value;
   contactspline::Wire<MYFLT> wire;
+  MYFLT kept;  ///< the handle that begin_set read
 };
 
 int begin_set(CSOUND* csound, void* opcode) {
@@ -146,44 +162,50 @@ int begin_set(CSOUND* csound, void* opcode) {
   const auto parameter = player->parameter(p->name->data);
   if (!parameter) return unknown_name(csound, "Sparameter", p->name->data, *player);
   p->wire = {.parameter = *parameter};
+  p->kept = *p->handle;
   return OK;
 }
 
 int set(CSOUND* csound, void* opcode) {
   auto* const p = static_cast<Set*>(opcode);
-  if (Player* const player = player_of(csound, *p->handle)) p->wire.move(*player, *p->value);
+  if (Player* const player = player_of(csound, p->kept)) p->wire.move(*player, *p->value);
   return OK;
 }
 
 struct Note {
   OPDS h;
   MYFLT *handle, *key, *velocity;
-  MYFLT held_key;
-  bool has_begun;
+  MYFLT kept, kept_key;         ///< what begin_note read
+  MYFLT held_handle, held_key;  ///< the key that is down; handle 0: none
+  bool has_begun, is_registered;
 };
 
-int end_note(CSOUND* csound, void* opcode) {
-  auto* const p = static_cast<Note*>(opcode);
-  Player* const player = player_of(csound, *p->handle);
-  if (player != nullptr && p->has_begun) player->note(p->held_key, 0);
-  return OK;
+void end_note(CSOUND* csound, Note* p) {
+  if (Player* const player = player_of(csound, p->held_handle)) player->note(p->held_key, 0);
+  p->held_handle = 0;
 }
 
 int begin_note(CSOUND* csound, void* opcode) {
   auto* const p = static_cast<Note*>(opcode);
   if (required_player(csound, *p->handle) == nullptr) return NOTOK;
-  p->held_key = *p->key;
+  p->kept = *p->handle;
+  p->kept_key = *p->key;
   p->has_begun = false;
-  csound->RegisterDeinitCallback(csound, p, end_note);
+  end_with_note<Note, end_note>(csound, p);
   return OK;
 }
 
 // Begins where sound is computed: with --realtime, begin_note runs beside it.
 int note(CSOUND* csound, void* opcode) {
   auto* const p = static_cast<Note*>(opcode);
-  Player* const player = player_of(csound, *p->handle);
-  if (player != nullptr && !p->has_begun) player->note(p->held_key, *p->velocity);
+  if (p->has_begun) return OK;
   p->has_begun = true;
+  end_note(csound, p);  // the key from before a reinit
+  Player* const player = player_of(csound, p->kept);
+  if (player == nullptr) return OK;
+  player->note(p->kept_key, *p->velocity);
+  if (*p->velocity > 0) p->held_handle = p->kept;
+  p->held_key = p->kept_key;
   return OK;
 }
 
@@ -192,6 +214,7 @@ struct Play {
   MYFLT* handle;
   STRINGDAT* name;
   MYFLT *trigger, *value;
+  MYFLT kept;
   std::size_t event;
   bool has_value;
 };
@@ -202,6 +225,7 @@ int begin_play(CSOUND* csound, void* opcode) {
   if (player == nullptr) return NOTOK;
   const auto event = player->event(p->name->data);
   if (!event) return unknown_name(csound, "Sevent", p->name->data, *player);
+  p->kept = *p->handle;
   p->event = *event;
   p->has_value = csound->GetInputArgCnt(p) > 3;
   return OK;
@@ -209,7 +233,7 @@ int begin_play(CSOUND* csound, void* opcode) {
 
 int play(CSOUND* csound, void* opcode) {
   auto* const p = static_cast<Play*>(opcode);
-  Player* const player = player_of(csound, *p->handle);
+  Player* const player = player_of(csound, p->kept);
   if (player == nullptr || !(*p->trigger > 0)) return OK;
   p->has_value ? player->play(p->event, *p->value) : player->play(p->event);
   return OK;
@@ -226,17 +250,20 @@ struct Out {
   STRINGDAT* names[kMaxOutputs];
   Tap taps[kMaxOutputs];
   std::size_t count;
+  MYFLT kept;  ///< the handle that it plays; 0: none
+  bool is_registered;
 };
 
-int end_out(CSOUND* csound, void* opcode) {
+void end_out(CSOUND* csound, Out* p) {
   Players* const players = players_of(csound);
-  Players::Slot* const slot = players != nullptr ? players->of(*static_cast<Out*>(opcode)->handle) : nullptr;
+  Players::Slot* const slot = players != nullptr ? players->of(p->kept) : nullptr;
   if (slot != nullptr) slot->has_output = false;
-  return OK;
+  p->kept = 0;
 }
 
 int begin_out(CSOUND* csound, void* opcode) {
   auto* const p = static_cast<Out*>(opcode);
+  end_out(csound, p);
   const Player* const player = required_player(csound, *p->handle);
   if (player == nullptr) return NOTOK;
   p->count = static_cast<std::size_t>(csound->GetOutputArgCnt(p));
@@ -255,7 +282,8 @@ int begin_out(CSOUND* csound, void* opcode) {
   if (players_of(csound)->of(*p->handle)->has_output.exchange(true))
     return csound->InitError(csound, "contactspline: contact_out: %s",
                              "plays this instrument already; allowed: one contact_out for each instrument");
-  csound->RegisterDeinitCallback(csound, p, end_out);
+  p->kept = *p->handle;
+  end_with_note<Out, end_out>(csound, p);
   return OK;
 }
 
@@ -270,7 +298,7 @@ int out(CSOUND* csound, void* opcode) {
     std::fill_n(p->sounds[o], samples, MYFLT(0));
     sounds[o] = p->sounds[o] + begin;
   }
-  if (Player* const player = player_of(csound, *p->handle))
+  if (Player* const player = player_of(csound, p->kept))
     player->process(std::span(p->taps).first(p->count), std::span(sounds).first(p->count), end - begin);
   return OK;
 }

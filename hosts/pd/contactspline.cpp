@@ -133,8 +133,8 @@ t_int* perform(t_int* arguments) {
 void prepare(Wired& wired, double rate_hz) {
   if (wired.rate_hz == rate_hz) return;
   auto player = Player::create(wired.name.c_str(), rate_hz);
-  wired.rate_hz = rate_hz;
   if (player == nullptr) return pd_error(nullptr, "contactspline~: %s", contactspline_last_error());
+  wired.rate_hz = rate_hz;
   for (std::size_t p = 0; !std::isnan(player->value(p)); ++p) player->set(p, wired.player->value(p));
   wired.player = std::move(player);
 }
@@ -148,21 +148,36 @@ void begin_dsp(Object* object, t_signal** signals) {
 }
 
 // Messages: note KEY VELOCITY or the two numbers alone, NAME VALUE for a parameter, NAME [VALUE] for an event, reset,
-// print.
+// print. One with other values does nothing.
 void take(Object* object, t_symbol* selector, int count, t_atom* values) {
   Player& player = *object->wired->player;
   const std::string_view name = selector->s_name;
+  const bool are_numbers = std::all_of(values, values + count, [](const t_atom& a) { return a.a_type == A_FLOAT; });
+  const auto has = [&](int min, int max, const char* allowed) {
+    const bool is_right = are_numbers && count >= min && count <= max;
+    if (!is_right)
+      pd_error(object, "contactspline~: %s: %s; allowed: %s", selector->s_name,
+               are_numbers ? "too few or too many values" : "a value is no number", allowed);
+    return is_right;
+  };
   const auto value = [&](int i) { return static_cast<double>(atom_getfloatarg(i, count, values)); };
-  if (name == "note" || name == "list") return player.note(value(0), value(1));
-  if (name == "reset") return player.reset();
-  if (name == "print") return post_lines(player);
-  const auto parameter = player.parameter(name);
-  if (parameter && count == 1) return player.set(*parameter, value(0));
-  if (const auto event = player.event(name)) return count > 0 ? player.play(*event, value(0)) : player.play(*event);
-  pd_error(object,
-           "contactspline~: %s: no message of %s; allowed: note KEY VELOCITY, reset, print, a parameter with "
-           "its value, an event",
-           selector->s_name, object->wired->name.c_str());
+  if (name == "note" || name == "list") {
+    if (has(2, 2, "two numbers, KEY VELOCITY, such as 60 0.7")) player.note(value(0), value(1));
+  } else if (name == "reset") {
+    if (has(0, 0, "no value")) player.reset();
+  } else if (name == "print") {
+    if (has(0, 0, "no value")) post_lines(player);
+  } else if (const auto parameter = player.parameter(name)) {
+    if (has(1, 1, "one number, in the parameter's unit")) player.set(*parameter, value(0));
+  } else if (const auto event = player.event(name)) {
+    if (has(0, 1, "one number, in m/s or N, or none"))
+      count > 0 ? player.play(*event, value(0)) : player.play(*event);
+  } else {
+    pd_error(object,
+             "contactspline~: %s: no message of %s; allowed: note KEY VELOCITY, reset, print, a parameter with "
+             "its value, an event",
+             selector->s_name, object->wired->name.c_str());
+  }
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ ContactInstrument : MultiOutUGen {
 
 	*text { |name|
 		name = name.asString;
-		^[name.size] ++ name.ascii
+		^[name.size] ++ name.ascii.collect { |code| code.bitAnd(255) } // bytes have a sign
 	}
 
 	init { |count ... theInputs|

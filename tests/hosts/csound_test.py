@@ -4,7 +4,7 @@ import random
 import subprocess
 import sys
 
-from host_test import BLOCK, HostTest, Instrument, RATE, channels, need, require_pitch, run
+from host_test import BLOCK, HostTest, Instrument, RATE, channels, need, require_equal, require_pitch, run
 from sound import block
 import numpy as np
 
@@ -118,10 +118,78 @@ endin
             self.csound(orchestra, "\n".join(score), "test.wav")
             sound = np.array(channels("test.wav"))
             assert sound.shape[1] >= rounds, sound.shape
-            assert np.isfinite(sound).all(), name
+            assert np.isfinite(sound).all() and np.abs(sound).max() > 0, name
             count += calls * rounds
         print(count, "values")
         assert count >= 1000000, count
+
+    def velocities(self):
+        """A note whose velocity is not a number leaves a key down that another one holds."""
+        body = "instr 1\n  contact_note gi, 60, p4 > 0 ? p4 : sqrt(-1)\nendin\ninstr 2\n  a1 contact_out gi\n  out a1\nendin\n"
+        score = [(0, 150, 0.7), (20, 40, 0)]
+        self.csound(f'{HEADER}1\ngi contact_create "piano"\n{body}', "\n".join(
+            [f"i 2 0 {seconds(150 * BLOCK)}"]
+            + [f"i 1 {seconds(begin * BLOCK)} {seconds(length * BLOCK)} {velocity}" for begin, length, velocity in score]), "test.wav")
+        expected = Instrument(self.reference, "piano").play("double", [(0, "note", 60, 0.7)], 150 * BLOCK)[:1]
+        require_equal(expected, channels("test.wav"), "double", "velocities")
+
+    def handles(self):
+        """Each opcode plays the instrument that its handle named when the note began."""
+        lines, expected = [], []
+        for number, name in enumerate(["hammer_string", "tom"], 1):
+            instrument = Instrument(self.reference, name)
+            parameter, event = next(iter(instrument.parameters)), next(iter(instrument.events))
+            value = sum(instrument.parameters[parameter][:2]) / 2
+            lines += [f'ih contact_create "{instrument.name}"', f'contact_set ih, "{parameter}", {value!r}',
+                      f'contact_play ih, "{event}", kplay', "contact_note ih, 60, 0.7", f'a{number} contact_out ih, "left"']
+            performance = [(0, "set", parameter, value), (0, "play", event), (0, "note", 60, 0.7), (75 * BLOCK, "note", 60, 0)]
+            expected.append(instrument.play("double", performance, 75 * BLOCK)[0])
+        body = "\n  ".join(["kplay init 1", *lines, "kplay = 0", "outs a1, a2"])
+        self.csound(f"{HEADER}2\ninstr 1\n  {body}\nendin\n", f"i 1 0 {seconds(75 * BLOCK)}", "test.wav")
+        sound = np.array(channels("test.wav"))
+        for tap in range(2):
+            require_equal(np.array(expected[tap:tap + 1]), sound[tap:tap + 1], "double", f"handle {tap}")
+
+    def reinit(self):
+        """reinit makes an instrument anew, more often than there are handles; it plays another key."""
+        orchestra = f"""{HEADER}1
+gi contact_create "piano"
+instr 1
+  knumber init 0
+again:
+  contact_note gi, 60 + 4 * i(knumber), 0.7
+  a1 contact_out gi
+  rireturn
+  out a1
+  knumber = 1
+  kcycle timeinstk
+  if kcycle == 75 then
+    reinit again
+  endif
+endin
+"""
+        self.csound(orchestra, f"i 1 0 {seconds(150 * BLOCK)}", "test.wav")
+        performance = [(0, "note", 60, 0.7), (75 * BLOCK, "note", 60, 0), (75 * BLOCK, "note", 64, 0.7)]
+        expected = Instrument(self.reference, "piano").play("double", performance, 150 * BLOCK)[:1]
+        require_equal(expected, channels("test.wav"), "double", "keys")
+        rounds, blocks = 1100, 4
+        orchestra = f"""{HEADER}1
+instr 1
+again:
+  ih contact_create "hammer_string"
+  contact_note ih, 60, 0.7
+  a1 contact_out ih
+  rireturn
+  out a1
+  kcycle timeinstk
+  if kcycle % {blocks} == 0 then
+    reinit again
+  endif
+endin
+"""
+        self.csound(orchestra, f"i 1 0 {seconds(rounds * blocks * BLOCK)}", "test.wav")
+        one = Instrument(self.reference, "hammer_string").play("double", [(0, "note", 60, 0.7)], blocks * BLOCK)[:1]
+        require_equal(np.tile(one, rounds), channels("test.wav"), "double", "reinit")
 
     def lifetimes(self):
         """100 instruments begin and end at random, more than one at a time."""

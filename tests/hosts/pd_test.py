@@ -125,7 +125,7 @@ class PdTest(HostTest):
                 patch.connect(message, 0, played, 0)
             messages = [(0, "files", f"read values.wav {' '.join(names)}")]
             messages += [(block * BLOCK, "index", str(draw.randrange(rounds))) for block in range(1, rounds // BLOCK)]
-            # Pd's arrays write 0 for what is not finite: 0 x + 1 is 1 where x is.
+            # Pd's arrays write 0 for what is not finite: 0 x + 1 is 1 where x is. More, where there is energy.
             sum_ = patch.add("obj", "+~")
             for outlet in range(3):
                 zero = patch.add("obj", "*~ 0")
@@ -133,7 +133,11 @@ class PdTest(HostTest):
                 patch.connect(zero, 0, sum_, 0)
             one = patch.add("obj", "sig~ 1")
             patch.connect(one, 0, sum_, 0)
-            assert (self.record(patch, sum_, 1, rounds, messages) == 1).all(), name
+            large, clipped = patch.add("obj", "*~ 1e+30"), patch.add("obj", "clip~ 0 1")
+            for source, outlet, sink in [(played, 2, large), (large, 0, clipped), (clipped, 0, sum_)]:
+                patch.connect(source, outlet, sink, 0)
+            sound = self.record(patch, sum_, 1, rounds, messages)
+            assert (sound >= 1).all() and (sound > 1).any(), name
             count += values.size + len(texts) * (rounds // BLOCK)
         print(count, "values")
         assert count >= 1000000, count
@@ -155,20 +159,35 @@ class PdTest(HostTest):
         assert np.isfinite(sound).all() and np.abs(sound).max() > 0.01
 
     def refusals(self):
-        for text, said in [
-            ("contactspline~ harpsichord", "harpsichord: INSTRUMENT: no such instrument ships; allowed: a .json file"),
-            ("contactspline~ absent.json", "absent.json: file: does not exist"),
-            ("contactspline~", "instrument: is missing; allowed: a name, such as piano"),
-            ("contactspline~ hammer_string sound", "no parameter or output of hammer_string has the name sound; allowed are:"),
+        hammer = "contactspline~ hammer_string"
+        for text, sent, said in [
+            ("contactspline~ harpsichord", "", "harpsichord: INSTRUMENT: no such instrument ships; allowed: a .json file"),
+            ("contactspline~ absent.json", "", "absent.json: file: does not exist"),
+            ("contactspline~", "", "instrument: is missing; allowed: a name, such as piano"),
+            (f"{hammer} sound", "", "no parameter or output of hammer_string has the name sound; allowed are:"),
+            (hammer, "note 60", "note: too few or too many values; allowed: two numbers, KEY VELOCITY"),
+            (hammer, "60 0.7 1", "list: too few or too many values; allowed: two numbers, KEY VELOCITY"),
+            (hammer, "note 60 loud", "note: a value is no number; allowed: two numbers, KEY VELOCITY"),
+            (hammer, "stiffness_ratio foo", "stiffness_ratio: a value is no number; allowed: one number"),
+            (hammer, "stiffness_ratio", "stiffness_ratio: too few or too many values; allowed: one number"),
+            (hammer, "strike foo", "strike: a value is no number; allowed: one number, in m/s or N, or none"),
+            (hammer, "strike 1 2", "strike: too few or too many values; allowed: one number, in m/s or N, or none"),
+            (hammer, "reset 1", "reset: too few or too many values; allowed: no value"),
+            (hammer, "bend 1", "bend: no message of hammer_string; allowed: note KEY VELOCITY"),
         ]:
             patch = Patch()
-            patch.add("obj", text)
-            ends = patch.add("msg", "\\; pd quit")
-            patch.connect(patch.add("obj", "loadbang"), 0, ends, 0)
+            object_ = patch.add("obj", text)
+            start, split = patch.add("obj", "loadbang"), patch.add("obj", "t b b")
+            patch.connect(start, 0, split, 0)
+            if sent:
+                message = patch.add("msg", sent)
+                patch.connect(split, 1, message, 0)
+                patch.connect(message, 0, object_, 0)
+            patch.connect(split, 0, patch.add("msg", "\\; pd quit"), 0)
             patch.write("test.pd")
             printed = self.pd("test.pd")
             if said not in printed:
-                sys.exit(f"{text}: not said: {said}\n{printed}")
+                sys.exit(f"{text}, {sent}: not said: {said}\n{printed}")
 
 
 need("pd")

@@ -3,6 +3,7 @@
 import os
 import random
 import re
+import shutil
 import struct
 import sys
 from pathlib import Path
@@ -146,7 +147,7 @@ class SuperColliderTest(HostTest):
     def sclang(self, code):
         """Runs code with the classes of the build: what it prints."""
         Path("conf.yaml").write_text(f"includePaths:\n  - {Path(self.module).parent}/classes\nexcludePaths: []\npostInlineWarnings: false\n")
-        Path("test.scd").write_text(f"{code}\n0.exit;\n")
+        Path("test.scd").write_text(f"{code}\n0.exit;\n", encoding="utf-8")
         os.environ |= {"QT_QPA_PLATFORM": "offscreen", "HOME": os.getcwd(), "XDG_RUNTIME_DIR": os.getcwd(), "QTWEBENGINE_DISABLE_SANDBOX": "1"}
         return run("sclang", "-D", "-l", "conf.yaml", "test.scd")
 
@@ -169,6 +170,16 @@ class SuperColliderTest(HostTest):
             assert np.isfinite(sound).all() and np.abs(sound).max() > 1e-4 and "contactspline:" not in printed, (i, printed)
             if i == 0:
                 require_pitch([list(channel[:2 * RATE]) for channel in sound])
+
+    def paths(self):
+        """A path beyond ASCII goes from sclang to the server."""
+        need("sclang")
+        shutil.copy(Path(__file__).parents[2] / "examples/instruments/hammer_on_string.json", "klänge_鐘.json")
+        self.sclang(f'SynthDef("test", {{ Out.ar(0, ContactInstrument.ar("{os.getcwd()}/klänge_鐘.json", [[1, 60, 0.7]])) }})'
+                    f'.writeDefFile("{os.getcwd()}");')
+        score = [(0, message("/d_recv", Path("test.scsyndef").read_bytes())), (0, message("/s_new", "test", 1000, 0, 0))]
+        printed, sound = self.scsynth(score, 2, RATE // 4)
+        assert np.abs(sound).max() > 0 and "contactspline:" not in printed, printed
 
     def hostile(self):
         """A million values at random, at audio rate, in gates, keys, velocities, triggers, values and parameters."""
