@@ -51,7 +51,8 @@ void write_help(std::ostream& file, const std::string& name, const Instrument& i
 int main(int count, char** arguments) {
   if (count != 3) return 2;
   std::ofstream classes(std::string(arguments[1]) + "/ContactInstruments.sc");
-  classes << "// SPDX-License-Identifier: MIT\n// The instruments that ship. Written by write_classes.cpp from their "
+  classes << "// SPDX-"
+             "License-Identifier: MIT\n// The instruments that ship. Written by write_classes.cpp from their "
              "lists.\n";
   for (const char* const* name = contactspline_names(); *name != nullptr; ++name) {
     const auto instrument = Instrument::create(*name, 48000);
