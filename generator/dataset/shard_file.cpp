@@ -46,8 +46,8 @@ Hdf5Handle space_of(const ArrayPlan& array, std::size_t rows) {
   return {H5Screate_simple(array.length == 0 ? 1 : 2, sizes, nullptr), H5Sclose, "space"};
 }
 
-void select_rows(hid_t space, const ArrayPlan& array, std::size_t first, std::size_t rows) {
-  const hsize_t begin[] = {first, 0}, sizes[] = {rows, array.length};
+void select_rows(hid_t space, const ArrayPlan& array, std::size_t first, std::size_t count) {
+  const hsize_t begin[] = {first, 0}, sizes[] = {count, array.length};
   checked(H5Sselect_hyperslab(space, H5S_SELECT_SET, begin, nullptr, sizes, nullptr), "selection");
 }
 
@@ -115,7 +115,8 @@ Hdf5Handle create_summed_array(hid_t file, const ArrayPlan& array, std::size_t r
 void read_through(hid_t file, const ArrayPlan& array, std::size_t rows) {
   const Hdf5Handle data(H5Dopen2(file, array.path.c_str(), H5P_DEFAULT), H5Dclose, array.path.c_str());
   const Hdf5Handle space(H5Dget_space(data), H5Sclose, "space");
-  if (H5Sget_simple_extent_npoints(space) != static_cast<hssize_t>(rows * std::max<std::size_t>(array.length, 1)))
+  const auto values_of_a_row = static_cast<hssize_t>(std::max<std::size_t>(array.length, 1));
+  if (H5Sget_simple_extent_npoints(space) != static_cast<hssize_t>(rows) * values_of_a_row)
     throw Hdf5Failure(array.path);
   std::vector<char> values;
   for (std::size_t row = 0; row < rows; row += array.block_rows) {
