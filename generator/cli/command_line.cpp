@@ -414,8 +414,8 @@ std::shared_ptr<ScoreOptions> add_score_options(CLI::App& command, std::optional
     command
         .add_option(
             "--instrument", options->instrument,
-            "what plays a MIDI file: an instrument file with keys, or a model of your own (.so), which plays\n"
-            "scores, too (default: the piano)")
+            "what plays a MIDI file (default: the piano): an instrument file with keys,\n"
+            "or a model of your own (.so), which plays scores, too")
         ->check(not_empty("an instrument"))
         ->type_name("FILE");
   return options;

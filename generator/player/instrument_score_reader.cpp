@@ -85,8 +85,9 @@ std::vector<Voice> read_voices(const JsonObject& score, const InstrumentModel& m
   if (!score.has("voices")) return {voice_of(model, 0)};
   std::vector<Voice> voices;
   std::set<std::string> names;
-  std::vector<std::string> keys = {"name", "pan"};
-  if (model.module == nullptr) keys.emplace_back("tuning_cents");
+  const std::vector<std::string> keys = model.module != nullptr
+                                            ? std::vector<std::string>{"name", "pan"}
+                                            : std::vector<std::string>{"name", "tuning_cents", "pan"};
   for (const JsonObject& json : score.objects("voices", keys, kMaxVoices)) {
     Voice& voice = voices.emplace_back(voice_of(model, number_or(json, "tuning_cents", kTuningCents, 0)));
     voice.name = read_voice_name(json, names);

@@ -3,8 +3,10 @@
 #include <faust/gui/UI.h>
 #include <faust/gui/meta.h>
 
+#include "contactspline/host/any_instrument.hpp"
 #include "contactspline/host/faust_dsp.hpp"
 #include "contactspline/host/hosted.hpp"
+#include "contactspline/host/model_module.hpp"
 #include "contactspline/instrument/fret_string_instrument.hpp"
 #include "contactspline/instrument/hammer_string_instrument.hpp"
 #include "contactspline/instrument/instrument_data.hpp"
@@ -97,6 +99,8 @@ using Felt = materials::felt_c4;
   template class detail::NewtonSolver<T>;                                                                       \
   template class detail::SampleLaw<T>;                                                                          \
   template class detail::SpringElimination<T>;                                                                  \
+  template class AnyInstrument<T>;                                                                              \
+  template class InstrumentBehind<NetworkInstrument<T>>;                                                        \
   template class Body<T>;                                                                                       \
   template class ContactNetwork<T>;                                                                             \
   template class CoupledContacts<T>;                                                                            \
