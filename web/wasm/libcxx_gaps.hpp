@@ -169,6 +169,12 @@ constexpr auto minmax_element(Range&& range) {
   return Result{min, max};
 }
 
+template <typename Range>
+constexpr auto minmax(Range&& range) {
+  const auto [min, max] = std::ranges::minmax_element(range);
+  return std::pair(*min, *max);
+}
+
 }  // namespace ranges
 }  // namespace std
 
