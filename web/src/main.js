@@ -104,6 +104,7 @@ class Page {
     await this.comparison.load(); // a link may set its stiffness
     await this.show(stateOf(location.hash));
     this.address = addressOf(this.state());
+    this.settle();
     addEventListener("hashchange", () => this.show(stateOf(location.hash)));
   }
 
