@@ -32,11 +32,25 @@ std::string_view stem_of(const Output& output) {
   return name.substr(0, label_of(name).text.size());
 }
 
-// Is an output meant by its name, by its name without the unit, or by the first or last word of that?
+// Is an output meant by its name, by its name without the unit, or by the first word of that?
 bool is_called(const Output& output, std::string_view signal) {
   const std::string_view stem = stem_of(output);
-  return signal == output.name || signal == stem || stem.starts_with(fmt::format("{}_", signal)) ||
-         (stem.ends_with(fmt::format("_{}", signal)) && signal == "force");
+  return signal == output.name || signal == stem || stem.starts_with(fmt::format("{}_", signal));
+}
+
+// A model of the user's own that plays, or null.
+const ModelModule* module_of(const Score& score) {
+  return score.model == Model::kFile ? score.voices.front().model->module : nullptr;
+}
+
+// Is an output the force of contacts? A file says so by what the output is the sum of, other models by its name.
+bool is_contact_force(const Score& score, const Output& output, std::size_t number) {
+  if (score.model != Model::kFile || module_of(score) != nullptr) return stem_of(output) == "contact_force";
+  const InstrumentModel& model = *score.voices.front().model;
+  const ModelOutput& sum = model.outputs[number];
+  return sum.quantity == OutputQuantity::kForce && std::ranges::all_of(sum.targets, [&](std::size_t target) {
+           return model.connections[target].each.kind == ConnectionKind::kContact;
+         });
 }
 
 // Chooses the output that the sound is.
@@ -47,20 +61,17 @@ void choose_output(const ScoreOptions& options, const Score& score, PlayOptions&
     how.is_on_body = true;
     return;
   }
-  const auto found = std::ranges::find_if(outputs, [&](const Output& o) { return is_called(o, options.signal); });
-  how.output = static_cast<std::size_t>(found - outputs.begin());
-  if (found != outputs.end()) return;
+  for (how.output = 0; how.output < outputs.size(); ++how.output) {
+    const Output& output = outputs[how.output];
+    if (is_called(output, options.signal)) return;
+    if (options.signal == "force" && is_contact_force(score, output, how.output)) return;
+  }
   std::vector<std::string_view> names;
   for (const Output& output : outputs)
     names.emplace_back(score.model == Model::kFile ? output.name : stem_of(output));
   if (score.body) names.push_back(kBody);
   throw BadInput(
       fmt::format("--signal: '{}' is no output; allowed: {}", shown(options.signal), fmt::join(names, ", ")));
-}
-
-// A model of the user's own that plays, or null.
-const ModelModule* module_of(const Score& score) {
-  return score.model == Model::kFile ? score.voices.front().model->module : nullptr;
 }
 
 PlayOptions play_options(const ScoreOptions& options, const Score& score) {

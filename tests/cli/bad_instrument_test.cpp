@@ -529,7 +529,9 @@ TEST(GoodInstrumentScore, IsPlayedFromAnyFolderWithEachOutput) {
   for (const auto& [output, unit] : {std::pair("string_end_force_n", "N (string end force)"),
                                      {"spot_displacement_m", "m (spot displacement)"},
                                      {"foot_velocity_m_per_s", "m/s (foot velocity)"},
-                                     {"corner_velocity_m_per_s", "m/s (corner velocity)"}}) {
+                                     {"corner_velocity_m_per_s", "m/s (corner velocity)"},
+                                     {"spot", "m (spot displacement)"},
+                                     {"force", "N (felt force)"}}) {  // not that of the string's end
     const Outcome outcome = render({"--signal", output});
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     EXPECT_NE(outcome.out.find(unit), std::string::npos) << outcome.out;
