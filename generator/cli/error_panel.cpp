@@ -52,7 +52,7 @@ std::string x_axis(const std::vector<ErrorCurve>& curves, const std::string& lab
 ErrorCurve envelope_of(const ErrorCurve& curve) {
   if (curve.at.size() <= 40) return curve;
   const double stretches = std::clamp(static_cast<double>(curve.at.size()) / 8, 10.0, 40.0);
-  ErrorCurve envelope{curve.name, curve.style, {}, {}};
+  ErrorCurve envelope{curve.name, curve.style, {}, {}, curve.largest};
   const double whole = std::log(curve.at.back() / curve.at.front());
   double stretch = -1;
   for (std::size_t i = 0; i < curve.at.size(); ++i) {
@@ -94,7 +94,8 @@ std::string error_panel(const std::string& name, const std::string& x_label, con
     if (curve.name.empty()) continue;
     const std::size_t largest = largest_of(curve);
     add(fmt::format("_largest{}", i), curve, largest, largest, fmt::format("points {} pt 7 ps 0.7", curve.style));
-    key.push_back({fmt::format("{}: {:.2g} %", curve.name, percent(curve.error[largest])), curve.style});
+    const double stated = curve.largest.value_or(curve.error[largest]);
+    key.push_back({fmt::format("{}: {:.2g} %", curve.name, percent(stated)), curve.style});
   }
   return data + x_axis(curves, x_label) + logarithmic_axis('y', shown, y_label) + key_beside("largest error", key) +
          fmt::format("plot {}\n{}", fmt::join(plots, ", "), kNoKey);

@@ -15,7 +15,7 @@
 namespace contactspline {
 namespace {
 
-/// The errors of one design over speed [m/s] and over compression [mm].
+/// The errors of one design over speed [m/s] and over compression [mm]; the largest are those of the table.
 struct FamilyErrors {
   ErrorCurve duration, compression, force;
 };
@@ -36,6 +36,9 @@ FamilyErrors errors_of(const Design& design, std::size_t number) {
   const ErrorCurve none{
       curve_name(design), fmt::format("lw 1.6 lc rgb '{}'", kColours[number % kColours.size()]), {}, {}};
   FamilyErrors errors{none, none, none};
+  errors.duration.largest = design.quality.impact->contact_duration;
+  errors.compression.largest = design.quality.impact->max_compression;
+  errors.force.largest = design.quality.force.worst;
   const auto add = [](ErrorCurve& curve, double at, double error) {
     curve.at.push_back(at);
     curve.error.push_back(error);
