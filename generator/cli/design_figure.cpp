@@ -26,6 +26,27 @@ constexpr auto kCurvesOverCompression =
     "$knots using 1:{2} with points lt 4 title 'knots'";
 constexpr auto kErrorOverCompression = "plot $curve using 1:{} with lines lt 3, $knots using 1:{} with points lt 4\n";
 
+// The segments whose knots are drawn: all, or every second and so on of very many.
+std::vector<Segment<double>> drawn_segments(const Design& design) {
+  const auto& segments = design.spline.segments;
+  std::vector<Segment<double>> drawn;
+  for (std::size_t j = 0; j < segments.size(); j += 1 + (segments.size() - 1) / kMaxKnots)
+    drawn.push_back(segments[j]);
+  return drawn;
+}
+
+// Compressions [m] from 0 to the end of the range, close together, and the knots, where the curves have kinks.
+std::vector<double> compressions_of(const Design& design) {
+  const double range = design.material.spline.max_compression_m;
+  const int points = std::min(kMaxCurvePoints, kPointsPerSegment * design.material.spline.segments);
+  std::vector<double> compressions;
+  for (int i = 0; i <= points; ++i) compressions.push_back(range * i / points);
+  for (const auto& segment : drawn_segments(design))
+    if (segment.knot <= range) compressions.push_back(segment.knot);
+  std::ranges::sort(compressions);
+  return compressions;
+}
+
 // Columns: compression [mm]; potential [mJ], exact and of the spline; force [N] likewise; errors of both in percent.
 Data curve_data(const Design& design) {
   const ContactLaw& contact = design.material.contact;
@@ -33,10 +54,8 @@ Data curve_data(const Design& design) {
   const std::span view(table);
   const double range = design.material.spline.max_compression_m;
   const double top_energy = contact.energy(range), top_force = contact.force(range);
-  const int points = std::min(kMaxCurvePoints, kPointsPerSegment * design.material.spline.segments);
   Data data("curve");
-  for (int i = 0; i <= points; ++i) {
-    const double y = range * i / points;
+  for (const double y : compressions_of(design)) {
     const double v = potential<double>(view, y), f = force<double>(view, y);
     const double exact_v = contact.energy(y), exact_f = contact.force(y);
     data.add({1e3 * y, 1e3 * exact_v, 1e3 * v, exact_f, f, 100 * (v - exact_v) / top_energy,
@@ -48,16 +67,12 @@ Data curve_data(const Design& design) {
 // Columns: compression [mm], potential [mJ], force [N], errors of both in percent.
 Data knot_data(const Design& design) {
   const Material& material = design.material;
-  const auto& segments = design.spline.segments;
   const double range = material.spline.max_compression_m;
-  const std::size_t step = 1 + (segments.size() - 1) / kMaxKnots;
   Data data("knots");
-  for (std::size_t j = 0; j < segments.size(); j += step) {
-    const auto& s = segments[j];
+  for (const auto& s : drawn_segments(design))
     data.add({1e3 * s.knot, 1e3 * s.energy, s.force,
               100 * (s.energy - material.contact.energy(s.knot)) / material.contact.energy(range),
               100 * (s.force - material.contact.force(s.knot)) / material.contact.force(range)});
-  }
   return data;
 }
 
@@ -69,7 +84,8 @@ Data measured_data(const Material& material) {
   return data;
 }
 
-// The force with the fitted loss at the speeds of the measured impact: in, to the turning point and out.
+// The force with the fitted loss at the speeds of the measured impact: in, to the turning point and out. The line
+// breaks where samples lie beyond the range of the spline.
 Data branches_data(const Material& material) {
   std::vector<CurveSample> samples = material.measured->samples;
   std::ranges::stable_sort(samples, {}, [](const CurveSample& sample) {
@@ -77,8 +93,9 @@ Data branches_data(const Material& material) {
   });
   Data data("branches");
   for (const auto& [y, f, speed] : samples)
-    if (y <= material.spline.max_compression_m)
-      data.add({1e3 * y, material.contact.force(y) * (1 + material.loss_s_per_m * speed)});
+    data.add(y <= material.spline.max_compression_m
+                 ? std::vector{1e3 * y, material.contact.force(y) * (1 + material.loss_s_per_m * speed)}
+                 : std::vector<double>{});
   return data;
 }
 

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <random>
 #include <regex>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -263,6 +264,27 @@ TEST(FigureOfASpline, ShowsTheBranchesOfAMeasuredImpact) {
   expect_drawn(box / "a.svg", 12);
   const std::string text = read_svg(box / "a.svg").text;
   EXPECT_NE(text.find("with loss 0.1"), text.npos) << text;
+  // Samples at the turning point lie beyond the range: the branches are two lines. The third is that of the key.
+  const std::string svg = read_file(box / "a.svg");
+  std::smatch branches;
+  ASSERT_TRUE(std::regex_search(svg, branches, std::regex(R"(stroke='rgb\(  0, 158, 115\)'\s+d='([^']*)')")));
+  EXPECT_EQ(std::ranges::count(branches[1].str(), 'M'), 3) << branches[1];
+}
+
+// Each knot is a vertex of its curve, so that kinks are drawn where they are; those of the two keys are of no curve.
+TEST(FigureOfASpline, DrawsKinksAtTheKnots) {
+  const Sandbox box;
+  printed(box, {"inspect", "felt_c4", "--figure", "a.svg"});
+  const std::regex vertex(R"([ML](\d+\.\d+,\d+\.\d+))"), knot(R"(translate\((\d+\.\d+,\d+\.\d+)\) scale.*)");
+  std::set<std::string> vertices;
+  std::vector<std::string> knots;
+  for (const std::string& numbers : read_svg(box / "a.svg").numbers) {
+    for (std::sregex_iterator at(numbers.begin(), numbers.end(), vertex), end; at != end; ++at)
+      vertices.insert((*at)[1]);
+    if (std::smatch found; std::regex_match(numbers, found, knot)) knots.push_back(found[1]);
+  }
+  EXPECT_EQ(knots.size(), 4 * 48 + 2u);
+  EXPECT_EQ(std::ranges::count_if(knots, [&](const std::string& at) { return !vertices.contains(at); }), 2);
 }
 
 constexpr auto kTwoStrings = R"({
