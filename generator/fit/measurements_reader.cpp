@@ -38,7 +38,9 @@ DataFile read_data(const JsonObject& entry, std::string_view fit_file, const Rea
   const bool usable = !name.empty() && name.front() != '/' && name.size() <= 200 &&
                       std::ranges::all_of(name, [](unsigned char c) { return c >= 0x20 && c != 0x7f; });
   if (!usable) entry.fail(entry.key("file"), fmt::format("'{}' is not usable", shown(name)), kAllowed);
-  DataFile data{(std::filesystem::path(fit_file).parent_path() / name).string(), read(name), {}};
+  DataFile data{(std::filesystem::path(fit_file).parent_path() / name).string(),
+                read_for_key(fit_file, entry.key("file"), name, read),
+                {}};
   measured.files.push_back(name);
   if (!entry.has("columns")) return data;
   const auto keys = column_keys();

@@ -86,7 +86,8 @@ Measurement read_measurement(const JsonObject& curve, std::optional<double> impa
                       std::ranges::all_of(file, [](unsigned char c) { return c >= 0x20 && c != 0x7f; });
   if (!usable) curve.fail("contact.curve.file", fmt::format("'{}' is not usable", shown(file)), kAllowed);
   const auto path = std::filesystem::path(material_file).parent_path() / file;
-  return {file, parse_curve(read(file), path.string(), impact_speed), impact_speed};
+  const std::string text = read_for_key(material_file, "contact.curve.file", file, read);
+  return {file, parse_curve(text, path.string(), impact_speed), impact_speed};
 }
 
 CurveShape read_shape(const JsonObject& curve) {
@@ -171,6 +172,14 @@ std::string_view kind_of(const JsonObject& contact) {
 }
 
 }  // namespace
+
+std::string read_for_key(std::string_view file, std::string_view key, const std::string& path, const ReadFile& read) {
+  try {
+    return read(path);
+  } catch (const BadInput& refused) {
+    throw BadInput(fmt::format("{}: {}: {}", file, key, refused.what()));
+  }
+}
 
 std::string shipped_file(const std::string& path) {
   const EmbeddedFile* found = path.ends_with(".csv") ? find_embedded(Shipped::kMaterials, path) : nullptr;

@@ -18,6 +18,11 @@ namespace contactspline {
 /// Returns the text of a file that another file names by its path relative to itself. Throws BadInput.
 using ReadFile = std::function<std::string(const std::string& path)>;
 
+/// The text of the file at `path`, which the value of `key` in `file` names. Throws BadInput, with `file` and `key`
+/// before what `read` says.
+[[nodiscard]] std::string read_for_key(std::string_view file, std::string_view key, const std::string& path,
+                                       const ReadFile& read);
+
 /// ReadFile for the shipped materials, which have no folder: the text of a shipped curve. Throws BadInput.
 [[nodiscard]] std::string shipped_file(const std::string& path);
 

@@ -28,7 +28,7 @@ NamedText named_text(std::string_view file, std::string_view key, const std::str
       refuse(file, key, fmt::format("'{}' is a {}", shown(name), kind_name(*kind)), allowed_in(folder));
   };
   if (is_path(name)) {
-    std::string text = read(name);
+    std::string text = read_for_key(file, key, name, read);
     refuse_other(kind_of_file(text, name, kind_name(folder)));
     return {std::move(text), name, false};
   }

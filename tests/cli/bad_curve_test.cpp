@@ -132,7 +132,7 @@ std::vector<BadCurve> cases() {
                    9),
        "line 1: the header does not have two columns", kHeaders},
       {"long_line", good() + std::string(100'000, '1') + "\n", "line 22: '1111", "...' does not have two columns"},
-      {"large", good() + std::string(1 << 20, ' '), "file: is larger than 1 MiB",
+      {"large", good() + std::string(1 << 20, ' '), "contact.curve.file: in/probe.csv: file: is larger than 1 MiB",
        "allowed: a file of at most 1 MiB"}};
 }
 
@@ -381,8 +381,10 @@ TEST(BadCurveFile, CannotBeOpened) {
     expect_refused(run({.arguments = {"inspect", "./probe.json"}, .folder = box.path()}), begins, says);
   };
   fs::create_directories(box / "folder.csv");
-  refused("nowhere.csv", "./nowhere.csv: file: does not exist", "allowed: a file of at most 1 MiB");
-  refused("folder.csv", "./folder.csv: file: is not a regular file", "allowed: a file of at most 1 MiB");
+  refused("nowhere.csv", "./probe.json: contact.curve.file: ./nowhere.csv: file: does not exist",
+          "allowed: a file of at most 1 MiB");
+  refused("folder.csv", "./probe.json: contact.curve.file: ./folder.csv: file: is not a regular file",
+          "allowed: a file of at most 1 MiB");
 #ifdef __linux__
   expect_refused(run({.arguments = {"inspect", "/proc/self/mem"}, .folder = box.path()}),
                  "/proc/self/mem: file: Input/output error", "allowed: a file of at most 1 MiB");

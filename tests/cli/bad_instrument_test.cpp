@@ -151,7 +151,8 @@ std::vector<BadFile> body_cases() {
        "'string_c9' does not ship; allowed: a .json file, drum_head"},
       {"resonator_is_a_material", changed(kGood, R"("string_c4")", R"("felt_c4")"), "bodies[0].resonator",
        "'felt_c4' is a material"},
-      {"resonator_file_missing", changed(kGood, R"("string_c4")", R"("x.json")"), "x.json", "does not exist"},
+      {"resonator_file_missing", changed(kGood, R"("string_c4")", R"("x.json")"), "bodies[0].resonator",
+       "x.json: file: does not exist"},
       {"resonator_of_many_strings", changed(kGood, R"("string_c4")", R"("dulcimer_g4")"), "bodies[0].resonator",
        "has several strings; allowed: one body each"},
       {"tuned_mass", changed(kGood, R"("mass_kg": 0.002)", R"("mass_kg": 0.002, "tuning_cents": 1)"),
@@ -383,7 +384,7 @@ TEST_P(BadInstrumentFile, IsRefusedInOneLineAndNothingIsWritten) {
   const Sandbox box;
   write_file(box / "probe.json", text);
   const auto before = box.listing();
-  expect_refused(generate(box), (key.ends_with(".json") ? "" : "probe.json: ") + key, says);
+  expect_refused(generate(box), "probe.json: " + key, says);
   EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
 }
 
@@ -542,6 +543,26 @@ TEST(GoodInstrumentScore, IsPlayedFromAnyFolderWithEachOutput) {
   expect_refused(run({.arguments = {"render", "hammer-string", "--score", "music/score.json", "-o", "a.wav"},
                       .folder = box.path()}),
                  "music/score.json: instrument: the score is for an instrument file", "allowed: render instrument");
+}
+
+// What names a missing file is told: the file, as its own reader names it, and the key.
+TEST(BadInstrumentScore, NamesWhoNamesAMissingFile) {
+  const Sandbox box;
+  fs::create_directory(box / "music");
+  write_file(box / "music/score.json", kScore);
+  write_file(box / "music/probe.json", changed(kGood, R"("felt_c4")", R"("felts/own.json")"));
+  const Call call{.arguments = {"render", "music/score.json", "-o", "a.wav"}, .folder = box.path()};
+  expect_refused(run(call),
+                 "probe.json: contacts[0].material: music/felts/own.json: file: does not exist; allowed: a file "
+                 "of at most 1 MiB",
+                 "");
+  fs::create_directory(box / "music/felts");
+  write_file(box / "music/felts/own.json", R"({"name": "own", "contact": {"curve": {"file": "own.csv",
+    "shape": "hardening"}}, "spline": {"knots": "uniform", "segments": 8, "max_compression_m": 0.001}})");
+  expect_refused(run(call), "felts/own.json: contact.curve.file: music/felts/own.csv: file: does not exist",
+                 "a file of at most 1 MiB");
+  fs::remove(box / "music/probe.json");
+  expect_refused(run(call), "music/score.json: instrument: music/probe.json: file: does not exist", "");
 }
 
 }  // namespace

@@ -144,7 +144,8 @@ std::vector<BadFile> key_cases() {
        "has no place here; allowed: in a score for hammer-string, instead of voices"},
       {"keyboard_unknown", changed(kKeys, R"("piano")", R"("organ")"), "keyboard",
        "'organ' does not ship; allowed: a .json file, piano"},
-      {"keyboard_file_missing", changed(kKeys, R"("piano")", R"("organ.json")"), "organ.json", "does not exist"},
+      {"keyboard_file_missing", changed(kKeys, R"("piano")", R"("organ.json")"), "keyboard",
+       "organ.json: file: does not exist"},
       {"voices_missing",
        R"({ "instrument": "hammer-string", "duration_s": 1, "events": [ { "time_s": 0, "speed_m_per_s": 1 } ] })",
        "voices", "missing; allowed: an array of 1 to 128 objects"},
@@ -168,7 +169,8 @@ std::vector<BadFile> key_cases() {
        "missing; allowed: a .json file, drum_head"},
       {"resonator_unknown", changed(kHammer, R"("string_c4")", R"("string_c9")"), "voices[0].resonator",
        "'string_c9' does not ship; allowed: a .json file, drum_head"},
-      {"resonator_file_missing", changed(kHammer, R"("string_c4")", R"("x.json")"), "x.json", "does not exist"},
+      {"resonator_file_missing", changed(kHammer, R"("string_c4")", R"("x.json")"), "voices[0].resonator",
+       "x.json: file: does not exist"},
       {"resonator_is_score", changed(kHammer, R"("string_c4")", R"("probe.json")"), "voices[0].resonator",
        "'probe.json' is a score; allowed: a .json file, drum_head"},
       {"material_missing", changed(kHammer, R"("material": "felt_c4", )", ""), "voices[0].material",
@@ -246,9 +248,8 @@ TEST_P(BadScoreFile, IsRefusedInOneLineAndNothingIsWritten) {
   const Sandbox box;
   write_file(box / "probe.json", text);
   const auto before = box.listing();
-  const std::string file = key.ends_with(".json") ? "" : "probe.json: ";
   expect_refused(render(box, test == "instrument_is_another" ? "hammer-string" : instrument_in(text), "probe.json"),
-                 file + key, says);
+                 "probe.json: " + key, says);
   EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
 }
 
