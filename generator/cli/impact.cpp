@@ -254,10 +254,11 @@ std::string json_of(const std::vector<Comparison>& comparisons) {
   return fmt::format("[\n{}\n]\n", fmt::join(objects, ",\n"));
 }
 
-// The impacts of one material, for a figure.
-ImpactSweep sweep_of(const std::vector<Comparison>& comparisons) {
+// The impacts of one material, for a figure. Among others its name states the mass, which the title does of one.
+ImpactSweep sweep_of(const std::vector<Comparison>& comparisons, bool is_single) {
   const Comparison& first = comparisons.front();
-  ImpactSweep sweep{first.material().name, {}, {}, {}};
+  const std::string& name = first.material().name;
+  ImpactSweep sweep{is_single ? name : fmt::format("{}, {:.3g} g", name, 1e3 * first.mass_kg), {}, {}, {}};
   for (const Motion& motion : first.motions) {
     sweep.models.push_back(motion.model == "spline"
                                ? fmt::format("spline, {} segments", first.design->spline.segments.size())
@@ -349,7 +350,7 @@ void compare_impacts(const ImpactOptions& options) {
       for (const Comparison& comparison : comparisons) text += text_of(comparison);
     if (!options.trace.empty())
       for (const Comparison& comparison : comparisons) trace += trace_of(comparison, argument);
-    sweeps.push_back(sweep_of(comparisons));
+    sweeps.push_back(sweep_of(comparisons, options.materials.size() == 1));
     std::ranges::copy(input_files(argument, design.material), std::back_inserter(inputs));
     all.insert(all.end(), comparisons.begin(), comparisons.end());
   }

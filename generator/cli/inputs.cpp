@@ -172,11 +172,19 @@ Source file_source(const std::string& file, double max_frequency_hz) {
   return source;
 }
 
+// What may stand in place of something that is no score.
+std::string score_for(const std::string& argument, Shipped kind) {
+  if (kind != Shipped::kInstruments) return "a score";
+  return fmt::format("a score with \"instrument\": \"{0}\", or a MIDI file with --instrument {0}", shown(argument));
+}
+
 // The text of a file, which may not be of another kind. `kinds`: what a message says is allowed.
 std::string read_kind(const std::string& file, Shipped kind, std::string_view kinds) {
   std::string text = text_of(file);
   const auto found = kind_of_file(text, file, kind_name(kind));
-  if (found && *found != kind) refuse_kind(file, "file", *found, fmt::format("a {}", kinds));
+  if (found && *found != kind)
+    refuse_kind(file, "file", *found,
+                kind == Shipped::kScores ? score_for(file, *found) : fmt::format("a {}", kinds));
   return text;
 }
 
@@ -204,14 +212,17 @@ ScoreSource score_on_instrument(const std::string& argument, const std::vector<i
   const bool is_module = instrument.ends_with(".so");
   auto played = is_module ? std::optional(InstrumentSource{load_model_module(instrument), {}})
                           : instrument_argument(instrument);
-  if (!played) refuse("--instrument", shown(instrument), "is no instrument", "an instrument that ships, or its file");
+  if (!played)
+    refuse("--instrument", shown(instrument), "is no instrument",
+           fmt::format("a .json file, a model of your own (.so), {}",
+                       fmt::join(shipped_names(Shipped::kInstruments), ", ")));
   const auto* midi = find_embedded(Shipped::kScores, argument + ".mid");
   ScoreSource source{{}, std::move(played->files)};
   if (midi == nullptr) source.files.emplace_back(argument);
   if (midi == nullptr && !is_midi(argument)) {
     if (!is_module)
       refuse(argument, "--instrument", "the score is not a MIDI file and names its instrument itself",
-             "with a .mid file, or a model of your own (.so)");
+             "no --instrument, a .mid file, or an instrument that is a model of your own (.so)");
     require_no_channels(argument, channels);
     source.score = parse_score(read_kind(argument, Shipped::kScores, "score"), argument, read_input, &played->model);
     return source;
@@ -227,7 +238,7 @@ ScoreSource shipped_score(const std::string& name, const std::vector<int>& chann
   require_no_channels(name, channels);
   const auto* score = shipped(Shipped::kScores, name);
   if (const auto kind = kind_of_name(name); kind && *kind != Shipped::kScores)
-    refuse_kind(name, "SCORE", *kind, "a score");
+    refuse_kind(name, "SCORE", *kind, score_for(name, *kind));
   if (score == nullptr)
     throw BadInput(fmt::format("{}: SCORE: no such score ships; allowed: a .json or .mid file, {}", name,
                                fmt::join(shipped_names(Shipped::kScores), ", ")));

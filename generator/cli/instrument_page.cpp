@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "generator/resonator/resonator_reader.hpp"
@@ -98,8 +99,10 @@ double position_of(const Place& point) {
 
 std::string instrument_table(const InstrumentModel& model, double sample_rate_hz) {
   std::string table = fmt::format("{}{}{}\n", model.name, model.description.empty() ? "" : ": ", model.description);
-  const auto heading = [&](std::string_view text) { table += fmt::format("\n{}\n", text); };
+  std::string next_heading;  // is left out where no row follows
+  const auto heading = [&](std::string_view text) { next_heading = fmt::format("\n{}\n", text); };
   const auto row = [&](std::string_view name, std::string_view kind, const std::string& text) {
+    table += std::exchange(next_heading, "");
     table += fmt::format("  {:<24} {:<9} {}\n", name, kind, text);
   };
   heading(fmt::format("bodies, at {:g} Hz", sample_rate_hz));
@@ -121,12 +124,12 @@ std::string instrument_table(const InstrumentModel& model, double sample_rate_hz
   heading("events");
   for (const ModelEvent& event : model.events)
     row(event.name, event.kind == EventKind::kStrike ? "strike" : "pluck", model.parameters[event.parameter].name);
-  if (!model.keys.ranges.empty()) heading(fmt::format("keys, on {} voices", model.keys.voices));
+  heading(fmt::format("keys, on {} voices", model.keys.voices));
   for (const KeyRange& range : model.keys.ranges)
     row(range.first == range.last ? fmt::format("{}", range.first) : fmt::format("{} to {}", range.first, range.last),
         "", key_row(model, range));
   if (!model.keys.damped.empty()) row("damper", "", damper_row(model));
-  if (!model.presets.empty()) heading("presets");
+  heading("presets");
   for (const ModelPreset& preset : model.presets) row(preset.name, "", preset_row(model, preset));
   heading("outputs");
   for (const ModelOutput& output : model.outputs) row(output.name, "", std::string(unit_of(output.name)));

@@ -95,17 +95,17 @@ SoundLabel sound_label(const PlayOptions& how, const Score& score) {
   return {label_of(output.name).text, output.unit};
 }
 
-// The description of a score, or what is played by what.
+// The description of a score, or its name and that of the instrument.
 std::string title_of(const ScoreOptions& options, const Score& score) {
   if (!score.description.empty()) return score.description;
   const bool is_file = score.model == Model::kFile;
-  return fmt::format("{}, played by {}", std::filesystem::path(options.score).stem().string(),
+  return fmt::format("{} ({})", std::filesystem::path(options.score).stem().string(),
                      is_file ? score.voices.front().model->name : std::string(name_of(score.model)));
 }
 
-// How many contacts of an instrument file the recorded force adds up; otherwise 1.
+// How many contacts of an instrument file the recorded force adds up; of other models 1.
 std::size_t summed_contacts(const Score& score) {
-  if (score.model != Model::kFile) return 1;
+  if (score.model != Model::kFile || module_of(score) != nullptr) return 1;
   std::size_t contacts = 0;
   for (const ConnectionGroup& group : score.voices.front().model->connections)
     if (group.each.kind == ConnectionKind::kContact) contacts += group.gaps_m.size();
@@ -191,10 +191,12 @@ void render_score(std::optional<Model> model, const ScoreOptions& options) {
                     sound_bytes(options.output.sound, performance.samples, scale, performance.channels,
                                 options.output.sample_rate_hz),
                     [&](FigureFormat format) { return figure_of(performance, text, format); });
-  write_stdout(fmt::format(
-      "{} contacts in {:.4g} s, largest contact force {:.4g} N\nfull scale of the sound: {:.4g} {} ({})\n{}{}",
-      performance.contacts, score.duration_s, performance.largest_force_n, 1 / scale, sound.unit, sound.trace,
-      written, write_stems(stems, options, score, how, scale)));
+  const std::string contacts = summed_contacts(score) == 0
+                                   ? ""
+                                   : fmt::format("{} contacts in {:.4g} s, largest contact force {:.4g} N\n",
+                                                 performance.contacts, score.duration_s, performance.largest_force_n);
+  write_stdout(fmt::format("{}full scale of the sound: {:.4g} {} ({})\n{}{}", contacts, 1 / scale, sound.unit,
+                           sound.trace, written, write_stems(stems, options, score, how, scale)));
 }
 
 }  // namespace contactspline

@@ -27,6 +27,9 @@ constexpr Range kForce{1e-3, 1e6};
 constexpr auto kHeaders =
     "a header compression_UNIT,force_UNIT (m, mm, um; n, mn, kn), then two numbers per line with a decimal point";
 
+// Where the speed of both branches stands.
+constexpr auto kImpactSpeed = "the key impact_speed_m_per_s (contact.curve.impact_speed_m_per_s of a material)";
+
 /// The file name and the number of the current line, for messages.
 struct Position {
   std::string_view file;
@@ -88,23 +91,23 @@ double number(std::string_view text, const Position& position) {
 
 void require_rising(const std::vector<CurveSample>& samples, const CurveSample& next, const Position& position) {
   if (next.compression_m < 0)
-    position.fail(fmt::format("compression {} m is negative", next.compression_m),
+    position.fail(fmt::format("compression {:.9g} m is negative", next.compression_m),
                   "0 or more, counted from the first contact");
   if (!samples.empty() && !(next.compression_m > samples.back().compression_m))
-    position.fail(fmt::format("compression {} m does not rise", next.compression_m),
-                  "rising compressions: the loading branch only, or both branches and curve.impact_speed_m_per_s");
+    position.fail(fmt::format("compression {:.9g} m does not rise", next.compression_m),
+                  fmt::format("rising compressions: the loading branch only, or both branches and {}", kImpactSpeed));
 }
 
 // Beyond the turning point, compressions fall. `turned` tells whether it has been passed.
 void require_loop(const std::vector<CurveSample>& samples, const CurveSample& next, bool turned,
                   const Position& position) {
   if (next.compression_m < 0)
-    position.fail(fmt::format("compression {} m is negative", next.compression_m),
+    position.fail(fmt::format("compression {:.9g} m is negative", next.compression_m),
                   "0 or more, counted from the first contact");
   if (samples.empty()) return;
   const double before = samples.back().compression_m;
   if (next.compression_m == before || (turned && next.compression_m > before))
-    position.fail(fmt::format("compression {} m does not {}", next.compression_m, turned ? "fall" : "change"),
+    position.fail(fmt::format("compression {:.9g} m does not {}", next.compression_m, turned ? "fall" : "change"),
                   "compressions that rise to the largest, then fall, each once in each branch");
 }
 
@@ -134,10 +137,10 @@ void require_monotone(const std::vector<CurveSample>& samples, const std::vector
     const Position position{file, lines[i]};
     max_so_far = std::max(max_so_far, force);
     if (force < -kNoise * largest)
-      position.fail(fmt::format("force {} N is negative", force),
+      position.fail(fmt::format("force {:.9g} N is negative", force),
                     "positive forces, apart from noise of a fifth of the largest");
     if (force < max_so_far - kNoise * largest)
-      position.fail(fmt::format("force falls from {} to {} N", max_so_far, force), allowed);
+      position.fail(fmt::format("force falls from {:.9g} to {:.9g} N", max_so_far, force), allowed);
   }
 }
 
@@ -161,7 +164,7 @@ void add_speeds(std::vector<CurveSample>& samples, double impact_speed, std::str
   if (samples.size() - deepest - 1 < kMinSamples / 2 || deepest + 1 < kMinSamples / 2)
     refuse(file, "samples",
            fmt::format("has {} of loading and {} of unloading", deepest + 1, samples.size() - deepest - 1),
-           fmt::format("{} or more of each, for curve.impact_speed_m_per_s", kMinSamples / 2));
+           fmt::format("{} or more of each, for {}", kMinSamples / 2, kImpactSpeed));
   const auto loading = works(samples, {0, 0}, 0, deepest + 1);
   const auto unloading = works(samples, samples[deepest], deepest + 1, samples.size());
   const double stored = loading.back();
@@ -182,7 +185,7 @@ void require_size(const std::vector<CurveSample>& samples, std::string_view file
   if (!(force > 0)) refuse(file, "force", "no force is positive", "positive forces in compression");
   const auto require = [&](std::string_view key, double value, Range range, const char* unit) {
     if (!(value >= range.min && value <= range.max))
-      refuse(file, key, fmt::format("reaches {} {}: a wrong unit in the header?", value, unit),
+      refuse(file, key, fmt::format("reaches {:.9g} {}: a wrong unit in the header?", value, unit),
              fmt::format("a largest value from {} to {} {}", range.min, range.max, unit));
   };
   require("compression", std::ranges::max(samples, {}, &CurveSample::compression_m).compression_m, kCompression, "m");

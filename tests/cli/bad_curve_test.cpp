@@ -107,7 +107,10 @@ std::vector<BadCurve> cases() {
        "line 2: compression -1e-05 m is negative", "allowed: 0 or more"},
       {"compression_twice", changed(kTenth, "0.45,50\n"), "line 11: compression 0.00045",
        "allowed: rising compressions"},
-      {"loading_and_unloading", loop, "line 22: compression 0.00095", "does not rise; allowed: rising compressions"},
+      {"loading_and_unloading", loop, "line 22: compression 0.00095",
+       "m does not rise; allowed: rising compressions: the loading branch only, or both branches and the key "
+       "impact_speed_m_per_s (contact.curve.impact_speed_m_per_s of a material)"},
+      {"rounds", changed(kTenth, "0.1006,50\n"), "line 11: compression 0.0001006 m does not rise", "allowed: rising"},
       {"falls", falls, "line 7: force falls from 100 to 75 N", "allowed: forces that rise"},
       {"one_fall", changed(kTenth, "0.5,10\n"), "line 11: force falls from 45 to 10 N", "allowed: forces that rise"},
       {"all_pull", pulls, "force: no force is positive", "allowed: positive forces"},
@@ -117,8 +120,7 @@ std::vector<BadCurve> cases() {
       {"metres_called_micrometres", changed(kHeader, "compression_um,force_n\n"),
        "contact.curve: measured up to 1e-06 m", "a wrong unit in its header"},
       {"newtons_called_kilonewtons_and_more", "compression_mm,force_kn\n" + good("").insert(0, "") + "1.1,1e9\n",
-       "force: reaches 1000000000000 N: a wrong unit in the header?",
-       "allowed: a largest value from 0.001 to 1000000 N"},
+       "force: reaches 1e+12 N: a wrong unit in the header?", "allowed: a largest value from 0.001 to 1000000 N"},
       {"kilonewtons_called_millinewtons", changed(kHeader, "compression_mm,force_mn\n"),
        "contact.curve: measured up to 0.001 m, and", "are needed"},
       {"newtons_called_kilonewtons", changed(kHeader, "compression_um,force_mn\n"),
@@ -297,7 +299,7 @@ std::vector<BadImpactCurve> impact_cases() {
   const std::string turns_again = loop + "0.2,1\n";
   return {
       {"loading_only", good(), "2.0", "", "probe.csv: samples: has 20 of loading and 0 of unloading",
-       "allowed: 4 or more of each, for curve.impact_speed_m_per_s"},
+       "allowed: 4 or more of each, for the key impact_speed_m_per_s (contact.curve.impact_speed_m_per_s of"},
       {"three_of_unloading", branches(0.8, 3), "2.0", "", "probe.csv: samples: has 20 of loading and 3 of unloading",
        "allowed: 4 or more of each"},
       {"turns_twice", turns_again, "2.0", "", "probe.csv: line 42: compression 0.0002 m does not fall",

@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Keys and presets of instrument files: errors in one line, MIDI files that they play, what `inspect` says of them.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gtest/gtest.h>
+
+#include <sstream>
+#include <string>
+#include <vector>
 
 #include "bad_input.hpp"
 #include "cases.hpp"
@@ -161,11 +166,14 @@ TEST_F(KeysOnTheCommandLine, OfADrumPlayTheTenthChannel) {
 
 TEST_F(KeysOnTheCommandLine, AreRefusedWhereTheyCannotPlay) {
   expect_refused(render("fur_elise", "probe.json"), "fur_elise: --instrument: the score is not a MIDI file",
-                 "allowed: with a .mid file");
+                 "allowed: no --instrument, a .mid file, or an instrument that is a model of your own (.so)");
   expect_refused(render("song.mid", "snare"), "--instrument: snare has no keys",
-                 "allowed: an instrument file with keys");
+                 R"(allowed: an instrument file with keys, such as "keys": [ { "key": 60, "event": "strike_)");
+  expect_refused(run_here({"render", "probe.json", "-o", "a.wav"}), "probe.json: file: is an instrument",
+                 R"(allowed: a score with "instrument": "probe.json", or a MIDI file with --instrument probe.json)");
   expect_refused(render("song.mid", "felt_c4"), "--instrument: felt_c4: is no instrument",
-                 "allowed: an instrument that ships, or its file");
+                 "allowed: a .json file, a model of your own (.so), classical_guitar, ");
+
   write_file(box_ / "text.so", "no library");
   for (const char* file : {"none.so", "text.so"})
     expect_refused(render("song.mid", file), std::string(file) + ": --instrument: cannot be loaded",
@@ -182,6 +190,21 @@ TEST_F(KeysOnTheCommandLine, AreInWhatInspectSays) {
         "  damper                             55 1/s on string\n",
         "  bright                             felt_stiffness_ratio 4, hammer_speed_m_per_s 5\n"})
     EXPECT_NE(outcome.out.find(line), std::string::npos) << line << outcome.out;
+}
+
+// A heading without a row is left out.
+TEST_F(KeysOnTheCommandLine, AndOtherPartsHaveNoHeadingWhereThereAreNone) {
+  write_file(box_ / "bare.json", R"({ "name": "bare", "bodies": [ { "name": "string", "resonator": "string_c4" } ],
+    "places": [ { "name": "middle", "body": "string", "position_m": 0.3 } ],
+    "controls": [ { "name": "finger", "force_n": "middle" } ],
+    "outputs": [ { "name": "string", "end_force_n": "string" } ] })");
+  const Outcome outcome = run_here({"inspect", "bare.json"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  std::vector<std::string> headings;
+  std::istringstream lines(outcome.out);
+  for (std::string before = "first", line; std::getline(lines, line); before = line)
+    if (before.empty()) headings.push_back(line);
+  EXPECT_EQ(fmt::format("{}", fmt::join(headings, "; ")), "bodies, at 44100 Hz; places; parameters; outputs");
 }
 
 TEST_F(KeysOnTheCommandLine, HaveNoFaustText) {
