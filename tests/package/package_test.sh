@@ -753,7 +753,7 @@ not_run='
 ^contactspline render bell_score.json --instrument build/bell.so     in case_own_plugin
 cmake --install build/c |^cc -std=c99|^  -Wl,-rpath|^./first     in case_c
 ^contactspline plugin tom                      half a minute, as the tutorial takes for its instrument
-arm-none-eabi|^for program|^  (read|echo|faust)|^ +(process|main\.c|-idirafter|-fno)|^done   in case_microcontroller
+arm-none-eabi|^for program|^  (read|echo|faust)|^ +(process|main\.c|-idirafter|-fno)|^done$   in case_microcontroller
 '
 
 # The commands of a page in order: its sh blocks, and the indented lines that begin with a command.
@@ -835,6 +835,12 @@ case_pages() {
       esac
     done
   done
+  # The commands of the tutorial for its Faust program.
+  cd "$WORK/docs/start/tutorial.md"
+  printf 'process = library("code/my_instrument.lib").instrument;\n' >my_program.dsp
+  PKG_CONFIG_PATH="$WORK/prefix/share/pkgconfig" bash -e <(sed -nE 's/^    ((faust|g\+\+|\.\/my_program) .*)/\1/p' \
+    "$SOURCE/docs/start/tutorial.md") >samples 2>"$WORK/log" || fail "a command of the tutorial fails: $(cat "$WORK/log")"
+  awk '$1 != 0 { moves = 1 } END { exit NR != 300 || !moves }' samples || fail "the tutorial's program prints zeros"
   for plugin in clap/my_instrument.clap vst3/my_instrument.vst3/Contents lv2/my_instrument.lv2/my_instrument.so; do
     [ -e "$WORK/docs/start/tutorial.md/home/.$plugin" ] || fail "the tutorial ends without $plugin"
   done
@@ -897,6 +903,14 @@ add_executable(my_plugin main.cpp)'
   export PKG_CONFIG_PATH="$WORK/prefix/share/pkgconfig"
   readme_block faust >"$WORK/readme.dsp"
   faust_samples "$WORK/readme.dsp" >"$WORK/samples"
+  expect_peak_force 2 4.5e9 2.5 0.003 2 <"$WORK/samples"
+
+  # Its own commands, in the source tree.
+  mkdir "$WORK/tree"
+  ln -s "$SOURCE/faust" "$SOURCE/generated" "$WORK/tree"
+  cp "$WORK/readme.dsp" "$WORK/tree/throw.dsp"
+  sed -nE 's/^    ((faust|g\+\+|\.\/throw) .*)/\1/p' "$SOURCE/README.md" >"$WORK/tree/commands"
+  (cd "$WORK/tree" && bash -e commands 2>&1) >"$WORK/samples" || fail "a command of the README fails: $(cat "$WORK/samples")"
   expect_peak_force 2 4.5e9 2.5 0.003 2 <"$WORK/samples"
 }
 
