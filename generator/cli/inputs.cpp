@@ -24,6 +24,7 @@
 #include "generator/support/error.hpp"
 #include "generator/support/file_kind.hpp"
 #include "generator/support/input_file.hpp"
+#include "generator/support/nearest_name.hpp"
 
 namespace contactspline {
 namespace {
@@ -139,7 +140,7 @@ const EmbeddedFile* shipped(Shipped folder, const std::string& name) {
   for (const Shipped folder : folders)
     for (std::string& name : shipped_names(folder)) names.push_back(std::move(name));
   throw BadInput(fmt::format("{}: MATERIAL: no such {} ships; allowed: a .json file, {}", argument, kinds,
-                             fmt::join(names, ", ")));
+                             fmt::join(nearest_first(std::move(names), argument), ", ")));
 }
 
 [[noreturn]] void refuse_any_name(const std::string& argument) {
@@ -215,7 +216,7 @@ ScoreSource score_on_instrument(const std::string& argument, const std::vector<i
   if (!played)
     refuse("--instrument", shown(instrument), "is no instrument",
            fmt::format("a .json file, a model of your own (.so), {}",
-                       fmt::join(shipped_names(Shipped::kInstruments), ", ")));
+                       fmt::join(nearest_first(shipped_names(Shipped::kInstruments), instrument), ", ")));
   const auto* midi = find_embedded(Shipped::kScores, argument + ".mid");
   ScoreSource source{{}, std::move(played->files)};
   if (midi == nullptr) source.files.emplace_back(argument);
@@ -241,7 +242,7 @@ ScoreSource shipped_score(const std::string& name, const std::vector<int>& chann
     refuse_kind(name, "SCORE", *kind, score_for(name, *kind));
   if (score == nullptr)
     throw BadInput(fmt::format("{}: SCORE: no such score ships; allowed: a .json or .mid file, {}", name,
-                               fmt::join(shipped_names(Shipped::kScores), ", ")));
+                               fmt::join(nearest_first(shipped_names(Shipped::kScores), name), ", ")));
   return {parse_score(score->content, score->name, read_input), {}};
 }
 

@@ -10,13 +10,14 @@
 
 #include "generator/support/error.hpp"
 #include "generator/support/file_kind.hpp"
+#include "generator/support/nearest_name.hpp"
 
 namespace contactspline {
 
 namespace {
 
-std::string allowed_in(Shipped folder) {
-  return fmt::format("a .json file, {}", fmt::join(shipped_names(folder), ", "));
+std::string allowed_in(Shipped folder, std::string_view wrong = {}) {
+  return fmt::format("a .json file, {}", fmt::join(nearest_first(shipped_names(folder), wrong), ", "));
 }
 
 }  // namespace
@@ -34,7 +35,7 @@ NamedText named_text(std::string_view file, std::string_view key, const std::str
   }
   const EmbeddedFile* found = find_embedded(folder, name + ".json");
   if (found == nullptr) refuse_other(kind_of_name(name));
-  if (found == nullptr) refuse(file, key, fmt::format("'{}' does not ship", shown(name)), allowed_in(folder));
+  if (found == nullptr) refuse(file, key, fmt::format("'{}' does not ship", shown(name)), allowed_in(folder, name));
   return {std::string(found->content), name + ".json", true};
 }
 

@@ -148,7 +148,7 @@ std::vector<BadFile> body_cases() {
       {"body_of_two_kinds", changed(kGood, R"("mass_kg": 0.002)", R"("mass_kg": 0.002, "resonator": "drum_head")"),
        "bodies[5].mass_kg", "2 kinds of body are given"},
       {"resonator_unknown", changed(kGood, R"("string_c4")", R"("string_c9")"), "bodies[0].resonator",
-       "'string_c9' does not ship; allowed: a .json file, drum_head"},
+       "'string_c9' does not ship; allowed: a .json file, string_c2"},
       {"resonator_is_a_material", changed(kGood, R"("string_c4")", R"("felt_c4")"), "bodies[0].resonator",
        "'felt_c4' is a material"},
       {"resonator_file_missing", changed(kGood, R"("string_c4")", R"("x.json")"), "bodies[0].resonator",

@@ -82,6 +82,10 @@ std::vector<BadLine> command_cases() {
        {"inspect", "felt_c5"},
        "felt_c5: MATERIAL: no such material, resonator, keyboard or instrument ships",
        "allowed: a .json file, felt_c2, "},
+      {"inspect_misspelt",
+       {"inspect", "tricord_c4"},
+       "tricord_c4: MATERIAL: no such material, resonator, keyboard or instrument ships",
+       "allowed: a .json file, trichord_c4, felt_c2, "},
       {"inspect_score_file",
        {"inspect", "my_score.json"},
        "my_score.json: file: is a score",
@@ -188,7 +192,10 @@ std::vector<BadLine> material_cases() {
                      "allowed: a file"});
     cases.push_back(
         {command + "_template", {command, "material.hpp.in"}, "material.hpp.in: MATERIAL: no such", kShipped});
-    cases.push_back({command + "_upper_case", {command, "Felt_C4"}, "Felt_C4: MATERIAL: no such", kShipped});
+    cases.push_back({command + "_upper_case",
+                     {command, "Felt_C4"},
+                     "Felt_C4: MATERIAL: no such",
+                     "allowed: a .json file, felt_c4, felt_c2, "});
   }
   cases.push_back(
       {"render_unknown", {"render", "mass-barrier", "--material", "x", "-o", "a.wav"}, "x: MATERIAL", kShipped});

@@ -168,7 +168,7 @@ std::vector<BadFile> key_cases() {
       {"resonator_missing", changed(kHammer, R"("resonator": "string_c4", )", ""), "voices[0].resonator",
        "missing; allowed: a .json file, drum_head"},
       {"resonator_unknown", changed(kHammer, R"("string_c4")", R"("string_c9")"), "voices[0].resonator",
-       "'string_c9' does not ship; allowed: a .json file, drum_head"},
+       "'string_c9' does not ship; allowed: a .json file, string_c2"},
       {"resonator_file_missing", changed(kHammer, R"("string_c4")", R"("x.json")"), "voices[0].resonator",
        "x.json: file: does not exist"},
       {"resonator_is_score", changed(kHammer, R"("string_c4")", R"("probe.json")"), "voices[0].resonator",
@@ -270,6 +270,8 @@ TEST(BadScore, IsNoNameThatShips) {
   const Sandbox box;
   expect_refused(render(box, "hammer-string", "waltz"), "waltz: SCORE: no such score ships",
                  "allowed: a .json or .mid file, bach_prelude, dulcimer");
+  expect_refused(render(box, "hammer-string", "dulcima"), "dulcima: SCORE: no such score ships",
+                 "allowed: a .json or .mid file, dulcimer, bach_prelude");
 }
 
 TEST(BadScore, MayBeTooFineForMemory) {
