@@ -13,13 +13,16 @@ import sysconfig
 import tempfile
 import zipfile
 
-HERE = pathlib.Path(__file__).resolve().parent
-ROOT = HERE.parents[1]
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
-    """Builds the wheel in build/wheel. Returns its name."""
-    build = ROOT / "build" / "wheel"
+    """Builds the wheel in build/wheel, or in the folder of the setting build-dir. Returns its name."""
+    settings = config_settings or {}
+    unknown = sorted(set(settings) - {"build-dir"})
+    if unknown:
+        raise ValueError(f"config setting {unknown[0]}: is unknown; allowed: build-dir, such as build-dir=build/wheel")
+    build = pathlib.Path(settings.get("build-dir", ROOT / "build" / "wheel")).absolute()
     subprocess.run(["cmake", "--preset", "program", "-B", build, "-DCONTACTSPLINE_BUILD_PYTHON=ON",
                     f"-DPython_EXECUTABLE={sys.executable}"], cwd=ROOT, check=True)
     subprocess.run(["cmake", "--build", build, "--target", "contactspline_python"], check=True)
@@ -42,9 +45,9 @@ def _write(directory, stage, version, tag):
     rows = [f"{name},sha256={_digest(content)},{len(content)}" for name, content in files.items()]
     files[f"{info}/RECORD"] = "\n".join([*rows, f"{info}/RECORD,,", ""]).encode()
     name = f"contactspline-{version}-{tag}.whl"
-    with zipfile.ZipFile(directory / name, "w", zipfile.ZIP_DEFLATED) as wheel:
+    with zipfile.ZipFile(directory / name, "w") as wheel:
         for path, content in files.items():
-            wheel.writestr(zipfile.ZipInfo(path), content)
+            wheel.writestr(zipfile.ZipInfo(path), content, zipfile.ZIP_DEFLATED)
     return name
 
 

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
+from .figures import axes_or_new
 from .source import source_of
 
 Samples = npt.NDArray[np.float64]
@@ -56,6 +57,22 @@ class StruckString:
         if weights.ndim != 1 or of_force.ndim != 1 or (force is not None and of_force.shape != weights.shape):
             raise ValueError("gradient: displacement and force are one row of samples each, of one length")
         return dict(zip(self._names, self._core.gradient(self._values(values), weights, of_force)))
+
+    def plot_motion(self, seconds: float = 0.005, *, places: int = 80, axes: Any = None, **values: float) -> Any:
+        """Draws the displacement of the whole string over place and time: the pickup at so many places. Returns the axes
+        of matplotlib."""
+        if "pickup_m" in values or not 2 <= places <= 10000:
+            raise ValueError(f"plot_motion: places: {places} or pickup_m is refused; allowed: 2 to 10000 places")
+        length = values.get("string_length_m", self.parameters["string_length_m"]["initial"])
+        at = np.linspace(0, length, places)
+        motion = np.array([self.play(seconds, **values, pickup_m=place)[0] for place in at])
+        axes = axes_or_new(axes)
+        end = np.max(np.abs(motion)) * 1000
+        image = axes.imshow(1000 * motion, origin="lower", aspect="auto", extent=(0, 1000 * seconds, 0, length), cmap="RdBu",
+                            vmin=-end, vmax=end)
+        axes.figure.colorbar(image, ax=axes, label="displacement [mm]")
+        axes.set(xlabel="time [ms]", ylabel="place [m]", title="motion of the string")
+        return axes
 
     def _number(self, name: str) -> int:
         if name not in self._names:

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from .material import axes_or_new, table_html
+from .figures import axes_or_new, figure_html, table_html
 from .source import source_of, threads_of, watch_of
 
 _STRIKE, _RELEASE, _PLUCK, _NOTE_ON, _NOTE_OFF, _SET = range(6)
@@ -116,9 +116,10 @@ class Sound:
 
     def _repr_html_(self) -> str:
         data = base64.b64encode(self.wav()).decode()
-        return table_html(self.title, [("length", f"{len(self.samples) / self.sample_rate_hz:.3g} s"),
-                                       ("outputs", ", ".join(self.outputs))]) + \
-            f'<audio controls src="data:audio/wav;base64,{data}"></audio>'
+        length = f"{len(self.samples) / self.sample_rate_hz:.3g} s"
+        return (table_html(self.title, [("length", length), ("outputs", ", ".join(self.outputs))])
+                + figure_html(lambda axes: self.plot(axes=axes))
+                + f'<audio controls src="data:audio/wav;base64,{data}"></audio>')
 
 
 class Instrument:

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
+from .figures import axes_or_new, figure_html, table_html
 from .source import source_of, threads_of, watch_of
 
 
@@ -149,7 +150,8 @@ class Material:
     def _repr_html_(self) -> str:
         return table_html(self.description or self.name, [
             ("law", self.law), ("segments", len(self.knots_m)), ("design range", f"{1000 * self.end_m:.4g} mm"),
-            ("loss", f"{self.loss_s_per_m:g} s/m"), ("worst error of the force", f"{100 * self.errors['force']['worst']:.3g} %")])
+            ("loss", f"{self.loss_s_per_m:g} s/m"), ("worst error of the force", f"{100 * self.errors['force']['worst']:.3g} %")
+        ]) + figure_html(self.plot)
 
 
 def design_many(sources: Iterable[str | os.PathLike[str] | Mapping[str, Any]], *, threads: int | None = None,
@@ -161,16 +163,3 @@ def design_many(sources: Iterable[str | os.PathLike[str] | Mapping[str, Any]], *
     texts = [source_of(source) for source in sources]
     designs = _core.design_many(texts, threads_of(threads), watch_of(progress, len(texts)))
     return [Material._of(design) for design in designs]
-
-
-def axes_or_new(axes):
-    import matplotlib.pyplot as plt
-
-    return plt.subplots()[1] if axes is None else axes
-
-
-def table_html(title, rows):
-    from html import escape
-
-    cells = "".join(f"<tr><td>{escape(str(key))}</td><td>{escape(str(value))}</td></tr>" for key, value in rows)
-    return f"<b>{escape(title)}</b><table>{cells}</table>"

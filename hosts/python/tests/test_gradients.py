@@ -123,3 +123,15 @@ def test_torch_differentiates_through_it():
         assert value.grad.item() == pytest.approx(expected[name], rel=1e-12)
     assert torch.autograd.gradcheck(
         lambda ratio: strike(string, {"stiffness_ratio": ratio}, 0.002)[1], values["stiffness_ratio"], eps=1e-5, atol=1e-3)
+
+
+def test_motion_is_the_displacement_at_each_place():
+    string = cs.StruckString()
+    axes = string.plot_motion(0.002, places=5, speed_m_per_s=3)
+    motion = axes.get_images()[0].get_array()
+    assert motion.shape == (5, 88) and np.abs(motion).max() > 0.1  # mm
+    for row, place in zip(motion, np.linspace(0, 0.62, 5)):
+        assert np.array_equal(row, 1000 * string.play(0.002, speed_m_per_s=3, pickup_m=place)[0])
+    for wrong in ({"places": 1}, {"pickup_m": 0.1}):
+        with pytest.raises(ValueError, match="allowed: 2 to 10000 places"):
+            string.plot_motion(**wrong)

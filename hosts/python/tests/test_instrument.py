@@ -150,7 +150,7 @@ def test_what_is_wrong_is_told(wrong, told):
         made("hammer_string").play(**{"seconds": 0.1, **wrong})
 
 
-def test_sounds_are_written_drawn_and_shown(tmp_path):
+def test_sounds_are_written_drawn_and_shown(tmp_path, image_of):
     sound = made("hammer_string").play(cs.strike(0, 2), 0.2)
     sound.write(tmp_path / "a.wav", "bridge_force_n")
     with wave.open(str(tmp_path / "a.wav")) as file:
@@ -165,6 +165,7 @@ def test_sounds_are_written_drawn_and_shown(tmp_path):
         with pytest.raises(ValueError, match="'nothing' is unknown; allowed: .*bridge_force_n"):
             ask("nothing")
     assert "<audio" in sound._repr_html_() and "hammer" in made("hammer_string")._repr_html_()
+    assert (image_of(sound) != image_of(made("hammer_string").play(cs.strike(0.1, 2), 0.2))).any()
     json.dumps(list(sound.units))
 
 

@@ -88,9 +88,11 @@ def test_many_designs_are_those_of_one_by_one_in_order():
         cs.design_many([POWER_LAW, {**POWER_LAW, "unknown": 1}])
 
 
-def test_figures_show_the_material():
+def test_figures_show_the_material(image_of):
     material = cs.Material("felt_c4")
     lines = material.plot().get_lines()
     assert len(lines) == 3 and np.max(lines[0].get_ydata()) == pytest.approx(material.exact_force(material.end_m))
     assert len(material.plot_impacts()) == 2
     assert "felt" in material._repr_html_().lower() and "felt_c4" in repr(material)
+    other = image_of(cs.Material("felt_c2"))
+    assert image_of(material).shape == other.shape and (image_of(material) != other).any()
