@@ -1023,6 +1023,40 @@ target_link_libraries(plain PRIVATE ContactSpline::materials)'
     fail "the example does not play the same with and without the kernels"
 }
 
+# What pip makes of the tree without a network, installed where nothing else of the project is.
+case_wheel() {
+  "$PYTHON" -c 'import pip, venv, numpy' 2>/dev/null || { echo "skipped: python3-pip, python3-venv or python3-numpy is not installed"; exit 77; }
+  mkdir "$WORK/wheels"
+  run "$PYTHON" -m pip wheel --no-index --no-build-isolation --no-deps -w "$WORK/wheels" \
+    --config-settings "build-dir=$WORK/build" "$SOURCE"
+  run "$PYTHON" -m venv --system-site-packages "$WORK/venv"
+  run "$WORK/venv/bin/pip" install --no-index --no-build-isolation "$WORK"/wheels/contactspline-*.whl
+  rm -r "$WORK/build"
+  cat >"$WORK/play.py" <<'EOF'
+import pathlib, sys
+import contactspline as cs
+
+package = pathlib.Path(cs.__file__).parent
+assert sys.argv[2] in str(package), package
+assert (package / "py.typed").exists() and (package / "_core.pyi").exists()
+string = cs.Instrument("hammer_string", resonator="string_c4", material="felt_c4")
+tanpura = cs.Instrument("tanpura")
+with open(sys.argv[1], "wb") as file:
+    for precision in ("double", "single"):
+        for sound in (string.play(cs.strike(0, 2.5), 0.5, precision=precision), tanpura.play(cs.pluck(0, 0.5), 0.1, precision=precision)):
+            for samples in (*sound.outputs.values(), sound.force_n):
+                assert samples.any()
+                file.write(samples.tobytes())
+EOF
+  cd "$WORK"
+  run "$WORK/venv/bin/python" play.py wheel.samples "$WORK/venv/"
+  PYTHONPATH="$BUILD/python" PYTHONDONTWRITEBYTECODE=1 run "$PYTHON" play.py tree.samples "$BUILD/python/"
+  cmp wheel.samples tree.samples || fail "the wheel plays other samples than the build"
+  ! "$PYTHON" -m pip wheel --no-index --no-build-isolation --no-deps -w "$WORK/wheels" --config-settings nothing=1 \
+    "$SOURCE" >"$WORK/log" 2>&1 || fail "an unknown setting is accepted"
+  grep -q 'nothing: is unknown; allowed: build-dir' "$WORK/log" || fail "an unknown setting is not told"
+}
+
 rm -rf "$WORK"
 mkdir -p "$WORK"
 "case_$1"
