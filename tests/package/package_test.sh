@@ -1025,7 +1025,7 @@ target_link_libraries(plain PRIVATE ContactSpline::materials)'
 
 # What pip makes of the tree without a network, installed where nothing else of the project is.
 case_wheel() {
-  "$PYTHON" -c 'import pip, venv, numpy' 2>/dev/null || { echo "skipped: python3-pip, python3-venv or python3-numpy is not installed"; exit 77; }
+  "$PYTHON" -c 'import pip, ensurepip, numpy' 2>/dev/null || { echo "skipped: python3-pip, python3-venv or python3-numpy is not installed"; exit 77; }
   mkdir "$WORK/wheels"
   run "$PYTHON" -m pip wheel --no-index --no-build-isolation --no-deps -w "$WORK/wheels" \
     --config-settings "build-dir=$WORK/build" "$SOURCE"
