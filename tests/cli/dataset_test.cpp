@@ -123,7 +123,7 @@ TEST_F(Dataset, KilledAtAnyMomentGoesOnToTheSameBytes) {
   const std::size_t stops = Process(traced).kill_at_stop(std::numeric_limits<std::size_t>::max());
   ASSERT_GT(stops, 100u);
   std::mt19937 random(1);
-  for (int round = 0; round < 12; ++round) {
+  for (int round = 0; round < 50; ++round) {
     fs::remove_all(box_ / "out");
     Process(traced).kill_at_stop(std::uniform_int_distribution<std::size_t>(0, stops - 1)(random));
     for (int i = 1; i <= 4; ++i)

@@ -52,3 +52,18 @@ def snakemake(folder, *words):
 
 def settings(**values):
     return ["--config", *(f"{key}={value}" for key, value in values.items())]
+
+
+def killed_program(folder, shards, attempts):
+    """A program whose first attempts of these of three shards are killed. It counts the attempts in attempts-SHARD."""
+    program, path = os.environ["CONTACTSPLINE_PROGRAM"], folder / "killed"
+    path.write_text(f"""#!/bin/bash
+case "$*" in *--join*) exec {program} "$@" ;; esac
+attempt=0; for word in "$@"; do case "$word" in [{shards}]/3) attempt="{folder}/attempts-${{word%/3}}" ;; esac; done
+[ "$attempt" != 0 ] || exec {program} "$@"
+echo >>"$attempt"
+[ "$(wc -l <"$attempt")" -gt {attempts} ] || {{ {program} "$@" & sleep 0.0$((RANDOM % 8)); kill -9 $!; kill -9 $$; }}
+exec {program} "$@"
+""")
+    path.chmod(0o755)
+    return path

@@ -5,7 +5,7 @@ import os
 import shutil
 
 import pytest
-from conftest import samples, settings, snakemake
+from conftest import killed_program, samples, settings, snakemake
 
 pytestmark = pytest.mark.skipif(shutil.which("snakemake") is None,
                                 reason="snakemake is not installed; scripts/install-packages cluster installs it")
@@ -26,15 +26,7 @@ def test_samples_do_not_depend_on_the_shards(tmp_path, plan, expected, shards):
 
 # The first two attempts of each shard are killed; the workflow tries three times more.
 def test_killed_jobs_are_tried_again(tmp_path, plan, expected):
-    killed = tmp_path / "killed"
-    killed.write_text(f"""#!/bin/bash
-case "$*" in *--join*) exec {PROGRAM} "$@" ;; esac
-attempt=0; for word in "$@"; do case "$word" in */3) attempt="{tmp_path}/attempts-${{word%/3}}" ;; esac; done
-echo >>"$attempt"
-[ "$(wc -l <"$attempt")" -gt 2 ] || {{ {PROGRAM} "$@" & sleep 0.0$((RANDOM % 8)); kill -9 $!; kill -9 $$; }}
-exec {PROGRAM} "$@"
-""")
-    killed.chmod(0o755)
+    killed = killed_program(tmp_path, "123", 2)
     run = snakemake(tmp_path, *settings(plan=plan, output="out", shards=3, program=killed))
     assert run.returncode == 0, run.stderr
     assert samples(tmp_path / "out") == expected
