@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 #include <optional>
 #include <set>
@@ -244,14 +243,7 @@ std::vector<KeyRow> key_rows(const Keyboard& keyboard, double rate) {
   std::set<int> keys = {keyboard.first_key, keyboard.last_key};
   for (const PublishedNote& note : keyboard.notes) keys.insert(note.key);
   std::vector<KeyRow> rows;
-  for (const int key : keys) {
-    const KeyboardNote note = note_of(keyboard, key);
-    const StiffString& string = note.string;
-    rows.push_back(
-        {key, note, undamped_mode(string, 1).angular_frequency_rad_per_s / (2 * std::numbers::pi),
-         std::pow(std::numbers::pi / string.length_m, 2) * string.bending_stiffness_n_m2 / string.tension_n,
-         modes_of(note, rate / 2).size()});
-  }
+  for (const int key : keys) rows.push_back(key_row(keyboard, key, rate));
   return rows;
 }
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <cmath>
 #include <numbers>
 #include <optional>
 #include <vector>
@@ -77,6 +78,14 @@ std::string json_of(const Resonator& resonator, double sample_rate_hz) {
       "{{\n  \"name\": \"{}\",\n  \"description\": {},\n  \"sample_rate_hz\": {},\n"
       "  \"modes_left_out\": {},\n  \"modes\": [\n{}\n  ]\n}}\n",
       resonator.name, json_string(resonator.description), sample_rate_hz, set.cut, fmt::join(modes, ",\n"));
+}
+
+KeyRow key_row(const Keyboard& keyboard, int key, double sample_rate_hz) {
+  const KeyboardNote note = note_of(keyboard, key);
+  const StiffString& string = note.string;
+  return {key, note, undamped_mode(string, 1).angular_frequency_rad_per_s / (2 * std::numbers::pi),
+          std::pow(std::numbers::pi / string.length_m, 2) * string.bending_stiffness_n_m2 / string.tension_n,
+          modes_of(note, sample_rate_hz / 2).size()};
 }
 
 std::string json_of(const Keyboard& keyboard, std::span<const KeyRow> rows, double sample_rate_hz) {

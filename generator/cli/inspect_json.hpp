@@ -41,6 +41,9 @@ struct KeyRow {
   std::size_t modes;
 };
 
+/// The row of a key, first_key to last_key.
+[[nodiscard]] KeyRow key_row(const Keyboard& keyboard, int key, double sample_rate_hz);
+
 /// Some keys of a keyboard.
 [[nodiscard]] std::string json_of(const Keyboard& keyboard, std::span<const KeyRow> rows, double sample_rate_hz);
 

@@ -32,6 +32,7 @@
 #include "generator/support/input_file.hpp"
 #include "hosts/python/for_each.hpp"
 #include "hosts/python/makers.hpp"
+#include "hosts/python/resonators.hpp"
 #include "hosts/python/struck_string.hpp"
 
 namespace contactspline::python {
@@ -457,8 +458,11 @@ PYBIND11_MODULE(_core, m) {
   bind_design(m);
   bind_instrument(m);
   bind_struck_string(m);
+  m.def("resonator", &resonator_json, py::call_guard<py::gil_scoped_release>());
+  m.def("keyboard", &keyboard_json, py::call_guard<py::gil_scoped_release>());
   py::dict shipped;
-  for (const Shipped folder : {Shipped::kMaterials, Shipped::kResonators, Shipped::kInstruments, Shipped::kScores})
+  for (const Shipped folder :
+       {Shipped::kMaterials, Shipped::kResonators, Shipped::kKeyboards, Shipped::kInstruments, Shipped::kScores})
     shipped[py::str(std::string(kind_name(folder)) + "s")] = shipped_names(folder);
   m.attr("shipped") = shipped;
 }

@@ -36,7 +36,7 @@ def play_score(source: str | os.PathLike[str] | Mapping[str, Any], *, sample_rat
 
 
 def shipped(kind: str) -> list[str]:
-    """The names that ship: kind is "materials", "resonators", "instruments" or "scores"."""
+    """The names that ship: kind is "materials", "resonators", "keyboards", "instruments" or "scores"."""
     if kind not in _core.shipped:
         raise ValueError(f"kind: '{kind}' is unknown; allowed: {', '.join(_core.shipped)}")
     return list(_core.shipped[kind])
