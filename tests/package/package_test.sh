@@ -747,6 +747,7 @@ case_arm() {
 not_run='
 ^(\./)?scripts/(run|test|plugins|web|site|tidy|format|bench|sanitize|fuzz|mutate|matrix|soak|coverage|bare-root)    builds the whole tree, or changes the source
 ^(\./)?scripts/install-packages                asks the network
+^(\./)?scripts/leaks                           two minutes under valgrind
 ^cmake --(preset|build)                        builds the whole tree
 ^cmake (-S examples|--install build )           in case_examples_plugins
 ^cmake --install build/hosts                     in case_hosts
