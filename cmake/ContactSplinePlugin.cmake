@@ -3,7 +3,7 @@
 #
 # Makes plug-ins of an instrument, by the DISTRHO Plugin Framework: OUTPUT_DIR/clap/TARGET.clap,
 # OUTPUT_DIR/vst3/TARGET.vst3 and OUTPUT_DIR/lv2/TARGET.lv2. The build target TARGET builds all of them, TARGET_clap and
-# so on one each. Only for Linux.
+# so on one each. For Linux and Windows.
 #
 # INSTRUMENT  the name of an instrument that ships: a file of instruments, a keyboard on its body such as piano,
 #             hammer_string, slide_string, fret_string; or of an instrument in MATERIALS
@@ -24,15 +24,15 @@ cmake_policy(VERSION 3.25)  # whatever the caller's
 include(${CMAKE_CURRENT_LIST_DIR}/ContactSplineArguments.cmake)
 
 # In the source tree, else where the package is installed.
-find_path(ContactSpline_PLUGIN_DIR instrument_plugin.hpp NO_DEFAULT_PATH NO_CACHE
+find_path(ContactSpline_PLUGIN_DIR instrument_plugin.hpp NO_DEFAULT_PATH NO_CMAKE_FIND_ROOT_PATH NO_CACHE
           PATHS "${CMAKE_CURRENT_LIST_DIR}/../hosts/plugin" "${ContactSpline_DATA_DIR}/plugin")
 
 # Checks what has to be installed, and adds the program that writes the description of an LV2 plug-in.
 function(_contactspline_find_framework)
-  if(NOT CMAKE_SYSTEM_NAME STREQUAL Linux)
-    _contactspline_fail("${CMAKE_SYSTEM_NAME}; allowed: Linux")
+  if(NOT CMAKE_SYSTEM_NAME MATCHES "^(Linux|Windows)$")
+    _contactspline_fail("${CMAKE_SYSTEM_NAME}; allowed: Linux, Windows")
   endif()
-  find_path(DPF_DIR distrho/DistrhoPluginMain.cpp PATHS /usr/share/dpf /usr/local/share/dpf
+  find_path(DPF_DIR distrho/DistrhoPluginMain.cpp PATHS /usr/share/dpf /usr/local/share/dpf NO_CMAKE_FIND_ROOT_PATH
             DOC "Folder of the DISTRHO Plugin Framework")
   if(NOT DPF_DIR)
     _contactspline_fail("the DISTRHO Plugin Framework is not installed; Debian has it as: dpf-source. Allowed:
@@ -40,6 +40,8 @@ function(_contactspline_find_framework)
   endif()
   if(NOT TARGET contactspline_describe_lv2)
     add_executable(contactspline_describe_lv2 "${ContactSpline_PLUGIN_DIR}/describe_lv2.cpp")
+    target_compile_features(contactspline_describe_lv2 PRIVATE cxx_std_20)
+    target_include_directories(contactspline_describe_lv2 PRIVATE $<$<BOOL:${WIN32}>:${ContactSpline_PLUGIN_DIR}/windows>)
     target_link_libraries(contactspline_describe_lv2 PRIVATE ${CMAKE_DL_LIBS})
   endif()
 endfunction()
@@ -201,9 +203,9 @@ endfunction()
 # The binary of one format.
 function(_contactspline_plugin_format format)
   set(target ${arg_TARGET}_${format})
-  set(symbols "${DPF_DIR}/utils/symbols/${format}.version")
+  set(symbols "${DPF_DIR}/utils/symbols/${format}")
   if(format STREQUAL lv2)
-    set(symbols "${DPF_DIR}/utils/symbols/lv2-dsp.version")
+    set(symbols "${DPF_DIR}/utils/symbols/lv2-dsp")
   endif()
   # The instrument's side is the same for VST3 and LV2.
   set(instrument ${arg_TARGET}_instrument)
@@ -223,26 +225,36 @@ function(_contactspline_plugin_format format)
     target_include_directories(${target} SYSTEM PRIVATE "${framework}")
   endif()
   target_compile_options(${target} PRIVATE -w -O1)
-  target_link_options(${target} PRIVATE "-Wl,--version-script=${symbols}")
   _contactspline_plugin_part(${target})
+  # Where hosts of the system look for the binary, and what it exports.
   set(folder "${arg_OUTPUT_DIR}/${format}")
-  set(suffix .so)
-  if(format STREQUAL clap)
-    set(suffix .clap)
-  elseif(format STREQUAL vst3)
-    string(APPEND folder "/${arg_TARGET}.vst3/Contents/${CMAKE_SYSTEM_PROCESSOR}-linux")
+  set(suffix_of_clap .clap)
+  if(WIN32)
+    target_link_libraries(${target} PRIVATE "${symbols}.def")
+    set(suffix_of_lv2 .dll)
+    set(suffix_of_vst3 .vst3)
+    set(system win)
   else()
+    target_link_options(${target} PRIVATE "-Wl,--version-script=${symbols}.version")
+    set(suffix_of_lv2 .so)
+    set(suffix_of_vst3 .so)
+    set(system linux)
+  endif()
+  if(format STREQUAL vst3)
+    string(APPEND folder "/${arg_TARGET}.vst3/Contents/${CMAKE_SYSTEM_PROCESSOR}-${system}")
+  elseif(format STREQUAL lv2)
     string(APPEND folder "/${arg_TARGET}.lv2")
   endif()
   set_target_properties(${target} PROPERTIES
-    PREFIX "" OUTPUT_NAME ${arg_TARGET} SUFFIX ${suffix} LIBRARY_OUTPUT_DIRECTORY "$<1:${folder}>")
+    PREFIX "" OUTPUT_NAME ${arg_TARGET} SUFFIX ${suffix_of_${format}} LIBRARY_OUTPUT_DIRECTORY "$<1:${folder}>")
   if(format STREQUAL lv2)
-    # Without the words of other vocabularies, which lv2_validate does not know; `options` are welcome, not needed.
+    # Without the words of other vocabularies, which lv2_validate does not know; `options` are welcome, not needed. Lines
+    # end as on Linux.
     add_custom_command(TARGET ${target} POST_BUILD
-      COMMAND contactspline_describe_lv2 ${arg_TARGET} > describe.log
+      COMMAND contactspline_describe_lv2 ${arg_TARGET} ${suffix_of_lv2} > describe.log
       COMMAND ${CMAKE_COMMAND} -E rm describe.log
-      COMMAND sed -zi -E -e "s/ ,\\n *<http:..kxstudio[^>]*>//; s/ *mod:(brand|label) [^\\n]*\\n//g"
-              -e "s/(requiredFeature) opts:options ,\\n */\\1 /; s/(optionalFeature) /\\1 opts:options, /" ${arg_TARGET}.ttl
+      COMMAND sed -zi -E -e "s/\\r//g; s/ ,\\n *<http:..kxstudio[^>]*>//; s/ *mod:(brand|label) [^\\n]*\\n//g"
+              -e "s/(requiredFeature) opts:options ,\\n */\\1 /; s/(optionalFeature) /\\1 opts:options, /" ${arg_TARGET}.ttl presets.ttl manifest.ttl
       WORKING_DIRECTORY "${folder}"
       COMMENT "Describing ${arg_TARGET}.lv2"
       VERBATIM)

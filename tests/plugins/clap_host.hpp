@@ -21,7 +21,7 @@ class ClapPlugin : public HostedPlugin {
  public:
   ClapPlugin(const std::filesystem::path& file, double sample_rate_hz)
       : library_(file), entry_(library_.symbol<const clap_plugin_entry_t>("clap_entry")) {
-    require(clap_version_is_compatible(entry_->clap_version) && entry_->init(file.c_str()), "no entry");
+    require(clap_version_is_compatible(entry_->clap_version) && entry_->init(file.string().c_str()), "no entry");
     const auto* factory = static_cast<const clap_plugin_factory_t*>(entry_->get_factory(CLAP_PLUGIN_FACTORY_ID));
     require(factory != nullptr && factory->get_plugin_count(factory) == 1, "no factory");
     descriptor_ = factory->get_plugin_descriptor(factory, 0);

@@ -179,7 +179,7 @@ class Vst3Plugin : public HostedPlugin {
  public:
   /// file: the binary in the bundle.
   Vst3Plugin(const std::filesystem::path& file, double sample_rate_hz) : library_(file) {
-    require(library_.symbol<bool(void*)>("ModuleEntry")(library_.handle()), "ModuleEntry");
+    require(enter(), "cannot be entered");
     factory_ = static_cast<v3_plugin_factory**>(library_.symbol<void*()>("GetPluginFactory")());
     require(v3_cpp_obj(factory_)->num_classes(factory_) == 1, "classes");
     check(v3_cpp_obj(factory_)->get_class_info(factory_, 0, &class_));
@@ -214,7 +214,7 @@ class Vst3Plugin : public HostedPlugin {
     v3_cpp_obj_terminate(component_);
     v3_cpp_obj_unref(component_);
     v3_cpp_obj_unref(factory_);
-    library_.symbol<bool()>("ModuleExit")();
+    library_.symbol<bool()>(kExit)();
   }
 
   [[nodiscard]] const v3_class_info& class_info() const { return class_; }
@@ -307,6 +307,18 @@ class Vst3Plugin : public HostedPlugin {
   }
 
  private:
+#ifdef _WIN32
+  static constexpr auto kExit = "ExitDll";
+  [[nodiscard]] bool enter() const {
+    return library_.symbol<bool()>("InitDll")();
+  }
+#else
+  static constexpr auto kExit = "ModuleExit";
+  [[nodiscard]] bool enter() const {
+    return library_.symbol<bool(void*)>("ModuleEntry")(library_.handle());
+  }
+#endif
+
   static void require(bool holds, const char* what) {
     if (!holds) throw std::runtime_error(std::string("VST3: ") + what);
   }

@@ -1,0 +1,40 @@
+# The packages of headers alone, of the machine that builds for Windows: mingw-w64 has none of them. Their folders are
+# linked into the build folder, because /usr/include beside them is that of Linux. The preset `windows` reads this file.
+set(contactspline_headers "${CMAKE_BINARY_DIR}/headers")
+file(MAKE_DIRECTORY "${contactspline_headers}")
+
+# A target of a package: its header, for instance boost/version.hpp, is looked for, and the folder of it is linked.
+function(_contactspline_package_of_headers target header)
+  find_path(folder ${header} PATHS /usr/include PATH_SUFFIXES eigen3 NO_DEFAULT_PATH NO_CMAKE_FIND_ROOT_PATH NO_CACHE)
+  if(NOT folder)
+    message(FATAL_ERROR "${header} is not installed: scripts/install-packages windows")
+  endif()
+  cmake_path(GET header PARENT_PATH name)
+  string(REGEX REPLACE "/.*" "" name "${name}")
+  file(CREATE_LINK "${folder}/${name}" "${contactspline_headers}/${name}" SYMBOLIC)
+  add_library(${target} INTERFACE IMPORTED GLOBAL)
+  target_include_directories(${target} SYSTEM INTERFACE "${contactspline_headers}")
+endfunction()
+
+macro(_contactspline_find_package method package)
+  set(${package}_FOUND TRUE)
+  if("${package}" STREQUAL "hwy")
+    # The instruction set is chosen when compiling: the library that chooses while running is not for Windows.
+    _contactspline_package_of_headers(hwy::hwy hwy/highway.h)
+    target_compile_definitions(hwy::hwy INTERFACE HWY_COMPILE_ONLY_STATIC)
+  elseif("${package}" STREQUAL "Boost")
+    _contactspline_package_of_headers(Boost::headers boost/version.hpp)
+  elseif("${package}" STREQUAL "Eigen3")
+    _contactspline_package_of_headers(Eigen3::Eigen Eigen/Core)
+  elseif("${package}" STREQUAL "fmt")
+    _contactspline_package_of_headers(fmt::fmt fmt/core.h)
+    target_compile_definitions(fmt::fmt INTERFACE FMT_HEADER_ONLY)
+  elseif("${package}" STREQUAL "nlohmann_json")
+    _contactspline_package_of_headers(nlohmann_json::nlohmann_json nlohmann/json.hpp)
+  elseif("${package}" STREQUAL "CLI11")
+    _contactspline_package_of_headers(CLI11::CLI11 CLI/CLI.hpp)
+  else()
+    unset(${package}_FOUND)  # CMake looks for it
+  endif()
+endmacro()
+cmake_language(SET_DEPENDENCY_PROVIDER _contactspline_find_package SUPPORTED_METHODS FIND_PACKAGE)

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+// record_plugin clap|vst3|lv2 FILE SOUND: a phrase of a second at 48 kHz, played by a plug-in of this system, as bytes of
+// single precision, left and right in turn.
+#include <cstdio>
+#include <fstream>
+
+#include "plugins/clap_host.hpp"
+#include "plugins/vst3_host.hpp"
+#include "windows/lv2_binary.hpp"
+
+std::atomic<std::size_t> contactspline::testing::allocations = 0;  // not counted here
+
+namespace contactspline::testing {
+namespace {
+
+// Notes, a parameter, two controllers, a release.
+template <typename Plugin>
+void record(Plugin&& plugin, const std::filesystem::path& sound) {
+  std::ofstream file(sound, std::ios::binary);
+  const auto play = [&](std::size_t blocks) {
+    const auto [left, right] = plugin.run(blocks);
+    for (std::size_t n = 0; n < left.size(); ++n) {
+      file.write(reinterpret_cast<const char*>(&left[n]), sizeof left[n]);
+      file.write(reinterpret_cast<const char*>(&right[n]), sizeof right[n]);
+    }
+  };
+  plugin.send(37, {0x90, 60, 90});
+  play(60);
+  plugin.set("volume", 0.8);
+  plugin.send(5, {0x90, 64, 120});
+  plugin.send(200, {0xb0, 64, 127});
+  play(60);
+  plugin.send(0, {0x80, 60, 0});
+  plugin.send(100, {0x90, 67, 30});
+  play(60);
+  plugin.send(0, {0xb0, 64, 0});
+  plugin.send(1, {0x80, 67, 0});
+  play(8);
+  if (!file.flush()) throw std::runtime_error(sound.string() + ": cannot be written");
+}
+
+}  // namespace
+}  // namespace contactspline::testing
+
+int main(int argc, char** argv) try {
+  using namespace contactspline::testing;
+  if (argc != 4) return 2;
+  const std::string format = argv[1];
+  if (format == "clap")
+    record(ClapPlugin(argv[2], 48000), argv[3]);
+  else if (format == "vst3")
+    record(Vst3Plugin(argv[2], 48000), argv[3]);
+  else
+    record(Lv2Binary(argv[2], 48000), argv[3]);
+  return 0;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "%s\n", error.what());
+  return 1;
+}
