@@ -7,7 +7,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <csignal>
 #include <cstdio>
 #include <memory>
 #include <new>
@@ -487,7 +486,6 @@ void add_all(CLI::App& app) {
 }  // namespace
 
 int run_command_line(int argc, const char* const* argv) {
-  std::signal(SIGXFSZ, SIG_IGN);  // a full disk or a quota is an error to report, not a reason to die
   CLI::App app(
       "Collisions in musical instruments without iteration: splines of contact potentials for Faust and C++.",
       "contactspline");

@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "generator/cli/files.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <signal.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -19,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "generator/cli/system.hpp"
 #include "generator/support/error.hpp"
 
 namespace contactspline {
@@ -40,70 +37,38 @@ constexpr std::array<std::string_view, 2> kMarks = {"Written by contactspline ",
   fail(path, fmt::format("cannot be written: {}", std::strerror(errno)));
 }
 
-/// RAII guard: signals that end the program wait until temporary files are renamed or removed.
-class SignalsWait {
- public:
-  SignalsWait() {
-    sigset_t ending;
-    ::sigemptyset(&ending);
-    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) ::sigaddset(&ending, signal);
-    ::sigprocmask(SIG_BLOCK, &ending, &before_);
-  }
-  SignalsWait(const SignalsWait&) = delete;
-  SignalsWait& operator=(const SignalsWait&) = delete;
-  ~SignalsWait() { ::sigprocmask(SIG_SETMASK, &before_, nullptr); }
-
- private:
-  sigset_t before_{};
-};
-
-// A name for a temporary file in the folder of a target, for mkstemp().
-std::string temporary_name(const fs::path& target) {
-  const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
-  return (folder / ".contactspline-XXXXXX").string();
-}
-
 /// A file under a temporary name in the folder of its target. The destructor removes it unless it was renamed, and
 /// puts the old file back unless keep() was called.
 class PendingFile {
  public:
-  explicit PendingFile(const fs::path& target) : target_(target), name_(temporary_name(target)) {
-    descriptor_ = ::mkstemp(name_.data());
+  explicit PendingFile(const fs::path& target) : target_(target), descriptor_(create_temporary(target, name_)) {
     if (descriptor_ < 0) fail_with_errno(target_);
   }
   PendingFile(const PendingFile&) = delete;
   PendingFile& operator=(const PendingFile&) = delete;
   ~PendingFile() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-    if (!name_.empty()) ::unlink(name_.c_str());
+    if (descriptor_ >= 0) close_file(descriptor_);
+    if (!name_.empty()) remove(name_);
     if (is_renamed_) put_back();
-    if (!backup_.empty()) ::unlink(backup_.c_str());
+    if (!backup_.empty()) remove(backup_);
   }
 
   void write(std::string_view bytes) {
-    while (!bytes.empty()) {
-      const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
-      if (written < 0 && errno == EINTR) continue;
-      if (written < 0) fail_with_errno(target_);
-      bytes.remove_prefix(static_cast<std::size_t>(written));
-    }
-    if (::fchmod(descriptor_, permissions()) != 0 || ::fsync(descriptor_) != 0) fail_with_errno(target_);
-    if (::close(std::exchange(descriptor_, -1)) != 0) fail_with_errno(target_);
+    if (!write_bytes(descriptor_, bytes) || !bring_to_disk(descriptor_, target_)) fail_with_errno(target_);
+    if (!close_file(std::exchange(descriptor_, -1))) fail_with_errno(target_);
   }
 
-  /// Gives the old file a second name, to put it back from. Some file systems have no second names.
+  /// Keeps the old file, to put it back from.
   void back_up() {
     std::error_code error;
     had_old_file_ = fs::exists(target_, error);
-    backup_ = temporary_name(target_);
-    const int descriptor = ::mkstemp(backup_.data());  // for a name that is free
-    if (descriptor >= 0) ::close(descriptor);
-    ::unlink(backup_.c_str());
-    if (!had_old_file_ || ::link(target_.c_str(), backup_.c_str()) != 0) backup_.clear();
+    if (had_old_file_) backup_ = contactspline::back_up(target_);
   }
 
   void rename_into_place() {
-    if (::rename(name_.c_str(), target_.c_str()) != 0) fail_with_errno(target_);
+    std::error_code error;
+    fs::rename(name_, target_, error);
+    if (error) fail(target_, fmt::format("cannot be written: {}", error.message()));
     name_.clear();
     is_renamed_ = true;
   }
@@ -112,23 +77,23 @@ class PendingFile {
   void keep() { is_renamed_ = false; }
 
  private:
-  void put_back() {
-    if (!backup_.empty() && ::rename(backup_.c_str(), target_.c_str()) == 0) backup_.clear();
-    if (!had_old_file_) ::unlink(target_.c_str());
+  static void remove(const fs::path& file) {
+    std::error_code error;
+    fs::remove(file, error);
   }
 
-  // Those of the file that is replaced; for a new file rw-rw-rw- without the bits of the user's mask.
-  [[nodiscard]] mode_t permissions() const {
-    struct stat old {};
-    if (::stat(target_.c_str(), &old) == 0) return old.st_mode & 07777;
-    const mode_t mask = ::umask(0);
-    ::umask(mask);
-    return 0666 & ~mask;
+  void put_back() {
+    std::error_code error;
+    if (!backup_.empty()) {
+      fs::rename(backup_, target_, error);
+      if (!error) backup_.clear();
+    }
+    if (!had_old_file_) remove(target_);
   }
 
   fs::path target_;
-  std::string name_;    ///< temporary; empty after the renaming
-  std::string backup_;  ///< second name of the old file; empty without one
+  fs::path name_;    ///< temporary; empty after the renaming
+  fs::path backup_;  ///< of the old file; empty without one
   int descriptor_ = -1;
   bool had_old_file_ = false, is_renamed_ = false;
 };
@@ -216,7 +181,7 @@ void require_writable(std::span<const fs::path> outputs, std::span<const fs::pat
 }
 
 void require_creatable(std::span<const fs::path> outputs) {
-  const SignalsWait until_removed;
+  const EndWaits until_removed;
   for (const fs::path& output : outputs) {
     create_folder_of(output);
     const PendingFile removed_at_once(real_target(output));
@@ -238,7 +203,7 @@ bool is_current(const OutputFile& file) {
 }
 
 std::vector<fs::path> write_files(std::span<const OutputFile> files) {
-  const SignalsWait until_renamed;
+  const EndWaits until_renamed;
   std::vector<std::unique_ptr<PendingFile>> pending;
   std::vector<fs::path> written;
   for (const OutputFile& file : files) {

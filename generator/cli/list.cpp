@@ -2,7 +2,6 @@
 // contactspline list, contactspline show: what ships.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <unistd.h>
 
 #include <array>
 #include <numbers>
@@ -12,6 +11,7 @@
 #include "generator/cli/commands.hpp"
 #include "generator/cli/files.hpp"
 #include "generator/cli/inputs.hpp"
+#include "generator/cli/system.hpp"
 #include "generator/material/material_reader.hpp"
 #include "generator/player/score_reader.hpp"
 #include "generator/resonator/keyboard_reader.hpp"
@@ -132,7 +132,7 @@ void show(const std::string& name, const std::string& own_name) {
       for (std::string& shipped : shipped_names(kind.folder)) names.push_back(std::move(shipped));
     refuse(name, "NAME", "nothing of this name ships", fmt::format("{}", fmt::join(names, ", ")));
   }
-  if (file->name.ends_with(".mid") && ::isatty(STDOUT_FILENO) != 0)
+  if (file->name.ends_with(".mid") && is_terminal(stdout))
     refuse(name, "NAME", "is a MIDI file, which a terminal cannot show", "to a file, with > FILE");
   if (own_name.empty()) return write_stdout(file->content);
   const auto named = fmt::format("{{\"name\": {}}}", json_string(own_name));

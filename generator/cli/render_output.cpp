@@ -2,7 +2,6 @@
 #include "generator/cli/render_output.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +13,7 @@
 #include "generator/cli/files.hpp"
 #include "generator/cli/gnuplot.hpp"
 #include "generator/cli/sound_file.hpp"
+#include "generator/cli/system.hpp"
 #include "generator/support/error.hpp"
 
 namespace contactspline {
@@ -113,7 +113,7 @@ std::string write_outputs(const RenderOutput& output, std::string sound, const D
   if (output.no_figure) return report;
   OutputFile figure{figure_file(output), {}};
   try {
-    figure.bytes = draw(figure_format(figure.path));
+    figure.bytes = draw(figure_format(figure.path.string()));
   } catch (const BadInput& error) {
     if (!output.figure.empty()) throw;
     std::fputs(fmt::format("contactspline: {} (--no-figure)\n", error.what()).c_str(), stderr);
@@ -124,7 +124,7 @@ std::string write_outputs(const RenderOutput& output, std::string sound, const D
 }
 
 void show_progress(double fraction) {
-  if (::isatty(STDERR_FILENO) == 0) return;
+  if (!is_terminal(stderr)) return;
   std::fputs(fmt::format("\rrendering {:3.0f} %{}", 100 * fraction, fraction < 1 ? "" : "\n").c_str(), stderr);
 }
 

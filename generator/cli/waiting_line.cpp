@@ -2,12 +2,13 @@
 #include "generator/cli/waiting_line.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <utility>
+
+#include "generator/cli/system.hpp"
 
 namespace contactspline {
 
@@ -18,7 +19,7 @@ std::atomic<bool> one_lives = false;
 }  // namespace
 
 WaitingLine::WaitingLine(std::function<std::string()> what) : what_(std::move(what)) {
-  if (::isatty(STDERR_FILENO) != 0 && !one_lives.exchange(true)) thread_ = std::thread([this] { show(); });
+  if (is_terminal(stderr) && !one_lives.exchange(true)) thread_ = std::thread([this] { show(); });
 }
 
 WaitingLine::WaitingLine(std::string what) : WaitingLine([what = std::move(what)] { return what; }) {}

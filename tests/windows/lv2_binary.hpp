@@ -26,7 +26,8 @@ class Lv2Binary {
     const LV2_Feature map = {LV2_URID__map, &map_};
     const LV2_Feature* const features[] = {&map, nullptr};
     descriptor_ = library_.symbol<const LV2_Descriptor*(std::uint32_t)>("lv2_descriptor")(0);
-    handle_ = descriptor_->instantiate(descriptor_, sample_rate_hz, (file.parent_path() / "").string().c_str(), features);
+    handle_ =
+        descriptor_->instantiate(descriptor_, sample_rate_hz, (file.parent_path() / "").string().c_str(), features);
     if (handle_ == nullptr) throw std::runtime_error("LV2: cannot be instantiated");
     for (auto& [name, port] : controls_) descriptor_->connect_port(handle_, port.index, &port.value);
     descriptor_->connect_port(handle_, 2, &events_);

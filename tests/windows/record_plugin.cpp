@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// record_plugin clap|vst3|lv2 FILE SOUND: a phrase of a second at 48 kHz, played by a plug-in of this system, as bytes of
-// single precision, left and right in turn.
+// record_plugin clap|vst3|lv2 FILE SOUND: a phrase of a second at 48 kHz, played by a plug-in of this system, as
+// bytes of single precision, left and right in turn.
 #include <cstdio>
 #include <fstream>
 

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+// sound_file.hpp without libsndfile: WAV files with 24 bits alone, byte for byte as libsndfile writes them.
+// clang-format off: what this file implements stands first
+#include "generator/cli/sound_file.hpp"
+// clang-format on
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "generator/cli/file_ending.hpp"
+#include "generator/cli/files.hpp"
+#include "generator/support/error.hpp"
+
+namespace contactspline {
+namespace {
+
+void append(std::string& bytes, std::size_t number, int size) {
+  for (int byte = 0; byte < size; ++byte) bytes += static_cast<char>(number >> (8 * byte) & 0xff);
+}
+
+// A content of an even number of bytes.
+std::string chunk(const char* name, const std::string& content) {
+  std::string bytes = name;
+  append(bytes, content.size(), 4);
+  return bytes + content;
+}
+
+// Ended by a zero or two.
+std::string even_text(std::string_view text) {
+  return std::string(text) + std::string(2 - text.size() % 2, '\0');
+}
+
+std::string format_of(int channels, int sample_rate_hz) {
+  constexpr int kPcm = 1, kBytes = 3;
+  const auto rate = static_cast<std::size_t>(sample_rate_hz), frame = static_cast<std::size_t>(channels * kBytes);
+  std::string bytes;
+  append(bytes, kPcm, 2);
+  append(bytes, static_cast<std::size_t>(channels), 2);
+  append(bytes, rate, 4);
+  append(bytes, rate * frame, 4);
+  append(bytes, frame, 2);
+  append(bytes, 8 * kBytes, 2);
+  return bytes;
+}
+
+template <typename T>
+std::string bytes_of(const std::string& file, std::span<const T> samples, double scale, int channels,
+                     int sample_rate_hz) {
+  require_sound_format(file, channels, sample_rate_hz);
+  std::string data;
+  data.reserve(3 * samples.size());
+  for (const T sample : samples) {
+    const double scaled = 0x80000000 * (scale * static_cast<double>(sample));
+    const auto number = static_cast<std::int32_t>(std::lrint(std::clamp(scaled, -2147483648.0, 2147483647.0)));
+    append(data, static_cast<std::uint32_t>(number) >> 8, 3);
+  }
+  const std::string padding(data.size() % 2, '\0');
+  return chunk("RIFF", "WAVE" + chunk("fmt ", format_of(channels, sample_rate_hz)) +
+                           chunk("LIST", "INFO" + chunk("ICMT", even_text(mark()))) + chunk("data", data) + padding);
+}
+
+}  // namespace
+
+void require_sound_format(const std::string& file, int /*channels*/, int /*sample_rate_hz*/) {
+  if (file_ending(file) != ".wav")
+    refuse(file, "sound", "this program was built without libsndfile and writes no such format", ".wav");
+}
+
+std::string sound_bytes(const std::string& file, std::span<const double> samples, double scale, int channels,
+                        int sample_rate_hz) {
+  return bytes_of(file, samples, scale, channels, sample_rate_hz);
+}
+
+std::string sound_bytes(const std::string& file, std::span<const float> samples, double scale, int channels,
+                        int sample_rate_hz) {
+  return bytes_of(file, samples, scale, channels, sample_rate_hz);
+}
+
+}  // namespace contactspline
