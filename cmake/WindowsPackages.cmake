@@ -6,6 +6,9 @@ file(MAKE_DIRECTORY "${contactspline_headers}")
 # A target of a package: its header, for instance boost/version.hpp, is looked for, and the folder of it is linked, with
 # the folders beside it that are named behind.
 function(_contactspline_package_of_headers target header)
+  if(TARGET ${target})
+    return()
+  endif()
   find_path(folder ${header} PATHS /usr/include PATH_SUFFIXES eigen3 NO_DEFAULT_PATH NO_CMAKE_FIND_ROOT_PATH NO_CACHE)
   if(NOT folder)
     message(FATAL_ERROR "${header} is not installed: scripts/install-packages windows")
