@@ -411,10 +411,9 @@ std::shared_ptr<ScoreOptions> add_score_options(CLI::App& command, std::optional
         ->allow_extra_args(false);
   if (!model || model == Model::kFile)
     command
-        .add_option(
-            "--instrument", options->instrument,
-            "what plays a MIDI file (default: the piano): an instrument file with keys,\n"
-            "or a model of your own (.so), which plays scores, too")
+        .add_option("--instrument", options->instrument,
+                    "what plays a MIDI file (default: the piano): an instrument file with keys,\n"
+                    "or a model of your own (.so), which plays scores, too")
         ->check(not_empty("an instrument"))
         ->type_name("FILE");
   return options;

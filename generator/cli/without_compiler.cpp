@@ -6,7 +6,8 @@
 namespace contactspline {
 
 void require_compiler() {
-  throw BadInput("plugin: this program does not build on Windows; allowed: --no-build, which writes the project only");
+  throw BadInput(
+      "plugin: this program does not build on Windows; allowed: --no-build, which writes the project only");
 }
 
 void build_plugin(const std::filesystem::path& /*project*/, const std::string& /*name*/) {
