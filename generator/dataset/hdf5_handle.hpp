@@ -87,7 +87,7 @@ void write_attribute(hid_t object, const char* name, Number number) {
   const Hdf5Handle space(H5Screate(H5S_SCALAR), H5Sclose, name);
   const hid_t type = std::floating_point<Number> ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT64;
   const Hdf5Handle attribute(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose, name);
-  const std::conditional_t<std::floating_point<Number>, double, long long> value = number;
+  const auto value = static_cast<std::conditional_t<std::floating_point<Number>, double, long long>>(number);
   checked(H5Awrite(attribute, type, &value), name);
 }
 

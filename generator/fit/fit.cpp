@@ -53,7 +53,7 @@ bool frees(const Candidate& candidate, FitParameter parameter) {
 
 // Values to start from: several exponents, and if the same law has been fitted without a loss, what that found.
 std::vector<FitValues> starts_of(const FitProblem& problem, const Candidate& candidate, const Candidate* simpler) {
-  const double loss = frees(candidate, kLoss) ? 0.3 : 0, weight = frees(candidate, kWeight) ? 0.5 : 0;
+  const double loss = frees(candidate, kHuntCrossley) ? 0.3 : 0, weight = frees(candidate, kWeight) ? 0.5 : 0;
   const std::vector exponents = !frees(candidate, kExponent) ? std::vector{kHertz}
                                 : simpler == nullptr         ? std::vector{1.5, 2.5, 3.5}
                                                              : std::vector{2.5};
@@ -63,7 +63,7 @@ std::vector<FitValues> starts_of(const FitProblem& problem, const Candidate& can
     if (simpler == nullptr) continue;
     starts.push_back(simpler->values);
     const auto& lossy = starts.front().parameters;
-    for (const FitParameter parameter : {kLoss, kWeight, kLogTime})
+    for (const FitParameter parameter : {kHuntCrossley, kWeight, kLogTime})
       starts.back().parameters[parameter] = lossy[parameter];
   }
   return starts;
@@ -220,7 +220,7 @@ Fit fit_material(const Measurements& measured, const std::string& file,
           law_of(best.values.parameters.data(), problem.reference_m()),
           exponential(of({{kLogForce, 1}, {kExponent, -std::log(problem.reference_m())}})),
           of({{kExponent, 1}}),
-          of({{kLoss, 1}}),
+          of({{kHuntCrossley, 1}}),
           of({{kWeight, 1}}),
           exponential(of({{kLogTime, 1}})),
           0,

@@ -14,7 +14,7 @@ namespace {
 constexpr double kMinNoise = 1e-7;
 // In the order of FitParameter; the time in parts of the contact's. Shorter memories are a viscous loss, longer ones
 // none.
-constexpr std::array<Range, kParameters> kBounds = {{{-30, 40}, {0.6, 9.5}, {0, 900}, {1e-4, 0.999}, {-5.7, 1.6}}};
+constexpr std::array<Range, kFitParameters> kBounds = {{{-30, 40}, {0.6, 9.5}, {0, 900}, {1e-4, 0.999}, {-5.7, 1.6}}};
 
 double speed_of(const Pulse& pulse, double mass_kg) {
   constexpr double kLikely = 1.6;  // 1 + restitution
@@ -130,10 +130,10 @@ FitValues FitProblem::begin(double exponent, double loss, double weight, double 
 std::unique_ptr<FitProblem::Posed> FitProblem::pose(FitValues& values, const std::vector<FitParameter>& frees) const {
   auto posed = std::make_unique<Posed>();
   double* parameters = values.parameters.data();
-  posed->problem.AddParameterBlock(parameters, kParameters);
+  posed->problem.AddParameterBlock(parameters, kFitParameters);
   posed->order.parameter_blocks.push_back(parameters);
   std::vector<int> fixed;
-  for (int i = 0; i < kParameters; ++i)
+  for (int i = 0; i < kFitParameters; ++i)
     if (std::ranges::find(frees, i) == frees.end())
       fixed.push_back(i);
     else {
@@ -142,13 +142,13 @@ std::unique_ptr<FitProblem::Posed> FitProblem::pose(FitValues& values, const std
       posed->problem.SetParameterLowerBound(parameters, i, min + unit);
       posed->problem.SetParameterUpperBound(parameters, i, max + unit);
     }
-  if (!fixed.empty()) posed->problem.SetManifold(parameters, new ceres::SubsetManifold(kParameters, fixed));
+  if (!fixed.empty()) posed->problem.SetManifold(parameters, new ceres::SubsetManifold(kFitParameters, fixed));
   for (std::size_t i = 0; i < sources_.size(); ++i) *sources_[i].noise = values.noise[i];
   for (std::size_t i = 0; i < measured_.pulses.size(); ++i) {
     const Pulse& pulse = measured_.pulses[i];
     double* unknown = values.pulses[i].data();
     posed->order.residual_blocks.push_back(posed->problem.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<PulseResidual, ceres::DYNAMIC, kParameters, kPulseUnknowns>(
+        new ceres::AutoDiffCostFunction<PulseResidual, ceres::DYNAMIC, kFitParameters, kPulseUnknowns>(
             new PulseResidual{pulse, measures_of(pulse), scales_, sources_[i].noise},
             static_cast<int>(pulse.time_s.size())),
         nullptr, parameters, unknown));
@@ -158,14 +158,14 @@ std::unique_ptr<FitProblem::Posed> FitProblem::pose(FitValues& values, const std
   }
   for (const RowResidual& row : rows_)
     posed->order.residual_blocks.push_back(
-        posed->problem.AddResidualBlock(new ceres::AutoDiffCostFunction<RowResidual, ceres::DYNAMIC, kParameters>(
+        posed->problem.AddResidualBlock(new ceres::AutoDiffCostFunction<RowResidual, ceres::DYNAMIC, kFitParameters>(
                                             new RowResidual(row), static_cast<int>(row.measured.size())),
                                         nullptr, parameters));
   for (std::size_t i = 0; i < measured_.curves.size(); ++i) {
     const MeasuredForce& curve = measured_.curves[i];
     const Noise& noise = sources_[sources_.size() - measured_.curves.size() + i].noise;
     posed->order.residual_blocks.push_back(posed->problem.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<CurveResidual, ceres::DYNAMIC, kParameters>(
+        new ceres::AutoDiffCostFunction<CurveResidual, ceres::DYNAMIC, kFitParameters>(
             new CurveResidual{curve, max_force(curve), scales_, noise}, static_cast<int>(curve.samples.size())),
         nullptr, parameters));
   }

@@ -17,7 +17,7 @@ inline constexpr double kFirstNoise = 0.02;
 
 /// Values of all unknowns, and of the noise of each source.
 struct FitValues {
-  std::array<double, kParameters> parameters;
+  std::array<double, kFitParameters> parameters;
   std::vector<std::array<double, kPulseUnknowns>> pulses;
   std::vector<double> noise;
   double cost = 0;

@@ -20,7 +20,7 @@ const std::vector<ModelRow>& laws() {
 
 const std::vector<ModelRow>& losses() {
   static const std::vector<ModelRow> rows = {{"none", "without loss", {}},
-                                             {"hunt_crossley", "with Hunt-Crossley loss", {kLoss}},
+                                             {"hunt_crossley", "with Hunt-Crossley loss", {kHuntCrossley}},
                                              {"memory", "with memory", {kWeight, kLogTime}}};
   return rows;
 }

@@ -10,7 +10,7 @@
 namespace contactspline {
 
 /// The parameters of all models, in the order of the fit.
-enum FitParameter { kLogForce, kExponent, kLoss, kWeight, kLogTime, kParameters };
+enum FitParameter { kLogForce, kExponent, kHuntCrossley, kWeight, kLogTime, kFitParameters };
 
 /// One row of the table of laws or of losses.
 struct ModelRow {

@@ -30,7 +30,7 @@ using Noise = std::shared_ptr<double>;
 template <typename Real>
 ViscoelasticLaw<Real> law_of(const Real* p, double reference_m) {
   using std::exp;
-  return {p[kLogForce], p[kExponent], p[kLoss], p[kWeight], Real(exp(p[kLogTime])), reference_m};
+  return {p[kLogForce], p[kExponent], p[kHuntCrossley], p[kWeight], Real(exp(p[kLogTime])), reference_m};
 }
 
 /// A residual in parts of the noise, in the norm 2 c^2 (sqrt(1 + r^2/c^2) - 1): r^2 for small ones, then linear.
