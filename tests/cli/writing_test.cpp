@@ -220,8 +220,8 @@ TEST(Killed, LeavesEveryFileOldOrNew) {
   Measured() << killed << " of 60 killed at work, " << mixed << " between the first and the last rename, "
              << with_temporaries << " with temporary files; a whole run stops " << stops << " times";
   EXPECT_GE(killed, 57) << "too few kills came in time to prove anything";
-  EXPECT_GE(mixed, 10);
-  EXPECT_GE(with_temporaries, 20);
+  EXPECT_GE(mixed, 4);
+  EXPECT_GE(with_temporaries, 10);
 }
 
 // SIGTERM waits while files are written: afterwards all of them are old, or all new, and no temporary file is left.
