@@ -41,7 +41,8 @@ function(_contactspline_find_framework)
   if(NOT TARGET contactspline_describe_lv2)
     add_executable(contactspline_describe_lv2 "${ContactSpline_PLUGIN_DIR}/describe_lv2.cpp")
     target_compile_features(contactspline_describe_lv2 PRIVATE cxx_std_20)
-    target_include_directories(contactspline_describe_lv2 PRIVATE $<$<BOOL:${WIN32}>:${ContactSpline_PLUGIN_DIR}/windows>)
+    target_include_directories(contactspline_describe_lv2 PRIVATE
+      $<$<BOOL:${WIN32}>:${ContactSpline_PLUGIN_DIR}/windows>)
     target_link_libraries(contactspline_describe_lv2 PRIVATE ${CMAKE_DL_LIBS})
   endif()
 endfunction()
@@ -254,7 +255,8 @@ function(_contactspline_plugin_format format)
       COMMAND contactspline_describe_lv2 ${arg_TARGET} ${suffix_of_lv2} > describe.log
       COMMAND ${CMAKE_COMMAND} -E rm describe.log
       COMMAND sed -zi -E -e "s/\\r//g; s/ ,\\n *<http:..kxstudio[^>]*>//; s/ *mod:(brand|label) [^\\n]*\\n//g"
-              -e "s/(requiredFeature) opts:options ,\\n */\\1 /; s/(optionalFeature) /\\1 opts:options, /" ${arg_TARGET}.ttl presets.ttl manifest.ttl
+              -e "s/(requiredFeature) opts:options ,\\n */\\1 /; s/(optionalFeature) /\\1 opts:options, /"
+              ${arg_TARGET}.ttl presets.ttl manifest.ttl
       WORKING_DIRECTORY "${folder}"
       COMMENT "Describing ${arg_TARGET}.lv2"
       VERBATIM)

@@ -1,6 +1,6 @@
-# Toolchain for Windows on 64-bit x86, by Debian's mingw-w64: CMAKE_TOOLCHAIN_FILE of the preset `windows`. Everything is
-# linked statically: what is built needs no library but those of Windows. Wine runs what the build has made, which writes
-# the descriptions of LV2 plug-ins.
+# Toolchain for Windows on 64-bit x86, by Debian's mingw-w64: CMAKE_TOOLCHAIN_FILE of the preset `windows`. Everything
+# is linked statically: what is built needs no library but those of Windows. Wine runs what the build has made, which
+# writes the descriptions of LV2 plug-ins.
 set(CMAKE_SYSTEM_NAME Windows)
 set(CMAKE_SYSTEM_PROCESSOR x86_64)
 set(CMAKE_CXX_COMPILER x86_64-w64-mingw32-g++-posix)  # the variant with std::thread
