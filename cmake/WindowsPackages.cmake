@@ -9,6 +9,7 @@ function(_contactspline_package_of_headers target header)
   if(TARGET ${target})
     return()
   endif()
+  unset(folder)  # of the caller
   find_path(folder ${header} PATHS /usr/include PATH_SUFFIXES eigen3 NO_DEFAULT_PATH NO_CMAKE_FIND_ROOT_PATH NO_CACHE)
   if(NOT folder)
     message(FATAL_ERROR "${header} is not installed: scripts/install-packages windows")

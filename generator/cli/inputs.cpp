@@ -176,7 +176,8 @@ Source file_source(const std::string& file, double max_frequency_hz) {
 // What may stand in place of something that is no score.
 std::string score_for(const std::string& argument, Shipped kind) {
   if (kind != Shipped::kInstruments) return "a score";
-  return fmt::format("a score with \"instrument\": \"{0}\", or a MIDI file with --instrument {0}", shown(argument));
+  return fmt::format("a score with \"instrument\": \"{0}\", or, if it has keys, a MIDI file with --instrument {0}",
+                     shown(argument));
 }
 
 // The text of a file, which may not be of another kind. `kinds`: what a message says is allowed.

@@ -4,9 +4,9 @@
 #include <sys/stat.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cerrno>
 #include <cstdlib>
+#include <mutex>
 #include <random>
 
 #include "generator/cli/system.hpp"
@@ -21,11 +21,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::atomic<int> waiting = 0;
+std::recursive_mutex ending;
 
-// On a thread of the system; after it Windows ends the program.
+// On a thread of the system; after it Windows ends the program. What would begin now waits for that.
 BOOL WINAPI wait_to_end(DWORD) {
-  while (waiting > 0) Sleep(1);
+  ending.lock();  // for ever
   return FALSE;
 }
 
@@ -57,11 +57,11 @@ bool is_terminal(std::FILE* stream) {
 struct EndWaits::Before {};
 
 EndWaits::EndWaits() {
-  ++waiting;
+  ending.lock();
 }
 
 EndWaits::~EndWaits() {
-  --waiting;
+  ending.unlock();
 }
 
 int create_temporary(const fs::path& target, fs::path& name) {

@@ -7,7 +7,7 @@ namespace contactspline {
 
 std::string draw(const std::string& /*script*/, const std::string& /*title*/, FigureKind /*kind*/,
                  FigureFormat /*format*/) {
-  throw BadInput("figure: this program does not draw on Windows; leave the figure out");
+  throw BadInput("figure: this program does not draw on Windows; allowed: no --figure, or --no-figure");
 }
 
 bool has_gnuplot() {

@@ -183,9 +183,11 @@ Score parse_midi_on_instrument(std::string_view bytes, std::string_view file, st
                                const InstrumentModel& model) {
   if (model.keys.ranges.empty())
     throw BadInput(fmt::format(
-        "--instrument: {} has no keys; allowed: an instrument file with keys, such as \"keys\": [ {{ \"key\": 60, "
-        "\"event\": \"{}\" }} ], or a model of your own (.so)",
-        model.name, model.events.empty() ? "strike_hammer" : model.events.front().name));
+        "--instrument: {} has no keys; allowed: an instrument file with keys{}, or a model of your own (.so)",
+        model.name,
+        model.events.empty() ? ""
+                             : fmt::format(", such as \"keys\": [ {{ \"key\": 60, \"event\": \"{}\" }} ]",
+                                           model.events.front().name)));
   constexpr int kDrums[] = {10};
   const bool is_drum = channels.empty() && model.module == nullptr && !model.keys.tune();
   const MidiSong song = parse_midi(bytes, file, is_drum ? std::span<const int>(kDrums) : channels);

@@ -30,7 +30,8 @@ namespace contactspline {
 /// The names with the one first that differs least from `wrong`, if by no more than half of its characters; the
 /// others keep their order.
 [[nodiscard]] inline std::vector<std::string> nearest_first(std::vector<std::string> names, std::string_view wrong) {
-  const auto distance = [&](std::string_view name) { return edit_distance(name, wrong.substr(0, 64)); };
+  if (wrong.size() > 64) return names;  // no name is as long
+  const auto distance = [&](std::string_view name) { return edit_distance(name, wrong); };
   const auto nearest = std::ranges::min_element(names, {}, distance);
   if (nearest != names.end() && 2 * distance(*nearest) <= wrong.size())
     std::rotate(names.begin(), nearest, nearest + 1);

@@ -537,6 +537,9 @@ TEST(GoodInstrumentScore, IsPlayedFromAnyFolderWithEachOutput) {
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     EXPECT_NE(outcome.out.find(unit), std::string::npos) << outcome.out;
   }
+  write_file(box / "music/probe.json", changed(kGood, R"("name": "string", "end)", R"("name": "force_at", "end)"));
+  EXPECT_NE(render({"--signal", "force"}).out.find("N (felt force)"), std::string::npos);
+  write_file(box / "music/probe.json", kGood);
   expect_refused(render({"--signal", "velocity"}), "--signal: 'velocity' is no output",
                  "allowed: string_end_force_n, spot_displacement_m, foot_velocity_m_per_s, felt_force_n, "
                  "corner_velocity_m_per_s");

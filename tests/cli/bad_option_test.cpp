@@ -122,7 +122,7 @@ std::vector<BadLine> command_cases() {
       {"render_instrument_as_score",
        {"render", "tanpura", "-o", "a.wav"},
        "tanpura: SCORE: is an instrument",
-       R"(allowed: a score with "instrument": "tanpura", or a MIDI file with --instrument tanpura)"},
+       R"(allowed: a score with "instrument": "tanpura", or, if it has keys, a MIDI file with --instrument tanpura)"},
       {"render_material_file_as_score",
        {"render", "hammer-string", "--score", "probe.json", "-o", "a.wav"},
        "probe.json: file: is a material",

@@ -169,8 +169,9 @@ TEST_F(KeysOnTheCommandLine, AreRefusedWhereTheyCannotPlay) {
                  "allowed: no --instrument, a .mid file, or an instrument that is a model of your own (.so)");
   expect_refused(render("song.mid", "snare"), "--instrument: snare has no keys",
                  R"(allowed: an instrument file with keys, such as "keys": [ { "key": 60, "event": "strike_)");
-  expect_refused(run_here({"render", "probe.json", "-o", "a.wav"}), "probe.json: file: is an instrument",
-                 R"(allowed: a score with "instrument": "probe.json", or a MIDI file with --instrument probe.json)");
+  expect_refused(
+      run_here({"render", "probe.json", "-o", "a.wav"}), "probe.json: file: is an instrument",
+      R"(allowed: a score with "instrument": "probe.json", or, if it has keys, a MIDI file with --instrument probe.json)");
   expect_refused(render("song.mid", "felt_c4"), "--instrument: felt_c4: is no instrument",
                  "allowed: a .json file, a model of your own (.so), classical_guitar, ");
 

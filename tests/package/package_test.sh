@@ -752,7 +752,7 @@ not_run='
 ^cmake (-S examples|--install build )           in case_examples_plugins
 ^cmake --install build/hosts                     in case_hosts
 ^contactspline render bell_score.json --instrument build/bell.so     in case_own_plugin
-cmake --install build/c |^cc -std=c99|^  -Wl,-rpath|^./first     in case_c
+^cmake --install build/c |^cc -std=c99|^  -Wl,-rpath|^./first     in case_c
 ^contactspline plugin tom                      half a minute, as the tutorial takes for its instrument
 arm-none-eabi|^for program|^  (read|echo|faust)|^ +(process|main\.c|-idirafter|-fno)|^done$   in case_microcontroller
 '

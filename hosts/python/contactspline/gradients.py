@@ -61,17 +61,19 @@ class StruckString:
     def plot_motion(self, seconds: float = 0.005, *, places: int = 80, axes: Any = None, **values: float) -> Any:
         """Draws the displacement of the whole string over place and time: the pickup at so many places. Returns the axes
         of matplotlib."""
-        if "pickup_m" in values or not 2 <= places <= 10000:
-            raise ValueError(f"plot_motion: places: {places} or pickup_m is refused; allowed: 2 to 10000 places")
+        if not 2 <= places <= 10000:
+            raise ValueError(f"plot_motion: places: {places} is refused; allowed: 2 to 10000 places")
+        if "pickup_m" in values:
+            raise ValueError("plot_motion: pickup_m: is refused, the picture has all places; allowed: places=80")
         length = values.get("string_length_m", self.parameters["string_length_m"]["initial"])
         at = np.linspace(0, length, places)
         motion = np.array([self.play(seconds, **values, pickup_m=place)[0] for place in at])
         axes = axes_or_new(axes)
-        end = np.max(np.abs(motion)) * 1000
-        image = axes.imshow(1000 * motion, origin="lower", aspect="auto", extent=(0, 1000 * seconds, 0, length), cmap="RdBu",
-                            vmin=-end, vmax=end)
+        end, half = np.max(np.abs(motion)) * 1000, length / (places - 1) / 2  # a row is drawn around its place
+        image = axes.imshow(1000 * motion, origin="lower", aspect="auto", cmap="RdBu", vmin=-end, vmax=end,
+                            extent=(0, 1000 * seconds, -half, length + half))
         axes.figure.colorbar(image, ax=axes, label="displacement [mm]")
-        axes.set(xlabel="time [ms]", ylabel="place [m]", title="motion of the string")
+        axes.set(xlabel="time [ms]", ylabel="place [m]", title="motion of the string", ylim=(0, length))
         return axes
 
     def _number(self, name: str) -> int:

@@ -42,9 +42,10 @@ class Resonator:
         return f"<Resonator {self.name}: {len(self.frequencies_hz)} modes>"
 
     def _repr_html_(self) -> str:
-        return table_html(self.description or self.name, [
-            ("modes", len(self.frequencies_hz)), ("lowest", f"{self.frequencies_hz[0]:.6g} Hz"),
-            ("highest", f"{self.frequencies_hz[-1]:.6g} Hz")]) + figure_html(self.plot)
+        rows: list[tuple[str, object]] = [("modes", len(self.frequencies_hz))]
+        if len(self.frequencies_hz):
+            rows += [("lowest", f"{self.frequencies_hz[0]:.6g} Hz"), ("highest", f"{self.frequencies_hz[-1]:.6g} Hz")]
+        return table_html(self.description or self.name, rows) + figure_html(self.plot)
 
 
 class Keyboard:

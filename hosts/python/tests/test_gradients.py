@@ -132,6 +132,8 @@ def test_motion_is_the_displacement_at_each_place():
     assert motion.shape == (5, 88) and np.abs(motion).max() > 0.1  # mm
     for row, place in zip(motion, np.linspace(0, 0.62, 5)):
         assert np.array_equal(row, 1000 * string.play(0.002, speed_m_per_s=3, pickup_m=place)[0])
-    for wrong in ({"places": 1}, {"pickup_m": 0.1}):
-        with pytest.raises(ValueError, match="allowed: 2 to 10000 places"):
+    *_, low, high = axes.get_images()[0].get_extent()
+    assert np.allclose([low, high], [-0.0775, 0.6975]) and np.allclose(axes.get_ylim(), [0, 0.62])
+    for wrong, line in (({"places": 1}, "places: 1 is refused"), ({"pickup_m": 0.1}, "pickup_m: is refused")):
+        with pytest.raises(ValueError, match=line):
             string.plot_motion(**wrong)
