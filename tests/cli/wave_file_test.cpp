@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// wave_file.cpp, which the program for Windows has in place of libsndfile, writes the same bytes. It is compiled here with
-// other names for its functions.
+// wave_file.cpp, which the program for Windows has in place of libsndfile, writes the same bytes. It is compiled here
+// with other names for its functions.
 #include <gtest/gtest.h>
 
 #include <random>

@@ -150,6 +150,11 @@ constexpr auto max_element(Range&& range, Less less = {}, Projection projection 
   return std::max_element(std::begin(range), std::end(range), by_projection(less, projection));
 }
 
+template <typename Range, typename Less = std::less<>, typename Projection = identity>
+constexpr auto min_element(Range&& range, Less less = {}, Projection projection = {}) {
+  return std::min_element(std::begin(range), std::end(range), by_projection(less, projection));
+}
+
 template <typename Range, typename Among>
 constexpr auto find_first_of(Range&& range, Among&& among) {
   return std::find_first_of(std::begin(range), std::end(range), std::begin(among), std::end(among));
