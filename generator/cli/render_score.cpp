@@ -43,9 +43,13 @@ const ModelModule* module_of(const Score& score) {
   return score.model == Model::kFile ? score.voices.front().model->module : nullptr;
 }
 
-// Is an output of an instrument file the force of contacts alone?
-bool is_contact_force(const InstrumentModel& model, std::size_t output) {
-  const ModelOutput& sum = model.outputs[output];
+// Is an output the force of contacts alone? A file says so by what the output is the sum of, other models by its
+// name.
+bool is_contact_force(const Score& score, const Output& output, std::size_t number) {
+  if (score.model != Model::kFile || module_of(score) != nullptr)
+    return stem_of(output) == "contact_force" || stem_of(output) == "force";
+  const InstrumentModel& model = *score.voices.front().model;
+  const ModelOutput& sum = model.outputs[number];
   return sum.quantity == OutputQuantity::kForce && std::ranges::all_of(sum.targets, [&](std::size_t target) {
            return model.connections[target].each.kind == ConnectionKind::kContact;
          });
@@ -59,11 +63,11 @@ void choose_output(const ScoreOptions& options, const Score& score, PlayOptions&
     how.is_on_body = true;
     return;
   }
-  const bool is_of_file = score.model == Model::kFile && module_of(score) == nullptr;
-  for (how.output = 0; how.output < outputs.size(); ++how.output)
-    if (is_of_file && options.signal == "force" ? is_contact_force(*score.voices.front().model, how.output)
-                                                : is_called(outputs[how.output], options.signal))
+  for (how.output = 0; how.output < outputs.size(); ++how.output) {
+    const Output& output = outputs[how.output];
+    if (options.signal == "force" ? is_contact_force(score, output, how.output) : is_called(output, options.signal))
       return;
+  }
   std::vector<std::string_view> names;
   for (const Output& output : outputs)
     names.emplace_back(score.model == Model::kFile ? output.name : stem_of(output));
