@@ -23,6 +23,7 @@ namespace contactspline::testing {
 template <typename T>
 using ModelsByHand = ::testing::Types<
     MassBarrierOf<materials::felt_c4, T>, HammerStringOf<materials::felt_c4, resonators::string_c4, T>,
+    EnsembleOf<materials::felt_c4, resonators::string_c4, T>,
     SlideStringOf<materials::steel_on_steel, resonators::guitar_g3, T>,
     FretStringOf<materials::steel_on_steel, resonators::guitar_d3, T>, KeyboardInstrument<keyboards::piano, T>>;
 

@@ -7,6 +7,7 @@
 #include "contactspline/host/faust_dsp.hpp"
 #include "contactspline/host/hosted.hpp"
 #include "contactspline/host/model_module.hpp"
+#include "contactspline/instrument/ensemble_instrument.hpp"
 #include "contactspline/instrument/fret_string_instrument.hpp"
 #include "contactspline/instrument/hammer_string_instrument.hpp"
 #include "contactspline/instrument/instrument_data.hpp"
@@ -106,6 +107,8 @@ using Felt = materials::felt_c4;
   template class CoupledContacts<T>;                                                                            \
   template class NetworkPlan<T>;                                                                                \
   template class Ensemble<T>;                                                                                   \
+  template class EnsembleInstrument<T>;                                                                         \
+  template class EnsembleOf<Felt, String, T>;                                                                   \
   template class FretString<T>;                                                                                 \
   template class HammerString<T>;                                                                               \
   template class InstrumentDsp<HammerStringOf<Felt, String, T>>;                                                \

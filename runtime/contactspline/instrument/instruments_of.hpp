@@ -6,8 +6,10 @@
 
 #include <concepts>
 #include <span>
+#include <utility>
 #include <vector>
 
+#include "contactspline/instrument/ensemble_instrument.hpp"
 #include "contactspline/instrument/fret_string_instrument.hpp"
 #include "contactspline/instrument/hammer_string_instrument.hpp"
 #include "contactspline/instrument/mass_barrier_instrument.hpp"
@@ -25,11 +27,6 @@ template <typename Material>
 template <typename Material>
 [[nodiscard]] std::vector<Memory> memories_in() {
   return {memories_of<Material>.begin(), memories_of<Material>.end()};
-}
-
-/// The outputs that hosts have of a string.
-[[nodiscard]] constexpr std::span<const Output> outputs_for_hosts() {
-  return std::span(StringOutputs<double>::kList).first(StringOutputs<double>::kOfHosts);
 }
 
 }  // namespace detail
@@ -55,6 +52,33 @@ class HammerStringOf : public HammerStringInstrument<T> {
                                    {},
                                    detail::memories_in<Felt>()}) {}
   static std::span<const Output> outputs() { return detail::outputs_for_hosts(); }
+};
+
+/// Hammers of an emitted felt on strings at the keys 48 to 72. The emitted one is that of key 60; the others have its
+/// length and another tension.
+template <typename Felt, typename String, std::floating_point T>
+class EnsembleOf : public EnsembleInstrument<T> {
+ public:
+  explicit EnsembleOf(double hammer_mass_kg = 0.00297) : EnsembleInstrument<T>(parts(hammer_mass_kg)) {}
+
+ private:
+  static EnsembleParts parts(double hammer_mass_kg) {
+    static_assert(String::strings == 1, "strings of one note that beat have no tension of their own");
+    EnsembleParts parts{.strings = {}, .first_key = 48};
+    for (int key = parts.first_key; key <= 72; ++key) {
+      ResonatorParts string = string_parts<String>();
+      for (std::size_t i = 0; i < string.modes.size(); ++i) {
+        const StringMode row{string.modes[i], string.wavenumbers_per_m[i]};
+        string.modes[i] = retuned(*string.string, row, 100 * (key - 60));
+      }
+      parts.strings.push_back({.resonator = std::move(string),
+                               .felt = detail::table_of<Felt>(),
+                               .hammer_mass_kg = hammer_mass_kg,
+                               .loss_s_per_m = Felt::loss_s_per_m,
+                               .memories = detail::memories_in<Felt>()});
+    }
+    return parts;
+  }
 };
 
 /// A slide of an emitted material on an emitted string.

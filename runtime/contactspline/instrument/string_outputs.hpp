@@ -63,6 +63,11 @@ class StringOutputs {
   ModeShapes<T> pickup_, bridge_;
 };
 
+/// The outputs that hosts have of a string.
+[[nodiscard]] constexpr std::span<const Output> outputs_for_hosts() {
+  return std::span(StringOutputs<double>::kList).first(StringOutputs<double>::kOfHosts);
+}
+
 /// Length of a block: that of the first array that is not empty.
 template <std::floating_point T>
 [[nodiscard]] std::size_t block_length(Outputs<T> outputs, std::span<const T> force) {

@@ -5,6 +5,7 @@
 #include "contactspline/step/cpp20.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <concepts>
 #include <cstddef>
@@ -98,18 +99,21 @@ class Ensemble {
 
   /// Advances out.size() samples and writes the sum of all voices: gain times displacement at the pickup, as
   /// ModalBank::sound_pickup gives it. run: OneThread or Threads, computes the groups. No allocation, no lock (see
-  /// Threads for its own), bounded time. Takes less than 64 KB of stack on each thread.
+  /// Threads for its own), bounded time. Takes less than 96 KB of stack on each thread.
   template <Runner Run = OneThread>
   void process(std::span<T> out, Run&& run = {}) {
     process(out, std::span<T>(), run);
   }
 
-  /// The same in stereo. left and right must have the same size.
+  /// The same in stereo. left and right must have the same size. Unless it is empty, `forces` has that size, too, and
+  /// receives the sum of the contact forces [N].
   template <Runner Run = OneThread>
-  void process(std::span<T> left, std::span<T> right, Run&& run = {}) {
+  void process(std::span<T> left, std::span<T> right, Run&& run = {}, std::span<T> forces = {}) {
     for (std::size_t done = 0; done < left.size(); done += kBlock) {
-      const std::size_t samples = std::min(kBlock, left.size() - done);
-      process_block(left.subspan(done, samples), right.empty() ? right : right.subspan(done, samples), run);
+      const auto part = [&](std::span<T> sum) {
+        return sum.empty() ? sum : sum.subspan(done, std::min(kBlock, left.size() - done));
+      };
+      process_block({part(left), part(right), part(forces)}, run);
     }
   }
 
@@ -125,36 +129,44 @@ class Ensemble {
     std::size_t until_check = 0;  // samples
     bool is_awake = false;
   };
+  // Left, right and forces, of which all but the first may be empty.
+  using Sums = std::array<std::span<T>, 3>;
   struct alignas(64) Bus {
-    T left[kBlock], right[kBlock];
+    T sums[3][kBlock];
   };
 
   template <typename Run>
-  void process_block(std::span<T> left, std::span<T> right, Run&& run) {
+  void process_block(const Sums& sums, Run&& run) {
     const std::size_t groups = (awake_.size() + kGroup - 1) / kGroup;
-    run(groups, [&](std::size_t group) { process_group(group, left.size(), !right.empty()); });
+    run(groups, [&](std::size_t group) {
+      Sums of_group;
+      for (std::size_t i = 0; i < sums.size(); ++i)
+        of_group[i] = std::span(buses_[group].sums[i]).first(sums[i].size());
+      process_group(group, of_group);
+    });
     const FlushDenormals flushed;
-    std::ranges::fill(left, T(0));
-    std::ranges::fill(right, T(0));
-    for (std::size_t group = 0; group < groups; ++group) {
-      add(T(1), buses_[group].left, left);
-      add(T(1), buses_[group].right, right);
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+      std::ranges::fill(sums[i], T(0));
+      for (std::size_t group = 0; group < groups; ++group) add(T(1), buses_[group].sums[i], sums[i]);
     }
     std::erase_if(awake_, [&](std::size_t voice) { return !voices_[voice].is_awake; });
   }
 
-  void process_group(std::size_t group, std::size_t samples, bool is_stereo) {
+  void process_group(std::size_t group, const Sums& sums) {
     const FlushDenormals flushed;
-    Bus& bus = buses_[group];
-    const std::span<T> left(bus.left, samples), right(bus.right, is_stereo ? samples : 0);
-    std::ranges::fill(left, T(0));
-    std::ranges::fill(right, T(0));
-    alignas(64) T sounds[kGroup][kBlock];
+    const auto& [left, right, forces] = sums;
+    const std::size_t samples = left.size();
+    for (const std::span<T> sum : sums) std::ranges::fill(sum, T(0));
+    alignas(64) T sounds[kGroup][kBlock], contact_forces[kGroup][kBlock];
     typename HammerString<T>::Part parts[kGroup];
     const std::size_t first = group * kGroup, size = std::min(kGroup, awake_.size() - first);
     for (std::size_t i = 0; i < size; ++i) {
       Voice& voice = voices_[awake_[first + i]];
-      parts[i] = {&voice.model, &voice.controls, &voice.pickup, {sounds[i], samples}};
+      parts[i] = {&voice.model,
+                  &voice.controls,
+                  &voice.pickup,
+                  {sounds[i], samples},
+                  forces.empty() ? nullptr : contact_forces[i]};
     }
     HammerString<T>::process_together({parts, size});
     for (std::size_t i = 0; i < size; ++i) {
@@ -166,8 +178,9 @@ class Ensemble {
       }
       const auto [gain, pan] = voice.held_mix = {held(voice.held_mix.gain, voice.mix.gain, ControlRanges<T>::gain),
                                                  held(voice.held_mix.pan, voice.mix.pan, ControlRanges<T>::pan)};
-      add(is_stereo ? gain * std::sqrt(1 - pan) : gain, sound, left);
+      add(right.empty() ? gain : gain * std::sqrt(1 - pan), sound, left);
       add(gain * std::sqrt(pan), sound, right);
+      add(T(1), contact_forces[i], forces);
       check_energy(voice, samples);
     }
   }
