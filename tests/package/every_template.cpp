@@ -35,6 +35,7 @@
 #include "contactspline/modal/stiff_string.hpp"
 #include "contactspline/modal/string_place.hpp"
 #include "contactspline/models/body.hpp"
+#include "contactspline/models/contact_on_string.hpp"
 #include "contactspline/models/ensemble.hpp"
 #include "contactspline/models/fret_string.hpp"
 #include "contactspline/models/hammer_string.hpp"

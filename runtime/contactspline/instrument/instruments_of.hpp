@@ -81,24 +81,24 @@ class EnsembleOf : public EnsembleInstrument<T> {
   }
 };
 
+namespace detail {
+
+template <template <typename> typename Model, typename Contact, typename String, std::floating_point T>
+class PluckedStringOf : public Model<T> {
+ public:
+  PluckedStringOf()
+      : Model<T>({string_parts<String>(), table_of<Contact>(), Contact::loss_s_per_m, 0, memories_in<Contact>()}) {}
+  static std::span<const Output> outputs() { return outputs_for_hosts(); }
+};
+
+}  // namespace detail
+
 /// A slide of an emitted material on an emitted string.
 template <typename Slide, typename String, std::floating_point T>
-class SlideStringOf : public SlideStringInstrument<T> {
- public:
-  SlideStringOf()
-      : SlideStringInstrument<T>({string_parts<String>(), detail::table_of<Slide>(), Slide::loss_s_per_m, 0,
-                                  detail::memories_in<Slide>()}) {}
-  static std::span<const Output> outputs() { return detail::outputs_for_hosts(); }
-};
+using SlideStringOf = detail::PluckedStringOf<SlideStringInstrument, Slide, String, T>;
 
 /// An emitted string over a fret of an emitted material.
 template <typename Fret, typename String, std::floating_point T>
-class FretStringOf : public FretStringInstrument<T> {
- public:
-  FretStringOf()
-      : FretStringInstrument<T>(
-            {string_parts<String>(), detail::table_of<Fret>(), Fret::loss_s_per_m, 0, detail::memories_in<Fret>()}) {}
-  static std::span<const Output> outputs() { return detail::outputs_for_hosts(); }
-};
+using FretStringOf = detail::PluckedStringOf<FretStringInstrument, Fret, String, T>;
 
 }  // namespace contactspline

@@ -10,8 +10,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "contactspline/modal/modal.hpp"
-#include "contactspline/modal/string_place.hpp"
+#include "contactspline/models/contact_on_string.hpp"
 #include "contactspline/step/contact.hpp"
 #include "contactspline/step/controls.hpp"
 #include "contactspline/step/memory.hpp"
@@ -35,21 +34,12 @@ struct FretStringControls {
 /// Modes: their number, if it is known at compile time: then the model needs no heap
 /// (docs/how-to/microcontrollers.md).
 template <std::floating_point T, std::size_t Extent = std::dynamic_extent, std::size_t Modes = std::dynamic_extent>
-class FretString {
+class FretString : public detail::ContactOnString<T, Extent, Modes> {
+  using Base = detail::ContactOnString<T, Extent, Modes>;
+
  public:
-  /// pluck_place_m: where the control of the pluck pushes [m], 0 to the length of the string, clamped; 0 if it is not
-  /// a number. memories: of the fret's material, as memories_of tells them.
-  constexpr FretString(SegmentTable<T, Extent> fret, std::type_identity_t<std::span<const Mode, Modes>> modes,
-                       const StringShapes<T, Modes>& shapes, T pluck_place_m, double sample_rate_hz,
-                       std::span<const Memory> memories = {})
-      : fret_(fret),
-        string_(modes, sample_rate_hz),
-        place_(shapes, pluck_place_m, shapes.longest_step(modes, sample_rate_hz)),
-        pluck_(shapes.size()),
-        time_step_(T(1 / sample_rate_hz)),
-        memory_(memories, sample_rate_hz) {
-    pluck_ = place_.after();
-  }
+  using Base::Base;  // FretString(fret, modes, shapes, pluck_place_m, sample_rate_hz, memories)
+  using Base::place;
 
   /// Sets the fret at a place [m] along the string, at a distance [m], -0.1 to 0.1, from the string at rest. Does
   /// nothing if one of them is not a number. The contact forgets what it remembers.
@@ -86,7 +76,7 @@ class FretString {
     const Approach<T> approach{compression_,
                                string_.increment(place_.after()) + string_.displacement(place_.change()) + lift,
                                std::max(admittance, kMinAdmittance)};
-    const auto step = memory_.advance(fret_, contact_, time_step_, approach, segment_index(fret_, compression_));
+    const auto step = memory_.advance(table_, contact_, time_step_, approach, segment_index(table_, compression_));
     force_ = step.force;
     string_.push(place_.mean(), -damping_gain * force_);
     work_of_fret_ = force_ * (string_.middle(place_.change()) + lift);
@@ -94,20 +84,16 @@ class FretString {
     compression_ = step.compression;
   }
 
-  [[nodiscard]] T force() const { return force_; }              ///< contact force over the last sample [N]
-  [[nodiscard]] T compression() const { return compression_; }  ///< of the contact, negative while apart [m]
-  [[nodiscard]] T place() const { return place_.place(); }      ///< of the fret along the string [m]
   /// Work that the moving fret did on the string over the last sample [J].
   [[nodiscard]] T work_of_fret() const { return work_of_fret_; }
-  [[nodiscard]] const ModalBank<T, Modes>& string() const { return string_; }
-  /// What the contact remembers.
-  [[nodiscard]] const ContactMemory<T>& memory() const { return memory_; }
   [[nodiscard]] T gap() const { return gap_; }  ///< at the end of the last sample [m]
   /// That acts: a control that rises under load is ahead of it.
   [[nodiscard]] T stiffness_ratio() const { return contact_.stiffness_ratio; }
 
  private:
   using Ranges = ControlRanges<T>;
+  using Base::compression_, Base::force_, Base::is_placed_, Base::memory_, Base::place_, Base::pluck_, Base::string_,
+      Base::table_, Base::time_step_;
   static constexpr T kGapSpeed_m_per_s = 1;
 
   void follow(const FretStringControls<T>& controls) {
@@ -115,7 +101,7 @@ class FretString {
     damping_per_s_ = held(damping_per_s_, controls.damping_per_s, Ranges::damping_per_s);
     contact_ = std::exchange(is_placed_, false)
                    ? held(contact_, controls.contact)
-                   : followed_contact(memory_, fret_, compression_, contact_, controls.contact, time_step_);
+                   : followed_contact(memory_, table_, compression_, contact_, controls.contact, time_step_);
   }
 
   // Returns by how much the fret rises towards the string [m]. A fret that jumped would do work without bound.
@@ -128,18 +114,9 @@ class FretString {
   // [m/N]. At the very end of the string the admittance is 0; the contact step needs one > 0.
   static constexpr T kMinAdmittance = T(1e-18);
 
-  SegmentTable<T, Extent> fret_;
-  ModalBank<T, Modes> string_;
-  MovingPlace<T, Modes> place_;
-  ModeShapes<T, Modes> pluck_;
-  T time_step_;
   T pluck_force_ = 0, damping_per_s_ = 0;
   ContactControls<T> contact_;
-  ContactMemory<T> memory_;
-  bool is_placed_ = true;  // since the last sample: the next one takes the stiffness as it is
   T gap_ = 0;
-  T compression_ = 0;
-  T force_ = 0;
   T work_of_fret_ = 0;
 };
 

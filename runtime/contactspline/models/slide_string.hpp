@@ -9,8 +9,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "contactspline/modal/modal.hpp"
-#include "contactspline/modal/string_place.hpp"
+#include "contactspline/models/contact_on_string.hpp"
 #include "contactspline/step/contact.hpp"
 #include "contactspline/step/controls.hpp"
 #include "contactspline/step/memory.hpp"
@@ -36,23 +35,15 @@ struct SlideStringControls {
 /// most. Modes: their number, if it is known at compile time: then the model needs no heap
 /// (docs/how-to/microcontrollers.md).
 template <std::floating_point T, std::size_t Extent = std::dynamic_extent, std::size_t Modes = std::dynamic_extent>
-class SlideString {
+class SlideString : public detail::ContactOnString<T, Extent, Modes> {
+  using Base = detail::ContactOnString<T, Extent, Modes>;
+
  public:
-  /// pluck_place_m: where the control of the pluck pushes [m], 0 to the length of the string, clamped; 0 if it is not
-  /// a number. memories: of the slide's material, as memories_of tells them.
-  constexpr SlideString(SegmentTable<T, Extent> table, std::type_identity_t<std::span<const Mode, Modes>> modes,
+  constexpr SlideString(SegmentTable<T, Extent> slide, std::type_identity_t<std::span<const Mode, Modes>> modes,
                         const StringShapes<T, Modes>& shapes, T pluck_place_m, double sample_rate_hz,
                         std::span<const Memory> memories = {})
-      : table_(table),
-        string_(modes, sample_rate_hz),
-        shapes_(shapes),
-        place_(shapes, pluck_place_m, shapes.longest_step(modes, sample_rate_hz)),
-        pluck_(shapes.size()),
-        rest_(shapes.size()),
-        time_step_(T(1 / sample_rate_hz)),
-        memory_(memories, sample_rate_hz) {
-    pluck_ = place_.after();
-  }
+      : Base(slide, modes, shapes, pluck_place_m, sample_rate_hz, memories), shapes_(shapes), rest_(shapes.size()) {}
+  using Base::place;
 
   /// Sets the slide at a place [m] along the string, at a distance [m], -0.1 to 0.1, from the string at rest (0: it
   /// touches). Does nothing if one of them is not a number. The contact forgets what it remembers.
@@ -104,23 +95,19 @@ class SlideString {
     advance_slide(slide);
   }
 
-  [[nodiscard]] T force() const { return force_; }              ///< contact force over the last sample [N]
-  [[nodiscard]] T compression() const { return compression_; }  ///< of the contact, negative while apart [m]
-  [[nodiscard]] T place() const { return place_.place(); }      ///< of the slide along the string [m]
   [[nodiscard]] T slide() const { return slide_; }              ///< height, positive towards the string [m]
   [[nodiscard]] T slide_velocity() const { return velocity_; }  ///< positive towards the string [m/s]
   [[nodiscard]] T rest_force() const { return rest_force_; }    ///< of the resting fingers on the string [N]
   /// Work of the hand that moved the slide along the string in the last sample [J].
   [[nodiscard]] T work_along() const { return -force_ * mean_shape_change_; }
-  /// What the contact remembers.
-  [[nodiscard]] const ContactMemory<T>& memory() const { return memory_; }
-  [[nodiscard]] const ModalBank<T, Modes>& string() const { return string_; }
   /// The controls that act, but for the place: those of the last sample, in their ranges. A stiffness that rises
   /// under load is behind its control.
   [[nodiscard]] const SlideStringControls<T>& controls() const { return controls_; }
 
  private:
   using Ranges = ControlRanges<T>;
+  using Base::compression_, Base::force_, Base::is_placed_, Base::memory_, Base::place_, Base::pluck_, Base::string_,
+      Base::table_, Base::time_step_;
 
   /// The resting fingers over one sample: a viscous resistance R moves by dq under the force -R/dt dq. Solved for dq,
   /// their force is -stiffness (increment + admittance_to_mean f), where f is the contact force.
@@ -182,20 +169,12 @@ class SlideString {
     slide_ += increment;
   }
 
-  SegmentTable<T, Extent> table_;
-  ModalBank<T, Modes> string_;
   StringShapes<T, Modes> shapes_;
-  MovingPlace<T, Modes> place_;
-  ModeShapes<T, Modes> pluck_, rest_;  // shapes at the pluck and at the resting fingers
-  T time_step_;
-  ContactMemory<T> memory_;
+  ModeShapes<T, Modes> rest_;  // at the resting fingers
   SlideStringControls<T> controls_{.place_m = 0, .slide_mass_kg = 1};
-  bool is_placed_ = true;  // since the last sample: the next one takes the stiffnesses as they are
-  T height_ = 0;           // of the last place() [m]
+  T height_ = 0;  // of the last place() [m]
   T slide_ = 0;
   T velocity_ = 0;
-  T compression_ = 0;
-  T force_ = 0;
   T rest_force_ = 0;
   // Change of the string's displacement below the slide that is due to the change of place, at mid-sample [m].
   T mean_shape_change_ = 0;

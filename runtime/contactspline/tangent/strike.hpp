@@ -93,22 +93,27 @@ template <std::floating_point T>
   return sum_of_lanes<T>(sum);
 }
 
-/// What advances the modes, as ModalBank does it with the damper inside. The change of a mode over a sample is c =
-/// increment + push f; q grows by c, and the increment becomes keep c + (c - increment) - pull q.
+/// Constants of the modes, a line each.
 template <std::floating_point T>
-struct StrikeModes {
-  T gain;                         ///< of the damper
+struct StrikeLines {
   ModeLines<T> keep, pull, push;  ///< push: of the force at the strike [m/N]
   ModeLines<T> strike, output;    ///< shapes
   T admittance = 0;               ///< of the string at the strike [m/N]
 
+  StrikeLines() = default;
+  explicit StrikeLines(std::size_t modes) : keep(modes), pull(modes), push(modes), strike(modes), output(modes) {}
+};
+
+/// What advances the modes, as ModalBank does it with the damper inside. The change of a mode over a sample is c =
+/// increment + push f; q grows by c, and the increment becomes keep c + (c - increment) - pull q.
+template <std::floating_point T>
+struct StrikeModes : StrikeLines<T> {
+  using StrikeLines<T>::keep, StrikeLines<T>::pull, StrikeLines<T>::push, StrikeLines<T>::strike,
+      StrikeLines<T>::output, StrikeLines<T>::admittance;
+  T gain;  ///< of the damper
+
   StrikeModes(const HammerStrike<T>& of, double sample_rate_hz)
-      : gain(1 / (1 + of.controls.damping_per_s / static_cast<T>(sample_rate_hz))),
-        keep(of.modes.size()),
-        pull(of.modes.size()),
-        push(of.modes.size()),
-        strike(of.modes.size()),
-        output(of.modes.size()) {
+      : StrikeLines<T>(of.modes.size()), gain(1 / (1 + of.controls.damping_per_s / static_cast<T>(sample_rate_hz))) {
     for (std::size_t i = 0; i < of.modes.size(); ++i) {
       const ModeStep step = step_of(of.modes[i], sample_rate_hz);
       strike[i] = of.strike[i];

@@ -88,21 +88,16 @@ class StrikeTangent {
   static constexpr std::size_t kBlock = 8;  // samples of a free string at once
 
   /// The modes' tangents for one parameter, and how their constants change with it.
-  struct Tangent {
+  struct Tangent : detail::StrikeLines<T> {
+    using Constants = detail::StrikeLines<T>;
+    using Constants::keep, Constants::pull, Constants::push, Constants::strike, Constants::output,
+        Constants::admittance;
     Lines displacement, increment;
-    Lines keep, pull, push, strike, output;
-    T admittance = 0;
 
     Tangent() = default;
     Tangent(const HammerStrike<T>& of, const detail::StrikeModes<T>& modes, double rate,
             const StrikeNumbers<T>& direction)
-        : displacement(of.modes.size()),
-          increment(of.modes.size()),
-          keep(of.modes.size()),
-          pull(of.modes.size()),
-          push(of.modes.size()),
-          strike(of.modes.size()),
-          output(of.modes.size()) {
+        : Constants(of.modes.size()), displacement(of.modes.size()), increment(of.modes.size()) {
       for (std::size_t i = 0; i < of.modes.size(); ++i) {
         if (direction.output.size() > 0) output[i] = direction.output[i];
         if (direction.strike.size() > 0) strike[i] = direction.strike[i];
