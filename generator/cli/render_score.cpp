@@ -147,8 +147,8 @@ std::string write_stems(const std::vector<std::filesystem::path>& files, const S
     fade_end(stem.samples, stem.channels, stem.sample_rate_hz);
     const std::string file = files[voice].string();
     report_clipping(file, stem.samples, scale);
-    write_files(
-        {{OutputFile{file, sound_bytes(file, stem.samples, scale, stem.channels, options.output.sample_rate_hz)}}});
+    write_files({{OutputFile{file, sound_bytes(file, std::span<const float>(stem.samples), scale, stem.channels,
+                                               options.output.sample_rate_hz)}}});
   }
   return fmt::format("stems:  {} in {}\n", files.size(), options.stems);
 }
@@ -190,8 +190,8 @@ void render_score(std::optional<Model> model, const ScoreOptions& options) {
                              force_label(score)};
   const std::string written =
       write_outputs(options.output,
-                    sound_bytes(options.output.sound, performance.samples, scale, performance.channels,
-                                options.output.sample_rate_hz),
+                    sound_bytes(options.output.sound, std::span<const float>(performance.samples), scale,
+                                performance.channels, options.output.sample_rate_hz),
                     [&](FigureFormat format) { return figure_of(performance, text, format); });
   const std::string contacts = summed_contacts(score) == 0
                                    ? ""

@@ -89,22 +89,6 @@ void write_scaled(SndfileHandle& handle, std::span<const T> samples, double scal
   }
 }
 
-template <typename T>
-std::string bytes_of(const std::string& name, std::span<const T> samples, double scale, int channels,
-                     int sample_rate_hz) {
-  SF_VIRTUAL_IO io{length, seek, read, write, tell};
-  MemoryFile file;
-  file.bytes.reserve(3 * samples.size() + 256);
-  {
-    SndfileHandle handle(io, &file, SFM_WRITE, format_of(name), channels, sample_rate_hz);
-    if (handle.error() != 0) throw std::runtime_error(handle.strError());
-    handle.command(SFC_SET_CLIPPING, nullptr, SF_TRUE);
-    handle.setString(SF_STR_COMMENT, std::string(mark()).c_str());
-    write_scaled(handle, samples, scale, channels);
-  }
-  return file.bytes;
-}
-
 }  // namespace
 
 void require_sound_format(const std::string& file, int channels, int sample_rate_hz) {
@@ -118,14 +102,23 @@ void require_sound_format(const std::string& file, int channels, int sample_rate
   }
 }
 
-std::string sound_bytes(const std::string& file, std::span<const double> samples, double scale, int channels,
+template <typename T>
+std::string sound_bytes(const std::string& name, std::span<const T> samples, double scale, int channels,
                         int sample_rate_hz) {
-  return bytes_of(file, samples, scale, channels, sample_rate_hz);
+  SF_VIRTUAL_IO io{length, seek, read, write, tell};
+  MemoryFile file;
+  file.bytes.reserve(3 * samples.size() + 256);
+  {
+    SndfileHandle handle(io, &file, SFM_WRITE, format_of(name), channels, sample_rate_hz);
+    if (handle.error() != 0) throw std::runtime_error(handle.strError());
+    handle.command(SFC_SET_CLIPPING, nullptr, SF_TRUE);
+    handle.setString(SF_STR_COMMENT, std::string(mark()).c_str());
+    write_scaled(handle, samples, scale, channels);
+  }
+  return file.bytes;
 }
 
-std::string sound_bytes(const std::string& file, std::span<const float> samples, double scale, int channels,
-                        int sample_rate_hz) {
-  return bytes_of(file, samples, scale, channels, sample_rate_hz);
-}
+template std::string sound_bytes(const std::string&, std::span<const double>, double, int, int);
+template std::string sound_bytes(const std::string&, std::span<const float>, double, int, int);
 
 }  // namespace contactspline

@@ -44,9 +44,16 @@ std::string format_of(int channels, int sample_rate_hz) {
   return bytes;
 }
 
+}  // namespace
+
+void require_sound_format(const std::string& file, int /*channels*/, int /*sample_rate_hz*/) {
+  if (file_ending(file) != ".wav")
+    refuse(file, "sound", "this program was built without libsndfile and writes no such format", ".wav");
+}
+
 template <typename T>
-std::string bytes_of(const std::string& file, std::span<const T> samples, double scale, int channels,
-                     int sample_rate_hz) {
+std::string sound_bytes(const std::string& file, std::span<const T> samples, double scale, int channels,
+                        int sample_rate_hz) {
   require_sound_format(file, channels, sample_rate_hz);
   std::string data;
   data.reserve(3 * samples.size());
@@ -60,21 +67,7 @@ std::string bytes_of(const std::string& file, std::span<const T> samples, double
                            chunk("LIST", "INFO" + chunk("ICMT", even_text(mark()))) + chunk("data", data) + padding);
 }
 
-}  // namespace
-
-void require_sound_format(const std::string& file, int /*channels*/, int /*sample_rate_hz*/) {
-  if (file_ending(file) != ".wav")
-    refuse(file, "sound", "this program was built without libsndfile and writes no such format", ".wav");
-}
-
-std::string sound_bytes(const std::string& file, std::span<const double> samples, double scale, int channels,
-                        int sample_rate_hz) {
-  return bytes_of(file, samples, scale, channels, sample_rate_hz);
-}
-
-std::string sound_bytes(const std::string& file, std::span<const float> samples, double scale, int channels,
-                        int sample_rate_hz) {
-  return bytes_of(file, samples, scale, channels, sample_rate_hz);
-}
+template std::string sound_bytes(const std::string&, std::span<const double>, double, int, int);
+template std::string sound_bytes(const std::string&, std::span<const float>, double, int, int);
 
 }  // namespace contactspline

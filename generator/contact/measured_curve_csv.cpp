@@ -13,6 +13,7 @@
 #include "generator/contact/measured_curve.hpp"
 #include "generator/support/error.hpp"
 #include "generator/support/json_reader.hpp"
+#include "generator/support/text_lines.hpp"
 
 namespace contactspline {
 namespace {
@@ -30,40 +31,20 @@ constexpr auto kHeaders =
 // Where the speed of both branches stands.
 constexpr auto kImpactSpeed = "the key impact_speed_m_per_s (contact.curve.impact_speed_m_per_s of a material)";
 
-/// The file name and the number of the current line, for messages.
-struct Position {
-  std::string_view file;
-  std::size_t line = 0;
-
-  [[noreturn]] void fail(std::string_view wrong, std::string_view allowed) const {
-    refuse(file, fmt::format("line {}", line), wrong, allowed);
-  }
-};
-
-std::string_view trimmed(std::string_view text) {
-  const auto begin = text.find_first_not_of(" \t\r");
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(" \t\r") - begin + 1);
-}
+constexpr std::string_view kBlanks = " \t\r";
 
 /// The next line that is neither blank nor a comment, without blanks around it; nothing at the end of the file.
-std::optional<std::string_view> next_line(std::string_view& rest, Position& position) {
-  while (!rest.empty()) {
-    const auto end = std::min(rest.find('\n'), rest.size());
-    const std::string_view line = trimmed(rest.substr(0, end));
-    rest.remove_prefix(std::min(end + 1, rest.size()));
-    ++position.line;
-    if (!line.empty() && line.front() != '#') return line;
-  }
-  return std::nullopt;
+std::optional<std::string_view> next_line(std::string_view& rest, LineOfFile& position) {
+  const auto line = contactspline::next_line(rest, position, kBlanks, "#");
+  return line ? std::optional(trimmed(*line, kBlanks)) : std::nullopt;
 }
 
 /// The two columns of a line; `what` is wrong if it has another number of them.
-std::array<std::string_view, 2> columns(std::string_view line, const Position& position, std::string_view what) {
+std::array<std::string_view, 2> columns(std::string_view line, const LineOfFile& position, std::string_view what) {
   const auto comma = line.find(',');
   if (comma == std::string_view::npos || line.find(',', comma + 1) != std::string_view::npos)
     position.fail(what, kHeaders);
-  return {trimmed(line.substr(0, comma)), trimmed(line.substr(comma + 1))};
+  return {trimmed(line.substr(0, comma), kBlanks), trimmed(line.substr(comma + 1), kBlanks)};
 }
 
 struct Unit {
@@ -75,13 +56,14 @@ constexpr std::array kLengths = {Unit{"compression_m", 1}, Unit{"compression_mm"
 constexpr std::array kForces = {Unit{"force_n", 1}, Unit{"force_mn", 1e-3}, Unit{"force_kn", 1e3}};
 
 // A header that is not one of a curve is not shown: a material may name a file that is somebody else's.
-Unit unit_of(std::string_view header, std::span<const Unit> units, const Position& position, std::string_view which) {
+Unit unit_of(std::string_view header, std::span<const Unit> units, const LineOfFile& position,
+             std::string_view which) {
   const auto found = std::ranges::find(units, header, &Unit::name);
   if (found == units.end()) position.fail(fmt::format("the {} column of the header is unknown", which), kHeaders);
   return *found;
 }
 
-double number(std::string_view text, const Position& position) {
+double number(std::string_view text, const LineOfFile& position) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
@@ -89,7 +71,7 @@ double number(std::string_view text, const Position& position) {
   return value;
 }
 
-void require_rising(const std::vector<CurveSample>& samples, const CurveSample& next, const Position& position) {
+void require_rising(const std::vector<CurveSample>& samples, const CurveSample& next, const LineOfFile& position) {
   if (next.compression_m < 0)
     position.fail(fmt::format("compression {:.9g} m is negative", next.compression_m),
                   "0 or more, counted from the first contact");
@@ -100,7 +82,7 @@ void require_rising(const std::vector<CurveSample>& samples, const CurveSample& 
 
 // Beyond the turning point, compressions fall. `turned` tells whether it has been passed.
 void require_loop(const std::vector<CurveSample>& samples, const CurveSample& next, bool turned,
-                  const Position& position) {
+                  const LineOfFile& position) {
   if (next.compression_m < 0)
     position.fail(fmt::format("compression {:.9g} m is negative", next.compression_m),
                   "0 or more, counted from the first contact");
@@ -116,7 +98,7 @@ void require_order(const std::vector<CurveSample>& samples, const std::vector<st
   std::vector<CurveSample> before;
   bool turned = false;
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    const Position position{file, lines[i]};
+    const LineOfFile position{file, lines[i]};
     if (is_impact)
       require_loop(before, samples[i], turned, position);
     else
@@ -134,7 +116,7 @@ void require_monotone(const std::vector<CurveSample>& samples, const std::vector
   double max_so_far = 0;
   for (const std::size_t i : branch) {
     const double force = samples[i].force_n;
-    const Position position{file, lines[i]};
+    const LineOfFile position{file, lines[i]};
     max_so_far = std::max(max_so_far, force);
     if (force < -kNoise * largest)
       position.fail(fmt::format("force {:.9g} N is negative", force),
@@ -198,7 +180,7 @@ std::vector<CurveSample> parse_curve(std::string_view text, std::string_view fil
                                      std::optional<double> impact_speed_m_per_s) {
   constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
-  Position position{file};
+  LineOfFile position{file};
   const auto header = next_line(text, position);
   if (!header) refuse(file, "header", "missing", kHeaders);
   const auto [length_name, force_name] = columns(*header, position, "the header does not have two columns");

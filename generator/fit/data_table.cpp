@@ -13,6 +13,7 @@
 
 #include "generator/support/error.hpp"
 #include "generator/support/json_reader.hpp"
+#include "generator/support/text_lines.hpp"
 
 namespace contactspline {
 namespace {
@@ -54,31 +55,14 @@ const Kind& kind_of(Quantity quantity) {
   return *std::ranges::find(kinds(), quantity, &Kind::quantity);
 }
 
-struct Place {
-  std::string_view file;
-  std::size_t line = 0;
-
-  [[noreturn]] void fail(std::string_view wrong, std::string_view allowed) const {
-    refuse(file, fmt::format("line {}", line), wrong, allowed);
-  }
-};
+constexpr std::string_view kBlanks = " \t\r\"";
 
 std::string_view trimmed(std::string_view text) {
-  const auto begin = text.find_first_not_of(" \t\r\"");
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(" \t\r\"") - begin + 1);
+  return contactspline::trimmed(text, kBlanks);
 }
 
-std::optional<std::string_view> next_line(std::string_view& rest, Place& place) {
-  while (!rest.empty()) {
-    const auto end = std::min(rest.find('\n'), rest.size());
-    const std::string_view line = rest.substr(0, end);
-    rest.remove_prefix(std::min(end + 1, rest.size()));
-    ++place.line;
-    const std::string_view words = trimmed(line);
-    if (!words.empty() && words.front() != '#' && words.front() != '%') return line;
-  }
-  return std::nullopt;
+std::optional<std::string_view> next_line(std::string_view& rest, LineOfFile& place) {
+  return contactspline::next_line(rest, place, kBlanks, "#%");
 }
 
 // Blanks separate only where nothing else does: a header may have them in its names.
@@ -151,7 +135,7 @@ const Unit* unit_named(const Kind& kind, std::string_view name) {
 }
 
 // The size of the heading's unit if it names this kind: 0 if it names it without a unit.
-std::optional<double> unit_size(const Heading& heading, const Kind& kind, const Place& place) {
+std::optional<double> unit_size(const Heading& heading, const Kind& kind, const LineOfFile& place) {
   for (const std::string_view name : kind.names) {
     if (heading.name == name) {
       const Unit* unit = unit_named(kind, heading.unit);
@@ -177,7 +161,7 @@ struct Found {
 };
 
 std::size_t column_called(const std::string& name, const std::vector<std::string>& header, std::size_t count,
-                          const Place& place) {
+                          const LineOfFile& place) {
   const auto found = std::ranges::find(header, name);
   if (found != header.end()) return static_cast<std::size_t>(found - header.begin());
   std::size_t number = 0;
@@ -189,7 +173,7 @@ std::size_t column_called(const std::string& name, const std::vector<std::string
 }
 
 std::vector<Found> named_columns(const ColumnNames& names, const std::vector<std::string>& header, std::size_t count,
-                                 std::span<const Quantity> wanted, const Place& place) {
+                                 std::span<const Quantity> wanted, const LineOfFile& place) {
   std::vector<Found> found;
   for (const auto& [key, name] : names)
     for (const Quantity quantity : wanted)
@@ -199,7 +183,7 @@ std::vector<Found> named_columns(const ColumnNames& names, const std::vector<std
 }
 
 void find_in_header(std::vector<Found>& found, const std::vector<std::string>& header,
-                    std::span<const Quantity> wanted, const Place& place) {
+                    std::span<const Quantity> wanted, const LineOfFile& place) {
   const std::vector<Found> named = found;
   for (const Quantity quantity : wanted) {
     if (std::ranges::find(named, quantity, &Found::quantity) != named.end()) continue;
@@ -226,7 +210,7 @@ bool holds_units(const std::vector<std::string>& cells) {
 }
 
 void read_row(DataTable& table, const std::vector<std::string>& cells, const std::vector<Found>& found,
-              std::size_t count, char separator, const Place& place) {
+              std::size_t count, char separator, const LineOfFile& place) {
   if (cells.size() != count)
     place.fail(fmt::format("has {} columns", cells.size()), fmt::format("{} columns, as in the first line", count));
   for (const auto& [quantity, index, size] : found) {
@@ -258,13 +242,13 @@ DataTable read_table(std::string_view text, std::string_view file, std::span<con
                      const ColumnNames& names) {
   constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
-  Place place{file};
+  LineOfFile place{file};
   auto line = next_line(text, place);
   if (!line) refuse(file, "file", "is empty", "a header with quantities and units, then lines of numbers");
   const char separator = separator_of(*line);
   std::vector<std::string> header = cells_of(*line, separator);
   const std::size_t count = header.size();
-  const Place first = place;
+  const LineOfFile first = place;
   if (std::ranges::any_of(header, [&](const auto& cell) { return number_in(cell, separator).has_value(); })) {
     header.clear();  // the first line is one of numbers
   } else {

@@ -14,9 +14,8 @@
 
 namespace contactspline {
 
-std::string wave_bytes(const std::string& file, std::span<const double> samples, double scale, int channels,
-                       int sample_rate_hz);
-std::string wave_bytes(const std::string& file, std::span<const float> samples, double scale, int channels,
+template <typename T>
+std::string wave_bytes(const std::string& file, std::span<const T> samples, double scale, int channels,
                        int sample_rate_hz);
 
 namespace testing {
