@@ -177,9 +177,32 @@ struct Voice : Hammer<T> {
                        kHz};
 };
 
+/// A slide-string or a fret-string. Derived: its controls, and a height beside displacement and force.
+template <typename Derived, typename Model, typename ModelControls, typename T>
+struct ContactAlongString {
+  using Controls = ModelControls;
+  template <typename Change>
+  std::vector<T> play(Change change) {
+    model.place(T(0.3), Derived::kDistance_m);
+    return Barrier<T>::each([&](int n) {
+      Controls controls = Derived::controls();
+      change(n, controls);
+      model.tick(controls);
+      return model.string().displacement(pickup) + model.force() + Derived::height(model);
+    });
+  }
+  void reset() { model.reset(); }
+
+  std::vector<ResonatorMode> modes = some_modes<T>();
+  std::vector<Segment<T>> table = table_in<T>(felt_table(c4(), 16));
+  ModeShapes<T> pickup = shapes<T>(modes, &ResonatorMode::pickup_shape);
+  Model model{table, bare(modes), StringShapes<T>(wavenumbers_of(modes)), T(0.1), kHz};
+};
+
 template <typename T>
-struct Slide {
+struct Slide : ContactAlongString<Slide<T>, SlideString<T>, SlideStringControls<T>, T> {
   using Controls = SlideStringControls<T>;
+  static constexpr T kDistance_m = T(1e-4);
   using Ranges = ControlRanges<T>;
   static std::vector<Control<T, Controls>> list() {
     return {{"place", [](Controls& c) -> T& { return c.place_m; }, {0, T(c4().string.length_m)}},
@@ -204,27 +227,13 @@ struct Slide {
             .pluck_force_n = T(0.1),
             .contact = {1, T(0.1)}};
   }
-  template <typename Change>
-  std::vector<T> play(Change change) {
-    model.place(T(0.3), T(1e-4));
-    return Barrier<T>::each([&](int n) {
-      Controls controls = Slide::controls();
-      change(n, controls);
-      model.tick(controls);
-      return model.string().displacement(pickup) + model.force() + model.slide();
-    });
-  }
-  void reset() { model.reset(); }
-
-  std::vector<ResonatorMode> modes = some_modes<T>();
-  std::vector<Segment<T>> table = table_in<T>(felt_table(c4(), 16));
-  ModeShapes<T> pickup = shapes<T>(modes, &ResonatorMode::pickup_shape);
-  SlideString<T> model{table, bare(modes), StringShapes<T>(wavenumbers_of(modes)), T(0.1), kHz};
+  static T height(const SlideString<T>& model) { return model.slide(); }
 };
 
 template <typename T>
-struct Fret {
+struct Fret : ContactAlongString<Fret<T>, FretString<T>, FretStringControls<T>, T> {
   using Controls = FretStringControls<T>;
+  static constexpr T kDistance_m = T(-1e-4);
   using Ranges = ControlRanges<T>;
   static std::vector<Control<T, Controls>> list() {
     return {{"place", [](Controls& c) -> T& { return c.place_m; }, {0, T(c4().string.length_m)}},
@@ -237,22 +246,7 @@ struct Fret {
   static Controls controls() {
     return {.place_m = T(0.3), .gap_m = T(-1e-4), .pluck_force_n = 1, .damping_per_s = 2, .contact = {1, T(0.1)}};
   }
-  template <typename Change>
-  std::vector<T> play(Change change) {
-    model.place(T(0.3), T(-1e-4));
-    return Barrier<T>::each([&](int n) {
-      Controls controls = Fret::controls();
-      change(n, controls);
-      model.tick(controls);
-      return model.string().displacement(pickup) + model.force();
-    });
-  }
-  void reset() { model.reset(); }
-
-  std::vector<ResonatorMode> modes = some_modes<T>();
-  std::vector<Segment<T>> table = table_in<T>(felt_table(c4(), 16));
-  ModeShapes<T> pickup = shapes<T>(modes, &ResonatorMode::pickup_shape);
-  FretString<T> model{table, bare(modes), StringShapes<T>(wavenumbers_of(modes)), T(0.1), kHz};
+  static T height(const FretString<T>&) { return 0; }
 };
 
 template <typename Model>

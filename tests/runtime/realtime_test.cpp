@@ -159,30 +159,31 @@ Play ensemble() {
   };
 }
 
-template <typename T>
-Play slide_string() {
+/// controls(n): of a sample.
+template <typename T, typename Model, typename Controls>
+Play contact_on_string(Controls controls) {
   struct Parts : StringParts<T> {
-    SlideString<T> model{this->table, bare(this->modes), this->places, T(0.1), kRate};
+    Model model{this->table, bare(this->modes), this->places, T(0.1), kRate};
   };
-  return [parts = std::make_shared<Parts>()] {
+  return [parts = std::make_shared<Parts>(), controls] {
     parts->model.place(T(0.3), T(1e-4));
-    for (int n = 0; n < kSamples; ++n)
-      parts->model.tick({T(0.3 + 1e-5 * n), T(0.02), 5, 100, 1, 1, T(n < 100), {1, T(0.1)}});
+    for (int n = 0; n < kSamples; ++n) parts->model.tick(controls(n));
     parts->model.reset();
   };
 }
 
 template <typename T>
+Play slide_string() {
+  return contact_on_string<T, SlideString<T>>([](int n) {
+    return SlideStringControls<T>{T(0.3 + 1e-5 * n), T(0.02), 5, 100, 1, 1, T(n < 100), {1, T(0.1)}};
+  });
+}
+
+template <typename T>
 Play fret_string() {
-  struct Parts : StringParts<T> {
-    FretString<T> model{this->table, bare(this->modes), this->places, T(0.1), kRate};
-  };
-  return [parts = std::make_shared<Parts>()] {
-    parts->model.place(T(0.3), T(1e-4));
-    for (int n = 0; n < kSamples; ++n)
-      parts->model.tick({T(0.3 + 1e-5 * n), T(1e-4 - 1e-7 * n), T(n < 100), 2, {1, T(0.1)}});
-    parts->model.reset();
-  };
+  return contact_on_string<T, FretString<T>>([](int n) {
+    return FretStringControls<T>{T(0.3 + 1e-5 * n), T(1e-4 - 1e-7 * n), T(n < 100), 2, {1, T(0.1)}};
+  });
 }
 
 template <typename T>
