@@ -63,9 +63,13 @@ Players* players_of(CSOUND* csound) {
   return kept != nullptr ? *kept : nullptr;
 }
 
-Player* player_of(CSOUND* csound, MYFLT handle) {
+Players::Slot* slot_of(CSOUND* csound, MYFLT handle) {
   Players* const players = players_of(csound);
-  Players::Slot* const slot = players != nullptr ? players->of(handle) : nullptr;
+  return players != nullptr ? players->of(handle) : nullptr;
+}
+
+Player* player_of(CSOUND* csound, MYFLT handle) {
+  Players::Slot* const slot = slot_of(csound, handle);
   return slot != nullptr ? slot->player.load() : nullptr;
 }
 
@@ -126,9 +130,7 @@ struct Create {
 };
 
 void release_handle(CSOUND* csound, Create* p) {
-  Players* const players = players_of(csound);
-  Players::Slot* const slot = players != nullptr ? players->of(p->made) : nullptr;
-  if (slot != nullptr) slot->is_free = true;
+  if (Players::Slot* const slot = slot_of(csound, p->made)) slot->is_free = true;
   p->made = 0;
 }
 
@@ -255,9 +257,7 @@ struct Out {
 };
 
 void end_out(CSOUND* csound, Out* p) {
-  Players* const players = players_of(csound);
-  Players::Slot* const slot = players != nullptr ? players->of(p->kept) : nullptr;
-  if (slot != nullptr) slot->has_output = false;
+  if (Players::Slot* const slot = slot_of(csound, p->kept)) slot->has_output = false;
   p->kept = 0;
 }
 

@@ -15,6 +15,13 @@ namespace {
 
 const fs::path kExamples = fs::path(SOURCE_FOLDER) / "examples/fit";
 
+nlohmann::json fit_of(const std::string& example, const std::string& law_and_loss) {
+  const std::string file = (kExamples / (example + ".fit.json")).string();
+  const auto fit = nlohmann::json::parse(succeed({.arguments = {"fit", file, "--json"}}));
+  EXPECT_EQ(fit.at("law").get<std::string>() + " " + fit.at("loss").get<std::string>(), law_and_loss);
+  return fit;
+}
+
 void expect_held(const nlohmann::json& fit, const char* estimate, double value) {
   const auto& found = fit.at("estimates").at(estimate);
   EXPECT_LE(found.at("low").get<double>(), value) << estimate;
@@ -23,18 +30,14 @@ void expect_held(const nlohmann::json& fit, const char* estimate, double value) 
 }
 
 TEST(FitTutorials, FindTheFeltFromFivePulses) {
-  const auto fit =
-      nlohmann::json::parse(succeed({.arguments = {"fit", (kExamples / "felt.fit.json").string(), "--json"}}));
-  EXPECT_EQ(fit.at("law").get<std::string>() + " " + fit.at("loss").get<std::string>(), "power hunt_crossley");
+  const auto fit = fit_of("felt", "power hunt_crossley");
   expect_held(fit, "stiffness_n_per_m_alpha", 4.5e9);
   expect_held(fit, "exponent", 2.5);
   expect_held(fit, "loss_s_per_m", 0.12);
 }
 
 TEST(FitTutorials, FindTheRubberBallFromContactTimes) {
-  const auto fit =
-      nlohmann::json::parse(succeed({.arguments = {"fit", (kExamples / "rubber_ball.fit.json").string(), "--json"}}));
-  EXPECT_EQ(fit.at("law").get<std::string>() + " " + fit.at("loss").get<std::string>(), "hertz hunt_crossley");
+  const auto fit = fit_of("rubber_ball", "hertz hunt_crossley");
   expect_held(fit, "stiffness_n_per_m_alpha", 4.903e5);
   expect_held(fit, "loss_s_per_m", 0.1);
 }

@@ -90,26 +90,36 @@ TEST(RenderScore, PlaysTheHammerString) {
   expect_is(sound_of("hammer-string", kHammerScore, {"--signal", "force"}), hammer_motion(parts, force));
 }
 
+// A slide-string or a fret-string placed before its first sample; controls(n): of a sample. Velocity at the pickup.
+template <typename Model, typename Controls>
+std::vector<double> velocity_of(Model& model, const ModeShapes<double>& shapes, int samples, Controls controls) {
+  const auto pickup = model.string().sound_pickup(shapes);
+  std::vector<double> motion;
+  for (int n = 0; n < samples; ++n) {
+    model.tick(controls(n));
+    motion.push_back(model.string().velocity(pickup));
+  }
+  return motion;
+}
+
 TEST(RenderScore, PlaysTheSlideString) {
   Parts parts("guitar_g3", "steel_on_steel");
   SlideString<double> model(parts.table, parts.modes, StringShapes<double>(parts.wavenumbers), 0.5, kRate);
   model.place(0.2, 1e-3);
-  const auto pickup = model.string().sound_pickup(parts.at(0.6));
-  std::vector<double> motion;
-  for (int n = 0; n < 13230; ++n) {
+  const auto controls = [](int n) {
     // 0.05 s: a pluck of 4 ms; from 0.1 s on the slide glides, from 0.2 s on it trembles.
     const double pluck = n < 2205 + 176 ? glide(0, 4, n, 2205, 2205 + 176) : 0.0;
     const double vibrato_m = 0.002 * std::sin(2 * pi * 6 * (n - 8820 + 1) / kRate);
-    model.tick({.place_m = glide(0.2, 0.3, n, 4410, 8820) + (n >= 8820 ? vibrato_m : 0.0),
-                .slide_mass_kg = 0.04,
-                .hand_force_n = 2,
-                .hand_stiffness_n_per_m = 200,
-                .hand_resistance_n_s_per_m = 2,
-                .rest_resistance_n_s_per_m = 1,
-                .pluck_force_n = pluck,
-                .contact = {0.5, 0.1}});
-    motion.push_back(model.string().velocity(pickup));
-  }
+    return SlideStringControls<double>{.place_m = glide(0.2, 0.3, n, 4410, 8820) + (n >= 8820 ? vibrato_m : 0.0),
+                                       .slide_mass_kg = 0.04,
+                                       .hand_force_n = 2,
+                                       .hand_stiffness_n_per_m = 200,
+                                       .hand_resistance_n_s_per_m = 2,
+                                       .rest_resistance_n_s_per_m = 1,
+                                       .pluck_force_n = pluck,
+                                       .contact = {0.5, 0.1}};
+  };
+  const auto motion = velocity_of(model, parts.at(0.6), 13230, controls);
   // rattling contacts amplify what vibrato's phase, summed up sample by sample, is rounded by
   expect_is(sound_of("slide-string", R"({
     "instrument": "slide-string", "duration_s": 0.3,
@@ -148,16 +158,13 @@ TEST(RenderScore, PlaysTheFretString) {
   Parts parts("guitar_d3", "steel_on_steel");
   FretString<double> model(parts.table, parts.modes, StringShapes<double>(parts.wavenumbers), 0.3, kRate);
   model.place(0.6, 1e-3);
-  const auto pickup = model.string().sound_pickup(parts.at(0.05));
-  std::vector<double> motion;
-  for (int n = 0; n < 8820; ++n) {
-    model.tick({.place_m = 0.6,
-                .gap_m = glide(1e-3, 1e-4, n, 4410, 6615),
-                .pluck_force_n = n < 2205 + 176 ? glide(0, 3, n, 2205, 2205 + 176) : 0.0,
-                .damping_per_s = 3,
-                .contact = {2, 0.3}});
-    motion.push_back(model.string().velocity(pickup));
-  }
+  const auto motion = velocity_of(model, parts.at(0.05), 8820, [](int n) {
+    return FretStringControls<double>{.place_m = 0.6,
+                                      .gap_m = glide(1e-3, 1e-4, n, 4410, 6615),
+                                      .pluck_force_n = n < 2205 + 176 ? glide(0, 3, n, 2205, 2205 + 176) : 0.0,
+                                      .damping_per_s = 3,
+                                      .contact = {2, 0.3}};
+  });
   expect_is(sound_of("fret-string", R"({
     "instrument": "fret-string", "duration_s": 0.2,
     "voices": [ { "name": "d", "resonator": "guitar_d3", "material": "steel_on_steel", "pluck_m": 0.3, "pickup_m": 0.05 } ],

@@ -20,18 +20,14 @@
 #include <sstream>
 
 #include "contactspline/instrument/instruments_of.hpp"
-#include "contactspline/materials/felt_c4.hpp"
-#include "contactspline/resonators/string_c4.hpp"
 #include "hammer_string_double.hpp"
 #include "shell.hpp"
+#include "struck_c4.hpp"
 #include "support/compare.hpp"
 #include "support/real_time.hpp"
 
 namespace contactspline::testing {
 namespace {
-
-using Felt = materials::felt_c4;
-using String = resonators::string_c4;
 
 constexpr int kRate = 44100;
 constexpr std::size_t kSecond = 44100;
@@ -48,11 +44,6 @@ const std::map<std::string, const char*> kNamesInFaust = {
     {"speed_m_per_s", "speed"},    {"hammer_mass_kg", "hammer mass"}, {"stiffness_ratio", "stiffness ratio"},
     {"loss_s_per_m", "felt loss"}, {"damping_per_s", "damping"},      {"strike_m", "strike position"}};
 const double kLength_m = std::numbers::pi / String::wavenumbers[0];
-
-/// Displacement at the pickup [mm] and force, over the full scale.
-struct Sound {
-  std::vector<double> displacement, force;
-};
 
 class Player {
  public:
@@ -71,6 +62,7 @@ class Player {
   }
   [[nodiscard]] bool is_faust() { return controls_.getParamZone("hammer mass") != nullptr; }
   [[nodiscard]] double full_scale_n() const { return full_scale_n_; }
+  /// Displacement in mm, force over the full scale.
   void play(std::size_t samples, Sound& sound) {
     const std::size_t before = sound.force.size();
     sound.displacement.resize(before + samples);

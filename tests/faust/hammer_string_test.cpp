@@ -2,9 +2,8 @@
 // hammer_string.dsp against the C++ model on the same emitted felt and string.
 #include "contactspline/models/hammer_string.hpp"
 
-#include "contactspline/materials/felt_c4.hpp"
-#include "contactspline/resonators/string_c4.hpp"
 #include "cpp_program.hpp"
+#include "struck_c4.hpp"
 #include "support/compare.hpp"
 
 #define FAUSTFLOAT double
@@ -16,17 +15,10 @@
 namespace contactspline::testing {
 namespace {
 
-using Felt = materials::felt_c4;
-using String = resonators::string_c4;
-
 constexpr int kRate = 44100;
 constexpr std::size_t kSamples = 44100;
 
-/// Displacement at the pickup [mm] and force [N].
-struct Sound {
-  std::vector<double> displacement, force;
-};
-
+// In mm and N.
 Sound twin() {
   HammerString<double> model(std::span<const Segment<double>>(segments_of<Felt, double>), modes_in<String>,
                              ModeShapes<double>(String::strike_shapes), kRate);
