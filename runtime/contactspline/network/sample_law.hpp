@@ -114,7 +114,7 @@ class SampleLaw {
   [[nodiscard]] T steepest_slope() const {
     T half_curvature = half_curvature_;
     for (std::size_t k = 0; k < table_.size(); ++k)
-      half_curvature = std::max(half_curvature, ratio_ * table_[k].half_curvature);
+      half_curvature = std::max(half_curvature, ratio_ * table_.half_curvature(k));
     return half_curvature + resistance_;
   }
 
@@ -124,7 +124,7 @@ class SampleLaw {
   [[nodiscard]] EndOfSample<T> end_of(T x, std::size_t segment) const {
     if (x >= lower_ && x < upper_) return {y0_ + x, relocate_segment(table_.table(), start_, y0_ + x)};
     const Crossed crossed = cross(x, segment);
-    const T y = table_[crossed.entry].knot + crossed.beyond;
+    const T y = table_.knot(crossed.entry) + crossed.beyond;
     return {y, relocate_segment(table_.table(), crossed.last, y)};
   }
 
@@ -135,7 +135,7 @@ class SampleLaw {
     T beyond;
   };
 
-  [[nodiscard]] T distance_to(std::size_t knot) const { return whole(table_[knot].knot - y0_); }
+  [[nodiscard]] T distance_to(std::size_t knot) const { return whole(table_.knot(knot) - y0_); }
 
   [[nodiscard]] Crossed cross(T x, std::size_t expected) const {
     std::size_t last = expected;
@@ -155,7 +155,7 @@ class SampleLaw {
     const Crossed crossed = cross(x, segment);
     segment = crossed.last;
     const PotentialWalk<T, TableLessLine<T>> walk(table_, start_, y0_, x >= upper_);
-    const T c = table_[crossed.last].half_curvature, s = crossed.beyond;
+    const T c = table_.half_curvature(crossed.last), s = crossed.beyond;
     const Segment<T> entry = table_[crossed.entry];
     const T gain = walk.gain_to(crossed.entry) + s * (entry.force + c * s);
     const T force = x != 0 ? gain / x : slope_at_knot_;

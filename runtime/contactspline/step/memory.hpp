@@ -52,27 +52,29 @@ class TableLessLine {
 
   /// line: a force >= 0 [N]. split: the last segment whose force at its knot is at most this, >= 1.
   constexpr TableLessLine(SegmentTable<T, Extent> table, T line, std::size_t split)
-      : table_(table), line_(line), split_(split) {}
+      : table_(table), line_(line), split_(split), surface_(table[split].knot), lowest_energy_(table[split].energy) {
+    const Segment<T>& s = table[split];
+    if (!(line > 0)) return;  // where nothing is remembered, the surface is the knot
+    if (s.half_curvature > 0) surface_ += (line - s.force) / (2 * s.half_curvature);
+    lowest_energy_ = s.energy_at(surface_) - line * surface_;
+  }
 
   [[nodiscard]] constexpr std::size_t size() const { return table_.size(); }
   [[nodiscard]] constexpr Segment<T> operator[](std::size_t k) const {
     const Segment<T>& s = table_[k];
     if (k > split_) return {s.knot, s.energy - line_ * s.knot, s.force - line_, s.half_curvature};
-    if (k < split_) return {s.knot, lowest_energy(), T(0), T(0)};
-    return {surface(), lowest_energy(), T(0), s.half_curvature};
+    return {knot(k), lowest_energy_, T(0), half_curvature(k)};
+  }
+  [[nodiscard]] constexpr T knot(std::size_t k) const { return k == split_ ? surface_ : table_[k].knot; }
+  [[nodiscard]] constexpr T half_curvature(std::size_t k) const {
+    return k < split_ ? T(0) : table_[k].half_curvature;
   }
 
   [[nodiscard]] constexpr SegmentTable<T, Extent> table() const { return table_; }
   /// The compression below which the force is 0 [m].
-  [[nodiscard]] constexpr T surface() const {
-    const Segment<T>& s = table_[split_];
-    return s.half_curvature > 0 ? s.knot + (line_ - s.force) / (2 * s.half_curvature) : s.knot;
-  }
+  [[nodiscard]] constexpr T surface() const { return surface_; }
   /// The potential there and below [J], <= 0.
-  [[nodiscard]] constexpr T lowest_energy() const {
-    const T y = surface();
-    return table_[split_].energy_at(y) - line_ * y;
-  }
+  [[nodiscard]] constexpr T lowest_energy() const { return lowest_energy_; }
   /// The segment here in which a compression lies that is in segment `start` of the table.
   [[nodiscard]] constexpr std::size_t segment_here(std::size_t start, T compression) const {
     return start == split_ && table_[start].force_at(compression) < line_ ? start - 1 : start;
@@ -82,6 +84,7 @@ class TableLessLine {
   SegmentTable<T, Extent> table_{};
   T line_ = 0;
   std::size_t split_ = 1;
+  T surface_ = 0, lowest_energy_ = 0;
 };
 
 /// The last segment >= 1 whose force at the knot is at most `force` >= 0.
