@@ -24,8 +24,13 @@ function bundle(entry) {
   return outputFiles[0].text;
 }
 
+const withoutComments = (text) => JSON.parse(text.replace(/^\s*\/\/.*$/gm, ""));
+
 const assets = { processor: Buffer.from(bundle("processor.js")) };
 for (const name of ["engine", "studies", "generator"]) assets[name] = readFileSync(join(wasm, `${name}.wasm`));
+const scores = join(source, "..", "data", "scores");
+const named = readdirSync(scores).filter((file) => extname(file) === ".json");
+assets.scores = JSON.stringify(Object.fromEntries(named.map((file) => [basename(file, ".json"), withoutComments(readFileSync(join(scores, file), "utf8"))])));
 for (const file of readdirSync(faust))
   assets[`${basename(file, extname(file))}-${extname(file) === ".wasm" ? "wasm" : "json"}`] = readFileSync(join(faust, file));
 

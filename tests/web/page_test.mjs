@@ -287,6 +287,64 @@ const cases = {
     });
   },
 
+  async "scores that ship play by one button"() {
+    await withPage(server.address, async (page) => {
+      const shipped = await page.locator("#scores button").evaluateAll((buttons) => buttons.map(({ dataset }) => dataset.score));
+      assert.deepEqual(shipped.slice(0, 2), ["fur_elise", "tanpura_drone"]);
+      assert.ok(shipped.length >= 9, `only ${shipped}`);
+      // Each as the audio thread plays it, against what the file says.
+      for (const name of shipped) {
+        const { events, wrong, loud, cut, instrument } = await page.evaluate(async (name) => {
+          const { page, renderOffline, performanceOf, instrumentOf } = contactSpline;
+          const score = page.scores.get(name);
+          const instrument = instrumentOf(score, page.instruments);
+          const played = performanceOf(score, page.instruments.get(instrument));
+          const [left] = await renderOffline([page.instrumentMessage(instrument), { do: "score", ...played }], 2);
+          const notes = played.messages.filter((message) => message.do === "noteOn");
+          const { events: known } = page.instruments.get(instrument);
+          const wrong = notes.filter(({ key, voice }) => voice !== undefined && known[key - 60]?.parameter !== played.messages[played.messages.findIndex((other) => other.key === key) - 1].parameter);
+          return { events: notes.length, wrong: wrong.length, loud: left.reduce((m, x) => Math.max(m, Math.abs(x)), 0), cut: left.filter((x) => Math.abs(x) > 0.9).length, instrument };
+        }, name);
+        const text = readFileSync(new URL(`../../data/scores/${name}.json`, import.meta.url), "utf8");
+        const wanted = JSON.parse(text.replace(/^\s*\/\/.*$/gm, "")).events.flatMap(Object.keys).filter((key) => /^speed_m_per_s$|_speed_m_per_s$|_release_n$|^pluck/.test(key));
+        assert.equal(events, wanted.length, `${name}: notes`);
+        assert.equal(wrong, 0, `${name}: notes that play another event than the one whose value was set`);
+        assert.ok(loud > 0.02 && cut === 0, `${name} on ${instrument}: a peak of ${loud}`);
+      }
+      await page.getByRole("button", { name: /^Für Elise/ }).click();
+      await page.waitForFunction(() => contactSpline.page.figures.strikes >= 3);
+      assert.equal(await page.locator("#instrument").inputValue(), "piano");
+      assert.equal(await page.evaluate(() => contactSpline.page.lastKey), 76, "the first key, in slow motion");
+      await page.getByRole("button", { name: /^Für Elise/ }).click();
+      const before = await page.evaluate(() => contactSpline.page.figures.strikes);
+      await page.waitForTimeout(600);
+      assert.ok((await page.evaluate(() => contactSpline.page.figures.strikes)) <= before + 1, "stopped");
+      assert.equal(await page.locator("#keys .down").count(), 0);
+    });
+  },
+
+  async "voices of the tanpura's score have their pitches"() {
+    await withPage(server.address, async (page) => {
+      const cents = [-498, 0, 1.5, -1200];
+      // A light pluck, which hardly wraps around the bridge.
+      const found = [];
+      for (const c of cents) {
+        const voices = [{ cents: c, pan: 0 }];
+        const { parameter, number } = await page.evaluate(() => {
+          const { parameters, number } = contactSpline.page.instruments.get("tanpura");
+          return { number, parameter: parameters.findIndex(({ name }) => name === "finger_release_n") };
+        });
+        assert.ok(number > 0);
+        const messages = [{ at: 0.001, do: "set", voice: 1, parameter, value: 0.05 }, { at: 0.001, do: "noteOn", voice: 1, key: 60, velocity: 1 }];
+        const { samples } = await render(page, "tanpura", [{ do: "score", voices, messages }], 2);
+        const expected = 130.81 * 2 ** (c / 1200);
+        found.push(1200 * Math.log2(partialNear(samples.slice(8820), 44100, expected) / 130.81));
+      }
+      console.log(`  ${found.map((x) => x.toFixed(1)).join(", ")} cents`);
+      for (const [i, c] of cents.entries()) assert.ok(Math.abs(found[i] - found[1] - c) < 3, `${c} cents: ${found[i] - found[1]}`);
+    });
+  },
+
   async "what is too loud is limited, and said"() {
     await withPage(server.address, async (page) => {
       const loud = await render(page, "piano", Array.from({ length: 20 }, (_, i) => strike(40 + 2 * i, 1)), 0.3);

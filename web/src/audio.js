@@ -17,8 +17,9 @@ export async function makeNode(context, messages) {
 
 /** The sound, which starts with the first gesture, as browsers demand. `send` before that is kept. */
 export class Audio {
-  constructor(onReport) {
-    this.onReport = onReport;
+  /** hear: of what the audio thread says, { report, played, ended } (processor.js). */
+  constructor(hear) {
+    this.hear = hear;
     this.waiting = [];
     this.analyser = null;
   }
@@ -37,8 +38,8 @@ export class Audio {
     this.analyser = new AnalyserNode(this.context, { fftSize: 2048, smoothingTimeConstant: 0 });
     this.node.connect(this.analyser).connect(this.context.destination);
     this.node.port.onmessage = ({ data }) => {
-      if (data.is === "report") this.onReport(data);
       if (data.is === "sound") this.recorded.push(data.channels);
+      else this.hear[data.is](data);
     };
     this.waiting = null;
     await resumed;

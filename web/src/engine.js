@@ -21,11 +21,15 @@ export function startEngine(module, sampleRate) {
     peak: (number, seconds) => exports.engine_peak(number, seconds, sampleRate),
     /** Makes an instrument: call it before one of the functions below. */
     choose: (number) => exports.engine_choose(number, sampleRate) === 1,
+    /** Adds a voice: the instrument once more, its strings tuned by so many cents. Returns whether it can be. */
+    addVoice: (cents) => exports.engine_add_voice(cents) === 1,
+    /** Moves a voice between -1, left, and 1, right. */
+    pan: (voice, pan) => exports.engine_pan(voice, pan),
     /** Makes a design of the generator the material of later strikes. */
     useMaterial: (design) => writeMaterial(exports, exports.engine_rows, exports.engine_use_material, design),
-    set: (parameter, value) => exports.engine_set(parameter, value),
-    noteOn: (key, velocity) => exports.engine_note_on(key, velocity),
-    noteOff: (key) => exports.engine_note_off(key),
+    set: (parameter, value, voice = 0) => exports.engine_set(voice, parameter, value),
+    noteOn: (key, velocity, voice = 0) => exports.engine_note_on(voice, key, velocity),
+    noteOff: (key, voice = 0) => exports.engine_note_off(voice, key),
     midi: ([status, first, second]) => exports.engine_midi(status, first, second),
     watchNone: () => exports.engine_watch_none(),
 

@@ -81,6 +81,10 @@ export class Keys {
     this.element.querySelector(`[data-key="${key}"]`)?.classList.toggle("down", isDown);
   }
 
+  unmark() {
+    for (const key of this.element.querySelectorAll(".down")) key.classList.remove("down");
+  }
+
   listenToPointers() {
     const { element } = this;
     const keyAt = (event) => {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The page: puts instrument, figures, editor, comparison and tour together.
-import { asset } from "./assets.js";
+import { asset, jsonAsset } from "./assets.js";
 import { Audio, kSampleRate, renderOffline } from "./audio.js";
 import { Comparison } from "./compare.js";
 import { fillSelect, readable, slider } from "./controls.js";
@@ -14,6 +14,7 @@ import { kPresets } from "./presets.js";
 import { download, wavOf } from "./save.js";
 import { Stage } from "./stage.js";
 import { addressOf, stateOf } from "./state.js";
+import { instrumentOf, performance as performanceOf } from "./scores.js";
 import { startStudies } from "./studies.js";
 import { Tour } from "./tour.js";
 
@@ -24,6 +25,9 @@ const kPeak = 0.18; // of full scale: one note of every instrument, so that a ch
 const kPeakSeconds = 0.3;
 const kStrikeHold = 1500; // milliseconds that the button holds a key
 const kSettled = 250; // milliseconds after the last change
+const kScoreStudies = 1500; // milliseconds between two notes of a score that are shown in slow motion
+const kScoreMarks = 180; // milliseconds that a key is marked
+const kFirstScores = ["fur_elise", "tanpura_drone"];
 const kMaxPast = 100;
 
 const byId = (id) => document.getElementById(id);
@@ -39,7 +43,11 @@ class Page {
     this.releases = new Map();
     this.past = [];
     this.figures = new Figures();
-    this.audio = new Audio((report) => this.figures.report(report));
+    this.audio = new Audio({
+      report: (report) => this.figures.report(report),
+      played: (note) => this.scorePlayed(note),
+      ended: () => this.stopScore(),
+    });
     this.stage = new Stage(
       byId("stage"),
       { play: byId("stage-play"), time: byId("stage-time"), speed: byId("stage-speed") },
@@ -101,7 +109,7 @@ class Page {
       compare: (ratio) => this.comparison.setStiffness(ratio),
       change: () => this.changed(),
     });
-    await this.comparison.load(); // a link may set its stiffness
+    await Promise.all([this.comparison.load(), this.offerScores()]); // a link may set the stiffness of the comparison
     await this.show(stateOf(location.hash));
     this.address = addressOf(this.state());
     this.settle();
@@ -144,6 +152,7 @@ class Page {
   /** Changes the instrument; values: { name: value } of the parameters that differ from the initial ones. Returns the
    * names that it lacks. */
   play(name, values = {}) {
+    this.stopScore();
     this.instrument = name;
     byId("instrument").value = name;
     const { parameters, keys, events } = this.played();
@@ -178,6 +187,58 @@ class Page {
       }),
     );
     byId("events").firstChild.id = "strike";
+  }
+
+  /** One button for each score that ships and that the page has the instrument for. */
+  async offerScores() {
+    const scores = Object.entries(await jsonAsset("scores")).filter(([, score]) => instrumentOf(score, this.instruments));
+    const rank = ([name]) => (kFirstScores.includes(name) ? kFirstScores.indexOf(name) : kFirstScores.length);
+    this.scores = new Map(scores.toSorted((a, b) => rank(a) - rank(b)));
+    for (const [name, { description }] of this.scores) {
+      const button = document.createElement("button");
+      button.textContent = capital(description);
+      button.dataset.score = name;
+      button.className = "score";
+      button.setAttribute("aria-pressed", "false");
+      button.addEventListener("click", () => (this.score === name ? this.stopScore() : this.playScore(name)));
+      byId("scores").append(button);
+    }
+  }
+
+  /** Plays a score that ships on its instrument, with the first values of all controls. */
+  async playScore(name) {
+    const score = this.scores.get(name);
+    this.play(instrumentOf(score, this.instruments));
+    this.markScore(name);
+    const started = this.audio.start();
+    this.audio.send({ do: "score", ...performanceOf(score, this.played()) });
+    await started;
+  }
+
+  markScore(name) {
+    this.score = name;
+    for (const button of byId("scores").querySelectorAll("button")) button.setAttribute("aria-pressed", String(button.dataset.score === name));
+  }
+
+  /** Ends a score; what sounds rings on. */
+  stopScore() {
+    if (!this.score) return;
+    this.audio.send({ do: "stop" });
+    this.markScore(null);
+    this.keys.unmark();
+    this.changed();
+  }
+
+  // Its key lights up, the force is drawn, and now and then the slow motion is of it.
+  scorePlayed({ key, velocity }) {
+    this.figures.struck();
+    if (!this.score) return;
+    this.keys.mark(key, true);
+    setTimeout(() => this.keys.mark(key, false), kScoreMarks);
+    const now = performance.now();
+    if (now - (this.studiedAt ?? -Infinity) < kScoreStudies) return;
+    Object.assign(this, { studiedAt: now, lastKey: key, lastVelocity: velocity });
+    this.study();
   }
 
   /** The message that makes the audio thread play an instrument, as loud as all others. */
@@ -377,7 +438,7 @@ class Page {
 
 const page = new Page();
 // For tests, and for the curious at the console.
-globalThis.contactSpline = { page, presets: kPresets, renderOffline, stateOf, loaded: page.load().then(() => page.run()) };
+globalThis.contactSpline = { page, presets: kPresets, renderOffline, stateOf, instrumentOf, performanceOf, loaded: page.load().then(() => page.run()) };
 contactSpline.loaded.catch((error) => {
   byId("stage-caption").textContent = `This browser cannot play the page: ${error.message}`;
 });

@@ -34,9 +34,12 @@ class ContactSplineProcessor extends AudioWorkletProcessor {
     const { engine } = this;
     if (message.do === "instrument") this.choose(message);
     if (message.do === "material") engine.useMaterial(message.design);
-    if (message.do === "set") engine.set(message.parameter, message.value);
+    if (message.do === "set") engine.set(message.parameter, message.value, message.voice);
     if (message.do === "noteOn") this.strike(message);
-    if (message.do === "noteOff") engine.noteOff(message.key);
+    if (message.do === "noteOff") engine.noteOff(message.key, message.voice);
+    if (message.do === "score") this.begin(message);
+    if (message.do === "stop") this.later = [];
+    if (message.do === "end") this.port.postMessage({ is: "ended" });
     if (message.do === "midi") engine.midi(message.bytes);
     if (message.do === "watchNone") engine.watchNone();
     if (message.do === "record") this.isRecording = message.isOn;
@@ -48,9 +51,19 @@ class ContactSplineProcessor extends AudioWorkletProcessor {
     this.isPlaying = true;
   }
 
+  // A score, whose times count from now on. The page is told of its notes.
+  begin({ voices, messages }) {
+    voices.forEach(({ cents, pan }, i) => {
+      this.engine.addVoice(cents);
+      this.engine.pan(i + 1, pan);
+    });
+    this.later = messages.map((message) => ({ ...message, at: message.at + currentTime, isOfScore: true }));
+  }
+
   // The reports of a strike begin with its first sample: they hold nothing of the one before.
-  strike({ key, velocity }) {
-    this.engine.noteOn(key, velocity);
+  strike({ key, velocity, voice, isOfScore }) {
+    this.engine.noteOn(key, velocity, voice);
+    if (isOfScore) this.port.postMessage({ is: "played", key, velocity });
     ++this.strikes;
     this.filled = 0;
   }

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -13,23 +14,44 @@
 #include "web/wasm/hammer_keys.hpp"
 #include "web/wasm/instruments.hpp"
 #include "web/wasm/playable.hpp"
+#include "web/wasm/tuned_network.hpp"
 
 namespace contactspline::web {
 namespace {
 
 constexpr std::size_t kBlock = 128;
 
+/// One of the instruments that play together, and how loud it is on both sides.
+struct Voice {
+  std::unique_ptr<Playable> instrument;
+  float left, right;
+};
+
 Material material;
-std::unique_ptr<Playable> playing;
-std::array<float, 3 * kBlock> outputs;
+std::vector<Voice> voices;  // of the instrument that was chosen
+std::size_t chosen = 0;
+double chosen_rate_hz = 0;
+std::array<float, 3 * kBlock> outputs, part;
 std::array<double, 5> shown_books;
 std::array<std::uint8_t, 3> message;
 
-using Maker = std::function<std::unique_ptr<Playable>()>;
+/// Makes an instrument whose strings are tuned by so many cents; null if it cannot be tuned.
+using Maker = std::function<std::unique_ptr<Playable>(double cents)>;
 
 template <typename I, std::size_t sound = 0, typename... Args>
 Maker maker(Args&... args) {
-  return [&args...] { return std::make_unique<PlayableBehind<I, sound>>(args...); };
+  return [&args...](double cents) -> std::unique_ptr<Playable> {
+    if (cents != 0) return nullptr;
+    return std::make_unique<PlayableBehind<I, sound>>(args...);
+  };
+}
+
+template <template <typename> typename I>
+Maker maker_of_file() {
+  return [](double cents) -> std::unique_ptr<Playable> {
+    if (cents != 0) return std::make_unique<PlayableBehind<TunedNetwork>>(I<float>::data::view(), cents);
+    return std::make_unique<PlayableBehind<I<float>>>();
+  };
 }
 
 const std::vector<Maker>& instruments() {
@@ -38,15 +60,25 @@ const std::vector<Maker>& instruments() {
     std::vector<Maker> makers = {maker<HammerKeys>(material), maker<KeyboardInstrument<Piano, float>>(),
                                  maker<MassBarrierOf<materials::felt_c4, float>, kForce>(),
                                  maker<SlideGuitar<float>, kBridge>(), maker<FretGuitar<float>, kBridge>()};
-    each_instrument_of_a_file([&]<template <typename> typename I>() { makers.push_back(maker<I<float>>()); });
+    each_instrument_of_a_file([&]<template <typename> typename I>() { makers.push_back(maker_of_file<I>()); });
     return makers;
   }();
   return all;
 }
 
-std::unique_ptr<Playable> instrument(int number) {
+std::unique_ptr<Playable> instrument(int number, double cents = 0) {
   if (number < 0 || number >= static_cast<int>(instruments().size())) return nullptr;
-  return instruments()[static_cast<std::size_t>(number)]();
+  return instruments()[static_cast<std::size_t>(number)](cents);
+}
+
+// The voice of this number, or the first.
+Playable& voice(int number) {
+  const auto v = static_cast<std::size_t>(std::max(number, 0));
+  return *voices[v < voices.size() ? v : 0].instrument;
+}
+
+void process(Playable& played, std::span<float> out, std::size_t count) {
+  played.process(out.first(count), out.subspan(kBlock, count), out.subspan(2 * kBlock, count));
 }
 
 }  // namespace
@@ -54,7 +86,7 @@ std::unique_ptr<Playable> instrument(int number) {
 /// The instruments, as a JSON list (playable.hpp). Their numbers are their places in it.
 CONTACTSPLINE_WEB(const char*, engine_instruments) {
   std::vector<std::string> all;
-  for (const Maker& make : instruments()) all.push_back(make()->described());
+  for (const Maker& make : instruments()) all.push_back(make(0)->described());
   return keep(fmt::format("[{}]", fmt::join(all, ", ")));
 }
 
@@ -63,8 +95,30 @@ CONTACTSPLINE_WEB(int, engine_choose, int number, double sample_rate_hz) {
   auto next = instrument(number);
   if (!next) return 0;
   next->prepare(sample_rate_hz);
-  playing = std::move(next);
+  voices.clear();
+  voices.push_back({std::move(next), 1, 1});
+  chosen = static_cast<std::size_t>(number);
+  chosen_rate_hz = sample_rate_hz;
   return 1;
+}
+
+/// Adds a voice: the same instrument once more, with its strings tuned by so many cents. 0 if it has no strings of a
+/// file. Allocates.
+CONTACTSPLINE_WEB(int, engine_add_voice, double cents) {
+  auto next = instrument(static_cast<int>(chosen), cents);
+  if (!next) return 0;
+  next->prepare(chosen_rate_hz);
+  voices.push_back({std::move(next), 1, 1});
+  return 1;
+}
+
+/// Moves a voice between left, -1, and right, 1, with equal power; 0 is as loud as one voice alone.
+CONTACTSPLINE_WEB(void, engine_pan, int number, double pan) {
+  if (number < 0 || number >= static_cast<int>(voices.size())) return;
+  Voice& moved = voices[static_cast<std::size_t>(number)];
+  const double angle = (std::clamp(pan, -1.0, 1.0) + 1) * std::numbers::pi / 4;
+  moved.left = static_cast<float>(std::numbers::sqrt2 * std::cos(angle));
+  moved.right = static_cast<float>(std::numbers::sqrt2 * std::sin(angle));
 }
 
 /// The largest sample of a note of middle C, which is also the first event, with the first values of all parameters,
@@ -93,39 +147,51 @@ CONTACTSPLINE_WEB(int, engine_use_material, int segments, double mass_kg, double
   return material.use(segments, mass_kg, loss_s_per_m) ? 1 : 0;
 }
 
-CONTACTSPLINE_WEB(void, engine_set, int parameter, double value) {
-  playing->set(static_cast<std::size_t>(parameter), value);
+/// Below, a voice is called by its number: 0 is the instrument itself, then those that were added.
+CONTACTSPLINE_WEB(void, engine_set, int number, int parameter, double value) {
+  voice(number).set(static_cast<std::size_t>(parameter), value);
 }
 
-CONTACTSPLINE_WEB(void, engine_note_on, int key, double velocity) {
-  playing->note_on(key, velocity);
+CONTACTSPLINE_WEB(void, engine_note_on, int number, int key, double velocity) {
+  voice(number).note_on(key, velocity);
 }
 
-CONTACTSPLINE_WEB(void, engine_note_off, int key) {
-  playing->note_off(key);
+CONTACTSPLINE_WEB(void, engine_note_off, int number, int key) {
+  voice(number).note_off(key);
 }
 
-/// Three bytes of MIDI.
+/// Three bytes of MIDI, for all voices.
 CONTACTSPLINE_WEB(void, engine_midi, int status, int first, int second) {
   message = {static_cast<std::uint8_t>(status), static_cast<std::uint8_t>(first), static_cast<std::uint8_t>(second)};
-  playing->midi(message);
+  for (const Voice& each : voices) each.instrument->midi(message);
 }
 
 CONTACTSPLINE_WEB(void, engine_watch_none) {
-  playing->watch_none();
+  voice(0).watch_none();
 }
 
 /// Plays up to 128 samples. Returns left, right and the contact force, 128 samples each.
 CONTACTSPLINE_WEB(const float*, engine_process, int samples) {
   const auto count = std::clamp<std::size_t>(static_cast<std::size_t>(std::max(samples, 0)), 0, kBlock);
-  const std::span<float> all = outputs;
-  playing->process(all.first(count), all.subspan(kBlock, count), all.subspan(2 * kBlock, count));
+  if (voices.size() == 1) {
+    process(*voices[0].instrument, outputs, count);
+    return outputs.data();
+  }
+  outputs.fill(0);
+  for (const Voice& each : voices) {
+    process(*each.instrument, part, count);
+    for (std::size_t i = 0; i < count; ++i) {
+      outputs[i] += each.left * part[i];
+      outputs[kBlock + i] += each.right * part[kBlock + i];
+      outputs[2 * kBlock + i] += part[2 * kBlock + i];
+    }
+  }
   return outputs.data();
 }
 
 /// The books of the last strike: hammer, felt, string, dissipated, work [J]. Null where none are kept.
 CONTACTSPLINE_WEB(const double*, engine_books) {
-  const Books* const books = playing->books();
+  const Books* const books = voice(0).books();
   if (books == nullptr) return nullptr;
   shown_books = {books->hammer, books->felt, books->string, books->dissipated, books->work};
   return shown_books.data();

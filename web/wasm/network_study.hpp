@@ -98,8 +98,7 @@ class NetworkFrames {
     }
   }
 
-  /// throws: the parameter of the event.
-  [[nodiscard]] std::string scene(std::size_t throws) const {
+  [[nodiscard]] std::string scene(const Event& event) const {
     std::vector<std::string> items;
     std::size_t column = 1;
     for (const Curve& curve : curves_) {
@@ -111,11 +110,24 @@ class NetworkFrames {
     for (std::size_t i = 0; i < contacts_.size(); ++i)
       items.push_back(contact_item(contacts_[i], column, first_contact + 2 * i));
     return fmt::format(
-        R"({{"throws": {}, "moves": null, "force": 0, "energies": [], "isFlipped": {}, "items": [{}]}})", throws,
-        has_stops(), fmt::join(items, ", "));
+        R"({{"throws": {}, "moves": null, "plucks": {}, "force": 0, "energies": [], "isFlipped": {}, "items": [{}]}})",
+        event.parameter, pluck(event), has_stops(), fmt::join(items, ", "));
   }
 
  private:
+  // Where an event plucks a string, and the first number of the string in a frame; null where it plucks none.
+  [[nodiscard]] std::string pluck(const Event& event) const {
+    if (event.kind != EventKind::kPluck) return "null";
+    const std::size_t place = data_.targets_of(data_.controls[data_.plucks[event.number]]).front();
+    std::size_t column = 1;
+    for (const Curve& curve : curves_) {
+      if (curve.body == geometry_.body(place) && geometry_.is_string(curve.body))
+        return fmt::format(R"({{"at": {:.17g}, "column": {}}})", at(place), column);
+      column += curve.points.size();
+    }
+    return "null";
+  }
+
   struct Curve {
     const char* kind;
     std::size_t body;
@@ -202,13 +214,15 @@ Study study_of_network(std::span<const double> values, std::size_t event, const 
     frames.append_to(study.numbers, instrument);
     instrument.tick();
   }
-  study.scene = frames.scene(played.parameter);
+  study.scene = frames.scene(played);
   return study;
 }
 
-/// A plucked string with a slide or a fret. I: of PluckedStringInstrument<double>. values: of its parameters.
+/// A plucked string with a slide or a fret. I: of PluckedStringInstrument<double>. pluck: part of the length. values:
+/// of its parameters.
 template <typename I>
-Study study_of_plucked(I& instrument, double length_m, std::span<const double> values, const StudyPlan& plan) {
+Study study_of_plucked(I& instrument, double length_m, double pluck, std::span<const double> values,
+                       const StudyPlan& plan) {
   for (std::size_t p = 0; p < values.size(); ++p) instrument.set(p, values[p]);
   instrument.prepare(plan.sample_rate_hz);
   const auto& model = instrument.model();
@@ -234,9 +248,9 @@ Study study_of_plucked(I& instrument, double length_m, std::span<const double> v
     model.slide();
   };
   study.scene = fmt::format(
-      R"({{"throws": {}, "moves": null, "force": 0, "energies": [], "isFlipped": true, )"
+      R"({{"throws": {}, "moves": null, "plucks": {{"at": {:.17g}, "column": 3}}, "force": 0, "energies": [], "isFlipped": true, )"
       R"("items": [{}{{"kind": "stop", "name": "{}", "atColumn": 1, "column": 2, "side": {}, "force": 0}}]}})",
-      std::size_t{I::kPluck}, detail::string_item(3), kSlides ? "slide" : "fret", kSlides ? -1 : 1);
+      std::size_t{I::kPluck}, pluck, detail::string_item(3), kSlides ? "slide" : "fret", kSlides ? -1 : 1);
   return study;
 }
 

@@ -47,7 +47,7 @@ inline constexpr double kVelocity = requires {
 
 /// What the page needs to know of an instrument, as JSON. Numbers are those of the lists, in SI; shown values are
 /// `factor` times as large. keys: the first and the last one, null where the keys from middle C on play the events.
-/// velocity: of a key that has none of its own.
+/// velocity: of a key that has none of its own. speeds: of the softest and the loudest key [m/s], or null.
 template <typename I>
 [[nodiscard]] std::string description_of(const I& instrument) {
   std::vector<std::string> parameters, events, presets;
@@ -69,10 +69,13 @@ template <typename I>
   if constexpr (requires { instrument.first_key(); })
     keys = fmt::format("[{}, {}]", instrument.first_key(),
                        keyboards::piano::first_key + static_cast<int>(keyboards::piano::keys) - 1);
+  std::string speeds = "null";
+  if constexpr (requires { I::speed_of(0.5); })
+    speeds = fmt::format("[{:.17g}, {:.17g}]", I::speed_of(0), I::speed_of(1));
   return fmt::format(
-      R"({{"name": "{}", "title": "{}", "description": "{}", "keys": {}, "velocity": {}, "parameters": [{}], "events": [{}], )"
-      R"("presets": [{}]}})",
-      instrument.name(), label_of(instrument.name()).text, instrument.description(), keys, kVelocity<I>,
+      R"({{"name": "{}", "title": "{}", "description": "{}", "keys": {}, "velocity": {}, "speeds": {}, )"
+      R"("parameters": [{}], "events": [{}], "presets": [{}]}})",
+      instrument.name(), label_of(instrument.name()).text, instrument.description(), keys, kVelocity<I>, speeds,
       fmt::join(parameters, ", "), fmt::join(events, ", "), fmt::join(presets, ", "));
 }
 

@@ -35,7 +35,8 @@ struct Studied {
 template <template <typename> typename I, typename String>
 Study of_plucked(const StudyPlan& plan, std::size_t) {
   I<double> instrument;
-  return study_of_plucked(instrument, std::numbers::pi / String::wavenumbers[0], values, plan);
+  const double length_m = std::numbers::pi / String::wavenumbers[0];
+  return study_of_plucked(instrument, length_m, String::strike_position_m / length_m, values, plan);
 }
 
 std::vector<Studied> all_studied() {

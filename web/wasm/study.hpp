@@ -41,9 +41,10 @@ inline constexpr std::size_t kPoints = 97;  ///< of a string
 namespace detail {
 
 /// What each frame of a hammer begins with: displacements [m], contact force [N], energies [J], total less work [J].
-/// throws, moves: the parameters that are the speed and the place of the strike, or null.
+/// throws, moves: the parameters that are the speed and the place of the strike, or null. plucks: where a string is
+/// plucked, at this part of its length, and the column of its points.
 inline constexpr const char* kHammerScene = R"({{
-  "throws": {}, "moves": {}, "force": 2, "imbalance": 9, "work": {:.17g}, "energies": [["{}", 3], ["{}", 4]{}, ["lost", 7]],
+  "throws": {}, "moves": {}, "plucks": null, "force": 2, "imbalance": 9, "work": {:.17g}, "energies": [["{}", 3], ["{}", 4]{}, ["lost", 7]],
   "items": [{}{{"kind": "hammer", "name": "{}", "at": {:.17g}, "column": 0, "compression": 1}}]
 }})";
 inline constexpr std::size_t kHammerHead = 10;

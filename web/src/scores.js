@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+// The scores that ship (docs/reference/scores.md), as messages for the audio thread.
+
+const kStep = 0.005; // seconds between two values of a control that glides
+const kFirstKey = 60; // of the events of an instrument without keys
+const kTail = 1; // seconds after the last event of a score that says no longer
+
+/** Whether the page has what a score plays: the piano, or an instrument of a file. */
+export const instrumentOf = (score, instruments) =>
+  score.keyboard === "piano" ? "piano" : instruments.has(score.instrument) ? score.instrument : null;
+
+// Pressed keys, and let go where no other note holds them.
+function keyMessages({ events }, { speeds: [softest, loudest] }) {
+  const velocityOf = (speed) => Math.max(0.01, Math.min(1, Math.log(speed / softest) / Math.log(loudest / softest)));
+  const ends = (note) => note.time_s + note.hold_s;
+  return events.flatMap((note) => {
+    const strike = { at: note.time_s, do: "noteOn", key: note.key, velocity: velocityOf(note.speed_m_per_s) };
+    const isHeld = events.some((other) => other !== note && other.key === note.key && other.time_s <= ends(note) && ends(other) > ends(note));
+    return isHeld ? [strike] : [strike, { at: ends(note), do: "noteOff", key: note.key }];
+  });
+}
+
+// A control on its way from one value to another, which eases in and out.
+function glide(at, over, from, to) {
+  const steps = Math.max(1, Math.round(over / kStep));
+  return Array.from({ length: steps }, (_, i) => {
+    const u = (i + 1) / steps;
+    return { at: at + over * u, value: from + (to - from) * u * u * (3 - 2 * u) };
+  });
+}
+
+// What a score of an instrument of a file says to one of its voices.
+function eventMessages({ events }, { parameters, events: played }, name, voice) {
+  const now = parameters.map(({ init }) => init);
+  return events
+    .filter((event) => event.voice === undefined || event.voice === name)
+    .toSorted((a, b) => a.time_s - b.time_s)
+    .flatMap((event) =>
+      parameters.flatMap((shape, parameter) => {
+        const to = event[shape.name];
+        if (to === undefined) return [];
+        const number = played.findIndex((one) => one.parameter === parameter);
+        const set = { do: "set", voice, parameter };
+        if (number >= 0) return [{ ...set, at: event.time_s, value: to }, { at: event.time_s, do: "noteOn", voice, key: kFirstKey + number, velocity: 1 }];
+        const from = now[parameter];
+        now[parameter] = to;
+        return glide(event.time_s, event.over_s ?? 0, from, to).map((step) => ({ ...set, ...step }));
+      }),
+    );
+}
+
+/** A score for an instrument as engine.cpp describes it: { voices: [{ cents, pan }], messages by rising time `at` [s] }. A voice
+ * of the score is one beside the instrument; without voices the instrument itself plays. */
+export function performance(score, instrument) {
+  const voices = (score.voices ?? []).map(({ tuning_cents = 0, pan = 0 }) => ({ cents: tuning_cents, pan }));
+  const names = score.voices?.map(({ name }) => name) ?? [undefined];
+  const messages = score.keyboard
+    ? keyMessages(score, instrument)
+    : names.flatMap((name, i) => eventMessages(score, instrument, name, score.voices ? i + 1 : 0));
+  messages.sort((a, b) => a.at - b.at);
+  const end = Math.max(score.duration_s, messages.at(-1).at + kTail);
+  return { voices, messages: [...messages, { at: end, do: "end" }] };
+}
