@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The editor of a material: fields or text in, design out, with its curves, errors and files to download.
 import { choice, fillSelect, readable, slider } from "./controls.js";
-import { materialFields, materialText } from "./material.js";
+import { materialFields, materialText, withKnots } from "./material.js";
 import { linePlot } from "./plots.js";
 import { download } from "./save.js";
 
@@ -20,14 +20,6 @@ const kKnots = { uniform: "uniform", graded: "graded", optimal: "optimal" };
 const kMinimise = { contact_duration: "contact duration", force: "force", spectrum: "spectrum" };
 
 const byId = (id) => document.getElementById(id);
-
-/** The curves of law and spline, with a point at each knot in view. */
-function withKnots(millimetres, { law_n, spline_n }, table) {
-  const end = millimetres.at(-1);
-  const knots = table.map(([knot, , force]) => [1000 * knot, null, null, force]).filter(([knot]) => knot <= end);
-  const rows = [...millimetres.map((y, i) => [y, law_n[i], spline_n[i], null]), ...knots].sort(([a], [b]) => a - b);
-  return [0, 1, 2, 3].map((k) => rows.map((row) => row[k]));
-}
 
 export class Editor {
   /** change(design) is called with every new design. */
@@ -116,7 +108,7 @@ export class Editor {
   showDesign({ curve, quality, law, table, title }, milliseconds) {
     const millimetres = curve.compression_m.map((y) => 1000 * y);
     const largest = curve.law_n[curve.law_n.length - 1];
-    this.curve.set(withKnots(millimetres, curve, table));
+    this.curve.set(withKnots(curve, table));
     this.error.set([millimetres, curve.spline_n.map((force, i) => (100 * (force - curve.law_n[i])) / largest)]);
     const percent = (value) => `${readable(100 * value)} %`;
     const errors = [`force ${percent(quality.force)}`];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The page: puts instrument, figures, editor, comparison and tour together.
+// The page: puts instrument, figures, editor, comparison and story together.
 import { asset, jsonAsset } from "./assets.js";
 import { Audio, kSampleRate, renderOffline } from "./audio.js";
 import { Comparison } from "./compare.js";
@@ -12,11 +12,11 @@ import { Figures } from "./figures.js";
 import { redrawPlots } from "./plots.js";
 import { kPresets } from "./presets.js";
 import { download, wavOf } from "./save.js";
-import { Stage } from "./stage.js";
+import { Stage, strongest, toldOf } from "./stage.js";
+import { Story } from "./story.js";
 import { addressOf, stateOf } from "./state.js";
 import { instrumentOf, performance as performanceOf } from "./scores.js";
 import { startStudies } from "./studies.js";
-import { Tour } from "./tour.js";
 
 const kFirst = "hammer_on_string";
 const kMiddleC = 60; // the key of the first event, too
@@ -51,7 +51,7 @@ class Page {
     this.stage = new Stage(
       byId("stage"),
       { play: byId("stage-play"), time: byId("stage-time"), speed: byId("stage-speed") },
-      { thrown: (thrown) => this.throwHammer(thrown), tell: (power, place) => this.tellThrow(power, place) },
+      { thrown: (thrown) => this.throwHammer(thrown), tell: (power, place) => toldOf(this.stage.study.scene, this.played().parameters, power, place) },
     );
     this.keys = new Keys(byId("keys"), {
       strike: (key, velocity) => this.strike(key, velocity),
@@ -89,6 +89,7 @@ class Page {
     byId("theme").setAttribute("aria-pressed", String(isDark));
     redrawPlots();
     this.stage.draw();
+    this.story?.draw();
   }
 
   /** Loads what sounds and what is drawn; the rest follows when the page has been seen. */
@@ -103,11 +104,13 @@ class Page {
     this.editor.load({ name: "felt_c4" });
     this.reference.useMaterial(this.editor.current);
     this.comparison = new Comparison(this.reference, kSampleRate, (samples) => this.audio.play(samples), () => this.changed());
-    this.tour = new Tour({
-      show: (state) => this.show(state),
-      strike: () => this.strikeOnce(),
-      compare: (ratio) => this.comparison.setStiffness(ratio),
-      change: () => this.changed(),
+    this.story = new Story({
+      studies: startStudies(studies, kSampleRate),
+      generator: this.editor.generator,
+      instruments: this.instruments,
+      hear: (state, velocity) => this.show(state).then(() => this.strikeOnce(kMiddleC, velocity)),
+      piece: () => (this.score === kFirstScores[0] ? this.stopScore() : this.playScore(kFirstScores[0])),
+      at: () => this.changed(),
     });
     await Promise.all([this.comparison.load(), this.offerScores()]); // a link may set the stiffness of the comparison
     await this.show(stateOf(location.hash));
@@ -133,7 +136,7 @@ class Page {
     if (key !== undefined) this.lastKey = key;
     if (compare !== undefined) this.comparison.setStiffness(compare);
     if (theme !== undefined) this.chooseTheme(theme);
-    if (step !== undefined) await this.tour.go(step - 1, true);
+    if (step !== undefined && step !== this.story.chapter) this.story.go(step);
     this.notice(without);
   }
 
@@ -305,24 +308,11 @@ class Page {
     return `Energy is balanced within ${readable(worst)}. Pull the hammer back and let it go.`;
   }
 
-  // What a hammer that is pulled back will do.
-  tellThrow(power, place) {
-    const { throws } = this.stage.study.scene;
-    const told = [];
-    if (throws !== null && power > 0) {
-      const { unit, max, factor } = this.played().parameters[throws];
-      told.push(`${readable(factor * power * max)} ${unit}`);
-    }
-    if (throws === null && power > 0) told.push(`${Math.round(100 * power)} %`);
-    if (place !== null) told.push(`at ${place.toFixed(2)} of the length`);
-    return told.join(", ");
-  }
-
   throwHammer({ power, place }) {
     const { throws, moves } = this.stage.study.scene;
     const controls = [...this.controls.values()];
     if (place !== null && moves !== null) this.setTo(moves, controls[moves], place);
-    if (power !== null && throws !== null) this.setTo(throws, controls[throws], power * this.played().parameters[throws].max);
+    if (power !== null && throws !== null) this.setTo(throws, controls[throws], power * strongest(this.played().parameters[throws]));
     this.strikeOnce(this.lastKey, throws === null ? power : null);
   }
 
@@ -375,7 +365,7 @@ class Page {
   state() {
     const state = { ...this.sound(), octave: this.keys.first / 12 - 1, compare: this.comparison.stiffness.get() };
     if (this.lastKey !== undefined) state.key = this.lastKey;
-    if (this.tour.isOpen()) state.step = this.tour.step + 1;
+    if (this.story.chapter > 0) state.step = this.story.chapter;
     if (this.theme) state.theme = this.theme;
     return state;
   }
@@ -394,7 +384,9 @@ class Page {
     byId("preset").value = preset ? preset[0] : "";
     const address = addressOf(this.state());
     if (address === this.address) return;
-    this.past = [...this.past, this.address].slice(-kMaxPast);
+    // To read on and to strike is no change that Undo takes back.
+    const lasting = (one) => one.replace(/&(step|key)=\d+/g, "");
+    if (lasting(address) !== lasting(this.address)) this.past = [...this.past, lasting(this.address)].slice(-kMaxPast);
     this.goTo(address);
   }
 
@@ -408,9 +400,7 @@ class Page {
     this.settle();
     const address = this.past.pop();
     if (address === undefined) return;
-    const state = stateOf(address);
-    if (state.step === undefined && this.tour.isOpen()) this.tour.end();
-    await this.show(state);
+    await this.show(stateOf(address));
     this.goTo(addressOf(this.state()));
   }
 
@@ -429,6 +419,7 @@ class Page {
   run() {
     const frame = (now) => {
       this.stage.frame(now / 1000);
+      this.story.frame(now / 1000);
       this.figures.draw(this.audio.analyser, now / 1000);
       requestAnimationFrame(frame);
     };

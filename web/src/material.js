@@ -44,3 +44,12 @@ export function materialFields(text) {
     minimise: spline.minimise ?? "contact_duration",
   };
 }
+
+/** The curves of law and spline of a design, with a point at each knot in view: compression [mm], law, spline, knots [N]. */
+export function withKnots({ compression_m, law_n, spline_n }, table) {
+  const millimetres = compression_m.map((y) => 1000 * y);
+  const end = millimetres.at(-1);
+  const knots = table.map(([knot, , force]) => [1000 * knot, null, null, force]).filter(([knot]) => knot <= end);
+  const rows = [...millimetres.map((y, i) => [y, law_n[i], spline_n[i], null]), ...knots].sort(([a], [b]) => a - b);
+  return [0, 1, 2, 3].map((k) => rows.map((row) => row[k]));
+}

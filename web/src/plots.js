@@ -8,9 +8,9 @@ export const colour = (name) => getComputedStyle(document.documentElement).getPr
 
 const plots = new Set();
 
-/** A plot in an element: { x, y } axis labels; lines: [{ label, colour, dash, width, isPoints, isFilled }]. set(data) redraws it. A button
+/** A plot in an element: { x, y } axis labels; lines: [{ label, colour, dash, width, isPoints, size, isFilled }]; height [px]. set(data) redraws it. A button
  * in the caption of its figure saves the data as CSV. */
-export function linePlot(element, { x, y, lines, range }) {
+export function linePlot(element, { x, y, lines, range, height = 190 }) {
   let plot = null;
   let data = [[], ...lines.map(() => [])];
   const axis = (label) => ({
@@ -28,7 +28,7 @@ export function linePlot(element, { x, y, lines, range }) {
     plot = new uPlot(
       {
         width: Math.max(200, element.clientWidth),
-        height: 190,
+        height,
         scales: { x: { time: false }, y: range ? { range } : {} },
         axes: [{ ...axis(x), size: 30 }, { ...axis(y), size: 48 }],
         cursor: { show: false },
@@ -42,7 +42,7 @@ export function linePlot(element, { x, y, lines, range }) {
             width: line.isPoints ? 0 : (line.width ?? 2),
             fill: line.isFilled ? `${colour(line.colour)}40` : undefined,
             spanGaps: lines.some(({ isPoints }) => isPoints), // null: a point that another line has
-            points: { show: line.isPoints ?? false, size: 6, fill: colour(line.colour) },
+            points: { show: line.isPoints ?? false, size: line.size ?? 6, fill: colour(line.colour) },
           })),
         ],
       },
@@ -51,7 +51,7 @@ export function linePlot(element, { x, y, lines, range }) {
     );
   };
   draw();
-  new ResizeObserver(() => plot.setSize({ width: Math.max(200, element.clientWidth), height: 190 })).observe(element);
+  new ResizeObserver(() => plot.setSize({ width: Math.max(200, element.clientWidth), height })).observe(element);
   plots.add(draw);
   const save = document.createElement("button");
   const caption = element.parentElement.querySelector("figcaption");

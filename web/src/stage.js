@@ -7,7 +7,9 @@ import { colour } from "./plots.js";
 const kPaints = { hammer: "orange", mass: "orange", felt: "felt", contact: "felt", string: "blue", strings: "blue", board: "green", lost: "soft" };
 const kBridge = 0.05; // part of a string in which many stops are one bridge, which is drawn larger
 const kReach = 130; // pixels by which a hammer is pulled back for its highest speed
-const kNear = 60; // pixels around a hammer that take hold of it
+const kNear = 60; // pixels around a hammer or a finger that take hold of it
+const kSectors = 24; // of a membrane's circle
+const kTilt = 0.3; // height of a membrane's circle over its width
 
 const largest = (list) => list.reduce((max, value) => Math.max(max, Math.abs(value)), 0);
 
@@ -17,9 +19,37 @@ function roundDown(number) {
   return [5, 2, 1].find((factor) => factor * power <= number * 1.000001) * power;
 }
 
+/** The value of a parameter, from 0 on, that is furthest from 0. */
+export const strongest = ({ min, max }) => (Math.abs(max) >= Math.abs(min) ? max : min);
+
+/** What a hammer that is pulled back, or a string that is pulled, will do, in words. parameters: of the instrument. */
+export function toldOf({ throws }, parameters, power, place) {
+  const told = [];
+  if (throws !== null && power > 0)
+    told.push(`${readable(Number((parameters[throws].factor * power * strongest(parameters[throws])).toPrecision(3)))} ${parameters[throws].unit}`);
+  if (throws === null && power > 0) told.push(`${Math.round(100 * power)} %`);
+  if (place !== null) told.push(`at ${place.toFixed(2)} of the length`);
+  return told.join(", ");
+}
+
+// The quadrilaterals of a membrane from back to front, each with its corners { at: number of the point, or null at the rim; x, y }.
+function surfaceOf(rings) {
+  const corner = (ring, sector) => {
+    const angle = (2 * Math.PI * sector) / kSectors;
+    const half = Math.min(sector % kSectors, kSectors - (sector % kSectors));
+    const at = ring === 0 ? 0 : ring > rings ? null : 1 + (ring - 1) * (kSectors / 2 + 1) + half;
+    return { at, x: (ring / (rings + 1)) * Math.cos(angle), y: (ring / (rings + 1)) * Math.sin(angle) };
+  };
+  const all = [];
+  for (let ring = 0; ring <= rings; ++ring)
+    for (let s = 0; s < kSectors; ++s) all.push([corner(ring, s), corner(ring + 1, s), corner(ring + 1, s + 1), corner(ring, s + 1)]);
+  const depth = (corners) => corners.reduce((sum, { y }) => sum + y, 0);
+  return all.sort((a, b) => depth(a) - depth(b));
+}
+
 export class Stage {
-  /** thrown({ power, place }): a hammer was pulled back and let go, power 0 to 1, and put at a part of the string's length;
-   * null for what did not change. tell(power, place) says so in words while it moves. */
+  /** thrown({ power, place }): a hammer was pulled back and let go, or a string, power 0 to 1, and put at a part of the
+   * string's length; null for what did not change. tell(power, place) says so in words while it moves. */
   constructor(canvas, { play, time, speed }, { thrown, tell }) {
     Object.assign(this, { canvas, play, time, speed, thrown, tell, study: null, at: 0, isPlaying: true, last: null, pulled: null });
     play.addEventListener("click", () => this.setPlaying(!this.isPlaying));
@@ -42,7 +72,12 @@ export class Stage {
       forces: item.force !== undefined && study.column(item.force),
       places: item.atColumn !== undefined && study.column(item.atColumn),
       boards: item.board !== undefined && study.column(item.board),
+      quads: item.rings > 0 && surfaceOf(item.rings),
     }));
+    // Membranes stand above each other and above all strings.
+    const surfaces = this.items.filter(({ kind }) => kind === "surface");
+    surfaces.forEach((item, k) => (item.slot = k));
+    this.slots = surfaces.length === 0 ? 1 : surfaces.length + (this.items.some(({ kind }) => kind === "string") ? 1 : 0);
     this.forces = study.column(scene.force);
     this.energies = scene.energies.map(([name, column]) => [name, study.column(column)]);
     Object.assign(this, { study, at: 0, pulled: null });
@@ -107,9 +142,10 @@ export class Stage {
     const bottom = height - (wide ? 96 : 76);
     const box = { left: 60, right: width - (this.energies.length === 0 ? 24 : wide ? 150 : 116), top: 48, bottom };
     box.middle = (box.top + bottom) / 2;
-    box.unit = ((this.study.scene.isFlipped ? -1 : 1) * (bottom - box.top) * 0.42) / this.reach;
+    box.unit = ((this.study.scene.isFlipped ? -1 : 1) * (bottom - box.top) * 0.42) / this.reach / this.slots;
+    this.hold = null;
     this.box = box;
-    for (const item of this.items) this.drawItem(context, box, item, i, frame - i, value);
+    for (const item of this.items) this.drawItem(context, this.slotOf(box, item), item, i, frame - i, value);
     if (this.bridge) this.drawBridge(context, box, i, frame - i);
     this.drawScale(context, box);
     if (this.energies.length > 0) this.drawEnergy(context, { x: box.right + (wide ? 26 : 16), width: wide ? 26 : 18, bottom }, value);
@@ -124,6 +160,14 @@ export class Stage {
     context.fillText(text, x, y);
   }
 
+  // The part of the box where an item is drawn.
+  slotOf(box, { kind, slot }) {
+    if (this.slots === 1) return box;
+    const number = slot ?? (kind === "hammer" ? 0 : this.slots - 1);
+    const size = (box.bottom - box.top) / this.slots;
+    return { ...box, top: box.top + number * size, middle: box.top + (number + 0.5) * size, bottom: box.top + (number + 1) * size };
+  }
+
   // A displacement as a height on the canvas.
   height(box, displacement) {
     return box.middle - displacement * box.unit;
@@ -133,6 +177,7 @@ export class Stage {
     const across = (at) => box.left + (box.right - box.left) * at;
     if (item.kind === "wall") this.drawWall(context, box);
     if (item.kind === "string") this.drawString(context, box, item, this.curve(item, i, part), value);
+    if (item.kind === "surface") this.drawSurface(context, box, item, this.curve(item, i, part));
     if (item.kind === "body") this.drawBody(context, box, this.curve(item, i, part));
     if (item.kind === "hammer") this.drawHammer(context, box, item, across(item.at), value);
     if (item.kind === "stop" && !this.bridge?.includes(item)) {
@@ -155,12 +200,61 @@ export class Stage {
     context.lineWidth = 3;
     context.lineJoin = "round";
     context.beginPath();
-    curve.forEach((y, p) => context.lineTo(across(p), this.height(box, y)));
+    const { plucks } = this.study.scene;
+    const finger = plucks?.column === item.column ? across(plucks.at * (curve.length - 1)) : null;
+    if (this.pulled && finger !== null) {
+      context.moveTo(box.left, box.middle);
+      context.lineTo(finger, box.middle + this.pulled.power * this.pulled.side * kReach);
+      context.lineTo(box.right, box.middle);
+    } else {
+      curve.forEach((y, p) => context.lineTo(across(p), this.height(box, y)));
+    }
     context.stroke();
+    if (finger !== null) this.drawFinger(context, box, finger, curve[Math.round(plucks.at * (curve.length - 1))]);
     context.fillStyle = colour("ink");
     context.fillRect(box.left - 3, box.middle - 10, 6, 20);
     if (item.boards) this.drawBoard(context, box, item, value(item.boards));
     else context.fillRect(box.right - 3, box.middle - 10, 6, 20);
+  }
+
+  // Where a string is plucked: a ring to pull at.
+  drawFinger(context, box, x, displacement) {
+    const y = this.pulled ? box.middle + this.pulled.power * this.pulled.side * kReach : this.height(box, displacement);
+    context.strokeStyle = colour("orange");
+    context.lineWidth = 2;
+    context.beginPath();
+    context.arc(x, y, 9, 0, 2 * Math.PI);
+    context.stroke();
+    if (this.pulled) this.write(context, this.pulled.text, x + 18, y + 5, "ink", "600 14px system-ui");
+    this.hold = { x, y, down: 0 };
+  }
+
+  // A membrane seen from the side, blue where its displacement is positive, orange where it is negative.
+  drawSurface(context, box, { quads }, curve) {
+    const [rx, cx] = [(box.right - box.left) / 2, (box.left + box.right) / 2];
+    const ry = Math.min(kTilt * rx, 0.36 * (box.bottom - box.top));
+    const height = ({ at }) => (at === null ? 0 : curve[at]);
+    const [up, down, mesh] = [colour("blue"), colour("orange"), colour("soft")];
+    context.lineWidth = 0.5;
+    context.strokeStyle = mesh;
+    for (const corners of quads) {
+      context.beginPath();
+      for (const corner of corners) context.lineTo(cx + corner.x * rx, box.middle + corner.y * ry - height(corner) * box.unit);
+      context.closePath();
+      const mean = corners.reduce((sum, corner) => sum + height(corner), 0) / corners.length;
+      context.fillStyle = colour("panel");
+      context.fill();
+      context.globalAlpha = Math.min(0.9, 0.06 + 1.6 * Math.abs(mean) / this.reach);
+      context.fillStyle = mean >= 0 ? up : down;
+      context.fill();
+      context.globalAlpha = 1;
+      context.stroke();
+    }
+    context.strokeStyle = colour("ink");
+    context.lineWidth = 2;
+    context.beginPath();
+    context.ellipse(cx, box.middle, rx, ry, 0, 0, 2 * Math.PI);
+    context.stroke();
   }
 
   // The board moves too little to be seen: it is drawn larger, up to a fifth of the height.
@@ -333,7 +427,8 @@ export class Stage {
     this.write(context, "energy", x - 6, 22, "ink");
   }
 
-  // Pulling a hammer back sets its speed, moving it along the string its place; letting go throws it.
+  // Pulling a hammer back sets its speed, moving it along the string its place; letting go throws it. Pulling a string sets
+  // the force of its pluck.
   listenToPointers() {
     const { canvas } = this;
     const at = ({ clientX, clientY }) => {
@@ -347,7 +442,7 @@ export class Stage {
       canvas.setPointerCapture(event.pointerId);
       this.setPlaying(false);
       this.at = 0;
-      this.from = { x, y };
+      this.from = { x, y, down: this.hold.down };
       this.pull({ x, y });
     });
     canvas.addEventListener("pointermove", (event) => this.pulled && this.pull(at(event)));
@@ -363,12 +458,15 @@ export class Stage {
     });
   }
 
+  // A hammer is pulled back, a string to both sides.
   pull({ x, y }) {
     const { left, right } = this.box;
-    const power = Math.max(0, Math.min(1, ((y - this.from.y) * this.hold.down) / kReach));
-    const moves = this.study.scene.moves !== null && Math.abs(x - this.from.x) > 6;
+    const way = (y - this.from.y) / kReach;
+    const { down } = this.from;
+    const power = Math.max(0, Math.min(1, down === 0 ? Math.abs(way) : way * down));
+    const moves = down !== 0 && this.study.scene.moves !== null && Math.abs(x - this.from.x) > 6;
     const place = moves || this.pulled?.place ? Math.max(0.02, Math.min(0.98, (x - left) / (right - left))) : null;
-    this.pulled = { power, place, text: this.tell(power, place) };
+    this.pulled = { power, place, side: Math.sign(way), text: this.tell(power, place) };
     this.draw();
   }
 }

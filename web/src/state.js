@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The state of the page in its address: instrument, material, controls, keys, comparison, tour and theme.
+// The state of the page in its address: instrument, material, controls, keys, comparison, story and theme.
 
 /** The numbers of a state beside its controls, with what they may be. */
-const kNumbers = { octave: [1, 8], key: [0, 127], compare: [0.1, 1000], step: [1, 6] };
+const kNumbers = { octave: [1, 8], key: [0, 127], compare: [0.1, 1000], step: [1, 7] };
 const kThemes = ["light", "dark"];
 
 /** The address part of a state { instrument, material: a name that ships or the text of a file, controls: { parameter: value },

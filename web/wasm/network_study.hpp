@@ -17,6 +17,7 @@
 
 #include "contactspline/instrument/network_instrument.hpp"
 #include "contactspline/instrument/played_by_events.hpp"
+#include "web/wasm/membrane.hpp"
 #include "web/wasm/study.hpp"
 
 namespace contactspline::web {
@@ -25,11 +26,14 @@ namespace contactspline::web {
 class NetworkGeometry {
  public:
   explicit NetworkGeometry(const InstrumentData& data) : data_(data), strings_(data.body_ends.size()) {
+    for (std::size_t b = 0; b < data.body_ends.size(); ++b) membranes_.push_back(MembraneShapes::of(data, b));
     const std::size_t moving = data.place_bodies.size() - data.keyed.far_ends;
     for (std::size_t p = 0, begin = 0; p < data.place_bodies.size(); ++p) {
       const std::size_t modes = modes_of(data.place_bodies[p]);
       places_.push_back(p < moving ? along_string(data.shapes.subspan(begin, modes)) : std::nullopt);
       if (places_.back()) strings_[data.place_bodies[p]] = true;
+      if (const auto& membrane = membranes_[data.place_bodies[p]])
+        places_.back() = (1 + membrane->along_diameter(data.shapes.subspan(begin, modes))) / 2;
       begin += modes;
     }
   }
@@ -41,7 +45,8 @@ class NetworkGeometry {
   [[nodiscard]] bool is_mass(std::size_t body) const {
     return std::ranges::find(data_.strikes, body) != data_.strikes.end();
   }
-  /// Part of the length; nothing where the body is no string.
+  [[nodiscard]] const std::optional<MembraneShapes>& membrane(std::size_t body) const { return membranes_[body]; }
+  /// Part of the length, of a membrane's diameter through the strike; nothing where the body is neither.
   [[nodiscard]] std::optional<double> place(std::size_t place) const {
     return place == kGround ? std::nullopt : places_[place];
   }
@@ -61,6 +66,7 @@ class NetworkGeometry {
 
   InstrumentData data_;
   std::vector<bool> strings_;
+  std::vector<std::optional<MembraneShapes>> membranes_;  // of the bodies
   std::vector<std::optional<double>> places_;
 };
 
@@ -102,8 +108,8 @@ class NetworkFrames {
     std::vector<std::string> items;
     std::size_t column = 1;
     for (const Curve& curve : curves_) {
-      items.push_back(
-          fmt::format(R"({{"kind": "{}", "column": {}, "points": {}}})", curve.kind, column, curve.points.size()));
+      items.push_back(fmt::format(R"({{"kind": "{}", "column": {}, "points": {}, "rings": {}}})", curve.kind, column,
+                                  curve.points.size(), curve.kind == std::string_view("surface") ? kRings : 0));
       column += curve.points.size();
     }
     const std::size_t first_contact = column + masses_.size();
@@ -111,7 +117,7 @@ class NetworkFrames {
       items.push_back(contact_item(contacts_[i], column, first_contact + 2 * i));
     return fmt::format(
         R"({{"throws": {}, "moves": null, "plucks": {}, "force": 0, "energies": [], "isFlipped": {}, "items": [{}]}})",
-        event.parameter, pluck(event), has_stops(), fmt::join(items, ", "));
+        event.parameter, pluck(event), has_stops() || has_membranes(), fmt::join(items, ", "));
   }
 
  private:
@@ -140,8 +146,12 @@ class NetworkFrames {
       curve.points.push_back(sines(geometry_.modes_of(b), std::numbers::pi * static_cast<double>(p) / (kPoints - 1)));
   }
 
-  // The places of a plate, a bar or a membrane, side by side.
+  // A membrane, or the places of a plate or a bar, side by side.
   void add_body(std::size_t b) {
+    if (const auto& membrane = geometry_.membrane(b)) {
+      curves_.push_back({"surface", b, membrane_points(*membrane)});
+      return;
+    }
     Curve curve{"body", b, {}};
     for (std::size_t p = 0, begin = 0; p < data_.place_bodies.size(); ++p) {
       const std::size_t modes = geometry_.modes_of(data_.place_bodies[p]);
@@ -180,6 +190,12 @@ class NetworkFrames {
     return fmt::format(R"({{"kind": "stop", "at": {}, "height": {:.17g}, "side": {}, "force": {}}})",
                        at(is_above ? c.first : c.second), is_above ? c.gap_m : -c.gap_m, is_above ? 1 : -1,
                        column + 1);
+  }
+
+  // A drum is struck from above.
+  [[nodiscard]] bool has_membranes() const {
+    return std::ranges::any_of(curves_,
+                               [&](const Curve& curve) { return geometry_.membrane(curve.body).has_value(); });
   }
 
   // What a string meets on the ground is drawn below it.

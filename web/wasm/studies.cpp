@@ -48,6 +48,8 @@ std::vector<Studied> all_studied() {
        [](const StudyPlan& plan, std::size_t) {
          return study_of_mass(segments_of<materials::felt_c4, double>, values, plan);
        }},
+      {"mass_at_material", kBlow_s,  // of the page, for its story
+       [](const StudyPlan& plan, std::size_t) { return study_of_mass(material.table<double>(), values, plan); }},
       {"slide_string", kPluck_s, of_plucked<SlideGuitar, resonators::guitar_g3>},
       {"fret_string", kPluck_s, of_plucked<FretGuitar, resonators::guitar_d3>}};
   each_instrument_of_a_file([&]<template <typename> typename I>() {
