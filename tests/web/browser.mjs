@@ -20,8 +20,8 @@ async function launched(modules) {
 export const closeBrowser = () => browser?.close();
 
 /** Opens an address as if for the first time. Returns the page, what it requested and complained of, and close(). */
-export async function openPage(modules, address, { width = 1280, height = 800, colorScheme = "light", permissions } = {}) {
-  const context = await (await launched(modules)).newContext({ viewport: { width, height }, colorScheme, permissions, acceptDownloads: true });
+export async function openPage(modules, address, { width = 1280, height = 800, colorScheme = "light", permissions, scale = 1, hasTouch = false } = {}) {
+  const context = await (await launched(modules)).newContext({ viewport: { width, height }, colorScheme, permissions, deviceScaleFactor: scale, hasTouch, acceptDownloads: true });
   const page = await context.newPage();
   const complaints = [];
   const requests = [];

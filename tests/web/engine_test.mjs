@@ -59,6 +59,20 @@ for (const name of ["tom", "marimba_tube", "trichord_c4"]) {
 }
 rmSync(folder, { recursive: true });
 
+// Choosing and playing all instruments again and again takes no more memory, with voices and without.
+const used = [];
+for (let round = 0; round < 12; ++round) {
+  for (const [number, { name }] of instruments.entries()) {
+    assert.ok(engine.choose(number));
+    if (name === "tanpura") for (const cents of [-498, 0, 1.5, -1200]) assert.ok(engine.addVoice(cents));
+    for (const voice of [0, 1, 2, 3, 4]) engine.noteOn(60, 0.7, voice);
+    for (let block = 0; block < 8; ++block) engine.process(128);
+  }
+  used.push(engine.memory());
+}
+assert.equal(used.at(-1), used[1], `memory grows: ${used}`);
+console.log(`memory after 2 and after 12 rounds of all instruments: ${(used[1] / 1e6).toFixed(1)} and ${(used.at(-1) / 1e6).toFixed(1)} MB`);
+
 let last = limited(-1000);
 assert.ok(last >= -1);
 for (let x = -4; x <= 4; x += 1 / 1024) {

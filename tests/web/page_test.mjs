@@ -302,6 +302,42 @@ const cases = {
     });
   },
 
+  async "a lecture embeds the stage or a chapter alone"() {
+    for (const [query, shown, hidden] of [["?embed", "#stage", "#chapter-1"], ["?embed=5", "#chapter-5", "#play"], ["?embed=constructor", "#stage", "#chapter-5"]]) {
+      await withPage(`${server.address}${query}`, async (page) => {
+        assert.ok(await page.locator(shown).isVisible(), `${query}: ${shown}`);
+        for (const other of [hidden, "header", "#editor", "#figures"]) assert.ok(await page.locator(other).first().isHidden(), `${query}: ${other}`);
+        assert.ok(await page.getByText("the whole page").isVisible());
+        await page.waitForFunction((query) => {
+          const { stage, story } = contactSpline.page;
+          return (query === "?embed=5" ? story.stages.get(document.getElementById("chapter-5")) : stage)?.at > 0;
+        }, query);
+        const size = await page.evaluate(() => document.documentElement.scrollHeight);
+        console.log(`  ${query}: ${size} pixels high at 1280 wide`);
+      });
+    }
+  },
+
+  async "a page of twice the size loses nothing"() {
+    // 200 % zoom of a window of 1280 x 800 is a window of 640 x 400 with pixels of twice the size.
+    for (const width of [640, 390]) {
+      await withPage(server.address, async (page) => {
+        for (let chapter = 1; chapter <= 7; ++chapter) await page.evaluate((chapter) => contactSpline.page.story.go(chapter), chapter);
+        const { wide, cut } = await page.evaluate(() => {
+          const seen = [...document.querySelectorAll("main *, header *")].filter((element) => element.checkVisibility() && !element.closest("#scores, #keys, math, .uplot"));
+          const outside = seen.filter((element) => {
+            const { left, right, width } = element.getBoundingClientRect();
+            return width > 0 && (left < -1 || right > document.documentElement.clientWidth + 1) && !element.classList.contains("skip");
+          });
+          return { wide: document.documentElement.scrollWidth, cut: outside.map((element) => element.outerHTML.slice(0, 80)) };
+        });
+        assert.deepEqual(cut, [], `${width} pixels`);
+        assert.ok(wide <= width, `${wide} pixels wide`);
+        assert.equal(await page.evaluate(() => [...document.querySelectorAll("math")].filter((m) => m.scrollWidth > m.parentElement.clientWidth).length), 0, "a formula is cut");
+      }, { width, height: 400, scale: 2 });
+    }
+  },
+
   async "the presets go through"() {
     await withPage(server.address, async (page) => {
       const presets = await page.locator("#preset option").evaluateAll((options) => options.map(({ value }) => value).filter(Boolean));
@@ -406,6 +442,57 @@ const cases = {
       await page.waitForTimeout(600);
       assert.ok((await page.evaluate(() => contactSpline.page.figures.strikes)) <= before + 1, "stopped");
       assert.equal(await page.locator("#keys .down").count(), 0);
+    });
+  },
+
+  async "a MIDI file plays on the piano"() {
+    await withPage(server.address, async (page) => {
+      const path = new URL("../../data/scores/bach_prelude.mid", import.meta.url);
+      const bytes = readFileSync(path);
+      const parsed = await page.evaluate((bytes) => contactSpline.midiPerformance(new Uint8Array(bytes)).messages, [...bytes]);
+      const notes = parsed.filter((message) => message.do === "noteOn");
+      assert.deepEqual(notes.slice(0, 8).map(({ key }) => key), [60, 64, 67, 72, 76, 67, 72, 76], "the first half bar of the prelude");
+      assert.equal(parsed.filter((message) => message.do === "noteOff").length, notes.length);
+      // 96 parts a quarter, 400,000 us a quarter from the beginning; two bytes for 200 parts; a status that is not repeated.
+      const track = [0, 0xff, 0x51, 3, 0x06, 0x1a, 0x80, 0x81, 0x48, 0x90, 60, 100, 96, 60, 0, 0, 0x99, 36, 100, 0, 0xff, 0x2f, 0];
+      const file = [..."MThd"].map((letter) => letter.charCodeAt(0)).concat([0, 0, 0, 6, 0, 0, 0, 1, 0, 96], [..."MTrk"].map((letter) => letter.charCodeAt(0)), [0, 0, 0, track.length], track);
+      const known = await page.evaluate((bytes) => contactSpline.midiPerformance(new Uint8Array(bytes)).messages, file);
+      assert.deepEqual(known.map((message) => message.do), ["noteOn", "noteOff", "end"]);
+      assert.ok(Math.abs(known[0].at - (200 / 96) * 0.4) < 1e-12 && Math.abs(known[1].at - (296 / 96) * 0.4) < 1e-12, JSON.stringify(known));
+      // Four bars of sixteen notes of equal length, which last as long as the program says, with what rings on.
+      const sixteenth = notes[1].at - notes[0].at;
+      for (const [i, { at }] of notes.slice(0, 16).entries()) assert.ok(Math.abs(at - notes[0].at - i * sixteenth) < 1e-3, `note ${i} at ${at} s`);
+      const [, duration] = execFileSync(program, ["list", "scores"], { encoding: "utf8" }).match(/bach_prelude\s+\S+\s+([\d.]+)/);
+      assert.ok(64 * sixteenth < duration && 64 * sixteenth > duration - 4, `${64 * sixteenth} s, not ${duration}`);
+      for (let i = 1; i < parsed.length; ++i) assert.ok(parsed[i].at >= parsed[i - 1].at);
+      await page.locator("#midi-input").setInputFiles({ name: "prelude.mid", mimeType: "audio/midi", buffer: bytes });
+      await page.waitForFunction(() => contactSpline.page.figures.strikes >= 3);
+      assert.equal(await page.locator("#instrument").inputValue(), "piano");
+      await page.locator("#midi-file").click();
+      assert.equal(await page.evaluate(() => contactSpline.page.score), null);
+      // Damaged files: one line, no exception.
+      for (const [name, wrong, told] of [["empty.mid", Buffer.alloc(0), /no standard MIDI file/], ["text.mid", Buffer.from("hello, this is a text"), /no standard MIDI file/],
+        ["cut.mid", bytes.subarray(0, 200), /ends too early/], ["quiet.mid", bytes.subarray(0, 14), /no notes/]]) {
+        await page.locator("#midi-input").setInputFiles({ name, mimeType: "audio/midi", buffer: wrong });
+        await page.waitForFunction((name) => document.getElementById("midi").textContent.startsWith(`${name} cannot be played`), name);
+        assert.match(await page.locator("#midi").textContent(), told);
+      }
+      const thrown = await page.evaluate((bytes) => {
+        let seed = 1;
+        const random = (n) => (seed = (seed * 48271) % 2147483647) % n;
+        const wrong = [];
+        for (let i = 0; i < 2000; ++i) {
+          const damaged = new Uint8Array(bytes.slice(0, 14 + random(bytes.length)));
+          for (let k = random(6); k > 0; --k) damaged[random(damaged.length)] = random(256);
+          try {
+            for (const { at } of contactSpline.midiPerformance(damaged).messages) if (!(at >= 0)) wrong.push(at);
+          } catch (error) {
+            if (error.constructor !== Error) wrong.push(String(error));
+          }
+        }
+        return wrong;
+      }, [...bytes]);
+      assert.deepEqual(thrown.slice(0, 3), []);
     });
   },
 
@@ -514,6 +601,71 @@ const cases = {
       assert.ok(Math.abs(speed - 5) < 0.1, `half of the way is half of the speed: ${speed}`);
       const { left, right } = await page.evaluate(() => contactSpline.page.stage.box);
       assert.ok(Math.abs(place - (hold.x + 150 - left) / (right - left)) < 0.01, `the place of the pointer: ${place}`);
+    });
+  },
+
+  async "a finger on a phone throws the hammer, and plays keys"() {
+    await withPage(server.address, async (page) => {
+      const finger = await page.context().newCDPSession(page);
+      const touch = (type, x, y) => finger.send("Input.dispatchTouchEvent", { type, touchPoints: type === "touchEnd" ? [] : [{ x, y }] });
+      const { x, y } = await page.evaluate(() => {
+        const { stage } = contactSpline.page;
+        stage.rest();
+        stage.canvas.scrollIntoView({ block: "center", behavior: "instant" });
+        const { left, top } = stage.canvas.getBoundingClientRect();
+        return { x: left + stage.hold.x, y: top + stage.hold.y };
+      });
+      const scrolled = await page.evaluate(() => scrollY);
+      await touch("touchStart", x, y);
+      for (let i = 1; i <= 6; ++i) {
+        await touch("touchMove", x, y + (65 * i) / 6);
+        await page.waitForTimeout(20);
+      }
+      await touch("touchEnd");
+      await page.waitForFunction(() => contactSpline.page.figures.strikes === 1);
+      const speed = await page.evaluate(() => contactSpline.page.value("speed_m_per_s"));
+      assert.ok(Math.abs(speed - 5) < 0.2, `half of the way is half of the speed: ${speed}`);
+      assert.equal(await page.evaluate(() => scrollY), scrolled, "the page stays");
+      const key = await page.locator("#keys .white").nth(2).boundingBox();
+      await page.evaluate((y) => scrollTo({ top: scrollY + y - 300, behavior: "instant" }), key.y);
+      const now = await page.locator("#keys .white").nth(2).boundingBox();
+      await touch("touchStart", now.x + 10, now.y + 100);
+      await page.waitForFunction(() => contactSpline.page.figures.strikes === 2);
+      assert.equal(await page.locator("#keys .down").count(), 1);
+      await touch("touchEnd");
+      await page.waitForFunction(() => document.querySelectorAll("#keys .down").length === 0);
+    }, { width: 390, height: 844, hasTouch: true });
+  },
+
+  async "a clip of picture and sound is saved"() {
+    await withPage(server.address, async (page) => {
+      await page.click("#record-clip");
+      await page.getByRole("button", { name: "Stop and save" }).waitFor();
+      await page.keyboard.press("a");
+      await page.waitForTimeout(1500);
+      const [saved] = await Promise.all([page.waitForEvent("download"), page.click("#record-clip")]);
+      const path = join(folder, "clip.webm");
+      await saved.saveAs(path);
+      const bytes = readFileSync(path);
+      assert.equal(bytes.readUInt32BE(0), 0x1a45dfa3, "Matroska");
+      const text = bytes.toString("latin1");
+      assert.ok(/V_VP[89]/.test(text) && text.includes("A_OPUS"), "picture and sound");
+      console.log(`  ${saved.suggestedFilename()}: ${(bytes.length / 1e3).toFixed(0)} kB`);
+      // What it shows and plays, as a browser reads it.
+      const { width, seconds, moving } = await page.evaluate(async (bytes) => {
+        const video = Object.assign(document.createElement("video"), { muted: true, src: URL.createObjectURL(new Blob([new Uint8Array(bytes)])) });
+        await video.play();
+        const canvas = Object.assign(document.createElement("canvas"), { width: video.videoWidth, height: video.videoHeight });
+        const shot = () => {
+          canvas.getContext("2d").drawImage(video, 0, 0);
+          return canvas.toDataURL();
+        };
+        await new Promise((done) => setTimeout(done, 200));
+        const first = shot();
+        await new Promise((done) => setTimeout(done, 500));
+        return { width: video.videoWidth, seconds: video.currentTime, moving: shot() !== first };
+      }, [...bytes]);
+      assert.ok(width > 500 && seconds > 0.3 && moving, JSON.stringify({ width, seconds, moving }));
     });
   },
 

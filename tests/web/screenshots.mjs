@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// screenshots.mjs NODE_MODULES PAGE.html FOLDER: the page after a strike, on a phone and a desktop, dark and light, to look
+// screenshots.mjs NODE_MODULES PAGE.html FOLDER: the page after a strike and each chapter of its story, on a phone and a desktop, dark and light, to look
 // at; and docs-light.png, which is docs/figures/web.png.
 import { mkdirSync } from "node:fs";
 import { join } from "node:path";
@@ -26,6 +26,11 @@ for (const [device, size] of Object.entries(devices))
       stage.time.dispatchEvent(new Event("input"));
     });
     await page.screenshot({ path: join(folder, `${device}-${colorScheme}.png`) });
+    for (let chapter = 1; device !== "docs" && chapter <= 7; ++chapter) {
+      await page.evaluate((chapter) => contactSpline.page.story.go(chapter), chapter);
+      await page.waitForTimeout(400);
+      await page.locator(`#chapter-${chapter}`).screenshot({ path: join(folder, `${device}-${colorScheme}-chapter-${chapter}.png`) });
+    }
     await page.screenshot({ path: join(folder, `${device}-${colorScheme}-whole.png`), fullPage: true });
     await close();
   }

@@ -2,8 +2,8 @@
 // The files that the build packed into the page (web/build.mjs), gzip in base64.
 
 async function bytesOf(element) {
-  const packed = Uint8Array.from(atob(element.textContent), (character) => character.charCodeAt(0));
-  const unpacked = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
+  const packed = await fetch(`data:application/gzip;base64,${element.textContent}`); // faster than atob()
+  const unpacked = packed.body.pipeThrough(new DecompressionStream("gzip"));
   return new Uint8Array(await new Response(unpacked).arrayBuffer());
 }
 

@@ -66,6 +66,14 @@ export class Audio {
     return this.recorded;
   }
 
+  /** What sounds, as a stream to record. */
+  async stream() {
+    await this.start();
+    this.out ??= new MediaStreamAudioDestinationNode(this.context);
+    this.analyser.connect(this.out);
+    return this.out.stream;
+  }
+
   /** Plays samples, as those of a comparison, beside the instrument. */
   async play(samples) {
     await this.start();

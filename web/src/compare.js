@@ -94,6 +94,7 @@ export class Comparison {
   }
 
   draw() {
+    if (!this.module) return; // a link may set the stiffness before it is loaded
     const ours = this.ours(0.25);
     const theirs = this.theirs(0.25);
     const samples = Math.round(kShown * this.sampleRate);

@@ -31,6 +31,8 @@ export function startEngine(module, sampleRate) {
     noteOn: (key, velocity, voice = 0) => exports.engine_note_on(voice, key, velocity),
     noteOff: (key, voice = 0) => exports.engine_note_off(voice, key),
     midi: ([status, first, second]) => exports.engine_midi(status, first, second),
+    /** Bytes of the module's memory. */
+    memory: () => exports.memory.buffer.byteLength,
     watchNone: () => exports.engine_watch_none(),
 
     /** Plays up to 128 samples: left, right and the contact force, views that the next call changes. */

@@ -2,6 +2,7 @@
 // The page: puts instrument, figures, editor, comparison and story together.
 import { asset, jsonAsset } from "./assets.js";
 import { Audio, kSampleRate, renderOffline } from "./audio.js";
+import { Clip } from "./clip.js";
 import { Comparison } from "./compare.js";
 import { fillSelect, readable, slider } from "./controls.js";
 import { Editor } from "./editor.js";
@@ -9,12 +10,13 @@ import { startEngine } from "./engine.js";
 import { startGenerator } from "./generator.js";
 import { Keys, keyName } from "./keys.js";
 import { Figures } from "./figures.js";
+import { midiPerformance } from "./midi_file.js";
 import { redrawPlots } from "./plots.js";
 import { kPresets } from "./presets.js";
 import { download, wavOf } from "./save.js";
 import { Stage, strongest, toldOf } from "./stage.js";
 import { Story } from "./story.js";
-import { addressOf, stateOf } from "./state.js";
+import { addressOf, embeddedOf, stateOf } from "./state.js";
 import { instrumentOf, performance as performanceOf } from "./scores.js";
 import { startStudies } from "./studies.js";
 
@@ -29,6 +31,7 @@ const kScoreStudies = 1500; // milliseconds between two notes of a score that ar
 const kScoreMarks = 180; // milliseconds that a key is marked
 const kFirstScores = ["fur_elise", "tanpura_drone"];
 const kMaxPast = 100;
+const kFirstFrames = 50; // milliseconds in which the stage begins to move
 
 const byId = (id) => document.getElementById(id);
 const compile = async (name) => WebAssembly.compile(await asset(name));
@@ -61,6 +64,17 @@ class Page {
       moved: () => this.changed(),
     });
     this.connectButtons();
+    this.clip = new Clip(byId("record-clip"), byId("stage"), this.audio);
+    this.embed(embeddedOf(location.search));
+  }
+
+  /** Shows the stage or one chapter alone, with a link to all. */
+  embed(part) {
+    if (part === null) return;
+    document.body.classList.add("embed", part === "stage" ? "embed-stage" : "embed-chapter");
+    if (part !== "stage") byId(`chapter-${part}`).classList.add("embedded");
+    const link = Object.assign(document.createElement("a"), { href: location.pathname, target: "_blank", textContent: "Contact Spline: the whole page" });
+    document.querySelector("footer").replaceChildren(link);
   }
 
   connectButtons() {
@@ -69,6 +83,13 @@ class Page {
     byId("preset").addEventListener("change", ({ target }) => target.value && this.show(kPresets[target.value]));
     byId("undo").addEventListener("click", () => this.undo());
     byId("midi-connect").addEventListener("click", async () => (byId("midi").textContent = await this.keys.listenToMidi()));
+    byId("midi-file").addEventListener("click", () => (this.score ? this.stopScore() : byId("midi-input").click()));
+    byId("midi-input").addEventListener("change", ({ target }) => this.playMidi(target.files[0]));
+    addEventListener("dragover", (event) => event.preventDefault());
+    addEventListener("drop", (event) => {
+      event.preventDefault();
+      this.playMidi(event.dataTransfer.files[0]);
+    });
     byId("record").addEventListener("click", () => this.record());
     byId("octave-down").addEventListener("click", () => this.keys.shift(-1));
     byId("octave-up").addEventListener("click", () => this.keys.shift(1));
@@ -92,28 +113,33 @@ class Page {
     this.story?.draw();
   }
 
-  /** Loads what sounds and what is drawn; the rest follows when the page has been seen. */
+  /** Loads what sounds and what is drawn first, and lets it move; the rest follows when that has been seen. */
   async load() {
-    const [engine, studies, generator] = await Promise.all(["engine", "studies", "generator"].map(compile));
-    this.engine = startEngine(engine, kSampleRate);
-    this.studies = startStudies(studies, kSampleRate);
-    this.reference = startStudies(studies, kSampleRate);
+    const [engine, studies, generator] = ["engine", "studies", "generator"].map(compile);
+    this.engine = startEngine(await engine, kSampleRate);
+    this.studies = startStudies(await studies, kSampleRate);
     this.engine.instruments().forEach((instrument, number) => this.instruments.set(instrument.name, { ...instrument, number }));
     fillSelect(byId("instrument"), Object.fromEntries([...this.instruments.values()].map(({ name, title }) => [name, capital(title)])));
-    this.editor = new Editor(startGenerator(generator), (design) => this.useDesign(design));
+    const first = stateOf(location.hash);
+    this.play(this.instruments.has(first.instrument) ? first.instrument : kFirst, first.controls); // on the felt of C4
+    this.run();
+    await new Promise((seen) => setTimeout(seen, kFirstFrames));
+    this.reference = startStudies(await studies, kSampleRate);
+    this.editor = new Editor(startGenerator(await generator), (design) => this.useDesign(design));
     this.editor.load({ name: "felt_c4" });
     this.reference.useMaterial(this.editor.current);
     this.comparison = new Comparison(this.reference, kSampleRate, (samples) => this.audio.play(samples), () => this.changed());
     this.story = new Story({
-      studies: startStudies(studies, kSampleRate),
+      studies: startStudies(await studies, kSampleRate),
       generator: this.editor.generator,
       instruments: this.instruments,
       hear: (state, velocity) => this.show(state).then(() => this.strikeOnce(kMiddleC, velocity)),
-      piece: () => (this.score === kFirstScores[0] ? this.stopScore() : this.playScore(kFirstScores[0])),
+      piece: () => (this.score ? this.stopScore() : this.playScore(kFirstScores[0])),
       at: () => this.changed(),
     });
-    await Promise.all([this.comparison.load(), this.offerScores()]); // a link may set the stiffness of the comparison
-    await this.show(stateOf(location.hash));
+    await this.show(first);
+    await Promise.all([this.comparison.load(), this.offerScores()]);
+    this.gainOf(this.instrument); // which the first strike need not measure
     this.address = addressOf(this.state());
     this.settle();
     addEventListener("hashchange", () => this.show(stateOf(location.hash)));
@@ -197,9 +223,11 @@ class Page {
     const scores = Object.entries(await jsonAsset("scores")).filter(([, score]) => instrumentOf(score, this.instruments));
     const rank = ([name]) => (kFirstScores.includes(name) ? kFirstScores.indexOf(name) : kFirstScores.length);
     this.scores = new Map(scores.toSorted((a, b) => rank(a) - rank(b)));
-    for (const [name, { description }] of this.scores) {
+    for (const [name, score] of this.scores) {
       const button = document.createElement("button");
-      button.textContent = capital(description);
+      const { title } = this.instruments.get(instrumentOf(score, this.instruments));
+      button.textContent = score.keyboard ? score.description.split(",")[0] : capital(title);
+      button.title = capital(score.description);
       button.dataset.score = name;
       button.className = "score";
       button.setAttribute("aria-pressed", "false");
@@ -211,15 +239,34 @@ class Page {
   /** Plays a score that ships on its instrument, with the first values of all controls. */
   async playScore(name) {
     const score = this.scores.get(name);
-    this.play(instrumentOf(score, this.instruments));
+    const instrument = instrumentOf(score, this.instruments);
+    await this.perform(name, instrument, performanceOf(score, this.instruments.get(instrument)));
+  }
+
+  /** Plays a standard MIDI file on the piano. One line says what is wrong with it. */
+  async playMidi(file) {
+    if (!file) return;
+    try {
+      const performed = midiPerformance(new Uint8Array(await file.arrayBuffer()));
+      byId("midi").textContent = `Plays ${file.name}.`;
+      await this.perform(file.name, "piano", performed);
+    } catch (error) {
+      byId("midi").textContent = `${file.name} cannot be played: ${error.message}.`;
+    }
+  }
+
+  async perform(name, instrument, messages) {
+    this.play(instrument);
     this.markScore(name);
     const started = this.audio.start();
-    this.audio.send({ do: "score", ...performanceOf(score, this.played()) });
+    this.audio.send({ do: "score", ...messages });
     await started;
   }
 
   markScore(name) {
     this.score = name;
+    byId("story-piece").textContent = name ? "Stop the piece" : "Play Für Elise";
+    byId("midi-file").textContent = name ? "Stop the piece" : "MIDI file";
     for (const button of byId("scores").querySelectorAll("button")) button.setAttribute("aria-pressed", String(button.dataset.score === name));
   }
 
@@ -244,11 +291,16 @@ class Page {
     this.study();
   }
 
-  /** The message that makes the audio thread play an instrument, as loud as all others. */
+  /** The message that makes the audio thread play an instrument, as loud as all others: measured when it is sent. */
   instrumentMessage(name) {
     const { number } = this.instruments.get(name);
-    if (!this.gains.has(name)) this.gains.set(name, kPeak / this.engine.peak(number, kPeakSeconds));
-    return { do: "instrument", number, gain: this.gains.get(name) };
+    const gain = () => this.gainOf(name);
+    return { do: "instrument", number, get gain() { return gain(); } };
+  }
+
+  gainOf(name) {
+    if (!this.gains.has(name)) this.gains.set(name, kPeak / this.engine.peak(this.instruments.get(name).number, kPeakSeconds));
+    return this.gains.get(name);
   }
 
   controlMoved(number) {
@@ -419,7 +471,7 @@ class Page {
   run() {
     const frame = (now) => {
       this.stage.frame(now / 1000);
-      this.story.frame(now / 1000);
+      this.story?.frame(now / 1000);
       this.figures.draw(this.audio.analyser, now / 1000);
       requestAnimationFrame(frame);
     };
@@ -429,7 +481,7 @@ class Page {
 
 const page = new Page();
 // For tests, and for the curious at the console.
-globalThis.contactSpline = { page, presets: kPresets, renderOffline, stateOf, instrumentOf, performanceOf, loaded: page.load().then(() => page.run()) };
+globalThis.contactSpline = { page, presets: kPresets, renderOffline, stateOf, instrumentOf, performanceOf, midiPerformance, loaded: page.load() };
 contactSpline.loaded.catch((error) => {
   byId("stage-caption").textContent = `This browser cannot play the page: ${error.message}`;
 });

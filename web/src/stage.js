@@ -133,7 +133,8 @@ export class Stage {
       Object.assign(canvas, { width: Math.round(width * ratio), height: Math.round(height * ratio) });
     const context = canvas.getContext("2d");
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
-    context.clearRect(0, 0, width, height);
+    context.fillStyle = colour("paper");
+    context.fillRect(0, 0, width, height);
     if (!study) return;
     const frame = this.at * study.sampleRate;
     const i = Math.max(0, Math.min(study.frames - 2, Math.floor(frame)));
@@ -435,9 +436,12 @@ export class Stage {
       const { left, top } = canvas.getBoundingClientRect();
       return { x: clientX - left, y: clientY - top };
     };
+    const isNear = ({ x, y }) => this.hold && Math.hypot(x - this.hold.x, y - this.hold.y) <= kNear;
+    // A finger that has taken hold of something, which pointerdown tells first, does not scroll the page.
+    canvas.addEventListener("touchstart", (event) => this.pulled && event.preventDefault(), { passive: false });
     canvas.addEventListener("pointerdown", (event) => {
       const { x, y } = at(event);
-      if (!this.hold || Math.hypot(x - this.hold.x, y - this.hold.y) > kNear) return;
+      if (!isNear({ x, y })) return;
       event.preventDefault();
       canvas.setPointerCapture(event.pointerId);
       this.setPlaying(false);

@@ -16,6 +16,14 @@ export function addressOf({ instrument, material, controls, ...rest }) {
   return `#${part}`;
 }
 
+/** What of the page a lecture embeds, by its query: "stage", the number of a chapter of the story, or null for all. */
+export function embeddedOf(query) {
+  const embed = new URLSearchParams(query).get("embed");
+  if (embed === null) return null;
+  const [low, high] = kNumbers.step;
+  return Number(embed) >= low && Number(embed) <= high ? Math.floor(Number(embed)) : "stage";
+}
+
 /** The state of an address part, nothing for what it does not say; leftOut: what of it is no state, each in words. */
 export function stateOf(hash) {
   const part = new URLSearchParams(hash.replace(/^#/, ""));

@@ -17,6 +17,7 @@
 #include "contactspline/modal/stiff_string.hpp"
 #include "contactspline/models/hammer_voice.hpp"
 #include "contactspline/models/keyboard.hpp"
+#include "generated/felt_c4.hpp"
 #include "generated/piano.hpp"
 #include "web/wasm/energy_books.hpp"
 
@@ -29,10 +30,10 @@ constexpr std::size_t kMaxSegments = 128;
 template <typename T>
 using Table = std::array<Segment<T>, kMaxSegments + 1>;
 
-/// The material of the page's editor. Each key takes it at its next strike.
+/// The material of the page's editor, at first the felt of C4 that ships. Each key takes it at its next strike.
 struct Material {
-  std::array<double, kMaxSegments * 4> rows{};  ///< knot, energy, force, half curvature of each segment
-  std::size_t segments = 0;
+  std::array<double, kMaxSegments* 4> rows = felt_rows();  ///< knot, energy, force, half curvature of each segment
+  std::size_t segments = materials::felt_c4::segments;
   double mass_kg = 0.00297, loss_s_per_m = 0;
 
   /// Takes the rows, which are written before. Returns whether there are no more than fit.
@@ -59,6 +60,17 @@ struct Material {
       table[j + 1] = {T(last.knot), T(last.energy), T(last.force), T(last.half_curvature)};
     }
     return table;
+  }
+
+ private:
+  static constexpr std::array<double, kMaxSegments * 4> felt_rows() {
+    constexpr const auto& table = segments_of<materials::felt_c4, double>;
+    std::array<double, kMaxSegments * 4> rows{};
+    for (std::size_t j = 0; j + 1 < table.size(); ++j) {
+      const Segment<double>& s = table[j + 1];
+      rows[4 * j] = s.knot, rows[4 * j + 1] = s.energy, rows[4 * j + 2] = s.force, rows[4 * j + 3] = s.half_curvature;
+    }
+    return rows;
   }
 };
 

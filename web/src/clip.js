@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+// A clip of the stage with the sound of the page, where the browser can record one.
+import { download } from "./save.js";
+
+const kFrames = 30; // per second
+const kFormats = ["video/webm;codecs=vp9,opus", "video/webm;codecs=vp8,opus", "video/mp4"];
+
+const format = () => kFormats.find((name) => globalThis.MediaRecorder?.isTypeSupported(name));
+
+export class Clip {
+  /** button starts and ends a clip of a canvas; audio: audio.js. It is hidden where the browser records none. */
+  constructor(button, canvas, audio) {
+    Object.assign(this, { button, canvas, audio, recorder: null });
+    button.hidden = !format() || !canvas.captureStream;
+    button.addEventListener("click", () => (this.recorder ? this.recorder.stop() : this.start()));
+  }
+
+  async start() {
+    const sound = await this.audio.stream();
+    const stream = new MediaStream([...this.canvas.captureStream(kFrames).getVideoTracks(), ...sound.getAudioTracks()]);
+    const parts = [];
+    this.recorder = new MediaRecorder(stream, { mimeType: format() });
+    this.recorder.addEventListener("dataavailable", ({ data }) => parts.push(data));
+    this.recorder.addEventListener("stop", () => this.save(parts));
+    this.recorder.start();
+    this.show(true);
+  }
+
+  save(parts) {
+    const type = this.recorder.mimeType;
+    this.recorder = null;
+    this.show(false);
+    download(`contact_spline.${type.includes("mp4") ? "mp4" : "webm"}`, new Blob(parts, { type }), type);
+  }
+
+  show(isOn) {
+    this.button.setAttribute("aria-pressed", String(isOn));
+    this.button.textContent = isOn ? "Stop and save" : "Record clip";
+  }
+}
