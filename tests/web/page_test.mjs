@@ -3,7 +3,7 @@
 // sliders, downloads, energy, MIDI, links; from a server and from a file. CASE: only the cases with this text in their name.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
@@ -152,6 +152,29 @@ const cases = {
       execFileSync(program, ["generate", join(folder, "my_felt_c4_material.json"), "-o", join(folder, "own")]);
       for (const [title, name] of Object.entries(shipped))
         assert.equal(await download(page, `Download ${title}`, `my_${name}`), readFileSync(join(folder, "own", `my_${name}`), "utf8"), `my_${name}`);
+    });
+  },
+
+  async "a measured curve becomes a material"() {
+    await withPage(server.address, async (page) => {
+      const csv = readFileSync(new URL("../../data/materials/felt_synthetic.csv", import.meta.url));
+      await page.locator("#curve-input").setInputFiles({ name: "My felt 3.csv", mimeType: "text/csv", buffer: csv });
+      await page.waitForFunction(() => contactSpline.page.editor.current.name === "my_felt_3");
+      assert.equal(await page.locator("#design-note").getAttribute("class"), "");
+      // The program, with the same two files, writes the same bytes.
+      await download(page, "Download material file", "my_felt_3_material.json");
+      writeFileSync(join(folder, "My felt 3.csv"), csv);
+      execFileSync(program, ["generate", join(folder, "my_felt_3_material.json"), "-o", join(folder, "measured")]);
+      assert.equal(await download(page, "Download C++ header", "my_felt_3.hpp"), readFileSync(join(folder, "measured", "my_felt_3.hpp"), "utf8"));
+      for (const [text, told] of [["", /My felt 3.csv/], ["compression_m,force_n\n1,2\n", /allowed/], ["hello", /My felt 3.csv/]]) {
+        await page.locator("#curve-input").setInputFiles({ name: "My felt 3.csv", mimeType: "text/csv", buffer: Buffer.from(text) });
+        await page.waitForFunction(() => document.getElementById("design-note").className === "error");
+        const line = await page.locator("#design-note").textContent();
+        assert.match(line, told);
+        assert.ok(!line.includes("\n") && line.length < 300, line);
+        assert.equal(await page.evaluate(() => contactSpline.page.editor.current.name), "my_felt_3", "the last one plays on");
+        await page.evaluate(() => (document.getElementById("design-note").className = ""));
+      }
     });
   },
 
@@ -814,6 +837,7 @@ const cases = {
       assert.ok(knots[0].length > 5);
       assert.equal(await page.getByLabel("hammer mass [g]").getAttribute("aria-valuetext"), "2.97 g");
       assert.match(await page.locator("#spectrogram").locator("..").textContent(), /10 kHz.*6 s ago.*now/);
+      assert.match(await page.locator("#design-note").textContent(), /k = 4.5 × 10⁹ N/);
       await slide(page, "force at 0.5 mm [N]", 1000);
       await page.waitForFunction(() => document.querySelector("[aria-label='force at 0.5 mm [N]']").getAttribute("aria-valuetext") === "1 × 10⁷ N");
     });

@@ -15,6 +15,14 @@ export function asset(name) {
   return loaded.get(name);
 }
 
+const compiled = new Map();
+
+/** An asset that is a WebAssembly module; compiled once, also for the audio thread. */
+export function moduleAsset(name) {
+  if (!compiled.has(name)) compiled.set(name, asset(name).then((bytes) => WebAssembly.compile(bytes)));
+  return compiled.get(name);
+}
+
 /** An asset that is JSON. */
 export const jsonAsset = async (name) => JSON.parse(new TextDecoder().decode(await asset(name)));
 

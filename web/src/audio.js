@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The sound of the page: the audio thread, an analyser, and messages to and fro.
-import { asset, scriptUrl } from "./assets.js";
+import { moduleAsset, scriptUrl } from "./assets.js";
 
 /** Everything is computed at this rate; the browser converts it to that of the device. */
 export const kSampleRate = 44100;
@@ -11,7 +11,7 @@ export async function makeNode(context, messages) {
   return new AudioWorkletNode(context, "contactspline", {
     numberOfInputs: 0,
     outputChannelCount: [2],
-    processorOptions: { engine: await asset("engine"), messages },
+    processorOptions: { engine: await moduleAsset("engine"), messages },
   });
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The same strike by Faust's fd.hammer and by the contact step, side by side.
-import { asset, jsonAsset } from "./assets.js";
+import { jsonAsset, moduleAsset } from "./assets.js";
 import { readable, slider } from "./controls.js";
 import { startProgram } from "./faust_program.js";
 import { linePlot } from "./plots.js";
@@ -74,7 +74,7 @@ export class Comparison {
 
   async load() {
     this.description = await jsonAsset("fd_hammer_c4-json");
-    this.module = await WebAssembly.compile(await asset("fd_hammer_c4-wasm"));
+    this.module = await moduleAsset("fd_hammer_c4-wasm");
     this.draw();
   }
 

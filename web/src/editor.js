@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The editor of a material: fields or text in, design out, with its curves, errors and files to download.
 import { choice, fillSelect, readable, slider } from "./controls.js";
-import { materialFields, materialText, withKnots } from "./material.js";
+import { materialFields, materialText, measuredText, withKnots } from "./material.js";
 import { linePlot } from "./plots.js";
 import { download } from "./save.js";
 
@@ -29,6 +29,8 @@ export class Editor {
     this.shipped = generator.materials();
     fillSelect(byId("material"), { ...Object.fromEntries(Object.keys(this.shipped).map((name) => [name, name])), "": "my own" });
     byId("material").addEventListener("change", ({ target }) => target.value && this.load({ name: target.value }));
+    byId("curve-file").addEventListener("click", () => byId("curve-input").click());
+    byId("curve-input").addEventListener("change", ({ target }) => this.loadCurve(target.files[0]));
     byId("use-text").addEventListener("click", () => this.load({ text: byId("text").value }));
     this.controls = Object.fromEntries(
       Object.entries(kSliders).map(([key, shape]) => [key, slider({ ...shape, init: shape.min }, () => this.edited(key))]),
@@ -46,6 +48,13 @@ export class Editor {
       ],
     });
     this.error = linePlot(byId("error"), { x: "compression [mm]", y: "error [%]", lines: [{ label: "spline less law", colour: "blue" }] });
+  }
+
+  /** Makes a material of a measured curve, a CSV file. What is wrong with it is said as of any material. */
+  async loadCurve(file) {
+    if (!file) return;
+    this.generator.takeCurve(file.name, await file.text());
+    this.load({ text: measuredText(file.name) });
   }
 
   /** Shows a material: { name } of one that ships, or { text } of a file. Returns what is wrong with it, or null. */
@@ -115,7 +124,7 @@ export class Editor {
     if (quality.contact_duration !== undefined) errors.push(`contact duration ${percent(quality.contact_duration)}`);
     if (quality.spectrum_db !== undefined) errors.push(`spectrum ${readable(quality.spectrum_db)} dB on average`);
     byId("design-note").textContent =
-      `${title}: ${law}. ${table.length} segments; errors at most: ${errors.join(", ")}. Designed in ${milliseconds.toFixed(0)} ms.`;
+      `${title}: ${law.replace(/\d{6,}/g, (digits) => readable(Number(digits)))}. ${table.length} segments; errors at most: ${errors.join(", ")}. Designed in ${milliseconds.toFixed(0)} ms.`;
   }
 
   offer(design, text) {

@@ -9,6 +9,9 @@ export function startGenerator(module) {
     /** The text of every material that ships, by name. */
     materials: () => JSON.parse(textAt(exports, exports.contactspline_materials())),
 
+    /** Takes a measured curve, a CSV file that materials may name. */
+    takeCurve: (name, csv) => withTexts(exports, [name, csv], (...at) => exports.contactspline_take_curve(...at)),
+
     /** Designs a material: its emitted files by name, table, curve and errors (web/wasm/generator.cpp). Throws bad input. */
     design(text, file) {
       const address = withTexts(exports, [text, file], (...at) => exports.contactspline_generate(...at));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The page: puts instrument, figures, editor, comparison and story together.
-import { asset, jsonAsset } from "./assets.js";
+import { jsonAsset, moduleAsset, scriptUrl } from "./assets.js";
 import { Audio, kSampleRate, renderOffline } from "./audio.js";
 import { Clip } from "./clip.js";
 import { Comparison } from "./compare.js";
@@ -34,7 +34,6 @@ const kMaxPast = 100;
 const kFirstFrames = 50; // milliseconds in which the stage begins to move
 
 const byId = (id) => document.getElementById(id);
-const compile = async (name) => WebAssembly.compile(await asset(name));
 const capital = (text) => text[0].toUpperCase() + text.slice(1);
 
 class Page {
@@ -88,7 +87,9 @@ class Page {
     addEventListener("dragover", (event) => event.preventDefault());
     addEventListener("drop", (event) => {
       event.preventDefault();
-      this.playMidi(event.dataTransfer.files[0]);
+      const file = event.dataTransfer.files[0];
+      if (/\.csv$/i.test(file?.name)) this.editor.loadCurve(file);
+      else this.playMidi(file);
     });
     byId("record").addEventListener("click", () => this.record());
     byId("octave-down").addEventListener("click", () => this.keys.shift(-1));
@@ -115,7 +116,7 @@ class Page {
 
   /** Loads what sounds and what is drawn first, and lets it move; the rest follows when that has been seen. */
   async load() {
-    const [engine, studies, generator] = ["engine", "studies", "generator"].map(compile);
+    const [engine, studies, generator] = ["engine", "studies", "generator"].map(moduleAsset);
     this.engine = startEngine(await engine, kSampleRate);
     this.studies = startStudies(await studies, kSampleRate);
     this.engine.instruments().forEach((instrument, number) => this.instruments.set(instrument.name, { ...instrument, number }));
@@ -138,7 +139,7 @@ class Page {
       at: () => this.changed(),
     });
     await this.show(first);
-    await Promise.all([this.comparison.load(), this.offerScores()]);
+    await Promise.all([this.comparison.load(), this.offerScores(), scriptUrl("processor")]); // the last for the first strike
     this.gainOf(this.instrument); // which the first strike need not measure
     this.address = addressOf(this.state());
     this.settle();

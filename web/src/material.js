@@ -45,6 +45,18 @@ export function materialFields(text) {
   };
 }
 
+/** The file of a material of a measured curve: a CSV file of this name. */
+export function measuredText(file) {
+  const name = file.replace(/\.csv$/i, "").toLowerCase().replace(/[^a-z0-9]+/g, "_").replace(/^[^a-z]+|_+$/g, "") || "measured";
+  const material = {
+    name,
+    contact: { curve: { file, shape: "hardening" } },
+    impact: { mass_kg: 0.00297, max_speed_m_per_s: 4.0, min_speed_m_per_s: 0.5 },
+    spline: { knots: "uniform", segments: 48 },
+  };
+  return JSON.stringify(material, null, 2) + "\n";
+}
+
 /** The curves of law and spline of a design, with a point at each knot in view: compression [mm], law, spline, knots [N]. */
 export function withKnots({ compression_m, law_n, spline_n }, table) {
   const millimetres = compression_m.map((y) => 1000 * y);

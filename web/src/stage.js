@@ -8,6 +8,8 @@ const kPaints = { hammer: "orange", mass: "orange", felt: "felt", contact: "felt
 const kBridge = 0.05; // part of a string in which many stops are one bridge, which is drawn larger
 const kReach = 130; // pixels by which a hammer is pulled back for its highest speed
 const kNear = 60; // pixels around a hammer or a finger that take hold of it
+const kTraces = 4; // earlier shapes of a string that stay in view
+const kTrace = 1.5e-4; // seconds between two of them
 const kSectors = 24; // of a membrane's circle
 const kTilt = 0.3; // height of a membrane's circle over its width
 
@@ -198,8 +200,9 @@ export class Stage {
   drawString(context, box, item, curve, value) {
     const across = (p) => box.left + ((box.right - box.left) * p) / (curve.length - 1);
     context.strokeStyle = colour("blue");
-    context.lineWidth = 3;
     context.lineJoin = "round";
+    if (!this.pulled) this.drawTraces(context, box, item, across);
+    context.lineWidth = 3;
     context.beginPath();
     const { plucks } = this.study.scene;
     const finger = plucks?.column === item.column ? across(plucks.at * (curve.length - 1)) : null;
@@ -216,6 +219,21 @@ export class Stage {
     context.fillRect(box.left - 3, box.middle - 10, 6, 20);
     if (item.boards) this.drawBoard(context, box, item, value(item.boards));
     else context.fillRect(box.right - 3, box.middle - 10, 6, 20);
+  }
+
+  // Where a string has just been, paler the longer ago.
+  drawTraces(context, box, { column, points }, across) {
+    const now = Math.floor(this.at * this.study.sampleRate);
+    context.lineWidth = 1.5;
+    for (let k = kTraces; k > 0; --k) {
+      const i = now - Math.round(k * kTrace * this.study.sampleRate);
+      if (i < 0) continue;
+      context.globalAlpha = 0.45 / k;
+      context.beginPath();
+      this.study.points(i, column, points).forEach((y, p) => context.lineTo(across(p), this.height(box, y)));
+      context.stroke();
+    }
+    context.globalAlpha = 1;
   }
 
   // Where a string is plucked: a ring to pull at.

@@ -2,6 +2,7 @@
 // The generator in the page: the text of a material in, its emitted files and its spline out.
 #include <cstdlib>
 #include <exception>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -16,6 +17,13 @@ namespace contactspline::web {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+std::map<std::string, std::string> curves;  // that the page was given, by the names of their files
+
+std::string read_curve(const std::string& path) {
+  const auto given = curves.find(path);
+  return given == curves.end() ? shipped_file(path) : given->second;
+}
 
 // The command that the emitted files quote is the one that `contactspline generate NAME.json` quotes.
 Json emitted_files(const Design& design) {
@@ -73,7 +81,7 @@ Json described(const Design& design) {
 /// or {"error": one line} for bad input. The page frees `text`.
 CONTACTSPLINE_WEB(const char*, contactspline_generate, const char* text, const char* file) {
   try {
-    const Design design = design_material(text, file);
+    const Design design = design_material(text, file, read_curve);
     if (!design.material.memories.empty())
       refuse(file, "contact.memory", "is not played on this page",
              "loss_s_per_m, or a plug-in of the instrument with such a felt");
@@ -81,6 +89,11 @@ CONTACTSPLINE_WEB(const char*, contactspline_generate, const char* text, const c
   } catch (const std::exception& error) {
     return keep(Json{{"error", error.what()}}.dump());
   }
+}
+
+/// Takes a measured curve, a CSV file that materials may name.
+CONTACTSPLINE_WEB(void, contactspline_take_curve, const char* name, const char* csv) {
+  curves[name] = csv;
 }
 
 /// The material files that ship and that the page plays, those without memory, as a JSON object: text by name.
