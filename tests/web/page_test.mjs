@@ -1076,6 +1076,10 @@ const cases = {
       await page.keyboard.press("Tab");
       await page.keyboard.press("Shift+Tab");
       assert.equal(await page.evaluate(() => document.activeElement.dataset.key), "67", "Tab comes back to the key");
+      await page.evaluate(() => document.querySelector(".skip").focus());
+      await page.keyboard.press("Enter");
+      await page.waitForTimeout(200);
+      assert.ok(await page.locator("#notice").isHidden(), "the link to the instrument is no damaged state");
       await page.emulateMedia({ forcedColors: "active" });
       const shades = await page.evaluate(() => ["black", "white"].map((kind) => getComputedStyle(document.querySelector(`#keys .${kind}`)).backgroundColor));
       assert.notEqual(shades[0], shades[1], "black keys stay black");

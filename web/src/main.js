@@ -143,7 +143,8 @@ class Page {
     this.gainOf(this.instrument); // which the first strike need not measure
     this.address = addressOf(this.state());
     this.settle();
-    addEventListener("hashchange", () => this.show(stateOf(location.hash)));
+    // The link to the instrument, for who reads by ear, is no state.
+    addEventListener("hashchange", () => location.hash !== "#play" && this.show(stateOf(location.hash)));
   }
 
   /** Sets the page to a state (state.js). What is no state is left out, and one line says so. */
