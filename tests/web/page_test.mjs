@@ -250,14 +250,16 @@ const cases = {
       await page.getByRole("button", { name: "Read the story" }).click();
       await page.waitForFunction(() => contactSpline.page.story.chapter === 1);
       // Dragging on a figure moves its control.
-      await into(2);
-      const before = await said(2);
-      const plot = await page.locator("#story-blows").boundingBox();
-      await page.mouse.move(plot.x + 200, plot.y + 100);
-      await page.mouse.down();
-      await page.mouse.move(plot.x + 300, plot.y + 100, { steps: 3 });
-      await page.mouse.up();
-      assert.notEqual(await said(2), before, "a drag");
+      for (const [chapter, figure] of [[1, "#comparison"], [2, "#story-blows"], [3, "#story-spline"], [4, "#story-step"]]) {
+        await into(chapter);
+        const before = await said(chapter);
+        const plot = await page.locator(figure).boundingBox();
+        await page.mouse.move(plot.x + 200, plot.y + 100);
+        await page.mouse.down();
+        await page.mouse.move(plot.x + 300, plot.y + 100, { steps: 3 });
+        await page.mouse.up();
+        assert.notEqual(await said(chapter), before, `a drag in chapter ${chapter}`);
+      }
       // A mass at a power law touches it for a time that is proportional to v^((1 - a)/(1 + a)).
       for (const [a, part] of [[1, 0], [2.5, 0.5], [4, 1]]) {
         const [soft, hard] = [...(await move(2, part)).matchAll(/([\d.]+) ms/g)].map(([, number]) => Number(number));

@@ -56,6 +56,7 @@ export class Comparison {
     this.plot = linePlot(byId("comparison"), {
       x: "time [ms]",
       y: "displacement [mm]",
+      height: 280,
       lines: [{ label: "contact step", colour: "blue", width: 3 }, { label: "fd.hammer", colour: "orange", dash: [6, 3] }],
     });
     this.stiffness = slider({ label: "stiffness ratio", min: 0.1, max: 1000, init: 1, isLogarithmic: true }, () => {

@@ -134,6 +134,7 @@ class Page {
       studies: startStudies(await studies, kSampleRate),
       generator: this.editor.generator,
       instruments: this.instruments,
+      stiffness: this.comparison.stiffness,
       hear: (state, velocity) => this.show(state).then(() => this.strikeOnce(kMiddleC, velocity)),
       piece: () => (this.score ? this.stopScore() : this.playScore(kFirstScores[0])),
       at: () => this.changed(),

@@ -51,10 +51,11 @@ function dragMoves(element, control) {
 }
 
 export class Story {
-  /** studies, generator: of the story alone. instruments: what engine.cpp says of each, by name. hear(state) sets the page
+  /** studies, generator: of the story alone. instruments: what engine.cpp says of each, by name. stiffness: the slider of
+   * the comparison. hear(state) sets the page
    * and strikes; piece() plays one; at(chapter) is told of the chapter in view, 0 before the first. */
-  constructor({ studies, generator, instruments, hear, piece, at }) {
-    Object.assign(this, { studies, generator, instruments, hear, at, chapter: 0, stages: new Map(), made: new Set() });
+  constructor({ studies, generator, instruments, stiffness, hear, piece, at }) {
+    Object.assign(this, { studies, generator, instruments, stiffness, hear, at, chapter: 0, stages: new Map(), made: new Set() });
     this.chapters = [...document.querySelectorAll("#story .chapter")];
     document.getElementById("story-piece").addEventListener("click", piece);
     document.getElementById("story-start").addEventListener("click", () => this.go(1));
@@ -94,9 +95,8 @@ export class Story {
   make(article) {
     if (this.made.has(article)) return;
     this.made.add(article);
-    const makers = [null, "blows", "spline", "step", "energy", "contacts", "piano"];
-    const maker = makers[this.chapters.indexOf(article)];
-    if (maker) this[maker](article);
+    const makers = ["collision", "blows", "spline", "step", "energy", "contacts", "piano"];
+    this[makers[this.chapters.indexOf(article)]](article);
   }
 
   /** Draws what moves; call on every frame of the screen. */
@@ -126,6 +126,11 @@ export class Story {
     const values = parameters.map(({ name, init }) => set[name] ?? init);
     const study = this.studies.play("mass_at_material", values, { key: kMiddleC, velocity: 1, event: 0 });
     return { design, compressions: study.column(0), forces: study.column(2), step: 1 / study.sampleRate };
+  }
+
+  // The figure is that of the comparison (compare.js).
+  collision() {
+    dragMoves(document.getElementById("comparison"), this.stiffness);
   }
 
   blows(article) {
