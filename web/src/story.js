@@ -14,7 +14,11 @@ const kSoft = 0.5, kHard = 4; // [m/s]
 const kMiddleC = 60;
 const kCurve = 80; // points of a curve
 const kHeight = 280; // pixels of a plot
+const kSlowed = 1000; // times, in all scenes
 const kMargin = "300px"; // figures are made before they are in view
+
+/** A number as people read it, with so many digits. */
+const rounded = (value, digits) => readable(Number(value.toPrecision(digits)));
 
 /** The file of a felt that has this exponent, and so many uniform pieces. */
 function felt(exponent, segments) {
@@ -59,7 +63,8 @@ export class Story {
     this.chapters = [...document.querySelectorAll("#story .chapter")];
     document.getElementById("story-piece").addEventListener("click", piece);
     document.getElementById("story-start").addEventListener("click", () => this.go(1));
-    const near = new IntersectionObserver((list) => list.filter(({ isIntersecting }) => isIntersecting).forEach(({ target }) => this.make(target)), { rootMargin: kMargin });
+    const makeNear = (list) => list.forEach(({ target, isIntersecting }) => isIntersecting && this.make(target));
+    const near = new IntersectionObserver(makeNear, { rootMargin: kMargin });
     this.inView = new Set();
     const seen = new IntersectionObserver((list) => this.see(list), { threshold: [0, 0.3, 0.6] });
     for (const chapter of this.chapters) {
@@ -150,8 +155,8 @@ export class Story {
       const end = Math.ceil((1.1 * Math.max(lasts(soft), lasts(hard))) / 1000 / soft.step);
       const shown = ({ forces }) => Array.from(forces.slice(0, end), (force) => force / Math.max(...forces));
       plot.set([Array.from({ length: end }, (_, i) => i * soft.step * 1000), shown(soft), shown(hard)]);
-      const round = (value) => readable(Number(value.toPrecision(3)));
-      return `Soft: ${round(lasts(soft))} ms, at most ${round(peak(soft))} N. Hard: ${round(lasts(hard))} ms, at most ${round(peak(hard))} N.`;
+      const told = (blow) => `${rounded(lasts(blow), 3)} ms, at most ${rounded(peak(blow), 3)} N`;
+      return `Soft: ${told(soft)}. Hard: ${told(hard)}.`;
     });
   }
 
@@ -169,7 +174,7 @@ export class Story {
     this.control(article, { label: "pieces", min: 1, max: 20, step: 1, init: 2 }, (pieces) => {
       const { curve, quality, table } = this.generator.design(felt(2.5, pieces), "felt.json");
       plot.set(withKnots(curve, table));
-      return `The spline is within ${readable(Number((100 * quality.force).toPrecision(2)))} % of the largest force.`;
+      return `The spline is within ${rounded(100 * quality.force, 2)} % of the largest force.`;
     });
   }
 
@@ -195,27 +200,32 @@ export class Story {
       // As far to both sides as the force takes from the free way.
       const reach = free - end;
       const points = Array.from({ length: kCurve }, (_, i) => end + reach * ((2 * i + 1) / kCurve - 1));
-      const rows = [...points.map((y) => [y, mean(y), (free - y) / admittance, null]), [end, null, null, force]].toSorted(([a], [b]) => a - b);
+      const curves = points.map((y) => [y, mean(y), (free - y) / admittance, null]);
+      const rows = [...curves, [end, null, null, force]].toSorted(([a], [b]) => a - b);
       plot.set([rows.map(([y]) => 1000 * y), ...[1, 2, 3].map((k) => rows.map((row) => row[k]))]);
       this.solved = { mean: mean(end), force };
-      return `The sample begins at ${readable(Number((1000 * before).toPrecision(4)))} mm. Without force the hammer would get to ${readable(Number((1000 * free).toPrecision(4)))} mm, with ${readable(Number(force.toPrecision(4)))} N it gets to ${readable(Number((1000 * end).toPrecision(4)))} mm.`;
+      const millimetres = (y) => `${rounded(1000 * y, 4)} mm`;
+      return (
+        `The sample begins at ${millimetres(before)}. Without force the hammer would get to ${millimetres(free)}, ` +
+        `with ${rounded(force, 4)} N it gets to ${millimetres(end)}.`
+      );
     });
   }
 
   energy(article) {
-    this.scene(article, { instrument: "hammer_on_string", parameter: "stiffness_ratio", label: "A hammer on a string, with its energies", slow: "1000" });
+    this.scene(article, { instrument: "hammer_on_string", parameter: "stiffness_ratio", label: "A hammer on a string, with its energies" });
   }
 
   contacts(article) {
-    this.scene(article, { instrument: "tanpura", parameter: "bridge_gap_shift_m", label: "The string of a tanpura over its bridge", slow: "1000" });
+    this.scene(article, { instrument: "tanpura", parameter: "bridge_gap_shift_m", label: "The string of a tanpura over its bridge" });
   }
 
   piano(article) {
-    this.scene(article, { instrument: "piano", parameter: "stiffness_ratio", label: "A hammer of the piano, its string and the board", slow: "1000" });
+    this.scene(article, { instrument: "piano", parameter: "stiffness_ratio", label: "A hammer of the piano, its string and the board" });
   }
 
   // A stage of an instrument with one of its parameters. What is thrown or pulled there is heard, too.
-  scene(article, { instrument, parameter, label, slow }) {
+  scene(article, { instrument, parameter, label }) {
     const live = article.querySelector(".live");
     const make = (tag, set) => Object.assign(document.createElement(tag), set);
     const canvas = make("canvas", { className: "stage" });
@@ -237,7 +247,7 @@ export class Story {
     const { parameters, velocity } = this.instruments.get(instrument);
     const values = parameters.map(({ init }) => init);
     const state = { power: null };
-    const stage = new Stage(canvas, { play, time, speed: { value: slow } }, {
+    const stage = new Stage(canvas, { play, time, speed: { value: kSlowed } }, {
       thrown: ({ power, place }) => {
         const { throws, moves } = stage.study.scene;
         if (place !== null && moves !== null) values[moves] = place;
@@ -252,12 +262,17 @@ export class Story {
       this.studies.useMaterial(this.shipped());
       stage.show(this.studies.play(instrument, values, { key: kMiddleC, velocity: state.power ?? velocity, event: 0 }));
       const { scene, column } = stage.study;
-      const peak = readable(Number(Math.max(...stage.forces).toPrecision(3)));
-      const balance = scene.imbalance === undefined ? "" : ` Energy balances within ${readable(Number((column(scene.imbalance).reduce((max, x) => Math.max(max, Math.abs(x)), 0) / scene.work).toPrecision(2)))}.`;
-      note.textContent = `${readable(Number((1000 * stage.length()).toPrecision(3)))} ms, 1000 times slower; at most ${peak} N.${balance}`;
+      const peak = rounded(Math.max(...stage.forces), 3);
+      const told = [`${rounded(1000 * stage.length(), 3)} ms, ${kSlowed} times slower; at most ${peak} N.`];
+      if (scene.imbalance !== undefined) {
+        const worst = column(scene.imbalance).reduce((max, x) => Math.max(max, Math.abs(x)), 0);
+        told.push(`Energy balances within ${rounded(worst / scene.work, 2)}.`);
+      }
+      note.textContent = told.join(" ");
     };
     const sound = () => {
-      const controls = Object.fromEntries(parameters.map(({ name }, p) => [name, values[p]]).filter(([, value], p) => value !== parameters[p].init));
+      const changed = parameters.map(({ name }, p) => [name, values[p]]).filter(([, value], p) => value !== parameters[p].init);
+      const controls = Object.fromEntries(changed);
       this.hear({ instrument, material: { name: "felt_c4" }, controls }, state.power);
     };
     hear.addEventListener("click", sound);
