@@ -71,8 +71,8 @@ def main():
           lambda threads: cs.render_many(STRING, columns, cs.strike(0, 2.5), output="bridge_force_n", threads=threads, out=sounds), 300)
     plan = {"name": "c4", "instrument": "hammer_string", "parts": {"resonator": "string_c4", "material": "felt_c4"},
             "parameters": {"hammer_mass_kg": {"logarithmic": [0.002, 0.01]}}, "events": [{"time_s": 0, "event": "strike"}],
-            "outputs": ["bridge_force_n"], "seed": 1, "count": 300, "seconds": 1}
-    batch("`dataset`, the same to HDF5", data_set(plan), 300)
+            "outputs": ["bridge_force_n"], "seed": 1, "count": 2000, "seconds": 1}
+    batch("`dataset`, 2,000 of them to HDF5", data_set(plan), 2000)
     batch("`dataset`, 40 strikes of `trichord_c4`", data_set({
         "name": "trichord", "instrument": "trichord_c4", "events": [{"time_s": 0, "event": "strike_hammer"}],
         "outputs": ["bridge_force_n"], "seed": 1, "count": 40, "seconds": 1}), 40)

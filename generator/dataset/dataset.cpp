@@ -4,26 +4,28 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/parallel_pipeline.h>
+#include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <future>
-#include <mutex>
 #include <stdexcept>
-#include <utility>
+#include <thread>
 
-#include "contactspline/host/threads.hpp"
 #include "generator/dataset/sample_player.hpp"
 #include "generator/support/error.hpp"
 
 namespace contactspline {
 namespace {
 
-constexpr std::size_t kPartBytes = 1 << 24;  // rendered at once; two parts are in memory
+using Clock = std::chrono::steady_clock;
+
+constexpr auto kTellAfter = std::chrono::milliseconds(100);
+constexpr std::size_t kRowsBytes = 1 << 18;  // rendered by a thread at once, at least a row
 
 SampleRows rows_for(const Plan& plan, std::size_t count) {
-  SampleRows rows{count, std::vector<std::vector<float>>(plan.recorded.size()), {}, {}};
+  SampleRows rows{0, count, std::vector<std::vector<float>>(plan.recorded.size()), {}, {}};
   for (std::size_t r = 0; r < plan.recorded.size(); ++r) {
     const std::size_t values = count * plan.length_of(plan.recorded[r]);
     if (plan.recorded[r].kind == Recorded::kEnergy)
@@ -52,51 +54,32 @@ SampleArrays arrays_of(const Plan& plan, SampleRows& rows, std::size_t row) {
 /// Renders samples on several threads, each with an instrument of its own.
 class Renderer {
  public:
-  Renderer(const Plan& plan, int threads)
-      : plan_(plan),
-        sampler_(plan.columns, plan.sequence, plan.seed),
-        allowed_(oneapi::tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads)),
-        threads_(threads) {
-    for (int t = 0; t < threads_.size(); ++t) players_.emplace_back(plan);
+  Renderer(const Plan& plan, std::size_t threads) : plan_(plan), sampler_(plan.columns, plan.sequence, plan.seed) {
+    for (std::size_t t = 0; t < threads; ++t) players_.emplace_back(plan);
   }
 
-  void render(std::size_t first, SampleRows& rows) {
-    std::atomic<std::size_t> next = 0;
-    std::string failure;
-    std::mutex mutex;
-    threads_(players_.size(), [&](std::size_t thread) {
-      for (std::size_t row = next++; row < rows.count; row = next++) {
-        const std::string wrong = play(players_[thread], first + row, row, rows);
-        if (wrong.empty()) continue;
-        const std::scoped_lock lock(mutex);
-        failure = wrong;
-        next = rows.count;
-      }
-    });
-    if (!failure.empty()) throw BadInput(failure);
+  // thread: each has one call at a time.
+  void render(std::size_t thread, SampleRows& rows) {
+    for (std::size_t row = 0; row < rows.count; ++row) play(players_[thread], rows.first + row, row, rows);
   }
 
  private:
-  // Says what went wrong, or nothing.
-  std::string play(SamplePlayer& player, std::size_t sample, std::size_t row, SampleRows& rows) const {
+  void play(SamplePlayer& player, std::size_t sample, std::size_t row, SampleRows& rows) const {
     const std::vector<double> values = sampler_.values(sample);
     for (std::size_t c = 0; c < values.size(); ++c) rows.columns[c][row] = values[c];
     try {
       player.play(values, arrays_of(plan_, rows, row));
-      return {};
     } catch (const std::runtime_error& error) {
       std::vector<std::string> words;
       for (std::size_t c = 0; c < values.size(); ++c)
         words.push_back(fmt::format("{} {:.6g}", plan_.columns[c].name, values[c]));
-      return fmt::format("{}: sample {}: {}; allowed: other ranges than {}", plan_.file, sample, error.what(),
-                         fmt::join(words, ", "));
+      throw BadInput(fmt::format("{}: sample {}: {}; allowed: other ranges than {}", plan_.file, sample, error.what(),
+                                 fmt::join(words, ", ")));
     }
   }
 
   const Plan& plan_;
   Sampler sampler_;
-  oneapi::tbb::global_control allowed_;  // without it oneTBB warns of more threads than cores
-  Threads threads_;
   std::vector<SamplePlayer> players_;
 };
 
@@ -117,14 +100,14 @@ std::filesystem::path joined_path(const Plan& plan, const std::filesystem::path&
 }
 
 double measured_time_of_sample(const Plan& plan, const SampleRange& range) {
-  using Clock = std::chrono::steady_clock;
   const Sampler sampler(plan.columns, plan.sequence, plan.seed);
   SamplePlayer player(plan);
   SampleRows rows = rows_for(plan, 1);
   const Clock::time_point begin = Clock::now();
   std::chrono::duration<double> passed{};
   std::size_t played = 0;
-  for (; played < range.count && passed.count() < 0.1; ++played) {
+  const std::size_t max = 1 + range.count / 100;  // on one core, while others wait
+  for (; played < max && passed.count() < 0.1; ++played) {
     try {
       player.play(sampler.values(range.first + played), arrays_of(plan, rows, 0));
     } catch (const std::runtime_error&) {  // whoever renders it will say so
@@ -134,25 +117,48 @@ double measured_time_of_sample(const Plan& plan, const SampleRange& range) {
   return passed.count() / static_cast<double>(std::max<std::size_t>(played, 1));
 }
 
+// A thread renders some rows, and writes them when those before are written, so that no thread waits for another and
+// the file is the same on any number of threads.
 void write_shard(const std::filesystem::path& path, const Plan& plan, const ShardHeading& heading, int threads,
                  const std::function<void(std::size_t)>& done) {
+  namespace tbb = oneapi::tbb;
   ShardWriter writer(path, plan, heading);
-  Renderer renderer(plan, threads);
-  const std::size_t block = writer.block();
-  const std::size_t rows = std::max(kPartBytes / plan.bytes_per_sample(), 4 * static_cast<std::size_t>(threads));
-  const std::size_t part = (rows + block - 1) / block * block;
-  SampleRows rendered, written;
-  std::future<void> writing;  // of the part before, while the next one is rendered
-  for (std::size_t begin = 0; begin < heading.range.count; begin += part) {
-    const std::size_t count = std::min(part, heading.range.count - begin);
-    if (rendered.count != count) rendered = rows_for(plan, count);
-    renderer.render(heading.range.first + begin, rendered);
-    if (writing.valid()) writing.get();
-    std::swap(rendered, written);
-    writing = std::async(std::launch::async, [&writer, &written] { writer.write(written); });
-    done(begin + count);
-  }
-  if (writing.valid()) writing.get();
+  Renderer renderer(plan, static_cast<std::size_t>(threads));
+  const tbb::global_control allowed(  // without it oneTBB warns of more threads than cores
+      tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+  const std::size_t rows_at_once = std::max<std::size_t>(kRowsBytes / plan.bytes_per_sample(), 1);
+  std::vector<SampleRows> parts(2 * static_cast<std::size_t>(threads));  // in memory
+  std::size_t begun = 0;
+  std::atomic<std::size_t> written = 0;
+  const std::thread::id caller = std::this_thread::get_id();
+  Clock::time_point told = Clock::now();
+  const auto begin = [&](tbb::flow_control& flow) -> SampleRows* {
+    if (begun == heading.range.count) return flow.stop(), nullptr;
+    SampleRows& rows = parts[begun / rows_at_once % parts.size()];
+    const std::size_t count = std::min(rows_at_once, heading.range.count - begun);
+    if (rows.count != count) rows = rows_for(plan, count);
+    rows.first = heading.range.first + begun;
+    begun += count;
+    return &rows;
+  };
+  const auto render = [&](SampleRows* rows) {
+    renderer.render(static_cast<std::size_t>(tbb::this_task_arena::current_thread_index()), *rows);
+    if (std::this_thread::get_id() == caller && Clock::now() - told > kTellAfter) {
+      done(written);
+      told = Clock::now();
+    }
+    return rows;
+  };
+  const auto write = [&](SampleRows* rows) {
+    writer.write(*rows);
+    written += rows->count;
+  };
+  tbb::task_arena(threads).execute([&] {
+    tbb::parallel_pipeline(parts.size(),
+                           tbb::make_filter<void, SampleRows*>(tbb::filter_mode::serial_in_order, begin) &
+                               tbb::make_filter<SampleRows*, SampleRows*>(tbb::filter_mode::parallel, render) &
+                               tbb::make_filter<SampleRows*, void>(tbb::filter_mode::serial_in_order, write));
+  });
   writer.finish();
 }
 

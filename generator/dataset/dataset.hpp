@@ -21,12 +21,14 @@ namespace contactspline {
                                                std::size_t index, std::size_t shards);
 [[nodiscard]] std::filesystem::path joined_path(const Plan& plan, const std::filesystem::path& folder);
 
-/// Time that one core takes for a sample [s], measured on the first ones of the range for about a tenth of a second.
+/// Time that one core takes for a sample [s], measured on the first ones of the range: a hundredth of them, or a
+/// tenth of a second.
 [[nodiscard]] double measured_time_of_sample(const Plan& plan, const SampleRange& range);
 
 /// Renders samples on so many threads and writes them to a shard. Its samples do not depend on the number of threads.
-/// done(samples) is called after each part. Throws BadInput where the file cannot be written or a sample is not
-/// finite; then no file is left.
+/// done(samples) is called about ten times a second on the calling thread, with the number of those that are written;
+/// it may throw to stop. Throws BadInput where the file cannot be written or a sample is not finite; then no file is
+/// left.
 void write_shard(const std::filesystem::path& path, const Plan& plan, const ShardHeading& heading, int threads,
                  const std::function<void(std::size_t)>& done);
 

@@ -54,6 +54,9 @@ class PendingShard {
       fail_to_write(path_);
   }
 
+  /// Lets the system bring to the disk what is written meanwhile: less is left for rename_into_place().
+  void begin_to_store() const { ::sync_file_range(descriptor_, 0, 0, SYNC_FILE_RANGE_WRITE); }
+
   void rename_into_place(std::size_t bytes) {
     if (::ftruncate(descriptor_, static_cast<off_t>(bytes)) != 0 || ::fsync(descriptor_) != 0 ||
         ::rename(pending_.c_str(), path_.c_str()) != 0)

@@ -16,7 +16,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kBlockBytes = 1 << 18;  // of an array, which is read as a whole
+constexpr std::size_t kBlockBytes = 1 << 18;    // of an array, which is read as a whole
+constexpr std::size_t kStoredAtOnce = 1 << 24;  // bytes that go to the disk while others are written
 constexpr std::size_t kRoomForHeading = 1 << 16, kBytesInIndex = 32;
 constexpr hsize_t kMaxBlockRow = 1 << 20;  // values; a block is smaller than 4 GiB
 
@@ -174,7 +175,7 @@ struct ShardWriter::File {
   explicit File(const fs::path& path) : pending(path) {}
 
   PendingShard pending;
-  std::size_t written = 0;
+  std::size_t bytes_per_sample = 0, written = 0, unstored = 0;  // samples, bytes
   std::vector<ArrayPlan> plans;
   std::vector<Recorded::Kind> kinds;
   Hdf5Handle file;
@@ -187,6 +188,7 @@ ShardWriter::ShardWriter(const fs::path& path, const Plan& plan, const ShardHead
   if (error) fail_to_write(path, fmt::format("its folder cannot be created: {}", error.message()));
   file_ = std::make_unique<File>(path);
   file_->plans = arrays_of(plan);
+  file_->bytes_per_sample = plan.bytes_per_sample();
   for (const Recorded& one : plan.recorded) file_->kinds.push_back(one.kind);
   // Blocks at the end of arrays are whole, and blocks have an index.
   std::size_t bytes =
@@ -208,13 +210,6 @@ ShardWriter::~ShardWriter() {
   file_.reset();
 }
 
-std::size_t ShardWriter::block() const {
-  std::size_t rows = 1;
-  for (const ArrayPlan& array : file_->plans)
-    if (array.length > 0) rows = std::max<std::size_t>(rows, array.block_rows);
-  return rows;
-}
-
 void ShardWriter::write(const SampleRows& rows) {
   const auto write_rows = [&](std::size_t a, const void* values) {
     const ArrayPlan& array = file_->plans[a];
@@ -233,6 +228,10 @@ void ShardWriter::write(const SampleRows& rows) {
     }
   });
   file_->written += rows.count;
+  file_->unstored += rows.count * file_->bytes_per_sample;
+  if (file_->unstored < kStoredAtOnce) return;
+  file_->pending.begin_to_store();
+  file_->unstored = 0;
 }
 
 void ShardWriter::finish() {

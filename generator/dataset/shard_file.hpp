@@ -37,7 +37,7 @@ enum class ShardState : unsigned char { kAbsent, kComplete, kDamaged, kOfOthers 
 
 /// Values of some samples, one row behind the other.
 struct SampleRows {
-  std::size_t count = 0;
+  std::size_t first = 0, count = 0;        ///< sample of the plan in the first row, number of rows
   std::vector<std::vector<float>> sounds;  ///< for each thing that is kept; the energy's is empty
   std::vector<double> energy;
   std::vector<std::vector<double>> columns;  ///< for each column a number of each sample
@@ -52,8 +52,6 @@ class ShardWriter {
   ShardWriter& operator=(const ShardWriter&) = delete;
   ~ShardWriter();
 
-  /// Number of samples after which a block of the file is full: write so many at once, or a multiple.
-  [[nodiscard]] std::size_t block() const;
   /// Writes rows behind those that are there.
   void write(const SampleRows& rows);
   void finish();
