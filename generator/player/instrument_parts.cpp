@@ -26,23 +26,21 @@ std::vector<double> each(const std::vector<Row>& rows, double Row::*member) {
 
 ResonatorParts resonator_parts(const Voice& voice, double sample_rate_hz) {
   const Resonator& resonator = voice.resonator;
-  const auto rows = modes_of(resonator, sample_rate_hz / 2).modes;
-  if (rows.empty()) refuse_rate(fmt::format("voice {} ({})", voice.name, resonator.name), sample_rate_hz);
+  const auto modes = numbered_modes_of(resonator, sample_rate_hz / 2).modes;
+  if (modes.empty()) refuse_rate(fmt::format("voice {} ({})", voice.name, resonator.name), sample_rate_hz);
   ResonatorParts parts;
-  parts.modes = bare(rows);
-  parts.wavenumbers_per_m = each(rows, &ResonatorMode::wavenumber_per_m);
-  parts.pickup = each(rows, &ResonatorMode::pickup_shape);
+  parts.modes = bare(modes);
+  parts.wavenumbers_per_m = each(modes, &NumberedMode::wavenumber_per_m);
+  for (const NumberedMode& mode : modes) parts.pickup.push_back(pickup_shape(resonator, mode));
   parts.length_m = extent_of(resonator.body);
   parts.strike_m = resonator.strike.position_m;
   parts.pluck_m = voice.pluck_m;
-  parts.strike_shapes = [resonator, sample_rate_hz](double place_m, std::span<double> shapes) {
-    Resonator struck = resonator;
+  parts.strike_shapes = [struck = resonator, modes](double place_m, std::span<double> shapes) mutable {
     struck.strike.position_m = place_m;
-    const auto modes = modes_of(struck, sample_rate_hz / 2).modes;
-    for (std::size_t i = 0; i < shapes.size(); ++i) shapes[i] = modes[i].strike_shape;
+    for (std::size_t i = 0; i < shapes.size(); ++i) shapes[i] = strike_shape(struck, modes[i]);
   };
   if (const auto* string = std::get_if<StiffString>(&resonator.body)) {
-    for (const ResonatorMode& row : rows) parts.bridge.push_back(voice.strings * bridge_shape(*string, row));
+    for (const NumberedMode& mode : modes) parts.bridge.push_back(voice.strings * bridge_shape(*string, mode));
     parts.string = *string;
   }
   return parts;

@@ -159,14 +159,6 @@ double shape_of(const Resonator& resonator, const NumberedMode& mode, const Plac
       resonator.body);
 }
 
-// A strike is shared by the strings of a choir.
-double strike_shape(const Resonator& resonator, const NumberedMode& mode) {
-  if (const auto* table = std::get_if<ModeTable>(&resonator.body)) return row_of(*table, mode).strike_shape;
-  const auto* string = std::get_if<StiffString>(&resonator.body);
-  const double shape = shape_of(resonator, mode, resonator.strike);
-  return string == nullptr ? shape : shape / static_cast<double>(string->detuning_cents.size());
-}
-
 }  // namespace
 
 PlateStiffness bending_stiffness(const Plate& plate) {
@@ -191,6 +183,14 @@ NumberedModeSet numbered_modes_of(const Resonator& resonator, double max_frequen
   const bool cut = modes.size() > max;
   if (cut) modes.resize(max);
   return {std::move(modes), cut};
+}
+
+// A strike is shared by the strings of a choir.
+double strike_shape(const Resonator& resonator, const NumberedMode& mode) {
+  if (const auto* table = std::get_if<ModeTable>(&resonator.body)) return row_of(*table, mode).strike_shape;
+  const auto* string = std::get_if<StiffString>(&resonator.body);
+  const double shape = shape_of(resonator, mode, resonator.strike);
+  return string == nullptr ? shape : shape / static_cast<double>(string->detuning_cents.size());
 }
 
 double pickup_shape(const Resonator& resonator, const NumberedMode& mode) {

@@ -108,7 +108,8 @@ struct ModeSet {
 /// The same modes without their shapes: enough for many places on one body.
 [[nodiscard]] NumberedModeSet numbered_modes_of(const Resonator& resonator, double max_frequency_hz);
 
-/// The shape of a mode of this resonator at its pickup.
+/// The shape of a mode of this resonator under its hammer, and at its pickup.
+[[nodiscard]] double strike_shape(const Resonator& resonator, const NumberedMode& mode);
 [[nodiscard]] double pickup_shape(const Resonator& resonator, const NumberedMode& mode);
 
 }  // namespace contactspline

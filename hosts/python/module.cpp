@@ -31,6 +31,7 @@
 #include "generator/support/file_kind.hpp"
 #include "generator/support/input_file.hpp"
 #include "hosts/python/for_each.hpp"
+#include "hosts/python/idle_instruments.hpp"
 #include "hosts/python/makers.hpp"
 #include "hosts/python/resonators.hpp"
 #include "hosts/python/struck_string.hpp"
@@ -157,13 +158,14 @@ class Source {
     {
       const py::gil_scoped_release unlocked;
       const auto happenings = happenings_of(rows);
-      const auto instrument = maker_.make<T>(rate);
+      auto instrument = idle_in(T()).take(maker_, rate);
       for (const auto& [parameter, value] : initial) instrument->set(parameter, value);
       instrument->prepare(rate);
       render<T>(*instrument, happenings, samples, recording, [] {
         const py::gil_scoped_acquire locked;
         if (PyErr_CheckSignals() != 0) throw py::error_already_set();
       });
+      idle_in(T()).put(std::move(instrument), rate);
     }
     return py::make_tuple(outputs, forces, energies);
   }
@@ -180,10 +182,11 @@ class Source {
     std::atomic<bool> is_stopped = false;
     const py::gil_scoped_release unlocked;
     const auto happenings = happenings_of(rows);
+    IdleInstruments<T> idle;
     for_each(
         static_cast<std::size_t>(sounds.shape(0)), threads,
         [&](std::size_t i) {
-          const auto instrument = maker_.make<T>(rate);
+          auto instrument = idle.take(maker_, rate);
           for (std::size_t p = 0; p < numbers.size(); ++p) instrument->set(numbers[p], value[i * numbers.size() + p]);
           instrument->prepare(rate);
           const auto stop = [&] {
@@ -200,6 +203,7 @@ class Source {
             render<T>(*instrument, happenings, samples, recording, stop);
             std::ranges::transform(exact, sound.begin(), [](T sample) { return static_cast<float>(sample); });
           }
+          idle.put(std::move(instrument), rate);
         },
         [&](std::size_t done) {
           const py::gil_scoped_acquire locked;
@@ -209,8 +213,13 @@ class Source {
   }
 
  private:
+  [[nodiscard]] IdleInstruments<float>& idle_in(float) const { return idle_in_single_; }
+  [[nodiscard]] IdleInstruments<double>& idle_in(double) const { return idle_in_double_; }
+
   InstrumentMaker maker_;
   std::unique_ptr<AnyInstrument<double>> shown_;
+  mutable IdleInstruments<float> idle_in_single_;
+  mutable IdleInstruments<double> idle_in_double_;
 };
 
 // The list of parameters, events, outputs or presets as dictionaries.

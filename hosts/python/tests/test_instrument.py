@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: MIT
+import concurrent.futures
 import json
 import math
 import subprocess
@@ -46,6 +47,33 @@ def test_every_instrument_sounds_in_both_precisions_and_again_alike(name):
         assert len(samples) == round(seconds * 44100) and np.all(np.isfinite(samples))
         assert np.array_equal(samples, again[output])
     assert all(row["min"] <= row["initial"] <= row["max"] for row in instrument.parameters.values())
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_what_was_played_before_changes_nothing(name):
+    seconds = 0.02
+    used, fresh = made(name), made(name)
+    changes = [cs.change(0.003, parameter, 0.3 * row["min"] + 0.7 * row["max"]) for parameter, row in used.parameters.items()]
+    used.play([blow(used, 0.001), *changes, cs.note(0.008, 67, 0.9)], seconds)
+    used.play(blow(used), seconds, sample_rate_hz=48000)
+    used.play([blow(used, 0.001), *changes], seconds, parameters={parameter: row["max"] for parameter, row in used.parameters.items()})
+    again, first = (instrument.play(blow(instrument, 0.001), seconds, energy_step=10) for instrument in (used, fresh))
+    for output in first.outputs:
+        assert np.array_equal(again[output], first[output])
+    assert np.array_equal(again.force_n, first.force_n) and np.array_equal(again.energy_j, first.energy_j)
+    assert np.any(first.samples != 0)
+
+
+def test_threads_share_an_instrument():
+    instrument = made("hammer_string")
+    speeds = np.linspace(0.5, 4, 40)
+
+    def play(speed):
+        return instrument.play(cs.strike(0, speed), 0.05)["bridge_force_n"]
+
+    with concurrent.futures.ThreadPoolExecutor(4) as pool:
+        together = list(pool.map(play, speeds))
+    assert all(np.array_equal(sound, play(speed)) for sound, speed in zip(together, speeds))
 
 
 def test_a_hammer_string_plays_what_a_score_plays(tmp_path):
