@@ -27,13 +27,15 @@ struct BodyArrays {
 /// Throws BadInput where the body has no such mode.
 [[nodiscard]] BodyArrays body_arrays(const Score& score, double sample_rate_hz);
 
-/// The keyboard of a score on its body. The score must outlive it.
+/// The keyboard of a score on its body, with at most `max_modes` modes of each string. The score must outlive it.
 template <std::floating_point T>
 class KeyboardOfScore : public PedaledKeyboard<KeyboardOfScore<T>, T> {
   using Base = PedaledKeyboard<KeyboardOfScore, T>;
+  static constexpr std::size_t kAllModes = 4096;
 
  public:
-  KeyboardOfScore(const Score& score, double sample_rate_hz) : KeyboardOfScore(score, {score}, sample_rate_hz) {}
+  KeyboardOfScore(const Score& score, double sample_rate_hz, std::size_t max_modes = kAllModes)
+      : KeyboardOfScore(score, {score}, body_arrays(score, sample_rate_hz), sample_rate_hz, max_modes) {}
 
   static const char* name() { return "keyboard"; }
   static const char* description() { return ""; }
@@ -58,10 +60,9 @@ class KeyboardOfScore : public PedaledKeyboard<KeyboardOfScore<T>, T> {
     std::vector<std::vector<Memory>> memories;
   };
 
-  KeyboardOfScore(const Score& score, Felts felts, double sample_rate_hz)
-      : KeyboardOfScore(score, std::move(felts), body_arrays(score, sample_rate_hz), sample_rate_hz) {}
-  KeyboardOfScore(const Score& score, Felts felts, const BodyArrays& body, double sample_rate_hz)
-      : Base(keys_of(score, felts), {body.modes, body.bridge, body.left, body.right}, sample_rate_hz),
+  KeyboardOfScore(const Score& score, Felts felts, const BodyArrays& body, double sample_rate_hz,
+                  std::size_t max_modes)
+      : Base(keys_of(score, felts), {body.modes, body.bridge, body.left, body.right}, sample_rate_hz, max_modes),
         felts_(std::move(felts)) {
     this->set_soft_ratio(score.una_corda_stiffness_ratio);
   }

@@ -4,14 +4,17 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "generator/cli/inputs.hpp"
 #include "generator/player/score_reader.hpp"
+#include "generator/resonator/keyboard_reader.hpp"
 #include "generator/support/error.hpp"
 #include "generator/support/input_file.hpp"
 #include "hosts/named_instruments.hpp"
+#include "hosts/python/own_keyboard.hpp"
 
 namespace contactspline::python {
 namespace {
@@ -78,6 +81,32 @@ InstrumentMaker mass_barrier_maker(const Json& parts) {
                                                     : design_argument(material.get<std::string>()));
 }
 
+// A score plays all keys once, so that its reader designs their felts.
+InstrumentMaker keyboard_maker(Json parts) {
+  for (const auto& [key, value] : parts.items())
+    if (key != "keyboard") refuse("piano", key, "is no part of this instrument", "keyboard");
+  Objects objects;
+  objects.replace(parts, "keyboard");
+  if (!parts["keyboard"].is_string())
+    refuse("piano", "keyboard", "is no keyboard", "a name, a path or an object, such as \"piano\"");
+  const auto read = [&](const std::string& path) { return objects.read(path); };
+  const NamedText named =
+      named_text("piano", "keyboard", parts["keyboard"].get<std::string>(), Shipped::kKeyboards, read);
+  Keyboard keyboard = parse_keyboard(named.text, named.file);
+  if (!keyboard.body) refuse(named.file, "keyboard.body", "missing", "one such as that of the piano that ships");
+  Json keys = Json::array();
+  for (int key = keyboard.first_key; key <= keyboard.last_key; ++key)
+    keys.push_back({{"time_s", 0}, {"key", key}, {"hold_s", 0}});
+  const Json score = {
+      {"instrument", "hammer-string"}, {"duration_s", 1}, {"keyboard", parts["keyboard"]}, {"events", keys}};
+  const auto made =
+      std::make_shared<const OwnKeyboardParts>(std::move(keyboard), parse_score(score.dump(), "piano", read));
+  return InstrumentMaker::of(
+      [made](auto precision, double rate) -> std::unique_ptr<AnyInstrument<decltype(precision)>> {
+        return std::make_unique<InstrumentBehind<OwnKeyboard<decltype(precision)>>>(made, rate);
+      });
+}
+
 }  // namespace
 
 InstrumentMaker maker_of(const std::string& source, bool is_text, const std::string& parts_text) {
@@ -87,6 +116,7 @@ InstrumentMaker maker_of(const std::string& source, bool is_text, const std::str
     for (const Model model : kModels)
       if (source == identifier_of(model)) return model_maker(model, std::move(parts));
     if (source == "mass_barrier") return mass_barrier_maker(parts);
+    if (source == "piano") return keyboard_maker(std::move(parts));
   }
   refuse(is_text ? "instrument" : source, parts.begin().key(), "is no part of this instrument",
          "no keys: set its parameters instead");

@@ -128,11 +128,11 @@ class Instrument:
     source: hammer_string, slide_string, fret_string, mass_barrier, piano, an instrument that ships, the path of an
     instrument file, or a dict with the keys of such a file. parts: for the first four, what they are made of instead, with
     the keys of a voice of a score: resonator and material (names, paths or dicts), pluck_m, ...; and first values of
-    parameters. Raises Error with the line that the program prints.
+    parameters. For the piano: keyboard, a name, a path or a dict. Raises Error with the line that the program prints.
     """
 
     def __init__(self, source: str | os.PathLike[str] | Mapping[str, Any], /, **parts: Any) -> None:
-        self._source = _core.Source(*source_of(source), json.dumps(parts, allow_nan=False))
+        self._source = _core.Source(*source_of(source), json.dumps(parts, allow_nan=False, default=os.fspath))
         self.name: str = self._source.name
         self.description: str = self._source.description
         self.license: str = self._source.license

@@ -2,6 +2,7 @@
 import concurrent.futures
 import json
 import math
+import pathlib
 import subprocess
 import sys
 import wave
@@ -12,6 +13,17 @@ import pytest
 import contactspline as cs
 
 HAMMER = {"resonator": "string_c4", "material": "felt_c4"}
+KEYBOARDS = pathlib.Path(__file__).parents[3] / "data/keyboards"
+OWN = {"name": "own", "description": "five keys", "keyboard": {
+    "first_key": 58, "last_key": 62, "first_double_key": 60, "first_triple_key": 61, "last_damped_key": 61,
+    "concert_pitch_hz": 480, "min_speed_m_per_s": 0.2, "max_speed_m_per_s": 5, "felt_loss_s_per_m": 0.2,
+    "damper_per_s": 60, "damper_time_s": 0.005, "segments": 16,
+    "body": {"resonator": "soundboard", "double_cents": [-0.3, 0.3], "triple_cents": [-0.4, 0.1, 0.5], "own_loss": 0.4,
+             "una_corda_stiffness_ratio": 0.5},
+    "notes": [{"key": key, "length_m": length, "mass_kg": mass, "bending_stiffness_n_m2": 0.01, "strike_position_m": 0.1,
+               "constant_loss_per_s": 1, "quadratic_loss_m2_per_s": 2e-4, "hammer_mass_kg": 0.009,
+               "stiffness_n_per_m_alpha": 2e9, "exponent": 2.4}
+              for key, length, mass in [(48, 1.26, 0.0088), (72, 0.34, 0.0018)]]}}
 
 
 def made(name):
@@ -19,7 +31,7 @@ def made(name):
     parts = {"hammer_string": HAMMER, "mass_barrier": {"material": "felt_c4"},
              "slide_string": {**guitar, "height_m": 0.001, "slide_mass_kg": 0.05, "hand_force_n": 8},
              "fret_string": {**guitar, "gap_m": 0.0005}}
-    return cs.Instrument(name, **parts.get(name, {}))
+    return cs.Instrument("piano", keyboard=OWN) if name == "own keyboard" else cs.Instrument(name, **parts.get(name, {}))
 
 
 def blow(instrument, time=0.01):
@@ -30,7 +42,7 @@ def blow(instrument, time=0.01):
     return play(time, instrument.parameters[event["parameter"]]["initial"], event["number"])
 
 
-ALL = ["hammer_string", "slide_string", "fret_string", "mass_barrier", "piano", *cs.shipped("instruments")]
+ALL = ["hammer_string", "slide_string", "fret_string", "mass_barrier", "piano", "own keyboard", *cs.shipped("instruments")]
 
 
 @pytest.mark.parametrize("name", ALL)
@@ -62,6 +74,45 @@ def test_what_was_played_before_changes_nothing(name):
         assert np.array_equal(again[output], first[output])
     assert np.array_equal(again.force_n, first.force_n) and np.array_equal(again.energy_j, first.energy_j)
     assert np.any(first.samples != 0)
+
+
+# The emitted header and the keyboard's file are two ways to the same strings and hammers; their numbers are rounded once.
+@pytest.mark.parametrize("keyboard", ["piano", KEYBOARDS / "piano.json"], ids=str)
+def test_the_keyboard_that_ships_is_that_of_the_piano(keyboard):
+    events = [cs.note(0, 60, 0.7, 0.1), cs.note(0.05, 30, 1), cs.note(0.1, 100, 0.3)]
+    wanted, own = (piano.play(events, 0.2) for piano in (cs.Instrument("piano"), cs.Instrument("piano", keyboard=keyboard)))
+    for name, samples in wanted.outputs.items():
+        assert np.max(np.abs(samples)) > 0.001
+        assert np.max(np.abs(own[name] - samples)) < 1e-9 * np.max(np.abs(samples))
+    assert np.max(np.abs(own.force_n - wanted.force_n)) < 1e-9 * np.max(wanted.force_n)
+
+
+def test_a_keyboard_of_ones_own_has_its_pitch_and_its_speeds():
+    piano, keys = cs.Instrument("piano", keyboard=OWN), cs.Keyboard(OWN).keys
+    assert (piano.name, piano.description, piano.parameters["loss_s_per_m"]["initial"]) == ("own", "five keys", 0.2)
+    assert keys[60]["pitch_hz"] == pytest.approx(480 * 2 ** (-9 / 12))
+    sound = piano.play(cs.note(0, 60, 0.8), 2)
+    spectrum = np.abs(np.fft.rfft(sound.samples * np.hanning(len(sound.samples))))
+    near = slice(round(2 * keys[60]["pitch_hz"]) - 40, round(2 * keys[60]["pitch_hz"]) + 41)  # bins of 0.5 Hz
+    assert abs((near.start + np.argmax(spectrum[near])) / 2 - keys[60]["pitch_hz"]) < 1  # two strings, and a bin
+    assert np.array_equal(piano.play(cs.note(0, 63, 1), 0.05).samples, np.zeros(2205))  # has no such key
+    softer = piano.play(cs.note(0, 60, 0.1), 0.1)
+    assert 0 < softer.force_n.max() < sound.force_n.max() / 4  # (5 / 0.2)**-0.7 is 0.1
+
+
+@pytest.mark.parametrize("wrong, line", [
+    ({"keyboard": 3}, "piano: keyboard: is no keyboard; allowed: a name"),
+    ({"keyboard": "pianoo"}, "piano: keyboard: 'pianoo' does not ship; allowed: a .json file, piano"),
+    ({"keyboard": "felt_c4"}, "piano: keyboard: 'felt_c4' is a material; allowed: a .json file, piano"),
+    ({"keyboard": {"name": "own"}}, "keyboard.json: keyboard: missing; allowed: first_key"),
+    ({"keyboard": {**OWN, "keyboard": {key: value for key, value in OWN["keyboard"].items() if key != "body"}}},
+     "keyboard.json: keyboard.body: missing; allowed: one such as"),
+    ({"keyboard": OWN, "felt": 1}, "piano: felt: is no part of this instrument; allowed: keyboard"),
+    ({"keyboard": pathlib.Path("no") / "such.json"}, "piano: keyboard: no/such.json: file: does not exist")])
+def test_other_keyboards_are_refused_in_one_line(wrong, line):
+    with pytest.raises(cs.Error) as raised:
+        cs.Instrument("piano", **wrong)
+    assert str(raised.value).startswith(line) and "\n" not in str(raised.value)
 
 
 def test_threads_share_an_instrument():
