@@ -20,13 +20,6 @@
 
 namespace contactspline::testing {
 
-template <typename T>
-using ModelsByHand = ::testing::Types<
-    MassBarrierOf<materials::felt_c4, T>, HammerStringOf<materials::felt_c4, resonators::string_c4, T>,
-    EnsembleOf<materials::felt_c4, resonators::string_c4, T>,
-    SlideStringOf<materials::steel_on_steel, resonators::guitar_g3, T>,
-    FretStringOf<materials::steel_on_steel, resonators::guitar_d3, T>, KeyboardInstrument<keyboards::piano, T>>;
-
 template <typename... Lists>
 struct JoinedLists;
 template <typename... A>
@@ -39,6 +32,17 @@ struct JoinedLists<::testing::Types<A...>, ::testing::Types<B...>, Others...>
 /// The types of several lists, in this order.
 template <typename... Lists>
 using Joined = typename JoinedLists<Lists...>::Type;
+
+/// Models that programs and libraries know by name.
+template <typename T>
+using NamedModels = ::testing::Types<
+    MassBarrierOf<materials::felt_c4, T>, HammerStringOf<materials::felt_c4, resonators::string_c4, T>,
+    SlideStringOf<materials::steel_on_steel, resonators::guitar_g3, T>,
+    FretStringOf<materials::steel_on_steel, resonators::guitar_d3, T>, KeyboardInstrument<keyboards::piano, T>>;
+
+template <typename T>
+using ModelsByHand =
+    Joined<NamedModels<T>, ::testing::Types<EnsembleOf<materials::felt_c4, resonators::string_c4, T>>>;
 
 template <typename T>
 using InstrumentsOfFiles =

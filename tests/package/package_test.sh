@@ -915,24 +915,29 @@ add_executable(my_plugin main.cpp)'
   expect_peak_force 2 4.5e9 2.5 0.003 2 <"$WORK/samples"
 }
 
-# The example of docs/how-to/polyphony.md, on the optional libraries: one voice of 500, a third of the way to the right.
+# The examples of docs/how-to/polyphony.md, on the optional libraries: one voice of 500, a third of the way to the right, and
+# three keys of an ensemble.
 case_polyphony() {
   install_at "$WORK/prefix"
   project="$WORK/project" build="$WORK/build"
   mkdir "$project"
-  readme_block cpp docs/how-to/polyphony.md >"$project/main.cpp"
+  blocks_of "$SOURCE/docs/how-to/polyphony.md" cpp "$project/program"
   cat >"$project/CMakeLists.txt" <<'END'
 cmake_minimum_required(VERSION 3.25)
 project(Polyphony LANGUAGES CXX)
 find_package(ContactSpline CONFIG REQUIRED)
-add_executable(band main.cpp)
-target_link_libraries(band PRIVATE ContactSpline::materials ContactSpline::simd ContactSpline::threads)
+add_executable(band program1.cpp)
+add_executable(dulcimer program2.cpp)
+foreach(program band dulcimer)
+  target_link_libraries(${program} PRIVATE ContactSpline::materials ContactSpline::simd ContactSpline::threads)
+endforeach()
 END
   configure Ninja "-DCMAKE_PREFIX_PATH=$WORK/prefix" -DCMAKE_BUILD_TYPE=Release
   build
   "$build/band" | awk '
     { print; ratio = $2 / $1 / sqrt(0.3 / 0.7) }
     END { exit !(ratio > 0.9999 && ratio < 1.0001 && $3 == 1) }' || fail "the example does not play as it says"
+  "$build/dulcimer" | awk '{ print } END { exit !($1 * $1 > 0 && $3 == 3) }' || fail "the keys do not play"
 }
 
 # docs/how-to/c.md word for word, on the installed library; its symbols; the program's line for a wrong file.
