@@ -20,10 +20,10 @@ template <typename T>
 /// Throws BadInput if the name has another ending, or if its format cannot have these channels at this rate.
 void require_sound_format(const std::string& file, int channels, int sample_rate_hz);
 
-/// The bytes of a sound file of that name: the interleaved samples times `scale`, clipped to [-1, 1]. T: float
+/// The bytes of a sound file of this name: the interleaved samples times `scale`, clipped to [-1, 1]. T: float
 /// or double.
 template <typename T>
-[[nodiscard]] std::string sound_bytes(const std::string& file, std::span<const T> samples, double scale, int channels,
+[[nodiscard]] std::string sound_bytes(const std::string& name, std::span<const T> samples, double scale, int channels,
                                       int sample_rate_hz);
 
 }  // namespace contactspline

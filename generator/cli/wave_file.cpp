@@ -52,9 +52,9 @@ void require_sound_format(const std::string& file, int /*channels*/, int /*sampl
 }
 
 template <typename T>
-std::string sound_bytes(const std::string& file, std::span<const T> samples, double scale, int channels,
+std::string sound_bytes(const std::string& name, std::span<const T> samples, double scale, int channels,
                         int sample_rate_hz) {
-  require_sound_format(file, channels, sample_rate_hz);
+  require_sound_format(name, channels, sample_rate_hz);
   std::string data;
   data.reserve(3 * samples.size());
   for (const T sample : samples) {
