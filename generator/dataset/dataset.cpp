@@ -22,7 +22,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr auto kTellAfter = std::chrono::milliseconds(100);
-constexpr std::size_t kRowsBytes = 1 << 18;  // rendered by a thread at once, at least a row
+// What a thread renders at once: at most so much, at least a row, and so little that all threads end together.
+constexpr std::size_t kRowsBytes = 1 << 22, kPartsOfThread = 16;
 
 SampleRows rows_for(const Plan& plan, std::size_t count) {
   SampleRows rows{0, count, std::vector<std::vector<float>>(plan.recorded.size()), {}, {}};
@@ -126,8 +127,10 @@ void write_shard(const std::filesystem::path& path, const Plan& plan, const Shar
   Renderer renderer(plan, static_cast<std::size_t>(threads));
   const tbb::global_control allowed(  // without it oneTBB warns of more threads than cores
       tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
-  const std::size_t rows_at_once = std::max<std::size_t>(kRowsBytes / plan.bytes_per_sample(), 1);
-  std::vector<SampleRows> parts(2 * static_cast<std::size_t>(threads));  // in memory
+  const std::size_t threads_used = static_cast<std::size_t>(threads);
+  const std::size_t rows_at_once = std::max<std::size_t>(
+      std::min(kRowsBytes / plan.bytes_per_sample(), heading.range.count / (kPartsOfThread * threads_used)), 1);
+  std::vector<SampleRows> parts(2 * threads_used);  // in memory
   std::size_t begun = 0;
   std::atomic<std::size_t> written = 0;
   const std::thread::id caller = std::this_thread::get_id();
