@@ -83,7 +83,7 @@ std::string json_of(const Resonator& resonator, double sample_rate_hz) {
 KeyRow key_row(const Keyboard& keyboard, int key, double sample_rate_hz) {
   const KeyboardNote note = note_of(keyboard, key);
   const StiffString& string = note.string;
-  return {key, note, undamped_mode(string, 1).angular_frequency_rad_per_s / (2 * std::numbers::pi),
+  return {key, note, note.pitch_hz,
           std::pow(std::numbers::pi / string.length_m, 2) * string.bending_stiffness_n_m2 / string.tension_n,
           modes_of(note, sample_rate_hz / 2).size()};
 }

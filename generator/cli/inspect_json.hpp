@@ -32,8 +32,8 @@ struct ComparedFamily {
 /// The modes of a resonator that a simulation at this rate keeps.
 [[nodiscard]] std::string json_of(const Resonator& resonator, double sample_rate_hz);
 
-/// A key of a keyboard: its first partial without losses, its inharmonicity B, as f_n = n f_0 sqrt(1 + B n^2), and
-/// the number of modes of a string that a simulation keeps.
+/// A key of a keyboard: its pitch, its inharmonicity B, as f_n = n f_0 sqrt(1 + B n^2) without losses, and the number
+/// of modes of a string that a simulation keeps.
 struct KeyRow {
   int key;
   KeyboardNote note;

@@ -39,6 +39,7 @@ void add_strings(TemplateValues& values, const std::vector<KeyboardNote>& notes)
       column(notes, [](const KeyboardNote& n) { return n.string.losses.quadratic_m2_per_s; });
   values["STRIKE_POSITIONS"] = column(notes, [](const KeyboardNote& n) { return n.strike_position_m; });
   values["HAMMER_MASSES"] = column(notes, [](const KeyboardNote& n) { return n.hammer_mass_kg; });
+  values["OUTPUT_RATIOS"] = column(notes, [](const KeyboardNote& n) { return n.output_ratio; });
 }
 
 // Whole numbers, as Faust and C++ read them.
@@ -92,12 +93,15 @@ std::string faust_rules(const std::vector<BodyMode>& modes) {
 
 // The part of Faust's template. Without a body the strings are in tune, and no mode follows.
 std::string faust_body_text(const Keyboard& keyboard, const std::optional<Resonator>& body, double max_frequency_hz) {
-  const KeyboardBody strings = keyboard.body.value_or(KeyboardBody{"", {0, 0}, {0, 0, 0}, 1, 1});
+  const KeyboardBody strings = keyboard.body.value_or(KeyboardBody{"", {0, 0}, {0, 0, 0}, 1, {}});
   const auto modes = body ? body_modes(*body, max_frequency_hz) : std::vector<BodyMode>();
   return fill_template(emitted_template("keyboard_body", "lib"),
-                       {{"DOUBLE_CENTS", in_one_row(strings.double_cents)},
-                        {"TRIPLE_CENTS", in_one_row(strings.triple_cents)},
+                       {{"DOUBLE_HZ", in_one_row(strings.double_hz)},
+                        {"TRIPLE_HZ", in_one_row(strings.triple_hz)},
                         {"UNA_CORDA", literal(strings.una_corda_stiffness_ratio)},
+                        {"PICKUP_RATIO", literal(strings.listening.pickup_ratio)},
+                        {"MOBILITY", literal(strings.listening.mobility_m_per_n_s)},
+                        {"OUTPUT_ABOVE", literal(strings.listening.above_hz)},
                         {"BODY_TITLE", body ? title_of(*body) : "of which this keyboard has none"},
                         {"MODES", fmt::format("{}", modes.size())},
                         {"RULES", faust_rules(modes)}});
@@ -106,10 +110,12 @@ std::string faust_body_text(const Keyboard& keyboard, const std::optional<Resona
 // The part of the other templates for keyboards with a body.
 std::string body_text(const Emitter& emitter, const KeyboardBody& body, const std::vector<BodyMode>& modes) {
   TemplateValues values{
-      {"DOUBLE_CENTS", in_one_row(body.double_cents)},
-      {"TRIPLE_CENTS", in_one_row(body.triple_cents)},
-      {"OWN_LOSS", literal(body.own_loss)},
+      {"DOUBLE_HZ", in_one_row(body.double_hz)},
+      {"TRIPLE_HZ", in_one_row(body.triple_hz)},
       {"UNA_CORDA", literal(body.una_corda_stiffness_ratio)},
+      {"PICKUP_RATIO", literal(body.listening.pickup_ratio)},
+      {"MOBILITY", literal(body.listening.mobility_m_per_n_s)},
+      {"OUTPUT_ABOVE", literal(body.listening.above_hz)},
       {"ANGULAR_FREQUENCIES", column(modes, [](const BodyMode& m) { return m.mode.angular_frequency_rad_per_s; })},
       {"DECAYS", column(modes, [](const BodyMode& m) { return m.mode.decay_per_s; })},
       {"MASSES", column(modes, [](const BodyMode& m) { return m.mode.mass_kg; })},
@@ -139,6 +145,10 @@ std::string emit(const Emitter& emitter, const Keyboard& keyboard, const std::op
                         {"DAMPER", literal(keyboard.damper_per_s)},
                         {"DAMPER_TIME", literal(keyboard.damper_time_s)},
                         {"SEGMENTS", fmt::format("{}", keyboard.segments)}};
+  if (emitter.name != "faust") {  // where strings end at rest
+    values["BRIDGE_LOSSES"] = column(notes, [](const KeyboardNote& n) { return n.bridge_loss_per_s; });
+    values["BRIDGE_RATIOS"] = column(notes, [](const KeyboardNote& n) { return n.bridge_ratio; });
+  }
   if (emitter.name != "json") values["KEYS"] = fmt::format("{}", notes.size());
   if (emitter.name == "cpp") values["FORMAT_VERSION"] = fmt::format("{}", kFormatVersion);
   if (emitter.name == "faust")

@@ -62,7 +62,8 @@ class KeyboardOfScore : public PedaledKeyboard<KeyboardOfScore<T>, T> {
 
   KeyboardOfScore(const Score& score, Felts felts, const BodyArrays& body, double sample_rate_hz,
                   std::size_t max_modes)
-      : Base(keys_of(score, felts), {body.modes, body.bridge, body.left, body.right}, sample_rate_hz, max_modes),
+      : Base(keys_of(score, felts), {body.modes, body.bridge, body.left, body.right, score.listening}, sample_rate_hz,
+             max_modes),
         felts_(std::move(felts)) {
     this->set_soft_ratio(score.una_corda_stiffness_ratio);
   }
@@ -70,13 +71,15 @@ class KeyboardOfScore : public PedaledKeyboard<KeyboardOfScore<T>, T> {
   static std::vector<KeyOnBody<T>> keys_of(const Score& score, const Felts& felts) {
     std::vector<KeyOnBody<T>> keys;
     for (std::size_t k = 0; k < score.keys.size(); ++k) {
-      const auto& [strings, position_m, no_felt, hammer, damper, no_memory] = score.keys[k];
-      keys.push_back({strings,
-                      position_m,
+      const KeyOnBody<double>& key = score.keys[k];
+      keys.push_back({key.strings,
+                      key.strike_position_m,
                       felts.tables[k],
-                      {.hammer_mass_kg = static_cast<T>(hammer.hammer_mass_kg)},
-                      damper,
-                      felts.memories[k]});
+                      {.hammer_mass_kg = static_cast<T>(key.hammer.hammer_mass_kg)},
+                      key.damper,
+                      felts.memories[k],
+                      key.bridge_ratio,
+                      key.output_ratio});
     }
     return keys;
   }

@@ -99,6 +99,7 @@ struct Score {
   std::optional<Resonator> body = {};  ///< that all strings end at; struck at its bridge; on a keyboard it moves them
   std::vector<KeyOnBody<double>> keys = {};  ///< on the body, also those that are not played; without felts
   double una_corda_stiffness_ratio = 1;      ///< of all felts
+  Listening listening = {};                  ///< the sound of the body under a keyboard
   std::vector<Glide> pedals = {};            ///< by rising time; of KeyboardParameter, all up at first
   std::string left_out = {};                 ///< what of a MIDI file is not played, in one line; empty: nothing
   std::string left_out_at_rest = {};         ///< the same without the body, as a list

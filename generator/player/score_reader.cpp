@@ -158,13 +158,17 @@ void add_body(const Keyboard& keyboard, const NamedText& file, const ReadFile& r
   score.body = body_of(keyboard, file, read);
   if (!score.body) return;
   score.una_corda_stiffness_ratio = keyboard.body->una_corda_stiffness_ratio;
+  score.listening = keyboard.body->listening;
   for (int key = keyboard.first_key; key <= keyboard.last_key; ++key) {
     const KeyboardNote note = note_of(keyboard, key);
     score.keys.push_back({strings_on_body(note, *keyboard.body),
                           note.strike_position_m,
                           {},
                           {.hammer_mass_kg = note.hammer_mass_kg},
-                          damper_of(keyboard, key)});
+                          damper_of(keyboard, key),
+                          {},
+                          note.bridge_ratio,
+                          note.output_ratio});
   }
 }
 

@@ -94,9 +94,11 @@ Material felt_of(const Keyboard& keyboard, const Between& notes, int key, double
 
 StiffString strings_on_body(const KeyboardNote& note, const KeyboardBody& body) {
   StiffString string = note.string;
-  if (note.strings > 1) string.detuning_cents = note.strings == 2 ? body.double_cents : body.triple_cents;
-  string.losses.constant_per_s *= body.own_loss;
-  string.losses.quadratic_m2_per_s *= body.own_loss;
+  string.losses.constant_per_s -= note.bridge_loss_per_s;
+  if (note.strings > 1) {
+    string.detuning_cents = note.strings == 2 ? body.double_hz : body.triple_hz;
+    for (double& detuning : string.detuning_cents) detuning = 1200 * std::log2(1 + detuning / note.pitch_hz);
+  }
   return string;
 }
 
@@ -104,6 +106,8 @@ std::vector<BodyMode> body_modes(const Resonator& body, double max_frequency_hz)
   Resonator mirrored = body;
   if (auto* plate = std::get_if<Plate>(&mirrored.body))
     mirrored.pickup.position_m = plate->length_m - mirrored.pickup.position_m;
+  if (auto* table = std::get_if<ModeTable>(&mirrored.body))
+    for (ModeTable::Row& row : table->rows) row.pickup_shape = row.right_shape;
   const auto left = modes_of(body, max_frequency_hz).modes, right = modes_of(mirrored, max_frequency_hz).modes;
   std::vector<BodyMode> modes;
   for (std::size_t i = 0; i < left.size(); ++i)
@@ -120,9 +124,22 @@ KeyboardNote note_of(const Keyboard& keyboard, int key) {
   const int strings = strings_of(keyboard, key);
   const double whole_hammer = notes.linear([](const PublishedNote& n) { return n.hammer_mass_kg; });
   const double hammer_mass = rounded_to(whole_hammer / strings, 6);
-  return {string_of(keyboard, notes, key),
-          rounded_to(notes.geometric([](const PublishedNote& n) { return n.strike_position_m; }), 6), strings,
-          hammer_mass, felt_of(keyboard, notes, key, hammer_mass)};
+  const double bridge_ratio = rounded_to(notes.geometric([](const PublishedNote& n) { return n.bridge_ratio; }), 6);
+  StiffString string = string_of(keyboard, notes, key);
+  const double mobility = keyboard.body ? keyboard.body->listening.mobility_m_per_n_s : 0;
+  const double impedance = std::sqrt(string.tension_n * string.mass_kg / string.length_m);
+  const double bridge_loss =
+      rounded_to(strings * 2 * pitch_hz(keyboard, key) * impedance * mobility * bridge_ratio * bridge_ratio, 6);
+  string.losses.constant_per_s += bridge_loss;
+  return {string,
+          rounded_to(notes.geometric([](const PublishedNote& n) { return n.strike_position_m; }), 6),
+          strings,
+          hammer_mass,
+          felt_of(keyboard, notes, key, hammer_mass),
+          pitch_hz(keyboard, key),
+          bridge_ratio,
+          rounded_to(notes.geometric([](const PublishedNote& n) { return n.output_ratio; }), 6),
+          bridge_loss};
 }
 
 std::vector<ResonatorMode> modes_of(const KeyboardNote& note, double max_frequency_hz) {

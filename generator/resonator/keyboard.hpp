@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "contactspline/models/body.hpp"
 #include "generator/material/material.hpp"
 #include "generator/resonator/resonator.hpp"
 #include "generator/spline/contact_spline.hpp"
@@ -20,15 +21,18 @@ struct PublishedNote {
   double strike_position_m;
   double hammer_mass_kg;
   PowerLaw felt;
+  /// How far the bridge moves where the strings of the key end, as a ratio of its motion where the body is struck.
+  double bridge_ratio = 1;
+  double output_ratio = 1;  ///< weight of the force of the key's strings in the sound
 };
 
 /// The body that the strings end at, and what they are when each of them moves by itself.
 struct KeyboardBody {
   std::string resonator;             ///< name of one that ships, or a file; struck at its bridge
-  std::vector<double> double_cents;  ///< detuning of the strings of a key that has two
-  std::vector<double> triple_cents;  ///< and three
-  double own_loss;  ///< part of the published losses that is the strings' own; the rest goes into the body
+  std::vector<double> double_hz;     ///< by how much the strings of a key that has two are out of tune
+  std::vector<double> triple_hz;     ///< and three
   double una_corda_stiffness_ratio;  ///< ratio for the felt that strikes while the soft pedal is down
+  Listening listening;               ///< the sound of the body
 };
 
 /// As read from a keyboard file.
@@ -52,11 +56,19 @@ struct Keyboard {
 /// What one key moves: one of its strings, with its share of the hammer's mass and stiffness. All strings of a key
 /// are alike, so all move like this one.
 struct KeyboardNote {
-  StiffString string;  ///< tuned so that its first partial has the key's equal-tempered pitch
+  /// Tuned so that its first partial has the key's equal-tempered pitch. It loses bridge_loss_per_s more than on the
+  /// body, for it ends at rest.
+  StiffString string;
   double strike_position_m;
   int strings;
-  double hammer_mass_kg;  ///< share of one string
-  Material felt;          ///< share of one string
+  double hammer_mass_kg;              ///< share of one string
+  Material felt;                      ///< share of one string
+  double pitch_hz;                    ///< equal-tempered
+  double bridge_ratio, output_ratio;  ///< as in PublishedNote
+  /// Decay that the body gives strings which move together, if its mobility is the same at all frequencies:
+  /// 2 f Z Y r^2 for each, with pitch f, impedance Z = sqrt(T mu), mobility Y and bridge_ratio r (G. Weinreich, JASA
+  /// 62, 1977).
+  double bridge_loss_per_s;
 };
 
 /// The strings of a key on the keyboard's body, each by itself: detuned, with their own losses.

@@ -29,6 +29,12 @@ constexpr Range kLoss{0, 1e3};
 constexpr Range kDamping{0, 1e5};
 constexpr Range kDamperTime{1e-5, 1};
 constexpr Range kUnaCorda{1e-3, 1};
+constexpr Range kBridgeRatio{1e-3, 10};
+constexpr Range kOutputRatio{1e-3, 1e3};
+constexpr Range kDetuning{-5, 5};
+constexpr Range kPickupRatio{0, 1};
+constexpr Range kMobility{0, 1e3};
+constexpr Range kOutputAbove{1, 1000};
 
 // Members of the emitted C++ struct, which must not be called like it.
 constexpr const char* kTaken[] = {"name",
@@ -55,6 +61,9 @@ constexpr const char* kTaken[] = {"name",
                                   "bending_stiffnesses",
                                   "strike_positions",
                                   "hammer_masses",
+                                  "bridge_ratios",
+                                  "output_ratios",
+                                  "bridge_losses",
                                   "strings",
                                   "body"};
 
@@ -67,31 +76,43 @@ PublishedNote read_note(const JsonObject& note) {
       {note.number("constant_loss_per_s", kConstantLoss), note.number("quadratic_loss_m2_per_s", kQuadraticLoss)},
       0,
       note.number("hammer_mass_kg", kMass),
-      {note.number("stiffness_n_per_m_alpha", kStiffness), note.number("exponent", kExponent)}};
+      {note.number("stiffness_n_per_m_alpha", kStiffness), note.number("exponent", kExponent)},
+      note.has("bridge_ratio") ? note.number("bridge_ratio", kBridgeRatio) : 1,
+      note.has("output_ratio") ? note.number("output_ratio", kOutputRatio) : 1};
   read.strike_position_m = note.number("strike_position_m", {kMinPosition, read.length_m});
   return read;
 }
 
-std::vector<double> read_cents(const JsonObject& body, const char* name, std::size_t strings) {
-  std::vector<double> cents = body.numbers(name, {-100, 100}, strings);
-  if (cents.size() != strings)
-    body.fail(body.key(name), fmt::format("has {} entries", cents.size()), fmt::format("{} numbers", strings));
-  return cents;
+std::vector<double> read_detuning(const JsonObject& body, const char* name, std::size_t strings) {
+  std::vector<double> detuning_hz = body.numbers(name, kDetuning, strings);
+  if (detuning_hz.size() != strings)
+    body.fail(body.key(name), fmt::format("has {} entries", detuning_hz.size()), fmt::format("{} numbers", strings));
+  return detuning_hz;
+}
+
+// Without these keys the sound is the velocity at the places of the ears.
+Listening read_listening(const JsonObject& body) {
+  Listening listening;
+  if (body.has("pickup_ratio")) listening.pickup_ratio = body.number("pickup_ratio", kPickupRatio);
+  if (body.has("mobility_m_per_n_s")) listening.mobility_m_per_n_s = body.number("mobility_m_per_n_s", kMobility);
+  if (body.has("output_above_hz")) listening.above_hz = body.number("output_above_hz", kOutputAbove);
+  return listening;
 }
 
 KeyboardBody read_keyboard_body(const JsonObject& body) {
   return {body.text("resonator", "the name of a resonator that ships, or its .json file"),
-          read_cents(body, "double_cents", 2), read_cents(body, "triple_cents", 3), body.number("own_loss", {0, 1}),
-          body.number("una_corda_stiffness_ratio", kUnaCorda)};
+          read_detuning(body, "double_hz", 2), read_detuning(body, "triple_hz", 3),
+          body.number("una_corda_stiffness_ratio", kUnaCorda), read_listening(body)};
 }
 
 std::vector<PublishedNote> read_notes(const JsonObject& keyboard) {
   std::vector<PublishedNote> notes;
-  for (const JsonObject& note : keyboard.objects(
-           "notes",
-           {"key", "length_m", "mass_kg", "bending_stiffness_n_m2", "constant_loss_per_s", "quadratic_loss_m2_per_s",
-            "strike_position_m", "hammer_mass_kg", "stiffness_n_per_m_alpha", "exponent"},
-           kHighestKey + 1)) {
+  for (const JsonObject& note :
+       keyboard.objects("notes",
+                        {"key", "length_m", "mass_kg", "bending_stiffness_n_m2", "constant_loss_per_s",
+                         "quadratic_loss_m2_per_s", "strike_position_m", "hammer_mass_kg", "stiffness_n_per_m_alpha",
+                         "exponent", "bridge_ratio", "output_ratio"},
+                        kHighestKey + 1)) {
     notes.push_back(read_note(note));
     if (notes.size() > 1 && notes.back().key <= std::prev(notes.end(), 2)->key)
       note.fail(note.key("key"), fmt::format("{} does not rise", notes.back().key), "notes by rising key");
@@ -110,18 +131,22 @@ struct Outcome {
 // What lies beyond the outermost notes may leave any bounds.
 void check_notes(const Keyboard& keyboard, const JsonObject& object) {
   for (int key = keyboard.first_key; key <= keyboard.last_key; ++key) {
-    const auto [string, strike_position, strings, hammer_mass, felt] = note_of(keyboard, key);
+    const KeyboardNote note = note_of(keyboard, key);
+    const StiffString& string = note.string;
+    const PowerLaw& felt = *note.felt.contact.power_law();
     for (const auto& [what, value, allowed] :
          {Outcome{"length_m", string.length_m, kLength}, Outcome{"mass_kg", string.mass_kg, kMass},
           Outcome{"bending_stiffness_n_m2", string.bending_stiffness_n_m2, kBending},
           Outcome{"constant_loss_per_s", string.losses.constant_per_s, kConstantLoss},
           Outcome{"quadratic_loss_m2_per_s", string.losses.quadratic_m2_per_s, kQuadraticLoss},
           Outcome{"tension in N", string.tension_n, kTension},
-          Outcome{"strike_position_m", strike_position, {kMinPosition, string.length_m}},
-          Outcome{"hammer_mass_kg", hammer_mass, kMass},
-          Outcome{"stiffness_n_per_m_alpha", felt.contact.power_law()->stiffness, kStiffness},
-          Outcome{"exponent", felt.contact.power_law()->exponent, kExponent},
-          Outcome{"max compression of the felt in m", felt.spline.max_compression_m, kCompression}})
+          Outcome{"strike_position_m", note.strike_position_m, {kMinPosition, string.length_m}},
+          Outcome{"hammer_mass_kg", note.hammer_mass_kg, kMass},
+          Outcome{"bridge_ratio", note.bridge_ratio, kBridgeRatio},
+          Outcome{"output_ratio", note.output_ratio, kOutputRatio},
+          Outcome{"stiffness_n_per_m_alpha", felt.stiffness, kStiffness},
+          Outcome{"exponent", felt.exponent, kExponent},
+          Outcome{"max compression of the felt in m", note.felt.spline.max_compression_m, kCompression}})
       if (!(value >= allowed.min && value <= allowed.max))
         object.fail("keyboard.notes", fmt::format("at key {} {} is {}", key, what, value),
                     fmt::format("a number from {} to {}", allowed.min, allowed.max));
@@ -154,8 +179,9 @@ Keyboard parse_keyboard(std::string_view text, std::string_view file) {
                 keyboard.integer("segments", 1, kMaxSegments),
                 read_notes(keyboard)};
   if (keyboard.has("body"))
-    read.body = read_keyboard_body(keyboard.object(
-        "body", {"resonator", "double_cents", "triple_cents", "own_loss", "una_corda_stiffness_ratio"}));
+    read.body = read_keyboard_body(
+        keyboard.object("body", {"resonator", "double_hz", "triple_hz", "una_corda_stiffness_ratio", "pickup_ratio",
+                                 "mobility_m_per_n_s", "output_above_hz"}));
   if (read.first_triple_key < read.first_double_key)
     keyboard.fail(keyboard.key("first_triple_key"),
                   fmt::format("{} is below first_double_key", read.first_triple_key),

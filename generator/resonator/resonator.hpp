@@ -47,11 +47,12 @@ struct PlateStiffness {
 };
 [[nodiscard]] PlateStiffness bending_stiffness(const Plate& plate);
 
-/// Modes that were measured or computed elsewhere, with the values of their shapes at the strike and at the pickup.
+/// Modes that were measured or computed elsewhere, with the values of their shapes at the strike, at the pickup and,
+/// as the body of a keyboard, at the right ear.
 struct ModeTable {
   struct Row {
     Mode mode;
-    double strike_shape, pickup_shape;
+    double strike_shape, pickup_shape, right_shape = pickup_shape;
   };
   std::vector<Row> rows;
 };

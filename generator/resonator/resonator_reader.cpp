@@ -118,11 +118,14 @@ Plate read_plate(const JsonObject& body) {
 ModeTable read_modes(const JsonObject& resonator) {
   ModeTable table;
   for (const JsonObject& row : resonator.objects(
-           "modes", {"frequency_hz", "decay_per_s", "mass_kg", "strike_shape", "pickup_shape"}, kMaxModes))
+           "modes", {"frequency_hz", "decay_per_s", "mass_kg", "strike_shape", "pickup_shape", "right_shape"},
+           kMaxModes)) {
     table.rows.push_back({{2 * std::numbers::pi * row.number("frequency_hz", kModeFrequency_hz),
                            row.number("decay_per_s", kModeDecay_per_s), row.number("mass_kg", kModalMass_kg)},
                           row.number("strike_shape", kModeShape),
                           row.number("pickup_shape", kModeShape)});
+    if (row.has("right_shape")) table.rows.back().right_shape = row.number("right_shape", kModeShape);
+  }
   return table;
 }
 

@@ -16,20 +16,22 @@ namespace {
 
 const std::string kLowNote = R"({ "key": 36, "length_m": 1.602, "mass_kg": 0.03324, "bending_stiffness_n_m2": 0.0121,
         "strike_position_m": 0.192, "constant_loss_per_s": 0.25, "quadratic_loss_m2_per_s": 7.5e-5,
-        "hammer_mass_kg": 0.0102, "stiffness_n_per_m_alpha": 3.105e8, "exponent": 2.276 })";
+        "hammer_mass_kg": 0.0102, "stiffness_n_per_m_alpha": 3.105e8, "exponent": 2.276, "bridge_ratio": 0.5,
+        "output_ratio": 0.41 })";
 const std::string kGood = R"({
   "name": "probe",
   "keyboard": {
     "first_key": 35, "last_key": 61, "first_double_key": 40, "first_triple_key": 50, "last_damped_key": 60,
     "concert_pitch_hz": 440, "min_speed_m_per_s": 0.2, "max_speed_m_per_s": 6, "felt_loss_s_per_m": 0.1,
     "damper_per_s": 60, "damper_time_s": 0.005, "segments": 4,
-    "body": { "resonator": "soundboard", "double_cents": [-0.25, 0.35], "triple_cents": [-0.45, 0.15, 0.55], "own_loss": 0.41,
+    "body": { "resonator": "soundboard", "double_hz": [-0.25, 0.35], "triple_hz": [-0.45, 0.15, 0.55],
+      "pickup_ratio": 0.125, "mobility_m_per_n_s": 7e-4, "output_above_hz": 81,
       "una_corda_stiffness_ratio": 0.51 },
     "notes": [
       )" + kLowNote + R"(,
       { "key":60, "length_m":0.657, "mass_kg":4.051e-3, "bending_stiffness_n_m2":0.0099, "strike_position_m":0.079,
         "constant_loss_per_s":1.1, "quadratic_loss_m2_per_s":0.00027,
-        "hammer_mass_kg":8.71e-3, "stiffness_n_per_m_alpha":5.84e9, "exponent":2.418 }
+        "hammer_mass_kg":8.71e-3, "stiffness_n_per_m_alpha":5.84e9, "exponent":2.418, "bridge_ratio":0.5, "output_ratio":0.41 }
     ]
   }
 })";
@@ -51,7 +53,9 @@ std::vector<BadFile> all_number_cases() {
       {"keyboard.", "damper_per_s", "60", "a number from 0 to 100000", {"-1", "1.1e5"}},
       {"keyboard.", "damper_time_s", "0.005", "a number from 1e-05 to 1", {"0", "-1", "1.1"}},
       {"keyboard.", "segments", "4", "an integer from 1 to 256", {"0", "-1", "257"}, true},
-      {"keyboard.body.", "own_loss", "0.41", "a number from 0 to 1", {"-0.1", "1.1"}},
+      {"keyboard.body.", "pickup_ratio", "0.125", "a number from 0 to 1", {"-0.1", "1.1"}},
+      {"keyboard.body.", "mobility_m_per_n_s", "7e-4", "a number from 0 to 1000", {"-0.1", "1001"}},
+      {"keyboard.body.", "output_above_hz", "81", "a number from 1 to 1000", {"0", "1001"}},
       {"keyboard.body.", "una_corda_stiffness_ratio", "0.51", "a number from 0.001 to 1", {"0", "1.1"}},
       {"keyboard.notes[0].", "key", "36", "an integer from 0 to 127", kNotMidi, true},
       {"keyboard.notes[0].", "length_m", "1.602", "a number from 0.001 to 100", {"0", "-1", "101"}},
@@ -62,7 +66,9 @@ std::vector<BadFile> all_number_cases() {
       {"keyboard.notes[0].", "quadratic_loss_m2_per_s", "7.5e-5", "a number from 1e-12 to 1000", {"0", "1001"}},
       {"keyboard.notes[0].", "hammer_mass_kg", "0.0102", kMass, {"0", "-1", "10001"}},
       {"keyboard.notes[0].", "stiffness_n_per_m_alpha", "3.105e8", "a number from 0.001 to 1e+20", {"0", "1.1e20"}},
-      {"keyboard.notes[0].", "exponent", "2.276", "a number from 1 to 10", {"0", "0.9", "10.1"}}};
+      {"keyboard.notes[0].", "exponent", "2.276", "a number from 1 to 10", {"0", "0.9", "10.1"}},
+      {"keyboard.notes[0].", "bridge_ratio", "0.5", "a number from 0.001 to 10", {"0", "-1", "10.1"}},
+      {"keyboard.notes[0].", "output_ratio", "0.41", "a number from 0.001 to 1000", {"0", "-1", "1001"}}};
   std::vector<BadFile> cases;
   for (const NumberKey& number : numbers)
     std::ranges::move(number_cases("keyboard", kGood, number), std::back_inserter(cases));
@@ -73,59 +79,61 @@ std::vector<BadFile> key_cases() {
   const std::string keys =
       "first_key, last_key, first_double_key, first_triple_key, last_damped_key, concert_pitch_hz, "
       "min_speed_m_per_s, max_speed_m_per_s, felt_loss_s_per_m, damper_per_s, damper_time_s, segments, notes, body";
-  return {{"name_missing", changed(kGood, R"("name": "probe",)", ""), "name", "missing; allowed: a-z"},
-          {"name_is_member", changed(kGood, R"("probe")", R"("tensions")"), "name", "is not a usable identifier"},
-          {"triple_before_double", changed(kGood, R"("first_triple_key": 50)", R"("first_triple_key": 39)"),
-           "keyboard.first_triple_key", "39 is below first_double_key; allowed: at least 40"},
-          {"body_of_no_resonator", changed(kGood, R"("soundboard")", R"("bord")"), "keyboard.body.resonator",
-           "'bord' does not ship; allowed: a .json file, drum_head"},
-          {"body_of_a_material", changed(kGood, R"("soundboard")", R"("felt_c4")"), "keyboard.body.resonator",
-           "'felt_c4' is a material; allowed: a .json file, drum_head"},
-          {"body_without_resonator", changed(kGood, R"("resonator": "soundboard", )", ""), "keyboard.body.resonator",
-           "missing; allowed: the name of a resonator that ships"},
-          {"body_is_text",
-           changed(kGood, R"("body": { "resonator": "soundboard",)", R"("body": "soundboard", "impact": {)"),
-           "keyboard.impact", "unknown key; allowed: " + keys},
-          {"unknown_in_body", changed(kGood, R"("own_loss")", R"("loss": 1, "own_loss")"), "keyboard.body.loss",
-           "unknown key; allowed: resonator, double_cents, triple_cents, own_loss, una_corda_stiffness_ratio"},
-          {"one_string_of_two", changed(kGood, "[-0.25, 0.35]", "[0]"), "keyboard.body.double_cents",
-           "has 1 entries; allowed: 2 numbers"},
-          {"four_strings_of_three", changed(kGood, "[-0.45, 0.15, 0.55]", "[0, 0, 0, 0]"),
-           "keyboard.body.triple_cents", "has 4 entries; allowed: "},
-          {"far_out_of_tune", changed(kGood, "0.35", "101"), "keyboard.body.double_cents[1]",
-           "101 is out of range; allowed: a number from -100 to 100"},
-          {"unknown_at_root", changed(kGood, R"("name")", R"("impact": 1, "name")"), "impact",
-           "unknown key; allowed: name, description, keyboard"},
-          {"unknown_in_keyboard", changed(kGood, R"("first_key")", R"("colour": 1, "first_key")"), "keyboard.colour",
-           "unknown key; allowed: " + keys},
-          {"unknown_in_note", changed(kGood, R"("key": 36)", R"("tension_n": 1, "key": 36)"),
-           "keyboard.notes[0].tension_n", "unknown key; allowed: key, length_m"},
-          {"keyboard_is_array", R"({ "name": "probe", "keyboard": [] })", "keyboard",
-           "is not an object; allowed: " + keys},
-          {"first_key_missing", changed(kGood, R"("first_key": 35,)", ""), "keyboard.first_key",
-           "missing; allowed: an integer"},
-          {"speeds_crossed", changed(kGood, R"("min_speed_m_per_s": 0.2)", R"("min_speed_m_per_s": 7)"),
-           "keyboard.min_speed_m_per_s", "7 is above max_speed_m_per_s; allowed: at most 6"},
-          {"damper_missing", changed(kGood, R"("damper_per_s": 60, )", ""), "keyboard.damper_per_s",
-           "missing; allowed: a number from 0 to 100000"},
-          {"exponent_missing", changed(kGood, R"(, "exponent": 2.276)", ""), "keyboard.notes[0].exponent",
-           "missing; allowed: a number"},
-          {"notes_is_object", changed(changed(kGood, "\"notes\": [", "\"notes\": {\"a\": ["), "\n    ]", "\n    ]}"),
-           "keyboard.notes", "is not an array"},
-          {"one_note", changed(kGood, kLowNote + ",", ""), "keyboard.notes",
-           "fewer than two notes; allowed: at least two"},
-          {"notes_fall", changed(kGood, R"("key": 36)", R"("key": 61)"), "keyboard.notes[1].key",
-           "60 does not rise; allowed: notes by rising key"},
-          {"too_stiff_for_its_pitch",
-           changed(kGood, R"("bending_stiffness_n_m2": 0.0121)", R"("bending_stiffness_n_m2": 1000)"),
-           "keyboard.notes", "at key 35 tension in N is -"},
-          {"extrapolated_exponent", changed(kGood, R"("exponent": 2.276)", R"("exponent": 1.001)"), "keyboard.notes",
-           "at key 35 exponent is 0.9"},
-          {"extrapolated_hammer",
-           changed(changed(kGood, R"("last_key": 61)", R"("last_key": 127)"), R"("hammer_mass_kg": 0.0102)",
-                   R"("hammer_mass_kg": 0.02)"),
-           "keyboard.notes", "hammer_mass_kg is -"},
-          {"truncated", kGood.substr(0, kGood.size() / 2), "line ", "; allowed: "}};
+  return {
+      {"name_missing", changed(kGood, R"("name": "probe",)", ""), "name", "missing; allowed: a-z"},
+      {"name_is_member", changed(kGood, R"("probe")", R"("tensions")"), "name", "is not a usable identifier"},
+      {"triple_before_double", changed(kGood, R"("first_triple_key": 50)", R"("first_triple_key": 39)"),
+       "keyboard.first_triple_key", "39 is below first_double_key; allowed: at least 40"},
+      {"body_of_no_resonator", changed(kGood, R"("soundboard")", R"("bord")"), "keyboard.body.resonator",
+       "'bord' does not ship; allowed: a .json file, drum_head"},
+      {"body_of_a_material", changed(kGood, R"("soundboard")", R"("felt_c4")"), "keyboard.body.resonator",
+       "'felt_c4' is a material; allowed: a .json file, drum_head"},
+      {"body_without_resonator", changed(kGood, R"("resonator": "soundboard", )", ""), "keyboard.body.resonator",
+       "missing; allowed: the name of a resonator that ships"},
+      {"body_is_text",
+       changed(kGood, R"("body": { "resonator": "soundboard",)", R"("body": "soundboard", "impact": {)"),
+       "keyboard.impact", "unknown key; allowed: " + keys},
+      {"unknown_in_body", changed(kGood, R"("pickup_ratio")", R"("loss": 1, "pickup_ratio")"), "keyboard.body.loss",
+       "unknown key; allowed: resonator, double_hz, triple_hz, "
+       "una_corda_stiffness_ratio, pickup_ratio, mobility_m_per_n_s, output_above_hz"},
+      {"one_string_of_two", changed(kGood, "[-0.25, 0.35]", "[0]"), "keyboard.body.double_hz",
+       "has 1 entries; allowed: 2 numbers"},
+      {"four_strings_of_three", changed(kGood, "[-0.45, 0.15, 0.55]", "[0, 0, 0, 0]"), "keyboard.body.triple_hz",
+       "has 4 entries; allowed: "},
+      {"far_out_of_tune", changed(kGood, "0.35", "5.1"), "keyboard.body.double_hz[1]",
+       "5.1 is out of range; allowed: a number from -5 to 5"},
+      {"unknown_at_root", changed(kGood, R"("name")", R"("impact": 1, "name")"), "impact",
+       "unknown key; allowed: name, description, keyboard"},
+      {"unknown_in_keyboard", changed(kGood, R"("first_key")", R"("colour": 1, "first_key")"), "keyboard.colour",
+       "unknown key; allowed: " + keys},
+      {"unknown_in_note", changed(kGood, R"("key": 36)", R"("tension_n": 1, "key": 36)"),
+       "keyboard.notes[0].tension_n", "unknown key; allowed: key, length_m"},
+      {"keyboard_is_array", R"({ "name": "probe", "keyboard": [] })", "keyboard",
+       "is not an object; allowed: " + keys},
+      {"first_key_missing", changed(kGood, R"("first_key": 35,)", ""), "keyboard.first_key",
+       "missing; allowed: an integer"},
+      {"speeds_crossed", changed(kGood, R"("min_speed_m_per_s": 0.2)", R"("min_speed_m_per_s": 7)"),
+       "keyboard.min_speed_m_per_s", "7 is above max_speed_m_per_s; allowed: at most 6"},
+      {"damper_missing", changed(kGood, R"("damper_per_s": 60, )", ""), "keyboard.damper_per_s",
+       "missing; allowed: a number from 0 to 100000"},
+      {"exponent_missing", changed(kGood, R"("exponent": 2.276, )", ""), "keyboard.notes[0].exponent",
+       "missing; allowed: a number"},
+      {"notes_is_object", changed(changed(kGood, "\"notes\": [", "\"notes\": {\"a\": ["), "\n    ]", "\n    ]}"),
+       "keyboard.notes", "is not an array"},
+      {"one_note", changed(kGood, kLowNote + ",", ""), "keyboard.notes",
+       "fewer than two notes; allowed: at least two"},
+      {"notes_fall", changed(kGood, R"("key": 36)", R"("key": 61)"), "keyboard.notes[1].key",
+       "60 does not rise; allowed: notes by rising key"},
+      {"too_stiff_for_its_pitch",
+       changed(kGood, R"("bending_stiffness_n_m2": 0.0121)", R"("bending_stiffness_n_m2": 1000)"), "keyboard.notes",
+       "at key 35 tension in N is -"},
+      {"extrapolated_exponent", changed(kGood, R"("exponent": 2.276)", R"("exponent": 1.001)"), "keyboard.notes",
+       "at key 35 exponent is 0.9"},
+      {"extrapolated_hammer",
+       changed(changed(kGood, R"("last_key": 61)", R"("last_key": 127)"), R"("hammer_mass_kg": 0.0102)",
+               R"("hammer_mass_kg": 0.02)"),
+       "keyboard.notes", "hammer_mass_kg is -"},
+      {"truncated", kGood.substr(0, kGood.size() / 2), "line ", "; allowed: "}};
 }
 
 CONTACTSPLINE_REFUSED_BY_GENERATE(BadKeyboardFile);
@@ -153,7 +161,8 @@ TEST(GoodKeyboardFile, HoldsTheBodyOfItsFolder) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const std::string header = read_file(box / "out" / "probe.hpp"), rule = read_file(box / "out.d");
   for (const char* text : {"masses = {\n    3.25}", "bridge_shapes = {\n    1.5}", "left_shapes = {\n    -0.75}",
-                           "right_shapes = {\n    -0.75}", "double_cents = {-0.25, 0.35}", "own_loss = 0.41"})
+                           "right_shapes = {\n    -0.75}", "double_hz = {-0.25, 0.35}", "output_ratios = {\n    0.41",
+                           "pickup_ratio = 0.125", "output_above_hz = 81", "bridge_ratios = {\n    0.5"})
     EXPECT_NE(header.find(text), header.npos) << text;
   EXPECT_NE(rule.find(" mine/board.json"), rule.npos) << rule;
 }

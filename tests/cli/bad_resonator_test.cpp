@@ -58,7 +58,8 @@ const std::string kPlate = R"({
 const std::string kModes = R"({
   "name": "probe",
   "modes": [
-    { "frequency_hz": 440, "decay_per_s": 1.5, "mass_kg": 0.01, "strike_shape": 0.9, "pickup_shape": -0.5 }
+    { "frequency_hz": 440, "decay_per_s": 1.5, "mass_kg": 0.01, "strike_shape": 0.9, "pickup_shape": -0.5,
+      "right_shape": 0.25 }
   ]
 })";
 
@@ -128,7 +129,8 @@ std::vector<BadFile> all_number_cases() {
         {"modes[0].", "decay_per_s", "1.5", kLoss, {"-1", "1.1e6"}},
         {"modes[0].", "mass_kg", "0.01", kMass, {"0", "-1", "10001"}},
         {"modes[0].", "strike_shape", "0.9", kShape, {"-1.1e6", "1.1e6"}},
-        {"modes[0].", "pickup_shape", "-0.5", kShape, {"-1.1e6", "1.1e6"}}}}};
+        {"modes[0].", "pickup_shape", "-0.5", kShape, {"-1.1e6", "1.1e6"}},
+        {"modes[0].", "right_shape", "0.25", kShape, {"-1.1e6", "1.1e6"}}}}};
   std::vector<BadFile> cases;
   for (const auto& [name, text, numbers] : bodies)
     for (const NumberKey& number : numbers) {

@@ -79,12 +79,13 @@ TEST(PianoExample, TheAudioCallbackAllocatesNothing) {
   EXPECT_EQ(allocations, before + 1);    // the counter counts
 }
 
-// Released, it falls asleep: exact silence, and at once awake.
+// Released, it falls asleep: exact silence, and at once awake. The treble without dampers rings on for 18 s, at the
+// end 190 dB below the note.
 TEST(PianoExample, SleepsWhenSilent) {
-  const KeyEvent events[] = {{0, 60, 0.7f}, {10000, 60, 0}, {490000, 60, 0.7f}};
-  const auto sound = play(events, 500000, [] { return 512; });
-  EXPECT_EQ(rms(std::span(sound).subspan(480000, 10000)), 0);
-  EXPECT_GT(rms(std::span(sound).subspan(490000)), 0.01);
+  const KeyEvent events[] = {{0, 60, 0.7f}, {10000, 60, 0}, {940000, 60, 0.7f}};
+  const auto sound = play(events, 950000, [] { return 512; });
+  EXPECT_EQ(rms(std::span(sound).subspan(930000, 10000)), 0);
+  EXPECT_GT(rms(std::span(sound).subspan(940000)), 0.01);
 }
 
 // The program's file: whole, in tune, not clipped.

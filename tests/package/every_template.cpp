@@ -59,8 +59,10 @@
 #include "contactspline/network/sleeping_contacts.hpp"
 #include "contactspline/network/spring_elimination.hpp"
 #include "contactspline/resonators/string_c4.hpp"
+#include "contactspline/step/high_pass.hpp"
 #include "contactspline/step/live_exponent.hpp"
 #include "contactspline/step/memory.hpp"
+#include "contactspline/step/splice.hpp"
 #include "contactspline/tangent/contact_tangent.hpp"
 #include "contactspline/tangent/mass_barrier_tangent.hpp"
 #include "contactspline/tangent/strike_gradient.hpp"
@@ -118,6 +120,7 @@ using Felt = materials::felt_c4;
   template class InstrumentDsp<MassBarrierOf<Felt, T>>;                                                         \
   template class Hosted<KeyboardInstrument<keyboards::piano, T>>;                                               \
   template class HammerVoice<T>;                                                                                \
+  template class HighPass<T>;                                                                                   \
   template class KeyboardInstrument<keyboards::piano, T>;                                                       \
   template class KeyboardOnBody<T>;                                                                             \
   template class KeyboardVoice<keyboards::piano, T>;                                                            \
@@ -130,6 +133,7 @@ using Felt = materials::felt_c4;
   template class instruments::trichord_c4<T>;                                                                   \
   template class InstrumentDsp<instruments::trichord_c4<T>>;                                                    \
   template class SlideString<T>;                                                                                \
+  template class Splice<T>;                                                                                     \
   template class StringShapes<T>;
 
 CONTACTSPLINE_EVERY_TEMPLATE(float)

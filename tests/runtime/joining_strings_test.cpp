@@ -71,7 +71,7 @@ class JoiningKey {
   double tick(double damping_per_s, double change, EnergyBooks& books) {
     if (joined_ < size()) {
       const auto strings = model_.on_bridge(bridge_, joined_, 1);
-      return detail::advance_strings<double>(std::span(&strings, 1), change);
+      return detail::advance_strings<double>(std::span(&strings, 1), change).all;
     }
     const double force = model_.tick({.hammer_mass_kg = kMass_kg, .damping_per_s = damping_per_s}, bridge_, change);
     if (kHasLosses) books.dissipated += model_.string().dissipated();

@@ -15,6 +15,7 @@
 #include "generator/support/embedded_files.hpp"
 #include "strings_on_body.hpp"
 #include "support/compare.hpp"
+#include "support/damped_treble.hpp"
 #include "support/finite.hpp"
 #include "support/measured.hpp"
 #include "support/precisions.hpp"
@@ -245,6 +246,66 @@ TEST(KeyboardOnBody, HasArrivedAtItsBendAfterAReset) {
   EXPECT_TRUE(sequences_within<double>(played(true), played(false), 1e-9));
 }
 
+/// `one` struck on its board, 0.5 s of its sound.
+Sound<double> played_on(const OneKey& one, const KeyOnBody<double>& key, const Listening& listening) {
+  BoardOfKeyboard board = one.keyboard_board();
+  board.listening = listening;
+  KeyboardOnBody<double> keyboard({&key, 1}, board, kRate, one.max_modes);
+  keyboard.strike(0, 2);
+  Sound<double> sound;
+  play(keyboard, 0.5, sound);
+  return sound;
+}
+
+// Strings that end where the bridge moves r times as far are strings on a board whose bridge shapes are r times as
+// large, and are heard alike, times the output ratio. What differs is rounding.
+TEST(KeyboardOnBody, EndsItsStringsAtTheirOwnPlace) {
+  constexpr double kRatio = 0.6;
+  const OneKey one({0, 0.15, -0.1}, 12);
+  OneKey scaled = one;
+  for (double& shape : scaled.bridge) shape *= kRatio;
+  KeyOnBody<double> key = one.key();
+  key.bridge_ratio = kRatio;
+  const Sound<double> here = played_on(one, one.key(), {}), there = played_on(one, key, {});
+  EXPECT_TRUE(sequences_within<double>(there, played_on(scaled, one.key(), {}), 1e-9));
+  EXPECT_FALSE(sequences_within<double>(there, here, 1e-2));
+  const Listening force{0, 1, 80};
+  key.output_ratio = 2.5;
+  Sound<double> expected = played_on(scaled, one.key(), force);
+  for (double& x : expected) x *= key.output_ratio;
+  EXPECT_TRUE(sequences_within<double>(played_on(one, key, force), expected, 1e-9));
+}
+
+// The sound is the sum of what the places of the ears and the force give, each by its own factor.
+TEST(KeyboardOnBody, IsHeardAtItsEarsAndByTheForce) {
+  const OneKey one({0, 0.15, -0.1}, 12);
+  const Sound<double> at_ear = played_on(one, one.key(), {1, 0, 80}),
+                      by_force = played_on(one, one.key(), {0, 1, 80});
+  Sound<double> sum(at_ear.size());
+  for (std::size_t n = 0; n < sum.size(); ++n) sum[n] = 0.25 * at_ear[n] + 7e-4 * by_force[n];
+  EXPECT_TRUE(sequences_within<double>(played_on(one, one.key(), {0.25, 7e-4, 80}), sum, 1e-9));
+  EXPECT_GT(peak_of<double>(by_force), 1);  // newtons
+}
+
+// |H|^2 = 1/(1 + (w/x)^4) with x = tan(pi f/rate), w = tan(pi cutoff/rate): a Butterworth under the bilinear
+// transform.
+TEST(HighPass, HasTheButterworthResponse) {
+  for (const double hz : {20.0, 80.0, 500.0, 10000.0}) {
+    HighPass<double> filter(80, kRate);
+    const double step = 2 * std::numbers::pi * hz / kRate;
+    double cosine = 0, sine = 0;
+    constexpr int kSettling = 22050, kSamples = 44100;  // whole periods
+    for (int n = 0; n < kSettling + kSamples; ++n) {
+      const double out = filter.tick(std::cos(step * n));
+      if (n < kSettling) continue;
+      cosine += 2 * out * std::cos(step * n) / kSamples;
+      sine += 2 * out * std::sin(step * n) / kSamples;
+    }
+    const double ratio = std::tan(std::numbers::pi * 80 / kRate) / std::tan(std::numbers::pi * hz / kRate);
+    EXPECT_TRUE(within(std::hypot(cosine, sine), 1 / std::sqrt(1 + std::pow(ratio, 4)), 1e-9)) << hz << " Hz";
+  }
+}
+
 // A unison of three under one hammer, whose force drives the exact motion of the coupled equations: levels in windows
 // of 0.1 s over 8 s, and the two slopes (G. Weinreich, JASA 1977).
 TEST(KeyboardOnBody, HasTheTwoDecaysOfAUnison) {
@@ -400,10 +461,18 @@ TYPED_TEST(KeyboardInstrumentIn, TakesAnyControl) {
   EXPECT_GT(peak_of<T>(sound(false)), 1e-3);
 }
 
+/// Damps the strings without dampers, which ring in sympathy with every note.
+template <typename T>
+void damp_treble(KeyboardInstrument<Piano, T>& piano) {
+  for (std::size_t key = Piano::last_damped_key + 1 - Piano::first_key; key < Piano::strings.size(); ++key)
+    piano.damp(key, static_cast<T>(kTrebleDamping_per_s));
+}
+
 // Released, everything falls asleep: 100 dB below the peak after 3 s, exact silence in the end, and at once awake.
 TYPED_TEST(KeyboardInstrumentIn, IsSilentAfterTheRelease) {
   using T = TypeParam;
   KeyboardInstrument<Piano, T> piano(kRate);
+  damp_treble(piano);
   Sound<T> sound;
   for (const int key : {36, 48, 60, 67}) piano.note_on(key, 0.8);
   play(piano, 0.5, sound);
@@ -463,6 +532,7 @@ TEST(KeyboardInstrument, DoesNotClick) {
 
 double energy_after(const std::function<void(KeyboardInstrument<Piano, double>&)>& act, double seconds) {
   KeyboardInstrument<Piano, double> piano(kRate, 30);
+  damp_treble(piano);
   Sound<double> sound;
   piano.note_on(60, 0.6);
   play(piano, 0.1, sound);
@@ -472,12 +542,13 @@ double energy_after(const std::function<void(KeyboardInstrument<Piano, double>&)
 }
 
 // The pedal in between damps in between: exp(-2 (1 - position) 60/s t) of the energy, within a factor for the 5 ms
-// that the dampers take and the energy that other strings take up.
+// that the dampers take and the energy that other strings take up, and the board, which no damper touches: a mode
+// near the lowest partial holds 8 % of what counts here.
 TEST(KeyboardInstrument, HasAHalfPedal) {
   const double held = energy_after([](auto& p) { p.sustain(1); }, 0.2);
   for (const double position : {1.0, 0.9, 0.75, 0.5}) {
     const double damped = energy_after([&](auto& p) { p.sustain(position), p.note_off(60); }, 0.2);
-    EXPECT_TRUE(relatively_within(std::log(held / damped), 2 * (1 - position) * 60 * 0.195, 0.05)) << position;
+    EXPECT_TRUE(relatively_within(std::log(held / damped), 2 * (1 - position) * 60 * 0.195, 0.1)) << position;
   }
 }
 
@@ -556,7 +627,7 @@ TEST(EmittedKeyboard, HoldsItsBody) {
     EXPECT_TRUE(within(Board::left_shapes[i], expected[i].left_shape, 1e-11));
     EXPECT_TRUE(within(Board::right_shapes[i], expected[i].right_shape, 1e-11));
   }
-  EXPECT_NE(Board::right_shapes[1], Board::left_shapes[1]);
+  EXPECT_NE(Board::right_shapes, Board::left_shapes);
 }
 
 }  // namespace

@@ -133,8 +133,7 @@ namespace detail {
 class PianoString {
  public:
   PianoString(int key, double sample_rate_hz) : string_(string_of<Piano>(key)) {
-    string_.losses.constant_per_s *= Piano::body::own_loss;
-    string_.losses.quadratic_m2_per_s *= Piano::body::own_loss;
+    string_.losses.constant_per_s -= Piano::bridge_losses[static_cast<std::size_t>(key - Piano::first_key)];
     rows_ = modes_below(string_, sample_rate_hz / 2, 80);
   }
 

@@ -18,10 +18,10 @@ OWN = {"name": "own", "description": "five keys", "keyboard": {
     "first_key": 58, "last_key": 62, "first_double_key": 60, "first_triple_key": 61, "last_damped_key": 61,
     "concert_pitch_hz": 480, "min_speed_m_per_s": 0.2, "max_speed_m_per_s": 5, "felt_loss_s_per_m": 0.2,
     "damper_per_s": 60, "damper_time_s": 0.005, "segments": 16,
-    "body": {"resonator": "soundboard", "double_cents": [-0.3, 0.3], "triple_cents": [-0.4, 0.1, 0.5], "own_loss": 0.4,
+    "body": {"resonator": "soundboard", "double_hz": [-0.05, 0.05], "triple_hz": [-0.06, 0.015, 0.08],
              "una_corda_stiffness_ratio": 0.5},
     "notes": [{"key": key, "length_m": length, "mass_kg": mass, "bending_stiffness_n_m2": 0.01, "strike_position_m": 0.1,
-               "constant_loss_per_s": 1, "quadratic_loss_m2_per_s": 2e-4, "hammer_mass_kg": 0.009,
+               "constant_loss_per_s": 0.4, "quadratic_loss_m2_per_s": 8e-5, "hammer_mass_kg": 0.009,
                "stiffness_n_per_m_alpha": 2e9, "exponent": 2.4}
               for key, length, mass in [(48, 1.26, 0.0088), (72, 0.34, 0.0018)]]}}
 

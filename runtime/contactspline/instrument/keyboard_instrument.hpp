@@ -149,8 +149,11 @@ class KeyboardInstrument : public PedaledKeyboard<KeyboardInstrument<Keyboard, T
 
  private:
   using Board = typename Keyboard::body;
-  static constexpr BoardOfKeyboard kBoard{modes_in<Board>, Board::bridge_shapes, Board::left_shapes,
-                                          Board::right_shapes};
+  static constexpr BoardOfKeyboard kBoard{modes_in<Board>,
+                                          Board::bridge_shapes,
+                                          Board::left_shapes,
+                                          Board::right_shapes,
+                                          {Board::pickup_ratio, Board::mobility_m_per_n_s, Board::output_above_hz}};
 
   static constexpr std::size_t kMaxModes = 80;
   static constexpr auto kParameterList = [] {
@@ -164,17 +167,19 @@ class KeyboardInstrument : public PedaledKeyboard<KeyboardInstrument<Keyboard, T
     for (std::size_t k = 0; k < Keyboard::keys; ++k) {
       const int key = Keyboard::first_key + static_cast<int>(k);
       StiffString strings = string_of<Keyboard>(key);
-      strings.losses.constant_per_s *= Board::own_loss;
-      strings.losses.quadratic_m2_per_s *= Board::own_loss;
-      if (Keyboard::strings[k] == 2)
-        strings.detuning_cents.assign(Board::double_cents.begin(), Board::double_cents.end());
-      if (Keyboard::strings[k] == 3)
-        strings.detuning_cents.assign(Board::triple_cents.begin(), Board::triple_cents.end());
+      strings.losses.constant_per_s -= Keyboard::bridge_losses[k];
+      if (Keyboard::strings[k] == 2) strings.detuning_cents.assign(Board::double_hz.begin(), Board::double_hz.end());
+      if (Keyboard::strings[k] == 3) strings.detuning_cents.assign(Board::triple_hz.begin(), Board::triple_hz.end());
+      const double pitch_hz = Keyboard::concert_pitch_hz * std::exp2((key - 69) / 12.0);
+      for (double& detuning : strings.detuning_cents) detuning = 1200 * std::log2(1 + detuning / pitch_hz);
       keys.push_back({std::move(strings),
                       Keyboard::strike_positions[k],
                       SegmentTable<T>(felts_of<Keyboard, T>[k]),
                       {.hammer_mass_kg = static_cast<T>(Keyboard::hammer_masses[k])},
-                      {key <= Keyboard::last_damped_key ? Keyboard::damper_per_s : 0.0, Keyboard::damper_time_s}});
+                      {key <= Keyboard::last_damped_key ? Keyboard::damper_per_s : 0.0, Keyboard::damper_time_s},
+                      {},
+                      Keyboard::bridge_ratios[k],
+                      Keyboard::output_ratios[k]});
     }
     return keys;
   }

@@ -17,6 +17,14 @@
 
 namespace contactspline {
 
+/// The sound of strings on a body, for each ear: the body's velocity there, times `pickup_ratio`, and the force
+/// of the strings on the bridge, times a mobility, above a frequency (docs/how-it-works/body.md).
+struct Listening {
+  double pickup_ratio = 1;
+  double mobility_m_per_n_s = 0;
+  double above_hz = 80;  ///< Butterworth of second order, below half the sample rate
+};
+
 /// A body with one bridge. Strings and body take turns, half a sample apart: the strings advance one sample while the
 /// bridge stands still, then the body advances one sample while the strings stand still, tick(). The strings count
 /// the displacements of their modes from where the bridge would hold them at rest, so they follow its change(). Each

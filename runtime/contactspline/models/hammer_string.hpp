@@ -120,7 +120,7 @@ class HammerString {
       if (!is_flying_) {
         hammer_.force_n = 0;
         const auto strings = on_bridge(bridge, string_.size(), 1 / (1 + take_damping(controls)));
-        return detail::advance_on_bridge(std::span(&strings, 1), change);
+        return detail::advance_on_bridge(std::span(&strings, 1), change).all;
       }
     }
 #endif
@@ -140,10 +140,10 @@ class HammerString {
 
   /// The lowest `modes` modes on a bridge, for the kernel that advances many strings; while no hammer flies.
   [[nodiscard]] detail::StringsOnBridge<T> on_bridge(const BridgeShapes<T, Modes>& bridge, std::size_t modes,
-                                                     T damping_gain) {
+                                                     T damping_gain, T weight = 1) {
     detail::ModalArrays<T> arrays = string_.arrays();
     arrays.modes = modes;
-    return {arrays, bridge.shapes.data(), bridge.rests.data(), damping_gain};
+    return {arrays, bridge.shapes.data(), bridge.rests.data(), damping_gain, weight};
   }
 
   /// Lets modes first to last - 1 follow a bridge as strings without mass would, so that they bring no energy but

@@ -29,6 +29,9 @@ struct KeyOnBody {
   HammerStringControls<T> hammer;  ///< mass and stiffness ratio of one string; KeyboardOnBody sets loss and damping
   Damper damper;                   ///< damping 0: there is none
   std::span<const Memory> memories = {};  ///< of the felt
+  /// How far the bridge moves where these strings end, as a ratio of its motion at the body's bridge shapes.
+  double bridge_ratio = 1;
+  double output_ratio = 1;  ///< weight of these strings' force on the bridge in the sound (Listening)
 };
 
 namespace detail {
@@ -54,11 +57,13 @@ struct SoundingKey {
       : rows(std::move(sorted)),
         tuned(bare(rows)),
         model(key.felt, tuned, ModeShapes<T>(rows.size()), sample_rate_hz, key.memories),
-        bridge(model.bridge(bridge_shapes<T>(key.strings, rows, 1))),
+        bridge_ratio(key.bridge_ratio),
+        output(static_cast<T>(key.output_ratio / key.bridge_ratio)),
+        bridge(model.bridge(bridge_shapes<T>(key.strings, rows, bridge_ratio))),
         strike(rows.size()),
         shapes(rows.size()),
         stiffness((rows.size() + kLine - 1) / kLine + 1),
-        ends_n_per_m(bridge_stiffness(key.strings, std::vector<StringMode>()).ends),
+        ends_n_per_m(ends_of(key)),
         damper(key.damper, sample_rate_hz),
         hammer(key.hammer),
         controls(key.hammer),
@@ -84,6 +89,12 @@ struct SoundingKey {
     }
     std::ranges::stable_sort(rows, {}, [](const Row& row) { return row.mode.angular_frequency_rad_per_s; });
     return rows;
+  }
+
+  // Stiffness of the ends of a key's strings: a force there moves the bridge bridge_ratio times as much, and so do
+  // they.
+  static double ends_of(const KeyOnBody<T>& key) {
+    return key.bridge_ratio * key.bridge_ratio * bridge_stiffness(key.strings, std::vector<StringMode>()).ends;
   }
 
   // A number of modes, up to the end of its line.
@@ -117,7 +128,8 @@ struct SoundingKey {
     for (std::size_t i = 0; i < rows.size(); ++i) tuned[i] = retuned(string, rows[i], tuned_cents);
     model.retune(tuned);
     for (std::size_t i = 0; i < rows.size(); ++i) {
-      bridge.shapes[i] = static_cast<T>(bridge_shape(string, StringMode{tuned[i], rows[i].wavenumber_per_m}));
+      bridge.shapes[i] =
+          static_cast<T>(bridge_ratio * bridge_shape(string, StringMode{tuned[i], rows[i].wavenumber_per_m}));
       bridge.rests[i] = static_cast<T>(model.string().compliance(i) * double(bridge.shapes[i]));
     }
     sum_stiffness();
@@ -151,6 +163,8 @@ struct SoundingKey {
   std::vector<Row> rows;
   std::vector<Mode> tuned;  // the same at the tension of tuned_cents
   HammerString<T> model;
+  double bridge_ratio;
+  T output;  // weight of the force on the bridge, which counts bridge_ratio times in `bridge`
   BridgeShapes<T> bridge;
   ModeShapes<T> strike;           // of the whole hammer
   std::vector<T> shapes;          // where the hammer strikes

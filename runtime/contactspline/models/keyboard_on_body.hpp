@@ -20,6 +20,8 @@
 #include "contactspline/models/key_on_body.hpp"
 #include "contactspline/step/controls.hpp"
 #include "contactspline/step/flush_denormals.hpp"
+#include "contactspline/step/high_pass.hpp"
+#include "contactspline/step/splice.hpp"
 
 namespace contactspline {
 
@@ -27,9 +29,10 @@ namespace contactspline {
 struct BoardOfKeyboard {
   std::span<const Mode> modes;
   std::span<const double> bridge, left, right;
+  Listening listening = {};
 };
 
-/// Struck strings on one body, with dampers and pedals; the output is the velocity of the body at two places [m/s].
+/// Struck strings on one body, with dampers and pedals; the output is a velocity for each ear [m/s] (Listening).
 /// A key sleeps until it is struck, pressed, or lifted by the pedal while something sounds: then its strings join the
 /// bridge, in sympathy with their modes below kSympathy_hz only. Modes that ring no more leave
 /// (docs/how-it-works/keyboards.md). All functions but the constructor are safe on an audio thread: no allocation, no
@@ -44,11 +47,15 @@ class KeyboardOnBody {
                  std::size_t max_modes = 4096)
       : time_step_s_(1 / sample_rate_hz),
         body_(board.modes, ModeShapes<T>(board.bridge), stiffness_at_rest(keys), sample_rate_hz),
-        left_(body_.modes().velocity_shapes(body_.modes().sound_pickup(board.left))),
-        right_(body_.modes().velocity_shapes(body_.modes().sound_pickup(board.right))) {
+        left_(ear(board.left, board.listening.pickup_ratio)),
+        right_(ear(board.right, board.listening.pickup_ratio)),
+        mobility_(static_cast<T>(board.listening.mobility_m_per_n_s)),
+        bridge_force_(kSplice_s, sample_rate_hz),
+        high_pass_(board.listening.above_hz, sample_rate_hz) {
     keys_.reserve(keys.size());
     for (const KeyOnBody<T>& key : keys) keys_.emplace_back(key, sample_rate_hz, max_modes);
     awake_.reserve(keys.size());
+    joined_.reserve(2 * keys.size());
     resting_.reserve(keys.size());
     struck_.reserve(keys.size());
   }
@@ -144,14 +151,14 @@ class KeyboardOnBody {
       key.damper.finish();
     }
     awake_.clear();
+    joined_.clear();
     clock_ = next_check_ = 0;
     reset_body();
     for (Key& key : keys_) follow_bend(key);  // at once: nothing sounds
   }
 
-  /// Advances left.size() samples and writes the velocity of the body at the places of both ears [m/s]; both spans
-  /// must have the same size. The sound does not depend on where blocks are cut.
-  /// force: unless it is empty, the largest contact force of any key [N].
+  /// Advances left.size() samples and writes what each ear hears [m/s]; both spans must have the same size. The sound
+  /// does not depend on where blocks are cut. force: unless it is empty, the largest contact force of any key [N].
   void process(std::span<T> left, std::span<T> right, std::span<T> force = {}) {
     const FlushDenormals flushed;
     for (std::size_t done = 0; done < left.size();) {
@@ -206,16 +213,21 @@ class KeyboardOnBody {
   static constexpr std::size_t kLine = Key::kLine;
   static constexpr ControlRange<double> kPedal{0, 1};
   static constexpr std::size_t kCheckInterval = 32;  // samples, after each of which one key is checked
-  static constexpr double kSilence_j = 1e-14;        // 100 dB below the blow of a C4 hammer at 0.4 m/s
+  static constexpr double kSilence_j = 1e-17;        // 130 dB below the blow of a C4 hammer at 0.4 m/s
   // What may leave, as a fraction of all energy: of a key that is damped, and of one that rings.
-  static constexpr double kDampedFraction = 1e-7, kRingingFraction = 1e-9;
+  static constexpr double kDampedFraction = 1e-7, kRingingFraction = 1e-12;
   static constexpr double kBodySilence_j = 1e-17;
+  static constexpr double kSplice_s = 0.01;  // shorter than the ear tells two sounds apart
 
   static BridgeStiffness stiffness_at_rest(std::span<const KeyOnBody<T>> keys) {
     BridgeStiffness stiffness;
-    for (const KeyOnBody<T>& key : keys) stiffness += bridge_stiffness(key.strings, std::vector<StringMode>());
+    for (const KeyOnBody<T>& key : keys) stiffness += {Key::ends_of(key), 0};
     return stiffness;
   }
+
+  struct Joined {
+    std::size_t key, first_mode, modes;
+  };
 
   [[nodiscard]] bool is_lifted(const Key& key) const {
     return !key.has_damper || key.is_down || key.is_held || sustain_ > 0;
@@ -260,10 +272,12 @@ class KeyboardOnBody {
     if (modes > before) {
       (void)changed.model.follow(changed.bridge, before, modes, body_.change());
       body_.join(changed.stiffness_of(modes) - changed.stiffness_of(before));
+      joined_.push_back({key, before, modes});  // does not allocate: at most twice for a key
       if (before == 0) awake_.insert(std::ranges::lower_bound(awake_, key), key);  // does not allocate
     } else if (modes < before) {
-      body_.leave(changed.stiffness_of(before) - changed.stiffness_of(modes),
-                  changed.model.bridge_force(changed.bridge, modes, before));
+      const T force = changed.model.bridge_force(changed.bridge, modes, before);
+      body_.leave(changed.stiffness_of(before) - changed.stiffness_of(modes), force);
+      bridge_force_.ended(changed.output * force);
       if (modes == 0) std::erase(awake_, key);
     }
   }
@@ -305,27 +319,48 @@ class KeyboardOnBody {
       if (key.is_struck) {
         struck_.push_back(k);
       } else {
-        resting_.push_back(key.model.on_bridge(key.bridge, key.modes,
-                                               1 / (1 + key.controls.damping_per_s * static_cast<T>(time_step_s_))));
+        resting_.push_back(key.model.on_bridge(
+            key.bridge, key.modes, 1 / (1 + key.controls.damping_per_s * static_cast<T>(time_step_s_)), key.output));
       }
     }
     for (std::size_t n = 0; n < left.size(); ++n) {
       const T change = body_.change();
-      T force = detail::advance_strings<T>(std::span<const detail::StringsOnBridge<T>>(resting_), change);
+      detail::BridgeForces<T> forces_n =
+          detail::advance_strings<T>(std::span<const detail::StringsOnBridge<T>>(resting_), change);
       T largest = 0;
       for (const std::size_t k : struck_) {
         Key& key = keys_[k];
-        force += key.model.tick(key.controls, key.bridge, change);
+        const T force = key.model.tick(key.controls, key.bridge, change);
+        forces_n.all += force;
+        forces_n.output += key.output * force;
         const bool touches = key.model.force() > 0;
         contacts_ += touches && !std::exchange(key.touches, touches);
         key.touches = touches;
         largest = std::max(largest, key.model.force());
       }
       if (!forces.empty()) forces[n] = largest;
-      body_.tick(force);
-      left[n] = body_.modes().velocity(left_);
-      right[n] = body_.modes().velocity(right_);
+      body_.tick(forces_n.all);
+      begin_joined();
+      const T direct = mobility_ * high_pass_.tick(bridge_force_.tick(forces_n.output));
+      left[n] = direct + body_.modes().velocity(left_);
+      right[n] = direct + body_.modes().velocity(right_);
     }
+  }
+
+  // Strings that have joined load the bridge with their mass from the first sample on. This step of their force does
+  // not sound.
+  void begin_joined() {
+    for (const Joined& joined : joined_) {
+      const Key& key = keys_[joined.key];
+      bridge_force_.begins(key.output * key.model.bridge_force(key.bridge, joined.first_mode, joined.modes));
+    }
+    joined_.clear();
+  }
+
+  [[nodiscard]] typename ModalBank<T>::VelocityShapes ear(std::span<const double> place, double ratio) const {
+    ModeShapes<T> shapes = body_.modes().sound_pickup(place);
+    for (std::size_t i = 0; i < shapes.size(); ++i) shapes[i] *= static_cast<T>(ratio);
+    return body_.modes().velocity_shapes(shapes);
   }
 
   // Looks at one key, and at the body after all keys: what rings no more leaves.
@@ -367,6 +402,8 @@ class KeyboardOnBody {
 
   void reset_body() {
     body_.reset();
+    bridge_force_.reset();
+    high_pass_.reset();
     sounds_ = false;
     stored_j_ = body_j_ = 0;
   }
@@ -374,10 +411,14 @@ class KeyboardOnBody {
   double time_step_s_;
   Body<T> body_;
   typename ModalBank<T>::VelocityShapes left_, right_;
+  T mobility_;
+  Splice<T> bridge_force_;  // force of the strings, of which some join and leave
+  HighPass<T> high_pass_;
   std::vector<Key> keys_;
   std::vector<std::size_t> awake_;   // numbers of the keys at the bridge, rising
   std::vector<std::size_t> struck_;  // of those with a hammer in flight
   std::vector<detail::StringsOnBridge<T>> resting_;
+  std::vector<Joined> joined_;  // since the last sample
   std::size_t clock_ = 0, next_check_ = 0, failures_ = 0, contacts_ = 0;
   std::uint64_t samples_ = 0;
   double sustain_ = 0, una_corda_ = 0, soft_ratio_ = 1;

@@ -21,7 +21,7 @@ void process_free_here(const ModalArrays<Sample>& modes, Sample damping_gain, co
                        std::span<Sample> out) {
   process_free_block(modes, damping_gain, pickup, out);
 }
-Sample advance_on_bridge_here(std::span<const StringsOnBridge<Sample>> strings, Sample change_m) {
+BridgeForces<Sample> advance_on_bridge_here(std::span<const StringsOnBridge<Sample>> strings, Sample change_m) {
   return advance_on_bridge_as(strings, change_m);
 }
 Sample inner_product_here(std::size_t modes, const Sample* a, const Sample* b) {
@@ -64,7 +64,7 @@ void process_free(const ModalArrays<Sample>& modes, Sample damping_gain, const S
   const FlushDenormals flushed;
   HWY_DYNAMIC_DISPATCH(process_free_here)(modes, damping_gain, pickup, out);
 }
-Sample advance_on_bridge(std::span<const StringsOnBridge<Sample>> strings, Sample change_m) {
+BridgeForces<Sample> advance_on_bridge(std::span<const StringsOnBridge<Sample>> strings, Sample change_m) {
   return HWY_DYNAMIC_DISPATCH(advance_on_bridge_here)(strings, change_m);
 }
 Sample inner_product(std::size_t modes, const Sample* a, const Sample* b) {

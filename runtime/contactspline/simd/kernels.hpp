@@ -35,6 +35,13 @@ struct StringsOnBridge {
   const T* shape;  ///< force of each mode on the bridge per displacement [N/m]
   const T* rest;   ///< displacement of each mode at rest per displacement of the bridge
   T damping_gain;  ///< as in StrikeConstants
+  T output = 1;    ///< weight of these strings in BridgeForces::output
+};
+
+/// Sum of the forces of strings on a bridge, and of the same by their weights [N].
+template <std::floating_point T>
+struct BridgeForces {
+  T all, output;
 };
 
 /// Number of knots in a block of a ContactTable.
@@ -136,10 +143,10 @@ inline constexpr std::size_t kMaxTogether = 16;
 void process_free(const ModalArrays<float>& modes, float damping_gain, const float* pickup, std::span<float> out);
 void process_free(const ModalArrays<double>& modes, double damping_gain, const double* pickup, std::span<double> out);
 
-/// Advances all strings by one sample on a bridge that has moved by change_m, and returns the sum of shape
-/// times displacement [N].
-float advance_on_bridge(std::span<const StringsOnBridge<float>> strings, float change_m);
-double advance_on_bridge(std::span<const StringsOnBridge<double>> strings, double change_m);
+/// Advances all strings by one sample on a bridge that has moved by change_m, and returns the sums of shape
+/// times displacement.
+BridgeForces<float> advance_on_bridge(std::span<const StringsOnBridge<float>> strings, float change_m);
+BridgeForces<double> advance_on_bridge(std::span<const StringsOnBridge<double>> strings, double change_m);
 
 /// The sum of a[i] b[i] over arrays of that number of modes, padded as in ModalArrays.
 float inner_product(std::size_t modes, const float* a, const float* b);
@@ -172,13 +179,15 @@ void process_struck(std::span<StruckVoice<double>> voices);
 
 /// advance_on_bridge() where ContactSpline::simd is linked, and a loop that does the same where it is not.
 template <std::floating_point T>
-T advance_strings(std::span<const StringsOnBridge<T>> strings, T change_m) {
+BridgeForces<T> advance_strings(std::span<const StringsOnBridge<T>> strings, T change_m) {
 #ifdef CONTACTSPLINE_SIMD
   return advance_on_bridge(strings, change_m);
 #else
   constexpr std::size_t kLanes = 8;  // partial sums let the compiler use vector registers; the arrays are padded
-  T forces[kLanes] = {};
-  for (const auto& [modes, shape, rest, damping_gain] : strings)
+  const auto sum_of = [](const T* f) { return ((f[0] + f[4]) + (f[2] + f[6])) + ((f[1] + f[5]) + (f[3] + f[7])); };
+  T all[kLanes] = {}, output[kLanes] = {};
+  for (const auto& [modes, shape, rest, damping_gain, weight] : strings) {
+    T forces[kLanes] = {};
     for (std::size_t line = 0; line < modes.modes; line += kLanes)
       for (std::size_t lane = 0; lane < kLanes; ++lane) {
         const std::size_t i = line + lane;
@@ -189,7 +198,12 @@ T advance_strings(std::span<const StringsOnBridge<T>> strings, T change_m) {
         modes.free_increment[i] = (c - d) + (c - (pull + modes.stiffness_rest[i] * q)) + pull_by;
         forces[lane] += shape[i] * (q - by);
       }
-  return ((forces[0] + forces[4]) + (forces[2] + forces[6])) + ((forces[1] + forces[5]) + (forces[3] + forces[7]));
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      all[lane] += forces[lane];
+      output[lane] += weight * forces[lane];
+    }
+  }
+  return {sum_of(all), sum_of(output)};
 #endif
 }
 

@@ -61,11 +61,12 @@ HWY_INLINE void move(Vector<T> stiffness, Vector<T> rest, Vector<T> loss, Vector
 
 /// One sample on a bridge: the modes follow half its change, advance, and follow the other half (ModalBank::shift).
 template <typename T>
-HWY_INLINE T advance_on_bridge_as(std::span<const StringsOnBridge<T>> strings, T change) {
+HWY_INLINE BridgeForces<T> advance_on_bridge_as(std::span<const StringsOnBridge<T>> strings, T change) {
   const Tag<T> tag;
   const auto half = hn::Set(tag, change / 2);
-  auto force = hn::Zero(tag);
-  for (const auto& [modes, shape, rest, damping_gain] : strings) {
+  auto all = hn::Zero(tag), output = all;
+  for (const auto& [modes, shape, rest, damping_gain, weight] : strings) {
+    auto force = hn::Zero(tag);
     const auto gain = hn::Set(tag, damping_gain);
     for (std::size_t i = 0; i < modes.modes; i += hn::Lanes(tag)) {
       const auto stiffness = hn::Load(tag, modes.stiffness + i);
@@ -79,8 +80,10 @@ HWY_INLINE T advance_on_bridge_as(std::span<const StringsOnBridge<T>> strings, T
       hn::Store(hn::Add(hn::Sub(c, d), hn::Sub(c, pull)), tag, modes.free_increment + i);
       force = hn::MulAdd(hn::Load(tag, shape + i), followed, force);
     }
+    all = hn::Add(all, force);
+    output = hn::MulAdd(hn::Set(tag, weight), force, output);
   }
-  return hn::GetLane(hn::SumOfLanes(tag, force));
+  return {hn::GetLane(hn::SumOfLanes(tag, all)), hn::GetLane(hn::SumOfLanes(tag, output))};
 }
 
 template <typename T>
