@@ -328,7 +328,8 @@ const cases = {
   },
 
   async "a lecture embeds the stage or a chapter alone"() {
-    for (const [query, shown, hidden] of [["?embed", "#stage", "#chapter-1"], ["?embed=5", "#chapter-5", "#play"], ["?embed=constructor", "#stage", "#chapter-5"]]) {
+    for (const [query, shown, hidden] of [["?embed", "#stage", "#chapter-1"], ["?embed=5", "#chapter-5", "#play"], ["?embed=constructor", "#stage", "#chapter-5"],
+      ["?embed=5.5", "#stage", "#chapter-5"]]) {
       await withPage(`${server.address}${query}`, async (page) => {
         assert.ok(await page.locator(shown).isVisible(), `${query}: ${shown}`);
         for (const other of [hidden, "header", "#editor", "#figures"]) assert.ok(await page.locator(other).first().isHidden(), `${query}: ${other}`);
@@ -958,7 +959,8 @@ const cases = {
   async "a damaged link leaves the page alive"() {
     const links = { "text=garbage": /material/, "instrument=constructor": /instrument constructor/, "material=__proto__": /no material __proto__ ships/,
       "material=toString&.speed=4": /material/, "text=%E0%A4&instrument=piano": /material/, ".speed=1e999&.nothing=3": /speed.*nothing/,
-      "octave=99&key=-1&compare=NaN&step=2.5e9&theme=constructor&constructor=1": /octave 99.*theme constructor/ };
+      "octave=99&key=-1&compare=NaN&step=2.5e9&theme=constructor&constructor=1": /octave 99.*theme constructor/,
+      "step=2.5&key=60.5&octave=4.7": /step 2.5; key 60.5; octave 4.7/ };
     for (const [link, told] of Object.entries(links))
       await withPage(`${server.address}#${link}`, async (page) => {
         assert.match(await page.locator("#notice").textContent(), told, link);
@@ -977,7 +979,7 @@ const cases = {
         const random = (n) => (seed = (seed * 48271) % 2147483647) % n;
         const one = (list) => list[random(list.length)];
         const words = ["instrument", "material", "text", "octave", "key", "compare", "step", "theme", ".speed_m_per_s", ".", "constructor", "__proto__",
-          "felt_c4", "piano", "hammer_on_string", "1", "-1e308", "NaN", "", "{}", "[", "null", "dark", "%", "%00", "\u{1F3B9}", "name", "toString", "\u0000", "\\"];
+          "felt_c4", "piano", "hammer_on_string", "1", "2.5", "-1e308", "NaN", "", "{}", "[", "null", "dark", "%", "%00", "\u{1F3B9}", "name", "toString", "\u0000", "\\"];
         const shipped = Object.values(page.editor.shipped);
         const text = () => {
           const whole = one(shipped);

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 // The state of the page in its address: instrument, material, controls, keys, comparison, story and theme.
 
+const within = (low, high) => (number) => number >= low && number <= high;
+const integer = (low, high) => (number) => Number.isInteger(number) && within(low, high)(number);
+
 /** The numbers of a state beside its controls, with what they may be. */
-const kNumbers = { octave: [1, 8], key: [0, 127], compare: [0.1, 1000], step: [1, 7] };
+const kNumbers = new Map([["octave", integer(1, 8)], ["key", integer(0, 127)], ["compare", within(0.1, 1000)], ["step", integer(1, 7)]]);
 const kThemes = ["light", "dark"];
 
 /** The address part of a state { instrument, material: a name that ships or the text of a file, controls: { parameter: value },
@@ -20,8 +23,7 @@ export function addressOf({ instrument, material, controls, ...rest }) {
 export function embeddedOf(query) {
   const embed = new URLSearchParams(query).get("embed");
   if (embed === null) return null;
-  const [low, high] = kNumbers.step;
-  return Number(embed) >= low && Number(embed) <= high ? Math.floor(Number(embed)) : "stage";
+  return kNumbers.get("step")(Number(embed)) ? Number(embed) : "stage";
 }
 
 /** The state of an address part, nothing for what it does not say; leftOut: what of it is no state, each in words. */
@@ -33,9 +35,8 @@ export function stateOf(hash) {
   for (const [name, value] of part) {
     if (["instrument", "material", "text"].includes(name)) continue;
     const number = value.trim() === "" ? NaN : Number(value);
-    const [low, high] = Object.hasOwn(kNumbers, name) ? kNumbers[name] : [NaN, NaN];
     if (name.startsWith(".") && Number.isFinite(number)) state.controls[name.slice(1)] = number;
-    else if (number >= low && number <= high) state[name] = number;
+    else if (kNumbers.get(name)?.(number)) state[name] = number;
     else if (name === "theme" && kThemes.includes(value)) state.theme = value;
     else state.leftOut.push(`${name} ${value}`);
   }
