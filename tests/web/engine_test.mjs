@@ -59,19 +59,20 @@ for (const name of ["tom", "marimba_tube", "trichord_c4"]) {
 }
 rmSync(folder, { recursive: true });
 
-// Choosing and playing all instruments again and again takes no more memory, with voices and without.
+// Choosing and playing all instruments again and again takes no more memory. The module begins with 16 MB, of which a leak of
+// one voice of 60 kB in each round uses up the rest.
 const used = [];
-for (let round = 0; round < 12; ++round) {
-  for (const [number, { name }] of instruments.entries()) {
+for (let round = 0; round < 250; ++round) {
+  for (const number of instruments.keys()) {
     assert.ok(engine.choose(number));
-    if (name === "tanpura") for (const cents of [-498, 0, 1.5, -1200]) assert.ok(engine.addVoice(cents));
-    for (const voice of [0, 1, 2, 3, 4]) engine.noteOn(60, 0.7, voice);
-    for (let block = 0; block < 8; ++block) engine.process(128);
+    for (const cents of [-498, 0]) engine.addVoice(cents); // where it can be
+    for (const voice of [0, 1, 2]) engine.noteOn(60, 0.7, voice);
+    engine.process(128);
   }
   used.push(engine.memory());
 }
-assert.equal(used.at(-1), used[1], `memory grows: ${used}`);
-console.log(`memory after 2 and after 12 rounds of all instruments: ${(used[1] / 1e6).toFixed(1)} and ${(used.at(-1) / 1e6).toFixed(1)} MB`);
+assert.equal(used.at(-1), used[1], `memory grows: ${used[1]} to ${used.at(-1)} bytes`);
+console.log(`memory after 2 and after ${used.length} rounds of all instruments: ${(used[1] / 1e6).toFixed(1)} and ${(used.at(-1) / 1e6).toFixed(1)} MB`);
 
 let last = limited(-1000);
 assert.ok(last >= -1);
