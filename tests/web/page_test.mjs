@@ -496,6 +496,13 @@ const cases = {
       assert.equal(await page.locator("#instrument").inputValue(), "piano");
       await page.locator("#midi-file").click();
       assert.equal(await page.evaluate(() => contactSpline.page.score), null);
+      // Of a long track, too: more events than a call has arguments.
+      const long = await page.evaluate((file) => {
+        const track = Array.from({ length: 300000 }, (_, i) => [1, 0x90, 60, i % 2 === 0 ? 100 : 0]).flat();
+        const size = [24, 16, 8, 0].map((bits) => (track.length >> bits) & 255);
+        return contactSpline.midiPerformance(new Uint8Array([...file.slice(0, 18), ...size].concat(track))).messages.length;
+      }, file);
+      assert.equal(long, 300001);
       // Damaged files: one line, no exception.
       for (const [name, wrong, told] of [["empty.mid", Buffer.alloc(0), /no standard MIDI file/], ["text.mid", Buffer.from("hello, this is a text"), /no standard MIDI file/],
         ["cut.mid", bytes.subarray(0, 200), /ends too early/], ["quiet.mid", bytes.subarray(0, 14), /no notes/]]) {

@@ -79,16 +79,15 @@ export function midiPerformance(bytes) {
   const [, tracks, division] = [reader.number(2), reader.number(2), reader.number(2)];
   if (division === 0 || division >= 0x8000) throw new Error("its times are not in parts of a quarter");
   reader.part(Math.max(0, size - 6));
-  const events = [];
+  const events = []; // of each track
   for (let t = 0; t < tracks && reader.at < bytes.length; ++t) {
     const isTrack = reader.text(4) === "MTrk";
     const track = reader.part(reader.number(4));
-    if (isTrack) events.push(...eventsOf(track));
+    if (isTrack) events.push(eventsOf(track));
   }
-  events.sort((a, b) => a.tick - b.tick);
   const messages = [];
   let [tempo, now, last] = [kUsualTempo, 0, 0];
-  for (const event of events) {
+  for (const event of events.flat().sort((a, b) => a.tick - b.tick)) {
     now += ((event.tick - last) * tempo) / division / 1e6;
     last = event.tick;
     if (event.tempo) tempo = event.tempo;
