@@ -6,7 +6,7 @@ import { execFileSync } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
-import { pathToFileURL } from "node:url";
+import { fileURLToPath, pathToFileURL } from "node:url";
 
 import { serve } from "../../web/serve.mjs";
 import { closeBrowser, openPage } from "./browser.mjs";
@@ -526,6 +526,30 @@ const cases = {
         return wrong;
       }, [...bytes]);
       assert.deepEqual(thrown.slice(0, 3), []);
+    });
+  },
+
+  async "a score that is stopped lets its keys and its pedal go"() {
+    await withPage(server.address, async (page) => {
+      const level = () => page.evaluate(() => {
+        const samples = new Float32Array(2048);
+        contactSpline.page.audio.analyser.getFloatTimeDomainData(samples);
+        return Math.sqrt(samples.reduce((sum, x) => sum + x * x, 0) / samples.length);
+      });
+      for (const held of [{ do: "midi", bytes: [0xb0, 64, 127] }, { do: "noteOn", key: 40, velocity: 0.1 }]) {
+        const messages = [{ at: 0.01, ...held }, { at: 0.02, do: "noteOn", key: 48, velocity: 0.9 }, ...(held.key ? [] : [{ at: 0.1, do: "noteOff", key: 48 }]), { at: 60, do: "end" }];
+        await page.evaluate((messages) => contactSpline.page.perform("held.mid", "piano", { voices: [], messages }), messages);
+        await page.waitForTimeout(900);
+        const before = await level();
+        assert.ok(before > 0.003, `a key that is held sounds: ${before}`);
+        await page.evaluate(() => contactSpline.page.stopScore());
+        await page.waitForTimeout(1200);
+        assert.ok((await level()) < 0.05 * before, `${JSON.stringify(held)} goes on after the score: ${await level()} of ${before}`);
+      }
+      await page.locator("#midi-input").setInputFiles(fileURLToPath(new URL("../../data/scores/bach_prelude.mid", import.meta.url)));
+      await page.getByText("Plays bach_prelude.mid.").waitFor();
+      await page.locator("#midi-file").click();
+      assert.equal(await page.locator("#midi").textContent(), "");
     });
   },
 

@@ -251,8 +251,8 @@ class Page {
     if (!file) return;
     try {
       const performed = midiPerformance(new Uint8Array(await file.arrayBuffer()));
-      byId("midi").textContent = `Plays ${file.name}.`;
       await this.perform(file.name, "piano", performed);
+      byId("midi").textContent = `Plays ${file.name}.`;
     } catch (error) {
       byId("midi").textContent = `${file.name} cannot be played: ${error.message}.`;
     }
@@ -273,10 +273,12 @@ class Page {
     for (const button of byId("scores").querySelectorAll("button")) button.setAttribute("aria-pressed", String(button.dataset.score === name));
   }
 
-  /** Ends a score; what sounds rings on. */
+  /** Ends a score: its keys are let go, and the pedals are where the page shows them. */
   stopScore() {
     if (!this.score) return;
     this.audio.send({ do: "stop" });
+    this.played().parameters.forEach((_, number) => this.sendControl(number));
+    byId("midi").textContent = "";
     this.markScore(null);
     this.keys.unmark();
     this.changed();

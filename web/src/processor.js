@@ -5,6 +5,7 @@ import { limited } from "./limiter.js";
 
 const kReport = 1024; // samples between two reports
 const kFade = 1 / 882; // of the level, in each sample: 20 ms
+const kLetKeysGo = [0xb0, 123, 0]; // of MIDI
 
 class ContactSplineProcessor extends AudioWorkletProcessor {
   constructor({ processorOptions }) {
@@ -38,7 +39,7 @@ class ContactSplineProcessor extends AudioWorkletProcessor {
     if (message.do === "noteOn") this.strike(message);
     if (message.do === "noteOff") engine.noteOff(message.key, message.voice);
     if (message.do === "score") this.begin(message);
-    if (message.do === "stop") this.later = [];
+    if (message.do === "stop") this.stop();
     if (message.do === "end") this.port.postMessage({ is: "ended" });
     if (message.do === "midi") engine.midi(message.bytes);
     if (message.do === "watchNone") engine.watchNone();
@@ -58,6 +59,11 @@ class ContactSplineProcessor extends AudioWorkletProcessor {
       this.engine.pan(i + 1, pan);
     });
     this.later = messages.map((message) => ({ ...message, at: message.at + currentTime, isOfScore: true }));
+  }
+
+  stop() {
+    this.later = [];
+    this.engine.midi(kLetKeysGo);
   }
 
   // The reports of a strike begin with its first sample: they hold nothing of the one before.
