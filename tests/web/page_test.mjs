@@ -178,6 +178,34 @@ const cases = {
     });
   },
 
+  async "files are dropped, and chosen again"() {
+    await withPage(server.address, async (page) => {
+      const csv = readFileSync(new URL("../../data/materials/felt_synthetic.csv", import.meta.url), "utf8");
+      await page.locator("#curve-input").setInputFiles({ name: "chosen.csv", mimeType: "text/csv", buffer: Buffer.from(csv) });
+      await page.waitForFunction(() => contactSpline.page.editor.current.name === "chosen");
+      await page.locator("#midi-input").setInputFiles({ name: "text.mid", mimeType: "audio/midi", buffer: Buffer.from("text") });
+      await page.getByText("text.mid cannot be played").waitFor();
+      // A browser tells of the same file again only if the input holds none.
+      for (const id of ["curve-input", "midi-input"]) assert.equal(await page.locator(`#${id}`).inputValue(), "", id);
+      const drop = (kind, content, name) => page.evaluate(([kind, content, name]) => {
+        const dataTransfer = new DataTransfer();
+        if (kind === "file") dataTransfer.items.add(new File([content], name));
+        else dataTransfer.setData("text/plain", content);
+        const event = new DragEvent("drop", { dataTransfer, bubbles: true, cancelable: true });
+        document.getElementById("text").dispatchEvent(event);
+        return event.defaultPrevented;
+      }, [kind, content, name]);
+      assert.ok(await drop("file", csv, "Dropped.CSV"));
+      await page.waitForFunction(() => contactSpline.page.editor.current.name === "dropped");
+      assert.ok(await drop("file", "hello", "song.MID"));
+      await page.getByText("song.MID cannot be played").waitFor();
+      assert.ok(!(await drop("text", "felt")), "text that is dragged into the editor goes there");
+      // A folder is a file that cannot be read.
+      await page.evaluate(() => contactSpline.page.editor.loadCurve({ name: "folder.csv", text: () => Promise.reject(new Error("it is a folder")) }));
+      assert.equal(await page.locator("#design-note.error").textContent(), "folder.csv cannot be read: it is a folder");
+    });
+  },
+
   async "bad input is told in one line"() {
     await withPage(server.address, async (page) => {
       await page.getByText("The material file as text").click();

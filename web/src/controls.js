@@ -15,6 +15,15 @@ export function readable(value) {
   return `${Number(digits)} × 10${power < 0 ? "⁻" : ""}${raised}`;
 }
 
+/** Hands every file that a user chooses to take(file), the same one again, too. */
+export function whenChosen(input, take) {
+  input.addEventListener("change", () => {
+    const [file] = input.files;
+    input.value = "";
+    if (file) take(file);
+  });
+}
+
 /** A slider for { label, unit, min, max, step, init, isLogarithmic }; change(value) on every move. Values are shown `factor`
  * times as large, in their unit. */
 export function slider({ label, unit = "", factor = 1, min, max, step = (max - min) / kSteps, init, isLogarithmic }, change) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The editor of a material: fields or text in, design out, with its curves, errors and files to download.
-import { choice, fillSelect, readable, slider } from "./controls.js";
+import { choice, fillSelect, readable, slider, whenChosen } from "./controls.js";
 import { materialFields, materialText, measuredText, withKnots } from "./material.js";
 import { linePlot } from "./plots.js";
 import { download } from "./save.js";
@@ -30,7 +30,7 @@ export class Editor {
     fillSelect(byId("material"), { ...Object.fromEntries(Object.keys(this.shipped).map((name) => [name, name])), "": "my own" });
     byId("material").addEventListener("change", ({ target }) => target.value && this.load({ name: target.value }));
     byId("curve-file").addEventListener("click", () => byId("curve-input").click());
-    byId("curve-input").addEventListener("change", ({ target }) => this.loadCurve(target.files[0]));
+    whenChosen(byId("curve-input"), (file) => this.loadCurve(file));
     byId("use-text").addEventListener("click", () => this.load({ text: byId("text").value }));
     this.controls = Object.fromEntries(
       Object.entries(kSliders).map(([key, shape]) => [key, slider({ ...shape, init: shape.min }, () => this.edited(key))]),
@@ -52,9 +52,12 @@ export class Editor {
 
   /** Makes a material of a measured curve, a CSV file. What is wrong with it is said as of any material. */
   async loadCurve(file) {
-    if (!file) return;
-    this.generator.takeCurve(file.name, await file.text());
-    this.load({ text: measuredText(file.name) });
+    try {
+      this.generator.takeCurve(file.name, await file.text());
+      this.load({ text: measuredText(file.name) });
+    } catch (error) {
+      this.refuse(`${file.name} cannot be read: ${error.message}`);
+    }
   }
 
   /** Shows a material: { name } of one that ships, or { text } of a file. Returns what is wrong with it, or null. */
@@ -108,10 +111,14 @@ export class Editor {
       this.change(design);
       return null;
     } catch (error) {
-      note.className = "error";
-      note.textContent = error.message;
+      this.refuse(error.message);
       return error.message;
     }
+  }
+
+  // What is wrong, in one line.
+  refuse(line) {
+    Object.assign(byId("design-note"), { className: "error", textContent: line });
   }
 
   showDesign({ curve, quality, law, table, title }, milliseconds) {

@@ -4,7 +4,7 @@ import { jsonAsset, moduleAsset, scriptUrl } from "./assets.js";
 import { Audio, kSampleRate, renderOffline } from "./audio.js";
 import { Clip } from "./clip.js";
 import { Comparison } from "./compare.js";
-import { fillSelect, readable, slider } from "./controls.js";
+import { fillSelect, readable, slider, whenChosen } from "./controls.js";
 import { Editor } from "./editor.js";
 import { startEngine } from "./engine.js";
 import { startGenerator } from "./generator.js";
@@ -83,14 +83,11 @@ class Page {
     byId("undo").addEventListener("click", () => this.undo());
     byId("midi-connect").addEventListener("click", async () => (byId("midi").textContent = await this.keys.listenToMidi()));
     byId("midi-file").addEventListener("click", () => (this.score ? this.stopScore() : byId("midi-input").click()));
-    byId("midi-input").addEventListener("change", ({ target }) => this.playMidi(target.files[0]));
-    addEventListener("dragover", (event) => event.preventDefault());
-    addEventListener("drop", (event) => {
-      event.preventDefault();
-      const file = event.dataTransfer.files[0];
-      if (/\.csv$/i.test(file?.name)) this.editor.loadCurve(file);
-      else this.playMidi(file);
-    });
+    whenChosen(byId("midi-input"), (file) => this.playMidi(file));
+    // Text that is dragged goes where the browser puts it.
+    const hasFiles = ({ dataTransfer }) => dataTransfer.types.includes("Files");
+    addEventListener("dragover", (event) => hasFiles(event) && event.preventDefault());
+    addEventListener("drop", (event) => hasFiles(event) && this.takeDropped(event));
     byId("record").addEventListener("click", () => this.record());
     byId("octave-down").addEventListener("click", () => this.keys.shift(-1));
     byId("octave-up").addEventListener("click", () => this.keys.shift(1));
@@ -98,6 +95,15 @@ class Page {
     byId("share").addEventListener("click", () => this.copyLink());
     byId("theme").addEventListener("click", () => this.chooseTheme(document.documentElement.dataset.theme === "dark" ? "light" : "dark"));
     this.setTheme(matchMedia("(prefers-color-scheme: dark)").matches);
+  }
+
+  /** Plays a MIDI file that was dropped, or makes a material of a CSV file, once the page is loaded. */
+  async takeDropped(event) {
+    event.preventDefault();
+    const [file] = event.dataTransfer.files;
+    await contactSpline.loaded;
+    if (/\.csv$/i.test(file.name)) this.editor.loadCurve(file);
+    else this.playMidi(file);
   }
 
   chooseTheme(theme) {
@@ -248,7 +254,6 @@ class Page {
 
   /** Plays a standard MIDI file on the piano. One line says what is wrong with it. */
   async playMidi(file) {
-    if (!file) return;
     try {
       const performed = midiPerformance(new Uint8Array(await file.arrayBuffer()));
       await this.perform(file.name, "piano", performed);
