@@ -87,7 +87,7 @@ def test_the_keyboard_that_ships_is_that_of_the_piano(keyboard):
     assert np.max(np.abs(own.force_n - wanted.force_n)) < 1e-9 * np.max(wanted.force_n)
 
 
-def test_a_keyboard_of_ones_own_has_its_pitch_and_its_speeds():
+def test_a_keyboard_of_ones_own_has_its_pitch_and_its_speeds(tmp_path):
     piano, keys = cs.Instrument("piano", keyboard=OWN), cs.Keyboard(OWN).keys
     assert (piano.name, piano.description, piano.parameters["loss_s_per_m"]["initial"]) == ("own", "five keys", 0.2)
     assert keys[60]["pitch_hz"] == pytest.approx(480 * 2 ** (-9 / 12))
@@ -96,8 +96,13 @@ def test_a_keyboard_of_ones_own_has_its_pitch_and_its_speeds():
     near = slice(round(2 * keys[60]["pitch_hz"]) - 40, round(2 * keys[60]["pitch_hz"]) + 41)  # bins of 0.5 Hz
     assert abs((near.start + np.argmax(spectrum[near])) / 2 - keys[60]["pitch_hz"]) < 1  # two strings, and a bin
     assert np.array_equal(piano.play(cs.note(0, 63, 1), 0.05).samples, np.zeros(2205))  # has no such key
-    softer = piano.play(cs.note(0, 60, 0.1), 0.1)
-    assert 0 < softer.force_n.max() < sound.force_n.max() / 4  # (5 / 0.2)**-0.7 is 0.1
+    (tmp_path / "own.json").write_text(json.dumps(OWN))
+    for velocity in (0, 0.3, 1):  # the same blow by a score, which tells its speed and keeps forces in single precision
+        blow = {"time_s": 0, "key": 60, "hold_s": 0.05, "speed_m_per_s": 0.2 * (5 / 0.2)**velocity}
+        (tmp_path / "blow.json").write_text(json.dumps({"instrument": "hammer-string", "description": "a blow",
+                                                        "duration_s": 0.1, "keyboard": "own.json", "events": [blow]}))
+        wanted = cs.play_score(tmp_path / "blow.json").force_n.max()
+        assert wanted > 0.1 and piano.play(cs.note(0, 60, velocity), 0.1).force_n.max() == pytest.approx(wanted, rel=1e-6)
 
 
 @pytest.mark.parametrize("wrong, line", [
