@@ -724,11 +724,22 @@ const cases = {
 
   async "a clip of picture and sound is saved"() {
     await withPage(server.address, async (page) => {
-      await page.click("#record-clip");
+      await page.evaluate(() => {
+        globalThis.recorders = [];
+        globalThis.MediaRecorder = class extends MediaRecorder {
+          constructor(...all) {
+            super(...all);
+            recorders.push(this);
+          }
+        };
+      });
+      await page.locator("#record-clip").dblclick();
       await page.getByRole("button", { name: "Stop and save" }).waitFor();
       await page.keyboard.press("a");
       await page.waitForTimeout(1500);
       const [saved] = await Promise.all([page.waitForEvent("download"), page.click("#record-clip")]);
+      const left = await page.evaluate(() => recorders.map(({ state, stream }) => [state, ...stream.getVideoTracks().map(({ readyState }) => readyState)]));
+      assert.deepEqual(left, [["inactive", "ended"]], "one recorder, which ends");
       const path = join(folder, "clip.webm");
       await saved.saveAs(path);
       const bytes = readFileSync(path);

@@ -16,7 +16,8 @@ export class Clip {
   }
 
   async start() {
-    const sound = await this.audio.stream();
+    this.button.disabled = true; // until it records
+    const sound = await this.audio.stream().finally(() => (this.button.disabled = false));
     const stream = new MediaStream([...this.canvas.captureStream(kFrames).getVideoTracks(), ...sound.getAudioTracks()]);
     const parts = [];
     this.recorder = new MediaRecorder(stream, { mimeType: format() });
@@ -28,6 +29,7 @@ export class Clip {
 
   save(parts) {
     const type = this.recorder.mimeType;
+    for (const track of this.recorder.stream.getVideoTracks()) track.stop();
     this.recorder = null;
     this.show(false);
     download(`contact_spline.${type.includes("mp4") ? "mp4" : "webm"}`, new Blob(parts, { type }), type);
