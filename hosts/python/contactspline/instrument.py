@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import base64
 import io
-import json
 import math
 import wave
 import os
@@ -16,7 +15,7 @@ import numpy.typing as npt
 
 from . import _core
 from .figures import axes_or_new, figure_html, table_html
-from .source import source_of, threads_of, watch_of
+from .source import json_of, source_of, threads_of, watch_of
 
 _STRIKE, _RELEASE, _PLUCK, _NOTE_ON, _NOTE_OFF, _SET = range(6)
 
@@ -132,7 +131,7 @@ class Instrument:
     """
 
     def __init__(self, source: str | os.PathLike[str] | Mapping[str, Any], /, **parts: Any) -> None:
-        self._source = _core.Source(*source_of(source), json.dumps(parts, allow_nan=False, default=os.fspath))
+        self._source = _core.Source(*source_of(source), json_of(parts))
         self.name: str = self._source.name
         self.description: str = self._source.description
         self.license: str = self._source.license

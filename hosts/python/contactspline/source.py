@@ -7,11 +7,28 @@ import json
 import os
 from typing import Any, Callable, Mapping
 
+import numpy as np
+
+from . import _core
+
+
+def json_of(value: Mapping[str, Any]) -> str:
+    """The text of a file with these keys. Paths are texts there, numbers and arrays of NumPy are numbers and lists."""
+
+    def plain(one):
+        if isinstance(one, (np.generic, np.ndarray)):
+            return one.tolist()
+        if isinstance(one, os.PathLike):
+            return os.fsdecode(one)
+        raise _core.Error(f"{type(one).__name__}: is no value of a file; allowed: a name, a path, a number, a list or a dict")
+
+    return json.dumps(value, allow_nan=False, default=plain)
+
 
 def source_of(source: str | os.PathLike[str] | Mapping[str, Any]) -> tuple[str, bool]:
     """The text that the compiled part reads, and whether it is the text of a file: a name, a path or a dict."""
     if isinstance(source, Mapping):
-        return json.dumps(dict(source), allow_nan=False), True
+        return json_of(dict(source)), True
     return os.fspath(source), False
 
 

@@ -112,12 +112,23 @@ def test_a_keyboard_of_ones_own_has_its_pitch_and_its_speeds(tmp_path):
     ({"keyboard": {"name": "own"}}, "keyboard.json: keyboard: missing; allowed: first_key"),
     ({"keyboard": {**OWN, "keyboard": {key: value for key, value in OWN["keyboard"].items() if key != "body"}}},
      "keyboard.json: keyboard.body: missing; allowed: one such as"),
+    ({"keyboard": cs.Keyboard(OWN)}, "Keyboard: is no value of a file; allowed: a name, a path, a number, a list or a dict"),
+    ({"keyboard": b"piano"}, "bytes: is no value of a file; allowed: a name"),
     ({"keyboard": OWN, "felt": 1}, "piano: felt: is no part of this instrument; allowed: keyboard"),
     ({"keyboard": pathlib.Path("no") / "such.json"}, "piano: keyboard: no/such.json: file: does not exist")])
 def test_other_keyboards_are_refused_in_one_line(wrong, line):
     with pytest.raises(cs.Error) as raised:
         cs.Instrument("piano", **wrong)
     assert str(raised.value).startswith(line) and "\n" not in str(raised.value)
+
+
+def test_numbers_arrays_and_paths_are_those_of_a_file(tmp_path):
+    notes = np.array([dict(note, key=np.int64(note["key"])) for note in OWN["keyboard"]["notes"]])
+    keyboard = {**OWN["keyboard"], "first_key": np.int32(58), "concert_pitch_hz": np.float32(480), "notes": notes}
+    (tmp_path / "own.json").write_text(json.dumps(OWN))
+    sounds = [cs.Instrument("piano", keyboard=own).play(cs.note(0, 60, 1), 0.05).samples
+              for own in (OWN, {**OWN, "keyboard": keyboard}, tmp_path / "own.json")]
+    assert np.any(sounds[0] != 0) and np.array_equal(sounds[0], sounds[1]) and np.array_equal(sounds[0], sounds[2])
 
 
 def test_threads_share_an_instrument():
