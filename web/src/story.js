@@ -38,6 +38,17 @@ function energyAt(table, y) {
   return energy + d * (force + d * curvature);
 }
 
+// The plot of a chapter.
+const plotOf = (article, x, y, lines) => linePlot(article.querySelector("figure > .plot"), { x, y, height: kHeight, lines });
+
+// The line that says what a figure shows, at the end of a chapter.
+function noteOf(article) {
+  const note = Object.assign(document.createElement("p"), { className: "note" });
+  note.setAttribute("role", "status");
+  article.querySelector(".live").append(note);
+  return note;
+}
+
 // Dragging to the left or right on a figure moves its slider.
 function dragMoves(element, control) {
   const input = control.box.querySelector("input");
@@ -55,9 +66,9 @@ function dragMoves(element, control) {
 }
 
 export class Story {
-  /** studies, generator: of the story alone. instruments: what engine.cpp says of each, by name. stiffness: the slider of
-   * the comparison. hear(state) sets the page
-   * and strikes; piece() plays one; at(chapter) is told of the chapter in view, 0 before the first. */
+  /** studies: of the story alone. instruments: what engine.cpp says of each, by name. stiffness: the slider of the
+   * comparison. hear(state, velocity) sets the page and strikes; piece() plays one; at(chapter) is told of the chapter in
+   * view, 0 before the first. */
   constructor({ studies, generator, instruments, stiffness, hear, piece, at }) {
     Object.assign(this, { studies, generator, instruments, stiffness, hear, at, chapter: 0, stages: new Map(), made: new Set() });
     this.chapters = [...document.querySelectorAll("#story .chapter")];
@@ -115,9 +126,9 @@ export class Story {
 
   // The one control of a chapter, and the line that says what the figure shows. change(value) returns that line.
   control(article, shape, change) {
-    const note = article.querySelector(".note[role='status']");
     const control = slider(shape, (value) => (note.textContent = change(value)));
-    article.querySelector(".story-control").append(control.box);
+    article.querySelector(".live").append(control.box);
+    const note = noteOf(article);
     dragMoves(article.querySelector("figure > .plot"), control);
     note.textContent = change(shape.init);
   }
@@ -139,15 +150,10 @@ export class Story {
   }
 
   blows(article) {
-    const plot = linePlot(document.getElementById("story-blows"), {
-      x: "time [ms]",
-      height: kHeight,
-      y: "force over its largest",
-      lines: [
-        { label: `soft, ${kSoft} m/s`, colour: "blue", width: 3 },
-        { label: `hard, ${kHard} m/s`, colour: "orange", dash: [8, 4], width: 3 },
-      ],
-    });
+    const plot = plotOf(article, "time [ms]", "force over its largest", [
+      { label: `soft, ${kSoft} m/s`, colour: "blue", width: 3 },
+      { label: `hard, ${kHard} m/s`, colour: "orange", dash: [8, 4], width: 3 },
+    ]);
     this.control(article, { label: "exponent a", min: 1, max: 4, step: 0.05, init: 2.5 }, (a) => {
       const [soft, hard] = [kSoft, kHard].map((speed) => this.blow(felt(a, 40), speed));
       const lasts = ({ forces, step }) => forces.filter((force) => force > 0).length * step * 1000;
@@ -161,16 +167,11 @@ export class Story {
   }
 
   spline(article) {
-    const plot = linePlot(document.getElementById("story-spline"), {
-      x: "compression [mm]",
-      height: kHeight,
-      y: "force [N]",
-      lines: [
-        { label: "law", colour: "orange", width: 5 },
-        { label: "spline", colour: "blue", width: 2 },
-        { label: "knots", colour: "ink", isPoints: true, size: 9 },
-      ],
-    });
+    const plot = plotOf(article, "compression [mm]", "force [N]", [
+      { label: "law", colour: "orange", width: 5 },
+      { label: "spline", colour: "blue", width: 2 },
+      { label: "knots", colour: "ink", isPoints: true, size: 9 },
+    ]);
     this.control(article, { label: "pieces", min: 1, max: 20, step: 1, init: 2 }, (pieces) => {
       const { curve, quality, table } = this.generator.design(felt(2.5, pieces), "felt.json");
       plot.set(withKnots(curve, table));
@@ -179,16 +180,11 @@ export class Story {
   }
 
   step(article) {
-    const plot = linePlot(document.getElementById("story-step"), {
-      x: "compression at the end of the sample [mm]",
-      height: kHeight,
-      y: "force [N]",
-      lines: [
-        { label: "felt: mean force on the way there", colour: "orange", width: 3 },
-        { label: "hammer: how far it gets", colour: "blue", width: 3 },
-        { label: "solution of the contact step", colour: "ink", isPoints: true, size: 12 },
-      ],
-    });
+    const plot = plotOf(article, "compression at the end of the sample [mm]", "force [N]", [
+      { label: "felt: mean force on the way there", colour: "orange", width: 3 },
+      { label: "hammer: how far it gets", colour: "blue", width: 3 },
+      { label: "solution of the contact step", colour: "ink", isPoints: true, size: 12 },
+    ]);
     this.control(article, { label: "stiffness ratio", min: 1, max: 3000, init: 300, isLogarithmic: true }, (ratio) => {
       const { design, compressions, forces, step } = this.blow(felt(2.5, 15), 2.5, ratio);
       const n = forces.indexOf(Math.max(...forces));
@@ -240,8 +236,6 @@ export class Story {
     row.querySelector("label").append("Time", time);
     const figure = make("figure");
     figure.append(canvas, row);
-    const note = make("p", { className: "note" });
-    note.setAttribute("role", "status");
     live.append(figure);
 
     const { parameters, velocity } = this.instruments.get(instrument);
@@ -283,7 +277,8 @@ export class Story {
       clearTimeout(waiting);
       waiting = setTimeout(study, 60);
     });
-    live.append(control.box, note);
+    live.append(control.box);
+    const note = noteOf(article);
     this.stages.set(article, stage);
     study();
   }
