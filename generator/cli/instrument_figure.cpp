@@ -1,254 +1,80 @@
 // SPDX-License-Identifier: MIT
-// The figure of an instrument: its bodies, places and connections.
+// The figure of an instrument: its diagram, drawn by gnuplot.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <string>
 #include <string_view>
-#include <utility>
-#include <vector>
 
 #include "generator/cli/figures.hpp"
 #include "generator/cli/gnuplot.hpp"
-#include "generator/cli/instrument_page.hpp"
-#include "generator/cli/label_places.hpp"
 #include "generator/cli/plot.hpp"
-#include "generator/resonator/resonator_reader.hpp"
+#include "generator/instrument/diagram.hpp"
 
 namespace contactspline {
 namespace {
 
-/// Draws an instrument: a row for each body from the top. What is held by the ground ends at a bar below its body.
-class Diagram {
- public:
-  explicit Diagram(const InstrumentModel& model) : model_(model) {
-    for (const InstrumentPlace& place : model.places) xs_.push_back(xs_on_body(place));
-    for (std::size_t p = 0; p < model.places.size(); ++p)
-      if (model.bodies[model.places[p].body].is_mass) xs_[p] = {x_of_mass(p)};
+constexpr DiagramSize kPage{1058, 707};  // of kWholePage in an SVG
+
+std::string_view style_of(DiagramPart part) {
+  switch (part) {
+    case DiagramPart::kContact:
+      return "lc rgb '#d55e00' lw 1.6 dt 1";
+    case DiagramPart::kSpring:
+      return "lc rgb '#0072b2' lw 2.4 dt 2";
+    case DiagramPart::kLink:
+      return "lc rgb '#009e73' lw 2.4 dt 1";
+    case DiagramPart::kSupport:
+      return "lc rgb '#888888' lw 5";
+    case DiagramPart::kTable:
+      return "lc rgb '#b8b8b8' lw 8";
+    default:
+      return "lc rgb '#555555' lw 3";
   }
+}
 
-  std::string draw() {
-    script_ = fmt::format(
-        "unset border\nunset tics\nunset grid\nunset key\nset style textbox opaque noborder margins "
-        "0.2,0.2\nset xrange [0:1]\nset yrange [{}:{}]\n",
-        kBottom, top());
-    for (const ConnectionGroup& group : model_.connections) draw_connection(group);
-    for (std::size_t b = 0; b < model_.bodies.size(); ++b) draw_body(b);
-    for (std::size_t p = 0; p < model_.places.size(); ++p) draw_points(p);
-    for (std::size_t p = 0; p < model_.places.size(); ++p) name_place(p);
-    for (const ConnectionGroup& group : model_.connections) name_connection(group);
-    return script_ + "plot NaN\nunset multiplot\n";
+std::string_view colour_of(DiagramPart part) {
+  switch (part) {
+    case DiagramPart::kContact:
+      return "#d55e00";
+    case DiagramPart::kSpring:
+      return "#0072b2";
+    case DiagramPart::kLink:
+      return "#009e73";
+    case DiagramPart::kPlace:
+      return "#666666";
+    default:
+      return "#222222";
   }
+}
 
- private:
-  struct Point {
-    double x, y;
-  };
+std::string label(DiagramPoint at, std::string_view text, std::string_view alignment, std::string_view colour,
+                  std::string_view style) {
+  return fmt::format("set label '{}' at {:.4f},{:.4f} {} noenhanced front textcolor rgb '{}' font ',12' {}\n", text,
+                     at.x, at.y, alignment, colour, style);
+}
 
-  static constexpr double kLeft = 0.17, kRight = 0.985;
-  static constexpr double kShift = 0.09;       // of the last row to the right
-  static constexpr double kGroundDepth = 0.4;  // below a body
-  static constexpr double kBottom = 0.2;
-  static constexpr double kWidth = 1058, kHeight = 707;  // of kWholePage in an SVG, in points of the screen
-
-  [[nodiscard]] double top() const { return static_cast<double>(model_.bodies.size()) + 0.6; }
-
-  [[nodiscard]] ScreenPoint on_screen(Point at) const {
-    return {kWidth * at.x, kHeight * (at.y - kBottom) / (top() - kBottom)};
-  }
-  [[nodiscard]] Point in_frame(ScreenPoint at) const {
-    return {at.x / kWidth, kBottom + at.y / kHeight * (top() - kBottom)};
-  }
-
-  [[nodiscard]] double row_of(std::size_t body) const { return static_cast<double>(model_.bodies.size() - body); }
-
-  // Each row lies further to the right than the one above it, by more and more: so a line that passes a body does not
-  // meet its points.
-  [[nodiscard]] double left_of(std::size_t body) const {
-    const double part =
-        static_cast<double>(body) / static_cast<double>(std::max<std::size_t>(model_.bodies.size(), 2));
-    return kLeft + kShift * part * part;
-  }
-
-  // From the left end of a body to its right one. Half of it is the position, half the rank among the points of the
-  // body: neighbours would lie on each other. The places of a table of modes lie side by side.
-  [[nodiscard]] std::vector<double> xs_on_body(const InstrumentPlace& place) const {
-    const Resonator& resonator = model_.bodies[place.body].resonator;
-    const double extent = extent_of(resonator.body);
-    std::vector<double> xs;
-    for (const Place& point : place.points) {
-      double part = position_of(point) / extent;
-      if (std::holds_alternative<Membrane>(resonator.body)) part = (1 + part) / 2;
-      part = std::holds_alternative<ModeTable>(resonator.body) ? part_on_table(place)
-                                                               : (part + rank_of(place.body, point)) / 2;
-      xs.push_back(left_of(place.body) + (kRight - kShift - kLeft) * part);
-    }
-    return xs;
-  }
-
-  // Of a point among those of its body, from 0 to 1.
-  [[nodiscard]] double rank_of(std::size_t body, const Place& point) const {
-    int count = 0, before = 0;
-    for (const InstrumentPlace& place : model_.places)
-      for (const Place& other : place.points) {
-        if (place.body != body) continue;
-        ++count;
-        before += position_of(other) < position_of(point);
-      }
-    return (before + 0.5) / count;
-  }
-
-  [[nodiscard]] double part_on_table(const InstrumentPlace& place) const {
-    int count = 0, index = 0;
-    for (const InstrumentPlace& other : model_.places)
-      if (other.body == place.body) {
-        if (&other == &place) index = count;
-        ++count;
-      }
-    return (index + 1.0) / (count + 1.0);
-  }
-
-  // Beside the middle of what it meets, so that lines from several rows do not lie on each other.
-  [[nodiscard]] double x_of_mass(std::size_t place) const {
-    double sum = 0;
-    int count = 0;
-    for (const ConnectionGroup& group : model_.connections)
-      for (const auto& [mine, other] :
-           {std::pair(group.each.first, group.each.second), std::pair(group.each.second, group.each.first)}) {
-        if (mine != place || other == kGround || model_.bodies[model_.places[other].body].is_mass) continue;
-        for (const double x : xs_[other]) sum += x;
-        count += static_cast<int>(xs_[other].size());
-      }
-    return count == 0 ? 0.55 : std::min(sum / count + 0.09, kRight);
-  }
-
-  void draw_line(Point from, Point to, std::string_view style) {
-    labels_.add_line(on_screen(from), on_screen(to));
-    script_ +=
-        fmt::format("set arrow from {:.4f},{:.4f} to {:.4f},{:.4f} nohead {}\n", from.x, from.y, to.x, to.y, style);
-  }
-
-  void draw_label(Point at, std::string_view text, std::string_view alignment, std::string_view colour = "#222222",
-                  std::string_view style = "") {
-    script_ += fmt::format("set label '{}' at {:.4f},{:.4f} {} noenhanced front textcolor rgb '{}' font ',12' {}\n",
-                           text, at.x, at.y, alignment, colour, style);
-  }
-
-  // Point i of a place, or its only point; the ground is below the other end.
-  [[nodiscard]] Point point(std::size_t place, std::size_t other, std::size_t i) const {
-    if (place == kGround) {
-      const Point above = point(other, place, i);
-      return {above.x, above.y - kGroundDepth};
-    }
-    const auto& xs = xs_[place];
-    return {xs[xs.size() == 1 ? 0 : i], row_of(model_.places[place].body)};
-  }
-
-  static std::string_view colour_of(const ConnectionGroup& group) {
-    if (group.each.kind == ConnectionKind::kContact) return "#d55e00";
-    return group.each.kind == ConnectionKind::kSpring ? "#0072b2" : "#009e73";
-  }
-
-  void draw_connection(const ConnectionGroup& group) {
-    const auto [first, second] = std::pair(group.each.first, group.each.second);
-    const std::string style = fmt::format("lc rgb '{}' lw {} dt {}", colour_of(group),
-                                          group.each.kind == ConnectionKind::kContact ? 1.6 : 2.4,
-                                          group.each.kind == ConnectionKind::kSpring ? 2 : 1);
-    for (std::size_t i = 0; i < group.gaps_m.size(); ++i) {
-      draw_line(point(first, second, i), point(second, first, i), style);
-      for (const auto& [place, other] : {std::pair(first, second), std::pair(second, first)})
-        if (place == kGround) draw_ground(point(place, other, i));
-    }
-  }
-
-  void draw_ground(Point at) { draw_line({at.x - 0.008, at.y}, {at.x + 0.008, at.y}, "lc rgb '#888888' lw 5"); }
-
-  void draw_body(std::size_t b) {
-    const InstrumentBody& body = model_.bodies[b];
-    const double y = row_of(b);
-    const std::string name = fmt::format("{}, {}", body.name, kind_of(body));
-    draw_label({0.005, y}, name, "left");
-    const ScreenBox box = box_of(name, on_screen({0.005, y}));
-    labels_.add_box({0, box.bottom, box.right - box.left, box.top});
-    if (!body.is_mass)
-      draw_line(
-          {left_of(b), y}, {left_of(b) + kRight - kShift - kLeft, y},
-          std::holds_alternative<ModeTable>(body.resonator.body) ? "lc rgb '#b8b8b8' lw 8" : "lc rgb '#555555' lw 3");
-  }
-
-  void draw_points(std::size_t p) {
-    const double y = row_of(model_.places[p].body);
-    const bool is_mass = model_.bodies[model_.places[p].body].is_mass;
-    const std::string_view style =
-        is_mass ? "point pt 5 ps 2.2 lc rgb '#555555'" : "point pt 7 ps 0.7 lc rgb '#222222'";
-    const double size = is_mass ? 11 : 5;
-    for (const double x : xs_[p]) {
-      draw_label({x, y}, "", "left", "#222222", style);
-      const auto [at_x, at_y] = on_screen({x, y});
-      labels_.add_box({at_x - size, at_y - size, at_x + size, at_y + size});
-    }
-  }
-
-  void name(std::string_view text, const std::vector<ScreenPoint>& middles, std::string_view colour) {
-    draw_label(in_frame(labels_.choose(text, middles)), text, "center", colour, "boxed");
-  }
-
-  // Above or below one of the points, the middle one first, or to one side of it.
-  void name_place(std::size_t p) {
-    const InstrumentPlace& place = model_.places[p];
-    if (model_.bodies[place.body].is_mass) return;
-    std::vector<double> xs = xs_[p];
-    std::rotate(xs.begin(), xs.begin() + static_cast<std::ptrdiff_t>(xs.size() / 2), xs.end());
-    std::vector<ScreenPoint> middles;
-    const double half = box_of(place.name, {0, 0}).right;
-    for (const double height : {16.0, 32.0, 48.0})
-      for (const double x : xs) {
-        const auto [at_x, at_y] = on_screen({x, row_of(place.body)});
-        for (const double side : {0.0, 1.0, -1.0, 0.5, -0.5})
-          for (const double up : {1, -1}) middles.push_back({at_x + side * (half + 3), at_y + up * height});
-      }
-    name(place.name, middles, "#666666");
-  }
-
-  [[nodiscard]] std::ptrdiff_t connections_at(std::size_t place) const {
-    return std::ranges::count_if(model_.connections, [&](const ConnectionGroup& group) {
-      return group.each.first == place || group.each.second == place;
-    });
-  }
-
-  // Beside one of the lines, first near the end at which fewer other connections end, or below what holds it.
-  void name_connection(const ConnectionGroup& group) {
-    auto [first, second] = std::pair(group.each.first, group.each.second);
-    if (connections_at(second) < connections_at(first)) std::swap(first, second);
-    const double half = box_of(group.name, {0, 0}).right;
-    std::vector<ScreenPoint> middles;
-    for (const double part : {0.3, 0.4, 0.2, 0.5, 0.6, 0.7, 0.8, 0.13, 0.87})
-      for (std::size_t i = 0; i < group.gaps_m.size(); ++i) {
-        const ScreenPoint a = on_screen(point(first, second, i)), b = on_screen(point(second, first, i));
-        const ScreenPoint at{a.x + part * (b.x - a.x), a.y + part * (b.y - a.y)};
-        // a slanting line needs more room for the height of the label
-        const double slant = 8 * std::abs(b.x - a.x) / std::max(1.0, std::abs(b.y - a.y));
-        for (const double side : {1, -1}) middles.push_back({at.x + side * (half + slant + 3), at.y});
-      }
-    if (first == kGround || second == kGround)
-      for (std::size_t i = 0; i < group.gaps_m.size(); ++i) {
-        const ScreenPoint at = on_screen(first == kGround ? point(first, second, i) : point(second, first, i));
-        for (const double depth : {13.0, 29.0}) middles.push_back({at.x, at.y - depth});
-      }
-    name(group.name, middles, colour_of(group));
-  }
-
-  const InstrumentModel& model_;
-  std::vector<std::vector<double>> xs_;  // of the points of each place
-  std::string script_;
-  LabelPlaces labels_{{0, 0, kWidth, kHeight}};
-};
+std::string script_of(const Diagram& diagram) {
+  std::string script = fmt::format(
+      "unset border\nunset tics\nunset grid\nunset key\nset style textbox opaque noborder margins "
+      "0.2,0.2\nset xrange [0:1]\nset yrange [{}:{}]\n",
+      diagram.bottom, diagram.top);
+  for (const auto& [from, to, part] : diagram.lines)
+    script += fmt::format("set arrow from {:.4f},{:.4f} to {:.4f},{:.4f} nohead {}\n", from.x, from.y, to.x, to.y,
+                          style_of(part));
+  for (const auto& [at, is_mass] : diagram.dots)
+    script += label(at, "", "left", "#222222",
+                    is_mass ? "point pt 5 ps 2.2 lc rgb '#555555'" : "point pt 7 ps 0.7 lc rgb '#222222'");
+  for (const auto& [at, text, part] : diagram.labels)
+    script += part == DiagramPart::kBody ? label(at, text, "left", colour_of(part), "")
+                                         : label(at, text, "center", colour_of(part), "boxed");
+  return script + "plot NaN\nunset multiplot\n";
+}
 
 }  // namespace
 
 std::string figure_of(const InstrumentModel& model, FigureFormat format) {
-  return draw(heading(kWholePage) + Diagram(model).draw(), title_of(model), FigureKind::kInstrument, format);
+  return draw(heading(kWholePage) + script_of(diagram_of(model, kPage)), title_of(model), FigureKind::kInstrument,
+              format);
 }
 
 }  // namespace contactspline

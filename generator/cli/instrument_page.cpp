@@ -89,14 +89,6 @@ std::string preset_row(const InstrumentModel& model, const ModelPreset& preset) 
 
 }  // namespace
 
-std::string_view kind_of(const InstrumentBody& body) {
-  return body.is_mass ? "mass" : name_of(body.resonator.body);
-}
-
-double position_of(const Place& point) {
-  return std::cos(point.angle_rad) < 0 ? -point.position_m : point.position_m;
-}
-
 std::string instrument_table(const InstrumentModel& model, double sample_rate_hz) {
   std::string table = fmt::format("{}{}{}\n", model.name, model.description.empty() ? "" : ": ", model.description);
   std::string next_heading;  // is left out where no row follows

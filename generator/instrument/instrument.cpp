@@ -183,6 +183,14 @@ class Flattener {
 
 }  // namespace
 
+std::string_view kind_of(const InstrumentBody& body) {
+  return body.is_mass ? "mass" : name_of(body.resonator.body);
+}
+
+double position_of(const Place& point) {
+  return std::cos(point.angle_rad) < 0 ? -point.position_m : point.position_m;
+}
+
 std::string_view name_of(ConnectionKind kind) {
   constexpr std::array kNames = {"contact", "spring", "link"};  // in the order of ConnectionKind
   return kNames[static_cast<std::size_t>(kind)];

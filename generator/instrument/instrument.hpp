@@ -106,6 +106,12 @@ struct InstrumentModel {
   const ModelModule* module = nullptr;  ///< a class of the user's that plays; then bodies and controls are empty
 };
 
+/// The kind of a body: of a resonator, or "mass".
+[[nodiscard]] std::string_view kind_of(const InstrumentBody& body);
+
+/// Distance from the middle of a membrane, negative on its other side, or from an end of another body [m].
+[[nodiscard]] double position_of(const Place& point);
+
 /// "contact", "spring" or "link".
 [[nodiscard]] std::string_view name_of(ConnectionKind kind);
 

@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "generator/cli/error_panel.hpp"
-#include "generator/cli/label_places.hpp"
 #include "generator/cli/plot.hpp"
+#include "generator/instrument/label_places.hpp"
 #include "generator/support/embedded_files.hpp"
 #include "program.hpp"
 #include "sandbox.hpp"

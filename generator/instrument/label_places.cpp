@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "generator/cli/label_places.hpp"
+#include "generator/instrument/label_places.hpp"
 
 #include <algorithm>
 
