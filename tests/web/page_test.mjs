@@ -2,7 +2,7 @@
 // page_test.mjs NODE_MODULES PAGE.html CONTACTSPLINE [CASE]: the page in headless Chromium, as a user meets it: sound,
 // sliders, downloads, energy, MIDI, links; from a server and from a file. CASE: only the cases with this text in their name.
 import assert from "node:assert/strict";
-import { execFileSync } from "node:child_process";
+import { execFileSync, spawnSync } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
@@ -215,6 +215,108 @@ const cases = {
     });
   },
 
+  async "an instrument file plays as it is edited"() {
+    await withPage(server.address, async (page) => {
+      const shipped = readFileSync(new URL("../../data/instruments/tom.json", import.meta.url), "utf8");
+      const inspect = (text) => {
+        writeFileSync(join(folder, "instrument.json"), text);
+        return spawnSync(program, ["inspect", join(folder, "instrument.json")], { encoding: "utf8" });
+      };
+      const text = page.getByLabel("Text of the instrument file");
+      const plays = (part) => page.waitForFunction((part) => contactSpline.page.played().text?.includes(part), part);
+      await text.scrollIntoViewIfNeeded();
+      await page.locator("#file-drawing svg").waitFor();
+      assert.equal(await page.evaluate(() => contactSpline.page.instrument), "hammer_on_string", "nobody has edited yet");
+      // The text of one that ships: its parts as the program prints them, its sound as the page has it.
+      await text.fill(shipped);
+      await plays('"tom"');
+      assert.equal(await page.locator("#file-parts").textContent(), inspect(shipped).stdout);
+      assert.equal(await page.locator("#file-start").inputValue(), "tom");
+      const { bodies, places } = JSON.parse(shipped.replace(/^\s*\/\/.*$/gm, ""));
+      const drawn = await page.locator("#file-drawing svg text").allTextContents();
+      for (const { name } of [...bodies, ...places]) assert.ok(drawn.some((label) => label.split(",")[0] === name), `${name} is not drawn`);
+      const ofUser = (messages, seconds) =>
+        page.evaluate(
+          async ([messages, seconds]) => {
+            const { page, renderOffline } = contactSpline;
+            const { bytes } = page.instrumentEditor.generator.instrument(page.played().text, "instrument.json", 500);
+            const [left] = await renderOffline([{ do: "own", bytes }, page.instrumentMessage("own"), ...messages], seconds);
+            return Array.from(left);
+          },
+          [messages, seconds],
+        );
+      const [own, tom] = [await ofUser([strike(60, 1)], 0.3), (await render(page, "tom", [strike(60, 1)], 0.3)).samples];
+      const apart = largest(own.map((x, i) => x - tom[i])) / largest(tom);
+      console.log(`  the text of tom: within ${apart.toExponential(1)} of the tom that ships`);
+      // Both have the same modes, in single precision: the roundings of 0.3 s, which the contact may magnify.
+      assert.ok(largest(tom) > 0.1 && apart < 1e-3, `${apart} of the peak apart`);
+      // The mode (1, 1) of the struck head, which air does not hold: x c/(2 pi R), x the first zero of J_1. A fifth lower, then.
+      for (const tension of [1500, (1500 * 4) / 9]) {
+        const changed = shipped.replace('"tension_n_per_m": 1500', `"tension_n_per_m": ${tension}`);
+        await text.fill(changed);
+        await plays(`"tension_n_per_m": ${tension}`);
+        const expected = (3.8317059702 * Math.sqrt(tension / 0.353)) / (2 * Math.PI * 0.165);
+        const cents = 1200 * Math.log2(partialNear((await ofUser([strike(60, 1)], 1.5)).slice(4410), 44100, expected) / expected);
+        console.log(`  ${tension} N/m: ${expected.toFixed(1)} Hz, ${cents.toFixed(2)} cents off`);
+        assert.ok(Math.abs(cents) < 2, `${cents} cents off`); // the window of 1.4 s, and partials beside it
+      }
+      await text.fill(shipped);
+      await page.waitForFunction((text) => contactSpline.page.played().text === text, shipped);
+      // It moves on the stage, and its sliders are those of the file.
+      const { names, moves } = await page.evaluate(() => {
+        const { page } = contactSpline;
+        return { names: [...page.controls.keys()], moves: page.stage.study.frames };
+      });
+      assert.deepEqual(names, (await page.evaluate(() => contactSpline.page.instruments.get("tom").parameters)).map(({ name }) => name));
+      assert.ok(moves > 100);
+      // What is wrong is said as the program says it, and the last one plays on.
+      for (const broken of ['{ "name": "x", "bodies": [] }', "", '{ "name": "x" }', shipped.replace('"struck", "body": "batter"', '"struck", "body": "bater"'), shipped.replace("0.05", "0.5")]) {
+        await text.fill(broken);
+        await page.waitForFunction((broken) => document.getElementById("file-note").className === "error" && contactSpline.page.instrumentEditor.text === broken, broken);
+        const line = await page.locator("#file-note").textContent();
+        const { stderr, status } = inspect(broken);
+        assert.equal(status, 2);
+        assert.match(line, /^instrument.json: .*allowed|^instrument.json: line/);
+        if (broken.includes('"bodies"')) assert.ok(stderr.replaceAll(`${folder}/`, "").includes(line), `${line}\nThe program: ${stderr}`);
+        assert.ok(!line.includes("\n"));
+        assert.equal(await page.evaluate(() => contactSpline.page.played().text), shipped);
+        await text.fill(shipped);
+        await page.waitForFunction(() => document.getElementById("file-note").className === "");
+      }
+    });
+  },
+
+  async "a link holds the instrument file, and Undo takes an edit back"() {
+    const text = readFileSync(new URL("../../data/instruments/tanpura.json", import.meta.url), "utf8").replace('"tanpura"', '"my_tanpura"');
+    let address;
+    await withPage(server.address, async (page) => {
+      await page.getByLabel("Text of the instrument file").fill(text);
+      await page.waitForFunction(() => contactSpline.page.instrument === "own");
+      await page.waitForFunction(() => location.hash.includes("instrument=own"));
+      await page.getByLabel("Text of the instrument file").fill(text.replace('"my_tanpura"', '"other"'));
+      await page.waitForFunction(() => contactSpline.page.played().text.includes('"other"'));
+      await page.waitForFunction(() => decodeURIComponent(location.hash).includes('"other"'));
+      await page.getByRole("button", { name: "Undo" }).click();
+      await page.waitForFunction(() => contactSpline.page.played().text.includes('"my_tanpura"'));
+      await page.getByRole("button", { name: "Copy link" }).click();
+      address = page.url();
+    });
+    await withPage(address, async (page) => {
+      assert.deepEqual(await page.evaluate(() => [contactSpline.page.instrument, contactSpline.page.played().text]), ["own", text]);
+      assert.equal(await page.getByLabel("Text of the instrument file").inputValue(), text);
+      await page.getByLabel("Text of the instrument file").fill(`${text}\n// ${"long ".repeat(4000)}`);
+      await page.getByText("Links leave it out").waitFor();
+      await page.evaluate(() => contactSpline.page.settle());
+      assert.ok(page.url().length < 2000, "a long file is in no link");
+    });
+    for (const link of ["instrument=own", "instrument=own&file=%7B", "instrument=tom&file=x"])
+      await withPage(`${server.address}#${link}`, async (page) => {
+        assert.match(await page.locator("#notice").textContent(), /instrument own|file/, link);
+        await page.keyboard.press("a");
+        await page.waitForFunction(() => contactSpline.page.figures.captured.length > 0);
+      });
+  },
+
   async "the energy line is flat"() {
     await withPage(server.address, async (page) => {
       const study = await page.evaluate(() => {
@@ -377,8 +479,10 @@ const cases = {
     for (const width of [640, 390]) {
       await withPage(server.address, async (page) => {
         for (let chapter = 1; chapter <= 7; ++chapter) await page.evaluate((chapter) => contactSpline.page.story.go(chapter), chapter);
+        await page.locator("#file-text").scrollIntoViewIfNeeded();
+        await page.locator("#file-drawing svg").waitFor();
         const { wide, cut } = await page.evaluate(() => {
-          const seen = [...document.querySelectorAll("main *, header *")].filter((element) => element.checkVisibility() && !element.closest("#scores, #keys, math, .uplot"));
+          const seen = [...document.querySelectorAll("main *, header *")].filter((element) => element.checkVisibility() && !element.closest("#scores, #keys, #file-drawing, math, .uplot"));
           const outside = seen.filter((element) => {
             const { left, right, width } = element.getBoundingClientRect();
             return width > 0 && (left < -1 || right > document.documentElement.clientWidth + 1) && !element.classList.contains("skip");
@@ -1048,9 +1152,9 @@ const cases = {
         let seed = 1;
         const random = (n) => (seed = (seed * 48271) % 2147483647) % n;
         const one = (list) => list[random(list.length)];
-        const words = ["instrument", "material", "text", "octave", "key", "compare", "step", "theme", ".speed_m_per_s", ".", "constructor", "__proto__",
+        const words = ["instrument", "own", "file", "material", "text", "octave", "key", "compare", "step", "theme", ".speed_m_per_s", ".", "constructor", "__proto__",
           "felt_c4", "piano", "hammer_on_string", "1", "2.5", "-1e308", "NaN", "", "{}", "[", "null", "dark", "%", "%00", "\u{1F3B9}", "name", "toString", "\u0000", "\\"];
-        const shipped = Object.values(page.editor.shipped);
+        const shipped = [...Object.values(page.editor.shipped), ...Object.values(page.instrumentEditor.shipped)];
         const text = () => {
           const whole = one(shipped);
           const at = random(whole.length);
@@ -1063,6 +1167,7 @@ const cases = {
           const input = link ?? text();
           try {
             if (link) await page.show(stateOf(link));
+            else if (i % 5 === 1) page.instrumentEditor.load(input);
             else page.editor.load({ text: input });
           } catch (error) {
             wrong.push(`${input}: ${error}`);

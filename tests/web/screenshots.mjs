@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// screenshots.mjs NODE_MODULES PAGE.html FOLDER: the page after a strike and each chapter of its story, on a phone and a desktop, dark and light, to look
+// screenshots.mjs NODE_MODULES PAGE.html FOLDER: the page after a strike and each chapter of its story, the instrument file, on a phone and a desktop, dark and light, to look
 // at; and docs-light.png, which is docs/figures/web.png.
 import { mkdirSync } from "node:fs";
 import { join } from "node:path";
@@ -31,6 +31,10 @@ for (const [device, size] of Object.entries(devices))
       await page.waitForTimeout(400);
       await page.locator(`#chapter-${chapter}`).screenshot({ path: join(folder, `${device}-${colorScheme}-chapter-${chapter}.png`) });
     }
+    const editor = page.locator("#instrument-editor");
+    await editor.scrollIntoViewIfNeeded();
+    await page.locator("#file-drawing svg").waitFor();
+    if (device !== "docs") await editor.screenshot({ path: join(folder, `${device}-${colorScheme}-instrument.png`) });
     await page.screenshot({ path: join(folder, `${device}-${colorScheme}-whole.png`), fullPage: true });
     await close();
   }

@@ -48,7 +48,7 @@ export class Audio {
   // Before the first sound an instrument replaces the one before it, with all that was set there.
   send(message) {
     if (this.waiting && message.do === "instrument")
-      this.waiting.splice(0, Infinity, ...this.waiting.filter((other) => other.do === "material"));
+      this.waiting.splice(0, Infinity, ...this.waiting.filter((other) => other.do === "material" || other.do === "own"));
     if (this.waiting) this.waiting.push(message);
     else this.node.port.postMessage(message);
   }

@@ -11,6 +11,12 @@ export function writeMaterial(exports, rows, use, { table, mass_kg, loss_s_per_m
   return use(table.length, mass_kg ?? 0.00297, loss_s_per_m) === 1;
 }
 
+/** Writes the bytes of an instrument (generator.js) where room(size) says. */
+export function writeInstrument(exports, room, bytes) {
+  const address = room(bytes.length);
+  new Uint8Array(exports.memory.buffer, address, bytes.length).set(bytes);
+}
+
 /** From engine.wasm, compiled or as bytes. An instrument is called by its number in instruments(). */
 export function startEngine(module, sampleRate) {
   const exports = startModule(module);
@@ -19,6 +25,8 @@ export function startEngine(module, sampleRate) {
     instruments: () => JSON.parse(textAt(exports, exports.engine_instruments())),
     /** The largest sample of one note, of full scale: how loud an instrument is. */
     peak: (number, seconds) => exports.engine_peak(number, seconds, sampleRate),
+    /** Makes the instrument of a user's file the last one of all. */
+    takeInstrument: (bytes) => writeInstrument(exports, exports.engine_own_instrument, bytes),
     /** Makes an instrument: call it before one of the functions below. */
     choose: (number) => exports.engine_choose(number, sampleRate) === 1,
     /** Adds a voice: the instrument once more, its strings tuned by so many cents. Returns whether it can be. */

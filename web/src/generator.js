@@ -3,7 +3,7 @@
 import { startModule, textAt, withTexts } from "./wasm_module.js";
 
 /** The generator, from generator.wasm compiled or as bytes. */
-export function startGenerator(module) {
+export function startGenerator(module, sampleRate = 44100) {
   const exports = startModule(module);
   return {
     /** The text of every material that ships, by name. */
@@ -11,6 +11,19 @@ export function startGenerator(module) {
 
     /** Takes a measured curve, a CSV file that materials may name. */
     takeCurve: (name, csv) => withTexts(exports, [name, csv], (...at) => exports.contactspline_take_curve(...at)),
+
+    /** The text of every instrument file that ships, by name. */
+    instruments: () => JSON.parse(textAt(exports, exports.contactspline_instruments())),
+
+    /** Reads an instrument file: { name, title, parts, drawing } (web/wasm/generator.cpp) and the bytes that engine and studies
+     * take; or { error }. width: of the drawing, in points of the screen. */
+    instrument(text, file, width) {
+      const address = withTexts(exports, [text, file], (...at) => exports.contactspline_instrument(...at, width, sampleRate));
+      const instrument = JSON.parse(textAt(exports, address));
+      if (instrument.error !== undefined) return instrument;
+      const bytes = new Uint8Array(exports.memory.buffer, exports.contactspline_instrument_bytes(), exports.contactspline_instrument_size());
+      return { ...instrument, bytes: bytes.slice() };
+    },
 
     /** Designs a material: its emitted files by name, table, curve and errors (web/wasm/generator.cpp). Throws bad input. */
     design(text, file) {

@@ -10,13 +10,14 @@ import { startEngine } from "./engine.js";
 import { startGenerator } from "./generator.js";
 import { Keys, keyName } from "./keys.js";
 import { Figures } from "./figures.js";
+import { InstrumentEditor } from "./instrument_editor.js";
 import { midiPerformance } from "./midi_file.js";
 import { redrawPlots } from "./plots.js";
 import { kPresets } from "./presets.js";
 import { download, wavOf } from "./save.js";
 import { Stage, strongest, toldOf } from "./stage.js";
 import { Story } from "./story.js";
-import { addressOf, embeddedOf, stateOf } from "./state.js";
+import { addressOf, embeddedOf, kMaxFile, kOwn, stateOf } from "./state.js";
 import { instrumentOf, performance as performanceOf } from "./scores.js";
 import { startStudies } from "./studies.js";
 
@@ -126,15 +127,16 @@ class Page {
     this.engine = startEngine(await engine, kSampleRate);
     this.studies = startStudies(await studies, kSampleRate);
     this.engine.instruments().forEach((instrument, number) => this.instruments.set(instrument.name, { ...instrument, number }));
-    fillSelect(byId("instrument"), Object.fromEntries([...this.instruments.values()].map(({ name, title }) => [name, capital(title)])));
+    this.offerInstruments();
     const first = stateOf(location.hash);
     this.play(this.instruments.has(first.instrument) ? first.instrument : kFirst, first.controls); // on the felt of C4
     this.run();
     await new Promise((seen) => setTimeout(seen, kFirstFrames));
     this.reference = startStudies(await studies, kSampleRate);
-    this.editor = new Editor(startGenerator(await generator), (design) => this.useDesign(design));
+    this.editor = new Editor(startGenerator(await generator, kSampleRate), (design) => this.useDesign(design));
     this.editor.load({ name: "felt_c4" });
     this.reference.useMaterial(this.editor.current);
+    this.instrumentEditor = new InstrumentEditor(this.editor.generator, (instrument) => this.playOwn(instrument));
     this.comparison = new Comparison(this.reference, kSampleRate, (samples) => this.audio.play(samples), () => this.changed());
     this.story = new Story({
       studies: startStudies(await studies, kSampleRate),
@@ -155,7 +157,7 @@ class Page {
   }
 
   /** Sets the page to a state (state.js). What is no state is left out, and one line says so. */
-  async show({ instrument, material, controls, octave, key, compare, step, theme, leftOut = [] }) {
+  async show({ instrument, file, material, controls, octave, key, compare, step, theme, leftOut = [] }) {
     const without = [...leftOut];
     const kept = this.editor.state();
     const error = material ? this.editor.load(material) : null;
@@ -163,8 +165,10 @@ class Page {
       without.push(`material: ${error}`);
       this.editor.load(kept);
     }
-    const isKnown = this.instruments.has(instrument ?? kFirst);
-    if (!isKnown) without.push(`instrument ${instrument}`);
+    const broken = instrument === kOwn && file !== undefined ? this.instrumentEditor.load(file) : null;
+    if (broken !== null) without.push(`file: ${broken}`);
+    const isKnown = broken === null && this.instruments.has(instrument ?? kFirst);
+    if (!isKnown && broken === null) without.push(`instrument ${instrument}`);
     const unknown = this.play(isKnown ? (instrument ?? kFirst) : this.instrument, controls);
     without.push(...unknown.map((name) => `control ${name}`));
     if (octave !== undefined) this.keys.goTo(12 * (octave + 1));
@@ -185,6 +189,24 @@ class Page {
   /** What engine.cpp says of the instrument that is played. */
   played() {
     return this.instruments.get(this.instrument);
+  }
+
+  offerInstruments() {
+    fillSelect(byId("instrument"), Object.fromEntries([...this.instruments.values()].map(({ name, title }) => [name, capital(title)])));
+  }
+
+  /** Plays the instrument of the user's own file; parameters that it had before keep their values. */
+  playOwn({ bytes, text }) {
+    const values = this.instrument === kOwn ? this.sound().controls : {};
+    for (const player of [this.engine, this.studies]) player.takeInstrument(bytes);
+    this.audio.send({ do: kOwn, bytes });
+    const all = this.engine.instruments();
+    const { title, ...described } = all.at(-1);
+    this.instruments.set(kOwn, { ...described, name: kOwn, title: `my own: ${title}`, number: all.length - 1, text });
+    this.gains.delete(kOwn);
+    this.offerInstruments();
+    this.play(kOwn, values);
+    if (text.length > kMaxFile) byId("file-note").append(` Links leave it out: they take files of up to ${kMaxFile} letters.`);
   }
 
   /** Changes the instrument; values: { name: value } of the parameters that differ from the initial ones. Returns the
@@ -309,7 +331,9 @@ class Page {
   }
 
   gainOf(name) {
-    if (!this.gains.has(name)) this.gains.set(name, kPeak / this.engine.peak(this.instruments.get(name).number, kPeakSeconds));
+    if (this.gains.has(name)) return this.gains.get(name);
+    const peak = this.engine.peak(this.instruments.get(name).number, kPeakSeconds);
+    this.gains.set(name, peak > 0 ? kPeak / peak : 1); // without a note: as loud as its file says
     return this.gains.get(name);
   }
 
@@ -358,6 +382,7 @@ class Page {
     const key = this.lastKey ?? kMiddleC;
     const event = keys ? 0 : Math.max(0, key - kMiddleC) % Math.max(1, this.played().events.length);
     const study = this.studies.play(this.instrument, this.values(), { key, velocity: this.lastVelocity ?? velocity, event });
+    if (!study) byId("stage-caption").textContent = `${capital(description)}: it has no note to show.`;
     if (!study) return;
     byId("stage-caption").textContent = `${capital(description)}${keys ? `, ${keyName(key)}` : ""}; one note from rest. ${this.balance(study)}`;
     this.stage.show(study);
@@ -420,7 +445,7 @@ class Page {
     const controls = {};
     for (const { name, controller, init } of this.played().parameters)
       if (controller !== kSustain && this.value(name) !== init) controls[name] = this.value(name);
-    return { instrument: this.instrument, material: this.editor.state(), controls };
+    return { instrument: this.instrument, file: this.played().text, material: this.editor.state(), controls };
   }
 
   /** The state in a link. */

@@ -34,6 +34,7 @@ class ContactSplineProcessor extends AudioWorkletProcessor {
   take(message) {
     const { engine } = this;
     if (message.do === "instrument") this.choose(message);
+    if (message.do === "own") engine.takeInstrument(message.bytes);
     if (message.do === "material") engine.useMaterial(message.design);
     if (message.do === "set") engine.set(message.parameter, message.value, message.voice);
     if (message.do === "noteOn") this.strike(message);

@@ -8,10 +8,16 @@ const integer = (low, high) => (number) => Number.isInteger(number) && within(lo
 const kNumbers = new Map([["octave", integer(1, 8)], ["key", integer(0, 127)], ["compare", within(0.1, 1000)], ["step", integer(1, 7)]]);
 const kThemes = ["light", "dark"];
 
-/** The address part of a state { instrument, material: a name that ships or the text of a file, controls: { parameter: value },
- * octave, key, compare, step, theme }. */
-export function addressOf({ instrument, material, controls, ...rest }) {
+/** The instrument of the user's own file. */
+export const kOwn = "own";
+/** Letters of such a file that a link takes. */
+export const kMaxFile = 20000;
+
+/** The address part of a state { instrument, file: the text of its file if it is the user's own, material: a name that ships or
+ * the text of a file, controls: { parameter: value }, octave, key, compare, step, theme }. */
+export function addressOf({ instrument, file, material, controls, ...rest }) {
   const part = new URLSearchParams({ instrument });
+  if (file !== undefined && file.length <= kMaxFile) part.set("file", file);
   if (material.name) part.set("material", material.name);
   else part.set("text", material.text);
   for (const [parameter, value] of Object.entries(controls).sort()) part.set(`.${parameter}`, String(value));
@@ -32,8 +38,9 @@ export function stateOf(hash) {
   const state = { instrument: part.get("instrument"), material: null, controls: {}, leftOut: [] };
   if (part.has("text")) state.material = { text: part.get("text") };
   else if (part.has("material")) state.material = { name: part.get("material") };
+  if (part.has("file") && state.instrument === kOwn) state.file = part.get("file");
   for (const [name, value] of part) {
-    if (["instrument", "material", "text"].includes(name)) continue;
+    if (["instrument", "material", "text"].includes(name) || (name === "file" && state.file !== undefined)) continue;
     const number = value.trim() === "" ? NaN : Number(value);
     if (name.startsWith(".") && Number.isFinite(number)) state.controls[name.slice(1)] = number;
     else if (kNumbers.get(name)?.(number)) state[name] = number;

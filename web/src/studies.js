@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Single notes from rest in double precision, sample by sample (web/wasm/studies.cpp).
-import { writeMaterial } from "./engine.js";
+import { writeInstrument, writeMaterial } from "./engine.js";
 import { startModule, textAt, withTexts } from "./wasm_module.js";
 
 /** From studies.wasm, compiled or as bytes. */
@@ -8,6 +8,8 @@ export function startStudies(module, sampleRate) {
   const exports = startModule(module);
   return {
     useMaterial: (design) => writeMaterial(exports, exports.studies_rows, exports.studies_use_material, design),
+    /** Takes the instrument of a user's file, which is called "own". */
+    takeInstrument: (bytes) => writeInstrument(exports, exports.studies_own_instrument, bytes),
 
     /** A note of an instrument with these values of its parameters. Returns null, or frames with column(k), the numbers
      * k of all frames, points(frame, k, count), and their scene (web/wasm/study.hpp). */

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <string>
+#include <string_view>
 
 /// Exports a function under its own name.
 #define CONTACTSPLINE_WEB(result, name, ...) extern "C" __attribute__((export_name(#name))) result name(__VA_ARGS__)
@@ -15,6 +16,16 @@ inline const char* keep(std::string text) {
   static std::string kept;
   kept = std::move(text);
   return kept.c_str();
+}
+
+/// A text as a string of JSON.
+inline std::string quoted(std::string_view text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') result += '\\';
+    result += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
+  }
+  return result + "\"";
 }
 
 }  // namespace contactspline::web

@@ -10,9 +10,11 @@
 #include <string>
 #include <vector>
 
+#include "contactspline/instrument/voices.hpp"
 #include "web/wasm/door.hpp"
 #include "web/wasm/hammer_keys.hpp"
 #include "web/wasm/instruments.hpp"
+#include "web/wasm/packed_instrument.hpp"
 #include "web/wasm/playable.hpp"
 #include "web/wasm/tuned_network.hpp"
 
@@ -54,8 +56,18 @@ Maker maker_of_file() {
   };
 }
 
-const std::vector<Maker>& instruments() {
-  static const std::vector<Maker> all = [] {
+Bytes own;  // packed instrument of the page's user
+
+std::unique_ptr<Playable> own_instrument(double cents) {
+  if (cents != 0) return nullptr;
+  if (UnpackedInstrument(own).data().keyed.ranges.empty())
+    return std::make_unique<PlayableBehind<OfBytes<NetworkInstrument<float>>>>(own);
+  return std::make_unique<PlayableBehind<OfBytes<Voices<NetworkInstrument<float>>>>>(own);
+}
+
+// The user's own, where there is one, is the last.
+std::vector<Maker>& instruments() {
+  static std::vector<Maker> all = [] {
     constexpr std::size_t kBridge = detail::StringOutputs<float>::kBridge, kForce = 1;
     std::vector<Maker> makers = {maker<HammerKeys>(material), maker<KeyboardInstrument<Piano, float>>(),
                                  maker<MassBarrierOf<materials::felt_c4, float>, kForce>(),
@@ -88,6 +100,14 @@ CONTACTSPLINE_WEB(const char*, engine_instruments) {
   std::vector<std::string> all;
   for (const Maker& make : instruments()) all.push_back(make(0)->described());
   return keep(fmt::format("[{}]", fmt::join(all, ", ")));
+}
+
+/// Where the page writes so many bytes of an instrument of its user's: packed by the generator's module, the last of
+/// the instruments from now on. What plays already stays.
+CONTACTSPLINE_WEB(std::byte*, engine_own_instrument, int bytes) {
+  if (own.empty()) instruments().emplace_back(own_instrument);
+  own.resize(static_cast<std::size_t>(std::max(bytes, 1)));
+  return own.data();
 }
 
 /// Makes an instrument, at rest, which the functions below play. 0 if there is none of this number. Allocates.

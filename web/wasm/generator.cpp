@@ -1,17 +1,24 @@
 // SPDX-License-Identifier: MIT
 // The generator in the page: the text of a material in, its emitted files and its spline out.
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cstdlib>
 #include <exception>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "generator/cli/instrument_page.hpp"
 #include "generator/emit/emit_material.hpp"
+#include "generator/instrument/diagram.hpp"
+#include "generator/instrument/instrument_reader.hpp"
 #include "generator/material/material_reader.hpp"
 #include "generator/spline/design.hpp"
 #include "generator/support/embedded_files.hpp"
 #include "generator/support/error.hpp"
 #include "web/wasm/door.hpp"
+#include "web/wasm/packed_instrument.hpp"
 
 namespace contactspline::web {
 namespace {
@@ -19,6 +26,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 std::map<std::string, std::string> curves;  // that the page was given, by the names of their files
+
+Bytes instrument_bytes;  // of the last instrument
 
 std::string read_curve(const std::string& path) {
   const auto given = curves.find(path);
@@ -75,6 +84,24 @@ Json described(const Design& design) {
   return result;
 }
 
+// Lines, dots and labels in points of the screen from the upper left corner.
+Json drawing_of(const InstrumentModel& model, double width) {
+  constexpr double kRow = 96;
+  const double rows = static_cast<double>(model.bodies.size()) + 0.4;
+  const DiagramSize size{width, kRow * std::max(rows, 2.4)};
+  const Diagram diagram = diagram_of(model, size);
+  const auto on_screen = [&](DiagramPoint at) {
+    return Json{size.width * at.x, size.height * (diagram.top - at.y) / (diagram.top - diagram.bottom)};
+  };
+  Json lines = Json::array(), dots = Json::array(), labels = Json::array();
+  for (const auto& [from, to, part] : diagram.lines)
+    lines.push_back({{"from", on_screen(from)}, {"to", on_screen(to)}, {"part", name_of(part)}});
+  for (const auto& [at, is_mass] : diagram.dots) dots.push_back({{"at", on_screen(at)}, {"isMass", is_mass}});
+  for (const auto& [at, text, part] : diagram.labels)
+    labels.push_back({{"at", on_screen(at)}, {"text", text}, {"part", name_of(part)}});
+  return {{"width", size.width}, {"height", size.height}, {"lines", lines}, {"dots", dots}, {"labels", labels}};
+}
+
 }  // namespace
 
 /// Designs the material of this text. Returns JSON: the emitted files by name, the table, the curve and the errors;
@@ -89,6 +116,41 @@ CONTACTSPLINE_WEB(const char*, contactspline_generate, const char* text, const c
   } catch (const std::exception& error) {
     return keep(Json{{"error", error.what()}}.dump());
   }
+}
+
+/// Reads the text of an instrument file. Returns JSON: name, title, table of its parts, as `inspect` prints it, and
+/// its drawing so many points of the screen wide; or {"error": one line} for bad input. The page frees `text`.
+CONTACTSPLINE_WEB(const char*, contactspline_instrument, const char* text, const char* file, double width,
+                  double sample_rate_hz) {
+  try {
+    const InstrumentModel model = parse_instrument(text, file, read_curve);
+    if (const auto body = silent_body(model, sample_rate_hz / 2))
+      refuse(file, *body, fmt::format("has no mode below {} Hz", sample_rate_hz / 2), "a body that moves below it");
+    instrument_bytes = packed(arrays_of(model, sample_rate_hz / 2).view());
+    return keep(Json{{"name", model.name},
+                     {"title", title_of(model)},
+                     {"parts", instrument_table(model, sample_rate_hz)},
+                     {"drawing", drawing_of(model, width)}}
+                    .dump());
+  } catch (const std::exception& error) {
+    return keep(Json{{"error", error.what()}}.dump());
+  }
+}
+
+/// The arrays of the last instrument that was read, for the modules that play and draw it.
+CONTACTSPLINE_WEB(const std::byte*, contactspline_instrument_bytes) {
+  return instrument_bytes.data();
+}
+CONTACTSPLINE_WEB(int, contactspline_instrument_size) {
+  return static_cast<int>(instrument_bytes.size());
+}
+
+/// The instrument files that ship, as a JSON object: text by name.
+CONTACTSPLINE_WEB(const char*, contactspline_instruments) {
+  Json texts = Json::object();
+  for (const std::string& name : shipped_names(Shipped::kInstruments))
+    texts[name] = std::string(find_embedded(Shipped::kInstruments, name + ".json")->content);
+  return keep(texts.dump());
 }
 
 /// Takes a measured curve, a CSV file that materials may name.

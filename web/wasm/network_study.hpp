@@ -216,16 +216,22 @@ class NetworkFrames {
 
 }  // namespace detail
 
-/// An event of an instrument of a file. I: of NetworkInstrument<double>. values: of its parameters.
+/// A key or an event of an instrument of a file. I: of NetworkInstrument<double>. values: of its parameters.
 template <typename I>
-Study study_of_network(std::span<const double> values, std::size_t event, const StudyPlan& plan) {
-  I instrument(plan.sample_rate_hz);
+Study study_of_network(I& instrument, const InstrumentData& data, std::span<const double> values, std::size_t event,
+                       const StudyPlan& plan) {
+  instrument.prepare(plan.sample_rate_hz);
+  for (const KeyRange& range : data.keyed.ranges) {
+    if (plan.key < range.first || plan.key > range.last) continue;
+    event = range.event;
+    if (range.tuned_key >= 0) instrument.tune(100.0 * (plan.key - range.tuned_key));
+  }
   for (std::size_t p = 0; p < values.size(); ++p) instrument.set(p, values[p]);
   Study study;
   if (event >= instrument.events().size()) return study;
   const Event& played = instrument.events()[event];
   play_event(instrument, played, values[played.parameter]);
-  const detail::NetworkFrames<I> frames(I::data::view());
+  const detail::NetworkFrames<I> frames(data);
   for (std::size_t i = 0; i < plan.frames; ++i) {
     frames.append_to(study.numbers, instrument);
     instrument.tick();

@@ -35,10 +35,8 @@ class Packer {
     take(letters);
   }
   template <typename T>
-    requires std::is_arithmetic_v<T>
-  void take(T& number) {
-    add(number);
-  }
+  requires std::is_arithmetic_v<T>
+  void take(T& number) { add(number); }
 
   [[nodiscard]] Bytes bytes() && { return std::move(bytes_); }
 
@@ -74,7 +72,7 @@ class Unpacker {
     text = letters.data();
   }
   template <typename T>
-    requires std::is_arithmetic_v<T>
+  requires std::is_arithmetic_v<T>
   void take(T& number) {
     std::memcpy(&number, next_, sizeof number);
     skip(sizeof number);

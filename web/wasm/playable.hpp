@@ -17,6 +17,7 @@
 
 #include "contactspline/host/hosted.hpp"
 #include "generated/piano.hpp"
+#include "web/wasm/door.hpp"
 #include "web/wasm/energy_books.hpp"
 
 namespace contactspline::web {
@@ -64,19 +65,23 @@ template <typename I>
     events.push_back(fmt::format(R"({{"name": "{}", "label": "{}", "parameter": {}}})", x.name, label_of(x.name).text,
                                  x.parameter));
   for (const Preset& x : instrument.presets())
-    presets.push_back(fmt::format(R"({{"name": "{}", "values": [{:.17g}]}})", x.name, fmt::join(x.values, ", ")));
+    presets.push_back(
+        fmt::format(R"({{"name": {}, "values": [{:.17g}]}})", quoted(x.name), fmt::join(x.values, ", ")));
   std::string keys = "null";
   if constexpr (requires { instrument.first_key(); })
     keys = fmt::format("[{}, {}]", instrument.first_key(),
                        keyboards::piano::first_key + static_cast<int>(keyboards::piano::keys) - 1);
+  if constexpr (requires { instrument.keyed(); })
+    if (const auto ranges = instrument.keyed().ranges; !ranges.empty())
+      keys = fmt::format("[{}, {}]", ranges.front().first, ranges.back().last);
   std::string speeds = "null";
   if constexpr (requires { I::speed_of(0.5); })
     speeds = fmt::format("[{:.17g}, {:.17g}]", I::speed_of(0), I::speed_of(1));
-  return fmt::format(
-      R"({{"name": "{}", "title": "{}", "description": "{}", "keys": {}, "velocity": {}, "speeds": {}, )"
-      R"("parameters": [{}], "events": [{}], "presets": [{}]}})",
-      instrument.name(), label_of(instrument.name()).text, instrument.description(), keys, kVelocity<I>, speeds,
-      fmt::join(parameters, ", "), fmt::join(events, ", "), fmt::join(presets, ", "));
+  return fmt::format(R"({{"name": "{}", "title": "{}", "description": {}, "keys": {}, "velocity": {}, "speeds": {}, )"
+                     R"("parameters": [{}], "events": [{}], "presets": [{}]}})",
+                     instrument.name(), label_of(instrument.name()).text, quoted(instrument.description()), keys,
+                     kVelocity<I>, speeds, fmt::join(parameters, ", "), fmt::join(events, ", "),
+                     fmt::join(presets, ", "));
 }
 
 /// I: an Instrument. Its sound is its outputs left_... and right_..., or else the one of number `otherwise`.

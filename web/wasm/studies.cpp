@@ -14,6 +14,7 @@
 #include "web/wasm/door.hpp"
 #include "web/wasm/instruments.hpp"
 #include "web/wasm/network_study.hpp"
+#include "web/wasm/packed_instrument.hpp"
 #include "web/wasm/study.hpp"
 
 namespace contactspline::web {
@@ -23,6 +24,7 @@ Material material;
 Study study;
 std::size_t frames = 1;
 std::vector<double> values;  // of the parameters of the instrument that is studied
+Bytes own;                   // packed instrument of the page's user
 
 constexpr double kBlow_s = 0.012, kPluck_s = 0.03;
 
@@ -54,9 +56,16 @@ std::vector<Studied> all_studied() {
       {"fret_string", kPluck_s, of_plucked<FretGuitar, resonators::guitar_d3>}};
   each_instrument_of_a_file([&]<template <typename> typename I>() {
     all.push_back({I<double>().name(), kPluck_s, [](const StudyPlan& plan, std::size_t event) {
-                     return study_of_network<I<double>>(values, event, plan);
+                     I<double> instrument;
+                     return study_of_network(instrument, I<double>::data::view(), values, event, plan);
                    }});
   });
+  all.push_back({"own", kPluck_s, [](const StudyPlan& plan, std::size_t event) {
+                   if (own.empty()) return Study{};
+                   const UnpackedInstrument unpacked(own);
+                   NetworkInstrument<double> instrument(unpacked.data());
+                   return study_of_network(instrument, unpacked.data(), values, event, plan);
+                 }});
   return all;
 }
 
@@ -70,6 +79,13 @@ CONTACTSPLINE_WEB(double*, studies_rows) {
 /// Takes the rows as the material. 0 if there are too many.
 CONTACTSPLINE_WEB(int, studies_use_material, int segments, double mass_kg, double loss_s_per_m) {
   return material.use(segments, mass_kg, loss_s_per_m) ? 1 : 0;
+}
+
+/// Where the page writes so many bytes of its user's instrument, which is called "own": packed by the generator's
+/// module.
+CONTACTSPLINE_WEB(std::byte*, studies_own_instrument, int bytes) {
+  own.resize(static_cast<std::size_t>(std::max(bytes, 1)));
+  return own.data();
 }
 
 /// Where the page writes the values of so many parameters.
