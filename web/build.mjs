@@ -29,8 +29,9 @@ const withoutComments = (text) => JSON.parse(text.replace(/^\s*\/\/.*$/gm, ""));
 const assets = { processor: Buffer.from(bundle("processor.js")) };
 for (const name of ["engine", "studies", "generator"]) assets[name] = readFileSync(join(wasm, `${name}.wasm`));
 const scores = join(source, "..", "data", "scores");
-const named = readdirSync(scores).filter((file) => extname(file) === ".json");
-assets.scores = JSON.stringify(Object.fromEntries(named.map((file) => [basename(file, ".json"), withoutComments(readFileSync(join(scores, file), "utf8"))])));
+const readers = { ".json": (bytes) => withoutComments(bytes.toString()), ".mid": (bytes) => ({ midi: bytes.toString("base64") }) };
+const read = (file) => readers[extname(file)](readFileSync(join(scores, file)));
+assets.scores = JSON.stringify(Object.fromEntries(readdirSync(scores).map((file) => [basename(file, extname(file)), read(file)])));
 for (const file of readdirSync(faust))
   assets[`${basename(file, extname(file))}-${extname(file) === ".wasm" ? "wasm" : "json"}`] = readFileSync(join(faust, file));
 

@@ -571,7 +571,7 @@ const cases = {
     await withPage(server.address, async (page) => {
       const shipped = await page.locator("#scores button").evaluateAll((buttons) => buttons.map(({ dataset }) => dataset.score));
       assert.deepEqual(shipped.slice(0, 2), ["fur_elise", "tanpura_drone"]);
-      assert.ok(shipped.length >= 9, `only ${shipped}`);
+      assert.ok(shipped.length >= 10 && shipped.includes("bach_prelude"), `only ${shipped}`);
       // Each as the audio thread plays it, against what the file says.
       for (const name of shipped) {
         const { events, wrong, loud, cut, instrument } = await page.evaluate(async (name) => {
@@ -585,11 +585,13 @@ const cases = {
           const wrong = notes.filter(({ key, voice }) => voice !== undefined && known[key - 60]?.parameter !== played.messages[played.messages.findIndex((other) => other.key === key) - 1].parameter);
           return { events: notes.length, wrong: wrong.length, loud: left.reduce((m, x) => Math.max(m, Math.abs(x)), 0), cut: left.filter((x) => Math.abs(x) > 0.9).length, instrument };
         }, name);
+        assert.equal(wrong, 0, `${name}: notes that play another event than the one whose value was set`);
+        assert.ok(loud > 0.02 && cut === 0, `${name} on ${instrument}: a peak of ${loud}`);
+        if (name === "bach_prelude") assert.equal(events, 4 * 16 + 6, "four bars of sixteenths and a chord");
+        if (name === "bach_prelude") continue;
         const text = readFileSync(new URL(`../../data/scores/${name}.json`, import.meta.url), "utf8");
         const wanted = JSON.parse(text.replace(/^\s*\/\/.*$/gm, "")).events.flatMap(Object.keys).filter((key) => /^speed_m_per_s$|_speed_m_per_s$|_release_n$|^pluck/.test(key));
         assert.equal(events, wanted.length, `${name}: notes`);
-        assert.equal(wrong, 0, `${name}: notes that play another event than the one whose value was set`);
-        assert.ok(loud > 0.02 && cut === 0, `${name} on ${instrument}: a peak of ${loud}`);
       }
       await page.getByRole("button", { name: /^Für Elise/ }).click();
       await page.waitForFunction(() => contactSpline.page.figures.strikes >= 3);

@@ -18,7 +18,7 @@ import { download, wavOf } from "./save.js";
 import { Stage, strongest, toldOf } from "./stage.js";
 import { Story } from "./story.js";
 import { addressOf, embeddedOf, kMaxFile, kOwn, stateOf } from "./state.js";
-import { instrumentOf, performance as performanceOf } from "./scores.js";
+import { instrumentOf, performance as performanceOf, readScore } from "./scores.js";
 import { startStudies } from "./studies.js";
 
 const kFirst = "hammer_on_string";
@@ -251,13 +251,14 @@ class Page {
 
   /** One button for each score that ships and that the page has the instrument for. */
   async offerScores() {
-    const scores = Object.entries(await jsonAsset("scores")).filter(([, score]) => instrumentOf(score, this.instruments));
+    const packed = Object.entries(await jsonAsset("scores"));
+    const scores = packed.map(([name, score]) => [name, readScore(score)]).filter(([, score]) => instrumentOf(score, this.instruments));
     const rank = ([name]) => (kFirstScores.includes(name) ? kFirstScores.indexOf(name) : kFirstScores.length);
     this.scores = new Map(scores.toSorted((a, b) => rank(a) - rank(b)));
     for (const [name, score] of this.scores) {
       const button = document.createElement("button");
       const { title } = this.instruments.get(instrumentOf(score, this.instruments));
-      button.textContent = score.keyboard ? score.description.split(",")[0] : capital(title);
+      button.textContent = score.keyboard ? score.description.replace(/,[^,]*$/, "") : capital(title);
       button.title = capital(score.description);
       button.dataset.score = name;
       button.className = "score";

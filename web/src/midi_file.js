@@ -38,7 +38,7 @@ class Reader {
   }
 }
 
-// All events of a track: { tick, tempo } or { tick, bytes }.
+// All events of a track: { tick, tempo }, { tick, title } or { tick, bytes }.
 function eventsOf(track) {
   const reader = new Reader(track);
   const events = [];
@@ -49,6 +49,7 @@ function eventsOf(track) {
       const kind = first === 0xff ? reader.byte() : null;
       const data = reader.part(reader.variable());
       if (kind === 0x51 && data.length === 3) events.push({ tick, tempo: new Reader(data).number(3) });
+      if (kind === 0x03) events.push({ tick, title: new TextDecoder().decode(data) });
       if (kind === 0x2f) break;
       continue;
     }
@@ -71,7 +72,7 @@ function messageOf([status, first, second]) {
   return null;
 }
 
-/** A standard MIDI file for the piano, as performance() of scores.js makes it. Throws what is wrong with the file. */
+/** A standard MIDI file for the piano, as performance() of scores.js makes it, and its title, the name of its first track. Throws what is wrong with the file. */
 export function midiPerformance(bytes) {
   const reader = new Reader(bytes);
   if (bytes.length < 14 || reader.text(4) !== "MThd") throw new Error("it is no standard MIDI file");
@@ -87,7 +88,8 @@ export function midiPerformance(bytes) {
   }
   const messages = [];
   let [tempo, now, last] = [kUsualTempo, 0, 0];
-  for (const event of events.flat().sort((a, b) => a.tick - b.tick)) {
+  const all = events.flat();
+  for (const event of all.toSorted((a, b) => a.tick - b.tick)) {
     now += ((event.tick - last) * tempo) / division / 1e6;
     last = event.tick;
     if (event.tempo) tempo = event.tempo;
@@ -95,5 +97,6 @@ export function midiPerformance(bytes) {
     if (message) messages.push({ at: now, ...message });
   }
   if (!messages.some((message) => message.do === "noteOn")) throw new Error("it has no notes beside those of drums");
-  return { voices: [], messages: [...messages, { at: now + kTail, do: "end" }] };
+  const title = all.find((event) => event.title !== undefined)?.title ?? "";
+  return { title, voices: [], messages: [...messages, { at: now + kTail, do: "end" }] };
 }

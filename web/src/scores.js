@@ -1,9 +1,17 @@
 // SPDX-License-Identifier: MIT
 // The scores that ship (docs/reference/scores.md), as messages for the audio thread.
+import { midiPerformance } from "./midi_file.js";
 
 const kStep = 0.005; // seconds between two values of a control that glides
 const kFirstKey = 60; // of the events of an instrument without keys
 const kTail = 1; // seconds after the last event of a score that says no longer
+
+/** A score as the build packed it, of a file of JSON or of MIDI (in base64), which the piano plays. */
+export function readScore(packed) {
+  if (packed.midi === undefined) return packed;
+  const { title, ...played } = midiPerformance(Uint8Array.from(atob(packed.midi), (letter) => letter.charCodeAt(0)));
+  return { keyboard: "piano", description: title, played };
+}
 
 /** Whether the page has what a score plays: the piano, or an instrument of a file. */
 export const instrumentOf = (score, instruments) =>
@@ -52,6 +60,7 @@ function eventMessages({ events }, { parameters, events: played }, name, voice) 
 /** A score for an instrument as engine.cpp describes it: { voices: [{ cents, pan }], messages by rising time `at` [s] }. A voice
  * of the score is one beside the instrument; without voices the instrument itself plays. */
 export function performance(score, instrument) {
+  if (score.played) return score.played;
   const voices = (score.voices ?? []).map(({ tuning_cents = 0, pan = 0 }) => ({ cents: tuning_cents, pan }));
   const names = score.voices?.map(({ name }) => name) ?? [undefined];
   const messages = score.keyboard
