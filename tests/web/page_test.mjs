@@ -444,6 +444,28 @@ const cases = {
     });
   },
 
+  async "the story shows where the energy of many contacts is"() {
+    await withPage(server.address, async (page) => {
+      await page.evaluate(() => contactSpline.page.story.go(6));
+      const read = () => page.evaluate(() => contactSpline.page.story.energies.data().map((column) => Array.from(column)));
+      const [time, all, string, contacts, lost] = await read();
+      assert.ok(time.length > 1000 && time[0] === 0 && time.at(-1) > 25 && time.at(-1) < 35, `${time.at(-1)} ms`);
+      assert.ok(all[0] === 0 && largest(string) > 50 && largest(contacts) > 0.01, "the string, and what it grazes");
+      for (let i = 1; i < time.length; ++i) {
+        assert.ok(lost[i] >= lost[i - 1] && contacts[i] > -1e-9, `${time[i]} ms: ${contacts[i]} %, lost ${lost[i]} %`);
+        // From the release on, 1,300 samples of 2e-16 each.
+        if (time[i] > 15) assert.ok(Math.abs(all[i] - 100) < 1e-9, `${time[i]} ms: ${all[i]} %`);
+      }
+      assert.match(await page.locator("#chapter-6 .note[role='status']").textContent(), /Energy balances within [\d.]+ × 10⁻¹./);
+      // Far below the string the bridge touches nothing.
+      await page.locator("#chapter-6 .control input").evaluate((input) => {
+        input.value = input.max;
+        input.dispatchEvent(new Event("input"));
+      });
+      await page.waitForFunction((before) => Math.max(...contactSpline.page.story.energies.data()[3]) !== before, Math.max(...contacts));
+    });
+  },
+
   async "to read on is in the link, and is nothing to undo"() {
     await withPage(server.address, async (page) => {
       await page.evaluate(() => contactSpline.page.story.go(3));

@@ -393,7 +393,8 @@ class Page {
     const places = scene.items.some(({ kind }) => kind === "body") ? "Squares: places of the body." : "";
     if (scene.imbalance === undefined) return places;
     const worst = column(scene.imbalance).reduce((max, value) => Math.max(max, Math.abs(value)), 0) / scene.work;
-    return `Energy is balanced within ${readable(worst)}. Pull the hammer back and let it go.`;
+    const told = `Energy is balanced within ${readable(worst)}. ${places}`;
+    return scene.energies.length > 0 ? `${told} Pull the hammer back and let it go.` : told;
   }
 
   throwHammer({ power, place }) {

@@ -14,6 +14,7 @@ const kSoft = 0.5, kHard = 4; // [m/s]
 const kMiddleC = 60;
 const kCurve = 80; // points of a curve
 const kHeight = 280; // pixels of a plot
+const kEnergyHeight = 200;
 const kSlowed = 1000; // times, in all scenes
 const kMargin = "300px"; // figures are made before they are in view
 
@@ -213,7 +214,24 @@ export class Story {
   }
 
   contacts(article) {
-    this.scene(article, { instrument: "tanpura", parameter: "bridge_gap_shift_m", label: "The string of a tanpura over its bridge" });
+    const plot = (this.energies = linePlot(document.getElementById("story-contacts"), {
+      x: "time [ms]",
+      height: kEnergyHeight,
+      y: "energy [% of the pluck's]",
+      lines: [
+        { label: "all", colour: "ink", width: 3 },
+        { label: "string", colour: "blue" },
+        { label: "contacts", colour: "orange", isFilled: true },
+        { label: "lost", colour: "green", dash: [2, 3] },
+      ],
+      range: (_, low, high) => [0, Math.max(1, high ?? 0) * 1.08],
+    }));
+    const drawn = ({ scene, column, frames, sampleRate }) => {
+      const parts = scene.books.map(([, number]) => Array.from(column(number), (energy) => (100 * energy) / scene.work));
+      const all = parts[0].map((_, i) => parts.reduce((sum, part) => sum + part[i], 0));
+      plot.set([Array.from({ length: frames }, (_, i) => (1000 * i) / sampleRate), all, ...parts]);
+    };
+    this.scene(article, { instrument: "tanpura", parameter: "bridge_gap_shift_m", label: "The string of a tanpura over its bridge", drawn });
   }
 
   piano(article) {
@@ -221,7 +239,8 @@ export class Story {
   }
 
   // A stage of an instrument with one of its parameters. What is thrown or pulled there is heard, too.
-  scene(article, { instrument, parameter, label }) {
+  // drawn(study): of each new note.
+  scene(article, { instrument, parameter, label, drawn = () => {} }) {
     const live = article.querySelector(".live");
     const make = (tag, set) => Object.assign(document.createElement(tag), set);
     const canvas = make("canvas", { className: "stage" });
@@ -236,7 +255,7 @@ export class Story {
     row.querySelector("label").append("Time", time);
     const figure = make("figure");
     figure.append(canvas, row);
-    live.append(figure);
+    live.prepend(figure);
 
     const { parameters, velocity } = this.instruments.get(instrument);
     const values = parameters.map(({ init }) => init);
@@ -256,6 +275,7 @@ export class Story {
       this.studies.useMaterial(this.shipped());
       stage.show(this.studies.play(instrument, values, { key: kMiddleC, velocity: state.power ?? velocity, event: 0 }));
       const { scene, column } = stage.study;
+      drawn(stage.study);
       const peak = rounded(Math.max(...stage.forces), 3);
       const told = [`${rounded(1000 * stage.length(), 3)} ms, ${kSlowed} times slower; at most ${peak} N.`];
       if (scene.imbalance !== undefined) {

@@ -78,7 +78,36 @@ inline ModeShapes<double> sines(std::size_t modes, double angle) {
   return shapes;
 }
 
-/// What is read from a network in each frame, after the sum of the forces of its contacts.
+/// Energies of a network of so many bodies from a note on [J].
+struct NetworkBooks {
+  std::size_t count;  ///< of the bodies
+  double bodies = 0, contacts = 0, lost = 0,
+         work = 0;  ///< contacts: with springs; work: put in, also before the note
+
+  template <typename I>
+  void open(const I& instrument) {
+    store(instrument);
+    work = bodies + contacts;
+  }
+  template <typename I>
+  void follow(const I& instrument) {
+    store(instrument);
+    lost += instrument.dissipated();
+    work += instrument.work();
+  }
+
+ private:
+  template <typename I>
+  void store(const I& instrument) {
+    bodies = 0;
+    for (std::size_t b = 0; b < count; ++b) bodies += instrument.network().body(b).energy();
+    contacts = instrument.energy() - bodies;
+  }
+};
+
+inline constexpr std::size_t kNetworkHead = 5;  // numbers before those of the items
+
+/// What is read from a network in each frame: the sum of the forces of its contacts, its books, and what is drawn.
 template <typename I>
 class NetworkFrames {
  public:
@@ -92,9 +121,10 @@ class NetworkFrames {
     for (std::size_t k = 0; k < data.connections.size(); ++k) add_connection(k);
   }
 
-  void append_to(std::vector<double>& numbers, const I& instrument) const {
+  void append_to(std::vector<double>& numbers, const I& instrument, const NetworkBooks& books) const {
     const ContactNetwork<double>& network = instrument.network();
-    numbers.push_back(instrument.contact_force());
+    const double imbalance = books.bodies + books.contacts + books.lost - books.work;
+    numbers.insert(numbers.end(), {instrument.contact_force(), books.bodies, books.contacts, books.lost, imbalance});
     for (const Curve& curve : curves_)
       for (const auto& shapes : curve.points) numbers.push_back(network.body(curve.body).displacement(shapes));
     for (const auto& [body, shapes] : masses_) numbers.push_back(network.body(body).displacement(shapes));
@@ -104,9 +134,9 @@ class NetworkFrames {
     }
   }
 
-  [[nodiscard]] std::string scene(const Event& event) const {
+  [[nodiscard]] std::string scene(const Event& event, double work_j) const {
     std::vector<std::string> items;
-    std::size_t column = 1;
+    std::size_t column = kNetworkHead;
     for (const Curve& curve : curves_) {
       items.push_back(fmt::format(R"({{"kind": "{}", "column": {}, "points": {}, "rings": {}}})", curve.kind, column,
                                   curve.points.size(), curve.kind == std::string_view("surface") ? kRings : 0));
@@ -116,8 +146,9 @@ class NetworkFrames {
     for (std::size_t i = 0; i < contacts_.size(); ++i)
       items.push_back(contact_item(contacts_[i], column, first_contact + 2 * i));
     return fmt::format(
-        R"({{"throws": {}, "moves": null, "plucks": {}, "force": 0, "energies": [], "isFlipped": {}, "items": [{}]}})",
-        event.parameter, pluck(event), has_stops() || has_membranes(), fmt::join(items, ", "));
+        R"({{"throws": {}, "moves": null, "plucks": {}, "force": 0, "energies": [], "isFlipped": {}, "items": [{}], )"
+        R"("books": [["bodies", 1], ["contacts", 2], ["lost", 3]], "imbalance": 4, "work": {:.17g}}})",
+        event.parameter, pluck(event), has_stops() || has_membranes(), fmt::join(items, ", "), work_j);
   }
 
  private:
@@ -125,7 +156,7 @@ class NetworkFrames {
   [[nodiscard]] std::string pluck(const Event& event) const {
     if (event.kind != EventKind::kPluck) return "null";
     const std::size_t place = data_.targets_of(data_.controls[data_.plucks[event.number]]).front();
-    std::size_t column = 1;
+    std::size_t column = kNetworkHead;
     for (const Curve& curve : curves_) {
       if (curve.body == geometry_.body(place) && geometry_.is_string(curve.body))
         return fmt::format(R"({{"at": {:.17g}, "column": {}}})", at(place), column);
@@ -230,13 +261,16 @@ Study study_of_network(I& instrument, const InstrumentData& data, std::span<cons
   Study study;
   if (event >= instrument.events().size()) return study;
   const Event& played = instrument.events()[event];
+  detail::NetworkBooks books{data.body_ends.size()};
+  books.open(instrument);
   play_event(instrument, played, values[played.parameter]);
   const detail::NetworkFrames<I> frames(data);
   for (std::size_t i = 0; i < plan.frames; ++i) {
-    frames.append_to(study.numbers, instrument);
+    frames.append_to(study.numbers, instrument, books);
     instrument.tick();
+    books.follow(instrument);
   }
-  study.scene = frames.scene(played);
+  study.scene = frames.scene(played, books.work);
   return study;
 }
 
