@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // build.mjs NODE_MODULES WASM_FOLDER FAUST_FOLDER OUTPUT.html: the page as one file, which plays from any static host
-// and from file://.
+// and from file://. CONTACTSPLINE_PAGE_ADDRESS in the environment: where it will stand, with preview.png beside it; links to the
+// page then have that picture.
 import { mkdirSync, readFileSync, readdirSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { basename, dirname, extname, join, resolve } from "node:path";
@@ -40,7 +41,13 @@ const packed = Object.entries(assets).map(
 );
 const style = readFileSync(join(resolve(modules), "uplot", "dist", "uPlot.min.css"), "utf8") + readFileSync(join(source, "style.css"), "utf8");
 const licence = readFileSync(join(resolve(modules), "uplot", "LICENSE"), "utf8");
+const address = process.env.CONTACTSPLINE_PAGE_ADDRESS ?? "";
+if (!/^(https?:\/\/[^\s"<>]+\/)?$/.test(address))
+  throw new Error(`CONTACTSPLINE_PAGE_ADDRESS: ${address} is no address of a folder; allowed: https://example.org/strings/`);
+const preview = { "og:url": address, "og:image": `${address}preview.png`, "og:image:alt": "A hammer on a string in slow motion" };
+const tags = Object.entries(preview).map(([property, content]) => `<meta property="${property}" content="${content}">`);
 const fill = {
+  "<!--PREVIEW-->": address ? tags.join("\n") : "",
   "<!--LICENCES-->": `<!-- The plots are drawn by uPlot:\n\n${licence.replaceAll("--", "- -")}-->`,
   "/*STYLE*/": style,
   "<!--ASSETS-->": packed.join("\n"),

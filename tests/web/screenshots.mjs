@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // screenshots.mjs NODE_MODULES PAGE.html FOLDER: the page after a strike and each chapter of its story, the instrument file, on a phone and a desktop, dark and light, to look
-// at; and docs-light.png, which is docs/figures/web.png.
+// at; preview.png, the picture of links; and docs-light.png, which is docs/figures/web.png.
 import { mkdirSync } from "node:fs";
 import { join } from "node:path";
 
@@ -11,6 +11,21 @@ const [modules, file, folder] = process.argv.slice(2);
 const server = await serve(file);
 mkdirSync(folder, { recursive: true });
 const devices = { desktop: { width: 1280, height: 800 }, phone: { width: 390, height: 844 }, docs: { width: 1280, height: 1612 } };
+
+// What a link to the page shows: its stage in a blow.
+{
+  const { page, close } = await openPage(modules, `${server.address}?embed`, { width: 1200, height: 630 });
+  await page.evaluate(() => contactSpline.loaded);
+  await page.evaluate(() => {
+    const { stage } = contactSpline.page;
+    stage.setPlaying(false);
+    stage.time.value = 0.1;
+    stage.time.dispatchEvent(new Event("input"));
+    scrollTo(0, document.getElementById("stage-figure").getBoundingClientRect().top - 12);
+  });
+  await page.screenshot({ path: join(folder, "preview.png") });
+  await close();
+}
 for (const [device, size] of Object.entries(devices))
   for (const colorScheme of ["light", "dark"]) {
     const { page, close } = await openPage(modules, server.address, { ...size, colorScheme, permissions: ["midi"] });
