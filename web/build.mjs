@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // build.mjs NODE_MODULES WASM_FOLDER FAUST_FOLDER OUTPUT.html: the page as one file, which plays from any static host
 // and from file://. CONTACTSPLINE_PAGE_ADDRESS in the environment: where it will stand, with preview.png beside it; links to the
-// page then have that picture.
+// page then show that image.
 import { mkdirSync, readFileSync, readdirSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { basename, dirname, extname, join, resolve } from "node:path";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // screenshots.mjs NODE_MODULES PAGE.html FOLDER: the page after a strike and each chapter of its story, the instrument file, on a phone and a desktop, dark and light, to look
-// at; preview.png, the picture of links; and docs-light.png, which is docs/figures/web.png.
+// at; preview.png, the image of links; and docs-light.png, which is docs/figures/web.png.
 import { mkdirSync } from "node:fs";
 import { join } from "node:path";
 
