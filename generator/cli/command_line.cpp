@@ -327,7 +327,8 @@ void add_fit(CLI::App& app) {
       "Example:\n"
       "  contactspline fit my_felt.fit.json -o my_felt.json --figure my_felt.svg\n"
       "The data are force pulses over time, or contact durations, largest forces and restitution over the speed,\n"
-      "of a known mass that meets a rigid wall. The law and its loss are chosen by an information criterion.");
+      "of a known mass that meets a rigid wall, or levels of the partials of a resonator that it strikes.\n"
+      "The law and its loss are chosen by an information criterion.");
   command->callback([options] { fit(*options); });
 }
 

@@ -13,6 +13,7 @@
 #include "generator/cli/waiting_line.hpp"
 #include "generator/fit/fit.hpp"
 #include "generator/fit/fitted_material.hpp"
+#include "generator/fit/measurements_reader.hpp"
 #include "generator/support/input_file.hpp"
 
 namespace contactspline {

@@ -20,7 +20,7 @@ struct PanelOfFit {
   const char* at;
   const char* value;
   bool from_begin;   ///< each source from its own begin on
-  bool is_relative;  ///< residuals in parts of each value, not of the largest one
+  bool is_relative;  ///< residuals in parts of each value, not of the largest one; not of levels
   double at_scale, value_scale;
 };
 
@@ -28,12 +28,17 @@ constexpr PanelOfFit kPanels[] = {{"force", "time [ms]", "force [N]", true, fals
                                   {"duration", "impact speed [m/s]", "contact duration [ms]", false, true, 1, 1e3},
                                   {"largest force", "impact speed [m/s]", "largest force [N]", false, true, 1, 1},
                                   {"restitution", "impact speed [m/s]", "restitution [1]", false, true, 1, 1},
+                                  {kLevels, "frequency [kHz]", "level [dB]", false, false, 1e-3, 1},
                                   {"force over compression", "compression [mm]", "force [N]", false, false, 1e3, 1}};
 
-// Rows of place, measured, modelled and residual in percent, by rising place.
+bool is_of_levels(const PanelOfFit& panel) {
+  return std::string_view(panel.quantity) == kLevels;
+}
+
+// Rows of place, measured, modelled and residual in percent or dB, by rising place.
 Data rows_of(const PanelOfFit& panel, const FitQuality& quality, std::size_t number) {
   Data data(fmt::format("fit_{}_{}", &panel - kPanels, number));
-  const double largest = std::ranges::max(quality.measured);
+  const double largest = is_of_levels(panel) ? 100 : std::ranges::max(quality.measured);
   std::vector<std::size_t> order(quality.at.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
   std::ranges::stable_sort(order, {}, [&](std::size_t i) { return quality.at[i]; });
@@ -68,7 +73,10 @@ std::string panels_of(const PanelOfFit& panel, const std::vector<Data>& sources)
   residual.include(0);
   script += linear_axis('x', at, panel.at) + linear_axis('y', value, panel.value);
   script += fmt::format("plot {}\n", fmt::join(values, ", "));
-  script += linear_axis('y', residual, panel.is_relative ? "residual [%]" : "residual, of the largest force [%]");
+  script += linear_axis('y', residual,
+                        is_of_levels(panel) ? "residual [dB]"
+                        : panel.is_relative ? "residual [%]"
+                                            : "residual, of the largest force [%]");
   return script + fmt::format("plot {}\n", fmt::join(residuals, ", "));
 }
 

@@ -5,14 +5,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
-#include <sndfile.hh>
 #include <stdexcept>
 #include <vector>
 
 #include "generator/cli/file_ending.hpp"
 #include "generator/cli/files.hpp"
 #include "generator/support/error.hpp"
+#include "generator/support/memory_sound.hpp"
 
 namespace contactspline {
 namespace {
@@ -32,47 +31,6 @@ int format_of(const std::string& file) {
   if (found == kFormats.end())
     refuse(file, "sound", "its ending names no format that can be written", ".wav, .flac, .ogg, .aiff, .aif");
   return found->code;
-}
-
-/// A file in memory that libsndfile writes to.
-struct MemoryFile {
-  std::string bytes;
-  std::size_t position = 0;
-
-  static MemoryFile& of(void* user) { return *static_cast<MemoryFile*>(user); }
-};
-
-sf_count_t length(void* user) {
-  return static_cast<sf_count_t>(MemoryFile::of(user).bytes.size());
-}
-
-sf_count_t seek(sf_count_t offset, int whence, void* user) {
-  MemoryFile& file = MemoryFile::of(user);
-  const auto from = whence == SEEK_CUR ? file.position : whence == SEEK_END ? file.bytes.size() : 0;
-  file.position = static_cast<std::size_t>(static_cast<sf_count_t>(from) + offset);
-  return static_cast<sf_count_t>(file.position);
-}
-
-sf_count_t read(void* target, sf_count_t count, void* user) {
-  MemoryFile& file = MemoryFile::of(user);
-  const std::size_t available = file.bytes.size() - std::min(file.position, file.bytes.size());
-  const std::size_t taken = std::min(static_cast<std::size_t>(count), available);
-  std::memcpy(target, file.bytes.data() + file.position, taken);
-  file.position += taken;
-  return static_cast<sf_count_t>(taken);
-}
-
-sf_count_t write(const void* source, sf_count_t count, void* user) {
-  MemoryFile& file = MemoryFile::of(user);
-  const auto size = static_cast<std::size_t>(count);
-  file.bytes.resize(std::max(file.bytes.size(), file.position + size));
-  std::memcpy(file.bytes.data() + file.position, source, size);
-  file.position += size;
-  return count;
-}
-
-sf_count_t tell(void* user) {
-  return static_cast<sf_count_t>(MemoryFile::of(user).position);
 }
 
 // Writes in blocks, to avoid a second copy of a long sound in memory.
@@ -105,8 +63,8 @@ void require_sound_format(const std::string& file, int channels, int sample_rate
 template <typename T>
 std::string sound_bytes(const std::string& name, std::span<const T> samples, double scale, int channels,
                         int sample_rate_hz) {
-  SF_VIRTUAL_IO io{length, seek, read, write, tell};
-  MemoryFile file;
+  SF_VIRTUAL_IO io = MemorySound::calls();
+  MemorySound file;
   file.bytes.reserve(3 * samples.size() + 256);
   {
     SndfileHandle handle(io, &file, SFM_WRITE, format_of(name), channels, sample_rate_hz);

@@ -47,7 +47,10 @@ const std::vector<Kind>& kinds() {
       {Quantity::kRestitution, {"restitution", "cor", "e"}, {{"1", 1, ""}, {"percent", 1e-2, "%"}}},
       {Quantity::kCompression,
        {"compression", "displacement", "deflection", "indentation", "y", "x"},
-       {{"m", 1, "m"}, {"mm", 1e-3, "mm"}, {"um", 1e-6, "\u00b5m"}}}};
+       {{"m", 1, "m"}, {"mm", 1e-3, "mm"}, {"um", 1e-6, "\u00b5m"}}},
+      {Quantity::kFrequency, {"frequency", "freq", "f"}, {{"hz", 1, "hz"}, {"khz", 1e3, "khz"}}},
+      {Quantity::kPartial, {"partial", "number", "n"}, {{"1", 1, ""}}},
+      {Quantity::kLevel, {"level", "magnitude", "l"}, {{"db", 1, "db"}}}};
   return all;
 }
 

@@ -11,7 +11,18 @@
 namespace contactspline {
 
 /// What a column may hold.
-enum class Quantity { kTime, kForce, kAcceleration, kSpeed, kDuration, kRestitution, kCompression };
+enum class Quantity {
+  kTime,
+  kForce,
+  kAcceleration,
+  kSpeed,
+  kDuration,
+  kRestitution,
+  kCompression,
+  kFrequency,
+  kPartial,
+  kLevel
+};
 
 /// "time", "force" and so on.
 [[nodiscard]] std::string_view name_of(Quantity quantity);

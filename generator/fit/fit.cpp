@@ -32,7 +32,7 @@ bool tells_of(const ModelRow& loss, const Measurements& measured) {
   const bool has_impact_curve = std::ranges::any_of(measured.curves, is_impact);
   if (loss.frees.empty()) return true;
   if (std::ranges::count(loss.frees, kWeight) > 0 && has_impact_curve) return false;
-  return has_impact_curve || !measured.pulses.empty() || !measured.rows.empty();
+  return has_impact_curve || !measured.pulses.empty() || !measured.rows.empty() || measured.struck.has_value();
 }
 
 std::vector<Candidate> candidates_of(const Measurements& measured) {
@@ -42,7 +42,10 @@ std::vector<Candidate> candidates_of(const Measurements& measured) {
       if (std::ranges::count(measured.laws, law.name) > 0 && std::ranges::count(measured.losses, loss.name) > 0 &&
           tells_of(loss, measured)) {
         all.push_back({&law, &loss, law.frees, {}});
-        all.back().frees.insert(all.back().frees.end(), loss.frees.begin(), loss.frees.end());
+        std::vector<FitParameter>& frees = all.back().frees;
+        frees.insert(frees.end(), loss.frees.begin(), loss.frees.end());
+        if (measured.fits_mass()) frees.push_back(kLogMass);
+        if (measured.struck && measured.struck->has_common_gain) frees.push_back(kLogGain);
       }
   return all;
 }
@@ -55,7 +58,7 @@ bool frees(const Candidate& candidate, FitParameter parameter) {
 std::vector<FitValues> starts_of(const FitProblem& problem, const Candidate& candidate, const Candidate* simpler) {
   const double loss = frees(candidate, kHuntCrossley) ? 0.3 : 0, weight = frees(candidate, kWeight) ? 0.5 : 0;
   const std::vector exponents = !frees(candidate, kExponent) ? std::vector{kHertz}
-                                : simpler == nullptr         ? std::vector{1.5, 2.5, 3.5}
+                                : simpler == nullptr         ? problem.likely_exponents()
                                                              : std::vector{2.5};
   std::vector<FitValues> starts;
   for (const double time : frees(candidate, kLogTime) ? std::vector{0.01, 0.1} : std::vector{0.01}) {
@@ -169,13 +172,15 @@ std::vector<FitQuality> qualities_of(const FitProblem& problem, const Candidate&
     all[s].modelled.push_back(all[s].measured[k] + difference * problem.sources()[s].scale[k]);
     all[s].scatter += difference * difference / static_cast<double>(all[s].samples);
   }
-  for (FitQuality& quality : all) quality.scatter = std::sqrt(quality.scatter);
+  for (FitQuality& quality : all)
+    quality.scatter = std::sqrt(quality.scatter) * (quality.is_level() ? kDecibelsPerNeper : 1);
   return all;
 }
 
-// How far the data reach: the largest compression of all impacts, and their speeds.
+// How far the data reach: the largest compression of all impacts and blows, and their speeds.
 void set_reach(Fit& fit, const Measurements& measured, const FitValues& values) {
-  std::vector<double> speeds;
+  const double mass_kg = fit.mass_kg.value;
+  std::vector<double> speeds;  // at a wall
   for (const auto& unknown : values.pulses) speeds.push_back(std::exp(unknown[kLogSpeed]));
   for (const ImpactRow& row : measured.rows) speeds.push_back(row.speed_m_per_s);
   for (const MeasuredForce& curve : measured.curves) {
@@ -183,11 +188,16 @@ void set_reach(Fit& fit, const Measurements& measured, const FitValues& values) 
     if (curve.impact_speed_m_per_s) speeds.push_back(*curve.impact_speed_m_per_s);
   }
   if (!speeds.empty())
-    if (const auto impact = measure_impact(fit.model, measured.mass_kg, std::ranges::max(speeds)))
+    if (const auto impact = measure_impact(fit.model, mass_kg, std::ranges::max(speeds)))
       fit.max_compression_m = std::max(fit.max_compression_m, impact->max_compression_m);
+  for (const auto& unknown : values.blows) {
+    speeds.push_back(std::exp(unknown[kBlowSpeed]));
+    strike_model::Strike<double> strike(fit.model, mass_kg, speeds.back(), measured.struck->modes);
+    if (strike.play()) fit.max_compression_m = std::max(fit.max_compression_m, strike.max_compression_m());
+  }
   const PowerLaw law{fit.stiffness.value, fit.exponent.value};
   const double slow = 1 - fit.model.weight;  // the stiffness of a slow press, in parts of that of a fast blow
-  fit.max_speed_m_per_s = std::sqrt(2 * slow * law.energy(fit.max_compression_m) / measured.mass_kg);
+  fit.max_speed_m_per_s = std::sqrt(2 * slow * law.energy(fit.max_compression_m) / mass_kg);
   constexpr double kRangeOfSlowCurves = 20;
   const double slowest = speeds.empty() ? fit.max_speed_m_per_s / kRangeOfSlowCurves : std::ranges::min(speeds);
   fit.min_speed_m_per_s = std::min(slowest, fit.max_speed_m_per_s);
@@ -223,6 +233,7 @@ Fit fit_material(const Measurements& measured, const std::string& file,
           of({{kHuntCrossley, 1}}),
           of({{kWeight, 1}}),
           exponential(of({{kLogTime, 1}})),
+          exponential(of({{kLogMass, 1}})),
           0,
           0,
           0,
@@ -231,7 +242,8 @@ Fit fit_material(const Measurements& measured, const std::string& file,
   fit.loss_s_per_m.low = std::max(0.0, fit.loss_s_per_m.low);
   set_reach(fit, measured, best.values);
   for (const Candidate& candidate : all)
-    fit.candidates.push_back({candidate.law->name, candidate.loss->name, static_cast<int>(candidate.frees.size()),
+    fit.candidates.push_back({candidate.law->name, candidate.loss->name,
+                              static_cast<int>(candidate.law->frees.size() + candidate.loss->frees.size()),
                               candidate.criterion - best.criterion});
   return fit;
 }

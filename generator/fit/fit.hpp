@@ -17,14 +17,16 @@ struct Estimate {
   double value, low, high;
 };
 
-/// What one source of data, a pulse, a table's column or a curve, says of the fit.
+/// What one source of data, a pulse, a table's column, a curve or a blow, says of the fit.
 struct FitQuality {
   std::string file, quantity;  ///< the file without its folder
   std::size_t samples;
-  double scatter;  ///< of the samples about the model: of a pulse or a curve in parts of the largest force, else
-                   ///< relative
+  double scatter;  ///< of the samples about the model: of a pulse or a curve in parts of the largest force, of levels
+                   ///< in dB, else relative
   std::vector<double> at, measured,
-      modelled;  ///< of a pulse over time [s], of a table over speed [m/s], else over y [m]
+      modelled;  ///< of a pulse over time [s], a table over speed [m/s], levels over frequency [Hz], else over y [m]
+
+  [[nodiscard]] bool is_level() const { return quantity == kLevels; }
 };
 
 /// One model, fitted.
@@ -38,7 +40,7 @@ struct FittedModel {
 struct Fit {
   std::string law, loss;
   ViscoelasticLaw<double> model;
-  Estimate stiffness, exponent, loss_s_per_m, weight, time_s;
+  Estimate stiffness, exponent, loss_s_per_m, weight, time_s, mass_kg;
   double max_compression_m;  ///< that the data reach
   double max_speed_m_per_s;  ///< of an impact without loss that compresses as far
   double min_speed_m_per_s;  ///< of the data

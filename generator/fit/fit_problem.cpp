@@ -7,6 +7,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <set>
+
+#include "generator/support/json_reader.hpp"
 
 namespace contactspline {
 namespace {
@@ -14,7 +17,10 @@ namespace {
 constexpr double kMinNoise = 1e-7;
 // In the order of FitParameter; the time in parts of the contact's. Shorter memories are a viscous loss, longer ones
 // none.
-constexpr std::array<Range, kFitParameters> kBounds = {{{-30, 40}, {0.6, 9.5}, {0, 900}, {1e-4, 0.999}, {-5.7, 1.6}}};
+constexpr std::array<Range, kFitParameters> kBounds = {
+    {{-30, 40}, {0.6, 9.5}, {0, 900}, {1e-4, 0.999}, {-5.7, 1.6}, {-17, 7}, {-100, 100}}};
+
+constexpr double kLikelyExponent = 2.5;
 
 double speed_of(const Pulse& pulse, double mass_kg) {
   constexpr double kLikely = 1.6;  // 1 + restitution
@@ -38,27 +44,32 @@ FitProblem::FitProblem(const Measurements& measured) : measured_(measured), scal
       google::GLOG_FATAL;  // a search that fails is none of the user's business; another start is tried
   for (const Pulse& pulse : measured.pulses) {
     const PulseMeasures measures = measures_of(pulse);
-    max_speed_m_per_s_ = std::max(max_speed_m_per_s_, speed_of(pulse, measured.mass_kg));
+    max_speed_m_per_s_ = std::max(max_speed_m_per_s_, contactspline::speed_of(pulse, measured.mass_kg));
     duration_s_ = std::max(duration_s_, measures.end_s - measures.begin_s);
   }
   for (const ImpactRow& row : measured.rows) {
     max_speed_m_per_s_ = std::max(max_speed_m_per_s_, row.speed_m_per_s);
     duration_s_ = std::max(duration_s_, row.duration_s.value_or(0));
   }
-  scales_.reference_m = anchor(2.5).first;
+  for (std::size_t i = 0; measured.struck && i < measured.struck->blows.size(); ++i)
+    max_speed_m_per_s_ = std::max(max_speed_m_per_s_, speed_of(measured.struck->blows[i]));
+  if (!measured.struck || !measured.pulses.empty() || !measured.rows.empty() || !measured.curves.empty())
+    scales_.reference_m = anchor(kLikelyExponent).first;
   for (const MeasuredForce& curve : measured.curves)
     max_speed_m_per_s_ = std::max(max_speed_m_per_s_, curve.impact_speed_m_per_s.value_or(1));
   if (duration_s_ == 0) duration_s_ = 3 * scales_.reference_m / max_speed_m_per_s_;
   add_sources();
+  if (measured.struck) find_contact();
 }
 
 FitProblem::~FitProblem() = default;
 
 // A compression and the force there, as one impact shows them if the law has this exponent and no loss.
 std::pair<double, double> FitProblem::anchor(double exponent) const {
-  const double energy = (exponent + 1) * measured_.mass_kg / 2;
+  if (contact_) return *contact_;
+  const double energy = (exponent + 1) * scales_.mass_kg / 2;
   for (const Pulse& pulse : measured_.pulses) {
-    const double v = speed_of(pulse, measured_.mass_kg), force = measures_of(pulse).max_force_n;
+    const double v = contactspline::speed_of(pulse, measured_.mass_kg), force = measures_of(pulse).max_force_n;
     return {energy * v * v / force, force};
   }
   constexpr double kDurationOfImpact = 3.2;  // in units of ym/v, for most exponents
@@ -70,8 +81,126 @@ std::pair<double, double> FitProblem::anchor(double exponent) const {
       return {y, energy * v * v / y};
     }
   }
+  if (measured_.curves.empty()) {  // blows on a resonator
+    const double y = duration_s_ * max_speed_m_per_s_ / kDurationOfImpact;
+    return {y, energy * max_speed_m_per_s_ * max_speed_m_per_s_ / y};
+  }
   const MeasuredForce& curve = measured_.curves.front();
   return {curve.samples.back().compression_m, max_force(curve)};
+}
+
+// The known speed, or the first known one times the ratio of the amplitudes of the partials that both have.
+double FitProblem::speed_of(const Blow& blow) const {
+  if (blow.speed_m_per_s) return *blow.speed_m_per_s;
+  const auto& known = *std::ranges::find_if(measured_.struck->blows,
+                                            [](const Blow& other) { return other.speed_m_per_s.has_value(); });
+  double sum = 0, count = 0;
+  for (const auto& [mode, level_db] : blow.levels)
+    if (const auto same = std::ranges::find(known.levels, mode, &Blow::Level::mode); same != known.levels.end())
+      sum += level_db - same->level_db, ++count;
+  constexpr double kMax = 2;  // nepers
+  return *known.speed_m_per_s * std::exp(std::clamp(sum / std::max(1.0, count) / kDecibelsPerNeper, -kMax, kMax));
+}
+
+// Gains with which the mean error of the levels is 0. Returns the sum of what remains, infinity without a motion.
+double FitProblem::set_gains(FitValues& values) const {
+  FitScales scales = scales_;
+  scales.is_robust = false;
+  const StruckResonator& struck = *measured_.struck;
+  std::vector<std::vector<double>> errors;
+  for (std::size_t i = 0; i < struck.blows.size(); ++i) {
+    const auto& levels = struck.blows[i].levels;
+    std::vector<double> all(levels.size());
+    if (!BlowResidual{struck, struck.blows[i], scales, std::make_shared<double>(1)}(
+            values.parameters.data(), values.blows[i].data(), all.data()))
+      return std::numeric_limits<double>::infinity();
+    errors.emplace_back();
+    for (std::size_t k = 0; k < all.size(); ++k)
+      if (struck.modes[levels[k].mode].frequency_hz() <= scales.max_frequency_hz) errors.back().push_back(all[k]);
+  }
+  const auto mean_of = [](std::span<const std::vector<double>> all) {
+    double sum = 0, count = 0;
+    for (const auto& some : all)
+      for (const double error : some) sum += error, ++count;
+    return sum / count;
+  };
+  if (struck.has_common_gain) values.parameters[kLogGain] -= mean_of(errors);
+  double cost = 0;
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    const double mean = struck.has_common_gain ? mean_of(errors) : mean_of(std::span(errors).subspan(i, 1));
+    if (!struck.has_common_gain) values.blows[i][kBlowGain] -= mean;
+    for (const double error : errors[i]) cost += std::abs(error - mean);
+  }
+  return cost;
+}
+
+void FitProblem::take_contact(double mass_kg, double duration_s) {
+  scales_.mass_kg = mass_kg;
+  duration_s_ = duration_s;
+  scales_.reference_m = anchor(kLikelyExponent).first;
+}
+
+// Contacts of many durations and, if it is not known, masses: the few that describe the levels best.
+std::vector<FitValues> FitProblem::scanned_contacts() {
+  constexpr int kDurations = 24, kMasses = 12;
+  constexpr std::size_t kKept = 6;
+  const bool has_anchor = !measured_.pulses.empty() || !measured_.rows.empty() || !measured_.curves.empty();
+  const StruckMode& first =
+      *std::ranges::find_if(measured_.struck->modes, [](const StruckMode& mode) { return mode.shape != 0; });
+  const double known_duration_s = duration_s_, known_mass_kg = scales_.mass_kg;
+  std::vector<std::pair<double, FitValues>> all;
+  double reference_m = 0;
+  for (int m = 0; m < (measured_.fits_mass() ? kMasses : 1); ++m)
+    for (int d = 0; d < (has_anchor ? 1 : kDurations); ++d) {
+      const double ratio = 0.02 * std::pow(200, m / (kMasses - 1.0));  // to what the first mode resists with
+      take_contact(measured_.fits_mass() ? ratio * first.mass_kg / (first.shape * first.shape) : known_mass_kg,
+                   has_anchor ? known_duration_s : 1e-4 * std::pow(100, d / (kDurations - 1.0)));
+      if (reference_m == 0) reference_m = scales_.reference_m;
+      FitValues values = begin(kLikelyExponent, 0, 0, 1);
+      const double cost = set_gains(values);
+      values.parameters[kLogForce] += kLikelyExponent * std::log(reference_m / scales_.reference_m);
+      all.emplace_back(cost, values);
+    }
+  scales_.reference_m = reference_m;
+  std::ranges::sort(all, {}, &std::pair<double, FitValues>::first);
+  std::vector<FitValues> kept;
+  for (std::size_t i = 0; i < std::min(kKept, all.size()); ++i) kept.push_back(all[i].second);
+  return kept;
+}
+
+// The levels of high partials have many minima over mass and stiffness, those of low ones few: they show the way.
+void FitProblem::find_contact() {
+  constexpr int kSteps = 12;
+  constexpr double kNoise = 0.2;
+  std::set<double> frequencies;
+  for (const Blow& blow : measured_.struck->blows)
+    for (const auto& [mode, level_db] : blow.levels) frequencies.insert(measured_.struck->modes[mode].frequency_hz());
+  const std::vector<double> sorted(frequencies.begin(), frequencies.end());
+  const auto limit_to = [&](std::size_t count) {
+    scales_.max_frequency_hz = sorted[std::min(count, sorted.size()) - 1];
+  };
+  constexpr std::size_t kLow = 6;
+  limit_to(kLow);
+  std::vector<FitParameter> frees{kLogForce};
+  if (std::ranges::count(measured_.laws, "power") > 0) frees.push_back(kExponent);
+  if (measured_.fits_mass()) frees.push_back(kLogMass);
+  if (measured_.struck->has_common_gain) frees.push_back(kLogGain);
+  FitValues best;
+  best.cost = std::numeric_limits<double>::infinity();
+  for (FitValues values : scanned_contacts()) {
+    std::ranges::fill(values.noise, kNoise);
+    for (std::size_t count = kLow;; count *= 2) {
+      limit_to(count);
+      values = search(values, frees, kSteps);
+      if (count >= sorted.size()) break;
+    }
+    if (values.cost < best.cost) best = values;
+  }
+  scales_.max_frequency_hz = std::numeric_limits<double>::infinity();
+  if (!std::isfinite(best.cost)) return;
+  scales_.mass_kg = std::exp(best.parameters[kLogMass]);
+  contact_ = {scales_.reference_m, std::exp(best.parameters[kLogForce])};
+  likely_exponents_ = {best.parameters[kExponent]};
 }
 
 std::size_t FitProblem::source_called(const std::string& file, const std::string& quantity) {
@@ -108,23 +237,74 @@ void FitProblem::add_sources() {
       }
     rows_.push_back(std::move(residual));
   }
+  first_curve_ = sources_.size();
   for (const MeasuredForce& curve : measured_.curves) {
     sources_.push_back({curve.file, "force over compression", std::make_shared<double>(kFirstNoise), {}, {}, {}});
     for (const CurveSample& sample : curve.samples)
       add_sample(sources_.size() - 1, sample.compression_m, sample.force_n, max_force(curve));
   }
+  if (measured_.struck) add_levels();
+}
+
+// A blow has few levels: one noise for all of them is better known.
+void FitProblem::add_levels() {
+  const StruckResonator& struck = *measured_.struck;
+  const auto noise = std::make_shared<double>(kFirstNoise);
+  for (const Blow& blow : struck.blows) {
+    sources_.push_back({blow.file, kLevels, noise, {}, {}, {}});
+    for (const auto& [mode, level_db] : blow.levels)
+      add_sample(sources_.size() - 1, struck.modes[mode].frequency_hz(), level_db, kDecibelsPerNeper);
+  }
 }
 
 FitValues FitProblem::begin(double exponent, double loss, double weight, double time_ratio) const {
   const auto [y, force] = anchor(exponent);
-  FitValues values{{std::log(force) + exponent * std::log(scales_.reference_m / y), exponent,
-                    loss / max_speed_m_per_s_, weight, std::log(time_ratio * duration_s_)},
-                   {},
-                   std::vector<double>(sources_.size(), kFirstNoise)};
+  FitValues values{
+      {std::log(force) + exponent * std::log(scales_.reference_m / y), exponent, loss / max_speed_m_per_s_, weight,
+       std::log(time_ratio * duration_s_), std::log(scales_.mass_kg), 0},
+      {},
+      {},
+      std::vector<double>(sources_.size(), kFirstNoise)};
   constexpr double kBefore = -0.1;  // the contact begins before a tenth of its largest force
   for (const Pulse& pulse : measured_.pulses)
-    values.pulses.push_back({kBefore, std::log(speed_of(pulse, measured_.mass_kg)), 0});
+    values.pulses.push_back({kBefore, std::log(contactspline::speed_of(pulse, measured_.mass_kg)), 0});
+  for (std::size_t i = 0; measured_.struck && i < measured_.struck->blows.size(); ++i)
+    values.blows.push_back({std::log(speed_of(measured_.struck->blows[i])), 0});
+  if (measured_.struck) (void)set_gains(values);
   return values;
+}
+
+void FitProblem::pose_curves(Posed& posed, double* parameters) const {
+  for (std::size_t i = 0; i < measured_.curves.size(); ++i) {
+    const MeasuredForce& curve = measured_.curves[i];
+    posed.order.residual_blocks.push_back(posed.problem.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<CurveResidual, ceres::DYNAMIC, kFitParameters>(
+            new CurveResidual{curve, max_force(curve), scales_, sources_[first_curve_ + i].noise},
+            static_cast<int>(curve.samples.size())),
+        nullptr, parameters));
+  }
+}
+
+void FitProblem::pose_blows(Posed& posed, FitValues& values) const {
+  for (std::size_t i = 0; i < values.blows.size(); ++i) {
+    const Blow& blow = measured_.struck->blows[i];
+    double* unknown = values.blows[i].data();
+    posed.order.residual_blocks.push_back(posed.problem.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<BlowResidual, ceres::DYNAMIC, kFitParameters, kBlowUnknowns>(
+            new BlowResidual{*measured_.struck, blow, scales_,
+                             sources_[first_curve_ + measured_.curves.size() + i].noise},
+            static_cast<int>(blow.levels.size())),
+        nullptr, values.parameters.data(), unknown));
+    std::vector<int> fixed;
+    if (blow.speed_m_per_s) fixed.push_back(kBlowSpeed);
+    if (measured_.struck->has_common_gain) fixed.push_back(kBlowGain);
+    if (fixed.size() == kBlowUnknowns) {
+      posed.problem.SetParameterBlockConstant(unknown);
+      continue;
+    }
+    posed.order.parameter_blocks.push_back(unknown);
+    if (!fixed.empty()) posed.problem.SetManifold(unknown, new ceres::SubsetManifold(kBlowUnknowns, fixed));
+  }
 }
 
 std::unique_ptr<FitProblem::Posed> FitProblem::pose(FitValues& values, const std::vector<FitParameter>& frees) const {
@@ -161,14 +341,8 @@ std::unique_ptr<FitProblem::Posed> FitProblem::pose(FitValues& values, const std
         posed->problem.AddResidualBlock(new ceres::AutoDiffCostFunction<RowResidual, ceres::DYNAMIC, kFitParameters>(
                                             new RowResidual(row), static_cast<int>(row.measured.size())),
                                         nullptr, parameters));
-  for (std::size_t i = 0; i < measured_.curves.size(); ++i) {
-    const MeasuredForce& curve = measured_.curves[i];
-    const Noise& noise = sources_[sources_.size() - measured_.curves.size() + i].noise;
-    posed->order.residual_blocks.push_back(posed->problem.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<CurveResidual, ceres::DYNAMIC, kFitParameters>(
-            new CurveResidual{curve, max_force(curve), scales_, noise}, static_cast<int>(curve.samples.size())),
-        nullptr, parameters));
-  }
+  pose_curves(*posed, parameters);
+  pose_blows(*posed, values);
   return posed;
 }
 
@@ -209,7 +383,8 @@ FitValues FitProblem::with_noise(FitValues values, const std::vector<FitParamete
   for (std::size_t s = 0; s < sources_.size(); ++s) {
     std::vector<double> sizes;
     for (std::size_t i = 0; i < source_of_residual_.size(); ++i)
-      if (source_of_residual_[i] == s) sizes.push_back(std::abs(linear.residuals[static_cast<Eigen::Index>(i)]));
+      if (sources_[source_of_residual_[i]].noise == sources_[s].noise)
+        sizes.push_back(std::abs(linear.residuals[static_cast<Eigen::Index>(i)]));
     std::ranges::sort(sizes);
     const double likely = 4 * sizes[sizes.size() / 2] / 0.6745;  // beyond four deviations is no noise
     double sum = 0, count = 0;

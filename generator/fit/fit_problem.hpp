@@ -5,7 +5,9 @@
 #include <Eigen/Core>
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "generator/fit/residuals.hpp"
@@ -19,14 +21,15 @@ inline constexpr double kFirstNoise = 0.02;
 struct FitValues {
   std::array<double, kFitParameters> parameters;
   std::vector<std::array<double, kPulseUnknowns>> pulses;
+  std::vector<std::array<double, kBlowUnknowns>> blows;
   std::vector<double> noise;
   double cost = 0;
 };
 
-/// One source of data: a pulse, a column of a table, a curve.
+/// One source of data: a pulse, a column of a table, a curve, the levels of a blow.
 struct FitSource {
   std::string file, quantity;
-  Noise noise;
+  Noise noise;  ///< sources that have it in common are taken together
   std::vector<double> at, measured;
   std::vector<double> scale;  ///< of a residual of 1, in the unit of `measured`
 };
@@ -54,6 +57,9 @@ class FitProblem {
   /// The same values with the noise that their residuals show.
   [[nodiscard]] FitValues with_noise(FitValues values, const std::vector<FitParameter>& frees) const;
 
+  /// Exponents to begin a search from.
+  [[nodiscard]] const std::vector<double>& likely_exponents() const { return likely_exponents_; }
+
   [[nodiscard]] Linearised linearised(const FitValues& at, const std::vector<FitParameter>& frees) const;
 
   [[nodiscard]] const std::vector<FitSource>& sources() const { return sources_; }
@@ -62,9 +68,17 @@ class FitProblem {
 
  private:
   struct Posed;
+  void pose_curves(Posed& posed, double* parameters) const;
+  void pose_blows(Posed& posed, FitValues& values) const;
   [[nodiscard]] std::unique_ptr<Posed> pose(FitValues& values, const std::vector<FitParameter>& frees) const;
   [[nodiscard]] std::pair<double, double> anchor(double exponent) const;
+  [[nodiscard]] double speed_of(const Blow& blow) const;
+  double set_gains(FitValues& values) const;
+  void take_contact(double mass_kg, double duration_s);
+  [[nodiscard]] std::vector<FitValues> scanned_contacts();
+  void find_contact();
   void add_sources();
+  void add_levels();
   std::size_t source_called(const std::string& file, const std::string& quantity);
   void add_sample(std::size_t source, double at, double measured, double scale);
 
@@ -73,7 +87,10 @@ class FitProblem {
   std::vector<FitSource> sources_;
   std::vector<std::size_t> source_of_residual_;
   std::vector<RowResidual> rows_;
+  std::size_t first_curve_ = 0;  ///< among the sources; the blows follow the curves
   double max_speed_m_per_s_ = 0, duration_s_ = 0;
+  std::optional<std::pair<double, double>> contact_;  ///< compression and force of blows on a resonator
+  std::vector<double> likely_exponents_{1.5, 2.5, 3.5};
 };
 
 }  // namespace contactspline

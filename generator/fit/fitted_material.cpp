@@ -19,6 +19,7 @@ struct Result {
   Estimate estimate;
 };
 
+// Of the material's law and loss.
 std::vector<Result> results_of(const Fit& fit) {
   std::vector<Result> results = {{"stiffness_n_per_m_alpha", "N/m^a", fit.stiffness}, {"exponent", "", fit.exponent}};
   if (fit.loss == "hunt_crossley") results.push_back({"loss_s_per_m", "s/m", fit.loss_s_per_m});
@@ -42,6 +43,12 @@ double rounded_down(double number) {
   return rounded_to(number * (1 - 5.1e-4), 4);
 }
 
+constexpr int kDigits = 8;
+
+double mass_of(const Fit& fit, const Measurements& measured) {
+  return measured.fits_mass() ? rounded_to(fit.mass_kg.value, kDigits) : measured.mass_kg;
+}
+
 std::string choice_text(const Fit& fit) {
   std::string text =
       "chosen by the Bayesian information criterion, in which 10 more is strong evidence against a model:\n";
@@ -58,8 +65,14 @@ std::string json_of(const Estimate& estimate) {
 }  // namespace
 
 std::string report_of(const Fit& fit, const Measurements& measured) {
-  std::string text = fmt::format("{}, mass {} kg\n", words_of(fit.law, fit.loss), measured.mass_kg);
-  for (const Result& result : results_of(fit)) {
+  std::string text = words_of(fit.law, fit.loss);
+  std::vector<Result> results = results_of(fit);
+  if (measured.fits_mass())
+    results.push_back({"mass_kg", "kg", fit.mass_kg});
+  else
+    text += fmt::format(", mass {} kg", measured.mass_kg);
+  text += '\n';
+  for (const Result& result : results) {
     const bool is_given = result.key == "exponent" && fit.law == "hertz";
     text += is_given ? fmt::format("  {:<24} {:.5g}, given by the law\n", result.key, result.estimate.value)
                      : fmt::format("  {:<24} {:.5g} {}; 95 % interval {:.5g} to {:.5g}\n", result.key,
@@ -67,8 +80,9 @@ std::string report_of(const Fit& fit, const Measurements& measured) {
   }
   text += "scatter of the data about the model:\n";
   for (const FitQuality& quality : fit.qualities)
-    text += fmt::format("  {:<40} {:>13} {:>6} samples {:>8.3f} %\n", shown(quality.file), quality.quantity,
-                        quality.samples, 100 * quality.scatter);
+    text += fmt::format("  {:<40} {:>13} {:>6} samples {:>8.3f} {}\n", shown(quality.file), quality.quantity,
+                        quality.samples, quality.is_level() ? quality.scatter : 100 * quality.scatter,
+                        quality.is_level() ? "dB" : "%");
   text += choice_text(fit);
   return text + fmt::format(
                     "the data reach a compression of {:.4g} m: that of an impact without loss at {:.4g} m/s, the "
@@ -85,7 +99,6 @@ std::string material_text(const Fit& fit, const Measurements& measured, std::str
   if (!measured.description.empty())
     text += fmt::format("  \"description\": {},\n", json_string(measured.description));
   std::vector<std::string> contact;
-  constexpr int kDigits = 8;
   std::vector<std::string> memory;
   for (const Result& result : results_of(fit)) {
     const bool is_memory = result.key == "weight" || result.key == "relaxation_time_s";
@@ -98,12 +111,13 @@ std::string material_text(const Fit& fit, const Measurements& measured, std::str
   text += fmt::format(
       "  \"impact\": {{ \"mass_kg\": {}, \"max_speed_m_per_s\": {}, \"min_speed_m_per_s\": {} }},\n"
       "  \"spline\": {{ \"knots\": \"graded\", \"tolerance\": 0.001 }}\n}}\n",
-      measured.mass_kg, max, std::min(max, rounded_down(fit.min_speed_m_per_s)));
+      mass_of(fit, measured), max, std::min(max, rounded_down(fit.min_speed_m_per_s)));
   return text;
 }
 
 std::string json_of(const Fit& fit, const Measurements& measured) {
   std::vector<std::string> results, sources, models;
+  if (measured.fits_mass()) results.push_back(fmt::format("    \"mass_kg\": {}", json_of(fit.mass_kg)));
   for (const Result& result : results_of(fit))
     results.push_back(fmt::format("    \"{}\": {}", result.key, json_of(result.estimate)));
   for (const FitQuality& quality : fit.qualities)
@@ -119,7 +133,7 @@ std::string json_of(const Fit& fit, const Measurements& measured) {
       "{{\n  \"name\": \"{}\", \"law\": \"{}\", \"loss\": \"{}\", \"mass_kg\": {},\n  \"max_compression_m\": {}, "
       "\"max_speed_m_per_s\": {}, \"min_speed_m_per_s\": {},\n  \"estimates\": {{\n{}\n  }},\n  \"models\": [\n{}\n  "
       "],\n  \"data\": [\n{}\n  ]\n}}\n",
-      measured.name, fit.law, fit.loss, measured.mass_kg, fit.max_compression_m, fit.max_speed_m_per_s,
+      measured.name, fit.law, fit.loss, mass_of(fit, measured), fit.max_compression_m, fit.max_speed_m_per_s,
       fit.min_speed_m_per_s, fmt::join(results, ",\n"), fmt::join(models, ",\n"), fmt::join(sources, ",\n"));
 }
 

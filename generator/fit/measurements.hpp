@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: MIT
-// What was measured of impacts on a rigid wall, and the models that may describe it.
+// What was measured of impacts on a rigid wall and of blows on a resonator, and the models that may describe it.
 #pragma once
 
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "generator/contact/measured_curve.hpp"
-#include "generator/material/contact_reader.hpp"
+#include "generator/fit/strike_model.hpp"
 
 namespace contactspline {
 
@@ -33,19 +32,47 @@ struct MeasuredForce {
   std::optional<double> impact_speed_m_per_s;
 };
 
+/// One blow on a resonator: what its partials, counted back to the first touch, sound like.
+struct Blow {
+  struct Level {
+    std::size_t mode;
+    double level_db;
+  };
+  std::string file;
+  std::vector<Level> levels;
+  std::optional<double> speed_m_per_s;  ///< fitted if it is not known
+};
+
+/// A known resonator and blows on it. A level is 20 log10 of the amplitude of the displacement of a mode times its
+/// `output_per_m`, and a gain that nobody knows.
+struct StruckResonator {
+  std::vector<StruckMode> modes;
+  std::vector<double> output_per_m;
+  bool has_common_gain;  ///< one gain for all blows, not one for each
+  std::vector<Blow> blows;
+
+  /// By how much the frequency of a partial may differ from that of its mode.
+  static constexpr double kMistuned = 0.03;
+
+  /// Is there no node of the mode under the hammer, nor at the pickup?
+  [[nodiscard]] bool sounds(std::size_t mode) const { return modes[mode].shape * output_per_m[mode] != 0; }
+};
+
+/// What levels are called among the quantities of data, and how many decibels a ratio of e has.
+inline constexpr const char* kLevels = "level";
+inline constexpr double kDecibelsPerNeper = 8.685889638065037;  // 20/ln 10
+
 struct Measurements {
   std::string name, description;
-  double mass_kg;
+  double mass_kg;  ///< 0 if it is fitted
   std::vector<Pulse> pulses;
   std::vector<ImpactRow> rows;
   std::vector<MeasuredForce> curves;
   std::vector<std::string> laws, losses;  ///< to choose among; empty: all
   std::vector<std::string> files;         ///< that were read beside the fit file
-};
+  std::optional<StruckResonator> struck = {};
 
-/// Reads a fit file (docs/how-to/fit.md) and the data it names, and looks for what cannot be right: no contact, a
-/// saturated sensor, a wrong unit. `file` appears in messages and begins the paths of the data in them. Throws
-/// BadInput.
-[[nodiscard]] Measurements parse_measurements(std::string_view text, std::string_view file, const ReadFile& read);
+  [[nodiscard]] bool fits_mass() const { return mass_kg == 0; }
+};
 
 }  // namespace contactspline

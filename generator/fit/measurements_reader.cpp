@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: MIT
+#include "generator/fit/measurements_reader.hpp"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
-#include <filesystem>
 #include <set>
 
-#include "generator/fit/data_table.hpp"
-#include "generator/fit/measurements.hpp"
+#include "generator/fit/data_file.hpp"
 #include "generator/fit/models.hpp"
 #include "generator/fit/pulse_window.hpp"
+#include "generator/fit/struck_reader.hpp"
 #include "generator/support/error.hpp"
 #include "generator/support/json_reader.hpp"
 
@@ -19,44 +20,11 @@ namespace {
 
 // Wide enough for every collision in an instrument, narrow enough to catch a wrong unit.
 constexpr Range kMass{1e-7, 1e3};
-constexpr Range kSpeed{1e-3, 1e2};
 constexpr Range kDuration{1e-6, 0.2};
 constexpr Range kForce{1e-3, 1e6};
 constexpr Range kRestitution{0.01, 1};
 constexpr std::size_t kMaxFiles = 64;
 constexpr std::size_t kMinRows = 3;
-
-/// A file of data as a fit file names it: its path, as messages name it, and its text.
-struct DataFile {
-  std::string path, text;
-  ColumnNames names;
-};
-
-DataFile read_data(const JsonObject& entry, std::string_view fit_file, const ReadFile& read, Measurements& measured) {
-  constexpr auto kAllowed = "the name of a CSV file, relative to the fit file";
-  const std::string name = entry.text("file", kAllowed);
-  const bool usable = !name.empty() && name.front() != '/' && name.size() <= 200 &&
-                      std::ranges::all_of(name, [](unsigned char c) { return c >= 0x20 && c != 0x7f; });
-  if (!usable) entry.fail(entry.key("file"), fmt::format("'{}' is not usable", shown(name)), kAllowed);
-  DataFile data{(std::filesystem::path(fit_file).parent_path() / name).string(),
-                read_for_key(fit_file, entry.key("file"), name, read),
-                {}};
-  measured.files.push_back(name);
-  if (!entry.has("columns")) return data;
-  const auto keys = column_keys();
-  const JsonObject columns = entry.object("columns", keys);
-  for (const std::string& key : keys)
-    if (columns.has(key.c_str()))
-      data.names[key] = columns.text(key.c_str(), "the name of a column, or its number from 1, in quotes");
-  return data;
-}
-
-void require(const DataFile& data, const DataTable& table, std::span<const Quantity> required) {
-  for (const Quantity quantity : required)
-    if (!table.has(quantity))
-      refuse(data.path, std::string(name_of(quantity)), "no column holds it",
-             fmt::format("a column {}_UNIT, or the key columns that names it", name_of(quantity)));
-}
 
 // The force of a pulse: measured, or the mass times the acceleration.
 std::vector<double> force_of(const DataFile& data, const DataTable& table, double mass_kg) {
@@ -72,12 +40,12 @@ std::vector<double> force_of(const DataFile& data, const DataTable& table, doubl
 }
 
 void read_pulse(const JsonObject& entry, std::string_view file, const ReadFile& read, Measurements& measured) {
-  const DataFile data = read_data(entry, file, read, measured);
+  const DataFile data = read_data(entry, file, read, measured.files);
   constexpr std::array kWanted = {Quantity::kTime, Quantity::kForce, Quantity::kAcceleration};
   const DataTable table = read_table(data.text, data.path, kWanted, data.names);
   require(data, table, std::array{Quantity::kTime});
   Pulse pulse{data.path, table.at(Quantity::kTime), force_of(data, table, measured.mass_kg), {}};
-  if (entry.has("speed_m_per_s")) pulse.speed_m_per_s = entry.number("speed_m_per_s", kSpeed);
+  if (entry.has("speed_m_per_s")) pulse.speed_m_per_s = entry.number("speed_m_per_s", kFitSpeed);
   measured.pulses.push_back(contact_window(pulse, table.lines, measured.mass_kg));
 }
 
@@ -94,26 +62,26 @@ std::optional<double> value_of(const DataFile& data, const DataTable& table, std
 }
 
 void read_rows(const JsonObject& entry, std::string_view file, const ReadFile& read, Measurements& measured) {
-  const DataFile data = read_data(entry, file, read, measured);
+  const DataFile data = read_data(entry, file, read, measured.files);
   constexpr std::array kWanted = {Quantity::kSpeed, Quantity::kDuration, Quantity::kForce, Quantity::kRestitution};
   const DataTable table = read_table(data.text, data.path, kWanted, data.names);
   require(data, table, std::array{Quantity::kSpeed});
   if (table.columns.size() < 2)
     refuse(data.path, "columns", "there is nothing but speeds", "contact durations, largest forces or restitution");
   for (std::size_t i = 0; i < table.lines.size(); ++i)
-    measured.rows.push_back({data.path, *value_of(data, table, i, Quantity::kSpeed, kSpeed),
+    measured.rows.push_back({data.path, *value_of(data, table, i, Quantity::kSpeed, kFitSpeed),
                              value_of(data, table, i, Quantity::kDuration, kDuration),
                              value_of(data, table, i, Quantity::kForce, kForce),
                              value_of(data, table, i, Quantity::kRestitution, kRestitution)});
 }
 
 void read_curve(const JsonObject& entry, std::string_view file, const ReadFile& read, Measurements& measured) {
-  const DataFile data = read_data(entry, file, read, measured);
+  const DataFile data = read_data(entry, file, read, measured.files);
   constexpr std::array kWanted = {Quantity::kCompression, Quantity::kForce};
   const DataTable table = read_table(data.text, data.path, kWanted, data.names);
   require(data, table, kWanted);
   MeasuredForce curve{data.path, {}, {}};
-  if (entry.has("impact_speed_m_per_s")) curve.impact_speed_m_per_s = entry.number("impact_speed_m_per_s", kSpeed);
+  if (entry.has("impact_speed_m_per_s")) curve.impact_speed_m_per_s = entry.number("impact_speed_m_per_s", kFitSpeed);
   for (std::size_t i = 0; i < table.lines.size(); ++i)
     curve.samples.push_back({table.at(Quantity::kCompression)[i], table.at(Quantity::kForce)[i]});
   curve.samples = checked_curve(std::move(curve.samples), table.lines, data.path, curve.impact_speed_m_per_s);
@@ -132,9 +100,21 @@ std::vector<std::string> read_choice(const JsonObject& fit, const char* key, con
   return chosen;
 }
 
+// 0 if it is to be fitted, to levels: a pulse or a table would need it to be known.
+double read_mass(const JsonObject& fit) {
+  constexpr auto kFit = "fit";
+  const std::string allowed = fmt::format("a number from {} to {}, or \"{}\"", kMass.min, kMass.max, kFit);
+  if (!fit.has("mass_kg")) fit.fail("mass_kg", "missing", allowed);
+  if (fit.json("mass_kg") != fmt::format("\"{}\"", kFit)) return fit.number("mass_kg", kMass);
+  if (!fit.has("struck") || fit.has("pulses") || fit.has("tables"))
+    fit.fail("mass_kg", "can be fitted to a struck resonator and to curves alone",
+             fmt::format("a number from {} to {}", kMass.min, kMass.max));
+  return 0;
+}
+
 // Stiffness and exponent follow from forces, durations and curves, at two speeds or more.
 void require_enough(const JsonObject& fit, const Measurements& measured) {
-  if (!measured.pulses.empty() || !measured.curves.empty()) return;
+  if (!measured.pulses.empty() || !measured.curves.empty() || measured.struck) return;
   std::set<double> speeds;
   std::size_t rows = 0;
   for (const ImpactRow& row : measured.rows)
@@ -155,14 +135,14 @@ void require_enough(const JsonObject& fit, const Measurements& measured) {
 }  // namespace
 
 Measurements parse_measurements(std::string_view text, std::string_view file, const ReadFile& read) {
-  const JsonObject fit = parse_json(
-      text, file, "fit", {"name", "description", "mass_kg", "pulses", "tables", "curves", "laws", "losses"});
-  Measurements measured{
-      read_name(fit, {}), read_description(fit), fit.number("mass_kg", kMass), {}, {}, {}, {}, {}, {}};
+  const JsonObject fit =
+      parse_json(text, file, "fit",
+                 {"name", "description", "mass_kg", "pulses", "tables", "curves", "struck", "laws", "losses"});
+  Measurements measured{read_name(fit, {}), read_description(fit), read_mass(fit), {}, {}, {}, {}, {}, {}};
   measured.laws = read_choice(fit, "laws", names_of_laws());
   measured.losses = read_choice(fit, "losses", names_of_losses());
-  if (!fit.has("pulses") && !fit.has("tables") && !fit.has("curves"))
-    fit.fail("fit", "has no data", "pulses, tables or curves");
+  if (!fit.has("pulses") && !fit.has("tables") && !fit.has("curves") && !fit.has("struck"))
+    fit.fail("fit", "has no data", "pulses, tables, curves or struck");
   if (fit.has("pulses"))
     for (const JsonObject& entry : fit.objects("pulses", {"file", "speed_m_per_s", "columns"}, kMaxFiles))
       read_pulse(entry, file, read, measured);
@@ -172,6 +152,8 @@ Measurements parse_measurements(std::string_view text, std::string_view file, co
   if (fit.has("curves"))
     for (const JsonObject& entry : fit.objects("curves", {"file", "impact_speed_m_per_s", "columns"}, kMaxFiles))
       read_curve(entry, file, read, measured);
+  if (fit.has("struck")) measured.struck = read_struck(fit, read, measured.files);
+  if (measured.struck) require_enough_levels(fit, measured);
   require_enough(fit, measured);
   return measured;
 }

@@ -9,8 +9,9 @@
 
 namespace contactspline {
 
-/// The parameters of all models, in the order of the fit.
-enum FitParameter { kLogForce, kExponent, kHuntCrossley, kWeight, kLogTime, kFitParameters };
+/// The parameters of all models, in the order of the fit. The mass and the gain, ln of kg and of the output, are no
+/// part of a material: a fit of levels may free them.
+enum FitParameter { kLogForce, kExponent, kHuntCrossley, kWeight, kLogTime, kLogMass, kLogGain, kFitParameters };
 
 /// One row of the table of laws or of losses.
 struct ModelRow {

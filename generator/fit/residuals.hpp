@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -18,10 +19,14 @@ namespace contactspline {
 /// parts of its largest force.
 enum PulseUnknown { kBegin, kLogSpeed, kOffset, kPulseUnknowns };
 
+/// What is unknown of each blow on a resonator: ln of its speed, and ln of its gain over the common one.
+enum BlowUnknown { kBlowSpeed, kBlowGain, kBlowUnknowns };
+
 /// Settings that all residuals share.
 struct FitScales {
   double mass_kg, reference_m;
-  bool is_robust = true;  ///< large residuals count less
+  bool is_robust = true;                                              ///< large residuals count less
+  double max_frequency_hz = std::numeric_limits<double>::infinity();  ///< of the levels that count
 };
 
 /// The standard deviation of one source's noise, in the unit of its residuals.
@@ -101,6 +106,31 @@ struct CurveResidual {
         modelled = exp(law.log_force + law.exponent * log(y / scales.reference_m)) *
                    (1.0 - law.weight + law.loss_s_per_m * speed);
       residuals[i] = scaled(Real((modelled - force) / max_force_n), *noise, scales);
+    }
+    return true;
+  }
+};
+
+/// Levels of partials, in nepers: differences of ln of their amplitudes.
+struct BlowResidual {
+  const StruckResonator& struck;
+  const Blow& blow;
+  const FitScales& scales;
+  Noise noise;
+
+  template <typename Real>
+  bool operator()(const Real* parameters, const Real* unknown, Real* residuals) const {
+    using std::exp;
+    strike_model::Strike<Real> strike(law_of(parameters, scales.reference_m), Real(exp(parameters[kLogMass])),
+                                      Real(exp(unknown[kBlowSpeed])), struck.modes);
+    if (!strike.play()) return false;
+    for (std::size_t i = 0; i < blow.levels.size(); ++i) {
+      const auto& [mode, level_db] = blow.levels[i];
+      residuals[i] = Real(0.0);
+      if (struck.modes[mode].frequency_hz() > scales.max_frequency_hz) continue;
+      const Real level = strike.log_amplitude(mode) + std::log(struck.output_per_m[mode]) + parameters[kLogGain] +
+                         unknown[kBlowGain];
+      residuals[i] = scaled(Real(level - level_db / kDecibelsPerNeper), *noise, scales);
     }
     return true;
   }

@@ -21,6 +21,7 @@
 #include "generator/cli/inspect_json.hpp"
 #include "generator/fit/fit.hpp"
 #include "generator/fit/fitted_material.hpp"
+#include "generator/fit/measurements_reader.hpp"
 #include "generator/player/playing.hpp"
 #include "generator/player/score_player.hpp"
 #include "generator/player/score_reader.hpp"

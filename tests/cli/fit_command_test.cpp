@@ -74,7 +74,7 @@ std::vector<BadData> bad_fit_files() {
   const std::string good = pulse(), file = "probe.fit.json: ";
   return {{"not_json", "name", good, file, ""},
           {"no_data", R"({ "name": "probe", "mass_kg": 0.01 })", good, file + "fit: has no data",
-           "pulses, tables or curves"},
+           "pulses, tables, curves or struck"},
           {"no_name", R"({ "mass_kg": 0.01 })", good, file + "name: missing", ""},
           {"bad_name", R"({ "name": "My Felt", "mass_kg": 0.01 })", good, file + "name: ", "a-z, 0-9"},
           {"no_mass", R"({ "name": "probe" })", good, file + "mass_kg: missing", "a number from 1e-07 to 1000"},
@@ -199,6 +199,55 @@ std::vector<BadData> bad_tables() {
       {"curve_without_compression", curve, "depth,force_n\n1,1\n", file + "compression: no column holds it", ""}};
 }
 
+// Blows on the bar that ships: partials 1, 3, 5, ... sound.
+std::string struck_file(const std::string& blows, const std::string& output = "acceleration_m_per_s2",
+                        const std::string& resonator = "marimba_c4", const std::string& gain = "common") {
+  return fit_file(fmt::format(R"("struck": {{ "resonator": "{}", "output": "{}", "gain": "{}", "blows": [{}] }})",
+                              resonator, output, gain, blows));
+}
+
+std::vector<BadData> bad_blows() {
+  const std::string blow = R"({ "file": "data.csv", "speed_m_per_s": 1 })", fit = struck_file(blow),
+                    good = "partial,level_db\n1,-3\n3,-9\n5,-20\n",
+                    file = "data.csv: ", struck = "probe.fit.json: struck";
+  const auto with = [&](const std::string& test, const std::string& data, const std::string& beginning,
+                        const std::string& says = "") {
+    return BadData{test, fit, data, file + beginning, says};
+  };
+  return {
+      with("no_levels", "", "file: is empty"),
+      with("levels_of_header_only", "partial,level_db\n", "samples: has a header and no numbers"),
+      with("level_is_nan", good + "7,nan\n", "line 5: 'nan' is not a number"),
+      with("level_is_infinite", good + "7,inf\n", "line 5: 'inf' is not a number"),
+      with("level_of_1000_db", good + "7,1000\n", "line 5: a level of 1000 dB", "-300 to 300"),
+      with("no_level", "partial,loudness\n1,2\n", "level: no column holds it", "level_UNIT"),
+      with("no_partial", "row,level_db\n1,2\n", "columns: no column names the partials", "frequency_UNIT"),
+      with("partials_and_frequencies", "partial,frequency_hz,level_db\n1,261.6,2\n",
+           "columns: there are partials beside frequencies"),
+      with("negative_frequency", "frequency_hz,level_db\n-261.6,2\n", "line 2: a frequency of -261.6 Hz"),
+      with("frequency_of_no_mode", "frequency_hz,level_db\n440,2\n", "line 2: no mode is within 3 % of 440 Hz"),
+      with("partial_0", "partial,level_db\n0,2\n", "line 2: there is no partial 0"),
+      with("partial_of_a_half", "partial,level_db\n1.5,2\n", "line 2: there is no partial 1.5"),
+      with("partial_at_a_node", "partial,level_db\n2,2\n", "line 2: partial 2 has a node"),
+      with("partial_twice", good + "3,-9\n", "line 5: partial 3 of", "each partial once"),
+      with("two_partials", "partial,level_db\n1,-3\n3,-9\n", "partials: 2 of them can be used", "3 or more"),
+      {"unknown_resonator", struck_file(blow, "velocity_m_per_s", "gong"), good,
+       struck + ".resonator: 'gong' does not ship", "marimba_c4"},
+      {"unknown_output", struck_file(blow, "loudness"), good, struck + ".output: 'loudness' is unknown",
+       "acceleration_m_per_s2"},
+      {"bridge_of_a_bar", struck_file(blow, "bridge_force_n"), good, struck + ".output: 'bridge_force_n' is unknown",
+       ""},
+      {"unknown_gain", struck_file(blow, "displacement_m", "marimba_c4", "3"), good, struck + ".gain: '3' is unknown",
+       "common, of_each_blow"},
+      {"unknown_key_of_blow", struck_file(R"({ "file": "data.csv", "speed": 1 })"), good,
+       struck + ".blows[0].speed: unknown key", "speed_m_per_s"},
+      {"no_speeds", struck_file(R"({ "file": "data.csv" })"), good, struck + ".blows: the speeds", "one known speed"},
+      {"blows_of_one_speed", fit, good, struck + ".blows: speeds from 1 to 1 m/s", "hertz"},
+      {"partials_of_a_table", struck_file(R"({ "file": "data.csv", "partials": [1] })"), good,
+       struck + ".blows[0].partials: stands beside a table", "columns"},
+      {"mass_fitted_to_pulses", fit_file(kPulse, "\"fit\""), pulse(), "probe.fit.json: mass_kg: can be fitted", ""}};
+}
+
 class BadMeasurements : public ::testing::TestWithParam<BadData> {};
 
 TEST_P(BadMeasurements, AreRefusedInOneLineAndNothingIsWritten) {
@@ -210,6 +259,7 @@ TEST_P(BadMeasurements, AreRefusedInOneLineAndNothingIsWritten) {
 const auto kName = [](const auto& bad) { return bad.param.test; };
 INSTANTIATE_TEST_SUITE_P(FitFile, BadMeasurements, ::testing::ValuesIn(bad_fit_files()), kName);
 INSTANTIATE_TEST_SUITE_P(Pulse, BadMeasurements, ::testing::ValuesIn(bad_pulses()), kName);
+INSTANTIATE_TEST_SUITE_P(Blow, BadMeasurements, ::testing::ValuesIn(bad_blows()), kName);
 INSTANTIATE_TEST_SUITE_P(Table, BadMeasurements, ::testing::ValuesIn(bad_tables()), kName);
 
 // The same pulse in other columns, units and separators gives the same material, but for rounding: of the times, by

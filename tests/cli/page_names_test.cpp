@@ -119,7 +119,7 @@ class Readers {
 
   void ask(const Json& file, const std::string& name) {
     if (file.value("instrument", "") == "bell") return;  // a model of one's own: package.own_plugin plays it
-    const Words command = file.contains("pulses") || file.contains("tables")
+    const Words command = file.contains("pulses") || file.contains("tables") || file.contains("struck")
                               ? Words{"fit", "asked.json", "-o", "fitted.json"}
                           : file.contains("count")  ? Words{"dataset", "asked.json", "-o", "out"}
                           : file.contains("events") ? Words{"render", "asked.json", "-o", "a.wav"}

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "generator/contact/barrier_impact.hpp"
+#include "generator/fit/models.hpp"
 #include "generator/fit/pulse_window.hpp"
 #include "support/random.hpp"
 

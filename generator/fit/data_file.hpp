@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+// The data files that a fit file names.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "generator/fit/data_table.hpp"
+#include "generator/material/contact_reader.hpp"
+
+namespace contactspline {
+
+/// Speeds of impacts and blows [m/s]: wide enough for instruments, narrow enough to catch a wrong unit.
+inline constexpr Range kFitSpeed{1e-3, 1e2};
+
+/// A file of data as a fit file names it: its path, as messages name it, and its text.
+struct DataFile {
+  std::string path, text;
+  ColumnNames names;
+};
+
+/// Reads the file and the columns that an entry of a fit file names, and adds the file to `files`. Throws BadInput.
+[[nodiscard]] DataFile read_data(const JsonObject& entry, std::string_view fit_file, const ReadFile& read,
+                                 std::vector<std::string>& files);
+
+/// Throws BadInput if the table lacks one of these columns.
+void require(const DataFile& data, const DataTable& table, std::span<const Quantity> required);
+
+}  // namespace contactspline

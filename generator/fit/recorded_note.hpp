@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+// The levels of the partials of a recorded note.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "generator/fit/measurements.hpp"
+
+namespace contactspline {
+
+struct Recording {
+  double sample_rate_hz;
+  std::vector<double> samples;  ///< full scale is 1
+};
+
+/// Decodes a sound file of one channel: what libsndfile reads. Throws BadInput.
+[[nodiscard]] Recording read_recording(std::string_view bytes, const std::string& file);
+
+/// The levels of `partials` (places among the modes) or, without them, of all those with output that stand 20 dB out
+/// of what is beside them and below 0.45 of the sample rate. Each is measured at the peak of the spectrum within 3 %
+/// of its mode's frequency, in a Hann window that begins 10 ms after the onset and holds 8 periods of the lowest
+/// mode, 0.1 s or more; and is counted back to the onset, where the sound first reaches a tenth of its peak, by the
+/// mode's decay. Throws BadInput if the recording is silent, saturated or too short, or if a chosen partial is not in
+/// it.
+[[nodiscard]] std::vector<Blow::Level> levels_of(const Recording& recording, const std::string& file,
+                                                 const StruckResonator& struck,
+                                                 const std::optional<std::vector<std::size_t>>& partials);
+
+}  // namespace contactspline

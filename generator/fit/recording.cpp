@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+// read_recording() by libsndfile.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "generator/fit/recorded_note.hpp"
+#include "generator/support/error.hpp"
+#include "generator/support/memory_sound.hpp"
+
+namespace contactspline {
+
+Recording read_recording(std::string_view bytes, const std::string& file) {
+  constexpr auto kAllowed = "a sound file of one channel, such as .wav or .flac";
+  MemorySound memory{std::string(bytes)};
+  SF_VIRTUAL_IO io = MemorySound::calls();
+  SndfileHandle sound(io, &memory);
+  if (sound.error() != 0) refuse(file, "file", "is no sound that can be read", kAllowed);
+  if (sound.channels() != 1) refuse(file, "channels", fmt::format("has {}", sound.channels()), kAllowed);
+  Recording recording{static_cast<double>(sound.samplerate()), {}};
+  std::vector<double> block(4096);
+  while (true) {
+    const sf_count_t count = sound.read(block.data(), static_cast<sf_count_t>(block.size()));
+    if (count <= 0) break;
+    recording.samples.insert(recording.samples.end(), block.begin(), block.begin() + count);
+  }
+  if (!std::ranges::all_of(recording.samples, [](double sample) { return std::isfinite(sample); }))
+    refuse(file, "samples", "some of them are no numbers", "finite samples");
+  return recording;
+}
+
+}  // namespace contactspline

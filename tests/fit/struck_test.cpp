@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+// Fits to levels of partials of struck strings: the model against the one that plays, errors, intervals. Draws a
+// hundred hammers if CONTACTSPLINE_FULL_TESTS is set.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "fit/struck_strings.hpp"
+#include "generator/fit/fit.hpp"
+#include "support/compare.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+Fit fit_of(const Measurements& measured) {
+  return fit_material(measured, "probe.json", [](const std::string& /*what*/) {});
+}
+
+bool holds(const Estimate& estimate, double value) {
+  return estimate.low <= value && value <= estimate.high;
+}
+
+// The player is right to order 2 in its step of 1.3 us. Partials that nearly vanish are sensitive: found is 0.26 dB.
+TEST(Strike, AgreesWithTheModelThatPlays) {
+  const StruckResonator struck = string_struck_at(0.12, 0.004, 262);
+  for (const double mass : {0.001, 0.003, 0.009})
+    for (const double speed : {0.5, 4.0}) {
+      const TrueMaterial felt = lasting(2e-3, 2.5, 0, mass);
+      const auto played = log_amplitudes(felt, speed, struck);
+      strike_model::Strike<double> strike({std::log(felt.law.force(1e-3)), felt.law.exponent, 0, 0, 1, 1e-3}, mass,
+                                          speed, struck.modes);
+      ASSERT_TRUE(strike.play());
+      for (std::size_t i = 0; i < 30; ++i) {
+        if (!struck.sounds(i)) continue;
+        EXPECT_TRUE(within(kDecibelsPerNeper * strike.log_amplitude(i), kDecibelsPerNeper * played[i], 0.4))
+            << mass << " kg, " << speed << " m/s, partial " << i + 1;
+      }
+    }
+}
+
+// An error of twice the half interval, four deviations, comes once in 16,000 times.
+void expect_near(const Estimate& estimate, double truth) {
+  EXPECT_LT(std::abs(estimate.value - truth), estimate.high - estimate.low);
+}
+
+TEST(StruckFit, FindsHammerMassAndStiffness) {
+  const int fits = std::getenv("CONTACTSPLINE_FULL_TESTS") != nullptr ? 100 : 2;
+  int masses_held = 0, exponents_held = 0;
+  double mass_error = 0, force_error = 0;
+  for (int i = 0; i < fits; ++i) {
+    Random random(static_cast<std::uint64_t>(i) + 5000);
+    StruckResonator struck = string_struck_at(random.between(0.08, 0.15), 0.004, random.log_between(130, 300));
+    const TrueMaterial felt =
+        lasting(random.log_between(1e-3, 3e-3), random.between(1.8, 3.2), 0, 0.004 * random.log_between(0.3, 2));
+    struck.blows = blows_on(struck, felt, 5, 0.5, 5, 40, 1, random);
+    const Fit fit = fit_of({"probe", "", 0, {}, {}, {}, {"power"}, {"none"}, {}, struck});
+    const double half = fit.max_compression_m / 2;
+    const PowerLaw found{fit.stiffness.value, fit.exponent.value};
+    mass_error = std::max(mass_error, std::abs(fit.mass_kg.value / felt.mass_kg - 1));
+    force_error = std::max(force_error, std::abs(found.force(half) / felt.law.force(half) - 1));
+    expect_near(fit.mass_kg, felt.mass_kg);
+    expect_near(fit.exponent, felt.law.exponent);
+    masses_held += holds(fit.mass_kg, felt.mass_kg) ? 1 : 0;
+    exponents_held += holds(fit.exponent, felt.law.exponent) ? 1 : 0;
+  }
+  std::printf(
+      "%d fits: largest error of the mass %.2f %%, of the force at half the compression %.2f %%; intervals hold mass "
+      "%d, exponent %d times\n",
+      fits, 100 * mass_error, 100 * force_error, masses_held, exponents_held);
+  EXPECT_LT(mass_error, 0.05);
+  EXPECT_LT(force_error, 0.05);
+}
+
+}  // namespace
+}  // namespace contactspline::testing
