@@ -45,6 +45,7 @@ def rows():
         hz += gap
 
 
-print(HEADER)
-print(',\n'.join(rows()))
-print('  ]\n}')
+if __name__ == '__main__':
+    print(HEADER)
+    print(',\n'.join(rows()))
+    print('  ]\n}')

@@ -81,16 +81,17 @@ Source resonator_source(Resonator resonator, double max_frequency_hz) {
 // A keyboard and the body that it names; `read` reads what a file names.
 Source keyboard_source(const NamedText& file, double max_frequency_hz, const ReadFile& read) {
   Keyboard keyboard = parse_keyboard(file.text, file.file);
-  std::optional<Resonator> body = body_of(keyboard, file, read);
-  if (body) (void)sounding_modes(*body, max_frequency_hz);
+  KeyboardResonators resonators = resonators_of(keyboard, file, read);
+  for (const auto& named : {resonators.body, resonators.knock})
+    if (named) (void)sounding_modes(*named, max_frequency_hz);
   const std::string name = keyboard.name;
-  return {
-      name,
-      [=, keyboard = std::move(keyboard), body = std::move(body)](const Emitter& emitter, std::string_view command) {
-        const WaitingLine line("designing " + keyboard.name);
-        return emit(emitter, keyboard, body, max_frequency_hz, command);
-      },
-      {}};
+  return {name,
+          [=, keyboard = std::move(keyboard), resonators = std::move(resonators)](const Emitter& emitter,
+                                                                                  std::string_view command) {
+            const WaitingLine line("designing " + keyboard.name);
+            return emit(emitter, keyboard, resonators, max_frequency_hz, command);
+          },
+          {}};
 }
 
 Source instrument_source(std::string_view file, InstrumentSource instrument, double max_frequency_hz) {

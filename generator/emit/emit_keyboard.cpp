@@ -81,7 +81,7 @@ std::string faust_rules(const std::vector<BodyMode>& modes) {
   std::string constants, bridge, left, right;
   const auto number = [](double value) { return literal(rounded_to(value, 13)); };
   for (std::size_t i = 0; i < modes.size(); ++i) {
-    const auto& [mode, bridge_shape, left_shape, right_shape] = modes[i];
+    const auto& [mode, bridge_shape, knock_shape, left_shape, right_shape] = modes[i];
     constants += fmt::format("body_constants({}) = {}, {}, {};\n", i, number(mode.angular_frequency_rad_per_s),
                              number(mode.decay_per_s), number(mode.mass_kg));
     bridge += fmt::format("body_bridge_shape({}) = {};\n", i, number(bridge_shape));
@@ -91,10 +91,11 @@ std::string faust_rules(const std::vector<BodyMode>& modes) {
   return constants + bridge + left + right;
 }
 
-// The part of Faust's template. Without a body the strings are in tune, and no mode follows.
+// The part of Faust's template. Without a body the strings are in tune, and no mode follows. In Faust keys do not
+// knock.
 std::string faust_body_text(const Keyboard& keyboard, const std::optional<Resonator>& body, double max_frequency_hz) {
   const KeyboardBody strings = keyboard.body.value_or(KeyboardBody{"", {0, 0}, {0, 0, 0}, 1, {}});
-  const auto modes = body ? body_modes(*body, max_frequency_hz) : std::vector<BodyMode>();
+  const auto modes = body_modes({body, {}}, max_frequency_hz);
   return fill_template(emitted_template("keyboard_body", "lib"),
                        {{"DOUBLE_HZ", in_one_row(strings.double_hz)},
                         {"TRIPLE_HZ", in_one_row(strings.triple_hz)},
@@ -120,6 +121,7 @@ std::string body_text(const Emitter& emitter, const KeyboardBody& body, const st
       {"DECAYS", column(modes, [](const BodyMode& m) { return m.mode.decay_per_s; })},
       {"MASSES", column(modes, [](const BodyMode& m) { return m.mode.mass_kg; })},
       {"BRIDGE_SHAPES", column(modes, [](const BodyMode& m) { return m.bridge_shape; })},
+      {"KNOCK_SHAPES", column(modes, [](const BodyMode& m) { return m.knock_shape; })},
       {"LEFT_SHAPES", column(modes, [](const BodyMode& m) { return m.left_shape; })},
       {"RIGHT_SHAPES", column(modes, [](const BodyMode& m) { return m.right_shape; })}};
   if (emitter.name == "cpp") values["MODES"] = fmt::format("{}", modes.size());
@@ -128,7 +130,7 @@ std::string body_text(const Emitter& emitter, const KeyboardBody& body, const st
 
 }  // namespace
 
-std::string emit(const Emitter& emitter, const Keyboard& keyboard, const std::optional<Resonator>& body,
+std::string emit(const Emitter& emitter, const Keyboard& keyboard, const KeyboardResonators& resonators,
                  double max_frequency_hz, std::string_view command) {
   const auto notes = all_notes(keyboard);
   TemplateValues values{{"VERSION", CONTACTSPLINE_VERSION},
@@ -157,9 +159,10 @@ std::string emit(const Emitter& emitter, const Keyboard& keyboard, const std::op
   add_strings(values, notes);
   add_felts(values, keyboard, notes);
   if (emitter.name == "faust")
-    values["BODY"] = faust_body_text(keyboard, body, max_frequency_hz);
+    values["BODY"] = faust_body_text(keyboard, resonators.body, max_frequency_hz);
   else
-    values["BODY"] = body ? body_text(emitter, *keyboard.body, body_modes(*body, max_frequency_hz)) : "";
+    values["BODY"] =
+        resonators.body ? body_text(emitter, *keyboard.body, body_modes(resonators, max_frequency_hz)) : "";
   return fill_template(emitted_template("keyboard", emitter.extension), values);
 }
 

@@ -2,7 +2,6 @@
 // A keyboard as source text: Faust library, C++ header, JSON.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <string_view>
 
@@ -12,8 +11,8 @@
 namespace contactspline {
 
 /// Source text of a keyboard: the strings and felts of all its keys and, if it has a body, the body's modes below
-/// `max_frequency_hz`. body: as body_of() reads it. Throws BadInput as note_of() does.
-[[nodiscard]] std::string emit(const Emitter& emitter, const Keyboard& keyboard, const std::optional<Resonator>& body,
+/// `max_frequency_hz`. resonators: as resonators_of() reads them. Throws BadInput as note_of() does.
+[[nodiscard]] std::string emit(const Emitter& emitter, const Keyboard& keyboard, const KeyboardResonators& resonators,
                                double max_frequency_hz, std::string_view command);
 
 }  // namespace contactspline

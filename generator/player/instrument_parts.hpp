@@ -22,7 +22,7 @@ namespace contactspline {
 /// The body of a score, with its modes below half the sample rate: places and what they read.
 struct BodyArrays {
   std::vector<Mode> modes;
-  std::vector<double> bridge, left, right;
+  std::vector<double> bridge, knock, left, right;
 };
 /// Throws BadInput where the body has no such mode.
 [[nodiscard]] BodyArrays body_arrays(const Score& score, double sample_rate_hz);
@@ -62,8 +62,8 @@ class KeyboardOfScore : public PedaledKeyboard<KeyboardOfScore<T>, T> {
 
   KeyboardOfScore(const Score& score, Felts felts, const BodyArrays& body, double sample_rate_hz,
                   std::size_t max_modes)
-      : Base(keys_of(score, felts), {body.modes, body.bridge, body.left, body.right, score.listening}, sample_rate_hz,
-             max_modes),
+      : Base(keys_of(score, felts), {body.modes, body.bridge, body.left, body.right, score.listening, body.knock},
+             sample_rate_hz, max_modes),
         felts_(std::move(felts)) {
     this->set_soft_ratio(score.una_corda_stiffness_ratio);
   }

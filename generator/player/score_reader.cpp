@@ -155,7 +155,9 @@ Voice voice_of(const Keyboard& keyboard, int key) {
 
 // All keys of a keyboard, which end at its body.
 void add_body(const Keyboard& keyboard, const NamedText& file, const ReadFile& read, Score& score) {
-  score.body = body_of(keyboard, file, read);
+  KeyboardResonators resonators = resonators_of(keyboard, file, read);
+  score.body = std::move(resonators.body);
+  score.knock = std::move(resonators.knock);
   if (!score.body) return;
   score.una_corda_stiffness_ratio = keyboard.body->una_corda_stiffness_ratio;
   score.listening = keyboard.body->listening;

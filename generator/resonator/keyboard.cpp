@@ -90,6 +90,21 @@ Material felt_of(const Keyboard& keyboard, const Between& notes, int key, double
   return material;
 }
 
+// With its strike as both the bridge and where keys knock.
+std::vector<BodyMode> modes_at_ears(const Resonator& resonator, double max_frequency_hz) {
+  Resonator mirrored = resonator;
+  if (auto* plate = std::get_if<Plate>(&mirrored.body))
+    mirrored.pickup.position_m = plate->length_m - mirrored.pickup.position_m;
+  if (auto* table = std::get_if<ModeTable>(&mirrored.body))
+    for (ModeTable::Row& row : table->rows) row.pickup_shape = row.right_shape;
+  const auto left = modes_of(resonator, max_frequency_hz).modes, right = modes_of(mirrored, max_frequency_hz).modes;
+  std::vector<BodyMode> modes;
+  for (std::size_t i = 0; i < left.size(); ++i)
+    modes.push_back(
+        {left[i].mode, left[i].strike_shape, left[i].strike_shape, left[i].pickup_shape, right[i].pickup_shape});
+  return modes;
+}
+
 }  // namespace
 
 StiffString strings_on_body(const KeyboardNote& note, const KeyboardBody& body) {
@@ -102,16 +117,15 @@ StiffString strings_on_body(const KeyboardNote& note, const KeyboardBody& body) 
   return string;
 }
 
-std::vector<BodyMode> body_modes(const Resonator& body, double max_frequency_hz) {
-  Resonator mirrored = body;
-  if (auto* plate = std::get_if<Plate>(&mirrored.body))
-    mirrored.pickup.position_m = plate->length_m - mirrored.pickup.position_m;
-  if (auto* table = std::get_if<ModeTable>(&mirrored.body))
-    for (ModeTable::Row& row : table->rows) row.pickup_shape = row.right_shape;
-  const auto left = modes_of(body, max_frequency_hz).modes, right = modes_of(mirrored, max_frequency_hz).modes;
+std::vector<BodyMode> body_modes(const KeyboardResonators& resonators, double max_frequency_hz) {
   std::vector<BodyMode> modes;
-  for (std::size_t i = 0; i < left.size(); ++i)
-    modes.push_back({left[i].mode, left[i].strike_shape, left[i].pickup_shape, right[i].pickup_shape});
+  if (resonators.body) modes = modes_at_ears(*resonators.body, max_frequency_hz);
+  if (modes.empty() || !resonators.knock) return modes;
+  for (BodyMode& mode : modes) mode.knock_shape = 0;
+  for (BodyMode& mode : modes_at_ears(*resonators.knock, max_frequency_hz)) {
+    mode.bridge_shape = 0;
+    modes.push_back(mode);
+  }
   return modes;
 }
 

@@ -33,6 +33,7 @@ struct KeyboardBody {
   std::vector<double> triple_hz;     ///< and three
   double una_corda_stiffness_ratio;  ///< ratio for the felt that strikes while the soft pedal is down
   Listening listening;               ///< the sound of the body
+  std::string knock = {};            ///< resonator that a played key strikes, as `resonator`; empty: none
 };
 
 /// As read from a keyboard file.
@@ -74,15 +75,21 @@ struct KeyboardNote {
 /// The strings of a key on the keyboard's body, each by itself: detuned, with their own losses.
 [[nodiscard]] StiffString strings_on_body(const KeyboardNote& note, const KeyboardBody& body);
 
-/// A mode of a keyboard's body, with its shapes at the bridge and at the two places where the ears are.
-struct BodyMode {
-  Mode mode;
-  double bridge_shape, left_shape, right_shape;
+/// What a keyboard's file names: its body, and what its keys strike when they are played (the knock).
+struct KeyboardResonators {
+  std::optional<Resonator> body, knock;
 };
 
-/// The modes of a body below `max_frequency_hz`: the strike is the bridge, the pickup the left ear, and the mirrored
-/// place on a plate the right ear. Other bodies have one place for both ears.
-[[nodiscard]] std::vector<BodyMode> body_modes(const Resonator& body, double max_frequency_hz);
+/// A mode of a keyboard's body, with its shapes at the bridge, where keys knock, and at the two places of the ears.
+struct BodyMode {
+  Mode mode;
+  double bridge_shape, knock_shape, left_shape, right_shape;
+};
+
+/// The modes of body and knock below `max_frequency_hz`, none if there is no body. The strike is the bridge or where
+/// keys knock, the pickup the left ear, and the mirrored place on a plate the right ear. Other resonators than plates
+/// and tables of modes have one place for both ears.
+[[nodiscard]] std::vector<BodyMode> body_modes(const KeyboardResonators& resonators, double max_frequency_hz);
 
 /// Speed [m/s] at which a velocity from 0 to 1 throws the hammer: min (max/min)^velocity.
 [[nodiscard]] double strike_speed(const Keyboard& keyboard, double velocity);

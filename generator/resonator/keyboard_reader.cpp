@@ -100,9 +100,13 @@ Listening read_listening(const JsonObject& body) {
 }
 
 KeyboardBody read_keyboard_body(const JsonObject& body) {
-  return {body.text("resonator", "the name of a resonator that ships, or its .json file"),
-          read_detuning(body, "double_hz", 2), read_detuning(body, "triple_hz", 3),
-          body.number("una_corda_stiffness_ratio", kUnaCorda), read_listening(body)};
+  constexpr const char* kResonator = "the name of a resonator that ships, or its .json file";
+  return {body.text("resonator", kResonator),
+          read_detuning(body, "double_hz", 2),
+          read_detuning(body, "triple_hz", 3),
+          body.number("una_corda_stiffness_ratio", kUnaCorda),
+          read_listening(body),
+          body.has("knock") ? body.text("knock", kResonator) : ""};
 }
 
 std::vector<PublishedNote> read_notes(const JsonObject& keyboard) {
@@ -181,7 +185,7 @@ Keyboard parse_keyboard(std::string_view text, std::string_view file) {
   if (keyboard.has("body"))
     read.body = read_keyboard_body(
         keyboard.object("body", {"resonator", "double_hz", "triple_hz", "una_corda_stiffness_ratio", "pickup_ratio",
-                                 "mobility_m_per_n_s", "output_above_hz"}));
+                                 "mobility_m_per_n_s", "output_above_hz", "knock"}));
   if (read.first_triple_key < read.first_double_key)
     keyboard.fail(keyboard.key("first_triple_key"),
                   fmt::format("{} is below first_double_key", read.first_triple_key),
@@ -194,11 +198,16 @@ Keyboard parse_keyboard(std::string_view text, std::string_view file) {
   return read;
 }
 
-std::optional<Resonator> body_of(const Keyboard& keyboard, const NamedText& file, const ReadFile& read) {
-  if (!keyboard.body) return {};
-  const NamedText named = named_text(file.file, "keyboard.body.resonator", keyboard.body->resonator,
-                                     Shipped::kResonators, reader_beside(file, read));
-  return parse_resonator(named.text, named.file);
+KeyboardResonators resonators_of(const Keyboard& keyboard, const NamedText& file, const ReadFile& read) {
+  const auto named = [&](const char* key, const std::string& name) {
+    const NamedText found = named_text(file.file, key, name, Shipped::kResonators, reader_beside(file, read));
+    return parse_resonator(found.text, found.file);
+  };
+  KeyboardResonators resonators;
+  if (!keyboard.body) return resonators;
+  resonators.body = named("keyboard.body.resonator", keyboard.body->resonator);
+  if (!keyboard.body->knock.empty()) resonators.knock = named("keyboard.body.knock", keyboard.body->knock);
+  return resonators;
 }
 
 }  // namespace contactspline

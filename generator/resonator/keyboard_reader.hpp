@@ -15,8 +15,8 @@ namespace contactspline {
 /// `file` stands in messages only. Throws BadInput.
 [[nodiscard]] Keyboard parse_keyboard(std::string_view text, std::string_view file);
 
-/// The body that a keyboard names: a resonator that ships, or a file beside the keyboard's, which `read` reads;
-/// nothing if it names none. Throws BadInput.
-[[nodiscard]] std::optional<Resonator> body_of(const Keyboard& keyboard, const NamedText& file, const ReadFile& read);
+/// The body and the knock that a keyboard names: resonators that ship, or files beside the keyboard's, which `read`
+/// reads; nothing where it names none. Throws BadInput.
+[[nodiscard]] KeyboardResonators resonators_of(const Keyboard& keyboard, const NamedText& file, const ReadFile& read);
 
 }  // namespace contactspline

@@ -95,7 +95,11 @@ std::vector<BadFile> key_cases() {
        "keyboard.impact", "unknown key; allowed: " + keys},
       {"unknown_in_body", changed(kGood, R"("pickup_ratio")", R"("loss": 1, "pickup_ratio")"), "keyboard.body.loss",
        "unknown key; allowed: resonator, double_hz, triple_hz, "
-       "una_corda_stiffness_ratio, pickup_ratio, mobility_m_per_n_s, output_above_hz"},
+       "una_corda_stiffness_ratio, pickup_ratio, mobility_m_per_n_s, output_above_hz, knock"},
+      {"knock_of_no_resonator", changed(kGood, R"("pickup_ratio")", R"("knock": "cupboard", "pickup_ratio")"),
+       "keyboard.body.knock", "'cupboard' does not ship; allowed: a .json file, soundboard"},
+      {"knock_is_number", changed(kGood, R"("pickup_ratio")", R"("knock": 1, "pickup_ratio")"), "keyboard.body.knock",
+       "is not a string; allowed: the name of a resonator that ships"},
       {"one_string_of_two", changed(kGood, "[-0.25, 0.35]", "[0]"), "keyboard.body.double_hz",
        "has 1 entries; allowed: 2 numbers"},
       {"four_strings_of_three", changed(kGood, "[-0.45, 0.15, 0.55]", "[0, 0, 0, 0]"), "keyboard.body.triple_hz",
@@ -153,18 +157,23 @@ TEST(GoodKeyboardFile, IsAccepted) {
 TEST(GoodKeyboardFile, HoldsTheBodyOfItsFolder) {
   const Sandbox box;
   fs::create_directory(box / "mine");
-  write_file(box / "mine" / "probe.json", changed(kGood, "\"soundboard\"", "\"board.json\""));
+  write_file(box / "mine" / "probe.json",
+             changed(kGood, "\"soundboard\"", "\"board.json\", \"knock\": \"case.json\""));
+  write_file(box / "mine" / "case.json", R"({ "name": "casing", "modes": [
+    { "frequency_hz": 90, "decay_per_s": 8, "mass_kg": 12.5, "strike_shape": 2, "pickup_shape": 0.5,
+      "right_shape": -0.5 }] })");
   write_file(box / "mine" / "board.json", R"({ "name": "board", "modes": [
     { "frequency_hz": 100, "decay_per_s": 5, "mass_kg": 3.25, "strike_shape": 1.5, "pickup_shape": -0.75 }] })");
   const auto outcome =
       run({.arguments = {"generate", "mine/probe.json", "-o", "out", "--depfile", "out.d"}, .folder = box.path()});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const std::string header = read_file(box / "out" / "probe.hpp"), rule = read_file(box / "out.d");
-  for (const char* text : {"masses = {\n    3.25}", "bridge_shapes = {\n    1.5}", "left_shapes = {\n    -0.75}",
-                           "right_shapes = {\n    -0.75}", "double_hz = {-0.25, 0.35}", "output_ratios = {\n    0.41",
-                           "pickup_ratio = 0.125", "output_above_hz = 81", "bridge_ratios = {\n    0.5"})
+  for (const char* text :
+       {"masses = {\n    3.25, 12.5}", "bridge_shapes = {\n    1.5, 0.0}", "knock_shapes = {\n    0.0, 2.0}",
+        "left_shapes = {\n    -0.75, 0.5}", "right_shapes = {\n    -0.75, -0.5}", "double_hz = {-0.25, 0.35}",
+        "output_ratios = {\n    0.41", "pickup_ratio = 0.125", "output_above_hz = 81", "bridge_ratios = {\n    0.5"})
     EXPECT_NE(header.find(text), header.npos) << text;
-  EXPECT_NE(rule.find(" mine/board.json"), rule.npos) << rule;
+  for (const char* file : {" mine/board.json", " mine/case.json"}) EXPECT_NE(rule.find(file), rule.npos) << rule;
 }
 
 // Without a body nothing of it is written.

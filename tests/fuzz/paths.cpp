@@ -177,8 +177,9 @@ void play_keyboard(std::string_view text) {
   Keyboard keyboard = parse_keyboard(text, kJson);
   keyboard.segments = std::min(keyboard.segments, 4);
   keyboard.last_key = std::min(keyboard.last_key, keyboard.first_key + kMaxKeys);
-  const auto body = body_of(keyboard, {std::string(text), kJson, true}, shipped_file);
-  for (const Emitter& emitter : emitters()) demand_text(emitter, emit(emitter, keyboard, body, kHz / 2, kCommand));
+  const auto resonators = resonators_of(keyboard, {std::string(text), kJson, true}, shipped_file);
+  for (const Emitter& emitter : emitters())
+    demand_text(emitter, emit(emitter, keyboard, resonators, kHz / 2, kCommand));
   strike_key(text, keyboard.first_key);
 }
 

@@ -24,14 +24,16 @@ namespace contactspline::testing {
 
 inline constexpr double kFeatureRate = 44100;
 
-/// A note of the piano that ships; other_events begin with a comma.
+/// A note of the piano that ships, without the knock of key and action; other_events begin with a comma.
 [[nodiscard]] inline Score one_note(int key, double speed_m_per_s, double hold_s, double duration_s,
                                     const std::string& other_events = "") {
   const std::string text = fmt::format(
       R"({{ "instrument": "hammer-string", "duration_s": {}, "keyboard": "piano",
             "events": [ {{ "time_s": 0, "key": {}, "speed_m_per_s": {}, "hold_s": {} }}{} ] }})",
       duration_s, key, speed_m_per_s, hold_s, other_events);
-  return parse_score(text, "note.json", shipped_file);
+  Score score = parse_score(text, "note.json", shipped_file);
+  score.knock.reset();
+  return score;
 }
 
 /// The left channel of a note on the soundboard [m/s].

@@ -51,10 +51,15 @@ INSTANTIATE_TEST_SUITE_P(InEveryFormat, InstrumentPlugin, ::testing::ValuesIn(ev
 // As docs/how-to/plugins.md says.
 std::vector<HostedParameter> expected_parameters(const std::string& name) {
   if (name == "piano")
-    return {{"stiffness ratio", "", 0.05, 20, 1}, {"mass ratio", "", 0.25, 4, 1},
-            {"loss", "s/m", 0, 2, 0.1},           {"sustain", "", 0, 1, 0},
-            {"sostenuto", "", 0, 1, 0},           {"una corda", "", 0, 1, 0},
-            {"bend", "cents", -200, 200, 0},      {"volume", "", 0, 1, 0.5}};
+    return {{"stiffness ratio", "", 0.05, 20, 1},
+            {"mass ratio", "", 0.25, 4, 1},
+            {"loss", "s/m", 0, 2, 0.1},
+            {"sustain", "", 0, 1, 0},
+            {"sostenuto", "", 0, 1, 0},
+            {"una corda", "", 0, 1, 0},
+            {"bend", "cents", -200, 200, 0},
+            {"knock ratio", "", 0, 4, 1},
+            {"volume", "", 0, 1, 0.5}};
   if (name == "trichord_c4")
     return {{"felt stiffness ratio", "", 0.01, 100, 1},
             {"felt loss", "s/m", 0, 2, 0.1},
@@ -320,6 +325,7 @@ TEST_P(InstrumentPlugin, FollowsWhoeverMovedAParameterLast) {
     const auto plugin = open();
     plugin->send(0, {0xb0, 64, 0});
     (void)plugin->run(1);
+    if (is_piano()) plugin->set("knock ratio", 0);  // the case rings on
     plugin->set("sustain", 1);
     plugin->send(1, {0x90, 60, 100});
     (void)plugin->run(20);

@@ -287,6 +287,56 @@ TEST(KeyboardOnBody, IsHeardAtItsEarsAndByTheForce) {
   EXPECT_GT(peak_of<double>(by_force), 1);  // newtons
 }
 
+// What a key strikes when it is played rings by itself: an impulse J of r times the hammer's momentum sets a mode of
+// mass m to move as J/m exp(-a t) (cos(w t) - a/w sin(w t)), from the middle of the first sample on. A force that is
+// constant over a sample is weaker than an impulse by (w dt)^2/24, and sound_pickup() takes that away twice. What a
+// mode loses in a sample is far less.
+TEST(KeyboardOnBody, KnocksByTheHammersMomentum) {
+  constexpr double kW = 2 * std::numbers::pi * 220, kDecay = 0.5, kMass = 1.5, kRatio = 3, kSpeed = 2;
+  OneKey one({0, 0.15, -0.1}, 12);
+  one.bare_modes.push_back({kW, kDecay, kMass});
+  one.bridge.push_back(0);
+  one.ear.push_back(0.5);
+  std::vector<double> knock(one.bare_modes.size());
+  knock.back() = -2;
+  const auto played = [&](double ratio) {
+    const KeyOnBody<double> key = one.key();
+    BoardOfKeyboard board = one.keyboard_board();
+    board.knock = knock;
+    KeyboardOnBody<double> keyboard({&key, 1}, board, kRate, one.max_modes);
+    keyboard.set_knock(ratio);
+    keyboard.set_knock(std::numeric_limits<double>::quiet_NaN());
+    keyboard.strike(0, kSpeed);
+    Sound<double> sound;
+    play(keyboard, 0.5, sound);
+    return sound;
+  };
+  const Sound<double> without = played(0), with = played(kRatio);
+  const double impulse = kRatio * one.struck.hammer_kg * kSpeed, peak = 2 * 0.5 * impulse / kMass;
+  const double w_dt = kW / kRate;
+  for (std::size_t n = 0; n < with.size(); ++n) {
+    const double t = (static_cast<double>(n) + 0.5) / kRate;
+    const double expected = -peak * std::exp(-kDecay * t) * (std::cos(kW * t) - kDecay / kW * std::sin(kW * t));
+    ASSERT_NEAR(with[n] - without[n], expected, peak * w_dt * w_dt / 12) << n;
+  }
+}
+
+// The knock is work on the body, and the only one: without damping of its modes the energy after the sample is J^2/2m
+// for each, and stays.
+TEST(Body, KeepsTheEnergyOfAKnock) {
+  const std::vector<Mode> modes = {{2 * std::numbers::pi * 100, 0, 2}, {2 * std::numbers::pi * 300, 0, 3}};
+  const double shapes[] = {1, -0.5};
+  Body<double> body(modes, ModeShapes<double>(2), {}, kRate, ModeShapes<double>(std::span<const double>(shapes)));
+  constexpr double kImpulse = 0.01;
+  body.knock(kImpulse);
+  body.tick(0);
+  const double energy = body.energy(), w_dt = 2 * std::numbers::pi * 300 / kRate;
+  const double expected = kImpulse * kImpulse * (1.0 / 4 + 0.25 / 6);
+  EXPECT_TRUE(relatively_within(energy, expected, w_dt * w_dt / 4));
+  for (int n = 0; n < 44100; ++n) body.tick(0);
+  EXPECT_TRUE(relatively_within(body.energy(), energy, 1e-12));
+}
+
 // |H|^2 = 1/(1 + (w/x)^4) with x = tan(pi f/rate), w = tan(pi cutoff/rate): a Butterworth under the bilinear
 // transform.
 TEST(HighPass, HasTheButterworthResponse) {
@@ -533,6 +583,7 @@ TEST(KeyboardInstrument, DoesNotClick) {
 double energy_after(const std::function<void(KeyboardInstrument<Piano, double>&)>& act, double seconds) {
   KeyboardInstrument<Piano, double> piano(kRate, 30);
   damp_treble(piano);
+  piano.set_knock(0);  // the energy of strings and board alone
   Sound<double> sound;
   piano.note_on(60, 0.6);
   play(piano, 0.1, sound);
@@ -581,6 +632,7 @@ TEST(KeyboardInstrument, HoldsWhatSostenutoHolds) {
 TEST(KeyboardInstrument, StrikesOneStringLessUnaCorda) {
   const auto start = [](int key, double position) {
     KeyboardInstrument<Piano, double> piano(kRate, 30);
+    piano.set_knock(0);  // it is alike with and without the pedal
     piano.una_corda(position);
     piano.note_on(key, 0.6);
     Sound<double> sound;
@@ -614,9 +666,12 @@ TEST(KeyboardInstrument, RingsInSympathy) {
 // The emitted numbers are those of the resonator that ships, to the digits of the header.
 TEST(EmittedKeyboard, HoldsItsBody) {
   using Board = Piano::body;
-  const EmbeddedFile* file = find_embedded(Shipped::kResonators, "soundboard.json");
-  ASSERT_NE(file, nullptr);
-  const auto expected = body_modes(parse_resonator(file->content, file->name), 22050);
+  const auto shipped = [](const char* name) {
+    const EmbeddedFile* file = find_embedded(Shipped::kResonators, name);
+    return file == nullptr ? std::optional<Resonator>() : parse_resonator(file->content, file->name);
+  };
+  const auto expected = body_modes({shipped("soundboard.json"), shipped("piano_case.json")}, 22050);
+  EXPECT_EQ(expected.size(), body_modes({shipped("soundboard.json"), {}}, 22050).size() + 98);
   ASSERT_EQ(Board::modes, expected.size());
   for (std::size_t i = 0; i < expected.size(); ++i) {
     EXPECT_TRUE(
@@ -624,6 +679,8 @@ TEST(EmittedKeyboard, HoldsItsBody) {
     EXPECT_TRUE(relatively_within(Board::decays[i], expected[i].mode.decay_per_s, 1e-12));
     EXPECT_TRUE(relatively_within(Board::masses[i], expected[i].mode.mass_kg, 1e-12));
     EXPECT_TRUE(within(Board::bridge_shapes[i], expected[i].bridge_shape, 1e-11));
+    EXPECT_TRUE(within(Board::knock_shapes[i], expected[i].knock_shape, 1e-11));
+    EXPECT_EQ(Board::knock_shapes[i] == 0, Board::bridge_shapes[i] != 0) << i;
     EXPECT_TRUE(within(Board::left_shapes[i], expected[i].left_shape, 1e-11));
     EXPECT_TRUE(within(Board::right_shapes[i], expected[i].right_shape, 1e-11));
   }

@@ -21,7 +21,7 @@ namespace contactspline {
 
 /// The parameters of a keyboard on its body, for all keys.
 struct KeyboardParameter {
-  enum : std::size_t { kHardness, kMassRatio, kLoss, kSustain, kSostenuto, kUnaCorda, kBend, kParameters };
+  enum : std::size_t { kHardness, kMassRatio, kLoss, kSustain, kSostenuto, kUnaCorda, kBend, kKnock, kParameters };
   static constexpr std::array<Parameter, kParameters> kList = {
       {{"stiffness_ratio", "", {1e-6, 1e6}, {0.05, 20}, 1, Scale::kLogarithmic, Acts::kAtNextNote, 0, 74},
        {"mass_ratio", "", {1e-6, 1e6}, {0.25, 4}, 1, Scale::kLogarithmic, Acts::kAtNextNote},
@@ -29,7 +29,8 @@ struct KeyboardParameter {
        {"sustain", "", {0, 1}, {0, 1}, 0, Scale::kLinear, Acts::kAtOnce, 0, 64, 16},
        {"sostenuto", "", {0, 1}, {0, 1}, 0, Scale::kLinear, Acts::kAtOnce, 0, 66, 16},
        {"una_corda", "", {0, 1}, {0, 1}, 0, Scale::kLinear, Acts::kAtNextNote, 0, 67, 16},
-       {"bend_cents", "cents", {-1200, 1200}, {-200, 200}, 0, Scale::kLinear, Acts::kAtOnce, 0, 0, 16}}};
+       {"bend_cents", "cents", {-1200, 1200}, {-200, 200}, 0, Scale::kLinear, Acts::kAtOnce, 0, 0, 16},
+       {"knock_ratio", "", {0, 1000}, {0, 4}, 1, Scale::kLinear, Acts::kAtNextNote}}};
   static constexpr std::array<Output, 2> kOutputs = {
       {{"left_velocity_m_per_s", "m/s", 1.0 / 12}, {"right_velocity_m_per_s", "m/s", 1.0 / 12}}};
 };
@@ -101,6 +102,8 @@ class PedaledKeyboard : public KeyboardOnBody<T>, public KeyboardParameter {
         return this->sostenuto(values_[kSostenuto] >= 0.5);
       case kUnaCorda:
         return this->una_corda(values_[kUnaCorda]);
+      case kKnock:
+        return this->set_knock(static_cast<T>(values_[kKnock]));
       case kBend:
         for (std::size_t key = 0; key < this->keys(); ++key) this->bend(key, values_[kBend]);
         return;
@@ -153,7 +156,8 @@ class KeyboardInstrument : public PedaledKeyboard<KeyboardInstrument<Keyboard, T
                                           Board::bridge_shapes,
                                           Board::left_shapes,
                                           Board::right_shapes,
-                                          {Board::pickup_ratio, Board::mobility_m_per_n_s, Board::output_above_hz}};
+                                          {Board::pickup_ratio, Board::mobility_m_per_n_s, Board::output_above_hz},
+                                          Board::knock_shapes};
 
   static constexpr std::size_t kMaxModes = 80;
   static constexpr auto kParameterList = [] {
@@ -186,9 +190,9 @@ class KeyboardInstrument : public PedaledKeyboard<KeyboardInstrument<Keyboard, T
 
   std::size_t max_modes_ = kMaxModes;
   std::vector<Preset> presets_ = {
-      {"concert", {1, 1, 0.1, 0, 0, 0, 0}},         {"una corda", {1, 1, 0.1, 0, 0, 1, 0}},
-      {"soft felt", {0.2, 1, 0.3, 0, 0, 0, 0}},     {"hard felt", {6, 1, 0.05, 0, 0, 0, 0}},
-      {"heavy hammers", {1, 2.5, 0.1, 0, 0, 0, 0}}, {"long sustain", {1, 1, 0.1, 1, 0, 0, 0}}};
+      {"concert", {1, 1, 0.1, 0, 0, 0, 0, 1}},         {"una corda", {1, 1, 0.1, 0, 0, 1, 0, 1}},
+      {"soft felt", {0.2, 1, 0.3, 0, 0, 0, 0, 1}},     {"hard felt", {6, 1, 0.05, 0, 0, 0, 0, 1}},
+      {"heavy hammers", {1, 2.5, 0.1, 0, 0, 0, 0, 1}}, {"long sustain", {1, 1, 0.1, 1, 0, 0, 0, 1}}};
 };
 
 }  // namespace contactspline

@@ -34,10 +34,14 @@ template <std::floating_point T>
 class Body {
  public:
   /// `bridge`: shapes of the body's modes at the bridge, one for each mode. `stiffness`: the sum of
-  /// bridge_stiffness() of all strings that are there from the beginning.
-  Body(std::span<const Mode> modes, ModeShapes<T> bridge, const BridgeStiffness& stiffness, double sample_rate_hz)
+  /// bridge_stiffness() of all strings that are there from the beginning. `knock`: shapes where knock() acts, or
+  /// none.
+  Body(std::span<const Mode> modes, ModeShapes<T> bridge, const BridgeStiffness& stiffness, double sample_rate_hz,
+       ModeShapes<T> knock = ModeShapes<T>(0))
       : bank_(modes, sample_rate_hz),
         bridge_(std::move(bridge)),
+        knock_(std::move(knock)),
+        sample_rate_hz_(static_cast<T>(sample_rate_hz)),
         stiffness_(stiffness),
         admittance_(bank_.admittance(bridge_, bridge_)) {}
 
@@ -64,12 +68,19 @@ class Body {
     force_n_ += force_gain_n;
   }
 
+  /// An impulse [N s] on the body during the next sample, -1e3 to 1e3, where the constructor was told. One that is
+  /// not a number does nothing.
+  void knock(T impulse_n_s) {
+    if (knock_.size() > 0) knock_n_ += sample_rate_hz_ * held(T(0), impulse_n_s, {T(-1e3), T(1e3)});
+  }
+
   /// Advances one sample under the force of the strings on the bridge [N], taken after their sample: the sum of shape
   /// times modal displacement, -1e6 to 1e6. A force that is not a number counts as the last one. Safe in an audio
   /// thread.
   void tick(T force_n) {
     force_n_ = held(force_n_, force_n, ControlRanges<T>::bridge_force_n);
     bank_.predict();
+    if (knock_n_ != 0) bank_.push(knock_, std::exchange(knock_n_, T(0)));
     const T free = bank_.increment(bridge_);
     const T half = static_cast<T>((stiffness_.ends + stiffness_.modes) / 2);
     // The force is pull - half change, where the change is the free one plus admittance times the force.
@@ -95,15 +106,17 @@ class Body {
   /// Brings the body to rest. Does not allocate.
   void reset() {
     bank_.reset();
-    displacement_ = change_ = force_n_ = 0;
+    displacement_ = change_ = force_n_ = knock_n_ = 0;
   }
 
  private:
   ModalBank<T> bank_;
-  ModeShapes<T> bridge_;
+  ModeShapes<T> bridge_, knock_;
+  T sample_rate_hz_;
   BridgeStiffness stiffness_;
   T admittance_;
   T displacement_ = 0, change_ = 0, force_n_ = 0;
+  T knock_n_ = 0;  // in the next sample
 };
 
 }  // namespace contactspline

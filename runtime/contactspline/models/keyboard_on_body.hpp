@@ -25,11 +25,13 @@
 
 namespace contactspline {
 
-/// The body of a KeyboardOnBody: its modes, with shapes at the bridge and at both ears.
+/// The body of a KeyboardOnBody: its modes, with shapes at the bridge, at both ears and, unless it is empty, where
+/// keys knock at the body.
 struct BoardOfKeyboard {
   std::span<const Mode> modes;
   std::span<const double> bridge, left, right;
   Listening listening = {};
+  std::span<const double> knock = {};
 };
 
 /// Struck strings on one body, with dampers and pedals; the output is a velocity for each ear [m/s] (Listening).
@@ -46,7 +48,8 @@ class KeyboardOnBody {
   KeyboardOnBody(std::span<const KeyOnBody<T>> keys, const BoardOfKeyboard& board, double sample_rate_hz,
                  std::size_t max_modes = 4096)
       : time_step_s_(1 / sample_rate_hz),
-        body_(board.modes, ModeShapes<T>(board.bridge), stiffness_at_rest(keys), sample_rate_hz),
+        body_(board.modes, ModeShapes<T>(board.bridge), stiffness_at_rest(keys), sample_rate_hz,
+              ModeShapes<T>(board.knock)),
         left_(ear(board.left, board.listening.pickup_ratio)),
         right_(ear(board.right, board.listening.pickup_ratio)),
         mobility_(static_cast<T>(board.listening.mobility_m_per_n_s)),
@@ -70,6 +73,7 @@ class KeyboardOnBody {
     set_modes(key, struck.model.string().size());
     struck.prepare_strike(una_corda_, soft_ratio_, hammer_mass_ratio_, felt_);
     struck.model.strike(speed_m_per_s, HammerVoice<T>::kThrowDistance_m);
+    body_.knock(knock_ratio_ * struck.controls.hammer_mass_kg * speed_m_per_s);
     struck.is_struck = sounds_ = true;
     wake_lifted();
   }
@@ -118,6 +122,10 @@ class KeyboardOnBody {
     hammer_mass_ratio_ = held(hammer_mass_ratio_, mass_ratio, {T(1e-6), T(1e6)});
     felt_ = held(felt_, felt);
   }
+
+  /// The knock of key and action on the body, from the next strike on: its impulse as a ratio of the hammer's, 0 to
+  /// 1000, clamped; at first 1.
+  void set_knock(T ratio) { knock_ratio_ = held(knock_ratio_, ratio, {T(0), T(1000)}); }
 
   /// Moves the place at which a key's hammer strikes, from the end that does not move [m], from the next strike on;
   /// clamped to the string.
@@ -422,7 +430,7 @@ class KeyboardOnBody {
   std::size_t clock_ = 0, next_check_ = 0, failures_ = 0, contacts_ = 0;
   std::uint64_t samples_ = 0;
   double sustain_ = 0, una_corda_ = 0, soft_ratio_ = 1;
-  T hammer_mass_ratio_ = 1;
+  T hammer_mass_ratio_ = 1, knock_ratio_ = 1;
   ContactControls<T> felt_ = {};
   bool is_sostenuto_ = false;
   bool sounds_ = false;
