@@ -20,7 +20,7 @@ struct PanelOfFit {
   const char* at;
   const char* value;
   bool from_begin;   ///< each source from its own begin on
-  bool is_relative;  ///< residuals in parts of each value, not of the largest one; not of levels
+  bool is_relative;  ///< residuals in % of each value, else of the largest one; those of levels are in dB
   double at_scale, value_scale;
 };
 
@@ -38,6 +38,7 @@ bool is_of_levels(const PanelOfFit& panel) {
 // Rows of place, measured, modelled and residual in percent or dB, by rising place.
 Data rows_of(const PanelOfFit& panel, const FitQuality& quality, std::size_t number) {
   Data data(fmt::format("fit_{}_{}", &panel - kPanels, number));
+  // 100 cancels the percent: residuals of levels stay in dB.
   const double largest = is_of_levels(panel) ? 100 : std::ranges::max(quality.measured);
   std::vector<std::size_t> order(quality.at.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;

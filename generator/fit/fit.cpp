@@ -15,8 +15,6 @@
 namespace contactspline {
 namespace {
 
-constexpr double kHertz = 1.5;
-
 /// A model, and the best values that were found for it.
 struct Candidate {
   const ModelRow* law;
@@ -57,7 +55,7 @@ bool frees(const Candidate& candidate, FitParameter parameter) {
 // Values to start from: several exponents, and if the same law has been fitted without a loss, what that found.
 std::vector<FitValues> starts_of(const FitProblem& problem, const Candidate& candidate, const Candidate* simpler) {
   const double loss = frees(candidate, kHuntCrossley) ? 0.3 : 0, weight = frees(candidate, kWeight) ? 0.5 : 0;
-  const std::vector exponents = !frees(candidate, kExponent) ? std::vector{kHertz}
+  const std::vector exponents = !frees(candidate, kExponent) ? std::vector{kHertzExponent}
                                 : simpler == nullptr         ? problem.likely_exponents()
                                                              : std::vector{2.5};
   std::vector<FitValues> starts;

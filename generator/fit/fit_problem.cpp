@@ -122,7 +122,7 @@ double FitProblem::set_gains(FitValues& values) const {
     double sum = 0, count = 0;
     for (const auto& some : all)
       for (const double error : some) sum += error, ++count;
-    return sum / count;
+    return sum / std::max(1.0, count);  // none counts: nothing to mend
   };
   if (struck.has_common_gain) values.parameters[kLogGain] -= mean_of(errors);
   double cost = 0;
@@ -140,7 +140,8 @@ void FitProblem::take_contact(double mass_kg, double duration_s) {
   scales_.reference_m = anchor(kLikelyExponent).first;
 }
 
-// Contacts of many durations and, if it is not known, masses: the few that describe the levels best.
+// Contacts of many durations and, if it is not known, masses: the few that describe the levels best. The values name
+// the duration as that of a memory.
 std::vector<FitValues> FitProblem::scanned_contacts() {
   constexpr int kDurations = 24, kMasses = 12;
   constexpr std::size_t kKept = 6;
@@ -148,6 +149,7 @@ std::vector<FitValues> FitProblem::scanned_contacts() {
   const StruckMode& first =
       *std::ranges::find_if(measured_.struck->modes, [](const StruckMode& mode) { return mode.shape != 0; });
   const double known_duration_s = duration_s_, known_mass_kg = scales_.mass_kg;
+  const double exponent = std::ranges::count(measured_.laws, "power") > 0 ? kLikelyExponent : kHertzExponent;
   std::vector<std::pair<double, FitValues>> all;
   double reference_m = 0;
   for (int m = 0; m < (measured_.fits_mass() ? kMasses : 1); ++m)
@@ -156,10 +158,9 @@ std::vector<FitValues> FitProblem::scanned_contacts() {
       take_contact(measured_.fits_mass() ? ratio * first.mass_kg / (first.shape * first.shape) : known_mass_kg,
                    has_anchor ? known_duration_s : 1e-4 * std::pow(100, d / (kDurations - 1.0)));
       if (reference_m == 0) reference_m = scales_.reference_m;
-      FitValues values = begin(kLikelyExponent, 0, 0, 1);
-      const double cost = set_gains(values);
-      values.parameters[kLogForce] += kLikelyExponent * std::log(reference_m / scales_.reference_m);
-      all.emplace_back(cost, values);
+      FitValues values = begin(exponent, 0, 0, 1);
+      values.parameters[kLogForce] += exponent * std::log(reference_m / scales_.reference_m);
+      all.emplace_back(values.cost, values);
     }
   scales_.reference_m = reference_m;
   std::ranges::sort(all, {}, &std::pair<double, FitValues>::first);
@@ -198,8 +199,10 @@ void FitProblem::find_contact() {
   }
   scales_.max_frequency_hz = std::numeric_limits<double>::infinity();
   if (!std::isfinite(best.cost)) return;
-  scales_.mass_kg = std::exp(best.parameters[kLogMass]);
-  contact_ = {scales_.reference_m, std::exp(best.parameters[kLogForce])};
+  const double at_m = scales_.reference_m;
+  take_contact(std::exp(best.parameters[kLogMass]), std::exp(best.parameters[kLogTime]));
+  contact_ = {scales_.reference_m, std::exp(best.parameters[kLogForce] +
+                                            best.parameters[kExponent] * std::log(scales_.reference_m / at_m))};
   likely_exponents_ = {best.parameters[kExponent]};
 }
 
@@ -270,7 +273,7 @@ FitValues FitProblem::begin(double exponent, double loss, double weight, double 
     values.pulses.push_back({kBefore, std::log(contactspline::speed_of(pulse, measured_.mass_kg)), 0});
   for (std::size_t i = 0; measured_.struck && i < measured_.struck->blows.size(); ++i)
     values.blows.push_back({std::log(speed_of(measured_.struck->blows[i])), 0});
-  if (measured_.struck) (void)set_gains(values);
+  if (measured_.struck) values.cost = set_gains(values);
   return values;
 }
 

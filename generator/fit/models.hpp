@@ -20,6 +20,8 @@ struct ModelRow {
   std::vector<FitParameter> frees;  ///< the others stay at `fixed`
 };
 
+inline constexpr double kHertzExponent = 1.5;
+
 /// Laws: power, hertz. Both have a force at a reference compression; Hertz's exponent is 1.5.
 [[nodiscard]] const std::vector<ModelRow>& laws();
 

@@ -141,10 +141,11 @@ std::vector<Blow::Level> levels_of(const Recording& recording, const std::string
     const bool is_chosen = partials && std::ranges::find(*partials, i) != partials->end();
     if (partials && !is_chosen) continue;
     const double frequency = struck.modes[i].frequency_hz(), rate = recording.sample_rate_hz;
-    if (is_chosen && frequency >= rate / 2)
+    if (is_chosen && frequency > kHighest * rate)
       refuse(file, "partials",
-             fmt::format("partial {} of {:.6g} Hz is above half the sample rate of {} Hz", i + 1, frequency, rate),
-             fmt::format("partials below {} Hz", kHighest * rate));
+             fmt::format("partial {} of {:.6g} Hz is above {} of the sample rate of {} Hz", i + 1, frequency,
+                         kHighest, rate),
+             fmt::format("partials up to {} Hz", kHighest * rate));
     if (!struck.sounds(i) || frequency > kHighest * rate) continue;
     const auto level = level_of(window, struck, i);
     if (level) levels.push_back({i, *level});

@@ -13,6 +13,7 @@ namespace contactspline {
 
 Recording read_recording(std::string_view bytes, const std::string& file) {
   constexpr auto kAllowed = "a sound file of one channel, such as .wav or .flac";
+  constexpr std::size_t kMaxSamples = 1 << 24;  // a small file may hold many equal ones
   MemorySound memory{std::string(bytes)};
   SF_VIRTUAL_IO io = MemorySound::calls();
   SndfileHandle sound(io, &memory);
@@ -24,6 +25,8 @@ Recording read_recording(std::string_view bytes, const std::string& file) {
     const sf_count_t count = sound.read(block.data(), static_cast<sf_count_t>(block.size()));
     if (count <= 0) break;
     recording.samples.insert(recording.samples.end(), block.begin(), block.begin() + count);
+    if (recording.samples.size() > kMaxSamples)
+      refuse(file, "samples", fmt::format("there are more than {}", kMaxSamples), "a recording of one note");
   }
   if (!std::ranges::all_of(recording.samples, [](double sample) { return std::isfinite(sample); }))
     refuse(file, "samples", "some of them are no numbers", "finite samples");

@@ -22,8 +22,8 @@ struct StruckMode {
 namespace strike_model {
 
 /// Hammer and modes from the first touch on. A mode is q = e^(-decay t) (a cos(w t) + b sin(w t)), with a and b
-/// turned and damped once a step, exactly; the force acts as one blow h f a step, which for a smooth pulse is right
-/// to order 2 in the coupling and far better in the spectrum.
+/// turned and damped once a step, exactly. The force acts once a step, as a blow h f: for a force that begins at 0
+/// the error is of order 2 in the step.
 template <typename Real>
 class Strike {
  public:
@@ -99,7 +99,7 @@ class Strike {
     }
   }
 
-  // The force of this step on hammer and modes. Is there any?
+  // Applies the force of this step to hammer and modes. Returns whether they touch.
   bool push() {
     using impact_model::number;
     using std::exp, std::log;

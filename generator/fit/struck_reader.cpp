@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <set>
@@ -156,7 +157,10 @@ std::optional<std::vector<std::size_t>> read_partials(const JsonObject& entry, c
 
 bool is_sound(const std::string& path) {
   constexpr std::array kEndings = {".wav", ".flac", ".aiff", ".aif", ".ogg"};
-  return std::ranges::find(kEndings, std::filesystem::path(path).extension().string()) != kEndings.end();
+  std::string ending = std::filesystem::path(path).extension().string();
+  std::ranges::transform(ending, ending.begin(),
+                         [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+  return std::ranges::find(kEndings, ending) != kEndings.end();
 }
 
 Blow read_blow(const JsonObject& entry, const ReadFile& read, const StruckResonator& struck,
@@ -199,8 +203,8 @@ void require_enough_levels(const JsonObject& fit, const Measurements& measured) 
              fmt::format("one known speed or more if the gain is {}, else all of them", kCommon));
   constexpr double kMinRatio = 1.2;
   const bool frees_exponent = std::ranges::count(measured.laws, "power") > 0;
-  if (frees_exponent && measured.pulses.empty() && measured.curves.empty() && !lacks_speeds &&
-      std::ranges::max(speeds) < kMinRatio * std::ranges::min(speeds))
+  if (frees_exponent && measured.pulses.empty() && measured.rows.empty() && measured.curves.empty() &&
+      !lacks_speeds && std::ranges::max(speeds) < kMinRatio * std::ranges::min(speeds))
     fit.fail("struck.blows",
              fmt::format("speeds from {:.4g} to {:.4g} m/s leave the exponent unknown", std::ranges::min(speeds),
                          std::ranges::max(speeds)),

@@ -69,7 +69,7 @@ TEST(RecordedNote, IsRefusedIfItCannotBeMeasured) {
   expect_refused(note({}), "samples: the recording is silent");
   expect_refused(note({0.3}, 0.1), "samples: 0.08 s remain from the onset on");
   expect_refused(note({0.3, 0.1}), "partials: partial 3 of 3488 Hz does not stand out", only({2}));
-  expect_refused(note({0.3}), "partials: partial 4 of 23000 Hz is above half the sample rate", only({3}));
+  expect_refused(note({0.3}), "partials: partial 4 of 23000 Hz is above 0.45 of the sample rate", only({3}));
   Recording loud = note({2.0});
   for (double& sample : loud.samples) sample = std::clamp(sample, -1.0, 1.0);
   expect_refused(loud, "samples: ");

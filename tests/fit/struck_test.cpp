@@ -71,5 +71,21 @@ TEST(StruckFit, FindsHammerMassAndStiffness) {
   EXPECT_LT(force_error, 0.05);
 }
 
+// With Hertz's exponent, which is not searched, and levels of low partials in one blow that the six lowest of all
+// lack.
+TEST(StruckFit, FindsHertzAndTakesBlowsOfHighPartials) {
+  Random random(77);
+  StruckResonator struck = string_struck_at(0.11, 0.004, 200);
+  const TrueMaterial felt = lasting(1.5e-3, 1.5, 0, 0.003);
+  struck.blows = blows_on(struck, felt, 4, 0.5, 4, 30, 1, random);
+  struck.has_common_gain = false;
+  auto& levels = struck.blows[1].levels;
+  levels.erase(levels.begin(), levels.begin() + 8);
+  const Fit fit = fit_of({"probe", "", 0, {}, {}, {}, {"hertz"}, {"none"}, {}, struck});
+  EXPECT_TRUE(relatively_within(fit.mass_kg.value, felt.mass_kg, 0.05));
+  const double half = fit.max_compression_m / 2;
+  EXPECT_TRUE(relatively_within(PowerLaw{fit.stiffness.value, 1.5}.force(half), felt.law.force(half), 0.05));
+}
+
 }  // namespace
 }  // namespace contactspline::testing
