@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The editor of an instrument file: text in, its drawing and parts out, and the instrument plays.
-import { fillSelect } from "./controls.js";
+import { fillSelect, whenChosen } from "./controls.js";
 import { download } from "./save.js";
 
 const kFirst = "tanpura";
@@ -34,11 +34,11 @@ function drawn({ width, height, lines, dots, labels }, title) {
 export class InstrumentEditor {
   /** play({ title, bytes, text }) is called with every instrument that can be played. */
   constructor(generator, play) {
-    Object.assign(this, { generator, play, shipped: generator.instruments(), text: null, width: 0 });
+    Object.assign(this, { generator, play, shipped: generator.instruments(), text: null, name: "instrument", width: 0 });
     fillSelect(byId("file-start"), { ...Object.fromEntries(Object.keys(this.shipped).map((name) => [name, name])), "": "my own" });
     byId("file-start").addEventListener("change", ({ target }) => target.value && this.load(this.shipped[target.value]));
     byId("file-open").addEventListener("click", () => byId("file-input").click());
-    byId("file-input").addEventListener("change", ({ target }) => this.loadFile(target.files[0]));
+    whenChosen(byId("file-input"), (file) => this.loadFile(file));
     byId("file-save").addEventListener("click", () => download(`${this.name}.json`, byId("file-text").value));
     byId("file-text").addEventListener("input", () => {
       clearTimeout(this.settling);
@@ -54,7 +54,11 @@ export class InstrumentEditor {
   }
 
   async loadFile(file) {
-    if (file) this.load(await file.text());
+    try {
+      this.load(await file.text());
+    } catch (error) {
+      Object.assign(byId("file-note"), { className: "error", textContent: `${file.name} cannot be read: ${error.message}` });
+    }
   }
 
   /** Shows the text of a file and plays its instrument. Returns what is wrong with it, or null. */

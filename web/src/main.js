@@ -206,7 +206,7 @@ class Page {
     this.gains.delete(kOwn);
     this.offerInstruments();
     this.play(kOwn, values);
-    if (text.length > kMaxFile) byId("file-note").append(` Links leave it out: they take files of up to ${kMaxFile} letters.`);
+    if (text.length > kMaxFile) byId("file-note").append(` Links and Undo leave it out: they take files of up to ${kMaxFile} letters.`);
   }
 
   /** Changes the instrument; values: { name: value } of the parameters that differ from the initial ones. Returns the
@@ -391,7 +391,7 @@ class Page {
 
   balance({ scene, column }) {
     const places = scene.items.some(({ kind }) => kind === "body") ? "Squares: places of the body." : "";
-    if (scene.imbalance === undefined) return places;
+    if (scene.imbalance === undefined || !(scene.work > 0)) return places;
     const worst = column(scene.imbalance).reduce((max, value) => Math.max(max, Math.abs(value)), 0) / scene.work;
     const told = `Energy is balanced within ${readable(worst)}. ${places}`;
     return scene.energies.length > 0 ? `${told} Pull the hammer back and let it go.` : told;

@@ -278,7 +278,7 @@ export class Story {
       drawn(stage.study);
       const peak = rounded(Math.max(...stage.forces), 3);
       const told = [`${rounded(1000 * stage.length(), 3)} ms, ${kSlowed} times slower; at most ${peak} N.`];
-      if (scene.imbalance !== undefined) {
+      if (scene.imbalance !== undefined && scene.work > 0) {
         const worst = column(scene.imbalance).reduce((max, x) => Math.max(max, Math.abs(x)), 0);
         told.push(`Energy balances within ${rounded(worst / scene.work, 2)}.`);
       }
