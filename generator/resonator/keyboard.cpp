@@ -120,8 +120,8 @@ StiffString strings_on_body(const KeyboardNote& note, const KeyboardBody& body) 
 std::vector<BodyMode> body_modes(const KeyboardResonators& resonators, double max_frequency_hz) {
   std::vector<BodyMode> modes;
   if (resonators.body) modes = modes_at_ears(*resonators.body, max_frequency_hz);
-  if (modes.empty() || !resonators.knock) return modes;
   for (BodyMode& mode : modes) mode.knock_shape = 0;
+  if (modes.empty() || !resonators.knock) return modes;
   for (BodyMode& mode : modes_at_ears(*resonators.knock, max_frequency_hz)) {
     mode.bridge_shape = 0;
     modes.push_back(mode);

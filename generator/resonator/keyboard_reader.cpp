@@ -132,16 +132,29 @@ struct Outcome {
   Range allowed;
 };
 
+// Strings that are out of tune have a pitch above half of the key's.
+void check_detuning(const Keyboard& keyboard, const JsonObject& object, int key, const KeyboardNote& note) {
+  if (!keyboard.body || note.strings == 1) return;
+  const bool has_two = note.strings == 2;
+  for (const double hz : has_two ? keyboard.body->double_hz : keyboard.body->triple_hz)
+    if (!(hz > -note.pitch_hz / 2))
+      object.fail(has_two ? "keyboard.body.double_hz" : "keyboard.body.triple_hz",
+                  fmt::format("at key {} {} leaves {:.4g} Hz of {:.4g}", key, hz, note.pitch_hz + hz, note.pitch_hz),
+                  "numbers above minus half of each pitch");
+}
+
 // What lies beyond the outermost notes may leave any bounds.
 void check_notes(const Keyboard& keyboard, const JsonObject& object) {
   for (int key = keyboard.first_key; key <= keyboard.last_key; ++key) {
     const KeyboardNote note = note_of(keyboard, key);
+    check_detuning(keyboard, object, key, note);
     const StiffString& string = note.string;
     const PowerLaw& felt = *note.felt.contact.power_law();
     for (const auto& [what, value, allowed] :
          {Outcome{"length_m", string.length_m, kLength}, Outcome{"mass_kg", string.mass_kg, kMass},
           Outcome{"bending_stiffness_n_m2", string.bending_stiffness_n_m2, kBending},
-          Outcome{"constant_loss_per_s", string.losses.constant_per_s, kConstantLoss},
+          Outcome{"constant_loss_per_s", string.losses.constant_per_s - note.bridge_loss_per_s, kConstantLoss},
+          Outcome{"the loss to the body in 1/s", note.bridge_loss_per_s, {0, kConstantLoss.max}},
           Outcome{"quadratic_loss_m2_per_s", string.losses.quadratic_m2_per_s, kQuadraticLoss},
           Outcome{"tension in N", string.tension_n, kTension},
           Outcome{"strike_position_m", note.strike_position_m, {kMinPosition, string.length_m}},

@@ -102,6 +102,13 @@ std::vector<BadFile> key_cases() {
        "is not a string; allowed: the name of a resonator that ships"},
       {"one_string_of_two", changed(kGood, "[-0.25, 0.35]", "[0]"), "keyboard.body.double_hz",
        "has 1 entries; allowed: 2 numbers"},
+      {"flat_by_most_of_its_pitch",
+       changed(changed(changed(changed(kGood, R"("first_key": 35)", R"("first_key": 21)"),
+                               R"("concert_pitch_hz": 440)", R"("concert_pitch_hz": 100)"),
+                       R"("first_double_key": 40)", R"("first_double_key": 0)"),
+               "0.35", "-4.9"),
+       "keyboard.body.double_hz", "at key 21 -4.9 leaves 1.35 Hz of 6.25; allowed: numbers above minus half"},
+      {"mobility_in_another_unit", changed(kGood, "7e-4", "700"), "keyboard.notes", "at key 35 the loss to the body"},
       {"four_strings_of_three", changed(kGood, "[-0.45, 0.15, 0.55]", "[0, 0, 0, 0]"), "keyboard.body.triple_hz",
        "has 4 entries; allowed: "},
       {"far_out_of_tune", changed(kGood, "0.35", "5.1"), "keyboard.body.double_hz[1]",
@@ -174,6 +181,17 @@ TEST(GoodKeyboardFile, HoldsTheBodyOfItsFolder) {
         "output_ratios = {\n    0.41", "pickup_ratio = 0.125", "output_above_hz = 81", "bridge_ratios = {\n    0.5"})
     EXPECT_NE(header.find(text), header.npos) << text;
   for (const char* file : {" mine/board.json", " mine/case.json"}) EXPECT_NE(rule.find(file), rule.npos) << rule;
+}
+
+// Without a knock keys strike strings alone.
+TEST(GoodKeyboardFile, NeedsNoKnock) {
+  const Sandbox box;
+  write_file(box / "probe.json", changed(kGood, "\"soundboard\"", "\"board.json\""));
+  write_file(box / "board.json", R"({ "name": "board", "modes": [
+    { "frequency_hz": 100, "decay_per_s": 5, "mass_kg": 3.25, "strike_shape": 1.5, "pickup_shape": -0.75 }] })");
+  const auto outcome = run({.arguments = {"generate", "probe.json", "-o", "out"}, .folder = box.path()});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(read_file(box / "out" / "probe.hpp").find("knock_shapes = {\n    0.0}"), std::string::npos);
 }
 
 // Without a body nothing of it is written.

@@ -68,8 +68,8 @@ class Body {
     force_n_ += force_gain_n;
   }
 
-  /// An impulse [N s] on the body during the next sample, -1e3 to 1e3, where the constructor was told. One that is
-  /// not a number does nothing.
+  /// An impulse [N s] on the body during the next sample, -1e3 to 1e3, at the place `knock` of the constructor. One
+  /// that is not a number does nothing.
   void knock(T impulse_n_s) {
     if (knock_.size() > 0) knock_n_ += sample_rate_hz_ * held(T(0), impulse_n_s, {T(-1e3), T(1e3)});
   }

@@ -91,8 +91,8 @@ struct SoundingKey {
     return rows;
   }
 
-  // Stiffness of the ends of a key's strings: a force there moves the bridge bridge_ratio times as much, and so do
-  // they.
+  // Stiffness of the ends of a key's strings as the bridge feels it: force and displacement there both count
+  // bridge_ratio times.
   static double ends_of(const KeyOnBody<T>& key) {
     return key.bridge_ratio * key.bridge_ratio * bridge_stiffness(key.strings, std::vector<StringMode>()).ends;
   }

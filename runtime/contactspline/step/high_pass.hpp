@@ -4,6 +4,7 @@
 
 #include "contactspline/step/cpp20.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <concepts>
 #include <numbers>
@@ -11,12 +12,13 @@
 namespace contactspline {
 
 /// Butterworth high-pass of second order: (s/w)^2/((s/w)^2 + sqrt(2) s/w + 1), by the bilinear transform with its
-/// -3 dB point kept (two trapezoidal integrators). frequency_hz: above 0 and below half the sample rate.
+/// -3 dB point kept (two trapezoidal integrators). frequency_hz: above 0; above 0.45 of the sample rate it counts as
+/// that.
 template <std::floating_point T>
 class HighPass {
  public:
   HighPass(double frequency_hz, double sample_rate_hz)
-      : gain_(static_cast<T>(std::tan(std::numbers::pi * frequency_hz / sample_rate_hz))),
+      : gain_(static_cast<T>(std::tan(std::numbers::pi * std::min(frequency_hz / sample_rate_hz, 0.45)))),
         scale_(1 / (1 + gain_ * (std::numbers::sqrt2_v<T> + gain_))) {}
 
   T tick(T in) {
