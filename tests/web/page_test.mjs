@@ -305,7 +305,7 @@ const cases = {
       assert.deepEqual(await page.evaluate(() => [contactSpline.page.instrument, contactSpline.page.played().text]), ["own", text]);
       assert.equal(await page.getByLabel("Text of the instrument file").inputValue(), text);
       await page.getByLabel("Text of the instrument file").fill(`${text}\n// ${"long ".repeat(4000)}`);
-      await page.getByText("Links leave it out").waitFor();
+      await page.getByText("Links and Undo leave it out").waitFor();
       await page.evaluate(() => contactSpline.page.settle());
       assert.ok(page.url().length < 2000, "a long file is in no link");
     });

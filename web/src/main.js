@@ -447,7 +447,9 @@ class Page {
     const controls = {};
     for (const { name, controller, init } of this.played().parameters)
       if (controller !== kSustain && this.value(name) !== init) controls[name] = this.value(name);
-    return { instrument: this.instrument, file: this.played().text, material: this.editor.state(), controls };
+    const { text } = this.played();
+    const file = text === undefined ? {} : { file: text };
+    return { instrument: this.instrument, ...file, material: this.editor.state(), controls };
   }
 
   /** The state in a link. */
