@@ -123,7 +123,6 @@ class HammerStringInstrument : public HammerStringParameter,
     is_held_ = false;
     release_if_free();
   }
-  void pluck(std::size_t, T, double = 0) {}
 
   void process(Outputs<T> outputs, std::span<T> force = {}) {
     voice_->controls() = controls();

@@ -62,15 +62,12 @@ class MassBarrierInstrument : public MassBarrierParameter,
   static const char* description() { return "Mass thrown at a rigid barrier: contact without iteration"; }
   static std::span<const Event> events() { return kEvents; }
   static std::span<const Output> outputs() { return kOutputs; }
-  static std::span<const Preset> presets() { return {}; }
 
   void prepare(double sample_rate_hz) { model_.emplace(contact_, static_cast<T>(sample_rate_hz), memories_); }
 
   void strike(std::size_t number, T speed_m_per_s) {
     if (number == 0) model_->throw_from(value_of(kStart), speed_m_per_s);
   }
-  void release(std::size_t) {}
-  void pluck(std::size_t, T, double = 0) {}
 
   void process(Outputs<T> outputs, std::span<T> force = {}) {
     const std::size_t length = detail::block_length<T>(outputs, force);

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <bitset>
+#include <concepts>
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -22,10 +23,18 @@ void play_event(I& instrument, const Event& event, double value) {
 }
 
 /// note_on() and note_off() of an instrument: each key plays its event where it has only one; else the keys from 60
-/// on play one event each. The velocity multiplies the parameter of the event.
+/// on play one event each. The velocity multiplies the parameter of the event. Presets, strikes, releases and plucks
+/// that an instrument does not define are none.
 template <typename Derived>
 class PlayedByEvents {
  public:
+  static std::span<const Preset> presets() { return {}; }
+  template <std::floating_point T>
+  void strike(std::size_t, T) {}
+  void release(std::size_t) {}
+  template <std::floating_point T>
+  void pluck(std::size_t, T, double = 0) {}
+
   /// key: of MIDI, others do nothing; velocity: 0 to 1, clamped; one that is not a number does nothing.
   void note_on(int key, double velocity) {
     const auto event = event_of(key);

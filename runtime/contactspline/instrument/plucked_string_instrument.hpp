@@ -46,7 +46,6 @@ class PluckedStringInstrument : public Parameters,
 
   static std::span<const Event> events() { return Parameters::kEvents; }
   [[nodiscard]] std::span<const Output> outputs() const { return detail::StringOutputs<T>::list(parts_.resonator); }
-  static std::span<const Preset> presets() { return {}; }
 
   void prepare(double sample_rate_hz) {
     sample_rate_hz_ = sample_rate_hz;
@@ -57,8 +56,6 @@ class PluckedStringInstrument : public Parameters,
     reset();
   }
 
-  void strike(std::size_t, T) {}
-  void release(std::size_t) {}
   void pluck(std::size_t number, T force_n, double rise_s = kPluckRise_s) {
     if (number == 0 && is_number(force_n)) pluck_.begin(double(force_n), rise_s, sample_rate_hz_);
   }
