@@ -13,6 +13,7 @@
 #include "contactspline.h"
 #include "contactspline/step/flush_denormals.hpp"
 #include "generator/instrument/instrument_reader.hpp"
+#include "generator/player/instrument_maker.hpp"
 #include "generator/support/embedded_files.hpp"
 #include "generator/support/error.hpp"
 #include "instrument/every_instrument.hpp"
@@ -267,6 +268,74 @@ TEST(CLibraryText, GivesTheSameInstrumentAsItsName) {
     ASSERT_TRUE(same_bits(a.sound[0].data(), b.sound[0].data(), 441));
   }
   EXPECT_GT(contactspline_energy(named.get()), 0);
+}
+
+/// A string and a bar, which two fingers pluck. The bar's second mode lies 0.2 mHz below half of kRate, and its third
+/// as far above, where it is left out.
+constexpr const char* kTwoFingers = R"({
+  "name": "two_fingers",
+  "bodies": [ { "name": "string", "resonator": "guitar_d3" },
+              { "name": "bar", "modes": [ { "frequency_hz": 440, "decay_per_s": 3, "mass_kg": 0.01 },
+                                          { "frequency_hz": 22049.9998, "decay_per_s": 3, "mass_kg": 0.01 },
+                                          { "frequency_hz": 22050.0002, "decay_per_s": 3, "mass_kg": 0.01 } ] } ],
+  "places": [ { "name": "first", "body": "string", "position_m": 0.3 },
+              { "name": "second", "body": "bar", "shapes": [1, 1, 1] } ],
+  "controls": [ { "name": "thumb", "force_n": "first", "min": -5, "max": 5, "release_n": 2 },
+                { "name": "finger", "force_n": "second", "min": -5, "max": 5, "release_n": 2 } ],
+  "outputs": [ { "name": "string", "velocity_m_per_s": "first" }, { "name": "bar", "velocity_m_per_s": "second" } ]
+})";
+
+/// Both outputs of kTwoFingers after a pluck, from the class that the generator makes of the text.
+std::vector<std::vector<double>> two_fingers(std::size_t pluck, double sample_rate_hz) {
+  const auto instrument = maker_of_text(kTwoFingers, "two_fingers.json", [](const std::string&) {
+                            return std::string();
+                          }).make<double>(sample_rate_hz);
+  instrument->prepare(sample_rate_hz);
+  instrument->pluck(pluck, 2, 0.004);
+  std::vector<std::vector<double>> sound(2, std::vector<double>(441));
+  std::vector<std::span<double>> spans(sound.begin(), sound.end());
+  const FlushDenormals flushed;
+  instrument->process(spans, {});
+  return sound;
+}
+
+Handle create_two_fingers() {
+  Handle handle(contactspline_create_from_json(kTwoFingers, "two_fingers.json", kRate, CONTACTSPLINE_DOUBLE));
+  EXPECT_TRUE(handle) << contactspline_last_error();
+  return handle;
+}
+
+// Each pluck by its number, at the rate that was asked for: a rate that is 1 mHz lower or higher has one mode less or
+// more.
+TEST(CLibraryText, PlaysThePluckOfTheNumberAtTheRate) {
+  for (const std::size_t pluck : {std::size_t{0}, std::size_t{1}}) {
+    const auto expected = two_fingers(pluck, kRate);
+    Handle actual = create_two_fingers();
+    contactspline_pluck(actual.get(), pluck, 2, 0.004);
+    Block<double> block(2);
+    process(actual, block.pointers, nullptr, 441);
+    for (std::size_t output = 0; output < 2; ++output) {
+      EXPECT_TRUE(same_bits(expected[output].data(), block.sound[output].data(), 441)) << pluck << ", " << output;
+      EXPECT_EQ(expected[output][440] != 0, output == pluck);
+    }
+  }
+  const auto peak = [](const std::vector<double>& sound) {
+    double largest = 0;
+    for (const double x : sound) largest = std::max(largest, std::abs(x));
+    return largest;
+  };
+  for (const double other_hz : {kRate - 0.001, kRate + 0.001})
+    EXPECT_GT(std::abs(peak(two_fingers(1, kRate)[1]) / peak(two_fingers(1, other_hz)[1]) - 1), 1e-6) << other_hz;
+}
+
+TEST(CLibraryText, IsNotPluckedByWhatIsNoNumber) {
+  Handle handle = create_two_fingers();
+  Block<double> block(2);
+  for (const auto [force_n, rise_s] : {std::pair(2.0, kNaN), std::pair(kNaN, 0.004)}) {
+    contactspline_pluck(handle.get(), 0, force_n, rise_s);
+    process(handle, block.pointers, nullptr, 441);
+    EXPECT_EQ(contactspline_energy(handle.get()), 0) << force_n << " N, " << rise_s << " s";
+  }
 }
 
 std::string refusal(const char* text, const char* file) {
