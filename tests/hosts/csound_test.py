@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: MIT
 """The opcodes in Csound itself: see host_test.py."""
+import os
 import random
-import subprocess
 import sys
 
-from host_test import BLOCK, HostTest, Instrument, RATE, channels, need, require_equal, require_pitch, run
+from host_test import (BLOCK, EXAMPLES, HostTest, Instrument, RATE, channels, hz, need, require_equal, require_music, require_pitch,
+                       run)
 from sound import block
 import numpy as np
 
@@ -68,6 +69,16 @@ endin
             file.write(block("csound.md", "csound"))
         run("csound", f"--opcode-lib={self.module}", "first.csd")
         require_pitch(channels("first.wav"))
+
+    def pieces(self):
+        """The pieces of examples/csound, as the user starts them."""
+        folder = os.getcwd()
+        os.chdir(EXAMPLES / "csound")
+        for name, notes in [("piano", [(1.6, hz(38, 45, 54, 61, 64, 78)), (13.3, hz(38, 45, 54, 57, 64, 69))]),
+                            ("drone", [(0.2, hz(43)), (1.4, hz(48)), (3.2, hz(36))]),
+                            ("groove", [(9.3, [hz(43)[0], 160])])]:  # open G string, heads of the tom
+            run("csound", f"--opcode-lib={self.module}", "-o", f"{folder}/{name}.wav", f"{name}.csd")
+            require_music(name, channels(f"{folder}/{name}.wav"), notes)
 
     def hostile(self):
         """A million values at random, at every sample, of each kind of instrument."""

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What the tests of Csound, Pd and SuperCollider share. A performance is a list of (sample, command...), at multiples of a
 block, in order: ("set", parameter, value), ("note", key, velocity), ("play", event, value). HOST_test.py CASE MODULE
-REFERENCE FOLDER runs a case: page, samples, parameters, hostile, lifetimes, refusals."""
+REFERENCE FOLDER runs a case: page, pieces, samples, parameters, hostile, lifetimes, refusals."""
 import os
 import random
 import shutil
@@ -132,6 +132,33 @@ def write_wav(path, channels_):
     Path(path).write_bytes(b"RIFF" + struct.pack("<I", len(parts)) + parts)
 
 
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+
+def hz(*keys):
+    return [440 * 2 ** ((key - 69) / 12) for key in keys]
+
+
+def require_music(name, sound, notes):
+    """A piece of two channels: finite, audible, below full scale, and for each (second, frequencies) the largest value of the
+    spectrum of the next second within a semitone is less than a quarter of one away from the frequency."""
+    sound = np.asarray(sound)
+    assert sound.shape[0] == 2 and np.isfinite(sound).all(), (name, sound.shape)
+    peaks = np.abs(sound).max(axis=1)
+    assert (peaks > 0.1).all() and (peaks < 1).all(), (name, peaks)
+    for second, frequencies in notes:
+        begin, steps = int(second * RATE), 8  # in a hertz
+        part = np.zeros(RATE) + sound.mean(axis=0)[begin:begin + RATE]
+        spectrum = np.abs(np.fft.rfft(part * np.hanning(RATE), steps * RATE))
+        for frequency in frequencies:
+            low, high = (round(steps * frequency * 2 ** (cents / 1200)) for cents in (-100, 100))
+            found = (low + np.argmax(spectrum[low:high + 1])) / steps
+            error = 1200 * np.log2(found / frequency)
+            if not abs(error) < 25:
+                sys.exit(f"{name}: {found:.2f} Hz instead of {frequency:.2f} Hz after {second} s")
+    print(name, "peaks", peaks)
+
+
 class HostTest:
     """A host: render(instrument, taps, performance, samples) gives an array for each tap."""
     precision = "double"
@@ -158,19 +185,33 @@ class HostTest:
             print(instrument.name, len(performance), "commands")
 
     def parameters(self):
-        """Each parameter that can move, changes the sound."""
+        """Each parameter that can move changes the sound by itself: before the first note, while it is held and let go, or beside
+        the others, which may switch it on."""
         count = 0
         for instrument in instruments(self.reference):
-            sounding = [((2 + n) * BLOCK, *command) for n, command in enumerate(instrument.something_to_hear())]
-            plain = self.render(instrument, instrument.taps(), sounding, 4800)
-            for name, (low, high, initial) in instrument.parameters.items():
-                value = as_single(high if initial < (low + high) / 2 else low)
-                moved = [(0, "set", name, value), *sounding]
-                if low == high or name in ("sustain", "sostenuto", "una_corda", "vibrato_hz"):
-                    continue  # part of the sound beside other keys and values only: the case samples moves them
-                if np.array_equal(plain, self.render(instrument, instrument.taps(), moved, 4800)):
-                    sys.exit(f"{instrument.name}: {name} = {value} does not change the sound")
-                count += 1
+            movable = {name: row for name, row in instrument.parameters.items() if row[0] < row[1]}
+            middle = [(0, "set", name, as_single((low + high) / 2)) for name, (low, high, _) in movable.items()]
+            sounding, again = ([((first + n) * BLOCK, *command) for n, command in enumerate(instrument.something_to_hear())]
+                               for first in (2, 40))
+            scenes = [(lambda move: [(0, *move), *sounding], sounding),
+                      (lambda move: [*sounding, (20 * BLOCK, *move), (30 * BLOCK, "note", 60, 0), *again],
+                       [*sounding, (30 * BLOCK, "note", 60, 0), *again]),
+                      (lambda move: [*(row for row in middle if row[2] != move[1]), (0, *move), *sounding], [*middle, *sounding])]
+            plain = [None] * len(scenes)
+
+            def is_heard(move):
+                for scene, (moved, unmoved) in enumerate(scenes):
+                    if plain[scene] is None:
+                        plain[scene] = self.render(instrument, instrument.taps(), unmoved, 4800)
+                    if not np.array_equal(plain[scene], self.render(instrument, instrument.taps(), moved(move), 4800)):
+                        return True
+                return False
+
+            for name, (low, high, initial) in movable.items():
+                move = ("set", name, as_single(high if initial < (low + high) / 2 else low))
+                if not is_heard(move):
+                    sys.exit(f"{instrument.name}: {name} = {move[2]} does not change the sound")
+            count += len(movable)
         print(count, "parameters")
         assert count >= 60, count
 

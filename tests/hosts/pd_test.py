@@ -4,7 +4,8 @@ import random
 import sys
 from pathlib import Path
 
-from host_test import BLOCK, HOSTILE, HostTest, Instrument, RATE, as_single, channels, need, require_pitch, run, write_wav
+from host_test import (BLOCK, EXAMPLES, HOSTILE, HostTest, Instrument, RATE, as_single, channels, hz, need, require_music,
+                       require_pitch, run, write_wav)
 from sound import block
 import numpy as np
 
@@ -16,7 +17,8 @@ class Patch:
         lines = text.strip().split("\n")
         self.connections = [line for line in lines if line.startswith("#X connect")]
         self.lines = [line for line in lines if not line.startswith("#X connect")]
-        self.count = len(self.lines) - 1
+        self.objects = [line for line in self.lines if line.startswith("#X")]
+        self.count = len(self.objects)
 
     def add(self, kind, text):
         self.lines.append(f"#X {kind} 10 10 {text};")
@@ -96,6 +98,16 @@ class PdTest(HostTest):
     def page(self):
         patch = Patch(block("pd.md", "pd"))
         require_pitch([list(sound) for sound in self.record(patch, 2, 2, 2 * RATE, [])])
+
+    def pieces(self):
+        """The pieces of examples/pd, where what goes to the sound card is recorded."""
+        Path("sides~.pd").write_text("\n".join(["#N canvas 0 0 450 300 10;", *["#X obj 10 10 inlet~;"] * 2, *["#X obj 10 10 outlet~;"] * 2,
+                                                "#X connect 0 0 2 0;", "#X connect 1 0 3 0;"]))
+        for name, notes in [("piano", [(0.1, hz(38)), (3.6, hz(35)), (7, hz(31)), (10.3, hz(33))]),
+                            ("slide", [(3, hz(69)), (9.5, hz(74))]), ("polyrhythm", [(0.1, hz(60)), (4.9, hz(60))])]:
+            patch = Patch((EXAMPLES / f"pd/{name}.pd").read_text().replace(" dac~;", " sides~;"))
+            sides = [line.endswith("sides~;") for line in patch.objects].index(True)
+            require_music(name, self.record(patch, sides, 2, 16 * RATE, []), notes)
 
     def hostile(self):
         """A million values at random, as messages and as signals that move at every sample."""

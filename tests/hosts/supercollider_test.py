@@ -8,7 +8,8 @@ import struct
 import sys
 from pathlib import Path
 
-from host_test import BLOCK, HOSTILE, HostTest, Instrument, RATE, channels, need, require_pitch, run, write_wav
+from host_test import (BLOCK, EXAMPLES, HOSTILE, HostTest, Instrument, RATE, channels, hz, need, require_music, require_pitch, run,
+                       write_wav)
 from sound import block
 import numpy as np
 
@@ -170,6 +171,19 @@ class SuperColliderTest(HostTest):
             assert np.isfinite(sound).all() and np.abs(sound).max() > 1e-4 and "contactspline:" not in printed, (i, printed)
             if i == 0:
                 require_pitch([list(channel[:2 * RATE]) for channel in sound])
+
+    def pieces(self):
+        """The pieces of examples/supercollider, as sclang reads them."""
+        need("sclang")
+        pieces = {"piano": [(2.2, hz(38, 64)), (7, hz(31, 43)), (10.2, hz(33, 45))], "drone": [(0.2, hz(43)), (1.4, hz(48)), (3.2, hz(36))],
+                  "drums": [(5, [hz(60)[0], 160])]}  # bar of the marimba, heads of the tom
+        self.sclang("".join(f'"{EXAMPLES}/supercollider/{name}.scd".load; SynthDef("{name}", {{ Out.ar(0, SynthDef.wrap(~piece)) }})'
+                            f'.writeDefFile("{os.getcwd()}");\n' for name in pieces))
+        for name, notes in pieces.items():
+            score = [(0, message("/d_recv", Path(f"{name}.scsyndef").read_bytes())), (0, message("/s_new", name, 1000, 0, 0))]
+            printed, sound = self.scsynth(score, 2, 16 * RATE)
+            assert "contactspline:" not in printed and "FAILURE" not in printed, printed
+            require_music(name, sound, notes)
 
     def paths(self):
         """A path beyond ASCII goes from sclang to the server."""
