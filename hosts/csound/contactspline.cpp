@@ -25,6 +25,7 @@ struct Players {
   struct Slot {
     std::atomic<Player*> player = nullptr;
     std::atomic<bool> is_free = true, has_output = false;
+    std::array<int, 128> holders{};  ///< notes that hold each key
   };
   Players() = default;
   Players(const Players&) = delete;
@@ -41,6 +42,7 @@ struct Players {
       if (!slots[i].is_free) continue;
       slots[i].player = player.release();
       slots[i].has_output = false;
+      slots[i].holders = {};
       slots[i].is_free = false;
       return i + 1;
     }
@@ -182,8 +184,17 @@ struct Note {
   bool has_begun, is_registered;
 };
 
+// The count of notes that hold a key; nothing where no instrument has it.
+int* holders_of(CSOUND* csound, MYFLT handle, MYFLT key) {
+  Players::Slot* const slot = slot_of(csound, handle);
+  return slot != nullptr && key >= 0 && key < 127.5 ? &slot->holders[static_cast<std::size_t>(std::lround(key))]
+                                                    : nullptr;
+}
+
+// A key goes up with the last note that holds it: with the pedal of MIDI, Csound prolongs notes beyond the next one.
 void end_note(CSOUND* csound, Note* p) {
-  if (Player* const player = player_of(csound, p->held_handle)) player->note(p->held_key, 0);
+  int* const holders = holders_of(csound, p->held_handle, p->held_key);
+  if (holders != nullptr && *holders > 0 && --*holders == 0) player_of(csound, p->held_handle)->note(p->held_key, 0);
   p->held_handle = 0;
 }
 
@@ -206,7 +217,10 @@ int note(CSOUND* csound, void* opcode) {
   Player* const player = player_of(csound, p->kept);
   if (player == nullptr) return OK;
   player->note(p->kept_key, *p->velocity);
-  if (*p->velocity > 0) p->held_handle = p->kept;
+  int* const holders = holders_of(csound, p->kept, p->kept_key);
+  if (holders == nullptr || !(*p->velocity > 0)) return OK;
+  ++*holders;
+  p->held_handle = p->kept;
   p->held_key = p->kept_key;
   return OK;
 }

@@ -2,7 +2,9 @@
 """The opcodes in Csound itself: see host_test.py."""
 import os
 import random
+import struct
 import sys
+from pathlib import Path
 
 from host_test import (BLOCK, EXAMPLES, HostTest, Instrument, RATE, channels, hz, need, require_equal, require_music, require_pitch,
                        run)
@@ -143,6 +145,28 @@ endin
             + [f"i 1 {seconds(begin * BLOCK)} {seconds(length * BLOCK)} {velocity}" for begin, length, velocity in score]), "test.wav")
         expected = Instrument(self.reference, "piano").play("double", [(0, "note", 60, 0.7)], 150 * BLOCK)[:1]
         require_equal(expected, channels("test.wav"), "double", "velocities")
+
+    def midi(self):
+        """A MIDI file with chords and the pedal, in the orchestra of the page, gives the samples of the class."""
+        # A tick is half a block, an odd one the middle of a block: what happens then acts at the beginning of the next.
+        tempo, division = 480 * BLOCK // 2 * 10**6 // RATE, 480
+        messages, performance = [(1, [0xB0, 64, 0])], []
+        for at, chord in [(10, [48, 60, 64]), (60, [47, 62, 67]), (110, [45, 60, 69])]:
+            messages += [(2 * at - 1, [0x90, key, 90]) for key in chord] + [(2 * at + 79, [0x80, key, 0]) for key in chord]
+            performance += [(at, "note", key, 90 / 127) for key in chord] + [(at + 40, "note", key, 0) for key in chord]
+        messages += [(2 * 30 - 1, [0xB0, 64, 127]), (2 * 130 - 1, [0xB0, 64, 0])]
+        performance += [(30, "set", "sustain", 1), (130, "set", "sustain", 0)]
+        track, now = bytes([0, 0xFF, 0x51, 3]) + tempo.to_bytes(3, "big"), 0
+        for at, data in sorted(messages, key=lambda row: row[0]):
+            track += bytes([128 | at - now >> 7, at - now & 127, *data])
+            now = at
+        track += bytes([0, 0xFF, 0x2F, 0])
+        Path("song.mid").write_bytes(b"MThd" + struct.pack(">IHHH", 6, 0, 1, division) + b"MTrk" + struct.pack(">I", len(track)) + track)
+        Path("midi.csd").write_text(block("csound.md", "csound", 1))
+        run("csound", f"--opcode-lib={self.module}", "--format=double", "-F", "song.mid", "midi.csd")
+        performance = sorted(((at * BLOCK, *words) for at, *words in performance), key=lambda row: row[0])
+        expected = Instrument(self.reference, "piano").play("double", performance, 180 * BLOCK)[:2]
+        require_equal(expected, channels("midi.wav"), "double", "song.mid")
 
     def handles(self):
         """Each opcode plays the instrument that its handle named when the note began."""

@@ -28,10 +28,10 @@ def run(*command, status=0):
     return done.stdout + done.stderr
 
 
-def block(page, language):
-    """The first block of code of this language in a page of docs/how-to."""
+def block(page, language, number=0):
+    """A block of code of this language in a page of docs/how-to, counted from 0."""
     text = (Path(__file__).parents[2] / "docs/how-to" / page).read_text()
-    return re.search(rf"```{language}\n(.*?)```", text, re.DOTALL)[1]
+    return re.findall(rf"```{language}\n(.*?)```", text, re.DOTALL)[number]
 
 
 def chunks(data):
