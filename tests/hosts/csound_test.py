@@ -6,8 +6,8 @@ import struct
 import sys
 from pathlib import Path
 
-from host_test import (BLOCK, EXAMPLES, HostTest, Instrument, RATE, channels, hz, need, require_equal, require_music, require_pitch,
-                       run)
+from host_test import (BLOCK, EXAMPLES, HostTest, Instrument, RATE, channels, hz, need, random_lives, require_equal, require_music,
+                       require_pitch, run)
 from sound import block
 import numpy as np
 
@@ -237,9 +237,7 @@ instr 1
   out a1
 endin
 """
-        draw = random.Random(1)
-        score = [f'i 1 {draw.random() * 5} {0.01 + draw.random()} "{draw.choice(["piano", "tom", "hammer_string", "tanpura"])}"'
-                 for _ in range(100)]
+        score = [f'i 1 {seconds(begin * BLOCK)} {seconds((end - begin) * BLOCK)} "{name}"' for begin, end, name in random_lives(1)]
         printed = self.csound(orchestra, "\n".join(score), "test.wav")
         sound = np.array(channels("test.wav"))
         assert np.isfinite(sound).all() and np.abs(sound).max() > 0.01 and "ERROR" not in printed

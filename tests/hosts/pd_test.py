@@ -4,8 +4,8 @@ import random
 import sys
 from pathlib import Path
 
-from host_test import (BLOCK, EXAMPLES, HOSTILE, HostTest, Instrument, RATE, as_single, channels, hz, need, require_music,
-                       require_pitch, run, write_wav)
+from host_test import (BLOCK, EXAMPLES, HOSTILE, HostTest, Instrument, MINUTE, RATE, as_single, channels, hz, need, random_lives,
+                       require_music, require_pitch, run, write_wav)
 from sound import block
 import numpy as np
 
@@ -155,20 +155,17 @@ class PdTest(HostTest):
         assert count >= 1000000, count
 
     def lifetimes(self):
-        """100 objects are made and deleted at random in a patch that sounds."""
-        draw, patch = random.Random(3), Patch()
-        patch.lines.append("#N canvas 0 0 450 300 many 0;\n#X restore 10 10 pd many;")
-        patch.count += 1
-        played = patch.add("obj", "contactspline~ tom")
-        patch.connect(patch.add("obj", "r played"), 0, played, 0)
-        messages = [(0, "played", "60 0.7")]
-        for index in range(100):
-            name = draw.choice(["piano", "tom", "hammer_string", "tanpura", "snare"])
-            if draw.random() < 0.3:
-                messages.append((index * 5 * BLOCK, "pd-many", "clear"))
-            messages.append((index * 5 * BLOCK, "pd-many", f"obj 10 10 contactspline~ {name}"))
-        sound = self.record(patch, played, 2, 100 * 5 * BLOCK, messages)
+        """100 objects are made, play a note and are deleted at random, more than one at a time."""
+        patch, messages = Patch(), []
+        for index, (begin, end, name) in enumerate(random_lives(3)):
+            patch.lines.append(f"#N canvas 0 0 450 300 life{index} 0;")
+            patch.add("restore", f"pd life{index}")
+            texts = [f"obj 10 10 contactspline~ {name}", "obj 10 40 r played", "obj 10 70 throw~ sum", "connect 1 0 0 0", "connect 0 0 2 0"]
+            messages += [(begin * BLOCK, f"pd-life{index}", text) for text in texts]
+            messages += [(begin * BLOCK, "played", "60 0.7"), (end * BLOCK, f"pd-life{index}", "clear")]
+        sound = self.record(patch, patch.add("obj", "catch~ sum"), 1, MINUTE * BLOCK, messages)
         assert np.isfinite(sound).all() and np.abs(sound).max() > 0.01
+        assert np.abs(sound[0, -2 * BLOCK:]).max() == 0
 
     def refusals(self):
         hammer = "contactspline~ hammer_string"

@@ -4,73 +4,20 @@ import os
 import random
 import re
 import shutil
-import struct
 import sys
 from pathlib import Path
 
-from host_test import (BLOCK, EXAMPLES, HOSTILE, HostTest, Instrument, RATE, channels, hz, need, require_music, require_pitch, run,
-                       write_wav)
+from host_test import (BLOCK, EXAMPLES, HOSTILE, HostTest, Instrument, MINUTE, MORTALS, RATE, channels, hz, need, random_lives,
+                       require_music, require_pitch, run, write_wav)
+from scsynth import AUDIO, CONTROL, DEMAND, SynthDef, message, play_score, run_sclang
 from sound import block
 import numpy as np
 
-SCALAR, CONTROL, AUDIO, DEMAND = range(4)
 KEYS = range(55, 75)
-
-
-class SynthDef:
-    """A definition of units, and its file. An input is a number or a pair of unit and output."""
-
-    def __init__(self, name):
-        self.name, self.constants, self.controls, self.units = name, [], {}, []
-
-    def unit(self, kind, rate, inputs, outputs=1):
-        self.units.append((kind, rate, inputs, outputs))
-        return len(self.units) - 1
-
-    def add_controls(self, values, kind="Control"):
-        """A unit of controls with names and first values: what stands for each."""
-        first = len(self.controls)
-        self.controls.update(values)
-        unit = self.unit(kind, CONTROL, [], len(values))
-        self.units[unit] += (first,)
-        return {name: (unit, output) for output, name in enumerate(values)}
-
-    def bytes(self):
-        def text(word):
-            return bytes([len(word)]) + word.encode()
-
-        def constant(value):
-            self.constants.append(value)
-            return len(self.constants) - 1
-
-        units = b""
-        for kind, rate, inputs, outputs, *special in self.units:
-            units += text(kind) + struct.pack(">biih", rate, len(inputs), outputs, *(special or [0]))
-            for value in inputs:
-                units += struct.pack(">ii", *(value if isinstance(value, tuple) else (-1, constant(value))))
-            units += bytes([rate]) * outputs
-        values, names = self.controls.values(), self.controls
-        return (b"SCgf" + struct.pack(">ih", 2, 1) + text(self.name)
-                + struct.pack(f">i{len(self.constants)}f", len(self.constants), *self.constants)
-                + struct.pack(f">i{len(values)}f", len(values), *values)
-                + struct.pack(">i", len(names)) + b"".join(text(n) + struct.pack(">i", i) for i, n in enumerate(names))
-                + struct.pack(">i", len(self.units)) + units + struct.pack(">h", 0))
 
 
 def spelled(word):
     return [len(word), *word.encode()]
-
-
-def message(*words):
-    """A message of Open Sound Control."""
-    def padded(data):
-        return data + b"\0" * (4 - len(data) % 4)
-
-    kinds = {int: (b"i", lambda x: struct.pack(">i", x)), float: (b"f", lambda x: struct.pack(">f", x)),
-             str: (b"s", lambda x: padded(x.encode())),
-             bytes: (b"b", lambda x: struct.pack(">i", len(x)) + x + b"\0" * (-len(x) % 4))}
-    tags = b"," + b"".join(kinds[type(word)][0] for word in words[1:])
-    return padded(words[0].encode()) + padded(tags) + b"".join(kinds[type(word)][1](word) for word in words[1:])
 
 
 class SuperColliderTest(HostTest):
@@ -81,16 +28,8 @@ class SuperColliderTest(HostTest):
 
     def scsynth(self, score, count, samples, inputs=None):
         """Plays a score of (sample, message) in non-real time: what the server prints, and its outputs."""
-        with open("score.osc", "wb") as file:
-            for at, data in [*score, (samples, message("/c_set", 0, 0))]:
-                # Into the middle of a block: times are rounded.
-                seconds = (at + BLOCK // 2) / RATE if at > 0 else 0
-                bundle = b"#bundle\0" + struct.pack(">Q", int(seconds * 2**32)) + struct.pack(">i", len(data)) + data
-                file.write(struct.pack(">i", len(bundle)) + bundle)
-        plugins = ":".join([str(Path(self.module).parent), "/usr/lib/SuperCollider/plugins"])
-        printed = run("scsynth", "-N", "score.osc", inputs or "_", "test.wav", str(RATE), "WAV", "float", "-o", str(count),
-                      "-i", "32", "-D", "0", "-U", plugins)
-        return printed, np.array(channels("test.wav"))
+        printed, sound = play_score(Path(self.module).parent, score, count, samples, inputs)
+        return printed, np.array(sound)
 
     def render(self, instrument, taps, performance, samples):
         definition = SynthDef("test")
@@ -147,10 +86,7 @@ class SuperColliderTest(HostTest):
 
     def sclang(self, code):
         """Runs code with the classes of the build: what it prints."""
-        Path("conf.yaml").write_text(f"includePaths:\n  - {Path(self.module).parent}/classes\nexcludePaths: []\npostInlineWarnings: false\n")
-        Path("test.scd").write_text(f"{code}\n0.exit;\n", encoding="utf-8")
-        os.environ |= {"QT_QPA_PLATFORM": "offscreen", "HOME": os.getcwd(), "XDG_RUNTIME_DIR": os.getcwd(), "QTWEBENGINE_DISABLE_SANDBOX": "1"}
-        return run("sclang", "-D", "-l", "conf.yaml", "test.scd")
+        return run_sclang(Path(self.module).parent / "classes", code)
 
     def page(self):
         """The page's function and the example of each class, compiled by sclang; its pitch in scsynth."""
@@ -227,19 +163,15 @@ class SuperColliderTest(HostTest):
 
     def lifetimes(self):
         """100 synths begin and end at random, more than one at a time."""
-        draw, score = random.Random(5), []
-        names = ["piano", "tom", "hammer_string", "tanpura"]
-        for name in names:
+        score, events, lives = [], [], random_lives(5)
+        for name in MORTALS:
             definition = SynthDef(name)
             inputs = spelled(name) + [1] + spelled("left") + [1, 1, 60, 0.7, 0, 0]
             definition.unit("Out", AUDIO, [0, (definition.unit("ContactInstrument", AUDIO, inputs), 0)], 0)
             score.append((0, message("/d_recv", definition.bytes())))
-        events = []
-        for node in range(1000, 1100):
-            begin = draw.randrange(1, 3000) * BLOCK
-            events += [(begin, message("/s_new", draw.choice(names), node, 0, 0)),
-                       (begin + draw.randrange(1, 600) * BLOCK, message("/n_free", node))]
-        printed, sound = self.scsynth(score + sorted(events, key=lambda row: row[0]), 1, 3600 * BLOCK)
+        for node, (begin, end, name) in enumerate(lives, 1000):
+            events += [(begin * BLOCK, message("/s_new", name, node, 0, 0)), (end * BLOCK, message("/n_free", node))]
+        printed, sound = self.scsynth(score + sorted(events, key=lambda row: row[0]), 1, MINUTE * BLOCK)
         assert np.isfinite(sound).all() and np.abs(sound).max() > 0.01 and "FAILURE" not in printed, printed
         assert np.abs(sound[0, -2 * BLOCK:]).max() == 0
 

@@ -2,7 +2,9 @@
 """What tests of hosts share: blocks of a page, WAV files, the pitch of a string."""
 import array
 import math
+import os
 import re
+import shlex
 import shutil
 import struct
 import subprocess
@@ -20,9 +22,18 @@ def need(*programs):
             sys.exit(77)
 
 
+def need_file(path):
+    """Ends the test as skipped where a header is missing."""
+    if not Path(path).exists():
+        print("skipped:", path, "is not installed")
+        sys.exit(77)
+
+
 def run(*command, status=0):
-    """Runs a command to its end, with this exit status; what it printed."""
-    done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace", timeout=200)
+    """Runs a command to its end, with this exit status; what it printed. CONTACTSPLINE_UNDER is a command that runs it."""
+    under = shlex.split(os.environ.get("CONTACTSPLINE_UNDER", ""))
+    done = subprocess.run([*under, *command], stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace",
+                          timeout=3000 if under else 200)
     if done.returncode != status:
         sys.exit(f"{command} exits {done.returncode}\n{done.stdout}\n{done.stderr}")
     return done.stdout + done.stderr
