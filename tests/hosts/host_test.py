@@ -132,8 +132,9 @@ def write_wav(path, channels_):
     Path(path).write_bytes(b"RIFF" + struct.pack("<I", len(parts)) + parts)
 
 
-# lifetimes begins and ends so many instruments within a minute of the host's time, each within a second.
-LIVES, MINUTE = 100, 60 * RATE // BLOCK  # blocks
+# lifetimes begins and ends so many instruments, 100 within a minute of the host's time, each within a second.
+LIVES = int(os.environ.get("CONTACTSPLINE_LIVES", "100"))
+DURATION = (3 + LIVES * 57 // 100) * RATE // BLOCK  # blocks
 MORTALS = ["piano", "classical_guitar", "hammer_string", "tanpura", "mine.json"]
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -166,7 +167,7 @@ def random_lives(seed):
     """(first block, end, name) of each instrument of lifetimes."""
     draw = random.Random(seed)
     shutil.copy(EXAMPLES / "instruments/hammer_on_string.json", "mine.json")
-    return [(begin := draw.randrange(1, MINUTE - RATE // BLOCK), begin + draw.randrange(1, RATE // BLOCK), draw.choice(MORTALS))
+    return [(begin := draw.randrange(1, DURATION - RATE // BLOCK), begin + draw.randrange(1, RATE // BLOCK), draw.choice(MORTALS))
             for _ in range(LIVES)]
 
 

@@ -4,8 +4,8 @@ import random
 import sys
 from pathlib import Path
 
-from host_test import (BLOCK, EXAMPLES, HOSTILE, HostTest, Instrument, MINUTE, RATE, as_single, channels, hz, need, random_lives,
-                       require_music, require_pitch, run, write_wav)
+from host_test import (BLOCK, DURATION, EXAMPLES, HOSTILE, HostTest, Instrument, RATE, as_single, channels, hz, need,
+                       random_lives, require_music, require_pitch, run, write_wav)
 from sound import block
 import numpy as np
 
@@ -163,7 +163,7 @@ class PdTest(HostTest):
             texts = [f"obj 10 10 contactspline~ {name}", "obj 10 40 r played", "obj 10 70 throw~ sum", "connect 1 0 0 0", "connect 0 0 2 0"]
             messages += [(begin * BLOCK, f"pd-life{index}", text) for text in texts]
             messages += [(begin * BLOCK, "played", "60 0.7"), (end * BLOCK, f"pd-life{index}", "clear")]
-        sound = self.record(patch, patch.add("obj", "catch~ sum"), 1, MINUTE * BLOCK, messages)
+        sound = self.record(patch, patch.add("obj", "catch~ sum"), 1, DURATION * BLOCK, messages)
         assert np.isfinite(sound).all() and np.abs(sound).max() > 0.01
         assert np.abs(sound[0, -2 * BLOCK:]).max() == 0
 

@@ -7,7 +7,7 @@ import shutil
 import sys
 from pathlib import Path
 
-from host_test import (BLOCK, EXAMPLES, HOSTILE, HostTest, Instrument, MINUTE, MORTALS, RATE, channels, hz, need, random_lives,
+from host_test import (BLOCK, DURATION, EXAMPLES, HOSTILE, HostTest, Instrument, MORTALS, RATE, channels, hz, need, random_lives,
                        require_music, require_pitch, run, write_wav)
 from scsynth import AUDIO, CONTROL, DEMAND, SynthDef, message, play_score, run_sclang
 from sound import block
@@ -171,7 +171,7 @@ class SuperColliderTest(HostTest):
             score.append((0, message("/d_recv", definition.bytes())))
         for node, (begin, end, name) in enumerate(lives, 1000):
             events += [(begin * BLOCK, message("/s_new", name, node, 0, 0)), (end * BLOCK, message("/n_free", node))]
-        printed, sound = self.scsynth(score + sorted(events, key=lambda row: row[0]), 1, MINUTE * BLOCK)
+        printed, sound = self.scsynth(score + sorted(events, key=lambda row: row[0]), 1, DURATION * BLOCK)
         assert np.isfinite(sound).all() and np.abs(sound).max() > 0.01 and "FAILURE" not in printed, printed
         assert np.abs(sound[0, -2 * BLOCK:]).max() == 0
 

@@ -859,6 +859,10 @@ case_hosts() {
     blocks_of "$SOURCE/docs/how-to/csound.md" csound first
     run csound first1.csound
     [ "$(wc -c <first.wav)" -gt 700000 ] || fail "csound wrote no first.wav of 2 s"
+    cd "$HOME/.local/share/contactspline/examples/csound"
+    run csound drone.csd -o "$WORK/drone.wav"
+    [ "$(wc -c <"$WORK/drone.wav")" -gt 6000000 ] || fail "csound wrote no drone.wav of 16 s"
+    cd "$WORK"
   fi
   if [ -e "$HOME/.local/lib/pd" ] && command -v pd >/dev/null; then
     printf '%s\n' '#N canvas 0 0 450 300 10;' '#X obj 9 9 contactspline~ piano;' '#X msg 9 9 print;' '#X obj 9 9 loadbang;' \
