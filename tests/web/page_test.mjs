@@ -305,7 +305,12 @@ const cases = {
       assert.deepEqual(await page.evaluate(() => [contactSpline.page.instrument, contactSpline.page.played().text]), ["own", text]);
       assert.equal(await page.getByLabel("Text of the instrument file").inputValue(), text);
       await page.getByLabel("Text of the instrument file").fill(`${text}\n// ${"long ".repeat(4000)}`);
-      await page.getByText("Links and Undo leave it out").waitFor();
+      await page.getByText("Links and Undo leave this file out").waitFor();
+      const wide = () => page.locator("#file-drawing svg").evaluate((drawing) => drawing.clientWidth);
+      const before = await wide();
+      await page.setViewportSize({ width: 1000, height: 800 }); // the drawing is made anew
+      await page.waitForFunction((before) => document.querySelector("#file-drawing svg").clientWidth < before, before);
+      assert.ok(await page.getByText("Links and Undo leave this file out").isVisible());
       await page.evaluate(() => contactSpline.page.settle());
       assert.ok(page.url().length < 2000, "a long file is in no link");
     });
@@ -1059,6 +1064,20 @@ const cases = {
       assert.ok(stiff.ours.bounded && stiff.ours.peak < 0.002, JSON.stringify(stiff));
       assert.ok(!stiff.fd.bounded || Math.abs(stiff.fd.peak / stiff.ours.peak - 1) > 0.5, JSON.stringify(stiff));
     });
+  },
+
+  async "the first screen says what it is, moves, and sounds at one click"() {
+    for (const size of [{ width: 1280, height: 800 }, { width: 390, height: 844 }])
+      await withPage(server.address, async (page) => {
+        for (const shown of ["h1", "header > p:first-of-type", "#strike", "#scores", "#stage-figure"]) {
+          const { top, bottom } = await page.locator(shown).evaluate((element) => element.getBoundingClientRect().toJSON());
+          assert.ok(top >= 0 && (shown === "#stage-figure" ? top + size.height / 3 : bottom) < size.height, `${shown}: from ${top} to ${bottom}`);
+        }
+        const at = await page.evaluate(() => contactSpline.page.stage.at);
+        await page.waitForFunction((at) => contactSpline.page.stage.at !== at, at);
+        await page.locator("#strike").click();
+        await page.waitForFunction(() => contactSpline.page.figures.captured.some((force) => force > 1));
+      }, size);
   },
 
   async "computer keys play after a menu and after Sustain"() {

@@ -93,7 +93,7 @@ export class Figures {
     this.isDirty = false;
     this.force.set([Array.from(this.captured, (_, i) => (1000 * i) / kSampleRate), this.captured]);
     this.energy.set(this.books);
-    const told = this.books[0].length > 0 ? `total as thrown in, within ${readable(this.imbalance)}` : "the total stays flat";
+    const told = this.books[0].length > 0 ? `the total is flat within ${readable(this.imbalance)}` : "the total stays flat";
     byId("energy-note").textContent = told;
   }
 }

@@ -2,12 +2,14 @@
 // The editor of an instrument file: text in, its drawing and parts out, and the instrument plays.
 import { fillSelect, whenChosen } from "./controls.js";
 import { download } from "./save.js";
+import { kMaxFile } from "./state.js";
 
 const kFirst = "tanpura";
 const kLeastWidth = 320; // points of the screen that a drawing has
 const kSettled = 400; // milliseconds after the last key
 const kMargin = "300px"; // it is drawn before it is in view
 const kDot = 4, kMass = 8; // radius, half a side
+const kTooLong = `. Links and Undo leave this file out: they take files of up to ${kMaxFile} letters.`;
 
 const byId = (id) => document.getElementById(id);
 
@@ -77,7 +79,7 @@ export class InstrumentEditor {
     const instrument = this.generator.instrument(text, "instrument.json", this.width);
     const { error, name, title, parts, drawing } = instrument;
     byId("file-note").className = error === undefined ? "" : "error";
-    byId("file-note").textContent = error ?? title;
+    byId("file-note").textContent = error ?? `${title}${text.length > kMaxFile ? kTooLong : ""}`;
     byId("file-text").setAttribute("aria-invalid", String(error !== undefined));
     if (error !== undefined) return instrument;
     this.name = name;

@@ -17,7 +17,7 @@ import { kPresets } from "./presets.js";
 import { download, wavOf } from "./save.js";
 import { Stage, strongest, toldOf } from "./stage.js";
 import { Story } from "./story.js";
-import { addressOf, embeddedOf, kMaxFile, kOwn, stateOf } from "./state.js";
+import { addressOf, embeddedOf, kOwn, stateOf } from "./state.js";
 import { instrumentOf, performance as performanceOf, readScore } from "./scores.js";
 import { startStudies } from "./studies.js";
 
@@ -206,7 +206,6 @@ class Page {
     this.gains.delete(kOwn);
     this.offerInstruments();
     this.play(kOwn, values);
-    if (text.length > kMaxFile) byId("file-note").append(` Links and Undo leave it out: they take files of up to ${kMaxFile} letters.`);
   }
 
   /** Changes the instrument; values: { name: value } of the parameters that differ from the initial ones. Returns the

@@ -3,10 +3,14 @@
 import uPlot from "uplot";
 import { csvOf, download } from "./save.js";
 
-/** A colour of style.css. */
-export const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
-
 const plots = new Set();
+const colours = new Map(); // of the theme that is shown
+
+/** A colour of style.css. */
+export function colour(name) {
+  if (!colours.has(name)) colours.set(name, getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim());
+  return colours.get(name);
+}
 
 /** A plot in an element: { x, y } axis labels; lines: [{ label, colour, dash, width, isPoints, size, isFilled }]; height [px]. set(data) redraws it. A button
  * in the caption of its figure saves the data as CSV. */
@@ -72,7 +76,8 @@ export function linePlot(element, { x, y, lines, range, height = 190 }) {
   };
 }
 
-/** Draws every plot again, in the colours of now. */
+/** Takes the colours of the theme that is shown now, and draws every plot again. */
 export function redrawPlots() {
+  colours.clear();
   for (const draw of plots) draw();
 }

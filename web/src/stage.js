@@ -443,7 +443,7 @@ export class Stage {
     context.strokeStyle = colour("ink");
     context.lineWidth = 1;
     context.strokeRect(x - 0.5, top - 0.5, width + 1, full + 1);
-    this.write(context, "energy", x - 6, 22, "ink");
+    this.write(context, `energy ${readable(Number((1000 * total).toPrecision(3)))} mJ`, x - 6, 22, "ink");
   }
 
   // Pulling a hammer back sets its speed, moving it along the string its place; letting go throws it. Pulling a string sets
