@@ -24,16 +24,16 @@ export class Audio {
     this.analyser = null;
   }
 
-  /** Starts or resumes; call in a gesture. */
+  /** Starts or resumes; call in a gesture. Does not wait for the device: without one nothing sounds, and the rest works. */
   async start() {
     this.starting ??= this.open();
     await this.starting;
-    if (this.context.state !== "running") await this.context.resume();
+    if (this.context.state !== "running") this.context.resume();
   }
 
   async open() {
     this.context = new AudioContext({ sampleRate: kSampleRate, latencyHint: "interactive" });
-    const resumed = this.context.resume();
+    this.context.resume();
     this.node = await makeNode(this.context, this.waiting);
     this.analyser = new AnalyserNode(this.context, { fftSize: 2048, smoothingTimeConstant: 0 });
     this.node.connect(this.analyser).connect(this.context.destination);
@@ -42,7 +42,6 @@ export class Audio {
       else this.hear[data.is](data);
     };
     this.waiting = null;
-    await resumed;
   }
 
   // Before the first sound an instrument replaces the one before it, with all that was set there.

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+// firefox_test.mjs NODE_MODULES PAGE.html: the page in headless Firefox: it loads, moves, renders sound, keeps the energy flat and
+// complains of nothing. Skipped, in a line, where there is no Firefox.
+import assert from "node:assert/strict";
+import { existsSync } from "node:fs";
+import { createRequire } from "node:module";
+import { join, resolve } from "node:path";
+
+import { serve } from "../../web/serve.mjs";
+
+const [modules, file] = process.argv.slice(2);
+const executablePath = process.env.FIREFOX ?? "/usr/bin/firefox-esr";
+if (!existsSync(executablePath)) {
+  console.log(`skipped: there is no Firefox at ${executablePath} (Debian: firefox-esr)`);
+  process.exit(0);
+}
+const { firefox } = createRequire(join(resolve(modules), "x"))("playwright-core");
+const server = await serve(file);
+const browser = await firefox.launch({ channel: "moz-firefox", executablePath, headless: true });
+try {
+  const page = await (await browser.newContext({ viewport: { width: 1280, height: 800 } })).newPage();
+  const complaints = [];
+  page.on("console", (message) => ["error", "warning"].includes(message.type()) && complaints.push(message.text()));
+  page.on("pageerror", (error) => complaints.push(String(error)));
+  await page.goto(server.address);
+  await page.evaluate(() => contactSpline.loaded);
+  const { moved, imbalance, parts, peaks } = await page.evaluate(async () => {
+    const { page, renderOffline } = contactSpline;
+    const { study, energies, at } = page.stage;
+    await new Promise((done) => setTimeout(done, 300));
+    const moved = page.stage.at !== at;
+    const imbalance = Math.max(...study.column(study.scene.imbalance).map(Math.abs)) / study.scene.work;
+    const peaks = {};
+    for (const name of ["hammer_on_string", "piano", "tanpura"]) {
+      const note = { do: "noteOn", key: 60, velocity: page.instruments.get(name).velocity };
+      const channels = await renderOffline([page.instrumentMessage(name), { do: "material", design: page.editor.current }, note], 0.3);
+      peaks[name] = Math.max(...channels.map((samples) => samples.reduce((max, x) => Math.max(max, Math.abs(x)), 0)));
+    }
+    return { moved, imbalance, parts: energies.length, peaks };
+  });
+  assert.ok(moved, "the stage moves");
+  assert.ok(parts === 4 && imbalance < 1e-12, `energy out of balance by ${imbalance}`);
+  for (const [name, peak] of Object.entries(peaks)) assert.ok(Math.abs(peak / 0.18 - 1) < 0.06, `${name}: a peak of ${peak}`);
+  await page.keyboard.press("d"); // E4, which the stage shows
+  await page.waitForFunction(() => document.getElementById("stage-caption").textContent.includes("E4"));
+  await page.evaluate(() => contactSpline.page.story.go(3));
+  await page.waitForFunction(() => document.querySelector("#chapter-3 .note[role='status']")?.textContent.includes("%"));
+  const state = await page.evaluate(() => contactSpline.page.audio.context.state);
+  if (state === "running") await page.waitForFunction(() => contactSpline.page.figures.captured.some((force) => force > 1));
+  assert.deepEqual(complaints, []);
+  const live = state === "running" ? "plays" : "has no sound device, so that sound is rendered offline";
+  console.log(`Firefox ${browser.version()} ${live}; energy within ${imbalance.toExponential(1)}`);
+} finally {
+  await browser.close();
+  server.close();
+}
