@@ -65,7 +65,8 @@ const used = [];
 for (let round = 0; round < 250; ++round) {
   for (const number of instruments.keys()) {
     assert.ok(engine.choose(number));
-    for (const cents of [-498, 0]) engine.addVoice(cents); // where it can be
+    for (const cents of [-498, 0]) engine.addVoice({ cents }); // where it can be
+    engine.addVoice({ cents: 700, string: 0, pluck_m: 0.3 });
     for (const voice of [0, 1, 2]) engine.noteOn(60, 0.7, voice);
     engine.process(128);
   }

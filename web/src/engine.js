@@ -21,6 +21,8 @@ export function writeInstrument(exports, room, bytes) {
 export function startEngine(module, sampleRate) {
   const exports = startModule(module);
   return {
+    /** The names of the strings that a voice may have. */
+    strings: () => JSON.parse(textAt(exports, exports.engine_strings())),
     /** What each instrument is called, plays and has to set: web/wasm/playable.hpp, description_of. */
     instruments: () => JSON.parse(textAt(exports, exports.engine_instruments())),
     /** The largest sample of one note, of full scale: how loud an instrument is. */
@@ -29,8 +31,9 @@ export function startEngine(module, sampleRate) {
     takeInstrument: (bytes) => writeInstrument(exports, exports.engine_own_instrument, bytes),
     /** Makes an instrument: call it before one of the functions below. */
     choose: (number) => exports.engine_choose(number, sampleRate) === 1,
-    /** Adds a voice: the instrument once more, its strings tuned by so many cents. Returns whether it can be. */
-    addVoice: (cents) => exports.engine_add_voice(cents) === 1,
+    /** Adds a voice: the instrument once more, its strings tuned by so many cents, or with the one of this number in
+     * strings(), plucked at pluck_m, over which a slide rests at height_m. Returns whether it can be. */
+    addVoice: ({ cents = 0, string = -1, pluck_m = 0, height_m = 0 }) => exports.engine_add_voice(cents, string, pluck_m, height_m) === 1,
     /** Moves a voice between -1, left, and 1, right. */
     pan: (voice, pan) => exports.engine_pan(voice, pan),
     /** Makes a design of the generator the material of later strikes. */

@@ -126,7 +126,8 @@ class Page {
     const [engine, studies, generator] = ["engine", "studies", "generator"].map(moduleAsset);
     this.engine = startEngine(await engine, kSampleRate);
     this.studies = startStudies(await studies, kSampleRate);
-    this.engine.instruments().forEach((instrument, number) => this.instruments.set(instrument.name, { ...instrument, number }));
+    const strings = this.engine.strings();
+    this.engine.instruments().forEach((instrument, number) => this.instruments.set(instrument.name, { ...instrument, number, strings }));
     this.offerInstruments();
     const first = stateOf(location.hash);
     this.play(this.instruments.has(first.instrument) ? first.instrument : kFirst, first.controls); // on the felt of C4

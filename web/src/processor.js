@@ -55,9 +55,9 @@ class ContactSplineProcessor extends AudioWorkletProcessor {
 
   // A score, whose times count from now on. The page is told of its notes.
   begin({ voices, messages }) {
-    voices.forEach(({ cents, pan }, i) => {
-      this.engine.addVoice(cents);
-      this.engine.pan(i + 1, pan);
+    voices.forEach((voice, i) => {
+      this.engine.addVoice(voice);
+      this.engine.pan(i + 1, voice.pan);
     });
     this.later = messages.map((message) => ({ ...message, at: message.at + currentTime, isOfScore: true }));
   }

@@ -13,9 +13,11 @@ export function readScore(packed) {
   return { keyboard: "piano", description: title, played };
 }
 
-/** Whether the page has what a score plays: the piano, or an instrument of a file. */
-export const instrumentOf = (score, instruments) =>
-  score.keyboard === "piano" ? "piano" : instruments.has(score.instrument) ? score.instrument : null;
+/** The instrument of the page that a score plays, or null. */
+export function instrumentOf(score, instruments) {
+  const name = score.keyboard ?? score.instrument.replaceAll("-", "_");
+  return instruments.has(name) ? name : null;
+}
 
 // Pressed keys, and let go where no other note holds them.
 function keyMessages({ events }, { speeds: [softest, loudest] }) {
@@ -57,11 +59,16 @@ function eventMessages({ events }, { parameters, events: played }, name, voice) 
     );
 }
 
-/** A score for an instrument as engine.cpp describes it: { voices: [{ cents, pan }], messages by rising time `at` [s] }. A voice
- * of the score is one beside the instrument; without voices the instrument itself plays. */
+/** A score for an instrument as engine.cpp describes it, with the names of its strings: { voices (engine.js), each with its pan, messages by rising time `at`
+ * [s] }. A voice of the score is one beside the instrument; without voices the instrument itself plays. */
 export function performance(score, instrument) {
   if (score.played) return score.played;
-  const voices = (score.voices ?? []).map(({ tuning_cents = 0, pan = 0 }) => ({ cents: tuning_cents, pan }));
+  const voices = (score.voices ?? []).map(({ tuning_cents = 0, pan = 0, resonator, ...own }) => ({
+    cents: tuning_cents,
+    pan,
+    string: instrument.strings.indexOf(resonator),
+    ...own,
+  }));
   const names = score.voices?.map(({ name }) => name) ?? [undefined];
   const messages = score.keyboard
     ? keyMessages(score, instrument)

@@ -16,6 +16,7 @@
 #include "web/wasm/instruments.hpp"
 #include "web/wasm/packed_instrument.hpp"
 #include "web/wasm/playable.hpp"
+#include "web/wasm/string_voices.hpp"
 #include "web/wasm/tuned_network.hpp"
 
 namespace contactspline::web {
@@ -37,29 +38,55 @@ std::array<float, 3 * kBlock> outputs, part;
 std::array<double, 5> shown_books;
 std::array<std::uint8_t, 3> message;
 
-/// Makes an instrument whose strings are tuned by so many cents; null if it cannot be tuned.
-using Maker = std::function<std::unique_ptr<Playable>(double cents)>;
+/// What a voice of a score has of its own: the tuning of its strings, or one of kStrings with the place of its pluck
+/// and the height of a slide.
+struct VoicePlan {
+  double cents = 0;
+  int string = -1;  ///< none
+  double pluck_m = 0, height_m = 0;
+
+  [[nodiscard]] bool is_plain() const { return cents == 0 && string < 0; }
+};
+
+/// Makes an instrument; null if it cannot have such a voice.
+using Maker = std::function<std::unique_ptr<Playable>(const VoicePlan&)>;
 
 template <typename I, std::size_t sound = 0, typename... Args>
 Maker maker(Args&... args) {
-  return [&args...](double cents) -> std::unique_ptr<Playable> {
-    if (cents != 0) return nullptr;
+  return [&args...](const VoicePlan& plan) -> std::unique_ptr<Playable> {
+    if (!plan.is_plain()) return nullptr;
     return std::make_unique<PlayableBehind<I, sound>>(args...);
+  };
+}
+
+// I is a guitar string that is plucked, heard by the force on its bridge; a voice is a Model with another string.
+template <typename I, typename Model>
+Maker maker_of_plucked() {
+  return [](const VoicePlan& plan) -> std::unique_ptr<Playable> {
+    constexpr std::size_t kBridge = detail::StringOutputs<float>::kBridge;
+    if (plan.is_plain()) return std::make_unique<PlayableBehind<I, kBridge>>();
+    if (plan.string < 0 || plan.string >= static_cast<int>(kStrings.size())) return nullptr;
+    PluckedStringParts parts = at_steel(kStrings[static_cast<std::size_t>(plan.string)].parts());
+    tune(parts.resonator, plan.cents, chosen_rate_hz);
+    parts.resonator.pluck_m = plan.pluck_m;
+    parts.height_m = plan.height_m;
+    return std::make_unique<PlayableBehind<Model, kBridge>>(std::move(parts));
   };
 }
 
 template <template <typename> typename I>
 Maker maker_of_file() {
-  return [](double cents) -> std::unique_ptr<Playable> {
-    if (cents != 0) return std::make_unique<PlayableBehind<TunedNetwork>>(I<float>::data::view(), cents);
-    return std::make_unique<PlayableBehind<I<float>>>();
+  return [](const VoicePlan& plan) -> std::unique_ptr<Playable> {
+    if (plan.is_plain()) return std::make_unique<PlayableBehind<I<float>>>();
+    if (plan.string >= 0) return nullptr;
+    return std::make_unique<PlayableBehind<TunedNetwork>>(I<float>::data::view(), plan.cents);
   };
 }
 
 Bytes own;  // packed instrument of the page's user
 
-std::unique_ptr<Playable> own_instrument(double cents) {
-  if (cents != 0) return nullptr;
+std::unique_ptr<Playable> own_instrument(const VoicePlan& plan) {
+  if (!plan.is_plain()) return nullptr;
   if (UnpackedInstrument(own).data().keyed.ranges.empty())
     return std::make_unique<PlayableBehind<OfBytes<NetworkInstrument<float>>>>(own);
   return std::make_unique<PlayableBehind<OfBytes<Voices<NetworkInstrument<float>>>>>(own);
@@ -68,19 +95,20 @@ std::unique_ptr<Playable> own_instrument(double cents) {
 // The user's own, where there is one, is the last.
 std::vector<Maker>& instruments() {
   static std::vector<Maker> all = [] {
-    constexpr std::size_t kBridge = detail::StringOutputs<float>::kBridge, kForce = 1;
+    constexpr std::size_t kForce = 1;
     std::vector<Maker> makers = {maker<HammerKeys>(material), maker<KeyboardInstrument<Piano, float>>(),
                                  maker<MassBarrierOf<materials::felt_c4, float>, kForce>(),
-                                 maker<SlideGuitar<float>, kBridge>(), maker<FretGuitar<float>, kBridge>()};
+                                 maker_of_plucked<SlideGuitar<float>, SlideStringInstrument<float>>(),
+                                 maker_of_plucked<FretGuitar<float>, FretStringInstrument<float>>()};
     each_instrument_of_a_file([&]<template <typename> typename I>() { makers.push_back(maker_of_file<I>()); });
     return makers;
   }();
   return all;
 }
 
-std::unique_ptr<Playable> instrument(int number, double cents = 0) {
+std::unique_ptr<Playable> instrument(int number, const VoicePlan& plan = {}) {
   if (number < 0 || number >= static_cast<int>(instruments().size())) return nullptr;
-  return instruments()[static_cast<std::size_t>(number)](cents);
+  return instruments()[static_cast<std::size_t>(number)](plan);
 }
 
 // The voice of this number, or the first.
@@ -98,8 +126,15 @@ void process(Playable& played, std::span<float> out, std::size_t count) {
 /// The instruments, as a JSON list (playable.hpp). Their numbers are their places in it.
 CONTACTSPLINE_WEB(const char*, engine_instruments) {
   std::vector<std::string> all;
-  for (const Maker& make : instruments()) all.push_back(make(0)->described());
+  for (const Maker& make : instruments()) all.push_back(make({})->described());
   return keep(fmt::format("[{}]", fmt::join(all, ", ")));
+}
+
+/// The names of the strings that a voice may have, as a JSON list. Their numbers are their places in it.
+CONTACTSPLINE_WEB(const char*, engine_strings) {
+  std::vector<std::string> names;
+  for (const NamedString& string : kStrings) names.push_back(quoted(string.name));
+  return keep(fmt::format("[{}]", fmt::join(names, ", ")));
 }
 
 /// Where the page writes so many bytes of an instrument of its user's: packed by the generator's module, the last of
@@ -122,10 +157,10 @@ CONTACTSPLINE_WEB(int, engine_choose, int number, double sample_rate_hz) {
   return 1;
 }
 
-/// Adds a voice: the same instrument once more, with its strings tuned by so many cents. 0 if it has no strings of a
-/// file. Allocates.
-CONTACTSPLINE_WEB(int, engine_add_voice, double cents) {
-  auto next = instrument(static_cast<int>(chosen), cents);
+/// Adds a voice: the same instrument once more, with its strings tuned by so many cents, or with one of
+/// engine_strings(), -1 for none. 0 if the instrument cannot have it. Allocates.
+CONTACTSPLINE_WEB(int, engine_add_voice, double cents, int string, double pluck_m, double height_m) {
+  auto next = instrument(static_cast<int>(chosen), {cents, string, pluck_m, height_m});
   if (!next) return 0;
   next->prepare(chosen_rate_hz);
   voices.push_back({std::move(next), 1, 1});
