@@ -24,13 +24,12 @@ struct NamedString {
   ResonatorParts (*parts)();
 };
 
-inline constexpr std::array kStrings = {
-    NamedString{"guitar_e2", string_parts<resonators::guitar_e2>},
-    NamedString{"guitar_a2", string_parts<resonators::guitar_a2>},
-    NamedString{"guitar_d3", string_parts<resonators::guitar_d3>},
-    NamedString{"guitar_g3", string_parts<resonators::guitar_g3>},
-    NamedString{"guitar_b3", string_parts<resonators::guitar_b3>},
-    NamedString{"guitar_e4", string_parts<resonators::guitar_e4>}};
+inline constexpr std::array kStrings = {NamedString{"guitar_e2", string_parts<resonators::guitar_e2>},
+                                        NamedString{"guitar_a2", string_parts<resonators::guitar_a2>},
+                                        NamedString{"guitar_d3", string_parts<resonators::guitar_d3>},
+                                        NamedString{"guitar_g3", string_parts<resonators::guitar_g3>},
+                                        NamedString{"guitar_b3", string_parts<resonators::guitar_b3>},
+                                        NamedString{"guitar_e4", string_parts<resonators::guitar_e4>}};
 
 /// A string that meets steel, as slide and frets are in all scores.
 inline PluckedStringParts at_steel(ResonatorParts string) {
@@ -49,8 +48,7 @@ inline void tune(ResonatorParts& string, double cents, double sample_rate_hz) {
   const auto is_too_high = [&](const Mode& mode) {
     return mode.angular_frequency_rad_per_s >= std::numbers::pi * sample_rate_hz;
   };
-  const auto count =
-      static_cast<std::size_t>(std::ranges::find_if(string.modes, is_too_high) - string.modes.begin());
+  const auto count = static_cast<std::size_t>(std::ranges::find_if(string.modes, is_too_high) - string.modes.begin());
   string.modes.resize(count);
   for (auto* const values : {&string.wavenumbers_per_m, &string.pickup, &string.bridge}) values->resize(count);
 }
