@@ -18,6 +18,10 @@
 # URI         the same in LV2; default: urn:contactspline:TARGET
 # OUTPUT_DIR  relative to the current binary folder; default: that folder
 #
+# Each has a window, drawn by OpenGL: on Linux with the headers of libgl-dev and libx11-dev. Without them, or with
+# -DCONTACTSPLINE_PLUGIN_WINDOW=OFF, plug-ins have none. CLAP and VST3 are then not linked to these libraries; LV2's
+# window is always a library of its own.
+#
 # To install: install(DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/clap DESTINATION lib), and so on.
 
 cmake_policy(VERSION 3.25)  # whatever the caller's
@@ -26,6 +30,42 @@ include(${CMAKE_CURRENT_LIST_DIR}/ContactSplineArguments.cmake)
 # In the source tree, else where the package is installed.
 find_path(ContactSpline_PLUGIN_DIR instrument_plugin.hpp NO_DEFAULT_PATH NO_CMAKE_FIND_ROOT_PATH NO_CACHE
           PATHS "${CMAKE_CURRENT_LIST_DIR}/../hosts/plugin" "${ContactSpline_DATA_DIR}/plugin")
+
+option(CONTACTSPLINE_PLUGIN_WINDOW "Give plug-ins a window, where the headers of OpenGL and X11 are found" ON)
+
+# Adds the framework's graphics, contactspline_window_graphics, if plug-ins are to have windows.
+function(_contactspline_find_graphics)
+  if(TARGET contactspline_window_graphics OR NOT CONTACTSPLINE_PLUGIN_WINDOW)
+    return()
+  endif()
+  if(WIN32)
+    set(libraries opengl32 gdi32 comdlg32 dwmapi)
+  else()
+    set(OpenGL_GL_PREFERENCE LEGACY)
+    find_package(OpenGL QUIET)
+    find_package(X11 QUIET)
+    if(NOT (OPENGL_FOUND AND X11_FOUND))
+      message(STATUS "Contact Spline: plug-ins have no window, for which headers are missing; Debian has them as: "
+                     "libgl-dev libx11-dev")
+      set(CONTACTSPLINE_PLUGIN_WINDOW OFF PARENT_SCOPE)
+      return()
+    endif()
+    set(libraries ${OPENGL_gl_LIBRARY} ${X11_X11_LIB} ${CMAKE_DL_LIBS})
+  endif()
+  set(sources Application ApplicationPrivateData Color EventHandlers Geometry ImageBase NanoVG OpenGL Resources SubWidget
+              SubWidgetPrivateData TopLevelWidget TopLevelWidgetPrivateData Widget WidgetPrivateData Window
+              WindowPrivateData pugl)
+  list(TRANSFORM sources REPLACE "(.+)" "${DPF_DIR}/dgl/src/\\1.cpp")
+  add_library(contactspline_window_graphics STATIC EXCLUDE_FROM_ALL ${sources})
+  set_target_properties(contactspline_window_graphics PROPERTIES POSITION_INDEPENDENT_CODE ON UNITY_BUILD OFF)
+  target_compile_features(contactspline_window_graphics PUBLIC cxx_std_20)
+  target_compile_options(contactspline_window_graphics PRIVATE -w $<$<CXX_COMPILER_ID:GNU>:-fno-gnu-unique>)
+  target_compile_definitions(contactspline_window_graphics PUBLIC DGL_OPENGL HAVE_OPENGL HAVE_DGL
+    DGL_FILE_BROWSER_DISABLED $<$<NOT:$<BOOL:${WIN32}>>:HAVE_X11>)
+  target_include_directories(contactspline_window_graphics SYSTEM PUBLIC "${DPF_DIR}/dgl"
+    PRIVATE "${DPF_DIR}/distrho" "${DPF_DIR}/dgl/src/pugl-upstream/include")
+  target_link_libraries(contactspline_window_graphics PUBLIC ${libraries})
+endfunction()
 
 # Checks what has to be installed, and adds the program that writes the description of an LV2 plug-in.
 function(_contactspline_find_framework)
@@ -45,6 +85,7 @@ function(_contactspline_find_framework)
       $<$<BOOL:${WIN32}>:${ContactSpline_PLUGIN_DIR}/windows>)
     target_link_libraries(contactspline_describe_lv2 PRIVATE ${CMAKE_DL_LIBS})
   endif()
+  _contactspline_find_graphics()
 endfunction()
 
 # Sets `header` and `class` of arg_INSTRUMENT.
@@ -158,7 +199,7 @@ function(_contactspline_plugin_part part)
   string(TOUPPER ${format} upper_format)
   target_compile_definitions(${part} PRIVATE DISTRHO_PLUGIN_TARGET_${upper_format} DISTRHO_PLUGIN_NAME="${arg_TITLE}"
     DISTRHO_PLUGIN_BRAND="${arg_VENDOR}" DISTRHO_PLUGIN_URI="${arg_URI}" DISTRHO_PLUGIN_CLAP_ID="${arg_ID}"
-    CONTACTSPLINE_PLUGIN_LABEL="${arg_TARGET}" CONTACTSPLINE_PLUGIN_UNIQUE_ID=0x${hash})
+    CONTACTSPLINE_HAS_WINDOW=$<TARGET_EXISTS:contactspline_window_graphics> CONTACTSPLINE_PLUGIN_LABEL="${arg_TARGET}" CONTACTSPLINE_PLUGIN_UNIQUE_ID=0x${hash})
   target_include_directories(${part} PRIVATE "${ContactSpline_PLUGIN_DIR}")
   target_include_directories(${part} SYSTEM PRIVATE "${DPF_DIR}/distrho")
   target_compile_options(${part} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fno-gnu-unique>)  # hosts can unload it
@@ -196,9 +237,27 @@ function(_contactspline_vst3_source folder)
   if(place LESS 0 OR class_of_instrument STREQUAL class)
     _contactspline_fail("${framework} has no place for InstrumentVst3; allowed: version 1.6 of the framework")
   endif()
-  string(REGEX REPLACE "#include \"([^\"]*)\"" "#include <src/\\1>" class "${class_of_instrument}")
+  string(REGEX REPLACE "#( ?)include \"\\.\\./([^\"]*)\"" "#\\1include <\\2>" class "${class_of_instrument}")
+  string(REGEX REPLACE "#( ?)include \"([^\"]*)\"" "#\\1include <src/\\2>" class "${class}")
   file(CONFIGURE OUTPUT "${folder}/instrument_vst3.cpp" @ONLY CONTENT
     "${class}END_NAMESPACE_DISTRHO\n#include \"instrument_vst3.hpp\"\nSTART_NAMESPACE_DISTRHO\n${rest}")
+endfunction()
+
+# The window of the LV2 plug-in: TARGET_ui.so beside it.
+function(_contactspline_lv2_window)
+  set(window ${target}_window)
+  add_library(${window} MODULE "${ContactSpline_PLUGIN_DIR}/window.cpp")
+  target_compile_options(${window} PRIVATE -w -O1)
+  _contactspline_plugin_part(${window})
+  target_link_libraries(${window} PRIVATE contactspline_window_graphics)
+  if(WIN32)
+    target_link_libraries(${window} PRIVATE "${DPF_DIR}/utils/symbols/lv2-ui.def")
+  else()
+    target_link_options(${window} PRIVATE "-Wl,--version-script=${DPF_DIR}/utils/symbols/lv2-ui.version")
+  endif()
+  set_target_properties(${window} PROPERTIES
+    PREFIX "" OUTPUT_NAME ${arg_TARGET}_ui SUFFIX ${suffix_of_lv2} LIBRARY_OUTPUT_DIRECTORY "$<1:${folder}>")
+  add_dependencies(${target} ${window})
 endfunction()
 
 # The binary of one format.
@@ -227,6 +286,13 @@ function(_contactspline_plugin_format format)
   endif()
   target_compile_options(${target} PRIVATE -w -O1)
   _contactspline_plugin_part(${target})
+  if(TARGET contactspline_window_graphics AND format STREQUAL lv2)
+    target_compile_definitions(${target} PRIVATE
+      $<TARGET_PROPERTY:contactspline_window_graphics,INTERFACE_COMPILE_DEFINITIONS>)
+  elseif(TARGET contactspline_window_graphics)
+    target_sources(${target} PRIVATE "${ContactSpline_PLUGIN_DIR}/window.cpp")
+    target_link_libraries(${target} PRIVATE contactspline_window_graphics)
+  endif()
   # Where hosts of the system look for the binary, and what it exports.
   set(folder "${arg_OUTPUT_DIR}/${format}")
   set(suffix_of_clap .clap)
@@ -249,13 +315,17 @@ function(_contactspline_plugin_format format)
   set_target_properties(${target} PROPERTIES
     PREFIX "" OUTPUT_NAME ${arg_TARGET} SUFFIX ${suffix_of_${format}} LIBRARY_OUTPUT_DIRECTORY "$<1:${folder}>")
   if(format STREQUAL lv2)
-    # Without the words of other vocabularies, which lv2_validate does not know; `options` are welcome, not needed. Lines
-    # end as on Linux.
+    if(TARGET contactspline_window_graphics)
+      _contactspline_lv2_window()
+    endif()
+    # Without the words of other vocabularies, which lv2_validate does not know; `options` are welcome, not needed. The
+    # window is a library of its own. Lines end as on Linux.
     add_custom_command(TARGET ${target} POST_BUILD
       COMMAND contactspline_describe_lv2 ${arg_TARGET} ${suffix_of_lv2} > describe.log
       COMMAND ${CMAKE_COMMAND} -E rm describe.log
       COMMAND sed -zi -E -e "s/\\r//g; s/ ,\\n *<http:..kxstudio[^>]*>//; s/ *mod:(brand|label) [^\\n]*\\n//g"
               -e "s/(requiredFeature) opts:options ,\\n */\\1 /; s/(optionalFeature) /\\1 opts:options, /"
+              -e "s/(ui:binary <[^>]*)(\\.[a-z]+>)/\\1_ui\\2/"
               ${arg_TARGET}.ttl presets.ttl manifest.ttl
       WORKING_DIRECTORY "${folder}"
       COMMENT "Describing ${arg_TARGET}.lv2"

@@ -2,7 +2,13 @@
 // What the DISTRHO Plugin Framework asks of every plug-in. contactspline_plugin() adds name and identity.
 #pragma once
 
-#define DISTRHO_PLUGIN_HAS_UI 0
+// A window takes its pictures from the plug-in itself, in the same process.
+#define DISTRHO_PLUGIN_HAS_UI CONTACTSPLINE_HAS_WINDOW
+#define DISTRHO_PLUGIN_WANT_DIRECT_ACCESS CONTACTSPLINE_HAS_WINDOW
+#define DISTRHO_UI_FILE_BROWSER 0
+#define DISTRHO_UI_USE_NANOVG 1
+#define DISTRHO_UI_USER_RESIZABLE 1
+
 #define DISTRHO_PLUGIN_IS_RT_SAFE 1
 #define DISTRHO_PLUGIN_IS_SYNTH 1
 #define DISTRHO_PLUGIN_NUM_INPUTS 0

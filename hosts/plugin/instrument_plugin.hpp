@@ -19,6 +19,7 @@
 #include "contactspline/step/controls.hpp"
 #include "contactspline/step/flush_denormals.hpp"
 #include "contactspline/step/version.hpp"
+#include "windowed_plugin.hpp"
 
 namespace contactspline {
 
@@ -43,13 +44,14 @@ struct PluginInstrument {
 /// presets, in units for people (label_of); a volume is the last parameter. Without presets one program sets all
 /// parameters to their first values. Left and right are the outputs whose names begin with left_ and right_; without
 /// them the first output is on both sides. Behind the volume stand what hosts can only read: the peak of each output,
-/// in its unit, which falls within 0.3 s.
+/// in its unit, which falls within 0.3 s. While a window watches, it tells it what the contacts do.
 template <Instrument I>
-class InstrumentPlugin : private detail::PluginInstrument<I>, public DISTRHO_NAMESPACE::Plugin {
+class InstrumentPlugin : private detail::PluginInstrument<I>, public WindowedPlugin {
  public:
   InstrumentPlugin()
-      : Plugin(static_cast<std::uint32_t>(this->numbers.size() + 1 + this->hosted.instrument().outputs().size()),
-               static_cast<std::uint32_t>(std::max<std::size_t>(1, this->hosted.instrument().presets().size())), 0),
+      : WindowedPlugin(
+            static_cast<std::uint32_t>(this->numbers.size() + 1 + this->hosted.instrument().outputs().size()),
+            static_cast<std::uint32_t>(std::max<std::size_t>(1, this->hosted.instrument().presets().size())), 0),
         volume_index_(this->numbers.size()),
         factors_(all_factors()),
         values_(factors_.size()),
@@ -120,6 +122,29 @@ class InstrumentPlugin : private detail::PluginInstrument<I>, public DISTRHO_NAM
     parameter.ranges = {shown(index, c.initial), shown(index, c.slider.min), shown(index, c.slider.max)};
     parameter.midiCC = c.controller;
   }
+
+  WindowTable window_table() const override {
+    const Output& left = instrument().outputs()[left_];
+    const Label motion = label_of(left.name);
+    WindowTable table{.title = DISTRHO_PLUGIN_NAME,
+                      .description = instrument().description(),
+                      .motion = motion.text,
+                      .motion_unit = motion.unit,
+                      .motion_full_scale = left.full_scale * motion.factor};
+    for (std::size_t p = 0; p <= volume_index_; ++p) {
+      const Control& c = control(p);
+      const Label label = label_of(c.name);
+      table.parameters.push_back({label.text,
+                                  label.unit,
+                                  shown(p, c.initial),
+                                  {shown(p, c.slider.min), shown(p, c.slider.max), c.scale == Scale::kLogarithmic}});
+    }
+    add_keys_and_presets(instrument(), this->numbers, table);
+    return table;
+  }
+  double window_value(std::size_t parameter) const override { return values_[parameter].shown; }
+  double window_rate_hz() const override { return getSampleRate(); }
+  ContactRing& ring() override { return ring_; }
 
   static void describe_peak(const Output& output, DISTRHO_NAMESPACE::Parameter& parameter) {
     const Label label = label_of(output.name);
@@ -194,6 +219,7 @@ class InstrumentPlugin : private detail::PluginInstrument<I>, public DISTRHO_NAM
 
   void take(std::span<const std::uint8_t> bytes) {
     const auto message = midi_message(bytes);
+    if (message && message->status == 0x90 && message->second > 0) ++notes_;
     if (message && message->status == 0xb0 && message->first == kVolumeController)
       volume_target_ = static_cast<float>(message->second) / 127;
     else
@@ -209,7 +235,10 @@ class InstrumentPlugin : private detail::PluginInstrument<I>, public DISTRHO_NAM
     float* const left = outputs_[left_] = outputs[0] + begin;
     float* const right = outputs[1] + begin;
     if (right_ != left_) outputs_[right_] = right;
-    this->hosted.template process<float>(outputs_, samples);
+    const bool is_watched = ring_.is_watched();
+    const std::span force(forces_.data(), is_watched ? samples : 0);
+    this->hosted.template process<float>(outputs_, samples, force);
+    if (is_watched) show(force);
     for (std::size_t o = 0; o < outputs_.size(); ++o) measure(peaks_[o], {outputs_[o], samples});
     for (std::size_t n = 0; n < samples; ++n) {
       volume_ += volume_rate_ * (volume_target_ - volume_);
@@ -217,6 +246,13 @@ class InstrumentPlugin : private detail::PluginInstrument<I>, public DISTRHO_NAM
       left[n] *= volume_;
       right[n] *= volume_;
     }
+  }
+
+  void show(std::span<const typename I::value_type> force) {
+    std::array<float, kBlock> in_single;
+    std::transform(force.begin(), force.end(), in_single.begin(), [](auto f) { return static_cast<float>(f); });
+    ring_.write({outputs_[left_], force.size()}, std::span(in_single).first(force.size()),
+                static_cast<float>(instrument().energy()), notes_);
   }
 
   void measure(Peak& peak, std::span<const float> sound) {
@@ -240,6 +276,9 @@ class InstrumentPlugin : private detail::PluginInstrument<I>, public DISTRHO_NAM
   std::vector<std::array<float, kBlock>> unheard_;  // of outputs that are on neither side
   std::vector<Peak> peaks_;
   std::size_t left_, right_;
+  ContactRing ring_;
+  std::array<typename I::value_type, kBlock> forces_ = {};
+  std::uint32_t notes_ = 0;  // that have begun
   float volume_ = 0, volume_target_ = 0, volume_rate_ = 0;
 };
 

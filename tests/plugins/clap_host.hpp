@@ -4,9 +4,11 @@
 
 #include <clap/entry.h>
 #include <clap/ext/audio-ports.h>
+#include <clap/ext/gui.h>
 #include <clap/ext/note-ports.h>
 #include <clap/ext/params.h>
 #include <clap/ext/state.h>
+#include <clap/ext/timer-support.h>
 #include <clap/plugin-factory.h>
 
 #include <algorithm>
@@ -51,6 +53,30 @@ class ClapPlugin : public HostedPlugin {
   [[nodiscard]] const Extension* extension(const char* id) const {
     return static_cast<const Extension*>(plugin_->get_extension(plugin_, id));
   }
+
+  /// Opens the window in one of the host's, at a scale, and calls it about 60 times a second. Throws if it has none.
+  void open_window(std::uintptr_t parent, double scale) {
+    require(gui().is_api_supported(plugin_, CLAP_WINDOW_API_X11, false), "no window of X11");
+    require(gui().create(plugin_, CLAP_WINDOW_API_X11, false), "no window");
+    require(gui().set_scale(plugin_, scale), "no scale");
+    clap_window_t window = {CLAP_WINDOW_API_X11, {}};
+    window.uptr = parent;
+    require(gui().set_parent(plugin_, &window) && gui().show(plugin_), "no window");
+    require(timer_period_ms_ > 0 && timer_period_ms_ <= 17, "no timer");
+  }
+  [[nodiscard]] std::pair<std::uint32_t, std::uint32_t> window_size() const {
+    std::uint32_t width = 0, height = 0;
+    require(gui().get_size(plugin_, &width, &height), "no size");
+    return {width, height};
+  }
+  void resize_window(std::uint32_t width, std::uint32_t height) {
+    require(gui().can_resize(plugin_) && gui().set_size(plugin_, width, height), "no resize");
+  }
+  void idle_window() { extension<clap_plugin_timer_support_t>(CLAP_EXT_TIMER_SUPPORT)->on_timer(plugin_, 1); }
+  void close_window() { gui().destroy(plugin_); }
+
+  /// The values that the plug-in has told its host, in the order of their arrival.
+  [[nodiscard]] const std::vector<clap_event_param_value_t>& told() const { return told_; }
 
   /// As a host does on its audio thread, when the user stops all sound.
   void reset() { plugin_->reset(plugin_); }
@@ -148,6 +174,28 @@ class ClapPlugin : public HostedPlugin {
     return {static_cast<std::uint32_t>(size), time, CLAP_CORE_EVENT_SPACE_ID, type, 0};
   }
 
+  [[nodiscard]] const clap_plugin_gui_t& gui() const {
+    const auto* const gui = extension<clap_plugin_gui_t>(CLAP_EXT_GUI);
+    require(gui != nullptr, "no window");
+    return *gui;
+  }
+
+  static const void* host_extension(const clap_host_t*, const char* id) {
+    static const clap_host_gui_t gui = {
+        [](const clap_host_t*) {}, [](const clap_host_t*, std::uint32_t, std::uint32_t) { return true; },
+        [](const clap_host_t*) { return true; }, [](const clap_host_t*) { return true; },
+        [](const clap_host_t*, bool) {}};
+    static const clap_host_timer_support_t timer = {
+        [](const clap_host_t* host, std::uint32_t period_ms, clap_id* timer_id) {
+          static_cast<ClapPlugin*>(host->host_data)->timer_period_ms_ = period_ms;
+          *timer_id = 1;
+          return true;
+        },
+        [](const clap_host_t*, clap_id) { return true; }};
+    if (std::strcmp(id, CLAP_EXT_GUI) == 0) return &gui;
+    return std::strcmp(id, CLAP_EXT_TIMER_SUPPORT) == 0 ? &timer : nullptr;
+  }
+
   [[nodiscard]] const clap_plugin_state_t& state() const {
     const auto* const state = extension<clap_plugin_state_t>(CLAP_EXT_STATE);
     require(state != nullptr, "no state");
@@ -165,7 +213,12 @@ class ClapPlugin : public HostedPlugin {
           return &(*static_cast<std::vector<Event>*>(self->ctx))[i].head;
         }};
     const clap_output_events_t output = {
-        nullptr, [](const clap_output_events_t*, const clap_event_header_t*) { return true; }};
+        this, [](const clap_output_events_t* self, const clap_event_header_t* event) {
+          if (event->type == CLAP_EVENT_PARAM_VALUE)
+            static_cast<ClapPlugin*>(self->ctx)->told_.push_back(
+                *reinterpret_cast<const clap_event_param_value_t*>(event));
+          return true;
+        }};
     const clap_process_t block = {-1, kBlock, nullptr, nullptr, &bus, 0, 1, &input, &output};
     require(plugin_->process(plugin_, &block) != CLAP_PROCESS_ERROR, "process");
     events_.clear();
@@ -177,17 +230,19 @@ class ClapPlugin : public HostedPlugin {
   const clap_plugin_t* plugin_ = nullptr;
   const clap_plugin_params_t* params_ = nullptr;
   clap_host_t host_ = {CLAP_VERSION,
-                       nullptr,
+                       this,
                        "test",
                        "test",
                        "",
                        "1",
-                       [](const clap_host_t*, const char*) -> const void* { return nullptr; },
+                       host_extension,
                        [](const clap_host_t*) {},
                        [](const clap_host_t*) {},
                        [](const clap_host_t*) {}};
   std::map<std::string, clap_id> ids_;
   std::vector<Event> events_;
+  std::vector<clap_event_param_value_t> told_;
+  std::uint32_t timer_period_ms_ = 0;
 };
 
 }  // namespace contactspline::testing

@@ -83,6 +83,7 @@ class EnsembleInstrument : public EnsembleParameter, public ParameterValues<T, E
     strike(string_of(key), static_cast<T>(std::clamp(velocity, 0.0, 1.0) * this->value(kSpeed)));
   }
   void note_off(int key) { release(string_of(key)); }
+  [[nodiscard]] bool has_key(int key) const { return string_of(key) < parts_.strings.size(); }
 
   void strike(std::size_t number, T speed_m_per_s) {
     if (number >= dampers_.size() || !is_number(speed_m_per_s)) return;

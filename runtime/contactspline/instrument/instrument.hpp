@@ -7,6 +7,7 @@
 
 #include <concepts>
 #include <cstddef>
+#include <optional>
 #include <span>
 
 #include "contactspline/instrument/parameter.hpp"
@@ -32,7 +33,8 @@ using Outputs = std::span<const std::span<T>>;
 /// reset()                   brings it to rest; parameters stay
 /// is_silent(limit)          does nothing move on its own, and is the energy below a limit [J]?
 /// energy()                  stored [J]
-/// It may also have is_at_rest(limit): do loads hold all still, but for a kinetic energy below a limit [J]?
+/// It may also have is_at_rest(limit): do loads hold all still, but for a kinetic energy below a limit [J]? And
+/// event_of(key): the event that a key of MIDI plays, if it plays one; or, without events, has_key(key).
 template <typename I>
 concept Instrument = std::floating_point<typename I::value_type> &&
     requires(I& i, const I& c, typename I::value_type x, Outputs<typename I::value_type> outputs,
@@ -69,6 +71,26 @@ template <Instrument I>
     return instrument.license();
   else
     return "MIT";
+}
+
+/// The event that a key of MIDI plays, if the instrument knows it.
+template <Instrument I>
+[[nodiscard]] std::optional<std::size_t> event_of(const I& instrument, int key) {
+  if constexpr (requires { instrument.event_of(key); })
+    return instrument.event_of(key);
+  else
+    return {};
+}
+
+/// Does a key of MIDI play? All do where the instrument does not say.
+template <Instrument I>
+[[nodiscard]] bool has_key(const I& instrument, int key) {
+  if constexpr (requires { instrument.event_of(key); })
+    return instrument.event_of(key).has_value();
+  else if constexpr (requires { instrument.has_key(key); })
+    return instrument.has_key(key);
+  else
+    return true;
 }
 
 }  // namespace contactspline

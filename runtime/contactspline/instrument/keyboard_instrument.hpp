@@ -148,6 +148,9 @@ class KeyboardInstrument : public PedaledKeyboard<KeyboardInstrument<Keyboard, T
   }
 
   static int first_key() { return Keyboard::first_key; }
+  static bool has_key(int key) {
+    return key >= Keyboard::first_key && key < Keyboard::first_key + static_cast<int>(Keyboard::keys);
+  }
   static double speed_of(double velocity) { return strike_speed<Keyboard>(velocity); }
 
  private:

@@ -37,17 +37,29 @@ class PlayedByEvents {
 
   /// key: of MIDI, others do nothing; velocity: 0 to 1, clamped; one that is not a number does nothing.
   void note_on(int key, double velocity) {
-    const auto event = event_of(key);
-    if (!event || !is_number(velocity)) return;
+    const auto number = event_of(key);
+    if (!number || !is_number(velocity)) return;
     down_.set(static_cast<std::size_t>(key));
-    play_event(self(), *event, std::clamp(velocity, 0.0, 1.0) * self().value(event->parameter));
+    const Event& event = self().events()[*number];
+    play_event(self(), event, std::clamp(velocity, 0.0, 1.0) * self().value(event.parameter));
   }
 
   void note_off(int key) {
-    const auto event = event_of(key);
-    if (!event) return;
+    const auto number = event_of(key);
+    if (!number) return;
     down_.reset(static_cast<std::size_t>(key));
-    if (event->kind == EventKind::kStrike && (has_keys() || down_.none())) self().release(event->number);
+    const Event& event = self().events()[*number];
+    if (event.kind == EventKind::kStrike && (has_keys() || down_.none())) self().release(event.number);
+  }
+
+  /// The event that a key plays, if it plays one.
+  [[nodiscard]] std::optional<std::size_t> event_of(int key) const {
+    const std::span<const Event> events = self().events();
+    if (key < 0 || key > 127 || events.empty()) return {};
+    if (!has_keys()) return 0;
+    const int event = key - kFirstKey;
+    if (event < 0 || event >= static_cast<int>(events.size())) return {};
+    return static_cast<std::size_t>(event);
   }
 
  protected:
@@ -59,15 +71,6 @@ class PlayedByEvents {
   [[nodiscard]] Derived& self() { return static_cast<Derived&>(*this); }
   [[nodiscard]] const Derived& self() const { return static_cast<const Derived&>(*this); }
   [[nodiscard]] bool has_keys() const { return self().events().size() > 1; }
-
-  [[nodiscard]] std::optional<Event> event_of(int key) const {
-    const std::span<const Event> events = self().events();
-    if (key < 0 || key > 127 || events.empty()) return {};
-    if (!has_keys()) return events.front();
-    const int event = key - kFirstKey;
-    if (event < 0 || event >= static_cast<int>(events.size())) return {};
-    return events[static_cast<std::size_t>(event)];
-  }
 
   std::bitset<128> down_;
 };

@@ -8,6 +8,7 @@
 #include <bitset>
 #include <cstddef>
 #include <deque>
+#include <optional>
 #include <span>
 #include <tuple>
 #include <vector>
@@ -86,6 +87,11 @@ class Voices {
   }
   void note_off(int key) {
     if (range_of(key) != nullptr) let_go(static_cast<std::size_t>(key));
+  }
+  /// The event that a key plays, if it plays one.
+  [[nodiscard]] std::optional<std::size_t> event_of(int key) const {
+    const KeyRange* const range = range_of(key);
+    return range == nullptr ? std::nullopt : std::optional(range->event);
   }
   void strike(std::size_t number, T speed_m_per_s) {
     if (const auto player = player_of(EventKind::kStrike, number); player < kPlayers && is_number(speed_m_per_s))

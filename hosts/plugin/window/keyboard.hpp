@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: MIT
+// The keys of an instrument: those of a piano, or a button for each event.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "window/canvas.hpp"
+#include "window/window_source.hpp"
+
+namespace contactspline {
+
+class Keyboard {
+ public:
+  Keyboard(const WindowTable& table, const Box& box) : box_(box) {
+    if (table.keys.empty()) return;
+    if (table.has_buttons)
+      place_buttons(table.keys);
+    else
+      place_keys(table.keys);
+  }
+
+  struct Press {
+    int key, velocity;
+  };
+
+  /// The key at a point, and how hard it is struck: the lower, the harder.
+  [[nodiscard]] std::optional<Press> at(double x, double y) const {
+    for (auto key = keys_.rbegin(); key != keys_.rend(); ++key) {  // black ones lie on top
+      if (!key->plays || !key->box.has(x, y)) continue;
+      const double depth = (y - key->box.y) / key->box.height;
+      return Press{key->number, std::clamp(static_cast<int>(30 + 97 * depth), 1, 127)};
+    }
+    return {};
+  }
+
+  void draw(Canvas& canvas, std::optional<int> pressed) const {
+    for (const Key& key : keys_) {
+      const bool is_down = pressed == key.number;
+      const Colour up = !key.is_piano_key ? colours::kPanel : key.is_black ? colours::kBlackKey : colours::kWhiteKey;
+      canvas.lay(key.box, is_down ? colours::kAccent : key.plays ? up : colours::kLine);
+      if (key.words.empty()) continue;
+      const Box bottom{key.box.x + 1, key.box.y + key.box.height - 17, key.box.width - 2, 14};
+      if (key.is_piano_key)
+        canvas.text(bottom, key.words, 9, colours::kOnLight, Side::kMiddle);
+      else
+        canvas.text(key.box.inner(6), key.words, 13, is_down ? colours::kBackground : colours::kText, Side::kMiddle);
+    }
+  }
+
+  /// Where a key is drawn, for tests.
+  [[nodiscard]] Box box_of(int number) const {
+    const auto key = std::find_if(keys_.begin(), keys_.end(), [&](const Key& k) { return k.number == number; });
+    return key == keys_.end() ? Box{} : key->box;
+  }
+
+ private:
+  struct Key {
+    int number;
+    Box box;
+    std::string words;
+    bool is_black = false, plays = true, is_piano_key = true;
+  };
+
+  static bool is_black(int number) {
+    constexpr std::array<bool, 12> kBlack = {false, true, false, true, false, false,
+                                             true,  false, true, false, true, false};
+    return kBlack[static_cast<std::size_t>(number % 12)];
+  }
+
+  void place_buttons(const std::vector<WindowKey>& keys) {
+    constexpr float kGap = 8, kWidest = 220;
+    const float count = static_cast<float>(keys.size());
+    const float width = std::min(kWidest, (box_.width - kGap * (count - 1)) / count);
+    float x = box_.x + (box_.width - count * width - (count - 1) * kGap) / 2;
+    for (const WindowKey& key : keys) {
+      keys_.push_back({key.number, {x, box_.y, width, box_.height}, key.event, false, true, false});
+      x += width + kGap;
+    }
+  }
+
+  // White keys first. Whole octaves around the keys that play.
+  void place_keys(const std::vector<WindowKey>& keys) {
+    constexpr float kWidest = 30, kGap = 1;
+    int first = keys.front().number, last = keys.back().number;
+    if (first > 21) first -= first % 12;
+    if (last < 108) last += 11 - last % 12;
+    int whites = 0;
+    for (int number = first; number <= last; ++number) whites += is_black(number) ? 0 : 1;
+    const float width = std::min(kWidest, box_.width / static_cast<float>(whites));
+    const float left = box_.x + (box_.width - width * static_cast<float>(whites)) / 2;
+    std::vector<Key> blacks;
+    float x = left;
+    for (int number = first; number <= last; ++number) {
+      const bool plays =
+          std::any_of(keys.begin(), keys.end(), [&](const WindowKey& key) { return key.number == number; });
+      if (is_black(number)) {
+        blacks.push_back(
+            {number, {x - 0.3f * width, box_.y, 0.6f * width, 0.62f * box_.height}, "", true, plays, true});
+        continue;
+      }
+      const std::string octave = number % 12 == 0 ? "C" + std::to_string(number / 12 - 1) : "";
+      keys_.push_back({number, {x, box_.y, width - kGap, box_.height}, octave, false, plays, true});
+      x += width;
+    }
+    keys_.insert(keys_.end(), blacks.begin(), blacks.end());
+  }
+
+  Box box_;
+  std::vector<Key> keys_;
+};
+
+}  // namespace contactspline

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+// What a window shows: the table of an instrument, its values, and what its contacts do.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "contactspline/instrument/instrument.hpp"
+#include "host_values.hpp"
+#include "window/contact_ring.hpp"
+
+namespace contactspline {
+
+/// A parameter in the unit for people.
+struct WindowParameter {
+  std::string name, unit;
+  double initial;
+  HostScale scale;
+};
+
+struct WindowPreset {
+  std::string name;
+  std::vector<double> values;  ///< of the first parameters, in their units
+};
+
+struct WindowKey {
+  int number;         ///< of MIDI
+  std::string event;  ///< that it plays, in words; empty where the instrument has none
+};
+
+struct WindowTable {
+  std::string title, description;
+  std::vector<WindowParameter> parameters;
+  std::vector<WindowPreset> presets;
+  std::vector<WindowKey> keys;      ///< of a piano's 88 those that play
+  std::string motion, motion_unit;  ///< name and unit of ContactSample::motion
+  double motion_full_scale = 1;     ///< in the unit
+  bool has_buttons = false;         ///< does each key play an event of its own?
+};
+
+/// The keys and presets of an instrument. numbers: which of its parameters the window shows.
+template <Instrument I>
+void add_keys_and_presets(const I& instrument, const std::vector<std::size_t>& numbers, WindowTable& table) {
+  constexpr int kFirst = 21, kLast = 108;  // of a piano
+  for (int key = kFirst; key <= kLast; ++key) {
+    if (!has_key(instrument, key)) continue;
+    const auto event = event_of(instrument, key);
+    table.keys.push_back({key, event ? label_of(instrument.events()[*event].name).text : ""});
+  }
+  const std::size_t events = instrument.events().size();
+  table.has_buttons = events > 1 && table.keys.size() <= events && !table.keys.front().event.empty();
+  for (const Preset& preset : instrument.presets()) {
+    table.presets.push_back({preset.name, {}});
+    for (const std::size_t p : numbers)
+      table.presets.back().values.push_back(preset.values[p] * label_of(instrument.parameters()[p].name).factor);
+  }
+}
+
+/// A plug-in as its window sees it. All functions on the thread of the window.
+class WindowSource {
+ public:
+  [[nodiscard]] virtual WindowTable window_table() const = 0;
+  /// What a host sees.
+  [[nodiscard]] virtual double window_value(std::size_t parameter) const = 0;
+  [[nodiscard]] virtual double window_rate_hz() const = 0;
+  [[nodiscard]] virtual ContactRing& ring() = 0;
+
+ protected:
+  ~WindowSource() = default;
+};
+
+/// What a window asks of its host.
+class WindowHost {
+ public:
+  /// Begins and ends a movement of a parameter.
+  virtual void edit(std::size_t parameter, bool is_moving) = 0;
+  virtual void set(std::size_t parameter, double value) = 0;
+  /// velocity: 0 to 127; 0 lets the key go.
+  virtual void play(int key, int velocity) = 0;
+
+ protected:
+  ~WindowHost() = default;
+};
+
+}  // namespace contactspline
