@@ -124,22 +124,9 @@ class InstrumentPlugin : private detail::PluginInstrument<I>, public WindowedPlu
   }
 
   WindowTable window_table() const override {
-    const Output& left = instrument().outputs()[left_];
-    const Label motion = label_of(left.name);
-    WindowTable table{.title = DISTRHO_PLUGIN_NAME,
-                      .description = instrument().description(),
-                      .motion = motion.text,
-                      .motion_unit = motion.unit,
-                      .motion_full_scale = left.full_scale * motion.factor};
-    for (std::size_t p = 0; p <= volume_index_; ++p) {
-      const Control& c = control(p);
-      const Label label = label_of(c.name);
-      table.parameters.push_back({label.text,
-                                  label.unit,
-                                  shown(p, c.initial),
-                                  {shown(p, c.slider.min), shown(p, c.slider.max), c.scale == Scale::kLogarithmic}});
-    }
-    add_keys_and_presets(instrument(), this->numbers, table);
+    WindowTable table = window_table_of(instrument(), this->numbers, left_);
+    table.title = DISTRHO_PLUGIN_NAME;
+    table.parameters.push_back(WindowParameter::of(kVolume));
     return table;
   }
   double window_value(std::size_t parameter) const override { return values_[parameter].shown; }

@@ -193,6 +193,9 @@ class InstrumentVst3 : public PluginVst3 {
     return is_parameter(id) ? scale(index_of(id)).part_of(cached(index_of(id))) : 0;
   }
 
+  /// Of a value that the window has set.
+  double _getNormalizedParameterValue(uint32_t index, double plain) override { return scale(index).part_of(plain); }
+
   v3_result setParameterNormalized(v3_param_id id, double part) {
     if (!(part >= 0 && part <= 1)) return V3_INVALID_ARG;
     if (id == kVst3InternalParameterProgram) return PluginVst3::setParameterNormalized(id, part);

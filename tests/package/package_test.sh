@@ -281,6 +281,58 @@ END
   fail "two threads disturb each other"
 }
 
+# The audio thread and a window exchange what contacts do without a race, and what arrives is whole.
+case_contact_ring() {
+  need clang++
+  cat >"$WORK/ring.cpp" <<'END'
+#include <array>
+#include <thread>
+
+#include "window/contact_ring.hpp"
+
+int main() {
+  using namespace contactspline;
+  constexpr std::uint32_t kBlock = 256, kBlocks = 20000, kNumbers = 1 << 22;
+  static ContactRing ring;
+  ring.watch(true);
+  std::atomic<bool> is_done = false;
+  std::thread audio([&] {
+    std::array<float, kBlock> motion, force;
+    for (std::uint32_t block = 0; block < kBlocks; ++block) {
+      for (std::uint32_t n = 0; n < kBlock; ++n) {
+        motion[n] = static_cast<float>((block * kBlock + n) % kNumbers);
+        force[n] = motion[n] + 0.5f;
+      }
+      ring.write(motion, force, static_cast<float>(block), block);
+    }
+    is_done = true;
+  });
+  int wrong = 0;
+  std::size_t read = 0;
+  std::vector<ContactSample> samples;
+  while (!is_done) {
+    ring.read(samples);
+    read += samples.size();
+    for (std::size_t n = 0; n < samples.size(); ++n) {
+      const ContactSample& s = samples[n];
+      const bool is_whole = s.force == s.motion + 0.5f && s.energy == static_cast<float>(s.notes) &&
+                            static_cast<std::uint32_t>(s.motion) / kBlock == s.notes % (kNumbers / kBlock);
+      wrong += is_whole && (n == 0 || s.notes - samples[n - 1].notes <= 1) ? 0 : 1;
+    }
+  }
+  audio.join();
+  return wrong == 0 && read > 0 ? 0 : 1;
+}
+END
+  run clang++ -std=c++20 -O1 -g -fsanitize=thread "-I$SOURCE/hosts/plugin" "$WORK/ring.cpp" -o "$WORK/ring"
+  if "$WORK/ring" >"$WORK/log" 2>&1; then return; fi
+  if grep -q 'FATAL: ThreadSanitizer' "$WORK/log"; then
+    echo "skipped: the sanitizer does not run on this kernel"
+    exit 77
+  fi
+  fail "audio thread and window disturb each other"
+}
+
 # Configures and builds a project of nothing but contactspline_generate(...), or another function, in the working folder.
 generate_in_cmake() {
   cat >CMakeLists.txt <<END

@@ -33,10 +33,11 @@ inline constexpr Colour kBackground{20, 22, 27}, kPanel{29, 32, 39}, kLine{58, 6
     kBlackKey{12, 13, 16}, kOnLight{70, 75, 84};
 }  // namespace colours
 
-/// A number in four digits with its unit.
+/// A number in four digits or more, with its unit.
 [[nodiscard]] inline std::string number_text(double value, const std::string& unit) {
   char text[32];
-  std::snprintf(text, sizeof text, "%.4g", value == 0 ? 0.0 : value);  // no -0
+  const bool is_long = std::abs(value) >= 1e4 && std::abs(value) < 1e7;
+  std::snprintf(text, sizeof text, is_long ? "%.0f" : "%.4g", value == 0 ? 0.0 : value);  // no -0
   return unit.empty() ? text : text + (" " + unit);
 }
 

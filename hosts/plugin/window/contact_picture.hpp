@@ -25,7 +25,7 @@ namespace contactspline {
 
 class ContactPicture {
  public:
-  static constexpr double kMotion_s = 0.02, kBlow_s = 0.03, kEnergy_s = 5, kEnergyStep_s = 0.04;
+  static constexpr double kMotion_s = 0.02, kBlow_s = 0.02, kEnergy_s = 5, kEnergyStep_s = 0.04;
 
   explicit ContactPicture(double sample_rate_hz) : rate_hz_(sample_rate_hz) {}
 

@@ -13,7 +13,10 @@ START_NAMESPACE_DISTRHO
 
 class InstrumentUI : public UI, private contactspline::WindowHost {
  public:
-  InstrumentUI() : UI(kWidth, kHeight, true) {
+  InstrumentUI() : UI(kWidth, kHeight) {
+    setGeometryConstraints(kWidth, kHeight, true);
+    if (const double scale = getScaleFactor(); scale > 1)
+      setSize(static_cast<uint>(scale * kWidth), static_cast<uint>(scale * kHeight));
     // Without a display, or without OpenGL there, there is nothing to draw on.
     auto* const plugin = static_cast<Plugin*>(getPluginInstancePointer());
     if (plugin == nullptr || getContext() == nullptr || !loadSharedResources()) return;
@@ -33,13 +36,16 @@ class InstrumentUI : public UI, private contactspline::WindowHost {
 #endif
 
   void uiIdle() override {
-    if (window_ && window_->look()) repaint();
+    if (window_ && (window_->look() || new_frames_ > 0)) repaint();
   }
 
   void onNanoDisplay() override {
     if (!window_) return;
     const unsigned width = getWidth(), height = getHeight();
-    if (window_->is_ground_old() || !ground_.has(width, height)) {
+    // A server may resize the window some frames after it has said so: until then what is drawn is cut.
+    if (!ground_.has(width, height)) new_frames_ = 10;
+    if (window_->is_ground_old() || new_frames_ > 0) {
+      if (new_frames_ > 0) --new_frames_;
       contactspline::Canvas::clear(contactspline::colours::kBackground);
       auto canvas = on_canvas();
       window_->draw_ground(canvas);
@@ -98,6 +104,7 @@ class InstrumentUI : public UI, private contactspline::WindowHost {
 
   std::optional<contactspline::InstrumentWindow> window_;
   contactspline::KeptPicture ground_;
+  int new_frames_ = 0;  // to draw after a new size
 };
 
 UI* createUI() {

@@ -41,7 +41,7 @@ class Keyboard {
     for (const Key& key : keys_) {
       const bool is_down = pressed == key.number;
       const Colour up = !key.is_piano_key ? colours::kPanel : key.is_black ? colours::kBlackKey : colours::kWhiteKey;
-      canvas.lay(key.box, is_down ? colours::kAccent : key.plays ? up : colours::kLine);
+      canvas.lay({key.box.x, key.box.y, key.box.width - kGap, key.box.height}, is_down ? colours::kAccent : key.plays ? up : colours::kLine);
       if (key.words.empty()) continue;
       const Box bottom{key.box.x + 1, key.box.y + key.box.height - 17, key.box.width - 2, 14};
       if (key.is_piano_key)
@@ -58,6 +58,8 @@ class Keyboard {
   }
 
  private:
+  static constexpr float kGap = 1;  // between keys
+
   struct Key {
     int number;
     Box box;
@@ -72,19 +74,19 @@ class Keyboard {
   }
 
   void place_buttons(const std::vector<WindowKey>& keys) {
-    constexpr float kGap = 8, kWidest = 220;
+    constexpr float kDistance = 8, kWidest = 220;
     const float count = static_cast<float>(keys.size());
-    const float width = std::min(kWidest, (box_.width - kGap * (count - 1)) / count);
-    float x = box_.x + (box_.width - count * width - (count - 1) * kGap) / 2;
+    const float width = std::min(kWidest, (box_.width - kDistance * (count - 1)) / count);
+    float x = box_.x + (box_.width - count * width - (count - 1) * kDistance) / 2;
     for (const WindowKey& key : keys) {
       keys_.push_back({key.number, {x, box_.y, width, box_.height}, key.event, false, true, false});
-      x += width + kGap;
+      x += width + kDistance;
     }
   }
 
   // White keys first. Whole octaves around the keys that play.
   void place_keys(const std::vector<WindowKey>& keys) {
-    constexpr float kWidest = 30, kGap = 1;
+    constexpr float kWidest = 30;
     int first = keys.front().number, last = keys.back().number;
     if (first > 21) first -= first % 12;
     if (last < 108) last += 11 - last % 12;
@@ -103,7 +105,7 @@ class Keyboard {
         continue;
       }
       const std::string octave = number % 12 == 0 ? "C" + std::to_string(number / 12 - 1) : "";
-      keys_.push_back({number, {x, box_.y, width - kGap, box_.height}, octave, false, plays, true});
+      keys_.push_back({number, {x, box_.y, width, box_.height}, octave, false, plays, true});
       x += width;
     }
     keys_.insert(keys_.end(), blacks.begin(), blacks.end());

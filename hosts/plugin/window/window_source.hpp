@@ -18,6 +18,13 @@ struct WindowParameter {
   std::string name, unit;
   double initial;
   HostScale scale;
+
+  [[nodiscard]] static WindowParameter of(const Parameter& parameter) {
+    const auto& [name, unit, factor] = label_of(parameter.name);
+    const auto& [min, max] = parameter.slider;
+    return {name, unit, factor * parameter.initial,
+            {factor * min, factor * max, parameter.scale == Scale::kLogarithmic}};
+  }
 };
 
 struct WindowPreset {
@@ -32,17 +39,32 @@ struct WindowKey {
 
 struct WindowTable {
   std::string title, description;
-  std::vector<WindowParameter> parameters;
-  std::vector<WindowPreset> presets;
-  std::vector<WindowKey> keys;      ///< of a piano's 88 those that play
+  std::vector<WindowParameter> parameters = {};
+  std::vector<WindowPreset> presets = {};
+  std::vector<WindowKey> keys = {};      ///< of a piano's 88 those that play
   std::string motion, motion_unit;  ///< name and unit of ContactSample::motion
   double motion_full_scale = 1;     ///< in the unit
   bool has_buttons = false;         ///< does each key play an event of its own?
 };
 
-/// The keys and presets of an instrument. numbers: which of its parameters the window shows.
+/// The table of an instrument. numbers: which of its parameters a window shows; motion: which of its outputs.
 template <Instrument I>
-void add_keys_and_presets(const I& instrument, const std::vector<std::size_t>& numbers, WindowTable& table) {
+[[nodiscard]] WindowTable window_table_of(const I& instrument, const std::vector<std::size_t>& numbers,
+                                          std::size_t motion) {
+  const auto parameters = instrument.parameters();
+  const Output& output = instrument.outputs()[motion];
+  const Label label = label_of(output.name);
+  WindowTable table{.title = instrument.name(),
+                    .description = instrument.description(),
+                    .motion = label.text,
+                    .motion_unit = label.unit,
+                    .motion_full_scale = output.full_scale * label.factor};
+  for (const std::size_t p : numbers) table.parameters.push_back(WindowParameter::of(parameters[p]));
+  for (const Preset& preset : instrument.presets()) {
+    table.presets.push_back({preset.name, {}});
+    for (const std::size_t p : numbers)
+      table.presets.back().values.push_back(preset.values[p] * label_of(parameters[p].name).factor);
+  }
   constexpr int kFirst = 21, kLast = 108;  // of a piano
   for (int key = kFirst; key <= kLast; ++key) {
     if (!has_key(instrument, key)) continue;
@@ -51,11 +73,7 @@ void add_keys_and_presets(const I& instrument, const std::vector<std::size_t>& n
   }
   const std::size_t events = instrument.events().size();
   table.has_buttons = events > 1 && table.keys.size() <= events && !table.keys.front().event.empty();
-  for (const Preset& preset : instrument.presets()) {
-    table.presets.push_back({preset.name, {}});
-    for (const std::size_t p : numbers)
-      table.presets.back().values.push_back(preset.values[p] * label_of(instrument.parameters()[p].name).factor);
-  }
+  return table;
 }
 
 /// A plug-in as its window sees it. All functions on the thread of the window.

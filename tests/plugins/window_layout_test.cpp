@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: MIT
+// Nothing in a window is cut or lies on something else, at any scale.
+#include <Application.hpp>
+#include <NanoVG.hpp>
+#include <StandaloneWindow.hpp>
+
+#include "contactspline/instrument/instruments_of.hpp"
+#include "contactspline/instrument/keyboard_instrument.hpp"
+#include "contactspline/instruments/prepared_piano.hpp"
+#include "contactspline/instruments/snare.hpp"
+#include "contactspline/instruments/tanpura.hpp"
+#include "contactspline/instruments/trichord_c4.hpp"
+#include "contactspline/keyboards/piano.hpp"
+#include "contactspline/materials/felt_c4.hpp"
+#include "contactspline/resonators/string_c4.hpp"
+#include "plugins/virtual_display.hpp"
+#include "window/instrument_window.hpp"
+
+// Behind the headers of X11, which has macros of its names.
+#undef None
+#undef Bool
+#undef Status
+#include <gtest/gtest.h>
+
+namespace contactspline::testing {
+namespace {
+
+// An instrument's table with values at which texts are long.
+class Source : public WindowSource {
+ public:
+  template <Instrument I>
+  static Source of(const I& instrument) {
+    std::vector<std::size_t> numbers(instrument.parameters().size());
+    for (std::size_t p = 0; p < numbers.size(); ++p) numbers[p] = p;
+    return Source(window_table_of(instrument, numbers, 0));
+  }
+  explicit Source(WindowTable table) : table_(std::move(table)) {}
+
+  [[nodiscard]] WindowTable window_table() const override { return table_; }
+  [[nodiscard]] double window_value(std::size_t p) const override {
+    return table_.parameters[p].scale.value_at(0.987654321);
+  }
+  [[nodiscard]] double window_rate_hz() const override { return 44100; }
+  [[nodiscard]] ContactRing& ring() override { return *ring_; }
+
+ private:
+  WindowTable table_;
+  std::unique_ptr<ContactRing> ring_ = std::make_unique<ContactRing>();
+};
+
+struct Host : WindowHost {
+  void edit(std::size_t, bool) override {}
+  void set(std::size_t, double) override {}
+  void play(int, int) override {}
+};
+
+// Draws once, and keeps where the texts are.
+class Frame : public DGL_NAMESPACE::NanoStandaloneWindow {
+ public:
+  Frame(DGL_NAMESPACE::Application& application, InstrumentWindow& window, float scale)
+      : NanoBaseWidget(application), window_(window), scale_(scale) {
+    setSize(static_cast<unsigned>(scale * InstrumentWindow::kWidth),
+            static_cast<unsigned>(scale * InstrumentWindow::kHeight));
+    loadSharedResources();
+  }
+
+  std::vector<Canvas::Text> ground, picture;
+
+ private:
+  void onNanoDisplay() override {
+    Canvas canvas(*this, 0, 0, scale_, getHeight());
+    window_.draw_ground(canvas);
+    ground = canvas.texts();
+    NanoVG::endFrame();
+    NanoVG::beginFrame(getWidth(), getHeight());
+    Canvas on_ground(*this, 0, 0, scale_, getHeight());
+    window_.draw_picture(on_ground);
+    picture = on_ground.texts();
+  }
+
+  InstrumentWindow& window_;
+  float scale_;
+};
+
+bool overlap(const Box& a, const Box& b) {
+  return a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
+}
+
+void expect_readable(Source source, float scale) {
+  SCOPED_TRACE(source.window_table().title + " at " + std::to_string(scale));
+  Host host;
+  InstrumentWindow window(source, host);
+  DGL_NAMESPACE::Application application(true);
+  Frame frame(application, window, scale);
+  frame.show();
+  for (int i = 0; i < 2000 && frame.ground.empty(); ++i) {  // until the server draws
+    frame.repaint();
+    application.idle();
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  frame.close();
+  std::vector<Canvas::Text> texts = frame.ground;
+  texts.insert(texts.end(), frame.picture.begin(), frame.picture.end());
+  // Title, description, three panels, a name and a value for each knob.
+  ASSERT_GE(texts.size(), 2 + 3 + 2 * window.table().parameters.size());
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    const auto& [words, box, size] = texts[i];
+    EXPECT_GE(box.x, 0) << words;
+    EXPECT_GE(box.y, 0) << words;
+    EXPECT_LE(box.x + box.width, InstrumentWindow::kWidth) << words;
+    EXPECT_LE(box.y + box.height, InstrumentWindow::kHeight) << words;
+    EXPECT_GE(size, 8.5) << words;
+    for (std::size_t other = 0; other < i; ++other)
+      EXPECT_FALSE(overlap(box, texts[other].box)) << words << " and " << texts[other].text;
+  }
+  // Boxes: knobs neither on each other nor on the picture or the keys.
+  const auto& knobs = window.knobs();
+  const Box& plots = window.plots_box();
+  EXPECT_GT(plots.height, 100);
+  for (std::size_t k = 0; k < knobs.size(); ++k) {
+    EXPECT_FALSE(overlap(knobs[k], plots)) << k;
+    for (std::size_t other = 0; other < k; ++other) EXPECT_FALSE(overlap(knobs[k].inner(0.01f), knobs[other])) << k;
+    for (const WindowKey& key : window.table().keys)
+      EXPECT_FALSE(overlap(knobs[k], window.keyboard().box_of(key.number))) << k << " and key " << key.number;
+  }
+}
+
+TEST(WindowLayout, NothingIsCutOrCovered) {
+  const VirtualDisplay display;
+  using Hammer = HammerStringOf<materials::felt_c4, resonators::string_c4, float>;
+  for (const float scale : {1.0f, 1.5f, 2.0f}) {
+    expect_readable(Source::of(Hammer()), scale);
+    expect_readable(Source::of(KeyboardInstrument<keyboards::piano, float>()), scale);
+    expect_readable(Source::of(instruments::tanpura<float>()), scale);
+    expect_readable(Source::of(instruments::trichord_c4<float>()), scale);
+    expect_readable(Source::of(instruments::snare<float>()), scale);
+    expect_readable(Source::of(instruments::prepared_piano<float>()), scale);
+  }
+}
+
+// An instrument of one's own with many parameters of long names, and with events as buttons.
+TEST(WindowLayout, ManyKnobsAndButtonsFindTheirPlace) {
+  const VirtualDisplay display;
+  WindowTable table{.title = "many", .description = "knobs", .motion = "displacement of the place", .motion_unit = "mm"};
+  for (int p = 0; p < 30; ++p)
+    table.parameters.push_back({"second bridge stiffness ratio " + std::to_string(p), "N s/m", 1, {1e-4, 1e6, true}});
+  for (int key = 60; key < 68; ++key) table.keys.push_back({key, "strike hammer " + std::to_string(key)});
+  table.has_buttons = true;
+  for (const float scale : {1.0f, 2.0f}) expect_readable(Source(table), scale);
+}
+
+}  // namespace
+}  // namespace contactspline::testing

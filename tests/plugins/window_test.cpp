@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: MIT
+// The window of a plug-in in a host: opened, clicked, dragged, resized, photographed.
+#include "plugins/clap_host.hpp"
+#include "plugins/virtual_display.hpp"
+
+// Behind the headers of X11, which has macros of its names.
+#undef None
+#undef Bool
+#undef Status
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "window/instrument_window.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+constexpr int kWidth = InstrumentWindow::kWidth, kHeight = InstrumentWindow::kHeight;
+constexpr Pixel kBackground{20, 22, 27}, kPanel{29, 32, 39}, kAccent{255, 178, 74};
+
+class WindowInHost : public ::testing::Test {
+ protected:
+  ~WindowInHost() override {
+    if (is_open_) plugin_.close_window();
+  }
+
+  void open(double scale) {
+    scale_ = scale;
+    host_ = std::make_unique<HostWindow>(display_, static_cast<unsigned>(scale * kWidth),
+                                         static_cast<unsigned>(scale * kHeight));
+    plugin_.open_window(host_->get(), scale);
+    is_open_ = true;
+    advance(3);
+  }
+
+  void close() {
+    plugin_.close_window();
+    is_open_ = false;
+  }
+
+  // Frames of 17 ms.
+  HostedPlugin::Sound advance(int frames) {
+    HostedPlugin::Sound sound = plugin_.run(3 * static_cast<std::size_t>(frames));
+    for (int frame = 0; frame < frames; ++frame) plugin_.idle_window();
+    return sound;
+  }
+
+  // Waits until what it shows holds: the server draws when it can.
+  template <typename Holds>
+  bool shows(Holds holds) {
+    for (int i = 0; i < 250; ++i) {
+      plugin_.idle_window();
+      if (holds(host_->photo())) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    return false;
+  }
+
+  // Points of the window at 100 %.
+  void button(float x, float y, bool is_down) {
+    host_->button(static_cast<int>(scale_ * x), static_cast<int>(scale_ * y), is_down);
+    plugin_.idle_window();
+  }
+  void motion(float x, float y) {
+    host_->motion(static_cast<int>(scale_ * x), static_cast<int>(scale_ * y));
+    plugin_.idle_window();
+  }
+
+  VirtualDisplay display_;
+  ClapPlugin plugin_{std::filesystem::path(PLUGINS) / "clap" / "contactspline_hammer_string.clap", 44100};
+  std::unique_ptr<HostWindow> host_;
+  double scale_ = 1;
+  bool is_open_ = false;
+};
+
+double energy(const HostedPlugin::Sound& sound) {
+  double sum = 0;
+  for (const float x : sound[0]) sum += static_cast<double>(x) * static_cast<double>(x);
+  return sum;
+}
+
+bool is_drawn(const Photo& photo) {
+  const std::size_t all = photo.pixels.size();
+  return photo.count(kBackground) > all / 5 && photo.count(kPanel) > all / 4;
+}
+
+TEST_F(WindowInHost, AClickOnAKeySoundsANote) {
+  open(1);
+  ASSERT_TRUE(shows(is_drawn));
+  EXPECT_EQ(energy(advance(10)), 0);
+  const std::size_t before = host_->photo().count(kAccent);
+  button(480, 560, true);
+  const auto sound = advance(20);
+  EXPECT_GT(energy(sound), 1e-3);
+  // The curves of motion, force and energy.
+  EXPECT_TRUE(shows([&](const Photo& photo) { return photo.count(kAccent) > before + 500; }));
+  button(480, 560, false);
+  advance(20);  // the damper
+  EXPECT_LT(energy(advance(30)), 0.2 * energy(sound));
+}
+
+TEST_F(WindowInHost, ADragMovesTheParameterOfTheHost) {
+  open(1);
+  ASSERT_TRUE(shows(is_drawn));
+  const double before = plugin_.value("hammer mass");
+  button(66, 446, true);
+  motion(66, 446 - 45);  // a quarter of the way
+  advance(1);
+  button(66, 446 - 45, false);
+  advance(1);
+  ASSERT_EQ(plugin_.told().size(), 1u);
+  const double told = plugin_.told().back().value, moved = plugin_.value("hammer mass");
+  EXPECT_EQ(moved, told);
+  // The slider of 0.5 to 50 g is logarithmic.
+  EXPECT_NEAR(std::log(moved / before), std::log(100.0) / 4, 0.01);
+  // What the host moves is seen: the value at the knob changes.
+  const Photo photo = host_->photo();
+  plugin_.set("hammer mass", 1);
+  (void)plugin_.run(1);
+  EXPECT_TRUE(shows([&](const Photo& now) { return now.pixels != photo.pixels; }));
+}
+
+TEST_F(WindowInHost, ThePresetMenuMovesAllParameters) {
+  open(1);
+  ASSERT_TRUE(shows(is_drawn));
+  const Box& presets = InstrumentWindow::kPresetBox;
+  const double before = plugin_.value("stiffness ratio");
+  button(presets.x + 20, presets.y + 15, true);
+  button(presets.x + 20, presets.y + 15, false);
+  // The third of the lines of 26: "hard hammer".
+  button(presets.x + 20, presets.y + presets.height + 8 + 2.5f * 26, true);
+  button(presets.x + 20, presets.y + presets.height + 8 + 2.5f * 26, false);
+  advance(1);
+  EXPECT_EQ(plugin_.told().size(), plugin_.parameters().size() - 1);  // all but the volume
+  EXPECT_NE(plugin_.value("stiffness ratio"), before);
+}
+
+// At 150 and 200 % the same picture in more pixels: each block of the ground has the same colour.
+TEST_F(WindowInHost, GrowsWithTheWindowOfTheHost) {
+  open(1);
+  ASSERT_TRUE(shows(is_drawn));
+  const Photo first = host_->photo();
+  for (const double scale : {1.5, 2.0}) {
+    SCOPED_TRACE(scale);
+    const int width = static_cast<int>(scale * kWidth), height = static_cast<int>(scale * kHeight);
+    host_->resize(static_cast<unsigned>(width), static_cast<unsigned>(height));
+    plugin_.resize_window(static_cast<unsigned>(width), static_cast<unsigned>(height));
+    scale_ = scale;
+    const auto is_alike = [&](const Photo& photo) {
+      std::size_t same = 0;
+      for (int y = 0; y < kHeight; ++y)
+        for (int x = 0; x < kWidth; ++x)
+          same += first.at(x, y) == photo.at(static_cast<int>(scale * (x + 0.5)), static_cast<int>(scale * (y + 0.5)));
+      return same > first.pixels.size() * 95 / 100;
+    };
+    EXPECT_TRUE(shows(is_alike));
+    EXPECT_EQ(host_->inner_size(), std::pair(width, height));
+    EXPECT_EQ(plugin_.window_size(), std::pair(static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)));
+  }
+  // Keys are where they are drawn.
+  button(480, 560, true);
+  EXPECT_GT(energy(advance(20)), 1e-3);
+}
+
+TEST_F(WindowInHost, OpensAtTheScaleOfTheHost) {
+  open(2);
+  EXPECT_EQ(plugin_.window_size(), std::pair(2u * kWidth, 2u * kHeight));
+  EXPECT_TRUE(shows(is_drawn));
+}
+
+// What is played does not depend on who watches.
+TEST_F(WindowInHost, SoundsTheSameWhileItIsOpen) {
+  ClapPlugin other(std::filesystem::path(PLUGINS) / "clap" / "contactspline_hammer_string.clap", 44100);
+  open(1);
+  const auto until = plugin_.run(1), other_until = other.run(1);
+  for (ClapPlugin* plugin : {&plugin_, &other}) plugin->send(5, {0x90, 60, 100});
+  EXPECT_EQ(plugin_.run(100), other.run(10 * 10));
+}
+
+TEST_F(WindowInHost, OpensAgainAfterItWasClosed) {
+  for (int i = 0; i < 5; ++i) {
+    open(1);
+    EXPECT_TRUE(shows(is_drawn)) << i;
+    button(480, 560, true);
+    advance(2);
+    close();
+    EXPECT_TRUE(std::isfinite(energy(plugin_.run(4))));
+  }
+}
+
+}  // namespace
+}  // namespace contactspline::testing
