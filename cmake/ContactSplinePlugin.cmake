@@ -18,9 +18,9 @@
 # URI         the same in LV2; default: urn:contactspline:TARGET
 # OUTPUT_DIR  relative to the current binary folder; default: that folder
 #
-# Each has a window, drawn by OpenGL: on Linux with the headers of libgl-dev and libx11-dev. Without them, or with
+# Each has a window, drawn by OpenGL, on Linux: with the headers of libgl-dev and libx11-dev. Without them, or with
 # -DCONTACTSPLINE_PLUGIN_WINDOW=OFF, plug-ins have none. CLAP and VST3 are then not linked to these libraries; LV2's
-# window is always a library of its own.
+# window is always a library of its own. On Windows they have none.
 #
 # To install: install(DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/clap DESTINATION lib), and so on.
 
@@ -35,22 +35,16 @@ option(CONTACTSPLINE_PLUGIN_WINDOW "Give plug-ins a window, where the headers of
 
 # Adds the framework's graphics, contactspline_window_graphics, if plug-ins are to have windows.
 function(_contactspline_find_graphics)
-  if(TARGET contactspline_window_graphics OR NOT CONTACTSPLINE_PLUGIN_WINDOW)
+  if(TARGET contactspline_window_graphics OR NOT CONTACTSPLINE_PLUGIN_WINDOW OR WIN32)
     return()
   endif()
-  if(WIN32)
-    set(libraries opengl32 gdi32 comdlg32 dwmapi)
-  else()
-    set(OpenGL_GL_PREFERENCE LEGACY)
-    find_package(OpenGL QUIET)
-    find_package(X11 QUIET)
-    if(NOT (OPENGL_FOUND AND X11_FOUND))
-      message(STATUS "Contact Spline: plug-ins have no window, for which headers are missing; Debian has them as: "
-                     "libgl-dev libx11-dev")
-      set(CONTACTSPLINE_PLUGIN_WINDOW OFF PARENT_SCOPE)
-      return()
-    endif()
-    set(libraries ${OPENGL_gl_LIBRARY} ${X11_X11_LIB} ${CMAKE_DL_LIBS})
+  set(OpenGL_GL_PREFERENCE LEGACY)
+  find_package(OpenGL QUIET)
+  find_package(X11 QUIET)
+  if(NOT (OPENGL_FOUND AND X11_FOUND))
+    message(STATUS "Contact Spline: plug-ins have no window, for which headers are missing; Debian has them as: "
+                   "libgl-dev libx11-dev")
+    return()
   endif()
   set(sources Application ApplicationPrivateData Color EventHandlers Geometry ImageBase NanoVG OpenGL Resources SubWidget
               SubWidgetPrivateData TopLevelWidget TopLevelWidgetPrivateData Widget WidgetPrivateData Window
@@ -61,10 +55,10 @@ function(_contactspline_find_graphics)
   target_compile_features(contactspline_window_graphics PUBLIC cxx_std_20)
   target_compile_options(contactspline_window_graphics PRIVATE -w $<$<CXX_COMPILER_ID:GNU>:-fno-gnu-unique>)
   target_compile_definitions(contactspline_window_graphics PUBLIC DGL_OPENGL HAVE_OPENGL HAVE_DGL
-    DGL_FILE_BROWSER_DISABLED $<$<NOT:$<BOOL:${WIN32}>>:HAVE_X11>)
+    DGL_FILE_BROWSER_DISABLED HAVE_X11)
   target_include_directories(contactspline_window_graphics SYSTEM PUBLIC "${DPF_DIR}/dgl"
     PRIVATE "${DPF_DIR}/distrho" "${DPF_DIR}/dgl/src/pugl-upstream/include")
-  target_link_libraries(contactspline_window_graphics PUBLIC ${libraries})
+  target_link_libraries(contactspline_window_graphics PUBLIC ${OPENGL_gl_LIBRARY} ${X11_X11_LIB} ${CMAKE_DL_LIBS})
 endfunction()
 
 # Checks what has to be installed, and adds the program that writes the description of an LV2 plug-in.
@@ -251,11 +245,7 @@ function(_contactspline_lv2_window)
   target_compile_options(${window} PRIVATE -w -O1)
   _contactspline_plugin_part(${window})
   target_link_libraries(${window} PRIVATE contactspline_window_graphics)
-  if(WIN32)
-    target_link_libraries(${window} PRIVATE "${DPF_DIR}/utils/symbols/lv2-ui.def")
-  else()
-    target_link_options(${window} PRIVATE "-Wl,--version-script=${DPF_DIR}/utils/symbols/lv2-ui.version")
-  endif()
+  target_link_options(${window} PRIVATE "-Wl,--version-script=${DPF_DIR}/utils/symbols/lv2-ui.version")
   set_target_properties(${window} PROPERTIES
     PREFIX "" OUTPUT_NAME ${arg_TARGET}_ui SUFFIX ${suffix_of_lv2} LIBRARY_OUTPUT_DIRECTORY "$<1:${folder}>")
   add_dependencies(${target} ${window})

@@ -181,10 +181,10 @@ class ClapPlugin : public HostedPlugin {
   }
 
   static const void* host_extension(const clap_host_t*, const char* id) {
-    static const clap_host_gui_t gui = {
-        [](const clap_host_t*) {}, [](const clap_host_t*, std::uint32_t, std::uint32_t) { return true; },
-        [](const clap_host_t*) { return true; }, [](const clap_host_t*) { return true; },
-        [](const clap_host_t*, bool) {}};
+    static const clap_host_gui_t gui = {[](const clap_host_t*) {},
+                                        [](const clap_host_t*, std::uint32_t, std::uint32_t) { return true; },
+                                        [](const clap_host_t*) { return true; },
+                                        [](const clap_host_t*) { return true; }, [](const clap_host_t*, bool) {}};
     static const clap_host_timer_support_t timer = {
         [](const clap_host_t* host, std::uint32_t period_ms, clap_id* timer_id) {
           static_cast<ClapPlugin*>(host->host_data)->timer_period_ms_ = period_ms;
@@ -212,13 +212,13 @@ class ClapPlugin : public HostedPlugin {
         [](const clap_input_events_t* self, std::uint32_t i) -> const clap_event_header_t* {
           return &(*static_cast<std::vector<Event>*>(self->ctx))[i].head;
         }};
-    const clap_output_events_t output = {
-        this, [](const clap_output_events_t* self, const clap_event_header_t* event) {
-          if (event->type == CLAP_EVENT_PARAM_VALUE)
-            static_cast<ClapPlugin*>(self->ctx)->told_.push_back(
-                *reinterpret_cast<const clap_event_param_value_t*>(event));
-          return true;
-        }};
+    const clap_output_events_t output = {this,
+                                         [](const clap_output_events_t* self, const clap_event_header_t* event) {
+                                           if (event->type == CLAP_EVENT_PARAM_VALUE)
+                                             static_cast<ClapPlugin*>(self->ctx)->told_.push_back(
+                                                 *reinterpret_cast<const clap_event_param_value_t*>(event));
+                                           return true;
+                                         }};
     const clap_process_t block = {-1, kBlock, nullptr, nullptr, &bus, 0, 1, &input, &output};
     require(plugin_->process(plugin_, &block) != CLAP_PROCESS_ERROR, "process");
     events_.clear();

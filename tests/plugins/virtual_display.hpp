@@ -120,8 +120,8 @@ class HostWindow {
     for (int y = 0; y < photo.height; ++y)
       for (int x = 0; x < photo.width; ++x) {
         const unsigned long value = XGetPixel(image, x, y);
-        photo.pixels.push_back({static_cast<int>(value >> 16 & 255), static_cast<int>(value >> 8 & 255),
-                                static_cast<int>(value & 255)});
+        photo.pixels.push_back(
+            {static_cast<int>(value >> 16 & 255), static_cast<int>(value >> 8 & 255), static_cast<int>(value & 255)});
       }
     XDestroyImage(image);
     return photo;
@@ -149,7 +149,9 @@ class HostWindow {
     event.xbutton.y = event.xbutton.y_root = y;
     event.xbutton.same_screen = True;
     if (type != MotionNotify) event.xbutton.button = Button1;
-    const long mask = type == MotionNotify ? PointerMotionMask : type == ButtonPress ? ButtonPressMask : ButtonReleaseMask;
+    const long mask = type == MotionNotify  ? PointerMotionMask
+                      : type == ButtonPress ? ButtonPressMask
+                                            : ButtonReleaseMask;
     XSendEvent(display_, inner(), False, mask, &event);
     XSync(display_, False);
   }

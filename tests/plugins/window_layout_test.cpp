@@ -141,7 +141,8 @@ TEST(WindowLayout, NothingIsCutOrCovered) {
 // An instrument of one's own with many parameters of long names, and with events as buttons.
 TEST(WindowLayout, ManyKnobsAndButtonsFindTheirPlace) {
   const VirtualDisplay display;
-  WindowTable table{.title = "many", .description = "knobs", .motion = "displacement of the place", .motion_unit = "mm"};
+  WindowTable table{
+      .title = "many", .description = "knobs", .motion = "displacement of the place", .motion_unit = "mm"};
   for (int p = 0; p < 30; ++p)
     table.parameters.push_back({"second bridge stiffness ratio " + std::to_string(p), "N s/m", 1, {1e-4, 1e6, true}});
   for (int key = 60; key < 68; ++key) table.keys.push_back({key, "strike hammer " + std::to_string(key)});

@@ -151,12 +151,14 @@ TEST_F(WindowInHost, GrowsWithTheWindowOfTheHost) {
       std::size_t same = 0;
       for (int y = 0; y < kHeight; ++y)
         for (int x = 0; x < kWidth; ++x)
-          same += first.at(x, y) == photo.at(static_cast<int>(scale * (x + 0.5)), static_cast<int>(scale * (y + 0.5)));
+          same +=
+              first.at(x, y) == photo.at(static_cast<int>(scale * (x + 0.5)), static_cast<int>(scale * (y + 0.5)));
       return same > first.pixels.size() * 95 / 100;
     };
     EXPECT_TRUE(shows(is_alike));
     EXPECT_EQ(host_->inner_size(), std::pair(width, height));
-    EXPECT_EQ(plugin_.window_size(), std::pair(static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)));
+    EXPECT_EQ(plugin_.window_size(),
+              std::pair(static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)));
   }
   // Keys are where they are drawn.
   button(480, 560, true);

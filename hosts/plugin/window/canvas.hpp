@@ -2,11 +2,11 @@
 // What the parts of a window draw with: colours, and text that fits its box.
 #pragma once
 
+#include <NanoVG.hpp>
+#include <OpenGL-include.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <NanoVG.hpp>
-#include <OpenGL-include.hpp>
 #include <string>
 #include <vector>
 

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <optional>
 
-#include "windowed_plugin.hpp"
 #include "window/instrument_window.hpp"
+#include "windowed_plugin.hpp"
 
 START_NAMESPACE_DISTRHO
 
@@ -99,8 +99,12 @@ class InstrumentUI : public UI, private contactspline::WindowHost {
   [[nodiscard]] float offset(unsigned given, unsigned used) const {
     return (static_cast<float>(given) - static_cast<float>(used) * factor()) / 2;
   }
-  [[nodiscard]] double across(double x) const { return (x - offset(getWidth(), kWidth)) / factor(); }
-  [[nodiscard]] double down(double y) const { return (y - offset(getHeight(), kHeight)) / factor(); }
+  [[nodiscard]] double across(double x) const {
+    return (x - offset(getWidth(), kWidth)) / factor();
+  }
+  [[nodiscard]] double down(double y) const {
+    return (y - offset(getHeight(), kHeight)) / factor();
+  }
 
   std::optional<contactspline::InstrumentWindow> window_;
   contactspline::KeptPicture ground_;

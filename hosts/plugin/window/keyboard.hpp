@@ -41,7 +41,9 @@ class Keyboard {
     for (const Key& key : keys_) {
       const bool is_down = pressed == key.number;
       const Colour up = !key.is_piano_key ? colours::kPanel : key.is_black ? colours::kBlackKey : colours::kWhiteKey;
-      canvas.lay({key.box.x, key.box.y, key.box.width - kGap, key.box.height}, is_down ? colours::kAccent : key.plays ? up : colours::kLine);
+      canvas.lay({key.box.x, key.box.y, key.box.width - kGap, key.box.height}, is_down     ? colours::kAccent
+                                                                               : key.plays ? up
+                                                                                           : colours::kLine);
       if (key.words.empty()) continue;
       const Box bottom{key.box.x + 1, key.box.y + key.box.height - 17, key.box.width - 2, 14};
       if (key.is_piano_key)
@@ -68,8 +70,8 @@ class Keyboard {
   };
 
   static bool is_black(int number) {
-    constexpr std::array<bool, 12> kBlack = {false, true, false, true, false, false,
-                                             true,  false, true, false, true, false};
+    constexpr std::array<bool, 12> kBlack = {false, true,  false, true,  false, false,
+                                             true,  false, true,  false, true,  false};
     return kBlack[static_cast<std::size_t>(number % 12)];
   }
 

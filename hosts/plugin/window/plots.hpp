@@ -74,7 +74,8 @@ class Plots {
  private:
   void draw_motion(Canvas& canvas, const Box& box, const WindowTable& table, const ContactPicture& picture) {
     const double full_scale = table.motion_full_scale;
-    const double range = round_up(std::max(full_scale * static_cast<double>(picture.motion_peak()), 1e-4 * full_scale));
+    const double range =
+        round_up(std::max(full_scale * static_cast<double>(picture.motion_peak()), 1e-4 * full_scale));
     const Box plot = draw_panel(canvas, box, table.motion, "±" + number_text(range, table.motion_unit));
     const float middle = plot.y + plot.height / 2;
     canvas.line(plot.x, middle, plot.x + plot.width, middle, colours::kLine);
@@ -88,7 +89,8 @@ class Plots {
   void draw_blow(Canvas& canvas, const Box& box, const ContactPicture& picture) {
     const auto force = picture.blow();
     const double time_s = round_up(picture.blow_s() > 0 ? picture.blow_s() : 0.01);
-    const std::string peak = force.empty() ? "" : "peak " + prefixed_text(static_cast<double>(picture.blow_peak()), "N");
+    const std::string peak =
+        force.empty() ? "" : "peak " + prefixed_text(static_cast<double>(picture.blow_peak()), "N");
     const Box plot = draw_panel(canvas, box, "contact force, last blow", peak);
     const float floor = plot.y + plot.height;
     canvas.line(plot.x, floor, plot.x + plot.width, floor, colours::kLine);

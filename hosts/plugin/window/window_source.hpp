@@ -22,8 +22,8 @@ struct WindowParameter {
   [[nodiscard]] static WindowParameter of(const Parameter& parameter) {
     const auto& [name, unit, factor] = label_of(parameter.name);
     const auto& [min, max] = parameter.slider;
-    return {name, unit, factor * parameter.initial,
-            {factor * min, factor * max, parameter.scale == Scale::kLogarithmic}};
+    return {
+        name, unit, factor * parameter.initial, {factor * min, factor * max, parameter.scale == Scale::kLogarithmic}};
   }
 };
 
@@ -41,10 +41,10 @@ struct WindowTable {
   std::string title, description;
   std::vector<WindowParameter> parameters = {};
   std::vector<WindowPreset> presets = {};
-  std::vector<WindowKey> keys = {};      ///< of a piano's 88 those that play
-  std::string motion, motion_unit;  ///< name and unit of ContactSample::motion
-  double motion_full_scale = 1;     ///< in the unit
-  bool has_buttons = false;         ///< does each key play an event of its own?
+  std::vector<WindowKey> keys = {};  ///< of a piano's 88 those that play
+  std::string motion, motion_unit;   ///< name and unit of ContactSample::motion
+  double motion_full_scale = 1;      ///< in the unit
+  bool has_buttons = false;          ///< does each key play an event of its own?
 };
 
 /// The table of an instrument. numbers: which of its parameters a window shows; motion: which of its outputs.
