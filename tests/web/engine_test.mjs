@@ -59,6 +59,17 @@ for (const name of ["tom", "marimba_tube", "trichord_c4"]) {
 }
 rmSync(folder, { recursive: true });
 
+// A slide rests on its string, which pulls at the bridge; beside voices, the instrument itself waits until it is struck.
+{
+  const number = instruments.findIndex(({ name }) => name === "slide_string");
+  const last = () => Math.abs(Array.from({ length: 100 }, () => engine.process(128)[0][127]).at(-1));
+  assert.ok(engine.choose(number) && last() > 0.01, "a slide pulls");
+  assert.ok(engine.choose(number) && engine.addVoice({ string: 0, pluck_m: 0.3, height_m: 0.05 }));
+  assert.equal(last(), 0, "a voice whose slide is away, alone");
+  engine.noteOn(60, 1);
+  assert.ok(last() > 0.01, "the instrument is struck");
+}
+
 // Choosing and playing all instruments again and again takes no more memory. The module begins with 16 MB, of which a leak of
 // one voice of 60 kB in each round uses up the rest.
 const used = [];

@@ -28,6 +28,7 @@ constexpr std::size_t kBlock = 128;
 struct Voice {
   std::unique_ptr<Playable> instrument;
   float left, right;
+  bool is_played;  ///< the instrument itself rests beside voices until it is struck
 };
 
 Material material;
@@ -59,7 +60,7 @@ Maker maker(Args&... args) {
   };
 }
 
-// I is a guitar string that is plucked, heard by the force on its bridge; a voice is a Model with another string.
+// I is a guitar string that is plucked, whose sound is the force on its bridge; a voice is a Model with another string.
 template <typename I, typename Model>
 Maker maker_of_plucked() {
   return [](const VoicePlan& plan) -> std::unique_ptr<Playable> {
@@ -112,9 +113,9 @@ std::unique_ptr<Playable> instrument(int number, const VoicePlan& plan = {}) {
 }
 
 // The voice of this number, or the first.
-Playable& voice(int number) {
+Voice& voice(int number) {
   const auto v = static_cast<std::size_t>(std::max(number, 0));
-  return *voices[v < voices.size() ? v : 0].instrument;
+  return voices[v < voices.size() ? v : 0];
 }
 
 void process(Playable& played, std::span<float> out, std::size_t count) {
@@ -151,7 +152,7 @@ CONTACTSPLINE_WEB(int, engine_choose, int number, double sample_rate_hz) {
   if (!next) return 0;
   next->prepare(sample_rate_hz);
   voices.clear();
-  voices.push_back({std::move(next), 1, 1});
+  voices.push_back({std::move(next), 1, 1, true});
   chosen = static_cast<std::size_t>(number);
   chosen_rate_hz = sample_rate_hz;
   return 1;
@@ -163,7 +164,8 @@ CONTACTSPLINE_WEB(int, engine_add_voice, double cents, int string, double pluck_
   auto next = instrument(static_cast<int>(chosen), {cents, string, pluck_m, height_m});
   if (!next) return 0;
   next->prepare(chosen_rate_hz);
-  voices.push_back({std::move(next), 1, 1});
+  if (voices.size() == 1) voices[0].is_played = false;
+  voices.push_back({std::move(next), 1, 1, true});
   return 1;
 }
 
@@ -204,15 +206,16 @@ CONTACTSPLINE_WEB(int, engine_use_material, int segments, double mass_kg, double
 
 /// Below, a voice is called by its number: 0 is the instrument itself, then those that were added.
 CONTACTSPLINE_WEB(void, engine_set, int number, int parameter, double value) {
-  voice(number).set(static_cast<std::size_t>(parameter), value);
+  voice(number).instrument->set(static_cast<std::size_t>(parameter), value);
 }
 
 CONTACTSPLINE_WEB(void, engine_note_on, int number, int key, double velocity) {
-  voice(number).note_on(key, velocity);
+  voice(number).is_played = true;
+  voice(number).instrument->note_on(key, velocity);
 }
 
 CONTACTSPLINE_WEB(void, engine_note_off, int number, int key) {
-  voice(number).note_off(key);
+  voice(number).instrument->note_off(key);
 }
 
 /// Three bytes of MIDI, for all voices.
@@ -222,7 +225,7 @@ CONTACTSPLINE_WEB(void, engine_midi, int status, int first, int second) {
 }
 
 CONTACTSPLINE_WEB(void, engine_watch_none) {
-  voice(0).watch_none();
+  voice(0).instrument->watch_none();
 }
 
 /// Plays up to 128 samples. Returns left, right and the contact force, 128 samples each.
@@ -234,6 +237,7 @@ CONTACTSPLINE_WEB(const float*, engine_process, int samples) {
   }
   outputs.fill(0);
   for (const Voice& each : voices) {
+    if (!each.is_played) continue;
     process(*each.instrument, part, count);
     for (std::size_t i = 0; i < count; ++i) {
       outputs[i] += each.left * part[i];
@@ -246,7 +250,7 @@ CONTACTSPLINE_WEB(const float*, engine_process, int samples) {
 
 /// The books of the last strike: hammer, felt, string, dissipated, work [J]. Null where none are kept.
 CONTACTSPLINE_WEB(const double*, engine_books) {
-  const Books* const books = voice(0).books();
+  const Books* const books = voice(0).instrument->books();
   if (books == nullptr) return nullptr;
   shown_books = {books->hammer, books->felt, books->string, books->dissipated, books->work};
   return shown_books.data();
