@@ -341,6 +341,7 @@ DISTRHO_NAMESPACE::Plugin* DISTRHO_NAMESPACE::createPlugin() {
 }
 ")
   add_custom_target(${arg_TARGET} ALL)
+  set_target_properties(${arg_TARGET} PROPERTIES CONTACTSPLINE_CLASS "${class}" CONTACTSPLINE_INCLUDES "${includes}")
   foreach(format IN LISTS arg_FORMATS)
     _contactspline_plugin_format(${format})
     add_dependencies(${arg_TARGET} ${arg_TARGET}_${format})

@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: MIT
 // The CLAP side of a plug-in. What version 1.6 of the framework lacks is here: `reset`, parameters that change within
 // a block, units with the values, a version, tails; and it writes beyond an array where a host names a parameter that
-// is not there.
+// is not there. It forgets all once one of several users in a process has left it, and
+// damages states where a host takes or gives a part of the bytes at a time.
 #include <src/clap/plugin.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <src/DistrhoPluginInternal.hpp>
+#include <string>
+#include <string_view>
 
 #include "contactspline/step/version.hpp"
 
@@ -20,6 +24,7 @@ static CLAP_ABI const void* clap_plugin_get_extension(const clap_plugin_t*, cons
 END_NAMESPACE_DISTRHO
 
 #include <src/clap/ext/params.h>
+#include <src/clap/ext/state.h>
 #include <src/clap/plugin-factory.h>
 
 START_NAMESPACE_DISTRHO
@@ -31,6 +36,10 @@ static CLAP_ABI void clap_plugin_params_flush(const clap_plugin_t*, const clap_i
                                               const clap_output_events_t*);
 static const clap_plugin_descriptor_t* clap_get_plugin_descriptor(const clap_plugin_factory_t*, uint32_t);
 static const clap_plugin_t* clap_create_plugin(const clap_plugin_factory_t*, const clap_host_t*, const char*);
+static CLAP_ABI bool clap_plugin_state_save(const clap_plugin_t*, const clap_ostream_t*);
+static CLAP_ABI bool clap_plugin_state_load(const clap_plugin_t*, const clap_istream_t*);
+static bool clap_plugin_entry_init(const char*);
+static void clap_plugin_entry_deinit(void);
 END_NAMESPACE_DISTRHO
 
 // Renames the framework's functions, but not where their addresses are taken.
@@ -44,7 +53,15 @@ END_NAMESPACE_DISTRHO
 #define clap_plugin_params_flush(...) clap_plugin_params_flush_of_framework(__VA_ARGS__)
 #define clap_get_plugin_descriptor(...) clap_get_plugin_descriptor_of_framework(__VA_ARGS__)
 #define clap_create_plugin(...) clap_create_plugin_of_framework(__VA_ARGS__)
+#define clap_plugin_state_save(...) clap_plugin_state_save_of_framework(__VA_ARGS__)
+#define clap_plugin_state_load(...) clap_plugin_state_load_of_framework(__VA_ARGS__)
+#define clap_plugin_entry_init(...) clap_plugin_entry_init_of_framework(__VA_ARGS__)
+#define clap_plugin_entry_deinit(...) clap_plugin_entry_deinit_of_framework(__VA_ARGS__)
 #include <DistrhoPluginMain.cpp>
+#undef clap_plugin_state_save
+#undef clap_plugin_state_load
+#undef clap_plugin_entry_init
+#undef clap_plugin_entry_deinit
 #undef clap_plugin_reset
 #undef clap_plugin_process
 #undef clap_plugin_get_extension
@@ -216,6 +233,53 @@ static const clap_plugin_t* clap_create_plugin(const clap_plugin_factory_t* fact
   auto* const plugin = const_cast<clap_plugin_t*>(clap_create_plugin_of_framework(factory, host, id));
   if (plugin != nullptr) plugin->desc = clap_get_plugin_descriptor(factory, 0);
   return plugin;
+}
+
+// The framework writes to and reads from memory, the whole state at once.
+static CLAP_ABI bool clap_plugin_state_save(const clap_plugin_t* plugin, const clap_ostream_t* stream) {
+  std::string state;
+  const clap_ostream_t memory = {&state, [](const clap_ostream_t* self, const void* bytes, uint64_t size) {
+                                   static_cast<std::string*>(self->ctx)->append(static_cast<const char*>(bytes),
+                                                                                size);
+                                   return static_cast<int64_t>(size);
+                                 }};
+  if (!clap_plugin_state_save_of_framework(plugin, &memory)) return false;
+  for (std::size_t done = 0; done < state.size();) {
+    const int64_t written = stream->write(stream, state.data() + done, state.size() - done);
+    if (written <= 0) return false;
+    done += static_cast<std::size_t>(written);
+  }
+  return true;
+}
+
+static CLAP_ABI bool clap_plugin_state_load(const clap_plugin_t* plugin, const clap_istream_t* stream) {
+  constexpr std::size_t kMax = 1 << 20;  // bytes, a thousand times as many as a state has
+  std::string state;
+  char bytes[512];
+  for (int64_t read = 1; read > 0 && state.size() < kMax;) {
+    read = stream->read(stream, bytes, sizeof bytes);
+    if (read < 0) return false;
+    state.append(bytes, static_cast<std::size_t>(read));
+  }
+  std::string_view rest = state;
+  const clap_istream_t memory = {&rest, [](const clap_istream_t* self, void* taken, uint64_t size) {
+                                   auto& rest_of_state = *static_cast<std::string_view*>(self->ctx);
+                                   const std::size_t count = rest_of_state.copy(static_cast<char*>(taken), size);
+                                   rest_of_state.remove_prefix(count);
+                                   return static_cast<int64_t>(count);
+                                 }};
+  return clap_plugin_state_load_of_framework(plugin, &memory);
+}
+
+static std::atomic<int> users = 0;
+
+static bool clap_plugin_entry_init(const char* path) {
+  ++users;
+  return clap_plugin_entry_init_of_framework(path);
+}
+
+static void clap_plugin_entry_deinit() {
+  if (--users == 0) clap_plugin_entry_deinit_of_framework();
 }
 
 END_NAMESPACE_DISTRHO

@@ -116,7 +116,7 @@ class InstrumentPlugin : private detail::PluginInstrument<I>, public WindowedPlu
     const Control& c = control(index);
     const Label label = label_of(c.name);
     parameter.hints = kParameterIsAutomatable | (c.scale == Scale::kLogarithmic ? kParameterIsLogarithmic : 0u);
-    parameter.name = label.text.c_str();
+    parameter.name = name_of(index).c_str();
     parameter.symbol = c.name;
     parameter.unit = label.unit.c_str();
     parameter.ranges = {shown(index, c.initial), shown(index, c.slider.min), shown(index, c.slider.max)};
@@ -132,6 +132,14 @@ class InstrumentPlugin : private detail::PluginInstrument<I>, public WindowedPlu
   double window_value(std::size_t parameter) const override { return values_[parameter].shown; }
   double window_rate_hz() const override { return getSampleRate(); }
   ContactRing& ring() override { return ring_; }
+
+  // In words; with the unit where parameters differ by it alone, as the depth and the rate of a vibrato do.
+  [[nodiscard]] std::string name_of(std::size_t index) const {
+    const Label label = label_of(control(index).name);
+    for (std::size_t p = 0; p < volume_index_; ++p)
+      if (p != index && label_of(control(p).name).text == label.text) return label.text + " in " + label.unit;
+    return label.text;
+  }
 
   static void describe_peak(const Output& output, DISTRHO_NAMESPACE::Parameter& parameter) {
     const Label label = label_of(output.name);

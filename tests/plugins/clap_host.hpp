@@ -24,13 +24,12 @@ class ClapPlugin : public HostedPlugin {
   ClapPlugin(const std::filesystem::path& file, double sample_rate_hz)
       : library_(file), entry_(library_.symbol<const clap_plugin_entry_t>("clap_entry")) {
     require(clap_version_is_compatible(entry_->clap_version) && entry_->init(file.string().c_str()), "no entry");
-    const auto* factory = static_cast<const clap_plugin_factory_t*>(entry_->get_factory(CLAP_PLUGIN_FACTORY_ID));
-    require(factory != nullptr && factory->get_plugin_count(factory) == 1, "no factory");
-    descriptor_ = factory->get_plugin_descriptor(factory, 0);
-    plugin_ = factory->create_plugin(factory, &host_, descriptor_->id);
+    require(factory() != nullptr && factory()->get_plugin_count(factory()) == 1, "no factory");
+    descriptor_ = factory()->get_plugin_descriptor(factory(), 0);
+    plugin_ = factory()->create_plugin(factory(), &host_, descriptor_->id);
     require(plugin_ != nullptr && plugin_->init(plugin_), "no plug-in");
     params_ = extension<clap_plugin_params_t>(CLAP_EXT_PARAMS);
-    require(plugin_->activate(plugin_, sample_rate_hz, 1, kBlock) && plugin_->start_processing(plugin_),
+    require(plugin_->activate(plugin_, sample_rate_hz, 1, kMaxBlock) && plugin_->start_processing(plugin_),
             "not active");
     for (std::uint32_t i = 0; i < params_->count(plugin_); ++i) {
       clap_param_info_t info;
@@ -47,6 +46,17 @@ class ClapPlugin : public HostedPlugin {
   }
 
   [[nodiscard]] const clap_plugin_descriptor_t& descriptor() const { return *descriptor_; }
+
+  /// Null if the plug-in has no such factory.
+  [[nodiscard]] const clap_plugin_factory_t* factory(const char* id = CLAP_PLUGIN_FACTORY_ID) const {
+    return static_cast<const clap_plugin_factory_t*>(entry_->get_factory(id));
+  }
+  /// Does the factory make a plug-in of this identity?
+  [[nodiscard]] bool makes(const std::string& id) const {
+    const clap_plugin_t* const made = factory()->create_plugin(factory(), &host_, id.c_str());
+    if (made != nullptr) made->destroy(made);
+    return made != nullptr;
+  }
 
   /// Null if the plug-in has no such extension.
   template <typename Extension>
@@ -90,6 +100,19 @@ class ClapPlugin : public HostedPlugin {
     return params_->value_to_text(plugin_, id, value, shown, sizeof shown) ? shown : "";
   }
 
+  [[nodiscard]] clap_id id(const std::string& parameter) const { return ids_.at(parameter); }
+  [[nodiscard]] double value_of(clap_id id, const std::string& text) const {
+    double value = 0;
+    require(params_->text_to_value(plugin_, id, text.c_str(), &value), "no value of a text");
+    return value;
+  }
+  /// Passes the events on without a block.
+  void flush() {
+    const auto [input, output] = lists();
+    params_->flush(plugin_, &input, &output);
+    events_.clear();
+  }
+
   [[nodiscard]] double value(const std::string& parameter) override {
     double value = 0;
     require(params_->get_value(plugin_, ids_.at(parameter), &value), "no value");
@@ -99,7 +122,7 @@ class ClapPlugin : public HostedPlugin {
   void set(const std::string& parameter, double value, std::uint32_t time = 0) override {
     set(ids_.at(parameter), value, time);
   }
-  void set(clap_id parameter, double value, std::uint32_t time) {
+  void set(clap_id parameter, double value, std::uint32_t time, std::uint16_t space = CLAP_CORE_EVENT_SPACE_ID) {
     Event event = {};
     event.parameter = {.header = header(sizeof event.parameter, time, CLAP_EVENT_PARAM_VALUE),
                        .param_id = parameter,
@@ -109,6 +132,7 @@ class ClapPlugin : public HostedPlugin {
                        .channel = -1,
                        .key = -1,
                        .value = value};
+    event.head.space_id = space;
     events_.push_back(event);
   }
 
@@ -125,26 +149,30 @@ class ClapPlugin : public HostedPlugin {
   [[nodiscard]] std::string save() override {
     std::string saved;
     const clap_ostream_t stream = {&saved, [](const clap_ostream_t* self, const void* buffer, std::uint64_t size) {
+                                     const std::size_t written = std::min<std::size_t>(size, kPiece);
                                      static_cast<std::string*>(self->ctx)->append(static_cast<const char*>(buffer),
-                                                                                  size);
-                                     return static_cast<std::int64_t>(size);
+                                                                                  written);
+                                     return static_cast<std::int64_t>(written);
                                    }};
     require(state().save(plugin_, &stream), "not saved");
     return saved;
   }
 
   void restore(std::string saved) override {
-    const clap_istream_t stream = {&saved, [](const clap_istream_t* self, void* buffer, std::uint64_t size) {
-                                     auto& rest = *static_cast<std::string*>(self->ctx);
-                                     const std::size_t read = std::min<std::size_t>(size, rest.size());
-                                     std::memcpy(buffer, rest.data(), read);
-                                     rest.erase(0, read);
-                                     return static_cast<std::int64_t>(read);
-                                   }};
+    const clap_istream_t stream = {
+        &saved, [](const clap_istream_t* self, void* buffer, std::uint64_t size) {
+          auto& rest = *static_cast<std::string*>(self->ctx);
+          const std::size_t read = std::min({static_cast<std::size_t>(size), rest.size(), kPiece});
+          std::memcpy(buffer, rest.data(), read);
+          rest.erase(0, read);
+          return static_cast<std::int64_t>(read);
+        }};
     require(state().load(plugin_, &stream), "not restored");
   }
 
  private:
+  static constexpr std::size_t kPiece = 23;  // bytes: streams may take and give fewer than asked for
+
   // The format has no units: they stand in the text of a value.
   [[nodiscard]] std::vector<HostedParameter> parameters(bool are_readings) const {
     std::vector<HostedParameter> parameters;
@@ -202,8 +230,15 @@ class ClapPlugin : public HostedPlugin {
     return *state;
   }
 
-  void process(std::array<float*, 2> outputs) override {
+  void process(std::array<float*, 2> outputs, std::uint32_t samples) override {
     clap_audio_buffer_t bus = {outputs.data(), nullptr, 2, 0, 0};
+    const auto [input, output] = lists();
+    const clap_process_t block = {-1, samples, nullptr, nullptr, &bus, 0, 1, &input, &output};
+    require(plugin_->process(plugin_, &block) != CLAP_PROCESS_ERROR, "process");
+    events_.clear();
+  }
+
+  [[nodiscard]] std::pair<clap_input_events_t, clap_output_events_t> lists() {
     const clap_input_events_t input = {
         &events_,
         [](const clap_input_events_t* self) {
@@ -219,9 +254,7 @@ class ClapPlugin : public HostedPlugin {
                                                  *reinterpret_cast<const clap_event_param_value_t*>(event));
                                            return true;
                                          }};
-    const clap_process_t block = {-1, kBlock, nullptr, nullptr, &bus, 0, 1, &input, &output};
-    require(plugin_->process(plugin_, &block) != CLAP_PROCESS_ERROR, "process");
-    events_.clear();
+    return {input, output};
   }
 
   Library library_;

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "support/count_allocations.hpp"
+#include "plugins/count_calls.hpp"
 
 namespace contactspline::testing {
 
@@ -22,10 +22,10 @@ struct HostedParameter {
   double min, max, initial;
 };
 
-/// A plug-in in a host, in blocks of kBlock samples, stereo.
+/// A plug-in in a host, stereo, in blocks of kBlock samples unless others are asked for.
 class HostedPlugin {
  public:
-  static constexpr std::size_t kBlock = 256;
+  static constexpr std::size_t kBlock = 256, kMaxBlock = 8192;
   using Sound = std::array<std::vector<float>, 2>;
 
   HostedPlugin() = default;
@@ -50,25 +50,28 @@ class HostedPlugin {
   [[nodiscard]] virtual std::string save() = 0;
   virtual void restore(std::string saved) = 0;
 
-  [[nodiscard]] Sound run(std::size_t blocks) {
+  /// Plays so many blocks of a length up to kMaxBlock.
+  [[nodiscard]] Sound run(std::size_t blocks, std::size_t length = kBlock) {
     Sound sound;
-    for (auto& side : sound) side.resize(blocks * kBlock);
-    for (std::size_t begin = 0; begin < blocks * kBlock; begin += kBlock) {
-      const std::size_t before = allocations;
-      process({sound[0].data() + begin, sound[1].data() + begin});
-      allocated_ += allocations - before;
+    for (auto& side : sound) side.resize(blocks * length);
+    for (std::size_t begin = 0; begin < blocks * length; begin += length) {
+      const std::size_t allocations_before = allocations, locks_before = locks;
+      process({sound[0].data() + begin, sound[1].data() + begin}, static_cast<std::uint32_t>(length));
+      allocated_ += allocations - allocations_before;
+      locked_ += locks - locks_before;
     }
     return sound;
   }
 
-  /// Allocations in all blocks so far.
+  /// Allocations and locks in all blocks so far.
   [[nodiscard]] std::size_t allocated() const { return allocated_; }
+  [[nodiscard]] std::size_t locked() const { return locked_; }
 
  private:
   /// Plays a block and forgets the events.
-  virtual void process(std::array<float*, 2> outputs) = 0;
+  virtual void process(std::array<float*, 2> outputs, std::uint32_t samples) = 0;
 
-  std::size_t allocated_ = 0;
+  std::size_t allocated_ = 0, locked_ = 0;
 };
 
 /// A shared library, closed at the end.

@@ -179,8 +179,8 @@ class Lv2Instance {
   }
 
   /// Plays a block into the connected ports.
-  void advance() {
-    lilv_instance_run(instance_.get(), kBlock);
+  void advance(std::uint32_t samples = kBlock) {
+    lilv_instance_run(instance_.get(), samples);
     clear_events();
   }
 

@@ -104,11 +104,11 @@ class Lv2Plugin : public HostedPlugin {
                                   : static_cast<float>(*static_cast<const std::int32_t*>(value)));
   }
 
-  void process(std::array<float*, 2> outputs) override {
+  void process(std::array<float*, 2> outputs, std::uint32_t samples) override {
     std::size_t side = 0;
     for (std::uint32_t i = 0; i < instance_.ports().size(); ++i)
       if (instance_.ports()[i].is_audio) lilv_instance_connect_port(instance_.instance(), i, outputs[side++]);
-    instance_.advance();
+    instance_.advance(samples);
   }
 
   const Lv2World& world_;

@@ -190,7 +190,7 @@ class Vst3Plugin : public HostedPlugin {
     check(v3_cpp_obj_query_interface(component_, v3_audio_processor_iid, &processor_));
     check(v3_cpp_obj_query_interface(component_, v3_edit_controller_iid, &controller_));
     check(v3_cpp_obj_query_interface(controller_, v3_midi_mapping_iid, &mapping_));
-    v3_process_setup setup = {V3_REALTIME, V3_SAMPLE_32, kBlock, sample_rate_hz};
+    v3_process_setup setup = {V3_REALTIME, V3_SAMPLE_32, kMaxBlock, sample_rate_hz};
     check(v3_cpp_obj(processor_)->setup_processing(processor_, &setup));
     check(v3_cpp_obj(component_)->activate_bus(component_, V3_AUDIO, V3_OUTPUT, 0, true));
     check(v3_cpp_obj(component_)->set_active(component_, true));
@@ -374,14 +374,14 @@ class Vst3Plugin : public HostedPlugin {
     changes_.changes.push_back(std::make_unique<ParameterChange>(id, time, normalised));
   }
 
-  void process(std::array<float*, 2> outputs) override {
+  void process(std::array<float*, 2> outputs, std::uint32_t samples) override {
     v3_audio_bus_buffers bus = {};
     bus.num_channels = 2;
     bus.channel_buffers_32 = outputs.data();
     v3_process_data data = {};
     data.process_mode = V3_REALTIME;
     data.symbolic_sample_size = V3_SAMPLE_32;
-    data.nframes = kBlock;
+    data.nframes = static_cast<std::int32_t>(samples);
     data.num_output_buses = 1;
     data.outputs = &bus;
     data.input_params = changes_.pointer();

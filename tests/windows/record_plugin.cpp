@@ -8,7 +8,8 @@
 #include "plugins/vst3_host.hpp"
 #include "windows/lv2_binary.hpp"
 
-std::atomic<std::size_t> contactspline::testing::allocations = 0;  // not counted here
+// Not counted here.
+std::atomic<std::size_t> contactspline::testing::allocations = 0, contactspline::testing::locks = 0;
 
 namespace contactspline::testing {
 namespace {

@@ -75,7 +75,7 @@ struct UnitName {
 };
 
 // A longer ending stands before one that it ends with.
-inline constexpr UnitName kUnitNames[] = {{"_n_s_per_m", "N s/m", "N s/m", 1},
+inline constexpr UnitName kUnitNames[] = {{"_n_s_per_m", "N s/m", "Ns/m", 1},
                                           {"_n_per_m", "N/m", "N/m", 1},
                                           {"_m_per_s2", "m/s2", "m/s2", 1},
                                           {"_m_per_s", "m/s", "m/s", 1},
