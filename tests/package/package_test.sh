@@ -782,19 +782,6 @@ case_microcontroller() {
   done
 }
 
-# Models of the runtime on 64-bit ARM: a test that needs no other part of the project, in qemu.
-case_arm() {
-  need aarch64-linux-gnu-g++
-  need qemu-aarch64
-  local googletest=/usr/src/googletest/googletest
-  [ -d "$googletest" ] || { echo "skipped: googletest is not installed"; exit 77; }
-  run aarch64-linux-gnu-g++ -std=c++20 -O2 -static -I "$SOURCE" -I "$SOURCE/runtime" -I "$SOURCE/tests" -I "$BUILD/include" \
-    -I "$googletest/include" -I "$googletest" "$SOURCE"/tests/{runtime/fixed_size_test,support/count_allocations}.cpp \
-    "$googletest"/src/gtest{-all,_main}.cc -o "$WORK/fixed_size_test"
-  run qemu-aarch64 "$WORK/fixed_size_test"
-  tail -n 1 "$WORK/log" | grep -q 'PASSED.* [1-9]' || fail "no test ran"
-}
-
 # Commands of the pages that case_pages does not run, and why.
 not_run='
 ^(\./)?scripts/(run|test|plugins|windows|web|site|tidy|format|bench|sanitize|fuzz|mutate|matrix|soak|coverage|bare-root)    builds the whole tree, or changes the source

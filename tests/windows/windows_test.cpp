@@ -4,12 +4,11 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <cstring>
 #include <regex>
 #include <vector>
 
-#include "cli/sandbox.hpp"
 #include "plugins/agreement.hpp"
+#include "windows/recording.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -26,19 +25,10 @@ fs::path plugin(const std::string& format, bool is_for_windows) {
          (is_for_windows ? "x86_64-win/" + name + ".vst3" : "x86_64-linux/" + name + ".so");
 }
 
-// What record_plugin hears.
 std::vector<float> recording(const std::string& format, bool is_for_windows) {
-  const fs::path sound = kBuilt / ("recorded_" + format);
-  fs::remove(sound);
   const std::string recorder =
       is_for_windows ? WINE " " BUILT "/tests/windows/record_plugin.exe" : LINUX "/tests/windows/record_plugin";
-  const std::string command =
-      recorder + " " + format + " " + plugin(format, is_for_windows).string() + " " + sound.string();
-  EXPECT_EQ(std::system(command.c_str()), 0) << command;
-  const std::string bytes = read_file(sound);
-  std::vector<float> samples(bytes.size() / sizeof(float));
-  std::memcpy(samples.data(), bytes.data(), samples.size() * sizeof(float));
-  return samples;
+  return recorded(recorder, format, plugin(format, is_for_windows), kBuilt / ("recorded_" + format));
 }
 
 class WindowsPlugin : public ::testing::TestWithParam<const char*> {};

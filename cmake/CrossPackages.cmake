@@ -1,5 +1,6 @@
-# The packages of headers alone, of the machine that builds for Windows: mingw-w64 has none of them. Their folders are
-# linked into the build folder, because /usr/include beside them is that of Linux. The preset `windows` reads this file.
+# The packages of headers alone, of the machine that builds for another: cross compilers have none of them. Their folders
+# are linked into the build folder, because /usr/include beside them is that of this machine. The presets `windows` and
+# `arm64` read this file.
 set(contactspline_headers "${CMAKE_BINARY_DIR}/headers")
 file(MAKE_DIRECTORY "${contactspline_headers}")
 
@@ -26,9 +27,16 @@ endfunction()
 macro(_contactspline_find_package method package)
   set(${package}_FOUND TRUE)
   if("${package}" STREQUAL "hwy")
-    # The instruction set is chosen when compiling: the library that chooses while running is not for Windows.
+    # The instruction set is chosen when compiling: the library that chooses while running is not there. On 64-bit ARM
+    # it is NEON.
     _contactspline_package_of_headers(hwy::hwy hwy/highway.h)
     target_compile_definitions(hwy::hwy INTERFACE HWY_COMPILE_ONLY_STATIC)
+  elseif("${package}" STREQUAL "GTest")
+    if(NOT TARGET gtest_main)  # Debian has its source
+      set(INSTALL_GTEST OFF CACHE INTERNAL "")
+      set(BUILD_GMOCK OFF CACHE INTERNAL "")
+      add_subdirectory(/usr/src/googletest "${CMAKE_BINARY_DIR}/googletest" EXCLUDE_FROM_ALL SYSTEM)
+    endif()
   elseif("${package}" STREQUAL "Boost")
     _contactspline_package_of_headers(Boost::headers boost/version.hpp)
   elseif("${package}" STREQUAL "Eigen3")
