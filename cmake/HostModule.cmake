@@ -17,8 +17,8 @@ function(contactspline_host_module name header folder)
   set_target_properties(${target} PROPERTIES PREFIX "" OUTPUT_NAME contactspline CXX_VISIBILITY_PRESET hidden UNITY_BUILD OFF
     INSTALL_RPATH "$ORIGIN/${to_library}")
   if(CONTACTSPLINE_INSTALL)
-    install(TARGETS ${target} LIBRARY DESTINATION ${folder})
+    install(TARGETS ${target} LIBRARY DESTINATION ${folder} COMPONENT ${name})
     install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples/${name} ${PROJECT_SOURCE_DIR}/examples/instruments
-      DESTINATION ${CMAKE_INSTALL_DATADIR}/contactspline/examples)
+      DESTINATION ${CMAKE_INSTALL_DATADIR}/contactspline/examples COMPONENT ${name})
   endif()
 endfunction()

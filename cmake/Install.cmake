@@ -4,19 +4,19 @@ include(CMakePackageConfigHelpers)
 
 set(contactspline_data_dir ${CMAKE_INSTALL_DATADIR}/contactspline)
 set(contactspline_cmake_dir ${CMAKE_INSTALL_LIBDIR}/cmake/ContactSpline)
-set(contactspline_pkgconfig_dir ${CMAKE_INSTALL_DATADIR}/pkgconfig)
+set(CONTACTSPLINE_PKGCONFIG_DIR ${CMAKE_INSTALL_DATADIR}/pkgconfig CACHE STRING "Folder of the files of pkg-config, below the prefix")
 
 install(TARGETS contactspline_runtime contactspline_materials EXPORT ContactSplineTargets
         INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 if(CONTACTSPLINE_BUILD_GENERATOR)
-  install(TARGETS contactspline EXPORT ContactSplineTargets)
+  install(TARGETS contactspline EXPORT ContactSplineTargets COMPONENT program)
 endif()
 install(FILES runtime/contactspline.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(DIRECTORY runtime/contactspline DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
         FILES_MATCHING PATTERN *.hpp PATTERN simd/*-inl.hpp EXCLUDE)
 install(DIRECTORY data/materials data/resonators data/scores data/keyboards data/instruments DESTINATION ${contactspline_data_dir}
         FILES_MATCHING PATTERN *.json PATTERN *.csv PATTERN *.mid)
-install(FILES LICENSE TYPE DOC)
+install(FILES LICENSE TYPE DOC COMPONENT licence)
 
 install(EXPORT ContactSplineTargets NAMESPACE ContactSpline:: DESTINATION ${contactspline_cmake_dir})
 if(CONTACTSPLINE_BUILD_SIMD)
@@ -28,7 +28,7 @@ if(CONTACTSPLINE_BUILD_THREADS)
   install(EXPORT ContactSplineThreadsTargets NAMESPACE ContactSpline:: DESTINATION ${contactspline_cmake_dir})
 endif()
 if(CONTACTSPLINE_BUILD_C)
-  install(EXPORT ContactSplineCTargets NAMESPACE ContactSpline:: DESTINATION ${contactspline_cmake_dir})
+  install(EXPORT ContactSplineCTargets NAMESPACE ContactSpline:: DESTINATION ${contactspline_cmake_dir} COMPONENT c_development)
 endif()
 configure_package_config_file(cmake/ContactSplineConfig.cmake.in ContactSplineConfig.cmake
   INSTALL_DESTINATION ${contactspline_cmake_dir}
@@ -46,10 +46,10 @@ install(DIRECTORY hosts/plugin DESTINATION ${contactspline_data_dir} PATTERN CMa
 # From the file's own folder to the prefix, whatever the folders are called.
 set(contactspline_pkgconfig_to_prefix ${CMAKE_INSTALL_PREFIX})
 cmake_path(RELATIVE_PATH contactspline_pkgconfig_to_prefix
-           BASE_DIRECTORY ${CMAKE_INSTALL_PREFIX}/${contactspline_pkgconfig_dir})
+           BASE_DIRECTORY ${CMAKE_INSTALL_PREFIX}/${CONTACTSPLINE_PKGCONFIG_DIR})
 configure_file(cmake/contactspline.pc.in contactspline.pc @ONLY)
-install(FILES ${PROJECT_BINARY_DIR}/contactspline.pc DESTINATION ${contactspline_pkgconfig_dir})
+install(FILES ${PROJECT_BINARY_DIR}/contactspline.pc DESTINATION ${CONTACTSPLINE_PKGCONFIG_DIR})
 if(CONTACTSPLINE_BUILD_C)
   configure_file(cmake/contactspline-c.pc.in contactspline-c.pc @ONLY)
-  install(FILES ${PROJECT_BINARY_DIR}/contactspline-c.pc DESTINATION ${contactspline_pkgconfig_dir})
+  install(FILES ${PROJECT_BINARY_DIR}/contactspline-c.pc DESTINATION ${CONTACTSPLINE_PKGCONFIG_DIR} COMPONENT c_development)
 endif()

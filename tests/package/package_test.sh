@@ -784,7 +784,7 @@ case_microcontroller() {
 
 # Commands of the pages that case_pages does not run, and why.
 not_run='
-^(\./)?scripts/(run|test|plugins|windows|web|site|tidy|format|bench|sanitize|fuzz|mutate|matrix|soak|coverage|bare-root)    builds the whole tree, or changes the source
+^(\./)?scripts/(run|test|plugins|windows|web|site|tidy|format|bench|sanitize|fuzz|mutate|matrix|soak|coverage|bare-root|packages)    builds the whole tree, or changes the source
 ^(\./)?scripts/install-packages                asks the network
 ^(\./)?scripts/leaks                           two minutes under valgrind
 ^cmake --(preset|build)                        builds the whole tree
@@ -1070,6 +1070,54 @@ target_link_libraries(plain PRIVATE ContactSpline::materials)'
     { if (!(off($1, $5) <= 1e-15) || !(off($3, $7) <= 1e-9)) exit 1; if (off($1, 0) > peak) peak = off($1, 0) }
     END { print NR " blocks, largest " peak " m"; exit !(NR == 100 && peak > 1e-5 && peak < 1e-2) }' ||
     fail "the example does not play the same with and without the kernels"
+}
+
+# Each file of `cmake --install` is in one Debian package: packaging/debian/rules names a component for each package of
+# packaging/debian/control, these have every file between them, and no file is in two. The licence is in debian/copyright.
+case_components() {
+  local debian="$SOURCE/packaging/debian" package component
+  run cmake --install "$BUILD" --prefix "$WORK/all"
+  run cmake --install "$BUILD" --prefix "$WORK/parts" --component licence
+  sed -nE 's/^component_(.*) = (.*)/\1 \2/p' "$debian/rules" >"$WORK/components"
+  diff <(sed -n 's/^Package: //p' "$debian/control" | grep -vx contactspline-doc | sort) <(cut -d' ' -f1 "$WORK/components" | sort) ||
+    fail "rules and control have different packages"
+  while read -r package component; do
+    mkdir -p "$WORK/$component"  # what is not built has no files
+    run cmake --install "$BUILD" --prefix "$WORK/$component" --component "$component"
+    (cd "$WORK" && find "$component" ! -type d -printf '%P\n') >>"$WORK/files"
+    [ "$component" = python ] || cp -r "$WORK/$component/." "$WORK/parts"
+    [ -z "$(uniq -d <(sort "$WORK/files"))" ] || fail "$package has a file of another package: $(uniq -d <(sort "$WORK/files"))"
+  done <"$WORK/components"
+  diff <(cd "$WORK/all" && find . ! -type d | sort) <(cd "$WORK/parts" && find . ! -type d | sort) || fail "files are in no package"
+  echo "$(wc -l <"$WORK/files") files in $(wc -l <"$WORK/components") packages"
+}
+
+# The port for vcpkg and the recipe for Conan, by the commands of CMake that these would run; then a project finds what they
+# install.
+case_recipes() {
+  need python3
+  need git
+  [ -e "$SOURCE/.git" ] || { echo "skipped: the tree is no clone"; exit 77; }
+  local version prefix
+  version=$(sed -n 's/^version: //p' "$SOURCE/CITATION.cff")
+  grep -q "\"version\": \"$version\"" "$SOURCE/packaging/vcpkg/contactspline/vcpkg.json" || fail "vcpkg.json has not the version $version"
+  run cmake "-DWORK=$WORK/vcpkg" "-DPORTFILE=$SOURCE/packaging/vcpkg/contactspline/portfile.cmake" -P "$SOURCE/tests/package/recipes/vcpkg.cmake"
+  run python3 "$SOURCE/tests/package/recipes/conan_run.py" "$SOURCE/packaging/conan/conanfile.py" "$WORK/conan"
+  grep -qx "contactspline/$version" "$WORK/log" || fail "the recipe for Conan has not the version $version"
+  project="$WORK/project"
+  mkdir "$project"
+  readme_block cpp >"$project/main.cpp"
+  echo 'cmake_minimum_required(VERSION 3.25)
+project(Recipes LANGUAGES CXX)
+find_package(ContactSpline CONFIG REQUIRED)
+add_executable(my_plugin main.cpp)
+target_link_libraries(my_plugin PRIVATE ContactSpline::materials)' >"$project/CMakeLists.txt"
+  for prefix in vcpkg/packages conan/package; do
+    build="$WORK/$prefix build"
+    configure Ninja "-DCMAKE_PREFIX_PATH=$WORK/$prefix"
+    build
+    "$build/my_plugin" | expect_peak_force 3 4.5e9 2.5 0.003 2
+  done
 }
 
 # What pip makes of the tree without a network, installed where nothing else of the project is.
