@@ -60,7 +60,8 @@ Maker maker(Args&... args) {
   };
 }
 
-// I is a guitar string that is plucked, whose sound is the force on its bridge; a voice is a Model with another string.
+// I is a guitar string that is plucked, whose sound is the force on its bridge; a voice is a Model with another
+// string.
 template <typename I, typename Model>
 Maker maker_of_plucked() {
   return [](const VoicePlan& plan) -> std::unique_ptr<Playable> {
