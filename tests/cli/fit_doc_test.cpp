@@ -42,6 +42,13 @@ TEST(FitTutorials, FindTheRubberBallFromContactTimes) {
   expect_held(fit, "loss_s_per_m", 0.1);
 }
 
+TEST(FitTutorials, FindTheMalletFromARecordedBar) {
+  const auto fit = fit_of("mallet", "power none");
+  expect_held(fit, "stiffness_n_per_m_alpha", 8e8);
+  expect_held(fit, "exponent", 1.8);
+  expect_held(fit, "mass_kg", 0.032);
+}
+
 TEST(FitTutorials, HaveTheDataOfTheirScript) {
   const Sandbox box;
   const std::string command =
@@ -52,13 +59,13 @@ TEST(FitTutorials, HaveTheDataOfTheirScript) {
     ++files;
     EXPECT_EQ(read_file(entry.path()), read_file(kExamples / entry.path().filename())) << entry.path().filename();
   }
-  EXPECT_EQ(files, 6);
+  EXPECT_EQ(files, 11);
 }
 
 // What the page shows of the files and of the reports is what they are.
 TEST(FitPage, ShowsFilesAndReportsAsTheyAre) {
   const std::string page = read_file(fs::path(SOURCE_FOLDER) / "docs/how-to/fit.md");
-  for (const char* name : {"felt", "rubber_ball"}) {
+  for (const char* name : {"felt", "rubber_ball", "mallet"}) {
     const fs::path file = kExamples / (std::string(name) + ".fit.json");
     EXPECT_NE(page.find("```json\n" + read_file(file) + "```"), std::string::npos) << name;
     EXPECT_NE(page.find("```text\n" + succeed({.arguments = {"fit", file.string()}}) + "```"), std::string::npos)
