@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "contactspline/instrument/sliders.hpp"
+#include "generator/emit/emit_material.hpp"
 #include "generator/emit/faust_chain.hpp"
 #include "generator/support/number_literal.hpp"
 
@@ -94,6 +95,11 @@ class Writer {
     return std::span(arrays_.targets).subspan(first, count);
   }
 
+  // Their number, for a contact.
+  [[nodiscard]] std::size_t memories_of(std::size_t k) const {
+    return model_.tables[connections()[k].table].memories.size();
+  }
+
   // An input of the loop, computed outside.
   void input(std::string name, std::string expression) {
     inputs_.push_back(std::move(name));
@@ -164,7 +170,7 @@ class Writer {
                                          {"half_curvature", &arrays_.half_curvatures}})
         materials_ += fmt::format("  {}(index) = rdtable(waveform{{0.0,\n{}}}, int(index));\n", name,
                                   literal_rows(std::span(*column).subspan(begin, size), 4));
-      materials_ += "};\n";
+      materials_ += faust_memory(model_.tables[t].memories, "  ") + "};\n";
     }
   }
 
@@ -407,10 +413,64 @@ class Writer {
       chain_.add(name_at("y", k), kept(compression.text()));
       for (std::size_t l = k; l < n; ++l) write_admittance(k, l);
     }
+    for (const std::size_t k : contacts_) write_memory(k);
+    chain_.next();
+    for (const std::size_t k : contacts_) write_surface(k);
     chain_.next();
     for (std::size_t k = 0; k < n; ++k) write_stiffness(k);
     chain_.next();
+    for (const std::size_t k : contacts_) write_designed_stiffness(k);
+    chain_.next();
     for (const std::size_t k : contacts_) write_resistance(k);
+  }
+
+  // What a contact remembers of the samples before, and the sum of it: the line that its potential lacks.
+  void write_memory(std::size_t k) {
+    const std::size_t n = memories_of(k);
+    if (n == 0) return;
+    std::vector<std::string> names{name_at("line", k)}, last;
+    for (std::size_t i = 0; i < n; ++i) {
+      last.push_back(fmt::format("M{}_{}", k, i));
+      names.push_back(fmt::format("memory{}_{}", k, i));
+    }
+    chain_.add(names, fmt::format("({} : ct.remembered({}))", fmt::join(last, ", "), n));
+    fed_back_memories_.insert(fed_back_memories_.end(), last.begin(), last.end());
+  }
+
+  void write_surface(std::size_t k) {
+    if (memories_of(k) != 0)
+      chain_.add(surface_names(k), fmt::format("ct.surface_of({}, line{})", material_of(k), k));
+  }
+
+  static std::vector<std::string> surface_names(std::size_t k) {
+    return {name_at("split", k), name_at("surface", k), name_at("min_energy", k)};
+  }
+
+  [[nodiscard]] std::string material_of(std::size_t k) const { return name_at("material_", connections()[k].table); }
+
+  // The material that acts in this sample: less the line of its memories.
+  [[nodiscard]] std::string acting_material(std::size_t k) const {
+    if (memories_of(k) == 0) return material_of(k);
+    return fmt::format("ct.less_line({}, line{}, {})", material_of(k), k, fmt::join(surface_names(k), ", "));
+  }
+
+  [[nodiscard]] std::string remembered(std::size_t k) const {
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < memories_of(k); ++i) names.push_back(fmt::format("memory{}_{}", k, i));
+    return fmt::format("{}", fmt::join(names, ", "));
+  }
+
+  // The stiffness ratio that the memories leave at this rate.
+  void write_designed_stiffness(std::size_t k) {
+    if (memories_of(k) == 0) return;
+    chain_.add(name_at("T", k), kept(product(ratio_[k], fmt::format("ct.memory_stiffness({})", material_of(k)))));
+    ratio_[k] = name_at("T", k);
+  }
+
+  // Energy of a contact for a stiffness ratio of 1.
+  [[nodiscard]] std::string contact_energy(std::size_t k) const {
+    if (memories_of(k) == 0) return fmt::format("ct.potential({}, y{})", material_of(k), k);
+    return fmt::format("({} : ct.memory_energy({}, {}, y{}))", remembered(k), material_of(k), acting_material(k), k);
   }
 
   // Gap that acts at the beginning [m].
@@ -458,8 +518,7 @@ class Writer {
       ratio_[k] = literal(is_contact ? connection.weight : connection.stiffness_n_per_m);
     } else {
       const double weight = is_contact ? connection.weight : 1;
-      const std::string energy = is_contact ? fmt::format("ct.potential(material_{}, y{})", connection.table, k)
-                                            : fmt::format("y{0} * y{0} * 0.5", k);
+      const std::string energy = is_contact ? contact_energy(k) : fmt::format("y{0} * y{0} * 0.5", k);
       ratio_[k] = name_at("r", k);
       states_.push_back(ratio_[k]);
       chain_.add(ratio_[k], fmt::format("ci.follow_stiffness(select2(cm.is_first, S{}, {}), {} * c{}, {})", k,
@@ -475,8 +534,8 @@ class Writer {
 
   // Hunt-Crossley resistance of a contact [N/m] over this sample.
   void write_resistance(std::size_t k) {
-    chain_.add(name_at("R", k), fmt::format("ct.resistance(material_{}, {}, {}, y{})", connections()[k].table,
-                                            ratio_[k], loss_of(k), k));
+    chain_.add(name_at("R", k),
+               fmt::format("ct.resistance({}, {}, {}, y{})", acting_material(k), ratio_[k], loss_of(k), k));
   }
 
   // Solves rows of names, the matrix and after it columns of the right side, by Gauss and Jordan. No pivot is sought:
@@ -598,6 +657,10 @@ class Writer {
       given.push_back(name_at("y", k));
       given.push_back(name_at("xc", a));
       given.push_back(name_at("R", k));
+      if (memories_of(k) != 0) {
+        given.push_back(name_at("line", k));
+        for (const std::string& name : surface_names(k)) given.push_back(name);
+      }
       for (const std::string& name : {ratio_[k], loss_of(k)})
         if (std::isalpha(static_cast<unsigned char>(name.front())) != 0 && std::ranges::count(given, name) == 0)
           given.push_back(name);
@@ -649,8 +712,8 @@ class Writer {
     chain_.next();
     for (std::size_t a = 0; a < n; ++a) {
       const std::size_t k = contacts_[a];
-      chain_.add(name_at("t", a), fmt::format("(y{}, a{} : ct.contact(material_{}, {}, {}, {}))", k, a,
-                                              connections()[k].table, ratio_[k], loss_of(k), reduced_[a][a]));
+      chain_.add(name_at("t", a), fmt::format("(y{}, a{} : ct.contact({}, {}, {}, {}))", k, a, acting_material(k),
+                                              ratio_[k], loss_of(k), reduced_[a][a]));
     }
     chain_.next();
   }
@@ -661,8 +724,8 @@ class Writer {
     for (std::size_t a = 0; a < n; ++a) {
       const std::size_t k = contacts_[a];
       chain_.add(name_at("k", a),
-                 fmt::format("(y{}, a{} - {} * t{}, t{}, R{} : ct.secant(material_{}, {}, {}))", k, a, reduced_[a][a],
-                             a, a, k, connections()[k].table, ratio_[k], reduced_[a][a]));
+                 fmt::format("(y{}, a{} - {} * t{}, t{}, R{} : ct.secant({}, {}, {}))", k, a, reduced_[a][a], a, a, k,
+                             acting_material(k), ratio_[k], reduced_[a][a]));
     }
     chain_.next();
     std::vector<std::vector<std::string>> rows(n);
@@ -703,6 +766,9 @@ class Writer {
     }
     results.insert(results.end(), states_.begin(), states_.end());
     fed_back.insert(fed_back.end(), state_inputs_.begin(), state_inputs_.end());
+    if (!fed_back_memories_.empty()) chain_.next();
+    for (const std::size_t k : contacts_) relax(k, results);
+    fed_back.insert(fed_back.end(), fed_back_memories_.begin(), fed_back_memories_.end());
     for (std::size_t o = 0; o < arrays_.outputs.size(); ++o) results.push_back(write_output(o));
     if (inputs_.empty()) input("nothing", "0.0");  // an empty list is no Faust
     std::vector<std::string> inputs = fed_back;
@@ -714,6 +780,15 @@ class Writer {
             {"FED_BACK", fmt::format("{}", fed_back.size())},
             {"OUTPUTS", fmt::format("{}", arrays_.outputs.size())},
             {"OUTPUT_NAMES", fmt::format("{}", fmt::join(outputs, ", "))}};
+  }
+
+  // Memories follow the force at the end of the sample.
+  void relax(std::size_t k, std::vector<std::string>& results) {
+    if (memories_of(k) == 0) return;
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < memories_of(k); ++i) names.push_back(fmt::format("next{}_{}", k, i));
+    chain_.add(names, fmt::format("(line{0}, w{0}, {1} : ct.relaxed({2}))", k, remembered(k), material_of(k)));
+    results.insert(results.end(), names.begin(), names.end());
   }
 
   // Forces of the last sample, and motions at its end.
@@ -740,8 +815,9 @@ class Writer {
   std::vector<std::size_t> first_shape_, written_shapes_;
   std::vector<std::string> inputs_, input_expressions_;  // of the loop
   std::vector<std::string> states_, state_inputs_;       // stiffnesses that follow their controls
-  std::vector<std::string> ratio_;                       // stiffness of each connection
-  std::vector<std::string> admittances_;                 // of each pair of connections, first <= second
+  std::vector<std::string> fed_back_memories_;
+  std::vector<std::string> ratio_;        // stiffness of each connection
+  std::vector<std::string> admittances_;  // of each pair of connections, first <= second
   std::vector<std::vector<std::string>> linear_solution_, reduced_;
   std::vector<std::string> forces_;  // of the contacts
   std::string sliders_, materials_, bodies_, functions_;
@@ -776,16 +852,21 @@ std::optional<std::string> faust_obstacle(const InstrumentModel& model, const In
     if (model.controls[c].quantity == ControlQuantity::kPlace || model.parameters[c].acts == Acts::kAtNextNote)
       return fmt::format("{} has the control {}, which only the C++ class plays", model.name,
                          model.parameters[c].name);
-  if (!arrays.memories.empty())
-    return fmt::format("{} has a contact with memory, which only the C++ class plays", model.name);
-  const auto contacts = static_cast<std::size_t>(
-      std::ranges::count(arrays.connections, ConnectionKind::kContact, &InstrumentConnection::kind));
-  const std::size_t linear = arrays.connections.size() - contacts;
+  // A contact with memory takes Faust about as long as two without.
+  std::size_t contacts = 0, linear = 0;
+  for (const InstrumentConnection& connection : arrays.connections) {
+    const bool is_contact = connection.kind == ConnectionKind::kContact;
+    if (is_contact) contacts += model.tables[connection.table].memories.empty() ? 1 : 2;
+    linear += is_contact ? 0 : 1;
+  }
   const auto too_many = [&](std::size_t count, std::size_t max, std::string_view what) {
     return fmt::format("{} has {} {}, and Faust compiles at most {} in reasonable time", model.name, count, what,
                        max);
   };
-  if (contacts > kMaxContacts) return too_many(contacts, kMaxContacts, "points of contact");
+  if (contacts > kMaxContacts)
+    return too_many(
+        contacts, kMaxContacts,
+        arrays.memories.empty() ? "points of contact" : "points of contact, counting those with memory twice");
   if (linear > kMaxLinear) return too_many(linear, kMaxLinear, "springs and links");
   if (arrays.masses.size() > kMaxModes) return too_many(arrays.masses.size(), kMaxModes, "modes");
   return joined_strike(model, arrays);

@@ -194,19 +194,6 @@ std::string cpp_memory(const Material& material, std::string_view indent) {
       indent, weights.size(), fmt::join(weights, ", "), fmt::join(times, ", "));
 }
 
-std::string faust_memory(const Material& material, std::string_view indent) {
-  if (material.memories.empty()) return {};
-  std::string text = fmt::format(
-      "{0}// Memory, for ct.contact_with_memory: force F(y) - sum of weight M, where M follows F(y) with the "
-      "relaxation\n"
-      "{0}// time in seconds.\n{0}memories = {1};\n",
-      indent, material.memories.size());
-  for (std::size_t i = 0; i < material.memories.size(); ++i)
-    text += fmt::format("{0}memory_weight({1}) = {2};\n{0}memory_time({1}) = {3};\n", indent, i,
-                        literal(material.memories[i].weight), literal(material.memories[i].time_s));
-  return text;
-}
-
 TemplateValues common_values(const Design& design, std::string_view command) {
   const Material& material = design.material;
   return {{"VERSION", CONTACTSPLINE_VERSION},
@@ -240,8 +227,8 @@ TemplateValues faust_values(const Design& design, std::string_view command) {
   for (const auto unused : {"REGULAR_A", "REGULAR_B", "REGULAR_C"}) values.erase(unused);
   values["LAW_CONSTANTS"] = law_constants(design.material, "stiffness = {};\nexponent = {};\n");
   values["NORMALISED_LOSS"] = literal(design.material.loss_s_per_m * design.spline.length_scale_m);
-  values["MEMORY"] = faust_memory(design.material, "");
-  values["NORMALISED_MEMORY"] = faust_memory(design.material, "  ");
+  values["MEMORY"] = faust_memory(design.material.memories, "");
+  values["NORMALISED_MEMORY"] = faust_memory(design.material.memories, "  ");
   values["FREE_OF_FAUST"] = normalised_note(design, "");
   values["PROBES"] = fmt::format("{}", std::bit_width(design.spline.segments.size()));
   return values;
@@ -277,6 +264,19 @@ TemplateValues json_values(const Design& design, std::string_view command) {
 }
 
 }  // namespace
+
+std::string faust_memory(std::span<const Memory> memories, std::string_view indent) {
+  if (memories.empty()) return {};
+  std::string text = fmt::format(
+      "{0}// Memory, for ct.contact_with_memory: force F(y) - sum of weight M, where M follows F(y) with the "
+      "relaxation\n"
+      "{0}// time in seconds.\n{0}memories = {1};\n",
+      indent, memories.size());
+  for (std::size_t i = 0; i < memories.size(); ++i)
+    text += fmt::format("{0}memory_weight({1}) = {2};\n{0}memory_time({1}) = {3};\n", indent, i,
+                        literal(memories[i].weight), literal(memories[i].time_s));
+  return text;
+}
 
 std::string emit(const Emitter& emitter, const Design& design, std::string_view command) {
   const auto values_of = emitter.name == "faust" ? faust_values : emitter.name == "cpp" ? cpp_values : json_values;

@@ -3,6 +3,7 @@
 // ranges and at the ends of them.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <random>
@@ -15,7 +16,12 @@ namespace contactspline::testing {
 /// Writes one file after the other. What an instrument file may not say is refused by its reader: draw again.
 class RandomInstruments {
  public:
-  explicit RandomInstruments(unsigned seed) : random_(seed) {}
+  using Materials = std::array<const char*, 4>;
+
+  /// materials: of the contacts.
+  explicit RandomInstruments(unsigned seed,
+                             const Materials& materials = {"felt_c4", "mb1", "rubber_on_wood", "steel_on_steel"})
+      : random_(seed), materials_(materials) {}
 
   [[nodiscard]] std::string next() {
     places_.clear();
@@ -139,12 +145,12 @@ class RandomInstruments {
   }
 
   std::vector<std::string> contacts() {
-    constexpr const char* kDrawn[] = {"felt_c4", "mb1", "rubber_on_wood", "steel_on_steel"};
     std::vector<std::string> texts(static_cast<std::size_t>(integer(0, 3)));
     for (std::size_t i = 0; i < texts.size(); ++i)
       texts[i] = named("contact", i,
-                       "\"material\": \"" + std::string(kDrawn[integer(0, 3)]) + "\", \"gap_m\": " +
-                           text_of(uniform(0, 2e-3)) + ", \"weight\": " + text_of(number(0.1, 10, 1, 1)));
+                       "\"material\": \"" + std::string(materials_[static_cast<std::size_t>(integer(0, 3))]) +
+                           "\", \"gap_m\": " + text_of(uniform(0, 2e-3)) +
+                           ", \"weight\": " + text_of(number(0.1, 10, 1, 1)));
     return texts;
   }
 
@@ -204,6 +210,7 @@ class RandomInstruments {
   };
 
   std::mt19937_64 random_;
+  Materials materials_;
   std::vector<PlaceOf> places_;
   std::vector<std::string> place_texts_;
   std::vector<Connection> connections_;
