@@ -4,11 +4,12 @@ import { startModule, textAt } from "./wasm_module.js";
 
 const kBlock = 128;
 
-/** Writes a design of the generator as rows of a table. Returns whether it has no more than 128 segments. */
-export function writeMaterial(exports, rows, use, { table, mass_kg, loss_s_per_m }) {
+/** Writes a design of the generator as rows of a table, and its memories. Returns whether it has no more than 128 segments. */
+export function writeMaterial(exports, rows, use, { table, memory, mass_kg, loss_s_per_m }) {
   if (table.length > 128) return false;
-  new Float64Array(exports.memory.buffer, rows(), 4 * table.length).set(table.flat());
-  return use(table.length, mass_kg ?? 0.00297, loss_s_per_m) === 1;
+  const numbers = [...table, ...memory].flat();
+  new Float64Array(exports.memory.buffer, rows(), numbers.length).set(numbers);
+  return use(table.length, memory.length, mass_kg ?? 0.00297, loss_s_per_m) === 1;
 }
 
 /** Writes the bytes of an instrument (generator.js) where room(size) says. */

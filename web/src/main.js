@@ -366,13 +366,13 @@ class Page {
   }
 
   useDesign(design) {
-    const { table, mass_kg, loss_s_per_m } = design;
+    const { table, memory, mass_kg, loss_s_per_m } = design;
     if (!this.studies.useMaterial(design)) {
       byId("design-note").append(" The keyboard plays up to 128 segments, and keeps the last material.");
       return;
     }
     this.engine.useMaterial(design);
-    this.audio.send({ do: "material", design: { table, mass_kg, loss_s_per_m } });
+    this.audio.send({ do: "material", design: { table, memory, mass_kg, loss_s_per_m } });
     this.changed();
     if (this.instrument === kFirst && this.controls.size > 0) this.study();
   }

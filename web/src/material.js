@@ -5,6 +5,7 @@
 export function materialText(m) {
   const contact = { stiffness_n_per_m_alpha: m.stiffness, exponent: m.exponent };
   if (m.loss > 0) contact.loss_s_per_m = m.loss;
+  if (m.memory) contact.memory = m.memory;
   const spline = { knots: m.knots };
   if (m.knots === "optimal") spline.minimise = m.minimise;
   spline.segments = m.segments;
@@ -36,6 +37,7 @@ export function materialFields(text) {
     stiffness: contact.stiffness_n_per_m_alpha,
     exponent: contact.exponent,
     loss: contact.loss_s_per_m ?? 0,
+    memory: contact.memory,
     mass: impact.mass_kg,
     slowest: impact.min_speed_m_per_s,
     fastest: impact.max_speed_m_per_s,

@@ -3,19 +3,21 @@
 #pragma once
 
 #include "contactspline/models/hammer_string.hpp"
+#include "contactspline/network/sample_law.hpp"
 
 namespace contactspline::web {
 
-/// What a contact dissipated over the last sample [J], from its compression y0 [m] before: Hunt and Crossley's
-/// lambda F(y0) x^2/dt; where the bodies part without force, all that the contact held beyond.
+/// The contact of a model after a sample, for its books: with its energy and what it dissipated.
 template <typename T>
-double contact_loss(SegmentTable<T> table, const ContactControls<T>& contact, double sample_rate_hz, T y0, T y,
-                    T force_n) {
-  if (!(contact.loss_s_per_m > 0)) return 0;
-  const double ratio = contact.stiffness_ratio;
-  if (!(force_n > 0)) return ratio * (double(potential(table, y0)) - double(potential(table, y)));
-  const double x = double(y) - double(y0);
-  return double(contact.loss_s_per_m) * ratio * double(force(table, y0)) * x * x * sample_rate_hz;
+CoupledConnection<T> contact_of(SegmentTable<T> table, const ContactControls<T>& contact,
+                                const ContactMemory<T>& memory, T compression_m, T force_n) {
+  return {.table = table, .contact = contact, .memory = memory, .compression = compression_m, .force = force_n};
+}
+
+/// What it dissipated over the sample, which began at compression y0 [J].
+template <typename T>
+double contact_loss(const CoupledConnection<T>& contact, double sample_rate_hz, T y0) {
+  return contact.dissipated_since(y0, static_cast<T>(1 / sample_rate_hz)) + contact.dissipated_by_memory();
 }
 
 /// The energies of a hammer-string [J].
@@ -41,21 +43,26 @@ class StrikeBooks {
   /// Call after each sample: y0 is the compression before it.
   void add_loss(const HammerString<T>& model, SegmentTable<T> felt, const HammerStringControls<T>& controls,
                 double sample_rate_hz, T y0) {
-    books_.dissipated += contact_loss(felt, controls.felt, sample_rate_hz, y0, model.compression(), model.force()) +
-                         model.string().dissipated();
+    books_.dissipated +=
+        contact_loss(contact(model, felt, controls), sample_rate_hz, y0) + model.string().dissipated();
   }
 
   /// Reads what is stored now.
   void close(const HammerString<T>& model, SegmentTable<T> felt, const HammerStringControls<T>& controls) {
     const double v = model.hammer_velocity();
     books_.hammer = double(controls.hammer_mass_kg) * v * v / 2;
-    books_.felt = double(controls.felt.stiffness_ratio) * double(potential(felt, model.compression()));
+    books_.felt = contact(model, felt, controls).energy_at(model.compression());
     books_.string = model.string().energy();
   }
 
   [[nodiscard]] const Books& books() const { return books_; }
 
  private:
+  static CoupledConnection<T> contact(const HammerString<T>& model, SegmentTable<T> felt,
+                                      const HammerStringControls<T>& controls) {
+    return contact_of(felt, controls.felt, model.memory(), model.compression(), model.force());
+  }
+
   Books books_;
 };
 

@@ -195,14 +195,15 @@ CONTACTSPLINE_WEB(double, engine_peak, int number, double seconds, double sample
   return peak;
 }
 
-/// Where the page writes the rows of a table: knot, energy, force, half curvature of each segment.
+/// Where the page writes the rows of a table: knot, energy, force, half curvature of each segment; then weight and
+/// relaxation time of each memory.
 CONTACTSPLINE_WEB(double*, engine_rows) {
   return material.rows.data();
 }
 
 /// Takes the rows as the material of all later strikes of the first instrument. 0 if there are too many.
-CONTACTSPLINE_WEB(int, engine_use_material, int segments, double mass_kg, double loss_s_per_m) {
-  return material.use(segments, mass_kg, loss_s_per_m) ? 1 : 0;
+CONTACTSPLINE_WEB(int, engine_use_material, int segments, int memories, double mass_kg, double loss_s_per_m) {
+  return material.use(segments, memories, mass_kg, loss_s_per_m) ? 1 : 0;
 }
 
 /// Below, a voice is called by its number: 0 is the instrument itself, then those that were added.

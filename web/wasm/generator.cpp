@@ -65,6 +65,12 @@ Json curve_of(const Design& design) {
   return {{"compression_m", y}, {"law_n", law}, {"spline_n", spline}};
 }
 
+Json memory_of(const Material& material) {
+  Json memories = Json::array();
+  for (const Memory& memory : material.memories) memories.push_back({memory.weight, memory.time_s});
+  return memories;
+}
+
 Json quality_of(const Design& design) {
   const Quality& quality = design.quality;
   Json result = {{"force", quality.force.worst}, {"energy", quality.energy.worst}};
@@ -79,7 +85,8 @@ Json described(const Design& design) {
   Json result = {{"name", material.name},          {"title", title_of(material)},
                  {"law", law_text(material)},      {"loss_s_per_m", material.loss_s_per_m},
                  {"files", emitted_files(design)}, {"table", table_of(design.spline)},
-                 {"curve", curve_of(design)},      {"quality", quality_of(design)}};
+                 {"memory", memory_of(material)},  {"curve", curve_of(design)},
+                 {"quality", quality_of(design)}};
   if (material.impact) result["mass_kg"] = material.impact->mass_kg;
   return result;
 }
@@ -108,11 +115,7 @@ Json drawing_of(const InstrumentModel& model, double width) {
 /// or {"error": one line} for bad input. The page frees `text`.
 CONTACTSPLINE_WEB(const char*, contactspline_generate, const char* text, const char* file) {
   try {
-    const Design design = design_material(text, file, read_curve);
-    if (!design.material.memories.empty())
-      refuse(file, "contact.memory", "is not played on this page",
-             "loss_s_per_m, or a plug-in of the instrument with such a felt");
-    return keep(described(design).dump());
+    return keep(described(design_material(text, file, read_curve)).dump());
   } catch (const std::exception& error) {
     return keep(Json{{"error", error.what()}}.dump());
   }
@@ -158,13 +161,11 @@ CONTACTSPLINE_WEB(void, contactspline_take_curve, const char* name, const char* 
   curves[name] = csv;
 }
 
-/// The material files that ship and that the page plays, those without memory, as a JSON object: text by name.
+/// The material files that ship, as a JSON object: text by name.
 CONTACTSPLINE_WEB(const char*, contactspline_materials) {
   Json texts = Json::object();
-  for (const std::string& name : shipped_names(Shipped::kMaterials)) {
-    const auto* file = find_embedded(Shipped::kMaterials, name + ".json");
-    if (parse_material(file->content, file->name).memories.empty()) texts[name] = std::string(file->content);
-  }
+  for (const std::string& name : shipped_names(Shipped::kMaterials))
+    texts[name] = std::string(find_embedded(Shipped::kMaterials, name + ".json")->content);
   return keep(texts.dump());
 }
 

@@ -32,14 +32,21 @@ using Table = std::array<Segment<T>, kMaxSegments + 1>;
 
 /// The material of the page's editor, at first the felt of C4 that ships. Each key takes it at its next strike.
 struct Material {
-  std::array<double, kMaxSegments* 4> rows = felt_rows();  ///< knot, energy, force, half curvature of each segment
+  using Rows = std::array<double, kMaxSegments * 4 + kMaxMemories * 2>;
+  Rows rows =
+      felt_rows();  ///< knot, energy, force, half curvature of each segment, then weight and time of each memory
   std::size_t segments = materials::felt_c4::segments;
+  std::vector<Memory> memories;
   double mass_kg = 0.00297, loss_s_per_m = 0;
 
   /// Takes the rows, which are written before. Returns whether there are no more than fit.
-  bool use(int count, double hammer_mass_kg, double loss) {
+  bool use(int count, int memory_count, double hammer_mass_kg, double loss) {
     if (count < 1 || count > static_cast<int>(kMaxSegments)) return false;
+    if (memory_count < 0 || memory_count > static_cast<int>(kMaxMemories)) return false;
     segments = static_cast<std::size_t>(count);
+    memories.clear();
+    for (std::size_t i = 4 * segments; i < 4 * segments + 2 * static_cast<std::size_t>(memory_count); i += 2)
+      memories.push_back({rows[i], rows[i + 1]});
     mass_kg = hammer_mass_kg;
     loss_s_per_m = loss;
     return true;
@@ -63,9 +70,9 @@ struct Material {
   }
 
  private:
-  static constexpr std::array<double, kMaxSegments * 4> felt_rows() {
+  static constexpr Rows felt_rows() {
     constexpr const auto& table = segments_of<materials::felt_c4, double>;
-    std::array<double, kMaxSegments * 4> rows{};
+    Rows rows{};
     for (std::size_t j = 0; j + 1 < table.size(); ++j) {
       const Segment<double>& s = table[j + 1];
       rows[4 * j] = s.knot, rows[4 * j + 1] = s.energy, rows[4 * j + 2] = s.force, rows[4 * j + 3] = s.half_curvature;
@@ -139,14 +146,17 @@ class HammerKey {
                 .strike = resonator_.shapes_at<float>(values[HammerKeysParameter::kPosition]),
                 .output = bridge_shapes<float>(resonator_.string, resonator_.modes, 1),
                 .controls = controls_of<float>(key, material, values),
-                .damper = {key <= Piano::last_damped_key ? Piano::damper_per_s : 0.0, Piano::damper_time_s}},
+                .damper = {key <= Piano::last_damped_key ? Piano::damper_per_s : 0.0, Piano::damper_time_s},
+                .memories = material.memories},
                sample_rate_hz),
+        sample_rate_hz_(sample_rate_hz),
         side_(0.2f + 0.6f * static_cast<float>(index_of(key)) / (Piano::keys - 1)) {}
   HammerKey(const HammerKey&) = delete;
   HammerKey& operator=(const HammerKey&) = delete;
 
   void strike(float speed_m_per_s, const Material& material, std::span<const double> values) {
     table_ = material.table<float>();
+    voice_.set_memories(material.memories, sample_rate_hz_);
     voice_.controls() = controls_of<float>(key_, material, values);
     voice_.strike_at(resonator_.shapes_at<float>(values[HammerKeysParameter::kPosition]));
     voice_.strike(speed_m_per_s);
@@ -212,6 +222,7 @@ class HammerKey {
   Resonator resonator_;
   Table<float> table_;
   HammerVoice<float> voice_;
+  double sample_rate_hz_;
   float side_;
   std::size_t fade_ = 0;  // samples that remain; 0: it does not fade
   bool sounds_ = false;

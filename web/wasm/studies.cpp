@@ -48,10 +48,12 @@ std::vector<Studied> all_studied() {
       {Piano::name, kBlow_s, [](const StudyPlan& plan, std::size_t) { return study_of_piano(values, plan); }},
       {"mass_barrier", kBlow_s,
        [](const StudyPlan& plan, std::size_t) {
-         return study_of_mass(segments_of<materials::felt_c4, double>, values, plan);
+         return study_of_mass(segments_of<materials::felt_c4, double>, {}, values, plan);
        }},
       {"mass_at_material", kBlow_s,  // of the page, for its story
-       [](const StudyPlan& plan, std::size_t) { return study_of_mass(material.table<double>(), values, plan); }},
+       [](const StudyPlan& plan, std::size_t) {
+         return study_of_mass(material.table<double>(), material.memories, values, plan);
+       }},
       {"slide_string", kPluck_s, of_plucked<SlideGuitar, resonators::guitar_g3>},
       {"fret_string", kPluck_s, of_plucked<FretGuitar, resonators::guitar_d3>}};
   each_instrument_of_a_file([&]<template <typename> typename I>() {
@@ -71,14 +73,15 @@ std::vector<Studied> all_studied() {
 
 }  // namespace
 
-/// Where the page writes the rows of a table: knot, energy, force, half curvature of each segment.
+/// Where the page writes the rows of a table: knot, energy, force, half curvature of each segment; then weight and
+/// relaxation time of each memory.
 CONTACTSPLINE_WEB(double*, studies_rows) {
   return material.rows.data();
 }
 
 /// Takes the rows as the material. 0 if there are too many.
-CONTACTSPLINE_WEB(int, studies_use_material, int segments, double mass_kg, double loss_s_per_m) {
-  return material.use(segments, mass_kg, loss_s_per_m) ? 1 : 0;
+CONTACTSPLINE_WEB(int, studies_use_material, int segments, int memories, double mass_kg, double loss_s_per_m) {
+  return material.use(segments, memories, mass_kg, loss_s_per_m) ? 1 : 0;
 }
 
 /// Where the page writes so many bytes of its user's instrument, which is called "own": packed by the generator's
@@ -129,7 +132,7 @@ CONTACTSPLINE_WEB(const double*, studies_strike_c4, double stiffness_ratio, int 
   for (std::size_t i = 0; i < modes.size(); ++i)
     strike[i] = float(std::sin(modes[i].wavenumber_per_m * 0.12 * string.length_m));
   const auto table = material.table<float>();
-  HammerString<float> model(SegmentTable<float>(table), bare(modes), strike, sample_rate_hz);
+  HammerString<float> model(SegmentTable<float>(table), bare(modes), strike, sample_rate_hz, material.memories);
   model.strike(2.5f, 1e-4f);
   study = {};
   for (int i = 0; i < samples; ++i) {

@@ -78,7 +78,8 @@ inline Study study_of_key(const Material& material, std::span<const double> valu
   std::vector<ModeShapes<double>> points;
   for (std::size_t p = 0; p < kPoints; ++p)
     points.push_back(resonator.shapes_at<double>(static_cast<double>(p) / (kPoints - 1)));
-  HammerString<double> model(SegmentTable<double>(table), bare(resonator.modes), strike, plan.sample_rate_hz);
+  HammerString<double> model(SegmentTable<double>(table), bare(resonator.modes), strike, plan.sample_rate_hz,
+                             material.memories);
   model.strike(values[HammerKeysParameter::kSpeed] * plan.velocity, 1e-4);
   StrikeBooks<double> books;
   books.open(model, table, controls);
@@ -98,20 +99,20 @@ inline Study study_of_key(const Material& material, std::span<const double> valu
   return study;
 }
 
-/// A mass at a barrier of the page's material. values: of MassBarrierParameter.
-inline Study study_of_mass(std::span<const Segment<double>> table, std::span<const double> values,
-                           const StudyPlan& plan) {
+/// A mass at a barrier of a material with these memories. values: of MassBarrierParameter.
+inline Study study_of_mass(std::span<const Segment<double>> table, std::span<const Memory> memories,
+                           std::span<const double> values, const StudyPlan& plan) {
   using P = MassBarrierParameter;
   const SegmentTable<double> contact(table);
   const ContactControls<double> controls{values[P::kStiffnessRatio], values[P::kLoss]};
-  MassBarrier<double> model(contact, plan.sample_rate_hz);
+  MassBarrier<double> model(contact, plan.sample_rate_hz, memories);
   const double mass_kg = values[P::kMass], gravity = values[P::kGravity];
   model.throw_from(std::max(values[P::kStart], -1e-4), values[P::kSpeed]);
   Study study;
   Books books;
   const auto store = [&] {
     books.hammer = mass_kg * (model.velocity() * model.velocity() / 2 - gravity * model.displacement());
-    books.felt = controls.stiffness_ratio * potential(contact, model.displacement());
+    books.felt = controls.stiffness_ratio * model.memory().energy(contact, model.displacement());
   };
   store();
   books.work = books.total();
@@ -119,7 +120,8 @@ inline Study study_of_mass(std::span<const Segment<double>> table, std::span<con
     const double y0 = model.displacement();
     detail::HammerFrame{y0, y0, model.force(), books}.append_to(study.numbers);
     model.tick({.mass_kg = mass_kg, .gravity_m_per_s2 = gravity, .contact = controls});
-    books.dissipated += contact_loss(contact, controls, plan.sample_rate_hz, y0, model.displacement(), model.force());
+    books.dissipated += contact_loss(
+        contact_of(contact, controls, model.memory(), model.displacement(), model.force()), plan.sample_rate_hz, y0);
     store();
   }
   study.scene = fmt::format(detail::kHammerScene, std::size_t{P::kSpeed}, "null", books.work, "mass", "contact", "",

@@ -72,6 +72,11 @@ class HammerString {
       has_moved_ = true;
   }
 
+  /// Takes other memories of the felt from the next strike on. Does not allocate.
+  void set_memories(std::span<const Memory> memories, double sample_rate_hz) {
+    memory_ = ContactMemory<T>(memories, sample_rate_hz);
+  }
+
   /// Throws the hammer at the string from a distance [m], 0 to 0.05, with a velocity [m/s], -1000 to 1000. The string
   /// may be sounding, and the felt remembers no blow. A hammer without velocity is stopped. Does nothing if one of
   /// them is not a number.

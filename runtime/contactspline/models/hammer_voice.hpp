@@ -115,6 +115,10 @@ class HammerVoice {
 
   /// Moves the place of the strike, from the next throw on. Does nothing if a shape is not finite.
   void strike_at(const ModeShapes<T>& strike) { model_.strike_at(strike); }
+  /// Takes other memories of the felt from the next strike on.
+  void set_memories(std::span<const Memory> memories, double sample_rate_hz) {
+    model_.set_memories(memories, sample_rate_hz);
+  }
 
   /// Changes frequencies and decays of the sounding strings (ModalBank::retune), for a bend of the pitch; the output
   /// stays that of the first frequencies. Does not allocate.
