@@ -33,18 +33,24 @@ bool tells_of(const ModelRow& loss, const Measurements& measured) {
   return has_impact_curve || !measured.pulses.empty() || !measured.rows.empty() || measured.struck.has_value();
 }
 
+Candidate candidate_of(const ModelRow& law, const ModelRow& loss, const Measurements& measured) {
+  Candidate candidate{&law, &loss, law.frees, {}};
+  std::vector<FitParameter>& frees = candidate.frees;
+  frees.insert(frees.end(), loss.frees.begin(), loss.frees.end());
+  if (measured.fits_mass()) frees.push_back(kLogMass);
+  if (measured.struck && measured.struck->has_common_gain) frees.push_back(kLogGain);
+  std::ranges::sort(frees);
+  return candidate;
+}
+
+// Without layers.
 std::vector<Candidate> candidates_of(const Measurements& measured) {
   std::vector<Candidate> all;
   for (const ModelRow& law : laws())
     for (const ModelRow& loss : losses())
-      if (std::ranges::count(measured.laws, law.name) > 0 && std::ranges::count(measured.losses, loss.name) > 0 &&
-          tells_of(loss, measured)) {
-        all.push_back({&law, &loss, law.frees, {}});
-        std::vector<FitParameter>& frees = all.back().frees;
-        frees.insert(frees.end(), loss.frees.begin(), loss.frees.end());
-        if (measured.fits_mass()) frees.push_back(kLogMass);
-        if (measured.struck && measured.struck->has_common_gain) frees.push_back(kLogGain);
-      }
+      if (law.name != kLayers && std::ranges::count(measured.laws, law.name) > 0 &&
+          std::ranges::count(measured.losses, loss.name) > 0 && tells_of(loss, measured))
+        all.push_back(candidate_of(law, loss, measured));
   return all;
 }
 
@@ -53,7 +59,13 @@ bool frees(const Candidate& candidate, FitParameter parameter) {
 }
 
 // Values to start from: several exponents, and if the same law has been fitted without a loss, what that found.
+// Layers start from what was found without a core.
 std::vector<FitValues> starts_of(const FitProblem& problem, const Candidate& candidate, const Candidate* simpler) {
+  if (frees(candidate, kDepth)) {
+    std::vector<FitValues> starts;
+    for (const double depth : {0.3, 0.6, 0.85}) starts.push_back(problem.with_core(simpler->values, depth));
+    return starts;
+  }
   const double loss = frees(candidate, kHuntCrossley) ? 0.3 : 0, weight = frees(candidate, kWeight) ? 0.5 : 0;
   const std::vector exponents = !frees(candidate, kExponent) ? std::vector{kHertzExponent}
                                 : simpler == nullptr         ? problem.likely_exponents()
@@ -152,6 +164,10 @@ Estimate exponential(const Estimate& of) {
   return {std::exp(of.value), std::exp(of.low), std::exp(of.high)};
 }
 
+Estimate scaled(const Estimate& of, double factor) {
+  return {factor * of.value, factor * of.low, factor * of.high};
+}
+
 std::vector<FitQuality> qualities_of(const FitProblem& problem, const Candidate& candidate) {
   const Eigen::VectorXd residuals = problem.linearised(candidate.values, candidate.frees).residuals;
   std::vector<FitQuality> all;
@@ -193,12 +209,28 @@ void set_reach(Fit& fit, const Measurements& measured, const FitValues& values) 
     strike_model::Strike<double> strike(fit.model, mass_kg, speeds.back(), measured.struck->modes);
     if (strike.play()) fit.max_compression_m = std::max(fit.max_compression_m, strike.max_compression_m());
   }
-  const PowerLaw law{fit.stiffness.value, fit.exponent.value};
   const double slow = 1 - fit.model.weight;  // the stiffness of a slow press, in parts of that of a fast blow
-  fit.max_speed_m_per_s = std::sqrt(2 * slow * law.energy(fit.max_compression_m) / mass_kg);
+  fit.max_speed_m_per_s = std::sqrt(2 * slow * impact_model::energy(fit.model, fit.max_compression_m) / mass_kg);
   constexpr double kRangeOfSlowCurves = 20;
   const double slowest = speeds.empty() ? fit.max_speed_m_per_s / kRangeOfSlowCurves : std::ranges::min(speeds);
   fit.min_speed_m_per_s = std::min(slowest, fit.max_speed_m_per_s);
+}
+
+std::string fitting(const Candidate& candidate) {
+  return fmt::format("fitting a {} {}", candidate.law->words, candidate.loss->words);
+}
+
+// Layers with the loss of the best candidate, the first of all.
+void add_layers(const FitProblem& problem, const Measurements& measured, std::vector<Candidate>& all,
+                const std::function<void(const std::string&)>& tell) {
+  const Candidate best = all.front();
+  Candidate layered =
+      candidate_of(*std::ranges::find(laws(), std::string_view(kLayers), &ModelRow::name), *best.loss, measured);
+  tell(fitting(layered));
+  (void)fit_candidate(problem, layered, &best, std::numeric_limits<double>::infinity());
+  if (!std::isfinite(layered.values.cost)) return;
+  all.push_back(layered);
+  set_criteria(problem, all);
 }
 
 }  // namespace
@@ -209,7 +241,7 @@ Fit fit_material(const Measurements& measured, const std::string& file,
   std::vector<Candidate> all = candidates_of(measured);
   double lowest_cost = std::numeric_limits<double>::infinity();
   for (Candidate& candidate : all) {
-    tell(fmt::format("fitting a {} {}", candidate.law->words, candidate.loss->words));
+    tell(fitting(candidate));
     const Candidate* before = &candidate == all.data() ? nullptr : &candidate - 1;
     const Candidate* simpler = before != nullptr && before->law == candidate.law ? before : nullptr;
     lowest_cost = std::min(lowest_cost, fit_candidate(problem, candidate, simpler, lowest_cost));
@@ -218,16 +250,20 @@ Fit fit_material(const Measurements& measured, const std::string& file,
   if (all.empty())
     refuse(file, "fit", "no law describes the data", "data of impacts on a rigid wall, in the units that they state");
   set_criteria(problem, all);
+  if (std::ranges::count(measured.laws, kLayers) > 0) add_layers(problem, measured, all, tell);
   const Candidate& best = all.front();
   const Uncertainty uncertainty = uncertainty_of(problem, best);
-  const auto of = [&](const std::vector<std::pair<FitParameter, double>>& sum) {
-    return estimate(best, uncertainty, sum);
+  const auto of = [&](const std::vector<std::pair<FitParameter, double>>& sum, double plus = 0) {
+    const Estimate found = estimate(best, uncertainty, sum);
+    return Estimate{found.value + plus, found.low + plus, found.high + plus};
   };
   Fit fit{best.law->name,
           best.loss->name,
           law_of(best.values.parameters.data(), problem.reference_m()),
           exponential(of({{kLogForce, 1}, {kExponent, -std::log(problem.reference_m())}})),
           of({{kExponent, 1}}),
+          exponential(of({{kLogForce, 1}, {kLogCore, 1}}, -kHertzExponent * std::log(problem.reference_m()))),
+          scaled(of({{kDepth, 1}}), problem.reference_m()),
           of({{kHuntCrossley, 1}}),
           of({{kWeight, 1}}),
           exponential(of({{kLogTime, 1}})),

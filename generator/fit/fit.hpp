@@ -40,7 +40,7 @@ struct FittedModel {
 struct Fit {
   std::string law, loss;
   ViscoelasticLaw<double> model;
-  Estimate stiffness, exponent, loss_s_per_m, weight, time_s, mass_kg;
+  Estimate stiffness, exponent, core_stiffness, offset_m, loss_s_per_m, weight, time_s, mass_kg;
   double max_compression_m;  ///< that the data reach
   double max_speed_m_per_s;  ///< of an impact without loss that compresses as far
   double min_speed_m_per_s;  ///< of the data
@@ -49,8 +49,8 @@ struct Fit {
 };
 
 /// Fits every law and loss that is allowed, by least squares with a robust norm from several starts, and chooses by
-/// the Bayesian information criterion. `tell` hears what is fitted now. Throws BadInput if nothing describes the
-/// data, or if the program was built without Ceres.
+/// the Bayesian information criterion. Layers are fitted with the best loss of the others alone. `tell` hears what is
+/// fitted now. Throws BadInput if nothing describes the data, or if the program was built without Ceres.
 [[nodiscard]] Fit fit_material(const Measurements& measured, const std::string& file,
                                const std::function<void(const std::string&)>& tell);
 

@@ -15,10 +15,11 @@ namespace contactspline {
 namespace {
 
 constexpr double kMinNoise = 1e-7;
+constexpr double kMinLevelNoise = 0.1 / kDecibelsPerNeper;  // a spectrum tells a level to 0.1 dB
 // In the order of FitParameter; the time in parts of the contact's. Shorter memories are a viscous loss, longer ones
 // none.
 constexpr std::array<Range, kFitParameters> kBounds = {
-    {{-30, 40}, {0.6, 9.5}, {0, 900}, {1e-4, 0.999}, {-5.7, 1.6}, {-17, 7}, {-100, 100}}};
+    {{-30, 40}, {0.6, 9.5}, {0, 900}, {1e-4, 0.999}, {-5.7, 1.6}, {-30, 30}, {0, 1e3}, {-17, 7}, {-100, 100}}};
 
 constexpr double kLikelyExponent = 2.5;
 
@@ -112,7 +113,7 @@ double FitProblem::set_gains(FitValues& values) const {
     const auto& levels = struck.blows[i].levels;
     std::vector<double> all(levels.size());
     if (!BlowResidual{struck, struck.blows[i], scales, std::make_shared<double>(1)}(
-            values.parameters.data(), values.blows[i].data(), all.data()))
+            values.parameters.data(), values.parameters.data() + kLawParameters, values.blows[i].data(), all.data()))
       return std::numeric_limits<double>::infinity();
     errors.emplace_back();
     for (std::size_t k = 0; k < all.size(); ++k)
@@ -264,7 +265,7 @@ FitValues FitProblem::begin(double exponent, double loss, double weight, double 
   const auto [y, force] = anchor(exponent);
   FitValues values{
       {std::log(force) + exponent * std::log(scales_.reference_m / y), exponent, loss / max_speed_m_per_s_, weight,
-       std::log(time_ratio * duration_s_), std::log(scales_.mass_kg), 0},
+       std::log(time_ratio * duration_s_), kNoCore, 0, std::log(scales_.mass_kg), 0},
       {},
       {},
       std::vector<double>(sources_.size(), kFirstNoise)};
@@ -277,11 +278,25 @@ FitValues FitProblem::begin(double exponent, double loss, double weight, double 
   return values;
 }
 
+FitValues FitProblem::with_core(FitValues values, double depth) const {
+  auto& p = values.parameters;
+  const double a = p[kExponent], energy = scales_.mass_kg * max_speed_m_per_s_ * max_speed_m_per_s_ / 2;
+  double reach = 0;  // in parts of the reference
+  if (!measured_.pulses.empty() || !measured_.rows.empty() || measured_.struck)
+    reach =
+        std::pow((a + 1) * energy / ((1 - p[kWeight]) * std::exp(p[kLogForce]) * scales_.reference_m), 1 / (a + 1));
+  for (const MeasuredForce& curve : measured_.curves)
+    reach = std::max(reach, curve.samples.back().compression_m / scales_.reference_m);
+  p[kDepth] = depth * reach;
+  p[kLogCore] = a * std::log(reach) - kHertzExponent * std::log(reach - p[kDepth]);
+  return values;
+}
+
 void FitProblem::pose_curves(Posed& posed, double* parameters) const {
   for (std::size_t i = 0; i < measured_.curves.size(); ++i) {
     const MeasuredForce& curve = measured_.curves[i];
     posed.order.residual_blocks.push_back(posed.problem.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<CurveResidual, ceres::DYNAMIC, kFitParameters>(
+        new ceres::AutoDiffCostFunction<CurveResidual, ceres::DYNAMIC, kLawParameters>(
             new CurveResidual{curve, max_force(curve), scales_, sources_[first_curve_ + i].noise},
             static_cast<int>(curve.samples.size())),
         nullptr, parameters));
@@ -293,11 +308,12 @@ void FitProblem::pose_blows(Posed& posed, FitValues& values) const {
     const Blow& blow = measured_.struck->blows[i];
     double* unknown = values.blows[i].data();
     posed.order.residual_blocks.push_back(posed.problem.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<BlowResidual, ceres::DYNAMIC, kFitParameters, kBlowUnknowns>(
+        new ceres::AutoDiffCostFunction<BlowResidual, ceres::DYNAMIC, kLawParameters, kFitParameters - kLawParameters,
+                                        kBlowUnknowns>(
             new BlowResidual{*measured_.struck, blow, scales_,
                              sources_[first_curve_ + measured_.curves.size() + i].noise},
             static_cast<int>(blow.levels.size())),
-        nullptr, values.parameters.data(), unknown));
+        nullptr, values.parameters.data(), values.parameters.data() + kLawParameters, unknown));
     std::vector<int> fixed;
     if (blow.speed_m_per_s) fixed.push_back(kBlowSpeed);
     if (measured_.struck->has_common_gain) fixed.push_back(kBlowGain);
@@ -310,28 +326,41 @@ void FitProblem::pose_blows(Posed& posed, FitValues& values) const {
   }
 }
 
+// Two blocks, of the law and of the hammer: pulses, rows and curves depend on the first alone.
+void FitProblem::pose_parameters(Posed& posed, double* parameters, const std::vector<FitParameter>& frees) const {
+  for (const auto& [begin, end] : {std::pair<int, int>{0, kLawParameters}, {kLawParameters, kFitParameters}}) {
+    if (begin == kLawParameters && !measured_.struck) continue;
+    double* block = parameters + begin;
+    posed.problem.AddParameterBlock(block, end - begin);
+    std::vector<int> fixed;
+    for (int i = begin; i < end; ++i)
+      if (std::ranges::find(frees, i) == frees.end()) {
+        fixed.push_back(i - begin);
+      } else {
+        const auto& [min, max] = kBounds[static_cast<std::size_t>(i)];
+        const double unit = i == kLogTime ? std::log(duration_s_) : 0;
+        posed.problem.SetParameterLowerBound(block, i - begin, min + unit);
+        posed.problem.SetParameterUpperBound(block, i - begin, max + unit);
+      }
+    if (std::ssize(fixed) == end - begin) {
+      posed.problem.SetParameterBlockConstant(block);
+      continue;
+    }
+    posed.order.parameter_blocks.push_back(block);
+    if (!fixed.empty()) posed.problem.SetManifold(block, new ceres::SubsetManifold(end - begin, fixed));
+  }
+}
+
 std::unique_ptr<FitProblem::Posed> FitProblem::pose(FitValues& values, const std::vector<FitParameter>& frees) const {
   auto posed = std::make_unique<Posed>();
   double* parameters = values.parameters.data();
-  posed->problem.AddParameterBlock(parameters, kFitParameters);
-  posed->order.parameter_blocks.push_back(parameters);
-  std::vector<int> fixed;
-  for (int i = 0; i < kFitParameters; ++i)
-    if (std::ranges::find(frees, i) == frees.end())
-      fixed.push_back(i);
-    else {
-      const auto& [min, max] = kBounds[static_cast<std::size_t>(i)];
-      const double unit = i == kLogTime ? std::log(duration_s_) : 0;
-      posed->problem.SetParameterLowerBound(parameters, i, min + unit);
-      posed->problem.SetParameterUpperBound(parameters, i, max + unit);
-    }
-  if (!fixed.empty()) posed->problem.SetManifold(parameters, new ceres::SubsetManifold(kFitParameters, fixed));
+  pose_parameters(*posed, parameters, frees);
   for (std::size_t i = 0; i < sources_.size(); ++i) *sources_[i].noise = values.noise[i];
   for (std::size_t i = 0; i < measured_.pulses.size(); ++i) {
     const Pulse& pulse = measured_.pulses[i];
     double* unknown = values.pulses[i].data();
     posed->order.residual_blocks.push_back(posed->problem.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<PulseResidual, ceres::DYNAMIC, kFitParameters, kPulseUnknowns>(
+        new ceres::AutoDiffCostFunction<PulseResidual, ceres::DYNAMIC, kLawParameters, kPulseUnknowns>(
             new PulseResidual{pulse, measures_of(pulse), scales_, sources_[i].noise},
             static_cast<int>(pulse.time_s.size())),
         nullptr, parameters, unknown));
@@ -341,7 +370,7 @@ std::unique_ptr<FitProblem::Posed> FitProblem::pose(FitValues& values, const std
   }
   for (const RowResidual& row : rows_)
     posed->order.residual_blocks.push_back(
-        posed->problem.AddResidualBlock(new ceres::AutoDiffCostFunction<RowResidual, ceres::DYNAMIC, kFitParameters>(
+        posed->problem.AddResidualBlock(new ceres::AutoDiffCostFunction<RowResidual, ceres::DYNAMIC, kLawParameters>(
                                             new RowResidual(row), static_cast<int>(row.measured.size())),
                                         nullptr, parameters));
   pose_curves(*posed, parameters);
@@ -393,7 +422,8 @@ FitValues FitProblem::with_noise(FitValues values, const std::vector<FitParamete
     double sum = 0, count = 0;
     for (const double size : sizes)
       if (size <= likely) sum += size * size, ++count;
-    values.noise[s] = std::max(kMinNoise, values.noise[s] * std::sqrt(sum / count / free_part));
+    const double min_noise = sources_[s].quantity == kLevels ? kMinLevelNoise : kMinNoise;
+    values.noise[s] = std::max(min_noise, values.noise[s] * std::sqrt(sum / count / free_part));
   }
   return values;
 }

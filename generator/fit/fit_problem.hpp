@@ -51,6 +51,10 @@ class FitProblem {
   /// Values to begin a search from, at a given exponent, with `loss` = loss times largest speed, and a memory.
   [[nodiscard]] FitValues begin(double exponent, double loss, double weight, double time_ratio) const;
 
+  /// The same with a core from a depth on, in parts of the largest compression that they reach, where law and core
+  /// press equally.
+  [[nodiscard]] FitValues with_core(FitValues values, double depth) const;
+
   /// Searches from `values` with at most so many steps; `frees` in the order of FitParameter.
   [[nodiscard]] FitValues search(FitValues values, const std::vector<FitParameter>& frees, int max_steps) const;
 
@@ -68,6 +72,7 @@ class FitProblem {
 
  private:
   struct Posed;
+  void pose_parameters(Posed& posed, double* parameters, const std::vector<FitParameter>& frees) const;
   void pose_curves(Posed& posed, double* parameters) const;
   void pose_blows(Posed& posed, FitValues& values) const;
   [[nodiscard]] std::unique_ptr<Posed> pose(FitValues& values, const std::vector<FitParameter>& frees) const;

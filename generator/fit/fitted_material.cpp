@@ -22,6 +22,10 @@ struct Result {
 // Of the material's law and loss.
 std::vector<Result> results_of(const Fit& fit) {
   std::vector<Result> results = {{"stiffness_n_per_m_alpha", "N/m^a", fit.stiffness}, {"exponent", "", fit.exponent}};
+  if (fit.law == kLayers) {
+    results.push_back({"core_stiffness", "N/m^1.5", fit.core_stiffness});
+    results.push_back({"offset_m", "m", fit.offset_m});
+  }
   if (fit.loss == "hunt_crossley") results.push_back({"loss_s_per_m", "s/m", fit.loss_s_per_m});
   if (fit.loss == "memory") {
     results.push_back({"weight", "", fit.weight});
@@ -53,7 +57,7 @@ std::string choice_text(const Fit& fit) {
   std::string text =
       "chosen by the Bayesian information criterion, in which 10 more is strong evidence against a model:\n";
   for (const FittedModel& model : fit.candidates)
-    text += fmt::format("  {:<40} {} parameters {:>+12.1f}\n", words_of(model.law, model.loss), model.parameters,
+    text += fmt::format("  {:<46} {} parameters {:>+12.1f}\n", words_of(model.law, model.loss), model.parameters,
                         model.criterion);
   return text;
 }
@@ -98,13 +102,22 @@ std::string material_text(const Fit& fit, const Measurements& measured, std::str
   text += fmt::format("\n{{\n  \"name\": \"{}\",\n", measured.name);
   if (!measured.description.empty())
     text += fmt::format("  \"description\": {},\n", json_string(measured.description));
-  std::vector<std::string> contact;
-  std::vector<std::string> memory;
+  std::vector<std::string> law, core{fmt::format("\"exponent\": {}", kHertzExponent)}, memory, contact;
   for (const Result& result : results_of(fit)) {
+    const bool is_core = result.key == "core_stiffness" || result.key == "offset_m";
     const bool is_memory = result.key == "weight" || result.key == "relaxation_time_s";
-    (is_memory ? memory : contact)
-        .push_back(fmt::format("\"{}\": {}", result.key, rounded_to(result.estimate.value, kDigits)));
+    const std::string key = result.key == "core_stiffness" ? "stiffness_n_per_m_alpha" : result.key;
+    (is_core                        ? core
+     : is_memory                    ? memory
+     : result.key == "loss_s_per_m" ? contact
+                                    : law)
+        .push_back(fmt::format("\"{}\": {}", key, rounded_to(result.estimate.value, kDigits)));
   }
+  if (fit.law == kLayers)
+    contact.insert(contact.begin(),
+                   fmt::format("\"sum\": [{{ {} }}, {{ {} }}]", fmt::join(law, ", "), fmt::join(core, ", ")));
+  else
+    contact.insert(contact.begin(), law.begin(), law.end());
   if (!memory.empty()) contact.push_back(fmt::format("\"memory\": [{{ {} }}]", fmt::join(memory, ", ")));
   const double max = rounded_down(fit.max_speed_m_per_s);
   text += fmt::format("  \"contact\": {{ {} }},\n", fmt::join(contact, ", "));

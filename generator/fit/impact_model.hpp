@@ -12,14 +12,15 @@
 
 namespace contactspline {
 
-/// f = F (g (1 + loss v) - weight m), at least 0, with g = (y/reference)^exponent for y > 0 and time dm/dt = g - m:
-/// a power law with the viscous loss of Hunt and Crossley (1975) and the memory of Stulov (1995). weight 0: no
-/// memory.
+/// f = F (g (1 + loss v) - weight m), at least 0, with g = u^exponent + core (u - depth)^1.5, u = y/reference, each
+/// term where its base is positive, and time dm/dt = g - m: a power law over a hard core, with the viscous loss of
+/// Hunt and Crossley (1975) and the memory of Stulov (1995). weight 0: no memory; core 0: the power law alone.
 template <typename Real>
 struct ViscoelasticLaw {
   Real log_force;  ///< ln of F [N], the force at the reference compression
   Real exponent, loss_s_per_m, weight, time_s;
   double reference_m;
+  Real core = Real(0.0), depth = Real(0.0);
 };
 
 /// What is measured of a whole impact.
@@ -39,6 +40,24 @@ requires requires(const Dual& value) {
 }
 double number(const Dual& value) {
   return value.a;
+}
+
+/// g of the law at a compression.
+template <typename Real>
+Real shape(const ViscoelasticLaw<Real>& law, const Real& y) {
+  using std::exp, std::log, std::sqrt;
+  if (!(number(y) > 0)) return Real(0.0);
+  Real g = exp(law.exponent * log(y / law.reference_m));
+  const Real beyond = y / law.reference_m - law.depth;
+  if (number(law.core) > 0 && number(beyond) > 0) g += law.core * beyond * sqrt(beyond);
+  return g;
+}
+
+/// The energy that it takes to compress a law without loss and memory so far [J].
+inline double energy(const ViscoelasticLaw<double>& law, double y) {
+  const double u = y / law.reference_m, beyond = std::max(0.0, u - law.depth);
+  const double sum = std::pow(u, law.exponent + 1) / (law.exponent + 1) + law.core * std::pow(beyond, 2.5) / 2.5;
+  return std::exp(law.log_force) * law.reference_m * sum;
 }
 
 template <typename Real>
@@ -96,17 +115,14 @@ class Impact {
     return exp(x);
   }
 
-  [[nodiscard]] Real shape(const State<Real>& s) const {
-    using std::exp, std::log;
-    return number(s.y) > 0 ? Real(exp(law_.exponent * log(s.y / law_.reference_m))) : Real(0.0);
-  }
+  [[nodiscard]] Real g(const State<Real>& s) const { return shape(law_, s.y); }
 
   [[nodiscard]] Real pull(const State<Real>& s, const Real& viscous) const {
-    return remembers() ? Real(shape(s) * viscous - law_.weight * s.m) : Real(shape(s) * viscous);
+    return remembers() ? Real(g(s) * viscous - law_.weight * s.m) : Real(g(s) * viscous);
   }
 
   [[nodiscard]] State<Real> rate(const State<Real>& s) const {
-    return {s.v, -force(s) / mass_kg_, remembers() ? Real((shape(s) - s.m) / law_.time_s) : Real(0.0)};
+    return {s.v, -force(s) / mass_kg_, remembers() ? Real((g(s) - s.m) / law_.time_s) : Real(0.0)};
   }
 
   ViscoelasticLaw<Real> law_;

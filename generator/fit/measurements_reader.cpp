@@ -140,6 +140,9 @@ Measurements parse_measurements(std::string_view text, std::string_view file, co
                  {"name", "description", "mass_kg", "pulses", "tables", "curves", "struck", "laws", "losses"});
   Measurements measured{read_name(fit, {}), read_description(fit), read_mass(fit), {}, {}, {}, {}, {}, {}};
   measured.laws = read_choice(fit, "laws", names_of_laws());
+  const auto allows = [&](const char* law) { return std::ranges::count(measured.laws, law) > 0; };
+  if (allows(kLayers) && !allows("power"))
+    fit.fail("laws", "layers stand without the power law, with which their fit begins", "power beside layers");
   measured.losses = read_choice(fit, "losses", names_of_losses());
   if (!fit.has("pulses") && !fit.has("tables") && !fit.has("curves") && !fit.has("struck"))
     fit.fail("fit", "has no data", "pulses, tables, curves or struck");

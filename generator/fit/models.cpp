@@ -13,8 +13,10 @@ std::vector<std::string> names_of(const std::vector<ModelRow>& rows) {
 }  // namespace
 
 const std::vector<ModelRow>& laws() {
-  static const std::vector<ModelRow> rows = {{"power", "power law", {kLogForce, kExponent}},
-                                             {"hertz", "Hertz contact", {kLogForce}}};
+  static const std::vector<ModelRow> rows = {
+      {"power", "power law", {kLogForce, kExponent}},
+      {"hertz", "Hertz contact", {kLogForce}},
+      {kLayers, "power law over a core", {kLogForce, kExponent, kLogCore, kDepth}}};
   return rows;
 }
 

@@ -9,9 +9,24 @@
 
 namespace contactspline {
 
-/// The parameters of all models, in the order of the fit. The mass and the gain, ln of kg and of the output, are no
-/// part of a material: a fit of levels may free them.
-enum FitParameter { kLogForce, kExponent, kHuntCrossley, kWeight, kLogTime, kLogMass, kLogGain, kFitParameters };
+/// The parameters of all models, in the order of the fit: those of the law, then the mass and the gain, ln of kg and
+/// of the output, which are no part of a material: a fit of levels may free them.
+enum FitParameter {
+  kLogForce,
+  kExponent,
+  kHuntCrossley,
+  kWeight,
+  kLogTime,
+  kLogCore,
+  kDepth,
+  kLawParameters,
+  kLogMass = kLawParameters,
+  kLogGain,
+  kFitParameters
+};
+
+/// The value of kLogCore without a core.
+inline constexpr double kNoCore = -1000;
 
 /// One row of the table of laws or of losses.
 struct ModelRow {
@@ -21,8 +36,10 @@ struct ModelRow {
 };
 
 inline constexpr double kHertzExponent = 1.5;
+inline constexpr const char* kLayers = "layers";
 
-/// Laws: power, hertz. Both have a force at a reference compression; Hertz's exponent is 1.5.
+/// Laws: power, hertz, layers. All have a force at a reference compression; Hertz's exponent is 1.5. Layers are a
+/// power law and, from a depth on, a hard core with Hertz's exponent beside it.
 [[nodiscard]] const std::vector<ModelRow>& laws();
 
 /// Losses: none, hunt_crossley, memory (Stulov's law).

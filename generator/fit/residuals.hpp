@@ -35,7 +35,8 @@ using Noise = std::shared_ptr<double>;
 template <typename Real>
 ViscoelasticLaw<Real> law_of(const Real* p, double reference_m) {
   using std::exp;
-  return {p[kLogForce], p[kExponent], p[kHuntCrossley], p[kWeight], Real(exp(p[kLogTime])), reference_m};
+  return {p[kLogForce],           p[kExponent], p[kHuntCrossley],       p[kWeight],
+          Real(exp(p[kLogTime])), reference_m,  Real(exp(p[kLogCore])), p[kDepth]};
 }
 
 /// A residual in parts of the noise, in the norm 2 c^2 (sqrt(1 + r^2/c^2) - 1): r^2 for small ones, then linear.
@@ -97,14 +98,13 @@ struct CurveResidual {
 
   template <typename Real>
   bool operator()(const Real* parameters, Real* residuals) const {
-    using std::exp, std::log;
+    using std::exp;
     const auto law = law_of(parameters, scales.reference_m);
+    const Real stiffness = exp(law.log_force);
     for (std::size_t i = 0; i < curve.samples.size(); ++i) {
       const auto& [y, force, speed] = curve.samples[i];
-      Real modelled(0.0);
-      if (y > 0)
-        modelled = exp(law.log_force + law.exponent * log(y / scales.reference_m)) *
-                   (1.0 - law.weight + law.loss_s_per_m * speed);
+      const Real modelled =
+          stiffness * impact_model::shape(law, Real(y)) * (1.0 - law.weight + law.loss_s_per_m * speed);
       residuals[i] = scaled(Real((modelled - force) / max_force_n), *noise, scales);
     }
     return true;
@@ -119,17 +119,18 @@ struct BlowResidual {
   Noise noise;
 
   template <typename Real>
-  bool operator()(const Real* parameters, const Real* unknown, Real* residuals) const {
+  bool operator()(const Real* parameters, const Real* hammer, const Real* unknown, Real* residuals) const {
     using std::exp;
-    strike_model::Strike<Real> strike(law_of(parameters, scales.reference_m), Real(exp(parameters[kLogMass])),
-                                      Real(exp(unknown[kBlowSpeed])), struck.modes);
+    strike_model::Strike<Real> strike(law_of(parameters, scales.reference_m),
+                                      Real(exp(hammer[kLogMass - kLawParameters])), Real(exp(unknown[kBlowSpeed])),
+                                      struck.modes);
     if (!strike.play()) return false;
     for (std::size_t i = 0; i < blow.levels.size(); ++i) {
       const auto& [mode, level_db] = blow.levels[i];
       residuals[i] = Real(0.0);
       if (struck.modes[mode].frequency_hz() > scales.max_frequency_hz) continue;
-      const Real level = strike.log_amplitude(mode) + std::log(struck.output_per_m[mode]) + parameters[kLogGain] +
-                         unknown[kBlowGain];
+      const Real level = strike.log_amplitude(mode) + std::log(struck.output_per_m[mode]) +
+                         hammer[kLogGain - kLawParameters] + unknown[kBlowGain];
       residuals[i] = scaled(Real(level - level_db / kDecibelsPerNeper), *noise, scales);
     }
     return true;

@@ -102,7 +102,6 @@ class Strike {
   // Applies the force of this step to hammer and modes. Returns whether they touch.
   bool push() {
     using impact_model::number;
-    using std::exp, std::log;
     Real y = place_, v = speed_;
     for (std::size_t i = 0; i < turns_.size(); ++i) {
       const auto& [w, decay, mass, shape] = modes_[i];
@@ -111,7 +110,7 @@ class Strike {
     }
     max_compression_m_ = std::max(max_compression_m_, number(y));
     const bool touches = number(y) > 0;
-    const Real shape = touches ? Real(exp(law_.exponent * log(y / law_.reference_m))) : Real(0.0);
+    const Real shape = impact_model::shape(law_, y);
     if (remembers()) {
       memory_ = memory_decay_ * memory_ + (1.0 - memory_decay_) * 0.5 * (shape + last_shape_);
       last_shape_ = shape;

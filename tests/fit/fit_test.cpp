@@ -9,6 +9,8 @@
 #include <set>
 
 #include "fit/measured_impacts.hpp"
+#include "generator/fit/fitted_material.hpp"
+#include "generator/material/material_reader.hpp"
 #include "support/compare.hpp"
 
 namespace contactspline::testing {
@@ -26,6 +28,11 @@ int materials() {
 
 bool holds(const Estimate& estimate, double value) {
   return estimate.low <= value && value <= estimate.high;
+}
+
+// An error of twice the half interval, four deviations, comes once in 16,000 times.
+void expect_near(const Estimate& estimate, double truth) {
+  EXPECT_LT(std::abs(estimate.value - truth), estimate.high - estimate.low);
 }
 
 /// The largest errors of many fits, and how often the intervals hold the true values.
@@ -168,7 +175,7 @@ TEST(Fit, ChoosesTheSimplestLawThatDescribesTheData) {
     measured.pulses = pulses_of(truth, 5, 0.5, 4, 0.01, random);
     const Fit fit = fit_of(measured);
     EXPECT_EQ(fit.law + " " + fit.loss, chosen);
-    EXPECT_EQ(fit.candidates.size(), 6u);
+    EXPECT_EQ(fit.candidates.size(), 7u);
     EXPECT_EQ(fit.candidates.front().criterion, 0);
   }
 }
@@ -235,6 +242,51 @@ TEST(Fit, FindsLawAndLossFromCurves) {
   const Fit both = fit_of(measured);
   EXPECT_EQ(both.loss, "hunt_crossley");
   EXPECT_TRUE(holds(both.loss_s_per_m, 0.15) && within(both.loss_s_per_m.value, 0.15, 0.01));
+}
+
+// A felt that bottoms out on wood at two thirds of the reach. From a slow press and from pulses of the model itself.
+TEST(Fit, FindsTheCoreUnderAFelt) {
+  Random random(11);
+  const TrueMaterial felt = lasting(3e-3, 2.4, 0, 0.01);
+  const double reach = felt.law.max_compression(felt.mass_kg, 3), depth = 0.65 * reach;
+  const PowerLaw core{3 * felt.law.force(reach) / std::pow(reach - depth, 1.5), 1.5};
+  const ContactLaw truth(PowerSum{{{felt.law, 0}, {core, depth}}});
+  const auto expect_found = [&](const Fit& fit, const char* loss) {
+    EXPECT_EQ(fit.law + " " + fit.loss, std::string("layers ") + loss);
+    expect_near(fit.exponent, 2.4);
+    expect_near(fit.core_stiffness, core.stiffness);
+    expect_near(fit.offset_m, depth);
+    EXPECT_TRUE(relatively_within(fit.offset_m.value, depth, 0.02));
+    EXPECT_TRUE(relatively_within(fit.core_stiffness.value, core.stiffness, 0.1));
+    const Material material = parse_material(material_text(fit, measurements_of(felt), "probe"), "probe.json");
+    for (const double y : {0.3 * reach, 0.6 * reach, 0.9 * reach})
+      EXPECT_TRUE(within(material.contact.force(y), truth.force(y), 0.01 * truth.force(reach))) << y / reach;
+  };
+  MeasuredForce slow{"slow", {}, {}};
+  for (int i = 1; i <= 200; ++i) {
+    const double y = reach * i / 200;
+    slow.samples.push_back({y, truth.force(y) + 0.005 * truth.force(reach) * normal(random)});
+  }
+  Measurements measured = measurements_of(felt);
+  measured.curves = {slow};
+  expect_found(fit_of(measured), "none");
+
+  const double reference = reach / 2, ratio = core.force(reference) / felt.law.force(reference);
+  const ViscoelasticLaw<double> law{
+      std::log(felt.law.force(reference)), 2.4, 0.1, 0, 1, reference, ratio, depth / reference};
+  measured = measurements_of(felt);
+  measured.losses = {"none", "hunt_crossley"};
+  for (int k = 0; k < 6; ++k) {
+    Pulse pulse{"pulse", {}, {}, 0.3 * std::pow(20, k / 5.0)};
+    for (int s = 0; s < 2000; ++s) pulse.time_s.push_back(s / 96000.0);
+    pulse.force_n.resize(pulse.time_s.size());
+    ASSERT_TRUE(pulse_force(law, felt.mass_kg, *pulse.speed_m_per_s, random.between(0.006, 0.0061), pulse.time_s,
+                            std::span<double>(pulse.force_n)));
+    const double deviation = 0.01 * std::ranges::max(pulse.force_n);
+    for (double& force : pulse.force_n) force += deviation * normal(random);
+    measured.pulses.push_back(contact_window(pulse, std::vector<std::size_t>(pulse.time_s.size()), felt.mass_kg));
+  }
+  expect_found(fit_of(measured), "hunt_crossley");
 }
 
 // The impulse tells the speed if nobody measured it.
