@@ -2,7 +2,7 @@
 // What the DISTRHO Plugin Framework asks of every plug-in. contactspline_plugin() adds name and identity.
 #pragma once
 
-// A window takes its pictures from the plug-in itself, in the same process.
+// A window takes its figures from the plug-in itself, in the same process.
 #define DISTRHO_PLUGIN_HAS_UI CONTACTSPLINE_HAS_WINDOW
 #define DISTRHO_PLUGIN_WANT_DIRECT_ACCESS CONTACTSPLINE_HAS_WINDOW
 #define DISTRHO_UI_FILE_BROWSER 0

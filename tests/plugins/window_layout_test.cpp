@@ -64,7 +64,7 @@ class Frame : public DGL_NAMESPACE::NanoStandaloneWindow {
     loadSharedResources();
   }
 
-  std::vector<Canvas::Text> ground, picture;
+  std::vector<Canvas::Text> ground, figure;
 
  private:
   void onNanoDisplay() override {
@@ -74,8 +74,8 @@ class Frame : public DGL_NAMESPACE::NanoStandaloneWindow {
     NanoVG::endFrame();
     NanoVG::beginFrame(getWidth(), getHeight());
     Canvas on_ground(*this, 0, 0, scale_, getHeight());
-    window_.draw_picture(on_ground);
-    picture = on_ground.texts();
+    window_.draw_figure(on_ground);
+    figure = on_ground.texts();
   }
 
   InstrumentWindow& window_;
@@ -100,7 +100,7 @@ void expect_readable(Source source, float scale) {
   }
   frame.close();
   std::vector<Canvas::Text> texts = frame.ground;
-  texts.insert(texts.end(), frame.picture.begin(), frame.picture.end());
+  texts.insert(texts.end(), frame.figure.begin(), frame.figure.end());
   // Title, description, three panels, a name and a value for each knob.
   ASSERT_GE(texts.size(), 2 + 3 + 2 * window.table().parameters.size());
   for (std::size_t i = 0; i < texts.size(); ++i) {
@@ -113,7 +113,7 @@ void expect_readable(Source source, float scale) {
     for (std::size_t other = 0; other < i; ++other)
       EXPECT_FALSE(overlap(box, texts[other].box)) << words << " and " << texts[other].text;
   }
-  // Boxes: knobs neither on each other nor on the picture or the keys.
+  // Boxes: knobs neither on each other nor on the figure or the keys.
   const auto& knobs = window.knobs();
   const Box& plots = window.plots_box();
   EXPECT_GT(plots.height, 100);

@@ -136,7 +136,7 @@ TEST_F(WindowInHost, ThePresetMenuMovesAllParameters) {
   EXPECT_NE(plugin_.value("stiffness ratio"), before);
 }
 
-// At 150 and 200 % the same picture in more pixels: each block of the ground has the same colour.
+// At 150 and 200 % the same figure in more pixels: each block of the ground has the same colour.
 TEST_F(WindowInHost, GrowsWithTheWindowOfTheHost) {
   open(1);
   ASSERT_TRUE(shows(is_drawn));

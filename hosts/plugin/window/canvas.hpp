@@ -187,11 +187,11 @@ class Canvas {
 };
 
 /// What a window shows, kept to be shown again. To copy it is many times as fast as to draw it.
-class KeptPicture {
+class KeptFigure {
  public:
-  KeptPicture() = default;
-  KeptPicture(const KeptPicture&) = delete;
-  KeptPicture& operator=(const KeptPicture&) = delete;
+  KeptFigure() = default;
+  KeptFigure(const KeptFigure&) = delete;
+  KeptFigure& operator=(const KeptFigure&) = delete;
 
   /// Of a size in pixels.
   [[nodiscard]] bool has(unsigned width, unsigned height) const { return width_ == width && height_ == height; }

@@ -36,7 +36,7 @@ class InstrumentUI : public UI, private contactspline::WindowHost {
 #endif
 
   void uiIdle() override {
-    if (window_ && (window_->look() || new_frames_ > 0)) repaint();
+    if (window_ && (window_->update() || new_frames_ > 0)) repaint();
   }
 
   void onNanoDisplay() override {
@@ -56,7 +56,7 @@ class InstrumentUI : public UI, private contactspline::WindowHost {
       ground_.show();
     }
     auto canvas = on_canvas();
-    window_->draw_picture(canvas);
+    window_->draw_figure(canvas);
   }
 
   bool onMouse(const MouseEvent& event) override {
@@ -107,7 +107,7 @@ class InstrumentUI : public UI, private contactspline::WindowHost {
   }
 
   std::optional<contactspline::InstrumentWindow> window_;
-  contactspline::KeptPicture ground_;
+  contactspline::KeptFigure ground_;
   int new_frames_ = 0;  // to draw after a new size
 };
 

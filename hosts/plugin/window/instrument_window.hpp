@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The window of an instrument: its name and presets, the picture of its contact, its knobs, its keys.
+// The window of an instrument: its name and presets, the figure of its contact, its knobs, its keys.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "window/canvas.hpp"
-#include "window/contact_picture.hpp"
+#include "window/contact_figure.hpp"
 #include "window/keyboard.hpp"
 #include "window/knob.hpp"
 #include "window/plots.hpp"
@@ -23,7 +23,7 @@ class InstrumentWindow {
   static constexpr unsigned kWidth = 960, kHeight = 600;
 
   InstrumentWindow(WindowSource& source, WindowHost& host)
-      : source_(source), host_(host), table_(source.window_table()), picture_(source.window_rate_hz()) {
+      : source_(source), host_(host), table_(source.window_table()), figure_(source.window_rate_hz()) {
     values_.resize(table_.parameters.size());
     place_knobs();
     source_.ring().watch(true);
@@ -34,12 +34,12 @@ class InstrumentWindow {
   ~InstrumentWindow() { source_.ring().watch(false); }
 
   /// Looks at the plug-in; true if the window has to be drawn again.
-  [[nodiscard]] bool look() {
+  [[nodiscard]] bool update() {
     source_.ring().read(samples_);
-    const bool was_moving = picture_.is_moving();
-    picture_.add(samples_);
+    const bool was_moving = figure_.is_moving();
+    figure_.add(samples_);
     is_ground_old_ |= take_values();
-    return is_ground_old_ || (!samples_.empty() && (was_moving || picture_.is_moving()));
+    return is_ground_old_ || (!samples_.empty() && (was_moving || figure_.is_moving()));
   }
 
   /// What seldom changes: name, presets, knobs, keys.
@@ -55,8 +55,8 @@ class InstrumentWindow {
   [[nodiscard]] bool is_ground_old() const { return is_ground_old_; }
 
   /// On the ground: the contact, and the menu while it is open.
-  void draw_picture(Canvas& canvas) {
-    plots_.draw(canvas, plots_box_, table_, picture_);
+  void draw_figure(Canvas& canvas) {
+    plots_.draw(canvas, plots_box_, table_, figure_);
     if (is_menu_open_) draw_menu(canvas);
   }
 
@@ -237,7 +237,7 @@ class InstrumentWindow {
   WindowSource& source_;
   WindowHost& host_;
   WindowTable table_;
-  ContactPicture picture_;
+  ContactFigure figure_;
   Plots plots_;
   std::vector<ContactSample> samples_;
   std::vector<double> values_;

@@ -23,11 +23,11 @@ namespace contactspline {
   return 10 * power;
 }
 
-class ContactPicture {
+class ContactFigure {
  public:
   static constexpr double kMotion_s = 0.02, kBlow_s = 0.02, kEnergy_s = 5, kEnergyStep_s = 0.04;
 
-  explicit ContactPicture(double sample_rate_hz) : rate_hz_(sample_rate_hz) {}
+  explicit ContactFigure(double sample_rate_hz) : rate_hz_(sample_rate_hz) {}
 
   void add(std::span<const ContactSample> samples) {
     for (const ContactSample& sample : samples) {
