@@ -13,11 +13,11 @@ const esbuild = createRequire(join(resolve(modules), "x"))("esbuild");
 
 function bundle(entry) {
   const { outputFiles } = esbuild.buildSync({
-    entryPoints: [join(source, "src", entry)],
+    entryPoints: [entry],
     bundle: true,
     minify: true,
     write: false,
-    format: "iife",
+    format: "esm",
     target: "es2022",
     legalComments: "inline",
     nodePaths: [resolve(modules)],
@@ -27,7 +27,7 @@ function bundle(entry) {
 
 const withoutComments = (text) => JSON.parse(text.replace(/^\s*\/\/.*$/gm, ""));
 
-const assets = { processor: Buffer.from(bundle("processor.js")) };
+const assets = { processor: Buffer.from(bundle(join(source, "..", "hosts", "npm", "src", "processor.js"))) };
 for (const name of ["engine", "studies", "generator"]) assets[name] = readFileSync(join(wasm, `${name}.wasm`));
 const scores = join(source, "..", "data", "scores");
 const readers = { ".json": (bytes) => withoutComments(bytes.toString()), ".mid": (bytes) => ({ midi: bytes.toString("base64") }) };
@@ -51,7 +51,7 @@ const fill = {
   "<!--LICENCES-->": `<!-- The plots are drawn by uPlot:\n\n${licence.replaceAll("--", "- -")}-->`,
   "/*STYLE*/": style,
   "<!--ASSETS-->": packed.join("\n"),
-  "/*SCRIPT*/": bundle("main.js").replaceAll("</script", "<\\/script"),
+  "/*SCRIPT*/": bundle(join(source, "src", "main.js")).replaceAll("</script", "<\\/script"),
 };
 let page = readFileSync(join(source, "index.html"), "utf8");
 for (const [mark, text] of Object.entries(fill)) {

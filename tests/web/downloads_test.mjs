@@ -7,7 +7,7 @@ import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 
-import { startGenerator } from "../../web/src/generator.js";
+import { startGenerator } from "../../hosts/npm/src/generator.js";
 import { materialText } from "../../web/src/material.js";
 
 const [wasm, program, random = "0"] = process.argv.slice(2);

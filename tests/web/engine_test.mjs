@@ -2,62 +2,36 @@
 // engine_test.mjs ENGINE.wasm CONTACTSPLINE: the samples of the page's engine are those of `contactspline render`, in double
 // precision on this machine, for a blow on instruments of files; and the limiter keeps within full scale.
 import assert from "node:assert/strict";
-import { execFileSync } from "node:child_process";
-import { mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
-import { tmpdir } from "node:os";
-import { join } from "node:path";
+import { readdirSync, readFileSync } from "node:fs";
 
-import { startEngine } from "../../web/src/engine.js";
-import { kLinear, limited } from "../../web/src/limiter.js";
+import { startEngine } from "../../hosts/npm/src/engine.js";
+import { kLinear, limited } from "../../hosts/npm/src/limiter.js";
+import { assertEqualSound, fullScaleOf, kSamples, rendered } from "./rendered.mjs";
 
 const [wasm, program] = process.argv.slice(2);
-const kSamples = 8190;
-const kDuration_s = 0.2; // the program fades out at the end
-const kGain = 1 / 100; // -40 dB, so that nothing reaches the full scale of the file
 const engine = startEngine(readFileSync(wasm), 44100);
 const instruments = engine.instruments();
 for (const file of readdirSync(new URL("../../data/instruments", import.meta.url)))
   assert.ok(instruments.some(({ name }) => `${name}.json` === file), `the page lacks ${file}`);
-const folder = mkdtempSync(join(tmpdir(), "contactspline-engine-"));
 
-/** The first output by the program [m/s or N]: 24 bits, in one channel. */
-function rendered(instrument, event, value) {
-  const [score, sound] = ["score.json", "sound.wav"].map((name) => join(folder, name));
-  const events = [{ time_s: 0, [event]: value }];
-  writeFileSync(score, JSON.stringify({ instrument, description: "a blow", duration_s: kDuration_s, events }));
-  execFileSync(program, ["render", score, "-o", sound, "--gain", "-40", "--no-figure", "--force"], { stdio: "ignore" });
-  const bytes = readFileSync(sound);
-  const begin = bytes.indexOf("data", 12, "latin1") + 8;
-  assert.equal(bytes.readUInt16LE(22), 1, "channels");
-  return Array.from({ length: kSamples }, (_, i) => bytes.readIntLE(begin + 3 * i, 3) / 2 ** 23 / kGain);
-}
-
-/** The same by the engine, whose full scale the emitted file tells. */
+/** The first output of a blow by the engine. */
 function played({ name, parameters, events }, number) {
-  const { outputs } = JSON.parse(readFileSync(new URL(`../../generated/${name}.json`, import.meta.url)));
   const samples = [];
   assert.ok(engine.choose(number));
   parameters.forEach(({ init }, parameter) => engine.set(parameter, init));
   engine.noteOn(60, 1);
   while (samples.length < kSamples) samples.push(...engine.process(126)[0]);
   assert.ok(events.length > 0);
-  return samples.map((x) => x * outputs[0].full_scale);
+  return samples.map((x) => x * fullScaleOf(name));
 }
 
-const largest = (list) => list.reduce((max, x) => Math.max(max, Math.abs(x)), 0);
 for (const name of ["tom", "marimba_tube", "trichord_c4"]) {
   const number = instruments.findIndex((instrument) => instrument.name === name);
   const { parameter } = instruments[number].events[0];
   const { name: event, init } = instruments[number].parameters[parameter];
-  const expected = rendered(name, event, init);
-  const actual = played(instruments[number], number);
-  const peak = largest(expected);
-  const worst = largest(expected.map((x, i) => x - actual[i])) / peak;
-  // Single precision: 8190 roundings of 6e-8 each, which a contact may magnify.
-  assert.ok(peak > 0 && worst < 1e-3, `${name}: ${worst} of the peak ${peak} apart`);
+  const worst = assertEqualSound(name, played(instruments[number], number), rendered(program, name, event, init));
   console.log(`${name}: within ${worst.toExponential(1)} of the peak`);
 }
-rmSync(folder, { recursive: true });
 
 // A slide rests on its string, which pulls at the bridge; beside voices, the instrument itself waits until it is struck.
 {

@@ -239,7 +239,7 @@ const cases = {
         page.evaluate(
           async ([messages, seconds]) => {
             const { page, renderOffline } = contactSpline;
-            const { bytes } = page.instrumentEditor.generator.instrument(page.played().text, "instrument.json", 500);
+            const { bytes } = page.instrumentEditor.generator.instrument(page.played().text, "instrument.json");
             const [left] = await renderOffline([{ do: "own", bytes }, page.instrumentMessage("own"), ...messages], seconds);
             return Array.from(left);
           },

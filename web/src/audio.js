@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: MIT
 // The sound of the page: the audio thread, an analyser, and messages to and fro.
+import { ContactSpline } from "../../hosts/npm/src/contactspline.js";
 import { moduleAsset, scriptUrl } from "./assets.js";
 
 /** Everything is computed at this rate; the browser converts it to that of the device. */
 export const kSampleRate = 44100;
 
 /** A node of the audio thread in any context, with messages that it takes before its first block. */
-export async function makeNode(context, messages) {
-  await context.audioWorklet.addModule(await scriptUrl("processor"));
-  return new AudioWorkletNode(context, "contactspline", {
-    numberOfInputs: 0,
-    outputChannelCount: [2],
-    processorOptions: { engine: await moduleAsset("engine"), messages },
-  });
-}
+const makeNode = async (context, messages) =>
+  ContactSpline.open(context, await scriptUrl("processor"), await moduleAsset("engine"), messages, { isLimited: true, isReported: true });
 
 /** The sound, which starts with the first gesture, as browsers demand. `send` before that is kept. */
 export class Audio {
@@ -37,10 +32,7 @@ export class Audio {
     this.node = await makeNode(this.context, this.waiting);
     this.analyser = new AnalyserNode(this.context, { fftSize: 2048, smoothingTimeConstant: 0 });
     this.node.connect(this.analyser).connect(this.context.destination);
-    this.node.port.onmessage = ({ data }) => {
-      if (data.is === "sound") this.recorded.push(data.channels);
-      else this.hear[data.is](data);
-    };
+    this.node.heard = { ...this.hear, sound: ({ channels }) => this.recorded.push(channels) };
     this.waiting = null;
   }
 
@@ -49,7 +41,7 @@ export class Audio {
     if (this.waiting && message.do === "instrument")
       this.waiting.splice(0, Infinity, ...this.waiting.filter((other) => other.do === "material" || other.do === "own"));
     if (this.waiting) this.waiting.push(message);
-    else this.node.port.postMessage(message);
+    else this.node.send(message);
   }
 
   /** Begins to keep what the instrument plays. */

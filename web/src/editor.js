@@ -53,7 +53,7 @@ export class Editor {
   /** Makes a material of a measured curve, a CSV file. What is wrong with it is said as of any material. */
   async loadCurve(file) {
     try {
-      this.generator.takeCurve(file.name, await file.text());
+      this.generator.takeFile(file.name, await file.text());
       this.load({ text: measuredText(file.name) });
     } catch (error) {
       this.refuse(`${file.name} cannot be read: ${error.message}`);

@@ -2,7 +2,7 @@
 // Live figures of the model that sounds: contact force, energies, spectrogram.
 import { kSampleRate } from "./audio.js";
 import { readable } from "./controls.js";
-import { kLinear } from "./limiter.js";
+import { kLinear } from "../../hosts/npm/src/limiter.js";
 import { linePlot } from "./plots.js";
 import { Spectrogram } from "./spectrogram.js";
 

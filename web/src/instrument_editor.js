@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The editor of an instrument file: text in, its drawing and parts out, and the instrument plays.
+import { kSampleRate } from "./audio.js";
 import { fillSelect, whenChosen } from "./controls.js";
 import { download } from "./save.js";
 import { kMaxFile } from "./state.js";
@@ -76,7 +77,7 @@ export class InstrumentEditor {
     this.width = this.roomFor();
     if (byId("file-text").value !== text) byId("file-text").value = text;
     byId("file-start").value = Object.keys(this.shipped).find((name) => this.shipped[name] === text) ?? "";
-    const instrument = this.generator.instrument(text, "instrument.json", this.width);
+    const instrument = this.generator.instrument(text, "instrument.json", { width: this.width, sampleRate: kSampleRate });
     const { error, name, title, parts, drawing } = instrument;
     byId("file-note").className = error === undefined ? "" : "error";
     byId("file-note").textContent = error ?? `${title}${text.length > kMaxFile ? kTooLong : ""}`;

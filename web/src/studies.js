@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Single notes from rest in double precision, sample by sample (web/wasm/studies.cpp).
-import { writeInstrument, writeMaterial } from "./engine.js";
-import { startModule, textAt, withTexts } from "./wasm_module.js";
+import { writeInstrument, writeMaterial } from "../../hosts/npm/src/engine.js";
+import { startModule, textAt, withTexts } from "../../hosts/npm/src/wasm_module.js";
 
 /** From studies.wasm, compiled or as bytes. */
 export function startStudies(module, sampleRate) {

@@ -179,6 +179,14 @@ CONTACTSPLINE_WEB(void, engine_pan, int number, double pan) {
   moved.right = static_cast<float>(std::numbers::sqrt2 * std::sin(angle));
 }
 
+/// Forgets what plays, the material and the user's own instrument, as if it had just been started.
+CONTACTSPLINE_WEB(void, engine_restart) {
+  voices.clear();
+  material = Material{};
+  if (!own.empty()) instruments().pop_back();
+  own.clear();
+}
+
 /// The largest sample of a note of middle C, which is also the first event, with the first values of all parameters,
 /// relative to full scale. It tells how loud an instrument is.
 CONTACTSPLINE_WEB(double, engine_peak, int number, double seconds, double sample_rate_hz) {
@@ -226,6 +234,11 @@ CONTACTSPLINE_WEB(void, engine_midi, int status, int first, int second) {
   for (const Voice& each : voices) each.instrument->midi(message);
 }
 
+/// Plays an event by a speed [m/s] or a force [N]; by its parameter if that is not a number.
+CONTACTSPLINE_WEB(void, engine_strike, int number, int event, double value) {
+  voice(number).play(static_cast<std::size_t>(event), value);
+}
+
 CONTACTSPLINE_WEB(void, engine_watch_none) {
   voice(0).instrument->watch_none();
 }
@@ -248,6 +261,13 @@ CONTACTSPLINE_WEB(const float*, engine_process, int samples) {
     }
   }
   return outputs.data();
+}
+
+/// Energy that all voices store [J].
+CONTACTSPLINE_WEB(double, engine_energy) {
+  double energy = 0;
+  for (const Voice& each : voices) energy += each.instrument->energy();
+  return energy;
 }
 
 /// The books of the last strike: hammer, felt, string, dissipated, work [J]. Null where none are kept.

@@ -236,6 +236,7 @@ class HammerKeys : public HammerKeysParameter, public ParameterValues<float, Ham
  public:
   using value_type = float;
   static constexpr std::size_t kMaxSounding = 32;
+  static constexpr bool takes_material = true;  ///< of the page
 
   explicit HammerKeys(const Material& material) : Values(kList), material_(material) {}
 

@@ -33,7 +33,10 @@ class Playable {
   virtual void note_on(int key, double velocity) = 0;
   virtual void note_off(int key) = 0;
   virtual void midi(std::span<const std::uint8_t> bytes) = 0;
+  /// Plays an event by this speed [m/s] or force [N] in the range of its parameter; by its parameter if it is NaN.
+  virtual void play(std::size_t event, double value) = 0;
   virtual void process(std::span<float> left, std::span<float> right, std::span<float> force) = 0;
+  [[nodiscard]] virtual double energy() const = 0;  ///< stored [J]
   /// Of the last strike; null where none are kept.
   [[nodiscard]] virtual const Books* books() const = 0;
   virtual void watch_none() = 0;
@@ -47,8 +50,9 @@ inline constexpr double kVelocity = requires {
 ? 0.7 : 1.0;
 
 /// What the page needs to know of an instrument, as JSON. Numbers are those of the lists, in SI; shown values are
-/// `factor` times as large. keys: the first and the last one, null where the keys from middle C on play the events.
-/// velocity: of a key that has none of its own. speeds: of the softest and the loudest key [m/s], or null.
+/// `factor` times as large. min, max: of the slider; allowed: what the parameter takes. keys: the first and the last
+/// one, null where the keys from middle C on play the events. velocity: of a key that has none of its own. speeds: of
+/// the softest and the loudest key [m/s], or null.
 template <typename I>
 [[nodiscard]] std::string description_of(const I& instrument) {
   std::vector<std::string> parameters, events, presets;
@@ -57,9 +61,9 @@ template <typename I>
     const Label label = label_of(x.name);
     parameters.push_back(
         fmt::format(R"({{"name": "{}", "label": "{}", "unit": "{}", "factor": {}, "min": {:.17g}, "max": {:.17g}, )"
-                    R"("init": {:.17g}, "isLogarithmic": {}, "controller": {}}})",
-                    x.name, label.text, label.unit, label.factor, x.slider.min, x.slider.max, instrument.value(p),
-                    x.scale == Scale::kLogarithmic, x.controller));
+                    R"("allowed": [{:.17g}, {:.17g}], "init": {:.17g}, "isLogarithmic": {}, "controller": {}}})",
+                    x.name, label.text, label.unit, label.factor, x.slider.min, x.slider.max, x.allowed.min,
+                    x.allowed.max, instrument.value(p), x.scale == Scale::kLogarithmic, x.controller));
   }
   for (const Event& x : instrument.events())
     events.push_back(fmt::format(R"({{"name": "{}", "label": "{}", "parameter": {}}})", x.name, label_of(x.name).text,
@@ -77,10 +81,13 @@ template <typename I>
   std::string speeds = "null";
   if constexpr (requires { I::speed_of(0.5); })
     speeds = fmt::format("[{:.17g}, {:.17g}]", I::speed_of(0), I::speed_of(1));
+  const bool takes_material = requires {
+    I::takes_material;
+  };
   return fmt::format(R"({{"name": "{}", "title": "{}", "description": {}, "keys": {}, "velocity": {}, "speeds": {}, )"
-                     R"("parameters": [{}], "events": [{}], "presets": [{}]}})",
+                     R"("takesMaterial": {}, "parameters": [{}], "events": [{}], "presets": [{}]}})",
                      instrument.name(), label_of(instrument.name()).text, quoted(instrument.description()), keys,
-                     kVelocity<I>, speeds, fmt::join(parameters, ", "), fmt::join(events, ", "),
+                     kVelocity<I>, speeds, takes_material, fmt::join(parameters, ", "), fmt::join(events, ", "),
                      fmt::join(presets, ", "));
 }
 
@@ -108,6 +115,15 @@ class PlayableBehind final : public Playable {
     midi(std::array{std::uint8_t{0x80}, static_cast<std::uint8_t>(key & 127), std::uint8_t{0}});
   }
   void midi(std::span<const std::uint8_t> bytes) override { hosted_.midi(bytes); }
+  void play(std::size_t event, double value) override {
+    if (event >= hosted_.instrument().events().size()) return;
+    const std::size_t parameter = hosted_.instrument().events()[event].parameter;
+    const double usual = hosted_.target(parameter);
+    hosted_.set(parameter, value);
+    hosted_.press(event, true);
+    hosted_.press(event, false);
+    hosted_.set(parameter, usual);
+  }
 
   void process(std::span<float> left, std::span<float> right, std::span<float> force) override {
     std::ranges::fill(wanted_, nullptr);
@@ -117,6 +133,7 @@ class PlayableBehind final : public Playable {
     if (right_ == left_) std::ranges::copy(left, right.begin());
   }
 
+  [[nodiscard]] double energy() const override { return hosted_.instrument().energy(); }
   [[nodiscard]] const Books* books() const override {
     if constexpr (requires { hosted_.instrument().books(); })
       return &hosted_.instrument().books();

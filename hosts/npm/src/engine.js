@@ -19,7 +19,7 @@ export function writeInstrument(exports, room, bytes) {
 }
 
 /** From engine.wasm, compiled or as bytes. An instrument is called by its number in instruments(). */
-export function startEngine(module, sampleRate) {
+export function startEngine(module, sampleRate = 44100) {
   const exports = startModule(module);
   return {
     /** The names of the strings that a voice may have. */
@@ -31,7 +31,7 @@ export function startEngine(module, sampleRate) {
     /** Makes the instrument of a user's file the last one of all. */
     takeInstrument: (bytes) => writeInstrument(exports, exports.engine_own_instrument, bytes),
     /** Makes an instrument: call it before one of the functions below. */
-    choose: (number) => exports.engine_choose(number, sampleRate) === 1,
+    choose: (number, rate = sampleRate) => exports.engine_choose(number, rate) === 1,
     /** Adds a voice: the instrument once more, its strings tuned by so many cents, or with the one of this number in
      * strings(), plucked at pluck_m, over which a slide rests at height_m. Returns whether it can be. */
     addVoice: ({ cents = 0, string = -1, pluck_m = 0, height_m = 0 }) => exports.engine_add_voice(cents, string, pluck_m, height_m) === 1,
@@ -45,6 +45,12 @@ export function startEngine(module, sampleRate) {
     midi: ([status, first, second]) => exports.engine_midi(status, first, second),
     /** Bytes of the module's memory. */
     memory: () => exports.memory.buffer.byteLength,
+    /** Plays an event by a speed [m/s] or a force [N]; by its parameter if that is NaN. */
+    strike: (event, value, voice = 0) => exports.engine_strike(voice, event, value),
+    /** Energy that is stored [J]. */
+    energy: () => exports.engine_energy(),
+    /** Forgets all, as if it had just been started. */
+    restart: () => exports.engine_restart(),
     watchNone: () => exports.engine_watch_none(),
 
     /** Plays up to 128 samples: left, right and the contact force, views that the next call changes. */

@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: MIT
-// The generator of Contact Spline, in the page.
+// The generator of Contact Spline.
 import { startModule, textAt, withTexts } from "./wasm_module.js";
 
 /** The generator, from generator.wasm compiled or as bytes. */
-export function startGenerator(module, sampleRate = 44100) {
+export function startGenerator(module) {
   const exports = startModule(module);
   return {
     /** The text of every material that ships, by name. */
     materials: () => JSON.parse(textAt(exports, exports.contactspline_materials())),
 
-    /** Takes a measured curve, a CSV file that materials may name. */
-    takeCurve: (name, csv) => withTexts(exports, [name, csv], (...at) => exports.contactspline_take_curve(...at)),
+    /** Takes a file that materials and instrument files may name: a measured curve in CSV, a material. */
+    takeFile: (name, text) => withTexts(exports, [name, text], (...at) => exports.contactspline_take_curve(...at)),
 
     /** The text of every instrument file that ships, by name. */
     instruments: () => JSON.parse(textAt(exports, exports.contactspline_instruments())),
 
     /** Reads an instrument file: { name, title, parts, drawing } (web/wasm/generator.cpp) and the bytes that engine and studies
-     * take; or { error }. width: of the drawing, in points of the screen. */
-    instrument(text, file, width) {
+     * take at this rate; or { error }. width: of the drawing, in points of the screen. */
+    instrument(text, file, { width = 640, sampleRate = 44100 } = {}) {
       const address = withTexts(exports, [text, file], (...at) => exports.contactspline_instrument(...at, width, sampleRate));
       const instrument = JSON.parse(textAt(exports, address));
       if (instrument.error !== undefined) return instrument;

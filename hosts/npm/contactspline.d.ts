@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: MIT
+// Types of the package contactspline. Values are in SI units, times in seconds of the context. What cannot be used is an Error
+// with one line: what, what is wrong, what is allowed.
+
+/** What can be set while an instrument plays. */
+export interface Parameter {
+  /** Ends with the unit: hammer_mass_kg. */
+  name: string;
+  /** As people read it: hammer mass, in a unit that shows a value `factor` times as large. */
+  label: string;
+  unit: string;
+  factor: number;
+  /** Where it is played, within `allowed`. */
+  min: number;
+  max: number;
+  /** Other values are moved into this range. */
+  allowed: [min: number, max: number];
+  init: number;
+  isLogarithmic: boolean;
+  /** Of MIDI; 0: none. */
+  controller: number;
+}
+
+/** A strike or a pluck. */
+export interface InstrumentEvent {
+  name: string;
+  label: string;
+  /** Index of the parameter that holds its usual speed [m/s] or force [N]. */
+  parameter: number;
+}
+
+/** What an instrument is called, plays and has to set. */
+export interface Description {
+  name: string;
+  title: string;
+  description: string;
+  /** The first and the last key of MIDI; null where the keys from 60 on play the events. */
+  keys: [first: number, last: number] | null;
+  /** Of a key that is struck without one. */
+  velocity: number;
+  /** Of the softest and the loudest key [m/s], where it has them. */
+  speeds: [softest: number, loudest: number] | null;
+  /** Does useMaterial() work? */
+  takesMaterial: boolean;
+  parameters: Parameter[];
+  events: InstrumentEvent[];
+  presets: { name: string; values: number[] }[];
+}
+
+/** An instrument that ships, by its name, or the text of an instrument file; messages call it `file`. */
+export type Source = string | { text: string; file?: string };
+
+/** What ContactSpline.create() calls every 1024 samples. */
+export interface Report {
+  /** Of the context, at the end of the samples. */
+  time: number;
+  /** The sum of the contact forces at each of the last 1024 samples [N]; begins anew with each note and strike. */
+  force: Float32Array;
+  /** Stored in the instrument [J]. */
+  energy: number;
+  /** The largest sample since the last report. */
+  peak: number;
+  /** How many notes and strikes there were. */
+  strikes: number;
+  /** Energies of the last strike [J], where the instrument keeps them. */
+  books: { hammer: number; felt: number; string: number; dissipated: number; work: number } | null;
+}
+
+export interface Options {
+  report?: (report: Report) => void;
+  /** Bend samples beyond half of full scale, so that none is beyond it? */
+  isLimited?: boolean;
+}
+
+/** What plays an instrument. A time that has passed, as 0, is now. */
+interface Playable {
+  readonly description: Description;
+  /** velocity: 0 to 1. Keys that the instrument lacks do nothing. */
+  noteOn(key: number, velocity?: number, time?: number): void;
+  noteOff(key: number, time?: number): void;
+  /** Plays an event of the description by a speed [m/s] or a force [N], or by that of its parameter. */
+  strike(event: string, value?: number, time?: number): void;
+  /** Three bytes; others do nothing. */
+  midi(bytes: ArrayLike<number>, time?: number): void;
+  set(parameter: string, value: number): void;
+  loadPreset(name: string): void;
+  /** The material of all later strikes. */
+  useMaterial(design: Design): void;
+}
+
+/** An instrument as a node, whose `parameters` are those of its description, by their names. */
+export class ContactSpline extends AudioWorkletNode implements Playable {
+  private constructor();
+  static create(context: BaseAudioContext, instrument: Source, options?: Options): Promise<ContactSpline>;
+  readonly description: Description;
+  noteOn(key: number, velocity?: number, time?: number): void;
+  noteOff(key: number, time?: number): void;
+  strike(event: string, value?: number, time?: number): void;
+  midi(bytes: ArrayLike<number>, time?: number): void;
+  set(parameter: string, value: number): void;
+  loadPreset(name: string): void;
+  useMaterial(design: Design): void;
+  /** Resolves when the audio thread has taken what was sent: await it before an OfflineAudioContext starts. */
+  sent(): Promise<void>;
+  /** Ends it, within 20 ms if it sounds. */
+  close(): Promise<void>;
+}
+
+/** An instrument without Web Audio, in Node or anywhere: blocks of samples, when they are asked for. Times do nothing. */
+export class Player implements Playable {
+  private constructor();
+  static create(instrument: Source, sampleRate?: number): Promise<Player>;
+  readonly description: Description;
+  readonly sampleRate: number;
+  noteOn(key: number, velocity?: number): void;
+  noteOff(key: number): void;
+  strike(event: string, value?: number): void;
+  midi(bytes: ArrayLike<number>): void;
+  set(parameter: string, value: number): void;
+  loadPreset(name: string): void;
+  useMaterial(design: Design): void;
+  /** Up to 128 samples, left and right, and the sum of the contact forces [N]: views that the next call changes. */
+  process(samples?: number): [left: Float32Array, right: Float32Array, force: Float32Array];
+  /** Stored [J]. */
+  energy(): number;
+  close(): void;
+}
+
+/** A material as the generator designed it. */
+export interface Design {
+  name: string;
+  title: string;
+  law: string;
+  loss_s_per_m: number;
+  mass_kg?: number;
+  /** Of each segment: knot [m], energy [J], force [N], half curvature [N/m]. */
+  table: number[][];
+  /** What `contactspline generate` writes, by the names of the files. */
+  files: Record<string, string>;
+  curve: { compression_m: number[]; law_n: number[]; spline_n: number[] };
+  quality: { force: number; energy: number; contact_duration?: number; max_compression?: number; spectrum_db?: number };
+}
+
+/** An instrument file as the generator read it. */
+export interface ReadInstrument {
+  name: string;
+  title: string;
+  /** As `contactspline inspect` prints them. */
+  parts: string;
+  drawing: object;
+  error?: undefined;
+}
+
+export interface Generator {
+  /** The text of every material and instrument file that ships, by name. */
+  materials(): Record<string, string>;
+  instruments(): Record<string, string>;
+  /** Takes a file that materials and instrument files may name: a measured curve in CSV, a material. */
+  takeFile(name: string, text: string): void;
+  /** Designs the material of a file's text. Messages call it `file`. */
+  design(text: string, file: string): Design;
+  /** Reads an instrument file; what is wrong with it is one line. */
+  instrument(text: string, file: string, options?: { width?: number; sampleRate?: number }): ReadInstrument | { error: string };
+}
+
+/** The generator, loaded once. */
+export function loadGenerator(): Promise<Generator>;
+
+/** The descriptions of all instruments that ship. */
+export function instruments(): Promise<Description[]>;

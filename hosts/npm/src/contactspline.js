@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+// An instrument as a node of Web Audio.
+import { findInstrument, kFiles, moduleOf } from "./files.js";
+import { indexOf, playable } from "./messages.js";
+
+export { instruments, loadGenerator } from "./files.js";
+export { Player } from "./player.js";
+
+const kLargest = 3.4028234663852886e38; // of single precision, in which AudioParams are
+
+/** What an AudioParam is made of, from a parameter of a description. */
+const descriptorOf = ({ name, init, allowed: [min, max] }) => ({
+  name,
+  defaultValue: init,
+  minValue: Math.max(min, -kLargest),
+  maxValue: Math.min(max, kLargest),
+  automationRate: "k-rate",
+});
+
+const known = []; // lists of parameters: files of one name may have others
+
+/** The number of a list of parameters, given as text. */
+function numberOf(parameters) {
+  if (!known.includes(parameters)) known.push(parameters);
+  return known.indexOf(parameters);
+}
+
+export class ContactSpline extends playable(globalThis.AudioWorkletNode ?? Object) {
+  /** An instrument at rest, by its name or { text, file } of an instrument file. Throws bad input. */
+  static async create(context, instrument, { report, isLimited = false } = {}) {
+    const { description, number, messages } = await findInstrument(instrument, context.sampleRate);
+    const first = [...messages, { do: "instrument", number, gain: 1 }];
+    if (!report) first.push({ do: "watchNone" });
+    const node = await this.open(context, kFiles.processor, await moduleOf(kFiles.engine), first, { description, isLimited, isReported: Boolean(report) });
+    node.heard.report = report;
+    await node.sent();
+    return node;
+  }
+
+  /** A node whose engine takes these messages before its first block. The processor is told its name and its parameters behind
+   * the # of its address: one file serves all instruments, without code that is made up at run time. */
+  static async open(context, processor, engine, messages, { description = { name: "any", parameters: [] }, isLimited, isReported }) {
+    const parameters = description.parameters.map(descriptorOf);
+    const name = `contactspline ${description.name} ${numberOf(JSON.stringify(parameters))}`;
+    await context.audioWorklet.addModule(`${processor}#${encodeURIComponent(JSON.stringify({ name, parameters }))}`);
+    const node = new ContactSpline(context, name, {
+      numberOfInputs: 0,
+      outputChannelCount: [2],
+      processorOptions: { engine, messages, isLimited, isReported },
+    });
+    node.description = description;
+    node.heard = {}; // what is called with which message of the audio thread
+    node.waiting = []; // for answers
+    node.port.onmessage = ({ data }) => (data.is === "answer" ? node.waiting.shift()?.() : node.heard[data.is]?.(data));
+    return node;
+  }
+
+  send(message) {
+    this.port.postMessage(message);
+  }
+
+  /** Resolves when the audio thread has taken what was sent: call it before an OfflineAudioContext starts. */
+  sent() {
+    return this.answerTo({ do: "answer" });
+  }
+
+  set(parameter, value) {
+    indexOf("parameter", parameter, this.description.parameters);
+    this.parameters.get(parameter).value = value;
+  }
+
+  /** Ends it, within 20 ms if it sounds; another instrument of the context takes its memory. */
+  close() {
+    return (this.closing ??= this.end());
+  }
+
+  async end() {
+    const { state } = this.context;
+    if (state !== "closed") await this.answerTo({ do: "close", fades: state === "running" });
+    this.disconnect();
+    this.port.close();
+  }
+
+  answerTo(message) {
+    return new Promise((answered) => {
+      this.waiting.push(answered);
+      this.send(message);
+    });
+  }
+}

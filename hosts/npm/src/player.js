@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+// An instrument without Web Audio, in Node or anywhere: blocks of samples, when they are asked for.
+import { startEngine } from "./engine.js";
+import { findInstrument, kFiles, moduleOf } from "./files.js";
+import { indexOf, numberWithin, play, playable } from "./messages.js";
+
+const idle = []; // engines that no player has
+
+export class Player extends playable(Object) {
+  /** An instrument at rest, by its name or { text, file } of an instrument file. Throws bad input. */
+  static async create(instrument, sampleRate = 44100) {
+    numberWithin("sampleRate", sampleRate, 1000, 768000);
+    const { description, number, messages } = await findInstrument(instrument, sampleRate);
+    const module = await moduleOf(kFiles.engine);
+    const engine = idle.pop() ?? startEngine(module);
+    for (const message of messages) play(engine, message);
+    engine.choose(number, sampleRate);
+    return Object.assign(new Player(), { description, sampleRate, engine });
+  }
+
+  send(message) {
+    play(this.engine, message);
+  }
+
+  set(parameter, value) {
+    this.engine.set(indexOf("parameter", parameter, this.description.parameters), value);
+  }
+
+  /** Plays up to 128 samples: left, right and the contact force [N], views that the next call changes. */
+  process(samples = 128) {
+    return this.engine.process(samples);
+  }
+
+  /** Energy that is stored [J]. */
+  energy() {
+    return this.engine.energy();
+  }
+
+  /** Ends it; another player takes its memory. */
+  close() {
+    if (!this.engine) return;
+    this.engine.restart();
+    idle.push(this.engine);
+    this.engine = null;
+  }
+}

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: MIT
+// The audio thread: plays an instrument, and reports force, energies and sound.
+import { startEngine } from "./engine.js";
+import { limited } from "./limiter.js";
+import { play } from "./messages.js";
+
+const kReport = 1024; // samples between two reports
+const kFade = 1 / 882; // of the level, in each sample: 20 ms
+const kLetKeysGo = [0xb0, 123, 0]; // of MIDI
+const kSounding = 0.05; // seconds after the last block in which an instrument still counts as sounding
+
+// Its name and its parameters stand behind the # of the address (contactspline.js).
+const { name: kName, parameters: kParameters } = JSON.parse(decodeURIComponent(import.meta.url.split("#")[1]));
+
+// Engines that no instrument has. A browser may keep closed nodes for long; their memory is used again.
+const idle = (globalThis.contactsplineEngines ??= []);
+
+class ContactSplineProcessor extends AudioWorkletProcessor {
+  static get parameterDescriptors() {
+    return kParameters;
+  }
+
+  constructor({ processorOptions }) {
+    super();
+    this.engine = idle.pop() ?? startEngine(processorOptions.engine, sampleRate);
+    this.values = kParameters.map(({ defaultValue }) => Math.fround(defaultValue)); // of the AudioParams
+    this.shaped = processorOptions.isLimited ? limited : (sample) => sample;
+    this.isReported = processorOptions.isReported;
+    this.isClosed = false;
+    this.playedAt = -Infinity; // seconds
+    this.isPlaying = false;
+    this.isRecording = false;
+    this.waiting = []; // messages from the choice of an instrument on, until the one before is silent
+    this.level = 1;
+    this.gain = 1;
+    this.filled = 0;
+    this.strikes = 0;
+    this.peak = 0;
+    this.force = new Float32Array(kReport);
+    const messages = processorOptions.messages ?? [];
+    this.later = []; // messages by rising time [s]
+    for (const message of messages) this.receive(message);
+    this.port.onmessage = ({ data }) => this.receive(data);
+  }
+
+  receive(message) {
+    const ends = message.do === "instrument" || (message.do === "close" && message.fades);
+    if (this.isClosed) this.answer(message);
+    else if (message.at > currentTime) this.later.splice(this.later.findLastIndex(({ at }) => at <= message.at) + 1, 0, message);
+    else if (this.waiting.length > 0 || (ends && this.isSounding())) this.waiting.push(message);
+    else this.take(message);
+  }
+
+  isSounding() {
+    return this.isPlaying && currentTime - this.playedAt < kSounding;
+  }
+
+  take(message) {
+    if (message.do === "instrument") this.choose(message);
+    else if (message.do === "noteOn") this.strike(message);
+    else if (message.do === "score") this.begin(message);
+    else if (message.do === "stop") this.stop();
+    else if (message.do === "end") this.port.postMessage({ is: "ended" });
+    else if (message.do === "record") this.isRecording = message.isOn;
+    else if (message.do === "close") this.close();
+    else play(this.engine, message);
+    this.answer(message);
+  }
+
+  answer(message) {
+    if (message.do === "answer" || message.do === "close") this.port.postMessage({ is: "answer" });
+  }
+
+  close() {
+    this.engine.restart();
+    idle.push(this.engine);
+    this.engine = null;
+    this.isClosed = true;
+  }
+
+  choose({ number, gain }) {
+    this.engine.choose(number);
+    this.gain = gain;
+    this.isPlaying = true;
+  }
+
+  // A score, whose times count from now on. The page is told of its notes.
+  begin({ voices, messages }) {
+    voices.forEach((voice, i) => {
+      this.engine.addVoice(voice);
+      this.engine.pan(i + 1, voice.pan);
+    });
+    this.later = messages.map((message) => ({ ...message, at: message.at + currentTime, isOfScore: true }));
+  }
+
+  stop() {
+    this.later = [];
+    this.engine.midi(kLetKeysGo);
+  }
+
+  // The reports of a strike begin with its first sample: they hold nothing of the one before.
+  strike(message) {
+    play(this.engine, message);
+    const { key, velocity, isOfScore } = message;
+    if (isOfScore) this.port.postMessage({ is: "played", key, velocity });
+    ++this.strikes;
+    this.filled = 0;
+  }
+
+  process(_, [[left, right]], parameters) {
+    while (this.later[0]?.at <= currentTime) this.receive(this.later.shift());
+    if (this.waiting.length > 0 && this.level === 0) this.change();
+    if (this.isClosed) return false;
+    if (!this.isPlaying) return true;
+    this.playedAt = currentTime;
+    this.follow(parameters);
+    const [a, b, force] = this.engine.process(left.length);
+    for (let i = 0; i < left.length; ++i) {
+      this.level = this.waiting.length > 0 ? Math.max(0, this.level - kFade) : 1;
+      this.peak = Math.max(this.peak, this.level * this.gain * Math.max(Math.abs(a[i]), Math.abs(b[i])));
+      left[i] = this.shaped(this.level * this.gain * a[i]);
+      right[i] = this.shaped(this.level * this.gain * b[i]);
+    }
+    if (this.isRecording) this.port.postMessage({ is: "sound", channels: [left.slice(), right.slice()] });
+    if (this.isReported) this.report(force);
+    return true;
+  }
+
+  // An AudioParam acts when it moves: until then, what a message has set stays.
+  follow(parameters) {
+    kParameters.forEach(({ name }, k) => {
+      const [value] = parameters[name];
+      if (value === this.values[k]) return;
+      this.values[k] = value;
+      this.engine.set(k, value);
+    });
+  }
+
+  // The instrument before is silent: the next one begins. If another one was chosen meanwhile, it fades, too.
+  change() {
+    const messages = this.waiting;
+    this.waiting = [];
+    this.isPlaying = false;
+    this.level = 1;
+    for (const message of messages) this.receive(message);
+  }
+
+  report(force) {
+    this.force.set(force, this.filled);
+    this.filled += force.length;
+    if (this.filled < kReport) return;
+    this.filled = 0;
+    const { strikes, peak, engine } = this;
+    const report = { time: currentTime, strikes, peak, force: this.force.slice(), energy: engine.energy(), books: engine.books() };
+    this.port.postMessage({ is: "report", ...report });
+    this.peak = 0;
+  }
+}
+
+registerProcessor(kName, ContactSplineProcessor);

@@ -1,0 +1,495 @@
+// SPDX-License-Identifier: MIT
+// package_test.mjs NODE_MODULES PACKAGE.tgz CONTACTSPLINE [CASE]: the npm package, installed as a user does, in Node and in headless
+// Chromium under a policy without eval. CASE: only the cases with this text in their name.
+import assert from "node:assert/strict";
+import { execFileSync, spawnSync } from "node:child_process";
+import { cpSync, mkdtempSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
+import { createServer } from "node:http";
+import { tmpdir } from "node:os";
+import { extname, join, resolve } from "node:path";
+import { fileURLToPath, pathToFileURL } from "node:url";
+
+import { closeBrowser, openPage } from "./browser.mjs";
+import { assertEqualSound, fullScaleOf, kSamples, rendered } from "./rendered.mjs";
+
+const [modules, packed, program, chosen = ""] = process.argv.slice(2);
+const kRate = 44100;
+const kBlock = 128;
+const kPolicy = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; connect-src 'self'; img-src data:";
+
+// As a user installs it.
+const size = statSync(packed).size;
+assert.ok(size <= 2e6, `${size} bytes`);
+const folder = mkdtempSync(join(tmpdir(), "contactspline-package-"));
+writeFileSync(join(folder, "package.json"), '{ "private": true, "type": "module" }');
+execFileSync("npm", ["install", "--offline", "--no-audit", "--no-fund", "--loglevel=error", resolve(packed)], { cwd: folder });
+const installed = join(folder, "node_modules", "contactspline");
+
+let made = 0; // WebAssembly instances
+WebAssembly.Instance = new Proxy(WebAssembly.Instance, { construct: (of, [...given]) => (++made, new of(...given)) });
+
+const { Player, instruments, loadGenerator } = await import(pathToFileURL(join(installed, "node.js")).href);
+const all = await instruments();
+const generator = await loadGenerator();
+
+/** Numbers from 0 to 1 that are the same in each run (mulberry32). */
+let seed = 33;
+function random() {
+  seed = (seed + 0x6d2b79f5) | 0;
+  let t = Math.imul(seed ^ (seed >>> 15), 1 | seed);
+  t = (t + Math.imul(t ^ (t >>> 7), 61 | t)) ^ t;
+  return ((t ^ (t >>> 14)) >>> 0) / 4294967296;
+}
+const one = (list) => list[Math.floor(random() * list.length)];
+
+/** Plays blocks; before(block) acts before each. Returns left and right. */
+function blocks(player, count, before = () => {}) {
+  const channels = [0, 1].map(() => new Float32Array(count * kBlock));
+  for (let block = 0; block < count; ++block) {
+    before(block);
+    const played = player.process(kBlock);
+    channels.forEach((channel, k) => channel.set(played[k], block * kBlock));
+  }
+  return channels;
+}
+
+const cases = {
+  "the package resolves by its name": () => {
+    const text = 'import { Player, instruments } from "contactspline"; await Player.create("tom"); console.log((await instruments()).length);';
+    writeFileSync(join(folder, "use.js"), text);
+    assert.equal(execFileSync(process.execPath, ["use.js"], { cwd: folder, encoding: "utf8" }).trim(), String(all.length));
+  },
+
+  "the first lines of its README play": () => {
+    const [, , node] = readFileSync(join(installed, "README.md"), "utf8").split("```js\n");
+    writeFileSync(join(folder, "readme.js"), `${node.split("```")[0]}\nconsole.log(left.some((x) => x !== 0), right.length, force.length);`);
+    assert.equal(execFileSync(process.execPath, ["readme.js"], { cwd: folder, encoding: "utf8" }).trim(), "true 128 128");
+  },
+
+  "types are those of the functions": () => {
+    cpSync(fileURLToPath(new URL("package_types.ts", import.meta.url)), join(folder, "use.ts"));
+    const options = ["--noEmit", "--strict", "--target", "es2022", "--module", "nodenext", "--lib", "es2022,dom,dom.iterable"];
+    const { stdout, status } = spawnSync(process.execPath, [join(resolve(modules), "typescript", "bin", "tsc"), ...options, "use.ts"], { cwd: folder, encoding: "utf8" });
+    assert.equal(status, 0, stdout);
+    // Each function that the package exports has a type.
+    const types = readFileSync(join(installed, "contactspline.d.ts"), "utf8");
+    for (const type of [Player.prototype, Object.getPrototypeOf(Player.prototype)])
+      for (const name of Object.getOwnPropertyNames(type))
+        if (!["constructor", "send", "sendAt"].includes(name)) assert.match(types, new RegExp(`^  ${name}\\(`, "m"), name);
+  },
+
+  "samples are those of the program": async () => {
+    for (const name of ["tom", "marimba_tube", "trichord_c4"]) {
+      const player = await Player.create(name, kRate);
+      const { parameters, events } = player.description;
+      const { name: event, init } = parameters[events[0].parameter];
+      player.strike(events[0].name);
+      const played = Array.from(blocks(player, 64)[0].subarray(0, kSamples), (x) => x * fullScaleOf(name));
+      const worst = assertEqualSound(name, played, rendered(program, name, event, init));
+      // A strike of a value of its own is that with the parameter moved there.
+      const [moved, struck] = [await Player.create(name, kRate), await Player.create(name, kRate)];
+      moved.set(event, 0.5 * init);
+      moved.strike(events[0].name);
+      struck.strike(events[0].name, 0.5 * init);
+      const [expected, actual] = [moved, struck].map((other) => blocks(other, 8)[0]);
+      assert.deepEqual(actual, expected);
+      assert.notDeepEqual(Array.from(actual), played.slice(0, actual.length));
+      for (const other of [player, moved, struck]) other.close();
+      console.log(`  ${name}: within ${worst.toExponential(1)} of the peak`);
+    }
+  },
+
+  "a file's text plays what ships": async () => {
+    const { tanpura } = generator.instruments();
+    const sounds = [];
+    for (const instrument of ["tanpura", { text: tanpura }, { text: tanpura.replace(/"tension_n": ([\d.]+)/, (_, n) => `"tension_n": ${1.1 * n}`) }]) {
+      const player = await Player.create(instrument, kRate);
+      player.strike(player.description.events[0].name);
+      sounds.push(Array.from(blocks(player, 16)[0]));
+      player.close();
+    }
+    assert.deepEqual(sounds[1], sounds[0]);
+    assert.notDeepEqual(sounds[2], sounds[0]);
+  },
+
+  "a material of one's own plays": async () => {
+    const sounds = [];
+    for (const stiffness of [null, "4.5e9", "1e9"]) {
+      const player = await Player.create("hammer_on_string", kRate);
+      const text = generator.materials().felt_c4.replace('"felt_c4"', '"my_felt"').replace("4.5e9", stiffness);
+      if (stiffness) player.useMaterial(generator.design(text, "my_felt.json"));
+      player.noteOn(60, 1);
+      sounds.push(Array.from(blocks(player, 16)[0]));
+      player.close();
+    }
+    assert.deepEqual(sounds[1], sounds[0]);
+    assert.notDeepEqual(sounds[2], sounds[0]);
+    // A closed player leaves no material behind.
+    const next = await Player.create("hammer_on_string", kRate);
+    next.noteOn(60, 1);
+    assert.deepEqual(Array.from(blocks(next, 16)[0]), sounds[0]);
+    next.close();
+  },
+
+  "bad input is one line, that of the program": async () => {
+    const text = generator.instruments().tanpura.replace('"bodies"', '"bodys"');
+    writeFileSync(join(folder, "mine.json"), text);
+    const { stderr } = spawnSync(program, ["inspect", "mine.json"], { cwd: folder, encoding: "utf8" });
+    await assert.rejects(Player.create({ text, file: "mine.json" }), { message: stderr.trim().replace(/^contactspline: |^error: /, "") });
+    const piano = await Player.create("piano");
+    for (const [use, line] of [
+      [() => Player.create("pianola"), /^contactspline: instrument: pianola is unknown; allowed: hammer_on_string, piano, /],
+      [() => Player.create("piano", NaN), /^contactspline: sampleRate: NaN is out of range; allowed: 1000 to 768000$/],
+      [() => piano.noteOn(NaN), /^contactspline: key: NaN is out of range; allowed: 0 to 127$/],
+      [() => piano.noteOn(60, 2), /^contactspline: velocity: 2 is out of range; allowed: 0 to 1$/],
+      [() => piano.noteOff("60"), /^contactspline: key: 60 is out of range/],
+      [() => piano.strike("pluck"), /^contactspline: event: pluck is unknown; allowed: none$/],
+      [() => piano.set("loudness", 1), /^contactspline: parameter: loudness is unknown; allowed: stiffness_ratio, /],
+      [() => piano.loadPreset("louder"), /^contactspline: preset: louder is unknown; allowed: /],
+      [() => piano.useMaterial(generator.design(generator.materials().felt_c2, "felt_c2.json")), /^contactspline: piano: has materials of its own/],
+      [() => generator.design("{", "felt.json"), /^felt.json: line 1, /],
+    ])
+      await assert.rejects(async () => use(), { message: line });
+    piano.close();
+  },
+
+  "a million values at random, and no sample that is not finite": async () => {
+    const values = [NaN, 0, Infinity, -Infinity, 1e300, -1e300, 1e-300, 1, -1];
+    let count = 0;
+    for (const { name, parameters, events } of all) {
+      const player = await Player.create(name, one([8000, 44100, 192000]));
+      for (let block = 0; block < 800; ++block) {
+        for (let i = 0; i < 100; ++i, ++count) {
+          const { name: parameter, min, max } = one(parameters);
+          player.set(parameter, random() < 0.5 ? one(values) : min + random() * (max - min));
+        }
+        player.midi([one([0x80, 0x90, 0xb0, 0xe0, 0x00, 0xff]), Math.floor(random() * 256), Math.floor(random() * 256)]);
+        if (events.length > 0) player.strike(one(events).name, one([undefined, 0, 1e300, -1e300, random()]));
+        for (const channel of player.process(Math.floor(random() * 129))) assert.ok(channel.every(Number.isFinite), name);
+      }
+      player.close();
+    }
+    assert.ok(count >= 1e6, String(count));
+  },
+
+  "a hundred players in turn need no more memory": async () => {
+    (await Player.create("tom")).close();
+    const before = made;
+    for (let i = 0; i < 100; ++i) {
+      const player = await Player.create(all[i % all.length].name);
+      player.noteOn(60, 0.7);
+      player.process();
+      player.close();
+      player.close(); // does nothing
+    }
+    assert.equal(made, before, "engines that were made");
+  },
+};
+
+/** Serves the folder of the package with the policy. */
+function serveInstalled() {
+  const types = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".wasm": "application/wasm" };
+  const server = createServer(({ url }, response) => {
+    try {
+      const path = new URL(url, "http://localhost").pathname.replace(/\/$/, "/index.html");
+      const bytes = readFileSync(join(installed, path));
+      response.writeHead(200, { "Content-Type": types[extname(path)] ?? "text/plain", "Content-Security-Policy": kPolicy });
+      response.end(bytes);
+    } catch {
+      response.writeHead(404).end();
+    }
+  });
+  return new Promise((done) => server.listen(0, "127.0.0.1", () => done({ address: `http://127.0.0.1:${server.address().port}/example/`, close: () => server.close() })));
+}
+
+const browserCases = {
+  "the policy forbids eval": async (page) => {
+    const isForbidden = await page.evaluate(async () => {
+      await new Promise((later) => setTimeout(later)); // the policy does not hold for what a debugger calls itself
+      try {
+        return new Function("return false")();
+      } catch {
+        return true;
+      }
+    });
+    assert.ok(isForbidden);
+  },
+
+  "a chord and AudioParams have the samples of Node": async (page) => {
+    const sounds = await page.evaluate(async ([rate, block]) => {
+      const { ContactSpline, instruments } = await import("../contactspline.js");
+      const sounds = {};
+      for (const { name, parameters, events } of await instruments()) {
+        const context = new OfflineAudioContext(2, 100 * block, rate);
+        const node = await ContactSpline.create(context, name);
+        node.connect(context.destination);
+        const wrong = parameters.filter(({ name, init, allowed }) => {
+          const { defaultValue, minValue, maxValue } = node.parameters.get(name);
+          return [[defaultValue, init], [minValue, allowed[0]], [maxValue, allowed[1]]].some(([is, shall]) => is !== Math.fround(shall));
+        });
+        if (wrong.length > 0 || node.parameters.size !== parameters.length) throw new Error(`${name}: ${JSON.stringify(wrong)}`);
+        // Each moves at a block of its own; times in the middle of the block before.
+        const at = (k) => (k - 0.5) * (block / rate);
+        parameters.forEach(({ name, min, max }, k) => node.parameters.get(name).setValueAtTime(min + 0.3 * (max - min), at(10 + k)));
+        for (const key of [60, 64, 67]) node.noteOn(key, 0.7, at(40));
+        node.noteOn(55, 0.5);
+        if (events.length > 0) node.strike(events.at(-1).name, undefined, at(50));
+        node.noteOff(60, at(60));
+        node.midi([0xb0, 64, 127], at(20));
+        await node.sent();
+        const buffer = await context.startRendering();
+        sounds[name] = [0, 1].map((k) => Array.from(buffer.getChannelData(k)));
+      }
+      return sounds;
+    }, [kRate, kBlock]);
+    assert.equal(Object.keys(sounds).length, all.length);
+    for (const { name, parameters, events } of all) {
+      const player = await Player.create(name, kRate);
+      player.noteOn(55, 0.5);
+      const expected = blocks(player, 100, (block) => {
+        if (block === 20) player.midi([0xb0, 64, 127]);
+        if (block === 40) for (const key of [60, 64, 67]) player.noteOn(key, 0.7);
+        if (block === 50 && events.length > 0) player.strike(events.at(-1).name);
+        if (block === 60) player.noteOff(60);
+        const moved = parameters[block - 10];
+        if (moved) player.set(moved.name, Math.fround(moved.min + 0.3 * (moved.max - moved.min)));
+      });
+      player.close();
+      assert.ok(expected[0].some((x) => x !== 0), name);
+      expected.forEach((channel, k) => assert.deepEqual(Float32Array.from(sounds[name][k]), channel, name));
+    }
+  },
+
+  "each parameter changes the sound": async (page) => {
+    const silent = await page.evaluate(async () => {
+      const { ContactSpline, instruments } = await import("../contactspline.js");
+      const render = async (name, parameter) => {
+        const context = new OfflineAudioContext(2, 0.4 * 44100, 44100);
+        const node = await ContactSpline.create(context, name);
+        node.connect(context.destination);
+        // Far from where it is now.
+        if (parameter) node.set(parameter.name, parameter.init - parameter.min > parameter.max - parameter.init ? parameter.min : parameter.max);
+        const { keys, events } = node.description;
+        for (const { name } of events) node.strike(name, undefined, 0.01);
+        if (keys) node.noteOn(60, 0.7, 0.01), node.noteOff(60, 0.1), node.noteOn(60, 0.7, 0.2);
+        await node.sent();
+        return (await context.startRendering()).getChannelData(0);
+      };
+      const silent = [];
+      for (const { name, parameters } of await instruments()) {
+        const usual = await render(name);
+        for (const parameter of parameters) {
+          const moved = await render(name, parameter);
+          if (moved.every((x, i) => x === usual[i])) silent.push(`${name} ${parameter.name}`);
+        }
+      }
+      return silent;
+    });
+    // Pedals that hold what other pedals or keys do, and the rate of a vibrato without width.
+    assert.deepEqual(silent, ["piano sostenuto", "slide_string vibrato_hz"]);
+  },
+
+  "force and energy are told": async (page) => {
+    const { reports, largest } = await page.evaluate(async () => {
+      const { ContactSpline } = await import("../contactspline.js");
+      const context = new OfflineAudioContext(2, 16 * 1024, 44100);
+      const reports = [];
+      const node = await ContactSpline.create(context, "hammer_on_string", { report: ({ force, ...rest }) => reports.push({ ...rest, force: Array.from(force) }) });
+      node.connect(context.destination);
+      node.noteOn(60, 1);
+      await node.sent();
+      const buffer = await context.startRendering();
+      for (let i = 0; i < 500 && reports.length < 16; ++i) await new Promise((later) => setTimeout(later, 10)); // they are on their way
+      return { reports, largest: buffer.getChannelData(0).reduce((max, x) => Math.max(max, Math.abs(x)), 0) };
+    });
+    const player = await Player.create("hammer_on_string", kRate);
+    player.noteOn(60, 1);
+    const forces = [];
+    for (let block = 0; block < 128; ++block) forces.push(...player.process()[2]);
+    assert.deepEqual(reports.flatMap(({ force }) => force), forces);
+    assert.ok(Math.max(...forces) > 10, "newtons");
+    const { energy, books, strikes } = reports.at(-1);
+    assert.equal(energy, player.energy());
+    assert.equal(strikes, 1);
+    assert.ok(books.work > 0 && books.string > 0 && Math.abs(books.hammer + books.felt + books.string + books.dissipated - books.work) < 1e-4 * books.work);
+    assert.equal(Math.max(...reports.map(({ peak }) => peak)), largest);
+    player.close();
+  },
+
+  "an instrument file and a material of one's own play": async (page) => {
+    const { tanpura } = generator.instruments();
+    const felt = generator.materials().felt_c4.replace('"felt_c4"', '"my_felt"').replace("4.5e9", "1e9");
+    const [own, struck, error] = await page.evaluate(async ([tanpura, felt]) => {
+      const { ContactSpline, loadGenerator } = await import("../contactspline.js");
+      const render = async (instrument, play) => {
+        const context = new OfflineAudioContext(2, 16 * 128, 48000);
+        const node = await ContactSpline.create(context, instrument);
+        node.connect(context.destination);
+        play(node);
+        await node.sent();
+        return Array.from((await context.startRendering()).getChannelData(0));
+      };
+      const design = (await loadGenerator()).design(felt, "my_felt.json");
+      return [
+        await render({ text: tanpura }, (node) => node.strike(node.description.events[0].name)),
+        await render("hammer_on_string", (node) => (node.useMaterial(design), node.noteOn(60, 1))),
+        await render({ text: tanpura.replace('"bodies"', '"bodys"'), file: "mine.json" }).catch(({ message }) => message),
+      ];
+    }, [tanpura, felt]);
+    const [expected, hammer] = [await Player.create("tanpura", 48000), await Player.create("hammer_on_string", 48000)];
+    expected.strike(expected.description.events[0].name);
+    assert.deepEqual(Float32Array.from(own), blocks(expected, 16)[0]);
+    hammer.useMaterial(generator.design(felt, "my_felt.json"));
+    hammer.noteOn(60, 1);
+    assert.deepEqual(Float32Array.from(struck), blocks(hammer, 16)[0]);
+    assert.match(error, /^mine\.json: bodys: unknown key; allowed: name, /);
+    for (const player of [expected, hammer]) player.close();
+  },
+
+  "values and messages at random give finite samples": async (page) => {
+    const isFinite = await page.evaluate(async () => {
+      const { ContactSpline, instruments } = await import("../contactspline.js");
+      const kLargest = 3.4e38;
+      for (const { name, parameters, events } of await instruments()) {
+        const context = new OfflineAudioContext(2, 200 * 128, 44100);
+        const node = await ContactSpline.create(context, name);
+        node.connect(context.destination);
+        for (let block = 0; block < 200; ++block) {
+          const time = (block * 128) / 44100;
+          for (const { name, min, max } of parameters)
+            node.parameters.get(name).setValueAtTime([kLargest, -kLargest, 0, 1e-38, min + Math.random() * (max - min)][Math.floor(5 * Math.random())], time);
+          node.midi([0x80 + Math.floor(Math.random() * 128), Math.random() * 256, Math.random() * 256], time);
+          node.midi([], time);
+          if (events.length > 0) node.strike(events[0].name, [undefined, 1e300, 0][block % 3], time);
+        }
+        await node.sent();
+        const buffer = await context.startRendering();
+        if (![0, 1].every((k) => buffer.getChannelData(k).every(Number.isFinite))) return name;
+      }
+      return true;
+    });
+    assert.equal(isFinite, true);
+  },
+
+  "the example plays every instrument and a file": async (page) => {
+    assert.equal(await page.locator("#instrument option").count(), all.length);
+    await page.click("#start");
+    for (const { name, parameters } of all) {
+      await page.selectOption("#instrument", name);
+      await page.locator(`#parameters[data-instrument="${name}"]`).waitFor();
+      assert.equal(await page.locator("#parameters input").count(), parameters.length, name);
+      await page.locator("#keys button").first().dispatchEvent("pointerdown");
+      await page.locator("#energy", { hasText: /[1-9]\.\d+e/ }).waitFor();
+    }
+    await page.selectOption("#instrument", "tom");
+    await page.locator('#parameters[data-instrument="tom"]').waitFor();
+    await page.getByText("An instrument file").click();
+    await page.fill("#text", generator.instruments().snare.replace('"bodies"', '"bodys"'));
+    await page.click("#play-text");
+    await page.getByRole("alert").filter({ hasText: "instrument.json: bodys: unknown key" }).waitFor();
+    await page.fill("#text", generator.instruments().snare);
+    await page.click("#play-text");
+    await page.locator('#parameters[data-instrument="snare"]').waitFor();
+    assert.equal(await page.getByRole("alert").textContent(), "");
+    assert.equal(await page.locator("#parameters input").count(), all.find(({ name }) => name === "snare").parameters.length);
+  },
+
+  "a node that is closed fades within 20 ms": async (page) => {
+    const sound = await page.evaluate(async ([rate, block]) => {
+      const { ContactSpline } = await import("../contactspline.js");
+      const context = new OfflineAudioContext(2, 30 * block, rate);
+      const node = await ContactSpline.create(context, "tom");
+      node.connect(context.destination);
+      node.strike("strike_stick");
+      node.send({ do: "close", fades: true, at: (10 - 0.5) * (block / rate) });
+      await node.sent();
+      return Array.from((await context.startRendering()).getChannelData(0));
+    }, [kRate, kBlock]);
+    const player = await Player.create("tom", kRate);
+    player.strike("strike_stick");
+    const kFade = 882; // samples
+    const expected = Array.from(blocks(player, 30)[0], (x, i) => x * Math.min(1, Math.max(0, 1 - (i + 1 - 10 * kBlock) / kFade)));
+    player.close();
+    assert.ok(Math.max(...expected.slice(10 * kBlock)) > 1e-3);
+    sound.forEach((x, i) => assert.ok(Math.abs(x - expected[i]) < 1e-6, `sample ${i}: ${x}, ${expected[i]}`));
+  },
+
+  "an engine that cannot be made is an error in one line": async (page) => {
+    const line = await page.evaluate(async () => {
+      const { ContactSpline } = await import("../contactspline.js");
+      const context = new OfflineAudioContext(2, 128, 44100);
+      await context.audioWorklet.addModule("refuse.js");
+      return ContactSpline.create(context, "piano").then(() => "made", ({ message }) => message);
+    });
+    assert.match(line, /^contactspline: piano: failed on the audio thread; allowed: /);
+  },
+
+  "a hundred nodes in turn need no more memory": async (page) => {
+    await page.click("#start"); // now a context may run
+    const { early, late } = await page.evaluate(async () => {
+      const { ContactSpline, instruments } = await import("../contactspline.js");
+      const context = new AudioContext();
+      await context.resume();
+      // Counts the instances of WebAssembly on the audio thread.
+      await context.audioWorklet.addModule("count.js");
+      const counter = new AudioWorkletNode(context, "count");
+      const made = () => new Promise((told) => ((counter.port.onmessage = ({ data }) => told(data)), counter.port.postMessage("")));
+      const names = (await instruments()).map(({ name }) => name);
+      const round = async (i) => {
+        const node = await ContactSpline.create(context, names[i % names.length], i % 2 ? { report: () => {} } : {});
+        if (i % 3 > 0) node.connect(context.destination);
+        node.noteOn(60, 0.7);
+        await node.sent();
+        await node.close();
+        await node.close(); // does nothing
+      };
+      await round(0);
+      const early = await made();
+      for (let i = 0; i < 100; ++i) await round(i);
+      return { early, late: await made() };
+    });
+    assert.equal(early, 1);
+    assert.equal(late, 1);
+  },
+};
+
+const chosenOf = (tests) => Object.entries(tests).filter(([name]) => name.includes(chosen));
+for (const [name, test] of chosenOf(cases)) {
+  await test();
+  console.log(name);
+}
+
+// On the audio thread: WebAssembly as where no memory is left, and counted.
+writeFileSync(join(installed, "example", "refuse.js"), `WebAssembly.Instance = class { constructor() { throw new RangeError("no memory"); } };`);
+writeFileSync(join(installed, "example", "count.js"), `
+let made = 0;
+WebAssembly.Instance = new Proxy(WebAssembly.Instance, { construct: (of, given) => (++made, new of(...given)) });
+registerProcessor("count", class extends AudioWorkletProcessor {
+  constructor() {
+    super();
+    this.port.onmessage = () => this.port.postMessage(made);
+  }
+  process() { return true; }
+});`);
+const server = await serveInstalled();
+const isExpected = (text) => /'unsafe-eval'|outside nominal range/.test(text); // of the first case, and of random values
+const isElsewhere = (url) => !url.startsWith(new URL("/", server.address).href) && !url.startsWith("data:");
+for (const [name, test] of chosenOf(browserCases)) {
+  const { page, complaints, requests, close } = await openPage(modules, server.address);
+  await test(page);
+  assert.deepEqual(complaints.filter((text) => !isExpected(text)), []);
+  assert.deepEqual(requests.filter(isElsewhere), [], "requests to elsewhere");
+  await close();
+  console.log(name);
+}
+
+// How many times real time, by the time that this process computes, whatever else the machine does.
+const piano = await Player.create("piano", kRate);
+for (let key = 52; key < 68; ++key) piano.noteOn(key, 0.7);
+const began = process.cpuUsage().user;
+for (let done = 0; done < 4 * kRate; done += kBlock) piano.process();
+console.log(`16 notes of the piano: ${(4e6 / (process.cpuUsage().user - began)).toFixed(1)} times real time`);
+console.log(`${(size / 1e6).toFixed(2)} MB packed`);
+await closeBrowser();
+server.close();
+rmSync(folder, { recursive: true });

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+// Samples of `contactspline render`, to compare with.
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+
+const kDuration_s = 0.2; // the program fades out at the end
+const kGain = 1 / 100; // -40 dB, so that nothing reaches the full scale of the file
+
+/** Samples of a blow, of which the program does not fade the last. */
+export const kSamples = 8190;
+
+/** The first output after an event by the program [m/s or N]: 24 bits, in one channel. */
+export function rendered(program, instrument, event, value) {
+  const folder = mkdtempSync(join(tmpdir(), "contactspline-rendered-"));
+  try {
+    const [score, sound] = ["score.json", "sound.wav"].map((name) => join(folder, name));
+    const events = [{ time_s: 0, [event]: value }];
+    writeFileSync(score, JSON.stringify({ instrument, description: "a blow", duration_s: kDuration_s, events }));
+    execFileSync(program, ["render", score, "-o", sound, "--gain", "-40", "--no-figure", "--force"], { stdio: "ignore" });
+    const bytes = readFileSync(sound);
+    const begin = bytes.indexOf("data", 12, "latin1") + 8;
+    assert.equal(bytes.readUInt16LE(22), 1, "channels");
+    return Array.from({ length: kSamples }, (_, i) => bytes.readIntLE(begin + 3 * i, 3) / 2 ** 23 / kGain);
+  } finally {
+    rmSync(folder, { recursive: true });
+  }
+}
+
+/** What the engine plays as 1, by the emitted file [m/s or N]. */
+export const fullScaleOf = (name) =>
+  JSON.parse(readFileSync(new URL(`../../generated/${name}.json`, import.meta.url))).outputs[0].full_scale;
+
+/** Asserts that samples are those expected, but for single precision: 8190 roundings of 6e-8 each, which a contact may
+ * magnify. Returns the largest difference, over the peak. */
+export function assertEqualSound(name, actual, expected) {
+  const largest = (list) => list.reduce((max, x) => Math.max(max, Math.abs(x)), 0);
+  const peak = largest(expected);
+  const worst = largest(expected.map((x, i) => x - actual[i])) / peak;
+  assert.ok(actual.length === expected.length && peak > 0 && worst < 1e-3, `${name}: ${worst} of the peak ${peak} apart`);
+  assert.ok(actual.every(Number.isFinite));
+  return worst;
+}
