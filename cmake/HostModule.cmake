@@ -1,6 +1,6 @@
 # contactspline_host_module(NAME HEADER FOLDER): the module of hosts/NAME, contactspline_NAME, if the host's header is found,
 # which sets contactspline_NAME_INCLUDE_DIR. FOLDER: where it is installed, below the prefix. Its pieces, examples/NAME, are
-# installed beside the instrument files that they play.
+# installed beside the instrument files that they play (hosts/c).
 function(contactspline_host_module name header folder)
   find_path(CONTACTSPLINE_${name}_INCLUDE_DIR ${header} PATH_SUFFIXES pd SuperCollider/plugin_interface)
   if(NOT CONTACTSPLINE_${name}_INCLUDE_DIR)
@@ -18,7 +18,7 @@ function(contactspline_host_module name header folder)
     INSTALL_RPATH "$ORIGIN/${to_library}")
   if(CONTACTSPLINE_INSTALL)
     install(TARGETS ${target} LIBRARY DESTINATION ${folder} COMPONENT ${name})
-    install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples/${name} ${PROJECT_SOURCE_DIR}/examples/instruments
+    install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples/${name}
       DESTINATION ${CMAKE_INSTALL_DATADIR}/contactspline/examples COMPONENT ${name})
   endif()
 endfunction()
