@@ -4,10 +4,15 @@ import { ContactSpline, instruments, loadGenerator } from "../contactspline.js";
 const byId = (id) => document.getElementById(id);
 const context = new AudioContext();
 let node = null;
+let changed = Promise.resolve(); // when the last choice is made
 
 /** Plays an instrument, by its name or { text } of a file, instead of the one before. */
-async function play(instrument) {
+function play(instrument) {
   context.resume(); // in the click that browsers wait for
+  changed = changed.then(() => change(instrument)); // in the order of the choices
+}
+
+async function change(instrument) {
   try {
     const next = await ContactSpline.create(context, instrument, { report, isLimited: true });
     node?.close();

@@ -51,7 +51,10 @@ export class ContactSpline extends playable(globalThis.AudioWorkletNode ?? Objec
     node.description = description;
     node.heard = {}; // what is called with which message of the audio thread
     node.waiting = []; // for answers
-    node.port.onmessage = ({ data }) => (data.is === "answer" ? node.waiting.shift()?.() : node.heard[data.is]?.(data));
+    node.port.onmessage = ({ data }) => (data.is === "answer" ? node.waiting.shift()?.answered() : node.heard[data.is]?.(data));
+    node.onprocessorerror = () => {
+      for (const { failed } of node.waiting.splice(0)) failed(new Error(`contactspline: ${description.name}: failed on the audio thread; allowed: what fits in memory`));
+    };
     return node;
   }
 
@@ -82,8 +85,8 @@ export class ContactSpline extends playable(globalThis.AudioWorkletNode ?? Objec
   }
 
   answerTo(message) {
-    return new Promise((answered) => {
-      this.waiting.push(answered);
+    return new Promise((answered, failed) => {
+      this.waiting.push({ answered, failed });
       this.send(message);
     });
   }
