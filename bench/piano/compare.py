@@ -27,8 +27,15 @@ SPEEDS = {7: 2.0, 15: 4.5}  # hammer speeds in m/s whose loudness differs as tha
 SECONDS = 8.0
 
 
+NAMES = 'C C# D D# E F F# G G# A A# B'.split()
+
+
+def name_of(key):
+    return f'{NAMES[key % 12]}{key // 12 - 1}'
+
+
 def key_of(note):
-    return 12 * (int(note[-1]) + 1) + {'C': 0, 'D#': 3, 'F#': 6, 'A': 9}[note[:-1]]
+    return 12 * (int(note[-1]) + 1) + NAMES.index(note[:-1])
 
 
 def fetch(folder):
@@ -52,9 +59,9 @@ def render(program, keyboard, key, speed, seconds, base):
                     '--gain', '20'], check=True, capture_output=True)
 
 
-def score(folder, program, keyboard='piano', layers=tuple(SPEEDS), seconds=SECONDS):
+def score(folder, program, keyboard='piano', layers=tuple(SPEEDS), seconds=SECONDS, notes=None):
     os.makedirs(folder, exist_ok=True)
-    for note in NOTES:
+    for note in notes or NOTES:
         for layer in layers:
             render(program, keyboard, key_of(note), SPEEDS[layer], seconds, f'{folder}/{note}v{layer}')
 
@@ -159,14 +166,15 @@ def features(path, note):
     x = load(path)
     f0 = 440 * 2**((key_of(note) - 69) / 12)
     found, base, b = partials(x, f0)
-    decays = []
+    decays, curves = [], []
     for k, f, _ in found[:12]:
         t, y = decay(x, f, min(f0 * 0.4, 40))
         floor = max(y.max() - 55, y[-20:].max() + 6)
         decays.append((k, slope(t, y, 0.1, 1.0, floor), slope(t, y, 2, 6, floor)))
+        curves.append((k, f, t, y))
     return {'partials': found, 'f0': base, 'B': b, 'decays_db_per_s': decays,
             'loudness_dba': loudness_dba(x[:RATE]),
-            'centroid_hz': centroid_hz(x), 'mel': mel(x)}
+            'centroid_hz': centroid_hz(x), 'mel': mel(x), 'curves': curves}
 
 
 def table(folder):
@@ -215,6 +223,6 @@ if __name__ == '__main__':
     if command:
         command(*sys.argv[2:])
     elif len(sys.argv) == 3 and sys.argv[1] == 'features':
-        print(json.dumps({f'{n}v{l}': {k: v for k, v in f.items() if k != 'mel'} for (n, l), f in table(sys.argv[2]).items()}, indent=1))
+        print(json.dumps({f'{n}v{l}': {k: v for k, v in f.items() if k not in ('mel', 'curves')} for (n, l), f in table(sys.argv[2]).items()}, indent=1))
     else:
         sys.exit(__doc__)

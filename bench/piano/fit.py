@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Fits a keyboard file to recorded notes.
 
-    fit.py PROGRAM KEYBOARD RECORDINGS FITTED
+    fit.py PROGRAM KEYBOARD RECORDINGS FITTED [STEP ...]
 
 PROGRAM is contactspline. KEYBOARD is a keyboard file with published notes and a body whose mobility Y it gives. RECORDINGS holds NOTEvLAYER.wav,
 as `compare.py fetch` makes it, for the keys A and C. FITTED is written: a note for each of these keys, with lengths and masses
@@ -16,12 +16,15 @@ of KEYBOARD, and
 4. hammers and strike places by rendered notes: KEYBOARD's times exp of six parameters (shape() says which). Least is the mean
    distance of the levels of partials 1 to 12, plus WEIGHT times that of the loudness over the keys and between the layers
    and of the centroid (as 20 log10), plus PULL times the square of the parameters, which holds them near 0;
-5. the detuning of double and triple strings: of SCALES times that of KEYBOARD, the one whose rendered decays are
-   nearest; then one factor for all bridge_ratio by the median of the rendered early decays, and one for the own losses by
-   that of the late ones;
-6. output_ratio by the loudness of rendered notes, the mean of both layers and of the key with its neighbours.
+5. the two laws of the own losses, the detuning of double and triple strings (one factor), all bridge_ratio (one factor) and
+   the horizontal motion by the recorded decays of partials 1 to 8, as unison() computes them: the amplitudes of the strings
+   of a key and of their horizontal motion on a bridge of one mobility;
+6. the high-pass of the sound by the levels of partials of rendered notes, then output_ratio by their loudness, the mean of both
+   layers and of the key with its neighbours. The keys on both sides of where the number of strings changes become notes, whose
+   loudness lies on the line between those of the neighbours.
 
-Prints each estimate with its error. It needs Debian's python3-numpy and python3-scipy.
+The steps are strings (1 to 3), hammers (4), decays (5) and output (6); without STEP it takes all. A step that is left out leaves
+what KEYBOARD has, so that a fitted file can be fitted on. Prints each estimate with its error. It needs Debian's python3-numpy and python3-scipy.
 """
 import copy
 import json
@@ -41,7 +44,6 @@ HEADER = """\
 // and recorded notes: the keys A and C of layers 7 and 15 of the Salamander Grand Piano V3, a Yamaha C5, by Alexander Holm
 // (CC BY 3.0). Bending stiffness, losses, detuning, hammers, strike places, bridge_ratio and output_ratio are fitted to them.
 """
-SCALES = (0.03, 0.06, 0.12, 0.24)
 PULL = 0.02  # dB
 WEIGHT = 0.2
 FARTHEST_DB = 20  # a partial counts no more than this
@@ -85,6 +87,10 @@ def tension(note):
     return ((2 * math.pi * pitch(note['key']))**2 * mu - note['bending_stiffness_n_m2'] * beta**4) / beta**2
 
 
+def strings_of(keyboard, key):
+    return 1 + (key >= keyboard['keyboard']['first_double_key']) + (key >= keyboard['keyboard']['first_triple_key'])
+
+
 def own_losses(recorded):
     """constant [1/s] and rise [1/s per kHz^2] of the decays from 2 to 6 s."""
     f, s = np.array([(k * pitch(compare.key_of(name)) / 1000, late / DB) for (name, _), features in recorded.items()
@@ -118,7 +124,7 @@ def estimate(keyboard, recorded):
                 if k <= 8 and (early or 0) > 0.5:
                     excess.setdefault(k, []).append(early / DB - constant - rise * (k * f / 1000)**2)
         excess = np.median([max(np.mean(values), 0.02) for values in excess.values()])
-        strings = 1 + (note['key'] >= published['first_double_key']) + (note['key'] >= published['first_triple_key'])
+        strings = strings_of(keyboard, note['key'])
         ratios.append(math.sqrt(excess / (2 * strings * f * math.sqrt(tension(note) * mu) * mobility)))
         spread = f'{np.ptp(b) / np.mean(b):.1%}' if len(b) > 1 else 'not measured'
         print(f'{name}: B {np.mean(b) if b else math.nan:.2e}, between layers {spread}; bridge_ratio alone {ratios[-1]:.2f}')
@@ -147,22 +153,19 @@ def text_of(value, depth=0):
     return '{' + ','.join(f'{inner}"{name}": {text_of(entry, depth + 1)}' for name, entry in value.items()) + outer + '}'
 
 
-def write(keyboard, notes, scale, path):
+def write(keyboard, notes, path):
     written = copy.deepcopy(keyboard)
     written['keyboard']['notes'] = [rounded(note) for note in notes]
-    for name in ('double_hz', 'triple_hz'):
-        written['keyboard']['body'][name] = [round(scale * hz, 4) for hz in keyboard['keyboard']['body'][name]]
     with open(path, 'w') as file:
         file.write(HEADER + text_of(written) + '\n')
 
 
-def rendered(program, keyboard, notes, scale, layers, features=compare.features, seconds=compare.SECONDS):
+def rendered(program, keyboard, notes, layers, features, seconds, names):
     """Features of the notes as the program plays them."""
     with tempfile.TemporaryDirectory() as folder:
-        write(keyboard, notes, scale, f'{folder}/keyboard.json')
-        compare.score(folder, program, f'{folder}/keyboard.json', layers, seconds)
-        return {(name, layer): features(f'{folder}/{name}v{layer}.wav', name)
-                for name in compare.NOTES for layer in layers}
+        write(keyboard, notes, f'{folder}/keyboard.json')
+        compare.score(folder, program, f'{folder}/keyboard.json', layers, seconds, names)
+        return {(name, layer): features(f'{folder}/{name}v{layer}.wav', name) for name in names for layer in layers}
 
 
 def shape(note, parameters):
@@ -196,8 +199,8 @@ def fit_hammers(program, keyboard, notes, recordings):
             for name in compare.NOTES for layer in compare.SPEEDS}
 
     def cost(parameters):
-        ours = rendered(program, keyboard, [shape(note, parameters) for note in notes], SCALES[0],
-                        list(compare.SPEEDS), levels, 0.85)
+        ours = rendered(program, keyboard, [shape(note, parameters) for note in notes], list(compare.SPEEDS),
+                        levels, 0.85, compare.NOTES)
         partials = np.mean(sum((level_distance(ours[of][0], real[of][0]) for of in ours), []))
         missing = np.array([[ours[name, layer][1] - real[name, layer][1] for layer in compare.SPEEDS]
                             for name in compare.NOTES])
@@ -214,66 +217,153 @@ def fit_hammers(program, keyboard, notes, recordings):
     return [shape(note, found.x) for note in notes]
 
 
-def octaves_from(ours, recorded):
-    """Distances of early and of late decays in octaves, ours above the recorded ones; partials 1 to 8."""
-    pairs = ([], [])
-    theirs = {k: decays for k, *decays in recorded['decays_db_per_s']}
-    for k, *mine in ours['decays_db_per_s']:
-        for part in (0, 1):
-            if k <= 8 and k in theirs and (theirs[k][part] or 0) > 0.5:
-                pairs[part].append(np.clip(math.log2(max(mine[part] or 0, 0.5) / theirs[k][part]), -3, 3))
-    return pairs
+def unison(note, strings, detuning_hz, horizontal, factor, mobility, k, decay_per_s, t):
+    """Level in dB of partial k: the amplitudes a of the strings and of their horizontal motion, a' = (2 pi i d - s) a - g r (r . a)
+    with the own decay s and g = 2 f Z Y bridge_ratio^2, heard as r . a. r is 1 for a string; N strings that move horizontally
+    as one count as one string with r = bridge_ratio sqrt(N), struck by strike_ratio/sqrt(N)."""
+    f, mu = pitch(note['key']), note['mass_kg'] / note['length_m']
+    g = factor * 2 * f * math.sqrt(tension(note) * mu) * mobility * note['bridge_ratio']**2
+    strike_ratio, bridge_ratio, cents = horizontal
+    d = np.append(detuning_hz, np.mean(detuning_hz) + f * (2**(cents / 1200) - 1))
+    struck = np.append(np.full(strings, 1 / strings), strike_ratio / math.sqrt(strings))
+    r = np.append(np.ones(strings), bridge_ratio * math.sqrt(strings))
+    rates, modes = np.linalg.eig(np.diag(2j * np.pi * k * d - decay_per_s) - g * np.outer(r, r))
+    a = (r @ modes) * np.linalg.solve(modes, struck.astype(complex))
+    return 20 * np.log10(np.abs(np.exp(np.outer(t, rates)) @ a) + 1e-6)
 
 
-def decay_distances(program, keyboard, notes, scale, recorded):
-    """Early and late decays of all notes, as octaves_from() has them."""
-    ours = rendered(program, keyboard, notes, scale, [7])
-    pairs = [octaves_from(ours[of], recorded[of]) for of in ours]
-    return [np.concatenate([pair[part] for pair in pairs]) for part in (0, 1)]
+def fit_decays(keyboard, notes, recorded):
+    """Own losses, bridge_ratio, detuning and the horizontal motion, by the decays of both layers."""
+    body = keyboard['keyboard']['body']
+    detuning = {1: [0], 2: body['double_hz'], 3: body['triple_hz']}
+    curves = []
+    for name, note in zip(compare.NOTES, notes):
+        strings = strings_of(keyboard, note['key'])
+        for features in (recorded[name, layer] for layer in compare.SPEEDS):
+            for (k, f, t, y), (_, early, late) in zip(features['curves'], features['decays_db_per_s']):
+                if k <= 8:
+                    part = slice(5, 301, 4)  # 0.1 to 6 s
+                    curves.append((note, strings, k, f / 1000, t[part], y[part], early, late))
 
+    def distances(logs):
+        constant, rise, scale, factor, *horizontal = np.exp(logs)
+        early, late, level = [], [], []
+        for note, strings, k, khz, t, y, theirs_early, theirs_late in curves:
+            x = unison(note, strings, scale * np.array(detuning[strings]), horizontal, factor, body['mobility_m_per_n_s'],
+                       k, constant + rise * khz**2, t)
+            begin, end = t < 0.4, (t > 1) & (t < 3)
+            level.append(np.mean(np.abs((x - x[begin].mean() - y + y[begin].mean())[end])))
+            for found, theirs, limits in ((early, theirs_early, (0.1, 1.0)), (late, theirs_late, (2, 6))):
+                ours = compare.slope(t, x, *limits, x.max() - 55)
+                if (theirs or 0) > 0.5 and ours:
+                    found.append(abs(math.log2(max(ours, 0.5) / theirs)))
+        return np.mean(early), np.mean(late), np.mean(level)
 
-def fit_decays(program, keyboard, notes, recorded):
-    """Scale of the detuning; bridge_ratio and own losses of the notes are changed."""
-    sums = []
-    for scale in SCALES:
-        early, late = (np.abs(d).mean() for d in decay_distances(program, keyboard, notes, scale, recorded))
-        sums.append(early + late)
-        print(f'detuning times {scale}: {early:.2f} octaves from the early decays, {late:.2f} from the late ones', flush=True)
-    scale = SCALES[int(np.argmin(sums))]
-    early = np.median(decay_distances(program, keyboard, notes, scale, recorded)[0])
+    def cost(logs):
+        early, late, level = distances(logs)
+        return early + late + level / 6
+
+    first = notes[0]
+    rise = first['quadratic_loss_m2_per_s'] * 1e6 * (2 * math.pi)**2 * first['mass_kg'] / first['length_m'] / tension(first)
+    start = np.log([first['constant_loss_per_s'], rise, 1, 1, body['horizontal_strike_ratio'], body['horizontal_bridge_ratio'],
+                    body['horizontal_cents']])
+    best = minimize(cost, start, method='Nelder-Mead', options={
+        'initial_simplex': np.vstack([start, start + 0.4 * np.eye(len(start))]), 'maxfev': 250, 'xatol': 0.02, 'fatol': 0.002})
+    constant, rise, scale, factor, *horizontal = np.exp(best.x)
+    for logs in (start, best.x):
+        print('decays: own {:.3f} + {:.4f} (f/kHz)^2 [1/s], detuning times {:.2f}, bridge_ratio^2 times {:.2f}, horizontal strike {:.2f}, '
+              'bridge {:.2f}, {:.1f} cents: '.format(*np.exp(logs)) +
+              '{:.2f} octaves from the early decays, {:.2f} from the late ones, {:.1f} dB from the levels between 1 and 3 s'
+              .format(*distances(logs)), flush=True)
     for note in notes:
-        note['bridge_ratio'] *= 2**(-early / 2)
-    late = np.median(decay_distances(program, keyboard, notes, scale, recorded)[1])
+        note |= {'constant_loss_per_s': constant, 'bridge_ratio': note['bridge_ratio'] * math.sqrt(factor), 'quadratic_loss_m2_per_s':
+                 rise * 1e-6 * tension(note) * note['length_m'] / note['mass_kg'] / (2 * math.pi)**2}
+    for name in ('double_hz', 'triple_hz'):
+        body[name] = [round(scale * hz, 4) for hz in body[name]]
+    for name, value in zip(('horizontal_strike_ratio', 'horizontal_bridge_ratio', 'horizontal_cents'), horizontal):
+        body[name] = float(f'{value:.3g}')
+
+
+def high_pass_db(f, above_hz, quality):
+    x = f / above_hz
+    return 20 * np.log10(x * x / np.hypot(1 - x * x, x / quality))
+
+
+def heard(path, name):
+    """Partials 1 to 12, and loudness of the first second in dB(A)."""
+    x = compare.load(path)
+    return ({k: (f, level) for k, f, level in compare.partials(x, pitch(compare.key_of(name)))[0] if k <= 12},
+            compare.loudness_dba(x[:compare.RATE]))
+
+
+def fit_high_pass(keyboard, ours, recorded):
+    """output_above_hz and output_quality by the levels of partials."""
+    body, pairs = keyboard['keyboard']['body'], []
+    for (name, layer), (partials, _) in ours.items():
+        theirs = {k: level for k, _, level in recorded[name, layer]['partials']}
+        both = [k for k in partials if k in theirs and theirs[k] > max(theirs.values()) - 50]
+        if len(both) >= 2:
+            pairs.append((np.array([partials[k][0] for k in both]), np.array([partials[k][1] - theirs[k] for k in both])))
+    now = body['output_above_hz'], body.get('output_quality', math.sqrt(0.5))
+
+    def distance(logs):
+        d = [levels + high_pass_db(f, *np.exp(logs)) - high_pass_db(f, *now) for f, levels in pairs]
+        return np.mean(np.minimum(np.concatenate([np.abs(e - np.median(e)) for e in d]), FARTHEST_DB))
+
+    best = minimize(distance, np.log((100, 1)), method='Nelder-Mead')
+    above, quality = np.exp(best.x)
+    print(f'high-pass: {above:.0f} Hz, quality {quality:.2f}, {best.fun:.2f} dB from the recorded levels, {distance(np.log(now)):.2f} before')
+    body |= {'output_above_hz': round(above), 'output_quality': float(f'{quality:.2g}')}
+
+
+def fit_output(program, keyboard, notes, recorded):
+    """Notes with output_ratio, also beside each change of the number of strings."""
+    layers = list(compare.SPEEDS)
     for note in notes:
-        note['constant_loss_per_s'] *= 2**-late
-        note['quadratic_loss_m2_per_s'] *= 2**-late
-    print(f'bridge_ratio times {2**(-early / 2):.3f}, then own losses times {2**-late:.3f}', flush=True)
-    return scale
+        note['output_ratio'] = 1.0
+    fit_high_pass(keyboard, rendered(program, keyboard, notes, layers, heard, 1.05, compare.NOTES), recorded)
+    borders = [keyboard['keyboard'][name] + beside for name in ('first_double_key', 'first_triple_key') for beside in (-1, 0)]
+    given = sorted(notes + [note_of(notes, key) for key in borders], key=lambda note: note['key'])
+    names, keys = [compare.name_of(note['key']) for note in given], [note['key'] for note in notes]
 
+    def loudness():
+        ours = rendered(program, keyboard, given, layers, heard, 1.05, names)
+        return {note['key']: np.mean([ours[name, layer][1] for layer in layers]) for name, note in zip(names, given)}
 
-def fit_loudness(program, keyboard, notes, scale, recorded):
-    ours = rendered(program, keyboard, notes, scale, list(compare.SPEEDS))
-    missing = np.array([np.mean([recorded[name, layer]['loudness_dba'] - ours[name, layer]['loudness_dba']
-                                 for layer in compare.SPEEDS]) for name in compare.NOTES])
+    found = loudness()
+    missing = np.array([np.mean([recorded[name, layer]['loudness_dba'] for layer in layers]) - found[key]
+                        for name, key in zip(compare.NOTES, keys)])
     missing -= np.median(missing)
     padded = np.pad(missing, 1, mode='edge')
     smooth = (padded[:-2] + 2 * padded[1:-1] + padded[2:]) / 4
-    for note, decibels in zip(notes, smooth):
-        note['output_ratio'] = 10**(decibels / 20)
+    wanted = np.array([found[key] for key in keys]) + smooth
     print(f'loudness: {np.round(missing, 1)} dB missing, {np.round(smooth, 1)} given')
+    for found in (found, None):  # the knock and the body's velocity do not follow output_ratio, so once more
+        found = found or loudness()
+        for note in given:
+            note['output_ratio'] *= 10**((np.interp(note['key'], keys, wanted) - found[note['key']]) / 20)
+    return given
 
 
-def main(program, keyboard_file, recordings, fitted_file):
+STEPS = ('strings', 'hammers', 'decays', 'output')
+
+
+def main(program, keyboard_file, recordings, fitted_file, *steps):
     keyboard, recorded = read(keyboard_file), compare.table(recordings)
     program = os.path.abspath(program)
-    notes = estimate(keyboard, recorded)
-    notes = fit_hammers(program, keyboard, notes, recordings)
-    scale = fit_decays(program, keyboard, notes, recorded)
-    fit_loudness(program, keyboard, notes, scale, recorded)
-    write(keyboard, notes, scale, fitted_file)
+    notes = [note_of(keyboard['keyboard']['notes'], compare.key_of(name)) for name in compare.NOTES]
+    if 'strings' in steps:
+        notes = estimate(keyboard, recorded)
+    if 'hammers' in steps:
+        notes = fit_hammers(program, keyboard, notes, recordings)
+    if 'decays' in steps:
+        fit_decays(keyboard, notes, recorded)
+    if 'output' in steps:
+        notes = fit_output(program, keyboard, notes, recorded)
+    write(keyboard, notes, fitted_file)
 
 
 if __name__ == '__main__':
-    if len(sys.argv) != 5:
+    if len(sys.argv) < 5 or not set(sys.argv[5:]) <= set(STEPS):
         sys.exit(__doc__)
-    main(*sys.argv[1:])
+    main(*sys.argv[1:5], *(sys.argv[5:] or STEPS))

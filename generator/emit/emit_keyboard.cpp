@@ -103,6 +103,7 @@ std::string faust_body_text(const Keyboard& keyboard, const std::optional<Resona
                         {"PICKUP_RATIO", literal(strings.listening.pickup_ratio)},
                         {"MOBILITY", literal(strings.listening.mobility_m_per_n_s)},
                         {"OUTPUT_ABOVE", literal(strings.listening.above_hz)},
+                        {"OUTPUT_QUALITY", literal(rounded_to(strings.listening.quality, 13))},
                         {"BODY_TITLE", body ? title_of(*body) : "of which this keyboard has none"},
                         {"MODES", fmt::format("{}", modes.size())},
                         {"RULES", faust_rules(modes)}});
@@ -117,6 +118,10 @@ std::string body_text(const Emitter& emitter, const KeyboardBody& body, const st
       {"PICKUP_RATIO", literal(body.listening.pickup_ratio)},
       {"MOBILITY", literal(body.listening.mobility_m_per_n_s)},
       {"OUTPUT_ABOVE", literal(body.listening.above_hz)},
+      {"OUTPUT_QUALITY", literal(rounded_to(body.listening.quality, 13))},
+      {"HORIZONTAL_STRIKE", literal(body.horizontal.strike_ratio)},
+      {"HORIZONTAL_BRIDGE", literal(body.horizontal.bridge_ratio)},
+      {"HORIZONTAL_CENTS", literal(body.horizontal.cents)},
       {"ANGULAR_FREQUENCIES", column(modes, [](const BodyMode& m) { return m.mode.angular_frequency_rad_per_s; })},
       {"DECAYS", column(modes, [](const BodyMode& m) { return m.mode.decay_per_s; })},
       {"MASSES", column(modes, [](const BodyMode& m) { return m.mode.mass_kg; })},

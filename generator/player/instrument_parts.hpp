@@ -79,7 +79,8 @@ class KeyboardOfScore : public PedaledKeyboard<KeyboardOfScore<T>, T> {
                       key.damper,
                       felts.memories[k],
                       key.bridge_ratio,
-                      key.output_ratio});
+                      key.output_ratio,
+                      key.horizontal});
     }
     return keys;
   }

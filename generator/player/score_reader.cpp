@@ -170,7 +170,8 @@ void add_body(const Keyboard& keyboard, const NamedText& file, const ReadFile& r
                           damper_of(keyboard, key),
                           {},
                           note.bridge_ratio,
-                          note.output_ratio});
+                          note.output_ratio,
+                          keyboard.body->horizontal});
   }
 }
 

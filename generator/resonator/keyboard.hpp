@@ -34,6 +34,7 @@ struct KeyboardBody {
   double una_corda_stiffness_ratio;  ///< ratio for the felt that strikes while the soft pedal is down
   Listening listening;               ///< the sound of the body
   std::string knock = {};            ///< resonator that a played key strikes, as `resonator`; empty: none
+  HorizontalMotion horizontal = {};
 };
 
 /// As read from a keyboard file.

@@ -35,6 +35,9 @@ constexpr Range kDetuning{-5, 5};
 constexpr Range kPickupRatio{0, 1};
 constexpr Range kMobility{0, 1e3};
 constexpr Range kOutputAbove{1, 1000};
+constexpr Range kQuality{0.1, 10};
+constexpr Range kHorizontal{0, 1};
+constexpr Range kHorizontalCents{-100, 100};
 
 // Members of the emitted C++ struct, which must not be called like it.
 constexpr const char* kTaken[] = {"name",
@@ -96,7 +99,14 @@ Listening read_listening(const JsonObject& body) {
   if (body.has("pickup_ratio")) listening.pickup_ratio = body.number("pickup_ratio", kPickupRatio);
   if (body.has("mobility_m_per_n_s")) listening.mobility_m_per_n_s = body.number("mobility_m_per_n_s", kMobility);
   if (body.has("output_above_hz")) listening.above_hz = body.number("output_above_hz", kOutputAbove);
+  if (body.has("output_quality")) listening.quality = body.number("output_quality", kQuality);
   return listening;
+}
+
+HorizontalMotion read_horizontal(const JsonObject& body) {
+  const auto ratio = [&](const char* name) { return body.has(name) ? body.number(name, kHorizontal) : 0; };
+  return {ratio("horizontal_strike_ratio"), ratio("horizontal_bridge_ratio"),
+          body.has("horizontal_cents") ? body.number("horizontal_cents", kHorizontalCents) : 0};
 }
 
 KeyboardBody read_keyboard_body(const JsonObject& body) {
@@ -106,7 +116,8 @@ KeyboardBody read_keyboard_body(const JsonObject& body) {
           read_detuning(body, "triple_hz", 3),
           body.number("una_corda_stiffness_ratio", kUnaCorda),
           read_listening(body),
-          body.has("knock") ? body.text("knock", kResonator) : ""};
+          body.has("knock") ? body.text("knock", kResonator) : "",
+          read_horizontal(body)};
 }
 
 std::vector<PublishedNote> read_notes(const JsonObject& keyboard) {
@@ -198,7 +209,8 @@ Keyboard parse_keyboard(std::string_view text, std::string_view file) {
   if (keyboard.has("body"))
     read.body = read_keyboard_body(
         keyboard.object("body", {"resonator", "double_hz", "triple_hz", "una_corda_stiffness_ratio", "pickup_ratio",
-                                 "mobility_m_per_n_s", "output_above_hz", "knock"}));
+                                 "mobility_m_per_n_s", "output_above_hz", "output_quality", "knock",
+                                 "horizontal_strike_ratio", "horizontal_bridge_ratio", "horizontal_cents"}));
   if (read.first_triple_key < read.first_double_key)
     keyboard.fail(keyboard.key("first_triple_key"),
                   fmt::format("{} is below first_double_key", read.first_triple_key),

@@ -25,7 +25,8 @@ const std::string kGood = R"({
     "concert_pitch_hz": 440, "min_speed_m_per_s": 0.2, "max_speed_m_per_s": 6, "felt_loss_s_per_m": 0.1,
     "damper_per_s": 60, "damper_time_s": 0.005, "segments": 4,
     "body": { "resonator": "soundboard", "double_hz": [-0.25, 0.35], "triple_hz": [-0.45, 0.15, 0.55],
-      "pickup_ratio": 0.125, "mobility_m_per_n_s": 7e-4, "output_above_hz": 81,
+      "pickup_ratio": 0.125, "mobility_m_per_n_s": 7e-4, "output_above_hz": 81, "output_quality": 1.25,
+      "horizontal_strike_ratio": 0.375, "horizontal_bridge_ratio": 0.275, "horizontal_cents": 3.5,
       "una_corda_stiffness_ratio": 0.51 },
     "notes": [
       )" + kLowNote + R"(,
@@ -56,6 +57,10 @@ std::vector<BadFile> all_number_cases() {
       {"keyboard.body.", "pickup_ratio", "0.125", "a number from 0 to 1", {"-0.1", "1.1"}},
       {"keyboard.body.", "mobility_m_per_n_s", "7e-4", "a number from 0 to 1000", {"-0.1", "1001"}},
       {"keyboard.body.", "output_above_hz", "81", "a number from 1 to 1000", {"0", "1001"}},
+      {"keyboard.body.", "output_quality", "1.25", "a number from 0.1 to 10", {"0", "11"}},
+      {"keyboard.body.", "horizontal_strike_ratio", "0.375", "a number from 0 to 1", {"-0.1", "1.1"}},
+      {"keyboard.body.", "horizontal_bridge_ratio", "0.275", "a number from 0 to 1", {"-0.1", "1.1"}},
+      {"keyboard.body.", "horizontal_cents", "3.5", "a number from -100 to 100", {"-101", "101"}},
       {"keyboard.body.", "una_corda_stiffness_ratio", "0.51", "a number from 0.001 to 1", {"0", "1.1"}},
       {"keyboard.notes[0].", "key", "36", "an integer from 0 to 127", kNotMidi, true},
       {"keyboard.notes[0].", "length_m", "1.602", "a number from 0.001 to 100", {"0", "-1", "101"}},
@@ -95,7 +100,8 @@ std::vector<BadFile> key_cases() {
        "keyboard.impact", "unknown key; allowed: " + keys},
       {"unknown_in_body", changed(kGood, R"("pickup_ratio")", R"("loss": 1, "pickup_ratio")"), "keyboard.body.loss",
        "unknown key; allowed: resonator, double_hz, triple_hz, "
-       "una_corda_stiffness_ratio, pickup_ratio, mobility_m_per_n_s, output_above_hz, knock"},
+       "una_corda_stiffness_ratio, pickup_ratio, mobility_m_per_n_s, output_above_hz, output_quality, knock, "
+       "horizontal_strike_ratio, horizontal_bridge_ratio, horizontal_cents"},
       {"knock_of_no_resonator", changed(kGood, R"("pickup_ratio")", R"("knock": "cupboard", "pickup_ratio")"),
        "keyboard.body.knock", "'cupboard' does not ship; allowed: a .json file, soundboard"},
       {"knock_is_number", changed(kGood, R"("pickup_ratio")", R"("knock": 1, "pickup_ratio")"), "keyboard.body.knock",
@@ -178,7 +184,9 @@ TEST(GoodKeyboardFile, HoldsTheBodyOfItsFolder) {
   for (const char* text :
        {"masses = {\n    3.25, 12.5}", "bridge_shapes = {\n    1.5, 0.0}", "knock_shapes = {\n    0.0, 2.0}",
         "left_shapes = {\n    -0.75, 0.5}", "right_shapes = {\n    -0.75, -0.5}", "double_hz = {-0.25, 0.35}",
-        "output_ratios = {\n    0.41", "pickup_ratio = 0.125", "output_above_hz = 81", "bridge_ratios = {\n    0.5"})
+        "output_ratios = {\n    0.41", "pickup_ratio = 0.125", "output_above_hz = 81", "output_quality = 1.25",
+        "horizontal_strike_ratio = 0.375", "horizontal_bridge_ratio = 0.275", "horizontal_cents = 3.5",
+        "bridge_ratios = {\n    0.5"})
     EXPECT_NE(header.find(text), header.npos) << text;
   for (const char* file : {" mine/board.json", " mine/case.json"}) EXPECT_NE(rule.find(file), rule.npos) << rule;
 }

@@ -315,7 +315,7 @@ Signals<double> on_soundboard(const std::vector<double>& force_n) {
   ModalBank<double> bank(bare(rows), kRate);
   const auto at_left = bank.sound_pickup(left), at_right = bank.sound_pickup(right);
   const auto& listening = piano().body->listening;
-  HighPass<double> high_pass(listening.above_hz, kRate);
+  HighPass<double> high_pass(listening.above_hz, kRate, listening.quality);
   Signals<double> velocities(2);
   for (const double force : force_n) {
     bank.predict();

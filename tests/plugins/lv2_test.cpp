@@ -219,7 +219,7 @@ TEST(PianoPlugin, SoundsAsTheRuntime) {
     ModalBank<double> board(modes, kRate);
     const ModeShapes<double> bridge(Board::bridge_shapes);
     const auto right = board.sound_pickup(ModeShapes<double>(Board::right_shapes));
-    HighPass<double> high_pass(Board::output_above_hz, kRate);
+    HighPass<double> high_pass(Board::output_above_hz, kRate, Board::output_quality);
     std::vector<double> expected;
     for (std::size_t n = 0; n + kLatency < sound.size(); ++n) {
       const double force =

@@ -155,12 +155,13 @@ class KeyboardInstrument : public PedaledKeyboard<KeyboardInstrument<Keyboard, T
 
  private:
   using Board = typename Keyboard::body;
-  static constexpr BoardOfKeyboard kBoard{modes_in<Board>,
-                                          Board::bridge_shapes,
-                                          Board::left_shapes,
-                                          Board::right_shapes,
-                                          {Board::pickup_ratio, Board::mobility_m_per_n_s, Board::output_above_hz},
-                                          Board::knock_shapes};
+  static constexpr BoardOfKeyboard kBoard{
+      modes_in<Board>,
+      Board::bridge_shapes,
+      Board::left_shapes,
+      Board::right_shapes,
+      {Board::pickup_ratio, Board::mobility_m_per_n_s, Board::output_above_hz, Board::output_quality},
+      Board::knock_shapes};
 
   static constexpr std::size_t kMaxModes = 80;
   static constexpr auto kParameterList = [] {
@@ -186,7 +187,8 @@ class KeyboardInstrument : public PedaledKeyboard<KeyboardInstrument<Keyboard, T
                       {key <= Keyboard::last_damped_key ? Keyboard::damper_per_s : 0.0, Keyboard::damper_time_s},
                       {},
                       Keyboard::bridge_ratios[k],
-                      Keyboard::output_ratios[k]});
+                      Keyboard::output_ratios[k],
+                      {Board::horizontal_strike_ratio, Board::horizontal_bridge_ratio, Board::horizontal_cents}});
     }
     return keys;
   }

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <concepts>
 #include <cstddef>
+#include <numbers>
 #include <span>
 #include <utility>
 
@@ -18,11 +19,19 @@
 namespace contactspline {
 
 /// The sound of strings on a body, for each ear: the body's velocity there, times `pickup_ratio`, and the force
-/// of the strings on the bridge, times a mobility, above a frequency (docs/how-it-works/body.md).
+/// of the strings on the bridge, times a mobility, through a high-pass (docs/how-it-works/body.md).
 struct Listening {
   double pickup_ratio = 1;
   double mobility_m_per_n_s = 0;
-  double above_hz = 80;  ///< Butterworth of second order, below half the sample rate
+  double above_hz = 80;                      ///< below half the sample rate
+  double quality = std::numbers::sqrt2 / 2;  ///< gain of the high-pass at above_hz (HighPass)
+};
+
+/// The motion of a key's strings parallel to the body, all together, beside the one towards it. It is there if both
+/// ratios are above 0.
+struct HorizontalMotion {
+  double strike_ratio = 0, bridge_ratio = 0;  ///< by how much less the hammer and the bridge act on it
+  double cents = 0;                           ///< above the mean of the other motions
 };
 
 /// A body with one bridge. Strings and body take turns, half a sample apart: the strings advance one sample while the

@@ -9,6 +9,7 @@
 #include <concepts>
 #include <cstddef>
 #include <numbers>
+#include <numeric>
 #include <span>
 #include <utility>
 #include <vector>
@@ -31,7 +32,8 @@ struct KeyOnBody {
   std::span<const Memory> memories = {};  ///< of the felt
   /// How far the bridge moves where these strings end, as a ratio of its motion at the body's bridge shapes.
   double bridge_ratio = 1;
-  double output_ratio = 1;  ///< weight of these strings' force on the bridge in the sound (Listening)
+  double output_ratio = 1;           ///< weight of these strings' force on the bridge in the sound (Listening)
+  HorizontalMotion horizontal = {};  ///< below detail::SoundingKey::kSympathy_hz
 };
 
 namespace detail {
@@ -45,21 +47,21 @@ struct SoundingKey {
   static constexpr double kSympathy_hz = 5000;
 
   SoundingKey(const KeyOnBody<T>& key, double sample_rate_hz, std::size_t max_modes)
-      : SoundingKey(key, rows_of(key.strings, sample_rate_hz / 2, max_modes), sample_rate_hz) {}
+      : SoundingKey(key, rows_of(key, sample_rate_hz / 2, max_modes), sample_rate_hz) {}
 
   struct Row {
     Mode mode;
     double wavenumber_per_m;
-    std::size_t string;
+    std::size_t string;    // one more than the last: the horizontal motion of all strings
+    double bridge_weight;  // of bridge_shape()
   };
 
   SoundingKey(const KeyOnBody<T>& key, std::vector<Row> sorted, double sample_rate_hz)
       : rows(std::move(sorted)),
         tuned(bare(rows)),
         model(key.felt, tuned, ModeShapes<T>(rows.size()), sample_rate_hz, key.memories),
-        bridge_ratio(key.bridge_ratio),
         output(static_cast<T>(key.output_ratio / key.bridge_ratio)),
-        bridge(model.bridge(bridge_shapes<T>(key.strings, rows, bridge_ratio))),
+        bridge(model.bridge(at_bridge(key.strings, rows))),
         strike(rows.size()),
         shapes(rows.size()),
         stiffness((rows.size() + kLine - 1) / kLine + 1),
@@ -69,6 +71,7 @@ struct SoundingKey {
         controls(key.hammer),
         string(key.strings),
         strings(key.strings.detuning_cents.size()),
+        horizontal_strike(key.horizontal.strike_ratio / std::sqrt(static_cast<double>(strings))),
         has_damper(key.damper.damping_per_s > 0) {
     strike_at(key.strike_position_m);
     sum_stiffness();
@@ -79,14 +82,22 @@ struct SoundingKey {
     damper.finish();
   }
 
-  static std::vector<Row> rows_of(const StiffString& strings, double max_frequency_hz, std::size_t max_modes) {
+  // N strings that move horizontally as one: by a displacement of 1/sqrt(N) each, they have the energy of one string.
+  static std::vector<Row> rows_of(const KeyOnBody<T>& key, double max_frequency_hz, std::size_t max_modes) {
     std::vector<Row> rows;
-    for (std::size_t s = 0; s < strings.detuning_cents.size(); ++s) {
-      StiffString one = strings;
-      one.detuning_cents = {strings.detuning_cents[s]};
-      for (const StringMode& mode : modes_below(one, max_frequency_hz, max_modes))
-        rows.push_back({mode.mode, mode.wavenumber_per_m, s});
-    }
+    const auto add = [&](double cents, double bridge_weight, std::size_t string, double below_hz) {
+      StiffString one = key.strings;
+      one.detuning_cents = {cents};
+      for (const StringMode& mode : modes_below(one, below_hz, max_modes))
+        rows.push_back({mode.mode, mode.wavenumber_per_m, string, bridge_weight});
+    };
+    const std::vector<double>& cents = key.strings.detuning_cents;
+    for (std::size_t s = 0; s < cents.size(); ++s) add(cents[s], key.bridge_ratio, s, max_frequency_hz);
+    const auto strings = static_cast<double>(cents.size());
+    if (key.horizontal.strike_ratio > 0 && key.horizontal.bridge_ratio > 0)
+      add(std::accumulate(cents.begin(), cents.end(), 0.0) / strings + key.horizontal.cents,
+          key.bridge_ratio * key.horizontal.bridge_ratio * std::sqrt(strings), cents.size(),
+          std::min(max_frequency_hz, kSympathy_hz));
     std::ranges::stable_sort(rows, {}, [](const Row& row) { return row.mode.angular_frequency_rad_per_s; });
     return rows;
   }
@@ -94,7 +105,18 @@ struct SoundingKey {
   // Stiffness of the ends of a key's strings as the bridge feels it: force and displacement there both count
   // bridge_ratio times.
   static double ends_of(const KeyOnBody<T>& key) {
-    return key.bridge_ratio * key.bridge_ratio * bridge_stiffness(key.strings, std::vector<StringMode>()).ends;
+    const double along = key.horizontal.strike_ratio > 0 ? key.horizontal.bridge_ratio : 0;
+    return key.bridge_ratio * key.bridge_ratio * (1 + along * along) *
+           bridge_stiffness(key.strings, std::vector<StringMode>()).ends;
+  }
+
+  static T at_bridge(const StiffString& string, const Row& row, const Mode& tuned) {
+    return static_cast<T>(row.bridge_weight * bridge_shape(string, StringMode{tuned, row.wavenumber_per_m}));
+  }
+  static ModeShapes<T> at_bridge(const StiffString& string, const std::vector<Row>& rows) {
+    ModeShapes<T> shapes(rows.size());
+    for (std::size_t i = 0; i < rows.size(); ++i) shapes[i] = at_bridge(string, rows[i], rows[i].mode);
+    return shapes;
   }
 
   // A number of modes, up to the end of its line.
@@ -128,8 +150,7 @@ struct SoundingKey {
     for (std::size_t i = 0; i < rows.size(); ++i) tuned[i] = retuned(string, rows[i], tuned_cents);
     model.retune(tuned);
     for (std::size_t i = 0; i < rows.size(); ++i) {
-      bridge.shapes[i] =
-          static_cast<T>(bridge_ratio * bridge_shape(string, StringMode{tuned[i], rows[i].wavenumber_per_m}));
+      bridge.shapes[i] = at_bridge(string, rows[i], tuned[i]);
       bridge.rests[i] = static_cast<T>(model.string().compliance(i) * double(bridge.shapes[i]));
     }
     sum_stiffness();
@@ -142,7 +163,9 @@ struct SoundingKey {
     if (last != struck_part) {
       struck_part = last;
       for (std::size_t i = 0; i < shapes.size(); ++i)
-        strike[i] = shapes[i] * static_cast<T>((rows[i].string + 1 == strings ? last : 1) / all);
+        strike[i] = shapes[i] * static_cast<T>(rows[i].string == strings       ? horizontal_strike
+                                               : rows[i].string + 1 == strings ? last / all
+                                                                               : 1 / all);
       model.strike_at(strike);
     }
     controls.hammer_mass_kg = mass_ratio * static_cast<T>(static_cast<double>(strings)) * hammer.hammer_mass_kg;
@@ -163,7 +186,6 @@ struct SoundingKey {
   std::vector<Row> rows;
   std::vector<Mode> tuned;  // the same at the tension of tuned_cents
   HammerString<T> model;
-  double bridge_ratio;
   T output;  // weight of the force on the bridge, which counts bridge_ratio times in `bridge`
   BridgeShapes<T> bridge;
   ModeShapes<T> strike;           // of the whole hammer
@@ -173,7 +195,9 @@ struct SoundingKey {
   FallingDamper damper;
   HammerStringControls<T> hammer, controls;
   StiffString string;
-  std::size_t strings, sympathetic = 0;
+  std::size_t strings;
+  double horizontal_strike;  // shape of the horizontal motion under the hammer
+  std::size_t sympathetic = 0;
   bool has_damper;
   double struck_part = -1;  // of the last string
   double position = 0;      // of the strike [m]

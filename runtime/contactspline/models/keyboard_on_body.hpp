@@ -54,7 +54,7 @@ class KeyboardOnBody {
         right_(ear(board.right, board.listening.pickup_ratio)),
         mobility_(static_cast<T>(board.listening.mobility_m_per_n_s)),
         bridge_force_(kSplice_s, sample_rate_hz),
-        high_pass_(board.listening.above_hz, sample_rate_hz) {
+        high_pass_(board.listening.above_hz, sample_rate_hz, board.listening.quality) {
     keys_.reserve(keys.size());
     for (const KeyOnBody<T>& key : keys) keys_.emplace_back(key, sample_rate_hz, max_modes);
     awake_.reserve(keys.size());

@@ -11,18 +11,19 @@
 
 namespace contactspline {
 
-/// Butterworth high-pass of second order: (s/w)^2/((s/w)^2 + sqrt(2) s/w + 1), by the bilinear transform with its
-/// -3 dB point kept (two trapezoidal integrators). frequency_hz: above 0; above 0.45 of the sample rate it counts as
-/// that.
+/// High-pass of second order: (s/w)^2/((s/w)^2 + s/(Q w) + 1), by the bilinear transform with w kept (two trapezoidal
+/// integrators). frequency_hz: above 0; above 0.45 of the sample rate it counts as that. quality: Q > 0, the gain at
+/// w; sqrt(1/2) is a Butterworth.
 template <std::floating_point T>
 class HighPass {
  public:
-  HighPass(double frequency_hz, double sample_rate_hz)
+  HighPass(double frequency_hz, double sample_rate_hz, double quality = std::numbers::sqrt2 / 2)
       : gain_(static_cast<T>(std::tan(std::numbers::pi * std::min(frequency_hz / sample_rate_hz, 0.45)))),
-        scale_(1 / (1 + gain_ * (std::numbers::sqrt2_v<T> + gain_))) {}
+        loss_(static_cast<T>(1 / quality)),
+        scale_(1 / (1 + gain_ * (loss_ + gain_))) {}
 
   T tick(T in) {
-    const T high = scale_ * (in - (std::numbers::sqrt2_v<T> + gain_) * band_ - low_);
+    const T high = scale_ * (in - (loss_ + gain_) * band_ - low_);
     const T to_band = gain_ * high, band = to_band + band_;
     band_ = band + to_band;
     const T to_low = gain_ * band;
@@ -33,7 +34,7 @@ class HighPass {
   void reset() { band_ = low_ = 0; }
 
  private:
-  T gain_, scale_;
+  T gain_, loss_, scale_;
   T band_ = 0, low_ = 0;
 };
 
