@@ -85,18 +85,18 @@ struct SoundingKey {
   // N strings that move horizontally as one: by a displacement of 1/sqrt(N) each, they have the energy of one string.
   static std::vector<Row> rows_of(const KeyOnBody<T>& key, double max_frequency_hz, std::size_t max_modes) {
     std::vector<Row> rows;
-    const auto add = [&](double cents, double bridge_weight, std::size_t string, double below_hz) {
+    const auto add = [&](double detuning_cents, double bridge_weight, std::size_t number, double below_hz) {
       StiffString one = key.strings;
-      one.detuning_cents = {cents};
+      one.detuning_cents = {detuning_cents};
       for (const StringMode& mode : modes_below(one, below_hz, max_modes))
-        rows.push_back({mode.mode, mode.wavenumber_per_m, string, bridge_weight});
+        rows.push_back({mode.mode, mode.wavenumber_per_m, number, bridge_weight});
     };
-    const std::vector<double>& cents = key.strings.detuning_cents;
-    for (std::size_t s = 0; s < cents.size(); ++s) add(cents[s], key.bridge_ratio, s, max_frequency_hz);
-    const auto strings = static_cast<double>(cents.size());
+    const std::vector<double>& detuning = key.strings.detuning_cents;
+    for (std::size_t s = 0; s < detuning.size(); ++s) add(detuning[s], key.bridge_ratio, s, max_frequency_hz);
+    const auto count = static_cast<double>(detuning.size());
     if (key.horizontal.strike_ratio > 0 && key.horizontal.bridge_ratio > 0)
-      add(std::accumulate(cents.begin(), cents.end(), 0.0) / strings + key.horizontal.cents,
-          key.bridge_ratio * key.horizontal.bridge_ratio * std::sqrt(strings), cents.size(),
+      add(std::accumulate(detuning.begin(), detuning.end(), 0.0) / count + key.horizontal.cents,
+          key.bridge_ratio * key.horizontal.bridge_ratio * std::sqrt(count), detuning.size(),
           std::min(max_frequency_hz, kSympathy_hz));
     std::ranges::stable_sort(rows, {}, [](const Row& row) { return row.mode.angular_frequency_rad_per_s; });
     return rows;
