@@ -236,7 +236,8 @@ CONTACTSPLINE_WEB(void, engine_midi, int status, int first, int second) {
 
 /// Plays an event by a speed [m/s] or a force [N]; by its parameter if that is not a number.
 CONTACTSPLINE_WEB(void, engine_strike, int number, int event, double value) {
-  voice(number).play(static_cast<std::size_t>(event), value);
+  voice(number).is_played = true;
+  voice(number).instrument->play(static_cast<std::size_t>(event), value);
 }
 
 CONTACTSPLINE_WEB(void, engine_watch_none) {
