@@ -709,7 +709,7 @@ END
   (cd "$WORK" && run "$WORK/prefix/bin/contactspline" render bell_score.json --instrument build/bell.so -o bell.wav)
   grep -q '^2 contacts in 2 s' "$WORK/log" || fail "a score does not strike the bell twice: $(cat "$WORK/log")"
   local plugin
-  plugin=$(echo "$build"/lv2/my_bell.lv2/*.so)
+  plugin=$build/lv2/my_bell.lv2/my_bell.so
   ! "$WORK/prefix/bin/contactspline" render "$WORK/bell_score.json" --instrument "$plugin" -o "$WORK/x.wav" 2>"$WORK/log" ||
     fail "a plug-in is taken for a model"
   grep -q -- '--instrument: is a library of something else; allowed: a library of contactspline_model()' "$WORK/log" ||

@@ -37,6 +37,7 @@ class ClapPlugin : public HostedPlugin {
       ids_[info.name] = info.id;
     }
     events_.reserve(64);
+    told_.reserve(kMaxTold);
   }
   ~ClapPlugin() override {
     plugin_->stop_processing(plugin_);
@@ -171,7 +172,8 @@ class ClapPlugin : public HostedPlugin {
   }
 
  private:
-  static constexpr std::size_t kPiece = 23;  // bytes: streams may take and give fewer than asked for
+  static constexpr std::size_t kMaxTold = 1000;  // values that are kept: more would be allocated while it plays
+  static constexpr std::size_t kPiece = 23;      // bytes: streams may take and give fewer than asked for
 
   // The format has no units: they stand in the text of a value.
   [[nodiscard]] std::vector<HostedParameter> parameters(bool are_readings) const {
@@ -247,13 +249,13 @@ class ClapPlugin : public HostedPlugin {
         [](const clap_input_events_t* self, std::uint32_t i) -> const clap_event_header_t* {
           return &(*static_cast<std::vector<Event>*>(self->ctx))[i].head;
         }};
-    const clap_output_events_t output = {this,
-                                         [](const clap_output_events_t* self, const clap_event_header_t* event) {
-                                           if (event->type == CLAP_EVENT_PARAM_VALUE)
-                                             static_cast<ClapPlugin*>(self->ctx)->told_.push_back(
-                                                 *reinterpret_cast<const clap_event_param_value_t*>(event));
-                                           return true;
-                                         }};
+    const clap_output_events_t output = {
+        this, [](const clap_output_events_t* self, const clap_event_header_t* event) {
+          auto& told = static_cast<ClapPlugin*>(self->ctx)->told_;
+          if (event->type == CLAP_EVENT_PARAM_VALUE && told.size() < kMaxTold)
+            told.push_back(*reinterpret_cast<const clap_event_param_value_t*>(event));
+          return true;
+        }};
     return {input, output};
   }
 

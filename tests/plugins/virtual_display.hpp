@@ -31,8 +31,7 @@ class VirtualDisplay {
         server_({"Xvfb", "-displayfd", "1", "-screen", "0", "2048x1400x24", "-nolisten", "tcp"}, log_) {
     for (int wait = 0; wait < 1000 && display_ == nullptr; ++wait) {
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
-      std::string number;
-      std::ifstream(log_) >> number;
+      const std::string number = told_number();
       if (!server_.is_running()) break;
       if (number.empty()) continue;
       setenv("DISPLAY", (":" + number).c_str(), 1);
@@ -50,6 +49,14 @@ class VirtualDisplay {
   [[nodiscard]] Display* get() const { return display_; }
 
  private:
+  // The line that is a number; others are messages.
+  [[nodiscard]] std::string told_number() const {
+    std::ifstream log(log_);
+    for (std::string line; std::getline(log, line);)
+      if (!line.empty() && line.find_first_not_of("0123456789") == std::string::npos) return line;
+    return {};
+  }
+
   std::filesystem::path log_;
   ChildProcess server_;
   Display* display_ = nullptr;

@@ -43,12 +43,20 @@ TEST_P(WindowsPlugin, PlaysTheSamplesOfLinux) {
   EXPECT_GT(agreement_db(std::span<const float>(there), std::span<const float>(here)), 85 - 6.1);
 }
 
+// Plug-ins have no window on Windows.
+std::string without_window(const std::string& text) {
+  static const std::regex window(
+      R"(@prefix (ui|opts):[^\n]*\n|\n    ui:ui <[^>]*> ;\n|\n<[^>]*#DPF_UI>[^]*? \.\n\n)");
+  return std::regex_replace(text, window, "");
+}
+
 TEST(WindowsPlugin, IsDescribedAsOnLinux) {
   for (const std::string file : {"contactspline_hammer_string", "presets", "manifest"}) {
     const auto text = [&](bool is_for_windows) {
       return read_file(plugin("lv2", is_for_windows).parent_path() / (file + ".ttl"));
     };
-    EXPECT_EQ(text(true), std::regex_replace(text(false), std::regex(R"(string\.so>)"), "string.dll>")) << file;
+    const std::string here = std::regex_replace(text(false), std::regex(R"(string\.so>)"), "string.dll>");
+    EXPECT_EQ(without_window(text(true)), without_window(here)) << file;
   }
 }
 
