@@ -79,13 +79,13 @@ TEST(PianoExample, TheAudioCallbackAllocatesNothing) {
   EXPECT_EQ(allocations, before + 1);    // the counter counts
 }
 
-// Released, it falls asleep: exact silence, and at once awake. The treble without dampers rings on for 18 s, at the
-// end 190 dB below the note.
+// Released, it falls asleep: exact silence, and at once awake. The treble without dampers rings on for some 20 s,
+// at the end 190 dB below the note.
 TEST(PianoExample, SleepsWhenSilent) {
-  const KeyEvent events[] = {{0, 60, 0.7f}, {10000, 60, 0}, {940000, 60, 0.7f}};
-  const auto sound = play(events, 950000, [] { return 512; });
-  EXPECT_EQ(rms(std::span(sound).subspan(930000, 10000)), 0);
-  EXPECT_GT(rms(std::span(sound).subspan(940000)), 0.01);
+  const KeyEvent events[] = {{0, 60, 0.7f}, {10000, 60, 0}, {1340000, 60, 0.7f}};
+  const auto sound = play(events, 1350000, [] { return 512; });
+  EXPECT_EQ(rms(std::span(sound).subspan(1330000, 10000)), 0);
+  EXPECT_GT(rms(std::span(sound).subspan(1340000)), 0.01);
 }
 
 // The program's file: whole, in tune, not clipped.
@@ -105,7 +105,8 @@ TEST(PianoExample, WritesAPhrase) {
                                     static_cast<std::size_t>((to_s - from_s) * kRate));
   };
   for (const float x : sound) ASSERT_LT(std::abs(x), 0.95f);
-  EXPECT_LT(rms(part(5.8, 6)), 1e-3 * rms(part(4, 5)));  // strings without dampers ring on
+  // Strings without dampers ring on: E7, whose partials the chord has, 38 dB below it.
+  EXPECT_LT(rms(part(5.8, 6)), 0.02 * rms(part(4, 5)));
   // Lone notes. A peak is within 0.02 of a bin of 3 and 4 Hz: 0.7 and 0.2 cent. The soundboard and the tuning of the
   // unison move it by some cents.
   const auto expect_in_tune = [&](std::span<const float> what, int key, double cents) {
