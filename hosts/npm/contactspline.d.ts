@@ -135,6 +135,8 @@ export interface Design {
   mass_kg?: number;
   /** Of each segment: knot [m], energy [J], force [N], half curvature [N/m]. */
   table: number[][];
+  /** Of each memory: weight, relaxation time [s]. */
+  memory: number[][];
   /** What `contactspline generate` writes, by the names of the files. */
   files: Record<string, string>;
   curve: { compression_m: number[]; law_n: number[]; spline_n: number[] };
