@@ -59,6 +59,15 @@ const slide = (page, label, value) =>
     input.dispatchEvent(new Event("input", { bubbles: true }));
   }, value);
 
+/** Drags with the mouse from a place in an element by (dx, dy), all in pixels. Waits until the element stands still. */
+async function drag(page, element, { x, y }, dx, dy) {
+  await element.hover({ position: { x, y } });
+  const box = await element.boundingBox();
+  await page.mouse.move(box.x + x, box.y + y); // hover() takes whole pixels
+  await page.mouse.down();
+  await page.mouse.move(box.x + x + dx, box.y + y + dy, { steps: 4 });
+}
+
 async function download(page, button, name) {
   const [saved] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: button }).click()]);
   assert.equal(saved.suggestedFilename(), name);
@@ -388,10 +397,7 @@ const cases = {
       for (const [chapter, figure] of [[1, "#comparison"], [2, "#story-blows"], [3, "#story-spline"], [4, "#story-step"]]) {
         await into(chapter);
         const before = await said(chapter);
-        const plot = await page.locator(figure).boundingBox();
-        await page.mouse.move(plot.x + 200, plot.y + 100);
-        await page.mouse.down();
-        await page.mouse.move(plot.x + 300, plot.y + 100, { steps: 3 });
+        await drag(page, page.locator(figure), { x: 200, y: 100 }, 100, 0);
         await page.mouse.up();
         assert.notEqual(await said(chapter), before, `a drag in chapter ${chapter}`);
       }
@@ -428,15 +434,12 @@ const cases = {
         assert.ok(moved, `chapter ${chapter} stands still at ${at}`);
       }
       // A hammer that is thrown in the story is heard.
-      const canvas = await page.locator("#chapter-7 canvas").boundingBox();
       const hold = await page.evaluate(() => {
         const stage = contactSpline.page.story.stages.get(document.getElementById("chapter-7"));
         stage.rest();
         return stage.hold;
       });
-      await page.mouse.move(canvas.x + hold.x, canvas.y + hold.y);
-      await page.mouse.down();
-      await page.mouse.move(canvas.x + hold.x, canvas.y + hold.y + 100, { steps: 4 });
+      await drag(page, page.locator("#chapter-7 canvas"), hold, 0, 100);
       await page.mouse.up();
       await page.waitForFunction(() => contactSpline.page.figures.strikes === 1);
       assert.equal(await page.locator("#instrument").inputValue(), "piano");
@@ -834,13 +837,9 @@ const cases = {
 
   async "a hammer is pulled back, moved and thrown"() {
     await withPage(server.address, async (page) => {
-      const stage = await page.locator("#stage").boundingBox();
       await page.evaluate(() => contactSpline.page.stage.rest());
       const hold = await page.evaluate(() => contactSpline.page.stage.hold);
-      const [x, y] = [stage.x + hold.x, stage.y + hold.y];
-      await page.mouse.move(x, y);
-      await page.mouse.down();
-      await page.mouse.move(x + 150, y + 65, { steps: 4 });
+      await drag(page, page.locator("#stage"), hold, 150, 65);
       const strikes = await page.evaluate(() => contactSpline.page.figures.strikes);
       await page.mouse.up();
       await page.waitForFunction((before) => contactSpline.page.figures.strikes === before + 1, strikes);
@@ -932,16 +931,13 @@ const cases = {
       for (const [instrument, parameter] of [["tanpura", "finger_release_n"], ["fret_string", "pluck_n"]]) {
         await page.selectOption("#instrument", instrument);
         await page.evaluate(() => contactSpline.page.stage.rest());
-        const stage = await page.locator("#stage").boundingBox();
         const { hold, box, max, at } = await page.evaluate((name) => {
           const { page } = contactSpline;
           const { hold, box, study } = page.stage;
           return { hold, box, max: page.played().parameters.find((one) => one.name === name).max, at: study.scene.plucks.at };
         }, parameter);
         assert.ok(Math.abs(hold.x - (box.left + at * (box.right - box.left))) < 2, "the finger is where the file has it");
-        await page.mouse.move(stage.x + hold.x, stage.y + hold.y);
-        await page.mouse.down();
-        await page.mouse.move(stage.x + hold.x + 10, stage.y + hold.y - 65, { steps: 4 });
+        await drag(page, page.locator("#stage"), hold, 10, -65);
         const strikes = await page.evaluate(() => contactSpline.page.figures.strikes);
         await page.mouse.up();
         await page.waitForFunction((before) => contactSpline.page.figures.strikes === before + 1, strikes);
