@@ -257,8 +257,7 @@ class Page {
     this.scores = new Map(scores.toSorted((a, b) => rank(a) - rank(b)));
     for (const [name, score] of this.scores) {
       const button = document.createElement("button");
-      const { title } = this.instruments.get(instrumentOf(score, this.instruments));
-      button.textContent = score.keyboard ? score.description.replace(/,[^,]*$/, "") : capital(title);
+      button.textContent = score.keyboard ? score.description.replace(/,[^,]*$/, "") : capital(name.replaceAll("_", " "));
       button.title = capital(score.description);
       button.dataset.score = name;
       button.className = "score";
