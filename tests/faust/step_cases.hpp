@@ -9,13 +9,13 @@
 #include <random>
 #include <vector>
 
-#include "exact_step.hpp"
 #include "material_under_test.hpp"
+#include "runtime/exact_contact.hpp"
 #include "support/finite.hpp"
 
 namespace contactspline::testing {
 
-using Real = ExactContact::Real;
+using Real = long double;
 inline constexpr int kRate = 48000;
 inline constexpr std::size_t kSamples = 5000;
 
@@ -106,11 +106,18 @@ Output<T> run_twin(SegmentTable<T> table, const Input<T>& in) {
           contact_force(table, controls, 1 / T(kRate), approach)};
 }
 
+/// The force of the step; with the stiffness scaled and a viscous force loss F(y0) x/dt it is 0 where the sum would
+/// pull.
 template <typename T>
 Output<Real> solve_exactly(const ExactContact& exact, const Input<T>& in) {
-  const Real y0 = in.compression, xf = in.free_increment, xi = in.admittance;
-  return {exact.potential(y0), exact.force(y0), exact.step(y0, xf, xi),
-          exact.contact(in.stiffness_ratio, in.loss, Real(1) / kRate, y0, xf, xi)};
+  const Wide y0 = in.compression, xf = in.free_increment, xi = in.admittance, ratio = in.stiffness_ratio;
+  const auto step = [&](Wide increment, Wide admittance) {
+    return ExactApproach(exact, y0, increment, admittance).solve().force;
+  };
+  const Wide resistance = Wide(in.loss) * ratio * exact.force(y0) * kRate;
+  const Wide divisor = 1 + xi * resistance;
+  const Wide contact = (ratio * step(xf / divisor, ratio * xi / divisor) + resistance * xf) / divisor;
+  return {Real(exact.energy(y0)), Real(exact.force(y0)), Real(step(xf, xi)), std::max(Real(0), Real(contact))};
 }
 
 /// The larger of increment and free increment as a force [N]: what the rounding of a step is measured by.
@@ -125,11 +132,11 @@ Real momentum(const Input<T>& in, Real force) {
 template <typename T>
 Real table_rounding(const ExactContact& exact, const Input<T>& in, Real ratio, Real contact_force) {
   const Real y0 = in.compression, increment = in.free_increment - in.admittance * contact_force;
-  const std::size_t from = exact.index(y0), to = exact.index(y0 + increment);
+  const std::size_t from = exact.segment_of(y0), to = exact.segment_of(y0 + increment);
   const bool energies_differ = from + 1 < to || to + 1 < from;
-  const Real energies =
-      energies_differ ? (exact.potential(y0) + exact.potential(y0 + increment)) / std::abs(increment) : 0;
-  return contact_force + ratio * (exact.force(y0) + exact.force(y0 + increment) + energies);
+  const Wide energies = exact.energy(y0) + exact.energy(y0 + increment);
+  const Wide forces = exact.force(y0) + exact.force(y0 + increment);
+  return contact_force + ratio * (Real(forces) + (energies_differ ? Real(energies) / std::abs(increment) : 0));
 }
 
 /// What one rounding amounts to in each output.
@@ -139,7 +146,7 @@ Output<Real> roundings(const ExactContact& exact, const Input<T>& in, const Outp
   // Roundings of the compression and of the knots move the force by two of y F'. That is less than eight of F, but
   // for laws steeper than the fourth power.
   const Real y = std::max(Real(0), Real(in.compression));
-  const Real force = std::max(out.force, y * exact.slope(y) / 4);
+  const Real force = std::max(out.force, y * Real(exact.slope(exact.segment_of(y))) / 4);
   return {kRoundoff * out.potential, kRoundoff * force,
           kRoundoff * (momentum(in, out.step) + table_rounding(exact, in, 1, out.step)),
           kRoundoff * (momentum(in, out.contact) + table_rounding(exact, in, in.stiffness_ratio, out.contact))};
