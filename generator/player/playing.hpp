@@ -18,7 +18,13 @@ namespace contactspline {
 
 enum class Action : int { kStrike, kRelease, kPluck, kNoteOn, kNoteOff, kSet };
 
-/// What happens at a sample: to an event, a key or a parameter, with a speed, a force, a velocity or a value.
+/// Thrown where a sound is not finite.
+struct NotFinite : std::runtime_error {
+  NotFinite() : std::runtime_error("the sound is not finite") {}
+};
+
+/// What happens at a sample: to an event, a key or a parameter, with a speed, a force, a velocity or a value. A speed
+/// or force that is NaN is the value that the parameter of the event has then.
 struct Happening {
   std::size_t sample;
   Action action;
@@ -27,15 +33,25 @@ struct Happening {
   double rise_s;  ///< of a pluck
 };
 
+/// The speed or force of a blow or pluck.
+template <std::floating_point T>
+[[nodiscard]] T value_of(const AnyInstrument<T>& instrument, const Happening& now) {
+  if (std::isnan(now.value))
+    for (const Event& event : instrument.events())
+      if ((event.kind == EventKind::kStrike) == (now.action == Action::kStrike) && event.number == now.number)
+        return static_cast<T>(instrument.value(event.parameter));
+  return static_cast<T>(now.value);
+}
+
 template <std::floating_point T>
 void play(AnyInstrument<T>& instrument, const Happening& now) {
   switch (now.action) {
     case Action::kStrike:
-      return instrument.strike(now.number, static_cast<T>(now.value));
+      return instrument.strike(now.number, value_of(instrument, now));
     case Action::kRelease:
       return instrument.release(now.number);
     case Action::kPluck:
-      return instrument.pluck(now.number, static_cast<T>(now.value), now.rise_s);
+      return instrument.pluck(now.number, value_of(instrument, now), now.rise_s);
     case Action::kNoteOn:
       return instrument.note_on(static_cast<int>(now.number), now.value);
     case Action::kNoteOff:
@@ -56,7 +72,7 @@ struct Recording {
 };
 
 /// Renders a prepared instrument. happenings: by rising sample. `watch` is called in every block, and may throw to
-/// stop. Throws std::runtime_error where a sample is not finite.
+/// stop. Throws NotFinite where a sample is not.
 template <std::floating_point T>
 void render(AnyInstrument<T>& instrument, std::span<const Happening> happenings, std::size_t samples,
             const Recording<T>& recording, const std::function<void()>& watch) {
@@ -76,7 +92,7 @@ void render(AnyInstrument<T>& instrument, std::span<const Happening> happenings,
     instrument.process(block, recording.force.empty() ? std::span<T>() : recording.force.subspan(begin, length));
     for (const std::span<T> part : block)
       for (const T sample : part)
-        if (!std::isfinite(sample)) throw std::runtime_error("the sound is not finite");
+        if (!std::isfinite(sample)) throw NotFinite();
     begin += length;
     if (step > 0 && begin % step == 0) recording.energy[begin / step - 1] = instrument.energy();
   }

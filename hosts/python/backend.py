@@ -7,6 +7,7 @@ It needs no network and no package of Python.
 import base64
 import hashlib
 import pathlib
+import re
 import subprocess
 import sys
 import sysconfig
@@ -14,6 +15,15 @@ import tempfile
 import zipfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+
+def prepare_metadata_for_build_wheel(metadata_directory, config_settings=None):
+    """Writes what pip reads before the package is built. Returns the name of its folder."""
+    version = re.search(r"^version: (\S+)$", (ROOT / "CITATION.cff").read_text(), re.MULTILINE)[1]
+    info = pathlib.Path(metadata_directory) / f"contactspline-{version}.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_bytes(_metadata(version))
+    return info.name
 
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
@@ -38,9 +48,7 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
 def _write(directory, stage, version, tag):
     info = f"contactspline-{version}.dist-info"
     files = {str(path.relative_to(stage)): path.read_bytes() for path in sorted(stage.rglob("*")) if path.is_file()}
-    files[f"{info}/METADATA"] = (
-        f"Metadata-Version: 2.1\nName: contactspline\nVersion: {version}\n"
-        "Summary: Collisions of musical instruments, solved in closed form\nLicense: MIT\nRequires-Dist: numpy\n").encode()
+    files[f"{info}/METADATA"] = _metadata(version)
     files[f"{info}/WHEEL"] = f"Wheel-Version: 1.0\nGenerator: contactspline\nRoot-Is-Purelib: false\nTag: {tag}\n".encode()
     rows = [f"{name},sha256={_digest(content)},{len(content)}" for name, content in files.items()]
     files[f"{info}/RECORD"] = "\n".join([*rows, f"{info}/RECORD,,", ""]).encode()
@@ -49,6 +57,12 @@ def _write(directory, stage, version, tag):
         for path, content in files.items():
             wheel.writestr(zipfile.ZipInfo(path), content, zipfile.ZIP_DEFLATED)
     return name
+
+
+def _metadata(version):
+    return (f"Metadata-Version: 2.1\nName: contactspline\nVersion: {version}\n"
+            "Summary: Collisions of musical instruments, solved in closed form\nLicense: MIT\n"
+            "Requires-Python: >=3.9\nRequires-Dist: numpy\n").encode()
 
 
 def _digest(content):

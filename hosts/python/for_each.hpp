@@ -2,8 +2,10 @@
 // Tasks on all cores, whose progress the interpreter sees.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <cstddef>
 #include <exception>
 #include <functional>
@@ -13,14 +15,17 @@
 
 namespace contactspline::python {
 
-/// Calls task(i) for all i below tasks, on so many threads. Where one throws, the others stop, and it is thrown
-/// again. watch: called about ten times a second on this thread with the number of tasks done; it stops all by an
-/// exception.
+/// Calls task(i) for all i below tasks, on the given number of threads or one for each task. Where one throws, the
+/// others stop, and it is thrown again. watch: called about ten times a second and at the end, on this thread, with
+/// the number of tasks done; it stops all by an exception.
 inline void for_each(std::size_t tasks, std::size_t threads, const std::function<void(std::size_t)>& task,
                      const std::function<void(std::size_t)>& watch, std::atomic<bool>& is_stopped) {
-  std::atomic<std::size_t> next = 0, done = 0, running = threads;
+  threads = std::min(threads, tasks);
+  std::atomic<std::size_t> next = 0, done = 0;
+  std::mutex mutex;  // of what follows
+  std::condition_variable ended;
+  std::size_t running = threads;
   std::exception_ptr failure;
-  std::mutex mutex;
   const auto work = [&] {
     try {
       for (std::size_t i = next++; i < tasks && !is_stopped; i = next++) {
@@ -32,22 +37,25 @@ inline void for_each(std::size_t tasks, std::size_t threads, const std::function
       if (!failure) failure = std::current_exception();
       is_stopped = true;
     }
-    --running;
+    const std::lock_guard lock(mutex);
+    if (--running == 0) ended.notify_one();
+  };
+  const auto has_ended = [&] {
+    std::unique_lock lock(mutex);
+    return ended.wait_for(lock, std::chrono::milliseconds(100), [&] { return running == 0; });
   };
   {
     std::vector<std::jthread> pool;
-    for (std::size_t t = 0; t < threads; ++t) pool.emplace_back(work);
-    for (std::size_t pauses = 1; running > 0; ++pauses) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-      try {
-        if (pauses % 100 == 0) watch(done);
-      } catch (...) {
-        is_stopped = true;
-        throw;
-      }
+    try {
+      for (std::size_t t = 0; t < threads; ++t) pool.emplace_back(work);
+      while (!has_ended()) watch(done);
+    } catch (...) {
+      is_stopped = true;
+      throw;
     }
   }
   if (failure) std::rethrow_exception(failure);
+  watch(tasks);
 }
 
 }  // namespace contactspline::python

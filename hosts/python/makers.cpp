@@ -77,6 +77,8 @@ InstrumentMaker mass_barrier_maker(const Json& parts) {
     if (key != "material") refuse("mass_barrier", key, "is unknown", "material");
   if (!parts.contains("material")) refuse("mass_barrier", "material", "missing", "a name, a path or an object");
   const Json& material = parts["material"];
+  if (!material.is_string() && !material.is_object())
+    refuse("mass_barrier", "material", "is no material", "a name, a path or an object, such as \"felt_c4\"");
   return maker_of_mass_barrier(material.is_object() ? design_material(material.dump(), "material.json", read_input)
                                                     : design_argument(material.get<std::string>()));
 }

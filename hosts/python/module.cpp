@@ -44,12 +44,18 @@ namespace py = pybind11;
 template <typename T>
 using Array = py::array_t<T, py::array::c_style | py::array::forcecast>;
 
+// Called now and then by what takes long, without the interpreter's lock: Ctrl-C stops it.
+void stop_on_signal() {
+  const py::gil_scoped_acquire locked;
+  if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+}
+
 Design design_of(const std::string& source, bool is_text) {
   const py::gil_scoped_release unlocked;
   return is_text ? design_material(source, "material", read_input) : design_argument(source);
 }
 
-// Designs the materials that ship or that files and texts describe, on so many threads.
+// Designs the materials that ship or that files and texts describe, on the given number of threads.
 std::vector<Design> design_many(const std::vector<std::pair<std::string, bool>>& sources, std::size_t threads,
                                 const std::function<void(std::size_t)>& watch) {
   std::vector<std::optional<Design>> designs(sources.size());
@@ -162,10 +168,11 @@ class Source {
       auto instrument = idle_in(T()).take(maker_, rate);
       for (const auto& [parameter, value] : initial) instrument->set(parameter, value);
       instrument->prepare(rate);
-      render<T>(*instrument, happenings, samples, recording, [] {
-        const py::gil_scoped_acquire locked;
-        if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-      });
+      try {
+        render<T>(*instrument, happenings, samples, recording, stop_on_signal);
+      } catch (const NotFinite& failure) {
+        refuse(shown_->name(), "sound", failure.what(), "other values of parameters or events");
+      }
       idle_in(T()).put(std::move(instrument), rate);
     }
     return py::make_tuple(outputs, forces, energies);
@@ -194,14 +201,22 @@ class Source {
             if (is_stopped) throw std::runtime_error("stopped");
           };
           const std::span<float> sound(first + i * samples, samples);
+          const auto rendered = [&](const Recording<T>& into) {
+            try {
+              render<T>(*instrument, happenings, samples, into, stop);
+            } catch (const NotFinite& failure) {
+              refuse(shown_->name(), fmt::format("row {}", i), failure.what(),
+                     "other values of parameters or events");
+            }
+          };
           Recording<T> recording{std::vector<std::span<T>>(outputs), {}};
           if constexpr (std::same_as<T, float>) {
             recording.outputs[output] = sound;
-            render<T>(*instrument, happenings, samples, recording, stop);
+            rendered(recording);
           } else {
             std::vector<T> exact(samples);
             recording.outputs[output] = exact;
-            render<T>(*instrument, happenings, samples, recording, stop);
+            rendered(recording);
             std::ranges::transform(exact, sound.begin(), [](T sample) { return static_cast<float>(sample); });
           }
           idle.put(std::move(instrument), rate);
@@ -226,12 +241,14 @@ class Source {
 // The list of parameters, events, outputs or presets as dictionaries.
 py::list parameters_of(const Source& source) {
   py::list rows;
-  for (const Parameter& p : source.shown().parameters()) {
+  for (std::size_t i = 0; i < source.shown().parameters().size(); ++i) {
+    const Parameter& p = source.shown().parameters()[i];
     const Label label = label_of(p.name);
     rows.append(py::dict(py::arg("name") = p.name, py::arg("title") = label.text, py::arg("unit") = p.unit,
                          py::arg("min") = p.allowed.min, py::arg("max") = p.allowed.max,
                          py::arg("slider") = py::make_tuple(p.slider.min, p.slider.max),
-                         py::arg("initial") = p.initial, py::arg("is_logarithmic") = p.scale == Scale::kLogarithmic,
+                         py::arg("initial") = source.shown().value(i),
+                         py::arg("is_logarithmic") = p.scale == Scale::kLogarithmic,
                          py::arg("acts") = p.acts == Acts::kAtOnce ? "at once" : "at the next note"));
   }
   return rows;
@@ -269,7 +286,7 @@ py::tuple play_score(const std::string& source, bool is_text, double rate, bool 
     PlayOptions options{rate};
     options.precision = is_single ? Precision::kSingle : Precision::kDouble;
     choose_best_output(score, options);
-    performance = play(score, options, [](double) {});
+    performance = play(score, options, [](double) { stop_on_signal(); });
     const Output chosen = contactspline::outputs_of(score)[options.output];
     output = options.is_on_body ? "body_velocity_m_per_s" : chosen.name;
     unit = options.is_on_body ? "m/s" : chosen.unit;
@@ -298,10 +315,7 @@ std::string dataset(const std::string& plan, bool is_text, const std::string& fo
     const py::gil_scoped_acquire locked;
     report(line);
   };
-  options.watch = [] {
-    const py::gil_scoped_acquire locked;
-    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-  };
+  options.watch = stop_on_signal;
   const py::gil_scoped_release unlocked;
   return make_dataset(options);
 #else
@@ -333,7 +347,7 @@ py::tuple play_struck(const StruckString& struck, const Array<double>& values, p
   const auto d = writable_span_of(displacement), f = writable_span_of(force);
   {
     const py::gil_scoped_release unlocked;
-    struck.play(all, d, f);
+    struck.play(all, d, f, stop_on_signal);
   }
   return py::make_tuple(displacement, force);
 }
@@ -346,7 +360,7 @@ py::tuple tangents_of_struck(const StruckString& struck, const Array<double>& va
   const auto d = writable_span_of(displacements), f = writable_span_of(forces);
   {
     const py::gil_scoped_release unlocked;
-    struck.tangents(all, numbers, d, f);
+    struck.tangents(all, numbers, d, f, stop_on_signal);
   }
   return py::make_tuple(displacements, forces);
 }
@@ -380,7 +394,7 @@ py::tuple fit_of(const std::string& source, bool is_text, const std::string& fol
   const Fit found = fit_material(measured, name, [&](const std::string& line) {
     const py::gil_scoped_acquire locked;
     tell(line);
-    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    stop_on_signal();
   });
   const std::string json = json_of(found, measured), material = material_text(found, measured, mark()),
                     report = report_of(found, measured);
@@ -470,6 +484,11 @@ PYBIND11_MODULE(_core, m) {
   bind_struck_string(m);
   m.def("resonator", &resonator_json, py::call_guard<py::gil_scoped_release>());
   m.def("keyboard", &keyboard_json, py::call_guard<py::gil_scoped_release>());
+  // Names of Action, in its order.
+  py::dict actions;
+  for (const char* const name : {"strike", "release", "pluck", "note_on", "note_off", "set"})
+    actions[name] = py::len(actions);
+  m.attr("actions") = actions;
   py::dict shipped;
   for (const Shipped folder :
        {Shipped::kMaterials, Shipped::kResonators, Shipped::kKeyboards, Shipped::kInstruments, Shipped::kScores})

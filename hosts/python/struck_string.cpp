@@ -37,6 +37,7 @@ enum StrikeParameter : std::size_t {
 
 constexpr double kThrowDistance_m = 1e-4;
 constexpr double kMaxLoss = 1e6;
+constexpr std::size_t kWatched = 4096;  // samples between two calls of watch()
 
 StruckString::Row row_of(std::size_t parameter, double initial) {
   const Parameter& p = HammerStringParameter::kList[parameter];
@@ -196,11 +197,12 @@ StruckString::Made StruckString::make(std::span<const double> values) const {
   return made;
 }
 
-void StruckString::play(std::span<const double> values, std::span<double> displacement,
-                        std::span<double> force) const {
+void StruckString::play(std::span<const double> values, std::span<double> displacement, std::span<double> force,
+                        const std::function<void()>& watch) const {
   const Made made = make(values);
   auto model = detail::struck(made.strike, rate_);
   for (std::size_t n = 0; n < displacement.size(); ++n) {
+    if (n % kWatched == 0) watch();
     model.tick(made.strike.controls);
     displacement[n] = model.string().displacement(made.strike.output);
     force[n] = model.force();
@@ -208,7 +210,8 @@ void StruckString::play(std::span<const double> values, std::span<double> displa
 }
 
 void StruckString::tangents(std::span<const double> values, std::span<const std::size_t> parameters,
-                            std::span<double> displacements, std::span<double> forces) const {
+                            std::span<double> displacements, std::span<double> forces,
+                            const std::function<void()>& watch) const {
   constexpr std::size_t kTogether = 4;
   const Made made = make(values);
   const std::size_t samples = parameters.empty() ? 0 : displacements.size() / parameters.size();
@@ -218,7 +221,8 @@ void StruckString::tangents(std::span<const double> values, std::span<const std:
     for (std::size_t p = 0; p < count; ++p) directions[p] = made.direction(parameters[first + p]);
     StrikeTangent<double, kTogether> tangent(made.strike, rate_, directions);
     std::array<Dual<double, kTogether>, 64> block;
-    for (std::size_t n = 0; n < samples;) {
+    for (std::size_t n = 0, told = 0; n < samples;) {
+      for (; told <= n; told += kWatched) watch();
       const bool flies = tangent.is_hammer_flying();
       const std::size_t length = flies ? 1 : std::min(block.size(), samples - n);
       tangent.process(std::span(block).first(length));

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -28,12 +29,13 @@ class StruckString {
   [[nodiscard]] const std::vector<Row>& parameters() const { return rows_; }
 
   /// Displacement at the pickup [m] and force [N] in each sample. Throws BadInput, as all that follow, if a value is
-  /// out of its range or a place is beyond the string.
-  void play(std::span<const double> values, std::span<double> displacement, std::span<double> force) const;
+  /// out of its range or a place is beyond the string. watch: called now and then; it stops the work by an exception.
+  void play(std::span<const double> values, std::span<double> displacement, std::span<double> force,
+            const std::function<void()>& watch) const;
 
   /// Their derivatives with respect to some parameters, by their indices: one row of samples for each.
   void tangents(std::span<const double> values, std::span<const std::size_t> parameters,
-                std::span<double> displacements, std::span<double> forces) const;
+                std::span<double> displacements, std::span<double> forces, const std::function<void()>& watch) const;
 
   /// The derivatives of sum(displacement_weights displacement) + sum(force_weights force) with respect to all
   /// parameters.

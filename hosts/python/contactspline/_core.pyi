@@ -4,6 +4,7 @@ from typing import Any
 
 __version__: str
 shipped: dict[str, list[str]]
+actions: dict[str, int]
 
 class Error(ValueError): ...
 

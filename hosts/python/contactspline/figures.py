@@ -14,7 +14,9 @@ def axes_or_new(axes: Any) -> Any:
     """These axes of matplotlib, or those of a new figure."""
     import matplotlib.pyplot as plt
 
-    return plt.subplots()[1] if axes is None else axes
+    axes = plt.subplots(layout="constrained")[1] if axes is None else axes
+    axes.title.set_wrap(True)
+    return axes
 
 
 def table_html(title: str, rows: Iterable[tuple[str, object]]) -> str:

@@ -9,7 +9,7 @@ from typing import Any, Callable, Mapping
 
 from . import _core
 from .material import Material
-from .source import source_of
+from .source import source_of, write_whole
 
 
 class Fit:
@@ -21,12 +21,11 @@ class Fit:
     @property
     def material(self) -> Material:
         """The material, designed."""
-        return Material._of(_core.design(self.text, True))
+        return Material._of((self.text, True))
 
     def write(self, path: str | os.PathLike[str]) -> None:
         """Writes the material file."""
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(self.text)
+        write_whole(path, self.text.encode())
 
     def __repr__(self) -> str:
         return self.report

@@ -26,10 +26,20 @@ class StruckString:
     def __init__(self, felt: str | os.PathLike[str] | Mapping[str, Any] = "felt_c4",
                  string: str | os.PathLike[str] | Mapping[str, Any] = "string_c4", *,
                  sample_rate_hz: float = 44100) -> None:
-        self._core = _core.StruckString(*source_of(felt), *source_of(string), sample_rate_hz)
-        self._rate = sample_rate_hz
+        self._make((*source_of(felt), *source_of(string), float(sample_rate_hz)))
+
+    def _make(self, made_of):
+        self._made_of = made_of
+        self._core = _core.StruckString(*made_of)
+        self._rate = made_of[-1]
         self._rows = self._core.parameters()
         self._names = [row["name"] for row in self._rows]
+
+    def __getstate__(self) -> tuple[Any, ...]:
+        return self._made_of
+
+    def __setstate__(self, made_of: tuple[Any, ...]) -> None:
+        self._make(made_of)
 
     @property
     def parameters(self) -> dict[str, dict[str, Any]]:
@@ -59,7 +69,7 @@ class StruckString:
         return dict(zip(self._names, self._core.gradient(self._values(values), weights, of_force)))
 
     def plot_motion(self, seconds: float = 0.005, *, places: int = 80, axes: Any = None, **values: float) -> Any:
-        """Draws the displacement of the whole string over place and time: the pickup at so many places. Returns the axes
+        """Draws the displacement of the whole string over place and time: the pickup at `places` places. Returns the axes
         of matplotlib."""
         if not 2 <= places <= 10000:
             raise ValueError(f"plot_motion: places: {places} is refused; allowed: 2 to 10000 places")

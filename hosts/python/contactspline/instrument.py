@@ -6,8 +6,9 @@ from __future__ import annotations
 import base64
 import io
 import math
-import wave
+import operator
 import os
+import wave
 from typing import Any, Callable, Iterable, Mapping, NamedTuple
 
 import numpy as np
@@ -15,9 +16,10 @@ import numpy.typing as npt
 
 from . import _core
 from .figures import axes_or_new, figure_html, table_html
-from .source import json_of, source_of, threads_of, watch_of
+from .source import json_of, source_of, threads_of, watch_of, write_whole
 
-_STRIKE, _RELEASE, _PLUCK, _NOTE_ON, _NOTE_OFF, _SET = range(6)
+_STRIKE, _RELEASE, _PLUCK, _NOTE_ON, _NOTE_OFF, _SET = (
+    _core.actions[name] for name in ("strike", "release", "pluck", "note_on", "note_off", "set"))
 
 
 class Event(NamedTuple):
@@ -26,13 +28,16 @@ class Event(NamedTuple):
     time_s: float
     action: int
     number: int | str
-    value: float
+    value: float | None
     rise_s: float
     hold_s: float
 
 
-def strike(time_s: float, speed_m_per_s: float, event: int | str = 0, hold_s: float = math.inf) -> Event:
-    """A blow at a time, by a name or a number of the instrument's events; its damper falls after hold_s."""
+def strike(time_s: float, speed_m_per_s: float | None = None, event: int | str = 0, hold_s: float = math.inf) -> Event:
+    """A blow at a time, by a name or a number of the instrument's events; its damper falls after hold_s.
+
+    speed_m_per_s None: the value that the parameter of the event has then.
+    """
     return Event(time_s, _STRIKE, event, speed_m_per_s, 0, hold_s)
 
 
@@ -41,8 +46,11 @@ def release(time_s: float, event: int | str = 0) -> Event:
     return Event(time_s, _RELEASE, event, 0, 0, math.inf)
 
 
-def pluck(time_s: float, force_n: float, event: int | str = 0, rise_s: float = 0.004) -> Event:
-    """A pluck at a time, whose force rises within rise_s and lets go."""
+def pluck(time_s: float, force_n: float | None = None, event: int | str = 0, rise_s: float = 0.004) -> Event:
+    """A pluck at a time, whose force rises within rise_s, 1e-5 to 1, and lets go.
+
+    force_n None: the value that the parameter of the event has then.
+    """
     return Event(time_s, _PLUCK, event, force_n, rise_s, math.inf)
 
 
@@ -84,7 +92,9 @@ class Sound:
         return np.arange(len(self.samples)) / self.sample_rate_hz
 
     def wav(self, output: str | None = None, peak_db: float = -1.0) -> bytes:
-        """An output (by default the first) as the bytes of a WAV file of 16 bits, with its peak at a level."""
+        """An output (by default the first) as the bytes of a WAV file of 16 bits, with its peak at a level, at most 0 dB."""
+        if not -200 <= peak_db <= 0:
+            raise ValueError(f"peak_db: {peak_db} is refused; allowed: -200 to 0, such as -1")
         samples = self.samples if output is None else self[output]
         peak = np.max(np.abs(samples), initial=0.0)
         scale = 32767 * 10 ** (peak_db / 20) / peak if peak > 0 else 0
@@ -99,14 +109,15 @@ class Sound:
 
     def write(self, path: str | os.PathLike[str], output: str | None = None, peak_db: float = -1.0) -> None:
         """Writes wav() to a file."""
-        with open(path, "wb") as file:
-            file.write(self.wav(output, peak_db))
+        write_whole(path, self.wav(output, peak_db))
 
     def plot(self, output: str | None = None, axes: Any = None) -> Any:
         """Draws an output (by default the first) over time. Returns the axes of matplotlib."""
         axes = axes_or_new(axes)
         name = next(iter(self.outputs)) if output is None else output
-        axes.plot(self.time_s(), self[name], linewidth=0.5)
+        lines = axes.plot(self.time_s(), self[name], linewidth=0.5)
+        if len(lines) == 2:
+            axes.legend(lines, ["left", "right"])
         axes.set(xlabel="time [s]", ylabel=f"{name} [{self.units[name]}]", title=self.title)
         return axes
 
@@ -131,7 +142,11 @@ class Instrument:
     """
 
     def __init__(self, source: str | os.PathLike[str] | Mapping[str, Any], /, **parts: Any) -> None:
-        self._source = _core.Source(*source_of(source), json_of(parts))
+        self._make(source_of(source), json_of(parts))
+
+    def _make(self, source: tuple[str, bool], parts: str) -> None:
+        self._made_of = source, parts
+        self._source = _core.Source(*source, parts)
         self.name: str = self._source.name
         self.description: str = self._source.description
         self.license: str = self._source.license
@@ -140,12 +155,18 @@ class Instrument:
         self.outputs: dict[str, dict[str, Any]] = {row["name"]: row for row in self._source.outputs()}
         self.presets: dict[str, dict[str, float]] = {name: dict(zip(self.parameters, values)) for name, values in self._source.presets().items()}
 
+    def __getstate__(self) -> tuple[tuple[str, bool], str]:
+        return self._made_of
+
+    def __setstate__(self, made_of: tuple[tuple[str, bool], str]) -> None:
+        self._make(*made_of)
+
     def play(self, events: Event | Iterable[Event] = (), seconds: float = 1.0, *, sample_rate_hz: float = 44100,
              parameters: Mapping[str, npt.ArrayLike] | None = None, outputs: str | Iterable[str] | None = None,
              force: bool = True, energy_step: int = 0, precision: str = "double") -> Sound:
         """Plays events (strike, pluck, note, ...; one or a list). Returns a Sound.
 
-        parameters: values by name, each a number or an array of values over the whole time. outputs: the names of those
+        parameters: values by name, each a number or an array of values over the whole time, within their ranges. outputs: the names of those
         that are computed (default: all). energy_step: samples between two energies; 0: none. precision: "double" or
         "single".
         """
@@ -156,10 +177,15 @@ class Instrument:
         wanted = list(self.outputs) if outputs is None else [outputs] if isinstance(outputs, str) else list(outputs)
         for name in wanted:
             self._find("outputs", name)
+        if not wanted:
+            raise ValueError(f"{self.name}: outputs: is empty; allowed: one or more of {', '.join(self.outputs)}")
+        energy_step = operator.index(energy_step)
+        if energy_step < 0:
+            raise ValueError(f"energy_step: {energy_step} is refused; allowed: 0 or more samples")
         curves = {self._number(name): self._curve(name, values, samples) for name, values in (parameters or {}).items()}
         initial = [(number, values[0][1]) for number, values in curves.items()]
         rows = [(sample, _SET, number, value, 0.0) for number, values in curves.items() for sample, value in values[1:]]
-        rows = self._rows(events, rows, samples, sample_rate_hz)
+        rows = self._rows(events, rows, samples, sample_rate_hz, parameters or {})
         played, forces, energies = play(initial, rows, samples, sample_rate_hz, [name in wanted for name in self.outputs],
                                         force, energy_step)
         return Sound(self.description or self.name,
@@ -176,46 +202,79 @@ class Instrument:
         self._find("parameters", parameter)
         return list(self.parameters).index(parameter)
 
-    def _rows(self, events, rows, samples, rate):
+    def _check(self, parameter, low, high):
+        """Refuses values of a parameter, from low to high, that are out of its range."""
+        row = self._find("parameters", parameter)
+        for value in (low, high):
+            if not row["min"] <= value <= row["max"]:
+                raise ValueError(f"{self.name}: {parameter}: {value} is refused; allowed: {row['min']:g} to {row['max']:g} "
+                                 f"{row['unit']}, such as {row['initial']:g}")
+
+    def _rows(self, events, rows, samples, rate, parameters):
         """These rows and all that happens, by time: (sample, action, number, value, rise)."""
         rows = list(rows)
-        for event in [events] if isinstance(events, Event) else events:
+        events = [events] if isinstance(events, Event) else list(events)
+        for event in events:
             rows += self._event_rows(event, rate)
+        self._refuse_unheard(events, parameters)
         return sorted((row for row in rows if row[0] < samples), key=lambda row: row[0])
+
+    def _refuse_unheard(self, events, parameters):
+        """Refuses a parameter whose value nobody hears, as each blow or pluck has a value of its own."""
+        blows = [(self._event_of(event)["parameter"], event.value) for event in events if event.action in (_STRIKE, _PLUCK)]
+        for name in parameters:
+            values = [value for parameter, value in blows if parameter == name]
+            if values and None not in values and all(event.action in (_STRIKE, _PLUCK, _RELEASE) for event in events):
+                raise ValueError(f"{self.name}: {name}: changes nothing, as each event has a value of its own; allowed: "
+                                 "events without one, such as strike(0) or pluck(0)")
 
     def _curve(self, name, values, samples):
         """Where the values change: (sample, value)."""
         values = np.atleast_1d(np.asarray(values, float))
         if values.ndim > 1 or not 1 <= len(values) <= samples or not np.all(np.isfinite(values)):
             raise ValueError(f"{self.name}: {name}: is no number and no array over time; allowed: 1 to {samples} finite values")
+        self._check(name, values.min(), values.max())
         begins = np.arange(len(values)) * samples // len(values)
         changes = np.flatnonzero(np.diff(values, prepend=math.nan))
         return [(float(begins[i]), float(values[i])) for i in changes]
 
     def _event_rows(self, event, rate):
-        if not (math.isfinite(event.time_s) and event.time_s >= 0 and event.hold_s >= 0):
+        if not (0 <= event.time_s <= 3600 and event.hold_s >= 0):
             raise ValueError(f"{self.name}: an event's time {event.time_s} or hold {event.hold_s} is refused; "
-                             "allowed: seconds, 0 or more")
-        if not math.isfinite(event.value):
-            raise ValueError(f"{self.name}: an event's value {event.value} is refused; allowed: a finite number")
-        number = self._number(event.number) if event.action == _SET else self._event_number(event)
-        rows = [(float(round(event.time_s * rate)), event.action, number, float(event.value), float(event.rise_s))]
-        if math.isfinite(event.hold_s):
-            ends = {_STRIKE: _RELEASE, _NOTE_ON: _NOTE_OFF}[event.action]
-            rows.append((float(round((event.time_s + event.hold_s) * rate)), ends, number, 0.0, 0.0))
+                             "allowed: 0 to 3600 seconds, and 0 or more")
+        number = self._event_number(event)
+        value = math.nan if event.value is None else float(event.value)  # NaN: the parameter's
+        rows = [(float(round(event.time_s * rate)), event.action, number, value, float(event.rise_s))]
+        ends = {_STRIKE: _RELEASE, _NOTE_ON: _NOTE_OFF}.get(event.action)
+        if ends is not None and math.isfinite(event.hold_s):
+            rows.append((float(round(min(event.time_s + event.hold_s, 7200) * rate)), ends, number, 0.0, 0.0))
         return rows
 
     def _event_number(self, event):
+        """The number of its event, key or parameter; its value must be allowed for that."""
+        if event.action == _SET:
+            self._check(event.number, event.value, event.value)
+            return self._number(event.number)
         if event.action in (_NOTE_ON, _NOTE_OFF):
-            if not 0 <= event.number <= 127:
-                raise ValueError(f"{self.name}: key {event.number} is refused; allowed: 0 to 127, such as 60")
-            return event.number
+            if not (0 <= operator.index(event.number) <= 127 and 0 <= event.value <= 1):
+                raise ValueError(f"{self.name}: key {event.number} with velocity {event.value} is refused; allowed: "
+                                 "keys 0 to 127 and velocities 0 to 1, such as 60 and 0.8")
+            return operator.index(event.number)
+        row = self._event_of(event)
+        if event.action == _PLUCK and not 1e-5 <= event.rise_s <= 1:
+            raise ValueError(f"{self.name}: rise_s: {event.rise_s} is refused; allowed: 1e-05 to 1, such as 0.004")
+        if event.action != _RELEASE and event.value is not None:
+            self._check(row["parameter"], event.value, event.value)
+        return row["number"]
+
+    def _event_of(self, event):
+        """The row of a blow or pluck."""
         kind = "pluck" if event.action == _PLUCK else "strike"
         names = [name for name, row in self.events.items() if row["kind"] == kind]
         name = names[event.number] if isinstance(event.number, int) and 0 <= event.number < len(names) else event.number
         if name not in names:
             raise ValueError(f"{self.name}: {kind}: {event.number!r} is unknown; allowed: {', '.join(names) or 'none'}")
-        return self.events[name]["number"]
+        return self.events[name]
 
     def __repr__(self) -> str:
         return f"<Instrument {self.name}: {self.description}>"
@@ -232,29 +291,33 @@ def render_many(instrument: Instrument, parameters: Mapping[str, npt.ArrayLike],
                 progress: Callable[[int, int], object] | None = None) -> npt.NDArray[np.float32]:
     """Renders an instrument once for each row of parameters, on all cores. Returns float32 samples, (rows, samples).
 
-    parameters: a dict from names to arrays of the same length. events: what every row plays. output: a name (default:
-    the first). out: where the samples go, for instance a numpy.memmap; default: a new array. The samples of a row do
+    parameters: a dict from names to arrays of the same length. events: what every row plays; strike(0) takes the speed
+    that the row has. output: a name (default: the first). out: where the samples go, for instance a numpy.memmap; default: a new array. The samples of a row do
     not depend on the other rows, their order or the number of threads. progress(done, total) is called about ten times
-    a second.
+    a second, and at the end.
     """
     if precision not in ("single", "double"):
         raise ValueError(f"precision: '{precision}' is unknown; allowed: single, double")
     samples = _samples(seconds, sample_rate_hz)
+    if not isinstance(parameters, Mapping):
+        raise ValueError("parameters: is no dict; allowed: arrays of one and the same length by name")
     columns = [np.asarray(values, float) for values in parameters.values()]
     if not columns or any(column.ndim != 1 or len(column) != len(columns[0]) for column in columns):
         raise ValueError("parameters: are no columns; allowed: arrays of one and the same length by name")
     values = np.ascontiguousarray(np.stack(columns, axis=1))
-    if not np.all(np.isfinite(values)):
-        raise ValueError("parameters: some are not finite; allowed: finite numbers")
+    for name, column in zip(parameters, columns):
+        if len(column):
+            instrument._check(name, column.min(), column.max())
     shape = (len(values), samples)
     if out is None:
         out = np.empty(shape, np.float32)
-    elif out.shape != shape or out.dtype != np.float32 or not out.flags.c_contiguous:
-        raise ValueError(f"out: is no array for this; allowed: float32, C order, {shape}")
+    elif (not isinstance(out, np.ndarray) or out.shape != shape or out.dtype != np.float32 or not out.flags.c_contiguous
+          or not out.flags.writeable):
+        raise ValueError(f"out: is no array for this; allowed: float32, C order, writable, {shape}")
     name = next(iter(instrument.outputs)) if output is None else output
     instrument._find("outputs", name)
     play = instrument._source.play_many_single if precision == "single" else instrument._source.play_many_double
-    play([instrument._number(name) for name in parameters], values, instrument._rows(events, [], samples, sample_rate_hz),
+    play([instrument._number(name) for name in parameters], values, instrument._rows(events, [], samples, sample_rate_hz, parameters),
          sample_rate_hz, list(instrument.outputs).index(name), out, threads_of(threads), watch_of(progress, len(values)))
     return out
 

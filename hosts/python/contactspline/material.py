@@ -26,13 +26,23 @@ class Material:
         if source is not None and keys and not isinstance(source, Mapping):
             raise TypeError("Material: keys stand alone or beside a dict; a name or a path takes none")
         own = source if isinstance(source, Mapping) else {}
-        self._design = _core.design(*source_of({**own, **keys} if keys or source is None else source))
+        self._make(source_of({**own, **keys} if keys or source is None else source))
+
+    def _make(self, source, design=None):
+        self._made_of = source
+        self._design = _core.design(*source) if design is None else design
 
     @classmethod
-    def _of(cls, design):
+    def _of(cls, source, design=None):
         made = cls.__new__(cls)
-        made._design = design
+        made._make(source, design)
         return made
+
+    def __getstate__(self) -> tuple[str, bool]:
+        return self._made_of
+
+    def __setstate__(self, made_of: tuple[str, bool]) -> None:
+        self._make(made_of)
 
     @property
     def name(self) -> str:
@@ -114,7 +124,7 @@ class Material:
         """
         if of not in ("exact", "spline", "simulated"):
             raise ValueError(f"of: '{of}' is unknown; allowed: exact, spline, simulated")
-        return self._design.impact(speed_m_per_s, mass_kg, of, sample_rate_hz)
+        return self._design.impact(float(speed_m_per_s), mass_kg, of, float(sample_rate_hz))
 
     def plot(self, axes: Any = None) -> Any:
         """Draws the force of law and spline over the compression. Returns the axes of matplotlib."""
@@ -128,19 +138,24 @@ class Material:
         return axes
 
     def plot_impacts(self, speeds_m_per_s: npt.ArrayLike | None = None, axes: Any = None) -> Any:
-        """Draws contact duration and largest force over speeds (by default the material's range)."""
+        """Draws contact duration and largest force over speeds (by default the material's range).
+
+        axes: two, for the duration and the force; by default those of a new figure. Returns them.
+        """
         import matplotlib.pyplot as plt
 
         if speeds_m_per_s is None:
             slowest, fastest = self.speeds_m_per_s or (0.1, 10)
             speeds_m_per_s = np.geomspace(slowest, fastest, 40)
-        speeds_m_per_s = np.asarray(speeds_m_per_s, float)
-        impacts = [self.impact(speed) for speed in speeds_m_per_s]
+        speeds = np.atleast_1d(np.asarray(speeds_m_per_s, float))
+        impacts = [self.impact(speed) for speed in speeds]
         if axes is None:
-            _, axes = plt.subplots(2, 1, sharex=True)
-        axes[0].loglog(speeds_m_per_s, [1000 * impact.contact_duration_s for impact in impacts])
+            _, axes = plt.subplots(2, 1, sharex=True, layout="constrained")
+        if np.size(axes) != 2:
+            raise ValueError("plot_impacts: axes: are not two; allowed: two axes of matplotlib, or None")
+        axes[0].loglog(speeds, [1000 * impact.contact_duration_s for impact in impacts])
         axes[0].set(ylabel="contact duration [ms]", title=self.description or self.name)
-        axes[1].loglog(speeds_m_per_s, [impact.max_force_n for impact in impacts])
+        axes[1].loglog(speeds, [impact.max_force_n for impact in impacts])
         axes[1].set(xlabel="speed [m/s]", ylabel="largest force [N]")
         return axes
 
@@ -158,8 +173,10 @@ def design_many(sources: Iterable[str | os.PathLike[str] | Mapping[str, Any]], *
                 progress: Callable[[int, int], object] | None = None) -> list[Material]:
     """Designs materials (names, paths or dicts) on all cores. Returns them in their order; the first error is raised.
 
-    progress(done, total) is called about ten times a second.
+    progress(done, total) is called about ten times a second, and at the end.
     """
+    if isinstance(sources, (str, bytes, os.PathLike, Mapping)):
+        raise ValueError("sources: is one material; allowed: a list of names, paths or dicts")
     texts = [source_of(source) for source in sources]
     designs = _core.design_many(texts, threads_of(threads), watch_of(progress, len(texts)))
-    return [Material._of(design) for design in designs]
+    return [Material._of(text, design) for text, design in zip(texts, designs)]

@@ -1,15 +1,20 @@
 # SPDX-License-Identifier: MIT
-"""What names, paths and objects mean for the compiled part."""
+"""What names, paths, objects and threads mean for the compiled part, and files that are written as a whole."""
 
 from __future__ import annotations
 
+import contextlib
 import json
+import operator
 import os
 from typing import Any, Callable, Mapping
 
 import numpy as np
 
 from . import _core
+
+
+_MAX_THREADS = 1024  # as the program has it
 
 
 def json_of(value: Mapping[str, Any]) -> str:
@@ -29,22 +34,40 @@ def source_of(source: str | os.PathLike[str] | Mapping[str, Any]) -> tuple[str, 
     """The text that the compiled part reads, and whether it is the text of a file: a name, a path or a dict."""
     if isinstance(source, Mapping):
         return json_of(dict(source)), True
-    return os.fspath(source), False
+    path = os.fsdecode(source)
+    if "\0" in path:
+        raise _core.Error(f"{path!r}: has a character of value 0; allowed: a name or a path")
+    return path, False
 
 
 def threads_of(threads: int | None) -> int:
-    """The number of threads; None: one for each core."""
-    threads = (os.cpu_count() or 1) if threads is None else threads
-    if threads < 1:
-        raise ValueError(f"threads: {threads} is refused; allowed: 1 or more, such as 2")
-    return threads
+    """The number of threads; None: one for each core that this process may use."""
+    if threads is None:
+        threads = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+        return min(threads, _MAX_THREADS)
+    if not 1 <= operator.index(threads) <= _MAX_THREADS:
+        raise ValueError(f"threads: {threads} is refused; allowed: 1 to {_MAX_THREADS}, such as 2")
+    return operator.index(threads)
 
 
 def watch_of(progress: Callable[[int, int], object] | None, total: int) -> Callable[[int], None]:
-    """Tells progress(done, total), if there is one. An interrupt from the keyboard is raised here and stops the work."""
+    """Tells progress(done, total), if there is one. Ctrl-C is raised here and stops the work."""
 
     def watch(done: int) -> None:
         if progress is not None:
             progress(done, total)
 
     return watch
+
+
+def write_whole(path: str | os.PathLike[str], content: bytes) -> None:
+    """Writes a file, which is there as a whole or stays as it was."""
+    part = f"{os.fsdecode(path)}.part"
+    try:
+        with open(part, "wb") as file:
+            file.write(content)
+        os.replace(part, path)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            os.remove(part)
+        raise

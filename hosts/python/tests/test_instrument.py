@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: MIT
 import concurrent.futures
+import copy
 import json
 import math
 import pathlib
+import pickle
 import subprocess
 import sys
 import wave
@@ -216,6 +218,81 @@ def test_many_are_the_same_in_any_order_batch_and_number_of_threads():
     assert np.array_equal(into, played)
 
 
+def test_a_blow_without_a_speed_has_that_of_its_parameter():
+    string = made("hammer_string")
+    speeds = np.array([0.5, 2.0, 5.0])
+    rows = cs.render_many(string, {"speed_m_per_s": speeds}, cs.strike(0), 0.1, output="bridge_force_n")
+    for row, speed in zip(rows, speeds):
+        one = string.play(cs.strike(0, speed), 0.1, precision="single", outputs="bridge_force_n")["bridge_force_n"]
+        assert np.array_equal(row, one)
+        two = string.play([cs.change(0, "speed_m_per_s", speed), cs.strike(0)], 0.1, precision="single", outputs="bridge_force_n")
+        assert np.array_equal(two["bridge_force_n"], one)
+    plucked = cs.Instrument("tanpura")
+    (event,) = (row for row in plucked.events.values() if row["number"] == 0)
+    force = plucked.parameters[event["parameter"]]["initial"]
+    assert np.array_equal(plucked.play(cs.pluck(0), 0.1).samples, plucked.play(cs.pluck(0, force), 0.1).samples)
+
+
+@pytest.mark.parametrize("wrong, told", [
+    (dict(parameters={"hammer_mass_kg": [0.003, -1]}), "hammer_mass_kg: -1.0 is refused"),
+    (dict(parameters={"hammer_mass_kg": [0.003, math.nan]}), "hammer_mass_kg: nan is refused"),
+    (dict(parameters={"speed_m_per_s": [1, 2]}), "changes nothing"), (dict(parameters=[1, 2]), "no dict"),
+    (dict(threads=0), "threads"), (dict(threads=10**9), "1 to 1024"), (dict(out=[1]), "out: is no array"),
+    (dict(out=np.broadcast_to(np.zeros(4410, np.float32), (2, 4410))), "out: is no array")])
+def test_what_is_wrong_in_a_batch_is_told(wrong, told):
+    with pytest.raises(ValueError, match=told) as raised:
+        cs.render_many(made("hammer_string"), **{"parameters": {"hammer_mass_kg": [0.003, 0.004]}, "events": cs.strike(0, 2),
+                                                 "seconds": 0.1, **wrong})
+    assert "\n" not in str(raised.value)
+
+
+def test_progress_reaches_the_end_and_more_threads_than_rows_are_no_error():
+    told = []
+    cs.render_many(made("hammer_string"), {"hammer_mass_kg": [0.003, 0.004]}, cs.strike(0, 2), 0.1, threads=1000,
+                   progress=lambda done, total: told.append((done, total)))
+    assert told[-1] == (2, 2)
+
+
+def test_a_batch_uses_the_cores_that_the_process_may_use():
+    code = "import os; os.sched_setaffinity(0, {0}); from contactspline.source import threads_of; print(threads_of(None))"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip() == "1"
+
+
+def test_instruments_and_materials_are_pickled_and_copied():
+    for one in (made("hammer_string"), cs.Instrument("tanpura"), cs.Instrument("mass_barrier", material="felt_c4")):
+        again = pickle.loads(pickle.dumps(one))
+        blow = cs.pluck(0) if "tanpura" in one.name else cs.strike(0)
+        assert np.array_equal(again.play(blow, 0.05).samples, one.play(blow, 0.05).samples)
+        assert copy.deepcopy(one).parameters == one.parameters
+    for felt in (cs.Material("felt_c4"), *cs.design_many(["felt_c2"])):
+        assert np.array_equal(pickle.loads(pickle.dumps(felt)).knots_m, felt.knots_m)
+    struck = cs.StruckString()
+    assert np.array_equal(copy.deepcopy(struck).play(0.01)[1], struck.play(0.01)[1])
+
+
+def test_first_values_are_shown():
+    slide = made("slide_string").parameters  # of which a score says the force, the list 0
+    assert slide["hand_force_n"]["initial"] == 8 and slide["slide_mass_kg"]["initial"] == 0.05
+
+
+def test_long_calls_hear_an_interrupt():
+    code = """
+import signal, sys, time, contactspline as cs
+calls = {"struck": lambda: cs.StruckString().play(1200), "score": lambda: cs.play_score(
+    {"instrument": "hammer-string", "duration_s": 600, "voices": [{"name": "a", "resonator": "string_c4", "material": "felt_c4"}],
+     "events": [{"time_s": i, "voice": "a", "speed_m_per_s": 1} for i in range(600)]})}
+signal.signal(signal.SIGALRM, signal.getsignal(signal.SIGINT))
+signal.setitimer(signal.ITIMER_REAL, 0.3)
+try:
+    calls[sys.argv[1]]()
+except KeyboardInterrupt:
+    print("heard")
+"""
+    for call in ("struck", "score"):
+        done = subprocess.run([sys.executable, "-c", code, call], capture_output=True, text=True)
+        assert done.stdout == "heard\n", done.stderr
+
+
 def test_instruments_of_files_and_dicts(tmp_path):
     described = {"name": "probe", "description": "one mass on a spring",
                  "bodies": [{"name": "ball", "mass_kg": 0.01}]}
@@ -237,7 +314,11 @@ def test_instruments_of_files_and_dicts(tmp_path):
     (dict(seconds=0), "seconds"), (dict(seconds=math.nan), "seconds"), (dict(sample_rate_hz=10), "sample_rate_hz"),
     (dict(parameters={"nothing": 1}), "nothing"), (dict(parameters={"damping_per_s": math.nan}), "damping_per_s"),
     (dict(parameters={"damping_per_s": np.zeros(9000)}), "damping_per_s"), (dict(outputs="nothing"), "nothing"),
-    (dict(events=cs.strike(-1, 1)), "time"), (dict(events=cs.strike(0, math.nan)), "value"),
+    (dict(events=cs.strike(-1, 1)), "time"), (dict(events=cs.strike(0, math.nan)), "speed_m_per_s"),
+    (dict(events=cs.strike(0, -1)), "speed_m_per_s"), (dict(events=cs.change(0, "loss_s_per_m", -1)), "loss_s_per_m"),
+    (dict(parameters={"hammer_mass_kg": 1e9}), "hammer_mass_kg"), (dict(outputs=[]), "outputs"),
+    (dict(events=cs.note(0, 60, 2)), "velocity"), (dict(events=cs.strike(1e300, 1)), "time"), (dict(energy_step=-1), "energy_step"),
+    (dict(events=cs.strike(0, 2), parameters={"speed_m_per_s": 3}), "changes nothing"),
     (dict(events=cs.strike(0, 1, "nothing")), "strike"), (dict(events=cs.pluck(0, 1)), "pluck"),
     (dict(events=cs.note(0, 200)), "key"), (dict(precision="half"), "precision")])
 def test_what_is_wrong_is_told(wrong, told):
@@ -262,6 +343,27 @@ def test_sounds_are_written_drawn_and_shown(tmp_path, image_of):
     assert "<audio" in sound._repr_html_() and "hammer" in made("hammer_string")._repr_html_()
     assert (image_of(sound) != image_of(made("hammer_string").play(cs.strike(0.1, 2), 0.2))).any()
     json.dumps(list(sound.units))
+    for level in (6, math.nan, math.inf):
+        with pytest.raises(ValueError, match="peak_db"):
+            sound.wav(peak_db=level)
+
+
+def test_a_file_that_cannot_be_written_stays_as_it_was(tmp_path):
+    code = """
+import resource, sys, contactspline as cs
+sound = cs.Instrument("mass_barrier", material="felt_c4").play(cs.strike(0, 2), 2)
+resource.setrlimit(resource.RLIMIT_FSIZE, (100000, 100000))
+import signal; signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+try:
+    sound.write(sys.argv[1])
+except OSError as error:
+    print("told")
+"""
+    file = tmp_path / "a.wav"
+    file.write_bytes(b"old content")
+    done = subprocess.run([sys.executable, "-c", code, file], capture_output=True, text=True)
+    assert done.stdout == "told\n", done.stderr
+    assert file.read_bytes() == b"old content" and list(tmp_path.iterdir()) == [file]
 
 
 def test_calls_leave_nothing_behind():
