@@ -89,17 +89,10 @@ interface Playable {
 }
 
 /** An instrument as a node, whose `parameters` are those of its description, by their names. */
-export class ContactSpline extends AudioWorkletNode implements Playable {
+export interface ContactSpline extends Playable {}
+export class ContactSpline extends AudioWorkletNode {
   private constructor();
   static create(context: BaseAudioContext, instrument: Source, options?: Options): Promise<ContactSpline>;
-  readonly description: Description;
-  noteOn(key: number, velocity?: number, time?: number): void;
-  noteOff(key: number, time?: number): void;
-  strike(event: string, value?: number, time?: number): void;
-  midi(bytes: ArrayLike<number>, time?: number): void;
-  set(parameter: string, value: number): void;
-  loadPreset(name: string): void;
-  useMaterial(design: Design): void;
   /** Resolves when the audio thread has taken what was sent: await it before an OfflineAudioContext starts. */
   sent(): Promise<void>;
   /** Ends it, within 20 ms if it sounds. */
@@ -107,18 +100,11 @@ export class ContactSpline extends AudioWorkletNode implements Playable {
 }
 
 /** An instrument without Web Audio, in Node or anywhere: blocks of samples, when they are asked for. Times do nothing. */
-export class Player implements Playable {
+export interface Player extends Playable {}
+export class Player {
   private constructor();
   static create(instrument: Source, sampleRate?: number): Promise<Player>;
-  readonly description: Description;
   readonly sampleRate: number;
-  noteOn(key: number, velocity?: number): void;
-  noteOff(key: number): void;
-  strike(event: string, value?: number): void;
-  midi(bytes: ArrayLike<number>): void;
-  set(parameter: string, value: number): void;
-  loadPreset(name: string): void;
-  useMaterial(design: Design): void;
   /** Up to 128 samples, left and right, and the sum of the contact forces [N]: views that the next call changes. */
   process(samples?: number): [left: Float32Array, right: Float32Array, force: Float32Array];
   /** Stored [J]. */
