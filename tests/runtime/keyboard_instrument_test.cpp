@@ -387,6 +387,23 @@ TEST(Body, KeepsTheEnergyOfAKnock) {
   EXPECT_TRUE(relatively_within(body.energy(), energy, 1e-12));
 }
 
+// A knock that also moves the bridge works against the tension of the strings there: the energy is its force times
+// the change of the place where it acts.
+TEST(Body, KnocksAgainstItsBridge) {
+  const std::vector<Mode> modes = {{2 * std::numbers::pi * 100, 0, 2}, {2 * std::numbers::pi * 300, 0, 3}};
+  const double shapes[] = {1, -0.5}, bridge[] = {0.5, 1};
+  Body<double> body(modes, ModeShapes<double>(std::span<const double>(bridge)), {1e6, 0}, kRate,
+                    ModeShapes<double>(std::span<const double>(shapes)));
+  constexpr double kImpulse = 0.01;
+  body.knock(kImpulse);
+  body.tick(0);
+  const std::span<const double> changes = body.modes().changes();
+  const double work = kImpulse * kRate * (shapes[0] * changes[0] + shapes[1] * changes[1]);
+  EXPECT_TRUE(relatively_within(body.energy(), work, 1e-12));
+  for (int n = 0; n < 44100; ++n) body.tick(0);
+  EXPECT_TRUE(relatively_within(body.energy(), work, 1e-11));
+}
+
 // |H|^2 = 1/((1 - u^2)^2 + (u/Q)^2) with u = w/x, x = tan(pi f/rate), w = tan(pi cutoff/rate): the bilinear
 // transform. The quality that is not given is that of a Butterworth.
 TEST(HighPass, HasTheResponseOfItsQuality) {

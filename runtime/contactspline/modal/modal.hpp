@@ -63,9 +63,7 @@ class ModalBank {
   [[nodiscard]] constexpr T admittance(std::size_t mode) const { return admittance_[mode]; }
 
   /// Displacement at a place [m].
-  [[nodiscard]] constexpr T displacement(const Shapes& at) const {
-    return detail::sum_of<T>(size(), [&](std::size_t i) { return at[i] * displacement_[i]; });
-  }
+  [[nodiscard]] constexpr T displacement(const Shapes& at) const { return product(at, displacement_); }
 
   /// Velocity at a place [m/s]: that of the free motion of the modes, exact at every frequency. Modes that decay by
   /// more than a tenth per sample do not sound and are left out.
@@ -338,7 +336,7 @@ class ModalBank {
   }
 
  private:
-  static T product(const Shapes& weights, const detail::ModalArray<T, Modes>& state) {
+  static constexpr T product(const Shapes& weights, const detail::ModalArray<T, Modes>& state) {
 #ifdef CONTACTSPLINE_SIMD
     if constexpr (Modes == std::dynamic_extent)
       if (weights.size() > detail::kFewModes)

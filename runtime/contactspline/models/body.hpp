@@ -52,7 +52,8 @@ class Body {
         knock_(std::move(knock)),
         sample_rate_hz_(static_cast<T>(sample_rate_hz)),
         stiffness_(stiffness),
-        admittance_(bank_.admittance(bridge_, bridge_)) {}
+        admittance_(bank_.admittance(bridge_, bridge_)),
+        knock_admittance_(knock_.size() > 0 ? bank_.admittance(bridge_, knock_) : T(0)) {}
 
   /// Displacement of the bridge [m], and its change over the last sample, which the strings follow in the next one.
   [[nodiscard]] T displacement() const { return displacement_; }
@@ -88,15 +89,15 @@ class Body {
   /// thread.
   void tick(T force_n) {
     force_n_ = held(force_n_, force_n, ControlRanges<T>::bridge_force_n);
-    bank_.predict();
-    if (knock_n_ != 0) bank_.push(knock_, std::exchange(knock_n_, T(0)));
-    const T free = bank_.increment(bridge_);
+    const T knock_n = std::exchange(knock_n_, T(0)), free = free_increment_ + knock_admittance_ * knock_n;
     const T half = static_cast<T>((stiffness_.ends + stiffness_.modes) / 2);
     // The force is pull - half change, where the change is the free one plus admittance times the force.
     const T pull = force_n_ - static_cast<T>(stiffness_.ends) * displacement_;
     const T force = (pull - half * free) / (1 + admittance_ * half);
-    bank_.push(bridge_, force);
-    bank_.commit();
+    const T* const places[] = {bridge_.data(), knock_.data()};
+    const T forces[] = {force, knock_n};
+    bank_.advance(T(0), std::span(places).first(knock_n != 0 ? 2 : 1), forces, std::span(places).first(1),
+                  &free_increment_);
     change_ = free + admittance_ * force;
     displacement_ = bank_.displacement(bridge_);
   }
@@ -115,7 +116,7 @@ class Body {
   /// Brings the body to rest. Does not allocate.
   void reset() {
     bank_.reset();
-    displacement_ = change_ = force_n_ = knock_n_ = 0;
+    displacement_ = change_ = free_increment_ = force_n_ = knock_n_ = 0;
   }
 
  private:
@@ -123,9 +124,10 @@ class Body {
   ModeShapes<T> bridge_, knock_;
   T sample_rate_hz_;
   BridgeStiffness stiffness_;
-  T admittance_;
+  T admittance_, knock_admittance_;
   T displacement_ = 0, change_ = 0, force_n_ = 0;
-  T knock_n_ = 0;  // in the next sample
+  T free_increment_ = 0;  // of the bridge, over the next sample
+  T knock_n_ = 0;         // in the next sample
 };
 
 }  // namespace contactspline
