@@ -16,14 +16,18 @@ of KEYBOARD, and
 4. hammers and strike places by rendered notes: KEYBOARD's times exp of six parameters (shape() says which). Least is the mean
    distance of the levels of partials 1 to 12, plus WEIGHT times that of the loudness over the keys and between the layers
    and of the centroid (as 20 log10), plus PULL times the square of the parameters, which holds them near 0;
-5. the two laws of the own losses, the detuning of double and triple strings (one factor), all bridge_ratio (one factor) and
+5. felts below C4 (exponent and stiffness by lines over the octaves) and strike places above C3 up to C6 (one factor) by
+   rendered notes. Least is the mean distance of the levels of partials 1 to 24, plus WEIGHT times that of the centroid. No
+   exponent exceeds HIGHEST_EXPONENT;
+6. the two laws of the own losses, the detuning of double and triple strings (one factor), all bridge_ratio (one factor) and
    the horizontal motion by the recorded decays of partials 1 to 8, as unison() computes them: the amplitudes of the strings
-   of a key and of their horizontal motion on a bridge of one mobility;
-6. the high-pass of the sound by the levels of partials of rendered notes, then output_ratio by their loudness, the mean of both
+   of a key and of their horizontal motion on a bridge of one mobility. From C6 on horizontal_ratio falls by one factor for
+   each octave;
+7. the high-pass of the sound by the levels of partials of rendered notes, then output_ratio by their loudness, the mean of both
    layers and of the key with its neighbours. The keys on both sides of where the number of strings changes become notes, whose
    loudness lies on the line between those of the neighbours.
 
-The steps are strings (1 to 3), hammers (4), decays (5) and output (6); without STEP it takes all. A step that is left out leaves
+The steps are strings (1 to 3), hammers (4), refine (5), decays (6) and output (7); without STEP it takes all. A step that is left out leaves
 what KEYBOARD has, so that a fitted file can be fitted on. Prints each estimate with its error. It needs Debian's python3-numpy and python3-scipy.
 """
 import copy
@@ -48,6 +52,7 @@ PULL = 0.02  # dB
 WEIGHT = 0.2
 FARTHEST_DB = 20  # a partial counts no more than this
 DB = 20 / math.log(10)  # dB/s per 1/s
+HIGHEST_EXPONENT = 3.5  # of felts taken from pianos (D. Hall and A. Askenfelt, JASA 83, 1988)
 HIGHEST_MEASURED = 84  # above, partials are too few for B, and too short for a late decay
 
 
@@ -179,10 +184,10 @@ def shape(note, parameters):
                    'strike_position_m': note['strike_position_m'] * math.exp(place)}
 
 
-def levels(path, name):
+def levels(path, name, most=12):
     """Levels of partials, loudness of the first 0.8 s in dB(A), and centroid as 20 log10."""
     x = compare.load(path)
-    return ({k: level for k, _, level in compare.partials(x, pitch(compare.key_of(name)))[0] if k <= 12},
+    return ({k: level for k, _, level in compare.partials(x, pitch(compare.key_of(name)))[0] if k <= most},
             compare.loudness_dba(x[:int(0.8 * compare.RATE)]), 20 * math.log10(compare.centroid_hz(x)))
 
 
@@ -217,6 +222,37 @@ def fit_hammers(program, keyboard, notes, recordings):
     return [shape(note, found.x) for note in notes]
 
 
+def refined(note, parameters):
+    """A note with another felt below C4 (exponent, and stiffness at a compression of 1 mm, by lines over the octaves) and,
+    above C3 up to C6, another strike place (one factor)."""
+    exponent, stiffness = max(0, (60 - note['key']) / 12) * np.array(parameters[:2])
+    place = parameters[2] if 48 < note['key'] <= HIGHEST_MEASURED else 0
+    return note | {'exponent': note['exponent'] + exponent,
+                   'stiffness_n_per_m_alpha': note['stiffness_n_per_m_alpha'] * math.exp(stiffness) * 1000**exponent,
+                   'strike_position_m': note['strike_position_m'] * math.exp(place)}
+
+
+def refine(program, keyboard, notes, recordings):
+    """Notes with felts below C4 and strike places by the recorded levels of partials 1 to 24 and the centroid."""
+    names = [compare.name_of(note['key']) for note in notes if note['key'] <= HIGHEST_MEASURED]
+    heard = lambda path, name: levels(path, name, 24)
+    real = {(name, layer): heard(f'{recordings}/{name}v{layer}.wav', name) for name in names for layer in compare.SPEEDS}
+
+    def cost(parameters):
+        ours = rendered(program, keyboard, [refined(note, parameters) for note in notes], list(compare.SPEEDS), heard, 0.85, names)
+        return (np.mean(sum((level_distance(ours[of][0], real[of][0]) for of in ours), [])) +
+                WEIGHT * np.mean([abs(ours[of][2] - real[of][2]) for of in ours]))
+
+    start = np.zeros(3)
+    steepest = 12 * min((HIGHEST_EXPONENT - note['exponent']) / (60 - note['key']) for note in notes if note['key'] < 60)
+    found = minimize(cost, start, method='Nelder-Mead', bounds=[(0, steepest), (None, None), (None, None)],
+                     options={'initial_simplex': np.vstack([start, np.diag([0.3, 0.3, -0.05])]), 'maxfev': 40, 'xatol': 0.01,
+                              'fatol': 0.01})
+    print(f'refined: {cost(start):.2f} dB before, {found.fun:.2f} dB with parameters {np.round(found.x, 3).tolist()}, '
+          f'{found.nfev} trials', flush=True)
+    return [refined(note, found.x) for note in notes]
+
+
 def unison(note, strings, detuning_hz, horizontal, factor, mobility, k, decay_per_s, t):
     """Level in dB of partial k: the amplitudes a of the strings and of their horizontal motion, a' = (2 pi i d - s) a - g r (r . a)
     with the own decay s and g = 2 f Z Y bridge_ratio^2, heard as r . a. r is 1 for a string; N strings that move horizontally
@@ -232,6 +268,10 @@ def unison(note, strings, detuning_hz, horizontal, factor, mobility, k, decay_pe
     return 20 * np.log10(np.abs(np.exp(np.outer(t, rates)) @ a) + 1e-6)
 
 
+def horizontal_ratio(note, fall):
+    return math.exp(-fall * max(0, note['key'] - 84) / 12)
+
+
 def fit_decays(keyboard, notes, recorded):
     """Own losses, bridge_ratio, detuning and the horizontal motion, by the decays of both layers."""
     body = keyboard['keyboard']['body']
@@ -243,41 +283,48 @@ def fit_decays(keyboard, notes, recorded):
             for (k, f, t, y), (_, early, late) in zip(features['curves'], features['decays_db_per_s']):
                 if k <= 8:
                     part = slice(5, 301, 4)  # 0.1 to 6 s
-                    curves.append((note, strings, k, f / 1000, t[part], y[part], early, late))
+                    heard = np.where(y > max(y.max() - 60, y[-20:].max() + 6), y, np.nan)  # above the recording's noise
+                    curves.append((note, strings, k, f / 1000, t[part], heard[part], early, late))
 
-    def distances(logs):
-        constant, rise, scale, factor, *horizontal = np.exp(logs)
+    def distances(parameters):
+        constant, rise, scale, factor, strike_ratio, bridge_ratio, cents = np.exp(parameters[:-1])
         early, late, level = [], [], []
         for note, strings, k, khz, t, y, theirs_early, theirs_late in curves:
-            x = unison(note, strings, scale * np.array(detuning[strings]), horizontal, factor, body['mobility_m_per_n_s'],
-                       k, constant + rise * khz**2, t)
-            begin, end = t < 0.4, (t > 1) & (t < 3)
-            level.append(np.mean(np.abs((x - x[begin].mean() - y + y[begin].mean())[end])))
+            ratio = horizontal_ratio(note, parameters[-1])
+            x = unison(note, strings, scale * np.array(detuning[strings]), (ratio * strike_ratio, ratio * bridge_ratio, cents),
+                       factor, body['mobility_m_per_n_s'], k, constant + rise * khz**2, t)
+            missing = x - y
+            begin, end = (t < 0.4) & np.isfinite(y), (t > 1) & (t < 3) & np.isfinite(y)
+            if begin.any() and end.sum() > 5:
+                level.append(np.mean(np.abs(missing[end] - missing[begin].mean())))
             for found, theirs, limits in ((early, theirs_early, (0.1, 1.0)), (late, theirs_late, (2, 6))):
                 ours = compare.slope(t, x, *limits, x.max() - 55)
                 if (theirs or 0) > 0.5 and ours:
                     found.append(abs(math.log2(max(ours, 0.5) / theirs)))
         return np.mean(early), np.mean(late), np.mean(level)
 
-    def cost(logs):
-        early, late, level = distances(logs)
+    def cost(parameters):
+        early, late, level = distances(parameters)
         return early + late + level / 6
 
     first = notes[0]
     rise = first['quadratic_loss_m2_per_s'] * 1e6 * (2 * math.pi)**2 * first['mass_kg'] / first['length_m'] / tension(first)
-    start = np.log([first['constant_loss_per_s'], rise, 1, 1, body['horizontal_strike_ratio'], body['horizontal_bridge_ratio'],
-                    body['horizontal_cents']])
+    last = notes[-1]
+    start = np.append(np.log([first['constant_loss_per_s'], rise, 1, 1, body['horizontal_strike_ratio'],
+                              body['horizontal_bridge_ratio'], body['horizontal_cents']]),
+                      12 * math.log(1 / last.get('horizontal_ratio', 1)) / (last['key'] - 84))
     best = minimize(cost, start, method='Nelder-Mead', options={
         'initial_simplex': np.vstack([start, start + 0.4 * np.eye(len(start))]), 'maxfev': 250, 'xatol': 0.02, 'fatol': 0.002})
-    constant, rise, scale, factor, *horizontal = np.exp(best.x)
-    for logs in (start, best.x):
+    constant, rise, scale, factor, *horizontal = np.exp(best.x[:-1])
+    for parameters in (start, best.x):
         print('decays: own {:.3f} + {:.4f} (f/kHz)^2 [1/s], detuning times {:.2f}, bridge_ratio^2 times {:.2f}, horizontal strike {:.2f}, '
-              'bridge {:.2f}, {:.1f} cents: '.format(*np.exp(logs)) +
+              'bridge {:.2f}, {:.1f} cents, from C6 on times exp(-{:.2f}) an octave: '.format(*np.exp(parameters[:-1]), parameters[-1]) +
               '{:.2f} octaves from the early decays, {:.2f} from the late ones, {:.1f} dB from the levels between 1 and 3 s'
-              .format(*distances(logs)), flush=True)
+              .format(*distances(parameters)), flush=True)
     for note in notes:
         note |= {'constant_loss_per_s': constant, 'bridge_ratio': note['bridge_ratio'] * math.sqrt(factor), 'quadratic_loss_m2_per_s':
-                 rise * 1e-6 * tension(note) * note['length_m'] / note['mass_kg'] / (2 * math.pi)**2}
+                 rise * 1e-6 * tension(note) * note['length_m'] / note['mass_kg'] / (2 * math.pi)**2,
+                 'horizontal_ratio': horizontal_ratio(note, best.x[-1])}
     for name in ('double_hz', 'triple_hz'):
         body[name] = [round(scale * hz, 4) for hz in body[name]]
     for name, value in zip(('horizontal_strike_ratio', 'horizontal_bridge_ratio', 'horizontal_cents'), horizontal):
@@ -345,7 +392,7 @@ def fit_output(program, keyboard, notes, recorded):
     return given
 
 
-STEPS = ('strings', 'hammers', 'decays', 'output')
+STEPS = ('strings', 'hammers', 'refine', 'decays', 'output')
 
 
 def main(program, keyboard_file, recordings, fitted_file, *steps):
@@ -356,6 +403,8 @@ def main(program, keyboard_file, recordings, fitted_file, *steps):
         notes = estimate(keyboard, recorded)
     if 'hammers' in steps:
         notes = fit_hammers(program, keyboard, notes, recordings)
+    if 'refine' in steps:
+        notes = refine(program, keyboard, notes, recordings)
     if 'decays' in steps:
         fit_decays(keyboard, notes, recorded)
     if 'output' in steps:

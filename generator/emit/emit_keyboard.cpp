@@ -155,6 +155,7 @@ std::string emit(const Emitter& emitter, const Keyboard& keyboard, const Keyboar
   if (emitter.name != "faust") {  // where strings end at rest
     values["BRIDGE_LOSSES"] = column(notes, [](const KeyboardNote& n) { return n.bridge_loss_per_s; });
     values["BRIDGE_RATIOS"] = column(notes, [](const KeyboardNote& n) { return n.bridge_ratio; });
+    values["HORIZONTAL_RATIOS"] = column(notes, [](const KeyboardNote& n) { return n.horizontal_ratio; });
   }
   if (emitter.name != "json") values["KEYS"] = fmt::format("{}", notes.size());
   if (emitter.name == "cpp") values["FORMAT_VERSION"] = fmt::format("{}", kFormatVersion);

@@ -171,7 +171,7 @@ void add_body(const Keyboard& keyboard, const NamedText& file, const ReadFile& r
                           {},
                           note.bridge_ratio,
                           note.output_ratio,
-                          keyboard.body->horizontal});
+                          horizontal_motion(note, *keyboard.body)});
   }
 }
 

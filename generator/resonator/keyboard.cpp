@@ -117,6 +117,11 @@ StiffString strings_on_body(const KeyboardNote& note, const KeyboardBody& body) 
   return string;
 }
 
+HorizontalMotion horizontal_motion(const KeyboardNote& note, const KeyboardBody& body) {
+  const auto& [strike_ratio, bridge_ratio, cents] = body.horizontal;
+  return {strike_ratio * note.horizontal_ratio, bridge_ratio * note.horizontal_ratio, cents};
+}
+
 std::vector<BodyMode> body_modes(const KeyboardResonators& resonators, double max_frequency_hz) {
   std::vector<BodyMode> modes;
   if (resonators.body) modes = modes_at_ears(*resonators.body, max_frequency_hz);
@@ -153,6 +158,7 @@ KeyboardNote note_of(const Keyboard& keyboard, int key) {
           pitch_hz(keyboard, key),
           bridge_ratio,
           rounded_to(notes.geometric([](const PublishedNote& n) { return n.output_ratio; }), 6),
+          rounded_to(notes.geometric([](const PublishedNote& n) { return n.horizontal_ratio; }), 6),
           bridge_loss};
 }
 

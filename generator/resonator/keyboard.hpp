@@ -23,7 +23,8 @@ struct PublishedNote {
   PowerLaw felt;
   /// How far the bridge moves where the strings of the key end, as a ratio of its motion where the body is struck.
   double bridge_ratio = 1;
-  double output_ratio = 1;  ///< weight of the force of the key's strings in the sound
+  double output_ratio = 1;      ///< weight of the force of the key's strings in the sound
+  double horizontal_ratio = 1;  ///< factor of both ratios of KeyboardBody::horizontal
 };
 
 /// The body that the strings end at, and what they are when each of them moves by itself.
@@ -63,10 +64,10 @@ struct KeyboardNote {
   StiffString string;
   double strike_position_m;
   int strings;
-  double hammer_mass_kg;              ///< share of one string
-  Material felt;                      ///< share of one string
-  double pitch_hz;                    ///< equal-tempered
-  double bridge_ratio, output_ratio;  ///< as in PublishedNote
+  double hammer_mass_kg;                                ///< share of one string
+  Material felt;                                        ///< share of one string
+  double pitch_hz;                                      ///< equal-tempered
+  double bridge_ratio, output_ratio, horizontal_ratio;  ///< as in PublishedNote
   /// Decay that the body gives strings which move together, if its mobility is the same at all frequencies:
   /// 2 f Z Y r^2 for each, with pitch f, impedance Z = sqrt(T mu), mobility Y and bridge_ratio r (G. Weinreich, JASA
   /// 62, 1977).
@@ -75,6 +76,9 @@ struct KeyboardNote {
 
 /// The strings of a key on the keyboard's body, each by itself: detuned, with their own losses.
 [[nodiscard]] StiffString strings_on_body(const KeyboardNote& note, const KeyboardBody& body);
+
+/// Their horizontal motion.
+[[nodiscard]] HorizontalMotion horizontal_motion(const KeyboardNote& note, const KeyboardBody& body);
 
 /// What a keyboard's file names: its body, and what its keys strike when they are played (the knock).
 struct KeyboardResonators {

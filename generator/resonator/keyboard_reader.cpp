@@ -66,6 +66,7 @@ constexpr const char* kTaken[] = {"name",
                                   "hammer_masses",
                                   "bridge_ratios",
                                   "output_ratios",
+                                  "horizontal_ratios",
                                   "bridge_losses",
                                   "strings",
                                   "body"};
@@ -81,7 +82,8 @@ PublishedNote read_note(const JsonObject& note) {
       note.number("hammer_mass_kg", kMass),
       {note.number("stiffness_n_per_m_alpha", kStiffness), note.number("exponent", kExponent)},
       note.has("bridge_ratio") ? note.number("bridge_ratio", kBridgeRatio) : 1,
-      note.has("output_ratio") ? note.number("output_ratio", kOutputRatio) : 1};
+      note.has("output_ratio") ? note.number("output_ratio", kOutputRatio) : 1,
+      note.has("horizontal_ratio") ? note.number("horizontal_ratio", kOutputRatio) : 1};
   read.strike_position_m = note.number("strike_position_m", {kMinPosition, read.length_m});
   return read;
 }
@@ -126,7 +128,7 @@ std::vector<PublishedNote> read_notes(const JsonObject& keyboard) {
        keyboard.objects("notes",
                         {"key", "length_m", "mass_kg", "bending_stiffness_n_m2", "constant_loss_per_s",
                          "quadratic_loss_m2_per_s", "strike_position_m", "hammer_mass_kg", "stiffness_n_per_m_alpha",
-                         "exponent", "bridge_ratio", "output_ratio"},
+                         "exponent", "bridge_ratio", "output_ratio", "horizontal_ratio"},
                         kHighestKey + 1)) {
     notes.push_back(read_note(note));
     if (notes.size() > 1 && notes.back().key <= std::prev(notes.end(), 2)->key)
@@ -172,6 +174,7 @@ void check_notes(const Keyboard& keyboard, const JsonObject& object) {
           Outcome{"hammer_mass_kg", note.hammer_mass_kg, kMass},
           Outcome{"bridge_ratio", note.bridge_ratio, kBridgeRatio},
           Outcome{"output_ratio", note.output_ratio, kOutputRatio},
+          Outcome{"horizontal_ratio", note.horizontal_ratio, kOutputRatio},
           Outcome{"stiffness_n_per_m_alpha", felt.stiffness, kStiffness},
           Outcome{"exponent", felt.exponent, kExponent},
           Outcome{"max compression of the felt in m", note.felt.spline.max_compression_m, kCompression}})

@@ -17,7 +17,7 @@ namespace {
 const std::string kLowNote = R"({ "key": 36, "length_m": 1.602, "mass_kg": 0.03324, "bending_stiffness_n_m2": 0.0121,
         "strike_position_m": 0.192, "constant_loss_per_s": 0.25, "quadratic_loss_m2_per_s": 7.5e-5,
         "hammer_mass_kg": 0.0102, "stiffness_n_per_m_alpha": 3.105e8, "exponent": 2.276, "bridge_ratio": 0.5,
-        "output_ratio": 0.41 })";
+        "output_ratio": 0.41, "horizontal_ratio": 0.62 })";
 const std::string kGood = R"({
   "name": "probe",
   "keyboard": {
@@ -32,7 +32,8 @@ const std::string kGood = R"({
       )" + kLowNote + R"(,
       { "key":60, "length_m":0.657, "mass_kg":4.051e-3, "bending_stiffness_n_m2":0.0099, "strike_position_m":0.079,
         "constant_loss_per_s":1.1, "quadratic_loss_m2_per_s":0.00027,
-        "hammer_mass_kg":8.71e-3, "stiffness_n_per_m_alpha":5.84e9, "exponent":2.418, "bridge_ratio":0.5, "output_ratio":0.41 }
+        "hammer_mass_kg":8.71e-3, "stiffness_n_per_m_alpha":5.84e9, "exponent":2.418, "bridge_ratio":0.5, "output_ratio":0.41,
+        "horizontal_ratio":0.62 }
     ]
   }
 })";
@@ -73,7 +74,8 @@ std::vector<BadFile> all_number_cases() {
       {"keyboard.notes[0].", "stiffness_n_per_m_alpha", "3.105e8", "a number from 0.001 to 1e+20", {"0", "1.1e20"}},
       {"keyboard.notes[0].", "exponent", "2.276", "a number from 1 to 10", {"0", "0.9", "10.1"}},
       {"keyboard.notes[0].", "bridge_ratio", "0.5", "a number from 0.001 to 10", {"0", "-1", "10.1"}},
-      {"keyboard.notes[0].", "output_ratio", "0.41", "a number from 0.001 to 1000", {"0", "-1", "1001"}}};
+      {"keyboard.notes[0].", "output_ratio", "0.41", "a number from 0.001 to 1000", {"0", "-1", "1001"}},
+      {"keyboard.notes[0].", "horizontal_ratio", "0.62", "a number from 0.001 to 1000", {"0", "-1", "1001"}}};
   std::vector<BadFile> cases;
   for (const NumberKey& number : numbers)
     std::ranges::move(number_cases("keyboard", kGood, number), std::back_inserter(cases));
@@ -186,7 +188,7 @@ TEST(GoodKeyboardFile, HoldsTheBodyOfItsFolder) {
         "left_shapes = {\n    -0.75, 0.5}", "right_shapes = {\n    -0.75, -0.5}", "double_hz = {-0.25, 0.35}",
         "output_ratios = {\n    0.41", "pickup_ratio = 0.125", "output_above_hz = 81", "output_quality = 1.25",
         "horizontal_strike_ratio = 0.375", "horizontal_bridge_ratio = 0.275", "horizontal_cents = 3.5",
-        "bridge_ratios = {\n    0.5"})
+        "bridge_ratios = {\n    0.5", "horizontal_ratios = {\n    0.62"})
     EXPECT_NE(header.find(text), header.npos) << text;
   for (const char* file : {" mine/board.json", " mine/case.json"}) EXPECT_NE(rule.find(file), rule.npos) << rule;
 }
