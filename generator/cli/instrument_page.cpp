@@ -87,6 +87,17 @@ std::string preset_row(const InstrumentModel& model, const ModelPreset& preset) 
   return values.empty() ? "all parameters as at the beginning" : fmt::format("{}", fmt::join(values, ", "));
 }
 
+// The unit of an output and, of a pressure, where it is taken.
+std::string output_row(const InstrumentModel& model, const ModelOutput& output) {
+  const std::string unit(unit_of(output.name));
+  if (output.quantity != OutputQuantity::kPressure) return unit;
+  const InstrumentBody& body = model.bodies[output.targets.front()];
+  const auto [nearest_m, farthest_m] = reach_of(body.resonator.body, output.listening);
+  return fmt::format(
+      "{} at {:.6g} m from the middle of {}, {:.6g} rad off its normal; {:.6g} to {:.6g} m from its points", unit,
+      output.listening.distance_m, body.name, output.listening.angle_rad, nearest_m, farthest_m);
+}
+
 }  // namespace
 
 std::string instrument_table(const InstrumentModel& model, double sample_rate_hz) {
@@ -124,7 +135,7 @@ std::string instrument_table(const InstrumentModel& model, double sample_rate_hz
   heading("presets");
   for (const ModelPreset& preset : model.presets) row(preset.name, "", preset_row(model, preset));
   heading("outputs");
-  for (const ModelOutput& output : model.outputs) row(output.name, "", std::string(unit_of(output.name)));
+  for (const ModelOutput& output : model.outputs) row(output.name, "", output_row(model, output));
   return table;
 }
 

@@ -21,8 +21,8 @@ namespace {
 constexpr std::array kKindNames = {"kContact", "kSpring", "kLink"};  // names of ConnectionKind
 constexpr std::array kQuantityNames = {
     "kForce",     "kDamping",    "kStiffnessRatio", "kLoss", "kGapShift",
-    "kStiffness", "kResistance", "kPlace",          "kMass"};                  // names of ControlQuantity
-constexpr std::array kOutputNames = {"kDisplacement", "kVelocity", "kForce"};  // names of OutputQuantity
+    "kStiffness", "kResistance", "kPlace",          "kMass"};  // names of ControlQuantity
+constexpr std::array kOutputNames = {"kDisplacement", "kVelocity", "kForce", "kPressure"};  // names of OutputQuantity
 
 template <typename Enum, std::size_t N>
 const char* name_in(const std::array<const char*, N>& names, Enum value) {
@@ -128,7 +128,7 @@ void add_cpp_options(const InstrumentModel& model, const InstrumentArrays& array
   values["BASE"] = has_keys ? "Voices<NetworkInstrument<T>>" : "NetworkInstrument<T>";
   values["VOICES"] = has_keys ? "\n#include \"contactspline/instrument/voices.hpp\"" : "";
   std::string& text = values["OPTIONS"] = "";
-  std::vector<std::string> view(6, "{}");  // the last members of InstrumentData
+  std::vector<std::string> view(9, "{}");  // the last members of InstrumentData
   if (has_keys) {
     text +=
         cpp_array("KeyRange", keys.ranges.size(), "key_ranges",
@@ -163,6 +163,17 @@ void add_cpp_options(const InstrumentModel& model, const InstrumentArrays& array
     text += cpp_array("std::size_t", arrays.memory_ends.size(), "memory_ends", whole_numbers(arrays.memory_ends));
     view[4] = "memories";
     view[5] = "memory_ends";
+  }
+  if (!arrays.pressure_paths.empty()) {
+    text += cpp_array("PressurePath", arrays.pressure_paths.size(), "pressure_paths",
+                      "{\n" + rows_of(arrays.pressure_paths, "        ", [](const PressurePath& path, std::size_t) {
+                        return fmt::format("{{{}, {}, {}}}", path.output, path.place, path.taps);
+                      }) + "}");
+    text += cpp_array("double", arrays.pressure_taps.size(), "pressure_taps",
+                      "\n" + literal_rows(arrays.pressure_taps, 8));
+    view[6] = literal(arrays.pressure_rate_hz);
+    view[7] = "pressure_paths";
+    view[8] = "pressure_taps";
   }
   while (!view.empty() && view.back() == "{}") view.pop_back();
   values["OPTIONS_VIEW"] = view.empty() ? "" : fmt::format(",\n              {}", fmt::join(view, ", "));
@@ -246,6 +257,20 @@ std::string json_options_of(const InstrumentModel& model, const InstrumentArrays
                             }));
 }
 
+// What forces do at once to the pressures, of a file that has them.
+std::string json_pressures(const InstrumentArrays& arrays) {
+  if (arrays.pressure_paths.empty()) return {};
+  return fmt::format(
+      ",\n  \"pressure_rate_hz\": {},\n  \"pressure_paths\": [\n{}\n  ],\n  \"pressure_taps\": [\n{}\n  ]",
+      literal(arrays.pressure_rate_hz),
+      rows_of(arrays.pressure_paths, "    ",
+              [](const PressurePath& path, std::size_t) {
+                return fmt::format("{{\"output\": {}, \"place\": {}, \"taps\": {}}}", path.output, path.place,
+                                   path.taps);
+              }),
+      literal_rows(arrays.pressure_taps, 4));
+}
+
 // The memories of the tables, one after the other, of a file that has them.
 std::string json_memories(const InstrumentArrays& arrays) {
   if (arrays.memories.empty()) return {};
@@ -275,7 +300,7 @@ TemplateValues json_values(const InstrumentModel& model, const InstrumentArrays&
   values["BODY_NAMES"] = quoted(bodies);
   values["TABLE_NAMES"] = quoted(materials);
   values["EVENT_NAMES"] = quoted(events);
-  values["OPTIONS"] = json_options_of(model, arrays) + json_memories(arrays);
+  values["OPTIONS"] = json_options_of(model, arrays) + json_memories(arrays) + json_pressures(arrays);
   values["CONNECTION_ROWS"] = rows_of(arrays.connections, kIndent,
                                       [](const InstrumentConnection& c, std::size_t) { return json_connection(c); });
   values["CONTROL_ROWS"] = rows_of(arrays.controls, kIndent, [&](const InstrumentControl& c, std::size_t i) {

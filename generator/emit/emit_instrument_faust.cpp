@@ -279,13 +279,19 @@ class Writer {
       bodies_ += fmt::format("shape_of_{}({}) = {};\n", place, i, literal(arrays_.shapes[first_shape_[place] + i]));
   }
 
+  // What an output takes of a target: a pressure takes the velocity of its first and the displacement of its second.
+  static OutputQuantity motion_of(const InstrumentOutput& output, std::size_t target) {
+    if (output.quantity != OutputQuantity::kPressure) return output.quantity;
+    return target == output.first_target ? OutputQuantity::kVelocity : OutputQuantity::kDisplacement;
+  }
+
   // What the outputs take from a body: targets with their quantity.
   [[nodiscard]] std::vector<std::pair<std::size_t, OutputQuantity>> pickups_of(std::size_t body) const {
     std::vector<std::pair<std::size_t, OutputQuantity>> pickups;
     for (const InstrumentOutput& output : arrays_.sources)
       if (output.quantity != OutputQuantity::kForce)
         for (std::size_t t = output.first_target; t < output.first_target + output.count; ++t)
-          if (arrays_.place_bodies[arrays_.targets[t]] == body) pickups.emplace_back(t, output.quantity);
+          if (arrays_.place_bodies[arrays_.targets[t]] == body) pickups.emplace_back(t, motion_of(output, t));
     return pickups;
   }
 
@@ -805,7 +811,23 @@ class Writer {
         sum.add(name_at("o", t));
       }
     }
+    add_paths(o, sum);
     return set(name_at("out", o), fmt::format("({}) / {}", sum.text(), literal(arrays_.outputs[o].full_scale)));
+  }
+
+  // What forces add to a pressure.
+  void add_paths(std::size_t o, Sum& sum) {
+    std::size_t first = 0;
+    for (std::size_t path = 0; path < arrays_.pressure_paths.size(); ++path) {
+      const auto [output, place, taps] = arrays_.pressure_paths[path];
+      const std::size_t begin = std::exchange(first, first + taps);
+      const std::string force = force_at(place);
+      if (output != o || force == "0.0") continue;
+      functions_ += fmt::format("tap_{0}(i) = tap_of_{0}(i);\n", path);  // rules alone are no argument
+      for (std::size_t i = 0; i < taps; ++i)
+        functions_ += fmt::format("tap_of_{}({}) = {};\n", path, i, number(arrays_.pressure_taps[begin + i]));
+      sum.add(fmt::format("({} : ci.taps({}, {}, tap_{}))", force, taps, literal(arrays_.pressure_rate_hz), path));
+    }
   }
 
   const InstrumentModel& model_;

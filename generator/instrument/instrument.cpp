@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <limits>
 
 #include "generator/support/number_literal.hpp"
 
@@ -16,6 +17,13 @@ namespace {
 // The digits on which sin() and sqrt() of all machines agree.
 double thirteen_digits(double value) {
   return rounded_to(value, 13);
+}
+
+// The ninth digit of the largest number: solutions of linear equations agree on so many.
+double digit_of(std::span<const double> numbers) {
+  double largest = std::numeric_limits<double>::min();
+  for (const double number : numbers) largest = std::max(largest, std::abs(number));
+  return std::pow(10, std::floor(std::log10(largest)) - 8);
 }
 
 // The pitch of the lowest key that tunes, 0 at most.
@@ -50,6 +58,7 @@ class Flattener {
     if (arrays_.memories.empty()) arrays_.memory_ends.clear();
     for (const ConnectionGroup& group : model_.connections) add_group(group);
     for (const ControlTargets& control : model_.controls) add_control(control);
+    add_pressures();
     for (const ModelOutput& output : model_.outputs) add_source(output);
     arrays_.strikes = model_.strikes;
     arrays_.plucks = model_.plucks;
@@ -133,8 +142,72 @@ class Flattener {
     arrays_.controls.push_back({control.quantity, begin, arrays_.targets.size() - begin});
   }
 
+  // The points of a body where something acts.
+  [[nodiscard]] std::vector<std::size_t> driven_places(std::size_t body) const {
+    std::vector<std::size_t> driven;
+    const auto add = [&](std::size_t place) {
+      if (place != kGround && arrays_.place_bodies[place] == body && std::ranges::count(driven, place) == 0)
+        driven.push_back(place);
+    };
+    for (const InstrumentConnection& connection : arrays_.connections) {
+      add(connection.first);
+      add(connection.second);
+    }
+    for (const InstrumentControl& control : arrays_.controls)
+      if (control.quantity == ControlQuantity::kForce)
+        for (std::size_t i = 0; i < control.count; ++i) add(arrays_.targets[control.first_target + i]);
+    return driven;
+  }
+
+  // Two places for the weights of each pressure, and its paths. All listening places leave out the same time.
+  void add_pressures() {
+    first_pressure_place_.assign(model_.outputs.size(), 0);
+    if (std::ranges::count(model_.outputs, OutputQuantity::kPressure, &ModelOutput::quantity) == 0) return;
+    double nearest_m = std::numeric_limits<double>::max();
+    for (const ModelOutput& output : model_.outputs)
+      if (output.quantity == OutputQuantity::kPressure)
+        nearest_m = std::min(
+            nearest_m, reach_of(model_.bodies[output.targets.front()].resonator.body, output.listening).nearest_m);
+    arrays_.pressure_rate_hz = 2 * max_frequency_hz_;
+    const RadiationTiming timing = radiation_timing(nearest_m, arrays_.pressure_rate_hz);
+    for (std::size_t o = 0; o < model_.outputs.size(); ++o)
+      if (model_.outputs[o].quantity == OutputQuantity::kPressure) add_pressure(o, timing);
+  }
+
+  void add_pressure(std::size_t output, const RadiationTiming& timing) {
+    const std::size_t body = model_.outputs[output].targets.front();
+    first_pressure_place_[output] = arrays_.place_bodies.size();
+    const std::vector<std::size_t> places = driven_places(body);
+    const InstrumentData data = arrays_.view();
+    std::vector<std::vector<double>> driven;
+    for (const std::size_t place : places) {
+      const auto shapes = data.shapes_of(place);
+      driven.emplace_back(shapes.begin(), shapes.end());
+    }
+    Resonator resonator = model_.bodies[body].resonator;
+    resonator.strike = {};  // the places of an instrument count angles from 0
+    const Radiation radiation =
+        radiation_of(resonator, modes_[body], model_.outputs[output].listening, timing, driven);
+    for (const auto* weights : {&radiation.of_velocity, &radiation.of_displacement}) {
+      arrays_.place_bodies.push_back(body);
+      std::ranges::transform(*weights, std::back_inserter(arrays_.shapes), thirteen_digits);
+    }
+    for (std::size_t d = 0; d < places.size(); ++d) {
+      arrays_.pressure_paths.push_back({output, places[d], radiation.taps[d].size()});
+      const double unit = digit_of(radiation.taps[d]);
+      for (const double tap : radiation.taps[d])
+        arrays_.pressure_taps.push_back(thirteen_digits(std::round(tap / unit) * unit));
+    }
+  }
+
   void add_source(const ModelOutput& output) {
     const std::size_t begin = arrays_.targets.size();
+    if (output.quantity == OutputQuantity::kPressure) {
+      const std::size_t place = first_pressure_place_[arrays_.sources.size()];
+      arrays_.targets.insert(arrays_.targets.end(), {place, place + 1});
+      arrays_.sources.push_back({output.quantity, begin, 2});
+      return;
+    }
     for (const std::size_t target : output.targets) {
       if (output.quantity == OutputQuantity::kForce)
         add_connections(target);
@@ -179,6 +252,7 @@ class Flattener {
   InstrumentArrays arrays_;
   std::vector<std::vector<NumberedMode>> modes_;             // of each body: its places have them all
   std::vector<std::size_t> first_place_, first_connection_;  // one for each place, one for each group
+  std::vector<std::size_t> first_pressure_place_;            // one for each output
 };
 
 }  // namespace
@@ -244,7 +318,10 @@ InstrumentData InstrumentArrays::view() const {
           .preset_values = preset_values,
           .wavenumbers = wavenumbers,
           .memories = memories,
-          .memory_ends = memory_ends};
+          .memory_ends = memory_ends,
+          .pressure_rate_hz = pressure_rate_hz,
+          .pressure_paths = pressure_paths,
+          .pressure_taps = pressure_taps};
 }
 
 double effective_mass(const InstrumentModel& model, std::size_t place, std::size_t point, bool moves) {

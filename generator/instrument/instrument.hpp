@@ -13,6 +13,7 @@
 #include "contactspline/host/model_module.hpp"
 #include "contactspline/instrument/network_instrument.hpp"
 #include "contactspline/step/contact.hpp"
+#include "generator/resonator/radiation.hpp"
 #include "generator/resonator/resonator.hpp"
 #include "generator/support/json_reader.hpp"
 
@@ -58,9 +59,11 @@ using ModelEvent = BasicEvent<std::string>;
 struct ModelOutput {
   std::string name;  ///< with its quantity and unit, such as bridge_force_n
   OutputQuantity quantity;
-  std::vector<std::size_t> targets;  ///< places, groups of connections, or strings whose end force it is
-  bool is_end_force = false;         ///< force of a string on its far support
-  double full_scale = 1;             ///< the value that plug-ins play as 1
+  std::vector<std::size_t>
+      targets;                ///< places, groups of connections, strings whose end force it is, a body that radiates
+  bool is_end_force = false;  ///< force of a string on its far support
+  double full_scale = 1;      ///< the value that plug-ins play as 1
+  ListeningPlace listening = {};  ///< of a pressure
 };
 
 struct ModelPreset {
@@ -141,6 +144,9 @@ struct InstrumentArrays {
   std::size_t far_ends = 0;             ///< the last places are far ends of strings
   std::vector<const char*> preset_names;
   std::vector<double> preset_values;
+  double pressure_rate_hz = 0;
+  std::vector<PressurePath> pressure_paths;
+  std::vector<double> pressure_taps;
   std::shared_ptr<const InstrumentModel> model;  ///< with the text of all names
 
   [[nodiscard]] InstrumentData view() const;

@@ -32,6 +32,7 @@ constexpr double kMaxContactFrequency_hz = 1e9;
 constexpr Range kStiffness{0, 1e9};
 constexpr Range kResistance{0, 1e6};
 constexpr Range kFullScale{1e-9, 1e9};
+constexpr double kMaxListening_m = 4;  // so much farther sound may come than the first: the filters are as long
 constexpr unsigned char kSustainController = 64;
 constexpr int kMaxKey = 127, kMaxVoices = 64;
 constexpr int kMaxSemitones = 24;   // that a key may tune
@@ -92,9 +93,11 @@ class Reader {
     for (const JsonObject& control : optional_objects("controls", keys)) read_control(control);
     add_events();
     read_keys();
-    for (const JsonObject& output : json_.objects(
-             "outputs", {"name", "displacement_m", "velocity_m_per_s", "force_n", "end_force_n", "full_scale"},
-             kMaxBodies))
+    for (const JsonObject& output :
+         json_.objects("outputs",
+                       {"name", "displacement_m", "velocity_m_per_s", "force_n", "end_force_n", "pressure_pa",
+                        "distance_m", "angle_rad", "around_rad", "side_m", "full_scale"},
+                       kMaxBodies))
       read_output(output);
     read_presets();
     return std::move(model_);
@@ -725,15 +728,38 @@ class Reader {
   // A loud sound of largest instruments.
   static double default_full_scale(std::string_view unit) {
     if (unit == "N") return 50;
+    if (unit == "Pa") return 20;
     return unit == "m/s" ? 1 : 0.001;
   }
 
+  // What a listening place in the room takes of one body.
+  void read_pressure(const JsonObject& json, ModelOutput output) {
+    output.quantity = OutputQuantity::kPressure;
+    output.full_scale = json.has("full_scale") ? json.number("full_scale", kFullScale) : default_full_scale("Pa");
+    const std::size_t body =
+        index_of(json, json.key("pressure_pa"), json.text("pressure_pa", joined(names_of(model_.bodies))),
+                 model_.bodies, "body");
+    output.targets.push_back(body);
+    output.listening = read_listening_place(json, "pressure_pa", model_.bodies[body].resonator);
+    const auto [nearest_m, farthest_m] = reach_of(model_.bodies[body].resonator.body, output.listening);
+    listening_ = {std::min(listening_.nearest_m, nearest_m), std::max(listening_.farthest_m, farthest_m)};
+    if (listening_.farthest_m - listening_.nearest_m > kMaxListening_m)
+      json.fail(json.key("distance_m"),
+                fmt::format("the outputs are from {:.3g} to {:.3g} m away from points of their bodies",
+                            listening_.nearest_m, listening_.farthest_m),
+                fmt::format("distances that differ by at most {:g} m", kMaxListening_m));
+    model_.outputs.push_back(std::move(output));
+  }
+
   void read_output(const JsonObject& json) {
-    const std::string key =
-        one_of_keys(json, {"displacement_m", "velocity_m_per_s", "force_n", "end_force_n"}, "quantities");
+    const std::string key = one_of_keys(
+        json, {"displacement_m", "velocity_m_per_s", "force_n", "end_force_n", "pressure_pa"}, "quantities");
     ModelOutput output{read_public_name(json, key.c_str()), OutputQuantity::kDisplacement, {}};
     if (key == "velocity_m_per_s") output.quantity = OutputQuantity::kVelocity;
     if (key == "force_n") output.quantity = OutputQuantity::kForce;
+    if (key == "pressure_pa") return read_pressure(json, std::move(output));
+    for (const char* other : {"distance_m", "angle_rad", "around_rad", "side_m"})
+      if (json.has(other)) json.fail(json.key(other), fmt::format("stands beside {}", key), "beside pressure_pa");
     output.is_end_force = key == "end_force_n";
     output.full_scale =
         json.has("full_scale") ? json.number("full_scale", kFullScale) : default_full_scale(unit_of(output.name));
@@ -756,6 +782,7 @@ class Reader {
   std::set<std::pair<ControlQuantity, std::size_t>> controlled_;
   std::map<std::size_t, std::size_t> chains_;  // from a place to the next one that rigid links hold with it
   std::size_t points_ = 0, connections_ = 0;
+  Reach listening_{std::numeric_limits<double>::max(), 0};  // of all outputs that are pressures
 };
 
 }  // namespace

@@ -26,6 +26,15 @@ constexpr Range kDensity{1, 3e4};
 constexpr Range kModulus{1e3, 2e12};
 constexpr Range kPoisson{-0.999, 0.999};
 constexpr std::size_t kMaxStrings = 8;
+constexpr Range kListeningDistance_m{0.05, 20};
+constexpr Range kListeningAngle_rad{-1.5, 1.5};
+constexpr Range kListeningSide_m{-5, 5};
+constexpr double kMinListeningHeight_m = 0.05;  // nearer to it the integrals would need more points
+// What listening costs the generator: a filter as long as sound takes for so far, and an integral for each mode.
+constexpr double kMaxReach_m = 2;
+constexpr double kMaxListeningExtent_m = 3;
+constexpr std::size_t kMaxListeningModes = 512;
+constexpr double kListening_hz = 24e3;
 
 // Member names of the emitted C++ struct; the struct itself must have another name.
 constexpr const char* kMemberNames[] = {"modes",          "strings",          "angular_frequencies", "decays",
@@ -188,6 +197,37 @@ decltype(Resonator::body) read_shaped_body(const JsonObject& object) {
   if (object.has("bar")) return read_bar(object.object("bar", kBarKeys));
   if (object.has("plate")) return read_plate(object.object("plate", kPlateKeys));
   return read_membrane(object.object("membrane", kMembraneKeys));
+}
+
+ListeningPlace read_listening_place(const JsonObject& object, const char* key, const Resonator& resonator) {
+  if (!radiates(resonator.body))
+    object.fail(object.key(key), fmt::format("names a body of the kind '{}'", name_of(resonator.body)),
+                "a plate or a membrane, whose shapes are known everywhere");
+  ListeningPlace place{object.number("distance_m", kListeningDistance_m)};
+  if (object.has("angle_rad")) place.angle_rad = object.number("angle_rad", kListeningAngle_rad);
+  if (object.has("around_rad")) place.around_rad = object.number("around_rad", kPlaceAngle_rad);
+  if (object.has("side_m")) place.side_m = object.number("side_m", kListeningSide_m);
+  if (const double before_m = place.distance_m * std::cos(place.angle_rad); before_m < kMinListeningHeight_m)
+    object.fail(object.key("angle_rad"),
+                fmt::format("puts the place {:.3g} m before the plane of the body", before_m),
+                fmt::format("at least {:g} m", kMinListeningHeight_m));
+  const auto* plate = std::get_if<Plate>(&resonator.body);
+  const double extent_m =
+      plate != nullptr ? std::max(plate->length_m, plate->width_m) : 2 * extent_of(resonator.body);
+  if (extent_m > kMaxListeningExtent_m)
+    object.fail(object.key(key), fmt::format("names a body of {:.3g} m", extent_m),
+                fmt::format("at most {:g} m", kMaxListeningExtent_m));
+  const auto [nearest_m, farthest_m] = reach_of(resonator.body, place);
+  if (farthest_m - nearest_m > kMaxReach_m)
+    object.fail(
+        object.key("distance_m"),
+        fmt::format("is {:.3g} m farther from one point of the body than from another", farthest_m - nearest_m),
+        fmt::format("at most {:g} m: a smaller body", kMaxReach_m));
+  const std::size_t modes = numbered_modes_of(resonator, kListening_hz).modes.size();
+  if (modes > kMaxListeningModes)
+    object.fail(object.key(key), fmt::format("names a body of {} modes below {:g} Hz", modes, kListening_hz),
+                fmt::format("at most {}, by max_modes", kMaxListeningModes));
+  return place;
 }
 
 double extent_of(const decltype(Resonator::body)& body) {

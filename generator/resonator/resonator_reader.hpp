@@ -4,6 +4,7 @@
 
 #include <string_view>
 
+#include "generator/resonator/radiation.hpp"
 #include "generator/resonator/resonator.hpp"
 #include "generator/support/json_reader.hpp"
 
@@ -18,6 +19,11 @@ namespace contactspline {
 
 /// Largest position on a body [m]: length or radius; 0 for a table of modes.
 [[nodiscard]] double extent_of(const decltype(Resonator::body)& body);
+
+/// Reads a place in the room, distance_m, angle_rad, around_rad and side_m, of what a key names: a body that
+/// radiates.
+[[nodiscard]] ListeningPlace read_listening_place(const JsonObject& object, const char* key,
+                                                  const Resonator& resonator);
 
 inline constexpr int kMaxModes = 4096;  ///< largest number of modes in one resonator
 

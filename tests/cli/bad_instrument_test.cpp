@@ -70,7 +70,8 @@ const std::string kGood = R"({
     { "name": "spot", "displacement_m": "spot" },
     { "name": "foot", "velocity_m_per_s": ["foot", "spot"] },
     { "name": "felt", "force_n": ["felt", "rattle"] },
-    { "name": "corner", "velocity_m_per_s": "corner", "full_scale": 0.06 }
+    { "name": "corner", "velocity_m_per_s": "corner", "full_scale": 0.06 },
+    { "name": "ear", "pressure_pa": "lid", "distance_m": 0.81, "angle_rad": 0.3, "around_rad": 1.3, "side_m": 0.09 }
   ]
 })";
 
@@ -358,13 +359,47 @@ std::vector<BadFile> outside_cases() {
       {"strike_twice", changed(kGood, R"(["hammer"])", R"(["hammer", "hammer"])"), "strikes",
        "'hammer_speed_m_per_s' stands for two things"},
       {"output_of_nothing", changed(kGood, R"(, "displacement_m": "spot")", ""), "outputs[1].displacement_m",
-       "0 quantities are given; allowed: just one of displacement_m, velocity_m_per_s, force_n, end_force_n"},
+       "0 quantities are given; allowed: just one of displacement_m, velocity_m_per_s, force_n, end_force_n, "
+       "pressure_pa"},
       {"output_of_a_line", changed(kGood, R"("displacement_m": "spot")", R"("displacement_m": "line")"),
        "outputs[1].displacement_m", "'line' has several points"},
       {"output_unknown", changed(kGood, R"(["felt", "rattle"])", R"(["felt", "spot"])"), "outputs[3].force_n",
        "'spot' is no contact, spring or link"},
       {"end_of_a_membrane", changed(kGood, R"("end_force_n": "string")", R"("end_force_n": "head")"),
        "outputs[0].end_force_n", "'head' is not a string; allowed: a string"},
+      {"pressure_of_a_string", changed(kGood, R"("pressure_pa": "lid")", R"("pressure_pa": "string")"),
+       "outputs[5].pressure_pa",
+       "names a body of the kind 'string'; allowed: a plate or a membrane, whose shapes are known everywhere"},
+      {"pressure_of_a_mass", changed(kGood, R"("pressure_pa": "lid")", R"("pressure_pa": "bolt")"),
+       "outputs[5].pressure_pa", "names a body of the kind 'modes'"},
+      {"pressure_of_a_place", changed(kGood, R"("pressure_pa": "lid")", R"("pressure_pa": "corner")"),
+       "outputs[5].pressure_pa", "'corner' is no body; allowed: string, other, head, board, hammer, bolt, lid"},
+      {"pressure_without_distance", changed(kGood, R"("distance_m": 0.81, )", ""), "outputs[5].distance_m",
+       "missing; allowed: " + range("0.05", "20")},
+      {"pressure_behind_the_wall", changed(kGood, R"("angle_rad": 0.3)", R"("angle_rad": 1.6)"),
+       "outputs[5].angle_rad", "1.6 is out of range; allowed: " + range("-1.5", "1.5")},
+      {"pressure_near_the_wall",
+       changed(kGood, R"("distance_m": 0.81, "angle_rad": 0.3)", R"("distance_m": 0.3, "angle_rad": 1.5)"),
+       "outputs[5].angle_rad", "m before the plane of the body; allowed: at least 0.05 m"},
+      {"pressure_far_aside", changed(kGood, R"("side_m": 0.09)", R"("side_m": 6)"), "outputs[5].side_m",
+       "6 is out of range; allowed: " + range("-5", "5")},
+      {"pressure_of_a_large_plate",
+       changed(changed(kGood, R"("plate": { "length_m": 0.4)", R"("plate": { "length_m": 2.9)"),
+               R"("angle_rad": 0.3, "around_rad": 1.3)", R"("angle_rad": 1.3)"),
+       "outputs[5].distance_m",
+       "m farther from one point of the body than from another; allowed: at most 2 m: a smaller body"},
+      {"pressure_far_from_another",
+       changed(kGood, R"("outputs": [)",
+               R"("outputs": [ { "name": "far", "pressure_pa": "lid", "distance_m": 4.9 },)"),
+       "outputs[6].distance_m", "m away from points of their bodies; allowed: distances that differ by at most 4 m"},
+      {"pressure_of_too_many_modes",
+       changed(changed(kGood, R"("name": "lid", "max_modes": 30)", R"("name": "lid")"), R"("thickness_m": 0.003)",
+               R"("thickness_m": 0.0001)"),
+       "outputs[5].pressure_pa", "modes below 24000 Hz; allowed: at most 512, by max_modes"},
+      {"pressure_of_a_huge_plate", changed(kGood, R"("plate": { "length_m": 0.4)", R"("plate": { "length_m": 3.1)"),
+       "outputs[5].pressure_pa", "names a body of 3.1 m; allowed: at most 3 m"},
+      {"distance_of_a_pickup", changed(kGood, R"("full_scale": 0.06)", R"("full_scale": 0.06, "distance_m": 1)"),
+       "outputs[4].distance_m", "stands beside velocity_m_per_s; allowed: beside pressure_pa"},
       {"output_like_a_control",
        changed(kGood, R"("name": "felt", "force_n": ["felt", "rattle"])", R"("name": "push", "force_n": "felt")"),
        "outputs[3].name", "'push_force_n' stands for two things"},
@@ -531,6 +566,7 @@ TEST(GoodInstrumentScore, IsPlayedFromAnyFolderWithEachOutput) {
                                      {"spot_displacement_m", "m (spot displacement)"},
                                      {"foot_velocity_m_per_s", "m/s (foot velocity)"},
                                      {"corner_velocity_m_per_s", "m/s (corner velocity)"},
+                                     {"ear", "Pa (ear pressure)"},
                                      {"spot", "m (spot displacement)"},
                                      {"force", "N (felt force)"}}) {  // not that of the string's end
     const Outcome outcome = render({"--signal", output});
@@ -542,7 +578,7 @@ TEST(GoodInstrumentScore, IsPlayedFromAnyFolderWithEachOutput) {
   write_file(box / "music/probe.json", kGood);
   expect_refused(render({"--signal", "velocity"}), "--signal: 'velocity' is no output",
                  "allowed: string_end_force_n, spot_displacement_m, foot_velocity_m_per_s, felt_force_n, "
-                 "corner_velocity_m_per_s");
+                 "corner_velocity_m_per_s, ear_pressure_pa");
   expect_refused(run({.arguments = {"render", "hammer-string", "--score", "music/score.json", "-o", "a.wav"},
                       .folder = box.path()}),
                  "music/score.json: instrument: the score is for an instrument file", "allowed: render instrument");

@@ -321,5 +321,47 @@ TEST(RandomInstruments, RememberInFaustAsInTheClass) {
                    "random_instruments_with_memory");
 }
 
+// The program of a plate and a drum head before two ears, at the sample rate of its taps: a mass bounces between the
+// two, a force pushes at both.
+TEST(Pressure, SoundsInFaustAsInTheClass) {
+  const std::string file = R"({
+    "name": "room",
+    "bodies": [
+      { "name": "head", "max_modes": 12, "membrane": { "radius_m": 0.2, "mass_per_area_kg_m2": 0.4,
+        "tension_n_per_m": 1500, "constant_loss_per_s": 6, "quadratic_loss_m2_per_s": 0.02 } },
+      { "name": "lid", "max_modes": 12, "plate": { "length_m": 0.5, "width_m": 0.3, "thickness_m": 0.003,
+        "density_kg_m3": 450, "youngs_modulus_pa": 1e10, "poisson_ratio": 0.3, "constant_loss_per_s": 8,
+        "quadratic_loss_m2_per_s": 0.02 } },
+      { "name": "ball", "mass_kg": 0.01 }
+    ],
+    "places": [ { "name": "on_head", "body": "head", "position_m": 0.07 },
+                { "name": "on_lid", "body": "lid", "position_m": 0.2, "across_m": 0.1 } ],
+    "contacts": [
+      { "name": "below", "between": ["ball", "on_head"], "material": "felt_c4", "gap_m": 0.0001 },
+      { "name": "above", "between": ["on_lid", "ball"], "material": "felt_c4", "gap_m": 0.0001 }
+    ],
+    "controls": [ { "name": "push", "force_n": "on_head" }, { "name": "press", "force_n": "on_lid" } ],
+    "strikes": ["ball"],
+    "outputs": [
+      { "name": "left", "pressure_pa": "head", "distance_m": 0.9, "angle_rad": 0.7, "around_rad": 1, "side_m": -0.09 },
+      { "name": "right", "pressure_pa": "head", "distance_m": 0.9, "angle_rad": 0.7, "around_rad": 1, "side_m": 0.09 },
+      { "name": "lid", "pressure_pa": "lid", "distance_m": 1.3, "angle_rad": -0.4 }
+    ]
+  })";
+  const InstrumentModel model = parse_instrument(file, "room.json");
+  const std::vector<Move> moves = {{37, "ball_speed_m_per_s", 1},
+                                   {37, "strike_ball", 1},
+                                   {370, "push_force_n", 0.5},
+                                   {740, "press_force_n", -0.5}};
+  const Case drawn{file, model, arrays_of(model, kMaxFrequency), moves, static_cast<int>(2 * kMaxFrequency)};
+  const Library library = compiled({drawn}, empty_folder("pressure"));
+  const auto found = sound_of_program(drawn, {library, "random_0", drawn.sample_rate_hz});
+  for (const auto& channel : found) EXPECT_GT(peak(channel), 1e-4);
+  EXPECT_FALSE(agreement(found[0], found[1], found[1]).holds) << "two ears are not one";
+  Summary summary;
+  compare(drawn, found, summary);
+  EXPECT_EQ(summary.unfinished, 0u);
+}
+
 }  // namespace
 }  // namespace contactspline::testing

@@ -13,6 +13,7 @@
 #include "contactspline/resonators/guitar_d3.hpp"
 #include "contactspline/resonators/guitar_g3.hpp"
 #include "contactspline/resonators/string_c4.hpp"
+#include "frame_drum.hpp"
 #include "fret_under_string.hpp"
 #include "hammer_on_string.hpp"
 #include "shipped_instruments.hpp"
@@ -47,8 +48,8 @@ using ModelsByHand =
 template <typename T>
 using InstrumentsOfFiles =
     Joined<ShippedInstruments<T>,
-           ::testing::Types<instruments::fret_under_string<T>, instruments::hammer_on_string<T>,
-                            instruments::slide_on_string<T>>>;
+           ::testing::Types<instruments::frame_drum<T>, instruments::fret_under_string<T>,
+                            instruments::hammer_on_string<T>, instruments::slide_on_string<T>>>;
 
 /// What a test calls an instrument.
 struct InstrumentNames {

@@ -60,12 +60,20 @@ struct InstrumentControl {
   std::size_t first_target, count;
 };
 
-enum class OutputQuantity { kDisplacement, kVelocity, kForce };
+enum class OutputQuantity { kDisplacement, kVelocity, kForce, kPressure };
 
-/// The sum of displacements or velocities of places, or of forces of connections, over such targets.
+/// The sum of displacements or velocities of places, or of forces of connections, over such targets. A pressure has
+/// two targets, the velocity of one place and the displacement of another, whose shapes are weights in Pa s/m and
+/// Pa/m; to their sum its paths add what forces do at once.
 struct InstrumentOutput {
   OutputQuantity quantity;
   std::size_t first_target, count;
+};
+
+/// What a force at a place adds to an output, a pressure: the last forces there, filtered by `taps` taps [Pa/N] of
+/// the instrument's, those of one path after those of the other.
+struct PressurePath {
+  std::size_t output, place, taps;
 };
 
 /// Keys of MIDI from `first` to `last` that play an event. tuned_key: the key at which the strings have the pitch of
@@ -99,7 +107,7 @@ struct KeyedData {
 /// control, then the speed of each strike, then the force of each pluck, then sustain and bend where keys have them.
 /// preset_values: for each preset a value for each parameter. wavenumbers: of the modes, 0 where the body is no
 /// string [rad/m]; empty where no place moves. memory_ends[t]: number of memories of the tables 0 to t; empty if no
-/// contact has a memory. license: SPDX identifier.
+/// contact has a memory. pressure_rate_hz: sample rate of pressure_taps. license: SPDX identifier.
 struct InstrumentData {
   const char *name, *description, *license;
   std::span<const double> angular_frequencies, decays, masses;
@@ -122,6 +130,9 @@ struct InstrumentData {
   std::span<const double> wavenumbers = {};
   std::span<const Memory> memories = {};
   std::span<const std::size_t> memory_ends = {};
+  double pressure_rate_hz = 0;
+  std::span<const PressurePath> pressure_paths = {};
+  std::span<const double> pressure_taps = {};
 
   [[nodiscard]] std::size_t modes_of(std::size_t body) const {
     return body_ends[body] - (body == 0 ? 0 : body_ends[body - 1]);

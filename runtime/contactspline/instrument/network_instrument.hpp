@@ -74,7 +74,7 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
     for (std::size_t c = 0; c < data_.controls.size(); ++c)
       if (data_.controls[c].quantity == ControlQuantity::kDamping)
         apply(data_.controls[c], static_cast<T>(values_[c]));
-    pickups_.prepare(data_);
+    pickups_.prepare(data_, sample_rate_hz);
     pickups_.measure(data_, *network_, tuning_);
     if constexpr (kRounds) prepare_in_double(sample_rate_hz);
     reset();
@@ -144,9 +144,10 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
     for (std::size_t i = 0; i < data_.controls.size(); ++i)
       if (data_.controls[i].quantity == ControlQuantity::kForce) push(i);
     network_->tick();
+    pickups_.follow(*network_);
   }
 
-  /// Advances a block and writes the outputs, each over its sample [m], [m/s] or [N]; `force`: contact_force().
+  /// Advances a block and writes the outputs, each over its sample [m], [m/s], [N] or [Pa]; `force`: contact_force().
   void process(Outputs<T> outputs, std::span<T> force = {}) {
     const std::size_t length = detail::block_length<T>(outputs, force);
     for (std::size_t n = 0; n < length; ++n) {
@@ -165,7 +166,7 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
     }
   }
 
-  /// An output over the last sample [m], [m/s] or [N]. output: 0 to the number of outputs - 1.
+  /// An output over the last sample [m], [m/s], [N] or [Pa]. output: 0 to the number of outputs - 1.
   [[nodiscard]] T output(std::size_t output) const {
     if (in_double_) return static_cast<T>(in_double_->output(output));
     return pickups_.output(data_, *network_, output);
@@ -184,6 +185,7 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
   void reset() {
     if (in_double_) in_double_->reset();
     network_->reset();
+    pickups_.reset();
     tuning_.rest();
     strikes_.reset();
     for (Pluck& pluck : plucks_) pluck.stop();

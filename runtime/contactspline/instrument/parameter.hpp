@@ -75,17 +75,11 @@ struct UnitName {
 };
 
 // A longer ending stands before one that it ends with.
-inline constexpr UnitName kUnitNames[] = {{"_n_s_per_m", "N s/m", "Ns/m", 1},
-                                          {"_n_per_m", "N/m", "N/m", 1},
-                                          {"_m_per_s2", "m/s2", "m/s2", 1},
-                                          {"_m_per_s", "m/s", "m/s", 1},
-                                          {"_s_per_m", "s/m", "s/m", 1},
-                                          {"_per_s", "1/s", "1/s", 1},
-                                          {"_cents", "cents", "cents", 1},
-                                          {"_hz", "Hz", "Hz", 1},
-                                          {"_kg", "kg", "g", 1000},
-                                          {"_n", "N", "N", 1},
-                                          {"_m", "m", "mm", 1000}};
+inline constexpr UnitName kUnitNames[] = {
+    {"_n_s_per_m", "N s/m", "Ns/m", 1}, {"_n_per_m", "N/m", "N/m", 1}, {"_m_per_s2", "m/s2", "m/s2", 1},
+    {"_m_per_s", "m/s", "m/s", 1},      {"_s_per_m", "s/m", "s/m", 1}, {"_per_s", "1/s", "1/s", 1},
+    {"_cents", "cents", "cents", 1},    {"_hz", "Hz", "Hz", 1},        {"_pa", "Pa", "Pa", 1},
+    {"_kg", "kg", "g", 1000},           {"_n", "N", "N", 1},           {"_m", "m", "mm", 1000}};
 
 }  // namespace detail
 

@@ -186,6 +186,15 @@ class ContactNetwork {
     for (std::size_t k = 0; k < range.count; ++k) sum += force(range.first + k);
     return sum;
   }
+  /// Force on a place over the last sample [N], of its connections and pushes.
+  [[nodiscard]] T force_at(std::size_t place) const {
+    T sum = std::ranges::find(last_pushed_, place) == last_pushed_.end() ? T(0) : parts_.places[place].last_push;
+    for (const std::size_t k : parts_.body_of(place).connections) {
+      if (parts_.connections[k].first == place) sum -= force(k);
+      if (parts_.connections[k].second == place) sum += force(k);
+    }
+    return sum;
+  }
   [[nodiscard]] T compression(std::size_t connection) const {  ///< [m], negative while apart
     return parts_.connections[connection].is_awake ? solver_[connection].compression : parts_.measured(connection);
   }
