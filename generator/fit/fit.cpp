@@ -71,34 +71,38 @@ std::vector<FitValues> starts_of(const FitProblem& problem, const Candidate& can
                                 : simpler == nullptr         ? problem.likely_exponents()
                                                              : std::vector{2.5};
   std::vector<FitValues> starts;
-  for (const double time : frees(candidate, kLogTime) ? std::vector{0.01, 0.1} : std::vector{0.01}) {
+  for (const double time : frees(candidate, kLogTime) ? std::vector{0.1, 0.01} : std::vector{0.01}) {
     for (const double exponent : exponents) starts.push_back(problem.begin(exponent, loss, weight, time));
     if (simpler == nullptr) continue;
+    const auto lossy = starts.back().parameters;
     starts.push_back(simpler->values);
-    const auto& lossy = starts.front().parameters;
     for (const FitParameter parameter : {kHuntCrossley, kWeight, kLogTime})
       starts.back().parameters[parameter] = lossy[parameter];
   }
   return starts;
 }
 
-// The best of several starts, then twice again with the noise that it shows; but not where an earlier candidate,
-// whose cost is `lowest_cost`, describes the data far better. Returns the cost of the best start.
-double fit_candidate(const FitProblem& problem, Candidate& candidate, const Candidate* simpler, double lowest_cost) {
-  constexpr int kFewSteps = 6, kManySteps = 60;
-  constexpr double kHopeless = 10;
+// The best of several starts, until two of them agree, from some samples of each pulse. Starts of layers may agree on
+// a core that is out of reach, so all are tried.
+void find_values(const FitProblem& problem, Candidate& candidate, const Candidate* simpler) {
+  constexpr int kSteps = 30;
+  constexpr double kAgree = 1e-3;
   candidate.values.cost = std::numeric_limits<double>::infinity();
   for (FitValues& start : starts_of(problem, candidate, simpler)) {
     std::ranges::fill(start.noise, kFirstNoise);
-    const FitValues found = problem.search(start, candidate.frees, kFewSteps);
-    if (found.cost < candidate.values.cost) candidate.values = found;
+    const FitValues found = problem.search(start, candidate.frees, kSteps, Samples::kSome);
+    const double before = candidate.values.cost;
+    if (found.cost < before) candidate.values = found;
+    if (!frees(candidate, kDepth) && std::abs(found.cost / before - 1) <= kAgree) return;
   }
-  const double cost = candidate.values.cost;
-  const bool is_hopeless = !std::isfinite(cost) || cost > kHopeless * lowest_cost;
-  for (int round = 0; round < 2 && !is_hopeless; ++round)
+}
+
+// Twice, with the noise that all samples show about the values.
+void refine(const FitProblem& problem, Candidate& candidate) {
+  constexpr int kSteps = 60;
+  for (int round = 0; round < 2; ++round)
     candidate.values =
-        problem.search(problem.with_noise(candidate.values, candidate.frees), candidate.frees, kManySteps);
-  return cost;
+        problem.search(problem.with_noise(candidate.values, candidate.frees), candidate.frees, kSteps, Samples::kAll);
 }
 
 // Twice the cost at the least noise that any candidate shows, and ln of the number of residuals for each parameter.
@@ -227,8 +231,9 @@ void add_layers(const FitProblem& problem, const Measurements& measured, std::ve
   Candidate layered =
       candidate_of(*std::ranges::find(laws(), std::string_view(kLayers), &ModelRow::name), *best.loss, measured);
   tell(fitting(layered));
-  (void)fit_candidate(problem, layered, &best, std::numeric_limits<double>::infinity());
+  find_values(problem, layered, &best);
   if (!std::isfinite(layered.values.cost)) return;
+  refine(problem, layered);
   all.push_back(layered);
   set_criteria(problem, all);
 }
@@ -239,16 +244,20 @@ Fit fit_material(const Measurements& measured, const std::string& file,
                  const std::function<void(const std::string&)>& tell) {
   const FitProblem problem(measured);
   std::vector<Candidate> all = candidates_of(measured);
-  double lowest_cost = std::numeric_limits<double>::infinity();
   for (Candidate& candidate : all) {
     tell(fitting(candidate));
     const Candidate* before = &candidate == all.data() ? nullptr : &candidate - 1;
     const Candidate* simpler = before != nullptr && before->law == candidate.law ? before : nullptr;
-    lowest_cost = std::min(lowest_cost, fit_candidate(problem, candidate, simpler, lowest_cost));
+    find_values(problem, candidate, simpler);
   }
   std::erase_if(all, [](const Candidate& candidate) { return !std::isfinite(candidate.values.cost); });
   if (all.empty())
     refuse(file, "fit", "no law describes the data", "data of impacts on a rigid wall, in the units that they state");
+  constexpr double kHopeless = 10;
+  const double lowest_cost =
+      std::ranges::min(all, {}, [](const Candidate& candidate) { return candidate.values.cost; }).values.cost;
+  for (Candidate& candidate : all)
+    if (candidate.values.cost <= kHopeless * lowest_cost) refine(problem, candidate);
   set_criteria(problem, all);
   if (std::ranges::count(measured.laws, kLayers) > 0) add_layers(problem, measured, all, tell);
   const Candidate& best = all.front();
@@ -259,7 +268,7 @@ Fit fit_material(const Measurements& measured, const std::string& file,
   };
   Fit fit{best.law->name,
           best.loss->name,
-          law_of(best.values.parameters.data(), problem.reference_m()),
+          problem.law(best.values),
           exponential(of({{kLogForce, 1}, {kExponent, -std::log(problem.reference_m())}})),
           of({{kExponent, 1}}),
           exponential(of({{kLogForce, 1}, {kLogCore, 1}}, -kHertzExponent * std::log(problem.reference_m()))),

@@ -28,23 +28,65 @@ double speed_of(const Pulse& pulse, double mass_kg) {
   return pulse.speed_m_per_s.value_or(measures_of(pulse).impulse_n_s / (kLikely * mass_kg));
 }
 
+// Enough of its samples to find the values near which all samples are searched.
+Pulse thinned(const Pulse& pulse) {
+  constexpr std::size_t kSamples = 128;
+  const std::size_t stride = pulse.time_s.size() / kSamples + 1;
+  Pulse few{pulse.file, {}, {}, pulse.speed_m_per_s};
+  for (std::size_t i = 0; i < pulse.time_s.size(); i += stride) {
+    few.time_s.push_back(pulse.time_s[i]);
+    few.force_n.push_back(pulse.force_n[i]);
+  }
+  return few;
+}
+
 double max_force(const MeasuredForce& curve) {
   return std::ranges::max(curve.samples, {}, &CurveSample::force_n).force_n;
 }
 
+/// A pointer to each value, in this order.
+template <typename... Values>
+std::vector<double*> pointers_to(Values&... values) {
+  std::vector<double*> pointers;
+  (..., [&] {
+    for (double& value : values) pointers.push_back(&value);
+  }());
+  return pointers;
+}
+
 }  // namespace
 
-/// The problem as Ceres takes it, over values that it moves.
+/// The problem as Ceres takes it, over values that it moves. Each unknown is a block of its own, so Ceres computes
+/// the derivatives with respect to what is free alone.
 struct FitProblem::Posed {
   ceres::Problem problem;
   ceres::Problem::EvaluateOptions order;
+
+  template <typename Residual>
+  void add(Residual residual, std::size_t count, const std::vector<double*>& unknowns) {
+    constexpr int kDerivativesAtOnce = 6;
+    auto* cost =
+        new ceres::DynamicAutoDiffCostFunction<Residual, kDerivativesAtOnce>(new Residual(std::move(residual)));
+    for (std::size_t i = 0; i < unknowns.size(); ++i) cost->AddParameterBlock(1);
+    cost->SetNumResiduals(static_cast<int>(count));
+    order.residual_blocks.push_back(problem.AddResidualBlock(cost, nullptr, unknowns));
+  }
+
+  void set_free(double* unknown, bool is_free) {
+    if (is_free)
+      order.parameter_blocks.push_back(unknown);
+    else
+      problem.SetParameterBlockConstant(unknown);
+  }
 };
 
 FitProblem::FitProblem(const Measurements& measured) : measured_(measured), scales_{measured.mass_kg, 1} {
   FLAGS_minloglevel =
       google::GLOG_FATAL;  // a search that fails is none of the user's business; another start is tried
   for (const Pulse& pulse : measured.pulses) {
-    const PulseMeasures measures = measures_of(pulse);
+    pulse_measures_.push_back(measures_of(pulse));
+    some_samples_.push_back(thinned(pulse));
+    const PulseMeasures& measures = pulse_measures_.back();
     max_speed_m_per_s_ = std::max(max_speed_m_per_s_, contactspline::speed_of(pulse, measured.mass_kg));
     duration_s_ = std::max(duration_s_, measures.end_s - measures.begin_s);
   }
@@ -64,6 +106,12 @@ FitProblem::FitProblem(const Measurements& measured) : measured_(measured), scal
 }
 
 FitProblem::~FitProblem() = default;
+
+ViscoelasticLaw<double> FitProblem::law(const FitValues& values) const {
+  std::array<const double*, kFitParameters> pointers;
+  for (std::size_t i = 0; i < pointers.size(); ++i) pointers[i] = &values.parameters[i];
+  return law_of(pointers.data(), scales_.reference_m);
+}
 
 // A compression and the force there, as one impact shows them if the law has this exponent and no loss.
 std::pair<double, double> FitProblem::anchor(double exponent) const {
@@ -113,7 +161,7 @@ double FitProblem::set_gains(FitValues& values) const {
     const auto& levels = struck.blows[i].levels;
     std::vector<double> all(levels.size());
     if (!BlowResidual{struck, struck.blows[i], scales, std::make_shared<double>(1)}(
-            values.parameters.data(), values.parameters.data() + kLawParameters, values.blows[i].data(), all.data()))
+            pointers_to(values.parameters, values.blows[i]).data(), all.data()))
       return std::numeric_limits<double>::infinity();
     errors.emplace_back();
     for (std::size_t k = 0; k < all.size(); ++k)
@@ -193,7 +241,7 @@ void FitProblem::find_contact() {
     std::ranges::fill(values.noise, kNoise);
     for (std::size_t count = kLow;; count *= 2) {
       limit_to(count);
-      values = search(values, frees, kSteps);
+      values = search(values, frees, kSteps, Samples::kAll);
       if (count >= sorted.size()) break;
     }
     if (values.cost < best.cost) best = values;
@@ -223,10 +271,11 @@ void FitProblem::add_sample(std::size_t source, double at, double measured, doub
 }
 
 void FitProblem::add_sources() {
-  for (const Pulse& pulse : measured_.pulses) {
+  for (std::size_t k = 0; k < measured_.pulses.size(); ++k) {
+    const Pulse& pulse = measured_.pulses[k];
     sources_.push_back({pulse.file, "force", std::make_shared<double>(kFirstNoise), {}, {}, {}});
     for (std::size_t i = 0; i < pulse.time_s.size(); ++i)
-      add_sample(sources_.size() - 1, pulse.time_s[i], pulse.force_n[i], measures_of(pulse).max_force_n);
+      add_sample(k, pulse.time_s[i], pulse.force_n[i], pulse_measures_[k].max_force_n);
   }
   for (const ImpactRow& row : measured_.rows) {
     RowResidual residual{row.speed_m_per_s, {}, scales_, {}};
@@ -292,99 +341,64 @@ FitValues FitProblem::with_core(FitValues values, double depth) const {
   return values;
 }
 
-void FitProblem::pose_curves(Posed& posed, double* parameters) const {
-  for (std::size_t i = 0; i < measured_.curves.size(); ++i) {
-    const MeasuredForce& curve = measured_.curves[i];
-    posed.order.residual_blocks.push_back(posed.problem.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<CurveResidual, ceres::DYNAMIC, kLawParameters>(
-            new CurveResidual{curve, max_force(curve), scales_, sources_[first_curve_ + i].noise},
-            static_cast<int>(curve.samples.size())),
-        nullptr, parameters));
+// Pulses, rows and curves depend on the law alone, blows on the hammer too.
+void FitProblem::pose_parameters(Posed& posed, std::span<double> parameters,
+                                 const std::vector<FitParameter>& frees) const {
+  for (int i = 0; i < std::ssize(parameters); ++i) {
+    double* parameter = &parameters[static_cast<std::size_t>(i)];
+    const bool is_free = std::ranges::find(frees, i) != frees.end();
+    posed.problem.AddParameterBlock(parameter, 1);
+    posed.set_free(parameter, is_free);
+    if (!is_free) continue;
+    const auto& [min, max] = kBounds[static_cast<std::size_t>(i)];
+    const double unit = i == kLogTime ? std::log(duration_s_) : 0;
+    posed.problem.SetParameterLowerBound(parameter, 0, min + unit);
+    posed.problem.SetParameterUpperBound(parameter, 0, max + unit);
   }
 }
 
-void FitProblem::pose_blows(Posed& posed, FitValues& values) const {
-  for (std::size_t i = 0; i < values.blows.size(); ++i) {
-    const Blow& blow = measured_.struck->blows[i];
-    double* unknown = values.blows[i].data();
-    posed.order.residual_blocks.push_back(posed.problem.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<BlowResidual, ceres::DYNAMIC, kLawParameters, kFitParameters - kLawParameters,
-                                        kBlowUnknowns>(
-            new BlowResidual{*measured_.struck, blow, scales_,
-                             sources_[first_curve_ + measured_.curves.size() + i].noise},
-            static_cast<int>(blow.levels.size())),
-        nullptr, values.parameters.data(), values.parameters.data() + kLawParameters, unknown));
-    std::vector<int> fixed;
-    if (blow.speed_m_per_s) fixed.push_back(kBlowSpeed);
-    if (measured_.struck->has_common_gain) fixed.push_back(kBlowGain);
-    if (fixed.size() == kBlowUnknowns) {
-      posed.problem.SetParameterBlockConstant(unknown);
-      continue;
-    }
-    posed.order.parameter_blocks.push_back(unknown);
-    if (!fixed.empty()) posed.problem.SetManifold(unknown, new ceres::SubsetManifold(kBlowUnknowns, fixed));
-  }
-}
-
-// Two blocks, of the law and of the hammer: pulses, rows and curves depend on the first alone.
-void FitProblem::pose_parameters(Posed& posed, double* parameters, const std::vector<FitParameter>& frees) const {
-  for (const auto& [begin, end] : {std::pair<int, int>{0, kLawParameters}, {kLawParameters, kFitParameters}}) {
-    if (begin == kLawParameters && !measured_.struck) continue;
-    double* block = parameters + begin;
-    posed.problem.AddParameterBlock(block, end - begin);
-    std::vector<int> fixed;
-    for (int i = begin; i < end; ++i)
-      if (std::ranges::find(frees, i) == frees.end()) {
-        fixed.push_back(i - begin);
-      } else {
-        const auto& [min, max] = kBounds[static_cast<std::size_t>(i)];
-        const double unit = i == kLogTime ? std::log(duration_s_) : 0;
-        posed.problem.SetParameterLowerBound(block, i - begin, min + unit);
-        posed.problem.SetParameterUpperBound(block, i - begin, max + unit);
-      }
-    if (std::ssize(fixed) == end - begin) {
-      posed.problem.SetParameterBlockConstant(block);
-      continue;
-    }
-    posed.order.parameter_blocks.push_back(block);
-    if (!fixed.empty()) posed.problem.SetManifold(block, new ceres::SubsetManifold(end - begin, fixed));
-  }
-}
-
-std::unique_ptr<FitProblem::Posed> FitProblem::pose(FitValues& values, const std::vector<FitParameter>& frees) const {
+std::unique_ptr<FitProblem::Posed> FitProblem::pose(FitValues& values, const std::vector<FitParameter>& frees,
+                                                    Samples samples) const {
   auto posed = std::make_unique<Posed>();
-  double* parameters = values.parameters.data();
-  pose_parameters(*posed, parameters, frees);
+  const std::span<double, kLawParameters> law(values.parameters.data(), kLawParameters);
+  pose_parameters(*posed, std::span(values.parameters).first(measured_.struck ? kFitParameters : kLawParameters),
+                  frees);
   for (std::size_t i = 0; i < sources_.size(); ++i) *sources_[i].noise = values.noise[i];
   for (std::size_t i = 0; i < measured_.pulses.size(); ++i) {
-    const Pulse& pulse = measured_.pulses[i];
-    double* unknown = values.pulses[i].data();
-    posed->order.residual_blocks.push_back(posed->problem.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<PulseResidual, ceres::DYNAMIC, kLawParameters, kPulseUnknowns>(
-            new PulseResidual{pulse, measures_of(pulse), scales_, sources_[i].noise},
-            static_cast<int>(pulse.time_s.size())),
-        nullptr, parameters, unknown));
-    posed->order.parameter_blocks.push_back(unknown);
-    if (pulse.speed_m_per_s)
-      posed->problem.SetManifold(unknown, new ceres::SubsetManifold(kPulseUnknowns, {kLogSpeed}));
+    const Pulse& pulse = (samples == Samples::kSome ? some_samples_ : measured_.pulses)[i];
+    auto& unknown = values.pulses[i];
+    posed->add(PulseResidual{pulse, pulse_measures_[i], scales_, sources_[i].noise}, pulse.time_s.size(),
+               pointers_to(law, unknown));
+    for (std::size_t k = 0; k < unknown.size(); ++k)
+      posed->set_free(&unknown[k], k != kLogSpeed || !pulse.speed_m_per_s);
   }
-  for (const RowResidual& row : rows_)
-    posed->order.residual_blocks.push_back(
-        posed->problem.AddResidualBlock(new ceres::AutoDiffCostFunction<RowResidual, ceres::DYNAMIC, kLawParameters>(
-                                            new RowResidual(row), static_cast<int>(row.measured.size())),
-                                        nullptr, parameters));
-  pose_curves(*posed, parameters);
-  pose_blows(*posed, values);
+  for (const RowResidual& row : rows_) posed->add(row, row.measured.size(), pointers_to(law));
+  for (std::size_t i = 0; i < measured_.curves.size(); ++i) {
+    const MeasuredForce& curve = measured_.curves[i];
+    posed->add(CurveResidual{curve, max_force(curve), scales_, sources_[first_curve_ + i].noise},
+               curve.samples.size(), pointers_to(law));
+  }
+  for (std::size_t i = 0; i < values.blows.size(); ++i) {
+    const Blow& blow = measured_.struck->blows[i];
+    auto& unknown = values.blows[i];
+    posed->add(
+        BlowResidual{*measured_.struck, blow, scales_, sources_[first_curve_ + measured_.curves.size() + i].noise},
+        blow.levels.size(), pointers_to(values.parameters, unknown));
+    posed->set_free(&unknown[kBlowSpeed], !blow.speed_m_per_s);
+    posed->set_free(&unknown[kBlowGain], !measured_.struck->has_common_gain);
+  }
   return posed;
 }
 
-FitValues FitProblem::search(FitValues values, const std::vector<FitParameter>& frees, int max_steps) const {
+FitValues FitProblem::search(FitValues values, const std::vector<FitParameter>& frees, int max_steps,
+                             Samples samples) const {
   scales_.is_robust = true;
-  const auto posed = pose(values, frees);
+  const auto posed = pose(values, frees, samples);
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_SCHUR;  // each pulse's unknowns on their own
   options.max_num_iterations = max_steps;
-  options.function_tolerance = 1e-10;
+  options.max_num_line_search_step_size_iterations = 0;  // a step is shortened to the bounds, not searched along
+  options.function_tolerance = samples == Samples::kSome ? 1e-5 : 1e-8;
   options.parameter_tolerance = 1e-9;
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
@@ -396,7 +410,7 @@ FitValues FitProblem::search(FitValues values, const std::vector<FitParameter>& 
 Linearised FitProblem::linearised(const FitValues& at, const std::vector<FitParameter>& frees) const {
   FitValues values = at;
   scales_.is_robust = false;
-  const auto posed = pose(values, frees);
+  const auto posed = pose(values, frees, Samples::kAll);
   std::vector<double> residuals;
   ceres::CRSMatrix sparse;
   posed->problem.Evaluate(posed->order, nullptr, &residuals, nullptr, &sparse);

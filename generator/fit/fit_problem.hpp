@@ -6,6 +6,7 @@
 #include <array>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -41,6 +42,9 @@ struct Linearised {
   Eigen::MatrixXd jacobian;
 };
 
+/// Of pulses: some show where the values lie, all show them as exactly as they can be known.
+enum class Samples { kSome, kAll };
+
 class FitProblem {
  public:
   explicit FitProblem(const Measurements& measured);
@@ -56,7 +60,8 @@ class FitProblem {
   [[nodiscard]] FitValues with_core(FitValues values, double depth) const;
 
   /// Searches from `values` with at most so many steps; `frees` in the order of FitParameter.
-  [[nodiscard]] FitValues search(FitValues values, const std::vector<FitParameter>& frees, int max_steps) const;
+  [[nodiscard]] FitValues search(FitValues values, const std::vector<FitParameter>& frees, int max_steps,
+                                 Samples samples) const;
 
   /// The same values with the noise that their residuals show.
   [[nodiscard]] FitValues with_noise(FitValues values, const std::vector<FitParameter>& frees) const;
@@ -69,13 +74,13 @@ class FitProblem {
   [[nodiscard]] const std::vector<FitSource>& sources() const { return sources_; }
   [[nodiscard]] const std::vector<std::size_t>& source_of_residual() const { return source_of_residual_; }
   [[nodiscard]] double reference_m() const { return scales_.reference_m; }
+  [[nodiscard]] ViscoelasticLaw<double> law(const FitValues& values) const;
 
  private:
   struct Posed;
-  void pose_parameters(Posed& posed, double* parameters, const std::vector<FitParameter>& frees) const;
-  void pose_curves(Posed& posed, double* parameters) const;
-  void pose_blows(Posed& posed, FitValues& values) const;
-  [[nodiscard]] std::unique_ptr<Posed> pose(FitValues& values, const std::vector<FitParameter>& frees) const;
+  void pose_parameters(Posed& posed, std::span<double> parameters, const std::vector<FitParameter>& frees) const;
+  [[nodiscard]] std::unique_ptr<Posed> pose(FitValues& values, const std::vector<FitParameter>& frees,
+                                            Samples samples) const;
   [[nodiscard]] std::pair<double, double> anchor(double exponent) const;
   [[nodiscard]] double speed_of(const Blow& blow) const;
   double set_gains(FitValues& values) const;
@@ -89,6 +94,8 @@ class FitProblem {
 
   const Measurements& measured_;
   mutable FitScales scales_;
+  std::vector<PulseMeasures> pulse_measures_;
+  std::vector<Pulse> some_samples_;
   std::vector<FitSource> sources_;
   std::vector<std::size_t> source_of_residual_;
   std::vector<RowResidual> rows_;

@@ -66,10 +66,24 @@ struct State {
 };
 
 // a + h b
-template <typename Real, typename Step>
-State<Real> moved(const State<Real>& a, const State<Real>& b, const Step& h) {
+template <typename Real>
+State<Real> moved(const State<Real>& a, const State<Real>& b, double h) {
   return {a.y + h * b.y, a.v + h * b.v, a.m + h * b.m};
 }
+
+/// The cubic through values and slopes at the ends of a step.
+template <typename Real>
+struct Cubic {
+  Real value, slope, square, cube;
+
+  Cubic(const Real& a, const Real& slope_a, const Real& b, const Real& slope_b, double h) : value(a), slope(slope_a) {
+    const Real mean = (b - a) / h;
+    square = (3.0 * mean - 2.0 * slope_a - slope_b) / h;
+    cube = (slope_a + slope_b - 2.0 * mean) / (h * h);
+  }
+  [[nodiscard]] Real at(const Real& t) const { return value + t * (slope + t * (square + t * cube)); }
+  [[nodiscard]] Real slope_at(const Real& t) const { return slope + t * (2.0 * square + 3.0 * t * cube); }
+};
 
 template <typename Real>
 class Impact {
@@ -79,20 +93,25 @@ class Impact {
 
   [[nodiscard]] bool remembers() const { return number(law_.weight) > 0; }
 
-  [[nodiscard]] Real force(const State<Real>& s) const {
-    const Real f = force_ * pull(s, Real(1.0) + law_.loss_s_per_m * s.v);
-    return number(f) > 0 ? f : Real(0.0);
-  }
+  [[nodiscard]] Real force(const State<Real>& s) const { return force(s, shape(law_, s.y)); }
 
   /// Positive in contact, 0 at its end.
-  [[nodiscard]] Real touch(const State<Real>& s) const { return remembers() ? pull(s, Real(1.0)) : s.y; }
+  [[nodiscard]] Real touch(const State<Real>& s) const {
+    return remembers() ? Real(shape(law_, s.y) - law_.weight * s.m) : s.y;
+  }
 
-  template <typename Step>
-  [[nodiscard]] State<Real> step(const State<Real>& s, const Step& h) const {
-    const auto k1 = rate(s), k2 = rate(moved(s, k1, h / 2.0)), k3 = rate(moved(s, k2, h / 2.0)),
-               k4 = rate(moved(s, k3, h));
+  [[nodiscard]] State<Real> rate(const State<Real>& s) const {
+    const Real g = shape(law_, s.y);
+    return {s.v, -force(s, g) / mass_kg_, remembers() ? Real((g - s.m) / law_.time_s) : Real(0.0)};
+  }
+
+  [[nodiscard]] State<Real> step(const State<Real>& s, double h) const { return step(s, rate(s), h); }
+
+  /// The same if the rate is known.
+  [[nodiscard]] State<Real> step(const State<Real>& s, const State<Real>& k1, double h) const {
+    const auto k2 = rate(moved(s, k1, h / 2)), k3 = rate(moved(s, k2, h / 2)), k4 = rate(moved(s, k3, h));
     const auto sum = [&](const Real& a, const Real& b, const Real& c, const Real& d) {
-      return (a + 2.0 * (b + c) + d) / 6.0;
+      return Real((a + 2.0 * (b + c) + d) / 6.0);
     };
     return moved(s, {sum(k1.y, k2.y, k3.y, k4.y), sum(k1.v, k2.v, k3.v, k4.v), sum(k1.m, k2.m, k3.m, k4.m)}, h);
   }
@@ -115,14 +134,11 @@ class Impact {
     return exp(x);
   }
 
-  [[nodiscard]] Real g(const State<Real>& s) const { return shape(law_, s.y); }
-
-  [[nodiscard]] Real pull(const State<Real>& s, const Real& viscous) const {
-    return remembers() ? Real(g(s) * viscous - law_.weight * s.m) : Real(g(s) * viscous);
-  }
-
-  [[nodiscard]] State<Real> rate(const State<Real>& s) const {
-    return {s.v, -force(s) / mass_kg_, remembers() ? Real((g(s) - s.m) / law_.time_s) : Real(0.0)};
+  // g: of the law at this compression.
+  [[nodiscard]] Real force(const State<Real>& s, const Real& g) const {
+    const Real viscous = g * (1.0 + law_.loss_s_per_m * s.v);
+    const Real f = force_ * (remembers() ? Real(viscous - law_.weight * s.m) : viscous);
+    return number(f) > 0 ? f : Real(0.0);
   }
 
   ViscoelasticLaw<Real> law_;
@@ -134,31 +150,33 @@ inline constexpr int kMaxSteps = 50000;
 
 }  // namespace impact_model
 
-/// The force [N] at rising times of an impact that begins at `begin_s`. False if the motion cannot be computed.
+/// The force [N] at rising times of an impact that begins at `begin_s`: of the motion between two steps, which is a
+/// cubic. False if the motion cannot be computed.
 template <typename Real>
 [[nodiscard]] bool pulse_force(const ViscoelasticLaw<Real>& law, double mass_kg, const Real& speed,
                                const Real& begin_s, std::span<const double> times, std::span<Real> forces) {
   using impact_model::number;
   const impact_model::Impact<Real> impact(law, mass_kg);
-  const double longest = impact.longest_step(number(speed));
-  impact_model::State<Real> state{Real(0.0), speed, Real(0.0)};
+  const double h = impact.longest_step(number(speed));
+  impact_model::State<Real> before, rate_before, after{Real(0.0), speed, Real(0.0)}, rate = impact.rate(after);
   std::ranges::fill(forces, Real(0.0));
-  const auto advance = [&](const auto& interval) {
-    const double steps = std::ceil(number(interval) / longest);
-    if (!(steps < impact_model::kMaxSteps)) return false;
-    for (int i = 0; i < static_cast<int>(steps); ++i) state = impact.step(state, interval / steps);
-    return true;
-  };
-  bool begun = false;
-  for (std::size_t i = 0; i < times.size(); ++i) {
-    if (!(times[i] > number(begin_s))) continue;
-    if (!(begun ? advance(times[i] - times[i - 1]) : advance(Real(times[i] - begin_s)))) return false;
-    begun = true;
-    if (number(state.y) < 0) return true;  // it flies away, and the force stays 0
-    forces[i] = impact.force(state);
-    if (!std::isfinite(number(forces[i]))) return false;
+  std::size_t i = 0;
+  while (i < times.size() && !(times[i] > number(begin_s))) ++i;
+  for (int step = 0; i < times.size() && step < impact_model::kMaxSteps; ++step) {
+    if (number(after.y) < 0) return true;  // it flies away, and the force stays 0
+    before = after, rate_before = rate;
+    after = impact.step(before, rate_before, h);
+    rate = impact.rate(after);
+    if (!std::isfinite(number(after.y))) return false;
+    const impact_model::Cubic<Real> y(before.y, before.v, after.y, after.v, h),
+        m(before.m, rate_before.m, after.m, rate.m, h);
+    for (; i < times.size(); ++i) {
+      const Real t = times[i] - begin_s - step * h;
+      if (!(number(t) <= h)) break;
+      forces[i] = impact.force({y.at(t), y.slope_at(t), m.at(t)});
+    }
   }
-  return true;
+  return i == times.size();
 }
 
 /// Duration, largest force, restitution and largest compression of an impact; nothing if it cannot be computed.

@@ -11,7 +11,7 @@
 
 namespace contactspline {
 
-/// The force of one impact over time: the contact, and a fourth of its duration before and after it.
+/// The force of one impact over time: the contact, and as long before and after it.
 struct Pulse {
   std::string file;
   std::vector<double> time_s, force_n;

@@ -129,7 +129,7 @@ Pulse contact_window(const Pulse& pulse, std::span<const std::size_t> lines, dou
   const SamplesOfContact contact = contact_of(pulse);
   require_whole(pulse, contact);
   require_unsaturated(pulse, contact);
-  const double begin = pulse.time_s[contact.begin], end = pulse.time_s[contact.end], margin = (end - begin) * 1;
+  const double begin = pulse.time_s[contact.begin], end = pulse.time_s[contact.end], margin = end - begin;
   Pulse window{pulse.file, {}, {}, pulse.speed_m_per_s};
   for (std::size_t i = 0; i < pulse.time_s.size(); ++i)
     if (pulse.time_s[i] > begin - margin && pulse.time_s[i] < end + margin) {

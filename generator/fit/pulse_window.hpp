@@ -8,7 +8,7 @@
 
 namespace contactspline {
 
-/// The contact of a recorded pulse and a fourth of its duration before and after it. `lines` are those of the samples
+/// The contact of a recorded pulse, and as long before and after it. `lines` are those of the samples
 /// in their file. Throws BadInput if time does not rise, if there is no contact or a second one, if the record begins
 /// or ends within it, if it has too few samples or a saturated top, and if impulse, mass and speed disagree.
 [[nodiscard]] Pulse contact_window(const Pulse& pulse, std::span<const std::size_t> lines, double mass_kg);

@@ -32,21 +32,23 @@ struct FitScales {
 /// The standard deviation of one source's noise, in the unit of its residuals.
 using Noise = std::shared_ptr<double>;
 
+/// p: a pointer to each unknown, those of FitParameter first.
 template <typename Real>
-ViscoelasticLaw<Real> law_of(const Real* p, double reference_m) {
+ViscoelasticLaw<Real> law_of(const Real* const* p, double reference_m) {
   using std::exp;
-  return {p[kLogForce],           p[kExponent], p[kHuntCrossley],       p[kWeight],
-          Real(exp(p[kLogTime])), reference_m,  Real(exp(p[kLogCore])), p[kDepth]};
+  return {*p[kLogForce],           *p[kExponent], *p[kHuntCrossley],       *p[kWeight],
+          Real(exp(*p[kLogTime])), reference_m,   Real(exp(*p[kLogCore])), *p[kDepth]};
 }
 
 /// A residual in parts of the noise, in the norm 2 c^2 (sqrt(1 + r^2/c^2) - 1): r^2 for small ones, then linear.
 inline constexpr double kRobust = 3;
 template <typename Real>
 Real scaled(const Real& difference, double noise, const FitScales& scales) {
-  using std::sqrt;
-  Real r = difference / noise;
-  if (!scales.is_robust) return r;
-  return r * sqrt(2.0 / (1.0 + sqrt(1.0 + r * r / (kRobust * kRobust))));
+  if (!scales.is_robust) return difference / noise;
+  const double value = impact_model::number(difference), r = value / noise;
+  const double root = std::sqrt(1 + r * r / (kRobust * kRobust)), factor = std::sqrt(2 / (1 + root));
+  const double slope = factor * (1 - (root - 1) / (2 * root));
+  return r * factor + slope / noise * (difference - value);
 }
 
 /// Force of a pulse, in parts of its largest one.
@@ -57,16 +59,17 @@ struct PulseResidual {
   Noise noise;
 
   template <typename Real>
-  bool operator()(const Real* parameters, const Real* unknown, Real* residuals) const {
+  bool operator()(const Real* const* parameters, Real* residuals) const {
     using std::exp;
-    const Real begin = measures.begin_s + unknown[kBegin] * (measures.end_s - measures.begin_s);
+    const Real* const* unknown = parameters + kLawParameters;
+    const Real begin = measures.begin_s + *unknown[kBegin] * (measures.end_s - measures.begin_s);
     const std::span<Real> forces(residuals, pulse.time_s.size());
-    if (!pulse_force(law_of(parameters, scales.reference_m), scales.mass_kg, Real(exp(unknown[kLogSpeed])), begin,
+    if (!pulse_force(law_of(parameters, scales.reference_m), scales.mass_kg, Real(exp(*unknown[kLogSpeed])), begin,
                      pulse.time_s, forces))
       return false;
     for (std::size_t i = 0; i < forces.size(); ++i)
       residuals[i] =
-          scaled(Real((forces[i] - pulse.force_n[i]) / measures.max_force_n + unknown[kOffset]), *noise, scales);
+          scaled(Real((forces[i] - pulse.force_n[i]) / measures.max_force_n + *unknown[kOffset]), *noise, scales);
     return true;
   }
 };
@@ -79,7 +82,7 @@ struct RowResidual {
   std::vector<Noise> noise;
 
   template <typename Real>
-  bool operator()(const Real* parameters, Real* residuals) const {
+  bool operator()(const Real* const* parameters, Real* residuals) const {
     const auto impact = measure_impact(law_of(parameters, scales.reference_m), scales.mass_kg, speed_m_per_s);
     if (!impact) return false;
     const Real values[3] = {impact->duration_s, impact->max_force_n, impact->restitution};
@@ -97,7 +100,7 @@ struct CurveResidual {
   Noise noise;
 
   template <typename Real>
-  bool operator()(const Real* parameters, Real* residuals) const {
+  bool operator()(const Real* const* parameters, Real* residuals) const {
     using std::exp;
     const auto law = law_of(parameters, scales.reference_m);
     const Real stiffness = exp(law.log_force);
@@ -119,18 +122,18 @@ struct BlowResidual {
   Noise noise;
 
   template <typename Real>
-  bool operator()(const Real* parameters, const Real* hammer, const Real* unknown, Real* residuals) const {
+  bool operator()(const Real* const* parameters, Real* residuals) const {
     using std::exp;
-    strike_model::Strike<Real> strike(law_of(parameters, scales.reference_m),
-                                      Real(exp(hammer[kLogMass - kLawParameters])), Real(exp(unknown[kBlowSpeed])),
-                                      struck.modes);
+    const Real* const* unknown = parameters + kFitParameters;
+    strike_model::Strike<Real> strike(law_of(parameters, scales.reference_m), Real(exp(*parameters[kLogMass])),
+                                      Real(exp(*unknown[kBlowSpeed])), struck.modes);
     if (!strike.play()) return false;
     for (std::size_t i = 0; i < blow.levels.size(); ++i) {
       const auto& [mode, level_db] = blow.levels[i];
       residuals[i] = Real(0.0);
       if (struck.modes[mode].frequency_hz() > scales.max_frequency_hz) continue;
-      const Real level = strike.log_amplitude(mode) + std::log(struck.output_per_m[mode]) +
-                         hammer[kLogGain - kLawParameters] + unknown[kBlowGain];
+      const Real level = strike.log_amplitude(mode) + std::log(struck.output_per_m[mode]) + *parameters[kLogGain] +
+                         *unknown[kBlowGain];
       residuals[i] = scaled(Real(level - level_db / kDecibelsPerNeper), *noise, scales);
     }
     return true;

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <ctime>
 #include <set>
 
 #include "fit/measured_impacts.hpp"
@@ -22,8 +23,8 @@ Fit fit_of(const Measurements& measured) {
   return fit_material(measured, "probe.json", kSilent);
 }
 
-int materials() {
-  return std::getenv("CONTACTSPLINE_FULL_TESTS") != nullptr ? 100 : 12;
+int materials(int few) {
+  return std::getenv("CONTACTSPLINE_FULL_TESTS") != nullptr ? 100 : few;
 }
 
 bool holds(const Estimate& estimate, double value) {
@@ -35,11 +36,32 @@ void expect_near(const Estimate& estimate, double truth) {
   EXPECT_LT(std::abs(estimate.value - truth), estimate.high - estimate.low);
 }
 
+ViscoelasticLaw<double> model_of(const TrueMaterial& truth, double reference_m) {
+  return {std::log(truth.law.force(reference_m)),
+          truth.law.exponent,
+          truth.loss_s_per_m,
+          truth.weight,
+          truth.time_s,
+          reference_m};
+}
+
+constexpr double kSlowest = 0.2, kFastest = 6;
+
+/// The force at a compression that the fastest blow passes on its way in: a memory makes it depend on the motion.
+double loading_force(const ViscoelasticLaw<double>& law, double mass_kg, double y) {
+  const impact_model::Impact<double> impact(law, mass_kg);
+  const double step = impact.longest_step(kFastest);
+  impact_model::State<double> state{0, kFastest, 0}, next = state;
+  while ((next = impact.step(state, step)).y < y) state = next;
+  for (int i = 0; i < 3; ++i) state = impact.step(state, (y - state.y) / state.v);
+  return impact.force(state);
+}
+
 /// The largest errors of many fits, and how often the intervals hold the true values.
 struct Tally {
   std::set<std::string> chosen;  ///< law and loss
-  double exponent = 0, force = 0, loss = 0;
-  int fits = 0, exponents_held = 0, stiffnesses_held = 0, losses_held = 0;
+  double exponent = 0, force = 0, loss = 0, weight = 0, time = 0, seconds = 0;
+  int fits = 0, exponents_held = 0, stiffnesses_held = 0, losses_held = 0, weights_held = 0, times_held = 0;
 
   void add(const Fit& fit, const TrueMaterial& truth) {
     ++fits;
@@ -47,19 +69,32 @@ struct Tally {
     const double half = fit.max_compression_m / 2;
     const PowerLaw found{fit.stiffness.value, fit.exponent.value};
     exponent = std::max(exponent, std::abs(found.exponent - truth.law.exponent));
-    force = std::max(force, std::abs(found.force(half) / truth.law.force(half) - 1));
+    const double ratio = truth.weight > 0 ? loading_force(fit.model, truth.mass_kg, half) /
+                                                loading_force(model_of(truth, half), truth.mass_kg, half)
+                                          : found.force(half) / truth.law.force(half);
+    force = std::max(force, std::abs(ratio - 1));
     exponents_held += holds(fit.exponent, truth.law.exponent) ? 1 : 0;
     stiffnesses_held += holds(fit.stiffness, truth.law.stiffness) ? 1 : 0;
-    if (truth.loss_s_per_m == 0) return;
-    loss = std::max(loss, std::abs(fit.loss_s_per_m.value / truth.loss_s_per_m - 1));
-    losses_held += holds(fit.loss_s_per_m, truth.loss_s_per_m) ? 1 : 0;
+    if (truth.loss_s_per_m > 0) {
+      loss = std::max(loss, std::abs(fit.loss_s_per_m.value / truth.loss_s_per_m - 1));
+      losses_held += holds(fit.loss_s_per_m, truth.loss_s_per_m) ? 1 : 0;
+    }
+    if (truth.weight > 0) {
+      weight = std::max(weight, std::abs(fit.weight.value / truth.weight - 1));
+      time = std::max(time, std::abs(fit.time_s.value / truth.time_s - 1));
+      weights_held += holds(fit.weight, truth.weight) ? 1 : 0;
+      times_held += holds(fit.time_s, truth.time_s) ? 1 : 0;
+    }
   }
 
   void print() const {
     std::printf(
         "%d fits: largest error of the exponent %.4f, of the force at half the compression %.3f %%, of the loss "
-        "%.2f %%; intervals hold exponent %d, stiffness %d, loss %d times\n",
-        fits, exponent, 100 * force, 100 * loss, exponents_held, stiffnesses_held, losses_held);
+        "%.2f %%, of the memory's weight %.2f %%, of its time %.2f %%; intervals hold exponent %d, stiffness %d, "
+        "loss "
+        "%d, weight %d, time %d times; the longest fit took %.2f s of processor time\n",
+        fits, exponent, 100 * force, 100 * loss, 100 * weight, 100 * time, exponents_held, stiffnesses_held,
+        losses_held, weights_held, times_held, seconds);
   }
 };
 
@@ -84,12 +119,15 @@ struct Measured {
 
 /// Fits random materials. measure(random): a material and what is measured of it.
 template <typename Measure>
-Tally tally_of(std::uint64_t seed, Measure measure) {
+Tally tally_of(std::uint64_t seed, Measure measure, int few = 12) {
   Tally tally;
-  for (int i = 0; i < materials(); ++i) {
+  for (int i = 0; i < materials(few); ++i) {
     Random random(seed + static_cast<std::uint64_t>(i));
     const Measured measured = measure(random);
-    tally.add(fit_of(measured.measurements), measured.truth);
+    const std::clock_t begin = std::clock();
+    const Fit fit = fit_of(measured.measurements);
+    tally.seconds = std::max(tally.seconds, static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC);
+    tally.add(fit, measured.truth);
   }
   tally.print();
   return tally;
@@ -109,7 +147,7 @@ TEST(Fit, FindsRandomMaterialsFromEightPulses) {
   const Tally tally = tally_of(1, [](Random& random) {
     return pulses_with_loss(lasting(random.log_between(5e-3, 10e-3), random.between(1.6, 2.5),
                                     random.between(0.1, 0.2), random.log_between(2e-3, 2e-2)),
-                            8, 0.2, 6, random);
+                            8, kSlowest, kFastest, random);
   });
   EXPECT_EQ(tally.chosen, std::set<std::string>{"power hunt_crossley"});
   EXPECT_LT(tally.exponent, 0.01);
@@ -180,43 +218,29 @@ TEST(Fit, ChoosesTheSimplestLawThatDescribesTheData) {
   }
 }
 
-// Stulov's felt: weights from 0.4 to 0.8, relaxation times from 0.05 to 0.3 of the contact at 2 m/s. The pulses are
-// those of the model itself, whose motion without memory impact_model_test compares with closed forms.
+// Stulov's felt: weights from 0.4 to 0.8, relaxation times from 0.05 to 0.3 of the contact at 2 m/s. The noise leaves
+// the force a standard deviation of 0.25 %; a hundred stay within three.
 TEST(Fit, FindsTheMemoryOfAFelt) {
-  const int fits = std::getenv("CONTACTSPLINE_FULL_TESTS") != nullptr ? 100 : 3;
-  int weights_held = 0, times_held = 0;
-  double weight_error = 0, time_error = 0;
-  for (int i = 0; i < fits; ++i) {
-    Random random(static_cast<std::uint64_t>(i) + 3000);
-    const double duration = random.log_between(5e-3, 10e-3), weight = random.between(0.4, 0.8);
-    const TrueMaterial felt = lasting(duration, random.between(1.6, 3), 0, random.log_between(2e-3, 2e-2));
-    const double time = duration * random.log_between(0.05, 0.3), reach = felt.law.max_compression(felt.mass_kg, 2);
-    const ViscoelasticLaw<double> law{std::log(felt.law.force(reach)), felt.law.exponent, 0, weight, time, reach};
-    Measurements measured = measurements_of(felt);
-    for (int k = 0; k < 8; ++k) {
-      Pulse pulse{"pulse", {}, {}, 0.2 * std::pow(30, k / 7.0)};
-      for (int s = 0; s < 4000; ++s) pulse.time_s.push_back(s / 44100.0);
-      pulse.force_n.resize(pulse.time_s.size());
-      ASSERT_TRUE(pulse_force(law, felt.mass_kg, *pulse.speed_m_per_s, random.between(0.020, 0.021), pulse.time_s,
-                              std::span<double>(pulse.force_n)));
-      const double deviation = 0.01 * std::ranges::max(pulse.force_n);
-      for (double& force : pulse.force_n) force += deviation * normal(random);
-      measured.pulses.push_back(contact_window(pulse, std::vector<std::size_t>(pulse.time_s.size()), felt.mass_kg));
-    }
-    const Fit fit = fit_of(measured);
-    EXPECT_EQ(fit.law + " " + fit.loss, "power memory");
-    weight_error = std::max(weight_error, std::abs(fit.weight.value / weight - 1));
-    time_error = std::max(time_error, std::abs(fit.time_s.value / time - 1));
-    weights_held += holds(fit.weight, weight) ? 1 : 0;
-    times_held += holds(fit.time_s, time) ? 1 : 0;
-  }
-  std::printf(
-      "%d fits: largest error of the weight %.2f %%, of the time %.2f %%; intervals hold them %d and %d times\n",
-      fits, 100 * weight_error, 100 * time_error, weights_held, times_held);
-  EXPECT_LT(weight_error, 0.02);
-  EXPECT_LT(time_error, 0.05);
-  expect_held(weights_held, fits);
-  expect_held(times_held, fits);
+  const Tally tally = tally_of(
+      3000,
+      [](Random& random) {
+        const double duration = random.log_between(5e-3, 10e-3), weight = random.between(0.4, 0.8);
+        TrueMaterial felt = lasting(duration, random.between(1.6, 3), 0, random.log_between(2e-3, 2e-2));
+        felt.weight = weight;
+        felt.time_s = duration * random.log_between(0.05, 0.3);
+        Measurements measured = measurements_of(felt);
+        measured.pulses = pulses_of(felt, 8, kSlowest, kFastest, 0.01, random);
+        return Measured{felt, measured};
+      },
+      3);
+  EXPECT_EQ(tally.chosen, std::set<std::string>{"power memory"});
+  EXPECT_LT(tally.exponent, 0.01);
+  EXPECT_LT(tally.force, 0.0075);
+  EXPECT_LT(tally.weight, 0.02);
+  EXPECT_LT(tally.time, 0.05);
+  expect_held(tally.exponents_held, tally.fits);
+  expect_held(tally.weights_held, tally.fits);
+  expect_held(tally.times_held, tally.fits);
 }
 
 // A slow press, and both branches of an impact: F (1 + loss v) at the speed of each sample.

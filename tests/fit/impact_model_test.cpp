@@ -5,6 +5,7 @@
 #include <ceres/jet.h>
 #include <gtest/gtest.h>
 
+#include "fit/measured_impacts.hpp"
 #include "generator/contact/barrier_impact.hpp"
 #include "support/compare.hpp"
 
@@ -91,6 +92,24 @@ TEST(ImpactModel, DerivativesOfAPulseAreItsDifferences) {
     }
     EXPECT_TRUE(sequences_within<double>(derivative, difference, 3e-4)) << i;
   }
+}
+
+// An independent simulation with tiny steps. The force begins as y^a, so the error is largest for small exponents.
+TEST(ImpactModel, PulsesAreThoseOfAnIndependentSimulation) {
+  std::vector<double> times;
+  for (int i = 0; i < 200; ++i) times.push_back(i * 2e-5);
+  for (const double exponent : {1.5, 2.5, 4.0})
+    for (const auto& [loss, weight] : {std::pair{0.0, 0.0}, {0.2, 0.0}, {0.0, 0.7}, {0.1, 0.4}}) {
+      TrueMaterial truth = lasting(1e-3, exponent, loss, kMass);
+      truth.weight = weight;
+      truth.time_s = 1e-4;
+      const double begin = 1.234e-4, force = truth.law.force(5e-4);
+      const auto expected = force_at(truth, kSpeed, begin, times);
+      std::vector<double> found(times.size());
+      ASSERT_TRUE(pulse_force<double>({std::log(force), exponent, loss, weight, truth.time_s, 5e-4}, kMass, kSpeed,
+                                      begin, times, std::span(found)));
+      EXPECT_TRUE(sequences_within<double>(found, expected, 1e-5)) << exponent << " " << loss << " " << weight;
+    }
 }
 
 }  // namespace

@@ -16,10 +16,10 @@
 
 namespace contactspline::testing {
 
-/// A felt or a ball: F = k y^a (1 + loss v), and its mass.
+/// A felt or a ball: F = k y^a (1 + loss v) - weight M, time dM/dt = k y^a - M, and its mass.
 struct TrueMaterial {
   PowerLaw law;
-  double loss_s_per_m, mass_kg;
+  double loss_s_per_m, mass_kg, weight = 0, time_s = 1;
 };
 
 /// A material whose contact without loss lasts `duration_s` at 2 m/s.
@@ -38,22 +38,32 @@ inline double normal(Random& random) {
 inline std::vector<double> force_at(const TrueMaterial& material, double speed, double begin_s,
                                     const std::vector<double>& times) {
   constexpr int kSteps = 64;
-  const auto force = [&](long double y, long double v) {
+  const auto elastic = [&](long double y) {
     return y > 0 ? static_cast<long double>(material.law.stiffness) *
-                       std::pow(y, static_cast<long double>(material.law.exponent)) * (1 + material.loss_s_per_m * v)
+                       std::pow(y, static_cast<long double>(material.law.exponent))
                  : 0.0L;
   };
-  long double y = 0, v = speed, now = begin_s;
+  struct {
+    long double y, v, memory;
+  } at{0, speed, 0};
+  const auto force = [&](const auto& state, long double spring) {
+    return std::max(0.0L, spring * (1 + material.loss_s_per_m * state.v) - material.weight * state.memory);
+  };
+  const auto moved = [&](const auto& slope_at, long double step) {
+    const long double spring = elastic(slope_at.y);
+    auto to = at;
+    to.y += step * slope_at.v;
+    to.v -= step * force(slope_at, spring) / material.mass_kg;
+    to.memory += step * (spring - slope_at.memory) / material.time_s;
+    return to;
+  };
+  long double now = begin_s;
   std::vector<double> forces;
   for (const double time : times) {
     const long double step = (time - now) / kSteps;
-    for (int i = 0; time > begin_s && i < kSteps; ++i) {
-      const long double half_v = v - step / 2 * force(y, v) / material.mass_kg;
-      v -= step * force(y + step / 2 * v, half_v) / material.mass_kg;
-      y += step * half_v;
-    }
+    for (int i = 0; time > begin_s && i < kSteps; ++i) at = moved(moved(at, step / 2), step);
     if (time > begin_s) now = time;
-    forces.push_back(static_cast<double>(time > begin_s ? force(y, v) : 0.0L));
+    forces.push_back(static_cast<double>(time > begin_s ? force(at, elastic(at.y)) : 0.0L));
   }
   return forces;
 }
