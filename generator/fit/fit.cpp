@@ -8,6 +8,7 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <filesystem>
+#include <set>
 
 #include "generator/fit/fit_problem.hpp"
 #include "generator/support/error.hpp"
@@ -220,6 +221,37 @@ void set_reach(Fit& fit, const Measurements& measured, const FitValues& values) 
   fit.min_speed_m_per_s = std::min(slowest, fit.max_speed_m_per_s);
 }
 
+// Levels of partials above the first minimum of the force's spectrum fit many contacts nearly as well as the true
+// one. If they fit badly, another one has been found.
+void require_low_partials(const Fit& fit, const Measurements& measured, const FitValues& values,
+                          const std::string& file) {
+  constexpr double kMinimum = 1.5, kMaxScatter_db = 2;  // the minimum is at 1.5 over the contact duration
+  std::set<double> partials;
+  for (const Blow& blow : measured.struck->blows)
+    for (const auto& [mode, level_db] : blow.levels) partials.insert(measured.struck->modes[mode].frequency_hz());
+  double longest = 0, squares = 0, samples = 0;
+  for (const auto& unknown : values.blows) {
+    strike_model::Strike<double> strike(fit.model, fit.mass_kg.value, std::exp(unknown[kBlowSpeed]),
+                                        measured.struck->modes);
+    if (strike.play()) longest = std::max(longest, strike.contact_s());
+  }
+  for (const FitQuality& quality : fit.qualities)
+    if (quality.is_level()) {
+      const auto count = static_cast<double>(quality.samples);
+      squares += count * quality.scatter * quality.scatter;
+      samples += count;
+    }
+  const double scatter = std::sqrt(squares / samples);
+  if (scatter <= kMaxScatter_db || *std::next(partials.begin()) * longest < kMinimum) return;
+  refuse(
+      file, "struck.blows",
+      fmt::format("contacts of {:.2g} ms leave one partial below the first minimum of the force's spectrum, and the "
+                  "best law that was found is {:.1f} dB off",
+                  1e3 * longest, scatter),
+      fmt::format("two partials or more below {:.3g} Hz: a harder hammer, or a resonator of lower modes",
+                  kMinimum / longest));
+}
+
 std::string fitting(const Candidate& candidate) {
   return fmt::format("fitting a {} {}", candidate.law->words, candidate.loss->words);
 }
@@ -284,6 +316,7 @@ Fit fit_material(const Measurements& measured, const std::string& file,
           {}};
   fit.loss_s_per_m.low = std::max(0.0, fit.loss_s_per_m.low);
   set_reach(fit, measured, best.values);
+  if (measured.struck) require_low_partials(fit, measured, best.values, file);
   for (const Candidate& candidate : all)
     fit.candidates.push_back({candidate.law->name, candidate.loss->name,
                               static_cast<int>(candidate.law->frees.size() + candidate.loss->frees.size()),

@@ -219,18 +219,38 @@ std::vector<FitValues> FitProblem::scanned_contacts() {
 }
 
 // The levels of high partials have many minima over mass and stiffness, those of low ones few: they show the way.
+// Noise misleads few levels most, so the lowest partials alone are tried only if six of them lead nowhere.
 void FitProblem::find_contact() {
+  std::set<double> frequencies;
+  double levels = 0;
+  for (const Blow& blow : measured_.struck->blows)
+    for (const auto& [mode, level_db] : blow.levels) {
+      frequencies.insert(measured_.struck->modes[mode].frequency_hz());
+      ++levels;
+    }
+  const std::vector<double> sorted(frequencies.begin(), frequencies.end());
+  FitValues best = contact_from(6, sorted);
+  if (best.cost > levels / 2)
+    if (const FitValues other = contact_from(measured_.struck->has_common_gain ? 1 : 2, sorted);
+        other.cost < best.cost)
+      best = other;
+  scales_.max_frequency_hz = std::numeric_limits<double>::infinity();
+  if (!std::isfinite(best.cost)) return;
+  const double at_m = scales_.reference_m;
+  take_contact(std::exp(best.parameters[kLogMass]), std::exp(best.parameters[kLogTime]));
+  contact_ = {scales_.reference_m, std::exp(best.parameters[kLogForce] +
+                                            best.parameters[kExponent] * std::log(scales_.reference_m / at_m))};
+  likely_exponents_ = {best.parameters[kExponent]};
+}
+
+// The best of several contacts, fitted to the levels of so many partials, then to twice as many, and so on to all.
+FitValues FitProblem::contact_from(std::size_t partials, const std::vector<double>& frequencies) {
   constexpr int kSteps = 12;
   constexpr double kNoise = 0.2;
-  std::set<double> frequencies;
-  for (const Blow& blow : measured_.struck->blows)
-    for (const auto& [mode, level_db] : blow.levels) frequencies.insert(measured_.struck->modes[mode].frequency_hz());
-  const std::vector<double> sorted(frequencies.begin(), frequencies.end());
   const auto limit_to = [&](std::size_t count) {
-    scales_.max_frequency_hz = sorted[std::min(count, sorted.size()) - 1];
+    scales_.max_frequency_hz = frequencies[std::min(count, frequencies.size()) - 1];
   };
-  constexpr std::size_t kLow = 6;
-  limit_to(kLow);
+  limit_to(partials);
   std::vector<FitParameter> frees{kLogForce};
   if (std::ranges::count(measured_.laws, "power") > 0) frees.push_back(kExponent);
   if (measured_.fits_mass()) frees.push_back(kLogMass);
@@ -239,20 +259,14 @@ void FitProblem::find_contact() {
   best.cost = std::numeric_limits<double>::infinity();
   for (FitValues values : scanned_contacts()) {
     std::ranges::fill(values.noise, kNoise);
-    for (std::size_t count = kLow;; count *= 2) {
+    for (std::size_t count = partials;; count *= 2) {
       limit_to(count);
       values = search(values, frees, kSteps, Samples::kAll);
-      if (count >= sorted.size()) break;
+      if (count >= frequencies.size()) break;
     }
     if (values.cost < best.cost) best = values;
   }
-  scales_.max_frequency_hz = std::numeric_limits<double>::infinity();
-  if (!std::isfinite(best.cost)) return;
-  const double at_m = scales_.reference_m;
-  take_contact(std::exp(best.parameters[kLogMass]), std::exp(best.parameters[kLogTime]));
-  contact_ = {scales_.reference_m, std::exp(best.parameters[kLogForce] +
-                                            best.parameters[kExponent] * std::log(scales_.reference_m / at_m))};
-  likely_exponents_ = {best.parameters[kExponent]};
+  return best;
 }
 
 std::size_t FitProblem::source_called(const std::string& file, const std::string& quantity) {

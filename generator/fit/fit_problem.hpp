@@ -87,6 +87,7 @@ class FitProblem {
   void take_contact(double mass_kg, double duration_s);
   [[nodiscard]] std::vector<FitValues> scanned_contacts();
   void find_contact();
+  [[nodiscard]] FitValues contact_from(std::size_t partials, const std::vector<double>& frequencies);
   void add_sources();
   void add_levels();
   std::size_t source_called(const std::string& file, const std::string& quantity);

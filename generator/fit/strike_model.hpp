@@ -66,6 +66,9 @@ class Strike {
 
   [[nodiscard]] double max_compression_m() const { return max_compression_m_; }
 
+  /// From the first touch to the last.
+  [[nodiscard]] double contact_s() const { return h_ * last_touch_; }
+
  private:
   struct Turn {
     double cosine, sine, per_force;
@@ -116,6 +119,7 @@ class Strike {
       last_shape_ = shape;
     }
     if (!touches) return false;
+    last_touch_ = steps_;
     // The speed in the middle of the blow is v - admittance h f/2.
     const Real f = force_ * (shape * (1.0 + law_.loss_s_per_m * v) - law_.weight * memory_) /
                    (1.0 + force_ * shape * law_.loss_s_per_m * admittance_ * (h_ / 2));
@@ -143,7 +147,7 @@ class Strike {
   Real admittance_;
   std::vector<Turn> turns_;
   double max_compression_m_ = 0;
-  int steps_ = 0;
+  int steps_ = 0, last_touch_ = 0;
 };
 
 }  // namespace strike_model
