@@ -31,7 +31,7 @@ bool tells_of(const ModelRow& loss, const Measurements& measured) {
   const bool has_impact_curve = std::ranges::any_of(measured.curves, is_impact);
   if (loss.frees.empty()) return true;
   if (std::ranges::count(loss.frees, kWeight) > 0 && has_impact_curve) return false;
-  return has_impact_curve || !measured.pulses.empty() || !measured.rows.empty() || measured.struck.has_value();
+  return has_impact_curve || !measured.pulses.empty() || !measured.rows.empty() || measured.has_blows();
 }
 
 Candidate candidate_of(const ModelRow& law, const ModelRow& loss, const Measurements& measured) {
@@ -200,7 +200,10 @@ std::vector<FitQuality> qualities_of(const FitProblem& problem, const Candidate&
 void set_reach(Fit& fit, const Measurements& measured, const FitValues& values) {
   const double mass_kg = fit.mass_kg.value;
   std::vector<double> speeds;  // at a wall
-  for (const auto& unknown : values.pulses) speeds.push_back(std::exp(unknown[kLogSpeed]));
+  std::vector<double> struck;
+  for (std::size_t i = 0; i < values.pulses.size(); ++i)
+    (measured.pulses[i].is_struck ? struck : speeds).push_back(std::exp(values.pulses[i][kLogSpeed]));
+  for (const auto& unknown : values.blows) struck.push_back(std::exp(unknown[kBlowSpeed]));
   for (const ImpactRow& row : measured.rows) speeds.push_back(row.speed_m_per_s);
   for (const MeasuredForce& curve : measured.curves) {
     fit.max_compression_m = std::max(fit.max_compression_m, curve.samples.back().compression_m);
@@ -209,9 +212,9 @@ void set_reach(Fit& fit, const Measurements& measured, const FitValues& values) 
   if (!speeds.empty())
     if (const auto impact = measure_impact(fit.model, mass_kg, std::ranges::max(speeds)))
       fit.max_compression_m = std::max(fit.max_compression_m, impact->max_compression_m);
-  for (const auto& unknown : values.blows) {
-    speeds.push_back(std::exp(unknown[kBlowSpeed]));
-    strike_model::Strike<double> strike(fit.model, mass_kg, speeds.back(), measured.struck->modes);
+  for (const double speed : struck) {
+    speeds.push_back(speed);
+    strike_model::Strike<double> strike(fit.model, mass_kg, speed, measured.struck->modes);
     if (strike.play()) fit.max_compression_m = std::max(fit.max_compression_m, strike.max_compression_m());
   }
   const double slow = 1 - fit.model.weight;  // the stiffness of a slow press, in parts of that of a fast blow
@@ -284,7 +287,8 @@ Fit fit_material(const Measurements& measured, const std::string& file,
   }
   std::erase_if(all, [](const Candidate& candidate) { return !std::isfinite(candidate.values.cost); });
   if (all.empty())
-    refuse(file, "fit", "no law describes the data", "data of impacts on a rigid wall, in the units that they state");
+    refuse(file, "fit", "no law describes the data",
+           "data of impacts on a rigid wall or a known resonator, in the units that they state");
   constexpr double kHopeless = 10;
   const double lowest_cost =
       std::ranges::min(all, {}, [](const Candidate& candidate) { return candidate.values.cost; }).values.cost;
@@ -316,7 +320,7 @@ Fit fit_material(const Measurements& measured, const std::string& file,
           {}};
   fit.loss_s_per_m.low = std::max(0.0, fit.loss_s_per_m.low);
   set_reach(fit, measured, best.values);
-  if (measured.struck) require_low_partials(fit, measured, best.values, file);
+  if (measured.has_blows()) require_low_partials(fit, measured, best.values, file);
   for (const Candidate& candidate : all)
     fit.candidates.push_back({candidate.law->name, candidate.loss->name,
                               static_cast<int>(candidate.law->frees.size() + candidate.loss->frees.size()),

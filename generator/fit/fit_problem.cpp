@@ -32,7 +32,7 @@ double speed_of(const Pulse& pulse, double mass_kg) {
 Pulse thinned(const Pulse& pulse) {
   constexpr std::size_t kSamples = 128;
   const std::size_t stride = pulse.time_s.size() / kSamples + 1;
-  Pulse few{pulse.file, {}, {}, pulse.speed_m_per_s};
+  Pulse few{pulse.file, {}, {}, pulse.speed_m_per_s, pulse.is_struck};
   for (std::size_t i = 0; i < pulse.time_s.size(); i += stride) {
     few.time_s.push_back(pulse.time_s[i]);
     few.force_n.push_back(pulse.force_n[i]);
@@ -96,13 +96,13 @@ FitProblem::FitProblem(const Measurements& measured) : measured_(measured), scal
   }
   for (std::size_t i = 0; measured.struck && i < measured.struck->blows.size(); ++i)
     max_speed_m_per_s_ = std::max(max_speed_m_per_s_, speed_of(measured.struck->blows[i]));
-  if (!measured.struck || !measured.pulses.empty() || !measured.rows.empty() || !measured.curves.empty())
+  if (!measured.has_blows() || !measured.pulses.empty() || !measured.rows.empty() || !measured.curves.empty())
     scales_.reference_m = anchor(kLikelyExponent).first;
   for (const MeasuredForce& curve : measured.curves)
     max_speed_m_per_s_ = std::max(max_speed_m_per_s_, curve.impact_speed_m_per_s.value_or(1));
   if (duration_s_ == 0) duration_s_ = 3 * scales_.reference_m / max_speed_m_per_s_;
   add_sources();
-  if (measured.struck) find_contact();
+  if (measured.has_blows()) find_contact();
 }
 
 FitProblem::~FitProblem() = default;
@@ -310,7 +310,7 @@ void FitProblem::add_sources() {
     for (const CurveSample& sample : curve.samples)
       add_sample(sources_.size() - 1, sample.compression_m, sample.force_n, max_force(curve));
   }
-  if (measured_.struck) add_levels();
+  if (measured_.has_blows()) add_levels();
 }
 
 // A blow has few levels: one noise for all of them is better known.
@@ -337,7 +337,7 @@ FitValues FitProblem::begin(double exponent, double loss, double weight, double 
     values.pulses.push_back({kBefore, std::log(contactspline::speed_of(pulse, measured_.mass_kg)), 0});
   for (std::size_t i = 0; measured_.struck && i < measured_.struck->blows.size(); ++i)
     values.blows.push_back({std::log(speed_of(measured_.struck->blows[i])), 0});
-  if (measured_.struck) values.cost = set_gains(values);
+  if (measured_.has_blows()) values.cost = set_gains(values);
   return values;
 }
 
@@ -381,8 +381,12 @@ std::unique_ptr<FitProblem::Posed> FitProblem::pose(FitValues& values, const std
   for (std::size_t i = 0; i < measured_.pulses.size(); ++i) {
     const Pulse& pulse = (samples == Samples::kSome ? some_samples_ : measured_.pulses)[i];
     auto& unknown = values.pulses[i];
-    posed->add(PulseResidual{pulse, pulse_measures_[i], scales_, sources_[i].noise}, pulse.time_s.size(),
-               pointers_to(law, unknown));
+    const PulseResidual residual{pulse, pulse_measures_[i], scales_, sources_[i].noise};
+    if (pulse.is_struck)
+      posed->add(StruckPulseResidual{residual, measured_.struck->modes}, pulse.time_s.size(),
+                 pointers_to(values.parameters, unknown));
+    else
+      posed->add(residual, pulse.time_s.size(), pointers_to(law, unknown));
     for (std::size_t k = 0; k < unknown.size(); ++k)
       posed->set_free(&unknown[k], k != kLogSpeed || !pulse.speed_m_per_s);
   }

@@ -16,6 +16,7 @@ struct Pulse {
   std::string file;
   std::vector<double> time_s, force_n;
   std::optional<double> speed_m_per_s;  ///< fitted if it is not known
+  bool is_struck = false;               ///< on the resonator, not on a wall
 };
 
 /// One row of a table over the impact speed.
@@ -43,8 +44,8 @@ struct Blow {
   std::optional<double> speed_m_per_s;  ///< fitted if it is not known
 };
 
-/// A known resonator and blows on it. A level is 20 log10 of the amplitude of the displacement of a mode times its
-/// `output_per_m`, and a gain that nobody knows.
+/// A known resonator and blows on it of which levels are known. A level is 20 log10 of the amplitude of the
+/// displacement of a mode times its `output_per_m`, and a gain that nobody knows.
 struct StruckResonator {
   std::vector<StruckMode> modes;
   std::vector<double> output_per_m;
@@ -73,6 +74,7 @@ struct Measurements {
   std::optional<StruckResonator> struck = {};
 
   [[nodiscard]] bool fits_mass() const { return mass_kg == 0; }
+  [[nodiscard]] bool has_blows() const { return struck && !struck->blows.empty(); }
 };
 
 }  // namespace contactspline

@@ -25,6 +25,7 @@ constexpr Range kForce{1e-3, 1e6};
 constexpr Range kRestitution{0.01, 1};
 constexpr std::size_t kMaxFiles = 64;
 constexpr std::size_t kMinRows = 3;
+const std::vector<std::string> kPulseKeys{"file", "speed_m_per_s", "columns"};
 
 // The force of a pulse: measured, or the mass times the acceleration.
 std::vector<double> force_of(const DataFile& data, const DataTable& table, double mass_kg) {
@@ -39,12 +40,13 @@ std::vector<double> force_of(const DataFile& data, const DataTable& table, doubl
   return force;
 }
 
-void read_pulse(const JsonObject& entry, std::string_view file, const ReadFile& read, Measurements& measured) {
+void read_pulse(const JsonObject& entry, std::string_view file, const ReadFile& read, bool is_struck,
+                Measurements& measured) {
   const DataFile data = read_data(entry, file, read, measured.files);
   constexpr std::array kWanted = {Quantity::kTime, Quantity::kForce, Quantity::kAcceleration};
   const DataTable table = read_table(data.text, data.path, kWanted, data.names);
   require(data, table, std::array{Quantity::kTime});
-  Pulse pulse{data.path, table.at(Quantity::kTime), force_of(data, table, measured.mass_kg), {}};
+  Pulse pulse{data.path, table.at(Quantity::kTime), force_of(data, table, measured.mass_kg), {}, is_struck};
   if (entry.has("speed_m_per_s")) pulse.speed_m_per_s = entry.number("speed_m_per_s", kFitSpeed);
   measured.pulses.push_back(contact_window(pulse, table.lines, measured.mass_kg));
 }
@@ -106,7 +108,7 @@ double read_mass(const JsonObject& fit) {
   const std::string allowed = fmt::format("a number from {} to {}, or \"{}\"", kMass.min, kMass.max, kFit);
   if (!fit.has("mass_kg")) fit.fail("mass_kg", "missing", allowed);
   if (fit.json("mass_kg") != fmt::format("\"{}\"", kFit)) return fit.number("mass_kg", kMass);
-  if (!fit.has("struck") || fit.has("pulses") || fit.has("tables"))
+  if (!fit.has("struck") || fit.has("pulses") || fit.has("tables") || fit.object("struck", kStruckKeys).has("pulses"))
     fit.fail("mass_kg", "can be fitted to a struck resonator and to curves alone",
              fmt::format("a number from {} to {}", kMass.min, kMass.max));
   return 0;
@@ -147,16 +149,22 @@ Measurements parse_measurements(std::string_view text, std::string_view file, co
   if (!fit.has("pulses") && !fit.has("tables") && !fit.has("curves") && !fit.has("struck"))
     fit.fail("fit", "has no data", "pulses, tables, curves or struck");
   if (fit.has("pulses"))
-    for (const JsonObject& entry : fit.objects("pulses", {"file", "speed_m_per_s", "columns"}, kMaxFiles))
-      read_pulse(entry, file, read, measured);
+    for (const JsonObject& entry : fit.objects("pulses", kPulseKeys, kMaxFiles))
+      read_pulse(entry, file, read, false, measured);
   if (fit.has("tables"))
     for (const JsonObject& entry : fit.objects("tables", {"file", "columns"}, kMaxFiles))
       read_rows(entry, file, read, measured);
   if (fit.has("curves"))
     for (const JsonObject& entry : fit.objects("curves", {"file", "impact_speed_m_per_s", "columns"}, kMaxFiles))
       read_curve(entry, file, read, measured);
-  if (fit.has("struck")) measured.struck = read_struck(fit, read, measured.files);
-  if (measured.struck) require_enough_levels(fit, measured);
+  if (fit.has("struck")) {
+    const JsonObject object = fit.object("struck", kStruckKeys);
+    measured.struck = read_struck(object, read, measured.files);
+    if (object.has("pulses"))
+      for (const JsonObject& entry : object.objects("pulses", kPulseKeys, kMaxFiles))
+        read_pulse(entry, file, read, true, measured);
+  }
+  if (measured.has_blows()) require_enough_levels(fit, measured);
   require_enough(fit, measured);
   return measured;
 }

@@ -104,7 +104,7 @@ void require_impulse(const Pulse& pulse, double mass_kg) {
   if (!(duration >= kDuration.min && duration <= kDuration.max))
     refuse(pulse.file, "time", fmt::format("the contact lasts {:.4g} s: a wrong unit?", duration),
            fmt::format("{} to {} s", kDuration.min, kDuration.max));
-  if (!pulse.speed_m_per_s) return;
+  if (!pulse.speed_m_per_s || pulse.is_struck) return;  // a resonator may hold the hammer, or throw it back again
   const double ratio = measures.impulse_n_s / (mass_kg * *pulse.speed_m_per_s);
   if (!(ratio > 0.85 && ratio < 2.3))
     refuse(
@@ -130,7 +130,7 @@ Pulse contact_window(const Pulse& pulse, std::span<const std::size_t> lines, dou
   require_whole(pulse, contact);
   require_unsaturated(pulse, contact);
   const double begin = pulse.time_s[contact.begin], end = pulse.time_s[contact.end], margin = end - begin;
-  Pulse window{pulse.file, {}, {}, pulse.speed_m_per_s};
+  Pulse window{pulse.file, {}, {}, pulse.speed_m_per_s, pulse.is_struck};
   for (std::size_t i = 0; i < pulse.time_s.size(); ++i)
     if (pulse.time_s[i] > begin - margin && pulse.time_s[i] < end + margin) {
       window.time_s.push_back(pulse.time_s[i]);

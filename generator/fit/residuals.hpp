@@ -60,16 +60,45 @@ struct PulseResidual {
 
   template <typename Real>
   bool operator()(const Real* const* parameters, Real* residuals) const {
-    using std::exp;
     const Real* const* unknown = parameters + kLawParameters;
-    const Real begin = measures.begin_s + *unknown[kBegin] * (measures.end_s - measures.begin_s);
+    using std::exp;
     const std::span<Real> forces(residuals, pulse.time_s.size());
-    if (!pulse_force(law_of(parameters, scales.reference_m), scales.mass_kg, Real(exp(*unknown[kLogSpeed])), begin,
-                     pulse.time_s, forces))
+    if (!pulse_force(law_of(parameters, scales.reference_m), scales.mass_kg, Real(exp(*unknown[kLogSpeed])),
+                     begin_s(unknown), pulse.time_s, forces))
       return false;
+    compare(unknown, forces);
+    return true;
+  }
+
+  template <typename Real>
+  [[nodiscard]] Real begin_s(const Real* const* unknown) const {
+    return measures.begin_s + *unknown[kBegin] * (measures.end_s - measures.begin_s);
+  }
+
+  /// Of modelled forces makes residuals.
+  template <typename Real>
+  void compare(const Real* const* unknown, std::span<Real> forces) const {
     for (std::size_t i = 0; i < forces.size(); ++i)
-      residuals[i] =
+      forces[i] =
           scaled(Real((forces[i] - pulse.force_n[i]) / measures.max_force_n + *unknown[kOffset]), *noise, scales);
+  }
+};
+
+/// The same of a hammer that strikes a resonator.
+struct StruckPulseResidual {
+  PulseResidual pulse;
+  std::span<const StruckMode> modes;
+
+  template <typename Real>
+  bool operator()(const Real* const* parameters, Real* residuals) const {
+    using std::exp;
+    const Real* const* unknown = parameters + kFitParameters;
+    const std::vector<double>& times = pulse.pulse.time_s;
+    const std::span<Real> forces(residuals, times.size());
+    strike_model::Strike<Real> strike(law_of(parameters, pulse.scales.reference_m), Real(exp(*parameters[kLogMass])),
+                                      Real(exp(*unknown[kLogSpeed])), modes);
+    if (!strike.play_pulse(pulse.begin_s(unknown), times, forces)) return false;
+    pulse.compare(unknown, forces);
     return true;
   }
 };

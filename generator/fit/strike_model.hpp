@@ -58,6 +58,28 @@ class Strike {
     return false;
   }
 
+  /// The force [N] at rising times of a blow that begins at `begin_s`, on lines between its steps.
+  [[nodiscard]] bool play_pulse(const Real& begin_s, std::span<const double> times, std::span<Real> forces) {
+    using impact_model::number;
+    constexpr int kMaxSteps = 20000;
+    std::ranges::fill(forces, Real(0.0));
+    std::size_t i = 0;
+    while (i < times.size() && !(times[i] > number(begin_s))) ++i;
+    Real before(0.0);
+    for (steps_ = 1; i < times.size(); ++steps_, before = last_force_) {
+      if (steps_ > kMaxSteps) return false;
+      fly();
+      if (!std::isfinite(number(place_) + number(speed_))) return false;
+      (void)push();
+      for (; i < times.size(); ++i) {
+        const Real t = (times[i] - begin_s) / h_ - (steps_ - 1.0);
+        if (number(t) > 1) break;
+        forces[i] = before + t * (last_force_ - before);
+      }
+    }
+    return true;
+  }
+
   /// ln of the amplitude of q of each mode [m], counted back to the first touch.
   [[nodiscard]] Real log_amplitude(std::size_t i) const {
     using std::log;
@@ -113,6 +135,7 @@ class Strike {
     }
     max_compression_m_ = std::max(max_compression_m_, number(y));
     const bool touches = number(y) > 0;
+    last_force_ = Real(0.0);
     const Real shape = impact_model::shape(law_, y);
     if (remembers()) {
       memory_ = memory_decay_ * memory_ + (1.0 - memory_decay_) * 0.5 * (shape + last_shape_);
@@ -124,6 +147,7 @@ class Strike {
     const Real f = force_ * (shape * (1.0 + law_.loss_s_per_m * v) - law_.weight * memory_) /
                    (1.0 + force_ * shape * law_.loss_s_per_m * admittance_ * (h_ / 2));
     if (!(number(f) > 0)) return true;
+    last_force_ = f;
     speed_ -= h_ * f * inverse_mass_;
     for (std::size_t i = 0; i < turns_.size(); ++i) b_[i] += (h_ * turns_[i].per_force) * f;
     return true;
@@ -140,7 +164,7 @@ class Strike {
 
   ViscoelasticLaw<Real> law_;
   Real force_, inverse_mass_, speed_;
-  Real place_{0.0}, memory_{0.0}, last_shape_{0.0}, memory_decay_{0.0};
+  Real place_{0.0}, memory_{0.0}, last_shape_{0.0}, memory_decay_{0.0}, last_force_{0.0};
   std::span<const StruckMode> modes_;
   std::vector<Real> a_, b_;
   double h_;

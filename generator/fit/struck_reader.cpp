@@ -70,22 +70,25 @@ Resonator read_resonator(const JsonObject& struck, const ReadFile& read, std::ve
 }
 
 StruckResonator modes_for(const JsonObject& object, const Resonator& resonator) {
+  StruckResonator struck{{}, {}, false, {}};
+  const auto modes = modes_of(resonator, kMaxFrequency_hz).modes;
+  for (const ResonatorMode& mode : modes) {
+    const auto& [w, decay, mass] = mode.mode;
+    struck.modes.push_back({w, decay, mass, mode.strike_shape});
+  }
+  if (struck.modes.empty())
+    object.fail(object.key("resonator"),
+                fmt::format("'{}' has no modes below {} Hz", resonator.name, kMaxFrequency_hz),
+                "a resonator that sounds");
+  if (!object.has("blows")) return struck;
   std::vector<std::string> names;
   const auto* string = std::get_if<StiffString>(&resonator.body);
   for (const OutputRow& row : outputs())
     if (string != nullptr || std::string_view(row.name) != "bridge_force_n") names.emplace_back(row.name);
   const std::string output = read_word(object, "output", names);
   const auto row = std::ranges::find(outputs(), output, &OutputRow::name);
-  StruckResonator struck{{}, {}, read_word(object, "gain", {kCommon, kOfEachBlow}) == kCommon, {}};
-  for (const ResonatorMode& mode : modes_of(resonator, kMaxFrequency_hz).modes) {
-    const auto& [w, decay, mass] = mode.mode;
-    struck.modes.push_back({w, decay, mass, mode.strike_shape});
-    struck.output_per_m.push_back(std::abs(row->per_m(mode, string)));
-  }
-  if (struck.modes.empty())
-    object.fail(object.key("resonator"),
-                fmt::format("'{}' has no modes below {} Hz", resonator.name, kMaxFrequency_hz),
-                "a resonator that sounds");
+  struck.has_common_gain = read_word(object, "gain", {kCommon, kOfEachBlow}) == kCommon;
+  for (const ResonatorMode& mode : modes) struck.output_per_m.push_back(std::abs(row->per_m(mode, string)));
   return struck;
 }
 
@@ -183,9 +186,12 @@ Blow read_blow(const JsonObject& entry, const ReadFile& read, const StruckResona
 
 }  // namespace
 
-StruckResonator read_struck(const JsonObject& fit, const ReadFile& read, std::vector<std::string>& files) {
-  const JsonObject object = fit.object("struck", {"resonator", "output", "gain", "blows"});
+StruckResonator read_struck(const JsonObject& object, const ReadFile& read, std::vector<std::string>& files) {
+  if (!object.has("blows") && !object.has("pulses")) object.fail("struck", "has no data", "blows, pulses or both");
+  for (const char* key : {"output", "gain"})
+    if (object.has(key) && !object.has("blows")) object.fail(object.key(key), "stands without blows", "pulses alone");
   StruckResonator struck = modes_for(object, read_resonator(object, read, files));
+  if (!object.has("blows")) return struck;
   for (const JsonObject& entry : object.objects("blows", {"file", "speed_m_per_s", "columns", "partials"}, kMaxBlows))
     struck.blows.push_back(read_blow(entry, read, struck, files));
   return struck;

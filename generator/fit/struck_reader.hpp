@@ -10,9 +10,11 @@
 
 namespace contactspline {
 
+inline const std::vector<std::string> kStruckKeys{"resonator", "output", "gain", "blows", "pulses"};
+
 /// Reads the resonator and the levels of its partials at each blow: tables, or recordings whose levels are measured
 /// (recorded_note.hpp). Adds what it reads to `files`. Throws BadInput.
-[[nodiscard]] StruckResonator read_struck(const JsonObject& fit, const ReadFile& read,
+[[nodiscard]] StruckResonator read_struck(const JsonObject& struck, const ReadFile& read,
                                           std::vector<std::string>& files);
 
 /// Throws BadInput if the blows cannot tell stiffness, exponent and unknown speeds apart.

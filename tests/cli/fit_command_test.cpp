@@ -247,6 +247,17 @@ std::vector<BadData> bad_blows() {
       {"blows_of_one_speed", fit, good, struck + ".blows: speeds from 1 to 1 m/s", "hertz"},
       {"partials_of_a_table", struck_file(R"({ "file": "data.csv", "partials": [1] })"), good,
        struck + ".blows[0].partials: stands beside a table", "columns"},
+      {"struck_without_data", fit_file(R"("struck": { "resonator": "marimba_c4" })"), good, struck + ": has no data",
+       "blows, pulses or both"},
+      {"gain_of_pulses",
+       fit_file(R"("struck": { "resonator": "marimba_c4", "gain": "common", "pulses": [{ "file": "data.csv" }] })"),
+       good, struck + ".gain: stands without blows", "pulses alone"},
+      {"struck_pulse_without_time",
+       fit_file(R"("struck": { "resonator": "marimba_c4", "pulses": [{ "file": "data.csv" }] })"), good,
+       file + "time: no column holds it", ""},
+      {"mass_fitted_to_struck_pulses",
+       fit_file(R"("struck": { "resonator": "marimba_c4", "pulses": [{ "file": "data.csv" }] })", "\"fit\""), pulse(),
+       "probe.fit.json: mass_kg: can be fitted", ""},
       {"mass_fitted_to_pulses", fit_file(kPulse, "\"fit\""), pulse(), "probe.fit.json: mass_kg: can be fitted", ""}};
 }
 

@@ -27,9 +27,11 @@ inline StruckResonator string_struck_at(double position, double mass_kg, double 
   return struck;
 }
 
-/// ln of the amplitude of each mode after a blow without loss, counted back to the first touch.
-inline std::vector<double> log_amplitudes(const TrueMaterial& felt, double speed, const StruckResonator& struck) {
-  constexpr double kRate = 768000;
+constexpr double kRate = 768000;
+
+/// use(string, modes): a string at the first touch of a hammer.
+template <typename Use>
+auto with_string(const TrueMaterial& felt, double speed, const StruckResonator& struck, Use use) {
   const double reach = felt.law.max_compression(felt.mass_kg, 1.1 * speed);
   const auto table = segment_table(uniform_spline({"felt", "", felt.law, {}, {1024, reach}}, "felt"));
   std::vector<Mode> modes;
@@ -41,21 +43,48 @@ inline std::vector<double> log_amplitudes(const TrueMaterial& felt, double speed
   }
   HammerString<double> string(table, modes, strike, kRate);
   string.strike(speed, 0);
-  int ticks = 0;
-  for (int quiet = 0; quiet < kRate / 100; ++ticks) {
+  return use(string, modes);
+}
+
+/// ln of the amplitude of each mode after a blow without loss, counted back to the first touch.
+inline std::vector<double> log_amplitudes(const TrueMaterial& felt, double speed, const StruckResonator& struck) {
+  return with_string(felt, speed, struck, [&](auto& string, const std::vector<Mode>& modes) {
+    int ticks = 0;
+    for (int quiet = 0; quiet < kRate / 100; ++ticks) {
+      string.tick({.hammer_mass_kg = felt.mass_kg});
+      quiet = string.force() > 0 ? 0 : quiet + 1;
+    }
+    std::vector<double> before, logs;
+    for (std::size_t i = 0; i < modes.size(); ++i) before.push_back(string.string().displacement(i));
     string.tick({.hammer_mass_kg = felt.mass_kg});
-    quiet = string.force() > 0 ? 0 : quiet + 1;
+    for (std::size_t i = 0; i < modes.size(); ++i) {
+      const auto& [w, decay, mass] = modes[i];
+      const double after = string.string().displacement(i) * std::exp(decay / kRate);
+      const double b = (after - before[i] * std::cos(w / kRate)) / std::sin(w / kRate);
+      logs.push_back(std::log(std::hypot(before[i], b)) + decay * ticks / kRate);
+    }
+    return logs;
+  });
+}
+
+/// The force of a blow at 48 kHz, with noise in parts of its largest value.
+inline Pulse struck_pulse(const TrueMaterial& felt, double speed, const StruckResonator& struck, double noise,
+                          Random& random) {
+  constexpr std::size_t kTicks = 16, kBefore = 300, kSamples = 900;
+  Pulse pulse{"pulse", {}, std::vector<double>(kBefore, 0.0), speed, true};
+  with_string(felt, speed, struck, [&](auto& string, const auto&) {
+    for (auto tick = static_cast<std::size_t>(random.between(0, kTicks)); pulse.force_n.size() < kSamples; ++tick) {
+      string.tick({.hammer_mass_kg = felt.mass_kg, .felt = {.loss_s_per_m = felt.loss_s_per_m}});
+      if (tick % kTicks == 0) pulse.force_n.push_back(string.force());
+    }
+    return 0;
+  });
+  const double deviation = noise * std::ranges::max(pulse.force_n);
+  for (double& force : pulse.force_n) {
+    pulse.time_s.push_back(static_cast<double>(pulse.time_s.size()) * kTicks / kRate);
+    force += deviation * normal(random);
   }
-  std::vector<double> before, logs;
-  for (std::size_t i = 0; i < modes.size(); ++i) before.push_back(string.string().displacement(i));
-  string.tick({.hammer_mass_kg = felt.mass_kg});
-  for (std::size_t i = 0; i < modes.size(); ++i) {
-    const auto& [w, decay, mass] = modes[i];
-    const double after = string.string().displacement(i) * std::exp(decay / kRate);
-    const double b = (after - before[i] * std::cos(w / kRate)) / std::sin(w / kRate);
-    logs.push_back(std::log(std::hypot(before[i], b)) + decay * ticks / kRate);
-  }
-  return logs;
+  return contact_window(pulse, std::vector<std::size_t>(kSamples), felt.mass_kg);
 }
 
 /// Blows at speeds of equal ratios: the levels of the lowest partials that sound, with noise [dB] and a gain.
