@@ -7,6 +7,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -198,7 +199,12 @@ class InstrumentVst3 : public PluginVst3 {
 
   v3_result setParameterNormalized(v3_param_id id, double part) {
     if (!(part >= 0 && part <= 1)) return V3_INVALID_ARG;
-    if (id == kVst3InternalParameterProgram) return PluginVst3::setParameterNormalized(id, part);
+    if (id == kVst3InternalParameterProgram) {
+      // The framework would call the host back at once: Ardour 7.3 then waits for itself.
+      load_program(program_of(part));
+      has_new_program_ = true;
+      return V3_OK;
+    }
     if (!is_parameter(id)) return is_hidden(id) ? V3_OK : V3_INVALID_ARG;
     move(index_of(id), part);
     return V3_OK;
@@ -233,6 +239,10 @@ class InstrumentVst3 : public PluginVst3 {
   /// Plays the parts of a block between changes of parameters.
   v3_result process(v3_process_data* data) {
     const int32_t length = data->nframes;
+    if (has_new_program_.exchange(false))  // tells the host the values of a program
+      for (uint32_t i = 0; i < fParameterCount; ++i)
+        fParameterValuesChangedDuringProcessing[kVst3InternalParameterBaseCount + i] =
+            !fPlugin.isParameterOutputOrTrigger(i);
     if (data->input_params == nullptr || v3_cpp_obj(data->input_params)->get_param_count(data->input_params) == 0)
       return PluginVst3::process(data);
     v3_process_data part = *data;
@@ -291,9 +301,11 @@ class InstrumentVst3 : public PluginVst3 {
     fPlugin.setParameterValue(index, cached(index));
   }
 
-  void load_program(double part) {
-    const auto program = static_cast<uint32_t>(std::round(std::clamp(part, 0.0, 1.0) * fProgramCountMinusOne));
-    if (program == fCurrentProgram) return;
+  [[nodiscard]] uint32_t program_of(double part) const {
+    return static_cast<uint32_t>(std::round(std::clamp(part, 0.0, 1.0) * fProgramCountMinusOne));
+  }
+
+  void load_program(uint32_t program) {
     fCurrentProgram = program;
     fPlugin.loadProgram(program);
     for (uint32_t i = 0; i < fParameterCount; ++i) cached(i) = fPlugin.getParameterValue(i);
@@ -323,7 +335,11 @@ class InstrumentVst3 : public PluginVst3 {
 
   void change(v3_param_id id, double part, vst3_object::ControllerPoints& points) {
     if (is_parameter(id)) return move(index_of(id), part);
-    if (id == kVst3InternalParameterProgram) return load_program(part);
+    if (id == kVst3InternalParameterProgram) {
+      // What the controller was told before is no change.
+      if (program_of(part) != fCurrentProgram) load_program(program_of(part));
+      return;
+    }
     if (!is_hidden(id) || !(part >= 0 && part <= 1)) return;
     vst3_object::ControllerPoint* point =
         std::find_if(points.points, points.points + points.count, [id](const auto& known) { return known.id == id; });
@@ -404,6 +420,7 @@ class InstrumentVst3 : public PluginVst3 {
   Mapping mapping_ = {.plugin = this};
   v3_param_id hidden_[vst3_object::ControllerPoints::kMax] = {};
   uint32_t hidden_count_ = 0;
+  std::atomic<bool> has_new_program_ = false;  ///< the host does not know its values yet
 };
 
 END_NAMESPACE_DISTRHO

@@ -80,7 +80,7 @@ struct TimedMessage {
 // A chord, released after half a second, and the first two seconds of a MIDI file that ships.
 std::vector<TimedMessage> chord_and_song() {
   std::vector<TimedMessage> messages;
-  for (const std::uint8_t key : {60, 64, 67}) {
+  for (const std::uint8_t key : std::initializer_list<std::uint8_t>{60, 64, 67}) {
     messages.push_back({37, {0x90, key, 100}});
     messages.push_back({24001, {0x80, key, 64}});
   }

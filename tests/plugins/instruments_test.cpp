@@ -288,6 +288,9 @@ TEST_P(InstrumentPlugin, LoadsItsPrograms) {
     plugin->load_program(i);
     (void)plugin->run(1);
     EXPECT_TRUE(relatively_within(plugin->value(parameter), values[i], 1e-6)) << names[i];
+    if (const auto* const vst3 = dynamic_cast<const Vst3Plugin*>(plugin.get())) {
+      EXPECT_TRUE(relatively_within(vst3->told_value(parameter), values[i], 1e-6)) << names[i];
+    }
   }
   for (const HostedParameter& p : plugin->parameters())
     EXPECT_TRUE(within(plugin->value(p.name), p.initial, 1e-6))

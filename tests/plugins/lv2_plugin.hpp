@@ -47,14 +47,19 @@ class Lv2Plugin : public HostedPlugin {
   }
 
   [[nodiscard]] std::string save() override {
-    const State state(lilv_state_new_from_instance(plugin_, instance_.instance(), instance_.urids().map(), nullptr,
-                                                   nullptr, nullptr, nullptr, &Lv2Plugin::get, this, 0, nullptr),
-                      lilv_state_free);
+    const State state = this->state();
     char* const text = lilv_state_to_string(world_.get(), instance_.urids().map(), instance_.urids().unmap(),
                                             state.get(), "urn:saved", nullptr);
     std::string saved = text;
     lilv_free(text);
     return saved;
+  }
+
+  /// As state.ttl in a folder.
+  void save_into(const std::string& folder) {
+    const State state = this->state();
+    lilv_state_save(world_.get(), instance_.urids().map(), instance_.urids().unmap(), state.get(), nullptr,
+                    folder.c_str(), "state.ttl");
   }
 
   void restore(std::string saved) override {
@@ -64,8 +69,16 @@ class Lv2Plugin : public HostedPlugin {
     take(state.get());
   }
 
+  [[nodiscard]] const std::vector<Lv2Port>& ports() const { return instance_.ports(); }
+
  private:
   using State = std::unique_ptr<LilvState, decltype(&lilv_state_free)>;
+
+  [[nodiscard]] State state() {
+    return {lilv_state_new_from_instance(plugin_, instance_.instance(), instance_.urids().map(), nullptr, nullptr,
+                                         nullptr, nullptr, &Lv2Plugin::get, this, 0, nullptr),
+            lilv_state_free};
+  }
 
   [[nodiscard]] std::vector<HostedParameter> controls(bool are_inputs) const {
     std::vector<HostedParameter> controls;

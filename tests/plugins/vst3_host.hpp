@@ -84,7 +84,7 @@ class ParameterChange : public HostObject<v3_param_value_queue> {
   double normalised_;
 };
 
-/// What a plug-in tells of its readings within a block: the last value of each.
+/// What a plug-in tells of its parameters within a block: the last value of each.
 class ReadingChanges : public HostObject<v3_param_changes> {
  public:
   static constexpr std::size_t kMax = 64;
@@ -145,6 +145,21 @@ class ParameterChanges : public HostObject<v3_param_changes> {
   std::vector<std::unique_ptr<ParameterChange>> changes;
 };
 
+/// What a plug-in tells the host's side of its controller.
+class ComponentHandler : public HostObject<v3_component_handler> {
+ public:
+  ComponentHandler()
+      : HostObject({[](void*, v3_param_id) { return static_cast<v3_result>(V3_OK); },
+                    [](void*, v3_param_id, double) { return static_cast<v3_result>(V3_OK); },
+                    [](void*, v3_param_id) { return static_cast<v3_result>(V3_OK); },
+                    [](void* self, std::int32_t) {
+                      ++of<ComponentHandler>(self).restarts;
+                      return static_cast<v3_result>(V3_OK);
+                    }}) {}
+
+  std::size_t restarts = 0;
+};
+
 /// Bytes in memory.
 class ByteStream : public HostObject<v3_bstream> {
  public:
@@ -189,6 +204,7 @@ class Vst3Plugin : public HostedPlugin {
     check(v3_cpp_obj_initialize(component_, nullptr));
     check(v3_cpp_obj_query_interface(component_, v3_audio_processor_iid, &processor_));
     check(v3_cpp_obj_query_interface(component_, v3_edit_controller_iid, &controller_));
+    check(v3_cpp_obj(controller_)->set_component_handler(controller_, handler_.pointer()));
     check(v3_cpp_obj_query_interface(controller_, v3_midi_mapping_iid, &mapping_));
     v3_process_setup setup = {V3_REALTIME, V3_SAMPLE_32, kMaxBlock, sample_rate_hz};
     check(v3_cpp_obj(processor_)->setup_processing(processor_, &setup));
@@ -236,7 +252,7 @@ class Vst3Plugin : public HostedPlugin {
 
   [[nodiscard]] double value(const std::string& parameter) override {
     const v3_param_id id = ids_.at(parameter);
-    if (read_only_.contains(id)) return plain(id, readings_.part(id));
+    if (read_only_.contains(id)) return told_value(parameter);
     return plain(id, v3_cpp_obj(controller_)->get_parameter_normalised(controller_, id));
   }
 
@@ -290,9 +306,18 @@ class Vst3Plugin : public HostedPlugin {
   }
 
   void load_program(std::size_t index) override {
+    const std::size_t restarts = handler_.restarts;
     check(
         v3_cpp_obj(controller_)
             ->set_parameter_normalised(controller_, program_.param_id, normalised_program(static_cast<int>(index))));
+    require(handler_.restarts == restarts,
+            "a host that is called back from here may wait for itself, as Ardour does");
+  }
+
+  /// The value that the plug-in has told its host last, in a block.
+  [[nodiscard]] double told_value(const std::string& parameter) const {
+    const v3_param_id id = ids_.at(parameter);
+    return plain(id, readings_.part(id));
   }
 
   [[nodiscard]] std::string save() override {
@@ -393,6 +418,7 @@ class Vst3Plugin : public HostedPlugin {
   }
 
   Library library_;
+  ComponentHandler handler_;
   v3_plugin_factory** factory_ = nullptr;
   v3_class_info class_ = {};
   v3_component** component_ = nullptr;
