@@ -70,8 +70,10 @@ std::vector<float> samples_of_file(const std::string& file) {
   SF_INFO info = {};
   SNDFILE* const sound = sf_open(file.c_str(), SFM_READ, &info);
   if (sound == nullptr) return {};
-  std::vector<float> samples(info.channels == 1 && info.samplerate == kRate ? static_cast<std::size_t>(info.frames) : 0);
-  samples.resize(static_cast<std::size_t>(sf_readf_float(sound, samples.data(), static_cast<sf_count_t>(samples.size()))));
+  std::vector<float> samples(info.channels == 1 && info.samplerate == kRate ? static_cast<std::size_t>(info.frames)
+                                                                            : 0);
+  samples.resize(
+      static_cast<std::size_t>(sf_readf_float(sound, samples.data(), static_cast<sf_count_t>(samples.size()))));
   sf_close(sound);
   return samples;
 }
@@ -140,7 +142,8 @@ TEST_F(Ardour, RecordsAndRestoresEveryInstrument) {
       if (name == "piano") {
         const double c4_hz = 440 * std::exp2(-9 / 12.0);
         const double found_hz =
-            strongest_partial(std::span(sound).subspan(begin, length), kRate, 0.97 * c4_hz, 1.03 * c4_hz).frequency_hz;
+            strongest_partial(std::span(sound).subspan(begin, length), kRate, 0.97 * c4_hz, 1.03 * c4_hz)
+                .frequency_hz;
         EXPECT_TRUE(within(1200 * std::log2(found_hz / c4_hz), 0, 2));
       }
       std::printf("%s: %.2f Hz, peak %.4f\n", track.c_str(), heard.frequency_hz, heard.amplitude);

@@ -65,8 +65,7 @@ class ClapPlugin : public HostedPlugin {
     return static_cast<const Extension*>(plugin_->get_extension(plugin_, id));
   }
 
-  /// Opens the window in one of the host's, at a scale, and calls it about 60 times a second. Throws if it has none.
-  void open_window(std::uintptr_t parent, double scale) {
+  void open_window(std::uintptr_t parent, double scale) override {
     require(gui().is_api_supported(plugin_, CLAP_WINDOW_API_X11, false), "no window of X11");
     require(gui().create(plugin_, CLAP_WINDOW_API_X11, false), "no window");
     require(gui().set_scale(plugin_, scale), "no scale");
@@ -75,19 +74,26 @@ class ClapPlugin : public HostedPlugin {
     require(gui().set_parent(plugin_, &window) && gui().show(plugin_), "no window");
     require(timer_period_ms_ > 0 && timer_period_ms_ <= 17, "no timer");
   }
-  [[nodiscard]] std::pair<std::uint32_t, std::uint32_t> window_size() const {
+  [[nodiscard]] std::pair<std::uint32_t, std::uint32_t> window_size() override {
     std::uint32_t width = 0, height = 0;
     require(gui().get_size(plugin_, &width, &height), "no size");
     return {width, height};
   }
-  void resize_window(std::uint32_t width, std::uint32_t height) {
+  void resize_window(std::uint32_t width, std::uint32_t height) override {
     require(gui().can_resize(plugin_) && gui().set_size(plugin_, width, height), "no resize");
   }
-  void idle_window() { extension<clap_plugin_timer_support_t>(CLAP_EXT_TIMER_SUPPORT)->on_timer(plugin_, 1); }
-  void close_window() { gui().destroy(plugin_); }
+  void idle_window() override {
+    extension<clap_plugin_timer_support_t>(CLAP_EXT_TIMER_SUPPORT)->on_timer(plugin_, 1);
+  }
+  void close_window() override { gui().destroy(plugin_); }
 
-  /// The values that the plug-in has told its host, in the order of their arrival.
-  [[nodiscard]] const std::vector<clap_event_param_value_t>& told() const { return told_; }
+  [[nodiscard]] std::vector<std::pair<std::string, double>> told() override {
+    std::vector<std::pair<std::string, double>> told;
+    for (const clap_event_param_value_t& event : told_)
+      for (const auto& [name, id] : ids_)
+        if (id == event.param_id) told.emplace_back(name, event.value);
+    return told;
+  }
 
   /// As a host does on its audio thread, when the user stops all sound.
   void reset() { plugin_->reset(plugin_); }

@@ -5,11 +5,13 @@
 #include <dlfcn.h>
 
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "plugins/count_calls.hpp"
@@ -50,6 +52,18 @@ class HostedPlugin {
   [[nodiscard]] virtual std::string save() = 0;
   virtual void restore(std::string saved) = 0;
 
+  /// Opens the window in one of the host's, of X11, at a scale. Throws if it has none. The host then calls
+  /// idle_window() about 60 times a second.
+  virtual void open_window(std::uintptr_t parent, double scale) = 0;
+  /// As the plug-in has told it. LV2 tells changes only.
+  [[nodiscard]] virtual std::pair<std::uint32_t, std::uint32_t> window_size() = 0;
+  /// Of LV2, hosts resize the window itself.
+  virtual void resize_window(std::uint32_t width, std::uint32_t height) = 0;
+  virtual void idle_window() = 0;
+  virtual void close_window() = 0;
+  /// Parameters that the window has moved, with the values that the host was told, in their order.
+  [[nodiscard]] virtual std::vector<std::pair<std::string, double>> told() = 0;
+
   /// Plays so many blocks of a length up to kMaxBlock.
   [[nodiscard]] Sound run(std::size_t blocks, std::size_t length = kBlock) {
     Sound sound;
@@ -72,6 +86,34 @@ class HostedPlugin {
   virtual void process(std::array<float*, 2> outputs, std::uint32_t samples) = 0;
 
   std::size_t allocated_ = 0, locked_ = 0;
+};
+
+/// What the thread of windows hands to the audio thread. Without a lock that is counted.
+template <typename T>
+class HandOver {
+ public:
+  void push(T item) {
+    const Hold hold(is_held_);
+    items_.push_back(std::move(item));
+  }
+  /// All so far.
+  [[nodiscard]] std::vector<T> take() {
+    const Hold hold(is_held_);
+    return std::exchange(items_, {});
+  }
+
+ private:
+  struct Hold {
+    explicit Hold(std::atomic_flag& flag) : is_held(flag) {
+      while (is_held.test_and_set(std::memory_order_acquire)) {
+      }
+    }
+    ~Hold() { is_held.clear(std::memory_order_release); }
+    std::atomic_flag& is_held;
+  };
+
+  std::atomic_flag is_held_;
+  std::vector<T> items_;
 };
 
 /// A shared library, closed at the end.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Every LV2 plug-in in jalv, by its console: a preset loaded, a parameter set, a note played, a state restored in a new
-// process. Skipped where jalv is not installed.
+// Every LV2 plug-in in jalv, by its console: a preset loaded, a parameter set, a note played, a state restored in a
+// new process. Skipped where jalv is not installed.
 #include <sstream>
 
 #include "plugins/agreement.hpp"
@@ -19,9 +19,8 @@ class Console {
  public:
   Console(std::vector<std::string> arguments, std::string log) : log_(std::move(log)), jalv_(with(arguments), log_) {
     const Client client = open_client();
-    const bool starts = becomes_true([&] {
-      return !jalv_.is_running() || jack_port_by_name(client.get(), "jalv:lv2_audio_out_1") != nullptr;
-    });
+    const bool starts = becomes_true(
+        [&] { return !jalv_.is_running() || jack_port_by_name(client.get(), "jalv:lv2_audio_out_1") != nullptr; });
     if (!starts || !jalv_.is_running()) throw std::runtime_error("jalv: " + text_of(log_));
   }
 
@@ -114,8 +113,8 @@ TEST_P(Jalv, PlaysAndRestores) {
     double best_db = 0;
     for (const std::size_t delay : {std::size_t(0), kPeriod, 2 * kPeriod}) {
       const std::size_t length = expected.size() - delay;
-      const double db = agreement_db(player.sound().subspan(kOn + delay, length),
-                                     std::span<const float>(expected).first(length));
+      const double db =
+          agreement_db(player.sound().subspan(kOn + delay, length), std::span<const float>(expected).first(length));
       if (!(db <= best_db)) best_db = db;
     }
     EXPECT_GT(best_db, 80);

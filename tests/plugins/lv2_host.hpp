@@ -108,7 +108,8 @@ class Lv2Instance {
   static constexpr std::size_t kBlock = 256;
 
   Lv2Instance(const Lv2World& world, const std::string& plugin_uri, double sample_rate_hz)
-      : ports_(ports_of(world, world.plugin(plugin_uri))),
+      : sample_rate_hz_(sample_rate_hz),
+        ports_(ports_of(world, world.plugin(plugin_uri))),
         controls_(ports_.size()),
         audio_(ports_.size(), std::vector<float>(kBlock)),
         instance_(open(world.plugin(plugin_uri), sample_rate_hz), lilv_instance_free) {
@@ -126,6 +127,7 @@ class Lv2Instance {
 
   [[nodiscard]] const std::vector<Lv2Port>& ports() const { return ports_; }
 
+  [[nodiscard]] double sample_rate_hz() const { return sample_rate_hz_; }
   [[nodiscard]] Urids& urids() { return urids_; }
   [[nodiscard]] LilvInstance* instance() { return instance_.get(); }
 
@@ -208,6 +210,7 @@ class Lv2Instance {
     events_.seq.atom.type = sequence_;
   }
 
+  double sample_rate_hz_;
   Urids urids_;
   LV2_URID sequence_ = urids_(LV2_ATOM__Sequence);
   std::vector<Lv2Port> ports_;

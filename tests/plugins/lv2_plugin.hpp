@@ -2,6 +2,11 @@
 // An LV2 plug-in behind the interface of the other formats.
 #pragma once
 
+#include <lv2/data-access/data-access.h>
+#include <lv2/instance-access/instance-access.h>
+#include <lv2/parameters/parameters.h>
+#include <lv2/ui/ui.h>
+
 #include <algorithm>
 #include <cstdlib>
 
@@ -71,6 +76,48 @@ class Lv2Plugin : public HostedPlugin {
 
   [[nodiscard]] const std::vector<Lv2Port>& ports() const { return instance_.ports(); }
 
+  /// The library of the window lives as long as the plug-in's object: it may be opened again.
+  void open_window(std::uintptr_t parent, double scale) override {
+    LilvUIs* const uis = lilv_plugin_get_uis(plugin_);
+    if (lilv_uis_size(uis) != 1) throw std::runtime_error("LV2: no window");
+    const LilvUI* const ui = lilv_uis_get(uis, lilv_uis_begin(uis));
+    const std::string binary = path(lilv_ui_get_binary_uri(ui)), bundle = path(lilv_ui_get_bundle_uri(ui));
+    lilv_uis_free(uis);
+    if (!window_library_) window_library_ = std::make_unique<Library>(binary);
+    window_ = window_library_->symbol<const LV2UI_Descriptor*(std::uint32_t)>("lv2ui_descriptor")(0);
+    Urids& urids = instance_.urids();
+    const auto rate = static_cast<float>(instance_.sample_rate_hz()), factor = static_cast<float>(scale);
+    const LV2_URID type = urids(LV2_ATOM__Float);
+    const LV2_Options_Option options[] = {
+        {LV2_OPTIONS_INSTANCE, 0, urids(LV2_PARAMETERS__sampleRate), sizeof rate, type, &rate},
+        {LV2_OPTIONS_INSTANCE, 0, urids(LV2_UI__scaleFactor), sizeof factor, type, &factor},
+        {}};
+    LV2_Extension_Data_Feature data = {lilv_instance_get_descriptor(instance_.instance())->extension_data};
+    LV2UI_Resize resize = {this, [](void* self, int width, int height) {
+                             static_cast<Lv2Plugin*>(self)->window_size_ = {width, height};
+                             return 0;
+                           }};
+    const LV2_Feature features[] = {{LV2_UI__parent, reinterpret_cast<void*>(parent)},
+                                    {LV2_OPTIONS__options, const_cast<LV2_Options_Option*>(options)},
+                                    {LV2_INSTANCE_ACCESS_URI, lilv_instance_get_handle(instance_.instance())},
+                                    {LV2_DATA_ACCESS_URI, &data},
+                                    {LV2_UI__resize, &resize},
+                                    {LV2_URID__map, urids.map()},
+                                    {LV2_URID__unmap, urids.unmap()}};
+    const LV2_Feature* list[std::size(features) + 1] = {};
+    for (std::size_t i = 0; i < std::size(features); ++i) list[i] = &features[i];
+    LV2UI_Widget widget = nullptr;
+    handle_ = window_->instantiate(window_, lilv_node_as_uri(lilv_plugin_get_uri(plugin_)), bundle.c_str(),
+                                   &Lv2Plugin::write, this, &widget, list);
+    if (handle_ == nullptr) throw std::runtime_error("LV2: no window");
+    idle_ = static_cast<const LV2UI_Idle_Interface*>(window_->extension_data(LV2_UI__idleInterface));
+  }
+  [[nodiscard]] std::pair<std::uint32_t, std::uint32_t> window_size() override { return window_size_; }
+  void resize_window(std::uint32_t width, std::uint32_t height) override { window_size_ = {width, height}; }
+  void idle_window() override { idle_->idle(handle_); }
+  void close_window() override { window_->cleanup(handle_); }
+  [[nodiscard]] std::vector<std::pair<std::string, double>> told() override { return told_; }
+
  private:
   using State = std::unique_ptr<LilvState, decltype(&lilv_state_free)>;
 
@@ -102,6 +149,26 @@ class Lv2Plugin : public HostedPlugin {
     lilv_state_restore(state, instance_.instance(), &Lv2Plugin::set, this, 0, nullptr);
   }
 
+  static std::string path(const LilvNode* uri) {
+    char* const file = lilv_file_uri_parse(lilv_node_as_uri(uri), nullptr);
+    std::string path = file;
+    lilv_free(file);
+    return path;
+  }
+
+  // What the window writes: values of ports, and events.
+  static void write(void* self, std::uint32_t port, std::uint32_t, std::uint32_t protocol, const void* buffer) {
+    auto& plugin = *static_cast<Lv2Plugin*>(self);
+    if (protocol != 0) {
+      const auto* const atom = static_cast<const LV2_Atom*>(buffer);
+      std::array<std::uint8_t, 3> message = {};
+      std::memcpy(message.data(), atom + 1, std::min<std::size_t>(atom->size, message.size()));
+      return plugin.messages_.push(message);
+    }
+    plugin.told_.emplace_back(plugin.ports().at(port).name, *static_cast<const float*>(buffer));
+    plugin.moves_.push(plugin.told_.back());
+  }
+
   static const void* get(const char* symbol, void* self, std::uint32_t* size, std::uint32_t* type) {
     Lv2Instance& instance = static_cast<Lv2Plugin*>(self)->instance_;
     *size = sizeof(float);
@@ -118,6 +185,8 @@ class Lv2Plugin : public HostedPlugin {
   }
 
   void process(std::array<float*, 2> outputs, std::uint32_t samples) override {
+    for (const auto& [name, value] : moves_.take()) instance_.set(name, static_cast<float>(value));
+    for (const auto& message : messages_.take()) instance_.send(message);
     std::size_t side = 0;
     for (std::uint32_t i = 0; i < instance_.ports().size(); ++i)
       if (instance_.ports()[i].is_audio) lilv_instance_connect_port(instance_.instance(), i, outputs[side++]);
@@ -128,6 +197,14 @@ class Lv2Plugin : public HostedPlugin {
   const LilvPlugin* plugin_;
   Lv2Instance instance_;
   std::map<std::string, State> presets_;  // by URI, in the order of the programs
+  std::unique_ptr<Library> window_library_;
+  const LV2UI_Descriptor* window_ = nullptr;
+  const LV2UI_Idle_Interface* idle_ = nullptr;
+  LV2UI_Handle handle_ = nullptr;
+  std::pair<std::uint32_t, std::uint32_t> window_size_;
+  std::vector<std::pair<std::string, double>> told_;
+  HandOver<std::pair<std::string, double>> moves_;  // of the window
+  HandOver<std::array<std::uint8_t, 3>> messages_;  // of MIDI
 };
 
 }  // namespace contactspline::testing

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// plugin_soak STEPS [SEED]: 16 plug-ins of the build tree in one host, which opens, plays, saves, restores and
-// closes them at random: an audio thread plays, the main thread does the rest. Fails on a sample that is not finite.
-// For valgrind and the thread sanitizer, and for a test.
+// plugin_soak STEPS [SEED] [windows]: 16 plug-ins of the build tree in one host, which opens, plays, saves, restores
+// and closes them at random: an audio thread plays, the main thread does the rest. With windows, it opens, clicks and
+// closes those, too, on a display of its own. Fails on a sample that is not finite. For valgrind and the sanitizers,
+// and for a test.
 #include <atomic>
 #include <chrono>
 #include <cstdio>
@@ -12,6 +13,7 @@
 #include <thread>
 
 #include "plugins/open_plugin.hpp"
+#include "plugins/virtual_display.hpp"
 #include "support/finite.hpp"
 
 // Not counted here: valgrind and sanitizers count.
@@ -37,6 +39,7 @@ struct Slot {
   std::string format;
   std::unique_ptr<HostedPlugin> plugin;         // the main thread's
   std::atomic<HostedPlugin*> played = nullptr;  // by the audio thread
+  std::unique_ptr<HostWindow> window;           // in which the plug-in's is, if it is open
 };
 
 // What the audio thread does to a plug-in: events, a parameter, a block.
@@ -53,7 +56,8 @@ void play(HostedPlugin& plugin, Random& random) {
     }
 }
 
-int soak(int steps, unsigned seed) {
+int soak(int steps, unsigned seed, bool has_windows) {
+  const auto display = has_windows ? std::make_unique<VirtualDisplay>() : nullptr;
   std::istringstream list(CONTACTSPLINE_PLUGINS);
   const std::vector<std::string> names{std::istream_iterator<std::string>(list), {}};
   const char* const formats[] = {"clap", "vst3", "lv2"};
@@ -69,8 +73,30 @@ int soak(int steps, unsigned seed) {
     }
   });
   Random random(seed);
-  std::size_t opened = 0, saved = 0;
+  std::size_t opened = 0, saved = 0, windows = 0, clicks = 0;
+  const auto close_window = [](Slot& slot) {
+    if (!slot.window) return;
+    slot.plugin->close_window();
+    slot.window.reset();
+  };
+  // Opens, clicks or closes a window, and lets all draw.
+  const auto use_windows = [&](Slot& slot) {
+    if (!slot.window && slot.plugin) {
+      slot.window = std::make_unique<HostWindow>(*display, 1440, 900);
+      slot.plugin->open_window(slot.window->get(), 1 + 0.5 * static_cast<double>(random.below(2)));
+      ++windows;
+    } else if (random.below(4) == 0) {
+      close_window(slot);
+    } else if (slot.window) {
+      for (const bool is_down : {true, false})
+        slot.window->button(static_cast<int>(random.below(1440)), static_cast<int>(random.below(900)), is_down);
+      ++clicks;
+    }
+    for (Slot& open : slots)
+      if (open.window) open.plugin->idle_window();
+  };
   const auto close = [&](Slot& slot) {
+    close_window(slot);
     slot.played = nullptr;
     for (const std::size_t before = rounds; rounds < before + 2;)
       std::this_thread::sleep_for(std::chrono::microseconds(100));
@@ -78,6 +104,7 @@ int soak(int steps, unsigned seed) {
   };
   for (int step = 0; step < steps; ++step) {
     Slot& slot = slots[random.below(kInstances)];
+    if (has_windows) use_windows(slots[random.below(kInstances)]);
     if (slot.plugin == nullptr) {
       slot.format = formats[random.below(std::size(formats))];
       slot.plugin = open_plugin(slot.format, names[random.below(names.size())], 8000 + 184000 * random.part());
@@ -97,17 +124,20 @@ int soak(int steps, unsigned seed) {
   is_over = true;
   audio.join();
   std::printf(
-      "%zu plug-ins opened, played and closed, %zu states saved and restored, %zu rounds of the audio thread\n",
-      opened, saved, rounds.load());
-  return opened > kInstances && saved > 0 ? 0 : 1;
+      "%zu plug-ins opened, played and closed, %zu states saved and restored, %zu windows, %zu clicks, %zu rounds of "
+      "the "
+      "audio thread\n",
+      opened, saved, windows, clicks, rounds.load());
+  return opened > kInstances && saved > 0 && (!has_windows || clicks > 0) ? 0 : 1;
 }
 
 }  // namespace
 }  // namespace contactspline::testing
 
 int main(int argc, char** argv) try {
-  if (argc != 2 && argc != 3) return 2;
-  return contactspline::testing::soak(std::atoi(argv[1]), argc == 3 ? static_cast<unsigned>(std::atoi(argv[2])) : 1);
+  if (argc < 2 || argc > 4) return 2;
+  return contactspline::testing::soak(std::atoi(argv[1]), argc > 2 ? static_cast<unsigned>(std::atoi(argv[2])) : 1,
+                                      argc == 4);
 } catch (const std::exception& error) {
   std::fprintf(stderr, "%s\n", error.what());
   return 1;

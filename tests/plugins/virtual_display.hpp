@@ -107,6 +107,12 @@ class HostWindow {
     XSync(display_, False);
   }
 
+  /// What stands in it, as hosts of LV2 do.
+  void resize_inner(unsigned width, unsigned height) {
+    XResizeWindow(display_, inner(), width, height);
+    XSync(display_, False);
+  }
+
   void button(int x, int y, bool is_down) { send(is_down ? ButtonPress : ButtonRelease, x, y); }
   void motion(int x, int y) { send(MotionNotify, x, y); }
 

@@ -7,7 +7,10 @@
 #include <travesty/component.h>
 #include <travesty/edit_controller.h>
 #include <travesty/factory.h>
+#include <travesty/host.h>
+#include <travesty/message.h>
 #include <travesty/unit.h>
+#include <travesty/view.h>
 
 #include <algorithm>
 #include <cstring>
@@ -24,7 +27,11 @@ namespace contactspline::testing {
 template <typename Functions>
 class HostObject {
  public:
-  explicit HostObject(const Functions& functions) { table_.functions = functions; }
+  using Query = v3_result(void*, const v3_tuid, void**);
+  explicit HostObject(const Functions& functions, Query* query = nullptr) {
+    table_.functions = functions;
+    if (query != nullptr) table_.unknown.query_interface = query;
+  }
   HostObject(const HostObject&) = delete;
   HostObject& operator=(const HostObject&) = delete;
 
@@ -150,7 +157,10 @@ class ComponentHandler : public HostObject<v3_component_handler> {
  public:
   ComponentHandler()
       : HostObject({[](void*, v3_param_id) { return static_cast<v3_result>(V3_OK); },
-                    [](void*, v3_param_id, double) { return static_cast<v3_result>(V3_OK); },
+                    [](void* self, v3_param_id id, double part) {
+                      of<ComponentHandler>(self).edits.emplace_back(id, part);
+                      return static_cast<v3_result>(V3_OK);
+                    },
                     [](void*, v3_param_id) { return static_cast<v3_result>(V3_OK); },
                     [](void* self, std::int32_t) {
                       ++of<ComponentHandler>(self).restarts;
@@ -158,6 +168,110 @@ class ComponentHandler : public HostObject<v3_component_handler> {
                     }}) {}
 
   std::size_t restarts = 0;
+  std::vector<std::pair<v3_param_id, double>> edits;  ///< values as parts of the slider
+};
+
+/// What the window and the plug-in tell each other.
+class Message : public HostObject<v3_message>, public HostObject<v3_attribute_list> {
+ public:
+  Message()
+      : HostObject<v3_message>({[](void* self) { return message(self).id_.c_str(); },
+                                [](void* self, const char* id) { message(self).id_ = id; },
+                                [](void* self) { return message(self).HostObject<v3_attribute_list>::pointer(); }}),
+        HostObject<v3_attribute_list>(
+            {[](void* self, const char* id, std::int64_t value) { return set(self, id, &value, sizeof value); },
+             [](void* self, const char* id, std::int64_t* value) { return get(self, id, value, sizeof *value); },
+             [](void* self, const char* id, double value) { return set(self, id, &value, sizeof value); },
+             [](void* self, const char* id, double* value) { return get(self, id, value, sizeof *value); },
+             [](void*, const char*, const std::int16_t*) { return static_cast<v3_result>(V3_NOT_IMPLEMENTED); },
+             [](void*, const char*, std::int16_t*, std::uint32_t) {
+               return static_cast<v3_result>(V3_NOT_IMPLEMENTED);
+             },
+             [](void* self, const char* id, const void* data, std::uint32_t size) {
+               return set(self, id, data, size);
+             },
+             [](void* self, const char* id, const void** data, std::uint32_t* size) {
+               const std::string& bytes = attributes(self).values_[id];
+               *data = bytes.data();
+               *size = static_cast<std::uint32_t>(bytes.size());
+               return static_cast<v3_result>(V3_OK);
+             }}) {}
+
+  using HostObject<v3_message>::pointer;
+
+ private:
+  static Message& message(void* self) { return HostObject<v3_message>::of<Message>(self); }
+  static Message& attributes(void* self) { return HostObject<v3_attribute_list>::of<Message>(self); }
+  static v3_result set(void* self, const char* id, const void* data, std::size_t size) {
+    attributes(self).values_[id].assign(static_cast<const char*>(data), size);
+    return V3_OK;
+  }
+  static v3_result get(void* self, const char* id, void* data, std::size_t size) {
+    const auto& values = attributes(self).values_;
+    const auto found = values.find(id);
+    if (found == values.end() || found->second.size() != size) return V3_INVALID_ARG;
+    std::memcpy(data, found->second.data(), size);
+    return V3_OK;
+  }
+
+  std::string id_;
+  std::map<std::string, std::string> values_;
+};
+
+/// The host itself, which makes messages and keeps them until it forgets them.
+class HostApplication : public HostObject<v3_host_application> {
+ public:
+  HostApplication()
+      : HostObject({[](void*, v3_str_128 name) {
+                      name[0] = 0;
+                      return static_cast<v3_result>(V3_OK);
+                    },
+                    [](void* self, v3_tuid, v3_tuid, void** object) {
+                      auto& made = of<HostApplication>(self).messages;
+                      made.push_back(std::make_unique<Message>());
+                      *object = made.back()->pointer();
+                      return static_cast<v3_result>(V3_OK);
+                    }},
+                   [](void* self, const v3_tuid id, void** object) {
+                     if (!v3_tuid_match(id, v3_host_application_iid)) return static_cast<v3_result>(V3_NO_INTERFACE);
+                     *object = of<HostApplication>(self).pointer();
+                     return static_cast<v3_result>(V3_OK);
+                   }) {}
+
+  std::vector<std::unique_ptr<Message>> messages;
+};
+
+/// Timers of windows.
+class RunLoop : public HostObject<v3_run_loop> {
+ public:
+  RunLoop()
+      : HostObject({[](void*, v3_event_handler**, int) { return static_cast<v3_result>(V3_OK); },
+                    [](void*, v3_event_handler**) { return static_cast<v3_result>(V3_OK); },
+                    [](void* self, v3_timer_handler** timer, std::uint64_t) {
+                      of<RunLoop>(self).timers.push_back(timer);
+                      return static_cast<v3_result>(V3_OK);
+                    },
+                    [](void* self, v3_timer_handler** timer) {
+                      std::erase(of<RunLoop>(self).timers, timer);
+                      return static_cast<v3_result>(V3_OK);
+                    }}) {}
+
+  std::vector<v3_timer_handler**> timers;
+};
+
+/// What holds a window, which finds the timers by it.
+class Frame : public HostObject<v3_plugin_frame> {
+ public:
+  Frame()
+      : HostObject(
+            {[](void*, v3_plugin_view** view, v3_view_rect* size) { return v3_cpp_obj(view)->on_size(view, size); }},
+            [](void* self, const v3_tuid id, void** object) {
+              if (!v3_tuid_match(id, v3_run_loop_iid)) return static_cast<v3_result>(V3_NO_INTERFACE);
+              *object = of<Frame>(self).loop.pointer();
+              return static_cast<v3_result>(V3_OK);
+            }) {}
+
+  RunLoop loop;
 };
 
 /// Bytes in memory.
@@ -201,7 +315,7 @@ class Vst3Plugin : public HostedPlugin {
     void* instance = nullptr;
     check(v3_cpp_obj(factory_)->create_instance(factory_, class_.class_id, v3_component_iid, &instance));
     component_ = static_cast<v3_component**>(instance);
-    check(v3_cpp_obj_initialize(component_, nullptr));
+    check(v3_cpp_obj_initialize(component_, reinterpret_cast<v3_funknown**>(application_.pointer())));
     check(v3_cpp_obj_query_interface(component_, v3_audio_processor_iid, &processor_));
     check(v3_cpp_obj_query_interface(component_, v3_edit_controller_iid, &controller_));
     check(v3_cpp_obj(controller_)->set_component_handler(controller_, handler_.pointer()));
@@ -314,6 +428,49 @@ class Vst3Plugin : public HostedPlugin {
             "a host that is called back from here may wait for itself, as Ardour does");
   }
 
+  void open_window(std::uintptr_t parent, double scale) override {
+    view_ = v3_cpp_obj(controller_)->create_view(controller_, "editor");
+    require(view_ != nullptr, "no window");
+    require(v3_cpp_obj(view_)->is_platform_type_supported(view_, V3_VIEW_PLATFORM_TYPE_X11) == V3_TRUE, "not of X11");
+    check(v3_cpp_obj(view_)->set_frame(view_, frame_.pointer()));
+    v3_plugin_view_content_scale** scaled = nullptr;
+    check(v3_cpp_obj_query_interface(view_, v3_plugin_view_content_scale_iid, &scaled));
+    (void)v3_cpp_obj(scaled)->set_content_scale_factor(scaled,
+                                                       static_cast<float>(scale));  // it keeps it until it opens
+    v3_cpp_obj_unref(scaled);
+    check(v3_cpp_obj(view_)->attached(view_, reinterpret_cast<void*>(parent), V3_VIEW_PLATFORM_TYPE_X11));
+  }
+  [[nodiscard]] std::pair<std::uint32_t, std::uint32_t> window_size() override {
+    v3_view_rect size = {};
+    check(v3_cpp_obj(view_)->get_size(view_, &size));
+    return {size.right - size.left, size.bottom - size.top};
+  }
+  void resize_window(std::uint32_t width, std::uint32_t height) override {
+    require(v3_cpp_obj(view_)->can_resize(view_) == V3_TRUE, "no resize");
+    v3_view_rect size = {0, 0, static_cast<std::int32_t>(width), static_cast<std::int32_t>(height)};
+    check(v3_cpp_obj(view_)->on_size(view_, &size));
+  }
+  void idle_window() override {
+    const auto timers = frame_.loop.timers;
+    require(!timers.empty(), "no timer");
+    for (v3_timer_handler** const timer : timers) v3_cpp_obj(timer)->on_timer(timer);
+    application_.messages.clear();
+    for (; edits_done_ < handler_.edits.size(); ++edits_done_) edits_.push(handler_.edits[edits_done_]);
+  }
+  void close_window() override {
+    check(v3_cpp_obj(view_)->removed(view_));
+    check(v3_cpp_obj(view_)->set_frame(view_, nullptr));
+    v3_cpp_obj_unref(view_);
+    application_.messages.clear();
+  }
+  [[nodiscard]] std::vector<std::pair<std::string, double>> told() override {
+    std::vector<std::pair<std::string, double>> told;
+    for (const auto& [edited, part] : handler_.edits)
+      for (const auto& [name, id] : ids_)
+        if (id == edited) told.emplace_back(name, plain(id, part));
+    return told;
+  }
+
   /// The value that the plug-in has told its host last, in a block.
   [[nodiscard]] double told_value(const std::string& parameter) const {
     const v3_param_id id = ids_.at(parameter);
@@ -400,6 +557,7 @@ class Vst3Plugin : public HostedPlugin {
   }
 
   void process(std::array<float*, 2> outputs, std::uint32_t samples) override {
+    for (const auto& [id, part] : edits_.take()) change(id, 0, part);
     v3_audio_bus_buffers bus = {};
     bus.num_channels = 2;
     bus.channel_buffers_32 = outputs.data();
@@ -418,7 +576,12 @@ class Vst3Plugin : public HostedPlugin {
   }
 
   Library library_;
+  HostApplication application_;
   ComponentHandler handler_;
+  Frame frame_;
+  v3_plugin_view** view_ = nullptr;
+  HandOver<std::pair<v3_param_id, double>> edits_;  // for the processor
+  std::size_t edits_done_ = 0;                      // of the handler's
   v3_plugin_factory** factory_ = nullptr;
   v3_class_info class_ = {};
   v3_component** component_ = nullptr;
