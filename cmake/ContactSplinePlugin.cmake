@@ -35,7 +35,11 @@ option(CONTACTSPLINE_PLUGIN_WINDOW "Give plug-ins a window, where the headers of
 
 # Adds the framework's graphics, contactspline_window_graphics, if plug-ins are to have windows.
 function(_contactspline_find_graphics)
-  if(TARGET contactspline_window_graphics OR NOT CONTACTSPLINE_PLUGIN_WINDOW OR WIN32)
+  if(TARGET contactspline_window_graphics OR WIN32)
+    return()
+  endif()
+  if(NOT CONTACTSPLINE_PLUGIN_WINDOW)
+    message(STATUS "Contact Spline: plug-ins have no window, by CONTACTSPLINE_PLUGIN_WINDOW")
     return()
   endif()
   set(OpenGL_GL_PREFERENCE LEGACY)

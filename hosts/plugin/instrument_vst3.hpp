@@ -190,8 +190,8 @@ class InstrumentVst3 : public PluginVst3 {
   }
 
   double getParameterNormalized(v3_param_id id) {
-    if (id == kVst3InternalParameterProgram) return plainParameterToNormalized(id, fCurrentProgram);
-    return is_parameter(id) ? scale(index_of(id)).part_of(cached(index_of(id))) : 0;
+    if (id == kVst3InternalParameterProgram) return plainParameterToNormalized(id, program_);
+    return is_parameter(id) ? scale(index_of(id)).part_of(fPlugin.getParameterValue(index_of(id))) : 0;
   }
 
   /// Of a value that the window has set.
@@ -289,16 +289,13 @@ class InstrumentVst3 : public PluginVst3 {
     const ParameterRanges& ranges = fPlugin.getParameterRanges(index);
     return {ranges.min, ranges.max, (fPlugin.getParameterHints(index) & kParameterIsLogarithmic) != 0};
   }
-  [[nodiscard]] float& cached(uint32_t index) {
-    return fCachedParameterValues[kVst3InternalParameterBaseCount + index];
-  }
 
+  // The framework's own copies of the values are not for two threads: the instrument's are read and set.
   void move(uint32_t index, double part) {
     if (fPlugin.isParameterOutputOrTrigger(index) || !(part >= 0 && part <= 1)) return;
     // Some hosts keep parts in single precision: what they repeat is no change.
-    if (std::abs(scale(index).part_of(cached(index)) - part) < 1e-7) return;
-    cached(index) = static_cast<float>(scale(index).value_at(part));
-    fPlugin.setParameterValue(index, cached(index));
+    if (std::abs(scale(index).part_of(fPlugin.getParameterValue(index)) - part) < 1e-7) return;
+    fPlugin.setParameterValue(index, static_cast<float>(scale(index).value_at(part)));
   }
 
   [[nodiscard]] uint32_t program_of(double part) const {
@@ -306,9 +303,8 @@ class InstrumentVst3 : public PluginVst3 {
   }
 
   void load_program(uint32_t program) {
-    fCurrentProgram = program;
+    program_ = program;
     fPlugin.loadProgram(program);
-    for (uint32_t i = 0; i < fParameterCount; ++i) cached(i) = fPlugin.getParameterValue(i);
   }
 
   // Moves what changes at a sample, and returns where the next change is, or the end of the block.
@@ -337,7 +333,7 @@ class InstrumentVst3 : public PluginVst3 {
     if (is_parameter(id)) return move(index_of(id), part);
     if (id == kVst3InternalParameterProgram) {
       // What the controller was told before is no change.
-      if (program_of(part) != fCurrentProgram) load_program(program_of(part));
+      if (program_of(part) != program_) load_program(program_of(part));
       return;
     }
     if (!is_hidden(id) || !(part >= 0 && part <= 1)) return;
@@ -420,6 +416,7 @@ class InstrumentVst3 : public PluginVst3 {
   Mapping mapping_ = {.plugin = this};
   v3_param_id hidden_[vst3_object::ControllerPoints::kMax] = {};
   uint32_t hidden_count_ = 0;
+  std::atomic_ref<uint32_t> program_{fCurrentProgram};
   std::atomic<bool> has_new_program_ = false;  ///< the host does not know its values yet
 };
 

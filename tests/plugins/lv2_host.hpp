@@ -152,7 +152,7 @@ class Lv2Instance {
       std::uint8_t bytes[3];
     } event = {};
     event.head.time.frames = time;
-    event.head.body.type = urids_(LV2_MIDI__MidiEvent);
+    event.head.body.type = midi_event_;
     event.head.body.size = static_cast<std::uint32_t>(message.size());
     std::copy(message.begin(), message.end(), event.bytes);
     if (!lv2_atom_sequence_append_event(&events()->seq, sizeof events_, &event.head))
@@ -212,7 +212,7 @@ class Lv2Instance {
 
   double sample_rate_hz_;
   Urids urids_;
-  LV2_URID sequence_ = urids_(LV2_ATOM__Sequence);
+  LV2_URID sequence_ = urids_(LV2_ATOM__Sequence), midi_event_ = urids_(LV2_MIDI__MidiEvent);
   std::vector<Lv2Port> ports_;
   std::vector<float> controls_;
   std::vector<std::vector<float>> audio_;
