@@ -38,7 +38,8 @@ local function record(session)
   local midi, last_preset = ARDOUR.ChanCount(ARDOUR.DataType("midi"), 1), {}
   for info in ARDOUR.LuaAPI.list_plugins():iter() do
     local is_lv2, is_vst3 = info.type == ARDOUR.PluginType.LV2, info.type == ARDOUR.PluginType.VST3
-    if info.creator == "Contact Spline" and (is_lv2 or is_vst3) then
+    -- Those on the C++ runtime, beside which Faust's may lie.
+    if info.name:find("^Contact Spline ") and (is_lv2 or is_vst3) then
       local name = (is_lv2 and "lv2 " or "vst3 ") .. info.name
       tell("found", name, tostring(info:is_instrument()))
       session:new_midi_track(midi, midi, false, info, nil, nil, 1, name, ARDOUR.PresentationInfo.max_order,

@@ -26,7 +26,7 @@ using namespace std::chrono_literals;
 constexpr int kRate = 48000;
 
 std::optional<int> run(std::vector<std::string> command, const std::string& log) {
-  return ChildProcess(std::move(command), log).exit_code(60s);
+  return ChildProcess(std::move(command), log).exit_code(120s);
 }
 
 std::string text_of(const std::string& file) {
