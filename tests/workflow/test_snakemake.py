@@ -5,7 +5,7 @@ import os
 import shutil
 
 import pytest
-from conftest import killed_program, samples, settings, snakemake
+from conftest import PLAN, killed_program, samples, settings, snakemake
 
 pytestmark = pytest.mark.skipif(shutil.which("snakemake") is None,
                                 reason="snakemake is not installed; scripts/install-packages cluster installs it")
@@ -46,6 +46,30 @@ def test_a_shard_that_fails_costs_itself_and_is_reported(tmp_path, plan, expecte
     assert samples(tmp_path / "out") == expected
 
 
-def test_missing_settings_are_named(tmp_path, plan):
-    run = snakemake(tmp_path, *settings(plan=plan, output="out"))
-    assert run.returncode != 0 and "shards: missing; allowed: --config plan=" in run.stdout + run.stderr
+def test_shards_of_another_plan_are_not_replaced(tmp_path, plan):
+    words = settings(plan=plan, output="out", shards=2, program=PROGRAM)
+    assert snakemake(tmp_path, *words).returncode == 0
+    shards = {path: path.read_bytes() for path in (tmp_path / "out").glob("*-of-*")}
+    plan.write_text(PLAN.replace('"seed": 1', '"seed": 2'))
+    run = snakemake(tmp_path, *words)
+    assert run.returncode != 0 and "is of another plan or version; allowed: another folder" in run.stderr
+    assert len(shards) == 2 and all(path.read_bytes() == whole for path, whole in shards.items())
+    plan.write_text(PLAN)
+    assert snakemake(tmp_path, *words).returncode == 0
+
+
+@pytest.mark.parametrize("change, line", [
+    ({"shards": None}, "shards: missing; allowed: --config plan="),
+    ({"shards": "abc"}, "shards: abc is refused; allowed: 1 to 64"),
+    ({"shards": 200}, "shards: 200 is refused; allowed: 1 to 64"),
+    ({"threads": 0}, "threads: 0 is refused; allowed: 1 to 1024"),
+    ({"plan": "absent.json"}, "plan: absent.json: No such file or directory; allowed: the path of a plan"),
+    ({"plan": "nameless.json"}, "plan: nameless.json is no JSON object with name and count; allowed: what")])
+def test_bad_settings_are_refused_in_one_line(tmp_path, plan, change, line):
+    (tmp_path / "nameless.json").write_text('{"count": 3}')
+    values = {"plan": plan, "output": "out", "shards": 2, **change}
+    run = snakemake(tmp_path, *settings(**{key: value for key, value in values.items() if value is not None}))
+    assert run.returncode != 0 and run.stderr.startswith("WorkflowError in file"), run.stderr
+    ours = [text for text in run.stderr.splitlines()[1:] if text.strip() and not text.startswith("  File")]
+    assert len(ours) == 1 and ours[0].startswith(line), run.stderr
+    assert not (tmp_path / "out").exists()
