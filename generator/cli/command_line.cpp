@@ -204,7 +204,7 @@ void add_dataset(CLI::App& app) {
       "  contactspline dataset strikes.json -o strikes --shard 3/64\n"
       "  contactspline dataset strikes.json -o strikes --shards 64 --join\n"
       "A sample depends on the plan alone: not on shards and threads. A shard is written as a whole or not at all.\n"
-      "One that is there and whose sums agree is kept, so the same command goes on where it was stopped.");
+      "One that is there and whose checksums agree is kept, so the same command goes on where it was stopped.");
   command->callback([options] { make_dataset(*options); });
 }
 #endif

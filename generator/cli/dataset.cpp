@@ -28,6 +28,9 @@ struct Shard {
   fs::path path;
   ShardHeading heading;
   ShardState state = ShardState::kAbsent;
+  std::string failure = {};  ///< why it cannot be written
+
+  [[nodiscard]] bool is_open() const { return state != ShardState::kComplete && failure.empty(); }
 };
 
 std::string in_words(double seconds) {
@@ -76,6 +79,11 @@ void report(const DatasetOptions& options, const std::string& line) {
   options.report ? options.report(line) : write_stdout(line);
 }
 
+void report_failure(const DatasetOptions& options, const std::string& failure) {
+  const std::string line = fmt::format("contactspline: {}\n", failure);
+  options.report ? options.report(line) : static_cast<void>(std::fputs(line.c_str(), stderr));
+}
+
 std::vector<Shard> shards_of(const Plan& plan, const DatasetOptions& options) {
   if (options.shards > plan.count)
     throw BadInput(fmt::format("--shards: {} are more than the samples of the plan; allowed: 1 to {}", options.shards,
@@ -88,32 +96,46 @@ std::vector<Shard> shards_of(const Plan& plan, const DatasetOptions& options) {
   return shards;
 }
 
-// Finds out which shards are there. check_sums: as state_of_shard().
-void look_at(std::vector<Shard>& shards, const Plan& plan, bool check_sums, bool force) {
+// Finds out which shards are there. A file that may be somebody else's costs its shard only.
+void look_at(std::vector<Shard>& shards, const Plan& plan, const DatasetOptions& options) {
   for (Shard& shard : shards) {
-    shard.state = state_of_shard(shard.path, plan, shard.heading, check_sums);
-    if (shard.state == ShardState::kOfOthers && !force)
+    shard.state = state_of_shard(shard.path, plan, shard.heading, !options.join);
+    if (shard.state == ShardState::kOfOthers && !options.force)
       refuse(shard.path.string(), "file", "is of another plan or version",
              "another folder, or --force to replace it");
+    if (shard.state != ShardState::kDamaged || options.join) continue;
+    try {
+      require_writable({&shard.path, 1}, {}, options.force);
+    } catch (const BadInput&) {
+      shard.failure = fmt::format(
+          "{}: file: cannot be read, and may be of another program; allowed: to remove it, or --force to replace it",
+          shard.path.string());
+    }
   }
 }
 
 // What is still to do, before it begins. Throws BadInput where the disk has no room for it.
 void announce(const std::vector<Shard>& shards, const Plan& plan, const DatasetOptions& options, int threads) {
   std::size_t samples = 0, open = 0;
-  for (const Shard& shard : shards)
-    if (shard.state != ShardState::kComplete) samples += shard.heading.range.count, ++open;
+  double bytes = 0;
+  for (const Shard& shard : shards) {
+    if (!shard.is_open()) continue;
+    samples += shard.heading.range.count;
+    bytes += static_cast<double>(largest_shard_bytes(plan, shard.heading));
+    ++open;
+  }
   if (open == 0) return;
-  const double bytes = static_cast<double>(samples) * static_cast<double>(plan.bytes_per_sample());
   std::error_code error;
-  fs::create_directories(options.output, error);
-  const fs::space_info space = fs::space(options.output, error);
+  fs::path folder = fs::absolute(options.output, error);
+  while (!fs::exists(folder, error) && folder.has_relative_path()) folder = folder.parent_path();
+  const fs::space_info space = fs::space(folder, error);
   if (!error && static_cast<double>(space.available) < bytes)
     refuse(options.output, "file",
            fmt::format("has {} free, and the samples take {}", size_in_words(static_cast<double>(space.available)),
                        size_in_words(bytes)),
            "a folder on a disk with enough room");
-  const double time = measured_time_of_sample(plan, shards.front().heading.range) * static_cast<double>(samples);
+  const double time =
+      measured_time_of_sample(plan, shards.front().heading.range, options.watch) * static_cast<double>(samples);
   report(options,
          fmt::format("{}: {} samples of {:.4g} s in {} {}, {}, about {} on {} {}\n", plan.name, samples,
                      static_cast<double>(plan.length) / plan.sample_rate_hz, open, open == 1 ? "shard" : "shards",
@@ -124,7 +146,7 @@ void announce(const std::vector<Shard>& shards, const Plan& plan, const DatasetO
 void write_shards(const std::vector<Shard>& shards, const Plan& plan, const DatasetOptions& options, int threads) {
   std::size_t total = 0, done = 0, failed = 0;
   for (const Shard& shard : shards)
-    if (shard.state != ShardState::kComplete) total += shard.heading.range.count;
+    if (shard.is_open()) total += shard.heading.range.count;
   const ProgressLine progress(plan.name, total);
   std::string failure;
   for (const Shard& shard : shards) {
@@ -133,16 +155,17 @@ void write_shards(const std::vector<Shard>& shards, const Plan& plan, const Data
       continue;
     }
     try {
+      if (!shard.failure.empty()) throw BadInput(shard.failure);
       write_shard(shard.path, plan, shard.heading, threads, [&](std::size_t samples) {
         progress.show(done + samples);
         options.watch();
       });
       report(options, fmt::format("wrote {}\n", shard.path.string()));
     } catch (const BadInput& error) {
-      if (failed++ > 0) std::fputs(fmt::format("contactspline: {}\n", failure).c_str(), stderr);
+      if (failed++ > 0) report_failure(options, failure);
       failure = error.what();
     }
-    done += shard.heading.range.count;
+    if (shard.is_open()) done += shard.heading.range.count;
   }
   if (failed > 0)
     throw BadInput(failed == 1 && shards.size() == 1
@@ -169,13 +192,17 @@ void join(const std::vector<Shard>& shards, const Plan& plan, const DatasetOptio
 }  // namespace
 
 std::string make_dataset(const DatasetOptions& options) {
+  const bool is_program = !options.report;
+  if (is_program) let_hdf5_end_in_silence();
   const Plan plan = read_plan(options);
   std::vector<Shard> shards = shards_of(plan, options);
-  std::vector<fs::path> outputs = {joined_path(plan, options.output)}, inputs = {options.plan};
+  const fs::path joined = joined_path(plan, options.output);
+  std::vector<fs::path> outputs = {joined}, inputs = {options.plan};
   for (const Shard& shard : shards) outputs.push_back(shard.path);
   for (const auto& [path, text] : plan.inputs) inputs.push_back(fs::path(options.plan).parent_path() / path);
-  require_writable(outputs, inputs, options.force);
-  look_at(shards, plan, !options.join, options.force);
+  require_distinct(outputs, inputs);
+  if (options.only == 0) require_writable({&joined, 1}, {}, options.force);
+  look_at(shards, plan, options);
   if (!options.join) {
     const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
     const int threads = options.threads == 0 ? cores : options.threads;
@@ -184,7 +211,7 @@ std::string make_dataset(const DatasetOptions& options) {
   }
   if (options.only > 0) return shards.front().path.string();
   join(shards, plan, options);
-  return joined_path(plan, options.output).string();
+  return joined.string();
 }
 
 }  // namespace contactspline

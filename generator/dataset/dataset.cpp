@@ -6,10 +6,13 @@
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/parallel_pipeline.h>
 #include <oneapi/tbb/task_arena.h>
+#include <oneapi/tbb/task_group.h>
 
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <exception>
+#include <functional>
 #include <stdexcept>
 #include <thread>
 
@@ -52,6 +55,9 @@ SampleArrays arrays_of(const Plan& plan, SampleRows& rows, std::size_t row) {
   return arrays;
 }
 
+/// Ends a thread after another one has failed. Nobody sees it: oneTBB keeps the first exception.
+struct Stopped : std::exception {};
+
 /// Renders samples on several threads, each with an instrument of its own.
 class Renderer {
  public:
@@ -60,16 +66,17 @@ class Renderer {
   }
 
   // thread: each has one call at a time.
-  void render(std::size_t thread, SampleRows& rows) {
-    for (std::size_t row = 0; row < rows.count; ++row) play(players_[thread], rows.first + row, row, rows);
+  void render(std::size_t thread, SampleRows& rows, const std::function<void()>& watch) {
+    for (std::size_t row = 0; row < rows.count; ++row) play(players_[thread], rows.first + row, row, rows, watch);
   }
 
  private:
-  void play(SamplePlayer& player, std::size_t sample, std::size_t row, SampleRows& rows) const {
+  void play(SamplePlayer& player, std::size_t sample, std::size_t row, SampleRows& rows,
+            const std::function<void()>& watch) const {
     const std::vector<double> values = sampler_.values(sample);
     for (std::size_t c = 0; c < values.size(); ++c) rows.columns[c][row] = values[c];
     try {
-      player.play(values, arrays_of(plan_, rows, row));
+      player.play(values, arrays_of(plan_, rows, row), watch);
     } catch (const std::runtime_error& error) {
       std::vector<std::string> words;
       for (std::size_t c = 0; c < values.size(); ++c)
@@ -100,17 +107,23 @@ std::filesystem::path joined_path(const Plan& plan, const std::filesystem::path&
   return folder / (plan.name + ".h5");
 }
 
-double measured_time_of_sample(const Plan& plan, const SampleRange& range) {
+double measured_time_of_sample(const Plan& plan, const SampleRange& range, const std::function<void()>& watch) {
   const Sampler sampler(plan.columns, plan.sequence, plan.seed);
   SamplePlayer player(plan);
   SampleRows rows = rows_for(plan, 1);
   const Clock::time_point begin = Clock::now();
+  Clock::time_point watched = begin;
+  const auto watch_at_times = [&] {
+    if (Clock::now() - watched <= kTellAfter) return;
+    watch();
+    watched = Clock::now();
+  };
   std::chrono::duration<double> passed{};
   std::size_t played = 0;
   const std::size_t max = 1 + range.count / 100;  // on one core, while others wait
   for (; played < max && passed.count() < 0.1; ++played) {
     try {
-      player.play(sampler.values(range.first + played), arrays_of(plan, rows, 0));
+      player.play(sampler.values(range.first + played), arrays_of(plan, rows, 0), watch_at_times);
     } catch (const std::runtime_error&) {  // whoever renders it will say so
     }
     passed = Clock::now() - begin;
@@ -144,12 +157,14 @@ void write_shard(const std::filesystem::path& path, const Plan& plan, const Shar
     begun += count;
     return &rows;
   };
+  const auto watch = [&] {
+    if (tbb::is_current_task_group_canceling()) throw Stopped();
+    if (std::this_thread::get_id() != caller || Clock::now() - told <= kTellAfter) return;
+    done(written);
+    told = Clock::now();
+  };
   const auto render = [&](SampleRows* rows) {
-    renderer.render(static_cast<std::size_t>(tbb::this_task_arena::current_thread_index()), *rows);
-    if (std::this_thread::get_id() == caller && Clock::now() - told > kTellAfter) {
-      done(written);
-      told = Clock::now();
-    }
+    renderer.render(static_cast<std::size_t>(tbb::this_task_arena::current_thread_index()), *rows, watch);
     return rows;
   };
   const auto write = [&](SampleRows* rows) {

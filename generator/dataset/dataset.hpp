@@ -22,13 +22,15 @@ namespace contactspline {
 [[nodiscard]] std::filesystem::path joined_path(const Plan& plan, const std::filesystem::path& folder);
 
 /// Time that one core takes for a sample [s], measured on the first ones of the range: a hundredth of them, or a
-/// tenth of a second.
-[[nodiscard]] double measured_time_of_sample(const Plan& plan, const SampleRange& range);
+/// tenth of a second. `watch` is called about ten times a second, and may
+/// throw to stop.
+[[nodiscard]] double measured_time_of_sample(const Plan& plan, const SampleRange& range,
+                                             const std::function<void()>& watch);
 
-/// Renders samples on so many threads and writes them to a shard. Its samples do not depend on the number of threads.
-/// done(samples) is called about ten times a second on the calling thread, with the number of those that are written;
-/// it may throw to stop. Throws BadInput where the file cannot be written or a sample is not finite; then no file is
-/// left.
+/// Renders samples on the given number of threads and writes them to a shard. Its samples do not depend on the number
+/// of threads. done(samples) is called about ten times a second on the calling thread, with the number of those that
+/// are written; it may throw to stop. Throws BadInput where the file cannot be written or a sample is not finite;
+/// then no file is left.
 void write_shard(const std::filesystem::path& path, const Plan& plan, const ShardHeading& heading, int threads,
                  const std::function<void(std::size_t)>& done);
 

@@ -4,22 +4,21 @@
 
 #include <hdf5.h>
 
-#include <concepts>
-#include <stdexcept>
+#include <cstddef>
+#include <cstdint>
+#include <exception>
 #include <string>
 #include <utility>
 
 namespace contactspline {
 
 /// HDF5 could not do something.
-struct Hdf5Failure : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
+struct Hdf5Failure : std::exception {};
 
 /// Returns what a call of HDF5 gives. Throws Hdf5Failure where it is negative.
 template <typename Result>
-Result checked(Result result, const char* what) {
-  if (result < 0) throw Hdf5Failure(what);
+Result checked(Result result) {
+  if (result < 0) throw Hdf5Failure();
   return result;
 }
 
@@ -28,7 +27,7 @@ class Hdf5Handle {
  public:
   using Close = herr_t (*)(hid_t);
   Hdf5Handle() = default;
-  Hdf5Handle(hid_t id, Close closing, const char* what) : id_(checked(id, what)), close_(closing) {}
+  Hdf5Handle(hid_t id, Close closing) : id_(checked(id)), close_(closing) {}
   Hdf5Handle(Hdf5Handle&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
   Hdf5Handle& operator=(Hdf5Handle&& other) noexcept {
     std::swap(id_, other.id_);
@@ -43,7 +42,7 @@ class Hdf5Handle {
 
   /// Closes it now. Throws Hdf5Failure where that fails: what was written may not be on the disk.
   void close() {
-    if (id_ >= 0) checked(close_(std::exchange(id_, -1)), "close");
+    if (id_ >= 0) checked(close_(std::exchange(id_, -1)));
   }
 
  private:
@@ -67,44 +66,42 @@ class Hdf5IsSilent {
   void* data_ = nullptr;
 };
 
-inline Hdf5Handle text_type() {
-  Hdf5Handle type(H5Tcopy(H5T_C_S1), H5Tclose, "text");
-  checked(H5Tset_size(type, H5T_VARIABLE), "text");
-  checked(H5Tset_cset(type, H5T_CSET_UTF8), "text");
-  return type;
-}
+/// A name with a text or a number.
+class Hdf5Attribute {
+ public:
+  // HDF5 crashes on a damaged text of variable size, which no checksum protects. A fixed size lies under one.
+  Hdf5Attribute(const char* name, const std::string& text)
+      : name_(name), type_(H5Tcopy(H5T_C_S1), H5Tclose), bytes_(text.c_str(), text.size() + 1) {
+    checked(H5Tset_size(type_, bytes_.size()));
+    checked(H5Tset_cset(type_, H5T_CSET_UTF8));
+  }
+  Hdf5Attribute(const char* name, double number) : Hdf5Attribute(name, H5T_NATIVE_DOUBLE, &number, sizeof number) {}
+  Hdf5Attribute(const char* name, std::uint64_t number)
+      : Hdf5Attribute(name, H5T_NATIVE_UINT64, &number, sizeof number) {}
 
-inline void write_attribute(hid_t object, const char* name, const std::string& text) {
-  const Hdf5Handle type = text_type(), space(H5Screate(H5S_SCALAR), H5Sclose, name);
-  const Hdf5Handle attribute(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose, name);
-  const char* const characters = text.c_str();
-  checked(H5Awrite(attribute, type, &characters), name);
-}
+  void write_to(hid_t object) const {
+    const Hdf5Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+    const Hdf5Handle made(H5Acreate2(object, name_, type_, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+    checked(H5Awrite(made, type_, bytes_.data()));
+  }
 
-template <typename Number>
-requires std::floating_point<Number> || std::integral<Number>
-void write_attribute(hid_t object, const char* name, Number number) {
-  const Hdf5Handle space(H5Screate(H5S_SCALAR), H5Sclose, name);
-  const hid_t type = std::floating_point<Number> ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT64;
-  const Hdf5Handle attribute(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose, name);
-  const auto value = static_cast<std::conditional_t<std::floating_point<Number>, double, long long>>(number);
-  checked(H5Awrite(attribute, type, &value), name);
-}
+  /// True if the object has an attribute of this name, type and value.
+  [[nodiscard]] bool is_of(hid_t object) const {
+    if (checked(H5Aexists(object, name_)) == 0) return false;
+    const Hdf5Handle found(H5Aopen(object, name_, H5P_DEFAULT), H5Aclose), type(H5Aget_type(found), H5Tclose);
+    if (checked(H5Tequal(type, type_)) == 0 || H5Aget_storage_size(found) != bytes_.size()) return false;
+    std::string bytes(bytes_.size(), '\0');
+    checked(H5Aread(found, type_, bytes.data()));
+    return bytes == bytes_;
+  }
 
-inline std::string text_attribute(hid_t object, const char* name) {
-  const Hdf5Handle type = text_type(), attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose, name);
-  char* characters = nullptr;
-  checked(H5Aread(attribute, type, &characters), name);
-  std::string text = characters == nullptr ? "" : characters;
-  H5free_memory(characters);
-  return text;
-}
+ private:
+  Hdf5Attribute(const char* name, hid_t type, const void* number, std::size_t size)
+      : name_(name), type_(H5Tcopy(type), H5Tclose), bytes_(static_cast<const char*>(number), size) {}
 
-inline std::size_t number_attribute(hid_t object, const char* name) {
-  const Hdf5Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose, name);
-  long long number = -1;
-  checked(H5Aread(attribute, H5T_NATIVE_INT64, &number), name);
-  return static_cast<std::size_t>(number);
-}
+  const char* name_;
+  Hdf5Handle type_;
+  std::string bytes_;
+};
 
 }  // namespace contactspline

@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -32,11 +33,15 @@ namespace contactspline {
 class PendingShard {
  public:
   explicit PendingShard(const std::filesystem::path& path) : path_(path), pending_(path.string() + ".part") {
-    descriptor_ = ::open(pending_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-    if (descriptor_ < 0) fail_to_write(path_);
-    if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
-    ::close(descriptor_);
-    refuse(path_.string(), "file", "is being written by another process", "another folder, or to wait for it");
+    do {
+      if (descriptor_ >= 0) ::close(descriptor_);
+      descriptor_ = ::open(pending_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+      if (descriptor_ < 0) fail_to_write(path_);
+      if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+        ::close(descriptor_);
+        refuse(path_.string(), "file", "is being written by another process", "another folder, or to wait for it");
+      }
+    } while (!still_has_its_name());
   }
   PendingShard(const PendingShard&) = delete;
   PendingShard& operator=(const PendingShard&) = delete;
@@ -65,6 +70,13 @@ class PendingShard {
   }
 
  private:
+  // Another process may have renamed or removed the file before it was locked.
+  [[nodiscard]] bool still_has_its_name() const {
+    struct stat open = {}, named = {};
+    return ::fstat(descriptor_, &open) == 0 && ::stat(pending_.c_str(), &named) == 0 && open.st_ino == named.st_ino &&
+           open.st_dev == named.st_dev;
+  }
+
   std::filesystem::path path_, pending_;
   int descriptor_ = -1;
   bool is_renamed_ = false;

@@ -16,7 +16,7 @@ class SamplePlayer::Interface {
   Interface(const Interface&) = delete;
   Interface& operator=(const Interface&) = delete;
   virtual ~Interface() = default;
-  virtual void play(std::span<const double> values, const SampleArrays& into) = 0;
+  virtual void play(std::span<const double> values, const SampleArrays& into, const std::function<void()>& watch) = 0;
 };
 
 /// In one precision.
@@ -29,14 +29,14 @@ class SamplePlayer::In final : public Interface {
     exact_.resize(plan.recorded.size());
   }
 
-  void play(std::span<const double> values, const SampleArrays& into) override {
+  void play(std::span<const double> values, const SampleArrays& into, const std::function<void()>& watch) override {
     now_ = initial_;
     for (const FirstValue& first : plan_.first) now_[first.parameter] = values[first.column];
     for (std::size_t i = 0; i < now_.size(); ++i) instrument_->set(i, now_[i]);
     instrument_->prepare(plan_.sample_rate_hz);
     direct(into);
     schedule(values);
-    render<T>(*instrument_, happenings_, plan_.length, recording_, [] {});
+    render<T>(*instrument_, happenings_, plan_.length, recording_, watch);
     if constexpr (!std::same_as<T, float>)
       for (std::size_t r = 0; r < exact_.size(); ++r)
         std::ranges::transform(exact_[r], into.sounds[r].begin(), [](T x) { return static_cast<float>(x); });
@@ -107,8 +107,9 @@ SamplePlayer::SamplePlayer(const Plan& plan) {
 SamplePlayer::~SamplePlayer() = default;
 SamplePlayer::SamplePlayer(SamplePlayer&&) noexcept = default;
 
-void SamplePlayer::play(std::span<const double> values, const SampleArrays& into) {
-  player_->play(values, into);
+void SamplePlayer::play(std::span<const double> values, const SampleArrays& into,
+                        const std::function<void()>& watch) {
+  player_->play(values, into, watch);
 }
 
 }  // namespace contactspline

@@ -2,6 +2,7 @@
 // Plays one sample of a plan after the other with one instrument.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -27,8 +28,9 @@ class SamplePlayer {
   ~SamplePlayer();
   SamplePlayer(SamplePlayer&&) noexcept;
 
-  /// values: of the plan's columns. Throws std::runtime_error where the sound is not finite.
-  void play(std::span<const double> values, const SampleArrays& into);
+  /// values: of the plan's columns. `watch` is called many times a sample, and may throw to stop. Throws
+  /// std::runtime_error where the sound is not finite.
+  void play(std::span<const double> values, const SampleArrays& into, const std::function<void()>& watch);
 
  private:
   class Interface;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Shards of a data set as HDF5 files. The only file of the project that knows HDF5.
+// Shards of a data set as HDF5 files.
 //
-// A file has the attributes of ShardHeading, the group `parameters` with a number of each sample for each column of
-// the plan, and the group `outputs` with a row of each sample for each thing that is kept; both have the attribute
-// `unit`. Every array has Fletcher's sums, which HDF5 checks whenever somebody reads.
+// A file has attributes that say where it comes from, the group `parameters` with a number of each sample for each
+// column of the plan, and the group `outputs` with a row of each sample for each thing that is kept; both have the
+// attribute `unit`. Every array has Fletcher's checksums, which HDF5 checks whenever somebody reads.
 #pragma once
 
 #include <cstddef>
@@ -28,14 +28,21 @@ struct ShardHeading {
   SampleRange range;
 };
 
+/// Leaves out what HDF5 does at the end of the process: after it has met a damaged file, it prints a message there.
+/// To be called before all others, and not where somebody else in the process writes with HDF5.
+void let_hdf5_end_in_silence();
+
 enum class ShardState : unsigned char { kAbsent, kComplete, kDamaged, kOfOthers };
 
-/// kDamaged: it cannot be read, or a sum is wrong. kOfOthers: of another plan, program or range. check_sums: reads it
-/// all.
+/// kDamaged: it cannot be read, or a checksum is wrong. kOfOthers: of another plan, program or range. reads_all: also
+/// reads the samples.
 [[nodiscard]] ShardState state_of_shard(const std::filesystem::path& path, const Plan& plan,
-                                        const ShardHeading& heading, bool check_sums);
+                                        const ShardHeading& heading, bool reads_all);
 
-/// Values of some samples, one row behind the other.
+/// The size of a shard's file, at most.
+[[nodiscard]] std::size_t largest_shard_bytes(const Plan& plan, const ShardHeading& heading);
+
+/// Values of some samples, one row after the other.
 struct SampleRows {
   std::size_t first = 0, count = 0;        ///< sample of the plan in the first row, number of rows
   std::vector<std::vector<float>> sounds;  ///< for each thing that is kept; the energy's is empty
@@ -52,7 +59,7 @@ class ShardWriter {
   ShardWriter& operator=(const ShardWriter&) = delete;
   ~ShardWriter();
 
-  /// Writes rows behind those that are there.
+  /// Writes rows after those that are there.
   void write(const SampleRows& rows);
   void finish();
 
@@ -61,7 +68,7 @@ class ShardWriter {
   std::unique_ptr<File> file_;
 };
 
-/// Writes a file whose arrays are those of all shards, one behind the other, without a copy (virtual data sets). The
+/// Writes a file whose arrays are those of all shards, one after the other, without a copy (virtual data sets). The
 /// shards must stay beside it. Throws BadInput.
 void join_shards(const std::filesystem::path& path, const Plan& plan, const std::string& program,
                  std::span<const std::filesystem::path> shards, std::span<const SampleRange> ranges);

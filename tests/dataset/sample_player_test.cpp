@@ -26,7 +26,7 @@ std::vector<std::vector<float>> played(SamplePlayer& player, const Plan& plan, c
   }
   for (auto& sound : sounds) arrays.sounds.emplace_back(sound);
   arrays.energy = energy;
-  player.play(values, arrays);
+  player.play(values, arrays, [] {});
   sounds.emplace_back(energy.begin(), energy.end());
   return sounds;
 }

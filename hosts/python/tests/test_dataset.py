@@ -18,7 +18,7 @@ import contactspline as cs
 
 PAGE = (pathlib.Path(__file__).parents[3] / "docs/how-to/datasets.md").read_text()
 PROGRAMS = re.findall(r"^```python\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
-PLAN = {"name": "probe", "instrument": "hammer_string", "parts": {"resonator": "string_c4", "material": "felt_c4"},
+PLAN = {"name": "probe", "description": "Größe", "instrument": "hammer_string", "parts": {"resonator": "string_c4", "material": "felt_c4"},
         "parameters": {"speed_m_per_s": {"logarithmic": [0.5, 5]}, "hammer_mass_kg": {"uniform": [0.002, 0.012]},
                        "stiffness_ratio": {"table": [0.5, 1, 2]}},
         "events": [{"time_s": 0.001, "event": "strike", "hold_s": 0.02}, {"time_s": 0.03, "parameter": "damping_per_s", "to": 20}],
@@ -64,9 +64,10 @@ def test_a_sample_is_what_the_instrument_plays(tmp_path):
     string = cs.Instrument("hammer_string", **PLAN["parts"])
     with h5py.File(path) as file:
         assert file.attrs["samples"] == 65 and file.attrs["first_sample"] == 0 and file.attrs["sample_rate_hz"] == 44100
-        assert file.attrs["program"].endswith(f"contactspline {cs._core.__version__}")
-        assert json.loads(file.attrs["plan"]) == PLAN and file.attrs["instrument"] == "hammer_string"
-        units = {name: array.attrs["unit"] for name, array in file["outputs"].items()}
+        assert file.attrs["program"].decode().endswith(f"contactspline {cs._core.__version__}")
+        assert json.loads(file.attrs["plan"]) == PLAN and file.attrs["instrument"] == b"hammer_string"
+        assert file.attrs["description"].decode() == PLAN["description"]
+        units = {name: array.attrs["unit"].decode() for name, array in file["outputs"].items()}
         assert units == {"bridge_force_n": "N", "displacement_m": "m", "force_n": "N", "energy_j": "J"}
         for i in (0, 32, 33, 64):
             values = {name: file["parameters"][name][i] for name in ("speed_m_per_s", "hammer_mass_kg", "stiffness_ratio")}
@@ -102,17 +103,22 @@ def test_joined_file_is_read_from_any_folder_and_misses_no_shard_in_silence(tmp_
     with h5py.File(moved / path.name) as file:
         missing = file["outputs/force_n"][20]
         assert np.all(np.isnan(missing)) and not np.any(np.isnan(file["outputs/force_n"][40]))
+    shard = moved / "probe-00003-of-00004.h5"
+    shard.write_bytes(shard.read_bytes()[:-1])
+    with h5py.File(moved / path.name) as file:
+        assert np.all(np.isnan(file["outputs/force_n"][40])) and not np.any(np.isnan(file["outputs/force_n"][0]))
 
 
 def test_a_changed_byte_is_found_by_any_reader(tmp_path):
-    path = pathlib.Path(cs.dataset(PLAN, tmp_path, shards=1, shard=1))
+    path, joined = pathlib.Path(cs.dataset(PLAN, tmp_path, shards=1, shard=1)), cs.dataset(PLAN, tmp_path, shards=1)
     with h5py.File(path) as file:
         place = file["outputs/bridge_force_n"].id.get_chunk_info(0).byte_offset
     damaged = bytearray(path.read_bytes())
     damaged[place + 100] ^= 1
     path.write_bytes(damaged)
-    with h5py.File(path) as file, pytest.raises(OSError):
-        file["outputs/bridge_force_n"][:]
+    for name in (path, joined):
+        with h5py.File(name) as file, pytest.raises(OSError):
+            file["outputs/bridge_force_n"][:]
     lines = []
     cs.dataset(PLAN, tmp_path, shards=1, shard=1, report=lines.append)
     assert lines[-1] == f"wrote {path}"
@@ -124,6 +130,16 @@ def test_errors_are_the_lines_of_the_program(tmp_path):
     with pytest.raises(ValueError, match="allowed: 1 to 99999"):
         cs.dataset(PLAN, tmp_path, shards=2, shard=3)
     assert not list(tmp_path.iterdir())
+
+
+def test_a_report_has_the_shards_that_fail(tmp_path):
+    for i in (1, 3):
+        (tmp_path / f"probe-0000{i}-of-00003.h5").write_text("a diary")
+    lines = []
+    with pytest.raises(cs.Error, match="probe-00003-of-00003.h5: file: cannot be read.*2 of 3 shards failed"):
+        cs.dataset(PLAN, tmp_path, shards=3, report=lines.append)
+    assert lines[-2] == f"wrote {tmp_path}/probe-00002-of-00003.h5"
+    assert "probe-00001-of-00003.h5: file: cannot be read" in lines[-1]
 
 
 def test_an_interrupt_stops_it_and_leaves_nothing(tmp_path):
@@ -152,6 +168,9 @@ def test_programs_of_the_page_run(tmp_path, monkeypatch, capsys):
             continue
         exec(compile(program, "page", "exec"), {})
         assert capsys.readouterr().out.strip()
+    (tmp_path / "strikes/strikes-00001-of-00004.h5").unlink()
+    with pytest.raises(AssertionError, match="its shard is missing"):
+        exec(compile(PROGRAMS[0], "page", "exec"), {})
 
 
 def test_torch_program_of_the_page_runs(tmp_path, monkeypatch, capsys):
@@ -161,3 +180,6 @@ def test_torch_program_of_the_page_runs(tmp_path, monkeypatch, capsys):
     cs.dataset("strikes.json", "strikes")
     exec(compile(next(program for program in PROGRAMS if "torch" in program), "page", "exec"), {})
     assert "torch.Size([8, 22050])" in capsys.readouterr().out
+    (tmp_path / "strikes/strikes-00001-of-00001.h5").unlink()
+    with pytest.raises(AssertionError, match="the shard of sample 0 is missing"):
+        exec(compile(next(program for program in PROGRAMS if "torch" in program), "page", "exec"), {})
