@@ -17,7 +17,7 @@
 namespace contactspline {
 namespace {
 
-constexpr auto kMassBarrier = "mass_barrier";
+constexpr auto kMassBarrier = "mass_barrier", kPiano = "piano";
 
 struct NamedModel {
   std::string_view name;
@@ -32,6 +32,12 @@ PlanInstrument mass_barrier(const JsonObject& plan, const ReadFile& read) {
   return {maker_of_mass_barrier(design_material(named.text, named.file, reader_beside(named, read))), {}};
 }
 
+PlanInstrument piano(const JsonObject& plan, const ReadFile& read) {
+  const std::string keyboard =
+      plan.has("parts") ? plan.object("parts", {"keyboard"}).json("keyboard") : json_string(kPiano);
+  return {maker_of_keyboard(keyboard, plan.file(), read), {}};
+}
+
 }  // namespace
 
 PlanInstrument read_plan_instrument(const JsonObject& plan, const ReadFile& read) {
@@ -42,16 +48,18 @@ PlanInstrument read_plan_instrument(const JsonObject& plan, const ReadFile& read
   std::vector<std::string> names;
   for (const NamedModel& model : kModels) names.emplace_back(model.name);
   names.emplace_back(kMassBarrier);
+  names.emplace_back(kPiano);
   for (const std::string& shipped : shipped_names(Shipped::kInstruments)) names.push_back(shipped);
   const std::string allowed = fmt::format("a .json file, an object with the keys of one, {}", fmt::join(names, ", "));
   const std::string name = plan.text("instrument", allowed);
   if (!is_path(name) && std::ranges::find(names, name) == names.end())
     plan.fail("instrument", fmt::format("'{}' is unknown", shown(name)), allowed);
   const auto found = std::ranges::find(kModels, name, &NamedModel::name);
-  const bool has_parts = found != kModels.end() || name == kMassBarrier;
+  const bool has_parts = found != kModels.end() || name == kMassBarrier || name == kPiano;
   if (!has_parts && plan.has("parts"))
     plan.fail("parts", fmt::format("has no meaning for {}", shown(name)), "no such key: set its parameters instead");
   if (name == kMassBarrier) return mass_barrier(plan, read);
+  if (name == kPiano) return piano(plan, read);
   if (found != kModels.end()) {
     Voice voice = read_voice_parts(plan, "parts", found->model, read);
     std::vector<double> initial = voice.initial;

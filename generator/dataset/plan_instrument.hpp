@@ -15,9 +15,9 @@ struct PlanInstrument {
   std::vector<double> initial;  ///< first values; NaN where the plan must state one; may be empty
 };
 
-/// Reads the keys `instrument` and `parts` of a plan: hammer_string, slide_string, fret_string or mass_barrier with
-/// what they are made of, an instrument that ships, an instrument file, or an object with the keys of one. Throws
-/// BadInput.
+/// Reads the keys `instrument` and `parts` of a plan: hammer_string, slide_string, fret_string, mass_barrier or piano
+/// with what they are made of, an instrument that ships, an instrument file, or an object with the keys of one.
+/// Throws BadInput.
 [[nodiscard]] PlanInstrument read_plan_instrument(const JsonObject& plan, const ReadFile& read);
 
 }  // namespace contactspline

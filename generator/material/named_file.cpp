@@ -40,11 +40,18 @@ NamedText named_text(std::string_view file, std::string_view key, const std::str
 }
 
 NamedText read_named(const JsonObject& object, const char* key, Shipped folder, const ReadFile& read) {
+  if (object.has_object(key)) {
+    NamedText named{object.json(key), fmt::format("{}: {}", object.file(), object.key(key)), false, true};
+    if (const auto kind = kind_of_file(named.text, named.file, kind_name(folder)); kind && *kind != folder)
+      object.fail(object.key(key), fmt::format("is a {}", kind_name(*kind)), allowed_in(folder));
+    return named;
+  }
   return named_text(object.file(), object.key(key), object.text(key, allowed_in(folder)), folder, read);
 }
 
 ReadFile reader_beside(const NamedText& named, const ReadFile& read) {
   if (named.ships) return shipped_file;
+  if (named.is_object) return read;
   return [&](const std::string& path) {
     return read((std::filesystem::path(named.file).parent_path() / path).string());
   };

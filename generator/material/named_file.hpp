@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Files that another file names: by a path, or by the name of something that ships.
+// Files that another file names: by a path, or by the name of something that ships; or what stands in their place.
 #pragma once
 
 #include <string>
@@ -14,6 +14,7 @@ namespace contactspline {
 struct NamedText {
   std::string text, file;
   bool ships;
+  bool is_object = false;  ///< within the file that would name it
 };
 
 /// The text of what `name` names, the value of `key` in `file`: a .json file, which `read` reads, or something in a
@@ -22,10 +23,11 @@ struct NamedText {
                                    Shipped folder, const ReadFile& read);
 
 /// The text of what the key `key` of an object names: a .json file, which `read` reads, or something in a folder of
-/// what ships. Throws BadInput as named_text() does.
+/// what ships; or of the object that stands there. Throws BadInput as named_text() does.
 [[nodiscard]] NamedText read_named(const JsonObject& object, const char* key, Shipped folder, const ReadFile& read);
 
-/// Reads what a named file names in turn: beside the file, or what ships if the file ships. Both must outlive it.
+/// Reads what a named file names in turn: beside the file, or what ships if the file ships; an object is a part of
+/// the file that `read` reads beside. Both must outlive it.
 [[nodiscard]] ReadFile reader_beside(const NamedText& named, const ReadFile& read);
 
 }  // namespace contactspline

@@ -2,14 +2,22 @@
 #include "generator/player/instrument_maker.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "contactspline/instrument/mass_barrier_instrument.hpp"
 #include "generator/instrument/instrument_reader.hpp"
+#include "generator/material/named_file.hpp"
+#include "generator/player/own_keyboard.hpp"
+#include "generator/player/score_reader.hpp"
+#include "generator/resonator/keyboard_reader.hpp"
 #include "generator/support/embedded_files.hpp"
 #include "generator/support/error.hpp"
 #include "generator/support/file_kind.hpp"
+#include "generator/support/json_reader.hpp"
 
 namespace contactspline {
 
@@ -29,6 +37,26 @@ InstrumentMaker maker_of_mass_barrier(const Design& design) {
   return InstrumentMaker::of([made](auto precision, double) -> std::unique_ptr<AnyInstrument<decltype(precision)>> {
     return std::make_unique<InstrumentBehind<MassBarrierInstrument<decltype(precision)>>>(made);
   });
+}
+
+// A score plays all keys once, so that its reader designs their felts.
+InstrumentMaker maker_of_keyboard(const std::string& keyboard, const std::string& file, const ReadFile& read) {
+  const JsonObject parts =
+      parse_json(fmt::format(R"({{"keyboard": {}}})", keyboard), file, "instrument", {"keyboard"});
+  const NamedText named = read_named(parts, "keyboard", Shipped::kKeyboards, read);
+  Keyboard played = parse_keyboard(named.text, named.file);
+  if (!played.body) refuse(named.file, "body", "missing", "one such as that of the piano that ships");
+  std::vector<std::string> events;
+  for (int key = played.first_key; key <= played.last_key; ++key)
+    events.push_back(fmt::format(R"({{"time_s": 0, "key": {}, "hold_s": 0}})", key));
+  const std::string score =
+      fmt::format(R"({{"instrument": "hammer-string", "duration_s": 1, "keyboard": {}, "events": [{}]}})", keyboard,
+                  fmt::join(events, ", "));
+  const auto made = std::make_shared<const OwnKeyboardParts>(std::move(played), parse_score(score, file, read));
+  return InstrumentMaker::of(
+      [made](auto precision, double rate) -> std::unique_ptr<AnyInstrument<decltype(precision)>> {
+        return std::make_unique<InstrumentBehind<OwnKeyboard<decltype(precision)>>>(made, rate);
+      });
 }
 
 InstrumentMaker maker_of_text(std::string_view text, const std::string& file, const ReadFile& read) {

@@ -43,6 +43,11 @@ struct InstrumentMaker {
 /// A mass of the material's impact, of 3 g where it has none, before a rigid barrier.
 [[nodiscard]] InstrumentMaker maker_of_mass_barrier(const Design& design);
 
+/// A keyboard on its body, with all keys; designs their felts, which takes some seconds. keyboard: as JSON, the name
+/// of one that ships, a path or an object. `file` stands in messages; `read` reads what it names. Throws BadInput.
+[[nodiscard]] InstrumentMaker maker_of_keyboard(const std::string& keyboard, const std::string& file,
+                                                const ReadFile& read);
+
 /// The instrument of the text of a file. `file` stands in messages; `read` reads what the text names. Throws
 /// BadInput.
 [[nodiscard]] InstrumentMaker maker_of_text(std::string_view text, const std::string& file, const ReadFile& read);

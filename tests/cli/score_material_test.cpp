@@ -146,6 +146,21 @@ TEST_P(ScoreMaterial, PlaysUnderASlideWithItsOwnSpline) {
 
 CONTACTSPLINE_CASES(Each, ScoreMaterial, material_cases());
 
+// With a curve, which lies beside the score.
+TEST(ScoreMaterial, MayBeAnObjectOfTheScore) {
+  const MaterialCase one = law_with("measured_curve", R"({ "curve": { "file": "felt.csv", "shape": "monotone" } })");
+  const auto sound_with = [&](const std::string& material) {
+    return sound_alone("hammer-string",
+                       fmt::format(R"({{ "instrument": "hammer-string", "duration_s": 0.04,
+        "voices": [ {{ "name": "c4", "resonator": "string_c4", "material": {} }} ],
+        "events": [ {{ "time_s": 0.01, "speed_m_per_s": 2.5 }} ] }})",
+                                   material),
+                       one.files, {"--signal", "force"})
+        .samples;
+  };
+  EXPECT_EQ(sound_with(one.files.at(one.key)), sound_with('"' + one.key + '"'));
+}
+
 // Materials that differ in their splines only must not sound the same.
 TEST(ScoreMaterial, SoundsAsTheSplineOfItsMaterial) {
   std::vector<std::vector<double>> sounds;

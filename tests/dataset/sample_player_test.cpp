@@ -101,11 +101,17 @@ constexpr auto kTanpura = R"(
   "instrument": "tanpura", "parameters": {"finger_release_n": {"uniform": [0.3, 2]}},
   "events": [{"time_s": 0, "event": "pluck_finger"}], "outputs": ["wire_end_force_n", "bridge_force_n"])";
 
+constexpr auto kPiano = R"(
+  "instrument": "piano", "parameters": {"stiffness_ratio": {"uniform": [0.5, 2]}},
+  "events": [{"time_s": 0, "key": {"table": [60, 64]}, "velocity": {"uniform": [0.3, 1]}, "hold_s": 0.02}],
+  "outputs": ["left_velocity_m_per_s", "force_n"])";
+
 INSTANTIATE_TEST_SUITE_P(Instruments, SamplePlayers,
                          ::testing::Values(Case{"hammer_string", kHammer}, Case{"slide_string", kSlide},
                                            Case{"fret_string", kFret}, Case{"mass_barrier", kBarrier},
                                            Case{"trichord", kTrichord}, Case{"snare", kSnare},
-                                           Case{"slap_bass", kBass}, Case{"tanpura", kTanpura}),
+                                           Case{"slap_bass", kBass}, Case{"tanpura", kTanpura},
+                                           Case{"piano", kPiano}),
                          [](const auto& tested) { return tested.param.name; });
 
 }  // namespace

@@ -92,6 +92,34 @@ def test_keys_take_tables_and_velocities_distributions(tmp_path):
             assert sound["string_end_force_n"].any()
 
 
+def test_plans_have_the_piano_and_parts_as_objects(tmp_path):
+    shipped = pathlib.Path(__file__).parents[3] / "data"
+    without_comments = re.sub(r"^ *//.*$", "", (shipped / "materials/felt_c4.json").read_text(), flags=re.MULTILINE)
+    felt = {**json.loads(without_comments), "name": "stiff", "contact": {"stiffness_n_per_m_alpha": 9e9, "exponent": 2.5}}
+    strike, key = {"time_s": 0, "event": "strike"}, {"time_s": 0, "key": 60, "velocity": 0.5}
+    common = {"name": "one", "seed": 1, "count": 1, "seconds": 0.05}
+    speed = {"speed_m_per_s": 2}
+    cases = [({"instrument": "hammer_string", "parts": {"resonator": "string_c4", "material": felt}, "parameters": speed},
+              strike, cs.strike(0)),
+             ({"instrument": "mass_barrier", "parts": {"material": felt}, "parameters": speed},
+              {"time_s": 0, "event": "throw"}, cs.strike(0)),
+             ({"instrument": "piano"}, key, cs.note(0, 60, 0.5)),
+             ({"instrument": "piano", "parts": {"keyboard": "piano"}}, key, cs.note(0, 60, 0.5))]
+    for number, (made, event, played) in enumerate(cases):
+        source = cs.Instrument(made["instrument"], **made.get("parts", {}))
+        plan = {**common, **made, "events": [event], "outputs": list(source.outputs)}
+        with h5py.File(cs.dataset(plan, tmp_path / str(number))) as file:
+            sound = source.play(played, 0.05, parameters=made.get("parameters", {}), precision="single")
+            for name in source.outputs:
+                assert np.array_equal(file[f"outputs/{name}"][0], sound[name]) and sound[name].any(), made["instrument"]
+    with pytest.raises(cs.Error, match="plan: parts.material: contact.stiffness: unknown key"):
+        cs.dataset({**common, **cases[1][0], "parts": {"material": {**felt, "contact": {"stiffness": 1}}},
+                    "events": [cases[1][1]], "outputs": ["displacement_m"]}, tmp_path / "refused")
+    with pytest.raises(cs.Error, match="plan: parts.material: is a resonator; allowed: a .json file"):
+        cs.dataset({**common, **cases[1][0], "parts": {"material": {"string": {}}}, "events": [cases[1][1]],
+                    "outputs": ["displacement_m"]}, tmp_path / "refused")
+
+
 def test_joined_file_is_read_from_any_folder_and_misses_no_shard_in_silence(tmp_path, monkeypatch):
     path = pathlib.Path(cs.dataset(PLAN, tmp_path / "set", shards=4))
     whole = content(path)
