@@ -89,7 +89,7 @@ std::string preset_row(const InstrumentModel& model, const ModelPreset& preset) 
 
 // The unit of an output and, of a pressure, where it is taken.
 std::string output_row(const InstrumentModel& model, const ModelOutput& output) {
-  const std::string unit(unit_of(output.name));
+  std::string unit(unit_of(output.name));
   if (output.quantity != OutputQuantity::kPressure) return unit;
   const InstrumentBody& body = model.bodies[output.targets.front()];
   const auto [nearest_m, farthest_m] = reach_of(body.resonator.body, output.listening);

@@ -121,7 +121,24 @@ std::string cpp_array(std::string_view type, std::size_t size, std::string_view 
   return fmt::format("    static constexpr std::array<{}, {}> {} = {{{}}};\n", type, size, name, values);
 }
 
-// What keys, presets, places that move and memories add to the arrays, and to the view of them.
+std::string cpp_numbers(std::string_view name, const std::vector<double>& numbers) {
+  return cpp_array("double", numbers.size(), name, numbers.empty() ? "" : "\n" + literal_rows(numbers, 8));
+}
+
+// Adds the arrays of keys to the text. Returns the view of them.
+std::string add_cpp_keys(const ModelKeys& keys, const InstrumentArrays& arrays, std::string& text) {
+  text += cpp_array("KeyRange", keys.ranges.size(), "key_ranges",
+                    "{\n" + rows_of(keys.ranges, "        ", [](const KeyRange& range, std::size_t) {
+                      return fmt::format("{{{}, {}, {}, {}}}", range.first, range.last, range.event, range.tuned_key);
+                    }) + "}");
+  text += cpp_numbers("tension_squares", arrays.tension_squares);
+  text += cpp_array("std::size_t", keys.damped.size(), "damped", whole_numbers(keys.damped));
+  const auto parameter = [](std::size_t p) { return place_or("kNoParameter", p); };
+  return fmt::format("{{key_ranges, {}, tension_squares, {}, damped, {}, {}, {}}}", keys.voices, arrays.far_ends,
+                     literal(keys.damper_per_s), parameter(keys.sustain), parameter(keys.bend));
+}
+
+// What keys, presets, places that move, memories and listening places add to the arrays, and to the view of them.
 void add_cpp_options(const InstrumentModel& model, const InstrumentArrays& arrays, TemplateValues& values) {
   const ModelKeys& keys = model.keys;
   const bool has_keys = !keys.ranges.empty();
@@ -129,30 +146,17 @@ void add_cpp_options(const InstrumentModel& model, const InstrumentArrays& array
   values["VOICES"] = has_keys ? "\n#include \"contactspline/instrument/voices.hpp\"" : "";
   std::string& text = values["OPTIONS"] = "";
   std::vector<std::string> view(9, "{}");  // the last members of InstrumentData
-  if (has_keys) {
-    text +=
-        cpp_array("KeyRange", keys.ranges.size(), "key_ranges",
-                  "{\n" + rows_of(keys.ranges, "        ", [](const KeyRange& range, std::size_t) {
-                    return fmt::format("{{{}, {}, {}, {}}}", range.first, range.last, range.event, range.tuned_key);
-                  }) + "}");
-    text += cpp_array("double", arrays.tension_squares.size(), "tension_squares",
-                      arrays.tension_squares.empty() ? "" : "\n" + literal_rows(arrays.tension_squares, 8));
-    text += cpp_array("std::size_t", keys.damped.size(), "damped", whole_numbers(keys.damped));
-    const auto parameter = [](std::size_t p) { return place_or("kNoParameter", p); };
-    view[0] = fmt::format("{{key_ranges, {}, tension_squares, {}, damped, {}, {}, {}}}", keys.voices, arrays.far_ends,
-                          literal(keys.damper_per_s), parameter(keys.sustain), parameter(keys.bend));
-  }
+  if (has_keys) view[0] = add_cpp_keys(keys, arrays, text);
   if (!arrays.preset_names.empty()) {
     std::vector<std::string> names;
     for (const ModelPreset& preset : model.presets) names.push_back(preset.name);
     text += cpp_array("const char*", names.size(), "preset_names", quoted(names));
-    text += cpp_array("double", arrays.preset_values.size(), "preset_values",
-                      "\n" + literal_rows(arrays.preset_values, 8));
+    text += cpp_numbers("preset_values", arrays.preset_values);
     view[1] = "preset_names";
     view[2] = "preset_values";
   }
   if (!arrays.wavenumbers.empty()) {
-    text += cpp_array("double", arrays.wavenumbers.size(), "wavenumbers", "\n" + literal_rows(arrays.wavenumbers, 8));
+    text += cpp_numbers("wavenumbers", arrays.wavenumbers);
     view[3] = "wavenumbers";
   }
   if (!arrays.memories.empty()) {
@@ -169,8 +173,7 @@ void add_cpp_options(const InstrumentModel& model, const InstrumentArrays& array
                       "{\n" + rows_of(arrays.pressure_paths, "        ", [](const PressurePath& path, std::size_t) {
                         return fmt::format("{{{}, {}, {}}}", path.output, path.place, path.taps);
                       }) + "}");
-    text += cpp_array("double", arrays.pressure_taps.size(), "pressure_taps",
-                      "\n" + literal_rows(arrays.pressure_taps, 8));
+    text += cpp_numbers("pressure_taps", arrays.pressure_taps);
     view[6] = literal(arrays.pressure_rate_hz);
     view[7] = "pressure_paths";
     view[8] = "pressure_taps";

@@ -14,7 +14,7 @@ inline const std::vector<std::string> kStruckKeys{"resonator", "output", "gain",
 
 /// Reads the resonator and the levels of its partials at each blow: tables, or recordings whose levels are measured
 /// (recorded_note.hpp). Adds what it reads to `files`. Throws BadInput.
-[[nodiscard]] StruckResonator read_struck(const JsonObject& struck, const ReadFile& read,
+[[nodiscard]] StruckResonator read_struck(const JsonObject& object, const ReadFile& read,
                                           std::vector<std::string>& files);
 
 /// Throws BadInput if the blows cannot tell stiffness, exponent and unknown speeds apart.
