@@ -52,6 +52,7 @@ class Body {
         knock_(std::move(knock)),
         sample_rate_hz_(static_cast<T>(sample_rate_hz)),
         stiffness_(stiffness),
+        first_modes_(stiffness.modes),
         admittance_(bank_.admittance(bridge_, bridge_)),
         knock_admittance_(knock_.size() > 0 ? bank_.admittance(bridge_, knock_) : T(0)) {}
 
@@ -113,9 +114,10 @@ class Body {
   /// The modes, for pickups and dissipated().
   [[nodiscard]] const ModalBank<T>& modes() const { return bank_; }
 
-  /// Brings the body to rest. Does not allocate.
+  /// Brings the body to rest, with the strings that were there at the beginning: all others leave. Does not allocate.
   void reset() {
     bank_.reset();
+    stiffness_.modes = first_modes_;
     displacement_ = change_ = free_increment_ = force_n_ = knock_n_ = 0;
   }
 
@@ -124,6 +126,7 @@ class Body {
   ModeShapes<T> bridge_, knock_;
   T sample_rate_hz_;
   BridgeStiffness stiffness_;
+  double first_modes_;  // stiffness of the modes at the beginning [N/m]
   T admittance_, knock_admittance_;
   T displacement_ = 0, change_ = 0, force_n_ = 0;
   T free_increment_ = 0;  // of the bridge, over the next sample

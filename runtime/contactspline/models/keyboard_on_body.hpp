@@ -152,7 +152,6 @@ class KeyboardOnBody {
 
   /// Brings everything to rest and lets all keys go; the pedals stay.
   void reset() {
-    for (const std::size_t key : awake_) body_.leave(keys_[key].stiffness_of(keys_[key].modes), 0);
     for (Key& key : keys_) {
       key.rest();
       move_damper(key);
