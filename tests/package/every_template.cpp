@@ -17,6 +17,7 @@
 #include "contactspline/instrument/mass_barrier_instrument.hpp"
 #include "contactspline/instrument/network_instrument.hpp"
 #include "contactspline/instrument/network_pickups.hpp"
+#include "contactspline/instrument/network_pressure.hpp"
 #include "contactspline/instrument/network_strikes.hpp"
 #include "contactspline/instrument/network_tuning.hpp"
 #include "contactspline/instrument/parameter_values.hpp"
@@ -98,6 +99,7 @@ using Felt = materials::felt_c4;
   template class detail::NetworkAdmittances<T>;                                                                 \
   template struct detail::NetworkParts<T>;                                                                      \
   template class detail::NetworkPickups<T>;                                                                     \
+  template class detail::NetworkPressure<T>;                                                                    \
   template class detail::NetworkStrikes<T>;                                                                     \
   template class detail::SleepingContacts<T>;                                                                   \
   template class detail::NewtonSolver<T>;                                                                       \
