@@ -45,7 +45,7 @@ InstrumentMaker maker_of_keyboard(const std::string& keyboard, const std::string
       parse_json(fmt::format(R"({{"keyboard": {}}})", keyboard), file, "instrument", {"keyboard"});
   const NamedText named = read_named(parts, "keyboard", Shipped::kKeyboards, read);
   Keyboard played = parse_keyboard(named.text, named.file);
-  if (!played.body) refuse(named.file, "body", "missing", "one such as that of the piano that ships");
+  if (!played.body) refuse(named.file, "keyboard.body", "missing", "one such as that of the piano that ships");
   std::vector<std::string> events;
   for (int key = played.first_key; key <= played.last_key; ++key)
     events.push_back(fmt::format(R"({{"time_s": 0, "key": {}, "hold_s": 0}})", key));

@@ -108,12 +108,12 @@ def test_a_keyboard_of_ones_own_has_its_pitch_and_its_speeds(tmp_path):
 
 
 @pytest.mark.parametrize("wrong, line", [
-    ({"keyboard": 3}, "piano: keyboard: is no keyboard; allowed: a name"),
+    ({"keyboard": 3}, "piano: keyboard: is not a string; allowed: a .json file, piano"),
     ({"keyboard": "pianoo"}, "piano: keyboard: 'pianoo' does not ship; allowed: a .json file, piano"),
     ({"keyboard": "felt_c4"}, "piano: keyboard: 'felt_c4' is a material; allowed: a .json file, piano"),
-    ({"keyboard": {"name": "own"}}, "keyboard.json: keyboard: missing; allowed: first_key"),
+    ({"keyboard": {"name": "own"}}, "piano: keyboard: keyboard: missing; allowed: first_key"),
     ({"keyboard": {**OWN, "keyboard": {key: value for key, value in OWN["keyboard"].items() if key != "body"}}},
-     "keyboard.json: keyboard.body: missing; allowed: one such as"),
+     "piano: keyboard: keyboard.body: missing; allowed: one such as"),
     ({"keyboard": cs.Keyboard(OWN)}, "Keyboard: is no value of a file; allowed: a name, a path, a number, a list or a dict"),
     ({"keyboard": b"piano"}, "bytes: is no value of a file; allowed: a name"),
     ({"keyboard": OWN, "felt": 1}, "piano: felt: is no part of this instrument; allowed: keyboard"),
