@@ -115,12 +115,11 @@ PlannedEvent read_event(const Reading& reading, const JsonObject& event) {
   const bool plays = event.has("event"), sets = event.has("parameter");
   if (plays + sets + event.has("key") != 1)
     event.fail(event.key("event"), "nothing happens, or several things", "one of event, key and parameter");
-  PlannedEvent planned{sample_at(reading, event.number("time_s", times)), PlannedEvent::kKey, 0, 0};
+  PlannedEvent planned{sample_at(reading, event.number("time_s", times)), PlannedEvent::kKey, 0};
   if (plays) {
     const Event& played = reading.instrument.events()[read_choice(event, "event", reading.instrument.events())];
     planned.kind = played.kind == EventKind::kStrike ? PlannedEvent::kStrike : PlannedEvent::kPluck;
     planned.number = played.number;
-    planned.parameter = played.parameter;
   } else if (sets) {
     planned.kind = PlannedEvent::kSet;
     planned.number = read_choice(event, "parameter", reading.instrument.parameters());

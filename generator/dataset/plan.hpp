@@ -24,7 +24,6 @@ struct PlannedEvent {
   std::size_t sample;
   Kind kind;
   std::size_t number;                      ///< of the blow or pluck among those of its kind; of the parameter of kSet
-  std::size_t parameter;                   ///< holds its speed or force
   std::size_t key = kNone, value = kNone;  ///< columns: the key, its velocity or the new value
   std::size_t end = kNone;                 ///< sample at which a hold ends
   double rise_s = 0;                       ///< of a pluck

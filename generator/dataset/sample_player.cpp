@@ -5,10 +5,13 @@
 #include <cmath>
 #include <concepts>
 #include <cstddef>
+#include <limits>
 
 #include "generator/player/playing.hpp"
 
 namespace contactspline {
+
+constexpr double kOfParameter = std::numeric_limits<double>::quiet_NaN();  // as Happening has it
 
 class SamplePlayer::Interface {
  public:
@@ -30,9 +33,8 @@ class SamplePlayer::In final : public Interface {
   }
 
   void play(std::span<const double> values, const SampleArrays& into, const std::function<void()>& watch) override {
-    now_ = initial_;
-    for (const FirstValue& first : plan_.first) now_[first.parameter] = values[first.column];
-    for (std::size_t i = 0; i < now_.size(); ++i) instrument_->set(i, now_[i]);
+    for (std::size_t i = 0; i < initial_.size(); ++i) instrument_->set(i, initial_[i]);
+    for (const FirstValue& first : plan_.first) instrument_->set(first.parameter, values[first.column]);
     instrument_->prepare(plan_.sample_rate_hz);
     direct(into);
     schedule(values);
@@ -68,14 +70,13 @@ class SamplePlayer::In final : public Interface {
       const double value = event.value == PlannedEvent::kNone ? 1 : values[event.value];
       switch (event.kind) {
         case PlannedEvent::kSet:
-          now_[event.number] = value;
           happenings_.push_back({event.sample, Action::kSet, event.number, value, 0});
           break;
         case PlannedEvent::kPluck:
-          happenings_.push_back({event.sample, Action::kPluck, event.number, now_[event.parameter], event.rise_s});
+          happenings_.push_back({event.sample, Action::kPluck, event.number, kOfParameter, event.rise_s});
           break;
         case PlannedEvent::kStrike:
-          add_held(event, event.number, Action::kStrike, Action::kRelease, now_[event.parameter]);
+          add_held(event, event.number, Action::kStrike, Action::kRelease, kOfParameter);
           break;
         case PlannedEvent::kKey:
           add_held(event, static_cast<std::size_t>(values[event.key]), Action::kNoteOn, Action::kNoteOff, value);
@@ -92,7 +93,7 @@ class SamplePlayer::In final : public Interface {
 
   const Plan& plan_;
   std::unique_ptr<AnyInstrument<T>> instrument_;
-  std::vector<double> initial_, now_;
+  std::vector<double> initial_;
   std::vector<Happening> happenings_;
   Recording<T> recording_;
   std::vector<std::vector<T>> exact_;
