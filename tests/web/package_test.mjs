@@ -9,7 +9,7 @@ import { tmpdir } from "node:os";
 import { extname, join, resolve } from "node:path";
 import { fileURLToPath, pathToFileURL } from "node:url";
 
-import { closeBrowser, openPage } from "./browser.mjs";
+import { closeBrowser, kSlow, openPage } from "./browser.mjs";
 import { assertEqualSound, fullScaleOf, kSamples, rendered } from "./rendered.mjs";
 
 const [modules, packed, program, chosen = ""] = process.argv.slice(2);
@@ -194,7 +194,7 @@ function serveInstalled() {
       const path = new URL(url, "http://localhost").pathname.replace(/\/$/, "/index.html");
       const bytes = readFileSync(join(installed, path));
       response.writeHead(200, { "Content-Type": types[extname(path)] ?? "text/plain", "Content-Security-Policy": kPolicy });
-      response.end(bytes);
+      setTimeout(() => response.end(bytes), 100 * (kSlow - 1));
     } catch {
       response.writeHead(404).end();
     }
@@ -372,6 +372,7 @@ const browserCases = {
   },
 
   "the example plays every instrument and a file": async (page) => {
+    await page.waitForFunction(() => document.getElementById("text").value !== ""); // what the example does last
     assert.equal(await page.locator("#instrument option").count(), all.length);
     await page.click("#start");
     for (const { name, parameters } of all) {

@@ -59,6 +59,12 @@ const slide = (page, label, value) =>
     input.dispatchEvent(new Event("input", { bubbles: true }));
   }, value);
 
+/** Waits until so many seconds have sounded, by the clock of the audio thread. */
+async function sounded(page, seconds) {
+  const now = await page.evaluate(() => contactSpline.page.audio.context.currentTime);
+  await page.waitForFunction((end) => contactSpline.page.audio.context.currentTime >= end, now + seconds);
+}
+
 /** Drags with the mouse from a place in an element by (dx, dy), all in pixels. Waits until the element stands still. */
 async function drag(page, element, { x, y }, dx, dy) {
   await element.hover({ position: { x, y } });
@@ -168,8 +174,7 @@ const cases = {
     await withPage(server.address, async (page) => {
       const csv = readFileSync(new URL("../../data/materials/felt_synthetic.csv", import.meta.url));
       await page.locator("#curve-input").setInputFiles({ name: "My felt 3.csv", mimeType: "text/csv", buffer: csv });
-      await page.waitForFunction(() => contactSpline.page.editor.current.name === "my_felt_3");
-      assert.equal(await page.locator("#design-note").getAttribute("class"), "");
+      await page.waitForFunction(() => contactSpline.page.editor.current.name === "my_felt_3" && document.getElementById("design-note").className === "");
       // The program, with the same two files, writes the same bytes.
       await download(page, "Download material file", "my_felt_3_material.json");
       writeFileSync(join(folder, "My felt 3.csv"), csv);
@@ -425,13 +430,8 @@ const cases = {
         await move(chapter, 0.9);
         await page.waitForFunction(([chapter, first]) => document.querySelector(`#chapter-${chapter} .note[role='status']`).textContent !== first, [chapter, first]);
         if (chapter !== 6) assert.match(await said(chapter), /balances within [\d.]+ × 10⁻¹[³⁴⁵⁶]/);
-        const { at, moved } = await page.evaluate(async (chapter) => {
-          const stage = contactSpline.page.story.stages.get(document.getElementById(`chapter-${chapter}`));
-          const at = stage.at;
-          await new Promise((done) => setTimeout(done, 300));
-          return { at, moved: stage.at !== at };
-        }, chapter);
-        assert.ok(moved, `chapter ${chapter} stands still at ${at}`);
+        const at = await page.evaluate((chapter) => contactSpline.page.story.stages.get(document.getElementById(`chapter-${chapter}`)).at, chapter);
+        await page.waitForFunction(([chapter, at]) => contactSpline.page.story.stages.get(document.getElementById(`chapter-${chapter}`)).at !== at, [chapter, at]);
       }
       // A hammer that is thrown in the story is heard.
       const hold = await page.evaluate(() => {
@@ -626,13 +626,14 @@ const cases = {
         assert.equal(events, wanted.length, `${name}: notes`);
       }
       await page.getByRole("button", { name: /^Für Elise/ }).click();
+      await page.waitForFunction(() => contactSpline.page.lastKey === 76); // the first key, in slow motion
       await page.waitForFunction(() => contactSpline.page.figures.strikes >= 3);
       assert.equal(await page.locator("#instrument").inputValue(), "piano");
-      assert.equal(await page.evaluate(() => contactSpline.page.lastKey), 76, "the first key, in slow motion");
       await page.getByRole("button", { name: /^Für Elise/ }).click();
+      await sounded(page, 0.3); // what was under way is told
       const before = await page.evaluate(() => contactSpline.page.figures.strikes);
-      await page.waitForTimeout(600);
-      assert.ok((await page.evaluate(() => contactSpline.page.figures.strikes)) <= before + 1, "stopped");
+      await sounded(page, 0.6);
+      assert.equal(await page.evaluate(() => contactSpline.page.figures.strikes), before, "stopped");
       assert.equal(await page.locator("#keys .down").count(), 0);
     });
   },
@@ -705,11 +706,11 @@ const cases = {
       for (const held of [{ do: "midi", bytes: [0xb0, 64, 127] }, { do: "noteOn", key: 40, velocity: 0.1 }]) {
         const messages = [{ at: 0.01, ...held }, { at: 0.02, do: "noteOn", key: 48, velocity: 0.9 }, ...(held.key ? [] : [{ at: 0.1, do: "noteOff", key: 48 }]), { at: 60, do: "end" }];
         await page.evaluate((messages) => contactSpline.page.perform("held.mid", "piano", { voices: [], messages }), messages);
-        await page.waitForTimeout(900);
+        await sounded(page, 0.9);
         const before = await level();
         assert.ok(before > 0.003, `a key that is held sounds: ${before}`);
         await page.evaluate(() => contactSpline.page.stopScore());
-        await page.waitForTimeout(1200);
+        await sounded(page, 1.2);
         assert.ok((await level()) < 0.05 * before, `${JSON.stringify(held)} goes on after the score: ${await level()} of ${before}`);
       }
       await page.locator("#midi-input").setInputFiles(fileURLToPath(new URL("../../data/scores/bach_prelude.mid", import.meta.url)));
@@ -897,7 +898,7 @@ const cases = {
       await page.locator("#record-clip").dblclick();
       await page.getByRole("button", { name: "Stop and save" }).waitFor();
       await page.keyboard.press("a");
-      await page.waitForTimeout(1500);
+      await sounded(page, 1.5);
       const [saved] = await Promise.all([page.waitForEvent("download"), page.click("#record-clip")]);
       const left = await page.evaluate(() => recorders.map(({ state, stream }) => [state, ...stream.getVideoTracks().map(({ readyState }) => readyState)]));
       assert.deepEqual(left, [["inactive", "ended"]], "one recorder, which ends");
@@ -917,10 +918,13 @@ const cases = {
           canvas.getContext("2d").drawImage(video, 0, 0);
           return canvas.toDataURL();
         };
-        await new Promise((done) => setTimeout(done, 200));
         const first = shot();
-        await new Promise((done) => setTimeout(done, 500));
-        return { width: video.videoWidth, seconds: video.currentTime, moving: shot() !== first };
+        let moving = false;
+        for (let i = 0; i < 200 && !(moving && video.currentTime > 0.3); ++i) {
+          await new Promise((done) => setTimeout(done, 50));
+          moving ||= shot() !== first;
+        }
+        return { width: video.videoWidth, seconds: video.currentTime, moving };
       }, [...bytes]);
       assert.ok(width > 500 && seconds > 0.3 && moving, JSON.stringify({ width, seconds, moving }));
     });
@@ -1033,7 +1037,8 @@ const cases = {
       await page.click("#record");
       await page.waitForFunction(() => contactSpline.page.audio.recorded?.length > 10);
       await page.keyboard.press("a");
-      await page.waitForTimeout(700);
+      await page.waitForFunction(() => contactSpline.page.figures.captured.some((force) => force > 1));
+      await sounded(page, 0.5);
       const [sound] = await Promise.all([page.waitForEvent("download"), page.click("#record")]);
       assert.equal(sound.suggestedFilename(), "hammer_on_string.wav");
       const path = join(folder, "recorded.wav");
@@ -1171,11 +1176,17 @@ const cases = {
           send(message);
         };
       });
-      await page.locator("#strike").click();
-      await page.waitForTimeout(900);
-      await page.locator("#strike").click();
+      await page.locator("#strike").click(); // starts the sound
       await page.waitForFunction(() => contactSpline.sent.some(([what]) => what === "noteOff"));
-      await page.waitForTimeout(1200);
+      await page.evaluate(async () => {
+        contactSpline.sent = [];
+        const click = () => document.getElementById("strike").click();
+        const wait = (milliseconds) => new Promise((done) => setTimeout(done, milliseconds));
+        click();
+        await wait(900);
+        click();
+        await wait(1700);
+      });
       const list = await sent();
       const strikes = list.filter(([what]) => what === "noteOn");
       const releases = list.filter(([what]) => what === "noteOff");
@@ -1264,7 +1275,7 @@ const cases = {
       assert.match(await page.locator("#keys-note").textContent(), /^Any of the computer keys/);
       await page.selectOption("#preset", "Rubber");
       await page.waitForFunction(() => contactSpline.page.editor.current.name === "rubber_on_wood");
-      await page.waitForTimeout(400);
+      await page.evaluate(() => contactSpline.page.settle());
       assert.equal(await page.locator("#preset").inputValue(), "Rubber");
       await slide(page, "speed [m/s]", 900);
       await page.waitForFunction(() => document.getElementById("preset").value === "");
@@ -1314,7 +1325,7 @@ const cases = {
       await page.emulateMedia({ reducedMotion: "reduce" });
       await page.selectOption("#preset", "Rubber");
       await page.waitForFunction(() => contactSpline.page.editor.current.name === "rubber_on_wood");
-      await page.waitForTimeout(200);
+      await page.evaluate(() => contactSpline.page.settle());
       const at = () => page.evaluate(() => contactSpline.page.stage.at);
       const before = await at();
       await page.waitForTimeout(300);

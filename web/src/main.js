@@ -422,8 +422,10 @@ class Page {
     setTimeout(() => this.study(), 0);
   }
 
-  strikeOnce(key = this.lastKey ?? kMiddleC, velocity = null) {
-    this.strike(key, velocity);
+  /** Strikes a key and lets it go a while after it has begun. */
+  async strikeOnce(key = this.lastKey ?? kMiddleC, velocity = null) {
+    await this.strike(key, velocity);
+    clearTimeout(this.releases.get(key));
     this.releases.set(key, setTimeout(() => this.audio.send({ do: "noteOff", key }), kStrikeHold));
   }
 
