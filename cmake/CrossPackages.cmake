@@ -4,6 +4,10 @@
 set(contactspline_headers "${CMAKE_BINARY_DIR}/headers")
 file(MAKE_DIRECTORY "${contactspline_headers}")
 
+# The generator takes headers of Ceres alone, and looks for no package of it.
+file(CREATE_LINK /usr/include/ceres "${contactspline_headers}/ceres" SYMBOLIC)
+set(CONTACTSPLINE_CERES_HEADERS "${contactspline_headers}")
+
 # A target of a package: its header, for instance boost/version.hpp, is looked for, and the folder of it is linked, with
 # the folders beside it that are named behind.
 function(_contactspline_package_of_headers target header)

@@ -50,7 +50,7 @@ struct Fit {
 
 /// Fits every law and loss that is allowed, by least squares with a robust norm from several starts, and chooses by
 /// the Bayesian information criterion. Layers are fitted with the best loss of the others alone. `tell` hears what is
-/// fitted now. Throws BadInput if nothing describes the data, or if the program was built without Ceres.
+/// fitted now. Throws BadInput if nothing describes the data.
 [[nodiscard]] Fit fit_material(const Measurements& measured, const std::string& file,
                                const std::function<void(const std::string&)>& tell);
 

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "generator/fit/fit_problem.hpp"
 
-#include <ceres/ceres.h>
-#include <glog/logging.h>
+#include <ceres/jet.h>
+#include <ceres/tiny_solver.h>
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numeric>
 #include <set>
 
@@ -56,33 +58,159 @@ std::vector<double*> pointers_to(Values&... values) {
 
 }  // namespace
 
-/// The problem as Ceres takes it, over values that it moves. Each unknown is a block of its own, so Ceres computes
-/// the derivatives with respect to what is free alone.
+/// The problem over values that a search moves: blocks of residuals, each of its own unknowns.
 struct FitProblem::Posed {
-  ceres::Problem problem;
-  ceres::Problem::EvaluateOptions order;
+  static constexpr int kDerivativesAtOnce = 6;
+  using Dual = ceres::Jet<double, kDerivativesAtOnce>;
 
-  template <typename Residual>
-  void add(Residual residual, std::size_t count, const std::vector<double*>& unknowns) {
-    constexpr int kDerivativesAtOnce = 6;
-    auto* cost =
-        new ceres::DynamicAutoDiffCostFunction<Residual, kDerivativesAtOnce>(new Residual(std::move(residual)));
-    for (std::size_t i = 0; i < unknowns.size(); ++i) cost->AddParameterBlock(1);
-    cost->SetNumResiduals(static_cast<int>(count));
-    order.residual_blocks.push_back(problem.AddResidualBlock(cost, nullptr, unknowns));
+  struct Block {
+    std::function<bool(const Dual* const*, Dual*)> residual;
+    std::size_t count;
+    std::vector<double*> unknowns;
+  };
+  struct Free {
+    double* value;
+    std::optional<Range> bounds;
+  };
+  std::vector<Block> blocks;
+  std::vector<Free> frees;  ///< in the order of the columns
+
+  void add(std::function<bool(const Dual* const*, Dual*)> residual, std::size_t count,
+           std::vector<double*> unknowns) {
+    blocks.push_back({std::move(residual), count, std::move(unknowns)});
+  }
+  void set_free(double* value, std::optional<Range> bounds = {}) { frees.push_back({value, bounds}); }
+
+  [[nodiscard]] Eigen::Index columns() const { return std::ssize(frees); }
+
+  /// Places among its unknowns and columns of what is free in a block.
+  [[nodiscard]] std::vector<std::pair<std::size_t, Eigen::Index>> frees_of(const Block& block) const {
+    std::vector<std::pair<std::size_t, Eigen::Index>> found;
+    for (std::size_t i = 0; i < block.unknowns.size(); ++i)
+      if (const auto at = std::ranges::find(frees, block.unknowns[i], &Free::value); at != frees.end())
+        found.emplace_back(i, at - frees.begin());
+    return found;
   }
 
-  void set_free(double* unknown, bool is_free) {
-    if (is_free)
-      order.parameter_blocks.push_back(unknown);
-    else
-      problem.SetParameterBlockConstant(unknown);
+  /// The derivatives of a block's residuals with respect to what is free in it, and the residuals in the last column.
+  /// Infinite if the model has no motion.
+  [[nodiscard]] Eigen::MatrixXd linearised(const Block& block) const {
+    const auto free = frees_of(block);
+    Eigen::MatrixXd linear(block.count, free.size() + 1);
+    std::size_t begin = 0;
+    do {
+      const std::size_t count = std::min<std::size_t>(kDerivativesAtOnce, free.size() - begin);
+      std::vector<Dual> unknowns, residuals(block.count);
+      for (const double* value : block.unknowns) unknowns.emplace_back(*value);
+      for (std::size_t k = 0; k < count; ++k) unknowns[free[begin + k].first].v[static_cast<Eigen::Index>(k)] = 1;
+      std::vector<const Dual*> pointers;
+      for (const Dual& unknown : unknowns) pointers.push_back(&unknown);
+      if (!block.residual(pointers.data(), residuals.data()))
+        return linear.setConstant(std::numeric_limits<double>::infinity());
+      for (Eigen::Index row = 0; row < linear.rows(); ++row) {
+        const Dual& residual = residuals[static_cast<std::size_t>(row)];
+        for (std::size_t k = 0; k < count; ++k)
+          linear(row, static_cast<Eigen::Index>(begin + k)) = residual.v[static_cast<Eigen::Index>(k)];
+        linear(row, linear.cols() - 1) = residual.a;
+      }
+      begin += kDerivativesAtOnce;
+    } while (begin < free.size());
+    return linear;
   }
 };
 
+namespace {
+
+/// The problem as Ceres' small solver takes it: over an angle u for each value with bounds, low + (high - low) (1 +
+/// sin u)/2. The rows of each block are turned by an orthogonal matrix: all but the first few are 0 then, and left
+/// out.
+template <typename Posed>
+class Search {
+ public:
+  using Scalar = double;
+  enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = Eigen::Dynamic };
+
+  explicit Search(const Posed& posed) : posed_(posed) {}
+
+  // NOLINTBEGIN(readability-identifier-naming): names that Ceres asks for
+  [[nodiscard]] int NumParameters() const { return static_cast<int>(posed_.columns()); }
+  [[nodiscard]] int NumResiduals() const {
+    std::size_t rows = 0;
+    for (const auto& block : posed_.blocks) rows += rows_of(block);
+    return static_cast<int>(rows);
+  }
+  // NOLINTEND(readability-identifier-naming)
+
+  [[nodiscard]] Eigen::VectorXd start() const {
+    Eigen::VectorXd u(posed_.columns());
+    for (Eigen::Index i = 0; i < u.size(); ++i) {
+      const auto& [value, bounds] = free(i);
+      u[i] = bounds ? std::asin(std::clamp(2 * (*value - bounds->min) / (bounds->max - bounds->min) - 1, -1.0, 1.0))
+                    : *value;
+    }
+    return u;
+  }
+
+  void set(const double* u) const {
+    for (Eigen::Index i = 0; i < posed_.columns(); ++i) {
+      const auto& [value, bounds] = free(i);
+      *value = bounds ? bounds->min + (bounds->max - bounds->min) * (1 + std::sin(u[i])) / 2 : u[i];
+    }
+  }
+
+  // Residuals are infinite where the model has no motion. `derivatives` may be null: a step that is taken asks again
+  // for both, so the last ones are kept.
+  bool operator()(const double* u, double* residuals, double* derivatives) const {
+    const Eigen::Map<const Eigen::VectorXd> at(u, posed_.columns());
+    if (at_.size() == 0 || at_ != at) evaluate(at);
+    Eigen::Map<Eigen::VectorXd>(residuals, residuals_.size()) = residuals_;
+    if (derivatives != nullptr)
+      Eigen::Map<Eigen::MatrixXd>(derivatives, jacobian_.rows(), jacobian_.cols()) = jacobian_;
+    return true;
+  }
+
+ private:
+  void evaluate(const Eigen::VectorXd& at) const {
+    at_ = at;
+    set(at.data());
+    residuals_.resize(NumResiduals());
+    jacobian_.setZero(residuals_.size(), at.size());
+    Eigen::Index row = 0;
+    for (const auto& block : posed_.blocks) {
+      const Eigen::Index rows = rows_of(block);
+      const Eigen::MatrixXd linear = posed_.linearised(block);
+      if (!linear.allFinite()) {
+        residuals_.segment(row, rows).setConstant(std::numeric_limits<double>::infinity());
+        row += rows;
+        continue;
+      }
+      const Eigen::MatrixXd turned = Eigen::HouseholderQR<Eigen::MatrixXd>(linear)
+                                         .matrixQR()
+                                         .topRows(rows)
+                                         .template triangularView<Eigen::Upper>();
+      const auto columns = posed_.frees_of(block);
+      for (std::size_t k = 0; k < columns.size(); ++k)
+        jacobian_.col(columns[k].second).segment(row, rows) = turned.col(static_cast<Eigen::Index>(k));
+      residuals_.segment(row, rows) = turned.rightCols<1>();
+      row += rows;
+    }
+    for (Eigen::Index i = 0; i < at.size(); ++i)
+      if (const auto& bounds = free(i).bounds) jacobian_.col(i) *= (bounds->max - bounds->min) * std::cos(at[i]) / 2;
+  }
+
+  [[nodiscard]] std::size_t rows_of(const typename Posed::Block& block) const {
+    return std::min(block.count, posed_.frees_of(block).size() + 1);
+  }
+  [[nodiscard]] const auto& free(Eigen::Index i) const { return posed_.frees[static_cast<std::size_t>(i)]; }
+
+  const Posed& posed_;
+  mutable Eigen::VectorXd at_, residuals_;
+  mutable Eigen::MatrixXd jacobian_;
+};
+
+}  // namespace
+
 FitProblem::FitProblem(const Measurements& measured) : measured_(measured), scales_{measured.mass_kg, 1} {
-  FLAGS_minloglevel =
-      google::GLOG_FATAL;  // a search that fails is none of the user's business; another start is tried
   for (const Pulse& pulse : measured.pulses) {
     pulse_measures_.push_back(measures_of(pulse));
     some_samples_.push_back(thinned(pulse));
@@ -245,7 +373,7 @@ void FitProblem::find_contact() {
 
 // The best of several contacts, fitted to the levels of so many partials, then to twice as many, and so on to all.
 FitValues FitProblem::contact_from(std::size_t partials, const std::vector<double>& frequencies) {
-  constexpr int kSteps = 12;
+  constexpr int kSteps = 24;
   constexpr double kNoise = 0.2;
   const auto limit_to = [&](std::size_t count) {
     scales_.max_frequency_hz = frequencies[std::min(count, frequencies.size()) - 1];
@@ -355,28 +483,15 @@ FitValues FitProblem::with_core(FitValues values, double depth) const {
   return values;
 }
 
-// Pulses, rows and curves depend on the law alone, blows on the hammer too.
-void FitProblem::pose_parameters(Posed& posed, std::span<double> parameters,
-                                 const std::vector<FitParameter>& frees) const {
-  for (int i = 0; i < std::ssize(parameters); ++i) {
-    double* parameter = &parameters[static_cast<std::size_t>(i)];
-    const bool is_free = std::ranges::find(frees, i) != frees.end();
-    posed.problem.AddParameterBlock(parameter, 1);
-    posed.set_free(parameter, is_free);
-    if (!is_free) continue;
-    const auto& [min, max] = kBounds[static_cast<std::size_t>(i)];
-    const double unit = i == kLogTime ? std::log(duration_s_) : 0;
-    posed.problem.SetParameterLowerBound(parameter, 0, min + unit);
-    posed.problem.SetParameterUpperBound(parameter, 0, max + unit);
-  }
-}
-
 std::unique_ptr<FitProblem::Posed> FitProblem::pose(FitValues& values, const std::vector<FitParameter>& frees,
                                                     Samples samples) const {
   auto posed = std::make_unique<Posed>();
   const std::span<double, kLawParameters> law(values.parameters.data(), kLawParameters);
-  pose_parameters(*posed, std::span(values.parameters).first(measured_.struck ? kFitParameters : kLawParameters),
-                  frees);
+  for (const FitParameter parameter : frees) {
+    const auto& [min, max] = kBounds[parameter];
+    const double unit = parameter == kLogTime ? std::log(duration_s_) : 0;
+    posed->set_free(&values.parameters[parameter], Range{min + unit, max + unit});
+  }
   for (std::size_t i = 0; i < sources_.size(); ++i) *sources_[i].noise = values.noise[i];
   for (std::size_t i = 0; i < measured_.pulses.size(); ++i) {
     const Pulse& pulse = (samples == Samples::kSome ? some_samples_ : measured_.pulses)[i];
@@ -388,7 +503,7 @@ std::unique_ptr<FitProblem::Posed> FitProblem::pose(FitValues& values, const std
     else
       posed->add(residual, pulse.time_s.size(), pointers_to(law, unknown));
     for (std::size_t k = 0; k < unknown.size(); ++k)
-      posed->set_free(&unknown[k], k != kLogSpeed || !pulse.speed_m_per_s);
+      if (k != kLogSpeed || !pulse.speed_m_per_s) posed->set_free(&unknown[k]);
   }
   for (const RowResidual& row : rows_) posed->add(row, row.measured.size(), pointers_to(law));
   for (std::size_t i = 0; i < measured_.curves.size(); ++i) {
@@ -402,8 +517,8 @@ std::unique_ptr<FitProblem::Posed> FitProblem::pose(FitValues& values, const std
     posed->add(
         BlowResidual{*measured_.struck, blow, scales_, sources_[first_curve_ + measured_.curves.size() + i].noise},
         blow.levels.size(), pointers_to(values.parameters, unknown));
-    posed->set_free(&unknown[kBlowSpeed], !blow.speed_m_per_s);
-    posed->set_free(&unknown[kBlowGain], !measured_.struck->has_common_gain);
+    if (!blow.speed_m_per_s) posed->set_free(&unknown[kBlowSpeed]);
+    if (!measured_.struck->has_common_gain) posed->set_free(&unknown[kBlowGain]);
   }
   return posed;
 }
@@ -412,16 +527,15 @@ FitValues FitProblem::search(FitValues values, const std::vector<FitParameter>& 
                              Samples samples) const {
   scales_.is_robust = true;
   const auto posed = pose(values, frees, samples);
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_SCHUR;  // each pulse's unknowns on their own
-  options.max_num_iterations = max_steps;
-  options.max_num_line_search_step_size_iterations = 0;  // a step is shortened to the bounds, not searched along
-  options.function_tolerance = samples == Samples::kSome ? 1e-5 : 1e-8;
-  options.parameter_tolerance = 1e-9;
-  options.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &posed->problem, &summary);
-  values.cost = summary.IsSolutionUsable() ? summary.final_cost : std::numeric_limits<double>::infinity();
+  const Search search(*posed);
+  ceres::TinySolver<Search<Posed>> solver;
+  solver.options.max_num_iterations = max_steps;
+  solver.options.initial_trust_region_radius = 10;  // levels have many minima: the first steps stay near the start
+  solver.options.function_tolerance = samples == Samples::kSome ? 1e-5 : 1e-8;
+  solver.options.parameter_tolerance = 1e-9;
+  Eigen::VectorXd u = search.start();
+  values.cost = solver.Solve(search, &u).final_cost;
+  search.set(u.data());
   return values;
 }
 
@@ -429,14 +543,17 @@ Linearised FitProblem::linearised(const FitValues& at, const std::vector<FitPara
   FitValues values = at;
   scales_.is_robust = false;
   const auto posed = pose(values, frees, Samples::kAll);
-  std::vector<double> residuals;
-  ceres::CRSMatrix sparse;
-  posed->problem.Evaluate(posed->order, nullptr, &residuals, nullptr, &sparse);
-  Linearised linear{Eigen::Map<Eigen::VectorXd>(residuals.data(), static_cast<Eigen::Index>(residuals.size())),
-                    Eigen::MatrixXd::Zero(sparse.num_rows, sparse.num_cols)};
-  for (int row = 0; row < sparse.num_rows; ++row)
-    for (int i = sparse.rows[static_cast<std::size_t>(row)]; i < sparse.rows[static_cast<std::size_t>(row) + 1]; ++i)
-      linear.jacobian(row, sparse.cols[static_cast<std::size_t>(i)]) = sparse.values[static_cast<std::size_t>(i)];
+  const auto rows = static_cast<Eigen::Index>(source_of_residual_.size());
+  Linearised linear{Eigen::VectorXd(rows), Eigen::MatrixXd::Zero(rows, posed->columns())};
+  Eigen::Index row = 0;
+  for (const Posed::Block& block : posed->blocks) {
+    const Eigen::MatrixXd part = posed->linearised(block);
+    const auto columns = posed->frees_of(block);
+    for (std::size_t k = 0; k < columns.size(); ++k)
+      linear.jacobian.col(columns[k].second).segment(row, part.rows()) = part.col(static_cast<Eigen::Index>(k));
+    linear.residuals.segment(row, part.rows()) = part.rightCols<1>();
+    row += part.rows();
+  }
   return linear;
 }
 

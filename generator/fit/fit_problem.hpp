@@ -6,7 +6,6 @@
 #include <array>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -78,7 +77,6 @@ class FitProblem {
 
  private:
   struct Posed;
-  void pose_parameters(Posed& posed, std::span<double> parameters, const std::vector<FitParameter>& frees) const;
   [[nodiscard]] std::unique_ptr<Posed> pose(FitValues& values, const std::vector<FitParameter>& frees,
                                             Samples samples) const;
   [[nodiscard]] std::pair<double, double> anchor(double exponent) const;

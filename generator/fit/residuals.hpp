@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Residuals of measurements against the model of an impact, for Ceres and its dual numbers.
+// Residuals of measurements against the model of an impact, in any real type: dual numbers give their derivatives.
 #pragma once
 
 #include <cmath>
