@@ -24,6 +24,10 @@ def plan(tmp_path):
 
 @pytest.fixture
 def expected(plan):
+    return rendered(plan)
+
+
+def rendered(plan):
     """The samples as the program writes them into one shard."""
     folder = plan.parent / "expected"
     subprocess.run([os.environ["CONTACTSPLINE_PROGRAM"], "dataset", plan, "-o", folder], check=True, capture_output=True)
