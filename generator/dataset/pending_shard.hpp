@@ -53,7 +53,8 @@ class PendingShard {
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   [[nodiscard]] const std::filesystem::path& pending() const { return pending_; }
 
-  /// Takes room on the disk. HDF5 would not survive a disk that fills while it writes.
+  /// Takes room on the disk. HDF5 would not survive a disk that fills while it writes. To be called after HDF5 has
+  /// created its file, which gives back all room.
   void reserve(std::size_t bytes) const {
     if (::fallocate(descriptor_, 0, 0, static_cast<off_t>(bytes)) != 0 && errno != EOPNOTSUPP && errno != ENOSYS)
       fail_to_write(path_);

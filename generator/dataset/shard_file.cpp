@@ -222,6 +222,7 @@ struct ShardWriter::File {
   explicit File(const fs::path& path) : pending(path) {}
 
   PendingShard pending;
+  Hdf5IsSilent silent;
   std::size_t bytes_per_sample = 0, written = 0, unstored = 0;  // samples, bytes
   std::vector<ArrayPlan> plans;
   std::vector<Recorded::Kind> kinds;
@@ -237,19 +238,16 @@ ShardWriter::ShardWriter(const fs::path& path, const Plan& plan, const ShardHead
   file_->plans = arrays_of(plan, heading.range.count);
   file_->bytes_per_sample = plan.bytes_per_sample();
   for (const Recorded& one : plan.recorded) file_->kinds.push_back(one.kind);
-  file_->pending.reserve(largest_shard_bytes(plan, heading) + kSpareBytes);
   guarded(path, [&] {
     file_->file = create_file(file_->pending.pending());
+    file_->pending.reserve(largest_shard_bytes(plan, heading) + kSpareBytes);
     write_heading(file_->file, plan, heading);
     for (const ArrayPlan& array : file_->plans)
       file_->arrays.push_back(create_array_with_checksums(file_->file, array, heading.range.count));
   });
 }
 
-ShardWriter::~ShardWriter() {
-  const Hdf5IsSilent silent;
-  file_.reset();
-}
+ShardWriter::~ShardWriter() = default;
 
 void ShardWriter::write(const SampleRows& rows) {
   const auto write_rows = [&](std::size_t a, const void* values) {
@@ -291,9 +289,9 @@ void join_shards(const fs::path& path, const Plan& plan, const std::string& prog
   std::size_t bytes = heading_bytes(plan);
   for (const ArrayPlan& array : arrays)
     bytes += kArrayBytes + shards.size() * (kJoinedShardBytes + path.filename().string().size() + array.path.size());
-  pending.reserve(bytes + kSpareBytes);
   guarded(path, [&] {
     Hdf5Handle file = create_file(pending.pending());
+    pending.reserve(bytes + kSpareBytes);
     write_heading(file, plan, {program, {0, plan.count}});
     for (const ArrayPlan& array : arrays) {
       const Hdf5Handle properties = properties_of_array(), all = space_of(array, plan.count);

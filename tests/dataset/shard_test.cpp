@@ -2,6 +2,7 @@
 // Shards as files: which are kept, how large they are, and who writes them.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <atomic>
 #include <exception>
@@ -104,6 +105,15 @@ TEST_F(Shards, TakeTheAnnouncedSize) {
     EXPECT_LT(bytes, samples + samples / 50 + 6000) << more;  // 2 % and a heading
     EXPECT_LT(announced, samples + samples / 50 + 6000) << more;
   }
+}
+
+// A disk that fills while samples are rendered takes no room of theirs.
+TEST_F(Shards, TakeTheirRoomBeforeTheFirstSample) {
+  const Plan plan = plan_of(R"("count": 100, "seconds": 1)");
+  const ShardWriter writer(box_ / "shard.h5", plan, heading_of(plan));
+  struct stat file = {};
+  ASSERT_EQ(::stat((box_ / "shard.h5.part").c_str(), &file), 0);
+  EXPECT_GE(static_cast<std::size_t>(file.st_blocks) * 512, plan.count * plan.bytes_per_sample());
 }
 
 // Of many that want to write a file at once, one has it: the others are refused, or come after it has removed its
