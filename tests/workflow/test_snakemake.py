@@ -46,14 +46,14 @@ def test_a_shard_that_fails_costs_itself_and_is_reported(tmp_path, plan, expecte
     assert samples(tmp_path / "out") == expected
 
 
-def test_shards_of_another_plan_are_not_replaced(tmp_path, plan):
+def test_files_of_another_plan_are_not_replaced(tmp_path, plan):
     words = settings(plan=plan, output="out", shards=2, program=PROGRAM)
     assert snakemake(tmp_path, *words).returncode == 0
-    shards = {path: path.read_bytes() for path in (tmp_path / "out").glob("*-of-*")}
+    files = {path: path.read_bytes() for path in (tmp_path / "out").glob("*.h5")}
     plan.write_text(PLAN.replace('"seed": 1', '"seed": 2'))
     run = snakemake(tmp_path, *words)
     assert run.returncode != 0 and "is of another plan or version; allowed: another folder" in run.stderr
-    assert len(shards) == 2 and all(path.read_bytes() == whole for path, whole in shards.items())
+    assert len(files) == 3 and all(path.read_bytes() == whole for path, whole in files.items())
     plan.write_text(PLAN)
     assert snakemake(tmp_path, *words).returncode == 0
 
