@@ -11,7 +11,6 @@
 
 #include "generator/material/named_file.hpp"
 #include "generator/player/score_reader.hpp"
-#include "generator/spline/design.hpp"
 #include "generator/support/embedded_files.hpp"
 
 namespace contactspline {
@@ -26,11 +25,6 @@ struct NamedModel {
 constexpr std::array kModels = {NamedModel{"hammer_string", Model::kHammerString},
                                 NamedModel{"slide_string", Model::kSlideString},
                                 NamedModel{"fret_string", Model::kFretString}};
-
-PlanInstrument mass_barrier(const JsonObject& plan, const ReadFile& read) {
-  const NamedText named = read_named(plan.object("parts", {"material"}), "material", Shipped::kMaterials, read);
-  return {maker_of_mass_barrier(design_material(named.text, named.file, reader_beside(named, read))), {}};
-}
 
 PlanInstrument piano(const JsonObject& plan, const ReadFile& read) {
   const std::string keyboard =
@@ -58,7 +52,7 @@ PlanInstrument read_plan_instrument(const JsonObject& plan, const ReadFile& read
   const bool has_parts = found != kModels.end() || name == kMassBarrier || name == kPiano;
   if (!has_parts && plan.has("parts"))
     plan.fail("parts", fmt::format("has no meaning for {}", shown(name)), "no such key: set its parameters instead");
-  if (name == kMassBarrier) return mass_barrier(plan, read);
+  if (name == kMassBarrier) return {maker_of_mass_barrier(plan.object("parts", {"material"}), read), {}};
   if (name == kPiano) return piano(plan, read);
   if (found != kModels.end()) {
     Voice voice = read_voice_parts(plan, "parts", found->model, read);

@@ -14,6 +14,7 @@
 #include "generator/player/own_keyboard.hpp"
 #include "generator/player/score_reader.hpp"
 #include "generator/resonator/keyboard_reader.hpp"
+#include "generator/spline/design.hpp"
 #include "generator/support/embedded_files.hpp"
 #include "generator/support/error.hpp"
 #include "generator/support/file_kind.hpp"
@@ -29,8 +30,10 @@ InstrumentMaker maker_of_voice(Model model, Voice voice) {
   });
 }
 
-InstrumentMaker maker_of_mass_barrier(const Design& design) {
+InstrumentMaker maker_of_mass_barrier(const JsonObject& parts, const ReadFile& read) {
   constexpr double kAnyMass_kg = 0.003;
+  const NamedText named = read_named(parts, "material", Shipped::kMaterials, read);
+  const Design design = design_material(named.text, named.file, reader_beside(named, read));
   const MassBarrierParts made{segment_table(design.spline),
                               design.material.impact ? design.material.impact->mass_kg : kAnyMass_kg,
                               design.material.loss_s_per_m, design.material.memories};

@@ -11,7 +11,7 @@
 
 #include "generator/material/contact_reader.hpp"
 #include "generator/player/any_instrument.hpp"
-#include "generator/spline/design.hpp"
+#include "generator/support/json_reader.hpp"
 
 namespace contactspline {
 
@@ -40,8 +40,9 @@ struct InstrumentMaker {
 /// A voice of a score, with its first values.
 [[nodiscard]] InstrumentMaker maker_of_voice(Model model, Voice voice);
 
-/// A mass of the material's impact, of 3 g where it has none, before a rigid barrier.
-[[nodiscard]] InstrumentMaker maker_of_mass_barrier(const Design& design);
+/// A mass before a rigid barrier, of the material's impact, or of 3 g where it has none. parts: an object whose key
+/// `material` is the name of one that ships, a path or an object. `read` reads what it names. Throws BadInput.
+[[nodiscard]] InstrumentMaker maker_of_mass_barrier(const JsonObject& parts, const ReadFile& read);
 
 /// A keyboard on its body, with all keys; designs their felts, which takes some seconds. keyboard: as JSON, the name
 /// of one that ships, a path or an object. `file` stands in messages; `read` reads what it names. Throws BadInput.

@@ -6,10 +6,10 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "generator/cli/inputs.hpp"
 #include "generator/player/score_reader.hpp"
 #include "generator/support/error.hpp"
 #include "generator/support/input_file.hpp"
+#include "generator/support/json_reader.hpp"
 #include "hosts/named_instruments.hpp"
 
 namespace contactspline::python {
@@ -46,17 +46,6 @@ InstrumentMaker model_maker(Model model, Json parts) {
   return maker_of_voice(model, std::move(read.voices.front()));
 }
 
-InstrumentMaker mass_barrier_maker(const Json& parts) {
-  for (const auto& [key, value] : parts.items())
-    if (key != "material") refuse("mass_barrier", key, "is unknown", "material");
-  if (!parts.contains("material")) refuse("mass_barrier", "material", "missing", "a name, a path or an object");
-  const Json& material = parts["material"];
-  if (!material.is_string() && !material.is_object())
-    refuse("mass_barrier", "material", "is no material", "a name, a path or an object, such as \"felt_c4\"");
-  return maker_of_mass_barrier(material.is_object() ? design_material(material.dump(), "material.json", read_input)
-                                                    : design_argument(material.get<std::string>()));
-}
-
 InstrumentMaker keyboard_maker(const Json& parts) {
   for (const auto& [key, value] : parts.items())
     if (key != "keyboard") refuse("piano", key, "is no part of this instrument", "keyboard");
@@ -71,7 +60,8 @@ InstrumentMaker maker_of(const std::string& source, bool is_text, const std::str
   if (!is_text) {
     for (const Model model : kModels)
       if (source == identifier_of(model)) return model_maker(model, std::move(parts));
-    if (source == "mass_barrier") return mass_barrier_maker(parts);
+    if (source == "mass_barrier")
+      return maker_of_mass_barrier(parse_json(parts_text, source, "instrument", {"material"}), read_input);
     if (source == "piano") return keyboard_maker(parts);
   }
   refuse(is_text ? "instrument" : source, parts.begin().key(), "is no part of this instrument",

@@ -124,6 +124,16 @@ def test_other_keyboards_are_refused_in_one_line(wrong, line):
     assert str(raised.value).startswith(line) and "\n" not in str(raised.value)
 
 
+@pytest.mark.parametrize("wrong, line", [
+    ({"felt": "felt_c4"}, "mass_barrier: felt: unknown key; allowed: material"),
+    ({"material": "felt_c44"}, "mass_barrier: material: 'felt_c44' does not ship; allowed: a .json file, felt_c4"),
+    ({"material": {"name": "own"}}, "mass_barrier: material: contact: missing; allowed: stiffness_n_per_m_alpha")])
+def test_other_materials_are_refused_in_one_line(wrong, line):
+    with pytest.raises(cs.Error) as raised:
+        cs.Instrument("mass_barrier", **wrong)
+    assert str(raised.value).startswith(line) and "\n" not in str(raised.value)
+
+
 def test_numbers_arrays_and_paths_are_those_of_a_file(tmp_path):
     notes = np.array([dict(note, key=np.int64(note["key"])) for note in OWN["keyboard"]["notes"]])
     keyboard = {**OWN["keyboard"], "first_key": np.int32(58), "concert_pitch_hz": np.float32(480), "notes": notes}
