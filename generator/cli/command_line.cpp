@@ -21,6 +21,7 @@
 #include "generator/emit/emitter.hpp"
 #include "generator/support/error.hpp"
 #include "generator/support/input_file.hpp"
+#include "generator/support/sample_rates.hpp"
 
 namespace contactspline {
 namespace {
@@ -125,7 +126,7 @@ void add_generate(CLI::App& app) {
   command
       ->add_option("--rate", options->sample_rate_hz,
                    "sample rate in Hz; resonators and instruments keep their modes below half of it")
-      ->check(number_from(1000.0, 768000.0))
+      ->check(number_from(kSampleRates_hz.min, kSampleRates_hz.max))
       ->capture_default_str();
   command->add_flag("--check", options->check, "write nothing; exit 1 and name the files that are stale");
   command
@@ -335,7 +336,7 @@ void add_fit(CLI::App& app) {
 // Returns the option of the sound file.
 CLI::Option* add_outputs(CLI::App& command, RenderOutput& output) {
   command.add_option("--rate", output.sample_rate_hz, "sample rate in Hz")
-      ->check(number_from(1000, 768000))
+      ->check(number_from(static_cast<int>(kSampleRates_hz.min), static_cast<int>(kSampleRates_hz.max)))
       ->capture_default_str();
   CLI::Option* sound =
       command.add_option("-o,--output", output.sound, "sound file to write (.wav, .flac, .ogg, .aiff)")

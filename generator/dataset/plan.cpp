@@ -13,11 +13,11 @@
 #include "generator/dataset/plan_instrument.hpp"
 #include "generator/support/error.hpp"
 #include "generator/support/json_reader.hpp"
+#include "generator/support/sample_rates.hpp"
 
 namespace contactspline {
 namespace {
 
-constexpr Range kRate_hz{1000, 768000};
 constexpr double kLongest_s = 3600;
 constexpr int kMaxCount = 1000000000;
 constexpr std::size_t kMaxTable = 65536, kMaxEvents = 1024;
@@ -224,7 +224,8 @@ Plan parse_plan(std::string_view text, const std::string& file, const ReadFile& 
   plan.is_double = read_word(json, "precision", kPrecisions) == 1;
   plan.seed = static_cast<std::uint64_t>(json.integer("seed", 0, std::numeric_limits<int>::max()));
   plan.count = static_cast<std::size_t>(json.integer("count", 1, kMaxCount));
-  plan.sample_rate_hz = json.has("sample_rate_hz") ? json.number("sample_rate_hz", kRate_hz) : plan.sample_rate_hz;
+  plan.sample_rate_hz =
+      json.has("sample_rate_hz") ? json.number("sample_rate_hz", kSampleRates_hz) : plan.sample_rate_hz;
   const double seconds = json.number("seconds", {1 / plan.sample_rate_hz, kLongest_s});
   plan.length = static_cast<std::size_t>(std::llround(seconds * plan.sample_rate_hz));
   const auto instrument = plan.maker.make<double>(plan.sample_rate_hz);

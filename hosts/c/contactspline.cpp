@@ -19,6 +19,7 @@
 #include "contactspline/step/flush_denormals.hpp"
 #include "contactspline/step/version.hpp"
 #include "generator/support/error.hpp"
+#include "generator/support/sample_rates.hpp"
 #include "hosts/named_instruments.hpp"
 
 using namespace contactspline;
@@ -26,7 +27,6 @@ using namespace contactspline;
 namespace {
 
 constexpr std::size_t kBlock = 256;  // samples
-constexpr double kMinRate_hz = 1000, kMaxRate_hz = 768000;
 
 thread_local std::string last_error;
 
@@ -122,10 +122,10 @@ std::unique_ptr<AnyInstrument<T>> prepared(const InstrumentMaker& maker, double 
 template <typename F>
 contactspline_instrument* made(double sample_rate_hz, int precision, F&& make) noexcept {
   try {
-    if (!(sample_rate_hz >= kMinRate_hz && sample_rate_hz <= kMaxRate_hz))
+    if (!(sample_rate_hz >= kSampleRates_hz.min && sample_rate_hz <= kSampleRates_hz.max))
       throw BadInput(
           fmt::format("contactspline: sample_rate_hz: {:.6g} is out of range; allowed: {} to {}, such as 48000",
-                      sample_rate_hz, kMinRate_hz, kMaxRate_hz));
+                      sample_rate_hz, kSampleRates_hz.min, kSampleRates_hz.max));
     if (precision == CONTACTSPLINE_DOUBLE) return new contactspline_instrument(make.template operator()<double>());
     if (precision == CONTACTSPLINE_FLOAT) return new contactspline_instrument(make.template operator()<float>());
     throw BadInput(fmt::format("contactspline: precision: {} is unknown; allowed: {} for double, {} for float",

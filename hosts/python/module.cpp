@@ -31,6 +31,7 @@
 #include "generator/support/error.hpp"
 #include "generator/support/file_kind.hpp"
 #include "generator/support/input_file.hpp"
+#include "generator/support/sample_rates.hpp"
 #include "hosts/python/for_each.hpp"
 #include "hosts/python/idle_instruments.hpp"
 #include "hosts/python/makers.hpp"
@@ -484,6 +485,7 @@ PYBIND11_MODULE(_core, m) {
   bind_struck_string(m);
   m.def("resonator", &resonator_json, py::call_guard<py::gil_scoped_release>());
   m.def("keyboard", &keyboard_json, py::call_guard<py::gil_scoped_release>());
+  m.attr("sample_rates_hz") = py::make_tuple(kSampleRates_hz.min, kSampleRates_hz.max);
   // Names of Action, in its order.
   py::dict actions;
   for (const char* const name : {"strike", "release", "pluck", "note_on", "note_off", "set"})

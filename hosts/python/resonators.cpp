@@ -12,13 +12,15 @@
 #include "generator/resonator/resonator_reader.hpp"
 #include "generator/support/error.hpp"
 #include "generator/support/json_reader.hpp"
+#include "generator/support/sample_rates.hpp"
 
 namespace contactspline::python {
 namespace {
 
 void check_rate(const std::string& name, double rate) {
-  if (!(rate >= 1e3 && rate <= 768e3))
-    refuse(name, "sample_rate_hz", fmt::format("{} is refused", rate), "a number from 1000 to 768000");
+  if (!(rate >= kSampleRates_hz.min && rate <= kSampleRates_hz.max))
+    refuse(name, "sample_rate_hz", fmt::format("{} is refused", rate),
+           fmt::format("a number from {} to {}", kSampleRates_hz.min, kSampleRates_hz.max));
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from . import _core
 from .figures import axes_or_new, figure_html, table_html
-from .source import json_of, source_of, threads_of, watch_of, write_whole
+from .source import check_rate, json_of, source_of, threads_of, watch_of, write_whole
 
 _STRIKE, _RELEASE, _PLUCK, _NOTE_ON, _NOTE_OFF, _SET = (
     _core.actions[name] for name in ("strike", "release", "pluck", "note_on", "note_off", "set"))
@@ -323,8 +323,7 @@ def render_many(instrument: Instrument, parameters: Mapping[str, npt.ArrayLike],
 
 
 def _samples(seconds, sample_rate_hz):
-    if not 1000 <= sample_rate_hz <= 768000:
-        raise ValueError(f"sample_rate_hz: {sample_rate_hz} is refused; allowed: 1000 to 768000")
+    check_rate(sample_rate_hz)
     if not 0 < seconds <= 3600:
         raise ValueError(f"seconds: {seconds} is refused; allowed: above 0, up to 3600")
     return max(1, round(seconds * sample_rate_hz))

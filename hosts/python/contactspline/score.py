@@ -8,7 +8,7 @@ from typing import Any, Mapping
 
 from . import _core
 from .instrument import Sound
-from .source import source_of
+from .source import check_rate, source_of
 
 
 class ScoreSound(Sound):
@@ -26,8 +26,7 @@ def play_score(source: str | os.PathLike[str] | Mapping[str, Any], *, sample_rat
     """
     if precision not in ("single", "double"):
         raise ValueError(f"precision: '{precision}' is unknown; allowed: single, double")
-    if not 1000 <= sample_rate_hz <= 768000:
-        raise ValueError(f"sample_rate_hz: {sample_rate_hz} is refused; allowed: 1000 to 768000")
+    check_rate(sample_rate_hz)
     samples, forces, contacts, output, unit = _core.play_score(*source_of(source), sample_rate_hz, precision == "single")
     title = source if isinstance(source, str) else "score"
     sound = ScoreSound(title, {output: samples[:, 0] if samples.shape[1] == 1 else samples}, {output: unit}, sample_rate_hz, forces)

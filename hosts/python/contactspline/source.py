@@ -40,6 +40,13 @@ def source_of(source: str | os.PathLike[str] | Mapping[str, Any]) -> tuple[str, 
     return path, False
 
 
+def check_rate(sample_rate_hz: float) -> None:
+    """Refuses a rate that nothing plays at."""
+    low, high = _core.sample_rates_hz
+    if not low <= sample_rate_hz <= high:
+        raise ValueError(f"sample_rate_hz: {sample_rate_hz} is refused; allowed: {low:.0f} to {high:.0f}")
+
+
 def threads_of(threads: int | None) -> int:
     """The number of threads; None: one for each core that this process may use."""
     if threads is None:
