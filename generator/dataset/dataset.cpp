@@ -120,7 +120,7 @@ double measured_time_of_sample(const Plan& plan, const SampleRange& range, const
   };
   std::chrono::duration<double> passed{};
   std::size_t played = 0;
-  const std::size_t max = 1 + range.count / 100;  // on one core, while others wait
+  const std::size_t max = 1 + range.count / 400;  // on one core, while others wait
   for (; played < max && passed.count() < 0.1; ++played) {
     try {
       player.play(sampler.values(range.first + played), arrays_of(plan, rows, 0), watch_at_times);
