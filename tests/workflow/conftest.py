@@ -66,7 +66,7 @@ case "$*" in *--join*) exec {program} "$@" ;; esac
 attempt=0; for word in "$@"; do case "$word" in [{shards}]/3) attempt="{folder}/attempts-${{word%/3}}" ;; esac; done
 [ "$attempt" != 0 ] || exec {program} "$@"
 echo >>"$attempt"
-[ "$(wc -l <"$attempt")" -gt {attempts} ] || {{ {program} "$@" & sleep 0.0$((RANDOM % 8)); kill -9 $!; kill -9 $$; }}
+[ "$(wc -l <"$attempt")" -gt {attempts} ] || {{ {program} "$@" & sleep 0.0$((RANDOM % 8)); kill -9 $!; wait $!; kill -9 $$; }}
 exec {program} "$@"
 """)
     path.chmod(0o755)
