@@ -80,9 +80,9 @@ def main():
             "outputs": ["bridge_force_n"], "seed": 1, "seconds": 1}
     data_set("`dataset`, 2,000 of them to HDF5", {**plan, "count": 2000})
     data_set("`dataset`, 12,000 of them", {**plan, "count": 12000})
-    data_set("`dataset`, 200 strikes of `trichord_c4`", {
+    data_set("`dataset`, 40 strikes of `trichord_c4`", {
         "name": "trichord", "instrument": "trichord_c4", "events": [{"time_s": 0, "event": "strike_hammer"}],
-        "outputs": ["bridge_force_n"], "seed": 1, "count": 200, "seconds": 1})
+        "outputs": ["bridge_force_n"], "seed": 1, "count": 40, "seconds": 1})
     laws = [{"name": f"felt_{i}", "contact": {"stiffness_n_per_m_alpha": 1e9, "exponent": 1.5 + i / 1000},
              "impact": {"mass_kg": 0.003, "min_speed_m_per_s": 0.1, "max_speed_m_per_s": 6},
              "spline": {"knots": "graded", "segments": 16}} for i in range(1000)]
