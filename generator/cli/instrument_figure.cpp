@@ -2,6 +2,7 @@
 // The figure of an instrument: its diagram, drawn by gnuplot.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string>
 #include <string_view>
 
@@ -15,36 +16,21 @@ namespace {
 
 constexpr DiagramSize kPage{1058, 707};  // of kWholePage in an SVG
 
-std::string_view style_of(DiagramPart part) {
-  switch (part) {
-    case DiagramPart::kContact:
-      return "lc rgb '#d55e00' lw 1.6 dt 1";
-    case DiagramPart::kSpring:
-      return "lc rgb '#0072b2' lw 2.4 dt 2";
-    case DiagramPart::kLink:
-      return "lc rgb '#009e73' lw 2.4 dt 1";
-    case DiagramPart::kSupport:
-      return "lc rgb '#888888' lw 5";
-    case DiagramPart::kTable:
-      return "lc rgb '#b8b8b8' lw 8";
-    default:
-      return "lc rgb '#555555' lw 3";
-  }
-}
+/// How gnuplot draws the lines of a part and the colour of its labels; empty where it has none.
+struct Look {
+  DiagramPart part;
+  std::string_view line, label;
+};
+constexpr Look kLooks[] = {{DiagramPart::kContact, "lc rgb '#d55e00' lw 1.6 dt 1", "#d55e00"},
+                           {DiagramPart::kSpring, "lc rgb '#0072b2' lw 2.4 dt 2", "#0072b2"},
+                           {DiagramPart::kLink, "lc rgb '#009e73' lw 2.4 dt 1", "#009e73"},
+                           {DiagramPart::kSupport, "lc rgb '#888888' lw 5", ""},
+                           {DiagramPart::kBody, "lc rgb '#555555' lw 3", "#222222"},
+                           {DiagramPart::kTable, "lc rgb '#b8b8b8' lw 8", ""},
+                           {DiagramPart::kPlace, "", "#666666"}};
 
-std::string_view colour_of(DiagramPart part) {
-  switch (part) {
-    case DiagramPart::kContact:
-      return "#d55e00";
-    case DiagramPart::kSpring:
-      return "#0072b2";
-    case DiagramPart::kLink:
-      return "#009e73";
-    case DiagramPart::kPlace:
-      return "#666666";
-    default:
-      return "#222222";
-  }
+const Look& look_of(DiagramPart part) {
+  return *std::ranges::find(kLooks, part, &Look::part);
 }
 
 std::string label(DiagramPoint at, std::string_view text, std::string_view alignment, std::string_view colour,
@@ -60,13 +46,13 @@ std::string script_of(const Diagram& diagram) {
       diagram.bottom, diagram.top);
   for (const auto& [from, to, part] : diagram.lines)
     script += fmt::format("set arrow from {:.4f},{:.4f} to {:.4f},{:.4f} nohead {}\n", from.x, from.y, to.x, to.y,
-                          style_of(part));
+                          look_of(part).line);
   for (const auto& [at, is_mass] : diagram.dots)
     script += label(at, "", "left", "#222222",
                     is_mass ? "point pt 5 ps 2.2 lc rgb '#555555'" : "point pt 7 ps 0.7 lc rgb '#222222'");
   for (const auto& [at, text, part] : diagram.labels)
-    script += part == DiagramPart::kBody ? label(at, text, "left", colour_of(part), "")
-                                         : label(at, text, "center", colour_of(part), "boxed");
+    script += part == DiagramPart::kBody ? label(at, text, "left", look_of(part).label, "")
+                                         : label(at, text, "center", look_of(part).label, "boxed");
   return script + "plot NaN\nunset multiplot\n";
 }
 

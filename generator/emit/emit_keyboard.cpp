@@ -4,10 +4,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <array>
 #include <bit>
 #include <vector>
 
 #include "contactspline/step/version.hpp"
+#include "generator/emit/mode_columns.hpp"
 #include "generator/spline/design.hpp"
 #include "generator/support/number_literal.hpp"
 #include "generator/support/text_template.hpp"
@@ -64,71 +66,59 @@ void add_felts(TemplateValues& values, const Keyboard& keyboard, const std::vect
   values["HALF_CURVATURES"] = literal_rows(half_curvatures, 4);
 }
 
-std::string column(const std::vector<BodyMode>& modes, double (*member)(const BodyMode&)) {
-  std::vector<double> values;
-  for (const BodyMode& mode : modes) values.push_back(rounded_to(member(mode), 13));  // as in emit_resonator
-  return literal_rows(values, 4);
-}
-
 std::string in_one_row(const std::vector<double>& values) {
   std::vector<std::string> literals;
   for (const double value : values) literals.push_back(literal(value));
   return fmt::format("{}", fmt::join(literals, ", "));
 }
 
-// As in emit_resonator: Faust looks up rules faster than list entries.
-std::string faust_rules(const std::vector<BodyMode>& modes) {
-  std::string constants, bridge, left, right;
-  const auto number = [](double value) { return literal(rounded_to(value, 13)); };
-  for (std::size_t i = 0; i < modes.size(); ++i) {
-    const auto& [mode, bridge_shape, knock_shape, left_shape, right_shape] = modes[i];
-    constants += fmt::format("body_constants({}) = {}, {}, {};\n", i, number(mode.angular_frequency_rad_per_s),
-                             number(mode.decay_per_s), number(mode.mass_kg));
-    bridge += fmt::format("body_bridge_shape({}) = {};\n", i, number(bridge_shape));
-    left += fmt::format("body_left_shape({}) = {};\n", i, number(left_shape));
-    right += fmt::format("body_right_shape({}) = {};\n", i, number(right_shape));
-  }
-  return constants + bridge + left + right;
+using BodyColumn = ModeColumn<BodyMode>;
+constexpr std::array kBodyColumns = {
+    BodyColumn{"ANGULAR_FREQUENCIES", [](const BodyMode& m) { return m.mode.angular_frequency_rad_per_s; }},
+    BodyColumn{"DECAYS", [](const BodyMode& m) { return m.mode.decay_per_s; }},
+    BodyColumn{"MASSES", [](const BodyMode& m) { return m.mode.mass_kg; }},
+    BodyColumn{"BRIDGE_SHAPES", [](const BodyMode& m) { return m.bridge_shape; }},
+    BodyColumn{"LEFT_SHAPES", [](const BodyMode& m) { return m.left_shape; }},
+    BodyColumn{"RIGHT_SHAPES", [](const BodyMode& m) { return m.right_shape; }},
+    BodyColumn{"KNOCK_SHAPES", [](const BodyMode& m) { return m.knock_shape; }}};
+
+// The three constants of a mode share a rule. In Faust keys do not knock.
+std::string all_faust_rules(const std::vector<BodyMode>& modes) {
+  const auto column = [&](std::size_t i) { return numbers_of(kBodyColumns[i], modes); };
+  return faust_rules("body_constants", {column(0), column(1), column(2)}) +
+         faust_rules("body_bridge_shape", {column(3)}) + faust_rules("body_left_shape", {column(4)}) +
+         faust_rules("body_right_shape", {column(5)});
 }
 
-// The part of Faust's template. Without a body the strings are in tune, and no mode follows. In Faust keys do not
-// knock.
+// What all templates have of a keyboard's body.
+TemplateValues body_values(const KeyboardBody& body) {
+  return {{"DOUBLE_HZ", in_one_row(body.double_hz)},
+          {"TRIPLE_HZ", in_one_row(body.triple_hz)},
+          {"UNA_CORDA", literal(body.una_corda_stiffness_ratio)},
+          {"PICKUP_RATIO", literal(body.listening.pickup_ratio)},
+          {"MOBILITY", literal(body.listening.mobility_m_per_n_s)},
+          {"OUTPUT_ABOVE", literal(body.listening.above_hz)},
+          {"OUTPUT_QUALITY", literal(rounded_to(body.listening.quality, 13))}};
+}
+
+// The part of Faust's template. Without a body the strings are in tune, and no mode follows.
 std::string faust_body_text(const Keyboard& keyboard, const std::optional<Resonator>& body, double max_frequency_hz) {
-  const KeyboardBody strings = keyboard.body.value_or(KeyboardBody{"", {0, 0}, {0, 0, 0}, 1, {}});
   const auto modes = body_modes({body, {}}, max_frequency_hz);
-  return fill_template(emitted_template("keyboard_body", "lib"),
-                       {{"DOUBLE_HZ", in_one_row(strings.double_hz)},
-                        {"TRIPLE_HZ", in_one_row(strings.triple_hz)},
-                        {"UNA_CORDA", literal(strings.una_corda_stiffness_ratio)},
-                        {"PICKUP_RATIO", literal(strings.listening.pickup_ratio)},
-                        {"MOBILITY", literal(strings.listening.mobility_m_per_n_s)},
-                        {"OUTPUT_ABOVE", literal(strings.listening.above_hz)},
-                        {"OUTPUT_QUALITY", literal(rounded_to(strings.listening.quality, 13))},
-                        {"BODY_TITLE", body ? title_of(*body) : "of which this keyboard has none"},
-                        {"MODES", fmt::format("{}", modes.size())},
-                        {"RULES", faust_rules(modes)}});
+  TemplateValues values = body_values(keyboard.body.value_or(KeyboardBody{"", {0, 0}, {0, 0, 0}, 1, {}}));
+  values["BODY_TITLE"] = body ? title_of(*body) : "of which this keyboard has none";
+  values["MODES"] = fmt::format("{}", modes.size());
+  values["RULES"] = all_faust_rules(modes);
+  return fill_template(emitted_template("keyboard_body", "lib"), values);
 }
 
 // The part of the other templates for keyboards with a body.
 std::string body_text(const Emitter& emitter, const KeyboardBody& body, const std::vector<BodyMode>& modes) {
-  TemplateValues values{
-      {"DOUBLE_HZ", in_one_row(body.double_hz)},
-      {"TRIPLE_HZ", in_one_row(body.triple_hz)},
-      {"UNA_CORDA", literal(body.una_corda_stiffness_ratio)},
-      {"PICKUP_RATIO", literal(body.listening.pickup_ratio)},
-      {"MOBILITY", literal(body.listening.mobility_m_per_n_s)},
-      {"OUTPUT_ABOVE", literal(body.listening.above_hz)},
-      {"OUTPUT_QUALITY", literal(rounded_to(body.listening.quality, 13))},
-      {"HORIZONTAL_STRIKE", literal(body.horizontal.strike_ratio)},
-      {"HORIZONTAL_BRIDGE", literal(body.horizontal.bridge_ratio)},
-      {"HORIZONTAL_CENTS", literal(body.horizontal.cents)},
-      {"ANGULAR_FREQUENCIES", column(modes, [](const BodyMode& m) { return m.mode.angular_frequency_rad_per_s; })},
-      {"DECAYS", column(modes, [](const BodyMode& m) { return m.mode.decay_per_s; })},
-      {"MASSES", column(modes, [](const BodyMode& m) { return m.mode.mass_kg; })},
-      {"BRIDGE_SHAPES", column(modes, [](const BodyMode& m) { return m.bridge_shape; })},
-      {"KNOCK_SHAPES", column(modes, [](const BodyMode& m) { return m.knock_shape; })},
-      {"LEFT_SHAPES", column(modes, [](const BodyMode& m) { return m.left_shape; })},
-      {"RIGHT_SHAPES", column(modes, [](const BodyMode& m) { return m.right_shape; })}};
+  TemplateValues values = body_values(body);
+  values["HORIZONTAL_STRIKE"] = literal(body.horizontal.strike_ratio);
+  values["HORIZONTAL_BRIDGE"] = literal(body.horizontal.bridge_ratio);
+  values["HORIZONTAL_CENTS"] = literal(body.horizontal.cents);
+  for (const BodyColumn& column : kBodyColumns)
+    values.emplace(column.key, literal_rows(numbers_of(column, modes), 4));
   if (emitter.name == "cpp") values["MODES"] = fmt::format("{}", modes.size());
   return fill_template(emitted_template("keyboard_body", emitter.extension), values);
 }
