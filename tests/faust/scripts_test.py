@@ -55,6 +55,16 @@ class Ladspa(ctypes.Structure):
         kinds = [type(argument) for argument in arguments]
         return ctypes.CFUNCTYPE(result, *kinds)(getattr(self, name))(*arguments)
 
+    def play(self, handle, unsigned, ports, strike, sounds):
+        """Plays into sounds from a strike on. unsigned: the type of ports and lengths."""
+        for port, target in enumerate(ports):
+            self.call("connect_port", None, handle, unsigned(port), address(target))
+        self.call("activate", None, handle)
+        self.call("run", None, handle, unsigned(64))
+        strike.value = 1
+        self.call("run", None, handle, unsigned(len(sounds[0])))
+        return [list(sound) for sound in sounds]
+
 
 def address(data):
     return ctypes.c_void_p(ctypes.addressof(data))
@@ -74,20 +84,14 @@ def render_ladspa():
     # As in Csound: strike, speed, hammer mass, stiffness ratio, felt loss, damping, strike position.
     controls = [ctypes.c_float(value) for value in (0, 2.5, 0.00297, 1, 0, 0, 0.12)]
     assert plugin.ports == 9 and [plugin.kinds[p] for p in range(9)] == 2 * [2 | 8] + 7 * [1 | 4]
-    for port, target in enumerate([*sounds, *controls]):
-        plugin.call("connect_port", None, handle, ctypes.c_ulong(port), address(target))
-    plugin.call("activate", None, handle)
-    plugin.call("run", None, handle, ctypes.c_ulong(64))
-    controls[0].value = 1
-    plugin.call("run", None, handle, ctypes.c_ulong(samples))
-    return [list(sound) for sound in sounds]
+    return plugin.play(handle, ctypes.c_ulong, [*sounds, *controls], controls[0], sounds)
 
 
 class Lv2(ctypes.Structure):
     """The descriptor of a plug-in, after LV2's core."""
     _fields_ = [("uri", ctypes.c_char_p),
                 *((name, ctypes.c_void_p) for name in ["instantiate", "connect_port", "activate", "run"])]
-    call = Ladspa.call
+    call, play = Ladspa.call, Ladspa.play
 
 
 class Lv2Feature(ctypes.Structure):
@@ -119,13 +123,7 @@ def render_lv2():
         else:
             ports.append(ctypes.c_float(float(re.search(r"lv2:default ([-+.\de]+)", text)[1])))
         assert f"lv2:index {len(ports) - 1} ;" in text, text
-    for port, target in enumerate(ports):
-        plugin.call("connect_port", None, handle, ctypes.c_uint32(port), address(target))
-    plugin.call("activate", None, handle)
-    plugin.call("run", None, handle, ctypes.c_uint32(64))
-    ports[0].value = 1
-    plugin.call("run", None, handle, ctypes.c_uint32(samples))
-    return [list(sound) for sound in sounds]
+    return plugin.play(handle, ctypes.c_uint32, ports, ports[0], sounds)
 
 
 class JackClient:

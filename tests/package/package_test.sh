@@ -254,10 +254,23 @@ case_compilers() {
   done
 }
 
+# Builds main.cpp of the working folder with the headers of a folder, and runs it with clang's sanitizer of threads. It fails with a
+# complaint where that sees a race.
+run_without_races() {
+  run clang++ -std=c++20 -O1 -g -fsanitize=thread "-I$1" main.cpp -o main
+  if ./main >"$WORK/log" 2>&1; then return; fi
+  if grep -q 'FATAL: ThreadSanitizer' "$WORK/log"; then
+    echo "skipped: the sanitizer does not run on this kernel"
+    exit 77
+  fi
+  fail "$2"
+}
+
 # Two threads may take the first powers of a process at once. Clang's sanitizer sees a race whichever thread is first.
 case_quad_threads() {
   need clang++
-  cat >"$WORK/powers.cpp" <<'END'
+  cd "$WORK"
+  cat >main.cpp <<'END'
 #include <thread>
 
 #include "generator/support/quad.hpp"
@@ -272,19 +285,14 @@ int main() {
   return powers[0] == powers[1] && powers[0] > 3 ? 0 : 1;
 }
 END
-  run clang++ -std=c++20 -O1 -g -fsanitize=thread "-I$SOURCE" "$WORK/powers.cpp" -o "$WORK/powers"
-  if "$WORK/powers" >"$WORK/log" 2>&1; then return; fi
-  if grep -q 'FATAL: ThreadSanitizer' "$WORK/log"; then
-    echo "skipped: the sanitizer does not run on this kernel"
-    exit 77
-  fi
-  fail "two threads disturb each other"
+  run_without_races "$SOURCE" "two threads disturb each other"
 }
 
 # The audio thread and a window exchange what contacts do without a race, and what arrives is whole.
 case_contact_ring() {
   need clang++
-  cat >"$WORK/ring.cpp" <<'END'
+  cd "$WORK"
+  cat >main.cpp <<'END'
 #include <array>
 #include <thread>
 
@@ -324,13 +332,7 @@ int main() {
   return wrong == 0 && read > 0 ? 0 : 1;
 }
 END
-  run clang++ -std=c++20 -O1 -g -fsanitize=thread "-I$SOURCE/hosts/plugin" "$WORK/ring.cpp" -o "$WORK/ring"
-  if "$WORK/ring" >"$WORK/log" 2>&1; then return; fi
-  if grep -q 'FATAL: ThreadSanitizer' "$WORK/log"; then
-    echo "skipped: the sanitizer does not run on this kernel"
-    exit 77
-  fi
-  fail "audio thread and window disturb each other"
+  run_without_races "$SOURCE/hosts/plugin" "audio thread and window disturb each other"
 }
 
 # Configures and builds a project of nothing but contactspline_generate(...), or another function, in the working folder.
