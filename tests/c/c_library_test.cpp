@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <ctime>
 #include <limits>
 #include <memory>
 #include <string>
@@ -17,6 +18,7 @@
 #include "generator/support/embedded_files.hpp"
 #include "generator/support/error.hpp"
 #include "instrument/every_instrument.hpp"
+#include "support/measured.hpp"
 #include "support/random.hpp"
 #include "support/real_time.hpp"
 
@@ -258,7 +260,9 @@ TEST(CLibraryBlocks, MayBeUnheard) {
 TEST(CLibraryText, GivesTheSameInstrumentAsItsName) {
   const std::string text(find_embedded(Shipped::kInstruments, "tanpura.json")->content);
   Handle named = create("tanpura");
+  const std::clock_t began = std::clock();
   Handle told(contactspline_create_from_json(text.c_str(), "mine.json", kRate, CONTACTSPLINE_DOUBLE));
+  Measured() << "created in " << 1e3 * static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC << " ms";
   ASSERT_TRUE(told) << contactspline_last_error();
   Block<double> a(contactspline_output_count(named.get())), b(contactspline_output_count(named.get()));
   for (const auto* handle : {&named, &told}) contactspline_pluck(handle->get(), 0, 2, 0.004);
