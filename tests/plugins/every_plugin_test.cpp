@@ -20,55 +20,26 @@ namespace {
 
 constexpr double kRate = 48000;
 
-struct Instrument {
-  std::string format, name;
-  friend void PrintTo(const Instrument& instrument, std::ostream* out) {
-    *out << instrument.format << ' ' << instrument.name;
-  }
-};
-
-std::vector<Instrument> every_plugin() {
-  std::vector<Instrument> plugins;
-  for (const char* format : {"clap", "vst3", "lv2"})
-    for (const auto& [name, maker] : Reference::makers()) plugins.push_back({format, name});
-  return plugins;
+std::vector<InFormat> every_plugin() {
+  std::vector<std::string> names;
+  for (const auto& [name, maker] : Reference::makers()) names.push_back(name);
+  return in_every_format(names);
 }
 
-class EveryPlugin : public ::testing::TestWithParam<Instrument> {
+class EveryPlugin : public PluginTest {
  protected:
-  [[nodiscard]] static std::unique_ptr<HostedPlugin> open(double sample_rate_hz = kRate) {
-    return open_plugin(GetParam().format, GetParam().name, sample_rate_hz);
-  }
   [[nodiscard]] static std::unique_ptr<Reference> reference() {
     return Reference::makers().at(GetParam().name)(kRate);
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(InEveryFormat, EveryPlugin, ::testing::ValuesIn(every_plugin()),
-                         [](const auto& test) { return test.param.format + "_" + test.param.name; });
-
-// Numbers of single precision; the product with 1000 is rounded once more.
-void expect_list(const std::vector<HostedParameter>& actual, const std::vector<HostedParameter>& expected) {
-  ASSERT_EQ(actual.size(), expected.size());
-  for (std::size_t i = 0; i < expected.size(); ++i) {
-    SCOPED_TRACE(expected[i].name);
-    EXPECT_EQ(actual[i].name, expected[i].name);
-    EXPECT_EQ(actual[i].unit, expected[i].unit);
-    EXPECT_TRUE(relatively_within(actual[i].min, expected[i].min, 2e-7));
-    EXPECT_TRUE(relatively_within(actual[i].max, expected[i].max, 2e-7));
-  }
-}
+INSTANTIATE_TEST_SUITE_P(InEveryFormat, EveryPlugin, ::testing::ValuesIn(every_plugin()), PluginTest::name_of);
 
 TEST_P(EveryPlugin, ListsItsParametersWithUnits) {
   auto expected = reference()->parameters();
   expected.push_back({"volume", "", 0, 1, 0.5});
   const auto plugin = open();
-  const auto parameters = plugin->parameters();
-  expect_list(parameters, expected);
-  for (std::size_t p = 0; p < parameters.size(); ++p) {
-    EXPECT_TRUE(relatively_within(parameters[p].initial, expected[p].initial, 2e-7)) << parameters[p].name;
-    EXPECT_TRUE(within(plugin->value(parameters[p].name), expected[p].initial, 2e-6)) << parameters[p].name;
-  }
+  expect_parameters(*plugin, expected);
   expect_list(plugin->readings(), reference()->readings());
 }
 

@@ -16,18 +16,8 @@ namespace {
 
 constexpr std::size_t kBlock = HostedPlugin::kBlock;
 
-struct Instrument {
-  std::string format, name;
-  friend void PrintTo(const Instrument& instrument, std::ostream* out) {
-    *out << instrument.format << ' ' << instrument.name;
-  }
-};
-
-class InstrumentPlugin : public ::testing::TestWithParam<Instrument> {
+class InstrumentPlugin : public PluginTest {
  protected:
-  [[nodiscard]] static std::unique_ptr<HostedPlugin> open(double sample_rate_hz = 48000) {
-    return open_plugin(GetParam().format, GetParam().name, sample_rate_hz);
-  }
   [[nodiscard]] static bool is_piano() { return GetParam().name == "piano"; }
   [[nodiscard]] static bool is_of_file() { return GetParam().name == "trichord_c4"; }
   // A parameter with this name, or with it at the end.
@@ -38,15 +28,9 @@ class InstrumentPlugin : public ::testing::TestWithParam<Instrument> {
   }
 };
 
-std::vector<Instrument> every_plugin() {
-  std::vector<Instrument> plugins;
-  for (const char* format : {"clap", "vst3", "lv2"})
-    for (const char* name : {"piano", "hammer_string", "trichord_c4"}) plugins.push_back({format, name});
-  return plugins;
-}
-
-INSTANTIATE_TEST_SUITE_P(InEveryFormat, InstrumentPlugin, ::testing::ValuesIn(every_plugin()),
-                         [](const auto& test) { return test.param.format + "_" + test.param.name; });
+INSTANTIATE_TEST_SUITE_P(InEveryFormat, InstrumentPlugin,
+                         ::testing::ValuesIn(in_every_format({"piano", "hammer_string", "trichord_c4"})),
+                         PluginTest::name_of);
 
 // As docs/how-to/plugins.md says.
 std::vector<HostedParameter> expected_parameters(const std::string& name) {
@@ -79,20 +63,7 @@ std::vector<HostedParameter> expected_parameters(const std::string& name) {
 }
 
 TEST_P(InstrumentPlugin, ShowsItsParameters) {
-  const auto plugin = open();
-  const auto expected = expected_parameters(GetParam().name);
-  const auto actual = plugin->parameters();
-  ASSERT_EQ(actual.size(), expected.size());
-  for (std::size_t i = 0; i < actual.size(); ++i) {
-    SCOPED_TRACE(expected[i].name);
-    EXPECT_EQ(actual[i].name, expected[i].name);
-    EXPECT_EQ(actual[i].unit, expected[i].unit);
-    // Numbers of single precision; the product with 1000 is rounded once more.
-    EXPECT_TRUE(relatively_within(actual[i].max, expected[i].max, 2e-7));
-    EXPECT_TRUE(relatively_within(actual[i].min, expected[i].min, 2e-7));
-    EXPECT_TRUE(relatively_within(actual[i].initial, expected[i].initial, 2e-7));
-    EXPECT_TRUE(within(plugin->value(actual[i].name), expected[i].initial, 2e-6));
-  }
+  expect_parameters(*open(), expected_parameters(GetParam().name));
 }
 
 TEST(ClapInstrument, DescribesItself) {

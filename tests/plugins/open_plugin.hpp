@@ -6,6 +6,7 @@
 #include "plugins/clap_host.hpp"
 #include "plugins/lv2_plugin.hpp"
 #include "plugins/vst3_host.hpp"
+#include "support/compare.hpp"
 
 namespace contactspline::testing {
 
@@ -24,6 +25,54 @@ inline std::unique_ptr<HostedPlugin> open_plugin(const std::string& format, cons
   if (format == "lv2") return std::make_unique<Lv2Plugin>(world(), "urn:contactspline:" + plugin, sample_rate_hz);
   return std::make_unique<Vst3Plugin>(
       folder / "vst3" / (plugin + ".vst3") / "Contents" / VST3_FOLDER / (plugin + ".so"), sample_rate_hz);
+}
+
+/// The name of an instrument and a format of its plug-in.
+struct InFormat {
+  std::string format, name;
+  friend void PrintTo(const InFormat& plugin, std::ostream* out) { *out << plugin.format << ' ' << plugin.name; }
+};
+
+inline std::vector<InFormat> in_every_format(const std::vector<std::string>& names) {
+  std::vector<InFormat> plugins;
+  for (const char* format : {"clap", "vst3", "lv2"})
+    for (const std::string& name : names) plugins.push_back({format, name});
+  return plugins;
+}
+
+/// A test of each of several plug-ins.
+class PluginTest : public ::testing::TestWithParam<InFormat> {
+ public:
+  static std::string name_of(const ::testing::TestParamInfo<InFormat>& test) {
+    return test.param.format + "_" + test.param.name;
+  }
+
+ protected:
+  [[nodiscard]] static std::unique_ptr<HostedPlugin> open(double sample_rate_hz = 48000) {
+    return open_plugin(GetParam().format, GetParam().name, sample_rate_hz);
+  }
+};
+
+/// Numbers of single precision; the product with 1000 is rounded once more.
+inline void expect_list(const std::vector<HostedParameter>& actual, const std::vector<HostedParameter>& expected) {
+  ASSERT_EQ(actual.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    SCOPED_TRACE(expected[i].name);
+    EXPECT_EQ(actual[i].name, expected[i].name);
+    EXPECT_EQ(actual[i].unit, expected[i].unit);
+    EXPECT_TRUE(relatively_within(actual[i].min, expected[i].min, 2e-7));
+    EXPECT_TRUE(relatively_within(actual[i].max, expected[i].max, 2e-7));
+  }
+}
+
+/// The list of a plug-in at its first values.
+inline void expect_parameters(HostedPlugin& plugin, const std::vector<HostedParameter>& expected) {
+  const auto parameters = plugin.parameters();
+  expect_list(parameters, expected);
+  for (std::size_t p = 0; p < parameters.size(); ++p) {
+    EXPECT_TRUE(relatively_within(parameters[p].initial, expected[p].initial, 2e-7)) << parameters[p].name;
+    EXPECT_TRUE(within(plugin.value(parameters[p].name), expected[p].initial, 2e-6)) << parameters[p].name;
+  }
 }
 
 }  // namespace contactspline::testing
