@@ -20,8 +20,6 @@ namespace {
 
 // Wide enough for every collision in an instrument, narrow enough to catch a wrong unit.
 constexpr Range kMass{1e-7, 1e3};
-constexpr Range kDuration{1e-6, 0.2};
-constexpr Range kForce{1e-3, 1e6};
 constexpr Range kRestitution{0.01, 1};
 constexpr std::size_t kMaxFiles = 64;
 constexpr std::size_t kMinRows = 3;
@@ -72,8 +70,8 @@ void read_rows(const JsonObject& entry, std::string_view file, const ReadFile& r
     refuse(data.path, "columns", "there is nothing but speeds", "contact durations, largest forces or restitution");
   for (std::size_t i = 0; i < table.lines.size(); ++i)
     measured.rows.push_back({data.path, *value_of(data, table, i, Quantity::kSpeed, kFitSpeed),
-                             value_of(data, table, i, Quantity::kDuration, kDuration),
-                             value_of(data, table, i, Quantity::kForce, kForce),
+                             value_of(data, table, i, Quantity::kDuration, kMeasuredDuration),
+                             value_of(data, table, i, Quantity::kForce, kMeasuredForce),
                              value_of(data, table, i, Quantity::kRestitution, kRestitution)});
 }
 

@@ -14,8 +14,6 @@ namespace {
 
 constexpr std::size_t kMinSamples = 16, kMinInContact = 8;
 constexpr double kThreshold = 0.1;  // of the largest force: contact for sure
-constexpr Range kForce{1e-3, 1e6};
-constexpr Range kDuration{1e-6, 0.2};
 
 void require_times(const Pulse& pulse, std::span<const std::size_t> lines) {
   const auto& time = pulse.time_s;
@@ -64,9 +62,9 @@ void require_contact(const Pulse& pulse) {
   if (-low > high)
     refuse(pulse.file, "force", fmt::format("reaches {:.4g} N downwards", low),
            "a force that is positive in contact: change the sign of the column");
-  if (!(high >= kForce.min && high <= kForce.max))
+  if (!(high >= kMeasuredForce.min && high <= kMeasuredForce.max))
     refuse(pulse.file, "force", fmt::format("reaches {:.4g} N: a wrong unit?", high),
-           fmt::format("a largest force from {} to {} N", kForce.min, kForce.max));
+           fmt::format("a largest force from {} to {} N", kMeasuredForce.min, kMeasuredForce.max));
 }
 
 void require_whole(const Pulse& pulse, const SamplesOfContact& contact) {
@@ -101,9 +99,9 @@ void require_unsaturated(const Pulse& pulse, const SamplesOfContact& contact) {
 void require_impulse(const Pulse& pulse, double mass_kg) {
   const PulseMeasures measures = measures_of(pulse);
   const double duration = measures.end_s - measures.begin_s;
-  if (!(duration >= kDuration.min && duration <= kDuration.max))
+  if (!(duration >= kMeasuredDuration.min && duration <= kMeasuredDuration.max))
     refuse(pulse.file, "time", fmt::format("the contact lasts {:.4g} s: a wrong unit?", duration),
-           fmt::format("{} to {} s", kDuration.min, kDuration.max));
+           fmt::format("{} to {} s", kMeasuredDuration.min, kMeasuredDuration.max));
   if (!pulse.speed_m_per_s || pulse.is_struck) return;  // a resonator may hold the hammer, or throw it back again
   const double ratio = measures.impulse_n_s / (mass_kg * *pulse.speed_m_per_s);
   if (!(ratio > 0.85 && ratio < 2.3))

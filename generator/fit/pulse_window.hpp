@@ -5,8 +5,12 @@
 #include <span>
 
 #include "generator/fit/measurements.hpp"
+#include "generator/support/json_reader.hpp"
 
 namespace contactspline {
+
+/// What a measured impact may have: its contact duration [s] and its largest force [N].
+inline constexpr Range kMeasuredDuration{1e-6, 0.2}, kMeasuredForce{1e-3, 1e6};
 
 /// The contact of a recorded pulse, and as long before and after it. `lines` are those of the samples
 /// in their file. Throws BadInput if time does not rise, if there is no contact or a second one, if the record begins

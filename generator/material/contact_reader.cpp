@@ -12,6 +12,7 @@
 #include "generator/contact/hertz.hpp"
 #include "generator/support/embedded_files.hpp"
 #include "generator/support/error.hpp"
+#include "generator/support/ranges.hpp"
 
 namespace contactspline {
 namespace {
@@ -20,12 +21,9 @@ namespace {
 constexpr Range kStiffness{1e-3, 1e18};
 constexpr Range kExponent{0.1, 10};
 constexpr Range kOffset{0, 0.1};
-constexpr Range kModulus{1e3, 2e12};
 constexpr Range kPoisson{-1, 0.5};
 constexpr Range kRadius{1e-5, 100};
-constexpr Range kLoss{0, 1e3};
 constexpr Range kRestitution{0.05, 1};
-constexpr Range kSpeed{1e-6, 1e3};
 constexpr Range kWeight{1e-6, 0.999};
 constexpr Range kRelaxation{1e-7, 10};
 constexpr std::size_t kMaxTerms = 8;
@@ -62,7 +60,7 @@ ElasticBody read_body(const JsonObject& body) {
     body.fail(body.key("radius_m"), "a plane has no radius", "for a sphere or a cylinder");
   const double radius =
       shape == Shape::kPlane ? std::numeric_limits<double>::infinity() : body.number("radius_m", kRadius);
-  return {shape, body.number("youngs_modulus_pa", kModulus), body.number("poisson_ratio", kPoisson), radius};
+  return {shape, body.number("youngs_modulus_pa", ranges::kModulus), body.number("poisson_ratio", kPoisson), radius};
 }
 
 PowerLaw read_hertz(const JsonObject& contact) {
@@ -115,14 +113,14 @@ void require_fit(const JsonObject& curve, const std::vector<CurveSample>& sample
 double read_loss(const JsonObject& contact) {
   if (contact.has("loss_s_per_m") && contact.has("restitution"))
     contact.fail("contact.restitution", "is given together with loss_s_per_m", "one of the two");
-  if (contact.has("loss_s_per_m")) return contact.number("loss_s_per_m", kLoss);
+  if (contact.has("loss_s_per_m")) return contact.number("loss_s_per_m", ranges::kLoss);
   if (!contact.has("restitution")) return 0;
   const JsonObject restitution = contact.object("restitution", {"coefficient", "speed_m_per_s"});
   const double loss = loss_for_restitution(restitution.number("coefficient", kRestitution),
-                                           restitution.number("speed_m_per_s", kSpeed));
-  if (!(loss <= kLoss.max))
+                                           restitution.number("speed_m_per_s", ranges::kSpeed));
+  if (!(loss <= ranges::kLoss.max))
     restitution.fail("contact.restitution", fmt::format("gives a loss of {} s/m", loss),
-                     fmt::format("a loss of at most {} s/m: a higher coefficient or speed", kLoss.max));
+                     fmt::format("a loss of at most {} s/m: a higher coefficient or speed", ranges::kLoss.max));
   return loss;
 }
 
@@ -148,10 +146,10 @@ double read_fitted_loss(const JsonObject& contact, const std::vector<CurveSample
                    "one of the two: the loss is fitted to both branches");
   const double fastest_out = -std::ranges::min(samples, {}, &CurveSample::speed_m_per_s).speed_m_per_s;
   const double loss =
-      fitted_loss(samples, shape, std::min(kLoss.max, 0.99 / fastest_out));  // 1 + loss v stays positive
-  if (!(loss < 0.999 * kLoss.max))
+      fitted_loss(samples, shape, std::min(ranges::kLoss.max, 0.99 / fastest_out));  // 1 + loss v stays positive
+  if (!(loss < 0.999 * ranges::kLoss.max))
     contact.fail("contact.curve.impact_speed_m_per_s", "asks for a loss beyond all allowed ones",
-                 fmt::format("a loss of at most {} s/m: a higher speed", kLoss.max));
+                 fmt::format("a loss of at most {} s/m: a higher speed", ranges::kLoss.max));
   return loss;
 }
 
@@ -203,7 +201,7 @@ Contact read_contact(const JsonObject& material, std::string_view file, const Re
   if (curve.has("impact_speed_m_per_s") && !memories.empty())
     contact.fail("contact.memory", "is given together with curve.impact_speed_m_per_s",
                  "one of the two: both branches give a Hunt-Crossley loss");
-  if (curve.has("impact_speed_m_per_s")) impact_speed = curve.number("impact_speed_m_per_s", kSpeed);
+  if (curve.has("impact_speed_m_per_s")) impact_speed = curve.number("impact_speed_m_per_s", ranges::kSpeed);
   Measurement measured = read_measurement(curve, impact_speed, file, read);
   const double curve_loss = impact_speed ? read_fitted_loss(contact, measured.samples, shape) : loss;
   ForceCurve smooth = smooth_curve(measured.samples, shape, curve_loss);

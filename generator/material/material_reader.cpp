@@ -9,14 +9,12 @@
 
 #include "generator/contact/barrier_impact.hpp"
 #include "generator/support/number_literal.hpp"
+#include "generator/support/ranges.hpp"
 
 namespace contactspline {
 namespace {
 
 // Wide enough for every collision in an instrument, narrow enough to catch a wrong unit.
-constexpr Range kMass{1e-9, 1e4};
-constexpr Range kSpeed{1e-6, 1e3};
-constexpr Range kCompression{1e-9, 1};
 constexpr Range kSampleRate{1e3, 1e8};
 constexpr Range kTolerance{1e-7, 0.5};
 constexpr Range kTolerance_db{0.1, 20};  // the exact spectra are right to 0.07 dB (ExactSpectra)
@@ -33,8 +31,8 @@ constexpr const char* kMemberNames[] = {
     "memory_weights",  "memory_times_s",          "live",           "format_version"};
 
 Impact read_impact(const JsonObject& impact) {
-  const Impact read{impact.number("mass_kg", kMass), impact.number("max_speed_m_per_s", kSpeed),
-                    impact.number("min_speed_m_per_s", kSpeed)};
+  const Impact read{impact.number("mass_kg", ranges::kMass), impact.number("max_speed_m_per_s", ranges::kSpeed),
+                    impact.number("min_speed_m_per_s", ranges::kSpeed)};
   if (read.min_speed_m_per_s > read.max_speed_m_per_s)
     impact.fail("impact.min_speed_m_per_s", fmt::format("{} is above max_speed_m_per_s", read.min_speed_m_per_s),
                 fmt::format("at most {}", read.max_speed_m_per_s));
@@ -42,15 +40,15 @@ Impact read_impact(const JsonObject& impact) {
 }
 
 double read_max_compression(const JsonObject& spline, const Material& material) {
-  if (spline.has("max_compression_m")) return spline.number("max_compression_m", kCompression);
+  if (spline.has("max_compression_m")) return spline.number("max_compression_m", ranges::kCompression);
   if (!material.impact)
     spline.fail("spline.max_compression_m", "missing", "a number, or an impact to compute it from");
   const Impact impact = elastic_impact(material);
   const double compression = exact_max_compression(material.contact, impact.mass_kg, impact.max_speed_m_per_s);
-  if (!(compression >= kCompression.min && compression <= kCompression.max))
+  if (!(compression >= ranges::kCompression.min && compression <= ranges::kCompression.max))
     spline.fail("spline.max_compression_m",
                 fmt::format("follows from impact as {} m, which is out of range", compression),
-                fmt::format("a number from {} to {}", kCompression.min, kCompression.max));
+                fmt::format("a number from {} to {}", ranges::kCompression.min, ranges::kCompression.max));
   return compression;
 }
 
@@ -117,7 +115,7 @@ SplineDesign read_spline(const JsonObject& spline, const Material& material) {
 }
 
 Compensation read_compensation(const JsonObject& compensation) {
-  return {compensation.number("sample_rate_hz", kSampleRate), compensation.number("mass_kg", kMass)};
+  return {compensation.number("sample_rate_hz", kSampleRate), compensation.number("mass_kg", ranges::kMass)};
 }
 
 // To four digits, in one direction: a number that a message offers must be accepted.

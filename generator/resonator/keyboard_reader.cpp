@@ -7,6 +7,7 @@
 
 #include "generator/resonator/resonator_reader.hpp"
 #include "generator/support/json_reader.hpp"
+#include "generator/support/ranges.hpp"
 
 namespace contactspline {
 namespace {
@@ -14,18 +15,14 @@ namespace {
 constexpr int kHighestKey = 127;
 constexpr int kMaxSegments = 256;
 constexpr Range kLength{1e-3, 100};
-constexpr Range kMass{1e-9, 1e4};
 constexpr Range kBending{1e-12, 1e6};
 constexpr Range kConstantLoss{1e-6, 1e4};
 constexpr Range kQuadraticLoss{1e-12, 1e3};
 constexpr Range kStiffness{1e-3, 1e20};
 constexpr Range kExponent{1, 10};
-constexpr Range kTension{1e-3, 1e6};
-constexpr Range kCompression{1e-9, 1};
 constexpr double kMinPosition = 1e-6;
 constexpr Range kPitch{100, 1000};
 constexpr Range kSpeed{1e-3, 100};
-constexpr Range kLoss{0, 1e3};
 constexpr Range kDamping{0, 1e5};
 constexpr Range kDamperTime{1e-5, 1};
 constexpr Range kUnaCorda{1e-3, 1};
@@ -75,11 +72,11 @@ PublishedNote read_note(const JsonObject& note) {
   PublishedNote read{
       note.integer("key", 0, kHighestKey),
       note.number("length_m", kLength),
-      note.number("mass_kg", kMass),
+      note.number("mass_kg", ranges::kMass),
       note.number("bending_stiffness_n_m2", kBending),
       {note.number("constant_loss_per_s", kConstantLoss), note.number("quadratic_loss_m2_per_s", kQuadraticLoss)},
       0,
-      note.number("hammer_mass_kg", kMass),
+      note.number("hammer_mass_kg", ranges::kMass),
       {note.number("stiffness_n_per_m_alpha", kStiffness), note.number("exponent", kExponent)},
       note.has("bridge_ratio") ? note.number("bridge_ratio", kBridgeRatio) : 1,
       note.has("output_ratio") ? note.number("output_ratio", kOutputRatio) : 1,
@@ -164,20 +161,20 @@ void check_notes(const Keyboard& keyboard, const JsonObject& object) {
     const StiffString& string = note.string;
     const PowerLaw& felt = *note.felt.contact.power_law();
     for (const auto& [what, value, allowed] :
-         {Outcome{"length_m", string.length_m, kLength}, Outcome{"mass_kg", string.mass_kg, kMass},
+         {Outcome{"length_m", string.length_m, kLength}, Outcome{"mass_kg", string.mass_kg, ranges::kMass},
           Outcome{"bending_stiffness_n_m2", string.bending_stiffness_n_m2, kBending},
           Outcome{"constant_loss_per_s", string.losses.constant_per_s - note.bridge_loss_per_s, kConstantLoss},
           Outcome{"the loss to the body in 1/s", note.bridge_loss_per_s, {0, kConstantLoss.max}},
           Outcome{"quadratic_loss_m2_per_s", string.losses.quadratic_m2_per_s, kQuadraticLoss},
-          Outcome{"tension in N", string.tension_n, kTension},
+          Outcome{"tension in N", string.tension_n, ranges::kTension},
           Outcome{"strike_position_m", note.strike_position_m, {kMinPosition, string.length_m}},
-          Outcome{"hammer_mass_kg", note.hammer_mass_kg, kMass},
+          Outcome{"hammer_mass_kg", note.hammer_mass_kg, ranges::kMass},
           Outcome{"bridge_ratio", note.bridge_ratio, kBridgeRatio},
           Outcome{"output_ratio", note.output_ratio, kOutputRatio},
           Outcome{"horizontal_ratio", note.horizontal_ratio, kOutputRatio},
           Outcome{"stiffness_n_per_m_alpha", felt.stiffness, kStiffness},
           Outcome{"exponent", felt.exponent, kExponent},
-          Outcome{"max compression of the felt in m", note.felt.spline.max_compression_m, kCompression}})
+          Outcome{"max compression of the felt in m", note.felt.spline.max_compression_m, ranges::kCompression}})
       if (!(value >= allowed.min && value <= allowed.max))
         object.fail("keyboard.notes", fmt::format("at key {} {} is {}", key, what, value),
                     fmt::format("a number from {} to {}", allowed.min, allowed.max));
@@ -204,7 +201,7 @@ Keyboard parse_keyboard(std::string_view text, std::string_view file) {
                 keyboard.number("concert_pitch_hz", kPitch),
                 keyboard.number("min_speed_m_per_s", kSpeed),
                 keyboard.number("max_speed_m_per_s", kSpeed),
-                keyboard.number("felt_loss_s_per_m", kLoss),
+                keyboard.number("felt_loss_s_per_m", ranges::kLoss),
                 keyboard.number("damper_per_s", kDamping),
                 keyboard.number("damper_time_s", kDamperTime),
                 keyboard.integer("segments", 1, kMaxSegments),

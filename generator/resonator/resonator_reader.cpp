@@ -10,20 +10,18 @@
 #include <numbers>
 
 #include "generator/support/json_reader.hpp"
+#include "generator/support/ranges.hpp"
 
 namespace contactspline {
 namespace {
 
 constexpr Range kLength{1e-4, 100};
-constexpr Range kMass{1e-9, 1e4};
-constexpr Range kTension{1e-3, 1e6};
 constexpr Range kBending{0, 1e6};
 constexpr Range kMassPerArea{1e-6, 1e4};
 constexpr Range kConstantLoss{0, 1e6};
 constexpr Range kQuadraticLoss{0, 1e3};
 constexpr Range kThickness{1e-6, 1};
 constexpr Range kDensity{1, 3e4};
-constexpr Range kModulus{1e3, 2e12};
 constexpr Range kPoisson{-0.999, 0.999};
 constexpr std::size_t kMaxStrings = 8;
 constexpr Range kListeningDistance_m{0.05, 20};
@@ -47,8 +45,8 @@ Losses read_losses(const JsonObject& body) {
 
 StiffString read_string(const JsonObject& body) {
   return {body.number("length_m", kLength),
-          body.number("mass_kg", kMass),
-          body.number("tension_n", kTension),
+          body.number("mass_kg", ranges::kMass),
+          body.number("tension_n", ranges::kTension),
           body.number("bending_stiffness_n_m2", kBending),
           read_losses(body),
           body.has("detuning_cents") ? body.numbers("detuning_cents", kTuningCents, kMaxStrings) : std::vector{0.0}};
@@ -73,7 +71,7 @@ std::array<BarEnd, 2> read_ends(const JsonObject& body) {
 }
 
 Bar read_bar(const JsonObject& body) {
-  Bar bar{body.number("length_m", kLength), body.number("mass_kg", kMass),
+  Bar bar{body.number("length_m", kLength), body.number("mass_kg", ranges::kMass),
           body.number("bending_stiffness_n_m2", {1e-9, kBending.max}), read_losses(body)};
   if (body.has("ends")) bar.ends = read_ends(body);
   return bar;
@@ -81,7 +79,7 @@ Bar read_bar(const JsonObject& body) {
 
 Membrane read_membrane(const JsonObject& body) {
   return {body.number("radius_m", kLength), body.number("mass_per_area_kg_m2", kMassPerArea),
-          body.number("tension_n_per_m", kTension), read_losses(body)};
+          body.number("tension_n_per_m", ranges::kTension), read_losses(body)};
 }
 
 // The smallest of along c^4 + 2 mixed c^2 s^2 + across s^4 over all directions, c^2 + s^2 = 1; mixed >= 0.
@@ -96,7 +94,7 @@ Plate read_plate(const JsonObject& body) {
               body.number("width_m", kLength),
               body.number("thickness_m", kThickness),
               body.number("density_kg_m3", kDensity),
-              body.number("youngs_modulus_pa", kModulus),
+              body.number("youngs_modulus_pa", ranges::kModulus),
               0,
               0,
               body.number("poisson_ratio", kPoisson),
@@ -106,8 +104,8 @@ Plate read_plate(const JsonObject& body) {
     body.fail(body.key(orthotropic ? "shear_modulus_pa" : "youngs_modulus_across_pa"), "missing",
               "both youngs_modulus_across_pa and shear_modulus_pa, or none of them");
   plate.youngs_modulus_across_pa =
-      orthotropic ? body.number("youngs_modulus_across_pa", kModulus) : plate.youngs_modulus_pa;
-  plate.shear_modulus_pa = orthotropic ? body.number("shear_modulus_pa", kModulus)
+      orthotropic ? body.number("youngs_modulus_across_pa", ranges::kModulus) : plate.youngs_modulus_pa;
+  plate.shear_modulus_pa = orthotropic ? body.number("shear_modulus_pa", ranges::kModulus)
                                        : plate.youngs_modulus_pa / (2 * (1 + plate.poisson_ratio));
   const double square = plate.poisson_ratio * plate.poisson_ratio * plate.youngs_modulus_across_pa;
   if (!(square < plate.youngs_modulus_pa))
