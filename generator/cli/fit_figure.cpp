@@ -10,26 +10,10 @@
 #include "generator/cli/figures.hpp"
 #include "generator/cli/gnuplot.hpp"
 #include "generator/cli/plot.hpp"
+#include "generator/fit/fit_panels.hpp"
 
 namespace contactspline {
 namespace {
-
-/// What data of one kind are drawn over, and how.
-struct PanelOfFit {
-  const char* quantity;  ///< FitQuality::quantity
-  const char* at;
-  const char* value;
-  bool from_begin;   ///< each source from its own begin on
-  bool is_relative;  ///< residuals in % of each value, else of the largest one; those of levels are in dB
-  double at_scale, value_scale;
-};
-
-constexpr PanelOfFit kPanels[] = {{"force", "time [ms]", "force [N]", true, false, 1e3, 1},
-                                  {"duration", "impact speed [m/s]", "contact duration [ms]", false, true, 1, 1e3},
-                                  {"largest force", "impact speed [m/s]", "largest force [N]", false, true, 1, 1},
-                                  {"restitution", "impact speed [m/s]", "restitution [1]", false, true, 1, 1},
-                                  {kLevels, "frequency [kHz]", "level [dB]", false, false, 1e-3, 1},
-                                  {"force over compression", "compression [mm]", "force [N]", false, false, 1e3, 1}};
 
 bool is_of_levels(const PanelOfFit& panel) {
   return std::string_view(panel.quantity) == kLevels;
@@ -37,7 +21,7 @@ bool is_of_levels(const PanelOfFit& panel) {
 
 // Rows of place, measured, modelled and residual in percent or dB, by rising place.
 Data rows_of(const PanelOfFit& panel, const FitQuality& quality, std::size_t number) {
-  Data data(fmt::format("fit_{}_{}", &panel - kPanels, number));
+  Data data(fmt::format("fit_{}_{}", &panel - kFitPanels, number));
   // 100 cancels the percent: residuals of levels stay in dB.
   const double largest = is_of_levels(panel) ? 100 : std::ranges::max(quality.measured);
   std::vector<std::size_t> order(quality.at.size());
@@ -86,7 +70,7 @@ std::string panels_of(const PanelOfFit& panel, const std::vector<Data>& sources)
 std::string figure_of(const Fit& fit, const std::string& title, FigureFormat format) {
   std::string panels;
   int rows = 0;
-  for (const PanelOfFit& panel : kPanels) {
+  for (const PanelOfFit& panel : kFitPanels) {
     std::vector<Data> sources;
     for (const FitQuality& quality : fit.qualities)
       if (quality.quantity == panel.quantity) sources.push_back(rows_of(panel, quality, sources.size()));

@@ -46,7 +46,7 @@ double noise_of(const std::vector<double>& force) {
   for (std::size_t i = 2; i < force.size(); ++i)
     differences.push_back(std::abs(force[i] - 2 * force[i - 1] + force[i - 2]));
   const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
-  std::ranges::nth_element(differences, middle);
+  std::nth_element(differences.begin(), middle, differences.end());
   return *middle / 0.6745 / std::sqrt(6.0);
 }
 

@@ -112,7 +112,7 @@ Peak peak_between(const Window& window, double low_hz, double high_hz) {
   std::vector<double> around;
   for (const double distance : {4.5, 5.5, 6.5, 7.5})  // the main lobe ends at 2
     for (const double sign : {-1, 1}) around.push_back(window.at(at + sign * distance * window.resolution_hz()));
-  std::ranges::nth_element(around, around.begin() + 4);
+  std::nth_element(around.begin(), around.begin() + 4, around.end());
   return {top, around[4], true};
 }
 

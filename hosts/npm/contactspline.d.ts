@@ -129,6 +129,16 @@ export interface Design {
   quality: { force: number; energy: number; contact_duration?: number; max_compression?: number; spectrum_db?: number };
 }
 
+/** A material that was fitted to measurements. */
+export interface FittedMaterial {
+  /** The text of its file. */
+  material: string;
+  /** As `contactspline fit` prints it. */
+  report: string;
+  /** Data and model of each kind, as columns: where, measured, modelled; with the labels of their axes. */
+  panels: { quantity: string; at: string; value: string; isLine: boolean; columns: number[][] }[];
+}
+
 /** An instrument file as the generator read it. */
 export interface ReadInstrument {
   name: string;
@@ -143,8 +153,12 @@ export interface Generator {
   /** The text of every material and instrument file that ships, by name. */
   materials(): Record<string, string>;
   instruments(): Record<string, string>;
-  /** Takes a file that materials and instrument files may name: a measured curve in CSV, a material. */
+  /** Takes a file that materials, instrument files and fit files may name: a measured curve or data in CSV, a material. */
   takeFile(name: string, text: string): void;
+  /** The text of a fit file for data files that it was given, of impacts of this mass [kg] on a wall. */
+  fitFile(names: string[], mass: number): string;
+  /** Fits a material as `contactspline fit` does. Messages call the text of the fit file `file`. */
+  fit(text: string, file: string): FittedMaterial;
   /** Designs the material of a file's text. Messages call it `file`. */
   design(text: string, file: string): Design;
   /** Reads an instrument file; what is wrong with it is one line. */

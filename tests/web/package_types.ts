@@ -20,6 +20,7 @@ await piano.close();
 
 const generator = await loadGenerator();
 generator.takeFile("felt.csv", "compression_m, force_n");
+const fitted: string = generator.fit(generator.fitFile(["felt.csv"], 0.003), "measurements").material;
 const read = generator.instrument(generator.instruments().tanpura, "tanpura.json", { sampleRate: 48000 });
 const line: string = read.error ?? read.parts;
 const player = await Player.create({ text: line, file: "mine.json" }, 48000);

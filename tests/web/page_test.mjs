@@ -192,6 +192,38 @@ const cases = {
     });
   },
 
+  async "measurements become a material"() {
+    const examples = new URL("../../examples/fit/", import.meta.url);
+    const chosen = (names) => names.map((name) => ({ name, mimeType: "text/csv", buffer: readFileSync(new URL(name, examples)) }));
+    const numbers = (text) => Object.values(JSON.parse(text.replace(/^\s*\/\/.*$/gm, "")).contact);
+    await withPage(server.address, async (page) => {
+      const fit = async (files, told) => {
+        await page.locator("#fit-input").setInputFiles(files);
+        await page.waitForFunction((told) => new RegExp(told).test(document.getElementById("fit-note").textContent), told);
+      };
+      await page.getByText("Fit a material to measurements").click();
+      const pulses = [1, 2, 3, 4, 5].map((i) => `felt_${i}.csv`);
+      for (const [files, fitFile, law] of [[["felt.fit.json", ...pulses], "felt.fit.json", "^Power law with Hunt-Crossley loss"], [["rubber_ball.csv"], "rubber_ball.fit.json", "^Hertz contact with Hunt-Crossley loss"]]) {
+        await page.getByLabel("Mass that strikes").fill("9");
+        await fit(chosen(files), law);
+        execFileSync(program, ["fit", fileURLToPath(new URL(fitFile, examples)), "-o", join(folder, "fitted.json"), "--force"]);
+        const expected = numbers(readFileSync(join(folder, "fitted.json"), "utf8"));
+        const found = numbers(await page.locator("#text").inputValue());
+        assert.equal(found.length, expected.length);
+        // Another library of functions: a fit stops where its cost changes by 1e-8, and values by the root of that.
+        found.forEach((value, i) => assert.ok(Math.abs(value / expected[i] - 1) < 1e-3, `${fitFile}: ${found} is not ${expected}`));
+        assert.match(await page.locator("#fit-report").textContent(), /95 % interval/);
+      }
+      assert.deepEqual(await page.locator("#fit-figures figure:visible figcaption b").allTextContents(), ["Fit: duration", "Fit: restitution"]);
+      const kept = await page.evaluate(() => contactSpline.page.editor.current.name);
+      assert.equal(kept, "fitted");
+      for (const [text, told] of [["", "^probe.csv: file: is empty"], ["a,b\n1,2\n", "^probe.csv: columns: none holds a time"], ["time_s,force_n\n0,1\n", "^probe.csv: "]])
+        await fit([{ name: "probe.csv", mimeType: "text/csv", buffer: Buffer.from(text) }], told);
+      assert.equal(await page.locator("#fit-note.error").count(), 1);
+      assert.equal(await page.evaluate(() => contactSpline.page.editor.current.name), "fitted");
+    });
+  },
+
   async "files are dropped, and chosen again"() {
     await withPage(server.address, async (page) => {
       const csv = readFileSync(new URL("../../data/materials/felt_synthetic.csv", import.meta.url), "utf8");

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// screenshots.mjs NODE_MODULES PAGE.html FOLDER: the page after a strike and each chapter of its story, the instrument file, on a phone and a desktop, dark and light, to look
+// screenshots.mjs NODE_MODULES PAGE.html FOLDER: the page after a strike and each chapter of its story, a fitted material, the instrument file, on a phone and a desktop, dark and light, to look
 // at; preview.png, the image of links; and docs-light.png, which is docs/figures/web.png.
 import { mkdirSync } from "node:fs";
 import { join } from "node:path";
+import { fileURLToPath } from "node:url";
 
 import { serve } from "../../web/serve.mjs";
 import { closeBrowser, openPage } from "./browser.mjs";
@@ -26,6 +27,8 @@ const devices = { desktop: { width: 1280, height: 800 }, phone: { width: 390, he
   await page.screenshot({ path: join(folder, "preview.png") });
   await close();
 }
+const examples = new URL("../../examples/fit/", import.meta.url);
+const pulses = ["felt.fit.json", ...[1, 2, 3, 4, 5].map((i) => `felt_${i}.csv`)].map((name) => fileURLToPath(new URL(name, examples)));
 for (const [device, size] of Object.entries(devices))
   for (const colorScheme of ["light", "dark"]) {
     const { page, close } = await openPage(modules, server.address, { ...size, colorScheme, permissions: ["midi"] });
@@ -46,6 +49,10 @@ for (const [device, size] of Object.entries(devices))
       await page.waitForTimeout(400);
       await page.locator(`#chapter-${chapter}`).screenshot({ path: join(folder, `${device}-${colorScheme}-chapter-${chapter}.png`) });
     }
+    await page.getByText("Fit a material to measurements").click();
+    await page.locator("#fit-input").setInputFiles(pulses);
+    await page.getByText("Fitted in").waitFor();
+    if (device !== "docs") await page.locator("#editor").screenshot({ path: join(folder, `${device}-${colorScheme}-material.png`) });
     const editor = page.locator("#instrument-editor");
     await editor.scrollIntoViewIfNeeded();
     await page.locator("#file-drawing svg").waitFor();

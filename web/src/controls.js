@@ -15,12 +15,12 @@ export function readable(value) {
   return `${Number(digits)} × 10${power < 0 ? "⁻" : ""}${raised}`;
 }
 
-/** Hands every file that a user chooses to take(file), the same one again, too. */
+/** Hands every file that a user chooses to take(file, all that were chosen), the same one again, too. */
 export function whenChosen(input, take) {
   input.addEventListener("change", () => {
-    const [file] = input.files;
+    const files = [...input.files];
     input.value = "";
-    if (file) take(file);
+    if (files.length > 0) take(files[0], files);
   });
 }
 

@@ -72,7 +72,7 @@ export class Editor {
   }
 
   showFields() {
-    this.fields = materialFields(byId("text").value);
+    this.fields = materialFields(byId("text").value, this.current.table.length);
     byId("fields").hidden = this.fields === null;
     if (!this.fields) return;
     const force = this.fields.stiffness * kHeldAt ** this.fields.exponent;

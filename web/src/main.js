@@ -10,6 +10,7 @@ import { startEngine } from "../../hosts/npm/src/engine.js";
 import { startGenerator } from "../../hosts/npm/src/generator.js";
 import { Keys, keyName } from "./keys.js";
 import { Figures } from "./figures.js";
+import { Fitting } from "./fitting.js";
 import { InstrumentEditor } from "./instrument_editor.js";
 import { midiPerformance } from "./midi_file.js";
 import { redrawPlots } from "./plots.js";
@@ -136,6 +137,7 @@ class Page {
     this.reference = startStudies(await studies, kSampleRate);
     this.editor = new Editor(startGenerator(await generator), (design) => this.useDesign(design));
     this.editor.load({ name: "felt_c4" });
+    this.fitting = new Fitting(this.editor.generator, (text) => this.editor.load({ text }));
     this.reference.useMaterial(this.editor.current);
     this.instrumentEditor = new InstrumentEditor(this.editor.generator, (instrument) => this.playOwn(instrument));
     this.comparison = new Comparison(this.reference, kSampleRate, (samples) => this.audio.play(samples), () => this.changed());

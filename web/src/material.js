@@ -18,8 +18,9 @@ export function materialText(m) {
   return JSON.stringify(material, null, 2) + "\n";
 }
 
-/** The fields of a material file's text, or null if its contact is not one power law, which the editor cannot show. */
-export function materialFields(text) {
+/** The fields of a material file's text, or null if its contact is not one power law, which the editor cannot show. designed: its
+ * segments, if it states a tolerance. */
+export function materialFields(text, designed) {
   let material;
   try {
     material = JSON.parse(text.replace(/^\s*\/\/.*$/gm, ""));
@@ -29,7 +30,7 @@ export function materialFields(text) {
   const { contact, impact, spline } = material ?? {};
   const needed = [
     contact?.stiffness_n_per_m_alpha, contact?.exponent, impact?.mass_kg, impact?.min_speed_m_per_s, impact?.max_speed_m_per_s,
-    spline?.segments,
+    spline?.segments ?? designed,
   ];
   if (!needed.every(Number.isFinite) || material.live_exponent) return null;
   return {
@@ -41,7 +42,7 @@ export function materialFields(text) {
     mass: impact.mass_kg,
     slowest: impact.min_speed_m_per_s,
     fastest: impact.max_speed_m_per_s,
-    segments: spline.segments,
+    segments: spline.segments ?? designed,
     knots: spline.knots,
     minimise: spline.minimise ?? "contact_duration",
   };

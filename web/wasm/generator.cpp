@@ -7,10 +7,16 @@
 #include <exception>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 
 #include "generator/cli/instrument_page.hpp"
 #include "generator/emit/emit_material.hpp"
+#include "generator/fit/data_table.hpp"
+#include "generator/fit/fit.hpp"
+#include "generator/fit/fit_panels.hpp"
+#include "generator/fit/fitted_material.hpp"
+#include "generator/fit/measurements_reader.hpp"
 #include "generator/instrument/diagram.hpp"
 #include "generator/instrument/instrument_reader.hpp"
 #include "generator/material/material_reader.hpp"
@@ -25,13 +31,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::map<std::string, std::string> curves;  // that the page was given, by the names of their files
+std::map<std::string, std::string> files;  // that the page was given, by their names
 
 Bytes instrument_bytes;  // of the last instrument
 
-std::string read_curve(const std::string& path) {
-  const auto given = curves.find(path);
-  return given == curves.end() ? shipped_file(path) : given->second;
+std::string read_file(const std::string& path) {
+  const auto given = files.find(path);
+  return given == files.end() ? shipped_file(path) : given->second;
 }
 
 // The command that the emitted files quote is the one that `contactspline generate NAME.json` quotes.
@@ -109,13 +115,80 @@ Json drawing_of(const InstrumentModel& model, double width) {
   return {{"width", size.width}, {"height", size.height}, {"lines", lines}, {"dots", dots}, {"labels", labels}};
 }
 
+// The key of a fit file that a data file belongs to, by what it is over.
+const char* key_for(const std::string& file) {
+  constexpr std::array kWanted = {Quantity::kTime, Quantity::kCompression, Quantity::kSpeed};
+  const DataTable table = read_table(read_file(file), file, kWanted, {});
+  if (table.has(Quantity::kTime)) return "pulses";
+  if (table.has(Quantity::kCompression)) return "curves";
+  if (table.has(Quantity::kSpeed)) return "tables";
+  refuse(file, "columns", "none holds a time, a speed or a compression",
+         "force over time, contact times over speed_m_per_s, or force over compression; with units, as in time_ms");
+}
+
+// Data and model of each kind as rows by rising place; pulses stand one after another.
+Json panels_of(const Fit& fit) {
+  Json panels = Json::array();
+  for (const PanelOfFit& panel : kFitPanels) {
+    std::vector<std::array<double, 3>> rows;
+    double end = 0;
+    for (const FitQuality& quality : fit.qualities) {
+      if (quality.quantity != panel.quantity) continue;
+      const double begin = panel.from_begin ? end - quality.at.front() : 0;
+      for (std::size_t i = 0; i < quality.at.size(); ++i)
+        rows.push_back({panel.at_scale * (begin + quality.at[i]), panel.value_scale * quality.measured[i],
+                        panel.value_scale * quality.modelled[i]});
+      end = begin + quality.at.back();
+    }
+    if (rows.empty()) continue;
+    std::ranges::stable_sort(rows, {}, [](const auto& row) { return row[0]; });
+    Json columns = Json::array({Json::array(), Json::array(), Json::array()});
+    for (const auto& row : rows)
+      for (std::size_t i = 0; i < row.size(); ++i) columns[i].push_back(row[i]);
+    panels.push_back({{"quantity", panel.quantity},
+                      {"at", panel.at},
+                      {"value", panel.value},
+                      {"isLine", panel.from_begin || panel.is_relative},
+                      {"columns", columns}});
+  }
+  return panels;
+}
+
 }  // namespace
+
+/// Writes a fit file for data files that the page was given, a name a line, of impacts of this mass. Returns JSON:
+/// {"text"}, or {"error": one line}. The page frees `names`.
+CONTACTSPLINE_WEB(const char*, contactspline_fit_file, const char* names, double mass_kg) {
+  try {
+    Json fit = {{"name", "fitted"}, {"mass_kg", mass_kg}};
+    std::istringstream lines{names};
+    for (std::string name; std::getline(lines, name);) fit[key_for(name)].push_back({{"file", name}});
+    return keep(Json{{"text", fit.dump(2) + "\n"}}.dump());
+  } catch (const std::exception& error) {
+    return keep(Json{{"error", error.what()}}.dump());
+  }
+}
+
+/// Fits a material to the data that a fit file names. Returns JSON: the text of its file, the report that
+/// `contactspline fit` prints, and data with model for figures; or {"error": one line}. The page frees `text`.
+CONTACTSPLINE_WEB(const char*, contactspline_fit, const char* text, const char* file) {
+  try {
+    const Measurements measured = parse_measurements(text, file, read_file);
+    const Fit fit = fit_material(measured, file, [](const std::string& /*what*/) {});
+    return keep(Json{{"material", material_text(fit, measured, "Written by contactspline " CONTACTSPLINE_VERSION)},
+                     {"report", report_of(fit, measured)},
+                     {"panels", panels_of(fit)}}
+                    .dump());
+  } catch (const std::exception& error) {
+    return keep(Json{{"error", error.what()}}.dump());
+  }
+}
 
 /// Designs the material of this text. Returns JSON: the emitted files by name, the table, the curve and the errors;
 /// or {"error": one line} for bad input. The page frees `text`.
 CONTACTSPLINE_WEB(const char*, contactspline_generate, const char* text, const char* file) {
   try {
-    return keep(described(design_material(text, file, read_curve)).dump());
+    return keep(described(design_material(text, file, read_file)).dump());
   } catch (const std::exception& error) {
     return keep(Json{{"error", error.what()}}.dump());
   }
@@ -126,7 +199,7 @@ CONTACTSPLINE_WEB(const char*, contactspline_generate, const char* text, const c
 CONTACTSPLINE_WEB(const char*, contactspline_instrument, const char* text, const char* file, double width,
                   double sample_rate_hz) {
   try {
-    const InstrumentModel model = parse_instrument(text, file, read_curve);
+    const InstrumentModel model = parse_instrument(text, file, read_file);
     if (const auto body = silent_body(model, sample_rate_hz / 2))
       refuse(file, *body, fmt::format("has no mode below {} Hz", sample_rate_hz / 2), "a body that moves below it");
     instrument_bytes = packed(arrays_of(model, sample_rate_hz / 2).view());
@@ -156,9 +229,9 @@ CONTACTSPLINE_WEB(const char*, contactspline_instruments) {
   return keep(texts.dump());
 }
 
-/// Takes a measured curve, a CSV file that materials may name.
-CONTACTSPLINE_WEB(void, contactspline_take_curve, const char* name, const char* csv) {
-  curves[name] = csv;
+/// Takes a file that materials, instruments and fits may name: a measured curve, a material, data of impacts.
+CONTACTSPLINE_WEB(void, contactspline_take_file, const char* name, const char* text) {
+  files[name] = text;
 }
 
 /// The material files that ship, as a JSON object: text by name.

@@ -56,6 +56,11 @@ constexpr auto find_if(Range&& range, Predicate holds, Projection projection = {
                       [&](const auto& element) { return std::invoke(holds, std::invoke(projection, element)); });
 }
 
+template <typename Range, typename Value>
+constexpr void replace(Range&& range, const Value& before, const Value& after) {
+  std::replace(std::begin(range), std::end(range), before, after);
+}
+
 #define CONTACTSPLINE_ALGORITHM(name)                                      \
   template <typename Range, typename Predicate>                            \
   constexpr auto name(Range&& range, Predicate holds) {                    \

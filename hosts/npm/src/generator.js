@@ -2,6 +2,13 @@
 // The generator of Contact Spline.
 import { startModule, textAt, withTexts } from "./wasm_module.js";
 
+// The JSON at an address; its error is thrown.
+function answered(exports, address) {
+  const answer = JSON.parse(textAt(exports, address));
+  if (answer.error !== undefined) throw new Error(answer.error);
+  return answer;
+}
+
 /** The generator, from generator.wasm compiled or as bytes. */
 export function startGenerator(module) {
   const exports = startModule(module);
@@ -9,8 +16,15 @@ export function startGenerator(module) {
     /** The text of every material that ships, by name. */
     materials: () => JSON.parse(textAt(exports, exports.contactspline_materials())),
 
-    /** Takes a file that materials and instrument files may name: a measured curve in CSV, a material. */
-    takeFile: (name, text) => withTexts(exports, [name, text], (...at) => exports.contactspline_take_curve(...at)),
+    /** Takes a file that materials, instrument files and fit files may name: a measured curve or data in CSV, a material. */
+    takeFile: (name, text) => withTexts(exports, [name, text], (...at) => exports.contactspline_take_file(...at)),
+
+    /** The text of a fit file for data files that it was given, of impacts of this mass [kg]. Throws bad input. */
+    fitFile: (names, mass) => answered(exports, withTexts(exports, [names.join("\n")], (at) => exports.contactspline_fit_file(at, mass))).text,
+
+    /** Fits a material as a fit file says: { material: the text of its file, report, panels } (web/wasm/generator.cpp). Throws bad
+     * input. */
+    fit: (text, file) => answered(exports, withTexts(exports, [text, file], (...at) => exports.contactspline_fit(...at))),
 
     /** The text of every instrument file that ships, by name. */
     instruments: () => JSON.parse(textAt(exports, exports.contactspline_instruments())),
@@ -26,11 +40,6 @@ export function startGenerator(module) {
     },
 
     /** Designs a material: its emitted files by name, table, curve and errors (web/wasm/generator.cpp). Throws bad input. */
-    design(text, file) {
-      const address = withTexts(exports, [text, file], (...at) => exports.contactspline_generate(...at));
-      const design = JSON.parse(textAt(exports, address));
-      if (design.error) throw new Error(design.error);
-      return design;
-    },
+    design: (text, file) => answered(exports, withTexts(exports, [text, file], (...at) => exports.contactspline_generate(...at))),
   };
 }
