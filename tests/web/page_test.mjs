@@ -213,6 +213,7 @@ const cases = {
         // Another library of functions: a fit stops where its cost changes by 1e-8, and values by the root of that.
         found.forEach((value, i) => assert.ok(Math.abs(value / expected[i] - 1) < 1e-3, `${fitFile}: ${found} is not ${expected}`));
         assert.match(await page.locator("#fit-report").textContent(), /95 % interval/);
+        assert.match(await page.locator("#design-note").textContent(), /, a = \d\.\d{1,3}\. \d+ segments/);
       }
       assert.deepEqual(await page.locator("#fit-figures figure:visible figcaption b").allTextContents(), ["Fit: duration", "Fit: restitution"]);
       const kept = await page.evaluate(() => contactSpline.page.editor.current.name);
@@ -1290,7 +1291,7 @@ const cases = {
       assert.deepEqual(broken.slice(0, 3), []);
       await page.keyboard.press("a");
       await page.waitForFunction(() => contactSpline.page.figures.captured.length > 0);
-      await slide(page, "exponent a", 2.2);
+      await slide(page.locator("#editor"), "exponent a", 2.2); // the story has such a slider, too
       await page.getByText("a = 2.2.").waitFor();
     });
   },

@@ -22,8 +22,8 @@ const devices = { desktop: { width: 1280, height: 800 }, phone: { width: 390, he
     stage.setPlaying(false);
     stage.time.value = 0.1;
     stage.time.dispatchEvent(new Event("input"));
-    scrollTo(0, document.getElementById("stage-figure").getBoundingClientRect().top - 4);
   });
+  await page.addStyleTag({ content: "#play > :not(#stage-figure), footer { display: none } #stage { height: 500px }" });
   await page.screenshot({ path: join(folder, "preview.png") });
   await close();
 }

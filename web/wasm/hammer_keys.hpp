@@ -115,7 +115,7 @@ struct HammerKeysParameter {
       {HammerStringParameter::kList[HammerStringParameter::kSpeed],
        HammerStringParameter::kList[HammerStringParameter::kStiffnessRatio],
        KeyboardParameter::kList[KeyboardParameter::kMassRatio],
-       {"strike_position", "", {0.01, 0.99}, {0.02, 0.5}, 0.12, Scale::kLinear, Acts::kAtNextNote},
+       {"strike_position", "of the length", {0.01, 0.99}, {0.02, 0.5}, 0.12, Scale::kLinear, Acts::kAtNextNote},
        HammerStringParameter::kList[HammerStringParameter::kSustain]}};
   static constexpr std::array<Output, 2> kOutputs = {{{"left_force_n", "N", 80}, {"right_force_n", "N", 80}}};
 };
