@@ -347,7 +347,7 @@ std::vector<FitValues> FitProblem::scanned_contacts() {
 }
 
 // The levels of high partials have many minima over mass and stiffness, those of low ones few: they show the way.
-// Noise misleads few levels most, so the lowest partials alone are tried only if six of them lead nowhere.
+// Noise misleads few levels most, so fewer or more than six partials are tried only if six of them lead nowhere.
 void FitProblem::find_contact() {
   std::set<double> frequencies;
   double levels = 0;
@@ -357,13 +357,17 @@ void FitProblem::find_contact() {
       ++levels;
     }
   const std::vector<double> sorted(frequencies.begin(), frequencies.end());
-  FitValues best = contact_from(6, sorted);
-  if (best.cost > levels / 2)
-    if (const FitValues other = contact_from(measured_.struck->has_common_gain ? 1 : 2, sorted);
-        other.cost < best.cost)
-      best = other;
+  FitValues best;
+  best.cost = std::numeric_limits<double>::infinity();
+  const std::size_t fewest = measured_.struck->has_common_gain ? 1 : 2;
+  for (const std::size_t partials : {std::size_t{6}, fewest, std::size_t{3}, std::size_t{12}}) {
+    const FitValues found = contact_from(partials, sorted);
+    if (found.cost < best.cost) best = found;
+    if (best.cost <= levels / 2) break;
+  }
   scales_.max_frequency_hz = std::numeric_limits<double>::infinity();
   if (!std::isfinite(best.cost)) return;
+  best = best_beside(best);
   const double at_m = scales_.reference_m;
   take_contact(std::exp(best.parameters[kLogMass]), std::exp(best.parameters[kLogTime]));
   contact_ = {scales_.reference_m, std::exp(best.parameters[kLogForce] +
@@ -373,26 +377,49 @@ void FitProblem::find_contact() {
 
 // The best of several contacts, fitted to the levels of so many partials, then to twice as many, and so on to all.
 FitValues FitProblem::contact_from(std::size_t partials, const std::vector<double>& frequencies) {
-  constexpr int kSteps = 24;
   constexpr double kNoise = 0.2;
   const auto limit_to = [&](std::size_t count) {
     scales_.max_frequency_hz = frequencies[std::min(count, frequencies.size()) - 1];
   };
   limit_to(partials);
-  std::vector<FitParameter> frees{kLogForce};
-  if (std::ranges::count(measured_.laws, "power") > 0) frees.push_back(kExponent);
-  if (measured_.fits_mass()) frees.push_back(kLogMass);
-  if (measured_.struck->has_common_gain) frees.push_back(kLogGain);
   FitValues best;
   best.cost = std::numeric_limits<double>::infinity();
   for (FitValues values : scanned_contacts()) {
     std::ranges::fill(values.noise, kNoise);
     for (std::size_t count = partials;; count *= 2) {
       limit_to(count);
-      values = search(values, frees, kSteps, Samples::kAll);
+      values = search_contact(values);
       if (count >= frequencies.size()) break;
     }
     if (values.cost < best.cost) best = values;
+  }
+  return best;
+}
+
+FitValues FitProblem::search_contact(const FitValues& from) const {
+  constexpr int kSteps = 12;
+  std::vector<FitParameter> frees{kLogForce};
+  if (std::ranges::count(measured_.laws, "power") > 0) frees.push_back(kExponent);
+  if (measured_.fits_mass()) frees.push_back(kLogMass);
+  if (measured_.struck->has_common_gain) frees.push_back(kLogGain);
+  return search(from, frees, kSteps, Samples::kAll);
+}
+
+// The levels of all partials have minima about a twelfth of the mass apart, at contacts of equal duration: those on
+// both sides are tried as long as they lead down.
+FitValues FitProblem::best_beside(FitValues best) const {
+  constexpr std::array kSteps = {-0.14, -0.07, 0.07, 0.14};
+  constexpr double kLower = 0.999;
+  for (double before = 2 * best.cost; best.cost < kLower * before;) {
+    before = best.cost;
+    const FitValues from = best;
+    for (const double step : kSteps) {
+      FitValues values = from;
+      values.parameters[kLogForce] += step;
+      if (measured_.fits_mass()) values.parameters[kLogMass] += step;
+      values = search_contact(values);
+      if (values.cost < best.cost) best = values;
+    }
   }
   return best;
 }

@@ -86,6 +86,8 @@ class FitProblem {
   [[nodiscard]] std::vector<FitValues> scanned_contacts();
   void find_contact();
   [[nodiscard]] FitValues contact_from(std::size_t partials, const std::vector<double>& frequencies);
+  [[nodiscard]] FitValues search_contact(const FitValues& from) const;
+  [[nodiscard]] FitValues best_beside(FitValues best) const;
   void add_sources();
   void add_levels();
   std::size_t source_called(const std::string& file, const std::string& quantity);

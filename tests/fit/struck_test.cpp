@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <numeric>
+#include <vector>
 
 #include "fit/struck_strings.hpp"
 #include "generator/fit/fit.hpp"
@@ -47,11 +49,16 @@ void expect_near(const Estimate& estimate, double truth) {
   EXPECT_LT(std::abs(estimate.value - truth), estimate.high - estimate.low);
 }
 
+// Number 40 has minima beside the hammer that are nearly as deep, number 61 shows its own to few starts only.
 TEST(StruckFit, FindsHammerMassAndStiffness) {
-  const int fits = std::getenv("CONTACTSPLINE_FULL_TESTS") != nullptr ? 100 : 2;
+  std::vector<int> hammers{0, 40, 61};
+  if (std::getenv("CONTACTSPLINE_FULL_TESTS") != nullptr) {
+    hammers.resize(100);
+    std::iota(hammers.begin(), hammers.end(), 0);
+  }
   int masses_held = 0, exponents_held = 0;
   double mass_error = 0, force_error = 0;
-  for (int i = 0; i < fits; ++i) {
+  for (const int i : hammers) {
     SCOPED_TRACE(i);
     Random random(static_cast<std::uint64_t>(i) + 5000);
     StruckResonator struck = string_struck_at(random.between(0.08, 0.15), 0.004, random.log_between(130, 300));
@@ -69,9 +76,10 @@ TEST(StruckFit, FindsHammerMassAndStiffness) {
     exponents_held += holds(fit.exponent, felt.law.exponent) ? 1 : 0;
   }
   std::printf(
-      "%d fits: largest error of the mass %.2f %%, of the force at half the compression %.2f %%; intervals hold mass "
+      "%zu fits: largest error of the mass %.2f %%, of the force at half the compression %.2f %%; intervals hold "
+      "mass "
       "%d, exponent %d times\n",
-      fits, 100 * mass_error, 100 * force_error, masses_held, exponents_held);
+      hammers.size(), 100 * mass_error, 100 * force_error, masses_held, exponents_held);
   EXPECT_LT(mass_error, 0.05);
   EXPECT_LT(force_error, 0.05);
 }
