@@ -397,7 +397,7 @@ FitValues FitProblem::contact_from(std::size_t partials, const std::vector<doubl
 }
 
 FitValues FitProblem::search_contact(const FitValues& from) const {
-  constexpr int kSteps = 12;
+  constexpr int kSteps = 24;
   std::vector<FitParameter> frees{kLogForce};
   if (std::ranges::count(measured_.laws, "power") > 0) frees.push_back(kExponent);
   if (measured_.fits_mass()) frees.push_back(kLogMass);

@@ -7,8 +7,12 @@
 
 #include <cstdlib>
 #include <ctime>
+#include <map>
+#include <numbers>
 #include <set>
+#include <vector>
 
+#include "fit/least_deviation.hpp"
 #include "fit/measured_impacts.hpp"
 #include "generator/fit/fitted_material.hpp"
 #include "generator/material/material_reader.hpp"
@@ -36,16 +40,7 @@ void expect_near(const Estimate& estimate, double truth) {
   EXPECT_LT(std::abs(estimate.value - truth), estimate.high - estimate.low);
 }
 
-ViscoelasticLaw<double> model_of(const TrueMaterial& truth, double reference_m) {
-  return {std::log(truth.law.force(reference_m)),
-          truth.law.exponent,
-          truth.loss_s_per_m,
-          truth.weight,
-          truth.time_s,
-          reference_m};
-}
-
-constexpr double kSlowest = 0.2, kFastest = 6;
+constexpr double kSlowest = 0.2, kFastest = 6, kNoise = 0.01;
 
 /// The force at a compression that the fastest blow passes on its way in: a memory makes it depend on the motion.
 double loading_force(const ViscoelasticLaw<double>& law, double mass_kg, double y) {
@@ -57,22 +52,53 @@ double loading_force(const ViscoelasticLaw<double>& law, double mass_kg, double 
   return impact.force(state);
 }
 
+/// Errors of many fits of one quantity, beside the least standard deviations that their data allow.
+struct Scores {
+  double sum = 0, squares = 0;  // of errors in units of these
+  std::vector<double> deviations;
+
+  void add(double error, double deviation) {
+    const double score = error / deviation;
+    sum += score, squares += score * score;
+    deviations.push_back(deviation);
+  }
+  [[nodiscard]] double mean() const { return sum / static_cast<double>(deviations.size()); }
+  [[nodiscard]] double root_mean_square() const {
+    return std::sqrt(squares / static_cast<double>(deviations.size()));
+  }
+
+  /// The largest error that normal errors exceed as often as not.
+  [[nodiscard]] double likely_largest() const {
+    double low = 0, high = 10 * std::ranges::max(deviations);
+    for (int i = 0; i < 50; ++i) {
+      const double middle = (low + high) / 2;
+      double all_below = 1;
+      for (const double deviation : deviations) all_below *= std::erf(middle / (deviation * std::numbers::sqrt2));
+      (all_below < 0.5 ? low : high) = middle;
+    }
+    return low;
+  }
+};
+
 /// The largest errors of many fits, and how often the intervals hold the true values.
 struct Tally {
-  std::set<std::string> chosen;  ///< law and loss
+  std::map<std::string, Scores> scores;  ///< of each quantity, if all data are pulses
+  std::set<std::string> chosen;          ///< law and loss
   double exponent = 0, force = 0, loss = 0, weight = 0, time = 0, seconds = 0;
   int fits = 0, exponents_held = 0, stiffnesses_held = 0, losses_held = 0, weights_held = 0, times_held = 0;
 
-  void add(const Fit& fit, const TrueMaterial& truth) {
+  void add(const Fit& fit, const TrueMaterial& truth, std::span<const Pulse> pulses) {
     ++fits;
     chosen.insert(fit.law + " " + fit.loss);
     const double half = fit.max_compression_m / 2;
     const PowerLaw found{fit.stiffness.value, fit.exponent.value};
     exponent = std::max(exponent, std::abs(found.exponent - truth.law.exponent));
-    const double ratio = truth.weight > 0 ? loading_force(fit.model, truth.mass_kg, half) /
-                                                loading_force(model_of(truth, half), truth.mass_kg, half)
-                                          : found.force(half) / truth.law.force(half);
-    force = std::max(force, std::abs(ratio - 1));
+    const auto log_force = [&](const TrueMaterial& material) {
+      return std::log(material.weight > 0 ? loading_force(model_of(material, half), truth.mass_kg, half)
+                                          : material.law.force(half));
+    };
+    const TrueMaterial fitted{found, fit.loss_s_per_m.value, truth.mass_kg, fit.weight.value, fit.time_s.value};
+    force = std::max(force, std::abs(std::exp(log_force(fitted) - log_force(truth)) - 1));
     exponents_held += holds(fit.exponent, truth.law.exponent) ? 1 : 0;
     stiffnesses_held += holds(fit.stiffness, truth.law.stiffness) ? 1 : 0;
     if (truth.loss_s_per_m > 0) {
@@ -85,6 +111,18 @@ struct Tally {
       weights_held += holds(fit.weight, truth.weight) ? 1 : 0;
       times_held += holds(fit.time_s, truth.time_s) ? 1 : 0;
     }
+    if (pulses.empty()) return;
+    const LeastDeviation least(truth, pulses, kNoise);
+    const auto score = [&](const char* name, const auto& of) {
+      scores[name].add(of(fitted) - of(truth), least.of(of));
+    };
+    score("force", log_force);
+    score("exponent", [](const TrueMaterial& material) { return material.law.exponent; });
+    if (truth.loss_s_per_m > 0)
+      score("loss", [](const TrueMaterial& material) { return std::log(material.loss_s_per_m); });
+    if (truth.weight == 0) return;
+    score("weight", [](const TrueMaterial& material) { return std::log(material.weight); });
+    score("time", [](const TrueMaterial& material) { return std::log(material.time_s); });
   }
 
   void print() const {
@@ -95,6 +133,10 @@ struct Tally {
         "%d, weight %d, time %d times; the longest fit took %.2f s of processor time\n",
         fits, exponent, 100 * force, 100 * loss, 100 * weight, 100 * time, exponents_held, stiffnesses_held,
         losses_held, weights_held, times_held, seconds);
+    for (const auto& [name, score] : scores)
+      std::printf(
+          "  %s: errors in least standard deviations: mean %.2f, root mean square %.2f; likely largest %.4f\n",
+          name.c_str(), score.mean(), score.root_mean_square(), score.likely_largest());
   }
 };
 
@@ -112,6 +154,16 @@ void expect_all_held(const Tally& tally) {
   expect_held(tally.losses_held, tally.fits);
 }
 
+// No fit without bias can do better than the bound of Cramer and Rao. The mean of n errors in its units deviates from
+// 0 by 1/sqrt(n), their root mean square from 1 by 1/sqrt(2 n): four deviations come once in 16,000 times.
+void expect_best(const Tally& tally) {
+  const double n = tally.fits;
+  for (const auto& [name, score] : tally.scores) {
+    EXPECT_TRUE(within(score.mean(), 0, 4 / std::sqrt(n))) << name;
+    EXPECT_TRUE(within(score.root_mean_square(), 1, 4 / std::sqrt(2 * n))) << name;
+  }
+}
+
 struct Measured {
   TrueMaterial truth;
   Measurements measurements;
@@ -127,7 +179,7 @@ Tally tally_of(std::uint64_t seed, Measure measure, int few = 12) {
     const std::clock_t begin = std::clock();
     const Fit fit = fit_of(measured.measurements);
     tally.seconds = std::max(tally.seconds, static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC);
-    tally.add(fit, measured.truth);
+    tally.add(fit, measured.truth, measured.measurements.pulses);
   }
   tally.print();
   return tally;
@@ -137,23 +189,37 @@ Tally tally_of(std::uint64_t seed, Measure measure, int few = 12) {
 Measured pulses_with_loss(const TrueMaterial& truth, int count, double slowest, double fastest, Random& random) {
   Measurements measured = measurements_of(truth);
   measured.losses = {"none", "hunt_crossley"};
-  measured.pulses = pulses_of(truth, count, slowest, fastest, 0.01, random);
+  measured.pulses = pulses_of(truth, count, slowest, fastest, kNoise, random);
   return {truth, measured};
 }
 
 // Contacts of 5 to 10 ms at 2 m/s, exponents from 1.6 to 2.5. Shorter ones have fewer samples, and all errors grow
 // with the root of that.
-TEST(Fit, FindsRandomMaterialsFromEightPulses) {
-  const Tally tally = tally_of(1, [](Random& random) {
-    return pulses_with_loss(lasting(random.log_between(5e-3, 10e-3), random.between(1.6, 2.5),
-                                    random.between(0.1, 0.2), random.log_between(2e-3, 2e-2)),
-                            8, kSlowest, kFastest, random);
-  });
+Tally tally_of_eight_pulses(double max_exponent, int few) {
+  const Tally tally = tally_of(
+      1,
+      [&](Random& random) {
+        return pulses_with_loss(lasting(random.log_between(5e-3, 10e-3), random.between(1.6, max_exponent),
+                                        random.between(0.1, 0.2), random.log_between(2e-3, 2e-2)),
+                                8, kSlowest, kFastest, random);
+      },
+      few);
   EXPECT_EQ(tally.chosen, std::set<std::string>{"power hunt_crossley"});
-  EXPECT_LT(tally.exponent, 0.01);
-  EXPECT_LT(tally.force, 0.005);
   EXPECT_LT(tally.loss, 0.03);
   expect_all_held(tally);
+  expect_best(tally);
+  return tally;
+}
+
+TEST(Fit, FindsRandomMaterialsFromEightPulses) {
+  const Tally tally = tally_of_eight_pulses(2.5, 12);
+  EXPECT_LT(tally.exponent, 0.01);
+  EXPECT_LT(tally.force, 0.005);
+}
+
+// The noise leaves exponents of 3 a standard deviation of up to 0.004.
+TEST(Fit, FindsExponentsUpTo3AsWellAsTheNoiseAllows) {
+  tally_of_eight_pulses(3, 4);
 }
 
 // What the pulses of stiff hammers allow is less; the intervals say so.
@@ -164,6 +230,7 @@ TEST(Fit, SaysHowWellShortPulsesAreKnown) {
                             5, 0.5, 4, random);
   });
   expect_all_held(tally);
+  expect_best(tally);
 }
 
 // ln T falls with ln v by (a - 1)/(a + 1). With n values of 1 % over a ratio R of speeds, its deviation is
@@ -218,8 +285,7 @@ TEST(Fit, ChoosesTheSimplestLawThatDescribesTheData) {
   }
 }
 
-// Stulov's felt: weights from 0.4 to 0.8, relaxation times from 0.05 to 0.3 of the contact at 2 m/s. The noise leaves
-// the force a standard deviation of 0.25 %; a hundred stay within three.
+// Stulov's felt: weights from 0.4 to 0.8, relaxation times from 0.05 to 0.3 of the contact at 2 m/s.
 TEST(Fit, FindsTheMemoryOfAFelt) {
   const Tally tally = tally_of(
       3000,
@@ -229,18 +295,18 @@ TEST(Fit, FindsTheMemoryOfAFelt) {
         felt.weight = weight;
         felt.time_s = duration * random.log_between(0.05, 0.3);
         Measurements measured = measurements_of(felt);
-        measured.pulses = pulses_of(felt, 8, kSlowest, kFastest, 0.01, random);
+        measured.pulses = pulses_of(felt, 8, kSlowest, kFastest, kNoise, random);
         return Measured{felt, measured};
       },
       3);
   EXPECT_EQ(tally.chosen, std::set<std::string>{"power memory"});
   EXPECT_LT(tally.exponent, 0.01);
-  EXPECT_LT(tally.force, 0.0075);
   EXPECT_LT(tally.weight, 0.02);
   EXPECT_LT(tally.time, 0.05);
   expect_held(tally.exponents_held, tally.fits);
   expect_held(tally.weights_held, tally.fits);
   expect_held(tally.times_held, tally.fits);
+  expect_best(tally);
 }
 
 // A slow press, and both branches of an impact: F (1 + loss v) at the speed of each sample.
