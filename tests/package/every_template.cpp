@@ -66,6 +66,7 @@
 #include "contactspline/step/splice.hpp"
 #include "contactspline/tangent/contact_tangent.hpp"
 #include "contactspline/tangent/mass_barrier_tangent.hpp"
+#include "contactspline/tangent/network_tangent.hpp"
 #include "contactspline/tangent/strike_gradient.hpp"
 #include "contactspline/tangent/strike_tangent.hpp"
 
@@ -86,6 +87,7 @@ using Felt = materials::felt_c4;
   template class detail::StrikeBackwards<T>;                                                                    \
   template class ContactTangent<T, 3>;                                                                          \
   template class MassBarrierTangent<T, 3>;                                                                      \
+  template class NetworkTangent<T, 3>;                                                                          \
   template class StrikeTangent<T, 3>;                                                                           \
   template T derivative(const StrikeNumbers<T>&, const StrikeNumbers<T>&);                                      \
   template class detail::TableLessLine<T>;                                                                      \
@@ -151,6 +153,8 @@ template class SlideString<float, segments_of<Felt, float>.size(), String::modes
 
 template const std::array<Segment<float>, Felt::segments + 1> segments_of<Felt, float>;
 template const std::array<Mode, String::modes> modes_in<String>;
+template std::vector<Segment<float>> compensated_direction(SegmentTable<float>, float, const CompensatedFor<float>&,
+                                                           std::span<const Segment<float>>, float);
 template StrikeNumbers<float> strike_gradient(const HammerStrike<float>&, double, std::span<const float>,
                                               std::span<const float>);
 template StrikeNumbers<double> strike_gradient(const HammerStrike<double>&, double, std::span<const double>,

@@ -26,12 +26,15 @@ using BitsOf = std::conditional_t<sizeof(T) == sizeof(std::uint32_t), std::uint3
 /// NaN larger still. Compilers that assume finite numbers (-Ofast) drop std::isnan, but not this.
 template <std::floating_point T>
 [[nodiscard]] constexpr BitsOf<T> magnitude_bits(T value) {
-  static_assert(sizeof(T) == sizeof(BitsOf<T>) && std::numeric_limits<T>::is_iec559);
-  return std::bit_cast<BitsOf<T>>(value) & (~BitsOf<T>(0) >> 1);
+  static_assert(std::numeric_limits<T>::is_iec559);
+  if constexpr (sizeof(T) > sizeof(double))  // long double
+    return magnitude_bits(static_cast<double>(value));
+  else
+    return std::bit_cast<BitsOf<T>>(value) & (~BitsOf<T>(0) >> 1);
 }
 
 template <std::floating_point T>
-inline constexpr BitsOf<T> kInfinityBits = std::bit_cast<BitsOf<T>>(std::numeric_limits<T>::infinity());
+inline constexpr BitsOf<T> kInfinityBits = magnitude_bits(std::numeric_limits<T>::infinity());
 
 }  // namespace detail
 

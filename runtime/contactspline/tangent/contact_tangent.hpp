@@ -49,6 +49,39 @@ template <std::floating_point T>
   return table_through(table, end_m, [&](T y) { return y > 0 ? force(table, y) * std::log(y / reference_m) : T(0); });
 }
 
+/// What the table of a material with `compensation` is made for: the time step, and the mass that both bodies have
+/// together.
+template <std::floating_point T>
+struct CompensatedFor {
+  T time_step_s, mass_kg;
+};
+
+namespace detail {
+
+/// dF/dy of a table at a knot: the mean of both sides.
+template <std::floating_point T>
+[[nodiscard]] T slope_at_knot(SegmentTable<T> table, T knot) {
+  const std::size_t j = segment_index(table, knot);
+  return table[j].half_curvature + table[j > 1 && knot == table[j].knot ? j - 1 : j].half_curvature;
+}
+
+}  // namespace detail
+
+/// The direction of a table with compensation, from E, its direction as if it had none (empty: 0): for the stiffness
+/// the table itself, for the exponent exponent_direction. of_mass_kg: the direction of the mass. To second order in
+/// the time step the compensated force is F + h F F', h = dt^2/(6 m), and its direction E + h F E' - h F F' dm/m.
+template <std::floating_point T>
+[[nodiscard]] std::vector<Segment<T>> compensated_direction(SegmentTable<T> table, T end_m,
+                                                            const CompensatedFor<T>& made_for,
+                                                            std::span<const Segment<T>> without, T of_mass_kg = 0) {
+  const T h = made_for.time_step_s * made_for.time_step_s / (6 * made_for.mass_kg);
+  return table_through(table, end_m, [&](T y) {
+    T slope = -detail::slope_at_knot(table, y) * of_mass_kg / made_for.mass_kg;
+    if (!without.empty()) slope += detail::slope_at_knot(SegmentTable<T>(without), y);
+    return (without.empty() ? T(0) : force(SegmentTable<T>(without), y)) + h * force(table, y) * slope;
+  });
+}
+
 namespace detail {
 
 /// The part of the path of a contact over one sample on which the potential is not flat, in pieces that lie in one
@@ -192,32 +225,44 @@ class ContactTangent {
   /// Follows a sample that the model has advanced from the compression `before` [m], with its controls.
   Step advance(const ContactControls<T>& controls, const Number& before, const Number& free_increment,
                const Number& admittance, T force, T compression) {
-    const Number ratio = with_direction(controls.stiffness_ratio, &ContactNumbers<T>::stiffness_ratio) * stiffness_;
-    const detail::ContactPath<T> path(table_, remembered_.line().value, before.value, compression);
-    const detail::ContactSlopes<T> slopes(path, {ratio.value, controls.loss_s_per_m}, time_step_, admittance.value,
-                                          force);
+    const Response response = respond(controls, before, force, compression);
     Step step{force, compression};
     for (std::size_t p = 0; p < P; ++p) {
       const T pushed = free_increment.slopes[p] - force * admittance.slopes[p];
-      T change = slopes.moved() * before.slopes[p] + slopes.after * pushed + slopes.ratio * ratio.slopes[p] +
-                 slopes.loss * directions_[p].loss_s_per_m + slopes.line * remembered_.line().slopes[p];
-      if (const auto& table = directions_[p].table; force > 0 && !table.empty())
-        change += slopes.table * path.mean_force(table) +
-                  slopes.table_before * table[path.segment_before()].force_at(before.value);
-      step.force.slopes[p] = change / slopes.gain;
+      step.force.slopes[p] =
+          (response.force.slopes[p] + response.stiffness * pushed) / (1 + admittance.value * response.stiffness);
       step.compression.slopes[p] = before.slopes[p] + pushed - admittance.value * step.force.slopes[p];
     }
     relax(step.compression);
     return step;
   }
 
- private:
-  [[nodiscard]] Number with_direction(T value, T ContactNumbers<T>::*member) const {
-    Number number(value);
-    for (std::size_t p = 0; p < P; ++p) number.slopes[p] = directions_[p].*member;
-    return number;
+  /// How the force of a sample responds to its increment x: the derivative of the force is that of `force` plus
+  /// stiffness [N/m] times that of x.
+  struct Response {
+    Number force;
+    T stiffness;
+  };
+  /// The first half of advance(), for a contact whose increment follows from other forces, too. relax() is the
+  /// second.
+  [[nodiscard]] Response respond(const ContactControls<T>& controls, const Number& before, T force,
+                                 T compression) const {
+    const Number ratio = with_direction(controls.stiffness_ratio, &ContactNumbers<T>::stiffness_ratio) * stiffness_;
+    const detail::ContactPath<T> path(table_, remembered_.line().value, before.value, compression);
+    const detail::ContactSlopes<T> slopes(path, {ratio.value, controls.loss_s_per_m}, time_step_, T(0), force);
+    Response response{force, slopes.after};
+    for (std::size_t p = 0; p < P; ++p) {
+      T& change = response.force.slopes[p];
+      change = slopes.moved() * before.slopes[p] + slopes.ratio * ratio.slopes[p] +
+               slopes.loss * directions_[p].loss_s_per_m + slopes.line * remembered_.line().slopes[p];
+      if (const auto& table = directions_[p].table; force > 0 && !table.empty())
+        change += slopes.table * path.mean_force(table) +
+                  slopes.table_before * table[path.segment_before()].force_at(before.value);
+    }
+    return response;
   }
 
+  /// The memory follows the force at the end of a sample.
   void relax(const Number& compression) {
     if (remembered_.count() == 0) return;
     const T y = compression.value;
@@ -228,6 +273,13 @@ class ContactTangent {
       if (!directions_[p].table.empty()) force.slopes[p] += directions_[p].table[j].force_at(y);
     }
     remembered_.relax(force);
+  }
+
+ private:
+  [[nodiscard]] Number with_direction(T value, T ContactNumbers<T>::*member) const {
+    Number number(value);
+    for (std::size_t p = 0; p < P; ++p) number.slopes[p] = directions_[p].*member;
+    return number;
   }
 
   SegmentTable<T> table_;
