@@ -54,6 +54,8 @@ class ChildProcess {
     (void)exit_code(std::chrono::seconds(3));
   }
 
+  [[nodiscard]] pid_t process() const { return pid_; }
+
   /// Types at it.
   void write(const std::string& text) {
     if (::write(input_, text.data(), text.size()) != static_cast<ssize_t>(text.size()))

@@ -2,9 +2,6 @@
 // A display without a screen, and a window of a host in it that a plug-in's window is put into.
 #pragma once
 
-#include <X11/Xlib.h>
-#include <X11/Xutil.h>
-
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -20,6 +17,7 @@
 #include <vector>
 
 #include "plugins/child_process.hpp"
+#include "plugins/x11.hpp"
 
 namespace contactspline::testing {
 
@@ -47,6 +45,7 @@ class VirtualDisplay {
   }
 
   [[nodiscard]] Display* get() const { return display_; }
+  [[nodiscard]] pid_t process() const { return server_.process(); }
 
  private:
   // The line that is a number; others are messages.

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Nothing in a window is cut or lies on something else, at any scale.
+#include <gtest/gtest.h>
+
 #include <Application.hpp>
 #include <NanoVG.hpp>
 #include <StandaloneWindow.hpp>
@@ -15,12 +17,6 @@
 #include "contactspline/resonators/string_c4.hpp"
 #include "plugins/virtual_display.hpp"
 #include "window/instrument_window.hpp"
-
-// Behind the headers of X11, which has macros of its names.
-#undef None
-#undef Bool
-#undef Status
-#include <gtest/gtest.h>
 
 namespace contactspline::testing {
 namespace {

@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: MIT
 // The window of a plug-in in a host: opened, clicked, dragged, resized, photographed.
-#include "plugins/open_plugin.hpp"
-#include "plugins/virtual_display.hpp"
-
-// Behind the headers of X11, which has macros of its names.
-#undef None
-#undef Bool
-#undef Status
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "plugins/count_pictures.hpp"
+#include "plugins/open_plugin.hpp"
+#include "plugins/virtual_display.hpp"
 #include "window/instrument_window.hpp"
 
 namespace contactspline::testing {
@@ -181,6 +177,28 @@ TEST_P(WindowInHost, OpensAtTheScaleOfTheHost) {
     EXPECT_EQ(plugin_.window_size(), std::pair(2u * kWidth, 2u * kHeight));
   }
   EXPECT_TRUE(shows(is_drawn));
+}
+
+// Time is spent on pictures that differ from the last one only.
+TEST_P(WindowInHost, ShowsNoPictureWhileNothingMoves) {
+  open(1);
+  ASSERT_TRUE(shows(is_drawn));
+  plugin_.send(0, {0x90, 60, 100});
+  const int before = pictures;
+  EXPECT_TRUE(shows([&](const Photo&) { return (void)plugin_.run(3), pictures > before + 20; }));
+  plugin_.send(0, {0x80, 60, 0});
+  const auto is_still = [&] {  // for 30 frames, in each of which much is played
+    const int shown = pictures;
+    for (int frame = 0; frame < 30; ++frame) {
+      (void)plugin_.run(30);
+      plugin_.idle_window();
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));  // until the server draws
+    }
+    return pictures == shown;
+  };
+  bool was_still = false;
+  for (int i = 0; i < 30 && !was_still; ++i) was_still = is_still();
+  EXPECT_TRUE(was_still && is_still());
 }
 
 // What is played does not depend on who watches.

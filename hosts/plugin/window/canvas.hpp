@@ -29,8 +29,8 @@ struct Colour {
 };
 namespace colours {
 inline constexpr Colour kBackground{20, 22, 27}, kPanel{29, 32, 39}, kLine{58, 64, 75}, kText{232, 235, 240},
-    kMuted{152, 160, 173}, kAccent{255, 178, 74}, kAccentArea{70, 58, 45}, kWhiteKey{226, 229, 234},
-    kBlackKey{12, 13, 16}, kOnLight{70, 75, 84};
+    kMuted{152, 160, 173}, kAccent{255, 178, 74}, kWhiteKey{226, 229, 234}, kBlackKey{12, 13, 16},
+    kOnLight{70, 75, 84};
 }  // namespace colours
 
 /// A number in four digits or more, with its unit.
@@ -114,25 +114,19 @@ class Canvas {
     fill_path(colour);
   }
 
-  /// A curve through points, given as x and y.
-  void curve(const std::vector<float>& xs, const std::vector<float>& ys, const Colour& colour, float width) {
-    if (xs.size() < 2) return;
-    graphics_.beginPath();
-    graphics_.moveTo(xs[0], ys[0]);
-    for (std::size_t n = 1; n < xs.size(); ++n) graphics_.lineTo(xs[n], ys[n]);
-    stroke_path(colour, width);
-  }
-
-  /// The area between such a curve and a height, below all that is drawn by other functions but lay().
-  void lay_area(const std::vector<float>& xs, const std::vector<float>& ys, float floor, const Colour& colour) const {
+  /// A curve through points, given as x and y, below all that is drawn by other functions but lay(). The shader of
+  /// NanoVG costs processors without graphics hardware several times as much.
+  void curve(const std::vector<float>& xs, const std::vector<float>& ys, const Colour& colour, float width) const {
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+    glEnable(GL_LINE_SMOOTH);
+    glLineWidth(scale_ * width);
     glColor3ub(static_cast<GLubyte>(colour.red), static_cast<GLubyte>(colour.green),
                static_cast<GLubyte>(colour.blue));
-    glBegin(GL_TRIANGLE_STRIP);
-    for (std::size_t n = 0; n < xs.size(); ++n) {
-      glVertex2f(left_ + scale_ * xs[n], top_ + scale_ * ys[n]);
-      glVertex2f(left_ + scale_ * xs[n], top_ + scale_ * floor);
-    }
+    glBegin(GL_LINE_STRIP);
+    for (std::size_t n = 0; n < xs.size(); ++n) glVertex2f(left_ + scale_ * xs[n], top_ + scale_ * ys[n]);
     glEnd();
+    glDisable(GL_LINE_SMOOTH);
   }
 
   /// Text in a box, as large as it fits, at most `size`; the height of the box is used for one line.
@@ -196,35 +190,39 @@ class KeptFigure {
   /// Of a size in pixels.
   [[nodiscard]] bool has(unsigned width, unsigned height) const { return width_ == width && height_ == height; }
 
+  /// Keeps nothing where the graphics cannot copy it.
   void keep(unsigned width, unsigned height) {
     if (texture_ == 0) glGenTextures(1, &texture_);
+    if (frame_ == 0) glGenFramebuffers(1, &frame_);
     glBindTexture(GL_TEXTURE_2D, texture_);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-    glCopyTexImage2D(GL_TEXTURE_2D, 0, GL_RGB, 0, 0, static_cast<GLsizei>(width), static_cast<GLsizei>(height), 0);
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA, static_cast<GLsizei>(width), static_cast<GLsizei>(height), 0, GL_BGRA,
+                 GL_UNSIGNED_BYTE, nullptr);
     glBindTexture(GL_TEXTURE_2D, 0);
-    width_ = width;
-    height_ = height;
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, frame_);
+    glFramebufferTexture2D(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture_, 0);
+    copy(width, height);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
+    const bool is_kept = glGetError() == GL_NO_ERROR;
+    width_ = is_kept ? width : 0;
+    height_ = is_kept ? height : 0;
   }
 
   void show() const {
-    const auto width = static_cast<float>(width_), height = static_cast<float>(height_);
-    glEnable(GL_TEXTURE_2D);
-    glBindTexture(GL_TEXTURE_2D, texture_);
-    glTexEnvi(GL_TEXTURE_ENV, GL_TEXTURE_ENV_MODE, GL_REPLACE);
-    glDisable(GL_BLEND);
-    glBegin(GL_QUADS);  // rows of a texture begin at the bottom
-    glTexCoord2f(0, 1), glVertex2f(0, 0);
-    glTexCoord2f(1, 1), glVertex2f(width, 0);
-    glTexCoord2f(1, 0), glVertex2f(width, height);
-    glTexCoord2f(0, 0), glVertex2f(0, height);
-    glEnd();
-    glBindTexture(GL_TEXTURE_2D, 0);
-    glDisable(GL_TEXTURE_2D);
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, frame_);
+    copy(width_, height_);
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
   }
 
  private:
-  GLuint texture_ = 0;  // goes with the window
+  // Upside down, as it is kept: Mesa has the rows of a window in the other order than those of a texture, so that
+  // this is a plain copy of memory for it.
+  static void copy(unsigned width, unsigned height) {
+    const auto right = static_cast<GLint>(width), top = static_cast<GLint>(height);
+    glBlitFramebuffer(0, 0, right, top, 0, top, right, 0, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  }
+
+  GLuint texture_ = 0, frame_ = 0;  // go with the window
   unsigned width_ = 0, height_ = 0;
 };
 

@@ -41,6 +41,7 @@ class InstrumentUI : public UI, private contactspline::WindowHost {
 
   void onNanoDisplay() override {
     if (!window_) return;
+    glDepthMask(GL_FALSE);  // nothing has a depth, and the framework need not clear it for each picture
     const unsigned width = getWidth(), height = getHeight();
     // A server may resize the window some frames after it has said so: until then what is drawn is cut.
     if (!ground_.has(width, height)) new_frames_ = 10;

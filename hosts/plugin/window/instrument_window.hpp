@@ -42,11 +42,12 @@ class InstrumentWindow {
     return is_ground_old_ || (!samples_.empty() && (was_moving || figure_.is_moving()));
   }
 
-  /// What seldom changes: name, presets, knobs, keys.
+  /// What seldom changes: name, presets, panels, knobs, keys.
   void draw_ground(Canvas& canvas) {
     is_ground_old_ = false;
     canvas.text({kMargin, 10, 480, 26}, table_.title, 22, colours::kText);
     canvas.text({kMargin, 36, 640, 16}, table_.description, 12, colours::kMuted);
+    plots_.draw_ground(canvas, table_);
     for (std::size_t p = 0; p < knobs_.size(); ++p)
       draw_knob(canvas, knobs_[p], table_.parameters[p], values_[p], held_knob_ == p);
     keyboard_.draw(canvas, pressed_key_);
@@ -56,7 +57,7 @@ class InstrumentWindow {
 
   /// On the ground: the contact, and the menu while it is open.
   void draw_figure(Canvas& canvas) {
-    plots_.draw(canvas, plots_box_, table_, figure_);
+    plots_.draw(canvas, table_, figure_);
     if (is_menu_open_) draw_menu(canvas);
   }
 
@@ -137,6 +138,7 @@ class InstrumentWindow {
                         width, kKnobHeight});
     }
     plots_box_ = {kMargin, kHeader, kWidth - 2 * kMargin, top - 12 - kHeader};
+    plots_.place(plots_box_);
   }
 
   [[nodiscard]] std::optional<std::size_t> knob_at(double x, double y) const {
