@@ -405,18 +405,18 @@ FitValues FitProblem::search_contact(const FitValues& from) const {
   return search(from, frees, kSteps, Samples::kAll);
 }
 
-// The levels of all partials have minima about a twelfth of the mass apart, at contacts of equal duration: those on
-// both sides are tried as long as they lead down.
+// The levels of all partials have minima some 7 % of the mass apart, at contacts of equal duration: those on both
+// sides are tried as long as they lead down.
 FitValues FitProblem::best_beside(FitValues best) const {
-  constexpr std::array kSteps = {-0.14, -0.07, 0.07, 0.14};
+  constexpr std::array kLogRatios = {-0.14, -0.07, 0.07, 0.14};
   constexpr double kLower = 0.999;
   for (double before = 2 * best.cost; best.cost < kLower * before;) {
     before = best.cost;
     const FitValues from = best;
-    for (const double step : kSteps) {
+    for (const double log_ratio : kLogRatios) {
       FitValues values = from;
-      values.parameters[kLogForce] += step;
-      if (measured_.fits_mass()) values.parameters[kLogMass] += step;
+      values.parameters[kLogForce] += log_ratio;
+      if (measured_.fits_mass()) values.parameters[kLogMass] += log_ratio;
       values = search_contact(values);
       if (values.cost < best.cost) best = values;
     }
@@ -558,7 +558,7 @@ FitValues FitProblem::search(FitValues values, const std::vector<FitParameter>& 
   ceres::TinySolver<Search<Posed>> solver;
   solver.options.max_num_iterations = max_steps;
   solver.options.initial_trust_region_radius = 10;  // levels have many minima: the first steps stay near the start
-  solver.options.function_tolerance = samples == Samples::kSome ? 1e-5 : 1e-8;
+  solver.options.function_tolerance = samples == Samples::kSome ? 1e-5 : 1e-8;  // of twice the cost, absolute
   solver.options.parameter_tolerance = 1e-9;
   Eigen::VectorXd u = search.start();
   values.cost = solver.Solve(search, &u).final_cost;

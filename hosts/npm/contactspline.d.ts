@@ -155,9 +155,9 @@ export interface Generator {
   instruments(): Record<string, string>;
   /** Takes a file that materials, instrument files and fit files may name: a measured curve or data in CSV, a material. */
   takeFile(name: string, text: string): void;
-  /** The text of a fit file for data files that it was given, of impacts of this mass [kg] on a wall. */
+  /** The text of a fit file for data files that takeFile was given, of impacts of this mass [kg] on a wall. Throws one line. */
   fitFile(names: string[], mass: number): string;
-  /** Fits a material as `contactspline fit` does. Messages call the text of the fit file `file`. */
+  /** Fits a material as `contactspline fit` does. Throws one line, which calls the text of the fit file `file`. */
   fit(text: string, file: string): FittedMaterial;
   /** Designs the material of a file's text. Messages call it `file`. */
   design(text: string, file: string): Design;

@@ -114,7 +114,7 @@ struct Tally {
     if (pulses.empty()) return;
     const LeastDeviation least(truth, pulses, kNoise);
     const auto score = [&](const char* name, const auto& of) {
-      scores[name].add(of(fitted) - of(truth), least.of(of));
+      scores[name].add(of(fitted) - of(truth), least.deviation_of(of));
     };
     score("force", log_force);
     score("exponent", [](const TrueMaterial& material) { return material.law.exponent; });

@@ -26,8 +26,8 @@ inline ViscoelasticLaw<double> model_of(const TrueMaterial& truth, double refere
           reference_m};
 }
 
-/// Of pulses at known speeds with normal noise, whose begins and offsets are unknown, as they are to a fit. Of the
-/// material a loss or a memory is unknown if it has one.
+/// The least standard deviations that pulses at known speeds with normal noise allow. Their begins and offsets are
+/// unknown, as they are to a fit. So are loss and memory of a material that has them.
 class LeastDeviation {
  public:
   using Change = std::function<void(TrueMaterial&, double)>;
@@ -46,9 +46,9 @@ class LeastDeviation {
     for (const Pulse& pulse : pulses) add(pulse, noise);
   }
 
-  /// Of a number that follows from the material.
+  /// That of a number that follows from the material.
   template <typename Number>
-  [[nodiscard]] double of(Number number) const {
+  [[nodiscard]] double deviation_of(Number number) const {
     Eigen::VectorXd slopes(information_.rows());
     for (Eigen::Index p = 0; p < slopes.size(); ++p)
       slopes[p] = (number(changed(p, kWidth)) - number(changed(p, -kWidth))) / (2 * kWidth);

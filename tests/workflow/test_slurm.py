@@ -65,9 +65,11 @@ def lose(node, folder):
     until = time.monotonic() + 1  # also a job that the daemon has just begun
     while time.monotonic() < until:
         lost = [process for process, _, where in processes(folder) if where == node]
-        parents = [process.parent() for process in lost]
-        for process in [one for one in parents if one and one.name() == "slurmstepd"] + lost:
+        for process in lost:
             try:
+                parent = process.parent()
+                if parent and parent.name() == "slurmstepd":
+                    parent.kill()
                 process.kill()
             except psutil.NoSuchProcess:
                 pass
@@ -95,7 +97,7 @@ exec {PROGRAM} "$@"
         joined = subprocess.run([PROGRAM, "dataset", plan, "-o", "out", "--shards", "4", "--join"], cwd=tmp_path,
                                 capture_output=True, text=True)
         assert joined.returncode == 2 and "does not exist" in joined.stderr
-        assert run.wait() == 0, messages.read_text()
+        assert run.wait(timeout=500) == 0, messages.read_text()
     finally:
         if run.poll() is None:
             os.killpg(run.pid, signal.SIGTERM)

@@ -131,7 +131,7 @@ export class Editor {
     if (quality.contact_duration !== undefined) errors.push(`contact duration ${percent(quality.contact_duration)}`);
     if (quality.spectrum_db !== undefined) errors.push(`spectrum ${readable(quality.spectrum_db)} dB on average`);
     byId("design-note").textContent =
-      `${title}: ${law.replace(/\d[\d.]{5,}(e[+-]?\d+)?/g, (number) => readable(Number(number)))}. ${table.length} segments; errors at most: ${errors.join(", ")}. Designed in ${milliseconds.toFixed(0)} ms.`;
+      `${title}: ${law.replace(/(?<![\w.])\d+\.?\d*(e[+-]?\d+)?(?!\w|\.\d)/g, (number) => (number.length < 6 ? number : readable(Number(number))))}. ${table.length} segments; errors at most: ${errors.join(", ")}. Designed in ${milliseconds.toFixed(0)} ms.`;
   }
 
   offer(design, text) {

@@ -9,7 +9,7 @@ const byId = (id) => document.getElementById(id);
 const capital = (text) => text[0].toUpperCase() + text.slice(1);
 
 export class Fitting {
-  /** take(text) is called with the file of every fitted material. */
+  /** take(text) is called with the file of every fitted material. Returns what is wrong with it in one line, or null. */
   constructor(generator, take) {
     Object.assign(this, { generator, take, plots: new Map() });
     byId("fit-choose").addEventListener("click", () => byId("fit-input").click());
@@ -18,7 +18,7 @@ export class Fitting {
 
   /** Fits a material to data files; one of them may be a fit file, which names the others. */
   async fit(files) {
-    this.tell(`Fits ${files.map(({ name }) => name).join(", ")} …`);
+    this.tell(`Fitting ${files.map(({ name }) => name).join(", ")} …`);
     await new Promise((shown) => setTimeout(shown, kShown));
     try {
       const began = performance.now();
@@ -28,7 +28,8 @@ export class Fitting {
       const mass = Number(byId("fit-mass").value) / 1000;
       const text = own < 0 ? this.generator.fitFile(files.map(({ name }) => name), mass) : texts[own];
       const { material, report, panels } = this.generator.fit(text, own < 0 ? "measurements" : files[own].name);
-      this.take(material);
+      const wrong = this.take(material);
+      if (wrong) throw new Error(wrong);
       this.show(panels);
       byId("fit-report").textContent = report;
       byId("fit-details").hidden = false;

@@ -31,7 +31,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::map<std::string, std::string> files;  // that the page was given, by their names
+std::map<std::string, std::string> files;  // what the page was given, by name
 
 Bytes instrument_bytes;  // of the last instrument
 

@@ -49,8 +49,8 @@ template <std::floating_point T>
   return table_through(table, end_m, [&](T y) { return y > 0 ? force(table, y) * std::log(y / reference_m) : T(0); });
 }
 
-/// What the table of a material with `compensation` is made for: the time step, and the mass that both bodies have
-/// together.
+/// What the table of a material with `compensation` is made for (both > 0): the time step, and the mass of the free
+/// body that meets a rigid one.
 template <std::floating_point T>
 struct CompensatedFor {
   T time_step_s, mass_kg;
@@ -67,18 +67,19 @@ template <std::floating_point T>
 
 }  // namespace detail
 
-/// The direction of a table with compensation, from E, its direction as if it had none (empty: 0): for the stiffness
-/// the table itself, for the exponent exponent_direction. of_mass_kg: the direction of the mass. To second order in
-/// the time step the compensated force is F + h F F', h = dt^2/(6 m), and its direction E + h F E' - h F F' dm/m.
+/// The direction of a table G = F + h F F' with compensation, h = dt^2/(6 m), to second order in the time step: E + h
+/// G E' - h G G' dm/m. `uncompensated` is E, the direction of G at constant compensation (empty: 0): for the
+/// stiffness the table itself, for the exponent exponent_direction. of_mass_kg: the direction dm of the mass.
 template <std::floating_point T>
 [[nodiscard]] std::vector<Segment<T>> compensated_direction(SegmentTable<T> table, T end_m,
                                                             const CompensatedFor<T>& made_for,
-                                                            std::span<const Segment<T>> without, T of_mass_kg = 0) {
+                                                            std::span<const Segment<T>> uncompensated,
+                                                            T of_mass_kg = 0) {
   const T h = made_for.time_step_s * made_for.time_step_s / (6 * made_for.mass_kg);
   return table_through(table, end_m, [&](T y) {
     T slope = -detail::slope_at_knot(table, y) * of_mass_kg / made_for.mass_kg;
-    if (!without.empty()) slope += detail::slope_at_knot(SegmentTable<T>(without), y);
-    return (without.empty() ? T(0) : force(SegmentTable<T>(without), y)) + h * force(table, y) * slope;
+    if (!uncompensated.empty()) slope += detail::slope_at_knot(SegmentTable<T>(uncompensated), y);
+    return (uncompensated.empty() ? T(0) : force(SegmentTable<T>(uncompensated), y)) + h * force(table, y) * slope;
   });
 }
 

@@ -26,7 +26,8 @@ struct ConnectionNumbers {
   T gap_m = 0, spring_n_per_m = 0, resistance_n_s_per_m = 0;
 };
 
-/// One value for each number of a network, in the order of its plan. What is empty is 0.
+/// One value for each number of a network, in the order of its plan. An empty vector is 0; others are as long as in
+/// the plan, each body as its modes.
 template <std::floating_point T>
 struct NetworkNumbers {
   std::vector<std::vector<Mode>> bodies = {};
@@ -92,7 +93,7 @@ class NetworkTangent {
   }
 
  private:
-  // The constants and the motion of a mode (ModalBank). Of the increment only the slopes count.
+  // The constants and the motion of a mode (ModalBank). Only the slopes of the increment count.
   struct ModeTangent {
     Number stiffness, loss, admittance;
     Number displacement, increment, change;
@@ -269,7 +270,7 @@ class NetworkTangent {
     for (std::size_t i = 0; i < p.shapes.size(); ++i) sum = sum + p.shapes[i] * bodies_[p.body][i].*member;
     return sum;
   }
-  // Of the first place of a connection less the second.
+  // A value at the first place of a connection less that at the second.
   [[nodiscard]] Number between(std::size_t k, Number ModeTangent::*member) const {
     const auto& plan = plan_.connections()[k];
     const Number first = plan.first == kGround ? Number() : at(plan.first, member);
