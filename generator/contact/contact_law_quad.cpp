@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "generator/contact/contact_law_quad.hpp"
 
+#include <variant>
+
 namespace contactspline {
 namespace {
 
 using namespace formulas;
 
 // The forces and energies stored in the curve are rounded, so this sums them again from the first knot.
-Quad exact_energy(const ForceCurve& curve, const Quad& y) {
+Quad energy_of(const ForceCurve& curve, const Quad& y) {
   if (!(y > 0)) return 0;
   Quad force = 0, energy = 0;
   const CurvePosition<Quad> place(curve, y);
@@ -20,13 +22,14 @@ Quad exact_energy(const ForceCurve& curve, const Quad& y) {
   return energy + force * place.distance + energy_gained<Quad>(place.slope, place.rate, place.distance);
 }
 
+Quad energy_of(const PowerLaw& law, const Quad& y) {
+  return power_energy(law, y);
+}
+
 }  // namespace
 
 Quad exact_energy(const ContactLaw& law, const Quad& compression_m) {
-  if (const auto* curve = std::get_if<ForceCurve>(&law.law())) return exact_energy(*curve, compression_m);
-  if (const auto* sum = std::get_if<PowerSum>(&law.law())) return energy_of(*sum, compression_m);
-  if (const auto* series = std::get_if<PowerSeries>(&law.law())) return energy_of(*series, compression_m);
-  return power_energy(*law.power_law(), compression_m);
+  return std::visit([&](const auto& kind) { return energy_of(kind, compression_m); }, law.law());
 }
 
 }  // namespace contactspline

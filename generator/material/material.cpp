@@ -3,8 +3,10 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <cmath>
+#include <iterator>
+#include <string_view>
+#include <variant>
 
 #include "generator/support/number_literal.hpp"
 
@@ -19,6 +21,27 @@ std::string term_text(const PowerTerm& term) {
 std::string measurement_text(const Measurement& measured) {
   return fmt::format("F(y) smoothed from {} samples of {} up to {:.6g} m", measured.samples.size(), measured.file,
                      measured.samples.back().compression_m);
+}
+
+std::string text_of(const PowerLaw& law) {
+  return fmt::format("V(y) = k/(a+1) y^(a+1), k = {} N/m^a, a = {}", law.stiffness, law.exponent);
+}
+
+std::string text_of(const PowerSum& sum) {
+  std::string text;
+  for (const PowerTerm& term : sum.terms) text += (text.empty() ? "F(y) = " : " + ") + term_text(term);
+  return text + ", in parallel";
+}
+
+std::string text_of(const PowerSeries& series) {
+  std::string text;
+  for (const PowerLaw& layer : series.layers)
+    text += fmt::format("{}(F/{})^(1/{})", text.empty() ? "y(F) = " : " + ", layer.stiffness, layer.exponent);
+  return text + ", in series";
+}
+
+std::string text_of(const ForceCurve& curve) {
+  return fmt::format("F(y) through {} knots", curve.knot_m.size());
 }
 
 }  // namespace
@@ -44,23 +67,13 @@ std::string json_of(const std::vector<Memory>& memories) {
 }
 
 std::string law_text(const Material& material) {
-  if (const PowerLaw* law = material.contact.power_law())
-    return fmt::format("V(y) = k/(a+1) y^(a+1), k = {} N/m^a, a = {}", law->stiffness, law->exponent);
   if (material.measured) return measurement_text(*material.measured);
-  std::string text;
-  if (const auto* series = std::get_if<PowerSeries>(&material.contact.law())) {
-    for (const PowerLaw& layer : series->layers)
-      text += fmt::format("{}(F/{})^(1/{})", text.empty() ? "y(F) = " : " + ", layer.stiffness, layer.exponent);
-    return text + ", in series";
-  }
-  for (const PowerTerm& term : std::get<PowerSum>(material.contact.law()).terms)
-    text += (text.empty() ? "F(y) = " : " + ") + term_text(term);
-  return text + ", in parallel";
+  return std::visit([](const auto& law) { return text_of(law); }, material.contact.law());
 }
 
 std::string_view name_of_law(const Material& material) {
-  constexpr std::array<std::string_view, std::variant_size_v<ContactLaw::Law>> kNames = {"power law", "sum", "series",
-                                                                                         "measured"};
+  constexpr std::string_view kNames[] = {"power law", "sum", "series", "measured"};
+  static_assert(std::size(kNames) == std::variant_size_v<ContactLaw::Law>);
   return kNames[material.contact.law().index()];
 }
 
