@@ -5,10 +5,12 @@
 
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "contactspline/instrument/instruments_of.hpp"
 #include "contactspline/materials/felt_c4.hpp"
+#include "contactspline/resonators/dulcimer_g4.hpp"
 #include "contactspline/resonators/string_c4.hpp"
 #include "support/compare.hpp"
 
@@ -118,9 +120,11 @@ TEST(EnsembleInstrument, PlaysOnlyKeysThatItHas) {
   EXPECT_FALSE(ensemble.is_silent(1e-14));
 }
 
-// The strings of EnsembleOf: key 72 sounds an octave above key 60, but for the stiffness that does not change.
-TEST(EnsembleInstrument, TunesEmittedStringsAtTheirKeys) {
-  EnsembleOf<materials::felt_c4, resonators::string_c4, double> ensemble;
+// The strings of EnsembleOf: key 72 sounds an octave above key 60, but for the stiffness that does not change. One
+// string or a course of two.
+template <typename String>
+void expect_tuned_at_keys() {
+  EnsembleOf<materials::felt_c4, String, double> ensemble;
   ensemble.prepare(kRate);
   ASSERT_EQ(ensemble.ensemble().voices(), 25U);
   // Of the first mode, but for a factor: all have the same mass.
@@ -130,6 +134,33 @@ TEST(EnsembleInstrument, TunesEmittedStringsAtTheirKeys) {
   for (const int key : {48, 55, 60, 67, 72})
     EXPECT_NEAR(frequency(key) / frequency(60), std::exp2((key - 60) / 12.0), 1e-3 * frequency(key) / frequency(60))
         << key;
+}
+
+TEST(EnsembleInstrument, TunesEmittedStringsAtTheirKeys) {
+  expect_tuned_at_keys<resonators::string_c4>();
+  expect_tuned_at_keys<resonators::dulcimer_g4>();
+}
+
+// Emitted numbers have 13 digits: errors of 1e-12 in squares of frequencies. Between the first and the last mode,
+// tension and bending stiffness are of the size of each other.
+TEST(EmittedStrings, KnowTheNumbersOfTheirFiles) {
+  const auto expect_string = [](const StiffString& found, const StiffString& file) {
+    EXPECT_NEAR(found.length_m, file.length_m, 1e-12 * file.length_m);
+    EXPECT_NEAR(found.mass_kg, file.mass_kg, 1e-12 * file.mass_kg);
+    EXPECT_NEAR(found.tension_n, file.tension_n, 1e-11 * file.tension_n);
+    EXPECT_NEAR(found.bending_stiffness_n_m2, file.bending_stiffness_n_m2, 1e-10 * file.bending_stiffness_n_m2);
+    EXPECT_NEAR(found.losses.constant_per_s, file.losses.constant_per_s, 1e-11 * file.losses.constant_per_s);
+    EXPECT_NEAR(found.losses.quadratic_m2_per_s, file.losses.quadratic_m2_per_s,
+                1e-11 * file.losses.quadratic_m2_per_s);
+    ASSERT_EQ(found.detuning_cents.size(), file.detuning_cents.size());
+    for (std::size_t i = 0; i < file.detuning_cents.size(); ++i)
+      EXPECT_NEAR(found.detuning_cents[i], file.detuning_cents[i], 600 / std::numbers::ln2 * 1e-11);
+  };
+  // data/resonators/dulcimer_g4.json, string_c4.json
+  expect_string(string_parts<resonators::dulcimer_g4>().string.value(),
+                {0.45, 0.00056182, 155.397, 0.000402578, {0.9, 2e-4}, {0, 1.2}});
+  expect_string(string_parts<resonators::string_c4>().string.value(),
+                {0.62, 0.00393, 670, 0.00983833, {0.5, 1e-4}, {0}});
 }
 
 }  // namespace

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: MIT
 // engine_test.mjs ENGINE.wasm CONTACTSPLINE: the samples of the page's engine are those of `contactspline render`, in double
-// precision on this machine, for a blow on instruments of files; and the limiter keeps within full scale.
+// precision on this machine, for a blow on instruments of files and for notes on the dulcimer of its score; and the limiter
+// keeps within full scale.
 import assert from "node:assert/strict";
 import { readdirSync, readFileSync } from "node:fs";
 
 import { startEngine } from "../../hosts/npm/src/engine.js";
 import { kLinear, limited } from "../../hosts/npm/src/limiter.js";
-import { assertEqualSound, fullScaleOf, kSamples, rendered } from "./rendered.mjs";
+import { play } from "../../hosts/npm/src/messages.js";
+import { instrumentOf, performance as performanceOf } from "../../web/src/scores.js";
+import { assertEqualSound, fullScaleOf, kSamples, rendered, renderedScore } from "./rendered.mjs";
 
 const [wasm, program] = process.argv.slice(2);
 const engine = startEngine(readFileSync(wasm), 44100);
@@ -31,6 +34,44 @@ for (const name of ["tom", "marimba_tube", "trichord_c4"]) {
   const { name: event, init } = instruments[number].parameters[parameter];
   const worst = assertEqualSound(name, played(instruments[number], number), rendered(program, name, event, init));
   console.log(`${name}: within ${worst.toExponential(1)} of the peak`);
+}
+
+// The voices of the dulcimer's score, on two sides, with notes that are held, held on by another one, and let go. The page
+// takes messages between blocks of 128 samples, so the notes begin there.
+{
+  const kBlock = 128;
+  const kBridge_N = 50; // full scale of the force on a bridge: runtime/contactspline/instrument/string_outputs.hpp
+  const at = (block) => (kBlock * block) / 44100;
+  const shipped = JSON.parse(readFileSync(new URL("../../data/scores/dulcimer.json", import.meta.url), "utf8").replace(/^\s*\/\/.*$/gm, ""));
+  const events = [
+    { time_s: 0, stiffness_ratio: 0.3, loss_s_per_m: 0.1 },
+    { time_s: at(1), voice: "d4", speed_m_per_s: 1.2, hold_s: at(20) },
+    { time_s: at(1), voice: "g5", speed_m_per_s: 2, hold_s: at(10) },
+    { time_s: at(6), voice: "g5", speed_m_per_s: 1, hold_s: at(30) },
+    { time_s: at(8), voice: "b4", speed_m_per_s: 1.6, strike_m: 0.1 },
+    { time_s: at(16), voice: "b4", speed_m_per_s: 1.1, stiffness_ratio: 6 },
+  ];
+  const score = { ...shipped, events, duration_s: 0 };
+  const strings = engine.strings();
+  const described = new Map(instruments.map((instrument) => [instrument.name, { ...instrument, strings }]));
+  const name = instrumentOf(score, described);
+  const { voices, messages } = performanceOf(score, described.get(name));
+  const offs = messages.filter((message) => message.do === "noteOff").map(({ at, voice }) => [Math.round((at * 44100) / kBlock), voices[voice - 1].name]);
+  assert.deepEqual(offs, [[21, "d4"], [36, "g5"]], "notes that end");
+  assert.ok(engine.choose(instruments.findIndex((instrument) => instrument.name === name)));
+  voices.forEach((voice, i) => {
+    assert.ok(engine.addVoice(voice), voice.name);
+    engine.pan(i + 1, voice.pan);
+  });
+  const sides = [[], []];
+  for (let block = 0; sides[0].length < kSamples; ++block) {
+    while (messages[0].at < at(block + 0.5)) play(engine, messages.shift());
+    engine.process(kBlock).slice(0, 2).forEach((samples, side) => sides[side].push(...samples));
+  }
+  // A voice in the middle is as loud on each side as one voice alone.
+  const expected = renderedScore(program, score, 2).map((side) => side.map((x) => (x * Math.SQRT2) / kBridge_N));
+  const worst = expected.map((side, i) => assertEqualSound(`dulcimer, side ${i}`, sides[i].slice(0, kSamples), side));
+  console.log(`dulcimer, eight voices: within ${Math.max(...worst).toExponential(1)} of the peak`);
 }
 
 // A slide rests on its string, which pulls at the bridge; beside voices, the instrument itself waits until it is struck.
@@ -72,7 +113,7 @@ for (let round = 0; round < 250; ++round) {
   for (const number of instruments.keys()) {
     assert.ok(engine.choose(number));
     for (const cents of [-498, 0]) engine.addVoice({ cents }); // where it can be
-    engine.addVoice({ cents: 700, string: 0, pluck_m: 0.3 });
+    for (const string of [0, engine.strings().indexOf("dulcimer_g4")]) engine.addVoice({ cents: 700, string, pluck_m: 0.3 });
     for (const voice of [0, 1, 2]) engine.noteOn(60, 0.7, voice);
     engine.process(128);
   }

@@ -269,9 +269,9 @@ const browserCases = {
         node.connect(context.destination);
         // Far from where it is now.
         if (parameter) node.set(parameter.name, parameter.init - parameter.min > parameter.max - parameter.init ? parameter.min : parameter.max);
-        const { keys, events } = node.description;
+        const { keys, events, parameters } = node.description;
         for (const { name } of events) node.strike(name, undefined, 0.01);
-        if (keys) node.noteOn(60, 0.7, 0.01), node.noteOff(60, 0.1), node.noteOn(60, 0.7, 0.2);
+        if (keys || parameters.some(({ controller }) => controller === 64)) node.noteOn(60, 0.7, 0.01), node.noteOff(60, 0.1), node.noteOn(60, 0.7, 0.2);
         await node.sent();
         return (await context.startRendering()).getChannelData(0);
       };

@@ -12,21 +12,26 @@ const kGain = 1 / 100; // -40 dB, so that nothing reaches the full scale of the 
 /** Samples of a blow, of which the program does not fade the last. */
 export const kSamples = 8190;
 
-/** The first output after an event by the program [m/s or N]: 24 bits, in one channel. */
-export function rendered(program, instrument, event, value) {
+/** The sound of a score by the program [m/s or N]: 24 bits, each channel by itself. */
+export function renderedScore(program, score, channels) {
   const folder = mkdtempSync(join(tmpdir(), "contactspline-rendered-"));
   try {
-    const [score, sound] = ["score.json", "sound.wav"].map((name) => join(folder, name));
-    const events = [{ time_s: 0, [event]: value }];
-    writeFileSync(score, JSON.stringify({ instrument, description: "a blow", duration_s: kDuration_s, events }));
-    execFileSync(program, ["render", score, "-o", sound, "--gain", "-40", "--no-figure", "--force"], { stdio: "ignore" });
+    const [file, sound] = ["score.json", "sound.wav"].map((name) => join(folder, name));
+    writeFileSync(file, JSON.stringify({ ...score, duration_s: kDuration_s }));
+    execFileSync(program, ["render", file, "-o", sound, "--gain", "-40", "--no-figure", "--force"], { stdio: "ignore" });
     const bytes = readFileSync(sound);
     const begin = bytes.indexOf("data", 12, "latin1") + 8;
-    assert.equal(bytes.readUInt16LE(22), 1, "channels");
-    return Array.from({ length: kSamples }, (_, i) => bytes.readIntLE(begin + 3 * i, 3) / 2 ** 23 / kGain);
+    assert.equal(bytes.readUInt16LE(22), channels, "channels");
+    const sample = (i, channel) => bytes.readIntLE(begin + 3 * (channels * i + channel), 3) / 2 ** 23 / kGain;
+    return Array.from({ length: channels }, (_, channel) => Array.from({ length: kSamples }, (_, i) => sample(i, channel)));
   } finally {
     rmSync(folder, { recursive: true });
   }
+}
+
+/** The first output after an event. */
+export function rendered(program, instrument, event, value) {
+  return renderedScore(program, { instrument, description: "a blow", events: [{ time_s: 0, [event]: value }] }, 1)[0];
 }
 
 /** What the engine plays as 1, by the emitted file [m/s or N]. */

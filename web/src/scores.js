@@ -3,6 +3,7 @@
 import { midiPerformance } from "./midi_file.js";
 
 const kStep = 0.005; // seconds between two values of a control that glides
+const kHammered = "dulcimer"; // plays hammer-strings that are voices
 const kFirstKey = 60; // of the events of an instrument without keys
 const kTail = 1; // seconds after the last event of a score that says no longer
 
@@ -15,18 +16,25 @@ export function readScore(packed) {
 
 /** The instrument of the page that a score plays, or null. */
 export function instrumentOf(score, instruments) {
-  const name = score.keyboard ?? score.instrument.replaceAll("-", "_");
+  const name = score.keyboard ?? (score.instrument === "hammer-string" ? kHammered : score.instrument.replaceAll("-", "_"));
   return instruments.has(name) ? name : null;
 }
 
-// Pressed keys, and let go where no other note holds them.
+// A note, and where no other one of the same key or voice holds it, its end.
+function noteMessages(note, notes, message) {
+  const ends = ({ time_s, hold_s = Infinity }) => time_s + hold_s;
+  const end = ends(note);
+  const isHeld = end === Infinity || notes.some((other) => other !== note && other.time_s <= end && ends(other) > end);
+  const strike = { at: note.time_s, do: "noteOn", ...message };
+  return isHeld ? [strike] : [strike, { at: end, do: "noteOff", ...message }];
+}
+
+// Pressed keys, and let go.
 function keyMessages({ events }, { speeds: [softest, loudest] }) {
   const velocityOf = (speed) => Math.max(0.01, Math.min(1, Math.log(speed / softest) / Math.log(loudest / softest)));
-  const ends = (note) => note.time_s + note.hold_s;
   return events.flatMap((note) => {
-    const strike = { at: note.time_s, do: "noteOn", key: note.key, velocity: velocityOf(note.speed_m_per_s) };
-    const isHeld = events.some((other) => other !== note && other.key === note.key && other.time_s <= ends(note) && ends(other) > ends(note));
-    return isHeld ? [strike] : [strike, { at: ends(note), do: "noteOff", key: note.key }];
+    const sameKey = events.filter(({ key }) => key === note.key);
+    return noteMessages(note, sameKey, { key: note.key, velocity: velocityOf(note.speed_m_per_s) });
   });
 }
 
@@ -39,24 +47,25 @@ function glide(at, over, from, to) {
   });
 }
 
-// What a score of an instrument of a file says to one of its voices.
+// What a score of an instrument without keys says to one of its voices.
 function eventMessages({ events }, { parameters, events: played }, name, voice) {
   const now = parameters.map(({ init }) => init);
-  return events
-    .filter((event) => event.voice === undefined || event.voice === name)
-    .toSorted((a, b) => a.time_s - b.time_s)
-    .flatMap((event) =>
-      parameters.flatMap((shape, parameter) => {
-        const to = event[shape.name];
-        if (to === undefined) return [];
-        const number = played.findIndex((one) => one.parameter === parameter);
-        const set = { do: "set", voice, parameter };
-        if (number >= 0) return [{ ...set, at: event.time_s, value: to }, { at: event.time_s, do: "noteOn", voice, key: kFirstKey + number, velocity: 1 }];
-        const from = now[parameter];
-        now[parameter] = to;
-        return glide(event.time_s, event.over_s ?? 0, from, to).map((step) => ({ ...set, ...step }));
-      }),
-    );
+  const own = events.filter((event) => event.voice === undefined || event.voice === name).toSorted((a, b) => a.time_s - b.time_s);
+  return own.flatMap((event) =>
+    parameters.flatMap((shape, parameter) => {
+      const to = event[shape.name];
+      if (to === undefined) return [];
+      const set = { do: "set", voice, parameter };
+      const number = played.findIndex((one) => one.parameter === parameter);
+      if (number >= 0) {
+        const sameNote = own.filter((other) => other[shape.name] !== undefined);
+        return [{ ...set, at: event.time_s, value: to }, ...noteMessages(event, sameNote, { voice, key: kFirstKey + number, velocity: 1 })];
+      }
+      const from = now[parameter];
+      now[parameter] = to;
+      return glide(event.time_s, event.over_s ?? 0, from, to).map((step) => ({ ...set, ...step }));
+    }),
+  );
 }
 
 /** A score for an instrument as engine.cpp describes it, with the names of its strings: { voices (engine.js), each with its pan, messages by rising time `at`

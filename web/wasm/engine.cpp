@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,13 +41,21 @@ std::array<double, 5> shown_books;
 std::array<std::uint8_t, 3> message;
 
 /// What a voice of a score has of its own: the tuning of its strings, or one of kStrings with the place of its pluck
-/// and the height of a slide.
+/// and the height of a slide, or its hammer and damper.
 struct VoicePlan {
   double cents = 0;
   int string = -1;  ///< none
   double pluck_m = 0, height_m = 0;
+  double hammer_mass_kg = 0, damper_per_s = 0;
 
   [[nodiscard]] bool is_plain() const { return cents == 0 && string < 0; }
+  /// Its strings; nothing where it has none of its own, or one of another number of strings.
+  [[nodiscard]] std::optional<ResonatorParts> strings(bool is_course) const {
+    if (string < 0 || string >= static_cast<int>(kStrings.size())) return {};
+    ResonatorParts parts = tuned(kStrings[static_cast<std::size_t>(string)].parts(), cents, chosen_rate_hz);
+    if ((parts.string->detuning_cents.size() > 1) != is_course) return {};
+    return parts;
+  }
 };
 
 /// Makes an instrument; null if it cannot have such a voice.
@@ -67,13 +76,23 @@ Maker maker_of_plucked() {
   return [](const VoicePlan& plan) -> std::unique_ptr<Playable> {
     constexpr std::size_t kBridge = detail::StringOutputs<float>::kBridge;
     if (plan.is_plain()) return std::make_unique<PlayableBehind<I, kBridge>>();
-    if (plan.string < 0 || plan.string >= static_cast<int>(kStrings.size())) return nullptr;
-    PluckedStringParts parts = at_steel(kStrings[static_cast<std::size_t>(plan.string)].parts());
-    tune(parts.resonator, plan.cents, chosen_rate_hz);
+    auto string = plan.strings(false);
+    if (!string) return nullptr;
+    PluckedStringParts parts = at_steel(*std::move(string));
     parts.resonator.pluck_m = plan.pluck_m;
     parts.height_m = plan.height_m;
     return std::make_unique<PlayableBehind<Model, kBridge>>(std::move(parts));
   };
+}
+
+// The hammered dulcimer, whose sound is the force on its bridge.
+std::unique_ptr<Playable> dulcimer(const VoicePlan& plan) {
+  constexpr std::size_t kBridge = detail::StringOutputs<float>::kBridge;
+  if (plan.is_plain()) return std::make_unique<PlayableBehind<Dulcimer<float>, kBridge>>();
+  auto course = plan.strings(true);
+  if (!course) return nullptr;
+  return std::make_unique<PlayableBehind<HammerStringInstrument<float>, kBridge>>(
+      under_felt(*std::move(course), plan.hammer_mass_kg, plan.damper_per_s));
 }
 
 template <template <typename> typename I>
@@ -98,10 +117,12 @@ std::unique_ptr<Playable> own_instrument(const VoicePlan& plan) {
 std::vector<Maker>& instruments() {
   static std::vector<Maker> all = [] {
     constexpr std::size_t kForce = 1;
-    std::vector<Maker> makers = {maker<HammerKeys>(material), maker<KeyboardInstrument<Piano, float>>(),
+    std::vector<Maker> makers = {maker<HammerKeys>(material),
+                                 maker<KeyboardInstrument<Piano, float>>(),
                                  maker<MassBarrierOf<materials::felt_c4, float>, kForce>(),
                                  maker_of_plucked<SlideGuitar<float>, SlideStringInstrument<float>>(),
-                                 maker_of_plucked<FretGuitar<float>, FretStringInstrument<float>>()};
+                                 maker_of_plucked<FretGuitar<float>, FretStringInstrument<float>>(),
+                                 dulcimer};
     each_instrument_of_a_file([&]<template <typename> typename I>() { makers.push_back(maker_of_file<I>()); });
     return makers;
   }();
@@ -160,9 +181,10 @@ CONTACTSPLINE_WEB(int, engine_choose, int number, double sample_rate_hz) {
 }
 
 /// Adds a voice: the same instrument once more, with its strings tuned by so many cents, or with one of
-/// engine_strings(), -1 for none. 0 if the instrument cannot have it. Allocates.
-CONTACTSPLINE_WEB(int, engine_add_voice, double cents, int string, double pluck_m, double height_m) {
-  auto next = instrument(static_cast<int>(chosen), {cents, string, pluck_m, height_m});
+/// engine_strings(), -1 for none, and what plays it. 0 if the instrument cannot have it. Allocates.
+CONTACTSPLINE_WEB(int, engine_add_voice, double cents, int string, double pluck_m, double height_m,
+                  double hammer_mass_kg, double damper_per_s) {
+  auto next = instrument(static_cast<int>(chosen), {cents, string, pluck_m, height_m, hammer_mass_kg, damper_per_s});
   if (!next) return 0;
   next->prepare(chosen_rate_hz);
   if (voices.size() == 1) voices[0].is_played = false;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The instruments of the page, in any precision: those that ship, and strings of a guitar with a slide and a fret.
+// The instruments of the page, in any precision: those that ship, strings of a guitar with a slide and a
+// fret, and the course of a dulcimer.
 #pragma once
 
 #include <concepts>
@@ -8,6 +9,7 @@
 #include "contactspline/instrument/instruments_of.hpp"
 #include "contactspline/instrument/keyboard_instrument.hpp"
 #include "generated/classical_guitar.hpp"
+#include "generated/dulcimer_g4.hpp"
 #include "generated/felt_c4.hpp"
 #include "generated/guitar_d3.hpp"
 #include "generated/guitar_g3.hpp"
@@ -50,6 +52,22 @@ class FretGuitar : public FretStringOf<materials::steel_on_steel, resonators::gu
     this->set_initial(P::kGap, 0.00006);
     this->set_initial(P::kLoss, 0.3);
   }
+  static std::span<const Output> outputs() { return detail::StringOutputs<T>::kList; }
+};
+
+/// A felt hammer on a course of two strings, as in the score dulcimer. Its last output is the force on the bridge.
+template <std::floating_point T>
+class Dulcimer : public HammerStringOf<materials::felt_c4, resonators::dulcimer_g4, T> {
+ public:
+  static constexpr double kHammer_kg = 0.006;
+
+  Dulcimer() : HammerStringOf<materials::felt_c4, resonators::dulcimer_g4, T>(kHammer_kg) {
+    using P = HammerStringParameter;
+    this->set_initial(P::kLoss, 0.1);
+    this->set_initial(P::kSpeed, 1.5);
+  }
+  static const char* name() { return "dulcimer"; }
+  static const char* description() { return "Felt hammer on a course of two strings, 1.2 cents apart"; }
   static std::span<const Output> outputs() { return detail::StringOutputs<T>::kList; }
 };
 

@@ -2,13 +2,16 @@
 // The strings that ship, of which a voice of a score may have one of its own.
 #pragma once
 
-#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
-#include <numbers>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "contactspline/instrument/instruments_of.hpp"
+#include "generated/dulcimer_g4.hpp"
+#include "generated/felt_c4.hpp"
 #include "generated/guitar_a2.hpp"
 #include "generated/guitar_b3.hpp"
 #include "generated/guitar_d3.hpp"
@@ -29,7 +32,27 @@ inline constexpr std::array kStrings = {NamedString{"guitar_e2", string_parts<re
                                         NamedString{"guitar_d3", string_parts<resonators::guitar_d3>},
                                         NamedString{"guitar_g3", string_parts<resonators::guitar_g3>},
                                         NamedString{"guitar_b3", string_parts<resonators::guitar_b3>},
-                                        NamedString{"guitar_e4", string_parts<resonators::guitar_e4>}};
+                                        NamedString{"guitar_e4", string_parts<resonators::guitar_e4>},
+                                        NamedString{"dulcimer_g4", string_parts<resonators::dulcimer_g4>}};
+
+/// Emitted strings with another tension: all modes below half the sample rate, and what the bridge reads of them.
+inline ResonatorParts tuned(const ResonatorParts& emitted, double cents, double sample_rate_hz) {
+  StiffString string = *emitted.string;
+  for (double& detuning : string.detuning_cents) detuning += cents;
+  ResonatorParts parts{.length_m = emitted.length_m, .strike_m = emitted.strike_m, .string = string};
+  for (const StringMode& row : modes_below(string, sample_rate_hz / 2)) {
+    parts.modes.push_back(row.mode);
+    parts.wavenumbers_per_m.push_back(row.wavenumber_per_m);
+    parts.bridge.push_back(bridge_shape(string, row));
+  }
+  parts.pickup.resize(parts.modes.size());
+  parts.strike_shapes = [wavenumbers = parts.wavenumbers_per_m,
+                         strings = static_cast<double>(string.detuning_cents.size())](double place_m,
+                                                                                      std::span<double> shapes) {
+    for (std::size_t i = 0; i < shapes.size(); ++i) shapes[i] = std::sin(wavenumbers[i] * place_m) / strings;
+  };
+  return parts;
+}
 
 /// A string that meets steel, as slide and frets are in all scores.
 inline PluckedStringParts at_steel(ResonatorParts string) {
@@ -37,20 +60,15 @@ inline PluckedStringParts at_steel(ResonatorParts string) {
   return {std::move(string), detail::table_of<Steel>(), Steel::loss_s_per_m, 0, detail::memories_in<Steel>()};
 }
 
-/// Tunes a string by its tension, and leaves out modes that are too high for the sample rate then.
-inline void tune(ResonatorParts& string, double cents, double sample_rate_hz) {
-  for (std::size_t i = 0; i < string.modes.size(); ++i) {
-    const double before = stiffness_of(string.modes[i]);
-    const StringMode row{string.modes[i], string.wavenumbers_per_m[i]};
-    string.modes[i] = retuned(*string.string, row, cents);
-    string.bridge[i] *= stiffness_of(string.modes[i]) / before;
-  }
-  const auto is_too_high = [&](const Mode& mode) {
-    return mode.angular_frequency_rad_per_s >= std::numbers::pi * sample_rate_hz;
-  };
-  const auto count = static_cast<std::size_t>(std::ranges::find_if(string.modes, is_too_high) - string.modes.begin());
-  string.modes.resize(count);
-  for (auto* const values : {&string.wavenumbers_per_m, &string.pickup, &string.bridge}) values->resize(count);
+/// Strings under a hammer with the felt of C4, as hammers are in all scores.
+inline HammerStringParts under_felt(ResonatorParts strings, double hammer_mass_kg, double damper_per_s) {
+  using Felt = materials::felt_c4;
+  return {.resonator = std::move(strings),
+          .felt = detail::table_of<Felt>(),
+          .hammer_mass_kg = hammer_mass_kg,
+          .loss_s_per_m = Felt::loss_s_per_m,
+          .damper = {.damping_per_s = damper_per_s},
+          .memories = detail::memories_in<Felt>()};
 }
 
 }  // namespace contactspline::web

@@ -54,6 +54,10 @@ std::vector<Studied> all_studied() {
        [](const StudyPlan& plan, std::size_t) {
          return study_of_mass(material.table<double>(), material.memories, values, plan);
        }},
+      {"dulcimer", kBlow_s,
+       [](const StudyPlan& plan, std::size_t) {
+         return study_of_course<materials::felt_c4, resonators::dulcimer_g4>(values, plan);
+       }},
       {"slide_string", kPluck_s, of_plucked<SlideGuitar, resonators::guitar_g3>},
       {"fret_string", kPluck_s, of_plucked<FretGuitar, resonators::guitar_d3>}};
   each_instrument_of_a_file([&]<template <typename> typename I>() {

@@ -7,13 +7,16 @@
 
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <numbers>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "contactspline/instrument/hammer_string_instrument.hpp"
 #include "contactspline/instrument/mass_barrier_instrument.hpp"
 #include "contactspline/instrument/network_instrument.hpp"
 #include "contactspline/models/body.hpp"
@@ -67,36 +70,80 @@ inline std::string string_item(std::size_t column, const char* more = "") {
 
 }  // namespace detail
 
-/// A key of HammerKeys: a hammer with the page's material on a string with rigid ends.
-inline Study study_of_key(const Material& material, std::span<const double> values, const StudyPlan& plan) {
+/// A hammer on strings with rigid ends, and how it is thrown.
+struct StruckStrings {
+  std::span<const Segment<double>> felt;
+  std::span<const Memory> memories;
+  std::vector<Mode> modes;
+  std::function<ModeShapes<double>(double position)> shapes_at;  ///< at a part of the length, under the hammer
+  HammerStringControls<double> controls;
+  double position, speed_m_per_s;  ///< position: part of the length
+};
+
+/// throws, moves: as in kHammerScene.
+inline Study study_of_strings(const StruckStrings& struck, std::string_view throws, std::string_view moves,
+                              const StudyPlan& plan) {
   Study study;
-  if (!is_key(plan.key)) return study;
-  const Resonator resonator(plan.key, plan.sample_rate_hz);
-  const auto table = material.table<double>();
-  const auto controls = controls_of<double>(plan.key, material, values);
-  const auto strike = resonator.shapes_at<double>(values[HammerKeysParameter::kPosition]);
+  const SegmentTable<double> table(struck.felt);
+  const auto strike = struck.shapes_at(struck.position);
   std::vector<ModeShapes<double>> points;
   for (std::size_t p = 0; p < kPoints; ++p)
-    points.push_back(resonator.shapes_at<double>(static_cast<double>(p) / (kPoints - 1)));
-  HammerString<double> model(SegmentTable<double>(table), bare(resonator.modes), strike, plan.sample_rate_hz,
-                             material.memories);
-  model.strike(values[HammerKeysParameter::kSpeed] * plan.velocity, 1e-4);
+    points.push_back(struck.shapes_at(static_cast<double>(p) / (kPoints - 1)));
+  HammerString<double> model(table, struck.modes, strike, plan.sample_rate_hz, struck.memories);
+  model.strike(struck.speed_m_per_s, 1e-4);
   StrikeBooks<double> books;
-  books.open(model, table, controls);
+  books.open(model, table, struck.controls);
   for (std::size_t i = 0; i < plan.frames; ++i) {
     const double compression = model.compression();
     detail::HammerFrame{model.string().displacement(strike) + compression, compression, model.force(), books.books()}
         .append_to(study.numbers);
     for (const auto& point : points) study.numbers.push_back(model.string().displacement(point));
-    model.tick(controls);
-    books.add_loss(model, table, controls, plan.sample_rate_hz, compression);
-    books.close(model, table, controls);
+    model.tick(struck.controls);
+    books.add_loss(model, table, struck.controls, plan.sample_rate_hz, compression);
+    books.close(model, table, struck.controls);
   }
-  using P = HammerKeysParameter;
-  study.scene = fmt::format(detail::kHammerScene, std::size_t{P::kSpeed}, std::size_t{P::kPosition},
-                            books.books().work, "hammer", "felt", R"(, ["string", 5])",
-                            detail::string_item(detail::kHammerHead), "hammer", values[P::kPosition]);
+  study.scene =
+      fmt::format(detail::kHammerScene, throws, moves, books.books().work, "hammer", "felt", R"(, ["string", 5])",
+                  detail::string_item(detail::kHammerHead), "hammer", struck.position);
   return study;
+}
+
+/// A key of HammerKeys: a hammer with the page's material on a string with rigid ends.
+inline Study study_of_key(const Material& material, std::span<const double> values, const StudyPlan& plan) {
+  using P = HammerKeysParameter;
+  if (!is_key(plan.key)) return {};
+  const Resonator resonator(plan.key, plan.sample_rate_hz);
+  const auto table = material.table<double>();
+  return study_of_strings({.felt = table,
+                           .memories = material.memories,
+                           .modes = bare(resonator.modes),
+                           .shapes_at = [&](double position) { return resonator.shapes_at<double>(position); },
+                           .controls = controls_of<double>(plan.key, material, values),
+                           .position = values[P::kPosition],
+                           .speed_m_per_s = values[P::kSpeed] * plan.velocity},
+                          std::to_string(P::kSpeed), std::to_string(P::kPosition), plan);
+}
+
+/// A hammer of an emitted felt on an emitted string or course. values: of HammerStringParameter.
+template <typename Felt, typename String>
+Study study_of_course(std::span<const double> values, const StudyPlan& plan) {
+  using P = HammerStringParameter;
+  const ResonatorParts parts = string_parts<String>();
+  const auto shapes_at = [&](double position) {
+    std::vector<double> shapes(parts.modes.size());
+    parts.strike_shapes(position * parts.length_m, shapes);
+    return ModeShapes<double>(std::span<const double>(shapes));
+  };
+  return study_of_strings({.felt = segments_of<Felt, double>,
+                           .memories = memories_of<Felt>,
+                           .modes = parts.modes,
+                           .shapes_at = shapes_at,
+                           .controls = {.hammer_mass_kg = values[P::kHammerMass],
+                                        .felt = {values[P::kStiffnessRatio], values[P::kLoss]},
+                                        .damping_per_s = values[P::kDamping]},
+                           .position = values[P::kPlace] / parts.length_m,
+                           .speed_m_per_s = values[P::kSpeed] * plan.velocity},
+                          std::to_string(P::kSpeed), "null", plan);
 }
 
 /// A mass at a barrier of a material with these memories. values: of MassBarrierParameter.

@@ -55,7 +55,7 @@ class HammerStringOf : public HammerStringInstrument<T> {
 };
 
 /// Hammers of an emitted felt on strings at the keys 48 to 72. The emitted one is that of key 60; the others have its
-/// length and another tension.
+/// length and another tension. It may be a course of several strings.
 template <typename Felt, typename String, std::floating_point T>
 class EnsembleOf : public EnsembleInstrument<T> {
  public:
@@ -63,7 +63,6 @@ class EnsembleOf : public EnsembleInstrument<T> {
 
  private:
   static EnsembleParts parts(double hammer_mass_kg) {
-    static_assert(String::strings == 1, "strings of one note that beat have no tension of their own");
     EnsembleParts parts{.strings = {}, .first_key = 48};
     for (int key = parts.first_key; key <= 72; ++key) {
       ResonatorParts string = string_parts<String>();

@@ -4,6 +4,7 @@
 
 #include "contactspline/step/cpp20.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <functional>
@@ -43,20 +44,31 @@ struct PluckedStringParts {
   std::vector<Memory> memories = {};  ///< of the material of slide or fret
 };
 
-/// The string that modes belong to: tension and bending stiffness from the frequencies of the first and the last one.
+/// The strings that modes belong to, from frequencies and decays of the first and the last mode of the string that is
+/// tuned lowest, and from the first mode of each of the others.
 [[nodiscard]] inline StiffString stiff_string_of(const ResonatorParts& parts) {
+  const std::vector<double>& wavenumbers = parts.wavenumbers_per_m;
   const double mass_kg = 2 * parts.modes.front().mass_kg, length_m = parts.length_m;
-  const auto square = [&](std::size_t i) { return parts.wavenumbers_per_m[i] * parts.wavenumbers_per_m[i]; };
+  const auto square = [&](std::size_t i) { return wavenumbers[i] * wavenumbers[i]; };
   // mu w0^2/beta^2 = T + EI beta^2
   const auto tension_at = [&](std::size_t i) {
-    const Mode& mode = parts.modes[i];
-    const double w0_square =
-        mode.angular_frequency_rad_per_s * mode.angular_frequency_rad_per_s + mode.decay_per_s * mode.decay_per_s;
-    return mass_kg / length_m * w0_square / square(i);
+    return mass_kg / length_m * stiffness_of(parts.modes[i]) / parts.modes[i].mass_kg / square(i);
   };
-  const std::size_t last = parts.modes.size() - 1;
-  const double stiffness = last == 0 ? 0 : (tension_at(last) - tension_at(0)) / (square(last) - square(0));
-  return {length_m, mass_kg, tension_at(0) - stiffness * square(0), stiffness, {0, 0}};
+  // The lowest string has the highest wavenumber, and of those that share it the lowest frequency.
+  const auto last = static_cast<std::size_t>(std::ranges::max_element(wavenumbers) - wavenumbers.begin());
+  const double squares = square(last) - square(0);  // [1/m^2]
+  const double stiffness = last == 0 ? 0 : (tension_at(last) - tension_at(0)) / squares;
+  const double quadratic = last == 0 ? 0 : (parts.modes[last].decay_per_s - parts.modes[0].decay_per_s) / squares;
+  StiffString string{length_m,
+                     mass_kg,
+                     tension_at(0) - stiffness * square(0),
+                     stiffness,
+                     {parts.modes[0].decay_per_s - quadratic * square(0), quadratic},
+                     {}};
+  for (std::size_t i = 0; i < wavenumbers.size(); ++i)
+    if (wavenumbers[i] == wavenumbers[0])
+      string.detuning_cents.push_back(600 * std::log2((tension_at(i) - stiffness * square(0)) / string.tension_n));
+  return string;
 }
 
 /// An emitted string with the places of its file. Resonator: an emitted struct, such as resonators::string_c4.
@@ -74,7 +86,7 @@ template <typename Resonator>
     const double angle = row.wavenumber_per_m * parts.length_m;
     parts.bridge.push_back(-2 * stiffness_of(row.mode) / angle * std::cos(angle));
   }
-  if (Resonator::strings == 1) parts.string = stiff_string_of(parts);
+  parts.string = stiff_string_of(parts);
   parts.strike_shapes = [](double place_m, std::span<double> shapes) {
     for (std::size_t i = 0; i < shapes.size(); ++i)
       shapes[i] = std::sin(Resonator::wavenumbers[i] * place_m) / Resonator::strings;
