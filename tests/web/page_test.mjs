@@ -1376,6 +1376,30 @@ const cases = {
     });
   },
 
+  async "a screen reader finds each part by its name"() {
+    await withPage(server.address, async (page) => {
+      const reader = await page.context().newCDPSession(page);
+      const { nodes } = await reader.send("Accessibility.getFullAXTree");
+      const shown = nodes.filter(({ ignored }) => !ignored).map(({ role, name, value, properties = [] }) => ({
+        role: role.value,
+        name: name?.value?.trim() ?? "",
+        value: value?.value,
+        ...Object.fromEntries(properties.map(({ name, value }) => [name, value.value])),
+      }));
+      const controls = shown.filter(({ focusable, role }) => focusable && !["RootWebArea", "MenuListPopup", "menuListOption", "option"].includes(role));
+      assert.ok(controls.length > 60, `${controls.length} controls`);
+      assert.deepEqual(controls.filter(({ name }) => name === ""), [], "controls without a name");
+      for (const slider of controls.filter(({ role }) => role === "slider")) assert.ok(slider.valuetext || slider.value !== undefined, `${slider.name}: no value`);
+      const images = shown.filter(({ role }) => ["image", "img"].includes(role));
+      assert.ok(images.length >= 2 && images.every(({ name }) => name !== ""), "pictures without a name");
+      const levels = shown.filter(({ role }) => role === "heading").map(({ level }) => level);
+      assert.equal(levels[0], 1);
+      for (let i = 1; i < levels.length; ++i) assert.ok(levels[i] > 1 && levels[i] <= levels[i - 1] + 1, `headings ${levels}`);
+      for (const landmark of ["main", "banner", "navigation", "contentinfo"]) assert.equal(shown.filter(({ role }) => role === landmark).length, 1, landmark);
+      for (const score of ["Für Elise", "Tanpura drone", "Dulcimer"]) assert.ok(controls.some(({ role, name }) => /button/i.test(role) && name.includes(score)), score);
+    });
+  },
+
   async "plays from a file, by keyboard alone"() {
     await withPage(fileAddress, async (page) => {
       await page.locator("#keys button[tabindex='0']").focus();
