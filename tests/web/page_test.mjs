@@ -203,7 +203,7 @@ const cases = {
       };
       await page.getByText("Fit a material to measurements").click();
       const pulses = [1, 2, 3, 4, 5].map((i) => `felt_${i}.csv`);
-      for (const [files, fitFile, law] of [[["felt.fit.json", ...pulses], "felt.fit.json", "^Power law with Hunt-Crossley loss"], [["rubber_ball.csv"], "rubber_ball.fit.json", "^Hertz contact with Hunt-Crossley loss"]]) {
+      for (const [files, fitFile, law] of [[["felt.fit.json", ...pulses], "felt.fit.json", "^Power law with Hunt-Crossley loss, mass 2.97 g:"], [["rubber_ball.csv"], "rubber_ball.fit.json", "^Hertz contact with Hunt-Crossley loss"]]) {
         await page.getByLabel("Mass that strikes").fill("9");
         await fit(chosen(files), law);
         execFileSync(program, ["fit", fileURLToPath(new URL(fitFile, examples)), "-o", join(folder, "fitted.json"), "--force"]);
@@ -1104,6 +1104,7 @@ const cases = {
       assert.deepEqual(knots[0], knots[1], "a point at each knot");
       assert.ok(knots[0].length > 5);
       assert.equal(await page.getByLabel("hammer mass [g]").getAttribute("aria-valuetext"), "2.97 g");
+      assert.equal(await page.getByLabel("strike position [of the length]").getAttribute("aria-valuetext"), "0.12 of the length");
       assert.match(await page.locator("#spectrogram").locator("..").textContent(), /10 kHz.*6 s ago.*now/);
       assert.match(await page.locator("#design-note").textContent(), /k = 4.5 × 10⁹ N/);
       await slide(page, "force at 0.5 mm [N]", 1000);

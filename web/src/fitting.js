@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A material from measurements: data files in; the fitted material, its report and figures of data and model out.
-import { whenChosen } from "./controls.js";
+import { readable, whenChosen } from "./controls.js";
 import { linePlot } from "./plots.js";
 
 const kShown = 30; // milliseconds in which the browser shows that it works
@@ -33,7 +33,7 @@ export class Fitting {
       this.show(panels);
       byId("fit-report").textContent = report;
       byId("fit-details").hidden = false;
-      const found = report.slice(0, report.indexOf("\n"));
+      const found = report.slice(0, report.indexOf("\n")).replace(/mass ([\d.e-]+) kg/, (_, kg) => `mass ${readable(1000 * kg)} g`);
       this.tell(`${capital(found)}: the material below, with its intervals in the report. Fitted in ${((performance.now() - began) / 1000).toFixed(1)} s.`);
     } catch (error) {
       this.tell(error.message, "error");

@@ -44,6 +44,7 @@ export function linePlot(element, { x, y, lines, range, height = 190 }) {
             stroke: colour(line.colour),
             dash: line.dash,
             width: line.isPoints ? 0 : (line.width ?? 2),
+            pxAlign: 0, // whole pixels make steps of a straight line
             fill: line.isFilled ? `${colour(line.colour)}40` : undefined,
             spanGaps: lines.some(({ isPoints }) => isPoints), // null: a point that another line has
             points: { show: line.isPoints ?? false, size: line.size ?? 6, fill: colour(line.colour) },

@@ -416,8 +416,7 @@ export class Stage {
     context.fillStyle = colour("ink");
     context.fillRect(left, bottom, right - left, 1);
     context.fillRect(across(frame) - 1, top - 4, 2, bottom - top + 8);
-    this.write(context, "force", 12, top + 12, "soft");
-    this.write(context, `${readable(peak)} N`, 12, top + 27, "soft");
+    ["force", "up to", `${readable(Number(peak.toPrecision(3)))} N`].forEach((line, k) => this.write(context, line, 12, top + 10 + 14 * k, "soft"));
     const text = `${readable(1000 * this.length())} ms`;
     this.write(context, "0 ms", left, bottom + 15, "soft");
     this.write(context, text, right - context.measureText(text).width, bottom + 15, "soft");

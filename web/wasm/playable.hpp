@@ -59,11 +59,11 @@ template <typename I>
   for (std::size_t p = 0; p < instrument.parameters().size(); ++p) {
     const Parameter& x = instrument.parameters()[p];
     const Label label = label_of(x.name);
-    parameters.push_back(
-        fmt::format(R"({{"name": "{}", "label": "{}", "unit": "{}", "factor": {}, "min": {:.17g}, "max": {:.17g}, )"
-                    R"("allowed": [{:.17g}, {:.17g}], "init": {:.17g}, "isLogarithmic": {}, "controller": {}}})",
-                    x.name, label.text, label.unit, label.factor, x.slider.min, x.slider.max, x.allowed.min,
-                    x.allowed.max, instrument.value(p), x.scale == Scale::kLogarithmic, x.controller));
+    parameters.push_back(fmt::format(
+        R"({{"name": "{}", "label": "{}", "unit": "{}", "factor": {}, "min": {:.17g}, "max": {:.17g}, )"
+        R"("allowed": [{:.17g}, {:.17g}], "init": {:.17g}, "isLogarithmic": {}, "controller": {}}})",
+        x.name, label.text, label.unit.empty() ? x.unit : label.unit, label.factor, x.slider.min, x.slider.max,
+        x.allowed.min, x.allowed.max, instrument.value(p), x.scale == Scale::kLogarithmic, x.controller));
   }
   for (const Event& x : instrument.events())
     events.push_back(fmt::format(R"({{"name": "{}", "label": "{}", "parameter": {}}})", x.name, label_of(x.name).text,
