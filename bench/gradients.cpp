@@ -1,17 +1,23 @@
 // SPDX-License-Identifier: MIT
-// bench/gradients: what derivatives of a struck C4 string cost, in runs of the string itself. One second, medians
-// over rounds in which every task runs once.
+// bench/gradients: what derivatives of a struck C4 string cost, in runs of the string itself; and those of the string
+// as a network, alone and over a bridge, in runs of the network. One second, medians over rounds in which every task
+// runs once.
 #include <fmt/format.h>
 
 #include <array>
+#include <cmath>
 #include <cstdlib>
 #include <functional>
+#include <numbers>
 #include <string>
 #include <vector>
 
 #include "bench/paired_timer.hpp"
 #include "contactspline/materials/felt_c4.hpp"
+#include "contactspline/materials/felt_stulov_c4.hpp"
 #include "contactspline/resonators/string_c4.hpp"
+#include "contactspline/tangent/network_gradient.hpp"
+#include "contactspline/tangent/network_tangent.hpp"
 #include "contactspline/tangent/strike_gradient.hpp"
 #include "contactspline/tangent/strike_tangent.hpp"
 
@@ -80,13 +86,99 @@ void play_backwards() {
   computed += gradient.felt.stiffness_ratio;
 }
 
+/// The string, its hammer and a spring at one place of it as a network; with a bridge, it lies on eight points.
+struct Network {
+  explicit Network(std::size_t bridge_points, bool has_memory) {
+    const auto place = [&](double at) {
+      std::vector<double> shapes;
+      for (std::size_t i = 1; i <= String::modes; ++i) shapes.push_back(std::sin(std::numbers::pi * double(i) * at));
+      return plan.add_place(string, shapes);
+    };
+    const std::size_t on_hammer = plan.add_mass_place(hammer);
+    const SegmentTable<double> felt(segments_of<Felt, double>), slow(segments_of<materials::felt_stulov_c4, double>);
+    if (has_memory)
+      plan.add_contact(on_hammer, place(0.12), slow, 1e-4, {}, 1, memories_of<materials::felt_stulov_c4>);
+    else
+      plan.add_contact(on_hammer, place(0.12), felt, 1e-4);
+    for (std::size_t i = 0; i < bridge_points; ++i)
+      plan.add_contact(place(0.9 + 0.01 * double(i)), kGround, felt, 1e-6, {}, 0.1);
+    plan.add_spring(place(0.99), kGround, 1e4, 0.1);
+    output = place(0.4);
+  }
+
+  template <typename Model>
+  void play(Model& model) const {
+    if constexpr (requires { model.samples(); })
+      model.set_motion(hammer, 0, 2.5);
+    else
+      model.set_motion(hammer, {0.0}, {2.5});
+    for (std::size_t n = 0; n < kSamples; ++n) {
+      model.tick();
+      if constexpr (requires { model.samples(); })
+        computed += model.model().displacement(output);
+      else if constexpr (requires { model.displacement(output).value; })
+        computed += model.displacement(output).value;
+      else
+        computed += model.displacement(output);
+    }
+  }
+
+  void backwards() const {
+    RecordedNetwork<double> network(plan, kRate);
+    play(network);
+    NetworkWeights<double> weights;
+    weights.displacements.resize(plan.places().size());
+    weights.displacements[output].assign(kSamples, 1.0);
+    computed += network.gradient(weights).numbers.connections[0].contact.stiffness_ratio;
+  }
+
+  template <std::size_t P>
+  void forwards() const {
+    std::array<NetworkNumbers<double>, P> directions;
+    for (auto& direction : directions) {
+      direction.connections.resize(plan.connections().size());
+      direction.connections[0].contact.stiffness_ratio = 1;
+    }
+    NetworkTangent<double, P> network(plan, kRate, directions);
+    play(network);
+  }
+
+  /// How many numbers a gradient is with respect to.
+  [[nodiscard]] double numbers() const {
+    double count = 2;  // the motion of the hammer
+    for (const auto& body : plan.bodies()) count += 3 * double(body.size());
+    for (const auto& place : plan.places()) count += double(place.shapes.size());
+    for (const auto& connection : plan.connections())
+      count += connection.table.empty() ? 3 : 3 + 2 * double(connection.table.size() + connection.memories.size());
+    return count;
+  }
+
+  NetworkPlan<double> plan;
+  std::size_t hammer = plan.add_mass(0.00297), string = plan.add_body(modes_in<String>), output = 0;
+};
+
 struct Task {
   std::string name;
   double parameters;
   std::function<void()> run;
 };
 
-void print(int rounds) {
+// What each task takes, in runs of the first.
+void print_table(const std::vector<Task>& all, int rounds) {
+  std::vector<TimedTask<std::function<void()>>> tasks;
+  for (const Task& task : all) tasks.push_back({task.name, task.run});
+  PairedTimer<std::function<void()>, ThreadClock> timer(tasks, kSamples);
+  for (int i = 0; i < rounds; ++i) timer.round();
+  fmt::print("| parameters | number | runs of `tick` | more runs for each parameter |\n|---|---|---|---|\n");
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const double runs = 1 / timer.ratio(i);
+    fmt::print("| {} | {} | {:.2f} | {} |\n", all[i].name, all[i].parameters, runs,
+               all[i].parameters > 0 ? fmt::format("{:.3f}", (runs - 1) / all[i].parameters) : "");
+  }
+  fmt::print("\n`tick`: {:.1f} ns a sample\n\n", timer.nanoseconds(0));
+}
+
+void print_struck_string(int rounds) {
   std::vector<Task> all = {{"tick", 0, play_by_tick}, {"process", 0, play_by_process}};
   for (const bool of_string : {false, true}) {
     const std::string of = of_string ? "of the string" : "of hammer and felt";
@@ -98,17 +190,27 @@ void print(int rounds) {
   }
   const double numbers = 3.0 * segments_of<Felt, double>.size() + 5.0 * String::modes;
   all.push_back({"backwards", numbers, play_backwards});
-  std::vector<TimedTask<std::function<void()>>> tasks;
-  for (const Task& task : all) tasks.push_back({task.name, task.run});
-  PairedTimer<std::function<void()>, ThreadClock> timer(tasks, kSamples);
-  for (int i = 0; i < rounds; ++i) timer.round();
-  fmt::print("| parameters | number | runs of `tick` | more runs for each parameter |\n|---|---|---|---|\n");
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const double runs = 1 / timer.ratio(i);
-    fmt::print("| {} | {} | {:.2f} | {} |\n", all[i].name, all[i].parameters, runs,
-               all[i].parameters > 0 ? fmt::format("{:.3f}", (runs - 1) / all[i].parameters) : "");
-  }
-  fmt::print("\n`tick`: {:.1f} ns a sample\n", timer.nanoseconds(0));
+  print_table(all, rounds);
+}
+
+void print_network(std::size_t bridge_points, bool has_memory, int rounds) {
+  const Network network(bridge_points, has_memory);
+  const auto tick = [&] {
+    ContactNetwork<double> model(network.plan, kRate);
+    network.play(model);
+  };
+  fmt::print("A network, the string over {} points, {} memory:\n\n", bridge_points, has_memory ? "with" : "without");
+  print_table({{"tick", 0, tick},
+               {"forwards", 1, [&] { network.forwards<1>(); }},
+               {"forwards", 4, [&] { network.forwards<4>(); }},
+               {"backwards", network.numbers(), [&] { network.backwards(); }}},
+              rounds);
+}
+
+void print(int rounds) {
+  print_struck_string(rounds);
+  for (const std::size_t bridge_points : {0, 8})
+    for (const bool has_memory : {false, true}) print_network(bridge_points, has_memory, rounds);
 }
 
 }  // namespace

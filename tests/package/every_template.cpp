@@ -64,8 +64,12 @@
 #include "contactspline/step/live_exponent.hpp"
 #include "contactspline/step/memory.hpp"
 #include "contactspline/step/splice.hpp"
+#include "contactspline/tangent/contact_gradient.hpp"
 #include "contactspline/tangent/contact_tangent.hpp"
+#include "contactspline/tangent/force_equations.hpp"
 #include "contactspline/tangent/mass_barrier_tangent.hpp"
+#include "contactspline/tangent/network_gradient.hpp"
+#include "contactspline/tangent/network_numbers.hpp"
 #include "contactspline/tangent/network_tangent.hpp"
 #include "contactspline/tangent/strike_gradient.hpp"
 #include "contactspline/tangent/strike_tangent.hpp"
@@ -84,11 +88,16 @@ using Felt = materials::felt_c4;
   template class detail::RememberedForces<Dual<T, 3>>;                                                          \
   template class detail::ContactPath<T>;                                                                        \
   template struct detail::ContactSlopes<T>;                                                                     \
+  template class detail::ContactBackwards<T>;                                                                   \
+  template class detail::ForceEquations<T>;                                                                     \
+  template class detail::NetworkBackwards<T>;                                                                   \
   template class detail::StrikeBackwards<T>;                                                                    \
   template class ContactTangent<T, 3>;                                                                          \
   template class MassBarrierTangent<T, 3>;                                                                      \
   template class NetworkTangent<T, 3>;                                                                          \
+  template class RecordedNetwork<T>;                                                                            \
   template class StrikeTangent<T, 3>;                                                                           \
+  template T derivative(const NetworkNumbers<T>&, const NetworkNumbers<T>&);                                    \
   template T derivative(const StrikeNumbers<T>&, const StrikeNumbers<T>&);                                      \
   template class detail::TableLessLine<T>;                                                                      \
   template class detail::ContactTableStorage<T>;                                                                \

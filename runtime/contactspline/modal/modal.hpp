@@ -219,6 +219,10 @@ class ModalBank {
   [[nodiscard]] constexpr std::span<const T> changes() const {
     return {change_.data(), size()};
   }
+  /// Change of each mode over the next sample if no force and no damper acts [m].
+  [[nodiscard]] constexpr std::span<const T> free_increments() const {
+    return {free_increment_.data(), size()};
+  }
 
   /// Displacement of a mode per static force [m/N].
   [[nodiscard]] double compliance(std::size_t mode) const {

@@ -198,6 +198,8 @@ class ContactNetwork {
   [[nodiscard]] T compression(std::size_t connection) const {  ///< [m], negative while apart
     return parts_.connections[connection].is_awake ? solver_[connection].compression : parts_.measured(connection);
   }
+  /// The same at the beginning of the last sample, of a connection that acted in it [m].
+  [[nodiscard]] T compression_before(std::size_t connection) const { return parts_.connections[connection].before; }
   [[nodiscard]] T gap(std::size_t connection) const { return parts_.connections[connection].gap; }  ///< that acts [m]
   /// Are gaps, stiffnesses or places still behind their controls?
   [[nodiscard]] bool is_following() const { return is_following_; }

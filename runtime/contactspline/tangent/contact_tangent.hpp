@@ -90,6 +90,7 @@ namespace detail {
 template <std::floating_point T>
 class ContactPath {
  public:
+  constexpr ContactPath() = default;
   /// line: what is remembered [N], 0 without memory.
   ContactPath(SegmentTable<T> table, T line, T before, T after) : table_(table), line_(line), before_(before) {
     length_ = after - before;
@@ -132,7 +133,7 @@ class ContactPath {
   [[nodiscard]] T part(T y) const { return std::clamp((y - before_) / length_, T(0), T(1)); }
 
   SegmentTable<T> table_;
-  T line_, before_, length_, low_, high_, surface_;
+  T line_ = 0, before_ = 0, length_ = 0, low_ = 0, high_ = 0, surface_ = 0;
 };
 
 /// The derivatives of the force of a contact step. Along its path the force is f(y0, y1, ...); the motion makes y1 =

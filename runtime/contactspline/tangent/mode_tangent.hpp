@@ -8,6 +8,7 @@
 #include <concepts>
 #include <cstddef>
 #include <numbers>
+#include <span>
 #include <vector>
 
 #include "contactspline/modal/modal.hpp"
@@ -74,17 +75,25 @@ template <typename Row>
   return tangents;
 }
 
-/// The derivatives of the shapes sin(wavenumber place) if the place changes by `moved_m` and the string's length by
-/// `longer_m` [m]. Rows: as above.
+/// The derivatives of the shapes sin(wavenumber place) if the place changes by `moved_m` [m].
+template <std::floating_point T>
+[[nodiscard]] ModeShapes<T> shapes_tangent(std::span<const double> wavenumbers_per_m, double place_m,
+                                           double moved_m) {
+  ModeShapes<T> tangents(wavenumbers_per_m.size());
+  for (std::size_t i = 0; i < wavenumbers_per_m.size(); ++i) {
+    const double beta = wavenumbers_per_m[i];
+    tangents[i] = static_cast<T>(std::cos(beta * place_m) * beta * moved_m);
+  }
+  return tangents;
+}
+
+/// The same for a string of modes_below, or of rows as above, if its length changes by `longer_m` [m], too.
 template <std::floating_point T, typename Row>
 [[nodiscard]] ModeShapes<T> shapes_tangent(const StiffString& string, const std::vector<Row>& rows, double place_m,
                                            double moved_m, double longer_m) {
-  ModeShapes<T> tangents(rows.size());
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const double beta = rows[i].wavenumber_per_m;
-    tangents[i] = static_cast<T>(std::cos(beta * place_m) * beta * (moved_m - place_m * longer_m / string.length_m));
-  }
-  return tangents;
+  std::vector<double> wavenumbers;
+  for (const Row& row : rows) wavenumbers.push_back(row.wavenumber_per_m);
+  return shapes_tangent<T>(wavenumbers, place_m, moved_m - place_m * longer_m / string.length_m);
 }
 
 }  // namespace contactspline

@@ -5,38 +5,27 @@
 
 #include "contactspline/step/cpp20.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <concepts>
 #include <cstddef>
+#include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
+#include "contactspline/modal/string_place.hpp"
 #include "contactspline/network/contact_network.hpp"
 #include "contactspline/tangent/contact_tangent.hpp"
+#include "contactspline/tangent/force_equations.hpp"
 #include "contactspline/tangent/mode_tangent.hpp"
+#include "contactspline/tangent/network_numbers.hpp"
 
 namespace contactspline {
 
-/// One value for each number of a connection, as in ContactNumbers.
-template <std::floating_point T>
-struct ConnectionNumbers {
-  ContactNumbers<T> contact = {};
-  T gap_m = 0, spring_n_per_m = 0, resistance_n_s_per_m = 0;
-};
-
-/// One value for each number of a network, in the order of its plan. An empty vector is 0; others are as long as in
-/// the plan, each body as its modes.
-template <std::floating_point T>
-struct NetworkNumbers {
-  std::vector<std::vector<Mode>> bodies = {};
-  std::vector<ModeShapes<T>> places = {};
-  std::vector<ConnectionNumbers<T>> connections = {};
-};
-
-/// A ContactNetwork with its derivatives with respect to P parameters. Controls stay as the plan says, places do not
-/// move along strings, rigid links keep their stiffness.
+/// A ContactNetwork with its derivatives with respect to P parameters. Controls stay as the plan says, rigid links
+/// keep their stiffness. From the first call of put_place() or move_place() on, the shapes at that place change with
+/// the place alone, not by what the directions say of them.
 template <std::floating_point T, std::size_t P>
 class NetworkTangent {
  public:
@@ -45,13 +34,15 @@ class NetworkTangent {
   /// The plan must outlive this. directions: one for each parameter.
   NetworkTangent(const NetworkPlan<T>& plan, double sample_rate_hz,
                  const std::array<NetworkNumbers<T>, P>& directions)
-      : plan_(plan), model_(plan, sample_rate_hz), time_step_(static_cast<T>(1 / sample_rate_hz)) {
+      : plan_(plan),
+        model_(plan, sample_rate_hz),
+        time_step_(static_cast<T>(1 / sample_rate_hz)),
+        equations_(plan.connections().size()),
+        increments_(plan.connections().size()),
+        solution_(plan.connections().size()) {
     for (std::size_t b = 0; b < plan.bodies().size(); ++b) add_body(b, sample_rate_hz, directions);
-    for (std::size_t q = 0; q < plan.places().size(); ++q) add_place(q, directions);
+    for (std::size_t q = 0; q < plan.places().size(); ++q) add_place(q, sample_rate_hz, directions);
     for (std::size_t k = 0; k < plan.connections().size(); ++k) add_connection(k, sample_rate_hz, directions);
-    matrix_.resize(connections_.size() * connections_.size());
-    solution_.resize(connections_.size());
-    acting_.reserve(connections_.size());
     measure_compressions();
   }
 
@@ -60,7 +51,26 @@ class NetworkTangent {
     model_.set_motion(mass, displacement_m.value, velocity_m_per_s.value);
     bodies_[mass][0].displacement = displacement_m;
     bodies_[mass][0].increment = Number(time_step_) * velocity_m_per_s;
+    for (Mover& mover : movers_) mover.owed = Number();
     measure_compressions();
+  }
+
+  /// ContactNetwork::put_place, which also tells how the place follows the parameters [m].
+  void put_place(std::size_t place, const Number& place_m) {
+    model_.put_place(place, place_m.value);
+    Mover& mover = movers_[*places_[place].mover];
+    mover.motion.put(place_m.value);
+    mover.target = mover.place = place_m;
+    mover.after = places_[place].shapes = shapes_of(mover);
+    for (Mover& other : movers_) other.owed = Number();
+    measure_compressions();
+  }
+
+  /// ContactNetwork::move_place. A place that is slower than its target does not follow the parameters, but keeps the
+  /// derivatives that it has.
+  void move_place(std::size_t place, const Number& place_m) {
+    model_.move_place(place, place_m.value);
+    movers_[*places_[place].mover].target = place_m;
   }
 
   /// Pushes at a place during the next sample [N]. Several pushes add up.
@@ -72,12 +82,15 @@ class NetworkTangent {
   /// Advances one sample. Does not allocate.
   void tick() {
     model_.tick();
+    for (Mover& mover : movers_) move(mover);
     respond();
     push_modes();
     solve();
     push_modes();
     for (Place& place : places_) place.push = Number();
     advance_modes();
+    for (Mover& mover : movers_)
+      if (mover.is_moving) mover.owed = mover.owed + half_increment(mover);
     measure_compressions();
     for (std::size_t k = 0; k < connections_.size(); ++k)
       if (is_contact(k)) connections_[k].contact.relax(connections_[k].compression);
@@ -85,7 +98,9 @@ class NetworkTangent {
 
   [[nodiscard]] const ContactNetwork<T>& model() const { return model_; }
   /// Displacement of a place [m].
-  [[nodiscard]] Number displacement(std::size_t place) const { return at(place, &ModeTangent::displacement); }
+  [[nodiscard]] Number displacement(std::size_t place) const {
+    return sum(places_[place].body, shapes_after(place), &ModeTangent::displacement);
+  }
   /// Force of a connection over the last sample [N].
   [[nodiscard]] const Number& force(std::size_t connection) const { return connections_[connection].force; }
   [[nodiscard]] const Number& compression(std::size_t connection) const {  ///< [m], negative while apart
@@ -100,8 +115,21 @@ class NetworkTangent {
   };
   struct Place {
     std::size_t body;
-    std::vector<Number> shapes;
-    Number push, force;
+    std::vector<Number> shapes;  ///< in this sample, where the place moves
+    Number push = {}, force = {};
+    std::optional<std::size_t> mover = {};
+  };
+  // What a place that moves has beside its Place, as the network has it. lift: what the move itself adds to the
+  // increment of the connections there.
+  struct Mover {
+    std::size_t index, body;
+    std::vector<double> wavenumbers;
+    MovingPlace<T> motion;
+    std::vector<Number> after;  // shapes
+    Number place, target;
+    std::vector<Number> change = {};
+    Number owed = {}, lift = {};
+    bool is_moving = false;
   };
   // response: the derivative of the force with respect to the increment [N/m].
   struct Connection {
@@ -129,15 +157,27 @@ class NetworkTangent {
     }
   }
 
-  void add_place(std::size_t q, const Directions& directions) {
+  void add_place(std::size_t q, double sample_rate_hz, const Directions& directions) {
     const auto& place = plan_.places()[q];
-    places_.push_back({place.body, {}, {}, {}});
+    places_.push_back({place.body, {}});
     for (std::size_t i = 0; i < place.shapes.size(); ++i) {
       Number shape(place.shapes[i]);
       for (std::size_t p = 0; p < P; ++p)
         if (const auto& all = directions[p].places; !all.empty() && all[q].size() > 0) shape.slopes[p] = all[q][i];
       places_[q].shapes.push_back(shape);
     }
+    if (place.wavenumbers_per_m.empty()) return;
+    const StringShapes<T> shapes{std::span<const double>(place.wavenumbers_per_m)};
+    const T longest_step = shapes.longest_step(plan_.bodies()[place.body], sample_rate_hz);
+    places_[q].mover = movers_.size();
+    movers_.push_back({q,
+                       place.body,
+                       place.wavenumbers_per_m,
+                       {shapes, place.place_m, longest_step},
+                       places_[q].shapes,
+                       place.place_m,
+                       place.place_m});
+    movers_.back().change.resize(place.shapes.size());
   }
 
   void add_connection(std::size_t k, double sample_rate_hz, const Directions& directions) {
@@ -165,6 +205,43 @@ class NetworkTangent {
   }
 
   [[nodiscard]] bool is_contact(std::size_t k) const { return !plan_.connections()[k].table.empty(); }
+
+  // sin(wavenumber place), with the derivatives that follow from those of the place.
+  [[nodiscard]] static std::vector<Number> shapes_of(const Mover& mover) {
+    std::vector<Number> shapes(mover.wavenumbers.size());
+    write_shapes(mover, shapes);
+    return shapes;
+  }
+  static void write_shapes(const Mover& mover, std::vector<Number>& shapes) {
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+      shapes[i] = mover.motion.after()[i];
+      const T slope = std::cos(static_cast<T>(mover.wavenumbers[i]) * mover.motion.place()) *
+                      static_cast<T>(mover.wavenumbers[i]);
+      for (std::size_t p = 0; p < P; ++p) shapes[i].slopes[p] = slope * mover.place.slopes[p];
+    }
+  }
+
+  // ContactNetwork::move_places.
+  void move(Mover& mover) {
+    mover.lift = Number();
+    mover.is_moving = mover.motion.move_to(mover.target.value);
+    if (!mover.is_moving) return;
+    if (mover.motion.place() == mover.target.value) mover.place.slopes = mover.target.slopes;
+    std::vector<Number>& mean = places_[mover.index].shapes;
+    std::swap(mover.change, mover.after);  // the shapes before
+    write_shapes(mover, mover.after);
+    for (std::size_t i = 0; i < mean.size(); ++i) {
+      mean[i] = Number(T(0.5)) * (mover.change[i] + mover.after[i]);
+      mover.change[i] = mover.after[i] - mover.change[i];
+    }
+    const Number half = half_increment(mover);
+    mover.lift = sum(mover.body, mover.change, &ModeTangent::displacement) + half + mover.owed;
+    mover.owed = Number(0) - half;
+  }
+  // Half of the last sample's increments, times the change of the shapes.
+  [[nodiscard]] Number half_increment(const Mover& mover) const {
+    return Number(T(0.5)) * sum(mover.body, mover.change, &ModeTangent::change);
+  }
 
   // The forces of the sample that the model has played, and how they respond to the compressions before it and to
   // parameters at constant increments.
@@ -204,46 +281,18 @@ class NetworkTangent {
       for (std::size_t i = 0; i < bodies_[b].size(); ++i) bodies_[b][i].change.value = model_.body(b).changes()[i];
   }
 
-  // Adds to the derivatives of the forces what the increments do. With r = force' at constant increments and x0' =
-  // increment' under the forces r: force' = r + g, (1 + response Xi) g = response x0'. Newton's matrix of the
-  // network, whose eigenvalues are 1 or more.
+  // Adds to the derivatives of the forces what the increments do.
   void solve() {
-    acting_.clear();
-    for (std::size_t k = 0; k < connections_.size(); ++k)
-      if (connections_[k].response > 0) acting_.push_back(k);
-    const std::size_t n = acting_.size();
-    for (std::size_t a = 0; a < n; ++a) {
-      const T response = connections_[acting_[a]].response;
-      solution_[a] = Number(response) * between(acting_[a], &ModeTangent::change);
-      for (std::size_t b = 0; b < n; ++b)
-        matrix_[a * n + b] = T(a == b) + response * model_.solver().admittance(acting_[a], acting_[b]);
-    }
-    eliminate(n);
-    for (std::size_t a = n; a-- > 0;) {
-      Number& g = solution_[a];
-      for (std::size_t b = a + 1; b < n; ++b) g = g - Number(matrix_[a * n + b]) * solution_[b];
-      g = Number(1 / matrix_[a * n + a]) * g;
-      for (std::size_t p = 0; p < P; ++p) connections_[acting_[a]].force.slopes[p] += g.slopes[p];
-    }
-  }
-
-  // Gauss's elimination by the largest number of each column.
-  void eliminate(std::size_t n) {
-    for (std::size_t column = 0; column < n; ++column) {
-      std::size_t largest = column;
-      for (std::size_t a = column + 1; a < n; ++a)
-        if (std::abs(matrix_[a * n + column]) > std::abs(matrix_[largest * n + column])) largest = a;
-      if (largest != column) {
-        std::swap_ranges(&matrix_[largest * n], &matrix_[largest * n] + n, &matrix_[column * n]);
-        std::swap(solution_[largest], solution_[column]);
-        std::swap(acting_[largest], acting_[column]);
-      }
-      for (std::size_t a = column + 1; a < n; ++a) {
-        const T factor = matrix_[a * n + column] / matrix_[column * n + column];
-        if (factor == 0) continue;
-        for (std::size_t b = column; b < n; ++b) matrix_[a * n + b] -= factor * matrix_[column * n + b];
-        solution_[a] = solution_[a] - Number(factor) * solution_[column];
-      }
+    equations_.begin();
+    for (std::size_t k = 0; k < connections_.size(); ++k) equations_.add(k, connections_[k].response);
+    equations_.factorise(model_.solver());
+    const std::span<const std::size_t> acting = equations_.acting();
+    for (std::size_t a = 0; a < acting.size(); ++a) increments_[a] = between(acting[a], &NetworkTangent::increment);
+    for (std::size_t p = 0; p < P; ++p) {
+      for (std::size_t a = 0; a < acting.size(); ++a) solution_[a] = increments_[a].slopes[p];
+      equations_.solve(solution_.data());
+      for (std::size_t a = 0; a < acting.size(); ++a)
+        connections_[acting[a]].force.slopes[p] += equations_.root(a) * solution_[a];
     }
   }
 
@@ -259,22 +308,35 @@ class NetworkTangent {
 
   void measure_compressions() {
     for (std::size_t k = 0; k < connections_.size(); ++k) {
-      connections_[k].compression = between(k, &ModeTangent::displacement) - connections_[k].gap;
+      connections_[k].compression = between(k, &NetworkTangent::pressing) - connections_[k].gap;
       connections_[k].compression.value = model_.compression(k);
     }
   }
 
-  [[nodiscard]] Number at(std::size_t place, Number ModeTangent::*member) const {
+  [[nodiscard]] Number sum(std::size_t body, const std::vector<Number>& shapes, Number ModeTangent::*member) const {
     Number sum;
-    const Place& p = places_[place];
-    for (std::size_t i = 0; i < p.shapes.size(); ++i) sum = sum + p.shapes[i] * bodies_[p.body][i].*member;
+    for (std::size_t i = 0; i < shapes.size(); ++i) sum = sum + shapes[i] * bodies_[body][i].*member;
     return sum;
   }
+  [[nodiscard]] const std::vector<Number>& shapes_after(std::size_t place) const {
+    const Place& p = places_[place];
+    return p.mover ? movers_[*p.mover].after : p.shapes;
+  }
+  // By how much a place moves its connections over the sample, and how far they are pressed after it.
+  [[nodiscard]] Number increment(std::size_t place) const {
+    const Place& p = places_[place];
+    const Number moved = sum(p.body, p.shapes, &ModeTangent::change);
+    return p.mover ? moved + movers_[*p.mover].lift : moved;
+  }
+  [[nodiscard]] Number pressing(std::size_t place) const {
+    const Place& p = places_[place];
+    return p.mover ? displacement(place) - movers_[*p.mover].owed : displacement(place);
+  }
   // A value at the first place of a connection less that at the second.
-  [[nodiscard]] Number between(std::size_t k, Number ModeTangent::*member) const {
+  [[nodiscard]] Number between(std::size_t k, Number (NetworkTangent::*value)(std::size_t) const) const {
     const auto& plan = plan_.connections()[k];
-    const Number first = plan.first == kGround ? Number() : at(plan.first, member);
-    return plan.second == kGround ? first : first - at(plan.second, member);
+    const Number first = plan.first == kGround ? Number() : (this->*value)(plan.first);
+    return plan.second == kGround ? first : first - (this->*value)(plan.second);
   }
 
   const NetworkPlan<T>& plan_;
@@ -282,10 +344,11 @@ class NetworkTangent {
   T time_step_;
   std::vector<std::vector<ModeTangent>> bodies_;
   std::vector<Place> places_;
+  std::vector<Mover> movers_;
   std::vector<Connection> connections_;
-  std::vector<std::size_t> acting_;  // connections whose forces respond to increments
-  std::vector<Number> solution_;     // of each of them
-  std::vector<T> matrix_;
+  detail::ForceEquations<T> equations_;
+  std::vector<Number> increments_;  // of the connections that act
+  std::vector<T> solution_;
 };
 
 }  // namespace contactspline

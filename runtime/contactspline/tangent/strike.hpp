@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "contactspline/models/hammer_string.hpp"
-#include "contactspline/tangent/contact_tangent.hpp"
+#include "contactspline/tangent/contact_gradient.hpp"
 #include "contactspline/tangent/mode_tangent.hpp"
 
 #pragma GCC diagnostic push
@@ -40,20 +40,6 @@ struct StrikeNumbers {
 };
 
 namespace detail {
-
-template <std::floating_point T>
-[[nodiscard]] T product(const ModeShapes<T>& a, const ModeShapes<T>& b) {
-  T sum = 0;
-  for (std::size_t i = 0; i < a.size() && i < b.size(); ++i) sum += a[i] * b[i];
-  return sum;
-}
-
-template <typename Row, typename Product>
-[[nodiscard]] auto sum_over(const std::vector<Row>& a, const std::vector<Row>& b, Product product) {
-  decltype(product(a[0], b[0])) sum = 0;
-  for (std::size_t i = 0; i < a.size() && i < b.size(); ++i) sum += product(a[i], b[i]);
-  return sum;
-}
 
 /// A number for each mode, in vectors without remainder.
 template <std::floating_point T>
@@ -139,21 +125,10 @@ template <std::floating_point T>
 /// The derivative in a direction of the sum whose gradient is given: the sum of all products.
 template <std::floating_point T>
 [[nodiscard]] T derivative(const StrikeNumbers<T>& gradient, const StrikeNumbers<T>& direction) {
-  const ContactNumbers<T>&a = gradient.felt, &b = direction.felt;
-  const double memories = detail::sum_over(a.memories, b.memories, [](const Memory& x, const Memory& y) {
-    return x.weight * y.weight + x.time_s * y.time_s;
-  });
-  const double modes = detail::sum_over(gradient.modes, direction.modes, [](const Mode& x, const Mode& y) {
-    return x.angular_frequency_rad_per_s * y.angular_frequency_rad_per_s + x.decay_per_s * y.decay_per_s +
-           x.mass_kg * y.mass_kg;
-  });
-  const T table = detail::sum_over(a.table, b.table, [](const Segment<T>& x, const Segment<T>& y) {
-    return x.force * y.force + x.half_curvature * y.half_curvature;
-  });
-  return a.stiffness_ratio * b.stiffness_ratio + a.loss_s_per_m * b.loss_s_per_m + table +
-         gradient.hammer_mass_kg * direction.hammer_mass_kg + gradient.velocity_m_per_s * direction.velocity_m_per_s +
-         gradient.distance_m * direction.distance_m + detail::product(gradient.strike, direction.strike) +
-         detail::product(gradient.output, direction.output) + static_cast<T>(memories + modes);
+  return derivative(gradient.felt, direction.felt) + gradient.hammer_mass_kg * direction.hammer_mass_kg +
+         gradient.velocity_m_per_s * direction.velocity_m_per_s + gradient.distance_m * direction.distance_m +
+         detail::product(gradient.strike, direction.strike) + detail::product(gradient.output, direction.output) +
+         static_cast<T>(detail::product(gradient.modes, direction.modes));
 }
 
 }  // namespace contactspline

@@ -6,11 +6,9 @@
 #include "contactspline/step/cpp20.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "contactspline/tangent/strike.hpp"
@@ -25,9 +23,8 @@ namespace detail {
 /// What a sample of a strike is differentiated at.
 template <std::floating_point T>
 struct StrikeSample {
-  T before = 0, after = 0, force = 0;  // compression before and after [m], force over the sample [N]
-  bool flies = false;                  // the hammer
-  std::array<T, kMaxMemories> remembered{};
+  ContactSample<T> contact = {};
+  bool flies = false;  // the hammer
 };
 
 /// The samples of a strike backwards, a block at a time. The adjoint of a value is the derivative of the sum with
@@ -44,13 +41,8 @@ class StrikeBackwards {
         samples_(block),
         moved_(block * modes_.padded_size()),
         displaced_(moved_.size()),
-        adjoints_(strike.modes.size()) {
-    const std::array<ContactNumbers<T>, kDesignSeeds> seeds = design_seeds();
-    design_ = design_tangent<T, kDesignSeeds>(strike.memories, sample_rate_hz,
-                                              std::span<const ContactNumbers<T>, kDesignSeeds>(seeds));
-    gradient_.felt.table.assign(strike.felt.begin(), strike.felt.end());
-    for (Segment<T>& s : gradient_.felt.table) s.energy = s.force = s.half_curvature = 0;
-  }
+        adjoints_(strike.modes.size()),
+        felt_(strike.felt, strike.memories, strike.controls.felt, sample_rate_hz) {}
 
   /// The samples after the hammer is stopped. model: then. Their output is linear in the motion of the modes then,
   /// and so are the adjoints of the constants: nothing is played.
@@ -88,10 +80,10 @@ class StrikeBackwards {
     const std::size_t modes = modes_.padded_size();
     for (std::size_t n = 0; n < count; ++n) {
       StrikeSample<T>& sample = samples_[n];
-      sample = {model.compression(), 0, 0, model.is_hammer_flying(), model.memory().remembered().values()};
+      sample = {{model.compression(), 0, 0, model.memory().remembered().values()}, model.is_hammer_flying()};
       model.tick(strike_.controls);
-      sample.after = model.compression();
-      sample.force = model.force();
+      sample.contact.after = model.compression();
+      sample.contact.force = model.force();
       std::ranges::copy(model.string().changes(), &moved_[n * modes]);
       std::ranges::copy(model.string().displacements(), &displaced_[n * modes]);
     }
@@ -99,9 +91,9 @@ class StrikeBackwards {
 
   /// One recorded sample, which adds its weights times output and force to the sum.
   void step(std::size_t n, T output_weight, T force_weight) {
-    const StrikeSample<T>& sample = samples_[n];
     retract(n, output_weight);
-    if (!sample.flies) return;
+    if (!samples_[n].flies) return;
+    const ContactSample<T>& sample = samples_[n].contact;
     const T force = force_weight - dt_ / strike_.controls.hammer_mass_kg * velocity_ + by_force(sample.force);
     velocity_per_force_ -= sample.force * velocity_;
     const T increment = contact(sample, force);
@@ -120,17 +112,12 @@ class StrikeBackwards {
     g.hammer_mass_kg = -dt_ / (mass * mass) * (velocity_per_force_ + dt_ / 2 * admittance_slope_);
     g.velocity_m_per_s = velocity_;
     g.distance_m = -compression_;
-    finish_memories();
+    g.felt = felt_.gradient();
     finish_modes();
     return g;
   }
 
  private:
-  static constexpr std::size_t kDesignSeeds = 2 * kMaxMemories;  // weight and time of each memory
-  // Seeds of a relaxation: the force, then for each memory its value, weight, kept and taken.
-  static constexpr std::size_t kRelaxSeeds = 1 + 4 * kMaxMemories;
-  using Relaxed = Dual<T, kRelaxSeeds>;
-
   /// The adjoints of state and constants of each mode.
   struct ModeAdjoints {
     ModeLines<T> displacement, increment, change;  ///< change: of the last sample, as the force sees it
@@ -139,16 +126,6 @@ class StrikeBackwards {
     explicit ModeAdjoints(std::size_t n)
         : displacement(n), increment(n), change(n), keep(n), pull(n), push(n), strike(n), output(n) {}
   };
-
-  [[nodiscard]] std::array<ContactNumbers<T>, kDesignSeeds> design_seeds() const {
-    std::array<ContactNumbers<T>, kDesignSeeds> seeds;
-    for (std::size_t i = 0; i < strike_.memories.size(); ++i) {
-      for (const std::size_t k : {2 * i, 2 * i + 1}) seeds[k].memories.resize(strike_.memories.size());
-      seeds[2 * i].memories[i].weight = 1;
-      seeds[2 * i + 1].memories[i].time_s = 1;
-    }
-    return seeds;
-  }
 
   // The modes back over a sample.
   void retract(std::size_t n, T output_weight) {
@@ -178,85 +155,15 @@ class StrikeBackwards {
   }
 
   // The contact back over a sample: memory, then step. Returns the adjoint of the free increment.
-  T contact(const StrikeSample<T>& sample, T force) {
-    T line = 0;
-    for (const T value : sample.remembered) line += value;
-    std::array<T, kMaxMemories> remembered{};
-    if (!strike_.memories.empty()) compression_ += relax(sample, remembered);
-    const ContactControls<T>& felt = strike_.controls.felt;
-    const ContactPath<T> path(strike_.felt, line, sample.before, sample.after);
-    const ContactSlopes<T> slopes(path, {felt.stiffness_ratio * design_.stiffness.value, felt.loss_s_per_m}, dt_,
-                                  admittance_, sample.force);
-    const T change = (force - admittance_ * compression_) / slopes.gain;
-    add_to_felt(path, slopes, sample, change);
-    const T increment = compression_ + slopes.after * change;
+  T contact(const ContactSample<T>& sample, T force) {
+    compression_ += felt_.relax(sample);
+    const auto step = felt_.linearise(sample, admittance_);
+    const T change = (force - admittance_ * compression_) / step.slopes.gain;
+    felt_.push(sample, step, change);
+    const T increment = compression_ + step.slopes.after * change;
     admittance_slope_ -= sample.force * increment;
-    compression_ += slopes.moved() * change;
-    for (std::size_t i = 0; i < kMaxMemories; ++i) remembered_[i] = remembered[i] + slopes.line * change;
+    compression_ += step.slopes.moved() * change;
     return increment;
-  }
-
-  void add_to_felt(const ContactPath<T>& path, const ContactSlopes<T>& slopes, const StrikeSample<T>& sample,
-                   T change) {
-    ratio_ += slopes.ratio * change;
-    gradient_.felt.loss_s_per_m += slopes.loss * change;
-    if (!(sample.force > 0)) return;
-    path.for_pieces([&](std::size_t j, T from, T to) {
-      add_to_table(j, path.middle(from, to), (to - from) * slopes.table * change);
-    });
-    add_to_table(path.segment_before(), sample.before, slopes.table_before * change);
-  }
-
-  // adjoint: of a force of the table at compression y in segment j.
-  void add_to_table(std::size_t j, T y, T adjoint) {
-    gradient_.felt.table[j].force += adjoint;
-    gradient_.felt.table[j].half_curvature += 2 * (y - strike_.felt[j].knot) * adjoint;
-  }
-
-  // The memory back: its derivatives by duals, read in the other direction. Writes the adjoint of each value before
-  // the sample, returns that of the compression.
-  T relax(const StrikeSample<T>& sample, std::array<T, kMaxMemories>& before) {
-    const std::size_t j = segment_index(strike_.felt, sample.after), count = strike_.memories.size();
-    std::array<T, kRelaxSeeds> adjoint{};
-    if (std::ranges::any_of(remembered_, [](T value) { return value != 0; })) {
-      const auto seed = [](T value, std::size_t k) {
-        Relaxed number(value);
-        number.slopes[k] = 1;
-        return number;
-      };
-      MemoryDesign<Relaxed> design;
-      std::array<Relaxed, kMaxMemories> values{};
-      for (std::size_t i = 0; i < count; ++i) {
-        values[i] = seed(sample.remembered[i], 1 + i);
-        design.weights[i] = seed(design_.weights[i].value, 1 + kMaxMemories + i);
-        design.kept[i] = seed(design_.kept[i].value, 1 + 2 * kMaxMemories + i);
-        design.taken[i] = seed(design_.taken[i].value, 1 + 3 * kMaxMemories + i);
-      }
-      RememberedForces<Relaxed> forces(design, count);
-      forces.set(values);
-      forces.relax(seed(strike_.felt[j].force_at(sample.after), 0));
-      for (std::size_t i = 0; i < count; ++i)
-        for (std::size_t k = 0; k < kRelaxSeeds; ++k) adjoint[k] += remembered_[i] * forces.values()[i].slopes[k];
-    }
-    for (std::size_t i = 0; i < count; ++i) before[i] = adjoint[1 + i];
-    for (std::size_t k = 0; k < design_adjoint_.size(); ++k) design_adjoint_[k] += adjoint[1 + kMaxMemories + k];
-    add_to_table(j, sample.after, adjoint[0]);
-    return 2 * strike_.felt[j].half_curvature * adjoint[0];
-  }
-
-  void finish_memories() {
-    gradient_.felt.stiffness_ratio = design_.stiffness.value * ratio_;
-    for (std::size_t i = 0; i < strike_.memories.size(); ++i) {
-      const auto sum = [&](std::size_t seed) {
-        T total = strike_.controls.felt.stiffness_ratio * ratio_ * design_.stiffness.slopes[seed];
-        for (std::size_t k = 0; k < strike_.memories.size(); ++k)
-          total += design_adjoint_[k] * design_.weights[k].slopes[seed] +
-                   design_adjoint_[kMaxMemories + k] * design_.kept[k].slopes[seed] +
-                   design_adjoint_[2 * kMaxMemories + k] * design_.taken[k].slopes[seed];
-        return double(total);
-      };
-      gradient_.felt.memories.push_back({sum(2 * i), sum(2 * i + 1)});
-    }
   }
 
   void finish_modes() {
@@ -286,11 +193,9 @@ class StrikeBackwards {
   std::vector<StrikeSample<T>> samples_;
   std::vector<T> moved_, displaced_;  // of each sample and mode
   ModeAdjoints adjoints_;
-  T compression_ = 0, velocity_ = 0;          // adjoints of the state of the hammer
-  std::array<T, kMaxMemories> remembered_{};  // adjoint of each remembered force
-  T ratio_ = 0, admittance_slope_ = 0, velocity_per_force_ = 0;
-  std::array<T, 3 * kMaxMemories> design_adjoint_{};  // weights, kept, taken
-  MemoryDesign<Dual<T, kDesignSeeds>> design_;
+  ContactBackwards<T> felt_;
+  T compression_ = 0, velocity_ = 0;  // adjoints of the state of the hammer
+  T admittance_slope_ = 0, velocity_per_force_ = 0;
   StrikeNumbers<T> gradient_;
 };
 

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// One value for each number of a network: directions and gradients.
+#pragma once
+
+#include "contactspline/step/cpp20.hpp"
+
+#include <concepts>
+#include <cstddef>
+#include <vector>
+
+#include "contactspline/modal/mode.hpp"
+#include "contactspline/tangent/contact_gradient.hpp"
+
+namespace contactspline {
+
+/// One value for each number of a connection, as in ContactNumbers.
+template <std::floating_point T>
+struct ConnectionNumbers {
+  ContactNumbers<T> contact = {};
+  T gap_m = 0, spring_n_per_m = 0, resistance_n_s_per_m = 0;
+};
+
+/// One value for each number of a network, in the order of its plan. An empty vector is 0; others are as long as in
+/// the plan, each body as its modes.
+template <std::floating_point T>
+struct NetworkNumbers {
+  std::vector<std::vector<Mode>> bodies = {};
+  std::vector<ModeShapes<T>> places = {};
+  std::vector<ConnectionNumbers<T>> connections = {};
+};
+
+/// The derivative in a direction of the sum whose gradient is given: the sum of all products.
+template <std::floating_point T>
+[[nodiscard]] T derivative(const NetworkNumbers<T>& gradient, const NetworkNumbers<T>& direction) {
+  using Modes = std::vector<Mode>;
+  using Connection = ConnectionNumbers<T>;
+  const double bodies = detail::sum_over(gradient.bodies, direction.bodies,
+                                         [](const Modes& a, const Modes& b) { return detail::product(a, b); });
+  const T places =
+      detail::sum_over(gradient.places, direction.places,
+                       [](const ModeShapes<T>& a, const ModeShapes<T>& b) { return detail::product(a, b); });
+  const T connections =
+      detail::sum_over(gradient.connections, direction.connections, [](const Connection& a, const Connection& b) {
+        return derivative(a.contact, b.contact) + a.gap_m * b.gap_m + a.spring_n_per_m * b.spring_n_per_m +
+               a.resistance_n_s_per_m * b.resistance_n_s_per_m;
+      });
+  return static_cast<T>(bodies) + places + connections;
+}
+
+}  // namespace contactspline
