@@ -144,16 +144,25 @@ class RememberedForces {
   [[nodiscard]] constexpr const Forces& values() const { return values_; }
   /// Their sum [N].
   [[nodiscard]] constexpr const Number& line() const { return line_; }
+  /// values() before the last relax().
+  [[nodiscard]] constexpr const Forces& before() const { return before_; }
 
   /// Takes other values.
   constexpr void set(const Forces& values) {
-    values_ = values;
+    values_ = before_ = values;
     line_ = sum();
   }
 
   /// Follows the force of the table at the end of a sample [N].
   [[gnu::always_inline]] constexpr void relax(const Number& force) {
-    if (force < line_ && count_ > 1) return relax_apart(force);
+    if (count_ == 1) {  // by far the most frequent
+      before_[0] = values_[0];
+      const Number kept = kept_[0] * values_[0];
+      values_[0] = taken_[0] * force + kept;
+      return keep_line(values_[0]);
+    }
+    before_ = values_;
+    if (force < line_) return relax_apart(force);
     Number sum_kept = 0;  // apart from the force, for which this would have to wait
     for (std::size_t i = 0; i < count_; ++i) {
       const Number kept = kept_[i] * values_[i];
@@ -190,7 +199,7 @@ class RememberedForces {
     return sum;
   }
 
-  Forces weights_{}, kept_{}, taken_{}, values_{};
+  Forces weights_{}, kept_{}, taken_{}, values_{}, before_{};
   Number sum_taken_ = 0, line_ = 0;
   std::size_t count_ = 0;
 };
@@ -222,10 +231,7 @@ class ContactMemory {
   [[nodiscard]] constexpr bool empty() const { return remembered_.count() == 0; }
 
   /// Forgets everything.
-  constexpr void reset() {
-    remembered_.set({});
-    before_ = {};
-  }
+  constexpr void reset() { remembered_.set({}); }
 
   /// The contact step at constant memory: as contact_step with these controls, whose loss is in parts of the force
   /// that the memory leaves. start: the segment of the table that holds y0.
@@ -251,9 +257,7 @@ class ContactMemory {
   /// The memory follows the force at the end of a sample, where the table's segment holds the compression [m].
   template <std::size_t Extent>
   [[gnu::always_inline]] constexpr void relax(SegmentTable<T, Extent> table, T compression, std::size_t segment) {
-    if (empty()) return;
-    before_ = remembered_.values();
-    remembered_.relax(table[segment].force_at(compression));
+    if (!empty()) remembered_.relax(table[segment].force_at(compression));
   }
 
   /// One sample of the contact and of its memory.
@@ -282,7 +286,7 @@ class ContactMemory {
   /// was remembered before and is now.
   template <std::size_t Extent>
   [[nodiscard]] constexpr T surface(SegmentTable<T, Extent> table) const {
-    const T line = (sum(before_) + remembered_.line()) / 2;
+    const T line = (sum(remembered_.before()) + remembered_.line()) / 2;
     return detail::TableLessLine<T, Extent>(table, line, detail::segment_of_force(table, line)).surface();
   }
 
@@ -294,12 +298,12 @@ class ContactMemory {
   /// The same before the memory relaxed last.
   template <std::size_t Extent>
   [[nodiscard]] constexpr T energy_before(SegmentTable<T, Extent> table, T compression, T stiffness_ratio = 1) const {
-    return energy_with(before_, table, compression, stiffness_ratio);
+    return energy_with(remembered_.before(), table, compression, stiffness_ratio);
   }
   /// Force at a compression, without loss, before the memory relaxed last [N].
   template <std::size_t Extent>
   [[nodiscard]] constexpr T force_before(SegmentTable<T, Extent> table, T compression, T stiffness_ratio = 1) const {
-    return stiffness_ratio * stiffness_ * std::max(T(0), force(table, compression) - sum(before_));
+    return stiffness_ratio * stiffness_ * std::max(T(0), force(table, compression) - sum(remembered_.before()));
   }
 
  private:
@@ -342,7 +346,6 @@ class ContactMemory {
   }
 
   detail::RememberedForces<T> remembered_;
-  Forces before_{};  // what was remembered before the memory relaxed last
   T stiffness_ = 1;  // that the rate asks for, in parts of the table's
 };
 
