@@ -92,9 +92,6 @@ class ContactBackwards {
     for (Segment<T>& s : table_adjoint_) s.energy = s.force = s.half_curvature = 0;
   }
 
-  /// Forgets the adjoints of what is remembered: as before a sample in which the memory is empty.
-  void forget() { remembered_ = {}; }
-
   /// The memory back. Returns what this adds to the adjoint of the compression after the sample.
   [[nodiscard]] T relax(const Sample& sample) {
     if (std::ranges::all_of(remembered_, [](T value) { return value == 0; })) return 0;
@@ -117,7 +114,8 @@ class ContactBackwards {
 
   /// Adds what the adjoint of the force, at constant compressions, does to all numbers and to what is remembered.
   void push(const Sample& sample, const Step& step, T adjoint) {
-    const auto& [path, slopes] = step;
+    const ContactPath<T>& path = step.path;
+    const ContactSlopes<T>& slopes = step.slopes;
     ratio_ += slopes.ratio * adjoint;
     loss_ += slopes.loss * adjoint;
     for (std::size_t i = 0; i < memories_.size(); ++i) remembered_[i] += slopes.line * adjoint;

@@ -65,7 +65,7 @@ struct NetworkRecord {
     std::size_t acting = 0, pushes = 0, motions = 0;
   };
 
-  std::vector<Acting> acting;  // springs, and contacts that press or remember
+  std::vector<Acting> acting;  // springs, and contacts that press or remember; others have no derivatives
   std::vector<Push> pushes;
   std::vector<Motion> motions;
   std::vector<Ends> ends;  // one for each sample
@@ -125,8 +125,7 @@ class NetworkBackwards {
           {modes_.begins[place.body], std::vector<T>(place.shapes.size()), std::vector<T>(place.shapes.size())});
     for (std::size_t k = 0; k < plan.connections().size(); ++k) {
       const auto& connection = plan.connections()[k];
-      connections_.push_back(
-          {{connection.table, connection.memories, solver[k].contact, sample_rate_hz}, record.ends.size() + 1});
+      connections_.push_back({{connection.table, connection.memories, solver[k].contact, sample_rate_hz}});
     }
     gradient_.motions.resize(record.motions.size());
     gradient_.pushes.resize(record.pushes.size());
@@ -166,7 +165,6 @@ class NetworkBackwards {
   };
   struct Connection {
     ContactBackwards<T> contact;
-    std::size_t last_sample;  ///< the last that was seen
     T gap = 0, spring = 0, resistance = 0, force = 0;
   };
 
@@ -237,7 +235,7 @@ class NetworkBackwards {
     list_places(n);
     for (std::size_t p = 0; p < weights_.displacements.size(); ++p)
       if (const T weight = weight_of(weights_.displacements, p, n); weight != 0) touch(p).after += weight;
-    linearise(acting, n);
+    linearise(acting);
     for (const std::size_t p : touched_)
       if (const Place& place = places_[p]; place.after != 0)
         add_scaled(0, place.shapes.size(), place.after, shapes(p), &adjoints_.displacement[place.begin]);
@@ -281,7 +279,7 @@ class NetworkBackwards {
   }
 
   // The memories back, and the slopes of all forces.
-  void linearise(std::span<const Acting> acting, std::size_t n) {
+  void linearise(std::span<const Acting> acting) {
     steps_.clear();
     for (const Acting& a : acting) {
       Connection& c = connections_[a.connection];
@@ -293,10 +291,7 @@ class NetworkBackwards {
         steps_.push_back({{}, slopes});
         continue;
       }
-      if (c.last_sample != n + 1) c.contact.forget();
-      c.last_sample = n;
-      const T after = c.contact.relax(a.sample);
-      press(a.connection, after, &Place::after);
+      press(a.connection, c.contact.relax(a.sample), &Place::after);
       steps_.push_back(c.contact.linearise(a.sample, T(0)));
     }
   }
