@@ -76,7 +76,7 @@ TEST(List, PrintsTheLowestModeOfAResonator) {
   }
 }
 
-// At once, because it designs nothing: ten materials, thirteen scores and eight instruments ship, most of them with a
+// At once, because it designs nothing: ten materials, fifteen scores and ten instruments ship, most of them with a
 // felt of optimal knots.
 TEST(List, TakesLessTimeThanTheDesignOfAFewMaterials) {
   const double design = cpu_time_s({.arguments = {"generate", "felt_c4", "--emit", "json", "-o", "-"}});

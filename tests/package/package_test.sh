@@ -466,7 +466,7 @@ case_plugins_install() {
   run cmake --install "$BUILD" --component plugins --prefix "$WORK/prefix"
   local file
   for file in lib/clap/contactspline_{piano,hammer_string}.clap lib/vst3/contactspline_{piano,hammer_string}.vst3 \
-    lib/lv2/contactspline_{piano,hammer_string,slide_string,faust_piano}.lv2/manifest.ttl \
+    lib/lv2/contactspline_{piano,hammer_string,lap_steel,faust_piano}.lv2/manifest.ttl \
     bin/contactspline-{piano,hammer_string}; do
     [ -s "$WORK/prefix/$file" ] || fail "no $file"
   done

@@ -11,8 +11,10 @@
 #include "generated/classical_guitar.hpp"
 #include "generated/dulcimer_g4.hpp"
 #include "generated/felt_c4.hpp"
+#include "generated/fret_guitar.hpp"
 #include "generated/guitar_d3.hpp"
 #include "generated/guitar_g3.hpp"
+#include "generated/lap_steel.hpp"
 #include "generated/marimba_tube.hpp"
 #include "generated/piano.hpp"
 #include "generated/prepared_piano.hpp"
@@ -76,6 +78,8 @@ template <typename Visitor>
 void each_instrument_of_a_file(const Visitor& visit) {
   visit.template operator()<instruments::tanpura>();
   visit.template operator()<instruments::classical_guitar>();
+  visit.template operator()<instruments::fret_guitar>();
+  visit.template operator()<instruments::lap_steel>();
   visit.template operator()<instruments::slap_bass>();
   visit.template operator()<instruments::trichord_c4>();
   visit.template operator()<instruments::prepared_piano>();

@@ -107,13 +107,15 @@ struct InstrumentParts {
     return plan;
   }
 
-  /// May connections be too stiff for single precision, with what the controls allow?
-  [[nodiscard]] bool may_be_too_stiff(const InstrumentData& data, const ContactNetwork<T>& network,
-                                      double sample_rate_hz) const {
+  /// Do connections ask for double precision? Those that may be too stiff, with what the controls allow, and springs
+  /// that are strained at rest, beside whose gap single precision does not see small displacements.
+  [[nodiscard]] bool needs_double(const InstrumentData& data, const ContactNetwork<T>& network,
+                                  double sample_rate_hz) const {
     for (std::size_t k = 0; k < data.connections.size(); ++k) {
       const InstrumentConnection& c = data.connections[k];
       const double admittance = network.largest_admittance(k) + lightest(data, c, sample_rate_hz);
       if (c.kind == ConnectionKind::kSpring) {
+        if (c.gap_m != 0) return true;
         const double stiffness = largest(data, ControlQuantity::kStiffness, k, c.stiffness_n_per_m);
         const double resistance = largest(data, ControlQuantity::kResistance, k, c.resistance_n_s_per_m);
         if (admittance * (stiffness / 2 + resistance * sample_rate_hz) > kMaxSpring) return true;

@@ -30,7 +30,8 @@ namespace contactspline {
 
 /// Plays what InstrumentData describes. `contactspline generate` emits a class on top of it, with names for controls,
 /// strikes and outputs (docs/reference/instruments.md). Meets Instrument. In single precision an instrument with
-/// connections that are too stiff for it is computed in double precision (docs/how-it-works/several-contacts.md).
+/// connections that are too stiff for it, or strained at rest, is computed in double precision
+/// (docs/how-it-works/several-contacts.md).
 template <std::floating_point T>
 class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
  public:
@@ -228,7 +229,7 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
 
   void prepare_in_double(double sample_rate_hz) {
     in_double_.reset();
-    if (!parts_.may_be_too_stiff(data_, *network_, sample_rate_hz)) return;
+    if (!parts_.needs_double(data_, *network_, sample_rate_hz)) return;
     in_double_ = std::make_unique<NetworkInstrument<double>>(data_);
     for (std::size_t p = 0; p < values_.size(); ++p) in_double_->set(p, values_[p]);
     in_double_->tune(key_cents_);
