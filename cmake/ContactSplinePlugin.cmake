@@ -189,7 +189,7 @@ function(_contactspline_plugin_arguments)
   return(PROPAGATE ${one} arg_MATERIALS arg_FORMATS header class)
 endfunction()
 
-# What the framework's side and the instrument's side of a format share.
+# What the sides of a plug-in share.
 function(_contactspline_plugin_part part)
   string(SHA256 hash "${arg_ID}")
   string(SUBSTRING "${hash}" 0 8 hash)
@@ -201,6 +201,7 @@ function(_contactspline_plugin_part part)
   target_include_directories(${part} PRIVATE "${ContactSpline_PLUGIN_DIR}")
   target_include_directories(${part} SYSTEM PRIVATE "${DPF_DIR}/distrho")
   target_compile_options(${part} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fno-gnu-unique>)  # hosts can unload it
+  set_target_properties(${part} PROPERTIES POSITION_INDEPENDENT_CODE ON)
   target_link_libraries(${part} PRIVATE ContactSpline::materials ${arg_MATERIALS})
   if(TARGET ContactSpline::simd)  # many times as fast
     target_link_libraries(${part} PRIVATE ContactSpline::simd)
@@ -242,6 +243,25 @@ function(_contactspline_vst3_source folder)
     "${class}END_NAMESPACE_DISTRHO\n#include \"instrument_vst3.hpp\"\nSTART_NAMESPACE_DISTRHO\n${rest}")
 endfunction()
 
+# The window in CLAP or VST3, contactspline_window_FORMAT: one for all plug-ins, of which the framework asks for names
+# that it then does not show.
+function(_contactspline_window)
+  set(window contactspline_window_${format})
+  if(TARGET ${window})
+    return()
+  endif()
+  set(arg_TITLE "window")
+  set(arg_VENDOR "Contact Spline")
+  set(arg_TARGET window)
+  set(arg_ID contactspline.window)
+  set(arg_URI urn:contactspline:window)
+  set(arg_MATERIALS "")
+  add_library(${window} OBJECT EXCLUDE_FROM_ALL "${ContactSpline_PLUGIN_DIR}/window.cpp")
+  target_compile_options(${window} PRIVATE -w -O1)
+  _contactspline_plugin_part(${window})
+  target_link_libraries(${window} PRIVATE contactspline_window_graphics)
+endfunction()
+
 # The window of the LV2 plug-in: TARGET_ui.so beside it.
 function(_contactspline_lv2_window)
   set(window ${target}_window)
@@ -262,16 +282,7 @@ function(_contactspline_plugin_format format)
   if(format STREQUAL lv2)
     set(symbols "${DPF_DIR}/utils/symbols/lv2-dsp")
   endif()
-  # The instrument's side is the same for VST3 and LV2.
   set(instrument ${arg_TARGET}_instrument)
-  if(format STREQUAL clap)
-    set(instrument ${arg_TARGET}_clap_instrument)
-  endif()
-  if(NOT TARGET ${instrument})
-    add_library(${instrument} OBJECT "${source}")
-    set_target_properties(${instrument} PROPERTIES POSITION_INDEPENDENT_CODE ON)
-    _contactspline_plugin_part(${instrument})
-  endif()
   # The framework's side: not ours to warn about, and nothing in it takes time.
   add_library(${target} MODULE "${ContactSpline_PLUGIN_DIR}/${format}.cpp" $<TARGET_OBJECTS:${instrument}>)
   if(format STREQUAL vst3)
@@ -285,7 +296,8 @@ function(_contactspline_plugin_format format)
     target_compile_definitions(${target} PRIVATE
       $<TARGET_PROPERTY:contactspline_window_graphics,INTERFACE_COMPILE_DEFINITIONS>)
   elseif(TARGET contactspline_window_graphics)
-    target_sources(${target} PRIVATE "${ContactSpline_PLUGIN_DIR}/window.cpp")
+    _contactspline_window()
+    target_sources(${target} PRIVATE $<TARGET_OBJECTS:contactspline_window_${format}>)
     target_link_libraries(${target} PRIVATE contactspline_window_graphics)
   endif()
   # Where hosts of the system look for the binary, and what it exports.
@@ -344,6 +356,10 @@ DISTRHO_NAMESPACE::Plugin* DISTRHO_NAMESPACE::createPlugin() {
   return new contactspline::InstrumentPlugin<@class@>;
 }
 ")
+  # The instrument's side is the same in all formats: see without_states.hpp.
+  list(GET arg_FORMATS 0 format)
+  add_library(${arg_TARGET}_instrument OBJECT "${source}")
+  _contactspline_plugin_part(${arg_TARGET}_instrument)
   add_custom_target(${arg_TARGET} ALL)
   set_target_properties(${arg_TARGET} PROPERTIES CONTACTSPLINE_CLASS "${class}" CONTACTSPLINE_INCLUDES "${includes}")
   foreach(format IN LISTS arg_FORMATS)

@@ -17,8 +17,6 @@
 #define DISTRHO_PLUGIN_CLAP_FEATURES "instrument", "synthesizer", "stereo"
 #define DISTRHO_PLUGIN_VST3_CATEGORIES "Instrument|Synth|Stereo"
 
-// Parameters are all that is saved. For CLAP the framework saves nothing without this; for LV2 and VST3 it needs nothing.
-#ifdef DISTRHO_PLUGIN_TARGET_CLAP
+// Parameters are all that is saved. For CLAP the framework saves nothing without this: see without_states.hpp.
 #define DISTRHO_PLUGIN_WANT_STATE 1
 #define DISTRHO_PLUGIN_WANT_FULL_STATE 0
-#endif

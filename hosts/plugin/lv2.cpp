@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 // The LV2 side of a plug-in. Version 1.6 of the framework refuses a host without the feature `options`, which tells
 // the length of blocks. These plug-ins play blocks of any length and do not need it.
+#include "without_states.hpp"
+static_assert(!DISTRHO_PLUGIN_WANT_STATE, "the includes below see no states");
+
 #include <src/lv2/buf-size.h>
 #include <src/lv2/lv2.h>
 #include <src/lv2/options.h>
