@@ -18,9 +18,9 @@
 # URI         the same in LV2; default: urn:contactspline:TARGET
 # OUTPUT_DIR  relative to the current binary folder; default: that folder
 #
-# Each has a window, drawn by OpenGL, on Linux: with the headers of libgl-dev and libx11-dev. Without them, or with
+# Each has a window, drawn by OpenGL: on Linux with the headers of libgl-dev and libx11-dev. Without them, or with
 # -DCONTACTSPLINE_PLUGIN_WINDOW=OFF, plug-ins have none. CLAP and VST3 are then not linked to these libraries; LV2's
-# window is always a library of its own. On Windows they have none.
+# window is always a library of its own.
 #
 # To install: install(DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/clap DESTINATION lib), and so on.
 
@@ -31,11 +31,11 @@ include(${CMAKE_CURRENT_LIST_DIR}/ContactSplineArguments.cmake)
 find_path(ContactSpline_PLUGIN_DIR instrument_plugin.hpp NO_DEFAULT_PATH NO_CMAKE_FIND_ROOT_PATH NO_CACHE
           PATHS "${CMAKE_CURRENT_LIST_DIR}/../hosts/plugin" "${ContactSpline_DATA_DIR}/plugin")
 
-option(CONTACTSPLINE_PLUGIN_WINDOW "Give plug-ins a window, where the headers of OpenGL and X11 are found" ON)
+option(CONTACTSPLINE_PLUGIN_WINDOW "Give plug-ins a window, where the headers of OpenGL are found" ON)
 
 # Adds the framework's graphics, contactspline_window_graphics, if plug-ins are to have windows.
 function(_contactspline_find_graphics)
-  if(TARGET contactspline_window_graphics OR WIN32)
+  if(TARGET contactspline_window_graphics)
     return()
   endif()
   if(NOT CONTACTSPLINE_PLUGIN_WINDOW)
@@ -43,9 +43,14 @@ function(_contactspline_find_graphics)
     return()
   endif()
   set(OpenGL_GL_PREFERENCE LEGACY)
-  find_package(OpenGL QUIET)
-  find_package(X11 QUIET)
-  if(NOT (OPENGL_FOUND AND X11_FOUND))
+  if(WIN32)  # which has all of it
+    set(libraries opengl32 gdi32 comdlg32)
+  else()
+    find_package(OpenGL QUIET)
+    find_package(X11 QUIET)
+    set(libraries ${OPENGL_gl_LIBRARY} ${X11_X11_LIB} ${CMAKE_DL_LIBS})
+  endif()
+  if(NOT WIN32 AND NOT (OPENGL_FOUND AND X11_FOUND))
     message(STATUS "Contact Spline: plug-ins have no window, for which headers are missing; Debian has them as: "
                    "libgl-dev libx11-dev")
     return()
@@ -59,10 +64,10 @@ function(_contactspline_find_graphics)
   target_compile_features(contactspline_window_graphics PUBLIC cxx_std_20)
   target_compile_options(contactspline_window_graphics PRIVATE -w $<$<CXX_COMPILER_ID:GNU>:-fno-gnu-unique>)
   target_compile_definitions(contactspline_window_graphics PUBLIC DGL_OPENGL HAVE_OPENGL HAVE_DGL
-    DGL_FILE_BROWSER_DISABLED HAVE_X11)
+    DGL_FILE_BROWSER_DISABLED $<$<NOT:$<BOOL:${WIN32}>>:HAVE_X11>)
   target_include_directories(contactspline_window_graphics SYSTEM PUBLIC "${DPF_DIR}/dgl"
     PRIVATE "${DPF_DIR}/distrho" "${DPF_DIR}/dgl/src/pugl-upstream/include")
-  target_link_libraries(contactspline_window_graphics PUBLIC ${OPENGL_gl_LIBRARY} ${X11_X11_LIB} ${CMAKE_DL_LIBS})
+  target_link_libraries(contactspline_window_graphics PUBLIC ${libraries})
 endfunction()
 
 # Checks what has to be installed, and adds the program that writes the description of an LV2 plug-in.
@@ -269,7 +274,11 @@ function(_contactspline_lv2_window)
   target_compile_options(${window} PRIVATE -w -O1)
   _contactspline_plugin_part(${window})
   target_link_libraries(${window} PRIVATE contactspline_window_graphics)
-  target_link_options(${window} PRIVATE "-Wl,--version-script=${DPF_DIR}/utils/symbols/lv2-ui.version")
+  if(WIN32)
+    target_link_libraries(${window} PRIVATE "${DPF_DIR}/utils/symbols/lv2-ui.def")
+  else()
+    target_link_options(${window} PRIVATE "-Wl,--version-script=${DPF_DIR}/utils/symbols/lv2-ui.version")
+  endif()
   set_target_properties(${window} PROPERTIES
     PREFIX "" OUTPUT_NAME ${arg_TARGET}_ui SUFFIX ${suffix_of_lv2} LIBRARY_OUTPUT_DIRECTORY "$<1:${folder}>")
   add_dependencies(${target} ${window})

@@ -66,13 +66,13 @@ class ClapPlugin : public HostedPlugin {
   }
 
   void open_window(std::uintptr_t parent, double scale) override {
-    require(gui().is_api_supported(plugin_, CLAP_WINDOW_API_X11, false), "no window of X11");
-    require(gui().create(plugin_, CLAP_WINDOW_API_X11, false), "no window");
+    require(gui().is_api_supported(plugin_, kSystem, false), "no window of this system");
+    require(gui().create(plugin_, kSystem, false), "no window");
     require(gui().set_scale(plugin_, scale), "no scale");
-    clap_window_t window = {CLAP_WINDOW_API_X11, {}};
+    clap_window_t window = {kSystem, {}};
     window.uptr = parent;
     require(gui().set_parent(plugin_, &window) && gui().show(plugin_), "no window");
-    require(timer_period_ms_ > 0 && timer_period_ms_ <= 17, "no timer");
+    if (kIsTimedByHost) require(timer_period_ms_ > 0 && timer_period_ms_ <= 17, "no timer");
   }
   [[nodiscard]] std::pair<std::uint32_t, std::uint32_t> window_size() override {
     std::uint32_t width = 0, height = 0;
@@ -83,7 +83,7 @@ class ClapPlugin : public HostedPlugin {
     require(gui().can_resize(plugin_) && gui().set_size(plugin_, width, height), "no resize");
   }
   void idle_window() override {
-    extension<clap_plugin_timer_support_t>(CLAP_EXT_TIMER_SUPPORT)->on_timer(plugin_, 1);
+    if (kIsTimedByHost) extension<clap_plugin_timer_support_t>(CLAP_EXT_TIMER_SUPPORT)->on_timer(plugin_, 1);
   }
   void close_window() override { gui().destroy(plugin_); }
 
@@ -178,6 +178,13 @@ class ClapPlugin : public HostedPlugin {
   }
 
  private:
+#ifdef _WIN32
+  static constexpr const char* kSystem = CLAP_WINDOW_API_WIN32;
+  static constexpr bool kIsTimedByHost = false;
+#else
+  static constexpr const char* kSystem = CLAP_WINDOW_API_X11;
+  static constexpr bool kIsTimedByHost = true;
+#endif
   static constexpr std::size_t kMaxTold = 1000;  // values that are kept: more would be allocated while it plays
   static constexpr std::size_t kPiece = 23;      // bytes: streams may take and give fewer than asked for
 

@@ -21,6 +21,46 @@
 
 namespace contactspline::testing {
 
+struct Pixel {
+  int red, green, blue;
+  friend bool operator==(const Pixel&, const Pixel&) = default;
+};
+
+struct Photo {
+  int width, height;
+  std::vector<Pixel> pixels;
+
+  [[nodiscard]] const Pixel& at(int x, int y) const { return pixels[static_cast<std::size_t>(y * width + x)]; }
+  [[nodiscard]] std::size_t count(const Pixel& pixel) const {
+    return static_cast<std::size_t>(std::count(pixels.begin(), pixels.end(), pixel));
+  }
+  /// As a PPM file.
+  void write(const std::filesystem::path& file) const {
+    std::ofstream out(file, std::ios::binary);
+    out << "P6\n" << width << ' ' << height << "\n255\n";
+    for (const Pixel& pixel : pixels)
+      for (const int value : {pixel.red, pixel.green, pixel.blue}) out.put(static_cast<char>(value));
+  }
+};
+
+/// What a window shows, with all that stands in it.
+[[nodiscard]] inline Photo photo_of(Display* display, Window window) {
+  XWindowAttributes attributes;
+  XGetWindowAttributes(display, window, &attributes);
+  XImage* const image = XGetImage(display, window, 0, 0, static_cast<unsigned>(attributes.width),
+                                  static_cast<unsigned>(attributes.height), AllPlanes, ZPixmap);
+  if (image == nullptr) throw std::runtime_error("no photo");
+  Photo photo{attributes.width, attributes.height, {}};
+  for (int y = 0; y < photo.height; ++y)
+    for (int x = 0; x < photo.width; ++x) {
+      const unsigned long value = XGetPixel(image, x, y);
+      photo.pixels.push_back(
+          {static_cast<int>(value >> 16 & 255), static_cast<int>(value >> 8 & 255), static_cast<int>(value & 255)});
+    }
+  XDestroyImage(image);
+  return photo;
+}
+
 /// Xvfb, at the first number that is free.
 class VirtualDisplay {
  public:
@@ -46,8 +86,25 @@ class VirtualDisplay {
 
   [[nodiscard]] Display* get() const { return display_; }
   [[nodiscard]] pid_t process() const { return server_.process(); }
+  /// Of each window of this size that is on the screen, whoever has opened it.
+  [[nodiscard]] std::vector<Photo> photos(int width, int height) const {
+    std::vector<Photo> photos;
+    add_photos(DefaultRootWindow(display_), width, height, photos);
+    return photos;
+  }
 
  private:
+  void add_photos(Window window, int width, int height, std::vector<Photo>& photos) const {
+    XWindowAttributes attributes;
+    if (XGetWindowAttributes(display_, window, &attributes) == 0 || attributes.map_state != IsViewable) return;
+    if (attributes.width == width && attributes.height == height) photos.push_back(photo_of(display_, window));
+    Window root = 0, parent = 0, *children = nullptr;
+    unsigned count = 0;
+    XQueryTree(display_, window, &root, &parent, &children, &count);
+    for (unsigned i = 0; i < count; ++i) add_photos(children[i], width, height, photos);
+    if (children != nullptr) XFree(children);
+  }
+
   // The line that is a number; others are messages.
   [[nodiscard]] std::string told_number() const {
     std::ifstream log(log_);
@@ -59,28 +116,6 @@ class VirtualDisplay {
   std::filesystem::path log_;
   ChildProcess server_;
   Display* display_ = nullptr;
-};
-
-struct Pixel {
-  int red, green, blue;
-  friend bool operator==(const Pixel&, const Pixel&) = default;
-};
-
-struct Photo {
-  int width, height;
-  std::vector<Pixel> pixels;
-
-  [[nodiscard]] const Pixel& at(int x, int y) const { return pixels[static_cast<std::size_t>(y * width + x)]; }
-  [[nodiscard]] std::size_t count(const Pixel& pixel) const {
-    return static_cast<std::size_t>(std::count(pixels.begin(), pixels.end(), pixel));
-  }
-  /// As a PPM file.
-  void write(const std::filesystem::path& file) const {
-    std::ofstream out(file, std::ios::binary);
-    out << "P6\n" << width << ' ' << height << "\n255\n";
-    for (const Pixel& pixel : pixels)
-      for (const int value : {pixel.red, pixel.green, pixel.blue}) out.put(static_cast<char>(value));
-  }
 };
 
 /// A window of the host. What stands in it gets the events.
@@ -122,22 +157,7 @@ class HostWindow {
     return {attributes.width, attributes.height};
   }
 
-  [[nodiscard]] Photo photo() const {
-    XWindowAttributes attributes;
-    XGetWindowAttributes(display_, window_, &attributes);
-    XImage* const image = XGetImage(display_, window_, 0, 0, static_cast<unsigned>(attributes.width),
-                                    static_cast<unsigned>(attributes.height), AllPlanes, ZPixmap);
-    if (image == nullptr) throw std::runtime_error("no photo");
-    Photo photo{attributes.width, attributes.height, {}};
-    for (int y = 0; y < photo.height; ++y)
-      for (int x = 0; x < photo.width; ++x) {
-        const unsigned long value = XGetPixel(image, x, y);
-        photo.pixels.push_back(
-            {static_cast<int>(value >> 16 & 255), static_cast<int>(value >> 8 & 255), static_cast<int>(value & 255)});
-      }
-    XDestroyImage(image);
-    return photo;
-  }
+  [[nodiscard]] Photo photo() const { return photo_of(display_, window_); }
 
  private:
   [[nodiscard]] Window inner() const {

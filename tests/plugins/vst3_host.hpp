@@ -431,14 +431,15 @@ class Vst3Plugin : public HostedPlugin {
   void open_window(std::uintptr_t parent, double scale) override {
     view_ = v3_cpp_obj(controller_)->create_view(controller_, "editor");
     require(view_ != nullptr, "no window");
-    require(v3_cpp_obj(view_)->is_platform_type_supported(view_, V3_VIEW_PLATFORM_TYPE_X11) == V3_TRUE, "not of X11");
+    require(v3_cpp_obj(view_)->is_platform_type_supported(view_, V3_VIEW_PLATFORM_TYPE_NATIVE) == V3_TRUE,
+            "not of this system");
     check(v3_cpp_obj(view_)->set_frame(view_, frame_.pointer()));
     v3_plugin_view_content_scale** scaled = nullptr;
     check(v3_cpp_obj_query_interface(view_, v3_plugin_view_content_scale_iid, &scaled));
     (void)v3_cpp_obj(scaled)->set_content_scale_factor(scaled,
                                                        static_cast<float>(scale));  // it keeps it until it opens
     v3_cpp_obj_unref(scaled);
-    check(v3_cpp_obj(view_)->attached(view_, reinterpret_cast<void*>(parent), V3_VIEW_PLATFORM_TYPE_X11));
+    check(v3_cpp_obj(view_)->attached(view_, reinterpret_cast<void*>(parent), V3_VIEW_PLATFORM_TYPE_NATIVE));
   }
   [[nodiscard]] std::pair<std::uint32_t, std::uint32_t> window_size() override {
     v3_view_rect size = {};
@@ -452,7 +453,8 @@ class Vst3Plugin : public HostedPlugin {
   }
   void idle_window() override {
     const auto timers = frame_.loop.timers;
-    require(!timers.empty(), "no timer");
+    // On Windows the plug-in has timers of its own.
+    require(!timers.empty() || V3_VIEW_PLATFORM_TYPE_NATIVE == std::string(V3_VIEW_PLATFORM_TYPE_HWND), "no timer");
     for (v3_timer_handler** const timer : timers) v3_cpp_obj(timer)->on_timer(timer);
     application_.messages.clear();
     for (; edits_done_ < handler_.edits.size(); ++edits_done_) edits_.push(handler_.edits[edits_done_]);

@@ -10,6 +10,10 @@
 #include <string>
 #include <vector>
 
+#ifdef _WIN32
+#include "windows/framebuffers.hpp"
+#endif
+
 namespace contactspline {
 
 /// A rectangle in units of the window at 100 %.
@@ -203,7 +207,7 @@ class KeptFigure {
     glFramebufferTexture2D(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture_, 0);
     copy(width, height);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
-    const bool is_kept = glGetError() == GL_NO_ERROR;
+    const bool is_kept = frame_ != 0 && glGetError() == GL_NO_ERROR;
     width_ = is_kept ? width : 0;
     height_ = is_kept ? height : 0;
   }
