@@ -10,11 +10,14 @@
 
 #include "contactspline/host/faust_dsp.hpp"
 #include "contactspline/instrument/instruments_of.hpp"
+#include "contactspline/instrument/keyboard_instrument.hpp"
+#include "contactspline/keyboards/piano.hpp"
 #include "contactspline/materials/felt_c4.hpp"
 #include "contactspline/models/hammer_string.hpp"
 #include "contactspline/resonators/string_c4.hpp"
 #include "examples/piano.hpp"
 #include "faust_programs.hpp"
+#include "two_bridges.hpp"
 #ifdef CONTACTSPLINE_LV2_PATH
 #include "plugins/lv2_host.hpp"
 #endif
@@ -113,6 +116,23 @@ void piano_example(benchmark::State& state, double pedal) {
       });
 }
 
+/// A keyboard on its body, kChord notes from C2 upwards, three semitones apart.
+template <typename Keyboard>
+void keyboard(benchmark::State& state, double pedal) {
+  KeyboardInstrument<Keyboard, float> piano(kRate);
+  piano.sustain(pedal);
+  std::array<float, kBlock> left, right;
+  run(
+      state,
+      [&] {
+        for (int i = 0; i < kChord; ++i) piano.note_on(36 + 3 * i, 0.7);
+      },
+      [&] {
+        piano.process(left, right);
+        benchmark::DoNotOptimize(left);
+      });
+}
+
 #ifdef CONTACTSPLINE_LV2_PATH
 /// The LV2 piano with kChord voices, all of them sounding.
 void piano_lv2(benchmark::State& state) {
@@ -136,6 +156,10 @@ BENCHMARK(hammer_string_dsp<double>)->Name("hammer-string C4, 56 modes, C++ doub
 BENCHMARK(hammer_string_dsp<float>)->Name("hammer-string C4, 56 modes, C++ float as dsp");
 BENCHMARK_CAPTURE(piano_example, up, 0)->Name("piano on its board, C++ float, 16 notes of up to 80 modes");
 BENCHMARK_CAPTURE(piano_example, down, 1)->Name("piano on its board, C++ float, 16 notes, pedal down");
+BENCHMARK_CAPTURE(keyboard<keyboards::piano>, up, 0)->Name("piano, one bridge place, 16 notes from C2 to A5");
+BENCHMARK_CAPTURE(keyboard<keyboards::piano>, down, 1)->Name("piano, one bridge place, 16 notes, pedal down");
+BENCHMARK_CAPTURE(keyboard<keyboards::two_bridges>, up, 0)->Name("two_bridges, eight places, 16 notes from C2 to A5");
+BENCHMARK_CAPTURE(keyboard<keyboards::two_bridges>, down, 1)->Name("two_bridges, eight places, 16 notes, pedal down");
 
 const int kFaust = [] {
   const struct {

@@ -158,6 +158,9 @@ struct piano {
     1.0, 0.968455, 0.937904, 0.908318, 0.879665, 0.851915, 0.825041, 0.799015, 0.77381, 0.7494, 0.725762,
     0.70287, 0.6807, 0.659239, 0.638455, 0.618326, 0.598831, 0.579952, 0.561667, 0.543959, 0.526809, 0.5102,
     0.494097, 0.478502, 0.4634};
+  // The number of the body's place where they end.
+  static constexpr std::array<std::size_t, keys> bridge_places = {
+    0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 
   // The felts' splines, key by key: "out of contact", then the segments by rising knot.
   static constexpr std::size_t segments = 48;
@@ -3815,8 +3818,10 @@ struct piano {
     static constexpr double output_above_hz = 123.0;
     static constexpr double output_quality = 2.0;
 
-    // Its modes as in a resonator, with shapes at the bridge, where keys knock, and at the places of both ears.
+    // Its modes as in a resonator, with shapes at the places of the bridge, place after place, where keys knock, and at
+    // the places of both ears.
     static constexpr std::size_t modes = 267;
+    static constexpr std::size_t places = 1;
     static constexpr std::array<double, modes> angular_frequencies = {
     371.3362516543, 523.3893360881, 611.9822489193, 764.035333353, 852.6282461843, 1004.681330618,
     1156.106096521, 1244.699009352, 1396.752093786, 1485.345006617, 1637.398091051, 1788.822856954,
@@ -3899,7 +3904,7 @@ struct piano {
     87.3, 85.6, 84.0, 82.6, 81.0, 79.3, 78.0, 76.5, 75.5, 75.5, 74.9, 75.0, 74.9, 74.4, 74.3, 73.9, 71.2,
     66.9, 64.1, 60.2, 57.7, 54.2, 50.9, 48.8, 49.6, 50.1, 51.5, 52.1, 53.6, 55.2, 55.8, 57.1, 57.0, 57.3,
     57.4, 57.2, 57.4, 57.1, 57.5, 57.2, 58.6, 60.2, 60.7, 62.3, 62.9, 64.4, 66.1, 66.3, 66.5, 66.2, 66.5};
-    static constexpr std::array<double, modes> bridge_shapes = {
+    static constexpr std::array<double, places*modes> bridge_shapes = {
     1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0,
     1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0,
     1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0,

@@ -45,10 +45,11 @@ void add_strings(TemplateValues& values, const std::vector<KeyboardNote>& notes)
 }
 
 // Whole numbers, as Faust and C++ read them.
-std::string strings_of(const std::vector<KeyboardNote>& notes) {
-  std::vector<int> strings;
-  for (const KeyboardNote& note : notes) strings.push_back(note.strings);
-  return fmt::format("    {}", fmt::join(strings, ", "));
+template <typename Number>
+std::string whole_numbers(const std::vector<KeyboardNote>& notes, Number KeyboardNote::*member) {
+  std::vector<Number> numbers;
+  for (const KeyboardNote& note : notes) numbers.push_back(note.*member);
+  return fmt::format("    {}", fmt::join(numbers, ", "));
 }
 
 void add_felts(TemplateValues& values, const Keyboard& keyboard, const std::vector<KeyboardNote>& notes) {
@@ -77,17 +78,23 @@ constexpr std::array kBodyColumns = {
     BodyColumn{"ANGULAR_FREQUENCIES", [](const BodyMode& m) { return m.mode.angular_frequency_rad_per_s; }},
     BodyColumn{"DECAYS", [](const BodyMode& m) { return m.mode.decay_per_s; }},
     BodyColumn{"MASSES", [](const BodyMode& m) { return m.mode.mass_kg; }},
-    BodyColumn{"BRIDGE_SHAPES", [](const BodyMode& m) { return m.bridge_shape; }},
     BodyColumn{"LEFT_SHAPES", [](const BodyMode& m) { return m.left_shape; }},
     BodyColumn{"RIGHT_SHAPES", [](const BodyMode& m) { return m.right_shape; }},
     BodyColumn{"KNOCK_SHAPES", [](const BodyMode& m) { return m.knock_shape; }}};
+
+// Place after place, in the digits of numbers_of().
+std::vector<double> bridge_numbers(const std::vector<BodyMode>& modes) {
+  std::vector<double> numbers = bridge_shapes_of(modes);
+  for (double& number : numbers) number = rounded_to(number, 13);
+  return numbers;
+}
 
 // The three constants of a mode share a rule. In Faust keys do not knock.
 std::string all_faust_rules(const std::vector<BodyMode>& modes) {
   const auto column = [&](std::size_t i) { return numbers_of(kBodyColumns[i], modes); };
   return faust_rules("body_constants", {column(0), column(1), column(2)}) +
-         faust_rules("body_bridge_shape", {column(3)}) + faust_rules("body_left_shape", {column(4)}) +
-         faust_rules("body_right_shape", {column(5)});
+         faust_rules("body_bridge_shape", {bridge_numbers(modes)}) + faust_rules("body_left_shape", {column(3)}) +
+         faust_rules("body_right_shape", {column(4)});
 }
 
 // What all templates have of a keyboard's body.
@@ -101,7 +108,8 @@ TemplateValues body_values(const KeyboardBody& body) {
           {"OUTPUT_QUALITY", literal(rounded_to(body.listening.quality, 13))}};
 }
 
-// The part of Faust's template. Without a body the strings are in tune, and no mode follows.
+// The part of Faust's template. Without a body the strings are in tune, and no mode follows. All strings drive the
+// body where it is struck.
 std::string faust_body_text(const Keyboard& keyboard, const std::optional<Resonator>& body, double max_frequency_hz) {
   const auto modes = body_modes({body, {}}, max_frequency_hz);
   TemplateValues values = body_values(keyboard.body.value_or(KeyboardBody{"", {0, 0}, {0, 0, 0}, 1, {}}));
@@ -119,7 +127,11 @@ std::string body_text(const Emitter& emitter, const KeyboardBody& body, const st
   values["HORIZONTAL_CENTS"] = literal(body.horizontal.cents);
   for (const BodyColumn& column : kBodyColumns)
     values.emplace(column.key, literal_rows(numbers_of(column, modes), 4));
-  if (emitter.name == "cpp") values["MODES"] = fmt::format("{}", modes.size());
+  values["BRIDGE_SHAPES"] = literal_rows(bridge_numbers(modes), 4);
+  if (emitter.name == "cpp") {
+    values["MODES"] = fmt::format("{}", modes.size());
+    values["PLACES"] = fmt::format("{}", modes.empty() ? 1 : modes.front().bridge_shapes.size());
+  }
   return fill_template(emitted_template("keyboard_body", emitter.extension), values);
 }
 
@@ -146,12 +158,13 @@ std::string emit(const Emitter& emitter, const Keyboard& keyboard, const Keyboar
     values["BRIDGE_LOSSES"] = column(notes, [](const KeyboardNote& n) { return n.bridge_loss_per_s; });
     values["BRIDGE_RATIOS"] = column(notes, [](const KeyboardNote& n) { return n.bridge_ratio; });
     values["HORIZONTAL_RATIOS"] = column(notes, [](const KeyboardNote& n) { return n.horizontal_ratio; });
+    values["BRIDGE_PLACES"] = whole_numbers(notes, &KeyboardNote::bridge_place);
   }
   if (emitter.name != "json") values["KEYS"] = fmt::format("{}", notes.size());
   if (emitter.name == "cpp") values["FORMAT_VERSION"] = fmt::format("{}", kFormatVersion);
   if (emitter.name == "faust")
     values["PROBES"] = fmt::format("{}", std::bit_width(static_cast<unsigned>(keyboard.segments)));
-  values["STRINGS"] = strings_of(notes);
+  values["STRINGS"] = whole_numbers(notes, &KeyboardNote::strings);
   add_strings(values, notes);
   add_felts(values, keyboard, notes);
   if (emitter.name == "faust")

@@ -68,9 +68,9 @@ InstrumentArrays instrument_arrays(const InstrumentModel& model, double sample_r
 }
 
 BodyArrays body_arrays(const Score& score, double sample_rate_hz) {
-  const auto modes = body_modes({score.body, score.knock}, sample_rate_hz / 2);
+  const auto modes = body_modes({score.body, score.knock, score.bridge_places}, sample_rate_hz / 2);
   if (modes.empty()) refuse_rate(score.body->name, sample_rate_hz);
-  return {bare(modes), each(modes, &BodyMode::bridge_shape), each(modes, &BodyMode::knock_shape),
+  return {bare(modes), bridge_shapes_of(modes), each(modes, &BodyMode::knock_shape),
           each(modes, &BodyMode::left_shape), each(modes, &BodyMode::right_shape)};
 }
 

@@ -19,7 +19,8 @@ namespace contactspline {
 /// The arrays of an instrument file. Throws BadInput where a body has no mode below half the sample rate.
 [[nodiscard]] InstrumentArrays instrument_arrays(const InstrumentModel& model, double sample_rate_hz);
 
-/// The body of a score, with its modes below half the sample rate: places and what they read.
+/// The body of a score, with its modes below half the sample rate: places and what they read. bridge: as in
+/// BoardOfKeyboard.
 struct BodyArrays {
   std::vector<Mode> modes;
   std::vector<double> bridge, knock, left, right;
@@ -80,7 +81,8 @@ class KeyboardOfScore : public PedaledKeyboard<KeyboardOfScore<T>, T> {
                       felts.memories[k],
                       key.bridge_ratio,
                       key.output_ratio,
-                      key.horizontal});
+                      key.horizontal,
+                      key.bridge_place});
     }
     return keys;
   }

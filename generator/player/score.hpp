@@ -14,6 +14,7 @@
 #include "contactspline/models/hammer_voice.hpp"
 #include "contactspline/step/contact.hpp"
 #include "generator/instrument/instrument.hpp"
+#include "generator/resonator/keyboard.hpp"
 #include "generator/resonator/resonator.hpp"
 #include "generator/support/json_reader.hpp"
 
@@ -97,13 +98,14 @@ struct Score {
   double duration_s;
   std::vector<Voice> voices;
   std::optional<Resonator> body = {};  ///< that all strings end at; struck at its bridge; on a keyboard it moves them
-  std::optional<Resonator> knock = {};       ///< that keys strike when they are played
-  std::vector<KeyOnBody<double>> keys = {};  ///< on the body, also those that are not played; without felts
-  double una_corda_stiffness_ratio = 1;      ///< of all felts
-  Listening listening = {};                  ///< the sound of the body under a keyboard
-  std::vector<Glide> pedals = {};            ///< by rising time; of KeyboardParameter, all up at first
-  std::string left_out = {};                 ///< what of a MIDI file is not played, in one line; empty: nothing
-  std::string left_out_at_rest = {};         ///< the same without the body, as a list
+  std::optional<Resonator> knock = {};          ///< that keys strike when they are played
+  std::vector<BridgePlace> bridge_places = {};  ///< of the body under a keyboard
+  std::vector<KeyOnBody<double>> keys = {};     ///< on the body, also those that are not played; without felts
+  double una_corda_stiffness_ratio = 1;         ///< of all felts
+  Listening listening = {};                     ///< the sound of the body under a keyboard
+  std::vector<Glide> pedals = {};               ///< by rising time; of KeyboardParameter, all up at first
+  std::string left_out = {};                    ///< what of a MIDI file is not played, in one line; empty: nothing
+  std::string left_out_at_rest = {};            ///< the same without the body, as a list
 };
 
 }  // namespace contactspline

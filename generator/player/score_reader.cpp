@@ -158,6 +158,7 @@ void add_body(const Keyboard& keyboard, const NamedText& file, const ReadFile& r
   KeyboardResonators resonators = resonators_of(keyboard, file, read);
   score.body = std::move(resonators.body);
   score.knock = std::move(resonators.knock);
+  score.bridge_places = std::move(resonators.bridge_places);
   if (!score.body) return;
   score.una_corda_stiffness_ratio = keyboard.body->una_corda_stiffness_ratio;
   score.listening = keyboard.body->listening;
@@ -171,7 +172,8 @@ void add_body(const Keyboard& keyboard, const NamedText& file, const ReadFile& r
                           {},
                           note.bridge_ratio,
                           note.output_ratio,
-                          horizontal_motion(note, *keyboard.body)});
+                          horizontal_motion(note, *keyboard.body),
+                          note.bridge_place});
   }
 }
 

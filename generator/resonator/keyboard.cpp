@@ -90,6 +90,26 @@ Material felt_of(const Keyboard& keyboard, const Between& notes, int key, double
   return material;
 }
 
+// The last place that begins at the key or below, the first one otherwise.
+std::size_t bridge_place(const std::vector<BridgePlace>& places, int key) {
+  const auto above = std::ranges::find_if(places, [&](const BridgePlace& place) { return place.first_key > key; });
+  return static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, above - places.begin() - 1));
+}
+
+// The shapes of a mode where keys drive the body.
+std::vector<double> bridge_shapes(const Resonator& body, const NumberedMode& mode,
+                                  const std::vector<BridgePlace>& places) {
+  if (const auto* table = std::get_if<ModeTable>(&body.body))
+    return table->rows[static_cast<std::size_t>(mode.number)].bridge_shapes;
+  std::vector<double> shapes;
+  Resonator driven = body;
+  for (const BridgePlace& place : places) {
+    driven.strike = place.place;
+    shapes.push_back(strike_shape(driven, mode));
+  }
+  return shapes;
+}
+
 // With its strike as both the bridge and where keys knock.
 std::vector<BodyMode> modes_at_ears(const Resonator& resonator, double max_frequency_hz) {
   Resonator mirrored = resonator;
@@ -101,7 +121,7 @@ std::vector<BodyMode> modes_at_ears(const Resonator& resonator, double max_frequ
   std::vector<BodyMode> modes;
   for (std::size_t i = 0; i < left.size(); ++i)
     modes.push_back(
-        {left[i].mode, left[i].strike_shape, left[i].strike_shape, left[i].pickup_shape, right[i].pickup_shape});
+        {left[i].mode, {left[i].strike_shape}, left[i].strike_shape, left[i].pickup_shape, right[i].pickup_shape});
   return modes;
 }
 
@@ -126,12 +146,26 @@ std::vector<BodyMode> body_modes(const KeyboardResonators& resonators, double ma
   std::vector<BodyMode> modes;
   if (resonators.body) modes = modes_at_ears(*resonators.body, max_frequency_hz);
   for (BodyMode& mode : modes) mode.knock_shape = 0;
-  if (modes.empty() || !resonators.knock) return modes;
+  if (modes.empty()) return modes;
+  if (const auto& places = resonators.bridge_places; !places.empty()) {
+    const auto numbered = numbered_modes_of(*resonators.body, max_frequency_hz).modes;
+    for (std::size_t i = 0; i < modes.size(); ++i)
+      modes[i].bridge_shapes = bridge_shapes(*resonators.body, numbered[i], places);
+  }
+  if (!resonators.knock) return modes;
+  const std::vector<double> at_rest(modes.front().bridge_shapes.size());
   for (BodyMode& mode : modes_at_ears(*resonators.knock, max_frequency_hz)) {
-    mode.bridge_shape = 0;
+    mode.bridge_shapes = at_rest;
     modes.push_back(mode);
   }
   return modes;
+}
+
+std::vector<double> bridge_shapes_of(const std::vector<BodyMode>& modes) {
+  std::vector<double> shapes;
+  for (std::size_t place = 0; !modes.empty() && place < modes.front().bridge_shapes.size(); ++place)
+    for (const BodyMode& mode : modes) shapes.push_back(mode.bridge_shapes[place]);
+  return shapes;
 }
 
 double strike_speed(const Keyboard& keyboard, double velocity) {
@@ -159,7 +193,8 @@ KeyboardNote note_of(const Keyboard& keyboard, int key) {
           bridge_ratio,
           rounded_to(notes.geometric([](const PublishedNote& n) { return n.output_ratio; }), 6),
           rounded_to(notes.geometric([](const PublishedNote& n) { return n.horizontal_ratio; }), 6),
-          bridge_loss};
+          bridge_loss,
+          keyboard.body ? bridge_place(keyboard.body->bridge_places, key) : 0};
 }
 
 std::vector<ResonatorMode> modes_of(const KeyboardNote& note, double max_frequency_hz) {

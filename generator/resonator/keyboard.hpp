@@ -2,6 +2,7 @@
 // A keyboard of struck strings: every key's string and hammer, interpolated from some published notes.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,6 +28,12 @@ struct PublishedNote {
   double horizontal_ratio = 1;  ///< factor of both ratios of KeyboardBody::horizontal
 };
 
+/// A place at which the keys from first_key up to the next place's drive the body.
+struct BridgePlace {
+  int first_key;  ///< MIDI number
+  Place place;    ///< on a plate; of a table of modes it is a column of bridge_shapes
+};
+
 /// The body that the strings end at, and what they are when each of them moves by itself.
 struct KeyboardBody {
   std::string resonator;             ///< name of one that ships, or a file; struck at its bridge
@@ -36,6 +43,8 @@ struct KeyboardBody {
   Listening listening;               ///< the sound of the body
   std::string knock = {};            ///< resonator that a played key strikes, as `resonator`; empty: none
   HorizontalMotion horizontal = {};
+  /// By rising key, at most Body::kMaxPlaces; empty: all keys drive the body where it is struck.
+  std::vector<BridgePlace> bridge_places = {};
 };
 
 /// As read from a keyboard file.
@@ -72,6 +81,7 @@ struct KeyboardNote {
   /// 2 f Z Y r^2 for each, with pitch f, impedance Z = sqrt(T mu), mobility Y and bridge_ratio r (G. Weinreich, JASA
   /// 62, 1977).
   double bridge_loss_per_s;
+  std::size_t bridge_place;  ///< number of the body's place where the strings end
 };
 
 /// The strings of a key on the keyboard's body, each by itself: detuned, with their own losses.
@@ -83,18 +93,24 @@ struct KeyboardNote {
 /// What a keyboard's file names: its body, and what its keys strike when they are played (the knock).
 struct KeyboardResonators {
   std::optional<Resonator> body, knock;
+  std::vector<BridgePlace> bridge_places = {};  ///< of the body, a plate or a table with as many bridge_shapes
 };
 
-/// A mode of a keyboard's body, with its shapes at the bridge, where keys knock, and at the two places of the ears.
+/// A mode of a keyboard's body, with its shapes at the places of the bridge, where keys knock, and at those of the
+/// ears.
 struct BodyMode {
   Mode mode;
-  double bridge_shape, knock_shape, left_shape, right_shape;
+  std::vector<double> bridge_shapes;
+  double knock_shape, left_shape, right_shape;
 };
 
-/// The modes of body and knock below `max_frequency_hz`, none if there is no body. The strike is the bridge or where
-/// keys knock, the pickup the left ear, and the mirrored place on a plate the right ear. Other resonators than plates
-/// and tables of modes have one place for both ears.
+/// The modes of body and knock below `max_frequency_hz`, none if there is no body. The strike is where keys knock
+/// and, if the body has no bridge_places, the bridge; the pickup is the left ear, and the mirrored place on a plate
+/// the right ear. Other resonators than plates and tables of modes have one place for both ears.
 [[nodiscard]] std::vector<BodyMode> body_modes(const KeyboardResonators& resonators, double max_frequency_hz);
+
+/// The bridge_shapes of all modes: those of the first place, then those of the second one, and so on.
+[[nodiscard]] std::vector<double> bridge_shapes_of(const std::vector<BodyMode>& modes);
 
 /// Speed [m/s] at which a velocity from 0 to 1 throws the hammer: min (max/min)^velocity.
 [[nodiscard]] double strike_speed(const Keyboard& keyboard, double velocity);

@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 
 #include <iterator>
+#include <tuple>
 
 #include "generator/resonator/resonator_reader.hpp"
+#include "generator/support/error.hpp"
 #include "generator/support/json_reader.hpp"
 #include "generator/support/ranges.hpp"
 
@@ -35,6 +37,8 @@ constexpr Range kOutputAbove{1, 1000};
 constexpr Range kQuality{0.1, 10};
 constexpr Range kHorizontal{0, 1};
 constexpr Range kHorizontalCents{-100, 100};
+constexpr Range kPosition{0, 100};
+constexpr double kNowhere = -1;  // of a place without a number
 
 // Members of the emitted C++ struct, which must not be called like it.
 constexpr const char* kTaken[] = {"name",
@@ -62,6 +66,7 @@ constexpr const char* kTaken[] = {"name",
                                   "strike_positions",
                                   "hammer_masses",
                                   "bridge_ratios",
+                                  "bridge_places",
                                   "output_ratios",
                                   "horizontal_ratios",
                                   "bridge_losses",
@@ -108,7 +113,59 @@ HorizontalMotion read_horizontal(const JsonObject& body) {
           body.has("horizontal_cents") ? body.number("horizontal_cents", kHorizontalCents) : 0};
 }
 
-KeyboardBody read_keyboard_body(const JsonObject& body) {
+// Which keys drive the body where. Whether it has such places, resonators_of() sees.
+std::vector<BridgePlace> read_bridge_places(const JsonObject& body, int first_key, int last_key) {
+  std::vector<BridgePlace> places;
+  if (!body.has("bridge_places")) return places;
+  for (const JsonObject& place :
+       body.objects("bridge_places", {"first_key", "position_m", "across_m"}, Body<double>::kMaxPlaces)) {
+    const int first = place.integer("first_key", 0, last_key);
+    if (places.empty() && first > first_key)
+      place.fail(place.key("first_key"),
+                 fmt::format("{} leaves the keys from {} on without a place", first, first_key),
+                 fmt::format("at most {}", first_key));
+    if (!places.empty() && first <= places.back().first_key)
+      place.fail(place.key("first_key"), fmt::format("{} does not rise", first), "places by rising key");
+    const auto position = [&](const char* name) {
+      return place.has(name) ? place.number(name, kPosition) : kNowhere;
+    };
+    places.push_back({first, {position("position_m"), 0, position("across_m")}});
+  }
+  return places;
+}
+
+// A place on a plate.
+void check_on_plate(const Plate& plate, const Place& place, std::string_view file, std::string_view key) {
+  for (const auto& [name, value, extent_m] : {std::tuple("position_m", place.position_m, plate.length_m),
+                                              std::tuple("across_m", place.across_m, plate.width_m)})
+    if (!(value >= 0 && value <= extent_m))
+      refuse(file, fmt::format("{}.{}", key, name),
+             value == kNowhere ? "missing" : fmt::format("{} is beyond the plate", value),
+             fmt::format("a number from 0 to {}", extent_m));
+}
+
+// Places on a plate, or as many as a table of modes has shapes.
+void check_bridge_places(const std::vector<BridgePlace>& places, const Resonator& body, std::string_view file) {
+  const std::string all = "keyboard.body.bridge_places";
+  const auto* plate = std::get_if<Plate>(&body.body);
+  const auto* table = std::get_if<ModeTable>(&body.body);
+  const std::size_t columns = table != nullptr ? table->rows.front().bridge_shapes.size() : 0;
+  if (plate == nullptr && columns == 0)
+    refuse(file, all, fmt::format("{} has no such places", body.name), "a plate, or modes with bridge_shapes");
+  if (plate == nullptr && columns != places.size())
+    refuse(file, all, fmt::format("has {} places", places.size()),
+           fmt::format("{}, as many as {} has bridge_shapes", columns, body.name));
+  for (std::size_t p = 0; p < places.size(); ++p) {
+    const Place& place = places[p].place;
+    const std::string key = fmt::format("{}[{}]", all, p);
+    if (plate != nullptr)
+      check_on_plate(*plate, place, file, key);
+    else if (place.position_m != kNowhere || place.across_m != kNowhere)
+      refuse(file, key, "has a position, but modes have bridge_shapes", "first_key alone");
+  }
+}
+
+KeyboardBody read_keyboard_body(const JsonObject& body, int first_key, int last_key) {
   constexpr const char* kResonator = "the name of a resonator that ships, or its .json file";
   return {body.text("resonator", kResonator),
           read_detuning(body, "double_hz", 2),
@@ -116,7 +173,8 @@ KeyboardBody read_keyboard_body(const JsonObject& body) {
           body.number("una_corda_stiffness_ratio", kUnaCorda),
           read_listening(body),
           body.has("knock") ? body.text("knock", kResonator) : "",
-          read_horizontal(body)};
+          read_horizontal(body),
+          read_bridge_places(body, first_key, last_key)};
 }
 
 std::vector<PublishedNote> read_notes(const JsonObject& keyboard) {
@@ -208,9 +266,11 @@ Keyboard parse_keyboard(std::string_view text, std::string_view file) {
                 read_notes(keyboard)};
   if (keyboard.has("body"))
     read.body = read_keyboard_body(
-        keyboard.object("body", {"resonator", "double_hz", "triple_hz", "una_corda_stiffness_ratio", "pickup_ratio",
-                                 "mobility_m_per_n_s", "output_above_hz", "output_quality", "knock",
-                                 "horizontal_strike_ratio", "horizontal_bridge_ratio", "horizontal_cents"}));
+        keyboard.object(
+            "body", {"resonator", "double_hz", "triple_hz", "una_corda_stiffness_ratio", "pickup_ratio",
+                     "mobility_m_per_n_s", "output_above_hz", "output_quality", "knock", "horizontal_strike_ratio",
+                     "horizontal_bridge_ratio", "horizontal_cents", "bridge_places"}),
+        first, last);
   if (read.first_triple_key < read.first_double_key)
     keyboard.fail(keyboard.key("first_triple_key"),
                   fmt::format("{} is below first_double_key", read.first_triple_key),
@@ -231,6 +291,8 @@ KeyboardResonators resonators_of(const Keyboard& keyboard, const NamedText& file
   KeyboardResonators resonators;
   if (!keyboard.body) return resonators;
   resonators.body = named("keyboard.body.resonator", keyboard.body->resonator);
+  resonators.bridge_places = keyboard.body->bridge_places;
+  if (!resonators.bridge_places.empty()) check_bridge_places(resonators.bridge_places, *resonators.body, file.file);
   if (!keyboard.body->knock.empty()) resonators.knock = named("keyboard.body.knock", keyboard.body->knock);
   return resonators;
 }

@@ -48,11 +48,12 @@ struct PlateStiffness {
 [[nodiscard]] PlateStiffness bending_stiffness(const Plate& plate);
 
 /// Modes that were measured or computed elsewhere, with the values of their shapes at the strike, at the pickup and,
-/// as the body of a keyboard, at the right ear.
+/// as the body of a keyboard, at the right ear and at the places of its bridges.
 struct ModeTable {
   struct Row {
     Mode mode;
     double strike_shape, pickup_shape, right_shape = pickup_shape;
+    std::vector<double> bridge_shapes = {};  ///< as many in each row
   };
   std::vector<Row> rows;
 };

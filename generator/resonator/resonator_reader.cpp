@@ -9,6 +9,7 @@
 #include <iterator>
 #include <numbers>
 
+#include "contactspline/models/body.hpp"
 #include "generator/support/json_reader.hpp"
 #include "generator/support/ranges.hpp"
 
@@ -125,13 +126,20 @@ Plate read_plate(const JsonObject& body) {
 ModeTable read_modes(const JsonObject& resonator) {
   ModeTable table;
   for (const JsonObject& row : resonator.objects(
-           "modes", {"frequency_hz", "decay_per_s", "mass_kg", "strike_shape", "pickup_shape", "right_shape"},
+           "modes",
+           {"frequency_hz", "decay_per_s", "mass_kg", "strike_shape", "pickup_shape", "right_shape", "bridge_shapes"},
            kMaxModes)) {
     table.rows.push_back({{2 * std::numbers::pi * row.number("frequency_hz", kModeFrequency_hz),
                            row.number("decay_per_s", kModeDecay_per_s), row.number("mass_kg", kModalMass_kg)},
                           row.number("strike_shape", kModeShape),
                           row.number("pickup_shape", kModeShape)});
-    if (row.has("right_shape")) table.rows.back().right_shape = row.number("right_shape", kModeShape);
+    ModeTable::Row& read = table.rows.back();
+    if (row.has("right_shape")) read.right_shape = row.number("right_shape", kModeShape);
+    if (row.has("bridge_shapes"))
+      read.bridge_shapes = row.numbers("bridge_shapes", kModeShape, Body<double>::kMaxPlaces);
+    if (const std::size_t places = table.rows.front().bridge_shapes.size(); read.bridge_shapes.size() != places)
+      row.fail(row.key("bridge_shapes"), fmt::format("has {} entries", read.bridge_shapes.size()),
+               fmt::format("{} numbers, as in modes[0]", places));
   }
   return table;
 }

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 // All the errors that a keyboard file can have: one line that names file, key and what is allowed, and nothing
 // written.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <iterator>
+#include <numeric>
 
 #include "bad_input.hpp"
 #include "cases.hpp"
@@ -103,7 +106,7 @@ std::vector<BadFile> key_cases() {
       {"unknown_in_body", changed(kGood, R"("pickup_ratio")", R"("loss": 1, "pickup_ratio")"), "keyboard.body.loss",
        "unknown key; allowed: resonator, double_hz, triple_hz, "
        "una_corda_stiffness_ratio, pickup_ratio, mobility_m_per_n_s, output_above_hz, output_quality, knock, "
-       "horizontal_strike_ratio, horizontal_bridge_ratio, horizontal_cents"},
+       "horizontal_strike_ratio, horizontal_bridge_ratio, horizontal_cents, bridge_places"},
       {"knock_of_no_resonator", changed(kGood, R"("pickup_ratio")", R"("knock": "cupboard", "pickup_ratio")"),
        "keyboard.body.knock", "'cupboard' does not ship; allowed: a .json file, soundboard"},
       {"knock_is_number", changed(kGood, R"("pickup_ratio")", R"("knock": 1, "pickup_ratio")"), "keyboard.body.knock",
@@ -155,9 +158,101 @@ std::vector<BadFile> key_cases() {
       {"truncated", kGood.substr(0, kGood.size() / 2), "line ", "; allowed: "}};
 }
 
+/// kGood on another body, with places along its bridges.
+std::string placed(const std::string& body, const std::string& places) {
+  return changed(changed(kGood, R"("soundboard")", '"' + body + '"'), R"("pickup_ratio")",
+                 R"("bridge_places": )" + places + R"(, "pickup_ratio")");
+}
+
+std::vector<BadFile> place_cases() {
+  const std::string all = "keyboard.body.bridge_places", where = R"("position_m": 0.1, "across_m": 0.2)";
+  const auto places = [&](const std::vector<int>& first_keys) {
+    std::string text;
+    for (const int key : first_keys)
+      text += fmt::format(R"({}{{ "first_key": {}, {} }})", text.empty() ? "" : ", ", key, where);
+    return placed("soundboard", "[" + text + "]");
+  };
+  std::vector<int> too_many(17);
+  std::iota(too_many.begin(), too_many.end(), 35);
+  return {
+      {"no_place", places({}), all, "has 0 entries; allowed: an array of 1 to 16 objects"},
+      {"too_many_places", places(too_many), all, "17 entries; allowed: an array of 1 to 16 objects"},
+      {"keys_without_place", places({36, 40}), all + "[0].first_key",
+       "36 leaves the keys from 35 on without a place; allowed: at most 35"},
+      {"places_fall", places({35, 40, 40}), all + "[2].first_key", "40 does not rise; allowed: places by rising key"},
+      {"place_without_keys", places({35, 62}), all + "[1].first_key",
+       "62 is out of range; allowed: an integer from 0 to 61"},
+      {"place_without_first_key", placed("soundboard", "[{ " + where + " }]"), all + "[0].first_key",
+       "missing; allowed: an integer from 0 to 61"},
+      {"unknown_in_place", placed("soundboard", R"([{ "first_key": 1, "angle_rad": 0 }])"), all + "[0].angle_rad",
+       "unknown key; allowed: first_key, position_m, across_m"},
+      {"place_below_zero", placed("soundboard", R"([{ "first_key": 1, "position_m": -0.1 }])"),
+       all + "[0].position_m", "-0.1 is out of range; allowed: a number from 0 to 100"},
+      {"modes_without_places", places({35, 40}), all,
+       "soundboard has no such places; allowed: a plate, or modes with bridge_shapes"},
+      {"places_on_a_membrane", placed("drum_head", "[{ \"first_key\": 1, " + where + " }]"), all,
+       "drum_head has no such places; allowed: a plate, or modes with bridge_shapes"}};
+}
+
 CONTACTSPLINE_REFUSED_BY_GENERATE(BadKeyboardFile);
 CONTACTSPLINE_CASES(Number, BadKeyboardFile, all_number_cases());
 CONTACTSPLINE_CASES(Key, BadKeyboardFile, key_cases());
+CONTACTSPLINE_CASES(Place, BadKeyboardFile, place_cases());
+
+const std::string kPlate = R"({ "name": "board", "plate": { "length_m": 1.5, "width_m": 0.5, "thickness_m": 0.01,
+  "density_kg_m3": 400, "youngs_modulus_pa": 1e10, "poisson_ratio": 0.3, "constant_loss_per_s": 5,
+  "quadratic_loss_m2_per_s": 0.1 }, "strike": { "position_m": 0.3, "across_m": 0.25 },
+  "pickup": { "position_m": 0.3, "across_m": 0.25 }, "max_modes": 2 })";
+const std::string kTable = R"({ "name": "board", "modes": [
+  { "frequency_hz": 100, "decay_per_s": 5, "mass_kg": 3, "strike_shape": 1, "pickup_shape": 1, "bridge_shapes": [0.5, 2] },
+  { "frequency_hz": 200, "decay_per_s": 5, "mass_kg": 3, "strike_shape": 1, "pickup_shape": 1, "bridge_shapes": [1, -3] }
+  ] })";
+
+// Places that do not fit to the body beside the keyboard.
+TEST(BadBridgePlaces, AreRefusedInOneLine) {
+  const std::string all = "probe.json: keyboard.body.bridge_places";
+  const struct {
+    std::string board, places, begins, says;
+  } cases[] = {
+      {kPlate, R"([{ "first_key": 1, "position_m": 0.1 }])", all + "[0].across_m",
+       "missing; allowed: a number from 0 to 0.5"},
+      {kPlate, R"([{ "first_key": 1, "position_m": 1.6, "across_m": 0.1 }])", all + "[0].position_m",
+       "1.6 is beyond the plate; allowed: a number from 0 to 1.5"},
+      {kTable, R"([{ "first_key": 1 }])", all, "has 1 places; allowed: 2, as many as board has bridge_shapes"},
+      {kTable, R"([{ "first_key": 1 }, { "first_key": 40, "position_m": 0 }])", all + "[1]",
+       "has a position, but modes have bridge_shapes; allowed: first_key alone"}};
+  for (const auto& [board, places, begins, says] : cases) {
+    const Sandbox box;
+    write_file(box / "probe.json", placed("board.json", places));
+    write_file(box / "board.json", board);
+    expect_refused(run({.arguments = {"generate", "probe.json", "-o", "out"}, .folder = box.path()}), begins, says);
+    EXPECT_FALSE(fs::exists(box / "out"));
+  }
+}
+
+// The generator computes the shapes of a plate at the places, and takes those of a table: place after place, and for
+// each key the number of its place. Faust has the strike alone.
+TEST(GoodKeyboardFile, HasPlacesAlongItsBridges) {
+  const auto emitted = [](const std::string& board, const std::string& places) {
+    const Sandbox box;
+    write_file(box / "probe.json", placed("board.json", places));
+    write_file(box / "board.json", board);
+    const auto outcome = run({.arguments = {"generate", "probe.json", "-o", "out"}, .folder = box.path()});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return std::array{read_file(box / "out" / "probe.hpp"), read_file(box / "out" / "probe.json"),
+                      read_file(box / "out" / "probe.lib")};
+  };
+  const auto [header, json, faust] = emitted(kTable, R"([{ "first_key": 20 }, { "first_key": 60 }])");
+  for (const char* text : {"places = 2;", "bridge_shapes = {\n    0.5, 1.0, 2.0, -3.0}", " 0, 0, 0, 1, 1};"})
+    EXPECT_NE(header.find(text), header.npos) << text;
+  EXPECT_NE(json.find("\"bridge_shape\": [\n    0.5, 1.0, 2.0, -3.0]"), json.npos);
+  EXPECT_NE(json.find(" 0, 0, 0, 1, 1]"), json.npos);
+  EXPECT_NE(faust.find("body_bridge_shape(0) = 1.0;"), faust.npos);
+  // Modes sin(m pi x/1.5) sin(pi y/0.5), m = 1 and 2.
+  const std::string plate = emitted(kPlate, R"([{ "first_key": 20, "position_m": 0.25, "across_m": 0.25 },
+    { "first_key": 60, "position_m": 0.75, "across_m": 0.25 }])")[0];
+  EXPECT_NE(plate.find("bridge_shapes = {\n    0.5, 0.8660254037844, 1.0, 0.0}"), plate.npos);
+}
 
 // What the tables above are made of is good itself.
 TEST(GoodKeyboardFile, IsAccepted) {

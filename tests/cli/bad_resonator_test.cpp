@@ -59,7 +59,7 @@ const std::string kModes = R"({
   "name": "probe",
   "modes": [
     { "frequency_hz": 440, "decay_per_s": 1.5, "mass_kg": 0.01, "strike_shape": 0.9, "pickup_shape": -0.5,
-      "right_shape": 0.25 }
+      "right_shape": 0.25, "bridge_shapes": [0.125, 0.75] }
   ]
 })";
 
@@ -187,6 +187,17 @@ std::vector<BadFile> key_cases() {
        "20 is critical; allowed: less than"},
       {"unknown_in_mode", changed(kModes, R"("decay_per_s")", R"("t60_s": 1, "decay_per_s")"), "modes[0].t60_s",
        "unknown key; allowed: frequency_hz"},
+      {"bridge_shape_is_number", changed(kModes, "[0.125, 0.75]", "0.125"), "modes[0].bridge_shapes",
+       "is not an array; allowed: an array of 1 to 16 numbers"},
+      {"bridge_shape_out_of_range", changed(kModes, "[0.125, 0.75]", "[0.125, 1.1e6]"), "modes[0].bridge_shapes[1]",
+       "is out of range; allowed: " + kShape},
+      {"other_bridge_shapes", changed(kModes, R"([0.125, 0.75] })", R"([0.125, 0.75] },
+      { "frequency_hz": 500, "decay_per_s": 1.5, "mass_kg": 0.02, "strike_shape": 0, "pickup_shape": 0,
+        "bridge_shapes": [1] })"),
+       "modes[1].bridge_shapes", "has 1 entries; allowed: 2 numbers, as in modes[0]"},
+      {"no_bridge_shapes", changed(kModes, R"([0.125, 0.75] })", R"([0.125, 0.75] },
+      { "frequency_hz": 500, "decay_per_s": 1.5, "mass_kg": 0.02, "strike_shape": 0, "pickup_shape": 0 })"),
+       "modes[1].bridge_shapes", "has 0 entries; allowed: 2 numbers, as in modes[0]"},
       {"angle_on_string", changed(kString, R"("position_m": 0.07)", R"("position_m": 0.07, "angle_rad": 0)"),
        "strike.angle_rad", "unknown key; allowed: position_m"},
       {"no_body", R"({ "name": "probe", "strike": { "position_m": 0 }, "pickup": { "position_m": 0 } })", "string",

@@ -20,43 +20,51 @@
 #include "support/compare.hpp"
 #include "support/damped_treble.hpp"
 #include "support/measured.hpp"
+#include "two_bridges.hpp"
 
 namespace contactspline::testing {
 namespace {
 
 using Piano = KeyboardInstrument<keyboards::piano, double>;
 
-/// The piano of the runtime in stereo, played to a sample before something happens.
-struct PlayedPiano {
+/// A keyboard of the runtime in stereo, played to a sample before something happens.
+template <typename Keyboard>
+struct Played {
   void play_to(std::size_t sample) {
     std::vector<double> left(sample - sound.size() / 2), right(left.size());
     piano.process(left, right);
     for (std::size_t n = 0; n < left.size(); ++n) sound.insert(sound.end(), {left[n], right[n]});
   }
 
-  Piano piano{kRate, 4096};
+  Keyboard piano{kRate, 4096};
   std::vector<double> sound = {};
 };
+
+template <typename Keyboard>
+using Acts = std::vector<std::pair<double, std::function<void(Keyboard&)>>>;
+
+/// Its sound with acts at their times [s].
+template <typename Keyboard>
+std::vector<double> played(const Acts<Keyboard>& events, double end_s) {
+  const auto at = [](double time_s) { return static_cast<std::size_t>(std::llround(time_s * kRate)); };
+  Played<Keyboard> one;
+  for (const auto& [time_s, act] : events) one.play_to(at(time_s)), act(one.piano);
+  one.play_to(at(end_s));
+  return one.sound;
+}
 
 // A score and a MIDI file on the piano's soundboard are what the piano of the runtime, as plug-ins play it, makes of
 // the same events: every pedal, a half pedal, a string that is bent. The header holds the numbers of the board to 13
 // digits.
 TEST(ScoreKeyboard, PlaysTheKeyboardInstrument) {
   const auto at = [](double time_s) { return static_cast<std::size_t>(std::llround(time_s * kRate)); };
-  const auto played = [&](const std::vector<std::pair<double, std::function<void(Piano&)>>>& events, double end_s) {
-    PlayedPiano one;
-    for (const auto& [time_s, act] : events) one.play_to(at(time_s)), act(one.piano);
-    one.play_to(at(end_s));
-    return one.sound;
-  };
   const double tick_s = 0.5 / 96;
-  std::vector<std::pair<double, std::function<void(Piano&)>>> events = {
-      {0, [](Piano& p) { p.una_corda(1), p.note_on(60, 64 / 127.0); }},
-      {10 * tick_s, [](Piano& p) { p.una_corda(40 / 127.0), p.note_on(36, 90 / 127.0); }},
-      {20 * tick_s, [](Piano& p) { p.sustain(100 / 127.0), p.note_off(60); }},
-      {30 * tick_s, [](Piano& p) { p.sostenuto(true), p.note_on(60, 1); }},
-      {40 * tick_s, [](Piano& p) { p.note_off(36); }},
-      {60 * tick_s, [](Piano& p) { p.sustain(0); }}};
+  Acts<Piano> events = {{0, [](Piano& p) { p.una_corda(1), p.note_on(60, 64 / 127.0); }},
+                        {10 * tick_s, [](Piano& p) { p.una_corda(40 / 127.0), p.note_on(36, 90 / 127.0); }},
+                        {20 * tick_s, [](Piano& p) { p.sustain(100 / 127.0), p.note_off(60); }},
+                        {30 * tick_s, [](Piano& p) { p.sostenuto(true), p.note_on(60, 1); }},
+                        {40 * tick_s, [](Piano& p) { p.note_off(36); }},
+                        {60 * tick_s, [](Piano& p) { p.sustain(0); }}};
   for (double step_s = 0; step_s < 0.01; step_s += 16 / kRate)  // of the 10 ms in which the string follows the wheel
     events.emplace_back(70 * tick_s + step_s, [=](Piano& p) {
       const double part = step_s * kRate / 441;
@@ -65,25 +73,25 @@ TEST(ScoreKeyboard, PlaysTheKeyboardInstrument) {
   events.emplace_back((static_cast<double>(at(70 * tick_s)) + 448) / kRate,
                       [](Piano& p) { p.bend(15, 100), p.bend(39, 100); });
   events.emplace_back(120 * tick_s, [](Piano& p) { p.sostenuto(false), p.note_off(60); });
-  const auto midi = played(events, 120 * tick_s + 1);
+  const auto midi = played<Piano>(events, 120 * tick_s + 1);
   const std::string bytes(
       "\0\xb0\x43\x7f\0\x90\x3c\x40\x0a\xb0\x43\x28\0\x90\x24\x5a\x0a\xb0\x40\x64\0\x80\x3c\0\x0a\xb0\x42\x7f\0"
       "\x90\x3c\x7f\x0a\x80\x24\0\x14\xb0\x40\0\x0a\xe0\0\x60\x32\xb0\x42\0\0\x80\x3c\0",
       52);
   expect_is(sound_of_midi(bytes), midi);
-  const auto score = played({{0.01, [](Piano& p) { p.una_corda(0.5); }},
-                             {0.02,
-                              [](Piano& p) {
-                                p.strike_at(67, 0.004);
-                                p.set_hammers(2, {0.5, 0.2});
-                                p.strike(67, 3);
-                                p.set_hammers(1, {1, 0.1});
-                                p.press(12);
-                                p.strike(19, 2);
-                              }},
-                             {0.1, [](Piano& p) { p.release(67), p.damp(19, 30); }},
-                             {0.2, [](Piano& p) { p.sostenuto(true), p.release(12); }}},
-                            0.3);
+  const auto score = played<Piano>({{0.01, [](Piano& p) { p.una_corda(0.5); }},
+                                    {0.02,
+                                     [](Piano& p) {
+                                       p.strike_at(67, 0.004);
+                                       p.set_hammers(2, {0.5, 0.2});
+                                       p.strike(67, 3);
+                                       p.set_hammers(1, {1, 0.1});
+                                       p.press(12);
+                                       p.strike(19, 2);
+                                     }},
+                                    {0.1, [](Piano& p) { p.release(67), p.damp(19, 30); }},
+                                    {0.2, [](Piano& p) { p.sostenuto(true), p.release(12); }}},
+                                   0.3);
   const auto keyboard = parse_keyboard(shipped(embedded_files(Shipped::kKeyboards), "piano"), "piano");
   const std::string text = fmt::format(
       R"({{ "instrument": "hammer-string", "duration_s": 0.3, "keyboard": "piano", "events": [
@@ -97,6 +105,29 @@ TEST(ScoreKeyboard, PlaysTheKeyboardInstrument) {
   EXPECT_EQ(sound.channels, 2);
   expect_is(sound, score);
   expect_is(sound_of("hammer-string", text, {"--precision", "single"}), score, 1e-3);
+}
+
+// Keys that end along two bridges of a plate: a score with the file of the example is what the emitted struct makes
+// of the same events, with keys at both bridges and the pedal.
+TEST(ScoreKeyboard, PlaysAlongTwoBridges) {
+  using Bridges = KeyboardInstrument<keyboards::two_bridges, double>;
+  EXPECT_EQ(keyboards::two_bridges::body::places, 8u);
+  const auto expected = played<Bridges>(
+      {{0.01, [](Bridges& p) { p.sustain(1); }},
+       {0.02, [](Bridges& p) { p.strike(7, 3), p.strike(24, 2), p.strike(49, 2.5), p.strike(79, 3); }},
+       {0.1, [](Bridges& p) { p.release(7), p.release(24), p.release(49), p.release(79); }},
+       {0.2, [](Bridges& p) { p.sustain(0); }}},
+      0.3);
+  const fs::path folder = fs::path(SOURCE_FOLDER) / "examples/keyboards";
+  const Files files = {{"two_bridges.json", read_file(folder / "two_bridges.json")},
+                       {"spruce_plate.json", read_file(folder / "spruce_plate.json")}};
+  const std::string text = R"({ "instrument": "hammer-string", "duration_s": 0.3, "keyboard": "two_bridges.json",
+    "events": [ { "time_s": 0.01, "sustain": 1 }, { "time_s": 0.2, "sustain": 0 },
+      { "time_s": 0.02, "key": 28, "speed_m_per_s": 3, "hold_s": 0.08 },
+      { "time_s": 0.02, "key": 45, "speed_m_per_s": 2, "hold_s": 0.08 },
+      { "time_s": 0.02, "key": 70, "speed_m_per_s": 2.5, "hold_s": 0.08 },
+      { "time_s": 0.02, "key": 100, "speed_m_per_s": 3, "hold_s": 0.08 } ] })";
+  expect_is(sound_alone("hammer-string", text, files), expected);
 }
 
 // Energy of the left channel from one time to another.

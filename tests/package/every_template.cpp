@@ -36,6 +36,7 @@
 #include "contactspline/modal/stiff_string.hpp"
 #include "contactspline/modal/string_place.hpp"
 #include "contactspline/models/body.hpp"
+#include "contactspline/models/bridge_load.hpp"
 #include "contactspline/models/contact_on_string.hpp"
 #include "contactspline/models/ensemble.hpp"
 #include "contactspline/models/fret_string.hpp"
@@ -44,6 +45,8 @@
 #include "contactspline/models/key_on_body.hpp"
 #include "contactspline/models/keyboard.hpp"
 #include "contactspline/models/keyboard_on_body.hpp"
+#include "contactspline/models/keyboard_sound.hpp"
+#include "contactspline/models/keys_on_bridge.hpp"
 #include "contactspline/models/mass_barrier.hpp"
 #include "contactspline/models/slide_string.hpp"
 #include "contactspline/models/strike_constants.hpp"
@@ -106,6 +109,9 @@ using Felt = materials::felt_c4;
   template class detail::ColumnMatrix<T>;                                                                       \
   template class detail::ContactGroup<T>;                                                                       \
   template class detail::LinearSystem<T>;                                                                       \
+  template class detail::BridgeLoad<T>;                                                                         \
+  template class detail::KeyboardSound<T>;                                                                      \
+  template class detail::KeysOnBridge<T>;                                                                       \
   template struct detail::InstrumentParts<T>;                                                                   \
   template class detail::NetworkAdmittances<T>;                                                                 \
   template struct detail::NetworkParts<T>;                                                                      \

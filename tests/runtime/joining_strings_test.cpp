@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Strings that join and leave a bridge in parts while they sound: the balance of the energy.
+// Strings that join and leave a bridge of one place or several, in parts and with bends, while they sound: the
+// balance of the energy.
 #include <numbers>
 #include <numeric>
 #include <random>
@@ -16,6 +17,13 @@ namespace {
 constexpr std::size_t kKeys = 20;
 constexpr std::size_t kLine = 8;  // modes, which the kernels advance together
 
+constexpr int kLargestBend = 200;  // cents
+
+// Below it modes stay below half the sample rate under all bends.
+double highest_hz(double rate) {
+  return std::min(22050.0, rate / 2 * std::exp2(-kLargestBend / 1200.0));
+}
+
 /// Struck strings without loss, `semitones` above C4: one, two or three of them.
 StruckString strings_above_c4(int semitones) {
   StruckString struck = c4();
@@ -30,10 +38,11 @@ StruckString strings_above_c4(int semitones) {
 /// moves: (change of the bridge)^2 K/(2 |1 - z|^2) without loss, K = 2 (T + EI beta^2)/L.
 class JoiningKey {
  public:
-  JoiningKey(const StruckString& struck, SegmentTable<double> felt, double rate)
-      : JoiningKey(struck, felt, rate, modes_below(struck.string, std::min(22050.0, rate / 2), 30)) {}
+  JoiningKey(const StruckString& struck, SegmentTable<double> felt, double rate, std::size_t place)
+      : JoiningKey(struck, felt, rate, place, modes_below(struck.string, highest_hz(rate), 30)) {}
 
   [[nodiscard]] std::size_t size() const { return stiffness_.size(); }
+  [[nodiscard]] std::size_t place() const { return place_; }
   [[nodiscard]] std::size_t joined() const { return joined_; }
   [[nodiscard]] bool is_struck() const { return model_.is_hammer_flying(); }
   [[nodiscard]] double energy() const {
@@ -45,19 +54,41 @@ class JoiningKey {
   /// Puts the lowest `count` modes onto the bridge, and only these.
   void join(std::size_t count, Body<double>& body, EnergyBooks& books) {
     if (count > joined_) {
-      const double stiffness = model_.follow(bridge_, joined_, count, body.change());
+      const double change = body.change(place_), stiffness = model_.follow(bridge_, joined_, count, change);
       EXPECT_TRUE(relatively_within(stiffness, sum(stiffness_, joined_, count), 1e-12));
-      body.join(stiffness);
-      books.work += body.change() * body.change() * sum(work_per_m2_, joined_, count);
+      body.join(stiffness, place_);
+      books.work += change * change * sum(work_per_m2_, joined_, count);
     } else {
       for (std::size_t i = count; i < joined_; ++i) books.dissipated += model_.string().energy(i);
       const double left = model_.stiffness_on(bridge_, count, joined_),
                    force = model_.bridge_force(bridge_, count, joined_);
-      books.dissipated +=
-          (left / 2 * body.change() - force) * body.change();  // the change that they have not followed
-      body.leave(left, force);
+      const double change = body.change(place_);  // which they have not followed
+      books.dissipated += (left / 2 * change - force) * change;
+      body.leave(left, force, place_);
     }
     joined_ = count;
+  }
+
+  /// Changes the tension. The modes keep displacement and velocity, so the work is that on their stiffness and on the
+  /// ends of the strings: (k' - k) r^2/2 each, (T' - T)/L w^2/2, and what the change c of the bridge, which they have
+  /// not followed, adds: (K' - K) c^2/2 - (F' - F) c.
+  void bend(double cents, Body<double>& body, EnergyBooks& books) {
+    std::vector<Mode> modes;
+    for (const StringMode& row : rows_) modes.push_back(retuned(string_, row, cents));
+    for (std::size_t i = 0; i < joined_; ++i)
+      books.work += (contactspline::stiffness_of(modes[i]) - contactspline::stiffness_of(tuned_[i])) *
+                    std::pow(model_.string().displacement(i), 2) / 2;
+    const double stiffness = model_.stiffness_on(bridge_, 0, joined_),
+                 force = model_.bridge_force(bridge_, 0, joined_);
+    model_.retune(tuned_ = modes);
+    tune_bridge();
+    const double gained = model_.stiffness_on(bridge_, 0, joined_) - stiffness,
+                 pulled = model_.bridge_force(bridge_, 0, joined_) - force,
+                 ends = ends_ * (std::exp2(cents / 600) - std::exp2(cents_ / 600));
+    const double w = body.displacement(place_), change = body.change(place_);
+    books.work += ends * w * w / 2 + (gained / 2 * change - pulled) * change;
+    body.retune({ends, gained}, pulled, place_);
+    cents_ = cents;
   }
 
   void strike(EnergyBooks& books) {
@@ -81,17 +112,30 @@ class JoiningKey {
  private:
   static constexpr double kMass_kg = 0.003;
 
-  JoiningKey(const StruckString& struck, SegmentTable<double> felt, double rate, const std::vector<StringMode>& rows)
-      : felt_(felt),
-        model_(felt, bare(rows),
-               Strings(struck, struck.string.detuning_cents, 30, std::min(22050.0, rate / 2)).strike, rate),
-        bridge_(model_.bridge(bridge_shapes<double>(struck.string, rows, 1))) {
-    for (const StringMode& row : rows) {
-      const double sine = std::sin(row.mode.angular_frequency_rad_per_s / (2 * rate)),
-                   shape = bridge_shape(struck.string, row);
-      stiffness_.push_back(shape * shape / stiffness_of(row.mode));
-      work_per_m2_.push_back(stiffness_.back() / (8 * sine * sine));
+  JoiningKey(const StruckString& struck, SegmentTable<double> felt, double rate, std::size_t place,
+             std::vector<StringMode> rows)
+      : rate_(rate),
+        place_(place),
+        string_(struck.string),
+        ends_(bridge_stiffness(string_, std::vector<StringMode>()).ends),
+        rows_(std::move(rows)),
+        tuned_(bare(rows_)),
+        felt_(felt),
+        model_(felt, tuned_, Strings(struck, struck.string.detuning_cents, 30, highest_hz(rate)).strike, rate),
+        stiffness_(rows_.size()),
+        work_per_m2_(rows_.size()) {
+    tune_bridge();
+  }
+
+  void tune_bridge() {
+    ModeShapes<double> shapes(rows_.size());
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      const double sine = std::sin(tuned_[i].angular_frequency_rad_per_s / (2 * rate_));
+      shapes[i] = bridge_shape(string_, StringMode{tuned_[i], rows_[i].wavenumber_per_m});
+      stiffness_[i] = shapes[i] * shapes[i] / contactspline::stiffness_of(tuned_[i]);
+      work_per_m2_[i] = stiffness_[i] / (8 * sine * sine);
     }
+    bridge_ = model_.bridge(shapes);
   }
 
   static double sum(const std::vector<double>& values, std::size_t first, std::size_t last) {
@@ -102,6 +146,12 @@ class JoiningKey {
     return kMass_kg * std::pow(model_.hammer_velocity(), 2) / 2 + potential(felt_, model_.compression());
   }
 
+  double rate_;
+  std::size_t place_;
+  StiffString string_;
+  double ends_, cents_ = 0;
+  std::vector<StringMode> rows_;
+  std::vector<Mode> tuned_;
   SegmentTable<double> felt_;
   HammerString<double> model_;
   BridgeShapes<double> bridge_;
@@ -109,18 +159,22 @@ class JoiningKey {
   std::size_t joined_ = 0;
 };
 
-/// Twenty keys on a board: keys join and leave at random, are struck, and ring with and without dampers.
+/// Twenty keys at some places of a board: keys join and leave at random, are struck, bend their strings, and ring
+/// with and without dampers.
 class JoiningKeys {
  public:
-  explicit JoiningKeys(double rate) : felt_(table_in<double>(felt_table(c4(), 32))), body_(body(rate)) {
+  JoiningKeys(double rate, std::size_t places)
+      : felt_(table_in<double>(felt_table(c4(), 32))), body_(body(rate, places)) {
     for (std::size_t k = 0; k < kKeys; ++k)
-      keys_.emplace_back(strings_above_c4(static_cast<int>(k)), SegmentTable<double>(felt_), rate);
+      keys_.emplace_back(strings_above_c4(static_cast<int>(k)), SegmentTable<double>(felt_), rate, k % places);
   }
 
   void tick() {
     const auto work = books_.work, dissipated = books_.dissipated;
     join_and_leave();
     brought_ += static_cast<double>(books_.work - work);
+    if (sample_ % 997 == 0)
+      any_key().bend(static_cast<double>(below(2 * kLargestBend + 1)) - kLargestBend, body_, books_);
     taken_ += static_cast<double>(books_.dissipated - dissipated);
     if (sample_ % 1201 == 0) {
       JoiningKey& key = any_key();
@@ -137,12 +191,12 @@ class JoiningKeys {
   [[nodiscard]] double taken() const { return taken_; }
 
  private:
-  static Body<double> body(double rate) {
-    const auto modes = board(60);
-    BridgeStiffness at_rest;
+  static Body<double> body(double rate, std::size_t places) {
+    std::vector<BridgeStiffness> at_rest(places);
     for (std::size_t k = 0; k < kKeys; ++k)
-      at_rest += bridge_stiffness(strings_above_c4(static_cast<int>(k)).string, std::vector<StringMode>());
-    return {bare(modes), shapes<double>(modes, &ResonatorMode::strike_shape), at_rest, rate};
+      at_rest[k % places] +=
+          bridge_stiffness(strings_above_c4(static_cast<int>(k)).string, std::vector<StringMode>());
+    return {bare(board(60)), bridge_of_board<double>(60, places), at_rest, rate};
   }
 
   std::size_t below(std::size_t count) { return static_cast<std::size_t>(random_() % count); }
@@ -160,13 +214,14 @@ class JoiningKeys {
 
   void play() {
     const bool is_pedal_down = sample_ / 7001 % 2 == 0;
-    double force = 0, stored = 0;
+    double stored = 0;
+    std::vector<double> forces(body_.places());
     for (auto& key : keys_) {
       const double damping = kHasLosses && !is_pedal_down && !key.is_struck() ? 60 : 0;
-      force += key.tick(damping, body_.change(), books_);
+      forces[key.place()] += key.tick(damping, body_.change(key.place()), books_);
       stored += key.energy();
     }
-    body_.tick(force);
+    body_.tick(forces);
     books_.dissipated += body_.modes().dissipated();
     books_.close(stored + body_.energy());
   }
@@ -180,22 +235,25 @@ class JoiningKeys {
   double brought_ = 0, taken_ = 0;
 };
 
-class JoiningStrings : public ::testing::TestWithParam<double> {};
+class JoiningStrings : public ::testing::TestWithParam<std::tuple<double, std::size_t>> {};
 
 // Bound: 1e-12 of the largest energy.
 TEST_P(JoiningStrings, BalanceTheirEnergy) {
-  const double rate = GetParam();
-  JoiningKeys keys(rate);
+  const auto [rate, places] = GetParam();
+  JoiningKeys keys(rate, places);
   for (int n = 0; n < static_cast<int>(2 * rate); ++n) keys.tick();
   const EnergyBooks& books = keys.books();
-  Measured() << rate << " Hz: " << books.worst / books.peak << " of the largest energy; joins brought "
-             << keys.brought() / books.peak << ", leaves took " << keys.taken() / books.peak << " of it";
+  Measured() << rate << " Hz, " << places << " places: " << books.worst / books.peak
+             << " of the largest energy; joins brought " << keys.brought() / books.peak << ", leaves took "
+             << keys.taken() / books.peak << " of it";
   EXPECT_GT(keys.brought(), 1e-9 * books.peak);
   EXPECT_GT(keys.taken(), 0.01 * books.peak);
   EXPECT_TRUE(within(books.worst, 0, 1e-12 * books.peak));
 }
 
-INSTANTIATE_TEST_SUITE_P(Rates, JoiningStrings, ::testing::Values(22050.0, 44100.0, 96000.0));
+INSTANTIATE_TEST_SUITE_P(Rates, JoiningStrings,
+                         ::testing::Combine(::testing::Values(22050.0, 44100.0, 96000.0),
+                                            ::testing::Values(1, Body<double>::kMaxPlaces)));
 
 }  // namespace
 }  // namespace contactspline::testing

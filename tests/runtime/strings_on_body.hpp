@@ -25,10 +25,23 @@ inline constexpr bool kHasLosses = false;
 inline constexpr bool kHasLosses = true;
 #endif
 
-/// A board of spruce, as data/resonators/soundboard.json.
-inline std::vector<ResonatorMode> board(int max_modes, double quadratic_loss = 0.29) {
+/// A board of spruce.
+inline std::vector<ResonatorMode> board(int max_modes, double quadratic_loss = 0.29,
+                                        const Place& bridge = {0.62, 0, 0.51}) {
   const Plate plate{1.39, 0.91, 0.018, 392, 11.5e9, 8e9, 1.5e9, 0.3, {8, quadratic_loss}};
-  return modes_of({"board", "", plate, {0.62, 0, 0.51}, {0.87, 0, 0.29}, max_modes}, 22050).modes;
+  return modes_of({"board", "", plate, bridge, {0.87, 0, 0.29}, max_modes}, 22050).modes;
+}
+
+/// The shapes of its modes at so many places along a bridge.
+template <typename T>
+std::vector<ModeShapes<T>> bridge_of_board(int max_modes, std::size_t places) {
+  std::vector<ModeShapes<T>> bridge;
+  for (std::size_t p = 0; p < places; ++p) {
+    const double along = static_cast<double>(p) / static_cast<double>(places);
+    bridge.push_back(
+        shapes<T>(board(max_modes, 0.29, {0.62 + 0.5 * along, 0, 0.51 - 0.3 * along}), &ResonatorMode::strike_shape));
+  }
+  return bridge;
 }
 
 /// The modes of all strings of a key, with their forces on the bridge.

@@ -189,7 +189,8 @@ class KeyboardInstrument : public PedaledKeyboard<KeyboardInstrument<Keyboard, T
                       Keyboard::bridge_ratios[k],
                       Keyboard::output_ratios[k],
                       {Board::horizontal_strike_ratio * Keyboard::horizontal_ratios[k],
-                       Board::horizontal_bridge_ratio * Keyboard::horizontal_ratios[k], Board::horizontal_cents}});
+                       Board::horizontal_bridge_ratio * Keyboard::horizontal_ratios[k], Board::horizontal_cents},
+                      Keyboard::bridge_places[k]});
     }
     return keys;
   }

@@ -5,15 +5,18 @@
 #include "contactspline/step/cpp20.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <concepts>
 #include <cstddef>
 #include <numbers>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "contactspline/modal/modal.hpp"
 #include "contactspline/modal/stiff_string.hpp"
+#include "contactspline/models/bridge_load.hpp"
 #include "contactspline/step/controls.hpp"
 
 namespace contactspline {
@@ -34,50 +37,60 @@ struct HorizontalMotion {
   double cents = 0;                           ///< above the mean of the other motions
 };
 
-/// A body with one bridge. Strings and body take turns, half a sample apart: the strings advance one sample while the
-/// bridge stands still, then the body advances one sample while the strings stand still, tick(). The strings count
-/// the displacements of their modes from where the bridge would hold them at rest, so they follow its change(). Each
-/// side sees a constant force, so nothing is solved together, and yet the energy of strings, bridge and body is
-/// balanced to rounding (docs/how-it-works/body.md). No allocation after construction.
+/// A body that strings drive at one place or several along its bridge. Strings and body take turns, half a sample
+/// apart: the strings advance one sample while the bridge stands still, then the body advances one sample while the
+/// strings stand still, tick(). The strings count the displacements of their modes from where the bridge would hold
+/// them at rest, so they follow its change(). Each side sees a constant force, so nothing is solved together but the
+/// few places of the bridge (BridgeLoad), and yet the energy of strings, bridge and body is balanced to rounding
+/// (docs/how-it-works/body.md). No allocation after construction.
 template <std::floating_point T>
 class Body {
  public:
+  static constexpr std::size_t kMaxPlaces = 16;
+
   /// `bridge`: shapes of the body's modes at the bridge, one for each mode. `stiffness`: the sum of
   /// bridge_stiffness() of all strings that are there from the beginning. `knock`: shapes where knock() acts, or
   /// none.
   Body(std::span<const Mode> modes, ModeShapes<T> bridge, const BridgeStiffness& stiffness, double sample_rate_hz,
        ModeShapes<T> knock = ModeShapes<T>(0))
+      : Body(modes, std::vector<ModeShapes<T>>(1, std::move(bridge)), std::span(&stiffness, 1), sample_rate_hz,
+             std::move(knock)) {}
+
+  /// The same with 1 to kMaxPlaces places: shapes and stiffness of each.
+  Body(std::span<const Mode> modes, std::vector<ModeShapes<T>> bridge, std::span<const BridgeStiffness> stiffness,
+       double sample_rate_hz, ModeShapes<T> knock = ModeShapes<T>(0))
       : bank_(modes, sample_rate_hz),
-        bridge_(std::move(bridge)),
         knock_(std::move(knock)),
         sample_rate_hz_(static_cast<T>(sample_rate_hz)),
-        stiffness_(stiffness),
-        first_modes_(stiffness.modes),
-        admittance_(bank_.admittance(bridge_, bridge_)),
-        knock_admittance_(knock_.size() > 0 ? bank_.admittance(bridge_, knock_) : T(0)) {}
+        load_(bridge.size()) {
+    for (std::size_t p = 0; p < bridge.size(); ++p) {
+      const T knocked = knock_.size() > 0 ? bank_.admittance(bridge[p], knock_) : T(0);
+      places_.push_back({std::move(bridge[p]), stiffness[p], stiffness[p].modes, knocked});
+      for (std::size_t q = 0; q <= p; ++q)
+        load_.set_admittance(p, q, bank_.admittance(places_[p].shapes, places_[q].shapes));
+    }
+  }
 
-  /// Displacement of the bridge [m], and its change over the last sample, which the strings follow in the next one.
-  [[nodiscard]] T displacement() const { return displacement_; }
-  [[nodiscard]] T change() const { return change_; }
+  [[nodiscard]] std::size_t places() const { return places_.size(); }
+
+  /// Displacement of the bridge at a place [m], and its change over the last sample, which the strings follow in the
+  /// next one.
+  [[nodiscard]] T displacement(std::size_t place = 0) const { return places_[place].displacement; }
+  [[nodiscard]] T change(std::size_t place = 0) const { return places_[place].change; }
 
   /// Modes of strings join between two samples: the stiffness that they add [N/m] (HammerString::follow), whose ends
   /// have been there all the time.
-  void join(double stiffness_n_per_m) {
-    stiffness_.modes += stiffness_n_per_m;
-    force_n_ += static_cast<T>(stiffness_n_per_m / 2) * change_;
+  void join(double stiffness_n_per_m, std::size_t place = 0) {
+    add({0, stiffness_n_per_m}, static_cast<T>(stiffness_n_per_m / 2) * places_[place].change, place);
   }
   /// Modes of strings leave, with their energy: their stiffness, and their force on the bridge
   /// (HammerString::bridge_force).
-  void leave(double stiffness_n_per_m, T force_n) {
-    stiffness_.modes -= stiffness_n_per_m;
-    force_n_ -= force_n;
+  void leave(double stiffness_n_per_m, T force_n, std::size_t place = 0) {
+    add({0, -stiffness_n_per_m}, -force_n, place);
   }
 
   /// Strings at the bridge change their tension: what their stiffness gains, and their force on the bridge [N].
-  void retune(const BridgeStiffness& gain, T force_gain_n) {
-    stiffness_ += gain;
-    force_n_ += force_gain_n;
-  }
+  void retune(const BridgeStiffness& gain, T force_gain_n, std::size_t place = 0) { add(gain, force_gain_n, place); }
 
   /// An impulse [N s] on the body during the next sample, -1e3 to 1e3, at the place `knock` of the constructor. One
   /// that is not a number does nothing.
@@ -88,27 +101,46 @@ class Body {
   /// Advances one sample under the force of the strings on the bridge [N], taken after their sample: the sum of shape
   /// times modal displacement, -1e6 to 1e6. A force that is not a number counts as the last one. Safe in an audio
   /// thread.
-  void tick(T force_n) {
-    force_n_ = held(force_n_, force_n, ControlRanges<T>::bridge_force_n);
-    const T knock_n = std::exchange(knock_n_, T(0)), free = free_increment_ + knock_admittance_ * knock_n;
-    const T half = static_cast<T>((stiffness_.ends + stiffness_.modes) / 2);
-    // The force is pull - half change, where the change is the free one plus admittance times the force.
-    const T pull = force_n_ - static_cast<T>(stiffness_.ends) * displacement_;
-    const T force = (pull - half * free) / (1 + admittance_ * half);
-    const T* const places[] = {bridge_.data(), knock_.data()};
-    const T forces[] = {force, knock_n};
-    bank_.advance(T(0), std::span(places).first(knock_n != 0 ? 2 : 1), forces, std::span(places).first(1),
-                  &free_increment_);
-    change_ = free + admittance_ * force;
-    displacement_ = bank_.displacement(bridge_);
+  void tick(T force_n) { tick(std::span<const T>(&force_n, 1)); }
+
+  /// The same with a force for each place.
+  void tick(std::span<const T> forces_n) {
+    if (!std::exchange(is_factored_, true)) factor();
+    const T knock_n = std::exchange(knock_n_, T(0));
+    const std::size_t places = places_.size();
+    // The forces are pull - half change, where the change is the free one plus admittance times the forces.
+    T forces[kMaxPlaces + 1], changes[kMaxPlaces];
+    for (std::size_t p = 0; p < places; ++p) {
+      Place& place = places_[p];
+      place.force_n = held(place.force_n, forces_n[p], ControlRanges<T>::bridge_force_n);
+      const T pull = place.force_n - static_cast<T>(place.stiffness.ends) * place.displacement;
+      changes[p] = free_increments_[p] + place.knock_admittance * knock_n;
+      forces[p] = pull - place.half_n_per_m * changes[p];
+    }
+    load_.solve(forces);
+    load_.add_response(forces, changes);
+    forces[places] = knock_n;
+    advance(forces, knock_n != 0);
+    for (std::size_t p = 0; p < places; ++p) {
+      places_[p].change = changes[p];
+      places_[p].displacement += changes[p];
+    }
+    // Each place by turns is where its modes are, so that rounding does not add up.
+    places_[next_].displacement = bank_.displacement(places_[next_].shapes);
+    next_ = next_ + 1 == places ? 0 : next_ + 1;
   }
 
   /// Energy [J] of the body, of the tension of the strings at its bridge, and of the change that the strings have not
   /// followed yet; the sum with the strings' own energy changes by the work of other forces minus dissipated() of
   /// all.
   [[nodiscard]] double energy() const {
-    const double w = double(displacement_), change = double(change_);
-    return bank_.energy() + stiffness_.ends / 2 * w * w + (stiffness_.modes / 2 * change - double(force_n_)) * change;
+    double energy = bank_.energy();
+    for (const Place& place : places_) {
+      const double w = double(place.displacement), change = double(place.change);
+      energy += place.stiffness.ends / 2 * w * w;
+      energy += (place.stiffness.modes / 2 * change - double(place.force_n)) * change;
+    }
+    return energy;
   }
 
   /// The modes, for pickups and dissipated().
@@ -117,20 +149,59 @@ class Body {
   /// Brings the body to rest, with the strings that were there at the beginning: all others leave. Does not allocate.
   void reset() {
     bank_.reset();
-    stiffness_.modes = first_modes_;
-    displacement_ = change_ = free_increment_ = force_n_ = knock_n_ = 0;
+    for (Place& place : places_) {
+      place.stiffness.modes = place.first_modes;
+      place.displacement = place.change = place.force_n = 0;
+    }
+    free_increments_ = {};
+    knock_n_ = 0;
+    next_ = 0;
+    is_factored_ = false;
   }
 
  private:
+  struct Place {
+    ModeShapes<T> shapes;
+    BridgeStiffness stiffness;
+    double first_modes;  // stiffness of the modes at the beginning [N/m]
+    T knock_admittance;  // change of displacement by the knock per newton [m/N]
+    T half_n_per_m = 0;  // half the stiffness that is factored
+    T displacement = 0, change = 0, force_n = 0;
+  };
+
+  void add(const BridgeStiffness& gain, T force_gain_n, std::size_t place) {
+    places_[place].stiffness += gain;
+    places_[place].force_n += force_gain_n;
+    is_factored_ = false;
+  }
+
+  void factor() {
+    T half_n_per_m[kMaxPlaces];
+    for (std::size_t p = 0; p < places_.size(); ++p) {
+      const BridgeStiffness& stiffness = places_[p].stiffness;
+      half_n_per_m[p] = places_[p].half_n_per_m = static_cast<T>((stiffness.ends + stiffness.modes) / 2);
+    }
+    load_.factor(half_n_per_m);
+  }
+
+  void advance(const T* forces_n, bool knocks) {
+    const T* shapes[kMaxPlaces + 1];
+    for (std::size_t p = 0; p < places_.size(); ++p) shapes[p] = places_[p].shapes.data();
+    shapes[places_.size()] = knock_.data();
+    const std::span<const T* const> bridge(shapes, places_.size());
+    bank_.advance(T(0), std::span(shapes, places_.size() + (knocks ? 1 : 0)), forces_n, bridge,
+                  free_increments_.data());
+  }
+
   ModalBank<T> bank_;
-  ModeShapes<T> bridge_, knock_;
+  ModeShapes<T> knock_;
   T sample_rate_hz_;
-  BridgeStiffness stiffness_;
-  double first_modes_;  // stiffness of the modes at the beginning [N/m]
-  T admittance_, knock_admittance_;
-  T displacement_ = 0, change_ = 0, force_n_ = 0;
-  T free_increment_ = 0;  // of the bridge, over the next sample
-  T knock_n_ = 0;         // in the next sample
+  detail::BridgeLoad<T> load_;
+  std::vector<Place> places_;
+  std::array<T, kMaxPlaces> free_increments_{};  // of the bridge at each place, over the next sample
+  T knock_n_ = 0;                                // in the next sample
+  std::size_t next_ = 0;                         // place that takes its displacement from the modes
+  bool is_factored_ = false;                     // does load_ hold the stiffness of all places?
 };
 
 }  // namespace contactspline

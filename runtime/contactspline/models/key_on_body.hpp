@@ -34,6 +34,7 @@ struct KeyOnBody {
   double bridge_ratio = 1;
   double output_ratio = 1;           ///< weight of these strings' force on the bridge in the sound (Listening)
   HorizontalMotion horizontal = {};  ///< below detail::SoundingKey::kSympathy_hz
+  std::size_t bridge_place = 0;      ///< number of the body's place where these strings end, below Body::places()
 };
 
 namespace detail {
@@ -62,6 +63,7 @@ struct SoundingKey {
         model(key.felt, tuned, ModeShapes<T>(rows.size()), sample_rate_hz, key.memories),
         output(static_cast<T>(key.output_ratio / key.bridge_ratio)),
         bridge(model.bridge(at_bridge(key.strings, rows))),
+        bridge_place(key.bridge_place),
         strike(rows.size()),
         shapes(rows.size()),
         stiffness((rows.size() + kLine - 1) / kLine + 1),
@@ -188,6 +190,7 @@ struct SoundingKey {
   HammerString<T> model;
   T output;  // weight of the force on the bridge, which counts bridge_ratio times in `bridge`
   BridgeShapes<T> bridge;
+  std::size_t bridge_place;       // on the body
   ModeShapes<T> strike;           // of the whole hammer
   std::vector<T> shapes;          // where the hammer strikes
   std::vector<double> stiffness;  // of the modes below each line
