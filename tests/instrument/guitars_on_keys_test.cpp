@@ -65,7 +65,7 @@ TEST(LapSteel, SoundsAtThePitchOfItsKeys) {
     const double heard = heard_hz(steel, key), read = cents(1 + 0.02 / hz);
     EXPECT_GE(cents(heard / hz), -0.5 - read) << key;
     EXPECT_LE(cents(heard / hz), cents(1 / (1 - shorter / length)) + read) << key;
-    EXPECT_TRUE(within(cents(heard / pitch_hz(key)), 0, 6)) << key;  // what trained ears tell apart
+    EXPECT_TRUE(within(cents(heard / pitch_hz(key)), 0, 5)) << key;
   }
 }
 

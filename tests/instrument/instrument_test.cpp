@@ -4,6 +4,7 @@
 
 #include <memory>
 
+#include "contactspline/instrument/network_instrument.hpp"
 #include "contactspline/instruments/marimba_tube.hpp"
 #include "contactspline/instruments/prepared_piano.hpp"
 #include "contactspline/instruments/slap_bass.hpp"
@@ -314,6 +315,27 @@ TEST(ShippedInstruments, TheTrichordSoundsAtC4) {
     }
   }
   EXPECT_TRUE(within(1200 * std::log2(found_hz / 261.63), 0, 4)) << found_hz;
+}
+
+// Is an instrument of one spring computed in double precision in place of single precision?
+bool is_in_double(const std::string& spring, const std::string& controls) {
+  const std::string text = R"({ "name": "weight", "bodies": [ { "name": "weight", "mass_kg": 1 } ],
+    "springs": [ { "name": "spring", "between": ["weight", "ground"], )" +
+                           spring + R"( } ], "controls": [)" + controls + R"(], "strikes": ["weight"],
+    "outputs": [ { "name": "weight", "displacement_m": "weight" } ] })";
+  const InstrumentArrays arrays = arrays_of(parse_instrument(text, "weight.json"), kRate / 2);
+  NetworkInstrument<float> instrument(arrays.view());
+  instrument.prepare(kRate);
+  return instrument.is_in_double();
+}
+
+TEST(InstrumentInSinglePrecision, IsInDoubleWhereASpringMayBeStrainedAtRest) {
+  const std::string soft = R"("stiffness_n_per_m": 300)", damper = R"("resistance_n_s_per_m": 3)";
+  const std::string gap = R"(, "gap_m": 0.01)", press = R"({ "name": "press", "gap_shift_m": "spring" })";
+  EXPECT_FALSE(is_in_double(soft, ""));
+  EXPECT_TRUE(is_in_double(soft + gap, ""));
+  EXPECT_TRUE(is_in_double(soft, press));
+  EXPECT_FALSE(is_in_double(damper + gap, ""));
 }
 
 }  // namespace

@@ -43,12 +43,13 @@ struct Photo {
   }
 };
 
-/// What a window shows, with all that stands in it.
+/// What a window shows, with all that stands in it. Throws if it has gone.
 [[nodiscard]] inline Photo photo_of(Display* display, Window window) {
   XWindowAttributes attributes;
-  XGetWindowAttributes(display, window, &attributes);
-  XImage* const image = XGetImage(display, window, 0, 0, static_cast<unsigned>(attributes.width),
-                                  static_cast<unsigned>(attributes.height), AllPlanes, ZPixmap);
+  XImage* image = nullptr;
+  if (XGetWindowAttributes(display, window, &attributes) != 0)
+    image = XGetImage(display, window, 0, 0, static_cast<unsigned>(attributes.width),
+                      static_cast<unsigned>(attributes.height), AllPlanes, ZPixmap);
   if (image == nullptr) throw std::runtime_error("no photo");
   Photo photo{attributes.width, attributes.height, {}};
   for (int y = 0; y < photo.height; ++y)
@@ -97,7 +98,10 @@ class VirtualDisplay {
   void add_photos(Window window, int width, int height, std::vector<Photo>& photos) const {
     XWindowAttributes attributes;
     if (XGetWindowAttributes(display_, window, &attributes) == 0 || attributes.map_state != IsViewable) return;
-    if (attributes.width == width && attributes.height == height) photos.push_back(photo_of(display_, window));
+    if (attributes.width == width && attributes.height == height) try {
+        photos.push_back(photo_of(display_, window));
+      } catch (const std::runtime_error&) {  // it has gone meanwhile
+      }
     Window root = 0, parent = 0, *children = nullptr;
     unsigned count = 0;
     XQueryTree(display_, window, &root, &parent, &children, &count);

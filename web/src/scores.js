@@ -38,6 +38,13 @@ function keyMessages({ events }, { speeds: [softest, loudest] }) {
   });
 }
 
+// A key of an event, if it has one, pressed and let go.
+function pressed(event, events, voice) {
+  if (event.key === undefined) return [];
+  const sameKey = events.filter(({ key }) => key === event.key);
+  return noteMessages(event, sameKey, { voice, key: event.key, velocity: event.velocity ?? 1 });
+}
+
 // A control on its way from one value to another, which eases in and out.
 function glide(at, over, from, to) {
   const steps = Math.max(1, Math.round(over / kStep));
@@ -47,12 +54,13 @@ function glide(at, over, from, to) {
   });
 }
 
-// What a score of an instrument without keys says to one of its voices.
+// What a score of another instrument says to one of its voices: keys that it has, and values of its parameters.
 function eventMessages({ events }, { parameters, events: played }, name, voice) {
   const now = parameters.map(({ init }) => init);
   const own = events.filter((event) => event.voice === undefined || event.voice === name).toSorted((a, b) => a.time_s - b.time_s);
-  return own.flatMap((event) =>
-    parameters.flatMap((shape, parameter) => {
+  return own.flatMap((event) => [
+    ...pressed(event, own, voice),
+    ...parameters.flatMap((shape, parameter) => {
       const to = event[shape.name];
       if (to === undefined) return [];
       const set = { do: "set", voice, parameter };
@@ -65,7 +73,7 @@ function eventMessages({ events }, { parameters, events: played }, name, voice) 
       now[parameter] = to;
       return glide(event.time_s, event.over_s ?? 0, from, to).map((step) => ({ ...set, ...step }));
     }),
-  );
+  ]);
 }
 
 /** A score for an instrument as engine.cpp describes it, with the names of its strings: { voices (engine.js), each with its pan, messages by rising time `at`

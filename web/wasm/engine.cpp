@@ -46,7 +46,7 @@ struct VoicePlan {
   double cents = 0;
   int string = -1;  ///< none
   double pluck_m = 0, height_m = 0;
-  double hammer_mass_kg = 0, damper_per_s = 0;
+  double hammer_mass_kg = NAN, damper_per_s = NAN;  ///< not a number: those of the instrument
 
   [[nodiscard]] bool is_plain() const { return cents == 0 && string < 0; }
   /// Its strings; nothing where it has none of its own, or one of another number of strings.
@@ -91,8 +91,10 @@ std::unique_ptr<Playable> dulcimer(const VoicePlan& plan) {
   if (plan.is_plain()) return std::make_unique<PlayableBehind<Dulcimer<float>, kBridge>>();
   auto course = plan.strings(true);
   if (!course) return nullptr;
+  const double hammer_kg = plan.hammer_mass_kg > 0 ? plan.hammer_mass_kg : Dulcimer<float>::kHammer_kg;
+  const double damping_per_s = plan.damper_per_s >= 0 ? plan.damper_per_s : Damper().damping_per_s;
   return std::make_unique<PlayableBehind<HammerStringInstrument<float>, kBridge>>(
-      under_felt(*std::move(course), plan.hammer_mass_kg, plan.damper_per_s));
+      under_felt(*std::move(course), hammer_kg, damping_per_s));
 }
 
 template <template <typename> typename I>

@@ -61,7 +61,7 @@ class FretGuitar : public FretStringOf<materials::steel_on_steel, resonators::gu
 template <std::floating_point T>
 class Dulcimer : public HammerStringOf<materials::felt_c4, resonators::dulcimer_g4, T> {
  public:
-  static constexpr double kHammer_kg = 0.006;
+  static constexpr double kHammer_kg = 0.006;  // this, the loss and the speed are those of the score `dulcimer`
 
   Dulcimer() : HammerStringOf<materials::felt_c4, resonators::dulcimer_g4, T>(kHammer_kg) {
     using P = HammerStringParameter;

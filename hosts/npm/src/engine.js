@@ -33,9 +33,9 @@ export function startEngine(module, sampleRate = 44100) {
     /** Makes an instrument: call it before one of the functions below. */
     choose: (number, rate = sampleRate) => exports.engine_choose(number, rate) === 1,
     /** Adds a voice: the instrument once more, its strings tuned by so many cents, or with the one of this number in
-     * strings(), plucked at pluck_m, over which a slide rests at height_m, or struck by a hammer, with a damper. Returns
-     * whether it can be. */
-    addVoice: ({ cents = 0, string = -1, pluck_m = 0, height_m = 0, hammer_mass_kg = 0.00297, damper_per_s = 60 }) =>
+     * strings(), plucked at pluck_m, over which a slide rests at height_m, or struck by a hammer, with a damper: the dulcimer's
+     * where they are not given. Returns whether it can be. */
+    addVoice: ({ cents = 0, string = -1, pluck_m = 0, height_m = 0, hammer_mass_kg = NaN, damper_per_s = NaN }) =>
       exports.engine_add_voice(cents, string, pluck_m, height_m, hammer_mass_kg, damper_per_s) === 1,
     /** Moves a voice between -1, left, and 1, right. */
     pan: (voice, pan) => exports.engine_pan(voice, pan),

@@ -108,16 +108,17 @@ struct InstrumentParts {
   }
 
   /// Do connections ask for double precision? Those that may be too stiff, with what the controls allow, and springs
-  /// that are strained at rest, beside whose gap single precision does not see small displacements.
+  /// and links that may be strained at rest, beside whose gap single precision does not see small displacements.
   [[nodiscard]] bool needs_double(const InstrumentData& data, const ContactNetwork<T>& network,
                                   double sample_rate_hz) const {
     for (std::size_t k = 0; k < data.connections.size(); ++k) {
       const InstrumentConnection& c = data.connections[k];
       const double admittance = network.largest_admittance(k) + lightest(data, c, sample_rate_hz);
+      if (c.kind == ConnectionKind::kLink && may_be_strained(data, k)) return true;
       if (c.kind == ConnectionKind::kSpring) {
-        if (c.gap_m != 0) return true;
         const double stiffness = largest(data, ControlQuantity::kStiffness, k, c.stiffness_n_per_m);
         const double resistance = largest(data, ControlQuantity::kResistance, k, c.resistance_n_s_per_m);
+        if (stiffness > 0 && may_be_strained(data, k)) return true;
         if (admittance * (stiffness / 2 + resistance * sample_rate_hz) > kMaxSpring) return true;
       } else if (c.kind == ConnectionKind::kContact) {
         double half_curvature = 0;
@@ -139,6 +140,14 @@ struct InstrumentParts {
  private:
   // Largest slope of a force times admittance, of springs and of contacts, that single precision is trusted with.
   static constexpr double kMaxSpring = 100, kMaxContact = 1000;
+
+  // May connection k have a gap at rest?
+  [[nodiscard]] static bool may_be_strained(const InstrumentData& data, std::size_t k) {
+    return data.connections[k].gap_m != 0 || std::ranges::any_of(data.controls, [&](const auto& control) {
+             const std::span<const std::size_t> targets = data.targets_of(control);
+             return control.quantity == ControlQuantity::kGapShift && std::ranges::find(targets, k) != targets.end();
+           });
+  }
 
   // The largest value that a quantity of connection k may have.
   [[nodiscard]] static double largest(const InstrumentData& data, ControlQuantity quantity, std::size_t k,

@@ -99,8 +99,8 @@ class Body {
   }
 
   /// Advances one sample under the force of the strings on the bridge [N], taken after their sample: the sum of shape
-  /// times modal displacement, -1e6 to 1e6. A force that is not a number counts as the last one. Safe in an audio
-  /// thread.
+  /// times modal displacement, -1e6 to 1e6. A force that is not a number counts as the last one. Of a body of one
+  /// place. Safe in an audio thread.
   void tick(T force_n) { tick(std::span<const T>(&force_n, 1)); }
 
   /// The same with a force for each place.
