@@ -84,21 +84,18 @@ struct NetworkBooks {
   double bodies = 0, contacts = 0, lost = 0,
          work = 0;  ///< contacts: with springs; work: put in, also before the note
 
-  template <typename I>
-  void open(const I& instrument) {
+  void open(const NetworkInstrument<double>& instrument) {
     store(instrument);
     work = bodies + contacts;
   }
-  template <typename I>
-  void follow(const I& instrument) {
+  void follow(const NetworkInstrument<double>& instrument) {
     store(instrument);
     lost += instrument.dissipated();
     work += instrument.work();
   }
 
  private:
-  template <typename I>
-  void store(const I& instrument) {
+  void store(const NetworkInstrument<double>& instrument) {
     bodies = 0;
     for (std::size_t b = 0; b < count; ++b) bodies += instrument.network().body(b).energy();
     contacts = instrument.energy() - bodies;
@@ -108,7 +105,6 @@ struct NetworkBooks {
 inline constexpr std::size_t kNetworkHead = 5;  // numbers before those of the items
 
 /// What is read from a network in each frame: the sum of the forces of its contacts, its books, and what is drawn.
-template <typename I>
 class NetworkFrames {
  public:
   explicit NetworkFrames(const InstrumentData& data) : data_(data), geometry_(data) {
@@ -121,7 +117,8 @@ class NetworkFrames {
     for (std::size_t k = 0; k < data.connections.size(); ++k) add_connection(k);
   }
 
-  void append_to(std::vector<double>& numbers, const I& instrument, const NetworkBooks& books) const {
+  void append_to(std::vector<double>& numbers, const NetworkInstrument<double>& instrument,
+                 const NetworkBooks& books) const {
     const ContactNetwork<double>& network = instrument.network();
     const double imbalance = books.bodies + books.contacts + books.lost - books.work;
     numbers.insert(numbers.end(), {instrument.contact_force(), books.bodies, books.contacts, books.lost, imbalance});
@@ -247,10 +244,10 @@ class NetworkFrames {
 
 }  // namespace detail
 
-/// A key or an event of an instrument of a file. I: of NetworkInstrument<double>. values: of its parameters.
-template <typename I>
-Study study_of_network(I& instrument, const InstrumentData& data, std::span<const double> values, std::size_t event,
-                       const StudyPlan& plan) {
+/// A key or an event of an instrument of a file. values: of its parameters.
+inline Study study_of_network(const InstrumentData& data, std::span<const double> values, std::size_t event,
+                              const StudyPlan& plan) {
+  NetworkInstrument<double> instrument(data);
   instrument.prepare(plan.sample_rate_hz);
   for (const KeyRange& range : data.keyed.ranges) {
     if (plan.key < range.first || plan.key > range.last) continue;
@@ -264,7 +261,7 @@ Study study_of_network(I& instrument, const InstrumentData& data, std::span<cons
   detail::NetworkBooks books{data.body_ends.size()};
   books.open(instrument);
   play_event(instrument, played, values[played.parameter]);
-  const detail::NetworkFrames<I> frames(data);
+  const detail::NetworkFrames frames(data);
   for (std::size_t i = 0; i < plan.frames; ++i) {
     frames.append_to(study.numbers, instrument, books);
     instrument.tick();

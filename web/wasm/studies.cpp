@@ -62,15 +62,12 @@ std::vector<Studied> all_studied() {
       {"fret_string", kPluck_s, of_plucked<FretGuitar, resonators::guitar_d3>}};
   each_instrument_of_a_file([&]<template <typename> typename I>() {
     all.push_back({I<double>().name(), kPluck_s, [](const StudyPlan& plan, std::size_t event) {
-                     I<double> instrument;
-                     return study_of_network(instrument, I<double>::data::view(), values, event, plan);
+                     return study_of_network(I<double>::data::view(), values, event, plan);
                    }});
   });
   all.push_back({"own", kPluck_s, [](const StudyPlan& plan, std::size_t event) {
                    if (own.empty()) return Study{};
-                   const UnpackedInstrument unpacked(own);
-                   NetworkInstrument<double> instrument(unpacked.data());
-                   return study_of_network(instrument, unpacked.data(), values, event, plan);
+                   return study_of_network(UnpackedInstrument(own).data(), values, event, plan);
                  }});
   return all;
 }

@@ -17,7 +17,7 @@ namespace contactspline::detail {
 ///
 ///     (I + H Y) f = pull - H free
 ///
-/// which factor() eliminates once, in P^3/3 products, and solve() solves in P^2. The pivots are those of
+/// which factor() eliminates once, in P^3/3 products, and solve() solves in P^2. The divisors are those of
 /// I + H^(1/2) Y H^(1/2), of which each is at least 1: no force divides by less, whatever the body and the strings
 /// (docs/how-it-works/body.md). With one place it is the division by 1 + Y H.
 template <std::floating_point T>
@@ -38,12 +38,12 @@ class BridgeLoad {
     for (std::size_t column = 0; column < places_; ++column)
       for (std::size_t row = 0; row < places_; ++row)
         at(row, column) = static_cast<T>(row == column) + admittance_[column * places_ + row] * half_n_per_m[row];
-    for (std::size_t pivot = 0; pivot < places_; ++pivot) {
-      at(pivot, pivot) = std::max(at(pivot, pivot), T(1));  // what rounding may take away
-      for (std::size_t row = pivot + 1; row < places_; ++row) at(row, pivot) /= at(pivot, pivot);
-      for (std::size_t column = pivot + 1; column < places_; ++column) {
-        for (std::size_t row = pivot + 1; row < places_; ++row) at(row, column) -= at(row, pivot) * at(pivot, column);
-        at(pivot, column) /= at(pivot, pivot);
+    for (std::size_t step = 0; step < places_; ++step) {
+      at(step, step) = std::max(at(step, step), T(1));  // what rounding may take away
+      for (std::size_t row = step + 1; row < places_; ++row) at(row, step) /= at(step, step);
+      for (std::size_t column = step + 1; column < places_; ++column) {
+        for (std::size_t row = step + 1; row < places_; ++row) at(row, column) -= at(row, step) * at(step, column);
+        at(step, column) /= at(step, step);
       }
     }
   }
@@ -65,7 +65,8 @@ class BridgeLoad {
   }
 
  private:
-  // Column by column: the pivots, below them the lower factor, above them the upper one, both with ones as diagonal.
+  // Column by column: the divisors, below them the lower factor, above them the upper one, both with ones as
+  // diagonal.
   [[nodiscard]] T& at(std::size_t row, std::size_t column) { return factor_[column * places_ + row]; }
   [[nodiscard]] T at(std::size_t row, std::size_t column) const { return factor_[column * places_ + row]; }
 
