@@ -141,6 +141,21 @@ TEST(EnsembleInstrument, TunesEmittedStringsAtTheirKeys) {
   expect_tuned_at_keys<resonators::dulcimer_g4>();
 }
 
+// Both strings of a course follow a bend of their tension, but for the stiffness, 1.3e-4 of the first mode's square.
+TEST(EmittedStrings, BendAsACourse) {
+  HammerStringOf<materials::felt_c4, resonators::dulcimer_g4, double> course;
+  course.prepare(kRate);
+  const auto frequency = [&](std::size_t mode) {
+    return 1 / std::sqrt(course.voice().model().string().compliance(mode));
+  };
+  const std::array<double, 2> before = {frequency(0), frequency(1)};
+  course.set(HammerStringParameter::kBend, 100);
+  Sound sound;
+  play(course, 64, sound);
+  for (const std::size_t mode : {0, 1})
+    EXPECT_NEAR(frequency(mode) / before[mode], std::exp2(1 / 12.0), 1.3e-4) << mode;
+}
+
 // Emitted numbers have 13 digits: errors of 1e-12 in squares of frequencies. Between the first and the last mode,
 // tension and bending stiffness are of the size of each other.
 TEST(EmittedStrings, KnowTheNumbersOfTheirFiles) {
