@@ -133,6 +133,13 @@ void keyboard(benchmark::State& state, double pedal) {
       });
 }
 
+void one_place(benchmark::State& state, double pedal) {
+  keyboard<keyboards::piano>(state, pedal);
+}
+void eight_places(benchmark::State& state, double pedal) {
+  keyboard<keyboards::two_bridges>(state, pedal);
+}
+
 #ifdef CONTACTSPLINE_LV2_PATH
 /// The LV2 piano with kChord voices, all of them sounding.
 void piano_lv2(benchmark::State& state) {
@@ -156,10 +163,10 @@ BENCHMARK(hammer_string_dsp<double>)->Name("hammer-string C4, 56 modes, C++ doub
 BENCHMARK(hammer_string_dsp<float>)->Name("hammer-string C4, 56 modes, C++ float as dsp");
 BENCHMARK_CAPTURE(piano_example, up, 0)->Name("piano on its board, C++ float, 16 notes of up to 80 modes");
 BENCHMARK_CAPTURE(piano_example, down, 1)->Name("piano on its board, C++ float, 16 notes, pedal down");
-BENCHMARK_CAPTURE(keyboard<keyboards::piano>, up, 0)->Name("piano, one bridge place, 16 notes from C2 to A5");
-BENCHMARK_CAPTURE(keyboard<keyboards::piano>, down, 1)->Name("piano, one bridge place, 16 notes, pedal down");
-BENCHMARK_CAPTURE(keyboard<keyboards::two_bridges>, up, 0)->Name("two_bridges, eight places, 16 notes from C2 to A5");
-BENCHMARK_CAPTURE(keyboard<keyboards::two_bridges>, down, 1)->Name("two_bridges, eight places, 16 notes, pedal down");
+BENCHMARK_CAPTURE(one_place, up, 0)->Name("piano, one bridge place, 16 notes from C2 to A5");
+BENCHMARK_CAPTURE(one_place, down, 1)->Name("piano, one bridge place, 16 notes, pedal down");
+BENCHMARK_CAPTURE(eight_places, up, 0)->Name("two_bridges, eight places, 16 notes from C2 to A5");
+BENCHMARK_CAPTURE(eight_places, down, 1)->Name("two_bridges, eight places, 16 notes, pedal down");
 
 const int kFaust = [] {
   const struct {
