@@ -45,10 +45,10 @@ double heard_hz(I& instrument, int key) {
 }
 
 // Between bar and bridge a string of tension T, mass per length m and bending stiffness E has the phase k l = pi +
-// Z/(w M) in its first mode: Z = sqrt(T m) is its impedance, and the bar of mass M gives way as much. So its
+// Z/(w M) in its first mode: Z = sqrt(T m) is its impedance, and the bar of mass M moves as much. So its
 // frequency is k sqrt(T/m (1 + E k^2/T))/2 pi. Two things make it sharper, as if the string were shorter: it passes
 // on below the bar, which bends it there, by less than sqrt(E/T), the length of a clamped end; and of its modes N are
-// below half the sample rate, the others would give way by L/(pi^2 N T) per force. The contact, 1e7 N/m, gives way by
+// below half the sample rate, the others would add a compliance of L/(pi^2 N T). The contact, 1e7 N/m, moves by
 // w Z/1e7 < 1e-3 rad, 0.5 cents. The bin of the spectrum, 1 Hz, is read to 0.02. Measured: 0.1 to 4.4 cents sharp of
 // the key.
 TEST(LapSteel, SoundsAtThePitchOfItsKeys) {
