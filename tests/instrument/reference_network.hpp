@@ -72,8 +72,10 @@ class ReferenceLaw {
   [[nodiscard]] Real mean(Real x) const {
     if (x == 0) return force_at(y_);
     const Real low = std::min(y_, y_ + x), high = std::max(y_, y_ + x);
+    const std::size_t first = piece(low), last = piece(high);
+    if (first == last) return (force_in(first, low) + force_in(first, high)) / 2;  // however small x is beside y
     Real area = 0;
-    for (std::size_t j = piece(low), last = piece(high); j <= last; ++j) {
+    for (std::size_t j = first; j <= last; ++j) {
       const Real from = j == 0 ? low : std::max(low, Real(knots_[j - 1]));
       const Real to = j == knots_.size() ? high : std::min(high, Real(knots_[j]));
       area += (to - from) * (force_in(j, from) + force_in(j, to)) / 2;
@@ -228,6 +230,7 @@ class ReferenceNetwork {
     // rest.
     const Real determinant = (1 - mode.qq) * (1 - mode.vv) - mode.qv * mode.vq;  // |1 - z|^2
     mode.admittance = square > 0 ? determinant / (2 * m * square) : dt * dt / (2 * m);
+    if (w * dt >= std::numbers::pi_v<Real>) mode.admittance = 0;  // above half the rate, where lower keys need it
     mode.averaging = square > 0 ? determinant / (square * dt * dt) : Real(1);
     mode.decay = s;
     mode.w = w;

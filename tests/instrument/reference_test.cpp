@@ -23,16 +23,22 @@ std::string_view shipped_text(Shipped folder, const std::string& name) {
 
 // How an instrument is tested. The reference stays alone for so many samples.
 struct Excitation {
-  std::string score;
+  std::string score;  ///< that ships, or the first pluck, where the score plays keys
   std::string place;  ///< whose displacement is compared
   std::size_t alone;
-  double softening;  ///< ratio that softens stiff contacts, where the order is measured
+  double softening;      ///< ratio that softens stiff contacts, where the order is measured
+  double error = 1e-10;  ///< that is allowed, in parts of the largest value
 };
 
 // Rattling wires and bolts amplify differences: rounding to 1e-16 becomes 1e-6 within 50 ms. So the reference
 // continues from the state of the instrument each 10 or 2.5 ms.
+//
+// fret_guitar: 3 N pull the string by 3.6 mm, whose sum over 90 modes is rounded by up to 4e-17 m, in three samples
+// of a hit by 1e-16 m. A force of 3.6 N compresses steel by 5e-7 m, so the force is wrong by up to 1.5 times 2e-10.
 const std::map<std::string, Excitation> kExcitations = {
     {"classical_guitar", {"guitar_arpeggio", "saddle", 2205, 1}},
+    {"fret_guitar", {R"({ "time_s": 0.1, "finger_release_n": 3 })", "over_fret", 110, 1, 3e-10}},
+    {"lap_steel", {R"({ "time_s": 0.1, "pick_release_n": 3 })", "under_bar", 2205, 1}},
     {"marimba_tube", {"marimba_blows", "mouth", 2205, 1}},
     {"prepared_piano", {"prepared_notes", "under_bolt", 110, 1e-6}},
     {"slap_bass", {"slap_line", "pickup", 2205, 1}},
@@ -52,6 +58,12 @@ INSTANTIATE_TEST_SUITE_P(, SmoothInstrument,
                          ::testing::Values("classical_guitar", "marimba_tube", "prepared_piano", "slap_bass", "snare",
                                            "tanpura", "tom", "trichord_c4"),
                          [](const auto& test) { return test.param; });
+
+Score score_of(const std::string& instrument, const std::string& score) {
+  if (!score.starts_with('{')) return parse_score(shipped_text(Shipped::kScores, score), score, shipped_file);
+  return parse_score(R"({ "instrument": ")" + instrument + R"(", "duration_s": 1, "events": [)" + score + "] }",
+                     "probe.json", shipped_file);
+}
 
 double first_event_s(const Voice& voice) {
   double first = std::numeric_limits<double>::infinity();
@@ -73,10 +85,8 @@ void copy_state(const NetworkInstrument<double>& from, ReferenceNetwork& to, con
 
 // 50 ms after the first strike or pluck of the score, all outputs.
 TEST_P(EachInstrument, AgreesWithAnIndependentSolution) {
-  if (!kExcitations.contains(GetParam()))
-    GTEST_SKIP() << "its places move, which the reference's do not: models_as_files_test compares such files";
   const Excitation& excitation = kExcitations.at(GetParam());
-  const Score score = parse_score(shipped_text(Shipped::kScores, excitation.score), excitation.score, shipped_file);
+  const Score score = score_of(GetParam(), excitation.score);
   const Voice& voice = score.voices.front();
   const InstrumentArrays arrays = arrays_of(*voice.model, kRate / 2);
   NetworkInstrument<double> instrument(arrays.view(), kRate);
@@ -113,7 +123,7 @@ TEST_P(EachInstrument, AgreesWithAnIndependentSolution) {
   EXPECT_LE(reference.residual(), 1e-15L);
   for (std::size_t i = 0; i < outputs; ++i) {
     EXPECT_GT(peak[i], 1e-3);
-    EXPECT_TRUE(within(error[i], 0, 1e-10 * peak[i])) << voice.model->outputs[i].name;
+    EXPECT_TRUE(within(error[i], 0, excitation.error * peak[i])) << voice.model->outputs[i].name;
     Measured() << GetParam() << ", " << voice.model->outputs[i].name << ": " << error[i] / peak[i]
                << " of the largest";
   }
