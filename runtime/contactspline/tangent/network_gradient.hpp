@@ -149,9 +149,7 @@ class NetworkBackwards {
   using ContactStepBack = typename ContactBackwards<T>::Step;
 
   struct Modes {
-    // Adjoints of displacements before a sample, of changes over it, and of increments after it. Before it the latter
-    // are change - increment.
-    std::vector<T> displacement, increment, change;
+    std::vector<T> displacement, increment, change;  ///< adjoints of the state, and of the change over a sample
     std::vector<T> stiffness, loss;
 
     explicit Modes(std::size_t n) : displacement(n), increment(n), change(n), stiffness(n), loss(n) {}
@@ -197,8 +195,8 @@ class NetworkBackwards {
   // Plays the modes of a block again, under the forces of the record.
   void replay(std::size_t block, std::size_t count) {
     const std::size_t modes = modes_.size();
-    const T* state = &record_.states[2 * block * modes];
-    std::vector<T> displacement(state, state + modes), increment(state + modes, state + 2 * modes);
+    std::vector<T> displacement(&record_.states[2 * block * modes], &record_.states[2 * block * modes] + modes);
+    std::vector<T> increment(&record_.states[(2 * block + 1) * modes], &record_.states[2 * (block + 1) * modes]);
     for (std::size_t n = 0; n < count; ++n) {
       const std::size_t sample = block * Record::kBlock + n;
       for (const auto& motion : record_.in_sample(record_.motions, &Ends::motions, sample)) {
@@ -211,8 +209,8 @@ class NetworkBackwards {
       for (const std::size_t p : forced())
         add_push(places_[p].shapes.size(), places_[p].force, &modes_.admittance[places_[p].begin], shapes(p),
                  change + places_[p].begin);
-      advance(modes, modes_.stiffness.data(), modes_.loss.data(), change, displacement.data(), increment.data(),
-              &displacements_[n * modes]);
+      advance(modes, modes_.stiffness.data(), modes_.loss.data(), change, displacement.data(), increment.data());
+      std::ranges::copy(displacement, &displacements_[n * modes]);
     }
   }
   // Separate functions, because compilers respect __restrict on parameters.
@@ -221,10 +219,9 @@ class NetworkBackwards {
     for (std::size_t i = 0; i < modes; ++i) change[i] += admittance[i] * shapes[i] * force;
   }
   static void advance(std::size_t modes, const T* __restrict stiffness, const T* __restrict loss,
-                      const T* __restrict change, T* __restrict displacement, T* __restrict increment,
-                      T* __restrict after) {
+                      const T* __restrict change, T* __restrict displacement, T* __restrict increment) {
     for (std::size_t i = 0; i < modes; ++i) {
-      after[i] = displacement[i] += change[i];
+      displacement[i] += change[i];
       const T pull = loss[i] * change[i] + stiffness[i] * displacement[i];
       increment[i] = (change[i] - increment[i]) + (change[i] - pull);
     }
@@ -253,22 +250,22 @@ class NetworkBackwards {
       add_responses(place.shapes.size(), place.by_forces, place.before, shapes(p), &adjoints_.change[place.begin],
                     &adjoints_.displacement[place.begin]);
     }
-    add_to_places(change, displacement);
+    for (const std::size_t p : touched_) add_to_place(places_[p], change, displacement);
     add_pushes(n);
+    for (std::size_t i = 0; i < modes; ++i) adjoints_.increment[i] = adjoints_.change[i] - adjoints_.increment[i];
     add_motions(n);
   }
 
-  // The modes back over a sample, but for what the forces respond to: first, with what they did, over the next one.
+  // The modes back over a sample, but for what the forces respond to.
   static void retract(std::size_t modes, const T* __restrict stiffness, const T* __restrict loss,
-                      const T* __restrict change, const T* __restrict displacement, T* __restrict of_increment,
+                      const T* __restrict change, const T* __restrict displacement, const T* __restrict next,
                       T* __restrict of_displacement, T* __restrict of_change, T* __restrict of_stiffness,
                       T* __restrict of_loss) {
     for (std::size_t i = 0; i < modes; ++i) {
-      const T next = of_increment[i] = of_change[i] - of_increment[i];
-      of_stiffness[i] -= displacement[i] * next;
-      of_loss[i] -= change[i] * next;
-      of_displacement[i] -= stiffness[i] * next;
-      of_change[i] = of_displacement[i] + (2 - loss[i]) * next;
+      of_stiffness[i] -= displacement[i] * next[i];
+      of_loss[i] -= change[i] * next[i];
+      of_displacement[i] -= stiffness[i] * next[i];
+      of_change[i] = of_displacement[i] + (2 - loss[i]) * next[i];
     }
   }
 
@@ -361,26 +358,11 @@ class NetworkBackwards {
     }
   }
 
-  // The adjoints of the shapes of a place on which forces act.
-  static void add_to_shapes(std::size_t modes, T sum, T before, T force, const T* __restrict displacement,
-                            const T* __restrict change, const T* __restrict of_change, T* __restrict of_shapes,
-                            T* __restrict forced) {
-    for (std::size_t i = 0; i < modes; ++i) {
-      of_shapes[i] += sum * displacement[i] - before * change[i];
-      forced[i] += force * of_change[i];
-    }
-  }
-  void add_to_places(const T* change, const T* displacement) {
-    for (std::size_t i = 0; i < touched_.size(); ++i) {
-      Place& place = places_[touched_[i]];
-      const std::size_t modes = place.shapes.size(), begin = place.begin;
-      if (i < forced_)
-        add_to_shapes(modes, place.after + place.by_forces + place.before, place.before, place.force,
-                      displacement + begin, change + begin, &adjoints_.change[begin], place.shapes.data(),
-                      place.forced.data());
-      else
-        add_scaled(0, modes, place.after, displacement + begin, place.shapes.data());
-    }
+  void add_to_place(Place& place, const T* change, const T* displacement) {
+    const std::size_t modes = place.shapes.size(), begin = place.begin;
+    add_scaled(0, modes, place.after + place.by_forces + place.before, displacement + begin, place.shapes.data());
+    if (place.before != 0) add_scaled(0, modes, -place.before, change + begin, place.shapes.data());
+    if (place.force != 0) add_scaled(0, modes, place.force, &adjoints_.change[begin], place.forced.data());
   }
 
   void add_pushes(std::size_t n) {
@@ -397,9 +379,8 @@ class NetworkBackwards {
     for (std::size_t i = motions.size(); i-- > 0;) {
       const std::size_t mode = modes_.begins[motions[i].body];
       gradient_.motions[record_.ends[n].motions - motions.size() + i] = {
-          adjoints_.displacement[mode],
-          (adjoints_.change[mode] - adjoints_.increment[mode]) * static_cast<T>(1 / rate_)};
-      adjoints_.displacement[mode] = adjoints_.change[mode] = adjoints_.increment[mode] = 0;
+          adjoints_.displacement[mode], adjoints_.increment[mode] * static_cast<T>(1 / rate_)};
+      adjoints_.displacement[mode] = adjoints_.increment[mode] = 0;
     }
   }
 
