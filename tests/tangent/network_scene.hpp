@@ -163,8 +163,9 @@ struct Slopes {
   Tangent tangent;
 };
 
-/// A mass that is pressed on a string with felt and slides along it, from rest to rest; the string lies on a point
-/// and is held by a spring. With each number moved by a part `h` of itself.
+/// A mass that is pressed on a string with felt and slides along it, from rest to rest. Under the mass, at the place
+/// that moves, the ground limits the string; it lies on a point, too, and is held by a spring. With each number moved
+/// by a part `h` of itself.
 template <typename T>
 struct Slide {
   enum Number { kStart, kEnd, kSlideSpeed, kFrequency, kStiffness, kNumbers };
@@ -194,6 +195,7 @@ struct Slide {
     plan.add_contact(on_mass, slid, SegmentTable<T>(felt), 0, {part(kStiffness, 1.0), T(0.05)});
     plan.add_contact(place(0.6), kGround, SegmentTable<T>(felt), T(1e-5));
     plan.add_spring(place(0.9), kGround, T(1e4), T(0.2));
+    limit = plan.add_contact(slid, kGround, SegmentTable<T>(felt), T(2e-5));
   }
 
   /// Where the mass is sent before sample n.
@@ -204,12 +206,18 @@ struct Slide {
   }
 
   [[nodiscard]] std::vector<T> play(bool slides = true) const {
+    return play_to(
+        [&](std::size_t n) { return slides && n >= 60 ? target(n - 60, start, end, metres_per_sample) : start; });
+  }
+  /// target(n): where the mass is sent before sample n.
+  template <typename Target>
+  [[nodiscard]] std::vector<T> play_to(Target target) const {
     ContactNetwork<T> network(plan, kRate);
     network.set_motion(mass, 0, T(0.5));
     std::vector<T> samples;
     for (std::size_t n = 0; n < kSamples; ++n) {
       network.push(on_mass, 5);
-      if (slides && n >= 60) network.move_place(slid, target(n - 60, start, end, metres_per_sample));
+      network.move_place(slid, target(n));
       network.tick();
       samples.push_back(network.displacement(output));
       samples.push_back(network.displacement(slid));
@@ -222,7 +230,7 @@ struct Slide {
   std::vector<Segment<T>> felt;
   std::vector<double> wavenumbers;
   NetworkPlan<T> plan;
-  std::size_t mass = 0, on_mass = 0, slid = 0, output = 0;
+  std::size_t mass = 0, on_mass = 0, slid = 0, output = 0, limit = 0;
 };
 
 inline double largest(std::span<const double> values) {

@@ -3,6 +3,7 @@
 #include "contactspline/tangent/network_tangent.hpp"
 
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "network_scene.hpp"
@@ -92,10 +93,30 @@ struct SlideSlopes {
   Tangent tangent;
 };
 
-// As above, of a place that moves.
+// The slopes of all outputs of a slide, one sample after the other, against a central difference: as above. Returns
+// the worst difference.
+template <typename Number>
+double worst_of_slide(const std::vector<Number>& found, std::size_t p, const std::vector<double>& expected,
+                      std::size_t outputs) {
+  double worst = 0;
+  for (std::size_t k = 0; k < outputs; ++k) {
+    double scale = 0;
+    for (std::size_t i = k; i < expected.size(); i += outputs) scale = std::max(scale, std::abs(expected[i]));
+    for (std::size_t i = k; i < expected.size() && scale > 0; i += outputs) {
+      EXPECT_TRUE(within(found[i].slopes[p], expected[i], 1e-6 * scale))
+          << "number " << p << ", output " << k << ", sample " << i / outputs;
+      worst = std::max(worst, std::abs(found[i].slopes[p] - expected[i]) / scale);
+    }
+  }
+  return worst;
+}
+
+// A place that moves, with a contact to the ground that presses meanwhile.
 TEST(NetworkTangent, FollowsAPlaceThatMoves) {
   double worst = 0;
-  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+  std::size_t limited = 0;  // samples
+  for (std::uint64_t seed = 1; seed <= 6 && !HasFailure(); ++seed) {
+    SCOPED_TRACE(seed);
     const Slide<double> scene(Random(seed), -1, 0);
     SlideSlopes slopes(scene);
     const std::size_t outputs = 2 + scene.plan.connections().size();
@@ -103,22 +124,82 @@ TEST(NetworkTangent, FollowsAPlaceThatMoves) {
     for (std::size_t n = 0; n < kSamples; ++n) {
       slopes.tick(n);
       for (std::size_t k = 0; k < outputs; ++k) found.push_back(slopes.output(k));
+      if (n >= 60 && n < 300 && slopes.tangent.force(scene.limit).value > 0) ++limited;
     }
-    for (std::size_t p = 0; p < Slide<double>::kNumbers; ++p) {
-      const auto expected =
-          middle_difference([&](Real h) { return Slide<Real>(Random(seed), int(p), h).play(); }, 1e-8L);
-      for (std::size_t k = 0; k < outputs; ++k) {
-        double scale = 0;
-        for (std::size_t i = k; i < expected.size(); i += outputs) scale = std::max(scale, std::abs(expected[i]));
-        for (std::size_t i = k; i < expected.size() && scale > 0; i += outputs) {
-          ASSERT_TRUE(within(found[i].slopes[p], expected[i], 1e-6 * scale))
-              << "scene " << seed << ", number " << p << ", output " << k << ", sample " << i / outputs;
-          worst = std::max(worst, std::abs(found[i].slopes[p] - expected[i]) / scale);
-        }
+    for (std::size_t p = 0; p < Slide<double>::kNumbers; ++p)
+      worst = std::max(
+          worst,
+          worst_of_slide(
+              found, p, middle_difference([&](Real h) { return Slide<Real>(Random(seed), int(p), h).play(); }, 1e-8L),
+              outputs));
+  }
+  EXPECT_GE(limited, 100U);
+  Measured() << "worst difference of a slide, over the largest slope of each output: " << worst;
+}
+
+// A place that stays where it is, though its target follows a parameter: smoothly, at rest, then with a jump.
+TEST(NetworkTangent, FollowsATargetThatThePlaceHasReached) {
+  using Tangent = NetworkTangent<double, 1>;
+  const auto slope = [](std::size_t n) { return n < 60 ? 0 : n < 200 ? std::sin(double(n - 60) / 20) : 0.5; };
+  double worst = 0;
+  for (std::uint64_t seed = 1; seed <= 6 && !HasFailure(); ++seed) {
+    SCOPED_TRACE(seed);
+    const Slide<double> scene(Random(seed), -1, 0);
+    const std::size_t outputs = 2 + scene.plan.connections().size();
+    Tangent tangent(scene.plan, Slide<double>::kRate, {});
+    tangent.set_motion(scene.mass, 0, 0.5);
+    std::vector<Tangent::Number> found;
+    for (std::size_t n = 0; n < kSamples; ++n) {
+      tangent.push(scene.on_mass, 5);
+      tangent.move_place(scene.slid, {scene.start, {slope(n)}});
+      tangent.tick();
+      for (const std::size_t place : {scene.output, scene.slid}) found.push_back(tangent.displacement(place));
+      for (std::size_t k = 0; k + 2 < outputs; ++k) found.push_back(tangent.force(k));
+    }
+    const Slide<Real> exact(Random(seed), -1, 0);
+    const auto play = [&](Real h) {
+      return exact.play_to([&](std::size_t n) { return exact.start + h * Real(slope(n)); });
+    };
+    worst = std::max(worst, worst_of_slide(found, 0, middle_difference(play, 1e-8L), outputs));
+  }
+  Measured() << "worst difference of a target, over the largest slope of each output: " << worst;
+}
+
+// What is not a number changes nothing. What is out of range does as the end of the range does, whatever the slopes.
+TEST(NetworkTangent, TakesNumbersInTheirRangesAlone) {
+  using Tangent = NetworkTangent<double, 1>;
+  const Tangent::Number kNone(std::numeric_limits<double>::quiet_NaN(), {1});
+  const Slide<double> scene(Random(1), -1, 0);
+  Tangent tangent(scene.plan, Slide<double>::kRate, {}), expected(scene.plan, Slide<double>::kRate, {});
+  tangent.put_place(scene.slid, {-0.5, {1}});
+  tangent.set_motion(scene.mass, {-2e3, {1}}, {1e4, {1}});
+  expected.put_place(scene.slid, 0);
+  expected.set_motion(scene.mass, -1000, 1000);
+  for (int n = 0; n < 300; ++n) {
+    if (n == 10)
+      for (Tangent* each : {&tangent, &expected}) {
+        each->put_place(scene.slid, {0.5, {1}});
+        each->set_motion(scene.mass, {1e-6, {1}}, {0.5, {2}});
       }
+    if (n == 20) {
+      tangent.set_motion(scene.mass, kNone, 1);
+      tangent.set_motion(scene.mass, 1, kNone);
+      tangent.push(scene.on_mass, kNone);
+      tangent.put_place(scene.slid, kNone);
+      expected.put_place(scene.slid, {0.5, {1}});
+    }
+    if (n == 30) tangent.move_place(scene.slid, kNone);
+    if (n >= 40 && n < 60) {
+      tangent.push(scene.on_mass, {1e4, {1}});
+      expected.push(scene.on_mass, 1000);
+    }
+    tangent.tick(), expected.tick();
+    for (const std::size_t place : {scene.slid, scene.on_mass}) {
+      const auto moved = tangent.displacement(place), wanted = expected.displacement(place);
+      ASSERT_EQ(moved.value, wanted.value) << n;
+      ASSERT_EQ(moved.slopes[0], wanted.slopes[0]) << n;
     }
   }
-  Measured() << "worst difference of a slide, over the largest slope of each output: " << worst;
 }
 
 TEST(NetworkTangent, AllocatesNothingAfterConstruction) {

@@ -9,6 +9,8 @@
 #include <cstddef>
 #include <type_traits>
 
+#include "contactspline/step/controls.hpp"
+
 namespace contactspline {
 
 /// A value and its slopes, the derivatives with respect to P parameters.
@@ -47,5 +49,13 @@ struct Dual {
     return result;
   }
 };
+
+/// What a control with slopes becomes: as without them. A value beyond its range does not follow the parameters.
+template <std::floating_point T, std::size_t P>
+[[nodiscard]] constexpr Dual<T, P> held(const Dual<T, P>& last, const Dual<T, P>& control, ControlRange<T> range) {
+  if (!is_number(control.value)) return last;
+  const T value = held(last.value, control.value, range);
+  return value == control.value ? control : Dual<T, P>(value);
+}
 
 }  // namespace contactspline

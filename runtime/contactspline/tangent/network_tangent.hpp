@@ -16,6 +16,7 @@
 
 #include "contactspline/modal/string_place.hpp"
 #include "contactspline/network/contact_network.hpp"
+#include "contactspline/step/controls.hpp"
 #include "contactspline/tangent/contact_tangent.hpp"
 #include "contactspline/tangent/force_equations.hpp"
 #include "contactspline/tangent/mode_tangent.hpp"
@@ -24,8 +25,8 @@
 namespace contactspline {
 
 /// A ContactNetwork with its derivatives with respect to P parameters. Controls stay as the plan says, rigid links
-/// keep their stiffness. From the first call of put_place() or move_place() on, the shapes at that place change with
-/// the place alone, not by what the directions say of them.
+/// keep their stiffness. Once put_place() or move_place() has moved a place or its slopes, the shapes there change
+/// with the place alone, not by what the directions say of them.
 template <std::floating_point T, std::size_t P>
 class NetworkTangent {
  public:
@@ -46,21 +47,26 @@ class NetworkTangent {
     measure_compressions();
   }
 
-  /// Puts a free mass between two samples at a displacement [m] with a velocity [m/s].
+  /// Puts a free mass between two samples at a displacement [m], -1000 to 1000, with a velocity [m/s], -1000 to 1000.
+  /// mass: a body of NetworkPlan::add_mass(). A value beyond its range acts as the end of the range, with slopes of
+  /// 0. Does nothing if one of them is not a number.
   void set_motion(std::size_t mass, const Number& displacement_m, const Number& velocity_m_per_s) {
+    if (!is_number(displacement_m.value) || !is_number(velocity_m_per_s.value)) return;
     model_.set_motion(mass, displacement_m.value, velocity_m_per_s.value);
-    bodies_[mass][0].displacement = displacement_m;
-    bodies_[mass][0].increment = Number(time_step_) * velocity_m_per_s;
+    bodies_[mass][0].displacement = held(Number(), displacement_m, Ranges::displacement_m);
+    bodies_[mass][0].increment = Number(time_step_) * held(Number(), velocity_m_per_s, Ranges::speed_m_per_s);
     for (Mover& mover : movers_) mover.owed = Number();
     measure_compressions();
   }
 
-  /// ContactNetwork::put_place, which also tells how the place follows the parameters [m].
+  /// ContactNetwork::put_place, which also tells how the place follows the parameters [m]. Beyond the ends of the
+  /// string it does not.
   void put_place(std::size_t place, const Number& place_m) {
     model_.put_place(place, place_m.value);
     Mover& mover = movers_[*places_[place].mover];
     mover.motion.put(place_m.value);
-    mover.target = mover.place = place_m;
+    mover.target = mover.place = held(mover.place, place_m, mover.range);
+    mover.has_turned = false;
     mover.after = places_[place].shapes = shapes_of(mover);
     for (Mover& other : movers_) other.owed = Number();
     measure_compressions();
@@ -70,13 +76,15 @@ class NetworkTangent {
   /// derivatives that it has.
   void move_place(std::size_t place, const Number& place_m) {
     model_.move_place(place, place_m.value);
-    movers_[*places_[place].mover].target = place_m;
+    Mover& mover = movers_[*places_[place].mover];
+    mover.target = held(mover.place, place_m, mover.range);
   }
 
-  /// Pushes at a place during the next sample [N]. Several pushes add up.
+  /// Pushes at a place during the next sample [N], -1000 to 1000, with the rules of set_motion(). Several pushes add
+  /// up.
   void push(std::size_t place, const Number& force_n) {
     model_.push(place, force_n.value);
-    places_[place].push = places_[place].push + force_n;
+    places_[place].push = places_[place].push + held(Number(), force_n, Ranges::force_n);
   }
 
   /// Advances one sample. Does not allocate.
@@ -108,6 +116,7 @@ class NetworkTangent {
   }
 
  private:
+  using Ranges = ControlRanges<T>;
   // The constants and the motion of a mode (ModalBank). Only the slopes of the increment count.
   struct ModeTangent {
     Number stiffness, loss, admittance;
@@ -120,16 +129,17 @@ class NetworkTangent {
     std::optional<std::size_t> mover = {};
   };
   // What a place that moves has beside its Place, as the network has it. lift: what the move itself adds to the
-  // increment of the connections there.
+  // increment of the connections there. has_turned: the slopes of the place changed in the last sample.
   struct Mover {
     std::size_t index, body;
     std::vector<double> wavenumbers;
+    ControlRange<T> range;
     MovingPlace<T> motion;
     std::vector<Number> after;  // shapes
     Number place, target;
     std::vector<Number> change = {};
     Number owed = {}, lift = {};
-    bool is_moving = false;
+    bool is_moving = false, has_turned = false;
   };
   // response: the derivative of the force with respect to the increment [N/m].
   struct Connection {
@@ -173,6 +183,7 @@ class NetworkTangent {
     movers_.push_back({q,
                        place.body,
                        place.wavenumbers_per_m,
+                       {0, shapes.length()},
                        {shapes, place.place_m, longest_step},
                        places_[q].shapes,
                        place.place_m,
@@ -221,12 +232,17 @@ class NetworkTangent {
     }
   }
 
-  // ContactNetwork::move_places.
+  // ContactNetwork::move_places. A place that has reached its target also moves if only the slopes of that change: so
+  // do those of the shapes, over one sample.
   void move(Mover& mover) {
     mover.lift = Number();
-    mover.is_moving = mover.motion.move_to(mover.target.value);
+    const bool moves = mover.motion.move_to(mover.target.value);
+    mover.place.value = mover.motion.place();
+    const bool turns = mover.place.value == mover.target.value && mover.place.slopes != mover.target.slopes;
+    if (turns) mover.place.slopes = mover.target.slopes;
+    mover.is_moving = moves || turns || mover.has_turned;
+    mover.has_turned = turns;
     if (!mover.is_moving) return;
-    if (mover.motion.place() == mover.target.value) mover.place.slopes = mover.target.slopes;
     std::vector<Number>& mean = places_[mover.index].shapes;
     std::swap(mover.change, mover.after);  // the shapes before
     write_shapes(mover, mover.after);
