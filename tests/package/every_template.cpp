@@ -71,8 +71,10 @@
 #include "contactspline/tangent/contact_tangent.hpp"
 #include "contactspline/tangent/force_equations.hpp"
 #include "contactspline/tangent/mass_barrier_tangent.hpp"
+#include "contactspline/tangent/network_backwards.hpp"
 #include "contactspline/tangent/network_gradient.hpp"
 #include "contactspline/tangent/network_numbers.hpp"
+#include "contactspline/tangent/network_record.hpp"
 #include "contactspline/tangent/network_tangent.hpp"
 #include "contactspline/tangent/strike_gradient.hpp"
 #include "contactspline/tangent/strike_tangent.hpp"
@@ -94,6 +96,8 @@ using Felt = materials::felt_c4;
   template class detail::ContactBackwards<T>;                                                                   \
   template class detail::ForceEquations<T>;                                                                     \
   template class detail::NetworkBackwards<T>;                                                                   \
+  template struct detail::NetworkModes<T>;                                                                      \
+  template struct detail::NetworkRecord<T>;                                                                     \
   template class detail::StrikeBackwards<T>;                                                                    \
   template class ContactTangent<T, 3>;                                                                          \
   template class MassBarrierTangent<T, 3>;                                                                      \

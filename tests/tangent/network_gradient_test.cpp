@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "network_scene.hpp"
@@ -177,10 +178,10 @@ TEST(NetworkGradient, IsThatOfAPlaceOnAString) {
 }
 
 // Two masses and two memories; the first mass is thrown twice. A spring of no stiffness has derivatives, too.
-TEST(NetworkGradient, TakesWhatIsSetBetweenSamples) {
+// is_forgotten: before the second blow.
+void expect_what_is_set(const std::vector<Memory>& memories, bool is_forgotten) {
   constexpr std::size_t kThrow = 150, kAll = 333;
   const auto felt = power_table<double>(1e8, 2.3, 1e-3, 40);
-  const std::vector<Memory> memories = {{0.4, 2e-5}, {0.2, 1e-4}};
   NetworkPlan<double> plan;
   const std::size_t a = plan.add_mass(0.003), b = plan.add_mass(0.008);
   const std::size_t on_a = plan.add_mass_place(a), on_b = plan.add_mass_place(b);
@@ -188,12 +189,14 @@ TEST(NetworkGradient, TakesWhatIsSetBetweenSamples) {
   plan.add_spring(on_b, kGround, 0, 0);
   plan.add_contact(on_b, kGround, SegmentTable<double>(felt), 3e-3);
 
-  enum Number { kDisplacement, kVelocity, kFirst, kPush, kSpring, kResistance, kNumbers };
+  enum Number { kDisplacement, kVelocity, kFirst, kPush, kSpring, kResistance, kWeight, kTime, kNumbers };
   using Tangent = NetworkTangent<double, kNumbers>;
   std::array<NetworkNumbers<double>, kNumbers> directions;
-  for (const Number number : {kSpring, kResistance}) directions[number].connections.resize(3);
+  for (const Number number : {kSpring, kResistance, kWeight, kTime}) directions[number].connections.resize(3);
   directions[kSpring].connections[1].spring_n_per_m = 1;
   directions[kResistance].connections[1].resistance_n_s_per_m = 1;
+  directions[kWeight].connections[0].contact.memories = {{1, 0}, {0, 0}};
+  directions[kTime].connections[0].contact.memories = {{0, 0}, {0, 1}};
   const auto along = [](std::size_t number, double value) {
     Tangent::Number result(value);
     result.slopes[number] = 1;
@@ -207,8 +210,10 @@ TEST(NetworkGradient, TakesWhatIsSetBetweenSamples) {
   NetworkWeights<double> weights;
   weights.displacements.resize(2);
   weights.forces.resize(1);
+  bool is_struck_again = false;
   for (std::size_t n = 0; n < kAll; ++n) {
     if (n == kThrow) {
+      EXPECT_EQ(network.model().solver()[0].memory.remembered().line() == 0, is_forgotten);
       network.set_motion(a, 1e-6, 3);
       tangent.set_motion(a, along(kDisplacement, 1e-6), along(kVelocity, 3));
     }
@@ -220,6 +225,7 @@ TEST(NetworkGradient, TakesWhatIsSetBetweenSamples) {
     }
     network.tick();
     tangent.tick();
+    is_struck_again = is_struck_again || (n > kThrow && network.model().force(0) > 0);
     const double weight = std::cos(double(n) / 7);
     weights.displacements[1].push_back(weight);
     if (n < 300) weights.forces[0].push_back(1e-5 * weight);
@@ -227,17 +233,131 @@ TEST(NetworkGradient, TakesWhatIsSetBetweenSamples) {
       expected[p] +=
           weight * (tangent.displacement(on_b).slopes[p] + (n < 300 ? 1e-5 * tangent.force(0).slopes[p] : 0.0));
   }
+  EXPECT_TRUE(is_struck_again);
   const auto gradient = network.gradient(weights);
   const auto& moved = gradient.motions[1];
+  const auto& connections = gradient.numbers.connections;
   const std::array<double, kNumbers> found = {moved.displacement_m,
                                               moved.velocity_m_per_s,
                                               gradient.motions[0].velocity_m_per_s,
                                               gradient.pushes[0] + gradient.pushes[2],
-                                              gradient.numbers.connections[1].spring_n_per_m,
-                                              gradient.numbers.connections[1].resistance_n_s_per_m};
+                                              connections[1].spring_n_per_m,
+                                              connections[1].resistance_n_s_per_m,
+                                              connections[0].contact.memories[0].weight,
+                                              connections[0].contact.memories[1].time_s};
   EXPECT_EQ(gradient.pushes[0], gradient.pushes[1]);
   for (std::size_t p = 0; p < kNumbers; ++p)  // hundreds of products, each rounded
     EXPECT_TRUE(within(found[p], expected[p], 1e-11 * std::abs(expected[p]))) << "number " << p;
+}
+
+TEST(NetworkGradient, TakesWhatIsSetBetweenSamples) {
+  expect_what_is_set({{0.4, 2e-5}, {0.2, 1e-4}}, false);
+}
+
+TEST(NetworkGradient, ForgetsBetweenTwoBlows) {
+  expect_what_is_set({{0.4, 2e-6}, {0.2, 3e-6}}, true);
+}
+
+// What is not a number does nothing. What is out of range does as the end of the range does, so its derivative is 0.
+TEST(NetworkGradient, TakesNumbersInTheirRangesAlone) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  constexpr std::size_t kAll = 50;
+  const auto played = [](double too_much, bool has_none) {
+    NetworkPlan<double> plan;
+    const std::size_t mass = plan.add_mass(0.003), on_mass = plan.add_mass_place(mass);
+    plan.add_spring(on_mass, kGround, 1000, 0.1);
+    RecordedNetwork<double> network(plan, 44100);
+    for (std::size_t n = 0; n < kAll; ++n) {
+      if (n == 0) network.set_motion(mass, 1e-3, too_much);
+      if (n == 10) network.push(on_mass, -too_much);
+      if (n == 10) network.push(on_mass, 3);
+      if (n == 30) network.set_motion(mass, -too_much, 2);
+      if (n == 20 && has_none) {
+        network.push(on_mass, kNone);
+        network.set_motion(mass, kNone, 1);
+        network.set_motion(mass, 1, kNone);
+      }
+      network.tick();
+    }
+    return network.gradient({{std::vector<double>(kAll, 1.0)}, {}});
+  };
+  const auto found = played(5000, true), most = played(1000, false);  // 1000 is still within the ranges
+  ASSERT_EQ(found.motions.size(), 2U);
+  ASSERT_EQ(found.pushes.size(), 2U);
+  EXPECT_EQ(found.numbers.connections[0].spring_n_per_m, most.numbers.connections[0].spring_n_per_m);
+  EXPECT_EQ(found.motions[0].displacement_m, most.motions[0].displacement_m);
+  EXPECT_EQ(found.motions[0].velocity_m_per_s, 0);
+  EXPECT_EQ(found.motions[1].displacement_m, 0);
+  EXPECT_EQ(found.motions[1].velocity_m_per_s, most.motions[1].velocity_m_per_s);
+  EXPECT_EQ(found.pushes[0], 0);
+  EXPECT_EQ(found.pushes[1], most.pushes[1]);
+  for (const double value : {most.motions[0].displacement_m, most.motions[0].velocity_m_per_s,
+                             most.motions[1].displacement_m, most.motions[1].velocity_m_per_s, most.pushes[0]})
+    EXPECT_NE(value, 0);
+}
+
+// A body without modes stays where it is, as the ground does. Here it is the last body.
+TEST(NetworkGradient, TakesABodyWithoutModes) {
+  using Tangent = NetworkTangent<double, 1>;
+  constexpr std::size_t kAll = 200;
+  const auto felt = power_table<double>(1e8, 2.3, 1e-3, 40);
+  const std::vector<Memory> memories = {{0.4, 2e-5}};
+  std::vector<NetworkGradient<double>> gradients;
+  for (const bool is_ground : {true, false}) {
+    NetworkPlan<double> plan;
+    const std::size_t mass = plan.add_mass(0.003), on_mass = plan.add_mass_place(mass);
+    const std::size_t still = plan.add_place(plan.add_body({}), {}), under = is_ground ? kGround : still;
+    plan.add_contact(on_mass, under, SegmentTable<double>(felt), 1e-5, {1, 0.05}, 1, memories);
+    plan.add_spring(on_mass, under, 1000, 0.1);
+    RecordedNetwork<double> network(plan, 44100);
+    Tangent tangent(plan, 44100, {});
+    network.set_motion(mass, 0, 2);
+    tangent.set_motion(mass, 0, {2, {1}});
+    NetworkWeights<double> weights;
+    weights.displacements.resize(2);
+    double expected = 0;
+    for (std::size_t n = 0; n < kAll; ++n) {
+      network.push(still, 3);
+      tangent.push(still, 3);
+      network.tick();
+      tangent.tick();
+      for (auto& displacements : weights.displacements) displacements.push_back(std::cos(double(n) / 7));
+      expected += weights.displacements[0][n] * tangent.displacement(on_mass).slopes[0];
+    }
+    gradients.push_back(network.gradient(weights));
+    EXPECT_TRUE(within(gradients.back().motions[0].velocity_m_per_s, expected, 1e-11 * std::abs(expected)));
+    EXPECT_EQ(gradients.back().pushes, std::vector<double>(kAll, 0.0));
+  }
+  for (std::size_t k = 0; k < 2; ++k) {
+    const auto &found = gradients[1].numbers.connections[k], &wanted = gradients[0].numbers.connections[k];
+    EXPECT_EQ(found.contact.stiffness_ratio, wanted.contact.stiffness_ratio);
+    EXPECT_EQ(found.gap_m, wanted.gap_m);
+    EXPECT_EQ(found.spring_n_per_m, wanted.spring_n_per_m);
+  }
+}
+
+// Nothing moves, so the force is that of the table at the compression that the gap leaves, but for the least
+// admittance that the solver knows, 1e-18 m/N: by it the compression creeps in each sample.
+TEST(NetworkGradient, TakesAPlanWithoutModes) {
+  constexpr std::size_t kAll = 130;  // more than a block
+  const auto felt = power_table<double>(1e8, 2.3, 1e-3, 40);
+  NetworkPlan<double> plan;
+  const std::size_t still = plan.add_place(plan.add_body({}), {});
+  plan.add_contact(still, kGround, SegmentTable<double>(felt), -2e-4);
+  RecordedNetwork<double> network(plan, 44100);
+  for (std::size_t n = 0; n < kAll; ++n) {
+    network.push(still, 1);
+    network.tick();
+  }
+  const std::vector<double> ones(kAll, 1.0);
+  const auto gradient = network.gradient({{ones}, {ones}});
+  const auto& segment = felt[segment_index(SegmentTable<double>(felt), 2e-4)];
+  const double force = kAll * segment.force_at(2e-4), slope = kAll * 2 * segment.half_curvature;
+  const auto& found = gradient.numbers.connections[0];
+  const double rounding = 1e-13;  // more than that of 130 sums
+  const double creep = slope * force / 2 * 1e-18;
+  EXPECT_TRUE(within(found.contact.stiffness_ratio, force, rounding * force + creep));
+  EXPECT_TRUE(relatively_within(found.gap_m, -slope, rounding));
 }
 
 }  // namespace

@@ -10,7 +10,6 @@
 #include <concepts>
 #include <cstddef>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "contactspline/modal/mode.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// One value for each number of a network: directions and gradients.
+// One value for each number of a network: directions and gradients. One for each sample: weights.
 #pragma once
 
 #include "contactspline/step/cpp20.hpp"
@@ -27,6 +27,25 @@ struct NetworkNumbers {
   std::vector<std::vector<Mode>> bodies = {};
   std::vector<ModeShapes<T>> places = {};
   std::vector<ConnectionNumbers<T>> connections = {};
+};
+
+/// The derivatives of a sum with respect to the samples of a network: of the displacement of each place and the force
+/// of each connection, one value for each sample. What is missing at the end of any list is 0.
+template <std::floating_point T>
+struct NetworkWeights {
+  std::vector<std::vector<T>> displacements = {}, forces = {};
+};
+
+/// The gradient of a sum: with respect to the numbers of a network, and to what RecordedNetwork::set_motion() and
+/// push() were given, in the order of the calls.
+template <std::floating_point T>
+struct NetworkGradient {
+  struct Motion {
+    T displacement_m = 0, velocity_m_per_s = 0;
+  };
+  NetworkNumbers<T> numbers;
+  std::vector<Motion> motions;
+  std::vector<T> pushes;
 };
 
 /// The derivative in a direction of the sum whose gradient is given: the sum of all products.

@@ -1,0 +1,371 @@
+// SPDX-License-Identifier: MIT
+// The samples of a network backwards, for its gradient (docs/how-it-works/gradients.md).
+#pragma once
+
+#include "contactspline/step/cpp20.hpp"
+
+#include <algorithm>
+#include <concepts>
+#include <cstddef>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "contactspline/network/coupled_contacts.hpp"
+#include "contactspline/network/linear_algebra.hpp"
+#include "contactspline/network/network_plan.hpp"
+#include "contactspline/tangent/contact_gradient.hpp"
+#include "contactspline/tangent/force_equations.hpp"
+#include "contactspline/tangent/mode_tangent.hpp"
+#include "contactspline/tangent/network_numbers.hpp"
+#include "contactspline/tangent/network_record.hpp"
+
+namespace contactspline {
+
+namespace detail {
+
+/// The samples of a record backwards, a block at a time. The adjoint of a value is the derivative of the sum with
+/// respect to it.
+template <std::floating_point T>
+class NetworkBackwards {
+ public:
+  using Record = NetworkRecord<T>;
+
+  NetworkBackwards(const NetworkPlan<T>& plan, double sample_rate_hz, const CoupledContacts<T>& solver,
+                   const Record& record, const NetworkWeights<T>& weights)
+      : plan_(plan),
+        rate_(sample_rate_hz),
+        solver_(solver),
+        record_(record),
+        weights_(weights),
+        modes_(plan, sample_rate_hz),
+        adjoints_(modes_.size()),
+        changes_(Record::kBlock * modes_.size()),
+        displacements_(changes_.size()),
+        equations_(plan.connections().size()),
+        right_(plan.connections().size()) {
+    for (const auto& place : plan.places())
+      places_.push_back(
+          {modes_.begins[place.body], std::vector<T>(place.shapes.size()), std::vector<T>(place.shapes.size())});
+    for (std::size_t k = 0; k < plan.connections().size(); ++k) {
+      const auto& connection = plan.connections()[k];
+      connections_.push_back({{connection.table, connection.memories, solver[k].contact, sample_rate_hz}});
+    }
+    gradient_.motions.resize(record.motions.size());
+    gradient_.pushes.resize(record.pushes.size());
+  }
+
+  [[nodiscard]] NetworkGradient<T> gradient() {
+    const std::size_t samples = record_.ends.size();
+    for (std::size_t block = (samples + Record::kBlock - 1) / Record::kBlock; block-- > 0;) {
+      const std::size_t first = block * Record::kBlock, count = std::min(Record::kBlock, samples - first);
+      replay(block, count);
+      for (std::size_t n = count; n-- > 0;) step(first + n, n);
+    }
+    finish_bodies();
+    for (std::size_t k = 0; k < connections_.size(); ++k) finish_connection(k);
+    return gradient_;
+  }
+
+ private:
+  using Acting = typename Record::Acting;
+  using Ends = typename Record::Ends;
+  using ContactStepBack = typename ContactBackwards<T>::Step;
+
+  struct Modes {
+    std::vector<T> displacement, increment, change;  ///< adjoints of the state, and of the change over a sample
+    std::vector<T> stiffness, loss;
+
+    explicit Modes(std::size_t n) : displacement(n), increment(n), change(n), stiffness(n), loss(n) {}
+  };
+  struct Place {
+    std::size_t begin;              ///< of the modes of its body
+    std::vector<T> shapes, forced;  ///< adjoint of the shapes by displacements, and of admittance times shapes
+    T force = 0;                    ///< on it over the sample [N]
+    T before = 0, after = 0;        ///< adjoints of its displacement before and after the sample,
+    T by_forces = 0;                ///< and what forces that respond to the latter add to it
+    T pushed = 0;                   ///< the adjoint of a force on it
+    bool is_touched = false;
+  };
+  struct Connection {
+    ContactBackwards<T> contact;
+    T gap = 0, spring = 0, resistance = 0, force = 0;
+  };
+
+  // Lists the places where something acts in sample n, with the forces on them.
+  void list_places(std::size_t n) {
+    for (const std::size_t p : touched_) places_[p].is_touched = false;
+    touched_.clear();
+    for (const Acting& acting : record_.in_sample(record_.acting, &Ends::acting, n)) {
+      const auto& connection = plan_.connections()[acting.connection];
+      if (connection.first != kGround) touch(connection.first).force -= acting.sample.force;
+      if (connection.second != kGround) touch(connection.second).force += acting.sample.force;
+    }
+    for (const auto& push : record_.in_sample(record_.pushes, &Ends::pushes, n))
+      touch(push.place).force += push.force;
+    forced_ = touched_.size();
+  }
+  // Those on which forces act, before those that only have a weight.
+  [[nodiscard]] std::span<const std::size_t> forced() const { return std::span(touched_).first(forced_); }
+  Place& touch(std::size_t p) {
+    Place& place = places_[p];
+    if (place.is_touched) return place;
+    touched_.push_back(p);
+    place.force = place.before = place.after = place.by_forces = 0;
+    place.is_touched = true;
+    return place;
+  }
+
+  // Plays the modes of a block again, under the forces of the record.
+  void replay(std::size_t block, std::size_t count) {
+    const std::size_t modes = modes_.size();
+    const T* state = record_.states.data() + 2 * block * modes;
+    std::vector<T> displacement(state, state + modes), increment(state + modes, state + 2 * modes);
+    for (std::size_t n = 0; n < count; ++n) {
+      const std::size_t sample = block * Record::kBlock + n;
+      for (const auto& motion : record_.in_sample(record_.motions, &Ends::motions, sample)) {
+        displacement[modes_.begins[motion.body]] = motion.displacement;
+        increment[modes_.begins[motion.body]] = motion.increment;
+      }
+      list_places(sample);
+      T* change = changes_.data() + n * modes;
+      std::ranges::copy(increment, change);
+      for (const std::size_t p : forced())
+        add_push(places_[p].shapes.size(), places_[p].force, modes_.admittance.data() + places_[p].begin, shapes(p),
+                 change + places_[p].begin);
+      advance(modes, modes_.stiffness.data(), modes_.loss.data(), change, displacement.data(), increment.data());
+      std::ranges::copy(displacement, displacements_.data() + n * modes);
+    }
+  }
+  // Separate functions, because compilers respect __restrict on parameters.
+  static void add_push(std::size_t modes, T force, const T* __restrict admittance, const T* __restrict shapes,
+                       T* __restrict change) {
+    for (std::size_t i = 0; i < modes; ++i) change[i] += admittance[i] * shapes[i] * force;
+  }
+  static void advance(std::size_t modes, const T* __restrict stiffness, const T* __restrict loss,
+                      const T* __restrict change, T* __restrict displacement, T* __restrict increment) {
+    for (std::size_t i = 0; i < modes; ++i) {
+      displacement[i] += change[i];
+      const T pull = loss[i] * change[i] + stiffness[i] * displacement[i];
+      increment[i] = (change[i] - increment[i]) + (change[i] - pull);
+    }
+  }
+
+  // Sample n back, which is this row of its block.
+  void step(std::size_t n, std::size_t row) {
+    const std::size_t modes = modes_.size();
+    const T *change = changes_.data() + row * modes, *displacement = displacements_.data() + row * modes;
+    const std::span<const Acting> acting = record_.in_sample(record_.acting, &Ends::acting, n);
+    list_places(n);
+    for (std::size_t p = 0; p < weights_.displacements.size(); ++p)
+      if (const T weight = weight_of(weights_.displacements, p, n); weight != 0) touch(p).after += weight;
+    linearise(acting);
+    for (const std::size_t p : touched_)
+      if (const Place& place = places_[p]; place.after != 0)
+        add_scaled(0, place.shapes.size(), place.after, shapes(p), adjoints_.displacement.data() + place.begin);
+    retract(modes, modes_.stiffness.data(), modes_.loss.data(), change, displacement, adjoints_.increment.data(),
+            adjoints_.displacement.data(), adjoints_.change.data(), adjoints_.stiffness.data(),
+            adjoints_.loss.data());
+    measure_pushes();
+    solve(acting, n);
+    push_connections(acting);
+    for (const std::size_t p : forced()) {
+      const Place& place = places_[p];
+      add_responses(place.shapes.size(), place.by_forces, place.before, shapes(p),
+                    adjoints_.change.data() + place.begin, adjoints_.displacement.data() + place.begin);
+    }
+    for (const std::size_t p : touched_) add_to_place(places_[p], change, displacement);
+    add_pushes(n);
+    for (std::size_t i = 0; i < modes; ++i) adjoints_.increment[i] = adjoints_.change[i] - adjoints_.increment[i];
+    add_motions(n);
+  }
+
+  // The modes back over a sample, but for what the forces respond to.
+  static void retract(std::size_t modes, const T* __restrict stiffness, const T* __restrict loss,
+                      const T* __restrict change, const T* __restrict displacement, const T* __restrict next,
+                      T* __restrict of_displacement, T* __restrict of_change, T* __restrict of_stiffness,
+                      T* __restrict of_loss) {
+    for (std::size_t i = 0; i < modes; ++i) {
+      of_stiffness[i] -= displacement[i] * next[i];
+      of_loss[i] -= change[i] * next[i];
+      of_displacement[i] -= stiffness[i] * next[i];
+      of_change[i] = of_displacement[i] + (2 - loss[i]) * next[i];
+    }
+  }
+
+  // What forces that respond to displacements do to the modes.
+  static void add_responses(std::size_t modes, T by_forces, T before, const T* __restrict shapes,
+                            T* __restrict of_change, T* __restrict of_displacement) {
+    for (std::size_t i = 0; i < modes; ++i) {
+      of_change[i] += by_forces * shapes[i];
+      of_displacement[i] += (by_forces + before) * shapes[i];
+    }
+  }
+
+  // The memories back, and the slopes of all forces.
+  void linearise(std::span<const Acting> acting) {
+    steps_.clear();
+    for (const Acting& a : acting) {
+      Connection& c = connections_[a.connection];
+      if (plan_.connections()[a.connection].table.empty()) {
+        const T half = solver_[a.connection].spring_n_per_m / 2, resistance = solver_[a.connection].resistance;
+        ContactSlopes<T> slopes;
+        slopes.before = half - resistance;
+        slopes.after = half + resistance;
+        steps_.push_back({{}, slopes});
+        continue;
+      }
+      press(a.connection, c.contact.relax(a.sample), &Place::after);
+      steps_.push_back(c.contact.linearise(a.sample, T(0)));
+    }
+  }
+
+  // Adds to the adjoint of a compression, and so to those of the displacements of its places.
+  void press(std::size_t k, T adjoint, T Place::*member) {
+    const auto& connection = plan_.connections()[k];
+    if (connection.first != kGround) places_[connection.first].*member += adjoint;
+    if (connection.second != kGround) places_[connection.second].*member -= adjoint;
+    connections_[k].gap -= adjoint;
+  }
+
+  // The adjoint of a force at each place, by the adjoints of the changes of the modes.
+  void measure_pushes() {
+    for (const std::size_t p : forced()) {
+      const T *shape = shapes(p), *admittance = modes_.admittance.data() + places_[p].begin;
+      const T* adjoint = adjoints_.change.data() + places_[p].begin;
+      places_[p].pushed =
+          sum_of<T>(places_[p].shapes.size(), [&](std::size_t i) { return shape[i] * admittance[i] * adjoint[i]; });
+    }
+  }
+
+  // The adjoints of all forces together.
+  void solve(std::span<const Acting> acting, std::size_t n) {
+    equations_.begin();
+    for (std::size_t a = 0; a < acting.size(); ++a) {
+      const auto& connection = plan_.connections()[acting[a].connection];
+      T& force = connections_[acting[a].connection].force = weight_of(weights_.forces, acting[a].connection, n);
+      if (connection.first != kGround) force -= places_[connection.first].pushed;
+      if (connection.second != kGround) force += places_[connection.second].pushed;
+      equations_.add(acting[a].connection, steps_[a].slopes.after);
+    }
+    const std::span<const std::size_t> responding = equations_.acting();
+    if (responding.empty()) return;
+    equations_.factorise(solver_);
+    for (std::size_t a = 0; a < responding.size(); ++a) right_[a] = connections_[responding[a]].force;
+    equations_.solve(right_.data());
+    for (std::size_t a = 0; a < responding.size(); ++a) {
+      connections_[responding[a]].force = right_[a] / equations_.root(a);
+      right_[a] *= equations_.root(a);
+    }
+    for (std::size_t b = 0; b < acting.size(); ++b) {  // springs of no stiffness have an adjoint, too
+      if (steps_[b].slopes.after > 0) continue;
+      for (std::size_t a = 0; a < responding.size(); ++a)
+        connections_[acting[b].connection].force -=
+            solver_.admittance(acting[b].connection, responding[a]) * right_[a];
+    }
+  }
+
+  // What the adjoints of the forces do to compressions and numbers.
+  void push_connections(std::span<const Acting> acting) {
+    for (std::size_t a = 0; a < acting.size(); ++a) {
+      const auto& [k, sample] = acting[a];
+      const ContactSlopes<T>& slopes = steps_[a].slopes;
+      Connection& c = connections_[k];
+      press(k, slopes.after * c.force, &Place::by_forces);
+      press(k, slopes.before * c.force, &Place::before);
+      if (!plan_.connections()[k].table.empty()) {
+        c.contact.push(sample, steps_[a], c.force);
+        continue;
+      }
+      c.spring += (sample.before + sample.after) / 2 * c.force;
+      c.resistance += (sample.after - sample.before) * c.force;
+    }
+  }
+
+  void add_to_place(Place& place, const T* change, const T* displacement) {
+    const std::size_t modes = place.shapes.size(), begin = place.begin;
+    add_scaled(0, modes, place.after + place.by_forces + place.before, displacement + begin, place.shapes.data());
+    if (place.before != 0) add_scaled(0, modes, -place.before, change + begin, place.shapes.data());
+    if (place.force != 0) add_scaled(0, modes, place.force, adjoints_.change.data() + begin, place.forced.data());
+  }
+
+  void add_pushes(std::size_t n) {
+    const auto pushes = record_.in_sample(record_.pushes, &Ends::pushes, n);
+    if (pushes.empty()) return;
+    measure_pushes();
+    for (std::size_t i = 0; i < pushes.size(); ++i)
+      if (pushes[i].follows)
+        gradient_.pushes[record_.ends[n].pushes - pushes.size() + i] = places_[pushes[i].place].pushed;
+  }
+
+  // Before the sample: the motion of a mass that was set there does not depend on what was before.
+  void add_motions(std::size_t n) {
+    const auto motions = record_.in_sample(record_.motions, &Ends::motions, n);
+    for (std::size_t i = motions.size(); i-- > 0;) {
+      const std::size_t mode = modes_.begins[motions[i].body];
+      auto& gradient = gradient_.motions[record_.ends[n].motions - motions.size() + i];
+      if (motions[i].displacement_follows) gradient.displacement_m = adjoints_.displacement[mode];
+      if (motions[i].velocity_follows)
+        gradient.velocity_m_per_s = adjoints_.increment[mode] * static_cast<T>(1 / rate_);
+      adjoints_.displacement[mode] = adjoints_.increment[mode] = 0;
+    }
+  }
+
+  void finish_bodies() {
+    std::vector<T> admittance(modes_.size());
+    NetworkNumbers<T>& numbers = gradient_.numbers;
+    for (std::size_t p = 0; p < places_.size(); ++p) {
+      const Place& place = places_[p];
+      numbers.places.emplace_back(place.shapes.size());
+      for (std::size_t i = 0; i < place.shapes.size(); ++i) {
+        numbers.places[p][i] = place.shapes[i] + modes_.admittance[place.begin + i] * place.forced[i];
+        admittance[place.begin + i] += shapes(p)[i] * place.forced[i];
+      }
+    }
+    for (std::size_t b = 0; b < plan_.bodies().size(); ++b) {
+      numbers.bodies.emplace_back();
+      for (std::size_t i = 0; i < plan_.bodies()[b].size(); ++i) {
+        const std::size_t m = modes_.begins[b] + i;
+        const auto by = [&](const Mode& direction) {
+          const ModeStep step = step_tangent(plan_.bodies()[b][i], direction, rate_);
+          return double(adjoints_.stiffness[m]) * step.stiffness + double(adjoints_.loss[m]) * step.loss +
+                 double(admittance[m]) * step.admittance;
+        };
+        numbers.bodies[b].push_back({by({1, 0, 0}), by({0, 1, 0}), by({0, 0, 1})});
+      }
+    }
+  }
+
+  void finish_connection(std::size_t k) {
+    const Connection& c = connections_[k];
+    ConnectionNumbers<T> numbers{c.contact.gradient(), c.gap, c.spring, c.resistance * static_cast<T>(rate_)};
+    numbers.contact.stiffness_ratio *= plan_.connections()[k].weight;
+    gradient_.numbers.connections.push_back(std::move(numbers));
+  }
+
+  [[nodiscard]] const T* shapes(std::size_t p) const { return plan_.places()[p].shapes.data(); }
+  [[nodiscard]] static T weight_of(const std::vector<std::vector<T>>& weights, std::size_t i, std::size_t n) {
+    return i < weights.size() && n < weights[i].size() ? weights[i][n] : T(0);
+  }
+
+  const NetworkPlan<T>& plan_;
+  double rate_;
+  const CoupledContacts<T>& solver_;
+  const Record& record_;
+  const NetworkWeights<T>& weights_;
+  NetworkModes<T> modes_;
+  Modes adjoints_;
+  std::vector<T> changes_, displacements_;  // of each sample of a block and mode
+  std::vector<Place> places_;
+  std::vector<std::size_t> touched_;  // places
+  std::size_t forced_ = 0;
+  std::vector<Connection> connections_;
+  std::vector<ContactStepBack> steps_;  // of each connection that acts
+  ForceEquations<T> equations_;
+  std::vector<T> right_;
+  NetworkGradient<T> gradient_;
+};
+
+}  // namespace detail
+
+}  // namespace contactspline
