@@ -73,7 +73,9 @@ class NetworkBackwards {
   using ContactStepBack = typename ContactBackwards<T>::Step;
 
   struct Modes {
-    std::vector<T> displacement, increment, change;  ///< adjoints of the state, and of the change over a sample
+    // Adjoints of displacements before a sample, of changes over it, and of increments after it. Before it the latter
+    // are change - increment.
+    std::vector<T> displacement, increment, change;
     std::vector<T> stiffness, loss;
 
     explicit Modes(std::size_t n) : displacement(n), increment(n), change(n), stiffness(n), loss(n) {}
@@ -133,8 +135,8 @@ class NetworkBackwards {
       for (const std::size_t p : forced())
         add_push(places_[p].shapes.size(), places_[p].force, modes_.admittance.data() + places_[p].begin, shapes(p),
                  change + places_[p].begin);
-      advance(modes, modes_.stiffness.data(), modes_.loss.data(), change, displacement.data(), increment.data());
-      std::ranges::copy(displacement, displacements_.data() + n * modes);
+      advance(modes, modes_.stiffness.data(), modes_.loss.data(), change, displacement.data(), increment.data(),
+              displacements_.data() + n * modes);
     }
   }
   // Separate functions, because compilers respect __restrict on parameters.
@@ -143,9 +145,10 @@ class NetworkBackwards {
     for (std::size_t i = 0; i < modes; ++i) change[i] += admittance[i] * shapes[i] * force;
   }
   static void advance(std::size_t modes, const T* __restrict stiffness, const T* __restrict loss,
-                      const T* __restrict change, T* __restrict displacement, T* __restrict increment) {
+                      const T* __restrict change, T* __restrict displacement, T* __restrict increment,
+                      T* __restrict after) {
     for (std::size_t i = 0; i < modes; ++i) {
-      displacement[i] += change[i];
+      after[i] = displacement[i] += change[i];
       const T pull = loss[i] * change[i] + stiffness[i] * displacement[i];
       increment[i] = (change[i] - increment[i]) + (change[i] - pull);
     }
@@ -174,22 +177,22 @@ class NetworkBackwards {
       add_responses(place.shapes.size(), place.by_forces, place.before, shapes(p),
                     adjoints_.change.data() + place.begin, adjoints_.displacement.data() + place.begin);
     }
-    for (const std::size_t p : touched_) add_to_place(places_[p], change, displacement);
+    add_to_places(change, displacement);
     add_pushes(n);
-    for (std::size_t i = 0; i < modes; ++i) adjoints_.increment[i] = adjoints_.change[i] - adjoints_.increment[i];
     add_motions(n);
   }
 
-  // The modes back over a sample, but for what the forces respond to.
+  // The modes back over a sample, but for what the forces respond to: first, with what they did, over the next one.
   static void retract(std::size_t modes, const T* __restrict stiffness, const T* __restrict loss,
-                      const T* __restrict change, const T* __restrict displacement, const T* __restrict next,
+                      const T* __restrict change, const T* __restrict displacement, T* __restrict of_increment,
                       T* __restrict of_displacement, T* __restrict of_change, T* __restrict of_stiffness,
                       T* __restrict of_loss) {
     for (std::size_t i = 0; i < modes; ++i) {
-      of_stiffness[i] -= displacement[i] * next[i];
-      of_loss[i] -= change[i] * next[i];
-      of_displacement[i] -= stiffness[i] * next[i];
-      of_change[i] = of_displacement[i] + (2 - loss[i]) * next[i];
+      const T next = of_increment[i] = of_change[i] - of_increment[i];
+      of_stiffness[i] -= displacement[i] * next;
+      of_loss[i] -= change[i] * next;
+      of_displacement[i] -= stiffness[i] * next;
+      of_change[i] = of_displacement[i] + (2 - loss[i]) * next;
     }
   }
 
@@ -282,11 +285,26 @@ class NetworkBackwards {
     }
   }
 
-  void add_to_place(Place& place, const T* change, const T* displacement) {
-    const std::size_t modes = place.shapes.size(), begin = place.begin;
-    add_scaled(0, modes, place.after + place.by_forces + place.before, displacement + begin, place.shapes.data());
-    if (place.before != 0) add_scaled(0, modes, -place.before, change + begin, place.shapes.data());
-    if (place.force != 0) add_scaled(0, modes, place.force, adjoints_.change.data() + begin, place.forced.data());
+  // The adjoints of the shapes of a place on which forces act.
+  static void add_to_shapes(std::size_t modes, T sum, T before, T force, const T* __restrict displacement,
+                            const T* __restrict change, const T* __restrict of_change, T* __restrict of_shapes,
+                            T* __restrict forced) {
+    for (std::size_t i = 0; i < modes; ++i) {
+      of_shapes[i] += sum * displacement[i] - before * change[i];
+      forced[i] += force * of_change[i];
+    }
+  }
+  void add_to_places(const T* change, const T* displacement) {
+    for (std::size_t i = 0; i < touched_.size(); ++i) {
+      Place& place = places_[touched_[i]];
+      const std::size_t modes = place.shapes.size(), begin = place.begin;
+      if (i < forced_)
+        add_to_shapes(modes, place.after + place.by_forces + place.before, place.before, place.force,
+                      displacement + begin, change + begin, adjoints_.change.data() + begin, place.shapes.data(),
+                      place.forced.data());
+      else
+        add_scaled(0, modes, place.after, displacement + begin, place.shapes.data());
+    }
   }
 
   void add_pushes(std::size_t n) {
@@ -306,8 +324,8 @@ class NetworkBackwards {
       auto& gradient = gradient_.motions[record_.ends[n].motions - motions.size() + i];
       if (motions[i].displacement_follows) gradient.displacement_m = adjoints_.displacement[mode];
       if (motions[i].velocity_follows)
-        gradient.velocity_m_per_s = adjoints_.increment[mode] * static_cast<T>(1 / rate_);
-      adjoints_.displacement[mode] = adjoints_.increment[mode] = 0;
+        gradient.velocity_m_per_s = (adjoints_.change[mode] - adjoints_.increment[mode]) * static_cast<T>(1 / rate_);
+      adjoints_.displacement[mode] = adjoints_.change[mode] = adjoints_.increment[mode] = 0;
     }
   }
 
