@@ -321,7 +321,7 @@ TEST(ShippedInstruments, TheTrichordSoundsAtC4) {
 bool is_in_double(const std::string& spring, const std::string& controls) {
   const std::string text = R"({ "name": "weight", "bodies": [ { "name": "weight", "mass_kg": 1 } ],
     "springs": [ { "name": "spring", "between": ["weight", "ground"], )" +
-                           spring + R"( } ], "controls": [)" + controls + R"(], "strikes": ["weight"],
+                           spring + " } ], " + controls + R"("strikes": ["weight"],
     "outputs": [ { "name": "weight", "displacement_m": "weight" } ] })";
   const InstrumentArrays arrays = arrays_of(parse_instrument(text, "weight.json"), kRate / 2);
   NetworkInstrument<float> instrument(arrays.view());
@@ -331,7 +331,8 @@ bool is_in_double(const std::string& spring, const std::string& controls) {
 
 TEST(InstrumentInSinglePrecision, IsInDoubleWhereASpringMayBeStrainedAtRest) {
   const std::string soft = R"("stiffness_n_per_m": 300)", damper = R"("resistance_n_s_per_m": 3)";
-  const std::string gap = R"(, "gap_m": 0.01)", press = R"({ "name": "press", "gap_shift_m": "spring" })";
+  const std::string gap = R"(, "gap_m": 0.01)",
+                    press = R"("controls": [ { "name": "press", "gap_shift_m": "spring" } ], )";
   EXPECT_FALSE(is_in_double(soft, ""));
   EXPECT_TRUE(is_in_double(soft + gap, ""));
   EXPECT_TRUE(is_in_double(soft, press));

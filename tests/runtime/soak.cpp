@@ -386,7 +386,7 @@ std::function<void(Record&)> body(std::size_t held_for) {
 template <typename Emitted, typename T>
 std::function<void(Record&)> instrument(std::size_t held_for) {
   struct State {
-    std::unique_ptr<Emitted> model = std::make_unique<Emitted>(kHz);
+    std::unique_ptr<NetworkInstrument<T>> model = std::make_unique<NetworkInstrument<T>>(Emitted::data::view(), kHz);
     RandomControls<T> random;
   };
   auto s = std::make_shared<State>();
