@@ -127,11 +127,11 @@ export class Editor {
     this.curve.set(withKnots(curve, table));
     this.error.set([millimetres, curve.spline_n.map((force, i) => (100 * (force - curve.law_n[i])) / largest)]);
     const percent = (value) => `${readable(100 * value)} %`;
-    const errors = [`force ${percent(quality.force)}`];
-    if (quality.contact_duration !== undefined) errors.push(`contact duration ${percent(quality.contact_duration)}`);
+    const errors = [`force at most ${percent(quality.force)}`];
+    if (quality.contact_duration !== undefined) errors.push(`contact duration at most ${percent(quality.contact_duration)}`);
     if (quality.spectrum_db !== undefined) errors.push(`spectrum ${readable(quality.spectrum_db)} dB on average`);
     byId("design-note").textContent =
-      `${title}: ${law.replace(/(?<![\w.])\d+\.?\d*(e[+-]?\d+)?(?!\w|\.\d)/g, (number) => (number.length < 6 ? number : readable(Number(number))))}. ${table.length} segments; errors at most: ${errors.join(", ")}. Designed in ${milliseconds.toFixed(0)} ms.`;
+      `${title}: ${law.replace(/(?<![\w.])\d+\.?\d*(e[+-]?\d+)?(?!\w|\.\d)/g, (number) => (number.length < 6 ? number : readable(Number(number))))}. ${table.length} segments; errors: ${errors.join(", ")}. Designed in ${milliseconds.toFixed(0)} ms.`;
   }
 
   offer(design, text) {

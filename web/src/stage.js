@@ -24,6 +24,16 @@ function roundDown(number) {
 /** The value of a parameter, from 0 on, that is furthest from 0. */
 export const strongest = ({ min, max }) => (Math.abs(max) >= Math.abs(min) ? max : min);
 
+// Parts of a whole as whole percents whose sum is that of the parts: those with the largest remainders are rounded up.
+function wholePercents(parts) {
+  const sum = (numbers) => numbers.reduce((all, number) => all + number, 0);
+  const percents = parts.map((part) => Math.floor(100 * part));
+  const missing = Math.round(100 * sum(parts)) - sum(percents);
+  const remainder = (k) => 100 * parts[k] - percents[k];
+  [...parts.keys()].toSorted((a, b) => remainder(b) - remainder(a)).slice(0, missing).forEach((k) => ++percents[k]);
+  return percents;
+}
+
 /** What a hammer that is pulled back, or a string that is pulled, will do, in words. parameters: of the instrument. */
 export function toldOf({ throws }, parameters, power, place) {
   const told = [];
@@ -426,6 +436,7 @@ export class Stage {
   drawEnergy(context, { x, width, bottom }, value) {
     const parts = this.energies.map(([name, list]) => [Math.max(0, value(list)), name, kPaints[name] ?? "soft"]);
     const total = parts.reduce((sum, [energy]) => sum + energy, 0) || 1;
+    const percents = wholePercents(parts.map(([energy]) => energy / total));
     const top = 34;
     const full = bottom - top;
     let y = bottom;
@@ -436,7 +447,7 @@ export class Stage {
       const line = bottom - 16 - k * Math.min(40, full / parts.length);
       context.fillRect(x + width + 8, line - 9, 9, 9);
       this.write(context, label, x + width + 21, line, "ink");
-      this.write(context, `${Math.round((100 * energy) / total)} %`, x + width + 21, line + 14, "ink");
+      this.write(context, `${percents[k]} %`, x + width + 21, line + 14, "ink");
       y -= part;
     });
     context.strokeStyle = colour("ink");

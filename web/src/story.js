@@ -217,7 +217,7 @@ export class Story {
     const plot = (this.energies = linePlot(document.getElementById("story-contacts"), {
       x: "time [ms]",
       height: kEnergyHeight,
-      y: "energy [% of the pluck's]",
+      y: "energy [% of the pluck]",
       lines: [
         { label: "all", colour: "ink", width: 3 },
         { label: "string", colour: "blue" },
@@ -280,7 +280,7 @@ export class Story {
       const told = [`${rounded(1000 * stage.length(), 3)} ms, ${kSlowed} times slower; at most ${peak} N.`];
       if (scene.imbalance !== undefined && scene.work > 0) {
         const worst = column(scene.imbalance).reduce((max, x) => Math.max(max, Math.abs(x)), 0);
-        told.push(`Energy balances within ${rounded(worst / scene.work, 2)}.`);
+        told.push(`Energy balances within ${rounded(worst / scene.work, 2)} of the total.`);
       }
       note.textContent = told.join(" ");
     };
