@@ -2,6 +2,7 @@
 // The energy balance of each instrument that ships, over its score: work of hands, pushes and strikes included.
 #include <cstdlib>
 
+#include "contactspline/instrument/played_by_events.hpp"
 #include "generator/player/instrument_parts.hpp"
 #include "generator/player/score_reader.hpp"
 #include "generator/player/voice_tracks.hpp"
@@ -22,12 +23,26 @@ struct Balance {
   std::size_t bounded = 0;  ///< samples that took the bounding law
 };
 
+// A key of the score on the one voice of this test, which it tunes while it sounds.
+void play(NetworkInstrument<double>& instrument, const NoteTrack::Change& change) {
+  const Note& note = *change.strike;
+  for (const KeyRange& range : instrument.keyed().ranges) {
+    if (note.key < range.first || note.key > range.last) continue;
+    const Event& event = instrument.events()[range.event];
+    if (change.is_end) return instrument.release(event.number);
+    if (range.tuned_key >= 0) instrument.tune(100.0 * (note.key - range.tuned_key));
+    return play_event(instrument, event, note.velocity * instrument.value(event.parameter));
+  }
+  FAIL() << "no key " << note.key;
+}
+
 // The largest energy, the largest difference between the energy and what went in and out, and what the solver did.
 Balance balance_of(const Voice& voice, double rate, double duration_s) {
   const InstrumentArrays arrays = instrument_arrays(*voice.model, rate);
   NetworkInstrument<double> instrument(arrays.view(), rate);
   ControlTrack controls(voice, rate);
   StrikeTrack strikes(voice.strikes, rate);
+  NoteTrack notes(voice.notes, rate);
   const double begin = instrument.energy();
   double received = 0;
   Balance balance{0, 0};
@@ -36,6 +51,7 @@ Balance balance_of(const Voice& voice, double rate, double duration_s) {
     for (std::size_t i = 0; i < values.size(); ++i) instrument.set(i, values[i]);
     while (const auto* change = strikes.next_until(n))
       instrument.strike(change->strike->strike, change->strike->speed_m_per_s);
+    while (const auto* change = notes.next_until(n)) play(instrument, *change);
     instrument.tick();
     received += instrument.work() - instrument.dissipated();
     const double energy = instrument.energy();
