@@ -34,6 +34,7 @@ class Patch:
 
 class PdTest(HostTest):
     precision = "single"
+    smallest = 2.0**-63  # PD_BIGORSMALL of m_pd.h, which tabwrite~ asks
     by_signal = False
 
     def samples(self):
