@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <fstream>
 #include <regex>
 #include <vector>
 
@@ -71,6 +72,7 @@ TEST_P(WindowsPlugin, OpensItsWindow) {
   const VirtualDisplay display;
   XSetErrorHandler([](Display*, XErrorEvent*) { return 0; });  // where a window of Wine's goes while we look at it
   const fs::path log = kBuilt / (format + "_window.log");
+  std::ofstream(log).close();  // what an earlier run wrote goes, and it is there before the host opens it
   ChildProcess host({WINE, BUILT "/tests/windows/open_window.exe", format, plugin(format, true)}, log);
   const auto becomes_true = [&](auto holds) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(300);
