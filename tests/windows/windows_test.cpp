@@ -70,6 +70,8 @@ TEST_P(WindowsPlugin, OpensItsWindow) {
   constexpr std::size_t kPixels = kWidth * kHeight;
   constexpr Pixel kBackground{20, 22, 27}, kPanel{29, 32, 39};
   const VirtualDisplay display;
+  // Programs of one prefix share a desktop, which keeps the display that the first of them had, or none.
+  setenv("WINEPREFIX", (kBuilt / ("wine_" + format)).c_str(), 1);
   XSetErrorHandler([](Display*, XErrorEvent*) { return 0; });  // where a window of Wine's goes while we look at it
   const fs::path log = kBuilt / (format + "_window.log");
   std::ofstream(log).close();  // what an earlier run wrote goes, and it is there before the host opens it
