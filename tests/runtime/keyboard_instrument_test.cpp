@@ -222,6 +222,21 @@ TEST(KeyboardOnBody, BendsItsStringsAtTheBridge) {
   EXPECT_TRUE(sequences_within<double>(sound_of(0, 0, move), sound_of(0, 0.05, nothing), 1e-9));
 }
 
+// By how much a keyboard's energy rises in one sample at most, and the largest energy.
+struct Growth {
+  double worst_j = 0, peak_j = 0;
+
+  void tick(KeyboardOnBody<double>& keyboard) {
+    const double before = keyboard.energy();
+    double left, right;
+    keyboard.process(std::span(&left, 1), std::span(&right, 1));
+    const double growth = keyboard.energy() - before;
+    peak_j = std::max(peak_j, before);
+    worst_j = std::isfinite(growth) ? std::max(worst_j, growth) : std::numeric_limits<double>::infinity();
+  }
+  void tell() const { Measured() << "grows by " << worst_j / peak_j << " of the largest energy, " << peak_j << " J"; }
+};
+
 // Without losses energy comes from bends alone: one there and back at once leaves it as it was, and between bends no
 // sample adds any. Bound: 1e-12 of the largest energy.
 TEST(KeyboardOnBody, GainsEnergyByBendsAlone) {
@@ -240,18 +255,13 @@ TEST(KeyboardOnBody, GainsEnergyByBendsAlone) {
   EXPECT_NE(keyboard.energy(), unbent);
   keyboard.bend(0, 0);
   EXPECT_TRUE(relatively_within(keyboard.energy(), unbent, 1e-12));
-  double worst = 0, peak = unbent;
+  Growth growth{.peak_j = unbent};
   for (int n = 0; n < 2000; ++n) {
     if (n % 50 == 0) keyboard.bend(n % 100 < 50 ? 0 : 1, n % 300 - 100);
-    const double before = keyboard.energy();
-    double left, right;
-    keyboard.process(std::span(&left, 1), std::span(&right, 1));
-    const double growth = keyboard.energy() - before;
-    peak = std::max(peak, before);
-    worst = std::isfinite(growth) ? std::max(worst, growth) : std::numeric_limits<double>::infinity();
+    growth.tick(keyboard);
   }
-  Measured() << "grows by " << worst / peak << " of the largest energy, " << peak << " J";
-  EXPECT_LE(worst, 1e-12 * peak);
+  growth.tell();
+  EXPECT_LE(growth.worst_j, 1e-12 * growth.peak_j);
 }
 
 // Bends that alternate as fast as a host can move them: they would pump the strings (17 orders of magnitude in half a
@@ -401,7 +411,7 @@ TEST(KeyboardOnBody, NeverGainsEnergyAtSeveralPlaces) {
   play(keyboard, 0.1, sound);
   ASSERT_FALSE(keyboard.is_hammer_flying());
   EXPECT_EQ(keyboard.awake(), 6u);
-  double worst = 0, peak = 0;
+  Growth growth;
   for (int n = 0; n < 20000; ++n) {
     if (n == 1000) keyboard.sustain(1);
     if (n == 12000) keyboard.sustain(0);
@@ -410,16 +420,11 @@ TEST(KeyboardOnBody, NeverGainsEnergyAtSeveralPlaces) {
       for (std::size_t k = 0; k < 11; ++k) keyboard.release(k);
       EXPECT_EQ(keyboard.awake(), 11u);
     }
-    const double before = keyboard.energy();
-    double left, right;
-    keyboard.process(std::span(&left, 1), std::span(&right, 1));
-    const double growth = keyboard.energy() - before;
-    peak = std::max(peak, before);
-    worst = std::isfinite(growth) ? std::max(worst, growth) : std::numeric_limits<double>::infinity();
+    growth.tick(keyboard);
   }
-  Measured() << "grows by " << worst / peak << " of the largest energy, " << peak << " J";
-  EXPECT_GT(peak, 1e-3);
-  EXPECT_LE(worst, 1e-12 * peak);
+  growth.tell();
+  EXPECT_GT(growth.peak_j, 1e-3);
+  EXPECT_LE(growth.worst_j, 1e-12 * growth.peak_j);
   play(keyboard, 60, sound);
   EXPECT_EQ(keyboard.awake(), 0u);
   EXPECT_EQ(sound.back(), 0);
