@@ -6,6 +6,9 @@ import { moduleAsset, scriptUrl } from "./assets.js";
 /** Everything is computed at this rate; the browser converts it to that of the device. */
 export const kSampleRate = 44100;
 
+/** How long a buffer of the device should be [s]. The shortest has gaps when the browser's other threads are busy. */
+const kBuffer = 0.02;
+
 /** A node of the audio thread in any context, with messages that it takes before its first block. */
 const makeNode = async (context, messages) =>
   ContactSpline.open(context, await scriptUrl("processor"), await moduleAsset("engine"), messages, { isLimited: true, isReported: true });
@@ -27,7 +30,7 @@ export class Audio {
   }
 
   async open() {
-    this.context = new AudioContext({ sampleRate: kSampleRate, latencyHint: "interactive" });
+    this.context = new AudioContext({ sampleRate: kSampleRate, latencyHint: kBuffer });
     this.context.resume();
     this.node = await makeNode(this.context, this.waiting);
     this.analyser = new AnalyserNode(this.context, { fftSize: 2048, smoothingTimeConstant: 0 });
