@@ -197,11 +197,13 @@ class WiredInstrument {
 template <std::floating_point Sample>
 struct Wire {
   std::size_t parameter;
-  Sample last = std::numeric_limits<Sample>::quiet_NaN();
+  std::optional<Sample> last = {};
 
   [[nodiscard]] bool moves(Sample value) const { return is_number(value) && value != last; }
   void move(WiredInstrument<Sample>& instrument, Sample value) {
-    if (moves(value)) instrument.set(parameter, last = value);
+    if (!moves(value)) return;
+    last = value;
+    instrument.set(parameter, value);
   }
 };
 

@@ -84,7 +84,7 @@ class HammerStringInstrument : public HammerStringParameter,
   void prepare(double sample_rate_hz) {
     time_step_s_ = 1 / sample_rate_hz;
     const ResonatorParts& resonator = parts_.resonator;
-    place_m_ = kNaN;
+    place_m_.reset();
     bend_ = {};
     sample_ = 0;
     tuned_ = resonator.modes;
@@ -177,7 +177,7 @@ class HammerStringInstrument : public HammerStringParameter,
 
   void move_strike() {
     place_m_ = value(kPlace);
-    parts_.resonator.strike_shapes(place_m_, shapes_);
+    parts_.resonator.strike_shapes(*place_m_, shapes_);
     for (std::size_t i = 0; i < shapes_.size(); ++i) strike_[i] = static_cast<T>(shapes_[i]);
     voice_->strike_at(strike_);
   }
@@ -227,7 +227,7 @@ class HammerStringInstrument : public HammerStringParameter,
   std::vector<Segment<T>> felt_;
   std::vector<Preset> presets_;
   double time_step_s_ = 0;
-  double place_m_ = kNaN;  // of the last strike
+  std::optional<double> place_m_;  // of the last strike
   std::vector<StringMode> rows_;
   std::vector<Mode> tuned_;     // the same under the bend
   std::vector<double> shapes_;  // at the place of the strike
