@@ -5,13 +5,14 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
-#include <boost/math/quadrature/gauss.hpp>
 #include <boost/math/special_functions/bessel.hpp>
 #include <cmath>
 #include <complex>
 #include <numbers>
 
 #include "contactspline/modal/mode.hpp"
+#include "generator/resonator/quadrature.hpp"
+#include "generator/resonator/ribbed_plate.hpp"
 
 namespace contactspline {
 namespace {
@@ -49,26 +50,6 @@ struct Grid {
   [[nodiscard]] std::size_t columns() const { return column_weights.size(); }
 };
 
-struct Rule {
-  std::vector<double> points, weights;
-};
-
-// Gauss's rule of ten points on equal parts of 0 to `length`, over each of which the phase changes by 4 pi at the
-// utmost: an error of 1e-8.
-Rule gauss_rule(double length, double phase) {
-  using Gauss = boost::math::quadrature::gauss<double, 10>;
-  const int parts = static_cast<int>(std::ceil(phase / (4 * pi))) + 1;
-  const double half = length / parts / 2;
-  Rule rule;
-  for (int part = 0; part < parts; ++part)
-    for (std::size_t i = 0; i < Gauss::abscissa().size(); ++i)
-      for (const int sign : {-1, 1}) {
-        rule.points.push_back(half * (2 * part + 1 + sign * Gauss::abscissa()[i]));
-        rule.weights.push_back(half * Gauss::weights()[i]);
-      }
-  return rule;
-}
-
 double max_wavenumber() {
   return 2 * pi * kMaxFrequency_hz / kSpeedOfSound_m_per_s;
 }
@@ -88,8 +69,8 @@ struct PlateGrid : Grid {
       max_row = std::max(max_row, mode.row);
       max_number = std::max(max_number, mode.number);
     }
-    const Rule along = gauss_rule(plate.length_m, max_row * pi + max_wavenumber() * plate.length_m);
-    const Rule across = gauss_rule(plate.width_m, max_number * pi + max_wavenumber() * plate.width_m);
+    const QuadratureRule along = gauss_rule(plate.length_m, max_row * pi + max_wavenumber() * plate.length_m);
+    const QuadratureRule across = gauss_rule(plate.width_m, max_number * pi + max_wavenumber() * plate.width_m);
     column_weights = along.weights;
     row_weights = across.weights;
     for (const NumberedMode& mode : modes) {
@@ -116,7 +97,7 @@ struct MembraneGrid : Grid {
     }
     constexpr double kMore = 60;  // orders of 1/R near the body
     const double phase = (max_beta + max_wavenumber()) * membrane.radius_m;
-    const Rule radial = gauss_rule(membrane.radius_m, phase);
+    const QuadratureRule radial = gauss_rule(membrane.radius_m, phase);
     radii = radial.points;
     const auto steps = static_cast<std::size_t>(max_order + max_wavenumber() * membrane.radius_m + kMore);
     for (std::size_t i = 0; i < steps; ++i)
@@ -180,10 +161,28 @@ Arrivals arrivals_of(const BodyGrid& grid, const ListeningPlace& place, const Re
   return arrivals;
 }
 
+// The modes of a plate with ribs are sums of those without.
+Arrivals arrivals_of_ribbed(const Plate& plate, std::span<const NumberedMode> modes, const ListeningPlace& place,
+                            const Reach& reach) {
+  const RibbedModes& ribbed = plate.ribbed->modes();
+  std::vector<NumberedMode> sines;
+  for (const PlateSine& sine : ribbed.sines) sines.push_back({{}, 0, sine.along, sine.across});
+  const Arrivals of_sines = arrivals_of(PlateGrid(plate, sines), place, reach);
+  Arrivals arrivals{of_sines.first_s, {}};
+  for (const NumberedMode& mode : modes) {
+    const std::vector<double>& weights = ribbed.weights[static_cast<std::size_t>(mode.number)];
+    std::vector<double>& sum = arrivals.of_mode.emplace_back(of_sines.of_mode.front().size());
+    for (std::size_t i = 0; i < weights.size(); ++i)
+      for (std::size_t b = 0; b < sum.size(); ++b) sum[b] += weights[i] * of_sines.of_mode[i][b];
+  }
+  return arrivals;
+}
+
 Arrivals arrivals_of(const Resonator& resonator, std::span<const NumberedMode> modes, const ListeningPlace& place) {
   const Reach reach = reach_of(resonator.body, place);
   if (const auto* plate = std::get_if<Plate>(&resonator.body))
-    return arrivals_of(PlateGrid(*plate, modes), place, reach);
+    return plate->ribbed ? arrivals_of_ribbed(*plate, modes, place, reach)
+                         : arrivals_of(PlateGrid(*plate, modes), place, reach);
   return arrivals_of(MembraneGrid(std::get<Membrane>(resonator.body), modes, resonator.strike.angle_rad), place,
                      reach);
 }

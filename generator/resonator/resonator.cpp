@@ -11,6 +11,8 @@
 #include <utility>
 #include <variant>
 
+#include "generator/resonator/ribbed_plate.hpp"
+
 namespace contactspline {
 namespace {
 
@@ -106,7 +108,18 @@ std::vector<NumberedMode> numbered_below(const Membrane& membrane, double limit,
                     [&](int order, int i) { return undamped_mode(membrane, order, i); });
 }
 
+std::vector<NumberedMode> numbered_below(const RibbedModes& ribbed, double limit, const Losses& losses) {
+  std::vector<NumberedMode> modes;
+  for (std::size_t i = 0; i < ribbed.modes.size(); ++i) {
+    if (ribbed.modes[i].angular_frequency_rad_per_s >= limit) break;
+    if (const auto mode = ribbed.modes[i].with(losses))
+      modes.push_back({*mode, ribbed.modes[i].wavenumber_per_m, 0, static_cast<int>(i)});
+  }
+  return modes;
+}
+
 std::vector<NumberedMode> numbered_below(const Plate& plate, double limit, std::size_t max) {
+  if (plate.ribbed) return numbered_below(plate.ribbed->modes(), limit, plate.losses);
   return rows_below(1, limit, max, plate.losses, [&](int m, int n) { return undamped_mode(plate, m, n); });
 }
 
@@ -138,8 +151,16 @@ double shape_at(const Membrane&, const NumberedMode& mode, const Place& at, doub
 }
 
 double shape_at(const Plate& plate, const NumberedMode& mode, const Place& at, double) {
+  if (plate.ribbed) return plate.ribbed->shape_at(static_cast<std::size_t>(mode.number), at);
   const double kx = mode.row * pi / plate.length_m, ky = mode.number * pi / plate.width_m;
   return std::sin(kx * at.position_m) * std::sin(ky * at.across_m);
+}
+
+// Are there modes below the limit that nobody has computed?
+bool ends_below(const decltype(Resonator::body)& body, double limit) {
+  const auto* plate = std::get_if<Plate>(&body);
+  return plate != nullptr && plate->ribbed &&
+         plate->ribbed->modes().modes.back().angular_frequency_rad_per_s < limit;
 }
 
 const ModeTable::Row& row_of(const ModeTable& table, const NumberedMode& mode) {
@@ -180,8 +201,8 @@ NumberedModeSet numbered_modes_of(const Resonator& resonator, double max_frequen
   const auto max = static_cast<std::size_t>(resonator.max_modes);
   auto modes = std::visit([&](const auto& body) { return numbered_below(body, limit, max); }, resonator.body);
   keep_lowest(modes, max, limit);
-  const bool cut = modes.size() > max;
-  if (cut) modes.resize(max);
+  const bool cut = modes.size() > max || ends_below(resonator.body, limit);
+  if (modes.size() > max) modes.resize(max);
   return {std::move(modes), cut};
 }
 

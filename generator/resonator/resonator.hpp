@@ -3,6 +3,7 @@
 // rectangular plate, table of modes.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -25,6 +26,8 @@ struct Membrane {
   Losses losses;
 };
 
+class RibbedPlate;  // ribbed_plate.hpp
+
 /// Simply supported rectangular plate of an orthotropic material, thin (Kirchhoff): w0^2 = (Dx kx^4 + 2 H kx^2 ky^2 +
 /// Dy ky^4)/(density thickness), kx = m pi/length, ky = n pi/width. Dx = Ex h^3/(12 (1 - nu_xy nu_yx)), Dy likewise,
 /// nu_yx = nu_xy Ey/Ex, H = nu_yx Dx + G h^3/6 (S. G. Lekhnitskii, Anisotropic Plates, 1968). Shapes sin(kx x) sin(ky
@@ -39,6 +42,7 @@ struct Plate {
   double shear_modulus_pa;
   double poisson_ratio;  ///< nu_xy: shortening along y per stretch along x; nu_xy^2 Ey/Ex < 1, H >= 0
   Losses losses;
+  std::shared_ptr<const RibbedPlate> ribbed = {};  ///< with ribs glued on it, if it has any
 };
 
 /// Bending stiffnesses of a plate [N m]: along x, along y, and H of the mixed term.
@@ -79,7 +83,7 @@ struct Resonator {
 [[nodiscard]] std::string_view name_of(const decltype(Resonator::body)& body);
 
 /// A mode of a body without a place: number 1, 2, ... in a row m of modes, for a membrane cos(m angle), for a plate
-/// sin(m pi x/length); 0 and the place in the table for a table of modes.
+/// sin(m pi x/length); 0 and the place in the table for a table of modes, and in its modes for a plate with ribs.
 struct NumberedMode {
   Mode mode;
   double wavenumber_per_m;  ///< for a string the shape is sin(wavenumber x); 0 in a table of modes

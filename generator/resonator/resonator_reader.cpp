@@ -7,9 +7,11 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <memory>
 #include <numbers>
 
 #include "contactspline/models/body.hpp"
+#include "generator/resonator/ribbed_plate.hpp"
 #include "generator/support/json_reader.hpp"
 #include "generator/support/ranges.hpp"
 
@@ -25,6 +27,9 @@ constexpr Range kThickness{1e-6, 1};
 constexpr Range kDensity{1, 3e4};
 constexpr Range kPoisson{-0.999, 0.999};
 constexpr std::size_t kMaxStrings = 8;
+constexpr Range kMassPerLength{0, 1e3};
+constexpr std::size_t kMaxRibs = 64;
+constexpr double kMinRibLength_m = 1e-3;
 constexpr Range kListeningDistance_m{0.05, 20};
 constexpr Range kListeningAngle_rad{-1.5, 1.5};
 constexpr Range kListeningSide_m{-5, 5};
@@ -89,6 +94,34 @@ double softest(double along, double across, double mixed) {
   return mixed < smaller ? (along * across - mixed * mixed) / (along + across - 2 * mixed) : smaller;
 }
 
+// A place on a plate, seen from its corner.
+std::array<double, 2> read_corner(const JsonObject& rib, const char* key, const Plate& plate) {
+  const std::array<double, 2> extent = {plate.length_m, plate.width_m};
+  const std::string allowed = fmt::format("a place on the plate, such as [{:g}, {:g}]", extent[0] / 2, extent[1] / 2);
+  const std::vector<double> read = rib.numbers(key, {0, std::max(extent[0], extent[1])}, 2);
+  if (read.size() != 2) rib.fail(rib.key(key), "has one number", allowed);
+  for (std::size_t i = 0; i < 2; ++i)
+    if (read[i] > extent[i])
+      rib.fail(fmt::format("{}[{}]", rib.key(key), i), fmt::format("{:g} is beyond the plate's {:g} m", read[i], extent[i]),
+               allowed);
+  return {read[0], read[1]};
+}
+
+std::vector<Rib> read_ribs(const JsonObject& body, const Plate& plate) {
+  std::vector<Rib> ribs;
+  for (const JsonObject& rib : body.objects(
+           "ribs", {"from_m", "to_m", "mass_per_length_kg_m", "bending_stiffness_n_m2"}, kMaxRibs)) {
+    const auto [from, from_across] = read_corner(rib, "from_m", plate);
+    const auto [to, to_across] = read_corner(rib, "to_m", plate);
+    if (const double length_m = std::hypot(to - from, to_across - from_across); length_m < kMinRibLength_m)
+      rib.fail(rib.key("to_m"), fmt::format("is {:g} m from from_m", length_m),
+               fmt::format("at least {:g} m", kMinRibLength_m));
+    ribs.push_back({from, from_across, to, to_across, rib.number("mass_per_length_kg_m", kMassPerLength),
+                    rib.number("bending_stiffness_n_m2", kBending)});
+  }
+  return ribs;
+}
+
 // Without the second modulus the material is isotropic: G = E/(2 (1 + nu)).
 Plate read_plate(const JsonObject& body) {
   Plate plate{body.number("length_m", kLength),
@@ -120,6 +153,7 @@ Plate read_plate(const JsonObject& body) {
   if (!(plate.losses.quadratic_m2_per_s < critical))
     body.fail(body.key("quadratic_loss_m2_per_s"), fmt::format("{} is critical", plate.losses.quadratic_m2_per_s),
               fmt::format("less than {:.4g}, with which no mode would sound", critical));
+  if (body.has("ribs")) plate.ribbed = std::make_shared<const RibbedPlate>(plate, read_ribs(body, plate));
   return plate;
 }
 
@@ -165,7 +199,8 @@ const std::vector<std::string> kPlateKeys = {"length_m",
                                              "shear_modulus_pa",
                                              "poisson_ratio",
                                              "constant_loss_per_s",
-                                             "quadratic_loss_m2_per_s"};
+                                             "quadratic_loss_m2_per_s",
+                                             "ribs"};
 
 decltype(Resonator::body) read_body(const JsonObject& resonator) {
   int kinds = 0;
