@@ -159,8 +159,7 @@ double shape_at(const Plate& plate, const NumberedMode& mode, const Place& at, d
 // Are there modes below the limit that nobody has computed?
 bool ends_below(const decltype(Resonator::body)& body, double limit) {
   const auto* plate = std::get_if<Plate>(&body);
-  return plate != nullptr && plate->ribbed &&
-         plate->ribbed->modes().modes.back().angular_frequency_rad_per_s < limit;
+  return plate != nullptr && plate->ribbed && plate->ribbed->modes().modes.back().angular_frequency_rad_per_s < limit;
 }
 
 const ModeTable::Row& row_of(const ModeTable& table, const NumberedMode& mode) {

@@ -102,15 +102,15 @@ std::array<double, 2> read_corner(const JsonObject& rib, const char* key, const 
   if (read.size() != 2) rib.fail(rib.key(key), "has one number", allowed);
   for (std::size_t i = 0; i < 2; ++i)
     if (read[i] > extent[i])
-      rib.fail(fmt::format("{}[{}]", rib.key(key), i), fmt::format("{:g} is beyond the plate's {:g} m", read[i], extent[i]),
-               allowed);
+      rib.fail(fmt::format("{}[{}]", rib.key(key), i),
+               fmt::format("{:g} is beyond the plate's {:g} m", read[i], extent[i]), allowed);
   return {read[0], read[1]};
 }
 
 std::vector<Rib> read_ribs(const JsonObject& body, const Plate& plate) {
   std::vector<Rib> ribs;
-  for (const JsonObject& rib : body.objects(
-           "ribs", {"from_m", "to_m", "mass_per_length_kg_m", "bending_stiffness_n_m2"}, kMaxRibs)) {
+  for (const JsonObject& rib :
+       body.objects("ribs", {"from_m", "to_m", "mass_per_length_kg_m", "bending_stiffness_n_m2"}, kMaxRibs)) {
     const auto [from, from_across] = read_corner(rib, "from_m", plate);
     const auto [to, to_across] = read_corner(rib, "to_m", plate);
     if (const double length_m = std::hypot(to - from, to_across - from_across); length_m < kMinRibLength_m)
@@ -271,6 +271,11 @@ ListeningPlace read_listening_place(const JsonObject& object, const char* key, c
   return place;
 }
 
+int most_modes(const decltype(Resonator::body)& body) {
+  const auto* plate = std::get_if<Plate>(&body);
+  return plate != nullptr && plate->ribbed ? static_cast<int>(RibbedPlate::kModes) : kMaxModes;
+}
+
 double extent_of(const decltype(Resonator::body)& body) {
   return std::visit(Extent{}, body);
 }
@@ -289,7 +294,8 @@ Resonator parse_resonator(std::string_view text, std::string_view file) {
     read.strike = read_place(resonator, "strike", read.body);
     read.pickup = read_place(resonator, "pickup", read.body);
   }
-  if (resonator.has("max_modes")) read.max_modes = resonator.integer("max_modes", 1, kMaxModes);
+  read.max_modes = most_modes(read.body);
+  if (resonator.has("max_modes")) read.max_modes = resonator.integer("max_modes", 1, read.max_modes);
   return read;
 }
 

@@ -53,16 +53,16 @@ Oscillator with_spread_ribs(const Plate& plate, const std::vector<Rib>& ribs, co
   const auto [kx, ky] = wavenumbers_of(plate, sine);
   for (const Rib& rib : ribs) {
     const Line line(rib);
-    const double straight = std::pow(line.cx * kx, 2) + std::pow(line.cy * ky, 2), turned = 2 * line.cx * line.cy * kx * ky;
-    all.stiffness_n_per_m +=
-        rib.bending_stiffness_n_m2 * line.length_m * (straight * straight + turned * turned) / 4;
+    const double straight = std::pow(line.cx * kx, 2) + std::pow(line.cy * ky, 2),
+                 turned = 2 * line.cx * line.cy * kx * ky;
+    all.stiffness_n_per_m += rib.bending_stiffness_n_m2 * line.length_m * (straight * straight + turned * turned) / 4;
     all.mass_kg += rib.mass_per_length_kg_m * line.length_m / 4;
   }
   return all;
 }
 
-// The sines with the lowest frequencies under ribs that are spread evenly. These frequencies rise with both numbers, so
-// the product of the numbers is at most the count.
+// The sines with the lowest frequencies under ribs that are spread evenly. These frequencies rise with both numbers,
+// so the product of the numbers is at most the count.
 std::vector<PlateSine> lowest_sines(const Plate& plate, const std::vector<Rib>& ribs, std::size_t count) {
   std::vector<std::pair<double, PlateSine>> found;
   const int most = static_cast<int>(count);
@@ -97,9 +97,11 @@ void add_rib(const Plate& plate, const std::vector<PlateSine>& sines, const Rib&
   Eigen::MatrixXd bent(points, count), moved(points, count);
   for (Eigen::Index i = 0; i < count; ++i) {
     const auto [kx, ky] = wavenumbers_of(plate, sines[static_cast<std::size_t>(i)]);
-    const double straight = std::pow(line.cx * kx, 2) + std::pow(line.cy * ky, 2), turned = 2 * line.cx * line.cy * kx * ky;
+    const double straight = std::pow(line.cx * kx, 2) + std::pow(line.cy * ky, 2),
+                 turned = 2 * line.cx * line.cy * kx * ky;
     for (Eigen::Index p = 0; p < points; ++p) {
-      const double at = rule.points[static_cast<std::size_t>(p)], root = std::sqrt(rule.weights[static_cast<std::size_t>(p)]);
+      const double at = rule.points[static_cast<std::size_t>(p)],
+                   root = std::sqrt(rule.weights[static_cast<std::size_t>(p)]);
       const double x = kx * (line.x + at * line.cx), y = ky * (line.y + at * line.cy);
       const double shape = std::sin(x) * std::sin(y);
       moved(p, i) = root * shape;
@@ -123,7 +125,8 @@ Matrices matrices_of(const Plate& plate, const std::vector<Rib>& ribs, const std
 }
 
 // A mode from the solution, whose weights are made to have the sum of squares 1 and a positive largest one.
-void add_mode(const Plate& plate, double square, Eigen::VectorXd weights, const Matrices& matrices, RibbedModes& modes) {
+void add_mode(const Plate& plate, double square, Eigen::VectorXd weights, const Matrices& matrices,
+              RibbedModes& modes) {
   weights /= weights.norm();
   Eigen::Index largest = 0;
   weights.cwiseAbs().maxCoeff(&largest);
@@ -143,17 +146,18 @@ void add_mode(const Plate& plate, double square, Eigen::VectorXd weights, const 
 RibbedModes ribbed_modes(const Plate& plate, const std::vector<Rib>& ribs, std::size_t sines) {
   RibbedModes modes{lowest_sines(plate, ribs, sines), {}, {}};
   const Matrices matrices = matrices_of(plate, ribs, modes.sines);
-  // Scaled so that each sine alone has the stiffness 1, and solved for 1/w0^2: so the low modes are the accurate ones.
+  // Scaled so that each sine alone has the stiffness 1, and solved for 1/w0^2: so the low modes are the accurate
+  // ones.
   const Eigen::VectorXd scale = matrices.stiffness.diagonal().cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd mass = scale.asDiagonal() * matrices.mass * scale.asDiagonal(),
                         stiffness = scale.asDiagonal() * matrices.stiffness * scale.asDiagonal();
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(mass, stiffness);
   if (solver.info() != Eigen::Success) throw std::runtime_error("the modes of a plate with ribs were not found");
   const auto count = static_cast<Eigen::Index>(modes.sines.size());
-  for (Eigen::Index m = 0; m < count * 2 / 3; ++m) {
+  for (Eigen::Index m = 0; m < count / 2; ++m) {
     const Eigen::Index column = count - 1 - m;
-    add_mode(plate, 1 / solver.eigenvalues()[column], scale.asDiagonal() * solver.eigenvectors().col(column), matrices,
-             modes);
+    add_mode(plate, 1 / solver.eigenvalues()[column], scale.asDiagonal() * solver.eigenvectors().col(column),
+             matrices, modes);
   }
   return modes;
 }

@@ -23,22 +23,22 @@ struct PlateSine {
   int along, across;
 };
 
-/// Modes of a plate with ribs by rising frequency. The shape of a mode is the sum of the sines with its weights, whose
-/// squares sum to 1. The wavenumber is that of the mean square: it weighs those of the sines with the squares.
+/// Modes of a plate with ribs by rising frequency. The shape of a mode is the sum of the sines with its weights,
+/// whose squares sum to 1. The wavenumber is that of the mean square: it weighs those of the sines with the squares.
 struct RibbedModes {
   std::vector<PlateSine> sines;
   std::vector<UndampedMode> modes;
   std::vector<std::vector<double>> weights;  ///< for each mode, of the sines
 };
 
-/// The modes of the plate (its own ribs do not count) with these ribs, computed from so many sines. Of the modes found,
-/// two thirds are kept: the highest are the least accurate.
+/// The modes of the plate (its own ribs do not count) with these ribs, computed from so many sines. Half of the modes
+/// found are kept: the highest are the least accurate. Their frequencies are above the exact ones.
 [[nodiscard]] RibbedModes ribbed_modes(const Plate& plate, const std::vector<Rib>& ribs, std::size_t sines);
 
 /// Ribs on a plate. The modes are computed when they are first asked for, by any thread.
 class RibbedPlate {
  public:
-  static constexpr std::size_t kSines = 600, kModes = kSines * 2 / 3;
+  static constexpr std::size_t kSines = 800, kModes = kSines / 2;
 
   RibbedPlate(Plate plate, std::vector<Rib> ribs);
   [[nodiscard]] const RibbedModes& modes() const;

@@ -55,6 +55,9 @@ const std::string kPlate = R"({
   "pickup": { "position_m": 0.91, "across_m": 0.7 },
   "max_modes": 20
 })";
+const std::string kRibbed = changed(kPlate, R"("length_m")", R"("ribs": [
+      { "from_m": [0, 0.3], "to_m": [1.4, 0.35], "mass_per_length_kg_m": 0.25, "bending_stiffness_n_m2": 120 } ],
+    "length_m")");
 const std::string kModes = R"({
   "name": "probe",
   "modes": [
@@ -123,6 +126,10 @@ std::vector<BadFile> all_number_cases() {
         {"strike.", "across_m", "0.21", "a number from 0 to 0.9", {"-0.1", "0.91"}},
         {"pickup.", "position_m", "0.91", "a number from 0 to 1.4", {"-0.1", "1.41"}},
         {"pickup.", "across_m", "0.7", "a number from 0 to 0.9", {"-0.1", "0.91"}}}},
+      {"ribs",
+       kRibbed,
+       {{"plate.ribs[0].", "mass_per_length_kg_m", "0.25", "a number from 0 to 1000", {"-1", "1001"}},
+        {"plate.ribs[0].", "bending_stiffness_n_m2", "120", "a number from 0 to 1000000", {"-1", "1.1e6"}}}},
       {"modes",
        kModes,
        {{"modes[0].", "frequency_hz", "440", "a number from 0.1 to 1000000", {"0", "-1", "0.09", "1.1e6"}},
@@ -185,6 +192,20 @@ std::vector<BadFile> key_cases() {
        "plate.poisson_ratio", "-0.9 needs a larger shear modulus; allowed: frequencies that rise"},
       {"critical_loss", changed(kPlate, "0.03", "20"), "plate.quadratic_loss_m2_per_s",
        "20 is critical; allowed: less than"},
+      {"rib_beyond_the_plate", changed(kRibbed, "[1.4, 0.35]", "[1.4, 0.95]"), "plate.ribs[0].to_m[1]",
+       "0.95 is beyond the plate's 0.9 m; allowed: a place on the plate, such as [0.7, 0.45]"},
+      {"rib_before_the_plate", changed(kRibbed, "[0, 0.3]", "[-0.1, 0.3]"), "plate.ribs[0].from_m[0]",
+       "is out of range; allowed: a number from 0 to 1.4"},
+      {"rib_to_one_number", changed(kRibbed, "[1.4, 0.35]", "[1.4]"), "plate.ribs[0].to_m",
+       "has one number; allowed: a place on the plate, such as"},
+      {"rib_without_length", changed(kRibbed, "[1.4, 0.35]", "[0, 0.3]"), "plate.ribs[0].to_m",
+       "is 0 m from from_m; allowed: at least 0.001 m"},
+      {"unknown_in_rib", changed(kRibbed, R"("from_m")", R"("width_m": 1, "from_m")"), "plate.ribs[0].width_m",
+       "unknown key; allowed: from_m"},
+      {"no_ribs", changed(kPlate, R"("length_m")", R"("ribs": [], "length_m")"), "plate.ribs",
+       "has 0 entries; allowed: an array of 1 to 64 objects"},
+      {"too_many_modes_with_ribs", changed(kRibbed, R"("max_modes": 20)", R"("max_modes": 401)"), "max_modes",
+       "is out of range; allowed: an integer from 1 to 400"},
       {"unknown_in_mode", changed(kModes, R"("decay_per_s")", R"("t60_s": 1, "decay_per_s")"), "modes[0].t60_s",
        "unknown key; allowed: frequency_hz"},
       {"bridge_shape_is_number", changed(kModes, "[0.125, 0.75]", "0.125"), "modes[0].bridge_shapes",

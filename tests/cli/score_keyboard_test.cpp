@@ -107,8 +107,8 @@ TEST(ScoreKeyboard, PlaysTheKeyboardInstrument) {
   expect_is(sound_of("hammer-string", text, {"--precision", "single"}), score, 1e-3);
 }
 
-// Keys that end along two bridges of a plate: a score with the file of the example is what the emitted struct makes
-// of the same events, with keys at both bridges and the pedal.
+// Keys that end along two bridges of a ribbed board: a score with the file of the example is what the emitted struct
+// makes of the same events, with keys at both bridges and the pedal.
 TEST(ScoreKeyboard, PlaysAlongTwoBridges) {
   using Bridges = KeyboardInstrument<keyboards::two_bridges, double>;
   EXPECT_EQ(keyboards::two_bridges::body::places, 8u);
@@ -120,7 +120,7 @@ TEST(ScoreKeyboard, PlaysAlongTwoBridges) {
       0.3);
   const fs::path folder = fs::path(SOURCE_FOLDER) / "examples/keyboards";
   const Files files = {{"two_bridges.json", read_file(folder / "two_bridges.json")},
-                       {"spruce_plate.json", read_file(folder / "spruce_plate.json")}};
+                       {"ribbed_board.json", read_file(folder / "ribbed_board.json")}};
   const std::string text = R"({ "instrument": "hammer-string", "duration_s": 0.3, "keyboard": "two_bridges.json",
     "events": [ { "time_s": 0.01, "sustain": 1 }, { "time_s": 0.2, "sustain": 0 },
       { "time_s": 0.02, "key": 28, "speed_m_per_s": 3, "hold_s": 0.08 },

@@ -2,10 +2,14 @@
 // What the modes of plates and membranes weigh at listening places, against closed forms far away.
 #include "generator/resonator/radiation.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
+#include <memory>
 #include <numbers>
+#include <vector>
 
+#include "generator/resonator/ribbed_plate.hpp"
 #include "support/compare.hpp"
 
 namespace contactspline::testing {
@@ -66,6 +70,37 @@ TEST(Radiation, OfARectangularModeFarAwayIsTheClosedForm) {
       }
     }
   EXPECT_GT(compared, 40u);
+}
+
+// With a rib the same for the sum of the sines of each mode.
+TEST(Radiation, OfARibbedPlateFarAwayIsTheSumOfItsSines) {
+  Plate plate = kPlate;
+  plate.ribbed = std::make_shared<const RibbedPlate>(plate, std::vector<Rib>{{0.05, 0.03, 0.25, 0.16, 0.02, 0.9}});
+  const Resonator body = of(plate);
+  const auto modes = numbered_modes_of(body, 1500).modes;
+  ASSERT_GT(modes.size(), 6u);
+  std::size_t compared = 0;
+  for (const double angle : {0.0, 0.5, -1.2}) {
+    const ListeningPlace place{.distance_m = 20, .angle_rad = angle, .around_rad = 0.7};
+    const auto found = pressures(body, modes, place);
+    for (std::size_t m = 0; m < modes.size(); ++m) {
+      const double w = modes[m].mode.angular_frequency_rad_per_s, k = w / 343 * std::sin(angle);
+      const RibbedModes& ribbed = plate.ribbed->modes();
+      Complex sum = 0;
+      double largest = 0;
+      for (std::size_t i = 0; i < ribbed.sines.size(); ++i) {
+        const auto [along, across] = ribbed.sines[i];
+        const double weight = ribbed.weights[static_cast<std::size_t>(modes[m].number)][i];
+        sum += weight * along_side(along, 0.3, k * std::cos(0.7)) * along_side(across, 0.2, k * std::sin(0.7));
+        largest = std::max(largest, std::abs(weight) * 4 * 0.06 / (pi * pi * along * across));
+      }
+      const double scale = w * w * 1.2 / (2 * pi * 20);
+      if (std::abs(sum) < largest / 10) continue;
+      EXPECT_TRUE(relatively_within(found[m], scale * std::abs(sum), 0.016)) << m;
+      ++compared;
+    }
+  }
+  EXPECT_GT(compared, 12u);
 }
 
 // The modes J_0 of a membrane on its axis, by the volume that they displace: 2 pi R^2 J_1(j)/j.

@@ -27,13 +27,18 @@ struct Wave {
 Wave wave(const PlateSine& sine) {
   const double kx = sine.along * pi / 1.4, ky = sine.across * pi / 0.9;
   const auto [along, across, mixed] = bending_stiffness(kBoard);
-  return {kx, ky, (along * std::pow(kx, 4) + 2 * mixed * kx * kx * ky * ky + across * std::pow(ky, 4)) * 1.4 * 0.9 / 4};
+  return {kx, ky,
+          (along * std::pow(kx, 4) + 2 * mixed * kx * kx * ky * ky + across * std::pow(ky, 4)) * 1.4 * 0.9 / 4};
 }
 
 Resonator board(std::vector<Rib> ribs) {
   Plate plate = kBoard;
   plate.ribbed = std::make_shared<const RibbedPlate>(plate, std::move(ribs));
-  return {.name = "board", .description = "", .body = plate, .strike = {0.31, 0, 0.17}, .pickup = {0.9, 0, 0.71},
+  return {.name = "board",
+          .description = "",
+          .body = plate,
+          .strike = {0.31, 0, 0.17},
+          .pickup = {0.9, 0, 0.71},
           .max_modes = 4096};
 }
 
@@ -65,9 +70,9 @@ struct OneRib {
   }
 };
 
-// A rib from edge to edge across the plate keeps the sines across apart. Each of them sees a point that is stiff by EI
-// ky^4 W/2 and weighs rho A W/2. The same sines give the same frequencies except for rounding: 1e-16 of the largest
-// 1/w0^2, which is 1e5 times the smallest that is kept.
+// A rib from edge to edge across the plate keeps the sines across apart. Each of them sees a point that is stiff by
+// EI ky^4 W/2 and weighs rho A W/2. The same sines give the same frequencies except for rounding: 1e-16 of the
+// largest 1/w0^2, which is 1e5 times the smallest that is kept, and more for the sum of the 400 products.
 TEST(RibbedPlate, OneRibFromEdgeToEdgeSolvesItsOwnEquation) {
   const Rib rib{0.53, 0, 0.53, 0.9, 0.3, 250};
   const RibbedModes found = ribbed_modes(kBoard, {rib}, 400);
@@ -84,7 +89,7 @@ TEST(RibbedPlate, OneRibFromEdgeToEdgeSolvesItsOwnEquation) {
     for (const double root : one.roots()) expected.push_back(std::sqrt(root));
   }
   std::ranges::sort(expected);
-  ASSERT_EQ(found.modes.size(), 266u);
+  ASSERT_EQ(found.modes.size(), 200u);
   ASSERT_EQ(expected.size(), 400u);
   for (std::size_t m = 0; m < found.modes.size(); ++m)
     EXPECT_TRUE(relatively_within(found.modes[m].angular_frequency_rad_per_s, expected[m], 1e-9)) << m;
@@ -113,8 +118,8 @@ TEST(RibbedPlate, RibsOfNothingLeaveThePlateAsItIs) {
   ASSERT_EQ(found.size(), expected.size());
   ASSERT_GT(found.size(), 200u);
   for (std::size_t m = 0; m < found.size(); ++m) {
-    EXPECT_TRUE(relatively_within(found[m].mode.angular_frequency_rad_per_s, expected[m].mode.angular_frequency_rad_per_s,
-                                  1e-11));
+    EXPECT_TRUE(relatively_within(found[m].mode.angular_frequency_rad_per_s,
+                                  expected[m].mode.angular_frequency_rad_per_s, 1e-11));
     EXPECT_TRUE(relatively_within(found[m].mode.decay_per_s, expected[m].mode.decay_per_s, 1e-11));
     EXPECT_TRUE(relatively_within(found[m].mode.mass_kg, expected[m].mode.mass_kg, 1e-12));
     EXPECT_TRUE(within(found[m].strike_shape, expected[m].strike_shape, 1e-9));
@@ -122,8 +127,9 @@ TEST(RibbedPlate, RibsOfNothingLeaveThePlateAsItIs) {
   }
 }
 
-// The potential and the kinetic energy of a mode are equal: that of the plate by its sines, that of the rib by its shape
-// along the rib in steps of h. Simpson's rule and the second difference are wrong by (k h)^2/12, k up to 60 1/m.
+// The potential and the kinetic energy of a mode are equal: that of the plate by its sines, that of the rib by its
+// shape along the rib in steps of h. Simpson's rule and the second difference are wrong by (k h)^2/12, k up to 60
+// 1/m.
 TEST(RibbedPlate, EnergiesOfASlantedRibAreThoseOfItsShape) {
   const Rib rib{0.21, 0.08, 1.1, 0.83, 0.4, 300};
   const RibbedPlate plate(kBoard, {rib});
@@ -172,15 +178,18 @@ TEST(RibbedPlate, ModesAreOrthogonal) {
       for (const Rib& rib : ribs) {  // Simpson's rule in 200 steps, to (k h)^4/180, k up to 30 1/m
         const double h = std::hypot(rib.to_m - rib.from_m, rib.to_across_m - rib.from_across_m) / 200;
         for (int i = 0; i <= 200; ++i)
-          product += rib.mass_per_length_kg_m * h / 3 * (i == 0 || i == 200 ? 1 : i % 2 == 0 ? 2 : 4) *
+          product += rib.mass_per_length_kg_m * h / 3 *
+                     (i == 0 || i == 200 ? 1
+                      : i % 2 == 0       ? 2
+                                         : 4) *
                      along(rib, m, i / 200.0) * along(rib, other, i / 200.0);
       }
       EXPECT_TRUE(within(product, 0, 1e-5 * kMass)) << m << ' ' << other;
     }
 }
 
-// Many ribs across the grain act like a plate that is stiffer across and heavier. For a wave of half a length of 8 ribs
-// and more the difference is far below 1 %.
+// Many ribs across the grain act like a plate that is stiffer across and heavier. For a wave of half a length of 8
+// ribs and more the difference is far below 1 %.
 TEST(RibbedPlate, ManyRibsActLikeAStifferPlate) {
   constexpr int kRibs = 35;
   const double apart = 1.4 / kRibs;
@@ -196,7 +205,7 @@ TEST(RibbedPlate, ManyRibsActLikeAStifferPlate) {
                                    (400 * 0.008 + 0.05 / apart)));
     }
   std::ranges::sort(expected);
-  const RibbedModes found = ribbed_modes(kBoard, ribs, 600);
+  const RibbedModes found = ribbed_modes(kBoard, ribs, 800);
   for (std::size_t m = 0; m < 12; ++m)
     EXPECT_TRUE(relatively_within(found.modes[m].angular_frequency_rad_per_s, expected[m], 0.002)) << m;
 }
