@@ -154,6 +154,12 @@ function(_contactspline_faust_step source architecture)
     file(CONFIGURE OUTPUT "${class}" @ONLY CONTENT "#include \"@arg_DSP@\"\nusing mydsp = @stem@;\n")
     list(APPEND ARGN -inj "${class}")
   endif()
+  # Faust writes the name of the architecture file into the class: without its folder, it is the same wherever this is built.
+  cmake_path(GET architecture PARENT_PATH architecture_folder)
+  if(architecture_folder)
+    cmake_path(GET architecture FILENAME architecture)
+    list(APPEND ARGN -A "${architecture_folder}")
+  endif()
   # -mcd 0: states in turn in two places, instead of copied after every sample (docs/measurements/faust-speed.md).
   add_custom_command(
     OUTPUT "${source}"
@@ -164,8 +170,9 @@ function(_contactspline_faust_step source architecture)
     VERBATIM)
   if(has_effect)
     set(effect_program "${effect_folder}/effect.dsp")
+    cmake_path(GET arg_DSP FILENAME program_name)
     file(CONFIGURE OUTPUT "${effect_program}" @ONLY CONTENT
-"program = library(\"@arg_DSP@\");
+"program = library(\"@program_name@\");
 channels = par(i, outputs(program.process), _);
 process = channels : program.effect : channels;
 ")
