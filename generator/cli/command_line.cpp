@@ -351,7 +351,7 @@ CLI::Option* add_outputs(CLI::App& command, RenderOutput& output) {
   command
       .add_option_function<std::string>(
           "--gain", [&output](const std::string& gain) { output.gain_db = gain == "off" ? 0 : std::stod(gain); },
-          "gain in dB instead of a peak at -1 dB; off: none, a sample of 1 is 1 N, m or m/s")
+          "gain in dB instead of a peak at -1 dB; off: none, a sample of 1 is 1 N, m, m/s or Pa")
       ->check(number_or("off", -300, 300))
       ->type_name("DB");
   add_force(command, output.force);

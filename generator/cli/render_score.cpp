@@ -92,6 +92,7 @@ struct SoundLabel {
 };
 
 SoundLabel sound_label(const PlayOptions& how, const Score& score) {
+  if (how.is_on_body && !score.ears.empty()) return {"pressure at the ears", "Pa"};
   if (how.is_on_body) return {"velocity of the body", "m/s"};
   const Output output = outputs_of(score)[how.output];
   return {label_of(output.name).text, output.unit};

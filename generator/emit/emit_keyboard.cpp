@@ -119,9 +119,27 @@ std::string faust_body_text(const Keyboard& keyboard, const std::optional<Resona
   return fill_template(emitted_template("keyboard_body", "lib"), values);
 }
 
+// What is added for ears in the room.
+std::string pressure_text(const Emitter& emitter, const std::vector<EarRadiation>& ears, double sample_rate_hz) {
+  if (ears.empty()) return "";
+  TemplateValues values{{"RATE", literal(sample_rate_hz)}};
+  for (std::size_t e = 0; e < ears.size(); ++e) {
+    const std::string name = e == 0 ? "LEFT" : "RIGHT";
+    values[name + "_OF_VELOCITY"] = literal_rows(ears[e].of_velocity, 4);
+    values[name + "_OF_DISPLACEMENT"] = literal_rows(ears[e].of_displacement, 4);
+    values[name + "_TAPS"] = literal_rows(ears[e].taps, 4);
+    if (emitter.name == "cpp") values[name + "_COUNT"] = fmt::format("{}", ears[e].taps.size());
+  }
+  return fill_template(emitted_template("keyboard_pressure", emitter.extension), values);
+}
+
 // The part of the other templates for keyboards with a body.
-std::string body_text(const Emitter& emitter, const KeyboardBody& body, const std::vector<BodyMode>& modes) {
+std::string body_text(const Emitter& emitter, const KeyboardBody& body, const KeyboardResonators& resonators,
+                      double max_frequency_hz) {
+  const std::vector<BodyMode> modes = body_modes(resonators, max_frequency_hz);
   TemplateValues values = body_values(body);
+  values["PRESSURE"] =
+      pressure_text(emitter, radiation_at_ears(resonators, modes, 2 * max_frequency_hz), 2 * max_frequency_hz);
   values["HORIZONTAL_STRIKE"] = literal(body.horizontal.strike_ratio);
   values["HORIZONTAL_BRIDGE"] = literal(body.horizontal.bridge_ratio);
   values["HORIZONTAL_CENTS"] = literal(body.horizontal.cents);
@@ -170,8 +188,7 @@ std::string emit(const Emitter& emitter, const Keyboard& keyboard, const Keyboar
   if (emitter.name == "faust")
     values["BODY"] = faust_body_text(keyboard, resonators.body, max_frequency_hz);
   else
-    values["BODY"] =
-        resonators.body ? body_text(emitter, *keyboard.body, body_modes(resonators, max_frequency_hz)) : "";
+    values["BODY"] = resonators.body ? body_text(emitter, *keyboard.body, resonators, max_frequency_hz) : "";
   return fill_template(emitted_template("keyboard", emitter.extension), values);
 }
 

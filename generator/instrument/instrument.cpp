@@ -19,13 +19,6 @@ double thirteen_digits(double value) {
   return rounded_to(value, 13);
 }
 
-// The ninth digit of the largest number: solutions of linear equations agree on so many.
-double digit_of(std::span<const double> numbers) {
-  double largest = std::numeric_limits<double>::min();
-  for (const double number : numbers) largest = std::max(largest, std::abs(number));
-  return std::pow(10, std::floor(std::log10(largest)) - 8);
-}
-
 // The pitch of the lowest key that tunes, 0 at most.
 double lowest_key_cents(const InstrumentModel& model) {
   double lowest = 0;
@@ -187,16 +180,14 @@ class Flattener {
     Resonator resonator = model_.bodies[body].resonator;
     resonator.strike = {};  // the places of an instrument count angles from 0
     const Radiation radiation =
-        radiation_of(resonator, modes_[body], model_.outputs[output].listening, timing, driven);
+        rounded(radiation_of(resonator, modes_[body], model_.outputs[output].listening, timing, driven));
     for (const auto* weights : {&radiation.of_velocity, &radiation.of_displacement}) {
       arrays_.place_bodies.push_back(body);
-      std::ranges::transform(*weights, std::back_inserter(arrays_.shapes), thirteen_digits);
+      std::ranges::copy(*weights, std::back_inserter(arrays_.shapes));
     }
     for (std::size_t d = 0; d < places.size(); ++d) {
       arrays_.pressure_paths.push_back({output, places[d], radiation.taps[d].size()});
-      const double unit = digit_of(radiation.taps[d]);
-      for (const double tap : radiation.taps[d])
-        arrays_.pressure_taps.push_back(thirteen_digits(std::round(tap / unit) * unit));
+      std::ranges::copy(radiation.taps[d], std::back_inserter(arrays_.pressure_taps));
     }
   }
 

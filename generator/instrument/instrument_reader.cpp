@@ -741,9 +741,12 @@ class Reader {
         index_of(json, json.key("pressure_pa"), json.text("pressure_pa", joined(names_of(model_.bodies))),
                  model_.bodies, "body");
     output.targets.push_back(body);
-    output.listening = read_listening_place(json, "pressure_pa", model_.bodies[body].resonator);
-    const auto [nearest_m, farthest_m] = reach_of(model_.bodies[body].resonator.body, output.listening);
-    listening_ = {std::min(listening_.nearest_m, nearest_m), std::max(listening_.farthest_m, farthest_m)};
+    const Resonator& resonator = model_.bodies[body].resonator;
+    check_radiation(resonator, json.file(), json.key("pressure_pa"));
+    output.listening = read_listening_place(json);
+    const Reach reach = reach_of(resonator.body, output.listening);
+    check_reach(reach, json.file(), json.key("distance_m"));
+    listening_ = {std::min(listening_.nearest_m, reach.nearest_m), std::max(listening_.farthest_m, reach.farthest_m)};
     if (listening_.farthest_m - listening_.nearest_m > kMaxListening_m)
       json.fail(json.key("distance_m"),
                 fmt::format("the outputs are from {:.3g} to {:.3g} m away from points of their bodies",

@@ -68,10 +68,16 @@ InstrumentArrays instrument_arrays(const InstrumentModel& model, double sample_r
 }
 
 BodyArrays body_arrays(const Score& score, double sample_rate_hz) {
-  const auto modes = body_modes({score.body, score.knock, score.bridge_places}, sample_rate_hz / 2);
+  const KeyboardResonators resonators{score.body, score.knock, score.bridge_places, score.ears};
+  const auto modes = body_modes(resonators, sample_rate_hz / 2);
   if (modes.empty()) refuse_rate(score.body->name, sample_rate_hz);
-  return {bare(modes), bridge_shapes_of(modes), each(modes, &BodyMode::knock_shape),
-          each(modes, &BodyMode::left_shape), each(modes, &BodyMode::right_shape)};
+  return {bare(modes),
+          bridge_shapes_of(modes),
+          each(modes, &BodyMode::knock_shape),
+          each(modes, &BodyMode::left_shape),
+          each(modes, &BodyMode::right_shape),
+          radiation_at_ears(resonators, modes, sample_rate_hz),
+          sample_rate_hz};
 }
 
 }  // namespace contactspline

@@ -24,6 +24,16 @@ namespace contactspline {
 struct BodyArrays {
   std::vector<Mode> modes;
   std::vector<double> bridge, knock, left, right;
+  std::vector<EarRadiation> ears;  ///< none or two, in the room
+  double sample_rate_hz;
+
+  [[nodiscard]] BodyPressure pressure() const {
+    if (ears.empty()) return {};
+    const auto ear = [&](std::size_t e) -> EarPressure {
+      return {ears[e].of_velocity, ears[e].of_displacement, ears[e].taps};
+    };
+    return {ear(0), ear(1), sample_rate_hz};
+  }
 };
 /// Throws BadInput where the body has no such mode.
 [[nodiscard]] BodyArrays body_arrays(const Score& score, double sample_rate_hz);
@@ -63,7 +73,8 @@ class KeyboardOfScore : public PedaledKeyboard<KeyboardOfScore<T>, T> {
 
   KeyboardOfScore(const Score& score, Felts felts, const BodyArrays& body, double sample_rate_hz,
                   std::size_t max_modes)
-      : Base(keys_of(score, felts), {body.modes, body.bridge, body.left, body.right, score.listening, body.knock},
+      : Base(keys_of(score, felts),
+             {body.modes, body.bridge, body.left, body.right, score.listening, body.knock, body.pressure()},
              sample_rate_hz, max_modes),
         felts_(std::move(felts)) {
     this->set_soft_ratio(score.una_corda_stiffness_ratio);

@@ -47,6 +47,9 @@ class OwnKeyboard : public KeyboardOfScore<T> {
   [[nodiscard]] const char* name() const { return parts_->keyboard.name.c_str(); }
   [[nodiscard]] const char* description() const { return parts_->keyboard.description.c_str(); }
   [[nodiscard]] std::span<const Parameter> parameters() const { return parts_->parameters; }
+  [[nodiscard]] std::span<const Output> outputs() const {
+    return parts_->score.ears.empty() ? KeyboardParameter::kOutputs : KeyboardParameter::kPressureOutputs;
+  }
   void note_on(int key, double velocity) {
     if (!is_number(velocity)) return;
     this->strike(index_of(key), static_cast<T>(strike_speed(parts_->keyboard, std::clamp(velocity, 0.0, 1.0))));

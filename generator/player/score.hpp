@@ -100,6 +100,7 @@ struct Score {
   std::optional<Resonator> body = {};  ///< that all strings end at; struck at its bridge; on a keyboard it moves them
   std::optional<Resonator> knock = {};          ///< that keys strike when they are played
   std::vector<BridgePlace> bridge_places = {};  ///< of the body under a keyboard
+  std::vector<ListeningPlace> ears = {};        ///< in the room before it
   std::vector<KeyOnBody<double>> keys = {};     ///< on the body, also those that are not played; without felts
   double una_corda_stiffness_ratio = 1;         ///< of all felts
   Listening listening = {};                     ///< the sound of the body under a keyboard

@@ -159,6 +159,7 @@ void add_body(const Keyboard& keyboard, const NamedText& file, const ReadFile& r
   score.body = std::move(resonators.body);
   score.knock = std::move(resonators.knock);
   score.bridge_places = std::move(resonators.bridge_places);
+  score.ears = std::move(resonators.ears);
   if (!score.body) return;
   score.una_corda_stiffness_ratio = keyboard.body->una_corda_stiffness_ratio;
   score.listening = keyboard.body->listening;

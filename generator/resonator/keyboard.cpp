@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <numbers>
+#include <utility>
 
 #include "generator/support/number_literal.hpp"
 
@@ -159,6 +161,27 @@ std::vector<BodyMode> body_modes(const KeyboardResonators& resonators, double ma
     modes.push_back(mode);
   }
   return modes;
+}
+
+std::vector<EarRadiation> radiation_at_ears(const KeyboardResonators& resonators, const std::vector<BodyMode>& modes,
+                                            double sample_rate_hz) {
+  std::vector<EarRadiation> heard;
+  if (resonators.ears.empty()) return heard;
+  double nearest_m = std::numeric_limits<double>::max();
+  for (const ListeningPlace& ear : resonators.ears)
+    nearest_m = std::min(nearest_m, reach_of(resonators.body->body, ear).nearest_m);
+  std::vector<std::vector<double>> driven(modes.front().bridge_shapes.size());
+  for (std::size_t place = 0; place < driven.size(); ++place)
+    for (const BodyMode& mode : modes) driven[place].push_back(mode.bridge_shapes[place]);
+  const auto numbered = numbered_modes_of(*resonators.body, sample_rate_hz / 2).modes;
+  const RadiationTiming timing = radiation_timing(nearest_m, sample_rate_hz);
+  for (const ListeningPlace& ear : resonators.ears) {
+    Radiation radiation = rounded(radiation_of(*resonators.body, numbered, ear, timing, driven));
+    heard.push_back({std::move(radiation.of_velocity), std::move(radiation.of_displacement), {}});
+    for (const std::vector<double>& taps : radiation.taps)
+      std::ranges::copy(taps, std::back_inserter(heard.back().taps));
+  }
+  return heard;
 }
 
 std::vector<double> bridge_shapes_of(const std::vector<BodyMode>& modes) {

@@ -9,6 +9,7 @@
 
 #include "contactspline/models/body.hpp"
 #include "generator/material/material.hpp"
+#include "generator/resonator/radiation.hpp"
 #include "generator/resonator/resonator.hpp"
 #include "generator/spline/contact_spline.hpp"
 
@@ -45,6 +46,8 @@ struct KeyboardBody {
   HorizontalMotion horizontal = {};
   /// By rising key, at most Body::kMaxPlaces; empty: all keys drive the body where it is struck.
   std::vector<BridgePlace> bridge_places = {};
+  /// Left and right ear in the room; empty: the sound is that of `listening`.
+  std::vector<ListeningPlace> ears = {};
 };
 
 /// As read from a keyboard file.
@@ -94,6 +97,7 @@ struct KeyboardNote {
 struct KeyboardResonators {
   std::optional<Resonator> body, knock;
   std::vector<BridgePlace> bridge_places = {};  ///< of the body, a plate or a table with as many bridge_shapes
+  std::vector<ListeningPlace> ears = {};        ///< before the body, which then radiates: none or two
 };
 
 /// A mode of a keyboard's body, with its shapes at the places of the bridge, where keys knock, and at those of the
@@ -108,6 +112,16 @@ struct BodyMode {
 /// and, if the body has no bridge_places, the bridge; the pickup is the left ear, and the mirrored place on a plate
 /// the right ear. Other resonators than plates and tables of modes have one place for both ears.
 [[nodiscard]] std::vector<BodyMode> body_modes(const KeyboardResonators& resonators, double max_frequency_hz);
+
+/// What an ear in the room hears of a keyboard's body, as Radiation; the taps of all places of the bridge, place
+/// after place, equally many.
+struct EarRadiation {
+  std::vector<double> of_velocity, of_displacement, taps;
+};
+
+/// What the left and the right ear hear of these modes, body_modes(resonators, sample_rate_hz/2); none without ears.
+[[nodiscard]] std::vector<EarRadiation> radiation_at_ears(const KeyboardResonators& resonators,
+                                                          const std::vector<BodyMode>& modes, double sample_rate_hz);
 
 /// The bridge_shapes of all modes: those of the first place, then those of the second one, and so on.
 [[nodiscard]] std::vector<double> bridge_shapes_of(const std::vector<BodyMode>& modes);

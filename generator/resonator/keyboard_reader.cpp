@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <iterator>
 #include <tuple>
 
@@ -165,6 +166,32 @@ void check_bridge_places(const std::vector<BridgePlace>& places, const Resonator
   }
 }
 
+// Two ears in the room. Whether the body can be heard there, resonators_of() sees.
+std::vector<ListeningPlace> read_ears(const JsonObject& body) {
+  std::vector<ListeningPlace> ears;
+  if (!body.has("ears")) return ears;
+  for (const JsonObject& ear : body.objects("ears", {"distance_m", "angle_rad", "around_rad", "side_m"}, 2))
+    ears.push_back(read_listening_place(ear));
+  if (ears.size() != 2) body.fail(body.key("ears"), "has one entry", "two, the left ear and the right one");
+  for (const char* key : {"pickup_ratio", "knock"})
+    if (body.has(key))
+      body.fail(body.key(key), "stands beside ears, which hear the body in the room", "one of the two");
+  return ears;
+}
+
+// The distances from a body to the ears must be such as the filters of its sound can bridge.
+void check_ears(const std::vector<ListeningPlace>& ears, const Resonator& body, std::string_view file) {
+  check_radiation(body, file, "keyboard.body.ears");
+  std::vector<Reach> reaches;
+  for (std::size_t e = 0; e < ears.size(); ++e) {
+    reaches.push_back(reach_of(body.body, ears[e]));
+    check_reach(reaches.back(), file, fmt::format("keyboard.body.ears[{}].distance_m", e));
+  }
+  check_reach(
+      {std::min(reaches[0].nearest_m, reaches[1].nearest_m), std::max(reaches[0].farthest_m, reaches[1].farthest_m)},
+      file, "keyboard.body.ears");
+}
+
 KeyboardBody read_keyboard_body(const JsonObject& body, int first_key, int last_key) {
   constexpr const char* kResonator = "the name of a resonator that ships, or its .json file";
   return {body.text("resonator", kResonator),
@@ -174,7 +201,8 @@ KeyboardBody read_keyboard_body(const JsonObject& body, int first_key, int last_
           read_listening(body),
           body.has("knock") ? body.text("knock", kResonator) : "",
           read_horizontal(body),
-          read_bridge_places(body, first_key, last_key)};
+          read_bridge_places(body, first_key, last_key),
+          read_ears(body)};
 }
 
 std::vector<PublishedNote> read_notes(const JsonObject& keyboard) {
@@ -269,7 +297,7 @@ Keyboard parse_keyboard(std::string_view text, std::string_view file) {
         keyboard.object(
             "body", {"resonator", "double_hz", "triple_hz", "una_corda_stiffness_ratio", "pickup_ratio",
                      "mobility_m_per_n_s", "output_above_hz", "output_quality", "knock", "horizontal_strike_ratio",
-                     "horizontal_bridge_ratio", "horizontal_cents", "bridge_places"}),
+                     "horizontal_bridge_ratio", "horizontal_cents", "bridge_places", "ears"}),
         first, last);
   if (read.first_triple_key < read.first_double_key)
     keyboard.fail(keyboard.key("first_triple_key"),
@@ -293,6 +321,8 @@ KeyboardResonators resonators_of(const Keyboard& keyboard, const NamedText& file
   resonators.body = named("keyboard.body.resonator", keyboard.body->resonator);
   resonators.bridge_places = keyboard.body->bridge_places;
   if (!resonators.bridge_places.empty()) check_bridge_places(resonators.bridge_places, *resonators.body, file.file);
+  resonators.ears = keyboard.body->ears;
+  if (!resonators.ears.empty()) check_ears(resonators.ears, *resonators.body, file.file);
   if (!keyboard.body->knock.empty()) resonators.knock = named("keyboard.body.knock", keyboard.body->knock);
   return resonators;
 }

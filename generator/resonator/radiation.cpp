@@ -8,11 +8,13 @@
 #include <boost/math/special_functions/bessel.hpp>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <numbers>
 
 #include "contactspline/modal/mode.hpp"
 #include "generator/resonator/quadrature.hpp"
 #include "generator/resonator/ribbed_plate.hpp"
+#include "generator/support/number_literal.hpp"
 
 namespace contactspline {
 namespace {
@@ -357,6 +359,19 @@ Radiation radiation_of(const Resonator& resonator, std::span<const NumberedMode>
     }
   }
   for (const auto& response : responses) radiation.taps.push_back(fit.taps(response));
+  return radiation;
+}
+
+Radiation rounded(Radiation radiation) {
+  const auto thirteen_digits = [](double value) { return rounded_to(value, 13); };
+  for (auto* weights : {&radiation.of_velocity, &radiation.of_displacement})
+    std::ranges::transform(*weights, weights->begin(), thirteen_digits);
+  for (std::vector<double>& taps : radiation.taps) {
+    double largest = std::numeric_limits<double>::min();
+    for (const double tap : taps) largest = std::max(largest, std::abs(tap));
+    const double ninth_digit = std::pow(10, std::floor(std::log10(largest)) - 8);
+    for (double& tap : taps) tap = thirteen_digits(std::round(tap / ninth_digit) * ninth_digit);
+  }
   return radiation;
 }
 

@@ -49,6 +49,10 @@ struct Radiation {
   std::vector<std::vector<double>> taps;  ///< for each driven place
 };
 
+/// The same in digits on which all machines agree: as those of sin() and sqrt(), and of solutions of linear
+/// equations.
+[[nodiscard]] Radiation rounded(Radiation radiation);
+
 /// `driven`: for each place where forces act the shapes of these modes there. Precondition: radiates(body).
 [[nodiscard]] Radiation radiation_of(const Resonator& resonator, std::span<const NumberedMode> modes,
                                      const ListeningPlace& place, const RadiationTiming& timing,

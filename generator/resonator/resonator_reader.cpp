@@ -12,6 +12,7 @@
 
 #include "contactspline/models/body.hpp"
 #include "generator/resonator/ribbed_plate.hpp"
+#include "generator/support/error.hpp"
 #include "generator/support/json_reader.hpp"
 #include "generator/support/ranges.hpp"
 
@@ -240,10 +241,7 @@ decltype(Resonator::body) read_shaped_body(const JsonObject& object) {
   return read_membrane(object.object("membrane", kMembraneKeys));
 }
 
-ListeningPlace read_listening_place(const JsonObject& object, const char* key, const Resonator& resonator) {
-  if (!radiates(resonator.body))
-    object.fail(object.key(key), fmt::format("names a body of the kind '{}'", name_of(resonator.body)),
-                "a plate or a membrane, whose shapes are known everywhere");
+ListeningPlace read_listening_place(const JsonObject& object) {
   ListeningPlace place{object.number("distance_m", kListeningDistance_m)};
   if (object.has("angle_rad")) place.angle_rad = object.number("angle_rad", kListeningAngle_rad);
   if (object.has("around_rad")) place.around_rad = object.number("around_rad", kPlaceAngle_rad);
@@ -252,23 +250,29 @@ ListeningPlace read_listening_place(const JsonObject& object, const char* key, c
     object.fail(object.key("angle_rad"),
                 fmt::format("puts the place {:.3g} m before the plane of the body", before_m),
                 fmt::format("at least {:g} m", kMinListeningHeight_m));
+  return place;
+}
+
+void check_radiation(const Resonator& resonator, std::string_view file, std::string_view key) {
+  if (!radiates(resonator.body))
+    refuse(file, key, fmt::format("names a body of the kind '{}'", name_of(resonator.body)),
+           "a plate or a membrane, whose shapes are known everywhere");
   const auto* plate = std::get_if<Plate>(&resonator.body);
   const double extent_m =
       plate != nullptr ? std::max(plate->length_m, plate->width_m) : 2 * extent_of(resonator.body);
   if (extent_m > kMaxListeningExtent_m)
-    object.fail(object.key(key), fmt::format("names a body of {:.3g} m", extent_m),
-                fmt::format("at most {:g} m", kMaxListeningExtent_m));
-  const auto [nearest_m, farthest_m] = reach_of(resonator.body, place);
-  if (farthest_m - nearest_m > kMaxReach_m)
-    object.fail(
-        object.key("distance_m"),
-        fmt::format("is {:.3g} m farther from one point of the body than from another", farthest_m - nearest_m),
-        fmt::format("at most {:g} m: a smaller body", kMaxReach_m));
+    refuse(file, key, fmt::format("names a body of {:.3g} m", extent_m),
+           fmt::format("at most {:g} m", kMaxListeningExtent_m));
   const std::size_t modes = numbered_modes_of(resonator, kListening_hz).modes.size();
   if (modes > kMaxListeningModes)
-    object.fail(object.key(key), fmt::format("names a body of {} modes below {:g} Hz", modes, kListening_hz),
-                fmt::format("at most {}, by max_modes", kMaxListeningModes));
-  return place;
+    refuse(file, key, fmt::format("names a body of {} modes below {:g} Hz", modes, kListening_hz),
+           fmt::format("at most {}, by max_modes", kMaxListeningModes));
+}
+
+void check_reach(const Reach& reach, std::string_view file, std::string_view key) {
+  if (const double span_m = reach.farthest_m - reach.nearest_m; span_m > kMaxReach_m)
+    refuse(file, key, fmt::format("is {:.3g} m farther from one point of the body than from another", span_m),
+           fmt::format("at most {:g} m: a smaller body", kMaxReach_m));
 }
 
 int most_modes(const decltype(Resonator::body)& body) {

@@ -20,10 +20,14 @@ namespace contactspline {
 /// Largest position on a body [m]: length or radius; 0 for a table of modes.
 [[nodiscard]] double extent_of(const decltype(Resonator::body)& body);
 
-/// Reads a place in the room, distance_m, angle_rad, around_rad and side_m, of what a key names: a body that
-/// radiates.
-[[nodiscard]] ListeningPlace read_listening_place(const JsonObject& object, const char* key,
-                                                  const Resonator& resonator);
+/// Reads a place in the room: distance_m, angle_rad, around_rad and side_m.
+[[nodiscard]] ListeningPlace read_listening_place(const JsonObject& object);
+
+/// Throws BadInput unless the body that a key of a file names can be listened to in the room.
+void check_radiation(const Resonator& resonator, std::string_view file, std::string_view key);
+
+/// Throws BadInput if the distances from a body to a listening place, of this key, are too different.
+void check_reach(const Reach& reach, std::string_view file, std::string_view key);
 
 inline constexpr int kMaxModes = 4096;  ///< largest number of modes in one resonator
 

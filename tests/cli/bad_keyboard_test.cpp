@@ -106,7 +106,7 @@ std::vector<BadFile> key_cases() {
       {"unknown_in_body", changed(kGood, R"("pickup_ratio")", R"("loss": 1, "pickup_ratio")"), "keyboard.body.loss",
        "unknown key; allowed: resonator, double_hz, triple_hz, "
        "una_corda_stiffness_ratio, pickup_ratio, mobility_m_per_n_s, output_above_hz, output_quality, knock, "
-       "horizontal_strike_ratio, horizontal_bridge_ratio, horizontal_cents, bridge_places"},
+       "horizontal_strike_ratio, horizontal_bridge_ratio, horizontal_cents, bridge_places, ears"},
       {"knock_of_no_resonator", changed(kGood, R"("pickup_ratio")", R"("knock": "cupboard", "pickup_ratio")"),
        "keyboard.body.knock", "'cupboard' does not ship; allowed: a .json file, soundboard"},
       {"knock_is_number", changed(kGood, R"("pickup_ratio")", R"("knock": 1, "pickup_ratio")"), "keyboard.body.knock",
@@ -224,6 +224,43 @@ TEST(BadBridgePlaces, AreRefusedInOneLine) {
   for (const auto& [board, places, begins, says] : cases) {
     const Sandbox box;
     write_file(box / "probe.json", placed("board.json", places));
+    write_file(box / "board.json", board);
+    expect_refused(run({.arguments = {"generate", "probe.json", "-o", "out"}, .folder = box.path()}), begins, says);
+    EXPECT_FALSE(fs::exists(box / "out"));
+  }
+}
+
+// Ears in the room that the file or the body beside it do not allow.
+TEST(BadEars, AreRefusedInOneLine) {
+  const std::string ear = R"({ "distance_m": 1.2, "side_m": 0.1 })", all = "probe.json: keyboard.body.ears";
+  const std::string large = changed(changed(kPlate, "1.5", "9"), "0.5", "3.5");
+  const struct {
+    std::string board, body, begins, says;
+  } cases[] = {
+      {kPlate, R"("ears": [)" + ear + "]", all, "has one entry; allowed: two, the left ear and the right one"},
+      {kPlate, R"("ears": [)" + ear + ", " + ear + ", " + ear + "]", all,
+       "has 3 entries; allowed: an array of 1 to 2"},
+      {kPlate, R"("ears": 1)", all, "is not an array; allowed: an array of 1 to 2 objects"},
+      {kPlate, R"("ears": [)" + ear + R"(, { "distance_m": 0.01 }])", all + "[1].distance_m",
+       "is out of range; allowed: a number from 0.05 to 20"},
+      {kPlate, R"("ears": [)" + ear + R"(, { "distance_m": 0.06, "angle_rad": 1.4 }])", all + "[1].angle_rad",
+       "puts the place 0.0102 m before the plane of the body; allowed: at least 0.05 m"},
+      {kPlate, R"("ears": [)" + ear + R"(, { "side_m": 1 }])", all + "[1].distance_m", "missing; allowed: a number"},
+      {kPlate, R"("ears": [)" + ear + R"(, { "distance_m": 1, "height_m": 1 }])", all + "[1].height_m",
+       "unknown key; allowed: distance_m"},
+      {kPlate, R"("pickup_ratio": 0.5, "ears": [)" + ear + ", " + ear + "]", "probe.json: keyboard.body.pickup_ratio",
+       "stands beside ears, which hear the body in the room; allowed: one of the two"},
+      {kPlate, R"("knock": "piano_case", "ears": [)" + ear + ", " + ear + "]", "probe.json: keyboard.body.knock",
+       "stands beside ears"},
+      {kPlate, R"("ears": [)" + ear + R"(, { "distance_m": 9 }])", all,
+       "is 7.83 m farther from one point of the body than from another; allowed: at most 2 m"},
+      {large, R"("ears": [)" + ear + ", " + ear + "]", all, "names a body of 9 m; allowed: at most 3 m"},
+      {kTable, R"("ears": [)" + ear + ", " + ear + "]", all,
+       "names a body of the kind 'modes'; allowed: a plate or a membrane"}};
+  for (const auto& [board, body, begins, says] : cases) {
+    const Sandbox box;
+    write_file(box / "probe.json",
+               changed(changed(kGood, R"("soundboard")", R"("board.json")"), R"("pickup_ratio": 0.125)", body));
     write_file(box / "board.json", board);
     expect_refused(run({.arguments = {"generate", "probe.json", "-o", "out"}, .folder = box.path()}), begins, says);
     EXPECT_FALSE(fs::exists(box / "out"));

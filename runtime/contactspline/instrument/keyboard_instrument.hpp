@@ -33,6 +33,9 @@ struct KeyboardParameter {
        {"knock_ratio", "", {0, 1000}, {0, 4}, 1, Scale::kLinear, Acts::kAtNextNote}}};
   static constexpr std::array<Output, 2> kOutputs = {
       {{"left_velocity_m_per_s", "m/s", 1.0 / 12}, {"right_velocity_m_per_s", "m/s", 1.0 / 12}}};
+  /// With ears in the room.
+  static constexpr std::array<Output, 2> kPressureOutputs = {
+      {{"left_pressure_pa", "Pa", 20}, {"right_pressure_pa", "Pa", 20}}};
 };
 
 /// A keyboard as hosts play it: hammers, pedals and the pitch wheel are parameters. Derived says what its keys are:
@@ -138,6 +141,9 @@ class KeyboardInstrument : public PedaledKeyboard<KeyboardInstrument<Keyboard, T
 
   static const char* name() { return Keyboard::name; }
   static std::span<const Parameter> parameters() { return kParameterList; }
+  static std::span<const Output> outputs() {
+    return kBoard.pressure.rate_hz > 0 ? KeyboardParameter::kPressureOutputs : KeyboardParameter::kOutputs;
+  }
   static const char* description() { return "Keys of strings on a soundboard, contact without iteration"; }
   [[nodiscard]] std::span<const Preset> presets() const { return presets_; }
 
@@ -155,13 +161,23 @@ class KeyboardInstrument : public PedaledKeyboard<KeyboardInstrument<Keyboard, T
 
  private:
   using Board = typename Keyboard::body;
+
+  static constexpr BodyPressure pressure() {
+    if constexpr (requires { Board::pressure_rate_hz; })
+      return {{Board::left_of_velocity, Board::left_of_displacement, Board::left_taps},
+              {Board::right_of_velocity, Board::right_of_displacement, Board::right_taps},
+              Board::pressure_rate_hz};
+    else
+      return {};
+  }
   static constexpr BoardOfKeyboard kBoard{
       modes_in<Board>,
       Board::bridge_shapes,
       Board::left_shapes,
       Board::right_shapes,
       {Board::pickup_ratio, Board::mobility_m_per_n_s, Board::output_above_hz, Board::output_quality},
-      Board::knock_shapes};
+      Board::knock_shapes,
+      pressure()};
 
   static constexpr std::size_t kMaxModes = 80;
   static constexpr auto kParameterList = [] {

@@ -77,6 +77,8 @@ class Body {
   /// next one.
   [[nodiscard]] T displacement(std::size_t place = 0) const { return places_[place].displacement; }
   [[nodiscard]] T change(std::size_t place = 0) const { return places_[place].change; }
+  /// What acted on the body at a place over the last sample [N]: the strings' force less that of their stiffness.
+  [[nodiscard]] T force(std::size_t place = 0) const { return places_[place].acted_n; }
 
   /// Modes of strings join between two samples: the stiffness that they add [N/m] (HammerString::follow), whose ends
   /// have been there all the time.
@@ -122,6 +124,7 @@ class Body {
     forces[places] = knock_n;
     advance(forces, knock_n != 0);
     for (std::size_t p = 0; p < places; ++p) {
+      places_[p].acted_n = forces[p];
       places_[p].change = changes[p];
       places_[p].displacement += changes[p];
     }
@@ -151,7 +154,7 @@ class Body {
     bank_.reset();
     for (Place& place : places_) {
       place.stiffness.modes = place.first_modes;
-      place.displacement = place.change = place.force_n = 0;
+      place.displacement = place.change = place.force_n = place.acted_n = 0;
     }
     free_increments_ = {};
     knock_n_ = 0;
@@ -166,7 +169,7 @@ class Body {
     double first_modes;  // stiffness of the modes at the beginning [N/m]
     T knock_admittance;  // change of displacement by the knock per newton [m/N]
     T half_n_per_m = 0;  // half the stiffness that is factored
-    T displacement = 0, change = 0, force_n = 0;
+    T displacement = 0, change = 0, force_n = 0, acted_n = 0;
   };
 
   void add(const BridgeStiffness& gain, T force_gain_n, std::size_t place) {

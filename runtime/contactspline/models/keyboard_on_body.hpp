@@ -21,7 +21,8 @@
 
 namespace contactspline {
 
-/// Struck strings on one body, with dampers and pedals; the output is a velocity for each ear [m/s] (Listening).
+/// Struck strings on one body, with dampers and pedals; the output is a velocity for each ear [m/s] (Listening), or a
+/// pressure [Pa] (BodyPressure).
 /// A key sleeps until it is struck, pressed, or lifted by the pedal while something sounds: then its strings join the
 /// bridge, in sympathy with their modes below kSympathy_hz only. Modes that ring no more leave
 /// (docs/how-it-works/keyboards.md). All functions but the constructor are safe on an audio thread: no allocation, no
@@ -135,7 +136,7 @@ class KeyboardOnBody {
     for (Key& key : bridge_.keys()) follow_bend(key);  // at once: nothing sounds
   }
 
-  /// Advances left.size() samples and writes what each ear hears [m/s]; both spans must have the same size. The sound
+  /// Advances left.size() samples and writes what each ear hears; both spans must have the same size. The sound
   /// does not depend on where blocks are cut. force: unless it is empty, the largest contact force of any key [N].
   void process(std::span<T> left, std::span<T> right, std::span<T> force = {}) {
     const FlushDenormals flushed;

@@ -6,43 +6,64 @@
 
 #include <concepts>
 #include <cstddef>
+#include <optional>
 #include <span>
 
 #include "contactspline/modal/modal.hpp"
 #include "contactspline/models/body.hpp"
+#include "contactspline/models/pressure_sound.hpp"
 #include "contactspline/step/high_pass.hpp"
 #include "contactspline/step/splice.hpp"
 
-namespace contactspline::detail {
+namespace contactspline {
+
+/// The body of a KeyboardOnBody: its modes, with shapes at the bridge, at both ears and, unless it is empty, where
+/// keys knock at the body. A bridge of several places has the shapes of the first place, then those of the second
+/// one, and so on, up to Body::kMaxPlaces of them. With `pressure` the ears are in the room.
+struct BoardOfKeyboard {
+  std::span<const Mode> modes;
+  std::span<const double> bridge, left, right;
+  Listening listening = {};
+  std::span<const double> knock = {};
+  BodyPressure pressure = {};
+
+  [[nodiscard]] std::size_t places() const { return modes.empty() ? 1 : bridge.size() / modes.size(); }
+};
+
+namespace detail {
 
 /// The velocity of a body at both ears, and the force of the strings on its bridge, times a mobility, through a
-/// high-pass (Listening, docs/how-it-works/body.md). No allocation after construction.
+/// high-pass (Listening, docs/how-it-works/body.md); or the sound pressure at both ears. No allocation after
+/// construction.
 template <std::floating_point T>
 class KeyboardSound {
  public:
-  /// left, right: shapes of the body's modes at each ear.
-  KeyboardSound(const ModalBank<T>& body, std::span<const double> left, std::span<const double> right,
-                const Listening& listening, double sample_rate_hz)
-      : left_(ear(body, left, listening.pickup_ratio)),
-        right_(ear(body, right, listening.pickup_ratio)),
-        mobility_(static_cast<T>(listening.mobility_m_per_n_s)),
+  KeyboardSound(const Body<T>& body, const BoardOfKeyboard& board, double sample_rate_hz)
+      : left_(ear(body.modes(), board.left, board.listening.pickup_ratio)),
+        right_(ear(body.modes(), board.right, board.listening.pickup_ratio)),
+        mobility_(static_cast<T>(board.listening.mobility_m_per_n_s)),
         force_(kSplice_s, sample_rate_hz),
-        high_pass_(listening.above_hz, sample_rate_hz, listening.quality) {}
+        high_pass_(board.listening.above_hz, sample_rate_hz, board.listening.quality) {
+    if (board.pressure.rate_hz > 0) pressure_.emplace(body, board.pressure, sample_rate_hz);
+  }
 
   /// Strings join the bridge with a force [N], or leave it: this step does not sound.
   void begins(T force_n) { force_.begins(force_n); }
   void ended(T force_n) { force_.ended(force_n); }
 
-  /// Advances one sample under the force of all strings on the bridge [N], and writes what each ear hears [m/s].
-  void tick(T force_n, const ModalBank<T>& body, T& left, T& right) {
+  /// Advances one sample under the force of all strings on the bridge [N], and writes what each ear hears: [m/s], or
+  /// [Pa] in the room.
+  void tick(T force_n, const Body<T>& body, T& left, T& right) {
+    if (pressure_) return pressure_->tick(body, left, right);
     const T direct = mobility_ * high_pass_.tick(force_.tick(force_n));
-    left = direct + body.velocity(left_);
-    right = direct + body.velocity(right_);
+    left = direct + body.modes().velocity(left_);
+    right = direct + body.modes().velocity(right_);
   }
 
   void reset() {
     force_.reset();
     high_pass_.reset();
+    if (pressure_) pressure_->reset();
   }
 
  private:
@@ -59,6 +80,9 @@ class KeyboardSound {
   T mobility_;
   Splice<T> force_;  // of strings, of which some join and leave
   HighPass<T> high_pass_;
+  std::optional<PressureSound<T>> pressure_;
 };
 
-}  // namespace contactspline::detail
+}  // namespace detail
+
+}  // namespace contactspline

@@ -19,18 +19,6 @@
 
 namespace contactspline {
 
-/// The body of a KeyboardOnBody: its modes, with shapes at the bridge, at both ears and, unless it is empty, where
-/// keys knock at the body. A bridge of several places has the shapes of the first place, then those of the second
-/// one, and so on, up to Body::kMaxPlaces of them.
-struct BoardOfKeyboard {
-  std::span<const Mode> modes;
-  std::span<const double> bridge, left, right;
-  Listening listening = {};
-  std::span<const double> knock = {};
-
-  [[nodiscard]] std::size_t places() const { return modes.empty() ? 1 : bridge.size() / modes.size(); }
-};
-
 namespace detail {
 
 /// Keys on a body, of which some are awake: at the bridge, with a number of their modes. No allocation after
@@ -46,7 +34,7 @@ class KeysOnBridge {
       : time_step_s_(1 / sample_rate_hz),
         body_(board.modes, bridge_of(board), ends_of(keys, board.places()), sample_rate_hz,
               ModeShapes<T>(board.knock)),
-        sound_(body_.modes(), board.left, board.right, board.listening, sample_rate_hz) {
+        sound_(body_, board, sample_rate_hz) {
     keys_.reserve(keys.size());
     for (const KeyOnBody<T>& key : keys) keys_.emplace_back(key, sample_rate_hz, max_modes);
     awake_.reserve(keys.size());
@@ -98,7 +86,7 @@ class KeysOnBridge {
     if (key.modes > 0) retune(key);
   }
 
-  /// Advances left.size() samples, in which no damper moves, and writes what each ear hears [m/s]. forces: unless it
+  /// Advances left.size() samples, in which no damper moves, and writes what each ear hears. forces: unless it
   /// is empty, the largest contact force of any key [N].
   void process(std::span<T> left, std::span<T> right, std::span<T> forces) {
     sort_out();
@@ -115,7 +103,7 @@ class KeysOnBridge {
       if (!forces.empty()) forces[n] = largest;
       body_.tick(std::span<const T>(forces_n, body_.places()));
       begin_joined();
-      sound_.tick(output, body_.modes(), left[n], right[n]);
+      sound_.tick(output, body_, left[n], right[n]);
     }
   }
 
