@@ -170,7 +170,7 @@ class Reader {
     } else {
       read.resonator = {read.name, "", kind == "modes" ? read_modes(body) : read_shaped_body(body),
                         {},        {}, kMaxModes};
-      read.resonator.max_modes = most_modes(read.resonator.body);
+      read.resonator.max_modes = max_modes_of(read.resonator.body);
     }
     read_modifiers(body, read);
     model_.bodies.push_back(std::move(read));
@@ -196,7 +196,7 @@ class Reader {
     }
     if (body.has("max_modes")) {
       if (read.is_mass) body.fail(body.key("max_modes"), "is not for a mass", "beside resonators");
-      read.resonator.max_modes = body.integer("max_modes", 1, most_modes(read.resonator.body));
+      read.resonator.max_modes = body.integer("max_modes", 1, max_modes_of(read.resonator.body));
     }
   }
 

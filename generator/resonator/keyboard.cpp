@@ -165,8 +165,8 @@ std::vector<BodyMode> body_modes(const KeyboardResonators& resonators, double ma
 
 std::vector<EarRadiation> radiation_at_ears(const KeyboardResonators& resonators, const std::vector<BodyMode>& modes,
                                             double sample_rate_hz) {
-  std::vector<EarRadiation> heard;
-  if (resonators.ears.empty()) return heard;
+  std::vector<EarRadiation> outputs;
+  if (resonators.ears.empty()) return outputs;
   double nearest_m = std::numeric_limits<double>::max();
   for (const ListeningPlace& ear : resonators.ears)
     nearest_m = std::min(nearest_m, reach_of(resonators.body->body, ear).nearest_m);
@@ -177,11 +177,11 @@ std::vector<EarRadiation> radiation_at_ears(const KeyboardResonators& resonators
   const RadiationTiming timing = radiation_timing(nearest_m, sample_rate_hz);
   for (const ListeningPlace& ear : resonators.ears) {
     Radiation radiation = rounded(radiation_of(*resonators.body, numbered, ear, timing, driven));
-    heard.push_back({std::move(radiation.of_velocity), std::move(radiation.of_displacement), {}});
+    outputs.push_back({std::move(radiation.of_velocity), std::move(radiation.of_displacement), {}});
     for (const std::vector<double>& taps : radiation.taps)
-      std::ranges::copy(taps, std::back_inserter(heard.back().taps));
+      std::ranges::copy(taps, std::back_inserter(outputs.back().taps));
   }
-  return heard;
+  return outputs;
 }
 
 std::vector<double> bridge_shapes_of(const std::vector<BodyMode>& modes) {

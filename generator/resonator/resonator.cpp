@@ -151,7 +151,7 @@ double shape_at(const Membrane&, const NumberedMode& mode, const Place& at, doub
 }
 
 double shape_at(const Plate& plate, const NumberedMode& mode, const Place& at, double) {
-  if (plate.ribbed) return plate.ribbed->shape_at(static_cast<std::size_t>(mode.number), at);
+  if (plate.ribbed) return plate.ribbed->shape_at(static_cast<std::size_t>(mode.number), at.position_m, at.across_m);
   const double kx = mode.row * pi / plate.length_m, ky = mode.number * pi / plate.width_m;
   return std::sin(kx * at.position_m) * std::sin(ky * at.across_m);
 }
@@ -180,14 +180,6 @@ double shape_of(const Resonator& resonator, const NumberedMode& mode, const Plac
 }
 
 }  // namespace
-
-PlateStiffness bending_stiffness(const Plate& plate) {
-  const double other_ratio = plate.poisson_ratio * plate.youngs_modulus_across_pa / plate.youngs_modulus_pa;
-  const double cube = std::pow(plate.thickness_m, 3) / 12;
-  const double along = plate.youngs_modulus_pa * cube / (1 - plate.poisson_ratio * other_ratio);
-  return {along, along * plate.youngs_modulus_across_pa / plate.youngs_modulus_pa,
-          other_ratio * along + 2 * plate.shear_modulus_pa * cube};
-}
 
 std::string_view name_of(const decltype(Resonator::body)& body) {
   constexpr std::array<std::string_view, std::variant_size_v<decltype(Resonator::body)>> kNames = {

@@ -275,7 +275,7 @@ void check_reach(const Reach& reach, std::string_view file, std::string_view key
            fmt::format("at most {:g} m: a smaller body", kMaxReach_m));
 }
 
-int most_modes(const decltype(Resonator::body)& body) {
+int max_modes_of(const decltype(Resonator::body)& body) {
   const auto* plate = std::get_if<Plate>(&body);
   return plate != nullptr && plate->ribbed ? static_cast<int>(RibbedPlate::kModes) : kMaxModes;
 }
@@ -298,7 +298,7 @@ Resonator parse_resonator(std::string_view text, std::string_view file) {
     read.strike = read_place(resonator, "strike", read.body);
     read.pickup = read_place(resonator, "pickup", read.body);
   }
-  read.max_modes = most_modes(read.body);
+  read.max_modes = max_modes_of(read.body);
   if (resonator.has("max_modes")) read.max_modes = resonator.integer("max_modes", 1, read.max_modes);
   return read;
 }

@@ -32,7 +32,7 @@ void check_reach(const Reach& reach, std::string_view file, std::string_view key
 inline constexpr int kMaxModes = 4096;  ///< largest number of modes in one resonator
 
 /// The largest `max_modes` of a body, which it has by default: fewer than kMaxModes for a plate with ribs.
-[[nodiscard]] int most_modes(const decltype(Resonator::body)& body);
+[[nodiscard]] int max_modes_of(const decltype(Resonator::body)& body);
 
 /// Ranges that files of resonators, instruments and scores have in common.
 inline constexpr Range kTuningCents{-1200, 1200};

@@ -65,9 +65,9 @@ Oscillator with_spread_ribs(const Plate& plate, const std::vector<Rib>& ribs, co
 // so the product of the numbers is at most the count.
 std::vector<PlateSine> lowest_sines(const Plate& plate, const std::vector<Rib>& ribs, std::size_t count) {
   std::vector<std::pair<double, PlateSine>> found;
-  const int most = static_cast<int>(count);
-  for (int along = 1; along <= most; ++along)
-    for (int across = 1; along * across <= most; ++across) {
+  const int max_product = static_cast<int>(count);
+  for (int along = 1; along <= max_product; ++along)
+    for (int across = 1; along * across <= max_product; ++across) {
       const auto [stiffness, mass] = with_spread_ribs(plate, ribs, {along, across});
       found.push_back({stiffness / mass, {along, across}});
     }
@@ -94,7 +94,7 @@ void add_rib(const Plate& plate, const std::vector<PlateSine>& sines, const Rib&
   // A product of two sines has twice the phase; twice that makes the error that of rounding.
   const QuadratureRule rule = gauss_rule(line.length_m, 4 * phase);
   const auto points = static_cast<Eigen::Index>(rule.points.size()), count = static_cast<Eigen::Index>(sines.size());
-  Eigen::MatrixXd bent(points, count), moved(points, count);
+  Eigen::MatrixXd curved(points, count), moved(points, count);
   for (Eigen::Index i = 0; i < count; ++i) {
     const auto [kx, ky] = wavenumbers_of(plate, sines[static_cast<std::size_t>(i)]);
     const double straight = std::pow(line.cx * kx, 2) + std::pow(line.cy * ky, 2),
@@ -105,10 +105,10 @@ void add_rib(const Plate& plate, const std::vector<PlateSine>& sines, const Rib&
       const double x = kx * (line.x + at * line.cx), y = ky * (line.y + at * line.cy);
       const double shape = std::sin(x) * std::sin(y);
       moved(p, i) = root * shape;
-      bent(p, i) = root * (turned * std::cos(x) * std::cos(y) - straight * shape);
+      curved(p, i) = root * (turned * std::cos(x) * std::cos(y) - straight * shape);
     }
   }
-  matrices.stiffness.selfadjointView<Eigen::Lower>().rankUpdate(bent.transpose(), rib.bending_stiffness_n_m2);
+  matrices.stiffness.selfadjointView<Eigen::Lower>().rankUpdate(curved.transpose(), rib.bending_stiffness_n_m2);
   matrices.mass.selfadjointView<Eigen::Lower>().rankUpdate(moved.transpose(), rib.mass_per_length_kg_m);
 }
 
@@ -169,11 +169,11 @@ const RibbedModes& RibbedPlate::modes() const {
   return modes_;
 }
 
-double RibbedPlate::shape_at(std::size_t mode, const Place& at) const {
+double RibbedPlate::shape_at(std::size_t mode, double position_m, double across_m) const {
   double shape = 0;
   for (std::size_t i = 0; i < modes().sines.size(); ++i) {
     const auto [kx, ky] = wavenumbers_of(plate_, modes().sines[i]);
-    shape += modes().weights[mode][i] * std::sin(kx * at.position_m) * std::sin(ky * at.across_m);
+    shape += modes().weights[mode][i] * std::sin(kx * position_m) * std::sin(ky * across_m);
   }
   return shape;
 }

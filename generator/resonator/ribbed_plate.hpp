@@ -2,21 +2,14 @@
 // The modes of a plate with ribs, by the method of Rayleigh and Ritz (docs/reference/resonators.md).
 #pragma once
 
+#include <cstddef>
 #include <mutex>
 #include <vector>
 
 #include "contactspline/modal/stiff_string.hpp"
-#include "generator/resonator/resonator.hpp"
+#include "generator/resonator/plate.hpp"
 
 namespace contactspline {
-
-/// A straight bar that is glued on a plate between two places, seen from a corner: it bends with the plate and moves
-/// with its mass. Its torsion and the inertia of its rotation are left out.
-struct Rib {
-  double from_m, from_across_m, to_m, to_across_m;
-  double mass_per_length_kg_m;    ///< >= 0
-  double bending_stiffness_n_m2;  ///< what it adds to the plate along its line; >= 0
-};
 
 /// sin(along pi x/length) sin(across pi y/width): a mode of the plate without ribs.
 struct PlateSine {
@@ -43,7 +36,7 @@ class RibbedPlate {
   RibbedPlate(Plate plate, std::vector<Rib> ribs);
   [[nodiscard]] const RibbedModes& modes() const;
   /// The shape of a mode, by its place in `modes`, at a place on the plate.
-  [[nodiscard]] double shape_at(std::size_t mode, const Place& at) const;
+  [[nodiscard]] double shape_at(std::size_t mode, double position_m, double across_m) const;
 
  private:
   Plate plate_;

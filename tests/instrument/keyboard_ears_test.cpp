@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A keyboard whose ears are in the room, against an instrument of a file that has the same plate, places and ears, and is
-// driven by the forces that the keyboard's strings had on it. pressure_test holds that instrument beside a direct
-// integration.
+// A keyboard whose ears are in the room, against an instrument of a file that has the same plate, places and ears,
+// and is driven by the forces that the keyboard's strings had on it. pressure_test holds that instrument beside a
+// direct integration.
 #include <array>
 #include <cmath>
 #include <memory>
@@ -62,7 +62,8 @@ class Heard {
     };
     std::string events;
     for (int key = 40; key <= 80; ++key)
-      events += R"({ "time_s": 0, "key": )" + std::to_string(key) + (key < 80 ? R"(, "hold_s": 0 }, )" : R"(, "hold_s": 0 })");
+      events += R"({ "time_s": 0, "key": )" + std::to_string(key) +
+                (key < 80 ? R"(, "hold_s": 0 }, )" : R"(, "hold_s": 0 })");
     return std::make_shared<const OwnKeyboardParts>(
         parse_keyboard(text, "heard.json"),
         parse_score(R"({ "instrument": "hammer-string", "duration_s": 1, "keyboard": "heard.json", "events": [ )" +
@@ -78,8 +79,8 @@ InstrumentModel driven_plate(const std::vector<std::array<double, 2>>& places) {
   std::string all_places, controls;
   for (std::size_t p = 0; p < places.size(); ++p) {
     const std::string name = "\"place_" + std::to_string(p) + "\"", comma = p == 0 ? "" : ", ";
-    all_places += comma + R"({ "name": )" + name + R"(, "body": "body", "position_m": )" + std::to_string(places[p][0]) +
-                  R"(, "across_m": )" + std::to_string(places[p][1]) + " }";
+    all_places += comma + R"({ "name": )" + name + R"(, "body": "body", "position_m": )" +
+                  std::to_string(places[p][0]) + R"(, "across_m": )" + std::to_string(places[p][1]) + " }";
     controls += comma + R"({ "name": )" + name + R"(, "force_n": )" + name + " }";
   }
   const std::size_t second = kEars.find("},") + 3;
@@ -88,8 +89,8 @@ InstrumentModel driven_plate(const std::vector<std::array<double, 2>>& places) {
   };
   return parse_instrument(R"({ "name": "driven", "bodies": [ { "name": "body", )" + kPlate + R"( } ], "places": [ )" +
                               all_places + R"( ], "controls": [ )" + controls + R"( ], "outputs": [ )" +
-                              output("left", kEars.substr(0, second - 2)) + ", " + output("right", kEars.substr(second)) +
-                              " ] }",
+                              output("left", kEars.substr(0, second - 2)) + ", " +
+                              output("right", kEars.substr(second)) + " ] }",
                           "driven.json");
 }
 

@@ -10,6 +10,7 @@
 #include <numeric>
 #include <vector>
 
+#include "generator/resonator/resonator.hpp"
 #include "support/compare.hpp"
 
 namespace contactspline::testing {
@@ -139,8 +140,8 @@ TEST(RibbedPlate, EnergiesOfASlantedRibAreThoseOfItsShape) {
   for (std::size_t m = 0; m < 60; m += 7) {
     const auto shape = [&](double along) {
       const double part = along / length;
-      return plate.shape_at(m, {rib.from_m + part * (rib.to_m - rib.from_m), 0,
-                                rib.from_across_m + part * (rib.to_across_m - rib.from_across_m)});
+      return plate.shape_at(m, rib.from_m + part * (rib.to_m - rib.from_m),
+                            rib.from_across_m + part * (rib.to_across_m - rib.from_across_m));
     };
     double potential = 0, kinetic = 0;
     for (std::size_t i = 0; i < plate.modes().sines.size(); ++i) {
@@ -150,8 +151,8 @@ TEST(RibbedPlate, EnergiesOfASlantedRibAreThoseOfItsShape) {
     }
     for (int i = 0; i <= kSteps; ++i) {
       const double weight = h / 3 * (i == 0 || i == kSteps ? 1 : i % 2 == 0 ? 2 : 4), at = i * h, here = shape(at);
-      const double bent = (shape(at - h) - 2 * here + shape(at + h)) / (h * h);
-      potential += weight * 300 * bent * bent;
+      const double curved = (shape(at - h) - 2 * here + shape(at + h)) / (h * h);
+      potential += weight * 300 * curved * curved;
       kinetic += weight * 0.4 * here * here;
     }
     const UndampedMode& mode = plate.modes().modes[m];

@@ -42,8 +42,8 @@ class PressureSound {
   /// After each sample of the body [Pa].
   void tick(const Body<T>& body, T& left, T& right) {
     for (std::size_t p = 0; p < forces_.size(); ++p) forces_[p].add(body.force(p));
-    left = heard(left_, body);
-    right = heard(right_, body);
+    left = pressure_at(left_, body);
+    right = pressure_at(right_, body);
   }
 
   void reset() {
@@ -67,7 +67,7 @@ class PressureSound {
     return ear;
   }
 
-  [[nodiscard]] T heard(const Ear& ear, const Body<T>& body) const {
+  [[nodiscard]] T pressure_at(const Ear& ear, const Body<T>& body) const {
     T pressure = body.modes().velocity(ear.shapes);
     for (std::size_t p = 0; p < forces_.size(); ++p) pressure += forces_[p].filtered(ear.taps[p]);
     return pressure;
