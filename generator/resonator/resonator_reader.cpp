@@ -31,6 +31,7 @@ constexpr std::size_t kMaxStrings = 8;
 constexpr Range kMassPerLength{0, 1e3};
 constexpr std::size_t kMaxRibs = 64;
 constexpr double kMinRibLength_m = 1e-3;
+constexpr double kMaxRibRatio = 1e6;  // of a rib to the whole plate; beyond it the equations lose their digits
 constexpr Range kListeningDistance_m{0.05, 20};
 constexpr Range kListeningAngle_rad{-1.5, 1.5};
 constexpr Range kListeningSide_m{-5, 5};
@@ -108,17 +109,32 @@ std::array<double, 2> read_corner(const JsonObject& rib, const char* key, const 
   return {read[0], read[1]};
 }
 
+// A number of a rib, at most kMaxRibRatio times that of a plate whose mass or stiffness were along a line as long as
+// the rib.
+double read_of_rib(const JsonObject& rib, const char* key, Range range, double of_plate) {
+  const double read = rib.number(key, range), max = kMaxRibRatio * of_plate;
+  if (read > max)
+    rib.fail(rib.key(key), fmt::format("{:g} is {:.3g} times as much as the plate has", read, read / of_plate),
+             fmt::format("at most {:.4g}", max));
+  return read;
+}
+
 std::vector<Rib> read_ribs(const JsonObject& body, const Plate& plate) {
+  const auto [along, across, mixed] = bending_stiffness(plate);
+  const double area_m2 = plate.length_m * plate.width_m;
   std::vector<Rib> ribs;
   for (const JsonObject& rib :
        body.objects("ribs", {"from_m", "to_m", "mass_per_length_kg_m", "bending_stiffness_n_m2"}, kMaxRibs)) {
     const auto [from, from_across] = read_corner(rib, "from_m", plate);
     const auto [to, to_across] = read_corner(rib, "to_m", plate);
-    if (const double length_m = std::hypot(to - from, to_across - from_across); length_m < kMinRibLength_m)
+    const double length_m = std::hypot(to - from, to_across - from_across), width_m = area_m2 / length_m;
+    if (length_m < kMinRibLength_m)
       rib.fail(rib.key("to_m"), fmt::format("is {:g} m from from_m", length_m),
                fmt::format("at least {:g} m", kMinRibLength_m));
-    ribs.push_back({from, from_across, to, to_across, rib.number("mass_per_length_kg_m", kMassPerLength),
-                    rib.number("bending_stiffness_n_m2", kBending)});
+    ribs.push_back(
+        {from, from_across, to, to_across,
+         read_of_rib(rib, "mass_per_length_kg_m", kMassPerLength, plate.density_kg_m3 * plate.thickness_m * width_m),
+         read_of_rib(rib, "bending_stiffness_n_m2", kBending, std::min(along, across) * width_m)});
   }
   return ribs;
 }

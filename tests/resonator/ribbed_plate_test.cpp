@@ -211,6 +211,26 @@ TEST(RibbedPlate, ManyRibsActLikeAStifferPlate) {
     EXPECT_TRUE(relatively_within(found.modes[m].angular_frequency_rad_per_s, expected[m], 0.002)) << m;
 }
 
+// As stiff and as heavy as the reader allows, 1e6 times the plate: a bar that the plate hangs on. The low modes are
+// those of the bar and of what it leaves of the plate, and all are there.
+TEST(RibbedPlate, HasItsModesUnderTheLargestRibs) {
+  for (const auto& [mass, stiffness] : {std::pair(1e6, 0.0), std::pair(0.0, 1e6), std::pair(1e6, 1e6)}) {
+    const double width_m = 1.4 * 0.9 / 0.8;
+    const double of_plate_kg_m = 400 * 0.008 * width_m, of_plate_n_m2 = bending_stiffness(kBoard).across * width_m;
+    const RibbedModes found =
+        ribbed_modes(kBoard, {{0.2, 0.3, 1.0, 0.3, mass * of_plate_kg_m, stiffness * of_plate_n_m2}}, 300);
+    ASSERT_EQ(found.modes.size(), 150u);
+    double before = 0;
+    for (const UndampedMode& mode : found.modes) {
+      EXPECT_TRUE(is_finite(mode.mass_kg) && is_finite(mode.wavenumber_per_m) && mode.mass_kg > 0);
+      EXPECT_GE(mode.angular_frequency_rad_per_s, before);
+      before = mode.angular_frequency_rad_per_s;
+    }
+    EXPECT_GT(found.modes.front().angular_frequency_rad_per_s, 0);
+    EXPECT_LT(before, 1e5);
+  }
+}
+
 TEST(RibbedPlate, SaysThatItsHighestModesAreMissing) {
   const Resonator ribbed = board({{0.3, 0, 0.3, 0.9, 0.3, 200}});
   EXPECT_TRUE(numbered_modes_of(ribbed, 22050).cut);
