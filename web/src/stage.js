@@ -392,19 +392,22 @@ export class Stage {
     context.beginPath();
     for (let p = 0; p <= 60; ++p) context.lineTo(across((end * p) / 60), this.height(inner, at((end * p) / 60)));
     context.stroke();
-    this.write(context, `bridge, ${this.bridge.length} points`, inset.left + 10, inset.top + 18, "soft");
+    const points = `bridge, ${this.bridge.length} points`, wide = inset.right - inset.left > 240;
+    this.write(context, wide ? `${points}: the end of the string, larger` : points, inset.left + 10, inset.top + 18, "soft");
+    this.drawScale(context, { unit: inner.unit, bottom: inset.bottom - 10 }, { x: inset.left + 10, size: 30, isBeside: true });
     context.restore();
   }
 
-  // A bar of millimetres.
-  drawScale(context, { unit, bottom }) {
-    const metres = roundDown(70 / Math.abs(unit));
-    const size = metres * Math.abs(unit);
+  // A bar of millimetres, at most `size` pixels high, with its number above it or beside it.
+  drawScale(context, { unit, bottom }, { x = 16, size = 70, isBeside = false } = {}) {
+    const metres = roundDown(size / Math.abs(unit));
+    const height = metres * Math.abs(unit);
     context.fillStyle = colour("ink");
-    context.fillRect(20, bottom - size, 2, size);
-    context.fillRect(16, bottom - size, 10, 2);
-    context.fillRect(16, bottom - 2, 10, 2);
-    this.write(context, `${readable(1000 * metres)} mm`, 8, bottom - size - 8, "ink");
+    context.fillRect(x + 4, bottom - height, 2, height);
+    context.fillRect(x, bottom - height, 10, 2);
+    context.fillRect(x, bottom - 2, 10, 2);
+    const [right, down] = isBeside ? [16, 4 - height / 2] : [-8, -height - 8];
+    this.write(context, `${readable(1000 * metres)} mm`, x + right, bottom + down, "ink");
   }
 
   // The force of the whole note, filled up to the time that is shown.
