@@ -204,7 +204,7 @@ function(_contactspline_lv2_with_effect)
       _contactspline_fail("DSP: ${arg_DSP} has an effect, and ${folder}/lv2.cpp no place for it; allowed: lv2.cpp of Faust 2.54")
     endif()
   endforeach()
-  set(architecture "${effect_folder}/lv2.cpp")
+  set(architecture "${effect_folder}/lv2_with_effect.cpp")  # a name that Faust has not
   file(CONFIGURE OUTPUT "${architecture}" CONTENT "${text}" @ONLY)
   return(PROPAGATE architecture)
 endfunction()
