@@ -213,11 +213,39 @@ function(_contactspline_plugin_part part)
   endif()
 endfunction()
 
+# Sets `text` to the framework's source of a format, CLAP or VST3, with the types of shared_values.hpp in place of those
+# that it lets several threads use at the same time.
+function(_contactspline_framework_source name)
+  set(framework "${DPF_DIR}/distrho/src/DistrhoPlugin${name}.cpp")
+  file(READ "${framework}" text)
+  set(change_1 "(float|bool)(\\* (values|changed|fCachedParameterValues|fParameterValue[a-zA-Z]+))" "SharedValue<\\1>\\2")
+  set(change_2 "new (float|bool)(.(numParameters|extraParameterCount))" "new SharedValue<\\1>\\2")
+  set(change_3 "(d_isEqual)(\\((curValue, )?fCached)" "\\1<float>\\2")
+  set(change_4 "SmallStack((Ring)?Buffer)" "Shared\\1")
+  foreach(i RANGE 1 4)
+    list(GET change_${i} 0 pattern)
+    list(GET change_${i} 1 replacement)
+    string(REGEX REPLACE "${pattern}" "${replacement}" changed "${text}")
+    if(changed STREQUAL text)
+      _contactspline_fail("${framework} has no '${pattern}'; allowed: version 1.6 of the framework")
+    endif()
+    set(text "${changed}")
+  endforeach()
+  return(PROPAGATE framework text)
+endfunction()
+
+# Writes instrument_clap.cpp into a folder: the framework's source. It allocates its queue of clicks by malloc() and frees
+# it by delete[].
+function(_contactspline_clap_source folder)
+  _contactspline_framework_source(CLAP)
+  string(REPLACE "delete[] events;" "std::free(events);" text "${text}")
+  file(CONFIGURE OUTPUT "${folder}/instrument_clap.cpp" @ONLY CONTENT "${text}")
+endfunction()
+
 # Writes instrument_vst3.cpp into a folder: the framework's source, with InstrumentVst3 of instrument_vst3.hpp in place of
 # its class PluginVst3.
 function(_contactspline_vst3_source folder)
-  set(framework "${DPF_DIR}/distrho/src/DistrhoPluginVST3.cpp")
-  file(READ "${framework}" text)
+  _contactspline_framework_source(VST3)
   string(FIND "${text}" "static uint32_t V3_API dpf_static_ref(void*)" place)
   string(SUBSTRING "${text}" 0 ${place} class)
   string(SUBSTRING "${text}" ${place} -1 rest)
@@ -242,10 +270,8 @@ function(_contactspline_vst3_source folder)
   if(place LESS 0 OR class_of_instrument STREQUAL class OR NOT class_of_instrument MATCHES "virtual double _get")
     _contactspline_fail("${framework} has no place for InstrumentVst3; allowed: version 1.6 of the framework")
   endif()
-  string(REGEX REPLACE "#( ?)include \"\\.\\./([^\"]*)\"" "#\\1include <\\2>" class "${class_of_instrument}")
-  string(REGEX REPLACE "#( ?)include \"([^\"]*)\"" "#\\1include <src/\\2>" class "${class}")
   file(CONFIGURE OUTPUT "${folder}/instrument_vst3.cpp" @ONLY CONTENT
-    "${class}END_NAMESPACE_DISTRHO\n#include \"instrument_vst3.hpp\"\nSTART_NAMESPACE_DISTRHO\n${rest}")
+    "${class_of_instrument}END_NAMESPACE_DISTRHO\n#include \"instrument_vst3.hpp\"\nSTART_NAMESPACE_DISTRHO\n${rest}")
 endfunction()
 
 # The window in CLAP or VST3, contactspline_window_FORMAT: one for all plug-ins, of which the framework asks for names
@@ -294,10 +320,10 @@ function(_contactspline_plugin_format format)
   set(instrument ${arg_TARGET}_instrument)
   # The framework's side: not ours to warn about, and nothing in it takes time.
   add_library(${target} MODULE "${ContactSpline_PLUGIN_DIR}/${format}.cpp" $<TARGET_OBJECTS:${instrument}>)
-  if(format STREQUAL vst3)
-    set(framework "${CMAKE_CURRENT_BINARY_DIR}/contactspline_vst3")
-    _contactspline_vst3_source("${framework}")
-    target_include_directories(${target} SYSTEM PRIVATE "${framework}")
+  if(NOT format STREQUAL lv2)
+    set(framework "${CMAKE_CURRENT_BINARY_DIR}/contactspline_${format}")
+    cmake_language(CALL _contactspline_${format}_source "${framework}")
+    target_include_directories(${target} SYSTEM PRIVATE "${framework}" "${DPF_DIR}/distrho/src")
   endif()
   target_compile_options(${target} PRIVATE -w -O1)
   _contactspline_plugin_part(${target})

@@ -16,6 +16,7 @@
 #include <string_view>
 
 #include "contactspline/step/version.hpp"
+#include "shared_values.hpp"
 
 START_NAMESPACE_DISTRHO
 static CLAP_ABI void clap_plugin_reset(const clap_plugin_t*);
@@ -57,7 +58,12 @@ END_NAMESPACE_DISTRHO
 #define clap_plugin_state_load(...) clap_plugin_state_load_of_framework(__VA_ARGS__)
 #define clap_plugin_entry_init(...) clap_plugin_entry_init_of_framework(__VA_ARGS__)
 #define clap_plugin_entry_deinit(...) clap_plugin_entry_deinit_of_framework(__VA_ARGS__)
-#include <DistrhoPluginMain.cpp>
+#include <src/DistrhoPlugin.cpp>
+
+#include "instrument_clap.cpp"
+
+#define DISTRHO_IS_STANDALONE 0
+#include <src/DistrhoUtils.cpp>
 #undef clap_plugin_state_save
 #undef clap_plugin_state_load
 #undef clap_plugin_entry_init
