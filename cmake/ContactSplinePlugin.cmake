@@ -231,6 +231,7 @@ function(_contactspline_framework_source name)
     endif()
     set(text "${changed}")
   endforeach()
+  string(PREPEND text "#include \"shared_values.hpp\"\n")
   return(PROPAGATE framework text)
 endfunction()
 

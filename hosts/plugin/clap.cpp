@@ -16,7 +16,6 @@
 #include <string_view>
 
 #include "contactspline/step/version.hpp"
-#include "shared_values.hpp"
 
 START_NAMESPACE_DISTRHO
 static CLAP_ABI void clap_plugin_reset(const clap_plugin_t*);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Types for what several threads use at the same time. contactspline_plugin() puts them in place of the framework's: it
-// shares plain numbers between the audio thread, the host's main thread and the window.
+// Types for what several threads use at the same time. contactspline_plugin() puts them in place of the framework's:
+// it shares plain numbers between the audio thread, the host's main thread and the window.
 #pragma once
 
 #include <atomic>

@@ -7,7 +7,6 @@ static_assert(!DISTRHO_PLUGIN_WANT_STATE, "the includes below see no states");
 #include <src/DistrhoPlugin.cpp>
 
 #include "instrument_vst3.cpp"
-#include "shared_values.hpp"
 
 #define DISTRHO_IS_STANDALONE 0
 #include <src/DistrhoUtils.cpp>
