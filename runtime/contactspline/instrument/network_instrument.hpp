@@ -40,7 +40,10 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
   explicit NetworkInstrument(const InstrumentData& data)
       : data_(data), parts_(data), strikes_(data), plucks_(data.plucks.size()) {
     for (const Parameter& parameter : data.parameters) values_.push_back(parameter.initial);
-    for (std::size_t c = 0; c < data.controls.size(); ++c) values_[c] = data.first_value(c);
+    for (std::size_t c = 0; c < data.controls.size(); ++c) {
+      values_[c] = data.first_value(c);
+      if (data.controls[c].quantity == ControlQuantity::kForce) pushing_.push_back(c);
+    }
     for (std::size_t i = 0; i < data.preset_names.size(); ++i) {
       const auto values = data.preset_values.subspan(i * values_.size(), values_.size());
       presets_.push_back({data.preset_names[i], {values.begin(), values.end()}});
@@ -142,8 +145,7 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
     damper_->follow(*network_);
     last_work_of_strikes_ = work_of_strikes_;
     work_of_strikes_ = 0;
-    for (std::size_t i = 0; i < data_.controls.size(); ++i)
-      if (data_.controls[i].quantity == ControlQuantity::kForce) push(i);
+    for (const std::size_t control : pushing_) push(control);
     network_->tick();
     pickups_.follow(*network_);
   }
@@ -197,8 +199,8 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
   /// Does no pluck or control push, and is the energy below a limit [J], without masses that fly away for ever?
   [[nodiscard]] bool is_silent(double limit_j) const {
     if (in_double_) return in_double_->is_silent(limit_j);
-    for (std::size_t c = 0; c < data_.controls.size(); ++c)
-      if (data_.controls[c].quantity == ControlQuantity::kForce && values_[c] != 0) return false;
+    for (const std::size_t control : pushing_)
+      if (values_[control] != 0) return false;
     return have_controls_arrived() && energy() - strikes_.leaving_energy(*network_) < limit_j;
   }
   /// Does no pluck push, and do loads hold all still, but for a kinetic energy below a limit [J], without such
@@ -324,7 +326,8 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
   detail::NetworkPickups<T> pickups_;
   double sample_rate_hz_ = 0;
   std::optional<ContactNetwork<T>> network_;
-  std::vector<double> values_;  // of the parameters
+  std::vector<double> values_;        // of the parameters
+  std::vector<std::size_t> pushing_;  // controls of forces
   std::vector<Pluck> plucks_;
   std::vector<Preset> presets_;
   detail::NetworkTuning<T> tuning_;

@@ -79,7 +79,7 @@ class ContactGroup {
   [[nodiscard]] const ColumnMatrix<T>& coupling() const { return coupling_; }
 
   /// The increments under the forces of a state.
-  void displace(State& state) const {
+  [[gnu::always_inline]] void displace(State& state) const {
     const std::size_t n = size(), padded = coupling_.padded(n);
     std::copy_n(free_.data(), padded, state.increment.data());
     for (std::size_t b = 0; b < n; ++b)

@@ -146,11 +146,13 @@ class CoupledContacts {
  private:
   // By how much the forces of the contacts reduce the increments of all, with the springs.
   void displace_by_contacts() {
+    if (contacts_.empty()) return;
     const std::size_t padded = admittance_.padded(size());
+    const detail::ColumnMatrix<T>& admittance = acting_admittance();
     std::fill_n(force_displacements_.data(), padded, T(0));
     for (const std::size_t j : touching_)
       if (const T force = connections_[j].force; force != 0)
-        detail::add_scaled(0, padded, force, acting_admittance().column(j), force_displacements_.data());
+        detail::add_scaled(0, padded, force, admittance.column(j), force_displacements_.data());
   }
 
   void activate(std::size_t i) {

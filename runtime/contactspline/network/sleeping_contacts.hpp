@@ -133,6 +133,7 @@ class SleepingContacts {
   // Might a sleeping contact have used up its slack, with this reach since slacks were last reduced and so many more
   // samples like this one? A bound for all of them together.
   [[nodiscard]] bool may_touch(const NetworkParts<T>& parts, T largest_root, T reach, T more_samples) const {
+    if (asleep_.empty()) return false;
     T motion = largest_root * reach;
     for (const NetworkBody<T>& body : parts.bodies)
       motion += body.max_shape * (body.travelled + more_samples * body.travel);

@@ -174,7 +174,7 @@ struct PotentialWalk {
   std::size_t first;  // knot that is crossed first
   T gain_to_first;    // V(first knot) - V(y0), the area below the force
 
-  constexpr PotentialWalk(const Table& segments, std::size_t from, T compression, bool upwards)
+  [[gnu::always_inline]] constexpr PotentialWalk(const Table& segments, std::size_t from, T compression, bool upwards)
       : table(segments),
         start(from),
         y0(compression),

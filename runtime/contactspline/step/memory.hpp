@@ -60,7 +60,7 @@ class TableLessLine {
   }
 
   [[nodiscard]] constexpr std::size_t size() const { return table_.size(); }
-  [[nodiscard]] constexpr Segment<T> operator[](std::size_t k) const {
+  [[nodiscard, gnu::always_inline]] constexpr Segment<T> operator[](std::size_t k) const {
     const Segment<T>& s = table_[k];
     if (k > split_) return {s.knot, s.energy - line_ * s.knot, s.force - line_, s.half_curvature};
     return {knot(k), lowest_energy_, T(0), half_curvature(k)};
