@@ -75,6 +75,7 @@
 #include "contactspline/tangent/mass_barrier_tangent.hpp"
 #include "contactspline/tangent/network_backwards.hpp"
 #include "contactspline/tangent/network_gradient.hpp"
+#include "contactspline/tangent/network_modes.hpp"
 #include "contactspline/tangent/network_numbers.hpp"
 #include "contactspline/tangent/network_record.hpp"
 #include "contactspline/tangent/network_tangent.hpp"
@@ -99,6 +100,8 @@ using Felt = materials::felt_c4;
   template class detail::ForceEquations<T>;                                                                     \
   template class detail::NetworkBackwards<T>;                                                                   \
   template struct detail::NetworkModes<T>;                                                                      \
+  template class detail::ModeSlopes<T, 3>;                                                                      \
+  template struct detail::ShapeSlopes<T, 3>;                                                                    \
   template struct detail::NetworkRecord<T>;                                                                     \
   template class detail::StrikeBackwards<T>;                                                                    \
   template class ContactTangent<T, 3>;                                                                          \

@@ -2,6 +2,8 @@
 // Derivatives of networks of bodies, contacts and springs: against central differences of the network in long double.
 #include "contactspline/tangent/network_tangent.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -200,6 +202,33 @@ TEST(NetworkTangent, TakesNumbersInTheirRangesAlone) {
       ASSERT_EQ(moved.slopes[0], wanted.slopes[0]) << n;
     }
   }
+}
+
+// A mass on a spring that is put elsewhere moves as a new one does, and so do its derivatives.
+TEST(NetworkTangent, BeginsAnewWhereAMassIsPut) {
+  using Tangent = NetworkTangent<double, 2>;
+  NetworkPlan<double> plan;
+  const std::size_t mass = plan.add_mass(0.01), on_mass = plan.add_mass_place(mass);
+  plan.add_spring(on_mass, kGround, 1e4, 0.1);
+  std::array<NetworkNumbers<double>, 2> directions;
+  directions[0].connections.resize(1);
+  directions[0].connections[0].spring_n_per_m = 1;
+  Tangent moved(plan, 44100, directions), fresh(plan, 44100, directions);
+  moved.set_motion(mass, 0.002, {1.0, {0, 1}});
+  for (int n = 0; n < 100; ++n) moved.tick();
+  for (Tangent* each : {&moved, &fresh}) each->set_motion(mass, {1e-3, {0, 2}}, {-3.0, {0, 1}});
+  double largest_slope[2] = {};
+  for (int n = 0; n < 1000; ++n) {
+    moved.tick(), fresh.tick();
+    for (const std::size_t p : {0, 1}) {
+      const double expected = fresh.force(0).slopes[p];
+      largest_slope[p] = std::max(largest_slope[p], std::abs(expected));
+      // Rounding of a thousand steps at most.
+      ASSERT_TRUE(within(moved.force(0).slopes[p], expected, 1e3 * 2.3e-16 * largest_slope[p])) << n;
+    }
+  }
+  EXPECT_GT(largest_slope[0], 0);
+  EXPECT_GT(largest_slope[1], 0);
 }
 
 TEST(NetworkTangent, AllocatesNothingAfterConstruction) {

@@ -265,6 +265,9 @@ class ContactTangent {
     return response;
   }
 
+  /// Is anything remembered?
+  [[nodiscard]] bool remembers() const { return remembered_.line().value > 0; }
+
   /// The memory follows the force at the end of a sample.
   void relax(const Number& compression) {
     if (remembered_.count() == 0) return;

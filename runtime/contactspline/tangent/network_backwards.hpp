@@ -17,6 +17,7 @@
 #include "contactspline/tangent/contact_gradient.hpp"
 #include "contactspline/tangent/force_equations.hpp"
 #include "contactspline/tangent/mode_tangent.hpp"
+#include "contactspline/tangent/network_modes.hpp"
 #include "contactspline/tangent/network_numbers.hpp"
 #include "contactspline/tangent/network_record.hpp"
 
@@ -140,10 +141,6 @@ class NetworkBackwards {
     }
   }
   // Separate functions, because compilers respect __restrict on parameters.
-  static void add_push(std::size_t modes, T force, const T* __restrict admittance, const T* __restrict shapes,
-                       T* __restrict change) {
-    for (std::size_t i = 0; i < modes; ++i) change[i] += admittance[i] * shapes[i] * force;
-  }
   static void advance(std::size_t modes, const T* __restrict stiffness, const T* __restrict loss,
                       const T* __restrict change, T* __restrict displacement, T* __restrict increment,
                       T* __restrict after) {
