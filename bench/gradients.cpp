@@ -86,20 +86,25 @@ void play_backwards() {
   computed += gradient.felt.stiffness_ratio;
 }
 
-/// The string, its hammer and a spring at one place of it as a network; with a bridge, it lies on eight points.
+/// The string, its hammer and a spring at one place of it as a network; with a bridge, it lies on eight points. Where
+/// it slides, the hammer meets a place that moves in each sample, from which a spring holds it, too.
 struct Network {
-  explicit Network(std::size_t bridge_points, bool has_memory) {
+  explicit Network(std::size_t bridge_points, bool has_memory, bool slides = false) : is_sliding(slides) {
+    std::vector<double> wavenumbers;
+    for (std::size_t i = 1; i <= String::modes; ++i) wavenumbers.push_back(std::numbers::pi * double(i));  // of 1 m
     const auto place = [&](double at) {
       std::vector<double> shapes;
-      for (std::size_t i = 1; i <= String::modes; ++i) shapes.push_back(std::sin(std::numbers::pi * double(i) * at));
+      for (const double beta : wavenumbers) shapes.push_back(std::sin(beta * at));
       return plan.add_place(string, shapes);
     };
     const std::size_t on_hammer = plan.add_mass_place(hammer);
+    struck = slides ? plan.add_moving_place(string, wavenumbers, 0.12) : place(0.12);
+    if (slides) plan.add_spring(on_hammer, struck, 1e3, 0.1);
     const SegmentTable<double> felt(segments_of<Felt, double>), slow(segments_of<materials::felt_stulov_c4, double>);
     if (has_memory)
-      plan.add_contact(on_hammer, place(0.12), slow, 1e-4, {}, 1, memories_of<materials::felt_stulov_c4>);
+      plan.add_contact(on_hammer, struck, slow, 1e-4, {}, 1, memories_of<materials::felt_stulov_c4>);
     else
-      plan.add_contact(on_hammer, place(0.12), felt, 1e-4);
+      plan.add_contact(on_hammer, struck, felt, 1e-4);
     for (std::size_t i = 0; i < bridge_points; ++i)
       plan.add_contact(place(0.9 + 0.01 * double(i)), kGround, felt, 1e-6, {}, 0.1);
     plan.add_spring(place(0.99), kGround, 1e4, 0.1);
@@ -113,6 +118,7 @@ struct Network {
     else
       model.set_motion(hammer, {0.0}, {2.5});
     for (std::size_t n = 0; n < kSamples; ++n) {
+      if (is_sliding) model.move_place(struck, 0.12 + 0.01 * std::sin(double(n) / 1000));
       model.tick();
       if constexpr (requires { model.samples(); })
         computed += model.model().displacement(output);
@@ -154,7 +160,8 @@ struct Network {
   }
 
   NetworkPlan<double> plan;
-  std::size_t hammer = plan.add_mass(0.00297), string = plan.add_body(modes_in<String>), output = 0;
+  std::size_t hammer = plan.add_mass(0.00297), string = plan.add_body(modes_in<String>), output = 0, struck = 0;
+  bool is_sliding;
 };
 
 struct Task {
@@ -193,13 +200,14 @@ void print_struck_string(int rounds) {
   print_table(all, rounds);
 }
 
-void print_network(std::size_t bridge_points, bool has_memory, int rounds) {
-  const Network network(bridge_points, has_memory);
+void print_network(std::size_t bridge_points, bool has_memory, bool slides, int rounds) {
+  const Network network(bridge_points, has_memory, slides);
   const auto tick = [&] {
     ContactNetwork<double> model(network.plan, kRate);
     network.play(model);
   };
-  fmt::print("A network, the string over {} points, {} memory:\n\n", bridge_points, has_memory ? "with" : "without");
+  fmt::print("A network, the string over {} points, {} memory{}:\n\n", bridge_points, has_memory ? "with" : "without",
+             slides ? ", with a place that moves" : "");
   print_table({{"tick", 0, tick},
                {"forwards", 1, [&] { network.forwards<1>(); }},
                {"forwards", 4, [&] { network.forwards<4>(); }},
@@ -210,7 +218,8 @@ void print_network(std::size_t bridge_points, bool has_memory, int rounds) {
 void print(int rounds) {
   print_struck_string(rounds);
   for (const std::size_t bridge_points : {0, 8})
-    for (const bool has_memory : {false, true}) print_network(bridge_points, has_memory, rounds);
+    for (const bool has_memory : {false, true}) print_network(bridge_points, has_memory, false, rounds);
+  for (const std::size_t bridge_points : {0, 8}) print_network(bridge_points, false, true, rounds);
 }
 
 }  // namespace

@@ -113,6 +113,10 @@ class ContactNetwork {
     follow(mover);
     place_all();
   }
+  /// Where such a place is, after the last sample [m].
+  [[nodiscard]] T place_m(std::size_t place) const {
+    return parts_.movers[*parts_.places[place].mover].motion.place();
+  }
   /// Shapes of the modes at a place, after the last sample.
   [[nodiscard]] const ModeShapes<T>& shapes(std::size_t place) const { return parts_.shapes(place); }
 

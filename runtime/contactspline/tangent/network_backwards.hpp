@@ -17,9 +17,12 @@
 #include "contactspline/tangent/contact_gradient.hpp"
 #include "contactspline/tangent/force_equations.hpp"
 #include "contactspline/tangent/mode_tangent.hpp"
+#include "contactspline/tangent/moving_places_backwards.hpp"
+#include "contactspline/tangent/network_adjoints.hpp"
 #include "contactspline/tangent/network_modes.hpp"
 #include "contactspline/tangent/network_numbers.hpp"
 #include "contactspline/tangent/network_record.hpp"
+#include "contactspline/tangent/network_replay.hpp"
 
 namespace contactspline {
 
@@ -41,28 +44,29 @@ class NetworkBackwards {
         weights_(weights),
         modes_(plan, sample_rate_hz),
         adjoints_(modes_.size()),
-        changes_(Record::kBlock * modes_.size()),
-        displacements_(changes_.size()),
+        places_(plan, modes_),
+        movers_(plan, sample_rate_hz, record, modes_, places_, adjoints_),
+        replay_(record, modes_, places_, movers_),
         equations_(plan.connections().size()),
         right_(plan.connections().size()) {
-    for (const auto& place : plan.places())
-      places_.push_back(
-          {modes_.begins[place.body], std::vector<T>(place.shapes.size()), std::vector<T>(place.shapes.size())});
     for (std::size_t k = 0; k < plan.connections().size(); ++k) {
       const auto& connection = plan.connections()[k];
       connections_.push_back({{connection.table, connection.memories, solver[k].contact, sample_rate_hz}});
     }
     gradient_.motions.resize(record.motions.size());
     gradient_.pushes.resize(record.pushes.size());
+    gradient_.moves.resize(record.calls_follow.size());
+    gradient_.starts.resize(plan.places().size());
   }
 
   [[nodiscard]] NetworkGradient<T> gradient() {
     const std::size_t samples = record_.ends.size();
     for (std::size_t block = (samples + Record::kBlock - 1) / Record::kBlock; block-- > 0;) {
       const std::size_t first = block * Record::kBlock, count = std::min(Record::kBlock, samples - first);
-      replay(block, count);
+      replay_.play(block, count);
       for (std::size_t n = count; n-- > 0;) step(first + n, n);
     }
+    movers_.finish(gradient_.starts);
     finish_bodies();
     for (std::size_t k = 0; k < connections_.size(); ++k) finish_connection(k);
     return gradient_;
@@ -73,110 +77,40 @@ class NetworkBackwards {
   using Ends = typename Record::Ends;
   using ContactStepBack = typename ContactBackwards<T>::Step;
 
-  struct Modes {
-    // Adjoints of displacements before a sample, of changes over it, and of increments after it. Before it the latter
-    // are change - increment.
-    std::vector<T> displacement, increment, change;
-    std::vector<T> stiffness, loss;
+  using Place = PlaceAdjoints<T>;
 
-    explicit Modes(std::size_t n) : displacement(n), increment(n), change(n), stiffness(n), loss(n) {}
-  };
-  struct Place {
-    std::size_t begin;              ///< of the modes of its body
-    std::vector<T> shapes, forced;  ///< adjoint of the shapes by displacements, and of admittance times shapes
-    T force = 0;                    ///< on it over the sample [N]
-    T before = 0, after = 0;        ///< adjoints of its displacement before and after the sample,
-    T by_forces = 0;                ///< and what forces that respond to the latter add to it
-    T pushed = 0;                   ///< the adjoint of a force on it
-    bool is_touched = false;
-  };
   struct Connection {
     ContactBackwards<T> contact;
     T gap = 0, spring = 0, resistance = 0, force = 0;
   };
 
-  // Lists the places where something acts in sample n, with the forces on them.
-  void list_places(std::size_t n) {
-    for (const std::size_t p : touched_) places_[p].is_touched = false;
-    touched_.clear();
-    for (const Acting& acting : record_.in_sample(record_.acting, &Ends::acting, n)) {
-      const auto& connection = plan_.connections()[acting.connection];
-      if (connection.first != kGround) touch(connection.first).force -= acting.sample.force;
-      if (connection.second != kGround) touch(connection.second).force += acting.sample.force;
-    }
-    for (const auto& push : record_.in_sample(record_.pushes, &Ends::pushes, n))
-      touch(push.place).force += push.force;
-    forced_ = touched_.size();
-  }
-  // Those on which forces act, before those that only have a weight.
-  [[nodiscard]] std::span<const std::size_t> forced() const { return std::span(touched_).first(forced_); }
-  Place& touch(std::size_t p) {
-    Place& place = places_[p];
-    if (place.is_touched) return place;
-    touched_.push_back(p);
-    place.force = place.before = place.after = place.by_forces = 0;
-    place.is_touched = true;
-    return place;
-  }
-
-  // Plays the modes of a block again, under the forces of the record.
-  void replay(std::size_t block, std::size_t count) {
-    const std::size_t modes = modes_.size();
-    const T* state = record_.states.data() + 2 * block * modes;
-    std::vector<T> displacement(state, state + modes), increment(state + modes, state + 2 * modes);
-    for (std::size_t n = 0; n < count; ++n) {
-      const std::size_t sample = block * Record::kBlock + n;
-      for (const auto& motion : record_.in_sample(record_.motions, &Ends::motions, sample)) {
-        displacement[modes_.begins[motion.body]] = motion.displacement;
-        increment[modes_.begins[motion.body]] = motion.increment;
-      }
-      list_places(sample);
-      T* change = changes_.data() + n * modes;
-      std::ranges::copy(increment, change);
-      for (const std::size_t p : forced())
-        add_push(places_[p].shapes.size(), places_[p].force, modes_.admittance.data() + places_[p].begin, shapes(p),
-                 change + places_[p].begin);
-      advance(modes, modes_.stiffness.data(), modes_.loss.data(), change, displacement.data(), increment.data(),
-              displacements_.data() + n * modes);
-    }
-  }
-  // Separate functions, because compilers respect __restrict on parameters.
-  static void advance(std::size_t modes, const T* __restrict stiffness, const T* __restrict loss,
-                      const T* __restrict change, T* __restrict displacement, T* __restrict increment,
-                      T* __restrict after) {
-    for (std::size_t i = 0; i < modes; ++i) {
-      after[i] = displacement[i] += change[i];
-      const T pull = loss[i] * change[i] + stiffness[i] * displacement[i];
-      increment[i] = (change[i] - increment[i]) + (change[i] - pull);
-    }
-  }
-
   // Sample n back, which is this row of its block.
   void step(std::size_t n, std::size_t row) {
-    const std::size_t modes = modes_.size();
-    const T *change = changes_.data() + row * modes, *displacement = displacements_.data() + row * modes;
+    const T *change = replay_.change(row), *displacement = replay_.displacement(row);
     const std::span<const Acting> acting = record_.in_sample(record_.acting, &Ends::acting, n);
-    list_places(n);
+    places_.list(record_, n);
+    movers_.enter(n);
     for (std::size_t p = 0; p < weights_.displacements.size(); ++p)
-      if (const T weight = weight_of(weights_.displacements, p, n); weight != 0) touch(p).after += weight;
+      if (const T weight = weight_of(weights_.displacements, p, n); weight != 0)
+        places_.touch(p).by_weights += weight;
     linearise(acting);
-    for (const std::size_t p : touched_)
-      if (const Place& place = places_[p]; place.after != 0)
-        add_scaled(0, place.shapes.size(), place.after, shapes(p), adjoints_.displacement.data() + place.begin);
-    retract(modes, modes_.stiffness.data(), modes_.loss.data(), change, displacement, adjoints_.increment.data(),
-            adjoints_.displacement.data(), adjoints_.change.data(), adjoints_.stiffness.data(),
-            adjoints_.loss.data());
+    for (const std::size_t p : places_.touched())
+      if (const Place& place = places_[p]; place.after + place.by_weights != 0)
+        add_scaled(0, place.modes(), place.after + place.by_weights, place.seen,
+                   adjoints_.displacement.data() + place.begin);
+    retract(modes_.size(), modes_.stiffness.data(), modes_.loss.data(), change, displacement,
+            adjoints_.increment.data(), adjoints_.displacement.data(), adjoints_.change.data(),
+            adjoints_.stiffness.data(), adjoints_.loss.data());
+    movers_.retract(change, replay_.last_change(row));
     measure_pushes();
     solve(acting, n);
     push_connections(acting);
-    for (const std::size_t p : forced()) {
-      const Place& place = places_[p];
-      add_responses(place.shapes.size(), place.by_forces, place.before, shapes(p),
-                    adjoints_.change.data() + place.begin, adjoints_.displacement.data() + place.begin);
-    }
+    respond();
+    movers_.respond(replay_.last_change(row));
     add_to_places(change, displacement);
+    movers_.add_shapes(change, displacement);
     add_pushes(n);
-    add_motions(n);
+    movers_.leave(n, add_motions(n), gradient_);
   }
 
   // The modes back over a sample, but for what the forces respond to: first, with what they did, over the next one.
@@ -194,6 +128,14 @@ class NetworkBackwards {
   }
 
   // What forces that respond to displacements do to the modes.
+  void respond() {
+    for (const std::size_t p : places_.forced()) {
+      const Place& place = places_[p];
+      if (place.is_moving) continue;
+      add_responses(place.modes(), place.by_forces, place.before, place.acting, adjoints_.change.data() + place.begin,
+                    adjoints_.displacement.data() + place.begin);
+    }
+  }
   static void add_responses(std::size_t modes, T by_forces, T before, const T* __restrict shapes,
                             T* __restrict of_change, T* __restrict of_displacement) {
     for (std::size_t i = 0; i < modes; ++i) {
@@ -230,11 +172,11 @@ class NetworkBackwards {
 
   // The adjoint of a force at each place, by the adjoints of the changes of the modes.
   void measure_pushes() {
-    for (const std::size_t p : forced()) {
-      const T *shape = shapes(p), *admittance = modes_.admittance.data() + places_[p].begin;
+    for (const std::size_t p : places_.forced()) {
+      const T *shape = places_[p].acting, *admittance = modes_.admittance.data() + places_[p].begin;
       const T* adjoint = adjoints_.change.data() + places_[p].begin;
       places_[p].pushed =
-          sum_of<T>(places_[p].shapes.size(), [&](std::size_t i) { return shape[i] * admittance[i] * adjoint[i]; });
+          sum_of<T>(places_[p].modes(), [&](std::size_t i) { return shape[i] * admittance[i] * adjoint[i]; });
     }
   }
 
@@ -250,7 +192,8 @@ class NetworkBackwards {
     }
     const std::span<const std::size_t> responding = equations_.acting();
     if (responding.empty()) return;
-    equations_.factorise(solver_);
+    const CoupledContacts<T>& solver = movers_.solver(solver_);
+    equations_.factorise(solver);
     for (std::size_t a = 0; a < responding.size(); ++a) right_[a] = connections_[responding[a]].force;
     equations_.solve(right_.data());
     for (std::size_t a = 0; a < responding.size(); ++a) {
@@ -261,7 +204,7 @@ class NetworkBackwards {
       if (steps_[b].slopes.after > 0) continue;
       for (std::size_t a = 0; a < responding.size(); ++a)
         connections_[acting[b].connection].force -=
-            solver_.admittance(acting[b].connection, responding[a]) * right_[a];
+            solver.admittance(acting[b].connection, responding[a]) * right_[a];
     }
   }
 
@@ -292,15 +235,17 @@ class NetworkBackwards {
     }
   }
   void add_to_places(const T* change, const T* displacement) {
-    for (std::size_t i = 0; i < touched_.size(); ++i) {
-      Place& place = places_[touched_[i]];
-      const std::size_t modes = place.shapes.size(), begin = place.begin;
-      if (i < forced_)
-        add_to_shapes(modes, place.after + place.by_forces + place.before, place.before, place.force,
-                      displacement + begin, change + begin, adjoints_.change.data() + begin, place.shapes.data(),
-                      place.forced.data());
+    const std::size_t forced = places_.forced().size();
+    for (std::size_t i = 0; i < places_.touched().size(); ++i) {
+      Place& place = places_[places_.touched()[i]];
+      if (place.is_moving) continue;
+      const std::size_t modes = place.modes(), begin = place.begin;
+      const T after = place.after + place.by_weights;
+      if (i < forced)
+        add_to_shapes(modes, after + place.by_forces + place.before, place.before, place.force, displacement + begin,
+                      change + begin, adjoints_.change.data() + begin, place.shapes.data(), place.forced.data());
       else
-        add_scaled(0, modes, place.after, displacement + begin, place.shapes.data());
+        add_scaled(0, modes, after, displacement + begin, place.shapes.data());
     }
   }
 
@@ -313,8 +258,8 @@ class NetworkBackwards {
         gradient_.pushes[record_.ends[n].pushes - pushes.size() + i] = places_[pushes[i].place].pushed;
   }
 
-  // Before the sample: the motion of a mass that was set there does not depend on what was before.
-  void add_motions(std::size_t n) {
+  // Before the sample: the motion of a mass that was set there does not depend on what was before. Were there any?
+  bool add_motions(std::size_t n) {
     const auto motions = record_.in_sample(record_.motions, &Ends::motions, n);
     for (std::size_t i = motions.size(); i-- > 0;) {
       const std::size_t mode = modes_.begins[motions[i].body];
@@ -324,17 +269,18 @@ class NetworkBackwards {
         gradient.velocity_m_per_s = (adjoints_.change[mode] - adjoints_.increment[mode]) * static_cast<T>(1 / rate_);
       adjoints_.displacement[mode] = adjoints_.change[mode] = adjoints_.increment[mode] = 0;
     }
+    return !motions.empty();
   }
 
   void finish_bodies() {
-    std::vector<T> admittance(modes_.size());
+    std::vector<T>& admittance = adjoints_.admittance;
     NetworkNumbers<T>& numbers = gradient_.numbers;
     for (std::size_t p = 0; p < places_.size(); ++p) {
       const Place& place = places_[p];
-      numbers.places.emplace_back(place.shapes.size());
-      for (std::size_t i = 0; i < place.shapes.size(); ++i) {
+      numbers.places.emplace_back(place.modes());
+      for (std::size_t i = 0; i < place.modes(); ++i) {
         numbers.places[p][i] = place.shapes[i] + modes_.admittance[place.begin + i] * place.forced[i];
-        admittance[place.begin + i] += shapes(p)[i] * place.forced[i];
+        admittance[place.begin + i] += place.acting[i] * place.forced[i];
       }
     }
     for (std::size_t b = 0; b < plan_.bodies().size(); ++b) {
@@ -358,7 +304,6 @@ class NetworkBackwards {
     gradient_.numbers.connections.push_back(std::move(numbers));
   }
 
-  [[nodiscard]] const T* shapes(std::size_t p) const { return plan_.places()[p].shapes.data(); }
   [[nodiscard]] static T weight_of(const std::vector<std::vector<T>>& weights, std::size_t i, std::size_t n) {
     return i < weights.size() && n < weights[i].size() ? weights[i][n] : T(0);
   }
@@ -369,11 +314,10 @@ class NetworkBackwards {
   const Record& record_;
   const NetworkWeights<T>& weights_;
   NetworkModes<T> modes_;
-  Modes adjoints_;
-  std::vector<T> changes_, displacements_;  // of each sample of a block and mode
-  std::vector<Place> places_;
-  std::vector<std::size_t> touched_;  // places
-  std::size_t forced_ = 0;
+  ModeAdjoints<T> adjoints_;
+  PlacesBackwards<T> places_;
+  MovingPlaces<T> movers_;
+  NetworkReplay<T> replay_;
   std::vector<Connection> connections_;
   std::vector<ContactStepBack> steps_;  // of each connection that acts
   ForceEquations<T> equations_;

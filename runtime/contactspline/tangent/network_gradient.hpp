@@ -10,9 +10,11 @@
 #include <concepts>
 #include <cstddef>
 #include <iterator>
+#include <span>
 #include <vector>
 
 #include "contactspline/modal/modal.hpp"
+#include "contactspline/modal/string_place.hpp"
 #include "contactspline/network/contact_network.hpp"
 #include "contactspline/network/network_plan.hpp"
 #include "contactspline/step/controls.hpp"
@@ -25,8 +27,8 @@ namespace contactspline {
 
 /// A ContactNetwork that keeps what its gradient needs: in each sample 3 numbers, 8 for each spring and each contact
 /// that presses or remembers, and 1/64 of a number for each mode. Play it as the network, compute the derivatives of
-/// any function with respect to its samples, and call gradient(). Controls stay as the plan says, places do not move
-/// along strings, rigid links keep their stiffness.
+/// any function with respect to its samples, and call gradient(). Controls stay as the plan says, rigid links keep
+/// their stiffness.
 template <std::floating_point T>
 class RecordedNetwork {
  public:
@@ -36,6 +38,9 @@ class RecordedNetwork {
     for (std::size_t k = 0; k < plan.connections().size(); ++k)
       if (!plan.connections()[k].memories.empty()) remembering_.push_back(k);
     remembered_.resize(remembering_.size());
+    mover_of_.resize(plan.places().size());
+    for (std::size_t p = 0; p < plan.places().size(); ++p)
+      if (!plan.places()[p].wavenumbers_per_m.empty()) add_mover(p);
   }
 
   /// Puts a free mass between two samples at a displacement [m], -1000 to 1000, with a velocity [m/s], -1000 to 1000.
@@ -57,8 +62,31 @@ class RecordedNetwork {
     record_.pushes.push_back({place, held(T(0), force_n, Ranges::force_n), is_within(force_n, Ranges::force_n)});
   }
 
+  /// ContactNetwork::put_place, with the same rules: beyond the ends of the string its derivative is 0, and if it is
+  /// not a number the gradient leaves it out.
+  void put_place(std::size_t place, T place_m) {
+    model_.put_place(place, place_m);
+    Mover& mover = movers_[mover_of_[place]];
+    mover.call = call_of(mover, place_m);
+    mover.at_m = mover.target_m = model_.place_m(place);
+    mover.has_moved = mover.is_called = false;
+    record_.moves.push_back({samples(), mover_of_[place], mover.call, mover.at_m, true});
+  }
+
+  /// ContactNetwork::move_place, with the same rules. The derivative with respect to each position that the place
+  /// reaches; a place that is slower than its target does not follow it, but moves from where it is. Each call costs
+  /// a sample in which the place moves, even if its target stays.
+  void move_place(std::size_t place, T place_m) {
+    model_.move_place(place, place_m);
+    Mover& mover = movers_[mover_of_[place]];
+    mover.call = call_of(mover, place_m);
+    mover.target_m = held(mover.at_m, place_m, mover.range);
+    mover.is_called = true;
+  }
+
   /// Advances one sample. Allocates now and then: the record grows with time, in double by 24 bytes a sample, 64 for
-  /// each spring and each contact that presses or remembers, 24 for each push and 1/8 for each mode.
+  /// each spring and each contact that presses or remembers, 24 for each push, 40 for each place that moves and 1/8
+  /// for each mode, 3/16 if the plan has places that may move.
   void tick() {
     if (record_.ends.size() % detail::NetworkRecord<T>::kBlock == 0) keep_state();
     for (std::size_t i = 0; i < remembering_.size(); ++i)
@@ -73,6 +101,7 @@ class RecordedNetwork {
       if (remembered_[i].line() > 0 || contact.force > 0 || contact.compression > 0)
         keep(remembering_[i], remembered_[i].values());
     }
+    for (std::size_t m = 0; m < movers_.size(); ++m) keep_move(m);
     record_.ends.push_back({record_.acting.size(), record_.pushes.size(), record_.motions.size()});
   }
 
@@ -88,6 +117,41 @@ class RecordedNetwork {
  private:
   using Ranges = ControlRanges<T>;
 
+  // A place that moves. call: which one said where it is sent, and did the last sample begin with it?
+  struct Mover {
+    ControlRange<T> range;
+    T at_m, target_m;
+    std::size_t call = detail::NetworkRecord<T>::kAsBefore;
+    bool is_called = false, has_moved = false;
+  };
+
+  void add_mover(std::size_t p) {
+    const auto& place = plan_.places()[p];
+    const StringShapes<T> shapes{std::span<const double>(place.wavenumbers_per_m)};
+    mover_of_[p] = movers_.size();
+    movers_.push_back({{0, shapes.length()}, place.place_m, place.place_m});
+    record_.movers.push_back(p);
+  }
+  // Counts a call that sends a place somewhere.
+  [[nodiscard]] std::size_t call_of(const Mover& mover, T place_m) {
+    if (!is_number(place_m)) return detail::NetworkRecord<T>::kAsBefore;
+    record_.calls_follow.push_back(is_within(place_m, mover.range) ? 1 : 0);
+    return record_.calls_follow.size() - 1;
+  }
+  // A place at rest whose target follows a parameter moves by nothing, but its derivatives do. The next sample ends
+  // the move.
+  void keep_move(std::size_t m) {
+    Mover& mover = movers_[m];
+    const T at_m = model_.place_m(record_.movers[m]);
+    const bool arrives = mover.call != detail::NetworkRecord<T>::kAsBefore && at_m == mover.target_m;
+    const bool moves = at_m != mover.at_m || (arrives && mover.is_called);
+    if (moves || mover.has_moved)
+      record_.moves.push_back(
+          {samples(), m, arrives ? mover.call : detail::NetworkRecord<T>::kAsBefore, at_m, false});
+    mover.at_m = at_m;
+    mover.has_moved = moves;
+    mover.is_called = false;
+  }
   [[nodiscard]] static bool is_within(T value, ControlRange<T> range) { return held(T(0), value, range) == value; }
   void keep(std::size_t k, const std::array<T, kMaxMemories>& remembered) {
     record_.acting.push_back(
@@ -98,6 +162,10 @@ class RecordedNetwork {
       std::ranges::copy(model_.body(b).displacements(), std::back_inserter(record_.states));
     for (std::size_t b = 0; b < plan_.bodies().size(); ++b)
       std::ranges::copy(model_.body(b).free_increments(), std::back_inserter(record_.states));
+    if (movers_.empty()) return;
+    for (std::size_t b = 0; b < plan_.bodies().size(); ++b)
+      std::ranges::copy(model_.body(b).changes(), std::back_inserter(record_.states));
+    for (const Mover& mover : movers_) record_.states.push_back(mover.at_m);
   }
 
   const NetworkPlan<T>& plan_;
@@ -106,6 +174,8 @@ class RecordedNetwork {
   detail::NetworkRecord<T> record_;
   std::vector<std::size_t> remembering_;                 // contacts with a memory
   std::vector<detail::RememberedForces<T>> remembered_;  // by them before a sample
+  std::vector<Mover> movers_;
+  std::vector<std::size_t> mover_of_;  // each place, if it moves
 };
 
 }  // namespace contactspline

@@ -43,8 +43,8 @@ struct NetworkModes {
   [[nodiscard]] std::size_t size() const { return stiffness.size(); }
 };
 
-/// change[i] += admittance[i] shapes[i] force: what a force does to modes over a sample. A function of its own, because
-/// compilers respect __restrict on parameters.
+/// change[i] += admittance[i] shapes[i] force: what a force does to modes over a sample. A function of its own,
+/// because compilers respect __restrict on parameters.
 template <std::floating_point T>
 void add_push(std::size_t modes, T force, const T* __restrict admittance, const T* __restrict shapes,
               T* __restrict change) {
@@ -74,7 +74,8 @@ struct ShapeSlopes {
 };
 
 /// How the motion of all modes follows P parameters. With constants that do not depend on them, slopes move as the
-/// modes do, under the slopes of the forces; each other term is a push on each mode. The motion itself is the model's.
+/// modes do, under the slopes of the forces; each other term is a push on each mode. The motion itself is the
+/// model's.
 template <std::floating_point T, std::size_t P>
 class ModeSlopes {
  public:
@@ -82,8 +83,7 @@ class ModeSlopes {
   using Slopes = std::array<T, P>;
   using Shapes = ShapeSlopes<T, P>;
 
-  ModeSlopes(const NetworkPlan<T>& plan, double sample_rate_hz,
-             const std::array<NetworkNumbers<T>, P>& directions) {
+  ModeSlopes(const NetworkPlan<T>& plan, double sample_rate_hz, const std::array<NetworkNumbers<T>, P>& directions) {
     for (std::size_t b = 0; b < plan.bodies().size(); ++b) {
       const std::span<const Mode> modes(plan.bodies()[b]);
       bodies_.emplace_back();
@@ -147,7 +147,7 @@ class ModeSlopes {
     Body& b = bodies_[body];
     for (std::size_t p = 0; p < P; ++p) {
       BodySlopes& s = b.slopes[p];
-      const std::span<const T* const> pushed(b.pushed), watched(b.watched);
+      const std::span<const T*const> pushed(b.pushed), watched(b.watched);
       T* increment = s.bank.arrays().free_increment;
       if (s.is_pushed) add_scaled(0, s.pushed.size(), T(1), s.pushed.data(), increment);
       s.bank.advance(T(0), pushed, b.forces[p].data(), watched, s.free_increments.data());
@@ -198,8 +198,8 @@ class ModeSlopes {
   struct Constants {
     std::vector<T> stiffness = {}, loss = {}, admittance = {};
   };
-  // The slopes of a body with respect to one parameter. pushed: by push(), over the coming sample. free_increments: at
-  // the places that are watched.
+  // The slopes of a body with respect to one parameter. pushed: by push(), over the coming sample. free_increments:
+  // at the places that are watched.
   struct BodySlopes {
     ModalBank<T> bank;
     Constants constants;

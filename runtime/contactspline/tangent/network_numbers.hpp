@@ -36,8 +36,9 @@ struct NetworkWeights {
   std::vector<std::vector<T>> displacements = {}, forces = {};
 };
 
-/// The gradient of a sum: with respect to the numbers of a network, and to what RecordedNetwork::set_motion() and
-/// push() were given, in the order of the calls.
+/// The gradient of a sum: with respect to the numbers of a network, and to what RecordedNetwork::set_motion(),
+/// push(), and put_place() together with move_place() were given, in the order of the calls. Of a place that moves
+/// along a string, `numbers` has the shapes where it begins, until it moves.
 template <std::floating_point T>
 struct NetworkGradient {
   struct Motion {
@@ -46,6 +47,8 @@ struct NetworkGradient {
   NetworkNumbers<T> numbers;
   std::vector<Motion> motions;
   std::vector<T> pushes;
+  std::vector<T> moves;   ///< [1/m]
+  std::vector<T> starts;  ///< of each place, if it moves: by where it begins, through its shapes and all later moves
 };
 
 /// The derivative in a direction of the sum whose gradient is given: the sum of all products.

@@ -7,6 +7,7 @@
 #include <array>
 #include <concepts>
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -36,6 +37,14 @@ struct NetworkRecord {
     T displacement, increment;
     bool displacement_follows, velocity_follows;
   };
+  // A place that moves, in a sample over which it moves or in the next one; or one that is put elsewhere before a
+  // sample. call: which call of RecordedNetwork said so; kAsBefore: none, so that the place follows where it was.
+  static constexpr std::size_t kAsBefore = std::numeric_limits<std::size_t>::max();
+  struct Move {
+    std::size_t sample, mover, call;
+    T place_m;  // after the sample
+    bool is_put;
+  };
   /// How many there are up to the end of a sample.
   struct Ends {
     std::size_t acting = 0, pushes = 0, motions = 0;
@@ -45,7 +54,17 @@ struct NetworkRecord {
   std::vector<Push> pushes;
   std::vector<Motion> motions;
   std::vector<Ends> ends;  // one for each sample
-  std::vector<T> states;   // before each block: displacements, then free increments of all modes
+  std::vector<Move> moves;
+  std::vector<char> calls_follow;   // of each call that moved a place: not if it was beyond its range
+  std::vector<std::size_t> movers;  // places that move along strings
+  // Before each block: displacements and free increments of all modes; if there are movers also the changes of all
+  // modes over the last sample, and where the movers are.
+  std::vector<T> states;
+
+  /// Numbers of a state.
+  [[nodiscard]] std::size_t state_size(std::size_t modes) const {
+    return movers.empty() ? 2 * modes : 3 * modes + movers.size();
+  }
 
   /// Those of a list that belong to sample n.
   template <typename Element>
