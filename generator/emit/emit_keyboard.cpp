@@ -133,6 +133,18 @@ std::string pressure_text(const Emitter& emitter, const std::vector<EarRadiation
   return fill_template(emitted_template("keyboard_pressure", emitter.extension), values);
 }
 
+// What is added for strings that move along themselves.
+std::string longitudinal_text(const Emitter& emitter, const KeyboardBody& body) {
+  if (!body.longitudinal) return "";
+  const auto& [youngs_modulus_pa, losses, output_ratio, last_key] = *body.longitudinal;
+  return fill_template(emitted_template("keyboard_longitudinal", emitter.extension),
+                       {{"YOUNGS_MODULUS", literal(youngs_modulus_pa)},
+                        {"CONSTANT_LOSS", literal(losses.constant_per_s)},
+                        {"QUADRATIC_LOSS", literal(losses.quadratic_m2_per_s)},
+                        {"OUTPUT_RATIO", literal(output_ratio)},
+                        {"LAST_KEY", fmt::format("{}", last_key)}});
+}
+
 // The part of the other templates for keyboards with a body.
 std::string body_text(const Emitter& emitter, const KeyboardBody& body, const KeyboardResonators& resonators,
                       double max_frequency_hz) {
@@ -140,6 +152,7 @@ std::string body_text(const Emitter& emitter, const KeyboardBody& body, const Ke
   TemplateValues values = body_values(body);
   values["PRESSURE"] =
       pressure_text(emitter, radiation_at_ears(resonators, modes, 2 * max_frequency_hz), 2 * max_frequency_hz);
+  values["LONGITUDINAL"] = longitudinal_text(emitter, body);
   values["HORIZONTAL_STRIKE"] = literal(body.horizontal.strike_ratio);
   values["HORIZONTAL_BRIDGE"] = literal(body.horizontal.bridge_ratio);
   values["HORIZONTAL_CENTS"] = literal(body.horizontal.cents);

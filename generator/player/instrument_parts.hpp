@@ -93,7 +93,8 @@ class KeyboardOfScore : public PedaledKeyboard<KeyboardOfScore<T>, T> {
                       key.bridge_ratio,
                       key.output_ratio,
                       key.horizontal,
-                      key.bridge_place});
+                      key.bridge_place,
+                      key.longitudinal});
     }
     return keys;
   }

@@ -174,7 +174,8 @@ void add_body(const Keyboard& keyboard, const NamedText& file, const ReadFile& r
                           note.bridge_ratio,
                           note.output_ratio,
                           horizontal_motion(note, *keyboard.body),
-                          note.bridge_place});
+                          note.bridge_place,
+                          longitudinal_motion(note, *keyboard.body, key)});
   }
 }
 

@@ -144,6 +144,12 @@ HorizontalMotion horizontal_motion(const KeyboardNote& note, const KeyboardBody&
   return {strike_ratio * note.horizontal_ratio, bridge_ratio * note.horizontal_ratio, cents};
 }
 
+LongitudinalMotion longitudinal_motion(const KeyboardNote& note, const KeyboardBody& body, int key) {
+  if (!body.longitudinal || key > body.longitudinal->last_key) return {};
+  const auto& [youngs_modulus_pa, losses, output_ratio, last_key] = *body.longitudinal;
+  return {axial_stiffness(note.string.bending_stiffness_n_m2, youngs_modulus_pa), losses, output_ratio};
+}
+
 std::vector<BodyMode> body_modes(const KeyboardResonators& resonators, double max_frequency_hz) {
   std::vector<BodyMode> modes;
   if (resonators.body) modes = modes_at_ears(*resonators.body, max_frequency_hz);

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "contactspline/modal/longitudinal.hpp"
 #include "contactspline/models/body.hpp"
 #include "generator/material/material.hpp"
 #include "generator/resonator/radiation.hpp"
@@ -35,6 +36,14 @@ struct BridgePlace {
   Place place;    ///< on a plate; of a table of modes it is a column of bridge_shapes
 };
 
+/// How the strings of the keys up to last_key move along themselves: round cores of one material.
+struct KeyboardLongitudinal {
+  double youngs_modulus_pa;
+  Losses losses;
+  double output_ratio;  ///< weight of the longitudinal force on the bridge in the sound
+  int last_key;         ///< MIDI number
+};
+
 /// The body that the strings end at, and what they are when each of them moves by itself.
 struct KeyboardBody {
   std::string resonator;             ///< name of one that ships, or a file; struck at its bridge
@@ -48,6 +57,7 @@ struct KeyboardBody {
   std::vector<BridgePlace> bridge_places = {};
   /// Left and right ear in the room; empty: the sound is that of `listening`.
   std::vector<ListeningPlace> ears = {};
+  std::optional<KeyboardLongitudinal> longitudinal = {};
 };
 
 /// As read from a keyboard file.
@@ -92,6 +102,9 @@ struct KeyboardNote {
 
 /// Their horizontal motion.
 [[nodiscard]] HorizontalMotion horizontal_motion(const KeyboardNote& note, const KeyboardBody& body);
+
+/// Their longitudinal motion: E A follows from their bending stiffness. None above its last key.
+[[nodiscard]] LongitudinalMotion longitudinal_motion(const KeyboardNote& note, const KeyboardBody& body, int key);
 
 /// What a keyboard's file names: its body, and what its keys strike when they are played (the knock).
 struct KeyboardResonators {

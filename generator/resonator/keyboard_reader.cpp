@@ -38,6 +38,10 @@ constexpr Range kOutputAbove{1, 1000};
 constexpr Range kQuality{0.1, 10};
 constexpr Range kHorizontal{0, 1};
 constexpr Range kHorizontalCents{-100, 100};
+constexpr Range kLongitudinalLoss{0.1, 1e4};
+constexpr Range kLongitudinalQuadratic{0, 1e3};
+constexpr Range kLongitudinalOutput{1e-3, 10};
+constexpr double kMaxAxial = 1e9;  // N
 constexpr Range kPosition{0, 100};
 constexpr double kNowhere = -1;  // of a place without a number
 
@@ -192,6 +196,23 @@ void check_ears(const std::vector<ListeningPlace>& ears, const Resonator& body, 
       file, "keyboard.body.ears");
 }
 
+// It sounds by the force on the bridge, times the mobility.
+std::optional<KeyboardLongitudinal> read_longitudinal(const JsonObject& body, int first_key, int last_key) {
+  if (!body.has("longitudinal")) return {};
+  const JsonObject object = body.object("longitudinal", {"youngs_modulus_pa", "constant_loss_per_s",
+                                                         "quadratic_loss_m2_per_s", "output_ratio", "last_key"});
+  const std::string key = body.key("longitudinal");
+  if (body.has("ears")) body.fail(key, "stands beside ears, which do not hear it", "one of the two");
+  if (!body.has("mobility_m_per_n_s") || body.number("mobility_m_per_n_s", kMobility) == 0)
+    body.fail(key, "is not heard without mobility_m_per_n_s", "mobility_m_per_n_s above 0, such as 7e-4, beside it");
+  return KeyboardLongitudinal{
+      object.number("youngs_modulus_pa", ranges::kModulus),
+      {object.number("constant_loss_per_s", kLongitudinalLoss),
+       object.has("quadratic_loss_m2_per_s") ? object.number("quadratic_loss_m2_per_s", kLongitudinalQuadratic) : 0},
+      object.number("output_ratio", kLongitudinalOutput),
+      object.has("last_key") ? object.integer("last_key", first_key, last_key) : last_key};
+}
+
 KeyboardBody read_keyboard_body(const JsonObject& body, int first_key, int last_key) {
   constexpr const char* kResonator = "the name of a resonator that ships, or its .json file";
   return {body.text("resonator", kResonator),
@@ -202,7 +223,8 @@ KeyboardBody read_keyboard_body(const JsonObject& body, int first_key, int last_
           body.has("knock") ? body.text("knock", kResonator) : "",
           read_horizontal(body),
           read_bridge_places(body, first_key, last_key),
-          read_ears(body)};
+          read_ears(body),
+          read_longitudinal(body, first_key, last_key)};
 }
 
 std::vector<PublishedNote> read_notes(const JsonObject& keyboard) {
@@ -239,11 +261,23 @@ void check_detuning(const Keyboard& keyboard, const JsonObject& object, int key,
                   "numbers above minus half of each pitch");
 }
 
+// Strings that move along themselves are stiffer than they are taut.
+void check_longitudinal(const Keyboard& keyboard, const JsonObject& object, int key, const KeyboardNote& note) {
+  if (!keyboard.body || !keyboard.body->longitudinal || key > keyboard.body->longitudinal->last_key) return;
+  const double axial_n = longitudinal_motion(note, *keyboard.body, key).axial_stiffness_n;
+  if (!(axial_n > note.string.tension_n && axial_n <= kMaxAxial))
+    object.fail("keyboard.body.longitudinal.youngs_modulus_pa",
+                fmt::format("at key {} makes the axial stiffness {:.4g} N", key, axial_n),
+                fmt::format("one above the tension of {:.4g} N and up to {:g} N; 2e11 for steel",
+                            note.string.tension_n, kMaxAxial));
+}
+
 // What lies beyond the outermost notes may leave any bounds.
 void check_notes(const Keyboard& keyboard, const JsonObject& object) {
   for (int key = keyboard.first_key; key <= keyboard.last_key; ++key) {
     const KeyboardNote note = note_of(keyboard, key);
     check_detuning(keyboard, object, key, note);
+    check_longitudinal(keyboard, object, key, note);
     const StiffString& string = note.string;
     const PowerLaw& felt = *note.felt.contact.power_law();
     for (const auto& [what, value, allowed] :
@@ -297,7 +331,7 @@ Keyboard parse_keyboard(std::string_view text, std::string_view file) {
         keyboard.object(
             "body", {"resonator", "double_hz", "triple_hz", "una_corda_stiffness_ratio", "pickup_ratio",
                      "mobility_m_per_n_s", "output_above_hz", "output_quality", "knock", "horizontal_strike_ratio",
-                     "horizontal_bridge_ratio", "horizontal_cents", "bridge_places", "ears"}),
+                     "horizontal_bridge_ratio", "horizontal_cents", "bridge_places", "ears", "longitudinal"}),
         first, last);
   if (read.first_triple_key < read.first_double_key)
     keyboard.fail(keyboard.key("first_triple_key"),

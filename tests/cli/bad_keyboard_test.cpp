@@ -106,7 +106,7 @@ std::vector<BadFile> key_cases() {
       {"unknown_in_body", changed(kGood, R"("pickup_ratio")", R"("loss": 1, "pickup_ratio")"), "keyboard.body.loss",
        "unknown key; allowed: resonator, double_hz, triple_hz, "
        "una_corda_stiffness_ratio, pickup_ratio, mobility_m_per_n_s, output_above_hz, output_quality, knock, "
-       "horizontal_strike_ratio, horizontal_bridge_ratio, horizontal_cents, bridge_places, ears"},
+       "horizontal_strike_ratio, horizontal_bridge_ratio, horizontal_cents, bridge_places, ears, longitudinal"},
       {"knock_of_no_resonator", changed(kGood, R"("pickup_ratio")", R"("knock": "cupboard", "pickup_ratio")"),
        "keyboard.body.knock", "'cupboard' does not ship; allowed: a .json file, soundboard"},
       {"knock_is_number", changed(kGood, R"("pickup_ratio")", R"("knock": 1, "pickup_ratio")"), "keyboard.body.knock",
@@ -158,6 +158,46 @@ std::vector<BadFile> key_cases() {
       {"truncated", kGood.substr(0, kGood.size() / 2), "line ", "; allowed: "}};
 }
 
+/// kGood with strings that move along themselves.
+std::string along(const std::string& longitudinal) {
+  return changed(kGood, R"("pickup_ratio")", R"("longitudinal": )" + longitudinal + R"(, "pickup_ratio")");
+}
+const std::string kAlong = R"({ "youngs_modulus_pa": 1.9e11, "constant_loss_per_s": 29,
+  "quadratic_loss_m2_per_s": 0.013, "output_ratio": 0.21, "last_key": 59 })";
+
+std::vector<BadFile> longitudinal_cases() {
+  const std::string all = "keyboard.body.longitudinal", keys =
+                                                            "youngs_modulus_pa, constant_loss_per_s, "
+                                                            "quadratic_loss_m2_per_s, output_ratio, last_key";
+  std::vector<BadFile> cases = {
+      {"along_is_number", along("1"), all, "is not an object; allowed: " + keys},
+      {"unknown_along", along(changed(kAlong, "last_key", "first_key")), all + ".first_key",
+       "unknown key; allowed: " + keys},
+      {"along_without_modulus", along(changed(kAlong, R"("youngs_modulus_pa": 1.9e11, )", "")),
+       all + ".youngs_modulus_pa", "missing; allowed: a number from 1000 to 2000000000000"},
+      {"along_without_loss", along(changed(kAlong, R"("constant_loss_per_s": 29,)", "")),
+       all + ".constant_loss_per_s", "missing; allowed: a number from 0.1 to 10000"},
+      {"along_without_ratio", along(changed(kAlong, R"("output_ratio": 0.21, )", "")), all + ".output_ratio",
+       "missing; allowed: a number from 0.001 to 10"},
+      {"along_unheard", changed(along(kAlong), R"("mobility_m_per_n_s": 7e-4, )", ""), all,
+       "is not heard without mobility_m_per_n_s; allowed: mobility_m_per_n_s above 0, such as 7e-4, beside it"},
+      {"along_unheard_by_0", changed(along(kAlong), "7e-4", "0"), all, "is not heard without mobility_m_per_n_s"},
+      {"too_soft_along", along(changed(kAlong, "1.9e11", "1.9e5")), all + ".youngs_modulus_pa",
+       "at key 35 makes the axial stiffness 170.7 N; allowed: one above the tension of "},
+      {"too_stiff_along",
+       changed(along(changed(kAlong, "1.9e11", "2e12")), R"("bending_stiffness_n_m2": 0.0121)",
+               R"("bending_stiffness_n_m2": 1e6)"),
+       all + ".youngs_modulus_pa", "allowed: one above the tension of "}};
+  for (const NumberKey& number : std::vector<NumberKey>{
+           {all + ".", "youngs_modulus_pa", "1.9e11", "a number from 1000 to 2000000000000", {"0", "-1", "2.1e12"}},
+           {all + ".", "constant_loss_per_s", "29", "a number from 0.1 to 10000", {"0", "-1", "10001"}},
+           {all + ".", "quadratic_loss_m2_per_s", "0.013", "a number from 0 to 1000", {"-1", "1001"}},
+           {all + ".", "output_ratio", "0.21", "a number from 0.001 to 10", {"0", "-1", "11"}},
+           {all + ".", "last_key", "59", "an integer from 35 to 61", {"34", "62"}, true}})
+    std::ranges::move(number_cases("along", along(kAlong), number), std::back_inserter(cases));
+  return cases;
+}
+
 /// kGood on another body, with places along its bridges.
 std::string placed(const std::string& body, const std::string& places) {
   return changed(changed(kGood, R"("soundboard")", '"' + body + '"'), R"("pickup_ratio")",
@@ -198,6 +238,7 @@ CONTACTSPLINE_REFUSED_BY_GENERATE(BadKeyboardFile);
 CONTACTSPLINE_CASES(Number, BadKeyboardFile, all_number_cases());
 CONTACTSPLINE_CASES(Key, BadKeyboardFile, key_cases());
 CONTACTSPLINE_CASES(Place, BadKeyboardFile, place_cases());
+CONTACTSPLINE_CASES(Longitudinal, BadKeyboardFile, longitudinal_cases());
 
 const std::string kPlate = R"({ "name": "board", "plate": { "length_m": 1.5, "width_m": 0.5, "thickness_m": 0.01,
   "density_kg_m3": 400, "youngs_modulus_pa": 1e10, "poisson_ratio": 0.3, "constant_loss_per_s": 5,
@@ -250,6 +291,8 @@ TEST(BadEars, AreRefusedInOneLine) {
        "unknown key; allowed: distance_m"},
       {kPlate, R"("pickup_ratio": 0.5, "ears": [)" + ear + ", " + ear + "]", "probe.json: keyboard.body.pickup_ratio",
        "stands beside ears, which hear the body in the room; allowed: one of the two"},
+      {kPlate, R"("longitudinal": )" + kAlong + R"(, "ears": [)" + ear + ", " + ear + "]",
+       "probe.json: keyboard.body.longitudinal", "stands beside ears, which do not hear it; allowed: one of the two"},
       {kPlate, R"("knock": "piano_case", "ears": [)" + ear + ", " + ear + "]", "probe.json: keyboard.body.knock",
        "stands beside ears"},
       {kPlate, R"("ears": [)" + ear + R"(, { "distance_m": 9 }])", all,

@@ -32,6 +32,7 @@
 #include "contactspline/materials/felt_c4.hpp"
 #include "contactspline/materials/felt_live.hpp"
 #include "contactspline/modal/force_history.hpp"
+#include "contactspline/modal/longitudinal.hpp"
 #include "contactspline/modal/modal.hpp"
 #include "contactspline/modal/mode.hpp"
 #include "contactspline/modal/stiff_string.hpp"
@@ -123,6 +124,7 @@ using Felt = materials::felt_c4;
   template class detail::ColumnMatrix<T>;                                                                       \
   template class detail::ContactGroup<T>;                                                                       \
   template class detail::LinearSystem<T>;                                                                       \
+  template class detail::SlopeSquare<T>;                                                                        \
   template class detail::BridgeLoad<T>;                                                                         \
   template class detail::KeyboardSound<T>;                                                                      \
   template class detail::KeysOnBridge<T>;                                                                       \
@@ -156,6 +158,7 @@ using Felt = materials::felt_c4;
   template class HighPass<T>;                                                                                   \
   template class KeyboardInstrument<keyboards::piano, T>;                                                       \
   template class KeyboardOnBody<T>;                                                                             \
+  template class LongitudinalModes<T>;                                                                          \
   template class KeyboardVoice<keyboards::piano, T>;                                                            \
   template class LiveExponent<materials::felt_live, T>;                                                         \
   template class MassBarrier<T>;                                                                                \

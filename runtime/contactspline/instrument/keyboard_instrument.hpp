@@ -170,6 +170,14 @@ class KeyboardInstrument : public PedaledKeyboard<KeyboardInstrument<Keyboard, T
     else
       return {};
   }
+  static LongitudinalMotion longitudinal([[maybe_unused]] int key, [[maybe_unused]] double bending_stiffness_n_m2) {
+    if constexpr (requires { Board::longitudinal_last_key; })
+      if (key <= Board::longitudinal_last_key)
+        return {axial_stiffness(bending_stiffness_n_m2, Board::longitudinal_youngs_modulus_pa),
+                {Board::longitudinal_constant_loss_per_s, Board::longitudinal_quadratic_loss_m2_per_s},
+                Board::longitudinal_output_ratio};
+    return {};
+  }
   static constexpr BoardOfKeyboard kBoard{
       modes_in<Board>,
       Board::bridge_shapes,
@@ -206,7 +214,8 @@ class KeyboardInstrument : public PedaledKeyboard<KeyboardInstrument<Keyboard, T
                       Keyboard::output_ratios[k],
                       {Board::horizontal_strike_ratio * Keyboard::horizontal_ratios[k],
                        Board::horizontal_bridge_ratio * Keyboard::horizontal_ratios[k], Board::horizontal_cents},
-                      Keyboard::bridge_places[k]});
+                      Keyboard::bridge_places[k],
+                      longitudinal(key, Keyboard::bending_stiffnesses[k])});
     }
     return keys;
   }

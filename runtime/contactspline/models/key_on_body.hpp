@@ -10,10 +10,12 @@
 #include <cstddef>
 #include <numbers>
 #include <numeric>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "contactspline/modal/longitudinal.hpp"
 #include "contactspline/modal/stiff_string.hpp"
 #include "contactspline/models/body.hpp"
 #include "contactspline/models/hammer_voice.hpp"
@@ -35,6 +37,7 @@ struct KeyOnBody {
   double output_ratio = 1;           ///< weight of these strings' force on the bridge in the sound (Listening)
   HorizontalMotion horizontal = {};  ///< below detail::SoundingKey::kSympathy_hz
   std::size_t bridge_place = 0;      ///< number of the body's place where these strings end, below Body::places()
+  LongitudinalMotion longitudinal = {};
 };
 
 namespace detail {
@@ -74,7 +77,10 @@ struct SoundingKey {
         string(key.strings),
         strings(key.strings.detuning_cents.size()),
         horizontal_strike(key.horizontal.strike_ratio / std::sqrt(static_cast<double>(strings))),
-        has_damper(key.damper.damping_per_s > 0) {
+        has_damper(key.damper.damping_per_s > 0),
+        longitudinal_output(static_cast<T>(key.output_ratio * key.longitudinal.output_ratio)) {
+    if (key.longitudinal.axial_stiffness_n > 0)
+      longitudinal.emplace(string, key.longitudinal, std::span<const Row>(rows), sample_rate_hz);
     strike_at(key.strike_position_m);
     sum_stiffness();
     for (std::size_t i = 0; i < rows.size(); ++i)
@@ -179,10 +185,28 @@ struct SoundingKey {
 
   void rest() {
     model.reset();
+    rest_longitudinally();
     modes = 0;
     checks = 0;
     energy_j = 0;
     is_struck = is_down = is_held = touches = false;
+  }
+
+  // Lets the strings move along themselves, if they do so at all. Returns what begins to sound [N].
+  T move_longitudinally() {
+    if (!longitudinal || std::exchange(is_longitudinal, true)) return 0;
+    return longitudinal_output * longitudinal->begin(model.string().displacements().first(modes));
+  }
+  // Advances this motion one sample, after the strings. Returns what sounds [N].
+  T tick_longitudinally() {
+    return longitudinal_output * longitudinal->tick(model.string().displacements().first(modes));
+  }
+  // Ends it. Returns what sounded [N].
+  T rest_longitudinally() {
+    if (!std::exchange(is_longitudinal, false)) return 0;
+    const T ended = longitudinal_output * longitudinal->force();
+    longitudinal->reset();
+    return ended;
   }
 
   std::vector<Row> rows;
@@ -202,6 +226,8 @@ struct SoundingKey {
   double horizontal_strike;  // shape of the horizontal motion under the hammer
   std::size_t sympathetic = 0;
   bool has_damper;
+  std::optional<LongitudinalModes<T>> longitudinal = {};
+  T longitudinal_output;    // weight of their force
   double struck_part = -1;  // of the last string
   double position = 0;      // of the strike [m]
   double cents = 0;         // the control of the bend
@@ -216,6 +242,7 @@ struct SoundingKey {
   bool is_struck = false;
   bool is_down = false, is_held = false;  // by the key; by the sostenuto pedal
   bool touches = false;                   // does the hammer touch?
+  bool is_longitudinal = false;           // from a strike until the key sleeps
 };
 
 }  // namespace detail

@@ -45,6 +45,7 @@ class KeyboardOnBody {
     Key& struck = bridge_.key(key);
     press(key);
     bridge_.set_modes(key, struck.model.string().size());
+    bridge_.move_longitudinally(key);
     struck.prepare_strike(una_corda_, soft_ratio_, hammer_mass_ratio_, felt_);
     struck.model.strike(speed_m_per_s, HammerVoice<T>::kThrowDistance_m);
     bridge_.body().knock(knock_ratio_ * struck.controls.hammer_mass_kg * speed_m_per_s);

@@ -42,6 +42,7 @@ class KeysOnBridge {
     resting_.reserve(keys.size());
     groups_.reserve(body_.places());
     struck_.reserve(keys.size());
+    longitudinal_.reserve(keys.size());
   }
 
   [[nodiscard]] std::span<Key> keys() { return keys_; }
@@ -69,9 +70,14 @@ class KeysOnBridge {
       const T force = changed.model.bridge_force(changed.bridge, modes, before);
       body_.leave(changed.stiffness_of(before) - changed.stiffness_of(modes), force, changed.bridge_place);
       sound_.ended(changed.output * force);
-      if (modes == 0) std::erase(awake_, key);
+      if (modes > 0) return;
+      sound_.ended(changed.rest_longitudinally());
+      std::erase(awake_, key);
     }
   }
+
+  /// Lets the strings of a key that is awake move along themselves, until it sleeps.
+  void move_longitudinally(std::size_t key) { sound_.begins(keys_[key].move_longitudinally()); }
 
   /// Lets the tension of a key's strings follow its bend, as far as it may at the time now_s.
   void follow_bend(Key& key, double now_s) {
@@ -100,6 +106,7 @@ class KeysOnBridge {
         output += sum.output;
       }
       const T largest = advance_struck(forces_n, output);
+      for (const std::size_t k : longitudinal_) output += keys_[k].tick_longitudinally();
       if (!forces.empty()) forces[n] = largest;
       body_.tick(std::span<const T>(forces_n, body_.places()));
       begin_joined();
@@ -160,14 +167,16 @@ class KeysOnBridge {
                  key.model.bridge_force(key.bridge, 0, key.modes) - force, key.bridge_place);
   }
 
-  // Who has a hammer in flight, and who has none, place by place.
+  // Who has a hammer in flight, and who has none, place by place; and whose strings move along themselves.
   void sort_out() {
     resting_.clear();
     groups_.clear();
     struck_.clear();
+    longitudinal_.clear();
     for (const std::size_t k : awake_) {
       Key& key = keys_[k];
       key.controls.damping_per_s = static_cast<T>(key.damper.value()) + key.extra_damping_per_s;
+      if (key.is_longitudinal) longitudinal_.push_back(k);
       if (key.is_struck) {
         struck_.push_back(k);
         continue;
@@ -210,7 +219,8 @@ class KeysOnBridge {
   Body<T> body_;
   KeyboardSound<T> sound_;
   std::vector<Key> keys_;
-  std::vector<std::size_t> awake_, struck_;  // struck_: of those that are awake, with a hammer in flight
+  std::vector<std::size_t> awake_, struck_,
+      longitudinal_;  // struck_: of those that are awake, with a hammer in flight
   std::vector<StringsOnBridge<T>> resting_;
   std::vector<Group> groups_;
   std::vector<Joined> joined_;  // since the last sample

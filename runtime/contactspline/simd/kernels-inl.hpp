@@ -27,6 +27,9 @@ BridgeForces<Sample> advance_on_bridge_here(std::span<const StringsOnBridge<Samp
 Sample inner_product_here(std::size_t modes, const Sample* a, const Sample* b) {
   return inner_product_of(modes, a, b);
 }
+void sum_shifted_products_here(std::size_t count, const Sample* a, std::span<Sample> sums) {
+  sum_shifted_products_as(count, a, sums);
+}
 void solve_positive_definite_here(std::size_t size, Sample* matrix, std::size_t stride, Sample* right) {
   solve_positive_definite_as(size, matrix, stride, right);
 }
@@ -54,6 +57,7 @@ namespace contactspline::detail {
 HWY_EXPORT(process_free_here);
 HWY_EXPORT(advance_on_bridge_here);
 HWY_EXPORT(inner_product_here);
+HWY_EXPORT(sum_shifted_products_here);
 HWY_EXPORT(solve_positive_definite_here);
 HWY_EXPORT(sum_free_increments_here);
 HWY_EXPORT(advance_under_forces_here);
@@ -69,6 +73,9 @@ BridgeForces<Sample> advance_on_bridge(std::span<const StringsOnBridge<Sample>> 
 }
 Sample inner_product(std::size_t modes, const Sample* a, const Sample* b) {
   return HWY_DYNAMIC_DISPATCH(inner_product_here)(modes, a, b);
+}
+void sum_shifted_products(std::size_t count, const Sample* a, std::span<Sample> sums) {
+  HWY_DYNAMIC_DISPATCH(sum_shifted_products_here)(count, a, sums);
 }
 void solve_positive_definite(std::size_t size, Sample* matrix, std::size_t stride, Sample* right) {
   HWY_DYNAMIC_DISPATCH(solve_positive_definite_here)(size, matrix, stride, right);

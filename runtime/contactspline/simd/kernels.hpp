@@ -152,6 +152,11 @@ BridgeForces<double> advance_on_bridge(std::span<const StringsOnBridge<double>> 
 float inner_product(std::size_t modes, const float* a, const float* b);
 double inner_product(std::size_t modes, const double* a, const double* b);
 
+/// Writes to sums[k] the sum of a[i] a[i + k] over i < count. `a` begins on a cache line, and is followed by zeros:
+/// to the end of its line and as many as there are sums.
+void sum_shifted_products(std::size_t count, const float* a, std::span<float> sums);
+void sum_shifted_products(std::size_t count, const double* a, std::span<double> sums);
+
 /// Solves matrix x = right, the matrix I plus a positive semidefinite one; right becomes x. Column j of the matrix
 /// begins at matrix + j stride, a cache line; its lower triangle counts, and what follows row `size` in a line is 0.
 /// Overwrites the matrix.
