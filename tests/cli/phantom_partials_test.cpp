@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The example whose bass has longitudinal modes: its phantom partials in the sound of `render`, and the emitted struct.
+// The example whose bass has longitudinal modes: its phantom partials in the sound of `render`, and the emitted
+// struct.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,7 +25,9 @@ namespace {
 
 constexpr int kKey = 28;  // E1, one string
 
-std::string example() { return read_file(fs::path(SOURCE_FOLDER) / "examples/keyboards/phantom_bass.json"); }
+std::string example() {
+  return read_file(fs::path(SOURCE_FOLDER) / "examples/keyboards/phantom_bass.json");
+}
 
 /// The example without the motion of its strings along themselves.
 std::string without_longitudinal() {
@@ -39,7 +42,8 @@ Sound sound_of_blow(const std::string& keyboard) {
                      {{"bass.json", keyboard}});
 }
 
-/// Level near a frequency in the left channel from 0.2 s to 1.7 s [dB]: the largest within 1 Hz, through a Hann window.
+/// Level near a frequency in the left channel from 0.2 s to 1.7 s [dB]: the largest within 1 Hz, through a Hann
+/// window.
 double level_at(const Sound& sound, double hz) {
   const auto begin = static_cast<std::size_t>(0.2 * kRate), size = static_cast<std::size_t>(1.5 * kRate);
   double largest = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A keyboard whose strings move along themselves, beside the same one without: strings, bridge and body do the same to
-// the last bit, and only the sound of the keys that have this motion differs.
+// A keyboard whose strings move along themselves, beside the same one without: strings, bridge and body do the same
+// to the last bit, and only the sound of the keys that have this motion differs.
 #include <array>
 #include <cmath>
 #include <limits>
@@ -49,8 +49,8 @@ OwnKeyboard<T> keyboard(const std::string& longitudinal) {
   std::string events;
   for (int key = 28; key <= 60; ++key)
     events += R"({ "time_s": 0, "key": )" + std::to_string(key) + R"(, "hold_s": 0 })" + (key < 60 ? ", " : "");
-  const auto score = R"({ "instrument": "hammer-string", "duration_s": 1, "keyboard": "along.json", "events": [ )" +
-                     events + " ] }";
+  const auto score =
+      R"({ "instrument": "hammer-string", "duration_s": 1, "keyboard": "along.json", "events": [ )" + events + " ] }";
   return {std::make_shared<const OwnKeyboardParts>(
               parse_keyboard(text, "along.json"),
               parse_score(score, "score.json", [=](const std::string&) { return text; })),
@@ -136,7 +136,7 @@ TEST(KeyboardLongitudinalSound, IsThatOfItsKeysAndItsRatio) {
   EXPECT_TRUE(sequences_within<double>(added, expected, 1e-12));
 }
 
-// Where blocks are cut has no effect, and a reset leaves nothing.
+// Where blocks are cut has no effect, and a reset leaves nothing: neither then nor in the next note.
 TYPED_TEST(KeyboardLongitudinal, SoundsTheSameInBlocksAndIsSilentAfterReset) {
   auto one = keyboard<TypeParam>(longitudinal("1")), other = keyboard<TypeParam>(longitudinal("1"));
   std::vector<TypeParam> left(2000), right(2000), by_one, unused(1);
@@ -151,6 +151,9 @@ TYPED_TEST(KeyboardLongitudinal, SoundsTheSameInBlocksAndIsSilentAfterReset) {
   one.reset();
   one.process(left, right);
   for (const TypeParam sample : left) ASSERT_EQ(sample, 0);
+  one.strike(kLow, TypeParam(4));
+  one.process(left, right);
+  EXPECT_EQ(left, by_one);
 }
 
 // Extreme blows and numbers that are none: the sound is a number, and falls silent.

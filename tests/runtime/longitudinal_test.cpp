@@ -131,7 +131,8 @@ struct TwoModes {
       if (hz == 2 * m_hz) amplitude += slope_m * slope_m / 2 * cosine_coefficient(cosines(m, m), k);
       if (hz == 2 * n_hz) amplitude += slope_n * slope_n / 2 * cosine_coefficient(cosines(n, n), k);
       const double decay = kMotion.losses.decay_per_s(beta);
-      const std::complex<double> response = k == 0 ? 0 : w0 * w0 / (w0 * w0 - w * w + std::complex(0.0, 2 * decay * w));
+      const std::complex<double> response =
+          k == 0 ? 0 : w0 * w0 / (w0 * w0 - w * w + std::complex(0.0, 2 * decay * w));
       sum += (k % 2 == 0 ? 1.0 : -1.0) * c * amplitude * (1.0 - response);
       // Holding the mean of two squares over a sample changes the drive of a mode by a part of (w^2/8 + w^2/24) dt^2,
       // and the mode is exact but for the force between samples, a part of w0^2 dt^2/12.
@@ -230,16 +231,17 @@ template <typename T>
 class LongitudinalModesIn : public ::testing::Test {};
 TYPED_TEST_SUITE(LongitudinalModesIn, Precisions);
 
-// Whatever the strings do: each square of a slope is held between -1 and 1, so the place of rest of a mode moves by at
-// most 2 c for each sample. From there a mode is at Re A, and free motion multiplies A by z. A move by b adds b to Re A,
-// and b sinh(decay dt)/sin(w dt) to Im A. So |A| is at most the sum of a geometric series.
+// Whatever the strings do: each square of a slope is held between -1 and 1, so the place of rest of a mode moves by
+// at most 2 c for each sample. From there a mode is at Re A, and free motion multiplies A by z. A move by b adds b to
+// Re A, and b sinh(decay dt)/sin(w dt) to Im A. So |A| is at most the sum of a geometric series.
 TYPED_TEST(LongitudinalModesIn, AreBoundedWhateverDrivesThem) {
   const double rate_hz = 44100, c = (kMotion.axial_stiffness_n - kString.tension_n) / 2;
   const auto rows = rows_of(3, rate_hz / 2);
   LongitudinalModes<TypeParam> modes(kString, kMotion, std::span<const Row>(rows), rate_hz);
   double bound = c;
   for (const auto& [w, decay, mass] : longitudinal_modes(kString, kMotion, 6000, 16))
-    bound += 2 * c * std::hypot(1, std::sinh(decay / rate_hz) / std::sin(w / rate_hz)) / -std::expm1(-decay / rate_hz);
+    bound +=
+        2 * c * std::hypot(1, std::sinh(decay / rate_hz) / std::sin(w / rate_hz)) / -std::expm1(-decay / rate_hz);
   std::mt19937 random(1);
   std::uniform_real_distribution<double> exponent(-30, 38), part(0, 1);
   std::vector<TypeParam> displacements(rows.size());
@@ -262,7 +264,8 @@ TYPED_TEST(LongitudinalModesIn, AreBoundedWhateverDrivesThem) {
 
 // A string too stiff to have a mode below the limit, and one whose losses leave none, still stretch.
 TEST(LongitudinalModes, MayBeNone) {
-  for (const LongitudinalMotion& motion : {LongitudinalMotion{1e9, {30, 0}, 1}, LongitudinalMotion{2e5, {1e5, 0}, 1}}) {
+  for (const LongitudinalMotion& motion :
+       {LongitudinalMotion{1e9, {30, 0}, 1}, LongitudinalMotion{2e5, {1e5, 0}, 1}}) {
     const auto rows = rows_of(1, 2000);
     LongitudinalModes<double> modes(kString, motion, std::span<const Row>(rows), 44100);
     EXPECT_EQ(modes.size(), 0u);

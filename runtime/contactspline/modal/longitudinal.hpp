@@ -33,9 +33,9 @@ struct LongitudinalMotion {
   return 2 * std::sqrt(std::numbers::pi * youngs_modulus_pa * bending_stiffness_n_m2);
 }
 
-/// The longitudinal modes k = 1, 2, ... of a string between rigid ends, of a wave speed sqrt(EA/mu), below a limit and
-/// at most `max_modes`; without the first that does not oscillate and those above it. Their unit of displacement is a
-/// newton of force on the bridge.
+/// The longitudinal modes k = 1, 2, ... of a string between rigid ends, of a wave speed sqrt(EA/mu), below a limit
+/// and at most `max_modes`; without the first that does not oscillate and those above it. Their unit of displacement
+/// is a newton of force on the bridge.
 [[nodiscard]] inline std::vector<Mode> longitudinal_modes(const StiffString& string, const LongitudinalMotion& motion,
                                                           double max_frequency_hz, std::size_t max_modes) {
   std::vector<Mode> modes;
@@ -111,9 +111,10 @@ class SlopeSquare {
 
 }  // namespace detail
 
-/// The longitudinal force of the strings of a key on their bridge. The square of the slope drives the modes, and these
-/// do not act back. All strings of a key have the same longitudinal modes, so one bank sums them up. The displacement of
-/// a mode is counted as the force by which it pulls at the bridge. Safe on an audio thread after construction.
+/// The longitudinal force of the strings of a key on their bridge. The square of the slope drives the modes, and
+/// these do not act back. All strings of a key have the same longitudinal modes, so one bank sums them up. The
+/// displacement of a mode is counted as the force by which it pulls at the bridge. Safe on an audio thread after
+/// construction.
 template <std::floating_point T>
 class LongitudinalModes {
  public:
@@ -126,9 +127,8 @@ class LongitudinalModes {
   template <typename Row>
   LongitudinalModes(const StiffString& string, const LongitudinalMotion& motion, std::span<const Row> rows,
                     double sample_rate_hz)
-      : LongitudinalModes(
-            string, motion, rows.first(driving(rows, limit_hz(sample_rate_hz) / 2)),
-            longitudinal_modes(string, motion, limit_hz(sample_rate_hz), kMaxModes), sample_rate_hz) {}
+      : LongitudinalModes(string, motion, rows.first(driving(rows, limit_hz(sample_rate_hz) / 2)),
+                          longitudinal_modes(string, motion, limit_hz(sample_rate_hz), kMaxModes), sample_rate_hz) {}
 
   /// Begins while the strings may sound: the modes rest under the square of the slope. Takes what tick() takes, and
   /// returns the force [N].
@@ -196,8 +196,7 @@ class LongitudinalModes {
   template <typename Row>
   static std::size_t driving(std::span<const Row> rows, double below_hz) {
     std::size_t count = 0;
-    while (count < rows.size() &&
-           rows[count].mode.angular_frequency_rad_per_s < 2 * std::numbers::pi * below_hz)
+    while (count < rows.size() && rows[count].mode.angular_frequency_rad_per_s < 2 * std::numbers::pi * below_hz)
       ++count;
     return count;
   }
@@ -221,7 +220,8 @@ class LongitudinalModes {
   // Takes the squares of the slopes, and their mean over the sample as forces.
   void take(std::span<const T> displacements) {
     T* const slopes = slopes_.slopes();
-    const std::span<const Drive> drives = drives_, moving = drives.first(std::min(displacements.size(), drives.size()));
+    const std::span<const Drive> drives = drives_,
+                                 moving = drives.first(std::min(displacements.size(), drives.size()));
     const T* q = displacements.data();
     for (const Drive& drive : moving) slopes[drive.index] = drive.per_m * *q++;
     for (const Drive& drive : drives.subspan(moving.size())) slopes[drive.index] = 0;
