@@ -152,11 +152,16 @@ class SampleLaw {
   }
 
   [[nodiscard]] ForceAndSlope<T> crossing(T x, std::size_t& segment) const {
+    if (table_.is_whole()) return crossing(table_.table(), x, segment);  // faster
+    return crossing(table_, x, segment);
+  }
+  template <typename Table>
+  [[nodiscard, gnu::always_inline]] ForceAndSlope<T> crossing(const Table& table, T x, std::size_t& segment) const {
     const Crossed crossed = cross(x, segment);
     segment = crossed.last;
-    const PotentialWalk<T, TableLessLine<T>> walk(table_, start_, y0_, x >= upper_);
-    const T c = table_.half_curvature(crossed.last), s = crossed.beyond;
-    const Segment<T> entry = table_[crossed.entry];
+    const PotentialWalk<T, Table> walk(table, start_, y0_, x >= upper_);
+    const T c = table[crossed.last].half_curvature, s = crossed.beyond;
+    const Segment<T> entry = table[crossed.entry];
     const T gain = walk.gain_to(crossed.entry) + s * (entry.force + c * s);
     const T force = x != 0 ? gain / x : slope_at_knot_;
     const T slope = x != 0 ? (entry.force + 2 * c * s - force) / x : c;

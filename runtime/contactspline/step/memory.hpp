@@ -60,6 +60,8 @@ class TableLessLine {
   }
 
   [[nodiscard]] constexpr std::size_t size() const { return table_.size(); }
+  /// Is the line 0, so that this is the table?
+  [[nodiscard]] constexpr bool is_whole() const { return !(line_ > 0); }
   [[nodiscard, gnu::always_inline]] constexpr Segment<T> operator[](std::size_t k) const {
     const Segment<T>& s = table_[k];
     if (k > split_) return {s.knot, s.energy - line_ * s.knot, s.force - line_, s.half_curvature};
