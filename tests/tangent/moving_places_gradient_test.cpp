@@ -9,6 +9,7 @@
 
 #include "contactspline/tangent/network_gradient.hpp"
 #include "moving_scene.hpp"
+#include "random_weights.hpp"
 #include "support/compare.hpp"
 #include "support/measured.hpp"
 
@@ -45,18 +46,8 @@ struct Backwards {
   explicit Backwards(const Scene& played, std::uint64_t seed) : scene(played), network(played.plan, Scene::kRate) {
     scene.play(
         network, [](const Scene::Call& c) { return c.to_m; }, [](std::size_t) {});
-    Random random(seed);
-    weights.displacements.resize(scene.plan.places().size());
-    weights.displacements[scene.slid] = random_weights(random, 1);
-    weights.displacements[scene.heard] = random_weights(random, 1);
-    for (std::size_t k = 0; k < scene.plan.connections().size(); ++k)
-      weights.forces.push_back(random_weights(random, 1e-6));  // forces are large numbers
+    weights = random_weights(scene.plan, {scene.slid, scene.heard}, kSamples, Random(seed));
     gradient = network.gradient(weights);
-  }
-  static std::vector<double> random_weights(Random& random, double size) {
-    std::vector<double> weights(kSamples);
-    for (double& weight : weights) weight = random.between(-size, size);
-    return weights;
   }
   /// The weight of a sample, as Moving::samples() orders them.
   [[nodiscard]] double weight(std::size_t i) const {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "network_scene.hpp"
+#include "random_weights.hpp"
 #include "support/compare.hpp"
 #include "support/measured.hpp"
 
@@ -24,18 +25,8 @@ struct Backwards {
       if (n < 50) network.push(scene.struck, scene.push);
       network.tick();
     }
-    Random random(seed);
-    weights.displacements.resize(scene.plan.places().size());
-    weights.displacements[scene.struck] = random_weights(random, 1);
-    for (std::size_t k = 0; k < scene.plan.connections().size(); ++k)
-      weights.forces.push_back(random_weights(random, 1e-6));  // forces are large numbers
+    weights = random_weights(scene.plan, {scene.struck}, kSamples, Random(seed));
     gradient = network.gradient(weights);
-  }
-
-  static std::vector<double> random_weights(Random& random, double size) {
-    std::vector<double> weights(kSamples);
-    for (double& weight : weights) weight = random.between(-size, size);
-    return weights;
   }
 
   /// The weight of a sample, as Scene::play() orders them.
@@ -154,10 +145,8 @@ TEST(NetworkGradient, IsThatOfAPlaceOnAString) {
       network.push(scene.on_mass, 5);
       network.tick();
     }
-    Random random(seed);
-    NetworkWeights<double> weights;
-    weights.displacements.resize(scene.plan.places().size());
-    weights.displacements[scene.output] = Backwards::random_weights(random, 1);
+    NetworkWeights<double> weights = random_weights(scene.plan, {scene.output}, kSamples, Random(seed));
+    weights.forces.clear();
     NetworkNumbers<double> direction;
     direction.places.resize(scene.plan.places().size());
     direction.places[scene.slid] = shapes_tangent<double>(scene.wavenumbers, scene.start, scene.start);
