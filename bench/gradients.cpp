@@ -91,7 +91,8 @@ void play_backwards() {
 struct Network {
   explicit Network(std::size_t bridge_points, bool has_memory, bool slides = false) : is_sliding(slides) {
     std::vector<double> wavenumbers;
-    for (std::size_t i = 1; i <= String::modes; ++i) wavenumbers.push_back(std::numbers::pi * double(i));  // of 1 m
+    for (std::size_t i = 1; i <= String::modes; ++i)
+      wavenumbers.push_back(std::numbers::pi * double(i));  // length 1 m
     const auto place = [&](double at) {
       std::vector<double> shapes;
       for (const double beta : wavenumbers) shapes.push_back(std::sin(beta * at));
@@ -138,10 +139,16 @@ struct Network {
     computed += network.gradient(weights).numbers.connections[0].contact.stiffness_ratio;
   }
 
+  // of_string: parameters of the string's modes, or of the felt.
   template <std::size_t P>
-  void forwards() const {
+  void forwards(bool of_string) const {
     std::array<NetworkNumbers<double>, P> directions;
     for (auto& direction : directions) {
+      if (of_string) {
+        direction.bodies = plan.bodies();
+        direction.bodies[hammer].clear();
+        continue;
+      }
       direction.connections.resize(plan.connections().size());
       direction.connections[0].contact.stiffness_ratio = 1;
     }
@@ -209,8 +216,10 @@ void print_network(std::size_t bridge_points, bool has_memory, bool slides, int 
   fmt::print("A network, the string over {} points, {} memory{}:\n\n", bridge_points, has_memory ? "with" : "without",
              slides ? ", with a place that moves" : "");
   print_table({{"tick", 0, tick},
-               {"forwards", 1, [&] { network.forwards<1>(); }},
-               {"forwards", 4, [&] { network.forwards<4>(); }},
+               {"forwards, of the felt", 1, [&] { network.forwards<1>(false); }},
+               {"forwards, of the felt", 4, [&] { network.forwards<4>(false); }},
+               {"forwards, of the string", 1, [&] { network.forwards<1>(true); }},
+               {"forwards, of the string", 4, [&] { network.forwards<4>(true); }},
                {"backwards", network.numbers(), [&] { network.backwards(); }}},
               rounds);
 }

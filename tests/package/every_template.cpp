@@ -70,10 +70,12 @@
 #include "contactspline/step/live_exponent.hpp"
 #include "contactspline/step/memory.hpp"
 #include "contactspline/step/splice.hpp"
+#include "contactspline/tangent/bodies_tangent.hpp"
 #include "contactspline/tangent/contact_gradient.hpp"
 #include "contactspline/tangent/contact_tangent.hpp"
 #include "contactspline/tangent/force_equations.hpp"
 #include "contactspline/tangent/mass_barrier_tangent.hpp"
+#include "contactspline/tangent/mode_slopes.hpp"
 #include "contactspline/tangent/moved_admittances.hpp"
 #include "contactspline/tangent/moving_places_backwards.hpp"
 #include "contactspline/tangent/network_adjoints.hpp"
@@ -84,6 +86,7 @@
 #include "contactspline/tangent/network_record.hpp"
 #include "contactspline/tangent/network_replay.hpp"
 #include "contactspline/tangent/network_tangent.hpp"
+#include "contactspline/tangent/place_tangent.hpp"
 #include "contactspline/tangent/shapes_history.hpp"
 #include "contactspline/tangent/strike_gradient.hpp"
 #include "contactspline/tangent/strike_tangent.hpp"
@@ -106,8 +109,6 @@ using Felt = materials::felt_c4;
   template class detail::ForceEquations<T>;                                                                     \
   template class detail::NetworkBackwards<T>;                                                                   \
   template struct detail::NetworkModes<T>;                                                                      \
-  template class detail::ModeSlopes<T, 3>;                                                                      \
-  template struct detail::ShapeSlopes<T, 3>;                                                                    \
   template struct detail::NetworkRecord<T>;                                                                     \
   template class detail::StrikeBackwards<T>;                                                                    \
   template class ContactTangent<T, 3>;                                                                          \

@@ -42,7 +42,7 @@ struct Moving {
       // The slowest wave keeps its speed: it limits that of the places, whose derivatives do not count this.
       const double frequency = i == 1 ? 0.99 * w : double(part(kString, w * double(i)));
       modes.push_back({frequency, double(part(kString, 1.0 + double(i))), double(part(kString, 4e-3))});
-      wavenumbers.push_back(std::numbers::pi * double(i));  // of a string of 1 m
+      wavenumbers.push_back(std::numbers::pi * double(i));  // a string of 1 m
     }
     string = plan.add_body(modes);
     const auto still = [&](double at) {

@@ -11,8 +11,8 @@
 
 namespace contactspline::testing {
 
-/// Displacements of some places get weights of -1 to 1, forces of all connections, which are large numbers, of -1e-6 to
-/// 1e-6.
+/// Displacements of some places get weights of -1 to 1, forces of all connections, which are large numbers, of -1e-6
+/// to 1e-6.
 inline NetworkWeights<double> random_weights(const NetworkPlan<double>& plan,
                                              std::initializer_list<std::size_t> places, std::size_t samples,
                                              Random random) {

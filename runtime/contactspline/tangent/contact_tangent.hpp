@@ -265,7 +265,7 @@ class ContactTangent {
     return response;
   }
 
-  /// Is anything remembered?
+  /// Does it remember a force?
   [[nodiscard]] bool remembers() const { return remembered_.line().value > 0; }
 
   /// The memory follows the force at the end of a sample.

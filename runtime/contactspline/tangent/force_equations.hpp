@@ -46,6 +46,10 @@ class ForceEquations {
   /// Factorises the matrix, after the last connection. solver: of the network, for its admittances.
   void factorise(const CoupledContacts<T>& solver) {
     const std::size_t n = acting_.size();
+    if (n == 1) {
+      alone_ = 1 / (1 + roots_[0] * solver.admittance(acting_[0], acting_[0]) * roots_[0]);
+      return;
+    }
     for (std::size_t j = 0; j < n; ++j) {
       T* column = factor_.column(j);
       std::fill_n(column, factor_.padded(n), T(0));
@@ -65,6 +69,10 @@ class ForceEquations {
   /// the transposed equations f + Xi r f = x give.
   void solve(T* values) const {
     for (std::size_t i = 0; i < roots_.size(); ++i) values[i] *= roots_[i];
+    if (roots_.size() == 1) {
+      values[0] *= alone_;
+      return;
+    }
     solve_forwards(factor_, ends_, values);
     solve_backwards(factor_, ends_, values);
   }
@@ -73,6 +81,7 @@ class ForceEquations {
   std::vector<std::size_t> acting_, ends_;
   std::vector<T> roots_;
   ColumnMatrix<T> factor_;
+  T alone_ = 1;  // the inverse of the matrix, if it has one row
 };
 
 }  // namespace contactspline::detail

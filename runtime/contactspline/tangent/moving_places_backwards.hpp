@@ -167,7 +167,7 @@ class MovingPlaces {
   struct Mover {
     std::size_t place;
     ShapesHistory<T> history;
-    std::vector<T> mean, change;                // of the shapes over a sample in which it moves
+    std::vector<T> mean, change;                // mean and change of the shapes, where it moves
     std::vector<T> of_change, of_before, last;  // adjoints: of `change`, of the shapes before, and of c_
     T owed = 0, at = 0;                         // adjoints, the second of the position
     std::pair<T, T> measured = {T(-1), T(-1)};  // positions before and after, for the admittances

@@ -30,7 +30,7 @@ struct ModeAdjoints {
 /// A place in a sample, and its adjoints.
 template <std::floating_point T>
 struct PlaceAdjoints {
-  std::size_t begin;              ///< of the modes of its body
+  std::size_t begin;              ///< first mode of its body
   const T* acting;                ///< shapes with which forces act over the sample,
   const T* seen;                  ///< and those with which displacements are seen after it
   std::vector<T> shapes, forced;  ///< adjoint of the shapes by displacements, and of admittance times shapes

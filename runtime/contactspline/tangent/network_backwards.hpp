@@ -236,8 +236,9 @@ class NetworkBackwards {
   }
   void add_to_places(const T* change, const T* displacement) {
     const std::size_t forced = places_.forced().size();
-    for (std::size_t i = 0; i < places_.touched().size(); ++i) {
-      Place& place = places_[places_.touched()[i]];
+    const std::span<const std::size_t> touched = places_.touched();
+    for (std::size_t i = 0; i < touched.size(); ++i) {
+      Place& place = places_[touched[i]];
       if (place.is_moving) continue;
       const std::size_t modes = place.modes(), begin = place.begin;
       const T after = place.after + place.by_weights;

@@ -48,7 +48,7 @@ struct NetworkGradient {
   std::vector<Motion> motions;
   std::vector<T> pushes;
   std::vector<T> moves;   ///< [1/m]
-  std::vector<T> starts;  ///< of each place, if it moves: by where it begins, through its shapes and all later moves
+  std::vector<T> starts;  ///< for each place, if it moves: by where it begins, through its shapes and all later moves
 };
 
 /// The derivative in a direction of the sum whose gradient is given: the sum of all products.

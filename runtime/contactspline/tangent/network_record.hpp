@@ -11,7 +11,6 @@
 #include <span>
 #include <vector>
 
-#include "contactspline/network/network_plan.hpp"
 #include "contactspline/tangent/contact_gradient.hpp"
 
 namespace contactspline {
@@ -55,7 +54,7 @@ struct NetworkRecord {
   std::vector<Motion> motions;
   std::vector<Ends> ends;  // one for each sample
   std::vector<Move> moves;
-  std::vector<char> calls_follow;   // of each call that moved a place: not if it was beyond its range
+  std::vector<char> calls_follow;   // does each call that moved a place follow? Not if it was beyond its range
   std::vector<std::size_t> movers;  // places that move along strings
   // Before each block: displacements and free increments of all modes; if there are movers also the changes of all
   // modes over the last sample, and where the movers are.

@@ -64,7 +64,11 @@ class NetworkReplay {
   [[nodiscard]] const T* last_change(std::size_t row) const { return row > 0 ? change(row - 1) : last_; }
 
  private:
-  // A function of its own, because compilers respect __restrict on parameters.
+  // Separate functions, because compilers respect __restrict on parameters.
+  static void add_push(std::size_t modes, T force, const T* __restrict admittance, const T* __restrict shapes,
+                       T* __restrict change) {
+    for (std::size_t i = 0; i < modes; ++i) change[i] += admittance[i] * shapes[i] * force;
+  }
   static void advance(std::size_t modes, const T* __restrict stiffness, const T* __restrict loss,
                       const T* __restrict change, T* __restrict displacement, T* __restrict increment,
                       T* __restrict after) {
@@ -79,7 +83,7 @@ class NetworkReplay {
   const NetworkModes<T>& modes_;
   PlacesBackwards<T>& places_;
   MovingPlaces<T>& movers_;
-  std::vector<T> changes_, displacements_;  // of each sample of a block and mode
+  std::vector<T> changes_, displacements_;  // for each sample of a block and mode
   const T* last_ = nullptr;
 };
 
