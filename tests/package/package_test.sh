@@ -854,7 +854,7 @@ case_pages() {
     cd "$WORK/${page#"$SOURCE/"}"
     ln -s "$BUILD" build/program
     ln -s "$BUILD" build/release
-    [[ $name != @(fit|instruments|keyboard) ]] || ln -s "$SOURCE/examples" examples
+    [[ $name != @(fit|instruments|keyboard|longitudinal) ]] || ln -s "$SOURCE/examples" examples
     files_of "$page"
     commands=$((commands + $(commands_of "$page" | wc -l)))
     commands_of "$page" | fresh_commands >commands.sh
