@@ -4,7 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
+#include <numbers>
+#include <optional>
 #include <tuple>
 
 #include "generator/resonator/resonator_reader.hpp"
@@ -38,10 +41,10 @@ constexpr Range kOutputAbove{1, 1000};
 constexpr Range kQuality{0.1, 10};
 constexpr Range kHorizontal{0, 1};
 constexpr Range kHorizontalCents{-100, 100};
-constexpr Range kLongitudinalLoss{0.1, 1e4};
+constexpr Range kLongitudinalLoss{10, 1e4};  // gone before a key that is damped falls asleep
 constexpr Range kLongitudinalQuadratic{0, 1e3};
 constexpr Range kLongitudinalOutput{1e-3, 10};
-constexpr double kMaxAxial = 1e9;  // N
+constexpr double kSteel_pa = 2e11;  // modulus of the cores of most strings
 constexpr Range kPosition{0, 100};
 constexpr double kNowhere = -1;  // of a place without a number
 
@@ -261,24 +264,30 @@ void check_detuning(const Keyboard& keyboard, const JsonObject& object, int key,
                   "numbers above minus half of each pitch");
 }
 
-// Strings that move along themselves are stiffer than they are taut.
-void check_longitudinal(const Keyboard& keyboard, const JsonObject& object, int key, const KeyboardNote& note) {
-  if (!keyboard.body || !keyboard.body->longitudinal || key > keyboard.body->longitudinal->last_key) return;
-  const double axial_n = longitudinal_motion(note, *keyboard.body, key).axial_stiffness_n;
-  if (!(axial_n > note.string.tension_n && axial_n <= kMaxAxial))
-    object.fail("keyboard.body.longitudinal.youngs_modulus_pa",
-                fmt::format("at key {} makes the axial stiffness {:.4g} N", key, axial_n),
-                fmt::format("one above the tension of {:.4g} N and up to {:g} N; 2e11 for steel",
-                            note.string.tension_n, kMaxAxial));
+// Strings that move along themselves have an axial stiffness 2 sqrt(pi E EI) above their tension T.
+void check_modulus(const KeyboardLongitudinal& motion, double above_pa, const JsonObject& object) {
+  if (motion.youngs_modulus_pa > above_pa) return;
+  const std::string wrong =
+      fmt::format("{:g} makes the axial stiffness of some keys less than their tension", motion.youngs_modulus_pa);
+  const double most_pa = ranges::kModulus.max;
+  object.fail("keyboard.body.longitudinal.youngs_modulus_pa", wrong,
+              above_pa < most_pa
+                  ? fmt::format("a number above {:.4g} and up to {:g}, such as {:.4g}", above_pa, most_pa,
+                                above_pa < kSteel_pa ? kSteel_pa : std::sqrt(above_pa * most_pa))
+                  : "larger values of bending_stiffness_n_m2, or a lower last_key");
 }
 
 // What lies beyond the outermost notes may leave any bounds.
 void check_notes(const Keyboard& keyboard, const JsonObject& object) {
+  const auto longitudinal = keyboard.body ? keyboard.body->longitudinal : std::nullopt;
+  double modulus_above_pa = 0;
   for (int key = keyboard.first_key; key <= keyboard.last_key; ++key) {
     const KeyboardNote note = note_of(keyboard, key);
     check_detuning(keyboard, object, key, note);
-    check_longitudinal(keyboard, object, key, note);
     const StiffString& string = note.string;
+    if (longitudinal && key <= longitudinal->last_key)
+      modulus_above_pa = std::max(modulus_above_pa, string.tension_n * string.tension_n /
+                                                        (4 * std::numbers::pi * string.bending_stiffness_n_m2));
     const PowerLaw& felt = *note.felt.contact.power_law();
     for (const auto& [what, value, allowed] :
          {Outcome{"length_m", string.length_m, kLength}, Outcome{"mass_kg", string.mass_kg, ranges::kMass},
@@ -299,6 +308,7 @@ void check_notes(const Keyboard& keyboard, const JsonObject& object) {
         object.fail("keyboard.notes", fmt::format("at key {} {} is {}", key, what, value),
                     fmt::format("a number from {} to {}", allowed.min, allowed.max));
   }
+  if (longitudinal) check_modulus(*longitudinal, modulus_above_pa, object);
 }
 
 }  // namespace

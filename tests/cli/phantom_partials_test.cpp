@@ -59,9 +59,9 @@ double level_at(const Sound& sound, double hz) {
   return 20 * std::log10(largest);
 }
 
-// Sums of the frequencies of two partials, 8 to 25 of the number of a partial that lies higher because the string is
-// stiff: the phantom partials of a bass string (H. A. Conklin, J. Acoust. Soc. Am. 105, 1999). They are 30 to 80 dB
-// above what is there without the motion, and below the partials beside them. The partials themselves stay.
+// Sums of the frequencies of two partials m and n: the phantom partials of a bass string (H. A. Conklin, J. Acoust.
+// Soc. Am. 105, 1999). The string is stiff, so partial m + n lies 8 to 25 Hz higher. Without the motion there is only
+// the noise of 24 bits, 30 to 80 dB below. The partials themselves stay.
 TEST(PhantomPartials, SoundInTheExampleOnly) {
   const Keyboard keyboard = parse_keyboard(example(), "phantom_bass.json");
   const StiffString string = note_of(keyboard, kKey).string;
@@ -94,6 +94,34 @@ TEST(PhantomPartials, AreThoseOfTheEmittedKeyboard) {
   const std::string text = R"({ "instrument": "hammer-string", "duration_s": 0.3, "keyboard": "bass.json",
     "events": [ { "time_s": 0.01, "key": 28, "speed_m_per_s": 5, "hold_s": 0.5 } ] })";
   expect_is(sound_alone("hammer-string", text, {{"bass.json", example()}}), expected);
+}
+
+/// The emitted keyboard with the motion up to E1 only, and without it.
+struct UpToE1 : keyboards::phantom_bass {
+  struct body : phantom_bass::body {
+    static constexpr int longitudinal_last_key = kKey;
+  };
+};
+struct UpToNone : keyboards::phantom_bass {
+  struct body : phantom_bass::body {
+    static constexpr int longitudinal_last_key = first_key - 1;
+  };
+};
+
+template <typename Keyboard>
+std::vector<double> sound_of_key(int key) {
+  KeyboardInstrument<Keyboard, double> bass(kRate, 4096);
+  std::vector<double> left(4410), right(4410);
+  bass.strike(static_cast<std::size_t>(key - Keyboard::first_key), 5);
+  bass.process(left, right);
+  return left;
+}
+
+TEST(PhantomPartials, EndWithTheLastKeyOfTheEmittedKeyboard) {
+  EXPECT_EQ(sound_of_key<UpToE1>(kKey), sound_of_key<keyboards::phantom_bass>(kKey));
+  EXPECT_NE(sound_of_key<UpToE1>(kKey), sound_of_key<UpToNone>(kKey));
+  EXPECT_EQ(sound_of_key<UpToE1>(kKey + 1), sound_of_key<UpToNone>(kKey + 1));
+  EXPECT_NE(sound_of_key<UpToE1>(kKey + 1), sound_of_key<keyboards::phantom_bass>(kKey + 1));
 }
 
 // Faust has none: the file is the one without the key. JSON holds it.

@@ -103,23 +103,6 @@ TYPED_TEST(KeyboardLongitudinal, ChangesNothingButTheSound) {
   EXPECT_LT(difference, 10 * largest);
 }
 
-// After the blow no energy comes from anywhere, to 1e-12 of all of it.
-TEST(KeyboardLongitudinalEnergy, NeverRises) {
-  auto piano = keyboard<double>(longitudinal("1"));
-  std::array<double, 1> left, right;
-  piano.strike(kLow, 5);
-  double before = std::numeric_limits<double>::infinity(), first = 0;
-  for (int n = 0; n < 22050; ++n) {
-    piano.process(left, right);
-    if (piano.is_hammer_flying()) continue;
-    const double now = piano.energy();
-    if (first == 0) first = now;
-    ASSERT_LE(now, before + 1e-12 * first) << n;
-    before = now;
-  }
-  EXPECT_GT(first, 0.01);
-}
-
 // A key above last_key has none, and the sound grows with output_ratio.
 TEST(KeyboardLongitudinalSound, IsThatOfItsKeysAndItsRatio) {
   const auto sound = [](const std::string& motion, std::size_t key) {

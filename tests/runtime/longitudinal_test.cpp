@@ -274,6 +274,12 @@ TEST(LongitudinalModes, MayBeNone) {
     EXPECT_TRUE(relatively_within(
         modes.tick(displacements),
         (motion.axial_stiffness_n - kString.tension_n) / 4 * std::pow(1e-3 * pi / kString.length_m, 2), 1e-12));
+    // The square of the slope ends at 1, and keeps its last value where it is not a number.
+    const double largest = (motion.axial_stiffness_n - kString.tension_n) / 2;
+    displacements[0] = 1e3;
+    EXPECT_EQ(modes.tick(displacements), largest);
+    displacements[0] = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_EQ(modes.tick(displacements), largest);
   }
 }
 

@@ -325,6 +325,35 @@ TEST(NetworkGradient, TakesABodyWithoutModes) {
   }
 }
 
+// The numbers of a gradient in one list.
+std::vector<double> list_of(const NetworkGradient<double>& gradient) {
+  std::vector<double> all = gradient.pushes;
+  for (const auto& connection : gradient.numbers.connections)
+    all.insert(all.end(), {connection.contact.stiffness_ratio, connection.gap_m, connection.spring_n_per_m});
+  for (const auto& body : gradient.numbers.bodies)
+    for (const Mode& mode : body)
+      all.insert(all.end(), {mode.angular_frequency_rad_per_s, mode.decay_per_s, mode.mass_kg});
+  return all;
+}
+
+// What is missing at the end of a list of weights is 0, and what is too much does not count.
+TEST(NetworkGradient, TakesWeightsOfAnyLength) {
+  const Played scene(Random(5), -1, 0, 2);
+  const Backwards backwards(scene, 5);
+  NetworkWeights<double> more = backwards.weights;
+  for (auto* lists : {&more.displacements, &more.forces}) {
+    for (auto& list : *lists)
+      if (!list.empty()) list.resize(kSamples + 3, 1.0);
+    lists->resize(lists->size() + 20, std::vector<double>(kSamples, 1.0));
+  }
+  EXPECT_EQ(list_of(backwards.network.gradient(more)), list_of(backwards.gradient));
+  NetworkWeights<double> fewer = backwards.weights, zeros = fewer;
+  fewer.forces.resize(1);
+  for (std::size_t k = 1; k < zeros.forces.size(); ++k) zeros.forces[k].assign(kSamples, 0.0);
+  EXPECT_EQ(list_of(backwards.network.gradient(fewer)), list_of(backwards.network.gradient(zeros)));
+  EXPECT_NE(list_of(backwards.network.gradient(fewer)), list_of(backwards.gradient));
+}
+
 // Nothing moves, so the force is that of the table at the compression that the gap leaves, but for the least
 // admittance that the solver knows, 1e-18 m/N: by it the compression creeps in each sample.
 TEST(NetworkGradient, TakesAPlanWithoutModes) {

@@ -252,6 +252,46 @@ TEST(NetworkTangent, BeginsAnewWhereAMassIsPut) {
   EXPECT_GT(largest_slope[1], 0);
 }
 
+// What is missing at the end of a list of a direction is 0, and what is too much does not count.
+TEST(NetworkTangent, TakesDirectionsOfAnyLength) {
+  const Played scene(Random(3), -1, 0, 2);
+  const auto directions = Slopes(scene).directions();
+  const auto sound = [&](const auto& along) {
+    Tangent tangent(scene.plan, scene.rate, along);
+    tangent.set_motion(scene.masses[0], 0, scene.speed);
+    std::vector<double> slopes;
+    for (std::size_t n = 0; n < kSamples; ++n) {
+      tangent.tick();
+      for (const double slope : tangent.displacement(scene.struck).slopes) slopes.push_back(slope);
+    }
+    return slopes;
+  };
+  auto longer = directions, shorter = directions;
+  for (auto& direction : longer) {
+    direction.bodies.resize(scene.plan.bodies().size());
+    for (auto& body : direction.bodies)
+      if (!body.empty()) body.resize(body.size() + 2, {1, 1, 1});
+    direction.bodies.push_back({{1, 1, 1}});
+    direction.places.resize(scene.plan.places().size());
+    direction.places.emplace_back(3);
+    for (auto& connection : direction.connections)
+      if (auto& memories = connection.contact.memories; !memories.empty())
+        memories.resize(memories.size() + 1, {1, 1});
+    direction.connections.resize(scene.plan.connections().size());
+    direction.connections.push_back({.gap_m = 1});
+  }
+  for (auto& direction : shorter) {
+    direction.places.resize(std::min(direction.places.size(), scene.struck + 1));
+    for (auto& connection : direction.connections)
+      if (auto& memories = connection.contact.memories; !memories.empty()) memories.resize(1);
+    direction.connections.resize(6);
+  }
+  const std::vector<double> expected = sound(directions);
+  EXPECT_GT(*std::ranges::max_element(expected), 0);
+  EXPECT_EQ(sound(longer), expected);
+  EXPECT_EQ(sound(shorter), expected);
+}
+
 TEST(NetworkTangent, AllocatesNothingAfterConstruction) {
   const Played scene(Random(3), -1, 0);
   Slopes slopes(scene);

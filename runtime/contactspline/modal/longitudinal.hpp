@@ -134,7 +134,7 @@ class LongitudinalModes {
   /// returns the force [N].
   T begin(std::span<const T> displacements) {
     take(displacements);
-    for (std::size_t i = 0; i < size(); ++i) bank_.set_motion(i, -tension_part_ * squares_[i + 1], T(0));
+    for (std::size_t i = 0; i < size(); ++i) bank_.set_motion(i, -tension_part_ * coefficients_[i + 1], T(0));
     return force();
   }
 
@@ -150,9 +150,9 @@ class LongitudinalModes {
 
   /// After tick() [N].
   [[nodiscard]] T force() const {
-    T force = tension_part_ * squares_[0];
+    T force = tension_part_ * coefficients_[0];
     for (std::size_t i = 0; i < size(); ++i)
-      force += signs_[i] * (bank_.displacement(i) + tension_part_ * squares_[i + 1]);
+      force += signs_[i] * (bank_.displacement(i) + tension_part_ * coefficients_[i + 1]);
     return force;
   }
 
@@ -162,12 +162,12 @@ class LongitudinalModes {
 
   void reset() {
     bank_.reset();
-    squares_.fill(0);
+    coefficients_.fill(0);
   }
 
  private:
   // A string whose slope is larger is outside all that this model describes.
-  static constexpr ControlRange<T> kSquare{-1, 1};
+  static constexpr ControlRange<T> kCoefficients{-1, 1};
 
   struct Drive {
     std::uint32_t index;  // of its slope
@@ -217,7 +217,7 @@ class LongitudinalModes {
     return highest;
   }
 
-  // Takes the squares of the slopes, and their mean over the sample as forces.
+  // Takes the squares of the slopes, and the means of their coefficients over the sample as forces.
   void take(std::span<const T> displacements) {
     T* const slopes = slopes_.slopes();
     const std::span<const Drive> drives = drives_,
@@ -227,9 +227,9 @@ class LongitudinalModes {
     for (const Drive& drive : drives.subspan(moving.size())) slopes[drive.index] = 0;
     const std::span<const T> next = slopes_.coefficients();
     for (std::size_t k = 0; k < next.size(); ++k) {
-      const T square = held(squares_[k], next[k], kSquare);
-      if (k > 0) drives_n_[k - 1] = -stiffness_[k - 1] * tension_part_ * ((square + squares_[k]) / 2);
-      squares_[k] = square;
+      const T next_k = held(coefficients_[k], next[k], kCoefficients);
+      if (k > 0) drives_n_[k - 1] = -stiffness_[k - 1] * tension_part_ * ((next_k + coefficients_[k]) / 2);
+      coefficients_[k] = next_k;
     }
   }
 
@@ -239,7 +239,7 @@ class LongitudinalModes {
   std::vector<T> stiffness_;
   T tension_part_;  // (E A - T)/2
   std::vector<Drive> drives_;
-  std::array<T, kMaxModes + 1> squares_{};  // D_0, D_1, ..., held
+  std::array<T, kMaxModes + 1> coefficients_{};  // D_0, D_1, ..., held
 };
 
 }  // namespace contactspline

@@ -204,9 +204,7 @@ struct SoundingKey {
   // Ends it. Returns what sounded [N].
   T rest_longitudinally() {
     if (!std::exchange(is_longitudinal, false)) return 0;
-    const T ended = longitudinal_output * longitudinal->force();
-    longitudinal->reset();
-    return ended;
+    return longitudinal_output * longitudinal->force();
   }
 
   std::vector<Row> rows;

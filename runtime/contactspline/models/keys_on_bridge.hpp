@@ -219,8 +219,9 @@ class KeysOnBridge {
   Body<T> body_;
   KeyboardSound<T> sound_;
   std::vector<Key> keys_;
-  std::vector<std::size_t> awake_, struck_,
-      longitudinal_;  // struck_: of those that are awake, with a hammer in flight
+  std::vector<std::size_t> awake_;
+  // Those of awake_ with a hammer in flight, and those whose strings move along themselves.
+  std::vector<std::size_t> struck_, longitudinal_;
   std::vector<StringsOnBridge<T>> resting_;
   std::vector<Group> groups_;
   std::vector<Joined> joined_;  // since the last sample

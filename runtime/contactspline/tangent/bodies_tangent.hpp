@@ -24,8 +24,8 @@
 namespace contactspline::detail {
 
 /// Bodies and places beside those of a ContactNetwork, `model`. For each sample call move_places(), let the model
-/// advance, then call push(), moved() and drive() for the places of all connections, and advance(). Values of a
-/// Number that it returns do not count.
+/// advance, then call push(), moved() and drive() for the places of all connections, and advance(). Of a Number that
+/// it returns only the slopes count.
 template <std::floating_point T, std::size_t P>
 class BodiesTangent {
  public:
@@ -55,6 +55,7 @@ class BodiesTangent {
       slopes_[p].increment[modes_.begins[mass]] = increment.slopes[p];
     }
   }
+  /// place: of NetworkPlan::add_moving_place(), as in move_place().
   void put_place(std::size_t place, const Number& place_m) {
     Place& p = places_[place];
     Mover& mover = movers_[*p.mover];
@@ -164,9 +165,9 @@ class BodiesTangent {
     Place& added = places_.back();
     for (std::size_t p = 0; p < P; ++p) {
       const auto& all = directions[p].places;
-      if (all.empty() || all[q].size() == 0) continue;
+      if (q >= all.size() || all[q].size() == 0) continue;
       added.acting_slopes.any[p] = has_loads_ = true;
-      for (std::size_t i = 0; i < modes; ++i) added.acting_slopes.of[p][i] = all[q][i];
+      for (std::size_t i = 0; i < std::min(modes, all[q].size()); ++i) added.acting_slopes.of[p][i] = all[q][i];
     }
     added.measure_drive(modes_.admittance);
     if (place.wavenumbers_per_m.empty()) return;

@@ -192,7 +192,7 @@ template <std::floating_point T, std::size_t P>
     weights[i].value = static_cast<T>(memories[i].weight);
     times_s[i].value = static_cast<T>(memories[i].time_s);
     for (std::size_t p = 0; p < P; ++p)
-      if (!directions[p].memories.empty()) {
+      if (i < directions[p].memories.size()) {
         weights[i].slopes[p] = static_cast<T>(directions[p].memories[i].weight);
         times_s[i].slopes[p] = static_cast<T>(directions[p].memories[i].time_s);
       }

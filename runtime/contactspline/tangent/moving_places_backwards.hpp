@@ -22,13 +22,13 @@
 namespace contactspline::detail {
 
 /// The places that move: forwards through a block for the motion of its modes, then back for their adjoints. Let phi
-/// and phi' be the shapes of a place before and after a sample in which it moves, q and q' the displacements of the
-/// modes, c and c_ their changes over this sample and the last one. The forces there change c by admittance (phi +
-/// phi')/2, and what presses the connections is
+/// be the shapes of a place after a sample in which it moves, q the displacements of the modes, c their changes over
+/// the sample, and _ mark the values one sample earlier. The forces there change c by admittance (phi_ + phi)/2, and
+/// what presses the connections is
 ///
-///     before    phi q - owed
-///     after     phi' q + (phi + phi')/2 c + (phi' - phi) c_/2 = phi' q' - owed'
-///     owed'     (phi' - phi) (c - c_)/2
+///     before    phi_ q_ - owed_
+///     after     phi q_ + (phi_ + phi)/2 c + (phi - phi_) c_/2 = phi q - owed
+///     owed      (phi - phi_) (c - c_)/2
 template <std::floating_point T>
 class MovingPlaces {
  public:

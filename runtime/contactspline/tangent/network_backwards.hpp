@@ -90,7 +90,7 @@ class NetworkBackwards {
     const std::span<const Acting> acting = record_.in_sample(record_.acting, &Ends::acting, n);
     places_.list(record_, n);
     movers_.enter(n);
-    for (std::size_t p = 0; p < weights_.displacements.size(); ++p)
+    for (std::size_t p = 0; p < std::min(weights_.displacements.size(), places_.size()); ++p)
       if (const T weight = weight_of(weights_.displacements, p, n); weight != 0)
         places_.touch(p).by_weights += weight;
     linearise(acting);

@@ -20,8 +20,8 @@ struct ConnectionNumbers {
   T gap_m = 0, spring_n_per_m = 0, resistance_n_s_per_m = 0;
 };
 
-/// One value for each number of a network, in the order of its plan. An empty vector is 0; others are as long as in
-/// the plan, each body as its modes.
+/// One value for each number of a network, in the order of its plan. What is missing at the end of a vector is 0, and
+/// what is too much does not count; only a table of a contact is empty or as long as the contact's.
 template <std::floating_point T>
 struct NetworkNumbers {
   std::vector<std::vector<Mode>> bodies = {};
@@ -30,7 +30,8 @@ struct NetworkNumbers {
 };
 
 /// The derivatives of a sum with respect to the samples of a network: of the displacement of each place and the force
-/// of each connection, one value for each sample. What is missing at the end of any list is 0.
+/// of each connection, one value for each sample. What is missing at the end of any list is 0, and what is too much
+/// does not count.
 template <std::floating_point T>
 struct NetworkWeights {
   std::vector<std::vector<T>> displacements = {}, forces = {};

@@ -56,7 +56,7 @@ class NetworkTangent {
   }
 
   /// ContactNetwork::put_place, which also tells how the place follows the parameters [m]. Beyond the ends of the
-  /// string it does not.
+  /// string it does not. place: of NetworkPlan::add_moving_place().
   void put_place(std::size_t place, const Number& place_m) {
     model_.put_place(place, place_m.value);
     bodies_.put_place(place, place_m);
@@ -133,7 +133,7 @@ class NetworkTangent {
     std::array<ContactNumbers<T>, P> contacts;
     Number gap(plan.gap_m), spring(acting.spring_n_per_m), resistance(acting.resistance);
     for (std::size_t p = 0; p < P; ++p) {
-      if (directions[p].connections.empty()) continue;
+      if (k >= directions[p].connections.size()) continue;
       const ConnectionNumbers<T>& direction = directions[p].connections[k];
       contacts[p] = direction.contact;
       contacts[p].stiffness_ratio *= plan.weight;
