@@ -239,7 +239,11 @@ endfunction()
 # it by delete[].
 function(_contactspline_clap_source folder)
   _contactspline_framework_source(CLAP)
-  string(REPLACE "delete[] events;" "std::free(events);" text "${text}")
+  string(REPLACE "delete[] events;" "std::free(events);" changed "${text}")
+  if(changed STREQUAL text)
+    _contactspline_fail("${framework} has no 'delete[] events;'; allowed: version 1.6 of the framework")
+  endif()
+  set(text "${changed}")
   file(CONFIGURE OUTPUT "${folder}/instrument_clap.cpp" @ONLY CONTENT "${text}")
 endfunction()
 

@@ -9,8 +9,9 @@
 
 START_NAMESPACE_DISTRHO
 
-/// A value that one thread reads while another one sets it, without a lock. Who reads a value has what was set before
-/// it, too.
+/// A value that one thread reads while another one sets it, without a lock. Stores release and loads acquire: a thread
+/// that reads a value also reads what the other thread had written before it. As large as a T, for the framework clears
+/// arrays of them by the size of T.
 template <typename T>
 class SharedValue {
  public:
@@ -28,14 +29,14 @@ class SharedValue {
 
  private:
   std::atomic<T> value_;
-  static_assert(std::atomic<T>::is_always_lock_free);
+  static_assert(std::atomic<T>::is_always_lock_free && sizeof(std::atomic<T>) == sizeof(T));
 };
 
 /// The framework's SmallStackBuffer for one thread that writes and one that reads.
 struct SharedBuffer {
   static constexpr uint32_t size = SmallStackBuffer::size;
   SharedValue<uint32_t> head, tail;
-  uint32_t wrtn;  // by the one that writes alone
+  uint32_t wrtn;  // only the thread that writes uses it
   bool invalidateCommit;
   uint8_t buf[size];
 };

@@ -125,6 +125,8 @@ struct ContactStep {
 
 namespace detail {
 
+// gnu::always_inline, here and in the other headers of the step: compilers take these functions for too large to be
+// inlined, and the calls would cost more than the arithmetic.
 #define CONTACTSPLINE_STEP_INLINE [[nodiscard, gnu::always_inline]] constexpr
 #include "contactspline/step/step_coefficients-inl.hpp"
 #undef CONTACTSPLINE_STEP_INLINE
