@@ -9,9 +9,9 @@
 
 START_NAMESPACE_DISTRHO
 
-/// A value that one thread reads while another one sets it, without a lock. Stores release and loads acquire: a thread
-/// that reads a value also reads what the other thread had written before it. As large as a T, for the framework clears
-/// arrays of them by the size of T.
+/// A value that one thread reads while another one sets it, without a lock. Stores release and loads acquire: a
+/// thread that reads a value also reads what the other thread had written before it. As large as a T, for the
+/// framework clears arrays of them by the size of T.
 template <typename T>
 class SharedValue {
  public:

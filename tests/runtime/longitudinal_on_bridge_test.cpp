@@ -53,8 +53,8 @@ struct Piano {
   std::vector<Segment<double>> felt = felt_table(c4(), 32);
 };
 
-/// Two blows; the longitudinal motion begins while the strings ring, ends early with the key, and begins again with the
-/// second blow. each(keys, n) after each sample; the left ear.
+/// Two blows; the longitudinal motion begins while the strings ring, ends early with the key, and begins again with
+/// the second blow. each(keys, n) after each sample; the left ear.
 template <typename Each>
 std::vector<double> played(detail::KeysOnBridge<double>& keys, Each each) {
   std::vector<double> sound(kSamples), right(1);
@@ -80,15 +80,15 @@ std::vector<double> played(detail::KeysOnBridge<double>& keys, Each each) {
 // Both ways round sums of fewer than 1,000 terms. The steps that are taken out are larger by far than this bound.
 TEST(LongitudinalOnBridge, BeginsAndEndsWithoutAStep) {
   const Piano piano;
-  const LongitudinalMotion motion{axial_stiffness(piano.struck.string.bending_stiffness_n_m2, 2e11),
-                                  {30, 0.02},
-                                  kLongitudinalOutput};
+  const LongitudinalMotion motion{
+      axial_stiffness(piano.struck.string.bending_stiffness_n_m2, 2e11), {30, 0.02}, kLongitudinalOutput};
   auto without = piano.on_bridge({});
   auto with = piano.on_bridge(motion);
 
   // The modes by themselves follow the strings of the keyboard that has no such motion.
   const auto& key = without.key(0);
-  std::vector<double> displacements(key.rows.size());
+  ModeShapes<double> displacements(key.rows.size());
+  const std::span<const double> all(displacements.data(), displacements.size());
   std::optional<LongitudinalModes<double>> modes;
   HighPass<double> high_pass(kListening.above_hz, kRate, kListening.quality);
   std::vector<double> expected;
@@ -96,7 +96,7 @@ TEST(LongitudinalOnBridge, BeginsAndEndsWithoutAStep) {
   const auto silent = played(without, [&](int n) {
     if (n == kBegins || n == kBeginsAgain) {
       modes.emplace(piano.struck.string, motion, std::span<const detail::SoundingKey<double>::Row>(key.rows), kRate);
-      const double begins = modes->begin(displacements);
+      const double begins = modes->begin(all);
       if (n == kBegins) at_begin = std::abs(begins);
       step -= begins;
     }
@@ -104,10 +104,10 @@ TEST(LongitudinalOnBridge, BeginsAndEndsWithoutAStep) {
       at_end = std::abs(modes->force());
       step += modes->force();
       modes.reset();
-      std::ranges::fill(displacements, 0);
+      for (std::size_t i = 0; i < displacements.size(); ++i) displacements[i] = 0;
     }
-    if (key.modes > 0) std::ranges::copy(key.model.string().displacements(), displacements.begin());
-    const double force = modes ? modes->tick(displacements) : 0;
+    for (std::size_t i = 0; i < key.modes; ++i) displacements[i] = key.model.string().displacements()[i];
+    const double force = modes ? modes->tick(all) : 0;
     expected.push_back(kWeight * high_pass.tick(force + step));
     step *= std::exp(-1 / (0.01 * kRate));
   });

@@ -30,15 +30,21 @@ const LongitudinalMotion kMotion{axial_stiffness(0.02335, 2e11), {30, 0.02}, 1};
 struct Row {
   Mode mode;
   double wavenumber_per_m;
-  std::size_t string;
 };
 
 std::vector<Row> rows_of(std::size_t strings, double below_hz) {
   std::vector<Row> rows;
   for (const StringMode& mode : modes_below(kString, below_hz))
-    for (std::size_t s = 0; s < strings; ++s) rows.push_back({mode.mode, mode.wavenumber_per_m, s});
+    for (std::size_t s = 0; s < strings; ++s) rows.push_back({mode.mode, mode.wavenumber_per_m});
   return rows;
 }
+
+/// Displacements of modes, as LongitudinalModes takes them.
+template <typename T>
+struct Displacements : ModeShapes<T> {
+  using ModeShapes<T>::ModeShapes;
+  operator std::span<const T>() const { return {this->data(), this->size()}; }
+};
 
 /// Coefficient k of the cosines of a function of the angle pi x/L, by the trapezoidal rule, which is exact for sums
 /// of cosines up to the number of points.
@@ -64,24 +70,28 @@ TEST(SlopeSquare, IsThatOfAQuadrature) {
   constexpr std::size_t kPartials = 37, kHighest = 13;
   std::mt19937 random(7);
   std::uniform_real_distribution<double> slope(-1, 1);
-  detail::SlopeSquare<double> square(2, kPartials, kHighest);
+  // Modes of two strings by turns. The slopes are 1 to 37 times the displacements.
+  std::vector<double> per_m, slopes;
+  for (std::size_t n = 1; n <= kPartials; ++n) per_m.insert(per_m.end(), 2, double(n));
   double sum = 0;
-  for (std::size_t string = 0; string < 2; ++string)
-    for (std::size_t n = 1; n <= kPartials; ++n) {
-      const double a = square.slopes()[square.index(string, n)] = slope(random);
-      sum += a * a;
-    }
+  Displacements<double> displacements(2 * kPartials);
+  for (std::size_t i = 0; i < 2 * kPartials; ++i) {
+    slopes.push_back(slope(random));
+    displacements[i] = slopes[i] / per_m[i];
+    sum += slopes[i] * slopes[i];
+  }
   const auto square_at = [&](double angle) {
     double squares = 0;
     for (std::size_t string = 0; string < 2; ++string) {
       double total = 0;
       for (std::size_t n = 1; n <= kPartials; ++n)
-        total += square.slopes()[square.index(string, n)] * std::cos(static_cast<double>(n) * angle);
+        total += slopes[2 * (n - 1) + string] * std::cos(static_cast<double>(n) * angle);
       squares += total * total;
     }
     return squares;
   };
-  const auto coefficients = square.coefficients();
+  detail::SlopeSquare<double> square(2, std::span<const double>(per_m), kHighest);
+  const auto coefficients = square.coefficients(displacements);
   ASSERT_EQ(coefficients.size(), kHighest + 1);
   // Sums of less than 1,000 terms of at most 37 each, of which the terms sum up to less than 1,000 times the squares.
   for (std::size_t k = 0; k <= kHighest; ++k)
@@ -96,7 +106,8 @@ struct TwoModes {
   [[nodiscard]] std::vector<double> force(double rate_hz) const {
     const auto rows = rows_of(1, 2000);
     LongitudinalModes<double> modes(kString, kMotion, std::span<const Row>(rows), rate_hz);
-    std::vector<double> displacements(rows.size()), forces;
+    Displacements<double> displacements(rows.size());
+    std::vector<double> forces;
     const int end = static_cast<int>(1.5 * rate_hz), begin = end - static_cast<int>(0.1 * rate_hz);
     for (int t = 0; t < end; ++t) {
       displacements[m - 1] = m_m * std::cos(2 * pi * m_hz * t / rate_hz);
@@ -177,7 +188,7 @@ TEST(LongitudinalModes, ArePhantomPartials) {
 TEST(LongitudinalModes, EndAtTheTensionOfAStringAtRest) {
   const auto rows = rows_of(1, 2000);
   LongitudinalModes<double> modes(kString, kMotion, std::span<const Row>(rows), 44100);
-  std::vector<double> displacements(rows.size());
+  Displacements<double> displacements(rows.size());
   double stretch = 0;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     displacements[i] = 1e-3 / static_cast<double>((i + 1) * (i + 1));
@@ -205,7 +216,7 @@ TEST(LongitudinalModes, AddUpStrings) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> moved(-1e-4, 1e-4);
   for (int n = 0; n < 2000; ++n) {
-    std::vector<double> of_first(one.size()), of_second(one.size()), of_both(two.size());
+    Displacements<double> of_first(one.size()), of_second(one.size()), of_both(two.size());
     for (std::size_t i = 0; i < one.size(); ++i) {
       of_both[2 * i] = of_first[i] = moved(random);
       of_both[2 * i + 1] = of_second[i] = moved(random);
@@ -244,11 +255,12 @@ TYPED_TEST(LongitudinalModesIn, AreBoundedWhateverDrivesThem) {
         2 * c * std::hypot(1, std::sinh(decay / rate_hz) / std::sin(w / rate_hz)) / -std::expm1(-decay / rate_hz);
   std::mt19937 random(1);
   std::uniform_real_distribution<double> exponent(-30, 38), part(0, 1);
-  std::vector<TypeParam> displacements(rows.size());
+  Displacements<TypeParam> displacements(rows.size());
   double largest = 0;
   for (int n = 0; n < 20000; ++n) {
     const double size = std::pow(10, exponent(random)), what = part(random);
-    for (TypeParam& q : displacements) q = static_cast<TypeParam>(size * (part(random) - 0.5));
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      displacements[i] = static_cast<TypeParam>(size * (part(random) - 0.5));
     if (what < 0.1) displacements[n % 20] = std::numeric_limits<TypeParam>::quiet_NaN();
     if (what > 0.9) displacements[n % 20] = std::numeric_limits<TypeParam>::infinity();
     const double force = double(modes.tick(displacements));
@@ -258,8 +270,7 @@ TYPED_TEST(LongitudinalModesIn, AreBoundedWhateverDrivesThem) {
   EXPECT_LT(largest, bound);
   EXPECT_GT(largest, c);
   modes.reset();
-  std::ranges::fill(displacements, TypeParam(0));
-  EXPECT_EQ(modes.tick(displacements), 0);
+  EXPECT_EQ(modes.tick(Displacements<TypeParam>(rows.size())), 0);
 }
 
 // A string too stiff to have a mode below the limit, and one whose losses leave none, still stretch.
@@ -269,7 +280,7 @@ TEST(LongitudinalModes, MayBeNone) {
     const auto rows = rows_of(1, 2000);
     LongitudinalModes<double> modes(kString, motion, std::span<const Row>(rows), 44100);
     EXPECT_EQ(modes.size(), 0u);
-    std::vector<double> displacements(rows.size(), 0);
+    Displacements<double> displacements(rows.size());
     displacements[0] = 1e-3;
     EXPECT_TRUE(relatively_within(
         modes.tick(displacements),

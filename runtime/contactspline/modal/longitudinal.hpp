@@ -9,7 +9,6 @@
 #include <cmath>
 #include <concepts>
 #include <cstddef>
-#include <cstdint>
 #include <numbers>
 #include <span>
 #include <vector>
@@ -61,29 +60,36 @@ namespace detail {
 template <std::floating_point T>
 class SlopeSquare {
  public:
-  /// Slopes n up to `partials`, coefficients k up to `highest`. Allocates.
-  SlopeSquare(std::size_t strings, std::size_t partials, std::size_t highest)
+  /// per_m: slope per displacement of mode 1 of each string, then of mode 2 of each, and so on. Coefficients up to
+  /// `highest`. Allocates.
+  SlopeSquare(std::size_t strings, std::span<const T> per_m, std::size_t highest)
       : strings_(strings),
-        highest_(highest),
-        stride_(std::max(partials, highest) + highest + 1),
-        slopes_(in_lines(strings * stride_) + in_lines(highest + 1)),
-        sums_(highest + 1) {}
+        modes_(per_m.size()),
+        per_m_(per_m.size()),
+        slopes_(in_lines(std::max(per_m.size(), highest * strings)) + in_lines(highest * strings + 1)),
+        sums_(highest + 1) {
+    std::ranges::copy(per_m, per_m_.data());
+  }
 
-  /// Where the slope a_n of a string stands.
-  [[nodiscard]] std::size_t index(std::size_t string, std::size_t n) const { return string * stride_ + n; }
-  [[nodiscard]] T* slopes() { return slopes_.data(); }
+  [[nodiscard]] std::size_t modes() const { return modes_; }
 
-  /// D_0, D_1, ... of all strings together.
-  [[nodiscard]] std::span<const T> coefficients() {
-    const T* const slopes = slopes_.data();
+  /// D_0, D_1, ... of all strings together. displacements: of the lowest modes [m], in whole cache lines or all; the
+  /// others are at rest.
+  [[nodiscard]] std::span<const T> coefficients(std::span<const T> displacements) {
+    T* const slopes = slopes_.data();
+    const std::size_t moving = std::min(displacements.size(), modes_);
+    std::fill(slopes + moving, slopes + modes_, T(0));
 #ifdef CONTACTSPLINE_SIMD
-    sum_shifted_products(strings_ * stride_, slopes, sums_);
+    sum_shifted_products(moving, per_m_.data(), displacements.data(), slopes, strings_, sums_);
 #else
-    for (std::size_t k = 0; k <= highest_; ++k)
-      sums_[k] = sum_of<T>(strings_ * stride_, [slopes, k](std::size_t i) { return slopes[i] * slopes[i + k]; });
+    for (std::size_t i = 0; i < moving; ++i) slopes[i] = per_m_[i] * displacements[i];
+    for (std::size_t k = 0; k < sums_.size(); ++k) {
+      const T* const shifted = slopes + k * strings_;
+      sums_[k] = sum_of<T>(moving, [&](std::size_t i) { return slopes[i] * shifted[i]; });
+    }
 #endif
     sums_[0] /= 2;
-    for (std::size_t string = 0; string < strings_; ++string) add_sums(slopes + index(string, 0));
+    add_sums();
     return sums_;
   }
 
@@ -94,18 +100,22 @@ class SlopeSquare {
     return (count + kLine - 1) / kLine * kLine;
   }
 
-  // The products whose numbers add up to k.
-  void add_sums(const T* slope) {
-    for (std::size_t k = 2; k <= highest_; ++k) {
-      T sum = k % 2 == 0 ? slope[k / 2] * slope[k / 2] / 2 : T(0);
-      for (std::size_t m = 1; 2 * m < k; ++m) sum += slope[m] * slope[k - m];
+  // The products whose numbers m and k - m add up to k.
+  void add_sums() {
+    for (std::size_t k = 2; k < sums_.size(); ++k) {
+      T sum = 0;
+      for (std::size_t m = 1; 2 * m <= k; ++m) {
+        const T *a = slopes_.data() + (m - 1) * strings_, *b = slopes_.data() + (k - m - 1) * strings_;
+        T of_strings = 0;
+        for (std::size_t s = 0; s < strings_; ++s) of_strings += a[s] * b[s];
+        sum += 2 * m == k ? of_strings / 2 : of_strings;
+      }
       sums_[k] += sum;
     }
   }
 
-  std::size_t strings_, highest_, stride_;
-  // String after string, slope 0 of each is 0. So many zeros follow each that no product joins two strings.
-  ModalArray<T> slopes_;
+  std::size_t strings_, modes_;
+  ModalArray<T> per_m_, slopes_;  // so many zeros follow the slopes that each has a product for each coefficient
   std::vector<T> sums_;
 };
 
@@ -122,12 +132,13 @@ class LongitudinalModes {
   static constexpr double kHighest_hz = 6000;
   static constexpr std::size_t kMaxModes = 16;
 
-  /// rows: transverse modes by rising frequency, each with a number of its `string`, from 0. Those above a quarter of
-  /// the rate are left out, for their products would fold. Allocates.
+  /// rows: mode 1 of each string, then mode 2 of each, and so on, with members `mode` and `wavenumber_per_m`. Those
+  /// above a quarter of the rate are left out, for their products would fold, and so are those that not every string
+  /// has. Allocates.
   template <typename Row>
   LongitudinalModes(const StiffString& string, const LongitudinalMotion& motion, std::span<const Row> rows,
                     double sample_rate_hz)
-      : LongitudinalModes(string, motion, rows.first(driving(rows, limit_hz(sample_rate_hz) / 2)),
+      : LongitudinalModes(string, motion, strings_of(rows), driving(rows, limit_hz(sample_rate_hz) / 2),
                           longitudinal_modes(string, motion, limit_hz(sample_rate_hz), kMaxModes), sample_rate_hz) {}
 
   /// Begins while the strings may sound: the modes rest under the square of the slope. Takes what tick() takes, and
@@ -139,7 +150,8 @@ class LongitudinalModes {
   }
 
   /// Follows the transverse modes over a sample to these displacements [m] of the lowest ones; the others are at
-  /// rest. Returns the force on the bridge [N].
+  /// rest. They begin on a cache line and fill whole ones, as those of a ModalBank. Returns the force on the bridge
+  /// [N].
   T tick(std::span<const T> displacements) {
     take(displacements);
     bank_.predict();
@@ -158,7 +170,7 @@ class LongitudinalModes {
 
   [[nodiscard]] std::size_t size() const { return bank_.size(); }
   /// Transverse modes that drive.
-  [[nodiscard]] std::size_t driving_modes() const { return drives_.size(); }
+  [[nodiscard]] std::size_t driving_modes() const { return slopes_.modes(); }
 
   void reset() {
     bank_.reset();
@@ -169,15 +181,9 @@ class LongitudinalModes {
   // A string whose slope is larger is outside all that this model describes.
   static constexpr ControlRange<T> kCoefficients{-1, 1};
 
-  struct Drive {
-    std::uint32_t index;  // of its slope
-    T per_m;              // slope per displacement
-  };
-
-  template <typename Row>
-  LongitudinalModes(const StiffString& string, const LongitudinalMotion& motion, std::span<const Row> rows,
-                    const std::vector<Mode>& modes, double sample_rate_hz)
-      : slopes_(strings_of(rows), partials_of(string, rows), modes.size()),
+  LongitudinalModes(const StiffString& string, const LongitudinalMotion& motion, std::size_t strings,
+                    const std::vector<T>& per_m, const std::vector<Mode>& modes, double sample_rate_hz)
+      : slopes_(strings, per_m, modes.size()),
         bank_(modes, sample_rate_hz),
         signs_(modes.size()),
         drives_n_(modes.size()),
@@ -186,46 +192,38 @@ class LongitudinalModes {
       signs_[i] = i % 2 == 0 ? T(-1) : T(1);  // cos(k pi)
       stiffness_.push_back(static_cast<T>(stiffness_of(modes[i])));
     }
-    for (const Row& row : rows)
-      drives_.push_back({static_cast<std::uint32_t>(slopes_.index(row.string, number_of(string, row))),
-                         static_cast<T>(row.wavenumber_per_m)});
   }
 
   static double limit_hz(double sample_rate_hz) { return std::min(kHighest_hz, sample_rate_hz / 2); }
 
+  // Rows from `first` on that have its wavenumber.
   template <typename Row>
-  static std::size_t driving(std::span<const Row> rows, double below_hz) {
-    std::size_t count = 0;
-    while (count < rows.size() && rows[count].mode.angular_frequency_rad_per_s < 2 * std::numbers::pi * below_hz)
-      ++count;
-    return count;
-  }
-  template <typename Row>
-  static std::size_t number_of(const StiffString& string, const Row& row) {
-    return static_cast<std::size_t>(std::lround(row.wavenumber_per_m * string.length_m / std::numbers::pi));
+  static std::size_t count_alike(std::span<const Row> rows, std::size_t first) {
+    std::size_t end = first;
+    while (end < rows.size() && rows[end].wavenumber_per_m == rows[first].wavenumber_per_m) ++end;
+    return end - first;
   }
   template <typename Row>
   static std::size_t strings_of(std::span<const Row> rows) {
-    std::size_t strings = 0;
-    for (const Row& row : rows) strings = std::max(strings, row.string + 1);
-    return strings;
+    return count_alike(rows, 0);
   }
+  // Slopes per displacement [1/m].
   template <typename Row>
-  static std::size_t partials_of(const StiffString& string, std::span<const Row> rows) {
-    std::size_t highest = 0;
-    for (const Row& row : rows) highest = std::max(highest, number_of(string, row));
-    return highest;
+  static std::vector<T> driving(std::span<const Row> rows, double below_hz) {
+    std::vector<T> per_m;
+    const std::size_t strings = strings_of(rows);
+    const auto is_below = [&](const Row& row) {
+      return row.mode.angular_frequency_rad_per_s < 2 * std::numbers::pi * below_hz;
+    };
+    while (per_m.size() < rows.size() && count_alike(rows, per_m.size()) == strings &&
+           std::ranges::all_of(rows.subspan(per_m.size(), strings), is_below))
+      per_m.insert(per_m.end(), strings, static_cast<T>(rows[per_m.size()].wavenumber_per_m));
+    return per_m;
   }
 
   // Takes the squares of the slopes, and the means of their coefficients over the sample as forces.
   void take(std::span<const T> displacements) {
-    T* const slopes = slopes_.slopes();
-    const std::span<const Drive> drives = drives_,
-                                 moving = drives.first(std::min(displacements.size(), drives.size()));
-    const T* q = displacements.data();
-    for (const Drive& drive : moving) slopes[drive.index] = drive.per_m * *q++;
-    for (const Drive& drive : drives.subspan(moving.size())) slopes[drive.index] = 0;
-    const std::span<const T> next = slopes_.coefficients();
+    const std::span<const T> next = slopes_.coefficients(displacements);
     for (std::size_t k = 0; k < next.size(); ++k) {
       const T next_k = held(coefficients_[k], next[k], kCoefficients);
       if (k > 0) drives_n_[k - 1] = -stiffness_[k - 1] * tension_part_ * ((next_k + coefficients_[k]) / 2);
@@ -237,8 +235,7 @@ class LongitudinalModes {
   ModalBank<T> bank_;
   ModeShapes<T> signs_, drives_n_;
   std::vector<T> stiffness_;
-  T tension_part_;  // (E A - T)/2
-  std::vector<Drive> drives_;
+  T tension_part_;                               // (E A - T)/2
   std::array<T, kMaxModes + 1> coefficients_{};  // D_0, D_1, ..., held
 };
 

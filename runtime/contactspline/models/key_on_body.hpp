@@ -42,8 +42,8 @@ struct KeyOnBody {
 
 namespace detail {
 
-/// One key of a KeyboardOnBody as it sounds. The modes of all its strings stand by rising frequency, in whole lines:
-/// a number of them can be advanced alone.
+/// One key of a KeyboardOnBody as it sounds. The first modes of all its strings stand first, then the second ones,
+/// and so on, in whole lines: a number of them can be advanced alone.
 template <std::floating_point T>
 struct SoundingKey {
   // Modes that join and leave together: whole cache lines in both precisions.
@@ -106,7 +106,9 @@ struct SoundingKey {
       add(std::accumulate(detuning.begin(), detuning.end(), 0.0) / count + key.horizontal.cents,
           key.bridge_ratio * key.horizontal.bridge_ratio * std::sqrt(count), detuning.size(),
           std::min(max_frequency_hz, kSympathy_hz));
-    std::ranges::stable_sort(rows, {}, [](const Row& row) { return row.mode.angular_frequency_rad_per_s; });
+    std::ranges::stable_sort(rows, {}, [](const Row& row) {
+      return std::pair(row.wavenumber_per_m, row.mode.angular_frequency_rad_per_s);
+    });
     return rows;
   }
 

@@ -27,8 +27,9 @@ BridgeForces<Sample> advance_on_bridge_here(std::span<const StringsOnBridge<Samp
 Sample inner_product_here(std::size_t modes, const Sample* a, const Sample* b) {
   return inner_product_of(modes, a, b);
 }
-void sum_shifted_products_here(std::size_t count, const Sample* a, std::span<Sample> sums) {
-  sum_shifted_products_as(count, a, sums);
+void sum_shifted_products_here(std::size_t count, const Sample* factors, const Sample* values, Sample* products,
+                               std::size_t shift, std::span<Sample> sums) {
+  sum_shifted_products_as(count, factors, values, products, shift, sums);
 }
 void solve_positive_definite_here(std::size_t size, Sample* matrix, std::size_t stride, Sample* right) {
   solve_positive_definite_as(size, matrix, stride, right);
@@ -74,8 +75,9 @@ BridgeForces<Sample> advance_on_bridge(std::span<const StringsOnBridge<Sample>> 
 Sample inner_product(std::size_t modes, const Sample* a, const Sample* b) {
   return HWY_DYNAMIC_DISPATCH(inner_product_here)(modes, a, b);
 }
-void sum_shifted_products(std::size_t count, const Sample* a, std::span<Sample> sums) {
-  HWY_DYNAMIC_DISPATCH(sum_shifted_products_here)(count, a, sums);
+void sum_shifted_products(std::size_t count, const Sample* factors, const Sample* values, Sample* products,
+                          std::size_t shift, std::span<Sample> sums) {
+  HWY_DYNAMIC_DISPATCH(sum_shifted_products_here)(count, factors, values, products, shift, sums);
 }
 void solve_positive_definite(std::size_t size, Sample* matrix, std::size_t stride, Sample* right) {
   HWY_DYNAMIC_DISPATCH(solve_positive_definite_here)(size, matrix, stride, right);

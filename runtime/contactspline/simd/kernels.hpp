@@ -152,10 +152,13 @@ BridgeForces<double> advance_on_bridge(std::span<const StringsOnBridge<double>> 
 float inner_product(std::size_t modes, const float* a, const float* b);
 double inner_product(std::size_t modes, const double* a, const double* b);
 
-/// Writes to sums[k] the sum of a[i] a[i + k] over i < count. `a` begins on a cache line, and is followed by zeros:
-/// to the end of its line and as many as there are sums.
-void sum_shifted_products(std::size_t count, const float* a, std::span<float> sums);
-void sum_shifted_products(std::size_t count, const double* a, std::span<double> sums);
+/// Writes factors[i] times values[i] to products[i] for i < count, and to sums[k] the sum of products[i] products[i +
+/// k shift]. All three arrays begin on a cache line. The factors are followed by zeros to the end of their line, the
+/// products by zeros to the end of theirs and as many as the largest k shift.
+void sum_shifted_products(std::size_t count, const float* factors, const float* values, float* products,
+                          std::size_t shift, std::span<float> sums);
+void sum_shifted_products(std::size_t count, const double* factors, const double* values, double* products,
+                          std::size_t shift, std::span<double> sums);
 
 /// Solves matrix x = right, the matrix I plus a positive semidefinite one; right becomes x. Column j of the matrix
 /// begins at matrix + j stride, a cache line; its lower triangle counts, and what follows row `size` in a line is 0.

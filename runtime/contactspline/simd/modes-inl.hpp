@@ -100,25 +100,32 @@ HWY_INLINE T inner_product_of(std::size_t modes, const T* a, const T* b) {
   return hn::GetLane(hn::SumOfLanes(tag, hn::Add(even, odd)));
 }
 
-/// Writes kCount sums of a[i] a[first + i], a[i] a[first + i + 1] and so on.
+/// Writes to sums[0] the sum of a[i] a[first + i], to sums[1] that of a[i] a[first + shift + i], and so on.
 template <std::size_t kCount, typename T>
-HWY_INLINE void sum_some_shifted_products(std::size_t count, const T* a, std::size_t first, T* sums) {
+HWY_INLINE void sum_some_shifted_products(std::size_t count, const T* a, std::size_t first, std::size_t shift,
+                                          T* sums) {
   const Tag<T> tag;
   Vector<T> parts[kCount];
   for (std::size_t k = 0; k < kCount; ++k) parts[k] = hn::Zero(tag);
   for (std::size_t i = 0; i < count; i += hn::Lanes(tag)) {
     const auto v = hn::Load(tag, a + i);
-    for (std::size_t k = 0; k < kCount; ++k) parts[k] = hn::MulAdd(v, hn::LoadU(tag, a + i + first + k), parts[k]);
+    for (std::size_t k = 0; k < kCount; ++k)
+      parts[k] = hn::MulAdd(v, hn::LoadU(tag, a + i + first + k * shift), parts[k]);
   }
-  for (std::size_t k = 0; k < kCount; ++k) sums[first + k] = hn::GetLane(hn::SumOfLanes(tag, parts[k]));
+  for (std::size_t k = 0; k < kCount; ++k) sums[k] = hn::GetLane(hn::SumOfLanes(tag, parts[k]));
 }
 
 template <typename T>
-HWY_INLINE void sum_shifted_products_as(std::size_t count, const T* a, std::span<T> sums) {
+HWY_INLINE void sum_shifted_products_as(std::size_t count, const T* factors, const T* values, T* products,
+                                        std::size_t shift, std::span<T> sums) {
+  const Tag<T> tag;
+  for (std::size_t i = 0; i < count; i += hn::Lanes(tag))
+    hn::Store(hn::Mul(hn::Load(tag, factors + i), hn::Load(tag, values + i)), tag, products + i);
   std::size_t k = 0;
-  for (; k + 4 <= sums.size(); k += 4) sum_some_shifted_products<4>(count, a, k, sums.data());
-  if (k + 2 <= sums.size()) sum_some_shifted_products<2>(count, a, k, sums.data()), k += 2;
-  if (k < sums.size()) sum_some_shifted_products<1>(count, a, k, sums.data());
+  for (; k + 4 <= sums.size(); k += 4)
+    sum_some_shifted_products<4>(count, products, k * shift, shift, sums.data() + k);
+  if (k + 2 <= sums.size()) sum_some_shifted_products<2>(count, products, k * shift, shift, sums.data() + k), k += 2;
+  if (k < sums.size()) sum_some_shifted_products<1>(count, products, k * shift, shift, sums.data() + k);
 }
 
 /// Sums of kCount rows times a vector of modes.
