@@ -269,11 +269,11 @@ void check_modulus(const KeyboardLongitudinal& motion, double above_pa, const Js
   if (motion.youngs_modulus_pa > above_pa) return;
   const std::string wrong =
       fmt::format("{:g} makes the axial stiffness of some keys less than their tension", motion.youngs_modulus_pa);
-  const double most_pa = ranges::kModulus.max;
+  const double max_pa = ranges::kModulus.max;
   object.fail("keyboard.body.longitudinal.youngs_modulus_pa", wrong,
-              above_pa < most_pa
-                  ? fmt::format("a number above {:.4g} and up to {:g}, such as {:.4g}", above_pa, most_pa,
-                                above_pa < kSteel_pa ? kSteel_pa : std::sqrt(above_pa * most_pa))
+              above_pa < max_pa
+                  ? fmt::format("a number above {:.4g} and up to {:g}, such as {:.4g}", above_pa, max_pa,
+                                above_pa < kSteel_pa ? kSteel_pa : std::sqrt(above_pa * max_pa))
                   : "larger values of bending_stiffness_n_m2, or a lower last_key");
 }
 
