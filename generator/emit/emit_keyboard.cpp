@@ -136,9 +136,9 @@ std::string pressure_text(const Emitter& emitter, const std::vector<EarRadiation
 // What is added for strings that move along themselves.
 std::string longitudinal_text(const Emitter& emitter, const KeyboardBody& body) {
   if (!body.longitudinal) return "";
-  const auto& [youngs_modulus_pa, losses, output_ratio, last_key] = *body.longitudinal;
+  const auto& [frequency_ratio, losses, output_ratio, last_key] = *body.longitudinal;
   return fill_template(emitted_template("keyboard_longitudinal", emitter.extension),
-                       {{"YOUNGS_MODULUS", literal(youngs_modulus_pa)},
+                       {{"FREQUENCY_RATIO", literal(frequency_ratio)},
                         {"CONSTANT_LOSS", literal(losses.constant_per_s)},
                         {"QUADRATIC_LOSS", literal(losses.quadratic_m2_per_s)},
                         {"OUTPUT_RATIO", literal(output_ratio)},

@@ -146,8 +146,8 @@ HorizontalMotion horizontal_motion(const KeyboardNote& note, const KeyboardBody&
 
 LongitudinalMotion longitudinal_motion(const KeyboardNote& note, const KeyboardBody& body, int key) {
   if (!body.longitudinal || key > body.longitudinal->last_key) return {};
-  const auto& [youngs_modulus_pa, losses, output_ratio, last_key] = *body.longitudinal;
-  return {axial_stiffness(note.string.bending_stiffness_n_m2, youngs_modulus_pa), losses, output_ratio};
+  const auto& [frequency_ratio, losses, output_ratio, last_key] = *body.longitudinal;
+  return {axial_stiffness(note.string.tension_n, frequency_ratio), losses, output_ratio};
 }
 
 std::vector<BodyMode> body_modes(const KeyboardResonators& resonators, double max_frequency_hz) {

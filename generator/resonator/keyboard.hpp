@@ -36,9 +36,9 @@ struct BridgePlace {
   Place place;    ///< on a plate; of a table of modes it is a column of bridge_shapes
 };
 
-/// How the strings of the keys up to last_key move along themselves: round cores of one material.
+/// How the strings of the keys up to last_key move along themselves.
 struct KeyboardLongitudinal {
-  double youngs_modulus_pa;
+  double frequency_ratio;  ///< of the first mode along a string to that across it, without bending stiffness
   Losses losses;
   double output_ratio;  ///< weight of the longitudinal force on the bridge in the sound
   int last_key;         ///< MIDI number
@@ -103,7 +103,7 @@ struct KeyboardNote {
 /// Their horizontal motion.
 [[nodiscard]] HorizontalMotion horizontal_motion(const KeyboardNote& note, const KeyboardBody& body);
 
-/// Their longitudinal motion: E A follows from their bending stiffness. None above its last key.
+/// Their longitudinal motion: E A follows from their tension. None above its last key.
 [[nodiscard]] LongitudinalMotion longitudinal_motion(const KeyboardNote& note, const KeyboardBody& body, int key);
 
 /// What a keyboard's file names: its body, and what its keys strike when they are played (the knock).

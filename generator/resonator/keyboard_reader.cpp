@@ -4,10 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
-#include <numbers>
-#include <optional>
 #include <tuple>
 
 #include "generator/resonator/resonator_reader.hpp"
@@ -41,10 +38,10 @@ constexpr Range kOutputAbove{1, 1000};
 constexpr Range kQuality{0.1, 10};
 constexpr Range kHorizontal{0, 1};
 constexpr Range kHorizontalCents{-100, 100};
+constexpr Range kLongitudinalFrequency{2, 100};
 constexpr Range kLongitudinalLoss{10, 1e4};  // gone before a key that is damped falls asleep
 constexpr Range kLongitudinalQuadratic{0, 1e3};
 constexpr Range kLongitudinalOutput{1e-3, 10};
-constexpr double kSteel_pa = 2e11;  // modulus of the cores of most strings
 constexpr Range kPosition{0, 100};
 constexpr double kNowhere = -1;  // of a place without a number
 
@@ -202,14 +199,14 @@ void check_ears(const std::vector<ListeningPlace>& ears, const Resonator& body, 
 // It sounds by the force on the bridge, times the mobility.
 std::optional<KeyboardLongitudinal> read_longitudinal(const JsonObject& body, int first_key, int last_key) {
   if (!body.has("longitudinal")) return {};
-  const JsonObject object = body.object("longitudinal", {"youngs_modulus_pa", "constant_loss_per_s",
+  const JsonObject object = body.object("longitudinal", {"frequency_ratio", "constant_loss_per_s",
                                                          "quadratic_loss_m2_per_s", "output_ratio", "last_key"});
   const std::string key = body.key("longitudinal");
   if (body.has("ears")) body.fail(key, "stands beside ears, which do not hear it", "one of the two");
   if (!body.has("mobility_m_per_n_s") || body.number("mobility_m_per_n_s", kMobility) == 0)
     body.fail(key, "is not heard without mobility_m_per_n_s", "mobility_m_per_n_s above 0, such as 7e-4, beside it");
   return KeyboardLongitudinal{
-      object.number("youngs_modulus_pa", ranges::kModulus),
+      object.number("frequency_ratio", kLongitudinalFrequency),
       {object.number("constant_loss_per_s", kLongitudinalLoss),
        object.has("quadratic_loss_m2_per_s") ? object.number("quadratic_loss_m2_per_s", kLongitudinalQuadratic) : 0},
       object.number("output_ratio", kLongitudinalOutput),
@@ -264,30 +261,12 @@ void check_detuning(const Keyboard& keyboard, const JsonObject& object, int key,
                   "numbers above minus half of each pitch");
 }
 
-// Strings that move along themselves have an axial stiffness 2 sqrt(pi E EI) above their tension T.
-void check_modulus(const KeyboardLongitudinal& motion, double above_pa, const JsonObject& object) {
-  if (motion.youngs_modulus_pa > above_pa) return;
-  const std::string wrong =
-      fmt::format("{:g} makes the axial stiffness of some keys less than their tension", motion.youngs_modulus_pa);
-  const double max_pa = ranges::kModulus.max;
-  object.fail("keyboard.body.longitudinal.youngs_modulus_pa", wrong,
-              above_pa < max_pa
-                  ? fmt::format("a number above {:.4g} and up to {:g}, such as {:.4g}", above_pa, max_pa,
-                                above_pa < kSteel_pa ? kSteel_pa : std::sqrt(above_pa * max_pa))
-                  : "larger values of bending_stiffness_n_m2, or a lower last_key");
-}
-
 // What lies beyond the outermost notes may leave any bounds.
 void check_notes(const Keyboard& keyboard, const JsonObject& object) {
-  const auto longitudinal = keyboard.body ? keyboard.body->longitudinal : std::nullopt;
-  double modulus_above_pa = 0;
   for (int key = keyboard.first_key; key <= keyboard.last_key; ++key) {
     const KeyboardNote note = note_of(keyboard, key);
     check_detuning(keyboard, object, key, note);
     const StiffString& string = note.string;
-    if (longitudinal && key <= longitudinal->last_key)
-      modulus_above_pa = std::max(modulus_above_pa, string.tension_n * string.tension_n /
-                                                        (4 * std::numbers::pi * string.bending_stiffness_n_m2));
     const PowerLaw& felt = *note.felt.contact.power_law();
     for (const auto& [what, value, allowed] :
          {Outcome{"length_m", string.length_m, kLength}, Outcome{"mass_kg", string.mass_kg, ranges::kMass},
@@ -308,7 +287,6 @@ void check_notes(const Keyboard& keyboard, const JsonObject& object) {
         object.fail("keyboard.notes", fmt::format("at key {} {} is {}", key, what, value),
                     fmt::format("a number from {} to {}", allowed.min, allowed.max));
   }
-  if (longitudinal) check_modulus(*longitudinal, modulus_above_pa, object);
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ std::string keyboard_text(const std::string& longitudinal) {
 }
 
 std::string longitudinal(const std::string& output_ratio) {
-  return R"(, "longitudinal": { "youngs_modulus_pa": 2e11, "constant_loss_per_s": 30,
+  return R"(, "longitudinal": { "frequency_ratio": 16, "constant_loss_per_s": 30,
     "quadratic_loss_m2_per_s": 0.01, "last_key": 45, "output_ratio": )" +
          output_ratio + " }";
 }

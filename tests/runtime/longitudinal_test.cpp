@@ -24,7 +24,7 @@ using std::numbers::pi;
 
 /// C2 of the piano that ships: steel of 1.24 mm in copper.
 const StiffString kString{1.602, 0.03324, 911, 0.02335, {0.3274, 4.029e-5}};
-const LongitudinalMotion kMotion{axial_stiffness(0.02335, 2e11), {30, 0.02}, 1};
+const LongitudinalMotion kMotion{axial_stiffness(911, 16.4), {30, 0.02}, 1};
 
 /// A transverse mode of one of several strings.
 struct Row {
@@ -59,10 +59,15 @@ double cosine_coefficient(Function f, std::size_t k) {
   return sum / kPoints * (k == 0 ? 1 : 2);
 }
 
-TEST(AxialStiffness, IsThatOfARoundWire) {
-  const double diameter_m = 1.4e-3, modulus_pa = 2e11;
-  EXPECT_TRUE(relatively_within(axial_stiffness(modulus_pa * pi / 64 * std::pow(diameter_m, 4), modulus_pa),
-                                modulus_pa * pi / 4 * diameter_m * diameter_m, 1e-14));
+// A string without bending stiffness: the first mode along it has so many times the frequency of the first one
+// across.
+TEST(AxialStiffness, GivesTheRatioOfFrequencies) {
+  StiffString string = kString;
+  string.bending_stiffness_n_m2 = 0;
+  string.losses = {0, 0};
+  const LongitudinalMotion motion{axial_stiffness(string.tension_n, 13.3), {0, 0}, 1};
+  EXPECT_TRUE(relatively_within(longitudinal_modes(string, motion, 6000, 1).at(0).angular_frequency_rad_per_s,
+                                13.3 * modes_below(string, 100).at(0).mode.angular_frequency_rad_per_s, 1e-14));
 }
 
 // All coefficients of two strings against a quadrature of the square of their slopes.

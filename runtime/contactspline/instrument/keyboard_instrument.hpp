@@ -170,10 +170,10 @@ class KeyboardInstrument : public PedaledKeyboard<KeyboardInstrument<Keyboard, T
     else
       return {};
   }
-  static LongitudinalMotion longitudinal([[maybe_unused]] int key, [[maybe_unused]] double bending_stiffness_n_m2) {
+  static LongitudinalMotion longitudinal([[maybe_unused]] int key, [[maybe_unused]] double tension_n) {
     if constexpr (requires { Board::longitudinal_last_key; })
       if (key <= Board::longitudinal_last_key)
-        return {axial_stiffness(bending_stiffness_n_m2, Board::longitudinal_youngs_modulus_pa),
+        return {axial_stiffness(tension_n, Board::longitudinal_frequency_ratio),
                 {Board::longitudinal_constant_loss_per_s, Board::longitudinal_quadratic_loss_m2_per_s},
                 Board::longitudinal_output_ratio};
     return {};
@@ -215,7 +215,7 @@ class KeyboardInstrument : public PedaledKeyboard<KeyboardInstrument<Keyboard, T
                       {Board::horizontal_strike_ratio * Keyboard::horizontal_ratios[k],
                        Board::horizontal_bridge_ratio * Keyboard::horizontal_ratios[k], Board::horizontal_cents},
                       Keyboard::bridge_places[k],
-                      longitudinal(key, Keyboard::bending_stiffnesses[k])});
+                      longitudinal(key, Keyboard::tensions[k])});
     }
     return keys;
   }

@@ -26,10 +26,10 @@ struct LongitudinalMotion {
   double output_ratio = 1;       ///< weight of their force on the bridge in the sound
 };
 
-/// E A [N] of a round wire from its bending stiffness E I [N m^2] and its modulus E [Pa]: 2 sqrt(pi E EI), because
-/// A^2 = 4 pi I.
-[[nodiscard]] inline double axial_stiffness(double bending_stiffness_n_m2, double youngs_modulus_pa) {
-  return 2 * std::sqrt(std::numbers::pi * youngs_modulus_pa * bending_stiffness_n_m2);
+/// E A [N] of a string whose modes along itself have frequencies that are frequency_ratio > 1 times those across it
+/// without bending stiffness: sqrt(EA/mu) is as many times sqrt(T/mu).
+[[nodiscard]] inline double axial_stiffness(double tension_n, double frequency_ratio) {
+  return frequency_ratio * frequency_ratio * tension_n;
 }
 
 /// The longitudinal modes k = 1, 2, ... of a string between rigid ends, of a wave speed sqrt(EA/mu), below a limit
