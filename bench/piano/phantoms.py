@@ -7,8 +7,9 @@
 RECORDINGS is a folder as `compare.py fetch` makes it. CS is the program, KEYBOARD a keyboard file with `longitudinal`. Prints both
 numbers, by the keys A and C from A0 to C3; with CONTACTSPLINE_KEYS=judge by D sharp and F sharp, which are for judging.
 
-Phantom partials are the sums of the frequencies of partials m and n below 3 kHz, where no partial lies within 6 Hz and where the
-spectrum from 0.1 to 1.6 s stands 10 dB out of what is beside it. Pairs whose sums lie within 1.5 Hz count as one.
+Phantom partials are the sums of the frequencies of partials m and n from 300 Hz to 3 kHz, where no partial lies within 6 Hz and where
+the spectrum from 0.1 to 1.6 s stands 10 dB out of what is beside it. Partials are 13 dB above the median around them. Pairs have
+2 <= m < n and 6 <= m + n < 40. A pair whose sum is less than 1.5 Hz above the one before counts with it as one.
 
 frequency_ratio: the longitudinal mode |m - n| of frequency |m - n| ratio f0 is in resonance with a pair of m + n = ratio |m - n|. For
 each ratio the power of a phantom partial follows from those of its partials and the response of the modes |m - n| and m + n (LOSS_PER_S
@@ -18,7 +19,6 @@ held at 25 dB.
 output_ratio: the power of all phantom partials over that of all partials is compared with that of the same notes as the program plays
 them. The median over notes and layers of the difference in dB is the correction.
 """
-import json
 import os
 import sys
 import tempfile
@@ -26,6 +26,7 @@ import tempfile
 import numpy as np
 
 import compare
+from fit import read
 
 SIZE, BEGIN_S = 1 << 16, 0.1
 BELOW_HZ, APART_HZ, TOGETHER_HZ, OUT_DB, HELD_DB = 3000, 6, 1.5, 10, 25
@@ -77,7 +78,7 @@ class Note:
         return (i + 0.5 * (left - right) / (left - 2 * middle + right)) * self.hz[1], self.power[i]
 
     def deviations(self, ratio):
-        """Of the levels of phantom partials from those that a ratio predicts [dB]; the median is 0."""
+        """Returns how far the levels of phantom partials are from those that a ratio predicts [dB]; the median is 0."""
         def response(m, n, hz):
             w, modes = 2 * np.pi * hz, np.array([n - m, n + m])
             own = 2 * np.pi * modes * ratio * self.f0
@@ -92,19 +93,19 @@ def notes_of(folder):
 
 
 def fit_ratio(notes):
-    """The best ratio, its mean deviation and the median of those of all ratios [dB]."""
+    """The best ratio, its mean deviation and the median of those of all ratios [dB], and the number of phantom partials."""
     known = [note for note in notes.values() if len(note.phantoms) >= 5]
+    if not known:
+        sys.exit('no note has five phantom partials: give other recordings')
     mean = [np.mean(np.minimum(np.abs(np.concatenate([note.deviations(r) for note in known])), HELD_DB)) for r in RATIOS]
-    return RATIOS[np.argmin(mean)], min(mean), np.median(mean)
+    return RATIOS[np.argmin(mean)], min(mean), np.median(mean), sum(len(note.phantoms) for note in known)
 
 
 def main(recordings, program, keyboard):
-    with open(keyboard) as f:
-        text = ''.join(line for line in f if not line.lstrip().startswith('//'))
-    longitudinal = json.loads(text)['keyboard']['body']['longitudinal']
+    longitudinal = read(keyboard)['keyboard']['body']['longitudinal']
     recorded = notes_of(recordings)
-    ratio, best, usual = fit_ratio(recorded)
-    print(f'frequency_ratio {ratio:.1f}: mean deviation {best:.1f} dB, median over all ratios {usual:.1f} dB')
+    ratio, best, usual, count = fit_ratio(recorded)
+    print(f'frequency_ratio {ratio:.1f}: mean deviation {best:.1f} dB of {count} phantom partials, median over all ratios {usual:.1f} dB')
     with tempfile.TemporaryDirectory() as folder:
         compare.score(folder, program, os.path.abspath(keyboard), notes=NOTES)
         ours = notes_of(folder)
@@ -112,6 +113,10 @@ def main(recordings, program, keyboard):
     for i, db in zip(recorded, off):
         print(f'{i[0]} layer {i[1]}: {len(recorded[i].phantoms)} and {len(ours[i].phantoms)} phantom partials, '
               f'recorded {recorded[i].phantoms_db:.1f} dB, ours {ours[i].phantoms_db:.1f} dB')
+    soft, loud = compare.SPEEDS
+    for whose, notes in (('recorded', recorded), ('ours', ours)):
+        gains = [notes[note, loud].phantoms_db - notes[note, soft].phantoms_db for note in NOTES]
+        print(f'{whose}: from layer {soft} to {loud} phantom partials gain {min(gains):.0f} to {max(gains):.0f} dB on the partials')
     print(f'output_ratio {longitudinal["output_ratio"] * 10**(np.median(off) / 20):.2g}: median difference {np.median(off):.1f} dB, '
           f'median deviation from it {np.median(np.abs(off - np.median(off))):.1f} dB')
 

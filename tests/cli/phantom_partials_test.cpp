@@ -60,8 +60,8 @@ double level_at(const Sound& sound, double hz) {
 }
 
 // Sums of the frequencies of two partials m and n: the phantom partials of a bass string (H. A. Conklin, J. Acoust.
-// Soc. Am. 105, 1999). The string is stiff, so partial m + n lies 8 to 25 Hz higher. Without the motion there is only
-// the noise of 24 bits, 30 to 80 dB below. The partials themselves stay.
+// Soc. Am. 105, 1999). The string is stiff, so partial m + n lies 11 to 33 Hz higher. Without the motion there is
+// only the noise of 24 bits, 30 to 80 dB below. The partials themselves stay.
 TEST(PhantomPartials, SoundInTheExampleOnly) {
   const Keyboard keyboard = parse_keyboard(example(), "phantom_bass.json");
   const StiffString string = note_of(keyboard, kKey).string;

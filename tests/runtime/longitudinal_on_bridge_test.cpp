@@ -23,7 +23,8 @@ namespace {
 constexpr double kRate = 44100;
 constexpr Listening kListening{.pickup_ratio = 0, .mobility_m_per_n_s = 0.7, .above_hz = 2};
 constexpr double kOutput = 1.3, kLongitudinalOutput = 0.4;
-constexpr double kWeight = kListening.mobility_m_per_n_s * kOutput * kLongitudinalOutput;  // of the force
+/// Sound per newton of longitudinal force.
+constexpr double kWeight = kListening.mobility_m_per_n_s * kOutput * kLongitudinalOutput;
 constexpr int kBegins = 1500, kEnds = 4000, kBeginsAgain = 4200, kSamples = 6000;
 
 /// C4 on a board that is heard by the force on its bridge alone.

@@ -278,6 +278,28 @@ TYPED_TEST(LongitudinalModesIn, AreBoundedWhateverDrivesThem) {
   EXPECT_EQ(modes.tick(Displacements<TypeParam>(rows.size())), 0);
 }
 
+// The numbers of modes follow from their places in the rows. So nothing drives where the first modes of all strings,
+// or of one of them, are overdamped.
+TEST(LongitudinalModes, RestWhereAFirstModeIsOverdamped) {
+  const auto modes_of = [](const std::vector<Row>& rows) {
+    return LongitudinalModes<double>(kString, kMotion, std::span<const Row>(rows), 44100).driving_modes();
+  };
+  std::vector<Row> rows = rows_of(3, 2000);
+  const std::size_t all = modes_of(rows);
+  EXPECT_GT(all, 60u);
+  EXPECT_EQ(modes_of({rows.begin() + 1, rows.end()}), 0u);
+  EXPECT_EQ(modes_of({rows.begin() + 3, rows.end()}), 0u);
+  StiffString damped = kString;
+  damped.losses.constant_per_s = 500;  // mode 1 has 411 rad/s
+  rows.clear();
+  for (const StringMode& mode : modes_below(damped, 2000)) rows.push_back({mode.mode, mode.wavenumber_per_m});
+  ASSERT_TRUE(relatively_within(rows.at(0).wavenumber_per_m, 2 * pi / kString.length_m, 1e-12));
+  EXPECT_EQ(modes_of(rows), 0u);
+  rows = rows_of(3, 2000);
+  rows.pop_back();  // a mode that two strings have
+  EXPECT_EQ(modes_of(rows), all - 3);
+}
+
 // A string too stiff to have a mode below the limit, and one whose losses leave none, still stretch.
 TEST(LongitudinalModes, MayBeNone) {
   for (const LongitudinalMotion& motion :

@@ -174,6 +174,15 @@ TEST(MovingPlacesGradient, IsThatOfWhereAPlaceBegins) {
   EXPECT_EQ(gradient.starts[scene.on_mass], 0);
 }
 
+TEST(MovingPlacesGradient, IsZeroWithoutASample) {
+  const Scene scene(4, -1, 0);
+  RecordedNetwork<double> network(scene.plan, Scene::kRate);
+  const auto gradient = network.gradient(random_weights(scene.plan, {scene.slid, scene.heard}, kSamples, Random(4)));
+  EXPECT_EQ(gradient.starts, std::vector<double>(scene.plan.places().size(), 0.0));
+  const auto& shapes = gradient.numbers.places[scene.slid];
+  for (std::size_t i = 0; i < shapes.size(); ++i) EXPECT_EQ(shapes[i], 0);
+}
+
 // What is not a number does nothing but stop a place. What is out of range does as the end of the range does, so its
 // derivative is 0.
 TEST(MovingPlacesGradient, TakesNumbersInTheirRangesAlone) {

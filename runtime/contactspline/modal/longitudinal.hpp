@@ -21,13 +21,14 @@ namespace contactspline {
 
 /// How strings move along themselves. They do not if axial_stiffness_n is 0.
 struct LongitudinalMotion {
-  double axial_stiffness_n = 0;  ///< E A: modulus times cross-section of the core; above the tension
-  Losses losses = {0, 0};        ///< of the longitudinal modes
-  double output_ratio = 1;       ///< weight of their force on the bridge in the sound
+  double axial_stiffness_n =
+      0;                    ///< E A: modulus times cross-section of the core, as axial_stiffness(); above the tension
+  Losses losses = {0, 0};   ///< of the longitudinal modes
+  double output_ratio = 1;  ///< weight of their force on the bridge in the sound
 };
 
 /// E A [N] of a string whose modes along itself have frequencies that are frequency_ratio > 1 times those across it
-/// without bending stiffness: sqrt(EA/mu) is as many times sqrt(T/mu).
+/// without bending stiffness. The wave speeds sqrt(EA/mu) and sqrt(T/mu) have the same ratio.
 [[nodiscard]] inline double axial_stiffness(double tension_n, double frequency_ratio) {
   return frequency_ratio * frequency_ratio * tension_n;
 }
@@ -115,7 +116,7 @@ class SlopeSquare {
   }
 
   std::size_t strings_, modes_;
-  ModalArray<T> per_m_, slopes_;  // so many zeros follow the slopes that each has a product for each coefficient
+  ModalArray<T> per_m_, slopes_;  // at least (highest coefficient) times strings zeros follow the slopes
   std::vector<T> sums_;
 };
 
@@ -132,13 +133,13 @@ class LongitudinalModes {
   static constexpr double kHighest_hz = 6000;
   static constexpr std::size_t kMaxModes = 16;
 
-  /// rows: mode 1 of each string, then mode 2 of each, and so on, with members `mode` and `wavenumber_per_m`. Those
-  /// above a quarter of the rate are left out, for their products would fold, and so are those that not every string
-  /// has. Allocates.
+  /// rows: mode 1 of each string, then mode 2 of each, and so on, with members `mode` and `wavenumber_per_m`. The
+  /// modes 1, 2, 3, ... drive, up to the first that not every string has or that lies above a quarter of the rate,
+  /// where products would fold. So nothing drives if mode 1 of a string is overdamped. Allocates.
   template <typename Row>
   LongitudinalModes(const StiffString& string, const LongitudinalMotion& motion, std::span<const Row> rows,
                     double sample_rate_hz)
-      : LongitudinalModes(string, motion, strings_of(rows), driving(rows, limit_hz(sample_rate_hz) / 2),
+      : LongitudinalModes(string, motion, strings_of(rows), driving(string, rows, limit_hz(sample_rate_hz) / 2),
                           longitudinal_modes(string, motion, limit_hz(sample_rate_hz), kMaxModes), sample_rate_hz) {}
 
   /// Begins while the strings may sound: the modes rest under the square of the slope. Takes what tick() takes, and
@@ -205,19 +206,26 @@ class LongitudinalModes {
   }
   template <typename Row>
   static std::size_t strings_of(std::span<const Row> rows) {
-    return count_alike(rows, 0);
+    std::size_t strings = 0;
+    for (std::size_t first = 0, alike = 0; first < rows.size(); first += alike)
+      strings = std::max(strings, alike = count_alike(rows, first));
+    return strings;
   }
   // Slopes per displacement [1/m].
   template <typename Row>
-  static std::vector<T> driving(std::span<const Row> rows, double below_hz) {
+  static std::vector<T> driving(const StiffString& string, std::span<const Row> rows, double below_hz) {
     std::vector<T> per_m;
     const std::size_t strings = strings_of(rows);
     const auto is_below = [&](const Row& row) {
       return row.mode.angular_frequency_rad_per_s < 2 * std::numbers::pi * below_hz;
     };
-    while (per_m.size() < rows.size() && count_alike(rows, per_m.size()) == strings &&
-           std::ranges::all_of(rows.subspan(per_m.size(), strings), is_below))
-      per_m.insert(per_m.end(), strings, static_cast<T>(rows[per_m.size()].wavenumber_per_m));
+    for (long number = 1; per_m.size() < rows.size(); ++number) {
+      const double wavenumber_per_m = rows[per_m.size()].wavenumber_per_m;
+      if (std::lround(wavenumber_per_m * string.length_m / std::numbers::pi) != number) break;
+      if (count_alike(rows, per_m.size()) != strings) break;
+      if (!std::ranges::all_of(rows.subspan(per_m.size(), strings), is_below)) break;
+      per_m.insert(per_m.end(), strings, static_cast<T>(wavenumber_per_m));
+    }
     return per_m;
   }
 

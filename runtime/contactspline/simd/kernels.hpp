@@ -154,7 +154,8 @@ double inner_product(std::size_t modes, const double* a, const double* b);
 
 /// Writes factors[i] times values[i] to products[i] for i < count, and to sums[k] the sum of products[i] products[i +
 /// k shift]. All three arrays begin on a cache line. The factors are followed by zeros to the end of their line, the
-/// products by zeros to the end of theirs and as many as the largest k shift.
+/// products by zeros to the end of theirs and as many as the largest k shift. The values are readable and finite to
+/// the end of their line.
 void sum_shifted_products(std::size_t count, const float* factors, const float* values, float* products,
                           std::size_t shift, std::span<float> sums);
 void sum_shifted_products(std::size_t count, const double* factors, const double* values, double* products,
