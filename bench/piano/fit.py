@@ -24,8 +24,8 @@ of KEYBOARD, and
    of a key and of their horizontal motion on a bridge of one mobility. From C6 on horizontal_ratio falls by one factor for
    each octave;
 7. the high-pass of the sound by the levels of partials of rendered notes, then output_ratio by their loudness, the mean of both
-   layers and of the key with its neighbours. The keys on both sides of where the number of strings changes become notes, whose
-   loudness lies on the line between those of the neighbours.
+   layers and of the key with its neighbours. A key whose loudness is more than UNEVEN_DB off the line between them becomes a note, too,
+   with the output_ratio that puts it there.
 
 The steps are strings (1 to 3), hammers (4), refine (5), decays (6) and output (7); without STEP it takes all. A step that is left out leaves
 what KEYBOARD has, so that a fitted file can be fitted on. Prints each estimate with its error. It needs Debian's python3-numpy and python3-scipy.
@@ -53,6 +53,7 @@ WEIGHT = 0.2
 FARTHEST_DB = 20  # a partial counts no more than this
 DB = 20 / math.log(10)  # dB/s per 1/s
 HIGHEST_EXPONENT = 3.5  # of felts taken from pianos (D. Hall and A. Askenfelt, JASA 83, 1988)
+UNEVEN_DB = 0.5  # neighbours then differ by 1 dB more than the line, which is hardly heard
 HIGHEST_MEASURED = 84  # above, partials are too few for B, and too short for a late decay
 
 
@@ -364,32 +365,38 @@ def fit_high_pass(keyboard, ours, recorded):
 
 
 def fit_output(program, keyboard, notes, recorded):
-    """Notes with output_ratio, also beside each change of the number of strings."""
-    layers = list(compare.SPEEDS)
+    """Notes with output_ratio. A key whose loudness is far from the line between those of its neighbours becomes a note."""
+    layers, given = list(compare.SPEEDS), [note['key'] for note in notes]
+    keys = np.arange(given[0], given[-1] + 1)
     for note in notes:
         note['output_ratio'] = 1.0
     fit_high_pass(keyboard, rendered(program, keyboard, notes, layers, heard, 1.05, compare.NOTES), recorded)
-    borders = [keyboard['keyboard'][name] + beside for name in ('first_double_key', 'first_triple_key') for beside in (-1, 0)]
-    given = sorted(notes + [note_of(notes, key) for key in borders], key=lambda note: note['key'])
-    names, keys = [compare.name_of(note['key']) for note in given], [note['key'] for note in notes]
 
     def loudness():
-        ours = rendered(program, keyboard, given, layers, heard, 1.05, names)
-        return {note['key']: np.mean([ours[name, layer][1] for layer in layers]) for name, note in zip(names, given)}
+        names = [compare.name_of(key) for key in keys]
+        ours = rendered(program, keyboard, notes, layers, heard, 1.05, names)
+        return np.array([np.mean([ours[name, layer][1] for layer in layers]) for name in names])
 
     found = loudness()
-    missing = np.array([np.mean([recorded[name, layer]['loudness_dba'] for layer in layers]) - found[key]
-                        for name, key in zip(compare.NOTES, keys)])
+    theirs = np.array([np.mean([recorded[name, layer]['loudness_dba'] for layer in layers]) for name in compare.NOTES])
+    missing = theirs - np.interp(given, keys, found)
     missing -= np.median(missing)
     padded = np.pad(missing, 1, mode='edge')
     smooth = (padded[:-2] + 2 * padded[1:-1] + padded[2:]) / 4
-    wanted = np.array([found[key] for key in keys]) + smooth
     print(f'loudness: {np.round(missing, 1)} dB missing, {np.round(smooth, 1)} given')
-    for found in (found, None):  # the knock and the body's velocity do not follow output_ratio, so once more
-        found = found or loudness()
-        for note in given:
-            note['output_ratio'] *= 10**((np.interp(note['key'], keys, wanted) - found[note['key']]) / 20)
-    return given
+    wanted = np.interp(keys, given, np.interp(given, keys, found) + smooth)
+    while True:
+        gains = np.interp(keys, given, (wanted - found)[np.isin(keys, given)])
+        off = np.abs(found + gains - wanted)
+        if off.max() <= UNEVEN_DB:
+            break
+        given = sorted([*given, int(keys[off.argmax()])])
+    print(f'notes: {", ".join(map(compare.name_of, given))}')
+    notes = [note_of(notes, key) | {'output_ratio': 10**(gains[key - keys[0]] / 20)} for key in given]
+    found = loudness()  # the knock and the body's velocity do not follow output_ratio, so once more
+    for note in notes:
+        note['output_ratio'] *= 10**((wanted - found)[note['key'] - keys[0]] / 20)
+    return notes
 
 
 STEPS = ('strings', 'hammers', 'refine', 'decays', 'output')
