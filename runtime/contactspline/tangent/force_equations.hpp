@@ -17,17 +17,19 @@
 
 namespace contactspline::detail {
 
-/// Each force responds to the increment of its connection by r >= 0 [N/m], and forces g reduce all increments by Xi
-/// g. Increments x under constant forces so change the forces by g = r (x - Xi g), that is g = G x with
+/// Each force responds to the increment of its connection by r > 0 [N/m], and forces g reduce all increments by Xi g.
+/// So increments x under constant forces become y = x - Xi r y, and the forces change by r y:
 ///
-///     G = s (I + s Xi s)^-1 s,    s = sqrt(r)
+///     y = (I + Xi r)^-1 x = s^-1 (I + s Xi s)^-1 s x,    s = sqrt(r)
 ///
-/// G is symmetric, so it serves derivatives in both directions. The matrix has eigenvalues of 1 or more.
+/// The matrix in the middle is symmetric with eigenvalues of 1 or more. The adjoints f of the forces follow from the
+/// same equations, f + Xi r f = x.
 template <std::floating_point T>
 class ForceEquations {
  public:
   explicit ForceEquations(std::size_t connections) : factor_(connections) {
     acting_.reserve(connections);
+    responses_.reserve(connections);
     roots_.reserve(connections);
     ends_.reserve(connections);
   }
@@ -35,21 +37,23 @@ class ForceEquations {
   /// Begins a sample without connections.
   void begin() {
     acting_.clear();
-    roots_.clear();
+    responses_.clear();
   }
   /// Adds a connection; one whose force does not respond is left out.
   void add(std::size_t connection, T response) {
     if (!(response > 0)) return;
     acting_.push_back(connection);
-    roots_.push_back(std::sqrt(response));
+    responses_.push_back(response);
   }
   /// Factorises the matrix, after the last connection. solver: of the network, for its admittances.
   void factorise(const CoupledContacts<T>& solver) {
     const std::size_t n = acting_.size();
     if (n == 1) {
-      alone_ = 1 / (1 + roots_[0] * solver.admittance(acting_[0], acting_[0]) * roots_[0]);
+      alone_ = 1 / (1 + solver.admittance(acting_[0], acting_[0]) * responses_[0]);
       return;
     }
+    roots_.clear();
+    for (const T response : responses_) roots_.push_back(std::sqrt(response));
     for (std::size_t j = 0; j < n; ++j) {
       T* column = factor_.column(j);
       std::fill_n(column, factor_.padded(n), T(0));
@@ -62,24 +66,25 @@ class ForceEquations {
 
   /// The connections that respond, in the order of values.
   [[nodiscard]] std::span<const std::size_t> acting() const { return acting_; }
-  /// s of connection acting()[i].
-  [[nodiscard]] T root(std::size_t i) const { return roots_[i]; }
+  /// r of connection acting()[i].
+  [[nodiscard]] T response(std::size_t i) const { return responses_[i]; }
 
-  /// values x of the acting connections become (I + s Xi s)^-1 s x: times s these are G x, divided by s they are what
-  /// the transposed equations f + Xi r f = x give.
+  /// values x of the acting connections become y.
   void solve(T* values) const {
-    for (std::size_t i = 0; i < roots_.size(); ++i) values[i] *= roots_[i];
-    if (roots_.size() == 1) {
+    const std::size_t n = acting_.size();
+    if (n == 1) {
       values[0] *= alone_;
       return;
     }
+    for (std::size_t i = 0; i < n; ++i) values[i] *= roots_[i];
     solve_forwards(factor_, ends_, values);
     solve_backwards(factor_, ends_, values);
+    for (std::size_t i = 0; i < n; ++i) values[i] /= roots_[i];
   }
 
  private:
   std::vector<std::size_t> acting_, ends_;
-  std::vector<T> roots_;
+  std::vector<T> responses_, roots_;
   ColumnMatrix<T> factor_;
   T alone_ = 1;  // the inverse of the matrix, if it has one row
 };

@@ -197,8 +197,8 @@ class NetworkBackwards {
     for (std::size_t a = 0; a < responding.size(); ++a) right_[a] = connections_[responding[a]].force;
     equations_.solve(right_.data());
     for (std::size_t a = 0; a < responding.size(); ++a) {
-      connections_[responding[a]].force = right_[a] / equations_.root(a);
-      right_[a] *= equations_.root(a);
+      connections_[responding[a]].force = right_[a];
+      right_[a] *= equations_.response(a);
     }
     for (std::size_t b = 0; b < acting.size(); ++b) {  // springs of no stiffness have an adjoint, too
       if (steps_[b].slopes.after > 0) continue;

@@ -231,9 +231,9 @@ class NetworkTangent {
     for (std::size_t p = 0; p < P; ++p) {
       for (std::size_t a = 0; a < acting.size(); ++a) solution_[a] = increments_[a].slopes[p];
       equations_.solve(solution_.data());
-      for (std::size_t a = 0; a < acting.size(); ++a) {  // the force adds its response times the increment
-        connections_[acting[a]].force.slopes[p] += equations_.root(a) * solution_[a];
-        connections_[acting[a]].compression.slopes[p] += solution_[a] / equations_.root(a);
+      for (std::size_t a = 0; a < acting.size(); ++a) {
+        connections_[acting[a]].force.slopes[p] += equations_.response(a) * solution_[a];
+        connections_[acting[a]].compression.slopes[p] += solution_[a];
       }
     }
     for (const std::size_t k : listed_) {
