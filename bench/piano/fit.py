@@ -24,11 +24,11 @@ of KEYBOARD, and
    of a key and of their horizontal motion on a bridge of one mobility. From C6 on horizontal_ratio falls by one factor for
    each octave;
 7. the high-pass of the sound by the levels of partials of rendered notes, then output_ratio by their loudness, the mean of both
-   layers and of the key with its neighbours. A key whose loudness is more than UNEVEN_DB off the line between them becomes a note, too,
-   with the output_ratio that puts it there.
+   layers and of the key with its neighbours. A key whose loudness is more than UNEVEN_DB off the line between its neighbours among the
+   notes becomes a note, too, with the output_ratio that puts it there.
 
 The steps are strings (1 to 3), hammers (4), refine (5), decays (6) and output (7); without STEP it takes all. A step that is left out leaves
-what KEYBOARD has, so that a fitted file can be fitted on. Prints each estimate with its error. It needs Debian's python3-numpy and python3-scipy.
+what KEYBOARD has, so that a fitted file can be fitted on; without output the notes between the keys A and C are left out. Prints each estimate with its error. It needs Debian's python3-numpy and python3-scipy.
 """
 import copy
 import json
@@ -53,7 +53,7 @@ WEIGHT = 0.2
 FARTHEST_DB = 20  # a partial counts no more than this
 DB = 20 / math.log(10)  # dB/s per 1/s
 HIGHEST_EXPONENT = 3.5  # of felts taken from pianos (D. Hall and A. Askenfelt, JASA 83, 1988)
-UNEVEN_DB = 0.5  # neighbours then differ by 1 dB more than the line, which is hardly heard
+UNEVEN_DB = 0.5  # so neighbours differ by at most 1 dB more than on the line, which is hardly heard
 HIGHEST_MEASURED = 84  # above, partials are too few for B, and too short for a late decay
 
 
@@ -372,30 +372,34 @@ def fit_output(program, keyboard, notes, recorded):
         note['output_ratio'] = 1.0
     fit_high_pass(keyboard, rendered(program, keyboard, notes, layers, heard, 1.05, compare.NOTES), recorded)
 
-    def loudness():
+    def loudness(notes):
         names = [compare.name_of(key) for key in keys]
         ours = rendered(program, keyboard, notes, layers, heard, 1.05, names)
         return np.array([np.mean([ours[name, layer][1] for layer in layers]) for name in names])
 
-    found = loudness()
+    def at(given, values):
+        return values[np.array(given) - keys[0]]
+
+    found = loudness(notes)
     theirs = np.array([np.mean([recorded[name, layer]['loudness_dba'] for layer in layers]) for name in compare.NOTES])
-    missing = theirs - np.interp(given, keys, found)
+    missing = theirs - at(given, found)
     missing -= np.median(missing)
     padded = np.pad(missing, 1, mode='edge')
     smooth = (padded[:-2] + 2 * padded[1:-1] + padded[2:]) / 4
     print(f'loudness: {np.round(missing, 1)} dB missing, {np.round(smooth, 1)} given')
-    wanted = np.interp(keys, given, np.interp(given, keys, found) + smooth)
-    while True:
-        gains = np.interp(keys, given, (wanted - found)[np.isin(keys, given)])
+    wanted = np.interp(keys, given, at(given, found) + smooth)
+    for _ in keys:
+        gains = np.interp(keys, given, at(given, wanted - found))
         off = np.abs(found + gains - wanted)
         if off.max() <= UNEVEN_DB:
             break
         given = sorted([*given, int(keys[off.argmax()])])
-    print(f'notes: {", ".join(map(compare.name_of, given))}')
-    notes = [note_of(notes, key) | {'output_ratio': 10**(gains[key - keys[0]] / 20)} for key in given]
-    found = loudness()  # the knock and the body's velocity do not follow output_ratio, so once more
-    for note in notes:
-        note['output_ratio'] *= 10**((wanted - found)[note['key'] - keys[0]] / 20)
+    notes = [note_of(notes, key) | {'output_ratio': 10**(gain / 20)} for key, gain in zip(given, at(given, gains))]
+    missing = wanted - loudness(notes)  # the knock and the body's velocity do not follow output_ratio, so once more
+    for note, gain in zip(notes, at(given, missing)):
+        note['output_ratio'] *= 10**(gain / 20)
+    off = np.abs(np.interp(keys, given, at(given, missing)) - missing)
+    print(f'notes: {", ".join(map(compare.name_of, given))}; other keys are up to {off.max():.2f} dB off the line')
     return notes
 
 

@@ -248,8 +248,8 @@ class LongitudinalModesIn : public ::testing::Test {};
 TYPED_TEST_SUITE(LongitudinalModesIn, Precisions);
 
 // Whatever the strings do: each square of a slope is held between -1 and 1, so the place of rest of a mode moves by
-// at most 2 c for each sample. From there a mode is at Re A, and free motion multiplies A by z. A move by b adds b to
-// Re A, and b sinh(decay dt)/sin(w dt) to Im A. So |A| is at most the sum of a geometric series.
+// at most 2 c for each sample. From there a mode is at Re Z, and free motion multiplies Z by z. A move by b adds b to
+// Re Z, and b sinh(decay dt)/sin(w dt) to Im Z. So |Z| is at most the sum of a geometric series.
 TYPED_TEST(LongitudinalModesIn, AreBoundedWhateverDrivesThem) {
   const double rate_hz = 44100, c = (kMotion.axial_stiffness_n - kString.tension_n) / 2;
   const auto rows = rows_of(3, rate_hz / 2);

@@ -21,9 +21,9 @@ namespace contactspline {
 
 /// How strings move along themselves. They do not if axial_stiffness_n is 0.
 struct LongitudinalMotion {
-  double axial_stiffness_n =
-      0;                    ///< E A: modulus times cross-section of the core, as axial_stiffness(); above the tension
-  Losses losses = {0, 0};   ///< of the longitudinal modes
+  /// E A, modulus times cross-section of the core, as axial_stiffness() returns it. Above the tension.
+  double axial_stiffness_n = 0;
+  Losses losses = {0, 0};   ///< those of the longitudinal modes
   double output_ratio = 1;  ///< weight of their force on the bridge in the sound
 };
 
@@ -116,7 +116,7 @@ class SlopeSquare {
   }
 
   std::size_t strings_, modes_;
-  ModalArray<T> per_m_, slopes_;  // at least (highest coefficient) times strings zeros follow the slopes
+  ModalArray<T> per_m_, slopes_;  // zeros follow the slopes, at least highest coefficient times strings
   std::vector<T> sums_;
 };
 
@@ -134,8 +134,8 @@ class LongitudinalModes {
   static constexpr std::size_t kMaxModes = 16;
 
   /// rows: mode 1 of each string, then mode 2 of each, and so on, with members `mode` and `wavenumber_per_m`. The
-  /// modes 1, 2, 3, ... drive, up to the first that not every string has or that lies above a quarter of the rate,
-  /// where products would fold. So nothing drives if mode 1 of a string is overdamped. Allocates.
+  /// modes 1, 2, 3, ... drive, as long as every string has them and they lie below half of kHighest_hz and a quarter
+  /// of the rate, above which products would fold. So nothing drives if mode 1 of a string is overdamped. Allocates.
   template <typename Row>
   LongitudinalModes(const StiffString& string, const LongitudinalMotion& motion, std::span<const Row> rows,
                     double sample_rate_hz)
@@ -207,8 +207,11 @@ class LongitudinalModes {
   template <typename Row>
   static std::size_t strings_of(std::span<const Row> rows) {
     std::size_t strings = 0;
-    for (std::size_t first = 0, alike = 0; first < rows.size(); first += alike)
-      strings = std::max(strings, alike = count_alike(rows, first));
+    for (std::size_t first = 0; first < rows.size();) {
+      const std::size_t alike = count_alike(rows, first);
+      strings = std::max(strings, alike);
+      first += alike;
+    }
     return strings;
   }
   // Slopes per displacement [1/m].

@@ -17,13 +17,14 @@
 
 namespace contactspline::detail {
 
-/// Each force responds to the increment of its connection by r > 0 [N/m], and forces g reduce all increments by Xi g.
-/// So increments x under constant forces become y = x - Xi r y, and the forces change by r y:
+/// Each force responds to the increment of its connection by f_1 > 0 [N/m], and changes of the forces reduce all
+/// increments by Xi times these. So increments x under constant forces become y = x - Xi f_1 y, and the forces change
+/// by f_1 y:
 ///
-///     y = (I + Xi r)^-1 x = s^-1 (I + s Xi s)^-1 s x,    s = sqrt(r)
+///     y = s^-1 (I + s Xi s)^-1 s x,    s = sqrt(f_1)
 ///
-/// The matrix in the middle is symmetric with eigenvalues of 1 or more. The adjoints f of the forces follow from the
-/// same equations, f + Xi r f = x.
+/// The matrix is symmetric with eigenvalues of 1 or more. The adjoints of the forces solve the same equations with
+/// another right side.
 template <std::floating_point T>
 class ForceEquations {
  public:
@@ -66,7 +67,7 @@ class ForceEquations {
 
   /// The connections that respond, in the order of values.
   [[nodiscard]] std::span<const std::size_t> acting() const { return acting_; }
-  /// r of connection acting()[i].
+  /// The response f_1 of connection acting()[i].
   [[nodiscard]] T response(std::size_t i) const { return responses_[i]; }
 
   /// values x of the acting connections become y.

@@ -154,7 +154,7 @@ class MovingPlaces {
     for (Mover& mover : movers_) mover.owed = 0;
   }
 
-  /// After the first sample: the derivatives by where the places begin. If there was none they are 0.
+  /// After the first sample: the derivatives by where the places begin. Without a sample they are 0.
   void finish(std::vector<T>& starts) {
     if (record_.ends.empty()) return;
     for (Mover& mover : movers_) {
