@@ -1,25 +1,5 @@
 // SPDX-License-Identifier: MIT
-// One sample of a contact in vectors, for each instruction set (docs/how-it-works/kernels.md).
-#if defined(CONTACTSPLINE_CONTACT_INL) == defined(HWY_TARGET_TOGGLE)
-#ifdef CONTACTSPLINE_CONTACT_INL
-#undef CONTACTSPLINE_CONTACT_INL
-#else
-#define CONTACTSPLINE_CONTACT_INL
-#endif
-
-#include <hwy/highway.h>
-
-#include <array>
-#include <type_traits>
-
-#include "contactspline/simd/kernels.hpp"
-
-HWY_BEFORE_NAMESPACE();
-namespace contactspline::detail {
-namespace HWY_NAMESPACE {
-namespace {
-
-namespace hn = hwy::HWY_NAMESPACE;
+// One sample of a contact in vectors: a part of kernels-inl.hpp (docs/how-it-works/kernels.md).
 
 #define CONTACTSPLINE_STEP_INLINE [[nodiscard]] HWY_INLINE
 #include "contactspline/step/step_coefficients-inl.hpp"
@@ -397,10 +377,3 @@ class ContactUnderLoad {
   Knot crossed_ = 0, crossed_before_ = 0;  // segments, in the last step and in the one before
   Knot behind_;                            // number of knots of the window below the compression
 };
-
-}  // namespace
-}  // namespace HWY_NAMESPACE
-}  // namespace contactspline::detail
-HWY_AFTER_NAMESPACE();
-
-#endif

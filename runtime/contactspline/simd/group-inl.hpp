@@ -1,26 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Several hammers in flight side by side: a lane of a vector for each, for each instruction set
+// Several hammers in flight side by side, a lane of a vector for each: a part of kernels-inl.hpp
 // (docs/how-it-works/kernels.md).
-#if defined(CONTACTSPLINE_GROUP_INL) == defined(HWY_TARGET_TOGGLE)
-#ifdef CONTACTSPLINE_GROUP_INL
-#undef CONTACTSPLINE_GROUP_INL
-#else
-#define CONTACTSPLINE_GROUP_INL
-#endif
-
-#include <hwy/highway.h>
-
-#include <utility>
-
-#include "contactspline/simd/contact-inl.hpp"
-#include "contactspline/simd/kernels.hpp"
-#include "contactspline/simd/modes-inl.hpp"
-#include "contactspline/simd/struck_modes-inl.hpp"
-
-HWY_BEFORE_NAMESPACE();
-namespace contactspline::detail {
-namespace HWY_NAMESPACE {
-namespace {
 
 /// A segment for each lane, from the tables of several voices.
 template <typename T>
@@ -398,10 +378,3 @@ HWY_NOINLINE HWY_FLATTEN void process_side_by_side(std::span<StruckVoice<T>* con
   while (together.goes_on(++n));
   together.finish(n);
 }
-
-}  // namespace
-}  // namespace HWY_NAMESPACE
-}  // namespace contactspline::detail
-HWY_AFTER_NAMESPACE();
-
-#endif

@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: MIT
 // The kernels for samples of type Sample, which the including file has defined: compiled once for each instruction
 // set. The best one is chosen at run time.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <type_traits>
+#include <utility>
+
 #include "contactspline/simd/kernels.hpp"
 #include "contactspline/step/flush_denormals.hpp"
 
@@ -9,43 +15,22 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "contactspline/simd/process-inl.hpp"
-
 // NOLINTBEGIN(misc-definitions-in-headers): each including file defines these for a Sample of its own.
 HWY_BEFORE_NAMESPACE();
 namespace contactspline::detail {
 namespace HWY_NAMESPACE {
 namespace {
 
-void process_free_here(const ModalArrays<Sample>& modes, Sample damping_gain, const Sample* pickup,
-                       std::span<Sample> out) {
-  process_free_block(modes, damping_gain, pickup, out);
-}
-BridgeForces<Sample> advance_on_bridge_here(std::span<const StringsOnBridge<Sample>> strings, Sample change_m) {
-  return advance_on_bridge_as(strings, change_m);
-}
-Sample inner_product_here(std::size_t modes, const Sample* a, const Sample* b) {
-  return inner_product_of(modes, a, b);
-}
-void sum_shifted_products_here(std::size_t count, const Sample* factors, const Sample* values, Sample* products,
-                               std::size_t shift, std::span<Sample> sums) {
-  sum_shifted_products_as(count, factors, values, products, shift, sums);
-}
-void solve_positive_definite_here(std::size_t size, Sample* matrix, std::size_t stride, Sample* right) {
-  solve_positive_definite_as(size, matrix, stride, right);
-}
-Sample sum_free_increments_here(std::size_t modes, const Sample* free_increment, std::span<const Sample* const> at,
-                                Sample* increments) {
-  return sum_free_increments_as(modes, free_increment, at, increments);
-}
-Sample advance_under_forces_here(const ModalArrays<Sample>& modes, Sample damping_gain,
-                                 std::span<const Sample* const> pushed, const Sample* forces,
-                                 std::span<const Sample* const> at, Sample* increments) {
-  return advance_under_forces_as(modes, damping_gain, pushed, forces, at, increments);
-}
-void process_struck_here(std::span<StruckVoice<Sample>> voices) {
-  process_struck_voices(voices);
-}
+namespace hn = hwy::HWY_NAMESPACE;
+
+// The parts of the kernels stand here, in the namespace of the instruction set. A part may use those above it.
+// clang-format off
+#include "contactspline/simd/modes-inl.hpp"
+#include "contactspline/simd/struck_modes-inl.hpp"
+#include "contactspline/simd/contact-inl.hpp"
+#include "contactspline/simd/group-inl.hpp"
+#include "contactspline/simd/process-inl.hpp"
+// clang-format on
 
 }  // namespace
 }  // namespace HWY_NAMESPACE

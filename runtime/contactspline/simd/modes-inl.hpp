@@ -1,26 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The modes of a resonator in vectors, alone (docs/how-it-works/kernels.md).
-#if defined(CONTACTSPLINE_MODES_INL) == defined(HWY_TARGET_TOGGLE)
-#ifdef CONTACTSPLINE_MODES_INL
-#undef CONTACTSPLINE_MODES_INL
-#else
-#define CONTACTSPLINE_MODES_INL
-#endif
-
-#include <hwy/highway.h>
-
-#include <algorithm>
-#include <cmath>
-#include <type_traits>
-
-#include "contactspline/simd/kernels.hpp"
-
-HWY_BEFORE_NAMESPACE();
-namespace contactspline::detail {
-namespace HWY_NAMESPACE {
-namespace {
-
-namespace hn = hwy::HWY_NAMESPACE;
+// The modes of a resonator in vectors, alone: a part of kernels-inl.hpp (docs/how-it-works/kernels.md).
 
 template <typename T>
 using Tag = hn::ScalableTag<T>;
@@ -60,9 +39,9 @@ HWY_INLINE void move(Vector<T> stiffness, Vector<T> rest, Vector<T> loss, Vector
 }
 
 /// One sample on a bridge: the modes follow half its change, advance, and follow the other half (ModalBank::shift).
-template <typename T>
-HWY_INLINE BridgeForces<T> advance_on_bridge_as(std::span<const StringsOnBridge<T>> strings, T change) {
-  const Tag<T> tag;
+HWY_INLINE BridgeForces<Sample> advance_on_bridge_here(std::span<const StringsOnBridge<Sample>> strings,
+                                                       Sample change) {
+  const Tag<Sample> tag;
   const auto half = hn::Set(tag, change / 2);
   auto all = hn::Zero(tag), output = all;
   for (const auto& [modes, shape, rest, damping_gain, weight] : strings) {
@@ -74,7 +53,7 @@ HWY_INLINE BridgeForces<T> advance_on_bridge_as(std::span<const StringsOnBridge<
       const auto d = hn::MulAdd(stiffness, by, hn::Load(tag, modes.free_increment + i));
       const auto c = hn::Mul(gain, d), q = hn::Add(hn::Sub(hn::Load(tag, modes.displacement + i), by), c);
       auto pull = hn::MulAdd(stiffness, hn::Sub(q, by), hn::Mul(hn::Load(tag, modes.loss + i), c));
-      if constexpr (kRounds<T>) pull = hn::MulAdd(hn::Load(tag, modes.stiffness_rest + i), q, pull);
+      if constexpr (kRounds<Sample>) pull = hn::MulAdd(hn::Load(tag, modes.stiffness_rest + i), q, pull);
       const auto followed = hn::Sub(q, by);
       hn::Store(followed, tag, modes.displacement + i);
       hn::Store(hn::Add(hn::Sub(c, d), hn::Sub(c, pull)), tag, modes.free_increment + i);
@@ -86,9 +65,8 @@ HWY_INLINE BridgeForces<T> advance_on_bridge_as(std::span<const StringsOnBridge<
   return {hn::GetLane(hn::SumOfLanes(tag, all)), hn::GetLane(hn::SumOfLanes(tag, output))};
 }
 
-template <typename T>
-HWY_INLINE T inner_product_of(std::size_t modes, const T* a, const T* b) {
-  const Tag<T> tag;
+HWY_INLINE Sample inner_product_here(std::size_t modes, const Sample* a, const Sample* b) {
+  const Tag<Sample> tag;
   const std::size_t lanes = hn::Lanes(tag);
   auto even = hn::Zero(tag), odd = even;
   std::size_t i = 0;
@@ -115,10 +93,9 @@ HWY_INLINE void sum_some_shifted_products(std::size_t count, const T* a, std::si
   for (std::size_t k = 0; k < kCount; ++k) sums[k] = hn::GetLane(hn::SumOfLanes(tag, parts[k]));
 }
 
-template <typename T>
-HWY_INLINE void sum_shifted_products_as(std::size_t count, const T* factors, const T* values, T* products,
-                                        std::size_t shift, std::span<T> sums) {
-  const Tag<T> tag;
+HWY_INLINE void sum_shifted_products_here(std::size_t count, const Sample* factors, const Sample* values,
+                                          Sample* products, std::size_t shift, std::span<Sample> sums) {
+  const Tag<Sample> tag;
   for (std::size_t i = 0; i < count; i += hn::Lanes(tag))
     hn::Store(hn::Mul(hn::Load(tag, factors + i), hn::Load(tag, values + i)), tag, products + i);
   std::size_t k = 0;
@@ -151,10 +128,9 @@ HWY_INLINE void sum_all_rows(std::size_t modes, const T* vector, std::span<const
   if (p < rows.size()) sum_rows<1>(modes, vector, rows.data() + p, sums + p);
 }
 
-template <typename T>
-HWY_INLINE T sum_free_increments_as(std::size_t modes, const T* free_increment, std::span<const T* const> at,
-                                    T* increments) {
-  const Tag<T> tag;
+HWY_INLINE Sample sum_free_increments_here(std::size_t modes, const Sample* free_increment,
+                                           std::span<const Sample* const> at, Sample* increments) {
+  const Tag<Sample> tag;
   auto travel = hn::Zero(tag);
   for (std::size_t i = 0; i < modes; i += hn::Lanes(tag))
     travel = hn::Add(travel, hn::Abs(hn::Load(tag, free_increment + i)));
@@ -197,9 +173,9 @@ HWY_INLINE T advance_and_sum(const ModalArrays<T> modes, T damping_gain, std::sp
   return hn::GetLane(hn::SumOfLanes(tag, travel));
 }
 
-template <typename T>
-HWY_INLINE T advance_under_forces_as(const ModalArrays<T>& modes, T damping_gain, std::span<const T* const> pushed,
-                                     const T* forces, std::span<const T* const> at, T* increments) {
+HWY_INLINE Sample advance_under_forces_here(const ModalArrays<Sample>& modes, Sample damping_gain,
+                                            std::span<const Sample* const> pushed, const Sample* forces,
+                                            std::span<const Sample* const> at, Sample* increments) {
   const auto advance = [&](auto rows) HWY_ATTR {
     return advance_and_sum<rows>(modes, damping_gain, pushed, forces, at.data(), increments);
   };
@@ -215,8 +191,8 @@ HWY_INLINE T advance_under_forces_as(const ModalArrays<T>& modes, T damping_gain
     default:
       break;
   }
-  const T travel = advance(std::integral_constant<std::size_t, 4>());
-  sum_all_rows<T>(modes.modes, modes.free_increment, at.subspan(4), increments + 4);
+  const Sample travel = advance(std::integral_constant<std::size_t, 4>());
+  sum_all_rows<Sample>(modes.modes, modes.free_increment, at.subspan(4), increments + 4);
   return travel;
 }
 
@@ -230,19 +206,18 @@ HWY_INLINE Vector<T> below_diagonal(std::size_t diagonal, const T* column) {
 /// Solves a positive definite system by a Cholesky factor. Column j of the matrix begins at matrix + j stride, on a
 /// cache line; its lower triangle counts, rows from `size` to whole vectors are 0. The matrix and `right` are
 /// overwritten.
-template <typename T>
-HWY_INLINE void solve_positive_definite_as(std::size_t size, T* matrix, std::size_t stride, T* right) {
-  const Tag<T> tag;
+HWY_INLINE void solve_positive_definite_here(std::size_t size, Sample* matrix, std::size_t stride, Sample* right) {
+  const Tag<Sample> tag;
   const std::size_t lanes = hn::Lanes(tag);
   for (std::size_t j = 0; j < size; ++j) {
-    T* column = matrix + j * stride;
+    Sample* column = matrix + j * stride;
     const std::size_t first = j / lanes * lanes;
-    const T inverse = 1 / std::sqrt(std::max(column[j], T(1)));
+    const Sample inverse = 1 / std::sqrt(std::max(column[j], Sample(1)));
     const auto scale = hn::Set(tag, inverse);
     for (std::size_t i = first; i < size; i += lanes)
       hn::Store(hn::Mul(scale, hn::Load(tag, column + i)), tag, column + i);
-    const T solved = right[j] * inverse;
-    const auto subtract = [&](std::size_t i, Vector<T> below) HWY_ATTR {
+    const Sample solved = right[j] * inverse;
+    const auto subtract = [&](std::size_t i, Vector<Sample> below) HWY_ATTR {
       hn::Store(hn::NegMulAdd(hn::Set(tag, solved), below, hn::Load(tag, right + i)), tag, right + i);
     };
     subtract(first, below_diagonal(j - first, column + first));
@@ -250,14 +225,14 @@ HWY_INLINE void solve_positive_definite_as(std::size_t size, T* matrix, std::siz
     right[j] = solved;
     column[j] = inverse;
     for (std::size_t k = j + 1; k < size; ++k) {
-      T* next = matrix + k * stride;
+      Sample* next = matrix + k * stride;
       const auto factor = hn::Set(tag, column[k]);
       for (std::size_t i = k / lanes * lanes; i < size; i += lanes)
         hn::Store(hn::NegMulAdd(factor, hn::Load(tag, column + i), hn::Load(tag, next + i)), tag, next + i);
     }
   }
   for (std::size_t j = size; j-- > 0;) {
-    const T* column = matrix + j * stride;
+    const Sample* column = matrix + j * stride;
     std::size_t i = j / lanes * lanes;
     auto sum = hn::Mul(below_diagonal(j - i, column + i), hn::Load(tag, right + i));
     for (i += lanes; i < size; i += lanes) sum = hn::MulAdd(hn::Load(tag, column + i), hn::Load(tag, right + i), sum);
@@ -349,17 +324,10 @@ HWY_INLINE void process_free_as(const ModalArrays<T>& modes, T damping_gain, con
   }
 }
 
-template <typename T>
-HWY_INLINE void process_free_block(const ModalArrays<T>& modes, T damping_gain, const T* pickup, std::span<T> out) {
+HWY_INLINE void process_free_here(const ModalArrays<Sample>& modes, Sample damping_gain, const Sample* pickup,
+                                  std::span<Sample> out) {
   if (damping_gain == 1)
     process_free_as<false>(modes, damping_gain, pickup, out);
   else
     process_free_as<true>(modes, damping_gain, pickup, out);
 }
-
-}  // namespace
-}  // namespace HWY_NAMESPACE
-}  // namespace contactspline::detail
-HWY_AFTER_NAMESPACE();
-
-#endif

@@ -1,24 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A hammer and the string it strikes, block by block, for each instruction set (docs/how-it-works/kernels.md).
-#if defined(CONTACTSPLINE_PROCESS_INL) == defined(HWY_TARGET_TOGGLE)
-#ifdef CONTACTSPLINE_PROCESS_INL
-#undef CONTACTSPLINE_PROCESS_INL
-#else
-#define CONTACTSPLINE_PROCESS_INL
-#endif
-
-#include <hwy/highway.h>
-
-#include "contactspline/simd/contact-inl.hpp"
-#include "contactspline/simd/group-inl.hpp"
-#include "contactspline/simd/kernels.hpp"
-#include "contactspline/simd/modes-inl.hpp"
-#include "contactspline/simd/struck_modes-inl.hpp"
-
-HWY_BEFORE_NAMESPACE();
-namespace contactspline::detail {
-namespace HWY_NAMESPACE {
-namespace {
+// A hammer and the string it strikes, block by block: a part of kernels-inl.hpp (docs/how-it-works/kernels.md).
 
 /// A hammer in flight. Takes over its state for some samples; store_to() returns it.
 template <bool kLossy, typename T>
@@ -162,7 +143,7 @@ HWY_INLINE std::size_t process_apart(const StrikeConstants<T>& strike, HammerSta
   if (!(gap > kMinFreeRun * speed) || !(-from_rest > reach) || !(from_rest - reach > kHammerStop_m<T>)) return 0;
   const std::size_t samples =
       gap < speed * static_cast<T>(out.size()) ? static_cast<std::size_t>(gap / speed) : out.size();
-  process_free_block(strike.modes, strike.damping_gain, strike.pickup, out.first(samples));
+  process_free_here(strike.modes, strike.damping_gain, strike.pickup, out.first(samples));
   hammer.compression_m += static_cast<T>(samples) * step - (modes.displacement() - place);
   hammer.segment = segment_index(strike.segments, hammer.compression_m);
   hammer.force_n = 0;
@@ -238,21 +219,13 @@ HWY_INLINE std::size_t choose_together(std::span<StruckVoice<T>> voices, StruckV
   return count > kLanes ? count / kLanes * kLanes : count;  // whole vectors
 }
 
-template <typename T>
-HWY_INLINE void process_struck_voices(std::span<StruckVoice<T>> voices) {
+HWY_INLINE void process_struck_here(std::span<StruckVoice<Sample>> voices) {
   while (voices.size() >= kMinTogether) {
-    StruckVoice<T>* together[kMaxTogether];
+    StruckVoice<Sample>* together[kMaxTogether];
     const std::size_t count = choose_together(voices, together);
     if (count < kMinTogether) break;
-    process_side_by_side<T>({together, count});
+    process_side_by_side<Sample>({together, count});
   }
-  for (StruckVoice<T>& voice : voices)
+  for (StruckVoice<Sample>& voice : voices)
     if (!is_finished(voice)) finish_alone(voice);
 }
-
-}  // namespace
-}  // namespace HWY_NAMESPACE
-}  // namespace contactspline::detail
-HWY_AFTER_NAMESPACE();
-
-#endif

@@ -1,21 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The modes of a string in vectors, under the force of a hammer (docs/how-it-works/kernels.md).
-#if defined(CONTACTSPLINE_STRUCK_MODES_INL) == defined(HWY_TARGET_TOGGLE)
-#ifdef CONTACTSPLINE_STRUCK_MODES_INL
-#undef CONTACTSPLINE_STRUCK_MODES_INL
-#else
-#define CONTACTSPLINE_STRUCK_MODES_INL
-#endif
-
-#include <hwy/highway.h>
-
-#include "contactspline/simd/kernels.hpp"
-#include "contactspline/simd/modes-inl.hpp"
-
-HWY_BEFORE_NAMESPACE();
-namespace contactspline::detail {
-namespace HWY_NAMESPACE {
-namespace {
+// The modes of a string in vectors, under the force of a hammer: a part of kernels-inl.hpp
+// (docs/how-it-works/kernels.md).
 
 /// The modes of a struck string, line by line: all that a pass reads and writes of one cache line of modes lies side
 /// by side. A pass then reads one stream of memory, and no store has the page offset of a later load.
@@ -219,15 +204,8 @@ class ModesInPlace {
 
  private:
   [[nodiscard]] HWY_INLINE T inner_product(const T* a, const T* b) const {
-    return inner_product_of(strike_.modes.modes, a, b);
+    return inner_product_here(strike_.modes.modes, a, b);
   }
 
   StrikeConstants<T> strike_;
 };
-
-}  // namespace
-}  // namespace HWY_NAMESPACE
-}  // namespace contactspline::detail
-HWY_AFTER_NAMESPACE();
-
-#endif
