@@ -5,7 +5,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <string>
 #include <string_view>
 
@@ -17,14 +16,6 @@ namespace contactspline {
 namespace {
 
 constexpr auto kMassBarrier = "mass_barrier", kPiano = "piano";
-
-struct NamedModel {
-  std::string_view name;
-  Model model;
-};
-constexpr std::array kModels = {NamedModel{"hammer_string", Model::kHammerString},
-                                NamedModel{"slide_string", Model::kSlideString},
-                                NamedModel{"fret_string", Model::kFretString}};
 
 PlanInstrument piano(const JsonObject& plan, const ReadFile& read) {
   const std::string keyboard =
@@ -40,7 +31,7 @@ PlanInstrument read_plan_instrument(const JsonObject& plan, const ReadFile& read
     return {maker_of_text(plan.json("instrument"), plan.file(), read), {}};
   }
   std::vector<std::string> names;
-  for (const NamedModel& model : kModels) names.emplace_back(model.name);
+  for (const Model model : kModelsWithParts) names.push_back(identifier_of(model));
   names.emplace_back(kMassBarrier);
   names.emplace_back(kPiano);
   for (const std::string& shipped : shipped_names(Shipped::kInstruments)) names.push_back(shipped);
@@ -48,16 +39,16 @@ PlanInstrument read_plan_instrument(const JsonObject& plan, const ReadFile& read
   const std::string name = plan.text("instrument", allowed);
   if (!is_path(name) && std::ranges::find(names, name) == names.end())
     plan.fail("instrument", fmt::format("'{}' is unknown", shown(name)), allowed);
-  const auto found = std::ranges::find(kModels, name, &NamedModel::name);
-  const bool has_parts = found != kModels.end() || name == kMassBarrier || name == kPiano;
+  const auto model = model_with_parts(name);
+  const bool has_parts = model || name == kMassBarrier || name == kPiano;
   if (!has_parts && plan.has("parts"))
     plan.fail("parts", fmt::format("has no meaning for {}", shown(name)), "no such key: set its parameters instead");
   if (name == kMassBarrier) return {maker_of_mass_barrier(plan.object("parts", {"material"}), read), {}};
   if (name == kPiano) return piano(plan, read);
-  if (found != kModels.end()) {
-    Voice voice = read_voice_parts(plan, "parts", found->model, read);
+  if (model) {
+    Voice voice = read_voice_parts(plan, "parts", *model, read);
     std::vector<double> initial = voice.initial;
-    return {maker_of_voice(found->model, std::move(voice)), std::move(initial)};
+    return {maker_of_voice(*model, std::move(voice)), std::move(initial)};
   }
   const NamedText named = read_named(plan, "instrument", Shipped::kInstruments, read);
   return {maker_of_text(named.text, named.file, reader_beside(named, read)), {}};

@@ -37,9 +37,7 @@ InstrumentMaker maker_of_mass_barrier(const JsonObject& parts, const ReadFile& r
   const MassBarrierParts made{segment_table(design.spline),
                               design.material.impact ? design.material.impact->mass_kg : kAnyMass_kg,
                               design.material.loss_s_per_m, design.material.memories};
-  return InstrumentMaker::of([made](auto precision, double) -> std::unique_ptr<AnyInstrument<decltype(precision)>> {
-    return std::make_unique<InstrumentBehind<MassBarrierInstrument<decltype(precision)>>>(made);
-  });
+  return InstrumentMaker::of_class<MassBarrierInstrument>(made);
 }
 
 // A score plays all keys once, so that its reader designs their felts.

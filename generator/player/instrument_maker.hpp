@@ -35,6 +35,14 @@ struct InstrumentMaker {
     return {[make](double rate) { return make(float(), rate); },
             [make](double rate) { return make(double(), rate); }};
   }
+
+  /// The class I<T>, made of these arguments.
+  template <template <typename> typename I, typename... Arguments>
+  [[nodiscard]] static InstrumentMaker of_class(const Arguments&... arguments) {
+    return of([arguments...](auto precision, double) -> std::unique_ptr<AnyInstrument<decltype(precision)>> {
+      return std::make_unique<InstrumentBehind<I<decltype(precision)>>>(arguments...);
+    });
+  }
 };
 
 /// A voice of a score, with its first values.

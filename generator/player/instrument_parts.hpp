@@ -38,22 +38,21 @@ struct BodyArrays {
 /// Throws BadInput where the body has no such mode.
 [[nodiscard]] BodyArrays body_arrays(const Score& score, double sample_rate_hz);
 
+/// Stands for a derived class where nobody calls note_on() or note_off(). It is never defined.
+struct WithoutKeysOfMidi;
+
 /// The keyboard of a score on its body, with at most `max_modes` modes of each string. The score must outlive it.
-template <std::floating_point T>
-class KeyboardOfScore : public PedaledKeyboard<KeyboardOfScore<T>, T> {
-  using Base = PedaledKeyboard<KeyboardOfScore, T>;
+/// Derived: the class that derives from this one, with first_key() and speed_of() for the keys of MIDI.
+template <std::floating_point T, typename Derived = WithoutKeysOfMidi>
+class KeyboardOfScore : public PedaledKeyboard<Derived, T> {
+  using Base = PedaledKeyboard<Derived, T>;
   static constexpr std::size_t kAllModes = 4096;
 
  public:
   KeyboardOfScore(const Score& score, double sample_rate_hz, std::size_t max_modes = kAllModes)
       : KeyboardOfScore(score, {score}, body_arrays(score, sample_rate_hz), sample_rate_hz, max_modes) {}
 
-  static const char* name() { return "keyboard"; }
-  static const char* description() { return ""; }
   static std::span<const Preset> presets() { return {}; }
-  static int first_key() { return 0; }
-  static double speed_of(double velocity) { return velocity; }
-  void prepare(double) { this->reset(); }  // the score has one rate
 
  private:
   /// Felts of each key; any other where no voice plays it, for nothing is struck there.

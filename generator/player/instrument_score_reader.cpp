@@ -73,9 +73,7 @@ MidiVoices midi_voices(const InstrumentModel& model, const MidiSong& song) {
 // The wheel of its channel, and the sustain pedal.
 void add_controllers(const InstrumentModel& model, const MidiSong& song, int channel, Voice& voice) {
   for (const MidiBend& bend : song.bends)
-    if (bend.channel == channel)
-      voice.glides.push_back({bend.time_s, bend.in_note ? kMidiBendTime_s : 0, model.keys.bend,
-                              std::clamp(bend.cents, kTuningCents.min, kTuningCents.max)});
+    if (bend.channel == channel) voice.glides.push_back(glide_of(bend, model.keys.bend));
   for (const MidiPedal& pedal : song.pedals)
     if (pedal.controller == MidiPedal::kSustain && model.keys.sustain != kNoParameter)
       voice.glides.push_back({pedal.time_s, 0, model.keys.sustain, pedal.position});
@@ -195,10 +193,7 @@ Score parse_midi_on_instrument(std::string_view bytes, std::string_view file, st
   if (voices.by_channel.empty())
     throw BadInput(fmt::format("{}: MIDI: no note of {} is on {}; allowed: {}, or --channel", file,
                                is_drum ? "channel 10" : "its channels", model.name, keys_in_words(model)));
-  const double duration_s = voices.end_s + kMidiRing_s;
-  if (!(duration_s <= kScoreDuration_s.max))
-    throw BadInput(fmt::format("{}: MIDI: it lasts {:.4g} s; allowed: at most {} s", file, voices.end_s,
-                               kScoreDuration_s.max - kMidiRing_s));
+  const double duration_s = midi_duration_s(file, voices.end_s);
   Score score{std::string(file), Model::kFile, song.title, duration_s, {}};
   if (voices.beyond > 0)
     score.left_out =

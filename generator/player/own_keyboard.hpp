@@ -2,7 +2,6 @@
 // The piano with a keyboard of one's own.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <concepts>
 #include <cstddef>
@@ -30,10 +29,10 @@ struct OwnKeyboardParts {
 
 /// Plays a keyboard as KeyboardInstrument plays that of an emitted struct. Meets Instrument.
 template <std::floating_point T>
-class OwnKeyboard : public KeyboardOfScore<T> {
+class OwnKeyboard : public KeyboardOfScore<T, OwnKeyboard<T>> {
  public:
   OwnKeyboard(std::shared_ptr<const OwnKeyboardParts> parts, double sample_rate_hz)
-      : KeyboardOfScore<T>(parts->score, sample_rate_hz, kMaxModes), parts_(std::move(parts)) {
+      : KeyboardOfScore<T, OwnKeyboard>(parts->score, sample_rate_hz, kMaxModes), parts_(std::move(parts)) {
     this->set_first(KeyboardParameter::kLoss, parts_->keyboard.felt_loss_s_per_m);
     this->apply_all();
   }
@@ -50,19 +49,11 @@ class OwnKeyboard : public KeyboardOfScore<T> {
   [[nodiscard]] std::span<const Output> outputs() const {
     return parts_->score.ears.empty() ? KeyboardParameter::kOutputs : KeyboardParameter::kPressureOutputs;
   }
-  void note_on(int key, double velocity) {
-    if (!is_number(velocity)) return;
-    this->strike(index_of(key), static_cast<T>(strike_speed(parts_->keyboard, std::clamp(velocity, 0.0, 1.0))));
-  }
-  void note_off(int key) { this->release(index_of(key)); }
+  [[nodiscard]] int first_key() const { return parts_->keyboard.first_key; }
+  [[nodiscard]] double speed_of(double velocity) const { return strike_speed(parts_->keyboard, velocity); }
 
  private:
   static constexpr std::size_t kMaxModes = 80;  // as KeyboardInstrument
-
-  // Of a key that the keyboard lacks: a number above all keys.
-  [[nodiscard]] std::size_t index_of(int key) const {
-    return static_cast<std::size_t>(key) - static_cast<std::size_t>(parts_->keyboard.first_key);
-  }
 
   std::shared_ptr<const OwnKeyboardParts> parts_;
 };

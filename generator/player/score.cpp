@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "generator/player/score.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include "contactspline/instrument/fret_string_instrument.hpp"
@@ -29,6 +30,17 @@ constexpr std::array kRules = {
 
 const ModelRules& rules_of(Model model) {
   return kRules[static_cast<std::size_t>(model)];
+}
+
+std::string identifier_of(Model model) {
+  std::string name(name_of(model));
+  std::ranges::replace(name, '-', '_');
+  return name;
+}
+
+std::optional<Model> model_with_parts(std::string_view identifier) {
+  const auto found = std::ranges::find(kModelsWithParts, identifier, identifier_of);
+  return found != kModelsWithParts.end() ? std::optional(*found) : std::nullopt;
 }
 
 }  // namespace contactspline

@@ -2,6 +2,7 @@
 // Scores: what an instrument plays.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <span>
@@ -23,6 +24,9 @@ namespace contactspline {
 /// What plays a score; kFile: what an instrument file describes.
 enum class Model { kHammerString, kSlideString, kFretString, kFile };
 
+/// Those whose voices have parts of their own: a resonator and a material.
+inline constexpr std::array kModelsWithParts = {Model::kHammerString, Model::kSlideString, Model::kFretString};
+
 /// What scores and the command line call a model, and what a score may say of it. kFile has its name only: the lists
 /// are empty.
 struct ModelRules {
@@ -38,6 +42,12 @@ struct ModelRules {
 [[nodiscard]] inline std::string_view name_of(Model model) {
   return rules_of(model).name;
 }
+
+/// The same name as an identifier, such as hammer_string.
+[[nodiscard]] std::string identifier_of(Model model);
+
+/// The model with parts of that identifier, or nothing.
+[[nodiscard]] std::optional<Model> model_with_parts(std::string_view identifier);
 
 /// The pedals of a keyboard on its body: places among KeyboardParameter::kList.
 [[nodiscard]] constexpr bool is_pedal(std::size_t parameter) {

@@ -13,7 +13,10 @@
 #include <string_view>
 #include <vector>
 
+#include "generator/player/midi_reader.hpp"
 #include "generator/player/score.hpp"
+#include "generator/resonator/resonator_reader.hpp"
+#include "generator/support/error.hpp"
 #include "generator/support/json_reader.hpp"
 
 namespace contactspline {
@@ -52,6 +55,20 @@ inline constexpr std::size_t kMaxEvents = 65536;
   const auto found = std::ranges::find(voices, name, &Voice::name);
   if (found == voices.end()) event.fail(event.key("voice"), fmt::format("'{}' is no voice", shown(name)), allowed);
   return {found, 1};
+}
+
+/// A turn of the pitch wheel as a glide of a parameter.
+[[nodiscard]] inline Glide glide_of(const MidiBend& bend, std::size_t parameter) {
+  return {bend.time_s, bend.in_note ? kMidiBendTime_s : 0, parameter,
+          std::clamp(bend.cents, kTuningCents.min, kTuningCents.max)};
+}
+
+/// Duration of a MIDI file whose last note ends at `end_s`, with the time that it rings [s]. Throws BadInput.
+[[nodiscard]] inline double midi_duration_s(std::string_view file, double end_s) {
+  if (!(end_s + kMidiRing_s <= kScoreDuration_s.max))
+    throw BadInput(fmt::format("{}: MIDI: it lasts {:.4g} s; allowed: at most {} s", file, end_s,
+                               kScoreDuration_s.max - kMidiRing_s));
+  return end_s + kMidiRing_s;
 }
 
 /// Sorts what happens to each voice by rising time.

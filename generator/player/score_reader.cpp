@@ -5,7 +5,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -48,16 +47,15 @@ bool has_hammer(Model model) {
 
 // The instrument of the runtime that a score names, or kFile.
 Model read_model(const JsonObject& score) {
-  constexpr std::array kAll = {Model::kHammerString, Model::kSlideString, Model::kFretString};
   std::vector<std::string_view> names;
-  for (const Model model : kAll) names.push_back(name_of(model));
+  for (const Model model : kModelsWithParts) names.push_back(name_of(model));
   const std::string allowed = fmt::format("{}, a .json file, {}", fmt::join(names, ", "),
                                           fmt::join(shipped_names(Shipped::kInstruments), ", "));
   const std::string name = score.text("instrument", allowed);
   if (is_path(name) || find_embedded(Shipped::kInstruments, name + ".json") != nullptr) return Model::kFile;
   const auto found = std::ranges::find(names, name);
   if (found == names.end()) score.fail("instrument", fmt::format("'{}' is unknown", shown(name)), allowed);
-  return kAll[static_cast<std::size_t>(found - names.begin())];
+  return kModelsWithParts[static_cast<std::size_t>(found - names.begin())];
 }
 
 // Changes the pitch of a string by `tuning_cents`, -1200 to 1200. No other resonator may have the key.
@@ -197,8 +195,7 @@ SharedGlides bends_of(std::span<const MidiBend> bends, int channel) {
   for (const MidiBend& bend : bends) {
     if (bend.channel != channel) continue;
     if (!glides.empty() && glides.back().time_s == bend.time_s) glides.pop_back();
-    const double cents = std::clamp(bend.cents, kTuningCents.min, kTuningCents.max);
-    glides.push_back({bend.time_s, bend.in_note ? kMidiBendTime_s : 0, HammerStringInstrument<double>::kBend, cents});
+    glides.push_back(glide_of(bend, HammerStringInstrument<double>::kBend));
   }
   return std::make_shared<const std::vector<Glide>>(std::move(glides));
 }
@@ -386,11 +383,7 @@ double duration_of(const MidiSong& song, const Keyboard& keyboard, std::string_v
   double end = 0;
   for (const MidiNote& note : song.notes)
     if (is_on(keyboard, note)) end = std::max(end, note.time_s + note.hold_s);
-  end = end_of_pedals(song.pedals, end);
-  if (!(end + kMidiRing_s <= kScoreDuration_s.max))
-    throw BadInput(fmt::format("{}: MIDI: it lasts {:.4g} s; allowed: at most {} s", file, end,
-                               kScoreDuration_s.max - kMidiRing_s));
-  return end + kMidiRing_s;
+  return midi_duration_s(file, end_of_pedals(song.pedals, end));
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <utility>
 
+#include "contactspline/step/controls.hpp"
 #include "generator/support/number_literal.hpp"
 
 namespace contactspline {
@@ -198,7 +199,9 @@ std::vector<double> bridge_shapes_of(const std::vector<BodyMode>& modes) {
 }
 
 double strike_speed(const Keyboard& keyboard, double velocity) {
-  return keyboard.min_speed_m_per_s * std::pow(keyboard.max_speed_m_per_s / keyboard.min_speed_m_per_s, velocity);
+  if (!is_number(velocity)) return velocity;
+  return keyboard.min_speed_m_per_s *
+         std::pow(keyboard.max_speed_m_per_s / keyboard.min_speed_m_per_s, std::clamp(velocity, 0.0, 1.0));
 }
 
 KeyboardNote note_of(const Keyboard& keyboard, int key) {

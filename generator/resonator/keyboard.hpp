@@ -139,7 +139,8 @@ struct EarRadiation {
 /// The bridge_shapes of all modes: those of the first place, then those of the second one, and so on.
 [[nodiscard]] std::vector<double> bridge_shapes_of(const std::vector<BodyMode>& modes);
 
-/// Speed [m/s] at which a velocity from 0 to 1 throws the hammer: min (max/min)^velocity.
+/// Speed [m/s] at which a velocity throws the hammer: min (max/min)^velocity; velocity from 0 to 1, clamped. Not a
+/// number if the velocity is not.
 [[nodiscard]] double strike_speed(const Keyboard& keyboard, double velocity);
 
 /// The note of a key, first_key to last_key: exponent and hammer's mass linear in the key between the published notes

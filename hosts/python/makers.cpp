@@ -2,7 +2,6 @@
 #include "hosts/python/makers.hpp"
 
 #include <algorithm>
-#include <array>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -16,15 +15,6 @@ namespace contactspline::python {
 namespace {
 
 using Json = nlohmann::json;
-
-constexpr std::array kModels = {Model::kHammerString, Model::kSlideString, Model::kFretString};
-
-// What a score calls hammer-string is an identifier here.
-std::string identifier_of(Model model) {
-  std::string name(name_of(model));
-  std::ranges::replace(name, '-', '_');
-  return name;
-}
 
 // A voice of a score: its reader knows the keys, their units and ranges.
 InstrumentMaker model_maker(Model model, Json parts) {
@@ -58,8 +48,7 @@ InstrumentMaker maker_of(const std::string& source, bool is_text, const std::str
   Json parts = Json::parse(parts_text);
   if (parts.empty()) return is_text ? maker_of_text(source, "instrument") : maker_of_name(source);
   if (!is_text) {
-    for (const Model model : kModels)
-      if (source == identifier_of(model)) return model_maker(model, std::move(parts));
+    if (const auto model = model_with_parts(source)) return model_maker(*model, std::move(parts));
     if (source == "mass_barrier")
       return maker_of_mass_barrier(parse_json(parts_text, source, "instrument", {"material"}), read_input);
     if (source == "piano") return keyboard_maker(parts);

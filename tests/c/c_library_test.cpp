@@ -71,7 +71,8 @@ class CLibrary : public ::testing::Test {
   static constexpr int kPrecision = sizeof(T) == sizeof(float) ? CONTACTSPLINE_FLOAT : CONTACTSPLINE_DOUBLE;
 };
 
-using All = Joined<NamedModels<double>, ShippedInstruments<double>, NamedModels<float>, ShippedInstruments<float>>;
+using All =
+    Joined<NamedModelTypes<double>, ShippedInstruments<double>, NamedModelTypes<float>, ShippedInstruments<float>>;
 TYPED_TEST_SUITE(CLibrary, All, InstrumentNames);
 
 TYPED_TEST(CLibrary, HasTheListsOfTheClass) {

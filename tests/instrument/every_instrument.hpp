@@ -1,21 +1,18 @@
 // SPDX-License-Identifier: MIT
-// The list of all instruments that ship, and of those in examples/. Tests over the concept take it; a new model is
-// one line here.
+// The list of all instruments that ship, and of those in examples/, for the tests over the concept.
 #pragma once
 
 #include <gtest/gtest.h>
 
+#include <tuple>
+
 #include "contactspline/instrument/instruments_of.hpp"
-#include "contactspline/instrument/keyboard_instrument.hpp"
-#include "contactspline/keyboards/piano.hpp"
 #include "contactspline/materials/felt_c4.hpp"
-#include "contactspline/materials/steel_on_steel.hpp"
-#include "contactspline/resonators/guitar_d3.hpp"
-#include "contactspline/resonators/guitar_g3.hpp"
 #include "contactspline/resonators/string_c4.hpp"
 #include "frame_drum.hpp"
 #include "fret_under_string.hpp"
 #include "hammer_on_string.hpp"
+#include "hosts/named_models.hpp"
 #include "shipped_instruments.hpp"
 #include "slide_on_string.hpp"
 
@@ -34,16 +31,20 @@ struct JoinedLists<::testing::Types<A...>, ::testing::Types<B...>, Others...>
 template <typename... Lists>
 using Joined = typename JoinedLists<Lists...>::Type;
 
+template <typename Tuple>
+struct TypesOfTuple;
+template <typename... Members>
+struct TypesOfTuple<std::tuple<Members...>> {
+  using Type = ::testing::Types<Members...>;
+};
+
 /// Models that programs and libraries know by name.
 template <typename T>
-using NamedModels = ::testing::Types<
-    MassBarrierOf<materials::felt_c4, T>, HammerStringOf<materials::felt_c4, resonators::string_c4, T>,
-    SlideStringOf<materials::steel_on_steel, resonators::guitar_g3, T>,
-    FretStringOf<materials::steel_on_steel, resonators::guitar_d3, T>, KeyboardInstrument<keyboards::piano, T>>;
+using NamedModelTypes = typename TypesOfTuple<contactspline::NamedModels<T>>::Type;
 
 template <typename T>
 using ModelsByHand =
-    Joined<NamedModels<T>, ::testing::Types<EnsembleOf<materials::felt_c4, resonators::string_c4, T>>>;
+    Joined<NamedModelTypes<T>, ::testing::Types<EnsembleOf<materials::felt_c4, resonators::string_c4, T>>>;
 
 template <typename T>
 using InstrumentsOfFiles =
