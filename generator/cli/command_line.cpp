@@ -95,44 +95,62 @@ std::string named_input(const std::string& argument) {
   return argument == "-" ? std::string(kStandardInput) : argument;
 }
 
+// An argument or an option that is a text, or several texts.
+template <typename Texts>
+CLI::Option* add_text(CLI::App& command, const char* name, Texts& texts, const char* help) {
+  return command.add_option(name, texts, help)->check(not_empty(help));
+}
+
+template <typename Texts>
+CLI::Option* add_input(CLI::App& command, const char* name, Texts& inputs, const char* help) {
+  return add_text(command, name, inputs, help)->transform(named_input);
+}
+
+CLI::Option* add_output_file(CLI::App& command, const char* name, std::string& file, const char* help) {
+  return command.add_option(name, file, help)->check(file_name())->type_name("FILE");
+}
+
+CLI::Option* add_output_folder(CLI::App& command, const char* name, std::string& folder, const char* help,
+                               const char* allowed = "a folder") {
+  return command.add_option(name, folder, help)->check(folder_name(allowed))->type_name("DIR");
+}
+
+template <typename Numbers, typename Limit>
+CLI::Option* add_number(CLI::App& command, const char* name, Numbers& numbers, const char* help, Limit min,
+                        Limit max) {
+  return command.add_option(name, numbers, help)->check(number_from(min, max));
+}
+
 void add_force(CLI::App& command, bool& force) {
   command.add_flag("--force", force,
                    "also replace files that this program did not write, and figures of another kind");
 }
 
 void add_jobs(CLI::App& command, int& jobs) {
-  command.add_option("--jobs", jobs, "files to work on at once (default: one for each core)")
-      ->check(number_from(1, 256));
+  add_number(command, "--jobs", jobs, "files to work on at once (default: one for each core)", 1, 256);
 }
 
 void add_generate(CLI::App& app) {
   const auto options = std::make_shared<GenerateOptions>();
   CLI::App* command =
       app.add_subcommand("generate", "Write a material, a resonator, a keyboard or an instrument as source text");
-  command->add_option("MATERIAL", options->materials, kSourceHelp)
-      ->check(not_empty(kSourceHelp))
-      ->transform(named_input)
-      ->required();
+  add_input(*command, "MATERIAL", options->materials, kSourceHelp)->required();
   std::vector<std::string> formats;
   for (const Emitter& emitter : emitters()) formats.emplace_back(emitter.name);
   command->add_option("--emit", options->formats, "format to write; may be repeated (default: all)")
       ->check(one_of(formats))
       ->type_name("FORMAT")
       ->allow_extra_args(false);
-  command->add_option("-o,--output", options->output, "folder to write to, or - for standard output")
-      ->check(folder_name("a folder, or - for standard output"))
-      ->type_name("DIR")
+  add_output_folder(*command, "-o,--output", options->output, "folder to write to, or - for standard output",
+                    "a folder, or - for standard output")
       ->capture_default_str();
-  command
-      ->add_option("--rate", options->sample_rate_hz,
-                   "sample rate in Hz; resonators and instruments keep their modes below half of it")
-      ->check(number_from(kSampleRates_hz.min, kSampleRates_hz.max))
+  add_number(*command, "--rate", options->sample_rate_hz,
+             "sample rate in Hz; resonators and instruments keep their modes below half of it", kSampleRates_hz.min,
+             kSampleRates_hz.max)
       ->capture_default_str();
   command->add_flag("--check", options->check, "write nothing; exit 1 and name the files that are stale");
-  command
-      ->add_option("--depfile", options->depfile, "also write a make rule with the files that the outputs depend on")
-      ->check(file_name())
-      ->type_name("FILE");
+  add_output_file(*command, "--depfile", options->depfile,
+                  "also write a make rule with the files that the outputs depend on");
   add_jobs(*command, options->jobs);
   add_force(*command, options->force);
   command->footer(
@@ -148,17 +166,13 @@ void add_generate(CLI::App& app) {
 }
 
 void add_plugin(CLI::App& app) {
-  constexpr auto kHelp = "instrument file (.json), or the name of an instrument that ships";
   const auto options = std::make_shared<PluginOptions>();
   CLI::App* command = app.add_subcommand("plugin", "Make CLAP, VST3 and LV2 plug-ins of an instrument");
-  command->add_option("INSTRUMENT", options->instrument, kHelp)->check(not_empty(kHelp))->required();
-  command->add_option("-o,--output", options->output, "folder for the project and the plug-ins")
-      ->check(folder_name("a folder"))
-      ->type_name("DIR")
+  add_text(*command, "INSTRUMENT", options->instrument,
+           "instrument file (.json), or the name of an instrument that ships")
       ->required();
-  constexpr auto kVendorHelp = "name of the maker that hosts show";
-  command->add_option("--vendor", options->vendor, kVendorHelp)
-      ->check(not_empty(kVendorHelp))
+  add_output_folder(*command, "-o,--output", options->output, "folder for the project and the plug-ins")->required();
+  add_text(*command, "--vendor", options->vendor, "name of the maker that hosts show")
       ->type_name("NAME")
       ->capture_default_str();
   command->add_flag("--no-build", options->no_build, "write the project of CMake only, and build nothing");
@@ -174,17 +188,14 @@ void add_plugin(CLI::App& app) {
 
 #ifdef CONTACTSPLINE_DATASETS
 void add_dataset(CLI::App& app) {
-  constexpr auto kHelp = "plan file (.json): what is played, over which values, and what is kept";
   const auto options = std::make_shared<DatasetOptions>();
   CLI::App* command = app.add_subcommand("dataset", "Render thousands of samples of an instrument into HDF5 files");
-  command->add_option("PLAN", options->plan, kHelp)->check(not_empty(kHelp))->required();
-  command->add_option("-o,--output", options->output, "folder for the files")
-      ->check(folder_name("a folder"))
-      ->type_name("DIR")
+  add_text(*command, "PLAN", options->plan, "plan file (.json): what is played, over which values, and what is kept")
       ->required();
-  CLI::Option* all = command->add_option("--shards", options->shards, "number of files; a further one joins them")
-                         ->check(number_from(1, 99999))
-                         ->capture_default_str();
+  add_output_folder(*command, "-o,--output", options->output, "folder for the files")->required();
+  CLI::Option* all =
+      add_number(*command, "--shards", options->shards, "number of files; a further one joins them", 1, 99999)
+          ->capture_default_str();
   const auto one = [options](const std::string& text) {
     options->only = std::stoul(text);
     options->shards = std::stoul(text.substr(text.find('/') + 1));
@@ -193,8 +204,7 @@ void add_dataset(CLI::App& app) {
       ->check(part_of_whole(99999))
       ->type_name("I/N")
       ->excludes(all);
-  command->add_option("--threads", options->threads, "number of threads (default: one for each core)")
-      ->check(number_from(1, 1024));
+  add_number(*command, "--threads", options->threads, "number of threads (default: one for each core)", 1, 1024);
   command->add_flag("--join", options->join, "write no sample: join the --shards that are there");
   command->add_flag("--force", options->force,
                     "also replace shards of other plans, and files that this program did not write");
@@ -214,22 +224,14 @@ void add_inspect(CLI::App& app) {
   const auto options = std::make_shared<InspectOptions>();
   CLI::App* command = app.add_subcommand(
       "inspect", "Show a material's spline, a resonator's modes, a keyboard's keys, an instrument");
-  command->add_option("MATERIAL", options->materials, kSourceHelp)
-      ->check(not_empty(kSourceHelp))
-      ->transform(named_input)
-      ->required();
-  command
-      ->add_option("--figure", options->figure,
-                   "also draw the spline, the modes or the instrument (.svg, .png, .pdf)")
-      ->check(file_name())
-      ->type_name("FILE");
+  add_input(*command, "MATERIAL", options->materials, kSourceHelp)->required();
+  add_output_file(*command, "--figure", options->figure,
+                  "also draw the spline, the modes or the instrument (.svg, .png, .pdf)");
   command->add_flag("--compare", options->compare,
                     "compare uniform, graded and optimal knots, in the table and in the figure");
   command->add_flag("--json", options->json, "print all numbers as JSON; errors as fractions, not in %");
-  command
-      ->add_option("--rate", options->sample_rate_hz,
-                   "of a resonator's, keyboard's or instrument's simulation in Hz (default: 44100)")
-      ->check(number_from(1e3, 1e8));
+  add_number(*command, "--rate", options->sample_rate_hz,
+             "of a resonator's, keyboard's or instrument's simulation in Hz (default: 44100)", 1e3, 1e8);
   add_jobs(*command, options->jobs);
   add_force(*command, options->force);
   command->footer(
@@ -251,12 +253,10 @@ void add_list(CLI::App& app) {
 }
 
 void add_show(CLI::App& app) {
-  constexpr auto kHelp = "name of something that ships, as `list` prints it";
   const auto name = std::make_shared<std::string>(), own_name = std::make_shared<std::string>();
   CLI::App* command = app.add_subcommand("show", "Print a file that ships, to start a file of your own from");
-  command->add_option("NAME", *name, kHelp)->check(not_empty(kHelp))->required();
-  constexpr auto kNameHelp = "name that the printed file states instead of its own";
-  command->add_option("--name", *own_name, kNameHelp)->check(not_empty(kNameHelp));
+  add_text(*command, "NAME", *name, "name of something that ships, as `list` prints it")->required();
+  add_text(*command, "--name", *own_name, "name that the printed file states instead of its own");
   command->footer(
       "Examples:\n"
       "  contactspline show felt_c4 --name my_felt > my_felt.json\n"
@@ -267,17 +267,11 @@ void add_show(CLI::App& app) {
 void add_impact(CLI::App& app) {
   const auto options = std::make_shared<ImpactOptions>();
   CLI::App* command = app.add_subcommand("impact", "Compare exact, spline and simulated impacts on a rigid barrier");
-  command->add_option("MATERIAL", options->materials, kMaterialHelp)
-      ->check(not_empty(kMaterialHelp))
-      ->transform(named_input)
-      ->required();
-  command
-      ->add_option("--speed", options->speeds,
-                   "impact speed in m/s; may be repeated (default: the material's largest)")
-      ->check(number_from(1e-6, 1e3))
+  add_input(*command, "MATERIAL", options->materials, kMaterialHelp)->required();
+  add_number(*command, "--speed", options->speeds,
+             "impact speed in m/s; may be repeated (default: the material's largest)", 1e-6, 1e3)
       ->allow_extra_args(false);
-  command->add_option("--rate", options->rates, "sample rate in Hz; may be repeated")
-      ->check(number_from(1e3, 1e8))
+  add_number(*command, "--rate", options->rates, "sample rate in Hz; may be repeated", 1e3, 1e8)
       ->allow_extra_args(false)
       ->capture_default_str();
   command
@@ -287,16 +281,10 @@ void add_impact(CLI::App& app) {
       ->type_name("MIN MAX COUNT");
   command->add_flag("--csv", options->csv, "print all numbers as CSV; errors as fractions, not in %");
   command->add_flag("--json", options->json, "print all numbers as JSON; errors as fractions, not in %");
-  command
-      ->add_option("--figure", options->figure,
-                   "also draw impacts over --speeds, or their errors over --rate (.svg, .png, .pdf)")
-      ->check(file_name())
-      ->type_name("FILE");
-  command
-      ->add_option("--trace", options->trace,
-                   "also write time, compression and force of each impact as a table (.csv)")
-      ->check(file_name())
-      ->type_name("FILE");
+  add_output_file(*command, "--figure", options->figure,
+                  "also draw impacts over --speeds, or their errors over --rate (.svg, .png, .pdf)");
+  add_output_file(*command, "--trace", options->trace,
+                  "also write time, compression and force of each impact as a table (.csv)");
   add_force(*command, options->force);
   command->footer(
       "Examples:\n"
@@ -312,16 +300,11 @@ void add_impact(CLI::App& app) {
 }
 
 void add_fit(CLI::App& app) {
-  constexpr auto kHelp = "fit file (.json), which names the data";
   const auto options = std::make_shared<FitOptions>();
   CLI::App* command = app.add_subcommand("fit", "Make a material file from measurements of impacts");
-  command->add_option("FILE", options->file, kHelp)->check(not_empty(kHelp))->required();
-  command->add_option("-o,--output", options->output, "material file to write (.json)")
-      ->check(file_name())
-      ->type_name("FILE");
-  command->add_option("--figure", options->figure, "also draw data, model and residuals (.svg, .png, .pdf)")
-      ->check(file_name())
-      ->type_name("FILE");
+  add_text(*command, "FILE", options->file, "fit file (.json), which names the data")->required();
+  add_output_file(*command, "-o,--output", options->output, "material file to write (.json)");
+  add_output_file(*command, "--figure", options->figure, "also draw data, model and residuals (.svg, .png, .pdf)");
   command->add_flag("--json", options->json, "print all numbers as JSON; scatter as fractions, not in %");
   add_force(*command, options->force);
   command->footer(
@@ -335,18 +318,13 @@ void add_fit(CLI::App& app) {
 
 // Returns the option of the sound file.
 CLI::Option* add_outputs(CLI::App& command, RenderOutput& output) {
-  command.add_option("--rate", output.sample_rate_hz, "sample rate in Hz")
-      ->check(number_from(static_cast<int>(kSampleRates_hz.min), static_cast<int>(kSampleRates_hz.max)))
+  add_number(command, "--rate", output.sample_rate_hz, "sample rate in Hz", static_cast<int>(kSampleRates_hz.min),
+             static_cast<int>(kSampleRates_hz.max))
       ->capture_default_str();
   CLI::Option* sound =
-      command.add_option("-o,--output", output.sound, "sound file to write (.wav, .flac, .ogg, .aiff)")
-          ->check(file_name())
-          ->type_name("FILE");
-  command
-      .add_option("--figure", output.figure,
-                  "figure to write (.svg, .png, .pdf; default: the sound file's name with .svg)")
-      ->check(file_name())
-      ->type_name("FILE");
+      add_output_file(command, "-o,--output", output.sound, "sound file to write (.wav, .flac, .ogg, .aiff)");
+  add_output_file(command, "--figure", output.figure,
+                  "figure to write (.svg, .png, .pdf; default: the sound file's name with .svg)");
   command.add_flag("--no-figure", output.no_figure, "draw no figure");
   command
       .add_option_function<std::string>(
@@ -362,13 +340,10 @@ void add_mass_barrier(CLI::App& render) {
   const auto options = std::make_shared<MassBarrierOptions>();
   CLI::App* command =
       render.add_subcommand("mass-barrier", "A mass thrown at a rigid barrier; with gravity it bounces");
-  const auto number = [&](const char* name, auto& value, const char* help, auto min, auto max) {
-    return command->add_option(name, value, help)->check(number_from(min, max));
+  const auto number = [&](const char* name, auto& value, const char* help, double min, double max) {
+    return add_number(*command, name, value, help, min, max);
   };
-  command->add_option("--material", options->material, kMaterialHelp)
-      ->check(not_empty(kMaterialHelp))
-      ->transform(named_input)
-      ->capture_default_str();
+  add_input(*command, "--material", options->material, kMaterialHelp)->capture_default_str();
   number("--mass", options->mass_kg, "mass in kg (default: the material's)", 1e-9, 1e4);
   number("--speed", options->speed_m_per_s, "speed of the throw in m/s (default: the material's largest)", 0.0, 1e3);
   number("--start", options->start_m, "displacement at the throw in m, into the barrier", -1e3, 1.0)
@@ -400,16 +375,11 @@ std::shared_ptr<ScoreOptions> add_score_options(CLI::App& command, std::optional
   command.add_option("--precision", options->precision, "floating-point precision of the model")
       ->check(one_of({"single", "double"}))
       ->capture_default_str();
-  command
-      .add_option("--stems", options->stems,
-                  "folder for one file per voice, in the format and with the gain of the sound")
-      ->check(folder_name("a folder"))
-      ->type_name("DIR");
+  add_output_folder(command, "--stems", options->stems,
+                    "folder for one file per voice, in the format and with the gain of the sound");
   if (!model || model == Model::kHammerString)
-    command
-        .add_option("--channel", options->channels,
-                    "MIDI channel to play; may be repeated (default: all but 10, which is for drums)")
-        ->check(number_from(1, 16))
+    add_number(command, "--channel", options->channels,
+               "MIDI channel to play; may be repeated (default: all but 10, which is for drums)", 1, 16)
         ->allow_extra_args(false);
   if (!model || model == Model::kFile)
     command
@@ -424,10 +394,7 @@ std::shared_ptr<ScoreOptions> add_score_options(CLI::App& command, std::optional
 void add_model(CLI::App& render, Model model, const char* help, const char* example) {
   CLI::App* command = render.add_subcommand(std::string(name_of(model)), help);
   const auto options = add_score_options(*command, model);
-  command->add_option("--score", options->score, kScoreHelp)
-      ->check(not_empty(kScoreHelp))
-      ->transform(named_input)
-      ->required();
+  add_input(*command, "--score", options->score, kScoreHelp)->required();
   add_outputs(*command, options->output)->required();
   command->footer(fmt::format(
       "Example:\n  contactspline render {} --score {} -o out.wav\nThe scores that ship: contactspline list scores",
@@ -439,7 +406,7 @@ void add_render(CLI::App& app) {
   CLI::App* command = app.add_subcommand("render", "Play a score, or an instrument, to a sound file and a figure");
   command->require_subcommand(0, 1);
   const auto options = add_score_options(*command, {});
-  command->add_option("SCORE", options->score, kScoreHelp)->check(not_empty(kScoreHelp))->transform(named_input);
+  add_input(*command, "SCORE", options->score, kScoreHelp);
   const CLI::Option* sound = add_outputs(*command, options->output);
   command->footer(
       "Examples:\n  contactspline render fur_elise -o elise.wav\n  contactspline render my_song.mid -o song.wav\n"
