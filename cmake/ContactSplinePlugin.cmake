@@ -236,14 +236,23 @@ function(_contactspline_framework_source name)
 endfunction()
 
 # Writes instrument_clap.cpp into a folder: the framework's source. It allocates its queue of clicks by malloc() and frees
-# it by delete[].
+# it by delete[]. The functions that clap.cpp defines itself get another name there.
 function(_contactspline_clap_source folder)
   _contactspline_framework_source(CLAP)
   string(REPLACE "delete[] events;" "std::free(events);" changed "${text}")
   if(changed STREQUAL text)
     _contactspline_fail("${framework} has no 'delete[] events;'; allowed: version 1.6 of the framework")
   endif()
-  set(text "${changed}")
+  # Where the framework takes the address of one, it gets that of clap.cpp.
+  foreach(name plugin_reset plugin_process plugin_get_extension plugin_params_get_info plugin_params_get_value
+          plugin_params_value_to_text plugin_params_text_to_value plugin_params_flush plugin_state_save plugin_state_load
+          plugin_entry_init plugin_entry_deinit get_plugin_descriptor create_plugin)
+    string(REPLACE "clap_${name}(" "clap_${name}_of_framework(" text "${changed}")
+    if(changed STREQUAL text)
+      _contactspline_fail("${framework} has no 'clap_${name}('; allowed: version 1.6 of the framework")
+    endif()
+    set(changed "${text}")
+  endforeach()
   file(CONFIGURE OUTPUT "${folder}/instrument_clap.cpp" @ONLY CONTENT "${text}")
 endfunction()
 

@@ -42,41 +42,12 @@ static bool clap_plugin_entry_init(const char*);
 static void clap_plugin_entry_deinit(void);
 END_NAMESPACE_DISTRHO
 
-// Renames the framework's functions, but not where their addresses are taken.
-#define clap_plugin_reset(...) clap_plugin_reset_of_framework(__VA_ARGS__)
-#define clap_plugin_process(...) clap_plugin_process_of_framework(__VA_ARGS__)
-#define clap_plugin_get_extension(...) clap_plugin_get_extension_of_framework(__VA_ARGS__)
-#define clap_plugin_params_get_info(...) clap_plugin_params_get_info_of_framework(__VA_ARGS__)
-#define clap_plugin_params_get_value(...) clap_plugin_params_get_value_of_framework(__VA_ARGS__)
-#define clap_plugin_params_value_to_text(...) clap_plugin_params_value_to_text_of_framework(__VA_ARGS__)
-#define clap_plugin_params_text_to_value(...) clap_plugin_params_text_to_value_of_framework(__VA_ARGS__)
-#define clap_plugin_params_flush(...) clap_plugin_params_flush_of_framework(__VA_ARGS__)
-#define clap_get_plugin_descriptor(...) clap_get_plugin_descriptor_of_framework(__VA_ARGS__)
-#define clap_create_plugin(...) clap_create_plugin_of_framework(__VA_ARGS__)
-#define clap_plugin_state_save(...) clap_plugin_state_save_of_framework(__VA_ARGS__)
-#define clap_plugin_state_load(...) clap_plugin_state_load_of_framework(__VA_ARGS__)
-#define clap_plugin_entry_init(...) clap_plugin_entry_init_of_framework(__VA_ARGS__)
-#define clap_plugin_entry_deinit(...) clap_plugin_entry_deinit_of_framework(__VA_ARGS__)
 #include <src/DistrhoPlugin.cpp>
 
-#include "instrument_clap.cpp"
+#include "instrument_clap.cpp"  // the framework's source; CMake renames what is defined below
 
 #define DISTRHO_IS_STANDALONE 0
 #include <src/DistrhoUtils.cpp>
-#undef clap_plugin_state_save
-#undef clap_plugin_state_load
-#undef clap_plugin_entry_init
-#undef clap_plugin_entry_deinit
-#undef clap_plugin_reset
-#undef clap_plugin_process
-#undef clap_plugin_get_extension
-#undef clap_plugin_params_get_info
-#undef clap_plugin_params_get_value
-#undef clap_plugin_params_value_to_text
-#undef clap_plugin_params_text_to_value
-#undef clap_plugin_params_flush
-#undef clap_get_plugin_descriptor
-#undef clap_create_plugin
 
 START_NAMESPACE_DISTRHO
 

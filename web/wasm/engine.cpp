@@ -12,6 +12,8 @@
 #include <vector>
 
 #include "contactspline/instrument/voices.hpp"
+#include "generated/felt_c4.hpp"
+#include "generated/steel_on_steel.hpp"
 #include "web/wasm/door.hpp"
 #include "web/wasm/hammer_keys.hpp"
 #include "web/wasm/instruments.hpp"
@@ -78,7 +80,7 @@ Maker maker_of_plucked() {
     if (plan.is_plain()) return std::make_unique<PlayableBehind<I, kBridge>>();
     auto string = plan.strings(false);
     if (!string) return nullptr;
-    PluckedStringParts parts = at_steel(*std::move(string));
+    PluckedStringParts parts = detail::at_contact<materials::steel_on_steel>(*std::move(string));
     parts.resonator.pluck_m = plan.pluck_m;
     parts.height_m = plan.height_m;
     return std::make_unique<PlayableBehind<Model, kBridge>>(std::move(parts));
@@ -94,7 +96,7 @@ std::unique_ptr<Playable> dulcimer(const VoicePlan& plan) {
   const double hammer_kg = plan.hammer_mass_kg > 0 ? plan.hammer_mass_kg : Dulcimer<float>::kHammer_kg;
   const double damping_per_s = plan.damper_per_s >= 0 ? plan.damper_per_s : Damper().damping_per_s;
   return std::make_unique<PlayableBehind<HammerStringInstrument<float>, kBridge>>(
-      under_felt(*std::move(course), hammer_kg, damping_per_s));
+      detail::under_felt<materials::felt_c4>(*std::move(course), hammer_kg, {damping_per_s}));
 }
 
 template <template <typename> typename I>

@@ -154,63 +154,69 @@ Json panels_of(const Fit& fit) {
   return panels;
 }
 
+// What make() returns as JSON, or {"error": one line} for bad input.
+template <typename Make>
+const char* answer(const Make& make) {
+  try {
+    return keep(make().dump());
+  } catch (const std::exception& error) {
+    return keep(Json{{"error", error.what()}}.dump());
+  }
+}
+
+// The files of a kind that ship, as a JSON object: text by name.
+const char* texts_of(Shipped kind) {
+  Json texts = Json::object();
+  for (const std::string& name : shipped_names(kind))
+    texts[name] = std::string(find_embedded(kind, name + ".json")->content);
+  return keep(texts.dump());
+}
+
 }  // namespace
 
 /// Writes a fit file for data files that the page was given, a name a line, of impacts of this mass. Returns JSON:
 /// {"text"}, or {"error": one line}. The page frees `names`.
 CONTACTSPLINE_WEB(const char*, contactspline_fit_file, const char* names, double mass_kg) {
-  try {
+  return answer([&] {
     Json fit = {{"name", "fitted"}, {"mass_kg", mass_kg}};
     std::istringstream lines{names};
     for (std::string name; std::getline(lines, name);) fit[key_for(name)].push_back({{"file", name}});
-    return keep(Json{{"text", fit.dump(2) + "\n"}}.dump());
-  } catch (const std::exception& error) {
-    return keep(Json{{"error", error.what()}}.dump());
-  }
+    return Json{{"text", fit.dump(2) + "\n"}};
+  });
 }
 
 /// Fits a material to the data that a fit file names. Returns JSON: the text of its file, the report that
 /// `contactspline fit` prints, and data with model for figures; or {"error": one line}. The page frees `text`.
 CONTACTSPLINE_WEB(const char*, contactspline_fit, const char* text, const char* file) {
-  try {
+  return answer([&] {
     const Measurements measured = parse_measurements(text, file, read_file);
     const Fit fit = fit_material(measured, file, [](const std::string& /*what*/) {});
-    return keep(Json{{"material", material_text(fit, measured, "Written by contactspline " CONTACTSPLINE_VERSION)},
-                     {"report", report_of(fit, measured)},
-                     {"panels", panels_of(fit)}}
-                    .dump());
-  } catch (const std::exception& error) {
-    return keep(Json{{"error", error.what()}}.dump());
-  }
+    return Json{{"material", material_text(fit, measured, "Written by contactspline " CONTACTSPLINE_VERSION)},
+                {"report", report_of(fit, measured)},
+                {"panels", panels_of(fit)}};
+  });
 }
 
 /// Designs the material of this text. Returns JSON: the emitted files by name, the table, the curve and the errors;
 /// or {"error": one line} for bad input. The page frees `text`.
 CONTACTSPLINE_WEB(const char*, contactspline_generate, const char* text, const char* file) {
-  try {
-    return keep(described(design_material(text, file, read_file)).dump());
-  } catch (const std::exception& error) {
-    return keep(Json{{"error", error.what()}}.dump());
-  }
+  return answer([&] { return described(design_material(text, file, read_file)); });
 }
 
 /// Reads the text of an instrument file. Returns JSON: name, title, table of its parts, as `inspect` prints it, and
 /// its drawing so many points of the screen wide; or {"error": one line} for bad input. The page frees `text`.
 CONTACTSPLINE_WEB(const char*, contactspline_instrument, const char* text, const char* file, double width,
                   double sample_rate_hz) {
-  try {
+  return answer([&] {
     const InstrumentModel model = parse_instrument(text, file, read_file);
     if (const auto body = silent_body(model, sample_rate_hz / 2))
       refuse(file, *body, fmt::format("has no mode below {} Hz", sample_rate_hz / 2), "a body that moves below it");
     instrument_bytes = packed(arrays_of(model, sample_rate_hz / 2).view());
-    return keep(Json{{"name", model.name},
-                     {"title", title_of(model)},
-                     {"parts", instrument_table(model, sample_rate_hz)},
-                     {"drawing", drawing_of(model, width)}}
-                    .dump());
-  } catch (const std::exception& error) {
-    return keep(Json{{"error", error.what()}}.dump());
-  }
+    return Json{{"name", model.name},
+                {"title", title_of(model)},
+                {"parts", instrument_table(model, sample_rate_hz)},
+                {"drawing", drawing_of(model, width)}};
+  });
 }
 
 /// The arrays of the last instrument that was read, for the modules that play and draw it.
@@ -223,10 +229,7 @@ CONTACTSPLINE_WEB(int, contactspline_instrument_size) {
 
 /// The instrument files that ship, as a JSON object: text by name.
 CONTACTSPLINE_WEB(const char*, contactspline_instruments) {
-  Json texts = Json::object();
-  for (const std::string& name : shipped_names(Shipped::kInstruments))
-    texts[name] = std::string(find_embedded(Shipped::kInstruments, name + ".json")->content);
-  return keep(texts.dump());
+  return texts_of(Shipped::kInstruments);
 }
 
 /// Takes a file that materials, instruments and fits may name: a measured curve, a material, data of impacts.
@@ -236,10 +239,7 @@ CONTACTSPLINE_WEB(void, contactspline_take_file, const char* name, const char* t
 
 /// The material files that ship, as a JSON object: text by name.
 CONTACTSPLINE_WEB(const char*, contactspline_materials) {
-  Json texts = Json::object();
-  for (const std::string& name : shipped_names(Shipped::kMaterials))
-    texts[name] = std::string(find_embedded(Shipped::kMaterials, name + ".json")->content);
-  return keep(texts.dump());
+  return texts_of(Shipped::kMaterials);
 }
 
 CONTACTSPLINE_WEB(void*, contactspline_allocate, std::size_t bytes) {

@@ -111,11 +111,6 @@ constexpr auto by_projection(Less& less, Projection& projection) {
   };
 }
 
-template <typename First, typename Second>
-constexpr bool equal(const First& first, const Second& second) {
-  return std::equal(std::begin(first), std::end(first), std::begin(second), std::end(second));
-}
-
 template <typename Range, typename Less = std::less<>, typename Projection = identity>
 constexpr void sort(Range&& range, Less less = {}, Projection projection = {}) {
   std::sort(std::begin(range), std::end(range), by_projection(less, projection));
@@ -171,17 +166,8 @@ constexpr void reverse(Range&& range) {
 }
 
 template <typename Range>
-constexpr auto minmax_element(Range&& range) {
-  const auto [min, max] = std::minmax_element(std::begin(range), std::end(range));
-  struct Result {
-    decltype(std::begin(range)) min, max;
-  };
-  return Result{min, max};
-}
-
-template <typename Range>
 constexpr auto minmax(Range&& range) {
-  const auto [min, max] = std::ranges::minmax_element(range);
+  const auto [min, max] = std::minmax_element(std::begin(range), std::end(range));
   return std::pair(*min, *max);
 }
 

@@ -28,19 +28,15 @@ class NetworkGeometry {
   explicit NetworkGeometry(const InstrumentData& data) : data_(data), strings_(data.body_ends.size()) {
     for (std::size_t b = 0; b < data.body_ends.size(); ++b) membranes_.push_back(MembraneShapes::of(data, b));
     const std::size_t moving = data.place_bodies.size() - data.keyed.far_ends;
-    for (std::size_t p = 0, begin = 0; p < data.place_bodies.size(); ++p) {
-      const std::size_t modes = modes_of(data.place_bodies[p]);
-      places_.push_back(p < moving ? along_string(data.shapes.subspan(begin, modes)) : std::nullopt);
+    for (std::size_t p = 0; p < data.place_bodies.size(); ++p) {
+      const auto shapes = data.shapes_of(p);
+      places_.push_back(p < moving ? along_string(shapes) : std::nullopt);
       if (places_.back()) strings_[data.place_bodies[p]] = true;
       if (const auto& membrane = membranes_[data.place_bodies[p]])
-        places_.back() = (1 + membrane->along_diameter(data.shapes.subspan(begin, modes))) / 2;
-      begin += modes;
+        places_.back() = (1 + membrane->along_diameter(shapes)) / 2;
     }
   }
 
-  [[nodiscard]] std::size_t modes_of(std::size_t body) const {
-    return data_.body_ends[body] - (body == 0 ? 0 : data_.body_ends[body - 1]);
-  }
   [[nodiscard]] bool is_string(std::size_t body) const { return strings_[body]; }
   [[nodiscard]] bool is_mass(std::size_t body) const {
     return std::ranges::find(data_.strikes, body) != data_.strikes.end();
@@ -171,7 +167,7 @@ class NetworkFrames {
   void add_string(std::size_t b) {
     Curve& curve = curves_.emplace_back(Curve{"string", b, {}});
     for (std::size_t p = 0; p < kPoints; ++p)
-      curve.points.push_back(sines(geometry_.modes_of(b), std::numbers::pi * static_cast<double>(p) / (kPoints - 1)));
+      curve.points.push_back(sines(data_.modes_of(b), std::numbers::pi * static_cast<double>(p) / (kPoints - 1)));
   }
 
   // A membrane, or the places of a plate or a bar, side by side.
@@ -181,11 +177,8 @@ class NetworkFrames {
       return;
     }
     Curve curve{"body", b, {}};
-    for (std::size_t p = 0, begin = 0; p < data_.place_bodies.size(); ++p) {
-      const std::size_t modes = geometry_.modes_of(data_.place_bodies[p]);
-      if (data_.place_bodies[p] == b) curve.points.emplace_back(data_.shapes.subspan(begin, modes));
-      begin += modes;
-    }
+    for (std::size_t p = 0; p < data_.place_bodies.size(); ++p)
+      if (data_.place_bodies[p] == b) curve.points.emplace_back(data_.shapes_of(p));
     if (!curve.points.empty()) curves_.push_back(std::move(curve));
   }
 
@@ -279,6 +272,9 @@ Study study_of_plucked(I& instrument, double length_m, double pluck, std::span<c
   for (std::size_t p = 0; p < values.size(); ++p) instrument.set(p, values[p]);
   instrument.prepare(plan.sample_rate_hz);
   const auto& model = instrument.model();
+  constexpr bool kSlides = requires {
+    model.slide();
+  };
   const std::size_t modes = model.string().size();
   std::vector<ModeShapes<double>> points;
   for (std::size_t p = 0; p < kPoints; ++p)
@@ -289,17 +285,11 @@ Study study_of_plucked(I& instrument, double length_m, double pluck, std::span<c
   for (std::size_t i = 0; i < plan.frames; ++i) {
     const double place = model.place();
     const double at_contact = model.string().displacement(detail::sines(modes, std::numbers::pi * place / length_m));
-    constexpr bool kSlides = requires {
-      model.slide();
-    };
     const double height = kSlides ? at_contact + model.compression() : at_contact - model.compression();
     study.numbers.insert(study.numbers.end(), {model.force(), place / length_m, height});
     for (const auto& point : points) study.numbers.push_back(model.string().displacement(point));
     instrument.process({}, force);
   }
-  constexpr bool kSlides = requires {
-    model.slide();
-  };
   study.scene = fmt::format(
       R"({{"throws": {}, "moves": null, "plucks": {{"at": {:.17g}, "column": 3}}, "force": 0, "energies": [], "isFlipped": true, )"
       R"("items": [{}{{"kind": "stop", "name": "{}", "atColumn": 1, "column": 2, "side": {}, "force": 0}}]}})",

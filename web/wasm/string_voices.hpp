@@ -6,19 +6,16 @@
 #include <cmath>
 #include <cstddef>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "contactspline/instrument/instruments_of.hpp"
 #include "generated/dulcimer_g4.hpp"
-#include "generated/felt_c4.hpp"
 #include "generated/guitar_a2.hpp"
 #include "generated/guitar_b3.hpp"
 #include "generated/guitar_d3.hpp"
 #include "generated/guitar_e2.hpp"
 #include "generated/guitar_e4.hpp"
 #include "generated/guitar_g3.hpp"
-#include "generated/steel_on_steel.hpp"
 
 namespace contactspline::web {
 
@@ -52,23 +49,6 @@ inline ResonatorParts tuned(const ResonatorParts& emitted, double cents, double 
     for (std::size_t i = 0; i < shapes.size(); ++i) shapes[i] = std::sin(wavenumbers[i] * place_m) / strings;
   };
   return parts;
-}
-
-/// A string that meets steel, as slide and frets are in all scores.
-inline PluckedStringParts at_steel(ResonatorParts string) {
-  using Steel = materials::steel_on_steel;
-  return {std::move(string), detail::table_of<Steel>(), Steel::loss_s_per_m, 0, detail::memories_in<Steel>()};
-}
-
-/// Strings under a hammer with the felt of C4, as hammers are in all scores.
-inline HammerStringParts under_felt(ResonatorParts strings, double hammer_mass_kg, double damper_per_s) {
-  using Felt = materials::felt_c4;
-  return {.resonator = std::move(strings),
-          .felt = detail::table_of<Felt>(),
-          .hammer_mass_kg = hammer_mass_kg,
-          .loss_s_per_m = Felt::loss_s_per_m,
-          .damper = {.damping_per_s = damper_per_s},
-          .memories = detail::memories_in<Felt>()};
 }
 
 }  // namespace contactspline::web

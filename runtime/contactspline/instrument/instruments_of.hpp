@@ -29,6 +29,18 @@ template <typename Material>
   return {memories_of<Material>.begin(), memories_of<Material>.end()};
 }
 
+/// Strings under a hammer of an emitted felt.
+template <typename Felt>
+[[nodiscard]] HammerStringParts under_felt(ResonatorParts strings, double hammer_mass_kg, const Damper& damper = {}) {
+  return {std::move(strings), table_of<Felt>(), hammer_mass_kg, Felt::loss_s_per_m, damper, memories_in<Felt>()};
+}
+
+/// A string that meets an emitted material.
+template <typename Contact>
+[[nodiscard]] PluckedStringParts at_contact(ResonatorParts string) {
+  return {std::move(string), table_of<Contact>(), Contact::loss_s_per_m, 0, memories_in<Contact>()};
+}
+
 }  // namespace detail
 
 /// A mass at a barrier of an emitted material.
@@ -45,12 +57,7 @@ template <typename Felt, typename String, std::floating_point T>
 class HammerStringOf : public HammerStringInstrument<T> {
  public:
   explicit HammerStringOf(double hammer_mass_kg = 0.00297)
-      : HammerStringInstrument<T>({string_parts<String>(),
-                                   detail::table_of<Felt>(),
-                                   hammer_mass_kg,
-                                   Felt::loss_s_per_m,
-                                   {},
-                                   detail::memories_in<Felt>()}) {}
+      : HammerStringInstrument<T>(detail::under_felt<Felt>(string_parts<String>(), hammer_mass_kg)) {}
   static std::span<const Output> outputs() { return detail::outputs_for_hosts(); }
 };
 
@@ -70,11 +77,7 @@ class EnsembleOf : public EnsembleInstrument<T> {
         const StringMode row{string.modes[i], string.wavenumbers_per_m[i]};
         string.modes[i] = retuned(*string.string, row, 100 * (key - 60));
       }
-      parts.strings.push_back({.resonator = std::move(string),
-                               .felt = detail::table_of<Felt>(),
-                               .hammer_mass_kg = hammer_mass_kg,
-                               .loss_s_per_m = Felt::loss_s_per_m,
-                               .memories = detail::memories_in<Felt>()});
+      parts.strings.push_back(detail::under_felt<Felt>(std::move(string), hammer_mass_kg));
     }
     return parts;
   }
@@ -85,8 +88,7 @@ namespace detail {
 template <template <typename> typename Model, typename Contact, typename String, std::floating_point T>
 class PluckedStringOf : public Model<T> {
  public:
-  PluckedStringOf()
-      : Model<T>({string_parts<String>(), table_of<Contact>(), Contact::loss_s_per_m, 0, memories_in<Contact>()}) {}
+  PluckedStringOf() : Model<T>(at_contact<Contact>(string_parts<String>())) {}
   static std::span<const Output> outputs() { return outputs_for_hosts(); }
 };
 

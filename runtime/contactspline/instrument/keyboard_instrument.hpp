@@ -38,8 +38,8 @@ struct KeyboardParameter {
       {{"left_pressure_pa", "Pa", 20}, {"right_pressure_pa", "Pa", 20}}};
 };
 
-/// A keyboard as hosts play it: hammers, pedals and the pitch wheel are parameters. Derived says what its keys are:
-/// keys_and_board(f) calls f(keys, board), and first_key(), speed_of(velocity). Meets Instrument.
+/// A keyboard as hosts play it: hammers, pedals and the pitch wheel are parameters. Derived has first_key() and
+/// speed_of(velocity), the speed of a hammer. Meets Instrument.
 template <typename Derived, std::floating_point T>
 class PedaledKeyboard : public KeyboardOnBody<T>, public KeyboardParameter {
  public:

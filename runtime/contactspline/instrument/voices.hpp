@@ -162,19 +162,13 @@ class Voices {
   }
   /// The books of all voices, as in one of them.
   [[nodiscard]] double energy() const {
-    double sum = 0;
-    for (const Voice& voice : voices_) sum += voice.instrument.energy();
-    return sum;
+    return sum([](const Voice& v) { return v.instrument.energy(); });
   }
   [[nodiscard]] double work() const {
-    double sum = 0;
-    for (const Voice& voice : voices_) sum += voice.is_asleep ? 0 : voice.instrument.work();
-    return sum;
+    return sum([](const Voice& v) { return v.is_asleep ? 0 : v.instrument.work(); });
   }
   [[nodiscard]] double dissipated() const {
-    double sum = 0;
-    for (const Voice& voice : voices_) sum += voice.is_asleep ? 0 : voice.instrument.dissipated();
-    return sum;
+    return sum([](const Voice& v) { return v.is_asleep ? 0 : v.instrument.dissipated(); });
   }
   /// A voice, from 0 to keyed().voices - 1.
   [[nodiscard]] const I& voice(std::size_t index) const { return voices_[index].instrument; }
@@ -208,6 +202,12 @@ class Voices {
     bool is_asleep = false;
   };
 
+  template <typename Of>
+  [[nodiscard]] double sum(Of of) const {
+    double sum = 0;
+    for (const Voice& voice : voices_) sum += of(voice);
+    return sum;
+  }
   [[nodiscard]] const I& first() const { return voices_.front().instrument; }
 
   [[nodiscard]] const KeyRange* range_of(int key) const {

@@ -40,7 +40,7 @@ template <std::floating_point T>
 }
 
 /// The last `length` forces at a place, the newest first. They are kept twice, so that any number of them lie in one
-/// row. Only reset() allocates, after resize().
+/// row. Only reset() allocates, after widen().
 template <std::floating_point T>
 class ForceHistory {
  public:

@@ -29,6 +29,26 @@ struct ContactNumbers {
   std::vector<Memory> memories;   ///< of weights and times; empty: all 0
 };
 
+namespace detail {
+
+/// Returns a value whose slopes are a number of each direction.
+template <std::floating_point T, typename Numbers, std::size_t P>
+[[nodiscard]] Dual<T, P> with_slopes(T value, const std::array<Numbers, P>& directions, T Numbers::*number) {
+  Dual<T, P> result(value);
+  for (std::size_t p = 0; p < P; ++p) result.slopes[p] = directions[p].*number;
+  return result;
+}
+/// Returns the contact of each direction.
+template <std::floating_point T, typename Numbers, std::size_t P>
+[[nodiscard]] std::array<ContactNumbers<T>, P> contacts_of(const std::array<Numbers, P>& directions,
+                                                           ContactNumbers<T> Numbers::*contact) {
+  std::array<ContactNumbers<T>, P> contacts;
+  for (std::size_t p = 0; p < P; ++p) contacts[p] = directions[p].*contact;
+  return contacts;
+}
+
+}  // namespace detail
+
 /// A table with the knots of another, whose force is force_at(y) at the knots and at end_m, the end of the last
 /// segment, and linear between.
 template <std::floating_point T, typename ForceAt>
@@ -250,7 +270,8 @@ class ContactTangent {
   /// second.
   [[nodiscard]] Response respond(const ContactControls<T>& controls, const Number& before, T force,
                                  T compression) const {
-    const Number ratio = with_direction(controls.stiffness_ratio, &ContactNumbers<T>::stiffness_ratio) * stiffness_;
+    const Number ratio =
+        detail::with_slopes(controls.stiffness_ratio, directions_, &ContactNumbers<T>::stiffness_ratio) * stiffness_;
     const detail::ContactPath<T> path(table_, remembered_.line().value, before.value, compression);
     const detail::ContactSlopes<T> slopes(path, {ratio.value, controls.loss_s_per_m}, time_step_, T(0), force);
     Response response{force, slopes.after};
@@ -282,12 +303,6 @@ class ContactTangent {
   }
 
  private:
-  [[nodiscard]] Number with_direction(T value, T ContactNumbers<T>::*member) const {
-    Number number(value);
-    for (std::size_t p = 0; p < P; ++p) number.slopes[p] = directions_[p].*member;
-    return number;
-  }
-
   SegmentTable<T> table_;
   T time_step_;
   std::array<ContactNumbers<T>, P> directions_;

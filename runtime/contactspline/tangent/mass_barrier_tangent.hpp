@@ -31,22 +31,24 @@ class MassBarrierTangent {
   MassBarrierTangent(SegmentTable<T> table, T sample_rate_hz, const MassBarrierControls<T>& controls,
                      const std::array<ThrowNumbers<T>, P>& directions, std::span<const Memory> memories = {})
       : model_(table, sample_rate_hz, memories),
-        contact_(table, memories, double(sample_rate_hz), contacts_of(directions)),
+        contact_(table, memories, double(sample_rate_hz), detail::contacts_of(directions, &ThrowNumbers<T>::contact)),
         controls_(controls),
         directions_(directions),
         time_step_(1 / sample_rate_hz) {
     const T dt = time_step_;
-    const Number mass = number(controls.mass_kg, &ThrowNumbers<T>::mass_kg);
+    const Number mass = detail::with_slopes(controls.mass_kg, directions_, &ThrowNumbers<T>::mass_kg);
     admittance_ = Number(dt * dt / 2) / mass;
-    gravity_step_ = Number(dt * dt) * number(controls.gravity_m_per_s2, &ThrowNumbers<T>::gravity_m_per_s2);
+    gravity_step_ = Number(dt * dt) *
+                    detail::with_slopes(controls.gravity_m_per_s2, directions_, &ThrowNumbers<T>::gravity_m_per_s2);
   }
 
   /// MassBarrier::throw_from.
   void throw_from(T displacement_m, T velocity_m_per_s) {
     model_.throw_from(displacement_m, velocity_m_per_s);
     contact_.reset();
-    displacement_ = number(model_.displacement(), &ThrowNumbers<T>::displacement_m);
-    velocity_step_ = Number(time_step_) * number(model_.velocity(), &ThrowNumbers<T>::velocity_m_per_s);
+    displacement_ = detail::with_slopes(model_.displacement(), directions_, &ThrowNumbers<T>::displacement_m);
+    velocity_step_ =
+        Number(time_step_) * detail::with_slopes(model_.velocity(), directions_, &ThrowNumbers<T>::velocity_m_per_s);
     force_ = T(0);
   }
 
@@ -67,17 +69,6 @@ class MassBarrierTangent {
   [[nodiscard]] const MassBarrier<T>& model() const { return model_; }
 
  private:
-  static std::array<ContactNumbers<T>, P> contacts_of(const std::array<ThrowNumbers<T>, P>& directions) {
-    std::array<ContactNumbers<T>, P> contacts;
-    for (std::size_t p = 0; p < P; ++p) contacts[p] = directions[p].contact;
-    return contacts;
-  }
-  [[nodiscard]] Number number(T value, T ThrowNumbers<T>::*member) const {
-    Number result(value);
-    for (std::size_t p = 0; p < P; ++p) result.slopes[p] = directions_[p].*member;
-    return result;
-  }
-
   MassBarrier<T> model_;
   ContactTangent<T, P> contact_;
   MassBarrierControls<T> controls_;

@@ -89,12 +89,10 @@ struct ModeSlopes {
     const DrivingForce<T> a = !forces.empty() ? forces[0] : none, b = forces.size() > 1 ? forces[1] : none;
     const T *stiff = modes.stiffness.data() + begin, *lossy = modes.loss.data() + begin;
     T *at = displacement.data() + begin, *next = increment.data() + begin, *moved = change.data() + begin;
-    if (!is_free)
-      advance_from(n, stiff, lossy, a.force, a.drive, b.force, b.drive, pushed.data() + begin, at, next, moved);
-    else if (keeps_change)
-      advance_freely<true>(n, stiff, lossy, a.force, a.drive, b.force, b.drive, at, next, moved);
-    else
-      advance_freely<false>(n, stiff, lossy, a.force, a.drive, b.force, b.drive, at, next, moved);
+    const auto kernel = !is_free       ? advance_all<true, true>
+                        : keeps_change ? advance_all<false, true>
+                                       : advance_all<false, false>;
+    kernel(n, stiff, lossy, a.force, a.drive, b.force, b.drive, pushed.data() + begin, at, next, moved);
     is_pushed[body] = 0;
   }
   /// What the derivatives of the constants do to the increments after a sample. change, displacement: of the model.
@@ -144,31 +142,21 @@ struct ModeSlopes {
     displacement[i] += moved;
     increment[i] = (2 - modes.loss[i]) * moved - increment[i] - modes.stiffness[i] * displacement[i];
   }
-  template <bool kKeepsChange>
-  [[gnu::noinline]] static void advance_freely(std::size_t n, const T* __restrict stiffness, const T* __restrict loss,
-                                               T force_a, const T* __restrict a, T force_b, const T* __restrict b,
-                                               T* __restrict displacement, T* __restrict increment,
-                                               T* __restrict change) {
+  // kPushed: the modes start from `pushed`, else from the free increments. kKeepsChange: writes `change`.
+  template <bool kPushed, bool kKeepsChange>
+  [[gnu::noinline]] static void advance_all(std::size_t n, const T* __restrict stiffness, const T* __restrict loss,
+                                            T force_a, const T* __restrict a, T force_b, const T* __restrict b,
+                                            const T* __restrict pushed, T* __restrict displacement,
+                                            T* __restrict increment, T* __restrict change) {
     for (std::size_t i = 0; i < n; ++i) {
-      const T moved = increment[i] + (a[i] * force_a + b[i] * force_b);
+      const T moved = (kPushed ? pushed[i] : increment[i]) + (a[i] * force_a + b[i] * force_b);
       const T after = displacement[i] + moved;
       increment[i] = (2 - loss[i]) * moved - increment[i] - stiffness[i] * after;
       displacement[i] = after;
       if constexpr (kKeepsChange) change[i] = moved;
     }
   }
-  [[gnu::noinline]] static void advance_from(std::size_t n, const T* __restrict stiffness, const T* __restrict loss,
-                                             T force_a, const T* __restrict a, T force_b, const T* __restrict b,
-                                             const T* __restrict pushed, T* __restrict displacement,
-                                             T* __restrict increment, T* __restrict change) {
-    for (std::size_t i = 0; i < n; ++i) {
-      const T moved = pushed[i] + (a[i] * force_a + b[i] * force_b);
-      const T after = displacement[i] + moved;
-      increment[i] = (2 - loss[i]) * moved - increment[i] - stiffness[i] * after;
-      displacement[i] = after;
-      change[i] = moved;
-    }
-  }
+
   static void load(std::size_t n, const T* __restrict increment, const T* __restrict admittance,
                    const T* __restrict loads, T* __restrict pushed) {
     for (std::size_t i = 0; i < n; ++i) pushed[i] = increment[i] + admittance[i] * loads[i];

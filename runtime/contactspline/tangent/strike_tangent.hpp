@@ -29,21 +29,17 @@ class StrikeTangent {
                 const std::array<StrikeNumbers<T>, P>& directions)
       : model_(detail::struck(strike, sample_rate_hz)),
         modes_(strike, sample_rate_hz),
-        contact_(strike.felt, strike.memories, sample_rate_hz, contacts_of(directions)),
+        contact_(strike.felt, strike.memories, sample_rate_hz,
+                 detail::contacts_of(directions, &StrikeNumbers<T>::felt)),
         controls_(strike.controls),
         time_step_(static_cast<T>(1 / sample_rate_hz)),
         change_(strike.modes.size()),
         displacement_(strike.modes.size()),
         increment_(strike.modes.size()) {
-    const auto number = [&](T value, T StrikeNumbers<T>::*member) {
-      Number result(value);
-      for (std::size_t p = 0; p < P; ++p) result.slopes[p] = directions[p].*member;
-      return result;
-    };
-    velocity_per_force_ =
-        Number(time_step_) / number(strike.controls.hammer_mass_kg, &StrikeNumbers<T>::hammer_mass_kg);
-    compression_ = Number(0) - number(strike.distance_m, &StrikeNumbers<T>::distance_m);
-    velocity_ = number(strike.velocity_m_per_s, &StrikeNumbers<T>::velocity_m_per_s);
+    velocity_per_force_ = Number(time_step_) / detail::with_slopes(strike.controls.hammer_mass_kg, directions,
+                                                                   &StrikeNumbers<T>::hammer_mass_kg);
+    compression_ = Number(0) - detail::with_slopes(strike.distance_m, directions, &StrikeNumbers<T>::distance_m);
+    velocity_ = detail::with_slopes(strike.velocity_m_per_s, directions, &StrikeNumbers<T>::velocity_m_per_s);
     Number string(modes_.admittance);
     for (std::size_t p = 0; p < P; ++p) {
       tangents_[p] = Tangent(strike, modes_, sample_rate_hz, directions[p]);
@@ -112,12 +108,6 @@ class StrikeTangent {
       }
     }
   };
-
-  static std::array<ContactNumbers<T>, P> contacts_of(const std::array<StrikeNumbers<T>, P>& directions) {
-    std::array<ContactNumbers<T>, P> contacts;
-    for (std::size_t p = 0; p < P; ++p) contacts[p] = directions[p].felt;
-    return contacts;
-  }
 
   // A sample of the model, with its contact. After the last one the modes are left to themselves: the model runs one
   // sample ahead, for their increments, and stops.
