@@ -57,6 +57,7 @@
 #include "contactspline/network/contact_group.hpp"
 #include "contactspline/network/contact_network.hpp"
 #include "contactspline/network/coupled_contacts.hpp"
+#include "contactspline/network/following_controls.hpp"
 #include "contactspline/network/linear_algebra.hpp"
 #include "contactspline/network/network_admittances.hpp"
 #include "contactspline/network/network_parts.hpp"
@@ -135,6 +136,7 @@ using Felt = materials::felt_c4;
   template class detail::NetworkPickups<T>;                                                                     \
   template class detail::NetworkPressure<T>;                                                                    \
   template class detail::NetworkStrikes<T>;                                                                     \
+  template class detail::FollowingControls<T>;                                                                  \
   template class detail::SleepingContacts<T>;                                                                   \
   template class detail::NewtonSolver<T>;                                                                       \
   template class detail::SampleLaw<T>;                                                                          \

@@ -13,6 +13,7 @@
 
 #include "contactspline/modal/modal.hpp"
 #include "contactspline/network/coupled_contacts.hpp"
+#include "contactspline/network/following_controls.hpp"
 #include "contactspline/network/linear_algebra.hpp"
 #include "contactspline/network/network_admittances.hpp"
 #include "contactspline/network/network_parts.hpp"
@@ -37,6 +38,7 @@ class ContactNetwork {
         parts_(plan, sample_rate_hz),
         admittances_(parts_),
         sleeping_(plan.connections().size()),
+        controls_(sample_rate_hz),
         increments_(plan.places().size()) {
     for (auto* list : {&pushed_, &last_pushed_}) list->reserve(parts_.places.size());
     admittances_.couple(parts_, solver_);  // no body has a damper yet
@@ -101,7 +103,7 @@ class ContactNetwork {
   /// (MovingPlace::move_to). The place takes its connections along; what that does is work().
   void move_place(std::size_t place, T place_m) {
     parts_.movers[*parts_.places[place].mover].target_m = place_m;
-    is_following_ = true;
+    controls_.note_moving_place();
   }
 
   /// Puts such a place elsewhere between two samples [m], without moving there. Its connections are pressed as they
@@ -124,7 +126,7 @@ class ContactNetwork {
   void set_contact(std::size_t connection, const ContactControls<T>& controls) {
     Connection& c = parts_.connections[connection];
     c.contact = held(c.contact, controls);
-    follow(c);
+    controls_.follow(c);
   }
   void set_contact(ConnectionRange range, const ContactControls<T>& controls) {
     for (std::size_t k = 0; k < range.count; ++k) set_contact(range.first + k, controls);
@@ -136,14 +138,14 @@ class ContactNetwork {
     Connection& c = parts_.connections[connection];
     c.spring = held(c.spring, spring_n_per_m, Ranges::hand_stiffness_n_per_m);
     c.resistance = held(c.resistance, resistance_n_s_per_m, Ranges::resistance_n_s_per_m);
-    follow(c);
+    controls_.follow(c);
   }
 
   /// Gap of a connection [m], -0.1 to 0.1, which follows at 1 m/s.
   void set_gap(std::size_t connection, T gap_m) {
     Connection& c = parts_.connections[connection];
     c.target_gap = held(c.target_gap, gap_m, Ranges::gap_m);
-    follow(c);
+    controls_.follow(c);
   }
 
   /// Brings all bodies to rest. Controls stay, and places are where they want them. Does not allocate.
@@ -164,8 +166,7 @@ class ContactNetwork {
 
   /// Advances one sample. Safe on an audio thread: no allocation, no lock, bounded time.
   void tick() {
-    work_of_controls_ = 0;
-    follow_controls();
+    controls_.advance(parts_, solver_, sleeping_);
     if (sleeping_.is_interval_over()) anchor_next();
     move_places();
     if (std::exchange(is_coupling_old_, false)) admittances_.couple(parts_, solver_);
@@ -206,7 +207,7 @@ class ContactNetwork {
   [[nodiscard]] T compression_before(std::size_t connection) const { return parts_.connections[connection].before; }
   [[nodiscard]] T gap(std::size_t connection) const { return parts_.connections[connection].gap; }  ///< that acts [m]
   /// Are gaps, stiffnesses or places still behind their controls?
-  [[nodiscard]] bool is_following() const { return is_following_; }
+  [[nodiscard]] bool is_following() const { return controls_.is_following(); }
   /// Number of contacts that are too far apart to be looked at.
   [[nodiscard]] std::size_t sleeping() const {
     return static_cast<std::size_t>(std::ranges::count(parts_.connections, false, &Connection::is_awake));
@@ -244,7 +245,7 @@ class ContactNetwork {
 
   /// Work of pushes, moving gaps, moving places and stiffness controls in the last sample [J].
   [[nodiscard]] double work() const {
-    double work = work_of_controls_;
+    double work = controls_.work();
     for (const std::size_t p : last_pushed_)
       work += double(parts_.places[p].last_push) * double(parts_.body_of(p).bank.increment(parts_.places[p].shapes));
     for (const std::size_t k : solver_.active())
@@ -258,7 +259,6 @@ class ContactNetwork {
   using Place = detail::NetworkPlace<T>;
   using Mover = detail::NetworkMover<T>;
   using Connection = detail::NetworkConnection<T>;
-  static constexpr T kGapSpeed_m_per_s = 1;
   // Stiffness of a rigid link times its admittance. Energy is balanced up to rounding of this times what it stores.
   static constexpr T kRigidity = T(1e3);
 
@@ -289,7 +289,7 @@ class ContactNetwork {
         sleeping_.shrink(c, lift);
       }
       follow(mover);
-      is_following_ = true;  // the lifts end with the sample
+      controls_.note_moving_place();
     }
   }
 
@@ -326,47 +326,6 @@ class ContactNetwork {
     CoupledConnection<T>& c = solver_[k];
     c.compression = compression;
     if (!c.table.empty()) c.segment = segment_index(c.table, compression);
-  }
-
-  void follow(Connection& c) { c.is_following = is_following_ = true; }
-
-  void follow_controls() {
-    if (!std::exchange(is_following_, false)) return;
-    for (std::size_t k = 0; k < parts_.connections.size(); ++k) {
-      Connection& c = parts_.connections[k];
-      c.lift = 0;
-      if (!c.is_following) continue;
-      const bool gap_follows = move_gap(c), stiffness_follows = follow_stiffness(k);
-      c.is_following = gap_follows || stiffness_follows;
-      sleeping_.shrink(c, c.lift);
-      // A gap that moved in this sample must be seen at rest in the next one.
-      is_following_ = is_following_ || c.is_following || c.lift != 0;
-    }
-  }
-
-  // Is the gap still moving?
-  bool move_gap(Connection& c) {
-    const T before = c.gap, max_step = kGapSpeed_m_per_s * time_step_, distance = c.target_gap - c.gap;
-    c.gap = std::abs(distance) < max_step ? c.target_gap : c.gap + std::copysign(max_step, distance);
-    c.lift = before - c.gap;
-    return c.gap != c.target_gap;
-  }
-
-  // Is the stiffness still behind its control?
-  bool follow_stiffness(std::size_t k) {
-    const Connection& c = parts_.connections[k];
-    CoupledConnection<T>& acting = solver_[k];
-    T& stiffness = acting.table.empty() ? acting.spring_n_per_m : acting.contact.stiffness_ratio;
-    const T target = acting.table.empty() ? c.spring : c.contact.stiffness_ratio * c.weight;
-    acting.contact.loss_s_per_m = c.contact.loss_s_per_m;
-    acting.resistance = c.resistance / time_step_;
-    if (stiffness == target) return false;
-    const double before = acting.energy_at(acting.compression);
-    const T energy_per_stiffness = acting.table.empty() ? acting.compression * acting.compression / 2
-                                                        : acting.memory.energy(acting.table, acting.compression);
-    stiffness = followed_stiffness(stiffness, target, energy_per_stiffness, time_step_);
-    work_of_controls_ += acting.energy_at(acting.compression) - before;
-    return stiffness != target;
   }
 
   // Keeps the rounding errors of the increments from adding up: corrects one compression after the other, at a rate
@@ -480,11 +439,11 @@ class ContactNetwork {
   detail::NetworkParts<T> parts_;
   detail::NetworkAdmittances<T> admittances_;
   detail::SleepingContacts<T> sleeping_;
+  detail::FollowingControls<T> controls_;
   detail::IndexList pushed_, last_pushed_;  // places
   std::vector<T> increments_;               // of the places that are awake, without connections [m]
-  double work_of_controls_ = 0;
   std::size_t anchor_ = 0;
-  bool is_following_ = false, is_coupling_old_ = false;
+  bool is_coupling_old_ = false;
 };
 
 }  // namespace contactspline

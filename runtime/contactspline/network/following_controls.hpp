@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+// Gaps and stiffnesses of a network on their way to what their controls ask for.
+#pragma once
+
+#include "contactspline/step/cpp20.hpp"
+
+#include <cmath>
+#include <concepts>
+#include <cstddef>
+#include <utility>
+
+#include "contactspline/network/coupled_contacts.hpp"
+#include "contactspline/network/network_parts.hpp"
+#include "contactspline/network/sleeping_contacts.hpp"
+#include "contactspline/step/controls.hpp"
+
+namespace contactspline::detail {
+
+/// Moves gaps at 1 m/s at most, and raises stiffnesses by at most 1 W of work (followed_stiffness).
+template <std::floating_point T>
+class FollowingControls {
+ public:
+  explicit FollowingControls(double sample_rate_hz) : time_step_(T(1 / sample_rate_hz)) {}
+
+  /// The controls of a connection have changed.
+  void follow(NetworkConnection<T>& connection) { connection.is_following = is_following_ = true; }
+  /// A place has a new target, or has moved in this sample: the next sample begins with new lifts.
+  void note_moving_place() { is_following_ = true; }
+  /// Is anything still behind its control, or does a place move?
+  [[nodiscard]] bool is_following() const { return is_following_; }
+  /// Work of the stiffness controls in the last sample [J].
+  [[nodiscard]] double work() const { return work_; }
+
+  /// Begins a sample: sets the lifts of all connections to the motion of their gaps, and the stiffnesses of the
+  /// solver.
+  void advance(NetworkParts<T>& parts, CoupledContacts<T>& solver, SleepingContacts<T>& sleeping) {
+    work_ = 0;
+    if (!std::exchange(is_following_, false)) return;
+    for (std::size_t k = 0; k < parts.connections.size(); ++k) {
+      NetworkConnection<T>& c = parts.connections[k];
+      c.lift = 0;
+      if (!c.is_following) continue;
+      const bool gap_follows = move_gap(c), stiffness_follows = follow_stiffness(c, solver[k]);
+      c.is_following = gap_follows || stiffness_follows;
+      sleeping.shrink(c, c.lift);
+      // A gap that moved in this sample must be seen at rest in the next one.
+      is_following_ = is_following_ || c.is_following || c.lift != 0;
+    }
+  }
+
+ private:
+  static constexpr T kGapSpeed_m_per_s = 1;
+
+  // Is the gap still moving?
+  bool move_gap(NetworkConnection<T>& c) {
+    const T before = c.gap, max_step = kGapSpeed_m_per_s * time_step_, distance = c.target_gap - c.gap;
+    c.gap = std::abs(distance) < max_step ? c.target_gap : c.gap + std::copysign(max_step, distance);
+    c.lift = before - c.gap;
+    return c.gap != c.target_gap;
+  }
+
+  // Is the stiffness still behind its control?
+  bool follow_stiffness(const NetworkConnection<T>& c, CoupledConnection<T>& acting) {
+    T& stiffness = acting.table.empty() ? acting.spring_n_per_m : acting.contact.stiffness_ratio;
+    const T target = acting.table.empty() ? c.spring : c.contact.stiffness_ratio * c.weight;
+    acting.contact.loss_s_per_m = c.contact.loss_s_per_m;
+    acting.resistance = c.resistance / time_step_;
+    if (stiffness == target) return false;
+    const double before = acting.energy_at(acting.compression);
+    const T energy_per_stiffness = acting.table.empty() ? acting.compression * acting.compression / 2
+                                                        : acting.memory.energy(acting.table, acting.compression);
+    stiffness = followed_stiffness(stiffness, target, energy_per_stiffness, time_step_);
+    work_ += acting.energy_at(acting.compression) - before;
+    return stiffness != target;
+  }
+
+  T time_step_;
+  double work_ = 0;
+  bool is_following_ = false;
+};
+
+}  // namespace contactspline::detail
