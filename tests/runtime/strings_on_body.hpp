@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -13,6 +14,8 @@
 #include "contactspline/modal/stiff_string.hpp"
 #include "generator/resonator/resonator.hpp"
 #include "strings.hpp"
+#include "support/compare.hpp"
+#include "support/measured.hpp"
 
 namespace contactspline::testing {
 
@@ -173,5 +176,33 @@ class ExactMotion {
   Eigen::VectorXcd rates_, parts_, struck_;
   Eigen::MatrixXcd vectors_;
 };
+
+/// Compares a unison over at least 8 s with its exact motion in windows of 0.1 s: levels within 0.05 dB, and a decay
+/// at first that is more than `times` as fast as that after 6 s. Calls exact_at(n) with rising n, for the exact value
+/// after sample n.
+template <typename T, typename ExactAt>
+void expect_two_decays(const std::vector<T>& sound, double rate_hz, double times, const ExactAt& exact_at) {
+  constexpr std::size_t kEvery = 7;
+  std::vector<double> levels;
+  double worst = 0;
+  const auto window = static_cast<std::size_t>(0.1 * rate_hz);
+  for (std::size_t begin = 0; begin + window <= sound.size(); begin += window) {
+    double sum = 0, exact_sum = 0;
+    for (std::size_t n = begin; n < begin + window; n += kEvery) {
+      sum += sound[n] * sound[n];
+      exact_sum += std::pow(exact_at(n), 2);
+    }
+    levels.push_back(10 * std::log10(sum));
+    const double error = std::abs(levels.back() - 10 * std::log10(exact_sum));
+    worst = std::isfinite(error) ? std::max(worst, error) : std::numeric_limits<double>::infinity();
+  }
+  ASSERT_GE(levels.size(), 80u);
+  const double early = (levels[0] - levels[4]) / 0.4, late = (levels[59] - levels[79]) / 2;
+  Measured() << "decay " << early << " dB/s at first, " << late << " dB/s after 6 s; levels within " << worst
+             << " dB";
+  EXPECT_TRUE(within(worst, 0, 0.05));
+  EXPECT_GT(early, times * late);
+  EXPECT_GT(late, 0);
+}
 
 }  // namespace contactspline::testing
