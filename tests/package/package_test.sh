@@ -668,15 +668,13 @@ class my_bell_dsp : public contactspline::InstrumentDsp<Bell> {
   my_bell_dsp() : InstrumentDsp("my_bell_dsp") {}
 };
 END
-  cat >"$WORK/CMakeLists.txt" <<'END'
-cmake_minimum_required(VERSION 3.25)
-project(OwnPlugin LANGUAGES CXX)
-find_package(ContactSpline CONFIG REQUIRED)
+  # The project of that page, and more.
+  (cd "$WORK" && blocks_of "$SOURCE/docs/how-to/model.md" cmake project && mv project1.cmake CMakeLists.txt)
+  cat >>"$WORK/CMakeLists.txt" <<'END'
 find_package(GTest REQUIRED)
 contactspline_generate(TARGET my_instruments MATERIALS my_zither.json)
 contactspline_plugin(TARGET my_zither INSTRUMENT my_zither MATERIALS my_instruments VENDOR Me URI urn:me:my_zither)
-contactspline_plugin(TARGET my_bell HEADER my_bell.hpp CLASS Bell FORMATS clap lv2 URI urn:me:my_bell)
-contactspline_model(TARGET bell HEADER my_bell.hpp CLASS Bell)
+contactspline_plugin(TARGET my_chime HEADER my_bell.hpp CLASS Bell FORMATS clap)
 contactspline_lv2(TARGET my_bell_dsp DSP my_bell_dsp.cpp URI urn:me:my_bell_dsp OUTPUT_DIR lv2)
 
 # The tests of all instruments that ship, over this class.
@@ -699,7 +697,7 @@ struct InstrumentNames {
 }  // namespace contactspline::testing
 END
   project="$WORK" build="$WORK/build"
-  configure Ninja "-DCMAKE_PREFIX_PATH=$WORK/prefix" "-DTESTS=$SOURCE/tests"
+  configure Ninja -DCMAKE_BUILD_TYPE=Release "-DCMAKE_PREFIX_PATH=$WORK/prefix" "-DTESTS=$SOURCE/tests"
   build
   run "$build/my_bell_test"
   local play="$BUILD/tests/plugins/play_plugin" ttl="$build/lv2/my_zither.lv2/my_zither.ttl"
@@ -707,6 +705,7 @@ END
   run "$play" vst3 "$build"/vst3/my_zither.vst3/Contents/*-linux/my_zither.so
   LV2_PATH="$build/lv2" run "$play" lv2 urn:me:my_zither
   run "$play" clap "$build/clap/my_bell.clap"
+  run "$play" vst3 "$build"/vst3/my_bell.vst3/Contents/*-linux/my_bell.so
   LV2_PATH="$build/lv2" run "$play" lv2 urn:me:my_bell
   (cd "$WORK" && run "$WORK/prefix/bin/contactspline" render bell_score.json --instrument build/bell.so -o bell.wav)
   grep -q '^2 contacts in 2 s' "$WORK/log" || fail "a score does not strike the bell twice: $(cat "$WORK/log")"
@@ -719,7 +718,8 @@ END
   (cd "$WORK" && run "$WORK/prefix/bin/contactspline" render song.mid --instrument build/bell.so -o bell_song.wav)
   grep -q '^2 contacts in' "$WORK/log" || fail "a MIDI file does not strike the bell twice: $(cat "$WORK/log")"
   [ -s "$build/lv2/my_bell_dsp.lv2/my_bell_dsp.ttl" ] || fail "no plug-in of the class as Faust's dsp"
-  [ ! -e "$build/vst3/my_bell.vst3" ] || fail "a format that was not asked for"
+  [ -e "$build/clap/my_chime.clap" ] || fail "no plug-in in the one format that was asked for"
+  [ ! -e "$build/vst3/my_chime.vst3" ] || fail "a format that was not asked for"
   local text
   for text in '"a string that buzzes on a wire"' '"CC-BY-4.0"' 'doap:name "my zither"' 'foaf:name "Me"'; do
     grep -qF "$text" "$ttl" || fail "the description of the plug-in lacks $text"
@@ -792,6 +792,7 @@ not_run='
 ^cmake --(preset|build)                        builds the whole tree
 ^cmake (-S examples|--install build )           in case_examples_plugins
 ^cmake --install build/hosts                     in case_hosts
+^cmake -B build -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH=      in case_own_plugin
 ^contactspline render bell_score.json --instrument build/bell.so     in case_own_plugin
 ^cmake --install build/c |^cc -std=c99|^  -Wl,-rpath|^./first     in case_c
 ^contactspline plugin tom                      half a minute, as the tutorial takes for its instrument
