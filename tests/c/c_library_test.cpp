@@ -336,7 +336,7 @@ TEST(CLibraryText, PlaysThePluckOfTheNumberAtTheRate) {
 TEST(CLibraryText, IsNotPluckedByWhatIsNoNumber) {
   Handle handle = create_two_fingers();
   Block<double> block(2);
-  for (const auto [force_n, rise_s] : {std::pair(2.0, kNaN), std::pair(kNaN, 0.004)}) {
+  for (const auto& [force_n, rise_s] : {std::pair(2.0, kNaN), std::pair(kNaN, 0.004)}) {
     contactspline_pluck(handle.get(), 0, force_n, rise_s);
     process(handle, block.pointers, nullptr, 441);
     EXPECT_EQ(contactspline_energy(handle.get()), 0) << force_n << " N, " << rise_s << " s";

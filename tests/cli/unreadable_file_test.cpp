@@ -29,7 +29,7 @@ TEST(UnreadableFile, CannotBeOpened) {
   fs::create_symlink("loop.json", box / "loop.json");
   ASSERT_EQ(::mkfifo((box / "pipe.json").c_str(), 0600), 0);
   const std::string allowed = "; allowed: a file of at most 1 MiB that can be read";
-  const std::string long_name = std::string(300, 'a') + ".json";
+  const std::string long_name = std::string(300, 'a').append(".json");
   for (const auto& [path, says] :
        std::vector<std::pair<std::string, std::string>>{{"nowhere.json", "does not exist"},
                                                         {"./nowhere", "does not exist"},

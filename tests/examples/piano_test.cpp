@@ -9,9 +9,9 @@
 #include <numbers>
 #include <random>
 
-#include "plugins/spectrum.hpp"
 #include "support/compare.hpp"
 #include "support/count_allocations.hpp"
+#include "support/spectrum.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -91,7 +91,7 @@ TEST(PianoExample, SleepsWhenSilent) {
 // The program's file: whole, in tune, not clipped.
 TEST(PianoExample, WritesAPhrase) {
   const std::string file = "piano_phrase.wav";
-  ASSERT_EQ(std::system((std::string(PIANO_PHRASE) + " " + file).c_str()), 0);
+  ASSERT_EQ(std::system(std::string(PIANO_PHRASE " ").append(file).c_str()), 0);
   SF_INFO info = {};
   const std::unique_ptr<SNDFILE, decltype(&sf_close)> wav(sf_open(file.c_str(), SFM_READ, &info), sf_close);
   ASSERT_TRUE(wav) << sf_strerror(nullptr);

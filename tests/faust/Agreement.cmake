@@ -78,7 +78,8 @@ add_library(faust_agreement_cases OBJECT bounce_test.cpp normalised_test.cpp ste
 add_dependencies(faust_agreement_cases faust_headers)
 target_include_directories(faust_agreement_cases PRIVATE ${PROJECT_SOURCE_DIR}/tests ${generated})
 target_link_libraries(faust_agreement_cases PRIVATE contactspline_runtime contactspline_warnings GTest::gtest)
-target_precompile_headers(faust_agreement_cases REUSE_FROM contactspline_test_headers)
+target_compile_options(faust_agreement_cases PRIVATE $<$<CONFIG:Release>:-O1>)
+target_precompile_headers(faust_agreement_cases REUSE_FROM contactspline_test_headers_O1)
 contactspline_test(faust_agreement LABELS faust SOURCES $<TARGET_OBJECTS:faust_agreement_cases>
   LIBRARIES faust_cpp COMPILED_ALONE)
 # As faust2jack and its like compile and link: vanishing numbers are flushed to zero too.

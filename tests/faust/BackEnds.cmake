@@ -40,19 +40,19 @@ else()
     DEPENDS ${llvm_programs} VERBATIM)
 endif()
 
-# The compiler itself: back ends, numbers, time.
+# The compiler itself: back ends and numbers.
 string(REGEX REPLACE "([^;]+)" "\"\\1\"" material_names "${names}")
 string(REPLACE ";" ", " material_names "${material_names}")
 configure_file(paths.hpp.in ${generated}/paths.hpp @ONLY)
 foreach(name IN LISTS names)
   faust_program(probe_${name} probe "library(\"${name}.lib\")")
 endforeach()
-contactspline_test(faust_compiler O1 LABELS faust
-  SOURCES back_ends_test.cpp compile_time_test.cpp literal_test.cpp native_test.cpp ${llvm_library}
+contactspline_test(faust_compiler LABELS faust
+  SOURCES back_ends_test.cpp literal_test.cpp native_test.cpp ${llvm_library}
   LIBRARIES faust_cpp nlohmann_json::nlohmann_json ${CMAKE_DL_LIBS})
 add_dependencies(faust_compiler faust_c)
 
 # Programs of random instruments against the class.
-contactspline_test(random_instruments_test O1 LABELS faust
+contactspline_test(random_instruments_test LABELS faust
   LIBRARIES contactspline_emit nlohmann_json::nlohmann_json ${CMAKE_DL_LIBS} ${simd})
 target_include_directories(random_instruments_test PRIVATE ${generated})

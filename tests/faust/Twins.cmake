@@ -17,7 +17,7 @@ endfunction()
 function(faust_twin_test name)
   cmake_parse_arguments(PARSE_ARGV 1 twin "" "" "SOURCES;CLASSES;LIBRARIES;DEFINITIONS")
   list(TRANSFORM twin_CLASSES REPLACE "(.+)" "${faust_headers}/\\1.hpp")
-  contactspline_test(${name} O1 LABELS faust SOURCES ${twin_SOURCES} ${twin_CLASSES}
+  contactspline_test(${name} LABELS faust SOURCES ${twin_SOURCES} ${twin_CLASSES}
     LIBRARIES contactspline_materials contactspline_player ${twin_LIBRARIES} DEFINITIONS ${twin_DEFINITIONS})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests/faust)
   target_include_directories(${name} SYSTEM PRIVATE ${faust_headers})

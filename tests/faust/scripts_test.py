@@ -192,9 +192,9 @@ def render_jackconsole():
     try:
         return client.record("hammer_string_stereo")
     finally:
+        client.close()  # first: the server would wait minutes for a program that was killed
         program.kill()
         program.wait()
-        client.close()
 
 
 def main():

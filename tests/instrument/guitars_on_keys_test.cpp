@@ -11,8 +11,8 @@
 #include "contactspline/host/hosted.hpp"
 #include "contactspline/instruments/fret_guitar.hpp"
 #include "contactspline/instruments/lap_steel.hpp"
-#include "plugins/spectrum.hpp"
 #include "support/compare.hpp"
+#include "support/spectrum.hpp"
 
 namespace contactspline::testing {
 namespace {

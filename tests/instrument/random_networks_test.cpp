@@ -59,7 +59,14 @@ class RandomInstrument {
             .half_curvatures = half_curvatures_,
             .table_ends = table_ends_,
             .connections = connections_,
-            .strikes = masses_struck_};
+            .controls = {},
+            .targets = {},
+            .strikes = masses_struck_,
+            .plucks = {},
+            .sources = {},
+            .parameters = {},
+            .events = {},
+            .outputs = {}};
   }
   [[nodiscard]] std::size_t strikes() const { return masses_struck_.size(); }
 

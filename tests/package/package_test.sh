@@ -131,7 +131,7 @@ case_find_package_ninja() { find_package Ninja; }
 case_find_package_make() { find_package 'Unix Makefiles'; }
 
 # From a copy, so that a template can be changed; without the tests, which a user does not build. With Ninja only: the
-# whole program is built here, and find_package_make runs the same steps with make.
+# whole program is built here, each library as one file, and find_package_make runs the same steps with make.
 case_add_subdirectory() {
   local tree="$WORK/source tree"
   cp -r "$SOURCE/tests/package/project" "$WORK/the project"
@@ -139,7 +139,8 @@ case_add_subdirectory() {
   tar -C "$SOURCE" --exclude=./.git --exclude=./tests --exclude=./build --exclude=".${BUILD#"$SOURCE"}" -cf - . |
     tar -C "$tree" -xf -
   project="$WORK/the project" build="$WORK/the build"
-  exercise Ninja "-DCONTACTSPLINE_SOURCE=$tree"
+  exercise Ninja "-DCONTACTSPLINE_SOURCE=$tree" -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=0 \
+    -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON
   echo '// A template of my own.' >>"$tree/templates/material.lib.in"
   build
   tail -n 1 "$build/materials/sounds/felt_c7.lib" | grep -qx '// A template of my own.' ||
@@ -197,8 +198,7 @@ public_headers() {
 case_cpp17() {
   install_at "$WORK/prefix"
   local header compiler
-  for compiler in "$CXX" g++ clang++; do
-    command -v "$compiler" >/dev/null || continue
+  for compiler in $(command -v "$CXX" g++ clang++ | xargs readlink -f | sort -u); do
     for header in $(public_headers "$WORK/prefix/include"); do
       echo "#include \"$header\"" >"$WORK/user.cpp"
       ! "$compiler" -std=c++17 -fsyntax-only -I"$WORK/prefix/include" "$WORK/user.cpp" >"$WORK/log" 2>&1 ||
@@ -210,25 +210,29 @@ case_cpp17() {
   done
 }
 
-# Every public and every emitted header alone, and every template of theirs, without a warning of either compiler.
+# Every public and every emitted header alone by clang++; all of them together, and every template of theirs, by both
+# compilers: without a warning.
 case_warnings() {
   install_at "$WORK/prefix"
+  need g++
+  need clang++
   local include="$WORK/prefix/include" compiler header
   local options=(-std=c++20 -fsyntax-only -Werror -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wsign-conversion
     -Wdouble-promotion "-I$include")
   local templates="$SOURCE/tests/package/every_template.cpp"
+  printf '#include <faust/gui/%s.h>\n' UI meta >"$WORK/all.cpp"
+  for header in "$include"/contactspline.hpp "$include"/contactspline/*/*.hpp; do
+    header="${header#"$include/"}"
+    case "$header" in
+      *-inl.hpp) continue ;;
+      */faust_dsp.hpp) printf '#include <faust/gui/%s.h>\n' UI meta >"$WORK/user.cpp" ;;  # as the header asks for
+      *) : >"$WORK/user.cpp" ;;
+    esac
+    echo "#include \"$header\"" | tee -a "$WORK/all.cpp" >>"$WORK/user.cpp"
+    run clang++ "${options[@]}" "$WORK/user.cpp"
+  done
   for compiler in g++ clang++; do
-    need "$compiler"
-    for header in "$include"/contactspline.hpp "$include"/contactspline/*/*.hpp; do
-      header="${header#"$include/"}"
-      case "$header" in
-        *-inl.hpp) continue ;;
-        */faust_dsp.hpp) printf '#include <faust/gui/%s.h>\n' UI meta >"$WORK/user.cpp" ;;  # as the header asks for
-        *) : >"$WORK/user.cpp" ;;
-      esac
-      echo "#include \"$header\"" >>"$WORK/user.cpp"
-      run "$compiler" "${options[@]}" "$WORK/user.cpp"
-    done
+    run "$compiler" "${options[@]}" "$WORK/all.cpp"
     run "$compiler" "${options[@]}" "$templates"
     run "$compiler" "${options[@]}" -DCONTACTSPLINE_SIMD "$templates"
   done
@@ -697,7 +701,8 @@ struct InstrumentNames {
 }  // namespace contactspline::testing
 END
   project="$WORK" build="$WORK/build"
-  configure Ninja -DCMAKE_BUILD_TYPE=Release "-DCMAKE_PREFIX_PATH=$WORK/prefix" "-DTESTS=$SOURCE/tests"
+  configure Ninja -DCMAKE_BUILD_TYPE=Release "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG" "-DCMAKE_PREFIX_PATH=$WORK/prefix" \
+    "-DTESTS=$SOURCE/tests"
   build
   run "$build/my_bell_test"
   local play="$BUILD/tests/plugins/play_plugin" ttl="$build/lv2/my_zither.lv2/my_zither.ttl"

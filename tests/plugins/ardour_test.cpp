@@ -12,8 +12,8 @@
 
 #include "plugins/child_process.hpp"
 #include "plugins/open_plugin.hpp"
-#include "plugins/spectrum.hpp"
 #include "support/compare.hpp"
+#include "support/spectrum.hpp"
 
 // Not counted here.
 std::atomic<std::size_t> contactspline::testing::allocations = 0, contactspline::testing::locks = 0;

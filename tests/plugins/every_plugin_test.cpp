@@ -11,9 +11,9 @@
 #include "generator/support/input_file.hpp"
 #include "plugins/open_plugin.hpp"
 #include "plugins/reference.hpp"
-#include "plugins/spectrum.hpp"
 #include "support/compare.hpp"
 #include "support/finite.hpp"
+#include "support/spectrum.hpp"
 
 namespace contactspline::testing {
 namespace {

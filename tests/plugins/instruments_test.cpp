@@ -8,8 +8,8 @@
 #include "contactspline/models/hammer_string.hpp"
 #include "contactspline/resonators/string_c4.hpp"
 #include "plugins/open_plugin.hpp"
-#include "plugins/spectrum.hpp"
 #include "support/compare.hpp"
+#include "support/spectrum.hpp"
 
 namespace contactspline::testing {
 namespace {

@@ -3,8 +3,8 @@
 #include <sstream>
 
 #include "plugins/jack_server.hpp"
-#include "plugins/spectrum.hpp"
 #include "support/compare.hpp"
+#include "support/spectrum.hpp"
 
 namespace contactspline::testing {
 namespace {

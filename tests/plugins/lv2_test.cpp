@@ -11,8 +11,8 @@
 #include "contactspline/resonators/string_c4.hpp"
 #include "contactspline/step/high_pass.hpp"
 #include "lv2_host.hpp"
-#include "spectrum.hpp"
 #include "support/compare.hpp"
+#include "support/spectrum.hpp"
 
 namespace contactspline::testing {
 namespace {

@@ -1,28 +1,16 @@
 // SPDX-License-Identifier: MIT
-// Partials in a sound.
-#pragma once
+#include "spectrum.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <cstddef>
 #include <numbers>
-#include <span>
 #include <unsupported/Eigen/FFT>
 #include <vector>
 
 namespace contactspline::testing {
 
-/// A peak of the spectrum.
-struct Partial {
-  double frequency_hz;
-  double amplitude;
-};
-
-/// The strongest partial between two frequencies, by a Hann window and a parabola through the logarithms of the three
-/// highest values: within 0.02 of a bin, 1/length, of a lone partial.
-[[nodiscard]] inline Partial strongest_partial(std::span<const float> sound, double sample_rate_hz, double from_hz,
-                                               double to_hz) {
+Partial strongest_partial(std::span<const float> sound, double sample_rate_hz, double from_hz, double to_hz) {
   const auto length = static_cast<double>(sound.size());
   std::vector<double> windowed(sound.begin(), sound.end());
   for (std::size_t n = 0; n < windowed.size(); ++n)
@@ -42,8 +30,7 @@ struct Partial {
   return {(static_cast<double>(top) + shift) * sample_rate_hz / length, 2 * std::abs(spectrum[top]) / length};
 }
 
-/// Root of the mean square.
-[[nodiscard]] inline double rms(std::span<const float> sound) {
+double rms(std::span<const float> sound) {
   double sum = 0;
   for (const float x : sound) sum += static_cast<double>(x) * static_cast<double>(x);
   return std::sqrt(sum / static_cast<double>(sound.size()));
