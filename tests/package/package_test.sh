@@ -701,6 +701,7 @@ struct InstrumentNames {
 }  // namespace contactspline::testing
 END
   project="$WORK" build="$WORK/build"
+  # -O1 compiles faster, and what is played here is short.
   configure Ninja -DCMAKE_BUILD_TYPE=Release "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG" "-DCMAKE_PREFIX_PATH=$WORK/prefix" \
     "-DTESTS=$SOURCE/tests"
   build
