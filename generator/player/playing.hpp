@@ -23,7 +23,7 @@ struct NotFinite : std::runtime_error {
   NotFinite() : std::runtime_error("the sound is not finite") {}
 };
 
-/// What happens at a sample: to an event, a key or a parameter, with a speed, a force, a velocity or a value. A speed
+/// A timed event: at a sample an event of the instrument, a key or a parameter takes a value. A speed
 /// or force that is NaN is the value that the parameter of the event has then.
 struct Happening {
   std::size_t sample;

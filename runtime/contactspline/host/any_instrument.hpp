@@ -47,7 +47,7 @@ class AnyInstrument {
   [[nodiscard]] virtual bool sleeps() const = 0;  ///< is it silent until it is played?
 };
 
-/// An instrument behind the interface.
+/// Makes an AnyInstrument of a class that meets the concept Instrument.
 template <Instrument I>
 class InstrumentBehind final : public AnyInstrument<typename I::value_type> {
   using T = typename I::value_type;

@@ -137,7 +137,7 @@ struct InstrumentData {
   [[nodiscard]] std::size_t modes_of(std::size_t body) const {
     return body_ends[body] - (body == 0 ? 0 : body_ends[body - 1]);
   }
-  /// Those of the numbers of all modes that belong to a body.
+  /// The part of an array over all modes that belongs to a body.
   [[nodiscard]] std::span<const double> part_of(std::span<const double> numbers, std::size_t body) const {
     return numbers.subspan(body_ends[body] - modes_of(body), modes_of(body));
   }

@@ -87,7 +87,7 @@ class FretString : public detail::ContactOnString<T, Extent, Modes> {
   /// Work that the moving fret did on the string over the last sample [J].
   [[nodiscard]] T work_of_fret() const { return work_of_fret_; }
   [[nodiscard]] T gap() const { return gap_; }  ///< at the end of the last sample [m]
-  /// That acts: a control that rises under load is ahead of it.
+  /// The ratio in effect. While the contact is loaded it lags behind a control that rises.
   [[nodiscard]] T stiffness_ratio() const { return contact_.stiffness_ratio; }
 
  private:

@@ -25,7 +25,7 @@ namespace contactspline {
 /// pressure [Pa] (BodyPressure).
 /// A key sleeps until it is struck, pressed, or lifted by the pedal while something sounds: then its strings join the
 /// bridge, in sympathy with their modes below kSympathy_hz only. Modes that ring no more leave
-/// (docs/how-it-works/keyboards.md). All functions but the constructor are safe on an audio thread: no allocation, no
+/// (docs/reference/keyboard.md). All functions but the constructor are safe on an audio thread: no allocation, no
 /// lock, bounded time.
 template <std::floating_point T>
 class KeyboardOnBody {

@@ -69,7 +69,7 @@ class MassBarrier {
   /// [m/s], into the barrier
   [[nodiscard]] T velocity() const { return (velocity_step_ + pending_step_) / time_step_; }
   [[nodiscard]] T force() const { return force_; }  ///< contact force over the last sample [N]
-  /// That acts: a control that rises under load is ahead of it.
+  /// The ratio in effect. While the contact is loaded it lags behind a control that rises.
   [[nodiscard]] T stiffness_ratio() const { return contact_.stiffness_ratio; }
   /// Energy that the contact stores [J], with what it remembers.
   [[nodiscard]] T contact_energy() const { return memory_.energy(table_, displacement_, contact_.stiffness_ratio); }

@@ -25,7 +25,7 @@ struct GroupState {
   explicit GroupState(std::size_t size) : force(size), increment(size), residual(size), slope(size), segment(size) {}
 
   ModalArray<T> force, increment;
-  ModalArray<T> residual;            // force that the law wants less force
+  ModalArray<T> residual;            // law(increment) - force [N]
   ModalArray<T> slope;               // of the law
   std::vector<std::size_t> segment;  // where the contacts end
   T norm = 0;                        // of the residual, in roots of joules

@@ -304,7 +304,7 @@ class ContactNetwork {
     c.table = plan.table;
     if (plan.is_rigid) {
       connection.spring = kRigidity / solver_.admittance(k, k);
-      connection.resistance = connection.spring / 2 * time_step_;  // of which its length returns within a sample
+      connection.resistance = connection.spring / 2 * time_step_;  // damps the link within a sample
     }
     c.contact = {connection.contact.stiffness_ratio * connection.weight, connection.contact.loss_s_per_m};
     c.spring_n_per_m = connection.spring;

@@ -45,8 +45,8 @@ struct NetworkBody {
   std::vector<double> admittances;  // of each with those up to itself, without damping [m/N]
   IndexList awake;                  // places whose increments are computed in each sample
   ReservedList<const T*> awake_shapes;
-  T free_travel = 0;               // of the next sample without forces and damper, likewise these: [m]
-  std::vector<T> free_increments;  // of the awake places
+  T free_travel = 0;               // travel in the next sample without forces and damper [m]
+  std::vector<T> free_increments;  // of the awake places in the next sample, without forces and damper [m]
   bool is_predicted = false;       // do free_travel and free_increments belong to the state?
   IndexList forced;                // places where forces act in this sample
   ReservedList<const T*> forced_shapes;

@@ -58,7 +58,7 @@ struct ControlRange {
   T min, max;
 };
 
-/// What a control becomes: the value moved into the range, infinity too; the last value if it is not a number.
+/// The value in effect: moved into the range, infinity too; the last value in effect if `value` is not a number.
 template <std::floating_point T>
 [[nodiscard]] constexpr T held(T last, T value, ControlRange<T> range) {
   return is_number(value) ? std::clamp(value, range.min, range.max) : last;

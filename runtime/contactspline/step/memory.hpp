@@ -43,8 +43,9 @@ inline constexpr auto memories_of = [] {
 
 namespace detail {
 
-/// The potential of a table less a line, V(y) - line y, and flat below the compression at which its slope is 0. It
-/// has the indices of the table; entries below `split` are flat, and entry `split` begins where the slope is 0.
+/// The potential of a contact under a constant force `line` [N]: V(y) - line y, flat below the compression at which
+/// that force holds the contact at rest. It has the indices of the table; entries below `split` are flat, and entry
+/// `split` begins where the slope is 0.
 template <std::floating_point T, std::size_t Extent = std::dynamic_extent>
 class TableLessLine {
  public:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Takes the steps out of a sum of signals some of which begin or end.
+// Hides the jump of a sum of signals where one of them joins or leaves.
 #pragma once
 
 #include "contactspline/step/cpp20.hpp"
@@ -9,15 +9,16 @@
 
 namespace contactspline {
 
-/// A sum without the steps by which its parts begin and end: each dies away by exp(-t/time_s). time_s: above 0.
+/// A sum of signals without the jumps where one joins or leaves: each jump decays as exp(-t/time_s). time_s [s]:
+/// above 0.
 template <std::floating_point T>
 class Splice {
  public:
   Splice(double time_s, double sample_rate_hz) : keeps_(static_cast<T>(std::exp(-1 / (time_s * sample_rate_hz)))) {}
 
-  /// A part of this value begins with the next sample.
+  /// A signal of this value joins with the next sample.
   void begins(T value) { missing_ -= value; }
-  /// A part that had this value at the last sample has ended.
+  /// A signal that had this value at the last sample has left.
   void ended(T value) { missing_ += value; }
 
   T tick(T sum) {

@@ -65,7 +65,7 @@ struct NetworkRecord {
     return movers.empty() ? 2 * modes : 3 * modes + movers.size();
   }
 
-  /// Those of a list that belong to sample n.
+  /// The part of a list that belongs to sample n.
   template <typename Element>
   [[nodiscard]] std::span<const Element> in_sample(const std::vector<Element>& list, std::size_t Ends::*end,
                                                    std::size_t n) const {
