@@ -101,6 +101,15 @@ std::string family_table(const Design& design) {
   return table;
 }
 
+// What to do about a table that is poor for sound. Empty if it is not.
+std::string sound_advice(const Design& design) {
+  if (!design.spectrum || design.spectrum->worst_db <= kPoorSpectrumError_db) return {};
+  const bool is_for_spectrum = design.material.spline.minimise == ErrorOf::spectrum;
+  return fmt::format("  poor for sound: more than {:g} dB. Try {}\n", kPoorSpectrumError_db,
+                     is_for_spectrum ? R"("segments": 48, or "tolerance_db": 3)"
+                                     : R"("knots": "optimal", "minimise": "spectrum", "segments": 48)");
+}
+
 std::string quality_table(const Design& design) {
   const Quality& q = design.quality;
   std::string table = fmt::format("\n{:<36} {:>12} {:>12}\n", "error", "worst", "rms");
@@ -122,7 +131,7 @@ std::string quality_table(const Design& design) {
         "dB\n",
         "spectrum, worst", design.spectrum->worst_db, "spectrum, on average", design.spectrum->mean_db,
         kMaxSpectrumFrequency_hz, kMinSpectrumLevel_db);
-  return table + family_table(design);
+  return table + sound_advice(design) + family_table(design);
 }
 
 /// A row of --compare.

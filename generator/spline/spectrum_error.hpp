@@ -24,6 +24,10 @@ struct SpectrumError {
   double mean_db, worst_db;
 };
 
+/// A table with a larger worst error is poor for sound: partials of a blow are then off by 1 dB on average and 20 dB
+/// at worst, where half of it leaves 0.3 and 6 dB (docs/how-it-works/knots.md).
+constexpr double kPoorSpectrumError_db = 10;
+
 /// The exact spectra of the impacts of a target at `speeds` (> 1) speeds in geometric progression, at four
 /// frequencies between any two zeros, up to the 36th zero at most. They are those of a spline with so many graded
 /// segments: the own error of 512 is at most 0.02 dB for a power law and 0.07 dB for a law with a stiff stop.
