@@ -78,6 +78,11 @@ readme_block() {
   awk -v begin="\`\`\`$1" '$0 == begin { on = 1; next } /^```/ { on = 0 } on' "$SOURCE/${2-README.md}"
 }
 
+# The program of the README: its second block of C++. The first plays the piano.
+readme_program() {
+  awk '/^```cpp$/ { on = ++count == 2; next } /^```/ { on = 0 } on' "$SOURCE/README.md"
+}
+
 # What contactspline_generate has to do however it is reached. exercise GENERATOR CMAKE_ARGUMENT...
 exercise() {
   local generated="$build/materials/project_materials/cork.hpp" sounds="$build/materials/sounds"
@@ -153,7 +158,7 @@ case_add_subdirectory() {
 case_headers_only() {
   project="$WORK/the project"
   mkdir "$project"
-  readme_block cpp >"$project/main.cpp"
+  readme_program >"$project/main.cpp"
   local without=() package
   for package in Boost CLI11 Eigen3 GTest PkgConfig TBB fmt hwy nlohmann_json; do
     without+=("-DCMAKE_DISABLE_FIND_PACKAGE_$package=ON")
@@ -939,7 +944,7 @@ case_readme() {
   install_at "$WORK/prefix"
   project="$WORK/project" build="$WORK/build"
   mkdir "$project"
-  readme_block cpp >"$project/main.cpp"
+  readme_program >"$project/main.cpp"
   readme_block json >"$project/my_felt.json"
   { echo 'cmake_minimum_required(VERSION 3.25)
 project(Readme LANGUAGES CXX)
@@ -951,6 +956,10 @@ add_executable(my_plugin main.cpp)'
   "$build/my_plugin" | expect_peak_force 3 4.5e9 2.5 0.003 2
   run "$CXX" -std=c++20 -O2 -I "$SOURCE/runtime" -I "$BUILD/include" "$project/main.cpp" -o "$WORK/hammer"
   "$WORK/hammer" | expect_peak_force 3 4.5e9 2.5 0.003 2
+  { readme_block cpp | sed '/mass_barrier/,$d'
+    echo 'int main() { float l[4800], r[4800], peak = 0; key(60, 0.7f); block(l, r); for (float x : l) peak = x > peak ? x : peak; return !(peak > 1e-4f && peak < 1); }'; } >"$WORK/piano.cpp"
+  run "$CXX" -std=c++20 -O1 -I "$SOURCE/runtime" -I "$BUILD/include" "$WORK/piano.cpp" -o "$WORK/piano"
+  run "$WORK/piano"
 
   command -v faust >/dev/null || return 0
   export PKG_CONFIG_PATH="$WORK/prefix/share/pkgconfig"
@@ -1115,7 +1124,7 @@ case_recipes() {
   grep -qx "contactspline/$version" "$WORK/log" || fail "the recipe for Conan has not the version $version"
   project="$WORK/project"
   mkdir "$project"
-  readme_block cpp >"$project/main.cpp"
+  readme_program >"$project/main.cpp"
   echo 'cmake_minimum_required(VERSION 3.25)
 project(Recipes LANGUAGES CXX)
 find_package(ContactSpline CONFIG REQUIRED)
