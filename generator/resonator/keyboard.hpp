@@ -149,7 +149,7 @@ struct EarRadiation {
 [[nodiscard]] KeyboardNote note_of(const Keyboard& keyboard, int key);
 
 /// The note as a resonator whose pickup is the bridge, at the string's far end: pickup shapes are the force on the
-/// bridge per modal displacement [N/m] (docs/how-it-works/keyboards.md).
+/// bridge per modal displacement [N/m] (docs/reference/keyboard.md).
 [[nodiscard]] std::vector<ResonatorMode> modes_of(const KeyboardNote& note, double max_frequency_hz);
 
 }  // namespace contactspline

@@ -259,7 +259,7 @@ void compare(const Case& drawn, const Signals<double>& found, Summary& summary) 
   bool rattles = false, finished = true;
   for (std::size_t o = 0; o < expected.size(); ++o) {
     const Agreement result = agreement(found[o], expected[o], moved[o]);
-    // The program's steps are counted (docs/how-it-works/instrument-files.md): a light mass between two stiff
+    // The program's steps are counted (docs/reference/instruments.md): a light mass between two stiff
     // contacts may want more.
     EXPECT_TRUE(result.holds || (is_coupled && result.error <= 1e-6))
         << drawn.model.outputs[o].name << " is wrong by " << result.error;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// An independent solution of the equations of docs/how-it-works/instrument-files.md in long double. It shares the
+// An independent solution of the equations of docs/reference/instruments.md in long double. It shares the
 // numbers of an instrument with the runtime, and no code: modes move by exact propagators between two kicks, forces
 // are integrals of the piecewise linear law, and the increments come from Newton's method with Gaussian elimination,
 // helped by Gauss-Seidel sweeps of bisection.

@@ -7,7 +7,7 @@ import re
 import pytest
 
 ROOT = pathlib.Path(__file__).parents[3]
-PAGES = [ROOT / "README.md", ROOT / "docs/how-to/python.md", ROOT / "docs/how-to/gradients.md"]
+PAGES = [ROOT / "README.md", ROOT / "docs/how-to/python.md", ROOT / "docs/how-it-works/gradients.md"]
 PROGRAMS = [program for page in PAGES
             for program in re.findall(r"^```python\n(.*?)^```", page.read_text(), re.MULTILINE | re.DOTALL)]
 
