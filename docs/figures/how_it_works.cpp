@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// how_it_works FOLDER [WAV...]: numbers of the figures of docs/how-it-works as columns of text (scripts/figures). Of each WAV
-// file, stereo with 24 bits, the spectrum of the left side.
+// how_it_works FOLDER [WAV...]: numbers of the figures of docs/how-it-works as columns of text (scripts/figures). Of
+// each WAV file, stereo with 24 bits, the spectrum of the left side.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "coarse.hpp"
 #include "contactspline/materials/felt_c4.hpp"
 #include "contactspline/materials/steel_on_steel.hpp"
 #include "contactspline/modal/stiff_string.hpp"
@@ -21,7 +22,6 @@
 #include "contactspline/network/contact_network.hpp"
 #include "contactspline/resonators/soundboard.hpp"
 #include "contactspline/tangent/mass_barrier_tangent.hpp"
-#include "coarse.hpp"
 #include "frame_drum.hpp"
 
 namespace {
@@ -37,8 +37,8 @@ std::ofstream file_in(const std::string& folder, const char* name) {
   return file;
 }
 
-// A table of six segments: its knots and forces; the discrete gradient and the line of the bodies over the motion in a
-// sample; the contact step, which is where they meet.
+// A table of six segments: its knots and forces; the discrete gradient and the line of the bodies over the motion in
+// a sample; the contact step, which is where they meet.
 void one_step(const std::string& folder) {
   constexpr auto& coarse = segments_of<materials::coarse, double>;
   const SegmentTable<double> table(coarse);
@@ -54,8 +54,9 @@ void one_step(const std::string& folder) {
   root << step.compression - y0 << ' ' << step.force << '\n';
 }
 
-// A hammer that meets a barrier, over the stiffness ratio: the largest speed after the blow over that before it, of 16 places of
-// the first touch between two samples. By the contact step, and by an explicit step on the same table (symplectic Euler).
+// A hammer that meets a barrier, over the stiffness ratio: the largest speed after the blow over that before it, of
+// 16 places of the first touch between two samples. By the contact step, and by an explicit step on the same table
+// (symplectic Euler).
 void stable(const std::string& folder) {
   constexpr double kMass = 0.00297, kSpeed = 2.5, kStep = 1 / kRate;
   const SegmentTable<double> table(kFelt);
@@ -81,8 +82,8 @@ void stable(const std::string& folder) {
   }
 }
 
-// Force on a barrier [N] and its derivatives by the speed [N s/m] and by the logarithm of the stiffness [N], each beside the
-// difference of two throws.
+// Force on a barrier [N] and its derivatives by the speed [N s/m] and by the logarithm of the stiffness [N], each
+// beside the difference of two throws.
 void gradient(const std::string& folder) {
   constexpr double kMass = 0.00297, kSpeed = 2.5, kDifference = 1e-5;
   const auto force = [&](double speed, double stiffness) {
@@ -105,17 +106,19 @@ void gradient(const std::string& folder) {
   auto file = file_in(folder, "gradient");
   for (std::size_t n = 0; n < faster.size(); ++n) {
     tangent.tick();
-    file << 1e3 * static_cast<double>(n) / kRate << ' ' << tangent.force().value << ' ' << tangent.force().slopes[0] << ' '
-         << tangent.force().slopes[1] << ' ' << (faster[n] - slower[n]) / (2 * kDifference) << ' '
+    file << 1e3 * static_cast<double>(n) / kRate << ' ' << tangent.force().value << ' ' << tangent.force().slopes[0]
+         << ' ' << tangent.force().slopes[1] << ' ' << (faster[n] - slower[n]) / (2 * kDifference) << ' '
          << (stiffer[n] - softer[n]) / (2 * kDifference) << '\n';
   }
 }
 
-// A string over twelve points of a curved bridge: the force of each point [N], and the steps of the solver in each sample.
+// A string over twelve points of a curved bridge: the force of each point [N], and the steps of the solver in each
+// sample.
 void bridge(const std::string& folder) {
   constexpr std::size_t kPoints = 12, kModes = 60;
   std::vector<Mode> modes;
-  for (int i = 1; i <= int(kModes); ++i) modes.push_back({2 * std::numbers::pi * 131 * i, 0.5 + 5e-4 * i * i, 2.7e-4});
+  for (int i = 1; i <= int(kModes); ++i)
+    modes.push_back({2 * std::numbers::pi * 131 * i, 0.5 + 5e-4 * i * i, 2.7e-4});
   const auto shapes_at = [](double part) {
     std::vector<double> shapes;
     for (int i = 1; i <= int(kModes); ++i) shapes.push_back(std::sin(std::numbers::pi * i * part));
@@ -145,7 +148,8 @@ void bridge(const std::string& folder) {
   }
 }
 
-// Level of the first partial of three strings on a soundboard, and of one string alone on it [dB]: of the bridge's force.
+// Level of the first partial of three strings on a soundboard, and of one string alone on it [dB]: of the bridge's
+// force.
 void body(const std::string& folder) {
   auto file = file_in(folder, "body");
   std::vector<std::vector<double>> levels;
@@ -163,8 +167,8 @@ void body(const std::string& folder) {
     using Board = resonators::soundboard;
     HammerString<double> model(kFelt, modes, ModeShapes<double>(strike), kRate);
     const auto bridge = model.bridge(ModeShapes<double>(on_bridge));
-    Body<double> board(modes_in<Board>, ModeShapes<double>(Board::strike_shapes), bridge_stiffness(string, string_modes),
-                       kRate);
+    Body<double> board(modes_in<Board>, ModeShapes<double>(Board::strike_shapes),
+                       bridge_stiffness(string, string_modes), kRate);
     model.strike(2, 1e-4);
     std::vector<double>& level = levels.emplace_back();
     std::complex<double> sum = 0;
@@ -200,7 +204,9 @@ std::vector<double> samples_of(const std::string& wav) {
   const std::string bytes{std::istreambuf_iterator<char>(file), {}};
   std::vector<double> samples;
   for (std::size_t at = bytes.find("data") + 8; at + 3 <= bytes.size(); at += 6) {
-    const auto byte = [&](std::size_t i) { return static_cast<std::uint32_t>(static_cast<std::uint8_t>(bytes[at + i])); };
+    const auto byte = [&](std::size_t i) {
+      return static_cast<std::uint32_t>(static_cast<std::uint8_t>(bytes[at + i]));
+    };
     const auto value = static_cast<std::int32_t>(byte(0) << 8 | byte(1) << 16 | byte(2) << 24);
     samples.push_back(static_cast<double>(value) / 2147483648.0);
   }
@@ -215,7 +221,8 @@ void spectrum(const std::string& wav) {
   for (double frequency = 600; frequency < 900; frequency += 0.25) {
     std::complex<double> sum = 0, turn = std::polar(1.0, -2 * std::numbers::pi * frequency / kRate), phase = 1;
     for (std::size_t n = 0; n < kLength; ++n, phase *= turn)
-      sum += samples.at(kBegin + n) * std::pow(std::sin(std::numbers::pi * static_cast<double>(n) / kLength), 2) * phase;
+      sum +=
+          samples.at(kBegin + n) * std::pow(std::sin(std::numbers::pi * static_cast<double>(n) / kLength), 2) * phase;
     file << frequency << ' ' << 20 * std::log10(4 * std::abs(sum) / kLength + 1e-9) << '\n';
   }
 }
