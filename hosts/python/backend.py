@@ -27,14 +27,15 @@ def prepare_metadata_for_build_wheel(metadata_directory, config_settings=None):
 
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
-    """Builds the wheel in build/wheel, or in the folder of the setting build-dir. Returns its name."""
+    """Builds the wheel in build/wheel, or in the folder of the setting build-dir, which may have built it already. Returns its name."""
     settings = config_settings or {}
     unknown = sorted(set(settings) - {"build-dir"})
     if unknown:
         raise ValueError(f"config setting {unknown[0]}: is unknown; allowed: build-dir, such as build-dir=build/wheel")
     build = pathlib.Path(settings.get("build-dir", ROOT / "build" / "wheel")).absolute()
-    subprocess.run(["cmake", "--preset", "program", "-B", build, "-DCONTACTSPLINE_BUILD_PYTHON=ON",
-                    f"-DPython_EXECUTABLE={sys.executable}"], cwd=ROOT, check=True)
+    if not _is_configured(build):
+        subprocess.run(["cmake", "--preset", "program", "-B", build, "-DCONTACTSPLINE_BUILD_PYTHON=ON",
+                        f"-DPython_EXECUTABLE={sys.executable}"], cwd=ROOT, check=True)
     subprocess.run(["cmake", "--build", build, "--target", "contactspline_python"], check=True)
     with tempfile.TemporaryDirectory() as stage:
         subprocess.run(["cmake", "--install", build, "--component", "python", "--prefix", stage], check=True)
@@ -43,6 +44,14 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
         platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
         tag = f"{abi}-{abi}-{platform}"
         return _write(pathlib.Path(wheel_directory), pathlib.Path(stage), version, tag)
+
+
+def _is_configured(build):
+    """Whether a folder builds the package for this Python."""
+    cache = build / "CMakeCache.txt"
+    settings = cache.read_text().splitlines() if cache.exists() else []
+    return "CONTACTSPLINE_BUILD_PYTHON:BOOL=ON" in settings and any(
+        re.fullmatch(f"Python_EXECUTABLE:[A-Z]+={re.escape(sys.executable)}", line) for line in settings)
 
 
 def _write(directory, stage, version, tag):

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # package_test.sh CASE: builds and runs a project outside the tree. The environment says where: SOURCE is the tree,
-# BUILD its build tree, WORK a folder of the test's own, made anew.
+# BUILD its build tree, INSTALLED what case install has installed of it, WORK a folder of the test's own, made anew.
 set -euo pipefail
 
 # ccache takes the same file in another build folder, or in the next run, for the same.
@@ -24,10 +24,17 @@ need() {
 }
 
 # Installs into a prefix and moves it, so that whatever is used afterwards has been relocated.
-install_at() {
+case_install() {
   run cmake --install "$BUILD" --prefix "$WORK/first prefix"
-  mv "$WORK/first prefix" "$1"
-  ! grep -rIlF -e "$SOURCE" -e "$BUILD" "$1" || fail "what is installed names the folder it came from"
+  rm -rf "$INSTALLED"
+  mv "$WORK/first prefix" "$INSTALLED"
+  ! grep -rIlF -e "$SOURCE" -e "$BUILD" "$INSTALLED" || fail "what is installed names the folder it came from"
+}
+
+# A prefix of the case's own with what is installed, whose files are the same as those of the other cases.
+install_at() {
+  mkdir -p "$(dirname "$1")"
+  cp -al "$INSTALLED" "$1"
 }
 
 # Configures $project in $build with a generator and further arguments.
@@ -37,7 +44,7 @@ configure() {
 
 # Builds $build; the output is in the log.
 build() {
-  run cmake --build "$build" --parallel 2
+  run cmake --build "$build" --parallel "$(nproc)"
 }
 
 # Fails unless the last build did (or, with "no", did not do) a step.
@@ -126,7 +133,9 @@ find_package() {
   project="$WORK/the project" build="$WORK/the build"
   install_at "$WORK/moved prefix"
   exercise "$1" "-DCMAKE_PREFIX_PATH=$WORK/moved prefix"
-  touch "$WORK/moved prefix/bin/contactspline"
+  local program="$WORK/moved prefix/bin/contactspline"
+  rm "$program"
+  cp "$INSTALLED/bin/contactspline" "$program"
   build
   expect_step 'Generating material felt_c7'
   expect_current
@@ -136,7 +145,8 @@ case_find_package_ninja() { find_package Ninja; }
 case_find_package_make() { find_package 'Unix Makefiles'; }
 
 # From a copy, so that a template can be changed; without the tests, which a user does not build. With Ninja only: the
-# whole program is built here, each library as one file, and find_package_make runs the same steps with make.
+# whole program is built here, each library as one file, and find_package_make runs the same steps with make. Without
+# assertions, as no other test builds it, and without a warning.
 case_add_subdirectory() {
   local tree="$WORK/source tree"
   cp -r "$SOURCE/tests/package/project" "$WORK/the project"
@@ -145,7 +155,7 @@ case_add_subdirectory() {
     tar -C "$tree" -xf -
   project="$WORK/the project" build="$WORK/the build"
   exercise Ninja "-DCONTACTSPLINE_SOURCE=$tree" -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=0 \
-    -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON
+    -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON -DCONTACTSPLINE_BUILD_DATASETS=ON "-DCMAKE_CXX_FLAGS=-DNDEBUG -Werror"
   echo '// A template of my own.' >>"$tree/templates/material.lib.in"
   build
   tail -n 1 "$build/materials/sounds/felt_c7.lib" | grep -qx '// A template of my own.' ||
@@ -531,7 +541,7 @@ expect_settings() {
 
 # Calls a script of the tree, which ends where it would build.
 until_build() {
-  ! PATH="$WORK/bin:$PATH" "$tree/scripts/$1" >"$WORK/log" 2>&1 || fail "scripts/$1 does not build"
+  ! PATH="$WORK/bin:$PATH" "$tree/scripts/$1" "${@:2}" >"$WORK/log" 2>&1 || fail "scripts/$1 does not build"
   grep -q '^building ' "$WORK/log" || fail "scripts/$1 ends before it builds"
 }
 
@@ -544,10 +554,15 @@ copy_tree() {
   printf '#!/bin/sh\necho "packages: $*"\n' | tee "$tree/scripts/install-packages" >"$tree/scripts/format"
 }
 
-# The first command of the README.
+# The first command of the README, with the program that is built already.
 case_run() {
   copy_tree
-  "$tree/scripts/run" >"$WORK/log" 2>&1 || fail "scripts/run fails"
+  mkdir -p "$WORK/bin" "$tree/build/program"
+  ln -s "$BUILD/generator" "$tree/build/program/generator"
+  printf '#!/bin/sh\n[ "$*" != "--build --preset program" ] || exit 0\nexec "%s" "$@" -B "%s"\n' "$(command -v cmake)" \
+    "$WORK/configured" >"$WORK/bin/cmake"
+  chmod +x "$WORK/bin/cmake"
+  PATH="$WORK/bin:$PATH" "$tree/scripts/run" >"$WORK/log" 2>&1 || fail "scripts/run fails"
   for sound in fur_elise slide_guitar; do
     [ -s "$tree/out/$sound.wav" ] && [ -s "$tree/out/$sound.svg" ] || fail "scripts/run does not play $sound"
   done
@@ -567,8 +582,14 @@ case_scripts() {
   ! grep -q 'CMake Warning' "$WORK/log" || fail "scripts/run warns"
   [ ! -e "$tree/build/release" ] || fail "scripts/run configures build/release"
   until_build test
-  expect_settings release TESTS=ON PLUGINS=ON
+  grep -qx 'packages: test' "$WORK/log" || fail "scripts/test installs other packages"
+  expect_settings test TESTS=ON PLUGINS=OFF PYTHON=OFF
+  [ ! -e "$tree/build/release" ] || fail "scripts/test configures build/release"
+  until_build test --all
+  grep -qx 'packages: ci' "$WORK/log" || fail "scripts/test --all installs other packages"
+  expect_settings release TESTS=ON PLUGINS=ON HOSTS=ON PYTHON=ON
   expect_settings program TESTS=OFF
+  expect_settings test PLUGINS=OFF
   until_build plugins
   grep -qx 'packages: plugins' "$WORK/log" || fail "scripts/plugins installs other packages"
   expect_settings plugins PLUGINS=ON TESTS=OFF GENERATOR=OFF EXAMPLES=OFF
@@ -1138,15 +1159,15 @@ target_link_libraries(my_plugin PRIVATE ContactSpline::materials)' >"$project/CM
   done
 }
 
-# What pip makes of the tree without a network, installed where nothing else of the project is.
+# What pip makes of the build without a network, installed where nothing else of the project is; and how it builds where nothing
+# is built.
 case_wheel() {
   "$PYTHON" -c 'import pip, ensurepip, numpy' 2>/dev/null || { echo "skipped: python3-pip, python3-venv or python3-numpy is not installed"; exit 77; }
   mkdir "$WORK/wheels"
   run "$PYTHON" -m pip wheel --no-index --no-build-isolation --no-deps -w "$WORK/wheels" \
-    --config-settings "build-dir=$WORK/build" "$SOURCE"
+    --config-settings "build-dir=$BUILD" "$SOURCE"
   run "$PYTHON" -m venv --system-site-packages "$WORK/venv"
   run "$WORK/venv/bin/pip" install --no-index --no-build-isolation "$WORK"/wheels/contactspline-*.whl
-  rm -r "$WORK/build"
   cat >"$WORK/play.py" <<'EOF'
 import pathlib, sys
 import contactspline as cs
@@ -1167,6 +1188,14 @@ EOF
   run "$WORK/venv/bin/python" play.py wheel.samples "$WORK/venv/"
   PYTHONPATH="$BUILD/python" PYTHONDONTWRITEBYTECODE=1 run "$PYTHON" play.py tree.samples "$BUILD/python/"
   cmp wheel.samples tree.samples || fail "the wheel plays other samples than the build"
+  mkdir "$WORK/bin"
+  printf '#!/bin/sh\n[ "$1" != --build ] || { echo "building $*"; exit 9; }\nexec "%s" "$@"\n' "$(command -v cmake)" \
+    >"$WORK/bin/cmake"
+  chmod +x "$WORK/bin/cmake"
+  ! PATH="$WORK/bin:$PATH" "$PYTHON" -m pip wheel --no-index --no-build-isolation --no-deps -w "$WORK/wheels" \
+    --config-settings "build-dir=$WORK/build" "$SOURCE" >"$WORK/log" 2>&1 || fail "no wheel is built"
+  grep -q 'building .*--target contactspline_python' "$WORK/log" || fail "the wheel is not built by CMake"
+  grep -q '^CONTACTSPLINE_BUILD_PYTHON:BOOL=ON$' "$WORK/build/CMakeCache.txt" || fail "the wheel's build has no Python"
   ! "$PYTHON" -m pip wheel --no-index --no-build-isolation --no-deps -w "$WORK/wheels" --config-settings nothing=1 \
     "$SOURCE" >"$WORK/log" 2>&1 || fail "an unknown setting is accepted"
   grep -q 'nothing: is unknown; allowed: build-dir' "$WORK/log" || fail "an unknown setting is not told"
