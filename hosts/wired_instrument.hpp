@@ -98,7 +98,7 @@ class WiredInstrument {
   /// Advances `samples` samples and writes them to the arrays of the taps.
   void process(std::span<const Tap<Sample>> taps, std::span<Sample* const> sounds, std::size_t samples) {
     for (std::size_t begin = 0; begin < samples; begin += kBlock)
-      process_part(taps, sounds, begin, std::min(kBlock, samples - begin));
+      process_part(taps, sounds, begin, (std::min)(kBlock, samples - begin));
   }
 
   /// Names, units, ranges and first values, a line each.

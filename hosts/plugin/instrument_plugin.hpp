@@ -222,7 +222,7 @@ class InstrumentPlugin : private detail::PluginInstrument<I>, public WindowedPlu
   }
 
   void play(float** outputs, std::size_t begin, std::size_t end) {
-    for (; begin < end; begin += kBlock) play_piece(outputs, begin, std::min(kBlock, end - begin));
+    for (; begin < end; begin += kBlock) play_piece(outputs, begin, (std::min)(kBlock, end - begin));
   }
 
   void play_piece(float** outputs, std::size_t begin, std::size_t samples) {
@@ -253,7 +253,7 @@ class InstrumentPlugin : private detail::PluginInstrument<I>, public WindowedPlu
   void measure(Peak& peak, std::span<const float> sound) {
     constexpr float kNothing = 1e-9f;  // 180 dB below full scale
     peak.fallen *= static_cast<float>(std::exp(-static_cast<double>(sound.size()) / (kPeakTime_s * getSampleRate())));
-    for (const float x : sound) peak.fallen = std::max(peak.fallen, std::abs(x));
+    for (const float x : sound) peak.fallen = (std::max)(peak.fallen, std::abs(x));
     if (peak.fallen < kNothing) peak.fallen = 0;
     peak.shown.store(static_cast<float>(peak.fallen * peak.unit), std::memory_order_relaxed);
   }

@@ -256,7 +256,7 @@ class InstrumentVst3 : public PluginVst3 {
       // What a host sends outside of the block belongs to its ends.
       vst3_object::NotesWithin notes = {.all = data->input_events,
                                         .begin = begin,
-                                        .end = end == length ? std::numeric_limits<int32_t>::max() : end};
+                                        .end = end == length ? (std::numeric_limits<int32_t>::max)() : end};
       for (int32_t c = 0; c < bus.num_channels; ++c) channels[c] = data->outputs[0].channel_buffers_32[c] + begin;
       bus.channel_buffers_32 = channels;
       part.nframes = end - begin;
@@ -321,8 +321,8 @@ class InstrumentVst3 : public PluginVst3 {
         int32_t offset = 0;
         double part = 0;
         if (v3_cpp_obj(queue)->get_point(queue, m, &offset, &part) != V3_OK) break;
-        offset = std::clamp(offset, 0, std::max(0, length - 1));
-        if (offset > begin) next = std::min(next, offset);
+        offset = std::clamp(offset, 0, (std::max)(0, length - 1));
+        if (offset > begin) next = (std::min)(next, offset);
         if (offset == begin) change(id, part, points);
       }
     }

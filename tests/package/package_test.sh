@@ -165,6 +165,22 @@ case_add_subdirectory() {
 
 # Only the headers and the materials that ship, from source: without any library of the program, as they are found
 # nowhere. By add_subdirectory and by FetchContent.
+# Windows.h and Arduino.h define min and max as macros: all headers that users include, and all that are emitted,
+# compile after them.
+case_macros() {
+  local headers system
+  headers=$(cd "$SOURCE/runtime" && find contactspline* -name '*.hpp' ! -name '*-inl.hpp'
+    cd "$BUILD/include" && find contactspline -name '*.hpp')
+  [ "$(wc -l <<<"$headers")" -gt 120 ] || fail "too few headers"
+  system=$(cd "$SOURCE/runtime" && grep -rhoE '^#include <[^>]+>' . | grep -v '<hwy/' | sort -u)
+  sed -E 's/#include (.*)/#if __has_include(\1)\n&\n#endif/' <<<"$system" >"$WORK/macros.cpp"
+  echo '#include "hosts/c/contactspline.h"
+#define min(a, b) ((a) < (b) ? (a) : (b))
+#define max(a, b) ((a) > (b) ? (a) : (b))' >>"$WORK/macros.cpp"
+  sed 's/.*/#include "&"/' <<<"$headers" >>"$WORK/macros.cpp"
+  run "$CXX" -std=c++20 -fsyntax-only -I "$SOURCE/runtime" -I "$BUILD/include" -I "$SOURCE" "$WORK/macros.cpp"
+}
+
 case_headers_only() {
   project="$WORK/the project"
   mkdir "$project"

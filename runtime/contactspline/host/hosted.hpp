@@ -132,7 +132,7 @@ class Hosted {
     const FlushDenormals flushed;
     is_new_ = false;
     for (std::size_t done = 0; done < samples;) {
-      const std::size_t length = glide() ? 1 : std::min(samples - done, kBlock);
+      const std::size_t length = glide() ? 1 : (std::min)(samples - done, kBlock);
       const std::span<T> forces = detail::part_of(force, done, length);
       if (is_asleep_ && !stay(outputs, done, length, forces)) wake();
       if (!is_asleep_) {
@@ -222,8 +222,8 @@ class Hosted {
       level.is_known = !outputs_[o].empty();
       if (!level.is_known) continue;
       const auto [low, high] = std::ranges::minmax(outputs_[o]);
-      level.low = is_first ? low : std::min(level.low, low);
-      level.high = is_first ? high : std::max(level.high, high);
+      level.low = is_first ? low : (std::min)(level.low, low);
+      level.high = is_first ? high : (std::max)(level.high, high);
       level.now = outputs_[o].back() / full_scale(o);
       if (!(level.high - level.low <= static_cast<T>(kStill) * full_scale(o))) return false;
     }
@@ -239,7 +239,7 @@ class Hosted {
   bool stay(std::span<Sample* const> outputs, std::size_t begin, std::size_t samples, std::span<T> force) {
     if (!force.empty() && !force_) return false;
     std::ranges::fill(force, force_.value_or(T(0)));
-    const auto wanted = outputs.first(std::min(outputs.size(), levels_.size()));
+    const auto wanted = outputs.first((std::min)(outputs.size(), levels_.size()));
     for (std::size_t o = 0; o < wanted.size(); ++o)
       if (wanted[o] != nullptr && !levels_[o].is_known) return false;
     for (std::size_t o = 0; o < wanted.size(); ++o)

@@ -103,8 +103,8 @@ class EnsembleInstrument : public EnsembleParameter, public ParameterValues<T, E
   void process(Outputs<T> outputs, std::span<T> force = {}) {
     const std::size_t length = detail::block_length<T>(outputs, force);
     for (std::size_t done = 0; done < length;) {
-      std::size_t samples = std::min(length - done, Ensemble<T>::kBlock);
-      for (const detail::FallingDamper& damper : dampers_) samples = std::min(samples, damper.samples());
+      std::size_t samples = (std::min)(length - done, Ensemble<T>::kBlock);
+      for (const detail::FallingDamper& damper : dampers_) samples = (std::min)(samples, damper.samples());
       process_steady(outputs, force, done, samples);
       done += samples;
     }

@@ -129,7 +129,7 @@ class HammerStringInstrument : public HammerStringParameter,
     const std::size_t length = detail::block_length<T>(outputs, force);
     for (std::size_t done = 0; done < length;) {
       follow_bend();
-      const std::size_t samples = std::min(length - done, is_bending() ? kBendStep : kLongest);
+      const std::size_t samples = (std::min)(length - done, is_bending() ? kBendStep : kLongest);
       process_steady(outputs, force, done, samples);
       done += samples;
       sample_ += samples;

@@ -85,7 +85,7 @@ struct KeyRange {
 };
 
 /// Stands for a parameter that an instrument lacks.
-inline constexpr std::size_t kNoParameter = std::numeric_limits<std::size_t>::max();
+inline constexpr std::size_t kNoParameter = (std::numeric_limits<std::size_t>::max)();
 
 /// Keys, tuning and damper of an instrument file. tension_squares: for each mode what the tension adds to w0^2
 /// (square_by_tension) [1/s^2]; empty: nothing is tuned. far_ends: so many places, the last ones, are far ends of
@@ -164,7 +164,7 @@ struct InstrumentData {
     const ControlRange<double>& listed = parameters[parameter].allowed;
     if (parameter >= controls.size()) return listed;
     const auto [min, max] = control_range<double>(controls[parameter].quantity);
-    return {std::max(min, listed.min), std::min(max, listed.max)};
+    return {(std::max)(min, listed.min), (std::min)(max, listed.max)};
   }
   [[nodiscard]] double first_value(std::size_t control) const {
     return held(0.0, parameters[control].initial, range_of(control));

@@ -123,7 +123,7 @@ struct InstrumentParts {
       } else if (c.kind == ConnectionKind::kContact) {
         double half_curvature = 0;
         for (const Segment<T>& segment : tables[c.table])
-          half_curvature = std::max(half_curvature, double(segment.half_curvature));
+          half_curvature = (std::max)(half_curvature, double(segment.half_curvature));
         const double ratio = c.weight * largest(data, ControlQuantity::kStiffnessRatio, k, 1);
         if (admittance * ratio * half_curvature > kMaxContact) return true;
       }
@@ -154,7 +154,7 @@ struct InstrumentParts {
                                       double in_file) {
     for (std::size_t c = 0; c < data.controls.size(); ++c)
       for (const std::size_t target : data.targets_of(data.controls[c]))
-        if (data.controls[c].quantity == quantity && target == k) in_file = std::max(in_file, data.range_of(c).max);
+        if (data.controls[c].quantity == quantity && target == k) in_file = (std::max)(in_file, data.range_of(c).max);
     return in_file;
   }
 

@@ -68,7 +68,7 @@ class PedaledKeyboard : public KeyboardOnBody<T>, public KeyboardParameter {
     std::array<T, kBlock> left_scratch, right_scratch;
     const std::size_t length = detail::block_length<T>(outputs, force);
     for (std::size_t done = 0; done < length; done += kBlock) {
-      const std::size_t samples = std::min(kBlock, length - done);
+      const std::size_t samples = (std::min)(kBlock, length - done);
       const auto part = [&](std::size_t output, std::array<T, kBlock>& otherwise) {
         return output < outputs.size() && !outputs[output].empty() ? outputs[output].subspan(done, samples)
                                                                    : std::span<T>(otherwise).first(samples);

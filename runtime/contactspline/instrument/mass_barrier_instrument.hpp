@@ -90,7 +90,7 @@ class MassBarrierInstrument : public MassBarrierParameter,
   /// Kinetic, of the contact, and, where gravity pulls towards the barrier, of the height.
   [[nodiscard]] double energy() const {
     const double v = double(model_->velocity()), y = double(model_->displacement());
-    return this->value(kMass) * (v * v / 2 + std::max(0.0, -this->value(kGravity) * y)) +
+    return this->value(kMass) * (v * v / 2 + (std::max)(0.0, -this->value(kGravity) * y)) +
            double(model_->stiffness_ratio()) *
                double(model_->memory().energy(SegmentTable<T>(contact_), model_->displacement()));
   }

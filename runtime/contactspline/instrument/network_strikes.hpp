@@ -98,8 +98,8 @@ class NetworkStrikes {
   [[nodiscard]] static T free_start(const ContactNetwork<T>& network, const Throw& moved) {
     T back = 0, forth = 0;
     for (const Throw::Contact& contact : moved.contacts) {
-      const T pressed = network.compression(contact.connection) - std::max(T(0), -network.gap(contact.connection));
-      (contact.is_first ? back : forth) = std::max(contact.is_first ? back : forth, pressed);
+      const T pressed = network.compression(contact.connection) - (std::max)(T(0), -network.gap(contact.connection));
+      (contact.is_first ? back : forth) = (std::max)(contact.is_first ? back : forth, pressed);
     }
     return back > 0 && forth > 0 ? T(0) : forth - back;
   }

@@ -125,7 +125,7 @@ class NetworkDamper {
 
   /// Called before each sample.
   void follow(ContactNetwork<T>& network) {
-    const bool is_falling = decay_factor_.samples() != std::numeric_limits<std::size_t>::max();
+    const bool is_falling = decay_factor_.samples() != (std::numeric_limits<std::size_t>::max)();
     if (!is_falling && !std::exchange(has_moved_, false)) return;
     for (const std::size_t body : bodies_)
       network.set_damping(body, own_per_s_[body] + static_cast<T>(decay_factor_.value()));

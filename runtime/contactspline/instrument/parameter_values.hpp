@@ -44,7 +44,7 @@ class ParameterValues {
   /// Sets the first value. Its slider reaches as far.
   void set_initial(std::size_t parameter, double value) {
     Parameter& set = list_[parameter];
-    set.slider = {std::min(set.slider.min, value), std::max(set.slider.max, value)};
+    set.slider = {(std::min)(set.slider.min, value), (std::max)(set.slider.max, value)};
     values_[parameter] = set.initial = value;
   }
   [[nodiscard]] T value_of(std::size_t parameter) const { return static_cast<T>(values_[parameter]); }

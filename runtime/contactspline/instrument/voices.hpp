@@ -112,7 +112,7 @@ class Voices {
     std::ranges::fill(force, T(0));
     for (Voice& voice : voices_)
       for (std::size_t done = 0; done < length && !voice.is_asleep;) {
-        const std::size_t samples = std::min({length - done, kBlock, voice.until_look});
+        const std::size_t samples = (std::min)({length - done, kBlock, voice.until_look});
         add(voice, outputs, force, done, samples);
         voice.advance(samples);
         done += samples;
@@ -219,7 +219,7 @@ class Voices {
 
   [[nodiscard]] std::size_t player_of(EventKind kind, std::size_t number) const {
     for (std::size_t e = 0; e < events().size(); ++e)
-      if (events()[e].kind == kind && events()[e].number == number) return std::min(kKeys + e, kPlayers);
+      if (events()[e].kind == kind && events()[e].number == number) return (std::min)(kKeys + e, kPlayers);
     return kPlayers;
   }
 

@@ -21,7 +21,7 @@ namespace contactspline::detail {
 /// 1/2)/rate.
 [[nodiscard]] inline std::vector<double> taps_at(std::span<const double> taps, double rate_hz, double new_rate_hz) {
   if (rate_hz == new_rate_hz) return {taps.begin(), taps.end()};
-  const double step = rate_hz / new_rate_hz, width = std::max(step, 1.0);
+  const double step = rate_hz / new_rate_hz, width = (std::max)(step, 1.0);
   std::vector<double> made(static_cast<std::size_t>(static_cast<double>(taps.size()) / step) + 1);
   for (std::size_t n = 0; n < made.size(); ++n)
     for (std::size_t k = 0; k < taps.size(); ++k) {
@@ -47,7 +47,7 @@ class ForceHistory {
   explicit ForceHistory(std::size_t length = 0) : length_(length) { reset(); }
 
   /// Before reset(): it keeps at least so many.
-  void widen(std::size_t length) { length_ = std::max(length_, length); }
+  void widen(std::size_t length) { length_ = (std::max)(length_, length); }
 
   void add(T force_n) {
     begin_ = begin_ == 0 ? length_ - 1 : begin_ - 1;

@@ -67,7 +67,7 @@ class SlopeSquare {
       : strings_(strings),
         modes_(per_m.size()),
         per_m_(per_m.size()),
-        slopes_(in_lines(std::max(per_m.size(), highest * strings)) + in_lines(highest * strings + 1)),
+        slopes_(in_lines((std::max)(per_m.size(), highest * strings)) + in_lines(highest * strings + 1)),
         sums_(highest + 1) {
     std::ranges::copy(per_m, per_m_.data());
   }
@@ -78,7 +78,7 @@ class SlopeSquare {
   /// others are at rest.
   [[nodiscard]] std::span<const T> coefficients(std::span<const T> displacements) {
     T* const slopes = slopes_.data();
-    const std::size_t moving = std::min(displacements.size(), modes_);
+    const std::size_t moving = (std::min)(displacements.size(), modes_);
     std::fill(slopes + moving, slopes + modes_, T(0));
 #ifdef CONTACTSPLINE_SIMD
     sum_shifted_products(moving, per_m_.data(), displacements.data(), slopes, strings_, sums_);
@@ -195,7 +195,7 @@ class LongitudinalModes {
     }
   }
 
-  static double limit_hz(double sample_rate_hz) { return std::min(kHighest_hz, sample_rate_hz / 2); }
+  static double limit_hz(double sample_rate_hz) { return (std::min)(kHighest_hz, sample_rate_hz / 2); }
 
   // Rows from `first` on that have its wavenumber.
   template <typename Row>
@@ -209,7 +209,7 @@ class LongitudinalModes {
     std::size_t strings = 0;
     for (std::size_t first = 0; first < rows.size();) {
       const std::size_t alike = count_alike(rows, first);
-      strings = std::max(strings, alike);
+      strings = (std::max)(strings, alike);
       first += alike;
     }
     return strings;

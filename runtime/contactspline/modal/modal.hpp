@@ -106,7 +106,7 @@ class ModalBank {
   /// The same of one mode.
   [[nodiscard]] constexpr T sound_shape(std::size_t mode, T shape) const {
     constexpr double kMin = 0.40528473456935109;  // (2/pi)^2, the factor at half the sample rate
-    return static_cast<T>(double(shape) / std::max(constants_[mode].averaging_factor, kMin));
+    return static_cast<T>(double(shape) / (std::max)(constants_[mode].averaging_factor, kMin));
   }
   [[nodiscard]] constexpr Shapes sound_pickup(std::span<const double, Modes> pickup) const {
     return sound_pickup(Shapes(pickup));
@@ -316,7 +316,7 @@ class ModalBank {
       const double stiffness = constants_[i].stiffness;
       const double one_minus_real = (constants_[i].loss + stiffness) / 2;           // 1 - Re z
       const double imaginary_square = stiffness - one_minus_real * one_minus_real;  // (Im z)^2
-      amplitude_gain[i] = at[i] / static_cast<T>(std::sqrt(std::max(imaginary_square, 1e-30)));
+      amplitude_gain[i] = at[i] / static_cast<T>(std::sqrt((std::max)(imaginary_square, 1e-30)));
     }
   }
 

@@ -135,7 +135,7 @@ template <typename FrequencyAt>
   int below = i, above = i;
   for (int step = 1; above == below; step *= 2) {
     if (below == kMaxModeIndex) return kMaxModeIndex + 1;
-    above = below + std::min(step, kMaxModeIndex - below);
+    above = below + (std::min)(step, kMaxModeIndex - below);
     if (!(frequency_at(above) > w)) below = above;
   }
   while (above - below > 1) {
@@ -187,7 +187,7 @@ template <typename Row>
 [[nodiscard]] inline Mode retuned(const Mode& mode, double square, double cents) {
   const double w = mode.angular_frequency_rad_per_s;
   const double tuned = w * w + std::expm1(cents / 600 * std::numbers::ln2) * square;
-  return {std::sqrt(std::max(0.0, tuned)), mode.decay_per_s, mode.mass_kg};
+  return {std::sqrt((std::max)(0.0, tuned)), mode.decay_per_s, mode.mass_kg};
 }
 
 /// The same of a mode of a string. The tension T is that of the string that the mode belongs to, detuned or not. Row:
@@ -225,7 +225,7 @@ class Bend {
     const double saved_s = std::clamp(now_s - used_s_, 0.0, kLongest_s);  // rounding may make it negative
     const double next = followed_stiffness(tension, control, energy_j, saved_s);
     if (next == tension) return false;
-    used_s_ = now_s - saved_s + std::max(0.0, (next - tension) * energy_j / kStiffeningPower_w);
+    used_s_ = now_s - saved_s + (std::max)(0.0, (next - tension) * energy_j / kStiffeningPower_w);
     cents_ = next == control ? control_cents : 600 * std::log2(next);
     return true;
   }
@@ -243,7 +243,7 @@ class Bend {
 /// force at a place acts on all strings equally, so divide the shapes there by the number of strings.
 [[nodiscard]] inline std::vector<StringMode> modes_below(
     const StiffString& string, double max_frequency_hz,
-    std::size_t max_modes = std::numeric_limits<std::size_t>::max()) {
+    std::size_t max_modes = (std::numeric_limits<std::size_t>::max)()) {
   std::vector<StringMode> modes;
   for (const double cents : string.detuning_cents)
     detail::for_sounding_modes(

@@ -38,7 +38,7 @@ class StringShapes {
     for (std::size_t i = 0; i < size(); ++i) {
       const double beta = double(wavenumbers_[i]);
       const double speed = modes[i].angular_frequency_rad_per_s / beta;
-      step = std::min({step, std::numbers::pi / 4 / beta, speed / sample_rate_hz / 10});
+      step = (std::min)({step, std::numbers::pi / 4 / beta, speed / sample_rate_hz / 10});
     }
     return static_cast<T>(step);
   }
@@ -47,7 +47,7 @@ class StringShapes {
   [[nodiscard]] constexpr T length() const {
     if (size() == 0) return 0;
     T smallest = wavenumbers_[0];
-    for (std::size_t i = 1; i < size(); ++i) smallest = std::min(smallest, wavenumbers_[i]);
+    for (std::size_t i = 1; i < size(); ++i) smallest = (std::min)(smallest, wavenumbers_[i]);
     return std::numbers::pi_v<T> / smallest;
   }
 

@@ -39,7 +39,7 @@ class BridgeLoad {
       for (std::size_t row = 0; row < places_; ++row)
         at(row, column) = static_cast<T>(row == column) + admittance_[column * places_ + row] * half_n_per_m[row];
     for (std::size_t step = 0; step < places_; ++step) {
-      at(step, step) = std::max(at(step, step), T(1));  // what rounding may take away
+      at(step, step) = (std::max)(at(step, step), T(1));  // what rounding may take away
       for (std::size_t row = step + 1; row < places_; ++row) at(row, step) /= at(step, step);
       for (std::size_t column = step + 1; column < places_; ++column) {
         for (std::size_t row = step + 1; row < places_; ++row) at(row, column) -= at(row, step) * at(step, column);

@@ -111,7 +111,7 @@ class Ensemble {
   void process(std::span<T> left, std::span<T> right, Run&& run = {}, std::span<T> forces = {}) {
     for (std::size_t done = 0; done < left.size(); done += kBlock) {
       const auto part = [&](std::span<T> sum) {
-        return sum.empty() ? sum : sum.subspan(done, std::min(kBlock, left.size() - done));
+        return sum.empty() ? sum : sum.subspan(done, (std::min)(kBlock, left.size() - done));
       };
       process_block({part(left), part(right), part(forces)}, run);
     }
@@ -159,7 +159,7 @@ class Ensemble {
     for (const std::span<T> sum : sums) std::ranges::fill(sum, T(0));
     alignas(64) T sounds[kGroup][kBlock], contact_forces[kGroup][kBlock];
     typename HammerString<T>::Part parts[kGroup];
-    const std::size_t first = group * kGroup, size = std::min(kGroup, awake_.size() - first);
+    const std::size_t first = group * kGroup, size = (std::min)(kGroup, awake_.size() - first);
     for (std::size_t i = 0; i < size; ++i) {
       Voice& voice = voices_[awake_[first + i]];
       parts[i] = {&voice.model,

@@ -75,7 +75,7 @@ class FretString : public detail::ContactOnString<T, Extent, Modes> {
     const T admittance = damping_gain * string_.admittance(place_.after(), place_.mean());
     const Approach<T> approach{compression_,
                                string_.increment(place_.after()) + string_.displacement(place_.change()) + lift,
-                               std::max(admittance, kMinAdmittance)};
+                               (std::max)(admittance, kMinAdmittance)};
     const auto step = memory_.advance(table_, contact_, time_step_, approach, segment_index(table_, compression_));
     force_ = step.force;
     string_.push(place_.mean(), -damping_gain * force_);

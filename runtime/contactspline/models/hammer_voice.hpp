@@ -42,7 +42,7 @@ class FallingDamper {
     const double target = position * full_per_s_, now = target_ - remainder_;
     if (target == target_) return;
     target_ = target;
-    remainder_ = std::max(0.0, target - now);
+    remainder_ = (std::max)(0.0, target - now);
     done_ = 0;
   }
 
@@ -54,7 +54,7 @@ class FallingDamper {
 
   /// Number of samples for which value() holds.
   [[nodiscard]] std::size_t samples() const {
-    return remainder_ == 0 ? std::numeric_limits<std::size_t>::max() : kHold - done_;
+    return remainder_ == 0 ? (std::numeric_limits<std::size_t>::max)() : kHold - done_;
   }
 
   /// samples <= samples()
@@ -162,7 +162,7 @@ class HammerVoice {
   void process(const ModeShapes<T>& output, std::span<T> out, T* forces) {
     damping_per_s_ = own_damping();
     while (!out.empty()) {
-      const std::size_t samples = std::min(out.size(), damper_.samples());
+      const std::size_t samples = (std::min)(out.size(), damper_.samples());
       model_.process(damped(), output, out.first(samples), forces);
       damper_.advance(samples);
       out = out.subspan(samples);

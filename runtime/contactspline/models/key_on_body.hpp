@@ -105,7 +105,7 @@ struct SoundingKey {
     if (key.horizontal.strike_ratio > 0 && key.horizontal.bridge_ratio > 0)
       add(std::accumulate(detuning.begin(), detuning.end(), 0.0) / count + key.horizontal.cents,
           key.bridge_ratio * key.horizontal.bridge_ratio * std::sqrt(count), detuning.size(),
-          std::min(max_frequency_hz, kSympathy_hz));
+          (std::min)(max_frequency_hz, kSympathy_hz));
     std::ranges::stable_sort(rows, {}, [](const Row& row) {
       return std::pair(row.wavenumber_per_m, row.mode.angular_frequency_rad_per_s);
     });
@@ -131,7 +131,7 @@ struct SoundingKey {
 
   // A number of modes, up to the end of its line.
   [[nodiscard]] std::size_t in_lines(std::size_t count) const {
-    return std::min((count + kLine - 1) / kLine * kLine, model.string().size());
+    return (std::min)((count + kLine - 1) / kLine * kLine, model.string().size());
   }
   // Stiffness that the lowest modes add to the bridge, in whole lines or all [N/m].
   [[nodiscard]] double stiffness_of(std::size_t count) const { return stiffness[(count + kLine - 1) / kLine]; }

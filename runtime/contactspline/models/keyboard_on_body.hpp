@@ -142,7 +142,7 @@ class KeyboardOnBody {
   void process(std::span<T> left, std::span<T> right, std::span<T> force = {}) {
     const FlushDenormals flushed;
     for (std::size_t done = 0; done < left.size();) {
-      const std::size_t samples = std::min(left.size() - done, kCheckInterval - clock_);
+      const std::size_t samples = (std::min)(left.size() - done, kCheckInterval - clock_);
       process_steady(left.subspan(done, samples), right.subspan(done, samples),
                      force.empty() ? force : force.subspan(done, samples));
       done += samples;
@@ -153,7 +153,7 @@ class KeyboardOnBody {
     const FlushDenormals flushed;
     std::array<T, kCheckInterval> other;
     for (std::size_t done = 0; done < out.size();) {
-      const std::size_t samples = std::min(out.size() - done, kCheckInterval - clock_);
+      const std::size_t samples = (std::min)(out.size() - done, kCheckInterval - clock_);
       const auto left = out.subspan(done, samples), right = std::span(other).first(samples);
       process_steady(left, right, {});
       for (std::size_t n = 0; n < samples; ++n) left[n] = (left[n] + right[n]) / 2;
@@ -224,7 +224,7 @@ class KeyboardOnBody {
     samples_ += left.size();
     while (!left.empty()) {
       std::size_t samples = left.size();
-      for (const std::size_t key : bridge_.awake()) samples = std::min(samples, bridge_.key(key).damper.samples());
+      for (const std::size_t key : bridge_.awake()) samples = (std::min)(samples, bridge_.key(key).damper.samples());
       bridge_.process(left.first(samples), right.first(samples), force.empty() ? force : force.first(samples));
       for (const std::size_t key : bridge_.awake()) bridge_.key(key).damper.advance(samples);
       left = left.subspan(samples);
@@ -254,7 +254,7 @@ class KeyboardOnBody {
     Key& key = bridge_.key(k);
     if (key.modes == 0 || key.is_struck || key.checks++ == 0) return;
     const double limit =
-        std::max(kSilence_j, (is_lifted(key) ? kRingingFraction : kDampedFraction) * (body_j_ + stored_j_));
+        (std::max)(kSilence_j, (is_lifted(key) ? kRingingFraction : kDampedFraction) * (body_j_ + stored_j_));
     double leaving = 0;
     std::size_t modes = key.modes;
     while (modes > 0) {

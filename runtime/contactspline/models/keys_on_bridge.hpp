@@ -200,7 +200,7 @@ class KeysOnBridge {
       const bool touches = key.model.force() > 0;
       contacts_ += touches && !std::exchange(key.touches, touches);
       key.touches = touches;
-      largest = std::max(largest, key.model.force());
+      largest = (std::max)(largest, key.model.force());
     }
     return largest;
   }

@@ -37,7 +37,7 @@ class PressureSound {
   PressureSound(const Body<T>& body, const BodyPressure& pressure, double sample_rate_hz)
       : left_(ear(body, pressure.left, pressure.rate_hz, sample_rate_hz)),
         right_(ear(body, pressure.right, pressure.rate_hz, sample_rate_hz)),
-        forces_(body.places(), ForceHistory<T>(std::max(left_.taps.front().size(), right_.taps.front().size()))) {}
+        forces_(body.places(), ForceHistory<T>((std::max)(left_.taps.front().size(), right_.taps.front().size()))) {}
 
   /// After each sample of the body [Pa].
   void tick(const Body<T>& body, T& left, T& right) {

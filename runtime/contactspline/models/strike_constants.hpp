@@ -149,7 +149,7 @@ class StrikeConstantsStorage {
 
  private:
   // Unit of a mode that the force does not move [m/N]: the force adds practically nothing, and 1/unit is finite.
-  static constexpr T kMinUnit = 10000 * std::numeric_limits<T>::min();
+  static constexpr T kMinUnit = 10000 * (std::numeric_limits<T>::min)();
 
   void set(std::size_t mode, std::size_t row, T value) {
     constexpr std::size_t kLine = ModalArray<T>::kLine;

@@ -104,9 +104,9 @@ class ContactGroup {
               displacements = std::abs(free_[a]) + std::abs(x[a]) + xi * std::abs(state.force[a]);
       const T forces = std::abs(law.force) + std::abs(laws_[a].force_at_rest());
       // Beside a law that is 0 here and not there: what moves the contact by less than rounding.
-      const T slope = law.force == 0 ? std::max(law.slope, 1 / xi) : law.slope;
+      const T slope = law.force == 0 ? (std::max)(law.slope, 1 / xi) : law.slope;
       const T rounding = kRounding * (2 * forces + slope * displacements) + slope * kTinyMotion<T>;
-      state.norm = std::max(state.norm, root_admittance_[a] * std::abs(residual));
+      state.norm = (std::max)(state.norm, root_admittance_[a] * std::abs(residual));
       state.is_found &= std::abs(residual) <= rounding;
     }
   }

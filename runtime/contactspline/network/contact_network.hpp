@@ -335,7 +335,7 @@ class ContactNetwork {
     anchor_ = (anchor_ + 1) % parts_.connections.size();
     if (!parts_.connections[anchor_].is_awake) return;
     CoupledConnection<T>& c = solver_[anchor_];
-    const T part = std::min(T(1e-4) * static_cast<T>(parts_.connections.size() * sleeping_.kInterval), T(1));
+    const T part = (std::min)(T(1e-4) * static_cast<T>(parts_.connections.size() * sleeping_.kInterval), T(1));
     // Not the gap of this sample, but the one before it moved.
     const T error = parts_.measured(anchor_) - parts_.connections[anchor_].lift - c.compression;
     c.compression += part * error;

@@ -81,7 +81,7 @@ void factorise(ColumnMatrix<T>& factor, std::size_t m) {
   const std::size_t padded = factor.padded(m);
   for (std::size_t j = 0; j < m; ++j) {
     T* column = factor.column(j);
-    const T inverse = 1 / std::sqrt(std::max(column[j], T(1)));  // no diagonal of I + ... is below 1
+    const T inverse = 1 / std::sqrt((std::max)(column[j], T(1)));  // no diagonal of I + ... is below 1
     for (std::size_t i = j / kLine * kLine; i < padded; ++i) column[i] *= inverse;
     for (std::size_t k = j + 1; k < m; ++k)
       add_scaled(k / kLine * kLine, padded, -column[k], column, factor.column(k));
@@ -151,7 +151,7 @@ class LinearSystem {
         diagonal -= l[j][k] * l[j][k];
         x[j] -= l[j][k] * x[k];
       }
-      l[j][j] = 1 / std::sqrt(std::max(diagonal, T(1)));
+      l[j][j] = 1 / std::sqrt((std::max)(diagonal, T(1)));
       x[j] *= l[j][j];
     }
     for (std::size_t j = kRows; j-- > 0;) {

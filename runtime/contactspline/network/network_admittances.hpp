@@ -62,8 +62,8 @@ class NetworkAdmittances {
     }
     largest_root_ = 0;
     for (NetworkConnection<T>& c : parts.connections) {
-      c.root_admittance = std::sqrt(static_cast<T>(std::max(c.own_admittance, kMinAdmittance)));
-      largest_root_ = std::max(largest_root_, c.root_admittance);
+      c.root_admittance = std::sqrt(static_cast<T>((std::max)(c.own_admittance, kMinAdmittance)));
+      largest_root_ = (std::max)(largest_root_, c.root_admittance);
     }
   }
 
@@ -82,7 +82,7 @@ class NetworkAdmittances {
     }
     for (std::size_t k = 0; k < n; ++k) {
       double& own = of_connections_[k * n + k];
-      own = std::max(own, kMinAdmittance);
+      own = (std::max)(own, kMinAdmittance);
       for (std::size_t l = 0; l <= k; ++l) solver.set_admittance(k, l, of_connections_[k * n + l]);
     }
   }
@@ -129,8 +129,8 @@ class NetworkAdmittances {
       T& max = parts.is_on(c.first, b) ? c.first_max : c.second_max;
       max = moves_on(parts, c, b) ? max_shape(parts, c.first, b) + max_shape(parts, c.second, b) : T(0);
       const double* shapes = body.shapes.data() + i * body.bank.size();
-      for (std::size_t n = 0; n < body.bank.size(); ++n) max = std::max(max, static_cast<T>(std::abs(shapes[n])));
-      body.max_shape = std::max(body.max_shape, max);
+      for (std::size_t n = 0; n < body.bank.size(); ++n) max = (std::max)(max, static_cast<T>(std::abs(shapes[n])));
+      body.max_shape = (std::max)(body.max_shape, max);
     }
   }
 

@@ -65,7 +65,7 @@ struct NetworkPlace {
   // Largest |shape|, also where the place may move to.
   [[nodiscard]] T max_shape() const {
     T max = mover ? T(1) : T(0);
-    for (std::size_t i = 0; i < shapes.size(); ++i) max = std::max(max, std::abs(shapes[i]));
+    for (std::size_t i = 0; i < shapes.size(); ++i) max = (std::max)(max, std::abs(shapes[i]));
     return max;
   }
 

@@ -19,7 +19,7 @@
 namespace contactspline {
 
 /// Stands for a place that does not move.
-inline constexpr std::size_t kGround = std::numeric_limits<std::size_t>::max();
+inline constexpr std::size_t kGround = (std::numeric_limits<std::size_t>::max)();
 
 /// Consecutive connections of a network.
 struct ConnectionRange {

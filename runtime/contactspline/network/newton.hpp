@@ -68,7 +68,7 @@ class NewtonSolver {
       if (now_.is_found) return true;
     }
     if (max_steps_ == 0) return false;
-    T best = std::numeric_limits<T>::max();
+    T best = (std::numeric_limits<T>::max)();
     for (int step = 0, refused = 0; step < max_steps_; ++step) {
       linearise_nearby(group);
       compute_direction(group);
@@ -77,7 +77,7 @@ class NewtonSolver {
       refused = next_.norm <= best / 2 ? 0 : refused + 1;
       if (refused > patience_ && !next_.is_found && !descend(group)) break;
       std::swap(now_, next_);
-      best = std::min(best, now_.norm);
+      best = (std::min)(best, now_.norm);
       if (now_.is_found || (refused > 1 && group.is_rounding(now_))) return true;
     }
     return group.is_rounding(now_);
@@ -137,7 +137,7 @@ class NewtonSolver {
     if (slope_high <= 0) return 1;
     for (int i = 0; i < 60 && slope_low < slope_at_0 / 2; ++i) {
       const T secant = low + (high - low) * (slope_low / (slope_low - slope_high));
-      const T length = i % 2 == 0 ? std::max(secant * T(0.999), low) : low + (high - low) / 2;
+      const T length = i % 2 == 0 ? (std::max)(secant * T(0.999), low) : low + (high - low) / 2;
       const T slope = merit_slope(group, length);
       (slope <= 0 ? low : high) = length;
       (slope <= 0 ? slope_low : slope_high) = slope;
@@ -205,7 +205,7 @@ class NewtonSolver {
       changed = false;
       for (std::size_t a = 0; a < n; ++a) {
         const CoupledConnection<T>& c = group.connection(a);
-        if (next_.force[a] != 0 || c.compression + now_.increment[a] <= std::max(c.compression, T(0))) continue;
+        if (next_.force[a] != 0 || c.compression + now_.increment[a] <= (std::max)(c.compression, T(0))) continue;
         next_.force[a] = 1;
         changed = true;
       }

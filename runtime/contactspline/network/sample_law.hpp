@@ -106,7 +106,7 @@ class SampleLaw {
     if ((x >= lower_ && x < upper_) || x == 0) return half_curvature_ + resistance_;
     const T elastic = step.force - resistance_ * x,
             at_end = ratio_ * table_[table_.segment_here(step.segment, step.compression)].force_at(step.compression);
-    return std::max(T(0), (at_end - elastic) / x) + resistance_;
+    return (std::max)(T(0), (at_end - elastic) / x) + resistance_;
   }
 
   /// A slope C [N/m] with force_at_rest() + C x >= force(x) for x > 0 and <= force(x) for x < 0, whatever x: half the
@@ -114,7 +114,7 @@ class SampleLaw {
   [[nodiscard]] T steepest_slope() const {
     T half_curvature = half_curvature_;
     for (std::size_t k = 0; k < table_.size(); ++k)
-      half_curvature = std::max(half_curvature, ratio_ * table_.half_curvature(k));
+      half_curvature = (std::max)(half_curvature, ratio_ * table_.half_curvature(k));
     return half_curvature + resistance_;
   }
 
@@ -140,12 +140,12 @@ class SampleLaw {
   [[nodiscard]] Crossed cross(T x, std::size_t expected) const {
     std::size_t last = expected;
     if (x >= upper_) {
-      last = std::max(last, start_);
+      last = (std::max)(last, start_);
       while (last > start_ && x < distance_to(last)) --last;
       while (last + 1 < table_.size() && x >= distance_to(last + 1)) ++last;
       return {last, last, x - distance_to(last)};
     }
-    last = std::min(last, start_);
+    last = (std::min)(last, start_);
     while (last < start_ && x >= distance_to(last + 1)) ++last;
     while (last > 0 && x < distance_to(last)) --last;
     return {last, last + 1, x - distance_to(last + 1)};
@@ -165,7 +165,7 @@ class SampleLaw {
     const T gain = walk.gain_to(crossed.entry) + s * (entry.force + c * s);
     const T force = x != 0 ? gain / x : slope_at_knot_;
     const T slope = x != 0 ? (entry.force + 2 * c * s - force) / x : c;
-    return {ratio_ * std::max(T(0), force), ratio_ * std::max(T(0), slope)};
+    return {ratio_ * (std::max)(T(0), force), ratio_ * (std::max)(T(0), slope)};
   }
 
   TableLessLine<T> table_;

@@ -47,7 +47,7 @@ class SleepingContacts {
   void shrink(NetworkConnection<T>& c, T motion) {
     if (c.is_awake) return;
     c.slack -= kMargin * std::abs(motion);
-    min_slack_ = std::min(min_slack_, c.slack);
+    min_slack_ = (std::min)(min_slack_, c.slack);
   }
 
   /// Lists what is awake, if that has changed.
@@ -109,7 +109,7 @@ class SleepingContacts {
         if (-y <= kSleepingSamples * motion(parts, c, &NetworkBody<T>::travel, reach_)) continue;
         c.is_awake = false;
         c.slack = -y;
-        min_slack_ = std::min(min_slack_, c.slack);
+        min_slack_ = (std::min)(min_slack_, c.slack);
         is_list_old_ = true;
       }
     }
@@ -142,13 +142,13 @@ class SleepingContacts {
 
   // Takes from the slacks what moved since this was last done. Wakes contacts that may soon touch.
   void reduce_slacks(NetworkParts<T>& parts) {
-    min_slack_ = std::numeric_limits<T>::max();
+    min_slack_ = (std::numeric_limits<T>::max)();
     for (const std::size_t k : asleep_) {
       NetworkConnection<T>& c = parts.connections[k];
       if (c.is_awake) continue;
       c.slack -= motion(parts, c, &NetworkBody<T>::travelled, reached_);
       if (c.slack > kWakingSamples * motion(parts, c, &NetworkBody<T>::travel, reach_)) {
-        min_slack_ = std::min(min_slack_, c.slack);
+        min_slack_ = (std::min)(min_slack_, c.slack);
       } else {
         c.is_awake = is_list_old_ = true;
         woken_.push_back(k);
@@ -162,7 +162,7 @@ class SleepingContacts {
   IndexList woken_;
   // Sum of force times root of admittance: over the last sample, and since slacks were last reduced.
   T reach_ = 0, reached_ = 0;
-  T min_slack_ = std::numeric_limits<T>::max();  // of the sleeping contacts
+  T min_slack_ = (std::numeric_limits<T>::max)();  // of the sleeping contacts
   int since_interval_ = 0;
   bool is_list_old_ = true;
 };

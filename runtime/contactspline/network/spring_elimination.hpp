@@ -201,10 +201,10 @@ class SpringElimination {
   [[nodiscard]] T beside_springs(std::size_t i, std::size_t j, const ColumnMatrix<double>& admittance) const {
     const double *w = exact_rows_.column(i), *v = exact_rows_.column(j);
     double beside = admittance(j, i);
-    const std::size_t begin = std::max(range_[i].begin, range_[j].begin);
-    const std::size_t end = std::min(range_[i].end, range_[j].end);
+    const std::size_t begin = (std::max)(range_[i].begin, range_[j].begin);
+    const std::size_t end = (std::min)(range_[i].end, range_[j].end);
     for (std::size_t s = begin; s < end; ++s) beside -= v[s] * w[s];
-    if (i == j) beside = std::max(beside, std::numeric_limits<double>::epsilon() * admittance(i, i));
+    if (i == j) beside = (std::max)(beside, std::numeric_limits<double>::epsilon() * admittance(i, i));
     // Rounded up so far that the rounding errors of all admittances together take energy: none is larger than
     // eps sqrt(Xi_ii Xi_jj), and there are n in a row.
     if (kRounds && i == j) beside *= 1 + static_cast<double>(range_.size()) * double(kRounding);

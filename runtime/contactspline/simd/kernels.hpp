@@ -56,7 +56,7 @@ inline constexpr int kKnotsAhead = 16;
 
 /// Sentinel knot on both sides of a table's knots [m]. Its square is infinite, so that no step crosses it.
 template <std::floating_point T>
-inline constexpr T kSentinelKnot = std::numeric_limits<T>::max() / 4;
+inline constexpr T kSentinelKnot = (std::numeric_limits<T>::max)() / 4;
 
 /// A SegmentTable column by column, with its products with the admittance. Entry k of a column is entry k of the
 /// table, except knots[0]. Sentinel segments without force stand on both sides: kKnotsAhead + 1 and more before entry

@@ -82,7 +82,7 @@ template <typename Predicate>
     std::size_t held = 0;
     for (std::size_t i = 1; i <= 3; ++i) {
       const std::size_t probe = count + (i << shift);
-      held += std::size_t((probe <= n) & holds(std::min(probe, n)));
+      held += std::size_t((probe <= n) & holds((std::min)(probe, n)));
     }
     count += held << shift;
   }
@@ -214,7 +214,7 @@ struct Crossing : PotentialWalk<T, Table> {
     const std::size_t knots = up ? table.size() - 1 - start : start;  // ahead
     const auto crosses_knot = [this](std::size_t i) { return crosses(up ? start + i : start + 1 - i); };
     std::size_t crossed = 1;
-    while (crossed < std::min(knots, kNearest) && crosses_knot(crossed + 1)) ++crossed;
+    while (crossed < (std::min)(knots, kNearest) && crosses_knot(crossed + 1)) ++crossed;
     if (crossed == kNearest)
       crossed += count_leading(knots - kNearest, [&](std::size_t i) { return crosses_knot(kNearest + i); });
     return up ? start + crossed : start - crossed;
@@ -237,7 +237,7 @@ struct Crossing : PotentialWalk<T, Table> {
     const T s = (b <= 0 ? b_and_root : -2 * sign * step.g) / (b <= 0 ? 2 * sign * a : b_and_root);
     const T f = (p <= 0 ? p_and_root : 2 * q) / (p <= 0 ? 2 * xi * a : p_and_root);
     const T y = origin + s;
-    return {std::max(T(0), f), y, relocate_segment(table, last, y)};
+    return {(std::max)(T(0), f), y, relocate_segment(table, last, y)};
   }
 };
 
@@ -247,7 +247,7 @@ template <typename Table, std::floating_point T>
                                                                         const Approach<T>& approach, T divisor) {
   const T y0 = approach.compression, xf = approach.free_increment, xi = approach.admittance;
   const Segment<T>& here = table[start];
-  const std::size_t next = std::min(start + 1, table.size() - 1);
+  const std::size_t next = (std::min)(start + 1, table.size() - 1);
   // Within one segment the discrete gradient is linear: x = free/slope.
   const T f0 = here.force_at(y0);
   const T free = xf - xi * f0;
@@ -257,7 +257,7 @@ template <typename Table, std::floating_point T>
   if (!(below | above)) {
     const T y = y0 + free / slope;
     const T force = (divisor * f0 + here.half_curvature * xf) / slope;
-    return {std::max(T(0), force), y, relocate_segment(table, start, y)};
+    return {(std::max)(T(0), force), y, relocate_segment(table, start, y)};
   }
   const bool is_lossy = divisor != 1;
   const Approach<T> yielding{y0, is_lossy ? xf / divisor : xf, is_lossy ? xi / divisor : xi};

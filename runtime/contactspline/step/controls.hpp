@@ -48,7 +48,7 @@ template <std::floating_point T>
 template <std::floating_point T>
 [[nodiscard]] constexpr bool all_finite(std::span<const T> values) {
   detail::BitsOf<T> largest = 0;
-  for (const T value : values) largest = std::max(largest, detail::magnitude_bits(value));
+  for (const T value : values) largest = (std::max)(largest, detail::magnitude_bits(value));
   return largest < detail::kInfinityBits<T>;
 }
 

@@ -18,7 +18,7 @@ template <std::floating_point T>
 class HighPass {
  public:
   HighPass(double frequency_hz, double sample_rate_hz, double quality = std::numbers::sqrt2 / 2)
-      : gain_(static_cast<T>(std::tan(std::numbers::pi * std::min(frequency_hz / sample_rate_hz, 0.45)))),
+      : gain_(static_cast<T>(std::tan(std::numbers::pi * (std::min)(frequency_hz / sample_rate_hz, 0.45)))),
         loss_(static_cast<T>(1 / quality)),
         scale_(1 / (1 + gain_ * (loss_ + gain_))) {}
 

@@ -35,8 +35,8 @@ class LiveExponent {
     using Live = typename Material::live;
     constexpr T kSteps = static_cast<T>(Live::members - 1);
     const T part = (std::clamp(exponent, kRange.min, kRange.max) - kRange.min) / (kRange.max - kRange.min);
-    const T place = std::min(part, T(1)) * kSteps;
-    const auto below = std::min(static_cast<std::size_t>(place), Live::members - 2);
+    const T place = (std::min)(part, T(1)) * kSteps;
+    const auto below = (std::min)(static_cast<std::size_t>(place), Live::members - 2);
     const T fraction = place - static_cast<T>(below);
     for (std::size_t j = 1; j < size; ++j) {
       const Segment<T>&low = kMembers[below][j], &high = kMembers[below + 1][j];

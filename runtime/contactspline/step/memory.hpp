@@ -112,11 +112,11 @@ struct MemoryDesign {
                          double sample_rate_hz) {
     for (std::size_t i = 0; i < memory_weights.size(); ++i)
       stiffness =
-          stiffness - memory_weights[i] * std::max(Number(0), Number(1) - Number(2 * sample_rate_hz) * times_s[i]);
+          stiffness - memory_weights[i] * (std::max)(Number(0), Number(1) - Number(2 * sample_rate_hz) * times_s[i]);
     for (std::size_t i = 0; i < memory_weights.size(); ++i) {
       const Number half_samples = Number(2 * sample_rate_hz) * times_s[i];
-      weights[i] = memory_weights[i] * std::min(Number(1), half_samples) / stiffness;
-      kept[i] = std::max(Number(0), (half_samples - Number(1)) / (half_samples + Number(1)));
+      weights[i] = memory_weights[i] * (std::min)(Number(1), half_samples) / stiffness;
+      kept[i] = (std::max)(Number(0), (half_samples - Number(1)) / (half_samples + Number(1)));
       taken[i] = weights[i] * (Number(1) - kept[i]);
     }
   }
@@ -184,7 +184,7 @@ class RememberedForces {
   constexpr void relax_apart(const Number& force) {
     for (std::size_t i = 0; i < count_; ++i) {
       const Number others = line_ - values_[i];
-      const Number target = force < line_ ? std::max(force, others / (Number(1) - weights_[i])) : force;
+      const Number target = force < line_ ? (std::max)(force, others / (Number(1) - weights_[i])) : force;
       values_[i] = taken_[i] * target + kept_[i] * values_[i];
       line_ = others + values_[i];
     }
@@ -252,7 +252,7 @@ class ContactMemory {
       const ContactStep<T> pressed =
           detail::contact_step(table, start, Approach<T>{y0, xf + ratio * xi * remembered_.line(), ratio * xi}, T(1));
       if (table[pressed.segment].force_at(pressed.compression) >= remembered_.line())
-        return {ratio * std::max(T(0), pressed.force - remembered_.line()), pressed.compression, pressed.segment};
+        return {ratio * (std::max)(T(0), pressed.force - remembered_.line()), pressed.compression, pressed.segment};
     }
     return step_through_surface(table, controls, time_step, approach, start);
   }
@@ -306,7 +306,7 @@ class ContactMemory {
   /// Force at a compression, without loss, before the memory relaxed last [N].
   template <std::size_t Extent>
   [[nodiscard]] constexpr T force_before(SegmentTable<T, Extent> table, T compression, T stiffness_ratio = 1) const {
-    return stiffness_ratio * stiffness_ * std::max(T(0), force(table, compression) - sum(remembered_.before()));
+    return stiffness_ratio * stiffness_ * (std::max)(T(0), force(table, compression) - sum(remembered_.before()));
   }
 
  private:

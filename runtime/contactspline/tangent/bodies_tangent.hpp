@@ -167,7 +167,7 @@ class BodiesTangent {
       const auto& all = directions[p].places;
       if (q >= all.size() || all[q].size() == 0) continue;
       added.acting_slopes.any[p] = has_loads_ = true;
-      for (std::size_t i = 0; i < std::min(modes, all[q].size()); ++i) added.acting_slopes.of[p][i] = all[q][i];
+      for (std::size_t i = 0; i < (std::min)(modes, all[q].size()); ++i) added.acting_slopes.of[p][i] = all[q][i];
     }
     added.measure_drive(modes_.admittance);
     if (place.wavenumbers_per_m.empty()) return;

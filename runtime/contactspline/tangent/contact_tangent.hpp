@@ -115,7 +115,7 @@ class ContactPath {
   /// line: what is remembered [N], 0 without memory.
   ContactPath(SegmentTable<T> table, T line, T before, T after) : table_(table), line_(line), before_(before) {
     length_ = after - before;
-    low_ = std::min(before, after), high_ = std::max(before, after);
+    low_ = (std::min)(before, after), high_ = (std::max)(before, after);
     surface_ = line > 0 ? TableLessLine<T>(table, line, segment_of_force(table, line)).surface() : T(0);
   }
 
@@ -125,10 +125,10 @@ class ContactPath {
     if (high_ <= surface_) return;
     const std::size_t last = segment_index(table_, high_);
     if (!(low_ < high_)) return visit(last, T(0), T(1));
-    const T low = std::max(low_, surface_);
+    const T low = (std::max)(low_, surface_);
     for (std::size_t j = segment_index(table_, low); j <= last; ++j) {
-      const T a = part(std::max(low, table_[j].knot)), b = part(j < last ? table_[j + 1].knot : high_);
-      if (a != b) visit(j, std::min(a, b), std::max(a, b));
+      const T a = part((std::max)(low, table_[j].knot)), b = part(j < last ? table_[j + 1].knot : high_);
+      if (a != b) visit(j, (std::min)(a, b), (std::max)(a, b));
     }
   }
 

@@ -46,8 +46,8 @@ struct ModeSlopes {
         admittance(modes.size()),
         has_constants(plan.bodies().size()),
         is_pushed(plan.bodies().size()) {
-    for (std::size_t b = 0; b < std::min(direction.size(), plan.bodies().size()); ++b)
-      for (std::size_t i = 0; i < std::min(direction[b].size(), plan.bodies()[b].size()); ++i) {
+    for (std::size_t b = 0; b < (std::min)(direction.size(), plan.bodies().size()); ++b)
+      for (std::size_t i = 0; i < (std::min)(direction[b].size(), plan.bodies()[b].size()); ++i) {
         const std::size_t m = modes.begins[b] + i;
         const ModeStep step = step_tangent(plan.bodies()[b][i], direction[b][i], sample_rate_hz);
         stiffness[m] = static_cast<T>(step.stiffness);

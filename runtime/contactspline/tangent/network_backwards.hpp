@@ -62,7 +62,7 @@ class NetworkBackwards {
   [[nodiscard]] NetworkGradient<T> gradient() {
     const std::size_t samples = record_.ends.size();
     for (std::size_t block = (samples + Record::kBlock - 1) / Record::kBlock; block-- > 0;) {
-      const std::size_t first = block * Record::kBlock, count = std::min(Record::kBlock, samples - first);
+      const std::size_t first = block * Record::kBlock, count = (std::min)(Record::kBlock, samples - first);
       replay_.play(block, count);
       for (std::size_t n = count; n-- > 0;) step(first + n, n);
     }
@@ -90,7 +90,7 @@ class NetworkBackwards {
     const std::span<const Acting> acting = record_.in_sample(record_.acting, &Ends::acting, n);
     places_.list(record_, n);
     movers_.enter(n);
-    for (std::size_t p = 0; p < std::min(weights_.displacements.size(), places_.size()); ++p)
+    for (std::size_t p = 0; p < (std::min)(weights_.displacements.size(), places_.size()); ++p)
       if (const T weight = weight_of(weights_.displacements, p, n); weight != 0)
         places_.touch(p).by_weights += weight;
     linearise(acting);

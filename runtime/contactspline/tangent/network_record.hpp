@@ -38,7 +38,7 @@ struct NetworkRecord {
   };
   // A place that moves, in a sample over which it moves or in the next one; or one that is put elsewhere before a
   // sample. call: which call of RecordedNetwork said so; kAsBefore: none, so that the place follows where it was.
-  static constexpr std::size_t kAsBefore = std::numeric_limits<std::size_t>::max();
+  static constexpr std::size_t kAsBefore = (std::numeric_limits<std::size_t>::max)();
   struct Move {
     std::size_t sample, mover, call;
     T place_m;  // after the sample

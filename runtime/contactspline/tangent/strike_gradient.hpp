@@ -221,7 +221,7 @@ template <std::floating_point T>
   }
   backwards.begin(model, output_weights.subspan(flight));
   for (; !begins.empty(); begins.pop_back()) {
-    const std::size_t first = (begins.size() - 1) * block, count = std::min(block, flight - first);
+    const std::size_t first = (begins.size() - 1) * block, count = (std::min)(block, flight - first);
     backwards.record(begins.back(), count);
     for (std::size_t n = count; n-- > 0;)
       backwards.step(n, output_weights[first + n],

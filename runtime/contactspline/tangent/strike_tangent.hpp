@@ -61,7 +61,7 @@ class StrikeTangent {
   void process(std::span<Number> out) {
     while (!out.empty()) {
       const bool flies = model_.is_hammer_flying();
-      const auto block = out.first(flies ? 1 : std::min(out.size(), kBlock));
+      const auto block = out.first(flies ? 1 : (std::min)(out.size(), kBlock));
       force_ = T(0);
       if (flies) {
         play_sample();
