@@ -117,15 +117,25 @@ void row(const std::vector<std::string>& cells) {
 constexpr const char* kStrings[] = {"C4", "C2"};
 const std::vector<std::string> kPrecisions = {"double", "float"};
 
-void ratios(const Build& build, const std::string& precision) {
+/// A counter of a benchmark in both precisions.
+std::string in_both(const Build& build, std::vector<std::string> name, const std::string& counter,
+                    const char* format = "{:.3g}") {
+  name.emplace_back("double");
+  const std::string in_double = number(build.get(name, counter), format);
+  name.back() = "float";
+  return in_double.empty() ? "" : in_double + "/" + number(build.get(name, counter), format);
+}
+
+void ratios(const Build& build) {
   std::vector<std::string> columns = {"string", "struck", "spline, ns"};
   columns.insert(columns.end(), kOthers.begin(), kOthers.end());
-  heading(fmt::format("{}, {}:", build.name, precision), columns, 2);
+  heading(fmt::format("{}, double/float:", build.name), columns, 2);
   for (const char* string : kStrings)
-    for (const Measured* one : build.all("ratios", precision)) {
+    for (const Measured* one : build.all("ratios", "double")) {
       if (one->name[1] != string) continue;
-      std::vector<std::string> cells = {one->name[1], one->name[2], number(one->get("ns/spline"))};
-      for (const std::string& other : kOthers) cells.push_back(number(one->get("ratio/" + other), "{:.2f}"));
+      const std::vector<std::string> name(one->name.begin(), one->name.end() - 1);
+      std::vector<std::string> cells = {one->name[1], one->name[2], in_both(build, name, "ns/spline")};
+      for (const std::string& other : kOthers) cells.push_back(in_both(build, name, "ratio/" + other, "{:.2f}"));
       row(cells);
     }
 }
@@ -134,7 +144,7 @@ void percentiles(const Build& build, const std::string& precision) {
   const std::vector<std::string> schemes = {"spline", "EXP-3", "linearly implicit", "Newton", "fd.hammer"};
   std::vector<std::string> columns = {"string", "struck", "samples in contact"};
   columns.insert(columns.end(), schemes.begin(), schemes.end());
-  heading(fmt::format("{}, {}, median / 99 % / 99.9 %:", build.name, precision), columns, 2);
+  heading(fmt::format("{}, {}, median/99 %/99.9 %:", build.name, precision), columns, 2);
   for (const Measured* one : build.all("percentiles", precision)) {
     if (std::ranges::find(kStrings, one->name[1]) == std::end(kStrings)) continue;
     std::vector<std::string> cells = {one->name[1], one->name[2],
@@ -142,8 +152,7 @@ void percentiles(const Build& build, const std::string& precision) {
     for (const std::string& name : schemes) {
       const auto p50 = one->get("p50/" + name);
       cells.push_back(
-          p50 ? fmt::format("{:.0f} / {:.0f} / {:.0f}", *p50, *one->get("p99/" + name), *one->get("p99.9/" + name))
-              : "");
+          p50 ? fmt::format("{:.0f}/{:.0f}/{:.0f}", *p50, *one->get("p99/" + name), *one->get("p99.9/" + name)) : "");
     }
     row(cells);
   }
@@ -151,15 +160,12 @@ void percentiles(const Build& build, const std::string& precision) {
 
 /// The number of modes against the time, in both precisions.
 void scaling(const Build& build) {
-  heading(fmt::format("Struck every 10 ms, ns per sample, {}, double / float:", build.name),
+  heading(fmt::format("Struck every 10 ms, ns per sample, {}, double/float:", build.name),
           {"modes", "spline", "EXP-3", "Newton", "string alone", "roofline"});
   for (const Measured* one : build.all("modes", "double")) {
     std::vector<std::string> cells = {one->name[1]};
-    for (const char* scheme : {"spline", "EXP-3", "Newton", "string alone", "roofline"}) {
-      const std::string counter = std::string("ns/") + scheme;
-      cells.push_back(number(one->get(counter)) + " / " +
-                      number(build.get({"modes", one->name[1], "float"}, counter)));
-    }
+    for (const char* scheme : {"spline", "EXP-3", "Newton", "string alone", "roofline"})
+      cells.push_back(in_both(build, {"modes", one->name[1]}, std::string("ns/") + scheme));
     row(cells);
   }
 }
@@ -233,12 +239,12 @@ std::string worst_of(const Goal& goal) {
 void print_goals(const std::vector<Build>& all) {
   std::vector<std::string> columns = {"time of the spline", "goal, at most"};
   for (const Build& build : all) columns.push_back(build.name);
-  heading("## Goals\n\nThe worst of C4 and C2, double / float; in bold what misses its goal.", columns);
+  heading("## Goals\n\nThe worst of C4 and C2, double/float; in bold what misses its goal.", columns);
   const std::vector<Goal> first = goals(all.front(), "double");
   for (std::size_t i = 0; i < first.size(); ++i) {
     std::vector<std::string> cells = {first[i].what, fmt::format("{:.2f}", first[i].max)};
     for (const Build& build : all)
-      cells.push_back(worst_of(goals(build, "double")[i]) + " / " + worst_of(goals(build, "float")[i]));
+      cells.push_back(worst_of(goals(build, "double")[i]) + "/" + worst_of(goals(build, "float")[i]));
     row(cells);
   }
 }
@@ -247,16 +253,12 @@ void print_goals(const std::vector<Build>& all) {
 void builds(const std::vector<Build>& all) {
   std::vector<std::string> columns = {"struck every 10 ms, ns"};
   for (const Build& build : all) columns.push_back(build.name);
-  heading("## Builds\n\nDouble / float:", columns);
+  heading("## Builds\n\nDouble/float:", columns);
   for (const char* model : kStrings)
     for (const char* scheme : {"spline", "EXP-3", "Newton", "fd.hammer"}) {
       std::vector<std::string> cells = {fmt::format("{}, {}", model, scheme)};
-      for (const Build& build : all) {
-        const auto ns = [&](const std::string& precision) {
-          return number(build.get({"ratios", model, "every 10 ms", precision}, std::string("ns/") + scheme));
-        };
-        cells.push_back(ns("double") + " / " + ns("float"));
-      }
+      for (const Build& build : all)
+        cells.push_back(in_both(build, {"ratios", model, "every 10 ms"}, std::string("ns/") + scheme));
       row(cells);
     }
 }
@@ -332,7 +334,7 @@ void write(const std::vector<Build>& all, const std::string& folder) {
   for (const Build& build : all) fmt::print("| {} | {} | {} |\n", build.name, build.compiler, build.vector_bits);
 
   fmt::print("\n![time of a sample by scheme and workload](../figures/speed.svg)\n\n## Ratios\n");
-  for (const std::string& precision : kPrecisions) ratios(all.front(), precision);
+  ratios(all.front());
   print_goals(all);
   fmt::print(
       "\n## Single samples\n\nSamples that find the felt in contact, in {}. A sample starts only after the one "
