@@ -2,7 +2,6 @@
 // Every coefficient of 10,000 random splines against 266 bits.
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <set>
 
 #include "support/measured.hpp"
@@ -117,18 +116,6 @@ TEST(NormalisedCoefficients, DoNotDependOnStiffnessAndCompression) {
   EXPECT_EQ(soft.normalised.a, hard.normalised.a);
   EXPECT_EQ(soft.normalised.b, hard.normalised.b);
   EXPECT_EQ(soft.normalised.c, hard.normalised.c);
-}
-
-// For information: how long a spline takes. Nothing is asserted, machines differ.
-TEST(Timing, OfUniformSplineIsPrinted) {
-  for (const int segments : {16, 10000}) {
-    const Material material{"timed", "", {4.5e9, 2.5}, {}, {segments, 1e-3}};
-    const auto begin = std::chrono::steady_clock::now();
-    const Spline spline = uniform_spline(material, "timed.json");
-    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
-    ASSERT_EQ(spline.segments.size(), static_cast<std::size_t>(segments));
-    Measured() << "uniform_spline, " << segments << " segments: " << took.count() << " ms";
-  }
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 // Knot families and design by tolerance: closed forms, derivatives, the errors promised, convexity, time.
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <cstdlib>
 #include <map>
 #include <numbers>
@@ -475,30 +474,6 @@ TEST(Knots, LinearContactIsReproduced) {
     const Material of = material(1, knots, 12);
     EXPECT_LE(swept(designed(of), of, 2000).contact_duration, 1e-7);  // the digits of the points
   }
-}
-
-double milliseconds(const Material& of) {
-  const auto begin = std::chrono::steady_clock::now();
-  EXPECT_EQ(static_cast<int>(designed(of).segments.size()), of.spline.segments);
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
-}
-
-// The generator runs at build time: a second a design at most was aimed at. Printed, for a test may not hang on how
-// busy the machine is.
-TEST(Knots, TimeIsPrinted) {
-  const double small = milliseconds(material(2.5, Knots::graded, 16));
-  const double large = milliseconds(material(2.5, Knots::graded, 10000));
-  const double optimal = milliseconds(material(2.5, Knots::optimal, 32));
-  const double max = milliseconds(material(2.5, Knots::optimal, kMaxFittedSegments));
-  double kinked = 0;
-  for (Material of : {kinked_laws()[0], kinked_laws()[4]})
-    for (const int segments : {14, 32, kMaxFittedSegments}) {
-      of.spline.knots = Knots::optimal;
-      of.spline.segments = segments;
-      kinked = std::max(kinked, milliseconds(of));
-    }
-  Measured() << "graded, 16 segments " << small << " ms, 10,000 " << large << " ms; optimal, 32 segments " << optimal
-             << " ms, " << kMaxFittedSegments << " " << max << " ms; with kinks at most " << kinked << " ms";
 }
 
 /// 1,000 designs where CONTACTSPLINE_FULL_TESTS is set, else 60.
