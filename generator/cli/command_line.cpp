@@ -148,6 +148,8 @@ void add_generate(CLI::App& app) {
              "sample rate in Hz; resonators and instruments keep their modes below half of it", kSampleRates_hz.min,
              kSampleRates_hz.max)
       ->capture_default_str();
+  command->add_flag("--all-forms", options->all_forms,
+                    "C++ headers of materials: also the normalised and the regular form of the spline, as in JSON");
   command->add_flag("--check", options->check, "write nothing; exit 1 and name the files that are stale");
   add_output_file(*command, "--depfile", options->depfile,
                   "also write a make rule with the files that the outputs depend on");

@@ -25,7 +25,8 @@ struct GenerateOptions {
   std::string output = ".";
   std::string depfile;
   double sample_rate_hz = 44100;
-  int jobs = 0;  ///< materials at once; 0: one for each core
+  int jobs = 0;            ///< materials at once; 0: one for each core
+  bool all_forms = false;  ///< headers of materials with all forms of the derivation
   bool check = false;
   bool force = false;  ///< replaces files that the program did not write
 };

@@ -21,12 +21,13 @@
 namespace contactspline {
 namespace {
 
-std::vector<Emitter> chosen_emitters(const std::vector<std::string>& formats) {
+std::vector<Emitter> chosen_emitters(const GenerateOptions& options) {
   const auto is_chosen = [&](const Emitter& emitter) {
-    return formats.empty() || std::ranges::find(formats, emitter.name) != formats.end();
+    return options.formats.empty() || std::ranges::find(options.formats, emitter.name) != options.formats.end();
   };
   std::vector<Emitter> chosen;
   std::ranges::copy_if(emitters(), std::back_inserter(chosen), is_chosen);
+  for (Emitter& emitter : chosen) emitter.all_forms = options.all_forms;
   return chosen;
 }
 
@@ -54,7 +55,7 @@ EmittedSource emit_one(const std::string& argument, const GenerateOptions& optio
   const std::string& name = source.name;
   EmittedSource made{name, {{}, source.files, {}}};
   const WaitingLine line("emitting " + argument);
-  for (const Emitter& emitter : chosen_emitters(options.formats)) {
+  for (const Emitter& emitter : chosen_emitters(options)) {
     if (emitter.name == "faust" && source.faust_obstacle) {
       if (!options.formats.empty())
         refuse(argument, "--emit", *source.faust_obstacle,

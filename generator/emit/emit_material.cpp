@@ -38,21 +38,24 @@ std::vector<double> column(const Spline& spline, double Segment<double>::*member
   return values;
 }
 
-void add_arrays(TemplateValues& values, const Spline& spline, int indent) {
-  const auto& [regular, normalised] = std::tie(spline.regular, spline.normalised);
-  const auto rows = [&](std::span<const double> array, int deeper = 0) {
-    return literal_rows(array, indent + deeper);
-  };
-  values["KNOTS"] = rows(column(spline, &Segment<double>::knot));
-  values["ENERGIES"] = rows(column(spline, &Segment<double>::energy));
-  values["FORCES"] = rows(column(spline, &Segment<double>::force));
-  values["HALF_CURVATURES"] = rows(column(spline, &Segment<double>::half_curvature));
-  values["REGULAR_A"] = rows(regular.a, 2);
-  values["REGULAR_B"] = rows(regular.b, 2);
-  values["REGULAR_C"] = rows(regular.c, 2);
-  values["NORMALISED_A"] = rows(normalised.a, 2);
-  values["NORMALISED_B"] = rows(normalised.b, 2);
-  values["NORMALISED_C"] = rows(normalised.c, 2);
+// The table that the step reads.
+void add_table(TemplateValues& values, const Spline& spline, int indent) {
+  values["KNOTS"] = literal_rows(column(spline, &Segment<double>::knot), indent);
+  values["ENERGIES"] = literal_rows(column(spline, &Segment<double>::energy), indent);
+  values["FORCES"] = literal_rows(column(spline, &Segment<double>::force), indent);
+  values["HALF_CURVATURES"] = literal_rows(column(spline, &Segment<double>::half_curvature), indent);
+}
+
+void add_normalised(TemplateValues& values, const Spline& spline, int indent) {
+  values["NORMALISED_A"] = literal_rows(spline.normalised.a, indent);
+  values["NORMALISED_B"] = literal_rows(spline.normalised.b, indent);
+  values["NORMALISED_C"] = literal_rows(spline.normalised.c, indent);
+}
+
+void add_regular(TemplateValues& values, const Spline& spline, int indent) {
+  values["REGULAR_A"] = literal_rows(spline.regular.a, indent);
+  values["REGULAR_B"] = literal_rows(spline.regular.b, indent);
+  values["REGULAR_C"] = literal_rows(spline.regular.c, indent);
 }
 
 std::string quality_lines(const Design& design) {
@@ -179,7 +182,7 @@ std::string live_text(const Emitter& emitter, const Design& design) {
   return text;
 }
 
-// Weights and relaxation times of the memories; an empty text if the material has none.
+// Weights and relaxation times of the memories in C++; an empty text if the material has none.
 std::string cpp_memory(const Material& material, std::string_view indent) {
   if (material.memories.empty()) return {};
   std::vector<std::string> weights, times;
@@ -214,45 +217,62 @@ TemplateValues source_values(const Design& design, std::string_view command) {
   values["END"] =
       literal(design.material.compensation ? design.spline.end_m : design.material.spline.max_compression_m);
   values["KNOT_FAMILY"] = uniform ? "" : fmt::format("{} ", name_of(design.material.spline.knots));
-  values["SCALED_BY"] = uniform ? "y in segment widths" : "y in length scales";
   values["QUALITY"] = quality_lines(design);
   values["LAW"] = law_lines(design.material);
-  values["NORMALISED_KNOTS"] = literal_rows(design.spline.normalised_knots, 4);
   return values;
+}
+
+// The normalised form, of a program or a header. `margin` precedes a line of its comment.
+void add_normalised_values(TemplateValues& values, const Design& design, int indent, std::string_view margin) {
+  add_normalised(values, design.spline, indent);
+  const bool uniform = design.material.spline.knots == Knots::uniform;
+  values["SCALED_BY"] = uniform ? "y in segment widths" : "y in length scales";
+  values["NORMALISED_KNOTS"] = literal_rows(design.spline.normalised_knots, 4);
+  values["NORMALISED_LOSS"] = literal(design.material.loss_s_per_m * design.spline.length_scale_m);
+  values["FREE_OF_UNITS"] = normalised_note(design, margin);
 }
 
 TemplateValues faust_values(const Design& design, std::string_view command) {
   TemplateValues values = source_values(design, command);
-  add_arrays(values, design.spline, 2);
-  for (const auto unused : {"REGULAR_A", "REGULAR_B", "REGULAR_C"}) values.erase(unused);
+  add_table(values, design.spline, 2);
+  add_normalised_values(values, design, 4, "");
   values["LAW_CONSTANTS"] = law_constants(design.material, "stiffness = {};\nexponent = {};\n");
-  values["NORMALISED_LOSS"] = literal(design.material.loss_s_per_m * design.spline.length_scale_m);
   values["MEMORY"] = faust_memory(design.material.memories, "");
   values["NORMALISED_MEMORY"] = faust_memory(design.material.memories, "  ");
-  values["FREE_OF_FAUST"] = normalised_note(design, "");
   values["PROBES"] = fmt::format("{}", std::bit_width(design.spline.segments.size()));
   return values;
 }
 
+// The normalised and the regular form in a header.
+std::string cpp_forms(const Design& design) {
+  TemplateValues values{{"SEGMENTS", fmt::format("{}", design.spline.segments.size())},
+                        {"FORMAT_VERSION", fmt::format("{}", kFormatVersion)},
+                        {"NORMALISED_MEMORY", cpp_memory(design.material, "    ")}};
+  add_normalised_values(values, design, 6, "  ");
+  add_regular(values, design.spline, 6);
+  values["PER_LENGTH"] =
+      design.material.spline.knots == Knots::uniform ? "s per segment width" : "s per length scale";
+  std::string text = fill_template(emitted_template("material_forms", "hpp"), values);
+  text.pop_back();  // the template of the material has the last line end
+  return text;
+}
+
 TemplateValues cpp_values(const Design& design, std::string_view command) {
   TemplateValues values = source_values(design, command);
-  add_arrays(values, design.spline, 4);
+  add_table(values, design.spline, 4);
   values["FORMAT_VERSION"] = fmt::format("{}", kFormatVersion);
   values["LAW_CONSTANTS"] = law_constants(design.material,
                                           "  static constexpr double stiffness_n_per_m_alpha = {};\n"
                                           "  static constexpr double exponent = {};\n");
-  values["NORMALISED_LOSS"] = literal(design.material.loss_s_per_m * design.spline.length_scale_m);
   values["MEMORY"] = cpp_memory(design.material, "  ");
-  values["NORMALISED_MEMORY"] = cpp_memory(design.material, "    ");
-  values["FREE_OF_CPP"] = normalised_note(design, "  ");
-  values["PER_LENGTH"] =
-      design.material.spline.knots == Knots::uniform ? "s per segment width" : "s per length scale";
   return values;
 }
 
 TemplateValues json_values(const Design& design, std::string_view command) {
   TemplateValues values = common_values(design, command);
-  add_arrays(values, design.spline, 4);
+  add_table(values, design.spline, 4);
+  add_regular(values, design.spline, 6);
+  add_normalised(values, design.spline, 6);
   values["QUALITY"] = quality_members(design);
   values["MEMORY"] =
       design.material.memories.empty() ? "" : fmt::format("  \"memory\": {},\n", json_of(design.material.memories));
@@ -280,8 +300,10 @@ std::string faust_memory(std::span<const Memory> memories, std::string_view inde
 
 std::string emit(const Emitter& emitter, const Design& design, std::string_view command) {
   const auto values_of = emitter.name == "faust" ? faust_values : emitter.name == "cpp" ? cpp_values : json_values;
-  TemplateValues values = values_of(design, command);
+  const bool has_forms = emitter.name == "cpp" && emitter.all_forms;
+  TemplateValues values = values_of(design, has_forms ? fmt::format("{} --all-forms", command) : command);
   values["LIVE"] = live_text(emitter, design);
+  if (emitter.name == "cpp") values["FORMS"] = has_forms ? cpp_forms(design) : "";
   return fill_template(emitted_template("material", emitter.extension), values);
 }
 

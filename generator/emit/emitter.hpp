@@ -11,6 +11,7 @@ namespace contactspline {
 struct Emitter {
   std::string_view name;       ///< the word for --emit
   std::string_view extension;  ///< the written file and its template end with it
+  bool all_forms = false;      ///< C++ headers of materials hold all forms of the derivation, as JSON does
 };
 
 /// The formats faust, cpp and json.

@@ -374,7 +374,7 @@ TEST(GenerateName, OfAFileMayBeAsLongAsTheSystemAllows) {
 // A struct must not be called like one of its members, and the emitted header must not hide what it uses.
 TEST(GenerateName, CannotBeOneThatTheHeaderUses) {
   const Sandbox box;
-  const std::string header = printed({"generate", "mb1", "--emit", "cpp", "-o", "-"});
+  const std::string header = printed({"generate", "mb1", "--emit", "cpp", "--all-forms", "-o", "-"});
   const std::regex declared(R"((?:(?:double|size_t|segments>|struct) )([a-z_0-9]+)(?= =| \{))");
   std::set<std::string> names = {"std", "contactspline_modal", "motion"};
   for (std::sregex_iterator match(header.begin(), header.end(), declared), end; match != end; ++match)

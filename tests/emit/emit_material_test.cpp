@@ -222,9 +222,11 @@ void expect_law(const Design& design, Scalar scalar, const std::string& stiffnes
   EXPECT_TRUE(same_bits(scalar("exponent"), {law->exponent}));
 }
 
+constexpr Emitter kCppOfAllForms = {"cpp", "hpp", true};
+
 TEST(Cpp, HoldsTheBitsOfTheSpline) {
   for (const Design& design : designs()) {
-    const std::string text = emit(emitter("cpp"), design, kCommand);
+    const std::string text = emit(kCppOfAllForms, design, kCommand);
     const Spline& s = design.spline;
     const auto array = [](const std::string& scope, const std::string& name) {
       return numbers(between(scope, "std::array<double, segments> " + name + " = {\n", "};"));
@@ -254,6 +256,21 @@ TEST(Cpp, HoldsTheBitsOfTheSpline) {
     EXPECT_TRUE(same_bits(scalar("energy_scale_j"), {s.energy_scale_j}));
     EXPECT_EQ(between(text, "std::size_t segments = ", ";"), std::to_string(s.segments.size()));
     EXPECT_EQ(between(normalised, "std::size_t segments = ", ";"), std::to_string(s.segments.size()));
+  }
+}
+
+// Without the two forms that nothing calls, a header is the same text.
+TEST(Cpp, HasTheOtherFormsOnRequest) {
+  for (const Design& design : designs()) {
+    std::string text = emit(kCppOfAllForms, design, kCommand);
+    const auto erase = [&](std::size_t from, std::size_t count) { text.erase(from, count); };
+    const std::size_t forms = text.find("\n\n  // The same for y in ");
+    const std::string last = "\n  };", regular = "struct regular {";
+    ASSERT_LT(forms, text.find(regular));
+    erase(forms, text.find(last, text.find(regular)) + last.size() - forms);
+    ASSERT_NE(text.find(" --all-forms\n"), std::string::npos);
+    erase(text.find(" --all-forms\n"), std::string(" --all-forms").size());
+    EXPECT_EQ(emit(emitter("cpp"), design, kCommand), text);
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Build-time program: emit_headers DIRECTORY MATERIAL.json... writes NAME.hpp of every material.
+// Build-time program: emit_headers DIRECTORY MATERIAL.json... writes NAME.hpp of every material, with all its forms.
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -21,11 +21,9 @@ int main(int argc, char** argv) try {
   using namespace contactspline;
   for (int i = 2; i < argc; ++i) {
     const Design design = design_material(read(argv[i]), argv[i]);
-    for (const auto& emitter : emitters()) {
-      if (emitter.name != "cpp") continue;
-      std::ofstream file(fs::path(argv[1]) / (design.material.name + ".hpp"));
-      if (!(file << emit(emitter, design, "tests/contact") << std::flush)) throw std::runtime_error("cannot write");
-    }
+    std::ofstream file(fs::path(argv[1]) / (design.material.name + ".hpp"));
+    const Emitter emitter{"cpp", "hpp", true};
+    if (!(file << emit(emitter, design, "tests/contact") << std::flush)) throw std::runtime_error("cannot write");
   }
 } catch (const std::exception& error) {
   std::cerr << "emit_headers: " << error.what() << '\n';
