@@ -143,6 +143,9 @@ function(_contactspline_faust_step source architecture)
     list(APPEND include -I "${folder}")
     list(APPEND depends ${target} ${outputs})
   endforeach()
+  if(TARGET contactspline_written_libraries)  # in the tree of Contact Spline
+    list(APPEND depends contactspline_written_libraries)
+  endif()
   # Faust writes no dependency file: the program depends on every library it may use.
   file(GLOB libraries CONFIGURE_DEPENDS "${program_folder}/*.lib" "${ContactSpline_FAUST_DIR}/*.lib")
   set(program "${arg_DSP}")

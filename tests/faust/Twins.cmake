@@ -4,8 +4,12 @@ set(faust_headers ${CMAKE_CURRENT_BINARY_DIR}/faust_headers)
 file(MAKE_DIRECTORY ${faust_headers})
 file(GLOB twin_files CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/faust/*.lib ${PROJECT_SOURCE_DIR}/generated/*.lib
      ${PROJECT_SOURCE_DIR}/bench/baselines/*.lib)
+get_property(shipped_libraries GLOBAL PROPERTY CONTACTSPLINE_SHIPPED_LIBRARIES)
 function(faust_header class dsp precision)
   set(header ${faust_headers}/${class}.hpp)
+  if(dsp IN_LIST shipped_libraries)
+    list(APPEND twin_files contactspline_written_libraries)
+  endif()
   add_custom_command(OUTPUT ${header}
     COMMAND ${FAUST} -${precision} ${ARGN} -cn ${class} -I ${PROJECT_SOURCE_DIR}/faust -I ${PROJECT_SOURCE_DIR}/generated
             -I ${PROJECT_SOURCE_DIR}/bench/baselines ${dsp} -o ${header}
@@ -96,7 +100,7 @@ add_dependencies(faust_dsp_test plot_hammer_string)
 # Instruments from files behind the same interface, and as Faust programs.
 set(programs "")
 foreach(instrument trichord_c4 prepared_piano classical_guitar marimba_tube tom)
-  faust_header(${instrument}_double ${PROJECT_SOURCE_DIR}/generated/${instrument}.lib double)
+  faust_header(${instrument}_double ${ContactSpline_FAUST_DIR}/${instrument}.lib double)
   list(APPEND programs ${instrument}_double)
 endforeach()
 faust_twin_test(instrument_dsp_test SOURCES instrument_dsp_test.cpp ../support/count_allocations.cpp

@@ -25,7 +25,8 @@ function played({ name, parameters, events }, number) {
   engine.noteOn(60, 1);
   while (samples.length < kSamples) samples.push(...engine.process(126)[0]);
   assert.ok(events.length > 0);
-  return samples.map((x) => x * fullScaleOf(name));
+  const fullScale = fullScaleOf(program, name);
+  return samples.map((x) => x * fullScale);
 }
 
 for (const name of ["tom", "marimba_tube", "trichord_c4"]) {

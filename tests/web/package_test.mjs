@@ -84,7 +84,8 @@ const cases = {
       const { parameters, events } = player.description;
       const { name: event, init } = parameters[events[0].parameter];
       player.strike(events[0].name);
-      const played = Array.from(blocks(player, 64)[0].subarray(0, kSamples), (x) => x * fullScaleOf(name));
+      const fullScale = fullScaleOf(program, name);
+      const played = Array.from(blocks(player, 64)[0].subarray(0, kSamples), (x) => x * fullScale);
       const worst = assertEqualSound(name, played, rendered(program, name, event, init));
       // A strike of a value of its own is that with the parameter moved there.
       const [moved, struck] = [await Player.create(name, kRate), await Player.create(name, kRate)];

@@ -11,6 +11,7 @@ import { fileURLToPath, pathToFileURL } from "node:url";
 import { serve } from "../../web/serve.mjs";
 import { closeBrowser, openPage } from "./browser.mjs";
 import { partialNear } from "./pitch.mjs";
+import { emitted } from "./rendered.mjs";
 
 const [modules, file, program, chosen = ""] = process.argv.slice(2);
 const server = await serve(file);
@@ -1019,14 +1020,14 @@ const cases = {
   async "controls are those of the table of parameters"() {
     await withPage(server.address, async (page) => {
       for (const instrument of ["tanpura", "tom", "slap_bass", "snare"]) {
-        const emitted = JSON.parse(readFileSync(new URL(`../../generated/${instrument}.json`, import.meta.url)));
+        const file = emitted(program, instrument);
         await page.selectOption("#instrument", instrument);
         const shown = await page.evaluate(() => [...contactSpline.page.controls].map(([name, control]) => [name, control.get()]));
-        const expected = [...emitted.controls.map(({ name, initial }) => [name, initial]), ...emitted.events.map((name) => [name, null])];
+        const expected = [...file.controls.map(({ name, initial }) => [name, initial]), ...file.events.map((name) => [name, null])];
         assert.deepEqual(shown.map(([name]) => name), expected.map(([name]) => name), instrument);
         for (const [i, [name, initial]] of expected.entries()) if (initial !== null) assert.equal(shown[i][1], initial, name);
         const ranges = await page.evaluate(() => contactSpline.page.played().parameters.map(({ min, max }) => [min, max]));
-        emitted.controls.forEach(({ name, min, max }, i) => assert.deepEqual(ranges[i], [min, max], name));
+        file.controls.forEach(({ name, min, max }, i) => assert.deepEqual(ranges[i], [min, max], name));
       }
       await page.selectOption("#instrument", "mass_barrier");
       assert.equal(await page.getByLabel("mass [g]", { exact: true }).getAttribute("aria-valuetext"), "3 g", "shown in grams");

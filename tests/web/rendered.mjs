@@ -34,9 +34,12 @@ export function rendered(program, instrument, event, value) {
   return renderedScore(program, { instrument, description: "a blow", events: [{ time_s: 0, [event]: value }] }, 1)[0];
 }
 
+/** The emitted file of what ships. */
+export const emitted = (program, name) =>
+  JSON.parse(execFileSync(program, ["generate", name, "--emit", "json", "-o", "-"], { maxBuffer: 2 ** 24, stdio: ["ignore", "pipe", "ignore"] }));
+
 /** What the engine plays as 1, by the emitted file [m/s or N]. */
-export const fullScaleOf = (name) =>
-  JSON.parse(readFileSync(new URL(`../../generated/${name}.json`, import.meta.url))).outputs[0].full_scale;
+export const fullScaleOf = (program, name) => emitted(program, name).outputs[0].full_scale;
 
 /** Asserts that samples are those expected, but for single precision: 8190 roundings of 6e-8 each, which a contact may
  * magnify. Returns the largest difference, over the peak. */
