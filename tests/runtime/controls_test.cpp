@@ -463,6 +463,16 @@ TEST(KeyboardVoice, TakesVelocitiesFrom0To1) {
   EXPECT_FALSE(voice.model().is_hammer_flying());
 }
 
+TEST(KeyboardVoice, RefusesAKeyThatTheKeyboardLacks) {
+  using Piano = keyboards::piano;
+  for (const int key : {std::numeric_limits<int>::min(), 10, 20, 109, std::numeric_limits<int>::max()}) {
+    EXPECT_THROW((KeyboardVoice<Piano, float>(key, kHz, 20)), std::out_of_range) << key;
+    EXPECT_THROW((void)string_of<Piano>(key), std::out_of_range) << key;
+  }
+  EXPECT_NO_THROW((KeyboardVoice<Piano, float>(21, kHz, 20)));
+  EXPECT_NO_THROW((KeyboardVoice<Piano, float>(108, kHz, 20)));
+}
+
 // The damper of a bank: a damping that is no number is the last one, one below 0 is 0.
 TEST(ModalBank, HoldsItsDamping) {
   const auto modes = bare(some_modes<double>());

@@ -178,6 +178,8 @@ constexpr SegmentTable<double, 3> kTwoSprings(segments_of<TwoSprings, double>);
 static_assert(segment_index(kTwoSprings, -1.0) == 0 && segment_index(kTwoSprings, 0.0) == 1);
 static_assert(segment_index(kTwoSprings, 0.5) == 1 && segment_index(kTwoSprings, 1.0) == 2);
 static_assert(potential(kTwoSprings, -1.0) == 0 && force(kTwoSprings, -1.0) == 0);
+static_assert(potential(kTwoSprings, -std::numeric_limits<double>::infinity()) == 0 &&
+              force(kTwoSprings, -std::numeric_limits<double>::infinity()) == 0);
 static_assert(potential(kTwoSprings, 0.5) == 0.25 && force(kTwoSprings, 0.5) == 1);
 static_assert(potential(kTwoSprings, 2.0) == 6 && force(kTwoSprings, 2.0) == 8);
 static_assert(force(SegmentTable<float, 3>(segments_of<TwoSprings, float>), 2.0f) == 8);

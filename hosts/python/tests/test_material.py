@@ -38,6 +38,8 @@ def test_segments_are_those_that_the_program_prints(program):
     knots = material.knots_m
     assert np.allclose(material.force(knots), material.forces_n, rtol=1e-12, atol=1e-12)
     assert np.allclose(material.potential(knots), material.energies_j, rtol=1e-12, atol=1e-18)
+    for law in (material.force, material.potential, material.exact_force):
+        assert np.array_equal(law([-np.inf, -1.0, 0.0]), [0.0, 0.0, 0.0])
 
 
 def test_impacts_are_those_that_the_program_prints(program):

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <concepts>
 #include <cstddef>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "contactspline/modal/stiff_string.hpp"
@@ -29,11 +31,21 @@ inline constexpr auto felts_of = [] {
   return felts;
 }();
 
-/// One string of a key, first_key to the last one.
+/// Index of a key in the arrays of a keyboard. Throws std::out_of_range for a key that it lacks.
+template <typename Keyboard>
+[[nodiscard]] std::size_t index_of_key(int key) {
+  constexpr int kLast = Keyboard::first_key + static_cast<int>(Keyboard::keys) - 1;
+  if (key < Keyboard::first_key || key > kLast)
+    throw std::out_of_range("key " + std::to_string(key) + ": the keyboard lacks it; allowed: " +
+                            std::to_string(Keyboard::first_key) + " to " + std::to_string(kLast));
+  return static_cast<std::size_t>(key - Keyboard::first_key);
+}
+
+/// One string of a key. Throws std::out_of_range for a key that the keyboard lacks.
 template <typename Keyboard>
 [[nodiscard]] StiffString string_of(int key) {
   static_assert(fits_runtime<Keyboard>, "generated for another version: run `contactspline generate` again");
-  const auto k = static_cast<std::size_t>(key - Keyboard::first_key);
+  const std::size_t k = index_of_key<Keyboard>(key);
   return {Keyboard::lengths[k],
           Keyboard::masses[k],
           Keyboard::tensions[k],
@@ -54,9 +66,10 @@ template <typename Keyboard>
 template <typename Keyboard, std::floating_point T>
 class KeyboardVoice : public HammerVoice<T> {
  public:
-  /// All modes below half the sample rate, or the lowest `max_modes` of them. key: first_key to the last one.
+  /// All modes below half the sample rate, or the lowest `max_modes` of them. Throws std::out_of_range for
+  /// a key that the keyboard lacks.
   KeyboardVoice(int key, double sample_rate_hz, std::size_t max_modes = 4096)
-      : KeyboardVoice(static_cast<std::size_t>(key - Keyboard::first_key), sample_rate_hz, string_of<Keyboard>(key),
+      : KeyboardVoice(index_of_key<Keyboard>(key), sample_rate_hz, string_of<Keyboard>(key),
                       modes_below(string_of<Keyboard>(key), sample_rate_hz / 2, max_modes)) {}
 
  private:

@@ -106,13 +106,13 @@ template <std::floating_point T, std::size_t Extent>
 /// Contact energy V(y) [J]; 0 out of contact.
 template <std::floating_point T, std::size_t Extent>
 [[nodiscard]] constexpr T potential(SegmentTable<T, Extent> table, T y) {
-  return table[segment_index(table, y)].energy_at(y);
+  return y < 0 ? T(0) : table[segment_index(table, y)].energy_at(y);  // also at -infinity
 }
 
 /// Contact force dV/dy [N]; 0 out of contact.
 template <std::floating_point T, std::size_t Extent>
 [[nodiscard]] constexpr T force(SegmentTable<T, Extent> table, T y) {
-  return table[segment_index(table, y)].force_at(y);
+  return y < 0 ? T(0) : table[segment_index(table, y)].force_at(y);
 }
 
 /// The result of a contact step.
