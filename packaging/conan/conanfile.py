@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""The runtime, the Faust libraries and all that ships, of the tree that this recipe is in. Without the program, because
-Conan has no PortSMF, by which it reads MIDI files."""
+"""The runtime, all that ships in C++, and the Faust libraries of generated/, of the tree that this recipe is in. Without the
+program, which writes the other Faust libraries, because Conan has no PortSMF, by which it reads MIDI files."""
 
 import os
 import re
