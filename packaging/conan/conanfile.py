@@ -13,7 +13,7 @@ from conan.tools.files import copy, load
 class ContactSpline(ConanFile):
     name = "contactspline"
     license = "MIT"
-    description = "Collisions in musical instruments without iteration, for Faust and C++"
+    description = "Energy-exact collisions in musical instruments, for Faust and C++"
     package_type = "static-library"
     settings = "os", "compiler", "build_type", "arch"
     options = {"simd": [True, False], "threads": [True, False]}
