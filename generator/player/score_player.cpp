@@ -185,7 +185,7 @@ class Sleep {
   void look_at(const I& instrument) {
     if (processed_ < kMaxSteady) return;
     processed_ = 0;
-    max_energy_j_ = std::max(max_energy_j_, instrument.energy());
+    max_energy_j_ = std::max(max_energy_j_, instrument.string_energy());
     is_asleep_ = instrument.is_silent(1e-12 * max_energy_j_);
   }
 

@@ -44,7 +44,8 @@ class AnyInstrument {
   virtual void reset() = 0;
   [[nodiscard]] virtual bool is_silent(double limit_j) const = 0;
   [[nodiscard]] virtual double energy() const = 0;
-  [[nodiscard]] virtual bool sleeps() const = 0;  ///< is it silent until it is played?
+  [[nodiscard]] virtual double string_energy() const = 0;  ///< without a hammer that flies [J]
+  [[nodiscard]] virtual bool sleeps() const = 0;           ///< is it silent until it is played?
 };
 
 /// Makes an AnyInstrument of a class that meets the concept Instrument.
@@ -75,6 +76,12 @@ class InstrumentBehind final : public AnyInstrument<typename I::value_type> {
   void reset() override { instrument_.reset(); }
   [[nodiscard]] bool is_silent(double limit_j) const override { return instrument_.is_silent(limit_j); }
   [[nodiscard]] double energy() const override { return instrument_.energy(); }
+  [[nodiscard]] double string_energy() const override {
+    if constexpr (requires { instrument_.string_energy(); })
+      return instrument_.string_energy();
+    else
+      return instrument_.energy();
+  }
   [[nodiscard]] bool sleeps() const override {
     return requires {
       I::kSleeps;

@@ -122,12 +122,8 @@ class EnsembleInstrument : public EnsembleParameter, public ParameterValues<T, E
         return false;
     return true;
   }
-  /// Without the hammers.
-  [[nodiscard]] double energy() const {
-    double sum = 0;
-    for (std::size_t i = 0; i < ensemble_->voices(); ++i) sum += ensemble_->model(i).string().energy();
-    return sum;
-  }
+  /// Of strings, hammers and felts.
+  [[nodiscard]] double energy() const { return ensemble_->energy(); }
   [[nodiscard]] const Ensemble<T>& ensemble() const { return *ensemble_; }
 
  private:

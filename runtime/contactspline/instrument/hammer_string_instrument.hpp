@@ -142,8 +142,9 @@ class HammerStringInstrument : public HammerStringParameter,
     is_held_ = false;
   }
   [[nodiscard]] bool is_silent(double limit_j) const { return voice_->is_silent(limit_j); }
-  /// Without the hammer.
-  [[nodiscard]] double energy() const { return voice_->model().string().energy(); }
+  /// Of string, hammer and felt.
+  [[nodiscard]] double energy() const { return voice_->energy(); }
+  [[nodiscard]] double string_energy() const { return voice_->model().string().energy(); }
   [[nodiscard]] const HammerVoice<T>& voice() const { return *voice_; }
 
  private:

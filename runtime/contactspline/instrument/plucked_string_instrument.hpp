@@ -76,17 +76,17 @@ class PluckedStringInstrument : public Parameters,
     this->let_keys_go();
   }
   [[nodiscard]] bool is_silent(double limit_j) const {
-    return !pluck_.is_active() && this->value(Parameters::kPluckForce) == 0 && energy() < limit_j &&
+    return !pluck_.is_active() && this->value(Parameters::kPluckForce) == 0 && model_->string().energy() < limit_j &&
            static_cast<const Derived*>(this)->is_contact_at_rest(limit_j);
   }
   /// Does no pluck push, and do loads hold the string still, but for a kinetic energy below a limit [J]?
   [[nodiscard]] bool is_at_rest(double limit_j) const {
     const double kinetic_j = model_->string().kinetic_energy();
-    return !pluck_.is_active() && kinetic_j < limit_j && is_held_by_loads(kinetic_j, energy()) &&
+    return !pluck_.is_active() && kinetic_j < limit_j && is_held_by_loads(kinetic_j, model_->string().energy()) &&
            static_cast<const Derived*>(this)->is_contact_held(limit_j);
   }
-  /// Of the string.
-  [[nodiscard]] double energy() const { return model_->string().energy(); }
+  /// Of the string and of what touches it.
+  [[nodiscard]] double energy() const { return model_->energy(); }
   [[nodiscard]] const Model& model() const { return *model_; }
 
  protected:

@@ -43,6 +43,11 @@ class ContactOnString {
   [[nodiscard]] const ModalBank<T, Modes>& string() const { return string_; }
 
  protected:
+  // Energy of string and contact [J].
+  [[nodiscard]] double energy_with(const ContactControls<T>& contact) const {
+    return string_.energy() + double(contact.stiffness_ratio) * double(memory_.energy(table_, compression_));
+  }
+
   SegmentTable<T, Extent> table_;
   ModalBank<T, Modes> string_;
   MovingPlace<T, Modes> place_;

@@ -94,6 +94,12 @@ class Ensemble {
   [[nodiscard]] HammerStringControls<T>& controls(std::size_t voice) { return voices_[voice].controls; }
   [[nodiscard]] VoiceMix<T>& mix(std::size_t voice) { return voices_[voice].mix; }
   [[nodiscard]] const HammerString<T>& model(std::size_t voice) const { return voices_[voice].model; }
+  /// Energy of all strings, hammers and felts [J].
+  [[nodiscard]] double energy() const {
+    double sum = 0;
+    for (const Voice& voice : voices_) sum += voice.model.energy(voice.controls);
+    return sum;
+  }
   [[nodiscard]] std::size_t voices() const { return voices_.size(); }
   [[nodiscard]] std::size_t awake() const { return awake_.size(); }  ///< number of voices that are computed
 

@@ -89,6 +89,8 @@ class FretString : public detail::ContactOnString<T, Extent, Modes> {
   [[nodiscard]] T gap() const { return gap_; }  ///< at the end of the last sample [m]
   /// The ratio in effect. While the contact is loaded it lags behind a control that rises.
   [[nodiscard]] T stiffness_ratio() const { return contact_.stiffness_ratio; }
+  /// Energy of string and contact [J].
+  [[nodiscard]] double energy() const { return this->energy_with(contact_); }
 
  private:
   using Ranges = ControlRanges<T>;

@@ -248,6 +248,21 @@ class HammerString {
   [[nodiscard]] const ModalBank<T, Modes>& string() const {
     return string_;
   }
+  /// Energy of string, hammer and felt [J], with the controls of the next sample: a hammer takes them at its throw.
+  /// One that is stopped has none.
+  [[nodiscard]] double energy(const HammerStringControls<T>& controls) const {
+    return string_.energy() + hammer_energy(controls);
+  }
+  /// The same of hammer and felt alone [J].
+  [[nodiscard]] double hammer_energy(const HammerStringControls<T>& controls) const {
+    if (!is_flying_) return 0;
+    const double mass_kg =
+        double(is_thrown_ ? held(hammer_.mass_kg, controls.hammer_mass_kg, Ranges::mass_kg) : hammer_.mass_kg);
+    const double ratio =
+        double(is_thrown_ ? held(hammer_.felt, controls.felt).stiffness_ratio : hammer_.felt.stiffness_ratio);
+    const double velocity = double(hammer_.velocity_m_per_s);
+    return mass_kg * velocity * velocity / 2 + ratio * double(memory_.energy(felt_, hammer_.compression_m));
+  }
 
  private:
   using Ranges = ControlRanges<T>;

@@ -176,6 +176,8 @@ class HammerVoice {
     return !model_.is_hammer_flying() && model_.string().energy() < inaudible_j;
   }
 
+  /// Energy of strings, hammer and felt [J]; a hammer that is stopped has none.
+  [[nodiscard]] double energy() const { return model_.energy(controls_); }
   /// Damping in the coming sample, the damper's and that of the controls [1/s].
   [[nodiscard]] T damping_per_s() const { return damped().damping_per_s; }
 

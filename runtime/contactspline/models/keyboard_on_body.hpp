@@ -176,7 +176,7 @@ class KeyboardOnBody {
                                [&](std::size_t key) { return bridge_.key(key).model.is_hammer_flying(); });
   }
 
-  /// Energy of strings, bridge and body [J], without the hammers.
+  /// Energy of strings, bridge, body, hammers and felts [J]; a hammer that is stopped has none.
   [[nodiscard]] double energy() const { return bridge_.energy(); }
   /// Number of contacts that have begun.
   [[nodiscard]] std::size_t contacts() const { return bridge_.contacts(); }

@@ -114,11 +114,14 @@ class KeysOnBridge {
     }
   }
 
-  /// Energy of strings, bridge and body [J], without the hammers.
+  /// Energy of strings, bridge, body, hammers and felts [J].
   [[nodiscard]] double energy() const {
     double energy = body_.energy();
-    for (const std::size_t key : awake_)
-      for (std::size_t i = 0; i < keys_[key].modes; ++i) energy += keys_[key].model.string().energy(i);
+    for (const std::size_t k : awake_) {
+      const Key& key = keys_[k];
+      for (std::size_t i = 0; i < key.modes; ++i) energy += key.model.string().energy(i);
+      energy += key.model.hammer_energy(key.controls);
+    }
     return energy;
   }
 

@@ -103,6 +103,12 @@ class SlideString : public detail::ContactOnString<T, Extent, Modes> {
   /// The controls that act, but for the place: those of the last sample, in their ranges. A stiffness that rises
   /// under load is behind its control.
   [[nodiscard]] const SlideStringControls<T>& controls() const { return controls_; }
+  /// Energy of string, contact, slide and of the hand's stiffness [J].
+  [[nodiscard]] double energy() const {
+    const double v = double(velocity_), u = double(slide_);
+    return this->energy_with(controls_.contact) +
+           (double(controls_.slide_mass_kg) * v * v + double(controls_.hand_stiffness_n_per_m) * u * u) / 2;
+  }
 
  private:
   using Ranges = ControlRanges<T>;
