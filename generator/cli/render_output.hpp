@@ -25,6 +25,10 @@ struct RenderOutput {
 
 constexpr double kPeak = 0.89;  ///< largest value in the sound file: -1 dB relative to full scale
 
+/// Leaves of a sound what an ear hears of it: a Butterworth high-pass of sixth order at 25 Hz. Forces and
+/// displacements have a static part, and controls move it. With a gain the samples are a measurement, and stay.
+void leave_audible(const RenderOutput& output, std::span<float> interleaved, int channels);
+
 /// Fades the last 10 ms of a sound, or its second half if it is shorter than 20 ms, to 0 by a raised cosine.
 void fade_end(std::span<float> interleaved, int channels, double sample_rate_hz);
 void fade_end(std::span<double> samples, double sample_rate_hz);
