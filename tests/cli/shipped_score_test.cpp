@@ -78,8 +78,8 @@ TEST(ShippedScore, PartsOfASoundAreThoseOfItsTones) {
 }
 
 // Every shipped score: about ten seconds of sound, in stereo if its voices are panned, never silent for half a second
-// before the last two, no sample at full scale. It has nothing that only a membrane of a loudspeaker notices, below 15
-// Hz, and has ended 60 dB below its peak before the program fades its last 10 ms.
+// before the last two, no sample at full scale. It has nothing that only a membrane of a loudspeaker notices, below
+// 15 Hz, and has ended 60 dB below its peak before the program fades its last 10 ms.
 class ShippedScore : public ::testing::TestWithParam<EmbeddedFile> {};
 
 TEST_P(ShippedScore, Plays) {
@@ -102,8 +102,9 @@ TEST_P(ShippedScore, Plays) {
   const std::ptrdiff_t stretches = std::ssize(sound.samples) / half_second;
   EXPECT_TRUE(within(static_cast<double>(stretches), 24, 5));
   for (std::ptrdiff_t i = 0; i < stretches; ++i) {
-    const auto stretch = std::span(sound.samples).subspan(static_cast<std::size_t>(i * half_second),
-                                                          static_cast<std::size_t>(half_second));
+    const auto stretch =
+        std::span(sound.samples)
+            .subspan(static_cast<std::size_t>(i * half_second), static_cast<std::size_t>(half_second));
     EXPECT_TRUE(loudest(stretch) > 0.01 || i + 4 >= stretches) << "at " << 0.5 * static_cast<double>(i) << " s";
   }
   EXPECT_LE(part_below(sound, 15), 1e-6);
