@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "bad_input.hpp"
 #include "cases.hpp"
 #include "program.hpp"
 #include "sandbox.hpp"
@@ -35,31 +36,9 @@ std::string good(const std::string& header = kHeader, int samples = 20) {
   return text;
 }
 
-// good() with its one `from` replaced.
-std::string changed(const std::string& from, const std::string& to) {
-  std::string text = good();
-  const auto at = text.find(from);
-  if (at == std::string::npos || text.find(from, at + 1) != std::string::npos)
-    throw std::logic_error(from + " does not occur just once");
-  return text.replace(at, from.size(), to);
-}
-
-struct BadCurve {
-  std::string test;
-  std::string text;  ///< text of the CSV file
-  std::string says;  ///< how the message begins, after the file's name
-  std::string allowed;
-};
-
-void PrintTo(const BadCurve& bad, std::ostream* stream) {
-  *stream << bad.test;
-}
-
-const std::string kHeaders = "allowed: a header compression_UNIT,force_UNIT (m, mm, um; n, mn, kn)";
-const std::string kNumbers = "allowed: finite numbers such as 1.5e-4";
 const std::string kTenth = "0.5,50\n";  // line 11
 
-std::vector<BadCurve> cases() {
+std::vector<BadFile> computed_cases() {
   std::string loop = good();
   for (int i = 19; i >= 0; --i) loop += fmt::format("{},{}\n", 0.05 * i, 4 * i);
   std::string falls = kHeader;
@@ -73,72 +52,22 @@ std::vector<BadCurve> cases() {
   std::string noise = kHeader;  // pulls by a tenth all along, and once pushes
   for (int i = 1; i <= 600; ++i) noise += fmt::format("{},{}\n", 0.002 * i, i == 600 ? 100.0 : -9.5);
   return {
-      {"empty", "", "header: missing", kHeaders},
-      {"blank", "\n \r\n\t\n", "header: missing", kHeaders},
-      {"comments_only", "# a\n# b\n", "header: missing", kHeaders},
-      {"no_header", good(""), "line 1: the first column of the header is unknown", kHeaders},
-      {"unknown_unit", good("compression_inch,force_n\n"), "line 1: the first column of the header is unknown",
-       kHeaders},
-      {"no_unit", good("compression,force\n"), "line 1: the first column of the header", kHeaders},
-      {"columns_swapped", good("force_n,compression_mm\n"), "line 1: the first column", kHeaders},
-      {"unknown_force", good("compression_mm,force_lb\n"), "line 1: the second column of the header is unknown",
-       kHeaders},
-      {"three_columns", good("compression_mm,force_n,time_s\n"), "line 1: the header does not have two columns",
-       kHeaders},
-      {"semicolons", "compression_mm;force_n\n0,05;5\n", "line 1: the header does not have two columns", kHeaders},
-      {"header_only", kHeader, "samples: has 0", "allowed: 8 to 10000"},
       {"too_few", good(kHeader, 7), "samples: has 7", "allowed: 8 to 10000"},
       {"too_many", many, "samples: has 10001", "allowed: 8 to 10000"},
-      {"one_column", changed(kTenth, "0.5\n"), "line 11: '0.5' does not have two columns", kHeaders},
-      {"extra_column", changed(kTenth, "0.5,50,1\n"), "line 11: '0.5,50,1' does not have two columns", kHeaders},
-      {"decimal_comma", changed(kTenth, "0,5,50\n"), "line 11: '0,5,50' does not have two columns", kHeaders},
-      {"empty_field", changed(kTenth, "0.5,\n"), "line 11: '' is not a number", kNumbers},
-      {"text", changed(kTenth, "0.5,fifty\n"), "line 11: 'fifty' is not a number", kNumbers},
-      {"quotes", changed(kTenth, "\"0.5\",50\n"), "line 11: '\"0.5\"' is not a number", kNumbers},
-      {"unit_in_field", changed(kTenth, "0.5,50 N\n"), "line 11: '50 N' is not a number", kNumbers},
-      {"hexadecimal", changed(kTenth, "0.5,0x32\n"), "line 11: '0x32' is not a number", kNumbers},
-      {"nan", changed(kTenth, "0.5,NaN\n"), "line 11: 'NaN' is not a number", kNumbers},
-      {"infinite", changed(kTenth, "0.5,inf\n"), "line 11: 'inf' is not a number", kNumbers},
-      {"overflow", changed(kTenth, "0.5,1e999\n"), "line 11: '1e999' is not a number", kNumbers},
-      {"plus", changed(kTenth, "0.5,+50\n"), "line 11: '+50' is not a number", kNumbers},
-      {"null_byte", changed(kTenth, std::string("0.5,5\0000\n", 9)), "line 11: '5?0' is not a number", kNumbers},
-      {"escape", changed(kTenth, "0.5,\033[31m\n"), "line 11: '?[31m' is not a number", kNumbers},
-      {"negative_compression", good().insert(std::string(kHeader).size(), "-0.01,0\n"),
-       "line 2: compression -1e-05 m is negative", "allowed: 0 or more"},
-      {"compression_twice", changed(kTenth, "0.45,50\n"), "line 11: compression 0.00045",
-       "allowed: rising compressions"},
       {"loading_and_unloading", loop, "line 22: compression 0.00095",
        "m does not rise; allowed: rising compressions: the loading branch only, or both branches and the key "
        "impact_speed_m_per_s (contact.curve.impact_speed_m_per_s of a material)"},
-      {"rounds", changed(kTenth, "0.1006,50\n"), "line 11: compression 0.0001006 m does not rise", "allowed: rising"},
       {"falls", falls, "line 7: force falls from 100 to 75 N", "allowed: forces that rise"},
-      {"one_fall", changed(kTenth, "0.5,10\n"), "line 11: force falls from 45 to 10 N", "allowed: forces that rise"},
       {"all_pull", pulls, "force: no force is positive", "allowed: positive forces"},
-      {"one_pulls", changed("0.05,5\n", "0.05,-40\n"), "line 2: force -40 N is negative", "allowed: positive forces"},
-      {"millimetres_called_metres", good("compression_m,force_n\n"),
-       "compression: reaches 1 m: a wrong unit in the header?", "allowed: a largest value from 1e-08 to 0.1 m"},
-      {"metres_called_micrometres", changed(kHeader, "compression_um,force_n\n"),
-       "contact.curve: measured up to 1e-06 m", "a wrong unit in its header"},
-      {"newtons_called_kilonewtons_and_more", "compression_mm,force_kn\n" + good("").insert(0, "") + "1.1,1e9\n",
-       "force: reaches 1e+12 N: a wrong unit in the header?", "allowed: a largest value from 0.001 to 1000000 N"},
-      {"kilonewtons_called_millinewtons", changed(kHeader, "compression_mm,force_mn\n"),
-       "contact.curve: measured up to 0.001 m, and", "are needed"},
-      {"newtons_called_kilonewtons", changed(kHeader, "compression_um,force_mn\n"),
-       "contact.curve: measured up to 1e-06", "are needed"},
       {"softens", softens, "contact.curve.shape: the samples scatter by ",
        "of the largest force around the fitted curve; allowed: at most 10 %: another shape"},
       {"only_noise", noise, "contact.curve.shape: the samples scatter by 1", "allowed: at most 10 %"},
-      {"binary",
-       std::string("\x7f"
-                   "ELF\2\1\1\0\0",
-                   9),
-       "line 1: the header does not have two columns", kHeaders},
       {"long_line", good() + std::string(100'000, '1') + "\n", "line 22: '1111", "...' does not have two columns"},
       {"large", good() + std::string(1 << 20, ' '), "contact.curve.file: in/probe.csv: file: is larger than 1 MiB",
        "allowed: a file of at most 1 MiB"}};
 }
 
-class BadCurveFile : public ::testing::TestWithParam<BadCurve> {};
+class BadCurveFile : public ::testing::TestWithParam<BadFile> {};
 
 TEST_P(BadCurveFile, IsRefusedInOneLineAndNothingIsWritten) {
   const auto& [test, text, says, allowed] = GetParam();
@@ -154,117 +83,26 @@ TEST_P(BadCurveFile, IsRefusedInOneLineAndNothingIsWritten) {
   EXPECT_TRUE(box.listing() == before);
 }
 
-CONTACTSPLINE_CASES(Curve, BadCurveFile, cases());
+CONTACTSPLINE_CASES(Curve, BadCurveFile, bad_files("curve", "Curve", {{"", good()}}));
+CONTACTSPLINE_CASES(Computed, BadCurveFile, computed_cases());
 
-struct BadContact {
-  std::string test, contact, key, says;
-};
-
-void PrintTo(const BadContact& bad, std::ostream* stream) {
-  *stream << bad.test;
-}
-
-constexpr auto kSteel = R"("youngs_modulus_pa": 210e9, "poisson_ratio": 0.3)";
-constexpr auto kLaws = "allowed: one of stiffness_n_per_m_alpha with exponent, hertz, curve, sum, series";
-
-std::string bodies(const std::string& one, const std::string& other) {
-  return R"("hertz": { "bodies": [)" + one + ", " + other + "] }";
-}
-std::string ball(const std::string& radius = R"("radius_m": 0.01)") {
-  return fmt::format(R"({{ "shape": "sphere", {}, {} }})", radius, kSteel);
-}
-std::string plane(const std::string& more = "") {
-  return fmt::format(R"({{ "shape": "plane", {}{} }})", kSteel, more);
-}
-std::string rod() {
-  return fmt::format(R"({{ "shape": "cylinder", "radius_m": 0.01, {} }})", kSteel);
-}
-std::string power(const std::string& more = "") {
-  return R"("stiffness_n_per_m_alpha": 4.5e9, "exponent": 2.5)" + more;
-}
-
-std::vector<BadContact> contact_cases() {
-  const std::string term = R"({ "stiffness_n_per_m_alpha": 4e8, "exponent": 2.3)";
+// Laws of contact; the texts of cases are what stands between the braces of "contact".
+Bases contacts() {
+  const std::string power = R"("stiffness_n_per_m_alpha": 4.5e9, "exponent": 2.5)";
+  const std::string term = R"([{ "stiffness_n_per_m_alpha": 4e8, "exponent": 2.3 }])";
   return {
-      {"no_law", "", "contact", std::string("has no law; ") + kLaws},
-      {"loss_only", R"("loss_s_per_m": 0.1)", "contact", std::string("has no law; ") + kLaws},
-      {"two_laws", power(", ") + bodies(ball(), plane()), "contact", std::string("has more than one law; ") + kLaws},
-      {"exponent_of_hertz", R"("exponent": 1.5, )" + bodies(ball(), plane()), "contact", "has more than one law"},
-      {"exponent_only", R"("exponent": 1.5)", "contact.stiffness_n_per_m_alpha", "missing; allowed: a number"},
-      {"hertz_is_number", R"("hertz": 1)", "contact.hertz", "is not an object; allowed: bodies"},
-      {"one_body", R"("hertz": { "bodies": [)" + ball() + "] }", "contact.hertz.bodies", "allowed: two bodies"},
-      {"three_bodies", R"("hertz": { "bodies": [)" + ball() + "," + ball() + "," + ball() + "] }",
-       "contact.hertz.bodies", "has 3 entries"},
-      {"two_planes", bodies(plane(), plane()), "contact.hertz.bodies", "allowed: a sphere with any body"},
-      {"line_contact", bodies(rod(), plane()), "contact.hertz.bodies", "or two cylinders, crossed at right angles"},
-      {"shape_is_cone", bodies(R"({ "shape": "cone" })", plane()), "contact.hertz.bodies[0].shape",
-       "'cone' is unknown; allowed: sphere, cylinder, plane"},
-      {"shape_missing", bodies("{}", plane()), "contact.hertz.bodies[0].shape", "missing; allowed: sphere"},
-      {"radius_missing", bodies(plane(), fmt::format(R"({{ "shape": "sphere", {} }})", kSteel)),
-       "contact.hertz.bodies[1].radius_m", "missing; allowed: a number from 1e-05 to 100"},
-      {"radius_of_plane", bodies(ball(), plane(R"(, "radius_m": 1)")), "contact.hertz.bodies[1].radius_m",
-       "a plane has no radius"},
-      {"radius_in_mm", bodies(ball(R"("radius_m": 101)"), plane()), "contact.hertz.bodies[0].radius_m",
-       "101 is out of range; allowed: a number from 1e-05 to 100"},
-      {"modulus_in_gpa", bodies(ball(), R"({ "shape": "plane", "youngs_modulus_pa": 210, "poisson_ratio": 0.3 })"),
-       "contact.hertz.bodies[1].youngs_modulus_pa",
-       "210 is out of range; allowed: a number from 1000 to 2000000000000"},
-      {"poisson_of_one", bodies(ball(), R"({ "shape": "plane", "youngs_modulus_pa": 2e11, "poisson_ratio": 0.6 })"),
-       "contact.hertz.bodies[1].poisson_ratio", "0.6 is out of range; allowed: a number from -1 to 0.5"},
-      {"unknown_in_body", bodies(ball(), plane(R"(, "density": 1)")), "contact.hertz.bodies[1].density",
-       "unknown key"},
-      {"sum_is_empty", R"("sum": [])", "contact.sum", "has 0 entries; allowed: an array of 1 to 8 objects"},
-      {"sum_of_numbers", R"("sum": [1])", "contact.sum[0]", "is not an object"},
-      {"sum_begins_late", R"("sum": [)" + term + R"(, "offset_m": 1e-4 }])", "contact.sum", "no term has offset 0"},
-      {"offset_is_negative", R"("sum": [)" + term + R"(, "offset_m": -1e-4 }])", "contact.sum[0].offset_m",
-       "is out of range; allowed: a number from 0 to 0.1"},
-      {"series_is_empty", R"("series": [])", "contact.series", "has 0 entries; allowed: an array of 1 to 8 objects"},
-      {"offset_in_series", R"("series": [)" + term + R"(, "offset_m": 1e-4 }])", "contact.series[0].offset_m",
-       "unknown key; allowed: stiffness_n_per_m_alpha, exponent"},
-      {"sum_and_series", R"("sum": [)" + term + R"( }], "series": [)" + term + " }]", "contact",
-       "has more than one law"},
-      {"term_without_exponent", R"("sum": [{ "stiffness_n_per_m_alpha": 4e8 }])", "contact.sum[0].exponent",
-       "missing"},
-      {"curve_without_shape", R"("curve": { "file": "probe.csv" })", "contact.curve.shape",
-       "missing; allowed: hardening, monotone"},
-      {"curve_of_unknown_shape", R"("curve": { "file": "probe.csv", "shape": "nice" })", "contact.curve.shape",
-       "'nice' is unknown; allowed: hardening, monotone"},
-      {"curve_without_file", R"("curve": { "shape": "hardening" })", "contact.curve.file",
-       "missing; allowed: the name"},
-      {"curve_of_no_name", R"("curve": { "file": "", "shape": "hardening" })", "contact.curve.file", "is not usable"},
-      {"curve_of_absolute_path", R"("curve": { "file": "/tmp/a.csv", "shape": "hardening" })", "contact.curve.file",
-       "relative to the material file"},
-      {"loss_is_negative", power(R"(, "loss_s_per_m": -0.1)"), "contact.loss_s_per_m",
-       "allowed: a number from 0 to 1000"},
-      {"two_losses", power(R"(, "loss_s_per_m": 0.1, "restitution": {})"), "contact.restitution",
-       "allowed: one of the two"},
-      {"restitution_is_number", power(R"(, "restitution": 0.5)"), "contact.restitution",
-       "is not an object; allowed: coefficient, speed_m_per_s"},
-      {"restitution_of_nothing", power(R"(, "restitution": { "coefficient": 0, "speed_m_per_s": 1 })"),
-       "contact.restitution.coefficient", "0 is out of range; allowed: a number from 0.05 to 1"},
-      {"restitution_above_one", power(R"(, "restitution": { "coefficient": 1.1, "speed_m_per_s": 1 })"),
-       "contact.restitution.coefficient", "1.1 is out of range"},
-      {"restitution_without_speed", power(R"(, "restitution": { "coefficient": 0.5 })"),
-       "contact.restitution.speed_m_per_s", "missing"},
-      {"restitution_at_no_speed", power(R"(, "restitution": { "coefficient": 0.5, "speed_m_per_s": 1e-5 })"),
-       "contact.restitution", "allowed: a loss of at most 1000 s/m"},
-      {"memory_is_object", power(R"(, "memory": { "weight": 0.5, "relaxation_time_s": 1e-5 })"), "contact.memory",
-       "allowed: an array of 1 to 4 objects"},
-      {"memory_of_none", power(R"(, "memory": [])"), "contact.memory", "has 0 entries"},
-      {"memory_without_time", power(R"(, "memory": [{ "weight": 0.5 }])"), "contact.memory[0].relaxation_time_s",
-       "missing; allowed: a number from 1e-07 to 10"},
-      {"memory_without_weight", power(R"(, "memory": [{ "relaxation_time_s": 1e-5 }])"), "contact.memory[0].weight",
-       "missing; allowed: a number from 1e-06 to 0.999"},
-      {"memory_in_microseconds", power(R"(, "memory": [{ "weight": 0.5, "relaxation_time_s": 20 }])"),
-       "contact.memory[0].relaxation_time_s", "20 is out of range"},
-      {"memory_of_all", power(R"(, "memory": [{ "weight": 1, "relaxation_time_s": 1e-5 }])"),
-       "contact.memory[0].weight", "1 is out of range"},
-      {"memories_of_more_than_all", power(R"(, "memory": [{ "weight": 0.5, "relaxation_time_s": 1e-5 },
-         { "weight": 0.6, "relaxation_time_s": 1e-4 }])"),
-       "contact.memory", "has weights with the sum 1.1; allowed: a sum of at most 0.999"}};
+      {"power", power},
+      {"restitution", power + R"(, "restitution": { "coefficient": 0.5, "speed_m_per_s": 1 })"},
+      {"memory", power + R"(, "memory": [{ "weight": 0.5, "relaxation_time_s": 1e-5 }])"},
+      {"sum", R"("sum": )" + term},
+      {"series", R"("series": )" + term},
+      {"curve", R"("curve": { "file": "probe.csv", "shape": "hardening" })"},
+      {"hertz",
+       R"("hertz": { "bodies": [{ "shape": "sphere", "radius_m": 0.01, "youngs_modulus_pa": 210e9, "poisson_ratio": 0.3 }, )"
+       R"({ "shape": "plane", "youngs_modulus_pa": 210e9, "poisson_ratio": 0.3 }] })"}};
 }
 
-class BadContactObject : public ::testing::TestWithParam<BadContact> {};
+class BadContactObject : public ::testing::TestWithParam<BadFile> {};
 
 TEST_P(BadContactObject, IsRefusedInOneLine) {
   const auto& [test, contact, key, says] = GetParam();
@@ -277,7 +115,7 @@ TEST_P(BadContactObject, IsRefusedInOneLine) {
                  says);
 }
 
-CONTACTSPLINE_CASES(Contact, BadContactObject, contact_cases());
+CONTACTSPLINE_CASES(Contact, BadContactObject, bad_files("curve", "Contact", contacts()));
 
 // Both branches of an impact: F = 1e5 y in loading, less in unloading.
 std::string branches(double unloading, int samples = 20) {
@@ -309,7 +147,7 @@ std::vector<BadImpactCurve> impact_cases() {
        "allowed: 0 or more"},
       {"pulls", good() + "0.9,60\n0.7,40\n0.5,20\n0.3,-30\n0.1,0\n", "2.0", "",
        "probe.csv: line 25: force -30 N is negative", "allowed: positive forces"},
-      {"dips_in_loading", changed(kTenth, "0.5,10\n") + branches(0.8).substr(good().size()), "2.0", "",
+      {"dips_in_loading", changed(good(), kTenth, "0.5,10\n") + branches(0.8).substr(good().size()), "2.0", "",
        "probe.csv: line 11: force falls from 45 to 10 N", "allowed: forces with one peak"},
       {"rises_in_unloading", good() + "0.9,20\n0.8,70\n0.7,50\n0.5,30\n0.3,10\n", "2.0", "",
        "probe.csv: line 22: force falls from 70 to 20 N", "allowed: forces with one peak"},

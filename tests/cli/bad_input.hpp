@@ -1,13 +1,24 @@
 // SPDX-License-Identifier: MIT
-// Tables of the errors that a JSON file can have.
+// What is refused: bad files and bad command lines, read from the files of cases/.
+//
+// A case is one line, or several of which all but the first begin with blanks:
+//
+//     name | what is changed in the good file | key | what the message says
+//     name | words of the command line | how the message begins | what it says
+//
+// A change is "from => to" with a text that occurs just once; "from =>" leaves it out, and " && " stands between
+// several. "@base" in front names another good file than the first. "= text" is the whole file instead. The
+// characters of C, \n, \t, \r, \xHH and a doubled backslash, stand for themselves in it; ".." is the same as in the
+// case above. Cases stand below the name of their section, [Section]; a line that begins with # is a comment.
+//
+// All the errors that a number of a good file can have are one line:
+//
+//     path of the number | its value | what the message allows | values out of range
 #pragma once
 
-#include <fmt/format.h>
-
-#include <ostream>
-#include <stdexcept>
+#include <iosfwd>
+#include <map>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "program.hpp"
@@ -22,68 +33,32 @@ struct BadFile {
   std::string says;
 };
 
-inline void PrintTo(const BadFile& bad, std::ostream* stream) {
-  *stream << bad.test;
-}
-
-/// `good` with its one `from` replaced.
-inline std::string changed(const std::string& good, const std::string& from, const std::string& to) {
-  std::string text = good;
-  const auto at = text.find(from);
-  if (at == std::string::npos || text.find(from, at + 1) != std::string::npos)
-    throw std::logic_error(from + " does not occur just once");
-  return text.replace(at, from.size(), to);
-}
-
-/// The bad file, as probe.json, is refused by `generate` in one line, and nothing is written.
-inline void expect_refused_by_generate(const BadFile& bad) {
-  const Sandbox box;
-  write_file(box / "probe.json", bad.text);
-  const auto before = box.listing();
-  expect_refused(run({.arguments = {"generate", "probe.json", "-o", "out"}, .folder = box.path()}),
-                 "probe.json: " + bad.key, bad.says);
-  EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
-}
-
-/// A number of a good file, which reads "member": value.
-struct NumberKey {
-  std::string path;  ///< path of the object it is in, with its point; may be empty
-  std::string member, value, allowed;
-  std::vector<std::string> out_of_range;
-  bool is_integer = false;
-
-  [[nodiscard]] std::string text(const std::string& other) const { return fmt::format("\"{}\": {}", member, other); }
+struct BadLine {
+  std::string test;
+  Words words;
+  std::string beginning;  ///< the message begins with it
+  std::string says;
 };
 
-/// All the errors that a number can have. `name` begins the tests' names.
-inline std::vector<BadFile> number_cases(const std::string& name, const std::string& good, const NumberKey& number) {
-  std::vector<BadFile> cases;
-  const std::string key = number.path + number.member;
-  const auto add = [&](const std::string& kind, const std::string& value, const std::string& where,
-                       const std::string& says) {
-    cases.push_back({name + "_" + number.member + "_" + kind,
-                     changed(good, number.text(number.value), number.text(value)), where, says});
-  };
-  const std::string wrong = number.is_integer ? "is not an integer; allowed: " : "is not a number; allowed: ";
-  std::vector<std::pair<std::string, std::string>> types = {{"null", "null"},
-                                                            {"text", '"' + number.value + '"'},
-                                                            {"bool", "true"},
-                                                            {"array", "[" + number.value + "]"},
-                                                            {"object", "{}"}};
-  if (number.is_integer) types.insert(types.end(), {{"float", "8.0"}, {"huge", "1e30"}});
-  for (const auto& [kind, value] : types) add("is_" + kind, value, key, wrong + number.allowed);
-  for (std::size_t i = 0; i < number.out_of_range.size(); ++i)
-    add("is_out_of_range_" + std::to_string(i), number.out_of_range[i], key,
-        "is out of range; allowed: " + number.allowed);
-  add("overflows", "1e999", key.substr(0, key.find('[')), "1e999 is too large; allowed: a finite number");
-  add("overflows_below", "-1e999", key.substr(0, key.find('[')), "-1e999 is too large; allowed: a finite number");
-  add("is_nan", "NaN", "line ", "'NaN' is not expected; allowed: a value: a number");
-  add("is_infinite", "Infinity", "line ", "'Infinity' is not expected; allowed: a value: a number");
-  add("is_hexadecimal", "0x10", "line ", "'0x10' is not expected; allowed: a comma or }");
-  add("is_twice", number.value + ", " + number.text(number.value), key.substr(0, key.find('[')),
-      "duplicate key; allowed: once");
-  return cases;
-}
+void PrintTo(const BadFile& bad, std::ostream* stream);
+void PrintTo(const BadLine& bad, std::ostream* stream);
+
+/// Good files by the names that cases give them; "" is the one they mean without a name.
+using Bases = std::map<std::string, std::string>;
+
+/// The cases of a section of cases/`file`.txt. Throws if there are none, or one that cannot be read.
+std::vector<BadFile> bad_files(const std::string& file, const std::string& section, const Bases& bases);
+std::vector<BadFile> bad_numbers(const std::string& file, const std::string& section, const Bases& bases);
+std::vector<BadLine> bad_lines(const std::string& file, const std::string& section);
+
+/// `good` with its one `from` replaced.
+std::string changed(const std::string& good, const std::string& from, const std::string& to);
+
+/// Both lists.
+std::vector<BadFile> followed_by(std::vector<BadFile> cases, const std::vector<BadFile>& more);
+
+/// The bad file, as probe.json, is refused by `generate` in one line, and nothing is written.
+void expect_refused_by_generate(const BadFile& bad);
 
 }  // namespace contactspline::testing
 

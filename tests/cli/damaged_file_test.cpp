@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Damaged material, curve, resonator, keyboard, score, instrument and MIDI files: each gives either output or one
 // readable line that names the file. scripts/fuzz does the same guided by coverage.
-#include <regex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -9,6 +8,7 @@
 #include "damage.hpp"
 #include "fuzz/paths.hpp"
 #include "generator/support/embedded_files.hpp"
+#include "support/expressions.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -75,8 +75,7 @@ TEST(DamagedInstrument, GivesOutputOrOneReadableLine) {
   const Path& path = path_of("instrument");
   std::vector<std::string> texts;
   for (const std::string& text : shipped_texts(Shipped::kInstruments))
-    texts.push_back(
-        std::regex_replace(text, std::regex("\"material\": \"[a-z0-9_]+\""), "\"material\": \"felt.json\""));
+    texts.push_back(replaced(text, "\"material\": \"[a-z0-9_]+\"", "\"material\": \"felt.json\""));
   damage_files(
       texts, path.file,
       "\"name\" \"bodies\" \"places\" \"contacts\" \"springs\" \"links\" \"controls\" \"strikes\" \"outputs\" "

@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <random>
-#include <regex>
 #include <set>
 #include <string>
 #include <utility>
@@ -21,6 +20,7 @@
 #include "program.hpp"
 #include "sandbox.hpp"
 #include "support/compare.hpp"
+#include "support/expressions.hpp"
 #include "svg.hpp"
 
 namespace contactspline::testing {
@@ -85,20 +85,18 @@ struct Axis {
 };
 
 Axis read_axis(const std::string& script) {
-  static const std::regex range(R"(set [xy]range \[([^:]+):([^\]]+)\])"), tic(R"('([^']*)' ([-+.\de]+))");
-  std::smatch found;
-  if (!std::regex_search(script, found, range)) throw std::runtime_error("no range in " + script);
-  Axis axis{std::stod(found[1]), std::stod(found[2]), {}};
-  for (std::sregex_iterator at(script.begin(), script.end(), tic), end; at != end; ++at)
-    axis.tics.emplace_back((*at)[1], std::stod((*at)[2]));
+  const auto range = first_match(script, R"(set [xy]range \[([^:]+):([^\]]+)\])");
+  if (!range) throw std::runtime_error("no range in " + script);
+  Axis axis{std::stod((*range)[1]), std::stod((*range)[2]), {}};
+  for (const Groups& tic : matches_of(script, R"('([^']*)' ([-+.\de]+))"))
+    axis.tics.emplace_back(tic[1], std::stod(tic[2]));
   return axis;
 }
 
 // The power of ten before the unit of the label.
 double factor_in(const std::string& script) {
-  static const std::regex power(R"(\[10\^\{(-?\d+)\} N\])");
-  std::smatch found;
-  return std::regex_search(script, found, power) ? std::pow(10, std::stoi(found[1])) : 1;
+  const auto power = first_match(script, R"(\[10\^\{(-?\d+)\} N\])");
+  return power ? std::pow(10, std::stoi((*power)[1])) : 1;
 }
 
 // Decimals with a factor in the label of the axis; the largest label has at most 5 digits before its point.
@@ -266,22 +264,21 @@ TEST(FigureOfASpline, ShowsTheBranchesOfAMeasuredImpact) {
   EXPECT_NE(text.find("with loss 0.1"), text.npos) << text;
   // Samples at the turning point lie beyond the range: the branches are two lines. The third is that of the key.
   const std::string svg = read_file(box / "a.svg");
-  std::smatch branches;
-  ASSERT_TRUE(std::regex_search(svg, branches, std::regex(R"(stroke='rgb\(  0, 158, 115\)'\s+d='([^']*)')")));
-  EXPECT_EQ(std::ranges::count(branches[1].str(), 'M'), 3) << branches[1];
+  const auto branches = first_match(svg, R"(stroke='rgb\(  0, 158, 115\)'\s+d='([^']*)')");
+  ASSERT_TRUE(branches);
+  EXPECT_EQ(std::ranges::count((*branches)[1], 'M'), 3) << (*branches)[1];
 }
 
 // Each knot is a vertex of its curve, so that kinks are drawn where they are; those of the two keys are of no curve.
 TEST(FigureOfASpline, DrawsKinksAtTheKnots) {
   const Sandbox box;
   printed(box, {"inspect", "felt_c4", "--figure", "a.svg"});
-  const std::regex vertex(R"([ML](\d+\.\d+,\d+\.\d+))"), knot(R"(translate\((\d+\.\d+,\d+\.\d+)\) scale.*)");
   std::set<std::string> vertices;
   std::vector<std::string> knots;
   for (const std::string& numbers : read_svg(box / "a.svg").numbers) {
-    for (std::sregex_iterator at(numbers.begin(), numbers.end(), vertex), end; at != end; ++at)
-      vertices.insert((*at)[1]);
-    if (std::smatch found; std::regex_match(numbers, found, knot)) knots.push_back(found[1]);
+    for (const Groups& vertex : matches_of(numbers, R"([ML](\d+\.\d+,\d+\.\d+))")) vertices.insert(vertex[1]);
+    if (const auto knot = whole_match(numbers, R"(translate\((\d+\.\d+,\d+\.\d+)\) scale.*)"))
+      knots.push_back((*knot)[1]);
   }
   EXPECT_EQ(knots.size(), 4 * 48 + 2u);
   EXPECT_EQ(std::ranges::count_if(knots, [&](const std::string& at) { return !vertices.contains(at); }), 2);
@@ -358,23 +355,21 @@ struct DrawnLabel {
 };
 
 std::vector<DrawnLabel> drawn_labels(const std::string& svg) {
-  static const std::regex label(
-      R"rx(translate\(([\d.]+),([\d.]+)\)"[^>]*font-size="12.00"  text-anchor="(\w+)">\s*<text>([^<]+)</text>)rx");
+  const char* expression =
+      R"rx(translate\(([\d.]+),([\d.]+)\)"[^>]*font-size="12.00"  text-anchor="(\w+)">\s*<text>([^<]+)</text>)rx";
   std::vector<DrawnLabel> labels;
-  for (std::sregex_iterator at(svg.begin(), svg.end(), label), end; at != end; ++at) {
-    const double x = std::stod((*at)[1]), y = std::stod((*at)[2]),
-                 width = 5.5 * static_cast<double>((*at)[4].length());
-    const double left = (*at)[3] == "start" ? x : x - width / 2;
-    labels.push_back({(*at)[4], {left, y - 8, left + width, y}});
+  for (const Groups& label : matches_of(svg, expression)) {
+    const double x = std::stod(label[1]), y = std::stod(label[2]), width = 5.5 * static_cast<double>(label[4].size());
+    const double left = label[3] == "start" ? x : x - width / 2;
+    labels.push_back({label[4], {left, y - 8, left + width, y}});
   }
   return labels;
 }
 
 std::vector<std::pair<ScreenPoint, ScreenPoint>> drawn_lines(const std::string& svg) {
-  static const std::regex line(R"(M([\d.]+),([\d.]+) L([\d.]+),([\d.]+))");
   std::vector<std::pair<ScreenPoint, ScreenPoint>> lines;
-  for (std::sregex_iterator at(svg.begin(), svg.end(), line), end; at != end; ++at)
-    lines.push_back({{std::stod((*at)[1]), std::stod((*at)[2])}, {std::stod((*at)[3]), std::stod((*at)[4])}});
+  for (const Groups& line : matches_of(svg, R"(M([\d.]+),([\d.]+) L([\d.]+),([\d.]+))"))
+    lines.push_back({{std::stod(line[1]), std::stod(line[2])}, {std::stod(line[3]), std::stod(line[4])}});
   return lines;
 }
 

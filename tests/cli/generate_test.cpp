@@ -5,7 +5,6 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 #include <ranges>
-#include <regex>
 #include <set>
 #include <string>
 #include <vector>
@@ -14,6 +13,7 @@
 #include "generator/spline/design.hpp"
 #include "program.hpp"
 #include "sandbox.hpp"
+#include "support/expressions.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -211,8 +211,7 @@ TEST(GenerateDepfile, IsUnderstoodByNinja) {
   const Sandbox box;
   fs::create_directories(box / kHardFolder);
   write_material(box / kHardFolder / "probe.json", "8", std::chrono::seconds(60));
-  std::string command = generate_command(kHardFolder);
-  command = std::regex_replace(command, std::regex(R"(\$)"), "$$$$");
+  const std::string command = replaced(generate_command(kHardFolder), R"(\$)", "$$$$");
   write_file(box / "build.ninja", "rule generate\n  command = " + command +
                                       "\n  depfile = d\n  restat = 1\n"
                                       R"(build a$ b#c$$d\e/out/probe.hpp: generate)"
@@ -230,7 +229,7 @@ TEST(GenerateDepfile, IsUnderstoodByMake) {
   const Sandbox box;
   fs::create_directories(box / kHardFolder);
   write_material(box / kHardFolder / "probe.json", "8", std::chrono::seconds(60));
-  const std::string command = std::regex_replace(generate_command(kHardFolder), std::regex(R"(\$)"), "$$$$");
+  const std::string command = replaced(generate_command(kHardFolder), R"(\$)", "$$$$");
   const std::string target = R"(a\ b\#c$$d\e/out/probe.hpp)";
   write_file(box / "Makefile", "all: " + target + "\n-include d\n" + target + ":\n\t" + command + "\n");
   const Call call = {.arguments = {}, .folder = box.path(), .program = make};
@@ -302,15 +301,15 @@ TEST(GenerateBytes, HoldNoPathHostUserOrDate) {
   std::string host(256, '\0');
   ASSERT_EQ(::gethostname(host.data(), host.size()), 0);
   host.resize(host.find('\0'));
-  const std::regex date(R"(20\d\d-\d\d-\d\d|\d\d:\d\d:\d\d)"
-                        R"(|\b(Mon|Tue|Wed|Thu|Fri|Sat|Sun|Jan|Feb|Mar|Apr|Jun|Jul|Aug|Sep|Oct|Nov|Dec)\b)");
+  const char* date = R"(20\d\d-\d\d-\d\d|\d\d:\d\d:\d\d)"
+                     R"(|\b(Mon|Tue|Wed|Thu|Fri|Sat|Sun|Jan|Feb|Mar|Apr|Jun|Jul|Aug|Sep|Oct|Nov|Dec)\b)";
   for (const auto& name : {"probe.lib", "probe.hpp", "probe.json", "a.svg", "b.svg", "b.wav"}) {
     const std::string bytes = read_file(box / "out" / name);
     for (const std::string& secret : Words{box.path().string(), fs::current_path().string(), SOURCE_FOLDER, kProgram,
                                            "/tmp/", "/home/", "/root/"})
       EXPECT_EQ(bytes.find(secret), std::string::npos) << name << " holds " << secret;
     EXPECT_TRUE(host.size() < 4 || bytes.find(host) == std::string::npos) << name << " holds " << host;
-    EXPECT_FALSE(std::regex_search(bytes, date)) << name;
+    EXPECT_FALSE(first_match(bytes, date)) << name;
   }
 }
 
@@ -375,10 +374,9 @@ TEST(GenerateName, OfAFileMayBeAsLongAsTheSystemAllows) {
 TEST(GenerateName, CannotBeOneThatTheHeaderUses) {
   const Sandbox box;
   const std::string header = printed({"generate", "mb1", "--emit", "cpp", "--all-forms", "-o", "-"});
-  const std::regex declared(R"((?:(?:double|size_t|segments>|struct) )([a-z_0-9]+)(?= =| \{))");
+  const char* declared = R"((?:(?:double|size_t|segments>|struct) )([a-z_0-9]+)(?= =| \{))";
   std::set<std::string> names = {"std", "contactspline_modal", "motion"};
-  for (std::sregex_iterator match(header.begin(), header.end(), declared), end; match != end; ++match)
-    names.insert((*match)[1]);
+  for (const Groups& match : matches_of(header, declared)) names.insert(match[1]);
   names.erase("mb1");
   for (const std::string name : {"a", "b", "c"}) names.erase(name);  // members of `regular`, not of the struct
   EXPECT_GE(names.size(), 14u);

@@ -39,81 +39,9 @@ const std::string kGood = R"({
   "outputs": [ { "name": "string", "end_force_n": "string" } ]
 })";
 
-std::vector<BadFile> all_number_cases() {
-  std::vector<BadFile> cases;
-  for (const NumberKey& number :
-       std::vector<NumberKey>{{"keys[0].", "first", "48", "an integer from 0 to 127", {"-1", "128"}, true},
-                              {"keys[0].", "last", "62", "an integer from 48 to 127", {"47", "128"}, true},
-                              {"keys[0].", "tuned_key", "60", "an integer from 0 to 127", {"-1", "128"}, true},
-                              {"keys[1].", "key", "70", "an integer from 0 to 127", {"-1", "128"}, true},
-                              {"", "polyphony", "4", "an integer from 1 to 64", {"0", "65"}, true},
-                              {"damper.", "damping_per_s", "55", "a number from 0 to 100000", {"-1", "1e6"}},
-                              {"presets[0].", "felt_stiffness_ratio", "4", "a number from 1e-06 to 50", {"0", "51"}}})
-    std::ranges::copy(number_cases("n" + std::to_string(cases.size()), kGood, number), std::back_inserter(cases));
-  return cases;
-}
-
-const std::string kDrumKeys = R"("keys": [
-    { "first": 48, "last": 62, "event": "strike_hammer", "tuned_key": 60 },
-    { "key": 70, "event": "pluck_finger" }
-  ],)";
-
-std::vector<BadFile> key_cases() {
-  return {
-      {"event_unknown", changed(kGood, R"("strike_hammer", "tuned)", R"("hammer", "tuned)"), "keys[0].event",
-       "'hammer' is no event; allowed: strike_hammer, pluck_finger"},
-      {"event_missing", changed(kGood, R"("key": 70, "event": "pluck_finger")", R"("key": 70)"), "keys[1].event",
-       "missing; allowed: strike_hammer, pluck_finger"},
-      {"two_kinds", changed(kGood, R"("key": 70)", R"("key": 70, "first": 71)"), "keys[1].first",
-       "2 kinds of keys are given; allowed: just one of key, first"},
-      {"last_beside_key", changed(kGood, R"("key": 70)", R"("key": 70, "last": 71)"), "keys[1].last",
-       "stands beside key; allowed: beside first"},
-      {"last_missing", changed(kGood, R"("last": 62, )", ""), "keys[0].last",
-       "missing; allowed: an integer from 48 to 127"},
-      {"key_twice", changed(kGood, R"("key": 70)", R"("key": 62)"), "keys[1].key",
-       "key 62 plays two events; allowed: each key once"},
-      {"far", changed(kGood, R"("last": 62)", R"("last": 69)"), "", ""},  // replaced below
-      {"unknown", changed(kGood, R"("key": 70)", R"("key": 70, "tuning": 3)"), "keys[1].tuning",
-       "unknown key; allowed: key, first, last, event, tuned_key"},
-      {"without_a_string",
-       changed(changed(changed(kGood, R"("resonator": "string_c4")", R"("resonator": "marimba_c4")"),
-                       R"("end_force_n": "string")", R"("velocity_m_per_s": "struck")"),
-               R"("position_m": 0.07)", R"("position_m": 0.05)"),
-       "keys[0].tuned_key", "tunes nothing; allowed: in a file with a string among its bodies"},
-      {"polyphony_without_keys", changed(kGood, kDrumKeys, ""), "polyphony",
-       "has no place here; allowed: beside keys"},
-      {"damper_without_keys", changed(changed(kGood, kDrumKeys, ""), R"("polyphony": 4,)", ""), "damper",
-       "has no place here; allowed: beside keys"},
-      {"damper_of_nothing", changed(kGood, R"("bodies": "string")", R"("bodies": "wire")"), "damper.bodies",
-       "'wire' is no body; allowed: string, hammer"},
-      {"damper_twice", changed(kGood, R"("bodies": "string")", R"("bodies": ["string", "string"])"), "damper.bodies",
-       "'string' is named twice; allowed: once"},
-      {"damper_misspelt", changed(kGood, R"("damping_per_s": 55)", R"("damper_per_s": 55)"), "damper.damper_per_s",
-       "unknown key; allowed: bodies, damping_per_s"},
-      {"preset_unknown", changed(kGood, R"("felt_stiffness_ratio": 4)", R"("felt": 4)"), "presets[0].felt",
-       "unknown key; allowed: name, felt_stiffness_ratio, finger_force_n, hammer_speed_m_per_s, finger_release_n, "
-       "sustain, bend_cents"},
-      {"preset_without_name", changed(kGood, R"("name": "bright", )", ""), "presets[0].name", "missing"},
-      {"preset_with_empty_name", changed(kGood, R"("name": "bright")", R"("name": "")"), "presets[0].name",
-       "is empty; allowed: a name such as bright"},
-      {"preset_twice", changed(kGood, R"("presets": [ )", R"("presets": [ { "name": "bright" }, )"),
-       "presets[1].name", "'bright' is the name of two presets; allowed: once"},
-      {"preset_with_a_quote", changed(kGood, R"("bright")", R"("a\"b")"), "presets[0].name",
-       "is too long or has a quote"}};
-}
-
-std::vector<BadFile> cases() {
-  std::vector<BadFile> cases = key_cases();
-  const auto far = std::ranges::find(cases, "far", &BadFile::test);
-  far->text = changed(kGood, R"("first": 48)", R"("first": 35)");
-  far->key = "keys[0].tuned_key";
-  far->says = "key 35 is 25 semitones from 60; allowed: at most 24 semitones, such as 48";
-  return cases;
-}
-
 CONTACTSPLINE_REFUSED_BY_GENERATE(BadKeys);
-CONTACTSPLINE_CASES(Number, BadKeys, all_number_cases());
-CONTACTSPLINE_CASES(Key, BadKeys, cases());
+CONTACTSPLINE_CASES(Number, BadKeys, bad_numbers("instrument_keys", "Number", {{"", kGood}}));
+CONTACTSPLINE_CASES(Key, BadKeys, bad_files("instrument_keys", "Key", {{"", kGood}}));
 
 class KeysOnTheCommandLine : public ::testing::Test {
  protected:

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <ostream>
-#include <regex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "generator/support/embedded_files.hpp"
 #include "program.hpp"
 #include "sandbox.hpp"
+#include "support/expressions.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -25,8 +25,7 @@ std::string small_keyboard() {
                                    {"first_double_key", "60"},
                                    {"first_triple_key", "60"},
                                    {"segments", "2"}})
-    text = std::regex_replace(text, std::regex(std::string(R"((")") + key + R"(": )[0-9]+)"),
-                              std::string("$01") + value);
+    text = replaced(text, std::string(R"((")") + key + R"(": )[0-9]+)", std::string("$01") + value);
   return text;
 }
 

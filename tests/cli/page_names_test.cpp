@@ -8,7 +8,6 @@
 #include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <regex>
 #include <set>
 #include <sstream>
 #include <string>
@@ -17,6 +16,7 @@
 #include "printed_text.hpp"
 #include "program.hpp"
 #include "sandbox.hpp"
+#include "support/expressions.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -59,10 +59,8 @@ std::vector<Page> pages() {
 
 // The first group of each match.
 std::vector<std::string> matches(const std::string& text, const char* expression) {
-  const std::regex regex(expression);
   std::vector<std::string> found;
-  for (std::sregex_iterator match(text.begin(), text.end(), regex), end; match != end; ++match)
-    found.push_back((*match)[1]);
+  for (const Groups& match : matches_of(text, expression)) found.push_back(match[1]);
   return found;
 }
 
@@ -135,7 +133,7 @@ class Readers {
 
   // One object, unless one at such a place with such keys was asked about.
   void ask(const Json& file, const Json::json_pointer& at, const Words& command, const std::string& name) {
-    std::string known = command[0] + std::regex_replace(at.to_string(), std::regex("[0-9]"), "");
+    std::string known = command[0] + replaced(at.to_string(), "[0-9]", "");
     for (const auto& item : file[at].items()) known += " " + item.key();
     if (!asked_.insert(known).second) return;
     Json changed = file;
@@ -175,10 +173,10 @@ Names listed_names() {
 Names keys_of(const Page& page) {
   Names keys;
   for (const std::string& block : blocks_of(page, "json")) add(matches(block, "\"([a-z][a-z0-9_]*)\":"), keys);
-  static const std::regex heading("^\\| key( of `?[a-z ]+`?)? \\|");
+  const char* heading = "^\\| key( of `?[a-z ]+`?)? \\|";
   bool of_keys = false;
   for (const std::string& line : lines_of(page.prose)) {
-    of_keys = line.starts_with("|") && (of_keys || std::regex_search(line, heading));
+    of_keys = line.starts_with("|") && (of_keys || first_match(line, heading));
     if (of_keys) add(matches(line.substr(0, line.find('|', 1)), "`([a-z][a-z0-9_]*)`"), keys);
   }
   add(matches(page.prose, "`([a-z][a-z0-9_]*_(m|m2|kg|s|hz|n|pa|j|w|rad|db|cents|ratio|alpha|per_s|per_m))`"), keys);

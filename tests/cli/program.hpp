@@ -3,28 +3,16 @@
 // calls it within the test where it can; run_program() starts the built program.
 #pragma once
 
-#include <fcntl.h>
-#include <gtest/gtest.h>
-#include <poll.h>
-#include <signal.h>
-#include <sys/mman.h>
-#include <sys/ptrace.h>
 #include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
-#include <algorithm>
 #include <array>
 #include <cstdio>
-#include <cstdlib>
 #include <map>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "generator/cli/command_line.hpp"
 #include "sandbox.hpp"
 
 namespace contactspline::testing {
@@ -39,10 +27,7 @@ constexpr auto kStroke = R"({
 
 using Words = std::vector<std::string>;
 
-inline Words followed_by(Words words, const Words& more) {
-  words.insert(words.end(), more.begin(), more.end());
-  return words;
-}
+Words followed_by(Words words, const Words& more);
 
 struct Call {
   Words arguments;
@@ -66,58 +51,21 @@ constexpr int kNotStarted = 127;
 
 class Process {
  public:
-  explicit Process(const Call& call) {
-    for (Stream& stream : streams_)
-      if (::pipe2(stream.ends.data(), O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
-    pid_ = ::fork();
-    if (pid_ < 0) throw std::runtime_error("fork failed");
-    if (pid_ == 0) become(call);
-    for (const Stream& stream : streams_) ::close(stream.writing());
-  }
+  explicit Process(const Call& call);
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
-  ~Process() {
-    if (pid_ > 0) kill(), wait();
-    for (const Stream& stream : streams_) ::close(stream.reading());
-  }
+  ~Process();
 
-  void kill() const { ::kill(pid_, SIGKILL); }
+  void kill() const;
 
   /// Lets a traced program go on to the `stop`-th time it enters or leaves a system call, and kills it there. Returns
   /// the number of times it got to: fewer where it ended before.
-  std::size_t kill_at_stop(std::size_t stop) {
-    for (std::size_t stops = 0;; ++stops) {
-      int status = 0;
-      if (::waitpid(pid_, &status, 0) < 0) throw std::runtime_error("waitpid failed");
-      if (!WIFSTOPPED(status)) pid_ = -1;
-      if (WIFSTOPPED(status) && stops == stop) kill();
-      if (!WIFSTOPPED(status) || stops == stop) return stops;
-      const long signal = WSTOPSIG(status) == SIGTRAP ? 0 : WSTOPSIG(status);
-      ::ptrace(PTRACE_SYSCALL, pid_, nullptr, signal);
-    }
-  }
+  std::size_t kill_at_stop(std::size_t stop);
 
   /// Sends a traced program SIGTERM the `stop`-th time it enters or leaves a system call, and waits for its end.
-  void terminate_at_stop(std::size_t stop) {
-    for (std::size_t stops = 0;; ++stops) {
-      int status = 0;
-      if (::waitpid(pid_, &status, 0) < 0) throw std::runtime_error("waitpid failed");
-      if (!WIFSTOPPED(status)) {
-        pid_ = -1;
-        return;
-      }
-      if (stops == stop) ::kill(pid_, SIGTERM);
-      const long signal = WSTOPSIG(status) == SIGTRAP ? 0 : WSTOPSIG(status);
-      ::ptrace(PTRACE_SYSCALL, pid_, nullptr, signal);
-    }
-  }
+  void terminate_at_stop(std::size_t stop);
 
-  Outcome wait() {
-    read_streams();
-    int status = 0;
-    if (::waitpid(std::exchange(pid_, -1), &status, 0) < 0) throw std::runtime_error("waitpid failed");
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), streams_[0].text, streams_[1].text};
-  }
+  Outcome wait();
 
  private:
   struct Stream {
@@ -128,153 +76,44 @@ class Process {
     [[nodiscard]] int writing() const { return ends[1]; }
   };
 
-  [[noreturn]] void become(const Call& call) const {
-    const int out =
-        call.standard_output.empty() ? streams_[0].writing() : ::open(call.standard_output.c_str(), O_WRONLY);
-    ::dup2(::open(call.standard_input.c_str(), O_RDONLY), STDIN_FILENO);
-    ::dup2(out, STDOUT_FILENO);
-    ::dup2(streams_[1].writing(), STDERR_FILENO);
-    for (const auto& [name, value] : call.environment) ::setenv(name.c_str(), value.c_str(), 1);
-    if (call.umask) ::umask(*call.umask);
-    if (!call.folder.empty() && ::chdir(call.folder.c_str()) != 0) ::_exit(kNotStarted);
-    if (call.as_nobody && ::geteuid() == 0 && (::setgid(65534) != 0 || ::setuid(65534) != 0)) ::_exit(kNotStarted);
-    if (call.largest_file_bytes) {
-      const rlimit limit{*call.largest_file_bytes, *call.largest_file_bytes};
-      ::setrlimit(RLIMIT_FSIZE, &limit);
-    }
-    if (call.traced && ::ptrace(PTRACE_TRACEME, 0, nullptr, nullptr) != 0) ::_exit(kNotStarted);
-    std::vector<char*> words{const_cast<char*>(call.program.c_str())};
-    for (const auto& argument : call.arguments) words.push_back(const_cast<char*>(argument.c_str()));
-    words.push_back(nullptr);
-    ::execvp(words.front(), words.data());
-    ::_exit(kNotStarted);
-  }
-
-  // Both at once: a program that fills one waits until it is read.
-  void read_streams() {
-    std::array<pollfd, 2> open{};
-    for (std::size_t i = 0; i < 2; ++i) open[i] = {streams_[i].reading(), POLLIN, 0};
-    while ((open[0].fd >= 0 || open[1].fd >= 0) && ::poll(open.data(), open.size(), -1) > 0)
-      for (std::size_t i = 0; i < 2; ++i)
-        if (open[i].revents != 0 && !read_some(streams_[i])) open[i].fd = -1;
-  }
-
-  static bool read_some(Stream& stream) {
-    std::array<char, 65536> part{};
-    const ssize_t got = ::read(stream.reading(), part.data(), part.size());
-    if (got > 0) stream.text.append(part.data(), static_cast<std::size_t>(got));
-    return got > 0;
-  }
+  [[noreturn]] void become(const Call& call) const;
+  void read_streams();
+  static bool read_some(Stream& stream);
 
   std::array<Stream, 2> streams_;
   pid_t pid_ = -1;
 };
 
 /// Starts the program and waits for its end.
-inline Outcome run_program(const Call& call) {
-  return Process(call).wait();
-}
+Outcome run_program(const Call& call);
 
 /// While one lives, what is written to a stream goes to a file in memory.
 class CapturedStream {
  public:
-  CapturedStream(std::FILE* stream, const char* name)
-      : stream_(stream), saved_(::dup(::fileno(stream))), file_(::memfd_create(name, MFD_CLOEXEC)) {
-    if (saved_ < 0 || file_ < 0) throw std::runtime_error("no place to capture a stream");
-    std::fflush(stream_);
-    ::dup2(file_, ::fileno(stream_));
-  }
+  CapturedStream(std::FILE* stream, const char* name);
   CapturedStream(const CapturedStream&) = delete;
   CapturedStream& operator=(const CapturedStream&) = delete;
-  ~CapturedStream() {
-    std::fflush(stream_);
-    ::dup2(saved_, ::fileno(stream_));
-    ::close(saved_);
-    ::close(file_);
-  }
+  ~CapturedStream();
 
-  [[nodiscard]] std::string text() const {
-    std::fflush(stream_);
-    std::string text(static_cast<std::size_t>(::lseek(file_, 0, SEEK_END)), '\0');
-    if (::pread(file_, text.data(), text.size(), 0) != static_cast<ssize_t>(text.size()))
-      throw std::runtime_error("a captured stream cannot be read");
-    return text;
-  }
+  [[nodiscard]] std::string text() const;
 
  private:
   std::FILE* stream_;
   int saved_, file_;
 };
 
-/// While one lives, the working folder and these variables of the environment are others.
-class Surroundings {
- public:
-  Surroundings(const fs::path& folder, const std::map<std::string, std::string>& environment)
-      : folder_(fs::current_path()) {
-    for (const auto& [name, value] : environment) {
-      const char* old = std::getenv(name.c_str());
-      old_[name] = old == nullptr ? std::nullopt : std::optional<std::string>(old);
-      ::setenv(name.c_str(), value.c_str(), 1);
-    }
-    if (!folder.empty()) fs::current_path(folder);
-  }
-  Surroundings(const Surroundings&) = delete;
-  Surroundings& operator=(const Surroundings&) = delete;
-  ~Surroundings() {
-    std::error_code ignored;
-    fs::current_path(folder_, ignored);
-    for (const auto& [name, value] : old_)
-      value ? ::setenv(name.c_str(), value->c_str(), 1) : ::unsetenv(name.c_str());
-  }
-
- private:
-  fs::path folder_;
-  std::map<std::string, std::optional<std::string>> old_;
-};
-
-inline Outcome run_in_process(const Call& call) {
-  std::vector<const char*> words{"contactspline"};
-  for (const auto& argument : call.arguments) words.push_back(argument.c_str());
-  const int count = static_cast<int>(words.size());
-  words.push_back(nullptr);
-  const Surroundings surroundings(call.folder, call.environment);
-  const CapturedStream out(stdout, "stdout"), err(stderr, "stderr");
-  const int exit_code = run_command_line(count, words.data());
-  return {exit_code, out.text(), err.text()};
-}
-
-/// Does a call ask for nothing that only a process of its own can have?
-inline bool fits_in_process(const Call& call) {
-  return call.program == kProgram && !call.largest_file_bytes && call.standard_input == "/dev/null" &&
-         call.standard_output.empty() && !call.umask && !call.as_nobody && !call.traced;
-}
+/// Runs the command line within the test.
+Outcome run_in_process(const Call& call);
 
 /// Within the test if possible, which takes a hundredth of the time.
-inline Outcome run(const Call& call) {
-  return fits_in_process(call) ? run_in_process(call) : run_program(call);
-}
+Outcome run(const Call& call);
 
 /// Exit code 0 and nothing on standard error; returns what was printed.
-inline std::string succeed(const Outcome& outcome) {
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_EQ(outcome.err, "");
-  return outcome.out;
-}
-inline std::string succeed(const Call& call) {
-  return succeed(run(call));
-}
+std::string succeed(const Outcome& outcome);
+std::string succeed(const Call& call);
 
 /// The contract of bad input: exit code 2, nothing on standard output and one readable line on standard error that
 /// begins with "contactspline: `beginning`" and holds `says`.
-inline void expect_refused(const Outcome& outcome, std::string_view beginning, std::string_view says) {
-  EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
-  EXPECT_TRUE(outcome.out.empty()) << outcome.out.substr(0, 500);
-  EXPECT_TRUE(outcome.err.starts_with("contactspline: " + std::string(beginning))) << outcome.err;
-  EXPECT_NE(outcome.err.find(says), std::string::npos) << outcome.err << "does not say: " << says;
-  EXPECT_TRUE(outcome.err.ends_with('\n'));
-  const auto is_control = [](unsigned char c) { return c < 0x20 || c == 0x7f; };
-  EXPECT_EQ(std::ranges::count_if(outcome.err, is_control), 1) << "more than one line, or control characters";
-  EXPECT_LT(outcome.err.size(), 1000u);
-}
+void expect_refused(const Outcome& outcome, std::string_view beginning, std::string_view says);
 
 }  // namespace contactspline::testing

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cctype>
 #include <memory>
-#include <regex>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -17,6 +16,7 @@
 #include <vector>
 
 #include "sandbox.hpp"
+#include "support/expressions.hpp"
 
 namespace contactspline::testing {
 
@@ -70,11 +70,11 @@ inline Svg read_svg(const fs::path& path) {
 /// No upright label, which is turned by 90 degrees around its baseline, reaches beyond the left edge.
 inline void expect_labels_whole(const fs::path& path) {
   constexpr double kAscent = 11;  // ascent of a font of 14
-  static const std::regex upright(R"(translate\(([-\d.]+),[-\d.]+\) rotate\(270\))");
+  const char* upright = R"(translate\(([-\d.]+),[-\d.]+\) rotate\(270\))";
   std::size_t labels = 0;
   for (const std::string& numbers : read_svg(path).numbers)
-    if (std::smatch found; std::regex_match(numbers, found, upright)) {
-      EXPECT_GE(std::stod(found[1]), kAscent) << path;
+    if (const auto found = whole_match(numbers, upright)) {
+      EXPECT_GE(std::stod((*found)[1]), kAscent) << path;
       ++labels;
     }
   EXPECT_GT(labels, 0u) << path;
@@ -97,12 +97,11 @@ inline void expect_drawn(const fs::path& path, std::size_t curves) {
 
 /// Left and right borders of the panels, without repetition: one pair for each column of aligned panels.
 inline std::set<std::pair<std::string, std::string>> columns_of(const fs::path& path) {
-  static const std::regex border(
-      R"(M([\d.]+),([\d.]+) L\1,[\d.]+ L([\d.]+),[\d.]+ M\3,\2 M\1,\2\s*)");  // left and bottom, as gnuplot draws
-                                                                              // them
+  // Left and bottom, as gnuplot draws them.
+  const char* border = R"(M([\d.]+),([\d.]+) L\1,[\d.]+ L([\d.]+),[\d.]+ M\3,\2 M\1,\2\s*)";
   std::set<std::pair<std::string, std::string>> columns;
   for (const std::string& numbers : read_svg(path).numbers)
-    if (std::smatch found; std::regex_match(numbers, found, border)) columns.emplace(found[1], found[3]);
+    if (const auto found = whole_match(numbers, border)) columns.emplace((*found)[1], (*found)[3]);
   return columns;
 }
 

@@ -4,12 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <map>
-#include <regex>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "source/source_tree.hpp"
+#include "support/expressions.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -52,9 +52,7 @@ std::vector<SourceFile> files_of(const Tree& tree) {
 
 std::vector<std::string> matches(const std::string& text, const std::string& pattern) {
   std::vector<std::string> found;
-  const std::regex expression(pattern);
-  for (std::sregex_iterator match(text.begin(), text.end(), expression), end; match != end; ++match)
-    found.push_back((*match)[1]);
+  for (const Groups& match : matches_of(text, pattern)) found.push_back(match[1]);
   return found;
 }
 

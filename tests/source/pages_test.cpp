@@ -5,13 +5,13 @@
 
 #include <cctype>
 #include <map>
-#include <regex>
 #include <set>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "source_tree.hpp"
+#include "support/expressions.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -56,14 +56,15 @@ Headings headings_of(const std::string& text) {
   return headings;
 }
 
+constexpr auto kCode = "`[^`]*`";
+
 // What stands in the round brackets of [text](target), without links to other hosts.
 std::vector<std::string> targets_of(const std::string& text) {
-  static const std::regex code("`[^`]*`"), link("\\]\\(([^()\\s]*)\\)");
   std::vector<std::string> targets;
   for (const std::string& line : prose_of(text)) {
-    const std::string prose = std::regex_replace(line, code, "code");
-    for (std::sregex_iterator match(prose.begin(), prose.end(), link), end; match != end; ++match)
-      if (const std::string target = (*match)[1]; target.find("://") == std::string::npos) targets.push_back(target);
+    const std::string prose = replaced(line, kCode, "code");
+    for (const Groups& link : matches_of(prose, "\\]\\(([^()\\s]*)\\)"))
+      if (link[1].find("://") == std::string::npos) targets.push_back(link[1]);
   }
   return targets;
 }
@@ -137,13 +138,12 @@ std::vector<SourceFile> sources() {
 }
 
 TEST(Pages, ThatSourcesNameExist) {
-  static const std::regex page("\\bdocs/[a-z/-]+\\.md\\b");
   std::size_t named = 0;
   for (const SourceFile& file : sources()) {
     if (file.path.ends_with("pages_test.cpp")) continue;
-    for (std::sregex_iterator match(file.text.begin(), file.text.end(), page), end; match != end; ++match) {
+    for (const Groups& page : matches_of(file.text, "\\bdocs/[a-z/-]+\\.md\\b")) {
       ++named;
-      EXPECT_TRUE(fs::exists(fs::path(SOURCE_FOLDER) / match->str())) << file.path << ": " << match->str();
+      EXPECT_TRUE(fs::exists(fs::path(SOURCE_FOLDER) / page[0])) << file.path << ": " << page[0];
     }
   }
   EXPECT_GT(named, 80u);
@@ -158,12 +158,11 @@ bool is_there(const std::string& path) {
 }
 
 TEST(Pages, NameFilesThatExist) {
-  static const std::regex path("`([a-z]+/[a-z0-9_./-]+)`");
   std::size_t named = 0;
   for (const SourceFile& page : pages()) {
     if (page.path == "CHANGELOG.md") continue;  // names what there was
-    for (std::sregex_iterator match(page.text.begin(), page.text.end(), path), end; match != end; ++match) {
-      const std::string name = (*match)[1];
+    for (const Groups& path : matches_of(page.text, "`([a-z]+/[a-z0-9_./-]+)`")) {
+      const std::string& name = path[1];
       if (name.starts_with("build/") || name.starts_with("out/") || name.find("...") != std::string::npos) continue;
       ++named;
       EXPECT_TRUE(is_there(name)) << page.path << ": " << name;
@@ -174,18 +173,16 @@ TEST(Pages, NameFilesThatExist) {
 
 // Adds the identifiers in a text that are more than one word: hammer_string, HammerString.
 void add_identifiers(const std::string& text, std::set<std::string>& identifiers) {
-  static const std::regex identifier("[A-Za-z][A-Za-z0-9]*(_|[a-z][A-Z])[A-Za-z0-9_]*");
-  for (std::sregex_iterator match(text.begin(), text.end(), identifier), end; match != end; ++match)
-    identifiers.insert(match->str());
+  for (const Groups& match : matches_of(text, "[A-Za-z][A-Za-z0-9]*(_|[a-z][A-Z])[A-Za-z0-9_]*"))
+    identifiers.insert(match[0]);
 }
 
 // The identifiers in the spans of code of a page, but for what stands for a user's own name.
 std::set<std::string> identifiers_of(const std::string& page) {
-  static const std::regex code("`[^`]*`"), own("(--|\\b(my_|x_|__))[a-z_]+|[A-Za-z_]*NAME[A-Za-z_]*");
   std::set<std::string> identifiers;
   for (const std::string& line : prose_of(page))
-    for (std::sregex_iterator match(line.begin(), line.end(), code), end; match != end; ++match)
-      add_identifiers(std::regex_replace(match->str(), own, ""), identifiers);
+    for (const Groups& code : matches_of(line, kCode))
+      add_identifiers(replaced(code[0], "(--|\\b(my_|x_|__))[a-z_]+|[A-Za-z_]*NAME[A-Za-z_]*", ""), identifiers);
   return identifiers;
 }
 

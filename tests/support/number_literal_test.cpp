@@ -13,10 +13,11 @@
 #include <cstdlib>
 #include <limits>
 #include <random>
-#include <regex>
 #include <sstream>
 #include <stdexcept>
 #include <vector>
+
+#include "support/expressions.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -36,8 +37,7 @@ double read_back(const std::string& text) {
 
 // JSON's number grammar, narrowed: lower-case e only, and a point or an exponent always.
 bool is_shared_literal(const std::string& text) {
-  static const std::regex grammar(R"(-?(0|[1-9][0-9]*)(\.[0-9]+(e[+-]?[0-9]+)?|e[+-]?[0-9]+))");
-  return std::regex_match(text, grammar);
+  return whole_match(text, R"(-?(0|[1-9][0-9]*)(\.[0-9]+(e[+-]?[0-9]+)?|e[+-]?[0-9]+))").has_value();
 }
 
 std::vector<double> edge_values() {
