@@ -8,6 +8,8 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -32,7 +34,7 @@
 #include "generator/support/file_kind.hpp"
 #include "generator/support/input_file.hpp"
 #include "generator/support/sample_rates.hpp"
-#include "hosts/python/for_each.hpp"
+#include "generator/support/task_pool.hpp"
 #include "hosts/python/idle_instruments.hpp"
 #include "hosts/python/makers.hpp"
 #include "hosts/python/resonators.hpp"
@@ -63,7 +65,7 @@ std::vector<Design> design_many(const std::vector<std::pair<std::string, bool>>&
   std::atomic<bool> is_stopped = false;
   {
     const py::gil_scoped_release unlocked;
-    for_each(
+    run_tasks(
         sources.size(), threads,
         [&](std::size_t i) {
           const auto& [source, is_text] = sources[i];
@@ -96,29 +98,46 @@ Array<double> each(const Array<double>& compressions, F f) {
   return values;
 }
 
-// The mass of an impact: the given one, or the material's.
-double mass_of(const Design& design, std::optional<double> mass_kg) {
-  if (!mass_kg && !design.material.impact)
+// The mass of the material's impacts.
+double mass_of(const Design& design) {
+  if (!design.material.impact)
     refuse(design.material.name, "mass_kg", "missing, and the material has no impact",
            "a number above 0, such as 0.003");
-  const double mass = mass_kg.value_or(design.material.impact ? design.material.impact->mass_kg : 0);
-  if (!(mass > 0 && mass <= 1e4))
-    refuse(design.material.name, "mass_kg", fmt::format("{} is refused", mass), "a number above 0, up to 10000");
-  return mass;
+  return design.material.impact->mass_kg;
 }
 
-BarrierImpact impact_of(const Design& design, double speed, std::optional<double> mass_kg, const std::string& of,
-                        double rate) {
+BarrierImpact impact_of(const Design& design, double speed, double mass, const std::string& of, double rate) {
   if (!(speed > 0 && speed <= 1e3))
     refuse(design.material.name, "speed_m_per_s", fmt::format("{} is refused", speed),
            "a number above 0, up to 1000");
-  const double mass = mass_of(design, mass_kg);
-  const py::gil_scoped_release unlocked;
+  if (!(mass > 0 && mass <= 1e4))
+    refuse(design.material.name, "mass_kg", fmt::format("{} is refused", mass), "a number above 0, up to 10000");
   if (of == "exact") return exact_impact(design.material, mass, speed);
   if (of == "spline") return spline_impact(design, mass, speed);
   if (!(rate >= 1e3 && rate <= 1e8))
     refuse(design.material.name, "sample_rate_hz", fmt::format("{} is refused", rate), "a number from 1000 to 1e+08");
   return simulated_impact(design, mass, speed, rate, design.material.name);
+}
+
+// Impacts of speeds and masses, arrays of one shape: largest compressions, durations, exit speeds, largest forces.
+py::tuple impacts_of(const Design& design, const Array<double>& speeds, const Array<double>& masses,
+                     const std::string& of, double rate) {
+  constexpr std::array kMembers = {&BarrierImpact::max_compression_m, &BarrierImpact::contact_duration_s,
+                                   &BarrierImpact::exit_speed_m_per_s, &BarrierImpact::max_force_n};
+  std::vector<Array<double>> arrays;
+  std::array<double*, kMembers.size()> values{};
+  for (double*& value : values) value = arrays.emplace_back(speeds.request().shape).mutable_data();
+  {
+    const auto count = static_cast<std::size_t>(speeds.size());
+    const double *const speed = speeds.data(), *const mass = masses.data();
+    const py::gil_scoped_release unlocked;
+    for (std::size_t i = 0; i < count; ++i) {
+      const BarrierImpact impact = impact_of(design, speed[i], mass[i], of, rate);
+      for (std::size_t m = 0; m < kMembers.size(); ++m) values[m][i] = impact.*kMembers[m];
+      if (i % 16 == 15) stop_on_signal();
+    }
+  }
+  return py::make_tuple(arrays[0], arrays[1], arrays[2], arrays[3]);
 }
 
 // The first values of parameters, and all that happens.
@@ -179,7 +198,8 @@ class Source {
     return py::make_tuple(outputs, forces, energies);
   }
 
-  /// Row i of `sounds` is what output `output` plays under row i of `values`, of the parameters `numbers`.
+  /// Row i of `sounds` is what output `output` plays, or after the last one the force of contacts, under row i of
+  /// `values`, of the parameters `numbers`.
   template <std::floating_point T>
   void play_many(const std::vector<std::size_t>& numbers, const Array<double>& values, const Rows& rows, double rate,
                  std::size_t output, py::array_t<float, py::array::c_style> sounds, std::size_t threads,
@@ -192,14 +212,14 @@ class Source {
     const py::gil_scoped_release unlocked;
     const auto happenings = happenings_of(rows);
     IdleInstruments<T> idle;
-    for_each(
+    run_tasks(
         static_cast<std::size_t>(sounds.shape(0)), threads,
         [&](std::size_t i) {
           auto instrument = idle.take(maker_, rate);
           for (std::size_t p = 0; p < numbers.size(); ++p) instrument->set(numbers[p], value[i * numbers.size() + p]);
           instrument->prepare(rate);
           const auto stop = [&] {
-            if (is_stopped) throw std::runtime_error("stopped");
+            if (is_stopped) throw Stopped();
           };
           const std::span<float> sound(first + i * samples, samples);
           const auto rendered = [&](const Recording<T>& into) {
@@ -211,12 +231,13 @@ class Source {
             }
           };
           Recording<T> recording{std::vector<std::span<T>>(outputs), {}};
+          std::span<T>& recorded = output < outputs ? recording.outputs[output] : recording.force;
           if constexpr (std::same_as<T, float>) {
-            recording.outputs[output] = sound;
+            recorded = sound;
             rendered(recording);
           } else {
             std::vector<T> exact(samples);
-            recording.outputs[output] = exact;
+            recorded = exact;
             rendered(recording);
             std::ranges::transform(exact, sound.begin(), [](T sample) { return static_cast<float>(sample); });
           }
@@ -414,11 +435,6 @@ void bind_struck_string(py::module_& m) {
 }
 
 void bind_design(py::module_& m) {
-  py::class_<BarrierImpact>(m, "Impact", "What an impact on a rigid barrier does.")
-      .def_readonly("max_compression_m", &BarrierImpact::max_compression_m)
-      .def_readonly("contact_duration_s", &BarrierImpact::contact_duration_s)
-      .def_readonly("exit_speed_m_per_s", &BarrierImpact::exit_speed_m_per_s)
-      .def_readonly("max_force_n", &BarrierImpact::max_force_n);
   py::class_<Design>(m, "Design", "A material with its spline.")
       .def_property_readonly("name", [](const Design& d) { return d.material.name; })
       .def_property_readonly("description", [](const Design& d) { return d.material.description; })
@@ -432,7 +448,7 @@ void bind_design(py::module_& m) {
                                return std::pair(d.material.impact->min_speed_m_per_s,
                                                 d.material.impact->max_speed_m_per_s);
                              })
-      .def("mass_kg", [](const Design& d) { return mass_of(d, std::nullopt); })
+      .def("mass_kg", &mass_of)
       .def("knots", [](const Design& d) { return members(d, &Segment<double>::knot); })
       .def("energies", [](const Design& d) { return members(d, &Segment<double>::energy); })
       .def("forces", [](const Design& d) { return members(d, &Segment<double>::force); })
@@ -451,7 +467,7 @@ void bind_design(py::module_& m) {
            [](const Design& d, const Array<double>& y) {
              return each(y, [&](double at) { return at > 0 ? d.material.contact.force(at) : 0; });
            })
-      .def("impact", &impact_of);
+      .def("impacts", &impacts_of);
   m.def("design", &design_of);
   m.def("design_many", &design_many);
 }

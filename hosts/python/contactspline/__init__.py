@@ -11,11 +11,11 @@ from .dataset import dataset
 from .fitting import Fit, fit
 from .gradients import StruckString
 from .instrument import Instrument, Sound, change, note, pluck, release, render_many, strike
-from .material import Material, design_many
+from .material import Impact, Material, design_many
 from .resonator import Keyboard, Resonator
 from .score import play_score, shipped
 
-__all__ = ["Error", "Fit", "Instrument", "Keyboard", "Material", "Resonator", "Sound", "StruckString", "change", "dataset",
+__all__ = ["Error", "Fit", "Impact", "Instrument", "Keyboard", "Material", "Resonator", "Sound", "StruckString", "change", "dataset",
            "design_many", "fit", "note", "play_score", "pluck", "release", "render_many", "shipped", "strike"]
 
 Error.__module__ = __name__

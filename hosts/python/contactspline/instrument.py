@@ -22,6 +22,9 @@ _STRIKE, _RELEASE, _PLUCK, _NOTE_ON, _NOTE_OFF, _SET = (
     _core.actions[name] for name in ("strike", "release", "pluck", "note_on", "note_off", "set"))
 
 
+_FORCE = "force_n"  # the sum of the contact forces, beside the outputs that an instrument lists
+
+
 class Event(NamedTuple):
     """What happens at a time: strike, release, pluck, note and change make it."""
 
@@ -78,6 +81,8 @@ class Sound:
         self.force_n, self.energy_j, self.energy_step = force_n, energy_j, energy_step
 
     def __getitem__(self, output: str) -> npt.NDArray[Any]:
+        if output not in self.outputs and output == _FORCE and self.force_n is not None:
+            return self.force_n
         if output not in self.outputs:
             raise ValueError(f"{self.title}: output '{output}' is unknown; allowed: {', '.join(self.outputs)}")
         return self.outputs[output]
@@ -118,7 +123,7 @@ class Sound:
         lines = axes.plot(self.time_s(), self[name], linewidth=0.5)
         if len(lines) == 2:
             axes.legend(lines, ["left", "right"])
-        axes.set(xlabel="time [s]", ylabel=f"{name} [{self.units[name]}]", title=self.title)
+        axes.set(xlabel="time [s]", ylabel=f"{name} [{self.units.get(name, 'N')}]", title=self.title)
         return axes
 
     def __repr__(self) -> str:
@@ -167,7 +172,7 @@ class Instrument:
         """Plays events (strike, pluck, note, ...; one or a list). Returns a Sound.
 
         parameters: values by name, each a number or an array of values over the whole time, within their ranges. outputs: the names of those
-        that are computed (default: all). energy_step: samples between two energies; 0: none. precision: "double" or
+        that are computed (default: all); "force_n" is the sum of the contact forces. energy_step: samples between two energies; 0: none. precision: "double" or
         "single".
         """
         play = {"double": self._source.play_double, "single": self._source.play_single}.get(precision)
@@ -175,10 +180,10 @@ class Instrument:
             raise ValueError(f"precision: '{precision}' is unknown; allowed: double, single")
         samples = _samples(seconds, sample_rate_hz)
         wanted = list(self.outputs) if outputs is None else [outputs] if isinstance(outputs, str) else list(outputs)
-        for name in wanted:
-            self._find("outputs", name)
+        numbers = [self._output(name) for name in wanted]
         if not wanted:
-            raise ValueError(f"{self.name}: outputs: is empty; allowed: one or more of {', '.join(self.outputs)}")
+            raise ValueError(f"{self.name}: outputs: is empty; allowed: one or more of {', '.join(self._all_outputs())}")
+        is_force_wanted = len(self.outputs) in numbers
         energy_step = operator.index(energy_step)
         if energy_step < 0:
             raise ValueError(f"energy_step: {energy_step} is refused; allowed: 0 or more samples")
@@ -186,12 +191,24 @@ class Instrument:
         initial = [(number, values[0][1]) for number, values in curves.items()]
         rows = [(sample, _SET, number, value, 0.0) for number, values in curves.items() for sample, value in values[1:]]
         rows = self._rows(events, rows, samples, sample_rate_hz, parameters or {})
-        played, forces, energies = play(initial, rows, samples, sample_rate_hz, [name in wanted for name in self.outputs],
-                                        force, energy_step)
-        return Sound(self.description or self.name,
-                     {name: array for name, array in zip(self.outputs, played) if name in wanted},
-                     {name: self.outputs[name]["unit"] for name in wanted}, sample_rate_hz,
-                     forces if force else None, energies if energy_step else None, energy_step)
+        played, forces, energies = play(initial, rows, samples, sample_rate_hz,
+                                        [number in numbers for number in range(len(self.outputs))],
+                                        force or is_force_wanted, energy_step)
+        arrays = [*played, forces]
+        sounds = {name: arrays[number] for number, name in enumerate(self._all_outputs()) if number in numbers}
+        units = {name: self.outputs[name]["unit"] if name in self.outputs else "N" for name in sounds}
+        return Sound(self.description or self.name, sounds, units, sample_rate_hz,
+                     forces if force or is_force_wanted else None, energies if energy_step else None, energy_step)
+
+    def _all_outputs(self):
+        """The names of all that play and render_many record, in the order of the compiled part."""
+        return [*self.outputs, *([] if _FORCE in self.outputs else [_FORCE])]
+
+    def _output(self, name):
+        """The number of an output."""
+        if name not in self._all_outputs():
+            raise ValueError(f"{self.name}: outputs: '{name}' is unknown; allowed: {', '.join(self._all_outputs())}")
+        return self._all_outputs().index(name)
 
     def _find(self, what, name):
         if name not in getattr(self, what):
@@ -292,8 +309,8 @@ def render_many(instrument: Instrument, parameters: Mapping[str, npt.ArrayLike],
     """Renders an instrument once for each row of parameters, on all cores. Returns float32 samples, (rows, samples).
 
     parameters: a dict from names to arrays of the same length. events: what every row plays; strike(0) takes the speed
-    that the row has. output: a name (default: the first). out: where the samples go, for instance a numpy.memmap; default: a new array. The samples of a row do
-    not depend on the other rows, their order or the number of threads. progress(done, total) is called about ten times
+    that the row has. output: a name (default: the first), "force_n" among them. out: where the samples go, for instance
+    a numpy.memmap; default: a new array. The samples of a row do not depend on the other rows, their order or the number of threads. progress(done, total) is called about ten times
     a second, and at the end.
     """
     if precision not in ("single", "double"):
@@ -314,11 +331,10 @@ def render_many(instrument: Instrument, parameters: Mapping[str, npt.ArrayLike],
     elif (not isinstance(out, np.ndarray) or out.shape != shape or out.dtype != np.float32 or not out.flags.c_contiguous
           or not out.flags.writeable):
         raise ValueError(f"out: is no array for this; allowed: float32, C order, writable, {shape}")
-    name = next(iter(instrument.outputs)) if output is None else output
-    instrument._find("outputs", name)
+    number = 0 if output is None else instrument._output(output)
     play = instrument._source.play_many_single if precision == "single" else instrument._source.play_many_double
     play([instrument._number(name) for name in parameters], values, instrument._rows(events, [], samples, sample_rate_hz, parameters),
-         sample_rate_hz, list(instrument.outputs).index(name), out, threads_of(threads), watch_of(progress, len(values)))
+         sample_rate_hz, number, out, threads_of(threads), watch_of(progress, len(values)))
     return out
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import json
 import os
-from typing import Any, Callable, Iterable, Mapping
+from dataclasses import dataclass, fields
+from typing import Any, Callable, Generic, Iterable, Mapping, Sequence, TypeVar, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -13,6 +14,27 @@ import numpy.typing as npt
 from . import _core
 from .figures import axes_or_new, figure_html, table_html
 from .source import source_of, threads_of, watch_of
+
+
+T = TypeVar("T", float, npt.NDArray[np.float64])
+
+
+@dataclass(frozen=True, eq=False)
+class Impact(Generic[T]):
+    """What impacts on a rigid barrier do: numbers, or arrays of one shape. print() shows a table."""
+
+    speed_m_per_s: T
+    mass_kg: T
+    max_compression_m: T
+    contact_duration_s: T
+    exit_speed_m_per_s: T
+    max_force_n: T
+
+    def __str__(self) -> str:
+        names = [field.name for field in fields(self)]
+        columns = np.stack([np.ravel(getattr(self, name)) for name in names])
+        lines = [names] + [[f"{value:.6g}" for value in row] for row in columns.T.tolist()]
+        return "\n".join("  ".join(cell.rjust(len(name)) for cell, name in zip(line, names)) for line in lines)
 
 
 class Material:
@@ -116,15 +138,25 @@ class Material:
         """The law's force [N] at compressions [m], in their shape; 0 out of contact."""
         return self._design.exact_force(np.asarray(compression_m, float))
 
+    @overload
     def impact(self, speed_m_per_s: float, mass_kg: float | None = None, *, of: str = "exact",
-               sample_rate_hz: float = 44100) -> _core.Impact:
-        """A mass (by default the material's) that hits a rigid barrier.
+               sample_rate_hz: float = 44100) -> Impact[float]: ...
+    @overload
+    def impact(self, speed_m_per_s: Sequence[float] | npt.NDArray[Any], mass_kg: npt.ArrayLike | None = None, *,
+               of: str = "exact", sample_rate_hz: float = 44100) -> Impact[npt.NDArray[np.float64]]: ...
+
+    def impact(self, speed_m_per_s: Any, mass_kg: npt.ArrayLike | None = None, *, of: str = "exact",
+               sample_rate_hz: float = 44100) -> Impact[Any]:
+        """A mass (by default the material's) that hits a rigid barrier; arrays of speeds and masses give arrays.
 
         of: "exact", the law; "spline", its spline in continuous time; "simulated", the contact step at a sample rate.
         """
         if of not in ("exact", "spline", "simulated"):
             raise ValueError(f"of: '{of}' is unknown; allowed: exact, spline, simulated")
-        return self._design.impact(float(speed_m_per_s), mass_kg, of, float(sample_rate_hz))
+        speeds, masses = np.broadcast_arrays(np.asarray(speed_m_per_s, float),
+                                             np.asarray(self.mass_kg if mass_kg is None else mass_kg, float))
+        values: Any = [speeds, masses, *self._design.impacts(speeds, masses, of, float(sample_rate_hz))]
+        return Impact(*map(float, values)) if speeds.ndim == 0 else Impact(*values)
 
     def plot(self, axes: Any = None) -> Any:
         """Draws the force of law and spline over the compression. Returns the axes of matplotlib."""
@@ -148,14 +180,14 @@ class Material:
             slowest, fastest = self.speeds_m_per_s or (0.1, 10)
             speeds_m_per_s = np.geomspace(slowest, fastest, 40)
         speeds = np.atleast_1d(np.asarray(speeds_m_per_s, float))
-        impacts = [self.impact(speed) for speed in speeds]
+        impacts = self.impact(speeds)
         if axes is None:
             _, axes = plt.subplots(2, 1, sharex=True, layout="constrained")
         if np.size(axes) != 2:
             raise ValueError("plot_impacts: axes: are not two; allowed: two axes of matplotlib, or None")
-        axes[0].loglog(speeds, [1000 * impact.contact_duration_s for impact in impacts])
+        axes[0].loglog(speeds, 1000 * impacts.contact_duration_s)
         axes[0].set(ylabel="contact duration [ms]", title=self.description or self.name)
-        axes[1].loglog(speeds, [impact.max_force_n for impact in impacts])
+        axes[1].loglog(speeds, impacts.max_force_n)
         axes[1].set(xlabel="speed [m/s]", ylabel="largest force [N]")
         return axes
 

@@ -7,6 +7,7 @@ import contextlib
 import json
 import operator
 import os
+import secrets
 from typing import Any, Callable, Mapping
 
 import numpy as np
@@ -69,12 +70,13 @@ def watch_of(progress: Callable[[int, int], object] | None, total: int) -> Calla
 
 def write_whole(path: str | os.PathLike[str], content: bytes) -> None:
     """Writes a file, which is there as a whole or stays as it was."""
-    part = f"{os.fsdecode(path)}.part"
-    try:
-        with open(part, "wb") as file:
+    part = os.path.join(os.path.dirname(os.fsdecode(path)), f".contactspline-{secrets.token_hex(8)}")
+    with open(part, "xb") as file:  # which is no file of somebody else, and follows no link
+        try:
             file.write(content)
-        os.replace(part, path)
-    except BaseException:
-        with contextlib.suppress(OSError):
-            os.remove(part)
-        raise
+            file.close()
+            os.replace(part, path)
+        except BaseException:
+            with contextlib.suppress(OSError):
+                os.remove(part)
+            raise

@@ -336,6 +336,29 @@ def test_what_is_wrong_is_told(wrong, told):
         made("hammer_string").play(**{"seconds": 0.1, **wrong})
 
 
+@pytest.mark.parametrize("precision", ["single", "double"])
+def test_the_contact_force_has_one_name(precision):
+    string = made("hammer_string")
+    sound = string.play(cs.strike(0, 2), 0.05, outputs=["force_n", "bridge_force_n"], force=False, precision=precision)
+    assert list(sound.outputs) == ["bridge_force_n", "force_n"] and sound.units["force_n"] == "N"
+    force = string.play(cs.strike(0, 2), 0.05, outputs="bridge_force_n", precision=precision)
+    assert np.max(sound["force_n"]) > 1 and np.array_equal(sound["force_n"], force.force_n)
+    assert np.array_equal(force["force_n"], force.force_n) and list(force.outputs) == ["bridge_force_n"]
+    alone = string.play(cs.strike(0, 2), 0.05, outputs="force_n", precision=precision).samples
+    many = cs.render_many(string, {"speed_m_per_s": [1.0, 2.0]}, cs.strike(0), 0.05, output="force_n", precision=precision)
+    assert np.array_equal(many[1], alone.astype(np.float32)) and not np.array_equal(many[0], many[1])
+    with pytest.raises(ValueError, match="'force' is unknown; allowed: .*bridge_force_n, force_n$"):
+        cs.render_many(string, {"speed_m_per_s": [1.0]}, cs.strike(0), 0.05, output="force")
+
+
+def test_a_file_is_written_beside_those_of_others(tmp_path):
+    (tmp_path / "diary").write_bytes(b"precious")
+    (tmp_path / "a.wav.part").symlink_to("diary")
+    made("hammer_string").play(cs.strike(0, 2), 0.01).write(tmp_path / "a.wav")
+    assert (tmp_path / "diary").read_bytes() == b"precious" and (tmp_path / "a.wav.part").is_symlink()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.wav", "a.wav.part", "diary"]
+
+
 def test_sounds_are_written_drawn_and_shown(tmp_path, image_of):
     sound = made("hammer_string").play(cs.strike(0, 2), 0.2)
     sound.write(tmp_path / "a.wav", "bridge_force_n")

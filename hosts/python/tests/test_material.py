@@ -51,6 +51,25 @@ def test_impacts_are_those_that_the_program_prints(program):
             assert getattr(impact, key) == motion[key], (motion["model"], key)
 
 
+def test_impacts_of_arrays_are_those_of_their_numbers_and_print_a_table():
+    material = cs.Material("felt_c2")
+    speeds, masses = np.array([[0.5, 1.0, 4.0], [0.1, 2.0, 3.0]]), [0.003, 0.01, 0.002]
+    for of in ("exact", "spline", "simulated"):
+        impacts = material.impact(speeds, masses, of=of)
+        for at in np.ndindex(speeds.shape):
+            one = material.impact(speeds[at], masses[at[1]], of=of)
+            for name, value in vars(one).items():
+                assert getattr(impacts, name).shape == speeds.shape and getattr(impacts, name)[at] == value, (of, at, name)
+    assert material.impact([]).max_force_n.shape == (0,)
+    with pytest.raises(cs.Error, match="speed_m_per_s: nan is refused"):
+        material.impact([1, math.nan])
+    lines = [line.split() for line in str(material.impact(speeds[0])).splitlines()]
+    assert lines[0] == ["speed_m_per_s", "mass_kg", "max_compression_m", "contact_duration_s", "exit_speed_m_per_s", "max_force_n"]
+    for line, speed in zip(lines[1:], speeds[0], strict=True):
+        assert [float(cell) for cell in line] == pytest.approx(list(vars(material.impact(speed)).values()), rel=1e-5)
+    assert len(str(material.impact(1.0)).splitlines()) == 2
+
+
 def test_keywords_files_and_dicts_describe_the_same(tmp_path):
     path = tmp_path / "probe.json"
     path.write_text(json.dumps(POWER_LAW))
