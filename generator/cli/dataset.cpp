@@ -151,6 +151,7 @@ void write_shards(const std::vector<Shard>& shards, const Plan& plan, const Data
   std::string failure;
   for (const Shard& shard : shards) {
     if (shard.state == ShardState::kComplete) {
+      remove_leftovers(shard.path);
       report(options, fmt::format("kept {}\n", shard.path.string()));
       continue;
     }

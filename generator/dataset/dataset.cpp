@@ -11,13 +11,14 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <exception>
 #include <functional>
 #include <stdexcept>
 #include <thread>
 
+#include "generator/dataset/pending_shard.hpp"
 #include "generator/dataset/sample_player.hpp"
 #include "generator/support/error.hpp"
+#include "generator/support/task_pool.hpp"
 
 namespace contactspline {
 namespace {
@@ -25,8 +26,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr auto kTellAfter = std::chrono::milliseconds(100);
-// What a thread renders at once: at most so much, at least a row, and so little that all threads end together.
-constexpr std::size_t kRowsBytes = 1 << 22, kPartsOfThread = 16;
+// What a thread renders at once: at most so much, at least a row, and so little that all threads end together. It
+// does not depend on their number: HDF5 places the blocks of an array in the order in which rows fill them.
+constexpr std::size_t kRowsBytes = 1 << 22, kParts = 256;
 
 SampleRows rows_for(const Plan& plan, std::size_t count) {
   SampleRows rows{0, count, std::vector<std::vector<float>>(plan.recorded.size()), {}, {}};
@@ -54,9 +56,6 @@ SampleArrays arrays_of(const Plan& plan, SampleRows& rows, std::size_t row) {
   }
   return arrays;
 }
-
-/// Ends a thread after another one has failed. Nobody sees it: oneTBB keeps the first exception.
-struct Stopped : std::exception {};
 
 /// Renders samples on several threads, each with an instrument of its own.
 class Renderer {
@@ -141,8 +140,8 @@ void write_shard(const std::filesystem::path& path, const Plan& plan, const Shar
   const tbb::global_control allowed(  // without it oneTBB warns of more threads than cores
       tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
   const std::size_t threads_used = static_cast<std::size_t>(threads);
-  const std::size_t rows_at_once = std::max<std::size_t>(
-      std::min(kRowsBytes / plan.bytes_per_sample(), heading.range.count / (kPartsOfThread * threads_used)), 1);
+  const std::size_t rows_at_once =
+      std::max<std::size_t>(std::min(kRowsBytes / plan.bytes_per_sample(), heading.range.count / kParts), 1);
   std::vector<SampleRows> parts(2 * threads_used);  // in memory
   std::size_t begun = 0;
   std::atomic<std::size_t> written = 0;
@@ -158,7 +157,7 @@ void write_shard(const std::filesystem::path& path, const Plan& plan, const Shar
     return &rows;
   };
   const auto watch = [&] {
-    if (tbb::is_current_task_group_canceling()) throw Stopped();
+    if (tbb::is_current_task_group_canceling()) throw Stopped();  // nobody sees it: oneTBB keeps the first exception
     if (std::this_thread::get_id() != caller || Clock::now() - told <= kTellAfter) return;
     done(written);
     told = Clock::now();
@@ -178,6 +177,13 @@ void write_shard(const std::filesystem::path& path, const Plan& plan, const Shar
                                tbb::make_filter<SampleRows*, void>(tbb::filter_mode::serial_in_order, write));
   });
   writer.finish();
+}
+
+void remove_leftovers(const std::filesystem::path& shard) {
+  try {
+    const PendingShard removes_them_at_its_end(shard);
+  } catch (const BadInput&) {
+  }
 }
 
 }  // namespace contactspline

@@ -27,11 +27,14 @@ namespace contactspline {
 [[nodiscard]] double measured_time_of_sample(const Plan& plan, const SampleRange& range,
                                              const std::function<void()>& watch);
 
-/// Renders samples on the given number of threads and writes them to a shard. Its samples do not depend on the number
+/// Renders samples on the given number of threads and writes them to a shard. Its bytes do not depend on the number
 /// of threads. done(samples) is called about ten times a second on the calling thread, with the number of those that
 /// are written; it may throw to stop. Throws BadInput where the file cannot be written or a sample is not finite;
 /// then no file is left.
 void write_shard(const std::filesystem::path& path, const Plan& plan, const ShardHeading& heading, int threads,
                  const std::function<void(std::size_t)>& done);
+
+/// Removes what a process that was killed has left beside a shard. Does nothing while another one writes it.
+void remove_leftovers(const std::filesystem::path& shard);
 
 }  // namespace contactspline

@@ -14,6 +14,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "generator/support/error.hpp"
 
@@ -29,19 +30,52 @@ namespace contactspline {
   fail_to_write(path, errno == 0 ? "cannot be written" : fmt::format("cannot be written: {}", std::strerror(errno)));
 }
 
-/// A file under a temporary name, locked against other processes.
-class PendingShard {
+/// A file that says that its owner alone writes beside it. HDF5 may lock the files that it writes itself, and on some
+/// file systems a second lock of the same process stands against the first: so that this one holds a file of its own.
+class WriterLock {
  public:
-  explicit PendingShard(const std::filesystem::path& path) : path_(path), pending_(path.string() + ".part") {
+  WriterLock(std::filesystem::path name, const std::filesystem::path& shard) : name_(std::move(name)) {
     do {
       if (descriptor_ >= 0) ::close(descriptor_);
-      descriptor_ = ::open(pending_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-      if (descriptor_ < 0) fail_to_write(path_);
-      if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
-        ::close(descriptor_);
-        refuse(path_.string(), "file", "is being written by another process", "another folder, or to wait for it");
-      }
+      descriptor_ = ::open(name_.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
+      if (descriptor_ < 0) fail_to_write(shard);
+      if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) continue;
+      const int error = errno;
+      ::close(descriptor_);
+      errno = error;
+      if (error != EWOULDBLOCK) fail_to_write(shard);
+      refuse(shard.string(), "file", "is being written by another process", "another folder, or to wait for it");
     } while (!still_has_its_name());
+  }
+  WriterLock(const WriterLock&) = delete;
+  WriterLock& operator=(const WriterLock&) = delete;
+  ~WriterLock() {
+    ::unlink(name_.c_str());
+    ::close(descriptor_);
+  }
+
+ private:
+  // Another process may have removed the file before it was locked.
+  [[nodiscard]] bool still_has_its_name() const {
+    struct stat open = {}, named = {};
+    return ::fstat(descriptor_, &open) == 0 && ::lstat(name_.c_str(), &named) == 0 && open.st_ino == named.st_ino &&
+           open.st_dev == named.st_dev;
+  }
+
+  std::filesystem::path name_;
+  int descriptor_ = -1;
+};
+
+/// A file under a temporary name, which one process at a time writes. The name begins as that of all temporary files
+/// of the program, so that none of somebody else has it; what a killed process left there is removed, and no link is
+/// followed.
+class PendingShard {
+ public:
+  explicit PendingShard(const std::filesystem::path& path)
+      : path_(path), pending_(beside(path, ".part")), lock_(beside(path, ".lock"), path) {
+    ::unlink(pending_.c_str());
+    descriptor_ = ::open(pending_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor_ < 0) fail_to_write(path_);
   }
   PendingShard(const PendingShard&) = delete;
   PendingShard& operator=(const PendingShard&) = delete;
@@ -71,14 +105,12 @@ class PendingShard {
   }
 
  private:
-  // Another process may have renamed or removed the file before it was locked.
-  [[nodiscard]] bool still_has_its_name() const {
-    struct stat open = {}, named = {};
-    return ::fstat(descriptor_, &open) == 0 && ::stat(pending_.c_str(), &named) == 0 && open.st_ino == named.st_ino &&
-           open.st_dev == named.st_dev;
+  static std::filesystem::path beside(const std::filesystem::path& path, const char* ending) {
+    return path.parent_path() / (".contactspline-" + path.filename().string() + ending);
   }
 
   std::filesystem::path path_, pending_;
+  WriterLock lock_;  // outlives the temporary name
   int descriptor_ = -1;
   bool is_renamed_ = false;
 };

@@ -68,16 +68,62 @@ TEST_F(Dataset, SameCommandAgainKeepsWholeShards) {
   EXPECT_TRUE(shard(2, 3) == second.content);
 }
 
-// A file holds nothing but what the plan and the program say: no time, no folder.
+// A file holds nothing but what the plan and the program say: no time, no folder. The samples of each shard fill
+// several blocks of several arrays, whose order in the file is that in which they are full.
 TEST_F(Dataset, FilesAreTheSameWhereverAndOnHoweverManyThreadsTheyAreWritten) {
-  succeed(call({"--shard", "2/3", "--threads", "1"}));
-  const Sandbox other;
-  write_file(other / "strikes.json", kStrikes);
-  Call again = call({"--shard", "2/3", "--threads", "3"});
-  again.folder = other.path();
-  succeed(again);
-  EXPECT_TRUE(read_file(other / fmt(2, 3)) == shard(2, 3));
-  EXPECT_FALSE(fs::exists(box_ / "out/strikes.h5"));
+  const std::string plan = replaced(replaced(kStrikes, "\"count\": 20", "\"count\": 1200"),
+                                    "\"energy_step_samples\": 100", "\"energy_step_samples\": 5");
+  const Words shard = {"--shard", "2/3"};
+  std::string first;
+  for (const char* threads : {"1", "2", "3", "8"}) {
+    const Sandbox other;
+    write_file(other / "strikes.json", plan);
+    Call one = call(followed_by(shard, {"--threads", threads}));
+    one.folder = other.path();
+    succeed(one);
+    const std::string bytes = read_file(other / fmt(2, 3));
+    EXPECT_TRUE(first.empty() || bytes == first) << threads;
+    EXPECT_FALSE(fs::exists(other / "out/strikes.h5"));
+    first = bytes;
+  }
+}
+
+// Neither under the names of its own temporary files nor under others.
+TEST_F(Dataset, OverwritesNoFileOfOthersAndFollowsNoLink) {
+  for (const std::string name :
+       {"strikes.h5.part", "strikes-00001-of-00001.h5.part", ".contactspline-strikes.h5.part",
+        ".contactspline-strikes-00001-of-00001.h5.part", ".contactspline-strikes-00001-of-00001.h5.lock"}) {
+    const bool is_own = name.starts_with(".");
+    for (const bool is_link : {false, true}) {
+      if (is_own && !is_link) continue;
+      fs::remove_all(box_ / "out");
+      fs::create_directory(box_ / "out");
+      write_file(box_ / "diary", "precious");
+      const fs::path other = box_ / "out" / name;
+      is_link ? fs::create_symlink("../diary", other) : write_file(other, "precious");
+      const Outcome outcome = run(call({}));
+      EXPECT_EQ(read_file(box_ / "diary"), "precious") << name;
+      if (name.ends_with(".lock")) {
+        EXPECT_EQ(outcome.exit_code, 2);
+        EXPECT_TRUE(outcome.err.starts_with("contactspline: " + fmt(1, 1) + ": file: cannot be written: "))
+            << outcome.err;
+        continue;
+      }
+      EXPECT_EQ(outcome.exit_code, 0) << name << outcome.err;
+      if (!is_own) {
+        EXPECT_EQ(read_file(other), "precious") << name;
+      }
+    }
+  }
+}
+
+// HDF5 reads this once, so that each value has a process of its own. Clusters set them.
+TEST_F(Dataset, AllowsHdf5ToLockItsFiles) {
+  for (const char* value : {"TRUE", "BEST_EFFORT", "FALSE"}) {
+    Call locking = call({"--force"});
+    locking.environment = {{"HDF5_USE_FILE_LOCKING", value}};
+    succeed(run_program(locking));
+  }
 }
 
 TEST_F(Dataset, JoinsWhatIsThereAndNothingElse) {
@@ -173,7 +219,7 @@ TEST_F(Dataset, KilledAtAnyMomentGoesOnToTheSameBytes) {
       EXPECT_TRUE(!fs::exists(box_ / fmt(i, 4)) || shard(i, 4) == wanted[std::size_t(i - 1)]) << round << " " << i;
     succeed(call(words));
     for (int i = 1; i <= 4; ++i) EXPECT_TRUE(shard(i, 4) == wanted[std::size_t(i - 1)]) << round << " " << i;
-    for (const auto& [name, state] : box_.listing()) EXPECT_FALSE(name.ends_with(".part")) << name;
+    for (const auto& [name, state] : box_.listing()) EXPECT_FALSE(name.starts_with("out/.")) << name;
   }
 }
 

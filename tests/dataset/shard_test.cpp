@@ -112,7 +112,7 @@ TEST_F(Shards, TakeTheirRoomBeforeTheFirstSample) {
   const Plan plan = plan_of(R"("count": 100, "seconds": 1)");
   const ShardWriter writer(box_ / "shard.h5", plan, heading_of(plan));
   struct stat file = {};
-  ASSERT_EQ(::stat((box_ / "shard.h5.part").c_str(), &file), 0);
+  ASSERT_EQ(::stat((box_ / ".contactspline-shard.h5.part").c_str(), &file), 0);
   EXPECT_GE(static_cast<std::size_t>(file.st_blocks) * 512, plan.count * plan.bytes_per_sample());
 }
 

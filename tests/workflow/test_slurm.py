@@ -46,6 +46,11 @@ def processes(folder):
             yield process, words, environment.get("SLURMD_NODENAME", words[-1] if "-N" in words else None)
 
 
+def pending(shard):
+    """The name of a shard while it is written."""
+    return shard.with_name(f".contactspline-{shard.name}.part")
+
+
 def first_writer(folder, run):
     """Waits for a shard that is half written. Returns its node and its path."""
     while run.poll() is None:
@@ -53,7 +58,7 @@ def first_writer(folder, run):
             if words and words[0] == PROGRAM and "--shard" in words:
                 index, shards = words[words.index("--shard") + 1].split("/")
                 shard = folder / f"out/strikes-{int(index):05}-of-{int(shards):05}.h5"
-                if shard.with_name(shard.name + ".part").exists():
+                if pending(shard).exists():
                     return node, shard
     raise AssertionError(f"no shard was being written: exit {run.returncode}")
 
@@ -93,7 +98,7 @@ exec {PROGRAM} "$@"
     try:
         node, shard = first_writer(tmp_path, run)
         lose(node, tmp_path)
-        assert shard.with_name(shard.name + ".part").exists() and not shard.exists()
+        assert pending(shard).exists() and not shard.exists()
         joined = subprocess.run([PROGRAM, "dataset", plan, "-o", "out", "--shards", "4", "--join"], cwd=tmp_path,
                                 capture_output=True, text=True)
         assert joined.returncode == 2 and "does not exist" in joined.stderr
