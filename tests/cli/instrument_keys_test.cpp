@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
+#include <algorithm>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -107,6 +109,44 @@ TEST_F(KeysOnTheCommandLine, AreRefusedWhereTheyCannotPlay) {
   for (const char* file : {"none.so", "text.so"})
     expect_refused(render("song.mid", file), std::string(file) + ": --instrument: cannot be loaded",
                    "allowed: a library of contactspline_model()");
+}
+
+// The program itself: a library keeps what it has read of the environment.
+TEST_F(KeysOnTheCommandLine, BrokenModelsAreRefusedInOneLine) {
+  fs::copy_file(BROKEN_MODEL, box_ / "broken.so");
+  const auto play = [&](const std::string& how) {
+    return run_program({.arguments = {"render", "song.mid", "--instrument", "broken.so", "-o", "broken.wav"},
+                        .folder = box_.path(),
+                        .environment = {{"BROKEN", how}}});
+  };
+  const auto expect_line = [&](const std::string& how, const std::string& wrong, const std::string& allowed) {
+    const Outcome outcome = play(how);
+    SCOPED_TRACE(how);
+    expect_refused(outcome, "broken.so: --instrument: " + wrong, allowed);
+    EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1) << outcome.err;
+    EXPECT_FALSE(fs::exists(box_ / "broken.wav"));
+  };
+  expect_line("event", "events(): strike: its parameter is 7, and there are 1 parameters", "0 to 0");
+  expect_line("outputs", "outputs(): is empty", "at least one output");
+  expect_line("full_scale", "outputs(): displacement_m: full_scale is not above 0", "such as 1");
+  for (const char* how : {"event_name", "unit", "name"})
+    expect_line(how, "a name, unit or description is a null pointer", "a text for each");
+  expect_line("constructor", "its class cannot be made (two lines)", "throw nothing");
+  expect_line("prepare", "its class cannot be made (no memory for modes)", "throw nothing");
+  expect_line("module", "gives no model", "a library of contactspline_model()");
+
+  const std::string whole = read_file(box_ / "broken.so");
+  for (const std::size_t size :
+       {std::size_t(0), std::size_t(63), std::size_t(100), whole.size() / 4, whole.size() / 2}) {
+    write_file(box_ / "broken.so", whole.substr(0, size));
+    expect_line("not", size < 64 ? "cannot be loaded" : "is cut off", "a library of contactspline_model()");
+  }
+  fs::remove(box_ / "broken.so");
+  ASSERT_EQ(::mkfifo((box_ / "broken.so").c_str(), 0600), 0);
+  expect_line("not", "is no regular file", "a library of contactspline_model()");
+  fs::remove(box_ / "broken.so");
+  fs::copy_file(BROKEN_MODEL, box_ / "broken.so");
+  EXPECT_EQ(play("not").exit_code, 0);
 }
 
 TEST_F(KeysOnTheCommandLine, AreInWhatInspectSays) {
