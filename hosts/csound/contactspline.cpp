@@ -20,10 +20,12 @@ using Player = contactspline::WiredInstrument<MYFLT>;
 using Tap = contactspline::Tap<MYFLT>;
 
 // The instruments of a Csound, by handles from 1 on. With --realtime, handles are made on a thread of their own. An
-// instrument whose note has ended is deleted when the next one is made, not while sound is computed.
+// instrument whose note has ended is deleted when the next one is made, not while sound is computed. That one has
+// another handle in the same slot, so that who kept the old handle plays nothing.
 struct Players {
   struct Slot {
     std::atomic<Player*> player = nullptr;
+    std::atomic<std::size_t> handle = 0;
     std::atomic<bool> is_free = true, has_output = false;
     std::array<int, 128> holders{};  ///< notes that hold each key
   };
@@ -43,18 +45,27 @@ struct Players {
       slots[i].player = player.release();
       slots[i].has_output = false;
       slots[i].holders = {};
+      slots[i].handle = next_handle(i);
       slots[i].is_free = false;
-      return i + 1;
+      return slots[i].handle;
     }
     return {};
   }
 
   [[nodiscard]] Slot* of(MYFLT handle) {
-    if (!(handle >= 1 && handle <= static_cast<MYFLT>(slots.size()))) return nullptr;
-    Slot& slot = slots[static_cast<std::size_t>(handle) - 1];
-    return slot.is_free ? nullptr : &slot;
+    if (!(handle >= 1 && handle <= kMaxHandle)) return nullptr;
+    const auto number = static_cast<std::size_t>(handle);
+    Slot& slot = slots[(number - 1) % slots.size()];
+    return slot.is_free || slot.handle != number ? nullptr : &slot;
   }
 
+  // Handles of a slot are a number of slots apart; after the last one that a number of Csound holds, the first again.
+  [[nodiscard]] std::size_t next_handle(std::size_t slot) const {
+    const std::size_t last = slots[slot].handle, next = last + slots.size();
+    return last == 0 || static_cast<MYFLT>(next) > kMaxHandle ? slot + 1 : next;
+  }
+
+  static constexpr MYFLT kMaxHandle = MYFLT(1) / std::numeric_limits<MYFLT>::epsilon();
   std::array<Slot, 1024> slots;
 };
 

@@ -53,10 +53,12 @@ struct Control {
   contactspline::Wire<float> wire;
 };
 
+constexpr double kMaxWait_s = 30;  // a piano takes a few seconds
 constexpr std::size_t kMaxOutputs = 16, kMaxNotes = 128, kMaxTriggers = 64, kMaxControls = 128, kMaxText = 1000;
 
 struct ContactInstrument : public Unit {
   Request* request;  ///< while the instrument is made
+  double waited_s;   ///< for it; negative once that was told
   Player* player;
   std::size_t outputs, notes, triggers, controls;
   bool is_audio_rate;  ///< has an input at audio rate
@@ -225,9 +227,22 @@ void act_at(ContactInstrument* unit, int sample) {
   for (std::size_t i = 0; i < unit->triggers; ++i) play_trigger(unit, unit->trigger[i], sample);
 }
 
+/// Tells once that an instrument takes too long. The server says nothing where its queue is full.
+void tell_of_wait(ContactInstrument* unit, int samples) {
+  if (unit->request == nullptr || unit->waited_s < 0) return;
+  unit->waited_s += samples / unit->mRate->mSampleRate;
+  if (unit->waited_s < kMaxWait_s) return;
+  unit->waited_s = -1;
+  Print(
+      "contactspline: %s: is not made after %g s, maybe as the server's queue of commands was full; allowed: to end "
+      "this synth and start it again\n",
+      unit->request->name, kMaxWait_s);
+}
+
 /// An input may share memory with an output: the server is told not to do that.
 void play_block(ContactInstrument* unit, int samples) {
   if (unit->player == nullptr) {
+    tell_of_wait(unit, samples);
     for (int n = 0; n < (unit->is_audio_rate ? samples : 1); ++n) wait(unit, n);
     return ClearUnitOutputs(unit, samples);
   }
@@ -323,10 +338,17 @@ Request* request_of(ContactInstrument* unit) {
                    Request{.unit = unit, .player = nullptr, .sample_rate_hz = unit->mRate->mSampleRate, .name = {}};
 }
 
+bool is_begun(ContactInstrument* unit, Request* request, AsyncStageFn second, AsyncStageFn third,
+              AsyncStageFn fourth) {
+  return DoAsynchronousCommand(unit->mWorld, nullptr, "", request, second, third, fourth, free_request, 0, nullptr) ==
+         0;
+}
+
 void begin(ContactInstrument* unit) {
   Reader inputs(unit);
   const std::uint32_t name = inputs.text();
   unit->request = nullptr;
+  unit->waited_s = 0;
   unit->player = nullptr;
   unit->outputs = unit->notes = unit->triggers = unit->controls = 0;
   unit->is_audio_rate = false;
@@ -344,19 +366,25 @@ void begin(ContactInstrument* unit) {
   const std::string_view text = text_at(unit, name, space);
   std::copy_n(text.data(), text.size() + 1, request->name);
   unit->request = request;
-  DoAsynchronousCommand(unit->mWorld, nullptr, "", request, make_player, hand_over, delete_player, free_request, 0,
-                        nullptr);
+  if (is_begun(unit, request, make_player, hand_over, delete_player)) return;
+  unit->request = nullptr;
+  Print(
+      "contactspline: %s: cannot be made, as the server takes no command; allowed: to end this synth and start it "
+      "again\n",
+      request->name);
+  free_request(unit->mWorld, request);
 }
 
-// Where the server has no memory to delete the instrument beside the audio thread, it is deleted here.
+// Where the server cannot delete the instrument beside the audio thread, it is deleted here.
 void end(ContactInstrument* unit) {
   if (unit->request != nullptr) unit->request->unit = nullptr;
   if (unit->player == nullptr) return;
   Request* const request = request_of(unit);
   if (request == nullptr) return delete unit->player;
   request->player = unit->player;
-  DoAsynchronousCommand(unit->mWorld, nullptr, "", request, delete_player, nothing, nothing, free_request, 0,
-                        nullptr);
+  if (is_begun(unit, request, delete_player, nothing, nothing)) return;
+  delete unit->player;
+  free_request(unit->mWorld, request);
 }
 
 }  // namespace

@@ -185,6 +185,37 @@ endin
         for tap in range(2):
             require_equal(np.array(expected[tap:tap + 1]), sound[tap:tap + 1], "double", f"handle {tap}")
 
+        self.old_handles()
+
+    def old_handles(self):
+        """The handle of an instrument whose note has ended is none, also after another instrument was made."""
+        orchestra = f"""{HEADER}1
+gi init 0
+instr 1
+  gi contact_create "tom"
+endin
+instr 2
+  ih contact_create "hammer_string"
+  contact_note gi, 60, 0.7
+  a1 contact_out ih
+  out a1
+endin
+instr 3
+  contact_play gi, "strike_stick", 1
+endin
+instr 4
+  ih contact_create "hammer_string"
+  a1 contact_out ih
+  out a1
+endin
+"""
+        begin, length = seconds(4 * BLOCK), seconds(8 * BLOCK)
+        printed = self.csound(orchestra, f"i 1 0 {seconds(BLOCK)}\ni 2 {begin} {length}", "test.wav", 1)
+        assert "ihandle: 1 is no instrument" in printed, printed
+        # An opcode that began before the instrument ended.
+        self.csound(orchestra, f"i 1 0 {seconds(2 * BLOCK)}\ni 3 0 {length}\ni 4 {begin} {length}", "test.wav")
+        assert np.abs(channels("test.wav")).max() == 0
+
     def reinit(self):
         """reinit makes an instrument anew, more often than there are handles; it plays another key."""
         orchestra = f"""{HEADER}1
