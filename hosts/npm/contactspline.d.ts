@@ -80,7 +80,7 @@ interface Playable {
   noteOff(key: number, time?: number): void;
   /** Plays an event of the description by a speed [m/s] or a force [N], or by that of its parameter. */
   strike(event: string, value?: number, time?: number): void;
-  /** Three bytes; others do nothing. */
+  /** Three bytes; other messages do nothing. */
   midi(bytes: ArrayLike<number>, time?: number): void;
   set(parameter: string, value: number): void;
   loadPreset(name: string): void;
@@ -105,7 +105,7 @@ export class Player {
   private constructor();
   static create(instrument: Source, sampleRate?: number): Promise<Player>;
   readonly sampleRate: number;
-  /** Up to 128 samples, left and right, and the sum of the contact forces [N]: views that the next call changes. */
+  /** Samples, left and right, and the sum of the contact forces [N]. Up to 128 are views that the next call changes. */
   process(samples?: number): [left: Float32Array, right: Float32Array, force: Float32Array];
   /** Stored [J]. */
   energy(): number;

@@ -86,6 +86,21 @@ for (const name of ["tom", "marimba_tube", "trichord_c4"]) {
   assert.ok(last() > 0.01, "the instrument is struck");
 }
 
+// Without an instrument nothing plays.
+{
+  const fresh = startEngine(readFileSync(wasm));
+  assert.equal(fresh.choose(999), false);
+  fresh.set(0, 1);
+  fresh.noteOn(60, 1);
+  fresh.noteOff(60);
+  fresh.midi([0x90, 60, 100]);
+  fresh.strike(0, 1);
+  fresh.watchNone();
+  assert.equal(fresh.books(), null);
+  assert.equal(fresh.energy(), 0);
+  assert.ok(fresh.process(128).every((channel) => channel.every((x) => x === 0)));
+}
+
 // A felt with memory answers a blow more stiffly than a slow press, and what it takes is in the books.
 {
   const felt = JSON.parse(readFileSync(new URL("../../generated/felt_stulov_c4.json", import.meta.url)));

@@ -42,6 +42,8 @@ function random() {
 }
 const one = (list) => list[Math.floor(random() * list.length)];
 
+const kLine = { constructor: Error, message: /^[^\n]*; allowed: [^\n]*$/ };
+
 /** Plays blocks; before(block) acts before each. Returns left and right. */
 function blocks(player, count, before = () => {}) {
   const channels = [0, 1].map(() => new Float32Array(count * kBlock));
@@ -146,12 +148,90 @@ const cases = {
       [() => piano.noteOff("60"), /^contactspline: key: 60 is out of range/],
       [() => piano.strike("pluck"), /^contactspline: event: pluck is unknown; allowed: none$/],
       [() => piano.set("loudness", 1), /^contactspline: parameter: loudness is unknown; allowed: stiffness_ratio, /],
+      [() => piano.set("sustain", NaN), /^contactspline: sustain: NaN is no number; allowed: 0 to 1$/],
+      [() => piano.set("sustain", "1"), /^contactspline: sustain: 1 is no number/],
+      [() => piano.process(-1), /^contactspline: samples: -1 is out of range; allowed: 0 to 16777216$/],
+      [() => piano.process(1.5), /^contactspline: samples: 1.5 is no whole number/],
+      [() => piano.midi(null), /^contactspline: midi: null is no message; allowed: three bytes/],
+      [() => Player.create(null), /^contactspline: instrument: null is no instrument; allowed: a name such as piano/],
+      [() => Player.create({ text: null }), /^contactspline: instrument: has no text; allowed: a name such as piano/],
+      [() => Player.create(), /^contactspline: instrument: undefined is no instrument/],
       [() => piano.loadPreset("louder"), /^contactspline: preset: louder is unknown; allowed: /],
       [() => piano.useMaterial(generator.design(generator.materials().felt_c2, "felt_c2.json")), /^contactspline: piano: has materials of its own/],
       [() => generator.design("{", "felt.json"), /^felt.json: line 1, /],
     ])
       await assert.rejects(async () => use(), { message: line });
     piano.close();
+  },
+
+  "more samples than a block are those of its blocks": async () => {
+    const [whole, parts] = [await Player.create("tanpura", kRate), await Player.create("tanpura", kRate)];
+    for (const player of [whole, parts]) player.strike("pluck_finger");
+    for (const samples of [0, 129, 256, 1000]) {
+      const played = whole.process(samples);
+      for (let done = 0; done < samples; done += kBlock) {
+        const part = parts.process(Math.min(kBlock, samples - done));
+        part.forEach((channel, k) => assert.deepEqual(played[k].slice(done, done + channel.length), channel.slice()));
+      }
+      assert.deepEqual(played.map(({ length }) => length), [samples, samples, samples]);
+    }
+    for (const player of [whole, parts]) player.close();
+  },
+
+  "after close() each function but close() is one line": async () => {
+    const player = await Player.create("hammer_on_string");
+    const { name } = player.description.parameters[0];
+    player.close();
+    for (const use of [
+      () => player.process(), () => player.noteOn(60), () => player.noteOff(60), () => player.midi([0x90, 60, 1]), () => player.set(name, 1),
+      () => player.energy(), () => player.useMaterial(generator.design(generator.materials().felt_c2, "felt.json")),
+    ])
+      assert.throws(use, { constructor: Error, message: /^contactspline: Player: is closed; allowed: [^\n]*$/ });
+    player.close();
+  },
+
+  "400 misuses are one line each, or give finite samples": async () => {
+    const wrong = [undefined, null, NaN, Infinity, -Infinity, -1, 1.5, 129, 1e9, 2 ** 31, "7", "", "x\0y", [], {}, [NaN, {}], Symbol("s"), true, () => 0, 10n];
+    const design = generator.design(generator.materials().felt_stulov_c4, "felt.json");
+    const copy = () => structuredClone({ ...design, files: {}, curve: {} });
+    const damage = (rows) => {
+      const row = one(rows);
+      if (Array.isArray(row)) row[Math.floor(random() * row.length)] = one([NaN, -1, 1e300, "1", null, 0, 1e-300, Infinity, ...row]);
+    };
+    const damaged = [
+      () => one(wrong),
+      () => ({ ...copy(), table: one([...wrong, Array(129).fill(design.table[0]), [...design.table].reverse(), Array(4).fill(Array(5000).fill(1))]) }),
+      () => ({ ...copy(), memory: one([...wrong, Array(5).fill([0.1, 1e-5]), Array(100000).fill([0.1, 1e-5]), [[0.1]]]) }),
+      () => ({ ...copy(), mass_kg: one(wrong), loss_s_per_m: one(wrong) }),
+      () => { const made = copy(); damage(made.table); damage(made.memory); return made; },
+    ];
+    let player = await Player.create("hammer_on_string", 44100);
+    const { parameters } = player.description;
+    const uses = [
+      () => player.process(one(wrong.filter((value) => value !== Infinity))), () => player.noteOn(one(wrong), one([0.5, ...wrong])), () => player.noteOff(one(wrong)),
+      () => player.strike(one(wrong), one(wrong)), () => player.midi(one(wrong)), () => player.set(one(wrong), one(wrong)),
+      () => player.set(one(parameters).name, one(wrong)), () => player.loadPreset(one(wrong)),
+      ...damaged.map((make) => () => player.useMaterial(make())),
+      () => Player.create(one(wrong)), () => Player.create({ text: one(wrong), file: one(wrong) }), () => Player.create("tom", one(wrong)),
+    ];
+    let lines = 0;
+    for (let i = 0; i < 400; ++i) {
+      try {
+        (await uses[i % uses.length]())?.close?.();
+      } catch (error) {
+        assert.equal(error.constructor, Error, `${error.stack}`);
+        assert.match(error.message, /^[^\n]+$/);
+        ++lines;
+      }
+      player.noteOn(60, 0.7);
+      for (const channel of player.process(256)) assert.ok(channel.every(Number.isFinite), `misuse ${i}`);
+      if (i % 100 === 99) {
+        player.close();
+        player = await Player.create("hammer_on_string", 44100);
+      }
+    }
+    player.close();
+    assert.ok(lines > 200, String(lines));
   },
 
   "a million values at random, and no sample that is not finite": async () => {
@@ -162,7 +242,9 @@ const cases = {
       for (let block = 0; block < 800; ++block) {
         for (let i = 0; i < 100; ++i, ++count) {
           const { name: parameter, min, max } = one(parameters);
-          player.set(parameter, random() < 0.5 ? one(values) : min + random() * (max - min));
+          const value = random() < 0.5 ? one(values) : min + random() * (max - min);
+          if (Number.isNaN(value)) assert.throws(() => player.set(parameter, value), kLine);
+          else player.set(parameter, value);
         }
         player.midi([one([0x80, 0x90, 0xb0, 0xe0, 0x00, 0xff]), Math.floor(random() * 256), Math.floor(random() * 256)]);
         if (events.length > 0) player.strike(one(events).name, one([undefined, 0, 1e300, -1e300, random()]));
@@ -414,6 +496,21 @@ const browserCases = {
     player.close();
     assert.ok(Math.max(...expected.slice(10 * kBlock)) > 1e-3);
     sound.forEach((x, i) => assert.ok(Math.abs(x - expected[i]) < 1e-6, `sample ${i}: ${x}, ${expected[i]}`));
+  },
+
+  "a node that is closed, and what is no number, are one line": async (page) => {
+    const lines = await page.evaluate(async () => {
+      const { ContactSpline } = await import("../contactspline.js");
+      const node = await ContactSpline.create(new OfflineAudioContext(2, 128, 44100), "tom");
+      const [{ name }] = node.description.parameters;
+      const message = (use) => { try { use(); } catch (error) { return error.message; } return "none"; };
+      node.set(name, Infinity);
+      const lines = [message(() => node.set(name, NaN))];
+      await node.close();
+      return [...lines, message(() => node.noteOn(60))];
+    });
+    assert.match(lines[0], /^contactspline: [a-z_]+: NaN is no number; allowed: /);
+    assert.match(lines[1], /^contactspline: tom: is closed; allowed: /);
   },
 
   "an engine that cannot be made is an error in one line": async (page) => {

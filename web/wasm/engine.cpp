@@ -138,10 +138,11 @@ std::unique_ptr<Playable> instrument(int number, const VoicePlan& plan = {}) {
   return instruments()[static_cast<std::size_t>(number)](plan);
 }
 
-// The voice of this number, or the first.
-Voice& voice(int number) {
+// Calls use() with the voice of this number, or with the first; not where none was chosen.
+template <typename Use>
+void with_voice(int number, const Use& use) {
   const auto v = static_cast<std::size_t>(std::max(number, 0));
-  return voices[v < voices.size() ? v : 0];
+  if (!voices.empty()) use(voices[v < voices.size() ? v : 0]);
 }
 
 void process(Playable& played, std::span<float> out, std::size_t count) {
@@ -242,16 +243,18 @@ CONTACTSPLINE_WEB(int, engine_use_material, int segments, int memories, double m
 
 /// Below, a voice is called by its number: 0 is the instrument itself, then those that were added.
 CONTACTSPLINE_WEB(void, engine_set, int number, int parameter, double value) {
-  voice(number).instrument->set(static_cast<std::size_t>(parameter), value);
+  with_voice(number, [&](Voice& voice) { voice.instrument->set(static_cast<std::size_t>(parameter), value); });
 }
 
 CONTACTSPLINE_WEB(void, engine_note_on, int number, int key, double velocity) {
-  voice(number).is_played = true;
-  voice(number).instrument->note_on(key, velocity);
+  with_voice(number, [&](Voice& voice) {
+    voice.is_played = true;
+    voice.instrument->note_on(key, velocity);
+  });
 }
 
 CONTACTSPLINE_WEB(void, engine_note_off, int number, int key) {
-  voice(number).instrument->note_off(key);
+  with_voice(number, [&](Voice& voice) { voice.instrument->note_off(key); });
 }
 
 /// Three bytes of MIDI, for all voices.
@@ -262,12 +265,14 @@ CONTACTSPLINE_WEB(void, engine_midi, int status, int first, int second) {
 
 /// Plays an event by a speed [m/s] or a force [N]; by its parameter if that is not a number.
 CONTACTSPLINE_WEB(void, engine_strike, int number, int event, double value) {
-  voice(number).is_played = true;
-  voice(number).instrument->play(static_cast<std::size_t>(event), value);
+  with_voice(number, [&](Voice& voice) {
+    voice.is_played = true;
+    voice.instrument->play(static_cast<std::size_t>(event), value);
+  });
 }
 
 CONTACTSPLINE_WEB(void, engine_watch_none) {
-  voice(0).instrument->watch_none();
+  with_voice(0, [](Voice& voice) { voice.instrument->watch_none(); });
 }
 
 /// Plays up to 128 samples. Returns left, right and the contact force, 128 samples each.
@@ -299,7 +304,7 @@ CONTACTSPLINE_WEB(double, engine_energy) {
 
 /// The books of the last strike: hammer, felt, string, dissipated, work [J]. Null where none are kept.
 CONTACTSPLINE_WEB(const double*, engine_books) {
-  const Books* const books = voice(0).instrument->books();
+  const Books* const books = voices.empty() ? nullptr : voices.front().instrument->books();
   if (books == nullptr) return nullptr;
   shown_books = {books->hammer, books->felt, books->string, books->dissipated, books->work};
   return shown_books.data();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // An instrument as a node of Web Audio.
 import { findInstrument, kFiles, moduleOf } from "./files.js";
-import { indexOf, playable } from "./messages.js";
+import { badInput, indexOf, parameterValue, playable } from "./messages.js";
 
 export { instruments, loadGenerator } from "./files.js";
 export { Player } from "./player.js";
@@ -59,6 +59,7 @@ export class ContactSpline extends playable(globalThis.AudioWorkletNode ?? Objec
   }
 
   send(message) {
+    if (this.isClosed) throw badInput(this.description.name, "is closed", "another one, by ContactSpline.create()");
     this.port.postMessage(message);
   }
 
@@ -68,8 +69,9 @@ export class ContactSpline extends playable(globalThis.AudioWorkletNode ?? Objec
   }
 
   set(parameter, value) {
-    indexOf("parameter", parameter, this.description.parameters);
-    this.parameters.get(parameter).value = value;
+    const number = indexOf("parameter", parameter, this.description.parameters);
+    const wanted = parameterValue(this.description.parameters[number], value);
+    this.parameters.get(parameter).value = Math.max(-kLargest, Math.min(kLargest, wanted));
   }
 
   /** Ends it, within 20 ms if it sounds; another instrument of the context takes its memory. */
@@ -80,6 +82,7 @@ export class ContactSpline extends playable(globalThis.AudioWorkletNode ?? Objec
   async end() {
     const { state } = this.context;
     if (state !== "closed") await this.answerTo({ do: "close", fades: state === "running" });
+    this.isClosed = true;
     this.disconnect();
     this.port.close();
   }

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
 // The instruments by the C++ runtime in WebAssembly (web/wasm/engine.cpp).
+import { kMaxMemories, kMaxSegments } from "./messages.js";
 import { startModule, textAt } from "./wasm_module.js";
 
 const kBlock = 128;
 
-/** Writes a design of the generator as rows of a table, and its memories. Returns whether it has no more than 128 segments. */
+/** Writes a design of the generator as rows of a table, and its memories. Returns whether it fits there. */
 export function writeMaterial(exports, rows, use, { table, memory, mass_kg, loss_s_per_m }) {
-  if (table.length > 128) return false;
   const numbers = [...table, ...memory].flat();
+  if (table.length > kMaxSegments || memory.length > kMaxMemories || numbers.length !== 4 * table.length + 2 * memory.length) return false;
   new Float64Array(exports.memory.buffer, rows(), numbers.length).set(numbers);
   return use(table.length, memory.length, mass_kg ?? 0.00297, loss_s_per_m) === 1;
 }
@@ -55,10 +56,19 @@ export function startEngine(module, sampleRate = 44100) {
     restart: () => exports.engine_restart(),
     watchNone: () => exports.engine_watch_none(),
 
-    /** Plays up to 128 samples: left, right and the contact force, views that the next call changes. */
+    /** Plays samples: left, right and the contact force. Up to 128 are views that the next call changes. */
     process(samples) {
+      if (samples > kBlock) return this.processBlocks(samples);
       const address = exports.engine_process(samples);
       return [0, 1, 2].map((k) => new Float32Array(exports.memory.buffer, address + 4 * k * kBlock, samples));
+    },
+    processBlocks(samples) {
+      const channels = [0, 1, 2].map(() => new Float32Array(samples));
+      for (let done = 0; done < samples; done += kBlock) {
+        const played = this.process(Math.min(kBlock, samples - done));
+        channels.forEach((channel, k) => channel.set(played[k], done));
+      }
+      return channels;
     },
     /** Energies of the last strike [J]; null where the instrument keeps no books. */
     books() {

@@ -2,7 +2,7 @@
 // The package's files, beside this one, and the modules made of them: each loaded once.
 import { startEngine } from "./engine.js";
 import { startGenerator } from "./generator.js";
-import { indexOf } from "./messages.js";
+import { badInput, indexOf } from "./messages.js";
 
 /** Where they are. */
 export const kFiles = {
@@ -54,7 +54,9 @@ export async function findInstrument(instrument, sampleRate) {
     const number = indexOf("instrument", instrument, all);
     return { description: all[number], number, messages: [] };
   }
-  const { text, file = "instrument.json" } = instrument;
+  const { text, file = "instrument.json" } = instrument ?? {};
+  if (typeof text !== "string" || typeof file !== "string")
+    throw badInput("instrument", instrument instanceof Object ? "has no text" : `${String(instrument)} is no instrument`, "a name such as piano, or { text, file } of an instrument file");
   const { error, bytes } = (await loadGenerator()).instrument(text, file, { sampleRate });
   if (error !== undefined) throw new Error(error);
   const engine = await describer();

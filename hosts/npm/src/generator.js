@@ -20,7 +20,7 @@ export function startGenerator(module) {
     takeFile: (name, text) => withTexts(exports, [name, text], (...at) => exports.contactspline_take_file(...at)),
 
     /** The text of a fit file for data files that it was given, of impacts of this mass [kg]. Throws bad input. */
-    fitFile: (names, mass) => answered(exports, withTexts(exports, [names.join("\n")], (at) => exports.contactspline_fit_file(at, mass))).text,
+    fitFile: (names, mass) => answered(exports, withTexts(exports, [Array.isArray(names) ? names.join("\n") : names], (at) => exports.contactspline_fit_file(at, mass))).text,
 
     /** Fits a material as a fit file says: { material: the text of its file, report, panels } (web/wasm/generator.cpp). Throws bad
      * input. */
@@ -31,7 +31,8 @@ export function startGenerator(module) {
 
     /** Reads an instrument file: { name, title, parts, drawing } (web/wasm/generator.cpp) and the bytes that engine and studies
      * take at this rate; or { error }. width: of the drawing, in points of the screen. */
-    instrument(text, file, { width = 640, sampleRate = 44100 } = {}) {
+    instrument(text, file, options) {
+      const { width = 640, sampleRate = 44100 } = options ?? {};
       const address = withTexts(exports, [text, file], (...at) => exports.contactspline_instrument(...at, width, sampleRate));
       const instrument = JSON.parse(textAt(exports, address));
       if (instrument.error !== undefined) return instrument;

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 // The messages that play an instrument: the functions that send them, and what an engine does with them.
 
-const kMaxSegments = 128; // of a material: web/wasm/hammer_keys.hpp
+/** Of a material: web/wasm/hammer_keys.hpp. */
+export const kMaxSegments = 128;
+export const kMaxMemories = 4;
+const kLargest = 1e15; // of a number of a table, far from the end of single precision
 
 /** Plays a message in an engine (engine.js). */
 export function play(engine, message) {
@@ -16,18 +19,39 @@ export function play(engine, message) {
 }
 
 /** Input that cannot be used, in one line as the program writes it. */
-const badInput = (key, wrong, allowed) => new Error(`contactspline: ${key}: ${wrong}; allowed: ${allowed}`);
+export const badInput = (key, wrong, allowed) => new Error(`contactspline: ${key}: ${wrong}; allowed: ${allowed}`);
 
 /** An argument that is a number within a range. Throws others. */
 export function numberWithin(key, value, min, max) {
-  if (typeof value !== "number" || !(value >= min && value <= max)) throw badInput(key, `${value} is out of range`, `${min} to ${max}`);
+  if (typeof value !== "number" || !(value >= min && value <= max)) throw badInput(key, `${String(value)} is out of range`, `${min} to ${max}`);
   return value;
+}
+
+/** A number that is moved into the range of a parameter. Throws what is none. */
+export function parameterValue({ name, allowed: [min, max] }, value) {
+  if (typeof value !== "number" || Number.isNaN(value)) throw badInput(name, `${String(value)} is no number`, `${min} to ${max}`);
+  return value;
+}
+
+/** A design of the generator, or of somebody who made one alike: its numbers. Throws what an engine cannot take. */
+function designOf(design) {
+  const { name = "material", table, memory, mass_kg, loss_s_per_m } = design ?? {};
+  const areRows = (rows, length) => Array.isArray(rows) && rows.every((row) => Array.isArray(row) && row.length === length && row.every((x) => x >= -kLargest && x <= kLargest));
+  if (!areRows(table, 4) || !areRows(memory, 2)) throw badInput(name, "is no design", "table and memory as generator.design() gives them");
+  if (table.length < 1 || table.length > kMaxSegments) throw badInput(name, `has ${table.length} segments`, `1 to ${kMaxSegments}`);
+  if (memory.length > kMaxMemories) throw badInput(name, `has ${memory.length} memories`, `up to ${kMaxMemories}`);
+  const rises = table.every(([knot, energy, force], k) => (k === 0 ? knot === 0 : knot > table[k - 1][0]) && energy >= 0 && force >= 0);
+  if (!rises || memory.some(([weight, time]) => !(weight > 0 && time > 0)))
+    throw badInput(name, "its table or memory is damaged", "knots that rise from 0, energies and forces from 0, weights and times above 0");
+  if (mass_kg !== undefined) numberWithin(`${name}: mass_kg`, mass_kg, 1e-6, 1e4);
+  numberWithin(`${name}: loss_s_per_m`, loss_s_per_m, 0, kLargest);
+  return { table, memory, mass_kg, loss_s_per_m };
 }
 
 /** Where an object of this name is in a list. Throws unknown names. */
 export function indexOf(key, name, list) {
   const index = list.findIndex((other) => other.name === name);
-  if (index < 0) throw badInput(key, `${name} is unknown`, list.map((other) => other.name).join(", ") || "none");
+  if (index < 0) throw badInput(key, `${String(name)} is unknown`, list.map((other) => other.name).join(", ") || "none");
   return index;
 }
 
@@ -49,7 +73,8 @@ export const playable = (Base) =>
     }
 
     midi(bytes, time = 0) {
-      this.sendAt(time, { do: "midi", bytes: Array.from(bytes) });
+      if (typeof bytes !== "object" || bytes === null) throw badInput("midi", `${String(bytes)} is no message`, "three bytes, such as [0x90, 60, 100]");
+      this.sendAt(time, { do: "midi", bytes: [0, 1, 2].map((k) => (typeof bytes[k] === "number" ? bytes[k] : 0)) });
     }
 
     loadPreset(name) {
@@ -57,10 +82,9 @@ export const playable = (Base) =>
       presets[indexOf("preset", name, presets)].values.forEach((value, k) => this.set(parameters[k].name, value));
     }
 
-    useMaterial({ name, table, memory, mass_kg, loss_s_per_m }) {
+    useMaterial(design) {
       if (!this.description.takesMaterial) throw badInput(this.description.name, "has materials of its own", "an instrument with takesMaterial");
-      if (table.length > kMaxSegments) throw badInput(name, `has ${table.length} segments`, `up to ${kMaxSegments}`);
-      this.send({ do: "material", design: { table, memory, mass_kg, loss_s_per_m } });
+      this.send({ do: "material", design: designOf(design) });
     }
 
     sendAt(time, message) {

@@ -2,9 +2,15 @@
 // An instrument without Web Audio, in Node or anywhere: blocks of samples, when they are asked for.
 import { startEngine } from "./engine.js";
 import { findInstrument, kFiles, moduleOf } from "./files.js";
-import { indexOf, numberWithin, play, playable } from "./messages.js";
+import { badInput, indexOf, numberWithin, parameterValue, play, playable } from "./messages.js";
 
 const idle = []; // engines that no player has
+const kMaxSamples = 2 ** 24; // at once
+const kClosed = new Proxy({}, {
+  get() {
+    throw badInput("Player", "is closed", "another one, by Player.create()");
+  },
+});
 
 export class Player extends playable(Object) {
   /** An instrument at rest, by its name or { text, file } of an instrument file. Throws bad input. */
@@ -23,12 +29,14 @@ export class Player extends playable(Object) {
   }
 
   set(parameter, value) {
-    this.engine.set(indexOf("parameter", parameter, this.description.parameters), value);
+    const number = indexOf("parameter", parameter, this.description.parameters);
+    this.engine.set(number, parameterValue(this.description.parameters[number], value));
   }
 
-  /** Plays up to 128 samples: left, right and the contact force [N], views that the next call changes. */
+  /** Plays samples: left, right and the contact force [N]. Up to 128 are views that the next call changes. */
   process(samples = 128) {
-    return this.engine.process(samples);
+    if (!Number.isInteger(samples)) throw badInput("samples", `${String(samples)} is no whole number`, `0 to ${kMaxSamples}`);
+    return this.engine.process(numberWithin("samples", samples, 0, kMaxSamples));
   }
 
   /** Energy that is stored [J]. */
@@ -38,9 +46,9 @@ export class Player extends playable(Object) {
 
   /** Ends it; another player takes its memory. */
   close() {
-    if (!this.engine) return;
+    if (this.engine === kClosed) return;
     this.engine.restart();
     idle.push(this.engine);
-    this.engine = null;
+    this.engine = kClosed;
   }
 }

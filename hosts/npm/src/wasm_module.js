@@ -39,6 +39,8 @@ export function textAt(exports, address) {
 
 /** Calls use(address...) with texts copied into the module's memory. */
 export function withTexts(exports, texts, use) {
+  const damaged = texts.find((text) => typeof text !== "string" || text.includes("\0"));
+  if (damaged !== undefined) throw new Error(`contactspline: text: ${typeof damaged === "string" ? "has a character of value 0" : "is no text"}; allowed: that of a file`);
   const addresses = texts.map((text) => {
     const bytes = new TextEncoder().encode(text + "\0");
     const address = exports.contactspline_allocate(bytes.length);
