@@ -23,6 +23,9 @@ constexpr std::size_t kPairedSegments = 200;
 /// 1e-12 in double, as many roundings in single precision.
 template <typename T>
 constexpr double kWellConditioned = 1e-12 / kRoundoff<double>* kRoundoff<T>;
+/// The part of all steps that must be: in double precision all.
+template <typename T>
+constexpr double kMinWellConditionedPart = sizeof(T) == sizeof(double) ? 1 : 0.999;
 
 template <typename T>
 class Checker {
@@ -46,7 +49,7 @@ class Checker {
         precision, steps_, worst_force_, worst_increment_,
         100 * static_cast<double>(well_) / static_cast<double>(steps_), worst_relative_, extremes_);
     if (steps_ != expected || extremes_ == 0) fail("missing data: %zu steps instead of %zu", steps_, expected);
-    if (!(static_cast<double>(well_) >= 0.999 * static_cast<double>(steps_)))
+    if (!(static_cast<double>(well_) >= kMinWellConditionedPart<T> * static_cast<double>(steps_)))
       fail("only %zu of %zu steps well conditioned", well_, steps_);
     for (std::size_t table = 0; table < hits_.size(); ++table) require_hits(table);
     return failures_ == 0;
