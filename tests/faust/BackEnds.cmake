@@ -41,10 +41,10 @@ else()
 endif()
 
 # The compiler itself: back ends and numbers.
-string(REGEX REPLACE "([^;]+)" "\"\\1\"" material_names "${names}")
+string(REGEX REPLACE "([^;]+)" "\"\\1\"" material_names "${kinds}")
 string(REPLACE ";" ", " material_names "${material_names}")
 configure_file(paths.hpp.in ${generated}/paths.hpp @ONLY)
-foreach(name IN LISTS names)
+foreach(name IN LISTS kinds)
   faust_program(probe_${name} probe "library(\"${name}.lib\")")
 endforeach()
 contactspline_test(faust_compiler LABELS faust

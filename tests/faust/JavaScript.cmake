@@ -29,7 +29,7 @@ endfunction()
 file(GLOB instruments CONFIGURE_DEPENDS ${faust_sources}/*.dsp)
 file(GLOB hand_written CONFIGURE_DEPENDS ${faust_sources}/*.lib)
 get_property(shipped GLOBAL PROPERTY CONTACTSPLINE_SHIPPED_LIBRARIES)
-set(probes ${names})
+set(probes ${kinds})
 list(TRANSFORM probes PREPEND ${generated}/probe_)
 list(TRANSFORM probes APPEND .dsp)
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Every program and every emitted material through every back end of the installed Faust but C++: the build compiles
+// Every program and every kind of emitted material through every back end of the installed Faust but C++: the build compiles
 // them as C++ in both precisions, for the tests of agreement and for the plug-ins. wast is not compiled: it is the
 // text of wasm.
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The instruments, and the probe on each emitted material. A double-precision instrument differs from a
+/// The instruments, and the probe on each kind of emitted material. A double-precision instrument differs from a
 /// single-precision one by its type names alone, which the probes show as well.
 std::vector<fs::path> programs(const std::string& precision) {
   std::vector<fs::path> found;
