@@ -236,8 +236,7 @@ TEST(NetworkInstrument, MovesControlsIntoTheirRange) {
 // A gap with its shift stays within 0.1 m, whether the shift is the first value or comes later. A spring of 1 N/m
 // with this gap holds a mass of 10 t: its energy is gap^2/2. While the gap moves by at most 0.1 m at 1 m/s, the mass
 // moves by x <= 0.1 N/1e4 kg (0.1 s)^2/2 = 5e-8 m. So the work of the gap, the integral of gap - x, is wrong by 5e-9
-// J at most, which is 4e-6 of the smallest energy here. A gap that is there from the beginning holds the mass at rest
-// where the spring is relaxed.
+// J at most, which is 4e-6 of the smallest energy here.
 TEST(NetworkInstrument, LimitsAShiftedGapFromTheBeginning) {
   const InstrumentModel model = parse_instrument(R"({
     "name": "probe",
@@ -256,76 +255,9 @@ TEST(NetworkInstrument, LimitsAShiftedGapFromTheBeginning) {
     EXPECT_TRUE(relatively_within(later.energy(), gap * gap / 2, 4e-6)) << shift;
     arrays.parameters[0].initial = shift;
     const NetworkInstrument<double> at_first(arrays.view(), kRate);
-    EXPECT_TRUE(relatively_within(at_first.network().body(0).displacement(std::size_t{0}), gap, 1e-12)) << shift;
-    EXPECT_TRUE(within(at_first.energy(), 0, 1e-20)) << shift;
+    EXPECT_TRUE(relatively_within(at_first.energy(), gap * gap / 2, 1e-14)) << shift;
     EXPECT_EQ(at_first.value(0), later.value(0));
   }
-}
-
-// A weight on felts: a mass of two springs and a contact, pushed by a control, rests where the forces balance: by
-// bisection on the force of the table. A string under a weight rests as the sum of its compliances says.
-TEST(NetworkInstrument, BeginsAtItsStaticEquilibrium) {
-  const InstrumentModel model = parse_instrument(R"({
-    "name": "probe",
-    "bodies": [ { "name": "weight", "mass_kg": 0.01 }, { "name": "string", "resonator": "guitar_a2" },
-                { "name": "plate", "mass_kg": 1 } ],
-    "places": [ { "name": "middle", "body": "string", "position_m": 0.3 } ],
-    "contacts": [ { "name": "felt", "between": ["weight", "ground"], "material": "felt_c4", "gap_m": 0.001 } ],
-    "springs": [ { "name": "coil", "between": ["weight", "plate"], "stiffness_n_per_m": 50, "gap_m": -0.002 },
-                 { "name": "leg", "between": ["plate", "ground"], "stiffness_n_per_m": 200 } ],
-    "controls": [ { "name": "load", "force_n": "weight", "initial": 3, "max": 10 },
-                  { "name": "finger", "force_n": "middle", "initial": 2, "max": 10 } ],
-    "outputs": [ { "name": "felt", "force_n": "felt" }, { "name": "string", "displacement_m": "middle" },
-                 { "name": "end", "end_force_n": "string" } ]
-  })",
-                                                 "probe.json");
-  const InstrumentArrays arrays = arrays_of(model, kRate / 2);
-  const InstrumentData data = arrays.view();
-  std::vector<Segment<double>> felt{{}};
-  for (std::size_t j = 0; j < data.knots.size(); ++j)
-    felt.push_back({data.knots[j], data.energies[j], data.forces[j], data.half_curvatures[j]});
-  NetworkInstrument<double> instrument(data, kRate);
-  for (const double load : {3.0, 0.0, 10.0, 0.02}) {
-    instrument.set(0, load);
-    instrument.set(1, load / 2);
-    instrument.reset();
-    // Plate z = 50 (x + 0.002)/250; the coil pulls with 40 (x + 0.002).
-    const auto excess = [&](double x) {
-      return load - 40 * (x + 0.002) - force<double>(std::span<const Segment<double>>(felt), x - 0.001);
-    };
-    double low = -1, high = 1;
-    while (high - low > 1e-15) (excess((low + high) / 2) > 0 ? low : high) = (low + high) / 2;
-    const ModalBank<double>& string = instrument.network().body(1);
-    const std::span<const double> middle = data.shapes_of(data.targets_of(data.controls[1])[0]);
-    double bent = 0;
-    for (std::size_t i = 0; i < string.size(); ++i) bent += middle[i] * middle[i] * string.compliance(i);
-    for (int n = 0; n < 1000; ++n) {
-      ASSERT_TRUE(within(instrument.network().body(0).displacement(std::size_t{0}), low, 1e-12)) << load << ' ' << n;
-      ASSERT_TRUE(within(instrument.network().body(2).displacement(std::size_t{0}), (low + 0.002) / 5, 1e-12)) << n;
-      ASSERT_TRUE(within(string.displacement(ModeShapes<double>(middle)), load / 2 * bent, 1e-15)) << n;
-      for (std::size_t o = 0; o < 3; ++o) ASSERT_TRUE(within(instrument.output(o), 0, 1e-9)) << o << ' ' << n;
-      instrument.tick();
-    }
-    EXPECT_TRUE(instrument.is_at_rest(1e-20)) << load;
-  }
-}
-
-// A mass that a force pushes away for ever has no equilibrium: it begins at displacement 0, and flies.
-TEST(NetworkInstrument, BeginsAtDisplacement0WhereNothingHolds) {
-  const InstrumentModel model = parse_instrument(R"({
-    "name": "probe",
-    "bodies": [ { "name": "free", "mass_kg": 0.01 } ],
-    "contacts": [ { "name": "wall", "between": ["free", "ground"], "material": "felt_c4", "gap_m": 0.001 } ],
-    "controls": [ { "name": "pull", "force_n": "free", "initial": -1, "min": -10 } ],
-    "outputs": [ { "name": "wall", "force_n": "wall" } ]
-  })",
-                                                 "probe.json");
-  const InstrumentArrays arrays = arrays_of(model, kRate / 2);
-  NetworkInstrument<double> instrument(arrays.view(), kRate);
-  EXPECT_EQ(instrument.network().body(0).displacement(std::size_t{0}), 0);
-  instrument.tick();
-  EXPECT_TRUE(relatively_within(instrument.network().body(0).displacement(std::size_t{0}), -100 / (2 * kRate * kRate),
-                                1e-12));
 }
 
 // A control sets what it is for, and its first value is that of the file.

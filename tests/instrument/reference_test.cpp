@@ -96,7 +96,7 @@ TEST_P(EachInstrument, AgreesWithAnIndependentSolution) {
   const std::size_t begin = sample_at(first_event_s(voice), kRate), outputs = arrays.sources.size();
   std::vector<double> peak(outputs), error(outputs);
   for (std::size_t n = begin; n < begin + 2205; ++n) {
-    if ((n - begin) % excitation.alone == 0) copy_state(instrument, reference, arrays);
+    if (n > begin && (n - begin) % excitation.alone == 0) copy_state(instrument, reference, arrays);
     const auto values = controls.at(n);
     for (std::size_t i = 0; i < arrays.controls.size(); ++i) {
       instrument.set(i, values[i]);
@@ -114,7 +114,7 @@ TEST_P(EachInstrument, AgreesWithAnIndependentSolution) {
     instrument.tick();
     reference.tick();
     for (std::size_t i = 0; i < outputs; ++i) {
-      const auto expected = static_cast<double>(reference.output(i)) - instrument.output_at_rest(i);
+      const auto expected = static_cast<double>(reference.output(i));
       peak[i] = std::max(peak[i], std::abs(expected));
       const double difference = std::abs(instrument.output(i) - expected);
       if (!(difference <= error[i])) error[i] = difference;
@@ -136,8 +136,6 @@ std::vector<double> displacements(const InstrumentArrays& arrays, std::size_t pl
                                   std::size_t samples) {
   const double rate = kRate * oversampling;
   Network network(arrays.view(), rate);
-  if constexpr (std::same_as<Network, ReferenceNetwork>)  // it begins at the same equilibrium
-    copy_state(NetworkInstrument<double>(arrays.view(), rate), network, arrays);
   if (!arrays.strikes.empty()) network.strike(0, 2.5);
   std::vector<double> found;
   for (std::size_t n = 0; n < samples * static_cast<std::size_t>(oversampling); ++n) {

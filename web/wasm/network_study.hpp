@@ -241,13 +241,13 @@ class NetworkFrames {
 inline Study study_of_network(const InstrumentData& data, std::span<const double> values, std::size_t event,
                               const StudyPlan& plan) {
   NetworkInstrument<double> instrument(data);
-  for (std::size_t p = 0; p < values.size(); ++p) instrument.set(p, values[p]);
-  instrument.prepare(plan.sample_rate_hz);  // at rest under these values
+  instrument.prepare(plan.sample_rate_hz);
   for (const KeyRange& range : data.keyed.ranges) {
     if (plan.key < range.first || plan.key > range.last) continue;
     event = range.event;
     if (range.tuned_key >= 0) instrument.tune(100.0 * (plan.key - range.tuned_key));
   }
+  for (std::size_t p = 0; p < values.size(); ++p) instrument.set(p, values[p]);
   Study study;
   if (event >= instrument.events().size()) return study;
   const Event& played = instrument.events()[event];

@@ -66,7 +66,7 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
   [[nodiscard]] std::span<const Preset> presets() const { return presets_; }
   [[nodiscard]] const KeyedData& keyed() const { return data_.keyed; }
 
-  /// Brings all bodies to their static equilibrium at a sample rate; allocates. All below is safe on an audio thread.
+  /// Brings all bodies to rest at a sample rate; allocates. All below is safe on an audio thread.
   void prepare(double sample_rate_hz) {
     sample_rate_hz_ = sample_rate_hz;
     const NetworkPlan<T> plan = parts_.plan(data_);
@@ -175,11 +175,6 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
     return pickups_.output(data_, *network_, output);
   }
 
-  /// The part of an output that its value at rest is, from which output() counts.
-  [[nodiscard]] T output_at_rest(std::size_t output) const {
-    return in_double_ ? static_cast<T>(in_double_->output_at_rest(output)) : pickups_.at_rest(output);
-  }
-
   /// Sum of the forces of all contacts over the last sample [N].
   [[nodiscard]] T contact_force() const {
     if (in_double_) return static_cast<T>(in_double_->contact_force());
@@ -189,8 +184,7 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
     return sum;
   }
 
-  /// Brings all bodies to rest where springs, contacts and the forces of controls hold them: the static equilibrium.
-  /// Where that is not at displacement 0, outputs are counted from there. Controls stay. Does not allocate.
+  /// Brings all bodies to rest. Controls stay. Does not allocate.
   void reset() {
     if (in_double_) in_double_->reset();
     network_->reset();
@@ -198,7 +192,6 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
     tuning_.rest();
     strikes_.reset();
     for (Pluck& pluck : plucks_) pluck.stop();
-    if (!in_double_) rest_under_loads();
     this->let_keys_go();
     damper_->lift();
     work_of_strikes_ = last_work_of_strikes_ = 0;
@@ -255,11 +248,6 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
     if (!work) return;
     work_of_strikes_ += *work;
     pickups_.measure(data_, *network_, tuning_);
-  }
-
-  void rest_under_loads() {
-    for (const std::size_t control : pushing_) push(control);
-    if (network_->rest_under_loads()) pickups_.rest(data_, *network_);
   }
 
   // Pushes by the force of a control and of its plucks.

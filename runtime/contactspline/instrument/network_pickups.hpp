@@ -4,7 +4,6 @@
 
 #include "contactspline/step/cpp20.hpp"
 
-#include <algorithm>
 #include <concepts>
 #include <cstddef>
 #include <span>
@@ -34,18 +33,8 @@ class NetworkPickups {
         pickups_[target].velocity = {ModeShapes<T>(modes), ModeShapes<T>(modes)};
     });
     pressure_.prepare(data, sample_rate_hz);
-    at_rest_.assign(data.sources.size(), T(0));
   }
-  void reset() {
-    pressure_.reset();
-    std::ranges::fill(at_rest_, T(0));
-  }
-  /// After reset(): counts outputs from what they are under the loads that hold the network at rest.
-  void rest(const InstrumentData& data, const ContactNetwork<T>& network) {
-    pressure_.rest(network);
-    for (std::size_t o = 0; o < at_rest_.size(); ++o) at_rest_[o] = whole_output(data, network, o);
-  }
-  [[nodiscard]] T at_rest(std::size_t output) const { return at_rest_[output]; }
+  void reset() { pressure_.reset(); }
   /// After each sample.
   void follow(const ContactNetwork<T>& network) { pressure_.follow(network); }
 
@@ -71,12 +60,6 @@ class NetworkPickups {
 
   /// An output over the last sample [m], [m/s], [N] or [Pa].
   [[nodiscard]] T output(const InstrumentData& data, const ContactNetwork<T>& network, std::size_t output) const {
-    return whole_output(data, network, output) - at_rest_[output];
-  }
-
- private:
-  [[nodiscard]] T whole_output(const InstrumentData& data, const ContactNetwork<T>& network,
-                               std::size_t output) const {
     const InstrumentOutput& source = data.sources[output];
     if (source.quantity == OutputQuantity::kPressure) {
       const std::size_t first = source.first_target;
@@ -97,6 +80,7 @@ class NetworkPickups {
     return sum;
   }
 
+ private:
   struct Pickup {
     ModeShapes<T> displacement;
     typename ModalBank<T>::VelocityShapes velocity;  // of velocities and pressures only
@@ -113,7 +97,6 @@ class NetworkPickups {
 
   std::vector<Pickup> pickups_;  // of the targets of outputs
   NetworkPressure<T> pressure_;
-  std::vector<T> at_rest_;  // of the outputs
 };
 
 }  // namespace contactspline::detail

@@ -38,11 +38,6 @@ class NetworkPressure {
     for (Forces& forces : forces_) forces.last.add(network.force_at(forces.place));
   }
 
-  /// After reset(): the forces that hold the network at rest have acted for ever.
-  void rest(const ContactNetwork<T>& network) {
-    for (Forces& forces : forces_) forces.last.fill(network.force_at(forces.place));
-  }
-
   [[nodiscard]] T output(std::size_t output) const {
     T sum = 0;
     for (const Path& path : paths_)

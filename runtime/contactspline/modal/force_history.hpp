@@ -55,11 +55,6 @@ class ForceHistory {
     acting_ = force_n != 0 ? length_ : acting_ - (acting_ > 0 ? 1 : 0);
   }
 
-  /// All of them have been this force.
-  void fill(T force_n) {
-    for (std::size_t n = 0; n < length_; ++n) add(force_n);
-  }
-
   /// The sum of taps times forces: tap 0 is for the last one. At most `length` taps.
   [[nodiscard]] T filtered(std::span<const T> taps) const {
     if (acting_ == 0) return 0;

@@ -203,12 +203,6 @@ class ModalBank {
         static_cast<T>((double(velocity_m_per_s) + c.decay_per_s * q) / c.velocity_gain - one_minus_real * q);
   }
 
-  /// Lets a mode rest at a displacement [m], as a static load holds it.
-  void hold(std::size_t mode, double displacement_m) {
-    displacement_[mode] = static_cast<T>(displacement_m);
-    free_increment_[mode] = static_cast<T>(-constants_[mode].stiffness / 2 * displacement_m);
-    change_[mode] = 0;
-  }
   /// Lets a mode follow its place of rest, which has moved by change_m over a sample and which shift() has not
   /// moved yet: it moves as fast, and is half a sample behind.
   void follow(std::size_t mode, T change_m) {

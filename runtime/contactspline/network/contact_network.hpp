@@ -19,7 +19,6 @@
 #include "contactspline/network/network_parts.hpp"
 #include "contactspline/network/network_plan.hpp"
 #include "contactspline/network/sleeping_contacts.hpp"
-#include "contactspline/network/static_equilibrium.hpp"
 #include "contactspline/step/contact.hpp"
 #include "contactspline/step/controls.hpp"
 
@@ -40,7 +39,6 @@ class ContactNetwork {
         admittances_(parts_),
         sleeping_(plan.connections().size()),
         controls_(sample_rate_hz),
-        equilibrium_(parts_),
         increments_(plan.places().size()) {
     for (auto* list : {&pushed_, &last_pushed_}) list->reserve(parts_.places.size());
     admittances_.couple(parts_, solver_);  // no body has a damper yet
@@ -160,35 +158,10 @@ class ContactNetwork {
     for (std::size_t k = 0; k < parts_.connections.size(); ++k) solver_[k].memory.reset();
     for (const std::size_t p : pushed_) parts_.places[p].push = 0, parts_.places[p].is_pushed = false;
     pushed_.clear();
-    take_pushes();
+    last_pushed_.clear();
     sleeping_.restart();
     anchor_ = 0;
     place_all();
-  }
-
-  /// After reset(): lets all bodies rest where springs, contacts and the pushes so far hold them, which then count as
-  /// those of the last sample. Gaps and stiffnesses arrive. Returns false, and moves nothing, where all rests at
-  /// displacement 0 or nothing holds a body that is pushed. Does not allocate.
-  bool rest_under_loads() {
-    take_pushes();
-    if (!equilibrium_.find(parts_, solver_)) return false;
-    for (std::size_t b = 0; b < parts_.bodies.size(); ++b)
-      for (std::size_t i = 0; i < parts_.bodies[b].bank.size(); ++i)
-        parts_.bodies[b].bank.hold(i, equilibrium_.displacement(b, i));
-    for (std::size_t k = 0; k < parts_.connections.size(); ++k) {
-      Connection& connection = parts_.connections[k];
-      CoupledConnection<T>& c = solver_[k];
-      connection.gap = connection.target_gap;
-      (c.table.empty() ? c.spring_n_per_m : c.contact.stiffness_ratio) =
-          c.table.empty() ? connection.spring : connection.contact.stiffness_ratio * connection.weight;
-    }
-    place_all();
-    for (std::size_t k = 0; k < parts_.connections.size(); ++k) {
-      CoupledConnection<T>& c = solver_[k];
-      c.force = static_cast<T>(equilibrium_.force(k));
-      if (!c.memory.empty()) c.memory.hold(contactspline::force(c.table, c.compression));
-    }
-    return true;
   }
 
   /// Advances one sample. Safe on an audio thread: no allocation, no lock, bounded time.
@@ -379,27 +352,18 @@ class ContactNetwork {
       for (std::size_t i = 0; i < body.awake.size(); ++i)
         increments_[body.awake[i]] = body.damping_gain * body.free_increments[i];
     }
-    take_pushes();
-    for (const std::size_t p : last_pushed_) {
-      Place& place = parts_.places[p];
-      add_force(p, place.last_push);
-      Body& body = parts_.bodies[place.body];
-      body.travel += body.damping_gain * place.travel_per_force * std::abs(place.last_push);
-      for (const std::size_t q : body.awake) increments_[q] += admittances_.mutual(parts_, p, q) * place.last_push;
-    }
-    for (Body& body : parts_.bodies) body.travelled += body.travel;
-  }
-
-  // The pushes so far become those of this sample.
-  void take_pushes() {
-    for (const std::size_t p : last_pushed_) parts_.places[p].last_push = 0;
     std::swap(pushed_, last_pushed_);
     pushed_.clear();
     for (const std::size_t p : last_pushed_) {
       Place& place = parts_.places[p];
       place.is_pushed = false;
       place.last_push = std::exchange(place.push, T(0));
+      add_force(p, place.last_push);
+      Body& body = parts_.bodies[place.body];
+      body.travel += body.damping_gain * place.travel_per_force * std::abs(place.last_push);
+      for (const std::size_t q : body.awake) increments_[q] += admittances_.mutual(parts_, p, q) * place.last_push;
     }
+    for (Body& body : parts_.bodies) body.travelled += body.travel;
   }
 
   void add_force(std::size_t p, T force) {
@@ -476,7 +440,6 @@ class ContactNetwork {
   detail::NetworkAdmittances<T> admittances_;
   detail::SleepingContacts<T> sleeping_;
   detail::FollowingControls<T> controls_;
-  detail::StaticEquilibrium<T> equilibrium_;
   detail::IndexList pushed_, last_pushed_;  // places
   std::vector<T> increments_;               // of the places that are awake, without connections [m]
   std::size_t anchor_ = 0;

@@ -233,19 +233,6 @@ class ContactMemory {
 
   [[nodiscard]] constexpr bool empty() const { return remembered_.count() == 0; }
 
-  /// Remembers a force of the table [N] that has acted for ever.
-  constexpr void hold(T force) {
-    typename detail::RememberedForces<T>::Forces values{};
-    for (std::size_t i = 0; i < remembered_.count(); ++i) values[i] = remembered_.weights()[i] * force;
-    remembered_.set(values);
-  }
-  /// Stiffness under such a force, in parts of the table's.
-  [[nodiscard]] constexpr double held_stiffness() const {
-    double left = 1;
-    for (std::size_t i = 0; i < remembered_.count(); ++i) left -= double(remembered_.weights()[i]);
-    return double(stiffness_) * left;
-  }
-
   /// Forgets everything.
   constexpr void reset() { remembered_.set({}); }
 
