@@ -72,7 +72,10 @@ function(_contactspline_instrument_class)
   file(CONFIGURE OUTPUT "${arg_DSP}" @ONLY CONTENT
 "@includes@#include \"contactspline/host/faust_dsp.hpp\"
 
-class @arg_INSTRUMENT@ : public contactspline::InstrumentDsp<@class@> {};
+class @arg_INSTRUMENT@ : public contactspline::HandleDsp<float> {
+ public:
+  @arg_INSTRUMENT@() : HandleDsp(@handle@) {}
+};
 ")
   return(PROPAGATE arg_DSP)
 endfunction()
@@ -220,10 +223,10 @@ function(_contactspline_add_effect target)
   endif()
 endfunction()
 
-# Links the vectorised kernels, where they were built, to what a C++ file goes into.
+# Links compiled instruments and vectorised kernels to what a C++ file goes into.
 function(_contactspline_kernels target)
-  if(arg_DSP MATCHES "\\.cpp$" AND TARGET ContactSpline::simd)
-    target_link_libraries(${target} PRIVATE ContactSpline::simd)
+  if(arg_DSP MATCHES "\\.cpp$")
+    _contactspline_link_engine(${target})
   endif()
 endfunction()
 

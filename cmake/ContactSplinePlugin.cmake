@@ -70,6 +70,11 @@ function(_contactspline_find_graphics)
   target_link_libraries(contactspline_window_graphics PUBLIC ${libraries})
 endfunction()
 
+# Links the compiled instruments and the vectorised kernels, where they were built.
+function(_contactspline_link_engine target)
+  target_link_libraries(${target} PRIVATE $<TARGET_NAME_IF_EXISTS:ContactSpline::engine> $<TARGET_NAME_IF_EXISTS:ContactSpline::simd>)
+endfunction()
+
 # Checks what has to be installed, and adds the program that writes the description of an LV2 plug-in.
 function(_contactspline_find_framework)
   if(NOT CMAKE_SYSTEM_NAME MATCHES "^(Linux|Windows)$")
@@ -91,7 +96,7 @@ function(_contactspline_find_framework)
   _contactspline_find_graphics()
 endfunction()
 
-# Sets `header` and `class` of arg_INSTRUMENT.
+# Sets `header` and `class` of arg_INSTRUMENT, and `handle`, the expression that makes it: by the engine where it was built.
 function(_contactspline_plugin_class)
   get_target_property(instruments ContactSpline::materials CONTACTSPLINE_INSTRUMENTS)
   get_target_property(keyboards ContactSpline::materials CONTACTSPLINE_KEYBOARDS)
@@ -129,7 +134,12 @@ function(_contactspline_plugin_class)
     list(JOIN own ", " own)
     _contactspline_fail("INSTRUMENT: no '${arg_INSTRUMENT}' ships or is emitted as cpp by MATERIALS; allowed: ${own}")
   endif()
-  return(PROPAGATE header class)
+  list(APPEND header contactspline/host/engine.hpp)
+  set(handle "contactspline::handle_of<${class}>")
+  if(TARGET ContactSpline::engine)
+    set(handle "contactspline::compiled<${class}>")
+  endif()
+  return(PROPAGATE header class handle)
 endfunction()
 
 # Checks and completes the arguments; sets `header` and `class`.
@@ -161,6 +171,7 @@ function(_contactspline_plugin_arguments)
     _contactspline_plugin_class()
   else()
     set(class "${arg_CLASS}")
+    set(handle "contactspline::handle_of<${class}>")
     cmake_path(ABSOLUTE_PATH arg_HEADER BASE_DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}" NORMALIZE OUTPUT_VARIABLE header)
     if(NOT EXISTS "${header}")
       set(header "${arg_HEADER}")
@@ -191,7 +202,7 @@ function(_contactspline_plugin_arguments)
   endif()
   _contactspline_output_dir()
   list(TRANSFORM one PREPEND arg_)
-  return(PROPAGATE ${one} arg_MATERIALS arg_FORMATS header class)
+  return(PROPAGATE ${one} arg_MATERIALS arg_FORMATS header class handle)
 endfunction()
 
 # What the sides of a plug-in share.
@@ -208,9 +219,7 @@ function(_contactspline_plugin_part part)
   target_compile_options(${part} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fno-gnu-unique>)  # hosts can unload it
   set_target_properties(${part} PROPERTIES POSITION_INDEPENDENT_CODE ON)
   target_link_libraries(${part} PRIVATE ContactSpline::materials ${arg_MATERIALS})
-  if(TARGET ContactSpline::simd)  # many times as fast
-    target_link_libraries(${part} PRIVATE ContactSpline::simd)
-  endif()
+  _contactspline_link_engine(${part})
 endfunction()
 
 # Sets `text` to the framework's source of a format, CLAP or VST3, with the types of shared_values.hpp in place of those
@@ -402,7 +411,7 @@ function(contactspline_plugin)
 "@includes@#include \"instrument_plugin.hpp\"
 
 DISTRHO_NAMESPACE::Plugin* DISTRHO_NAMESPACE::createPlugin() {
-  return new contactspline::InstrumentPlugin<@class@>;
+  return new contactspline::InstrumentPlugin(@handle@());
 }
 ")
   # The instrument's side is the same in all formats: see without_states.hpp.
@@ -410,7 +419,7 @@ DISTRHO_NAMESPACE::Plugin* DISTRHO_NAMESPACE::createPlugin() {
   add_library(${arg_TARGET}_instrument OBJECT "${source}")
   _contactspline_plugin_part(${arg_TARGET}_instrument)
   add_custom_target(${arg_TARGET} ALL)
-  set_target_properties(${arg_TARGET} PROPERTIES CONTACTSPLINE_CLASS "${class}" CONTACTSPLINE_INCLUDES "${includes}")
+  set_target_properties(${arg_TARGET} PROPERTIES CONTACTSPLINE_HANDLE "${handle}" CONTACTSPLINE_INCLUDES "${includes}")
   foreach(format IN LISTS arg_FORMATS)
     _contactspline_plugin_format(${format})
     add_dependencies(${arg_TARGET} ${arg_TARGET}_${format})

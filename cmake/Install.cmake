@@ -8,6 +8,9 @@ set(CONTACTSPLINE_PKGCONFIG_DIR ${CMAKE_INSTALL_DATADIR}/pkgconfig CACHE STRING 
 
 install(TARGETS contactspline_runtime contactspline_materials EXPORT ContactSplineTargets
         INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+if(NOT CONTACTSPLINE_BUILD_SIMD)
+  install(TARGETS contactspline_engine EXPORT ContactSplineTargets)
+endif()
 if(CONTACTSPLINE_BUILD_GENERATOR)
   install(TARGETS contactspline EXPORT ContactSplineTargets COMPONENT program)
 endif()
@@ -20,7 +23,7 @@ install(FILES LICENSE TYPE DOC COMPONENT licence)
 
 install(EXPORT ContactSplineTargets NAMESPACE ContactSpline:: DESTINATION ${contactspline_cmake_dir})
 if(CONTACTSPLINE_BUILD_SIMD)
-  install(TARGETS contactspline_simd EXPORT ContactSplineSimdTargets)
+  install(TARGETS contactspline_simd contactspline_engine EXPORT ContactSplineSimdTargets)
   install(EXPORT ContactSplineSimdTargets NAMESPACE ContactSpline:: DESTINATION ${contactspline_cmake_dir})
 endif()
 if(CONTACTSPLINE_BUILD_THREADS)

@@ -10,6 +10,7 @@
 #include <tuple>
 #include <utility>
 
+#include "contactspline/host/engine.hpp"
 #include "generator/support/embedded_files.hpp"
 #include "generator/support/error.hpp"
 #include "generator/support/input_file.hpp"
@@ -25,15 +26,15 @@ struct NamedModel {
 };
 
 template <std::size_t Index>
-struct ModelAt {
-  template <typename T>
-  using Type = std::tuple_element_t<Index, NamedModels<T>>;
-};
+InstrumentMaker maker_of_model() {
+  return InstrumentMaker::of([](auto precision, double) {
+    return compiled<std::tuple_element_t<Index, NamedModels<decltype(precision)>>>();
+  });
+}
 
 template <std::size_t... Indices>
 constexpr std::array<NamedModel, sizeof...(Indices)> models_of(std::index_sequence<Indices...>) {
-  return {{{&std::tuple_element_t<Indices, NamedModels<double>>::name,
-            InstrumentMaker::of_class<ModelAt<Indices>::template Type>}...}};
+  return {{{&std::tuple_element_t<Indices, NamedModels<double>>::name, maker_of_model<Indices>}...}};
 }
 
 constexpr std::array kModels = models_of(std::make_index_sequence<std::tuple_size_v<NamedModels<double>>>());

@@ -19,8 +19,8 @@
 #include <vector>
 
 #include "contactspline.h"
-#include "contactspline/instrument/parameter.hpp"
-#include "contactspline/instrument/pluck.hpp"
+#include "contactspline/data/parameter.hpp"
+#include "contactspline/data/pluck.hpp"
 #include "contactspline/step/controls.hpp"
 
 namespace contactspline {

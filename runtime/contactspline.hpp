@@ -5,12 +5,12 @@
 
 #include "contactspline/step/cpp20.hpp"
 
+#include "contactspline/data/stiff_string.hpp"
 #include "contactspline/host/hosted.hpp"
 #include "contactspline/instrument/instruments_of.hpp"
 #include "contactspline/instrument/keyboard_instrument.hpp"
 #include "contactspline/instrument/network_instrument.hpp"
 #include "contactspline/modal/modal.hpp"
-#include "contactspline/modal/stiff_string.hpp"
 #include "contactspline/modal/string_place.hpp"
 #include "contactspline/models/body.hpp"
 #include "contactspline/models/ensemble.hpp"

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "contactspline/instrument/mass_barrier_instrument.hpp"
+#include "contactspline/host/engine.hpp"
 #include "generator/cli/commands.hpp"
 #include "generator/cli/figures.hpp"
 #include "generator/cli/files.hpp"
@@ -33,26 +33,27 @@ double option_or(std::optional<double> given, const Design& design, double Impac
 }
 
 MassBarrierMotion play(const MassBarrierOptions& options, const Design& design) {
-  using Barrier = MassBarrierInstrument<double>;
-  Barrier barrier({.contact = segment_table(design.spline),
-                   .mass_kg = option_or(options.mass_kg, design, &Impact::mass_kg, options, "--mass"),
-                   .loss_s_per_m = options.loss_s_per_m.value_or(design.material.loss_s_per_m),
-                   .memories = design.material.memories});
-  barrier.set(Barrier::kGravity, options.gravity_m_per_s2);
-  barrier.set(Barrier::kStiffnessRatio, options.stiffness_ratio);
-  barrier.set(Barrier::kStart, options.start_m);
+  using P = MassBarrierParameter;
+  const auto barrier = Engine<double>::mass_barrier(
+      {.contact = segment_table(design.spline),
+       .mass_kg = option_or(options.mass_kg, design, &Impact::mass_kg, options, "--mass"),
+       .loss_s_per_m = options.loss_s_per_m.value_or(design.material.loss_s_per_m),
+       .memories = design.material.memories});
+  barrier->set(P::kGravity, options.gravity_m_per_s2);
+  barrier->set(P::kStiffnessRatio, options.stiffness_ratio);
+  barrier->set(P::kStart, options.start_m);
   const auto rate = static_cast<double>(options.output.sample_rate_hz);
   const auto samples = static_cast<std::size_t>(std::llround(options.duration_s * rate));
   MassBarrierMotion motion{rate, std::vector<double>(samples), std::vector<double>(samples)};
-  barrier.prepare(rate);
-  barrier.strike(0, option_or(options.speed_m_per_s, design, &Impact::max_speed_m_per_s, options, "--speed"));
+  barrier->prepare(rate);
+  barrier->strike(0, option_or(options.speed_m_per_s, design, &Impact::max_speed_m_per_s, options, "--speed"));
   const std::size_t block = std::max<std::size_t>(1, samples / 100);
   for (std::size_t begin = 0; begin < samples; begin += block) {
     show_progress(static_cast<double>(begin) / static_cast<double>(samples));
     const std::size_t length = std::min(block, samples - begin);
     const std::array outputs = {std::span(motion.displacement_m).subspan(begin, length),
                                 std::span(motion.force_n).subspan(begin, length)};
-    barrier.process(outputs);
+    barrier->process(outputs, {});
   }
   show_progress(1);
   return motion;

@@ -9,7 +9,7 @@
 #include <span>
 #include <utility>
 
-#include "contactspline/instrument/pluck.hpp"
+#include "contactspline/data/pluck.hpp"
 #include "generator/dataset/plan_instrument.hpp"
 #include "generator/support/error.hpp"
 #include "generator/support/json_reader.hpp"

@@ -5,13 +5,10 @@
 #include <cmath>
 #include <concepts>
 #include <cstddef>
-#include <limits>
 
 #include "generator/player/playing.hpp"
 
 namespace contactspline {
-
-constexpr double kOfParameter = std::numeric_limits<double>::quiet_NaN();  // as Happening has it
 
 class SamplePlayer::Interface {
  public:
@@ -38,7 +35,7 @@ class SamplePlayer::In final : public Interface {
     instrument_->prepare(plan_.sample_rate_hz);
     direct(into);
     schedule(values);
-    render<T>(*instrument_, happenings_, plan_.length, recording_, watch);
+    render<T>(*instrument_, events_, plan_.length, recording_, watch);
     if constexpr (!std::same_as<T, float>)
       for (std::size_t r = 0; r < exact_.size(); ++r)
         std::ranges::transform(exact_[r], into.sounds[r].begin(), [](T x) { return static_cast<float>(x); });
@@ -65,36 +62,36 @@ class SamplePlayer::In final : public Interface {
 
   // A blow takes the value that its parameter has at its time.
   void schedule(std::span<const double> values) {
-    happenings_.clear();
+    events_.clear();
     for (const PlannedEvent& event : plan_.events) {
       const double value = event.value == PlannedEvent::kNone ? 1 : values[event.value];
       switch (event.kind) {
         case PlannedEvent::kSet:
-          happenings_.push_back({event.sample, Action::kSet, event.number, value, 0});
+          events_.push_back({event.sample, Action::kSet, event.number, value, 0});
           break;
         case PlannedEvent::kPluck:
-          happenings_.push_back({event.sample, Action::kPluck, event.number, kOfParameter, event.rise_s});
+          events_.push_back({event.sample, Action::kPluck, event.number, TimedEvent::kOfParameter, event.rise_s});
           break;
         case PlannedEvent::kStrike:
-          add_held(event, event.number, Action::kStrike, Action::kRelease, kOfParameter);
+          add_held(event, event.number, Action::kStrike, Action::kRelease, TimedEvent::kOfParameter);
           break;
         case PlannedEvent::kKey:
           add_held(event, static_cast<std::size_t>(values[event.key]), Action::kNoteOn, Action::kNoteOff, value);
       }
     }
-    std::ranges::stable_sort(happenings_, {}, &Happening::sample);
-    while (!happenings_.empty() && happenings_.back().sample >= plan_.length) happenings_.pop_back();
+    std::ranges::stable_sort(events_, {}, &TimedEvent::sample);
+    while (!events_.empty() && events_.back().sample >= plan_.length) events_.pop_back();
   }
 
   void add_held(const PlannedEvent& event, std::size_t number, Action begin, Action end, double value) {
-    happenings_.push_back({event.sample, begin, number, value, 0});
-    if (event.end != PlannedEvent::kNone) happenings_.push_back({event.end, end, number, 0, 0});
+    events_.push_back({event.sample, begin, number, value, 0});
+    if (event.end != PlannedEvent::kNone) events_.push_back({event.end, end, number, 0, 0});
   }
 
   const Plan& plan_;
   std::unique_ptr<AnyInstrument<T>> instrument_;
   std::vector<double> initial_;
-  std::vector<Happening> happenings_;
+  std::vector<TimedEvent> events_;
   Recording<T> recording_;
   std::vector<std::vector<T>> exact_;
 };

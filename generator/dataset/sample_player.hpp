@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "contactspline/host/any_instrument.hpp"
 #include "generator/dataset/plan.hpp"
-#include "generator/player/any_instrument.hpp"
 
 namespace contactspline {
 

@@ -120,7 +120,7 @@ std::string faust_body_text(const Keyboard& keyboard, const std::optional<Resona
 }
 
 // What is added for ears in the room.
-std::string pressure_text(const Emitter& emitter, const std::vector<EarRadiation>& ears, double sample_rate_hz) {
+std::string pressure_text(const Emitter& emitter, const std::vector<BodyArrays::Ear>& ears, double sample_rate_hz) {
   if (ears.empty()) return "";
   TemplateValues values{{"RATE", literal(sample_rate_hz)}};
   for (std::size_t e = 0; e < ears.size(); ++e) {

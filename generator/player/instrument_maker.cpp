@@ -4,14 +4,18 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <concepts>
+#include <memory>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "contactspline/instrument/mass_barrier_instrument.hpp"
+#include "contactspline/host/engine.hpp"
+#include "contactspline/host/model_module.hpp"
 #include "generator/instrument/instrument_reader.hpp"
 #include "generator/material/named_file.hpp"
-#include "generator/player/own_keyboard.hpp"
+#include "generator/player/instrument_parts.hpp"
 #include "generator/player/score_reader.hpp"
 #include "generator/resonator/keyboard_reader.hpp"
 #include "generator/spline/design.hpp"
@@ -21,6 +25,37 @@
 #include "generator/support/json_reader.hpp"
 
 namespace contactspline {
+
+namespace {
+
+template <std::floating_point T>
+Handle<T> of_module(const ModelModule& module) {
+  if constexpr (std::same_as<T, float>)
+    if (module.make_single != nullptr) return module.make_single();
+  if constexpr (std::same_as<T, double>)
+    if (module.make_double != nullptr) return module.make_double();
+  throw std::logic_error("of_module: the module computes in the other precision");
+}
+
+// What plays a voice of a model. Throws BadInput where it has no mode below half the rate.
+template <std::floating_point T>
+Handle<T> instrument_of(Model model, const Voice& voice, double sample_rate_hz) {
+  switch (model) {
+    case Model::kHammerString:
+      return Engine<T>::hammer_string(hammer_string_parts(voice, sample_rate_hz));
+    case Model::kSlideString:
+      return Engine<T>::slide_string(plucked_string_parts(voice, sample_rate_hz));
+    case Model::kFretString:
+      return Engine<T>::fret_string(plucked_string_parts(voice, sample_rate_hz));
+    case Model::kFile:
+      break;
+  }
+  if (voice.model->module != nullptr) return of_module<T>(*voice.model->module);
+  const auto arrays = std::make_shared<const InstrumentArrays>(instrument_arrays(*voice.model, sample_rate_hz));
+  return Engine<T>::network(arrays->view(), arrays);
+}
+
+}  // namespace
 
 InstrumentMaker maker_of_voice(Model model, Voice voice) {
   return InstrumentMaker::of([model, voice = std::move(voice)](auto precision, double rate) {
@@ -37,7 +72,8 @@ InstrumentMaker maker_of_mass_barrier(const JsonObject& parts, const ReadFile& r
   const MassBarrierParts made{segment_table(design.spline),
                               design.material.impact ? design.material.impact->mass_kg : kAnyMass_kg,
                               design.material.loss_s_per_m, design.material.memories};
-  return InstrumentMaker::of_class<MassBarrierInstrument>(made);
+  return InstrumentMaker::of(
+      [made](auto precision, double) { return Engine<decltype(precision)>::mass_barrier(made); });
 }
 
 // A score plays all keys once, so that its reader designs their felts.
@@ -53,11 +89,9 @@ InstrumentMaker maker_of_keyboard(const std::string& keyboard, const std::string
   const std::string score =
       fmt::format(R"({{"instrument": "hammer-string", "duration_s": 1, "keyboard": {}, "events": [{}]}})", keyboard,
                   fmt::join(events, ", "));
-  const auto made = std::make_shared<const OwnKeyboardParts>(std::move(played), parse_score(score, file, read));
-  return InstrumentMaker::of(
-      [made](auto precision, double rate) -> std::unique_ptr<AnyInstrument<decltype(precision)>> {
-        return std::make_unique<InstrumentBehind<OwnKeyboard<decltype(precision)>>>(made, rate);
-      });
+  const auto made = std::make_shared<const KeyboardParts>(
+      keyboard_parts(played, std::make_shared<const Score>(parse_score(score, file, read))));
+  return InstrumentMaker::of([made](auto precision, double) { return Engine<decltype(precision)>::keyboard(made); });
 }
 
 InstrumentMaker maker_of_text(std::string_view text, const std::string& file, const ReadFile& read) {

@@ -4,13 +4,13 @@
 
 #include <concepts>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 
+#include "contactspline/host/any_instrument.hpp"
 #include "generator/material/contact_reader.hpp"
-#include "generator/player/any_instrument.hpp"
+#include "generator/player/score.hpp"
 #include "generator/support/json_reader.hpp"
 
 namespace contactspline {
@@ -18,11 +18,11 @@ namespace contactspline {
 /// Makes instruments, always the same one, in either precision. prepare() at the rate comes next. Throws BadInput
 /// where a body has no mode below half the rate.
 struct InstrumentMaker {
-  std::function<std::unique_ptr<AnyInstrument<float>>(double sample_rate_hz)> in_single;
-  std::function<std::unique_ptr<AnyInstrument<double>>(double sample_rate_hz)> in_double;
+  std::function<Handle<float>(double sample_rate_hz)> in_single;
+  std::function<Handle<double>(double sample_rate_hz)> in_double;
 
   template <std::floating_point T>
-  [[nodiscard]] std::unique_ptr<AnyInstrument<T>> make(double sample_rate_hz) const {
+  [[nodiscard]] Handle<T> make(double sample_rate_hz) const {
     if constexpr (std::same_as<T, float>)
       return in_single(sample_rate_hz);
     else
@@ -34,14 +34,6 @@ struct InstrumentMaker {
   [[nodiscard]] static InstrumentMaker of(const Make& make) {
     return {[make](double rate) { return make(float(), rate); },
             [make](double rate) { return make(double(), rate); }};
-  }
-
-  /// The class I<T>, made of these arguments.
-  template <template <typename> typename I, typename... Arguments>
-  [[nodiscard]] static InstrumentMaker of_class(const Arguments&... arguments) {
-    return of([arguments...](auto precision, double) -> std::unique_ptr<AnyInstrument<decltype(precision)>> {
-      return std::make_unique<InstrumentBehind<I<decltype(precision)>>>(arguments...);
-    });
   }
 };
 

@@ -3,6 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+#include <vector>
+
+#include "contactspline/data/model_parameters.hpp"
 #include "generator/resonator/keyboard.hpp"
 #include "generator/resonator/resonator_reader.hpp"
 #include "generator/support/error.hpp"
@@ -49,8 +53,8 @@ ResonatorParts resonator_parts(const Voice& voice, double sample_rate_hz) {
 HammerStringParts hammer_string_parts(const Voice& voice, double sample_rate_hz) {
   return {.resonator = resonator_parts(voice, sample_rate_hz),
           .felt = voice.contact,
-          .hammer_mass_kg = voice.initial[HammerStringInstrument<double>::kHammerMass],
-          .loss_s_per_m = voice.initial[HammerStringInstrument<double>::kLoss],
+          .hammer_mass_kg = voice.initial[HammerStringParameter::kHammerMass],
+          .loss_s_per_m = voice.initial[HammerStringParameter::kLoss],
           .damper = voice.damper,
           .memories = voice.memories};
 }
@@ -78,6 +82,38 @@ BodyArrays body_arrays(const Score& score, double sample_rate_hz) {
           each(modes, &BodyMode::right_shape),
           radiation_at_ears(resonators, modes, sample_rate_hz),
           sample_rate_hz};
+}
+
+KeyboardParts keyboard_parts(const Score& score) {
+  constexpr std::size_t kAllModes = 4096;
+  KeyboardParts parts{.name = score.file,
+                      .description = score.description,
+                      .first_key = 0,
+                      .keys = score.keys,
+                      .body = [&score](double sample_rate_hz) { return body_arrays(score, sample_rate_hz); },
+                      .listening = score.listening,
+                      .has_ears = !score.ears.empty(),
+                      .una_corda_stiffness_ratio = score.una_corda_stiffness_ratio,
+                      .max_modes = kAllModes};
+  for (KeyParts& key : parts.keys) key.felt = score.voices.front().contact;
+  for (const Voice& voice : score.voices) {
+    parts.keys[voice.key].felt = voice.contact;
+    parts.keys[voice.key].memories = voice.memories;
+  }
+  return parts;
+}
+
+KeyboardParts keyboard_parts(const Keyboard& keyboard, std::shared_ptr<const Score> score) {
+  KeyboardParts parts = keyboard_parts(*score);
+  parts.name = keyboard.name;
+  parts.description = keyboard.description;
+  parts.first_key = keyboard.first_key;
+  parts.body = [score = std::move(score)](double sample_rate_hz) { return body_arrays(*score, sample_rate_hz); };
+  parts.min_speed_m_per_s = keyboard.min_speed_m_per_s;
+  parts.max_speed_m_per_s = keyboard.max_speed_m_per_s;
+  parts.felt_loss_s_per_m = keyboard.felt_loss_s_per_m;
+  parts.max_modes = KeyboardParts{}.max_modes;
+  return parts;
 }
 
 }  // namespace contactspline

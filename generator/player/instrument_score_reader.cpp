@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "contactspline/instrument/pluck.hpp"
+#include "contactspline/data/pluck.hpp"
 #include "generator/instrument/instrument_reader.hpp"
 #include "generator/material/named_file.hpp"
 #include "generator/player/midi_reader.hpp"

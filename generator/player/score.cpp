@@ -4,16 +4,12 @@
 #include <algorithm>
 #include <array>
 
-#include "contactspline/instrument/fret_string_instrument.hpp"
-#include "contactspline/instrument/hammer_string_instrument.hpp"
-#include "contactspline/instrument/slide_string_instrument.hpp"
-
 namespace contactspline {
 namespace {
 
-using Hammer = HammerStringInstrument<double>;
-using Slide = SlideStringInstrument<double>;
-using Fret = FretStringInstrument<double>;
+using Hammer = HammerStringParameter;
+using Slide = SlideStringParameter;
+using Fret = FretStringParameter;
 
 constexpr const char* kHammerKeys[] = {"hammer_mass_kg", "damper_per_s"};
 constexpr const char* kSlideKeys[] = {"pluck_m", "pickup_m", "height_m"};

@@ -10,9 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include "contactspline/instrument/keyboard_instrument.hpp"
-#include "contactspline/instrument/parameter.hpp"
-#include "contactspline/models/hammer_voice.hpp"
+#include "contactspline/data/keyboard_parts.hpp"
+#include "contactspline/data/model_parameters.hpp"
 #include "contactspline/step/contact.hpp"
 #include "generator/instrument/instrument.hpp"
 #include "generator/resonator/keyboard.hpp"
@@ -111,7 +110,7 @@ struct Score {
   std::optional<Resonator> knock = {};          ///< that keys strike when they are played
   std::vector<BridgePlace> bridge_places = {};  ///< of the body under a keyboard
   std::vector<ListeningPlace> ears = {};        ///< in the room before it
-  std::vector<KeyOnBody<double>> keys = {};     ///< on the body, also those that are not played; without felts
+  std::vector<KeyParts> keys = {};              ///< on the body, also those that are not played; without felts
   double una_corda_stiffness_ratio = 1;         ///< of all felts
   Listening listening = {};                     ///< the sound of the body under a keyboard
   std::vector<Glide> pedals = {};               ///< by rising time; of KeyboardParameter, all up at first

@@ -7,13 +7,15 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numbers>
 #include <span>
 #include <utility>
 
-#include "contactspline/instrument/hammer_string_instrument.hpp"
+#include "contactspline/host/engine.hpp"
+#include "contactspline/modal/modal.hpp"
 #include "contactspline/step/flush_denormals.hpp"
-#include "generator/player/any_instrument.hpp"
+#include "generator/player/instrument_maker.hpp"
 #include "generator/player/instrument_parts.hpp"
 #include "generator/player/voice_tracks.hpp"
 #include "generator/support/error.hpp"
@@ -185,7 +187,7 @@ class Sleep {
   void look_at(const I& instrument) {
     if (processed_ < kMaxSteady) return;
     processed_ = 0;
-    max_energy_j_ = std::max(max_energy_j_, instrument.string_energy());
+    max_energy_j_ = std::max(max_energy_j_, instrument.books().string_j);
     is_asleep_ = instrument.is_silent(1e-12 * max_energy_j_);
   }
 
@@ -202,7 +204,6 @@ void play_voice(AnyInstrument<T>& instrument, const Score& score, const Voice& v
                 Recorder& recorder, const PartDone& done) {
   std::vector<T> sound(kBlock), force(kBlock);
   std::vector<std::span<T>> outputs(options.output + 1);
-  for (std::size_t i = 0; i < voice.initial.size(); ++i) instrument.set(i, voice.initial[i]);
   instrument.prepare(options.sample_rate_hz);
   VoicePlayer<AnyInstrument<T>> player(instrument, voice, options.sample_rate_hz);
   Sleep sleep(instrument.sleeps());
@@ -233,13 +234,13 @@ template <typename T>
 class KeyPart {
  public:
   using value_type = T;
-  using Control = HammerStringInstrument<double>;
+  using Control = HammerStringParameter;
 
   /// is_played: otherwise its damper moves without a blow.
-  KeyPart(KeyboardOfScore<T>& keyboard, const Score& score, const Voice& voice, bool is_played)
+  KeyPart(AnyInstrument<T>& keyboard, const Score& score, const Voice& voice, bool is_played)
       : keyboard_(keyboard),
         key_(voice.key),
-        whole_mass_kg_(score.keys[voice.key].hammer.hammer_mass_kg),
+        whole_mass_kg_(score.keys[voice.key].hammer_mass_kg),
         is_played_(is_played) {}
 
   // A key's damping is that of all its strings, which are advanced side by side.
@@ -255,22 +256,22 @@ class KeyPart {
 
   void set(std::size_t parameter, double value) {
     values_[parameter] = value;
-    if (parameter == Control::kDamping) keyboard_.damp(key_, static_cast<T>(value));
-    if (parameter == Control::kBend) keyboard_.bend(key_, value);
+    if (parameter == Control::kDamping) keyboard_.play({0, Action::kDampKey, key_, value});
+    if (parameter == Control::kBend) keyboard_.play({0, Action::kBendKey, key_, value});
   }
 
   void strike(std::size_t, T speed_m_per_s) {
-    if (!is_played_ || speed_m_per_s == 0) return keyboard_.press(key_);
-    keyboard_.strike_at(key_, values_[Control::kPlace]);
-    keyboard_.set_hammers(
-        static_cast<T>(values_[Control::kHammerMass] / whole_mass_kg_),
-        {static_cast<T>(values_[Control::kStiffnessRatio]), static_cast<T>(values_[Control::kLoss])});
+    if (!is_played_ || speed_m_per_s == 0) return keyboard_.strike(key_, T(0));
+    keyboard_.play({0, Action::kPlaceKey, key_, values_[Control::kPlace]});
+    keyboard_.set(KeyboardParameter::kMassRatio, values_[Control::kHammerMass] / whole_mass_kg_);
+    keyboard_.set(KeyboardParameter::kHardness, values_[Control::kStiffnessRatio]);
+    keyboard_.set(KeyboardParameter::kLoss, values_[Control::kLoss]);
     keyboard_.strike(key_, speed_m_per_s);
   }
   void release(std::size_t) { keyboard_.release(key_); }
 
  private:
-  KeyboardOfScore<T>& keyboard_;
+  AnyInstrument<T>& keyboard_;
   std::size_t key_;
   double whole_mass_kg_;
   bool is_played_;
@@ -280,14 +281,15 @@ class KeyPart {
 /// Plays all voices on the keys of one keyboard, with its pedals, under the same calls as a plug-in makes.
 template <typename T>
 void play_keyboard(const Score& score, const PlayOptions& options, Recorder& recorder, const PartDone& done) {
-  KeyboardOfScore<T> keyboard(score, options.sample_rate_hz);
+  const Handle<T> keyboard = Engine<T>::keyboard(std::make_shared<const KeyboardParts>(keyboard_parts(score)));
+  keyboard->prepare(options.sample_rate_hz);
   const std::vector<double> pedals_up(KeyboardParameter::kParameters);
   ControlTrack pedals(score.pedals, pedals_up, options.sample_rate_hz);
   std::vector<KeyPart<T>> parts;
   parts.reserve(score.voices.size());
   std::vector<VoicePlayer<KeyPart<T>>> players;
   for (std::size_t v = 0; v < score.voices.size(); ++v) {
-    parts.emplace_back(keyboard, score, score.voices[v], options.only_voice.value_or(v) == v);
+    parts.emplace_back(*keyboard, score, score.voices[v], options.only_voice.value_or(v) == v);
     players.emplace_back(parts.back(), score.voices[v], options.sample_rate_hz, &Strike::key_hold_s);
   }
   std::array<T, kBlock> left, right, force;
@@ -297,20 +299,21 @@ void play_keyboard(const Score& score, const PlayOptions& options, Recorder& rec
     const auto positions = pedals.at(sample);
     for (std::size_t i = 0; i < positions.size(); ++i) {
       if (!is_pedal(i)) continue;
-      keyboard.set(i, positions[i]);
+      keyboard->set(i, positions[i]);
       samples = std::min(samples, pedals.steady_samples(sample, i, KeyboardParameter::kList[i].step_samples));
     }
     for (auto& player : players) samples = std::min(samples, player.take_events(sample));
-    keyboard.process(std::span(left).first(samples), std::span(right).first(samples),
-                     std::span(force).first(samples));
+    const std::array ears = {std::span(left).first(samples), std::span(right).first(samples)};
+    keyboard->process(ears, std::span(force).first(samples));
+    const bool has_failed = keyboard->books().failures > 0;
     for (std::size_t n = 0; n < samples; ++n, ++sample) {
-      if (!is_bounded(double(left[n])) || !is_bounded(double(right[n])) || keyboard.failures() > 0)
+      if (!is_bounded(double(left[n])) || !is_bounded(double(right[n])) || has_failed)
         refuse_infinite(score, "keyboard", options, sample);
       recorder.add_sound(sample, double(left[n]), double(right[n]));
       recorder.note_force(sample, double(force[n]));
     }
   }
-  recorder.count_contacts(keyboard.contacts());
+  recorder.count_contacts(keyboard->books().contacts);
 }
 
 /// What a sound is where a force drives a body: its velocity at both ears. The body moves no string.
@@ -356,7 +359,7 @@ Performance play_in(const Score& score, PlayOptions options, const Progress& pro
   for (std::size_t v = 0; v < score.voices.size(); ++v) {
     if (options.only_voice.value_or(v) != v) continue;
     require_output(score, score.voices[v], options);
-    const auto instrument = instrument_of<T>(score.model, score.voices[v], options.sample_rate_hz);
+    const auto instrument = maker_of_voice(score.model, score.voices[v]).template make<T>(options.sample_rate_hz);
     play_voice(*instrument, score, score.voices[v], options, recorder,
                [&](std::size_t sample) { progress(static_cast<double>(v * recorder.samples() + sample) / total); });
   }
@@ -379,14 +382,14 @@ std::vector<Output> outputs_of(const Score& score) {
     for (const ModelOutput& output : score.voices.front().model->outputs)
       outputs.push_back({output.name.c_str(), unit_of(output.name).data(), output.full_scale});
   } else {
-    const auto& all = detail::StringOutputs<double>::kList;
+    const auto& all = StringOutput::kList;
     outputs.assign(all.begin(), all.end());
   }
   return outputs;
 }
 
 void choose_best_output(const Score& score, PlayOptions& options) {
-  using Outputs = detail::StringOutputs<double>;
+  using Outputs = StringOutput;
   options.is_on_body = score.body.has_value();
   if (options.is_on_body || score.model == Model::kFile) return;
   const auto is_string = [](const Voice& voice) { return std::holds_alternative<StiffString>(voice.resonator.body); };

@@ -14,8 +14,7 @@
 #include <set>
 #include <utility>
 
-#include "contactspline/instrument/hammer_string_instrument.hpp"
-#include "contactspline/instrument/pluck.hpp"
+#include "contactspline/data/pluck.hpp"
 #include "generator/material/named_file.hpp"
 #include "generator/player/instrument_score_reader.hpp"
 #include "generator/player/midi_reader.hpp"
@@ -67,7 +66,7 @@ void tune(const JsonObject& json, Resonator& resonator) {
 }
 
 void complete_hammer(const JsonObject& json, const Material& material, Voice& voice) {
-  using Control = HammerStringInstrument<double>;
+  using Control = HammerStringParameter;
   if (!json.has("hammer_mass_kg") && !material.impact)
     json.fail(json.key("hammer_mass_kg"), "missing, and the material has no impact", "a number");
   voice.initial[Control::kHammerMass] =
@@ -139,7 +138,7 @@ Voice voice_of(const Keyboard& keyboard, int key) {
   voice.name = fmt::format("{}", key);
   voice.resonator = {keyboard.name, "", note.string, {note.strike_position_m}, {note.strike_position_m}, kMaxModes};
   voice.contact = segment_table(design_spline(note.felt, keyboard.name));
-  using Control = HammerStringInstrument<double>;
+  using Control = HammerStringParameter;
   for (const Parameter& parameter : Control::kList) voice.initial.push_back(parameter.initial);
   voice.initial[Control::kHammerMass] = note.hammer_mass_kg;
   voice.initial[Control::kLoss] = keyboard.felt_loss_s_per_m;
@@ -163,17 +162,16 @@ void add_body(const Keyboard& keyboard, const NamedText& file, const ReadFile& r
   score.listening = keyboard.body->listening;
   for (int key = keyboard.first_key; key <= keyboard.last_key; ++key) {
     const KeyboardNote note = note_of(keyboard, key);
-    score.keys.push_back({strings_on_body(note, *keyboard.body),
-                          note.strike_position_m,
-                          {},
-                          {.hammer_mass_kg = note.hammer_mass_kg},
-                          damper_of(keyboard, key),
-                          {},
-                          note.bridge_ratio,
-                          note.output_ratio,
-                          horizontal_motion(note, *keyboard.body),
-                          note.bridge_place,
-                          longitudinal_motion(note, *keyboard.body, key)});
+    score.keys.push_back({.strings = strings_on_body(note, *keyboard.body),
+                          .strike_position_m = note.strike_position_m,
+                          .felt = {},
+                          .hammer_mass_kg = note.hammer_mass_kg,
+                          .damper = damper_of(keyboard, key),
+                          .bridge_ratio = note.bridge_ratio,
+                          .output_ratio = note.output_ratio,
+                          .horizontal = horizontal_motion(note, *keyboard.body),
+                          .bridge_place = note.bridge_place,
+                          .longitudinal = longitudinal_motion(note, *keyboard.body, key)});
   }
 }
 
@@ -195,7 +193,7 @@ SharedGlides bends_of(std::span<const MidiBend> bends, int channel) {
   for (const MidiBend& bend : bends) {
     if (bend.channel != channel) continue;
     if (!glides.empty() && glides.back().time_s == bend.time_s) glides.pop_back();
-    glides.push_back(glide_of(bend, HammerStringInstrument<double>::kBend));
+    glides.push_back(glide_of(bend, HammerStringParameter::kBend));
   }
   return std::make_shared<const std::vector<Glide>>(std::move(glides));
 }
@@ -263,7 +261,7 @@ void check_bend(const JsonObject& event, const Parameter& control, const Voice& 
 std::vector<std::size_t> controls_of(Model model, bool has_keys) {
   const auto& [name, parameters, events, pluck, keys] = rules_of(model);
   std::vector<std::size_t> controls;
-  for (std::size_t i = 0; i < (has_keys ? HammerStringInstrument<double>::kOfKeys : parameters.size()); ++i)
+  for (std::size_t i = 0; i < (has_keys ? HammerStringParameter::kOfKeys : parameters.size()); ++i)
     if (std::ranges::find(events, i, &Event::parameter) == events.end()) controls.push_back(i);
   return controls;
 }

@@ -170,9 +170,9 @@ std::vector<BodyMode> body_modes(const KeyboardResonators& resonators, double ma
   return modes;
 }
 
-std::vector<EarRadiation> radiation_at_ears(const KeyboardResonators& resonators, const std::vector<BodyMode>& modes,
-                                            double sample_rate_hz) {
-  std::vector<EarRadiation> outputs;
+std::vector<BodyArrays::Ear> radiation_at_ears(const KeyboardResonators& resonators,
+                                               const std::vector<BodyMode>& modes, double sample_rate_hz) {
+  std::vector<BodyArrays::Ear> outputs;
   if (resonators.ears.empty()) return outputs;
   double nearest_m = std::numeric_limits<double>::max();
   for (const ListeningPlace& ear : resonators.ears)

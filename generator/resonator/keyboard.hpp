@@ -7,8 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "contactspline/modal/longitudinal.hpp"
-#include "contactspline/models/body.hpp"
+#include "contactspline/data/keyboard_parts.hpp"
 #include "generator/material/material.hpp"
 #include "generator/resonator/radiation.hpp"
 #include "generator/resonator/resonator.hpp"
@@ -53,7 +52,7 @@ struct KeyboardBody {
   Listening listening;               ///< the sound of the body
   std::string knock = {};            ///< resonator that a played key strikes, as `resonator`; empty: none
   HorizontalMotion horizontal = {};
-  /// By rising key, at most Body::kMaxPlaces; empty: all keys drive the body where it is struck.
+  /// By rising key, at most kMaxBridgePlaces; empty: all keys drive the body where it is struck.
   std::vector<BridgePlace> bridge_places = {};
   /// Left and right ear in the room; empty: the sound is that of `listening`.
   std::vector<ListeningPlace> ears = {};
@@ -126,15 +125,11 @@ struct BodyMode {
 /// the right ear. Other resonators than plates and tables of modes have one place for both ears.
 [[nodiscard]] std::vector<BodyMode> body_modes(const KeyboardResonators& resonators, double max_frequency_hz);
 
-/// What an ear in the room hears of a keyboard's body, as Radiation; the taps of all places of the bridge, place
-/// after place, equally many.
-struct EarRadiation {
-  std::vector<double> of_velocity, of_displacement, taps;
-};
-
-/// What the left and the right ear hear of these modes, body_modes(resonators, sample_rate_hz/2); none without ears.
-[[nodiscard]] std::vector<EarRadiation> radiation_at_ears(const KeyboardResonators& resonators,
-                                                          const std::vector<BodyMode>& modes, double sample_rate_hz);
+/// What the left and the right ear in the room hear of these modes, as Radiation; the taps of all places of the
+/// bridge, place after place, equally many: body_modes(resonators, sample_rate_hz/2); none without ears.
+[[nodiscard]] std::vector<BodyArrays::Ear> radiation_at_ears(const KeyboardResonators& resonators,
+                                                             const std::vector<BodyMode>& modes,
+                                                             double sample_rate_hz);
 
 /// The bridge_shapes of all modes: those of the first place, then those of the second one, and so on.
 [[nodiscard]] std::vector<double> bridge_shapes_of(const std::vector<BodyMode>& modes);

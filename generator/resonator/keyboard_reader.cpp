@@ -123,7 +123,7 @@ std::vector<BridgePlace> read_bridge_places(const JsonObject& body, int first_ke
   std::vector<BridgePlace> places;
   if (!body.has("bridge_places")) return places;
   for (const JsonObject& place :
-       body.objects("bridge_places", {"first_key", "position_m", "across_m"}, Body<double>::kMaxPlaces)) {
+       body.objects("bridge_places", {"first_key", "position_m", "across_m"}, kMaxBridgePlaces)) {
     const int first = place.integer("first_key", 0, last_key);
     if (places.empty() && first > first_key)
       place.fail(place.key("first_key"),

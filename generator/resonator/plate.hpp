@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "contactspline/modal/stiff_string.hpp"
+#include "contactspline/data/stiff_string.hpp"
 
 namespace contactspline {
 

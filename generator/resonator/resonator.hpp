@@ -9,8 +9,8 @@
 #include <variant>
 #include <vector>
 
-#include "contactspline/modal/modal.hpp"
-#include "contactspline/modal/stiff_string.hpp"
+#include "contactspline/data/mode.hpp"
+#include "contactspline/data/stiff_string.hpp"
 #include "generator/resonator/bar.hpp"
 #include "generator/resonator/plate.hpp"
 

@@ -10,7 +10,7 @@
 #include <memory>
 #include <numbers>
 
-#include "contactspline/models/body.hpp"
+#include "contactspline/data/keyboard_parts.hpp"
 #include "generator/resonator/ribbed_plate.hpp"
 #include "generator/support/error.hpp"
 #include "generator/support/json_reader.hpp"
@@ -186,8 +186,7 @@ ModeTable read_modes(const JsonObject& resonator) {
                           row.number("pickup_shape", kModeShape)});
     ModeTable::Row& read = table.rows.back();
     if (row.has("right_shape")) read.right_shape = row.number("right_shape", kModeShape);
-    if (row.has("bridge_shapes"))
-      read.bridge_shapes = row.numbers("bridge_shapes", kModeShape, Body<double>::kMaxPlaces);
+    if (row.has("bridge_shapes")) read.bridge_shapes = row.numbers("bridge_shapes", kModeShape, kMaxBridgePlaces);
     if (const std::size_t places = table.rows.front().bridge_shapes.size(); read.bridge_shapes.size() != places)
       row.fail(row.key("bridge_shapes"), fmt::format("has {} entries", read.bridge_shapes.size()),
                fmt::format("{} numbers, as in modes[0]", places));

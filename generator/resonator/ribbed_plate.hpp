@@ -6,7 +6,7 @@
 #include <mutex>
 #include <vector>
 
-#include "contactspline/modal/stiff_string.hpp"
+#include "contactspline/data/stiff_string.hpp"
 #include "generator/resonator/plate.hpp"
 
 namespace contactspline {

@@ -7,15 +7,16 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "contactspline/host/hosted.hpp"
-#include "contactspline/instrument/instrument.hpp"
 #include "contactspline/step/controls.hpp"
 #include "contactspline/step/flush_denormals.hpp"
 #include "contactspline/step/version.hpp"
@@ -26,30 +27,31 @@ namespace contactspline {
 namespace detail {
 
 /// A base that is there before the framework's class, which asks how many parameters and programs there are.
-template <Instrument I>
+template <std::floating_point T>
 struct PluginInstrument {
-  PluginInstrument() {
+  explicit PluginInstrument(Handle<T> instrument) : hosted(std::move(instrument)) {
     const auto parameters = hosted.instrument().parameters();
     for (std::size_t p = 0; p < parameters.size(); ++p)
       if (parameters[p].slider.min < parameters[p].slider.max) numbers.push_back(p);
   }
 
-  Hosted<I> hosted;
+  Hosted<T> hosted;
   std::vector<std::size_t> numbers;  // of the parameters that can move, which are those that hosts see
 };
 
 }  // namespace detail
 
-/// The plug-in of an instrument that is built without arguments. Parameters and programs are its parameters and
+/// The plug-in of an instrument. Parameters and programs are its parameters and
 /// presets, in units for people (label_of); a volume is the last parameter. Without presets one program sets all
 /// parameters to their first values. Left and right are the outputs whose names begin with left_ and right_; without
 /// them the first output is on both sides. Behind the volume stand what hosts can only read: the peak of each output,
 /// in its unit, which falls within 0.3 s. While a window watches, it tells it what the contacts do.
-template <Instrument I>
-class InstrumentPlugin : private detail::PluginInstrument<I>, public WindowedPlugin {
+template <std::floating_point T>
+class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlugin {
  public:
-  InstrumentPlugin()
-      : WindowedPlugin(
+  explicit InstrumentPlugin(Handle<T> played)
+      : detail::PluginInstrument<T>(std::move(played)),
+        WindowedPlugin(
             static_cast<std::uint32_t>(this->numbers.size() + 1 + this->hosted.instrument().outputs().size()),
             static_cast<std::uint32_t>(std::max<std::size_t>(1, this->hosted.instrument().presets().size())), 0),
         volume_index_(this->numbers.size()),
@@ -89,7 +91,7 @@ class InstrumentPlugin : private detail::PluginInstrument<I>, public WindowedPlu
     std::atomic<float> shown = 0;  ///< in the unit for people
   };
 
-  [[nodiscard]] const I& instrument() const { return this->hosted.instrument(); }
+  [[nodiscard]] const AnyInstrument<T>& instrument() const { return this->hosted.instrument(); }
   [[nodiscard]] const Control& control(std::size_t index) const {
     return index == volume_index_ ? kVolume : instrument().parameters()[this->numbers[index]];
   }
@@ -100,7 +102,7 @@ class InstrumentPlugin : private detail::PluginInstrument<I>, public WindowedPlu
   const char* getLabel() const override { return CONTACTSPLINE_PLUGIN_LABEL; }
   const char* getDescription() const override { return instrument().description(); }
   const char* getMaker() const override { return DISTRHO_PLUGIN_BRAND; }
-  const char* getLicense() const override { return license_of(instrument()); }
+  const char* getLicense() const override { return instrument().license(); }
   std::uint32_t getVersion() const override { return d_version(kVersionMajor, kVersionMinor, kVersionPatch); }
   std::int64_t getUniqueId() const override { return CONTACTSPLINE_PLUGIN_UNIQUE_ID; }
 
@@ -243,7 +245,7 @@ class InstrumentPlugin : private detail::PluginInstrument<I>, public WindowedPlu
     }
   }
 
-  void show(std::span<const typename I::value_type> force) {
+  void show(std::span<const T> force) {
     std::array<float, kBlock> in_single;
     std::transform(force.begin(), force.end(), in_single.begin(), [](auto f) { return static_cast<float>(f); });
     ring_.write({outputs_[left_], force.size()}, std::span(in_single).first(force.size()),
@@ -272,7 +274,7 @@ class InstrumentPlugin : private detail::PluginInstrument<I>, public WindowedPlu
   std::vector<Peak> peaks_;
   std::size_t left_, right_;
   ContactRing ring_;
-  std::array<typename I::value_type, kBlock> forces_ = {};
+  std::array<T, kBlock> forces_ = {};
   std::uint32_t notes_ = 0;  // that have begun
   float volume_ = 0, volume_target_ = 0, volume_rate_ = 0;
 };

@@ -145,11 +145,11 @@ using Values = std::vector<std::pair<std::size_t, double>>;
 using Rows =
     std::vector<std::tuple<double, int, std::size_t, double, double>>;  // sample, action, number, value, rise
 
-std::vector<Happening> happenings_of(const Rows& rows) {
-  std::vector<Happening> happenings;
+std::vector<TimedEvent> events_in(const Rows& rows) {
+  std::vector<TimedEvent> events;
   for (const auto& [sample, action, number, value, rise] : rows)
-    happenings.push_back({static_cast<std::size_t>(sample), Action(action), number, value, rise});
-  return happenings;
+    events.push_back({static_cast<std::size_t>(sample), Action(action), number, value, rise});
+  return events;
 }
 
 /// An instrument of Python: how to make it, and one that tells its lists.
@@ -184,12 +184,12 @@ class Source {
     recording.energy_step = energy_step;
     {
       const py::gil_scoped_release unlocked;
-      const auto happenings = happenings_of(rows);
+      const auto events = events_in(rows);
       auto instrument = idle_in(T()).take(maker_, rate);
       for (const auto& [parameter, value] : initial) instrument->set(parameter, value);
       instrument->prepare(rate);
       try {
-        render<T>(*instrument, happenings, samples, recording, stop_on_signal);
+        render<T>(*instrument, events, samples, recording, stop_on_signal);
       } catch (const NotFinite& failure) {
         refuse(shown_->name(), "sound", failure.what(), "other values of parameters or events");
       }
@@ -210,7 +210,7 @@ class Source {
     const std::size_t outputs = shown_->outputs().size();
     std::atomic<bool> is_stopped = false;
     const py::gil_scoped_release unlocked;
-    const auto happenings = happenings_of(rows);
+    const auto events = events_in(rows);
     IdleInstruments<T> idle;
     run_tasks(
         static_cast<std::size_t>(sounds.shape(0)), threads,
@@ -224,7 +224,7 @@ class Source {
           const std::span<float> sound(first + i * samples, samples);
           const auto rendered = [&](const Recording<T>& into) {
             try {
-              render<T>(*instrument, happenings, samples, into, stop);
+              render<T>(*instrument, events, samples, into, stop);
             } catch (const NotFinite& failure) {
               refuse(shown_->name(), fmt::format("row {}", i), failure.what(),
                      "other values of parameters or events");

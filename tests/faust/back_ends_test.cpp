@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Every program and every kind of emitted material through every back end of the installed Faust but C++: the build compiles
-// them as C++ in both precisions, for the tests of agreement and for the plug-ins. wast is not compiled: it is the
-// text of wasm.
+// Every program and every kind of emitted material through every back end of the installed Faust but C++: the build
+// compiles them as C++ in both precisions, for the tests of agreement and for the plug-ins. wast is not compiled: it
+// is the text of wasm.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -2,8 +2,8 @@
 // slide_string.dsp on its guitar body against the bank of the body's modes in C++.
 #include "contactspline/resonators/guitar_body.hpp"
 
+#include "contactspline/data/stiff_string.hpp"
 #include "contactspline/modal/modal.hpp"
-#include "contactspline/modal/stiff_string.hpp"
 #include "cpp_program.hpp"
 #include "support/compare.hpp"
 

@@ -8,8 +8,9 @@
 #include <numbers>
 #include <random>
 
+#include "contactspline/data/stiff_string.hpp"
+#include "contactspline/modal/bend.hpp"
 #include "contactspline/modal/modal.hpp"
-#include "contactspline/modal/stiff_string.hpp"
 #include "contactspline/models/hammer_voice.hpp"
 #include "contactspline/step/high_pass.hpp"
 #include "cpp_program.hpp"

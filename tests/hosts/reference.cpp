@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "contactspline/instrument/pluck.hpp"
+#include "contactspline/data/pluck.hpp"
 #include "contactspline/step/flush_denormals.hpp"
 #include "hosts/named_instruments.hpp"
 

@@ -63,8 +63,8 @@ void release(World*, void* memory) {
   std::free(memory);
 }
 
-int command(World* world, void*, const char*, void* data, AsyncStageFn second, AsyncStageFn third, AsyncStageFn fourth,
-            AsyncFreeFn cleanup, int, void*) {
+int command(World* world, void*, const char*, void* data, AsyncStageFn second, AsyncStageFn third,
+            AsyncStageFn fourth, AsyncFreeFn cleanup, int, void*) {
   if (server.commands == Commands::kAreRefused) return -1;
   if (server.commands == Commands::kAreLost) return 0;
   if (second(world, data) && third(world, data)) fourth(world, data);

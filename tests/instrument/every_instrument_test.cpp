@@ -198,7 +198,7 @@ TYPED_TEST(EveryInstrument, AdvancesWhereNobodyWantsAnOutput) {
   using Value = typename TypeParam::value_type;
   std::vector<std::vector<Value>> ends;
   for (const bool is_wanted : {true, false}) {
-    Hosted<TypeParam> hosted;
+    Hosted<typename TypeParam::value_type> hosted(handle_of<TypeParam>());
     hosted.prepare(kRate);
     hosted.midi(std::array<std::uint8_t, 3>{0x90, 60, 100});
     std::vector<Value> sound(1000);
@@ -216,7 +216,7 @@ TYPED_TEST(EveryInstrument, AdvancesWhereNobodyWantsAnOutput) {
 
 // Random bytes as MIDI, then silence on demand.
 TYPED_TEST(EveryInstrument, IgnoresDamagedMidi) {
-  Hosted<TypeParam> hosted;
+  Hosted<typename TypeParam::value_type> hosted(handle_of<TypeParam>());
   hosted.prepare(kRate);
   const bool is_silent_at_rest = hosted.instrument().is_silent(1e-14);
   Random random(7);

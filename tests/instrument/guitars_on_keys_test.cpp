@@ -101,7 +101,7 @@ TEST(LapSteel, RestsUntilItIsPlayed) {
 // A hand that presses harder or less makes no edge that is sharper than a step of a thousandth of a pluck of 3 N: the
 // promise of docs/how-to/slide-string.md.
 TEST(LapSteel, IsPressedWithoutASound) {
-  Hosted<instruments::lap_steel<float>> steel;
+  Hosted<float> steel(handle_of<instruments::lap_steel<float>>());
   steel.prepare(kRate);
   std::vector<float> sound(48000);
   float* const outputs[] = {sound.data(), nullptr};

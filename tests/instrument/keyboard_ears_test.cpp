@@ -8,10 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "contactspline/instrument/keyboard_instrument.hpp"
 #include "contactspline/instrument/network_instrument.hpp"
 #include "generator/instrument/instrument_reader.hpp"
 #include "generator/material/named_file.hpp"
-#include "generator/player/own_keyboard.hpp"
+#include "generator/player/instrument_parts.hpp"
 #include "generator/player/score_reader.hpp"
 #include "generator/resonator/keyboard_reader.hpp"
 #include "support/compare.hpp"
@@ -50,10 +51,10 @@ class Heard {
  public:
   explicit Heard(const std::string& of_body) : keyboard_(made(keyboard_text(of_body)), kRate) {}
 
-  OwnKeyboard<double>* operator->() { return &keyboard_; }
+  PedaledKeyboard<double>* operator->() { return &keyboard_; }
 
  private:
-  static std::shared_ptr<const OwnKeyboardParts> made(const std::string& text) {
+  static std::shared_ptr<const KeyboardParts> made(const std::string& text) {
     const ReadFile read = [=](const std::string& name) {
       return name == "board.json" ? R"({ "name": "board", )" + kPlate +
                                         R"(, "strike": { "position_m": 0.5, "across_m": 0.31 },
@@ -64,14 +65,15 @@ class Heard {
     for (int key = 40; key <= 80; ++key)
       events += R"({ "time_s": 0, "key": )" + std::to_string(key) +
                 (key < 80 ? R"(, "hold_s": 0 }, )" : R"(, "hold_s": 0 })");
-    return std::make_shared<const OwnKeyboardParts>(
+    return std::make_shared<const KeyboardParts>(keyboard_parts(
         parse_keyboard(text, "heard.json"),
-        parse_score(R"({ "instrument": "hammer-string", "duration_s": 1, "keyboard": "heard.json", "events": [ )" +
-                        events + " ] }",
-                    "score.json", read));
+        std::make_shared<const Score>(parse_score(
+            R"({ "instrument": "hammer-string", "duration_s": 1, "keyboard": "heard.json", "events": [ )" + events +
+                " ] }",
+            "score.json", read))));
   }
 
-  OwnKeyboard<double> keyboard_;
+  PedaledKeyboard<double> keyboard_;
 };
 
 // The same plate and ears, with a control of the force at each place.

@@ -8,7 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "generator/player/own_keyboard.hpp"
+#include "contactspline/instrument/keyboard_instrument.hpp"
+#include "generator/player/instrument_parts.hpp"
 #include "generator/player/score_reader.hpp"
 #include "generator/resonator/keyboard_reader.hpp"
 #include "support/compare.hpp"
@@ -44,22 +45,23 @@ std::string longitudinal(const std::string& output_ratio) {
 }
 
 template <typename T>
-OwnKeyboard<T> keyboard(const std::string& longitudinal) {
+PedaledKeyboard<T> keyboard(const std::string& longitudinal) {
   const std::string text = keyboard_text(longitudinal);
   std::string events;
   for (int key = 28; key <= 60; ++key)
     events += R"({ "time_s": 0, "key": )" + std::to_string(key) + R"(, "hold_s": 0 })" + (key < 60 ? ", " : "");
   const auto score =
       R"({ "instrument": "hammer-string", "duration_s": 1, "keyboard": "along.json", "events": [ )" + events + " ] }";
-  return {std::make_shared<const OwnKeyboardParts>(
-              parse_keyboard(text, "along.json"),
-              parse_score(score, "score.json", [=](const std::string&) { return text; })),
-          kRate};
+  return {
+      std::make_shared<const KeyboardParts>(keyboard_parts(
+          parse_keyboard(text, "along.json"),
+          std::make_shared<const Score>(parse_score(score, "score.json", [=](const std::string&) { return text; })))),
+      kRate};
 }
 
 /// Blows, pedals and a bend, sample by sample: the left ear. each(): after each sample.
 template <typename T, typename Each>
-std::vector<T> played(OwnKeyboard<T>& piano, std::size_t key, Each each) {
+std::vector<T> played(PedaledKeyboard<T>& piano, std::size_t key, Each each) {
   std::vector<T> sound;
   for (int n = 0; n < 22050; ++n) {
     if (n == 10 || n == 9000) piano.strike(key, T(5));

@@ -24,8 +24,8 @@ namespace {
 constexpr double kRate = 44100;
 
 // The next samples of the first output.
-template <typename I>
-std::vector<float> hosted_sound(Hosted<I>& hosted, std::size_t samples) {
+template <typename T>
+std::vector<float> hosted_sound(Hosted<T>& hosted, std::size_t samples) {
   std::vector<float> sound(samples);
   std::vector<float*> outputs(hosted.instrument().outputs().size());
   outputs.front() = sound.data();
@@ -47,7 +47,7 @@ TYPED_TEST_SUITE(InstrumentOfAFile, Drums);
 
 // It decays by 27 decades of energy in less than 6 s; its mallets fly away.
 TYPED_TEST(InstrumentOfAFile, FallsExactlySilentAndWakes) {
-  Hosted<TypeParam> hosted;
+  Hosted<typename TypeParam::value_type> hosted(handle_of<TypeParam>());
   hosted.prepare(kRate);
   for (int note = 0; note < 2; ++note) {
     hosted.press(0, true);
@@ -61,7 +61,7 @@ TYPED_TEST(InstrumentOfAFile, FallsExactlySilentAndWakes) {
 // The force of a mass at a barrier is an output, too. While it sleeps, both are 0.
 TEST(ForceOfAHost, IsThatOfTheContacts) {
   using Barrier = MassBarrierOf<materials::steel_on_steel, double>;
-  Hosted<Barrier> hosted;
+  Hosted<double> hosted(handle_of<Barrier>());
   hosted.prepare(kRate);
   hosted.press(0, true);
   std::vector<float> output(4410);
@@ -71,7 +71,7 @@ TEST(ForceOfAHost, IsThatOfTheContacts) {
   EXPECT_GT(peak(output), 1);
   for (std::size_t n = 0; n < force.size(); ++n)
     EXPECT_EQ(output[n], static_cast<float>(force[n] / Barrier::kOutputs[1].full_scale)) << n;
-  Hosted<instruments::tom<double>> asleep;
+  Hosted<double> asleep(handle_of<instruments::tom<double>>());
   asleep.prepare(kRate);
   const std::vector<float*> none(2);
   for (int block = 0; block < 2; ++block) {
@@ -84,7 +84,7 @@ TEST(ForceOfAHost, IsThatOfTheContacts) {
 // A mass that rests in front of the barrier has no energy, but an output.
 TEST(MassAtRest, IsHeardWhereItIs) {
   using Barrier = MassBarrierOf<materials::steel_on_steel, double>;
-  Hosted<Barrier> hosted;
+  Hosted<double> hosted(handle_of<Barrier>());
   hosted.prepare(kRate);
   hosted.set(Barrier::kStart, -1e-3);
   hosted.set(Barrier::kSpeed, 0);
@@ -139,7 +139,8 @@ TEST(PluckedString, IsNotSilentWhileTheSlideFlies) {
     slide.set(parameter(slide, "hand_force_n"), force_n);
     slide.process(outputs);
   }
-  EXPECT_EQ(slide.energy(), 0);
+  EXPECT_EQ(slide.model().string().energy(), 0);
+  EXPECT_GT(slide.energy(), 0);  // of the slide
   EXPECT_FALSE(slide.is_silent(1e-14));
 }
 
@@ -167,8 +168,8 @@ template <typename T>
 using SlideOf = SlideStringOf<materials::steel_on_steel, resonators::guitar_g3, T>;
 
 // Presses the slide on the string, where the instrument has one.
-template <typename I>
-void press(Hosted<I>& hosted) {
+template <typename T>
+void press(Hosted<T>& hosted) {
   const auto count = hosted.instrument().parameters().size();
   for (const auto& [name, value] :
        {std::pair{"hand_force_n", 2.0}, std::pair{"hand_stiffness_n_per_m", 100.0},
@@ -186,7 +187,7 @@ TYPED_TEST_SUITE(LoadedInstrument, Loaded);
 // it, bit by bit, and their outputs stay at the load, until they are played. Played on without sleep they hold almost
 // the same energy E: what still moved, K = 1e-13 J at most, changes it by no more than 2 sqrt(E K) + K.
 TYPED_TEST(LoadedInstrument, SleepsUnderItsLoadAndWakes) {
-  Hosted<TypeParam> hosted;
+  Hosted<typename TypeParam::value_type> hosted(handle_of<TypeParam>());
   hosted.prepare(kRate);
   press(hosted);
   hosted.press(0, true);
@@ -198,11 +199,11 @@ TYPED_TEST(LoadedInstrument, SleepsUnderItsLoadAndWakes) {
   sound = hosted_sound(hosted, 10000);
   EXPECT_EQ(std::ranges::count(sound, sound.front()), 10000) << "not asleep";
   EXPECT_EQ(hosted.instrument().energy(), energy_j);
-  TypeParam& awake = hosted.instrument();
+  auto& awake = hosted.instrument();
   std::vector<typename TypeParam::value_type> played(10000);
   std::vector<std::span<typename TypeParam::value_type>> outputs(awake.outputs().size());
   outputs.front() = played;
-  awake.process(outputs);
+  awake.process(outputs, {});
   const double full_scale = awake.outputs()[0].full_scale;
   for (const auto sample : played) ASSERT_NEAR(double(sample) / full_scale, double(sound.front()), 0x1p-17);
   EXPECT_NEAR(awake.energy(), energy_j, 2 * std::sqrt(1e-13 * energy_j) + 1e-13);
@@ -212,7 +213,7 @@ TYPED_TEST(LoadedInstrument, SleepsUnderItsLoadAndWakes) {
 
 // A hand that presses harder moves the slide: a control wakes what sleeps under a load.
 TEST(PluckedString, WakesWhereAHandPressesHarder) {
-  Hosted<SlideOf<double>> hosted;
+  Hosted<double> hosted(handle_of<SlideOf<double>>());
   hosted.prepare(kRate);
   press(hosted);
   (void)hosted_sound(hosted, static_cast<std::size_t>(28 * kRate));

@@ -3,6 +3,9 @@
 #include <faust/gui/UI.h>
 #include <faust/gui/meta.h>
 
+#include "contactspline/data/instrument_data.hpp"
+#include "contactspline/data/pluck.hpp"
+#include "contactspline/data/stiff_string.hpp"
 #include "contactspline/host/any_instrument.hpp"
 #include "contactspline/host/faust_dsp.hpp"
 #include "contactspline/host/hosted.hpp"
@@ -10,7 +13,6 @@
 #include "contactspline/instrument/ensemble_instrument.hpp"
 #include "contactspline/instrument/fret_string_instrument.hpp"
 #include "contactspline/instrument/hammer_string_instrument.hpp"
-#include "contactspline/instrument/instrument_data.hpp"
 #include "contactspline/instrument/instrument_parts.hpp"
 #include "contactspline/instrument/instruments_of.hpp"
 #include "contactspline/instrument/keyboard_instrument.hpp"
@@ -22,7 +24,6 @@
 #include "contactspline/instrument/network_tuning.hpp"
 #include "contactspline/instrument/parameter_values.hpp"
 #include "contactspline/instrument/played_by_events.hpp"
-#include "contactspline/instrument/pluck.hpp"
 #include "contactspline/instrument/plucked_string_instrument.hpp"
 #include "contactspline/instrument/slide_string_instrument.hpp"
 #include "contactspline/instrument/string_outputs.hpp"
@@ -31,11 +32,11 @@
 #include "contactspline/keyboards/piano.hpp"
 #include "contactspline/materials/felt_c4.hpp"
 #include "contactspline/materials/felt_live.hpp"
+#include "contactspline/modal/bend.hpp"
 #include "contactspline/modal/force_history.hpp"
 #include "contactspline/modal/longitudinal.hpp"
 #include "contactspline/modal/modal.hpp"
 #include "contactspline/modal/mode.hpp"
-#include "contactspline/modal/stiff_string.hpp"
 #include "contactspline/modal/string_place.hpp"
 #include "contactspline/models/body.hpp"
 #include "contactspline/models/bridge_load.hpp"
@@ -156,7 +157,9 @@ using Felt = materials::felt_c4;
   template class InstrumentDsp<SlideStringOf<Felt, String, T>>;                                                 \
   template class InstrumentDsp<FretStringOf<Felt, String, T>>;                                                  \
   template class InstrumentDsp<MassBarrierOf<Felt, T>>;                                                         \
-  template class Hosted<KeyboardInstrument<keyboards::piano, T>>;                                               \
+  template class Hosted<T>;                                                                                     \
+  template class HandleDsp<T>;                                                                                  \
+  template class PedaledKeyboard<T>;                                                                            \
   template class HammerVoice<T>;                                                                                \
   template class HighPass<T>;                                                                                   \
   template class KeyboardInstrument<keyboards::piano, T>;                                                       \

@@ -30,8 +30,7 @@ Score slide_score(const std::string& events) {
 }
 
 Performance played(const Score& score, Precision precision) {
-  return play(score,
-              {.sample_rate_hz = 44100, .output = detail::StringOutputs<double>::kVelocity, .precision = precision},
+  return play(score, {.sample_rate_hz = 44100, .output = StringOutput::kVelocity, .precision = precision},
               [](double) {});
 }
 
@@ -122,7 +121,7 @@ TEST(ScorePlayer, SaysWhereAKeyboardIsNotFinite) {
 TEST(ScorePlayer, DrivesABodyByTheForceOnTheBridge) {
   Score score = slide_score("");
   const auto silent = [](double) {};
-  const auto force = play(score, {.sample_rate_hz = 44100, .output = detail::StringOutputs<double>::kBridge}, silent);
+  const auto force = play(score, {.sample_rate_hz = 44100, .output = StringOutput::kBridge}, silent);
   ASSERT_EQ(force.channels, 1);
   score.body =
       Resonator{"probe", "", ModeTable{{{{600, 20, 0.1}, 1.5, 0.5}, {{3000, 100, 0.2}, -1, 2}}}, {0}, {0}, 10};

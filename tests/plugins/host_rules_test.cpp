@@ -135,7 +135,7 @@ TEST(Vst3, RestoresShortNumbersFromPartsInSinglePrecision) {
 template <typename I>
 std::vector<float> played(const char* moved, double value, std::uint32_t note, std::uint32_t moves,
                           std::size_t samples) {
-  Hosted<I> hosted;
+  Hosted<float> hosted(handle_of<I>());
   hosted.prepare(kRate);
   std::vector<float> sound(samples);
   std::vector<float*> outputs(hosted.instrument().outputs().size());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a plug-in must play: its C++ class, without a framework.
+// What a plug-in must play: its instrument, without a framework.
 #pragma once
 
 #include <array>
@@ -8,6 +8,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "contactspline/host/hosted.hpp"
@@ -33,11 +34,10 @@ class Reference {
   }
 };
 
-template <Instrument I>
 class ReferenceOf : public Reference {
  public:
   // Hosts keep values in single precision, in the units for people.
-  explicit ReferenceOf(double sample_rate_hz) {
+  ReferenceOf(Handle<float> instrument_of_class, double sample_rate_hz) : hosted_(std::move(instrument_of_class)) {
     for (std::size_t p = 0; p < instrument().parameters().size(); ++p) {
       const Parameter& parameter = instrument().parameters()[p];
       const double factor = label_of(parameter.name).factor;
@@ -91,9 +91,9 @@ class ReferenceOf : public Reference {
   }
 
  private:
-  [[nodiscard]] const I& instrument() const { return hosted_.instrument(); }
+  [[nodiscard]] const AnyInstrument<float>& instrument() const { return hosted_.instrument(); }
 
-  Hosted<I> hosted_;
+  Hosted<float> hosted_;
   std::vector<std::vector<float>> unheard_;
 };
 

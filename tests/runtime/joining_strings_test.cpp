@@ -253,7 +253,7 @@ TEST_P(JoiningStrings, BalanceTheirEnergy) {
 
 INSTANTIATE_TEST_SUITE_P(Rates, JoiningStrings,
                          ::testing::Combine(::testing::Values(22050.0, 44100.0, 96000.0),
-                                            ::testing::Values(1, Body<double>::kMaxPlaces)));
+                                            ::testing::Values(1, kMaxBridgePlaces)));
 
 }  // namespace
 }  // namespace contactspline::testing

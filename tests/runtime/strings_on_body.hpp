@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "contactspline/modal/stiff_string.hpp"
+#include "contactspline/data/stiff_string.hpp"
 #include "generator/resonator/resonator.hpp"
 #include "strings.hpp"
 #include "support/compare.hpp"

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <vector>
 
-#include "contactspline/modal/stiff_string.hpp"
+#include "contactspline/data/stiff_string.hpp"
 #include "contactspline/tangent/strike_gradient.hpp"
 #include "exact_felt.hpp"
 #include "support/compare.hpp"

@@ -76,7 +76,7 @@ Maker maker(Args&... args) {
 template <typename I, typename Model>
 Maker maker_of_plucked() {
   return [](const VoicePlan& plan) -> std::unique_ptr<Playable> {
-    constexpr std::size_t kBridge = detail::StringOutputs<float>::kBridge;
+    constexpr std::size_t kBridge = StringOutput::kBridge;
     if (plan.is_plain()) return std::make_unique<PlayableBehind<I, kBridge>>();
     auto string = plan.strings(false);
     if (!string) return nullptr;
@@ -89,7 +89,7 @@ Maker maker_of_plucked() {
 
 // The hammered dulcimer, whose sound is the force on its bridge.
 std::unique_ptr<Playable> dulcimer(const VoicePlan& plan) {
-  constexpr std::size_t kBridge = detail::StringOutputs<float>::kBridge;
+  constexpr std::size_t kBridge = StringOutput::kBridge;
   if (plan.is_plain()) return std::make_unique<PlayableBehind<Dulcimer<float>, kBridge>>();
   auto course = plan.strings(true);
   if (!course) return nullptr;

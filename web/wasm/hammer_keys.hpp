@@ -11,10 +11,11 @@
 #include <span>
 #include <vector>
 
+#include "contactspline/data/stiff_string.hpp"
 #include "contactspline/instrument/hammer_string_instrument.hpp"
 #include "contactspline/instrument/keyboard_instrument.hpp"
 #include "contactspline/instrument/parameter_values.hpp"
-#include "contactspline/modal/stiff_string.hpp"
+#include "contactspline/modal/bend.hpp"
 #include "contactspline/models/hammer_voice.hpp"
 #include "contactspline/models/keyboard.hpp"
 #include "generated/felt_c4.hpp"

@@ -41,7 +41,7 @@ class SlideGuitar : public SlideStringOf<materials::steel_on_steel, resonators::
     this->set_initial(P::kLoss, 0.2);
     this->set_initial(P::kPluck, 5);
   }
-  static std::span<const Output> outputs() { return detail::StringOutputs<T>::kList; }
+  static std::span<const Output> outputs() { return StringOutput::kList; }
 };
 
 /// A guitar string over a fret, as in the score fret_buzz. Its last output is the force on the bridge.
@@ -54,7 +54,7 @@ class FretGuitar : public FretStringOf<materials::steel_on_steel, resonators::gu
     this->set_initial(P::kGap, 0.00006);
     this->set_initial(P::kLoss, 0.3);
   }
-  static std::span<const Output> outputs() { return detail::StringOutputs<T>::kList; }
+  static std::span<const Output> outputs() { return StringOutput::kList; }
 };
 
 /// A felt hammer on a course of two strings, as in the score dulcimer. Its last output is the force on the bridge.
@@ -70,7 +70,7 @@ class Dulcimer : public HammerStringOf<materials::felt_c4, resonators::dulcimer_
   }
   static const char* name() { return "dulcimer"; }
   static const char* description() { return "Felt hammer on a course of two strings, 1.2 cents apart"; }
-  static std::span<const Output> outputs() { return detail::StringOutputs<T>::kList; }
+  static std::span<const Output> outputs() { return StringOutput::kList; }
 };
 
 /// Calls visit.template operator()<I>() for the class I<T> of each file in data/instruments.

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "contactspline/instrument/instrument_data.hpp"
+#include "contactspline/data/instrument_data.hpp"
 
 namespace contactspline::web {
 

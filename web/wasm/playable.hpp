@@ -94,16 +94,20 @@ template <typename I>
 /// I: an Instrument. Its sound is its outputs left_... and right_..., or else the one of number `otherwise`.
 template <Instrument I, std::size_t otherwise = 0>
 class PlayableBehind final : public Playable {
+  using T = typename I::value_type;
+
  public:
   template <typename... Args>
-  explicit PlayableBehind(Args&&... args) : hosted_(std::forward<Args>(args)...) {
+  explicit PlayableBehind(Args&&... args)
+      : hosted_(handle_of<I>(std::forward<Args>(args)...)),
+        own_(static_cast<InstrumentBehind<I>&>(hosted_.instrument()).instrument()) {
     const std::span<const Output> outputs = hosted_.instrument().outputs();
     left_ = output_beginning(outputs, "left_", otherwise);
     right_ = output_beginning(outputs, "right_", left_);
     wanted_.resize(outputs.size());
   }
 
-  [[nodiscard]] std::string described() const override { return description_of(hosted_.instrument()); }
+  [[nodiscard]] std::string described() const override { return description_of(own_); }
   void prepare(double sample_rate_hz) override { hosted_.prepare(sample_rate_hz); }
   void set(std::size_t parameter, double value) override { hosted_.set(parameter, value); }
   [[nodiscard]] double velocity() const override { return kVelocity<I>; }
@@ -135,17 +139,18 @@ class PlayableBehind final : public Playable {
 
   [[nodiscard]] double energy() const override { return hosted_.instrument().energy(); }
   [[nodiscard]] const Books* books() const override {
-    if constexpr (requires { hosted_.instrument().books(); })
-      return &hosted_.instrument().books();
+    if constexpr (requires { own_.books(); })
+      return &own_.books();
     else
       return nullptr;
   }
   void watch_none() override {
-    if constexpr (requires { hosted_.instrument().watch_none(); }) hosted_.instrument().watch_none();
+    if constexpr (requires { own_.watch_none(); }) own_.watch_none();
   }
 
  private:
-  Hosted<I> hosted_;
+  Hosted<T> hosted_;
+  I& own_;                      // the same, of its class
   std::size_t left_, right_;    // among the outputs
   std::vector<float*> wanted_;  // of the outputs
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// An instrument whose kind is known at run time only.
+// The handle of what plays: an instrument whose kind is known at run time only.
 #pragma once
 
 #include "contactspline/step/cpp20.hpp"
@@ -7,14 +7,17 @@
 #include <concepts>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 
+#include "contactspline/data/pluck.hpp"
+#include "contactspline/data/timed_event.hpp"
 #include "contactspline/instrument/instrument.hpp"
 
 namespace contactspline {
 
-/// The concept Instrument as an interface; meets Instrument itself.
+/// The concept Instrument as an interface; meets Instrument itself. What can happen to it is a TimedEvent.
 template <std::floating_point T>
 class AnyInstrument {
  public:
@@ -32,23 +35,40 @@ class AnyInstrument {
   [[nodiscard]] virtual std::span<const Event> events() const = 0;
   [[nodiscard]] virtual std::span<const Output> outputs() const = 0;
   [[nodiscard]] virtual std::span<const Preset> presets() const = 0;
+  /// The event that a key of MIDI plays, if it plays one; and whether it plays at all.
+  [[nodiscard]] virtual std::optional<std::size_t> event_of(int key) const = 0;
+  [[nodiscard]] virtual bool has_key(int key) const = 0;
+
   virtual void prepare(double sample_rate_hz) = 0;
-  virtual void set(std::size_t parameter, double value) = 0;
-  [[nodiscard]] virtual double value(std::size_t parameter) const = 0;
-  virtual void note_on(int key, double velocity) = 0;
-  virtual void note_off(int key) = 0;
-  virtual void strike(std::size_t number, T speed_m_per_s) = 0;
-  virtual void release(std::size_t number) = 0;
-  virtual void pluck(std::size_t number, T force_n, double rise_s) = 0;
+  /// Does what an event says, now; its time does not count.
+  virtual void play(const TimedEvent& event) = 0;
   virtual void process(Outputs<T> outputs, std::span<T> force) = 0;
   virtual void reset() = 0;
+
+  [[nodiscard]] virtual double value(std::size_t parameter) const = 0;
   [[nodiscard]] virtual bool is_silent(double limit_j) const = 0;
-  [[nodiscard]] virtual double energy() const = 0;
-  [[nodiscard]] virtual double string_energy() const = 0;  ///< without a hammer that flies [J]
-  [[nodiscard]] virtual bool sleeps() const = 0;           ///< is it silent until it is played?
+  [[nodiscard]] virtual bool is_at_rest(double limit_j) const = 0;  ///< false where the instrument does not say
+  [[nodiscard]] virtual bool sleeps() const = 0;                    ///< is it silent until it is played?
+  [[nodiscard]] virtual Books books() const = 0;
+
+  void set(std::size_t parameter, double value) { play({0, Action::kSet, parameter, value}); }
+  void note_on(int key, double velocity) { play({0, Action::kNoteOn, static_cast<std::size_t>(key), velocity}); }
+  void note_off(int key) { play({0, Action::kNoteOff, static_cast<std::size_t>(key)}); }
+  void strike(std::size_t number, T speed_m_per_s) {
+    if (is_number(speed_m_per_s)) play({0, Action::kStrike, number, double(speed_m_per_s)});
+  }
+  void release(std::size_t number) { play({0, Action::kRelease, number}); }
+  void pluck(std::size_t number, T force_n, double rise_s = kPluckRise_s) {
+    if (is_number(force_n)) play({0, Action::kPluck, number, double(force_n), rise_s});
+  }
+  [[nodiscard]] double energy() const { return books().stored_j; }
 };
 
-/// Makes an AnyInstrument of a class that meets the concept Instrument.
+/// A handle that owns its instrument.
+template <std::floating_point T>
+using Handle = std::unique_ptr<AnyInstrument<T>>;
+
+/// An instrument behind the interface.
 template <Instrument I>
 class InstrumentBehind final : public AnyInstrument<typename I::value_type> {
   using T = typename I::value_type;
@@ -64,34 +84,90 @@ class InstrumentBehind final : public AnyInstrument<typename I::value_type> {
   [[nodiscard]] std::span<const Event> events() const override { return instrument_.events(); }
   [[nodiscard]] std::span<const Output> outputs() const override { return instrument_.outputs(); }
   [[nodiscard]] std::span<const Preset> presets() const override { return instrument_.presets(); }
+  [[nodiscard]] std::optional<std::size_t> event_of(int key) const override {
+    return contactspline::event_of(instrument_, key);
+  }
+  [[nodiscard]] bool has_key(int key) const override { return contactspline::has_key(instrument_, key); }
+
   void prepare(double sample_rate_hz) override { instrument_.prepare(sample_rate_hz); }
-  void set(std::size_t parameter, double value) override { instrument_.set(parameter, value); }
-  [[nodiscard]] double value(std::size_t parameter) const override { return instrument_.value(parameter); }
-  void note_on(int key, double velocity) override { instrument_.note_on(key, velocity); }
-  void note_off(int key) override { instrument_.note_off(key); }
-  void strike(std::size_t number, T speed_m_per_s) override { instrument_.strike(number, speed_m_per_s); }
-  void release(std::size_t number) override { instrument_.release(number); }
-  void pluck(std::size_t number, T force_n, double rise_s) override { instrument_.pluck(number, force_n, rise_s); }
+  void play(const TimedEvent& event) override {
+    const int key = static_cast<int>(event.number);
+    switch (event.action) {
+      case Action::kStrike:
+        return instrument_.strike(event.number, value_of(event, EventKind::kStrike));
+      case Action::kRelease:
+        return instrument_.release(event.number);
+      case Action::kPluck:
+        return instrument_.pluck(event.number, value_of(event, EventKind::kPluck), event.rise_s);
+      case Action::kNoteOn:
+        return instrument_.note_on(key, event.value);
+      case Action::kNoteOff:
+        return instrument_.note_off(key);
+      case Action::kSet:
+        return instrument_.set(event.number, event.value);
+      case Action::kBendKey:
+        if constexpr (requires { instrument_.bend_key(key, event.value); }) instrument_.bend_key(key, event.value);
+        return;
+      case Action::kDampKey:
+        if constexpr (requires { instrument_.damp_key(key, event.value); }) instrument_.damp_key(key, event.value);
+        return;
+      case Action::kPlaceKey:
+        if constexpr (requires { instrument_.place_key(key, event.value); }) instrument_.place_key(key, event.value);
+        return;
+    }
+  }
   void process(Outputs<T> outputs, std::span<T> force) override { instrument_.process(outputs, force); }
   void reset() override { instrument_.reset(); }
+
+  [[nodiscard]] double value(std::size_t parameter) const override { return instrument_.value(parameter); }
   [[nodiscard]] bool is_silent(double limit_j) const override { return instrument_.is_silent(limit_j); }
-  [[nodiscard]] double energy() const override { return instrument_.energy(); }
-  [[nodiscard]] double string_energy() const override {
-    if constexpr (requires { instrument_.string_energy(); })
-      return instrument_.string_energy();
+  [[nodiscard]] bool is_at_rest([[maybe_unused]] double limit_j) const override {
+    if constexpr (requires { instrument_.is_at_rest(limit_j); })
+      return instrument_.is_at_rest(limit_j);
     else
-      return instrument_.energy();
+      return false;
   }
   [[nodiscard]] bool sleeps() const override {
     return requires {
       I::kSleeps;
     };
   }
+  [[nodiscard]] Books books() const override {
+    Books books{instrument_.energy()};
+    if constexpr (requires { instrument_.string_energy(); })
+      books.string_j = instrument_.string_energy();
+    else
+      books.string_j = books.stored_j;
+    if constexpr (requires { instrument_.work() + instrument_.dissipated(); }) {
+      books.work_j = instrument_.work();
+      books.heat_j = instrument_.dissipated();
+    }
+    if constexpr (requires { instrument_.contacts() + instrument_.failures(); }) {
+      books.contacts = instrument_.contacts();
+      books.failures = instrument_.failures();
+    }
+    return books;
+  }
 
   [[nodiscard]] I& instrument() { return instrument_; }
 
  private:
+  // The speed or force of an event; where it says so, that of its parameter.
+  [[nodiscard]] T value_of(const TimedEvent& played, EventKind kind) const {
+    if (!is_number(played.value))
+      for (const Event& event : instrument_.events())
+        if (event.kind == kind && event.number == played.number)
+          return static_cast<T>(instrument_.value(event.parameter));
+    return static_cast<T>(played.value);
+  }
+
   I instrument_;
 };
+
+/// A handle on an instrument of a class.
+template <Instrument I, typename... Args>
+[[nodiscard]] Handle<typename I::value_type> handle_of(Args&&... args) {
+  return std::make_unique<InstrumentBehind<I>>(std::forward<Args>(args)...);
+}
 
 }  // namespace contactspline

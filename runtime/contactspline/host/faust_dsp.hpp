@@ -9,6 +9,7 @@
 #include <faust/dsp/dsp.h>
 
 #include <algorithm>
+#include <concepts>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -19,17 +20,20 @@
 
 namespace contactspline {
 
-/// An instrument as Faust's dsp. I: a model that meets Instrument and is built without arguments, such as an emitted
-/// class, instruments::trichord_c4<float>, or HammerStringOf<...>. Each event is a button, each parameter a slider of
+/// An instrument as Faust's dsp. Each event is a button, each parameter a slider of
 /// the same name, unit, range and first value (sliders.hpp); its outputs are the instrument's, each divided by its
 /// full scale. compute() allocates nothing and reads the sliders once. It keeps the last value of one that is not a
 /// number.
-template <Instrument I>
-class InstrumentDsp : public dsp {
+template <std::floating_point T>
+class HandleDsp : public dsp {
  public:
-  /// name: that hosts show, which must outlive the object; null: that of the instrument.
-  explicit InstrumentDsp(const char* name = nullptr)
-      : name_(name != nullptr ? name : hosted_.instrument().name()),
+  using Make = Handle<T> (*)();
+
+  /// make: the instrument. name: that hosts show, which must outlive the object; null: that of the instrument.
+  explicit HandleDsp(Make make, const char* name = nullptr)
+      : make_(make),
+        hosted_(make()),
+        name_(name != nullptr ? name : hosted_.instrument().name()),
         sliders_(sliders_of(hosted_.instrument().parameters(), hosted_.instrument().events())) {
     for (std::size_t s = 0; s < sliders_.size(); ++s) orders_.push_back(std::to_string(s));
     zones_.resize(sliders_.size());
@@ -37,18 +41,18 @@ class InstrumentDsp : public dsp {
       keys_.push_back("key " + std::to_string(key_of_button(e)));
     instanceResetUserInterface();
   }
-  InstrumentDsp(const InstrumentDsp&) = delete;
-  InstrumentDsp& operator=(const InstrumentDsp&) = delete;
+  HandleDsp(const HandleDsp&) = delete;
+  HandleDsp& operator=(const HandleDsp&) = delete;
 
   int getNumInputs() override { return 0; }
   int getNumOutputs() override { return static_cast<int>(hosted_.instrument().outputs().size()); }
   int getSampleRate() override { return sample_rate_hz_; }
-  dsp* clone() override { return new InstrumentDsp(name_); }
+  dsp* clone() override { return new HandleDsp(make_, name_); }
 
   void metadata(Meta* meta) override {
     meta->declare("name", name_);
     meta->declare("description", hosted_.instrument().description());
-    meta->declare("license", license_of(hosted_.instrument()));
+    meta->declare("license", hosted_.instrument().license());
   }
 
   void buildUserInterface(UI* ui) override {
@@ -112,12 +116,22 @@ class InstrumentDsp : public dsp {
                             static_cast<FAUSTFLOAT>(slider_step(shown)));
   }
 
-  Hosted<I> hosted_;
+  Make make_;
+  Hosted<T> hosted_;
   const char* name_;
   std::vector<Slider> sliders_;
   std::vector<std::string> orders_, keys_;  // metadata of each slider, of each button
   std::vector<FAUSTFLOAT> zones_;           // what the host wrote
   int sample_rate_hz_ = 0;
+};
+
+/// The same of a class that meets Instrument and is built without arguments, such as an emitted one,
+/// instruments::trichord_c4<float>, or HammerStringOf<...>.
+template <Instrument I>
+class InstrumentDsp : public HandleDsp<typename I::value_type> {
+ public:
+  explicit InstrumentDsp(const char* name = nullptr)
+      : HandleDsp<typename I::value_type>([] { return handle_of<I>(); }, name) {}
 };
 
 }  // namespace contactspline

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -15,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "contactspline/host/any_instrument.hpp"
 #include "contactspline/instrument/instrument.hpp"
 #include "contactspline/instrument/played_by_events.hpp"
 #include "contactspline/instrument/string_outputs.hpp"
@@ -45,27 +47,24 @@ struct MidiMessage {
 /// Plays an instrument for Faust's dsp, for plug-ins and the like. prepare() allocates, all else is safe on an audio
 /// thread. An instrument that is silent sleeps: its outputs are exactly 0 until it is played or set. One that
 /// rests under a load, as a slide does that a hand presses, sleeps too: its outputs stay where they are.
-template <Instrument I>
+template <std::floating_point T>
 class Hosted {
  public:
-  using T = typename I::value_type;
-
-  template <typename... Args>
-  explicit Hosted(Args&&... args) : instrument_(std::forward<Args>(args)...), buttons_(instrument_.events().size()) {
-    for (std::size_t p = 0; p < instrument_.parameters().size(); ++p) targets_.push_back(instrument_.value(p));
+  explicit Hosted(Handle<T> instrument) : instrument_(std::move(instrument)), buttons_(instrument_->events().size()) {
+    for (std::size_t p = 0; p < instrument_->parameters().size(); ++p) targets_.push_back(instrument_->value(p));
     rates_.resize(targets_.size());
-    outputs_.resize(instrument_.outputs().size());
+    outputs_.resize(instrument_->outputs().size());
     levels_.resize(outputs_.size());
     scratch_.resize(outputs_.size());
   }
 
-  [[nodiscard]] I& instrument() { return instrument_; }
-  [[nodiscard]] const I& instrument() const { return instrument_; }
+  [[nodiscard]] AnyInstrument<T>& instrument() { return *instrument_; }
+  [[nodiscard]] const AnyInstrument<T>& instrument() const { return *instrument_; }
 
   void prepare(double sample_rate_hz) {
-    instrument_.prepare(sample_rate_hz);
+    instrument_->prepare(sample_rate_hz);
     for (std::size_t p = 0; p < rates_.size(); ++p) {
-      const double time_s = instrument_.parameters()[p].glide_s;
+      const double time_s = instrument_->parameters()[p].glide_s;
       rates_[p] = time_s > 0 ? -std::expm1(-1 / (time_s * sample_rate_hz)) : 1;
     }
     reset();
@@ -74,14 +73,14 @@ class Hosted {
   /// Moves a parameter to a value, as fast as it glides. A value that is not a number does nothing.
   void set(std::size_t parameter, double value) {
     if (parameter >= targets_.size() || !is_number(value)) return;
-    const Parameter& p = instrument_.parameters()[parameter];
+    const Parameter& p = instrument_->parameters()[parameter];
     const double target = held(targets_[parameter], value, p.allowed);
     if (target != targets_[parameter]) wake();
     targets_[parameter] = target;
     if (rates_[parameter] < 1 && !is_new_)
       is_gliding_ = true;
     else
-      instrument_.set(parameter, targets_[parameter]);
+      instrument_->set(parameter, targets_[parameter]);
   }
   [[nodiscard]] double target(std::size_t parameter) const { return targets_[parameter]; }
 
@@ -89,10 +88,10 @@ class Hosted {
   void press(std::size_t event, bool is_down) {
     if (event >= buttons_.size() || buttons_[event] == is_down) return;
     buttons_[event] = is_down;
-    const Event& played = instrument_.events()[event];
+    const Event& played = instrument_->events()[event];
     if (!is_down) return;
     wake();
-    play_event(instrument_, played, targets_[played.parameter]);
+    play_event(*instrument_, played, targets_[played.parameter]);
   }
 
   /// Takes a message of MIDI; damaged and unknown ones do nothing. Notes play; a controller moves the parameter that
@@ -103,16 +102,16 @@ class Hosted {
     const auto [status, first, second] = *message;
     wake();
     if (status == 0x90 && second > 0) {
-      instrument_.note_on(first, second / 127.0);
+      instrument_->note_on(first, second / 127.0);
     } else if (status == 0x80 || status == 0x90) {
-      instrument_.note_off(first);
+      instrument_->note_off(first);
     } else if (status == 0xb0 && first == 120) {
       reset();
     } else if (status == 0xb0 && first == 123) {
-      for (int key = 0; key < 128; ++key) instrument_.note_off(key);
+      for (int key = 0; key < 128; ++key) instrument_->note_off(key);
     } else if (status == 0xb0) {
       for (std::size_t p = 0; p < targets_.size(); ++p)
-        if (first != 0 && instrument_.parameters()[p].controller == first) set(p, from_part(p, second / 127.0));
+        if (first != 0 && instrument_->parameters()[p].controller == first) set(p, from_part(p, second / 127.0));
     } else if (status == 0xe0) {
       bend(((second << 7 | first) - 8192) / 8192.0 * 200);
     }
@@ -120,8 +119,8 @@ class Hosted {
 
   /// Moves all parameters to those of a preset.
   void load(std::size_t preset) {
-    if (preset >= instrument_.presets().size()) return;
-    const Preset& loaded = instrument_.presets()[preset];
+    if (preset >= instrument_->presets().size()) return;
+    const Preset& loaded = instrument_->presets()[preset];
     for (std::size_t p = 0; p < loaded.values.size(); ++p) set(p, loaded.values[p]);
   }
 
@@ -145,9 +144,9 @@ class Hosted {
 
   /// Brings the instrument to rest; parameters arrive where they glide to.
   void reset() {
-    instrument_.reset();
+    instrument_->reset();
     std::fill(buttons_.begin(), buttons_.end(), false);
-    for (std::size_t p = 0; p < targets_.size(); ++p) instrument_.set(p, targets_[p]);
+    for (std::size_t p = 0; p < targets_.size(); ++p) instrument_->set(p, targets_[p]);
     is_gliding_ = false;
     is_new_ = true;
     wake();
@@ -174,9 +173,9 @@ class Hosted {
 
   // A part of a slider's way, 0 to 1.
   [[nodiscard]] double from_part(std::size_t parameter, double part) const {
-    const auto& [min, max] = instrument_.parameters()[parameter].slider;
-    return instrument_.parameters()[parameter].scale == Scale::kLogarithmic ? min * std::pow(max / min, part)
-                                                                            : min + part * (max - min);
+    const auto& [min, max] = instrument_->parameters()[parameter].slider;
+    return instrument_->parameters()[parameter].scale == Scale::kLogarithmic ? min * std::pow(max / min, part)
+                                                                             : min + part * (max - min);
   }
 
   // An instrument advances by the length of its outputs: where nobody wants one, it writes the first.
@@ -189,7 +188,7 @@ class Hosted {
       is_any_wanted |= is_wanted(o);
     }
     if (!is_any_wanted) outputs_.front() = std::span(scratch_.front()).first(samples);
-    instrument_.process(outputs_, force);
+    instrument_->process(outputs_, force);
     force_ = force.empty() ? std::nullopt : std::optional(force.back());
     for (std::size_t o = 0; o < outputs_.size(); ++o) {
       const T scale = full_scale(o);
@@ -204,12 +203,12 @@ class Hosted {
     if (since_check_ < kBlock) return;
     since_check_ = 0;
     if (is_gliding_) return;
-    if (is_inaudible() && instrument_.is_silent(kInaudible_J)) {
+    if (is_inaudible() && instrument_->is_silent(kInaudible_J)) {
       for (std::size_t o = 0; o < levels_.size(); ++o) levels_[o] = {.is_known = !outputs_[o].empty()};
       force_ = T(0);
       is_asleep_ = true;
-    } else if constexpr (requires { instrument_.is_at_rest(kStill_J); }) {
-      if (!are_outputs_still() || !instrument_.is_at_rest(kStill_J)) still_blocks_ = 0;
+    } else {
+      if (!are_outputs_still() || !instrument_->is_at_rest(kStill_J)) still_blocks_ = 0;
       is_asleep_ = still_blocks_ == kStillBlocks;
     }
   }
@@ -231,7 +230,7 @@ class Hosted {
   }
 
   [[nodiscard]] T full_scale(std::size_t output) const {
-    return static_cast<T>(instrument_.outputs()[output].full_scale);
+    return static_cast<T>(instrument_->outputs()[output].full_scale);
   }
 
   // Writes what the outputs are while all rests; false if one was not computed when it fell asleep.
@@ -256,13 +255,13 @@ class Hosted {
   [[nodiscard]] bool is_inaudible() const {
     for (std::size_t o = 0; o < outputs_.size(); ++o)
       for (const T sample : outputs_[o])
-        if (!(std::abs(double(sample)) <= kInaudible * instrument_.outputs()[o].full_scale)) return false;
+        if (!(std::abs(double(sample)) <= kInaudible * instrument_->outputs()[o].full_scale)) return false;
     return true;
   }
 
   void bend(double cents) {
     for (std::size_t p = 0; p < targets_.size(); ++p)
-      if (std::string_view(instrument_.parameters()[p].name) == "bend_cents") set(p, cents);
+      if (std::string_view(instrument_->parameters()[p].name) == "bend_cents") set(p, cents);
   }
 
   // Moves parameters by one sample; true while one of them is on its way.
@@ -270,18 +269,18 @@ class Hosted {
     if (!is_gliding_) return false;
     is_gliding_ = false;
     for (std::size_t p = 0; p < targets_.size(); ++p) {
-      const double now = instrument_.value(p);
+      const double now = instrument_->value(p);
       if (now == targets_[p]) continue;
       const double next = now + rates_[p] * (targets_[p] - now);
       // What the instrument's precision no longer shows ends the glide.
       const bool arrives = static_cast<T>(next) == static_cast<T>(now);
-      instrument_.set(p, arrives ? targets_[p] : next);
+      instrument_->set(p, arrives ? targets_[p] : next);
       is_gliding_ |= !arrives;
     }
     return is_gliding_;
   }
 
-  I instrument_;
+  Handle<T> instrument_;
   std::vector<double> targets_, rates_;  // of the parameters; rates: of their glides over a sample
   std::vector<bool> buttons_;            // that are down
   std::vector<std::span<T>> outputs_;

@@ -6,7 +6,6 @@
 #include "contactspline/step/cpp20.hpp"
 
 #include <concepts>
-#include <memory>
 
 #include "contactspline/host/any_instrument.hpp"
 #include "contactspline/instrument/instrument.hpp"
@@ -15,7 +14,7 @@
 namespace contactspline {
 
 /// The layout of AnyInstrument and of the lists. Raise it with every change of theirs.
-inline constexpr int kModelModuleLayout = 1;
+inline constexpr int kModelModuleLayout = 2;
 
 /// What such a library gives. The first three say what it was built with. One of the two functions is not null: the
 /// one in the precision of the class.
@@ -23,8 +22,8 @@ struct ModelModule {
   int version[3] = {kVersionMajor, kVersionMinor, kVersionPatch};
   int layout = kModelModuleLayout;
   const char* compiler = __VERSION__;
-  std::unique_ptr<AnyInstrument<float>> (*make_single)() = nullptr;
-  std::unique_ptr<AnyInstrument<double>> (*make_double)() = nullptr;
+  Handle<float> (*make_single)() = nullptr;
+  Handle<double> (*make_double)() = nullptr;
 };
 
 /// The name and the type of the one function of the library.
@@ -36,7 +35,7 @@ template <Instrument I>
 [[nodiscard]] ModelModule model_module() {
   using T = typename I::value_type;
   ModelModule module;
-  const auto make = []() -> std::unique_ptr<AnyInstrument<T>> { return std::make_unique<InstrumentBehind<I>>(); };
+  const auto make = [] { return handle_of<I>(); };
   if constexpr (std::same_as<T, float>)
     module.make_single = make;
   else

@@ -54,7 +54,7 @@ class EnsembleInstrument : public EnsembleParameter, public ParameterValues<T, E
   static const char* description() { return "Felt hammers on many strings: contact without iteration, exact modes"; }
   static std::span<const Event> events() { return {}; }
   /// Displacement at the pickups and contact force, summed over the strings.
-  static std::span<const Output> outputs() { return detail::outputs_for_hosts(); }
+  static std::span<const Output> outputs() { return std::span(StringOutput::kList).first(StringOutput::kOfHosts); }
   static std::span<const Preset> presets() { return {}; }
 
   void prepare(double sample_rate_hz) {

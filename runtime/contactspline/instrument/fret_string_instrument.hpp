@@ -16,20 +16,6 @@
 
 namespace contactspline {
 
-/// The parameters of a fret-string.
-struct FretStringParameter : PluckedStringParameter {
-  enum : std::size_t { kPlace, kGap, kPluckForce, kDamping, kStiffnessRatio, kLoss, kPluck, kParameters };
-  static constexpr std::array<Parameter, kParameters> kList = {
-      {kPlaceOnString,
-       {"gap_m", "m", {-0.1, 0.1}, {-0.002, 0.005}, kNaN, Scale::kLinear, Acts::kAtOnce, 0.02},
-       {"pluck_force_n", "N", {-1e3, 1e3}, {-10, 10}, 0, Scale::kLinear, Acts::kAtOnce, 0.005},
-       {"damping_per_s", "1/s", {0, 1e5}, {0, 1000}, 0, Scale::kLinear, Acts::kAtOnce, 0.005},
-       kContactStiffness,
-       kContactLoss,
-       {"pluck_n", "N", {-1e3, 1e3}, {0, 10}, 1.5, Scale::kLinear, Acts::kAtNextNote}}};
-  static constexpr std::array<Event, 1> kEvents = {{{"pluck", EventKind::kPluck, 0, kPluck}}};
-};
-
 /// A plucked string over a fret (docs/how-to/fret-string.md). Meets Instrument.
 template <std::floating_point T>
 class FretStringInstrument

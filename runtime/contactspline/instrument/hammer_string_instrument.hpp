@@ -15,41 +15,16 @@
 #include <utility>
 #include <vector>
 
+#include "contactspline/data/model_parameters.hpp"
+#include "contactspline/data/string_parts.hpp"
 #include "contactspline/instrument/instrument.hpp"
 #include "contactspline/instrument/parameter_values.hpp"
 #include "contactspline/instrument/played_by_events.hpp"
-#include "contactspline/instrument/resonator_parts.hpp"
 #include "contactspline/instrument/string_outputs.hpp"
+#include "contactspline/modal/bend.hpp"
 #include "contactspline/models/hammer_voice.hpp"
 
 namespace contactspline {
-
-/// What a hammer-string is built of.
-struct HammerStringParts {
-  ResonatorParts resonator;
-  std::vector<Segment<double>> felt;  ///< segment table
-  double hammer_mass_kg;
-  double loss_s_per_m = 0;
-  Damper damper = {};
-  std::vector<Memory> memories = {};  ///< of the felt
-};
-
-/// The parameters of a hammer-string.
-struct HammerStringParameter {
-  enum : std::size_t { kHammerMass, kStiffnessRatio, kLoss, kDamping, kPlace, kBend, kSpeed, kSustain, kParameters };
-  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();  // the parts decide
-  static constexpr std::array<Parameter, kParameters> kList = {
-      {{"hammer_mass_kg", "kg", {1e-6, 100}, {0.0005, 0.05}, kNaN, Scale::kLogarithmic, Acts::kAtNextNote},
-       {"stiffness_ratio", "", {1e-6, 1e6}, {0.001, 1000}, 1, Scale::kLogarithmic, Acts::kAtNextNote, 0, 74},
-       {"loss_s_per_m", "s/m", {0, 1e3}, {0, 2}, kNaN, Scale::kLinear, Acts::kAtNextNote},
-       {"damping_per_s", "1/s", {0, 1e5}, {0, 1000}, 0, Scale::kLinear, Acts::kAtOnce, 0.005},
-       {"strike_m", "m", {0, 100}, {0, 100}, kNaN, Scale::kLinear, Acts::kAtNextNote},
-       {"bend_cents", "cents", {-1200, 1200}, {-200, 200}, 0, Scale::kLinear, Acts::kAtOnce, 0, 0, 16},
-       {"speed_m_per_s", "m/s", {1e-3, 100}, {0.05, 10}, 2.5, Scale::kLinear, Acts::kAtNextNote},
-       {"sustain", "", {0, 1}, {0, 1}, 0, Scale::kLinear, Acts::kAtOnce, 0, 64}}};
-  static constexpr std::size_t kOfKeys = kSpeed;  ///< so many of them each key of a keyboard has, too
-  static constexpr std::array<Event, 1> kEvents = {{{"strike", EventKind::kStrike, 0, kSpeed}}};
-};
 
 /// A felt hammer on a string or another resonator (docs/how-to/hammer-string.md). Meets Instrument.
 template <std::floating_point T>
@@ -78,7 +53,7 @@ class HammerStringInstrument : public HammerStringParameter,
   static const char* name() { return "hammer_string"; }
   static const char* description() { return "Felt hammer on a string: contact without iteration, exact modes"; }
   static std::span<const Event> events() { return kEvents; }
-  [[nodiscard]] std::span<const Output> outputs() const { return StringOutputs::list(parts_.resonator); }
+  [[nodiscard]] std::span<const Output> outputs() const { return parts_.resonator.outputs(); }
   [[nodiscard]] std::span<const Preset> presets() const { return presets_; }
 
   void prepare(double sample_rate_hz) {

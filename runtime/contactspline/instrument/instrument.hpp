@@ -10,7 +10,7 @@
 #include <optional>
 #include <span>
 
-#include "contactspline/instrument/parameter.hpp"
+#include "contactspline/data/parameter.hpp"
 
 namespace contactspline {
 
@@ -85,10 +85,10 @@ template <Instrument I>
 /// Does a key of MIDI play? All do where the instrument does not say.
 template <Instrument I>
 [[nodiscard]] bool has_key(const I& instrument, int key) {
-  if constexpr (requires { instrument.event_of(key); })
-    return instrument.event_of(key).has_value();
-  else if constexpr (requires { instrument.has_key(key); })
+  if constexpr (requires { instrument.has_key(key); })
     return instrument.has_key(key);
+  else if constexpr (requires { instrument.event_of(key); })
+    return instrument.event_of(key).has_value();
   else
     return true;
 }

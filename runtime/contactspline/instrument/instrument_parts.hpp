@@ -10,7 +10,7 @@
 #include <optional>
 #include <vector>
 
-#include "contactspline/instrument/instrument_data.hpp"
+#include "contactspline/data/instrument_data.hpp"
 #include "contactspline/network/contact_network.hpp"
 #include "contactspline/network/network_plan.hpp"
 #include "contactspline/step/contact.hpp"

@@ -32,12 +32,14 @@ template <typename Material>
 /// Strings under a hammer of an emitted felt.
 template <typename Felt>
 [[nodiscard]] HammerStringParts under_felt(ResonatorParts strings, double hammer_mass_kg, const Damper& damper = {}) {
+  strings.max_outputs = StringOutput::kOfHosts;
   return {std::move(strings), table_of<Felt>(), hammer_mass_kg, Felt::loss_s_per_m, damper, memories_in<Felt>()};
 }
 
 /// A string that meets an emitted material.
 template <typename Contact>
 [[nodiscard]] PluckedStringParts at_contact(ResonatorParts string) {
+  string.max_outputs = StringOutput::kOfHosts;
   return {std::move(string), table_of<Contact>(), Contact::loss_s_per_m, 0, memories_in<Contact>()};
 }
 
@@ -47,18 +49,20 @@ template <typename Contact>
 template <typename Material, std::floating_point T>
 class MassBarrierOf : public MassBarrierInstrument<T> {
  public:
-  explicit MassBarrierOf(double mass_kg = 0.003)
-      : MassBarrierInstrument<T>(
-            {detail::table_of<Material>(), mass_kg, Material::loss_s_per_m, detail::memories_in<Material>()}) {}
+  explicit MassBarrierOf(double mass_kg = 0.003) : MassBarrierInstrument<T>(parts(mass_kg)) {}
+  static MassBarrierParts parts(double mass_kg = 0.003) {
+    return {detail::table_of<Material>(), mass_kg, Material::loss_s_per_m, detail::memories_in<Material>()};
+  }
 };
 
 /// A hammer of an emitted felt on an emitted string.
 template <typename Felt, typename String, std::floating_point T>
 class HammerStringOf : public HammerStringInstrument<T> {
  public:
-  explicit HammerStringOf(double hammer_mass_kg = 0.00297)
-      : HammerStringInstrument<T>(detail::under_felt<Felt>(string_parts<String>(), hammer_mass_kg)) {}
-  static std::span<const Output> outputs() { return detail::outputs_for_hosts(); }
+  explicit HammerStringOf(double hammer_mass_kg = 0.00297) : HammerStringInstrument<T>(parts(hammer_mass_kg)) {}
+  static HammerStringParts parts(double hammer_mass_kg = 0.00297) {
+    return detail::under_felt<Felt>(string_parts<String>(), hammer_mass_kg);
+  }
 };
 
 /// Hammers of an emitted felt on strings at the keys 48 to 72. The emitted one is that of key 60; the others have its
@@ -88,8 +92,8 @@ namespace detail {
 template <template <typename> typename Model, typename Contact, typename String, std::floating_point T>
 class PluckedStringOf : public Model<T> {
  public:
-  PluckedStringOf() : Model<T>(at_contact<Contact>(string_parts<String>())) {}
-  static std::span<const Output> outputs() { return outputs_for_hosts(); }
+  PluckedStringOf() : Model<T>(parts()) {}
+  static PluckedStringParts parts() { return at_contact<Contact>(string_parts<String>()); }
 };
 
 }  // namespace detail

@@ -14,6 +14,8 @@
 #include <utility>
 #include <vector>
 
+#include "contactspline/data/model_parameters.hpp"
+#include "contactspline/data/string_parts.hpp"
 #include "contactspline/instrument/instrument.hpp"
 #include "contactspline/instrument/parameter_values.hpp"
 #include "contactspline/instrument/played_by_events.hpp"
@@ -21,27 +23,6 @@
 #include "contactspline/models/mass_barrier.hpp"
 
 namespace contactspline {
-
-/// What a mass-barrier is built of.
-struct MassBarrierParts {
-  std::vector<Segment<double>> contact;  ///< segment table
-  double mass_kg;
-  double loss_s_per_m = 0;
-  std::vector<Memory> memories = {};  ///< of the material
-};
-
-/// The parameters of a mass-barrier.
-struct MassBarrierParameter {
-  enum : std::size_t { kMass, kGravity, kStiffnessRatio, kLoss, kStart, kSpeed, kParameters };
-  static constexpr std::array<Parameter, kParameters> kList = {
-      {{"mass_kg", "kg", {1e-9, 1e4}, {1e-4, 1}, 0.003, Scale::kLogarithmic},
-       {"gravity_m_per_s2", "m/s2", {-1e3, 1e3}, {0, 1e3}, 0},
-       {"stiffness_ratio", "", {1e-6, 1e6}, {0.01, 100}, 1, Scale::kLogarithmic},
-       {"loss_s_per_m", "s/m", {0, 1e3}, {0, 2}, 0},
-       {"start_m", "m", {-1e3, 1e3}, {-0.1, 0}, -0.001, Scale::kLinear, Acts::kAtNextNote},
-       {"speed_m_per_s", "m/s", {-1e3, 1e3}, {0, 10}, 2, Scale::kLinear, Acts::kAtNextNote}}};
-  static constexpr std::array<Event, 1> kEvents = {{{"throw", EventKind::kStrike, 0, kSpeed}}};
-};
 
 /// A mass that bounces on a rigid barrier. Meets Instrument.
 template <std::floating_point T>

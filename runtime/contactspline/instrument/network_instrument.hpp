@@ -14,14 +14,14 @@
 #include <span>
 #include <vector>
 
+#include "contactspline/data/instrument_data.hpp"
+#include "contactspline/data/pluck.hpp"
 #include "contactspline/instrument/instrument.hpp"
-#include "contactspline/instrument/instrument_data.hpp"
 #include "contactspline/instrument/instrument_parts.hpp"
 #include "contactspline/instrument/network_pickups.hpp"
 #include "contactspline/instrument/network_strikes.hpp"
 #include "contactspline/instrument/network_tuning.hpp"
 #include "contactspline/instrument/played_by_events.hpp"
-#include "contactspline/instrument/pluck.hpp"
 #include "contactspline/network/contact_network.hpp"
 #include "contactspline/step/controls.hpp"
 #include "contactspline/step/version.hpp"

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "contactspline/instrument/instrument_data.hpp"
+#include "contactspline/data/instrument_data.hpp"
 #include "contactspline/instrument/network_pressure.hpp"
 #include "contactspline/instrument/network_tuning.hpp"
 #include "contactspline/instrument/string_outputs.hpp"

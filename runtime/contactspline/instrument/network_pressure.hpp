@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "contactspline/instrument/instrument_data.hpp"
+#include "contactspline/data/instrument_data.hpp"
 #include "contactspline/modal/force_history.hpp"
 #include "contactspline/network/contact_network.hpp"
 

@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "contactspline/instrument/instrument_data.hpp"
+#include "contactspline/data/instrument_data.hpp"
 #include "contactspline/modal/modal.hpp"
 #include "contactspline/network/assembly.hpp"
 #include "contactspline/network/contact_network.hpp"

@@ -12,8 +12,9 @@
 #include <utility>
 #include <vector>
 
+#include "contactspline/data/stiff_string.hpp"
+#include "contactspline/modal/bend.hpp"
 #include "contactspline/modal/modal.hpp"
-#include "contactspline/modal/stiff_string.hpp"
 #include "contactspline/models/hammer_voice.hpp"
 #include "contactspline/network/contact_network.hpp"
 

@@ -10,7 +10,7 @@
 #include <cstddef>
 #include <span>
 
-#include "contactspline/instrument/parameter.hpp"
+#include "contactspline/data/parameter.hpp"
 #include "contactspline/step/controls.hpp"
 
 namespace contactspline {

@@ -11,7 +11,7 @@
 #include <optional>
 #include <span>
 
-#include "contactspline/instrument/parameter.hpp"
+#include "contactspline/data/parameter.hpp"
 
 namespace contactspline {
 

@@ -13,25 +13,16 @@
 #include <utility>
 #include <vector>
 
+#include "contactspline/data/model_parameters.hpp"
+#include "contactspline/data/pluck.hpp"
+#include "contactspline/data/string_parts.hpp"
 #include "contactspline/instrument/instrument.hpp"
 #include "contactspline/instrument/parameter_values.hpp"
 #include "contactspline/instrument/played_by_events.hpp"
-#include "contactspline/instrument/pluck.hpp"
-#include "contactspline/instrument/resonator_parts.hpp"
 #include "contactspline/instrument/string_outputs.hpp"
 #include "contactspline/modal/string_place.hpp"
 
 namespace contactspline {
-
-/// The parameters that all plucked strings with a contact have; NaN: the parts decide.
-struct PluckedStringParameter {
-  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-  static constexpr Parameter kPlaceOnString = {"place_m",      "m",           {0, 100}, {0, 100}, kNaN,
-                                               Scale::kLinear, Acts::kAtOnce, 0.02,     1};
-  static constexpr Parameter kContactStiffness = {
-      "stiffness_ratio", "", {1e-6, 1e6}, {0.001, 1000}, 1, Scale::kLogarithmic, Acts::kAtOnce, 0.005};
-  static constexpr Parameter kContactLoss = {"loss_s_per_m", "s/m", {0, 1e3}, {0, 2}, kNaN};
-};
 
 /// An instrument of a model that has string(), force(), tick(controls) and place(). Its Parameters have the list
 /// kList with kPlace, kLoss and kPluckForce. Derived has controls() of the next sample, put() which places the
@@ -45,7 +36,7 @@ class PluckedStringInstrument : public Parameters,
   using value_type = T;
 
   static std::span<const Event> events() { return Parameters::kEvents; }
-  [[nodiscard]] std::span<const Output> outputs() const { return detail::StringOutputs<T>::list(parts_.resonator); }
+  [[nodiscard]] std::span<const Output> outputs() const { return parts_.resonator.outputs(); }
 
   void prepare(double sample_rate_hz) {
     sample_rate_hz_ = sample_rate_hz;

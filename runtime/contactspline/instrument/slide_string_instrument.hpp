@@ -19,39 +19,6 @@
 
 namespace contactspline {
 
-/// The parameters of a slide-string. A score gives the values that are not numbers here and starts from the others.
-struct SlideStringParameter : PluckedStringParameter {
-  enum : std::size_t {
-    kPlace,
-    kSlideMass,
-    kHandForce,
-    kHandStiffness,
-    kHandResistance,
-    kRestResistance,
-    kPluckForce,
-    kStiffnessRatio,
-    kLoss,
-    kVibratoDepth,
-    kVibratoRate,
-    kPluck,
-    kParameters
-  };
-  static constexpr std::array<Parameter, kParameters> kList = {
-      {kPlaceOnString,
-       {"slide_mass_kg", "kg", {1e-6, 100}, {0.001, 0.2}, kNaN, Scale::kLogarithmic},
-       {"hand_force_n", "N", {-1e3, 1e3}, {-2, 10}, 0, Scale::kLinear, Acts::kAtOnce, 0.005},
-       {"hand_stiffness_n_per_m", "N/m", {0, 1e9}, {0, 1e4}, 0},
-       {"hand_resistance_n_s_per_m", "N s/m", {0, 1e6}, {0, 20}, 0},
-       {"rest_resistance_n_s_per_m", "N s/m", {0, 1e6}, {0, 20}, 0, Scale::kLinear, Acts::kAtOnce, 0.005},
-       {"pluck_force_n", "N", {-1e3, 1e3}, {-5, 5}, 0, Scale::kLinear, Acts::kAtOnce, 0.005},
-       kContactStiffness,
-       kContactLoss,
-       {"vibrato_m", "m", {0, 0.1}, {0, 0.01}, 0, Scale::kLinear, Acts::kAtOnce, 0.05},
-       {"vibrato_hz", "Hz", {0, 100}, {0, 10}, 0},
-       {"pluck_n", "N", {-1e3, 1e3}, {0, 5}, 1, Scale::kLinear, Acts::kAtNextNote}}};
-  static constexpr std::array<Event, 1> kEvents = {{{"pluck", EventKind::kPluck, 0, kPluck}}};
-};
-
 /// A plucked string under a slide with vibrato (docs/how-to/slide-string.md). Meets Instrument.
 template <std::floating_point T>
 class SlideStringInstrument

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "contactspline/instrument/parameter.hpp"
+#include "contactspline/data/parameter.hpp"
 
 namespace contactspline {
 

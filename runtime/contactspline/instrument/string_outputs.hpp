@@ -9,32 +9,20 @@
 #include <cstddef>
 #include <span>
 
+#include "contactspline/data/string_parts.hpp"
 #include "contactspline/instrument/instrument.hpp"
-#include "contactspline/instrument/resonator_parts.hpp"
 #include "contactspline/modal/modal.hpp"
 
 namespace contactspline::detail {
 
-/// Displacement and velocity at the pickup, contact force, and, where there is a bridge, the force on it.
+/// Reads them from a bank of modes.
 template <std::floating_point T>
-class StringOutputs {
+class StringOutputs : public StringOutput {
  public:
-  enum : std::size_t { kDisplacement, kForce, kVelocity, kBridge, kOutputs };
-  static constexpr std::array<Output, kOutputs> kList = {{{"displacement_m", "m", 0.001},
-                                                          {"contact_force_n", "N", 50},
-                                                          {"velocity_m_per_s", "m/s", 1},
-                                                          {"bridge_force_n", "N", 50}}};
-  static constexpr std::size_t kOfHosts = 2;  ///< so many of them hosts have: the kernels compute these together
-
   StringOutputs() = default;
   StringOutputs(const ResonatorParts& parts, const ModalBank<T>& string)
       : pickup_(string.sound_pickup(ModeShapes<T>(std::span<const double>(parts.pickup)))) {
     if (!parts.bridge.empty()) bridge_ = string.sound_pickup(ModeShapes<T>(std::span<const double>(parts.bridge)));
-  }
-
-  /// The outputs that a resonator has.
-  static std::span<const Output> list(const ResonatorParts& parts) {
-    return std::span(kList).first(parts.bridge.empty() ? kBridge : kOutputs);
   }
 
   [[nodiscard]] const ModeShapes<T>& pickup() const { return pickup_; }
@@ -62,11 +50,6 @@ class StringOutputs {
 
   ModeShapes<T> pickup_, bridge_;
 };
-
-/// The outputs that hosts have of a string.
-[[nodiscard]] constexpr std::span<const Output> outputs_for_hosts() {
-  return std::span(StringOutputs<double>::kList).first(StringOutputs<double>::kOfHosts);
-}
 
 /// Length of a block: that of the first array that is not empty.
 template <std::floating_point T>

@@ -13,10 +13,10 @@
 #include <tuple>
 #include <vector>
 
+#include "contactspline/data/instrument_data.hpp"
+#include "contactspline/data/pluck.hpp"
 #include "contactspline/instrument/instrument.hpp"
-#include "contactspline/instrument/instrument_data.hpp"
 #include "contactspline/instrument/played_by_events.hpp"
-#include "contactspline/instrument/pluck.hpp"
 #include "contactspline/instrument/string_outputs.hpp"
 
 namespace contactspline {

@@ -13,25 +13,12 @@
 #include <span>
 #include <vector>
 
+#include "contactspline/data/keyboard_parts.hpp"
+#include "contactspline/data/stiff_string.hpp"
 #include "contactspline/modal/modal.hpp"
-#include "contactspline/modal/stiff_string.hpp"
 #include "contactspline/step/controls.hpp"
 
 namespace contactspline {
-
-/// How strings move along themselves. They do not if axial_stiffness_n is 0.
-struct LongitudinalMotion {
-  /// E A, modulus times cross-section of the core, as axial_stiffness() returns it. Above the tension.
-  double axial_stiffness_n = 0;
-  Losses losses = {0, 0};   ///< those of the longitudinal modes
-  double output_ratio = 1;  ///< weight of their force on the bridge in the sound
-};
-
-/// E A [N] of a string whose modes along itself have frequencies that are frequency_ratio > 1 times those across it
-/// without bending stiffness. The wave speeds sqrt(EA/mu) and sqrt(T/mu) have the same ratio.
-[[nodiscard]] inline double axial_stiffness(double tension_n, double frequency_ratio) {
-  return frequency_ratio * frequency_ratio * tension_n;
-}
 
 /// The longitudinal modes k = 1, 2, ... of a string between rigid ends, of a wave speed sqrt(EA/mu), below a limit
 /// and at most `max_modes`; without the first that does not oscillate and those above it. Their unit of displacement

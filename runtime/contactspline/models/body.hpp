@@ -14,28 +14,13 @@
 #include <utility>
 #include <vector>
 
+#include "contactspline/data/keyboard_parts.hpp"
+#include "contactspline/data/stiff_string.hpp"
 #include "contactspline/modal/modal.hpp"
-#include "contactspline/modal/stiff_string.hpp"
 #include "contactspline/models/bridge_load.hpp"
 #include "contactspline/step/controls.hpp"
 
 namespace contactspline {
-
-/// The sound of strings on a body, for each ear: the body's velocity there, times `pickup_ratio`, and the force
-/// of the strings on the bridge, times a mobility, through a high-pass (docs/how-it-works/body.md).
-struct Listening {
-  double pickup_ratio = 1;
-  double mobility_m_per_n_s = 0;
-  double above_hz = 80;                      ///< below half the sample rate
-  double quality = std::numbers::sqrt2 / 2;  ///< gain of the high-pass at above_hz (HighPass)
-};
-
-/// The motion of a key's strings parallel to the body, all together, beside the one towards it. It is there if both
-/// ratios are above 0.
-struct HorizontalMotion {
-  double strike_ratio = 0, bridge_ratio = 0;  ///< by how much less the hammer and the bridge act on it
-  double cents = 0;                           ///< above the mean of the other motions
-};
 
 /// A body that strings drive at one place or several along its bridge. Strings and body take turns, half a sample
 /// apart: the strings advance one sample while the bridge stands still, then the body advances one sample while the
@@ -46,7 +31,7 @@ struct HorizontalMotion {
 template <std::floating_point T>
 class Body {
  public:
-  static constexpr std::size_t kMaxPlaces = 16;
+  static constexpr std::size_t kMaxPlaces = kMaxBridgePlaces;
 
   /// `bridge`: shapes of the body's modes at the bridge, one for each mode. `stiffness`: the sum of
   /// bridge_stiffness() of all strings that are there from the beginning. `knock`: shapes where knock() acts, or

@@ -12,16 +12,10 @@
 #include <span>
 #include <utility>
 
+#include "contactspline/data/string_parts.hpp"
 #include "contactspline/models/hammer_string.hpp"
 
 namespace contactspline {
-
-/// A damper: the extra decay of every mode while it is down [1/s], and the time constant with which it comes down
-/// [s], > 0.
-struct Damper {
-  double damping_per_s = 60;
-  double time_s = 0.005;
-};
 
 namespace detail {
 

@@ -15,8 +15,9 @@
 #include <utility>
 #include <vector>
 
+#include "contactspline/data/stiff_string.hpp"
+#include "contactspline/modal/bend.hpp"
 #include "contactspline/modal/longitudinal.hpp"
-#include "contactspline/modal/stiff_string.hpp"
 #include "contactspline/models/body.hpp"
 #include "contactspline/models/hammer_voice.hpp"
 #include "contactspline/step/controls.hpp"

@@ -13,7 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "contactspline/modal/stiff_string.hpp"
+#include "contactspline/data/stiff_string.hpp"
+#include "contactspline/modal/bend.hpp"
 #include "contactspline/models/hammer_voice.hpp"
 #include "contactspline/step/version.hpp"
 

@@ -9,6 +9,7 @@
 #include <optional>
 #include <span>
 
+#include "contactspline/data/keyboard_parts.hpp"
 #include "contactspline/modal/modal.hpp"
 #include "contactspline/models/body.hpp"
 #include "contactspline/models/pressure_sound.hpp"
@@ -16,19 +17,6 @@
 #include "contactspline/step/splice.hpp"
 
 namespace contactspline {
-
-/// The body of a KeyboardOnBody: its modes, with shapes at the bridge, at both ears and, unless it is empty, where
-/// keys knock at the body. A bridge of several places has the shapes of the first place, then those of the second
-/// one, and so on, up to Body::kMaxPlaces of them. With `pressure` the ears are in the room.
-struct BoardOfKeyboard {
-  std::span<const Mode> modes;
-  std::span<const double> bridge, left, right;
-  Listening listening = {};
-  std::span<const double> knock = {};
-  BodyPressure pressure = {};
-
-  [[nodiscard]] std::size_t places() const { return modes.empty() ? 1 : bridge.size() / modes.size(); }
-};
 
 namespace detail {
 

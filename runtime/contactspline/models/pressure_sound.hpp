@@ -10,23 +10,12 @@
 #include <span>
 #include <vector>
 
+#include "contactspline/data/keyboard_parts.hpp"
 #include "contactspline/modal/force_history.hpp"
 #include "contactspline/modal/modal.hpp"
 #include "contactspline/models/body.hpp"
 
 namespace contactspline {
-
-/// The sound pressure of a body at a place in the room [Pa]: what its modal velocities and displacements weigh, and
-/// filters of the forces at the places of its bridge [Pa/N], place after place, equally long.
-struct EarPressure {
-  std::span<const double> of_velocity, of_displacement, taps;
-};
-
-/// The same at both ears. rate_hz: sample rate of the filters; 0 without listening places.
-struct BodyPressure {
-  EarPressure left, right;
-  double rate_hz = 0;
-};
 
 namespace detail {
 

@@ -11,8 +11,8 @@
 #include <span>
 #include <vector>
 
+#include "contactspline/data/stiff_string.hpp"
 #include "contactspline/modal/modal.hpp"
-#include "contactspline/modal/stiff_string.hpp"
 
 namespace contactspline {
 

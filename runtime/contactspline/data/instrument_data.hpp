@@ -11,8 +11,8 @@
 #include <span>
 #include <vector>
 
-#include "contactspline/instrument/parameter.hpp"
-#include "contactspline/modal/modal.hpp"
+#include "contactspline/data/mode.hpp"
+#include "contactspline/data/parameter.hpp"
 #include "contactspline/step/controls.hpp"
 #include "contactspline/step/memory.hpp"
 

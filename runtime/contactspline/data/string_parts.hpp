@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-// A resonator as instruments are built of it, at one sample rate.
+// What instruments of one contact are built of: a resonator at one sample rate, its contact and its outputs.
 #pragma once
 
 #include "contactspline/step/cpp20.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <functional>
@@ -14,12 +15,30 @@
 #include <utility>
 #include <vector>
 
-#include "contactspline/instrument/parameter.hpp"
-#include "contactspline/modal/stiff_string.hpp"
+#include "contactspline/data/parameter.hpp"
+#include "contactspline/data/stiff_string.hpp"
 #include "contactspline/step/contact.hpp"
 #include "contactspline/step/memory.hpp"
 
 namespace contactspline {
+
+/// The outputs of instruments of one resonator and one contact: displacement and velocity at the pickup, contact
+/// force, and, where there is a bridge, the force on it.
+struct StringOutput {
+  enum : std::size_t { kDisplacement, kForce, kVelocity, kBridge, kOutputs };
+  static constexpr std::array<Output, kOutputs> kList = {{{"displacement_m", "m", 0.001},
+                                                          {"contact_force_n", "N", 50},
+                                                          {"velocity_m_per_s", "m/s", 1},
+                                                          {"bridge_force_n", "N", 50}}};
+  static constexpr std::size_t kOfHosts = 2;  ///< so many of them hosts have: the kernels compute these together
+};
+
+/// A damper: the extra decay of every mode while it is down [1/s], and the time constant with which it comes down
+/// [s], > 0.
+struct Damper {
+  double damping_per_s = 60;
+  double time_s = 0.005;
+};
 
 /// Modes and what is read from them. All vectors are empty or have one entry for each mode.
 struct ResonatorParts {
@@ -32,7 +51,24 @@ struct ResonatorParts {
   double pluck_m = 0;                     ///< place of the pluck
   /// Writes the shapes under a hammer at a place. Must not allocate if the place moves on an audio thread.
   std::function<void(double place_m, std::span<double> shapes)> strike_shapes;
-  std::optional<StiffString> string = {};  ///< whose tension can be bent
+  std::optional<StiffString> string = {};            ///< whose tension can be bent
+  std::size_t max_outputs = StringOutput::kOutputs;  ///< so many of StringOutput::kList are offered
+
+  /// The outputs that it offers.
+  [[nodiscard]] std::span<const Output> outputs() const {
+    const std::size_t all = bridge.empty() ? StringOutput::kBridge : StringOutput::kOutputs;
+    return std::span(StringOutput::kList).first((std::min)(all, max_outputs));
+  }
+};
+
+/// What a hammer-string is built of.
+struct HammerStringParts {
+  ResonatorParts resonator;
+  std::vector<Segment<double>> felt;  ///< segment table
+  double hammer_mass_kg;
+  double loss_s_per_m = 0;
+  Damper damper = {};
+  std::vector<Memory> memories = {};  ///< of the felt
 };
 
 /// What a slide-string or a fret-string is built of.
@@ -42,6 +78,14 @@ struct PluckedStringParts {
   double loss_s_per_m = 0;
   double height_m = 0;                ///< distance of the slide from the string at rest, where it begins
   std::vector<Memory> memories = {};  ///< of the material of slide or fret
+};
+
+/// What a mass-barrier is built of.
+struct MassBarrierParts {
+  std::vector<Segment<double>> contact;  ///< segment table
+  double mass_kg;
+  double loss_s_per_m = 0;
+  std::vector<Memory> memories = {};  ///< of the material
 };
 
 /// The strings that modes belong to, from frequencies and decays of the first and the last mode of the string that is

@@ -1,0 +1,4 @@
+// SPDX-License-Identifier: MIT
+#include "contactspline/host/engine-inl.hpp"
+
+template struct contactspline::Engine<float>;
