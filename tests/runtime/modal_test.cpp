@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Poles, passivity and admittance of the modal bank.
+#include "contactspline/modal/bend.hpp"
 #include "contactspline/modal/modal.hpp"
 
 #include <algorithm>

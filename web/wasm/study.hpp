@@ -19,6 +19,7 @@
 #include "contactspline/instrument/hammer_string_instrument.hpp"
 #include "contactspline/instrument/mass_barrier_instrument.hpp"
 #include "contactspline/instrument/network_instrument.hpp"
+#include "contactspline/modal/bend.hpp"
 #include "contactspline/models/body.hpp"
 #include "contactspline/models/hammer_string.hpp"
 #include "web/wasm/hammer_keys.hpp"

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "contactspline/modal/bend.hpp"
 #include "contactspline/models/body.hpp"
 #include "contactspline/models/key_on_body.hpp"
 #include "contactspline/models/keyboard_sound.hpp"
