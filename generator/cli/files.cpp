@@ -98,10 +98,14 @@ class PendingFile {
   bool had_old_file_ = false, is_renamed_ = false;
 };
 
-void create_folder_of(const fs::path& path) {
+// A folder that does not exist is a mistake in the name of the file, most likely.
+void require_folder_of(const fs::path& path) {
   std::error_code error;
-  if (path.has_parent_path()) fs::create_directories(path.parent_path(), error);
-  if (error) fail(path, fmt::format("its folder cannot be created: {}", error.message()));
+  const fs::path folder = folder_of(path);
+  if (!fs::is_directory(folder, error))
+    fail(path,
+         fmt::format("its folder {0} does not exist; allowed: a folder that exists, for instance after mkdir -p {0}",
+                     folder.string()));
 }
 
 // The file to write. A symbolic link stays and its target is written; anything but a regular file is refused.
@@ -180,10 +184,18 @@ void require_writable(std::span<const fs::path> outputs, std::span<const fs::pat
   for (const fs::path& output : outputs) require_own(output, bears_mark, force);
 }
 
+void create_folders_of(std::span<const fs::path> outputs) {
+  for (const fs::path& output : outputs) {
+    std::error_code error;
+    fs::create_directories(folder_of(output), error);
+    if (error) fail(output, fmt::format("its folder cannot be created: {}", error.message()));
+  }
+}
+
 void require_creatable(std::span<const fs::path> outputs) {
   const EndWaits until_removed;
   for (const fs::path& output : outputs) {
-    create_folder_of(output);
+    require_folder_of(output);
     const PendingFile removed_at_once(real_target(output));
   }
 }
@@ -208,7 +220,7 @@ std::vector<fs::path> write_files(std::span<const OutputFile> files) {
   std::vector<fs::path> written;
   for (const OutputFile& file : files) {
     if (is_current(file)) continue;
-    create_folder_of(file.path);
+    require_folder_of(file.path);
     pending.push_back(std::make_unique<PendingFile>(real_target(file.path)));
     pending.back()->write(file.bytes);
     written.push_back(file.path);

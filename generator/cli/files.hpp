@@ -36,14 +36,17 @@ void require_own(const std::filesystem::path& output, bool (*is_own)(const std::
 void require_writable(std::span<const std::filesystem::path> outputs, std::span<const std::filesystem::path> inputs,
                       bool force);
 
-/// Throws BadInput if one of these files cannot be created: before a long computation whose result goes there.
-/// Creates their folders.
+/// Makes the folders of these files: where an option names a folder, not a file. Throws BadInput.
+void create_folders_of(std::span<const std::filesystem::path> outputs);
+
+/// Throws BadInput if one of these files cannot be created, or its folder does not exist: before a long computation
+/// whose result goes there.
 void require_creatable(std::span<const std::filesystem::path> outputs);
 
 /// True if the file exists with exactly these bytes.
 [[nodiscard]] bool is_current(const OutputFile& file);
 
-/// Writes all files that are not current, and creates their folders. All contents are on disk under temporary names
+/// Writes all files that are not current, into folders that exist. All contents are on disk under temporary names
 /// before the first one is renamed into place, so an old file is never damaged. Returns the paths of the written
 /// files. Throws BadInput if a file cannot be written; then it puts all old files back and removes all temporary
 /// files. SIGINT, SIGTERM and SIGHUP wait until it ends.

@@ -56,6 +56,7 @@ void make_plugin(const PluginOptions& options) {
                                                      fmt::format("contactspline plugin {}.json", source.name))}};
   const std::vector<fs::path> paths = {files[0].path, files[1].path};
   require_writable(paths, source.files, options.force);
+  create_folders_of(paths);
   std::string report;
   for (const fs::path& path : write_files(files)) report += fmt::format("wrote {}\n", path.string());
   if (options.no_build) return write_stdout(report);

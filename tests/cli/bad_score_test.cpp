@@ -73,7 +73,7 @@ std::string instrument_in(const std::string& text) {
 }
 
 Outcome render(const Sandbox& box, const std::string& instrument, const std::string& score) {
-  return run({.arguments = {"render", instrument, "--score", score, "-o", "out/probe.wav"}, .folder = box.path()});
+  return run({.arguments = {"render", instrument, "--score", score, "-o", "sound.wav"}, .folder = box.path()});
 }
 
 class BadScoreFile : public ::testing::TestWithParam<BadFile> {};
@@ -98,7 +98,7 @@ TEST(GoodScoreFile, IsAccepted) {
     const Sandbox box;
     write_file(box / "probe.json", text);
     EXPECT_EQ(render(box, instrument_in(text), "probe.json").exit_code, 0) << text;
-    EXPECT_TRUE(fs::exists(box / "out/probe.wav"));
+    EXPECT_TRUE(fs::exists(box / "sound.wav"));
   }
 }
 

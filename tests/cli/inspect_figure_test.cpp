@@ -20,6 +20,7 @@ class Inspect : public ::testing::TestWithParam<int> {};
 TEST_P(Inspect, DrawsAFigure) {
   const Sandbox box;
   write_file(box / "probe.json", material(GetParam()));
+  fs::create_directory(box / "figures");
   const std::string report = printed(box, {"inspect", "probe.json", "--figure", "figures/probe.svg"});
   EXPECT_TRUE(report.ends_with("\nfigure: figures/probe.svg\n"));
   expect_drawn(box / "figures/probe.svg", 10);

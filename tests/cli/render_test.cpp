@@ -111,6 +111,7 @@ TEST(Render, HasTheRateAndLengthAskedFor) {
 
 TEST(Render, SaysWhatItRendered) {
   const Sandbox box;
+  for (const char* folder : {"p", "s"}) fs::create_directory(box / folder);
   const std::string report = render(box, {"--duration", "1", "--figure", "p/b.svg"}, "s/a.wav");
   const auto motion = motion_of(shipped("rubber_on_wood.json"), 1, 44100);
   const double largest = std::ranges::max(motion.force_n);

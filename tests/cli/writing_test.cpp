@@ -99,6 +99,7 @@ TEST(FullDisk, IsReportedForEveryKindOfFile) {
        std::vector<Words>{{"generate", "mb1", "--emit", "json", "-o", "out", "--depfile", "d"},
                           {"inspect", "mb1", "--figure", "out/mb1.svg"},
                           {"render", "mass-barrier", "--duration", "0.1", "-o", "out/a.wav"}}) {
+    if (arguments.front() != "generate") fs::create_directory(box / "out");
     const auto outcome = run({.arguments = arguments,
                               .folder = box.path(),
                               .environment = {{"TMPDIR", (box / "tmp").string()}},
@@ -310,6 +311,44 @@ TEST(TwoWriters, LeaveEveryFileWhole) {
     expect_old_or_new(variants, variants.contents(folder));
     EXPECT_EQ(std::distance(fs::directory_iterator(box / folder), {}), 30) << "a temporary file is left";
   }
+}
+
+// Of a file, not of a folder that an option names: those are made.
+TEST(MissingFolder, OfAFileIsAnErrorAndNothingIsWritten) {
+  const Sandbox box;
+  write_file(box / "score.json", R"({"instrument": "tom", "duration_s": 0.01,
+    "events": [ { "time_s": 0, "stick_speed_m_per_s": 1 } ] })");
+  const Words render = {"render", "score.json", "-o"};
+  const auto before = box.listing();
+  for (const auto& [arguments, file] : std::vector<std::pair<Words, std::string>>{
+           {followed_by(render, {"gone/a.wav", "--no-figure"}), "gone/a.wav"},
+           {followed_by(render, {"a.wav", "--figure", "gone/a.svg"}), "gone/a.svg"},
+           {{"render", "mass-barrier", "--duration", "0.01", "-o", "gone/deep/a.wav"}, "gone/deep/a.wav"},
+           {{"inspect", "mb1", "--figure", "gone/a.svg"}, "gone/a.svg"},
+           {{"inspect", "mb1", "--compare", "--figure", "gone/a.svg"}, "gone/a.svg"},
+           {{"inspect", "tom", "--figure", "gone/a.svg"}, "gone/a.svg"},
+           {{"impact", "mb1", "--figure", "gone/a.svg"}, "gone/a.svg"},
+           {{"impact", "mb1", "--trace", "gone/a.csv"}, "gone/a.csv"},
+           {{"generate", "mb1", "-o", ".", "--depfile", "gone/a.d"}, "gone/a.d"}}) {
+    expect_refused(run({.arguments = arguments, .folder = box.path()}), file + ": file: its folder gone",
+                   " does not exist; allowed: a folder that exists");
+    EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
+  }
+  succeed({.arguments = followed_by(render, {"a.wav", "--no-figure", "--stems", "new/stems"}), .folder = box.path()});
+  EXPECT_TRUE(fs::exists(box / "new/stems/tom.wav")) << names_in(box.listing());
+}
+
+// Files and links of the names that other programs choose for what is not finished.
+TEST(TemporaryFile, IsNoFileOfAnotherAndFollowsNoLink) {
+  const Sandbox box;
+  write_file(box / "precious.txt", "precious");
+  for (const std::string name : {"a.wav", "a.svg"})
+    for (const std::string ending : {".part", ".tmp", "~"}) fs::create_symlink("precious.txt", box / (name + ending));
+  const auto before = box.listing();
+  succeed({.arguments = {"render", "mass-barrier", "--duration", "0.01", "-o", "a.wav"}, .folder = box.path()});
+  auto after = box.listing();
+  for (const char* written : {"a.wav", "a.svg"}) EXPECT_EQ(after.erase(written), 1u);
+  EXPECT_TRUE(after == before) << names_in(after);
 }
 
 }  // namespace

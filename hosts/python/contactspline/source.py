@@ -69,8 +69,11 @@ def watch_of(progress: Callable[[int, int], object] | None, total: int) -> Calla
 
 
 def write_whole(path: str | os.PathLike[str], content: bytes) -> None:
-    """Writes a file, which is there as a whole or stays as it was."""
-    part = os.path.join(os.path.dirname(os.fsdecode(path)), f".contactspline-{secrets.token_hex(8)}")
+    """Writes a file, which is there as a whole or stays as it was. Its folder must exist."""
+    folder = os.path.dirname(os.fsdecode(path))
+    if not os.path.isdir(folder or "."):
+        raise FileNotFoundError(f"{os.fsdecode(path)}: its folder {folder} does not exist; allowed: a folder that exists")
+    part = os.path.join(folder, f".contactspline-{secrets.token_hex(8)}")
     with open(part, "xb") as file:  # which is no file of somebody else, and follows no link
         try:
             file.write(content)

@@ -3,6 +3,7 @@ import concurrent.futures
 import copy
 import json
 import math
+import os
 import pathlib
 import pickle
 import subprocess
@@ -410,3 +411,27 @@ for call in range(4000):
 """
     early, late = map(int, subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split())
     assert late - early < 1000  # kB: less than 300 bytes of each call
+
+
+def test_a_file_is_written_beside_foreign_files_and_links(tmp_path):
+    sound = cs.Instrument("tom").play(cs.strike(0), 0.01)
+    precious = tmp_path / "precious.txt"
+    precious.write_text("precious")
+    (tmp_path / "x.wav.part").symlink_to(precious)
+    (tmp_path / "y.wav.part").write_text("notes")
+    (tmp_path / "y.wav").symlink_to(precious)
+    for name in ("x.wav", "y.wav"):
+        sound.write(tmp_path / name)
+    assert precious.read_text() == "precious" and (tmp_path / "y.wav.part").read_text() == "notes"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["precious.txt", "x.wav", "x.wav.part", "y.wav", "y.wav.part"]
+    assert (tmp_path / "x.wav").read_bytes() == (tmp_path / "y.wav").read_bytes() == sound.wav()
+    mask = os.umask(0)
+    os.umask(mask)
+    assert (tmp_path / "x.wav").stat().st_mode & 0o777 == 0o666 & ~mask
+
+
+def test_a_folder_that_is_missing_is_an_error(tmp_path):
+    sound = cs.Instrument("tom").play(cs.strike(0), 0.01)
+    with pytest.raises(FileNotFoundError, match="gone does not exist; allowed: a folder that exists"):
+        sound.write(tmp_path / "gone" / "x.wav")
+    assert not list(tmp_path.iterdir())
