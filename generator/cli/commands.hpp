@@ -76,6 +76,7 @@ struct ImpactOptions {
   std::vector<double> rates = {44100, 88200, 176400, 352800};
   bool csv = false, json = false;
   std::string figure;  ///< file to draw, or empty
+  std::string over;    ///< what it is over: speed, rate or time; empty: what the other options suggest
   std::string trace;   ///< file for each motion over time, or empty
   bool force = false;  ///< as in GenerateOptions
 };

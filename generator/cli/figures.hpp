@@ -53,6 +53,19 @@ struct ImpactSweep {
 [[nodiscard]] std::string figure_over_rate(std::span<const ImpactSweep> sweeps, const std::string& title,
                                            FigureFormat format);
 
+/// One motion of an impact, from touch to separation or sample by sample.
+struct ImpactCourse {
+  std::string name;
+  bool is_exact;
+  std::vector<double> time_s, force_n, speed_m_per_s;
+  std::vector<double> kinetic_j;  ///< of the mass
+  std::vector<double> stored_j;   ///< in the contact; empty where a memory hides it
+};
+
+/// Force, speed and energy of impacts over time.
+[[nodiscard]] std::string figure_over_time(std::span<const ImpactCourse> courses, const std::string& title,
+                                           FigureFormat format);
+
 /// Data and model of a fit, over time, speed or compression, with their residuals beside them.
 [[nodiscard]] std::string figure_of(const Fit& fit, const std::string& title, FigureFormat format);
 
@@ -72,7 +85,8 @@ struct PerformanceText {
   std::string title, signal, force;
 };
 
-/// Waveform, contact force and spectrogram of a played score. Without any contact there is no panel of the force.
+/// Waveform, contact force and spectrogram of a played score, in stereo of the mean of both channels. Without any
+/// contact there is no panel of the force.
 [[nodiscard]] std::string figure_of(const Performance& performance, const PerformanceText& text, FigureFormat format);
 
 }  // namespace contactspline

@@ -254,16 +254,19 @@ std::string json_of(const std::vector<Comparison>& comparisons) {
   return fmt::format("[\n{}\n]\n", fmt::join(objects, ",\n"));
 }
 
+// A motion in the key of a figure.
+std::string model_name(const Comparison& c, const Motion& motion) {
+  if (motion.model == "spline") return fmt::format("spline, {} segments", c.design->spline.segments.size());
+  return motion.sample_rate_hz > 0 ? fmt::format("{} kHz", motion.sample_rate_hz / 1000) : motion.model;
+}
+
 // The impacts of one material, for a figure. Among others its name states the mass, which the title does of one.
 ImpactSweep sweep_of(const std::vector<Comparison>& comparisons, bool is_single) {
   const Comparison& first = comparisons.front();
   const std::string& name = first.material().name;
   ImpactSweep sweep{is_single ? name : fmt::format("{}, {:.3g} g", name, 1e3 * first.mass_kg), {}, {}, {}};
   for (const Motion& motion : first.motions) {
-    sweep.models.push_back(motion.model == "spline"
-                               ? fmt::format("spline, {} segments", first.design->spline.segments.size())
-                           : motion.sample_rate_hz > 0 ? fmt::format("{} kHz", motion.sample_rate_hz / 1000)
-                                                       : motion.model);
+    sweep.models.push_back(model_name(first, motion));
     sweep.sample_rates_hz.push_back(motion.sample_rate_hz);
   }
   for (const Comparison& c : comparisons) {
@@ -273,25 +276,72 @@ ImpactSweep sweep_of(const std::vector<Comparison>& comparisons, bool is_single)
   return sweep;
 }
 
+// What the figure is over.
+std::string axis_of(const ImpactOptions& options) {
+  if (!options.over.empty()) return options.over;
+  return !options.speed_range.empty() ? "speed" : options.rates.size() > 1 ? "rate" : "time";
+}
+
 // The key of the figure has room for some entries only.
-void require_room(const std::vector<ImpactSweep>& sweeps, bool over_speed) {
+void require_room(const std::vector<ImpactSweep>& sweeps, const std::string& over) {
   constexpr std::size_t kMaxEntries = 12;
-  std::size_t entries = over_speed ? sweeps.front().models.size() + (sweeps.size() > 1 ? sweeps.size() : 0) : 0;
-  if (!over_speed)
-    for (const ImpactSweep& sweep : sweeps) entries += sweep.points.size();
+  const std::size_t models = sweeps.front().models.size();
+  std::size_t entries = over == "speed" ? models + (sweeps.size() > 1 ? sweeps.size() : 0) : 0;
+  if (over != "speed")
+    for (const ImpactSweep& sweep : sweeps) entries += sweep.points.size() * (over == "time" ? models : 1);
   if (entries > kMaxEntries)
-    throw BadInput(fmt::format("--figure: its key has {} entries; allowed: at most {}: fewer materials, {}", entries,
-                               kMaxEntries, over_speed ? "or fewer --rate" : "or fewer --speed"));
+    throw BadInput(fmt::format("--figure: its key has {} entries; allowed: at most {}: fewer materials, or fewer {}",
+                               entries, kMaxEntries, over == "rate" ? "--speed" : "--rate"));
+}
+
+// Speed and energies from time and force: the simulation's by the momentum that each sample's force takes, exactly;
+// the others' by the trapezoidal rule.
+ImpactCourse course_of(const Comparison& c, const Motion& motion, const std::string& name,
+                       const std::string& argument) {
+  ImpactCourse course{name, motion.model == "exact", {}, {}, {}, {}, {}};
+  const bool is_simulated = motion.sample_rate_hz > 0;
+  const LawView law = motion.model == "exact" ? law_view(c.material().contact) : law_view(c.design->spline);
+  double speed = c.speed, last_time = 0, last_force = 0;
+  for (const auto& [time_s, compression_m, force_n] : trace_of(c, motion, argument)) {
+    const double lost = is_simulated ? force_n / motion.sample_rate_hz / c.mass_kg
+                                     : (time_s - last_time) * (last_force + force_n) / 2 / c.mass_kg;
+    const double now = is_simulated ? speed - lost / 2 : speed - lost;  // in the middle of the sample
+    course.time_s.push_back(time_s);
+    course.force_n.push_back(force_n);
+    course.speed_m_per_s.push_back(now);
+    course.kinetic_j.push_back(c.mass_kg * now * now / 2);
+    if (c.material().memories.empty()) course.stored_j.push_back(law.energy(std::max(0.0, compression_m)));
+    speed -= lost;
+    last_time = time_s;
+    last_force = force_n;
+  }
+  return course;
+}
+
+std::vector<ImpactCourse> courses_of(const std::vector<Comparison>& all, const std::vector<std::string>& arguments) {
+  std::vector<ImpactCourse> courses;
+  const std::size_t speeds = all.size() / arguments.size();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const std::string which =
+        all.size() == 1 ? "" : fmt::format("{}, {:.3g} m/s: ", all[i].material().name, all[i].speed);
+    for (const Motion& motion : all[i].motions)
+      courses.push_back(course_of(all[i], motion, which + model_name(all[i], motion), arguments[i / speeds]));
+  }
+  return courses;
 }
 
 // The title names one material and its mass, or nothing that the key names.
-std::string figure_of(const std::vector<Comparison>& all, const std::vector<ImpactSweep>& sweeps, bool over_speed,
-                      FigureFormat format) {
-  const std::string title = sweeps.size() == 1
-                                ? fmt::format("{}: impacts of {:g} g on a rigid barrier",
-                                              title_of(all.front().material()), 1e3 * all.front().mass_kg)
-                                : "impacts on a rigid barrier";
-  return over_speed ? figure_over_speed(sweeps, title, format) : figure_over_rate(sweeps, title, format);
+std::string figure_of(const std::vector<Comparison>& all, const std::vector<ImpactSweep>& sweeps,
+                      const ImpactOptions& options, FigureFormat format) {
+  const Comparison& first = all.front();
+  const std::string over = axis_of(options);
+  const std::string speed = over == "time" && all.size() == 1 ? fmt::format(" at {:g} m/s", first.speed) : "";
+  const std::string title =
+      sweeps.size() == 1 ? fmt::format("{}: impact{} of {:g} g on a rigid barrier{}", title_of(first.material()),
+                                       speed.empty() ? "s" : "", 1e3 * first.mass_kg, speed)
+                         : "impacts on a rigid barrier";
+  if (over == "time") return figure_over_time(courses_of(all, options.materials), title, format);
+  return over == "speed" ? figure_over_speed(sweeps, title, format) : figure_over_rate(sweeps, title, format);
 }
 
 // Speeds at equal ratios.
@@ -307,11 +357,13 @@ std::vector<double> speeds_between(const std::vector<double>& range) {
 
 void require_consistent(const ImpactOptions& options) {
   if (options.csv && options.json) throw BadInput("--csv: cannot be combined with --json; allowed: one of the two");
-  if (!options.figure.empty()) {
-    if (options.speed_range.empty() && options.rates.size() < 2)
-      throw BadInput("--figure: draws over speeds or over sample rates; allowed: with --speeds, or with two --rate");
-    (void)figure_format(options.figure);
-  }
+  if (!options.figure.empty()) (void)figure_format(options.figure);
+  if (!options.over.empty() && options.figure.empty())
+    throw BadInput("--over: draws nothing; allowed: with --figure");
+  if (options.over == "speed" && options.speed_range.empty())
+    throw BadInput("--over: speed needs several speeds; allowed: with --speeds");
+  if (options.over == "rate" && (!options.speed_range.empty() || options.rates.size() < 2))
+    throw BadInput("--over: rate needs several sample rates; allowed: with two --rate, without --speeds");
   if (!options.trace.empty() && file_ending(options.trace) != ".csv")
     refuse(options.trace, "--trace", "its ending is not that of a table", ".csv");
   if (options.speed_range.empty()) return;
@@ -356,9 +408,9 @@ void compare_impacts(const ImpactOptions& options) {
   }
   if (!options.trace.empty()) require_writable({{options.trace}}, inputs, options.force);
   if (!options.figure.empty()) {
-    require_room(sweeps, !options.speed_range.empty());
+    require_room(sweeps, axis_of(options));
     write_figure(options.figure, FigureKind::kImpacts, inputs, options.force,
-                 [&](FigureFormat format) { return figure_of(all, sweeps, !options.speed_range.empty(), format); });
+                 [&](FigureFormat format) { return figure_of(all, sweeps, options, format); });
     text += fmt::format("\nfigure: {}\n", options.figure);
   }
   if (!options.trace.empty()) {

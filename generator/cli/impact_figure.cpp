@@ -157,7 +157,60 @@ std::string rate_panel(std::span<const ImpactSweep> sweeps, const ErrorOfImpact&
   return error_panel(error.name, "sample rate [kHz]; pale: the spline alone", error.axis, curves);
 }
 
+Data data_of(const std::string& name, std::span<const double> times, std::span<const double> values,
+             std::span<const double> more = {}) {
+  Data data(name);
+  for (std::size_t i = 0; i < times.size(); ++i) data.add({1e3 * times[i], values[i] + (more.empty() ? 0 : more[i])});
+  return data;
+}
+
+// A curve of each course over time; dashed after it those that are drawn too.
+std::string time_panel(const std::string& label, const std::vector<Data>& curves,
+                       const std::vector<std::string>& styles) {
+  Interval time, value;
+  std::string text;
+  std::vector<std::string> plots;
+  for (std::size_t i = 0; i < curves.size(); ++i) {
+    text += curves[i].text();
+    time.include(curves[i].range(1));
+    value.include(curves[i].range(2));
+    plots.push_back(fmt::format("${} using 1:2 with lines {}", curves[i].name(), styles[i]));
+  }
+  value.include(0);
+  return text + linear_axis('x', time, "time since the touch [ms]") + linear_axis('y', value, label) +
+         fmt::format("plot {}\n", fmt::join(plots, ", "));
+}
+
 }  // namespace
+
+std::string figure_over_time(std::span<const ImpactCourse> courses, const std::string& title, FigureFormat format) {
+  const auto style = [&](std::size_t number, int dash) {
+    return courses[number].is_exact ? fmt::format("lw 6 lc rgb '#b8b8b8' dt {}", dash)
+                                    : fmt::format("lw 1.6 lc rgb '{}' dt {}", colour_of(number), dash);
+  };
+  std::vector<Data> forces, speeds, energies;
+  std::vector<std::string> styles, energy_styles;
+  std::vector<KeyEntry> key;
+  for (std::size_t i = 0; i < courses.size(); ++i) {
+    const ImpactCourse& course = courses[i];
+    forces.push_back(data_of(fmt::format("force_{}", i), course.time_s, course.force_n));
+    speeds.push_back(data_of(fmt::format("speed_{}", i), course.time_s, course.speed_m_per_s));
+    energies.push_back(data_of(fmt::format("kinetic_{}", i), course.time_s, course.kinetic_j));
+    styles.push_back(style(i, 1));
+    energy_styles.push_back(style(i, 1));
+    key.push_back({course.name, style(i, 1)});
+    if (course.stored_j.empty()) continue;
+    energies.push_back(data_of(fmt::format("total_{}", i), course.time_s, course.kinetic_j, course.stored_j));
+    energy_styles.push_back(style(i, 2));
+  }
+  key.push_back({"energy of the mass", "lw 1.6 lc rgb '#444444' dt 1"});
+  if (energies.size() > courses.size()) key.push_back({"and of the contact", "lw 1.6 lc rgb '#444444' dt 2"});
+  return draw(heading(kThreePanelsWithKey) + "unset key\n" + key_beside("", key) +
+                  time_panel("contact force [N]", forces, styles) + kNoKey +
+                  time_panel("speed into the barrier [m/s]", speeds, styles) +
+                  time_panel("energy [J]", energies, energy_styles) + "unset multiplot",
+              title, FigureKind::kImpacts, format);
+}
 
 std::string figure_over_speed(std::span<const ImpactSweep> sweeps, const std::string& title, FigureFormat format) {
   const bool has_errors = sweeps.size() == 1;

@@ -301,7 +301,12 @@ std::string instrument_page(const std::string& argument, const InstrumentSource&
   if (!options.figure.empty())
     write_figure(options.figure, FigureKind::kInstrument, source.files, options.force,
                  [&](FigureFormat format) { return figure_of(source.model, format); });
-  return options.json ? json_of(source.model, rate) : instrument_table(source.model, rate) + figure_line(options);
+  if (options.json) return json_of(source.model, rate);
+  const std::vector<OutputPeak> peaks = [&] {
+    const WaitingLine line("playing " + source.model.name);
+    return output_peaks(source.model, rate);
+  }();
+  return instrument_table(source.model, rate, peaks) + figure_line(options);
 }
 
 std::string material_page(const std::string& argument, const InspectOptions& options) {

@@ -87,20 +87,30 @@ std::string preset_row(const InstrumentModel& model, const ModelPreset& preset) 
   return values.empty() ? "all parameters as at the beginning" : fmt::format("{}", fmt::join(values, ", "));
 }
 
-// The unit of an output and, of a pressure, where it is taken.
-std::string output_row(const InstrumentModel& model, const ModelOutput& output) {
-  std::string unit(unit_of(output.name));
+// The peak beside full scale, which plug-ins play as 1.
+std::string level_row(const ModelOutput& output, const OutputPeak& peak) {
+  const std::string row = fmt::format("full scale {:.4g}", output.full_scale);
+  if (peak.peak == 0) return row;
+  const double part = peak.peak / output.full_scale;
+  return fmt::format("{}, peak {:.4g} ({}){}", row, peak.peak, peak.event,
+                     part > 1 ? fmt::format(": clips at {:.2g} times full scale", part) : "");
+}
+
+// The unit of an output, its level and, of a pressure, where it is taken.
+std::string output_row(const InstrumentModel& model, const ModelOutput& output, const OutputPeak& peak) {
+  const std::string unit = fmt::format("{}, {}", unit_of(output.name), level_row(output, peak));
   if (output.quantity != OutputQuantity::kPressure) return unit;
   const InstrumentBody& body = model.bodies[output.targets.front()];
   const auto [nearest_m, farthest_m] = reach_of(body.resonator.body, output.listening);
   return fmt::format(
-      "{} at {:.6g} m from the middle of {}, {:.6g} rad off its normal; {:.6g} to {:.6g} m from its points", unit,
+      "{}; at {:.6g} m from the middle of {}, {:.6g} rad off its normal; {:.6g} to {:.6g} m from its points", unit,
       output.listening.distance_m, body.name, output.listening.angle_rad, nearest_m, farthest_m);
 }
 
 }  // namespace
 
-std::string instrument_table(const InstrumentModel& model, double sample_rate_hz) {
+std::string instrument_table(const InstrumentModel& model, double sample_rate_hz,
+                             const std::vector<OutputPeak>& peaks) {
   std::string table = fmt::format("{}{}{}\n", model.name, model.description.empty() ? "" : ": ", model.description);
   std::string next_heading;  // is left out where no row follows
   const auto heading = [&](std::string_view text) { next_heading = fmt::format("\n{}\n", text); };
@@ -135,7 +145,8 @@ std::string instrument_table(const InstrumentModel& model, double sample_rate_hz
   heading("presets");
   for (const ModelPreset& preset : model.presets) row(preset.name, "", preset_row(model, preset));
   heading("outputs");
-  for (const ModelOutput& output : model.outputs) row(output.name, "", output_row(model, output));
+  for (std::size_t o = 0; o < model.outputs.size(); ++o)
+    row(model.outputs[o].name, "", output_row(model, model.outputs[o], peaks.empty() ? OutputPeak() : peaks[o]));
   return table;
 }
 

@@ -28,13 +28,13 @@ set cbrange [-80:0]
 set palette defined (0 '#000004', 1 '#1b0c41', 2 '#4a0c6b', 3 '#781c6d', 4 '#a52c60', 5 '#cf4446', 6 '#ed6925', 7 '#fb9b06', 8 '#f7d13d', 9 '#fcffa4')
 )";
 
-// The sum of the channels.
+// The mean of the channels.
 std::vector<float> mono(const Performance& performance) {
   if (performance.channels == 1) return performance.samples;
-  std::vector<float> sum;
+  std::vector<float> mean;
   for (std::size_t i = 0; i + 1 < performance.samples.size(); i += 2)
-    sum.push_back(performance.samples[i] + performance.samples[i + 1]);
-  return sum;
+    mean.push_back((performance.samples[i] + performance.samples[i + 1]) / 2);
+  return mean;
 }
 
 // The plot of a spectrogram, with its levels as binary data behind the command: gnuplot reads text six times as

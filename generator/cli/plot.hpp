@@ -58,6 +58,7 @@ class Data {
   void add(std::vector<double> row) { rows_.push_back(std::move(row)); }
   [[nodiscard]] Interval range(std::size_t column) const;  ///< of a column, counted from 1 as gnuplot does
   [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] const std::vector<std::vector<double>>& rows() const { return rows_; }
   [[nodiscard]] std::string text() const;
 
  private:

@@ -14,6 +14,33 @@
 namespace contactspline {
 namespace {
 
+// Rising numbers from 0 to 1 with at least a gap between neighbours: those with the least sum of squared moves, by
+// pooling neighbours that are too close (the isotonic regression of the numbers less their gaps).
+std::vector<double> moved_apart(const std::vector<double>& numbers, double gap) {
+  const auto count = static_cast<double>(numbers.size());
+  gap = std::min(gap, 1 / std::max(1.0, count - 1));
+  struct Pool {
+    double sum;
+    int count;
+    [[nodiscard]] double mean() const { return sum / count; }
+  };
+  std::vector<Pool> pools;
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    pools.push_back({numbers[i] - static_cast<double>(i) * gap, 1});
+    while (pools.size() > 1 && pools[pools.size() - 2].mean() > pools.back().mean()) {
+      const Pool last = pools.back();
+      pools.pop_back();
+      pools.back() = {pools.back().sum + last.sum, pools.back().count + last.count};
+    }
+  }
+  std::vector<double> moved;
+  for (const Pool& pool : pools)
+    for (int i = 0; i < pool.count; ++i)
+      moved.push_back(std::clamp(pool.mean(), 0.0, std::max(0.0, 1 - (count - 1) * gap)) +
+                      static_cast<double>(moved.size()) * gap);
+  return moved;
+}
+
 /// Lays out the parts of an instrument, one after the other.
 class Layout {
  public:
@@ -41,6 +68,7 @@ class Layout {
   static constexpr double kShift = 0.09;       // of the last row to the right
   static constexpr double kGroundDepth = 0.4;  // below a body
   static constexpr double kBottom = 0.2;
+  static constexpr double kLeastGap = 7;    // points of the screen between two points of a body
   static constexpr double kAfterName = 12;  // points of the screen between the name of a body and the body
 
   [[nodiscard]] ScreenPoint on_screen(DiagramPoint at) const {
@@ -62,32 +90,34 @@ class Layout {
     return left_ + kShift * part * part;
   }
 
-  // From the left end of a body to its right one. Half of it is the position, half the rank among the points of the
-  // body: neighbours would lie on each other. The places of a table of modes lie side by side.
+  // From the left end of a body to its right one, to scale; see part_on(). The places of a table of modes lie side by
+  // side.
   [[nodiscard]] std::vector<double> xs_on_body(const InstrumentPlace& place) const {
-    const Resonator& resonator = model_.bodies[place.body].resonator;
-    const double extent = extent_of(resonator.body);
+    const bool is_table = std::holds_alternative<ModeTable>(model_.bodies[place.body].resonator.body);
     std::vector<double> xs;
-    for (const Place& point : place.points) {
-      double part = position_of(point) / extent;
-      if (std::holds_alternative<Membrane>(resonator.body)) part = (1 + part) / 2;
-      part = std::holds_alternative<ModeTable>(resonator.body) ? part_on_table(place)
-                                                               : (part + rank_of(place.body, point)) / 2;
-      xs.push_back(left_of(place.body) + (kRight - kShift - left_) * part);
-    }
+    for (const Place& point : place.points)
+      xs.push_back(left_of(place.body) +
+                   (kRight - kShift - left_) * (is_table ? part_on_table(place) : part_on(place.body, point)));
     return xs;
   }
 
-  // Of a point among those of its body, from 0 to 1.
-  [[nodiscard]] double rank_of(std::size_t body, const Place& point) const {
-    int count = 0, before = 0;
+  // Where a point lies between the left and the right end of its body, 0 to 1.
+  [[nodiscard]] double part_of(std::size_t body, const Place& point) const {
+    const Resonator& resonator = model_.bodies[body].resonator;
+    const double part = position_of(point) / extent_of(resonator.body);
+    return std::holds_alternative<Membrane>(resonator.body) ? (1 + part) / 2 : part;
+  }
+
+  // Where a point is drawn: to scale, but points that would lie on each other are moved apart, as little as possible.
+  [[nodiscard]] double part_on(std::size_t body, const Place& point) const {
+    std::vector<double> parts;
     for (const InstrumentPlace& place : model_.places)
-      for (const Place& other : place.points) {
-        if (place.body != body) continue;
-        ++count;
-        before += position_of(other) < position_of(point);
-      }
-    return (before + 0.5) / count;
+      for (const Place& other : place.points)
+        if (place.body == body) parts.push_back(part_of(body, other));
+    std::ranges::sort(parts);
+    parts.erase(std::ranges::unique(parts).begin(), parts.end());
+    const auto index = std::ranges::find(parts, part_of(body, point)) - parts.begin();
+    return moved_apart(parts, kLeastGap / (size_.width * (kRight - kShift - left_)))[static_cast<std::size_t>(index)];
   }
 
   [[nodiscard]] double part_on_table(const InstrumentPlace& place) const {

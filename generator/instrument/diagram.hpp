@@ -51,8 +51,8 @@ struct Diagram {
   std::vector<DiagramLabel> labels;
 };
 
-/// A row for each body from the top. What the ground holds ends at a bar below its body. Labels lie beside lines and
-/// beside each other where the size has room for it.
+/// A row for each body from the top, with its places to scale. What the ground holds ends at a bar below its body.
+/// Labels lie beside lines and beside each other where the size has room for it.
 [[nodiscard]] Diagram diagram_of(const InstrumentModel& model, DiagramSize size);
 
 }  // namespace contactspline
