@@ -21,6 +21,7 @@
 #include "generator/emit/emitter.hpp"
 #include "generator/support/error.hpp"
 #include "generator/support/input_file.hpp"
+#include "generator/support/nearest_name.hpp"
 #include "generator/support/sample_rates.hpp"
 
 namespace contactspline {
@@ -55,31 +56,47 @@ std::vector<std::string> words_of(const CLI::App& command) {
   return words;
 }
 
+// As it stands in the usage of a command: MATERIAL rather than --material.
+std::string usage_name_of(const CLI::Option& option) {
+  const std::string positional = option.get_name(true);
+  return positional.empty() ? option.get_name() : positional;
+}
+
+std::string unknown(const CLI::App& command, const std::string& word) {
+  const std::vector<std::string> words = words_of(command);
+  return fmt::format("{}: unknown; allowed: {}{}", word, fmt::join(words, ", "),
+                     did_you_mean(words, word.substr(0, word.find('='))));
+}
+
 // CLI11 says what is wrong, but not what is allowed.
 std::string explained(const CLI::App& app, const CLI::ParseError& error) {
   std::string wrong = error.what();
-  if (dynamic_cast<const CLI::ValidationError*>(&error) != nullptr) return wrong;
   const CLI::App& command = innermost_given(app);
+  const bool is_value = dynamic_cast<const CLI::ValidationError*>(&error) != nullptr;
   for (const std::string& word : app.remaining(true))
-    if (word != "--") return fmt::format("{}: unknown; allowed: {}", word, fmt::join(words_of(command), ", "));
+    if (!is_value && word != "--") return unknown(command, word);
   auto options = command.get_options();
   std::ranges::sort(options, std::ranges::greater(), [](const auto* option) { return option->get_name().size(); });
   for (const auto* option : options) {  // --speeds before --speed
-    const std::string& name = option->get_name();
-    if (wrong.find(name) == std::string::npos) continue;
-    const std::string what = wrong == name + " is required" ? name + ": missing"
-                             : wrong.starts_with(name)      ? wrong
-                                                            : name + ": " + wrong;
+    const std::string name = option->get_name(), label = usage_name_of(*option);
+    if (is_value && wrong.starts_with(name + ":")) return label + wrong.substr(name.size());
+    if (is_value || wrong.find(name) == std::string::npos) continue;
+    const std::string what = wrong == name + " is required" ? label + ": missing"
+                             : wrong.starts_with(name)      ? label + wrong.substr(name.size())
+                                                            : label + ": " + wrong;
     return fmt::format("{}; allowed: {}", what, option->get_description());
   }
-  return fmt::format("SUBCOMMAND: missing; allowed: {}", fmt::join(words_of(command), ", "));
+  return wrong;
 }
 
-// CLI11 prints --help and --version here; the text goes out through write_stdout(), which checks.
+// CLI11 prints --help and --version here, whatever else is wrong but an unknown word; the text goes out through
+// write_stdout(), which checks.
 void parse(CLI::App& app, int argc, const char* const* argv) {
   try {
     app.parse(argc, argv);
+    if (app.get_subcommands().empty()) write_stdout(app.help());
   } catch (const CLI::Success& request) {
+    if (const auto unknown = app.remaining(true); !unknown.empty()) throw CLI::ExtrasError(unknown);
     std::ostringstream text;
     app.exit(request, text);
     write_stdout(text.str());
@@ -269,7 +286,7 @@ void add_show(CLI::App& app) {
 void add_impact(CLI::App& app) {
   const auto options = std::make_shared<ImpactOptions>();
   CLI::App* command = app.add_subcommand("impact", "Compare exact, spline and simulated impacts on a rigid barrier");
-  add_input(*command, "MATERIAL", options->materials, kMaterialHelp)->required();
+  add_input(*command, "MATERIAL,--material", options->materials, kMaterialHelp)->required();
   add_number(*command, "--speed", options->speeds,
              "impact speed in m/s; may be repeated (default: the material's largest)", 1e-6, 1e3)
       ->allow_extra_args(false);
@@ -284,7 +301,13 @@ void add_impact(CLI::App& app) {
   command->add_flag("--csv", options->csv, "print all numbers as CSV; errors as fractions, not in %");
   command->add_flag("--json", options->json, "print all numbers as JSON; errors as fractions, not in %");
   add_output_file(*command, "--figure", options->figure,
-                  "also draw impacts over --speeds, or their errors over --rate (.svg, .png, .pdf)");
+                  "also draw impacts over --speeds or over time, or their errors over --rate (.svg, .png, .pdf)");
+  command
+      ->add_option("--over", options->over,
+                   "what the figure is over (default: speed with --speeds, time with one\n"
+                   "--rate, else rate)")
+      ->check(one_of({"speed", "rate", "time"}))
+      ->type_name("");
   add_output_file(*command, "--trace", options->trace,
                   "also write time, compression and force of each impact as a table (.csv)");
   add_force(*command, options->force);
@@ -294,6 +317,7 @@ void add_impact(CLI::App& app) {
       "  contactspline impact felt_c4 --speeds 0.1 6 20 --rate 44100\n"
       "  contactspline impact felt_c4 felt_c2 --speeds 0.1 6 200 --rate 44100 --figure impacts.svg\n"
       "  contactspline impact felt_c4 --speed 1 --speed 5 --figure errors.svg\n"
+      "  contactspline impact felt_c4 --speed 2 --rate 44100 --over time --figure blow.svg\n"
       "  contactspline impact felt_c4 felt_c2 --speed 2 --trace blows.csv\n"
       "Errors are relative to the exact motion under the contact law with the material's loss. Where the time step\n"
       "dominates, they fall by 4 with each doubling of the rate; with loss by 2. samples: duration of the exact\n"
@@ -318,24 +342,27 @@ void add_fit(CLI::App& app) {
   command->callback([options] { fit(*options); });
 }
 
-// Returns the option of the sound file.
-CLI::Option* add_outputs(CLI::App& command, RenderOutput& output) {
+void add_outputs(CLI::App& command, RenderOutput& output) {
   add_number(command, "--rate", output.sample_rate_hz, "sample rate in Hz", static_cast<int>(kSampleRates_hz.min),
              static_cast<int>(kSampleRates_hz.max))
       ->capture_default_str();
-  CLI::Option* sound =
-      add_output_file(command, "-o,--output", output.sound, "sound file to write (.wav, .flac, .ogg, .aiff)");
+  add_output_file(command, "-o,--output", output.sound,
+                  "sound file to write (.wav, .flac, .ogg, .aiff;\n"
+                  "default: NAME.wav in the working folder, of the score or material)");
   add_output_file(command, "--figure", output.figure,
                   "figure to write (.svg, .png, .pdf; default: the sound file's name with .svg)");
   command.add_flag("--no-figure", output.no_figure, "draw no figure");
+  CLI::Option* level = add_number(command, "--level", output.level_db,
+                                  "level of the peak in dB of full scale (default: that of the score, or -1)",
+                                  kLevel_db.min, kLevel_db.max);
   command
       .add_option_function<std::string>(
           "--gain", [&output](const std::string& gain) { output.gain_db = gain == "off" ? 0 : std::stod(gain); },
-          "gain in dB instead of a peak at -1 dB; off: none, a sample of 1 is 1 N, m, m/s or Pa")
+          "instead of --level: full scale is 1 N, m, m/s or Pa, DB lower; off: 0 dB")
       ->check(number_or("off", -300, 300))
-      ->type_name("DB");
+      ->type_name("DB")
+      ->excludes(level);
   add_force(command, output.force);
-  return sound;
 }
 
 void add_mass_barrier(CLI::App& render) {
@@ -345,7 +372,7 @@ void add_mass_barrier(CLI::App& render) {
   const auto number = [&](const char* name, auto& value, const char* help, double min, double max) {
     return add_number(*command, name, value, help, min, max);
   };
-  add_input(*command, "--material", options->material, kMaterialHelp)->capture_default_str();
+  add_input(*command, "MATERIAL,--material", options->material, kMaterialHelp)->capture_default_str();
   number("--mass", options->mass_kg, "mass in kg (default: the material's)", 1e-9, 1e4);
   number("--speed", options->speed_m_per_s, "speed of the throw in m/s (default: the material's largest)", 0.0, 1e3);
   number("--start", options->start_m, "displacement at the throw in m, into the barrier", -1e3, 1.0)
@@ -359,10 +386,10 @@ void add_mass_barrier(CLI::App& render) {
   command->add_option("--signal", options->signal, "the signal in the sound file")
       ->check(one_of({"force", "displacement"}))
       ->capture_default_str();
-  add_outputs(*command, options->output)->required();
+  add_outputs(*command, options->output);
   command->footer(
       "Example:\n"
-      "  contactspline render mass-barrier --material rubber_on_wood --loss 0.08 -o bounce.wav");
+      "  contactspline render mass-barrier rubber_on_wood --loss 0.08 -o bounce.wav");
   command->callback([options] { render_mass_barrier(*options); });
 }
 
@@ -371,8 +398,10 @@ std::shared_ptr<ScoreOptions> add_score_options(CLI::App& command, std::optional
   auto options = std::make_shared<ScoreOptions>();
   command
       .add_option("--signal", options->signal,
-                  model == Model::kFile ? "the output in the sound file (default: the instrument's first)"
-                                        : "displacement, velocity, bridge, force or body (default: what sounds best)")
+                  model == Model::kFile
+                      ? "what the sound is: one of the outputs of the instrument (default: its first)"
+                      : "what the sound is: displacement, force, velocity, bridge or body;\n"
+                        "of an instrument file one of its outputs (default: what sounds best)")
       ->check(not_empty("an output"));
   command.add_option("--precision", options->precision, "floating-point precision of the model")
       ->check(one_of({"single", "double"}))
@@ -386,8 +415,8 @@ std::shared_ptr<ScoreOptions> add_score_options(CLI::App& command, std::optional
   if (!model || model == Model::kFile)
     command
         .add_option("--instrument", options->instrument,
-                    "what plays a MIDI file (default: the piano): an instrument file with keys,\n"
-                    "or a model of your own (.so), which plays scores, too")
+                    "what plays a MIDI file (default: the piano): a keyboard or an instrument\n"
+                    "with keys, or a model of your own (.so), which plays scores, too")
         ->check(not_empty("an instrument"))
         ->type_name("FILE");
   return options;
@@ -396,10 +425,10 @@ std::shared_ptr<ScoreOptions> add_score_options(CLI::App& command, std::optional
 void add_model(CLI::App& render, Model model, const char* help, const char* example) {
   CLI::App* command = render.add_subcommand(std::string(name_of(model)), help);
   const auto options = add_score_options(*command, model);
-  add_input(*command, "--score", options->score, kScoreHelp)->required();
-  add_outputs(*command, options->output)->required();
+  add_input(*command, "SCORE,--score", options->score, kScoreHelp)->required();
+  add_outputs(*command, options->output);
   command->footer(fmt::format(
-      "Example:\n  contactspline render {} --score {} -o out.wav\nThe scores that ship: contactspline list scores",
+      "Example:\n  contactspline render {0} {1} -o {1}.wav\nThe scores that ship: contactspline list scores",
       name_of(model), example));
   command->callback([options, model] { render_score(model, *options); });
 }
@@ -408,16 +437,15 @@ void add_render(CLI::App& app) {
   CLI::App* command = app.add_subcommand("render", "Play a score, or an instrument, to a sound file and a figure");
   command->require_subcommand(0, 1);
   const auto options = add_score_options(*command, {});
-  add_input(*command, "SCORE", options->score, kScoreHelp);
-  const CLI::Option* sound = add_outputs(*command, options->output);
+  add_input(*command, "SCORE,--score", options->score, kScoreHelp);
+  add_outputs(*command, options->output);
   command->footer(
-      "Examples:\n  contactspline render fur_elise -o elise.wav\n  contactspline render my_song.mid -o song.wav\n"
+      "Examples:\n  contactspline render fur_elise\n  contactspline render my_song.mid -o song.flac\n"
       "  contactspline render my_song.mid --instrument my_zither.json -o zither.wav\n"
       "The scores that ship: contactspline list scores");
-  command->callback([command, options, sound] {
+  command->callback([command, options] {
     if (!command->get_subcommands().empty()) return;
-    if (options->score.empty()) throw CLI::RequiredError("SCORE");
-    if (sound->empty()) throw CLI::RequiredError("--output");
+    if (options->score.empty()) throw CLI::RequiredError("--score");
     render_score({}, *options);
   });
   add_mass_barrier(*command);
@@ -430,7 +458,7 @@ void add_render(CLI::App& app) {
 }
 
 void add_all(CLI::App& app) {
-  app.require_subcommand(1);
+  app.require_subcommand(0, 1);
   app.get_formatter()->column_width(34);
   app.footer(
       "First steps:\n"

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <iterator>
 #include <utility>
 
 #include "generator/cli/model_module.hpp"
@@ -134,6 +135,12 @@ const EmbeddedFile* shipped(Shipped folder, const std::string& name) {
          allowed);
 }
 
+// What prints the names in these folders.
+std::string list_command(std::initializer_list<Shipped> folders) {
+  return folders.size() > 1 ? "contactspline list"
+                            : fmt::format("contactspline list {}s", kind_name(*folders.begin()));
+}
+
 [[noreturn]] void refuse_name(const std::string& argument, std::string_view kinds,
                               std::initializer_list<Shipped> folders) {
   std::vector<std::string> names;
@@ -141,7 +148,7 @@ const EmbeddedFile* shipped(Shipped folder, const std::string& name) {
   for (const Shipped folder : folders)
     for (std::string& name : shipped_names(folder)) names.push_back(std::move(name));
   throw BadInput(fmt::format("{}: MATERIAL: no such {} ships; allowed: a .json file, {}", argument, kinds,
-                             fmt::join(nearest_first(std::move(names), argument), ", ")));
+                             names_in_short(std::move(names), argument, list_command(folders))));
 }
 
 [[noreturn]] void refuse_any_name(const std::string& argument) {
@@ -209,16 +216,45 @@ void require_no_channels(const std::string& score, const std::vector<int>& chann
   if (!channels.empty()) refuse(score, "--channel", "the score is not a MIDI file", "with a .mid file");
 }
 
+// A MIDI file on a keyboard of the user's choice.
+ScoreSource midi_on_keyboard(const std::string& argument, const std::vector<int>& channels,
+                             const NamedText& keyboard) {
+  ScoreSource source;
+  const auto* midi = find_embedded(Shipped::kScores, argument + ".mid");
+  if (midi == nullptr && !is_midi(argument))
+    refuse(argument, "--instrument", "a keyboard plays MIDI files, and the score names what plays it itself",
+           "no --instrument, or a .mid file");
+  if (midi == nullptr) source.files.emplace_back(argument);
+  if (!keyboard.ships) source.files.emplace_back(keyboard.file);
+  const auto read = [&](const std::string& path) {
+    source.files.emplace_back(path);
+    return read_input(path);
+  };
+  source.score = parse_midi_score(midi != nullptr ? std::string(midi->content) : text_of(argument), argument,
+                                  channels, keyboard, read);
+  return source;
+}
+
+[[noreturn]] void refuse_player(const std::string& instrument) {
+  std::optional<Shipped> kind = kind_of_name(instrument);
+  if (is_file(instrument)) kind = kind_of_file(text_of(instrument), instrument, "instrument");
+  std::vector<std::string> names = shipped_names(Shipped::kInstruments);
+  std::ranges::copy(shipped_names(Shipped::kKeyboards), std::back_inserter(names));
+  refuse("--instrument", shown(instrument),
+         kind ? fmt::format("is a {}", kind_name(*kind)) : "is no instrument and no keyboard",
+         fmt::format("a .json file, a model of your own (.so), {}",
+                     names_in_short(std::move(names), instrument, "contactspline list instruments")));
+}
+
 // A MIDI file on an instrument of the user's choice.
 ScoreSource score_on_instrument(const std::string& argument, const std::vector<int>& channels,
                                 const std::string& instrument) {
+  if (const auto keyboard = text_of_kind(instrument, Shipped::kKeyboards))
+    return midi_on_keyboard(argument, channels, *keyboard);
   const bool is_module = instrument.ends_with(".so");
   auto played = is_module ? std::optional(InstrumentSource{load_model_module(instrument), {}})
                           : instrument_argument(instrument);
-  if (!played)
-    refuse("--instrument", shown(instrument), "is no instrument",
-           fmt::format("a .json file, a model of your own (.so), {}",
-                       fmt::join(nearest_first(shipped_names(Shipped::kInstruments), instrument), ", ")));
+  if (!played) refuse_player(instrument);
   const auto* midi = find_embedded(Shipped::kScores, argument + ".mid");
   ScoreSource source{{}, std::move(played->files)};
   if (midi == nullptr) source.files.emplace_back(argument);
@@ -244,7 +280,7 @@ ScoreSource shipped_score(const std::string& name, const std::vector<int>& chann
     refuse_kind(name, "SCORE", *kind, score_for(name, *kind));
   if (score == nullptr)
     throw BadInput(fmt::format("{}: SCORE: no such score ships; allowed: a .json or .mid file, {}", name,
-                               fmt::join(nearest_first(shipped_names(Shipped::kScores), name), ", ")));
+                               names_in_short(shipped_names(Shipped::kScores), name, "contactspline list scores")));
   return {parse_score(score->content, score->name, read_input), {}};
 }
 

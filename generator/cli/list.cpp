@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // contactspline list, contactspline show: what ships.
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <array>
 #include <numbers>
@@ -18,6 +17,7 @@
 #include "generator/support/embedded_files.hpp"
 #include "generator/support/error.hpp"
 #include "generator/support/json_reader.hpp"
+#include "generator/support/nearest_name.hpp"
 
 namespace contactspline {
 namespace {
@@ -130,7 +130,7 @@ void show(const std::string& name, const std::string& own_name) {
     std::vector<std::string> names;
     for (const ShippedKind& kind : kShippedKinds)
       for (std::string& shipped : shipped_names(kind.folder)) names.push_back(std::move(shipped));
-    refuse(name, "NAME", "nothing of this name ships", fmt::format("{}", fmt::join(names, ", ")));
+    refuse(name, "NAME", "nothing of this name ships", names_in_short(std::move(names), name, "contactspline list"));
   }
   if (file->name.ends_with(".mid") && is_terminal(stdout))
     refuse(name, "NAME", "is a MIDI file, which a terminal cannot show", "to a file, with > FILE");

@@ -67,7 +67,9 @@ std::size_t contacts_in(std::span<const double> force) {
 
 }  // namespace
 
-void render_mass_barrier(const MassBarrierOptions& options) {
+void render_mass_barrier(const MassBarrierOptions& given) {
+  MassBarrierOptions options = given;
+  if (options.output.sound.empty()) options.output.sound = default_sound(given.material);
   require_short("--duration", options.duration_s, options.output.sample_rate_hz);
   const Design design = design_argument(options.material);
   require_outputs(options.output, 1, input_files(options.material, design.material));

@@ -17,6 +17,7 @@
 #include "generator/cli/sound_file.hpp"
 #include "generator/cli/system.hpp"
 #include "generator/support/error.hpp"
+#include "generator/support/input_file.hpp"
 
 namespace contactspline {
 namespace {
@@ -43,9 +44,9 @@ template <typename T>
 void report(const std::string& file, std::span<const T> samples, double scale) {
   const auto clips = [=](T sample) { return scale * std::abs(static_cast<double>(sample)) > 1; };
   if (const auto clipped = std::ranges::count_if(samples, clips); clipped > 0)
-    std::fputs(fmt::format("contactspline: {}: --gain: {} samples exceed full scale and are clipped; a lower gain "
-                           "keeps them\n",
-                           file, clipped)
+    std::fputs(fmt::format("contactspline: {}: {} samples exceed full scale, by {:.1f} dB, and are clipped; a lower "
+                           "--gain or --level keeps them\n",
+                           file, clipped, 20 * std::log10(scale * peak_of(samples)))
                    .c_str(),
                stderr);
 }
@@ -53,8 +54,8 @@ void report(const std::string& file, std::span<const T> samples, double scale) {
 template <typename T>
 double scale(const RenderOutput& output, std::span<const T> samples) {
   if (!output.gain_db) {
-    const double peak = peak_of(samples);
-    return peak > 0 ? kPeak / peak : 1;
+    const double peak = peak_of(samples), level = output.level_db ? std::pow(10, *output.level_db / 20) : kPeak;
+    return peak > 0 ? level / peak : 1;
   }
   const double scale = std::pow(10, *output.gain_db / 20);
   report(output.sound, samples, scale);
@@ -80,6 +81,12 @@ void leave_audible(const RenderOutput& output, std::span<float> interleaved, int
       interleaved[n] = static_cast<float>(sample);
     }
   }
+}
+
+std::string default_sound(const std::string& played) {
+  if (played == kStandardInput)
+    throw BadInput("--output: missing, and standard input has no name; allowed: a file name, such as -o song.wav");
+  return std::filesystem::path(played).filename().replace_extension("wav").string();
 }
 
 void fade_end(std::span<float> interleaved, int channels, double sample_rate_hz) {
@@ -121,11 +128,14 @@ void require_outputs(const RenderOutput& output, int channels, const std::vector
     require_kind(figure_file(output), FigureKind::kSound, output.force);
     outputs.emplace_back(figure_file(output));
   }
-  outputs.insert(outputs.end(), stems.begin(), stems.end());
-  require_writable(outputs, inputs, output.force);
+  std::vector<std::filesystem::path> all = outputs;
+  all.insert(all.end(), stems.begin(), stems.end());
+  require_writable(all, inputs, output.force);
   if (!output.figure.empty() && !has_gnuplot())
     throw BadInput("--figure: gnuplot is not installed; install the package gnuplot-nox, or use --no-figure");
   require_creatable(outputs);
+  create_folders_of(stems);
+  require_creatable(stems);
 }
 
 std::string write_outputs(const RenderOutput& output, std::string sound, const DrawFigure& draw) {

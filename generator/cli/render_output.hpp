@@ -15,12 +15,13 @@ enum class FigureFormat;  // figure_file.hpp
 
 /// What every instrument of `render` writes.
 struct RenderOutput {
-  std::string sound;
+  std::string sound;   ///< empty: default_sound() of what is played
   std::string figure;  ///< empty: the sound file's name with .svg
   bool no_figure = false;
   int sample_rate_hz = 44100;
-  std::optional<double> gain_db;  ///< relative to a full scale of 1 SI unit; empty: the peak becomes kPeak
-  bool force = false;             ///< replaces files that the program did not write
+  std::optional<double> level_db = {};  ///< of the peak, relative to full scale; empty: kPeak
+  std::optional<double> gain_db = {};   ///< in place of a level: relative to a full scale of 1 SI unit
+  bool force = false;                   ///< replaces files that the program did not write
 };
 
 constexpr double kPeak = 0.89;  ///< largest value in the sound file: -1 dB relative to full scale
@@ -29,11 +30,15 @@ constexpr double kPeak = 0.89;  ///< largest value in the sound file: -1 dB rela
 /// displacements have a static part, and controls move it. With a gain the samples are a measurement, and stay.
 void leave_audible(const RenderOutput& output, std::span<float> interleaved, int channels);
 
+/// NAME.wav in the working folder for a name that ships, a file NAME.json or NAME.mid. Throws BadInput for standard
+/// input, which has no name.
+[[nodiscard]] std::string default_sound(const std::string& played);
+
 /// Fades the last 10 ms of a sound, or its second half if it is shorter than 20 ms, to 0 by a raised cosine.
 void fade_end(std::span<float> interleaved, int channels, double sample_rate_hz);
 void fade_end(std::span<double> samples, double sample_rate_hz);
 
-/// The factor from SI units to samples: the gain, or what brings the largest sample to kPeak; 1 for silence. If
+/// The factor from SI units to samples: the gain, or what brings the largest sample to the level; 1 for silence. If
 /// samples exceed full scale, a line on standard error counts them.
 [[nodiscard]] double scale_of(const RenderOutput& output, std::span<const float> samples);
 [[nodiscard]] double scale_of(const RenderOutput& output, std::span<const double> samples);

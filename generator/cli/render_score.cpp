@@ -32,6 +32,12 @@ std::string_view stem_of(const Output& output) {
   return name.substr(0, label_of(name).text.size());
 }
 
+// What --help calls an output of a model with parts: displacement, force, velocity, bridge.
+std::string_view word_of(const Output& output) {
+  const std::string_view stem = stem_of(output);
+  return stem == "contact_force" ? "force" : stem.substr(0, stem.find('_'));
+}
+
 // Is an output meant by its name, by its name without the unit, or by the first word of that?
 bool is_called(const Output& output, std::string_view signal) {
   const std::string_view stem = stem_of(output);
@@ -70,7 +76,7 @@ void choose_output(const ScoreOptions& options, const Score& score, PlayOptions&
   }
   std::vector<std::string_view> names;
   for (const Output& output : outputs)
-    names.emplace_back(score.model == Model::kFile ? output.name : stem_of(output));
+    names.emplace_back(score.model == Model::kFile ? output.name : word_of(output));
   if (score.body) names.push_back(kBody);
   throw BadInput(
       fmt::format("--signal: '{}' is no output; allowed: {}", shown(options.signal), fmt::join(names, ", ")));
@@ -91,19 +97,31 @@ struct SoundLabel {
   std::string unit;
 };
 
+// A keyboard's sound may be weighted: the velocity of its body, and that which the force of each key's strings would
+// give it.
+bool is_weighted(const Score& score) {
+  const auto has_weight = [](const KeyOnBody<double>& key) { return key.output_ratio != 1; };
+  return score.listening.pickup_ratio != 1 || score.listening.mobility_m_per_n_s != 0 ||
+         std::ranges::any_of(score.keys, has_weight);
+}
+
 SoundLabel sound_label(const PlayOptions& how, const Score& score) {
   if (how.is_on_body && !score.ears.empty()) return {"pressure at the ears", "Pa"};
-  if (how.is_on_body) return {"velocity of the body", "m/s"};
+  if (how.is_on_body) return {is_weighted(score) ? "weighted body velocity" : "velocity of the body", "m/s"};
   const Output output = outputs_of(score)[how.output];
   return {label_of(output.name).text, output.unit};
 }
 
-// The description of a score, or its name and that of the instrument.
+// What plays a score: an instrument or a keyboard by its name, or a model.
+std::string player_of(const Score& score) {
+  if (score.model == Model::kFile) return score.voices.front().model->name;
+  return score.keys.empty() ? std::string(name_of(score.model)) : score.voices.front().resonator.name;
+}
+
+// The description of a score, or its name and what plays it.
 std::string title_of(const ScoreOptions& options, const Score& score) {
   if (!score.description.empty()) return score.description;
-  const bool is_file = score.model == Model::kFile;
-  return fmt::format("{} ({})", std::filesystem::path(options.score).stem().string(),
-                     is_file ? score.voices.front().model->name : std::string(name_of(score.model)));
+  return fmt::format("{} ({})", std::filesystem::path(options.score).stem().string(), player_of(score));
 }
 
 // How many contacts of an instrument file the recorded force adds up; of other models 1.
@@ -165,9 +183,12 @@ void report_silence(const std::string& score, const Performance& performance) {
 
 }  // namespace
 
-void render_score(std::optional<Model> model, const ScoreOptions& options) {
-  const ScoreSource source = score_argument(options.score, options.channels, options.instrument);
+void render_score(std::optional<Model> model, const ScoreOptions& given) {
+  const ScoreSource source = score_argument(given.score, given.channels, given.instrument);
   const Score& score = source.score;
+  ScoreOptions options = given;
+  if (options.output.sound.empty()) options.output.sound = default_sound(given.score);
+  if (!options.output.level_db) options.output.level_db = score.level_db;
   if (model && score.model != *model)
     refuse(options.score, "instrument",
            score.model == Model::kFile ? "the score is for an instrument file"
@@ -189,8 +210,10 @@ void render_score(std::optional<Model> model, const ScoreOptions& options) {
   fade_end(performance.samples, performance.channels, performance.sample_rate_hz);
   const double scale = scale_of(options.output, performance.samples);
   const SoundLabel sound = sound_label(how, score);
-  const PerformanceText text{title_of(options, score), fmt::format("{} [{}]", sound.trace, sound.unit),
-                             force_label(score)};
+  const PerformanceText text{
+      title_of(options, score),
+      fmt::format("{} [{}]{}", sound.trace, sound.unit, performance.channels > 1 ? ",\\nmean of both channels" : ""),
+      force_label(score)};
   const std::string written =
       write_outputs(options.output,
                     sound_bytes(options.output.sound, std::span<const float>(performance.samples), scale,

@@ -2,7 +2,6 @@
 #include "generator/material/named_file.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <filesystem>
 #include <optional>
@@ -17,7 +16,8 @@ namespace contactspline {
 namespace {
 
 std::string allowed_in(Shipped folder, std::string_view wrong = {}) {
-  return fmt::format("a .json file, {}", fmt::join(nearest_first(shipped_names(folder), wrong), ", "));
+  return fmt::format("a .json file, {}", names_in_short(shipped_names(folder), wrong,
+                                                        fmt::format("contactspline list {}s", kind_name(folder))));
 }
 
 }  // namespace

@@ -194,10 +194,14 @@ Score parse_midi_on_instrument(std::string_view bytes, std::string_view file, st
     throw BadInput(fmt::format("{}: MIDI: no note of {} is on {}; allowed: {}, or --channel", file,
                                is_drum ? "channel 10" : "its channels", model.name, keys_in_words(model)));
   const double duration_s = midi_duration_s(file, voices.end_s);
-  Score score{std::string(file), Model::kFile, song.title, duration_s, {}};
+  Score score{std::string(file), Model::kFile, {}, duration_s, {}};
+  std::vector<std::string> left_out;
+  if (channels.empty() && song.unchosen > 0)
+    left_out.push_back(is_drum ? fmt::format("left out: notes of other channels than 10 ({})", song.unchosen)
+                               : left_out_drums(song.unchosen));
   if (voices.beyond > 0)
-    score.left_out =
-        fmt::format("{}: MIDI: left out: notes beyond {} ({})", file, keys_in_words(model), voices.beyond);
+    left_out.push_back(fmt::format("left out: notes beyond {} ({})", keys_in_words(model), voices.beyond));
+  if (!left_out.empty()) score.left_out = fmt::format("{}: MIDI: {}", file, fmt::join(left_out, "; "));
   for (auto& [channel, voice] : voices.by_channel) {
     add_controllers(model, song, channel, voice);
     score.voices.push_back(std::move(voice));
@@ -215,6 +219,7 @@ Score parse_score_on(const JsonObject& score, std::string_view file, const Instr
   if (score.has("keyboard")) score.fail("keyboard", "has no place here", "in a score for hammer-string");
   Score result{std::string(file), Model::kFile, read_description(score), score.number("duration_s", kScoreDuration_s),
                read_voices(score, model)};
+  result.level_db = read_level(score);
   for (const JsonObject& event : score.objects("events", event_keys(model), kMaxEvents))
     read_event(event, model, result.duration_s, result.voices);
   sort_by_time(result.voices);

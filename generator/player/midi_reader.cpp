@@ -291,20 +291,24 @@ MidiSong parse_midi(std::string_view bytes, std::string_view file, std::span<con
   Clock clock(reader.division());
   NoteTracker tracker;
   std::set<int> with_notes;
+  std::size_t unchosen = 0;
   double time = 0;
   for (const auto& [kind, tick, channel, number, value] : events) {
     time = clock.at(tick);
     if (kind == MidiEvent::kTempo) clock.set_tempo(value);
     if (kind == MidiEvent::kTempo) continue;
     if (kind == MidiEvent::kKey && value > 0) with_notes.insert(channel + 1);
-    if (!is_chosen(channel, channels)) continue;
+    if (!is_chosen(channel, channels)) {
+      unchosen += kind == MidiEvent::kKey && value > 0;
+      continue;
+    }
     if (kind == MidiEvent::kKey) tracker.key(time, channel, number, value);
     if (kind == MidiEvent::kController) tracker.controller(time, channel, number, value);
     if (kind == MidiEvent::kBend) tracker.bend(time, channel, value);
   }
   auto notes = tracker.notes_at_end(time);
   if (notes.empty()) refuse_silence(file, with_notes);
-  return {reader.title(), std::move(notes), tracker.bends(), tracker.pedals()};
+  return {reader.title(), std::move(notes), tracker.bends(), tracker.pedals(), unchosen};
 }
 
 }  // namespace contactspline

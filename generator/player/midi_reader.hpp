@@ -41,6 +41,7 @@ struct MidiSong {
   std::vector<MidiNote> notes;    ///< by rising time
   std::vector<MidiBend> bends;    ///< by rising time
   std::vector<MidiPedal> pedals;  ///< by rising time
+  std::size_t unchosen = 0;       ///< notes of other channels
 };
 
 /// Title and notes of a MIDI file of format 0 or 1: of the channels (1 to 16), or if none is given of all but the

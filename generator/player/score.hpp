@@ -100,6 +100,8 @@ struct Voice {
   std::optional<InstrumentModel> model = {};  ///< of an instrument file: replaces resonator and contact
 };
 
+inline constexpr Range kLevel_db{-200, 0};  ///< of a peak, relative to full scale
+
 struct Score {
   std::string file;  ///< that it was read from, for messages
   Model model;
@@ -114,6 +116,7 @@ struct Score {
   double una_corda_stiffness_ratio = 1;         ///< of all felts
   Listening listening = {};                     ///< the sound of the body under a keyboard
   std::vector<Glide> pedals = {};               ///< by rising time; of KeyboardParameter, all up at first
+  std::optional<double> level_db = {};          ///< of the peak of its sound; empty: what a program chooses
   std::string left_out = {};                    ///< what of a MIDI file is not played, in one line; empty: nothing
   std::string left_out_at_rest = {};            ///< the same without the body, as a list
 };

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -69,6 +70,17 @@ inline constexpr std::size_t kMaxEvents = 65536;
     throw BadInput(fmt::format("{}: MIDI: it lasts {:.4g} s; allowed: at most {} s", file, end_s,
                                kScoreDuration_s.max - kMidiRing_s));
   return end_s + kMidiRing_s;
+}
+
+/// The level of the peak that a score asks for, or nothing. Throws BadInput.
+[[nodiscard]] inline std::optional<double> read_level(const JsonObject& score) {
+  if (!score.has("level_db")) return std::nullopt;
+  return score.number("level_db", kLevel_db);
+}
+
+/// What is said of notes on the tenth channel that no keys play.
+[[nodiscard]] inline std::string left_out_drums(std::size_t notes) {
+  return fmt::format("left out: drums, the notes of channel 10 ({}), which --channel 10 plays as keys", notes);
 }
 
 /// Sorts what happens to each voice by rising time.

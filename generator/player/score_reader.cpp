@@ -176,8 +176,10 @@ void add_body(const Keyboard& keyboard, const NamedText& file, const ReadFile& r
 }
 
 // What of a MIDI file is not played as it is written.
-std::string left_out_line(std::string_view file, const Keyboard& keyboard, std::size_t notes, std::size_t far_bends) {
+std::string left_out_line(std::string_view file, const Keyboard& keyboard, std::size_t drums, std::size_t notes,
+                          std::size_t far_bends) {
   std::vector<std::string> parts;
+  if (drums > 0) parts.push_back(left_out_drums(drums));
   if (notes > 0)
     parts.push_back(
         fmt::format("left out: notes beyond the keys {} to {} ({})", keyboard.first_key, keyboard.last_key, notes));
@@ -360,12 +362,7 @@ void require_initial(const JsonObject& score, Model model, const std::vector<Voi
 
 JsonObject parse_score_object(std::string_view text, std::string_view file) {
   return parse_json(text, file, "score",
-                    {"instrument", "description", "duration_s", "keyboard", "body", "voices", "events"});
-}
-
-Keyboard shipped_piano() {
-  const EmbeddedFile& piano = *find_embedded(Shipped::kKeyboards, "piano.json");
-  return parse_keyboard(piano.content, piano.name);
+                    {"instrument", "description", "duration_s", "level_db", "keyboard", "body", "voices", "events"});
 }
 
 bool is_on(const Keyboard& keyboard, const MidiNote& note) {
@@ -376,8 +373,8 @@ bool is_on(const Keyboard& keyboard, const MidiNote& note) {
 double duration_of(const MidiSong& song, const Keyboard& keyboard, std::string_view file) {
   const auto on_keyboard = [&](const MidiNote& note) { return is_on(keyboard, note); };
   if (std::ranges::none_of(song.notes, on_keyboard))
-    throw BadInput(fmt::format("{}: MIDI: no note is on the piano; allowed: keys {} to {}", file, keyboard.first_key,
-                               keyboard.last_key));
+    throw BadInput(fmt::format("{}: MIDI: no note is on the {}; allowed: keys {} to {}", file, keyboard.name,
+                               keyboard.first_key, keyboard.last_key));
   double end = 0;
   for (const MidiNote& note : song.notes)
     if (is_on(keyboard, note)) end = std::max(end, note.time_s + note.hold_s);
@@ -386,6 +383,11 @@ double duration_of(const MidiSong& song, const Keyboard& keyboard, std::string_v
 
 }  // namespace
 
+NamedText shipped_piano() {
+  const EmbeddedFile& piano = *find_embedded(Shipped::kKeyboards, "piano.json");
+  return {std::string(piano.content), std::string(piano.name), true};
+}
+
 ScoreHeading score_heading(std::string_view text, std::string_view file) {
   const JsonObject score = parse_score_object(text, file);
   return {read_model(score), read_description(score), score.number("duration_s", kScoreDuration_s)};
@@ -393,7 +395,8 @@ ScoreHeading score_heading(std::string_view text, std::string_view file) {
 
 ScoreHeading midi_score_heading(std::string_view bytes, std::string_view file) {
   const MidiSong song = parse_midi(bytes, file);
-  return {Model::kHammerString, song.title, duration_of(song, shipped_piano(), file)};
+  const NamedText piano = shipped_piano();
+  return {Model::kHammerString, song.title, duration_of(song, parse_keyboard(piano.text, piano.file), file)};
 }
 
 Voice read_voice_parts(const JsonObject& object, const char* key, Model model, const ReadFile& read) {
@@ -415,6 +418,7 @@ Score parse_score(std::string_view text, std::string_view file, const ReadFile& 
   }
   if (model == Model::kFile) return parse_instrument_score(score, file, read);
   Score result{std::string(file), model, read_description(score), score.number("duration_s", kScoreDuration_s), {}};
+  result.level_db = read_level(score);
   const bool has_keys = score.has("keyboard");
   if (has_keys && (score.has("voices") || !has_hammer(result.model)))
     score.fail("keyboard", "has no place here", "in a score for hammer-string, instead of voices");
@@ -439,10 +443,11 @@ Score parse_score(std::string_view text, std::string_view file, const ReadFile& 
   return result;
 }
 
-Score parse_midi_score(std::string_view bytes, std::string_view file, std::span<const int> channels) {
+Score parse_midi_score(std::string_view bytes, std::string_view file, std::span<const int> channels,
+                       const NamedText& played, const ReadFile& read) {
   const MidiSong song = parse_midi(bytes, file, channels);
-  const Keyboard keyboard = shipped_piano();
-  Score score{std::string(file), Model::kHammerString, song.title, duration_of(song, keyboard, file), {}};
+  const Keyboard keyboard = parse_keyboard(played.text, played.file);
+  Score score{std::string(file), Model::kHammerString, {}, duration_of(song, keyboard, file), {}};
   std::map<int, SharedGlides> bends;  // of the channels that have some
   for (const MidiBend& bend : song.bends)
     if (!bends.contains(bend.channel)) bends.emplace(bend.channel, bends_of(song.bends, bend.channel));
@@ -467,8 +472,8 @@ Score parse_midi_score(std::string_view bytes, std::string_view file, std::span<
   }
   const auto is_far = [](const MidiBend& bend) { return std::abs(bend.cents) > kTuningCents.max; };
   const auto far_bends = static_cast<std::size_t>(std::ranges::count_if(song.bends, is_far));
-  score.left_out = left_out_line(file, keyboard, beyond, far_bends);
-  add_body(keyboard, {{}, "piano.json", true}, shipped_file, score);
+  score.left_out = left_out_line(file, keyboard, channels.empty() ? song.unchosen : 0, beyond, far_bends);
+  add_body(keyboard, played, read, score);
   std::set<std::size_t> keys;
   for (auto& [key, voice] : voices) {
     if (!keys.insert(voice.key).second) {  // another channel has bent strings there

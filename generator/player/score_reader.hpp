@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "generator/material/contact_reader.hpp"
+#include "generator/material/named_file.hpp"
 #include "generator/player/score.hpp"
 
 namespace contactspline {
@@ -34,11 +35,15 @@ struct ScoreHeading {
 /// The heading of a MIDI file as parse_midi_score() plays it. Throws BadInput.
 [[nodiscard]] ScoreHeading midi_score_heading(std::string_view bytes, std::string_view file);
 
-/// The notes of a MIDI file, of these channels as in parse_midi(), on the piano that ships, with 1 s to ring after
-/// the last one. The keyboard's velocity law turns velocity/127 into the hammer's speed. A bent note is played on a
-/// string of its own, with the tension of its pitch; then the piano has no body, which all these strings would load.
-/// Notes beyond the keyboard are left out. Throws BadInput.
+/// The keyboard that plays MIDI files, unless another one is asked for.
+[[nodiscard]] NamedText shipped_piano();
+
+/// The notes of a MIDI file, of these channels as in parse_midi(), on a keyboard, with 1 s to ring after the last
+/// one. `read` reads what the keyboard names. The keyboard's velocity law turns velocity/127 into the hammer's speed.
+/// A bent note is played on a string of its own, with the tension of its pitch; then the piano has no body, which all
+/// these strings would load. Notes beyond the keyboard are left out. Throws BadInput.
 [[nodiscard]] Score parse_midi_score(std::string_view bytes, std::string_view file,
-                                     std::span<const int> channels = {});
+                                     std::span<const int> channels = {}, const NamedText& played = shipped_piano(),
+                                     const ReadFile& read = shipped_file);
 
 }  // namespace contactspline

@@ -12,6 +12,7 @@
 
 #include "generator/support/error.hpp"
 #include "generator/support/json_syntax.hpp"
+#include "generator/support/nearest_name.hpp"
 #include "generator/support/reserved_names.hpp"
 
 namespace contactspline {
@@ -179,7 +180,7 @@ JsonObject::JsonObject(std::shared_ptr<const Value> value, std::string file, std
   if (!value_->json.is_object()) fail(self, "is not an object", joined(allowed));
   for (const auto& item : value_->json.items())
     if (std::ranges::find(allowed, item.key()) == allowed.end())
-      fail(key(shown(item.key())), "unknown key", joined(allowed));
+      fail(key(shown(item.key())), "unknown key", joined(allowed) + did_you_mean(allowed, item.key()));
 }
 
 bool JsonObject::has(const char* name) const {

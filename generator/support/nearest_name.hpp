@@ -2,6 +2,9 @@
 // What a user may have meant by a name that is not there.
 #pragma once
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cstddef>
 #include <numeric>
@@ -27,15 +30,43 @@ namespace contactspline {
   return row.back();
 }
 
-/// The names with the one first that differs least from `wrong`, if by no more than half of its characters; the
-/// others keep their order.
-[[nodiscard]] inline std::vector<std::string> nearest_first(std::vector<std::string> names, std::string_view wrong) {
-  if (wrong.size() > 64) return names;  // no name is as long
-  const auto distance = [&](std::string_view name) { return edit_distance(name, wrong); };
-  const auto nearest = std::ranges::min_element(names, {}, distance);
-  if (nearest != names.end() && 2 * distance(*nearest) <= wrong.size())
-    std::rotate(names.begin(), nearest, nearest + 1);
-  return names;
+/// The names that differ least from `wrong`, if by no more than half of its characters, in their order.
+[[nodiscard]] inline std::vector<std::string> nearest_names(const std::vector<std::string>& names,
+                                                            std::string_view wrong) {
+  std::vector<std::string> nearest;
+  if (wrong.size() > 64) return nearest;  // no name is as long
+  std::size_t least = wrong.size() / 2;
+  for (const std::string& name : names) {
+    const std::size_t distance = edit_distance(name, wrong);
+    if (distance < least) nearest.clear();
+    if (distance <= least) nearest.push_back(name);
+    least = std::min(least, distance);
+  }
+  return nearest;
+}
+
+/// A question for the end of a message: "; did you mean felt_c2 or felt_c4?"; nothing where no name is near.
+[[nodiscard]] inline std::string did_you_mean(const std::vector<std::string>& names, std::string_view wrong) {
+  constexpr std::size_t kMost = 3;
+  std::vector<std::string> nearest = nearest_names(names, wrong);
+  if (nearest.empty()) return {};
+  nearest.resize(std::min(nearest.size(), kMost));
+  return fmt::format("; did you mean {}?", fmt::join(nearest, " or "));
+}
+
+/// Names for a message, the nearest one first: all if they are few, else three and the command that prints the
+/// others; with did_you_mean().
+[[nodiscard]] inline std::string names_in_short(std::vector<std::string> names, std::string_view wrong,
+                                                std::string_view command) {
+  constexpr std::size_t kFew = 5, kSome = 3;
+  const std::string question = did_you_mean(names, wrong);
+  if (const auto nearest = nearest_names(names, wrong); !nearest.empty()) {
+    const auto first = std::ranges::find(names, nearest.front());
+    std::rotate(names.begin(), first, first + 1);
+  }
+  if (names.size() <= kFew) return fmt::format("{}{}", fmt::join(names, ", "), question);
+  names.resize(kSome);
+  return fmt::format("{}, or another name of `{}`{}", fmt::join(names, ", "), command, question);
 }
 
 }  // namespace contactspline
