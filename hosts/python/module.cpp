@@ -302,9 +302,11 @@ py::dict presets_of(const Source& source) {
 py::tuple play_score(const std::string& source, bool is_text, double rate, bool is_single) {
   Performance performance;
   std::string output, unit;
+  std::optional<double> level_db;
   {
     const py::gil_scoped_release unlocked;
     const Score score = is_text ? parse_score(source, "score", read_input) : score_argument(source).score;
+    level_db = score.level_db;
     PlayOptions options{rate};
     options.precision = is_single ? Precision::kSingle : Precision::kDouble;
     choose_best_output(score, options);
@@ -318,7 +320,7 @@ py::tuple play_score(const std::string& source, bool is_text, double rate, bool 
   std::ranges::copy(performance.samples, samples.mutable_data());
   return py::make_tuple(
       samples, py::array_t<float>(static_cast<py::ssize_t>(performance.force_n.size()), performance.force_n.data()),
-      performance.contacts, output, unit);
+      performance.contacts, output, unit, level_db);
 }
 
 // Renders a plan, of a file or of a text, into HDF5 files. Returns the path of the one that was written last.

@@ -74,6 +74,8 @@ class Sound:
     samples, or None.
     """
 
+    level_db: float = -1.0  # of the peak, in files
+
     def __init__(self, title: str, outputs: dict[str, npt.NDArray[Any]], units: dict[str, str], sample_rate_hz: float,
                  force_n: npt.NDArray[Any] | None = None, energy_j: npt.NDArray[np.float64] | None = None,
                  energy_step: int = 0) -> None:
@@ -96,13 +98,17 @@ class Sound:
         """The time of each sample [s]."""
         return np.arange(len(self.samples)) / self.sample_rate_hz
 
-    def wav(self, output: str | None = None, peak_db: float = -1.0) -> bytes:
-        """An output (by default the first) as the bytes of a WAV file of 16 bits, with its peak at a level, at most 0 dB."""
-        if not -200 <= peak_db <= 0:
-            raise ValueError(f"peak_db: {peak_db} is refused; allowed: -200 to 0, such as -1")
+    def wav(self, output: str | None = None, level_db: float | None = None) -> bytes:
+        """An output (by default the first) as the bytes of a WAV file of 16 bits, with its peak at a level, at most 0 dB.
+
+        level_db None: the level that a score asks for, else -1.
+        """
+        level_db = self.level_db if level_db is None else level_db
+        if not -200 <= level_db <= 0:
+            raise ValueError(f"level_db: {level_db} is refused; allowed: -200 to 0, such as -1")
         samples = self.samples if output is None else self[output]
         peak = np.max(np.abs(samples), initial=0.0)
-        scale = 32767 * 10 ** (peak_db / 20) / peak if peak > 0 else 0
+        scale = 32767 * 10 ** (level_db / 20) / peak if peak > 0 else 0
         whole = np.round(np.asarray(samples, float) * scale).astype("<i2")
         file = io.BytesIO()
         with wave.open(file, "wb") as to:
@@ -112,9 +118,9 @@ class Sound:
             to.writeframes(whole.tobytes())
         return file.getvalue()
 
-    def write(self, path: str | os.PathLike[str], output: str | None = None, peak_db: float = -1.0) -> None:
+    def write(self, path: str | os.PathLike[str], output: str | None = None, level_db: float | None = None) -> None:
         """Writes wav() to a file."""
-        write_whole(path, self.wav(output, peak_db))
+        write_whole(path, self.wav(output, level_db))
 
     def plot(self, output: str | None = None, axes: Any = None) -> Any:
         """Draws an output (by default the first) over time. Returns the axes of matplotlib."""

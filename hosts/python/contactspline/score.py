@@ -27,10 +27,12 @@ def play_score(source: str | os.PathLike[str] | Mapping[str, Any], *, sample_rat
     if precision not in ("single", "double"):
         raise ValueError(f"precision: '{precision}' is unknown; allowed: single, double")
     check_rate(sample_rate_hz)
-    samples, forces, contacts, output, unit = _core.play_score(*source_of(source), sample_rate_hz, precision == "single")
+    samples, forces, contacts, output, unit, level_db = _core.play_score(*source_of(source), sample_rate_hz, precision == "single")
     title = source if isinstance(source, str) else "score"
     sound = ScoreSound(title, {output: samples[:, 0] if samples.shape[1] == 1 else samples}, {output: unit}, sample_rate_hz, forces)
     sound.contacts = contacts
+    if level_db is not None:
+        sound.level_db = level_db
     return sound
 
 

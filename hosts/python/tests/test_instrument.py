@@ -378,8 +378,8 @@ def test_sounds_are_written_drawn_and_shown(tmp_path, image_of):
     assert (image_of(sound) != image_of(made("hammer_string").play(cs.strike(0.1, 2), 0.2))).any()
     json.dumps(list(sound.units))
     for level in (6, math.nan, math.inf):
-        with pytest.raises(ValueError, match="peak_db"):
-            sound.wav(peak_db=level)
+        with pytest.raises(ValueError, match="level_db"):
+            sound.wav(level_db=level)
 
 
 def test_a_file_that_cannot_be_written_stays_as_it_was(tmp_path):
@@ -435,3 +435,11 @@ def test_a_folder_that_is_missing_is_an_error(tmp_path):
     with pytest.raises(FileNotFoundError, match="gone does not exist; allowed: a folder that exists"):
         sound.write(tmp_path / "gone" / "x.wav")
     assert not list(tmp_path.iterdir())
+
+
+def test_a_score_sets_the_level_of_its_sound():
+    score = {"instrument": "tom", "duration_s": 0.05, "level_db": -20, "events": [{"time_s": 0, "stick_speed_m_per_s": 1}]}
+    sound = cs.play_score(score)
+    peak = {level: np.max(np.abs(np.frombuffer(sound.wav(level_db=level)[44:], "<i2"))) for level in (None, -1, -20)}
+    assert peak[None] == peak[-20] == round(32767 * 10 ** -1)
+    assert peak[-1] == round(32767 * 10 ** (-1 / 20))
