@@ -19,6 +19,7 @@
 #include "generator/support/embedded_files.hpp"
 #include "program.hpp"
 #include "sandbox.hpp"
+#include "sound.hpp"
 #include "support/compare.hpp"
 #include "support/expressions.hpp"
 #include "svg.hpp"
@@ -410,6 +411,120 @@ TEST(LabelPlaces, TakesTheFirstFreePlace) {
   EXPECT_EQ(places.choose("abc", {{5, 50}, {100, 100}, {100, 120}, {200, 120}}).x, 100);  // off the page, on a line
   EXPECT_EQ(places.choose("abc", {{100, 120}, {200, 120}}).x, 200);                       // the other is taken
   EXPECT_EQ(places.choose("abc", {{100, 120}, {300, 100}}).x, 300);  // rather a line than a label
+}
+
+// Pixels have two decimals, of at least 100 in a panel: tics and points are within 2e-4 of the range of an axis.
+void expect_extremes(const DrawnCurve& curve, double low, double high) {
+  const double bound = 1e-3 * (high - low);
+  ASSERT_FALSE(curve.y.empty());
+  EXPECT_TRUE(within(std::ranges::min(curve.y), low, bound)) << std::ranges::min(curve.y) << " for " << low;
+  EXPECT_TRUE(within(std::ranges::max(curve.y), high, bound)) << std::ranges::max(curve.y) << " for " << high;
+}
+
+// A number after some words of a text.
+double number_after(const std::string& text, const std::string& words) {
+  const std::size_t at = text.find(words);
+  if (at == text.npos) throw std::runtime_error("no '" + words + "' in " + text);
+  return std::stod(text.substr(at + words.size()));
+}
+
+// What is drawn is the mean of what is in the file: two strings, one on each side.
+TEST(FigureOfASound, ShowsTheMeanOfBothChannelsInTheUnitOfItsAxis) {
+  const Sandbox box;
+  std::string score = kTwoStrings;
+  score.replace(score.find("\"felt_c4\" }"), 11, "\"felt_c4\", \"pan\": -0.8 }");
+  score.replace(score.find("0.05"), 4, "0.1");
+  write_file(box / "left.json", score);
+  const std::string report = printed(box, {"render", "left.json"});
+  const double full_scale = number_after(report, "full scale of the sound: ");
+  const Sound sound = read_sound(box / "left.wav");
+  ASSERT_EQ(sound.channels, 2);
+  double low = 0, high = 0;
+  for (std::size_t i = 0; i + 1 < sound.samples.size(); i += 2) {
+    const double mean = full_scale * (sound.samples[i] + sound.samples[i + 1]) / 2;
+    low = std::min(low, mean);
+    high = std::max(high, mean);
+  }
+  const auto curves = drawn_curves(box / "left.svg");
+  ASSERT_GE(curves.size(), 2u);
+  expect_extremes(curves[0], low, high);
+  expect_extremes(curves[1], 0, number_after(report, "largest contact force "));
+  const auto labels = labels_in(box, "left.svg");
+  EXPECT_TRUE(has(labels, "bridge force [N],"));
+  EXPECT_TRUE(has(labels, "mean of both channels"));
+}
+
+TEST(FigureOfASound, SaysThatAPianosVelocityIsWeighted) {
+  const Sandbox box;
+  write_file(box / "note.json", R"({"instrument": "hammer-string", "duration_s": 0.05, "keyboard": "piano",
+    "events": [ { "time_s": 0, "key": 60, "speed_m_per_s": 2 } ] })");
+  const std::string report = printed(box, {"render", "note.json"});
+  EXPECT_NE(report.find("m/s (weighted body velocity)"), report.npos) << report;
+  EXPECT_TRUE(has(labels_in(box, "note.svg"), "weighted body velocity [m/s],"));
+  EXPECT_TRUE(has(labels_in(box, "note.svg"), "note (piano)"));
+}
+
+TEST(FigureOfASound, ShowsABouncingMassInTheUnitsOfItsAxes) {
+  const Sandbox box;
+  const std::string report =
+      printed(box, {"render", "mass-barrier", "--duration", "0.3", "--signal", "displacement", "-o", "a.wav"});
+  const double full_scale = number_after(report, "full scale of the sound: ");
+  double low = 0, high = 0;
+  for (const double sample : read_sound(box / "a.wav").samples) {
+    low = std::min(low, -1e3 * full_scale * sample);
+    high = std::max(high, -1e3 * full_scale * sample);
+  }
+  const auto curves = drawn_curves(box / "a.svg");
+  ASSERT_GE(curves.size(), 3u);
+  expect_extremes(curves[0], low, high);
+  for (const std::size_t force : {1u, 2u}) expect_extremes(curves[force], 0, number_after(report, "contact force "));
+}
+
+// Force, speed and energies against the numbers of --json: exact and simulated.
+TEST(FigureOfImpacts, ShowsForceSpeedAndEnergyOverTime) {
+  for (const std::string material : {"felt_c4", "rubber_on_wood"}) {  // without and with loss
+    const Sandbox box;
+    const Words call = {"impact", material, "--speed", "2", "--rate", "192000"};
+    printed(box, followed_by(call, {"--figure", "a.svg"}));
+    const auto json = nlohmann::json::parse(printed(box, followed_by(call, {"--json"})))[0];
+    const double mass = json.at("mass_kg").get<double>(), kinetic = mass * 2 * 2 / 2;
+    const auto curves = drawn_curves(box / "a.svg");
+    ASSERT_EQ(curves.size(), 3 + 3 + 2 * 3u);
+    for (std::size_t m = 0; m < 3; ++m) {
+      const auto& motion = json.at("motions")[m];
+      const double exit_speed = motion.at("exit_speed_m_per_s").get<double>();
+      expect_extremes(curves[m], 0, motion.at("max_force_n").get<double>());
+      expect_extremes(curves[3 + m], -exit_speed, 2);
+      expect_extremes(curves[6 + 2 * m], 0, kinetic);
+      const DrawnCurve& total = curves[7 + 2 * m];
+      EXPECT_TRUE(within(total.y.front(), kinetic, 2e-3 * kinetic)) << material << m;
+      EXPECT_TRUE(within(total.y.back(), mass * exit_speed * exit_speed / 2, 2e-3 * kinetic)) << material << m;
+      EXPECT_TRUE(relatively_within(curves[m].x.back(), 1e3 * motion.at("contact_duration_s").get<double>(), 0.02));
+    }
+  }
+}
+
+// Where a place is drawn on its string: the ends of the line are 0 and the length.
+TEST(FigureOfAnInstrument, DrawsPlacesToScale) {
+  const Sandbox box;
+  write_file(box / "bar.json", R"({"name": "bar",
+    "bodies": [ { "name": "string", "string": { "length_m": 0.8, "mass_kg": 0.005, "tension_n": 700,
+      "constant_loss_per_s": 1, "quadratic_loss_m2_per_s": 1e-5 } }, { "name": "hammer", "mass_kg": 0.01 } ],
+    "places": [ { "name": "struck", "body": "string", "position_m": 0.2 },
+                { "name": "end", "body": "string", "position_m": 0.8 } ],
+    "contacts": [ { "name": "felt", "between": ["hammer", "struck"], "material": "felt_c4" } ],
+    "strikes": ["hammer"], "outputs": [ { "name": "end", "velocity_m_per_s": "end" } ] })");
+  printed(box, {"inspect", "bar.json", "--figure", "a.svg"});
+  const std::string svg = read_file(box / "a.svg");
+  double left = 0, right = 0;
+  for (const auto& [from, to] : drawn_lines(svg))
+    if (from.y == to.y && to.x - from.x > right - left) left = from.x, right = to.x;
+  std::vector<double> parts;
+  static const std::regex dot(R"(translate\(([\d.]+),[\d.]+\) scale)");
+  for (std::sregex_iterator at(svg.begin(), svg.end(), dot), end; at != end; ++at)
+    parts.push_back((std::stod((*at)[1]) - left) / (right - left));
+  for (const double part : {0.25, 1.0})
+    EXPECT_TRUE(std::ranges::any_of(parts, [=](double drawn) { return within(drawn, part, 1e-3); })) << part;
 }
 
 }  // namespace

@@ -327,7 +327,8 @@ TEST(Fit, WritesAMaterialThatTheGeneratorReads) {
 TEST(Fit, DrawsDataModelAndResiduals) {
   const Sandbox box;
   succeed(fitted(box, fit_file(kTable), table(), {"--figure", "probe.svg"}));
-  EXPECT_NE(read_file(box / "probe.svg").find("figure of a fit"), std::string::npos);
+  for (const char* text : {"figure of a fit", "<text>data</text>", "<text>model</text>"})
+    EXPECT_NE(read_file(box / "probe.svg").find(text), std::string::npos) << text;
   expect_refused(fitted(box, fit_file(kTable), table(), {"--figure", "probe.xyz"}), "probe.xyz: figure: ", ".svg");
 }
 

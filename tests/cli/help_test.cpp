@@ -73,5 +73,9 @@ TEST(Help, FitsATerminal) {
   }
 }
 
+TEST(Help, IsWhatAProgramWithoutWordsPrints) {
+  EXPECT_EQ(succeed(Call{.folder = "/"}), printed({}, "--help"));
+}
+
 }  // namespace
 }  // namespace contactspline::testing

@@ -12,6 +12,7 @@
 
 #include "bad_input.hpp"
 #include "cases.hpp"
+#include "generator/support/embedded_files.hpp"
 #include "program.hpp"
 #include "sandbox.hpp"
 
@@ -102,7 +103,7 @@ TEST_F(KeysOnTheCommandLine, AreRefusedWhereTheyCannotPlay) {
   expect_refused(
       run_here({"render", "probe.json", "-o", "a.wav"}), "probe.json: file: is an instrument",
       R"(allowed: a score with "instrument": "probe.json", or, if it has keys, a MIDI file with --instrument probe.json)");
-  expect_refused(render("song.mid", "felt_c4"), "--instrument: felt_c4: is no instrument",
+  expect_refused(render("song.mid", "felt_c4"), "--instrument: felt_c4: is a material",
                  "allowed: a .json file, a model of your own (.so), classical_guitar, ");
 
   write_file(box_ / "text.so", "no library");
@@ -200,6 +201,38 @@ TEST_F(KeysOnTheCommandLine, ArePlayedByAScore) {
                  "score.json: events[0].key: 63 plays nothing", "allowed: keys 48 to 62, 70");
   expect_refused(render_score(changed(good, R"("key": 60, )", ""), "c.wav"),
                  "score.json: events[0].velocity: has no key", "allowed: beside key");
+}
+
+// Notes 60 on channel 1 and 36 on channel 10.
+std::string song_with_drums() {
+  const std::string track("\0\x90\x3c\x64\0\x99\x24\x64\x60\x80\x3c\0\0\x89\x24\0\0\xff\x2f\0", 20);
+  return "MThd" + std::string("\0\0\0\6\0\0\0\1\0\x60", 10) + "MTrk" + std::string("\0\0\0\x14", 4) + track;
+}
+
+TEST_F(KeysOnTheCommandLine, SayThatDrumsAreLeftOut) {
+  write_file(box_ / "band.mid", song_with_drums());
+  const std::string says =
+      "contactspline: band.mid: MIDI: left out: drums, the notes of channel 10 (1), which --channel 10 plays as "
+      "keys\n";
+  for (const Words& player : std::vector<Words>{{}, {"--instrument", "probe.json"}}) {
+    const Words words = followed_by({"render", "band.mid", "--no-figure", "-o", "a.wav"}, player);
+    EXPECT_EQ(run_here(words).err, says);
+    EXPECT_EQ(run_here(followed_by(words, {"--channel", "1"})).err, "");
+  }
+  write_file(box_ / "drum.json", changed(kGood, R"(, "tuned_key": 60)", ""));
+  EXPECT_NE(render("band.mid", "drum.json").err.find("notes of other channels than 10 (1)"), std::string::npos);
+}
+
+TEST_F(KeysOnTheCommandLine, MayBeThoseOfAKeyboard) {
+  write_file(box_ / "one.mid", song_with_drums());
+  const Words words = {"render", "one.mid", "--channel", "1", "--no-figure", "-o"};
+  write_file(box_ / "my_piano.json", find_embedded(Shipped::kKeyboards, "piano.json")->content);
+  succeed(run_here(followed_by(words, {"a.wav"})));
+  for (const char* keyboard : {"piano", "my_piano.json"}) {
+    succeed(run_here(followed_by(words, {"b.wav", "--instrument", keyboard})));
+    EXPECT_EQ(read_file(box_ / "a.wav"), read_file(box_ / "b.wav")) << keyboard;
+  }
+  expect_refused(render("fur_elise", "piano"), "fur_elise: --instrument: a keyboard plays MIDI files", "a .mid file");
 }
 
 }  // namespace

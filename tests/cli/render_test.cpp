@@ -267,15 +267,19 @@ TEST(Render, HasTheGainAskedFor) {
         << outcome.out;
     const Sound sound = read_sound(box / "a.wav");
     std::size_t clipped = 0;
+    double largest = 0;
     for (std::size_t i = 0; i < force.size(); ++i) {
       const double expected = scale * force[i] * fade(i, force.size(), 44100);
       clipped += expected > 1;
+      largest = std::max(largest, expected);
       ASSERT_TRUE(within(sound.samples[i], std::min(expected, 1.0), 1.01 * kLevel)) << gain << " " << i;
     }
-    EXPECT_EQ(outcome.err, clipped == 0 ? ""
-                                        : fmt::format("contactspline: a.wav: --gain: {} samples exceed full scale "
-                                                      "and are clipped; a lower gain keeps them\n",
-                                                      clipped));
+    const double over_db = 20 * std::log10(largest);
+    EXPECT_EQ(outcome.err, clipped == 0
+                               ? ""
+                               : fmt::format("contactspline: a.wav: {} samples exceed full scale, by {:.1f} dB, "
+                                             "and are clipped; a lower --gain or --level keeps them\n",
+                                             clipped, over_db));
     EXPECT_EQ(clipped > 0, scale > 0.0149) << gain;
   }
 }
@@ -416,6 +420,38 @@ TEST(Render, WritesTheSoundBeforeAFigureThatFails) {
   expect_refused(run(render_with_gnuplot(box, true, {"--figure", "a.png"})), "figure: gnuplot failed", "");
   EXPECT_EQ(read_sound(box / "a.wav").samples, sound_of({"--duration", "0.1"}).samples);
   EXPECT_FALSE(fs::exists(box / "a.png"));
+}
+
+TEST(Render, NamesTheSoundByWhatIsPlayed) {
+  const Sandbox box;
+  fs::create_directory(box / "in");
+  write_file(box / "in/my.json", R"({"instrument": "tom", "duration_s": 0.01, "level_db": -20,
+    "events": [ { "time_s": 0, "stick_speed_m_per_s": 1 } ] })");
+  for (const Words& words : std::vector<Words>{{"mass-barrier", "felt_c4", "--duration", "0.01"},
+                                               {"mass-barrier", "--duration", "0.01", "--material", "mb1"},
+                                               {"in/my.json"},
+                                               {"instrument", "in/my.json", "--force"}})
+    succeed({.arguments = followed_by({"render"}, words), .folder = box.path()});
+  for (const char* name : {"felt_c4.wav", "felt_c4.svg", "mb1.wav", "my.wav", "my.svg"})
+    EXPECT_TRUE(fs::exists(box / name)) << names_in(box.listing());
+}
+
+// A level is that of the peak, whatever the signal; that of a score gives way to that of the command line.
+TEST(Render, HasTheLevelAskedFor) {
+  const Sandbox box;
+  write_file(box / "my.json", R"({"instrument": "tom", "duration_s": 0.05, "level_db": -20,
+    "events": [ { "time_s": 0, "stick_speed_m_per_s": 1 } ] })");
+  for (const auto& [words, peak] : std::vector<std::pair<Words, double>>{
+           {{"mass-barrier", "--duration", "0.1"}, kPeak},
+           {{"mass-barrier", "--duration", "0.1", "--level", "-6"}, std::pow(10, -0.3)},
+           {{"mass-barrier", "--duration", "0.1", "--level", "-40", "--signal", "displacement"}, 0.01},
+           {{"mass-barrier", "--duration", "0.1", "--level", "0"}, 1},
+           {{"my.json"}, 0.1},
+           {{"my.json", "--level", "-40"}, 0.01}}) {
+    const Words call = followed_by(followed_by({"render"}, words), {"--no-figure", "--force", "-o", "a.wav"});
+    succeed({.arguments = call, .folder = box.path()});
+    EXPECT_TRUE(within(read_sound(box / "a.wav").peak(), peak, kLevel)) << peak;
+  }
 }
 
 }  // namespace

@@ -105,4 +105,77 @@ inline std::set<std::pair<std::string, std::string>> columns_of(const fs::path& 
   return columns;
 }
 
+/// A curve of a figure in the units of its axes, which are linear. Without labels at the tics of x there is no x.
+struct DrawnCurve {
+  std::vector<double> x, y;
+};
+
+namespace detail {
+
+/// From the screen to the numbers at the tics.
+class TicScale {
+ public:
+  void add(double pixel, double value) { tics_.emplace_back(pixel, value); }
+  [[nodiscard]] bool is_known() const { return tics_.size() > 1; }
+  [[nodiscard]] double at(double pixel) const {
+    const auto [from, low] = tics_.front();
+    const auto [to, high] = tics_.back();
+    return low + (high - low) * (pixel - from) / (to - from);
+  }
+
+ private:
+  std::vector<std::pair<double, double>> tics_;
+};
+
+// The points of the paths in a part of a figure, path by path, and where each path ends.
+inline std::vector<std::pair<std::vector<std::pair<double, double>>, std::size_t>> paths_in(const std::string& svg) {
+  std::vector<std::pair<std::vector<std::pair<double, double>>, std::size_t>> paths;
+  for (std::size_t at = svg.find(" d='"); at != svg.npos; at = svg.find(" d='", at + 1)) {
+    const std::size_t end = svg.find('\'', at + 4);
+    auto& [points, path_end] = paths.emplace_back();
+    path_end = end;
+    for (std::size_t from = svg.find_first_of("ML", at + 4); from < end; from = svg.find_first_of("ML", from + 1)) {
+      std::size_t length = 0;
+      const double x = std::stod(svg.substr(from + 1, 20), &length);
+      points.emplace_back(x, std::stod(svg.substr(from + 2 + length, 20)));
+    }
+  }
+  return paths;
+}
+
+// A tic is a line of two points that a number follows.
+inline void read_tics(const std::string& svg, TicScale& x, TicScale& y) {
+  for (const auto& [points, end] : paths_in(svg)) {
+    const std::string after = svg.substr(end, svg.find("d='", end) - end);
+    static const std::regex label(R"(^'/>\s*<g transform[^>]*>\s*<text>((<tspan[^>]*>)?)(-?[\d.]+)<)");
+    std::smatch found;
+    if (points.size() < 2 || !std::regex_search(after, found, label)) continue;
+    const bool is_y = points[0].second == points[1].second;
+    (is_y ? y : x).add(is_y ? points[0].second : points[0].first, std::stod(found[3]));
+  }
+}
+
+}  // namespace detail
+
+/// The curves of a figure without keys of gnuplot, each with the axes of its panel.
+inline std::vector<DrawnCurve> drawn_curves(const fs::path& path) {
+  const std::string svg = read_file(path);
+  std::vector<DrawnCurve> curves;
+  detail::TicScale x, y;
+  for (std::size_t at = 0;;) {
+    const std::size_t begin = svg.find("id=\"gnuplot_plot", at);
+    if (begin == svg.npos) return curves;
+    detail::TicScale next_x, next_y;
+    detail::read_tics(svg.substr(at, begin - at), next_x, next_y);
+    if (next_y.is_known()) x = next_x, y = next_y;
+    at = svg.find("\n\t</g>", begin);
+    DrawnCurve& curve = curves.emplace_back();
+    for (const auto& [points, end] : detail::paths_in(svg.substr(begin, at - begin)))
+      for (const auto& [point_x, point_y] : points) {
+        if (x.is_known()) curve.x.push_back(x.at(point_x));
+        curve.y.push_back(y.at(point_y));
+      }
+  }
+}
+
 }  // namespace contactspline::testing
