@@ -74,7 +74,7 @@ TEST(Help, FitsATerminal) {
 }
 
 TEST(Help, IsWhatAProgramWithoutWordsPrints) {
-  EXPECT_EQ(succeed(Call{.folder = "/"}), printed({}, "--help"));
+  EXPECT_EQ(succeed(Call{.arguments = {}, .folder = "/"}), printed({}, "--help"));
 }
 
 }  // namespace
