@@ -6,10 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <span>
 #include <utility>
 
+#include "contactspline/data/pluck.hpp"
+#include "contactspline/data/timed_event.hpp"
 #include "generator/player/instrument_maker.hpp"
 #include "generator/player/playing.hpp"
 
@@ -17,25 +18,24 @@ namespace contactspline {
 namespace {
 
 constexpr double kPlayed_s = 0.5;
-constexpr double kPluckRise_s = 0.004;
 
 /// What is played, alone.
 struct Played {
   std::string name;
-  Happening happening;
+  TimedEvent event;
 };
 
 std::vector<Played> all_played(const InstrumentModel& model) {
   std::vector<Played> all;
   for (const KeyRange& range : model.keys.ranges)
     for (const int key : {range.first, range.last})
-      if (all.empty() || all.back().happening.number != static_cast<std::size_t>(key))
+      if (all.empty() || all.back().event.number != static_cast<std::size_t>(key))
         all.push_back({fmt::format("key {}", key), {0, Action::kNoteOn, static_cast<std::size_t>(key), 1, 0}});
   if (!all.empty()) return all;
   for (const ModelEvent& event : model.events)
     all.push_back({event.name,
                    {0, event.kind == EventKind::kStrike ? Action::kStrike : Action::kPluck, event.number,
-                    std::numeric_limits<double>::quiet_NaN(), kPluckRise_s}});
+                    TimedEvent::kOfParameter, kPluckRise_s}});
   return all;
 }
 
@@ -59,7 +59,7 @@ std::vector<OutputPeak> output_peaks(const InstrumentModel& model, double sample
     const auto instrument = maker.make<float>(sample_rate_hz);
     instrument->prepare(sample_rate_hz);
     try {
-      render<float>(*instrument, {&played.happening, 1}, samples, {{sounds.begin(), sounds.end()}, {}}, [] {});
+      render<float>(*instrument, {&played.event, 1}, samples, {{sounds.begin(), sounds.end()}, {}}, [] {});
     } catch (const NotFinite&) {
       continue;  // `render` says so
     }

@@ -100,7 +100,7 @@ struct SoundLabel {
 // A keyboard's sound may be weighted: the velocity of its body, and that which the force of each key's strings would
 // give it.
 bool is_weighted(const Score& score) {
-  const auto has_weight = [](const KeyOnBody<double>& key) { return key.output_ratio != 1; };
+  const auto has_weight = [](const KeyParts& key) { return key.output_ratio != 1; };
   return score.listening.pickup_ratio != 1 || score.listening.mobility_m_per_n_s != 0 ||
          std::ranges::any_of(score.keys, has_weight);
 }
