@@ -166,7 +166,7 @@ void add_generate(CLI::App& app) {
              kSampleRates_hz.max)
       ->capture_default_str();
   command->add_flag("--all-forms", options->all_forms,
-                    "C++ headers of materials: also the normalised and the regular form of the spline, as in JSON");
+                    "C++ headers of materials: also the normalised and the regular form of the spline");
   command->add_flag("--check", options->check, "write nothing; exit 1 and name the files that are stale");
   add_output_file(*command, "--depfile", options->depfile,
                   "also write a make rule with the files that the outputs depend on");
@@ -301,7 +301,7 @@ void add_impact(CLI::App& app) {
   command->add_flag("--csv", options->csv, "print all numbers as CSV; errors as fractions, not in %");
   command->add_flag("--json", options->json, "print all numbers as JSON; errors as fractions, not in %");
   add_output_file(*command, "--figure", options->figure,
-                  "also draw impacts over --speeds or over time, or their errors over --rate (.svg, .png, .pdf)");
+                  "also draw impacts over --speeds or time, or errors over --rate (.svg, .png, .pdf)");
   command
       ->add_option("--over", options->over,
                    "what the figure is over (default: speed with --speeds, time with one\n"

@@ -88,7 +88,8 @@ TEST_F(KeysOnTheCommandLine, PlayAMidiFile) {
 
 // Keys that tune nothing are those of a drum, which plays the tenth channel.
 TEST_F(KeysOnTheCommandLine, OfADrumPlayTheTenthChannel) {
-  write_file(box_ / "drum.json", changed(kGood, R"(, "tuned_key": 60)", ""));
+  write_file(box_ / "drum.json",
+             changed(changed(kGood, R"(, "tuned_key": 60)", ""), R"("first": 48)", R"("first": 36)"));
   EXPECT_EQ(render("drums.mid", "drum.json").exit_code, 0);
   EXPECT_EQ(render("song.mid", "drum.json", {"--channel", "1"}).exit_code, 0);
   expect_refused(render("song.mid", "drum.json"), "song.mid: MIDI: no note is on a chosen channel",
@@ -219,7 +220,8 @@ TEST_F(KeysOnTheCommandLine, SayThatDrumsAreLeftOut) {
     EXPECT_EQ(run_here(words).err, says);
     EXPECT_EQ(run_here(followed_by(words, {"--channel", "1"})).err, "");
   }
-  write_file(box_ / "drum.json", changed(kGood, R"(, "tuned_key": 60)", ""));
+  write_file(box_ / "drum.json",
+             changed(changed(kGood, R"(, "tuned_key": 60)", ""), R"("first": 48)", R"("first": 36)"));
   EXPECT_NE(render("band.mid", "drum.json").err.find("notes of other channels than 10 (1)"), std::string::npos);
 }
 

@@ -147,11 +147,10 @@ inline std::vector<std::pair<std::vector<std::pair<double, double>>, std::size_t
 inline void read_tics(const std::string& svg, TicScale& x, TicScale& y) {
   for (const auto& [points, end] : paths_in(svg)) {
     const std::string after = svg.substr(end, svg.find("d='", end) - end);
-    static const std::regex label(R"(^'/>\s*<g transform[^>]*>\s*<text>((<tspan[^>]*>)?)(-?[\d.]+)<)");
-    std::smatch found;
-    if (points.size() < 2 || !std::regex_search(after, found, label)) continue;
+    const auto found = first_match(after, R"(^'/>\s*<g transform[^>]*>\s*<text>((<tspan[^>]*>)?)(-?[\d.]+)<)");
+    if (points.size() < 2 || !found) continue;
     const bool is_y = points[0].second == points[1].second;
-    (is_y ? y : x).add(is_y ? points[0].second : points[0].first, std::stod(found[3]));
+    (is_y ? y : x).add(is_y ? points[0].second : points[0].first, std::stod((*found)[3]));
   }
 }
 
