@@ -156,6 +156,7 @@ void write_to_folder(const GenerateOptions& options, Emitted emitted) {
     require_own(options.depfile, is_own_depfile, options.force);
   }
   create_folders_of({{emitted.files.front().path}});
+  if (!options.depfile.empty()) create_folders_of({{options.depfile}});
   const auto written = write_files(emitted.files);
   std::string report = written.empty() ? fmt::format("{} files are current\n", sources) : "";
   for (const auto& path : written) report += fmt::format("wrote {}\n", path.string());

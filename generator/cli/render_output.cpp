@@ -10,7 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include "contactspline/step/high_pass.hpp"
 #include "generator/cli/figure_file.hpp"
 #include "generator/cli/files.hpp"
 #include "generator/cli/gnuplot.hpp"
@@ -63,25 +62,6 @@ double scale(const RenderOutput& output, std::span<const T> samples) {
 }
 
 }  // namespace
-
-void leave_audible(const RenderOutput& output, std::span<float> interleaved, int channels) {
-  constexpr std::size_t kSections = 3;  // of second order
-  constexpr double kLowest_hz = 25;
-  if (output.gain_db) return;
-  const auto step = static_cast<std::size_t>(channels);
-  for (std::size_t channel = 0; channel < step; ++channel) {
-    std::vector<HighPass<double>> sections;
-    for (std::size_t k = 0; k < kSections; ++k) {
-      const double angle = std::numbers::pi * static_cast<double>(2 * k + 1) / (4 * kSections);
-      sections.emplace_back(kLowest_hz, output.sample_rate_hz, 1 / (2 * std::cos(angle)));
-    }
-    for (std::size_t n = channel; n < interleaved.size(); n += step) {
-      double sample = static_cast<double>(interleaved[n]);
-      for (HighPass<double>& section : sections) sample = section.tick(sample);
-      interleaved[n] = static_cast<float>(sample);
-    }
-  }
-}
 
 std::string default_sound(const std::string& played) {
   if (played == kStandardInput)

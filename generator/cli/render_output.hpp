@@ -26,10 +26,6 @@ struct RenderOutput {
 
 constexpr double kPeak = 0.89;  ///< largest value in the sound file: -1 dB relative to full scale
 
-/// Leaves of a sound what an ear hears of it: a Butterworth high-pass of sixth order at 25 Hz. Forces and
-/// displacements have a static part, and controls move it. With a gain the samples are a measurement, and stay.
-void leave_audible(const RenderOutput& output, std::span<float> interleaved, int channels);
-
 /// NAME.wav in the working folder for a name that ships, a file NAME.json or NAME.mid. Throws BadInput for standard
 /// input, which has no name.
 [[nodiscard]] std::string default_sound(const std::string& played);

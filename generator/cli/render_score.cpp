@@ -163,7 +163,6 @@ std::string write_stems(const std::vector<std::filesystem::path>& files, const S
   for (std::size_t voice = 0; voice < files.size(); ++voice) {
     how.only_voice = voice;
     Performance stem = play(score, how, show_progress);
-    leave_audible(options.output, stem.samples, stem.channels);
     fade_end(stem.samples, stem.channels, stem.sample_rate_hz);
     const std::string file = files[voice].string();
     report_clipping(file, stem.samples, scale);
@@ -206,7 +205,6 @@ void render_score(std::optional<Model> model, const ScoreOptions& given) {
                stderr);
   Performance performance = play(score, how, show_progress);
   report_silence(options.score, performance);
-  leave_audible(options.output, performance.samples, performance.channels);
   fade_end(performance.samples, performance.channels, performance.sample_rate_hz);
   const double scale = scale_of(options.output, performance.samples);
   const SoundLabel sound = sound_label(how, score);

@@ -50,7 +50,7 @@ TEST_P(Program, DoesWhatTheCommandLineDoesInProcess) {
 INSTANTIATE_TEST_SUITE_P(
     Each, Program,
     ::testing::ValuesIn(std::vector<ProgramCase>{
-        {"nothing", {}, 2},
+        {"nothing", {}, 0},
         {"version", {"--version"}, 0},
         {"help", {"--help"}, 0},
         {"generate", {"generate", "felt_c4", "string_c4", "-o", "out"}, 0},
