@@ -95,7 +95,7 @@ std::string figure_of(const Performance& performance, const PerformanceText& tex
   const Spectrogram spectrogram = spectrogram_of(samples, performance.sample_rate_hz, 900, 280);
   const std::string axis = linear_axis('x', {0, duration}, "time [s]");
   return draw(sound.text() + force.text() + heading(kOwnMargins) +
-                  "unset key\nset ylabel font ',12'\nset lmargin at screen 0.1\nset rmargin at screen 0.88\n" +
+                  "unset key\nset ylabel font ',12'\nset lmargin at screen 0.11\nset rmargin at screen 0.88\n" +
                   std::regex_replace(axis, std::regex("'[^']*'"), "''") + "set xlabel ''\n" +
                   upper_panels(sound, force, text) + axis + borders({0.095, 0.5}) +
                   fmt::format("lowest = {:g}\nhighest = {:g}", spectrogram.lowest_hz, spectrogram.highest_hz) +
