@@ -106,14 +106,9 @@ class InstrumentBehind final : public AnyInstrument<typename I::value_type> {
       case Action::kSet:
         return instrument_.set(event.number, event.value);
       case Action::kBendKey:
-        if constexpr (requires { instrument_.bend_key(key, event.value); }) instrument_.bend_key(key, event.value);
-        return;
       case Action::kDampKey:
-        if constexpr (requires { instrument_.damp_key(key, event.value); }) instrument_.damp_key(key, event.value);
-        return;
       case Action::kPlaceKey:
-        if constexpr (requires { instrument_.place_key(key, event.value); }) instrument_.place_key(key, event.value);
-        return;
+        return move_key(event.action, key, event.value);
     }
   }
   void process(Outputs<T> outputs, std::span<T> force) override { instrument_.process(outputs, force); }
@@ -152,6 +147,15 @@ class InstrumentBehind final : public AnyInstrument<typename I::value_type> {
   [[nodiscard]] I& instrument() { return instrument_; }
 
  private:
+  // An action on a single key, of an instrument that has voices for each.
+  void move_key([[maybe_unused]] Action action, [[maybe_unused]] int key, [[maybe_unused]] double value) {
+    if constexpr (requires { instrument_.bend_key(key, value); }) {
+      if (action == Action::kBendKey) instrument_.bend_key(key, value);
+      if (action == Action::kDampKey) instrument_.damp_key(key, value);
+      if (action == Action::kPlaceKey) instrument_.place_key(key, value);
+    }
+  }
+
   // The speed or force of an event; where it says so, that of its parameter.
   [[nodiscard]] T value_of(const TimedEvent& played, EventKind kind) const {
     if (!is_number(played.value))
