@@ -125,6 +125,6 @@ struct ScoreOptions {
   RenderOutput output;
 };
 /// model: what the score must be for; empty: any.
-void render_score(std::optional<Model> model, const ScoreOptions& options);
+void render_score(std::optional<Model> model, const ScoreOptions& given);
 
 }  // namespace contactspline
