@@ -113,7 +113,7 @@ struct MassBarrierOptions {
   std::string signal = "force";
   RenderOutput output;
 };
-void render_mass_barrier(const MassBarrierOptions& options);
+void render_mass_barrier(const MassBarrierOptions& given);
 
 struct ScoreOptions {
   std::string score;

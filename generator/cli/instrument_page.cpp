@@ -89,7 +89,7 @@ std::string preset_row(const InstrumentModel& model, const ModelPreset& preset) 
 
 // The peak beside full scale, which plug-ins play as 1.
 std::string level_row(const ModelOutput& output, const OutputPeak& peak) {
-  const std::string row = fmt::format("full scale {:.4g}", output.full_scale);
+  std::string row = fmt::format("full scale {:.4g}", output.full_scale);
   if (peak.peak == 0) return row;
   const double part = peak.peak / output.full_scale;
   return fmt::format("{}, peak {:.4g} ({}){}", row, peak.peak, peak.event,
@@ -98,7 +98,7 @@ std::string level_row(const ModelOutput& output, const OutputPeak& peak) {
 
 // The unit of an output, its level and, of a pressure, where it is taken.
 std::string output_row(const InstrumentModel& model, const ModelOutput& output, const OutputPeak& peak) {
-  const std::string unit = fmt::format("{}, {}", unit_of(output.name), level_row(output, peak));
+  std::string unit = fmt::format("{}, {}", unit_of(output.name), level_row(output, peak));
   if (output.quantity != OutputQuantity::kPressure) return unit;
   const InstrumentBody& body = model.bodies[output.targets.front()];
   const auto [nearest_m, farthest_m] = reach_of(body.resonator.body, output.listening);

@@ -115,7 +115,7 @@ class Layout {
       for (const Place& other : place.points)
         if (place.body == body) parts.push_back(part_of(body, other));
     std::ranges::sort(parts);
-    parts.erase(std::ranges::unique(parts).begin(), parts.end());
+    parts.erase(std::unique(parts.begin(), parts.end()), parts.end());
     const auto index = std::ranges::find(parts, part_of(body, point)) - parts.begin();
     return moved_apart(parts, kLeastGap / (size_.width * (kRight - kShift - left_)))[static_cast<std::size_t>(index)];
   }
