@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // Poles, passivity and admittance of the modal bank.
-#include "contactspline/modal/bend.hpp"
 #include "contactspline/modal/modal.hpp"
 
 #include <algorithm>
@@ -10,6 +9,7 @@
 #include <random>
 #include <vector>
 
+#include "contactspline/modal/bend.hpp"
 #include "strings.hpp"
 #include "support/compare.hpp"
 
