@@ -249,9 +249,9 @@ ScoreSource midi_on_keyboard(const std::string& argument, const std::vector<int>
 // A MIDI file on an instrument of the user's choice.
 ScoreSource score_on_instrument(const std::string& argument, const std::vector<int>& channels,
                                 const std::string& instrument) {
-  if (const auto keyboard = text_of_kind(instrument, Shipped::kKeyboards))
-    return midi_on_keyboard(argument, channels, *keyboard);
   const bool is_module = instrument.ends_with(".so");
+  if (const auto keyboard = is_module ? std::nullopt : text_of_kind(instrument, Shipped::kKeyboards))
+    return midi_on_keyboard(argument, channels, *keyboard);
   auto played = is_module ? std::optional(InstrumentSource{load_model_module(instrument), {}})
                           : instrument_argument(instrument);
   if (!played) refuse_player(instrument);

@@ -898,11 +898,10 @@ case_pages() {
   local page name block plugin commands=0 programs=0
   : >"$WORK/commands that ran"
   for page in "$SOURCE"/{README,CONTRIBUTING}.md "$SOURCE"/docs/*/*.md; do
-    name=$(basename "$page" .md)
     mkdir -p "$WORK/${page#"$SOURCE/"}/build"
     cd "$WORK/${page#"$SOURCE/"}"
-    ln -s "$BUILD" build/program
-    ln -s "$BUILD" build/release
+    for name in program release test; do ln -s "$BUILD" "build/$name"; done
+    name=$(basename "$page" .md)
     [[ $name != @(fit|instruments|keyboard|longitudinal) ]] || ln -s "$SOURCE/examples" examples
     files_of "$page"
     commands=$((commands + $(commands_of "$page" | wc -l)))
