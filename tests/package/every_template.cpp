@@ -7,6 +7,7 @@
 #include "contactspline/data/pluck.hpp"
 #include "contactspline/data/stiff_string.hpp"
 #include "contactspline/host/any_instrument.hpp"
+#include "contactspline/host/engine.hpp"
 #include "contactspline/host/faust_dsp.hpp"
 #include "contactspline/host/hosted.hpp"
 #include "contactspline/host/model_module.hpp"
