@@ -79,10 +79,8 @@ class WiredInstrument {
     const contactspline_event* const played = contactspline_event_at(get(), event);
     if (played == nullptr) return;
     const double strength = value ? *value : this->value(played->parameter);
-    if (played->kind == CONTACTSPLINE_STRIKE)
-      contactspline_strike(get(), played->number, strength);
-    else
-      contactspline_pluck(get(), played->number, strength, kPluckRise_s);
+    const contactspline_timed_event now{0, played->action, played->number, strength, kPluckRise_s};
+    contactspline_play(get(), &now);
   }
 
   /// A key of MIDI, 0 to 127, goes down with a velocity above 0, else up. Other keys, and a velocity that is not a

@@ -15,6 +15,9 @@
 #include <variant>
 #include <vector>
 
+#include "contactspline/data/timed_event.hpp"
+#include "contactspline/host/any_instrument.hpp"
+#include "contactspline/host/sleeper.hpp"
 #include "contactspline/step/controls.hpp"
 #include "contactspline/step/flush_denormals.hpp"
 #include "contactspline/step/version.hpp"
@@ -30,9 +33,6 @@ constexpr std::size_t kBlock = 256;  // samples
 
 thread_local std::string last_error;
 
-template <typename T>
-using Played = std::unique_ptr<AnyInstrument<T>>;
-
 /// What a block needs beside the caller's arrays.
 template <typename T>
 struct Blocks {
@@ -45,8 +45,9 @@ struct Blocks {
 /// An instrument of one precision with its blocks.
 template <typename T>
 struct Player {
-  explicit Player(Played<T> played) : instrument(std::move(played)), blocks(instrument->outputs().size()) {}
-  Played<T> instrument;
+  explicit Player(Handle<T> handle) : sleeper(std::move(handle)), blocks(instrument().outputs().size()) {}
+  [[nodiscard]] const AnyInstrument<T>& instrument() const { return sleeper.instrument(); }
+  Sleeper<T> sleeper;
   Blocks<T> blocks;
 };
 
@@ -81,14 +82,36 @@ const Row* row_of(const std::vector<Row>& list, std::size_t index) {
 
 struct contactspline_instrument {
   template <typename T>
-  explicit contactspline_instrument(Played<T> played)
-      : parameters(listed(played->parameters())),
-        outputs(listed(played->outputs())),
-        events(listed(played->events())),
-        player(std::in_place_type<Player<T>>, std::move(played)) {}
+  explicit contactspline_instrument(Handle<T> handle)
+      : parameters(listed(handle->parameters())),
+        outputs(listed(handle->outputs())),
+        events(listed(handle->events())),
+        player(std::in_place_type<Player<T>>, std::move(handle)) {}
 
-  [[nodiscard]] bool has(int kind, std::size_t number) const {
-    return std::ranges::any_of(events, [&](const auto& e) { return e.kind == kind && e.number == number; });
+  [[nodiscard]] bool has(int action, std::size_t number) const {
+    return std::ranges::any_of(events, [&](const auto& e) { return e.action == action && e.number == number; });
+  }
+
+  // Is there what an event plays, and is its value a number?
+  [[nodiscard]] bool can_play(const contactspline_timed_event& event) const {
+    if (!is_number(event.value)) return false;
+    switch (event.action) {
+      case CONTACTSPLINE_STRIKE:
+      case CONTACTSPLINE_RELEASE:
+        return has(CONTACTSPLINE_STRIKE, event.number);
+      case CONTACTSPLINE_PLUCK:
+        return has(CONTACTSPLINE_PLUCK, event.number) && is_number(event.rise_s);
+      case CONTACTSPLINE_SET:
+        return event.number < parameters.size();
+      default:
+        return event.action >= CONTACTSPLINE_NOTE_ON && event.action <= CONTACTSPLINE_PLACE_KEY && event.number < 128;
+    }
+  }
+
+  void play(const contactspline_timed_event& event) {
+    if (!can_play(event)) return;
+    const TimedEvent played{0, Action{event.action}, event.number, event.value, event.rise_s};
+    std::visit([&](auto& of) { of.sleeper.play(played); }, player);
   }
 
   std::vector<contactspline_parameter> parameters;
@@ -99,20 +122,25 @@ struct contactspline_instrument {
 
 namespace {
 
-// Calls f with the instrument of either precision; gives a value of its own for a null instrument.
-template <typename Handle, typename F, typename R>
-R with(Handle* handle, R otherwise, F&& f) {
+// What f gives for the instrument of either precision; a value of its own for a null instrument.
+template <typename F, typename R>
+R with(const contactspline_instrument* handle, R otherwise, F&& f) {
   if (handle == nullptr) return otherwise;
-  return std::visit([&](auto& player) -> R { return f(*player.instrument); }, handle->player);
+  return std::visit([&](const auto& player) -> R { return f(player.instrument()); }, handle->player);
 }
 
-template <typename F>
-void with(contactspline_instrument* handle, F&& f) {
-  if (handle != nullptr) std::visit([&](auto& player) { f(*player.instrument); }, handle->player);
+// Does what an event says, now.
+void play(contactspline_instrument* handle, int action, std::size_t number, double value = 0, double rise_s = 0) {
+  if (handle != nullptr) handle->play({0, action, number, value, rise_s});
+}
+
+// The number of a key. No instrument has that of a negative one.
+std::size_t number_of(int key) {
+  return static_cast<std::size_t>(key);
 }
 
 template <typename T>
-std::unique_ptr<AnyInstrument<T>> prepared(const InstrumentMaker& maker, double sample_rate_hz) {
+Handle<T> prepared(const InstrumentMaker& maker, double sample_rate_hz) {
   auto instrument = maker.make<T>(sample_rate_hz);
   instrument->prepare(sample_rate_hz);
   return instrument;
@@ -147,18 +175,11 @@ void require_text(const char* text, const char* argument) {
   if (text == nullptr) throw BadInput(fmt::format("contactspline: {}: is null; allowed: text", argument));
 }
 
-// Does anybody want what the instrument plays?
-template <typename Sample>
-bool is_wanted(Sample* const* outputs, const Sample* force, std::size_t count) {
-  if (force != nullptr) return true;
-  return outputs != nullptr && std::any_of(outputs, outputs + count, [](const Sample* output) { return output; });
-}
-
 // Advances a part of a block. Arrays of the instrument's own precision are written directly; otherwise the part has
 // at most kBlock samples.
 template <typename T, typename Sample>
 void process_part(Player<T>& player, Sample* const* outputs, Sample* force, std::size_t begin, std::size_t samples) {
-  auto& [instrument, blocks] = player;
+  auto& [sleeper, blocks] = player;
   const auto block = [&](Sample* wanted, std::array<T, kBlock>& scratch) -> std::span<T> {
     if (wanted == nullptr) return {};
     if constexpr (std::is_same_v<T, Sample>)
@@ -172,28 +193,43 @@ void process_part(Player<T>& player, Sample* const* outputs, Sample* force, std:
   };
   for (std::size_t o = 0; o < blocks.spans.size(); ++o)
     blocks.spans[o] = block(outputs != nullptr ? outputs[o] : nullptr, blocks.scratch[o]);
-  // Something has the length of the block where nobody wants anything.
-  const std::span<T> force_block = is_wanted(outputs, force, blocks.spans.size())
-                                       ? block(force, blocks.force)
-                                       : std::span(blocks.force).first(samples);
-  instrument->process(blocks.spans, force_block);
+  const std::span<T> force_block = block(force, blocks.force);
+  sleeper.process(blocks.spans, force_block, samples);
   for (std::size_t o = 0; o < blocks.spans.size(); ++o)
     if (!blocks.spans[o].empty()) hand_over(outputs[o], blocks.spans[o]);
   if (force != nullptr) hand_over(force, force_block);
 }
 
+// Advances from one sample of a block to another.
 template <typename Sample>
-void process(contactspline_instrument* handle, Sample* const* outputs, Sample* force, std::size_t samples) {
-  if (handle == nullptr) return;
-  const FlushDenormals flushed;
+void advance(contactspline_instrument& handle, Sample* const* outputs, Sample* force, std::size_t begin,
+             std::size_t end) {
   std::visit(
       [&]<typename T>(Player<T>& player) {
-        const bool is_direct = std::is_same_v<T, Sample> && is_wanted(outputs, force, player.blocks.spans.size());
-        const std::size_t part = is_direct ? samples : kBlock;
-        for (std::size_t begin = 0; begin < samples; begin += part)
-          process_part(player, outputs, force, begin, std::min(part, samples - begin));
+        const std::size_t part = std::is_same_v<T, Sample> ? end - begin : kBlock;
+        for (; begin < end; begin += part) process_part(player, outputs, force, begin, std::min(part, end - begin));
       },
-      handle->player);
+      handle.player);
+}
+
+template <typename Sample>
+void process(contactspline_instrument* handle, std::span<const contactspline_timed_event> events,
+             Sample* const* outputs, Sample* force, std::size_t samples) {
+  if (handle == nullptr) return;
+  const FlushDenormals flushed;
+  std::size_t done = 0;
+  for (const contactspline_timed_event& event : events) {
+    const std::size_t next = std::clamp(event.sample, done, samples);
+    advance(*handle, outputs, force, done, next);
+    handle->play(event);
+    done = next;
+  }
+  advance(*handle, outputs, force, done, samples);
+}
+
+// Events of C; none where the array is null.
+std::span<const contactspline_timed_event> listed(const contactspline_timed_event* events, std::size_t count) {
+  return {events, events != nullptr ? count : 0};
 }
 
 }  // namespace
@@ -278,9 +314,7 @@ const char* contactspline_preset_name(const contactspline_instrument* instrument
 }
 
 void contactspline_set(contactspline_instrument* instrument, std::size_t parameter, double value) {
-  with(instrument, [&](auto& i) {
-    if (parameter < i.parameters().size() && is_number(value)) i.set(parameter, value);
-  });
+  play(instrument, CONTACTSPLINE_SET, parameter, value);
 }
 double contactspline_get(const contactspline_instrument* instrument, std::size_t parameter) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
@@ -288,55 +322,71 @@ double contactspline_get(const contactspline_instrument* instrument, std::size_t
               [&](const auto& i) { return parameter < i.parameters().size() ? i.value(parameter) : kNone; });
 }
 void contactspline_load_preset(contactspline_instrument* instrument, std::size_t preset) {
-  with(instrument, [&](auto& i) {
-    if (preset >= i.presets().size()) return;
-    const auto& values = i.presets()[preset].values;
-    for (std::size_t p = 0; p < values.size(); ++p) i.set(p, values[p]);
+  const auto* const loaded = with(instrument, static_cast<const Preset*>(nullptr), [&](const auto& i) {
+    return preset < i.presets().size() ? &i.presets()[preset] : nullptr;
   });
+  for (std::size_t p = 0; loaded != nullptr && p < loaded->values.size(); ++p)
+    play(instrument, CONTACTSPLINE_SET, p, loaded->values[p]);
 }
 
 void contactspline_note_on(contactspline_instrument* instrument, int key, double velocity) {
-  with(instrument, [&](auto& i) {
-    if (is_number(velocity)) i.note_on(key, velocity);
-  });
+  play(instrument, CONTACTSPLINE_NOTE_ON, number_of(key), velocity);
 }
 void contactspline_note_off(contactspline_instrument* instrument, int key) {
-  with(instrument, [&](auto& i) { i.note_off(key); });
+  play(instrument, CONTACTSPLINE_NOTE_OFF, number_of(key));
 }
 void contactspline_strike(contactspline_instrument* instrument, std::size_t number, double speed_m_per_s) {
-  if (instrument == nullptr || !instrument->has(CONTACTSPLINE_STRIKE, number) || !is_number(speed_m_per_s)) return;
-  std::visit([&]<typename T>(Player<T>& player) { player.instrument->strike(number, static_cast<T>(speed_m_per_s)); },
-             instrument->player);
+  play(instrument, CONTACTSPLINE_STRIKE, number, speed_m_per_s);
 }
 void contactspline_release(contactspline_instrument* instrument, std::size_t number) {
-  if (instrument == nullptr || !instrument->has(CONTACTSPLINE_STRIKE, number)) return;
-  with(instrument, [&](auto& i) { i.release(number); });
+  play(instrument, CONTACTSPLINE_RELEASE, number);
 }
 void contactspline_pluck(contactspline_instrument* instrument, std::size_t number, double force_n, double rise_s) {
-  if (instrument == nullptr || !instrument->has(CONTACTSPLINE_PLUCK, number)) return;
-  if (!is_number(force_n) || !is_number(rise_s)) return;
-  std::visit(
-      [&]<typename T>(Player<T>& player) { player.instrument->pluck(number, static_cast<T>(force_n), rise_s); },
-      instrument->player);
+  play(instrument, CONTACTSPLINE_PLUCK, number, force_n, rise_s);
+}
+void contactspline_play(contactspline_instrument* instrument, const contactspline_timed_event* event) {
+  if (instrument != nullptr && event != nullptr) instrument->play(*event);
 }
 
 void contactspline_process(contactspline_instrument* instrument, float* const* outputs, float* force,
                            std::size_t samples) {
-  process(instrument, outputs, force, samples);
+  process(instrument, {}, outputs, force, samples);
 }
 void contactspline_process_double(contactspline_instrument* instrument, double* const* outputs, double* force,
                                   std::size_t samples) {
-  process(instrument, outputs, force, samples);
+  process(instrument, {}, outputs, force, samples);
+}
+void contactspline_process_events(contactspline_instrument* instrument, const contactspline_timed_event* events,
+                                  std::size_t count, float* const* outputs, float* force, std::size_t samples) {
+  process(instrument, listed(events, count), outputs, force, samples);
+}
+void contactspline_process_events_double(contactspline_instrument* instrument,
+                                         const contactspline_timed_event* events, std::size_t count,
+                                         double* const* outputs, double* force, std::size_t samples) {
+  process(instrument, listed(events, count), outputs, force, samples);
 }
 
 void contactspline_reset(contactspline_instrument* instrument) {
-  with(instrument, [](auto& i) { i.reset(); });
+  if (instrument != nullptr) std::visit([](auto& player) { player.sleeper.reset(); }, instrument->player);
 }
 double contactspline_energy(const contactspline_instrument* instrument) {
   return with(instrument, 0.0, [](const auto& i) { return i.energy(); });
 }
 int contactspline_is_silent(const contactspline_instrument* instrument, double limit_j) {
   return with(instrument, 1, [&](const auto& i) { return int{i.is_silent(limit_j)}; });
+}
+int contactspline_is_at_rest(const contactspline_instrument* instrument, double limit_j) {
+  return with(instrument, 1, [&](const auto& i) { return int{i.is_at_rest(limit_j)}; });
+}
+contactspline_books contactspline_books_of(const contactspline_instrument* instrument) {
+  return with(instrument, contactspline_books{}, [](const auto& i) {
+    const Books books = i.books();
+    return contactspline_books{books.stored_j, books.string_j, books.work_j,
+                               books.heat_j,   books.contacts, books.failures};
+  });
+}
+int contactspline_has_key(const contactspline_instrument* instrument, int key) {
+  return with(instrument, 0, [&](const auto& i) { return int{i.has_key(key)}; });
 }
 
 }  // extern "C"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Contact Spline in C99: instruments by name or from a file's text, played in blocks. All values are in SI units.
- * An instrument is used by one thread at a time. What is said to be safe for audio neither allocates nor locks; there,
- * a null instrument, an index that is too large and a value that is not a number do nothing. */
+ * An instrument is used by one thread at a time. What is said to be safe for audio neither allocates nor locks;
+ * there, a null instrument, an index that is too large and a value that is not a number do nothing. */
 #ifndef CONTACTSPLINE_H
 #define CONTACTSPLINE_H
 
@@ -18,31 +18,52 @@ enum contactspline_precision { CONTACTSPLINE_DOUBLE = 0, CONTACTSPLINE_FLOAT = 1
 
 /** What can be set while an instrument plays. Text and lists live as long as the instrument. */
 typedef struct contactspline_parameter {
-  const char* name;          /**< lower-case identifier that ends with the unit: hammer_mass_kg */
-  const char* unit;          /**< of SI; empty for a number */
-  double min, max;           /**< values that are allowed; others are moved into the range */
-  double slider_min;         /**< where it is played, within the range */
+  const char* name;  /**< lower-case identifier that ends with the unit: hammer_mass_kg */
+  const char* unit;  /**< of SI; empty for a number */
+  double min, max;   /**< values that are allowed; others are moved into the range */
+  double slider_min; /**< where it is played, within the range */
   double slider_max;
   double initial;
-  int is_logarithmic;        /**< 1: a slider moves in equal ratios */
-  int acts_at_next_note;     /**< 0: at once */
-  double glide_s;            /**< time constant with which hosts should move it; 0: at once */
+  int is_logarithmic;    /**< 1: a slider moves in equal ratios */
+  int acts_at_next_note; /**< 0: at once */
+  double glide_s;        /**< time constant with which hosts should move it; 0: at once */
 } contactspline_parameter;
 
 typedef struct contactspline_output {
-  const char* name;          /**< lower-case identifier that ends with the unit: bridge_force_n */
-  const char* unit;          /**< of SI */
-  double full_scale;         /**< the value that hosts play as 1 */
+  const char* name;  /**< lower-case identifier that ends with the unit: bridge_force_n */
+  const char* unit;  /**< of SI */
+  double full_scale; /**< the value that hosts play as 1 */
 } contactspline_output;
 
-enum contactspline_event_kind { CONTACTSPLINE_STRIKE = 0, CONTACTSPLINE_PLUCK = 1 };
+/** What can happen to an instrument. */
+enum contactspline_action {
+  CONTACTSPLINE_STRIKE = 0,   /**< number: of a strike; value: speed [m/s]; 0 lifts the damper without a blow */
+  CONTACTSPLINE_RELEASE = 1,  /**< number: of a strike, whose damper comes down */
+  CONTACTSPLINE_PLUCK = 2,    /**< number: of a pluck; value: force [N], which is reached within rise_s */
+  CONTACTSPLINE_NOTE_ON = 3,  /**< number: key of MIDI; value: velocity, 0 to 1 */
+  CONTACTSPLINE_NOTE_OFF = 4, /**< number: key of MIDI */
+  CONTACTSPLINE_SET = 5,      /**< number: of a parameter; value: in its unit */
+  CONTACTSPLINE_BEND_KEY = 6, /**< number: key of MIDI; value: cents above its own pitch. This and the next two: of
+                                   instruments with a voice for each key */
+  CONTACTSPLINE_DAMP_KEY = 7, /**< number: key of MIDI; value: damping beside the damper's [1/s] */
+  CONTACTSPLINE_PLACE_KEY = 8 /**< number: key of MIDI; value: place of its hammer from the next strike on [m] */
+};
 
-/** What an instrument is played by, beside keys: contactspline_strike() or contactspline_pluck(). */
+/** What happens, and when. */
+typedef struct contactspline_timed_event {
+  size_t sample; /**< of the block, from its beginning */
+  int action;    /**< contactspline_action */
+  size_t number;
+  double value;
+  double rise_s; /**< of a pluck; else it does not matter */
+} contactspline_timed_event;
+
+/** What an instrument is played by, beside keys. */
 typedef struct contactspline_event {
-  const char* name;          /**< lower-case identifier: strike_hammer */
-  int kind;                  /**< contactspline_event_kind */
-  size_t number;             /**< among the events of its kind */
-  size_t parameter;          /**< index of the parameter that holds its usual speed or force */
+  const char* name; /**< lower-case identifier: strike_hammer */
+  int action;       /**< CONTACTSPLINE_STRIKE or CONTACTSPLINE_PLUCK */
+  size_t number;    /**< among the events of its action */
+  size_t parameter; /**< index of the parameter that holds its usual speed or force */
 } contactspline_event;
 
 /** Version of the library: "0.2.0". */
@@ -59,8 +80,8 @@ const char* const* contactspline_names(void);
  * Returns null where it fails. Allocates. */
 contactspline_instrument* contactspline_create(const char* name, double sample_rate_hz, int precision);
 
-/** The same from the text of an instrument file (docs/reference/instruments.md), which ends with a 0. `file` stands in
- * messages; files that the text names are read from its folder. */
+/** The same from the text of an instrument file (docs/reference/instruments.md), which ends with a 0. `file` stands
+ * in messages; files that the text names are read from its folder. */
 contactspline_instrument* contactspline_create_from_json(const char* text, const char* file, double sample_rate_hz,
                                                          int precision);
 
@@ -91,8 +112,8 @@ void contactspline_load_preset(contactspline_instrument* instrument, size_t pres
 void contactspline_note_on(contactspline_instrument* instrument, int key, double velocity);
 void contactspline_note_off(contactspline_instrument* instrument, int key);
 
-/** Events by their number among those of their kind. Safe for audio. Speed in m/s; 0 lifts the damper without a blow,
- * which release lowers. Force in N, reached within rise_s. */
+/** Events by their number among those of their action. Safe for audio. Speed in m/s; 0 lifts the damper without a
+ * blow, which release lowers. Force in N, reached within rise_s. */
 void contactspline_strike(contactspline_instrument* instrument, size_t number, double speed_m_per_s);
 void contactspline_release(contactspline_instrument* instrument, size_t number);
 void contactspline_pluck(contactspline_instrument* instrument, size_t number, double force_n, double rise_s);
@@ -103,12 +124,41 @@ void contactspline_process(contactspline_instrument* instrument, float* const* o
 void contactspline_process_double(contactspline_instrument* instrument, double* const* outputs, double* force,
                                   size_t samples);
 
+/** Does what an event says before the next sample; its own sample does not matter. The six functions above are this
+ * one. Safe for audio. A number that the instrument lacks does nothing. */
+void contactspline_play(contactspline_instrument* instrument, const contactspline_timed_event* event);
+
+/** The same as contactspline_process() with `count` events at their samples, in order of time; those behind the last
+ * sample happen behind it. Safe for audio. */
+void contactspline_process_events(contactspline_instrument* instrument, const contactspline_timed_event* events,
+                                  size_t count, float* const* outputs, float* force, size_t samples);
+void contactspline_process_events_double(contactspline_instrument* instrument,
+                                         const contactspline_timed_event* events, size_t count,
+                                         double* const* outputs, double* force, size_t samples);
+
 /** Brings it to rest; parameters stay. Safe for audio. */
 void contactspline_reset(contactspline_instrument* instrument);
 
-/** Energy that is stored [J], and whether nothing moves on its own and the energy is below a limit. Safe for audio. */
+/** Energy that is stored [J], and whether nothing moves on its own and the energy is below a limit; whether all that
+ * moves rests, be it under a load, with a kinetic energy below a limit. Safe for audio. */
 double contactspline_energy(const contactspline_instrument* instrument);
 int contactspline_is_silent(const contactspline_instrument* instrument, double limit_j);
+int contactspline_is_at_rest(const contactspline_instrument* instrument, double limit_j);
+
+/** Energies [J] of the last sample, and what has happened. What an instrument does not count is 0. */
+typedef struct contactspline_books {
+  double stored_j;
+  double string_j;       /**< the same without a hammer that flies */
+  double work_j, heat_j; /**< work of hands and controls, and losses, over the last sample, of instruments of files */
+  size_t contacts;       /**< that have begun, of a keyboard */
+  size_t failures;       /**< how often a keyboard came to rest because it was not finite */
+} contactspline_books;
+
+/** The books of energy; all 0 for a null instrument. Safe for audio. */
+contactspline_books contactspline_books_of(const contactspline_instrument* instrument);
+
+/** Whether a key of MIDI plays. Safe for audio. */
+int contactspline_has_key(const contactspline_instrument* instrument, int key);
 
 #ifdef __cplusplus
 }

@@ -105,7 +105,7 @@ TYPED_TEST(CLibrary, HasTheListsOfTheClass) {
   for (std::size_t i = 0; i < expected.events().size(); ++i) {
     const Event& e = expected.events()[i];
     EXPECT_STREQ(contactspline_event_at(x, i)->name, e.name);
-    EXPECT_EQ(contactspline_event_at(x, i)->kind == CONTACTSPLINE_PLUCK, e.kind == EventKind::kPluck);
+    EXPECT_EQ(contactspline_event_at(x, i)->action == CONTACTSPLINE_PLUCK, e.kind == EventKind::kPluck);
     EXPECT_EQ(contactspline_event_at(x, i)->number, e.number);
     EXPECT_EQ(contactspline_event_at(x, i)->parameter, e.parameter);
   }
@@ -210,6 +210,8 @@ TYPED_TEST(CLibrary, TakesAnyValue) {
         contactspline_release(x, index());
         contactspline_pluck(x, index(), any(), any());
         contactspline_load_preset(x, index());
+        const contactspline_timed_event event{index(), static_cast<int>(random.below(12)) - 1, index(), any(), any()};
+        contactspline_play(x, &event);
       }
       process(handle, block.pointers, block.force.data(), samples);
     });
@@ -256,6 +258,69 @@ TEST(CLibraryBlocks, MayBeUnheard) {
   EXPECT_TRUE(same_bits(a.sound[0].data(), b.sound[0].data(), 600));
   EXPECT_EQ(contactspline_energy(heard.get()), contactspline_energy(unheard.get()));
   EXPECT_GT(contactspline_energy(heard.get()), 0);
+}
+
+// Events happen at their samples, those behind the block behind it; arrays that are null have none.
+TEST(CLibraryBlocks, PlayEventsAtTheirSamples) {
+  Handle timed = create("fret_guitar"), split = create("fret_guitar");
+  Block<double> a(contactspline_output_count(timed.get())), b(a.sound.size());
+  const contactspline_timed_event events[] = {{100, CONTACTSPLINE_NOTE_ON, 60, 0.7, 0},
+                                              {100, CONTACTSPLINE_NOTE_ON, 64, 0.5, 0},
+                                              {450, CONTACTSPLINE_NOTE_OFF, 60, 0, 0},
+                                              {900, CONTACTSPLINE_NOTE_OFF, 64, 0, 0}};
+  contactspline_process_events_double(timed.get(), events, std::size(events), a.pointers.data(), nullptr, 600);
+  contactspline_process_events_double(timed.get(), nullptr, 3, a.pointers.data(), nullptr, 0);
+  std::size_t done = 0;
+  for (const contactspline_timed_event& event : events) {
+    const std::size_t next = std::min<std::size_t>(event.sample, 600);
+    std::vector<double*> rest;
+    for (double* const output : b.pointers) rest.push_back(output + done);
+    process(split, rest, nullptr, next - done);
+    contactspline_play(split.get(), &event);
+    done = next;
+  }
+  for (std::size_t o = 0; o < a.sound.size(); ++o)
+    EXPECT_TRUE(same_bits(a.sound[o].data(), b.sound[o].data(), 600)) << o;
+  EXPECT_EQ(a.sound[0][99], 0);
+  EXPECT_GT(contactspline_energy(timed.get()), 0);
+  EXPECT_EQ(contactspline_energy(timed.get()), contactspline_energy(split.get()));
+}
+
+// An instrument that has fallen silent is exactly 0, until it is played again.
+TEST(CLibraryBlocks, AreZeroWhileItSleeps) {
+  Handle tube = create("marimba_tube");
+  Block<double> block(contactspline_output_count(tube.get()));
+  const auto peak_after = [&](double seconds) {
+    for (double rest = seconds * kRate; rest > 0; rest -= 600) process(tube, block.pointers, block.force.data(), 600);
+    return std::abs(*std::ranges::max_element(block.sound[0], {}, [](double x) { return std::abs(x); }));
+  };
+  for (int note = 0; note < 2; ++note) {
+    contactspline_strike(tube.get(), 0, 1);
+    EXPECT_GT(peak_after(0.05), 0);
+    contactspline_release(tube.get(), 0);
+    EXPECT_EQ(peak_after(6), 0);
+  }
+}
+
+TEST(CLibraryBooks, HaveTheEnergyTheWorkAndTheLosses) {
+  Handle guitar = create("fret_guitar");
+  Block<double> block(contactspline_output_count(guitar.get()));
+  contactspline_note_on(guitar.get(), 60, 0.7);
+  const double before_j = contactspline_books_of(guitar.get()).stored_j;
+  double work_j = 0, heat_j = 0, scale_j = before_j;
+  for (int sample = 0; sample < 4410; ++sample) {
+    process(guitar, block.pointers, nullptr, 1);
+    const contactspline_books books = contactspline_books_of(guitar.get());
+    work_j += books.work_j;
+    heat_j += books.heat_j;
+    scale_j = std::max(scale_j, books.stored_j);
+  }
+  const double after_j = contactspline_energy(guitar.get());
+  EXPECT_GT(heat_j, 1e-3 * scale_j);
+  EXPECT_NEAR(after_j - before_j, work_j - heat_j, 1e-10 * scale_j);
+  EXPECT_EQ(contactspline_has_key(guitar.get(), 60), 1);
+  EXPECT_EQ(contactspline_has_key(guitar.get(), -1), 0);
+  EXPECT_EQ(contactspline_is_at_rest(guitar.get(), 1e-30), 0);
 }
 
 TEST(CLibraryText, GivesTheSameInstrumentAsItsName) {
@@ -427,8 +492,13 @@ TEST(CLibraryNull, DoesNothing) {
   contactspline_pluck(nullptr, 0, 1, 0.004);
   contactspline_process(nullptr, nullptr, nullptr, 64);
   contactspline_process_double(nullptr, nullptr, nullptr, 64);
+  contactspline_process_events(nullptr, nullptr, 0, nullptr, nullptr, 64);
+  contactspline_play(nullptr, nullptr);
   contactspline_reset(nullptr);
   EXPECT_EQ(contactspline_energy(nullptr), 0);
+  EXPECT_EQ(contactspline_books_of(nullptr).stored_j, 0);
+  EXPECT_EQ(contactspline_has_key(nullptr, 60), 0);
+  EXPECT_EQ(contactspline_is_at_rest(nullptr, 1), 1);
   EXPECT_EQ(contactspline_is_silent(nullptr, 1), 1);
   const Handle piano = create("piano");
   EXPECT_EQ(contactspline_parameter_at(piano.get(), contactspline_parameter_count(piano.get())), nullptr);

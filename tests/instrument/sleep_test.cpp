@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <span>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "contactspline/host/hosted.hpp"
@@ -187,7 +188,9 @@ TYPED_TEST_SUITE(LoadedInstrument, Loaded);
 // it, bit by bit, and their outputs stay at the load, until they are played. Played on without sleep they hold almost
 // the same energy E: what still moved, K = 1e-13 J at most, changes it by no more than 2 sqrt(E K) + K.
 TYPED_TEST(LoadedInstrument, SleepsUnderItsLoadAndWakes) {
-  Hosted<typename TypeParam::value_type> hosted(handle_of<TypeParam>());
+  Handle<typename TypeParam::value_type> handle = handle_of<TypeParam>();
+  auto& awake = *handle;
+  Hosted<typename TypeParam::value_type> hosted(std::move(handle));
   hosted.prepare(kRate);
   press(hosted);
   hosted.press(0, true);
@@ -199,7 +202,6 @@ TYPED_TEST(LoadedInstrument, SleepsUnderItsLoadAndWakes) {
   sound = hosted_sound(hosted, 10000);
   EXPECT_EQ(std::ranges::count(sound, sound.front()), 10000) << "not asleep";
   EXPECT_EQ(hosted.instrument().energy(), energy_j);
-  auto& awake = hosted.instrument();
   std::vector<typename TypeParam::value_type> played(10000);
   std::vector<std::span<typename TypeParam::value_type>> outputs(awake.outputs().size());
   outputs.front() = played;

@@ -11,6 +11,7 @@
 #include "contactspline/host/faust_dsp.hpp"
 #include "contactspline/host/hosted.hpp"
 #include "contactspline/host/model_module.hpp"
+#include "contactspline/host/sleeper.hpp"
 #include "contactspline/instrument/ensemble_instrument.hpp"
 #include "contactspline/instrument/fret_string_instrument.hpp"
 #include "contactspline/instrument/hammer_string_instrument.hpp"
@@ -159,6 +160,7 @@ using Felt = materials::felt_c4;
   template class InstrumentDsp<FretStringOf<Felt, String, T>>;                                                  \
   template class InstrumentDsp<MassBarrierOf<Felt, T>>;                                                         \
   template class Hosted<T>;                                                                                     \
+  template class Sleeper<T>;                                                                                    \
   template class HandleDsp<T>;                                                                                  \
   template class PedaledKeyboard<T>;                                                                            \
   template class HammerVoice<T>;                                                                                \
