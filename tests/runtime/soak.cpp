@@ -259,6 +259,18 @@ std::function<void(Record&)> ensemble(std::size_t held_for) {
   });
 }
 
+/// The most energy that the knock of a strike adds to a board [J]. By the triangle inequality of its square roots:
+/// what the impulse gives a board at rest, J^2/2 times the sum of shape^2/mass, beside what is stored already.
+template <typename Piano>
+double knock_j(double impulse_n_s, double stored_j) {
+  using Board = typename Piano::body;
+  double inverse_mass = 0;
+  for (std::size_t i = 0; i < Board::modes; ++i)
+    inverse_mass += Board::knock_shapes[i] * Board::knock_shapes[i] / modes_in<Board>[i].mass_kg;
+  const double at_rest_j = impulse_n_s * impulse_n_s * inverse_mass / 2;
+  return at_rest_j + 2 * std::sqrt(at_rest_j * stored_j);
+}
+
 /// A whole piano: keys struck, pressed and released at random, under all pedals. Few of them where controls jump:
 /// each sample is a block then.
 template <typename T>
@@ -281,8 +293,14 @@ std::function<void(Record&)> keyboard_instrument(std::size_t held_for) {
     if (held_for > 1 || n % 500 == 0) {
       const T speed = s->random.any(Ranges::speed_m_per_s);
       s->model.strike(key, speed);
-      if (key < Piano::keys)
-        work = Piano::strings[key] * thrown_j(s->mass_ratio * static_cast<T>(Piano::hammer_masses[key]), speed);
+      if (key < Piano::keys) {
+        const T mass_kg =
+            static_cast<T>(Piano::strings[key]) * s->mass_ratio * static_cast<T>(Piano::hammer_masses[key]);
+        work = thrown_j(mass_kg, speed);
+        const double impulse_n_s =
+            std::min(std::sqrt(2 * static_cast<double>(mass_kg) * work), 1e3);  // Body::knock()
+        work += knock_j<Piano>(impulse_n_s, s->model.energy());
+      }
     }
     s->random.once_in(2) ? s->model.press(s->random.below(Piano::keys + 2)) : s->model.release(key);
     s->model.sustain(static_cast<double>(s->random.any({0, 1})));
