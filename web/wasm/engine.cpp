@@ -82,6 +82,7 @@ Maker maker_of_plucked() {
     if (!string) return nullptr;
     PluckedStringParts parts = detail::at_contact<materials::steel_on_steel>(*std::move(string));
     parts.resonator.pluck_m = plan.pluck_m;
+    parts.resonator.max_outputs = StringOutput::kOutputs;
     parts.height_m = plan.height_m;
     return std::make_unique<PlayableBehind<Model, kBridge>>(std::move(parts));
   };
@@ -95,8 +96,9 @@ std::unique_ptr<Playable> dulcimer(const VoicePlan& plan) {
   if (!course) return nullptr;
   const double hammer_kg = plan.hammer_mass_kg > 0 ? plan.hammer_mass_kg : Dulcimer<float>::kHammer_kg;
   const double damping_per_s = plan.damper_per_s >= 0 ? plan.damper_per_s : Damper().damping_per_s;
-  return std::make_unique<PlayableBehind<HammerStringInstrument<float>, kBridge>>(
-      detail::under_felt<materials::felt_c4>(*std::move(course), hammer_kg, {damping_per_s}));
+  HammerStringParts parts = detail::under_felt<materials::felt_c4>(*std::move(course), hammer_kg, {damping_per_s});
+  parts.resonator.max_outputs = StringOutput::kOutputs;
+  return std::make_unique<PlayableBehind<HammerStringInstrument<float>, kBridge>>(std::move(parts));
 }
 
 template <template <typename> typename I>

@@ -99,8 +99,9 @@ class PlayableBehind final : public Playable {
  public:
   template <typename... Args>
   explicit PlayableBehind(Args&&... args)
-      : hosted_(handle_of<I>(std::forward<Args>(args)...)),
-        own_(static_cast<InstrumentBehind<I>&>(hosted_.instrument()).instrument()) {
+      : PlayableBehind(std::make_unique<InstrumentBehind<I>>(std::forward<Args>(args)...)) {}
+  explicit PlayableBehind(std::unique_ptr<InstrumentBehind<I>> behind)
+      : own_(behind->instrument()), hosted_(std::move(behind)) {
     const std::span<const Output> outputs = hosted_.instrument().outputs();
     left_ = output_beginning(outputs, "left_", otherwise);
     right_ = output_beginning(outputs, "right_", left_);
@@ -149,8 +150,8 @@ class PlayableBehind final : public Playable {
   }
 
  private:
+  I& own_;                      // what hosted_ plays, of its class
   Hosted<T> hosted_;
-  I& own_;                      // the same, of its class
   std::size_t left_, right_;    // among the outputs
   std::vector<float*> wanted_;  // of the outputs
 };
