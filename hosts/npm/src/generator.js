@@ -33,8 +33,13 @@ export function startGenerator(module) {
      * take at this rate; or { error }. width: of the drawing, in points of the screen. */
     instrument(text, file, options) {
       const { width = 640, sampleRate = 44100 } = options ?? {};
-      const address = withTexts(exports, [text, file], (...at) => exports.contactspline_instrument(...at, width, sampleRate));
-      const instrument = JSON.parse(textAt(exports, address));
+      let instrument;
+      try {
+        const address = withTexts(exports, [text, file], (...at) => exports.contactspline_instrument(...at, width, sampleRate));
+        instrument = JSON.parse(textAt(exports, address));
+      } catch ({ message }) {
+        return { error: message };
+      }
       if (instrument.error !== undefined) return instrument;
       const bytes = new Uint8Array(exports.memory.buffer, exports.contactspline_instrument_bytes(), exports.contactspline_instrument_size());
       return { ...instrument, bytes: bytes.slice() };
