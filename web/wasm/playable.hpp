@@ -150,7 +150,7 @@ class PlayableBehind final : public Playable {
   }
 
  private:
-  I& own_;                      // what hosted_ plays, of its class
+  I& own_;  // what hosted_ plays, of its class
   Hosted<T> hosted_;
   std::size_t left_, right_;    // among the outputs
   std::vector<float*> wanted_;  // of the outputs
