@@ -18,10 +18,7 @@
 namespace contactspline {
 namespace {
 
-constexpr std::array kKindNames = {"kContact", "kSpring", "kLink"};  // names of ConnectionKind
-constexpr std::array kQuantityNames = {
-    "kForce",     "kDamping",    "kStiffnessRatio", "kLoss", "kGapShift",
-    "kStiffness", "kResistance", "kPlace",          "kMass"};  // names of ControlQuantity
+constexpr std::array kKindNames = {"kContact", "kSpring", "kLink"};                         // names of ConnectionKind
 constexpr std::array kOutputNames = {"kDisplacement", "kVelocity", "kForce", "kPressure"};  // names of OutputQuantity
 
 template <typename Enum, std::size_t N>
@@ -210,7 +207,7 @@ TemplateValues cpp_values(const InstrumentModel& model, const InstrumentArrays& 
   values["CONNECTION_ROWS"] = rows_of(arrays.connections, kIndent,
                                       [](const InstrumentConnection& c, std::size_t) { return cpp_connection(c); });
   values["CONTROL_ROWS"] = rows_of(arrays.controls, kIndent, [](const InstrumentControl& c, std::size_t) {
-    return fmt::format("{{ControlQuantity::{}, {}, {}}}", name_in(kQuantityNames, c.quantity), c.first_target,
+    return fmt::format("{{ControlQuantity::{}, {}, {}}}", control_quantity<double>(c.quantity).name, c.first_target,
                        c.count);
   });
   values["SOURCE_ROWS"] = rows_of(arrays.sources, kIndent, [](const InstrumentOutput& o, std::size_t) {

@@ -262,15 +262,8 @@ std::string_view name_of(ConnectionKind kind) {
 }
 
 Range range_of(ControlQuantity quantity) {
-  const auto [min, max] = control_range<double>(quantity);
+  const auto [min, max] = control_quantity<double>(quantity).range;
   return {min, max};
-}
-
-const char* key_of(ControlQuantity quantity) {
-  constexpr std::array kKeys = {"force_n",     "damping_per_s",     "stiffness_ratio",      "loss_s_per_m",
-                                "gap_shift_m", "stiffness_n_per_m", "resistance_n_s_per_m", "place_m",
-                                "mass_kg"};  // in its order
-  return kKeys[static_cast<std::size_t>(quantity)];
 }
 
 InstrumentData InstrumentArrays::view() const {

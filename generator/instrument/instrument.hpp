@@ -118,9 +118,8 @@ struct InstrumentModel {
 /// "contact", "spring" or "link".
 [[nodiscard]] std::string_view name_of(ConnectionKind kind);
 
-/// The values that a control may take, and the key of its quantity: force_n, damping_per_s, ...
+/// The values that a control may take.
 [[nodiscard]] Range range_of(ControlQuantity quantity);
-[[nodiscard]] const char* key_of(ControlQuantity quantity);
 
 /// The arrays of an instrument, with its modes below a frequency. Their numbers are rounded to 13 digits, so that
 /// every machine finds the same.

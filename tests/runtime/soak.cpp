@@ -423,7 +423,7 @@ std::function<void(Record&)> instrument(std::size_t held_for) {
       s->random.next();
       if (held_for == 1 || n % held_for == 0)
         for (std::size_t i = 0; i < data.controls.size(); ++i)
-          model.set(i, s->random.any(control_range<T>(data.controls[i].quantity)));
+          model.set(i, s->random.any(control_quantity<T>(data.controls[i].quantity).range));
       for (std::size_t i = 0; n % (held_for > 1 ? held_for : 500) == 0 && i < data.strikes.size(); ++i)
         model.strike(i, s->random.any({-100, 100}));
       model.tick();

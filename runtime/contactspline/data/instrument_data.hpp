@@ -43,16 +43,39 @@ enum class ControlQuantity {
   kMass             ///< of free masses, from their next throw on [kg]
 };
 
-/// The values that a control of this quantity may take.
+/// What is known of a quantity that controls set.
 template <std::floating_point T>
-[[nodiscard]] constexpr ControlRange<T> control_range(ControlQuantity quantity) {
-  using Ranges = ControlRanges<T>;
-  constexpr ControlRange<T> kRanges[] = {
-      Ranges::force_n, Ranges::damping_per_s,          Ranges::stiffness_ratio,      Ranges::loss_s_per_m,
-      Ranges::gap_m,   Ranges::hand_stiffness_n_per_m, Ranges::resistance_n_s_per_m, Ranges::place_m,
-      Ranges::mass_kg};  // in the order of ControlQuantity
-  return kRanges[static_cast<std::size_t>(quantity)];
+struct ControlQuantityRow {
+  ControlQuantity quantity;
+  const char* name;       ///< of its enumerator
+  const char* key;        ///< in instrument files
+  ControlRange<T> range;  ///< the values that a control may take
+  double glide_s;         ///< time constant with which hosts move it; 0: at once. A force and a damping would click
+};
+
+/// All quantities, in the order of ControlQuantity.
+template <std::floating_point T>
+inline constexpr ControlQuantityRow<T> kControlQuantities[] = {
+    {ControlQuantity::kForce, "kForce", "force_n", ControlRanges<T>::force_n, 0.005},
+    {ControlQuantity::kDamping, "kDamping", "damping_per_s", ControlRanges<T>::damping_per_s, 0.005},
+    {ControlQuantity::kStiffnessRatio, "kStiffnessRatio", "stiffness_ratio", ControlRanges<T>::stiffness_ratio, 0},
+    {ControlQuantity::kLoss, "kLoss", "loss_s_per_m", ControlRanges<T>::loss_s_per_m, 0},
+    {ControlQuantity::kGapShift, "kGapShift", "gap_shift_m", ControlRanges<T>::gap_m, 0},
+    {ControlQuantity::kStiffness, "kStiffness", "stiffness_n_per_m", ControlRanges<T>::hand_stiffness_n_per_m, 0},
+    {ControlQuantity::kResistance, "kResistance", "resistance_n_s_per_m", ControlRanges<T>::resistance_n_s_per_m, 0},
+    {ControlQuantity::kPlace, "kPlace", "place_m", ControlRanges<T>::place_m, 0.02},
+    {ControlQuantity::kMass, "kMass", "mass_kg", ControlRanges<T>::mass_kg, 0}};
+
+template <std::floating_point T>
+[[nodiscard]] constexpr const ControlQuantityRow<T>& control_quantity(ControlQuantity quantity) {
+  return kControlQuantities<T>[static_cast<std::size_t>(quantity)];
 }
+
+static_assert([] {
+  for (const auto& row : kControlQuantities<double>)
+    if (&control_quantity<double>(row.quantity) != &row) return false;
+  return true;
+}());
 
 /// A control of the objects targets[first_target] to targets[first_target + count - 1].
 struct InstrumentControl {
@@ -163,7 +186,7 @@ struct InstrumentData {
   [[nodiscard]] ControlRange<double> range_of(std::size_t parameter) const {
     const ControlRange<double>& listed = parameters[parameter].allowed;
     if (parameter >= controls.size()) return listed;
-    const auto [min, max] = control_range<double>(controls[parameter].quantity);
+    const auto [min, max] = control_quantity<double>(controls[parameter].quantity).range;
     return {(std::max)(min, listed.min), (std::min)(max, listed.max)};
   }
   [[nodiscard]] double first_value(std::size_t control) const {

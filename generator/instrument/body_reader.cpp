@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+#include "generator/instrument/body_reader.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "generator/material/named_file.hpp"
+#include "generator/resonator/resonator_reader.hpp"
+
+namespace contactspline {
+namespace {
+
+/// Reads bodies, then places on them.
+class BodyReader {
+ public:
+  BodyReader(InstrumentDraft& draft, const ReadFile& read) : draft_(draft), model_(draft.model), read_(read) {}
+
+  void read() {
+    for (const JsonObject& body : draft_.json.objects("bodies",
+                                                      {"name", "resonator", "string", "bar", "membrane", "plate",
+                                                       "modes", "mass_kg", "tuning_cents", "max_modes"},
+                                                      kMaxBodies))
+      read_body(body);
+    for (const JsonObject& place : draft_.objects("places", {"name", "body", "position_m", "angle_rad", "across_m",
+                                                             "positions_m", "mean_radius_m", "shapes"}))
+      read_place(place);
+  }
+
+ private:
+  void read_body(const JsonObject& body) {
+    InstrumentBody read{draft_.own_name(body), {}, false};
+    const std::string kind =
+        one_of_keys(body, {"resonator", "string", "bar", "membrane", "plate", "modes", "mass_kg"}, "kinds of body");
+    if (kind == "mass_kg") {
+      read.is_mass = true;
+      read.resonator = {read.name, "", ModeTable{{{{0, 0, body.number("mass_kg", kModalMass_kg)}, 1, 1}}}, {}, {}, 1};
+      model_.places.push_back({read.name, model_.bodies.size(), {Place{}}});
+    } else if (kind == "resonator") {
+      const NamedText named = read_named(body, "resonator", Shipped::kResonators, read_);
+      read.resonator = parse_resonator(named.text, named.file);
+    } else {
+      read.resonator = {read.name, "", kind == "modes" ? read_modes(body) : read_shaped_body(body),
+                        {},        {}, kMaxModes};
+      read.resonator.max_modes = max_modes_of(read.resonator.body);
+    }
+    read_modifiers(body, read);
+    model_.bodies.push_back(std::move(read));
+  }
+
+  static decltype(Resonator::body) read_modes(const JsonObject& body) {
+    ModeTable table;
+    for (const JsonObject& row : body.objects("modes", {"frequency_hz", "decay_per_s", "mass_kg"}, kMaxModes))
+      table.rows.push_back({{2 * std::numbers::pi * row.number("frequency_hz", kModeFrequency_hz),
+                             row.number("decay_per_s", kModeDecay_per_s), row.number("mass_kg", kModalMass_kg)},
+                            0,
+                            0});
+    return table;
+  }
+
+  static void read_modifiers(const JsonObject& body, InstrumentBody& read) {
+    auto* string = std::get_if<StiffString>(&read.resonator.body);
+    if (string != nullptr && string->detuning_cents.size() != 1)
+      body.fail(body.key(body.has("resonator") ? "resonator" : "string"), "has several strings", "one body each");
+    if (body.has("tuning_cents")) {
+      if (string == nullptr) body.fail(body.key("tuning_cents"), "is not for this body", "beside strings");
+      string->detuning_cents.front() += body.number("tuning_cents", kTuningCents);
+    }
+    if (body.has("max_modes")) {
+      if (read.is_mass) body.fail(body.key("max_modes"), "is not for a mass", "beside resonators");
+      read.resonator.max_modes = body.integer("max_modes", 1, max_modes_of(read.resonator.body));
+    }
+  }
+
+  void read_place(const JsonObject& place) {
+    InstrumentPlace read{draft_.own_name(place), 0, {}};
+    const std::string name = place.text("body", joined(names_of(model_.bodies)));
+    read.body = index_of(place, place.key("body"), name, model_.bodies, "body");
+    const InstrumentBody& body = model_.bodies[read.body];
+    if (body.is_mass)
+      place.fail(place.key("body"), fmt::format("'{}' is a mass", name), "a resonator; a mass is itself a place");
+    if (const auto* table = std::get_if<ModeTable>(&body.resonator.body)) {
+      for (const char* key : {"position_m", "positions_m", "angle_rad", "across_m", "mean_radius_m"})
+        if (place.has(key)) place.fail(place.key(key), "has no meaning on a table of modes", "shapes");
+      read.shapes = place.numbers("shapes", kModeShape, kMaxModes);
+      if (read.shapes.size() != table->rows.size())
+        place.fail(place.key("shapes"), fmt::format("has {} entries", read.shapes.size()),
+                   fmt::format("one for each of the {} modes", table->rows.size()));
+      read.points.emplace_back();
+    } else {
+      read_points(place, body, read);
+    }
+    points_ += read.points.size();
+    if (points_ > kMaxPoints)
+      place.fail(place.key("name"), fmt::format("the places have more than {} points", kMaxPoints), "fewer points");
+    model_.places.push_back(std::move(read));
+  }
+
+  static void read_points(const JsonObject& place, const InstrumentBody& body, InstrumentPlace& read) {
+    if (place.has("shapes")) place.fail(place.key("shapes"), "is not for this body", "position_m or positions_m");
+    const bool is_round = std::holds_alternative<Membrane>(body.resonator.body);
+    if (place.has("mean_radius_m")) {
+      if (!is_round) place.fail(place.key("mean_radius_m"), "is not for this body", "on a membrane");
+      for (const char* key : {"position_m", "positions_m", "angle_rad"})
+        if (place.has(key)) place.fail(place.key(key), "stands beside mean_radius_m", "one of the two");
+      read.points.push_back(
+          {.position_m = 0, .mean_radius_m = place.number("mean_radius_m", {1e-6, extent_of(body.resonator.body)})});
+      return;
+    }
+    if (place.has("angle_rad") && !is_round)
+      place.fail(place.key("angle_rad"), "is not for this body", "on a membrane");
+    const auto* plate = std::get_if<Plate>(&body.resonator.body);
+    if (place.has("across_m") && plate == nullptr)
+      place.fail(place.key("across_m"), "is not for this body", "on a plate");
+    const double across = plate != nullptr ? place.number("across_m", {0, plate->width_m}) : 0;
+    const double angle = place.has("angle_rad") ? place.number("angle_rad", kPlaceAngle_rad) : 0;
+    // On a membrane a negative radius lies on the other side of the centre.
+    const double extent = extent_of(body.resonator.body);
+    const Range range{is_round ? -extent : 0, extent};
+    const std::string key = one_of_keys(place, {"position_m", "positions_m"}, "kinds of position");
+    const auto positions = key == "position_m" ? std::vector{place.number("position_m", range)}
+                                               : place.numbers("positions_m", range, kMaxPoints);
+    for (const double position : positions)
+      read.points.push_back({std::abs(position), position < 0 ? angle + std::numbers::pi : angle, across});
+  }
+
+  InstrumentDraft& draft_;
+  InstrumentModel& model_;
+  const ReadFile& read_;
+  std::size_t points_ = 0;
+};
+
+}  // namespace
+
+void read_bodies(InstrumentDraft& draft, const ReadFile& read) {
+  BodyReader(draft, read).read();
+}
+
+}  // namespace contactspline

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: MIT
+#include "generator/instrument/connection_reader.hpp"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "generator/spline/designed_materials.hpp"
+
+namespace contactspline {
+namespace {
+
+constexpr Range kWeight{1e-9, 1e9};
+constexpr Range kStiffness{0, 1e9};
+constexpr Range kResistance{0, 1e6};
+
+/// Reads connections, kind after kind.
+class ConnectionReader {
+ public:
+  ConnectionReader(InstrumentDraft& draft, const ReadFile& read, MovedMasses& masses)
+      : draft_(draft), model_(draft.model), materials_(read), masses_(masses) {}
+
+  void read() {
+    for (const JsonObject& contact :
+         draft_.objects("contacts", {"name", "between", "material", "gap_m", "gaps_m", "weight", "weights"}))
+      read_contact(contact);
+    for (const JsonObject& spring : draft_.objects(
+             "springs", {"name", "between", "stiffness_n_per_m", "resistance_n_s_per_m", "gap_m", "gaps_m"}))
+      read_spring(spring);
+    for (const JsonObject& link : draft_.objects("links", {"name", "between", "gap_m", "gaps_m"})) read_link(link);
+    if (connections_ > kMaxPoints)
+      draft_.json.fail("contacts", fmt::format("the file has {} connections", connections_),
+                       fmt::format("at most {}, points of profiles included", kMaxPoints));
+  }
+
+ private:
+  void read_contact(const JsonObject& json) {
+    ConnectionGroup group = read_group(json, ConnectionKind::kContact);
+    const auto& [material, table] = materials_.of(json);
+    const std::string name = json.text("material", "");
+    const auto found = std::ranges::find(model_.tables, name, &ContactTable::material);
+    group.each.table = static_cast<std::size_t>(found - model_.tables.begin());
+    if (found == model_.tables.end()) model_.tables.push_back({name, table, material.memories});
+    group.each.loss_s_per_m = material.loss_s_per_m;
+    group.weights = read_column(json, "weight", "weights", kWeight, 1, group.gaps_m.size());
+    masses_.check_stiffness(json, json.has("weights") ? "weights" : "weight", group, 1);
+    model_.connections.push_back(std::move(group));
+  }
+
+  void read_spring(const JsonObject& json) {
+    ConnectionGroup group = read_group(json, ConnectionKind::kSpring);
+    if (!json.has("stiffness_n_per_m") && !json.has("resistance_n_s_per_m"))
+      json.fail(json.key("stiffness_n_per_m"), "missing", "stiffness_n_per_m, resistance_n_s_per_m, or both");
+    if (json.has("stiffness_n_per_m")) group.each.stiffness_n_per_m = json.number("stiffness_n_per_m", kStiffness);
+    if (json.has("resistance_n_s_per_m"))
+      group.each.resistance_n_s_per_m = json.number("resistance_n_s_per_m", kResistance);
+    model_.connections.push_back(std::move(group));
+  }
+
+  // A link that closes a circle of rigid links would have nothing left to hold.
+  void read_link(const JsonObject& json) {
+    ConnectionGroup group = read_group(json, ConnectionKind::kLink);
+    const std::size_t first = end_of_chain(group.each.first), second = end_of_chain(group.each.second);
+    if (first == second)
+      json.fail(json.key("between"), "closes a circle of rigid links", "links that hold each place once");
+    chains_[first] = second;
+    model_.connections.push_back(std::move(group));
+  }
+
+  // The places of a connection and its gaps.
+  ConnectionGroup read_group(const JsonObject& json, ConnectionKind kind) {
+    ConnectionGroup group{draft_.own_name(json), {kind, kGround, kGround}, {}};
+    constexpr auto kAllowed = "an array of two places, one of which may be ground";
+    const auto between = json.texts("between", kAllowed, 2);
+    if (between.size() != 2) json.fail(json.key("between"), "names one place", kAllowed);
+    const auto place_of = [&](const std::string& name) {
+      return name == kGroundName ? kGround : index_of(json, json.key("between"), name, model_.places, "place");
+    };
+    group.each.first = place_of(between[0]);
+    group.each.second = place_of(between[1]);
+    check_ends(json, group.each);
+    for (const std::size_t place : {group.each.first, group.each.second}) masses_.add(json, place);
+    const std::size_t size = std::max(draft_.points_of(group.each.first), draft_.points_of(group.each.second));
+    for (const std::size_t place : {group.each.first, group.each.second})
+      if (draft_.points_of(place) != 1 && draft_.points_of(place) != size)
+        json.fail(json.key("between"), "joins lists of different length", "places with as many points, or with one");
+    group.gaps_m = read_column(json, "gap_m", "gaps_m", kGap, 0, size);
+    connections_ += size;
+    return group;
+  }
+
+  void check_ends(const JsonObject& json, const InstrumentConnection& each) const {
+    if (each.first == kGround && each.second == kGround)
+      json.fail(json.key("between"), "joins the ground with itself", "a place of a body");
+    if (each.first == kGround || each.second == kGround) return;
+    const std::size_t body = model_.places[each.first].body;
+    if (body == model_.places[each.second].body)
+      json.fail(json.key("between"), fmt::format("joins body '{}' with itself", model_.bodies[body].name),
+                "places of two bodies");
+  }
+
+  // One number for all connections of a group, or one for each.
+  static std::vector<double> read_column(const JsonObject& json, const char* one, const char* each, Range range,
+                                         double otherwise, std::size_t size) {
+    if (json.has(one) && json.has(each))
+      json.fail(json.key(each), fmt::format("stands beside {}", one), "one of the two");
+    if (!json.has(each)) return std::vector(size, json.has(one) ? json.number(one, range) : otherwise);
+    auto numbers = json.numbers(each, range, kMaxPoints);
+    if (numbers.size() != size)
+      json.fail(json.key(each), fmt::format("has {} entries", numbers.size()),
+                fmt::format("one for each of the {} connections", size));
+    return numbers;
+  }
+
+  std::size_t end_of_chain(std::size_t place) {
+    while (chains_.contains(place)) place = chains_.at(place);
+    return place;
+  }
+
+  InstrumentDraft& draft_;
+  InstrumentModel& model_;
+  DesignedMaterials materials_;
+  MovedMasses& masses_;
+  std::map<std::size_t, std::size_t> chains_;  // from a place to the next one that rigid links hold with it
+  std::size_t connections_ = 0;
+};
+
+}  // namespace
+
+void read_connections(InstrumentDraft& draft, const ReadFile& read, MovedMasses& masses) {
+  ConnectionReader(draft, read, masses).read();
+}
+
+}  // namespace contactspline

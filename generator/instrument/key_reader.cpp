@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT
+#include "generator/instrument/key_reader.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+
+namespace contactspline {
+namespace {
+
+constexpr unsigned char kSustainController = 64;
+constexpr int kMaxKey = 127, kMaxVoices = 64;
+constexpr int kMaxSemitones = 24;  // that a key may tune
+constexpr int kVoices = 8;         // of keys that tune
+
+/// Reads keys, then what damps and tunes them.
+class KeyReader {
+ public:
+  explicit KeyReader(InstrumentDraft& draft) : draft_(draft), model_(draft.model) {}
+
+  void read() {
+    for (const char* key : {"polyphony", "damper"})
+      if (draft_.json.has(key) && !draft_.json.has("keys")) draft_.json.fail(key, "has no place here", "beside keys");
+    for (const JsonObject& row : draft_.objects("keys", {"key", "first", "last", "event", "tuned_key"}))
+      read_key(row);
+    if (model_.keys.ranges.empty()) return;
+    std::ranges::sort(model_.keys.ranges, {}, &KeyRange::first);
+    model_.keys.voices =
+        static_cast<std::size_t>(draft_.json.has("polyphony") ? draft_.json.integer("polyphony", 1, kMaxVoices)
+                                 : model_.keys.tune()         ? kVoices
+                                                              : 1);
+    if (draft_.json.has("damper")) read_damper(draft_.json.object("damper", {"bodies", "damping_per_s"}));
+    if (!model_.keys.tune()) return;
+    model_.keys.bend = model_.parameters.size();
+    model_.parameters.push_back({.name = "bend_cents",
+                                 .unit = "cents",
+                                 .allowed = {-1200, 1200},
+                                 .slider = {-200, 200},
+                                 .initial = 0,
+                                 .step_samples = 16});
+  }
+
+ private:
+  // Keys that play one event.
+  void read_key(const JsonObject& row) {
+    const std::string key = one_of_keys(row, {"key", "first"}, "kinds of keys");
+    if (key == "key" && row.has("last")) row.fail(row.key("last"), "stands beside key", "beside first");
+    KeyRange range{row.integer(key.c_str(), 0, kMaxKey), 0, 0};
+    range.last = key == "key" ? range.first : row.integer("last", range.first, kMaxKey);
+    const std::string name = row.text("event", joined(names_of(model_.events)));
+    range.event = index_of(row, row.key("event"), name, model_.events, "event");
+    if (row.has("tuned_key")) read_tuned_key(row, range);
+    for (const KeyRange& other : model_.keys.ranges)
+      if (range.first <= other.last && other.first <= range.last)
+        row.fail(row.key(key), fmt::format("key {} plays two events", std::max(range.first, other.first)),
+                 "each key once");
+    model_.keys.ranges.push_back(range);
+  }
+
+  void read_tuned_key(const JsonObject& row, KeyRange& range) const {
+    range.tuned_key = row.integer("tuned_key", 0, kMaxKey);
+    const auto is_string = [](const InstrumentBody& body) {
+      return std::holds_alternative<StiffString>(body.resonator.body);
+    };
+    if (std::ranges::none_of(model_.bodies, is_string))
+      row.fail(row.key("tuned_key"), "tunes nothing", "in a file with a string among its bodies");
+    for (const int key : {range.first, range.last})
+      if (std::abs(key - range.tuned_key) > kMaxSemitones)
+        row.fail(row.key("tuned_key"),
+                 fmt::format("key {} is {} semitones from {}", key, std::abs(key - range.tuned_key), range.tuned_key),
+                 fmt::format("at most {} semitones, such as {}", kMaxSemitones, (range.first + range.last) / 2));
+  }
+
+  void read_damper(const JsonObject& damper) {
+    for (const std::string& name : damper.texts("bodies", joined(names_of(model_.bodies)), kMaxBodies)) {
+      const std::size_t body = index_of(damper, damper.key("bodies"), name, model_.bodies, "body");
+      if (std::ranges::find(model_.keys.damped, body) != model_.keys.damped.end())
+        damper.fail(damper.key("bodies"), fmt::format("'{}' is named twice", name), "once");
+      model_.keys.damped.push_back(body);
+    }
+    model_.keys.damper_per_s = damper.number("damping_per_s", range_of(ControlQuantity::kDamping));
+    model_.keys.sustain = model_.parameters.size();
+    model_.parameters.push_back({.name = "sustain",
+                                 .unit = "",
+                                 .allowed = {0, 1},
+                                 .slider = {0, 1},
+                                 .initial = 0,
+                                 .controller = kSustainController});
+  }
+
+  InstrumentDraft& draft_;
+  InstrumentModel& model_;
+};
+
+}  // namespace
+
+void read_keys(InstrumentDraft& draft) {
+  KeyReader(draft).read();
+}
+
+}  // namespace contactspline
