@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "contactspline/step/high_pass.hpp"
 #include "generator/cli/figure_file.hpp"
 #include "generator/cli/files.hpp"
 #include "generator/cli/gnuplot.hpp"
@@ -36,6 +37,23 @@ void fade(std::span<T> interleaved, std::size_t channels, double sample_rate_hz)
     const double factor = 0.5 * (1 + std::cos(std::numbers::pi * part));
     for (T& sample : interleaved.subspan((frames - faded + i - 1) * channels, channels))
       sample = static_cast<T>(factor * static_cast<double>(sample));
+  }
+}
+
+template <typename T>
+void high_pass_channels(std::span<T> interleaved, std::size_t channels, double sample_rate_hz) {
+  constexpr int kSections = 3;  // of second order; their qualities make the product a Butterworth
+  std::vector<HighPass<double>> at_rest;
+  for (int k = 0; k < kSections; ++k)
+    at_rest.emplace_back(kHighPass_hz, sample_rate_hz,
+                         0.5 / std::cos(std::numbers::pi * (2 * k + 1) / (4 * kSections)));
+  for (std::size_t channel = 0; channel < channels; ++channel) {
+    auto sections = at_rest;
+    for (std::size_t n = channel; n < interleaved.size(); n += channels) {
+      auto sample = static_cast<double>(interleaved[n]);
+      for (HighPass<double>& section : sections) sample = section.tick(sample);
+      interleaved[n] = static_cast<T>(sample);
+    }
   }
 }
 
@@ -67,6 +85,14 @@ std::string default_sound(const std::string& played) {
   if (played == kStandardInput)
     throw BadInput("--output: missing, and standard input has no name; allowed: a file name, such as -o song.wav");
   return std::filesystem::path(played).filename().replace_extension("wav").string();
+}
+
+void high_pass(std::span<float> interleaved, int channels, double sample_rate_hz) {
+  high_pass_channels(interleaved, static_cast<std::size_t>(channels), sample_rate_hz);
+}
+
+void high_pass(std::span<double> interleaved, int channels, double sample_rate_hz) {
+  high_pass_channels(interleaved, static_cast<std::size_t>(channels), sample_rate_hz);
 }
 
 void fade_end(std::span<float> interleaved, int channels, double sample_rate_hz) {

@@ -30,6 +30,13 @@ constexpr double kPeak = 0.89;  ///< largest value in the sound file: -1 dB rela
 /// input, which has no name.
 [[nodiscard]] std::string default_sound(const std::string& played);
 
+constexpr double kHighPass_hz = 25;  ///< below the lowest tone of a piano, 27.5 Hz
+
+/// Butterworth high-pass of sixth order at kHighPass_hz. It takes away what moves a loudspeaker and no ear: the
+/// static part of forces and displacements, and what controls move slowly.
+void high_pass(std::span<float> interleaved, int channels, double sample_rate_hz);
+void high_pass(std::span<double> interleaved, int channels, double sample_rate_hz);
+
 /// Fades the last 10 ms of a sound, or its second half if it is shorter than 20 ms, to 0 by a raised cosine.
 void fade_end(std::span<float> interleaved, int channels, double sample_rate_hz);
 void fade_end(std::span<double> samples, double sample_rate_hz);

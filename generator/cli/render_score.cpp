@@ -156,6 +156,12 @@ std::vector<std::filesystem::path> stem_files(const ScoreOptions& options, const
   return files;
 }
 
+// The end of every sound. With a gain the samples are a measurement, and keep what is too low to be heard.
+void finish(Performance& performance, const RenderOutput& output) {
+  if (!output.gain_db) high_pass(performance.samples, performance.channels, performance.sample_rate_hz);
+  fade_end(performance.samples, performance.channels, performance.sample_rate_hz);
+}
+
 // Each voice is played again: the stems of a long score need not fit into memory together.
 std::string write_stems(const std::vector<std::filesystem::path>& files, const ScoreOptions& options,
                         const Score& score, PlayOptions how, double scale) {
@@ -163,7 +169,7 @@ std::string write_stems(const std::vector<std::filesystem::path>& files, const S
   for (std::size_t voice = 0; voice < files.size(); ++voice) {
     how.only_voice = voice;
     Performance stem = play(score, how, show_progress);
-    fade_end(stem.samples, stem.channels, stem.sample_rate_hz);
+    finish(stem, options.output);
     const std::string file = files[voice].string();
     report_clipping(file, stem.samples, scale);
     write_files({{OutputFile{file, sound_bytes(file, std::span<const float>(stem.samples), scale, stem.channels,
@@ -205,7 +211,7 @@ void render_score(std::optional<Model> model, const ScoreOptions& given) {
                stderr);
   Performance performance = play(score, how, show_progress);
   report_silence(options.score, performance);
-  fade_end(performance.samples, performance.channels, performance.sample_rate_hz);
+  finish(performance, options.output);
   const double scale = scale_of(options.output, performance.samples);
   const SoundLabel sound = sound_label(how, score);
   const PerformanceText text{

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "contactspline/modal/modal.hpp"
+#include "generator/cli/render_output.hpp"
 #include "generator/resonator/resonator_reader.hpp"
 #include "generator/spline/contact_spline.hpp"
 #include "generator/spline/design.hpp"
@@ -51,8 +52,9 @@ inline Sound sound_alone(const std::string& instrument, const std::string& score
   return read_sound(box / "a.wav");
 }
 
-/// 24 bits, and a sum of voices kept in single precision.
+/// The sound is the motion after the high-pass of every score. 24 bits, and a sum of voices kept in single precision.
 inline void expect_is(const Sound& sound, std::vector<double> motion, double bound = 2 * kLevel) {
+  high_pass(std::span(motion), sound.channels, sound.rate);
   const auto channels = static_cast<std::size_t>(sound.channels), frames = motion.size() / channels;
   for (std::size_t i = 0; i < motion.size(); ++i) {  // the last 10 ms fade to 0 by a raised cosine
     const double from_end = static_cast<double>(frames - 1 - i / channels) / (0.01 * sound.rate);

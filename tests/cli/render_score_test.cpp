@@ -7,7 +7,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <complex>
 #include <numbers>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -66,6 +68,30 @@ std::vector<double> hammer_motion(Parts& parts, double (*output)(const HammerStr
     motion.push_back(output(model, parts));
   }
   return motion;
+}
+
+// What render takes away of the sound of a score: the Butterworth high-pass of sixth order, by the bilinear transform
+// with its frequency kept, and a channel as if it were alone. After a second its poles have decayed to 1e-17.
+TEST(RenderScore, TakesAwayWhatIsBelowTheHighPass) {
+  for (const int rate : {8000, 44100, 192000}) {
+    std::vector<double> left(static_cast<std::size_t>(rate)), both;
+    left[0] = 1;
+    for (const double sample : left) both.insert(both.end(), {sample, -2 * sample});
+    high_pass(std::span(left), 1, rate);
+    high_pass(std::span(both), 2, rate);
+    for (const double frequency_hz : {0.0, 1.0, 5.0, 15.0, 25.0, 27.5, 100.0, 3000.0}) {
+      std::complex<double> response = 0;
+      for (std::size_t n = 0; n < left.size(); ++n)
+        response += left[n] * std::polar(1.0, -2 * pi * frequency_hz * static_cast<double>(n) / rate);
+      const double below = std::tan(pi * kHighPass_hz / rate), there = std::tan(pi * frequency_hz / rate);
+      EXPECT_TRUE(within(std::abs(response), std::sqrt(1 / (1 + std::pow(below / there, 12))), 1e-9))
+          << frequency_hz << ' ' << rate;
+    }
+    for (std::size_t n = 0; n < left.size(); ++n) {
+      ASSERT_EQ(both[2 * n], left[n]);
+      ASSERT_EQ(both[2 * n + 1], -2 * left[n]);
+    }
+  }
 }
 
 TEST(RenderScore, PlaysTheHammerString) {
