@@ -12,9 +12,6 @@ function(contactspline_embed var)
     else()
       file(GLOB files CONFIGURE_DEPENDS ${root}/data/${folder}/*)
     endif()
-    if(WIN32)
-      list(FILTER files EXCLUDE REGEX "\\.mid$")  # there is no PortSMF to read them
-    endif()
     set(source ${CMAKE_CURRENT_BINARY_DIR}/embedded_${folder}.cpp)
     add_custom_command(OUTPUT ${source}
       COMMAND ${CMAKE_COMMAND} "-DFILES=${files}" -DFOLDER=${folder} -DOUTPUT=${source} -P ${root}/cmake/EmbedFiles.cmake

@@ -46,7 +46,7 @@ std::string keys_in_words(const InstrumentModel& model) {
 
 // The notes of a MIDI file and what it left out.
 struct MidiVoices {
-  std::map<int, Voice> by_channel;
+  std::map<std::pair<int, double>, Voice> by_channel;  ///< and the own tuning of its notes
   std::size_t beyond = 0;
   double end_s = 0;
 };
@@ -62,18 +62,31 @@ MidiVoices midi_voices(const InstrumentModel& model, const MidiSong& song) {
     const bool has_bends =
         bends && std::ranges::find(song.bends, note.channel, &MidiBend::channel) != song.bends.end();
     const int channel = has_bends ? note.channel : -1;
-    Voice& voice = voices.by_channel.try_emplace(channel, voice_of(model, 0)).first->second;
+    const double cents = bends ? note.cents : 0;
+    Voice& voice = voices.by_channel.try_emplace({channel, cents}, voice_of(model, 0)).first->second;
     if (has_bends) voice.name = fmt::format("{}_channel_{}", model.name, channel + 1);
-    voice.notes.push_back({note.time_s, note.key, note.velocity / 127.0, note.key_hold_s});
+    if (cents != 0) voice.name += fmt::format("_{:+.6g}_cents", cents);
+    voice.notes.push_back({note.time_s, note.key, note.velocity, note.key_hold_s});
     voices.end_s = std::max(voices.end_s, note.time_s + note.hold_s);
   }
   return voices;
 }
 
+MidiSettings settings_of(const InstrumentModel& model) {
+  MidiSettings settings{.first_key = model.keys.ranges.front().first, .last_key = model.keys.ranges.front().last};
+  for (const KeyRange& range : model.keys.ranges) {
+    settings.first_key = std::min(settings.first_key, range.first);
+    settings.last_key = std::max(settings.last_key, range.last);
+  }
+  if (model.keys.bend != kNoParameter) settings.max_cents = kTuningCents.max;
+  return settings;
+}
+
 // The wheel of its channel, and the sustain pedal.
-void add_controllers(const InstrumentModel& model, const MidiSong& song, int channel, Voice& voice) {
+void add_controllers(const InstrumentModel& model, const MidiSong& song, int channel, double cents, Voice& voice) {
+  if (cents != 0) voice.glides.push_back({0, 0, model.keys.bend, cents});
   for (const MidiBend& bend : song.bends)
-    if (bend.channel == channel) voice.glides.push_back(glide_of(bend, model.keys.bend));
+    if (bend.channel == channel) voice.glides.push_back(glide_of(bend, model.keys.bend, cents));
   for (const MidiPedal& pedal : song.pedals)
     if (pedal.controller == MidiPedal::kSustain && model.keys.sustain != kNoParameter)
       voice.glides.push_back({pedal.time_s, 0, model.keys.sustain, pedal.position});
@@ -188,22 +201,24 @@ Score parse_midi_on_instrument(std::string_view bytes, std::string_view file, st
                                            model.events.front().name)));
   constexpr int kDrums[] = {10};
   const bool is_drum = channels.empty() && model.module == nullptr && !model.keys.tune();
-  const MidiSong song = parse_midi(bytes, file, is_drum ? std::span<const int>(kDrums) : channels);
+  const MidiSong song =
+      parse_midi(bytes, file, is_drum ? std::span<const int>(kDrums) : channels, settings_of(model));
   MidiVoices voices = midi_voices(model, song);
   if (voices.by_channel.empty())
     throw BadInput(fmt::format("{}: MIDI: no note of {} is on {}; allowed: {}, or --channel", file,
                                is_drum ? "channel 10" : "its channels", model.name, keys_in_words(model)));
   const double duration_s = midi_duration_s(file, voices.end_s);
   Score score{std::string(file), Model::kFile, {}, duration_s, {}};
-  std::vector<std::string> left_out;
+  std::vector<std::string> left_out = left_out_parts(song);
+  score.silences_s = song.silences_s;
   if (channels.empty() && song.unchosen > 0)
     left_out.push_back(is_drum ? fmt::format("left out: notes of other channels than 10 ({})", song.unchosen)
                                : left_out_drums(song.unchosen));
   if (voices.beyond > 0)
     left_out.push_back(fmt::format("left out: notes beyond {} ({})", keys_in_words(model), voices.beyond));
   if (!left_out.empty()) score.left_out = fmt::format("{}: MIDI: {}", file, fmt::join(left_out, "; "));
-  for (auto& [channel, voice] : voices.by_channel) {
-    add_controllers(model, song, channel, voice);
+  for (auto& [channel_and_cents, voice] : voices.by_channel) {
+    add_controllers(model, song, channel_and_cents.first, channel_and_cents.second, voice);
     score.voices.push_back(std::move(voice));
   }
   sort_by_time(score.voices);

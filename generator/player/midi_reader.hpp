@@ -8,18 +8,22 @@
 #include <string_view>
 #include <vector>
 
+#include "contactspline/midi/midi_interpreter.hpp"
+
 namespace contactspline {
 
 struct MidiNote {
   double time_s;
-  double hold_s;      ///< until the key is let go, or the sustain pedal that holds it
-  double key_hold_s;  ///< until the key is let go
-  int key;            ///< 0 to 127, 60 is middle C
-  int velocity;       ///< 1 to 127
-  int channel;        ///< 0 to 15
+  double hold_s;       ///< until the key is let go, or the sustain pedal that holds it
+  double key_hold_s;   ///< until the key is let go
+  int key;             ///< 0 to 127, 60 is middle C
+  double velocity;     ///< above 0 to 1
+  int channel;         ///< 0 to 15
+  double cents = 0;    ///< of its own, beside the bend of its channel
+  double release = 0;  ///< velocity with which the key is let go, 0 to 1
 };
 
-/// The pitch wheel of a channel goes to another place.
+/// The pitch wheel or the tuning of a channel goes to another place.
 struct MidiBend {
   double time_s;
   int channel;  ///< 0 to 15
@@ -37,16 +41,20 @@ struct MidiPedal {
 };
 
 struct MidiSong {
-  std::string title;              ///< of the first track, printable; empty where it has none
-  std::vector<MidiNote> notes;    ///< by rising time
-  std::vector<MidiBend> bends;    ///< by rising time
-  std::vector<MidiPedal> pedals;  ///< by rising time
-  std::size_t unchosen = 0;       ///< notes of other channels
+  std::string title;                      ///< of the first track, printable; empty where it has none
+  std::vector<MidiNote> notes;            ///< by rising time
+  std::vector<MidiBend> bends;            ///< by rising time
+  std::vector<MidiPedal> pedals;          ///< by rising time
+  std::vector<double> silences_s = {};    ///< when all that sounds stops
+  std::vector<std::string> remarks = {};  ///< what of the file was not read as it stands
+  std::size_t unchosen = 0;               ///< notes of other channels
+  std::size_t far_bends = 0;              ///< of sounding notes, beyond what MidiSettings allow
 };
 
-/// Title and notes of a MIDI file of format 0 or 1: of the channels (1 to 16), or if none is given of all but the
-/// tenth, which is for drums. Follows tempo, pedals (the sustain pedal holds notes from 64 on), restruck keys and the
-/// pitch wheel (2 semitones, or the range that the file sets). `file` stands in messages only. Throws BadInput.
-[[nodiscard]] MidiSong parse_midi(std::string_view bytes, std::string_view file, std::span<const int> channels = {});
+/// Title and notes of a MIDI file: of the channels (1 to 16), or if none is given of all but the tenth, which is for
+/// drums. What the messages mean says MidiInterpreter. What nobody lets go ends with the file. `file` stands in
+/// messages only. Throws BadInput.
+[[nodiscard]] MidiSong parse_midi(std::string_view bytes, std::string_view file, std::span<const int> channels = {},
+                                  const MidiSettings& settings = {});
 
 }  // namespace contactspline

@@ -70,6 +70,7 @@ struct Strike {
   double hold_s;               ///< infinite: for ever
   std::size_t strike = 0;      ///< of an instrument file: which mass is thrown
   double key_hold_s = hold_s;  ///< on a keyboard's body, where the score moves the pedals: by the key alone
+  double release = 0;          ///< velocity with which the key is let go, 0 to 1; 0: none is known
 };
 
 /// A key of an instrument file that goes down and, after `hold_s`, up.
@@ -96,6 +97,7 @@ struct Voice {
   double strings = 1;                         ///< number of identical strings that the resonator stands for
   double pan = 0;                             ///< -1 left to 1 right
   std::size_t key = 0;                        ///< among the keys of the score
+  double bend_cents = 0;                      ///< beside `bends`
   SharedGlides bends = {};                    ///< of a MIDI channel, which all its voices share; may be null
   std::optional<InstrumentModel> model = {};  ///< of an instrument file: replaces resonator and contact
 };
@@ -116,6 +118,7 @@ struct Score {
   double una_corda_stiffness_ratio = 1;         ///< of all felts
   Listening listening = {};                     ///< the sound of the body under a keyboard
   std::vector<Glide> pedals = {};               ///< by rising time; of KeyboardParameter, all up at first
+  std::vector<double> silences_s = {};          ///< by rising time; when all that sounds stops
   std::optional<double> level_db = {};          ///< of the peak of its sound; empty: what a program chooses
   std::string left_out = {};                    ///< what of a MIDI file is not played, in one line; empty: nothing
   std::string left_out_at_rest = {};            ///< the same without the body, as a list

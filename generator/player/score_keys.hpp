@@ -58,10 +58,17 @@ inline constexpr std::size_t kMaxEvents = 65536;
   return {found, 1};
 }
 
-/// A turn of the pitch wheel as a glide of a parameter.
-[[nodiscard]] inline Glide glide_of(const MidiBend& bend, std::size_t parameter) {
-  return {bend.time_s, bend.in_note ? kMidiBendTime_s : 0, parameter,
-          std::clamp(bend.cents, kTuningCents.min, kTuningCents.max)};
+/// A turn of the pitch wheel as a glide of a parameter, beside the own tuning of a note.
+[[nodiscard]] inline Glide glide_of(const MidiBend& bend, std::size_t parameter, double own_cents = 0) {
+  return {bend.time_s, bend.in_note ? kMidiBendTime_s : 0, parameter, bend.cents + own_cents};
+}
+
+/// The parts of the one line that says what of a MIDI file is not played as it is written.
+[[nodiscard]] inline std::vector<std::string> left_out_parts(const MidiSong& song) {
+  std::vector<std::string> parts = song.remarks;
+  if (song.far_bends > 0)
+    parts.push_back(fmt::format("played as an octave: bends by more than an octave ({})", song.far_bends));
+  return parts;
 }
 
 /// Duration of a MIDI file whose last note ends at `end_s`, with the time that it rings [s]. Throws BadInput.

@@ -116,12 +116,14 @@ class VoicePlayer {
         controls_(voice, sample_rate_hz),
         strikes_(voice.strikes, sample_rate_hz, hold),
         notes_(voice.notes, sample_rate_hz),
-        held_(1 + count_strikes(part)) {}
+        held_(1 + count_strikes(part)),
+        bend_cents_(voice.bend_cents) {}
 
   /// Takes what happens up to a sample. Returns the number of samples from there in which nothing happens.
   std::size_t take_events(std::size_t sample) {
     const auto values = controls_.at(sample);
-    for (std::size_t i = 0; i < values.size(); ++i) part_.set(i, values[i]);
+    for (std::size_t i = 0; i < values.size(); ++i)
+      part_.set(i, i == HammerStringParameter::kBend ? values[i] + bend_cents_ : values[i]);
     while (const auto* change = strikes_.next_until(sample)) take(*change);
     while (const auto* change = notes_.next_until(sample)) take(*change);
     std::size_t steady = std::min(strikes_.samples_to_next(sample), notes_.samples_to_next(sample));
@@ -144,12 +146,19 @@ class VoicePlayer {
   // A strike that several notes hold is released by the last one.
   void take(const StrikeTrack::Change& change) {
     if (change.is_end) {
-      if (--held_[change.strike->strike] == 0) part_.release(change.strike->strike);
+      if (--held_[change.strike->strike] == 0) release(*change.strike);
       return;
     }
     ++held_[change.strike->strike];
     is_struck_ = true;
     part_.strike(change.strike->strike, static_cast<T>(change.strike->speed_m_per_s));
+  }
+
+  void release(const Strike& strike) {
+    if constexpr (requires { part_.release(strike.strike, strike.release); })
+      part_.release(strike.strike, strike.release);
+    else
+      part_.release(strike.strike);
   }
 
   void take(const NoteTrack::Change& change) {
@@ -166,7 +175,27 @@ class VoicePlayer {
   StrikeTrack strikes_;
   NoteTrack notes_;
   std::vector<int> held_;  // notes that hold each strike
+  double bend_cents_;      // 0 but for a hammer-string
   bool is_struck_ = false;
+};
+
+/// When all that sounds stops.
+class SilenceTrack {
+ public:
+  SilenceTrack(const Score& score, double sample_rate_hz) {
+    for (const double time_s : score.silences_s) samples_.push_back(sample_at(time_s, sample_rate_hz));
+  }
+
+  /// Brings an instrument to rest where it is time. Returns the number of samples to the next silence.
+  template <typename T>
+  std::size_t take(AnyInstrument<T>& instrument, std::size_t sample) {
+    for (; next_ < samples_.size() && samples_[next_] <= sample; ++next_) instrument.reset();
+    return next_ < samples_.size() ? samples_[next_] - sample : std::numeric_limits<std::size_t>::max();
+  }
+
+ private:
+  std::vector<std::size_t> samples_;
+  std::size_t next_ = 0;
 };
 
 /// Skips an instrument that is silent until its next strike.
@@ -207,11 +236,13 @@ void play_voice(AnyInstrument<T>& instrument, const Score& score, const Voice& v
   instrument.prepare(options.sample_rate_hz);
   VoicePlayer<AnyInstrument<T>> player(instrument, voice, options.sample_rate_hz);
   Sleep sleep(instrument.sleeps());
+  SilenceTrack silences(score, options.sample_rate_hz);
   recorder.begin(voice);
   for (std::size_t begin = 0; begin < recorder.samples();) {
     if (begin % kBlock == 0) done(begin);
     const std::size_t end = std::min(recorder.samples(), (begin / kBlock + 1) * kBlock);
-    const std::size_t samples = std::min({end - begin, player.take_events(begin), kMaxSteady});
+    const std::size_t to_silence = silences.take(instrument, begin);
+    const std::size_t samples = std::min({end - begin, to_silence, player.take_events(begin), kMaxSteady});
     const auto sound_block = std::span(sound).first(samples), force_block = std::span(force).first(samples);
     if (sleep.skips(player.is_struck(), samples)) {
       std::ranges::fill(sound_block, T(0));
@@ -268,7 +299,7 @@ class KeyPart {
     keyboard_.set(KeyboardParameter::kLoss, values_[Control::kLoss]);
     keyboard_.strike(key_, speed_m_per_s);
   }
-  void release(std::size_t) { keyboard_.release(key_); }
+  void release(std::size_t, double velocity) { keyboard_.play({0, Action::kNoteOff, key_, velocity}); }
 
  private:
   AnyInstrument<T>& keyboard_;
@@ -292,10 +323,11 @@ void play_keyboard(const Score& score, const PlayOptions& options, Recorder& rec
     parts.emplace_back(*keyboard, score, score.voices[v], options.only_voice.value_or(v) == v);
     players.emplace_back(parts.back(), score.voices[v], options.sample_rate_hz, &Strike::key_hold_s);
   }
+  SilenceTrack silences(score, options.sample_rate_hz);
   std::array<T, kBlock> left, right, force;
   for (std::size_t sample = 0, reported = 0; sample < recorder.samples();) {
     if (sample >= reported) done(std::exchange(reported, sample + kBlock));
-    std::size_t samples = std::min(recorder.samples() - sample, kBlock);
+    std::size_t samples = std::min({recorder.samples() - sample, kBlock, silences.take(*keyboard, sample)});
     const auto positions = pedals.at(sample);
     for (std::size_t i = 0; i < positions.size(); ++i) {
       if (!is_pedal(i)) continue;

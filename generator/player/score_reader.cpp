@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <memory>
@@ -176,15 +177,14 @@ void add_body(const Keyboard& keyboard, const NamedText& file, const ReadFile& r
 }
 
 // What of a MIDI file is not played as it is written.
-std::string left_out_line(std::string_view file, const Keyboard& keyboard, std::size_t drums, std::size_t notes,
-                          std::size_t far_bends) {
+std::string left_out_line(std::string_view file, const Keyboard& keyboard, const MidiSong& song, std::size_t drums,
+                          std::size_t notes) {
   std::vector<std::string> parts;
   if (drums > 0) parts.push_back(left_out_drums(drums));
   if (notes > 0)
     parts.push_back(
         fmt::format("left out: notes beyond the keys {} to {} ({})", keyboard.first_key, keyboard.last_key, notes));
-  if (far_bends > 0)
-    parts.push_back(fmt::format("played as an octave: bends by more than an octave ({})", far_bends));
+  std::ranges::copy(left_out_parts(song), std::back_inserter(parts));
   if (parts.empty()) return {};
   return fmt::format("{}: MIDI: {}", file, fmt::join(parts, "; "));
 }
@@ -365,6 +365,17 @@ JsonObject parse_score_object(std::string_view text, std::string_view file) {
                     {"instrument", "description", "duration_s", "level_db", "keyboard", "body", "voices", "events"});
 }
 
+MidiSettings settings_of(const Keyboard& keyboard) {
+  return {.first_key = keyboard.first_key, .last_key = keyboard.last_key, .max_cents = kTuningCents.max};
+}
+
+// A voice with strings of its own, which bend as their channel does.
+void name_bent(Voice& voice, int channel, double cents) {
+  voice.name += fmt::format("_channel_{}", channel + 1);
+  if (cents != 0) voice.name += fmt::format("_{:+.6g}_cents", cents);
+  voice.bend_cents = cents;
+}
+
 bool is_on(const Keyboard& keyboard, const MidiNote& note) {
   return note.key >= keyboard.first_key && note.key <= keyboard.last_key;
 }
@@ -394,9 +405,10 @@ ScoreHeading score_heading(std::string_view text, std::string_view file) {
 }
 
 ScoreHeading midi_score_heading(std::string_view bytes, std::string_view file) {
-  const MidiSong song = parse_midi(bytes, file);
   const NamedText piano = shipped_piano();
-  return {Model::kHammerString, song.title, duration_of(song, parse_keyboard(piano.text, piano.file), file)};
+  const Keyboard keyboard = parse_keyboard(piano.text, piano.file);
+  const MidiSong song = parse_midi(bytes, file, {}, settings_of(keyboard));
+  return {Model::kHammerString, song.title, duration_of(song, keyboard, file)};
 }
 
 Voice read_voice_parts(const JsonObject& object, const char* key, Model model, const ReadFile& read) {
@@ -445,34 +457,32 @@ Score parse_score(std::string_view text, std::string_view file, const ReadFile& 
 
 Score parse_midi_score(std::string_view bytes, std::string_view file, std::span<const int> channels,
                        const NamedText& played, const ReadFile& read) {
-  const MidiSong song = parse_midi(bytes, file, channels);
   const Keyboard keyboard = parse_keyboard(played.text, played.file);
+  const MidiSong song = parse_midi(bytes, file, channels, settings_of(keyboard));
   Score score{std::string(file), Model::kHammerString, {}, duration_of(song, keyboard, file), {}};
   std::map<int, SharedGlides> bends;  // of the channels that have some
   for (const MidiBend& bend : song.bends)
     if (!bends.contains(bend.channel)) bends.emplace(bend.channel, bends_of(song.bends, bend.channel));
-  std::map<std::pair<int, int>, Voice> voices;  // by key and channel; channels without bends share their strings
+  // By key, channel and tuning; channels without bends share their strings.
+  std::map<std::tuple<int, int, double>, Voice> voices;
   std::size_t beyond = 0;
   for (const MidiNote& note : song.notes) {
     if (!is_on(keyboard, note)) {
       ++beyond;
       continue;
     }
-    const int channel = bends.contains(note.channel) ? note.channel : kNoBends;
-    Voice& voice = voices[{note.key, channel}];
+    const bool is_bent = bends.contains(note.channel) || note.cents != 0;
+    Voice& voice = voices[{note.key, is_bent ? note.channel : kNoBends, note.cents}];
     if (voice.name.empty()) {
       voice = voice_of(keyboard, note.key);
-      if (channel != kNoBends) {
-        voice.name += fmt::format("_channel_{}", channel + 1);
-        voice.bends = bends.at(channel);
-      }
+      if (is_bent) name_bent(voice, note.channel, note.cents);
+      if (bends.contains(note.channel)) voice.bends = bends.at(note.channel);
     }
     voice.strikes.push_back(
-        {note.time_s, strike_speed(keyboard, note.velocity / 127.0), note.hold_s, 0, note.key_hold_s});
+        {note.time_s, strike_speed(keyboard, note.velocity), note.hold_s, 0, note.key_hold_s, note.release});
   }
-  const auto is_far = [](const MidiBend& bend) { return std::abs(bend.cents) > kTuningCents.max; };
-  const auto far_bends = static_cast<std::size_t>(std::ranges::count_if(song.bends, is_far));
-  score.left_out = left_out_line(file, keyboard, channels.empty() ? song.unchosen : 0, beyond, far_bends);
+  score.left_out = left_out_line(file, keyboard, song, channels.empty() ? song.unchosen : 0, beyond);
+  score.silences_s = song.silences_s;
   add_body(keyboard, played, read, score);
   std::set<std::size_t> keys;
   for (auto& [key, voice] : voices) {

@@ -56,7 +56,7 @@ struct ControllerPoint {
 
 /// The controllers that move at the first sample of a block.
 struct ControllerPoints {
-  static constexpr int32_t kMax = 3;
+  static constexpr int32_t kMax = 6;
   static const Table<v3_param_changes>& table() {
     static const Table<v3_param_changes> kTable = {
         {query, one, one},
@@ -115,9 +115,14 @@ class InstrumentVst3 : public PluginVst3 {
  public:
   InstrumentVst3(v3_host_application** host, bool is_component) : PluginVst3(host, is_component) {
     static_assert(kVst3InternalParameterProgram == 0 && kVst3InternalParameterMidiCC_start == 1);
-    // "All sound off" and "all notes off"; the pitch wheel where the instrument bends.
+    // "All sound off" and "all notes off"; pedals, which are down from 64 on; the pitch wheel where the instrument
+    // bends.
     hidden_[hidden_count_++] = kVst3InternalParameterMidiCC_start + 120;
     hidden_[hidden_count_++] = kVst3InternalParameterMidiCC_start + 123;
+    for (const v3_param_id pedal : kPedals)
+      for (uint32_t i = 0; i < fParameterCount; ++i)
+        if (fPlugin.getParameterMidiCC(i) == pedal)
+          hidden_[hidden_count_++] = kVst3InternalParameterMidiCC_start + pedal;
     for (uint32_t i = 0; i < fParameterCount; ++i)
       if (fPlugin.getParameterSymbol(i) == "bend_cents")
         hidden_[hidden_count_++] = kVst3InternalParameterMidiCC_start + kPitchWheel;
@@ -149,7 +154,10 @@ class InstrumentVst3 : public PluginVst3 {
       info->default_normalised_value = controller == kPitchWheel ? 0.5 : 0;
       const char* const title = controller == kPitchWheel ? "pitch wheel"
                                 : controller == 120       ? "all sound off"
-                                                          : "all notes off";
+                                : controller == 123       ? "all notes off"
+                                : controller == 64        ? "sustain pedal"
+                                : controller == 66        ? "sostenuto pedal"
+                                                          : "soft pedal";
       strncpy_utf16(info->title, title, 128);
       strncpy_utf16(info->short_title, title, 128);
       return V3_OK;
@@ -167,8 +175,10 @@ class InstrumentVst3 : public PluginVst3 {
 
   /// The parameter that a controller of MIDI moves, 129 for the pitch wheel, on any channel.
   bool controllerAssignment(int16_t controller, v3_param_id* id) const noexcept {
+    const bool is_pedal =
+        std::find(std::begin(kPedals), std::end(kPedals), static_cast<v3_param_id>(controller)) != std::end(kPedals);
     for (uint32_t i = 0; i < fParameterCount; ++i)
-      if (controller > 0 && fPlugin.getParameterMidiCC(i) == controller) {
+      if (controller > 0 && !is_pedal && fPlugin.getParameterMidiCC(i) == controller) {
         *id = kVst3InternalParameterCount + i;
         return true;
       }
@@ -275,7 +285,7 @@ class InstrumentVst3 : public PluginVst3 {
   }
 
  private:
-  static constexpr v3_param_id kPitchWheel = 129;
+  static constexpr v3_param_id kPitchWheel = 129, kPedals[] = {64, 66, 67};
 
   [[nodiscard]] uint32_t program_parameters() const { return fProgramCountMinusOne > 0 ? 1 : 0; }
   [[nodiscard]] bool is_parameter(v3_param_id id) const {

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The runtime, all that ships in C++, and the Faust libraries of generated/, of the tree that this recipe is in. Without the
-program, which writes the other Faust libraries, because Conan has no PortSMF, by which it reads MIDI files."""
+program, which writes the other Faust libraries."""
 
 import os
 import re

@@ -60,8 +60,8 @@ TEST(ScoreKeyboard, PlaysTheKeyboardInstrument) {
   const auto at = [](double time_s) { return static_cast<std::size_t>(std::llround(time_s * kRate)); };
   const double tick_s = 0.5 / 96;
   Acts<Piano> events = {{0, [](Piano& p) { p.una_corda(1), p.note_on(60, 64 / 127.0); }},
-                        {10 * tick_s, [](Piano& p) { p.una_corda(40 / 127.0), p.note_on(36, 90 / 127.0); }},
-                        {20 * tick_s, [](Piano& p) { p.sustain(100 / 127.0), p.note_off(60); }},
+                        {10 * tick_s, [](Piano& p) { p.una_corda(40 / 64.0), p.note_on(36, 90 / 127.0); }},
+                        {20 * tick_s, [](Piano& p) { p.sustain(1), p.note_off(60); }},
                         {30 * tick_s, [](Piano& p) { p.sostenuto(true), p.note_on(60, 1); }},
                         {40 * tick_s, [](Piano& p) { p.note_off(36); }},
                         {60 * tick_s, [](Piano& p) { p.sustain(0); }}};
@@ -145,7 +145,7 @@ TEST(ScoreKeyboard, PlaysUnaCorda) {
     events[3] = soft;
     return sound_of_midi(events, {"--gain", "20"});
   };
-  const Sound up = sound(0), half = sound(64), down = sound(127);
+  const Sound up = sound(0), half = sound(32), down = sound(127);
   const auto pitch_hz = [](const Sound& of) {
     std::vector<double> left;
     for (std::size_t i = 0; i < of.samples.size(); i += 2) left.push_back(of.samples[i]);

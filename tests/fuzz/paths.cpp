@@ -264,7 +264,7 @@ void demand_notes(const MidiSong& song) {
   for (const MidiNote& note : song.notes) {
     demand(std::isfinite(note.time_s) && note.time_s >= last_s && note.hold_s >= 0, "a note at a wrong time");
     demand(note.key_hold_s >= 0 && note.key_hold_s <= note.hold_s, "a key is down longer than its note");
-    demand(note.key >= 0 && note.key < 128 && note.velocity > 0 && note.velocity < 128, "a wrong note");
+    demand(note.key >= 0 && note.key < 128 && note.velocity > 0 && note.velocity <= 1, "a wrong note");
     last_s = note.time_s;
   }
   for (const MidiPedal& pedal : song.pedals)

@@ -58,7 +58,8 @@ std::vector<TimedMessage> chord_and_song() {
   const std::string file = SCORES "/bach_prelude.mid";
   for (const MidiNote& note : parse_midi(read_input(file), file).notes) {
     if (note.time_s > 2) break;
-    const auto key = static_cast<std::uint8_t>(note.key), velocity = static_cast<std::uint8_t>(note.velocity);
+    const auto key = static_cast<std::uint8_t>(note.key),
+               velocity = static_cast<std::uint8_t>(std::lround(127 * note.velocity));
     const auto at = [](double time_s) { return static_cast<std::size_t>(24500 + time_s * kRate); };
     messages.push_back({at(note.time_s), {0x90, key, velocity}});
     messages.push_back({at(note.time_s + note.key_hold_s), {0x80, key, 64}});

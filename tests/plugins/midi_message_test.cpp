@@ -1,9 +1,26 @@
 // SPDX-License-Identifier: MIT
-// The one place where bytes of MIDI are checked.
+// Bytes of MIDI, from the stream to what happens to an instrument, and the page that says so.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <string>
+#include <vector>
+
 #include "contactspline/host/hosted.hpp"
+#include "support/compare.hpp"
+#include "support/midi_files.hpp"
 
 namespace contactspline::testing {
 namespace {
+
+using namespace midi;
+
+std::span<const std::uint8_t> span_of(const std::string& text) {
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
 
 TEST(MidiMessage, IsReadFromWholeMessagesOnly) {
   for (int status = 0; status < 256; ++status)
@@ -16,6 +33,7 @@ TEST(MidiMessage, IsReadFromWholeMessagesOnly) {
         ASSERT_EQ(message.has_value(), status >= 128 && status < 240 && first < 128 && second < 128) << status;
         if (!message) continue;
         EXPECT_EQ(message->status, status - status % 16);
+        EXPECT_EQ(message->channel, status % 16);
         EXPECT_EQ(message->first, first);
         EXPECT_EQ(message->second, second);
       }
@@ -23,6 +41,208 @@ TEST(MidiMessage, IsReadFromWholeMessagesOnly) {
   EXPECT_FALSE(midi_message(long_one));
   EXPECT_FALSE(midi_message(std::span(long_one).first(2)));
   EXPECT_FALSE(midi_message({}));
+}
+
+// What a stream says, one word for each message.
+std::string words_of(const std::string& stream) {
+  MidiParser parser;
+  std::string words;
+  for (const char byte : stream)
+    parser.take(
+        static_cast<std::uint8_t>(byte),
+        [&](const MidiMessage& m) {
+          words += fmt::format("{:x}{:x}:{},{} ", m.status / 16, m.channel, m.first, m.second);
+        },
+        [&](std::span<const std::uint8_t> exclusive) { words += fmt::format("x{} ", exclusive.size()); },
+        [&] { words += "reset "; });
+  return words;
+}
+
+TEST(MidiStream, KeepsWhatIsWhole) {
+  const std::map<std::string, std::string> streams = {
+      {bytes({0x90, 60, 64, 62, 65}), "90:60,64 90:62,65 "},                 // running status
+      {bytes({0x90, 60, 0xf8, 64, 0xfe, 62, 65}), "90:60,64 90:62,65 "},     // a clock within messages
+      {bytes({60, 64, 0x91, 60, 0xb2, 7, 100}), "b2:7,100 "},                // no status, and one cut off
+      {bytes({0xc3, 5, 6, 0xd4, 7}), "c3:5,0 c3:6,0 d4:7,0 "},               // of one data byte
+      {bytes({0x90, 60, 64, 0xf0, 1, 2, 3, 0xf7, 62, 65}), "90:60,64 x3 "},  // ends running status
+      {bytes({0xf0, 1, 2, 0x90, 60, 64}), "90:60,64 "},                      // exclusive, cut off
+      {bytes({0xf3, 5, 60, 64, 0xff, 0x80, 60, 0}), "reset 80:60,0 "}};
+  for (const auto& [stream, words] : streams) EXPECT_EQ(words_of(stream), words);
+  EXPECT_EQ(words_of("\xf0" + std::string(513, 'x') + "\xf7\xf0" + std::string(512, 'x') + "\xf7"), "x512 ");
+}
+
+/// Writes down what happens to it.
+class Witness final : public AnyInstrument<float> {
+ public:
+  explicit Witness(bool bends) : bends_(bends) {}
+
+  [[nodiscard]] const char* name() const override { return "witness"; }
+  [[nodiscard]] const char* description() const override { return ""; }
+  [[nodiscard]] const char* license() const override { return ""; }
+  [[nodiscard]] std::span<const Parameter> parameters() const override { return kList; }
+  [[nodiscard]] std::span<const Event> events() const override { return {}; }
+  [[nodiscard]] std::span<const Output> outputs() const override { return KeyboardParameter::kOutputs; }
+  [[nodiscard]] std::span<const Preset> presets() const override { return {}; }
+  [[nodiscard]] std::optional<std::size_t> event_of(int) const override { return {}; }
+  [[nodiscard]] bool has_key(int key) const override { return key >= 21 && key <= 108; }
+  [[nodiscard]] bool bends_keys() const override { return bends_; }
+  void prepare(double) override {}
+  void play(const TimedEvent& event) override {
+    if (event.action == Action::kSet) values_.at(event.number) = event.value;
+    happened +=
+        fmt::format("{}:{}={:.6g} ", kNames.at(static_cast<std::size_t>(event.action)), event.number, event.value);
+  }
+  void process(Outputs<float>, std::span<float>) override {}
+  void reset() override { happened += "rest "; }
+  [[nodiscard]] double value(std::size_t parameter) const override { return values_.at(parameter); }
+  [[nodiscard]] bool is_silent(double) const override { return true; }
+  [[nodiscard]] bool is_at_rest(double) const override { return true; }
+  [[nodiscard]] bool sleeps() const override { return true; }
+  [[nodiscard]] Books books() const override { return {}; }
+
+  std::string happened;
+
+ private:
+  static constexpr std::array kNames = {"strike", "release", "pluck", "on", "off", "set", "bend", "damp", "place"};
+  static constexpr std::array<Parameter, 5> kList = {
+      {{"sustain", "", {0, 1}, {0, 1}, 0, Scale::kLinear, Acts::kAtOnce, 0, 64},
+       {"sostenuto", "", {0, 1}, {0, 1}, 0, Scale::kLinear, Acts::kAtOnce, 0, 66},
+       {"bend_cents", "cents", {-1200, 1200}, {-200, 200}, 0},
+       {"modulation", "", {0, 1}, {0, 2}, 0, Scale::kLinear, Acts::kAtOnce, 0, 1},
+       {"hardness", "", {0, 10}, {1, 3}, 1, Scale::kLinear, Acts::kAtOnce, 0, 74}}};
+  bool bends_;
+  std::array<double, 5> values_{0, 0, 0, 0, 1};
+};
+
+// What a stream does to an instrument that bends its keys alone, or as a whole.
+std::string what_happens(const std::string& stream, bool bends = true) {
+  auto witness = std::make_unique<Witness>(bends);
+  Witness& seen = *witness;
+  Hosted<float> hosted(std::move(witness));
+  hosted.prepare(48000);
+  seen.happened.clear();
+  hosted.midi(span_of(stream));
+  return seen.happened;
+}
+
+std::string choose(int parameter) {
+  return controller(101, 0) + controller(100, parameter);
+}
+
+struct Live {
+  std::string test, stream, happens;
+  bool bends = true;
+};
+void PrintTo(const Live& live, std::ostream* stream) {
+  *stream << live.test;
+}
+class LiveMidi : public ::testing::TestWithParam<Live> {};
+
+TEST_P(LiveMidi, DoesWhatThePageSays) {
+  EXPECT_EQ(what_happens(GetParam().stream, GetParam().bends), GetParam().happens);
+}
+
+const std::string kStruck = "bend:60=0 on:60=0.708661 ", kLetGo = "off:60=0.503937 ";
+
+const Live kLive[] = {
+    {"Note", on(60) + off(60), kStruck + kLetGo},
+    {"NoteOffByVelocity0", on(60) + on(60, 0), kStruck + kLetGo},
+    {"HandoverWithTheOnFirst", on(60) + on(60) + off(60) + off(60) + off(60), kStruck + kStruck + kLetGo},
+    {"OneKeyOfTwoChannels", on(60) + on(60, 90, 1) + off(60) + off(60, 1), kStruck + kStruck + kLetGo},
+    {"ReleaseVelocity", on(60) + off(60, 0, 127) + on(60) + off(60, 0, 0), kStruck + "off:60=1 " + kStruck + kLetGo},
+    {"VelocityOf14Bits", controller(88, 64) + on(60, 40) + on(60, 127),
+     "bend:60=0 on:60=0.318898 bend:60=0 on:60=1 "},
+    {"Pedal", controller(64, 32) + controller(64, 64) + controller(64, 127), "set:0=0.5 set:0=1 set:0=1 "},
+    {"FarthestPedal", controller(64, 127) + controller(64, 0, 1) + controller(64, 0), "set:0=1 set:0=1 set:0=0 "},
+    {"Sostenuto", controller(66, 63) + controller(66, 64), "set:1=0 set:1=1 "},
+    {"Brightness", controller(74, 127), "set:4=3 "},
+    {"WheelOfItsChannel", on(60) + on(64, 90, 1) + wheel(0) + wheel(0),
+     kStruck + "bend:64=0 on:64=0.708661 bend:60=-200 "},
+    {"WheelOfAll", wheel(0, 3) + on(60), "set:2=-200 set:2=0 on:60=0.708661 ", false},
+    {"UnregisteredEndsTheChoice",
+     choose(0) + controller(99, 1) + controller(98, 32) + controller(6, 64) + wheel(0) + on(60),
+     "bend:60=-200 on:60=0.708661 "},
+    {"BendRangeInCents", choose(0) + controller(6, 0) + controller(38, 50) + wheel(0) + on(60),
+     "bend:60=-50 on:60=0.708661 "},
+    {"Decrement", choose(0) + controller(97, 99) + wheel(0) + on(60), "bend:60=-199 on:60=0.708661 "},
+    {"FineTuning", choose(1) + controller(6, 96) + on(60), "bend:60=50 on:60=0.708661 "},
+    {"CoarseTuning", choose(2) + controller(6, 66) + on(60), "bend:60=200 on:60=0.708661 "},
+    {"MasterTuning", on(60) + bytes({0xf0, 0x7f, 0x7f, 4, 3, 0, 0x60, 0xf7}), kStruck + "bend:60=50 "},
+    {"TunedKey", bytes({0xf0, 0x7f, 0x7f, 8, 2, 0, 1, 60, 60, 0x40, 0, 0xf7}) + on(60), "bend:60=50 on:60=0.708661 "},
+    {"UnchangedKey", bytes({0xf0, 0x7f, 0x7f, 8, 2, 0, 1, 60, 127, 127, 127, 0xf7}) + on(60), kStruck},
+    {"BulkTuning",
+     bytes({0xf0, 0x7e, 0, 8, 1, 0}) + std::string(16, 'n') +
+         [] {
+           std::string keys;
+           for (int key = 0; key < 128; ++key) keys += bytes({key, 0x20, 0});
+           return keys;
+         }() +
+         bytes({0, 0xf7}) + on(60),
+     "bend:60=25 on:60=0.708661 "},
+    {"Mpe", choose(6) + controller(6, 5) + wheel(0, 1) + wheel(0, 2) + on(108, 90, 1) + on(67, 90, 2) + off(108, 1),
+     "bend:60=0 on:60=0.708661 bend:21=-200 on:21=0.708661 off:60=0.503937 "},
+    {"MpeBeside", choose(6) + controller(6, 5) + wheel(0) + wheel(8192 - 128, 1) + on(60, 90, 1),
+     "bend:60=-275 on:60=0.708661 "},
+    {"AllNotesOff", on(60) + controller(123, 0, 1) + controller(123, 0), kStruck + kLetGo},
+    {"ModeLetsGo", on(60) + controller(126, 1), kStruck + kLetGo},
+    {"AllSoundOff", on(60) + controller(120, 0), kStruck + kLetGo + "rest set:0=0 set:1=0 set:2=0 set:3=0 set:4=1 "},
+    {"ResetOfControllers", controller(64, 127) + wheel(0) + on(60) + controller(121, 0),
+     "set:0=1 bend:60=-200 on:60=0.708661 set:0=0 set:1=0 set:3=0 bend:60=0 "},
+    {"SystemReset", choose(0) + controller(6, 12) + bytes({0xff}) + wheel(0) + on(60),
+     "set:0=0 set:1=0 set:3=0 " +
+         [] {
+           std::string more;
+           for (int channel = 1; channel < 16; ++channel) more += "set:0=0 set:1=0 set:3=0 ";
+           return more;
+         }() +
+         "rest set:0=0 set:1=0 set:2=0 set:3=0 set:4=1 bend:60=-200 on:60=0.708661 "},
+    {"Damaged", bytes({0x90, 60, 0xf5, 64, 62}) + bytes({0x85, 60}) + bytes({0xc0, 5}), ""},
+};
+INSTANTIATE_TEST_SUITE_P(All, LiveMidi, ::testing::ValuesIn(kLive), [](const auto& live) { return live.param.test; });
+
+// Whatever comes in, each note ends once, the first of its key and channel first, and none is left after a reset.
+TEST(HostileMidi, EndsEachNoteOnce) {
+  MidiInterpreter midi({.first_key = 21, .last_key = 108, .max_cents = 1200});
+  std::uint64_t state = 5;
+  std::map<std::size_t, int> held;  // note to key
+  std::size_t begun = 0;
+  const auto sink = [&](const MidiEvent& event) {
+    ASSERT_TRUE(std::isfinite(event.cents) && event.value >= 0 && event.value <= 1);
+    if (event.kind == MidiEvent::Kind::kNoteOn) {
+      ASSERT_EQ(event.note, begun++);
+      held[event.note] = event.key;
+      ASSERT_LE(held.size(), MidiInterpreter::kMaxNotes);
+    }
+    if (event.kind == MidiEvent::Kind::kNoteOff) {
+      ASSERT_EQ(held.erase(event.note), 1u);
+    }
+  };
+  for (int n = 0; n < 300'000; ++n) {
+    state = state * 6364136223846793005u + 1442695040888963407u;
+    const auto byte = static_cast<std::uint8_t>(state >> 40);
+    midi.take({&byte, 1}, sink);
+  }
+  EXPECT_GT(begun, 1000u);
+  midi.take(span_of("\xff"), sink);
+  EXPECT_TRUE(held.empty());
+}
+
+// The page shows the list that the interpreter obeys, word by word.
+TEST(PageOfMidi, ShowsWhatEachMessageDoes) {
+  std::ostringstream page;
+  page << std::ifstream(SOURCE_FOLDER "/docs/how-to/midi.md").rdbuf();
+  std::vector<std::string> rows;
+  const auto numbers = [](int first, int last) {
+    return first == last ? fmt::format("{}", first) : fmt::format("{} to {}", first, last);
+  };
+  for (const auto& row : kMidiControllers)
+    rows.push_back(fmt::format("| {} | {} | {} |", numbers(row.first, row.last), row.name, row.effect));
+  for (const auto& row : kMidiRegistered)
+    rows.push_back(fmt::format("| registered {} | {} | {} |", numbers(row.first, row.last), row.name, row.effect));
+  for (const auto& row : kMidiOthers) rows.push_back(fmt::format("| | {} | {} |", row.name, row.effect));
+  std::string table;
+  for (const std::string& row : rows) table += row + "\n";
+  EXPECT_NE(page.str().find("\n" + table + "\n"), std::string::npos) << "docs/how-to/midi.md must show:\n" << table;
 }
 
 }  // namespace

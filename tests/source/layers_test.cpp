@@ -39,6 +39,7 @@ const Tree kRuntime{"runtime/contactspline",
                     R"(#include "(contactspline/[^"]+)\")",
                     {{"step", 1},
                      {"data", 2},
+                     {"midi", 2},
                      {"simd", 2},
                      {"modal", 3},
                      {"network", 4},
@@ -178,7 +179,6 @@ TEST(LayersOfTheTree, LibrariesStayInTheirFolders) {
       {"CLI/", {"generator/cli/command_line.cpp", "generator/cli/validators.hpp"}},
       {"ceres/", {"generator/fit/fit_problem.cpp"}},
       {"sndfile", {"generator/support/memory_sound.hpp"}},
-      {"portSMF/", {"generator/player/midi_reader.cpp"}},
       {"hdf5.h", {"generator/dataset/hdf5_handle.hpp"}}};
   for (const SourceFile& file : files_of(kGenerator))
     for (const auto& [library, files] : allowed) {

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # The runtime, all that ships in C++, and the Faust libraries of generated/, of the tree that this port is in. Without the program,
-# which writes the other Faust libraries, because vcpkg has no PortSMF, by which it reads MIDI files.
+# which writes the other Faust libraries.
 get_filename_component(SOURCE_PATH "${CMAKE_CURRENT_LIST_DIR}/../../.." ABSOLUTE)
 vcpkg_check_features(OUT_FEATURE_OPTIONS features FEATURES
   simd CONTACTSPLINE_BUILD_SIMD

@@ -15,7 +15,7 @@ enum class Action : int {
   kRelease = 1,  ///< number: of a strike, whose damper comes down
   kPluck = 2,    ///< number: of a pluck; value: force [N]
   kNoteOn = 3,   ///< number: key of MIDI; value: velocity, 0 to 1
-  kNoteOff = 4,  ///< number: key of MIDI
+  kNoteOff = 4,  ///< number: key of MIDI; value: release velocity, 0 to 1, or 0 where none is known
   kSet = 5,      ///< number: of a parameter; value: in its unit
   kBendKey = 6,  ///< number: key of MIDI; value: cents above its own pitch
   kDampKey = 7,  ///< number: key of MIDI; value: damping beside the damper's [1/s]

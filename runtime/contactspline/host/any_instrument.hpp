@@ -38,6 +38,7 @@ class AnyInstrument {
   /// The event that a key of MIDI plays, if it plays one; and whether it plays at all.
   [[nodiscard]] virtual std::optional<std::size_t> event_of(int key) const = 0;
   [[nodiscard]] virtual bool has_key(int key) const = 0;
+  [[nodiscard]] virtual bool bends_keys() const = 0;  ///< does Action::kBendKey bend a key alone?
 
   virtual void prepare(double sample_rate_hz) = 0;
   /// Does what an event says, now; its time does not count.
@@ -88,6 +89,14 @@ class InstrumentBehind final : public AnyInstrument<typename I::value_type> {
     return contactspline::event_of(instrument_, key);
   }
   [[nodiscard]] bool has_key(int key) const override { return contactspline::has_key(instrument_, key); }
+  [[nodiscard]] bool bends_keys() const override {
+    if constexpr (requires { instrument_.bends_keys(); })
+      return instrument_.bends_keys();
+    else
+      return requires(I & instrument) {
+        instrument.bend_key(60, 0.0);
+      };
+  }
 
   void prepare(double sample_rate_hz) override { instrument_.prepare(sample_rate_hz); }
   void play(const TimedEvent& event) override {
@@ -102,7 +111,7 @@ class InstrumentBehind final : public AnyInstrument<typename I::value_type> {
       case Action::kNoteOn:
         return instrument_.note_on(key, event.value);
       case Action::kNoteOff:
-        return instrument_.note_off(key);
+        return note_off_by(key, event.value);
       case Action::kSet:
         return instrument_.set(event.number, event.value);
       case Action::kBendKey:
@@ -149,11 +158,19 @@ class InstrumentBehind final : public AnyInstrument<typename I::value_type> {
  private:
   // An action on a single key, of an instrument that has voices for each.
   void move_key([[maybe_unused]] Action action, [[maybe_unused]] int key, [[maybe_unused]] double value) {
-    if constexpr (requires { instrument_.bend_key(key, value); }) {
+    if constexpr (requires { instrument_.bend_key(key, value); })
       if (action == Action::kBendKey) instrument_.bend_key(key, value);
+    if constexpr (requires { instrument_.damp_key(key, value); }) {
       if (action == Action::kDampKey) instrument_.damp_key(key, value);
       if (action == Action::kPlaceKey) instrument_.place_key(key, value);
     }
+  }
+
+  void note_off_by(int key, [[maybe_unused]] double velocity) {
+    if constexpr (requires { instrument_.note_off(key, velocity); })
+      instrument_.note_off(key, velocity);
+    else
+      instrument_.note_off(key);
   }
 
   // The speed or force of an event; where it says so, that of its parameter.

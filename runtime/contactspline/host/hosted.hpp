@@ -23,21 +23,10 @@
 #include "contactspline/instrument/instrument.hpp"
 #include "contactspline/instrument/played_by_events.hpp"
 #include "contactspline/instrument/string_outputs.hpp"
+#include "contactspline/midi/midi_interpreter.hpp"
 #include "contactspline/step/flush_denormals.hpp"
 
 namespace contactspline {
-
-/// A message of MIDI of three bytes.
-struct MidiMessage {
-  int status;         ///< without the channel
-  int first, second;  ///< 0 to 127
-};
-
-/// The one place where bytes of MIDI are checked; nothing for damaged messages and those of other lengths.
-[[nodiscard]] constexpr std::optional<MidiMessage> midi_message(std::span<const std::uint8_t> bytes) {
-  if (bytes.size() != 3 || bytes[0] < 0x80 || bytes[0] >= 0xf0 || (bytes[1] | bytes[2]) >= 0x80) return {};
-  return MidiMessage{bytes[0] & 0xf0, bytes[1], bytes[2]};
-}
 
 /// The first output of a list whose name begins so, or another one.
 [[nodiscard]] constexpr std::size_t output_beginning(std::span<const Output> outputs, std::string_view beginning,
@@ -52,7 +41,8 @@ struct MidiMessage {
 template <std::floating_point T>
 class Hosted {
  public:
-  explicit Hosted(Handle<T> handle) : sleeper_(std::move(handle)), buttons_(instrument().events().size()) {
+  explicit Hosted(Handle<T> handle)
+      : sleeper_(std::move(handle)), midi_(midi_settings()), buttons_(instrument().events().size()) {
     for (std::size_t p = 0; p < instrument().parameters().size(); ++p) targets_.push_back(instrument().value(p));
     rates_.resize(targets_.size());
     outputs_.resize(instrument().outputs().size());
@@ -93,27 +83,11 @@ class Hosted {
     sleeper_.play({0, action, played.number, targets_[played.parameter], kPluckRise_s});
   }
 
-  /// Takes a message of MIDI; damaged and unknown ones do nothing. Notes play; a controller moves the parameter that
-  /// has it; controller 120 silences, 123 lets all keys go; the pitch wheel bends by two semitones.
+  /// Takes bytes of MIDI, whole messages or pieces of a stream; damaged and unknown messages do nothing. What each
+  /// does is listed in midi_meaning.hpp. A controller moves the parameter that has it; bends move the keys that their
+  /// channel plays, and bend_cents of an instrument that cannot bend its keys alone.
   void midi(std::span<const std::uint8_t> bytes) {
-    const auto message = midi_message(bytes);
-    if (!message) return;
-    const auto [status, first, second] = *message;
-    const auto key = static_cast<std::size_t>(first);
-    if (status == 0x90 && second > 0) {
-      sleeper_.play({0, Action::kNoteOn, key, second / 127.0});
-    } else if (status == 0x80 || status == 0x90) {
-      sleeper_.play({0, Action::kNoteOff, key});
-    } else if (status == 0xb0 && first == 120) {
-      reset();
-    } else if (status == 0xb0 && first == 123) {
-      for (std::size_t k = 0; k < 128; ++k) sleeper_.play({0, Action::kNoteOff, k});
-    } else if (status == 0xb0) {
-      for (std::size_t p = 0; p < targets_.size(); ++p)
-        if (first != 0 && instrument().parameters()[p].controller == first) set(p, from_part(p, second / 127.0));
-    } else if (status == 0xe0) {
-      bend(((second << 7 | first) - 8192) / 8192.0 * 200);
-    }
+    midi_.take(bytes, [this](const MidiEvent& event) { take(event); });
   }
 
   /// Moves all parameters to those of a preset.
@@ -139,6 +113,7 @@ class Hosted {
   /// Brings the instrument to rest; parameters arrive where they glide to.
   void reset() {
     sleeper_.reset();
+    midi_.drop_notes();
     std::fill(buttons_.begin(), buttons_.end(), false);
     for (std::size_t p = 0; p < targets_.size(); ++p) set_now(p, targets_[p]);
     is_gliding_ = false;
@@ -147,6 +122,58 @@ class Hosted {
 
  private:
   static constexpr std::size_t kBlock = 256;  // samples
+
+  // A key that is tuned farther than an octave is another key.
+  [[nodiscard]] MidiSettings midi_settings() const {
+    MidiSettings settings;
+    while (settings.first_key < 127 && !instrument().has_key(settings.first_key)) ++settings.first_key;
+    while (settings.last_key > settings.first_key && !instrument().has_key(settings.last_key)) --settings.last_key;
+    if (instrument().bends_keys()) settings.max_cents = 1200;
+    return settings;
+  }
+
+  void take(const MidiEvent& event) {
+    using Kind = MidiEvent::Kind;
+    const auto key = static_cast<std::size_t>(event.key);
+    switch (event.kind) {
+      case Kind::kNoteOn:
+        bend(key, event.cents);
+        return sleeper_.play({0, Action::kNoteOn, key, event.value});
+      case Kind::kNoteOff:
+        if (event.is_last) sleeper_.play({0, Action::kNoteOff, key, event.value});
+        return;
+      case Kind::kKeyBend:
+        return bend(key, event.cents);
+      case Kind::kController:
+        if (event.number != 64 && event.number != 66 && event.number != 67) move(event.number, event.value);
+        return;
+      case Kind::kPedal:
+        return move(event.number, event.value);
+      case Kind::kChannelBend:
+        if (!instrument().bends_keys()) bend(key, event.cents);
+        return;
+      case Kind::kSoundOff:
+      case Kind::kReset:
+        return reset();
+      case Kind::kPressure:
+      case Kind::kProgram:
+        return;
+    }
+  }
+
+  // Moves the parameters of a controller to a part of their way, 0 to 1.
+  void move(int controller, double part) {
+    for (std::size_t p = 0; p < targets_.size(); ++p)
+      if (controller != 0 && instrument().parameters()[p].controller == controller) set(p, from_part(p, part));
+  }
+
+  // Where keys are not bent alone, what MIDI bends last moves the parameter.
+  void bend(std::size_t key, double cents) {
+    if (instrument().bends_keys()) return sleeper_.play({0, Action::kBendKey, key, cents});
+    if (cents == std::exchange(bend_cents_, cents)) return;
+    for (std::size_t p = 0; p < targets_.size(); ++p)
+      if (std::string_view(instrument().parameters()[p].name) == "bend_cents") set(p, cents);
+  }
 
   // A part of a slider's way, 0 to 1.
   [[nodiscard]] double from_part(std::size_t parameter, double part) const {
@@ -170,11 +197,6 @@ class Hosted {
     }
   }
 
-  void bend(double cents) {
-    for (std::size_t p = 0; p < targets_.size(); ++p)
-      if (std::string_view(instrument().parameters()[p].name) == "bend_cents") set(p, cents);
-  }
-
   // Moves parameters by one sample; true while one of them is on its way.
   bool glide() {
     if (!is_gliding_) return false;
@@ -192,6 +214,8 @@ class Hosted {
   }
 
   Sleeper<T> sleeper_;
+  MidiInterpreter midi_;
+  double bend_cents_ = 0;                // by MIDI, of an instrument that bends as a whole
   std::vector<double> targets_, rates_;  // of the parameters; rates: of their glides over a sample
   std::vector<bool> buttons_;            // that are down
   std::vector<std::span<T>> outputs_;

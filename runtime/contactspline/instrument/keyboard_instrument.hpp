@@ -37,6 +37,7 @@ class PedaledKeyboard : public KeyboardOnBody<T>, public KeyboardParameter {
     parameters_[kLoss].initial = parts_->felt_loss_s_per_m;
     for (std::size_t p = 0; p < kParameters; ++p) values_[p] = parameters_[p].initial;
     for (const KeyParts& key : parts_->keys) felts_.push_back(table_in<T>(key.felt));
+    key_cents_.resize(parts_->keys.size());
   }
   /// Allocates.
   PedaledKeyboard(std::shared_ptr<const KeyboardParts> parts, double sample_rate_hz)
@@ -60,7 +61,7 @@ class PedaledKeyboard : public KeyboardOnBody<T>, public KeyboardParameter {
     for (std::size_t parameter = 0; parameter < kParameters; ++parameter) apply(parameter);
   }
 
-  /// Sets a parameter of all keys. A bend is added to none: it replaces those of the keys.
+  /// Sets a parameter of all keys. A bend is added to those of the keys.
   void set(std::size_t parameter, double value) {
     const double next = held(values_[parameter], value, parameters_[parameter].allowed);
     if (next != std::exchange(values_[parameter], next)) apply(parameter);
@@ -70,11 +71,19 @@ class PedaledKeyboard : public KeyboardOnBody<T>, public KeyboardParameter {
   [[nodiscard]] bool has_key(int key) const { return index_of(key) < parts_->keys.size(); }
   /// velocity: 0 to 1, clamped. Keys that it lacks and velocities that are not a number do nothing.
   void note_on(int key, double velocity) { this->strike(index_of(key), static_cast<T>(parts_->speed_of(velocity))); }
-  /// Lowers the damper of a key, as far as the pedals allow.
-  void note_off(int key) { this->release(index_of(key)); }
+  /// Lowers the damper of a key, as far as the pedals allow. velocity: of the release, 0 to 1; 64/127, and 0 where
+  /// none is known, take the damper's own time, 1 a quarter of it, 1/127 four times as long.
+  void note_off(int key, double velocity = 0) {
+    const double steps = 127 * std::clamp(velocity, 0.0, 1.0) - 64;
+    this->release(index_of(key), steps == 0 || !(velocity > 0) ? 1 : std::exp2(2 * steps / 63));
+  }
   void pluck(std::size_t, T, double = 0) {}
   /// Bend [cents], extra damping [1/s] and place of the next strike [m] of one key of MIDI.
-  void bend_key(int key, double cents) { this->bend(index_of(key), cents); }
+  void bend_key(int key, double cents) {
+    if (!has_key(key) || !is_number(cents)) return;
+    key_cents_[index_of(key)] = cents;
+    bend_with_all(index_of(key));
+  }
   void damp_key(int key, double damping_per_s) { this->damp(index_of(key), static_cast<T>(damping_per_s)); }
   void place_key(int key, double place_m) { this->strike_at(index_of(key), place_m); }
 
@@ -123,6 +132,8 @@ class PedaledKeyboard : public KeyboardOnBody<T>, public KeyboardParameter {
     return keys;
   }
 
+  void bend_with_all(std::size_t key) { this->bend(key, values_[kBend] + key_cents_[key]); }
+
   void apply(std::size_t parameter) {
     switch (parameter) {
       case kSustain:
@@ -134,7 +145,7 @@ class PedaledKeyboard : public KeyboardOnBody<T>, public KeyboardParameter {
       case kKnock:
         return this->set_knock(static_cast<T>(values_[kKnock]));
       case kBend:
-        for (std::size_t key = 0; key < this->keys(); ++key) this->bend(key, values_[kBend]);
+        for (std::size_t key = 0; key < this->keys(); ++key) bend_with_all(key);
         return;
       default:
         this->set_hammers(static_cast<T>(values_[kMassRatio]),
@@ -146,6 +157,7 @@ class PedaledKeyboard : public KeyboardOnBody<T>, public KeyboardParameter {
   std::array<Parameter, kParameters> parameters_ = kList;
   std::array<double, kParameters> values_{};
   std::vector<std::vector<Segment<T>>> felts_;
+  std::vector<double> key_cents_;  // beside the bend of all
 };
 
 namespace detail {

@@ -5,6 +5,7 @@
 #include "contactspline/step/cpp20.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bitset>
 #include <cstddef>
 #include <deque>
@@ -82,11 +83,23 @@ class Voices {
     const KeyRange* range = range_of(key);
     if (range == nullptr || !is_number(velocity)) return;
     const Event& event = events()[range->event];
-    Voice& voice = take(static_cast<std::size_t>(key), range->tuned_key < 0 ? 0 : 100.0 * (key - range->tuned_key));
+    Voice& voice = take(static_cast<std::size_t>(key), cents_of(*range, key));
     play_event(voice.instrument, event, std::clamp(velocity, 0.0, 1.0) * value(event.parameter));
   }
   void note_off(int key) {
     if (range_of(key) != nullptr) let_go(static_cast<std::size_t>(key));
+  }
+  /// Can keys be bent? Those without a pitch of their own cannot.
+  [[nodiscard]] bool bends_keys() const {
+    return std::ranges::any_of(keyed().ranges, [](const KeyRange& range) { return range.tuned_key >= 0; });
+  }
+  /// Bends a key of MIDI from its pitch, also while it sounds, beside the parameter [cents].
+  void bend_key(int key, double cents) {
+    const KeyRange* const range = range_of(key);
+    if (range == nullptr || range->tuned_key < 0 || !is_number(cents)) return;
+    key_cents_[static_cast<std::size_t>(key)] = cents;
+    for (Voice& voice : voices_)
+      if (voice.player == static_cast<std::size_t>(key)) voice.instrument.tune(cents_of(*range, key));
   }
   /// The event that a key plays, if it plays one.
   [[nodiscard]] std::optional<std::size_t> event_of(int key) const {
@@ -217,6 +230,11 @@ class Voices {
     return found == ranges.end() ? nullptr : &*found;
   }
 
+  [[nodiscard]] double cents_of(const KeyRange& range, int key) const {
+    if (range.tuned_key < 0) return 0;
+    return 100.0 * (key - range.tuned_key) + key_cents_[static_cast<std::size_t>(key)];
+  }
+
   [[nodiscard]] std::size_t player_of(EventKind kind, std::size_t number) const {
     for (std::size_t e = 0; e < events().size(); ++e)
       if (events()[e].kind == kind && events()[e].number == number) return (std::min)(kKeys + e, kPlayers);
@@ -261,7 +279,8 @@ class Voices {
     for (std::size_t n = 0; n < (force.empty() ? 0 : samples); ++n) force[begin + n] += forces[n];
   }
 
-  std::deque<Voice> voices_;  // which do not move
+  std::deque<Voice> voices_;               // which do not move
+  std::array<double, kKeys> key_cents_{};  // of single keys
   std::size_t order_ = 0;
   std::vector<T> last_;
   T last_force_ = 0;

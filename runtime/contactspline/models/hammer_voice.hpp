@@ -26,15 +26,16 @@ namespace detail {
 class FallingDamper {
  public:
   FallingDamper(const Damper& damper, double sample_rate_hz)
-      : full_per_s_(damper.damping_per_s),
-        factor_(std::exp(-1 / (damper.time_s * sample_rate_hz))),
-        hold_factor_(std::pow(factor_, kHold)),
-        mean_factor_(factor_ * (1 - hold_factor_) / (-std::expm1(-1 / (damper.time_s * sample_rate_hz)) * kHold)) {}
+      : full_per_s_(damper.damping_per_s), time_(damper.time_s * sample_rate_hz) {
+    set_pace(1);
+  }
 
-  /// position: 0 lifted to 1 down. A damper that is lifted a little loses its damping at once.
-  void move_to(double position) {
+  /// position: 0 lifted to 1 down. A damper that is lifted a little loses its damping at once. pace: so many times as
+  /// fast as the damper falls by itself.
+  void move_to(double position, double pace = 1) {
     const double target = position * full_per_s_, now = target_ - remainder_;
     if (target == target_) return;
+    if (pace != pace_) set_pace(pace);
     target_ = target;
     remainder_ = (std::max)(0.0, target - now);
     done_ = 0;
@@ -65,12 +66,21 @@ class FallingDamper {
   static constexpr std::size_t kHold = 16;    // samples
   static constexpr double kInaudible = 1e-5;  // 1/s: 1e-5 of the amplitude in a second
 
+  void set_pace(double pace) {
+    pace_ = pace;
+    const double factor = std::exp(-1 / (time_ / pace));
+    hold_factor_ = std::pow(factor, kHold);
+    mean_factor_ = factor * (1 - hold_factor_) / (-std::expm1(-1 / (time_ / pace)) * kHold);
+  }
+
   double full_per_s_;
-  double factor_, hold_factor_;  // of the remainder over one sample, over kHold
-  double mean_factor_;           // its mean over kHold
-  double target_ = 0;            // [1/s]
-  double remainder_ = 0;         // damping below the target when the hold began [1/s]
-  std::size_t done_ = 0;         // samples of the hold
+  double time_;  // in which the remainder falls to 1/e [samples]
+  double pace_ = 1;
+  double hold_factor_ = 0;  // of the remainder over kHold
+  double mean_factor_ = 0;  // its mean over kHold
+  double target_ = 0;       // [1/s]
+  double remainder_ = 0;    // damping below the target when the hold began [1/s]
+  std::size_t done_ = 0;    // samples of the hold
 };
 
 }  // namespace detail

@@ -1,0 +1,362 @@
+// SPDX-License-Identifier: MIT
+// The one interpreter of MIDI: bytes in, events of a performance out.
+#pragma once
+
+#include "contactspline/step/cpp20.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <utility>
+
+#include "contactspline/midi/midi_channel.hpp"
+#include "contactspline/midi/midi_meaning.hpp"
+#include "contactspline/midi/midi_message.hpp"
+
+namespace contactspline {
+
+/// An event of a performance by MIDI.
+struct MidiEvent {
+  enum class Kind {
+    kNoteOn,       ///< note, channel, key, value: velocity above 0 to 1, cents
+    kNoteOff,      ///< note, channel, key, value: release velocity, 0 to 1, is_last
+    kKeyBend,      ///< channel, key, cents: of a key that the channel has played last
+    kChannelBend,  ///< channel, cents: of all its keys, beside their own tuning
+    kPressure,     ///< channel, key or -1 for all of the channel, value: 0 to 1
+    kController,   ///< channel, number, value: 0 to 1
+    kPedal,        ///< number: 64, 66 or 67; value: 0 up to 1 down, of the channel that presses it farthest; also where
+                   ///< it stays there
+    kProgram,      ///< channel, number
+    kSoundOff,     ///< channel
+    kReset         ///< of the system: of all channels
+  };
+
+  Kind kind;
+  int channel = 0;       ///< 0 to 15
+  int key = -1;          ///< of the instrument, which the note plays
+  int number = 0;        ///< of a controller, a pedal or a program
+  double value = 0;      ///< of what kind says
+  double cents = 0;      ///< above the pitch of `key`
+  double own_cents = 0;  ///< of a note: what of that is not its channel's
+  std::size_t note = 0;  ///< identity: how many notes began before it
+  bool is_last = true;   ///< of a note off: does no other note hold the key?
+};
+
+/// What an instrument is, as far as MIDI must know it.
+struct MidiSettings {
+  int first_key = 0, last_key = 127;
+  /// A note that is tuned farther than that when it begins plays another key, the nearest to its pitch.
+  double max_cents = std::numeric_limits<double>::infinity();
+  int pedal_down = 64;  ///< value from which on sustain and soft pedal are all the way down, 1 to 127
+};
+
+/// Follows channels, tunings, MPE zones and held notes. What each message does is listed in midi_meaning.hpp. A note
+/// off ends the note of its key and channel that began first. Nothing allocates; any bytes are safe.
+class MidiInterpreter {
+ public:
+  static constexpr std::size_t kMaxNotes = 512;  ///< that are held; one more ends the first of them
+
+  explicit MidiInterpreter(const MidiSettings& settings = {}) : settings_(settings) { forget(); }
+
+  /// Takes bytes of a stream, which may be cut anywhere. sink: called with each MidiEvent.
+  template <typename Sink>
+  void take(std::span<const std::uint8_t> bytes, Sink&& sink) {
+    for (const std::uint8_t byte : bytes)
+      parser_.take(
+          byte, [&](const MidiMessage& message) { this->message(message, sink); },
+          [&](std::span<const std::uint8_t> exclusive) { this->exclusive(exclusive, sink); },
+          [&] { reset(sink); });
+  }
+
+  /// Lets all notes go that are held, as if the instrument had been brought to rest. Channels keep their state.
+  void drop_notes() {
+    held_count_ = 0;
+    sounding_.fill({});
+  }
+
+  /// Is a channel in an MPE zone, as its first or as a member?
+  [[nodiscard]] bool is_in_zone(int channel) const {
+    return master_of(channel) >= 0 || (channel == 0 && lower_ > 0) || (channel == 15 && upper_ > 0);
+  }
+  /// Does a channel hold the sustain pedal down, from 64 on?
+  [[nodiscard]] bool is_sustained(int channel) const { return at(channel).pedals[0] >= kHalf; }
+
+ private:
+  using Kind = MidiEvent::Kind;
+  static constexpr int kHalf = 64, kChannels = 16, kKeys = 128;
+  static constexpr std::array<int, 3> kPedals = {64, 66, 67};
+
+  struct Held {
+    std::size_t note;
+    int channel, key, played;  // the key of MIDI, and that which it plays
+  };
+  // What a key of the instrument plays.
+  struct Sounding {
+    int channel = -1;
+    double own_cents = 0;  // beside the bend of the channel
+  };
+
+  [[nodiscard]] MidiChannel& at(int channel) { return channels_[static_cast<std::size_t>(channel)]; }
+  [[nodiscard]] const MidiChannel& at(int channel) const { return channels_[static_cast<std::size_t>(channel)]; }
+
+  // The first channel of the zone whose member a channel is, or -1.
+  [[nodiscard]] int master_of(int channel) const {
+    if (channel >= 1 && channel <= lower_) return 0;
+    return channel <= 14 && channel >= 15 - upper_ ? 15 : -1;
+  }
+  [[nodiscard]] double cents_of(int channel) const {
+    const int master = master_of(channel);
+    return tuning_.master() + at(channel).cents() + (master < 0 ? 0 : at(master).cents());
+  }
+
+  template <typename Sink>
+  void message(const MidiMessage& message, Sink& sink) {
+    const auto& [status, first, second, channel] = message;
+    switch (status) {
+      case 0x80:
+        return note_off(channel, first, second == 0 ? kHalf : second, sink);
+      case 0x90:
+        return second == 0 ? note_off(channel, first, kHalf, sink) : note_on(channel, first, second, sink);
+      case 0xa0:
+        return sink(MidiEvent{.kind = Kind::kPressure, .channel = channel, .key = first, .value = second / 127.0});
+      case 0xb0:
+        return controller(channel, first, second, sink);
+      case 0xc0:
+        return sink(MidiEvent{.kind = Kind::kProgram, .channel = channel, .number = first});
+      case 0xd0:
+        return sink(MidiEvent{.kind = Kind::kPressure, .channel = channel, .value = first / 127.0});
+      default:
+        at(channel).wheel = second << 7 | first;
+        return tell_bends(sink);
+    }
+  }
+
+  template <typename Sink>
+  void exclusive(std::span<const std::uint8_t> bytes, Sink& sink) {
+    const bool is_general_midi = bytes.size() == 4 && bytes[0] == 0x7e && bytes[2] == 9 && bytes[3] >= 1 && bytes[3] <= 3;
+    if (is_general_midi) return reset(sink);
+    tuning_.take(bytes);  // the tuning of a key waits for its next note
+    tell_bends(sink);
+  }
+
+  // The key of the instrument that a note plays, and how far it is tuned.
+  template <typename Sink>
+  void note_on(int channel, int key, int velocity, Sink& sink) {
+    if (held_count_ == kMaxNotes) end(0, kHalf, sink);
+    double own = tuning_.cents(key);
+    int played = key;
+    if (std::abs(own + cents_of(channel)) > settings_.max_cents) {
+      played = std::clamp(key + static_cast<int>(std::lround((own + cents_of(channel)) / 100)), settings_.first_key,
+                          settings_.last_key);
+      own += 100.0 * (key - played);
+    }
+    const double value = (velocity + std::exchange(at(channel).velocity_low, 0) / 128.0) / 127.0;
+    sounding_[static_cast<std::size_t>(played)] = {channel, own};
+    held_[held_count_++] = {notes_, channel, key, played};
+    sink(MidiEvent{.kind = Kind::kNoteOn,
+                   .channel = channel,
+                   .key = played,
+                   .value = (std::min)(value, 1.0),
+                   .cents = own + cents_of(channel),
+                   .own_cents = own,
+                   .note = notes_++});
+  }
+
+  template <typename Sink>
+  void note_off(int channel, int key, int velocity, Sink& sink) {
+    for (std::size_t n = 0; n < held_count_; ++n)
+      if (held_[n].channel == channel && held_[n].key == key) return end(n, velocity, sink);
+  }
+
+  template <typename Sink>
+  void end(std::size_t number, int velocity, Sink& sink) {
+    const Held ended = held_[number];
+    std::copy(held_.begin() + static_cast<std::ptrdiff_t>(number) + 1,
+              held_.begin() + static_cast<std::ptrdiff_t>(held_count_),
+              held_.begin() + static_cast<std::ptrdiff_t>(number));
+    --held_count_;
+    const auto others = std::span(held_).first(held_count_);
+    sink(MidiEvent{.kind = Kind::kNoteOff,
+                   .channel = ended.channel,
+                   .key = ended.played,
+                   .value = velocity / 127.0,
+                   .note = ended.note,
+                   .is_last = std::ranges::find(others, ended.played, &Held::played) == others.end()});
+  }
+
+  template <typename Sink>
+  void end_notes(int channel, Sink& sink) {
+    for (std::size_t n = 0; n < held_count_;)
+      if (held_[n].channel == channel)
+        end(n, kHalf, sink);
+      else
+        ++n;
+  }
+
+  template <typename Sink>
+  void controller(int channel, int number, int value, Sink& sink) {
+    const auto* const row = midi_row(kMidiControllers, number);
+    MidiChannel& of = at(channel);
+    if (row == nullptr) return tell_controller(channel, number, value, sink);
+    switch (row->meaning) {
+      case MidiControl::kParameter:
+        return tell_controller(channel, number, value, sink);
+      case MidiControl::kPedal:
+      case MidiControl::kSwitch:
+        return pedal(channel, number, value, sink);
+      case MidiControl::kDataHigh:
+        return data_entry(channel, value << 7, 0, sink);
+      case MidiControl::kDataLow:
+        return data_entry(channel, value, 0x7f << 7, sink);
+      case MidiControl::kIncrement:
+      case MidiControl::kDecrement:
+        if (const auto* const parameter = of.parameter())
+          of.step(parameter->meaning, row->meaning == MidiControl::kIncrement ? 1 : -1);
+        return share_range(channel, sink);
+      case MidiControl::kVelocityLow:
+        of.velocity_low = value;
+        return;
+      case MidiControl::kUnregistered:
+        of.is_registered = false;
+        return;
+      case MidiControl::kRegisteredLow:
+      case MidiControl::kRegisteredHigh:
+        of.is_registered = true;
+        of.chosen = number == 100 ? (of.chosen & 0x7f << 7) | value : (of.chosen & 0x7f) | value << 7;
+        return;
+      case MidiControl::kSoundOff:
+        end_notes(channel, sink);
+        return sink(MidiEvent{.kind = Kind::kSoundOff, .channel = channel});
+      case MidiControl::kReset:
+        return reset_controllers(channel, sink);
+      case MidiControl::kNotesOff:
+        return end_notes(channel, sink);
+    }
+  }
+
+  template <typename Sink>
+  void tell_controller(int channel, int number, int value, Sink& sink) {
+    sink(MidiEvent{.kind = Kind::kController, .channel = channel, .number = number, .value = value / 127.0});
+  }
+
+  [[nodiscard]] double position(std::size_t pedal) const {
+    const int farthest = std::ranges::max(channels_, {}, [=](const MidiChannel& of) { return of.pedals[pedal]; }).pedals[pedal];
+    if (kPedals[pedal] == 66) return farthest >= kHalf ? 1 : 0;
+    return (std::min)(1.0, double(farthest) / settings_.pedal_down);
+  }
+
+  template <typename Sink>
+  void pedal(int channel, int number, int value, Sink& sink) {
+    const auto which = static_cast<std::size_t>(std::ranges::find(kPedals, number) - kPedals.begin());
+    at(channel).pedals[which] = value;
+    tell_controller(channel, number, value, sink);
+    sink(MidiEvent{.kind = Kind::kPedal, .number = number, .value = position(which)});
+  }
+
+  // Sets a registered parameter, of whose 14 bits some stay.
+  template <typename Sink>
+  void data_entry(int channel, int bits, int stay, Sink& sink) {
+    const auto* const parameter = at(channel).parameter();
+    if (parameter == nullptr) return;
+    if (parameter->meaning == MidiTuning::kZone) {
+      if (stay == 0) zone(channel, bits >> 7, sink);
+      return;
+    }
+    int& value = *at(channel).value_of(parameter->meaning);
+    value = (value & stay) | bits;
+    share_range(channel, sink);
+  }
+
+  // All members of a zone have one bend range.
+  template <typename Sink>
+  void share_range(int channel, Sink& sink) {
+    if (const int master = master_of(channel); master >= 0)
+      for (int other = 0; other < kChannels; ++other)
+        if (master_of(other) == master) at(other).bend_range = at(channel).bend_range;
+    tell_bends(sink);
+  }
+
+  // An MPE zone of so many members; the other one keeps what is left.
+  template <typename Sink>
+  void zone(int channel, int members, Sink& sink) {
+    if ((channel != 0 && channel != 15) || members > 15) return;
+    std::array<bool, kChannels> were{};
+    for (int c = 0; c < kChannels; ++c) were[static_cast<std::size_t>(c)] = is_in_zone(c);
+    (channel == 0 ? lower_ : upper_) = members;
+    int& other = channel == 0 ? upper_ : lower_;
+    other = (std::min)(other, (std::max)(0, 14 - members));
+    for (int c = 0; c < kChannels; ++c) {
+      const bool is_member = master_of(c) >= 0;
+      if (!is_member && !were[static_cast<std::size_t>(c)] && c != channel) continue;
+      end_notes(c, sink);
+      at(c).bend_range = (is_member ? 48 : 2) << 7;
+      at(c).wheel = 0x2000;
+    }
+    tell_bends(sink);
+  }
+
+  template <typename Sink>
+  void reset_controllers(int channel, Sink& sink) {
+    MidiChannel& of = at(channel);
+    of.wheel = 0x2000;
+    of.chosen = MidiChannel::kNone;
+    of.is_registered = false;
+    of.velocity_low = 0;
+    for (const int number : kPedals) pedal(channel, number, 0, sink);
+    tell_controller(channel, 1, 0, sink);
+    tell_controller(channel, 11, 127, sink);
+    sink(MidiEvent{.kind = Kind::kPressure, .channel = channel});
+    tell_bends(sink);
+  }
+
+  template <typename Sink>
+  void reset(Sink& sink) {
+    while (held_count_ > 0) end(0, kHalf, sink);
+    for (int channel = 0; channel < kChannels; ++channel) reset_controllers(channel, sink);
+    forget();
+    for (int channel = 0; channel < kChannels; ++channel)
+      sink(MidiEvent{.kind = Kind::kChannelBend, .channel = channel});
+    sink(MidiEvent{.kind = Kind::kReset});
+  }
+
+  void forget() {
+    channels_.fill({});
+    tuning_.clear();
+    lower_ = upper_ = 0;
+    drop_notes();
+  }
+
+  // Tells the bends of all channels that have changed, and of the keys that they have played.
+  template <typename Sink>
+  void tell_bends(Sink& sink) {
+    for (int channel = 0; channel < kChannels; ++channel) {
+      const double cents = cents_of(channel);
+      if (cents == std::exchange(at(channel).told_cents, cents)) continue;
+      sink(MidiEvent{.kind = Kind::kChannelBend, .channel = channel, .cents = cents});
+      for (int key = 0; key < kKeys; ++key)
+        if (sounding_[static_cast<std::size_t>(key)].channel == channel) tell_key(key, sink);
+    }
+  }
+
+  template <typename Sink>
+  void tell_key(int key, Sink& sink) {
+    const auto& [channel, own_cents] = sounding_[static_cast<std::size_t>(key)];
+    sink(MidiEvent{
+        .kind = Kind::kKeyBend, .channel = channel, .key = key, .cents = own_cents + cents_of(channel)});
+  }
+
+  MidiSettings settings_;
+  MidiParser parser_;
+  std::array<MidiChannel, kChannels> channels_;
+  MidiKeyTuning tuning_;
+  int lower_ = 0, upper_ = 0;  // member channels of the MPE zones
+  std::array<Held, kMaxNotes> held_{};
+  std::size_t held_count_ = 0, notes_ = 0;
+  std::array<Sounding, kKeys> sounding_{};
+};
+
+}  // namespace contactspline
