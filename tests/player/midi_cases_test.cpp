@@ -187,7 +187,7 @@ const Damaged kDamaged[] = {
     {"DataByteAbove127", file(chunk("MTrk", bytes({0, 0x90, 0xbc, 64, 0, 0x90, 61, 0xc0}) + kOn + kRest + kEnd)),
      "track 1, byte 23: left out: an event with a data byte above 127 (2 times)"},
     {"NoEnd", file(chunk("MTrk", kOn + kRest)), "track 1, byte 30: the track has no end"},
-    {"BrokenOff", file(chunk("MTrk", kOn + kRest + kEnd)).substr(0, 28), "track 1, byte 28: the track breaks off"},
+    {"BrokenOff", file(chunk("MTrk", kOn + kRest + kEnd)).substr(0, 27), "track 1, byte 27: the track breaks off"},
     {"NoStatus", file(chunk("MTrk", bytes({0, 60, 64}) + on(60) + kRest + kEnd)),
      "track 1, byte 23: left out: data without a status"},
     {"SystemMessage", file(chunk("MTrk", bytes({0, 0xf5}) + kOn + kRest + kEnd)),
