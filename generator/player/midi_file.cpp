@@ -128,8 +128,7 @@ class TrackReader {
     if (type != kTempo) return;
     int quarter_us = 0;
     for (const char digit : text.substr(0, 3)) quarter_us = quarter_us << 8 | static_cast<unsigned char>(digit);
-    if (text.size() != 3 || quarter_us == 0)
-      return remarks_.add("left out: a tempo that is none", track_, event_);
+    if (text.size() != 3 || quarter_us == 0) return remarks_.add("left out: a tempo that is none", track_, event_);
     events_.push_back({tick_, {}, quarter_us});
   }
 

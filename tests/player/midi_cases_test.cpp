@@ -48,26 +48,46 @@ const Events kNext = {{4 * kSecond, on(96, 1)}, {4 * kSecond + 96, off(96)}};
 const Holds kHolds[] = {
     {"HandoverBetweenTracks",
      file(track({{kSecond, on(60)}, {3 * kSecond, off(60)}}) + track({{0, on(60)}, {kSecond, off(60)}}), 2),
-     {0, 1}, {1, 2}, {1, 2}},
+     {0, 1},
+     {1, 2},
+     {1, 2}},
     {"HandoverWithTheOnFirst",
      file(track({{0, on(60)}, {kSecond, on(60)}, {kSecond, off(60)}, {3 * kSecond, off(60)}}), 1, 0),
-     {0, 1}, {1, 2}, {1, 2}},
+     {0, 1},
+     {1, 2},
+     {1, 2}},
     {"OverlapOnOneChannel",
      file(track({{0, on(60)}, {kSecond / 2, on(60)}, {kSecond, off(60)}, {3 * kSecond, off(60)}})),
-     {0, 0.5}, {1, 2.5}, {1, 2.5}},
+     {0, 0.5},
+     {1, 2.5},
+     {1, 2.5}},
     {"PedalUntilTheEndOfTheTrack",
      file(track({{0, controller(64, 127)}, {0, on(48)}, {0, on(55)}, {240, off(48)}, {240, off(55)}}, 4 * kSecond)),
-     {0, 0}, {0.25, 0.25}, {4, 4}},
-    {"AllNotesOff", file(track(followed_by({{0, on(60)}, {kSecond, controller(123, 0)}}, kNext))), {0, 4}, {1, 0.1}, {1, 0.1}},
-    {"AllSoundOff", file(track(followed_by({{0, on(60)}, {kSecond, controller(120, 0)}}, kNext))), {0, 4}, {1, 0.1}, {1, 0.1}},
+     {0, 0},
+     {0.25, 0.25},
+     {4, 4}},
+    {"AllNotesOff",
+     file(track(followed_by({{0, on(60)}, {kSecond, controller(123, 0)}}, kNext))),
+     {0, 4},
+     {1, 0.1},
+     {1, 0.1}},
+    {"AllSoundOff",
+     file(track(followed_by({{0, on(60)}, {kSecond, controller(120, 0)}}, kNext))),
+     {0, 4},
+     {1, 0.1},
+     {1, 0.1}},
     {"ResetOfControllers",
      file(track(followed_by(
          {{0, controller(64, 127)}, {0, on(60)}, {kSecond / 2, off(60)}, {kSecond, controller(121, 0)}}, kNext))),
-     {0, 4}, {0.5, 0.1}, {1, 0.1}},
+     {0, 4},
+     {0.5, 0.1},
+     {1, 0.1}},
     {"EmptyTrack", file(chunk("MTrk", "") + track(kNote), 2), {0}, {1}, {1}},
     {"AlienChunkBetween",
      file(track(kNote) + chunk("XFKM", "abc") + track({{0, on(72, 40, 1)}, {kSecond, off(72, 1)}}), 2),
-     {0, 0}, {1, 1}, {1, 1}},
+     {0, 0},
+     {1, 1},
+     {1, 1}},
     {"Riff", "RIFF\x3c" + bytes({0, 0, 0}) + "RMIDdata" + bytes({0x30, 0, 0, 0}) + file(track(kNote)), {0}, {1}, {1}},
     {"FormatTwo", file(track(kNote) + track(kNote), 2, 2), {0, 1}, {1, 1}, {1, 1}},
 };
@@ -105,38 +125,58 @@ constexpr double kUp = 8191.0 / 8192;
 const Tuned kTuned[] = {
     {"BendRangeOfTwoSemitones", file(track(kBentNote)), {200 * kUp}},
     {"BendRangeThenAnUnregisteredParameter",
-     set_by(0, {{0, controller(6, 2)}, {0, controller(99, 1)}, {0, controller(98, 32)}, {0, controller(6, 64)}}, kBentNote),
+     set_by(0, {{0, controller(6, 2)}, {0, controller(99, 1)}, {0, controller(98, 32)}, {0, controller(6, 64)}},
+            kBentNote),
      {200 * kUp}},
     {"BendRangeOfFiftyCents", set_by(0, {{0, controller(6, 0)}, {0, controller(38, 50)}}, kBentNote), {50 * kUp}},
     {"BendRangeIncremented", set_by(0, Events(50, {0, controller(96, 0)}), kBentNote), {250 * kUp}},
     {"BendRangeDecrementedPastASemitone", set_by(0, Events(150, {0, controller(97, 127)}), kBentNote), {50 * kUp}},
     {"ChoiceEndedByNone",
-     set_by(0, {{0, controller(101, 127)}, {0, controller(100, 127)}, {0, controller(6, 12)}}, kBentNote), {200 * kUp}},
+     set_by(0, {{0, controller(101, 127)}, {0, controller(100, 127)}, {0, controller(6, 12)}}, kBentNote),
+     {200 * kUp}},
     {"FineTuning", set_by(1, {{0, controller(6, 96)}, {0, controller(38, 0)}}, kNote), {50}},
     {"CoarseTuning", set_by(2, {{0, controller(6, 66)}}, kNote), {200}},
     {"CoarseTuningIncremented", set_by(2, {{0, controller(96, 0)}}, kNote), {100}},
-    {"MasterTuning", file(track(followed_by({{0, exclusive("\x7f\x7f\4\3\3\x45")}}, kNote))), {100.0 * (0x45 * 128 + 3 - 8192) / 8192}},
-    {"MasterCoarseTuning", file(track(followed_by({{0, exclusive(std::string("\x7f\x7f\4\4\0\x3e", 6))}}, kNote))), {-200}},
+    {"MasterTuning",
+     file(track(followed_by({{0, exclusive("\x7f\x7f\4\3\3\x45")}}, kNote))),
+     {100.0 * (0x45 * 128 + 3 - 8192) / 8192}},
+    {"MasterCoarseTuning",
+     file(track(followed_by({{0, exclusive(std::string("\x7f\x7f\4\4\0\x3e", 6))}}, kNote))),
+     {-200}},
     {"TunedKey",
-     file(track(followed_by({{0, exclusive(std::string("\x7f\x7f\x08\2\0\1\x3c\x3c\x40\0", 10))}}, kNote))), {50}},
+     file(track(followed_by({{0, exclusive(std::string("\x7f\x7f\x08\2\0\1\x3c\x3c\x40\0", 10))}}, kNote))),
+     {50}},
     {"TunedKeyWithABank",
-     file(track(followed_by({{0, exclusive(std::string("\x7e\x7f\x08\7\0\0\1\x3c\x3b\x40\0", 11))}}, kNote))), {-50}},
+     file(track(followed_by({{0, exclusive(std::string("\x7e\x7f\x08\7\0\0\1\x3c\x3b\x40\0", 11))}}, kNote))),
+     {-50}},
     {"TwoBendsOfMpe",
-     file(track(followed_by(registered(6), {{0, controller(6, 5)}, {0, wheel(16383, 1)}, {0, wheel(0, 2)}, {0, on(60, 90, 1)},
-                                            {0, on(67, 90, 2)}, {kSecond, off(60, 1)}, {kSecond, off(67, 2)}}))),
-     {4800 * kUp, -4800}, {60, 67}},
+     file(track(followed_by(registered(6), {{0, controller(6, 5)},
+                                            {0, wheel(16383, 1)},
+                                            {0, wheel(0, 2)},
+                                            {0, on(60, 90, 1)},
+                                            {0, on(67, 90, 2)},
+                                            {kSecond, off(60, 1)},
+                                            {kSecond, off(67, 2)}}))),
+     {4800 * kUp, -4800},
+     {60, 67}},
     {"MpeBendsBesideTheFirstChannel",
-     file(track(followed_by(registered(6), {{0, controller(6, 3)}, {0, wheel(0)}, {0, wheel(8192 + 128, 1)}, {0, on(60, 90, 1)},
+     file(track(followed_by(registered(6), {{0, controller(6, 3)},
+                                            {0, wheel(0)},
+                                            {0, wheel(8192 + 128, 1)},
+                                            {0, on(60, 90, 1)},
                                             {kSecond, off(60, 1)}}))),
-     {-200 + 75}, {60}},
+     {-200 + 75},
+     {60}},
 };
 INSTANTIATE_TEST_SUITE_P(All, MidiTunes, ::testing::ValuesIn(kTuned),
                          [](const auto& tuned) { return tuned.param.test; });
 
 // 64 and more is all the way down, whoever writes it; below is a half pedal.
 TEST(MidiPedals, AreDownFromSixtyFourOn) {
-  for (const auto& [value, position] : {std::pair{20, 20 / 64.0}, {40, 40 / 64.0}, {63, 63 / 64.0}, {64, 1.0}, {100, 1.0}, {127, 1.0}}) {
-    const MidiSong song = song_of(file(track({{0, controller(64, value)}, {0, on(60)}, {kSecond, off(60)}, {3 * kSecond, controller(64, 0)}})));
+  for (const auto& [value, position] :
+       {std::pair{20, 20 / 64.0}, {40, 40 / 64.0}, {63, 63 / 64.0}, {64, 1.0}, {100, 1.0}, {127, 1.0}}) {
+    const MidiSong song = song_of(
+        file(track({{0, controller(64, value)}, {0, on(60)}, {kSecond, off(60)}, {3 * kSecond, controller(64, 0)}})));
     ASSERT_EQ(song.pedals.size(), 2u) << value;
     EXPECT_EQ(song.pedals[0].position, position);
     EXPECT_TRUE(within(song.pedals[1].time_s, 3, 1e-12));
@@ -145,7 +185,11 @@ TEST(MidiPedals, AreDownFromSixtyFourOn) {
 }
 
 TEST(MidiVelocities, HaveALowByteAndARelease) {
-  const MidiSong fine = song_of(file(track({{0, controller(88, 64)}, {0, on(60, 40)}, {kSecond, off(60)}, {kSecond, on(60, 40)}, {2 * kSecond, off(60, 0, 127)}})));
+  const MidiSong fine = song_of(file(track({{0, controller(88, 64)},
+                                            {0, on(60, 40)},
+                                            {kSecond, off(60)},
+                                            {kSecond, on(60, 40)},
+                                            {2 * kSecond, off(60, 0, 127)}})));
   ASSERT_EQ(fine.notes.size(), 2u);
   EXPECT_EQ(fine.notes[0].velocity, 40.5 / 127);
   EXPECT_EQ(fine.notes[1].velocity, 40.0 / 127);
@@ -155,7 +199,12 @@ TEST(MidiVelocities, HaveALowByteAndARelease) {
 
 TEST(MidiSilence, IsThatOfTheChannelWhereNoOtherSounds) {
   const auto silences = [](int channel) {
-    return song_of(file(track({{0, on(60)}, {0, on(64, 90, 1)}, {480, off(64, 1)}, {kSecond, controller(120, 0, channel)}, {2 * kSecond, off(60)}}))).silences_s;
+    return song_of(file(track({{0, on(60)},
+                               {0, on(64, 90, 1)},
+                               {480, off(64, 1)},
+                               {kSecond, controller(120, 0, channel)},
+                               {2 * kSecond, off(60)}})))
+        .silences_s;
   };
   EXPECT_EQ(silences(0).size(), 1u);
   EXPECT_EQ(silences(1).size(), 0u);

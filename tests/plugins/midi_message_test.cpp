@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "contactspline/data/model_parameters.hpp"
 #include "contactspline/host/hosted.hpp"
 #include "support/compare.hpp"
 #include "support/midi_files.hpp"

@@ -115,8 +115,7 @@ class MidiKeyTuning {
   // A pitch: a key and 14 bits of a semitone above it; all bits: no change.
   void tune(std::size_t key, std::span<const std::uint8_t> pitch) {
     if (pitch[0] == 127 && pitch[1] == 127 && pitch[2] == 127) return;
-    keys_[key] =
-        100.0 * (pitch[0] - static_cast<int>(key)) + 100.0 * (pitch[1] << 7 | pitch[2]) / 0x4000;
+    keys_[key] = 100.0 * (pitch[0] - static_cast<int>(key)) + 100.0 * (pitch[1] << 7 | pitch[2]) / 0x4000;
   }
 
   int fine_ = 0x2000, coarse_ = 64;

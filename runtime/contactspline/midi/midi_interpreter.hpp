@@ -28,11 +28,11 @@ struct MidiEvent {
     kChannelBend,  ///< channel, cents: of all its keys, beside their own tuning
     kPressure,     ///< channel, key or -1 for all of the channel, value: 0 to 1
     kController,   ///< channel, number, value: 0 to 1
-    kPedal,        ///< number: 64, 66 or 67; value: 0 up to 1 down, of the channel that presses it farthest; also where
-                   ///< it stays there
-    kProgram,      ///< channel, number
-    kSoundOff,     ///< channel
-    kReset         ///< of the system: of all channels
+    kPedal,     ///< number: 64, 66 or 67; value: 0 up to 1 down, of the channel that presses it farthest; also where
+                ///< it stays there
+    kProgram,   ///< channel, number
+    kSoundOff,  ///< channel
+    kReset      ///< of the system: of all channels
   };
 
   Kind kind;
@@ -68,8 +68,7 @@ class MidiInterpreter {
     for (const std::uint8_t byte : bytes)
       parser_.take(
           byte, [&](const MidiMessage& message) { this->message(message, sink); },
-          [&](std::span<const std::uint8_t> exclusive) { this->exclusive(exclusive, sink); },
-          [&] { reset(sink); });
+          [&](std::span<const std::uint8_t> exclusive) { this->exclusive(exclusive, sink); }, [&] { reset(sink); });
   }
 
   /// Lets all notes go that are held, as if the instrument had been brought to rest. Channels keep their state.
@@ -137,7 +136,8 @@ class MidiInterpreter {
 
   template <typename Sink>
   void exclusive(std::span<const std::uint8_t> bytes, Sink& sink) {
-    const bool is_general_midi = bytes.size() == 4 && bytes[0] == 0x7e && bytes[2] == 9 && bytes[3] >= 1 && bytes[3] <= 3;
+    const bool is_general_midi =
+        bytes.size() == 4 && bytes[0] == 0x7e && bytes[2] == 9 && bytes[3] >= 1 && bytes[3] <= 3;
     if (is_general_midi) return reset(sink);
     tuning_.take(bytes);  // the tuning of a key waits for its next note
     tell_bends(sink);
@@ -244,7 +244,8 @@ class MidiInterpreter {
   }
 
   [[nodiscard]] double position(std::size_t pedal) const {
-    const int farthest = std::ranges::max(channels_, {}, [=](const MidiChannel& of) { return of.pedals[pedal]; }).pedals[pedal];
+    const int farthest =
+        std::ranges::max(channels_, {}, [=](const MidiChannel& of) { return of.pedals[pedal]; }).pedals[pedal];
     if (kPedals[pedal] == 66) return farthest >= kHalf ? 1 : 0;
     return (std::min)(1.0, double(farthest) / settings_.pedal_down);
   }
@@ -345,8 +346,7 @@ class MidiInterpreter {
   template <typename Sink>
   void tell_key(int key, Sink& sink) {
     const auto& [channel, own_cents] = sounding_[static_cast<std::size_t>(key)];
-    sink(MidiEvent{
-        .kind = Kind::kKeyBend, .channel = channel, .key = key, .cents = own_cents + cents_of(channel)});
+    sink(MidiEvent{.kind = Kind::kKeyBend, .channel = channel, .key = key, .cents = own_cents + cents_of(channel)});
   }
 
   MidiSettings settings_;

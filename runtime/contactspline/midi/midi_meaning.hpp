@@ -50,17 +50,20 @@ inline constexpr auto kMidiControllers = std::to_array<MidiRow<MidiControl>>({
     {67, 67, MidiControl::kPedal, "soft pedal", "down from 64 on; value/64 of the way below"},
     {74, 74, MidiControl::kParameter, "brightness", "moves the parameter that has it: the stiffness of felts"},
     {88, 88, MidiControl::kVelocityLow, "velocity, low byte", "adds value/128 to the velocity of the next note"},
-    {96, 96, MidiControl::kIncrement, "increment", "registered parameter + 1 in its low byte; parameter 2: a semitone"},
+    {96, 96, MidiControl::kIncrement, "increment",
+     "registered parameter + 1 in its low byte; parameter 2: a semitone"},
     {97, 97, MidiControl::kDecrement, "decrement", "the same downwards"},
     {98, 99, MidiControl::kUnregistered, "unregistered parameter", "ends the choice of a registered parameter"},
     {100, 100, MidiControl::kRegisteredLow, "registered parameter, low byte", "chooses it; 127 chooses none"},
     {101, 101, MidiControl::kRegisteredHigh, "registered parameter", "chooses it; 127 chooses none"},
-    {120, 120, MidiControl::kSoundOff, "all sound off", "silences the instrument; in a file where others sound, "
-                                                        "lets the keys of its channel go"},
+    {120, 120, MidiControl::kSoundOff, "all sound off",
+     "silences the instrument; in a file where others sound, "
+     "lets the keys of its channel go"},
     {121, 121, MidiControl::kReset, "reset all controllers",
      "wheel to its centre, pedals up, modulation 0, expression 127, pressure 0, no registered parameter chosen"},
-    {123, 127, MidiControl::kNotesOff, "all notes off, modes", "lets the keys of its channel go, as the pedals allow; "
-                                                               "modes do no more"},
+    {123, 127, MidiControl::kNotesOff, "all notes off, modes",
+     "lets the keys of its channel go, as the pedals allow; "
+     "modes do no more"},
 });
 
 /// What a registered parameter is for.
@@ -82,13 +85,16 @@ struct MidiWords {
 
 inline constexpr auto kMidiOthers = std::to_array<MidiWords>({
     {"note on", "strikes the key; at velocity 0 lets it go"},
-    {"note off", "ends the note of that key and channel that began first; its velocity moves the damper of a keyboard: "
-                 "64 and 0 at its own pace, 127 four times as fast, 1 four times as slow"},
-    {"pitch wheel", "bends what its channel plays by the bend range, in an MPE zone beside that of the first channel"},
+    {"note off",
+     "ends the note of that key and channel that began first; its velocity moves the damper of a keyboard: "
+     "64 and 0 at its own pace, 127 four times as fast, 1 four times as slow"},
+    {"pitch wheel",
+     "bends what its channel plays by the bend range, in an MPE zone beside that of the first channel"},
     {"pressure of a key or channel", "known, but no instrument has a parameter for it"},
     {"program", "known, but changes no instrument"},
     {"master fine and coarse tuning", "universal, real time: tunes all"},
-    {"single-note tuning", "universal, with or without a bank: tunes keys from their next note on, whatever the program"},
+    {"single-note tuning",
+     "universal, with or without a bank: tunes keys from their next note on, whatever the program"},
     {"bulk tuning", "universal, with or without a bank: the same for all 128 keys"},
     {"system reset, GM on and off", "silences, and brings all channels and tunings to their beginning"},
     {"all other messages", "nothing"},

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+// A MIDI file sounds as its messages do in a host.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "contactspline/host/engine.hpp"
+#include "contactspline/host/hosted.hpp"
+#include "generator/player/instrument_parts.hpp"
+#include "generator/player/score_player.hpp"
+#include "generator/player/score_reader.hpp"
+#include "generator/resonator/keyboard_reader.hpp"
+#include "support/compare.hpp"
+#include "support/midi_files.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+using namespace midi;
+
+constexpr double kRate_hz = 44100;
+
+// The piano of a host, to which the messages are sent when their time has come.
+std::vector<double> hosted_sound(const std::shared_ptr<const Score>& score, const Events& messages,
+                                 std::size_t samples) {
+  const NamedText piano = shipped_piano();
+  KeyboardParts parts = keyboard_parts(parse_keyboard(piano.text, piano.file), score);
+  parts.max_modes = 4096;
+  Hosted<double> hosted(Engine<double>::keyboard(std::make_shared<const KeyboardParts>(std::move(parts))));
+  hosted.prepare(kRate_hz);
+  const double full_scale = hosted.instrument().outputs().front().full_scale;
+  std::vector<double> sound;
+  const auto play_to = [&](std::size_t sample) {
+    std::vector<double> left(sample - sound.size() / 2), right(left.size());
+    const std::array outputs = {left.data(), right.data()};
+    hosted.process(std::span<double* const>(outputs), left.size());
+    for (std::size_t n = 0; n < left.size(); ++n)
+      sound.insert(sound.end(), {full_scale * left[n], full_scale * right[n]});
+  };
+  for (const auto& [tick, message] : messages) {
+    play_to(static_cast<std::size_t>(std::llround(tick * kRate_hz / kSecond)));
+    hosted.midi({reinterpret_cast<const std::uint8_t*>(message.data()), message.size()});
+  }
+  play_to(samples);
+  return sound;
+}
+
+// Tunings, a bend, fine velocities, releases, pedals and silence. Samples of files are kept in single precision.
+TEST(MidiInHost, SoundsAsItsFileDoes) {
+  const std::string tuned_key = bytes({0x7f, 0x7f, 8, 2, 0, 1, 64, 64, 0x40, 0});
+  const auto messages = [&](const std::string& tuning) {
+    return followed_by(registered(0), {{0, controller(6, 0)},
+                                       {0, controller(38, 50)},
+                                       {0, wheel(16383)},
+                                       {0, tuning},
+                                       {0, controller(88, 64)},
+                                       {0, on(60, 40)},
+                                       {0, on(64)},
+                                       {80, off(60, 0, 127)},
+                                       {100, controller(64, 100)},
+                                       {100, off(64, 0, 1)},
+                                       {150, controller(64, 30)},
+                                       {180, on(60)},
+                                       {200, controller(120, 0)},
+                                       {200, controller(64, 0)},
+                                       {220, on(64)},
+                                       {240, off(64, 0, 1)}});
+  };
+  const auto score =
+      std::make_shared<const Score>(parse_midi_score(file(track(messages(exclusive(tuned_key)))), "probe.mid"));
+  PlayOptions options{kRate_hz};
+  choose_best_output(*score, options);
+  const Performance performance = play(*score, options, [](double) {});
+  const std::vector<double> sound(performance.samples.begin(), performance.samples.end());
+  const std::vector<double> expected =
+      hosted_sound(score, messages(bytes({0xf0}) + tuned_key + bytes({0xf7})), sound.size() / 2);
+  EXPECT_TRUE(sequences_within<double>(sound, expected, 1e-6));
+}
+
+}  // namespace
+}  // namespace contactspline::testing
