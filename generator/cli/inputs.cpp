@@ -209,7 +209,9 @@ std::optional<NamedText> text_of_kind(const std::string& argument, Shipped kind)
 }
 
 bool is_midi(const std::string& argument) {
-  return argument == kStandardInput ? text_of(argument).starts_with("MThd") : argument.ends_with(".mid");
+  if (argument == kStandardInput)
+    return text_of(argument).starts_with("MThd") || text_of(argument).starts_with("RIFF");
+  return is_midi_path(argument);
 }
 
 void require_no_channels(const std::string& score, const std::vector<int>& channels) {

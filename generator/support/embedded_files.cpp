@@ -7,7 +7,7 @@ namespace contactspline {
 namespace {
 
 bool has_input_ending(std::string_view file_name) {
-  return file_name.ends_with(".json") || file_name.ends_with(".mid");
+  return file_name.ends_with(".json") || is_midi_path(file_name);
 }
 
 }  // namespace
@@ -41,6 +41,11 @@ std::vector<std::string> shipped_names(Shipped folder) {
   for (const EmbeddedFile& file : embedded_files(folder))
     if (has_input_ending(file.name)) names.emplace_back(file.name.substr(0, file.name.rfind('.')));
   return names;
+}
+
+bool is_midi_path(std::string_view name) {
+  constexpr std::string_view kEndings[] = {".mid", ".midi", ".rmi", ".kar"};
+  return std::ranges::any_of(kEndings, [&](std::string_view ending) { return name.ends_with(ending); });
 }
 
 bool is_path(std::string_view name) {

@@ -43,4 +43,7 @@ namespace detail {
 /// something that ships.
 [[nodiscard]] bool is_path(std::string_view name);
 
+/// Does a name end as those of MIDI files do?
+[[nodiscard]] bool is_midi_path(std::string_view name);
+
 }  // namespace contactspline
