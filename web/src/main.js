@@ -44,7 +44,6 @@ class Page {
     this.instrument = kFirst;
     this.controls = new Map(); // sliders by the names of their parameters
     this.gains = new Map();
-    this.releases = new Map();
     this.past = [];
     this.figures = new Figures();
     this.audio = new Audio({
@@ -415,7 +414,6 @@ class Page {
   async strike(key, velocity = null) {
     const { keys, velocity: usual } = this.played();
     if (keys && (key < keys[0] || key > keys[1])) return;
-    clearTimeout(this.releases.get(key)); // of the note before
     await this.audio.start();
     this.audio.send({ do: "noteOn", key, velocity: velocity ?? usual });
     Object.assign(this, { lastKey: key, lastVelocity: velocity ?? undefined });
@@ -427,8 +425,7 @@ class Page {
   /** Strikes a key and lets it go a while after it has begun. */
   async strikeOnce(key = this.lastKey ?? kMiddleC, velocity = null) {
     await this.strike(key, velocity);
-    clearTimeout(this.releases.get(key));
-    this.releases.set(key, setTimeout(() => this.audio.send({ do: "noteOff", key }), kStrikeHold));
+    setTimeout(() => this.audio.send({ do: "noteOff", key }), kStrikeHold);
   }
 
   /** Records what is played until it is called again, and saves it. */

@@ -20,29 +20,22 @@ export function instrumentOf(score, instruments) {
   return instruments.has(name) ? name : null;
 }
 
-// A note, and where no other one of the same key or voice holds it, its end.
-function noteMessages(note, notes, message) {
-  const ends = ({ time_s, hold_s = Infinity }) => time_s + hold_s;
-  const end = ends(note);
-  const isHeld = end === Infinity || notes.some((other) => other !== note && other.time_s <= end && ends(other) > end);
-  const strike = { at: note.time_s, do: "noteOn", ...message };
-  return isHeld ? [strike] : [strike, { at: end, do: "noteOff", ...message }];
+// A note and its end. A key or voice is let go when the last of its notes ends (runtime/contactspline/midi).
+function noteMessages({ time_s, hold_s }, message) {
+  const strike = { at: time_s, do: "noteOn", ...message };
+  return hold_s === undefined ? [strike] : [strike, { at: time_s + hold_s, do: "noteOff", ...message }];
 }
 
 // Pressed keys, and let go.
 function keyMessages({ events }, { speeds: [softest, loudest] }) {
   const velocityOf = (speed) => Math.max(0.01, Math.min(1, Math.log(speed / softest) / Math.log(loudest / softest)));
-  return events.flatMap((note) => {
-    const sameKey = events.filter(({ key }) => key === note.key);
-    return noteMessages(note, sameKey, { key: note.key, velocity: velocityOf(note.speed_m_per_s) });
-  });
+  return events.flatMap((note) => noteMessages(note, { key: note.key, velocity: velocityOf(note.speed_m_per_s) }));
 }
 
 // A key of an event, if it has one, pressed and let go.
-function pressed(event, events, voice) {
+function pressed(event, voice) {
   if (event.key === undefined) return [];
-  const sameKey = events.filter(({ key }) => key === event.key);
-  return noteMessages(event, sameKey, { voice, key: event.key, velocity: event.velocity ?? 1 });
+  return noteMessages(event, { voice, key: event.key, velocity: event.velocity ?? 1 });
 }
 
 // A control on its way from one value to another, which eases in and out.
@@ -59,16 +52,13 @@ function eventMessages({ events }, { parameters, events: played }, name, voice) 
   const now = parameters.map(({ init }) => init);
   const own = events.filter((event) => event.voice === undefined || event.voice === name).toSorted((a, b) => a.time_s - b.time_s);
   return own.flatMap((event) => [
-    ...pressed(event, own, voice),
+    ...pressed(event, voice),
     ...parameters.flatMap((shape, parameter) => {
       const to = event[shape.name];
       if (to === undefined) return [];
       const set = { do: "set", voice, parameter };
       const number = played.findIndex((one) => one.parameter === parameter);
-      if (number >= 0) {
-        const sameNote = own.filter((other) => other[shape.name] !== undefined);
-        return [{ ...set, at: event.time_s, value: to }, ...noteMessages(event, sameNote, { voice, key: kFirstKey + number, velocity: 1 })];
-      }
+      if (number >= 0) return [{ ...set, at: event.time_s, value: to }, ...noteMessages(event, { voice, key: kFirstKey + number, velocity: 1 })];
       const from = now[parameter];
       now[parameter] = to;
       return glide(event.time_s, event.over_s ?? 0, from, to).map((step) => ({ ...set, ...step }));
