@@ -105,9 +105,9 @@ class Mutator {
 };
 
 /// Damages `texts` in so many rounds. `file` is the name their messages begin with. One round in `accepted_one_in`
-/// must be taken, and a quarter refused: otherwise the damage misses.
+/// must be taken, and one in `refused_one_in` refused: otherwise the damage misses.
 inline void damage_files(const std::vector<std::string>& texts, std::string_view file, const std::string& keys,
-                         int rounds, TakeBytes take, int accepted_one_in = 20) {
+                         int rounds, TakeBytes take, int accepted_one_in = 20, int refused_one_in = 4) {
   ASSERT_FALSE(texts.empty());
   Mutator mutator(20260101, keys);
   int taken = 0, refused = 0;
@@ -127,7 +127,7 @@ inline void damage_files(const std::vector<std::string>& texts, std::string_view
   }
   Measured() << taken << " taken, " << refused << " refused with " << messages.size() << " different messages";
   EXPECT_GE(taken, rounds / accepted_one_in);
-  EXPECT_GE(refused, rounds / 4);
+  EXPECT_GE(refused, rounds / refused_one_in);
 }
 
 }  // namespace contactspline::testing

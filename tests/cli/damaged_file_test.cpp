@@ -87,7 +87,8 @@ TEST(DamagedInstrument, GivesOutputOrOneReadableLine) {
 TEST(DamagedMidi, PlaysOrGivesOneReadableLine) {
   const Path& path = path_of("midi");
   damage_files(shipped_texts(Shipped::kScores, ".mid"), path.file,
-               "MTrk MThd \xff\x2f \xff\x51\x03 \xf0\x7f \xff\x20\x81", 20'000, path.read);
+               "MTrk MThd \xff\x2f \xff\x51\x03 \xf0\x7f \xff\x20\x81", 20'000, path.read, 20,
+               10);  // most damage is left out, with a line
 }
 
 }  // namespace
