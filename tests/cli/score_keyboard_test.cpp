@@ -190,7 +190,7 @@ TEST(ScoreKeyboard, SaysWhichPedalsAreLeftOut) {
   const Sandbox box;
   const std::string note("\0\x90\x3c\x40\x60\x80\x3c\0", 8);
   write_file(box / "soft.mid", midi_file(std::string("\0\xb0\x43\x7f", 4) + note));
-  write_file(box / "half.mid", midi_file(std::string("\0\xb0\x40\x41", 4) + note));
+  write_file(box / "half.mid", midi_file(std::string("\0\xb0\x40\x20", 4) + note));
   write_file(box / "held.mid", midi_file(std::string("\0\xb0\x40\x7f", 4) + note));
   write_file(box / "score.json", R"({ "instrument": "hammer-string", "duration_s": 0.1, "keyboard": "piano",
     "events": [ { "time_s": 0, "sustain": 1 }, { "time_s": 0, "key": 60, "speed_m_per_s": 1 } ] })");
