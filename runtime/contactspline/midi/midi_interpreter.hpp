@@ -245,7 +245,7 @@ class MidiInterpreter {
 
   [[nodiscard]] double position(std::size_t pedal) const {
     const int farthest =
-        std::ranges::max(channels_, {}, [=](const MidiChannel& of) { return of.pedals[pedal]; }).pedals[pedal];
+        (std::ranges::max)(channels_, {}, [=](const MidiChannel& of) { return of.pedals[pedal]; }).pedals[pedal];
     if (kPedals[pedal] == 66) return farthest >= kHalf ? 1 : 0;
     return (std::min)(1.0, double(farthest) / settings_.pedal_down);
   }
