@@ -88,7 +88,7 @@ void add_controllers(const InstrumentModel& model, const MidiSong& song, int cha
   for (const MidiBend& bend : song.bends)
     if (bend.channel == channel) voice.glides.push_back(glide_of(bend, model.keys.bend, cents));
   for (const MidiPedal& pedal : song.pedals)
-    if (pedal.controller == MidiPedal::kSustain && model.keys.sustain != kNoParameter)
+    if (pedal.controller == kSustainPedal && model.keys.sustain != kNoParameter)
       voice.glides.push_back({pedal.time_s, 0, model.keys.sustain, pedal.position});
 }
 

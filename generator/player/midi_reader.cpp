@@ -18,7 +18,6 @@ namespace contactspline {
 namespace {
 
 constexpr int kDrums = 9, kChannels = 16;  // the tenth channel
-constexpr std::array<int, 3> kPedalControllers = {MidiPedal::kSustain, MidiPedal::kSostenuto, MidiPedal::kSoft};
 
 /// Gathers the performance that the interpreter tells.
 class SongRecorder {
@@ -45,7 +44,7 @@ class SongRecorder {
         song_.bends.push_back({time_s_, event.channel, event.cents, sounds(event.channel)});
         return;
       case Kind::kController:
-        if (event.number == MidiPedal::kSustain && !midi_.is_sustained(event.channel)) end_held(channel_of(event));
+        if (event.number == kSustainPedal && !midi_.is_sustained(event.channel)) end_held(channel_of(event));
         return;
       case Kind::kPedal:
         return pedal(event);
@@ -84,9 +83,7 @@ class SongRecorder {
   }
 
   void pedal(const MidiEvent& event) {
-    const auto pedal =
-        static_cast<std::size_t>(std::ranges::find(kPedalControllers, event.number) - kPedalControllers.begin());
-    if (event.value != std::exchange(positions_[pedal], event.value))
+    if (event.value != std::exchange(positions_[midi_pedal(event.number)], event.value))
       song_.pedals.push_back({time_s_, event.number, event.value});
   }
 
@@ -108,7 +105,7 @@ class SongRecorder {
   MidiSong song_;
   std::array<int, kChannels> down_{};                       // notes
   std::array<std::vector<std::size_t>, kChannels> held_{};  // notes that only the pedal holds
-  std::array<double, kPedalControllers.size()> positions_{};
+  std::array<double, kMidiPedals.size()> positions_{};
 };
 
 bool is_note_on(const std::vector<std::uint8_t>& bytes) {
@@ -132,8 +129,8 @@ bool is_note_on(const std::vector<std::uint8_t>& bytes) {
 void let_go(MidiInterpreter& midi, SongRecorder& recorder) {
   for (int channel = 0; channel < kChannels; ++channel) {
     const auto status = static_cast<std::uint8_t>(0xb0 | channel);
-    midi.take(std::array<std::uint8_t, 9>{status, 123, 0, status, 64, 0, status, 66, 0}, recorder);
-    midi.take(std::array<std::uint8_t, 3>{status, 67, 0}, recorder);
+    for (const int controller : {123, kSustainPedal, kSostenutoPedal, kSoftPedal})
+      midi.take(std::array<std::uint8_t, 3>{status, static_cast<std::uint8_t>(controller), 0}, recorder);
   }
 }
 

@@ -33,10 +33,8 @@ struct MidiBend {
 
 /// A pedal goes to another place.
 struct MidiPedal {
-  enum : int { kSustain = 64, kSostenuto = 66, kSoft = 67 };  ///< controllers
-
   double time_s;
-  int controller;
+  int controller;   ///< of kMidiPedals
   double position;  ///< 0 up to 1 down, of the channel that presses it farthest
 };
 

@@ -216,8 +216,8 @@ double end_of_pedals(std::span<const MidiPedal> pedals, double end_s) {
   bool sustains = false, holds = false;
   for (const MidiPedal& pedal : pedals) {
     if (pedal.time_s > end_s && !sustains && !holds) break;
-    if (pedal.controller == MidiPedal::kSostenuto) holds = pedal.position > 0;
-    if (pedal.controller == MidiPedal::kSustain) sustains = pedal.position > 0;
+    if (pedal.controller == kSostenutoPedal) holds = pedal.position > 0;
+    if (pedal.controller == kSustainPedal) sustains = pedal.position > 0;
     end_s = std::max(end_s, pedal.time_s);
   }
   return end_s;

@@ -228,7 +228,7 @@ void process(contactspline_instrument* handle, std::span<const contactspline_tim
 }
 
 // Events of C; none where the array is null.
-std::span<const contactspline_timed_event> listed(const contactspline_timed_event* events, std::size_t count) {
+std::span<const contactspline_timed_event> events_in(const contactspline_timed_event* events, std::size_t count) {
   return {events, events != nullptr ? count : 0};
 }
 
@@ -358,12 +358,12 @@ void contactspline_process_double(contactspline_instrument* instrument, double* 
 }
 void contactspline_process_events(contactspline_instrument* instrument, const contactspline_timed_event* events,
                                   std::size_t count, float* const* outputs, float* force, std::size_t samples) {
-  process(instrument, listed(events, count), outputs, force, samples);
+  process(instrument, events_in(events, count), outputs, force, samples);
 }
 void contactspline_process_events_double(contactspline_instrument* instrument,
                                          const contactspline_timed_event* events, std::size_t count,
                                          double* const* outputs, double* force, std::size_t samples) {
-  process(instrument, listed(events, count), outputs, force, samples);
+  process(instrument, events_in(events, count), outputs, force, samples);
 }
 
 void contactspline_reset(contactspline_instrument* instrument) {

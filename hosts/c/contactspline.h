@@ -41,7 +41,7 @@ enum contactspline_action {
   CONTACTSPLINE_RELEASE = 1,  /**< number: of a strike, whose damper comes down */
   CONTACTSPLINE_PLUCK = 2,    /**< number: of a pluck; value: force [N], which is reached within rise_s */
   CONTACTSPLINE_NOTE_ON = 3,  /**< number: key of MIDI; value: velocity, 0 to 1 */
-  CONTACTSPLINE_NOTE_OFF = 4, /**< number: key of MIDI */
+  CONTACTSPLINE_NOTE_OFF = 4, /**< number: key of MIDI; value: release velocity, 0 to 1, or 0 where none is known */
   CONTACTSPLINE_SET = 5,      /**< number: of a parameter; value: in its unit */
   CONTACTSPLINE_BEND_KEY = 6, /**< number: key of MIDI; value: cents above its own pitch. This and the next two: of
                                    instruments with a voice for each key */

@@ -13,6 +13,7 @@
 #include <cstring>
 #include <limits>
 
+#include "contactspline/midi/midi_meaning.hpp"
 #include "host_values.hpp"
 #include "src/travesty/unit.h"
 
@@ -119,10 +120,10 @@ class InstrumentVst3 : public PluginVst3 {
     // bends.
     hidden_[hidden_count_++] = kVst3InternalParameterMidiCC_start + 120;
     hidden_[hidden_count_++] = kVst3InternalParameterMidiCC_start + 123;
-    for (const v3_param_id pedal : kPedals)
+    for (const int pedal : contactspline::kMidiPedals)
       for (uint32_t i = 0; i < fParameterCount; ++i)
         if (fPlugin.getParameterMidiCC(i) == pedal)
-          hidden_[hidden_count_++] = kVst3InternalParameterMidiCC_start + pedal;
+          hidden_[hidden_count_++] = kVst3InternalParameterMidiCC_start + static_cast<v3_param_id>(pedal);
     for (uint32_t i = 0; i < fParameterCount; ++i)
       if (fPlugin.getParameterSymbol(i) == "bend_cents")
         hidden_[hidden_count_++] = kVst3InternalParameterMidiCC_start + kPitchWheel;
@@ -152,12 +153,12 @@ class InstrumentVst3 : public PluginVst3 {
       info->flags = V3_PARAM_CAN_AUTOMATE | V3_PARAM_IS_HIDDEN;
       const v3_param_id controller = info->param_id - kVst3InternalParameterMidiCC_start;
       info->default_normalised_value = controller == kPitchWheel ? 0.5 : 0;
-      const char* const title = controller == kPitchWheel ? "pitch wheel"
-                                : controller == 120       ? "all sound off"
-                                : controller == 123       ? "all notes off"
-                                : controller == 64        ? "sustain pedal"
-                                : controller == 66        ? "sostenuto pedal"
-                                                          : "soft pedal";
+      const char* const title = controller == kPitchWheel                      ? "pitch wheel"
+                                : controller == 120                            ? "all sound off"
+                                : controller == 123                            ? "all notes off"
+                                : controller == contactspline::kSustainPedal   ? "sustain pedal"
+                                : controller == contactspline::kSostenutoPedal ? "sostenuto pedal"
+                                                                               : "soft pedal";
       strncpy_utf16(info->title, title, 128);
       strncpy_utf16(info->short_title, title, 128);
       return V3_OK;
@@ -175,8 +176,7 @@ class InstrumentVst3 : public PluginVst3 {
 
   /// The parameter that a controller of MIDI moves, 129 for the pitch wheel, on any channel.
   bool controllerAssignment(int16_t controller, v3_param_id* id) const noexcept {
-    const bool is_pedal =
-        std::find(std::begin(kPedals), std::end(kPedals), static_cast<v3_param_id>(controller)) != std::end(kPedals);
+    const bool is_pedal = contactspline::midi_pedal(controller) < contactspline::kMidiPedals.size();
     for (uint32_t i = 0; i < fParameterCount; ++i)
       if (controller > 0 && !is_pedal && fPlugin.getParameterMidiCC(i) == controller) {
         *id = kVst3InternalParameterCount + i;
@@ -285,7 +285,7 @@ class InstrumentVst3 : public PluginVst3 {
   }
 
  private:
-  static constexpr v3_param_id kPitchWheel = 129, kPedals[] = {64, 66, 67};
+  static constexpr v3_param_id kPitchWheel = 129;
 
   [[nodiscard]] uint32_t program_parameters() const { return fProgramCountMinusOne > 0 ? 1 : 0; }
   [[nodiscard]] bool is_parameter(v3_param_id id) const {

@@ -3,9 +3,10 @@
 //
 //   exhaustive_step triples [EVERY]  five triples of table, compression and admittance, each of all 2^32 increments
 //   exhaustive_step grid [EVERY]     12 tables by 8 compressions and 4 admittances, each of every 1,009th increment
-//   exhaustive_step planted          one wrong answer among them, which must be found
+//   exhaustive_step planted          one wrong answer in each of them, of which one must be found
 //
-// EVERY: in place of 1 and 1009. Exit 0 where every step is right, 1 where not.
+// EVERY: in place of 1 and 1009. Exit 0 where every step is right, and of `planted` where the wrong answer was found;
+// else 1.
 //
 // The bounds. Both steps take the same table, rounded to single precision. By step_reference.cpp each is the exact
 // step of the C1 potential of that table for a free increment moved by u |x|, with forces changed by a fraction
@@ -291,7 +292,7 @@ int run(const std::string& what, std::uint64_t every) {
   }
   for (const Triple& triple : five_triples(tables))
     is_right &= report(triple.table->name, judged(triple, every, what == "planted"));
-  return is_right ? 0 : 1;
+  return is_right == (what == "planted") ? 1 : 0;
 }
 
 }  // namespace

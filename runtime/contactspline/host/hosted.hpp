@@ -145,7 +145,7 @@ class Hosted {
       case Kind::kKeyBend:
         return bend(key, event.cents);
       case Kind::kController:
-        if (event.number != 64 && event.number != 66 && event.number != 67) move(event.number, event.value);
+        if (midi_pedal(event.number) == kMidiPedals.size()) move(event.number, event.value);
         return;
       case Kind::kPedal:
         return move(event.number, event.value);

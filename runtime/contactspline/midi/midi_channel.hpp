@@ -28,8 +28,8 @@ struct MidiChannel {
   int chosen = kNone;
   bool is_registered = false;  ///< is `chosen` a registered parameter?
   int velocity_low = 0;
-  std::array<int, 3> pedals{};  ///< values of 64, 66 and 67
-  double told_cents = 0;        ///< the bend that was told last
+  std::array<int, kMidiPedals.size()> pedals{};  ///< their values
+  double told_cents = 0;                         ///< the bend that was told last
 
   /// The bend by the wheel and the tuning of the channel.
   [[nodiscard]] double cents() const {

@@ -28,9 +28,9 @@ struct MidiEvent {
     kChannelBend,  ///< channel, cents: of all its keys, beside their own tuning
     kPressure,     ///< channel, key or -1 for all of the channel, value: 0 to 1
     kController,   ///< channel, number, value: 0 to 1
-    kPedal,     ///< number: 64, 66 or 67; value: 0 up to 1 down, of the channel that presses it farthest; also where
-                ///< it stays there
-    kProgram,   ///< channel, number
+    kPedal,    ///< number: of kMidiPedals; value: 0 up to 1 down, of the channel that presses it farthest; also where
+               ///< it stays there
+    kProgram,  ///< channel, number
     kSoundOff,  ///< channel
     kReset      ///< of the system: of all channels
   };
@@ -51,7 +51,6 @@ struct MidiSettings {
   int first_key = 0, last_key = 127;
   /// A note that is tuned farther than that when it begins plays another key, the nearest to its pitch.
   double max_cents = std::numeric_limits<double>::infinity();
-  int pedal_down = 64;  ///< value from which on sustain and soft pedal are all the way down, 1 to 127
 };
 
 /// Follows channels, tunings, MPE zones and held notes. What each message does is listed in midi_meaning.hpp. A note
@@ -82,12 +81,13 @@ class MidiInterpreter {
     return master_of(channel) >= 0 || (channel == 0 && lower_ > 0) || (channel == 15 && upper_ > 0);
   }
   /// Does a channel hold the sustain pedal down, from 64 on?
-  [[nodiscard]] bool is_sustained(int channel) const { return at(channel).pedals[0] >= kHalf; }
+  [[nodiscard]] bool is_sustained(int channel) const {
+    return at(channel).pedals[midi_pedal(kSustainPedal)] >= kHalf;
+  }
 
  private:
   using Kind = MidiEvent::Kind;
   static constexpr int kHalf = 64, kChannels = 16, kKeys = 128;
-  static constexpr std::array<int, 3> kPedals = {64, 66, 67};
 
   struct Held {
     std::size_t note;
@@ -246,13 +246,13 @@ class MidiInterpreter {
   [[nodiscard]] double position(std::size_t pedal) const {
     const int farthest =
         (std::ranges::max)(channels_, {}, [=](const MidiChannel& of) { return of.pedals[pedal]; }).pedals[pedal];
-    if (kPedals[pedal] == 66) return farthest >= kHalf ? 1 : 0;
-    return (std::min)(1.0, double(farthest) / settings_.pedal_down);
+    if (kMidiPedals[pedal] == kSostenutoPedal) return farthest >= kHalf ? 1 : 0;
+    return (std::min)(1.0, double(farthest) / kHalf);
   }
 
   template <typename Sink>
   void pedal(int channel, int number, int value, Sink& sink) {
-    const auto which = static_cast<std::size_t>(std::ranges::find(kPedals, number) - kPedals.begin());
+    const std::size_t which = midi_pedal(number);
     at(channel).pedals[which] = value;
     tell_controller(channel, number, value, sink);
     sink(MidiEvent{.kind = Kind::kPedal, .number = number, .value = position(which)});
@@ -307,7 +307,7 @@ class MidiInterpreter {
     of.chosen = MidiChannel::kNone;
     of.is_registered = false;
     of.velocity_low = 0;
-    for (const int number : kPedals) pedal(channel, number, 0, sink);
+    for (const int number : kMidiPedals) pedal(channel, number, 0, sink);
     tell_controller(channel, 1, 0, sink);
     tell_controller(channel, 11, 127, sink);
     sink(MidiEvent{.kind = Kind::kPressure, .channel = channel});

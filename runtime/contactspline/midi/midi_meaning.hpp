@@ -7,9 +7,19 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <string_view>
 
 namespace contactspline {
+
+/// The controllers of pedals.
+inline constexpr int kSustainPedal = 64, kSostenutoPedal = 66, kSoftPedal = 67;
+inline constexpr std::array kMidiPedals = {kSustainPedal, kSostenutoPedal, kSoftPedal};
+
+/// The place of a controller among kMidiPedals; behind the last where it is none.
+[[nodiscard]] constexpr std::size_t midi_pedal(int controller) {
+  return static_cast<std::size_t>(std::ranges::find(kMidiPedals, controller) - kMidiPedals.begin());
+}
 
 /// What a controller is for.
 enum class MidiControl {
@@ -45,9 +55,10 @@ inline constexpr auto kMidiControllers = std::to_array<MidiRow<MidiControl>>({
     {10, 10, MidiControl::kParameter, "pan", "moves the parameter that has it"},
     {11, 11, MidiControl::kParameter, "expression", "moves the parameter that has it"},
     {38, 38, MidiControl::kDataLow, "data entry, low byte", "sets the low byte of the registered parameter"},
-    {64, 64, MidiControl::kPedal, "sustain pedal", "down from 64 on; value/64 of the way below"},
-    {66, 66, MidiControl::kSwitch, "sostenuto pedal", "down from 64 on, else up"},
-    {67, 67, MidiControl::kPedal, "soft pedal", "down from 64 on; value/64 of the way below"},
+    {kSustainPedal, kSustainPedal, MidiControl::kPedal, "sustain pedal",
+     "down from 64 on; value/64 of the way below"},
+    {kSostenutoPedal, kSostenutoPedal, MidiControl::kSwitch, "sostenuto pedal", "down from 64 on, else up"},
+    {kSoftPedal, kSoftPedal, MidiControl::kPedal, "soft pedal", "down from 64 on; value/64 of the way below"},
     {74, 74, MidiControl::kParameter, "brightness", "moves the parameter that has it: the stiffness of felts"},
     {88, 88, MidiControl::kVelocityLow, "velocity, low byte", "adds value/128 to the velocity of the next note"},
     {96, 96, MidiControl::kIncrement, "increment",
