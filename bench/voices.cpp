@@ -89,6 +89,13 @@ void asleep(benchmark::State& state) {
 }
 BENCHMARK(asleep)->Name("voices, asleep")->Arg(1)->Arg(1024)->Unit(benchmark::kMillisecond);
 
+/// Plays by one instruction set from now on, 0 by the best.
+void take(std::int64_t target) {
+  hwy::SetSupportedTargetsForTest(target);
+  detail::take_vectorised_kernels<float>();
+  detail::take_vectorised_kernels<double>();
+}
+
 /// C4 in permanent contact, as the workload of bench/models.hpp: times per sample and voice of 64 voices in an
 /// Ensemble, of a HammerString alone, of the string alone by the kernels and of the string alone sample by sample
 /// (LinearString). Each voice is pressed at a speed of its own, so that their felts rattle differently; the
@@ -136,10 +143,10 @@ void in_permanent_contact(benchmark::State& state, std::int64_t target) {
   tasks.push_back({"string", computes_voices([&](std::size_t) { string.process(controls, sound_pickup, sound); })});
   tasks.push_back({"string_by_sample", computes_voices([&](std::size_t) { linear.process(sound); })});
 
-  hwy::SetSupportedTargetsForTest(target);
+  take(target);
   PairedTimer timer(tasks, static_cast<double>(kVoices * sound.size()));
   for (auto _ : state) timer.round();
-  hwy::SetSupportedTargetsForTest(0);
+  take(0);
   for (std::size_t i = 0; i < tasks.size(); ++i) {
     state.counters["ns/" + tasks[i].name] = timer.nanoseconds(i);
     state.counters["ratio/" + tasks[i].name] = timer.ratio(i);

@@ -265,7 +265,6 @@ case_warnings() {
   for compiler in g++ clang++; do
     run "$compiler" "${options[@]}" "$WORK/all.cpp"
     run "$compiler" "${options[@]}" "$templates"
-    run "$compiler" "${options[@]}" -DCONTACTSPLINE_SIMD "$templates"
   done
   # A class that the list of templates lacks.
   for header in $(public_headers "$include"); do

@@ -35,7 +35,7 @@ class Key {
   T tick(T change, T damping) {
     controls_.damping_per_s = damping;
     const T force = model_.tick(controls_, bridge_, change);
-    if (kHasLosses) dissipated += model_.string().dissipated();
+    if (has_losses()) dissipated += model_.string().dissipated();
     return force;
   }
   [[nodiscard]] double energy() const { return model_.string().energy() + hammer_energy(); }
@@ -80,7 +80,7 @@ TEST_P(StrungBody, BalancesItsEnergy) {
   const int samples = static_cast<int>(4 * rate), period = static_cast<int>(0.11 * rate);
   for (int n = 0; n < samples; ++n) {
     if (n % period == 0) keys[static_cast<std::size_t>(n / period) % 3].strike(1 + n / period % 5);
-    const double damping = kHasLosses && n / (5 * period) % 2 != 0 ? 60 : 0;
+    const double damping = has_losses() && n / (5 * period) % 2 != 0 ? 60 : 0;
     double force = 0, stored = 0;
     for (auto& key : keys) force += key.tick(body.change(), damping);
     body.tick(force);

@@ -102,10 +102,10 @@ class JoiningKey {
   double tick(double damping_per_s, double change, EnergyBooks& books) {
     if (joined_ < size()) {
       const auto strings = model_.on_bridge(bridge_, joined_, 1);
-      return detail::advance_strings<double>(std::span(&strings, 1), change).all;
+      return detail::kernels<double>.advance_on_bridge(std::span(&strings, 1), change).all;
     }
     const double force = model_.tick({.hammer_mass_kg = kMass_kg, .damping_per_s = damping_per_s}, bridge_, change);
-    if (kHasLosses) books.dissipated += model_.string().dissipated();
+    if (has_losses()) books.dissipated += model_.string().dissipated();
     return force;
   }
 
@@ -217,7 +217,7 @@ class JoiningKeys {
     double stored = 0;
     std::vector<double> forces(body_.places());
     for (auto& key : keys_) {
-      const double damping = kHasLosses && !is_pedal_down && !key.is_struck() ? 60 : 0;
+      const double damping = has_losses() && !is_pedal_down && !key.is_struck() ? 60 : 0;
       forces[key.place()] += key.tick(damping, body_.change(key.place()), books_);
       stored += key.energy();
     }

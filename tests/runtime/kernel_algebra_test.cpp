@@ -87,7 +87,7 @@ TYPED_TEST(KernelAlgebra, SolvePositiveDefiniteSystems) {
         }
         right[j] = static_cast<T>(sum);
       }
-      detail::solve_positive_definite(size, matrix.data(), kStride, right.data());
+      detail::kernels<T>.solve_positive_definite(size, matrix.data(), kStride, right.data());
       // The condition number is at most 1 + |rows|^2 <= 1 + size^2.
       const double bound = 8 * double(std::numeric_limits<T>::epsilon()) * static_cast<double>(1 + size * size);
       for (std::size_t i = 0; i < size; ++i)

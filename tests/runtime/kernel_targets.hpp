@@ -8,13 +8,22 @@
 #include <cstdint>
 #include <vector>
 
+#include "contactspline/simd/kernels.hpp"
+
 namespace contactspline::testing {
 
 /// Runs one instruction set while it lives.
 class OnlyTarget {
  public:
-  explicit OnlyTarget(std::int64_t target) { hwy::SetSupportedTargetsForTest(target); }
-  ~OnlyTarget() { hwy::SetSupportedTargetsForTest(0); }
+  explicit OnlyTarget(std::int64_t target) { take(target); }
+  ~OnlyTarget() { take(0); }
+
+ private:
+  static void take(std::int64_t target) {
+    hwy::SetSupportedTargetsForTest(target);
+    detail::take_vectorised_kernels<float>();
+    detail::take_vectorised_kernels<double>();
+  }
 };
 
 /// All that the library holds and this machine has, the one without vectors among them.

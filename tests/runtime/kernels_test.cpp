@@ -330,13 +330,13 @@ TYPED_TEST(Kernels, StayWithinTheTableForAnyLoad) {
             for (std::size_t i = 0; i < all.size(); ++i) {
               auto voice = all[i]->voice();
               if (i % 2 == 0) {
-                detail::process_struck(std::span(&voice, 1));
+                detail::kernels<T>.process_struck(std::span(&voice, 1));
                 EXPECT_LE(voice.written, block);
               } else {
                 voices.push_back(voice);
               }
             }
-            detail::process_struck(std::span(voices));
+            detail::kernels<T>.process_struck(std::span(voices));
             for (const auto& voice : voices) EXPECT_LE(voice.written, block);
             for (const auto& thrown : all)
               ASSERT_LT(thrown->hammer.segment, table.size())
@@ -367,7 +367,7 @@ TYPED_TEST(Kernels, StepTheSameWhereverTheSearchBegins) {
           Thrown<T> thrown(table, modes, shape, felt, velocity, compression, block);
           thrown.hammer.crossed[0] = last, thrown.hammer.crossed[1] = before;
           auto voice = thrown.voice();
-          detail::process_struck(std::span(&voice, 1));
+          detail::kernels<T>.process_struck(std::span(&voice, 1));
           auto sound = thrown.out;
           sound.insert(sound.end(), thrown.force.begin(), thrown.force.end());
           sound.push_back(thrown.hammer.compression_m);

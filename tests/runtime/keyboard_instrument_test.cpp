@@ -535,7 +535,7 @@ TEST(HighPass, HasTheResponseOfItsQuality) {
 TEST(KeyboardOnBody, HasTheTwoDecaysOfAUnison) {
   constexpr int kPartials = 3;
   OneKey one({0, 0.15, -0.1}, kPartials);
-  if (!kHasLosses) one.struck.string.losses = {0, 0};  // as in Strings
+  if (!has_losses()) one.struck.string.losses = {0, 0};  // as in Strings
   const KeyOnBody<double> keys[] = {one.key()};
   KeyboardOnBody<double> keyboard(keys, one.keyboard_board(), kRate, one.max_modes);
   keyboard.strike(0, 2);

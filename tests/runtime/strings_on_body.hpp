@@ -20,12 +20,10 @@ namespace contactspline::testing {
 
 using std::numbers::pi;
 
-// The kernels do not tell what the strings dissipate: there they have no losses.
-#ifdef CONTACTSPLINE_SIMD
-inline constexpr bool kHasLosses = false;
-#else
-inline constexpr bool kHasLosses = true;
-#endif
+/// The vectorised kernels do not tell what the strings dissipate: there they have no losses.
+inline bool has_losses() {
+  return !detail::kernels<double>.are_vectorised();
+}
 
 /// A board of spruce.
 inline std::vector<ResonatorMode> board(int max_modes, double quadratic_loss = 0.29,
@@ -49,7 +47,7 @@ std::vector<ModeShapes<T>> bridge_of_board(int max_modes, std::size_t places) {
 /// The modes of all strings of a key, with their forces on the bridge.
 struct Strings {
   Strings(const StruckString& struck, std::vector<double> cents, int max_modes, double max_frequency_hz,
-          bool has_losses = kHasLosses);
+          bool has_losses = testing::has_losses());
 
   std::vector<Mode> modes;
   ModeShapes<double> strike;

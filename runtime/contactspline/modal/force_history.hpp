@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "contactspline/modal/mode.hpp"
+#include "contactspline/simd/portable_kernels.hpp"
 
 namespace contactspline::detail {
 

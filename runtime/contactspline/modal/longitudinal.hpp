@@ -54,7 +54,8 @@ class SlopeSquare {
       : strings_(strings),
         modes_(per_m.size()),
         per_m_(per_m.size()),
-        slopes_(in_lines((std::max)(per_m.size(), highest * strings)) + in_lines(highest * strings + 1)),
+        slopes_(in_whole_lines<T>((std::max)(per_m.size(), highest * strings)) +
+                in_whole_lines<T>(highest * strings + 1)),
         sums_(highest + 1) {
     std::ranges::copy(per_m, per_m_.data());
   }
@@ -67,27 +68,13 @@ class SlopeSquare {
     T* const slopes = slopes_.data();
     const std::size_t moving = (std::min)(displacements.size(), modes_);
     std::fill(slopes + moving, slopes + modes_, T(0));
-#ifdef CONTACTSPLINE_SIMD
-    sum_shifted_products(moving, per_m_.data(), displacements.data(), slopes, strings_, sums_);
-#else
-    for (std::size_t i = 0; i < moving; ++i) slopes[i] = per_m_[i] * displacements[i];
-    for (std::size_t k = 0; k < sums_.size(); ++k) {
-      const T* const shifted = slopes + k * strings_;
-      sums_[k] = sum_of<T>(moving, [&](std::size_t i) { return slopes[i] * shifted[i]; });
-    }
-#endif
+    kernels<T>.sum_shifted_products(moving, per_m_.data(), displacements.data(), slopes, strings_, sums_);
     sums_[0] /= 2;
     add_sums();
     return sums_;
   }
 
  private:
-  // The next multiple of a cache line.
-  static std::size_t in_lines(std::size_t count) {
-    constexpr std::size_t kLine = ModalArray<T>::kLine;
-    return (count + kLine - 1) / kLine * kLine;
-  }
-
   // The products whose numbers m and k - m add up to k.
   void add_sums() {
     for (std::size_t k = 2; k < sums_.size(); ++k) {

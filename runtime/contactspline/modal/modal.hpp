@@ -145,21 +145,9 @@ class ModalBank {
   /// Free increments over the next sample at several places [m], each an array of ModeShapes::data(), without damper.
   /// Returns the sum of |free increment| over the modes: a place moves by at most this times its largest |shape|.
   T free_increments(std::span<const T* const> at, T* increments) const requires(Modes == std::dynamic_extent) {
-#ifdef CONTACTSPLINE_SIMD
     if (size() > detail::kFewModes)
-      return detail::sum_free_increments(size(), free_increment_.data(), at, increments);
-#endif
-    const T* d = free_increment_.data();
-    if (size() == 1) {
-      for (std::size_t p = 0; p < at.size(); ++p) increments[p] = at[p][0] * d[0];
-      return std::abs(d[0]);
-    }
-    const std::size_t modes = free_increment_.padded_size();
-    std::size_t p = 0;
-    for (; p + 4 <= at.size(); p += 4) sum_products(modes, d, at[p], at[p + 1], at[p + 2], at[p + 3], increments + p);
-    for (; p < at.size(); ++p)
-      increments[p] = detail::sum_of<T>(size(), [&](std::size_t i) { return at[p][i] * d[i]; });
-    return detail::sum_of<T>(size(), [&](std::size_t i) { return std::abs(d[i]); });
+      return detail::kernels<T>.sum_free_increments(size(), free_increment_.data(), at, increments);
+    return detail::portable::sum_free_increments<T>(size(), free_increment_.data(), at, increments);
   }
 
   /// One whole sample with a damper, as in predict(), under forces [N] at several places. Then free_increments().
@@ -168,29 +156,9 @@ class ModalBank {
             T* increments) requires(Modes == std::dynamic_extent) {
     damping_ = held(damping_, damping, ControlRanges<T>::damping);
     const T damping_gain = 1 / (1 + damping_);
-#ifdef CONTACTSPLINE_SIMD
     if (size() > detail::kFewModes)
-      return detail::advance_under_forces(arrays(), damping_gain, pushed, forces, at, increments);
-#endif
-    T* __restrict change = change_.data();
-    if (size() == 1) {  // a free mass
-      T force = 0;
-      for (std::size_t p = 0; p < pushed.size(); ++p) force += pushed[p][0] * forces[p];
-      change[0] = damping_gain * (free_increment_[0] + admittance_[0] * force);
-      commit();
-      return free_increments(at, increments);
-    }
-    for (std::size_t i = 0; i < size(); ++i) change[i] = damping_gain * free_increment_[i];
-    std::size_t p = 0;
-    for (; p + 4 <= pushed.size(); p += 4)
-      add_products(size(), damping_gain, admittance_.data(), pushed[p], pushed[p + 1], pushed[p + 2], pushed[p + 3],
-                   forces + p, change);
-    for (; p < pushed.size(); ++p) {
-      const T force = damping_gain * forces[p];
-      for (std::size_t i = 0; i < size(); ++i) change[i] += admittance_[i] * pushed[p][i] * force;
-    }
-    commit();
-    return free_increments(at, increments);
+      return detail::kernels<T>.advance_under_forces(arrays(), damping_gain, pushed, forces, at, increments);
+    return detail::portable::advance_under_forces<T>(arrays(), damping_gain, pushed, forces, at, increments);
   }
 
   /// Sets the motion of a mode between two samples: its displacement [m] and its velocity in free motion [m/s].
@@ -209,20 +177,12 @@ class ModalBank {
     displacement_[mode] = change_m / 2;
     free_increment_[mode] = change_m * (1 - stiffness_[mode] / 2);
   }
-  [[nodiscard]] T displacement(std::size_t mode) const {
-    return displacement_[mode];
-  }
+  [[nodiscard]] T displacement(std::size_t mode) const { return displacement_[mode]; }
   /// Displacement of each mode, and its change over the last sample [m].
-  [[nodiscard]] constexpr std::span<const T> displacements() const {
-    return {displacement_.data(), size()};
-  }
-  [[nodiscard]] constexpr std::span<const T> changes() const {
-    return {change_.data(), size()};
-  }
+  [[nodiscard]] constexpr std::span<const T> displacements() const { return {displacement_.data(), size()}; }
+  [[nodiscard]] constexpr std::span<const T> changes() const { return {change_.data(), size()}; }
   /// Change of each mode over the next sample if no force and no damper acts [m].
-  [[nodiscard]] constexpr std::span<const T> free_increments() const {
-    return {free_increment_.data(), size()};
-  }
+  [[nodiscard]] constexpr std::span<const T> free_increments() const { return {free_increment_.data(), size()}; }
 
   /// Displacement of a mode per static force [m/N].
   [[nodiscard]] double compliance(std::size_t mode) const {
@@ -260,8 +220,8 @@ class ModalBank {
 
   /// Ends the sample: updates displacements and free increments.
   void commit() {
-    commit_all(size(), stiffness_.data(), stiffness_rest_.data(), loss_.data(), change_.data(), displacement_.data(),
-               free_increment_.data());
+    detail::commit_modes(size(), stiffness_.data(), stiffness_rest_.data(), loss_.data(), change_.data(),
+                         displacement_.data(), free_increment_.data());
   }
 
   /// Advances one sample without force: predict(damping) and commit().
@@ -341,11 +301,9 @@ class ModalBank {
 
  private:
   static constexpr T product(const Shapes& weights, const detail::ModalArray<T, Modes>& state) {
-#ifdef CONTACTSPLINE_SIMD
     if constexpr (Modes == std::dynamic_extent)
       if (weights.size() > detail::kFewModes)
-        return detail::inner_product(weights.size(), weights.data(), state.data());
-#endif
+        return detail::kernels<T>.inner_product(weights.size(), weights.data(), state.data());
     return detail::sum_of<T>(weights.size(), [&](std::size_t i) { return weights[i] * state[i]; });
   }
 
@@ -373,50 +331,6 @@ class ModalBank {
     return {mode.velocity_gain * one_minus_real - mode.decay_per_s, mode.velocity_gain};
   }
 
-  // Four sums of the modes' increments times shape.
-  static void sum_products(std::size_t modes, const T* increment, const T* a, const T* b, const T* c, const T* d,
-                           T* sums) {
-    constexpr std::size_t kLanes = 16 / sizeof(T);
-    T of_a[kLanes] = {}, of_b[kLanes] = {}, of_c[kLanes] = {}, of_d[kLanes] = {};
-    for (std::size_t i = 0; i < modes; i += kLanes)
-      for (std::size_t lane = 0; lane < kLanes; ++lane) {
-        const T moved = increment[i + lane];
-        of_a[lane] += moved * a[i + lane];
-        of_b[lane] += moved * b[i + lane];
-        of_c[lane] += moved * c[i + lane];
-        of_d[lane] += moved * d[i + lane];
-      }
-    for (std::size_t place = 0; place < 4; ++place) sums[place] = 0;
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      sums[0] += of_a[lane];
-      sums[1] += of_b[lane];
-      sums[2] += of_c[lane];
-      sums[3] += of_d[lane];
-    }
-  }
-
-  // The change of each mode by four forces.
-  static void add_products(std::size_t modes, T gain, const T* __restrict admittance, const T* __restrict a,
-                           const T* __restrict b, const T* __restrict c, const T* __restrict d, const T* forces,
-                           T* __restrict change) {
-    const T f0 = gain * forces[0], f1 = gain * forces[1], f2 = gain * forces[2], f3 = gain * forces[3];
-    for (std::size_t i = 0; i < modes; ++i)
-      change[i] += admittance[i] * ((f0 * a[i] + f1 * b[i]) + (f2 * c[i] + f3 * d[i]));
-  }
-
-  // A separate function, because compilers respect __restrict on parameters.
-  static void commit_all(std::size_t modes, const T* __restrict stiffness, const T* __restrict stiffness_rest,
-                         const T* __restrict loss, const T* __restrict change, T* __restrict displacement,
-                         T* __restrict free_increment) {
-    for (std::size_t i = 0; i < modes; ++i) {
-      const T q = displacement[i] + change[i];
-      T pull = loss[i] * change[i] + stiffness[i] * q;
-      if constexpr (kRounds) pull += stiffness_rest[i] * q;
-      displacement[i] = q;
-      free_increment[i] = (change[i] - free_increment[i]) + (change[i] - pull);
-    }
-  }
-
   constexpr void set(std::size_t i, const Mode& mode) {
     detail::ModeConstants& constants = constants_[i] = detail::mode_constants(mode, sample_rate_hz_);
     // A mode above half the sample rate would sound at a wrong pitch. As in contactspline_modal.lib, no force drives
@@ -427,9 +341,6 @@ class ModalBank {
     loss_[i] = static_cast<T>(constants.loss);
     admittance_[i] = static_cast<T>(constants.admittance);
   }
-
-  // Does T round the constants? Then stiffness_rest_ holds the rounding error of the stiffness.
-  static constexpr bool kRounds = std::numeric_limits<T>::digits < std::numeric_limits<double>::digits;
 
   double sample_rate_hz_;
   T damping_ = 0;  // of the current sample

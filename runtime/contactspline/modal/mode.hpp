@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "contactspline/data/mode.hpp"
+#include "contactspline/simd/kernel_data.hpp"
 
 namespace contactspline {
 
@@ -39,9 +40,7 @@ template <std::floating_point T, std::size_t Modes = std::dynamic_extent>
 class ModalArray {
  public:
   ModalArray() = default;
-  static constexpr std::size_t kLine = 64 / sizeof(T);
-
-  explicit constexpr ModalArray(std::size_t size) : size_(size), values_((size + kLine - 1) / kLine * kLine) {}
+  explicit constexpr ModalArray(std::size_t size) : size_(size), values_(in_whole_lines<T>(size)) {}
 
   [[nodiscard]] constexpr std::size_t size() const { return size_; }
   [[nodiscard]] constexpr std::size_t padded_size() const { return values_.size(); }
@@ -116,18 +115,6 @@ constexpr ModeConstants mode_constants(const Mode& mode, Rate sample_rate_hz) {
           .one_plus_z_square = decay_loss * decay_loss + 4 * decay_factor * cosine * cosine,
           .velocity_gain = (w > 0 ? w / (2 * sine * cosine) : sample_rate_hz) / decay_factor,
           .decay_per_s = mode.decay_per_s};
-}
-
-/// Sum of term(i) over i < n. Eight partial sums let the compiler use vector registers.
-template <std::floating_point T, typename Term>
-[[nodiscard]] constexpr T sum_of(std::size_t n, Term term) {
-  constexpr std::size_t kLanes = 8;
-  T sums[kLanes] = {};
-  std::size_t i = 0;
-  for (; i + kLanes <= n; i += kLanes)
-    for (std::size_t lane = 0; lane < kLanes; ++lane) sums[lane] += term(i + lane);
-  for (; i < n; ++i) sums[i % kLanes] += term(i);
-  return ((sums[0] + sums[4]) + (sums[2] + sums[6])) + ((sums[1] + sums[5]) + (sums[3] + sums[7]));
 }
 
 }  // namespace detail

@@ -120,15 +120,13 @@ class HammerString {
   /// the caller turns denormals off (FlushDenormals). Safe in an audio thread.
   T tick(const HammerStringControls<T>& controls, const BridgeShapes<T, Modes>& bridge, T change_m) {
     const T change = held(T(0), change_m, Ranges::displacement_m);
-#ifdef CONTACTSPLINE_SIMD
     if constexpr (Modes == std::dynamic_extent) {
-      if (!is_flying_) {
+      if (detail::kernels<T>.are_vectorised() && !is_flying_) {
         hammer_.force_n = 0;
         const auto strings = on_bridge(bridge, string_.size(), 1 / (1 + take_damping(controls)));
-        return detail::advance_on_bridge(std::span(&strings, 1), change).all;
+        return detail::kernels<T>.advance_on_bridge(std::span(&strings, 1), change).all;
       }
     }
-#endif
     string_.shift(bridge.rests, change / 2);
     tick(controls);
     string_.shift(bridge.rests, change / 2);
@@ -176,12 +174,10 @@ class HammerString {
   /// the contact forces [N]. Equals as many calls of tick(), but is many times as fast if ContactSpline::simd is
   /// linked. Safe in an audio thread.
   void process(const HammerStringControls<T>& controls, const Shapes& pickup, std::span<T> out, T* forces = nullptr) {
-#ifdef CONTACTSPLINE_SIMD
     if constexpr (Modes == std::dynamic_extent) {
       const Part part{this, &controls, &pickup, out, forces};
-      if (memory_.empty()) return process_together({&part, 1});
+      if (detail::kernels<T>.are_vectorised() && memory_.empty()) return process_in_kernels({&part, 1});
     }
-#endif
     for (T& sample : out) {
       tick(controls);
       sample = string_.displacement(pickup);
@@ -202,52 +198,28 @@ class HammerString {
   /// by side.
   static constexpr std::size_t kMaxTogether = detail::kMaxTogether;
   static void process_together(std::span<const Part> parts) {
-#ifdef CONTACTSPLINE_SIMD
     if constexpr (Modes == std::dynamic_extent) {
-      if (std::ranges::any_of(parts, [](const Part& part) { return !part.model->memory_.empty(); })) {
-        for (const auto& [model, controls, pickup, out, forces] : parts)
-          model->process(*controls, *pickup, out, forces);
-        return;
+      const auto remembers = [](const Part& part) { return !part.model->memory_.empty(); };
+      if (detail::kernels<T>.are_vectorised() && std::ranges::none_of(parts, remembers)) {
+        for (; parts.size() > kMaxTogether; parts = parts.subspan(kMaxTogether))
+          process_in_kernels(parts.first(kMaxTogether));
+        return process_in_kernels(parts);
       }
-      for (; parts.size() > kMaxTogether; parts = parts.subspan(kMaxTogether))
-        process_together(parts.first(kMaxTogether));
-      detail::StruckVoice<T> struck[kMaxTogether];
-      std::size_t count = 0;
-      for (const Part& part : parts)
-        if (part.model->is_flying_ && !part.out.empty()) struck[count++] = part.model->struck_voice(part);
-      if (count > 0) detail::process_struck(std::span(struck, count));
-      const detail::StruckVoice<T>* voice = struck;
-      for (const Part& part : parts)
-        if (!part.out.empty()) part.model->process_rest(part, part.model->is_flying_ ? (voice++)->written : 0);
-      return;
     }
-#endif
     for (const auto& [model, controls, pickup, out, forces] : parts) model->process(*controls, *pickup, out, forces);
   }
 
   /// Contact force over the last sample [N].
-  [[nodiscard]] T force() const {
-    return hammer_.force_n;
-  }
+  [[nodiscard]] T force() const { return hammer_.force_n; }
   /// Compression of the felt [m], negative while apart.
-  [[nodiscard]] T compression() const {
-    return hammer_.compression_m;
-  }
+  [[nodiscard]] T compression() const { return hammer_.compression_m; }
   /// Velocity of the hammer towards the string [m/s].
-  [[nodiscard]] T hammer_velocity() const {
-    return hammer_.velocity_m_per_s;
-  }
+  [[nodiscard]] T hammer_velocity() const { return hammer_.velocity_m_per_s; }
   /// What the felt remembers of the blow.
-  [[nodiscard]] const ContactMemory<T>& memory() const {
-    return memory_;
-  }
+  [[nodiscard]] const ContactMemory<T>& memory() const { return memory_; }
   /// True from a throw until the hammer is stopped.
-  [[nodiscard]] bool is_hammer_flying() const {
-    return is_flying_;
-  }
-  [[nodiscard]] const ModalBank<T, Modes>& string() const {
-    return string_;
-  }
+  [[nodiscard]] bool is_hammer_flying() const { return is_flying_; }
+  [[nodiscard]] const ModalBank<T, Modes>& string() const { return string_; }
   /// Energy of string, hammer and felt [J], with the controls of the next sample: a hammer takes them at its throw.
   /// One that is stopped has none.
   [[nodiscard]] double energy(const HammerStringControls<T>& controls) const {
@@ -279,8 +251,19 @@ class HammerString {
     return damping_per_s_ * time_step_;
   }
 
-#ifdef CONTACTSPLINE_SIMD
-  detail::StruckVoice<T> struck_voice(const Part& part) {
+  // Up to kMaxTogether parts, none of which remembers.
+  static void process_in_kernels(std::span<const Part> parts) requires(Modes == std::dynamic_extent) {
+    detail::StruckVoice<T> struck[kMaxTogether];
+    std::size_t count = 0;
+    for (const Part& part : parts)
+      if (part.model->is_flying_ && !part.out.empty()) struck[count++] = part.model->struck_voice(part);
+    if (count > 0) detail::kernels<T>.process_struck(std::span(struck, count));
+    const detail::StruckVoice<T>* voice = struck;
+    for (const Part& part : parts)
+      if (!part.out.empty()) part.model->process_rest(part, part.model->is_flying_ ? (voice++)->written : 0);
+  }
+
+  detail::StruckVoice<T> struck_voice(const Part& part) requires(Modes == std::dynamic_extent) {
     take(*part.controls);
     constants_.follow(felt_);
     const T damping_gain = 1 / (1 + take_damping(*part.controls));
@@ -289,15 +272,15 @@ class HammerString {
   }
 
   // The samples after the first `written`, which the kernel of struck voices has computed: the string alone.
-  void process_rest(const Part& part, std::size_t written) {
+  void process_rest(const Part& part, std::size_t written) requires(Modes == std::dynamic_extent) {
     is_flying_ = is_flying_ && hammer_.compression_m > detail::kHammerStop_m<T>;
     const auto out = part.out.subspan(written);
     if (out.empty()) return;
     hammer_.force_n = 0;
     if (part.forces != nullptr) std::fill_n(part.forces + written, out.size(), T(0));
-    detail::process_free(string_.arrays(), 1 / (1 + take_damping(*part.controls)), part.pickup->data(), out);
+    detail::kernels<T>.process_free(string_.arrays(), 1 / (1 + take_damping(*part.controls)), part.pickup->data(),
+                                    out);
   }
-#endif
 
   // One sample of the contact between predict() and commit() of the string.
   void collide(T damping_gain) {

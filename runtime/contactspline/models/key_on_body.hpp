@@ -48,7 +48,7 @@ namespace detail {
 template <std::floating_point T>
 struct SoundingKey {
   // Modes that join and leave together: whole cache lines in both precisions.
-  static constexpr std::size_t kLine = ModalArray<float>::kLine;
+  static constexpr std::size_t kLine = kLineSize<float>;
   static constexpr double kSympathy_hz = 5000;
 
   SoundingKey(const KeyOnBody<T>& key, double sample_rate_hz, std::size_t max_modes)

@@ -102,7 +102,7 @@ class KeysOnBridge {
       T output = 0;
       for (const auto& [place, first, count] : groups_) {
         const auto strings = std::span<const StringsOnBridge<T>>(resting_).subspan(first, count);
-        const BridgeForces<T> sum = advance_strings<T>(strings, body_.change(place));
+        const BridgeForces<T> sum = kernels<T>.advance_on_bridge(strings, body_.change(place));
         forces_n[place] = sum.all;
         output += sum.output;
       }

@@ -58,7 +58,7 @@ class ContactTableStorage {
   }
 
  private:
-  static constexpr std::size_t kLine = ModalArray<T>::kLine;
+  static constexpr std::size_t kLine = kLineSize<T>;
   // Sentinels on both sides. The kernels read entries -kKnotsAhead to N + kKnotsAhead + 2.
   static constexpr std::size_t kBefore = 32;
   static_assert(kBefore % kLine == 0 && kBefore > kKnotsAhead + 2 && kBefore > kKnotsPerWindow<T>);
@@ -101,7 +101,7 @@ class StrikeConstantsStorage {
         amplitude_gain_(modes),
         unit_(modes),
         per_unit_(modes),
-        workspace_(kRowsPerLine * (modes + ModalArray<T>::kLine)) {}
+        workspace_(kRowsPerLine * (modes + kLineSize<T>)) {}
 
   /// Prepares for a strike at the place of these shapes.
   void strike_at(ModalBank<T>& string, const ModeShapes<T>& shapes) {
@@ -152,7 +152,7 @@ class StrikeConstantsStorage {
   static constexpr T kMinUnit = 10000 * (std::numeric_limits<T>::min)();
 
   void set(std::size_t mode, std::size_t row, T value) {
-    constexpr std::size_t kLine = ModalArray<T>::kLine;
+    constexpr std::size_t kLine = kLineSize<T>;
     workspace_[(mode / kLine * kRowsPerLine + row) * kLine + mode % kLine] = value;
   }
 

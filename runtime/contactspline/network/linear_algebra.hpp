@@ -52,9 +52,7 @@ class ColumnMatrix {
   explicit ColumnMatrix(std::size_t size) : stride_(padded(size)), values_(stride_ * size) {}
 
   /// n rounded up to whole cache lines.
-  [[nodiscard]] static std::size_t padded(std::size_t n) {
-    return (n + ModalArray<T>::kLine - 1) / ModalArray<T>::kLine * ModalArray<T>::kLine;
-  }
+  [[nodiscard]] static std::size_t padded(std::size_t n) { return in_whole_lines<T>(n); }
   /// From the beginning of a column to that of the next one.
   [[nodiscard]] std::size_t stride() const { return stride_; }
   [[nodiscard]] T* column(std::size_t j) { return values_.data() + j * stride_; }
@@ -67,54 +65,31 @@ class ColumnMatrix {
   ModalArray<T> values_;
 };
 
-/// to[from..n) += factor * column[from..n)
-template <std::floating_point T>
-void add_scaled(std::size_t from, std::size_t n, T factor, const T* __restrict column, T* __restrict to) {
-  for (std::size_t i = from; i < n; ++i) to[i] += factor * column[i];
-}
-
-/// I + a positive semidefinite matrix of m rows becomes its Cholesky factor, with the inverse of its diagonal. Above
-/// its diagonal it is scratch, so that all loops run on whole vectors.
+/// factorise() of a matrix of these rows.
 template <std::floating_point T>
 void factorise(ColumnMatrix<T>& factor, std::size_t m) {
-  constexpr std::size_t kLine = ModalArray<T>::kLine;
-  const std::size_t padded = factor.padded(m);
-  for (std::size_t j = 0; j < m; ++j) {
-    T* column = factor.column(j);
-    const T inverse = 1 / std::sqrt((std::max)(column[j], T(1)));  // no diagonal of I + ... is below 1
-    for (std::size_t i = j / kLine * kLine; i < padded; ++i) column[i] *= inverse;
-    for (std::size_t k = j + 1; k < m; ++k)
-      add_scaled(k / kLine * kLine, padded, -column[k], column, factor.column(k));
-    column[j] = inverse;
-  }
+  factorise(m, factor.column(0), factor.stride());
 }
 
 /// right becomes factor^-1 right. From row ends[j] on, column j is 0.
 template <std::floating_point T>
 void solve_forwards(const ColumnMatrix<T>& factor, const std::vector<std::size_t>& ends, T* right) {
-  for (std::size_t j = 0; j < ends.size(); ++j) {
-    const T* column = factor.column(j);
-    right[j] *= column[j];
-    for (std::size_t i = j + 1; i < ends[j]; ++i) right[i] -= right[j] * column[i];
-  }
+  solve_forwards(
+      ends.size(), factor.column(0), factor.stride(), [&](std::size_t j) { return ends[j]; }, right);
 }
 
 /// right becomes factor^-T right.
 template <std::floating_point T>
 void solve_backwards(const ColumnMatrix<T>& factor, const std::vector<std::size_t>& ends, T* right) {
-  for (std::size_t j = ends.size(); j-- > 0;) {
-    const T* column = factor.column(j);
-    T sum = right[j];
-    for (std::size_t i = j + 1; i < ends[j]; ++i) sum -= column[i] * right[i];
-    right[j] = sum * column[j];
-  }
+  solve_backwards(
+      ends.size(), factor.column(0), factor.stride(), [&](std::size_t j) { return ends[j]; }, right);
 }
 
 /// A system of equations whose matrix is I + a positive semidefinite one, of up to a given number of rows.
 template <std::floating_point T>
 class LinearSystem {
  public:
-  explicit LinearSystem(std::size_t max_rows) : matrix_(max_rows), right_(max_rows) { row_ends_.reserve(max_rows); }
+  explicit LinearSystem(std::size_t max_rows) : matrix_(max_rows), right_(max_rows) {}
 
   /// For the caller to fill in before solve(): column j and the right side. Rows m to padded(m) of a column are 0.
   [[nodiscard]] T* column(std::size_t j) { return matrix_.column(j); }
@@ -126,14 +101,8 @@ class LinearSystem {
     if (m == 1) return solve_few<1>();
     if (m == 2) return solve_few<2>();
     if (m == 3) return solve_few<3>();
-#ifdef CONTACTSPLINE_SIMD
     std::fill(right_.data() + m, right_.data() + matrix_.padded(m), T(0));
-    return solve_positive_definite(m, matrix_.column(0), matrix_.stride(), right_.data());
-#endif
-    factorise(matrix_, m);
-    row_ends_.assign(m, m);
-    solve_forwards(matrix_, row_ends_, right_.data());
-    solve_backwards(matrix_, row_ends_, right_.data());
+    kernels<T>.solve_positive_definite(m, matrix_.column(0), matrix_.stride(), right_.data());
   }
 
  private:
@@ -162,7 +131,6 @@ class LinearSystem {
 
   ColumnMatrix<T> matrix_;
   ModalArray<T> right_;
-  std::vector<std::size_t> row_ends_;
 };
 
 }  // namespace contactspline::detail

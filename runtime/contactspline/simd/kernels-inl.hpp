@@ -32,6 +32,17 @@ namespace hn = hwy::HWY_NAMESPACE;
 #include "contactspline/simd/process-inl.hpp"
 // clang-format on
 
+Kernels<Sample> kernels_here() {
+  return {.process_free = process_free_here,
+          .process_struck = process_struck_here,
+          .advance_on_bridge = advance_on_bridge_here,
+          .inner_product = inner_product_here,
+          .sum_shifted_products = sum_shifted_products_here,
+          .solve_positive_definite = solve_positive_definite_here,
+          .sum_free_increments = sum_free_increments_here,
+          .advance_under_forces = advance_under_forces_here};
+}
+
 }  // namespace
 }  // namespace HWY_NAMESPACE
 }  // namespace contactspline::detail
@@ -40,45 +51,26 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace contactspline::detail {
 
+HWY_EXPORT(kernels_here);
 HWY_EXPORT(process_free_here);
-HWY_EXPORT(advance_on_bridge_here);
-HWY_EXPORT(inner_product_here);
-HWY_EXPORT(sum_shifted_products_here);
-HWY_EXPORT(solve_positive_definite_here);
-HWY_EXPORT(sum_free_increments_here);
-HWY_EXPORT(advance_under_forces_here);
 HWY_EXPORT(process_struck_here);
 
-void process_free(const ModalArrays<Sample>& modes, Sample damping_gain, const Sample* pickup,
-                  std::span<Sample> out) {
+static void process_free_flushed(const ModalArrays<Sample>& modes, Sample damping_gain, const Sample* pickup,
+                                 std::span<Sample> out) {
   const FlushDenormals flushed;
   HWY_DYNAMIC_DISPATCH(process_free_here)(modes, damping_gain, pickup, out);
 }
-BridgeForces<Sample> advance_on_bridge(std::span<const StringsOnBridge<Sample>> strings, Sample change_m) {
-  return HWY_DYNAMIC_DISPATCH(advance_on_bridge_here)(strings, change_m);
-}
-Sample inner_product(std::size_t modes, const Sample* a, const Sample* b) {
-  return HWY_DYNAMIC_DISPATCH(inner_product_here)(modes, a, b);
-}
-void sum_shifted_products(std::size_t count, const Sample* factors, const Sample* values, Sample* products,
-                          std::size_t shift, std::span<Sample> sums) {
-  HWY_DYNAMIC_DISPATCH(sum_shifted_products_here)(count, factors, values, products, shift, sums);
-}
-void solve_positive_definite(std::size_t size, Sample* matrix, std::size_t stride, Sample* right) {
-  HWY_DYNAMIC_DISPATCH(solve_positive_definite_here)(size, matrix, stride, right);
-}
-Sample sum_free_increments(std::size_t modes, const Sample* free_increment, std::span<const Sample* const> at,
-                           Sample* increments) {
-  return HWY_DYNAMIC_DISPATCH(sum_free_increments_here)(modes, free_increment, at, increments);
-}
-Sample advance_under_forces(const ModalArrays<Sample>& modes, Sample damping_gain,
-                            std::span<const Sample* const> pushed, const Sample* forces,
-                            std::span<const Sample* const> at, Sample* increments) {
-  return HWY_DYNAMIC_DISPATCH(advance_under_forces_here)(modes, damping_gain, pushed, forces, at, increments);
-}
-void process_struck(std::span<StruckVoice<Sample>> voices) {
+static void process_struck_flushed(std::span<StruckVoice<Sample>> voices) {
   const FlushDenormals flushed;
   HWY_DYNAMIC_DISPATCH(process_struck_here)(voices);
+}
+
+template <>
+bool take_vectorised_kernels<Sample>() {
+  kernels<Sample> = HWY_DYNAMIC_DISPATCH(kernels_here)();
+  kernels<Sample>.process_free = process_free_flushed;
+  kernels<Sample>.process_struck = process_struck_flushed;
+  return true;
 }
 
 }  // namespace contactspline::detail

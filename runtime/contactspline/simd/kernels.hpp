@@ -1,219 +1,104 @@
 // SPDX-License-Identifier: MIT
-// The data of the vectorised kernels in ContactSpline::simd, and their functions. All data are plain pointers, so
-// that one compiled library serves every machine (docs/how-it-works/kernels.md).
+// The table of the kernels that the models call: portable ones, or, where ContactSpline::simd is linked, those of the
+// best instruction set of the machine (docs/how-it-works/kernels.md).
 #pragma once
 
 #include "contactspline/step/cpp20.hpp"
 
-#include <limits>
+#include <concepts>
+#include <cstddef>
 #include <span>
 
-#include "contactspline/step/contact.hpp"
+#include "contactspline/simd/kernel_data.hpp"
+#include "contactspline/simd/portable_kernels.hpp"
+
+// Each program and each shared library has a table of its own, so that two of them in one process may differ.
+#ifdef _WIN32  // where that is so by itself
+#define CONTACTSPLINE_OWN
+#else
+#define CONTACTSPLINE_OWN [[gnu::visibility("hidden")]]
+#endif
 
 namespace contactspline::detail {
-
-/// The arrays of a modal bank: `modes` numbers each, padded with zeros to a whole cache line, which they begin.
-template <std::floating_point T>
-struct ModalArrays {
-  std::size_t modes;
-  const T* stiffness;
-  const T* stiffness_rest;
-  const T* loss;
-  const T* admittance;
-  T* displacement;
-  T* free_increment;
-  T* change;  ///< of the displacement over the last sample, where the modes are advanced one sample at a time
-};
 
 /// Banks with at most this number of modes are advanced without kernels.
 inline constexpr std::size_t kFewModes = 4;
 
-/// Strings that end at a bridge.
-template <std::floating_point T>
-struct StringsOnBridge {
-  ModalArrays<T> modes;
-  const T* shape;  ///< force of each mode on the bridge per displacement [N/m]
-  const T* rest;   ///< displacement of each mode at rest per displacement of the bridge
-  T damping_gain;  ///< as in StrikeConstants
-  T output = 1;    ///< weight of these strings in BridgeForces::output
-};
-
-/// Sum of the forces of strings on a bridge, and of the same by their weights [N].
-template <std::floating_point T>
-struct BridgeForces {
-  T all, output;
-};
-
-/// Number of knots in a block of a ContactTable.
-inline constexpr std::size_t kKnotsPerBlock = 32;
-
-/// Number of knots that a kernel judges at once: they fill a cache line.
-template <std::floating_point T>
-inline constexpr std::size_t kKnotsPerWindow = 64 / sizeof(T);
-
-/// Number of knots beyond the first one crossed that a kernel of several voices judges at once.
-inline constexpr int kKnotsAhead = 16;
-
-/// Sentinel knot on both sides of a table's knots [m]. Its square is infinite, so that no step crosses it.
-template <std::floating_point T>
-inline constexpr T kSentinelKnot = (std::numeric_limits<T>::max)() / 4;
-
-/// A SegmentTable column by column, with its products with the admittance. Entry k of a column is entry k of the
-/// table, except knots[0]. Sentinel segments without force stand on both sides: kKnotsAhead + 1 and more before entry
-/// 1 and after entry N.
-template <std::floating_point T>
-struct ContactTable {
-  std::size_t segments;  ///< N
-  const T* knots;        ///< knots + 1 begins a cache line
-  const T* energies;     ///< at the knots; likewise
-  const T* forces;       ///< at the knots
-  const T* half_curvatures;
-  const T* block_first_knots;     ///< padded like the knots, on cache lines
-  const T* block_first_energies;  ///< there
-  std::size_t blocks;             ///< from entry 1 on
-  const Segment<T>* rows;         ///< the same table by segments
-  // Products with xi, the admittance times the stiffness ratio:
-  T* prepared_xi;          ///< the xi that the products hold [m/N], -1 at first
-  T* force_displacements;  ///< xi times the force at each knot [m]
-  T* stiffnesses;          ///< xi c of each segment
-  T* inverse_slopes;       ///< 1/(1 + xi c) of each segment
-};
-
-/// Everything that is constant while a hammer is in flight: the string, where it is struck, and by what.
-template <std::floating_point T>
-struct StrikeConstants {
-  ModalArrays<T> modes;
-  ContactTable<T> table;
-  SegmentTable<T> segments;  ///< the same table by segments
-  const T* shape;            ///< of the modes at the place of the strike
-  // Changes of each mode by a force at that place, per newton:
-  const T* admittance;           ///< of the displacement after the sample
-  const T* free_increment_gain;  ///< of the free increment after the sample
-  const T* amplitude_gain;       ///< shape/sqrt(stiffness - (loss + stiffness)^2 / 4)
-  const T* unit;                 ///< unit of a mode's state under load: its admittance, so that a force is just added
-  const T* per_unit;             ///< 1/unit
-  T admittance_of_string;        ///< sum of shape times admittance [m/N]
-  T free_admittance;             ///< sum of shape times free_increment_gain [m/N]
-  T* workspace;                  ///< the rows of ModeRow, line by line; the constants are already there
-  // Of the call:
-  T time_step_s;
-  T damping_gain;  ///< 1/(1 + damping): the part of its motion that the damper leaves each mode
-  const T* pickup;
-};
-
-/// Rows of a mode under load, a cache line each: two of state and six of constants, in the mode's unit.
-struct ModeRow {
-  enum : std::size_t { displacement, free_increment, free_increment_gain, stiffness, rest, loss, shape, pickup };
-};
-/// Cache lines for each line of modes. One more than there are rows: else every eighth would lie at the same offset
-/// of a page.
-inline constexpr std::size_t kRowsPerLine = 9;
-
-/// State of a hammer from its throw until it is stopped.
-template <std::floating_point T>
-struct HammerState {
-  T mass_kg = 1;
-  ContactControls<T> felt = {};
-  T compression_m = 0;
-  T velocity_m_per_s = 0;
-  std::size_t segment = 0;         ///< that holds the compression
-  T force_n = 0;                   ///< over the last sample
-  std::ptrdiff_t crossed[2] = {};  ///< segments crossed in the last sample and in the one before
-};
-
-/// A hammer this far behind the string is stopped. Only a new throw brings it back.
-template <std::floating_point T>
-inline constexpr T kHammerStop_m = T(-0.05);
-
-/// A string with a hammer in flight. Whatever it points to must outlive the call.
-template <std::floating_point T>
-struct StruckVoice {
-  StrikeConstants<T> strike;
-  HammerState<T>* hammer;
-  std::span<T> out;         ///< displacement at the pickup [m]
-  T* force;                 ///< destination of the contact forces, or null
-  std::size_t written = 0;  ///< number of samples written
-};
-
 /// Largest number of voices that a kernel advances side by side.
 inline constexpr std::size_t kMaxTogether = 16;
 
-/// Advances the modes by out.size() samples without force and writes the displacement at the pickup after each.
-/// damping_gain: as in StrikeConstants.
-void process_free(const ModalArrays<float>& modes, float damping_gain, const float* pickup, std::span<float> out);
-void process_free(const ModalArrays<double>& modes, double damping_gain, const double* pickup, std::span<double> out);
-
-/// Advances all strings by one sample on a bridge that has moved by change_m, and returns the sums of shape
-/// times displacement.
-BridgeForces<float> advance_on_bridge(std::span<const StringsOnBridge<float>> strings, float change_m);
-BridgeForces<double> advance_on_bridge(std::span<const StringsOnBridge<double>> strings, double change_m);
-
-/// The sum of a[i] b[i] over arrays of that number of modes, padded as in ModalArrays.
-float inner_product(std::size_t modes, const float* a, const float* b);
-double inner_product(std::size_t modes, const double* a, const double* b);
-
-/// Writes factors[i] times values[i] to products[i] for i < count, and to sums[k] the sum of products[i] products[i +
-/// k shift]. All three arrays begin on a cache line. The factors are followed by zeros to the end of their line, the
-/// products by zeros to the end of theirs and as many as the largest k shift. The values are readable and finite to
-/// the end of their line.
-void sum_shifted_products(std::size_t count, const float* factors, const float* values, float* products,
-                          std::size_t shift, std::span<float> sums);
-void sum_shifted_products(std::size_t count, const double* factors, const double* values, double* products,
-                          std::size_t shift, std::span<double> sums);
-
-/// Solves matrix x = right, the matrix I plus a positive semidefinite one; right becomes x. Column j of the matrix
-/// begins at matrix + j stride, a cache line; its lower triangle counts, and what follows row `size` in a line is 0.
-/// Overwrites the matrix.
-void solve_positive_definite(std::size_t size, float* matrix, std::size_t stride, float* right);
-void solve_positive_definite(std::size_t size, double* matrix, std::size_t stride, double* right);
-
-/// Sums of shape times free increment for several shapes. Returns the sum of |free increment|.
-float sum_free_increments(std::size_t modes, const float* free_increment, std::span<const float* const> at,
-                          float* increments);
-double sum_free_increments(std::size_t modes, const double* free_increment, std::span<const double* const> at,
-                           double* increments);
-
-/// Advances the modes by one sample under damping_gain times the forces at the places `pushed`. Then
-/// sum_free_increments().
-float advance_under_forces(const ModalArrays<float>& modes, float damping_gain, std::span<const float* const> pushed,
-                           const float* forces, std::span<const float* const> at, float* increments);
-double advance_under_forces(const ModalArrays<double>& modes, double damping_gain,
-                            std::span<const double* const> pushed, const double* forces,
-                            std::span<const double* const> at, double* increments);
-
-/// The same as process_free() with a hammer in flight, for several voices: each until its hammer is stopped or its
-/// `out` is full.
-void process_struck(std::span<StruckVoice<float>> voices);
-void process_struck(std::span<StruckVoice<double>> voices);
-
-/// advance_on_bridge() where ContactSpline::simd is linked, and a loop that does the same where it is not.
+/// Functions of modes, strings and systems of equations. Arrays are padded as in ModalArrays.
 template <std::floating_point T>
-BridgeForces<T> advance_strings(std::span<const StringsOnBridge<T>> strings, T change_m) {
+struct Kernels {
+  /// Advances the modes by out.size() samples without force and writes the displacement at the pickup after each.
+  /// damping_gain: as in StrikeConstants. Null without vectors: then strings play by tick().
+  void (*process_free)(const ModalArrays<T>& modes, T damping_gain, const T* pickup, std::span<T> out) = nullptr;
+
+  /// The same with a hammer in flight, for several voices: each until its hammer is stopped or its `out` is full.
+  /// Null without vectors.
+  void (*process_struck)(std::span<StruckVoice<T>> voices) = nullptr;
+
+  /// Advances all strings by one sample on a bridge that has moved by change_m, and returns the sums of shape times
+  /// displacement.
+  BridgeForces<T> (*advance_on_bridge)(std::span<const StringsOnBridge<T>> strings, T change_m);
+
+  /// The sum of a[i] b[i] over arrays of that number of modes.
+  T (*inner_product)(std::size_t modes, const T* a, const T* b);
+
+  /// Writes factors[i] times values[i] to products[i] for i < count, and to sums[k] the sum of products[i] products[i
+  /// + k shift]. All three arrays begin on a cache line. The factors are followed by zeros to the end of their line,
+  /// the products by zeros to the end of theirs and as many as the largest k shift. The values are readable and
+  /// finite to the end of their line.
+  void (*sum_shifted_products)(std::size_t count, const T* factors, const T* values, T* products, std::size_t shift,
+                               std::span<T> sums);
+
+  /// Solves matrix x = right, the matrix I plus a positive semidefinite one; right becomes x. Column j of the matrix
+  /// begins at matrix + j stride, a cache line; its lower triangle counts, and what follows row `size` in a line is
+  /// 0. Overwrites the matrix.
+  void (*solve_positive_definite)(std::size_t size, T* matrix, std::size_t stride, T* right);
+
+  /// Sums of shape times free increment for several shapes. Returns the sum of |free increment|.
+  T (*sum_free_increments)(std::size_t modes, const T* free_increment, std::span<const T* const> at, T* increments);
+
+  /// Advances the modes by one sample under damping_gain times the forces at the places `pushed`. Then
+  /// sum_free_increments().
+  T(*advance_under_forces)
+  (const ModalArrays<T>& modes, T damping_gain, std::span<const T* const> pushed, const T* forces,
+   std::span<const T* const> at, T* increments);
+
+  /// Are these the kernels of ContactSpline::simd?
+  [[nodiscard]] bool are_vectorised() const { return process_struck != nullptr; }
+};
+
+template <std::floating_point T>
+inline constexpr Kernels<T> kPortableKernels = {.advance_on_bridge = portable::advance_on_bridge<T>,
+                                                .inner_product = portable::inner_product<T>,
+                                                .sum_shifted_products = portable::sum_shifted_products<T>,
+                                                .solve_positive_definite = portable::solve_positive_definite<T>,
+                                                .sum_free_increments = portable::sum_free_increments<T>,
+                                                .advance_under_forces = portable::advance_under_forces<T>};
+
+/// The kernels of this program or shared library, whichever of its files calls them. They change before main()
+/// begins, or never.
+template <std::floating_point T>
+CONTACTSPLINE_OWN inline constinit Kernels<T> kernels = kPortableKernels<T>;
+
+/// Fills the table with the kernels of ContactSpline::simd for the best instruction set of this machine. Returns
+/// true.
+template <std::floating_point T>
+bool take_vectorised_kernels() = delete;
+template <>
+bool take_vectorised_kernels<float>();
+template <>
+bool take_vectorised_kernels<double>();
+
+// The library defines no more than these functions. To call them where it is linked also makes the linker take them
+// out of its archive.
 #ifdef CONTACTSPLINE_SIMD
-  return advance_on_bridge(strings, change_m);
-#else
-  constexpr std::size_t kLanes = 8;  // partial sums let the compiler use vector registers; the arrays are padded
-  const auto sum_of = [](const T* f) { return ((f[0] + f[4]) + (f[2] + f[6])) + ((f[1] + f[5]) + (f[3] + f[7])); };
-  T all[kLanes] = {}, output[kLanes] = {};
-  for (const auto& [modes, shape, rest, damping_gain, weight] : strings) {
-    T forces[kLanes] = {};
-    for (std::size_t line = 0; line < modes.modes; line += kLanes)
-      for (std::size_t lane = 0; lane < kLanes; ++lane) {
-        const std::size_t i = line + lane;
-        const T by = rest[i] * (change_m / 2), pull_by = modes.stiffness[i] * by;
-        const T d = modes.free_increment[i] + pull_by, c = damping_gain * d;
-        const T q = modes.displacement[i] - by + c, pull = modes.loss[i] * c + modes.stiffness[i] * q;
-        modes.displacement[i] = q - by;
-        modes.free_increment[i] = (c - d) + (c - (pull + modes.stiffness_rest[i] * q)) + pull_by;
-        forces[lane] += shape[i] * (q - by);
-      }
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      all[lane] += forces[lane];
-      output[lane] += weight * forces[lane];
-    }
-  }
-  return {sum_of(all), sum_of(output)};
+CONTACTSPLINE_OWN inline const bool kHasVectorisedKernels =
+    take_vectorised_kernels<float>() && take_vectorised_kernels<double>();
 #endif
-}
 
 }  // namespace contactspline::detail
+
+#undef CONTACTSPLINE_OWN
