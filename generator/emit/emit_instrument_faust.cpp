@@ -53,7 +53,7 @@ std::string product(const std::string& a, const std::string& b) {
 }
 
 std::string kept(const std::string& expression) {
-  return expression.empty() ? "" : fmt::format("cm.keep({})", expression);
+  return expression.empty() ? "" : fmt::format("keep({})", expression);
 }
 
 std::string slider(std::size_t order, const ModelParameter& parameter) {
@@ -132,7 +132,7 @@ class Writer {
       ++order;
     }
     for (std::size_t c = 0; c < model_.controls.size(); ++c)
-      input(fmt::format("c{}", c), fmt::format("control_{}", c));
+      input(fmt::format("control_{}", c), fmt::format("control_{}", c));
   }
 
   static std::string button_name(const ModelEvent& event) {
@@ -202,22 +202,22 @@ class Writer {
   // Gain and extra decay of a body's damper.
   [[nodiscard]] std::string gain_of(std::size_t body) const {
     const std::size_t c = control_of(ControlQuantity::kDamping, body);
-    return is_control(c) ? fmt::format("g{}", c) : "1.0";
+    return is_control(c) ? fmt::format("damper_gain_{}", c) : "1.0";
   }
   [[nodiscard]] std::string damping_of(std::size_t body) const {
     const std::size_t c = control_of(ControlQuantity::kDamping, body);
-    return is_control(c) ? fmt::format("c{}", c) : "0.0";
+    return is_control(c) ? fmt::format("control_{}", c) : "0.0";
   }
 
   // Force of the last sample at a place.
   [[nodiscard]] std::string force_at(std::size_t place) const {
     Sum sum;
     for (std::size_t k = 0; k < connections().size(); ++k) {
-      if (connections()[k].second == place) sum.add(fmt::format("F{}", k));
-      if (connections()[k].first == place) sum.add(fmt::format("F{}", k), true);
+      if (connections()[k].second == place) sum.add(name_at("last_force", k));
+      if (connections()[k].first == place) sum.add(name_at("last_force", k), true);
     }
     const std::size_t push = control_of(ControlQuantity::kForce, place);
-    if (is_control(push)) sum.add(fmt::format("c{}'", push));
+    if (is_control(push)) sum.add(fmt::format("control_{}'", push));
     return sum.or_zero();
   }
 
@@ -237,18 +237,18 @@ class Writer {
     const auto s = strike - model_.strikes.begin();
     const bool is_struck = strike != model_.strikes.end();
     if (is_struck) {
-      input(fmt::format("t{}", s), fmt::format("(strike_{0} > strike_{0}')", s));
-      input(fmt::format("u{}", s), fmt::format("speed_{}", s));
+      input(fmt::format("is_thrown_{}", s), fmt::format("(strike_{0} > strike_{0}')", s));
+      input(fmt::format("throw_speed_{}", s), fmt::format("speed_{}", s));
     }
     for (const std::size_t q : places_[body])
-      input(fmt::format("xi{}_{}", q, q), fmt::format("cm.dt * cm.dt / {}", literal(2 * mass)));
+      input(fmt::format("place_admittance_{}_{}", q, q), fmt::format("cm.dt * cm.dt / {}", literal(2 * mass)));
     const std::string moved = fmt::format("{}, {}, {}", literal(mass), force_at(place), gain_of(body));
-    chain_.add(
-        {fmt::format("i{}", place), fmt::format("z{}", body), fmt::format("q{}", body), fmt::format("v{}", body)},
-        is_struck ? fmt::format("cm.struck_mass({}, t{}, u{}, {}, {})", moved, s, s,
-                                pressed_at(body, &InstrumentConnection::first),
-                                pressed_at(body, &InstrumentConnection::second))
-                  : fmt::format("cm.free_mass({})", moved));
+    chain_.add({fmt::format("place_increment_{}", place), fmt::format("jump_{}", body),
+                fmt::format("displacement_{}", body), fmt::format("velocity_{}", body)},
+               is_struck ? fmt::format("modal.struck_mass({}, is_thrown_{}, throw_speed_{}, {}, {})", moved, s, s,
+                                       pressed_at(body, &InstrumentConnection::first),
+                                       pressed_at(body, &InstrumentConnection::second))
+                         : fmt::format("modal.free_mass({})", moved));
   }
 
   // The largest compression beyond that at rest of the contacts that have an end at a body, before the sample [m].
@@ -258,10 +258,10 @@ class Writer {
       const std::size_t place = connections()[k].*end;
       if (place == kGround || arrays_.place_bodies[place] != body) continue;
       const double initial = initial_gap(k);
-      std::string pressed = fmt::format("select2(cm.is_first, Y{}, {})", k, number(-initial));
+      std::string pressed = fmt::format("select2(cm.is_first, last_compression_{}, {})", k, number(-initial));
       if (is_control(control_of(ControlQuantity::kGapShift, k))) {
         input(name_at("rest", k), fmt::format("({} : ci.pressed_by_gap({}))", wanted_gap(k), number(initial)));
-        pressed += fmt::format(" - rest{}", k);
+        pressed += fmt::format(" - rest_{}", k);
       } else if (initial < 0) {
         pressed += fmt::format(" - {}", literal(-initial));
       }
@@ -314,10 +314,10 @@ class Writer {
     std::vector<std::string> forces, weighted, observed, signals, arguments;
     for (std::size_t n = 0; n < places.size(); ++n) {
       write_shapes(places[n]);
-      forces.push_back(fmt::format("f{}", n));
-      weighted.push_back(fmt::format("f{} * shape_{}(i)", n, places[n]));
+      forces.push_back(fmt::format("force_{}", n));
+      weighted.push_back(fmt::format("force_{} * shape_{}(i)", n, places[n]));
       observed.push_back(fmt::format("shape_{}(i) * increment", places[n]));
-      signals.push_back(fmt::format("i{}", places[n]));
+      signals.push_back(fmt::format("place_increment_{}", places[n]));
       arguments.push_back(force_at(places[n]));
     }
     for (const auto& [target, quantity] : pickups) {
@@ -325,13 +325,13 @@ class Writer {
       write_shapes(place);
       observed.push_back(fmt::format("shape_{}(i) * {}", place,
                                      quantity == OutputQuantity::kVelocity ? "velocity" : "displacement"));
-      signals.push_back(fmt::format("o{}", target));
+      signals.push_back(fmt::format("pickup_{}", target));
     }
     for (std::size_t m = 0; m < places.size(); ++m)
       for (std::size_t n = m; n < places.size(); ++n) {
         const auto [p, q] = std::minmax(places[m], places[n]);
         observed.push_back(fmt::format("shape_{}(i) * shape_{}(i) * admittance", p, q));
-        signals.push_back(fmt::format("xi{}_{}", p, q));
+        signals.push_back(fmt::format("place_admittance_{}_{}", p, q));
       }
     if (modes == 0) {  // all of them are too fast: it does not move
       for (const std::string& signal : signals) chain_.add(signal, "0.0");
@@ -341,13 +341,13 @@ class Writer {
     const bool has_velocity =
         std::ranges::any_of(pickups, [](const auto& pickup) { return pickup.second == OutputQuantity::kVelocity; });
     bodies_ += fmt::format(
-        "body_{0}({1}{2}gain, damping) =\n  {3}{2}cm.keep(2.0 * cm.dt * damping), cm.keep((0.0 - 0.5) * gain)\n"
-        "  <: par(j, {4}, sixteen(j)) :> par(k, {5}, cm.keep)\n"
+        "body_{0}({1}{2}gain, damping) =\n  {3}{2}keep(2.0 * cm.dt * damping), keep((0.0 - 0.5) * gain)\n"
+        "  <: par(j, {4}, sixteen(j)) :> par(k, {5}, keep)\n"
         "with {{\n"
-        "  sixteen(j) = par(k, {6}, _) <: par(i, min(16, {7} - 16 * j), one(16 * j + i)) :> par(k, {5}, cm.keep);\n"
+        "  sixteen(j) = par(k, {6}, _) <: par(i, min(16, {7} - 16 * j), one(16 * j + i)) :> par(k, {5}, keep);\n"
         "  one(i{8}{1}, twice_damping, minus_half_gain) =\n"
-        "    {9}, twice_damping, minus_half_gain, constants_{0}(i), (constants_{0}(i) : cm.coefficients)\n"
-        "    : cm.bank_mode{11} : observe(i);\n"
+        "    {9}, twice_damping, minus_half_gain, constants_{0}(i), (constants_{0}(i) : modal.coefficients)\n"
+        "    : modal.bank_mode{11} : observe(i);\n"
         "  observe(i, increment, displacement{12}, admittance) =\n    {10};\n}};\n",
         body, fmt::join(forces, ", "), forces.empty() ? "" : ", ", scaled(forces), (modes + 15) / 16, signals.size(),
         forces.size() + 2, modes, forces.empty() ? "" : ", ", fmt::join(weighted, " + "), fmt::join(observed, ", "),
@@ -359,21 +359,22 @@ class Writer {
 
   static std::string scaled(const std::vector<std::string>& forces) {
     std::vector<std::string> scaled;
-    for (const std::string& force : forces) scaled.push_back(fmt::format("cm.keep(gain' * {})", force));
+    for (const std::string& force : forces) scaled.push_back(fmt::format("keep(gain' * {})", force));
     return fmt::format("{}", fmt::join(scaled, ", "));
   }
 
   // Displacement over a sample at place p per newton at place q; empty for 0.
   [[nodiscard]] std::string mutual(std::size_t p, std::size_t q) const {
     if (p == kGround || q == kGround || arrays_.place_bodies[p] != arrays_.place_bodies[q]) return "";
-    return product(gain_of(arrays_.place_bodies[p]), fmt::format("xi{}_{}", std::min(p, q), std::max(p, q)));
+    return product(gain_of(arrays_.place_bodies[p]),
+                   fmt::format("place_admittance_{}_{}", std::min(p, q), std::max(p, q)));
   }
 
   // The same without dampers, between the ends of one connection.
   [[nodiscard]] static std::string own_admittance(const InstrumentConnection& connection) {
     Sum sum;
     for (const std::size_t p : {connection.first, connection.second})
-      if (p != kGround) sum.add(fmt::format("xi{}_{}", p, p));
+      if (p != kGround) sum.add(fmt::format("place_admittance_{}_{}", p, p));
     return sum.text();
   }
 
@@ -381,10 +382,10 @@ class Writer {
   [[nodiscard]] std::string increment_at(std::size_t place) const {
     if (place == kGround) return "";
     Sum sum;
-    sum.add(fmt::format("i{}", place));
+    sum.add(fmt::format("place_increment_{}", place));
     for (const std::size_t q : places_[arrays_.place_bodies[place]]) {
       const std::size_t push = control_of(ControlQuantity::kForce, q);
-      if (is_control(push)) sum.add(product(mutual(place, q), fmt::format("c{}", push)));
+      if (is_control(push)) sum.add(product(mutual(place, q), fmt::format("control_{}", push)));
     }
     return fmt::format("({})", sum.text());
   }
@@ -392,10 +393,10 @@ class Writer {
   // The mass that a place belongs to jumps to 0 when it is thrown.
   [[nodiscard]] std::string jump_at(std::size_t place) const {
     if (place == kGround || !model_.bodies[arrays_.place_bodies[place]].is_mass) return "";
-    return fmt::format("z{}", arrays_.place_bodies[place]);
+    return fmt::format("jump_{}", arrays_.place_bodies[place]);
   }
 
-  [[nodiscard]] static std::string name_at(const char* name, std::size_t k) { return fmt::format("{}{}", name, k); }
+  [[nodiscard]] static std::string name_at(const char* name, std::size_t k) { return fmt::format("{}_{}", name, k); }
 
   [[nodiscard]] std::string& admittance(std::size_t k, std::size_t l) {
     return admittances_[std::min(k, l) * connections().size() + std::max(k, l)];
@@ -413,10 +414,10 @@ class Writer {
       Sum increment, compression;
       increment.add(increment_at(connection.first)).add(increment_at(connection.second), true);
       if (is_control(control_of(ControlQuantity::kGapShift, k))) increment.add(name_at("lift", k));
-      compression.add(fmt::format("select2(cm.is_first, Y{}, {})", k, number(-initial)));
+      compression.add(fmt::format("select2(cm.is_first, last_compression_{}, {})", k, number(-initial)));
       compression.add(jump_at(connection.first)).add(jump_at(connection.second), true);
-      chain_.add(name_at("x", k), kept(increment.text()));
-      chain_.add(name_at("y", k), kept(compression.text()));
+      chain_.add(name_at("increment", k), kept(increment.text()));
+      chain_.add(name_at("compression", k), kept(compression.text()));
       for (std::size_t l = k; l < n; ++l) write_admittance(k, l);
     }
     for (const std::size_t k : contacts_) write_memory(k);
@@ -436,47 +437,49 @@ class Writer {
     if (n == 0) return;
     std::vector<std::string> names{name_at("line", k)}, last;
     for (std::size_t i = 0; i < n; ++i) {
-      last.push_back(fmt::format("M{}_{}", k, i));
-      names.push_back(fmt::format("memory{}_{}", k, i));
+      last.push_back(fmt::format("last_memory_{}_{}", k, i));
+      names.push_back(fmt::format("memory_{}_{}", k, i));
     }
-    chain_.add(names, fmt::format("({} : ct.remembered({}))", fmt::join(last, ", "), n));
+    chain_.add(names, fmt::format("({} : memory.remembered({}))", fmt::join(last, ", "), n));
     fed_back_memories_.insert(fed_back_memories_.end(), last.begin(), last.end());
   }
 
   void write_surface(std::size_t k) {
     if (memories_of(k) != 0)
-      chain_.add(surface_names(k), fmt::format("ct.surface_of({}, line{})", material_of(k), k));
+      chain_.add(surface_names(k), fmt::format("memory.surface_of({}, line_{})", material_of(k), k));
   }
 
   static std::vector<std::string> surface_names(std::size_t k) {
     return {name_at("split", k), name_at("surface", k), name_at("min_energy", k)};
   }
 
-  [[nodiscard]] std::string material_of(std::size_t k) const { return name_at("material_", connections()[k].table); }
+  [[nodiscard]] std::string material_of(std::size_t k) const { return name_at("material", connections()[k].table); }
 
   // The material that acts in this sample: less the line of its memories.
   [[nodiscard]] std::string acting_material(std::size_t k) const {
     if (memories_of(k) == 0) return material_of(k);
-    return fmt::format("ct.less_line({}, line{}, {})", material_of(k), k, fmt::join(surface_names(k), ", "));
+    return fmt::format("memory.less_line({}, line_{}, {})", material_of(k), k, fmt::join(surface_names(k), ", "));
   }
 
   [[nodiscard]] std::string remembered(std::size_t k) const {
     std::vector<std::string> names;
-    for (std::size_t i = 0; i < memories_of(k); ++i) names.push_back(fmt::format("memory{}_{}", k, i));
+    for (std::size_t i = 0; i < memories_of(k); ++i) names.push_back(fmt::format("memory_{}_{}", k, i));
     return fmt::format("{}", fmt::join(names, ", "));
   }
 
   // The stiffness ratio that the memories leave at this rate.
   void write_designed_stiffness(std::size_t k) {
     if (memories_of(k) == 0) return;
-    chain_.add(name_at("T", k), kept(product(ratio_[k], fmt::format("ct.memory_stiffness({})", material_of(k)))));
-    ratio_[k] = name_at("T", k);
+    chain_.add(name_at("designed_stiffness", k),
+               kept(product(ratio_[k], fmt::format("memory.memory_stiffness({})", material_of(k)))));
+    ratio_[k] = name_at("designed_stiffness", k);
   }
 
   // Energy of a contact for a stiffness ratio of 1.
   [[nodiscard]] std::string contact_energy(std::size_t k) const {
-    if (memories_of(k) == 0) return fmt::format("ct.potential({}, y{})", material_of(k), k);
-    return fmt::format("({} : ct.memory_energy({}, {}, y{}))", remembered(k), material_of(k), acting_material(k), k);
+    if (memories_of(k) == 0) return fmt::format("ct.potential({}, compression_{})", material_of(k), k);
+    return fmt::format("({} : memory.memory_energy({}, {}, compression_{}))", remembered(k), material_of(k),
+                       acting_material(k), k);
   }
 
   // Gap that acts at the beginning [m].
@@ -507,7 +510,7 @@ class Writer {
     sum.add(mutual(a.first, b.first)).add(mutual(a.second, b.second));
     sum.add(mutual(a.first, b.second), true).add(mutual(a.second, b.first), true);
     if (sum.text().empty()) return;
-    admittance(k, l) = fmt::format("X{}_{}", k, l);
+    admittance(k, l) = fmt::format("admittance_{}_{}", k, l);
     // Of its own a connection has at least that of ContactNetwork, also where nothing moves.
     chain_.add(admittance(k, l), k == l ? fmt::format("max(1.0e-18, {})", kept(sum.text())) : kept(sum.text()));
   }
@@ -518,30 +521,32 @@ class Writer {
     const bool is_contact = connection.kind == ConnectionKind::kContact;
     const std::size_t c = control_of(is_contact ? ControlQuantity::kStiffnessRatio : ControlQuantity::kStiffness, k);
     if (connection.kind == ConnectionKind::kLink) {
-      ratio_[k] = name_at("r", k);
+      ratio_[k] = name_at("stiffness", k);
       chain_.add(ratio_[k], fmt::format("cm.link_stiffness({})", own_admittance(connection)));
     } else if (!is_control(c)) {
       ratio_[k] = literal(is_contact ? connection.weight : connection.stiffness_n_per_m);
     } else {
       const double weight = is_contact ? connection.weight : 1;
-      const std::string energy = is_contact ? contact_energy(k) : fmt::format("y{0} * y{0} * 0.5", k);
-      ratio_[k] = name_at("r", k);
+      const std::string energy =
+          is_contact ? contact_energy(k) : fmt::format("compression_{0} * compression_{0} * 0.5", k);
+      ratio_[k] = name_at("stiffness", k);
       states_.push_back(ratio_[k]);
-      chain_.add(ratio_[k], fmt::format("ci.follow_stiffness(select2(cm.is_first, S{}, {}), {} * c{}, {})", k,
-                                        literal(weight * arrays_.parameters[c].initial), literal(weight), c, energy));
-      state_inputs_.push_back(name_at("S", k));
+      chain_.add(ratio_[k],
+                 fmt::format("ci.follow_stiffness(select2(cm.is_first, last_stiffness_{}, {}), {} * control_{}, {})",
+                             k, literal(weight * arrays_.parameters[c].initial), literal(weight), c, energy));
+      state_inputs_.push_back(name_at("last_stiffness", k));
     }
   }
 
   [[nodiscard]] std::string loss_of(std::size_t k) const {
     const std::size_t c = control_of(ControlQuantity::kLoss, k);
-    return is_control(c) ? fmt::format("c{}", c) : literal(connections()[k].loss_s_per_m);
+    return is_control(c) ? fmt::format("control_{}", c) : literal(connections()[k].loss_s_per_m);
   }
 
   // Hunt-Crossley resistance of a contact [N/m] over this sample.
   void write_resistance(std::size_t k) {
-    chain_.add(name_at("R", k),
-               fmt::format("ct.resistance({}, {}, {}, y{})", acting_material(k), ratio_[k], loss_of(k), k));
+    chain_.add(name_at("resistance", k), fmt::format("ct.resistance({}, {}, {}, compression_{})", acting_material(k),
+                                                     ratio_[k], loss_of(k), k));
   }
 
   // Solves rows of names, the matrix and after it columns of the right side, by Gauss and Jordan. No pivot is sought:
@@ -559,14 +564,14 @@ class Writer {
       if (rows[j][j] != "1.0") {
         for (std::size_t c = j + 1; c < rows[j].size(); ++c)
           if (!rows[j][c].empty())
-            rows[j][c] = set(fmt::format("p{}_{}", j, c), fmt::format("{} / {}", rows[j][c], rows[j][j]));
+            rows[j][c] = set(fmt::format("pivot_row_{}_{}", j, c), fmt::format("{} / {}", rows[j][c], rows[j][j]));
         chain_.next();
       }
       for (std::size_t i = 0; i < n; ++i) {
         if (i == j || rows[i][j].empty()) continue;
         for (std::size_t c = j + 1; c < rows[i].size(); ++c)
           if (!rows[j][c].empty())
-            rows[i][c] = set(fmt::format("q{}_{}_{}", j, i, c),
+            rows[i][c] = set(fmt::format("reduced_row_{}_{}_{}", j, i, c),
                              Sum().add(rows[i][c]).add(product(rows[i][j], rows[j][c]), true).text());
       }
       chain_.next();
@@ -576,7 +581,7 @@ class Writer {
       for (std::size_t c = 0; c < rows[i].size(); ++c) {
         if (rows[i][c].empty()) continue;
         outputs.push_back(rows[i][c]);
-        columns.push_back(rows[i][c] = fmt::format("s{}_{}", i, c));
+        columns.push_back(rows[i][c] = fmt::format("solution_{}_{}", i, c));
       }
     }
     functions_ += chain_.text(name, inputs, outputs);
@@ -604,8 +609,9 @@ class Writer {
         continue;
       }
       const std::string resistance =
-          is_control(c) ? fmt::format("c{}", c) : literal(connections()[l].resistance_n_s_per_m);
-      slopes.push_back(set(name_at("G", l), fmt::format("0.5 * {} + {} * ct.sample_rate", ratio_[l], resistance)));
+          is_control(c) ? fmt::format("control_{}", c) : literal(connections()[l].resistance_n_s_per_m);
+      slopes.push_back(
+          set(name_at("slope", l), fmt::format("0.5 * {} + {} * ct.sample_rate", ratio_[l], resistance)));
     }
     chain_.next();
     std::vector<std::vector<std::string>> rows(n);
@@ -615,12 +621,13 @@ class Writer {
         Sum sum;
         if (a == b) sum.add("1.0");
         sum.add(product(slopes[a], admittance(k, linear_[b])));
-        rows[a].push_back(sum.text().empty() ? "" : set(fmt::format("A{}_{}", a, b), sum.text()));
+        rows[a].push_back(sum.text().empty() ? "" : set(fmt::format("matrix_{}_{}", a, b), sum.text()));
       }
-      rows[a].push_back(set(name_at("b", a), fmt::format("{} * y{} + {} * x{}", ratio_[k], k, slopes[a], k)));
+      rows[a].push_back(set(name_at("right_side", a),
+                            fmt::format("{} * compression_{} + {} * increment_{}", ratio_[k], k, slopes[a], k)));
       for (const std::size_t c : contacts_) {
         const std::string coupling = product(slopes[a], admittance(k, c));
-        rows[a].push_back(coupling.empty() ? "" : set(fmt::format("B{}_{}", a, c), coupling));
+        rows[a].push_back(coupling.empty() ? "" : set(fmt::format("coupling_{}_{}", a, c), coupling));
       }
     }
     chain_.next();
@@ -634,18 +641,18 @@ class Writer {
     reduced_.resize(n, std::vector<std::string>(n));
     for (std::size_t a = 0; a < n; ++a) {
       Sum increment;
-      increment.add(name_at("x", contacts_[a]));
+      increment.add(name_at("increment", contacts_[a]));
       for (std::size_t l = 0; l < linear_.size(); ++l)
         increment.add(product(admittance(contacts_[a], linear_[l]), linear_solution_[l][0]), true);
-      chain_.add(name_at("xc", a), kept(increment.text()));
+      chain_.add(name_at("free_increment", a), kept(increment.text()));
       for (std::size_t b = a; b < n; ++b) {
         Sum sum;
         sum.add(admittance(contacts_[a], contacts_[b]));
         for (std::size_t l = 0; l < linear_.size(); ++l)
           sum.add(product(admittance(contacts_[a], linear_[l]), linear_solution_[l][1 + b]), true);
         if (sum.text().empty()) continue;
-        reduced_[a][b] = reduced_[b][a] = fmt::format("D{}_{}", a, b);
-        chain_.add(reduced_[a][b], a == b ? fmt::format("max(1.0e-18, cm.keep({}))", sum.text()) : kept(sum.text()));
+        reduced_[a][b] = reduced_[b][a] = fmt::format("contact_admittance_{}_{}", a, b);
+        chain_.add(reduced_[a][b], a == b ? fmt::format("max(1.0e-18, keep({}))", sum.text()) : kept(sum.text()));
       }
     }
     chain_.next();
@@ -660,9 +667,9 @@ class Writer {
     std::vector<std::string> given, forces, last;  // signals that steps need, forces before and after
     for (std::size_t a = 0; a < n; ++a) {
       const std::size_t k = contacts_[a];
-      given.push_back(name_at("y", k));
-      given.push_back(name_at("xc", a));
-      given.push_back(name_at("R", k));
+      given.push_back(name_at("compression", k));
+      given.push_back(name_at("free_increment", a));
+      given.push_back(name_at("resistance", k));
       if (memories_of(k) != 0) {
         given.push_back(name_at("line", k));
         for (const std::string& name : surface_names(k)) given.push_back(name);
@@ -672,13 +679,13 @@ class Writer {
           given.push_back(name);
       for (std::size_t b = 0; b <= a; ++b)
         if (!reduced_[a][b].empty()) given.push_back(reduced_[a][b]);
-      forces.push_back(name_at("f", a));
-      last.push_back(name_at("F", k));
+      forces.push_back(name_at("force", a));
+      last.push_back(name_at("last_force", k));
     }
     FaustChain whole = std::exchange(chain_, {});
     contact_steps(forces);
     std::vector<std::string> alone, inputs = given;
-    for (std::size_t a = 0; a < n; ++a) alone.push_back(name_at("t", a));
+    for (std::size_t a = 0; a < n; ++a) alone.push_back(name_at("own_force", a));
     inputs.insert(inputs.end(), forces.begin(), forces.end());
     functions_ += chain_.text("contact_steps", inputs, alone);
     const bool is_coupled = is_any_coupled();
@@ -692,7 +699,7 @@ class Writer {
     chain_ = std::move(whole);
     std::vector<std::string> arguments = given;
     arguments.insert(arguments.end(), last.begin(), last.end());
-    for (std::size_t a = 0; a < n; ++a) forces_.push_back(name_at("f", a));
+    for (std::size_t a = 0; a < n; ++a) forces_.push_back(name_at("force", a));
     chain_.add(forces_, fmt::format("({}{} : contact_steps)", fmt::join(arguments, ", "),
                                     is_coupled ? fmt::format(" : seq(i, {}, newton_step)", kSteps - 1) : ""));
     chain_.next();
@@ -705,21 +712,22 @@ class Writer {
     return false;
   }
 
-  // a: free increments if the other forces hold; t: forces by contact steps of their own.
+  // Increments that are given if the other forces hold, and forces by contact steps of their own.
   void contact_steps(const std::vector<std::string>& forces) {
     const std::size_t n = contacts_.size();
     for (std::size_t a = 0; a < n; ++a) {
       Sum alone;
-      alone.add(name_at("xc", a));
+      alone.add(name_at("free_increment", a));
       for (std::size_t b = 0; b < n; ++b)
         if (b != a) alone.add(product(reduced_[a][b], forces[b]), true);
-      chain_.add(name_at("a", a), kept(alone.text()));
+      chain_.add(name_at("given_increment", a), kept(alone.text()));
     }
     chain_.next();
     for (std::size_t a = 0; a < n; ++a) {
       const std::size_t k = contacts_[a];
-      chain_.add(name_at("t", a), fmt::format("(y{}, a{} : ct.contact({}, {}, {}, {}))", k, a, acting_material(k),
-                                              ratio_[k], loss_of(k), reduced_[a][a]));
+      chain_.add(name_at("own_force", a),
+                 fmt::format("(compression_{}, given_increment_{} : ct.contact({}, {}, {}, {}))", k, a,
+                             acting_material(k), ratio_[k], loss_of(k), reduced_[a][a]));
     }
     chain_.next();
   }
@@ -729,22 +737,26 @@ class Writer {
     const std::size_t n = contacts_.size();
     for (std::size_t a = 0; a < n; ++a) {
       const std::size_t k = contacts_[a];
-      chain_.add(name_at("k", a),
-                 fmt::format("(y{}, a{} - {} * t{}, t{}, R{} : ct.secant({}, {}, {}))", k, a, reduced_[a][a], a, a, k,
-                             acting_material(k), ratio_[k], reduced_[a][a]));
+      chain_.add(name_at("secant", a),
+                 fmt::format("(compression_{}, given_increment_{} - {} * own_force_{}, own_force_{}, resistance_{} : "
+                             "ct.secant({}, {}, {}))",
+                             k, a, reduced_[a][a], a, a, k, acting_material(k), ratio_[k], reduced_[a][a]));
     }
     chain_.next();
     std::vector<std::vector<std::string>> rows(n);
     for (std::size_t a = 0; a < n; ++a) {
       for (std::size_t b = 0; b < n; ++b) {
-        const std::string coupling = a == b ? "" : product(name_at("k", a), reduced_[a][b]);
-        rows[a].push_back(a == b ? "1.0" : coupling.empty() ? "" : set(fmt::format("m{}_{}", a, b), coupling));
+        const std::string coupling = a == b ? "" : product(name_at("secant", a), reduced_[a][b]);
+        rows[a].push_back(a == b             ? "1.0"
+                          : coupling.empty() ? ""
+                                             : set(fmt::format("jacobian_{}_{}", a, b), coupling));
       }
-      Sum right;  // t + K D f, of which f is the solution where t is f
-      right.add(name_at("t", a));
+      Sum right;  // of which the forces are the solution where the contact steps return them
+      right.add(name_at("own_force", a));
       for (std::size_t b = 0; b < n; ++b)
-        if (b != a && !reduced_[a][b].empty()) right.add(fmt::format("k{} * {} * {}", a, reduced_[a][b], forces[b]));
-      rows[a].push_back(set(name_at("e", a), right.text()));
+        if (b != a && !reduced_[a][b].empty())
+          right.add(fmt::format("secant_{} * {} * {}", a, reduced_[a][b], forces[b]));
+      rows[a].push_back(set(name_at("newton_right_side", a), right.text()));
     }
     chain_.next();
     return solved(std::move(rows), "newton_solution");
@@ -758,17 +770,17 @@ class Writer {
       force.add(linear_solution_[l][0]);
       for (std::size_t a = 0; a < contacts_.size(); ++a)
         force.add(product(linear_solution_[l][1 + a], forces_[a]), true);
-      all[linear_[l]] = set(name_at("h", l), force.text());
+      all[linear_[l]] = set(name_at("spring_force", l), force.text());
     }
     chain_.next();
     std::vector<std::string> fed_back, results = all;
-    for (std::size_t k = 0; k < all.size(); ++k) fed_back.push_back(name_at("F", k));
+    for (std::size_t k = 0; k < all.size(); ++k) fed_back.push_back(name_at("last_force", k));
     for (std::size_t k = 0; k < all.size(); ++k) {
       Sum end;
-      end.add(name_at("y", k)).add(name_at("x", k));
+      end.add(name_at("compression", k)).add(name_at("increment", k));
       for (std::size_t l = 0; l < all.size(); ++l) end.add(product(admittance(k, l), all[l]), true);
-      results.push_back(set(name_at("w", k), end.text()));
-      fed_back.push_back(name_at("Y", k));
+      results.push_back(set(name_at("end_compression", k), end.text()));
+      fed_back.push_back(name_at("last_compression", k));
     }
     results.insert(results.end(), states_.begin(), states_.end());
     fed_back.insert(fed_back.end(), state_inputs_.begin(), state_inputs_.end());
@@ -792,8 +804,9 @@ class Writer {
   void relax(std::size_t k, std::vector<std::string>& results) {
     if (memories_of(k) == 0) return;
     std::vector<std::string> names;
-    for (std::size_t i = 0; i < memories_of(k); ++i) names.push_back(fmt::format("next{}_{}", k, i));
-    chain_.add(names, fmt::format("(line{0}, w{0}, {1} : ct.relaxed({2}))", k, remembered(k), material_of(k)));
+    for (std::size_t i = 0; i < memories_of(k); ++i) names.push_back(fmt::format("next_memory_{}_{}", k, i));
+    chain_.add(names, fmt::format("(line_{0}, end_compression_{0}, {1} : memory.relaxed({2}))", k, remembered(k),
+                                  material_of(k)));
     results.insert(results.end(), names.begin(), names.end());
   }
 
@@ -804,11 +817,11 @@ class Writer {
     for (std::size_t t = output.first_target; t < output.first_target + output.count; ++t) {
       const std::size_t target = arrays_.targets[t];
       if (output.quantity == OutputQuantity::kForce) {
-        sum.add(name_at("F", target));
+        sum.add(name_at("last_force", target));
       } else if (const std::size_t body = arrays_.place_bodies[target]; model_.bodies[body].is_mass) {
-        sum.add(name_at(output.quantity == OutputQuantity::kVelocity ? "v" : "q", body));
+        sum.add(name_at(output.quantity == OutputQuantity::kVelocity ? "velocity" : "displacement", body));
       } else {
-        sum.add(name_at("o", t));
+        sum.add(name_at("pickup", t));
       }
     }
     add_paths(o, sum);
