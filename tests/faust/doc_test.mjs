@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// doc_test.mjs NODE_MODULES FAUST LIBRARY.lib... -- EMITTED.lib...: the documentation of our Faust libraries. Every public
-// function has a block in the form of the Faust libraries. Its Usage and Where name its parameters. Its Test runs as
-// theirs do, for 48,000 samples in double precision, in the installed Faust and in that of the npm package: the samples
-// are finite, not all of them 0, and the same within 1e-4. Every button is pressed. Writes a program for each library.
+// doc_test.mjs NODE_MODULES FAUST FUNCTIONS LIBRARY.lib... -- EMITTED.lib...: the tests in the documentation of our Faust
+// libraries, of which the script FUNCTIONS prints a list. Each runs as theirs do, for 48,000 samples in double precision, in
+// the installed Faust and in that of the npm package: the samples are finite, not all of them 0, the same within 1e-4, and
+// as many as Usage states. Every button is pressed. Writes a program for each library.
 import { execFileSync } from "node:child_process";
 import { readFileSync, writeFileSync } from "node:fs";
-import { basename, dirname } from "node:path";
+import { dirname } from "node:path";
 
 import { compileToWasm, loadFaustwasm } from "./npm/faustwasm.mjs";
 import { runProgram } from "./wasm_program.mjs";
@@ -13,86 +13,24 @@ import { runProgram } from "./wasm_program.mjs";
 const kSamples = 48000;
 const kTolerance = 1e-4;
 
-const [modules, faust, ...rest] = process.argv.slice(2);
-const libraries = rest.slice(0, rest.indexOf("--")).map(readLibrary);
-const files = rest.filter((file) => file !== "--");
+const [modules, faust, functions, ...files] = process.argv.slice(2).filter((argument) => argument !== "--");
+const libraries = JSON.parse(execFileSync(functions, ["--json"], { encoding: "utf8" }));
 const problems = [];
 
-/** A library: its prefix, parameters of its definitions by name, and documented functions with their text. */
-function readLibrary(file) {
-  const text = readFileSync(file, "utf8");
-  const prefix = /Its official prefix is `(\w+)`/.exec(text)?.[1];
-  const definitions = [...text.matchAll(/^([a-z]\w*)(?:\(([^)]*)\))?\s*=(?! library\()/gm)];
-  const blocks = [...text.matchAll(/^\/\/-+`\((\w+)\.\)(\w+)`-+\n((?:\/\/(?!-).*\n)*)\/\/-+\n/gm)];
-  return {
-    name: basename(file, ".lib"),
-    text,
-    prefix,
-    parameters: Object.fromEntries(definitions.map(([, name, list]) => [name, (list ?? "").split(/,\s*/).filter(Boolean)])),
-    helpersAt: text.search(/^\/\/=+Helpers=+/m),
-    documented: blocks.map(([, given, name, body]) => ({ name, prefix: given, doc: body.replace(/^\/\/ ?/gm, "") })),
-  };
-}
-
-/** Public is what stands before the helpers, and what another library calls. */
-function isPublic(library, name) {
-  const at = library.text.search(new RegExp(`^${name}(\\(|\\s*=)`, "m"));
-  const call = new RegExp(`\\b${library.prefix}\\.${name}\\b`);
-  return at < library.helpersAt || libraries.some((other) => other !== library && call.test(other.text));
-}
-
-/** The code under a heading. */
-function codeUnder(doc, heading) {
-  return doc.match(new RegExp(`#### ${heading}\\s*\`\`\`\\n([^]*?)\`\`\``))?.[1];
-}
-
-/** Compares Usage and Where with the parameters; returns the number of outputs that Usage states. */
-function checkUsage({ name, doc }, parameters, complain) {
-  const usage = codeUnder(doc, "Usage")?.trim();
-  if (!usage) return complain("has no Usage");
-  const call = new RegExp(`(?:^|: )${name}(?:\\(([^)]*)\\))?(?= :|$)`).exec(usage);
-  if (!call) return complain(`is not called in its Usage: ${usage}`);
-  const before = usage.includes(` : ${name}`) ? usage.split(" : ")[0].split(",") : [];
-  const given = [...(call[1] ?? "").split(/,\s*/).filter(Boolean), ...before.filter((input) => input !== "_")];
-  const expected = before.includes("_") ? parameters.slice(0, given.length) : parameters;
-  if (given.join() !== expected.join()) complain(`Usage says (${given}), the definition (${parameters})`);
-  const where = doc.match(/Where:\n([^]*?)(?=####|$)/)?.[1] ?? "";
-  for (const parameter of given)
-    if (!where.includes(`* \`${parameter}\`:`)) complain(`Where does not tell ${parameter}`);
-  return usage.includes(" : ") ? usage.split(" : ").at(-1).split(",").length : undefined;
-}
-
-/** The libraries that a Test imports and its one definition. */
-function readTest({ name, prefix, doc }, complain) {
-  const test = codeUnder(doc, "Test");
-  if (!test) return complain("has no Test");
-  const [, imports, definition] = /^((?:\w+ = library\("\w+\.lib"\);\n)*)([^]*)$/.exec(test);
-  if (!definition.startsWith(`${name}_test =`)) return complain("its Test is not libraries and then its definition");
-  if (!test.includes(`${prefix}.${name}`)) complain("is not called in its Test");
-  return { imports: imports.trim().split("\n"), definition };
-}
-
-/** The documented functions of a library that have a Test; complains of what is missing. */
-function checkedFunctions(library) {
-  const complainOf = (name) => (what) => void problems.push(`${library.name}: ${name} ${what}`);
-  for (const name of Object.keys(library.parameters))
-    if (isPublic(library, name) && !library.documented.some((entry) => entry.name === name))
-      complainOf(name)("is public and not documented");
-  return library.documented.flatMap((entry) => {
-    const complain = complainOf(entry.name);
-    if (!library.parameters[entry.name]) return complain("is documented and not defined") ?? [];
-    if (entry.prefix !== library.prefix) complain(`is documented with the prefix ${entry.prefix}`);
-    const outputs = checkUsage(entry, library.parameters[entry.name], complain);
-    const test = readTest(entry, complain);
-    return test ? [{ ...entry, ...test, outputs, complain }] : [];
-  });
+/** The documented functions of a library, with the number of outputs that Usage states. */
+function testsOf(library) {
+  return library.functions.map((entry) => ({
+    ...entry,
+    outputs: entry.usage.includes(" : ") ? entry.usage.split(" : ").at(-1).split(",").length : undefined,
+    complain: (what) => void problems.push(`${library.name}: ${entry.name} ${what}`),
+  }));
 }
 
 /** All tests in one program, a group each; before the outputs of each it states how many they are. */
 function programOf(functions) {
   const imports = new Set(functions.flatMap((entry) => entry.imports));
   const outputs = functions.map(({ name }) => `  outputs(${name}_test), hgroup("${name}", ${name}_test)`);
-  return `${[...imports].join("\n")}\n${functions.map((entry) => entry.definition).join("")}process =\n${outputs.join(",\n")};\n`;
+  return `${[...imports].join("")}${functions.map((entry) => entry.definition).join("")}process =\n${outputs.join(",\n")};\n`;
 }
 
 function buttonsOf(items) {
@@ -143,7 +81,7 @@ function compare(actual, expected, complain) {
 
 const { compiler } = await loadFaustwasm(modules, files);
 for (const library of libraries) {
-  const functions = checkedFunctions(library);
+  const functions = testsOf(library);
   if (functions.length === 0) throw new Error(`${library.name}: nothing is documented`);
   const worst = await runTests(library, functions, compiler);
   functions.forEach(({ name }, i) => console.log(`${library.prefix}.${name}: ${worst[i]?.toExponential(1)} tolerances`));

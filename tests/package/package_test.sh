@@ -833,7 +833,7 @@ case_microcontroller() {
 
 # Commands of the pages that case_pages does not run, and why.
 not_run='
-^(\./)?scripts/(run|test|plugins|windows|web|site|tidy|format|bench|sanitize|exhaustive|fuzz|mutate|matrix|soak|coverage|bare-root|packages|faust-patch)    builds the whole tree, or changes the source
+^(\./)?scripts/(run|test|plugins|windows|web|site|tidy|format|bench|sanitize|exhaustive|fuzz|mutate|matrix|soak|coverage|bare-root|packages|faust-patch|faust-functions)    builds the whole tree, or changes the source
 ^(\./)?scripts/install-packages                asks the network
 ^(\./)?scripts/leaks                           two minutes under valgrind
 ^cmake --(preset|build)                        builds the whole tree
