@@ -10,7 +10,7 @@ import re
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 LIBRARIES = ["contactspline", "contactspline_modal", "contactspline_instruments"]
 BLOCK = re.compile(r"^//-+`\((\w+)\.\)(\w+)`-+\n((?://(?!-).*\n)*)//-+\n((?:declare .*\n)*)", re.M)
-DEFINITION = re.compile(r"^([a-z]\w*)(?:\(([^)]*)\))?\s*=(?! library\()", re.M)
+DEFINITION = re.compile(r"^([A-Za-z_]\w*)(?:\(([^)]*)\))?\s*=(?! library\()", re.M)
 
 
 @dataclasses.dataclass
@@ -60,6 +60,11 @@ class Library:
         """The public definitions: their parameters by name. What is for the library alone stands in PREFIX_internal."""
         return {name: re.findall(r"[^\s,]+", given) for name, given in DEFINITION.findall(self.text)
                 if name != f"{self.prefix}_internal"}
+
+    def controls(self, name):
+        """The names in an environment of controls; none if it is something else."""
+        found = re.search(rf"^{name}\b[^;]*?= environment {{\n(.*?)^}};", self.text, re.M | re.S)
+        return re.findall(r"^  (\w+) =", found.group(1), re.M) if found and name.endswith("_controls") else []
 
 
 def libraries():

@@ -57,6 +57,6 @@ javascript_test(faust_clash
   ${PROJECT_SOURCE_DIR}/generator/support/reserved_names.cpp ${hand_written} -- ${shipped})
 javascript_test(faust_doc
   ${NODE} ${CMAKE_CURRENT_SOURCE_DIR}/doc_test.mjs ${npm_folder}/node_modules ${FAUST}
-  ${PROJECT_SOURCE_DIR}/scripts/faust-functions ${hand_written} -- ${shipped})
+  ${PROJECT_SOURCE_DIR}/scripts/faust-functions ${hand_written} ${shipped})
 set_tests_properties(faust_clash faust_doc PROPERTIES WORKING_DIRECTORY ${npm_folder})
 set_tests_properties(faustwasm PROPERTIES WORKING_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR})

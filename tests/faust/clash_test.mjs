@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// clash_test.mjs NODE_MODULES FAUST RESERVED_NAMES.cpp LIBRARY.lib... -- EMITTED.lib...: our Faust libraries beside those
-// of the installed Faust and of the npm package. No file, prefix or symbol of ours is one of theirs, but for prefixes of
-// theirs that ours name as they do; all of them compile in one scope, and no material can have the name of a library. Writes one_scope.dsp.
+// clash_test.mjs NODE_MODULES FAUST RESERVED_NAMES.cpp LIBRARY.lib... -- EMITTED.lib...: our Faust libraries beside
+// those of the installed Faust and of the npm package. No file, prefix or symbol of ours is one of theirs; we call their
+// libraries as they do (`ma`). All of them compile in one scope, and no material can have the name of a library. Writes
+// one_scope.dsp.
 import { execFileSync } from "node:child_process";
 import { readFileSync, readdirSync, writeFileSync } from "node:fs";
 import { basename, dirname, join } from "node:path";

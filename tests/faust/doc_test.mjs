@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// doc_test.mjs NODE_MODULES FAUST FUNCTIONS LIBRARY.lib... -- EMITTED.lib...: the tests in the documentation of our Faust
-// libraries, of which the script FUNCTIONS prints a list. Each runs as theirs do, for 48,000 samples in double precision, in
-// the installed Faust and in that of the npm package: the samples are finite, not all of them 0, the same within 1e-4, and
-// as many as Usage states. Every button is pressed. Writes a program for each library.
+// doc_test.mjs NODE_MODULES FAUST FUNCTIONS LIBRARY.lib...: the tests in the documentation of our Faust libraries, which
+// the script FUNCTIONS lists. Each runs as theirs do, for 48,000 samples in double precision, in the installed Faust and
+// in that of the npm package: as many outputs as Usage states, all samples finite, not all of them 0, the same within
+// 1e-4. Every button is pressed. Writes a program for each library.
 import { execFileSync } from "node:child_process";
 import { readFileSync, writeFileSync } from "node:fs";
 import { dirname } from "node:path";
@@ -13,7 +13,7 @@ import { runProgram } from "./wasm_program.mjs";
 const kSamples = 48000;
 const kTolerance = 1e-4;
 
-const [modules, faust, functions, ...files] = process.argv.slice(2).filter((argument) => argument !== "--");
+const [modules, faust, functions, ...files] = process.argv.slice(2);
 const libraries = JSON.parse(execFileSync(functions, ["--json"], { encoding: "utf8" }));
 const problems = [];
 
