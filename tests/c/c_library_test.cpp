@@ -17,7 +17,7 @@
 #include "generator/player/instrument_maker.hpp"
 #include "generator/support/embedded_files.hpp"
 #include "generator/support/error.hpp"
-#include "instrument/every_instrument.hpp"
+#include "instrument/instrument_lists.hpp"
 #include "support/measured.hpp"
 #include "support/random.hpp"
 #include "support/real_time.hpp"

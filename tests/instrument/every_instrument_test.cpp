@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What every instrument does, whatever its model: its lists, wrong values, extremes, allocations, blocks of any
-// length, reset, damaged MIDI. Compiled for models by hand, for instruments of files, and by the test of the package
-// for a model outside the tree. CONTACTSPLINE_LIST: the header with the list.
+// length, reset, damaged MIDI. CONTACTSPLINE_LIST: the header with the instruments: Precisions, the types of samples,
+// and kInstruments<T>, an array of functions that make one (handle_of, or compiled of engine.hpp).
 #include CONTACTSPLINE_LIST
 
 #include <algorithm>
@@ -24,15 +24,25 @@ namespace {
 constexpr double kRate = 44100;
 constexpr std::size_t kSamples = 4410;
 
-template <typename I>
+template <typename T>
 class EveryInstrument : public ::testing::Test {
  public:
-  using T = typename I::value_type;
+  using Instrument = AnyInstrument<T>;
+
+  /// Calls check(make) for each instrument of the list. make() returns a new one.
+  template <typename Check>
+  static void for_each(const Check& check) {
+    for (const auto make : kInstruments<T>) {
+      SCOPED_TRACE(make()->name());
+      check(make);
+    }
+  }
 
   /// All outputs, [output][sample], and the contact force. before(n) is called before the sample n, a multiple of the
   /// block.
   template <typename Before>
-  static std::vector<std::vector<T>> play(I& instrument, std::size_t samples, std::size_t block, Before before) {
+  static std::vector<std::vector<T>> play(Instrument& instrument, std::size_t samples, std::size_t block,
+                                          Before before) {
     const std::size_t count = instrument.outputs().size();
     std::vector<std::vector<T>> sound(count + 1, std::vector<T>(samples));
     std::vector<std::span<T>> part(count);
@@ -46,7 +56,7 @@ class EveryInstrument : public ::testing::Test {
   }
 
   /// A note of the first event, or of the key 60.
-  static std::vector<std::vector<T>> note(I& instrument, std::size_t block = 441) {
+  static std::vector<std::vector<T>> note(Instrument& instrument, std::size_t block = 441) {
     return play(instrument, kSamples, block, [&](std::size_t n) {
       if (n == 0) instrument.note_on(60, 0.7);
     });
@@ -59,181 +69,200 @@ class EveryInstrument : public ::testing::Test {
   }
 };
 
-using All = CONTACTSPLINE_INSTRUMENTS<CONTACTSPLINE_PRECISION>;
-TYPED_TEST_SUITE(EveryInstrument, All, InstrumentNames);
+TYPED_TEST_SUITE(EveryInstrument, Precisions);
 
 bool is_identifier(const std::string& name) {
   return !name.empty() && name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") == std::string::npos;
 }
 
 TYPED_TEST(EveryInstrument, HasListsThatFitEachOther) {
-  static_assert(Instrument<TypeParam>);
-  const TypeParam instrument;
-  std::set<std::string> names;
-  for (const Parameter& p : instrument.parameters()) {
-    EXPECT_TRUE(is_identifier(p.name) && names.insert(p.name).second) << p.name;
-    EXPECT_EQ(unit_of(p.name), p.unit) << p.name;
-    EXPECT_LT(p.allowed.min, p.allowed.max) << p.name;
-    EXPECT_GE(p.slider.min, p.allowed.min) << p.name;
-    EXPECT_LE(p.slider.max, p.allowed.max) << p.name;
-    EXPECT_GE(p.initial, p.slider.min) << p.name;
-    EXPECT_LE(p.initial, p.slider.max) << p.name;
-    EXPECT_TRUE(p.scale == Scale::kLinear || p.slider.min > 0) << p.name;
-    EXPECT_GE(p.step_samples, 1U) << p.name;
-  }
-  for (const Event& e : instrument.events()) {
-    EXPECT_TRUE(is_identifier(e.name)) << e.name;
-    ASSERT_LT(e.parameter, instrument.parameters().size()) << e.name;
-    const Parameter& strength = instrument.parameters()[e.parameter];
-    EXPECT_EQ(std::string(strength.unit), e.kind == EventKind::kStrike ? "m/s" : "N") << e.name;
-    EXPECT_LE(strength.slider.max - strength.slider.min, 200) << e.name;  // that a hand can play
-  }
-  EXPECT_FALSE(instrument.outputs().empty());
-  for (const Output& o : instrument.outputs()) {
-    EXPECT_TRUE(is_identifier(o.name) && names.insert(o.name).second) << o.name;
-    EXPECT_EQ(unit_of(o.name), o.unit) << o.name;
-    EXPECT_GT(o.full_scale, 0) << o.name;
-  }
-  expect_real_time([&] { (void)instrument.presets(); });  // also the first time
-  for (const Preset& preset : instrument.presets())
-    ASSERT_EQ(preset.values.size(), instrument.parameters().size()) << preset.name;
+  TestFixture::for_each([](const auto make) {
+    const auto made = make();
+    const auto& instrument = *made;
+    std::set<std::string> names;
+    for (const Parameter& p : instrument.parameters()) {
+      EXPECT_TRUE(is_identifier(p.name) && names.insert(p.name).second) << p.name;
+      EXPECT_EQ(unit_of(p.name), p.unit) << p.name;
+      EXPECT_LT(p.allowed.min, p.allowed.max) << p.name;
+      EXPECT_GE(p.slider.min, p.allowed.min) << p.name;
+      EXPECT_LE(p.slider.max, p.allowed.max) << p.name;
+      EXPECT_GE(p.initial, p.slider.min) << p.name;
+      EXPECT_LE(p.initial, p.slider.max) << p.name;
+      EXPECT_TRUE(p.scale == Scale::kLinear || p.slider.min > 0) << p.name;
+      EXPECT_GE(p.step_samples, 1U) << p.name;
+    }
+    for (const Event& e : instrument.events()) {
+      EXPECT_TRUE(is_identifier(e.name)) << e.name;
+      ASSERT_LT(e.parameter, instrument.parameters().size()) << e.name;
+      const Parameter& strength = instrument.parameters()[e.parameter];
+      EXPECT_EQ(std::string(strength.unit), e.kind == EventKind::kStrike ? "m/s" : "N") << e.name;
+      EXPECT_LE(strength.slider.max - strength.slider.min, 200) << e.name;  // that a hand can play
+    }
+    EXPECT_FALSE(instrument.outputs().empty());
+    for (const Output& o : instrument.outputs()) {
+      EXPECT_TRUE(is_identifier(o.name) && names.insert(o.name).second) << o.name;
+      EXPECT_EQ(unit_of(o.name), o.unit) << o.name;
+      EXPECT_GT(o.full_scale, 0) << o.name;
+    }
+    expect_real_time([&] { (void)instrument.presets(); });  // also the first time
+    for (const Preset& preset : instrument.presets())
+      ASSERT_EQ(preset.values.size(), instrument.parameters().size()) << preset.name;
+  });
 }
 
 // Before and after prepare().
 TYPED_TEST(EveryInstrument, MovesWrongValuesIntoTheirRange) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  TypeParam instrument;
-  for (const bool is_prepared : {false, true}) {
-    if (is_prepared) instrument.prepare(kRate);
-    for (std::size_t p = 0; p < instrument.parameters().size(); ++p) {
-      const auto [min, max] = instrument.parameters()[p].allowed;
-      instrument.set(p, kInfinity);
-      EXPECT_EQ(instrument.value(p), max);
-      instrument.set(p, std::numeric_limits<double>::quiet_NaN());
-      EXPECT_EQ(instrument.value(p), max);
-      instrument.set(p, -kInfinity);
-      EXPECT_EQ(instrument.value(p), min);
-      instrument.set(p, instrument.parameters()[p].initial);
-      EXPECT_EQ(instrument.value(p), instrument.parameters()[p].initial);
+  TestFixture::for_each([](const auto make) {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    const auto made = make();
+    auto& instrument = *made;
+    for (const bool is_prepared : {false, true}) {
+      if (is_prepared) instrument.prepare(kRate);
+      for (std::size_t p = 0; p < instrument.parameters().size(); ++p) {
+        const auto [min, max] = instrument.parameters()[p].allowed;
+        instrument.set(p, kInfinity);
+        EXPECT_EQ(instrument.value(p), max);
+        instrument.set(p, std::numeric_limits<double>::quiet_NaN());
+        EXPECT_EQ(instrument.value(p), max);
+        instrument.set(p, -kInfinity);
+        EXPECT_EQ(instrument.value(p), min);
+        instrument.set(p, instrument.parameters()[p].initial);
+        EXPECT_EQ(instrument.value(p), instrument.parameters()[p].initial);
+      }
     }
-  }
+  });
 }
 
 TYPED_TEST(EveryInstrument, SoundsAndIsAsNewAfterAReset) {
-  TypeParam instrument;
-  instrument.prepare(kRate);
-  // An instrument on which a weight or a tension acts is not silent at rest.
-  const bool is_silent_at_rest = instrument.is_silent(1e-14);
-  const auto first = TestFixture::note(instrument);
-  EXPECT_FALSE(instrument.is_silent(1e-14));
-  EXPECT_GT(instrument.energy(), 1e-9);
-  EXPECT_GT(TestFixture::peak(first[0]), 1e-3 * instrument.outputs()[0].full_scale);
-  expect_real_time([&] { instrument.reset(); });
-  EXPECT_EQ(instrument.is_silent(1e-14), is_silent_at_rest);
-  EXPECT_EQ(TestFixture::note(instrument), first);
-  TypeParam other;
-  other.prepare(kRate);
-  EXPECT_EQ(TestFixture::note(other), first);
+  TestFixture::for_each([](const auto make) {
+    const auto made = make();
+    auto& instrument = *made;
+    instrument.prepare(kRate);
+    // An instrument on which a weight or a tension acts is not silent at rest.
+    const bool is_silent_at_rest = instrument.is_silent(1e-14);
+    const auto first = TestFixture::note(instrument);
+    EXPECT_FALSE(instrument.is_silent(1e-14));
+    EXPECT_GT(instrument.energy(), 1e-9);
+    EXPECT_GT(TestFixture::peak(first[0]), 1e-3 * instrument.outputs()[0].full_scale);
+    expect_real_time([&] { instrument.reset(); });
+    EXPECT_EQ(instrument.is_silent(1e-14), is_silent_at_rest);
+    EXPECT_EQ(TestFixture::note(instrument), first);
+    const auto other = make();
+    other->prepare(kRate);
+    EXPECT_EQ(TestFixture::note(*other), first);
+  });
 }
 
 // A bend that has arrived holds for the new strings, too.
 TYPED_TEST(EveryInstrument, KeepsItsBendWhereItIsPreparedAgain) {
-  TypeParam instrument;
-  for (std::size_t p = 0; p < instrument.parameters().size(); ++p)
-    if (std::string(instrument.parameters()[p].name) == "bend_cents") instrument.set(p, 100);
-  instrument.prepare(kRate);
-  const auto first = TestFixture::note(instrument);
-  instrument.prepare(kRate);
-  EXPECT_EQ(TestFixture::note(instrument), first);
+  TestFixture::for_each([](const auto make) {
+    const auto made = make();
+    auto& instrument = *made;
+    for (std::size_t p = 0; p < instrument.parameters().size(); ++p)
+      if (std::string(instrument.parameters()[p].name) == "bend_cents") instrument.set(p, 100);
+    instrument.prepare(kRate);
+    const auto first = TestFixture::note(instrument);
+    instrument.prepare(kRate);
+    EXPECT_EQ(TestFixture::note(instrument), first);
+  });
 }
 
 // The kernels of a hammer-string may round a sample differently where a block ends: by some roundings of the largest
 // sample, which later contacts amplify a hundredfold.
 TYPED_TEST(EveryInstrument, SoundsTheSameInBlocksOfAnyLength) {
-  using Value = typename TypeParam::value_type;
-  TypeParam instrument;
-  instrument.prepare(kRate);
-  const auto expected = TestFixture::note(instrument, 1000);
-  for (const std::size_t block : {1, 7, 64, 4410}) {
-    instrument.reset();
-    const auto found = TestFixture::note(instrument, block);
-    for (std::size_t o = 0; o < expected.size(); ++o)
-      EXPECT_TRUE(found[o] == expected[o] ||
-                  sequences_within<Value>(found[o], expected[o], sizeof(Value) == sizeof(float) ? 1e-5 : 1e-12))
-          << o << " in blocks of " << block;
-  }
+  TestFixture::for_each([](const auto make) {
+    const auto made = make();
+    auto& instrument = *made;
+    instrument.prepare(kRate);
+    const auto expected = TestFixture::note(instrument, 1000);
+    for (const std::size_t block : {1, 7, 64, 4410}) {
+      instrument.reset();
+      const auto found = TestFixture::note(instrument, block);
+      for (std::size_t o = 0; o < expected.size(); ++o)
+        EXPECT_TRUE(
+            found[o] == expected[o] ||
+            sequences_within<TypeParam>(found[o], expected[o], sizeof(TypeParam) == sizeof(float) ? 1e-5 : 1e-12))
+            << o << " in blocks of " << block;
+    }
+  });
 }
 
 // All parameters jump to anything, all events and keys are played, for a second; then it sounds as new.
 TYPED_TEST(EveryInstrument, OutlivesAnything) {
-  using Value = typename TypeParam::value_type;
-  TypeParam instrument;
-  instrument.prepare(kRate);
-  const auto expected = TestFixture::note(instrument);
-  RandomControls<double> random;
-  const auto change = [&](std::size_t) {
+  TestFixture::for_each([](const auto make) {
+    const auto made = make();
+    auto& instrument = *made;
+    instrument.prepare(kRate);
+    const auto expected = TestFixture::note(instrument);
+    RandomControls<double> random;
+    const auto change = [&](std::size_t) {
+      for (std::size_t p = 0; p < instrument.parameters().size(); ++p)
+        if (random.once_in(3)) instrument.set(p, random.any(instrument.parameters()[p].allowed));
+      if (random.once_in(4)) instrument.note_on(static_cast<int>(random.below(160)) - 16, random.any({0, 1}));
+      if (random.once_in(4)) instrument.note_off(static_cast<int>(random.below(160)) - 16);
+      for (const Event& event : instrument.events())
+        if (random.once_in(4))
+          play_event(instrument, event, random.any(instrument.parameters()[event.parameter].allowed));
+      if (random.once_in(5)) instrument.strike(random.below(100), static_cast<TypeParam>(random.any({-1e3, 1e3})));
+      if (random.once_in(5))
+        instrument.pluck(random.below(100), static_cast<TypeParam>(random.any({-1e3, 1e3})), 0.004);
+      if (random.once_in(9)) instrument.release(random.below(100));
+      if (random.once_in(99)) instrument.reset();
+    };
+    for (const std::size_t block : {1, 13, 128})
+      for (const auto& sound : TestFixture::play(instrument, block * 300, block, change))
+        ASSERT_TRUE(contactspline::all_finite(std::span<const TypeParam>(sound)));
     for (std::size_t p = 0; p < instrument.parameters().size(); ++p)
-      if (random.once_in(3)) instrument.set(p, random.any(instrument.parameters()[p].allowed));
-    if (random.once_in(4)) instrument.note_on(static_cast<int>(random.below(160)) - 16, random.any({0, 1}));
-    if (random.once_in(4)) instrument.note_off(static_cast<int>(random.below(160)) - 16);
-    for (const Event& event : instrument.events())
-      if (random.once_in(4))
-        play_event(instrument, event, random.any(instrument.parameters()[event.parameter].allowed));
-    if (random.once_in(5)) instrument.strike(random.below(100), static_cast<Value>(random.any({-1e3, 1e3})));
-    if (random.once_in(5)) instrument.pluck(random.below(100), static_cast<Value>(random.any({-1e3, 1e3})), 0.004);
-    if (random.once_in(9)) instrument.release(random.below(100));
-    if (random.once_in(99)) instrument.reset();
-  };
-  for (const std::size_t block : {1, 13, 128})
-    for (const auto& sound : TestFixture::play(instrument, block * 300, block, change))
-      ASSERT_TRUE(contactspline::all_finite(std::span<const Value>(sound)));
-  for (std::size_t p = 0; p < instrument.parameters().size(); ++p)
-    instrument.set(p, instrument.parameters()[p].initial);
-  instrument.prepare(kRate);
-  EXPECT_EQ(TestFixture::note(instrument), expected);
+      instrument.set(p, instrument.parameters()[p].initial);
+    instrument.prepare(kRate);
+    EXPECT_EQ(TestFixture::note(instrument), expected);
+  });
 }
 
 // A host may want no output for a while. Kernels round other outputs differently, as in blocks.
 TYPED_TEST(EveryInstrument, AdvancesWhereNobodyWantsAnOutput) {
-  using Value = typename TypeParam::value_type;
-  std::vector<std::vector<Value>> ends;
-  for (const bool is_wanted : {true, false}) {
-    Hosted<typename TypeParam::value_type> hosted(handle_of<TypeParam>());
-    hosted.prepare(kRate);
-    hosted.midi(std::array<std::uint8_t, 3>{0x90, 60, 100});
-    std::vector<Value> sound(1000);
-    std::vector<Value*> outputs(hosted.instrument().outputs().size());
-    if (is_wanted) outputs.front() = sound.data();
-    hosted.process(std::span<Value* const>(outputs), sound.size());
-    outputs.front() = sound.data();
-    hosted.process(std::span<Value* const>(outputs), sound.size());
-    ends.push_back(sound);
-  }
-  EXPECT_GT(TestFixture::peak(ends[0]), 0);
-  EXPECT_TRUE(ends[0] == ends[1] ||
-              sequences_within<Value>(ends[1], ends[0], sizeof(Value) == sizeof(float) ? 1e-5 : 1e-12));
+  TestFixture::for_each([](const auto make) {
+    std::vector<std::vector<TypeParam>> ends;
+    for (const bool is_wanted : {true, false}) {
+      Hosted<TypeParam> hosted(make());
+      hosted.prepare(kRate);
+      hosted.midi(std::array<std::uint8_t, 3>{0x90, 60, 100});
+      std::vector<TypeParam> sound(1000);
+      std::vector<TypeParam*> outputs(hosted.instrument().outputs().size());
+      if (is_wanted) outputs.front() = sound.data();
+      hosted.process(std::span<TypeParam* const>(outputs), sound.size());
+      outputs.front() = sound.data();
+      hosted.process(std::span<TypeParam* const>(outputs), sound.size());
+      ends.push_back(sound);
+    }
+    EXPECT_GT(TestFixture::peak(ends[0]), 0);
+    EXPECT_TRUE(ends[0] == ends[1] ||
+                sequences_within<TypeParam>(ends[1], ends[0], sizeof(TypeParam) == sizeof(float) ? 1e-5 : 1e-12));
+  });
 }
 
 // Random bytes as MIDI, then silence on demand.
 TYPED_TEST(EveryInstrument, IgnoresDamagedMidi) {
-  Hosted<typename TypeParam::value_type> hosted(handle_of<TypeParam>());
-  hosted.prepare(kRate);
-  const bool is_silent_at_rest = hosted.instrument().is_silent(1e-14);
-  Random random(7);
-  std::vector<std::vector<float>> sound(hosted.instrument().outputs().size(), std::vector<float>(64));
-  std::vector<float*> outputs;
-  for (auto& output : sound) outputs.push_back(output.data());
-  for (int n = 0; n < 3000; ++n) {
-    std::array<std::uint8_t, 4> bytes;
-    for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(random.below(256));
-    if (n % 2 == 0) bytes[0] = static_cast<std::uint8_t>(0x80 + 16 * random.below(7));
-    expect_real_time([&] { hosted.midi(std::span(bytes).first(random.below(5))); });
-    if (n % 50 != 0) continue;
-    expect_real_time([&] { hosted.process(std::span<float* const>(outputs), 64); });
-    for (const auto& output : sound) ASSERT_TRUE(contactspline::all_finite(std::span<const float>(output)));
-  }
-  hosted.midi(std::array<std::uint8_t, 3>{0xb0, 120, 0});
-  EXPECT_EQ(hosted.instrument().is_silent(1e-14), is_silent_at_rest);
+  TestFixture::for_each([](const auto make) {
+    Hosted<TypeParam> hosted(make());
+    hosted.prepare(kRate);
+    const bool is_silent_at_rest = hosted.instrument().is_silent(1e-14);
+    Random random(7);
+    std::vector<std::vector<float>> sound(hosted.instrument().outputs().size(), std::vector<float>(64));
+    std::vector<float*> outputs;
+    for (auto& output : sound) outputs.push_back(output.data());
+    for (int n = 0; n < 3000; ++n) {
+      std::array<std::uint8_t, 4> bytes;
+      for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(random.below(256));
+      if (n % 2 == 0) bytes[0] = static_cast<std::uint8_t>(0x80 + 16 * random.below(7));
+      expect_real_time([&] { hosted.midi(std::span(bytes).first(random.below(5))); });
+      if (n % 50 != 0) continue;
+      expect_real_time([&] { hosted.process(std::span<float* const>(outputs), 64); });
+      for (const auto& output : sound) ASSERT_TRUE(contactspline::all_finite(std::span<const float>(output)));
+    }
+    hosted.midi(std::array<std::uint8_t, 3>{0xb0, 120, 0});
+    EXPECT_EQ(hosted.instrument().is_silent(1e-14), is_silent_at_rest);
+  });
 }
 
 }  // namespace

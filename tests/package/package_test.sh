@@ -726,19 +726,16 @@ contactspline_lv2(TARGET my_bell_dsp DSP my_bell_dsp.cpp URI urn:me:my_bell_dsp 
 add_executable(my_bell_test ${TESTS}/instrument/every_instrument_test.cpp ${TESTS}/support/count_allocations.cpp)
 target_include_directories(my_bell_test PRIVATE ${CMAKE_CURRENT_SOURCE_DIR} ${TESTS} ${TESTS}/..)
 target_link_libraries(my_bell_test PRIVATE ContactSpline::materials GTest::gtest_main)
-target_compile_definitions(my_bell_test PRIVATE
-  CONTACTSPLINE_LIST="my_list.hpp" CONTACTSPLINE_INSTRUMENTS=MyInstruments CONTACTSPLINE_PRECISION=float)
+target_compile_definitions(my_bell_test PRIVATE CONTACTSPLINE_LIST="my_list.hpp")
 END
   cat >"$WORK/my_list.hpp" <<'END'
 #include <gtest/gtest.h>
+#include "contactspline/host/any_instrument.hpp"
 #include "my_bell.hpp"
 namespace contactspline::testing {
+using Precisions = ::testing::Types<Bell::value_type>;
 template <typename T>
-using MyInstruments = ::testing::Types<Bell>;
-struct InstrumentNames {
-  template <typename I>
-  static std::string GetName(int) { return I::name(); }
-};
+constexpr std::array<Handle<T> (*)(), 1> kInstruments{handle_of<Bell>};
 }  // namespace contactspline::testing
 END
   project="$WORK" build="$WORK/build"
