@@ -34,14 +34,21 @@ reveal_type(cs.fit("felt.fit.json").material)
 """
 
 
-def mypy(*words, cwd):
+@pytest.fixture(scope="module")
+def mypy(tmp_path_factory):
+    """Runs mypy in a folder. All runs share a cache: NumPy and the like are read once."""
     environment = {**os.environ, "MYPYPATH": str(PACKAGE.parent)}
-    return subprocess.run([sys.executable, "-m", "mypy", "--follow-imports=silent", "--ignore-missing-imports",
-                           "--cache-dir", str(cwd / "cache"), *map(str, words)], cwd=cwd, env=environment, capture_output=True,
-                          text=True)
+    cache = tmp_path_factory.mktemp("cache")
+
+    def run(*words, cwd):
+        return subprocess.run([sys.executable, "-m", "mypy", "--follow-imports=silent", "--ignore-missing-imports",
+                               "--cache-dir", str(cache), *map(str, words)], cwd=cwd, env=environment, capture_output=True,
+                              text=True)
+
+    return run
 
 
-def test_a_users_program_has_types(tmp_path):
+def test_a_users_program_has_types(mypy, tmp_path):
     (tmp_path / "user.py").write_text(USER)
     checked = mypy("--strict", "user.py", cwd=tmp_path)
     assert checked.returncode == 0, checked.stdout
@@ -56,13 +63,13 @@ def test_a_users_program_has_types(tmp_path):
 @pytest.mark.parametrize("line, says", [
     ("cs.strike('now', 2)", 'expected "float"'), ("cs.Material('felt_c4').impact(2.5).force", 'no attribute "force"'),
     ("cs.Instrument('tom').play(seconds='long')", 'expected "float"'), ("cs.dataset('plan.json')", '"folder"')])
-def test_a_wrong_call_is_found(tmp_path, line, says):
+def test_a_wrong_call_is_found(mypy, tmp_path, line, says):
     (tmp_path / "user.py").write_text(f"import contactspline as cs\n\n{line}\n")
     checked = mypy("user.py", cwd=tmp_path)
     assert checked.returncode == 1 and says in checked.stdout
 
 
-def test_the_package_agrees_with_its_types(tmp_path):
+def test_the_package_agrees_with_its_types(mypy, tmp_path):
     checked = mypy(PACKAGE, cwd=tmp_path)
     assert checked.returncode == 0, checked.stdout
 
