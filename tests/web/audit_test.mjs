@@ -55,7 +55,7 @@ assert.ok(size < 3e6, `${size} bytes`);
 console.log(`${(size / 1e6).toFixed(2)} MB`);
 
 // How many times real time the page's audio thread renders, and how many voices that makes.
-{
+if (isFull) {
   const { page, close } = await openPage(modules, server.address);
   await page.evaluate(() => contactSpline.loaded);
   for (const [instrument, voices] of [["hammer_on_string", 16], ["piano", 16], ["tanpura", 1]]) {
