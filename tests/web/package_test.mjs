@@ -144,6 +144,7 @@ const cases = {
       [() => Player.create("pianola"), /^contactspline: instrument: pianola is unknown; allowed: hammer_on_string, piano, /],
       [() => Player.create("piano", NaN), /^contactspline: sampleRate: NaN is out of range; allowed: 1000 to 768000$/],
       [() => piano.noteOn(NaN), /^contactspline: key: NaN is out of range; allowed: 0 to 127$/],
+      [() => piano.noteOn(60.5), /^contactspline: key: 60.5 is no whole number; allowed: 0 to 127$/],
       [() => piano.noteOn(60, 2), /^contactspline: velocity: 2 is out of range; allowed: 0 to 1$/],
       [() => piano.noteOff("60"), /^contactspline: key: 60 is out of range/],
       [() => piano.strike("pluck"), /^contactspline: event: pluck is unknown; allowed: none$/],

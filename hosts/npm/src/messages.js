@@ -27,6 +27,12 @@ export function numberWithin(key, value, min, max) {
   return value;
 }
 
+/** The same, of a whole number. */
+export function wholeNumberWithin(key, value, min, max) {
+  if (!Number.isInteger(numberWithin(key, value, min, max))) throw badInput(key, `${value} is no whole number`, `${min} to ${max}`);
+  return value;
+}
+
 /** A number that is moved into the range of a parameter. Throws what is none. */
 export function parameterValue({ name, allowed: [min, max] }, value) {
   if (typeof value !== "number" || Number.isNaN(value)) throw badInput(name, `${String(value)} is no number`, `${min} to ${max}`);
@@ -60,11 +66,11 @@ export const playable = (Base) =>
   class extends Base {
     noteOn(key, velocity = this.description.velocity, time = 0) {
       numberWithin("velocity", velocity, 0, 1);
-      this.sendAt(time, { do: "noteOn", key: numberWithin("key", key, 0, 127), velocity });
+      this.sendAt(time, { do: "noteOn", key: wholeNumberWithin("key", key, 0, 127), velocity });
     }
 
     noteOff(key, time = 0) {
-      this.sendAt(time, { do: "noteOff", key: numberWithin("key", key, 0, 127) });
+      this.sendAt(time, { do: "noteOff", key: wholeNumberWithin("key", key, 0, 127) });
     }
 
     strike(event, value = NaN, time = 0) {

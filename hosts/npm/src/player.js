@@ -2,7 +2,7 @@
 // An instrument without Web Audio, in Node or anywhere: blocks of samples, when they are asked for.
 import { startEngine } from "./engine.js";
 import { findInstrument, kFiles, moduleOf } from "./files.js";
-import { badInput, indexOf, numberWithin, parameterValue, play, playable } from "./messages.js";
+import { badInput, indexOf, numberWithin, parameterValue, play, playable, wholeNumberWithin } from "./messages.js";
 
 const idle = []; // engines that no player has
 const kMaxSamples = 2 ** 24; // at once
@@ -35,8 +35,7 @@ export class Player extends playable(Object) {
 
   /** Plays samples: left, right and the contact force [N]. Up to 128 are views that the next call changes. */
   process(samples = 128) {
-    if (!Number.isInteger(samples)) throw badInput("samples", `${String(samples)} is no whole number`, `0 to ${kMaxSamples}`);
-    return this.engine.process(numberWithin("samples", samples, 0, kMaxSamples));
+    return this.engine.process(wholeNumberWithin("samples", samples, 0, kMaxSamples));
   }
 
   /** Energy that is stored [J]. */
