@@ -13,6 +13,17 @@
 
 namespace contactspline::bench {
 
+/// Modes that have the admittances with which the schemes were published, dt^2 |1 + z|^2/(8 m): the midpoint rule
+/// with the modal mass kept instead of the stiffness (docs/how-it-works/modal.md).
+inline std::vector<Mode> with_mass_kept(std::span<const Mode> modes, double sample_rate_hz) {
+  std::vector<Mode> kept(modes.begin(), modes.end());
+  for (Mode& mode : kept) {
+    const auto constants = contactspline::detail::mode_constants(mode, sample_rate_hz);
+    mode.mass_kg *= 4 * constants.averaging_factor / constants.one_plus_z_square;
+  }
+  return kept;
+}
+
 /// The sums of one pass over the modes.
 template <std::floating_point T>
 struct PassSums {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "bench/baselines/modal_string.hpp"
+#include "bench/baselines/one_step.hpp"
 #include "bench/baselines/power_law_hammer.hpp"
 
 namespace contactspline::bench {
@@ -54,79 +54,59 @@ class MeanForce {
   T energy_ = 0;
 };
 
+/// The update by Newton's method for OneStepHammerString.
 template <std::floating_point T>
-class NewtonHammerString {
+class NewtonUpdate {
  public:
-  NewtonHammerString(const PowerLawHammer& hammer, std::span<const Mode> modes, std::span<const double> strike_shapes,
-                     std::span<const double> pickup_shapes, double sample_rate_hz)
-      : string_(modes, strike_shapes, pickup_shapes, sample_rate_hz),
-        mean_force_(static_cast<T>(hammer.stiffness_n_per_m_alpha), static_cast<T>(hammer.exponent)),
-        time_step_(static_cast<T>(1 / sample_rate_hz)),
-        velocity_step_per_force_(static_cast<T>(1 / (sample_rate_hz * sample_rate_hz * hammer.mass_kg))),
-        admittance_(velocity_step_per_force_ / 2 + string_.admittance()),
-        per_admittance_(1 / admittance_) {}
+  explicit NewtonUpdate(const PowerLawHammer& hammer)
+      : mean_force_(static_cast<T>(hammer.stiffness_n_per_m_alpha), static_cast<T>(hammer.exponent)) {}
 
-  /// Throws the hammer from a distance [m] with a velocity [m/s].
-  void strike(T velocity_m_per_s, T distance_m) {
-    compression_ = -distance_m;
-    velocity_step_ = velocity_m_per_s * time_step_;
-    guess_ = velocity_step_;
+  void begin(T, T guess) { guess_ = guess; }
+
+  [[nodiscard]] ContactStep<T> meet(const Approach<T>& approach) {
+    const auto [y0, xf, xi] = approach;
+    if (y0 <= 0 && y0 + xf <= 0) {
+      guess_ = xf;
+      return {0, y0 + xf, 0};
+    }
+    const T x = increment(approach);
+    return {(xf - x) / xi, y0 + x, 0};
   }
-
-  /// Writes the displacement at the pickup [m].
-  void process(std::span<T> out) {
-    for (T& sample : out) sample = tick();
-  }
-
-  [[nodiscard]] T force() const { return force_; }              ///< over the last sample [N]
-  [[nodiscard]] T compression() const { return compression_; }  ///< [m]
-  [[nodiscard]] T hammer_velocity() const { return velocity_step_ / time_step_; }
-  [[nodiscard]] const ModalString<T>& string() const { return string_; }
 
  private:
   static constexpr int kMaxIterations = 50;
   // Relative to the increment; limited by the precision of T.
   static constexpr T kTolerance = std::max(T(1e-12), 4 * std::numeric_limits<T>::epsilon());
 
-  T tick() {
-    const T last = force_;
-    const T free = velocity_step_ - (string_.increment() + string_.admittance() * last);
-    const T x = increment(free);
-    force_ = (free - x) * per_admittance_;
-    compression_ += x;
-    velocity_step_ -= velocity_step_per_force_ * force_;
-    return string_.advance(force_ + last);
-  }
-
   /// The root of h(x) = x - xf + xi mean(x), whose slope is at least 1. A Newton step that leaves the bracket of the
-  /// root is replaced by bisection. h is convex, so the steps shrink until only rounding is left.
-  T increment(T free) {
-    if (compression_ <= 0 && compression_ + free <= 0) return guess_ = free;
-    mean_force_.begin(compression_);
+  /// root is replaced by bisection. Steps may grow where h turns flat, as at the end of a stiff contact. Small ones
+  /// shrink until only rounding is left.
+  T increment(const Approach<T>& approach) {
+    const T free = approach.free_increment, admittance = approach.admittance;
+    mean_force_.begin(approach.compression);
     T low = std::numeric_limits<T>::lowest(), high = free;
     T x = std::min(guess_, high), last = std::numeric_limits<T>::max();
     for (int i = 0; i < kMaxIterations; ++i) {
       const auto [mean, slope] = mean_force_.over(x);
-      const T h = x - free + admittance_ * mean;
+      const T h = x - free + admittance * mean;
       (h > 0 ? high : low) = x;
-      T next = x - h / (1 + admittance_ * slope);
+      T next = x - h / (1 + admittance * slope);
       const bool inside = next >= low && next <= high;
       if (!inside) next = low / 2 + high / 2;
       const T step = std::abs(next - x);
       x = next;
-      if (step <= kTolerance * std::max(std::abs(x), std::abs(free)) || (inside && step >= last)) break;
+      const T scale = std::max(std::abs(x), std::abs(free));
+      if (step <= kTolerance * scale || (inside && step >= last && step * step <= kTolerance * scale * scale)) break;
       last = inside ? step : std::numeric_limits<T>::max();
     }
     return guess_ = x;
   }
 
-  ModalString<T> string_;
   MeanForce<T> mean_force_;
-  T time_step_, velocity_step_per_force_, admittance_, per_admittance_;
-  T compression_ = -1;   // no contact until the first throw
-  T velocity_step_ = 0;  // hammer velocity times time_step_ [m]
   T guess_ = 0;
-  T force_ = 0;
 };
+
+template <std::floating_point T>
+using NewtonHammerString = OneStepHammerString<T, NewtonUpdate<T>>;
 
 }  // namespace contactspline::bench

@@ -21,6 +21,8 @@ enum class PsiGradient {
 template <std::floating_point T, PsiGradient kGradient, bool kCatches = false>
 class QuadratisedHammerString {
  public:
+  using Sample = T;
+
   QuadratisedHammerString(const PowerLawHammer& hammer, std::span<const Mode> modes,
                           std::span<const double> strike_shapes, std::span<const double> pickup_shapes,
                           double sample_rate_hz)
@@ -36,10 +38,13 @@ class QuadratisedHammerString {
   void strike(T velocity_m_per_s, T distance_m) {
     if (kCatches) string_.listen();
     compression_ = -distance_m;
-    velocity_step_ = velocity_m_per_s * time_step_;
+    velocity_step_ = velocity_m_per_s * time_step_ - press_step_ / 2;  // of the sample before
     last_increment_ = velocity_step_ - string_.last_increment();
     psi_ = per_power_ * compression_ * gradient();
   }
+
+  /// A constant force that presses the hammer on the string [N]; set it before the throw.
+  void press(T force_n) { press_step_ = force_n * velocity_step_per_force_; }
 
   /// Writes the displacement at the pickup [m].
   void process(std::span<T> out) {
@@ -55,6 +60,7 @@ class QuadratisedHammerString {
  private:
   T tick() {
     if (kCatches && compression_ < T(-0.05)) return string_.ring();
+    velocity_step_ += press_step_;
     const T free = velocity_step_ - string_.increment();
     force_ = meet(free + last_increment_);
     const T increment = free - admittance_ * force_;
@@ -106,6 +112,7 @@ class QuadratisedHammerString {
   T scale_, power_, per_power_;
   T compression_ = -1;   // no contact until the first throw
   T velocity_step_ = 0;  // hammer velocity times time_step_ [m]
+  T press_step_ = 0;     // what the pressing force adds to it in a sample [m]
   T last_increment_ = 0;
   T psi_ = 0;
   T force_ = 0;

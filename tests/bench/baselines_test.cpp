@@ -13,8 +13,8 @@
 #include "bench/baselines/quadratised.hpp"
 #include "bench/baselines/quadratised_network.hpp"
 #include "bench/contact_problems.hpp"
+#include "bench/energy_books.hpp"
 #include "contactspline/models/hammer_string.hpp"
-#include "runtime/energy.hpp"
 #include "runtime/strings.hpp"
 #include "support/compare.hpp"
 
@@ -38,21 +38,10 @@ bench::PowerLawHammer hammer_of(const StruckString& struck, double stiffness_rat
   return {struck.felt.stiffness * stiffness_ratio, struck.felt.exponent, struck.hammer_kg};
 }
 
-/// Modes that have the admittances with which the schemes were published, dt^2 |1 + z|^2/(8 m): the midpoint rule
-/// with the modal mass kept instead of the stiffness (docs/how-it-works/modal.md).
-std::vector<Mode> with_mass_kept(const std::vector<ResonatorMode>& modes, double rate) {
-  std::vector<Mode> kept = bare(modes);
-  for (Mode& mode : kept) {
-    const auto constants = contactspline::detail::mode_constants(mode, rate);
-    mode.mass_kg *= 4 * constants.averaging_factor / constants.one_plus_z_square;
-  }
-  return kept;
-}
-
 template <typename Scheme>
 Scheme scheme_for(const StruckString& struck, double rate, double stiffness_ratio = 1) {
   const auto modes = audible_modes(struck);
-  return Scheme(hammer_of(struck, stiffness_ratio), with_mass_kept(modes, rate),
+  return Scheme(hammer_of(struck, stiffness_ratio), bench::with_mass_kept(bare(modes), rate),
                 values(modes, &ResonatorMode::strike_shape), values(modes, &ResonatorMode::pickup_shape), rate);
 }
 
@@ -148,115 +137,31 @@ TEST(Exp3Baseline, FindsTheForceAsPublished) {
 
 // --- Energy ---
 
+constexpr double kRate = 44100;
+
 /// Strikes again and again while the string sounds, as a player does; every other time from within the felt, where a
 /// two-step scheme must know what the sample before was.
 template <typename Scheme, typename Book>
 EnergyBooks strike_and_balance(Scheme& scheme, Book book) {
   constexpr int kStrikes = 20, kBetween = 441;
-  EnergyBooks books;
-  for (int n = 0; n < kStrikes * kBetween; ++n) {
-    if (n % kBetween == 0) {
-      const double before = book.hammer_energy();
-      scheme.strike(kSpeed, n / kBetween % 2 == 0 ? kDistance : -kDistance / 10);
-      books.work += book.hammer_energy() - before;
-    }
-    tick(scheme);
-    book.follow();
-    books.dissipated += book.dissipated();
-    books.close(book.string_energy() + book.hammer_energy());
-  }
-  return books;
+  return bench::balance(scheme, std::move(book), kStrikes * kBetween, kRate, 0, [&](int n) {
+    if (n % kBetween == 0) scheme.strike(kSpeed, n / kBetween % 2 == 0 ? kDistance : -kDistance / 10);
+  });
 }
 
-constexpr double kRate = 44100;
 // 8820 samples, each rounded in the same direction by half an eps: 1e-12.
 constexpr double kBalance = 8820 * 1.2e-16;
-
-/// The string of the one-step scheme driven once more by the same forces, as a ModalBank.
-class OneStepBook {
- public:
-  OneStepBook(const Newton& scheme, const StruckString& struck, double stiffness_ratio)
-      : scheme_(scheme),
-        modes_(audible_modes(struck)),
-        string_(with_mass_kept(modes_, kRate), kRate),
-        strike_(shapes<double>(modes_, &ResonatorMode::strike_shape)),
-        hammer_kg_(struck.hammer_kg),
-        felt_{struck.felt.stiffness * stiffness_ratio, struck.felt.exponent} {}
-
-  void follow() {
-    string_.predict();
-    string_.push(strike_, scheme_.force());
-    string_.commit();
-  }
-  [[nodiscard]] double hammer_energy() const {
-    const double v = scheme_.hammer_velocity();
-    return hammer_kg_ * v * v / 2 + felt_.energy(scheme_.compression());
-  }
-  [[nodiscard]] double string_energy() const { return string_.energy(); }
-  [[nodiscard]] double dissipated() const { return string_.dissipated(); }
-
- private:
-  const Newton& scheme_;
-  std::vector<ResonatorMode> modes_;
-  ModalBank<double> string_;
-  ModeShapes<double> strike_;
-  double hammer_kg_;
-  PowerLaw felt_;
-};
-
-/// Energy of a two-step scheme between two samples. With u(n+1) = A u(n) - B u(n-1) + C f, A = 2 cos(w dt) exp(-s
-/// dt), B = exp(-2 s dt), C = dt^2 (1 + A + B)/(4 m), multiplied by (u(n+1) - u(n-1))/(2 C): the work of f is the
-/// change of
-/// ((1 + B)(u(n+1) - u(n))^2 + 2 (1 + B - A) u(n+1) u(n))/(4 C) and (1 - B)(u(n+1) - u(n-1))^2/(4 C) dissipated.
-template <typename Scheme>
-class TwoStepBook {
- public:
-  TwoStepBook(const Scheme& scheme, const StruckString& struck) : scheme_(scheme), hammer_kg_(struck.hammer_kg) {
-    for (const auto& [w, s, mass] : bare(audible_modes(struck))) {
-      const double a = 2 * std::cos(w / kRate) * std::exp(-s / kRate), b = std::exp(-2 * s / kRate);
-      const double four_c = (1 + a + b) / (mass * kRate * kRate);
-      modes_.push_back({(1 + b) / four_c, 2 * (1 + b - a) / four_c, (1 - b) / four_c});
-    }
-  }
-
-  void follow() {
-    for (std::size_t i = 0; i < modes_.size(); ++i) {
-      Mode& mode = modes_[i];
-      mode.last = std::exchange(mode.before, std::exchange(mode.now, scheme_.string().displacement(i)));
-    }
-  }
-  [[nodiscard]] double hammer_energy() const {
-    const double v = scheme_.hammer_velocity();
-    return hammer_kg_ * v * v / 2 + scheme_.psi() * scheme_.psi() / 2;
-  }
-  [[nodiscard]] double string_energy() const {
-    double energy = 0;
-    for (const Mode& mode : modes_)
-      energy +=
-          mode.inertia * (mode.now - mode.before) * (mode.now - mode.before) + mode.spring * mode.now * mode.before;
-    return energy;
-  }
-  [[nodiscard]] double dissipated() const {
-    double energy = 0;
-    for (const Mode& mode : modes_) energy += mode.resistance * (mode.now - mode.last) * (mode.now - mode.last);
-    return energy;
-  }
-
- private:
-  struct Mode {
-    double inertia, spring, resistance;
-    double now = 0, before = 0, last = 0;
-  };
-  const Scheme& scheme_;
-  double hammer_kg_;
-  std::vector<Mode> modes_;
-};
 
 TEST(NewtonBaseline, BalancesItsEnergyAndIsTheStringOfModalBank) {
   for (const auto& struck : {c4(), c2()})
     for (const double ratio : {1.0, 1e3}) {
+      const auto modes = audible_modes(struck);
+      const PowerLaw felt{struck.felt.stiffness * ratio, struck.felt.exponent};
       auto scheme = scheme_for<Newton>(struck, kRate, ratio);
-      const auto books = strike_and_balance(scheme, OneStepBook(scheme, struck, ratio));
+      const auto books = strike_and_balance(
+          scheme, bench::OneStepBook(scheme, struck.hammer_kg, bench::with_mass_kept(bare(modes), kRate),
+                                     values(modes, &ResonatorMode::strike_shape), kRate,
+                                     [=](double y) { return felt.energy(y); }));
       EXPECT_TRUE(within(books.worst, 0, kBalance * books.peak)) << struck.name << " ratio " << ratio;
     }
 }
@@ -270,7 +175,9 @@ TYPED_TEST(TwoStepBaseline, BalancesItsEnergy) {
   for (const auto& struck : {c4(), c2()})
     for (const double ratio : {1.0, 1e3}) {
       auto scheme = scheme_for<TypeParam>(struck, kRate, ratio);
-      const auto books = strike_and_balance(scheme, TwoStepBook<TypeParam>(scheme, struck));
+      const auto modes = bench::with_mass_kept(bare(audible_modes(struck)), kRate);
+      const auto books =
+          strike_and_balance(scheme, bench::TwoStepBook<TypeParam>(scheme, struck.hammer_kg, modes, kRate));
       EXPECT_TRUE(within(books.worst, 0, kBalance * books.peak)) << struck.name << " ratio " << ratio;
     }
 }
@@ -487,8 +394,8 @@ std::vector<double> played_by_spline(const StruckString& struck, int segments) {
   const auto modes = audible_modes(struck);
   const auto felt = felt_table(struck, segments);
   const auto pickup = shapes<double>(modes, &ResonatorMode::pickup_shape);
-  HammerString<double> model(felt, with_mass_kept(modes, kRate), shapes<double>(modes, &ResonatorMode::strike_shape),
-                             kRate);
+  HammerString<double> model(felt, bench::with_mass_kept(bare(modes), kRate),
+                             shapes<double>(modes, &ResonatorMode::strike_shape), kRate);
   std::vector<double> out;
   for (int n = 0; n < 882; ++n) {
     if (n % 441 == 0) model.strike(kSpeed, kDistance);
