@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // networks [ROUNDS [SCORE]]: time and solver steps of each shipped instrument file over its score, on one core, as a
-// table. Each block of 64 samples is timed ROUNDS times, by default 5; the shortest counts, because other programs
-// interrupt. The 99.9th percentile of the blocks is divided by the median of all blocks, and by that of the blocks in
-// which a contact has a force. SCORE: only those whose name contains it.
+// table. Notes of all keys play on one voice. Each block of 64 samples is timed ROUNDS times, by default 5; the
+// shortest counts, because other programs interrupt. The 99.9th percentile of the blocks is divided by the median of
+// all blocks, and by that of the blocks in which a contact has a force. SCORE: only those whose name contains it.
+// bounded: samples in which the steps did not suffice.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +21,7 @@
 #include "generator/player/score_reader.hpp"
 #include "generator/player/voice_tracks.hpp"
 #include "generator/support/embedded_files.hpp"
+#include "tests/support/one_voice.hpp"
 
 namespace contactspline::bench {
 namespace {
@@ -26,17 +29,19 @@ namespace {
 constexpr double kRate = 44100;
 constexpr std::size_t kBlock = 64;
 
-/// What a score does to a voice, sorted by sample.
+/// What a score does to a voice, sorted by sample. note: then the rest does not count.
 struct Gesture {
   std::size_t sample, number;
   double value;
   bool is_strike;
+  std::optional<NoteTrack::Change> note = {};
 };
 
 std::vector<Gesture> gestures_of(const Voice& voice, std::size_t samples) {
   std::vector<Gesture> gestures;
   ControlTrack controls(voice, kRate);
   StrikeTrack strikes(voice.strikes, kRate);
+  NoteTrack notes(voice.notes, kRate);
   std::vector<double> last(voice.initial.size(), std::numeric_limits<double>::quiet_NaN());
   for (std::size_t n = 0; n < samples; ++n) {
     const auto values = controls.at(n);
@@ -44,6 +49,7 @@ std::vector<Gesture> gestures_of(const Voice& voice, std::size_t samples) {
       if (values[i] != std::exchange(last[i], values[i])) gestures.push_back({n, i, values[i], false});
     while (const auto* change = strikes.next_until(n))
       gestures.push_back({n, change->strike->strike, change->strike->speed_m_per_s, true});
+    while (const auto* change = notes.next_until(n)) gestures.push_back({n, 0, 0, false, *change});
   }
   return gestures;
 }
@@ -62,7 +68,9 @@ void play(const Voice& voice, const std::vector<Gesture>& gestures, std::size_t 
   for (std::size_t n = 0; n < samples; ++n) {
     for (; gesture != gestures.end() && gesture->sample <= n; ++gesture) {
       const T value = static_cast<T>(gesture->value);
-      if (gesture->is_strike)
+      if (gesture->note)
+        testing::play_note(instrument, *gesture->note);
+      else if (gesture->is_strike)
         instrument.strike(gesture->number, value);
       else
         instrument.set(gesture->number, value);

@@ -2,13 +2,13 @@
 // The energy balance of each instrument that ships, over its score: work of hands, pushes and strikes included.
 #include <cstdlib>
 
-#include "contactspline/instrument/played_by_events.hpp"
 #include "generator/player/instrument_parts.hpp"
 #include "generator/player/score_reader.hpp"
 #include "generator/player/voice_tracks.hpp"
 #include "generator/support/embedded_files.hpp"
 #include "support/compare.hpp"
 #include "support/measured.hpp"
+#include "support/one_voice.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -22,19 +22,6 @@ struct Balance {
   int largest_steps = 0;    ///< most steps in one sample
   std::size_t bounded = 0;  ///< samples that took the bounding law
 };
-
-// A key of the score on the one voice of this test, which it tunes while it sounds.
-void play(NetworkInstrument<double>& instrument, const NoteTrack::Change& change) {
-  const Note& note = *change.strike;
-  for (const KeyRange& range : instrument.keyed().ranges) {
-    if (note.key < range.first || note.key > range.last) continue;
-    const Event& event = instrument.events()[range.event];
-    if (change.is_end) return instrument.release(event.number);
-    if (range.tuned_key >= 0) instrument.tune(100.0 * (note.key - range.tuned_key));
-    return play_event(instrument, event, note.velocity * instrument.value(event.parameter));
-  }
-  FAIL() << "no key " << note.key;
-}
 
 // The largest energy, the largest difference between the energy and what went in and out, and what the solver did.
 Balance balance_of(const Voice& voice, double rate, double duration_s) {
@@ -51,7 +38,8 @@ Balance balance_of(const Voice& voice, double rate, double duration_s) {
     for (std::size_t i = 0; i < values.size(); ++i) instrument.set(i, values[i]);
     while (const auto* change = strikes.next_until(n))
       instrument.strike(change->strike->strike, change->strike->speed_m_per_s);
-    while (const auto* change = notes.next_until(n)) play(instrument, *change);
+    while (const auto* change = notes.next_until(n))
+      EXPECT_TRUE(play_note(instrument, *change)) << change->strike->key;
     instrument.tick();
     received += instrument.work() - instrument.dissipated();
     const double energy = instrument.energy();
