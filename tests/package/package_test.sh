@@ -677,6 +677,7 @@ case_examples() {
   build
   run "$build/piano_phrase" "$WORK/phrase.wav"
   [ "$(stat -c %s "$WORK/phrase.wav")" -gt 800000 ] || fail "the phrase is short"
+  run "$build/gradients"
 }
 
 # The examples that are plug-ins.
