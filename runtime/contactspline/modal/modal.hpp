@@ -145,7 +145,7 @@ class ModalBank {
   /// Free increments over the next sample at several places [m], each an array of ModeShapes::data(), without damper.
   /// Returns the sum of |free increment| over the modes: a place moves by at most this times its largest |shape|.
   T free_increments(std::span<const T* const> at, T* increments) const requires(Modes == std::dynamic_extent) {
-    if (size() > detail::kFewModes)
+    if (calls_kernel_for(size()))
       return detail::kernels<T>.sum_free_increments(size(), free_increment_.data(), at, increments);
     return detail::portable::sum_free_increments<T>(size(), free_increment_.data(), at, increments);
   }
@@ -156,7 +156,7 @@ class ModalBank {
             T* increments) requires(Modes == std::dynamic_extent) {
     damping_ = held(damping_, damping, ControlRanges<T>::damping);
     const T damping_gain = 1 / (1 + damping_);
-    if (size() > detail::kFewModes)
+    if (calls_kernel_for(size()))
       return detail::kernels<T>.advance_under_forces(arrays(), damping_gain, pushed, forces, at, increments);
     return detail::portable::advance_under_forces<T>(arrays(), damping_gain, pushed, forces, at, increments);
   }
@@ -300,9 +300,14 @@ class ModalBank {
   }
 
  private:
+  // Portable loops are put in place by the compiler: a call of them by the table would take longer.
+  static bool calls_kernel_for(std::size_t modes) {
+    return modes > detail::kFewModes && detail::kernels<T>.are_vectorised();
+  }
+
   static constexpr T product(const Shapes& weights, const detail::ModalArray<T, Modes>& state) {
     if constexpr (Modes == std::dynamic_extent)
-      if (weights.size() > detail::kFewModes)
+      if (calls_kernel_for(weights.size()))
         return detail::kernels<T>.inner_product(weights.size(), weights.data(), state.data());
     return detail::sum_of<T>(weights.size(), [&](std::size_t i) { return weights[i] * state[i]; });
   }
