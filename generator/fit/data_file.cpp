@@ -21,6 +21,8 @@ DataFile read_data(const JsonObject& entry, std::string_view fit_file, const Rea
                 read_for_key(fit_file, entry.key("file"), name, read),
                 {}};
   files.push_back(name);
+  constexpr int kMaxSkipped = 10000;
+  if (entry.has("skip_lines")) data.skip_lines = entry.integer("skip_lines", 0, kMaxSkipped);
   if (!entry.has("columns")) return data;
   const auto keys = column_keys();
   const JsonObject columns = entry.object("columns", keys);
@@ -28,6 +30,10 @@ DataFile read_data(const JsonObject& entry, std::string_view fit_file, const Rea
     if (columns.has(key.c_str()))
       data.names[key] = columns.text(key.c_str(), "the name of a column, or its number from 1, in quotes");
   return data;
+}
+
+DataTable read_table(const DataFile& data, std::span<const Quantity> wanted) {
+  return read_table(data.text, data.path, wanted, data.names, data.skip_lines);
 }
 
 void require(const DataFile& data, const DataTable& table, std::span<const Quantity> required) {

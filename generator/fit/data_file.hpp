@@ -19,11 +19,15 @@ inline constexpr Range kFitSpeed{1e-3, 1e2};
 struct DataFile {
   std::string path, text;
   ColumnNames names;
+  int skip_lines = 0;
 };
 
 /// Reads the file and the columns that an entry of a fit file names, and adds the file to `files`. Throws BadInput.
 [[nodiscard]] DataFile read_data(const JsonObject& entry, std::string_view fit_file, const ReadFile& read,
                                  std::vector<std::string>& files);
+
+/// The wanted columns of the file. Throws BadInput.
+[[nodiscard]] DataTable read_table(const DataFile& data, std::span<const Quantity> wanted);
 
 /// Throws BadInput if the table lacks one of these columns.
 void require(const DataFile& data, const DataTable& table, std::span<const Quantity> required);

@@ -31,12 +31,21 @@ struct Kind {
   std::vector<Unit> units;
 };
 
-const std::vector<Unit> kTimes = {{"s", 1, "s"}, {"ms", 1e-3, "ms"}, {"us", 1e-6, "\u00b5s"}};
+// The micro sign and the Greek letter.
+const std::vector<Unit> kTimes = {
+    {"s", 1, "s"}, {"ms", 1e-3, "ms"}, {"us", 1e-6, "\u00b5s"}, {"us", 1e-6, "\u03bcs"}};
 
 const std::vector<Kind>& kinds() {
   static const std::vector<Kind> all = {
       {Quantity::kTime, {"time", "t"}, kTimes},
-      {Quantity::kForce, {"force", "f", "load"}, {{"n", 1, "n"}, {"mn", 1e-3, "mn"}, {"kn", 1e3, "kn"}}},
+      {Quantity::kForce,
+       {"force", "f", "load"},
+       {{"n", 1, "n"},
+        {"mn", 1e-3, "mn"},
+        {"kn", 1e3, "kn"},
+        {"lbf", 4.4482216152605, "lbf"},
+        {"kgf", 9.80665, "kgf"}}},
+      {Quantity::kVoltage, {"voltage", "force", "f", "load", "signal"}, {{"v", 1, "v"}, {"mv", 1e-3, "mv"}}},
       {Quantity::kAcceleration,
        {"acceleration", "acc", "a"},
        {{"m_per_s2", 1, "m/s^2"}, {"m_per_s2", 1, "m/s2"}, {"g", 9.80665, "g"}}},
@@ -47,7 +56,7 @@ const std::vector<Kind>& kinds() {
       {Quantity::kRestitution, {"restitution", "cor", "e"}, {{"1", 1, ""}, {"percent", 1e-2, "%"}}},
       {Quantity::kCompression,
        {"compression", "displacement", "deflection", "indentation", "y", "x"},
-       {{"m", 1, "m"}, {"mm", 1e-3, "mm"}, {"um", 1e-6, "\u00b5m"}}},
+       {{"m", 1, "m"}, {"mm", 1e-3, "mm"}, {"um", 1e-6, "\u00b5m"}, {"um", 1e-6, "\u03bcm"}}},
       {Quantity::kFrequency, {"frequency", "freq", "f"}, {{"hz", 1, "hz"}, {"khz", 1e3, "khz"}}},
       {Quantity::kPartial, {"partial", "number", "n"}, {{"1", 1, ""}}},
       {Quantity::kLevel, {"level", "magnitude", "l"}, {{"db", 1, "db"}}}};
@@ -142,6 +151,11 @@ std::optional<double> unit_size(const Heading& heading, const Kind& kind, const 
   for (const std::string_view name : kind.names) {
     if (heading.name == name) {
       const Unit* unit = unit_named(kind, heading.unit);
+      // A force may be in volts, and what else is called so is none of them.
+      const bool is_voltage = unit_named(kind_of(Quantity::kVoltage), heading.unit) != nullptr;
+      if (unit == nullptr &&
+          (kind.quantity == Quantity::kVoltage || (kind.quantity == Quantity::kForce && is_voltage)))
+        continue;
       if (unit == nullptr)
         place.fail(heading.unit.empty() ? fmt::format("the column '{}' has no unit", shown(heading.name, 40))
                                         : fmt::format("the unit '{}' of the column '{}' is unknown",
@@ -225,6 +239,91 @@ void read_row(DataTable& table, const std::vector<std::string>& cells, const std
   table.lines.push_back(place.line);
 }
 
+// UTF-8 of one character.
+void append(std::string& text, unsigned code) {
+  if (code < 0x80) {
+    text += static_cast<char>(code);
+  } else if (code < 0x800) {
+    text += static_cast<char>(0xc0 | (code >> 6));
+    text += static_cast<char>(0x80 | (code & 0x3f));
+  } else {
+    text += static_cast<char>(0xe0 | (code >> 12));
+    text += static_cast<char>(0x80 | ((code >> 6) & 0x3f));
+    text += static_cast<char>(0x80 | (code & 0x3f));
+  }
+}
+
+unsigned byte_at(std::string_view text, std::size_t i) {
+  return static_cast<unsigned char>(text[i]);
+}
+
+bool is_utf8(std::string_view text) {
+  for (std::size_t i = 0; i < text.size();) {
+    const unsigned first = byte_at(text, i);
+    const std::size_t more = first < 0x80 ? 0 : first >= 0xf0 ? 3 : first >= 0xe0 ? 2 : first >= 0xc2 ? 1 : 4;
+    if (more == 4 || i + more >= text.size()) return false;
+    for (std::size_t k = 1; k <= more; ++k)
+      if ((byte_at(text, i + k) & 0xc0) != 0x80) return false;
+    i += more + 1;
+  }
+  return true;
+}
+
+// In UTF-8: from UTF-16, which a mark at the begin or a zero in the first character tells, or from Latin-1.
+std::string in_utf8(std::string_view text) {
+  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+  const bool is_pair = text.size() >= 2;
+  const bool has_mark = is_pair && (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"));
+  if (!has_mark && !(is_pair && (text[0] == 0) != (text[1] == 0))) {
+    if (is_utf8(text)) return std::string(text);
+    std::string decoded;
+    for (std::size_t i = 0; i < text.size(); ++i) append(decoded, byte_at(text, i));
+    return decoded;
+  }
+  const std::size_t low = has_mark ? (byte_at(text, 0) == 0xff ? 0 : 1) : (text[1] == 0 ? 0 : 1);
+  std::string decoded;
+  for (std::size_t i = has_mark ? 2 : 0; i + 1 < text.size(); i += 2)
+    append(decoded, byte_at(text, i + low) | (byte_at(text, i + 1 - low) << 8));
+  return decoded;
+}
+
+// Does a line name a wanted column, or hold the columns that have been named?
+bool is_header(std::string_view line, std::span<const Quantity> wanted, const ColumnNames& names) {
+  const std::vector<std::string> cells = cells_of(line, separator_of(line));
+  if (!names.empty())
+    return std::ranges::all_of(names, [&](const auto& name) { return std::ranges::count(cells, name.second) > 0; });
+  std::size_t found = 0;
+  for (const std::string& cell : cells) {
+    const Heading heading = heading_of(cell);
+    for (const Quantity quantity : wanted)
+      for (const std::string_view name : kind_of(quantity).names)
+        if (heading.name == name || heading.name.starts_with(fmt::format("{}_", name))) {
+          ++found;
+          break;
+        }
+  }
+  return found >= std::min<std::size_t>(2, wanted.size());
+}
+
+// Above the header an instrument may tell what it is: where the first line names nothing and a later one does, that
+// is the header.
+void skip_preamble(std::string_view& text, LineOfFile& place, std::span<const Quantity> wanted,
+                   const ColumnNames& names) {
+  constexpr int kMaxPreamble = 200;
+  const auto begin = text;
+  const LineOfFile begin_place = place;
+  for (int i = 0; i < kMaxPreamble; ++i) {
+    const auto before = text;
+    const LineOfFile before_place = place;
+    const auto line = next_line(text, place);
+    if (!line) break;
+    if (!is_header(*line, wanted, names)) continue;
+    text = before, place = before_place;
+    return;
+  }
+  text = begin, place = begin_place;
+}
+
 }  // namespace
 
 std::string_view name_of(Quantity quantity) {
@@ -242,10 +341,13 @@ std::vector<std::string> column_keys() {
 }
 
 DataTable read_table(std::string_view text, std::string_view file, std::span<const Quantity> wanted,
-                     const ColumnNames& names) {
-  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
-  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+                     const ColumnNames& names, int skip_lines) {
+  const std::string decoded = in_utf8(text);
+  text = decoded;
   LineOfFile place{file};
+  for (; skip_lines > 0 && !text.empty(); --skip_lines, ++place.line)
+    text.remove_prefix(std::min(std::min(text.find('\n'), text.size()) + 1, text.size()));
+  skip_preamble(text, place, wanted, names);
   auto line = next_line(text, place);
   if (!line) refuse(file, "file", "is empty", "a header with quantities and units, then lines of numbers");
   const char separator = separator_of(*line);

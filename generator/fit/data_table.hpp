@@ -15,6 +15,7 @@ enum class Quantity {
   kTime,
   kForce,
   kAcceleration,
+  kVoltage,
   kSpeed,
   kDuration,
   kRestitution,
@@ -44,8 +45,10 @@ struct DataTable {
 
 /// Reads columns separated by semicolons, tabs, commas or blanks; with a decimal comma where commas do not separate.
 /// The header names each quantity with its unit: `time_ms`, `t [ms]`, `Time (ms)` or `t/ms`, or the units stand in a
-/// line of their own below it. Columns that nobody wants are left out. Throws BadInput with `file` and the line.
+/// line of their own below it. Columns that nobody wants are left out. The first `skip_lines` lines are; and so is
+/// what an instrument writes above the line with the wanted columns. Text is UTF-8, UTF-16 or Latin-1. Throws
+/// BadInput with `file` and the line.
 [[nodiscard]] DataTable read_table(std::string_view text, std::string_view file, std::span<const Quantity> wanted,
-                                   const ColumnNames& names);
+                                   const ColumnNames& names, int skip_lines = 0);
 
 }  // namespace contactspline

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,11 +33,12 @@ struct FitQuality {
 /// One model, fitted.
 struct FittedModel {
   std::string law, loss;
-  int parameters;    ///< free ones of the law and the loss
-  double criterion;  ///< Bayesian information criterion, less that of the best model
+  int parameters;             ///< free ones of the law and the loss
+  double criterion;           ///< Bayesian information criterion, less that of the chosen model
+  bool has_low_pass = false;  ///< behind a low-pass that was fitted
 };
 
-/// The chosen model and the models it was chosen among, the best first.
+/// The chosen model and the models it was chosen among, the chosen one first.
 struct Fit {
   std::string law, loss;
   ViscoelasticLaw<double> model;
@@ -46,11 +48,14 @@ struct Fit {
   double min_speed_m_per_s;  ///< of the data
   std::vector<FitQuality> qualities;
   std::vector<FittedModel> candidates;
+  std::optional<Estimate> low_pass_hz = {};  ///< of the data, where they show one that the fit file does not state
+  std::vector<std::string> notes = {};       ///< what makes the fit doubtful, a line each
 };
 
-/// Fits every law and loss that is allowed, by least squares with a robust norm from several starts, and chooses by
-/// the Bayesian information criterion. Layers are fitted with the best loss of the others alone. `tell` hears what is
-/// fitted now. Throws BadInput if nothing describes the data.
+/// Fits every law with every loss that is allowed and that the number of values can tell, by least squares with a
+/// robust norm from several starts, and chooses by the Bayesian information criterion, corrected for few values.
+/// `tell` hears what is fitted now. Throws BadInput if nothing describes the data, or no material that does can be
+/// read.
 [[nodiscard]] Fit fit_material(const Measurements& measured, const std::string& file,
                                const std::function<void(const std::string&)>& tell);
 

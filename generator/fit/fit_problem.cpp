@@ -1,27 +1,36 @@
 // SPDX-License-Identifier: MIT
 #include "generator/fit/fit_problem.hpp"
 
-#include <ceres/jet.h>
 #include <ceres/tiny_solver.h>
 
+#include <Eigen/Cholesky>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <numeric>
 #include <set>
 
-#include "generator/support/json_reader.hpp"
+#include "generator/fit/fit_dual.hpp"
+#include "generator/support/ranges.hpp"
 
 namespace contactspline {
 namespace {
 
-constexpr double kMinNoise = 1e-7;
 constexpr double kMinLevelNoise = 0.1 / kDecibelsPerNeper;  // a spectrum tells a level to 0.1 dB
 // In the order of FitParameter; the time in parts of the contact's. Shorter memories are a viscous loss, longer ones
 // none.
-constexpr std::array<Range, kFitParameters> kBounds = {
-    {{-30, 40}, {0.6, 9.5}, {0, 900}, {1e-4, 0.999}, {-5.7, 1.6}, {-30, 30}, {0, 1e3}, {-17, 7}, {-100, 100}}};
+constexpr std::array<Range, kFitParameters> kBounds = {{{-30, 40},
+                                                        {0.6, 9.5},
+                                                        {0, 900},
+                                                        {1e-4, ranges::kWeight.max},
+                                                        {-5.7, 1.6},
+                                                        {-30, 30},
+                                                        {0, 1e3},
+                                                        {2, 14},
+                                                        {-17, 7},
+                                                        {-100, 100}}};
 
 constexpr double kLikelyExponent = 2.5;
 
@@ -34,7 +43,7 @@ double speed_of(const Pulse& pulse, double mass_kg) {
 Pulse thinned(const Pulse& pulse) {
   constexpr std::size_t kSamples = 128;
   const std::size_t stride = pulse.time_s.size() / kSamples + 1;
-  Pulse few{pulse.file, {}, {}, pulse.speed_m_per_s, pulse.is_struck};
+  Pulse few{pulse.file, {}, {}, pulse.speed_m_per_s, pulse.is_struck, pulse.low_pass_hz, pulse.low_pass_order};
   for (std::size_t i = 0; i < pulse.time_s.size(); i += stride) {
     few.time_s.push_back(pulse.time_s[i]);
     few.force_n.push_back(pulse.force_n[i]);
@@ -60,11 +69,8 @@ std::vector<double*> pointers_to(Values&... values) {
 
 /// The problem over values that a search moves: blocks of residuals, each of its own unknowns.
 struct FitProblem::Posed {
-  static constexpr int kDerivativesAtOnce = 6;
-  using Dual = ceres::Jet<double, kDerivativesAtOnce>;
-
   struct Block {
-    std::function<bool(const Dual* const*, Dual*)> residual;
+    std::function<bool(const FitDual* const*, FitDual*)> residual;
     std::size_t count;
     std::vector<double*> unknowns;
   };
@@ -75,46 +81,48 @@ struct FitProblem::Posed {
   std::vector<Block> blocks;
   std::vector<Free> frees;  ///< in the order of the columns
 
-  void add(std::function<bool(const Dual* const*, Dual*)> residual, std::size_t count,
+  void add(std::function<bool(const FitDual* const*, FitDual*)> residual, std::size_t count,
            std::vector<double*> unknowns) {
     blocks.push_back({std::move(residual), count, std::move(unknowns)});
   }
   void set_free(double* value, std::optional<Range> bounds = {}) { frees.push_back({value, bounds}); }
 
-  [[nodiscard]] Eigen::Index columns() const { return std::ssize(frees); }
-
-  /// Places among its unknowns and columns of what is free in a block.
-  [[nodiscard]] std::vector<std::pair<std::size_t, Eigen::Index>> frees_of(const Block& block) const {
-    std::vector<std::pair<std::size_t, Eigen::Index>> found;
+  /// Of what is free in a block: the columns, and in their order the places among the block's unknowns.
+  struct Columns {
+    std::vector<Eigen::Index> of_all;
+    std::vector<std::size_t> unknowns;
+  };
+  [[nodiscard]] Columns columns_of(const Block& block) const {
+    Columns found;
     for (std::size_t i = 0; i < block.unknowns.size(); ++i)
-      if (const auto at = std::ranges::find(frees, block.unknowns[i], &Free::value); at != frees.end())
-        found.emplace_back(i, at - frees.begin());
+      if (const auto at = std::ranges::find(frees, block.unknowns[i], &Free::value); at != frees.end()) {
+        found.of_all.push_back(at - frees.begin());
+        found.unknowns.push_back(i);
+      }
     return found;
   }
 
   /// The derivatives of a block's residuals with respect to what is free in it, and the residuals in the last column.
   /// Infinite if the model has no motion.
   [[nodiscard]] Eigen::MatrixXd linearised(const Block& block) const {
-    const auto free = frees_of(block);
+    const std::vector<std::size_t> free = columns_of(block).unknowns;
     Eigen::MatrixXd linear(block.count, free.size() + 1);
-    std::size_t begin = 0;
-    do {
-      const std::size_t count = std::min<std::size_t>(kDerivativesAtOnce, free.size() - begin);
-      std::vector<Dual> unknowns, residuals(block.count);
+    for (std::size_t begin = 0; begin == 0 || begin < free.size(); begin += FitDual::kSlopes) {
+      const std::size_t count = std::min(FitDual::kSlopes, free.size() - begin);
+      std::vector<FitDual> unknowns, residuals(block.count);
       for (const double* value : block.unknowns) unknowns.emplace_back(*value);
-      for (std::size_t k = 0; k < count; ++k) unknowns[free[begin + k].first].v[static_cast<Eigen::Index>(k)] = 1;
-      std::vector<const Dual*> pointers;
-      for (const Dual& unknown : unknowns) pointers.push_back(&unknown);
+      for (std::size_t k = 0; k < count; ++k) unknowns[free[begin + k]].set_slope(k, 1);
+      std::vector<const FitDual*> pointers;
+      for (const FitDual& unknown : unknowns) pointers.push_back(&unknown);
       if (!block.residual(pointers.data(), residuals.data()))
         return linear.setConstant(std::numeric_limits<double>::infinity());
       for (Eigen::Index row = 0; row < linear.rows(); ++row) {
-        const Dual& residual = residuals[static_cast<std::size_t>(row)];
-        for (std::size_t k = 0; k < count; ++k)
-          linear(row, static_cast<Eigen::Index>(begin + k)) = residual.v[static_cast<Eigen::Index>(k)];
-        linear(row, linear.cols() - 1) = residual.a;
+        const FitDual& residual = residuals[static_cast<std::size_t>(row)];
+        for (std::size_t k = 0; k < count; ++k) linear(row, static_cast<Eigen::Index>(begin + k)) = residual.slope(k);
+        linear(row, linear.cols() - 1) = residual.value;
       }
-      begin += kDerivativesAtOnce;
-    } while (begin < free.size());
+    }
+    if (!linear.allFinite()) linear.setConstant(std::numeric_limits<double>::infinity());
     return linear;
   }
 };
@@ -133,7 +141,7 @@ class Search {
   explicit Search(const Posed& posed) : posed_(posed) {}
 
   // NOLINTBEGIN(readability-identifier-naming): names that Ceres asks for
-  [[nodiscard]] int NumParameters() const { return static_cast<int>(posed_.columns()); }
+  [[nodiscard]] int NumParameters() const { return static_cast<int>(posed_.frees.size()); }
   [[nodiscard]] int NumResiduals() const {
     std::size_t rows = 0;
     for (const auto& block : posed_.blocks) rows += rows_of(block);
@@ -142,7 +150,7 @@ class Search {
   // NOLINTEND(readability-identifier-naming)
 
   [[nodiscard]] Eigen::VectorXd start() const {
-    Eigen::VectorXd u(posed_.columns());
+    Eigen::VectorXd u(NumParameters());
     for (Eigen::Index i = 0; i < u.size(); ++i) {
       const auto& [value, bounds] = free(i);
       u[i] = bounds ? std::asin(std::clamp(2 * (*value - bounds->min) / (bounds->max - bounds->min) - 1, -1.0, 1.0))
@@ -152,7 +160,7 @@ class Search {
   }
 
   void set(const double* u) const {
-    for (Eigen::Index i = 0; i < posed_.columns(); ++i) {
+    for (Eigen::Index i = 0; i < NumParameters(); ++i) {
       const auto& [value, bounds] = free(i);
       *value = bounds ? bounds->min + (bounds->max - bounds->min) * (1 + std::sin(u[i])) / 2 : u[i];
     }
@@ -161,7 +169,7 @@ class Search {
   // Residuals are infinite where the model has no motion. `derivatives` may be null: a step that is taken asks again
   // for both, so the last ones are kept.
   bool operator()(const double* u, double* residuals, double* derivatives) const {
-    const Eigen::Map<const Eigen::VectorXd> at(u, posed_.columns());
+    const Eigen::Map<const Eigen::VectorXd> at(u, NumParameters());
     if (at_.size() == 0 || at_ != at) evaluate(at);
     Eigen::Map<Eigen::VectorXd>(residuals, residuals_.size()) = residuals_;
     if (derivatives != nullptr)
@@ -179,19 +187,17 @@ class Search {
     for (const auto& block : posed_.blocks) {
       const Eigen::Index rows = rows_of(block);
       const Eigen::MatrixXd linear = posed_.linearised(block);
-      if (!linear.allFinite()) {
+      if (linear.allFinite()) {
+        const Eigen::MatrixXd turned = Eigen::HouseholderQR<Eigen::MatrixXd>(linear)
+                                           .matrixQR()
+                                           .topRows(rows)
+                                           .template triangularView<Eigen::Upper>();
+        jacobian_.middleRows(row, rows)(Eigen::all, posed_.columns_of(block).of_all) =
+            turned.leftCols(turned.cols() - 1);
+        residuals_.segment(row, rows) = turned.rightCols<1>();
+      } else {
         residuals_.segment(row, rows).setConstant(std::numeric_limits<double>::infinity());
-        row += rows;
-        continue;
       }
-      const Eigen::MatrixXd turned = Eigen::HouseholderQR<Eigen::MatrixXd>(linear)
-                                         .matrixQR()
-                                         .topRows(rows)
-                                         .template triangularView<Eigen::Upper>();
-      const auto columns = posed_.frees_of(block);
-      for (std::size_t k = 0; k < columns.size(); ++k)
-        jacobian_.col(columns[k].second).segment(row, rows) = turned.col(static_cast<Eigen::Index>(k));
-      residuals_.segment(row, rows) = turned.rightCols<1>();
       row += rows;
     }
     for (Eigen::Index i = 0; i < at.size(); ++i)
@@ -199,7 +205,7 @@ class Search {
   }
 
   [[nodiscard]] std::size_t rows_of(const typename Posed::Block& block) const {
-    return std::min(block.count, posed_.frees_of(block).size() + 1);
+    return std::min(block.count, posed_.columns_of(block).unknowns.size() + 1);
   }
   [[nodiscard]] const auto& free(Eigen::Index i) const { return posed_.frees[static_cast<std::size_t>(i)]; }
 
@@ -209,6 +215,21 @@ class Search {
 };
 
 }  // namespace
+
+// By Cholesky's method, with a diagonal scaled to 1.
+std::optional<Eigen::MatrixXd> Linearised::inverse() const {
+  constexpr double kSingular = 1e-15;
+  const Eigen::VectorXd scale = normal.diagonal().cwiseSqrt().cwiseInverse();
+  if (!scale.allFinite()) return std::nullopt;
+  const Eigen::LLT<Eigen::MatrixXd> factors(scale.asDiagonal() * normal * scale.asDiagonal());
+  if (factors.info() != Eigen::Success || !(factors.rcond() > kSingular)) return std::nullopt;
+  const Eigen::MatrixXd inverse = factors.solve(Eigen::MatrixXd::Identity(normal.rows(), normal.cols()));
+  return scale.asDiagonal() * inverse * scale.asDiagonal();
+}
+
+double min_noise(const FitSource& source) {
+  return source.quantity == kLevels ? kMinLevelNoise : kMinNoise;
+}
 
 FitProblem::FitProblem(const Measurements& measured) : measured_(measured), scales_{measured.mass_kg, 1} {
   for (const Pulse& pulse : measured.pulses) {
@@ -483,13 +504,14 @@ FitValues FitProblem::begin(double exponent, double loss, double weight, double 
   const auto [y, force] = anchor(exponent);
   FitValues values{
       {std::log(force) + exponent * std::log(scales_.reference_m / y), exponent, loss / max_speed_m_per_s_, weight,
-       std::log(time_ratio * duration_s_), kNoCore, 0, std::log(scales_.mass_kg), 0},
+       std::log(time_ratio * duration_s_), kNoCore, 0, kNoLowPass, std::log(scales_.mass_kg), 0},
       {},
       {},
-      std::vector<double>(sources_.size(), kFirstNoise)};
+      std::vector<double>(sources_.size(), kFirstNoise),
+      std::vector<double>(sources_.size(), 1)};
   constexpr double kBefore = -0.1;  // the contact begins before a tenth of its largest force
   for (const Pulse& pulse : measured_.pulses)
-    values.pulses.push_back({kBefore, std::log(contactspline::speed_of(pulse, measured_.mass_kg)), 0});
+    values.pulses.push_back({kBefore, std::log(contactspline::speed_of(pulse, measured_.mass_kg)), 0, 0});
   for (std::size_t i = 0; measured_.struck && i < measured_.struck->blows.size(); ++i)
     values.blows.push_back({std::log(speed_of(measured_.struck->blows[i])), 0});
   if (measured_.has_blows()) values.cost = set_gains(values);
@@ -510,6 +532,18 @@ FitValues FitProblem::with_core(FitValues values, double depth) const {
   return values;
 }
 
+DenseTimes FitProblem::dense_for(const Pulse& pulse, std::size_t number) const {
+  constexpr double kSteps = 150;  // a contact: as many as its motion has
+  const PulseMeasures& measures = pulse_measures_[number];
+  double longest_s = (measures.end_s - measures.begin_s) / kSteps;
+  if (pulse.low_pass_hz) longest_s = std::min(longest_s, 0.25 / (2 * std::numbers::pi * *pulse.low_pass_hz));
+  return dense_times(pulse.time_s, longest_s);
+}
+
+double FitProblem::low_pass_to_begin_with() const {
+  return std::log(3 / duration_s_);
+}
+
 std::unique_ptr<FitProblem::Posed> FitProblem::pose(FitValues& values, const std::vector<FitParameter>& frees,
                                                     Samples samples) const {
   auto posed = std::make_unique<Posed>();
@@ -523,7 +557,8 @@ std::unique_ptr<FitProblem::Posed> FitProblem::pose(FitValues& values, const std
   for (std::size_t i = 0; i < measured_.pulses.size(); ++i) {
     const Pulse& pulse = (samples == Samples::kSome ? some_samples_ : measured_.pulses)[i];
     auto& unknown = values.pulses[i];
-    const PulseResidual residual{pulse, pulse_measures_[i], scales_, sources_[i].noise};
+    PulseResidual residual{pulse, pulse_measures_[i], scales_, sources_[i].noise};
+    if (pulse.low_pass_hz || std::ranges::count(frees, kLogLowPass) > 0) residual.dense = dense_for(pulse, i);
     if (pulse.is_struck)
       posed->add(StruckPulseResidual{residual, measured_.struck->modes}, pulse.time_s.size(),
                  pointers_to(values.parameters, unknown));
@@ -570,36 +605,96 @@ Linearised FitProblem::linearised(const FitValues& at, const std::vector<FitPara
   FitValues values = at;
   scales_.is_robust = false;
   const auto posed = pose(values, frees, Samples::kAll);
-  const auto rows = static_cast<Eigen::Index>(source_of_residual_.size());
-  Linearised linear{Eigen::VectorXd(rows), Eigen::MatrixXd::Zero(rows, posed->columns())};
-  Eigen::Index row = 0;
+  const auto all = std::ssize(posed->frees);
+  Linearised linear{{}, Eigen::MatrixXd::Zero(all, all), std::vector<SourceNormal>(sources_.size())};
   for (const Posed::Block& block : posed->blocks) {
+    const auto columns = posed->columns_of(block).of_all;
     const Eigen::MatrixXd part = posed->linearised(block);
-    const auto columns = posed->frees_of(block);
-    for (std::size_t k = 0; k < columns.size(); ++k)
-      linear.jacobian.col(columns[k].second).segment(row, part.rows()) = part.col(static_cast<Eigen::Index>(k));
-    linear.residuals.segment(row, part.rows()) = part.rightCols<1>();
-    row += part.rows();
+    for (const auto& row : part.rowwise()) {
+      SourceNormal& source = linear.sources[source_of_residual_[linear.residuals.size()]];
+      linear.residuals.push_back(row.tail<1>().value());
+      if (source.columns.empty()) source = {columns, Eigen::MatrixXd::Zero(std::ssize(columns), std::ssize(columns))};
+      if (!std::isfinite(linear.residuals.back())) continue;
+      const auto slopes = row.head(std::ssize(columns));
+      source.normal += slopes.transpose() * slopes;
+    }
   }
+  for (const auto& [columns, normal] : linear.sources) linear.normal(columns, columns) += normal;
   return linear;
+}
+
+namespace {
+
+// The number of samples that tell as much as one that is independent of the others.
+double samples_together(std::span<const double> residuals) {
+  constexpr double kOutlier = 4;  // in parts of the noise
+  const std::size_t n = residuals.size();
+  std::vector<double> r;
+  for (const double residual : residuals) r.push_back(std::clamp(residual, -kOutlier, kOutlier));
+  double mean = 0, square = 0, together = 1;
+  for (const double x : r) mean += x / static_cast<double>(n);
+  for (const double x : r) square += (x - mean) * (x - mean);
+  for (std::size_t lag = 1; lag < n / 4; ++lag) {
+    double product = 0;
+    for (std::size_t i = lag; i < n; ++i) product += (r[i] - mean) * (r[i - lag] - mean);
+    const double correlation = product / square;
+    if (!(correlation > 2 / std::sqrt(static_cast<double>(n)))) break;  // chance
+    together += 2 * correlation;
+  }
+  return std::min(together, std::max(1.0, static_cast<double>(n) / 8));
+}
+
+}  // namespace
+
+std::size_t FitProblem::free_values(const std::vector<FitParameter>& frees) const {
+  FitValues values = begin(kLikelyExponent, 0, 0, 1);
+  return pose(values, frees, Samples::kSome)->frees.size();
+}
+
+std::vector<double> FitProblem::freedoms_of(const Linearised& linear) const {
+  std::vector<double> freedoms(sources_.size());
+  const auto inverse = linear.inverse();
+  const double all = static_cast<double>(linear.residuals.size()),
+               columns = static_cast<double>(linear.normal.cols());
+  for (std::size_t s = 0; s < sources_.size(); ++s) {
+    const auto n = static_cast<double>(sources_[s].at.size());
+    const auto& [at, normal] = linear.sources[s];
+    // Less as many values as the source's data tell of.
+    freedoms[s] = inverse ? n - (*inverse)(at, at).cwiseProduct(normal).sum() : n * (1 - columns / all);
+  }
+  std::vector<double> together(freedoms);  // of sources whose noise is the same
+  for (std::size_t s = 0; s < sources_.size(); ++s) {
+    constexpr double kLeast = 0.25;
+    together[s] = 0;
+    for (std::size_t other = 0; other < sources_.size(); ++other)
+      if (sources_[other].noise == sources_[s].noise) together[s] += freedoms[other];
+    together[s] = std::max(kLeast, together[s]);
+  }
+  return together;
 }
 
 FitValues FitProblem::with_noise(FitValues values, const std::vector<FitParameter>& frees) const {
   const Linearised linear = linearised(values, frees);
-  const double all = static_cast<double>(linear.residuals.size());
-  const double free_part = std::max(0.1, 1 - static_cast<double>(linear.jacobian.cols()) / all);
+  const std::vector<double> freedoms = freedoms_of(linear);
+  const std::vector<double> before = values.noise;
   for (std::size_t s = 0; s < sources_.size(); ++s) {
-    std::vector<double> sizes;
-    for (std::size_t i = 0; i < source_of_residual_.size(); ++i)
-      if (sources_[source_of_residual_[i]].noise == sources_[s].noise)
-        sizes.push_back(std::abs(linear.residuals[static_cast<Eigen::Index>(i)]));
+    std::vector<double> residuals, sizes;
+    for (std::size_t i = 0; i < source_of_residual_.size(); ++i) {
+      const std::size_t source = source_of_residual_[i];
+      if (sources_[source].noise == sources_[s].noise) sizes.push_back(std::abs(linear.residuals[i]));
+      if (source == s) residuals.push_back(linear.residuals[i]);
+    }
     std::ranges::sort(sizes);
-    const double likely = 4 * sizes[sizes.size() / 2] / 0.6745;  // beyond four deviations is no noise
+    // Beyond four deviations is no noise; but the median of few values tells no deviation.
+    constexpr std::size_t kMany = 20;
+    const double likely = sizes.size() < kMany ? sizes.back() : 4 * sizes[sizes.size() / 2] / 0.6745;
     double sum = 0, count = 0;
     for (const double size : sizes)
       if (size <= likely) sum += size * size, ++count;
-    const double min_noise = sources_[s].quantity == kLevels ? kMinLevelNoise : kMinNoise;
-    values.noise[s] = std::max(min_noise, values.noise[s] * std::sqrt(sum / count / free_part));
+    const double deviation = std::sqrt(sum / count * static_cast<double>(sizes.size()) / freedoms[s]);
+    values.noise[s] = std::max(min_noise(sources_[s]), before[s] * deviation);
+    for (double& residual : residuals) residual *= before[s] / values.noise[s];
+    values.together[s] = sources_[s].quantity == "force" ? samples_together(residuals) : 1;
   }
   return values;
 }

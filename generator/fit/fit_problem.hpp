@@ -17,12 +17,16 @@ namespace contactspline {
 /// Of each source, until residuals tell: 2 % of the largest force, or of a value.
 inline constexpr double kFirstNoise = 0.02;
 
+/// No noise is taken to be less.
+inline constexpr double kMinNoise = 1e-7;
+
 /// Values of all unknowns, and of the noise of each source.
 struct FitValues {
   std::array<double, kFitParameters> parameters;
   std::vector<std::array<double, kPulseUnknowns>> pulses;
   std::vector<std::array<double, kBlowUnknowns>> blows;
   std::vector<double> noise;
+  std::vector<double> together;  ///< samples of each source that tell as much as an independent one
   double cost = 0;
 };
 
@@ -34,12 +38,25 @@ struct FitSource {
   std::vector<double> scale;  ///< of a residual of 1, in the unit of `measured`
 };
 
-/// Residuals in parts of their noise, without the robust norm, and their derivatives with respect to what is free,
-/// the parameters first.
-struct Linearised {
-  Eigen::VectorXd residuals;
-  Eigen::MatrixXd jacobian;
+/// What one source adds to the normal matrix: in these columns.
+struct SourceNormal {
+  std::vector<Eigen::Index> columns;
+  Eigen::MatrixXd normal;
 };
+
+/// Residuals in parts of their noise, without the robust norm, and the normal matrix of what is free, the parameters
+/// first.
+struct Linearised {
+  std::vector<double> residuals;
+  Eigen::MatrixXd normal;  ///< the products of the derivatives with respect to each two free values
+  std::vector<SourceNormal> sources;
+
+  /// Nothing if they do not tell all values.
+  [[nodiscard]] std::optional<Eigen::MatrixXd> inverse() const;
+};
+
+/// The least noise that a source is taken to have, in the unit of its residuals.
+[[nodiscard]] double min_noise(const FitSource& source);
 
 /// Of pulses: some show where the values lie, all show them as exactly as they can be known.
 enum class Samples { kSome, kAll };
@@ -62,6 +79,18 @@ class FitProblem {
   [[nodiscard]] FitValues search(FitValues values, const std::vector<FitParameter>& frees, int max_steps,
                                  Samples samples) const;
 
+  /// Degrees of freedom of each source: its samples less what they determine of the free values; of sources that have
+  /// their noise in common together.
+  [[nodiscard]] std::vector<double> freedoms_of(const Linearised& linear) const;
+
+  /// ln of the frequency [Hz] of a low-pass that is fitted, to begin with.
+  [[nodiscard]] double low_pass_to_begin_with() const;
+  /// The order of a low-pass that is fitted.
+  void set_low_pass_order(int order) const { scales_.low_pass_order = order; }
+
+  /// How many values a search moves: these, and what is unknown of each pulse and blow.
+  [[nodiscard]] std::size_t free_values(const std::vector<FitParameter>& frees) const;
+
   /// The same values with the noise that their residuals show.
   [[nodiscard]] FitValues with_noise(FitValues values, const std::vector<FitParameter>& frees) const;
 
@@ -79,6 +108,7 @@ class FitProblem {
   struct Posed;
   [[nodiscard]] std::unique_ptr<Posed> pose(FitValues& values, const std::vector<FitParameter>& frees,
                                             Samples samples) const;
+  [[nodiscard]] DenseTimes dense_for(const Pulse& pulse, std::size_t number) const;
   [[nodiscard]] std::pair<double, double> anchor(double exponent) const;
   [[nodiscard]] double speed_of(const Blow& blow) const;
   double set_gains(FitValues& values) const;

@@ -57,13 +57,25 @@ std::string choice_text(const Fit& fit) {
   std::string text =
       "chosen by the Bayesian information criterion, in which 10 more is strong evidence against a model:\n";
   for (const FittedModel& model : fit.candidates)
-    text += fmt::format("  {:<46} {} parameters {:>+12.1f}\n", words_of(model.law, model.loss), model.parameters,
-                        model.criterion);
+    text += fmt::format("  {:<46} {} parameters {:>+12.1f}{}\n", words_of(model.law, model.loss), model.parameters,
+                        model.criterion, model.has_low_pass ? ", low-pass" : "");
   return text;
 }
 
+// What has no number is null: JSON knows no infinity.
+std::string json_number(double number) {
+  return std::isfinite(number) ? fmt::format("{}", number) : "null";
+}
+
+std::string json_numbers(const std::vector<double>& numbers) {
+  std::vector<std::string> texts;
+  for (const double number : numbers) texts.push_back(json_number(number));
+  return fmt::format("{}", fmt::join(texts, ", "));
+}
+
 std::string json_of(const Estimate& estimate) {
-  return fmt::format(R"({{ "value": {}, "low": {}, "high": {} }})", estimate.value, estimate.low, estimate.high);
+  return fmt::format(R"({{ "value": {}, "low": {}, "high": {} }})", json_number(estimate.value),
+                     json_number(estimate.low), json_number(estimate.high));
 }
 
 }  // namespace
@@ -75,18 +87,20 @@ std::string report_of(const Fit& fit, const Measurements& measured) {
     results.push_back({"mass_kg", "kg", fit.mass_kg});
   else
     text += fmt::format(", mass {} kg", measured.mass_kg);
+  if (fit.low_pass_hz) results.push_back({"low_pass_hz", "Hz", *fit.low_pass_hz});
   text += '\n';
   for (const Result& result : results) {
     const bool is_given = result.key == "exponent" && fit.law == "hertz";
-    text += is_given ? fmt::format("  {:<24} {:.5g}, given by the law\n", result.key, result.estimate.value)
-                     : fmt::format("  {:<24} {:.5g} {}; 95 % interval {:.5g} to {:.5g}\n", result.key,
-                                   result.estimate.value, result.unit, result.estimate.low, result.estimate.high);
+    text += fmt::format("  {:<24} {:.5g} {}; {}95 % interval {:.5g} to {:.5g}\n", result.key, result.estimate.value,
+                        result.unit, is_given ? "given by the law, that of a power law has the " : "",
+                        result.estimate.low, result.estimate.high);
   }
   text += "scatter of the data about the model:\n";
   for (const FitQuality& quality : fit.qualities)
     text += fmt::format("  {:<40} {:>13} {:>6} samples {:>8.3f} {}\n", shown(quality.file), quality.quantity,
                         quality.samples, quality.is_level() ? quality.scatter : 100 * quality.scatter,
                         quality.is_level() ? "dB" : "%");
+  for (const std::string& note : fit.notes) text += fmt::format("note: {}\n", note);
   text += choice_text(fit);
   return text + fmt::format(
                     "the data reach a compression of {:.4g} m: that of an impact without loss at {:.4g} m/s, the "
@@ -129,25 +143,30 @@ std::string material_text(const Fit& fit, const Measurements& measured, std::str
 }
 
 std::string json_of(const Fit& fit, const Measurements& measured) {
-  std::vector<std::string> results, sources, models;
+  std::vector<std::string> results, sources, models, notes;
   if (measured.fits_mass()) results.push_back(fmt::format("    \"mass_kg\": {}", json_of(fit.mass_kg)));
   for (const Result& result : results_of(fit))
     results.push_back(fmt::format("    \"{}\": {}", result.key, json_of(result.estimate)));
+  if (fit.low_pass_hz) results.push_back(fmt::format("    \"low_pass_hz\": {}", json_of(*fit.low_pass_hz)));
   for (const FitQuality& quality : fit.qualities)
     sources.push_back(fmt::format(
         "    {{ \"file\": {}, \"quantity\": \"{}\", \"samples\": {}, \"scatter\": {},\n      \"at\": [{}],\n      "
         "\"measured\": [{}],\n      \"modelled\": [{}] }}",
-        json_string(quality.file), quality.quantity, quality.samples, quality.scatter, fmt::join(quality.at, ", "),
-        fmt::join(quality.measured, ", "), fmt::join(quality.modelled, ", ")));
+        json_string(quality.file), quality.quantity, quality.samples, json_number(quality.scatter),
+        json_numbers(quality.at), json_numbers(quality.measured), json_numbers(quality.modelled)));
   for (const FittedModel& model : fit.candidates)
-    models.push_back(fmt::format(R"(    {{ "law": "{}", "loss": "{}", "parameters": {}, "criterion": {} }})",
-                                 model.law, model.loss, model.parameters, model.criterion));
+    models.push_back(
+        fmt::format(R"(    {{ "law": "{}", "loss": "{}", "parameters": {}, "criterion": {}, "low_pass": {} }})",
+                    model.law, model.loss, model.parameters, json_number(model.criterion), model.has_low_pass));
+  for (const std::string& note : fit.notes) notes.push_back(json_string(note));
   return fmt::format(
       "{{\n  \"name\": \"{}\", \"law\": \"{}\", \"loss\": \"{}\", \"mass_kg\": {},\n  \"max_compression_m\": {}, "
-      "\"max_speed_m_per_s\": {}, \"min_speed_m_per_s\": {},\n  \"estimates\": {{\n{}\n  }},\n  \"models\": [\n{}\n  "
+      "\"max_speed_m_per_s\": {}, \"min_speed_m_per_s\": {},\n  \"estimates\": {{\n{}\n  }},\n  \"notes\": [{}],\n  "
+      "\"models\": [\n{}\n  "
       "],\n  \"data\": [\n{}\n  ]\n}}\n",
       measured.name, fit.law, fit.loss, mass_of(fit, measured), fit.max_compression_m, fit.max_speed_m_per_s,
-      fit.min_speed_m_per_s, fmt::join(results, ",\n"), fmt::join(models, ",\n"), fmt::join(sources, ",\n"));
+      fit.min_speed_m_per_s, fmt::join(results, ",\n"), fmt::join(notes, ", "), fmt::join(models, ",\n"),
+      fmt::join(sources, ",\n"));
 }
 
 }  // namespace contactspline

@@ -36,10 +36,10 @@ inline double number(double value) {
 }
 template <typename Dual>
 requires requires(const Dual& value) {
-  value.a;
+  value.value;
 }
 double number(const Dual& value) {
-  return value.a;
+  return value.value;
 }
 
 /// g of the law at a compression.

@@ -8,6 +8,7 @@
 
 #include "generator/contact/measured_curve.hpp"
 #include "generator/fit/strike_model.hpp"
+#include "generator/support/json_reader.hpp"
 
 namespace contactspline {
 
@@ -15,8 +16,11 @@ namespace contactspline {
 struct Pulse {
   std::string file;
   std::vector<double> time_s, force_n;
-  std::optional<double> speed_m_per_s;  ///< fitted if it is not known
-  bool is_struck = false;               ///< on the resonator, not on a wall
+  std::optional<double> speed_m_per_s;     ///< fitted if it is not known
+  bool is_struck = false;                  ///< on the resonator, not on a wall
+  std::optional<double> low_pass_hz = {};  ///< that the force has passed: of Butterworth's kind
+  int low_pass_order = 1;
+  std::size_t recorded = 0;  ///< samples that were averaged to these
 };
 
 /// One row of a table over the impact speed.
@@ -62,6 +66,9 @@ struct StruckResonator {
 /// What levels are called among the quantities of data, and how many decibels a ratio of e has.
 inline constexpr const char* kLevels = "level";
 inline constexpr double kDecibelsPerNeper = 8.685889638065037;  // 20/ln 10
+
+/// The masses of bodies that collide in instruments [kg]: narrow enough to catch a wrong unit.
+inline constexpr Range kFitMass{1e-7, 1e3};
 
 struct Measurements {
   std::string name, description;

@@ -19,11 +19,13 @@ namespace contactspline {
 namespace {
 
 // Wide enough for every collision in an instrument, narrow enough to catch a wrong unit.
-constexpr Range kMass{1e-7, 1e3};
 constexpr Range kRestitution{0.01, 1};
 constexpr std::size_t kMaxFiles = 64;
 constexpr std::size_t kMinRows = 3;
-const std::vector<std::string> kPulseKeys{"file", "speed_m_per_s", "columns"};
+constexpr Range kSensitivity{1e-3, 1e6};  // mV/N
+constexpr Range kLowPass{10, 1e6};
+const std::vector<std::string> kPulseKeys{
+    "file", "speed_m_per_s", "columns", "skip_lines", "sensitivity_mv_per_n", "low_pass_hz", "low_pass_order"};
 
 // The force of a pulse: measured, or the mass times the acceleration.
 std::vector<double> force_of(const DataFile& data, const DataTable& table, double mass_kg) {
@@ -38,14 +40,39 @@ std::vector<double> force_of(const DataFile& data, const DataTable& table, doubl
   return force;
 }
 
+// Of volts from a sensor, its sensitivity makes newtons.
+void take_sensitivity(const JsonObject& entry, const DataFile& data, DataTable& table) {
+  constexpr auto kKey = "sensitivity_mv_per_n";
+  const bool has_volts = table.has(Quantity::kVoltage);
+  if (entry.has(kKey) && !has_volts)
+    entry.fail(entry.key(kKey), "stands beside a force that is in newtons already", "a column in V or mV");
+  if (!has_volts) return;
+  if (table.has(Quantity::kForce)) refuse(data.path, "force", "is there beside a voltage", "one of the two");
+  if (!entry.has(kKey))
+    refuse(data.path, "force", "is in volts", fmt::format("newtons, or the key {} beside file", kKey));
+  std::vector<double> force = table.at(Quantity::kVoltage);
+  const double mv_per_n = entry.number(kKey, kSensitivity);
+  for (double& value : force) value *= 1e3 / mv_per_n;
+  table.columns[Quantity::kForce] = std::move(force);
+}
+
+int read_order(const JsonObject& entry) {
+  constexpr int kMaxOrder = 8;
+  if (!entry.has("low_pass_hz")) entry.fail(entry.key("low_pass_order"), "stands without low_pass_hz", "both");
+  return entry.integer("low_pass_order", 1, kMaxOrder);
+}
+
 void read_pulse(const JsonObject& entry, std::string_view file, const ReadFile& read, bool is_struck,
                 Measurements& measured) {
   const DataFile data = read_data(entry, file, read, measured.files);
-  constexpr std::array kWanted = {Quantity::kTime, Quantity::kForce, Quantity::kAcceleration};
-  const DataTable table = read_table(data.text, data.path, kWanted, data.names);
+  constexpr std::array kWanted = {Quantity::kTime, Quantity::kForce, Quantity::kAcceleration, Quantity::kVoltage};
+  DataTable table = read_table(data, kWanted);
   require(data, table, std::array{Quantity::kTime});
+  take_sensitivity(entry, data, table);
   Pulse pulse{data.path, table.at(Quantity::kTime), force_of(data, table, measured.mass_kg), {}, is_struck};
   if (entry.has("speed_m_per_s")) pulse.speed_m_per_s = entry.number("speed_m_per_s", kFitSpeed);
+  if (entry.has("low_pass_hz")) pulse.low_pass_hz = entry.number("low_pass_hz", kLowPass);
+  if (entry.has("low_pass_order")) pulse.low_pass_order = read_order(entry);
   measured.pulses.push_back(contact_window(pulse, table.lines, measured.mass_kg));
 }
 
@@ -64,7 +91,7 @@ std::optional<double> value_of(const DataFile& data, const DataTable& table, std
 void read_rows(const JsonObject& entry, std::string_view file, const ReadFile& read, Measurements& measured) {
   const DataFile data = read_data(entry, file, read, measured.files);
   constexpr std::array kWanted = {Quantity::kSpeed, Quantity::kDuration, Quantity::kForce, Quantity::kRestitution};
-  const DataTable table = read_table(data.text, data.path, kWanted, data.names);
+  const DataTable table = read_table(data, kWanted);
   require(data, table, std::array{Quantity::kSpeed});
   if (table.columns.size() < 2)
     refuse(data.path, "columns", "there is nothing but speeds", "contact durations, largest forces or restitution");
@@ -77,9 +104,10 @@ void read_rows(const JsonObject& entry, std::string_view file, const ReadFile& r
 
 void read_curve(const JsonObject& entry, std::string_view file, const ReadFile& read, Measurements& measured) {
   const DataFile data = read_data(entry, file, read, measured.files);
-  constexpr std::array kWanted = {Quantity::kCompression, Quantity::kForce};
-  const DataTable table = read_table(data.text, data.path, kWanted, data.names);
-  require(data, table, kWanted);
+  constexpr std::array kWanted = {Quantity::kCompression, Quantity::kForce, Quantity::kVoltage};
+  DataTable table = read_table(data, kWanted);
+  take_sensitivity(entry, data, table);
+  require(data, table, std::array{Quantity::kCompression, Quantity::kForce});
   MeasuredForce curve{data.path, {}, {}};
   if (entry.has("impact_speed_m_per_s")) curve.impact_speed_m_per_s = entry.number("impact_speed_m_per_s", kFitSpeed);
   for (std::size_t i = 0; i < table.lines.size(); ++i)
@@ -103,12 +131,12 @@ std::vector<std::string> read_choice(const JsonObject& fit, const char* key, con
 // 0 if it is to be fitted, to levels: a pulse or a table would need it to be known.
 double read_mass(const JsonObject& fit) {
   constexpr auto kFit = "fit";
-  const std::string allowed = fmt::format("a number from {} to {}, or \"{}\"", kMass.min, kMass.max, kFit);
+  const std::string allowed = fmt::format("a number from {} to {}, or \"{}\"", kFitMass.min, kFitMass.max, kFit);
   if (!fit.has("mass_kg")) fit.fail("mass_kg", "missing", allowed);
-  if (fit.json("mass_kg") != fmt::format("\"{}\"", kFit)) return fit.number("mass_kg", kMass);
+  if (fit.json("mass_kg") != fmt::format("\"{}\"", kFit)) return fit.number("mass_kg", kFitMass);
   if (!fit.has("struck") || fit.has("pulses") || fit.has("tables") || fit.object("struck", kStruckKeys).has("pulses"))
     fit.fail("mass_kg", "can be fitted to a struck resonator and to curves alone",
-             fmt::format("a number from {} to {}", kMass.min, kMass.max));
+             fmt::format("a number from {} to {}", kFitMass.min, kFitMass.max));
   return 0;
 }
 
@@ -150,10 +178,11 @@ Measurements parse_measurements(std::string_view text, std::string_view file, co
     for (const JsonObject& entry : fit.objects("pulses", kPulseKeys, kMaxFiles))
       read_pulse(entry, file, read, false, measured);
   if (fit.has("tables"))
-    for (const JsonObject& entry : fit.objects("tables", {"file", "columns"}, kMaxFiles))
+    for (const JsonObject& entry : fit.objects("tables", {"file", "columns", "skip_lines"}, kMaxFiles))
       read_rows(entry, file, read, measured);
   if (fit.has("curves"))
-    for (const JsonObject& entry : fit.objects("curves", {"file", "impact_speed_m_per_s", "columns"}, kMaxFiles))
+    for (const JsonObject& entry : fit.objects(
+             "curves", {"file", "impact_speed_m_per_s", "columns", "skip_lines", "sensitivity_mv_per_n"}, kMaxFiles))
       read_curve(entry, file, read, measured);
   if (fit.has("struck")) {
     const JsonObject object = fit.object("struck", kStruckKeys);

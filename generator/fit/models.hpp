@@ -9,7 +9,8 @@
 
 namespace contactspline {
 
-/// The parameters of all models, in the order of the fit: those of the law, then the mass and the gain, ln of kg and
+/// The parameters of all models, in the order of the fit: those of the law, ln of the
+/// frequency [Hz] of a low-pass before the data, then the mass and the gain, ln of kg and
 /// of the output, which are no part of a material: a fit of levels may free them.
 enum FitParameter {
   kLogForce,
@@ -19,6 +20,7 @@ enum FitParameter {
   kLogTime,
   kLogCore,
   kDepth,
+  kLogLowPass,
   kLawParameters,
   kLogMass = kLawParameters,
   kLogGain,
@@ -27,6 +29,9 @@ enum FitParameter {
 
 /// The value of kLogCore without a core.
 inline constexpr double kNoCore = -1000;
+
+/// The value of kLogLowPass without a low-pass that is fitted.
+inline constexpr double kNoLowPass = 1000;
 
 /// One row of the table of laws or of losses.
 struct ModelRow {

@@ -3,8 +3,12 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <optional>
+#include <vector>
 
 #include "generator/support/error.hpp"
 #include "generator/support/json_reader.hpp"
@@ -59,12 +63,100 @@ void require_contact(const Pulse& pulse) {
   if (!(high - low > kMinRatio * noise))
     refuse(pulse.file, "force", fmt::format("no contact stands out of noise of {:.3g} N", noise),
            "one pulse, well above the noise");
-  if (-low > high)
+  std::vector<double> sorted = pulse.force_n;
+  std::ranges::sort(sorted);
+  const double rest = sorted[sorted.size() / 2];
+  if (rest - low > high - rest)
     refuse(pulse.file, "force", fmt::format("reaches {:.4g} N downwards", low),
            "a force that is positive in contact: change the sign of the column");
+}
+
+void require_unit(const Pulse& pulse, const SamplesOfContact& contact) {
+  const double high = pulse.force_n[contact.peak];
   if (!(high >= kMeasuredForce.min && high <= kMeasuredForce.max))
     refuse(pulse.file, "force", fmt::format("reaches {:.4g} N: a wrong unit?", high),
            fmt::format("a largest force from {} to {} N", kMeasuredForce.min, kMeasuredForce.max));
+}
+
+/// What a sensor shows without a contact: a sum of 1, of the time from -1 to 1 and of the cosine and sine of a hum,
+/// as many of these as there are factors.
+struct Baseline {
+  double hum_hz;  ///< 0: none
+  Eigen::VectorXd factors;
+  double squares;  ///< of what remains outside the contact
+};
+
+Eigen::MatrixXd terms_of(const Pulse& pulse, const Eigen::ArrayXd& times, Eigen::Index count, double hum_hz) {
+  const double begin = pulse.time_s.front(), end = pulse.time_s.back();
+  const Eigen::ArrayXd phase = 2 * std::numbers::pi * hum_hz * (times - begin);
+  Eigen::MatrixXd terms(times.size(), 4);
+  terms << Eigen::VectorXd::Ones(times.size()), 2 * (times - begin) / (end - begin) - 1, phase.cos(), phase.sin();
+  return terms.leftCols(count);
+}
+
+// The sum of the first `count` terms that is nearest to these samples.
+Baseline baseline_through(const Pulse& pulse, const std::vector<std::size_t>& samples, Eigen::Index count,
+                          double hum_hz) {
+  const Eigen::Map<const Eigen::VectorXd> times(pulse.time_s.data(), std::ssize(pulse.time_s)),
+      all_forces(pulse.force_n.data(), std::ssize(pulse.force_n));
+  const Eigen::MatrixXd terms = terms_of(pulse, times(samples), count, hum_hz);
+  const Eigen::VectorXd forces = all_forces(samples), factors = terms.householderQr().solve(forces);
+  return {hum_hz, factors, (forces - terms * factors).squaredNorm()};
+}
+
+// The samples before and after the contact, `far` times as far away as it lasts above a third of its height.
+std::vector<std::size_t> samples_outside(const Pulse& pulse, double far) {
+  std::vector<double> sorted = pulse.force_n;
+  std::ranges::sort(sorted);
+  const auto& force = pulse.force_n;
+  const auto peak = static_cast<std::size_t>(std::ranges::max_element(force) - force.begin());
+  const double rest = sorted[sorted.size() / 4], third = rest + (force[peak] - rest) / 3;
+  std::size_t begin = peak, end = peak;
+  while (begin > 0 && force[begin - 1] > third) --begin;
+  while (end + 1 < force.size() && force[end + 1] > third) ++end;
+  const double away = far * (pulse.time_s[end] - pulse.time_s[begin]);
+  std::vector<std::size_t> outside;
+  for (std::size_t i = 0; i < force.size(); ++i)
+    if (force[i] < third &&
+        (pulse.time_s[i] < pulse.time_s[begin] - away || pulse.time_s[i] > pulse.time_s[end] + away))
+      outside.push_back(i);
+  return outside;
+}
+
+// A hum of the mains is taken away only where it makes what remains so much less that chance is no explanation, and
+// where the record shows most of a period of it.
+std::optional<Baseline> baseline_of(const Pulse& pulse) {
+  constexpr std::size_t kFewest = 8;
+  const std::vector<std::size_t> outside = samples_outside(pulse, 0.75);
+  if (outside.size() < kFewest) return std::nullopt;
+  // From samples on one side alone a drift would be a guess.
+  const auto peak = static_cast<std::size_t>(std::ranges::max_element(pulse.force_n) - pulse.force_n.begin());
+  const auto before = std::ranges::count_if(outside, [&](std::size_t i) { return i < peak; });
+  const bool is_around = before >= 3 && std::ssize(outside) - before >= 3;
+  Baseline best = baseline_through(pulse, outside, is_around ? 2 : 1, 0);
+  // Further away, where no contact that begins softly looks like a hum.
+  const std::vector<std::size_t> far = samples_outside(pulse, 2);
+  constexpr double kEvidence = 30, kPeriods = 0.8;
+  if (!is_around || far.size() < 5 * kFewest) return best;
+  const auto n = static_cast<double>(far.size());
+  const double shown_s = pulse.time_s[far.back()] - pulse.time_s[far.front()];
+  double least = baseline_through(pulse, far, 2, 0).squares * std::exp(-kEvidence / n);
+  for (const double hz : {50.0, 60.0}) {
+    if (!(shown_s * hz > kPeriods)) continue;
+    const Baseline hum = baseline_through(pulse, far, 4, hz);
+    if (hum.squares < least) best = hum, least = hum.squares;
+  }
+  return best;
+}
+
+// Without what the sensor shows before and after the contact: an offset, a drift, a hum. What is left of offset and
+// drift is fitted.
+void take_baseline_away(Pulse& pulse) {
+  const auto line = baseline_of(pulse);
+  if (!line) return;
+  const Eigen::Map<const Eigen::VectorXd> times(pulse.time_s.data(), std::ssize(pulse.time_s));
+  Eigen::Map<Eigen::VectorXd>(pulse.force_n.data(), times.size()) -=
+      terms_of(pulse, times, line->factors.size(), line->hum_hz) * line->factors;
 }
 
 void require_whole(const Pulse& pulse, const SamplesOfContact& contact) {
@@ -115,27 +207,54 @@ void require_impulse(const Pulse& pulse, double mass_kg) {
 
 PulseMeasures measures_of(const Pulse& pulse) {
   const SamplesOfContact contact = contact_of(pulse);
+  const double begin = pulse.time_s[contact.begin], end = pulse.time_s[contact.end], away = (end - begin) / 2;
   double impulse = 0;
   for (std::size_t i = 1; i < pulse.time_s.size(); ++i)
-    impulse += (pulse.force_n[i] + pulse.force_n[i - 1]) / 2 * (pulse.time_s[i] - pulse.time_s[i - 1]);
-  return {pulse.time_s[contact.begin], pulse.time_s[contact.end], pulse.force_n[contact.peak], impulse};
+    if (pulse.time_s[i - 1] > begin - away && pulse.time_s[i] < end + away)
+      impulse += (pulse.force_n[i] + pulse.force_n[i - 1]) / 2 * (pulse.time_s[i] - pulse.time_s[i - 1]);
+  return {begin, end, pulse.force_n[contact.peak], impulse};
 }
 
-Pulse contact_window(const Pulse& pulse, std::span<const std::size_t> lines, double mass_kg) {
-  require_times(pulse, lines);
-  require_contact(pulse);
+namespace {
+
+// The means of neighbours: of many samples they tell as much, and take less time.
+Pulse averaged(const Pulse& pulse) {
+  constexpr std::size_t kSamples = 1500;
+  const std::size_t together = (pulse.time_s.size() + kSamples - 1) / kSamples;
+  if (together < 2) return pulse;
+  Pulse few = pulse;
+  few.recorded = pulse.time_s.size();
+  few.time_s.clear(), few.force_n.clear();
+  for (std::size_t i = 0; i + together <= pulse.time_s.size(); i += together) {
+    double time = 0, force = 0;
+    for (std::size_t k = i; k < i + together; ++k) time += pulse.time_s[k], force += pulse.force_n[k];
+    few.time_s.push_back(time / static_cast<double>(together));
+    few.force_n.push_back(force / static_cast<double>(together));
+  }
+  return few;
+}
+
+}  // namespace
+
+Pulse contact_window(const Pulse& recorded, std::span<const std::size_t> lines, double mass_kg) {
+  require_times(recorded, lines);
+  require_contact(recorded);
+  require_unsaturated(recorded, contact_of(recorded));
+  Pulse pulse = recorded;
+  take_baseline_away(pulse);
   const SamplesOfContact contact = contact_of(pulse);
+  require_unit(pulse, contact);
   require_whole(pulse, contact);
-  require_unsaturated(pulse, contact);
   const double begin = pulse.time_s[contact.begin], end = pulse.time_s[contact.end], margin = end - begin;
-  Pulse window{pulse.file, {}, {}, pulse.speed_m_per_s, pulse.is_struck};
+  Pulse window = pulse;
+  window.time_s.clear(), window.force_n.clear();
   for (std::size_t i = 0; i < pulse.time_s.size(); ++i)
     if (pulse.time_s[i] > begin - margin && pulse.time_s[i] < end + margin) {
       window.time_s.push_back(pulse.time_s[i]);
       window.force_n.push_back(pulse.force_n[i]);
     }
   require_impulse(window, mass_kg);
-  return window;
+  return averaged(window);
 }
 
 }  // namespace contactspline

@@ -9,15 +9,16 @@
 #include <vector>
 
 #include "generator/fit/impact_model.hpp"
+#include "generator/fit/low_pass.hpp"
 #include "generator/fit/measurements.hpp"
 #include "generator/fit/models.hpp"
 #include "generator/fit/pulse_window.hpp"
 
 namespace contactspline {
 
-/// What is unknown of each pulse: its begin in parts of its duration, ln of its speed, and the sensor's offset in
-/// parts of its largest force.
-enum PulseUnknown { kBegin, kLogSpeed, kOffset, kPulseUnknowns };
+/// What is unknown of each pulse: its begin in parts of its duration, ln of its speed, and the sensor's offset and
+/// its drift over the contact in parts of its largest force.
+enum PulseUnknown { kBegin, kLogSpeed, kOffset, kSlope, kPulseUnknowns };
 
 /// What is unknown of each blow on a resonator: ln of its speed, and ln of its gain over the common one.
 enum BlowUnknown { kBlowSpeed, kBlowGain, kBlowUnknowns };
@@ -27,6 +28,7 @@ struct FitScales {
   double mass_kg, reference_m;
   bool is_robust = true;                                              ///< large residuals count less
   double max_frequency_hz = std::numeric_limits<double>::infinity();  ///< of the levels that count
+  int low_pass_order = 1;                                             ///< of a low-pass that is fitted
 };
 
 /// The standard deviation of one source's noise, in the unit of its residuals.
@@ -57,17 +59,16 @@ struct PulseResidual {
   PulseMeasures measures;
   const FitScales& scales;
   Noise noise;
+  DenseTimes dense = {};  ///< of a low-pass; none: without one
 
   template <typename Real>
   bool operator()(const Real* const* parameters, Real* residuals) const {
     const Real* const* unknown = parameters + kLawParameters;
     using std::exp;
-    const std::span<Real> forces(residuals, pulse.time_s.size());
-    if (!pulse_force(law_of(parameters, scales.reference_m), scales.mass_kg, Real(exp(*unknown[kLogSpeed])),
-                     begin_s(unknown), pulse.time_s, forces))
-      return false;
-    compare(unknown, forces);
-    return true;
+    return compare(parameters, unknown, residuals, [&](std::span<const double> times, std::span<Real> forces) {
+      return pulse_force(law_of(parameters, scales.reference_m), scales.mass_kg, Real(exp(*unknown[kLogSpeed])),
+                         begin_s(unknown), times, forces);
+    });
   }
 
   template <typename Real>
@@ -75,12 +76,37 @@ struct PulseResidual {
     return measures.begin_s + *unknown[kBegin] * (measures.end_s - measures.begin_s);
   }
 
-  /// Of modelled forces makes residuals.
+  /// The residuals of modelled forces: play(times, forces) computes these, or returns false.
+  template <typename Real, typename Play>
+  bool compare(const Real* const* parameters, const Real* const* unknown, Real* residuals, Play play) const {
+    const std::span<Real> forces(residuals, pulse.time_s.size());
+    if (dense.time_s.empty()) {
+      if (!play(std::span<const double>(pulse.time_s), forces)) return false;
+    } else {
+      std::vector<Real> passed(dense.time_s.size());
+      if (!play(std::span<const double>(dense.time_s), std::span<Real>(passed))) return false;
+      pass(parameters, std::span<Real>(passed));
+      for (std::size_t i = 0; i < forces.size(); ++i) forces[i] = passed[i * dense.stride];
+    }
+    const double middle = (measures.begin_s + measures.end_s) / 2, duration = measures.end_s - measures.begin_s;
+    for (std::size_t i = 0; i < forces.size(); ++i) {
+      const double drift = (pulse.time_s[i] - middle) / duration;
+      forces[i] = scaled(
+          Real((forces[i] - pulse.force_n[i]) / measures.max_force_n + *unknown[kOffset] + *unknown[kSlope] * drift),
+          *noise, scales);
+    }
+    return true;
+  }
+
+ private:
+  // The low-pass that is known, or else the one that is fitted.
   template <typename Real>
-  void compare(const Real* const* unknown, std::span<Real> forces) const {
-    for (std::size_t i = 0; i < forces.size(); ++i)
-      forces[i] =
-          scaled(Real((forces[i] - pulse.force_n[i]) / measures.max_force_n + *unknown[kOffset]), *noise, scales);
+  void pass(const Real* const* parameters, std::span<Real> forces) const {
+    using std::exp;
+    const bool is_known = pulse.low_pass_hz.has_value();
+    const Real hz = is_known ? Real(*pulse.low_pass_hz) : Real(exp(*parameters[kLogLowPass]));
+    pass_low(std::span<const double>(dense.time_s), forces, Real(hz * (2 * std::numbers::pi)),
+             is_known ? pulse.low_pass_order : scales.low_pass_order);
   }
 };
 
@@ -93,13 +119,11 @@ struct StruckPulseResidual {
   bool operator()(const Real* const* parameters, Real* residuals) const {
     using std::exp;
     const Real* const* unknown = parameters + kFitParameters;
-    const std::vector<double>& times = pulse.pulse.time_s;
-    const std::span<Real> forces(residuals, times.size());
-    strike_model::Strike<Real> strike(law_of(parameters, pulse.scales.reference_m), Real(exp(*parameters[kLogMass])),
-                                      Real(exp(*unknown[kLogSpeed])), modes);
-    if (!strike.play_pulse(pulse.begin_s(unknown), times, forces)) return false;
-    pulse.compare(unknown, forces);
-    return true;
+    return pulse.compare(parameters, unknown, residuals, [&](std::span<const double> times, std::span<Real> forces) {
+      strike_model::Strike<Real> strike(law_of(parameters, pulse.scales.reference_m),
+                                        Real(exp(*parameters[kLogMass])), Real(exp(*unknown[kLogSpeed])), modes);
+      return strike.play_pulse(pulse.begin_s(unknown), times, forces);
+    });
   }
 };
 

@@ -114,7 +114,7 @@ std::size_t mode_called(double number, const StruckResonator& struck, const Line
 
 std::vector<Blow::Level> levels_of(const DataFile& data, const StruckResonator& struck) {
   constexpr std::array kWanted = {Quantity::kFrequency, Quantity::kPartial, Quantity::kLevel};
-  const DataTable table = read_table(data.text, data.path, kWanted, data.names);
+  const DataTable table = read_table(data, kWanted);
   require(data, table, std::array{Quantity::kLevel});
   const bool is_numbered = table.has(Quantity::kPartial);
   if (is_numbered == table.has(Quantity::kFrequency))
@@ -192,7 +192,8 @@ StruckResonator read_struck(const JsonObject& object, const ReadFile& read, std:
     if (object.has(key) && !object.has("blows")) object.fail(object.key(key), "stands without blows", "pulses alone");
   StruckResonator struck = modes_for(object, read_resonator(object, read, files));
   if (!object.has("blows")) return struck;
-  for (const JsonObject& entry : object.objects("blows", {"file", "speed_m_per_s", "columns", "partials"}, kMaxBlows))
+  for (const JsonObject& entry :
+       object.objects("blows", {"file", "speed_m_per_s", "columns", "partials", "skip_lines"}, kMaxBlows))
     struck.blows.push_back(read_blow(entry, read, struck, files));
   return struck;
 }

@@ -18,25 +18,20 @@ namespace contactspline {
 namespace {
 
 // Wide enough for every collision in an instrument, narrow enough to catch a wrong unit.
-constexpr Range kStiffness{1e-3, 1e18};
-constexpr Range kExponent{0.1, 10};
-constexpr Range kOffset{0, 0.1};
 constexpr Range kPoisson{-1, 0.5};
 constexpr Range kRadius{1e-5, 100};
 constexpr Range kRestitution{0.05, 1};
-constexpr Range kWeight{1e-6, 0.999};
-constexpr Range kRelaxation{1e-7, 10};
 constexpr std::size_t kMaxTerms = 8;
 
 PowerLaw read_power_law(const JsonObject& object) {
-  return {object.number("stiffness_n_per_m_alpha", kStiffness), object.number("exponent", kExponent)};
+  return {object.number("stiffness_n_per_m_alpha", ranges::kStiffness), object.number("exponent", ranges::kExponent)};
 }
 
 PowerSum read_sum(const JsonObject& contact) {
   PowerSum sum;
   for (const JsonObject& term :
        contact.objects("sum", {"stiffness_n_per_m_alpha", "exponent", "offset_m"}, kMaxTerms))
-    sum.terms.push_back({read_power_law(term), term.has("offset_m") ? term.number("offset_m", kOffset) : 0});
+    sum.terms.push_back({read_power_law(term), term.has("offset_m") ? term.number("offset_m", ranges::kOffset) : 0});
   if (std::ranges::none_of(sum.terms, [](const PowerTerm& term) { return term.offset_m == 0; }))
     contact.fail("contact.sum", "no term has offset 0", "at least one term without offset_m, or with offset_m 0");
   return sum;
@@ -129,12 +124,13 @@ std::vector<Memory> read_memories(const JsonObject& contact) {
   if (!contact.has("memory")) return memories;
   double sum = 0;
   for (const JsonObject& memory : contact.objects("memory", {"weight", "relaxation_time_s"}, kMaxMemories)) {
-    memories.push_back({memory.number("weight", kWeight), memory.number("relaxation_time_s", kRelaxation)});
+    memories.push_back(
+        {memory.number("weight", ranges::kWeight), memory.number("relaxation_time_s", ranges::kRelaxation)});
     sum += memories.back().weight;
   }
-  if (!(sum <= kWeight.max))
+  if (!(sum <= ranges::kWeight.max))
     contact.fail("contact.memory", fmt::format("has weights with the sum {:.6g}", sum),
-                 fmt::format("a sum of at most {}", kWeight.max));
+                 fmt::format("a sum of at most {}", ranges::kWeight.max));
   return memories;
 }
 

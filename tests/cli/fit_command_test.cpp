@@ -24,6 +24,11 @@ double half_sine(double time_s) {
   return phase > 0 && phase < std::numbers::pi ? 18.85 * std::sin(phase) : 0;
 }
 
+// Between -0.5 and 0.5, without order.
+double noise(double time_s) {
+  return std::fmod(std::abs(43758.5453 * std::sin(12.9898e6 * time_s)), 1.0) - 0.5;
+}
+
 using Line = std::function<std::string(double time_s, double force_n)>;
 
 std::string plain(double time_s, double force_n) {
@@ -45,6 +50,9 @@ std::string fit_file(const std::string& data, const std::string& mass = "0.01", 
 }
 
 const std::string kPulse = R"("pulses": [ { "file": "data.csv", "speed_m_per_s": 2.0 } ])";
+std::string pulse_with(const std::string& more) {
+  return fmt::format(R"("pulses": [ {{ "file": "data.csv", "speed_m_per_s": 2.0, {} }} ])", more);
+}
 const std::string kTable = R"("tables": [ { "file": "data.csv" } ])";
 const std::string kCurve = R"("curves": [ { "file": "data.csv" } ])";
 
@@ -104,7 +112,16 @@ std::vector<BadData> bad_fit_files() {
           {"unknown_column_key", fit_file(R"("pulses": [{ "file": "data.csv", "columns": { "time_h": "t" } }])"),
            good, file + "pulses[0].columns.time_h: unknown key", "time_ms"},
           {"no_such_column", fit_file(R"("pulses": [{ "file": "data.csv", "columns": { "force_n": "Channel B" } }])"),
-           good, "data.csv: line 1: there is no column 'Channel B'", "time_s, force_n, or a number from 1 to 2"}};
+           good, "data.csv: line 1: there is no column 'Channel B'", "time_s, force_n, or a number from 1 to 2"},
+          {"order_without_low_pass", fit_file(pulse_with(R"("low_pass_order": 2)")), good,
+           file + "pulses[0].low_pass_order: stands without low_pass_hz", ""},
+          {"low_pass_of_1_hz", fit_file(pulse_with(R"("low_pass_hz": 1)")), good,
+           file + "pulses[0].low_pass_hz: 1 is out of range", "10 to 1e+06"},
+          {"sensitivity_of_newtons", fit_file(pulse_with(R"("sensitivity_mv_per_n": 10)")), good,
+           file + "pulses[0].sensitivity_mv_per_n: stands beside a force that is in newtons", "a column in V or mV"},
+          {"volts_without_sensitivity", fit_file(kPulse), pulse("time_s,force [V]\n"), "data.csv: force: is in volts",
+           "newtons, or the key sensitivity_mv_per_n"},
+          {"skips_all_lines", fit_file(pulse_with(R"("skip_lines": 9999)")), good, "data.csv: file: is empty", ""}};
 }
 
 std::vector<BadData> bad_pulses() {
@@ -140,10 +157,7 @@ std::vector<BadData> bad_pulses() {
       with("time_stands", pulse() + "0.00904762,0\n", "line 402: time 0.00904762 s does not rise"),
       with("exchanged", pulse("force_n,time_s\n"), "line 3: time 0 s does not rise", "are two columns exchanged?"),
       with("silence", changed([](double, double) { return 0.0; }), "force: is 0 N throughout: there is no contact"),
-      with("noise_alone", changed([](double t, double) {
-             return std::fmod(std::abs(43758.5453 * std::sin(12.9898e6 * t)), 1.0) - 0.5;
-           }),
-           "force: no contact stands out"),
+      with("noise_alone", changed([](double t, double) { return noise(t); }), "force: no contact stands out"),
       with("wrong_sign", changed([](double, double f) { return -f; }), "force: reaches -18.85 N downwards",
            "change the sign"),
       with("begins_in_contact", changed([](double t, double) { return half_sine(t + 0.0035); }),
@@ -302,6 +316,69 @@ TEST(Measurements, AreReadInManyLayouts) {
       R"("pulses": [ { "file": "data.csv", "speed_m_per_s": 2.0, "columns": { "time_s": "1", "force_n": "2" } } ])";
   EXPECT_TRUE(within(exponent(fit_file(named, "0.01", power), pulse("")), plainly, 1e-9));
   EXPECT_TRUE(within(exponent(fit_file(named, "0.01", power), pulse("A,B\n")), plainly, 1e-9));
+  const auto utf_16 = [](const std::string& text) {
+    std::string wide = "\xff\xfe";
+    for (const char c : text) (wide += c) += '\0';
+    return wide;
+  };
+  EXPECT_TRUE(within(exponent(fit, utf_16(pulse())), plainly, 1e-9));
+  EXPECT_TRUE(within(exponent(fit, pulse("t [s],F [N],Pr\xfcfling\n",
+                                         [](double t, double f) { return fmt::format("{:.8f},{:.6f},1\n", t, f); })),
+                     plainly, 1e-9));
+  const auto scaled = [](double factor) {
+    return [factor](double t, double f) { return fmt::format("{:.8f},{:.9f}\n", t, factor * f); };
+  };
+  EXPECT_TRUE(within(exponent(fit, pulse("time_s,force_lbf\n", scaled(1 / 4.4482216152605))), plainly, 1e-4));
+  EXPECT_TRUE(within(exponent(fit, pulse("time_s,force_kgf\n", scaled(1 / 9.80665))), plainly, 1e-4));
+  const std::string volts = pulse_with(R"("sensitivity_mv_per_n": 11.2)");
+  EXPECT_TRUE(
+      within(exponent(fit_file(volts, "0.01", power), pulse("time_s,force [V]\n", scaled(11.2e-3))), plainly, 1e-4));
+  const std::string preamble = "Model,MSO44\nSample Interval,2.2e-05\nVertical Units,N\n\n";
+  EXPECT_TRUE(within(exponent(fit, preamble + pulse()), plainly, 1e-9));
+  EXPECT_TRUE(within(exponent(fit_file(pulse_with(R"("skip_lines": 2)"), "0.01", power), "1,2,3\n4;5\n" + pulse()),
+                     plainly, 1e-9));
+}
+
+// What a sensor adds to the force changes the interval of no exponent beyond its width.
+TEST(Measurements, AreFreedOfOffsetDriftAndHum) {
+  const auto exponent = [](const std::function<double(double time_s)>& more) {
+    const Sandbox box;
+    const std::string fit = fit_file(kPulse, "0.01", R"(, "laws": "power", "losses": "hunt_crossley")");
+    const std::string data = pulse(
+        "time_s,force_n\n", [&](double t, double f) { return plain(t, f + more(t) + 0.1 * noise(t)); }, 2000);
+    return nlohmann::json::parse(succeed(fitted(box, fit, data, {"--json"}))).at("estimates").at("exponent");
+  };
+  const auto plainly = exponent([](double) { return 0.0; });
+  const double width = plainly.at("high").get<double>() - plainly.at("low").get<double>();
+  for (const auto& more : std::initializer_list<std::function<double(double)>>{
+           [](double) { return 1.0; }, [](double) { return -1.0; }, [](double t) { return 60 * t; },
+           [](double t) { return 0.9 * std::sin(2 * std::numbers::pi * 50 * t); }})
+    EXPECT_TRUE(within(exponent(more).at("value").get<double>(), plainly.at("value").get<double>(), width));
+}
+
+// Data of one random attack each: a law with a stiffness of 1.5e19 once described the first best, and an infinite
+// interval the second.
+TEST(Fit, WritesOnlyWhatCommandsAndJsonReadersTake) {
+  const fs::path data = fs::path(SOURCE_FOLDER) / "tests/fit/data";
+  for (const char* name : {"core_out_of_reach", "infinite_interval"}) {
+    const Sandbox box;
+    const Outcome outcome =
+        run({.arguments = {"fit", (data / name / "probe.fit.json").string(), "--json", "-o", "probe.json"},
+             .folder = box.path()});
+    ASSERT_EQ(outcome.exit_code, 0) << name << outcome.err;
+    for (const auto& [key, estimate] : nlohmann::json::parse(outcome.out).at("estimates").items())
+      EXPECT_TRUE(estimate.at("low").is_number() && estimate.at("high").is_number()) << name << ' ' << key;
+    succeed({.arguments = {"inspect", "probe.json"}, .folder = box.path()});
+  }
+}
+
+// A millionth of the stiffness of any hammer: volts, say, in a column of newtons.
+TEST(Fit, QuestionsForcesOutOfProportion) {
+  const Sandbox box;
+  const std::string fit = fit_file(R"("pulses": [ { "file": "data.csv" } ])");
+  const std::string report = succeed(fitted(box, fit, changed([](double, double f) { return 1e-4 * f; })));
+  EXPECT_NE(report.find("is out of proportion: is a unit wrong, or are volts called newtons?"), std::string::npos)
+      << report;
 }
 
 // The file that is written is a material, and says how good the fit is.

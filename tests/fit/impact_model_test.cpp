@@ -2,17 +2,23 @@
 // The impact that fits integrate, and its derivatives, against closed forms and central differences.
 #include "generator/fit/impact_model.hpp"
 
-#include <ceres/jet.h>
 #include <gtest/gtest.h>
 
 #include "fit/measured_impacts.hpp"
 #include "generator/contact/barrier_impact.hpp"
+#include "generator/fit/fit_dual.hpp"
 #include "support/compare.hpp"
 
 namespace contactspline::testing {
 namespace {
 
 constexpr double kMass = 0.003, kSpeed = 2;
+
+FitDual dual(double value, std::size_t parameter) {
+  FitDual number(value);
+  number.set_slope(parameter, 1);
+  return number;
+}
 
 // About as long as a blow of a piano hammer.
 template <typename Real = double>
@@ -54,18 +60,17 @@ TEST(ImpactModel, LosesWhatHuntAndCrossleysLawLoses) {
 
 // T ~ F^(-1/(a + 1)).
 TEST(ImpactModel, DurationFallsWithStiffnessAsTheClosedFormDoes) {
-  using Jet = ceres::Jet<double, 1>;
   for (const double exponent : {1.5, 2.5, 4.0}) {
-    const auto impact = measure_impact(law<Jet>(Jet(exponent), Jet(0.0), Jet(0.0), Jet(3.0, 0)), kMass, kSpeed);
+    const auto impact =
+        measure_impact(law<FitDual>(FitDual(exponent), FitDual(0.0), FitDual(0.0), dual(3.0, 0)), kMass, kSpeed);
     ASSERT_TRUE(impact);
-    EXPECT_TRUE(relatively_within(impact->duration_s.v[0], -impact->duration_s.a / (exponent + 1), 1e-5));
+    EXPECT_TRUE(relatively_within(impact->duration_s.slope(0), -impact->duration_s.value / (exponent + 1), 1e-5));
   }
 }
 
 // Central differences of width d have an error of about d^2 = 1e-8 of the value, and rounding 1e-15/d. The number of
 // steps may differ between the two sides, which adds 2 * 1e-9/d.
 TEST(ImpactModel, DerivativesOfAPulseAreItsDifferences) {
-  using Jet = ceres::Jet<double, 5>;
   constexpr double kWidth = 1e-4;
   const std::vector<double> at = {3.0, 2.3, 0.2, 0.4, 0.01e-3};  // ln F, exponent, loss, weight, begin
   std::vector<double> times;
@@ -76,19 +81,19 @@ TEST(ImpactModel, DerivativesOfAPulseAreItsDifferences) {
         pulse_force(law<Real>(p[1], p[2], p[3], p[0]), kMass, Real(kSpeed), p[4], times, std::span<Real>(found)));
     return found;
   };
-  std::vector<Jet> dual;
-  for (int i = 0; i < 5; ++i) dual.emplace_back(at[static_cast<std::size_t>(i)], i);
-  const auto exact = forces(dual);
-  for (int i = 0; i < 5; ++i) {
+  std::vector<FitDual> duals;
+  for (std::size_t i = 0; i < at.size(); ++i) duals.push_back(dual(at[i], i));
+  const auto exact = forces(duals);
+  for (std::size_t i = 0; i < at.size(); ++i) {
     const double width = i == 4 ? kWidth * 1e-3 : kWidth;
     auto above = at, below = at;
-    above[static_cast<std::size_t>(i)] += width;
-    below[static_cast<std::size_t>(i)] -= width;
+    above[i] += width;
+    below[i] -= width;
     const auto high = forces(above), low = forces(below);
     std::vector<double> difference, derivative;
     for (std::size_t k = 0; k < times.size(); ++k) {
       difference.push_back((high[k] - low[k]) / (2 * width));
-      derivative.push_back(exact[k].v[i]);
+      derivative.push_back(exact[k].slope(i));
     }
     EXPECT_TRUE(sequences_within<double>(derivative, difference, 3e-4)) << i;
   }

@@ -26,8 +26,8 @@ inline ViscoelasticLaw<double> model_of(const TrueMaterial& truth, double refere
           reference_m};
 }
 
-/// The least standard deviations that pulses at known speeds with normal noise allow. Their begins and offsets are
-/// unknown, as they are to a fit. So are loss and memory of a material that has them.
+/// The least standard deviations that pulses at known speeds with normal noise allow. Their begins, offsets and
+/// drifts are unknown, as they are to a fit. So are loss and memory of a material that has them.
 class LeastDeviation {
  public:
   using Change = std::function<void(TrueMaterial&, double)>;
@@ -75,9 +75,10 @@ class LeastDeviation {
     };
     const double begin_s = pulse.time_s.front() + window / 3, width_s = kWidth * window;
     const Eigen::VectorXd at = force(truth_, begin_s);
-    Eigen::MatrixXd own(at.size(), 2), shared(at.size(), information_.rows());
+    Eigen::MatrixXd own(at.size(), 3), shared(at.size(), information_.rows());
     own << (force(truth_, begin_s + width_s) - force(truth_, begin_s - width_s)) / width_s,
-        Eigen::VectorXd::Constant(at.size(), at.maxCoeff());
+        Eigen::VectorXd::Constant(at.size(), at.maxCoeff()),
+        at.maxCoeff() * Eigen::VectorXd::LinSpaced(at.size(), -1, 1);
     for (Eigen::Index p = 0; p < shared.cols(); ++p)
       shared.col(p) = (force(changed(p, kWidth), begin_s) - force(changed(p, -kWidth), begin_s)) / (2 * kWidth);
     shared -= own * own.householderQr().solve(shared);
