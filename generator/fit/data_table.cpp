@@ -11,6 +11,7 @@
 #include <cmath>
 #include <optional>
 
+#include "generator/fit/text_encoding.hpp"
 #include "generator/support/error.hpp"
 #include "generator/support/json_reader.hpp"
 #include "generator/support/text_lines.hpp"
@@ -239,89 +240,42 @@ void read_row(DataTable& table, const std::vector<std::string>& cells, const std
   table.lines.push_back(place.line);
 }
 
-// UTF-8 of one character.
-void append(std::string& text, unsigned code) {
-  if (code < 0x80) {
-    text += static_cast<char>(code);
-  } else if (code < 0x800) {
-    text += static_cast<char>(0xc0 | (code >> 6));
-    text += static_cast<char>(0x80 | (code & 0x3f));
-  } else {
-    text += static_cast<char>(0xe0 | (code >> 12));
-    text += static_cast<char>(0x80 | ((code >> 6) & 0x3f));
-    text += static_cast<char>(0x80 | (code & 0x3f));
-  }
+bool names_one_of(const std::string& cell, std::span<const Quantity> wanted) {
+  const Heading heading = heading_of(cell);
+  return std::ranges::any_of(wanted, [&](Quantity quantity) {
+    return std::ranges::any_of(kind_of(quantity).names, [&](std::string_view name) {
+      return heading.name == name || heading.name.starts_with(fmt::format("{}_", name));
+    });
+  });
 }
 
-unsigned byte_at(std::string_view text, std::size_t i) {
-  return static_cast<unsigned char>(text[i]);
-}
-
-bool is_utf8(std::string_view text) {
-  for (std::size_t i = 0; i < text.size();) {
-    const unsigned first = byte_at(text, i);
-    const std::size_t more = first < 0x80 ? 0 : first >= 0xf0 ? 3 : first >= 0xe0 ? 2 : first >= 0xc2 ? 1 : 4;
-    if (more == 4 || i + more >= text.size()) return false;
-    for (std::size_t k = 1; k <= more; ++k)
-      if ((byte_at(text, i + k) & 0xc0) != 0x80) return false;
-    i += more + 1;
-  }
-  return true;
-}
-
-// In UTF-8: from UTF-16, which a mark at the begin or a zero in the first character tells, or from Latin-1.
-std::string in_utf8(std::string_view text) {
-  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
-  const bool is_pair = text.size() >= 2;
-  const bool has_mark = is_pair && (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"));
-  if (!has_mark && !(is_pair && (text[0] == 0) != (text[1] == 0))) {
-    if (is_utf8(text)) return std::string(text);
-    std::string decoded;
-    for (std::size_t i = 0; i < text.size(); ++i) append(decoded, byte_at(text, i));
-    return decoded;
-  }
-  const std::size_t low = has_mark ? (byte_at(text, 0) == 0xff ? 0 : 1) : (text[1] == 0 ? 0 : 1);
-  std::string decoded;
-  for (std::size_t i = has_mark ? 2 : 0; i + 1 < text.size(); i += 2)
-    append(decoded, byte_at(text, i + low) | (byte_at(text, i + 1 - low) << 8));
-  return decoded;
-}
-
-// Does a line name a wanted column, or hold the columns that have been named?
+// Does a line name wanted columns, or hold those that have been named? Columns that are called by number are in any.
 bool is_header(std::string_view line, std::span<const Quantity> wanted, const ColumnNames& names) {
   const std::vector<std::string> cells = cells_of(line, separator_of(line));
   if (!names.empty())
-    return std::ranges::all_of(names, [&](const auto& name) { return std::ranges::count(cells, name.second) > 0; });
-  std::size_t found = 0;
-  for (const std::string& cell : cells) {
-    const Heading heading = heading_of(cell);
-    for (const Quantity quantity : wanted)
-      for (const std::string_view name : kind_of(quantity).names)
-        if (heading.name == name || heading.name.starts_with(fmt::format("{}_", name))) {
-          ++found;
-          break;
-        }
-  }
-  return found >= std::min<std::size_t>(2, wanted.size());
+    return std::ranges::all_of(names, [&](const auto& name) {
+      return number_in(name.second, ';') || std::ranges::count(cells, name.second) > 0;
+    });
+  const auto found = std::ranges::count_if(cells, [&](const auto& cell) { return names_one_of(cell, wanted); });
+  return found >= std::min<std::ptrdiff_t>(2, std::ssize(wanted));
 }
 
-// Above the header an instrument may tell what it is: where the first line names nothing and a later one does, that
-// is the header.
+// Above the header an instrument may tell what it is: the first line that names columns is the header. If none does,
+// the first line is taken as ever.
 void skip_preamble(std::string_view& text, LineOfFile& place, std::span<const Quantity> wanted,
                    const ColumnNames& names) {
   constexpr int kMaxPreamble = 200;
-  const auto begin = text;
-  const LineOfFile begin_place = place;
+  std::string_view rest = text;
+  LineOfFile place_of_rest = place;
   for (int i = 0; i < kMaxPreamble; ++i) {
-    const auto before = text;
-    const LineOfFile before_place = place;
-    const auto line = next_line(text, place);
-    if (!line) break;
+    const std::string_view before = rest;
+    const LineOfFile place_before = place_of_rest;
+    const auto line = next_line(rest, place_of_rest);
+    if (!line) return;
     if (!is_header(*line, wanted, names)) continue;
-    text = before, place = before_place;
+    text = before, place = place_before;
     return;
   }
-  text = begin, place = begin_place;
 }
 
 }  // namespace
@@ -346,7 +300,7 @@ DataTable read_table(std::string_view text, std::string_view file, std::span<con
   text = decoded;
   LineOfFile place{file};
   for (; skip_lines > 0 && !text.empty(); --skip_lines, ++place.line)
-    text.remove_prefix(std::min(std::min(text.find('\n'), text.size()) + 1, text.size()));
+    text.remove_prefix(std::min(text.find('\n'), text.size() - 1) + 1);
   skip_preamble(text, place, wanted, names);
   auto line = next_line(text, place);
   if (!line) refuse(file, "file", "is empty", "a header with quantities and units, then lines of numbers");

@@ -3,16 +3,15 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Core>
 #include <algorithm>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <filesystem>
 #include <limits>
-#include <map>
 #include <optional>
 #include <set>
 
+#include "generator/fit/fit_intervals.hpp"
+#include "generator/fit/fit_notes.hpp"
 #include "generator/fit/fit_problem.hpp"
 #include "generator/support/error.hpp"
 #include "generator/support/ranges.hpp"
@@ -27,7 +26,8 @@ struct Candidate {
   std::vector<FitParameter> frees;
   FitValues values;
   double criterion = 0;
-  int low_pass_order = 0;  ///< of a low-pass that is fitted, 0: none
+
+  [[nodiscard]] bool has_low_pass() const { return values.low_pass_order > 0; }
 };
 
 // Slow curves tell nothing of a loss, nor does one quantity over the speed, which a law with another exponent has,
@@ -137,7 +137,6 @@ void refine(const FitProblem& problem, Candidate& candidate) {
 // Twice the cost of a candidate at a noise of each source, in parts of what one independent sample costs.
 double cost_of(const FitProblem& problem, const Candidate& candidate, const std::vector<double>& noise,
                const std::vector<double>& together) {
-  problem.set_low_pass_order(std::max(1, candidate.low_pass_order));
   const std::vector<double> residuals = problem.linearised(candidate.values, candidate.frees).residuals;
   std::vector<double> costs(noise.size());
   for (std::size_t i = 0; i < residuals.size(); ++i) {
@@ -160,7 +159,13 @@ double penalty(double p, double n) {
   return std::max(p * std::log(n), 2 * p + 2 * p * (p + 1) / std::max(0.5, n - p - 1));
 }
 
-// n ln of the cost at the least noise that any candidate shows, and the penalty. The best comes first.
+// What few have, a core or a sensor's low-pass that nobody stated, is taken for true only on strong evidence.
+double doubt(const Candidate& candidate) {
+  constexpr double kStrong = 10;
+  return (candidate.law->name == kLayers ? kStrong : 0) + (candidate.has_low_pass() ? kStrong : 0);
+}
+
+// n ln of the cost at the least noise that any candidate shows, the penalty and the doubt. The best comes first.
 void set_criteria(const FitProblem& problem, std::vector<Candidate>& all) {
   const std::size_t sources = problem.sources().size();
   std::vector<double> noise(sources, std::numeric_limits<double>::infinity()), together(sources, 1);
@@ -172,108 +177,8 @@ void set_criteria(const FitProblem& problem, std::vector<Candidate>& all) {
   for (std::size_t s = 0; s < sources; ++s) n += static_cast<double>(problem.sources()[s].at.size()) / together[s];
   for (Candidate& candidate : all)
     candidate.criterion = n * std::log(cost_of(problem, candidate, noise, together) / n) +
-                          penalty(static_cast<double>(candidate.frees.size()), n);
+                          penalty(static_cast<double>(candidate.frees.size()), n) + doubt(candidate);
   std::ranges::stable_sort(all, {}, &Candidate::criterion);
-}
-
-/// What the data tell of the free parameters: the inverse of the normal matrix, what each source adds to it, and the
-/// degrees of freedom with which the noise of each is known.
-struct Uncertainty {
-  Eigen::MatrixXd inverse;
-  Linearised linear;
-  std::vector<double> freedoms;
-  double inflation;  ///< of the variance, by the robust norm
-};
-
-// That of an estimate with a robust norm (P. J. Huber, Robust Statistics, 1981, section 7.6).
-std::optional<Uncertainty> uncertainty_of(const FitProblem& problem, const Candidate& candidate) {
-  Linearised linear = problem.linearised(candidate.values, candidate.frees);
-  auto inverse = linear.inverse();
-  if (!inverse) return std::nullopt;
-  const auto n = static_cast<double>(linear.residuals.size());
-  const double freedom = std::max(0.25, n - static_cast<double>(linear.normal.cols()));
-  double squares = 0, slopes = 0;
-  for (const double r : linear.residuals) {
-    const double u = 1 + r * r / (kRobust * kRobust);
-    squares += r * r / u;
-    slopes += 1 / (u * std::sqrt(u));
-  }
-  std::vector<double> freedoms = problem.freedoms_of(linear);
-  for (std::size_t s = 0; s < freedoms.size(); ++s) freedoms[s] /= candidate.values.together[s];
-  return Uncertainty{std::move(*inverse), std::move(linear), std::move(freedoms),
-                     squares / freedom / std::pow(slopes / n, 2)};
-}
-
-/// Half the interval of a weighted sum of the free values: by how much each of them moves to its upper end. The noise
-/// of each source is known with degrees of freedom of its own; what that leaves for the sum is F. E. Satterthwaite's
-/// approximation (Biometrics Bulletin 2, 1946).
-Eigen::VectorXd half_interval(const FitProblem& problem, const Candidate& candidate, const Uncertainty& known,
-                              const Eigen::VectorXd& weights) {
-  const Eigen::VectorXd gain = known.inverse * weights;
-  std::map<const double*, std::pair<double, double>> of_noise;  // variance and degrees of freedom of each noise
-  for (std::size_t s = 0; s < known.linear.sources.size(); ++s) {
-    const auto& [columns, normal] = known.linear.sources[s];
-    auto& [variance, freedom] = of_noise[problem.sources()[s].noise.get()];
-    variance += gain(columns).dot(normal * gain(columns)) * known.inflation * candidate.values.together[s];
-    freedom = known.freedoms[s];
-  }
-  double variance = 0, squares = 0;
-  for (const auto& [noise, part] : of_noise) {
-    variance += part.first;
-    squares += part.first * part.first / part.second;
-  }
-  if (!(variance > 0)) return Eigen::VectorXd::Zero(weights.size());
-  const boost::math::students_t student(std::max(1.0, variance * variance / squares));
-  return quantile(student, 0.975) * std::sqrt(variance) / weights.dot(gain) * gain;
-}
-
-// Durations and largest forces are powers of the speed, v^-b and v^(1 + b) with b = (a - 1)/(a + 1): b is as
-// uncertain upwards as downwards, and the exponent is not.
-double exponent_moved(double exponent, double by) {
-  constexpr double kMost = 0.999;
-  const double b = (exponent - 1) / (exponent + 1), slope = 2 / ((exponent + 1) * (exponent + 1));
-  const double moved = std::clamp(b + slope * by, -kMost, kMost);
-  return (1 + moved) / (1 - moved);
-}
-
-// The interval of one parameter, or of a sum of parameters with these weights.
-Estimate estimate(const FitProblem& problem, const Candidate& candidate, const std::optional<Uncertainty>& known,
-                  const std::vector<std::pair<FitParameter, double>>& sum) {
-  double value = 0;
-  for (const auto& [parameter, weight] : sum) value += weight * candidate.values.parameters[parameter];
-  if (!known) return {value, -std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
-  Eigen::VectorXd weights = Eigen::VectorXd::Zero(known->inverse.cols());
-  const auto column = [&](FitParameter parameter) {
-    return std::ranges::find(candidate.frees, parameter) - candidate.frees.begin();
-  };
-  for (const auto& [parameter, weight] : sum)
-    if (frees(candidate, parameter)) weights[column(parameter)] += weight;
-  const Eigen::VectorXd half = half_interval(problem, candidate, *known, weights);
-  const auto end = [&](double sign) {
-    double moved = 0;
-    for (const auto& [parameter, weight] : sum) {
-      const double at = candidate.values.parameters[parameter];
-      const double by = frees(candidate, parameter) ? sign * half[column(parameter)] : 0;
-      moved += weight * (parameter == kExponent ? exponent_moved(at, by) : at + by);
-    }
-    return moved;
-  };
-  return {value, end(-1), end(1)};
-}
-
-Estimate exponential(const Estimate& of) {
-  return {std::exp(of.value), std::exp(of.low), std::exp(of.high)};
-}
-
-Estimate scaled(const Estimate& of, double factor) {
-  return {factor * of.value, factor * of.low, factor * of.high};
-}
-
-// An interval holds nothing that a material may not have.
-Estimate within(Estimate of, Range range) {
-  of.low = std::clamp(std::min(of.low, of.high), range.min, std::max(range.min, of.value));
-  of.high = std::clamp(std::max(of.low, of.high), std::min(of.value, range.max), range.max);
-  return of;
 }
 
 std::vector<FitQuality> qualities_of(const FitProblem& problem, const Candidate& candidate) {
@@ -401,42 +306,76 @@ bool is_material(const FitProblem& problem, const Candidate& candidate) {
   return is;
 }
 
-// The power law behind a low-pass of the sensor that nobody has stated, if what the best candidate leaves is no
-// noise, or if it needs more than a power law: that is what a low-pass looks like. It joins the others if it is
-// better.
-void try_low_pass(const FitProblem& problem, const Measurements& measured, std::vector<Candidate>& all,
+// Does what the best candidate leaves look as if a low-pass that nobody stated were before the pulses? It is no noise
+// then, or it needs more than a power law.
+bool looks_filtered(const Measurements& measured, const Candidate& best) {
+  constexpr double kTogether = 1.3;
+  const auto is_stated = [](const Pulse& pulse) { return pulse.low_pass_hz.has_value(); };
+  if (measured.pulses.empty() || std::ranges::any_of(measured.pulses, is_stated)) return false;
+  return best.law->name == kLayers || frees(best, kWeight) || std::ranges::max(best.values.together) > kTogether;
+}
+
+Candidate behind_low_pass(const FitProblem& problem, Candidate candidate, int order) {
+  constexpr int kSteps = 60;
+  candidate.frees.push_back(kLogLowPass);
+  std::ranges::sort(candidate.frees);
+  candidate.values.parameters[kLogLowPass] = problem.low_pass_to_begin_with();
+  candidate.values.low_pass_order = order;
+  candidate.values = problem.search(candidate.values, candidate.frees, kSteps, Samples::kSome);
+  if (std::isfinite(candidate.values.cost)) refine(problem, candidate);
+  return candidate;
+}
+
+// Adds the laws without core and memory behind a low-pass.
+void add_low_pass(const FitProblem& problem, std::vector<Candidate>& all,
                   const std::function<void(const std::string&)>& tell) {
-  constexpr double kTogether = 1.3, kEvidence = 10;
-  const Candidate best = all.front();
-  const bool is_known =
-      std::ranges::any_of(measured.pulses, [](const Pulse& pulse) { return pulse.low_pass_hz.has_value(); });
-  const bool is_doubtful =
-      std::ranges::max(best.values.together) > kTogether || best.law->name == kLayers || frees(best, kWeight);
-  if (measured.pulses.empty() || is_known || !is_doubtful) return;
   const std::vector<Candidate> without = all;
-  std::vector<Candidate> behind;
   for (const Candidate& from : without) {
     if (from.law->name == kLayers || frees(from, kWeight)) continue;
-    for (const int order : {1, 2}) {
-      Candidate candidate = from;
-      candidate.low_pass_order = order;
-      candidate.frees.push_back(kLogLowPass);
-      std::ranges::sort(candidate.frees);
-      candidate.values.parameters[kLogLowPass] = problem.low_pass_to_begin_with();
-      tell(fitting(candidate) + " behind a low-pass");
-      problem.set_low_pass_order(order);
-      candidate.values = problem.search(candidate.values, candidate.frees, 60, Samples::kSome);
-      if (!std::isfinite(candidate.values.cost)) continue;
-      refine(problem, candidate);
-      behind.push_back(candidate);
-    }
+    tell(fitting(from) + " behind a low-pass");
+    for (const int order : {1, 2})
+      if (const Candidate found = behind_low_pass(problem, from, order); std::isfinite(found.values.cost))
+        all.push_back(found);
   }
-  if (behind.empty()) return;
-  all.insert(all.end(), behind.begin(), behind.end());
   set_criteria(problem, all);
-  const auto first_without = std::ranges::find(all, 0, &Candidate::low_pass_order);
-  if (all.front().low_pass_order > 0 && first_without->criterion - all.front().criterion > kEvidence) return;
-  std::erase_if(all, [](const Candidate& candidate) { return candidate.low_pass_order > 0; });
+}
+
+// All that are no worse by far are refined.
+void refine_all(const FitProblem& problem, std::vector<Candidate>& all) {
+  constexpr double kHopeless = 10;
+  const auto cost = [](const Candidate& candidate) { return candidate.values.cost; };
+  const double lowest = cost(std::ranges::min(all, {}, cost));
+  for (Candidate& candidate : all)
+    if (candidate.values.cost <= kHopeless * lowest)
+      refine(problem, candidate);
+    else
+      candidate.values = problem.with_noise(candidate.values, candidate.frees);
+}
+
+// The candidates that a material can hold, the best one first.
+std::vector<Candidate> fitted_candidates(const FitProblem& problem, const Measurements& measured,
+                                         const std::string& file,
+                                         const std::function<void(const std::string&)>& tell) {
+  std::vector<Candidate> all = found_candidates(problem, measured, tell);
+  if (all.empty())
+    refuse(file, "fit",
+           "no law describes the data, or there are too few values for the laws and losses that are allowed",
+           "data of impacts on a rigid wall or a known resonator, in the units that they state, and twice as many "
+           "values as a law with a loss has numbers");
+  refine_all(problem, all);
+  set_criteria(problem, all);
+  if (looks_filtered(measured, all.front())) add_low_pass(problem, all, tell);
+  std::erase_if(all, [&](const Candidate& candidate) { return !is_material(problem, candidate); });
+  if (all.empty())
+    refuse(file, "fit",
+           "what describes the data is no material: its stiffness, its core or its memory is out of range",
+           fmt::format("a stiffness from {} to {} N/m^exponent: do the units of mass, force and time agree?",
+                       ranges::kStiffness.min, ranges::kStiffness.max));
+  return all;
+}
+
+FitIntervals intervals_of(const FitProblem& problem, const Candidate& candidate) {
+  return {problem, candidate.values, candidate.frees};
 }
 
 // The interval of the exponent. That of Hertz's law is what the power law with the same loss says of the data.
@@ -444,80 +383,45 @@ Estimate exponent_of(const FitProblem& problem, const std::vector<Candidate>& al
   const Candidate& best = all.front();
   const auto power = std::ranges::find_if(all, [&](const Candidate& other) {
     return std::string_view(other.law->name) == "power" && other.loss == best.loss &&
-           other.low_pass_order == best.low_pass_order;
+           other.values.low_pass_order == best.values.low_pass_order;
   });
   const Candidate& teller = frees(best, kExponent) || power == all.end() ? best : *power;
-  Estimate exponent = estimate(problem, teller, uncertainty_of(problem, teller), {{kExponent, 1}});
+  Estimate exponent = intervals_of(problem, teller).of({{kExponent, 1}});
   exponent.value = best.values.parameters[kExponent];
   return within(exponent, ranges::kExponent);
 }
 
-// The deviation of white noise in a pulse, in parts of its largest force: of its second differences.
-double white_noise_of(const Pulse& pulse) {
-  std::vector<double> differences;
-  const auto& force = pulse.force_n;
-  for (std::size_t i = 2; i < force.size(); ++i)
-    differences.push_back(std::abs(force[i] - 2 * force[i - 1] + force[i - 2]));
-  std::ranges::nth_element(differences, differences.begin() + std::ssize(differences) / 2);
-  return differences[differences.size() / 2] / 0.6745 / std::sqrt(6.0) / std::ranges::max(force);
+// Law, loss and their numbers.
+Fit numbers_of(const FitProblem& problem, const std::vector<Candidate>& all) {
+  const Candidate& best = all.front();
+  const FitIntervals intervals = intervals_of(problem, best);
+  const double reference_m = problem.reference_m(), log_reference = std::log(reference_m);
+  const Estimate log_core = plus(intervals.of({{kLogForce, 1}, {kLogCore, 1}}), -kHertzExponent * log_reference);
+  Fit fit{best.law->name,
+          best.loss->name,
+          problem.law(best.values),
+          within(exponential(intervals.of({{kLogForce, 1}, {kExponent, -log_reference}})), ranges::kStiffness),
+          exponent_of(problem, all),
+          within(exponential(log_core), ranges::kStiffness),
+          within(times(intervals.of({{kDepth, 1}}), reference_m), ranges::kOffset),
+          within(intervals.of({{kHuntCrossley, 1}}), ranges::kLoss),
+          within(intervals.of({{kWeight, 1}}), {0, ranges::kWeight.max}),
+          within(exponential(intervals.of({{kLogTime, 1}})), ranges::kRelaxation),
+          within(exponential(intervals.of({{kLogMass, 1}})), kFitMass),
+          0,
+          0,
+          0,
+          qualities_of(problem, best),
+          {}};
+  constexpr Range kLowPass{1, 1e6};
+  if (best.has_low_pass()) fit.low_pass_hz = within(exponential(intervals.of({{kLogLowPass, 1}})), kLowPass);
+  return fit;
 }
 
-// What the files show that the model does not.
-void note_poor_files(Fit& fit, const Measurements& measured, const Candidate& best) {
-  constexpr double kTogether = 4, kManyTimes = 5, kPoor = 0.1, kWorth = 0.003;
-  std::map<std::string, std::vector<double>> scatters;
-  for (const FitQuality& quality : fit.qualities) scatters[quality.quantity].push_back(quality.scatter);
-  for (std::size_t s = 0; s < fit.qualities.size(); ++s) {
-    const FitQuality& quality = fit.qualities[s];
-    const std::string what = fmt::format("{}, {}", quality.file, quality.quantity);
-    std::vector<double>& others = scatters[quality.quantity];
-    std::ranges::sort(others);
-    const double usual = others[(others.size() - 1) / 2], floor = quality.is_level() ? 0.1 : kWorth;
-    const double noise = s < measured.pulses.size() ? white_noise_of(measured.pulses[s]) : quality.scatter;
-    if (quality.scatter > kManyTimes * std::max(usual, floor))
-      fit.notes.push_back(fmt::format("{}: scatters {:.3g} times as much as others: look at the figure", what,
-                                      quality.scatter / usual));
-    else if (!quality.is_level() && quality.scatter > kPoor)
-      fit.notes.push_back(
-          fmt::format("{}: scatters by {:.3g} %: the model describes it poorly", what, 100 * quality.scatter));
-    else if (s < measured.pulses.size() && best.values.together[s] > kTogether &&
-             quality.scatter > std::max(kWorth, 1.5 * noise))
-      fit.notes.push_back(fmt::format("{}: what the model leaves is no noise: it hangs together over {:.0f} samples",
-                                      what, best.values.together[s]));
-  }
-}
-
-// Numbers that are possible, but that no collision in an instrument is likely to have.
-void note_proportions(Fit& fit, const Measurements& measured) {
-  constexpr Range kStiffness{100, 1e9}, kSpeed{0.01, 30};
-  const double y = fit.max_compression_m;
-  const double force = std::exp(fit.model.log_force) * impact_model::shape(fit.model, y);
-  const bool has_unknown_speed =
-      std::ranges::any_of(measured.pulses, [](const Pulse& p) { return !p.speed_m_per_s; });
-  const bool is_odd = !(force / y >= kStiffness.min && force / y <= kStiffness.max);
-  const bool is_odd_speed =
-      has_unknown_speed && !(fit.min_speed_m_per_s >= kSpeed.min && fit.max_speed_m_per_s <= kSpeed.max);
-  if (is_odd || is_odd_speed)
-    fit.notes.push_back(
-        fmt::format("{:.3g} N at {:.3g} m, at {:.3g} to {:.3g} m/s, is out of proportion: is a unit wrong, "
-                    "or are volts called newtons?",
-                    force, y, fit.min_speed_m_per_s, fit.max_speed_m_per_s));
-}
-
-void note_doubts(Fit& fit, const Measurements& measured, const Candidate& best) {
-  if (fit.low_pass_hz)
-    fit.notes.push_back(
-        fmt::format("the pulses look as if a low-pass of order {} at {:.4g} Hz were before them: if there is "
-                    "one, state its low_pass_hz",
-                    best.low_pass_order, fit.low_pass_hz->value));
-  std::size_t files = 0, recorded = 0, kept = 0;
-  for (const Pulse& pulse : measured.pulses)
-    if (pulse.recorded > 0) ++files, recorded += pulse.recorded, kept += pulse.time_s.size();
-  if (files > 0)
-    fit.notes.push_back(fmt::format("{} samples of {} files are many: the means of neighbours were fitted, {} in all",
-                                    recorded, files, kept));
-  note_poor_files(fit, measured, best);
-  note_proportions(fit, measured);
+FittedModel model_of(const Candidate& candidate, const Candidate& best) {
+  const std::size_t own = candidate.law->frees.size() + candidate.loss->frees.size();
+  return {candidate.law->name, candidate.loss->name, static_cast<int>(own) + (candidate.has_low_pass() ? 1 : 0),
+          candidate.criterion - best.criterion, candidate.has_low_pass()};
 }
 
 }  // namespace
@@ -525,66 +429,13 @@ void note_doubts(Fit& fit, const Measurements& measured, const Candidate& best) 
 Fit fit_material(const Measurements& measured, const std::string& file,
                  const std::function<void(const std::string&)>& tell) {
   const FitProblem problem(measured);
-  std::vector<Candidate> all = found_candidates(problem, measured, tell);
-  if (all.empty())
-    refuse(file, "fit",
-           "no law describes the data, or there are too few values for the laws and losses that are allowed",
-           "data of impacts on a rigid wall or a known resonator, in the units that they state, and twice as many "
-           "values "
-           "as a law with a loss has numbers");
-  constexpr double kHopeless = 10;
-  const double lowest_cost =
-      std::ranges::min(all, {}, [](const Candidate& candidate) { return candidate.values.cost; }).values.cost;
-  for (Candidate& candidate : all)
-    if (candidate.values.cost <= kHopeless * lowest_cost)
-      refine(problem, candidate);
-    else
-      candidate.values = problem.with_noise(candidate.values, candidate.frees);
-  set_criteria(problem, all);
-  try_low_pass(problem, measured, all, tell);
-  std::erase_if(all, [&](const Candidate& candidate) { return !is_material(problem, candidate); });
-  if (all.empty())
-    refuse(file, "fit",
-           "what describes the data is no material: its stiffness, its core or its memory is out of range",
-           fmt::format("a stiffness from {} to {} N/m^exponent: do the units of mass, force and time agree?",
-                       ranges::kStiffness.min, ranges::kStiffness.max));
+  const std::vector<Candidate> all = fitted_candidates(problem, measured, file, tell);
   const Candidate& best = all.front();
-  problem.set_low_pass_order(std::max(1, best.low_pass_order));
-  const std::optional<Uncertainty> uncertainty = uncertainty_of(problem, best);
-  const auto of = [&](const std::vector<std::pair<FitParameter, double>>& sum, double plus = 0) {
-    const Estimate found = estimate(problem, best, uncertainty, sum);
-    return Estimate{found.value + plus, found.low + plus, found.high + plus};
-  };
-  Fit fit{
-      best.law->name,
-      best.loss->name,
-      problem.law(best.values),
-      within(exponential(of({{kLogForce, 1}, {kExponent, -std::log(problem.reference_m())}})), ranges::kStiffness),
-      exponent_of(problem, all),
-      within(exponential(of({{kLogForce, 1}, {kLogCore, 1}}, -kHertzExponent * std::log(problem.reference_m()))),
-             ranges::kStiffness),
-      within(scaled(of({{kDepth, 1}}), problem.reference_m()), ranges::kOffset),
-      within(of({{kHuntCrossley, 1}}), ranges::kLoss),
-      within(of({{kWeight, 1}}), {0, ranges::kWeight.max}),
-      within(exponential(of({{kLogTime, 1}})), ranges::kRelaxation),
-      within(exponential(of({{kLogMass, 1}})), kFitMass),
-      0,
-      0,
-      0,
-      qualities_of(problem, best),
-      {}};
+  Fit fit = numbers_of(problem, all);
   set_reach(fit, measured, best.values);
   if (measured.has_blows()) require_low_partials(fit, measured, best.values, file);
-  for (const Candidate& candidate : all)
-    fit.candidates.push_back({candidate.law->name, candidate.loss->name,
-                              static_cast<int>(candidate.law->frees.size() + candidate.loss->frees.size()) +
-                                  (candidate.low_pass_order > 0 ? 1 : 0),
-                              candidate.criterion - best.criterion, candidate.low_pass_order > 0});
-  if (best.low_pass_order > 0) {
-    constexpr Range kLowPass{1, 1e6};
-    fit.low_pass_hz = within(exponential(of({{kLogLowPass, 1}})), kLowPass);
-  }
-  note_doubts(fit, measured, best);
+  for (const Candidate& candidate : all) fit.candidates.push_back(model_of(candidate, best));
+  add_notes(fit, measured, best.values);
   return fit;
 }
 

@@ -558,7 +558,8 @@ std::unique_ptr<FitProblem::Posed> FitProblem::pose(FitValues& values, const std
     const Pulse& pulse = (samples == Samples::kSome ? some_samples_ : measured_.pulses)[i];
     auto& unknown = values.pulses[i];
     PulseResidual residual{pulse, pulse_measures_[i], scales_, sources_[i].noise};
-    if (pulse.low_pass_hz || std::ranges::count(frees, kLogLowPass) > 0) residual.dense = dense_for(pulse, i);
+    if (pulse.low_pass_hz || values.low_pass_order > 0) residual.dense = dense_for(pulse, i);
+    residual.fitted_order = values.low_pass_order;
     if (pulse.is_struck)
       posed->add(StruckPulseResidual{residual, measured_.struck->modes}, pulse.time_s.size(),
                  pointers_to(values.parameters, unknown));

@@ -28,6 +28,7 @@ struct FitValues {
   std::vector<double> noise;
   std::vector<double> together;  ///< samples of each source that tell as much as an independent one
   double cost = 0;
+  int low_pass_order = 0;  ///< of a low-pass that is fitted, 0: none
 };
 
 /// One source of data: a pulse, a column of a table, a curve, the levels of a blow.
@@ -85,8 +86,6 @@ class FitProblem {
 
   /// ln of the frequency [Hz] of a low-pass that is fitted, to begin with.
   [[nodiscard]] double low_pass_to_begin_with() const;
-  /// The order of a low-pass that is fitted.
-  void set_low_pass_order(int order) const { scales_.low_pass_order = order; }
 
   /// How many values a search moves: these, and what is unknown of each pulse and blow.
   [[nodiscard]] std::size_t free_values(const std::vector<FitParameter>& frees) const;

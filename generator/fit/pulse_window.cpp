@@ -30,35 +30,28 @@ void require_times(const Pulse& pulse, std::span<const std::size_t> lines) {
              "rising times; are two columns exchanged?");
 }
 
-/// The samples of the contact: the first and the last one above a tenth of the largest force.
+/// The samples around the largest force: the first and the last one of those above another force.
 struct SamplesOfContact {
   std::size_t begin, end, peak;
 };
 
-SamplesOfContact contact_of(const Pulse& pulse) {
-  const auto& force = pulse.force_n;
+SamplesOfContact samples_above(const std::vector<double>& force, double least) {
   const auto peak = static_cast<std::size_t>(std::ranges::max_element(force) - force.begin());
   SamplesOfContact contact{peak, peak, peak};
-  while (contact.begin > 0 && force[contact.begin - 1] > kThreshold * force[peak]) --contact.begin;
-  while (contact.end + 1 < force.size() && force[contact.end + 1] > kThreshold * force[peak]) ++contact.end;
+  while (contact.begin > 0 && force[contact.begin - 1] > least) --contact.begin;
+  while (contact.end + 1 < force.size() && force[contact.end + 1] > least) ++contact.end;
   return contact;
 }
 
-// Second differences take the contact away and leave white noise, times the root of 6.
-double noise_of(const std::vector<double>& force) {
-  std::vector<double> differences;
-  for (std::size_t i = 2; i < force.size(); ++i)
-    differences.push_back(std::abs(force[i] - 2 * force[i - 1] + force[i - 2]));
-  const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
-  std::nth_element(differences.begin(), middle, differences.end());
-  return *middle / 0.6745 / std::sqrt(6.0);
+SamplesOfContact contact_of(const Pulse& pulse) {
+  return samples_above(pulse.force_n, kThreshold * std::ranges::max(pulse.force_n));
 }
 
 void require_contact(const Pulse& pulse) {
   const auto [low, high] = std::ranges::minmax(pulse.force_n);
   if (low == high)
     refuse(pulse.file, "force", fmt::format("is {:.4g} N throughout: there is no contact", low), "one pulse");
-  const double noise = noise_of(pulse.force_n);
+  const double noise = white_noise_of(pulse.force_n);
   constexpr double kMinRatio = 10;
   if (!(high - low > kMinRatio * noise))
     refuse(pulse.file, "force", fmt::format("no contact stands out of noise of {:.3g} N", noise),
@@ -106,20 +99,15 @@ Baseline baseline_through(const Pulse& pulse, const std::vector<std::size_t>& sa
 
 // The samples before and after the contact, `far` times as far away as it lasts above a third of its height.
 std::vector<std::size_t> samples_outside(const Pulse& pulse, double far) {
-  std::vector<double> sorted = pulse.force_n;
-  std::ranges::sort(sorted);
   const auto& force = pulse.force_n;
-  const auto peak = static_cast<std::size_t>(std::ranges::max_element(force) - force.begin());
-  const double rest = sorted[sorted.size() / 4], third = rest + (force[peak] - rest) / 3;
-  std::size_t begin = peak, end = peak;
-  while (begin > 0 && force[begin - 1] > third) --begin;
-  while (end + 1 < force.size() && force[end + 1] > third) ++end;
-  const double away = far * (pulse.time_s[end] - pulse.time_s[begin]);
+  std::vector<double> sorted = force;
+  std::ranges::sort(sorted);
+  const double rest = sorted[sorted.size() / 4], third = rest + (sorted.back() - rest) / 3;
+  const SamplesOfContact contact = samples_above(force, third);
+  const double begin = pulse.time_s[contact.begin], end = pulse.time_s[contact.end], away = far * (end - begin);
   std::vector<std::size_t> outside;
   for (std::size_t i = 0; i < force.size(); ++i)
-    if (force[i] < third &&
-        (pulse.time_s[i] < pulse.time_s[begin] - away || pulse.time_s[i] > pulse.time_s[end] + away))
-      outside.push_back(i);
+    if (force[i] < third && (pulse.time_s[i] < begin - away || pulse.time_s[i] > end + away)) outside.push_back(i);
   return outside;
 }
 
@@ -204,6 +192,16 @@ void require_impulse(const Pulse& pulse, double mass_kg) {
 }
 
 }  // namespace
+
+// Of white noise they are the root of 6 times as large.
+double white_noise_of(const std::vector<double>& force) {
+  std::vector<double> differences;
+  for (std::size_t i = 2; i < force.size(); ++i)
+    differences.push_back(std::abs(force[i] - 2 * force[i - 1] + force[i - 2]));
+  const auto middle = differences.begin() + std::ssize(differences) / 2;
+  std::ranges::nth_element(differences, middle);
+  return *middle / 0.6745 / std::sqrt(6.0);
+}
 
 PulseMeasures measures_of(const Pulse& pulse) {
   const SamplesOfContact contact = contact_of(pulse);

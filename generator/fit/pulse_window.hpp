@@ -18,6 +18,9 @@ inline constexpr Range kMeasuredDuration{1e-6, 0.2}, kMeasuredForce{1e-3, 1e6};
 /// samples or a saturated top, and if impulse, mass and speed disagree.
 [[nodiscard]] Pulse contact_window(const Pulse& pulse, std::span<const std::size_t> lines, double mass_kg);
 
+/// The standard deviation of white noise in a recorded force, in its unit: second differences take the contact away.
+[[nodiscard]] double white_noise_of(const std::vector<double>& force);
+
 /// Contact of a pulse: time from the first to the last sample above a tenth of the largest force, that force [N], and
 /// the impulse [N s].
 struct PulseMeasures {

@@ -28,7 +28,6 @@ struct FitScales {
   double mass_kg, reference_m;
   bool is_robust = true;                                              ///< large residuals count less
   double max_frequency_hz = std::numeric_limits<double>::infinity();  ///< of the levels that count
-  int low_pass_order = 1;                                             ///< of a low-pass that is fitted
 };
 
 /// The standard deviation of one source's noise, in the unit of its residuals.
@@ -60,6 +59,7 @@ struct PulseResidual {
   const FitScales& scales;
   Noise noise;
   DenseTimes dense = {};  ///< of a low-pass; none: without one
+  int fitted_order = 0;   ///< of a low-pass that is fitted
 
   template <typename Real>
   bool operator()(const Real* const* parameters, Real* residuals) const {
@@ -106,7 +106,7 @@ struct PulseResidual {
     const bool is_known = pulse.low_pass_hz.has_value();
     const Real hz = is_known ? Real(*pulse.low_pass_hz) : Real(exp(*parameters[kLogLowPass]));
     pass_low(std::span<const double>(dense.time_s), forces, Real(hz * (2 * std::numbers::pi)),
-             is_known ? pulse.low_pass_order : scales.low_pass_order);
+             is_known ? pulse.low_pass_order : fitted_order);
   }
 };
 

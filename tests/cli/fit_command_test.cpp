@@ -116,7 +116,7 @@ std::vector<BadData> bad_fit_files() {
           {"order_without_low_pass", fit_file(pulse_with(R"("low_pass_order": 2)")), good,
            file + "pulses[0].low_pass_order: stands without low_pass_hz", ""},
           {"low_pass_of_1_hz", fit_file(pulse_with(R"("low_pass_hz": 1)")), good,
-           file + "pulses[0].low_pass_hz: 1 is out of range", "10 to 1e+06"},
+           file + "pulses[0].low_pass_hz: 1 is out of range", "10 to 1000000"},
           {"sensitivity_of_newtons", fit_file(pulse_with(R"("sensitivity_mv_per_n": 10)")), good,
            file + "pulses[0].sensitivity_mv_per_n: stands beside a force that is in newtons", "a column in V or mV"},
           {"volts_without_sensitivity", fit_file(kPulse), pulse("time_s,force [V]\n"), "data.csv: force: is in volts",
@@ -322,7 +322,8 @@ TEST(Measurements, AreReadInManyLayouts) {
     return wide;
   };
   EXPECT_TRUE(within(exponent(fit, utf_16(pulse())), plainly, 1e-9));
-  EXPECT_TRUE(within(exponent(fit, pulse("t [s],F [N],Pr\xfcfling\n",
+  EXPECT_TRUE(within(exponent(fit, pulse("t [s],F [N],Pr\xfc"
+                                         "fling\n",
                                          [](double t, double f) { return fmt::format("{:.8f},{:.6f},1\n", t, f); })),
                      plainly, 1e-9));
   const auto scaled = [](double factor) {
@@ -370,6 +371,24 @@ TEST(Fit, WritesOnlyWhatCommandsAndJsonReadersTake) {
       EXPECT_TRUE(estimate.at("low").is_number() && estimate.at("high").is_number()) << name << ' ' << key;
     succeed({.arguments = {"inspect", "probe.json"}, .folder = box.path()});
   }
+}
+
+// Twenty thousand samples tell what 400 do, and take no longer.
+TEST(Fit, TakesTheMeansOfManySamples) {
+  constexpr int kSamples = 20000;
+  std::string many = "time_s,force_n\n";
+  for (int i = 0; i < kSamples; ++i) many += fmt::format("{:.10f},{:.6f}\n", 5e-7 * i, half_sine(5e-7 * i));
+  const auto fit_to = [](const std::string& data) {
+    const Sandbox box;
+    const std::string fit = fit_file(kPulse, "0.01", R"(, "laws": "power", "losses": "hunt_crossley")");
+    return nlohmann::json::parse(succeed(fitted(box, fit, data, {"--json"})));
+  };
+  const auto found = fit_to(many), few = fit_to(pulse());
+  EXPECT_LE(found.at("data")[0].at("samples"), 1500);
+  EXPECT_NE(found.at("notes").dump().find("the means of neighbours were fitted"), std::string::npos) << found;
+  EXPECT_EQ(few.at("notes").dump().find("means"), std::string::npos);
+  EXPECT_TRUE(within(found.at("estimates").at("exponent").at("value").get<double>(),
+                     few.at("estimates").at("exponent").at("value").get<double>(), 0.01));
 }
 
 // A millionth of the stiffness of any hammer: volts, say, in a column of newtons.
