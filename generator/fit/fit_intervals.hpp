@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "generator/fit/fit.hpp"
 #include "generator/fit/fit_problem.hpp"
+#include "generator/fit/fit_result.hpp"
 
 namespace contactspline {
 

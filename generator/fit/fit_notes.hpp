@@ -2,8 +2,8 @@
 // What makes a fit doubtful.
 #pragma once
 
-#include "generator/fit/fit.hpp"
 #include "generator/fit/fit_problem.hpp"
+#include "generator/fit/fit_result.hpp"
 
 namespace contactspline {
 
