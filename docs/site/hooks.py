@@ -7,14 +7,14 @@ from pathlib import Path
 
 
 def navigation(pages):
-    """The groups of docs/index.md: its headings, and the first link of each row of its tables."""
+    """The groups of docs/index.md: its headings, and the link that begins each item of their lists."""
     groups = [{"Contact Spline": "README.md"}, {"All pages": "docs/index.md"}]
     for line in (pages / "docs/index.md").read_text().splitlines():
         if line.startswith("## "):
             groups.append({line[3:]: []})
-        for title, page in re.findall(r"\[([^]]+)\]\(([^)]+)\)", line) if line.startswith("| ") else ():
-            [rows] = groups[-1].values()
-            rows.append({title: "docs/" + page})
+        for title, page in re.findall(r"^- \[([^]]+)\]\(([^)]+)\)", line):
+            [items] = groups[-1].values()
+            items.append({title: "docs/" + page})
     return groups + [{"Project": [{"Contributing": "CONTRIBUTING.md"}, {"Changelog": "CHANGELOG.md"}]}]
 
 
