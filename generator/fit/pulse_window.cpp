@@ -199,7 +199,7 @@ double white_noise_of(const std::vector<double>& force) {
   for (std::size_t i = 2; i < force.size(); ++i)
     differences.push_back(std::abs(force[i] - 2 * force[i - 1] + force[i - 2]));
   const auto middle = differences.begin() + std::ssize(differences) / 2;
-  std::ranges::nth_element(differences, middle);
+  std::nth_element(differences.begin(), middle, differences.end());
   return *middle / 0.6745 / std::sqrt(6.0);
 }
 
