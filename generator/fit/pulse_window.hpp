@@ -16,7 +16,7 @@ inline constexpr Range kMeasuredDuration{1e-6, 0.2}, kMeasuredForce{1e-3, 1e6};
 /// many samples the means of neighbours. `lines` are those of the samples in their file. Throws BadInput if time does
 /// not rise, if there is no contact or a second one, if the record begins or ends within it, if it has too few
 /// samples or a saturated top, and if impulse, mass and speed disagree.
-[[nodiscard]] Pulse contact_window(const Pulse& pulse, std::span<const std::size_t> lines, double mass_kg);
+[[nodiscard]] Pulse contact_window(const Pulse& recorded, std::span<const std::size_t> lines, double mass_kg);
 
 /// The standard deviation of white noise in a recorded force, in its unit: second differences take the contact away.
 [[nodiscard]] double white_noise_of(const std::vector<double>& force);
