@@ -16,6 +16,7 @@
 #include "contactspline/data/keyboard_parts.hpp"
 #include "contactspline/data/stiff_string.hpp"
 #include "contactspline/modal/modal.hpp"
+#include "contactspline/simd/kernels.hpp"
 #include "contactspline/step/controls.hpp"
 
 namespace contactspline {

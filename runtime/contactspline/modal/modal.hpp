@@ -9,7 +9,6 @@
 #include <cmath>
 #include <concepts>
 #include <cstddef>
-#include <limits>
 #include <numbers>
 #include <span>
 #include <type_traits>
@@ -300,9 +299,11 @@ class ModalBank {
   }
 
  private:
-  // Portable loops are put in place by the compiler: a call of them by the table would take longer.
+  // A call by the table takes longer than a loop over few modes, and than portable loops, which the compiler puts in
+  // place.
   static bool calls_kernel_for(std::size_t modes) {
-    return modes > detail::kFewModes && detail::kernels<T>.are_vectorised();
+    constexpr std::size_t kFewModes = 4;
+    return modes > kFewModes && detail::kernels<T>.are_vectorised();
   }
 
   static constexpr T product(const Shapes& weights, const detail::ModalArray<T, Modes>& state) {

@@ -20,6 +20,7 @@
 #include "contactspline/modal/longitudinal.hpp"
 #include "contactspline/models/body.hpp"
 #include "contactspline/models/hammer_voice.hpp"
+#include "contactspline/simd/kernel_data.hpp"
 #include "contactspline/step/controls.hpp"
 
 namespace contactspline {
@@ -132,7 +133,7 @@ struct SoundingKey {
 
   // A number of modes, up to the end of its line.
   [[nodiscard]] std::size_t in_lines(std::size_t count) const {
-    return (std::min)((count + kLine - 1) / kLine * kLine, model.string().size());
+    return (std::min)(in_whole_lines<float>(count), model.string().size());
   }
   // Stiffness that the lowest modes add to the bridge, in whole lines or all [N/m].
   [[nodiscard]] double stiffness_of(std::size_t count) const { return stiffness[(count + kLine - 1) / kLine]; }

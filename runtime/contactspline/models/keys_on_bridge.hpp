@@ -17,6 +17,7 @@
 #include "contactspline/models/body.hpp"
 #include "contactspline/models/key_on_body.hpp"
 #include "contactspline/models/keyboard_sound.hpp"
+#include "contactspline/simd/kernels.hpp"
 
 namespace contactspline {
 

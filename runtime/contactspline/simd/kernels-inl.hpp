@@ -32,10 +32,9 @@ namespace hn = hwy::HWY_NAMESPACE;
 #include "contactspline/simd/process-inl.hpp"
 // clang-format on
 
+// All but the two that play blocks, which turn denormals off first.
 Kernels<Sample> kernels_here() {
-  return {.process_free = process_free_here,
-          .process_struck = process_struck_here,
-          .advance_on_bridge = advance_on_bridge_here,
+  return {.advance_on_bridge = advance_on_bridge_here,
           .inner_product = inner_product_here,
           .sum_shifted_products = sum_shifted_products_here,
           .solve_positive_definite = solve_positive_definite_here,

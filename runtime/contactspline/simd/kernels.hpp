@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The table of the kernels that the models call: portable ones, or, where ContactSpline::simd is linked, those of the
-// best instruction set of the machine (docs/how-it-works/kernels.md).
+// The table by which the models call kernels: where ContactSpline::simd is linked, those of the best instruction set
+// of the machine, else portable ones (docs/how-it-works/kernels.md).
 #pragma once
 
 #include "contactspline/step/cpp20.hpp"
@@ -21,9 +21,6 @@
 
 namespace contactspline::detail {
 
-/// Banks with at most this number of modes are advanced without kernels.
-inline constexpr std::size_t kFewModes = 4;
-
 /// Largest number of voices that a kernel advances side by side.
 inline constexpr std::size_t kMaxTogether = 16;
 
@@ -31,11 +28,10 @@ inline constexpr std::size_t kMaxTogether = 16;
 template <std::floating_point T>
 struct Kernels {
   /// Advances the modes by out.size() samples without force and writes the displacement at the pickup after each.
-  /// damping_gain: as in StrikeConstants. Null without vectors: then strings play by tick().
+  /// damping_gain: as in StrikeConstants.
   void (*process_free)(const ModalArrays<T>& modes, T damping_gain, const T* pickup, std::span<T> out) = nullptr;
 
   /// The same with a hammer in flight, for several voices: each until its hammer is stopped or its `out` is full.
-  /// Null without vectors.
   void (*process_struck)(std::span<StruckVoice<T>> voices) = nullptr;
 
   /// Advances all strings by one sample on a bridge that has moved by change_m, and returns the sums of shape times
@@ -43,7 +39,7 @@ struct Kernels {
   BridgeForces<T> (*advance_on_bridge)(std::span<const StringsOnBridge<T>> strings, T change_m);
 
   /// The sum of a[i] b[i] over arrays of that number of modes.
-  T (*inner_product)(std::size_t modes, const T* a, const T* b);
+  T (*inner_product)(std::size_t modes, const T* a, const T* b) = nullptr;
 
   /// Writes factors[i] times values[i] to products[i] for i < count, and to sums[k] the sum of products[i] products[i
   /// + k shift]. All three arrays begin on a cache line. The factors are followed by zeros to the end of their line,
@@ -58,25 +54,25 @@ struct Kernels {
   void (*solve_positive_definite)(std::size_t size, T* matrix, std::size_t stride, T* right);
 
   /// Sums of shape times free increment for several shapes. Returns the sum of |free increment|.
-  T (*sum_free_increments)(std::size_t modes, const T* free_increment, std::span<const T* const> at, T* increments);
+  T(*sum_free_increments)
+  (std::size_t modes, const T* free_increment, std::span<const T* const> at, T* increments) = nullptr;
 
   /// Advances the modes by one sample under damping_gain times the forces at the places `pushed`. Then
   /// sum_free_increments().
   T(*advance_under_forces)
   (const ModalArrays<T>& modes, T damping_gain, std::span<const T* const> pushed, const T* forces,
-   std::span<const T* const> at, T* increments);
+   std::span<const T* const> at, T* increments) = nullptr;
 
   /// Are these the kernels of ContactSpline::simd?
   [[nodiscard]] bool are_vectorised() const { return process_struck != nullptr; }
 };
 
+/// What the models call by the table without vectors, too. The others are null: strings then play by tick(), and
+/// ModalBank calls the loops of portable_kernels.hpp itself.
 template <std::floating_point T>
 inline constexpr Kernels<T> kPortableKernels = {.advance_on_bridge = portable::advance_on_bridge<T>,
-                                                .inner_product = portable::inner_product<T>,
                                                 .sum_shifted_products = portable::sum_shifted_products<T>,
-                                                .solve_positive_definite = portable::solve_positive_definite<T>,
-                                                .sum_free_increments = portable::sum_free_increments<T>,
-                                                .advance_under_forces = portable::advance_under_forces<T>};
+                                                .solve_positive_definite = portable::solve_positive_definite<T>};
 
 /// The kernels of this program or shared library, whichever of its files calls them. They change before main()
 /// begins, or never.

@@ -89,7 +89,7 @@ void solve_backwards(std::size_t m, const T* factor, std::size_t stride, EndOf e
   }
 }
 
-/// What the functions of Kernels do, by the same names.
+/// What the functions of Kernels do, by the same names, and their parts.
 namespace portable {
 
 template <std::floating_point T>

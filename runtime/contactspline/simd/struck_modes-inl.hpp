@@ -99,7 +99,7 @@ class ModesUnderLoad {
   }
 
  private:
-  static constexpr std::size_t kLine = 64 / sizeof(T);
+  static constexpr std::size_t kLine = kLineSize<T>;
   static constexpr std::size_t kStride = kRowsPerLine * kLine;
 
   static constexpr Tag<T> tag() { return {}; }
