@@ -38,9 +38,9 @@ struct PaperCase {
   double seconds;  ///< that are compared
   int between;     ///< samples from throw to throw
 
+  [[nodiscard]] PowerLaw law() const { return {model.hammer.stiffness_n_per_m_alpha, model.hammer.exponent}; }
   [[nodiscard]] Spline spline() const {
-    const PowerLaw law{model.hammer.stiffness_n_per_m_alpha, model.hammer.exponent};
-    return uniform_spline({model.name, "", law, {}, {segments, model.max_compression_m}}, model.name);
+    return uniform_spline({model.name, "", law(), {}, {segments, model.max_compression_m}}, model.name);
   }
 };
 
@@ -74,7 +74,6 @@ template <std::floating_point T, typename Visit>
 auto visit_scheme(const PaperCase& played, Method method, double rate, Visit visit) {
   const Model& model = played.model;
   const auto modes = method == Method::ours ? model.modes : with_mass_kept(model.modes, rate);
-  const PowerLaw law{model.hammer.stiffness_n_per_m_alpha, model.hammer.exponent};
   const auto one_step = [&]<typename Update>(Update update, auto potential) {
     OneStepHammerString<T, Update> scheme(model.hammer.mass_kg, std::move(update), modes, model.strike_shapes,
                                           model.pickup_shapes, rate);
@@ -87,7 +86,7 @@ auto visit_scheme(const PaperCase& played, Method method, double rate, Visit vis
     return visit(scheme, modes, 0);
   }
   if (method == Method::newton)
-    return one_step(NewtonUpdate<T>(model.hammer), [law](double y) { return law.energy(y); });
+    return one_step(NewtonUpdate<T>(model.hammer), [law = played.law()](double y) { return law.energy(y); });
   const Spline spline = played.spline();
   const auto potential_of_spline = [table = segment_table(spline)](double y) {
     return potential(SegmentTable<double>(table), y);
@@ -144,8 +143,7 @@ inline double signal_error(const PaperCase& played, Method method, double rate, 
 /// Mean of |error of the exit time| over `phases` places of the first touch between two samples, in samples. The
 /// exact time is that of the power law.
 inline double exit_error(const PaperCase& played, Method method, double rate, int phases) {
-  const PowerLaw law{played.model.hammer.stiffness_n_per_m_alpha, played.model.hammer.exponent};
-  const double exact = law.contact_duration(played.model.hammer.mass_kg, played.speed_m_per_s) * rate;
+  const double exact = played.law().contact_duration(played.model.hammer.mass_kg, played.speed_m_per_s) * rate;
   const int samples = 20 + static_cast<int>(2 * exact);
   double sum = 0;
   for (int phase = 0; phase < phases; ++phase) {

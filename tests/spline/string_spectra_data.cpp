@@ -3,19 +3,11 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "bench/baselines/modal_string.hpp"
 #include "string_partials.hpp"
 
 namespace contactspline::testing {
 namespace {
-
-// The modes with their mass kept instead of their stiffness, as in version 0.1.0 (docs/how-it-works/modal.md).
-std::vector<Mode> with_mass_kept(std::vector<Mode> modes) {
-  for (Mode& mode : modes) {
-    const auto constants = detail::mode_constants(mode, kRate_hz);
-    mode.mass_kg *= 4 * constants.averaging_factor / constants.one_plus_z_square;
-  }
-  return modes;
-}
 
 double decibels(double velocity) {
   return 20 * std::log10(std::max(velocity, 1e-9));
@@ -25,7 +17,9 @@ double decibels(double velocity) {
 void print(const StruckNote& note, double speed_m_per_s) {
   const Spline uniform = note.spline_of(Knots::uniform, ErrorOf::contact_duration, 32);
   const Spline spectrum = note.spline_of(Knots::optimal, ErrorOf::spectrum, 32);
-  const auto before = note.velocities(with_mass_kept(note.modes()), uniform, speed_m_per_s, kRate_hz);
+  // As in version 0.1.0.
+  const auto before =
+      note.velocities(bench::with_mass_kept(note.modes(), kRate_hz), uniform, speed_m_per_s, kRate_hz);
   const auto now = note.heard_velocities(spectrum, speed_m_per_s);
   const auto exact = note.exact_velocities(speed_m_per_s);
   for (std::size_t k = 0; k < exact.size(); ++k)
