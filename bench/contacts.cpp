@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // contacts [ROUNDS [PLUCKS]]: strings over several contacts by ContactNetwork and by linearly implicit schemes: time,
-// penetration and drift, as a section of docs/measurements/speed.md on standard output (scripts/bench).
+// penetration and drift; strings that stretch beside others. As sections of docs/measurements/speed.md on standard
+// output (scripts/bench).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,12 +9,14 @@
 #include <cstdlib>
 #include <functional>
 #include <memory>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "bench/contact_problems.hpp"
 #include "bench/paired_timer.hpp"
+#include "contactspline/modal/stretching_bank.hpp"
 
 namespace contactspline::bench {
 namespace {
@@ -170,6 +173,60 @@ void print_drifts(const PluckedString& plucked, int oversampling, int plucks) {
   print_drift<Limited>(plucked, oversampling, drift<Limited>(plucked, oversampling, plucks), ours.peak);
 }
 
+// --- Bodies that stretch ---
+
+constexpr std::size_t kModes = 80;
+
+std::vector<Mode> modes_of_steel_string() {
+  std::vector<Mode> modes;
+  for (std::size_t n = 1; n <= kModes; ++n)
+    modes.push_back({2 * std::numbers::pi * 110 * static_cast<double>(n), 1, 1.8e-4});
+  return modes;
+}
+
+/// The string of 0.65 m and 0.3 mm stretches by one form; so many in place of it are each as stiff.
+std::vector<StretchForm> forms_of_steel_string(std::size_t count) {
+  StretchForm form{2e11 * 7.07e-8 * 0.65 / 8, {}};
+  for (std::size_t n = 1; n <= kModes; ++n)
+    form.squares_per_m2.push_back(std::pow(std::numbers::pi * static_cast<double>(n) / 0.65, 2));
+  return std::vector(count, form);
+}
+
+template <typename Bank>
+TimedTask<std::function<void()>> ringing(const char* name, Bank made, auto advance) {
+  const auto bank = std::make_shared<Bank>(std::move(made));
+  for (std::size_t i = 0; i < kModes; ++i) bank->set_motion(i, 1e-3F / static_cast<float>((i + 1) * (i + 1)), 0);
+  return {name, [bank, advance] {
+            for (int n = 0; n < kBetween; ++n) advance(*bank);
+          }};
+}
+
+template <std::floating_point T>
+void print_stretching(const char* precision, int rounds) {
+  const auto modes = modes_of_steel_string();
+  const auto advance = [](StretchingBank<T>& bank) {
+    bank.predict();
+    bank.commit();
+  };
+  const auto stretching = [&](const char* name, std::size_t forms) {
+    return ringing(name, StretchingBank<T>(modes, forms_of_steel_string(forms), kRate), advance);
+  };
+  std::vector tasks = {ringing("linear", ModalBank<T>(modes, kRate),
+                               [](ModalBank<T>& bank) { bank.advance(0, {}, nullptr, {}, nullptr); }),
+                       stretching("one form", 1), stretching("four forms", 4)};
+  PairedTimer<std::function<void()>, ThreadClock> timer(tasks, kBetween);
+  for (int i = 0; i < rounds; ++i) timer.round();
+  for (std::size_t i = 0; i < tasks.size(); ++i)
+    fmt::print("| {} | {} | {:.0f} | {:.2f} |\n", precision, tasks[i].name, timer.nanoseconds(i), 1 / timer.ratio(i));
+}
+
+constexpr const char* kStretchingText =
+    "\n## Bodies that stretch\n\n"
+    "A string of 80 modes that rings, alone, by `ModalBank::advance` and by `StretchingBank` "
+    "([stretching.md](../how-it-works/stretching.md)).\n\n"
+    "| precision | string | ns per sample | of the linear one |\n"
+    "|---|---|---:|---:|\n";
+
 constexpr const char* kText =
     "\n## Several contacts\n\n"
     "A string over several contacts, plucked every 50 ms: by `ContactNetwork`, and by linearly implicit schemes "
@@ -216,6 +273,9 @@ void report(int rounds, int plucks) {
   fmt::print("{}", kDriftText);
   for (const PluckedString& plucked : strings)
     for (const int oversampling : {1, 4}) print_drifts(plucked, oversampling, plucks);
+  fmt::print("{}", kStretchingText);
+  print_stretching<double>("double", rounds);
+  print_stretching<float>("single", rounds);
 }
 
 }  // namespace

@@ -64,6 +64,48 @@ TYPED_TEST(KernelAlgebra, AdvanceABankUnderForces) {
   }
 }
 
+// A sample of a body that stretches by one form without products, beside the plain loops.
+TYPED_TEST(KernelAlgebra, AdvanceABodyThatStretches) {
+  using T = TypeParam;
+  Random random(3);
+  for (const std::int64_t target : targets()) {
+    const OnlyTarget only(target);
+    for (const std::size_t size : {1u, 2u, 5u, 8u, 17u, 56u, 120u}) {
+      std::vector<Mode> modes;
+      for (std::size_t i = 0; i < size; ++i) modes.push_back({100.0 + 900.0 * static_cast<double>(i), 30, 1e-3});
+      ModalBank<T> plain(modes, 44100), tested(modes, 44100);
+      detail::ModalArray<T> squares(size), gradient(size), plain_motion(size), motion(size);
+      for (std::size_t i = 0; i < size; ++i) {
+        squares[i] = static_cast<T>(random.between(-1, 1));
+        plain_motion[i] = motion[i] = static_cast<T>(random.between(-1, 1));
+        const auto q = static_cast<T>(random.between(-1, 1)), v = static_cast<T>(random.between(-1, 1));
+        plain.set_motion(i, q, v);
+        tested.set_motion(i, q, v);
+        plain.arrays().change[i] = tested.arrays().change[i] = static_cast<T>(random.between(-1, 1));
+      }
+      T sums[4], plain_sums[4];
+      const auto moved_by = static_cast<T>(random.between(-1, 1));
+      detail::portable::advance_stretching<T>(
+          plain.arrays(), {squares.data(), gradient.data(), plain_motion.data(), moved_by}, plain_sums);
+      detail::kernels<T>.advance_stretching(tested.arrays(),
+                                            {squares.data(), gradient.data(), motion.data(), moved_by}, sums);
+      // All numbers are below 10. The sums have `size` terms, or the terms of the last one an admittance each.
+      const double eps = 64 * double(std::numeric_limits<T>::epsilon());
+      const double bounds[] = {eps * double(size), eps * double(size), eps * double(size),
+                               eps * double(size) * double(plain.admittance(0))};
+      for (std::size_t k = 0; k < 4; ++k)
+        EXPECT_TRUE(within(double(sums[k]), double(plain_sums[k]), bounds[k])) << size << " " << k;
+      for (std::size_t i = 0; i < size; ++i) {
+        const auto a = plain.arrays(), b = tested.arrays();
+        ASSERT_TRUE(within(double(b.change[i]), double(a.change[i]), eps));
+        ASSERT_TRUE(within(double(b.displacement[i]), double(a.displacement[i]), eps));
+        ASSERT_TRUE(within(double(b.free_increment[i]), double(a.free_increment[i]), eps));
+        ASSERT_TRUE(within(double(motion[i]), double(plain_motion[i]), eps * double(plain.admittance(i))));
+      }
+    }
+  }
+}
+
 // Positive definite systems of every size up to 40: what was multiplied by the matrix comes back.
 TYPED_TEST(KernelAlgebra, SolvePositiveDefiniteSystems) {
   using T = TypeParam;

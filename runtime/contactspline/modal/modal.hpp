@@ -279,6 +279,9 @@ class ModalBank {
     }
   }
 
+  /// The constants of a mode at the sample rate.
+  [[nodiscard]] const detail::ModeConstants& constants(std::size_t mode) const { return constants_[mode]; }
+
   /// Pointers to the state and the constants, for the kernels.
   [[nodiscard]] detail::ModalArrays<T> arrays() {
     return {size(),

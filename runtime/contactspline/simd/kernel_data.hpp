@@ -27,6 +27,15 @@ struct ModalArrays {
   T* change;  ///< of the displacement over the last sample, where the modes are advanced one sample at a time
 };
 
+/// A form by which modes stretch their body, without products of two modes (StretchForm).
+template <std::floating_point T>
+struct SquareForm {
+  const T* squares;
+  T* gradient;  ///< squares times displacement, which a kernel may leave as it is
+  T* motion;    ///< admittance times gradient
+  T moved_by;   ///< by how much of the motion the form changes the displacements in a sample
+};
+
 /// Strings that end at a bridge.
 template <std::floating_point T>
 struct StringsOnBridge {

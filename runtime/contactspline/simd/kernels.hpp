@@ -63,6 +63,12 @@ struct Kernels {
   (const ModalArrays<T>& modes, T damping_gain, std::span<const T* const> pushed, const T* forces,
    std::span<const T* const> at, T* increments) = nullptr;
 
+  /// Ends a sample of a body that stretches by one form without products (StretchForms). Adds form.moved_by times
+  /// form.motion to the changes of the modes, applies these to the displacements, and writes the changes of the next
+  /// sample to modes.free_increment. Then the form's motion, and sums[0] to sums[3]: its gradient times displacement,
+  /// free increment, change and motion.
+  void (*advance_stretching)(const ModalArrays<T>& modes, const SquareForm<T>& form, T* sums);
+
   /// Are these the kernels of ContactSpline::simd?
   [[nodiscard]] bool are_vectorised() const { return process_struck != nullptr; }
 };
@@ -72,7 +78,8 @@ struct Kernels {
 template <std::floating_point T>
 inline constexpr Kernels<T> kPortableKernels = {.advance_on_bridge = portable::advance_on_bridge<T>,
                                                 .sum_shifted_products = portable::sum_shifted_products<T>,
-                                                .solve_positive_definite = portable::solve_positive_definite<T>};
+                                                .solve_positive_definite = portable::solve_positive_definite<T>,
+                                                .advance_stretching = portable::advance_stretching<T>};
 
 /// The kernels of this program or shared library, whichever of its files calls them. They change before main()
 /// begins, or never.

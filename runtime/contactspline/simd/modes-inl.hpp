@@ -196,6 +196,36 @@ HWY_INLINE Sample advance_under_forces_here(const ModalArrays<Sample>& modes, Sa
   return travel;
 }
 
+/// All in one pass. The arrays are copied pointers, as in advance_and_sum.
+HWY_INLINE void advance_stretching_here(const ModalArrays<Sample>& arrays, const SquareForm<Sample>& of_form,
+                                        Sample* sums) {
+  const Tag<Sample> tag;
+  const ModalArrays<Sample> modes = arrays;
+  const SquareForm<Sample> form = of_form;
+  const auto moved_by = hn::Set(tag, form.moved_by);
+  auto by_q = hn::Zero(tag), by_d = by_q, by_c = by_q, by_motion = by_q;
+  for (std::size_t i = 0; i < modes.modes; i += hn::Lanes(tag)) {
+    const auto c = hn::MulAdd(moved_by, hn::Load(tag, form.motion + i), hn::Load(tag, modes.change + i));
+    const auto q = hn::Add(hn::Load(tag, modes.displacement + i), c);
+    auto pull = hn::MulAdd(hn::Load(tag, modes.stiffness + i), q, hn::Mul(hn::Load(tag, modes.loss + i), c));
+    if constexpr (kRounds<Sample>) pull = hn::MulAdd(hn::Load(tag, modes.stiffness_rest + i), q, pull);
+    const auto d = hn::Sub(c, pull), gradient = hn::Mul(hn::Load(tag, form.squares + i), q);
+    const auto motion = hn::Mul(hn::Load(tag, modes.admittance + i), gradient);
+    hn::Store(c, tag, modes.change + i);
+    hn::Store(q, tag, modes.displacement + i);
+    hn::Store(d, tag, modes.free_increment + i);
+    hn::Store(motion, tag, form.motion + i);
+    by_q = hn::MulAdd(gradient, q, by_q);
+    by_d = hn::MulAdd(gradient, d, by_d);
+    by_c = hn::MulAdd(gradient, c, by_c);
+    by_motion = hn::MulAdd(gradient, motion, by_motion);
+  }
+  sums[0] = hn::GetLane(hn::SumOfLanes(tag, by_q));
+  sums[1] = hn::GetLane(hn::SumOfLanes(tag, by_d));
+  sums[2] = hn::GetLane(hn::SumOfLanes(tag, by_c));
+  sums[3] = hn::GetLane(hn::SumOfLanes(tag, by_motion));
+}
+
 /// A vector of a column, 0 in the lanes up to that of the diagonal.
 template <typename T>
 HWY_INLINE Vector<T> below_diagonal(std::size_t diagonal, const T* column) {

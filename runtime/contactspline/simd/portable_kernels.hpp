@@ -46,6 +46,32 @@ void commit_modes(std::size_t modes, const T* __restrict stiffness, const T* __r
   }
 }
 
+/// Ends a sample of modes that move over two samples at once (TwoStepMotion): their changes, and moved_by times
+/// `motion`, move the displacements, and the changes of the next sample are free_increment.
+template <std::floating_point T>
+void commit_over_two_samples(std::size_t modes, const T* __restrict stiffness, const T* __restrict stiffness_rest,
+                             const T* __restrict loss, const T* __restrict motion, T moved_by, T* __restrict change,
+                             T* __restrict displacement, T* __restrict free_increment) {
+  for (std::size_t i = 0; i < modes; ++i) {
+    const T c = change[i] + moved_by * motion[i], q = displacement[i] + c;
+    T pull = loss[i] * c + stiffness[i] * q;
+    if constexpr (kRoundsModes<T>) pull += stiffness_rest[i] * q;
+    change[i] = c;
+    displacement[i] = q;
+    free_increment[i] = c - pull;
+  }
+}
+
+/// gradient = squares displacement, motion = admittance gradient.
+template <std::floating_point T>
+void multiply_squares(std::size_t modes, const T* __restrict squares, const T* __restrict displacement,
+                      const T* __restrict admittance, T* __restrict gradient, T* __restrict motion) {
+  for (std::size_t i = 0; i < modes; ++i) {
+    gradient[i] = squares[i] * displacement[i];
+    motion[i] = admittance[i] * gradient[i];
+  }
+}
+
 /// to[from..n) += factor * column[from..n)
 template <std::floating_point T>
 void add_scaled(std::size_t from, std::size_t n, T factor, const T* __restrict column, T* __restrict to) {
@@ -218,6 +244,15 @@ T advance_under_forces(const ModalArrays<T>& modes, T damping_gain, std::span<co
   commit_modes(modes.modes, modes.stiffness, modes.stiffness_rest, modes.loss, modes.change, modes.displacement,
                modes.free_increment);
   return sum_free_increments<T>(modes.modes, modes.free_increment, at, increments);
+}
+
+template <std::floating_point T>
+void advance_stretching(const ModalArrays<T>& modes, const SquareForm<T>& form, T* sums) {
+  commit_over_two_samples(modes.modes, modes.stiffness, modes.stiffness_rest, modes.loss, form.motion, form.moved_by,
+                          modes.change, modes.displacement, modes.free_increment);
+  multiply_squares(modes.modes, form.squares, modes.displacement, modes.admittance, form.gradient, form.motion);
+  const T* const factors[] = {modes.displacement, modes.free_increment, modes.change, form.motion};
+  for (std::size_t k = 0; k < 4; ++k) sums[k] = inner_product<T>(modes.modes, form.gradient, factors[k]);
 }
 
 }  // namespace portable
