@@ -75,6 +75,8 @@ struct ControlRanges {
   static constexpr Range damping{0, T(1e5)};  ///< damping_per_s times dt
   static constexpr Range force_n{T(-1e3), T(1e3)};
   static constexpr Range bridge_force_n{T(-1e6), T(1e6)};
+  static constexpr Range normal_force_n{0, T(1e3)};
+  static constexpr Range friction_coefficient{0, T(10)};
   static constexpr Range hand_stiffness_n_per_m{0, T(1e9)};
   static constexpr Range resistance_n_s_per_m{0, T(1e6)};
   static constexpr Range gap_m{T(-0.1), T(0.1)};
