@@ -64,7 +64,9 @@ Assembly assembly_of(const NetworkPlan<T>& plan, std::size_t mass) {
     for (std::size_t k = 0; k < plan.connections().size(); ++k) {
       const BodiesOf<T> ends(plan, k);
       const std::size_t here = assembly.masses[i];
-      if (!plan.connections()[k].table.empty() || (ends.first != here && ends.second != here)) continue;
+      if (!plan.connections()[k].table.empty() || plan.connections()[k].friction ||
+          (ends.first != here && ends.second != here))
+        continue;
       const std::size_t other = ends.first == here ? ends.second : ends.first;
       if (!is_free_mass(plan, other))
         assembly.is_held = true;

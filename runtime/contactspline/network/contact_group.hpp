@@ -66,7 +66,7 @@ class ContactGroup {
     }
     for (std::size_t a = 0; a < n; ++a) {
       connections_[a] = &connections[contacts[a]];
-      laws_[a] = SampleLaw<T>(*connections_[a], time_step);
+      laws_[a] = ConnectionLaw<T>(*connections_[a], time_step);
       free_[a] = increments[contacts[a]];
     }
     std::fill(free_.data() + n, free_.data() + coupling_.padded(n), T(0));
@@ -74,7 +74,7 @@ class ContactGroup {
 
   [[nodiscard]] std::size_t size() const { return members_.size(); }
   [[nodiscard]] const CoupledConnection<T>& connection(std::size_t a) const { return *connections_[a]; }
-  [[nodiscard]] const SampleLaw<T>& law(std::size_t a) const { return laws_[a]; }
+  [[nodiscard]] const ConnectionLaw<T>& law(std::size_t a) const { return laws_[a]; }
   [[nodiscard]] T free_increment(std::size_t a) const { return free_[a]; }
   [[nodiscard]] const ColumnMatrix<T>& coupling() const { return coupling_; }
 
@@ -128,7 +128,7 @@ class ContactGroup {
   static constexpr T kRounding = std::numeric_limits<T>::epsilon();
 
   std::vector<const CoupledConnection<T>*> connections_;
-  std::vector<SampleLaw<T>> laws_;
+  std::vector<ConnectionLaw<T>> laws_;
   IndexList members_;  // whose admittances coupling_ holds
   ColumnMatrix<T> coupling_;
   ModalArray<T> root_admittance_, free_;

@@ -141,6 +141,15 @@ class ContactNetwork {
     controls_.follow(c);
   }
 
+  /// Normal force of friction [N], 0 to 1000, and the speed at which the surface of its first place moves by itself
+  /// beside that place, as a bow does [m/s], -1000 to 1000. Both may jump.
+  void set_friction(std::size_t connection, T normal_force_n, T speed_m_per_s) {
+    Connection& c = parts_.connections[connection];
+    c.normal_force = held(c.normal_force, normal_force_n, Ranges::normal_force_n);
+    const T longest = Ranges::speed_m_per_s.max * time_step_;
+    c.carried = held(c.carried, speed_m_per_s * time_step_, {-longest, longest});
+  }
+
   /// Gap of a connection [m], -0.1 to 0.1, which follows at 1 m/s.
   void set_gap(std::size_t connection, T gap_m) {
     Connection& c = parts_.connections[connection];
@@ -155,7 +164,11 @@ class ContactNetwork {
       follow(mover);
     }
     for (Body& body : parts_.bodies) body.bank.reset();
-    for (std::size_t k = 0; k < parts_.connections.size(); ++k) solver_[k].memory.reset();
+    for (std::size_t k = 0; k < parts_.connections.size(); ++k) {
+      solver_[k].memory.reset();
+      solver_[k].friction.reset();
+      parts_.connections[k].temperature.reset();
+    }
     for (const std::size_t p : pushed_) parts_.places[p].push = 0, parts_.places[p].is_pushed = false;
     pushed_.clear();
     last_pushed_.clear();
@@ -205,6 +218,12 @@ class ContactNetwork {
   }
   /// The same at the beginning of the last sample, of a connection that acted in it [m].
   [[nodiscard]] T compression_before(std::size_t connection) const { return parts_.connections[connection].before; }
+  /// Temperature of the surfaces of friction, above ambient [K].
+  [[nodiscard]] T temperature(std::size_t connection) const {
+    return parts_.connections[connection].temperature.temperature();
+  }
+  /// By how much friction slipped in the last sample [m].
+  [[nodiscard]] T slip(std::size_t connection) const { return solver_[connection].step.slip; }
   [[nodiscard]] T gap(std::size_t connection) const { return parts_.connections[connection].gap; }  ///< that acts [m]
   /// Are gaps, stiffnesses or places still behind their controls?
   [[nodiscard]] bool is_following() const { return controls_.is_following(); }
@@ -243,13 +262,13 @@ class ContactNetwork {
     return energy;
   }
 
-  /// Work of pushes, moving gaps, moving places and stiffness controls in the last sample [J].
+  /// Work of pushes, moving gaps, places and surfaces, and stiffness controls in the last sample [J].
   [[nodiscard]] double work() const {
     double work = controls_.work();
     for (const std::size_t p : last_pushed_)
       work += double(parts_.places[p].last_push) * double(parts_.body_of(p).bank.increment(parts_.places[p].shapes));
     for (const std::size_t k : solver_.active())
-      work += double(solver_[k].force) * double(parts_.connections[k].lift);
+      work += double(solver_[k].force) * (double(parts_.connections[k].lift) + double(parts_.connections[k].carried));
     return work;
   }
 
@@ -309,6 +328,11 @@ class ContactNetwork {
     c.contact = {connection.contact.stiffness_ratio * connection.weight, connection.contact.loss_s_per_m};
     c.spring_n_per_m = connection.spring;
     c.resistance = connection.resistance / time_step_;
+    if (!plan.friction) return;
+    c.is_friction = true;
+    c.friction = Friction<T>(plan.friction->bristles, 1 / double(time_step_));
+    connection.temperature =
+        FrictionTemperature<T>(plan.friction->heat, plan.friction_width_m, 1 / double(time_step_));
   }
 
   // Takes all compressions from the displacements, and wakes all contacts.
@@ -324,7 +348,7 @@ class ContactNetwork {
 
   void set_compression(std::size_t k, T compression) {
     CoupledConnection<T>& c = solver_[k];
-    c.compression = compression;
+    c.compression = c.is_friction ? c.friction.strain() : compression;
     if (!c.table.empty()) c.segment = segment_index(c.table, compression);
   }
 
@@ -333,8 +357,8 @@ class ContactNetwork {
   void anchor_next() {
     if (parts_.connections.empty()) return;
     anchor_ = (anchor_ + 1) % parts_.connections.size();
-    if (!parts_.connections[anchor_].is_awake) return;
     CoupledConnection<T>& c = solver_[anchor_];
+    if (!parts_.connections[anchor_].is_awake || c.is_friction) return;
     const T part = (std::min)(T(1e-4) * static_cast<T>(parts_.connections.size() * sleeping_.kInterval), T(1));
     // Not the gap of this sample, but the one before it moved.
     const T error = parts_.measured(anchor_) - parts_.connections[anchor_].lift - c.compression;
@@ -404,14 +428,22 @@ class ContactNetwork {
 
   void begin(std::size_t k, T free_increment) {
     Connection& c = parts_.connections[k];
-    solver_[k].free_increment = free_increment + c.lift;
+    solver_[k].free_increment = free_increment + c.lift + c.carried;
     c.before = solver_[k].compression;
+    if (solver_[k].is_friction) solver_[k].friction.press({c.normal_force, c.temperature.coefficient()});
     solver_.add(k);
+  }
+
+  void warm(std::size_t k) {
+    const CoupledConnection<T>& c = solver_[k];
+    parts_.connections[k].temperature.advance(c.friction.normal_force(), c.step.increment,
+                                              static_cast<T>(c.friction.slip_heat()));
   }
 
   // Moves the bodies, and predicts the next sample.
   void advance() {
     for (const std::size_t k : solver_.active()) {
+      if (solver_[k].is_friction) warm(k);
       const T force = solver_[k].force;
       if (force == 0) continue;
       if (parts_.connections[k].first != kGround) add_force(parts_.connections[k].first, -force);

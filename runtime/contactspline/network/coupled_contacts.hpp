@@ -28,7 +28,8 @@ namespace contactspline {
 /// force is the discrete gradient of its contact, so the stored energy changes by force x, exactly. A contact that
 /// does not touch costs a comparison and a dot product with the forces that act. Groups without admittance between
 /// them are solved apart. Springs are linear: they are eliminated, and each contact meets bodies and springs
-/// together. A contact that is alone in its group is contact_step. No allocation after construction.
+/// together. A contact that is alone in its group is contact_step; friction stands among the contacts, and touches
+/// while there is a normal force. No allocation after construction.
 /// (docs/how-it-works/several-contacts.md)
 template <std::floating_point T>
 class CoupledContacts {
@@ -87,7 +88,12 @@ class CoupledContacts {
 
   /// Adds connection i to this sample.
   void add(std::size_t i) {
-    if (connections_[i].table.empty()) {
+    CoupledConnection<T>& c = connections_[i];
+    if (c.is_friction && !(c.friction.normal_force() > 0)) {
+      c.force = 0;
+      c.step = {};
+      active_.push_back(i);
+    } else if (c.table.empty() && !c.is_friction) {
       active_.push_back(i);
       springs_.add(i);
     } else {
@@ -103,7 +109,7 @@ class CoupledContacts {
       if (is_active_[i]) continue;
       CoupledConnection<T>& c = connections_[i];
       increments_[i] = springs_.increment(i, c.free_increment);
-      if (c.compression > 0 || c.compression + increments_[i] > 0)
+      if (c.is_friction || c.compression > 0 || c.compression + increments_[i] > 0)
         activate(i);
       else
         c.force = 0;
@@ -121,8 +127,10 @@ class CoupledContacts {
   /// Ends the sample: moves the compressions of the connections that were added, and lets memories relax.
   void advance() {
     for (const std::size_t i : active_) {
-      connections_[i].compression = ends_[i].compression;
-      connections_[i].segment = ends_[i].segment;
+      CoupledConnection<T>& c = connections_[i];
+      if (c.is_friction) c.friction.advance(c.step), ends_[i] = {c.step.strain, 0};
+      c.compression = ends_[i].compression;
+      c.segment = ends_[i].segment;
     }
     for (const std::size_t i : contacts_) {
       if (is_active_[i]) continue;
@@ -184,14 +192,23 @@ class CoupledContacts {
     const auto& found = newton_.solve(group_, is_first_pass_);
     for (std::size_t a = 0; a < grouped_.size(); ++a) {
       const std::size_t i = grouped_[a];
-      connections_[i].force = found.force[a];
-      ends_[i] = group_.law(a).end_of(found.increment[a], found.segment[a]);
+      CoupledConnection<T>& c = connections_[i];
+      c.force = found.force[a];
+      if (c.is_friction)
+        c.step = group_.law(a).rubbed(found.increment[a], c.force);
+      else
+        ends_[i] = group_.law(a).end_of(found.increment[a], found.segment[a]);
     }
   }
 
   void solve_alone(std::size_t i) {
     CoupledConnection<T>& c = connections_[i];
     const Approach<T> approach{c.compression, increments_[i], acting_admittance()(i, i)};
+    if (c.is_friction) {
+      c.step = c.friction.law().step(approach.free_increment, approach.admittance);
+      c.force = c.step.force;
+      return;
+    }
     const auto step = c.memory.step(c.table, c.contact, time_step_, approach, c.segment);
     c.force = step.force;
     ends_[i] = {step.compression, step.segment};

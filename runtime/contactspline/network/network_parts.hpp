@@ -18,6 +18,7 @@
 #include "contactspline/network/network_plan.hpp"
 #include "contactspline/step/contact.hpp"
 #include "contactspline/step/controls.hpp"
+#include "contactspline/step/friction_heat.hpp"
 
 namespace contactspline::detail {
 
@@ -115,6 +116,10 @@ struct NetworkConnection {
   T before = 0;               // compression at the beginning of the sample [m]
   bool is_awake = true;
   bool is_following = false;
+  // Of friction.
+  T normal_force = 0;  // target [N]
+  T carried = 0;       // by how much the surface of the first place moves by itself in a sample [m]
+  FrictionTemperature<T> temperature;
 };
 
 /// The bodies of a network, the places on them and the connections between these. Indices are those of the plan.

@@ -7,10 +7,12 @@
 #include <concepts>
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "contactspline/data/friction_materials.hpp"
 #include "contactspline/modal/modal.hpp"
 #include "contactspline/modal/string_place.hpp"
 #include "contactspline/step/contact.hpp"
@@ -48,6 +50,8 @@ class NetworkPlan {
     std::span<const Memory> memories = {};  // of a contact
     T spring_n_per_m = 0, resistance_n_s_per_m = 0;
     bool is_rigid = false;
+    std::optional<FrictionMaterial> friction = {};
+    double friction_width_m = 1;
   };
 
   std::size_t add_body(std::span<const Mode> modes) { return add(bodies_, {modes.begin(), modes.end()}); }
@@ -107,6 +111,13 @@ class NetworkPlan {
                               .gap_m = gap_m,
                               .spring_n_per_m = spring_n_per_m,
                               .resistance_n_s_per_m = resistance_n_s_per_m});
+  }
+
+  /// Friction between two places that move along each other; ContactNetwork::set_friction presses them together.
+  /// width_m: of the surfaces across the motion, > 0, where heat weakens the material.
+  std::size_t add_friction(std::size_t first, std::size_t second, const FrictionMaterial& material,
+                           double width_m = 1) {
+    return add(connections_, {.first = first, .second = second, .friction = material, .friction_width_m = width_m});
   }
 
   /// A link so stiff that its length changes by 1e-3 of what the places would move apart in a sample.

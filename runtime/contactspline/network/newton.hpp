@@ -89,12 +89,12 @@ class NewtonSolver {
     for (std::size_t a = 0; a < group.size(); ++a) {
       const CoupledConnection<T>& c = group.connection(a);
       now_.slope[a] = now_.residual[a] = 0;
-      if (now_.force[a] == 0 && c.compression <= 0 && c.compression + now_.increment[a] <= 0)
+      if (!c.is_friction && now_.force[a] == 0 && c.compression <= 0 && c.compression + now_.increment[a] <= 0)
         continue;  // stays apart
       const T xi = group.coupling()(a, a);
       const Approach<T> alone{c.compression, now_.increment[a] + xi * now_.force[a], xi};
-      const auto step = c.memory.step(c.table, c.contact, time_step_, alone, c.segment);
-      now_.slope[a] = group.law(a).slope_at(step);
+      const auto step = group.law(a).alone(c, alone, time_step_);
+      now_.slope[a] = step.slope;
       next_.segment[a] = step.segment;
       now_.residual[a] = (1 + xi * now_.slope[a]) * (step.force - now_.force[a]);
     }
@@ -190,8 +190,9 @@ class NewtonSolver {
   void apply_bounding_law(const ContactGroup<T>& group) {
     ++bounded_;
     const std::size_t n = group.size();
-    for (std::size_t a = 0; a < n; ++a)
-      next_.force[a] = group.law(a).at(now_.increment[a], now_.segment[a]).force > 0;  // does it act?
+    for (std::size_t a = 0; a < n; ++a)  // does it act?
+      next_.force[a] =
+          group.connection(a).is_friction || group.law(a).at(now_.increment[a], now_.segment[a]).force > 0;
     for (bool changed = true; changed;) {
       for (std::size_t a = 0; a < n; ++a) {
         const auto& law = group.law(a);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A contact or a spring over one sample, and the law that a contact's force follows over it.
+// A connection over one sample, and the law that its force follows over it.
 #pragma once
 
 #include "contactspline/step/cpp20.hpp"
@@ -11,12 +11,14 @@
 #include <span>
 
 #include "contactspline/step/contact.hpp"
+#include "contactspline/step/friction.hpp"
 #include "contactspline/step/memory.hpp"
 
 namespace contactspline {
 
-/// A contact or a spring over one sample. It is a contact if it has a table. A spring has none, pulls as well as it
-/// pushes, and stores spring_n_per_m compression^2/2.
+/// A contact, a spring or friction over one sample. It is a contact if it has a table. A spring has none, pulls as
+/// well as it pushes, and stores spring_n_per_m compression^2/2. The compression of friction is the strain of its
+/// bristles.
 template <std::floating_point T>
 struct CoupledConnection {
   SegmentTable<T> table = {};
@@ -28,14 +30,19 @@ struct CoupledConnection {
   T free_increment = 0;     ///< change of the compression over the sample if no connection acted [m]
   std::size_t segment = 0;  ///< of a contact: the one that holds the compression; advance() moves it too
   T force = 0;              ///< over the last sample [N]; the search for the next one begins here
+  bool is_friction = false;
+  Friction<T> friction = {};  ///< press() it before each sample
+  FrictionStep<T> step = {};  ///< of friction in this sample; advance() ends it
 
   /// Energy that it stores at a compression [J].
   [[nodiscard]] double energy_at(T y) const {
+    if (is_friction) return friction.energy();
     if (table.empty()) return double(spring_n_per_m) / 2 * double(y) * double(y);
     return double(contact.stiffness_ratio) * double(memory.energy(table, y));
   }
   /// Energy that it dissipated over the last sample, which began at compression y0 [J].
   [[nodiscard]] double dissipated_since(T y0, T time_step) const {
+    if (is_friction) return friction.heat();
     const double x = double(compression) - double(y0);
     if (table.empty()) return double(resistance) * x * x;
     if (!(contact.loss_s_per_m > 0)) return 0;
@@ -173,6 +180,57 @@ class SampleLaw {
   T y0_ = 0, ratio_ = 1, slope_at_knot_ = 0;
   T force_ = 0, half_curvature_ = 0, resistance_ = 0;  // within the segment of y0
   T lower_ = -std::numeric_limits<T>::infinity(), upper_ = std::numeric_limits<T>::infinity();  // its ends
+};
+
+/// The step of a connection if the forces of all others hold: its force, the slope of its law there and the segment
+/// in which it ends.
+template <std::floating_point T>
+struct StepAlone {
+  T force, slope;
+  std::size_t segment;
+};
+
+/// The law of a contact or of friction over one sample: force(x) never falls with the increment x.
+template <std::floating_point T>
+class ConnectionLaw {
+ public:
+  ConnectionLaw() = default;
+  ConnectionLaw(const CoupledConnection<T>& connection, T time_step) : is_friction_(connection.is_friction) {
+    if (is_friction_)
+      bristles_ = connection.friction.law();
+    else
+      contact_ = SampleLaw<T>(connection, time_step);
+  }
+
+  /// As SampleLaw::at.
+  [[nodiscard, gnu::always_inline]] ForceAndSlope<T> at(T x, std::size_t& segment) const {
+    if (is_friction_) return {bristles_.force_at(x), bristles_.slope_at(x)};
+    return contact_.at(x, segment);
+  }
+  /// As SampleLaw::steepest_slope.
+  [[nodiscard]] T steepest_slope() const { return is_friction_ ? bristles_.slope() : contact_.steepest_slope(); }
+  [[nodiscard]] T force_at_rest() const {  ///< for x = 0 [N]
+    return is_friction_ ? bristles_.force_at_rest() : contact_.force_at_rest();
+  }
+
+  [[nodiscard]] StepAlone<T> alone(const CoupledConnection<T>& c, const Approach<T>& approach, T time_step) const {
+    if (is_friction_) {
+      const FrictionStep<T> step = bristles_.step(approach.free_increment, approach.admittance);
+      return {step.force, bristles_.slope_at(step.increment), c.segment};
+    }
+    const ContactStep<T> step = c.memory.step(c.table, c.contact, time_step, approach, c.segment);
+    return {step.force, contact_.slope_at(step), step.segment};
+  }
+
+  /// Where a step of a contact ends, as SampleLaw::end_of.
+  [[nodiscard]] EndOfSample<T> end_of(T x, std::size_t segment) const { return contact_.end_of(x, segment); }
+  /// The same of friction under a force [N].
+  [[nodiscard]] FrictionStep<T> rubbed(T x, T force) const { return bristles_.end_of(x, force); }
+
+ private:
+  bool is_friction_ = false;
+  SampleLaw<T> contact_;
+  BristleLaw<T> bristles_;
 };
 
 }  // namespace detail

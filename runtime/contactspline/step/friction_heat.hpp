@@ -12,7 +12,7 @@ namespace contactspline {
 /// How the coefficient of friction follows the temperature T of the surfaces above ambient, and T the heat of slip. A
 /// normal force N over a width w has
 ///
-///     mu = (cold + hot q)/(1 + q),    q = (T/softening)^2
+///     mu = hot + (cold - hot)/(1 + (T/softening)^2)
 ///     capacity N dT/dt + (sqrt(renewal w N |v|) + conduction N) T = power of the slip
 ///
 /// A coefficient that does not depend on the temperature has hot = cold.
@@ -44,7 +44,7 @@ class FrictionTemperature {
   /// mu at this temperature.
   [[nodiscard]] T coefficient() const {
     const T ratio = temperature_ / softening_, q = ratio * ratio;
-    return (cold_ + hot_ * q) / (1 + q);
+    return hot_ + (cold_ - hot_) / (1 + q);
   }
 
   /// Follows a sample: its normal force [N], its increment [m] and the heat of its slip [J]. Exact for constant power
