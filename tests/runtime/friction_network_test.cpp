@@ -89,7 +89,8 @@ TYPED_TEST(NetworkFriction, OfAMassOnABeltIsTheFrictionStep) {
   std::vector<double> found, expected;
   for (int n = 0; n < 2000; ++n) {
     const double normal = n < 1000 ? 0.5 : 2, speed = n < 1500 ? 0.4 : -0.2;
-    network.set_friction(belt, T(normal), T(speed));
+    network.set_normal_force(belt, T(normal));
+    network.set_surface_speed(belt, T(speed));
     network.tick();
     const auto step =
         friction.tick({normal, surfaces.coefficient()}, (speed - velocity) / kRate, 1 / (2 * kMass * kRate * kRate));
@@ -119,9 +120,10 @@ struct RandomFriction : RandomNetwork {
   }
 
   void jump(ContactNetwork<double>& network) {
-    for (const std::size_t point : points)
-      if (random.once_in(50))
-        network.set_friction(point, random.once_in(4) ? 0 : random.decades(-4, 2), random.between(-1, 1));
+    for (const std::size_t point : points) {
+      if (random.once_in(50)) network.set_normal_force(point, random.once_in(4) ? 0 : random.decades(-4, 2));
+      if (random.once_in(50)) network.set_surface_speed(point, random.between(-1, 1));
+    }
   }
 
   std::vector<std::size_t> points;
@@ -218,7 +220,10 @@ struct BowedString {
   }
 
   void tick(T force, T speed) {
-    for (const std::size_t point : points) network.set_friction(point, force / 4, speed);
+    for (const std::size_t point : points) {
+      network.set_normal_force(point, force / 4);
+      network.set_surface_speed(point, speed);
+    }
     network.tick();
   }
 

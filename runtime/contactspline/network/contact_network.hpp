@@ -141,11 +141,16 @@ class ContactNetwork {
     controls_.follow(c);
   }
 
-  /// Normal force of friction [N], 0 to 1000, and the speed at which the surface of its first place moves by itself
-  /// beside that place, as a bow does [m/s], -1000 to 1000. Both may jump.
-  void set_friction(std::size_t connection, T normal_force_n, T speed_m_per_s) {
+  /// Normal force of friction [N], 0 to 1000. It may jump.
+  void set_normal_force(std::size_t connection, T force_n) {
     Connection& c = parts_.connections[connection];
-    c.normal_force = held(c.normal_force, normal_force_n, Ranges::normal_force_n);
+    c.normal_force = held(c.normal_force, force_n, Ranges::normal_force_n);
+  }
+
+  /// Speed at which the surface of friction moves by itself beside its first place, as a bow does [m/s], -1000 to
+  /// 1000. It may jump; what it does is work().
+  void set_surface_speed(std::size_t connection, T speed_m_per_s) {
+    Connection& c = parts_.connections[connection];
     const T longest = Ranges::speed_m_per_s.max * time_step_;
     c.carried = held(c.carried, speed_m_per_s * time_step_, {-longest, longest});
   }

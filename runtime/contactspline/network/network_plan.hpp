@@ -113,7 +113,7 @@ class NetworkPlan {
                               .resistance_n_s_per_m = resistance_n_s_per_m});
   }
 
-  /// Friction between two places that move along each other; ContactNetwork::set_friction presses them together.
+  /// Friction between two places that move along each other; ContactNetwork::set_normal_force presses them together.
   /// width_m: of the surfaces across the motion, > 0, where heat weakens the material.
   std::size_t add_friction(std::size_t first, std::size_t second, const FrictionMaterial& material,
                            double width_m = 1) {
