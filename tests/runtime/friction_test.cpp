@@ -75,10 +75,20 @@ TYPED_TEST(FrictionStepOf, SolvesItsEquation) {
     ASSERT_TRUE(within(sample.law.force_at(step.increment), step.force,
                        kRounding * (sample.limit() + sample.law.slope_at(step.increment) * reach)))
         << n;
+    const auto end_of = sample.law.end_of(step.increment, step.force);
     const double moved = reach + double(sample.law.yield);
     const double end = std::clamp(sample.law.strain + x, -double(sample.law.yield), double(sample.law.yield));
     ASSERT_TRUE(within(step.strain, end, kRounding * moved)) << n;
     ASSERT_TRUE(within(step.slip, std::abs(sample.law.strain + x - end), kRounding * moved)) << n;
+    ASSERT_TRUE(within(end_of.strain, end, kRounding * moved)) << n;
+    ASSERT_TRUE(within(end_of.slip, step.slip, kRounding * moved)) << n;
+    const T slope = sample.law.slope_at(step.increment), margin = T(1e-3) * std::abs(step.increment);
+    const T below = sample.law.force_at(step.increment - margin),
+            above = sample.law.force_at(step.increment + margin);
+    if (sample.law.holds(step.increment - margin) == sample.law.holds(step.increment + margin)) {
+      ASSERT_TRUE(within(slope * 2 * margin, above - below, kRounding * sample.limit() + 1e-5 * (above - below)))
+          << n;
+    }
     yielded += step.slip > 0;
   }
   EXPECT_GT(yielded, 5000);
