@@ -155,7 +155,7 @@ class ContactNetwork {
     c.carried = held(c.carried, speed_m_per_s * time_step_, {-longest, longest});
   }
 
-  /// Gap of a connection [m], -0.1 to 0.1, which follows at 1 m/s.
+  /// Gap of a contact, spring or link [m], -0.1 to 0.1, which follows at 1 m/s.
   void set_gap(std::size_t connection, T gap_m) {
     Connection& c = parts_.connections[connection];
     c.target_gap = held(c.target_gap, gap_m, Ranges::gap_m);
@@ -228,7 +228,7 @@ class ContactNetwork {
     return parts_.connections[connection].temperature.temperature();
   }
   /// By how much friction slipped in the last sample [m].
-  [[nodiscard]] T slip(std::size_t connection) const { return solver_[connection].step.slip; }
+  [[nodiscard]] T slip(std::size_t connection) const { return solver_[connection].friction_step.slip; }
   [[nodiscard]] T gap(std::size_t connection) const { return parts_.connections[connection].gap; }  ///< that acts [m]
   /// Are gaps, stiffnesses or places still behind their controls?
   [[nodiscard]] bool is_following() const { return controls_.is_following(); }
@@ -296,8 +296,9 @@ class ContactNetwork {
 
   // Moves places along their strings. Forces act there with the mean of the shapes before and after the sample. The
   // change of the shapes, times the displacements in the middle of the sample, presses the connections like a gap
-  // that shrinks. The middle is extrapolated from the last sample, and what that lacked follows in the next one: so
-  // the admittances stay symmetric, and the energy balance exact (docs/how-it-works/several-contacts.md).
+  // that shrinks. Friction meets other parts of the string there, and its bristles keep their strain. The middle is
+  // extrapolated from the last sample, and what that lacked follows in the next one: so the admittances stay
+  // symmetric, and the energy balance exact (docs/how-it-works/several-contacts.md).
   void move_places() {
     for (Mover& mover : parts_.movers) {
       mover.is_moving = mover.motion.move_to(mover.target_m);
@@ -308,7 +309,7 @@ class ContactNetwork {
                      std::exchange(mover.owed, -half_change);
       for (const std::size_t k : parts_.body_of(p).connections) {
         Connection& c = parts_.connections[k];
-        if (c.first != p && c.second != p) continue;
+        if (solver_[k].is_friction || (c.first != p && c.second != p)) continue;
         c.lift += c.first == p ? lift : -lift;
         sleeping_.shrink(c, lift);
       }
@@ -441,7 +442,7 @@ class ContactNetwork {
 
   void warm(std::size_t k) {
     const CoupledConnection<T>& c = solver_[k];
-    parts_.connections[k].temperature.advance(c.friction.normal_force(), c.step.increment,
+    parts_.connections[k].temperature.advance(c.friction.normal_force(), c.friction_step.increment,
                                               static_cast<T>(c.friction.slip_heat()));
   }
 

@@ -91,7 +91,7 @@ class CoupledContacts {
     CoupledConnection<T>& c = connections_[i];
     if (c.is_friction && !(c.friction.normal_force() > 0)) {
       c.force = 0;
-      c.step = {};
+      c.friction_step = {};
       active_.push_back(i);
     } else if (c.table.empty() && !c.is_friction) {
       active_.push_back(i);
@@ -128,7 +128,10 @@ class CoupledContacts {
   void advance() {
     for (const std::size_t i : active_) {
       CoupledConnection<T>& c = connections_[i];
-      if (c.is_friction) c.friction.advance(c.step), ends_[i] = {c.step.strain, 0};
+      if (c.is_friction) {
+        c.friction.advance(c.friction_step);
+        ends_[i] = {c.friction_step.strain, 0};
+      }
       c.compression = ends_[i].compression;
       c.segment = ends_[i].segment;
     }
@@ -195,7 +198,7 @@ class CoupledContacts {
       CoupledConnection<T>& c = connections_[i];
       c.force = found.force[a];
       if (c.is_friction)
-        c.step = group_.law(a).rubbed(found.increment[a], c.force);
+        c.friction_step = group_.law(a).friction_step(found.increment[a], c.force);
       else
         ends_[i] = group_.law(a).end_of(found.increment[a], found.segment[a]);
     }
@@ -205,8 +208,8 @@ class CoupledContacts {
     CoupledConnection<T>& c = connections_[i];
     const Approach<T> approach{c.compression, increments_[i], acting_admittance()(i, i)};
     if (c.is_friction) {
-      c.step = c.friction.law().step(approach.free_increment, approach.admittance);
-      c.force = c.step.force;
+      c.friction_step = c.friction.law().step(approach.free_increment, approach.admittance);
+      c.force = c.friction_step.force;
       return;
     }
     const auto step = c.memory.step(c.table, c.contact, time_step_, approach, c.segment);

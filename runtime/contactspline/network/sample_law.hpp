@@ -31,8 +31,8 @@ struct CoupledConnection {
   std::size_t segment = 0;  ///< of a contact: the one that holds the compression; advance() moves it too
   T force = 0;              ///< over the last sample [N]; the search for the next one begins here
   bool is_friction = false;
-  Friction<T> friction = {};  ///< press() it before each sample
-  FrictionStep<T> step = {};  ///< of friction in this sample; advance() ends it
+  Friction<T> friction = {};           ///< press() it before each sample
+  FrictionStep<T> friction_step = {};  ///< of this sample; advance() ends it
 
   /// Energy that it stores at a compression [J].
   [[nodiscard]] double energy_at(T y) const {
@@ -190,7 +190,7 @@ struct StepAlone {
   std::size_t segment;
 };
 
-/// The law of a contact or of friction over one sample: force(x) never falls with the increment x.
+/// The law of a contact or of friction over one sample: its force never falls with the increment x.
 template <std::floating_point T>
 class ConnectionLaw {
  public:
@@ -213,6 +213,7 @@ class ConnectionLaw {
     return is_friction_ ? bristles_.force_at_rest() : contact_.force_at_rest();
   }
 
+  /// The step of the connection `c` of this law, if the forces of all others hold.
   [[nodiscard]] StepAlone<T> alone(const CoupledConnection<T>& c, const Approach<T>& approach, T time_step) const {
     if (is_friction_) {
       const FrictionStep<T> step = bristles_.step(approach.free_increment, approach.admittance);
@@ -225,7 +226,7 @@ class ConnectionLaw {
   /// Where a step of a contact ends, as SampleLaw::end_of.
   [[nodiscard]] EndOfSample<T> end_of(T x, std::size_t segment) const { return contact_.end_of(x, segment); }
   /// The same of friction under a force [N].
-  [[nodiscard]] FrictionStep<T> rubbed(T x, T force) const { return bristles_.end_of(x, force); }
+  [[nodiscard]] FrictionStep<T> friction_step(T x, T force) const { return bristles_.end_of(x, force); }
 
  private:
   bool is_friction_ = false;
