@@ -123,29 +123,42 @@ T inner_product(std::size_t modes, const T* a, const T* b) {
   return sum_of<T>(modes, [&](std::size_t i) { return a[i] * b[i]; });
 }
 
+/// Partial sums that let the compiler use vector registers. The arrays of strings on a bridge are padded to them.
+inline constexpr std::size_t kSumsOnBridge = 8;
+
+/// Advances the modes of a string by one sample on a bridge that has moved by change_m, and adds the forces on the
+/// bridge to `forces`. A separate function, as commit_modes().
+template <std::floating_point T>
+void advance_modes_on_bridge(std::size_t modes, T change_m, T damping_gain, const T* __restrict stiffness,
+                             const T* __restrict stiffness_rest, const T* __restrict loss, const T* __restrict shape,
+                             const T* __restrict rest, T* __restrict displacement, T* __restrict free_increment,
+                             T* __restrict forces) {
+  for (std::size_t line = 0; line < modes; line += kSumsOnBridge)
+    for (std::size_t lane = 0; lane < kSumsOnBridge; ++lane) {
+      const std::size_t i = line + lane;
+      const T by = rest[i] * (change_m / 2), pull_by = stiffness[i] * by;
+      const T d = free_increment[i] + pull_by, c = damping_gain * d;
+      const T q = displacement[i] - by + c, pull = loss[i] * c + stiffness[i] * q;
+      displacement[i] = q - by;
+      free_increment[i] = (c - d) + (c - (pull + stiffness_rest[i] * q)) + pull_by;
+      forces[lane] += shape[i] * (q - by);
+    }
+}
+
 template <std::floating_point T>
 BridgeForces<T> advance_on_bridge(std::span<const StringsOnBridge<T>> strings, T change_m) {
-  constexpr std::size_t kLanes = 8;  // partial sums let the compiler use vector registers; the arrays are padded
-  const auto sum_of = [](const T* f) { return ((f[0] + f[4]) + (f[2] + f[6])) + ((f[1] + f[5]) + (f[3] + f[7])); };
-  T all[kLanes] = {}, output[kLanes] = {};
+  T all[kSumsOnBridge] = {}, output[kSumsOnBridge] = {};
   for (const auto& [modes, shape, rest, damping_gain, weight] : strings) {
-    T forces[kLanes] = {};
-    for (std::size_t line = 0; line < modes.modes; line += kLanes)
-      for (std::size_t lane = 0; lane < kLanes; ++lane) {
-        const std::size_t i = line + lane;
-        const T by = rest[i] * (change_m / 2), pull_by = modes.stiffness[i] * by;
-        const T d = modes.free_increment[i] + pull_by, c = damping_gain * d;
-        const T q = modes.displacement[i] - by + c, pull = modes.loss[i] * c + modes.stiffness[i] * q;
-        modes.displacement[i] = q - by;
-        modes.free_increment[i] = (c - d) + (c - (pull + modes.stiffness_rest[i] * q)) + pull_by;
-        forces[lane] += shape[i] * (q - by);
-      }
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    T forces[kSumsOnBridge] = {};
+    advance_modes_on_bridge(modes.modes, change_m, damping_gain, modes.stiffness, modes.stiffness_rest, modes.loss,
+                            shape, rest, modes.displacement, modes.free_increment, forces);
+    for (std::size_t lane = 0; lane < kSumsOnBridge; ++lane) {
       all[lane] += forces[lane];
       output[lane] += weight * forces[lane];
     }
   }
-  return {sum_of(all), sum_of(output)};
+  const auto sum = [](const T* f) { return ((f[0] + f[4]) + (f[2] + f[6])) + ((f[1] + f[5]) + (f[3] + f[7])); };
+  return {sum(all), sum(output)};
 }
 
 template <std::floating_point T>
