@@ -1102,6 +1102,7 @@ loudest() {
 
 # The example of docs/how-it-works/kernels.md, with the vectorised kernels and without: the same but for rounding.
 case_kernels() {
+  need pkg-config
   install_at "$WORK/prefix"
   project="$WORK/project" build="$WORK/build"
   mkdir "$project"
@@ -1116,6 +1117,8 @@ target_link_libraries(plain PRIVATE ContactSpline::materials)'
   configure Ninja "-DCMAKE_PREFIX_PATH=$WORK/prefix" -DCMAKE_BUILD_TYPE=Release
   build
   "$build/plain" >"$WORK/plain"
+  (cd "$project" && PKG_CONFIG_PATH="$WORK/prefix/share/pkgconfig" run bash -ec "$(readme_block sh docs/how-it-works/kernels.md)")
+  "$project/by_pkg_config" | cmp - <("$build/my_plugin") || fail "the kernels by pkg-config play something else"
   "$build/my_plugin" | paste - "$WORK/plain" | awk '
     function off(a, b) { return a - b > b - a ? a - b : b - a }
     { if (!(off($1, $5) <= 1e-15) || !(off($3, $7) <= 1e-9)) exit 1; if (off($1, 0) > peak) peak = off($1, 0) }
