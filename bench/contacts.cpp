@@ -201,6 +201,30 @@ TimedTask<std::function<void()>> ringing(const char* name, Bank made, auto advan
           }};
 }
 
+/// The string in a network, plucked 1 mm, over a stop of steel that it meets in each period.
+template <std::floating_point T>
+TimedTask<std::function<void()>> at_a_stop(const char* name, const std::vector<Mode>& modes, std::size_t forms) {
+  NetworkPlan<T> plan;
+  const std::size_t body = plan.add_body(modes, forms_of_steel_string(forms));
+  std::vector<double> shapes;
+  for (std::size_t n = 1; n <= modes.size(); ++n)
+    shapes.push_back(-std::sin(std::numbers::pi * 0.6 * static_cast<double>(n)));
+  plan.add_contact(plan.add_place(body, shapes), kGround, segments_of<materials::steel_on_steel, T>, T(1e-4));
+  const auto network = std::make_shared<ContactNetwork<T>>(plan, kRate);
+  for (std::size_t i = 0; i < kModes; ++i)
+    network->set_motion(body, static_cast<T>(1e-3 / static_cast<double>((i + 1) * (i + 1))), 0, i);
+  return {name, [network] {
+            for (int n = 0; n < kBetween; ++n) network->tick();
+          }};
+}
+
+void print_times(const char* precision, std::vector<TimedTask<std::function<void()>>> tasks, int rounds) {
+  PairedTimer<std::function<void()>, ThreadClock> timer(tasks, kBetween);
+  for (int i = 0; i < rounds; ++i) timer.round();
+  for (std::size_t i = 0; i < tasks.size(); ++i)
+    fmt::print("| {} | {} | {:.0f} | {:.2f} |\n", precision, tasks[i].name, timer.nanoseconds(i), 1 / timer.ratio(i));
+}
+
 template <std::floating_point T>
 void print_stretching(const char* precision, int rounds) {
   const auto modes = modes_of_steel_string();
@@ -211,19 +235,19 @@ void print_stretching(const char* precision, int rounds) {
   const auto stretching = [&](const char* name, std::size_t forms) {
     return ringing(name, StretchingBank<T>(modes, forms_of_steel_string(forms), kRate), advance);
   };
-  std::vector tasks = {ringing("linear", ModalBank<T>(modes, kRate),
-                               [](ModalBank<T>& bank) { bank.advance(0, {}, nullptr, {}, nullptr); }),
-                       stretching("one form", 1), stretching("four forms", 4)};
-  PairedTimer<std::function<void()>, ThreadClock> timer(tasks, kBetween);
-  for (int i = 0; i < rounds; ++i) timer.round();
-  for (std::size_t i = 0; i < tasks.size(); ++i)
-    fmt::print("| {} | {} | {:.0f} | {:.2f} |\n", precision, tasks[i].name, timer.nanoseconds(i), 1 / timer.ratio(i));
+  print_times(precision,
+              {ringing("linear", ModalBank<T>(modes, kRate),
+                       [](ModalBank<T>& bank) { bank.advance(0, {}, nullptr, {}, nullptr); }),
+               stretching("one form", 1), stretching("four forms", 4)},
+              rounds);
+  print_times(precision, {at_a_stop<T>("linear, at a stop", modes, 0), at_a_stop<T>("one form, at a stop", modes, 1)},
+              rounds);
 }
 
 constexpr const char* kStretchingText =
     "\n## Bodies that stretch\n\n"
     "A string of 80 modes that rings, alone, by `ModalBank::advance` and by `StretchingBank` "
-    "([stretching.md](../how-it-works/stretching.md)).\n\n"
+    "([stretching.md](../how-it-works/stretching.md)), and by `ContactNetwork` at a stop.\n\n"
     "| precision | string | ns per sample | of the linear one |\n"
     "|---|---|---:|---:|\n";
 

@@ -39,7 +39,10 @@
 #include "contactspline/modal/longitudinal.hpp"
 #include "contactspline/modal/modal.hpp"
 #include "contactspline/modal/mode.hpp"
+#include "contactspline/modal/stretch_forms.hpp"
+#include "contactspline/modal/stretching_bank.hpp"
 #include "contactspline/modal/string_place.hpp"
+#include "contactspline/modal/two_step_motion.hpp"
 #include "contactspline/models/body.hpp"
 #include "contactspline/models/bridge_load.hpp"
 #include "contactspline/models/contact_on_string.hpp"
@@ -69,7 +72,10 @@
 #include "contactspline/network/sample_law.hpp"
 #include "contactspline/network/sleeping_contacts.hpp"
 #include "contactspline/network/spring_elimination.hpp"
+#include "contactspline/network/two_steps.hpp"
 #include "contactspline/resonators/string_c4.hpp"
+#include "contactspline/step/friction.hpp"
+#include "contactspline/step/friction_heat.hpp"
 #include "contactspline/step/high_pass.hpp"
 #include "contactspline/step/live_exponent.hpp"
 #include "contactspline/step/memory.hpp"
@@ -144,6 +150,11 @@ using Felt = materials::felt_c4;
   template class detail::NewtonSolver<T>;                                                                       \
   template class detail::SampleLaw<T>;                                                                          \
   template class detail::SpringElimination<T>;                                                                  \
+  template class detail::StretchForms<T>;                                                                       \
+  template class detail::StretchingForm<T>;                                                                     \
+  template class detail::TwoStepMotion<T>;                                                                      \
+  template class detail::TwoSteps<T>;                                                                           \
+  template class StretchingBank<T>;                                                                             \
   template class AnyInstrument<T>;                                                                              \
   template class InstrumentBehind<NetworkInstrument<T>>;                                                        \
   template class Body<T>;                                                                                       \
@@ -153,6 +164,8 @@ using Felt = materials::felt_c4;
   template class Ensemble<T>;                                                                                   \
   template class EnsembleInstrument<T>;                                                                         \
   template class EnsembleOf<Felt, String, T>;                                                                   \
+  template class Friction<T>;                                                                                   \
+  template class FrictionTemperature<T>;                                                                        \
   template class FretString<T>;                                                                                 \
   template class HammerString<T>;                                                                               \
   template class InstrumentDsp<HammerStringOf<Felt, String, T>>;                                                \

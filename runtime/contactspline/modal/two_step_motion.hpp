@@ -69,10 +69,15 @@ class TwoStepMotion {
 
   /// Adds a force [N] at a place for this sample.
   void push(ModalBank<T>& bank, const T* at, T force) {
-    portable::add_product(bank.size(), bank.arrays().admittance, at, 2 * gain_ * force, change_.data());
+    push_with_forms(bank, at, force);
     for (std::size_t k = 0; k < forms_.size(); ++k)
       moved_[k] += gain() * double(force) * double(product(at, forms_[k].motion()));
     is_solved_ = false;
+  }
+
+  /// The same of a force that is found together with those of the forms, before end().
+  void push_with_forms(ModalBank<T>& bank, const T* at, T force) {
+    portable::add_product(bank.size(), bank.arrays().admittance, at, 2 * gain_ * force, change_.data());
   }
 
   /// Change of displacement at a place [m] over the last sample and this one, with the forces pushed so far, without

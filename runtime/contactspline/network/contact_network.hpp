@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -19,6 +20,7 @@
 #include "contactspline/network/network_parts.hpp"
 #include "contactspline/network/network_plan.hpp"
 #include "contactspline/network/sleeping_contacts.hpp"
+#include "contactspline/network/two_steps.hpp"
 #include "contactspline/step/contact.hpp"
 #include "contactspline/step/controls.hpp"
 
@@ -34,19 +36,21 @@ class ContactNetwork {
   /// max_steps: of the solver in a sample.
   ContactNetwork(const NetworkPlan<T>& plan, double sample_rate_hz, int max_steps = CoupledContacts<T>::kMaxSteps)
       : time_step_(T(1 / sample_rate_hz)),
-        solver_(plan.connections().size(), sample_rate_hz, max_steps),
+        step_(T(plan.samples_of_step() / sample_rate_hz)),
+        solver_(plan.connections().size() + plan.forms(), sample_rate_hz / plan.samples_of_step(), max_steps),
         parts_(plan, sample_rate_hz),
         admittances_(parts_),
         sleeping_(plan.connections().size()),
-        controls_(sample_rate_hz),
+        controls_(sample_rate_hz, plan.samples_of_step()),
         increments_(plan.places().size()) {
     for (auto* list : {&pushed_, &last_pushed_}) list->reserve(parts_.places.size());
     admittances_.couple(parts_, solver_);  // no body has a damper yet
     admittances_.measure_roots(parts_);
     for (std::size_t k = 0; k < plan.connections().size(); ++k) {
       install(plan.connections()[k], k);
-      solver_.set_memory(k, {plan.connections()[k].memories, sample_rate_hz});
+      solver_.set_memory(k, {plan.connections()[k].memories, sample_rate_hz / plan.samples_of_step()});
     }
+    if (plan.forms() > 0) two_steps_.emplace(parts_, solver_);
     place_all();
   }
 
@@ -72,6 +76,7 @@ class ContactNetwork {
     if (!is_number(displacement_m) || !is_number(velocity_m_per_s)) return;
     parts_.bodies[body].bank.set_motion(mode, held(T(0), displacement_m, Ranges::displacement_m),
                                         held(T(0), velocity_m_per_s, Ranges::speed_m_per_s));
+    parts_.bodies[body].take_motion();
     place_all();
   }
 
@@ -79,6 +84,8 @@ class ContactNetwork {
   void stop(std::size_t mass) {
     Body& body = parts_.bodies[mass];
     body.bank.set_motion(0, body.bank.displacement(std::size_t{0}), 0);
+    body.take_motion();
+    if (two_steps_) two_steps_->place(parts_);
     body.is_predicted = false;
   }
 
@@ -93,6 +100,7 @@ class ContactNetwork {
   /// stiffness. Does not allocate.
   void retune(std::size_t body, std::span<const Mode> modes) {
     parts_.bodies[body].bank.retune(modes);
+    parts_.bodies[body].take_motion();
     admittances_.measure(parts_, body);
     admittances_.measure_roots(parts_);
     is_coupling_old_ = true;
@@ -168,7 +176,11 @@ class ContactNetwork {
       mover.motion.put(mover.target_m);
       follow(mover);
     }
-    for (Body& body : parts_.bodies) body.bank.reset();
+    for (Body& body : parts_.bodies) {
+      body.bank.reset();
+      body.take_motion();
+    }
+    if (two_steps_) two_steps_->reset();
     for (std::size_t k = 0; k < parts_.connections.size(); ++k) {
       solver_[k].memory.reset();
       solver_[k].friction.reset();
@@ -184,8 +196,10 @@ class ContactNetwork {
 
   /// Advances one sample. Safe on an audio thread: no allocation, no lock, bounded time.
   void tick() {
-    controls_.advance(parts_, solver_, sleeping_);
+    controls_.advance(parts_, solver_, two_steps_ ? two_steps_->resting() : std::span<CoupledConnection<T>>(),
+                      sleeping_);
     if (sleeping_.is_interval_over()) anchor_next();
+    if (two_steps_) return tick_over_two_samples();
     move_places();
     if (std::exchange(is_coupling_old_, false)) admittances_.couple(parts_, solver_);
     predict();
@@ -245,25 +259,29 @@ class ContactNetwork {
   /// Energy of all bodies and connections [J]. In each sample it changes by work() - dissipated(), up to rounding.
   [[nodiscard]] double energy() const {
     double energy = 0;
-    for (const Body& body : parts_.bodies) energy += body.bank.energy();
-    for (std::size_t k = 0; k < parts_.connections.size(); ++k) energy += solver_[k].energy_at(compression(k));
+    for (const Body& body : parts_.bodies) energy += body.energy();
+    for (std::size_t k = 0; k < parts_.connections.size(); ++k)
+      energy += solver_[k].energy_at(compression(k)) / parts_.samples_of_step;
+    if (two_steps_) energy += two_steps_->energy() / parts_.samples_of_step;
     return energy;
   }
 
   /// The kinetic part of it [J]: 0 at rest, also where connections press or pull.
   [[nodiscard]] double kinetic_energy() const {
     double energy = 0;
-    for (const Body& body : parts_.bodies) energy += body.bank.kinetic_energy();
+    for (const Body& body : parts_.bodies) energy += body.kinetic_energy();
     return energy;
   }
 
   /// Energy that bodies, dampers and contacts dissipated in the last sample [J].
   [[nodiscard]] double dissipated() const {
     double energy = 0;
-    for (const Body& body : parts_.bodies) energy += body.bank.dissipated();
+    for (const Body& body : parts_.bodies) energy += body.dissipated();
     for (const std::size_t k : solver_.active())
-      energy += solver_[k].dissipated_since(parts_.connections[k].before, time_step_);
-    for (std::size_t k = 0; k < parts_.connections.size(); ++k) energy += solver_[k].dissipated_by_memory();
+      if (is_connection(k))
+        energy += solver_[k].dissipated_since(parts_.connections[k].before, step_) / parts_.samples_of_step;
+    for (std::size_t k = 0; k < parts_.connections.size(); ++k)
+      energy += solver_[k].dissipated_by_memory() / parts_.samples_of_step;
     return energy;
   }
 
@@ -271,9 +289,13 @@ class ContactNetwork {
   [[nodiscard]] double work() const {
     double work = controls_.work();
     for (const std::size_t p : last_pushed_)
-      work += double(parts_.places[p].last_push) * double(parts_.body_of(p).bank.increment(parts_.places[p].shapes));
+      work += double(parts_.places[p].last_push) * double(parts_.body_of(p).increment(parts_.places[p].shapes)) /
+              parts_.samples_of_step;
     for (const std::size_t k : solver_.active())
-      work += double(solver_[k].force) * (double(parts_.connections[k].lift) + double(parts_.connections[k].carried));
+      if (is_connection(k))
+        work += double(solver_[k].force) *
+                (double(parts_.connections[k].lift_of_step()) + double(parts_.connections[k].carried)) /
+                parts_.samples_of_step;
     return work;
   }
 
@@ -285,6 +307,9 @@ class ContactNetwork {
   using Connection = detail::NetworkConnection<T>;
   // Stiffness of a rigid link times its admittance. Energy is balanced up to rounding of this times what it stores.
   static constexpr T kRigidity = T(1e3);
+
+  // Is it a form, of which the solver alone knows, or not?
+  [[nodiscard]] bool is_connection(std::size_t k) const { return k < parts_.connections.size(); }
 
   // Gives a place that moves its shapes in this sample: the mean of those before and after.
   void follow(const Mover& mover) {
@@ -329,11 +354,11 @@ class ContactNetwork {
     c.table = plan.table;
     if (plan.is_rigid) {
       connection.spring = kRigidity / solver_.admittance(k, k);
-      connection.resistance = connection.spring / 2 * time_step_;  // damps the link within a sample
+      connection.resistance = connection.spring / 2 * step_;  // damps the link within a step
     }
     c.contact = {connection.contact.stiffness_ratio * connection.weight, connection.contact.loss_s_per_m};
     c.spring_n_per_m = connection.spring;
-    c.resistance = connection.resistance / time_step_;
+    c.resistance = connection.resistance / step_;
     if (!plan.friction) return;
     c.is_friction = true;
     c.friction = Friction<T>(plan.friction->bristles, 1 / double(time_step_));
@@ -348,6 +373,7 @@ class ContactNetwork {
       set_compression(k, parts_.measured(k));
       solver_[k].force = 0;
     }
+    if (two_steps_) two_steps_->place(parts_);
     sleeping_.wake_all(parts_);
     for (Body& body : parts_.bodies) body.is_predicted = false;
   }
@@ -386,9 +412,7 @@ class ContactNetwork {
     pushed_.clear();
     for (const std::size_t p : last_pushed_) {
       Place& place = parts_.places[p];
-      place.is_pushed = false;
-      place.last_push = std::exchange(place.push, T(0));
-      add_force(p, place.last_push);
+      add_force(p, take_push(p));
       Body& body = parts_.bodies[place.body];
       body.travel += body.damping_gain * place.travel_per_force * std::abs(place.last_push);
       for (const std::size_t q : body.awake) increments_[q] += admittances_.mutual(parts_, p, q) * place.last_push;
@@ -418,6 +442,32 @@ class ContactNetwork {
     while (sleeping_.wake_reachable(parts_, solver_, admittances_.largest_root(), wake));
   }
 
+  void tick_over_two_samples() {
+    if (std::exchange(is_coupling_old_, false)) admittances_.couple(parts_, solver_);
+    sleeping_.list_awake(parts_);  // all are
+    two_steps_->begin(parts_, solver_);
+    std::swap(pushed_, last_pushed_);
+    pushed_.clear();
+    for (const std::size_t p : last_pushed_) two_steps_->push(parts_, p, take_push(p));
+    for (const Body& body : parts_.bodies)
+      for (const std::size_t p : body.awake) increments_[p] = body.increment(parts_.places[p].shapes);
+    solver_.begin();
+    for (const std::size_t k : sleeping_.awake())
+      begin(k, increment_at(parts_.connections[k].first) - increment_at(parts_.connections[k].second));
+    two_steps_->add_forms(parts_, solver_);
+    solver_.solve();
+    solver_.advance();
+    two_steps_->advance(parts_, solver_);
+    sleeping_.stay_awake();
+  }
+
+  // The push at a place in this sample.
+  T take_push(std::size_t p) {
+    Place& place = parts_.places[p];
+    place.is_pushed = false;
+    return place.last_push = std::exchange(place.push, T(0));
+  }
+
   [[nodiscard]] T increment_at(std::size_t place) const { return place == kGround ? T(0) : increments_[place]; }
   // The same for a place that is not awake.
   [[nodiscard]] T measured_increment(std::size_t p) const {
@@ -434,7 +484,7 @@ class ContactNetwork {
 
   void begin(std::size_t k, T free_increment) {
     Connection& c = parts_.connections[k];
-    solver_[k].free_increment = free_increment + c.lift + c.carried;
+    solver_[k].free_increment = free_increment + c.lift_of_step() + c.carried;
     c.before = solver_[k].compression;
     if (solver_[k].is_friction) solver_[k].friction.press({c.normal_force, c.temperature.coefficient()});
     solver_.add(k);
@@ -472,14 +522,15 @@ class ContactNetwork {
     for (const std::size_t k : sleeping_.woken()) set_compression(k, parts_.measured(k));
   }
 
-  T time_step_;
+  T time_step_, step_;  // of a sample, and of those on which a force acts
   CoupledContacts<T> solver_;
   detail::NetworkParts<T> parts_;
   detail::NetworkAdmittances<T> admittances_;
   detail::SleepingContacts<T> sleeping_;
   detail::FollowingControls<T> controls_;
-  detail::IndexList pushed_, last_pushed_;  // places
-  std::vector<T> increments_;               // of the places that are awake, without connections [m]
+  std::optional<detail::TwoSteps<T>> two_steps_;  // where a body stretches
+  detail::IndexList pushed_, last_pushed_;        // places
+  std::vector<T> increments_;                     // of the places that are awake, without connections [m]
   std::size_t anchor_ = 0;
   bool is_coupling_old_ = false;
 };

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <concepts>
 #include <cstddef>
+#include <span>
 #include <utility>
 
 #include "contactspline/network/coupled_contacts.hpp"
@@ -20,7 +21,9 @@ namespace contactspline::detail {
 template <std::floating_point T>
 class FollowingControls {
  public:
-  explicit FollowingControls(double sample_rate_hz) : time_step_(T(1 / sample_rate_hz)) {}
+  /// samples_of_step: on which a force acts.
+  FollowingControls(double sample_rate_hz, int samples_of_step)
+      : time_step_(T(1 / sample_rate_hz)), step_(T(samples_of_step / sample_rate_hz)) {}
 
   /// The controls of a connection have changed.
   void follow(NetworkConnection<T>& connection) { connection.is_following = is_following_ = true; }
@@ -32,19 +35,25 @@ class FollowingControls {
   [[nodiscard]] double work() const { return work_; }
 
   /// Begins a sample: sets the lifts of all connections to the motion of their gaps, and the stiffnesses of the
-  /// solver.
-  void advance(NetworkParts<T>& parts, CoupledContacts<T>& solver, SleepingContacts<T>& sleeping) {
+  /// solver. resting: the connections that act in the samples between, where forces act over two (TwoSteps), or none.
+  void advance(NetworkParts<T>& parts, CoupledContacts<T>& solver, std::span<CoupledConnection<T>> resting,
+               SleepingContacts<T>& sleeping) {
     work_ = 0;
     if (!std::exchange(is_following_, false)) return;
     for (std::size_t k = 0; k < parts.connections.size(); ++k) {
       NetworkConnection<T>& c = parts.connections[k];
-      c.lift = 0;
-      if (!c.is_following) continue;
-      const bool gap_follows = move_gap(c), stiffness_follows = follow_stiffness(c, solver[k]);
-      c.is_following = gap_follows || stiffness_follows;
-      sleeping.shrink(c, c.lift);
-      // A gap that moved in this sample must be seen at rest in the next one.
-      is_following_ = is_following_ || c.is_following || c.lift != 0;
+      const T last_lift = std::exchange(c.lift, T(0));
+      if (!resting.empty()) c.lift_before = last_lift;
+      if (c.is_following) {
+        const double part = resting.empty() ? 1 : 0.5;  // of the energy that a connection holds
+        bool follows = move_gap(c);
+        follows |= follow_stiffness(c, solver[k], part);
+        if (!resting.empty()) follows |= follow_stiffness(c, resting[k], part);
+        c.is_following = follows;
+        sleeping.shrink(c, c.lift);
+      }
+      // A gap that moved must be seen at rest in the samples that follow.
+      is_following_ = is_following_ || c.is_following || c.lift != 0 || c.lift_before != 0;
     }
   }
 
@@ -60,21 +69,21 @@ class FollowingControls {
   }
 
   // Is the stiffness still behind its control?
-  bool follow_stiffness(const NetworkConnection<T>& c, CoupledConnection<T>& acting) {
+  bool follow_stiffness(const NetworkConnection<T>& c, CoupledConnection<T>& acting, double part) {
     T& stiffness = acting.table.empty() ? acting.spring_n_per_m : acting.contact.stiffness_ratio;
     const T target = acting.table.empty() ? c.spring : c.contact.stiffness_ratio * c.weight;
     acting.contact.loss_s_per_m = c.contact.loss_s_per_m;
-    acting.resistance = c.resistance / time_step_;
+    acting.resistance = c.resistance / step_;
     if (stiffness == target) return false;
     const double before = acting.energy_at(acting.compression);
     const T energy_per_stiffness = acting.table.empty() ? acting.compression * acting.compression / 2
                                                         : acting.memory.energy(acting.table, acting.compression);
     stiffness = followed_stiffness(stiffness, target, energy_per_stiffness, time_step_);
-    work_ += acting.energy_at(acting.compression) - before;
+    work_ += part * (acting.energy_at(acting.compression) - before);
     return stiffness != target;
   }
 
-  T time_step_;
+  T time_step_, step_;  // of a sample, and of those on which a force acts
   double work_ = 0;
   bool is_following_ = false;
 };

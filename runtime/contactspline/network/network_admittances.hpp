@@ -18,7 +18,7 @@ namespace contactspline::detail {
 
 /// The admittances of a network's connections and places [m/N]: in a sample, one newton moves them so far. The
 /// admittance of two connections is the sum over the modes of both bodies' shapes times xi_n
-/// (docs/how-it-works/several-contacts.md).
+/// (docs/how-it-works/several-contacts.md). Where forces act on two samples, it is twice as large.
 template <std::floating_point T>
 class NetworkAdmittances {
  public:
@@ -56,7 +56,8 @@ class NetworkAdmittances {
       for (std::size_t k = 0; k < body.connections.size(); ++k) {
         NetworkConnection<T>& c = parts.connections[body.connections[k]];
         const double max = double(parts.is_on(c.first, b) ? c.first_max : c.second_max);
-        c.own_admittance += moves_on(parts, c, b) ? body.total_admittance * max * max : body.admittances[own];
+        c.own_admittance += parts.samples_of_step *
+                            (moves_on(parts, c, b) ? body.total_admittance * max * max : body.admittances[own]);
         own += k + 2;
       }
     }
@@ -77,7 +78,7 @@ class NetworkAdmittances {
       for (const std::size_t k : body.connections)
         for (const std::size_t l : body.connections) {
           if (l > k) break;
-          of_connections_[k * n + l] += double(body.damping_gain) * *admittance++;
+          of_connections_[k * n + l] += parts.samples_of_step * double(body.damping_gain) * *admittance++;
         }
     }
     for (std::size_t k = 0; k < n; ++k) {

@@ -14,6 +14,7 @@
 
 #include "contactspline/modal/modal.hpp"
 #include "contactspline/modal/string_place.hpp"
+#include "contactspline/modal/two_step_motion.hpp"
 #include "contactspline/network/linear_algebra.hpp"
 #include "contactspline/network/network_plan.hpp"
 #include "contactspline/step/contact.hpp"
@@ -27,6 +28,20 @@ template <std::floating_point T>
 struct NetworkBody {
   NetworkBody(std::span<const Mode> modes, double sample_rate_hz) : bank(modes, sample_rate_hz) {}
 
+  /// Takes a motion of the modes that was set between two samples.
+  void take_motion() {
+    if (motion) motion->take_motion(bank);
+  }
+  [[nodiscard]] double energy() const { return motion ? motion->energy(bank) : bank.energy(); }
+  [[nodiscard]] double kinetic_energy() const {
+    return motion ? motion->kinetic_energy(bank) : bank.kinetic_energy();
+  }
+  [[nodiscard]] double dissipated() const { return motion ? motion->dissipated(bank) : bank.dissipated(); }
+  /// Change of displacement at a place over the samples that the last forces acted on [m].
+  [[nodiscard]] T increment(const ModeShapes<T>& at) const {
+    return motion ? motion->increment_without_forms(at.data()) : bank.increment(at);
+  }
+
   void reserve(std::size_t n) {
     for (auto* list : {&awake, &forced}) list->reserve(n);
     for (auto* list : {&awake_shapes, &forced_shapes}) list->reserve(n);
@@ -34,7 +49,8 @@ struct NetworkBody {
   }
 
   ModalBank<T> bank;
-  T damping = 0;  // times dt, as is the gain
+  std::optional<TwoStepMotion<T>> motion;  // of a network in which a body stretches
+  T damping = 0;                           // times dt, as is the gain
   T damping_gain = 1;
   T max_shape = 0;              // of its connections
   double total_admittance = 0;  // of all modes, where their shapes are 1 [m/N]
@@ -102,6 +118,9 @@ struct NetworkConnection {
         gap(plan.gap_m),
         target_gap(plan.gap_m) {}
 
+  /// By how much the gap shrinks over the samples on which a force acts [m].
+  [[nodiscard]] T lift_of_step() const { return lift + lift_before; }
+
   std::size_t first, second;
   std::size_t first_body = 0, second_body = 0;
   T first_max = 0, second_max = 0;  // |shape| on these bodies; if they are one, the first holds that of both
@@ -110,6 +129,7 @@ struct NetworkConnection {
   T spring, resistance;
   T gap, target_gap;
   T lift = 0;                 // by how much the gap shrinks in this sample [m]
+  T lift_before = 0;          // and in the one before, where forces act on both [m]
   double own_admittance = 0;  // without damping, which can only make it smaller [m/N]
   T root_admittance = 0;      // of that [sqrt(m/N)]
   T slack = 0;                // of a sleeping contact: the gap that is certainly left [m]
@@ -125,8 +145,11 @@ struct NetworkConnection {
 /// The bodies of a network, the places on them and the connections between these. Indices are those of the plan.
 template <std::floating_point T>
 struct NetworkParts {
-  NetworkParts(const NetworkPlan<T>& plan, double sample_rate_hz) {
-    for (const auto& modes : plan.bodies()) bodies.emplace_back(modes, sample_rate_hz);
+  NetworkParts(const NetworkPlan<T>& plan, double sample_rate_hz) : samples_of_step(plan.samples_of_step()) {
+    for (std::size_t b = 0; b < plan.bodies().size(); ++b) {
+      bodies.emplace_back(plan.bodies()[b], sample_rate_hz);
+      if (samples_of_step == 2) bodies[b].motion.emplace(plan.forms(b), plan.bodies()[b].size());
+    }
     for (const auto& place : plan.places()) {
       places.emplace_back(place.body, place.shapes);
       if (!place.wavenumbers_per_m.empty()) add_mover(plan, place, sample_rate_hz);
@@ -161,6 +184,7 @@ struct NetworkParts {
     return pressing(c.first) - pressing(c.second) - c.gap;
   }
 
+  int samples_of_step;  // on which a force acts: 2 where a body stretches
   std::vector<NetworkBody<T>> bodies;
   std::vector<NetworkPlace<T>> places;
   std::vector<NetworkMover<T>> movers;

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "contactspline/data/friction_materials.hpp"
+#include "contactspline/data/stretch_form.hpp"
 #include "contactspline/modal/modal.hpp"
 #include "contactspline/modal/string_place.hpp"
 #include "contactspline/step/contact.hpp"
@@ -54,7 +55,13 @@ class NetworkPlan {
     double friction_width_m = 1;
   };
 
-  std::size_t add_body(std::span<const Mode> modes) { return add(bodies_, {modes.begin(), modes.end()}); }
+  /// forms: those of a body that stretches. With one such body in the network all forces act over two samples
+  /// (detail::TwoStepMotion), no contact sleeps, a place that moves stays where put_place() puts it, and there is no
+  /// friction.
+  std::size_t add_body(std::span<const Mode> modes, std::span<const StretchForm> forms = {}) {
+    forms_.emplace_back(forms.begin(), forms.end());
+    return add(bodies_, {modes.begin(), modes.end()});
+  }
 
   /// A free mass [kg], which moves along one line. Returns its body; mass_place() has its place.
   std::size_t add_mass(double mass_kg) {
@@ -126,6 +133,15 @@ class NetworkPlan {
   }
 
   [[nodiscard]] const std::vector<std::vector<Mode>>& bodies() const { return bodies_; }
+  [[nodiscard]] const std::vector<StretchForm>& forms(std::size_t body) const { return forms_[body]; }
+  /// Number of forms of all bodies.
+  [[nodiscard]] std::size_t forms() const {
+    std::size_t sum = 0;
+    for (const auto& forms : forms_) sum += forms.size();
+    return sum;
+  }
+  /// On how many samples a force acts: two where a body stretches.
+  [[nodiscard]] int samples_of_step() const { return forms() > 0 ? 2 : 1; }
   [[nodiscard]] const std::vector<Place>& places() const { return places_; }
   [[nodiscard]] const std::vector<Connection>& connections() const { return connections_; }
 
@@ -137,6 +153,7 @@ class NetworkPlan {
   }
 
   std::vector<std::vector<Mode>> bodies_;
+  std::vector<std::vector<StretchForm>> forms_;  // of each body
   std::vector<Place> places_;
   std::vector<Connection> connections_;
 };

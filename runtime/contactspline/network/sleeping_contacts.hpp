@@ -92,6 +92,9 @@ class SleepingContacts {
     return has_woken;
   }
 
+  /// Ends a sample in which all contacts stay awake.
+  void stay_awake() { since_interval_ = (since_interval_ + 1) % kInterval; }
+
   /// Lets contacts fall asleep that cannot touch soon, and wakes those that may. The solver has ended its sample, the
   /// bodies have not moved yet.
   void end_sample(NetworkParts<T>& parts, const CoupledContacts<T>& solver, T largest_root) {
