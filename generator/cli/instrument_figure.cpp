@@ -24,6 +24,7 @@ struct Look {
 constexpr Look kLooks[] = {{DiagramPart::kContact, "lc rgb '#d55e00' lw 1.6 dt 1", "#d55e00"},
                            {DiagramPart::kSpring, "lc rgb '#0072b2' lw 2.4 dt 2", "#0072b2"},
                            {DiagramPart::kLink, "lc rgb '#009e73' lw 2.4 dt 1", "#009e73"},
+                           {DiagramPart::kFriction, "lc rgb '#aa4499' lw 2.4 dt 3", "#aa4499"},
                            {DiagramPart::kSupport, "lc rgb '#888888' lw 5", ""},
                            {DiagramPart::kBody, "lc rgb '#555555' lw 3", "#222222"},
                            {DiagramPart::kTable, "lc rgb '#b8b8b8' lw 8", ""},

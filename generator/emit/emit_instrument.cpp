@@ -18,7 +18,7 @@
 namespace contactspline {
 namespace {
 
-constexpr std::array kKindNames = {"kContact", "kSpring", "kLink"};                         // names of ConnectionKind
+constexpr std::array kKindNames = {"kContact", "kSpring", "kLink", "kFriction"};            // names of ConnectionKind
 constexpr std::array kOutputNames = {"kDisplacement", "kVelocity", "kForce", "kPressure"};  // names of OutputQuantity
 
 template <typename Enum, std::size_t N>
@@ -97,11 +97,21 @@ std::string members_of(const InstrumentModel& model) {
   return members + "\n";
 }
 
+std::string cpp_friction(const InstrumentFriction& friction) {
+  const auto& [bristles, heat] = friction.material;
+  return fmt::format("{{{{{{{}, {}}}, {{{}, {}, {}, {}, {}, {}}}}}, {}, {}, {}}}", literal(bristles.stiffness_per_m),
+                     literal(bristles.damping_s_per_m), literal(heat.cold_coefficient), literal(heat.hot_coefficient),
+                     literal(heat.softening_k), literal(heat.capacity_j_per_n_k), literal(heat.conduction_w_per_n_k),
+                     literal(heat.renewal_w_per_m_k2), literal(friction.width_m), literal(friction.normal_force_n),
+                     literal(friction.surface_speed_m_per_s));
+}
+
 std::string cpp_connection(const InstrumentConnection& c) {
-  return fmt::format("{{ConnectionKind::{}, {}, {}, {}, {}, {}, {}, {}, {}}}", name_in(kKindNames, c.kind),
+  const std::string friction = c.kind == ConnectionKind::kFriction ? ", " + cpp_friction(c.friction) : "";
+  return fmt::format("{{ConnectionKind::{}, {}, {}, {}, {}, {}, {}, {}, {}{}}}", name_in(kKindNames, c.kind),
                      place_or("kGround", c.first), place_or("kGround", c.second), c.table, literal(c.gap_m),
                      literal(c.weight), literal(c.loss_s_per_m), literal(c.stiffness_n_per_m),
-                     literal(c.resistance_n_s_per_m));
+                     literal(c.resistance_n_s_per_m), friction);
 }
 
 std::string cpp_parameter(const Parameter& p) {
@@ -278,6 +288,18 @@ std::string json_memories(const InstrumentArrays& arrays) {
                      whole_numbers(arrays.memory_ends));
 }
 
+std::string json_friction(const InstrumentFriction& friction) {
+  const auto& [bristles, heat] = friction.material;
+  return fmt::format(
+      ", \"stiffness_per_m\": {}, \"damping_s_per_m\": {}, \"cold_coefficient\": {}, \"hot_coefficient\": {}, "
+      "\"softening_k\": {}, \"capacity_j_per_n_k\": {}, \"conduction_w_per_n_k\": {}, "
+      "\"renewal_w_per_m_k2\": {}, \"width_m\": {}, \"normal_force_n\": {}, \"surface_speed_m_per_s\": {}",
+      literal(bristles.stiffness_per_m), literal(bristles.damping_s_per_m), literal(heat.cold_coefficient),
+      literal(heat.hot_coefficient), literal(heat.softening_k), literal(heat.capacity_j_per_n_k),
+      literal(heat.conduction_w_per_n_k), literal(heat.renewal_w_per_m_k2), literal(friction.width_m),
+      literal(friction.normal_force_n), literal(friction.surface_speed_m_per_s));
+}
+
 std::string json_connection(const InstrumentConnection& c) {
   std::string row = fmt::format("{{\"kind\": \"{}\", \"first\": {}, \"second\": {}, \"gap_m\": {}", name_of(c.kind),
                                 place_or("null", c.first), place_or("null", c.second), literal(c.gap_m));
@@ -287,6 +309,7 @@ std::string json_connection(const InstrumentConnection& c) {
   if (c.kind == ConnectionKind::kSpring)
     row += fmt::format(", \"stiffness_n_per_m\": {}, \"resistance_n_s_per_m\": {}", literal(c.stiffness_n_per_m),
                        literal(c.resistance_n_s_per_m));
+  if (c.kind == ConnectionKind::kFriction) row += json_friction(c.friction);
   return row + "}";
 }
 

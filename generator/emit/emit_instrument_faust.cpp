@@ -883,6 +883,9 @@ std::optional<std::string> joined_strike(const InstrumentModel& model, const Ins
 
 std::optional<std::string> faust_obstacle(const InstrumentModel& model, const InstrumentArrays& arrays) {
   if (!model.keys.ranges.empty()) return fmt::format("{} has keys, which only the C++ class plays", model.name);
+  for (const ConnectionGroup& group : model.connections)
+    if (group.each.kind == ConnectionKind::kFriction)
+      return fmt::format("{} has the friction {}, which only the C++ class plays", model.name, group.name);
   for (std::size_t c = 0; c < model.controls.size(); ++c)
     if (model.controls[c].quantity == ControlQuantity::kPlace || model.parameters[c].acts == Acts::kAtNextNote)
       return fmt::format("{} has the control {}, which only the C++ class plays", model.name,

@@ -13,6 +13,11 @@ namespace {
 constexpr Range kWeight{1e-9, 1e9};
 constexpr Range kStiffness{0, 1e9};
 constexpr Range kResistance{0, 1e6};
+constexpr Range kCoefficient{ControlRanges<double>::friction_coefficient.min,
+                             ControlRanges<double>::friction_coefficient.max};
+constexpr Range kBristleStiffness{1e3, 1e9};
+constexpr Range kWidth{1e-4, 1};
+constexpr double kStiffBristles_per_m = 1e6, kHairWidth_m = 0.01;
 
 /// Reads connections, kind after kind.
 class ConnectionReader {
@@ -28,6 +33,10 @@ class ConnectionReader {
              "springs", {"name", "between", "stiffness_n_per_m", "resistance_n_s_per_m", "gap_m", "gaps_m"}))
       read_spring(spring);
     for (const JsonObject& link : draft_.objects("links", {"name", "between", "gap_m", "gaps_m"})) read_link(link);
+    for (const JsonObject& friction :
+         draft_.objects("frictions", {"name", "between", "material", "width_m", "coefficient", "stiffness_per_m",
+                                      "normal_force_n", "surface_speed_m_per_s"}))
+      read_friction(friction);
     if (connections_ > kMaxPoints)
       draft_.json.fail("contacts", fmt::format("the file has {} connections", connections_),
                        fmt::format("at most {}, points of profiles included", kMaxPoints));
@@ -65,6 +74,34 @@ class ConnectionReader {
       json.fail(json.key("between"), "closes a circle of rigid links", "links that hold each place once");
     chains_[first] = second;
     model_.connections.push_back(std::move(group));
+  }
+
+  void read_friction(const JsonObject& json) {
+    ConnectionGroup group = read_group(json, ConnectionKind::kFriction);
+    InstrumentFriction& friction = group.each.friction;
+    friction = one_of_keys(json, {"material", "coefficient"}, "laws") == "material" ? friction_of_material(json)
+                                                                                    : constant_friction(json);
+    if (json.has("normal_force_n"))
+      friction.normal_force_n = json.number("normal_force_n", range_of(ControlQuantity::kNormalForce));
+    if (json.has("surface_speed_m_per_s"))
+      friction.surface_speed_m_per_s = json.number("surface_speed_m_per_s", range_of(ControlQuantity::kSurfaceSpeed));
+    model_.connections.push_back(std::move(group));
+  }
+
+  static InstrumentFriction friction_of_material(const JsonObject& json) {
+    if (const std::string name = json.text("material", "rosin"); name != "rosin")
+      json.fail(json.key("material"), fmt::format("'{}' is no material of friction", shown(name)),
+                "rosin, or a coefficient in place of a material");
+    if (json.has("stiffness_per_m"))
+      json.fail(json.key("stiffness_per_m"), "stands beside material", "beside coefficient");
+    return {kRosin, json.has("width_m") ? json.number("width_m", kWidth) : kHairWidth_m};
+  }
+
+  static InstrumentFriction constant_friction(const JsonObject& json) {
+    if (json.has("width_m")) json.fail(json.key("width_m"), "stands beside coefficient", "beside material");
+    const double stiffness =
+        json.has("stiffness_per_m") ? json.number("stiffness_per_m", kBristleStiffness) : kStiffBristles_per_m;
+    return {coulomb_friction(json.number("coefficient", kCoefficient), {.stiffness_per_m = stiffness})};
   }
 
   // The places of a connection and its gaps.

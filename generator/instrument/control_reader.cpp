@@ -11,7 +11,7 @@
 namespace contactspline {
 namespace {
 
-constexpr double kFinger_n = 10;
+constexpr double kFinger_n = 10, kArm_m_per_s = 1;
 
 // The keys of what controls set, in the order of kControlQuantities.
 std::vector<std::string> quantity_keys() {
@@ -65,7 +65,9 @@ class ControlReader {
     if (control.quantity == ControlQuantity::kPlace || control.quantity == ControlQuantity::kMass)
       masses_.check_lightest(json, control, parameter.allowed.min);
     if (json.has("release_n")) read_pluck(json, parameter, control.quantity);
-    if (control.quantity == ControlQuantity::kForce) narrow_slider(json, parameter);
+    if (control.quantity == ControlQuantity::kForce || control.quantity == ControlQuantity::kNormalForce)
+      narrow_slider(json, parameter, kFinger_n);
+    if (control.quantity == ControlQuantity::kSurfaceSpeed) narrow_slider(json, parameter, kArm_m_per_s);
     model_.parameters.push_back(std::move(parameter));
     model_.controls.push_back(std::move(control));
   }
@@ -77,25 +79,29 @@ class ControlReader {
     if (quantity == ControlQuantity::kForce) return draft_.single_place(json, key, name);
     if (quantity == ControlQuantity::kPlace) return place_on_string(json, key, name);
     if (quantity == ControlQuantity::kMass) return struck_mass(json, key, name);
-    const std::size_t found = index_of(json, path, name, model_.connections, "contact, spring or link");
+    const std::size_t found = index_of(json, path, name, model_.connections, "contact, spring, link or friction");
     const ConnectionKind kind = model_.connections[found].each.kind;
-    if (!suits(quantity, kind))
+    if (quantity == ControlQuantity::kGapShift) {
+      if (kind == ConnectionKind::kFriction)
+        json.fail(path, fmt::format("'{}' is a friction", name), "a contact, spring or link");
+    } else if (kind != kind_with(quantity)) {
       json.fail(path, fmt::format("'{}' is a {}", name, name_of(kind)),
-                quantity == ControlQuantity::kStiffness || quantity == ControlQuantity::kResistance ? "a spring"
-                                                                                                    : "a contact");
+                fmt::format("a {}", name_of(kind_with(quantity))));
+    }
     return found;
   }
 
-  [[nodiscard]] static bool suits(ControlQuantity quantity, ConnectionKind kind) {
+  // The kind of connection that has a quantity.
+  [[nodiscard]] static ConnectionKind kind_with(ControlQuantity quantity) {
     switch (quantity) {
-      case ControlQuantity::kStiffnessRatio:
-      case ControlQuantity::kLoss:
-        return kind == ConnectionKind::kContact;
       case ControlQuantity::kStiffness:
       case ControlQuantity::kResistance:
-        return kind == ConnectionKind::kSpring;
+        return ConnectionKind::kSpring;
+      case ControlQuantity::kNormalForce:
+      case ControlQuantity::kSurfaceSpeed:
+        return ConnectionKind::kFriction;
       default:
-        return true;
+        return ConnectionKind::kContact;
     }
   }
 
@@ -133,6 +139,10 @@ class ControlReader {
         return model_.places[target].points.front().position_m;
       case ControlQuantity::kMass:
         return mass_of(target);
+      case ControlQuantity::kNormalForce:
+        return model_.connections[target].each.friction.normal_force_n;
+      case ControlQuantity::kSurfaceSpeed:
+        return model_.connections[target].each.friction.surface_speed_m_per_s;
       default:
         return 0;
     }
@@ -210,11 +220,11 @@ class ControlReader {
     model_.plucks.push_back(model_.controls.size());
   }
 
-  // A force without limits of its own is played up to what a finger does.
-  static void narrow_slider(const JsonObject& json, ModelParameter& force) {
-    const double largest = std::max(kFinger_n, 2 * std::abs(force.initial));
-    if (!json.has("min")) force.slider.min = std::max(force.slider.min, -largest);
-    if (!json.has("max")) force.slider.max = std::min(force.slider.max, largest);
+  // A force or a speed without limits of its own is played up to what a finger or an arm does.
+  static void narrow_slider(const JsonObject& json, ModelParameter& parameter, double by_hand) {
+    const double largest = std::max(by_hand, 2 * std::abs(parameter.initial));
+    if (!json.has("min")) parameter.slider.min = std::max(parameter.slider.min, -largest);
+    if (!json.has("max")) parameter.slider.max = std::min(parameter.slider.max, largest);
   }
 
   // The parameters of strikes and plucks, after those of the controls, and the events.

@@ -160,8 +160,17 @@ class Layout {
   }
 
   static DiagramPart part_of(const ConnectionGroup& group) {
-    if (group.each.kind == ConnectionKind::kContact) return DiagramPart::kContact;
-    return group.each.kind == ConnectionKind::kSpring ? DiagramPart::kSpring : DiagramPart::kLink;
+    switch (group.each.kind) {
+      case ConnectionKind::kContact:
+        return DiagramPart::kContact;
+      case ConnectionKind::kSpring:
+        return DiagramPart::kSpring;
+      case ConnectionKind::kLink:
+        return DiagramPart::kLink;
+      case ConnectionKind::kFriction:
+        break;
+    }
+    return DiagramPart::kFriction;
   }
 
   void draw_connection(const ConnectionGroup& group) {

@@ -11,7 +11,7 @@
 namespace contactspline {
 
 /// What a line or a label of a diagram is for.
-enum class DiagramPart { kContact, kSpring, kLink, kSupport, kBody, kTable, kPlace };
+enum class DiagramPart { kContact, kSpring, kLink, kFriction, kSupport, kBody, kTable, kPlace };
 
 /// "contact", "spring", "link", "support", "body", "table" or "place".
 [[nodiscard]] std::string_view name_of(DiagramPart part);

@@ -257,7 +257,7 @@ double position_of(const Place& point) {
 }
 
 std::string_view name_of(ConnectionKind kind) {
-  constexpr std::array kNames = {"contact", "spring", "link"};  // in the order of ConnectionKind
+  constexpr std::array kNames = {"contact", "spring", "link", "friction"};  // in the order of ConnectionKind
   return kNames[static_cast<std::size_t>(kind)];
 }
 

@@ -115,7 +115,7 @@ struct InstrumentModel {
 /// Distance from the middle of a membrane, negative on its other side, or from an end of another body [m].
 [[nodiscard]] double position_of(const Place& point);
 
-/// "contact", "spring" or "link".
+/// "contact", "spring", "link" or "friction".
 [[nodiscard]] std::string_view name_of(ConnectionKind kind);
 
 /// The values that a control may take.

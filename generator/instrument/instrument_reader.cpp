@@ -40,8 +40,8 @@ void read_names(InstrumentDraft& draft) {
 InstrumentModel parse_instrument(std::string_view text, std::string_view file, const ReadFile& read) {
   const JsonObject json =
       parse_json(text, file, "instrument",
-                 {"name", "description", "license", "bodies", "places", "contacts", "springs", "links", "controls",
-                  "strikes", "outputs", "keys", "polyphony", "damper", "presets"});
+                 {"name", "description", "license", "bodies", "places", "contacts", "springs", "links", "frictions",
+                  "controls", "strikes", "outputs", "keys", "polyphony", "damper", "presets"});
   InstrumentDraft draft(json);
   MovedMasses masses(draft);
   read_names(draft);

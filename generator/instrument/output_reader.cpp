@@ -70,7 +70,8 @@ class OutputReader {
 
   // What an output is the sum of.
   std::size_t source_of(const JsonObject& json, const std::string& key, const std::string& name) const {
-    if (key == "force_n") return index_of(json, json.key(key), name, model_.connections, "contact, spring or link");
+    if (key == "force_n")
+      return index_of(json, json.key(key), name, model_.connections, "contact, spring, link or friction");
     if (key != "end_force_n") return place_that_stays(json, key, name);
     const std::size_t body = index_of(json, json.key(key), name, model_.bodies, "body");
     if (!std::holds_alternative<StiffString>(model_.bodies[body].resonator.body))

@@ -118,6 +118,17 @@ TEST(BadInstrument, OfManyContactsHasNoFaustText) {
   EXPECT_EQ(outcome.out, "wrote out/probe.hpp\nwrote out/probe.json\nleft out probe.lib: " + why + "\n");
 }
 
+TEST(BadInstrument, WithFrictionHasNoFaustText) {
+  const Sandbox box;
+  write_file(box / "probe.json",
+             changed(kGood, R"("links": [)",
+                     R"("frictions": [ { "name": "bow", "between": ["ground", "spot"], "material": "rosin" } ],
+                        "links": [)"));
+  expect_refused(generate(box, {"--emit", "faust"}),
+                 "probe.json: --emit: probe has the friction bow, which only the C++ class plays",
+                 "allowed: cpp, whose class");
+}
+
 // The good file with so many modes of its board.
 std::string with_board_modes(std::size_t count) {
   std::string modes, shapes;

@@ -213,6 +213,9 @@ class ReferenceNetwork {
       case ControlQuantity::kPlace:
       case ControlQuantity::kMass:
         return;  // that of the file
+      case ControlQuantity::kNormalForce:
+      case ControlQuantity::kSurfaceSpeed:
+        return;  // 0
     }
   }
 
@@ -240,6 +243,7 @@ class ReferenceNetwork {
   [[nodiscard]] ReferenceLaw law_of(std::size_t k) const {
     const InstrumentConnection& c = connections_[k];
     const Real rate = 1 / time_step_;
+    if (c.kind == ConnectionKind::kFriction) return {0, 0};  // of a bow that is lifted
     if (c.kind == ConnectionKind::kSpring) return {c.stiffness_n_per_m, c.resistance_n_s_per_m * rate};
     if (c.kind == ConnectionKind::kLink) {
       const Real stiffness = 1e3L / coupling_[k * connections_.size() + k];

@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include "contactspline/data/friction_materials.hpp"
 #include "contactspline/data/mode.hpp"
 #include "contactspline/data/parameter.hpp"
 #include "contactspline/step/controls.hpp"
@@ -18,7 +19,14 @@
 
 namespace contactspline {
 
-enum class ConnectionKind { kContact, kSpring, kLink };
+enum class ConnectionKind { kContact, kSpring, kLink, kFriction };
+
+/// What rubs, how wide it is across the motion, what presses it, and how fast the surface of the first place moves by
+/// itself.
+struct InstrumentFriction {
+  FrictionMaterial material = {};
+  double width_m = 1, normal_force_n = 0, surface_speed_m_per_s = 0;
+};
 
 /// A connection between two places, kGround for one that does not move.
 struct InstrumentConnection {
@@ -28,6 +36,7 @@ struct InstrumentConnection {
   double gap_m = 0;
   double weight = 1, loss_s_per_m = 0;                     ///< of a contact
   double stiffness_n_per_m = 0, resistance_n_s_per_m = 0;  ///< of a spring
+  InstrumentFriction friction = {};                        ///< of friction
 };
 
 /// What a control sets, with the objects it is for.
@@ -40,7 +49,9 @@ enum class ControlQuantity {
   kStiffness,       ///< of springs [N/m]
   kResistance,      ///< of springs [N s/m]
   kPlace,           ///< where places are on their strings [m]
-  kMass             ///< of free masses, from their next throw on [kg]
+  kMass,            ///< of free masses, from their next throw on [kg]
+  kNormalForce,     ///< of friction [N]
+  kSurfaceSpeed     ///< of friction [m/s]
 };
 
 /// What is known of a quantity that controls set.
@@ -64,7 +75,10 @@ inline constexpr ControlQuantityRow<T> kControlQuantities[] = {
     {ControlQuantity::kStiffness, "kStiffness", "stiffness_n_per_m", ControlRanges<T>::hand_stiffness_n_per_m, 0},
     {ControlQuantity::kResistance, "kResistance", "resistance_n_s_per_m", ControlRanges<T>::resistance_n_s_per_m, 0},
     {ControlQuantity::kPlace, "kPlace", "place_m", ControlRanges<T>::place_m, 0.02},
-    {ControlQuantity::kMass, "kMass", "mass_kg", ControlRanges<T>::mass_kg, 0}};
+    {ControlQuantity::kMass, "kMass", "mass_kg", ControlRanges<T>::mass_kg, 0},
+    {ControlQuantity::kNormalForce, "kNormalForce", "normal_force_n", ControlRanges<T>::normal_force_n, 0.005},
+    {ControlQuantity::kSurfaceSpeed, "kSurfaceSpeed", "surface_speed_m_per_s", ControlRanges<T>::speed_m_per_s,
+     0.005}};
 
 template <std::floating_point T>
 [[nodiscard]] constexpr const ControlQuantityRow<T>& control_quantity(ControlQuantity quantity) {

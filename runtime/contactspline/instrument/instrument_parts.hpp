@@ -65,6 +65,12 @@ struct InstrumentParts {
       case ControlQuantity::kMass:
         masses_kg[target] = double(value);
         break;
+      case ControlQuantity::kNormalForce:
+        connections[target].friction.normal_force_n = double(value);
+        break;
+      case ControlQuantity::kSurfaceSpeed:
+        connections[target].friction.surface_speed_m_per_s = double(value);
+        break;
       case ControlQuantity::kForce:
       case ControlQuantity::kDamping:
         break;
@@ -75,7 +81,14 @@ struct InstrumentParts {
     return {ratios[k], static_cast<T>(connections[k].loss_s_per_m)};
   }
 
-  /// The network with the values that are kept.
+  /// Does a surface that is pressed move by itself?
+  [[nodiscard]] bool is_bowed() const {
+    return std::ranges::any_of(connections, [](const InstrumentConnection& c) {
+      return c.friction.normal_force_n != 0 && c.friction.surface_speed_m_per_s != 0;
+    });
+  }
+
+  /// The network with the values that are kept; friction is not pressed yet.
   [[nodiscard]] NetworkPlan<T> plan(const InstrumentData& data) const {
     NetworkPlan<T> plan;
     std::vector<Mode> modes;
@@ -101,8 +114,10 @@ struct InstrumentParts {
       else if (c.kind == ConnectionKind::kSpring)
         plan.add_spring(c.first, c.second, static_cast<T>(c.stiffness_n_per_m),
                         static_cast<T>(c.resistance_n_s_per_m), gaps_m[k]);
-      else
+      else if (c.kind == ConnectionKind::kLink)
         plan.add_rigid_link(c.first, c.second, gaps_m[k]);
+      else
+        plan.add_friction(c.first, c.second, c.friction.material, c.friction.width_m);
     }
     return plan;
   }

@@ -71,6 +71,8 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
     sample_rate_hz_ = sample_rate_hz;
     const NetworkPlan<T> plan = parts_.plan(data_);
     network_.emplace(plan, sample_rate_hz);
+    for (std::size_t k = 0; k < data_.connections.size(); ++k)
+      if (data_.connections[k].kind == ConnectionKind::kFriction) rub(k);
     strikes_.prepare(plan);
     std::ranges::fill(is_waiting_, 0);
     damper_.emplace(data_.keyed.damped, data_.keyed.damper_per_s, data_.body_ends.size(), sample_rate_hz);
@@ -196,27 +198,27 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
     damper_->lift();
     work_of_strikes_ = last_work_of_strikes_ = 0;
   }
-  /// Does no pluck or control push, and is the energy below a limit [J], without masses that fly away for ever?
+  /// Does no pluck, control or bow push, and is the energy below a limit [J], without masses that fly away for ever?
   [[nodiscard]] bool is_silent(double limit_j) const {
     if (in_double_) return in_double_->is_silent(limit_j);
     for (const std::size_t control : pushing_)
       if (values_[control] != 0) return false;
-    return have_controls_arrived() && energy() - strikes_.leaving_energy(*network_) < limit_j;
+    return !parts_.is_bowed() && have_controls_arrived() && energy() - strikes_.leaving_energy(*network_) < limit_j;
   }
-  /// Does no pluck push, and do loads hold all still, but for a kinetic energy below a limit [J], without such
+  /// Does no pluck or bow push, and do loads hold all still, but for a kinetic energy below a limit [J], without such
   /// masses?
   [[nodiscard]] bool is_at_rest(double limit_j) const {
     if (in_double_) return in_double_->is_at_rest(limit_j);
     const double leaving_j = strikes_.leaving_energy(*network_), kinetic_j = network_->kinetic_energy() - leaving_j;
-    return have_controls_arrived() && tuning_.has_arrived() && kinetic_j < limit_j &&
+    return !parts_.is_bowed() && have_controls_arrived() && tuning_.has_arrived() && kinetic_j < limit_j &&
            is_held_by_loads(kinetic_j, energy() - leaving_j);
   }
 
   /// Energy of all bodies and connections [J]. Over a sample, with the strikes before it, it changes by work() -
   /// dissipated(), up to rounding.
   [[nodiscard]] double energy() const { return in_double_ ? in_double_->energy() : network_->energy(); }
-  /// Work of forces, moving gaps, stiffness controls and strikes: in the last sample, and of the strikes before it
-  /// [J].
+  /// Work of forces, bows, moving gaps, stiffness controls and strikes: in the last sample, and of the strikes before
+  /// it [J].
   [[nodiscard]] double work() const {
     return in_double_ ? in_double_->work() : network_->work() + last_work_of_strikes_;
   }
@@ -259,6 +261,13 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
     if (force_n == 0) return;
     for (const std::size_t place : data_.targets_of(data_.controls[control]))
       network_->push(place, static_cast<T>(force_n));
+  }
+
+  // Presses and moves the surfaces of a friction.
+  void rub(std::size_t k) {
+    const InstrumentFriction& friction = parts_.connections[k].friction;
+    network_->set_normal_force(k, static_cast<T>(friction.normal_force_n));
+    network_->set_surface_speed(k, static_cast<T>(friction.surface_speed_m_per_s));
   }
 
   void keep(const InstrumentControl& control, T value) {
@@ -316,6 +325,10 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
           network_->retune(k, {&mass, 1});
           break;
         }
+        case ControlQuantity::kNormalForce:
+        case ControlQuantity::kSurfaceSpeed:
+          rub(k);
+          break;
       }
     }
   }

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: MIT
+// Friction of instrument files: a mass on a belt, and a bowed string.
+#include <utility>
+
+#include "generator/instrument/instrument_reader.hpp"
+#include "generator/support/input_file.hpp"
+#include "support/compare.hpp"
+#include "support/measured.hpp"
+#include "support/precisions.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+constexpr double kRate = 44100;
+
+// Parameters by their names.
+template <typename T>
+struct Played {
+  explicit Played(const InstrumentModel& of) : model(of), instrument(arrays.view(), kRate) {}
+
+  void set(const std::string& name, double value) {
+    const auto found = std::ranges::find(model.parameters, name, &ModelParameter::name);
+    ASSERT_NE(found, model.parameters.end()) << name;
+    instrument.set(static_cast<std::size_t>(found - model.parameters.begin()), value);
+  }
+  void tick(double duration_s) {
+    for (int n = 0; n < duration_s * kRate; ++n) instrument.tick();
+  }
+
+  InstrumentModel model;
+  InstrumentArrays arrays = arrays_of(model, kRate / 2);
+  NetworkInstrument<T> instrument;
+};
+
+// A belt at 1 m/s under a mass of 0.2 kg, which a constant friction of 0.4 times 2 N accelerates by 4 m/s^2. It
+// yields at 4e-10 m, within the first sample. Half a sample of its motion is 1e-4 of the speed.
+TEST(FrictionOfAFile, AcceleratesAMassOnABelt) {
+  Played<double> belt(parse_instrument(R"({
+    "name": "probe",
+    "bodies": [ { "name": "mass", "mass_kg": 0.2 } ],
+    "frictions": [ { "name": "belt", "between": ["ground", "mass"], "coefficient": 0.4, "stiffness_per_m": 1e9,
+                     "normal_force_n": 2, "surface_speed_m_per_s": 1 } ],
+    "controls": [ { "name": "belt", "normal_force_n": "belt" } ],
+    "outputs": [ { "name": "mass", "velocity_m_per_s": "mass" }, { "name": "belt", "force_n": "belt" } ]
+  })",
+                                       "probe.json"));
+  EXPECT_FALSE(belt.instrument.is_silent(1e-14)) << "it is about to move";
+  const double energy = belt.instrument.energy();
+  double balance = energy;
+  for (int n = 0; n < 4410; ++n) {
+    belt.instrument.tick();
+    balance += belt.instrument.work() - belt.instrument.dissipated();
+  }
+  EXPECT_TRUE(relatively_within(belt.instrument.output(0), 0.4, 2e-4));
+  EXPECT_TRUE(relatively_within(belt.instrument.output(1), 0.8, 1e-12));
+  EXPECT_TRUE(relatively_within(belt.instrument.energy(), balance, 1e-12));
+  belt.set("belt_normal_force_n", 0);
+  belt.instrument.tick();
+  EXPECT_EQ(belt.instrument.output(1), 0);
+}
+
+template <typename T>
+struct Violin : Played<T> {
+  Violin() : Played<T>(parse_instrument(read_input(EXAMPLES_FOLDER "/violin_d4.json"), "violin_d4.json")) {
+    while (this->arrays.connections[bow].kind != ConnectionKind::kFriction) ++bow;
+    EXPECT_FALSE(this->instrument.is_in_double());
+  }
+
+  void stroke(double force_n, double speed_m_per_s) {
+    this->set("bow_normal_force_n", force_n);
+    this->set("bow_surface_speed_m_per_s", speed_m_per_s);
+  }
+
+  std::size_t bow = 0;
+};
+
+// Slips in a period of the string, and their mean rate beside its pitch.
+struct Slips {
+  double count_per_period, cents;
+};
+
+// In the last 0.4 s of one second under a bow. A slip counts that follows a stick and is faster than a fifth of that
+// of Helmholtz motion.
+template <typename T>
+Slips slips_under(double force_n) {
+  constexpr double kFrequency_hz = 293.66, kSpeed_m_per_s = 0.15, kPlace = 0.039 / 0.325;
+  Violin<T> violin;
+  std::vector<int> begins;
+  bool has_stuck = false;
+  for (int n = 0; n < kRate; ++n) {
+    if (n < 4410) violin.stroke(force_n, kSpeed_m_per_s * n / 4410);
+    violin.instrument.tick();
+    const double slip = double(violin.instrument.network().slip(violin.bow)) * kRate / kSpeed_m_per_s;
+    if (slip > 0.2 / kPlace && std::exchange(has_stuck, false) && n > 0.6 * kRate) begins.push_back(n);
+    has_stuck |= slip < 0.05;
+  }
+  const double per_s =
+      begins.size() < 2 ? 0 : kRate * double(begins.size() - 1) / double(begins.back() - begins.front());
+  const Slips slips{per_s / kFrequency_hz, 1200 * std::log2(per_s / kFrequency_hz)};
+  Measured() << force_n << " N: " << slips.count_per_period << " slips a period, " << slips.cents << " cents";
+  return slips;
+}
+
+CONTACTSPLINE_EACH_PRECISION(BowedViolin);
+
+// Helmholtz motion, at the pitch of the string, which stiffness raises and a bow lowers by some cents.
+TYPED_TEST(BowedViolin, SlipsOnceAPeriod) {
+  for (const double force_n : {0.15, 0.25, 0.4}) {
+    const Slips slips = slips_under<TypeParam>(force_n);
+    EXPECT_TRUE(within(slips.cents, 0, 10)) << force_n;
+  }
+}
+
+TYPED_TEST(BowedViolin, SlipsSeveralTimesAPeriodUnderTooLittleForce) {
+  EXPECT_GT(slips_under<TypeParam>(0.07).count_per_period, 1.7);
+}
+
+TYPED_TEST(BowedViolin, FallsSilentWhereTheBowIsLifted) {
+  Violin<TypeParam> violin;
+  EXPECT_TRUE(violin.instrument.is_silent(1e-14));
+  violin.stroke(0, 0.15);
+  EXPECT_TRUE(violin.instrument.is_silent(1e-14));
+  violin.stroke(0.3, 0);
+  EXPECT_TRUE(violin.instrument.is_silent(1e-14));
+  violin.stroke(0.3, 0.15);
+  EXPECT_FALSE(violin.instrument.is_silent(1e-14)) << "a host would let it sleep";
+  EXPECT_FALSE(violin.instrument.is_at_rest(1e-14));
+  violin.tick(0.5);
+  EXPECT_GT(violin.instrument.energy(), 1e-5);
+  violin.stroke(0, 0.15);
+  violin.set("hand_damping_per_s", 50);
+  violin.tick(1);
+  EXPECT_TRUE(violin.instrument.is_silent(1e-14));
+}
+
+}  // namespace
+}  // namespace contactspline::testing
