@@ -19,6 +19,7 @@
 #include "generator/cli/inputs.hpp"
 #include "generator/cli/validators.hpp"
 #include "generator/emit/emitter.hpp"
+#include "generator/player/tuning.hpp"
 #include "generator/support/error.hpp"
 #include "generator/support/input_file.hpp"
 #include "generator/support/nearest_name.hpp"
@@ -393,6 +394,17 @@ void add_mass_barrier(CLI::App& render) {
   command->callback([options] { render_mass_barrier(*options); });
 }
 
+void add_tuning(CLI::App& command, ScoreOptions& options) {
+  command
+      .add_option("--tuning", options.tuning, "scale of the keys, a file of Scala (.scl; default: equal temperament)")
+      ->check(not_empty("a file"))
+      ->type_name("FILE");
+  command.add_option("--keymap", options.keymap, "which key plays which tone of the scale, a file of Scala (.kbm)")
+      ->check(not_empty("a file"))
+      ->type_name("FILE");
+  add_number(command, "--a4", options.a4_hz, "pitch of A4, key 69, in Hz", kA4_hz.min, kA4_hz.max);
+}
+
 // The options of a score. Without a model it is for what the score names.
 std::shared_ptr<ScoreOptions> add_score_options(CLI::App& command, std::optional<Model> model) {
   auto options = std::make_shared<ScoreOptions>();
@@ -419,6 +431,7 @@ std::shared_ptr<ScoreOptions> add_score_options(CLI::App& command, std::optional
                     "with keys, or a model of your own (.so), which plays scores, too")
         ->check(not_empty("an instrument"))
         ->type_name("FILE");
+  if (!model || model == Model::kHammerString || model == Model::kFile) add_tuning(command, *options);
   return options;
 }
 

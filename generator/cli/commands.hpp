@@ -119,9 +119,11 @@ struct ScoreOptions {
   std::string score;
   std::string signal;  ///< an output or "body"; empty: what sounds best
   std::string precision = "double";
-  std::string stems;          ///< folder for the sound of each voice, or empty
-  std::vector<int> channels;  ///< of a MIDI file, 1 to 16; empty: all but the tenth
-  std::string instrument;     ///< that plays a MIDI file: one that ships or its file; empty: the piano
+  std::string stems;            ///< folder for the sound of each voice, or empty
+  std::vector<int> channels;    ///< of a MIDI file, 1 to 16; empty: all but the tenth
+  std::string instrument;       ///< that plays a MIDI file: one that ships or its file; empty: the piano
+  std::string tuning, keymap;   ///< files of Scala, .scl and .kbm, or empty
+  std::optional<double> a4_hz;  ///< empty: what the key map or the instrument says
   RenderOutput output;
 };
 /// model: what the score must be for; empty: any.

@@ -219,8 +219,8 @@ void require_no_channels(const std::string& score, const std::vector<int>& chann
 }
 
 // A MIDI file on a keyboard of the user's choice.
-ScoreSource midi_on_keyboard(const std::string& argument, const std::vector<int>& channels,
-                             const NamedText& keyboard) {
+ScoreSource midi_on_keyboard(const std::string& argument, const std::vector<int>& channels, const NamedText& keyboard,
+                             const Tuning& tuning) {
   ScoreSource source;
   const auto* midi = find_embedded(Shipped::kScores, argument + ".mid");
   if (midi == nullptr && !is_midi(argument))
@@ -233,7 +233,7 @@ ScoreSource midi_on_keyboard(const std::string& argument, const std::vector<int>
     return read_input(path);
   };
   source.score = parse_midi_score(midi != nullptr ? std::string(midi->content) : text_of(argument), argument,
-                                  channels, keyboard, read);
+                                  channels, keyboard, read, tuning);
   return source;
 }
 
@@ -250,10 +250,10 @@ ScoreSource midi_on_keyboard(const std::string& argument, const std::vector<int>
 
 // A MIDI file on an instrument of the user's choice.
 ScoreSource score_on_instrument(const std::string& argument, const std::vector<int>& channels,
-                                const std::string& instrument) {
+                                const std::string& instrument, const Tuning& tuning) {
   const bool is_module = instrument.ends_with(".so");
   if (const auto keyboard = is_module ? std::nullopt : text_of_kind(instrument, Shipped::kKeyboards))
-    return midi_on_keyboard(argument, channels, *keyboard);
+    return midi_on_keyboard(argument, channels, *keyboard, tuning);
   auto played = is_module ? std::optional(InstrumentSource{load_model_module(instrument), {}})
                           : instrument_argument(instrument);
   if (!played) refuse_player(instrument);
@@ -265,17 +265,18 @@ ScoreSource score_on_instrument(const std::string& argument, const std::vector<i
       refuse(argument, "--instrument", "the score is not a MIDI file and names its instrument itself",
              "no --instrument, a .mid file, or an instrument that is a model of your own (.so)");
     require_no_channels(argument, channels);
-    source.score = parse_score(read_kind(argument, Shipped::kScores, "score"), argument, read_input, &played->model);
+    source.score =
+        parse_score(read_kind(argument, Shipped::kScores, "score"), argument, read_input, &played->model, tuning);
     return source;
   }
   source.score = parse_midi_on_instrument(midi != nullptr ? std::string(midi->content) : text_of(argument), argument,
-                                          channels, played->model);
+                                          channels, played->model, tuning);
   return source;
 }
 
-ScoreSource shipped_score(const std::string& name, const std::vector<int>& channels) {
+ScoreSource shipped_score(const std::string& name, const std::vector<int>& channels, const Tuning& tuning) {
   if (const auto* midi = find_embedded(Shipped::kScores, name + ".mid"))
-    return {parse_midi_score(midi->content, midi->name, channels), {}};
+    return {parse_midi_score(midi->content, midi->name, channels, shipped_piano(), shipped_file, tuning), {}};
   require_no_channels(name, channels);
   const auto* score = shipped(Shipped::kScores, name);
   if (const auto kind = kind_of_name(name); kind && *kind != Shipped::kScores)
@@ -283,7 +284,7 @@ ScoreSource shipped_score(const std::string& name, const std::vector<int>& chann
   if (score == nullptr)
     throw BadInput(fmt::format("{}: SCORE: no such score ships; allowed: a .json or .mid file, {}", name,
                                names_in_short(shipped_names(Shipped::kScores), name, "contactspline list scores")));
-  return {parse_score(score->content, score->name, read_input), {}};
+  return {parse_score(score->content, score->name, read_input, nullptr, tuning), {}};
 }
 
 }  // namespace
@@ -341,10 +342,10 @@ Source source_argument(const std::string& argument, double max_frequency_hz) {
 }
 
 ScoreSource score_argument(const std::string& argument, const std::vector<int>& channels,
-                           const std::string& instrument) {
+                           const std::string& instrument, const Tuning& tuning) {
   const WaitingLine line("designing the contacts of " + argument);
-  if (!instrument.empty()) return score_on_instrument(argument, channels, instrument);
-  if (!is_file(argument)) return shipped_score(argument, channels);
+  if (!instrument.empty()) return score_on_instrument(argument, channels, instrument, tuning);
+  if (!is_file(argument)) return shipped_score(argument, channels, tuning);
   if (!is_midi(argument)) require_no_channels(argument, channels);
   const std::filesystem::path file = argument;
   ScoreSource source;
@@ -353,9 +354,17 @@ ScoreSource score_argument(const std::string& argument, const std::vector<int>& 
     source.files.push_back(file.parent_path() / path);
     return read_input(source.files.back());
   };
-  source.score = is_midi(argument) ? parse_midi_score(text_of(argument), argument, channels)
-                                   : parse_score(read_kind(argument, Shipped::kScores, "score"), argument, read);
+  source.score = is_midi(argument)
+                     ? parse_midi_score(text_of(argument), argument, channels, shipped_piano(), shipped_file, tuning)
+                     : parse_score(read_kind(argument, Shipped::kScores, "score"), argument, read, nullptr, tuning);
   return source;
+}
+
+Tuning tuning_argument(const std::string& scale, const std::string& keymap, std::optional<double> a4_hz) {
+  const auto text = [](const std::string& file) {
+    return file.empty() ? std::nullopt : std::optional(TuningText{text_of(file), file});
+  };
+  return {text(scale), text(keymap), a4_hz};
 }
 
 }  // namespace contactspline

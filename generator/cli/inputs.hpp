@@ -13,6 +13,7 @@
 #include "generator/emit/emitter.hpp"
 #include "generator/instrument/instrument.hpp"
 #include "generator/player/score.hpp"
+#include "generator/player/tuning.hpp"
 #include "generator/resonator/keyboard.hpp"
 #include "generator/resonator/resonator.hpp"
 #include "generator/spline/design.hpp"
@@ -67,8 +68,12 @@ struct ScoreSource {
 /// the name of one that ships. `channels` (1 to 16) chooses those of a MIDI file; empty: all but the tenth. Throws
 /// BadInput.
 /// `instrument`: what plays: an instrument with keys for a MIDI file, as MATERIAL, or the library of a model of the
-/// user's own (.so), also for a score; empty: the piano.
+/// user's own (.so), also for a score; empty: the piano. `tuning`: of its keys, in place of the score's.
 [[nodiscard]] ScoreSource score_argument(const std::string& argument, const std::vector<int>& channels = {},
-                                         const std::string& instrument = {});
+                                         const std::string& instrument = {}, const Tuning& tuning = {});
+
+/// The tuning of files of Scala, each empty or a path, and of a pitch of A4. Throws BadInput.
+[[nodiscard]] Tuning tuning_argument(const std::string& scale, const std::string& keymap,
+                                     std::optional<double> a4_hz);
 
 }  // namespace contactspline

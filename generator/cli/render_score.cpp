@@ -189,7 +189,8 @@ void report_silence(const std::string& score, const Performance& performance) {
 }  // namespace
 
 void render_score(std::optional<Model> model, const ScoreOptions& given) {
-  const ScoreSource source = score_argument(given.score, given.channels, given.instrument);
+  const Tuning tuning = tuning_argument(given.tuning, given.keymap, given.a4_hz);
+  const ScoreSource source = score_argument(given.score, given.channels, given.instrument, tuning);
   const Score& score = source.score;
   ScoreOptions options = given;
   if (options.output.sound.empty()) options.output.sound = default_sound(given.score);
@@ -201,7 +202,10 @@ void render_score(std::optional<Model> model, const ScoreOptions& given) {
            fmt::format("render {}", name_of(score.model)));
   require_short(options.score + ": duration_s", score.duration_s, options.output.sample_rate_hz);
   const auto stems = stem_files(options, score);
-  require_outputs(options.output, channels_of(score), source.files, stems);
+  std::vector<std::filesystem::path> inputs = source.files;
+  for (const std::string& file : {given.tuning, given.keymap})
+    if (!file.empty()) inputs.emplace_back(file);
+  require_outputs(options.output, channels_of(score), inputs, stems);
   if (!score.left_out.empty()) std::fputs(fmt::format("contactspline: {}\n", score.left_out).c_str(), stderr);
   const PlayOptions how = play_options(options, score);
   if (!how.is_on_body && !score.left_out_at_rest.empty())

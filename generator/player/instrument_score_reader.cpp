@@ -62,24 +62,34 @@ MidiVoices midi_voices(const InstrumentModel& model, const MidiSong& song) {
     const bool has_bends =
         bends && std::ranges::find(song.bends, note.channel, &MidiBend::channel) != song.bends.end();
     const int channel = has_bends ? note.channel : -1;
-    const double cents = bends ? note.cents : 0;
+    const bool bends_keys = model.keys.tune();  // otherwise as a whole
+    const double cents = bends && !bends_keys ? note.cents : 0;
     Voice& voice = voices.by_channel.try_emplace({channel, cents}, voice_of(model, 0)).first->second;
     if (has_bends) voice.name = fmt::format("{}_channel_{}", model.name, channel + 1);
     if (cents != 0) voice.name += fmt::format("_{:+.6g}_cents", cents);
-    voice.notes.push_back({note.time_s, note.key, note.velocity, note.key_hold_s});
+    voice.notes.push_back({note.time_s, note.key, note.velocity, note.key_hold_s, bends_keys ? note.cents : 0});
     voices.end_s = std::max(voices.end_s, note.time_s + note.hold_s);
   }
   return voices;
 }
 
-MidiSettings settings_of(const InstrumentModel& model) {
+// The keys that tune nothing stay as they are.
+KeyCents key_cents_of(const InstrumentModel& model, const Tuning& tuning) {
+  KeyCents cents = key_cents(tuning);
+  for (const KeyRange& range : model.keys.ranges)
+    for (int key = range.first; key <= range.last && range.tuned_key < 0 && model.keys.tune(); ++key)
+      if (double& of = cents[static_cast<std::size_t>(key)]; is_number(of)) of = 0;
+  return cents;
+}
+
+MidiSettings settings_of(const InstrumentModel& model, const Tuning& tuning) {
   MidiSettings settings{.first_key = model.keys.ranges.front().first, .last_key = model.keys.ranges.front().last};
   for (const KeyRange& range : model.keys.ranges) {
     settings.first_key = std::min(settings.first_key, range.first);
     settings.last_key = std::max(settings.last_key, range.last);
   }
   if (model.keys.bend != kNoParameter) settings.max_cents = kTuningCents.max;
-  return settings;
+  return tuning.is_given() ? tuned(settings, key_cents_of(model, tuning)) : settings;
 }
 
 // The wheel of its channel, and the sustain pedal.
@@ -151,20 +161,23 @@ bool read_control(const JsonObject& event, const InstrumentModel& model, std::si
 }
 
 // A key that goes down, and after hold_s up.
-bool read_note(const JsonObject& event, const InstrumentModel& model, double time, std::span<Voice> voices) {
+bool read_note(const JsonObject& event, const InstrumentModel& model, const MidiSettings& tuning, double time,
+               std::span<Voice> voices) {
   for (const char* key : {"velocity", "hold_s"})
     if (event.has(key) && !event.has("key")) event.fail(event.key(key), "has no key", "beside key");
   if (!event.has("key")) return false;
   const int key = event.integer("key", 0, 127);
-  if (!plays_key(model, key))
+  require_tuned(event, key, tuning.key_cents);
+  const auto [played, cents] = tuned_key(key, tuning.key_cents[static_cast<std::size_t>(key)], 0, tuning);
+  if (!plays_key(model, played))
     event.fail(event.key("key"), fmt::format("{} plays nothing", key), keys_in_words(model));
-  const Note note{time, key, number_or(event, "velocity", {0, 1}, 1),
-                  number_or(event, "hold_s", kEventTime_s, std::numeric_limits<double>::infinity())};
+  const Note note{time, played, number_or(event, "velocity", {0, 1}, 1),
+                  number_or(event, "hold_s", kEventTime_s, std::numeric_limits<double>::infinity()), cents};
   for (Voice& voice : voices) voice.notes.push_back(note);
   return true;
 }
 
-void read_event(const JsonObject& event, const InstrumentModel& model, double duration_s,
+void read_event(const JsonObject& event, const InstrumentModel& model, const MidiSettings& tuning, double duration_s,
                 std::vector<Voice>& voices) {
   const double time = event.number("time_s", {0, duration_s});
   const auto concerned = voices_of(event, voices);
@@ -172,7 +185,7 @@ void read_event(const JsonObject& event, const InstrumentModel& model, double du
   for (std::size_t i = 0; i < model.parameters.size(); ++i)
     if (std::ranges::find(model.events, i, &ModelEvent::parameter) == model.events.end())
       moves |= read_control(event, model, i, time, concerned);
-  const bool plays = read_note(event, model, time, concerned);
+  const bool plays = read_note(event, model, tuning, time, concerned);
   for (const ModelEvent& played : model.events) {
     const ModelParameter& parameter = model.parameters[played.parameter];
     if (played.kind == EventKind::kPluck && model.module != nullptr && event.has(parameter.name.c_str()))
@@ -191,7 +204,7 @@ void read_event(const JsonObject& event, const InstrumentModel& model, double du
 }  // namespace
 
 Score parse_midi_on_instrument(std::string_view bytes, std::string_view file, std::span<const int> channels,
-                               const InstrumentModel& model) {
+                               const InstrumentModel& model, const Tuning& tuning) {
   if (model.keys.ranges.empty())
     throw BadInput(fmt::format(
         "--instrument: {} has no keys; allowed: an instrument file with keys{}, or a model of your own (.so)",
@@ -199,10 +212,11 @@ Score parse_midi_on_instrument(std::string_view bytes, std::string_view file, st
         model.events.empty() ? ""
                              : fmt::format(", such as \"keys\": [ {{ \"key\": 60, \"event\": \"{}\" }} ]",
                                            model.events.front().name)));
+  if (tuning.is_given() && model.keys.bend == kNoParameter) refuse_tuning(file);
   constexpr int kDrums[] = {10};
   const bool is_drum = channels.empty() && model.module == nullptr && !model.keys.tune();
   const MidiSong song =
-      parse_midi(bytes, file, is_drum ? std::span<const int>(kDrums) : channels, settings_of(model));
+      parse_midi(bytes, file, is_drum ? std::span<const int>(kDrums) : channels, settings_of(model, tuning));
   MidiVoices voices = midi_voices(model, song);
   if (voices.by_channel.empty())
     throw BadInput(fmt::format("{}: MIDI: no note of {} is on {}; allowed: {}, or --channel", file,
@@ -225,18 +239,22 @@ Score parse_midi_on_instrument(std::string_view bytes, std::string_view file, st
   return score;
 }
 
-Score parse_instrument_score(const JsonObject& score, std::string_view file, const ReadFile& read) {
+Score parse_instrument_score(const JsonObject& score, std::string_view file, const ReadFile& read,
+                             const Tuning& tuning) {
   const NamedText named = read_named(score, "instrument", Shipped::kInstruments, read);
-  return parse_score_on(score, file, parse_instrument(named.text, named.file, reader_beside(named, read)));
+  return parse_score_on(score, file, parse_instrument(named.text, named.file, reader_beside(named, read)), tuning);
 }
 
-Score parse_score_on(const JsonObject& score, std::string_view file, const InstrumentModel& model) {
+Score parse_score_on(const JsonObject& score, std::string_view file, const InstrumentModel& model,
+                     const Tuning& tuning) {
+  if (tuning.is_given() && !model.keys.tune()) refuse_tuning(file);
   if (score.has("keyboard")) score.fail("keyboard", "has no place here", "in a score for hammer-string");
   Score result{std::string(file), Model::kFile, read_description(score), score.number("duration_s", kScoreDuration_s),
                read_voices(score, model)};
   result.level_db = read_level(score);
+  const MidiSettings keys = model.keys.ranges.empty() ? MidiSettings() : settings_of(model, tuning);
   for (const JsonObject& event : score.objects("events", event_keys(model), kMaxEvents))
-    read_event(event, model, result.duration_s, result.voices);
+    read_event(event, model, keys, result.duration_s, result.voices);
   sort_by_time(result.voices);
   return result;
 }

@@ -7,21 +7,25 @@
 
 #include "generator/material/contact_reader.hpp"
 #include "generator/player/score.hpp"
+#include "generator/player/tuning.hpp"
 #include "generator/support/json_reader.hpp"
 
 namespace contactspline {
 
 /// Reads a score whose key `instrument` names an instrument file. `file` stands in messages only; `read` reads the
 /// files that it names. Throws BadInput.
-[[nodiscard]] Score parse_instrument_score(const JsonObject& score, std::string_view file, const ReadFile& read);
+[[nodiscard]] Score parse_instrument_score(const JsonObject& score, std::string_view file, const ReadFile& read,
+                                           const Tuning& tuning);
 
 /// Reads a score that such an instrument plays.
-[[nodiscard]] Score parse_score_on(const JsonObject& score, std::string_view file, const InstrumentModel& model);
+[[nodiscard]] Score parse_score_on(const JsonObject& score, std::string_view file, const InstrumentModel& model,
+                                   const Tuning& tuning);
 
 /// The notes of a MIDI file, of these channels as in parse_midi(), on an instrument with keys, with 1 s to ring after
 /// the last one. Without channels, keys that tune nothing play the tenth, which is for drums. A channel with a pitch
 /// wheel has an instrument of its own. Throws BadInput.
 [[nodiscard]] Score parse_midi_on_instrument(std::string_view bytes, std::string_view file,
-                                             std::span<const int> channels, const InstrumentModel& model);
+                                             std::span<const int> channels, const InstrumentModel& model,
+                                             const Tuning& tuning = {});
 
 }  // namespace contactspline

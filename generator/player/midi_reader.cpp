@@ -142,7 +142,7 @@ MidiSong parse_midi(std::string_view bytes, std::string_view file, std::span<con
   MidiInterpreter midi(settings);
   SongRecorder recorder(settings, midi);
   std::set<int> with_notes;
-  std::size_t unchosen = 0;
+  std::size_t unchosen = 0, chosen = 0;
   const auto is_chosen = [&](int channel) {
     return channels.empty() ? channel != kDrums || midi.is_in_zone(kDrums)
                             : std::ranges::count(channels, channel + 1) > 0;
@@ -155,6 +155,7 @@ MidiSong parse_midi(std::string_view bytes, std::string_view file, std::span<con
       unchosen += is_note_on(message);
       continue;
     }
+    chosen += is_of_channel && is_note_on(message);
     recorder.set_time(time_s);
     midi.take(message, recorder);
   }
@@ -164,6 +165,12 @@ MidiSong parse_midi(std::string_view bytes, std::string_view file, std::span<con
   song.title = std::move(content.title);
   song.remarks = std::move(content.remarks);
   song.unchosen = unchosen;
+  song.unmapped = chosen - song.notes.size();
+  if (song.notes.empty() && song.unmapped > 0)
+    throw BadInput(
+        fmt::format("{}: MIDI: all its notes are on keys that the key map leaves out; allowed: a key map "
+                    "with a degree for some of them",
+                    file));
   if (song.notes.empty()) refuse_silence(file, with_notes, song.remarks);
   return song;
 }

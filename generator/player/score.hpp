@@ -76,9 +76,10 @@ struct Strike {
 /// A key of an instrument file that goes down and, after `hold_s`, up.
 struct Note {
   double time_s;
-  int key;          ///< of MIDI
-  double velocity;  ///< 0 to 1
-  double hold_s;    ///< infinite: for ever
+  int key;           ///< of MIDI
+  double velocity;   ///< 0 to 1
+  double hold_s;     ///< infinite: for ever
+  double cents = 0;  ///< above the pitch of the key
 };
 
 /// One resonator with its hammer, slide or fret, or one instrument of a file.

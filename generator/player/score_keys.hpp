@@ -14,6 +14,7 @@
 #include <string_view>
 #include <vector>
 
+#include "contactspline/step/controls.hpp"
 #include "generator/player/midi_reader.hpp"
 #include "generator/player/score.hpp"
 #include "generator/resonator/resonator_reader.hpp"
@@ -66,6 +67,8 @@ inline constexpr std::size_t kMaxEvents = 65536;
 /// The parts of the one line that says what of a MIDI file is not played as it is written.
 [[nodiscard]] inline std::vector<std::string> left_out_parts(const MidiSong& song) {
   std::vector<std::string> parts = song.remarks;
+  if (song.unmapped > 0)
+    parts.push_back(fmt::format("left out: notes on keys that the key map leaves out ({})", song.unmapped));
   if (song.far_bends > 0)
     parts.push_back(fmt::format("played as an octave: bends by more than an octave ({})", song.far_bends));
   return parts;
@@ -88,6 +91,18 @@ inline constexpr std::size_t kMaxEvents = 65536;
 /// What is said of notes on the tenth channel that no keys play.
 [[nodiscard]] inline std::string left_out_drums(std::size_t notes) {
   return fmt::format("left out: drums, the notes of channel 10 ({}), which --channel 10 plays as keys", notes);
+}
+
+/// Throws BadInput if the key of an event does not sound.
+inline void require_tuned(const JsonObject& event, int key, const KeyCents& cents) {
+  if (!is_number(cents[static_cast<std::size_t>(key)]))
+    event.fail(event.key("key"), fmt::format("the key map leaves out key {}", key), "keys that it gives a degree");
+}
+
+/// Throws BadInput: a tuning is given for a score without keys that have a pitch.
+[[noreturn]] inline void refuse_tuning(std::string_view file) {
+  refuse(file, "tuning", "the score has no keys that could be tuned",
+         "for MIDI files, scores with a keyboard, and instruments with a tuned_key");
 }
 
 /// Sorts what happens to each voice by rising time.

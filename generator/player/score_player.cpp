@@ -117,7 +117,8 @@ class VoicePlayer {
         strikes_(voice.strikes, sample_rate_hz, hold),
         notes_(voice.notes, sample_rate_hz),
         held_(1 + count_strikes(part)),
-        bend_cents_(voice.bend_cents) {}
+        bend_cents_(voice.bend_cents),
+        is_tuned_(std::ranges::any_of(voice.notes, [](const Note& note) { return note.cents != 0; })) {}
 
   /// Takes what happens up to a sample. Returns the number of samples from there in which nothing happens.
   std::size_t take_events(std::size_t sample) {
@@ -165,6 +166,8 @@ class VoicePlayer {
     if constexpr (Instrument<Part>) {
       if (change.is_end) return part_.note_off(change.strike->key);
       is_struck_ = true;
+      if (is_tuned_)
+        part_.play({0, Action::kBendKey, static_cast<std::size_t>(change.strike->key), change.strike->cents});
       part_.note_on(change.strike->key, change.strike->velocity);
     }
   }
@@ -176,6 +179,7 @@ class VoicePlayer {
   NoteTrack notes_;
   std::vector<int> held_;  // notes that hold each strike
   double bend_cents_;      // 0 but for a hammer-string
+  bool is_tuned_;          // are there notes beside the pitches of their keys?
   bool is_struck_ = false;
 };
 

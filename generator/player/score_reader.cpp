@@ -223,17 +223,38 @@ double end_of_pedals(std::span<const MidiPedal> pedals, double end_s) {
   return end_s;
 }
 
-// Every key that is played.
-std::vector<Voice> read_keys(const JsonObject& score, const Keyboard& keyboard,
-                             const std::vector<JsonObject>& events) {
-  std::set<int> keys;
+MidiSettings settings_of(const Keyboard& keyboard, const Tuning& tuning) {
+  const MidiSettings settings{
+      .first_key = keyboard.first_key, .last_key = keyboard.last_key, .max_cents = kTuningCents.max};
+  return tuning.is_given() ? tuned(settings, key_cents(tuning, keyboard.concert_pitch_hz)) : settings;
+}
+
+// The key of an event as a voice: its strings, and what tunes them.
+Voice read_key(const JsonObject& event, int key, const Keyboard& keyboard, const MidiSettings& settings) {
+  require_tuned(event, key, settings.key_cents);
+  const auto [played, cents] = tuned_key(key, settings.key_cents[static_cast<std::size_t>(key)], 0, settings);
+  if (played < keyboard.first_key || played > keyboard.last_key)
+    event.fail(event.key("key"), fmt::format("{} has a pitch beyond the keyboard", key),
+               fmt::format("pitches of the keys {} to {}", keyboard.first_key, keyboard.last_key));
+  Voice voice = voice_of(keyboard, played);
+  voice.name = fmt::format("{}", key);
+  voice.bend_cents = cents;
+  return voice;
+}
+
+// Every key that is played. A tuning may give pitches of the keyboard to any key of MIDI.
+std::vector<Voice> read_keys(const JsonObject& score, const Keyboard& keyboard, const std::vector<JsonObject>& events,
+                             const Tuning& tuning) {
+  const MidiSettings settings = settings_of(keyboard, tuning);
+  const int first = tuning.is_given() ? 0 : keyboard.first_key, last = tuning.is_given() ? 127 : keyboard.last_key;
+  std::map<int, Voice> keys;
   for (const JsonObject& event : events)
-    if (event.has("key")) keys.insert(event.integer("key", keyboard.first_key, keyboard.last_key));
-  if (keys.empty())
-    score.fail("events", "play no key",
-               fmt::format("key, an integer from {} to {}", keyboard.first_key, keyboard.last_key));
+    if (event.has("key"))
+      if (const int key = event.integer("key", first, last); !keys.contains(key))
+        keys.emplace(key, read_key(event, key, keyboard, settings));
+  if (keys.empty()) score.fail("events", "play no key", fmt::format("key, an integer from {} to {}", first, last));
   std::vector<Voice> voices;
-  for (const int key : keys) voices.push_back(voice_of(keyboard, key));
+  for (auto& [key, voice] : keys) voices.push_back(std::move(voice));
   return voices;
 }
 
@@ -362,16 +383,23 @@ void require_initial(const JsonObject& score, Model model, const std::vector<Voi
 
 JsonObject parse_score_object(std::string_view text, std::string_view file) {
   return parse_json(text, file, "score",
-                    {"instrument", "description", "duration_s", "level_db", "keyboard", "body", "voices", "events"});
+                    {"instrument", "description", "duration_s", "level_db", "keyboard", "body", "tuning", "keymap",
+                     "a4_hz", "voices", "events"});
 }
 
-MidiSettings settings_of(const Keyboard& keyboard) {
-  return {.first_key = keyboard.first_key, .last_key = keyboard.last_key, .max_cents = kTuningCents.max};
+// Voices that the same key plays have strings of their own.
+void give_strings(std::vector<Voice>& voices, std::vector<KeyParts>& on_body) {
+  std::set<std::size_t> keys;
+  for (Voice& voice : voices) {
+    if (keys.insert(voice.key).second || on_body.empty()) continue;
+    on_body.push_back(on_body[voice.key]);
+    voice.key = on_body.size() - 1;
+  }
 }
 
 // A voice with strings of its own, which bend as their channel does.
 void name_bent(Voice& voice, int channel, double cents) {
-  voice.name += fmt::format("_channel_{}", channel + 1);
+  if (channel != kNoBends) voice.name += fmt::format("_channel_{}", channel + 1);
   if (cents != 0) voice.name += fmt::format("_{:+.6g}_cents", cents);
   voice.bend_cents = cents;
 }
@@ -407,7 +435,7 @@ ScoreHeading score_heading(std::string_view text, std::string_view file) {
 ScoreHeading midi_score_heading(std::string_view bytes, std::string_view file) {
   const NamedText piano = shipped_piano();
   const Keyboard keyboard = parse_keyboard(piano.text, piano.file);
-  const MidiSong song = parse_midi(bytes, file, {}, settings_of(keyboard));
+  const MidiSong song = parse_midi(bytes, file, {}, settings_of(keyboard, {}));
   return {Model::kHammerString, song.title, duration_of(song, keyboard, file)};
 }
 
@@ -418,28 +446,32 @@ Voice read_voice_parts(const JsonObject& object, const char* key, Model model, c
   return voice;
 }
 
-Score parse_score(std::string_view text, std::string_view file, const ReadFile& read, const InstrumentModel* played) {
+Score parse_score(std::string_view text, std::string_view file, const ReadFile& read, const InstrumentModel* played,
+                  const Tuning& given) {
   const JsonObject score = parse_score_object(text, file);
+  const Tuning tuning = given.is_given() ? given : read_tuning(score, read);
   const Model model = played != nullptr ? Model::kFile : read_model(score);
   if (score.has("body") && model != Model::kSlideString && model != Model::kFretString)
     score.fail("body", "has no place here", "in a score for slide-string or fret-string");
   if (played != nullptr) {
     if (const std::string name = score.text("instrument", played->name); name != played->name)
       score.fail("instrument", fmt::format("'{}' is not what --instrument names", shown(name)), played->name);
-    return parse_score_on(score, file, *played);
+    return parse_score_on(score, file, *played, tuning);
   }
-  if (model == Model::kFile) return parse_instrument_score(score, file, read);
+  if (model == Model::kFile) return parse_instrument_score(score, file, read, tuning);
   Score result{std::string(file), model, read_description(score), score.number("duration_s", kScoreDuration_s), {}};
   result.level_db = read_level(score);
   const bool has_keys = score.has("keyboard");
   if (has_keys && (score.has("voices") || !has_hammer(result.model)))
     score.fail("keyboard", "has no place here", "in a score for hammer-string, instead of voices");
+  if (tuning.is_given() && !has_keys) refuse_tuning(file);
   const auto events = score.objects("events", event_keys(result.model, has_keys), kMaxEvents);
   if (has_keys) {
     const NamedText named = read_named(score, "keyboard", Shipped::kKeyboards, read);
     const Keyboard keyboard = parse_keyboard(named.text, named.file);
-    result.voices = read_keys(score, keyboard, events);
+    result.voices = read_keys(score, keyboard, events, tuning);
     add_body(keyboard, named, read, result);
+    give_strings(result.voices, result.keys);
   } else {
     result.voices = read_voices(score, result.model, read);
   }
@@ -456,9 +488,9 @@ Score parse_score(std::string_view text, std::string_view file, const ReadFile& 
 }
 
 Score parse_midi_score(std::string_view bytes, std::string_view file, std::span<const int> channels,
-                       const NamedText& played, const ReadFile& read) {
+                       const NamedText& played, const ReadFile& read, const Tuning& tuning) {
   const Keyboard keyboard = parse_keyboard(played.text, played.file);
-  const MidiSong song = parse_midi(bytes, file, channels, settings_of(keyboard));
+  const MidiSong song = parse_midi(bytes, file, channels, settings_of(keyboard, tuning));
   Score score{std::string(file), Model::kHammerString, {}, duration_of(song, keyboard, file), {}};
   std::map<int, SharedGlides> bends;  // of the channels that have some
   for (const MidiBend& bend : song.bends)
@@ -471,11 +503,11 @@ Score parse_midi_score(std::string_view bytes, std::string_view file, std::span<
       ++beyond;
       continue;
     }
-    const bool is_bent = bends.contains(note.channel) || note.cents != 0;
-    Voice& voice = voices[{note.key, is_bent ? note.channel : kNoBends, note.cents}];
+    const int channel = bends.contains(note.channel) ? note.channel : kNoBends;
+    Voice& voice = voices[{note.key, channel, note.cents}];
     if (voice.name.empty()) {
       voice = voice_of(keyboard, note.key);
-      if (is_bent) name_bent(voice, note.channel, note.cents);
+      name_bent(voice, channel, note.cents);
       if (bends.contains(note.channel)) voice.bends = bends.at(note.channel);
     }
     voice.strikes.push_back(
@@ -484,14 +516,8 @@ Score parse_midi_score(std::string_view bytes, std::string_view file, std::span<
   score.left_out = left_out_line(file, keyboard, song, channels.empty() ? song.unchosen : 0, beyond);
   score.silences_s = song.silences_s;
   add_body(keyboard, played, read, score);
-  std::set<std::size_t> keys;
-  for (auto& [key, voice] : voices) {
-    if (!keys.insert(voice.key).second) {  // another channel has bent strings there
-      score.keys.push_back(score.keys[voice.key]);
-      voice.key = score.keys.size() - 1;
-    }
-    score.voices.push_back(std::move(voice));
-  }
+  for (auto& [key, voice] : voices) score.voices.push_back(std::move(voice));
+  give_strings(score.voices, score.keys);
   add_pedals(song.pedals, score);
   return score;
 }

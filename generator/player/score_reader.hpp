@@ -9,14 +9,15 @@
 #include "generator/material/contact_reader.hpp"
 #include "generator/material/named_file.hpp"
 #include "generator/player/score.hpp"
+#include "generator/player/tuning.hpp"
 
 namespace contactspline {
 
 /// Parses the text of a score: JSON with comments (docs/reference/scores.md). `file` stands in messages only; `read`
-/// gives the files it names. played: an instrument that the score must name, in place of a file; null: none. Throws
-/// BadInput.
+/// gives the files it names. played: an instrument that the score must name, in place of a file; null: none. tuning:
+/// if it is given, in place of the score's. Throws BadInput.
 [[nodiscard]] Score parse_score(std::string_view text, std::string_view file, const ReadFile& read,
-                                const InstrumentModel* played = nullptr);
+                                const InstrumentModel* played = nullptr, const Tuning& tuning = {});
 
 /// What a model is made of: the object under a key, with the keys of a voice but `name` and `pan`. First values that
 /// neither it nor the model states are NaN. Throws BadInput.
@@ -44,6 +45,6 @@ struct ScoreHeading {
 /// these strings would load. Notes beyond the keyboard are left out. Throws BadInput.
 [[nodiscard]] Score parse_midi_score(std::string_view bytes, std::string_view file,
                                      std::span<const int> channels = {}, const NamedText& played = shipped_piano(),
-                                     const ReadFile& read = shipped_file);
+                                     const ReadFile& read = shipped_file, const Tuning& tuning = {});
 
 }  // namespace contactspline

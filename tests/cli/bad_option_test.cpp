@@ -75,6 +75,34 @@ TEST_P(BadCommandLine, IsRefusedInOneLineAndNothingIsWritten) {
   EXPECT_TRUE(box.listing() == before);
 }
 
+// Files of Scala, which tune a MIDI file. What they are called stands in front of each message.
+class BadTuning : public ::testing::TestWithParam<std::pair<std::string, BadFile>> {};
+
+TEST_P(BadTuning, IsRefusedInOneLineAndNothingIsWritten) {
+  const auto& [option, bad] = GetParam();
+  const std::string name = option == "--tuning" ? "probe.scl" : "probe.kbm";
+  const Sandbox box;
+  write_file(box / "my.mid", std::string(find_embedded(Shipped::kScores, "bach_prelude.mid")->content));
+  write_file(box / name, bad.text);
+  const auto before = box.listing();
+  expect_refused(run({.arguments = {"render", "my.mid", option, name, "-o", "a.wav"}, .folder = box.path()}),
+                 name + ": " + bad.key, bad.says);
+  EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
+}
+
+std::vector<std::pair<std::string, BadFile>> bad_tunings() {
+  std::vector<std::pair<std::string, BadFile>> cases;
+  for (const BadFile& bad :
+       bad_files("tuning", "Scale", {{"", "! probe.scl\nA scale\n 4\n 5/4\n 701.955\n 7/4\n 2/1\n"}}))
+    cases.emplace_back("--tuning", bad);
+  for (const BadFile& bad :
+       bad_files("tuning", "Keymap", {{"", "! probe.kbm\n3\n0\n127\n60\n69\n440.0\n12\n! Mapping\n0\n2\nx\n"}}))
+    cases.emplace_back("--keymap", bad);
+  return cases;
+}
+INSTANTIATE_TEST_SUITE_P(All, BadTuning, ::testing::ValuesIn(bad_tunings()),
+                         [](const auto& bad) { return bad.param.second.test; });
+
 CONTACTSPLINE_CASES(Command, BadCommandLine, bad_lines("option", "Command"));
 CONTACTSPLINE_CASES(Material, BadCommandLine, bad_lines("option", "Material"));
 CONTACTSPLINE_CASES(Generate, BadCommandLine, bad_lines("option", "Generate"));

@@ -257,7 +257,7 @@ class Program {
   }
 
   [[nodiscard]] bool has(const std::string& command, const std::string& option) const {
-    const auto options = matches(helps_.at(command), "[ ,](--?[a-z-]+)");
+    const auto options = matches(helps_.at(command), "[ ,](--?[a-z0-9-]+)");
     return std::ranges::find(options, option) != options.end();
   }
 
@@ -288,7 +288,7 @@ std::vector<std::string> unknown_options(const Page& page, const Program& progra
     for (const std::string& word : program.unknown_in({std::istream_iterator<std::string>(words), {}}))
       unknown.push_back(line + ": " + word);
   }
-  for (const std::string& option : matches(page.prose, "`(--[a-z-]+)[^`]*`"))
+  for (const std::string& option : matches(page.prose, "`(--[a-z0-9-]+)[^`]*`"))
     if (!program.has_option(option)) unknown.push_back(option);
   return unknown;
 }

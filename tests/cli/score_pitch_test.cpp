@@ -82,6 +82,33 @@ TEST(ScorePitch, BendsASoundingString) {
     }
 }
 
+// Keys by files of Scala and a pitch of A4, each by the string that plays it and the tension of its pitch.
+TEST(ScorePitch, IsThatOfAScale) {
+  const Sandbox box;
+  write_file(box / "just.scl", "Just\n12\n16/15\n9/8\n6/5\n5/4\n4/3\n45/32\n3/2\n8/5\n5/3\n9/5\n15/8\n2\n");
+  write_file(box / "five.scl", "Five equal tones\n5\n240.0\n480.0\n720.0\n960.0\n1200.0\n");
+  write_file(box / "low.kbm", "0\n0\n127\n60\n60\n250.0\n0\n");
+  const auto keyboard = parse_keyboard(shipped(embedded_files(Shipped::kKeyboards), "piano"), "piano");
+  for (const auto& [key, played, hz, words] :
+       {std::tuple{64, 64, 415 * (5 / 4.0) / (5 / 3.0), Words{"--tuning", "just.scl", "--a4", "415"}},
+        std::tuple{62, 65, 440 * std::exp2(-0.75 + 0.4), Words{"--tuning", "five.scl"}},
+        std::tuple{59, 57, 250 * std::exp2(-0.2), Words{"--tuning", "five.scl", "--keymap", "low.kbm"}}}) {
+    write_file(box / "a.mid", midi_file(std::string("\0\x90", 2) + static_cast<char>(key) + "\x40\x82\x5a\x80" +
+                                        static_cast<char>(key) + std::string(1, '\0')));
+    Words all = {"render", "a.mid", "--signal", "bridge", "--no-figure", "-o", "a.wav"};
+    all.insert(all.end(), words.begin(), words.end());
+    succeed({.arguments = all, .folder = box.path()});
+    const Sound sound = read_sound(box / "a.wav");
+    std::vector<double> left;
+    for (std::size_t i = 0; i < sound.samples.size(); i += 2) left.push_back(sound.samples[i]);
+    StiffString string = note_of(keyboard, played).string;
+    string.tension_n *= std::exp2(2 * (std::log2(hz / 440) - (played - 69) / 12.0));
+    const Mode lowest = undamped_mode(string, 1, string.detuning_cents.front()).with(string.losses).value();
+    const double expected = lowest.angular_frequency_rad_per_s / (2 * pi);
+    EXPECT_TRUE(within(1200 * std::log2(frequency_near(left, expected + 0.2) / expected), 0, 0.1)) << key;
+  }
+}
+
 // C4's partials up to the 24th as written by the program, both precisions, against the formula of the stiff string.
 TEST(ScorePitch, IsInTune) {
   const double length = 0.62, mass = 0.00393, tension = 670, bending = 0.00983833;

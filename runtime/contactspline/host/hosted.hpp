@@ -20,6 +20,7 @@
 #include "contactspline/data/timed_event.hpp"
 #include "contactspline/host/any_instrument.hpp"
 #include "contactspline/host/sleeper.hpp"
+#include "contactspline/host/tuned_keys.hpp"
 #include "contactspline/instrument/instrument.hpp"
 #include "contactspline/instrument/played_by_events.hpp"
 #include "contactspline/instrument/string_outputs.hpp"
@@ -42,7 +43,7 @@ template <std::floating_point T>
 class Hosted {
  public:
   explicit Hosted(Handle<T> handle)
-      : sleeper_(std::move(handle)), midi_(midi_settings()), buttons_(instrument().events().size()) {
+      : sleeper_(std::move(handle)), midi_(midi_settings(instrument())), buttons_(instrument().events().size()) {
     for (std::size_t p = 0; p < instrument().parameters().size(); ++p) targets_.push_back(instrument().value(p));
     rates_.resize(targets_.size());
     outputs_.resize(instrument().outputs().size());
@@ -90,6 +91,9 @@ class Hosted {
     midi_.take(bytes, [this](const MidiEvent& event) { take(event); });
   }
 
+  /// Tunes the keys by a table for the notes that begin from now on; tuning messages of MIDI go on from there.
+  void tune(const KeyCents& cents) { midi_.tune(tuned(midi_settings(instrument()), cents)); }
+
   /// Moves all parameters to those of a preset.
   void load(std::size_t preset) {
     if (preset >= instrument().presets().size()) return;
@@ -122,15 +126,6 @@ class Hosted {
 
  private:
   static constexpr std::size_t kBlock = 256;  // samples
-
-  // A key that is tuned farther than an octave is another key.
-  [[nodiscard]] MidiSettings midi_settings() const {
-    MidiSettings settings;
-    while (settings.first_key < 127 && !instrument().has_key(settings.first_key)) ++settings.first_key;
-    while (settings.last_key > settings.first_key && !instrument().has_key(settings.last_key)) --settings.last_key;
-    if (instrument().bends_keys()) settings.max_cents = 1200;
-    return settings;
-  }
 
   void take(const MidiEvent& event) {
     using Kind = MidiEvent::Kind;

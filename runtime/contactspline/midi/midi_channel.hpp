@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <span>
 
+#include "contactspline/midi/key_tuning.hpp"
 #include "contactspline/midi/midi_meaning.hpp"
 
 namespace contactspline {
@@ -74,10 +75,13 @@ struct MidiChannel {
 /// How far the keys are tuned from equal temperament.
 class MidiKeyTuning {
  public:
-  /// Of a key, beside that of all keys.
+  MidiKeyTuning() = default;
+  explicit MidiKeyTuning(const KeyCents& keys) : keys_(keys) {}
+
+  /// Of a key, beside that of all keys; not a number if it does not sound.
   [[nodiscard]] double cents(int key) const { return keys_[static_cast<std::size_t>(key)]; }
   [[nodiscard]] double master() const { return midi_cents(fine_, 100) + 100 * (coarse_ - 64); }
-  void clear() { *this = {}; }
+  void tune(const KeyCents& keys) { keys_ = keys; }
 
   /// Takes a universal message, without its first and last byte; others and damaged ones do nothing.
   void take(std::span<const std::uint8_t> bytes) {
@@ -96,7 +100,6 @@ class MidiKeyTuning {
 
  private:
   static constexpr std::uint8_t kRealTime = 0x7f, kNonRealTime = 0x7e;
-  static constexpr std::size_t kKeys = 128;
 
   // Program, number of changes, and for each the key and its pitch.
   void take_notes(std::span<const std::uint8_t> data) {
@@ -108,8 +111,8 @@ class MidiKeyTuning {
   // Program, name of 16 bytes, and the pitches of all keys. The sum behind them is not asked for: programs differ.
   void take_bulk(std::span<const std::uint8_t> data) {
     constexpr std::size_t kHead = 17;
-    if (data.size() < kHead + 3 * kKeys) return;
-    for (std::size_t key = 0; key < kKeys; ++key) tune(key, data.subspan(kHead + 3 * key).first(3));
+    if (data.size() < kHead + 3 * kMidiKeys) return;
+    for (std::size_t key = 0; key < kMidiKeys; ++key) tune(key, data.subspan(kHead + 3 * key).first(3));
   }
 
   // A pitch: a key and 14 bits of a semitone above it; all bits: no change.
@@ -119,7 +122,7 @@ class MidiKeyTuning {
   }
 
   int fine_ = 0x2000, coarse_ = 64;
-  std::array<double, kKeys> keys_{};
+  KeyCents keys_{};
 };
 
 }  // namespace contactspline

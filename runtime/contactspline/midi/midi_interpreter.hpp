@@ -6,16 +6,16 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <utility>
 
+#include "contactspline/midi/key_tuning.hpp"
 #include "contactspline/midi/midi_channel.hpp"
 #include "contactspline/midi/midi_meaning.hpp"
 #include "contactspline/midi/midi_message.hpp"
+#include "contactspline/step/controls.hpp"
 
 namespace contactspline {
 
@@ -46,13 +46,6 @@ struct MidiEvent {
   bool is_last = true;   ///< of a note off: does no other note hold the key?
 };
 
-/// What an instrument is, as far as MIDI must know it.
-struct MidiSettings {
-  int first_key = 0, last_key = 127;
-  /// A note that is tuned farther than that when it begins plays another key, the nearest to its pitch.
-  double max_cents = std::numeric_limits<double>::infinity();
-};
-
 /// Follows channels, tunings, MPE zones and held notes. What each message does is listed in midi_meaning.hpp. A note
 /// off ends the note of its key and channel that began first. Nothing allocates; any bytes are safe.
 class MidiInterpreter {
@@ -68,6 +61,12 @@ class MidiInterpreter {
       parser_.take(
           byte, [&](const MidiMessage& message) { this->message(message, sink); },
           [&](std::span<const std::uint8_t> exclusive) { this->exclusive(exclusive, sink); }, [&] { reset(sink); });
+  }
+
+  /// Tunes the keys by a table, or anew, for the notes that begin from now on.
+  void tune(const MidiSettings& settings) {
+    settings_ = settings;
+    tuning_.tune(settings_.key_cents);
   }
 
   /// Lets all notes go that are held, as if the instrument had been brought to rest. Channels keep their state.
@@ -87,7 +86,7 @@ class MidiInterpreter {
 
  private:
   using Kind = MidiEvent::Kind;
-  static constexpr int kHalf = 64, kChannels = 16, kKeys = 128;
+  static constexpr int kHalf = 64, kChannels = 16;
 
   struct Held {
     std::size_t note;
@@ -146,14 +145,9 @@ class MidiInterpreter {
   // The key of the instrument that a note plays, and how far it is tuned.
   template <typename Sink>
   void note_on(int channel, int key, int velocity, Sink& sink) {
+    if (!is_number(tuning_.cents(key))) return;
     if (held_count_ == kMaxNotes) end(0, kHalf, sink);
-    double own = tuning_.cents(key);
-    int played = key;
-    if (std::abs(own + cents_of(channel)) > settings_.max_cents) {
-      played = std::clamp(key + static_cast<int>(std::lround((own + cents_of(channel)) / 100)), settings_.first_key,
-                          settings_.last_key);
-      own += 100.0 * (key - played);
-    }
+    const auto [played, own] = tuned_key(key, tuning_.cents(key), cents_of(channel), settings_);
     const double value = (velocity + std::exchange(at(channel).velocity_low, 0) / 128.0) / 127.0;
     sounding_[static_cast<std::size_t>(played)] = {channel, own};
     held_[held_count_++] = {notes_, channel, key, played};
@@ -326,7 +320,7 @@ class MidiInterpreter {
 
   void forget() {
     channels_.fill({});
-    tuning_.clear();
+    tuning_ = MidiKeyTuning(settings_.key_cents);
     lower_ = upper_ = 0;
     drop_notes();
   }
@@ -338,8 +332,8 @@ class MidiInterpreter {
       const double cents = cents_of(channel);
       if (cents == std::exchange(at(channel).told_cents, cents)) continue;
       sink(MidiEvent{.kind = Kind::kChannelBend, .channel = channel, .cents = cents});
-      for (int key = 0; key < kKeys; ++key)
-        if (sounding_[static_cast<std::size_t>(key)].channel == channel) tell_key(key, sink);
+      for (std::size_t key = 0; key < kMidiKeys; ++key)
+        if (sounding_[key].channel == channel) tell_key(static_cast<int>(key), sink);
     }
   }
 
@@ -356,7 +350,7 @@ class MidiInterpreter {
   int lower_ = 0, upper_ = 0;  // member channels of the MPE zones
   std::array<Held, kMaxNotes> held_{};
   std::size_t held_count_ = 0, notes_ = 0;
-  std::array<Sounding, kKeys> sounding_{};
+  std::array<Sounding, kMidiKeys> sounding_{};
 };
 
 }  // namespace contactspline
