@@ -31,11 +31,8 @@ namespace {
 constexpr int kStale = 1;
 constexpr int kBadInput = 2;
 
-// One line that a terminal can show, whatever a file or an argument is called.
-int complain(std::string message, int exit_code) {
-  std::ranges::replace_if(
-      message, [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
-  std::fputs(("contactspline: " + message + "\n").c_str(), stderr);  // fmt::print would throw where nobody listens
+int complain(const std::string& message, int exit_code) {
+  print_error(message);
   return exit_code;
 }
 
@@ -169,6 +166,7 @@ void add_generate(CLI::App& app) {
   command->add_flag("--all-forms", options->all_forms,
                     "C++ headers of materials: also the normalised and the regular form of the spline");
   command->add_flag("--check", options->check, "write nothing; exit 1 and name the files that are stale");
+  command->add_flag("--watch", options->watch, "write again whenever a file has changed, until Ctrl-C");
   add_output_file(*command, "--depfile", options->depfile,
                   "also write a make rule with the files that the outputs depend on");
   add_jobs(*command, options->jobs);
@@ -179,6 +177,7 @@ void add_generate(CLI::App& app) {
       "  contactspline generate my_felt.json --emit faust --emit cpp -o build\n"
       "  contactspline generate felt_c4 --emit json -o -\n"
       "  contactspline generate string_c4 --rate 96000 -o build\n"
+      "  contactspline generate my_felt.json --emit faust --watch\n"
       "Each file has the name of its material, resonator, keyboard or instrument. An instrument is a Faust program\n"
       "too if its contacts, springs, links and modes are few. A file that would not change is not touched.\n"
       "A file that this program did not write is replaced only with --force.");

@@ -29,6 +29,7 @@ struct GenerateOptions {
   bool all_forms = false;  ///< headers of materials with all forms of the derivation
   bool check = false;
   bool force = false;  ///< replaces files that the program did not write
+  bool watch = false;  ///< writes again whenever an input file has changed, until the program is ended
 };
 void generate(const GenerateOptions& options);
 

@@ -237,4 +237,10 @@ void write_stdout(std::string_view text) {
     throw BadInput(fmt::format("standard output: cannot be written: {}", std::strerror(errno)));
 }
 
+void print_error(std::string message) {
+  std::ranges::replace_if(
+      message, [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
+  std::fputs(("contactspline: " + message + "\n").c_str(), stderr);  // fmt::print would throw where nobody listens
+}
+
 }  // namespace contactspline

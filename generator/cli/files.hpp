@@ -55,4 +55,7 @@ std::vector<std::filesystem::path> write_files(std::span<const OutputFile> files
 /// Writes to standard output. Throws BadInput if that fails.
 void write_stdout(std::string_view text);
 
+/// Writes to standard error what is wrong, in one line that a terminal can show.
+void print_error(std::string message);
+
 }  // namespace contactspline

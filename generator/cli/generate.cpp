@@ -15,6 +15,7 @@
 #include "generator/cli/inputs.hpp"
 #include "generator/cli/parallel.hpp"
 #include "generator/cli/waiting_line.hpp"
+#include "generator/cli/watched_files.hpp"
 #include "generator/support/error.hpp"
 #include "generator/support/input_file.hpp"
 
@@ -147,7 +148,9 @@ void write_one_to_stdout(const std::vector<OutputFile>& files) {
   write_stdout(files.front().bytes);
 }
 
-void write_to_folder(const GenerateOptions& options, Emitted emitted) {
+/// Returns the input files.
+std::vector<std::filesystem::path> write_to_folder(const GenerateOptions& options, Emitted emitted) {
+  require_folder(options.output);
   const std::size_t sources = emitted.files.size();
   require_writable(paths_of(emitted.files), emitted.inputs, options.force);
   if (!options.depfile.empty()) {
@@ -162,9 +165,35 @@ void write_to_folder(const GenerateOptions& options, Emitted emitted) {
   for (const auto& path : written) report += fmt::format("wrote {}\n", path.string());
   report += emitted.left_out;
   write_stdout(report);
+  return std::move(emitted.inputs);
+}
+
+// What is wrong with a changed file is said; what was written from the file before stays.
+void write_whenever_changed(const GenerateOptions& options) {
+  WatchedFiles watched;
+  for (const std::string& argument : options.materials) watched.add(input_files(argument));
+  watched.add(write_to_folder(options, emit_all(options)));
+  for (;;) {
+    watched.wait_for_change();
+    try {
+      watched.add(write_to_folder(options, emit_all(options)));
+    } catch (const BadInput& error) {
+      print_error(error.what());
+    }
+  }
+}
+
+void require_watchable(const GenerateOptions& options) {
+  if (options.check || options.output == "-")
+    throw BadInput(fmt::format("--watch: cannot be combined with {}; allowed: with -o DIR alone",
+                               options.check ? "--check, which writes nothing" : "-o -"));
+  for (const std::string& argument : options.materials)
+    if (argument == kStandardInput || input_files(argument).empty())
+      refuse(argument, "--watch", "is no file that can change", "a file, such as my_felt.json");
 }
 
 void require_compatible(const GenerateOptions& options) {
+  if (options.watch) require_watchable(options);
   if (options.check && options.output == "-")
     throw BadInput("--check: needs files to compare with; allowed: with -o DIR");
   if (!options.depfile.empty() && options.output == "-")
@@ -179,9 +208,9 @@ void require_compatible(const GenerateOptions& options) {
 
 void generate(const GenerateOptions& options) {
   require_compatible(options);
+  if (options.watch) return write_whenever_changed(options);
   const Emitted emitted = emit_all(options);
   if (options.output == "-") return write_one_to_stdout(emitted.files);
-  require_folder(options.output);
   if (options.check) return require_current(emitted.files);
   write_to_folder(options, emitted);
 }

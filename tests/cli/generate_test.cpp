@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: MIT
 // contactspline generate: what it writes, and what it leaves alone.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <ranges>
 #include <set>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "generator/emit/emitter.hpp"
@@ -368,6 +371,61 @@ TEST(GenerateName, OfAFileMayBeAsLongAsTheSystemAllows) {
   const std::string name(255, 'd');
   printed({"generate", "mb1", "-o", "out", "--depfile", name}, box.path());
   EXPECT_TRUE(fs::exists(box / name));
+}
+
+/// Waits up to a minute.
+::testing::AssertionResult comes(const std::function<bool()>& is_there) {
+  for (int i = 0; i < 6000; ++i) {
+    if (is_there()) return ::testing::AssertionSuccess();
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return ::testing::AssertionFailure() << "it never comes";
+}
+
+std::string probe_of(int exponent) {
+  return replaced(kMaterial, R"("exponent": 2\.5)", fmt::format(R"("exponent": 2.{})", exponent));
+}
+
+// Written in place, renamed into place, and removed first, as editors do; with a bad file between.
+TEST(GenerateWatch, WritesEachChangeAndSurvivesABadFile) {
+  const Sandbox box;
+  const fs::path file = box / "probe.json", made = box / "out/probe.lib", errors = box / "errors";
+  const auto holds = [](const fs::path& path, const std::string& text) {
+    return fs::exists(path) && read_file(path) == text;
+  };
+  std::vector<std::string> expected;
+  for (int exponent = 1; exponent < 10; ++exponent) {
+    write_file(file, probe_of(exponent));
+    expected.push_back(printed({"generate", "probe.json", "--emit", "faust", "-o", "-"}, box.path()));
+  }
+  const std::string command = std::string(kProgram) + " generate probe.json --emit faust -o out --watch";
+  const Process program(
+      {.arguments = {"-c", "exec " + command + " 2>errors"}, .folder = box.path(), .program = "/bin/sh"});
+  ASSERT_TRUE(comes([&] { return holds(made, expected.back()); }));
+  for (int exponent = 1; exponent < 10; ++exponent) {
+    if (exponent % 3 == 1) fs::remove(file);
+    write_file(exponent % 3 == 0 ? box / "new" : file, probe_of(exponent));
+    if (exponent % 3 == 0) fs::rename(box / "new", file);
+    ASSERT_TRUE(comes([&] { return holds(made, expected[std::size_t(exponent) - 1]); })) << exponent;
+  }
+  write_file(file, "{");
+  ASSERT_TRUE(comes([&] { return fs::file_size(errors) > 0; }));
+  EXPECT_EQ(read_file(made), expected.back());
+  write_file(file, probe_of(3));
+  ASSERT_TRUE(comes([&] { return holds(made, expected[2]); }));
+  EXPECT_TRUE(read_file(errors).starts_with("contactspline: probe.json: "));
+}
+
+TEST(GenerateWatch, NeedsFilesToWatchAndToWrite) {
+  const Sandbox box;
+  write_file(box / "probe.json", kMaterial);
+  const auto refused = [&](const Words& words) {
+    return run({.arguments = followed_by({"generate", "--watch"}, words), .folder = box.path()});
+  };
+  expect_refused(refused({"mb1"}), "mb1: --watch: is no file that can change", "my_felt.json");
+  expect_refused(refused({"-"}), "standard input: --watch: is no file that can change", "my_felt.json");
+  expect_refused(refused({"probe.json", "--check"}), "--watch: cannot be combined with --check", "-o DIR");
+  expect_refused(refused({"probe.json", "-o", "-"}), "--watch: cannot be combined with -o -", "-o DIR");
 }
 
 // A struct must not be called like one of its members, and the emitted header must not hide what it uses.
