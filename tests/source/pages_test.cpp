@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Links between Markdown files lead to a file that exists and to a heading in it. The pages that sources name exist,
-// and so do the files that pages name.
+// and so do the files that pages name. Their examples of a felt are the one that ships.
 #include <gtest/gtest.h>
 
 #include <cctype>
@@ -204,6 +204,26 @@ TEST(Pages, NameIdentifiersThatExist) {
     }
   }
   EXPECT_GT(named, 400u);
+}
+
+// The range of blows and the spline of each example of the felt C4: one power law, and nothing after the spline.
+std::vector<Groups> felts_of(const std::string& text) {
+  return matches_of(text, R"("stiffness_n_per_m_alpha": 4\.5e9, "exponent": 2\.5[^{}\]]*\},\s*(?://[^\n]*)?\s*)"
+                          R"(("impact": \{[^{}]*\}),\s*("spline": \{[^{}]*\})\s*\})");
+}
+
+TEST(Pages, ShowOneFelt) {
+  const auto shipped = felts_of(text_of(fs::path(SOURCE_FOLDER) / "data/materials/felt_c4.json"));
+  ASSERT_EQ(shipped.size(), 1u);
+  std::set<std::string> shown;
+  for (const SourceFile& page : pages())
+    for (const Groups& felt : felts_of(page.text)) {
+      shown.insert(page.path);
+      EXPECT_EQ(felt[1], shipped[0][1]) << page.path;
+      EXPECT_EQ(felt[2], shipped[0][2]) << page.path;
+    }
+  EXPECT_EQ(shown, (std::set<std::string>{"README.md", "docs/how-it-works/knots.md", "docs/reference/materials.md",
+                                          "docs/start/tutorial.md"}));
 }
 
 }  // namespace
