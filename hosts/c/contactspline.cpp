@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <new>
+#include <optional>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -18,9 +19,11 @@
 #include "contactspline/data/timed_event.hpp"
 #include "contactspline/host/any_instrument.hpp"
 #include "contactspline/host/sleeper.hpp"
+#include "contactspline/host/tuned_keys.hpp"
 #include "contactspline/step/controls.hpp"
 #include "contactspline/step/flush_denormals.hpp"
 #include "contactspline/step/version.hpp"
+#include "generator/player/tuning.hpp"
 #include "generator/support/error.hpp"
 #include "generator/support/sample_rates.hpp"
 #include "hosts/named_instruments.hpp"
@@ -111,13 +114,15 @@ struct contactspline_instrument {
   void play(const contactspline_timed_event& event) {
     if (!can_play(event)) return;
     const TimedEvent played{0, Action{event.action}, event.number, event.value, event.rise_s};
-    std::visit([&](auto& of) { of.sleeper.play(played); }, player);
+    std::visit([&](auto& of) { tuned_keys.take(played, [&](const TimedEvent& of_key) { of.sleeper.play(of_key); }); },
+               player);
   }
 
   std::vector<contactspline_parameter> parameters;
   std::vector<contactspline_output> outputs;
   std::vector<contactspline_event> events;
   std::variant<Player<double>, Player<float>> player;
+  TunedKeys tuned_keys = {};
 };
 
 namespace {
@@ -146,18 +151,11 @@ Handle<T> prepared(const InstrumentMaker& maker, double sample_rate_hz) {
   return instrument;
 }
 
-// Runs a function that makes an instrument; what it throws becomes the last error.
+// What a function gives; what it throws becomes the last error, and gives the value of failures.
 template <typename F>
-contactspline_instrument* made(double sample_rate_hz, int precision, F&& make) noexcept {
+auto tried(F&& make) noexcept -> decltype(make()) {
   try {
-    if (!(sample_rate_hz >= kSampleRates_hz.min && sample_rate_hz <= kSampleRates_hz.max))
-      throw BadInput(
-          fmt::format("contactspline: sample_rate_hz: {:.6g} is out of range; allowed: {} to {}, such as 48000",
-                      sample_rate_hz, kSampleRates_hz.min, kSampleRates_hz.max));
-    if (precision == CONTACTSPLINE_DOUBLE) return new contactspline_instrument(make.template operator()<double>());
-    if (precision == CONTACTSPLINE_FLOAT) return new contactspline_instrument(make.template operator()<float>());
-    throw BadInput(fmt::format("contactspline: precision: {} is unknown; allowed: {} for double, {} for float",
-                               precision, int{CONTACTSPLINE_DOUBLE}, int{CONTACTSPLINE_FLOAT}));
+    return make();
   } catch (const std::bad_alloc&) {
     last_error.clear();
     last_error = "no memory";  // short: it is kept without an allocation
@@ -168,7 +166,22 @@ contactspline_instrument* made(double sample_rate_hz, int precision, F&& make) n
       last_error = "no memory";
     }
   }
-  return nullptr;
+  return {};
+}
+
+// Runs a function that makes an instrument.
+template <typename F>
+contactspline_instrument* made(double sample_rate_hz, int precision, F&& make) noexcept {
+  return tried([&] {
+    if (!(sample_rate_hz >= kSampleRates_hz.min && sample_rate_hz <= kSampleRates_hz.max))
+      throw BadInput(
+          fmt::format("contactspline: sample_rate_hz: {:.6g} is out of range; allowed: {} to {}, such as 48000",
+                      sample_rate_hz, kSampleRates_hz.min, kSampleRates_hz.max));
+    if (precision == CONTACTSPLINE_DOUBLE) return new contactspline_instrument(make.template operator()<double>());
+    if (precision == CONTACTSPLINE_FLOAT) return new contactspline_instrument(make.template operator()<float>());
+    throw BadInput(fmt::format("contactspline: precision: {} is unknown; allowed: {} for double, {} for float",
+                               precision, int{CONTACTSPLINE_DOUBLE}, int{CONTACTSPLINE_FLOAT}));
+  });
 }
 
 void require_text(const char* text, const char* argument) {
@@ -335,6 +348,28 @@ void contactspline_note_on(contactspline_instrument* instrument, int key, double
 void contactspline_note_off(contactspline_instrument* instrument, int key) {
   play(instrument, CONTACTSPLINE_NOTE_OFF, number_of(key));
 }
+int contactspline_read_tuning(const char* scale, const char* keymap, double a4_hz, double* cents) {
+  return tried([&] {
+    if (cents == nullptr) throw BadInput("contactspline: cents: is null; allowed: an array of 128 numbers");
+    const auto text = [](const char* of, const char* name) {
+      return of == nullptr ? std::nullopt : std::optional(TuningText{of, name});
+    };
+    Tuning tuning{text(scale, "scale"), text(keymap, "keymap")};
+    if (a4_hz != 0) tuning.a4_hz = a4_hz;
+    std::ranges::copy(key_cents(tuning), cents);
+    return 1;
+  });
+}
+int contactspline_tune(contactspline_instrument* instrument, const double* cents) {
+  if (instrument == nullptr) return 0;
+  const MidiSettings settings =
+      std::visit([](const auto& player) { return midi_settings(player.instrument()); }, instrument->player);
+  if (!std::isfinite(settings.max_cents)) return 0;
+  KeyCents table{};
+  if (cents != nullptr) std::copy_n(cents, table.size(), table.begin());
+  instrument->tuned_keys.tune(tuned(settings, table));
+  return 1;
+}
 void contactspline_strike(contactspline_instrument* instrument, std::size_t number, double speed_m_per_s) {
   play(instrument, CONTACTSPLINE_STRIKE, number, speed_m_per_s);
 }
@@ -367,7 +402,9 @@ void contactspline_process_events_double(contactspline_instrument* instrument,
 }
 
 void contactspline_reset(contactspline_instrument* instrument) {
-  if (instrument != nullptr) std::visit([](auto& player) { player.sleeper.reset(); }, instrument->player);
+  if (instrument == nullptr) return;
+  instrument->tuned_keys.drop_notes();
+  std::visit([](auto& player) { player.sleeper.reset(); }, instrument->player);
 }
 double contactspline_energy(const contactspline_instrument* instrument) {
   return with(instrument, 0.0, [](const auto& i) { return i.energy(); });

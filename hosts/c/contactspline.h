@@ -112,6 +112,16 @@ void contactspline_load_preset(contactspline_instrument* instrument, size_t pres
 void contactspline_note_on(contactspline_instrument* instrument, int key, double velocity);
 void contactspline_note_off(contactspline_instrument* instrument, int key);
 
+/** Cents of the 128 keys of MIDI above equal temperament with A4 = 440 Hz, from the texts of a scale and a key map of
+ * Scala (.scl and .kbm), each of which may be null, and the pitch of A4 [Hz]; 0: that of the key map, or 440. A key that
+ * does not sound is not a number. Returns 1; 0 where it fails. Allocates. */
+int contactspline_read_tuning(const char* scale, const char* keymap, double a4_hz, double* cents);
+
+/** Tunes the keys by such a table, null for equal temperament, for the notes that begin from now on. A key that is tuned
+ * by more than a tone is played by the strings nearest to its pitch. Safe for audio. Returns 1; 0 for an instrument
+ * without keys that have a pitch. */
+int contactspline_tune(contactspline_instrument* instrument, const double* cents);
+
 /** Events by their number among those of their action. Safe for audio. Speed in m/s; 0 lifts the damper without a
  * blow, which release lowers. Force in N, reached within rise_s. */
 void contactspline_strike(contactspline_instrument* instrument, size_t number, double speed_m_per_s);
