@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "contactspline/midi/midi_message.hpp"
@@ -113,7 +114,7 @@ class TrackReader {
     if (first) bytes.push_back(static_cast<std::uint8_t>(*first));
     while (bytes.size() <= midi_data_bytes(status)) bytes.push_back(static_cast<std::uint8_t>(byte()));
     if (has_broken_off()) return;
-    if (std::ranges::any_of(bytes.begin() + 1, bytes.end(), [](int data) { return data > 127; }))
+    if (std::ranges::any_of(std::span(bytes).subspan(1), [](int data) { return data > 127; }))
       return remarks_.add("left out: an event with a data byte above 127", track_, event_);
     events_.push_back({tick_, std::move(bytes)});
   }
@@ -235,7 +236,7 @@ Tracks read_tracks(std::string_view bytes, std::size_t begin, bool follow, Remar
     if (length > bytes.size() - content) begin = reader.end();  // the length is wrong; its end is known
     if (tracks.count == 1) tracks.title = reader.title();
     tracks.end_tick = std::max(tracks.end_tick, reader.tick());
-    std::ranges::move(reader.events(), std::back_inserter(tracks.events));
+    for (Ticked& event : reader.events()) tracks.events.push_back(std::move(event));
   }
   std::ranges::stable_sort(tracks.events, {}, &Ticked::tick);
   return tracks;

@@ -11,7 +11,6 @@
 #include <string>
 #include <utility>
 
-#include "generator/player/midi_file.hpp"
 #include "generator/support/error.hpp"
 
 namespace contactspline {
@@ -126,52 +125,59 @@ bool is_note_on(const std::vector<std::uint8_t>& bytes) {
 }
 
 // What nobody has let go ends: keys, and pedals.
-void let_go(MidiInterpreter& midi, SongRecorder& recorder) {
-  for (int channel = 0; channel < kChannels; ++channel) {
-    const auto status = static_cast<std::uint8_t>(0xb0 | channel);
+void let_go(MidiFile& file) {
+  for (int channel = 0; channel < kChannels; ++channel)
     for (const int controller : {123, kSustainPedal, kSostenutoPedal, kSoftPedal})
-      midi.take(std::array<std::uint8_t, 3>{status, static_cast<std::uint8_t>(controller), 0}, recorder);
-  }
+      file.messages.push_back(
+          {file.end_s, {static_cast<std::uint8_t>(0xb0 | channel), static_cast<std::uint8_t>(controller), 0}});
 }
 
 }  // namespace
 
-MidiSong parse_midi(std::string_view bytes, std::string_view file, std::span<const int> channels,
-                    const MidiSettings& settings) {
-  MidiFile content = read_midi_file(bytes, file);
-  MidiInterpreter midi(settings);
-  SongRecorder recorder(settings, midi);
-  std::set<int> with_notes;
-  std::size_t unchosen = 0, chosen = 0;
+PlayedMidi read_played_midi(std::string_view bytes, std::string_view file, std::span<const int> channels) {
+  PlayedMidi played{read_midi_file(bytes, file)};
+  MidiInterpreter midi;  // knows the MPE zones
   const auto is_chosen = [&](int channel) {
     return channels.empty() ? channel != kDrums || midi.is_in_zone(kDrums)
                             : std::ranges::count(channels, channel + 1) > 0;
   };
-  for (const auto& [time_s, message] : content.messages) {
-    const int channel = message[0] & 0xf;
-    const bool is_of_channel = message[0] < 0xf0;
-    if (is_of_channel && is_note_on(message)) with_notes.insert(channel + 1);
+  std::set<int> with_notes;
+  for (MidiFileMessage& message : std::exchange(played.file.messages, {})) {
+    const int channel = message.bytes[0] & 0xf;
+    const bool is_of_channel = message.bytes[0] < 0xf0, is_note = is_of_channel && is_note_on(message.bytes);
+    if (is_note) with_notes.insert(channel + 1);
     if (is_of_channel && !is_chosen(channel)) {
-      unchosen += is_note_on(message);
+      played.unchosen += is_note;
       continue;
     }
-    chosen += is_of_channel && is_note_on(message);
+    played.notes += is_note;
+    midi.take(message.bytes, [](const MidiEvent& /*event*/) {});
+    played.file.messages.push_back(std::move(message));
+  }
+  if (played.notes == 0) refuse_silence(file, with_notes, played.file.remarks);
+  let_go(played.file);
+  return played;
+}
+
+MidiSong parse_midi(std::string_view bytes, std::string_view file, std::span<const int> channels,
+                    const MidiSettings& settings) {
+  PlayedMidi played = read_played_midi(bytes, file, channels);
+  MidiInterpreter midi(settings);
+  SongRecorder recorder(settings, midi);
+  for (const auto& [time_s, message] : played.file.messages) {
     recorder.set_time(time_s);
     midi.take(message, recorder);
   }
-  recorder.set_time(content.end_s);
-  let_go(midi, recorder);
   MidiSong song = recorder.song();
-  song.title = std::move(content.title);
-  song.remarks = std::move(content.remarks);
-  song.unchosen = unchosen;
-  song.unmapped = chosen - song.notes.size();
-  if (song.notes.empty() && song.unmapped > 0)
+  song.title = std::move(played.file.title);
+  song.remarks = std::move(played.file.remarks);
+  song.unchosen = played.unchosen;
+  song.unmapped = played.notes - song.notes.size();
+  if (song.notes.empty())
     throw BadInput(
         fmt::format("{}: MIDI: all its notes are on keys that the key map leaves out; allowed: a key map "
                     "with a degree for some of them",
                     file));
-  if (song.notes.empty()) refuse_silence(file, with_notes, song.remarks);
   return song;
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "contactspline/midi/midi_interpreter.hpp"
+#include "generator/player/midi_file.hpp"
 
 namespace contactspline {
 
@@ -50,9 +51,19 @@ struct MidiSong {
   std::size_t far_bends = 0;              ///< of sounding notes, beyond what MidiSettings allow
 };
 
-/// Title and notes of a MIDI file: of the channels (1 to 16), or if none is given of all but the tenth, which is for
-/// drums. What the messages mean says MidiInterpreter. What nobody lets go ends with the file. `file` stands in
-/// messages only. Throws BadInput.
+/// What is played of a MIDI file.
+struct PlayedMidi {
+  MidiFile file;             ///< messages of the chosen channels; those behind its end let go what nobody has let go
+  std::size_t notes = 0;     ///< of these channels
+  std::size_t unchosen = 0;  ///< notes of other channels
+};
+
+/// The messages of the channels (1 to 16), or if none is given of all but the tenth, which is for drums unless an MPE
+/// zone holds it. `file` stands in messages only. Throws BadInput, also where no note is played.
+[[nodiscard]] PlayedMidi read_played_midi(std::string_view bytes, std::string_view file,
+                                          std::span<const int> channels = {});
+
+/// Title and notes of what read_played_midi() reads. What the messages mean says MidiInterpreter. Throws BadInput.
 [[nodiscard]] MidiSong parse_midi(std::string_view bytes, std::string_view file, std::span<const int> channels = {},
                                   const MidiSettings& settings = {});
 

@@ -80,7 +80,7 @@ interface Playable {
   noteOff(key: number, time?: number): void;
   /** Plays an event of the description by a speed [m/s] or a force [N], or by that of its parameter. */
   strike(event: string, value?: number, time?: number): void;
-  /** Three bytes; other messages do nothing. */
+  /** Messages of MIDI, or pieces of a stream; damaged and unknown ones do nothing. */
   midi(bytes: ArrayLike<number>, time?: number): void;
   set(parameter: string, value: number): void;
   loadPreset(name: string): void;
@@ -139,6 +139,18 @@ export interface FittedMaterial {
   panels: { quantity: string; at: string; value: string; isLine: boolean; columns: number[][] }[];
 }
 
+/** What is played of a MIDI file, in seconds. */
+export interface MidiFile {
+  /** Of the first track; empty where it has none. */
+  title: string;
+  /** What was not read as it stands, with track and byte. */
+  remarks: string[];
+  /** Of the last track. */
+  end: number;
+  /** For midi(), by rising time. The last ones let all keys go. */
+  messages: { time: number; bytes: number[] }[];
+}
+
 /** An instrument file as the generator read it. */
 export interface ReadInstrument {
   name: string;
@@ -161,6 +173,8 @@ export interface Generator {
   fit(text: string, file: string): FittedMaterial;
   /** Designs the material of a file's text. Messages call it `file`. */
   design(text: string, file: string): Design;
+  /** Reads a MIDI file: of the channels, all but the tenth, which is for drums. Throws one line, which calls it `file`. */
+  readMidi(bytes: Uint8Array, file: string): MidiFile;
   /** Reads an instrument file; what is wrong with it is one line. */
   instrument(text: string, file: string, options?: { width?: number; sampleRate?: number }): ReadInstrument | { error: string };
 }

@@ -37,8 +37,8 @@ for (const name of ["tom", "marimba_tube", "trichord_c4"]) {
   console.log(`${name}: within ${worst.toExponential(1)} of the peak`);
 }
 
-// The voices of the dulcimer's score, on two sides, with notes that are held, held on by another one, and let go. The page
-// takes messages between blocks of 128 samples, so the notes begin there.
+// The voices of the dulcimer's score, on two sides, with notes that are held, held on by another one, and let go. They begin
+// between blocks of 128 samples, where they are played here.
 {
   const kBlock = 128;
   const kBridge_N = 50; // full scale of the force on a bridge: runtime/contactspline/instrument/string_outputs.hpp

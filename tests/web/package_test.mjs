@@ -10,11 +10,12 @@ import { extname, join, resolve } from "node:path";
 import { fileURLToPath, pathToFileURL } from "node:url";
 
 import { closeBrowser, kSlow, openPage } from "./browser.mjs";
-import { assertEqualSound, fullScaleOf, kSamples, rendered } from "./rendered.mjs";
+import { assertEqualSound, fullScaleOf, kSamples, rendered, renderedMidi } from "./rendered.mjs";
 
 const [modules, packed, program, chosen = ""] = process.argv.slice(2);
 const kRate = 44100;
 const kBlock = 128;
+const kFaded = 441; // samples at the end of what the program renders
 const kPolicy = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; connect-src 'self'; img-src data:";
 
 // As a user installs it.
@@ -53,6 +54,57 @@ function blocks(player, count, before = () => {}) {
     channels.forEach((channel, k) => channel.set(played[k], block * kBlock));
   }
   return channels;
+}
+
+// MIDI files as other programs write them (tests/support/midi_files.hpp). A tick is 1/960 s.
+const chunk = (kind, content) => [...Buffer.from(kind), ...[24, 16, 8, 0].map((bits) => (content.length >> bits) & 255), ...content];
+const midiFile = (...tracks) => Buffer.from([...chunk("MThd", [0, 1, 0, tracks.length, 1, 224]), ...tracks.flat()]);
+const ticks = (n) => (n < 128 ? [n] : [(n >> 7) | 128, n & 127]);
+const exclusive = (...bytes) => [0xf0, bytes.length + 1, ...bytes, 0xf7];
+
+/** A track of [tick, ...bytes]. */
+function trackOf(...events) {
+  const content = events.flatMap(([tick, ...bytes], i) => [...ticks(tick - (i > 0 ? events[i - 1][0] : 0)), ...bytes]);
+  return chunk("MTrk", [...content, 0, 0xff, 0x2f, 0]);
+}
+
+// On the piano without pedals: the program leaves out strings that no note plays, which would ring along.
+const kMidiFiles = {
+  "tunings, a bend, fine velocities, releases, silence": midiFile(trackOf(
+    [0, 0xb0, 101, 0], [0, 0xb0, 100, 0], [0, 0xb0, 6, 0], [0, 0xb0, 38, 50], [0, 0xe0, 127, 127],
+    [0, ...exclusive(0x7f, 0x7f, 8, 2, 0, 1, 64, 64, 0x40, 0)], [0, 0xb0, 88, 64], [0, 0x90, 60, 40], [0, 0x90, 64, 90], [80, 0x80, 60, 127],
+    [100, 0x80, 64, 1], [180, 0x90, 60, 90], [200, 0xb0, 120, 0], [220, 0x90, 64, 90], [240, 0x80, 64, 1],
+  )),
+  "two notes of a key, on two tracks, beside drums and a key that nobody lets go": midiFile(
+    trackOf([0, 0x90, 60, 90], [101, 0x90, 60, 50], [303, 0x80, 60, 64], [400, 0x99, 36, 90]),
+    trackOf([50, 0x90, 72, 70], [203, 0x80, 60, 64], [500, 0xff, 1, 1, 120]),
+  ),
+  "bends of MPE": midiFile(trackOf(
+    [0, 0xb0, 101, 0], [0, 0xb0, 100, 6], [0, 0xb0, 6, 5], [0, 0xe1, 0, 72], [0, 0xe2, 0, 48], [0, 0x91, 60, 90], [0, 0x92, 67, 90],
+    [500, 0x81, 60, 64], [500, 0x82, 67, 64],
+  )),
+  "running status after another event, a half pedal, a reset of controllers": midiFile(trackOf(
+    [0, 0xb0, 64, 40], [3, 0x90, 60, 90], [200, 0xff, 1, 1, 120], [200, 60, 0], [600, 0xb0, 64, 127], [601, 0x90, 55, 90], [650, 0x80, 55, 64],
+    [900, 0xb0, 121, 0], [1000, 0xb0, 123, 0],
+  )),
+};
+
+/** The sound of the messages of a MIDI file, each taken before its sample; closes the player. */
+function soundOf(player, messages, samples) {
+  const sounds = [0, 1].map(() => new Float32Array(samples));
+  let played = 0;
+  const playTo = (sample) => {
+    const parts = player.process(sample - played);
+    sounds.forEach((sound, k) => sound.set(parts[k], played));
+    played = sample;
+  };
+  for (const { time, bytes } of messages) {
+    playTo(Math.round(time * kRate));
+    player.midi(bytes);
+  }
+  playTo(samples);
+  player.close();
+  return sounds;
 }
 
 const cases = {
@@ -100,6 +152,35 @@ const cases = {
       for (const other of [player, moved, struck]) other.close();
       console.log(`  ${name}: within ${worst.toExponential(1)} of the peak`);
     }
+  },
+
+  "MIDI files are played as by the program": async () => {
+    for (const [name, bytes] of Object.entries(kMidiFiles)) {
+      const [instrument, fullScale] = name.includes("pedal") ? ["lap_steel", fullScaleOf(program, "lap_steel")] : ["piano", 1 / 12];
+      const player = await Player.create(instrument, kRate);
+      const { messages } = generator.readMidi(bytes, "song.mid");
+      const expected = renderedMidi(program, bytes, instrument, fullScale).map((channel) => channel.slice(0, -kFaded));
+      const sounds = soundOf(player, messages, expected[0].length).slice(0, expected.length);
+      const worst = sounds.map((sound, k) => assertEqualSound(name, Array.from(sound), expected[k], 1e-4));
+      console.log(`  ${name}: within ${Math.max(...worst).toExponential(1)} of the peak`);
+    }
+  },
+
+  "a damaged MIDI file is one line, or plays": () => {
+    const [bytes] = Object.values(kMidiFiles);
+    let lines = 0;
+    for (let i = 0; i < 500; ++i) {
+      const damaged = Uint8Array.from(bytes.subarray(0, 14 + Math.floor(random() * bytes.length)));
+      for (let k = Math.floor(random() * 6); k > 0; --k) damaged[Math.floor(random() * damaged.length)] = Math.floor(random() * 256);
+      try {
+        assert.ok(generator.readMidi(damaged, "damaged.mid").messages.every(({ time }) => time >= 0));
+      } catch ({ message }) {
+        assert.match(message, /^damaged\.mid: MIDI: [^\n]+$/);
+        ++lines;
+      }
+    }
+    assert.ok(lines > 20 && lines < 480, String(lines));
+    for (const wrong of [undefined, "MThd", [77]]) assert.throws(() => generator.readMidi(wrong, "song.mid"), kLine);
   },
 
   "a file's text plays what ships": async () => {
@@ -153,7 +234,7 @@ const cases = {
       [() => piano.set("sustain", "1"), /^contactspline: sustain: 1 is no number/],
       [() => piano.process(-1), /^contactspline: samples: -1 is out of range; allowed: 0 to 16777216$/],
       [() => piano.process(1.5), /^contactspline: samples: 1.5 is no whole number/],
-      [() => piano.midi(null), /^contactspline: midi: null is no message; allowed: three bytes/],
+      [() => piano.midi(null), /^contactspline: midi: null is no message; allowed: bytes, /],
       [() => Player.create(null), /^contactspline: instrument: null is no instrument; allowed: a name such as piano/],
       [() => Player.create({ text: null }), /^contactspline: instrument: has no text; allowed: a name such as piano/],
       [() => Player.create(), /^contactspline: instrument: undefined is no instrument/],
@@ -315,11 +396,12 @@ const browserCases = {
         // Each moves at a block of its own; times in the middle of the block before.
         const at = (k) => (k - 0.5) * (block / rate);
         parameters.forEach(({ name, min, max }, k) => node.parameters.get(name).setValueAtTime(min + 0.3 * (max - min), at(10 + k)));
-        for (const key of [60, 64, 67]) node.noteOn(key, 0.7, at(40));
+        const begin = (k) => k * (block / rate);
+        for (const key of [60, 64, 67]) node.noteOn(key, 0.7, begin(40));
         node.noteOn(55, 0.5);
-        if (events.length > 0) node.strike(events.at(-1).name, undefined, at(50));
-        node.noteOff(60, at(60));
-        node.midi([0xb0, 64, 127], at(20));
+        if (events.length > 0) node.strike(events.at(-1).name, undefined, begin(50));
+        node.noteOff(60, begin(60));
+        node.midi([0xb0, 64, 127], begin(20));
         await node.sent();
         const buffer = await context.startRendering();
         sounds[name] = [0, 1].map((k) => Array.from(buffer.getChannelData(k)));
@@ -342,6 +424,22 @@ const browserCases = {
       assert.ok(expected[0].some((x) => x !== 0), name);
       expected.forEach((channel, k) => assert.deepEqual(Float32Array.from(sounds[name][k]), channel, name));
     }
+  },
+
+  "a MIDI file has the samples of Node": async (page) => {
+    const [[name, bytes]] = Object.entries(kMidiFiles);
+    const samples = 200 * kBlock;
+    const sounds = await page.evaluate(async ([file, samples, rate]) => {
+      const { ContactSpline, loadGenerator } = await import("../contactspline.js");
+      const node = await ContactSpline.create(new OfflineAudioContext(2, samples, rate), "piano");
+      node.connect(node.context.destination);
+      for (const { time, bytes } of (await loadGenerator()).readMidi(new Uint8Array(file), "song.mid").messages) node.midi(bytes, time);
+      await node.sent();
+      const buffer = await node.context.startRendering();
+      return [0, 1].map((k) => Array.from(buffer.getChannelData(k)));
+    }, [[...bytes], samples, kRate]);
+    const expected = soundOf(await Player.create("piano", kRate), generator.readMidi(bytes, "song.mid").messages, samples);
+    sounds.forEach((sound, k) => assertEqualSound(name, sound, Array.from(expected[k]), 1e-5));
   },
 
   "each parameter changes the sound": async (page) => {
@@ -486,7 +584,7 @@ const browserCases = {
       const node = await ContactSpline.create(context, "tom");
       node.connect(context.destination);
       node.strike("strike_stick");
-      node.send({ do: "close", fades: true, at: (10 - 0.5) * (block / rate) });
+      node.send({ do: "close", fades: true, at: 10 * (block / rate) });
       await node.sent();
       return Array.from((await context.startRendering()).getChannelData(0));
     }, [kRate, kBlock]);

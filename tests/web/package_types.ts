@@ -23,6 +23,7 @@ generator.takeFile("felt.csv", "compression_m, force_n");
 const fitted: string = generator.fit(generator.fitFile(["felt.csv"], 0.003), "measurements").material;
 const read = generator.instrument(generator.instruments().tanpura, "tanpura.json", { sampleRate: 48000 });
 const line: string = read.error ?? read.parts;
+for (const { time, bytes } of generator.readMidi(new Uint8Array(99), "song.mid").messages) piano.midi(bytes, 1 + time);
 const player = await Player.create({ text: line, file: "mine.json" }, 48000);
 player.strike(player.description.events[0].name, 2.5);
 player.useMaterial(generator.design(generator.materials().felt_c4, "felt_c4.json"));

@@ -12,22 +12,34 @@ const kGain = 1 / 100; // -40 dB, so that nothing reaches the full scale of the 
 /** Samples of a blow, of which the program does not fade the last. */
 export const kSamples = 8190;
 
-/** The sound of a score by the program [m/s or N]: 24 bits, each channel by itself. */
-export function renderedScore(program, score, channels) {
+/** The sound of a file by the program, of full scale: 24 bits, each channel by itself. */
+function renderedFile(program, name, content, options) {
   const folder = mkdtempSync(join(tmpdir(), "contactspline-rendered-"));
   try {
-    const [file, sound] = ["score.json", "sound.wav"].map((name) => join(folder, name));
-    writeFileSync(file, JSON.stringify({ ...score, duration_s: kDuration_s }));
-    execFileSync(program, ["render", file, "-o", sound, "--gain", "-40", "--no-figure", "--force"], { stdio: "ignore" });
+    const [file, sound] = [name, "sound.wav"].map((name) => join(folder, name));
+    writeFileSync(file, content);
+    execFileSync(program, ["render", file, "-o", sound, "--no-figure", "--force", ...options], { stdio: "ignore" });
     const bytes = readFileSync(sound);
     const begin = bytes.indexOf("data", 12, "latin1") + 8;
-    assert.equal(bytes.readUInt16LE(22), channels, "channels");
-    const sample = (i, channel) => bytes.readIntLE(begin + 3 * (channels * i + channel), 3) / 2 ** 23 / kGain;
-    return Array.from({ length: channels }, (_, channel) => Array.from({ length: kSamples }, (_, i) => sample(i, channel)));
+    const channels = bytes.readUInt16LE(22);
+    const sample = (i, channel) => bytes.readIntLE(begin + 3 * (channels * i + channel), 3) / 2 ** 23;
+    const samples = Math.floor(bytes.readUInt32LE(begin - 4) / 3 / channels);
+    return Array.from({ length: channels }, (_, channel) => Array.from({ length: samples }, (_, i) => sample(i, channel)));
   } finally {
     rmSync(folder, { recursive: true });
   }
 }
+
+/** The sound of a score by the program [m/s or N]. */
+export function renderedScore(program, score, channels) {
+  const sound = renderedFile(program, "score.json", JSON.stringify({ ...score, duration_s: kDuration_s }), ["--gain", "-40"]);
+  assert.equal(sound.length, channels, "channels");
+  return sound.map((channel) => channel.slice(0, kSamples).map((x) => x / kGain));
+}
+
+/** The sound of a MIDI file on an instrument, in single precision, of this full scale [m/s or N]. */
+export const renderedMidi = (program, bytes, instrument, fullScale) =>
+  renderedFile(program, "song.mid", bytes, ["--gain", String(-20 * Math.log10(fullScale)), "--precision", "single", "--instrument", instrument]);
 
 /** The first output after an event. */
 export function rendered(program, instrument, event, value) {
@@ -43,11 +55,11 @@ export const fullScaleOf = (program, name) => emitted(program, name).outputs[0].
 
 /** Asserts that samples are those expected, but for single precision: 8190 roundings of 6e-8 each, which a contact may
  * magnify. Returns the largest difference, over the peak. */
-export function assertEqualSound(name, actual, expected) {
+export function assertEqualSound(name, actual, expected, bound = 1e-3) {
   const largest = (list) => list.reduce((max, x) => Math.max(max, Math.abs(x)), 0);
   const peak = largest(expected);
   const worst = largest(expected.map((x, i) => x - actual[i])) / peak;
-  assert.ok(actual.length === expected.length && peak > 0 && worst < 1e-3, `${name}: ${worst} of the peak ${peak} apart`);
+  assert.ok(actual.length === expected.length && peak > 0 && worst < bound, `${name}: ${worst} of the peak ${peak} apart`);
   assert.ok(actual.every(Number.isFinite));
   return worst;
 }

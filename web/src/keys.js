@@ -10,10 +10,10 @@ const kNames = ["C", "C♯", "D", "E♭", "E", "F", "F♯", "G", "A♭", "A", "B
 export const keyName = (key) => `${kNames[key % 12]}${Math.floor(key / 12) - 1}`;
 
 export class Keys {
-  /** strike(key, velocity 0 to 1, or null where it has none), release(key); of MIDI control(controller, 0 to 1) and
-   * midi(bytes) of the pitch wheel; moved() after an octave. */
-  constructor(element, { strike, release, control, midi, moved }) {
-    Object.assign(this, { element, strike, release, control, midi, moved, first: 60, focused: 60, held: new Map() });
+  /** strike(key, velocity 0 to 1, or null where it has none), release(key); midi(bytes) of a message; moved() after an
+   * octave. */
+  constructor(element, { strike, release, midi, moved }) {
+    Object.assign(this, { element, strike, release, midi, moved, first: 60, focused: 60, held: new Map() });
     this.build();
     new ResizeObserver(() => this.build()).observe(element);
     this.listenToPointers();
@@ -154,16 +154,6 @@ export class Keys {
     addEventListener("blur", () => this.liftAll());
   }
 
-  /** A message of MIDI on any channel. */
-  takeMidi(status, first, second) {
-    const kind = status & 0xf0;
-    if (kind === 0x90 && second > 0) this.press(first, second / 127, `midi ${first}`);
-    else if (kind === 0x80 || kind === 0x90) this.lift(`midi ${first}`);
-    else if (kind === 0xb0 && (first === 120 || first === 123)) this.liftAll();
-    else if (kind === 0xb0) this.control(first, second / 127);
-    else if (kind === 0xe0) this.midi([kind, first, second]);
-  }
-
   /** Lets all keys go. */
   liftAll() {
     [...this.held.keys()].forEach((by) => this.lift(by));
@@ -178,7 +168,7 @@ export class Keys {
     } catch {
       return "MIDI was not allowed.";
     }
-    const onMessage = ({ data: [status, first, second] }) => this.takeMidi(status, first, second);
+    const onMessage = ({ data }) => this.midi(data);
     const listen = () => access.inputs.forEach((input) => (input.onmidimessage = onMessage));
     access.onstatechange = listen;
     listen();

@@ -12,14 +12,13 @@ import { Keys, keyName } from "./keys.js";
 import { Figures } from "./figures.js";
 import { Fitting } from "./fitting.js";
 import { InstrumentEditor } from "./instrument_editor.js";
-import { midiPerformance } from "./midi_file.js";
 import { redrawPlots } from "./plots.js";
 import { kPresets } from "./presets.js";
 import { download, wavOf } from "./save.js";
 import { Stage, strongest, toldOf } from "./stage.js";
 import { Story } from "./story.js";
 import { addressOf, embeddedOf, kOwn, stateOf } from "./state.js";
-import { instrumentOf, performance as performanceOf, readScore } from "./scores.js";
+import { instrumentOf, performance as performanceOf, readScore, scoreOfMidi } from "./scores.js";
 import { startStudies } from "./studies.js";
 
 const kFirst = "hammer_on_string";
@@ -30,7 +29,6 @@ const kPeakSeconds = 0.3;
 const kStrikeHold = 1500; // milliseconds that the button holds a key
 const kSettled = 250; // milliseconds after the last change
 const kScoreStudies = 1500; // milliseconds between two notes of a score that are shown in slow motion
-const kScoreMarks = 180; // milliseconds that a key is marked
 const kFirstScores = ["fur_elise", "tanpura_drone"];
 const kMaxPast = 100;
 const kFirstFrames = 50; // milliseconds in which the stage begins to move
@@ -48,7 +46,8 @@ class Page {
     this.figures = new Figures();
     this.audio = new Audio({
       report: (report) => this.figures.report(report),
-      played: (note) => this.scorePlayed(note),
+      played: (key) => this.heard(key),
+      moved: ({ parameter, value }) => this.parameterMoved(parameter, value),
       ended: () => this.stopScore(),
     });
     this.stage = new Stage(
@@ -59,8 +58,7 @@ class Page {
     this.keys = new Keys(byId("keys"), {
       strike: (key, velocity) => this.strike(key, velocity),
       release: (key) => this.audio.send({ do: "noteOff", key }),
-      control: (controller, part) => this.moveController(controller, part),
-      midi: (bytes) => this.audio.send({ do: "midi", bytes }),
+      midi: (bytes) => this.takeMidi(bytes),
       moved: () => this.changed(),
     });
     this.connectButtons();
@@ -253,7 +251,7 @@ class Page {
   /** One button for each score that ships and that the page has the instrument for. */
   async offerScores() {
     const packed = Object.entries(await jsonAsset("scores"));
-    const scores = packed.map(([name, score]) => [name, readScore(score)]).filter(([, score]) => instrumentOf(score, this.instruments));
+    const scores = packed.map(([name, score]) => [name, readScore(score, name, this.editor.generator)]).filter(([, score]) => instrumentOf(score, this.instruments));
     const rank = ([name]) => (kFirstScores.includes(name) ? kFirstScores.indexOf(name) : kFirstScores.length);
     this.scores = new Map(scores.toSorted((a, b) => rank(a) - rank(b)));
     for (const [name, score] of this.scores) {
@@ -278,11 +276,11 @@ class Page {
   /** Plays a standard MIDI file on the piano. One line says what is wrong with it. */
   async playMidi(file) {
     try {
-      const performed = midiPerformance(new Uint8Array(await file.arrayBuffer()));
-      await this.perform(file.name, "piano", performed);
-      byId("midi").textContent = `Plays ${file.name}.`;
+      const read = this.editor.generator.readMidi(new Uint8Array(await file.arrayBuffer()), file.name);
+      await this.perform(file.name, "piano", scoreOfMidi(read).played);
+      byId("midi").textContent = `${[`Plays ${file.name}`, ...read.remarks].join("; ")}.`;
     } catch (error) {
-      byId("midi").textContent = `${file.name} cannot be played: ${error.message}.`;
+      byId("midi").textContent = error.message;
     }
   }
 
@@ -312,16 +310,44 @@ class Page {
     this.changed();
   }
 
-  // Its key lights up, the force is drawn, and now and then the slow motion is of it.
-  scorePlayed({ key, velocity }) {
-    this.figures.struck();
-    if (!this.score) return;
-    this.keys.mark(key, true);
-    setTimeout(() => this.keys.mark(key, false), kScoreMarks);
+  /** A message of MIDI, for the audio thread, which says what it has played and moved. */
+  async takeMidi(bytes) {
+    await this.audio.start();
+    this.audio.send({ do: "midi", bytes });
+  }
+
+  // A key of a score or of MIDI lights up until it is let go (velocity 0). Of a score now and then one is shown in slow motion.
+  heard({ key, velocity, isOfScore }) {
+    if (isOfScore && !this.score) return;
+    this.keys.mark(key, velocity > 0);
+    if (velocity === 0) return;
     const now = performance.now();
-    if (now - (this.studiedAt ?? -Infinity) < kScoreStudies) return;
-    Object.assign(this, { studiedAt: now, lastKey: key, lastVelocity: velocity });
-    this.study();
+    const isShown = this.hasKey(key) && !(isOfScore && now - this.studiedAt < kScoreStudies);
+    if (isOfScore && isShown) this.studiedAt = now;
+    if (isShown) this.struck(key, velocity);
+    else this.figures.struck();
+  }
+
+  // The force is drawn, and the slow motion is of this key.
+  struck(key, velocity) {
+    Object.assign(this, { lastKey: key, lastVelocity: velocity });
+    this.changed();
+    this.figures.struck();
+    setTimeout(() => this.study(), 0);
+  }
+
+  hasKey(key) {
+    const { keys } = this.played();
+    return !keys || (key >= keys[0] && key <= keys[1]);
+  }
+
+  // MIDI has moved a parameter: its slider follows.
+  parameterMoved(number, value) {
+    const { name, controller } = this.played().parameters[number];
+    this.controls.get(name).set(value);
+    if (controller === kSustain) byId("pedal").checked = value >= 0.5;
+    this.changed();
+    this.studySoon();
   }
 
   /** The message that makes the audio thread play an instrument, as loud as all others: measured when it is sent. */
@@ -341,6 +367,10 @@ class Page {
   controlMoved(number) {
     this.sendControl(number);
     this.changed();
+    this.studySoon();
+  }
+
+  studySoon() {
     clearTimeout(this.studying);
     this.studying = setTimeout(() => this.study(), 60);
   }
@@ -355,14 +385,6 @@ class Page {
 
   sendControl(number) {
     this.audio.send({ do: "set", parameter: number, value: this.values()[number] });
-  }
-
-  // A controller of MIDI moves the slider of its parameter.
-  moveController(controller, part) {
-    const shape = this.played().parameters.find((other) => other.controller === controller);
-    if (!shape) return;
-    this.controls.get(shape.name).part(part);
-    if (controller === kSustain) byId("pedal").checked = part >= 0.5;
   }
 
   useDesign(design) {
@@ -412,14 +434,10 @@ class Page {
 
   /** velocity: 0 to 1, or null where the player has none. */
   async strike(key, velocity = null) {
-    const { keys, velocity: usual } = this.played();
-    if (keys && (key < keys[0] || key > keys[1])) return;
+    if (!this.hasKey(key)) return;
     await this.audio.start();
-    this.audio.send({ do: "noteOn", key, velocity: velocity ?? usual });
-    Object.assign(this, { lastKey: key, lastVelocity: velocity ?? undefined });
-    this.changed();
-    this.figures.struck();
-    setTimeout(() => this.study(), 0);
+    this.audio.send({ do: "noteOn", key, velocity: velocity ?? this.played().velocity });
+    this.struck(key, velocity ?? undefined);
   }
 
   /** Strikes a key and lets it go a while after it has begun. */
@@ -439,7 +457,8 @@ class Page {
 
   setPedal(down) {
     byId("pedal").checked = down;
-    this.moveController(kSustain, down ? 1 : 0);
+    const pedal = this.played().parameters.find(({ controller }) => controller === kSustain);
+    this.controls.get(pedal?.name)?.part(down ? 1 : 0);
   }
 
   /** What sounds, as presets have it: of the controls those that differ from the initial ones. A pedal is no state. */
@@ -520,7 +539,7 @@ class Page {
 
 const page = new Page();
 // For tests, and for the curious at the console.
-globalThis.contactSpline = { page, presets: kPresets, renderOffline, stateOf, instrumentOf, performanceOf, midiPerformance, loaded: page.load() };
+globalThis.contactSpline = { page, presets: kPresets, renderOffline, stateOf, instrumentOf, performanceOf, loaded: page.load() };
 contactSpline.loaded.catch((error) => {
   byId("stage-caption").textContent = `This browser cannot play the page: ${error.message}`;
 });

@@ -1,17 +1,21 @@
 // SPDX-License-Identifier: MIT
 // The scores that ship (docs/reference/scores.md), as messages for the audio thread.
-import { midiPerformance } from "./midi_file.js";
 
 const kStep = 0.005; // seconds between two values of a control that glides
 const kHammered = "dulcimer"; // plays hammer-strings that are voices
 const kFirstKey = 60; // of the events of an instrument without keys
 const kTail = 1; // seconds after the last event of a score that says no longer
 
-/** A score as the build packed it, of a file of JSON or of MIDI (in base64), which the piano plays. */
-export function readScore(packed) {
+/** A score as the build packed it, of a file of JSON or of MIDI (in base64). */
+export function readScore(packed, name, generator) {
   if (packed.midi === undefined) return packed;
-  const { title, ...played } = midiPerformance(Uint8Array.from(atob(packed.midi), (letter) => letter.charCodeAt(0)));
-  return { keyboard: "piano", description: title, played };
+  return scoreOfMidi(generator.readMidi(Uint8Array.from(atob(packed.midi), (letter) => letter.charCodeAt(0)), name));
+}
+
+/** The score of a MIDI file that the generator has read; the piano plays it. */
+export function scoreOfMidi({ title, messages, end }) {
+  const played = messages.map(({ time, bytes }) => ({ at: time, do: "midi", bytes }));
+  return { keyboard: "piano", description: title, played: { voices: [], messages: [...played, { at: end + kTail, do: "end" }] } };
 }
 
 /** The instrument of the page that a score plays, or null. */

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "contactspline/instrument/voices.hpp"
@@ -40,7 +41,29 @@ std::size_t chosen = 0;
 double chosen_rate_hz = 0;
 std::array<float, 3 * kBlock> outputs, part;
 std::array<double, 5> shown_books;
-std::array<std::uint8_t, 3> message;
+std::array<std::uint8_t, 128> midi_bytes;
+
+/// A key that has begun to play, or, at velocity 0, was let go: for those who draw it.
+struct HeardKey {
+  double key, velocity;
+};
+std::array<HeardKey, 1024> heard_keys;  // more of them are not told
+std::size_t heard_count = 0;
+MidiInterpreter heard_midi;
+
+void hear(int key, double velocity) {
+  if (heard_count < heard_keys.size()) heard_keys[heard_count++] = {double(key), velocity};
+}
+
+void hear(const MidiEvent& event) {
+  if (event.kind == MidiEvent::Kind::kNoteOn) hear(event.key, event.value);
+  if (event.kind == MidiEvent::Kind::kNoteOff && event.is_last) hear(event.key, 0);
+}
+
+void take_midi(std::span<const std::uint8_t> bytes) {
+  for (const Voice& each : voices) each.instrument->midi(bytes);
+  heard_midi.take(bytes, [](const MidiEvent& event) { hear(event); });
+}
 
 /// What a voice of a score has of its own: the tuning of its strings, or one of kStrings with the place of its pluck
 /// and the height of a slide, or its hammer and damper.
@@ -184,6 +207,8 @@ CONTACTSPLINE_WEB(int, engine_choose, int number, double sample_rate_hz) {
   voices.push_back({std::move(next), 1, 1, true});
   chosen = static_cast<std::size_t>(number);
   chosen_rate_hz = sample_rate_hz;
+  heard_midi = MidiInterpreter();
+  heard_count = 0;
   return 1;
 }
 
@@ -252,17 +277,48 @@ CONTACTSPLINE_WEB(void, engine_note_on, int number, int key, double velocity) {
   with_voice(number, [&](Voice& voice) {
     voice.is_played = true;
     voice.instrument->note_on(key, velocity);
+    hear(key, velocity);
   });
 }
 
 CONTACTSPLINE_WEB(void, engine_note_off, int number, int key) {
-  with_voice(number, [&](Voice& voice) { voice.instrument->note_off(key); });
+  with_voice(number, [&](Voice& voice) {
+    voice.instrument->note_off(key);
+    hear(key, 0);
+  });
 }
 
-/// Three bytes of MIDI, for all voices.
-CONTACTSPLINE_WEB(void, engine_midi, int status, int first, int second) {
-  message = {static_cast<std::uint8_t>(status), static_cast<std::uint8_t>(first), static_cast<std::uint8_t>(second)};
-  for (const Voice& each : voices) each.instrument->midi(message);
+/// Where the page writes up to 128 bytes of MIDI.
+CONTACTSPLINE_WEB(std::uint8_t*, engine_midi_bytes) {
+  return midi_bytes.data();
+}
+
+/// Takes so many of them, for all voices: messages or pieces of a stream.
+CONTACTSPLINE_WEB(void, engine_midi, int count) {
+  take_midi(std::span(midi_bytes).first(std::min<std::size_t>(static_cast<std::size_t>(count), midi_bytes.size())));
+}
+
+/// Lets all keys and pedals of MIDI go, and brings wheels to their centre.
+CONTACTSPLINE_WEB(void, engine_let_go) {
+  for (int channel = 0; channel < 16; ++channel)
+    for (const int controller : {123, 121})  // all notes off, reset all controllers
+      take_midi(std::array{static_cast<std::uint8_t>(0xb0 | channel), static_cast<std::uint8_t>(controller),
+                           std::uint8_t{0}});
+}
+
+/// How many keys have begun to play or were let go since the last call.
+CONTACTSPLINE_WEB(int, engine_heard) {
+  return static_cast<int>(std::exchange(heard_count, 0));
+}
+
+/// These keys: the number of each, and its velocity, 0 where it was let go.
+CONTACTSPLINE_WEB(const double*, engine_heard_keys) {
+  return &heard_keys.front().key;
+}
+
+/// Where a parameter of the instrument itself is or goes to; not a number behind the last one.
+CONTACTSPLINE_WEB(double, engine_target, int parameter) {
+  return voices.empty() ? NAN : voices.front().instrument->target(static_cast<std::size_t>(parameter));
 }
 
 /// Plays an event by a speed [m/s] or a force [N]; by its parameter if that is not a number.

@@ -20,6 +20,7 @@
 #include "generator/instrument/diagram.hpp"
 #include "generator/instrument/instrument_reader.hpp"
 #include "generator/material/material_reader.hpp"
+#include "generator/player/midi_reader.hpp"
 #include "generator/spline/design.hpp"
 #include "generator/support/embedded_files.hpp"
 #include "generator/support/error.hpp"
@@ -225,6 +226,21 @@ CONTACTSPLINE_WEB(const std::byte*, contactspline_instrument_bytes) {
 }
 CONTACTSPLINE_WEB(int, contactspline_instrument_size) {
   return static_cast<int>(instrument_bytes.size());
+}
+
+/// Reads so many bytes of a MIDI file. Returns JSON: title, remarks, end [s] and what is played, as `render` chooses
+/// it: messages, each as its time [s] and its bytes, the last of which let all keys go; or {"error": one line}. The
+/// page frees `bytes` and `file`.
+CONTACTSPLINE_WEB(const char*, contactspline_midi, const char* bytes, std::size_t size, const char* file) {
+  return answer([&] {
+    const MidiFile played = read_played_midi({bytes, size}, file).file;
+    Json messages = Json::array();
+    for (const auto& [time_s, message] : played.messages) {
+      messages.push_back(Json::array({time_s}));
+      for (const int byte : message) messages.back().push_back(byte);
+    }
+    return Json{{"title", played.title}, {"remarks", played.remarks}, {"end", played.end_s}, {"messages", messages}};
+  });
 }
 
 /// The instrument files that ship, as a JSON object: text by name.

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -29,6 +30,8 @@ class Playable {
   [[nodiscard]] virtual std::string described() const = 0;
   virtual void prepare(double sample_rate_hz) = 0;
   virtual void set(std::size_t parameter, double value) = 0;
+  /// Where a parameter is or goes to; not a number behind the last one.
+  [[nodiscard]] virtual double target(std::size_t parameter) const = 0;
   [[nodiscard]] virtual double velocity() const = 0;  ///< of a key that has none of its own
   virtual void note_on(int key, double velocity) = 0;
   virtual void note_off(int key) = 0;
@@ -111,6 +114,9 @@ class PlayableBehind final : public Playable {
   [[nodiscard]] std::string described() const override { return description_of(own_); }
   void prepare(double sample_rate_hz) override { hosted_.prepare(sample_rate_hz); }
   void set(std::size_t parameter, double value) override { hosted_.set(parameter, value); }
+  [[nodiscard]] double target(std::size_t parameter) const override {
+    return parameter < hosted_.instrument().parameters().size() ? hosted_.target(parameter) : NAN;
+  }
   [[nodiscard]] double velocity() const override { return kVelocity<I>; }
   void note_on(int key, double velocity) override {
     const auto part = static_cast<std::uint8_t>(std::clamp(127 * velocity + 0.5, 1.0, 127.0));

@@ -4,6 +4,7 @@ import { kMaxMemories, kMaxSegments } from "./messages.js";
 import { startModule, textAt } from "./wasm_module.js";
 
 const kBlock = 128;
+const kMidiBytes = 128; // at once
 
 /** Writes a design of the generator as rows of a table, and its memories. Returns whether it fits there. */
 export function writeMaterial(exports, rows, use, { table, memory, mass_kg, loss_s_per_m }) {
@@ -45,7 +46,27 @@ export function startEngine(module, sampleRate = 44100) {
     set: (parameter, value, voice = 0) => exports.engine_set(voice, parameter, value),
     noteOn: (key, velocity, voice = 0) => exports.engine_note_on(voice, key, velocity),
     noteOff: (key, voice = 0) => exports.engine_note_off(voice, key),
-    midi: ([status, first, second]) => exports.engine_midi(status, first, second),
+    /** Takes bytes of MIDI: messages, or pieces of a stream. */
+    midi(bytes) {
+      for (let done = 0; done < bytes.length; done += kMidiBytes) {
+        const part = bytes.slice(done, done + kMidiBytes);
+        new Uint8Array(exports.memory.buffer, exports.engine_midi_bytes(), part.length).set(part);
+        exports.engine_midi(part.length);
+      }
+    },
+    /** Lets all keys and pedals of MIDI go. */
+    letGo: () => exports.engine_let_go(),
+    /** Keys that have begun to play since the last call, each with its velocity, and keys that were let go, with 0. */
+    heard() {
+      const keys = new Float64Array(exports.memory.buffer, exports.engine_heard_keys(), 2 * exports.engine_heard());
+      return Array.from({ length: keys.length / 2 }, (_, n) => ({ key: keys[2 * n], velocity: keys[2 * n + 1] }));
+    },
+    /** Where the parameters are or go to. */
+    targets() {
+      const all = [];
+      for (let value; !Number.isNaN((value = exports.engine_target(all.length))); ) all.push(value);
+      return all;
+    },
     /** Bytes of the module's memory. */
     memory: () => exports.memory.buffer.byteLength,
     /** Plays an event by a speed [m/s] or a force [N]; by its parameter if that is NaN. */

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The generator of Contact Spline.
-import { startModule, textAt, withTexts } from "./wasm_module.js";
+import { startModule, textAt, withBytes, withTexts } from "./wasm_module.js";
 
 // The JSON at an address; its error is thrown.
 function answered(exports, address) {
@@ -43,6 +43,14 @@ export function startGenerator(module) {
       if (instrument.error !== undefined) return instrument;
       const bytes = new Uint8Array(exports.memory.buffer, exports.contactspline_instrument_bytes(), exports.contactspline_instrument_size());
       return { ...instrument, bytes: bytes.slice() };
+    },
+
+    /** Reads a MIDI file, given as a Uint8Array: { title, remarks, end, messages: [{ time, bytes }] } (web/wasm/generator.cpp), in
+     * seconds. Throws bad input. */
+    readMidi(bytes, file) {
+      if (!(bytes instanceof Uint8Array)) throw new Error(`contactspline: ${String(file)}: is no MIDI file; allowed: its bytes as a Uint8Array`);
+      const { messages, ...read } = answered(exports, withBytes(exports, [bytes], (at) => withTexts(exports, [file], (name) => exports.contactspline_midi(at, bytes.length, name))));
+      return { ...read, messages: messages.map(([time, ...bytes]) => ({ time, bytes })) };
     },
 
     /** Designs a material: its emitted files by name, table, curve and errors (web/wasm/generator.cpp). Throws bad input. */

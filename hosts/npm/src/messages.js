@@ -79,8 +79,8 @@ export const playable = (Base) =>
     }
 
     midi(bytes, time = 0) {
-      if (typeof bytes !== "object" || bytes === null) throw badInput("midi", `${String(bytes)} is no message`, "three bytes, such as [0x90, 60, 100]");
-      this.sendAt(time, { do: "midi", bytes: [0, 1, 2].map((k) => (typeof bytes[k] === "number" ? bytes[k] : 0)) });
+      if (typeof bytes !== "object" || bytes === null) throw badInput("midi", `${String(bytes)} is no message`, "bytes, such as [0x90, 60, 100]");
+      this.sendAt(time, { do: "midi", bytes: Uint8Array.from(bytes, (byte) => (typeof byte === "number" ? byte : 0)) });
     }
 
     loadPreset(name) {

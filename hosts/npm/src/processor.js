@@ -6,7 +6,6 @@ import { play } from "./messages.js";
 
 const kReport = 1024; // samples between two reports
 const kFade = 1 / 882; // of the level, in each sample: 20 ms
-const kLetKeysGo = [0xb0, 123, 0]; // of MIDI
 const kSounding = 0.05; // seconds after the last block in which an instrument still counts as sounding
 
 // Its name and its parameters stand behind the # of the address (contactspline.js).
@@ -14,6 +13,8 @@ const { name: kName, parameters: kParameters } = JSON.parse(decodeURIComponent(i
 
 // Engines that no instrument has. A browser may keep closed nodes for long; their memory is used again.
 const idle = (globalThis.contactsplineEngines ??= []);
+
+const sampleOf = ({ at = 0 }) => Math.round(at * sampleRate);
 
 class ContactSplineProcessor extends AudioWorkletProcessor {
   static get parameterDescriptors() {
@@ -37,6 +38,7 @@ class ContactSplineProcessor extends AudioWorkletProcessor {
     this.strikes = 0;
     this.peak = 0;
     this.force = new Float32Array(kReport);
+    this.sample = currentFrame; // that is played next
     const messages = processorOptions.messages ?? [];
     this.later = []; // messages by rising time [s]
     for (const message of messages) this.receive(message);
@@ -46,7 +48,7 @@ class ContactSplineProcessor extends AudioWorkletProcessor {
   receive(message) {
     const ends = message.do === "instrument" || (message.do === "close" && message.fades);
     if (this.isClosed) this.answer(message);
-    else if (message.at > currentTime) this.later.splice(this.later.findLastIndex(({ at }) => at <= message.at) + 1, 0, message);
+    else if (sampleOf(message) > this.sample) this.later.splice(this.later.findLastIndex(({ at }) => at <= message.at) + 1, 0, message);
     else if (this.waiting.length > 0 || (ends && this.isSounding())) this.waiting.push(message);
     else this.take(message);
   }
@@ -57,13 +59,12 @@ class ContactSplineProcessor extends AudioWorkletProcessor {
 
   take(message) {
     if (message.do === "instrument") this.choose(message);
-    else if (message.do === "noteOn") this.strike(message);
     else if (message.do === "score") this.begin(message);
     else if (message.do === "stop") this.stop();
     else if (message.do === "end") this.port.postMessage({ is: "ended" });
     else if (message.do === "record") this.isRecording = message.isOn;
     else if (message.do === "close") this.close();
-    else play(this.engine, message);
+    else this.play(message);
     this.answer(message);
   }
 
@@ -90,30 +91,51 @@ class ContactSplineProcessor extends AudioWorkletProcessor {
       this.engine.addVoice(voice);
       this.engine.pan(i + 1, voice.pan);
     });
-    this.later = messages.map((message) => ({ ...message, at: message.at + currentTime, isOfScore: true }));
+    const now = this.sample / sampleRate;
+    this.later = messages.map((message) => ({ ...message, at: message.at + now, isOfScore: true }));
   }
 
   stop() {
     this.later = [];
-    this.engine.midi(kLetKeysGo);
+    this.engine.letGo();
   }
 
-  // The reports of a strike begin with its first sample: they hold nothing of the one before.
-  strike(message) {
+  // Tells which keys a score or MIDI plays, and which parameters MIDI moves. The reports of a strike begin with its first
+  // sample: they hold nothing of the one before.
+  play(message) {
+    const { isOfScore } = message;
+    const isLive = message.do === "midi" && !isOfScore;
+    const before = isLive ? this.engine.targets() : [];
     play(this.engine, message);
-    const { key, velocity, isOfScore } = message;
-    if (isOfScore) this.port.postMessage({ is: "played", key, velocity });
-    ++this.strikes;
-    this.filled = 0;
+    const heard = this.engine.heard();
+    const begun = heard.filter(({ velocity }) => velocity > 0).length;
+    this.strikes += begun;
+    if (begun > 0) this.filled = 0;
+    if (isLive || isOfScore) for (const key of heard) this.port.postMessage({ is: "played", ...key, isOfScore });
+    if (!isLive) return;
+    this.engine.targets().forEach((value, parameter) => value !== before[parameter] && this.port.postMessage({ is: "moved", parameter, value }));
   }
 
+  // A block in parts, so that each message comes before its sample.
   process(_, [[left, right]], parameters) {
-    while (this.later[0]?.at <= currentTime) this.receive(this.later.shift());
-    if (this.waiting.length > 0 && this.level === 0) this.change();
-    if (this.isClosed) return false;
-    if (!this.isPlaying) return true;
+    for (let done = 0; done < left.length; ) {
+      this.sample = currentFrame + done;
+      while (this.later.length > 0 && sampleOf(this.later[0]) <= this.sample) this.receive(this.later.shift());
+      if (this.waiting.length > 0 && this.level === 0) this.change();
+      if (this.isClosed) return false;
+      const next = this.later.length > 0 ? sampleOf(this.later[0]) - currentFrame : left.length;
+      const end = Math.min(left.length, next, done + kReport - this.filled);
+      if (this.isPlaying && done === 0) this.follow(parameters);
+      if (this.isPlaying) this.fill(left.subarray(done, end), right.subarray(done, end));
+      done = end;
+    }
+    this.sample = currentFrame + left.length;
+    if (this.isPlaying && this.isRecording) this.port.postMessage({ is: "sound", channels: [left.slice(), right.slice()] });
+    return true;
+  }
+
+  fill(left, right) {
     this.playedAt = currentTime;
-    this.follow(parameters);
     const [a, b, force] = this.engine.process(left.length);
     for (let i = 0; i < left.length; ++i) {
       this.level = this.waiting.length > 0 ? Math.max(0, this.level - kFade) : 1;
@@ -121,9 +143,7 @@ class ContactSplineProcessor extends AudioWorkletProcessor {
       left[i] = this.shaped(this.level * this.gain * a[i]);
       right[i] = this.shaped(this.level * this.gain * b[i]);
     }
-    if (this.isRecording) this.port.postMessage({ is: "sound", channels: [left.slice(), right.slice()] });
     if (this.isReported) this.report(force);
-    return true;
   }
 
   // An AudioParam acts when it moves: until then, what a message has set stays.

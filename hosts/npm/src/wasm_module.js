@@ -41,8 +41,12 @@ export function textAt(exports, address) {
 export function withTexts(exports, texts, use) {
   const damaged = texts.find((text) => typeof text !== "string" || text.includes("\0"));
   if (damaged !== undefined) throw new Error(`contactspline: text: ${typeof damaged === "string" ? "has a character of value 0" : "is no text"}; allowed: that of a file`);
-  const addresses = texts.map((text) => {
-    const bytes = new TextEncoder().encode(text + "\0");
+  return withBytes(exports, texts.map((text) => new TextEncoder().encode(text + "\0")), use);
+}
+
+/** Calls use(address...) with bytes copied into the module's memory. */
+export function withBytes(exports, copied, use) {
+  const addresses = copied.map((bytes) => {
     const address = exports.contactspline_allocate(bytes.length);
     new Uint8Array(exports.memory.buffer, address, bytes.length).set(bytes);
     return address;
