@@ -348,7 +348,7 @@ class lap_steel : public Voices<NetworkInstrument<T>> {
     static constexpr std::array<std::size_t, 1> plucks = {1};
     static constexpr std::array<InstrumentOutput, 2> sources = {{
         {OutputQuantity::kDisplacement, 6, 1},
-        {OutputQuantity::kForce, 7, 1}}};
+        {OutputQuantity::kForce, 7, 1, 3.0}}};
     // Values that are allowed, those of sliders, the first one, scale, when it acts, how slowly it follows [s].
     static constexpr std::array<Parameter, 8> parameters = {{
         {"bar_place_m", "m", {0.02, 0.5}, {0.02, 0.5}, 0.162, Scale::kLinear, Acts::kAtOnce, 0.02},

@@ -403,12 +403,12 @@ class prepared_piano : public NetworkInstrument<T> {
         35589972.35126196, 37608634.212203};
     static constexpr std::array<std::size_t, 2> table_ends = {48, 112};
     static constexpr std::array<InstrumentConnection, 6> connections = {{
-        {ConnectionKind::kContact, 0, 3, 0, 0.005, 1.0, 0.0, 0.0, 0.0},
-        {ConnectionKind::kContact, 0, 4, 0, 0.005, 1.0, 0.0, 0.0, 0.0},
-        {ConnectionKind::kContact, 1, 5, 1, 0.00015, 1.0, 0.0, 0.0, 0.0},
-        {ConnectionKind::kContact, 5, 1, 1, 0.00015, 1.0, 0.0, 0.0, 0.0},
-        {ConnectionKind::kSpring, 6, 2, 0, 0.0, 1.0, 0.0, 40000.0, 0.05},
-        {ConnectionKind::kSpring, 2, 7, 0, 0.0, 1.0, 0.0, 40000.0, 0.05}}};
+        {ConnectionKind::kContact, 0, 3, 0, 0.005008182233582, 1.0, 0.0, 0.0, 0.0, {}, 8.182233581999904e-06},
+        {ConnectionKind::kContact, 0, 4, 0, 0.005001146204415, 1.0, 0.0, 0.0, 0.0, {}, 1.146204415000164e-06},
+        {ConnectionKind::kContact, 1, 5, 1, -9.96236693527e-09, 1.0, 0.0, 0.0, 0.0, {}, -0.00015000996236693527},
+        {ConnectionKind::kContact, 5, 1, 1, 0.0003000099623669, 1.0, 0.0, 0.0, 0.0, {}, 0.0001500099623669},
+        {ConnectionKind::kSpring, 6, 2, 0, -3.147608493569e-07, 1.0, 0.0, 40000.0, 0.05, {}, -3.147608493569e-07},
+        {ConnectionKind::kSpring, 2, 7, 0, -3.14760849356e-07, 1.0, 0.0, 40000.0, 0.05, {}, -3.14760849356e-07}}};
     static constexpr std::array<InstrumentControl, 5> controls = {{
         {ControlQuantity::kForce, 0, 1},
         {ControlQuantity::kLoss, 1, 2},
@@ -420,7 +420,7 @@ class prepared_piano : public NetworkInstrument<T> {
     static constexpr std::array<std::size_t, 0> plucks = {};
     static constexpr std::array<InstrumentOutput, 2> sources = {{
         {OutputQuantity::kDisplacement, 9, 2},
-        {OutputQuantity::kForce, 11, 2}}};
+        {OutputQuantity::kForce, 11, 2, 0.04900000003422}}};
     // Values that are allowed, those of sliders, the first one, scale, when it acts, how slowly it follows [s].
     static constexpr std::array<Parameter, 6> parameters = {{
         {"weight_force_n", "N", {0.0, 1.0}, {0.0, 1.0}, 0.049, Scale::kLinear, Acts::kAtOnce, 0.005},
@@ -434,11 +434,16 @@ class prepared_piano : public NetworkInstrument<T> {
     static constexpr std::array<Output, 2> outputs = {{
         {"bridge_end_force_n", "N", 50.0},
         {"bolt_force_n", "N", 100.0}}};
+    static constexpr std::array<HoldingForce, 3> holds = {{
+        {5, -0.04900000003422},
+        {6, 0.01259043397428},
+        {7, -0.01259043397424}}};
 
     static constexpr InstrumentData view() {
       return {"prepared_piano", "two strings with a rattling bolt and a screw between them", "MIT", angular_frequencies, decays, masses, body_ends, place_bodies, shapes,
               knots, energies, forces, half_curvatures, table_ends, connections, controls, targets, strikes, plucks, sources,
-              parameters, events, outputs};
+              parameters, events, outputs,
+              {}, {}, {}, {}, {}, {}, {}, {}, {}, holds};
     }
   };
 };

@@ -1249,31 +1249,31 @@ class snare : public NetworkInstrument<T> {
         37025356.69233829, 35589972.35126196, 37608634.212203};
     static constexpr std::array<std::size_t, 2> table_ends = {64, 128};
     static constexpr std::array<InstrumentConnection, 25> connections = {{
-        {ConnectionKind::kContact, 0, 1, 0, 0.004, 1.0, 0.0, 0.0, 0.0},
-        {ConnectionKind::kContact, 3, 11, 1, -2e-06, 0.01, 0.0, 0.0, 0.0},
-        {ConnectionKind::kContact, 4, 12, 1, -2e-06, 0.01, 0.0, 0.0, 0.0},
-        {ConnectionKind::kContact, 5, 13, 1, -2e-06, 0.01, 0.0, 0.0, 0.0},
-        {ConnectionKind::kContact, 6, 14, 1, -2e-06, 0.01, 0.0, 0.0, 0.0},
-        {ConnectionKind::kContact, 7, 15, 1, -2e-06, 0.01, 0.0, 0.0, 0.0},
-        {ConnectionKind::kContact, 8, 16, 1, -2e-06, 0.01, 0.0, 0.0, 0.0},
-        {ConnectionKind::kContact, 9, 17, 1, -2e-06, 0.01, 0.0, 0.0, 0.0},
-        {ConnectionKind::kContact, 10, 18, 1, -2e-06, 0.01, 0.0, 0.0, 0.0},
-        {ConnectionKind::kContact, 3, 19, 1, -2e-06, 0.01, 0.0, 0.0, 0.0},
-        {ConnectionKind::kContact, 4, 20, 1, -2e-06, 0.01, 0.0, 0.0, 0.0},
-        {ConnectionKind::kContact, 5, 21, 1, -2e-06, 0.01, 0.0, 0.0, 0.0},
-        {ConnectionKind::kContact, 6, 22, 1, -2e-06, 0.01, 0.0, 0.0, 0.0},
-        {ConnectionKind::kContact, 7, 23, 1, -2e-06, 0.01, 0.0, 0.0, 0.0},
-        {ConnectionKind::kContact, 8, 24, 1, -2e-06, 0.01, 0.0, 0.0, 0.0},
-        {ConnectionKind::kContact, 9, 25, 1, -2e-06, 0.01, 0.0, 0.0, 0.0},
-        {ConnectionKind::kContact, 10, 26, 1, -2e-06, 0.01, 0.0, 0.0, 0.0},
-        {ConnectionKind::kContact, 3, 27, 1, -2e-06, 0.01, 0.0, 0.0, 0.0},
-        {ConnectionKind::kContact, 4, 28, 1, -2e-06, 0.01, 0.0, 0.0, 0.0},
-        {ConnectionKind::kContact, 5, 29, 1, -2e-06, 0.01, 0.0, 0.0, 0.0},
-        {ConnectionKind::kContact, 6, 30, 1, -2e-06, 0.01, 0.0, 0.0, 0.0},
-        {ConnectionKind::kContact, 7, 31, 1, -2e-06, 0.01, 0.0, 0.0, 0.0},
-        {ConnectionKind::kContact, 8, 32, 1, -2e-06, 0.01, 0.0, 0.0, 0.0},
-        {ConnectionKind::kContact, 9, 33, 1, -2e-06, 0.01, 0.0, 0.0, 0.0},
-        {ConnectionKind::kContact, 10, 34, 1, -2e-06, 0.01, 0.0, 0.0, 0.0}}};
+        {ConnectionKind::kContact, 0, 1, 0, 0.003999806323629, 1.0, 0.0, 0.0, 0.0, {}, -1.936763709999012e-07},
+        {ConnectionKind::kContact, 3, 11, 1, -1.495940521235e-08, 0.01, 0.0, 0.0, 0.0, {}, 1.9850405947876497e-06},
+        {ConnectionKind::kContact, 4, 12, 1, -2.055279811966e-09, 0.01, 0.0, 0.0, 0.0, {}, 1.997944720188034e-06},
+        {ConnectionKind::kContact, 5, 13, 1, -6.91553537007e-10, 0.01, 0.0, 0.0, 0.0, {}, 1.999308446462993e-06},
+        {ConnectionKind::kContact, 6, 14, 1, -4.263449853038e-10, 0.01, 0.0, 0.0, 0.0, {}, 1.999573655014696e-06},
+        {ConnectionKind::kContact, 7, 15, 1, -4.263449853038e-10, 0.01, 0.0, 0.0, 0.0, {}, 1.999573655014696e-06},
+        {ConnectionKind::kContact, 8, 16, 1, -6.91553537007e-10, 0.01, 0.0, 0.0, 0.0, {}, 1.999308446462993e-06},
+        {ConnectionKind::kContact, 9, 17, 1, -2.055279811966e-09, 0.01, 0.0, 0.0, 0.0, {}, 1.997944720188034e-06},
+        {ConnectionKind::kContact, 10, 18, 1, -1.495940521235e-08, 0.01, 0.0, 0.0, 0.0, {}, 1.9850405947876497e-06},
+        {ConnectionKind::kContact, 3, 19, 1, -1.599808448692e-08, 0.01, 0.0, 0.0, 0.0, {}, 1.98400191551308e-06},
+        {ConnectionKind::kContact, 4, 20, 1, -2.218783070128e-09, 0.01, 0.0, 0.0, 0.0, {}, 1.9977812169298717e-06},
+        {ConnectionKind::kContact, 5, 21, 1, -7.426504114799e-10, 0.01, 0.0, 0.0, 0.0, {}, 1.99925734958852e-06},
+        {ConnectionKind::kContact, 6, 22, 1, -4.573855552188e-10, 0.01, 0.0, 0.0, 0.0, {}, 1.999542614444781e-06},
+        {ConnectionKind::kContact, 7, 23, 1, -4.573855552188e-10, 0.01, 0.0, 0.0, 0.0, {}, 1.999542614444781e-06},
+        {ConnectionKind::kContact, 8, 24, 1, -7.426504114803e-10, 0.01, 0.0, 0.0, 0.0, {}, 1.9992573495885196e-06},
+        {ConnectionKind::kContact, 9, 25, 1, -2.218783070128e-09, 0.01, 0.0, 0.0, 0.0, {}, 1.9977812169298717e-06},
+        {ConnectionKind::kContact, 10, 26, 1, -1.599808448692e-08, 0.01, 0.0, 0.0, 0.0, {}, 1.98400191551308e-06},
+        {ConnectionKind::kContact, 3, 27, 1, -1.729928952269e-08, 0.01, 0.0, 0.0, 0.0, {}, 1.9827007104773098e-06},
+        {ConnectionKind::kContact, 4, 28, 1, -2.426704455692e-09, 0.01, 0.0, 0.0, 0.0, {}, 1.997573295544308e-06},
+        {ConnectionKind::kContact, 5, 29, 1, -8.071958891983e-10, 0.01, 0.0, 0.0, 0.0, {}, 1.9991928041108017e-06},
+        {ConnectionKind::kContact, 6, 30, 1, -4.964872077008e-10, 0.01, 0.0, 0.0, 0.0, {}, 1.999503512792299e-06},
+        {ConnectionKind::kContact, 7, 31, 1, -4.964872077004e-10, 0.01, 0.0, 0.0, 0.0, {}, 1.9995035127922995e-06},
+        {ConnectionKind::kContact, 8, 32, 1, -8.071958891987e-10, 0.01, 0.0, 0.0, 0.0, {}, 1.9991928041108012e-06},
+        {ConnectionKind::kContact, 9, 33, 1, -2.426704455692e-09, 0.01, 0.0, 0.0, 0.0, {}, 1.997573295544308e-06},
+        {ConnectionKind::kContact, 10, 34, 1, -1.729928952269e-08, 0.01, 0.0, 0.0, 0.0, {}, 1.9827007104773098e-06}}};
     static constexpr std::array<InstrumentControl, 2> controls = {{
         {ControlQuantity::kGapShift, 0, 24},
         {ControlQuantity::kDamping, 24, 1}}};
@@ -1284,7 +1284,7 @@ class snare : public NetworkInstrument<T> {
     static constexpr std::array<std::size_t, 0> plucks = {};
     static constexpr std::array<InstrumentOutput, 2> sources = {{
         {OutputQuantity::kVelocity, 25, 1},
-        {OutputQuantity::kForce, 26, 24}}};
+        {OutputQuantity::kForce, 26, 24, 0.005762443932836}}};
     // Values that are allowed, those of sliders, the first one, scale, when it acts, how slowly it follows [s].
     static constexpr std::array<Parameter, 3> parameters = {{
         {"strainer_gap_shift_m", "m", {-1e-05, 0.002}, {-1e-05, 0.002}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.0},
@@ -1295,11 +1295,45 @@ class snare : public NetworkInstrument<T> {
     static constexpr std::array<Output, 2> outputs = {{
         {"head_velocity_m_per_s", "m/s", 2.0},
         {"wires_force_n", "N", 50.0}}};
+    static constexpr std::array<HoldingForce, 32> holds = {{
+        {3, 0.002373514445805},
+        {4, 0.0003295779024344},
+        {5, 0.0001102434720954},
+        {6, 6.788614608316e-05},
+        {7, 6.788614608314e-05},
+        {8, 0.0001102434720955},
+        {9, 0.0003295779024344},
+        {10, 0.002373514445805},
+        {11, -0.0007357798208797},
+        {12, -0.0001010891402726},
+        {13, -3.401412892858e-05},
+        {14, -2.09698201544e-05},
+        {15, -2.09698201544e-05},
+        {16, -3.401412892858e-05},
+        {17, -0.0001010891402726},
+        {18, -0.0007357798208797},
+        {19, -0.0007868673634488},
+        {20, -0.0001091310641523},
+        {21, -3.652733373943e-05},
+        {22, -2.249655364733e-05},
+        {23, -2.249655364733e-05},
+        {24, -3.652733373945e-05},
+        {25, -0.0001091310641523},
+        {26, -0.0007868673634488},
+        {27, -0.0008508672614766},
+        {28, -0.0001193576980095},
+        {29, -3.970200942741e-05},
+        {30, -2.441977228143e-05},
+        {31, -2.441977228141e-05},
+        {32, -3.970200942743e-05},
+        {33, -0.0001193576980095},
+        {34, -0.0008508672614766}}};
 
     static constexpr InstrumentData view() {
       return {"snare", "drum head with three wires that rattle along a diameter", "MIT", angular_frequencies, decays, masses, body_ends, place_bodies, shapes,
               knots, energies, forces, half_curvatures, table_ends, connections, controls, targets, strikes, plucks, sources,
-              parameters, events, outputs};
+              parameters, events, outputs,
+              {}, {}, {}, {}, {}, {}, {}, {}, {}, holds};
     }
   };
 };

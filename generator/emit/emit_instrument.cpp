@@ -107,11 +107,12 @@ std::string cpp_friction(const InstrumentFriction& friction) {
 }
 
 std::string cpp_connection(const InstrumentConnection& c) {
-  const std::string friction = c.kind == ConnectionKind::kFriction ? ", " + cpp_friction(c.friction) : "";
-  return fmt::format("{{ConnectionKind::{}, {}, {}, {}, {}, {}, {}, {}, {}{}}}", name_in(kKindNames, c.kind),
+  const bool is_friction = c.kind == ConnectionKind::kFriction;
+  const std::string friction = is_friction ? ", " + cpp_friction(c.friction) : c.moved_m != 0 ? ", {}" : "";
+  return fmt::format("{{ConnectionKind::{}, {}, {}, {}, {}, {}, {}, {}, {}{}{}}}", name_in(kKindNames, c.kind),
                      place_or("kGround", c.first), place_or("kGround", c.second), c.table, literal(c.gap_m),
                      literal(c.weight), literal(c.loss_s_per_m), literal(c.stiffness_n_per_m),
-                     literal(c.resistance_n_s_per_m), friction);
+                     literal(c.resistance_n_s_per_m), friction, c.moved_m == 0 ? "" : ", " + literal(c.moved_m));
 }
 
 std::string cpp_parameter(const Parameter& p) {
@@ -145,14 +146,15 @@ std::string add_cpp_keys(const ModelKeys& keys, const InstrumentArrays& arrays, 
                      literal(keys.damper_per_s), parameter(keys.sustain), parameter(keys.bend));
 }
 
-// What keys, presets, places that move, memories and listening places add to the arrays, and to the view of them.
+// What keys, presets, places that move, memories, listening places and loads at rest add to the arrays, and to the
+// view of them.
 void add_cpp_options(const InstrumentModel& model, const InstrumentArrays& arrays, TemplateValues& values) {
   const ModelKeys& keys = model.keys;
   const bool has_keys = !keys.ranges.empty();
   values["BASE"] = has_keys ? "Voices<NetworkInstrument<T>>" : "NetworkInstrument<T>";
   values["VOICES"] = has_keys ? "\n#include \"contactspline/instrument/voices.hpp\"" : "";
   std::string& text = values["OPTIONS"] = "";
-  std::vector<std::string> view(9, "{}");  // the last members of InstrumentData
+  std::vector<std::string> view(10, "{}");  // the last members of InstrumentData
   if (has_keys) view[0] = add_cpp_keys(keys, arrays, text);
   if (!arrays.preset_names.empty()) {
     std::vector<std::string> names;
@@ -184,6 +186,13 @@ void add_cpp_options(const InstrumentModel& model, const InstrumentArrays& array
     view[6] = literal(arrays.pressure_rate_hz);
     view[7] = "pressure_paths";
     view[8] = "pressure_taps";
+  }
+  if (!arrays.holds.empty()) {
+    text += cpp_array("HoldingForce", arrays.holds.size(), "holds",
+                      "{\n" + rows_of(arrays.holds, "        ", [](const HoldingForce& hold, std::size_t) {
+                        return fmt::format("{{{}, {}}}", hold.place, literal(hold.force_n));
+                      }) + "}");
+    view[9] = "holds";
   }
   while (!view.empty() && view.back() == "{}") view.pop_back();
   values["OPTIONS_VIEW"] = view.empty() ? "" : fmt::format(",\n              {}", fmt::join(view, ", "));
@@ -221,7 +230,8 @@ TemplateValues cpp_values(const InstrumentModel& model, const InstrumentArrays& 
                        c.count);
   });
   values["SOURCE_ROWS"] = rows_of(arrays.sources, kIndent, [](const InstrumentOutput& o, std::size_t) {
-    return fmt::format("{{OutputQuantity::{}, {}, {}}}", name_in(kOutputNames, o.quantity), o.first_target, o.count);
+    return fmt::format("{{OutputQuantity::{}, {}, {}{}}}", name_in(kOutputNames, o.quantity), o.first_target, o.count,
+                       o.at_rest_n == 0 ? "" : ", " + literal(o.at_rest_n));
   });
   values["PARAMETER_ROWS"] =
       rows_of(arrays.parameters, kIndent, [](const Parameter& p, std::size_t) { return cpp_parameter(p); });
@@ -281,6 +291,15 @@ std::string json_pressures(const InstrumentArrays& arrays) {
       literal_rows(arrays.pressure_taps, 4));
 }
 
+// What holds bodies at rest, of a file that has loads.
+std::string json_holds(const InstrumentArrays& arrays) {
+  if (arrays.holds.empty()) return {};
+  return fmt::format(",\n  \"holds\": [\n{}\n  ]",
+                     rows_of(arrays.holds, "    ", [](const HoldingForce& hold, std::size_t) {
+                       return fmt::format("{{\"place\": {}, \"force_n\": {}}}", hold.place, literal(hold.force_n));
+                     }));
+}
+
 // The memories of the tables, one after the other, of a file that has them.
 std::string json_memories(const InstrumentArrays& arrays) {
   if (arrays.memories.empty()) return {};
@@ -323,7 +342,8 @@ TemplateValues json_values(const InstrumentModel& model, const InstrumentArrays&
   values["BODY_NAMES"] = quoted(bodies);
   values["TABLE_NAMES"] = quoted(materials);
   values["EVENT_NAMES"] = quoted(events);
-  values["OPTIONS"] = json_options_of(model, arrays) + json_memories(arrays) + json_pressures(arrays);
+  values["OPTIONS"] =
+      json_options_of(model, arrays) + json_memories(arrays) + json_pressures(arrays) + json_holds(arrays);
   values["CONNECTION_ROWS"] = rows_of(arrays.connections, kIndent,
                                       [](const InstrumentConnection& c, std::size_t) { return json_connection(c); });
   values["CONTROL_ROWS"] = rows_of(arrays.controls, kIndent, [&](const InstrumentControl& c, std::size_t i) {
@@ -333,9 +353,10 @@ TemplateValues json_values(const InstrumentModel& model, const InstrumentArrays&
                        literal(p.allowed.min), literal(p.allowed.max));
   });
   values["OUTPUT_ROWS"] = rows_of(arrays.sources, kIndent, [&](const InstrumentOutput& o, std::size_t i) {
-    return fmt::format("{{\"name\": \"{}\", \"targets\": [{}], \"full_scale\": {}}}", arrays.outputs[i].name,
+    return fmt::format("{{\"name\": \"{}\", \"targets\": [{}], \"full_scale\": {}{}}}", arrays.outputs[i].name,
                        whole_numbers(std::span(arrays.targets).subspan(o.first_target, o.count)),
-                       literal(arrays.outputs[i].full_scale));
+                       literal(arrays.outputs[i].full_scale),
+                       o.at_rest_n == 0 ? "" : ", \"at_rest_n\": " + literal(o.at_rest_n));
   });
   return values;
 }

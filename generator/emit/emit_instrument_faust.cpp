@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "contactspline/instrument/sliders.hpp"
+#include "contactspline/step/contact.hpp"
 #include "generator/emit/emit_material.hpp"
 #include "generator/emit/faust_chain.hpp"
 #include "generator/support/number_literal.hpp"
@@ -218,7 +219,14 @@ class Writer {
     }
     const std::size_t push = control_of(ControlQuantity::kForce, place);
     if (is_control(push)) sum.add(fmt::format("control_{}'", push));
+    if (const double hold = hold_at(place); hold != 0) sum.add(fmt::format("({})'", number(hold)));
     return sum.or_zero();
+  }
+
+  // What holds a place at rest [N].
+  [[nodiscard]] double hold_at(std::size_t place) const {
+    const auto hold = std::ranges::find(arrays_.holds, place, &HoldingForce::place);
+    return hold == arrays_.holds.end() ? 0 : hold->force_n;
   }
 
   void write_body(std::size_t body) {
@@ -386,6 +394,7 @@ class Writer {
     for (const std::size_t q : places_[arrays_.place_bodies[place]]) {
       const std::size_t push = control_of(ControlQuantity::kForce, q);
       if (is_control(push)) sum.add(product(mutual(place, q), fmt::format("control_{}", push)));
+      if (const double hold = hold_at(q); hold != 0) sum.add(product(mutual(place, q), number(hold)));
     }
     return fmt::format("({})", sum.text());
   }
@@ -437,11 +446,21 @@ class Writer {
     if (n == 0) return;
     std::vector<std::string> names{name_at("line", k)}, last;
     for (std::size_t i = 0; i < n; ++i) {
-      last.push_back(fmt::format("last_memory_{}_{}", k, i));
+      fed_back_memories_.push_back(fmt::format("last_memory_{}_{}", k, i));
+      last.push_back(begun_memory(k, i));
       names.push_back(fmt::format("memory_{}_{}", k, i));
     }
     chain_.add(names, fmt::format("({} : memory.remembered({}))", fmt::join(last, ", "), n));
-    fed_back_memories_.insert(fed_back_memories_.end(), last.begin(), last.end());
+  }
+
+  // What memory i remembers of the sample before; at the beginning, of the force at rest.
+  [[nodiscard]] std::string begun_memory(std::size_t k, std::size_t i) const {
+    const std::span<const Segment<double>> table = model_.tables[connections()[k].table].segments;
+    const double at_rest_n = force<double>(table, -initial_gap(k));
+    std::string before = fmt::format("last_memory_{}_{}", k, i);
+    if (at_rest_n == 0) return before;
+    return fmt::format("select2(cm.is_first, {}, memory.memory_weight({}, {}) * {})", before, material_of(k), i,
+                       literal(at_rest_n));
   }
 
   void write_surface(std::size_t k) {
@@ -493,14 +512,14 @@ class Writer {
 
   [[nodiscard]] double initial_gap(std::size_t k) const {
     const std::size_t c = control_of(ControlQuantity::kGapShift, k);
-    const auto [min, max] = ControlRanges<double>::gap_m;
+    const auto [min, max] = gap_range<double>(connections()[k]);
     return std::clamp(connections()[k].gap_m + (is_control(c) ? arrays_.parameters[c].initial : 0), min, max);
   }
 
   // The gap that a control wants.
   [[nodiscard]] std::string wanted_gap(std::size_t k) const {
-    const auto [min, max] = ControlRanges<double>::gap_m;
-    return fmt::format("max({}, min({}, {} + control_{}))", number(min), literal(max), number(connections()[k].gap_m),
+    const auto [min, max] = gap_range<double>(connections()[k]);
+    return fmt::format("max({}, min({}, {} + control_{}))", number(min), number(max), number(connections()[k].gap_m),
                        control_of(ControlQuantity::kGapShift, k));
   }
 
@@ -824,6 +843,7 @@ class Writer {
         sum.add(name_at("pickup", t));
       }
     }
+    if (output.at_rest_n != 0) sum.add(fmt::format("({})'", literal(output.at_rest_n)), true);  // as the forces
     add_paths(o, sum);
     return set(name_at("out", o), fmt::format("({}) / {}", sum.text(), literal(arrays_.outputs[o].full_scale)));
   }

@@ -8,7 +8,10 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <span>
+#include <utility>
 
+#include "generator/instrument/static_equilibrium.hpp"
 #include "generator/support/number_literal.hpp"
 
 namespace contactspline {
@@ -25,6 +28,23 @@ double lowest_key_cents(const InstrumentModel& model) {
   for (const KeyRange& range : model.keys.ranges)
     if (range.tuned_key >= 0) lowest = std::min(lowest, 100.0 * (range.first - range.tuned_key));
   return lowest;
+}
+
+// Counts displacements, and the forces of outputs, from where the instrument rests.
+void count_from_rest(InstrumentArrays& arrays) {
+  StaticEquilibrium rest = static_equilibrium(arrays.view());
+  for (std::size_t k = 0; k < arrays.connections.size(); ++k) {
+    InstrumentConnection& connection = arrays.connections[k];
+    connection.moved_m = rest.gaps_m[k] - connection.gap_m;
+    connection.gap_m = rest.gaps_m[k];
+  }
+  for (InstrumentOutput& output : arrays.sources) {
+    if (output.quantity != OutputQuantity::kForce) continue;
+    for (const std::size_t k : std::span(arrays.targets).subspan(output.first_target, output.count))
+      output.at_rest_n += rest.forces_n[k];
+    output.at_rest_n = thirteen_digits(output.at_rest_n);
+  }
+  arrays.holds = std::move(rest.holds);
 }
 
 // A body with its pickup at a point of a place.
@@ -305,7 +325,8 @@ InstrumentData InstrumentArrays::view() const {
           .memory_ends = memory_ends,
           .pressure_rate_hz = pressure_rate_hz,
           .pressure_paths = pressure_paths,
-          .pressure_taps = pressure_taps};
+          .pressure_taps = pressure_taps,
+          .holds = holds};
 }
 
 double effective_mass(const InstrumentModel& model, std::size_t place, std::size_t point, bool moves) {
@@ -322,7 +343,9 @@ double effective_mass(const InstrumentModel& model, std::size_t place, std::size
 }
 
 InstrumentArrays arrays_of(const InstrumentModel& model, double max_frequency_hz) {
-  return Flattener(model, max_frequency_hz).flatten();
+  InstrumentArrays arrays = Flattener(model, max_frequency_hz).flatten();
+  count_from_rest(arrays);
+  return arrays;
 }
 
 void tune(InstrumentModel& model, double cents) {

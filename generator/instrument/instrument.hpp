@@ -146,6 +146,7 @@ struct InstrumentArrays {
   double pressure_rate_hz = 0;
   std::vector<PressurePath> pressure_paths;
   std::vector<double> pressure_taps;
+  std::vector<HoldingForce> holds;
   std::shared_ptr<const InstrumentModel> model;  ///< with the text of all names
 
   [[nodiscard]] InstrumentData view() const;

@@ -363,5 +363,39 @@ TEST(Pressure, SoundsInFaustAsInTheClass) {
   EXPECT_EQ(summary.unfinished, 0u);
 }
 
+// What felts that remember, springs and forces press at rest is silent, until controls move.
+TEST(StaticEquilibrium, SoundsInFaustAsInTheClass) {
+  const std::string file = R"({
+    "name": "pressed",
+    "bodies": [ { "name": "weight", "mass_kg": 0.01 }, { "name": "plate", "mass_kg": 1 },
+                { "name": "string", "resonator": "guitar_a2", "max_modes": 20 } ],
+    "places": [ { "name": "middle", "body": "string", "position_m": 0.3 } ],
+    "contacts": [
+      { "name": "below", "between": ["weight", "ground"], "material": "felt_stulov_c4", "gap_m": 0.001 },
+      { "name": "damper", "between": ["middle", "ground"], "material": "felt_stulov_c4", "gap_m": -0.0005 }
+    ],
+    "springs": [ { "name": "coil", "between": ["weight", "plate"], "stiffness_n_per_m": 50, "gap_m": -0.002 },
+                 { "name": "leg", "between": ["plate", "ground"], "stiffness_n_per_m": 200 } ],
+    "controls": [ { "name": "load", "force_n": "weight", "initial": 3 },
+                  { "name": "finger", "force_n": "middle", "initial": 1.5 },
+                  { "name": "damper", "gap_shift_m": "damper", "initial": 0.0002 } ],
+    "outputs": [ { "name": "below", "force_n": "below" }, { "name": "string", "displacement_m": "middle" },
+                 { "name": "end", "end_force_n": "string" }, { "name": "weight", "velocity_m_per_s": "weight" } ]
+  })";
+  constexpr std::size_t kMoved = 740;
+  const InstrumentModel model = parse_instrument(file, "pressed.json");
+  const std::vector<Move> moves = {{kMoved, "load_force_n", 4}, {kMoved, "damper_gap_shift_m", 0}};
+  const Case drawn{file, model, arrays_of(model, kMaxFrequency), moves, static_cast<int>(2 * kMaxFrequency)};
+  const Library library = compiled({drawn}, empty_folder("pressed"));
+  const auto found = sound_of_program(drawn, {library, "random_0", drawn.sample_rate_hz});
+  for (const auto& channel : found) {
+    for (std::size_t n = 0; n < kMoved; ++n) ASSERT_LE(std::abs(channel[n]), 1e-9) << n;
+    EXPECT_GT(peak(channel), 1e-4);
+  }
+  Summary summary;
+  compare(drawn, found, summary);
+  EXPECT_EQ(summary.unfinished, 0u);
+}
+
 }  // namespace
 }  // namespace contactspline::testing

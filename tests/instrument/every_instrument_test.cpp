@@ -153,6 +153,27 @@ TYPED_TEST(EveryInstrument, SoundsAndIsAsNewAfterAReset) {
   });
 }
 
+// Before the first event, and after a reset, no output is above -100 dB of full scale, at any rate.
+TYPED_TEST(EveryInstrument, IsSilentUntilItIsPlayed) {
+  TestFixture::for_each([](const auto make) {
+    const auto made = make();
+    auto& instrument = *made;
+    for (const double rate : {44100.0, 48000.0, 96000.0, 192000.0}) {
+      instrument.prepare(rate);
+      for (const bool is_reset : {false, true}) {
+        if (is_reset) {
+          (void)TestFixture::note(instrument);
+          instrument.reset();
+        }
+        const auto sound = TestFixture::play(instrument, 1000, 250, [](std::size_t) {});
+        for (std::size_t o = 0; o < instrument.outputs().size(); ++o)
+          EXPECT_TRUE(within(TestFixture::peak(sound[o]), 0, 1e-5 * instrument.outputs()[o].full_scale))
+              << instrument.outputs()[o].name << ' ' << rate << ' ' << is_reset;
+      }
+    }
+  });
+}
+
 // A bend that has arrived holds for the new strings, too.
 TYPED_TEST(EveryInstrument, KeepsItsBendWhereItIsPreparedAgain) {
   TestFixture::for_each([](const auto make) {

@@ -2,6 +2,8 @@
 // Instrument files: what they become, against models written by hand and against the classes emitted for them.
 #include "generator/instrument/instrument.hpp"
 
+#include <fmt/format.h>
+
 #include <memory>
 
 #include "contactspline/instrument/network_instrument.hpp"
@@ -233,31 +235,157 @@ TEST(NetworkInstrument, MovesControlsIntoTheirRange) {
   }
 }
 
-// A gap with its shift stays within 0.1 m, whether the shift is the first value or comes later. A spring of 1 N/m
-// with this gap holds a mass of 10 t: its energy is gap^2/2. While the gap moves by at most 0.1 m at 1 m/s, the mass
-// moves by x <= 0.1 N/1e4 kg (0.1 s)^2/2 = 5e-8 m. So the work of the gap, the integral of gap - x, is wrong by 5e-9
-// J at most, which is 4e-6 of the smallest energy here.
+// The gap of the file with its shift stays within 0.1 m, whether the shift is the first value or comes later, and
+// whether displacements count from where the spring is relaxed or not. A spring of 1 N/m with this gap holds a mass
+// of 10 t: its energy is strain^2/2. While the gap moves by at most 0.1 m at 1 m/s, the mass moves by x <= 0.1 N/1e4
+// kg (0.1 s)^2/2 = 5e-8 m. So the work of the gap, the integral of strain - x, is wrong by 5e-9 J at most.
 TEST(NetworkInstrument, LimitsAShiftedGapFromTheBeginning) {
-  const InstrumentModel model = parse_instrument(R"({
+  InstrumentModel model = parse_instrument(R"({
     "name": "probe",
     "bodies": [ { "name": "mass", "mass_kg": 1e4 } ],
     "springs": [ { "name": "coil", "between": ["mass", "ground"], "stiffness_n_per_m": 1, "gap_m": 0.05 } ],
     "controls": [ { "name": "coil", "gap_shift_m": "coil" } ],
     "outputs": [ { "name": "coil", "force_n": "coil" } ]
   })",
-                                                 "probe.json");
+                                           "probe.json");
   InstrumentArrays arrays = arrays_of(model, kRate / 2);
-  for (const auto& [shift, gap] : {std::pair(0.03, 0.08), {0.09, 0.1}, {5.0, 0.1}, {-0.1, -0.05}}) {
-    arrays.parameters[0].initial = 0;
-    NetworkInstrument<double> later(arrays.view(), kRate);
-    later.set(0, shift);
-    for (int n = 0; n < 0.2 * kRate; ++n) later.tick();
-    EXPECT_TRUE(relatively_within(later.energy(), gap * gap / 2, 4e-6)) << shift;
-    arrays.parameters[0].initial = shift;
-    const NetworkInstrument<double> at_first(arrays.view(), kRate);
-    EXPECT_TRUE(relatively_within(at_first.energy(), gap * gap / 2, 1e-14)) << shift;
-    EXPECT_EQ(at_first.value(0), later.value(0));
+  // The spring may keep 1e-12 of the 0.05 N that it pulls with at displacement 0.
+  EXPECT_TRUE(within(arrays.connections[0].gap_m, 0, 5e-14));
+  EXPECT_TRUE(within(arrays.connections[0].moved_m, -0.05, 5e-14));
+  for (const double moved : {-0.05, 0.0}) {
+    arrays.connections[0].gap_m = 0.05 + moved;
+    arrays.connections[0].moved_m = moved;
+    for (const auto& [shift, gap] : {std::pair(0.03, 0.08), {0.09, 0.1}, {5.0, 0.1}, {-0.1, -0.05}}) {
+      const double energy = (gap + moved) * (gap + moved) / 2;
+      arrays.parameters[0].initial = 0;
+      NetworkInstrument<double> later(arrays.view(), kRate);
+      later.set(0, shift);
+      for (int n = 0; n < 0.2 * kRate; ++n) later.tick();
+      EXPECT_TRUE(within(later.energy(), energy, 5e-9)) << shift << ' ' << moved;
+      arrays.parameters[0].initial = shift;
+      const NetworkInstrument<double> at_first(arrays.view(), kRate);
+      EXPECT_TRUE(relatively_within(at_first.energy(), energy, 1e-14)) << shift << ' ' << moved;
+      EXPECT_EQ(at_first.value(0), later.value(0));
+    }
   }
+  // At its limit from the beginning, it is relaxed there, and stays.
+  model.parameters[0].initial = 0.05;
+  const InstrumentArrays at_limit = arrays_of(model, kRate / 2);
+  NetworkInstrument<double> instrument(at_limit.view(), kRate);
+  instrument.set(0, 5);
+  for (int n = 0; n < 0.2 * kRate; ++n) instrument.tick();
+  EXPECT_TRUE(within(instrument.energy(), 0, 1e-30));
+}
+
+// A weight on felts: a mass between two springs and a contact, under a force, rests where the forces balance: by
+// bisection on the force of the table, of which a memory leaves a part. From there it counts, with its gaps as they
+// are there. A finger on a string is held by its bend. Nothing moves.
+TEST(InstrumentFile, BeginsAtItsStaticEquilibrium) {
+  for (const auto& [felt, left] : {std::pair("felt_c4", 1.0), {"felt_stulov_c4", 0.0}})
+    for (const double load : {3.0, 0.0, 10.0, 0.02}) {
+      const InstrumentModel model = parse_instrument(fmt::format(R"({{
+    "name": "probe",
+    "bodies": [ {{ "name": "weight", "mass_kg": 0.01 }}, {{ "name": "string", "resonator": "guitar_a2" }},
+                {{ "name": "plate", "mass_kg": 1 }} ],
+    "places": [ {{ "name": "middle", "body": "string", "position_m": 0.3 }} ],
+    "contacts": [ {{ "name": "felt", "between": ["weight", "ground"], "material": "{}", "gap_m": 0.001 }} ],
+    "springs": [ {{ "name": "coil", "between": ["weight", "plate"], "stiffness_n_per_m": 50, "gap_m": -0.002 }},
+                 {{ "name": "leg", "between": ["plate", "ground"], "stiffness_n_per_m": 200 }} ],
+    "controls": [ {{ "name": "load", "force_n": "weight", "initial": {}, "max": 10 }},
+                  {{ "name": "finger", "force_n": "middle", "initial": {}, "max": 10 }} ],
+    "outputs": [ {{ "name": "felt", "force_n": "felt" }}, {{ "name": "string", "displacement_m": "middle" }},
+                 {{ "name": "end", "end_force_n": "string" }} ]
+  }})",
+                                                                 felt, load, load / 2),
+                                                     "probe.json");
+      const InstrumentArrays arrays = arrays_of(model, kRate / 2);
+      const ContactTable& table = model.tables.front();
+      double part = 1;
+      for (const Memory& memory : table.memories) part -= memory.weight;
+      EXPECT_EQ(part == 1, left == 1.0);
+      // Plate z = 50 (x + 0.002)/250; the coil pulls with 40 (x + 0.002).
+      const auto excess = [&](double x) {
+        return load - 40 * (x + 0.002) -
+               part * force<double>(std::span<const Segment<double>>(table.segments), x - 0.001);
+      };
+      double low = -1, high = 1;
+      while (high - low > 1e-15) (excess((low + high) / 2) > 0 ? low : high) = (low + high) / 2;
+      EXPECT_TRUE(within(arrays.connections[0].gap_m, 0.001 - low, 1e-10)) << load;
+      EXPECT_TRUE(within(arrays.connections[1].gap_m, -0.8 * (low + 0.002), 1e-10)) << load;
+      EXPECT_TRUE(within(arrays.connections[2].gap_m, -0.2 * (low + 0.002), 1e-10)) << load;
+      ASSERT_EQ(arrays.holds.size(), load > 0 ? 1U : 0U);
+      if (load > 0) {
+        EXPECT_TRUE(relatively_within(arrays.holds[0].force_n, -load / 2, 1e-12));
+      }
+      for (const double rate : {kRate, 4 * kRate}) {
+        NetworkInstrument<double> instrument(arrays.view(), rate);
+        for (int n = 0; n < 1000; ++n) {
+          instrument.tick();
+          for (std::size_t o = 0; o < 3; ++o) ASSERT_TRUE(within(instrument.output(o), 0, 1e-7)) << o << ' ' << n;
+        }
+        EXPECT_TRUE(instrument.is_at_rest(1e-15) || instrument.is_silent(1e-15)) << load;
+      }
+    }
+}
+
+// A string that a finger bends is silent where it rests, and not where the finger presses otherwise.
+TEST(InstrumentFile, IsSilentUnderTheForceOfTheFile) {
+  const InstrumentModel model = parse_instrument(R"({
+    "name": "probe",
+    "bodies": [ { "name": "string", "resonator": "guitar_a2" } ],
+    "places": [ { "name": "middle", "body": "string", "position_m": 0.3 } ],
+    "controls": [ { "name": "finger", "force_n": "middle", "initial": 2, "max": 10 } ],
+    "outputs": [ { "name": "string", "displacement_m": "middle" } ]
+  })",
+                                                 "probe.json");
+  const InstrumentArrays arrays = arrays_of(model, kRate / 2);
+  NetworkInstrument<double> instrument(arrays.view(), kRate);
+  for (int n = 0; n < 100; ++n) instrument.tick();
+  EXPECT_EQ(instrument.output(0), 0);
+  EXPECT_TRUE(instrument.is_silent(1e-30));
+  instrument.set(0, 0);
+  EXPECT_FALSE(instrument.is_silent(1e-30));
+  instrument.tick();
+  EXPECT_LT(instrument.output(0), 0);
+}
+
+// What holds a body at rest may be larger than any push.
+TEST(InstrumentFile, IsSilentUnderAForceBeyondTheRangeOfPushes) {
+  const InstrumentModel model = parse_instrument(R"({
+    "name": "probe",
+    "bodies": [ { "name": "plate", "modes": [ { "frequency_hz": 2000, "decay_per_s": 3, "mass_kg": 1 } ] } ],
+    "places": [ { "name": "edge", "body": "plate", "shapes": [1] } ],
+    "springs": [ { "name": "press", "between": ["ground", "edge"], "stiffness_n_per_m": 1e6, "gap_m": -0.05 } ],
+    "outputs": [ { "name": "plate", "displacement_m": "edge" } ]
+  })",
+                                                 "probe.json");
+  const InstrumentArrays arrays = arrays_of(model, kRate / 2);
+  ASSERT_EQ(arrays.holds.size(), 1U);
+  EXPECT_GT(std::abs(arrays.holds[0].force_n), 40000);
+  NetworkInstrument<double> instrument(arrays.view(), kRate);
+  for (int n = 0; n < 1000; ++n) {
+    instrument.tick();
+    ASSERT_TRUE(within(instrument.output(0), 0, 1e-12)) << n;
+  }
+}
+
+// A mass that a force pushes away for ever has no equilibrium: it begins at displacement 0, and flies.
+TEST(InstrumentFile, BeginsAtDisplacement0WhereNothingHolds) {
+  const InstrumentModel model = parse_instrument(R"({
+    "name": "probe",
+    "bodies": [ { "name": "free", "mass_kg": 0.01 } ],
+    "contacts": [ { "name": "wall", "between": ["free", "ground"], "material": "felt_c4", "gap_m": 0.001 } ],
+    "controls": [ { "name": "pull", "force_n": "free", "initial": -1, "min": -10 } ],
+    "outputs": [ { "name": "wall", "force_n": "wall" } ]
+  })",
+                                                 "probe.json");
+  const InstrumentArrays arrays = arrays_of(model, kRate / 2);
+  EXPECT_EQ(arrays.connections[0].gap_m, 0.001);
+  EXPECT_TRUE(arrays.holds.empty());
+  NetworkInstrument<double> instrument(arrays.view(), kRate);
+  instrument.tick();
+  EXPECT_TRUE(relatively_within(instrument.network().body(0).displacement(std::size_t{0}), -100 / (2 * kRate * kRate),
+                                1e-12));
 }
 
 // A control sets what it is for, and its first value is that of the file.

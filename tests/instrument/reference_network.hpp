@@ -135,6 +135,7 @@ class ReferenceNetwork {
         mode.free = (mode.qq - 1) * mode.q + mode.qv * mode.v;
         mode.force = 0;
       }
+    for (const auto& [place, force_n] : data_.holds) add_force(place, force_n);
     for (std::size_t p = 0; p < pushes_.size(); ++p) add_force(p, pushes_[p]);
     std::ranges::fill(pushes_, Real(0));
     const std::size_t n = laws_.size();
@@ -162,7 +163,7 @@ class ReferenceNetwork {
 
   [[nodiscard]] Real output(std::size_t output) const {
     const InstrumentOutput& of = data_.sources[output];
-    Real sum = 0;
+    Real sum = 0 - Real(of.at_rest_n);
     for (const std::size_t target : data_.targets.subspan(of.first_target, of.count))
       sum += of.quantity == OutputQuantity::kForce ? forces_[target] : sound(target, of.quantity);
     return sum;

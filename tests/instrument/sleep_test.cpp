@@ -213,6 +213,21 @@ TYPED_TEST(LoadedInstrument, SleepsUnderItsLoadAndWakes) {
   EXPECT_GT(peak(hosted_sound(hosted, 4410)), std::abs(sound.front()) + 1e-3f);
 }
 
+// Wires that lie on a head and a bolt that hangs on a string are at rest from the beginning: a host sleeps as soon as
+// it has looked at eight blocks of 256 samples, and outputs what it slept with. That is 108 dB below full scale or
+// less.
+TYPED_TEST(LoadedInstrument, SleepsAtOnceUntilItIsPlayed) {
+  for (const double rate : {44100.0, 48000.0, 96000.0, 192000.0}) {
+    Hosted<typename TypeParam::value_type> hosted(handle_of<TypeParam>());
+    hosted.prepare(rate);
+    EXPECT_LE(peak(hosted_sound(hosted, 9 * 256)), 1e-5f) << rate;
+    const double energy_j = hosted.instrument().energy();
+    const std::vector<float> sound = hosted_sound(hosted, 10000);
+    EXPECT_EQ(std::ranges::count(sound, sound.front()), 10000) << rate;
+    EXPECT_EQ(hosted.instrument().energy(), energy_j) << "not asleep";
+  }
+}
+
 // A hand that presses harder moves the slide: a control wakes what sleeps under a load.
 TEST(PluckedString, WakesWhereAHandPressesHarder) {
   Hosted<double> hosted(handle_of<SlideOf<double>>());

@@ -37,7 +37,16 @@ struct InstrumentConnection {
   double weight = 1, loss_s_per_m = 0;                     ///< of a contact
   double stiffness_n_per_m = 0, resistance_n_s_per_m = 0;  ///< of a spring
   InstrumentFriction friction = {};                        ///< of friction
+  double moved_m = 0;                                      ///< gap_m, as it is at rest, less the gap of the file
 };
+
+/// The values of a gap with its shift: it and, with the same shift, the gap of the file stay within -0.1 to 0.1.
+template <std::floating_point T>
+[[nodiscard]] constexpr ControlRange<T> gap_range(const InstrumentConnection& connection) {
+  const auto [min, max] = ControlRanges<T>::gap_m;
+  const T moved = static_cast<T>(connection.moved_m), least = (std::max)(min, min + moved);
+  return {least, (std::max)(least, (std::min)(max, max + moved))};
+}
 
 /// What a control sets, with the objects it is for.
 enum class ControlQuantity {
@@ -45,7 +54,7 @@ enum class ControlQuantity {
   kDamping,         ///< extra decay of bodies [1/s]
   kStiffnessRatio,  ///< of contacts
   kLoss,            ///< of contacts [s/m]
-  kGapShift,        ///< of connections: is added to their gaps [m]; the sum is moved into -0.1 to 0.1
+  kGapShift,        ///< of connections: is added to their gaps [m]; the sum is moved into gap_range()
   kStiffness,       ///< of springs [N/m]
   kResistance,      ///< of springs [N s/m]
   kPlace,           ///< where places are on their strings [m]
@@ -105,6 +114,14 @@ enum class OutputQuantity { kDisplacement, kVelocity, kForce, kPressure };
 struct InstrumentOutput {
   OutputQuantity quantity;
   std::size_t first_target, count;
+  double at_rest_n = 0;  ///< of forces: the sum at rest, from which the output counts
+};
+
+/// A constant force on a place [N] that balances what presses or pulls there at rest: it stands for the bend of the
+/// body, from which displacements are counted.
+struct HoldingForce {
+  std::size_t place;
+  double force_n;
 };
 
 /// What a force at a place adds to an output, a pressure: the last forces there, filtered by `taps` taps [Pa/N] of
@@ -144,7 +161,8 @@ struct KeyedData {
 /// control, then the speed of each strike, then the force of each pluck, then sustain and bend where keys have them.
 /// preset_values: for each preset a value for each parameter. wavenumbers: of the modes, 0 where the body is no
 /// string [rad/m]; empty where no place moves. memory_ends[t]: number of memories of the tables 0 to t; empty if no
-/// contact has a memory. pressure_rate_hz: sample rate of pressure_taps. license: SPDX identifier.
+/// contact has a memory. pressure_rate_hz: sample rate of pressure_taps. holds: empty where nothing is loaded at
+/// rest, with the gaps as they are there. license: SPDX identifier.
 struct InstrumentData {
   const char *name, *description, *license;
   std::span<const double> angular_frequencies, decays, masses;
@@ -170,6 +188,7 @@ struct InstrumentData {
   double pressure_rate_hz = 0;
   std::span<const PressurePath> pressure_paths = {};
   std::span<const double> pressure_taps = {};
+  std::span<const HoldingForce> holds = {};
 
   [[nodiscard]] std::size_t modes_of(std::size_t body) const {
     return body_ends[body] - (body == 0 ? 0 : body_ends[body - 1]);

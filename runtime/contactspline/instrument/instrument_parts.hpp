@@ -50,8 +50,8 @@ struct InstrumentParts {
         connections[target].loss_s_per_m = double(value);
         break;
       case ControlQuantity::kGapShift:
-        gaps_m[target] =
-            held(gaps_m[target], static_cast<T>(connections[target].gap_m) + value, ControlRanges<T>::gap_m);
+        gaps_m[target] = held(gaps_m[target], static_cast<T>(connections[target].gap_m) + value,
+                              gap_range<T>(connections[target]));
         break;
       case ControlQuantity::kStiffness:
         connections[target].stiffness_n_per_m = double(value);

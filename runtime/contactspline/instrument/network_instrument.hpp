@@ -147,6 +147,7 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
     damper_->follow(*network_);
     last_work_of_strikes_ = work_of_strikes_;
     work_of_strikes_ = 0;
+    for (const auto& [place, force_n] : data_.holds) network_->hold(place, static_cast<T>(force_n));
     for (const std::size_t control : pushing_) push(control);
     network_->tick();
     pickups_.follow(*network_);
@@ -186,7 +187,8 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
     return sum;
   }
 
-  /// Brings all bodies to rest. Controls stay. Does not allocate.
+  /// Brings all bodies to rest, where the first values of the controls hold them. Controls stay: those that are not
+  /// at their first value move the bodies from there. Does not allocate.
   void reset() {
     if (in_double_) in_double_->reset();
     network_->reset();
@@ -201,8 +203,7 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
   /// Does no pluck, control or bow push, and is the energy below a limit [J], without masses that fly away for ever?
   [[nodiscard]] bool is_silent(double limit_j) const {
     if (in_double_) return in_double_->is_silent(limit_j);
-    for (const std::size_t control : pushing_)
-      if (values_[control] != 0) return false;
+    if (std::ranges::any_of(pushing_, [&](std::size_t control) { return pushes(control); })) return false;
     return !parts_.is_bowed() && have_controls_arrived() && energy() - strikes_.leaving_energy(*network_) < limit_j;
   }
   /// Does no pluck or bow push, and do loads hold all still, but for a kinetic energy below a limit [J], without such
@@ -250,6 +251,14 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
     if (!work) return;
     work_of_strikes_ += *work;
     pickups_.measure(data_, *network_, tuning_);
+  }
+
+  // Does a control push with another force than the one that holds its place at rest?
+  [[nodiscard]] bool pushes(std::size_t control) const {
+    return std::ranges::any_of(data_.targets_of(data_.controls[control]), [&](std::size_t place) {
+      const auto hold = std::ranges::find(data_.holds, place, &HoldingForce::place);
+      return values_[control] + (hold == data_.holds.end() ? 0 : hold->force_n) != 0;
+    });
   }
 
   // Pushes by the force of a control and of its plucks.

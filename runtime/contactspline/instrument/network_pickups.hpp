@@ -66,7 +66,7 @@ class NetworkPickups {
       return network.body(data.place_bodies[data.targets[first]]).velocity(pickups_[first].velocity) +
              pressure_.output(output);
     }
-    T sum = 0;
+    T sum = 0 - static_cast<T>(source.at_rest_n);
     for (std::size_t i = source.first_target; i < source.first_target + source.count; ++i) {
       const std::size_t k = data.targets[i];
       if (source.quantity == OutputQuantity::kForce)

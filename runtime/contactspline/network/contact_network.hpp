@@ -52,6 +52,7 @@ class ContactNetwork {
     }
     if (plan.forms() > 0) two_steps_.emplace(parts_, solver_);
     place_all();
+    hold_memories();
   }
 
   // Bodies point to the shapes of their places. These do not move when a network is moved.
@@ -62,12 +63,14 @@ class ContactNetwork {
   ~ContactNetwork() = default;
 
   /// Pushes at a place during the next sample [N], -1000 to 1000. Several pushes add up. Not a number does nothing.
-  void push(std::size_t place, T force_n) {
-    const T force = held(T(0), force_n, Ranges::force_n);
-    if (force == 0) return;
+  void push(std::size_t place, T force_n) { hold(place, held(T(0), force_n, Ranges::force_n)); }
+
+  /// The same for any finite force: one that holds a body at rest.
+  void hold(std::size_t place, T force_n) {
+    if (force_n == 0) return;
     Place& p = parts_.places[place];
     if (!std::exchange(p.is_pushed, true)) pushed_.push_back(place);
-    p.push += force;
+    p.push += force_n;
   }
 
   /// Puts a mode between two samples at a displacement [m], -1000 to 1000, with a velocity [m/s], -1000 to 1000. A
@@ -182,7 +185,6 @@ class ContactNetwork {
     }
     if (two_steps_) two_steps_->reset();
     for (std::size_t k = 0; k < parts_.connections.size(); ++k) {
-      solver_[k].memory.reset();
       solver_[k].friction.reset();
       parts_.connections[k].temperature.reset();
     }
@@ -192,6 +194,7 @@ class ContactNetwork {
     sleeping_.restart();
     anchor_ = 0;
     place_all();
+    hold_memories();
   }
 
   /// Advances one sample. Safe on an audio thread: no allocation, no lock, bounded time.
@@ -376,6 +379,13 @@ class ContactNetwork {
     if (two_steps_) two_steps_->place(parts_);
     sleeping_.wake_all(parts_);
     for (Body& body : parts_.bodies) body.is_predicted = false;
+  }
+
+  // Contacts that are pressed at rest have been for ever.
+  void hold_memories() {
+    for (std::size_t k = 0; k < parts_.connections.size(); ++k)
+      if (CoupledConnection<T>& c = solver_[k]; !c.memory.empty())
+        c.memory.hold(contactspline::force(c.table, c.compression));
   }
 
   void set_compression(std::size_t k, T compression) {

@@ -236,6 +236,13 @@ class ContactMemory {
   /// Forgets everything.
   constexpr void reset() { remembered_.set({}); }
 
+  /// Remembers a force of the table [N] that has acted for ever.
+  constexpr void hold(T force) {
+    typename detail::RememberedForces<T>::Forces values{};
+    for (std::size_t i = 0; i < remembered_.count(); ++i) values[i] = remembered_.weights()[i] * force;
+    remembered_.set(values);
+  }
+
   /// The contact step at constant memory: as contact_step with these controls, whose loss is in parts of the force
   /// that the memory leaves. start: the segment of the table that holds y0.
   template <std::size_t Extent>
