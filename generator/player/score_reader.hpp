@@ -14,10 +14,10 @@
 namespace contactspline {
 
 /// Parses the text of a score: JSON with comments (docs/reference/scores.md). `file` stands in messages only; `read`
-/// gives the files it names. played: an instrument that the score must name, in place of a file; null: none. tuning:
-/// if it is given, in place of the score's. Throws BadInput.
+/// gives the files it names. played: an instrument that the score must name, in place of a file; null: none. given: a
+/// tuning in place of the score's, if it is given. Throws BadInput.
 [[nodiscard]] Score parse_score(std::string_view text, std::string_view file, const ReadFile& read,
-                                const InstrumentModel* played = nullptr, const Tuning& tuning = {});
+                                const InstrumentModel* played = nullptr, const Tuning& given = {});
 
 /// What a model is made of: the object under a key, with the keys of a voice but `name` and `pan`. First values that
 /// neither it nor the model states are NaN. Throws BadInput.
