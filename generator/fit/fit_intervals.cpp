@@ -5,7 +5,6 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
-#include <map>
 
 namespace contactspline {
 namespace {
@@ -57,17 +56,23 @@ std::optional<Eigen::Index> FitIntervals::column(FitParameter parameter) const {
 // Bulletin 2, 1946).
 Eigen::VectorXd FitIntervals::half(const Eigen::VectorXd& weights) const {
   const Eigen::VectorXd gain = *inverse_ * weights;
-  std::map<const double*, std::pair<double, double>> of_noise;  // variance and degrees of freedom of each noise
+  struct Part {
+    const double* noise;
+    double variance, freedom;
+  };
+  std::vector<Part> parts;  // one for each noise, in the order of the sources: sums do not depend on addresses
   for (std::size_t s = 0; s < linear_.sources.size(); ++s) {
     const auto& [columns, normal] = linear_.sources[s];
-    auto& [variance, freedom] = of_noise[problem_.sources()[s].noise.get()];
-    variance += gain(columns).dot(normal * gain(columns)) * inflation_ * values_.together[s];
-    freedom = freedoms_[s];
+    const double* const noise = problem_.sources()[s].noise.get();
+    auto part = std::ranges::find(parts, noise, &Part::noise);
+    if (part == parts.end()) part = parts.insert(part, {noise, 0, 0});
+    part->variance += gain(columns).dot(normal * gain(columns)) * inflation_ * values_.together[s];
+    part->freedom = freedoms_[s];
   }
   double variance = 0, squares = 0;
-  for (const auto& [noise, part] : of_noise) {
-    variance += part.first;
-    squares += part.first * part.first / part.second;
+  for (const Part& part : parts) {
+    variance += part.variance;
+    squares += part.variance * part.variance / part.freedom;
   }
   if (!(variance > 0)) return Eigen::VectorXd::Zero(weights.size());
   const boost::math::students_t student(std::max(1.0, variance * variance / squares));
@@ -106,6 +111,10 @@ Estimate plus(const Estimate& of, double constant) {
 
 Estimate times(const Estimate& of, double factor) {
   return {factor * of.value, factor * of.low, factor * of.high};
+}
+
+Estimate hull(const Estimate& of, const Estimate& with) {
+  return {of.value, std::min(of.low, with.low), std::max(of.high, with.high)};
 }
 
 Estimate within(Estimate of, Range range) {

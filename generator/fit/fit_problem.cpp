@@ -540,8 +540,8 @@ DenseTimes FitProblem::dense_for(const Pulse& pulse, std::size_t number) const {
   return dense_times(pulse.time_s, longest_s);
 }
 
-double FitProblem::low_pass_to_begin_with() const {
-  return std::log(3 / duration_s_);
+double FitProblem::log_frequency(double periods) const {
+  return std::log(periods / duration_s_);
 }
 
 std::unique_ptr<FitProblem::Posed> FitProblem::pose(FitValues& values, const std::vector<FitParameter>& frees,

@@ -84,8 +84,8 @@ class FitProblem {
   /// their noise in common together.
   [[nodiscard]] std::vector<double> freedoms_of(const Linearised& linear) const;
 
-  /// ln of the frequency [Hz] of a low-pass that is fitted, to begin with.
-  [[nodiscard]] double low_pass_to_begin_with() const;
+  /// ln of the frequency [Hz] of which a contact lasts so many periods.
+  [[nodiscard]] double log_frequency(double periods) const;
 
   /// How many values a search moves: these, and what is unknown of each pulse and blow.
   [[nodiscard]] std::size_t free_values(const std::vector<FitParameter>& frees) const;

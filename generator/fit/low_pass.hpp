@@ -11,9 +11,9 @@
 
 namespace contactspline {
 
-/// Butterworth's low-pass of an order, applied to values at rising times in place: sections of order 2 and 1, by the
-/// trapezoidal rule. w: 2 pi times the frequency where power falls by half [rad/s]; steps should be a quarter of 1/w
-/// or less.
+/// Butterworth's low-pass of an order, applied to values at rising times in place: a section of order 1, exact for
+/// values that are straight between the times, and sections of order 2 by the trapezoidal rule. w: 2 pi times the
+/// frequency where power falls by half [rad/s]; for orders above 1, steps should be a quarter of 1/w or less.
 template <typename Real>
 void pass_low(std::span<const double> times, std::span<Real> values, const Real& w, int order) {
   for (int section = 0; section < (order + 1) / 2; ++section) {
@@ -22,11 +22,14 @@ void pass_low(std::span<const double> times, std::span<Real> values, const Real&
     const double damping = 2 * std::cos(std::numbers::pi * angle);
     Real y(0.0), slope(0.0), before(0.0);  // slope: dy/dt in units of w
     for (std::size_t i = 0; i < values.size(); ++i) {
-      const Real a = w * (i == 0 ? 0.0 : (times[i] - times[i - 1]) / 2), drive = before + values[i];
+      const double step = i == 0 ? 0 : times[i] - times[i - 1];
+      const Real a = w * (step / 2), drive = before + values[i], rise = values[i] - before;
       before = values[i];
-      if (is_single) {
-        y = (y * (1.0 - a) + a * drive) / (1.0 + a);
-      } else {
+      if (is_single && i > 0) {
+        using std::exp;
+        const Real lag = rise / (w * step);  // of an output that follows a straight line
+        y = before - lag + (y - before + rise + lag) * exp(w * -step);
+      } else if (!is_single) {
         const Real square = a * a, friction = a * damping;
         const Real next = (slope * (1.0 - friction - square) + a * (drive - 2.0 * y)) / (1.0 + friction + square);
         y += a * (slope + next);

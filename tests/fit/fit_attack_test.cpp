@@ -18,9 +18,15 @@ namespace contactspline::testing {
 namespace {
 
 const char* const kMany = std::getenv("CONTACTSPLINE_FIT_CASES");
+const char* const kFirst = std::getenv("CONTACTSPLINE_FIT_FIRST");
 
 int cases(int few) {
   return kMany != nullptr ? std::atoi(kMany) : few;
+}
+
+// Of the cases: those of another number than were looked at when the fit was made are the better judges.
+int first_case() {
+  return kFirst != nullptr ? std::atoi(kFirst) : 0;
 }
 
 // Of the cases that do not hold.
@@ -188,20 +194,31 @@ FitFiles pulses_in(const PulseClass& kind, const Drawn& drawn, Random& random) {
   return files;
 }
 
+// Set `number` of a class.
+void add_pulses(Outcomes& outcomes, std::size_t kind, int number) {
+  const std::uint64_t seed = 100000 * (kind + 1) + static_cast<std::uint64_t>(number);
+  Random random(seed);
+  const Drawn drawn = drawn_law(kClasses[kind], random);
+  add(outcomes, pulses_in(kClasses[kind], drawn, random), drawn.law.exponent, seed);
+}
+
 TEST(FitAttack, IntervalsOfPulsesHold) {
-  std::uint64_t first = 0;
-  for (const PulseClass& kind : kClasses) {
+  for (std::size_t kind = 0; kind < std::size(kClasses); ++kind) {
     Outcomes outcomes;
-    first += 100000;
-    for (int i = 0; i < cases(1); ++i) {
-      const std::uint64_t seed = first + static_cast<std::uint64_t>(i);
-      Random random(seed);
-      const Drawn drawn = drawn_law(kind, random);
-      add(outcomes, pulses_in(kind, drawn, random), drawn.law.exponent, seed);
-    }
-    outcomes.print(kind.name);
-    expect_held(outcomes, kind.name);
+    for (int i = 0; i < cases(1); ++i) add_pulses(outcomes, kind, first_case() + i);
+    outcomes.print(kClasses[kind].name);
+    expect_held(outcomes, kClasses[kind].name);
   }
+}
+
+// Without a core the exponent of the first two comes out far too high, and from there no core was found, or one that
+// no material has; what was left fitted badly. The low-pass of the others moves the exponent, though data do not show it.
+TEST(FitAttack, IntervalsHoldWhereTheyDidNot) {
+  Outcomes outcomes;
+  for (const auto& [kind, number] : {std::pair<std::size_t, int>{3, 71}, {5, 48}, {11, 201}, {11, 202}})
+    add_pulses(outcomes, kind, number);
+  EXPECT_EQ(outcomes.missed, 0);
+  EXPECT_GE(outcomes.held, 3);
 }
 
 }  // namespace
