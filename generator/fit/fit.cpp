@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -419,26 +420,27 @@ std::optional<Candidate> behind_unstated_low_pass(const FitProblem& problem, con
   return std::isfinite(candidate.values.cost) ? std::optional(candidate) : std::nullopt;
 }
 
-/// The intervals of a candidate. A low-pass of a few kHz moves exponent and loss by more than their noise before
-/// the criterion shows it, and intervals of a model that data chose hold less than they say (H. Leeb and B. M.
-/// Poetscher, Econometric Theory 21, 2005): they hold those behind a low-pass, too, unless it is stated.
+/// The intervals about the values of a candidate. A low-pass of a few kHz moves exponent and loss by more than their
+/// noise before the criterion shows it, and intervals of a law that the data chose hold less than they say (H. Leeb
+/// and B. M. Poetscher, Econometric Theory 21, 2005): where it is not stated, they are those with a low-pass.
 class AllowingIntervals {
  public:
   AllowingIntervals(const FitProblem& problem, const Measurements& measured, const Candidate& candidate)
-      : low_passed_(behind_unstated_low_pass(problem, measured, candidate)),
-        intervals_(problem, candidate.values, candidate.frees) {
-    if (low_passed_) allowing_.emplace(problem, low_passed_->values, low_passed_->frees);
-  }
+      : parameters_(candidate.values.parameters),
+        allowing_(behind_unstated_low_pass(problem, measured, candidate).value_or(candidate)),
+        intervals_(problem, allowing_.values, allowing_.frees) {}
 
   [[nodiscard]] Estimate of(const std::vector<std::pair<FitParameter, double>>& sum) const {
-    const Estimate estimate = intervals_.of(sum);
-    return allowing_ ? hull(estimate, allowing_->of(sum)) : estimate;
+    Estimate estimate = intervals_.of(sum);
+    estimate.value = 0;
+    for (const auto& [parameter, weight] : sum) estimate.value += weight * parameters_[parameter];
+    return estimate;
   }
 
  private:
-  std::optional<Candidate> low_passed_;
+  std::array<double, kFitParameters> parameters_;
+  Candidate allowing_;
   FitIntervals intervals_;
-  std::optional<FitIntervals> allowing_;
 };
 
 // The interval of the exponent. That of Hertz's law is what the power law with the same loss says of the data.

@@ -113,10 +113,6 @@ Estimate times(const Estimate& of, double factor) {
   return {factor * of.value, factor * of.low, factor * of.high};
 }
 
-Estimate hull(const Estimate& of, const Estimate& with) {
-  return {of.value, std::min(of.low, with.low), std::max(of.high, with.high)};
-}
-
 Estimate within(Estimate of, Range range) {
   of.low = std::clamp(std::min(of.low, of.high), range.min, std::max(range.min, of.value));
   of.high = std::clamp(std::max(of.low, of.high), std::min(of.value, range.max), range.max);

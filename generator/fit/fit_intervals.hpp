@@ -39,9 +39,6 @@ class FitIntervals {
 [[nodiscard]] Estimate plus(const Estimate& of, double constant);
 [[nodiscard]] Estimate times(const Estimate& of, double factor);
 
-/// The value of the first one, and the interval that holds both intervals.
-[[nodiscard]] Estimate hull(const Estimate& of, const Estimate& with);
-
 /// Without what a material may not have.
 [[nodiscard]] Estimate within(Estimate of, Range range);
 

@@ -212,7 +212,8 @@ TEST(FitAttack, IntervalsOfPulsesHold) {
 }
 
 // Without a core the exponent of the first two comes out far too high, and from there no core was found, or one that
-// no material has; what was left fitted badly. The low-pass of the others moves the exponent, though data do not show it.
+// no material has; what was left fitted badly. The low-pass of the others moves the exponent, though data do not show
+// it.
 TEST(FitAttack, IntervalsHoldWhereTheyDidNot) {
   Outcomes outcomes;
   for (const auto& [kind, number] : {std::pair<std::size_t, int>{3, 71}, {5, 48}, {11, 201}, {11, 202}})
