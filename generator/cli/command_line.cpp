@@ -346,6 +346,10 @@ void add_outputs(CLI::App& command, RenderOutput& output) {
   add_number(command, "--rate", output.sample_rate_hz, "sample rate in Hz", static_cast<int>(kSampleRates_hz.min),
              static_cast<int>(kSampleRates_hz.max))
       ->capture_default_str();
+  command.add_option("--bits", output.bits, "of a sample: 16, 24, or 32 for numbers of single precision")
+      ->check(one_of({"16", "24", "32"}))
+      ->type_name("BITS")
+      ->capture_default_str();
   add_output_file(command, "-o,--output", output.sound,
                   "sound file to write (.wav, .flac, .ogg, .aiff;\n"
                   "default: NAME.wav in the working folder, of the score or material)");
@@ -430,6 +434,10 @@ std::shared_ptr<ScoreOptions> add_score_options(CLI::App& command, std::optional
                     "with keys, or a model of your own (.so), which plays scores, too")
         ->check(not_empty("an instrument"))
         ->type_name("FILE");
+  add_number(command, "--tail", options->tail_s,
+             "seconds behind the last note of a MIDI file, or the duration of a score (default: a MIDI\n"
+             "file sounds until it is 60 dB down)",
+             0.0, 600.0);
   if (!model || model == Model::kHammerString || model == Model::kFile) add_tuning(command, *options);
   return options;
 }
@@ -437,28 +445,29 @@ std::shared_ptr<ScoreOptions> add_score_options(CLI::App& command, std::optional
 void add_model(CLI::App& render, Model model, const char* help, const char* example) {
   CLI::App* command = render.add_subcommand(std::string(name_of(model)), help);
   const auto options = add_score_options(*command, model);
-  add_input(*command, "SCORE,--score", options->score, kScoreHelp)->required();
+  add_input(*command, "SCORE,--score", options->scores, kScoreHelp)->required();
   add_outputs(*command, options->output);
   command->footer(fmt::format(
       "Example:\n  contactspline render {0} {1} -o {1}.wav\nThe scores that ship: contactspline list scores",
       name_of(model), example));
-  command->callback([options, model] { render_score(model, *options); });
+  command->callback([options, model] { render_scores(model, *options); });
 }
 
 void add_render(CLI::App& app) {
   CLI::App* command = app.add_subcommand("render", "Play a score, or an instrument, to a sound file and a figure");
   command->require_subcommand(0, 1);
   const auto options = add_score_options(*command, {});
-  add_input(*command, "SCORE,--score", options->score, kScoreHelp);
+  add_input(*command, "SCORE,--score", options->scores, kScoreHelp);
   add_outputs(*command, options->output);
   command->footer(
       "Examples:\n  contactspline render fur_elise\n  contactspline render my_song.mid -o song.flac\n"
+      "  contactspline render first.mid second.mid --bits 16\n"
       "  contactspline render my_song.mid --instrument my_zither.json -o zither.wav\n"
       "The scores that ship: contactspline list scores");
   command->callback([command, options] {
     if (!command->get_subcommands().empty()) return;
-    if (options->score.empty()) throw CLI::RequiredError("--score");
-    render_score({}, *options);
+    if (options->scores.empty()) throw CLI::RequiredError("--score");
+    render_scores({}, *options);
   });
   add_mass_barrier(*command);
   add_model(*command, Model::kHammerString, "Felt hammers on strings, bars or drums, played from a score",

@@ -117,17 +117,19 @@ struct MassBarrierOptions {
 void render_mass_barrier(const MassBarrierOptions& given);
 
 struct ScoreOptions {
+  std::vector<std::string> scores;  ///< of which render_scores() plays each
   std::string score;
   std::string signal;  ///< an output or "body"; empty: what sounds best
   std::string precision = "double";
-  std::string stems;            ///< folder for the sound of each voice, or empty
-  std::vector<int> channels;    ///< of a MIDI file, 1 to 16; empty: all but the tenth
-  std::string instrument;       ///< that plays a MIDI file: one that ships or its file; empty: the piano
-  std::string tuning, keymap;   ///< files of Scala, .scl and .kbm, or empty
-  std::optional<double> a4_hz;  ///< empty: what the key map or the instrument says
+  std::string stems;             ///< folder for the sound of each voice, or empty
+  std::vector<int> channels;     ///< of a MIDI file, 1 to 16; empty: all but the tenth
+  std::string instrument;        ///< that plays a MIDI file: one that ships or its file; empty: the piano
+  std::string tuning, keymap;    ///< files of Scala, .scl and .kbm, or empty
+  std::optional<double> tail_s;  ///< how long it sounds behind the last note; empty: until it has rung out
+  std::optional<double> a4_hz;   ///< empty: what the key map or the instrument says
   RenderOutput output;
 };
-/// model: what the score must be for; empty: any.
-void render_score(std::optional<Model> model, const ScoreOptions& given);
+/// Reads all scores, then plays each. model: what they must be for; empty: any.
+void render_scores(std::optional<Model> model, const ScoreOptions& given);
 
 }  // namespace contactspline

@@ -81,10 +81,10 @@ void render_mass_barrier(const MassBarrierOptions& given) {
       fmt::format("{}: {:g} g thrown at {:g} m/s", title_of(design.material),
                   1e3 * option_or(options.mass_kg, design, &Impact::mass_kg, options, "--mass"),
                   option_or(options.speed_m_per_s, design, &Impact::max_speed_m_per_s, options, "--speed"));
-  const std::string written = write_outputs(
-      options.output,
-      sound_bytes(options.output.sound, std::span<const double>(signal), scale, 1, options.output.sample_rate_hz),
-      [&](FigureFormat format) { return figure_of(motion, title, format); });
+  const std::string written = write_outputs(options.output,
+                                            sound_bytes(options.output.sound, std::span<const double>(signal), scale,
+                                                        1, options.output.sample_rate_hz, options.output.bits),
+                                            [&](FigureFormat format) { return figure_of(motion, title, format); });
   write_stdout(fmt::format(
       "{} contacts in {} s, largest contact force {:.4g} N\nfull scale of the sound: {:.4g} {} ({})\n{}",
       contacts_in(motion.force_n), options.duration_s, peak_of<double>(motion.force_n), 1 / scale,

@@ -75,7 +75,7 @@ double scale(const RenderOutput& output, std::span<const T> samples) {
     return peak > 0 ? level / peak : 1;
   }
   const double scale = std::pow(10, *output.gain_db / 20);
-  report(output.sound, samples, scale);
+  if (output.bits != kFloatBits) report(output.sound, samples, scale);
   return scale;
 }
 
@@ -115,17 +115,20 @@ void report_clipping(const std::string& file, std::span<const float> samples, do
   report(file, samples, scale);
 }
 
+double longest_sound_s(int sample_rate_hz) {
+  return 3600.0 * 44100 / sample_rate_hz;
+}
+
 void require_short(const std::string& key, double duration_s, int sample_rate_hz) {
-  constexpr double kMaxSamples = 3600.0 * 44100;
   const double samples = duration_s * sample_rate_hz;
-  if (samples > kMaxSamples)
+  if (duration_s > longest_sound_s(sample_rate_hz))
     throw BadInput(fmt::format("{}: {} s at {} Hz are {:.4g} samples; allowed: at most {:.4g} s at this rate", key,
-                               duration_s, sample_rate_hz, samples, kMaxSamples / sample_rate_hz));
+                               duration_s, sample_rate_hz, samples, longest_sound_s(sample_rate_hz)));
 }
 
 void require_outputs(const RenderOutput& output, int channels, const std::vector<std::filesystem::path>& inputs,
                      const std::vector<std::filesystem::path>& stems) {
-  require_sound_format(output.sound, channels, output.sample_rate_hz);
+  require_sound_format(output.sound, channels, output.sample_rate_hz, output.bits);
   std::vector<std::filesystem::path> outputs{output.sound};
   if (output.no_figure && !output.figure.empty())
     throw BadInput("--no-figure: cannot be combined with --figure; allowed: one of the two");

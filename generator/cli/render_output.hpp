@@ -19,6 +19,7 @@ struct RenderOutput {
   std::string figure;  ///< empty: the sound file's name with .svg
   bool no_figure = false;
   int sample_rate_hz = 44100;
+  int bits = 24;                        ///< of a sample: 16, 24, or 32 of single precision
   std::optional<double> level_db = {};  ///< of the peak, relative to full scale; empty: kPeak
   std::optional<double> gain_db = {};   ///< in place of a level: relative to a full scale of 1 SI unit
   bool force = false;                   ///< replaces files that the program did not write
@@ -49,8 +50,10 @@ void fade_end(std::span<double> samples, double sample_rate_hz);
 /// If samples exceed full scale after scaling, a line on standard error counts them.
 void report_clipping(const std::string& file, std::span<const float> samples, double scale);
 
-/// Throws BadInput, with `key` at the beginning of its message, if the sound has more samples than one hour at 44.1
-/// kHz. The whole sound is held in memory.
+/// How long a sound may be: an hour at 44.1 kHz. The whole sound is held in memory.
+[[nodiscard]] double longest_sound_s(int sample_rate_hz);
+
+/// Throws BadInput, with `key` at the beginning of its message, if the sound is longer.
 void require_short(const std::string& key, double duration_s, int sample_rate_hz);
 
 /// Throws BadInput if the sound, with these channels, the figure or the stems cannot be written: formats, files that

@@ -7,8 +7,10 @@
 #include <cstdio>
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "generator/cli/commands.hpp"
@@ -171,9 +173,9 @@ std::string write_stems(const std::vector<std::filesystem::path>& files, const S
     Performance stem = play(score, how, show_progress);
     finish(stem, options.output);
     const std::string file = files[voice].string();
-    report_clipping(file, stem.samples, scale);
+    if (options.output.bits != kFloatBits) report_clipping(file, stem.samples, scale);
     write_files({{OutputFile{file, sound_bytes(file, std::span<const float>(stem.samples), scale, stem.channels,
-                                               options.output.sample_rate_hz)}}});
+                                               options.output.sample_rate_hz, options.output.bits)}}});
   }
   return fmt::format("stems:  {} in {}\n", files.size(), options.stems);
 }
@@ -186,13 +188,31 @@ void report_silence(const std::string& score, const Performance& performance) {
   std::fputs(fmt::format("contactspline: {}: the sound is silent: {}\n", score, why).c_str(), stderr);
 }
 
-}  // namespace
+/// A score that can be played and written.
+struct Prepared {
+  ScoreOptions options;
+  Score score;
+  PlayOptions how;
+  std::vector<std::filesystem::path> stems;
+};
 
-void render_score(std::optional<Model> model, const ScoreOptions& given) {
+constexpr double kLongestRing_s = 30;
+
+// How long it sounds: as long as it is told to, or until it has rung out.
+void set_length(Prepared& prepared) {
+  auto& [options, score, how, stems] = prepared;
+  const int rate_hz = options.output.sample_rate_hz;
+  if (options.tail_s) score.duration_s += *options.tail_s - score.ring_s;
+  require_short(options.score + ": duration_s", score.duration_s, rate_hz);
+  if (!options.tail_s && score.ring_s > 0)
+    how.max_ring_s = std::min(kLongestRing_s, longest_sound_s(rate_hz) - score.duration_s);
+}
+
+Prepared prepare(std::optional<Model> model, const ScoreOptions& given) {
   const Tuning tuning = tuning_argument(given.tuning, given.keymap, given.a4_hz);
-  const ScoreSource source = score_argument(given.score, given.channels, given.instrument, tuning);
-  const Score& score = source.score;
-  ScoreOptions options = given;
+  ScoreSource source = score_argument(given.score, given.channels, given.instrument, tuning);
+  Prepared prepared{given, std::move(source.score), {0}, {}};
+  auto& [options, score, how, stems] = prepared;
   if (options.output.sound.empty()) options.output.sound = default_sound(given.score);
   if (!options.output.level_db) options.output.level_db = score.level_db;
   if (model && score.model != *model)
@@ -201,19 +221,26 @@ void render_score(std::optional<Model> model, const ScoreOptions& given) {
                                        : fmt::format("the score is for a {}", name_of(score.model)),
            fmt::format("render {}", name_of(score.model)));
   require_short(options.score + ": duration_s", score.duration_s, options.output.sample_rate_hz);
-  const auto stems = stem_files(options, score);
-  std::vector<std::filesystem::path> inputs = source.files;
+  stems = stem_files(options, score);
   for (const std::string& file : {given.tuning, given.keymap})
-    if (!file.empty()) inputs.emplace_back(file);
-  require_outputs(options.output, channels_of(score), inputs, stems);
+    if (!file.empty()) source.files.emplace_back(file);
+  require_outputs(options.output, channels_of(score), source.files, stems);
+  how = play_options(options, score);
+  set_length(prepared);
+  return prepared;
+}
+
+void render(Prepared& prepared) {
+  auto& [options, score, how, stems] = prepared;
   if (!score.left_out.empty()) std::fputs(fmt::format("contactspline: {}\n", score.left_out).c_str(), stderr);
-  const PlayOptions how = play_options(options, score);
   if (!how.is_on_body && !score.left_out_at_rest.empty())
     std::fputs(fmt::format("contactspline: {}: left out, because only the keys on their body have them: {}\n",
                            options.score, score.left_out_at_rest)
                    .c_str(),
                stderr);
   Performance performance = play(score, how, show_progress);
+  how.max_ring_s = 0;  // the stems have the same length
+  score.duration_s = static_cast<double>(performance.samples.size()) / performance.channels / how.sample_rate_hz;
   report_silence(options.score, performance);
   finish(performance, options.output);
   const double scale = scale_of(options.output, performance.samples);
@@ -225,7 +252,7 @@ void render_score(std::optional<Model> model, const ScoreOptions& given) {
   const std::string written =
       write_outputs(options.output,
                     sound_bytes(options.output.sound, std::span<const float>(performance.samples), scale,
-                                performance.channels, options.output.sample_rate_hz),
+                                performance.channels, options.output.sample_rate_hz, options.output.bits),
                     [&](FigureFormat format) { return figure_of(performance, text, format); });
   const std::string contacts = summed_contacts(score) == 0
                                    ? ""
@@ -233,6 +260,34 @@ void render_score(std::optional<Model> model, const ScoreOptions& given) {
                                                  performance.contacts, score.duration_s, performance.largest_force_n);
   write_stdout(fmt::format("{}full scale of the sound: {:.4g} {} ({})\n{}{}", contacts, 1 / scale, sound.unit,
                            sound.trace, written, write_stems(stems, options, score, how, scale)));
+}
+
+// What names one file cannot be for several scores, and two of them cannot be one.
+void require_one_score_each(const ScoreOptions& given) {
+  if (given.scores.size() < 2) return;
+  for (const auto& [option, value] :
+       {std::pair{"--output", given.output.sound}, {"--figure", given.output.figure}, {"--stems", given.stems}})
+    if (!value.empty())
+      throw BadInput(
+          fmt::format("{}: is for one score, not for {}; allowed: with one SCORE", option, given.scores.size()));
+  std::set<std::string> sounds;
+  for (const std::string& score : given.scores)
+    if (const std::string sound = default_sound(score); !sounds.insert(sound).second)
+      throw BadInput(
+          fmt::format("{}: two scores would be written to it; allowed: scores with different names", sound));
+}
+
+}  // namespace
+
+void render_scores(std::optional<Model> model, const ScoreOptions& given) {
+  require_one_score_each(given);
+  std::vector<Prepared> all;
+  for (const std::string& score : given.scores) {
+    ScoreOptions options = given;
+    options.score = score;
+    all.push_back(prepare(model, options));
+  }
+  for (Prepared& prepared : all) render(prepared);
 }
 
 }  // namespace contactspline

@@ -225,6 +225,7 @@ Score parse_midi_on_instrument(std::string_view bytes, std::string_view file, st
   Score score{std::string(file), Model::kFile, {}, duration_s, {}};
   std::vector<std::string> left_out = left_out_parts(song);
   score.silences_s = song.silences_s;
+  score.ring_s = kMidiRing_s;
   if (channels.empty() && song.unchosen > 0)
     left_out.push_back(is_drum ? fmt::format("left out: notes of other channels than 10 ({})", song.unchosen)
                                : left_out_drums(song.unchosen));

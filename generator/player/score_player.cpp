@@ -31,6 +31,13 @@ bool is_bounded(double sample) {
   return std::abs(sample) < 1e30;
 }
 
+template <typename T>
+double largest_of(std::span<const T> samples) {
+  T largest = 0;
+  for (const T sample : samples) largest = std::max(largest, std::abs(sample));
+  return double(largest);
+}
+
 // Where a sound stops being finite, it says so: in a sum of voices, or in a figure, nobody could tell what it was.
 [[noreturn]] void refuse_infinite(const Score& score, const std::string& what, const PlayOptions& options,
                                   std::size_t sample) {
@@ -45,8 +52,9 @@ class Recorder {
  public:
   Recorder(const Score& score, const PlayOptions& options)
       : is_on_body_(options.is_on_body),
-        samples_(sample_at(score.duration_s, options.sample_rate_hz)),
-        stretch_(std::max<std::size_t>(1, (samples_ + kColumns - 1) / kColumns)) {
+        least_(sample_at(score.duration_s, options.sample_rate_hz)),
+        samples_(sample_at(score.duration_s + options.max_ring_s, options.sample_rate_hz)),
+        stretch_(std::max<std::size_t>(1, (least_ + kColumns - 1) / kColumns)) {
     performance_ = {options.sample_rate_hz, channels_of(score), {}, {}, 0, 0};
     performance_.samples.resize(samples_ * static_cast<std::size_t>(performance_.channels));
     performance_.force_n.resize((samples_ + stretch_ - 1) / stretch_);
@@ -91,12 +99,20 @@ class Recorder {
   }
   void count_contacts(std::size_t contacts) { performance_.contacts += contacts; }
 
+  /// Samples of the score, and at most of its sound.
+  [[nodiscard]] std::size_t least() const { return least_; }
   [[nodiscard]] std::size_t samples() const { return samples_; }
-  [[nodiscard]] Performance&& take() { return std::move(performance_); }
+  /// A part has ended there; the last one ends the sound.
+  void end_at(std::size_t sample) { end_ = std::max(end_, sample); }
+  [[nodiscard]] Performance&& take() {
+    performance_.samples.resize(end_ * static_cast<std::size_t>(performance_.channels));
+    performance_.force_n.resize((end_ + stretch_ - 1) / stretch_);
+    return std::move(performance_);
+  }
 
  private:
   bool is_on_body_;  // all strings drive one bridge
-  std::size_t samples_, stretch_;
+  std::size_t least_, samples_, stretch_, end_ = least_;
   Performance performance_;
   double strings_ = 1, left_ = 1, right_ = 1;
   bool touches_ = false;
@@ -183,6 +199,23 @@ class VoicePlayer {
   bool is_struck_ = false;
 };
 
+/// Says when a part has rung out: behind the score it was 60 dB below its peak for a while.
+class RingOut {
+ public:
+  RingOut(std::size_t least, double sample_rate_hz) : least_(least), wait_(sample_at(0.1, sample_rate_hz)) {}
+
+  /// The largest sample of a block, and where it ends.
+  void hear(double largest, std::size_t end) {
+    peak_ = std::max(peak_, largest);
+    if (largest > 1e-3 * peak_) last_ = end;
+  }
+  [[nodiscard]] bool is_over(std::size_t sample) const { return sample >= least_ && sample >= last_ + wait_; }
+
+ private:
+  std::size_t least_, wait_, last_ = 0;
+  double peak_ = 0;
+};
+
 /// When all that sounds stops.
 class SilenceTrack {
  public:
@@ -242,7 +275,9 @@ void play_voice(AnyInstrument<T>& instrument, const Score& score, const Voice& v
   Sleep sleep(instrument.sleeps());
   SilenceTrack silences(score, options.sample_rate_hz);
   recorder.begin(voice);
-  for (std::size_t begin = 0; begin < recorder.samples();) {
+  RingOut ring(recorder.least(), options.sample_rate_hz);
+  std::size_t begin = 0;
+  while (begin < recorder.samples() && !ring.is_over(begin)) {
     if (begin % kBlock == 0) done(begin);
     const std::size_t end = std::min(recorder.samples(), (begin / kBlock + 1) * kBlock);
     const std::size_t to_silence = silences.take(instrument, begin);
@@ -261,7 +296,9 @@ void play_voice(AnyInstrument<T>& instrument, const Score& score, const Voice& v
         refuse_infinite(score, "voice " + voice.name, options, begin + n);
     recorder.add<T>(begin, sound_block, force_block);
     begin += samples;
+    ring.hear(largest_of<T>(sound_block), begin);
   }
+  recorder.end_at(begin);
 }
 
 /// A key of a keyboard as a part of its own, with the parameters of a hammer-string.
@@ -329,7 +366,9 @@ void play_keyboard(const Score& score, const PlayOptions& options, Recorder& rec
   }
   SilenceTrack silences(score, options.sample_rate_hz);
   std::array<T, kBlock> left, right, force;
-  for (std::size_t sample = 0, reported = 0; sample < recorder.samples();) {
+  RingOut ring(recorder.least(), options.sample_rate_hz);
+  std::size_t sample = 0, reported = 0;
+  while (sample < recorder.samples() && !ring.is_over(sample)) {
     if (sample >= reported) done(std::exchange(reported, sample + kBlock));
     std::size_t samples = std::min({recorder.samples() - sample, kBlock, silences.take(*keyboard, sample)});
     const auto positions = pedals.at(sample);
@@ -348,7 +387,9 @@ void play_keyboard(const Score& score, const PlayOptions& options, Recorder& rec
       recorder.add_sound(sample, double(left[n]), double(right[n]));
       recorder.note_force(sample, double(force[n]));
     }
+    ring.hear(std::max(largest_of<T>(ears[0]), largest_of<T>(ears[1])), sample);
   }
+  recorder.end_at(sample);
   recorder.count_contacts(keyboard->books().contacts);
 }
 

@@ -17,7 +17,8 @@ struct PlayOptions {
   double sample_rate_hz;    ///< > 0
   std::size_t output = 0;   ///< of outputs_of() the score
   bool is_on_body = false;  ///< the sound is the velocity of the body that all strings end at, in place of an output
-  Precision precision = Precision::kDouble;    ///< of the models; the sum of the voices is kept in single precision
+  Precision precision = Precision::kDouble;  ///< of the models; the sum of the voices is kept in single precision
+  double max_ring_s = 0;  ///< behind the duration of the score, as long as it rings: until it is 60 dB down
   std::optional<std::size_t> only_voice = {};  ///< plays this one alone, with the channels of the whole score
 };
 
@@ -26,7 +27,7 @@ struct Performance {
   int channels;                ///< channels_of() the score
   std::vector<float> samples;  ///< interleaved, in SI units [m], [m/s] or [N]
   std::vector<float> force_n;  ///< largest contact force, of an instrument file the largest sum, of any voice in each
-                               ///< of at most 1200 equal stretches of time
+                               ///< of equal stretches of time, at most 1200 over the duration of the score
   double largest_force_n;
   std::size_t contacts;  ///< of all voices
 };

@@ -515,6 +515,7 @@ Score parse_midi_score(std::string_view bytes, std::string_view file, std::span<
   }
   score.left_out = left_out_line(file, keyboard, song, channels.empty() ? song.unchosen : 0, beyond);
   score.silences_s = song.silences_s;
+  score.ring_s = kMidiRing_s;
   add_body(keyboard, played, read, score);
   for (auto& [key, voice] : voices) score.voices.push_back(std::move(voice));
   give_strings(score.voices, score.keys);

@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <map>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -79,11 +80,33 @@ class KeysOnTheCommandLine : public ::testing::Test {
 };
 
 TEST_F(KeysOnTheCommandLine, PlayAMidiFile) {
-  const Outcome outcome = render("song.mid", "probe.json");
+  const Outcome outcome = render("song.mid", "probe.json", {"--tail", "1"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(outcome.err, "contactspline: song.mid: MIDI: left out: notes beyond keys 48 to 62, 70 (1)\n");
   EXPECT_NE(outcome.out.find("N (string end force)"), std::string::npos) << outcome.out;
   EXPECT_NE(outcome.out.find("1 contacts in 1.5 s"), std::string::npos) << outcome.out;
+}
+
+// A file sounds until it has rung out, or as long as it is told to; a sample has so many bits; several files are
+// written by their names.
+TEST_F(KeysOnTheCommandLine, RingOutAndHaveBits) {
+  const auto seconds = [](const Outcome& outcome) {
+    const auto at = outcome.out.find(" contacts in ");
+    return at == std::string::npos ? 0 : std::stod(outcome.out.substr(at + 13));
+  };
+  EXPECT_GE(seconds(render("song.mid", "probe.json")), 1.5);
+  EXPECT_EQ(seconds(render("song.mid", "probe.json", {"--tail", "2.25"})), 2.75);
+  std::map<std::string, std::size_t> sizes;
+  for (const char* bits : {"16", "24", "32"}) {
+    EXPECT_EQ(seconds(render("song.mid", "probe.json", {"--tail", "0", "--bits", bits})), 0.5);
+    sizes[bits] = fs::file_size(box_ / "a.wav");
+  }
+  EXPECT_EQ(sizes["24"] - sizes["16"], 22050u);
+  EXPECT_EQ(sizes["32"] - sizes["24"], 22050u + 12);  // a chunk states the number of frames
+  fs::copy_file(box_ / "song.mid", box_ / "again.mid");
+  const Outcome both = run_here({"render", "song.mid", "again.mid", "--instrument", "probe.json", "--no-figure"});
+  EXPECT_EQ(both.exit_code, 0) << both.err;
+  EXPECT_TRUE(read_file(box_ / "song.wav") == read_file(box_ / "again.wav"));
 }
 
 // Keys that tune nothing are those of a drum, which plays the tenth channel.
@@ -196,7 +219,7 @@ TEST_F(KeysOnTheCommandLine, ArePlayedByAScore) {
     return run_here({"render", "score.json", "-o", sound, "--no-figure"});
   };
   EXPECT_EQ(render_score(good, "b.wav").exit_code, 0);
-  EXPECT_EQ(render("song.mid", "probe.json").exit_code, 0);
+  EXPECT_EQ(render("song.mid", "probe.json", {"--tail", "1"}).exit_code, 0);
   EXPECT_EQ(read_file(box_ / "a.wav"), read_file(box_ / "b.wav"));
   expect_refused(render_score(changed(good, R"("key": 60)", R"("key": 63)"), "c.wav"),
                  "score.json: events[0].key: 63 plays nothing", "allowed: keys 48 to 62, 70");

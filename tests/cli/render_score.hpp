@@ -151,7 +151,8 @@ inline std::string midi_file(const std::string& events) {
 inline Sound sound_of_midi(const std::string& events, const Words& options = {}) {
   const Sandbox box;
   write_file(box / "probe.mid", midi_file(events));
-  const Words words = {"render", "hammer-string", "--score", "probe.mid", "-o", "a.wav", "--no-figure"};
+  const Words words = {"render", "hammer-string", "--score", "probe.mid", "-o",
+                       "a.wav",  "--no-figure",   "--tail",  "1"};
   succeed({.arguments = followed_by(words, options), .folder = box.path()});
   return read_sound(box / "a.wav");
 }

@@ -6,6 +6,7 @@
 #include <random>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "generator/cli/sound_file.hpp"
@@ -16,7 +17,7 @@ namespace contactspline {
 
 template <typename T>
 std::string wave_bytes(const std::string& file, std::span<const T> samples, double scale, int channels,
-                       int sample_rate_hz);
+                       int sample_rate_hz, int bits = kUsualBits);
 
 namespace testing {
 namespace {
@@ -27,13 +28,14 @@ CONTACTSPLINE_EACH_PRECISION(WaveFile);
 TYPED_TEST(WaveFile, HasTheBytesOfLibsndfile) {
   std::mt19937 random(28);
   std::uniform_real_distribution<TypeParam> noise(-1.5, 1.5);
-  for (const int channels : {1, 2})
+  for (const auto& [channels, bits] : {std::pair{1, 24}, {2, 24}, {1, 16}, {2, 16}, {1, 32}, {2, 32}})
     for (const std::size_t frames : {1, 2, 3, 7, 1001}) {
       std::vector<TypeParam> samples(frames * static_cast<std::size_t>(channels));
       for (TypeParam& sample : samples) sample = noise(random);
       const std::span<const TypeParam> view(samples);
-      EXPECT_TRUE(wave_bytes("a.wav", view, 0.9, channels, 48000) == sound_bytes("a.wav", view, 0.9, channels, 48000))
-          << frames << " frames, " << channels << " channels";
+      EXPECT_TRUE(wave_bytes("a.wav", view, 0.9, channels, 48000, bits) ==
+                  sound_bytes("a.wav", view, 0.9, channels, 48000, bits))
+          << frames << " frames, " << channels << " channels, " << bits << " bits";
     }
   EXPECT_THROW((void)wave_bytes("a.flac", std::span<const TypeParam>(), 1, 1, 48000), BadInput);
 }

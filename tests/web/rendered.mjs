@@ -39,7 +39,7 @@ export function renderedScore(program, score, channels) {
 
 /** The sound of a MIDI file on an instrument, in single precision, of this full scale [m/s or N]. */
 export const renderedMidi = (program, bytes, instrument, fullScale) =>
-  renderedFile(program, "song.mid", bytes, ["--gain", String(-20 * Math.log10(fullScale)), "--precision", "single", "--instrument", instrument]);
+  renderedFile(program, "song.mid", bytes, ["--gain", String(-20 * Math.log10(fullScale)), "--precision", "single", "--tail", "1", "--instrument", instrument]);
 
 /** The first output after an event. */
 export function rendered(program, instrument, event, value) {
