@@ -435,8 +435,8 @@ std::shared_ptr<ScoreOptions> add_score_options(CLI::App& command, std::optional
         ->check(not_empty("an instrument"))
         ->type_name("FILE");
   add_number(command, "--tail", options->tail_s,
-             "seconds behind the last note of a MIDI file, or the duration of a score (default: a MIDI\n"
-             "file sounds until it is 60 dB down)",
+             "seconds behind the last note of a MIDI file, or the duration of a score\n"
+             "(default: a MIDI file sounds until it is 60 dB down)",
              0.0, 600.0);
   if (!model || model == Model::kHammerString || model == Model::kFile) add_tuning(command, *options);
   return options;
