@@ -74,6 +74,8 @@ std::vector<Move> moves_of(const InstrumentModel& model, RandomInstruments& rand
           break;
         case ControlQuantity::kPlace:
         case ControlQuantity::kMass:
+        case ControlQuantity::kNormalForce:
+        case ControlQuantity::kSurfaceSpeed:
           ADD_FAILURE() << "no Faust program has such a control";
           break;
       }
