@@ -876,6 +876,7 @@ blocks_of() {
 files_of() {
   blocks_of "$1" json block
   blocks_of "$1" csv curve
+  [[ "$1" != */tuning.md ]] || { blocks_of "$1" text scale && mv scale1.text just.scl; }
   local block name
   for block in block*.json; do
     [ -e "$block" ] || continue
