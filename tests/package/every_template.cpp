@@ -12,6 +12,7 @@
 #include "contactspline/host/hosted.hpp"
 #include "contactspline/host/model_module.hpp"
 #include "contactspline/host/sleeper.hpp"
+#include "contactspline/host/tuned_keys.hpp"
 #include "contactspline/instrument/ensemble_instrument.hpp"
 #include "contactspline/instrument/fret_string_instrument.hpp"
 #include "contactspline/instrument/hammer_string_instrument.hpp"
