@@ -13,6 +13,7 @@
 #include "support/count_allocations.hpp"
 #include "support/finite.hpp"
 #include "support/measured.hpp"
+#include "support/relative_error.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -108,13 +109,7 @@ TEST(ContactNetwork, ConvergesAsAProfileIsRefined) {
   const auto reference = played(192);
   std::vector<double> errors;
   for (const std::size_t points : {6u, 12u, 24u, 48u}) {
-    const auto found = played(points);
-    double sum = 0, square = 0;
-    for (std::size_t n = 0; n < found.size(); ++n) {
-      sum += std::pow(found[n] - reference[n], 2);
-      square += std::pow(reference[n], 2);
-    }
-    errors.push_back(std::sqrt(sum / square));
+    errors.push_back(relative_error(played(points), reference));
     Measured() << points << " points: " << errors.back();
   }
   for (std::size_t i = 1; i < errors.size(); ++i) EXPECT_LT(errors[i], 0.6 * errors[i - 1]);
