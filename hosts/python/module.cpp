@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "contactspline/host/tuned_keys.hpp"
 #include "generator/cli/commands.hpp"
 #include "generator/cli/files.hpp"
 #include "generator/cli/inputs.hpp"
@@ -145,11 +146,31 @@ using Values = std::vector<std::pair<std::size_t, double>>;
 using Rows =
     std::vector<std::tuple<double, int, std::size_t, double, double>>;  // sample, action, number, value, rise
 
-std::vector<TimedEvent> events_in(const Rows& rows) {
+// cents: of the 128 keys of MIDI; none: as they are.
+std::vector<TimedEvent> events_in(const Rows& rows, const AnyInstrument<double>& instrument,
+                                  const std::vector<double>& cents) {
+  TunedKeys keys;
+  if (!cents.empty()) {
+    if (cents.size() != kMidiKeys)
+      refuse(instrument.name(), "tuning", fmt::format("has {} numbers", cents.size()), "128, as read_tuning() gives");
+    if (!instrument.bends_keys())
+      refuse(instrument.name(), "tuning", "it has no keys that could be tuned",
+             "for a piano and keys with a tuned_key");
+    KeyCents table;
+    std::ranges::copy(cents, table.begin());
+    keys.tune(tuned(midi_settings(instrument), table));
+  }
   std::vector<TimedEvent> events;
   for (const auto& [sample, action, number, value, rise] : rows)
-    events.push_back({static_cast<std::size_t>(sample), Action(action), number, value, rise});
+    keys.take({static_cast<std::size_t>(sample), Action(action), number, value, rise},
+              [&](const TimedEvent& event) { events.push_back(event); });
   return events;
+}
+
+// The cents of all keys by files of Scala, each empty or a path.
+std::vector<double> read_tuning(const std::string& scale, const std::string& keymap, std::optional<double> a4_hz) {
+  const KeyCents cents = key_cents(tuning_argument(scale, keymap, a4_hz));
+  return {cents.begin(), cents.end()};
 }
 
 /// An instrument of Python: how to make it, and one that tells its lists.
@@ -166,7 +187,8 @@ class Source {
   /// Returns all wanted outputs, the force (or nothing) and the energies (or nothing).
   template <std::floating_point T>
   [[nodiscard]] py::tuple play(const Values& initial, const Rows& rows, std::size_t samples, double rate,
-                               const std::vector<bool>& wanted, bool force, std::size_t energy_step) const {
+                               const std::vector<bool>& wanted, bool force, std::size_t energy_step,
+                               const std::vector<double>& cents) const {
     py::list outputs;
     Recording<T> recording;
     const auto array = [&](auto value, std::size_t length) {
@@ -184,7 +206,7 @@ class Source {
     recording.energy_step = energy_step;
     {
       const py::gil_scoped_release unlocked;
-      const auto events = events_in(rows);
+      const auto events = events_in(rows, *shown_, cents);
       auto instrument = idle_in(T()).take(maker_, rate);
       for (const auto& [parameter, value] : initial) instrument->set(parameter, value);
       instrument->prepare(rate);
@@ -193,7 +215,7 @@ class Source {
       } catch (const NotFinite& failure) {
         refuse(shown_->name(), "sound", failure.what(), "other values of parameters or events");
       }
-      idle_in(T()).put(std::move(instrument), rate);
+      if (cents.empty()) idle_in(T()).put(std::move(instrument), rate);  // otherwise its keys stay bent
     }
     return py::make_tuple(outputs, forces, energies);
   }
@@ -210,7 +232,7 @@ class Source {
     const std::size_t outputs = shown_->outputs().size();
     std::atomic<bool> is_stopped = false;
     const py::gil_scoped_release unlocked;
-    const auto events = events_in(rows);
+    const auto events = events_in(rows, *shown_, {});
     IdleInstruments<T> idle;
     run_tasks(
         static_cast<std::size_t>(sounds.shape(0)), threads,
@@ -299,13 +321,16 @@ py::dict presets_of(const Source& source) {
 }
 
 // A score that ships, of a file or of a text: samples by channel, largest forces, and what the sound is.
-py::tuple play_score(const std::string& source, bool is_text, double rate, bool is_single) {
+py::tuple play_score(const std::string& source, bool is_text, double rate, bool is_single, const std::string& scale,
+                     const std::string& keymap, std::optional<double> a4_hz) {
   Performance performance;
   std::string output, unit;
   std::optional<double> level_db;
   {
     const py::gil_scoped_release unlocked;
-    const Score score = is_text ? parse_score(source, "score", read_input) : score_argument(source).score;
+    const Tuning tuning = tuning_argument(scale, keymap, a4_hz);
+    const Score score = is_text ? parse_score(source, "score", read_input, nullptr, tuning)
+                                : score_argument(source, {}, {}, tuning).score;
     level_db = score.level_db;
     PlayOptions options{rate};
     options.precision = is_single ? Precision::kSingle : Precision::kDouble;
@@ -489,6 +514,7 @@ void bind_instrument(py::module_& m) {
       .def("play_many_single", &Source::play_many<float>)
       .def("play_many_double", &Source::play_many<double>);
   m.def("play_score", &play_score);
+  m.def("read_tuning", &read_tuning, py::call_guard<py::gil_scoped_release>());
   m.def("dataset", &dataset);
 }
 

@@ -13,9 +13,9 @@ from .gradients import StruckString
 from .instrument import Instrument, Sound, change, note, pluck, release, render_many, strike
 from .material import Impact, Material, design_many
 from .resonator import Keyboard, Resonator
-from .score import play_score, shipped
+from .score import play_score, read_tuning, shipped
 
 __all__ = ["Error", "Fit", "Impact", "Instrument", "Keyboard", "Material", "Resonator", "Sound", "StruckString", "change", "dataset",
-           "design_many", "fit", "note", "play_score", "pluck", "release", "render_many", "shipped", "strike"]
+           "design_many", "fit", "note", "play_score", "pluck", "read_tuning", "release", "render_many", "shipped", "strike"]
 
 Error.__module__ = __name__

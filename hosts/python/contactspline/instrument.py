@@ -174,12 +174,13 @@ class Instrument:
 
     def play(self, events: Event | Iterable[Event] = (), seconds: float = 1.0, *, sample_rate_hz: float = 44100,
              parameters: Mapping[str, npt.ArrayLike] | None = None, outputs: str | Iterable[str] | None = None,
-             force: bool = True, energy_step: int = 0, precision: str = "double") -> Sound:
+             force: bool = True, energy_step: int = 0, precision: str = "double",
+             tuning: npt.ArrayLike | None = None) -> Sound:
         """Plays events (strike, pluck, note, ...; one or a list). Returns a Sound.
 
         parameters: values by name, each a number or an array of values over the whole time, within their ranges. outputs: the names of those
         that are computed (default: all); "force_n" is the sum of the contact forces. energy_step: samples between two energies; 0: none. precision: "double" or
-        "single".
+        "single". tuning: cents of the 128 keys of MIDI, as read_tuning() gives; NaN: the key does not sound.
         """
         play = {"double": self._source.play_double, "single": self._source.play_single}.get(precision)
         if play is None:
@@ -199,7 +200,7 @@ class Instrument:
         rows = self._rows(events, rows, samples, sample_rate_hz, parameters or {})
         played, forces, energies = play(initial, rows, samples, sample_rate_hz,
                                         [number in numbers for number in range(len(self.outputs))],
-                                        force or is_force_wanted, energy_step)
+                                        force or is_force_wanted, energy_step, [] if tuning is None else np.asarray(tuning, float).tolist())
         arrays = [*played, forces]
         sounds = {name: arrays[number] for number, name in enumerate(self._all_outputs()) if number in numbers}
         units = {name: self.outputs[name]["unit"] if name in self.outputs else "N" for name in sounds}

@@ -6,6 +6,9 @@ from __future__ import annotations
 import os
 from typing import Any, Mapping
 
+import numpy as np
+import numpy.typing as npt
+
 from . import _core
 from .instrument import Sound
 from .source import check_rate, source_of
@@ -18,22 +21,36 @@ class ScoreSound(Sound):
 
 
 def play_score(source: str | os.PathLike[str] | Mapping[str, Any], *, sample_rate_hz: float = 44100,
-               precision: str = "double") -> ScoreSound:
+               precision: str = "double", tuning: str | os.PathLike[str] | None = None,
+               keymap: str | os.PathLike[str] | None = None, a4_hz: float | None = None) -> ScoreSound:
     """Plays a score: a name that ships, the path of a .json or .mid file, or a dict. Returns a Sound, as `render` plays it.
 
     The sound has the shape (samples,) or, in stereo, (samples, 2). Its force_n holds the largest contact force in each
-    of at most 1200 equal stretches of time.
+    of at most 1200 equal stretches of time. tuning, keymap: files of Scala (.scl, .kbm) that tune its keys, as a4_hz, the
+    pitch of A4, does; in place of what the score says.
     """
     if precision not in ("single", "double"):
         raise ValueError(f"precision: '{precision}' is unknown; allowed: single, double")
     check_rate(sample_rate_hz)
-    samples, forces, contacts, output, unit, level_db = _core.play_score(*source_of(source), sample_rate_hz, precision == "single")
+    samples, forces, contacts, output, unit, level_db = _core.play_score(
+        *source_of(source), sample_rate_hz, precision == "single", *_tuning_of(tuning, keymap, a4_hz))
     title = source if isinstance(source, str) else "score"
     sound = ScoreSound(title, {output: samples[:, 0] if samples.shape[1] == 1 else samples}, {output: unit}, sample_rate_hz, forces)
     sound.contacts = contacts
     if level_db is not None:
         sound.level_db = level_db
     return sound
+
+
+def _tuning_of(tuning, keymap, a4_hz):
+    return *("" if file is None else os.fspath(file) for file in (tuning, keymap)), a4_hz
+
+
+def read_tuning(tuning: str | os.PathLike[str] | None = None, keymap: str | os.PathLike[str] | None = None, *,
+                a4_hz: float | None = None) -> npt.NDArray[np.float64]:
+    """Cents of the 128 keys of MIDI above equal temperament, by files of Scala (.scl, .kbm) and the pitch of A4: for
+    Instrument.play(tuning=...). NaN: the key does not sound."""
+    return np.array(_core.read_tuning(*_tuning_of(tuning, keymap, a4_hz)))
 
 
 def shipped(kind: str) -> list[str]:

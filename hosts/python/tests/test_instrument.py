@@ -184,6 +184,33 @@ def test_scores_are_those_of_the_program(tmp_path, program, score):
     assert -0.002 < np.min(lost) and np.max(lost) < 1
 
 
+def test_keys_are_tuned_by_files_of_scala(tmp_path):
+    # Middle C four keys higher: the key plays the strings of middle C. Its neighbour is left out.
+    (tmp_path / "up.kbm").write_text("2\n0\n127\n64\n64\n261.6255653005986\n12\n0\nx\n")
+    (tmp_path / "bad.scl").write_text("a scale\n1\n2/0\n")
+    cents = cs.read_tuning(keymap=tmp_path / "up.kbm")
+    assert len(cents) == 128 and abs(cents[64] + 400) < 1e-9 and math.isnan(cents[65])
+    assert np.allclose(cs.read_tuning(a4_hz=442), 1200 * math.log2(442 / 440), atol=1e-9)
+    guitar = cs.Instrument("classical_guitar")
+    tuned = guitar.play(cs.note(0, 64, 0.7), 0.2, tuning=cents)
+    plain = guitar.play(cs.note(0, 60, 0.7), 0.2)
+    for name in guitar.outputs:
+        assert np.allclose(tuned[name], plain[name], rtol=0, atol=1e-6 * np.max(np.abs(plain[name])))
+    assert not np.any(guitar.play(cs.note(0, 65, 0.7), 0.1, tuning=cents)[next(iter(guitar.outputs))])
+    score = {"instrument": "hammer-string", "keyboard": "piano", "duration_s": 0.2,
+             "events": [{"time_s": 0, "key": 60, "speed_m_per_s": 2}]}
+    high = {**score, "events": [{"time_s": 0, "key": 64, "speed_m_per_s": 2}]}
+    expected = cs.play_score(score).samples
+    for sound in (cs.play_score(high, keymap=tmp_path / "up.kbm"), cs.play_score({**high, "keymap": str(tmp_path / "up.kbm")})):
+        assert np.allclose(sound.samples, expected, rtol=0, atol=1e-5 * np.max(np.abs(expected)))
+    with pytest.raises(cs.Error, match="bad.scl: line 3: the ratio 2/0 is not positive; allowed"):
+        cs.read_tuning(tmp_path / "bad.scl")
+    with pytest.raises(cs.Error, match="snare: tuning: it has no keys"):
+        cs.Instrument("snare").play(cs.note(0, 38), 0.1, tuning=cents)
+    with pytest.raises(cs.Error, match="tuning: has 12 numbers; allowed: 128"):
+        guitar.play(cs.note(0, 60), 0.1, tuning=cents[:12])
+
+
 def test_energy_falls_after_a_blow():
     sound = made("hammer_string").play(cs.strike(0, 2.5), 0.5, energy_step=441)
     assert len(sound.energy_j) == 50 and np.all(sound.energy_j > 0)
