@@ -196,8 +196,6 @@ struct Prepared {
   std::vector<std::filesystem::path> stems;
 };
 
-constexpr double kLongestRing_s = 30;
-
 // How long it sounds: as long as it is told to, or until it has rung out.
 void set_length(Prepared& prepared) {
   auto& [options, score, how, stems] = prepared;

@@ -13,6 +13,8 @@ namespace contactspline {
 
 enum class Precision { kSingle, kDouble };
 
+constexpr double kLongestRing_s = 30;  ///< behind a MIDI file, whatever still rings then
+
 struct PlayOptions {
   double sample_rate_hz;    ///< > 0
   std::size_t output = 0;   ///< of outputs_of() the score

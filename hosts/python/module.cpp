@@ -155,7 +155,7 @@ std::vector<TimedEvent> events_in(const Rows& rows, const AnyInstrument<double>&
       refuse(instrument.name(), "tuning", fmt::format("has {} numbers", cents.size()), "128, as read_tuning() gives");
     if (!instrument.bends_keys())
       refuse(instrument.name(), "tuning", "it has no keys that could be tuned",
-             "for a piano and keys with a tuned_key");
+             "a piano, or an instrument whose keys have a tuned_key");
     KeyCents table;
     std::ranges::copy(cents, table.begin());
     keys.tune(tuned(midi_settings(instrument), table));
@@ -334,6 +334,7 @@ py::tuple play_score(const std::string& source, bool is_text, double rate, bool 
     level_db = score.level_db;
     PlayOptions options{rate};
     options.precision = is_single ? Precision::kSingle : Precision::kDouble;
+    if (score.ring_s > 0) options.max_ring_s = kLongestRing_s;
     choose_best_output(score, options);
     performance = play(score, options, [](double) { stop_on_signal(); });
     const Output chosen = contactspline::outputs_of(score)[options.output];

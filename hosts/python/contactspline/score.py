@@ -23,7 +23,8 @@ class ScoreSound(Sound):
 def play_score(source: str | os.PathLike[str] | Mapping[str, Any], *, sample_rate_hz: float = 44100,
                precision: str = "double", tuning: str | os.PathLike[str] | None = None,
                keymap: str | os.PathLike[str] | None = None, a4_hz: float | None = None) -> ScoreSound:
-    """Plays a score: a name that ships, the path of a .json or .mid file, or a dict. Returns a Sound, as `render` plays it.
+    """Plays a score: a name that ships, the path of a .json or .mid file, or a dict. Returns a Sound, as `render` plays it: a MIDI
+    file rings until it is 60 dB down.
 
     The sound has the shape (samples,) or, in stereo, (samples, 2). Its force_n holds the largest contact force in each
     of at most 1200 equal stretches of time. tuning, keymap: files of Scala (.scl, .kbm) that tune its keys, as a4_hz, the
