@@ -42,6 +42,8 @@ export interface Description {
   speeds: [softest: number, loudest: number] | null;
   /** Does useMaterial() work? */
   takesMaterial: boolean;
+  /** Does tune() work? */
+  isTunable: boolean;
   parameters: Parameter[];
   events: InstrumentEvent[];
   presets: { name: string; values: number[] }[];
@@ -82,6 +84,8 @@ interface Playable {
   strike(event: string, value?: number, time?: number): void;
   /** Messages of MIDI, or pieces of a stream; damaged and unknown ones do nothing. */
   midi(bytes: ArrayLike<number>, time?: number): void;
+  /** Tunes the 128 keys of MIDI by so many cents, from the next notes on: readTuning() gives them, null is equal temperament. */
+  tune(cents: ArrayLike<number> | null): void;
   set(parameter: string, value: number): void;
   loadPreset(name: string): void;
   /** The material of all later strikes. */
@@ -175,6 +179,9 @@ export interface Generator {
   design(text: string, file: string): Design;
   /** Reads a MIDI file: of the channels, all but the tenth, which is for drums. Throws one line, which calls it `file`. */
   readMidi(bytes: Uint8Array, file: string): MidiFile;
+  /** The cents of the 128 keys of MIDI above equal temperament, by the texts of files of Scala (.scl, .kbm) and the pitch of A4 [Hz].
+   * NaN: the key does not sound. Throws one line. */
+  readTuning(files?: { scale?: string; keymap?: string; a4?: number }): Float64Array;
   /** Reads an instrument file; what is wrong with it is one line. */
   instrument(text: string, file: string, options?: { width?: number; sampleRate?: number }): ReadInstrument | { error: string };
 }

@@ -183,6 +183,32 @@ const cases = {
     for (const wrong of [undefined, "MThd", [77]]) assert.throws(() => generator.readMidi(wrong, "song.mid"), kLine);
   },
 
+  "keys are tuned by files of Scala": async () => {
+    const keymap = "2\n0\n127\n64\n64\n261.6255653005986\n12\n0\nx\n"; // middle C four keys higher, without its neighbour
+    const cents = generator.readTuning({ keymap });
+    assert.ok(cents.length === 128 && Math.abs(cents[64] + 400) < 1e-9 && Number.isNaN(cents[65]));
+    assert.ok(Math.abs(generator.readTuning({ a4: 442 })[69] - 1200 * Math.log2(442 / 440)) < 1e-9);
+    for (const name of ["piano", "lap_steel"]) {
+      const played = async (key, tuning) => {
+        const player = await Player.create(name, kRate);
+        if (tuning !== undefined) player.tune(tuning);
+        player.noteOn(key, 0.7);
+        const sound = Array.from(blocks(player, 16)[0]);
+        player.close();
+        return sound;
+      };
+      const expected = await played(60);
+      assertEqualSound(name, await played(64, cents), expected, 1e-5);
+      assert.deepEqual(await played(60, null), expected);
+      assert.ok((await played(65, cents)).every((x) => x === 0));
+    }
+    const player = await Player.create("piano", kRate);
+    for (const wrong of [[0, 1], "a scale", 7]) assert.throws(() => player.tune(wrong), kLine);
+    assert.throws(() => generator.readTuning({ scale: "a scale\n1\n2/0\n" }), /^Error: scale: line 3: the ratio 2\/0 is not positive; allowed: /);
+    const tom = await Player.create("tom", kRate);
+    assert.throws(() => tom.tune(cents), /tom: has no keys that could be tuned/);
+  },
+
   "a file's text plays what ships": async () => {
     const { tanpura } = generator.instruments();
     const sounds = [];

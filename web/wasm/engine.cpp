@@ -42,6 +42,7 @@ double chosen_rate_hz = 0;
 std::array<float, 3 * kBlock> outputs, part;
 std::array<double, 5> shown_books;
 std::array<std::uint8_t, 128> midi_bytes;
+KeyCents key_cents;
 
 /// A key that has begun to play, or, at velocity 0, was let go: for those who draw it.
 struct HeardKey {
@@ -296,6 +297,16 @@ CONTACTSPLINE_WEB(std::uint8_t*, engine_midi_bytes) {
 /// Takes so many of them, for all voices: messages or pieces of a stream.
 CONTACTSPLINE_WEB(void, engine_midi, int count) {
   take_midi(std::span(midi_bytes).first(std::min<std::size_t>(static_cast<std::size_t>(count), midi_bytes.size())));
+}
+
+/// Where the page writes the cents of the 128 keys of MIDI.
+CONTACTSPLINE_WEB(double*, engine_key_cents) {
+  return key_cents.data();
+}
+
+/// Tunes the keys of all voices by them, from the next notes on.
+CONTACTSPLINE_WEB(void, engine_tune) {
+  for (const Voice& each : voices) each.instrument->tune(key_cents);
 }
 
 /// Lets all keys and pedals of MIDI go, and brings wheels to their centre.

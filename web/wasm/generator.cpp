@@ -21,6 +21,7 @@
 #include "generator/instrument/instrument_reader.hpp"
 #include "generator/material/material_reader.hpp"
 #include "generator/player/midi_reader.hpp"
+#include "generator/player/tuning.hpp"
 #include "generator/spline/design.hpp"
 #include "generator/support/embedded_files.hpp"
 #include "generator/support/error.hpp"
@@ -240,6 +241,20 @@ CONTACTSPLINE_WEB(const char*, contactspline_midi, const char* bytes, std::size_
       for (const int byte : message) messages.back().push_back(byte);
     }
     return Json{{"title", played.title}, {"remarks", played.remarks}, {"end", played.end_s}, {"messages", messages}};
+  });
+}
+
+/// Reads the texts of a scale and a key map of Scala, each of which may be empty, with a pitch of A4 [Hz]; 0: that of
+/// the key map, or 440. Returns JSON: {"cents"} of the 128 keys of MIDI, null for a key that does not sound; or
+/// {"error": one line}. The page frees the texts.
+CONTACTSPLINE_WEB(const char*, contactspline_tuning, const char* scale, const char* keymap, double a4_hz) {
+  return answer([&] {
+    const auto text = [](const char* of, const char* name) {
+      return *of == '\0' ? std::nullopt : std::optional(TuningText{of, name});
+    };
+    Tuning tuning{text(scale, "scale"), text(keymap, "keymap")};
+    if (a4_hz != 0) tuning.a4_hz = a4_hz;
+    return Json{{"cents", key_cents(tuning)}};
   });
 }
 

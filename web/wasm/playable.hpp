@@ -36,6 +36,7 @@ class Playable {
   virtual void note_on(int key, double velocity) = 0;
   virtual void note_off(int key) = 0;
   virtual void midi(std::span<const std::uint8_t> bytes) = 0;
+  virtual void tune(const KeyCents& cents) = 0;
   /// Plays an event by this speed [m/s] or force [N] in the range of its parameter; by its parameter if it is NaN.
   virtual void play(std::size_t event, double value) = 0;
   virtual void process(std::span<float> left, std::span<float> right, std::span<float> force) = 0;
@@ -55,9 +56,9 @@ inline constexpr double kVelocity = requires {
 /// What the page needs to know of an instrument, as JSON. Numbers are those of the lists, in SI; shown values are
 /// `factor` times as large. min, max: of the slider; allowed: what the parameter takes. keys: the first and the last
 /// one, null where the keys from middle C on play the events. velocity: of a key that has none of its own. speeds: of
-/// the softest and the loudest key [m/s], or null.
+/// the softest and the loudest key [m/s], or null. isTunable: can its keys be tuned?
 template <typename I>
-[[nodiscard]] std::string description_of(const I& instrument) {
+[[nodiscard]] std::string description_of(const I& instrument, bool is_tunable) {
   std::vector<std::string> parameters, events, presets;
   for (std::size_t p = 0; p < instrument.parameters().size(); ++p) {
     const Parameter& x = instrument.parameters()[p];
@@ -88,10 +89,10 @@ template <typename I>
     I::takes_material;
   };
   return fmt::format(R"({{"name": "{}", "title": "{}", "description": {}, "keys": {}, "velocity": {}, "speeds": {}, )"
-                     R"("takesMaterial": {}, "parameters": [{}], "events": [{}], "presets": [{}]}})",
+                     R"("takesMaterial": {}, "isTunable": {}, "parameters": [{}], "events": [{}], "presets": [{}]}})",
                      instrument.name(), label_of(instrument.name()).text, quoted(instrument.description()), keys,
-                     kVelocity<I>, speeds, takes_material, fmt::join(parameters, ", "), fmt::join(events, ", "),
-                     fmt::join(presets, ", "));
+                     kVelocity<I>, speeds, takes_material, is_tunable, fmt::join(parameters, ", "),
+                     fmt::join(events, ", "), fmt::join(presets, ", "));
 }
 
 /// I: an Instrument. Its sound is its outputs left_... and right_..., or else the one of number `otherwise`.
@@ -111,7 +112,9 @@ class PlayableBehind final : public Playable {
     wanted_.resize(outputs.size());
   }
 
-  [[nodiscard]] std::string described() const override { return description_of(own_); }
+  [[nodiscard]] std::string described() const override {
+    return description_of(own_, hosted_.instrument().bends_keys());
+  }
   void prepare(double sample_rate_hz) override { hosted_.prepare(sample_rate_hz); }
   void set(std::size_t parameter, double value) override { hosted_.set(parameter, value); }
   [[nodiscard]] double target(std::size_t parameter) const override {
@@ -126,6 +129,7 @@ class PlayableBehind final : public Playable {
     midi(std::array{std::uint8_t{0x80}, static_cast<std::uint8_t>(key & 127), std::uint8_t{0}});
   }
   void midi(std::span<const std::uint8_t> bytes) override { hosted_.midi(bytes); }
+  void tune(const KeyCents& cents) override { hosted_.tune(cents); }
   void play(std::size_t event, double value) override {
     if (event >= hosted_.instrument().events().size()) return;
     const std::size_t parameter = hosted_.instrument().events()[event].parameter;

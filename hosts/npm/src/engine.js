@@ -54,6 +54,11 @@ export function startEngine(module, sampleRate = 44100) {
         exports.engine_midi(part.length);
       }
     },
+    /** Tunes the keys of MIDI by so many cents, from the next notes on; NaN: the key does not sound. */
+    tune(cents) {
+      new Float64Array(exports.memory.buffer, exports.engine_key_cents(), cents.length).set(cents);
+      exports.engine_tune();
+    },
     /** Lets all keys and pedals of MIDI go. */
     letGo: () => exports.engine_let_go(),
     /** Keys that have begun to play since the last call, each with its velocity, and keys that were let go, with 0. */

@@ -53,6 +53,13 @@ export function startGenerator(module) {
       return { ...read, messages: messages.map(([time, ...bytes]) => ({ time, bytes })) };
     },
 
+    /** The cents of the 128 keys of MIDI above equal temperament, by the texts of a scale and a key map of Scala and the pitch of A4
+     * [Hz]; NaN: the key does not sound. Throws bad input. */
+    readTuning({ scale = "", keymap = "", a4 = 0 } = {}) {
+      const { cents } = answered(exports, withTexts(exports, [scale, keymap], (...at) => exports.contactspline_tuning(...at, a4)));
+      return Float64Array.from(cents, (value) => value ?? NaN);
+    },
+
     /** Designs a material: its emitted files by name, table, curve and errors (web/wasm/generator.cpp). Throws bad input. */
     design: (text, file) => answered(exports, withTexts(exports, [text, file], (...at) => exports.contactspline_generate(...at))),
   };

@@ -4,6 +4,7 @@
 /** Of a material: web/wasm/hammer_keys.hpp. */
 export const kMaxSegments = 128;
 export const kMaxMemories = 4;
+const kMidiKeys = 128;
 const kLargest = 1e15; // of a number of a table, far from the end of single precision
 
 /** Plays a message in an engine (engine.js). */
@@ -15,6 +16,7 @@ export function play(engine, message) {
   if (message.do === "noteOff") engine.noteOff(message.key, message.voice);
   if (message.do === "strike") engine.strike(message.event, message.value);
   if (message.do === "midi") engine.midi(message.bytes);
+  if (message.do === "tune") engine.tune(message.cents);
   if (message.do === "watchNone") engine.watchNone();
 }
 
@@ -81,6 +83,14 @@ export const playable = (Base) =>
     midi(bytes, time = 0) {
       if (typeof bytes !== "object" || bytes === null) throw badInput("midi", `${String(bytes)} is no message`, "bytes, such as [0x90, 60, 100]");
       this.sendAt(time, { do: "midi", bytes: Uint8Array.from(bytes, (byte) => (typeof byte === "number" ? byte : 0)) });
+    }
+
+    tune(cents) {
+      const { name, isTunable } = this.description;
+      if (!isTunable) throw badInput(name, "has no keys that could be tuned", "a piano, or an instrument whose keys have a tuned_key");
+      const numbers = Float64Array.from(cents ?? Array(kMidiKeys).fill(0));
+      if (numbers.length !== kMidiKeys) throw badInput("cents", `has ${numbers.length} numbers`, `${kMidiKeys}, as generator.readTuning() gives, or null`);
+      this.send({ do: "tune", cents: numbers });
     }
 
     loadPreset(name) {
