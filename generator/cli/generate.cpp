@@ -42,7 +42,7 @@ std::string rate_option(const GenerateOptions& options) {
 struct Emitted {
   std::vector<OutputFile> files;
   std::vector<std::filesystem::path> inputs;
-  std::string left_out;  ///< a line for each file that cannot be written
+  std::string remarks;  ///< a line for each file that cannot be written, and on what has too low a rate
 };
 
 /// What one material becomes, and the files that it was read from.
@@ -54,14 +54,14 @@ struct EmittedSource {
 EmittedSource emit_one(const std::string& argument, const GenerateOptions& options) {
   const Source source = source_argument(argument, options.sample_rate_hz / 2);
   const std::string& name = source.name;
-  EmittedSource made{name, {{}, source.files, {}}};
+  EmittedSource made{name, {{}, source.files, source.remark}};
   const WaitingLine line("emitting " + argument);
   for (const Emitter& emitter : chosen_emitters(options)) {
     if (emitter.name == "faust" && source.faust_obstacle) {
       if (!options.formats.empty())
         refuse(argument, "--emit", *source.faust_obstacle,
                "cpp, whose class hosts play (docs/reference/instruments.md), json");
-      made.emitted.left_out += fmt::format("left out {}.{}: {}\n", name, emitter.extension, *source.faust_obstacle);
+      made.emitted.remarks += fmt::format("left out {}.{}: {}\n", name, emitter.extension, *source.faust_obstacle);
       continue;
     }
     const std::string command =
@@ -85,7 +85,7 @@ Emitted emit_all(const GenerateOptions& options) {
       refuse(options.materials[i], "name", fmt::format("'{}' is the name of two materials", name), "once");
     std::ranges::copy(emitted.files, std::back_inserter(all.files));
     std::ranges::copy(emitted.inputs, std::back_inserter(all.inputs));
-    all.left_out += emitted.left_out;
+    all.remarks += emitted.remarks;
   }
   return all;
 }
@@ -163,7 +163,7 @@ std::vector<std::filesystem::path> write_to_folder(const GenerateOptions& option
   const auto written = write_files(emitted.files);
   std::string report = written.empty() ? fmt::format("{} files are current\n", sources) : "";
   for (const auto& path : written) report += fmt::format("wrote {}\n", path.string());
-  report += emitted.left_out;
+  report += emitted.remarks;
   write_stdout(report);
   return std::move(emitted.inputs);
 }

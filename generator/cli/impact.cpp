@@ -90,6 +90,15 @@ std::string range_line(const Comparison& c) {
                      impact.min_speed_m_per_s, impact.max_speed_m_per_s);
 }
 
+// The lowest of the rates, where the contact is too short for it.
+std::string short_line(const Comparison& c) {
+  double rate = 0;
+  for (const Motion& motion : c.motions)
+    if (motion.sample_rate_hz > 0 && (rate == 0 || motion.sample_rate_hz < rate)) rate = motion.sample_rate_hz;
+  const std::string text = rate > 0 ? short_contact(c.exact().contact_duration_s, rate) : "";
+  return text.empty() ? text : "  the contact " + text + "\n";
+}
+
 std::string row_label(const Comparison& c, const Motion& motion) {
   if (motion.model == "spline") return fmt::format("spline {:>3}", c.design->spline.segments.size());
   return motion.model == "exact" ? "exact" : fmt::format("{:>6.1f} kHz", motion.sample_rate_hz / 1000);
@@ -113,7 +122,7 @@ std::string text_of(const Comparison& c) {
   text += fmt::format("             {:>12} {:>9} {:>14} {:>9} {:>16} {:>8}\n", "duration", "error", "compression",
                       "error", "exit speed error", "samples");
   for (const Motion& motion : c.motions) text += text_row(c, motion);
-  return text;
+  return text + short_line(c);
 }
 
 /// A column of the table of speeds: three lines of heading, then a cell for each speed.

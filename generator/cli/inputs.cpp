@@ -21,6 +21,7 @@
 #include "generator/player/score_reader.hpp"
 #include "generator/resonator/keyboard_reader.hpp"
 #include "generator/resonator/resonator_reader.hpp"
+#include "generator/spline/design_impact.hpp"
 #include "generator/support/embedded_files.hpp"
 #include "generator/support/error.hpp"
 #include "generator/support/file_kind.hpp"
@@ -41,14 +42,17 @@ std::string text_of(const std::string& argument) {
   return argument == kStandardInput ? read_standard_input() : read_input(argument);
 }
 
-Source material_source(const std::string& argument, Design design) {
+Source material_source(const std::string& argument, Design design, double sample_rate_hz) {
   const std::string name = design.material.name;
+  const std::string too_short = short_contact(design.material, sample_rate_hz);
   auto files = input_files(argument, design.material);
   return {name,
           [design = std::move(design)](const Emitter& emitter, std::string_view command) {
             return emit(emitter, design, command);
           },
-          std::move(files)};
+          std::move(files),
+          {},
+          too_short.empty() ? "" : name + ": " + too_short};
 }
 
 // The modes, of which there must be one.
@@ -174,7 +178,8 @@ Source file_source(const std::string& file, double max_frequency_hz) {
   const Shipped kind = kind_of_file(text, file, "material").value_or(Shipped::kMaterials);
   if (kind == Shipped::kScores) refuse_kind(file, "file", kind, fmt::format("a {}", kAnyKind));
   if (kind == Shipped::kInstruments) return instrument_source(file, read_instrument(file, text), max_frequency_hz);
-  if (kind == Shipped::kMaterials) return material_source(file, design_material(text, file, reader_beside(file)));
+  if (kind == Shipped::kMaterials)
+    return material_source(file, design_material(text, file, reader_beside(file)), 2 * max_frequency_hz);
   if (kind == Shipped::kKeyboards) return keyboard_file(text, file, max_frequency_hz);
   Source source = resonator_source(parse_resonator(text, file), max_frequency_hz);
   source.files = {file};
@@ -338,7 +343,7 @@ Source source_argument(const std::string& argument, double max_frequency_hz) {
   if (auto instrument = instrument_argument(argument))
     return instrument_source(argument, std::move(*instrument), max_frequency_hz);
   if (shipped(Shipped::kMaterials, argument) == nullptr) refuse_any_name(argument);
-  return material_source(argument, design_argument(argument));
+  return material_source(argument, design_argument(argument), 2 * max_frequency_hz);
 }
 
 ScoreSource score_argument(const std::string& argument, const std::vector<int>& channels,

@@ -51,6 +51,7 @@ struct Source {
   std::function<std::string(const Emitter&, std::string_view command)> emit;
   std::vector<std::filesystem::path> files;        ///< it was read from; none for a shipped name
   std::optional<std::string> faust_obstacle = {};  ///< why it cannot be written in Faust
+  std::string remark = {};                         ///< a line on what it does at this rate, or nothing
 };
 
 /// Reads a MATERIAL argument of `generate`. Resonators and instruments keep their modes below

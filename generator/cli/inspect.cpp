@@ -20,6 +20,7 @@
 #include "generator/cli/parallel.hpp"
 #include "generator/cli/waiting_line.hpp"
 #include "generator/emit/emit_instrument.hpp"
+#include "generator/spline/design_impact.hpp"
 #include "generator/spline/exponent_family.hpp"
 #include "generator/support/error.hpp"
 
@@ -131,7 +132,8 @@ std::string quality_table(const Design& design) {
         "dB\n",
         "spectrum, worst", design.spectrum->worst_db, "spectrum, on average", design.spectrum->mean_db,
         kMaxSpectrumFrequency_hz, kMinSpectrumLevel_db);
-  return table + sound_advice(design) + family_table(design);
+  const std::string too_short = short_contact(design.material, kDefaultRate);
+  return table + sound_advice(design) + (too_short.empty() ? "" : "  " + too_short) + family_table(design);
 }
 
 /// A row of --compare.

@@ -17,6 +17,7 @@
 #include "generator/cli/inputs.hpp"
 #include "generator/cli/render_output.hpp"
 #include "generator/cli/sound_file.hpp"
+#include "generator/spline/design_impact.hpp"
 #include "generator/support/error.hpp"
 
 namespace contactspline {
@@ -65,6 +66,17 @@ std::size_t contacts_in(std::span<const double> force) {
   return contacts;
 }
 
+// A line where a contact at this speed is too short for the rate.
+std::string short_contact_line(const MassBarrierOptions& options, const Design& design) {
+  const double speed = option_or(options.speed_m_per_s, design, &Impact::max_speed_m_per_s, options, "--speed");
+  if (!(speed > 0)) return {};
+  const double mass_kg = option_or(options.mass_kg, design, &Impact::mass_kg, options, "--mass");
+  const double duration_s =
+      exact_impact(design.material, mass_kg / options.stiffness_ratio, speed).contact_duration_s;
+  const std::string text = short_contact(duration_s, options.output.sample_rate_hz);
+  return text.empty() ? text : "a contact " + text + "\n";
+}
+
 }  // namespace
 
 void render_mass_barrier(const MassBarrierOptions& given) {
@@ -86,9 +98,10 @@ void render_mass_barrier(const MassBarrierOptions& given) {
                                                         1, options.output.sample_rate_hz, options.output.bits),
                                             [&](FigureFormat format) { return figure_of(motion, title, format); });
   write_stdout(fmt::format(
-      "{} contacts in {} s, largest contact force {:.4g} N\nfull scale of the sound: {:.4g} {} ({})\n{}",
-      contacts_in(motion.force_n), options.duration_s, peak_of<double>(motion.force_n), 1 / scale,
-      options.signal == "force" ? "N" : "m", options.signal == "force" ? "contact force" : "displacement", written));
+      "{} contacts in {} s, largest contact force {:.4g} N\n{}full scale of the sound: {:.4g} {} ({})\n{}",
+      contacts_in(motion.force_n), options.duration_s, peak_of<double>(motion.force_n),
+      short_contact_line(options, design), 1 / scale, options.signal == "force" ? "N" : "m",
+      options.signal == "force" ? "contact force" : "displacement", written));
 }
 
 }  // namespace contactspline

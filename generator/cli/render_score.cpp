@@ -21,6 +21,7 @@
 #include "generator/cli/render_output.hpp"
 #include "generator/cli/sound_file.hpp"
 #include "generator/player/score_player.hpp"
+#include "generator/spline/design_impact.hpp"
 #include "generator/support/error.hpp"
 
 namespace contactspline {
@@ -228,6 +229,13 @@ Prepared prepare(std::optional<Model> model, const ScoreOptions& given) {
   return prepared;
 }
 
+// A line where the contacts of the voices are, on average, too short for the rate.
+std::string short_contact_line(const Performance& performance) {
+  if (!(performance.mean_contact_s > 0)) return {};
+  const std::string text = short_contact(performance.mean_contact_s, performance.sample_rate_hz);
+  return text.empty() ? text : "a contact, on average, " + text + "\n";
+}
+
 void render(Prepared& prepared) {
   auto& [options, score, how, stems] = prepared;
   if (!score.left_out.empty()) std::fputs(fmt::format("contactspline: {}\n", score.left_out).c_str(), stderr);
@@ -252,10 +260,11 @@ void render(Prepared& prepared) {
                     sound_bytes(options.output.sound, std::span<const float>(performance.samples), scale,
                                 performance.channels, options.output.sample_rate_hz, options.output.bits),
                     [&](FigureFormat format) { return figure_of(performance, text, format); });
-  const std::string contacts = summed_contacts(score) == 0
-                                   ? ""
-                                   : fmt::format("{} contacts in {:.4g} s, largest contact force {:.4g} N\n",
-                                                 performance.contacts, score.duration_s, performance.largest_force_n);
+  const std::string contacts =
+      summed_contacts(score) == 0
+          ? ""
+          : fmt::format("{} contacts in {:.4g} s, largest contact force {:.4g} N\n{}", performance.contacts,
+                        score.duration_s, performance.largest_force_n, short_contact_line(performance));
   write_stdout(fmt::format("{}full scale of the sound: {:.4g} {} ({})\n{}{}", contacts, 1 / scale, sound.unit,
                            sound.trace, written, write_stems(stems, options, score, how, scale)));
 }

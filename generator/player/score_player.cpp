@@ -65,7 +65,7 @@ class Recorder {
     strings_ = voice.strings;
     left_ = is_on_body_ || performance_.channels == 1 ? 1 : std::cos(angle);
     right_ = is_on_body_ ? 1 : std::sin(angle);
-    touches_ = false;
+    end_contact();
   }
 
   /// A block of a voice: the output and the contact force of every sample.
@@ -89,8 +89,10 @@ class Recorder {
   /// A contact begins where the force of the voice was 0.
   void add_force(std::size_t sample, double force_n) {
     note_force(sample, force_n);
-    performance_.contacts += force_n > 0 && !touches_;
-    touches_ = force_n > 0;
+    if (!(force_n > 0)) return end_contact();
+    performance_.contacts += contact_samples_ == 0;
+    ++contact_samples_;
+    contact_impulse_ += force_n;
   }
   void note_force(std::size_t sample, double force_n) {
     float& largest = performance_.force_n[sample / stretch_];
@@ -105,17 +107,27 @@ class Recorder {
   /// A part has ended there; the last one ends the sound.
   void end_at(std::size_t sample) { end_ = std::max(end_, sample); }
   [[nodiscard]] Performance&& take() {
+    end_contact();
+    if (impulse_ > 0) performance_.mean_contact_s = impulse_samples_ / impulse_ / performance_.sample_rate_hz;
     performance_.samples.resize(end_ * static_cast<std::size_t>(performance_.channels));
     performance_.force_n.resize((end_ + stretch_ - 1) / stretch_);
     return std::move(performance_);
   }
 
  private:
+  void end_contact() {
+    impulse_ += contact_impulse_;
+    impulse_samples_ += contact_impulse_ * static_cast<double>(contact_samples_);
+    contact_samples_ = 0;
+    contact_impulse_ = 0;
+  }
+
   bool is_on_body_;  // all strings drive one bridge
   std::size_t least_, samples_, stretch_, end_ = least_;
   Performance performance_;
   double strings_ = 1, left_ = 1, right_ = 1;
-  bool touches_ = false;
+  std::size_t contact_samples_ = 0;                                 // of the contact that lasts
+  double contact_impulse_ = 0, impulse_ = 0, impulse_samples_ = 0;  // sums of forces; the last one times samples
 };
 
 using PartDone = std::function<void(std::size_t)>;

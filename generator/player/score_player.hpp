@@ -31,7 +31,8 @@ struct Performance {
   std::vector<float> force_n;  ///< largest contact force, of an instrument file the largest sum, of any voice in each
                                ///< of equal stretches of time, at most 1200 over the duration of the score
   double largest_force_n;
-  std::size_t contacts;  ///< of all voices
+  std::size_t contacts;       ///< of all voices
+  double mean_contact_s = 0;  ///< weighted by the impulses; 0 without contacts, and of keyboards
 };
 
 /// The outputs of a score's instrument. A resonator without a bridge lacks the last one.

@@ -62,6 +62,22 @@ BarrierImpact spline_impact(const Design& design, double mass_kg, double speed_m
           force<double>(std::span(table), impact.max_compression_m)};
 }
 
+std::string short_contact(double contact_duration_s, double sample_rate_hz) {
+  const double samples = contact_duration_s * sample_rate_hz;
+  if (samples >= kTooFewSamples) return {};
+  return fmt::format("lasts {:.3g} us, {:.2g} samples at {:g} kHz, too few to follow it: {:.3g} kHz has {:g}",
+                     1e6 * contact_duration_s, samples, sample_rate_hz / 1000,
+                     kEnoughSamples / contact_duration_s / 1000, kEnoughSamples);
+}
+
+std::string short_contact(const Material& material, double sample_rate_hz) {
+  if (!material.impact) return {};
+  const Impact& impact = *material.impact;
+  const double duration_s = exact_impact(material, impact.mass_kg, impact.max_speed_m_per_s).contact_duration_s;
+  const std::string text = short_contact(duration_s, sample_rate_hz);
+  return text.empty() ? text : fmt::format("a contact at {} m/s {}\n", impact.max_speed_m_per_s, text);
+}
+
 BarrierImpact simulated_impact(const Design& design, double mass_kg, double speed_m_per_s, double sample_rate_hz,
                                std::string_view argument) {
   require_short(design, mass_kg, speed_m_per_s, sample_rate_hz, argument, 1e8);

@@ -91,9 +91,10 @@ TEST(Generate, WritesEveryFormatUnlessSomeAreNamed) {
 
 TEST(Generate, CreatesFoldersAndNamesWhatItWrote) {
   const Sandbox box;
-  EXPECT_EQ(printed({"generate", "mb1", "-o", "a/b c/../d"}, box.path()),
-            "wrote a/b c/../d/mb1.lib\nwrote a/b c/../d/mb1.hpp\nwrote a/b c/../d/mb1.json\n");
-  EXPECT_EQ(sorted_names(box / "a/d"), (Words{"mb1.hpp", "mb1.json", "mb1.lib"}));
+  EXPECT_EQ(printed({"generate", "rubber_on_wood", "-o", "a/b c/../d"}, box.path()),
+            "wrote a/b c/../d/rubber_on_wood.lib\nwrote a/b c/../d/rubber_on_wood.hpp\nwrote a/b "
+            "c/../d/rubber_on_wood.json\n");
+  EXPECT_EQ(sorted_names(box / "a/d"), (Words{"rubber_on_wood.hpp", "rubber_on_wood.json", "rubber_on_wood.lib"}));
 }
 
 TEST(Generate, WritesToTheWorkingFolderByDefault) {
@@ -104,7 +105,7 @@ TEST(Generate, WritesToTheWorkingFolderByDefault) {
 
 TEST(Generate, LeavesAnUnchangedFileUntouched) {
   const Sandbox box;
-  const Words arguments = {"generate", "mb1", "-o", "out", "--depfile", "out/mb1.d"};
+  const Words arguments = {"generate", "rubber_on_wood", "-o", "out", "--depfile", "out/rubber_on_wood.d"};
   printed(arguments, box.path());
   const auto before = box.listing();
   EXPECT_EQ(printed(arguments, box.path()), "3 files are current\n");
@@ -113,15 +114,15 @@ TEST(Generate, LeavesAnUnchangedFileUntouched) {
 
 TEST(Generate, ReplacesJustTheFileThatChanged) {
   const Sandbox box;
-  printed({"generate", "mb1", "-o", "out"}, box.path());
+  printed({"generate", "rubber_on_wood", "-o", "out"}, box.path());
   const auto before = box.listing();
-  write_file(box / "out/mb1.hpp", before.at("out/mb1.hpp").content + " ");
-  EXPECT_EQ(printed({"generate", "mb1", "-o", "out"}, box.path()), "wrote out/mb1.hpp\n");
+  write_file(box / "out/rubber_on_wood.hpp", before.at("out/rubber_on_wood.hpp").content + " ");
+  EXPECT_EQ(printed({"generate", "rubber_on_wood", "-o", "out"}, box.path()), "wrote out/rubber_on_wood.hpp\n");
   const auto after = box.listing();
   EXPECT_EQ(names_in(after), names_in(before));
-  EXPECT_TRUE(after.at("out/mb1.lib") == before.at("out/mb1.lib"));
-  EXPECT_TRUE(after.at("out/mb1.json") == before.at("out/mb1.json"));
-  EXPECT_EQ(after.at("out/mb1.hpp").content, before.at("out/mb1.hpp").content);
+  EXPECT_TRUE(after.at("out/rubber_on_wood.lib") == before.at("out/rubber_on_wood.lib"));
+  EXPECT_TRUE(after.at("out/rubber_on_wood.json") == before.at("out/rubber_on_wood.json"));
+  EXPECT_EQ(after.at("out/rubber_on_wood.hpp").content, before.at("out/rubber_on_wood.hpp").content);
 }
 
 TEST(GenerateCheck, PassesWhereAllIsFresh) {
@@ -346,15 +347,15 @@ TEST(GenerateLink, StaysALinkAndItsTargetIsReplaced) {
   fs::create_directories(box / "store");
   write_file(box / "store/real.hpp", kOld);
   fs::create_symlink("store/real.hpp", box / "link.hpp");
-  fs::create_symlink("link.hpp", box / "mb1.hpp");
+  fs::create_symlink("link.hpp", box / "rubber_on_wood.hpp");
   const auto before = box.listing();
-  EXPECT_EQ(printed({"generate", "mb1", "--emit", "cpp"}, box.path()), "wrote ./mb1.hpp\n");
+  EXPECT_EQ(printed({"generate", "rubber_on_wood", "--emit", "cpp"}, box.path()), "wrote ./rubber_on_wood.hpp\n");
   const auto after = box.listing();
   EXPECT_EQ(names_in(after), names_in(before));
-  EXPECT_TRUE(after.at("mb1.hpp") == before.at("mb1.hpp"));
+  EXPECT_TRUE(after.at("rubber_on_wood.hpp") == before.at("rubber_on_wood.hpp"));
   EXPECT_TRUE(after.at("link.hpp") == before.at("link.hpp"));
   EXPECT_TRUE(S_ISREG(after.at("store/real.hpp").mode));
-  EXPECT_EQ(after.at("store/real.hpp").content, printed({"generate", "mb1", "--emit", "cpp", "-o", "-"}));
+  EXPECT_EQ(after.at("store/real.hpp").content, printed({"generate", "rubber_on_wood", "--emit", "cpp", "-o", "-"}));
 }
 
 TEST(GenerateLink, ToAFolderIsAFolder) {

@@ -11,6 +11,7 @@
 #include <numbers>
 #include <sstream>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "generator/contact/barrier_impact.hpp"
@@ -108,11 +109,44 @@ INSTANTIATE_TEST_SUITE_P(Kinds, ImpactOf,
                          [](const auto& test) { return test.param; });
 
 // Within the range to its ends no word; beyond it a line before the numbers.
+TEST(Impact, SaysWhereAContactIsTooShortForTheRate) {
+  const Sandbox box;
+  const std::string line = "lasts 30.1 us, 1.3 samples at 44.1 kHz, too few to follow it: 332 kHz has 10\n";
+  EXPECT_TRUE(printed(box, {"impact", "steel_on_steel"}).ends_with("  the contact " + line));
+  EXPECT_TRUE(printed(box, {"inspect", "steel_on_steel"}).find("\n  a contact at 2 m/s " + line) !=
+              std::string::npos);
+  const auto written = printed(box, {"generate", "steel_on_steel", "felt_c4"});
+  EXPECT_TRUE(written.ends_with("\nsteel_on_steel: a contact at 2 m/s " + line)) << written;
+  const Words render = {"render", "mass-barrier", "--material", "steel_on_steel", "--duration", "0.1"};
+  EXPECT_TRUE(printed(box, render).find("\na contact " + line) != std::string::npos);
+  write_file(box / "score.json", R"({"instrument": "hammer-string", "duration_s": 0.1,
+    "voices": [ { "name": "d", "resonator": "guitar_d3", "material": "steel_on_steel", "hammer_mass_kg": 1e-5 } ],
+    "events": [ { "voice": "d", "time_s": 0, "speed_m_per_s": 2 } ] })");
+  const auto rendered = printed(box, {"render", "--score", "score.json", "-o", "score.wav"});
+  EXPECT_TRUE(rendered.find("\na contact, on average, lasts 45.4 us, 2 samples at 44.1 kHz, too few") !=
+              std::string::npos)
+      << rendered;
+  for (const char* command : {"impact", "inspect", "generate"})
+    EXPECT_EQ(printed(box, {command, "felt_c4"}).find("too few"), std::string::npos) << command;
+}
+
+// The rate that the line names does what the page on the command line says of it, and where the line ends it is
+// needed.
+TEST(Impact, ErrsByAFewPercentWhereAContactHasEnoughSamples) {
+  const Sandbox box;
+  for (const auto& [rate, least, most] : {std::tuple{"332434", 0.8, 2.0}, std::tuple{"149600", 4.0, 8.0}}) {
+    const auto lines = lines_of(printed(box, {"impact", "steel_on_steel", "--rate", rate}));
+    ASSERT_EQ(lines.size(), 5u);
+    const double error = parse_row(lines[4], lines[4].substr(0, 13)).duration_error;
+    EXPECT_TRUE(error >= least && error <= most) << lines[4];
+  }
+}
+
 TEST(Impact, SaysWhereASpeedIsOutOfTheRange) {
   const Sandbox box;
   write_file(box / "probe.json", material(16));
   const auto lines_at = [&](const std::string& speed) {
-    return lines_of(printed(box, {"impact", "probe.json", "--rate", "44100", "--speed", speed}));
+    return lines_of(printed(box, {"impact", "probe.json", "--rate", "441000", "--speed", speed}));
   };
   for (const std::string speed : {"0.1", "2"}) EXPECT_EQ(lines_at(speed).size(), 5u) << speed;
   for (const std::string speed : {"0.099", "2.001", "100"}) {
