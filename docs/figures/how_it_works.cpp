@@ -14,9 +14,10 @@
 #include <vector>
 
 #include "coarse.hpp"
+#include "contactspline/data/stiff_string.hpp"
 #include "contactspline/materials/felt_c4.hpp"
 #include "contactspline/materials/steel_on_steel.hpp"
-#include "contactspline/modal/stiff_string.hpp"
+#include "contactspline/modal/stretching_bank.hpp"
 #include "contactspline/models/body.hpp"
 #include "contactspline/models/hammer_string.hpp"
 #include "contactspline/network/contact_network.hpp"
@@ -198,6 +199,71 @@ void ears(const std::string& folder) {
   }
 }
 
+// A violin's D string with torsion, bowed at a tenth of its length at 10 cm/s with three forces: the velocity of the
+// string under the bow [cm/s], after half a second.
+void bow(const std::string& folder) {
+  constexpr double kFrequency_hz = 293.7, kModalMass_kg = 2.1e-4, kPart = 0.1;
+  std::vector<Mode> modes;
+  std::vector<double> shapes;
+  const auto add_modes = [&](int count, double frequency_hz, double mass_kg, double quality) {
+    for (int n = 1; n <= count; ++n) {
+      const double w = 2 * std::numbers::pi * frequency_hz * n;
+      modes.push_back({w, w / (2 * quality), mass_kg});
+      shapes.push_back(std::sin(std::numbers::pi * n * kPart));
+    }
+  };
+  add_modes(60, kFrequency_hz, kModalMass_kg, 300);
+  add_modes(20, 5.5 * kFrequency_hz, 2.5 / 5.5 * kModalMass_kg, 30);  // of torsion, at the surface
+  auto file = file_in(folder, "bow");
+  for (const double force_n : {0.07, 0.3, 1.5}) {
+    NetworkPlan<double> plan;
+    const std::size_t bowed = plan.add_place(plan.add_body(modes), shapes);
+    const std::size_t hair = plan.add_friction(kGround, bowed, kRosin, 0.01);
+    ContactNetwork<double> network(plan, kRate);
+    network.set_normal_force(hair, force_n);
+    for (int n = 0; n < 22050 + 750; ++n) {
+      network.set_surface_speed(hair, std::min(0.1, 2.0 * n / kRate));
+      network.tick();
+      if (n < 22050) continue;
+      file << 1e3 * (n - 22050) / kRate << ' ' << 100 * network.velocity(bowed) << '\n';
+    }
+    file << "\n\n";
+  }
+}
+
+// The pitch of the string of stretching.md above 110 Hz [cents] as it fades from three amplitudes: from each two
+// rises through 0, and Duffing's closed form at the amplitude that the energy gives.
+void stretch(const std::string& folder) {
+  constexpr double kLength_m = 0.65, kMass_kg = 1.8e-4, w = 2 * std::numbers::pi * 110;
+  const double square = std::pow(std::numbers::pi / kLength_m, 2), stiffness_j = 2e11 * 7.07e-8 * kLength_m / 8;
+  const double cubic = stiffness_j * square * square / kMass_kg;  // q'' = -w^2 q - cubic q^3
+  const std::vector<Mode> modes = {{w, 2, kMass_kg}};
+  const auto cents = [](double frequency_hz) { return 1200 * std::log2(frequency_hz / 110); };
+  auto file = file_in(folder, "stretch");
+  for (const double amplitude_m : {1e-3, 2e-3, 4e-3}) {
+    StretchingBank<double> string(modes, std::vector{StretchForm{stiffness_j, {square}}}, kRate);
+    string.set_motion(0, amplitude_m, 0);
+    double last = amplitude_m, rise = 0, reach_before = 0;
+    for (int n = 1; n < int(kRate); ++n) {
+      string.predict();
+      string.commit();
+      const double q = string.displacement(std::size_t{0});
+      if (last < 0 && q >= 0) {
+        const double at = n - q / (q - last), a = cubic * kMass_kg / 4, b = kMass_kg * w * w / 2;
+        const double reach = (std::sqrt(b * b + 4 * a * string.energy()) - b) / (2 * a);  // squared
+        const double mean = (reach + std::exchange(reach_before, reach)) / 2;
+        const double grown = w * w + cubic * mean, k = std::sqrt(cubic * mean / (2 * grown));
+        if (rise > 0)
+          file << (at + rise) / 2 / kRate << ' ' << cents(kRate / (at - rise)) << ' '
+               << cents(std::sqrt(grown) / (4 * std::comp_ellint_1(k))) << '\n';
+        rise = at;
+      }
+      last = q;
+    }
+    file << "\n\n";
+  }
+}
+
 // The left samples of a stereo WAV file with 24 bits.
 std::vector<double> samples_of(const std::string& wav) {
   std::ifstream file(wav, std::ios::binary);
@@ -237,5 +303,7 @@ int main(int argc, char** argv) {
   bridge(argv[1]);
   body(argv[1]);
   ears(argv[1]);
+  bow(argv[1]);
+  stretch(argv[1]);
   for (int i = 2; i < argc; ++i) spectrum(argv[i]);
 }

@@ -129,6 +129,23 @@ TEST(Pages, AreAllInTheIndex) {
     EXPECT_TRUE(linked.contains(page.path)) << page.path << " is not in docs/index.md";
 }
 
+TEST(Pages, OfHowItWorksShowAFigureEach) {
+  for (const SourceFile& page : source_files({"docs/how-it-works"}, {".md"}))
+    EXPECT_NE(page.text.find("](../figures/"), std::string::npos) << page.path;
+}
+
+// No build compiles the programs whose numbers the figures show.
+TEST(Pages, HaveFiguresFromProgramsThatIncludeHeadersOfTheRuntime) {
+  std::size_t included = 0;
+  for (const SourceFile& file : source_files({"docs/figures"}, {".cpp"}))
+    for (const Groups& header : matches_of(file.text, "#include \"(contactspline/([a-z]+)/[^\"]+)\"")) {
+      if (header[2] == "materials" || header[2] == "resonators") continue;  // that the generator emits
+      ++included;
+      EXPECT_TRUE(fs::exists(fs::path(SOURCE_FOLDER) / "runtime" / header[1])) << file.path << ": " << header[1];
+    }
+  EXPECT_GT(included, 5u);
+}
+
 // Every text of the tree but the pages.
 std::vector<SourceFile> sources() {
   return source_files(
