@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 // The contact step in single precision on every free increment there is, beside the step in double precision.
 //
-//   exhaustive_step triples [EVERY]  five triples of table, compression and admittance, each of all 2^32 increments
-//   exhaustive_step grid [EVERY]     12 tables by 8 compressions and 4 admittances, each of every 1,009th increment
-//   exhaustive_step planted          one wrong answer in each of them, of which one must be found
+//   exhaustive_step triples [EVERY [FIRST]]  five triples of table, compression and admittance, each of all 2^32
+//                                            increments
+//   exhaustive_step grid [EVERY]             12 tables by 8 compressions and 4 admittances, each of every 1,009th
+//                                            increment
+//   exhaustive_step planted                  one wrong answer in each of them, of which one must be found
 //
-// EVERY: in place of 1 and 1009. Exit 0 where every step is right, and of `planted` where the wrong answer was found;
-// else 1.
+// EVERY: in place of 1 and 1009. FIRST: the triple to begin with, from 1 to 5. Exit 0 where every step is right, and
+// of `planted` where the wrong answer was found; else 1.
 //
 // The bounds. Both steps take the same table, rounded to single precision. By step_reference.cpp each is the exact
 // step of the C1 potential of that table for a free increment moved by u |x|, with forces changed by a fraction
@@ -32,6 +34,7 @@
 #include <cstdio>
 #include <limits>
 #include <mutex>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
@@ -282,7 +285,7 @@ bool report(const std::string& name, const Worst& w) {
   return w.failures == 0 && w.steps > w.not_judged;
 }
 
-int run(const std::string& what, std::uint64_t every) {
+int run(const std::string& what, std::uint64_t every, std::size_t first) {
   const std::vector<Table> tables = all_tables();
   bool is_right = true;
   if (what == "grid") {
@@ -290,7 +293,8 @@ int run(const std::string& what, std::uint64_t every) {
     for (const Triple& triple : grid(tables)) worst.add(judged(triple, every, false));
     return report("grid", worst) ? 0 : 1;
   }
-  for (const Triple& triple : five_triples(tables))
+  const std::vector<Triple> five = five_triples(tables);
+  for (const Triple& triple : std::span(five).subspan(first - 1))
     is_right &= report(triple.table->name, judged(triple, every, what == "planted"));
   return is_right == (what == "planted") ? 1 : 0;
 }
@@ -300,10 +304,11 @@ int run(const std::string& what, std::uint64_t every) {
 
 int main(int argc, char** argv) {
   const std::string what = argc > 1 ? argv[1] : "";
-  if (argc > 3 || (what != "triples" && what != "grid" && what != "planted")) {
-    std::puts("usage: exhaustive_step triples|grid|planted [EVERY]");
+  const std::size_t first = argc > 3 ? std::stoull(argv[3]) : 1;
+  if (argc > 4 || first < 1 || first > 5 || (what != "triples" && what != "grid" && what != "planted")) {
+    std::puts("usage: exhaustive_step triples|grid|planted [EVERY [FIRST]]");
     return 2;
   }
   const std::uint64_t every = what == "triples" ? 1 : what == "grid" ? 1009 : 1000003;
-  return contactspline::testing::run(what, argc > 2 ? std::stoull(argv[2]) : every);
+  return contactspline::testing::run(what, argc > 2 ? std::stoull(argv[2]) : every, first);
 }
