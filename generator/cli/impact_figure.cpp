@@ -204,7 +204,8 @@ std::string figure_over_time(std::span<const ImpactCourse> courses, const std::s
     energy_styles.push_back(style(i, 2));
   }
   key.push_back({"energy of the mass", "lw 1.6 lc rgb '#444444' dt 1"});
-  if (energies.size() > courses.size()) key.push_back({"and of the contact", "lw 1.6 lc rgb '#444444' dt 2"});
+  // In SVG gnuplot draws a line with the dashes of the one before it if both have one colour.
+  if (energies.size() > courses.size()) key.push_back({"and of the contact", "lw 1.6 lc rgb '#454545' dt 2"});
   return draw(heading(kThreePanelsWithKey) + "unset key\n" + key_beside("", key) +
                   time_panel("contact force [N]", forces, styles) + kNoKey +
                   time_panel("speed into the barrier [m/s]", speeds, styles) +
