@@ -321,19 +321,53 @@ std::vector<Candidate> found_candidates(const FitProblem& problem, const Measure
   return all;
 }
 
-// Can a material file hold these numbers?
-bool is_material(const FitProblem& problem, const Candidate& candidate) {
+/// A number that a material file would hold, what it may hold, and what to try where it does not.
+struct FileNumber {
+  const char* name;
+  double value;
+  Range allowed;
+  std::string unit;
+  const char* advice;
+
+  [[nodiscard]] bool is_allowed() const { return value >= allowed.min && value <= allowed.max; }
+};
+
+std::vector<FileNumber> numbers_in_file(const FitProblem& problem, const Candidate& candidate) {
+  constexpr auto kUnits = ": do the units of mass, force and time agree?", kNoAdvice = "",
+                 kWithoutCore = ": is a length wrong? else \"laws\": [\"power\", \"hertz\"]",
+                 kWithoutMemory = ": is a time wrong? else \"losses\": [\"none\", \"hunt_crossley\"]";
   const ViscoelasticLaw<double> law = problem.law(candidate.values);
-  const auto in = [](double x, Range range) { return x >= range.min && x <= range.max; };
   const double log_reference = std::log(law.reference_m);
-  bool is = in(std::exp(law.log_force - law.exponent * log_reference), ranges::kStiffness) &&
-            in(law.exponent, ranges::kExponent) && in(law.loss_s_per_m, ranges::kLoss);
-  if (frees(candidate, kDepth))
-    is = is &&
-         in(std::exp(law.log_force + std::log(law.core) - kHertzExponent * log_reference), ranges::kStiffness) &&
-         in(law.depth * law.reference_m, ranges::kOffset);
-  if (frees(candidate, kWeight)) is = is && in(law.weight, ranges::kWeight) && in(law.time_s, ranges::kRelaxation);
-  return is;
+  std::vector<FileNumber> numbers = {{"stiffness", std::exp(law.log_force - law.exponent * log_reference),
+                                      ranges::kStiffness, fmt::format("N/m^{:.3g}", law.exponent), kUnits},
+                                     {"exponent", law.exponent, ranges::kExponent, "", kNoAdvice},
+                                     {"loss", law.loss_s_per_m, ranges::kLoss, "s/m", kNoAdvice}};
+  if (frees(candidate, kDepth)) {
+    numbers.push_back({"stiffness of the core",
+                       std::exp(law.log_force + std::log(law.core) - kHertzExponent * log_reference),
+                       ranges::kStiffness, "N/m^1.5", kWithoutCore});
+    numbers.push_back({"depth of the core", law.depth * law.reference_m, ranges::kOffset, "m", kWithoutCore});
+  }
+  if (frees(candidate, kWeight)) {
+    numbers.push_back({"weight of the memory", law.weight, ranges::kWeight, "", kWithoutMemory});
+    numbers.push_back({"relaxation time", law.time_s, ranges::kRelaxation, "s", kWithoutMemory});
+  }
+  return numbers;
+}
+
+bool is_material(const FitProblem& problem, const Candidate& candidate) {
+  return std::ranges::all_of(numbers_in_file(problem, candidate), &FileNumber::is_allowed);
+}
+
+[[noreturn]] void refuse_no_material(const FitProblem& problem, const Candidate& best, const std::string& file) {
+  const std::vector<FileNumber> numbers = numbers_in_file(problem, best);
+  const FileNumber& wrong = *std::ranges::find_if_not(numbers, &FileNumber::is_allowed);
+  const std::string unit = wrong.unit.empty() ? "" : " " + wrong.unit;
+  refuse(file, "fit",
+         fmt::format("the {} {} describes the data far better than all others, and its {} is {:.4g}{}, which no "
+                     "material has",
+                     best.law->words, best.loss->words, wrong.name, wrong.value, unit),
+         fmt::format("{} to {}{}{}", wrong.allowed.min, wrong.allowed.max, unit, wrong.advice));
 }
 
 // Does what the best candidate leaves look as if a low-pass that nobody stated were before the pulses? It is no noise
@@ -395,13 +429,9 @@ std::vector<Candidate> fitted_candidates(const FitProblem& problem, const Measur
   refine_all(problem, all);
   set_criteria(problem, all);
   if (looks_filtered(measured, all.front())) add_low_pass(problem, all, tell);
-  const double best = all.front().criterion;
+  const Candidate best = all.front();
   std::erase_if(all, [&](const Candidate& candidate) { return !is_material(problem, candidate); });
-  if (all.empty() || all.front().criterion > best + kStrong)
-    refuse(file, "fit",
-           "what describes the data is no material: its stiffness, its core or its memory is out of range",
-           fmt::format("a stiffness from {} to {} N/m^exponent: do the units of mass, force and time agree?",
-                       ranges::kStiffness.min, ranges::kStiffness.max));
+  if (all.empty() || all.front().criterion > best.criterion + kStrong) refuse_no_material(problem, best, file);
   return all;
 }
 

@@ -215,6 +215,37 @@ std::vector<BadData> bad_tables() {
       {"curve_without_compression", curve, "depth,force_n\n1,1\n", file + "compression: no column holds it", ""}};
 }
 
+// Data whose best law no material file may hold: a stiffness, or that of a core, is out of range.
+std::string press_of_core() {
+  std::string text = "compression_um,force_n\n";
+  for (int i = 1; i <= 40; ++i) {
+    const double y = i / 40.0;
+    text +=
+        fmt::format("{},{:.6f}\n", 0.01 * y, 1e5 * std::pow(y, 1.2) + 1.5e6 * std::pow(std::max(0.0, y - 0.5), 1.5));
+  }
+  return text;
+}
+
+std::string durations_of_exponent_4() {
+  std::string text = "speed_m_per_s,duration_us\n";
+  for (const double speed : {0.25, 0.5, 1.0, 2.0, 4.0})
+    text += fmt::format("{},{:.6f}\n", speed, 3 * std::pow(speed, -0.6));
+  return text;
+}
+
+std::vector<BadData> no_materials() {
+  const std::string fit = "probe.fit.json: fit: the ";
+  return {
+      {"stiffness", fit_file(kTable), durations_of_exponent_4(),
+       fit + "power law without loss describes the data far better than all others, and its stiffness is 1.02e+28 "
+             "N/m^4, which no material has",
+       "0.001 to 1e+18 N/m^4: do the units"},
+      {"core", fit_file(kCurve), press_of_core(),
+       fit + "power law over a core without loss describes the data far better than all others, and its stiffness "
+             "of the core is 1.5",
+       "0.001 to 1e+18 N/m^1.5: is a length wrong? else \"laws\": [\"power\", \"hertz\"]"}};
+}
+
 // Blows on the bar that ships: partials 1, 3, 5, ... sound.
 std::string struck_file(const std::string& blows, const std::string& output = "acceleration_m_per_s2",
                         const std::string& resonator = "marimba_c4", const std::string& gain = "common") {
@@ -288,6 +319,7 @@ INSTANTIATE_TEST_SUITE_P(FitFile, BadMeasurements, ::testing::ValuesIn(bad_fit_f
 INSTANTIATE_TEST_SUITE_P(Pulse, BadMeasurements, ::testing::ValuesIn(bad_pulses()), kName);
 INSTANTIATE_TEST_SUITE_P(Blow, BadMeasurements, ::testing::ValuesIn(bad_blows()), kName);
 INSTANTIATE_TEST_SUITE_P(Table, BadMeasurements, ::testing::ValuesIn(bad_tables()), kName);
+INSTANTIATE_TEST_SUITE_P(NoMaterial, BadMeasurements, ::testing::ValuesIn(no_materials()), kName);
 
 // The same pulse in other columns, units and separators gives the same material, but for rounding: of the times, by
 // which a sample at the border of what is fitted may come or go.
