@@ -87,6 +87,7 @@ void choose_output(const ScoreOptions& options, const Score& score, PlayOptions&
 
 PlayOptions play_options(const ScoreOptions& options, const Score& score) {
   PlayOptions how{static_cast<double>(options.output.sample_rate_hz)};
+  how.oversampling = options.output.oversampling;
   how.precision = options.precision == "single" ? Precision::kSingle : Precision::kDouble;
   if (const ModelModule* module = module_of(score))  // it computes in one precision only
     how.precision = module->make_single != nullptr ? Precision::kSingle : Precision::kDouble;
@@ -200,7 +201,7 @@ struct Prepared {
 // How long it sounds: as long as it is told to, or until it has rung out.
 void set_length(Prepared& prepared) {
   auto& [options, score, how, stems] = prepared;
-  const int rate_hz = options.output.sample_rate_hz;
+  const int rate_hz = options.output.sample_rate_hz * how.oversampling;
   if (options.tail_s) score.duration_s += *options.tail_s - score.ring_s;
   require_short(options.score + ": duration_s", score.duration_s, rate_hz);
   if (!options.tail_s && score.ring_s > 0)
@@ -214,12 +215,14 @@ Prepared prepare(std::optional<Model> model, const ScoreOptions& given) {
   auto& [options, score, how, stems] = prepared;
   if (options.output.sound.empty()) options.output.sound = default_sound(given.score);
   if (!options.output.level_db) options.output.level_db = score.level_db;
+  if (options.output.oversampling == 1) options.output.oversampling = score.oversampling;
   if (model && score.model != *model)
     refuse(options.score, "instrument",
            score.model == Model::kFile ? "the score is for an instrument file"
                                        : fmt::format("the score is for a {}", name_of(score.model)),
            fmt::format("render {}", name_of(score.model)));
-  require_short(options.score + ": duration_s", score.duration_s, options.output.sample_rate_hz);
+  require_short(options.score + ": duration_s", score.duration_s,
+                options.output.sample_rate_hz * options.output.oversampling);
   stems = stem_files(options, score);
   for (const std::string& file : {given.tuning, given.keymap})
     if (!file.empty()) source.files.emplace_back(file);
@@ -230,9 +233,9 @@ Prepared prepare(std::optional<Model> model, const ScoreOptions& given) {
 }
 
 // A line where the contacts of the voices are, on average, too short for the rate.
-std::string short_contact_line(const Performance& performance) {
+std::string short_contact_line(const Performance& performance, const PlayOptions& how) {
   if (!(performance.mean_contact_s > 0)) return {};
-  const std::string text = short_contact(performance.mean_contact_s, performance.sample_rate_hz);
+  const std::string text = short_contact(performance.mean_contact_s, how.sample_rate_hz * how.oversampling);
   return text.empty() ? text : "a contact, on average, " + text + "\n";
 }
 
@@ -264,7 +267,7 @@ void render(Prepared& prepared) {
       summed_contacts(score) == 0
           ? ""
           : fmt::format("{} contacts in {:.4g} s, largest contact force {:.4g} N\n{}", performance.contacts,
-                        score.duration_s, performance.largest_force_n, short_contact_line(performance));
+                        score.duration_s, performance.largest_force_n, short_contact_line(performance, how));
   write_stdout(fmt::format("{}full scale of the sound: {:.4g} {} ({})\n{}{}", contacts, 1 / scale, sound.unit,
                            sound.trace, written, write_stems(stems, options, score, how, scale)));
 }

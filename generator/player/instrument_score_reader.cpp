@@ -253,6 +253,7 @@ Score parse_score_on(const JsonObject& score, std::string_view file, const Instr
   Score result{std::string(file), Model::kFile, read_description(score), score.number("duration_s", kScoreDuration_s),
                read_voices(score, model)};
   result.level_db = read_level(score);
+  result.oversampling = read_oversampling(score);
   const MidiSettings keys = model.keys.ranges.empty() ? MidiSettings() : settings_of(model, tuning);
   for (const JsonObject& event : score.objects("events", event_keys(model), kMaxEvents))
     read_event(event, model, keys, result.duration_s, result.voices);

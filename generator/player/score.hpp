@@ -120,6 +120,7 @@ struct Score {
   Listening listening = {};                     ///< the sound of the body under a keyboard
   std::vector<Glide> pedals = {};               ///< by rising time; of KeyboardParameter, all up at first
   std::vector<double> silences_s = {};          ///< by rising time; when all that sounds stops
+  int oversampling = 1;                         ///< its models run at so many times the rate: one of kOversamplings
   std::optional<double> level_db = {};          ///< of the peak of its sound; empty: what a program chooses
   double ring_s = 0;                            ///< of the duration, behind the last note of a MIDI file
   std::string left_out = {};                    ///< what of a MIDI file is not played, in one line; empty: nothing

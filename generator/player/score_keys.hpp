@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <iterator>
 #include <optional>
 #include <set>
 #include <span>
@@ -15,6 +16,7 @@
 #include <vector>
 
 #include "contactspline/step/controls.hpp"
+#include "contactspline/step/half_band.hpp"
 #include "generator/player/midi_reader.hpp"
 #include "generator/player/score.hpp"
 #include "generator/resonator/resonator_reader.hpp"
@@ -86,6 +88,15 @@ inline constexpr std::size_t kMaxEvents = 65536;
 [[nodiscard]] inline std::optional<double> read_level(const JsonObject& score) {
   if (!score.has("level_db")) return std::nullopt;
   return score.number("level_db", kLevel_db);
+}
+
+/// At how many times the rate a score asks its models to run. Throws BadInput.
+[[nodiscard]] inline int read_oversampling(const JsonObject& score) {
+  if (!score.has("oversample")) return 1;
+  const int factor = score.integer("oversample", 1, 8);
+  if (std::ranges::find(kOversamplings, factor) == std::end(kOversamplings))
+    score.fail("oversample", fmt::format("{} is no such factor", factor), "1, 2, 4, 8");
+  return factor;
 }
 
 /// What is said of notes on the tenth channel that no keys play.

@@ -15,6 +15,7 @@
 #include "contactspline/host/engine.hpp"
 #include "contactspline/modal/modal.hpp"
 #include "contactspline/step/flush_denormals.hpp"
+#include "contactspline/step/half_band.hpp"
 #include "generator/player/instrument_maker.hpp"
 #include "generator/player/instrument_parts.hpp"
 #include "generator/player/voice_tracks.hpp"
@@ -458,6 +459,24 @@ Performance play_in(const Score& score, PlayOptions options, const Progress& pro
   return performance;
 }
 
+// A performance at so many times the rate, without the delay of the filter.
+Performance decimated(Performance performance, int factor) {
+  if (factor == 1) return performance;
+  const auto channels = static_cast<std::size_t>(performance.channels);
+  std::vector<float> samples;
+  for (std::size_t channel = 0; channel < channels; ++channel) {
+    std::vector<double> high;
+    for (std::size_t n = channel; n < performance.samples.size(); n += channels)
+      high.push_back(performance.samples[n]);
+    const std::vector<double> low = contactspline::decimated(high, factor);
+    samples.resize(low.size() * channels);
+    for (std::size_t n = 0; n < low.size(); ++n) samples[n * channels + channel] = static_cast<float>(low[n]);
+  }
+  performance.samples = std::move(samples);
+  performance.sample_rate_hz /= factor;
+  return performance;
+}
+
 }  // namespace
 
 int channels_of(const Score& score) {
@@ -490,8 +509,21 @@ Performance play(const Score& score, const PlayOptions& options, const Progress&
   const FlushDenormals flushed;
   if (options.is_on_body && !score.body)
     throw BadInput("--signal: body: the score has no body; allowed: displacement, velocity, bridge, force");
-  return options.precision == Precision::kDouble ? play_in<double>(score, options, progress)
-                                                 : play_in<float>(score, options, progress);
+  PlayOptions finer = options;
+  finer.sample_rate_hz *= options.oversampling;
+  return decimated(options.precision == Precision::kDouble ? play_in<double>(score, finer, progress)
+                                                           : play_in<float>(score, finer, progress),
+                   options.oversampling);
+}
+
+std::vector<double> decimated(std::span<const double> samples, int factor) {
+  Decimator<double> decimator(factor);
+  const std::size_t length = (samples.size() + std::size_t(factor) - 1) / std::size_t(factor) + decimator.delay();
+  std::vector<double> high(samples.begin(), samples.end()), low(length);
+  high.resize(length * decimator.factor());
+  decimator.process(high, low);
+  low.erase(low.begin(), low.begin() + std::ptrdiff_t(decimator.delay()));
+  return low;
 }
 
 }  // namespace contactspline

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "generator/player/score.hpp"
@@ -21,6 +22,7 @@ struct PlayOptions {
   bool is_on_body = false;  ///< the sound is the velocity of the body that all strings end at, in place of an output
   Precision precision = Precision::kDouble;  ///< of the models; the sum of the voices is kept in single precision
   double max_ring_s = 0;  ///< behind the duration of the score, as long as it rings: until it is 60 dB down
+  int oversampling = 1;   ///< the models run at so many times the rate: one of kOversamplings
   std::optional<std::size_t> only_voice = {};  ///< plays this one alone, with the channels of the whole score
 };
 
@@ -44,6 +46,10 @@ void choose_best_output(const Score& score, PlayOptions& options);
 
 /// 2 if a voice is panned or the score has a body, else 1.
 [[nodiscard]] int channels_of(const Score& score);
+
+/// Samples at 1/factor of their rate (1, 2, 4 or 8), without delay: the first one stays at its time. What would be
+/// mirrored is 90 dB down.
+[[nodiscard]] std::vector<double> decimated(std::span<const double> samples, int factor);
 
 /// Called with the part done, 0 to 1, a hundred times over a render.
 using Progress = std::function<void(double)>;

@@ -383,8 +383,8 @@ void require_initial(const JsonObject& score, Model model, const std::vector<Voi
 
 JsonObject parse_score_object(std::string_view text, std::string_view file) {
   return parse_json(text, file, "score",
-                    {"instrument", "description", "duration_s", "level_db", "keyboard", "body", "tuning", "keymap",
-                     "a4_hz", "voices", "events"});
+                    {"instrument", "description", "duration_s", "level_db", "oversample", "keyboard", "body",
+                     "tuning", "keymap", "a4_hz", "voices", "events"});
 }
 
 // Voices that the same key plays have strings of their own.
@@ -461,6 +461,7 @@ Score parse_score(std::string_view text, std::string_view file, const ReadFile& 
   if (model == Model::kFile) return parse_instrument_score(score, file, read, tuning);
   Score result{std::string(file), model, read_description(score), score.number("duration_s", kScoreDuration_s), {}};
   result.level_db = read_level(score);
+  result.oversampling = read_oversampling(score);
   const bool has_keys = score.has("keyboard");
   if (has_keys && (score.has("voices") || !has_hammer(result.model)))
     score.fail("keyboard", "has no place here", "in a score for hammer-string, instead of voices");

@@ -65,7 +65,7 @@ BarrierImpact spline_impact(const Design& design, double mass_kg, double speed_m
 std::string short_contact(double contact_duration_s, double sample_rate_hz) {
   const double samples = contact_duration_s * sample_rate_hz;
   if (samples >= kTooFewSamples) return {};
-  return fmt::format("lasts {:.3g} us, {:.2g} samples at {:g} kHz, too few to follow it: {:.3g} kHz has {:g}",
+  return fmt::format("lasts {:.3g} us, {:.2g} samples at {:g} kHz, too few to follow it: {:.0f} kHz has {:g}",
                      1e6 * contact_duration_s, samples, sample_rate_hz / 1000,
                      kEnoughSamples / contact_duration_s / 1000, kEnoughSamples);
 }

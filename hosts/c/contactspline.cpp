@@ -18,6 +18,7 @@
 
 #include "contactspline/data/timed_event.hpp"
 #include "contactspline/host/any_instrument.hpp"
+#include "contactspline/host/oversampled.hpp"
 #include "contactspline/host/sleeper.hpp"
 #include "contactspline/host/tuned_keys.hpp"
 #include "contactspline/step/controls.hpp"
@@ -85,11 +86,13 @@ const Row* row_of(const std::vector<Row>& list, std::size_t index) {
 
 struct contactspline_instrument {
   template <typename T>
-  explicit contactspline_instrument(Handle<T> handle)
+  contactspline_instrument(Handle<T> handle, InstrumentMaker makes, double rate_hz)
       : parameters(listed(handle->parameters())),
         outputs(listed(handle->outputs())),
         events(listed(handle->events())),
-        player(std::in_place_type<Player<T>>, std::move(handle)) {}
+        player(std::in_place_type<Player<T>>, std::move(handle)),
+        maker(std::move(makes)),
+        sample_rate_hz(rate_hz) {}
 
   [[nodiscard]] bool has(int action, std::size_t number) const {
     return std::ranges::any_of(events, [&](const auto& e) { return e.action == action && e.number == number; });
@@ -123,6 +126,9 @@ struct contactspline_instrument {
   std::vector<contactspline_event> events;
   std::variant<Player<double>, Player<float>> player;
   TunedKeys tuned_keys = {};
+  InstrumentMaker maker;
+  double sample_rate_hz;
+  std::size_t latency = 0;
 };
 
 namespace {
@@ -151,6 +157,17 @@ Handle<T> prepared(const InstrumentMaker& maker, double sample_rate_hz) {
   return instrument;
 }
 
+// The same at a multiple of the rate, with the values of another one's parameters. Sets how late it is.
+template <typename T>
+Handle<T> oversampled(const contactspline_instrument& like, const AnyInstrument<T>& values, int factor,
+                      std::size_t& latency) {
+  auto made = std::make_unique<Oversampled<T>>(like.maker.make<T>(factor * like.sample_rate_hz), factor);
+  latency = made->latency();
+  for (std::size_t p = 0; p < like.parameters.size(); ++p) made->set(p, values.value(p));
+  made->prepare(like.sample_rate_hz);
+  return made;
+}
+
 // What a function gives; what it throws becomes the last error, and gives the value of failures.
 template <typename F>
 auto tried(F&& make) noexcept -> decltype(make()) {
@@ -177,10 +194,13 @@ contactspline_instrument* made(double sample_rate_hz, int precision, F&& make) n
       throw BadInput(
           fmt::format("contactspline: sample_rate_hz: {:.6g} is out of range; allowed: {} to {}, such as 48000",
                       sample_rate_hz, kSampleRates_hz.min, kSampleRates_hz.max));
-    if (precision == CONTACTSPLINE_DOUBLE) return new contactspline_instrument(make.template operator()<double>());
-    if (precision == CONTACTSPLINE_FLOAT) return new contactspline_instrument(make.template operator()<float>());
-    throw BadInput(fmt::format("contactspline: precision: {} is unknown; allowed: {} for double, {} for float",
-                               precision, int{CONTACTSPLINE_DOUBLE}, int{CONTACTSPLINE_FLOAT}));
+    if (precision != CONTACTSPLINE_DOUBLE && precision != CONTACTSPLINE_FLOAT)
+      throw BadInput(fmt::format("contactspline: precision: {} is unknown; allowed: {} for double, {} for float",
+                                 precision, int{CONTACTSPLINE_DOUBLE}, int{CONTACTSPLINE_FLOAT}));
+    const InstrumentMaker maker = make();
+    if (precision == CONTACTSPLINE_DOUBLE)
+      return new contactspline_instrument(prepared<double>(maker, sample_rate_hz), maker, sample_rate_hz);
+    return new contactspline_instrument(prepared<float>(maker, sample_rate_hz), maker, sample_rate_hz);
   });
 }
 
@@ -270,19 +290,44 @@ const char* const* contactspline_names() {
 }
 
 contactspline_instrument* contactspline_create(const char* name, double sample_rate_hz, int precision) {
-  return made(sample_rate_hz, precision, [&]<typename T>() {
+  return made(sample_rate_hz, precision, [&] {
     require_text(name, "name");
-    return prepared<T>(maker_of_name(name), sample_rate_hz);
+    return maker_of_name(name);
   });
 }
 
 contactspline_instrument* contactspline_create_from_json(const char* text, const char* file, double sample_rate_hz,
                                                          int precision) {
-  return made(sample_rate_hz, precision, [&]<typename T>() {
+  return made(sample_rate_hz, precision, [&] {
     require_text(text, "text");
     require_text(file, "file");
-    return prepared<T>(maker_of_text(text, file), sample_rate_hz);
+    return maker_of_text(text, file);
   });
+}
+
+int contactspline_oversample(contactspline_instrument* instrument, int factor) {
+  if (instrument == nullptr) return 0;
+  return tried([&] {
+    if (std::ranges::find(kOversamplings, factor) == std::end(kOversamplings))
+      throw BadInput(fmt::format("contactspline: factor: {} is unknown; allowed: 1, 2, 4, 8", factor));
+    if (!(factor * instrument->sample_rate_hz <= kSampleRates_hz.max))
+      throw BadInput(fmt::format("contactspline: factor: {} times {:.6g} Hz is out of range; allowed: up to {} Hz",
+                                 factor, instrument->sample_rate_hz, kSampleRates_hz.max));
+    std::visit(
+        [&]<typename T>(const Player<T>& player) {
+          auto handle = oversampled<T>(*instrument, player.instrument(), factor, instrument->latency);
+          instrument->parameters = listed(handle->parameters());
+          instrument->outputs = listed(handle->outputs());
+          instrument->events = listed(handle->events());
+          instrument->tuned_keys.drop_notes();
+          instrument->player.emplace<Player<T>>(std::move(handle));
+        },
+        instrument->player);
+    return 1;
+  });
+}
+std::size_t contactspline_latency(const contactspline_instrument* instrument) {
+  return instrument == nullptr ? 0 : instrument->latency;
 }
 
 void contactspline_destroy(contactspline_instrument* instrument) {

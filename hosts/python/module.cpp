@@ -334,6 +334,7 @@ py::tuple play_score(const std::string& source, bool is_text, double rate, bool 
     level_db = score.level_db;
     PlayOptions options{rate};
     options.precision = is_single ? Precision::kSingle : Precision::kDouble;
+    options.oversampling = score.oversampling;
     if (score.ring_s > 0) options.max_ring_s = kLongestRing_s;
     choose_best_output(score, options);
     performance = play(score, options, [](double) { stop_on_signal(); });

@@ -119,15 +119,41 @@ TEST(Impact, SaysWhereAContactIsTooShortForTheRate) {
   EXPECT_TRUE(written.ends_with("\nsteel_on_steel: a contact at 2 m/s " + line)) << written;
   const Words render = {"render", "mass-barrier", "--material", "steel_on_steel", "--duration", "0.1"};
   EXPECT_TRUE(printed(box, render).find("\na contact " + line) != std::string::npos);
-  write_file(box / "score.json", R"({"instrument": "hammer-string", "duration_s": 0.1,
-    "voices": [ { "name": "d", "resonator": "guitar_d3", "material": "steel_on_steel", "hammer_mass_kg": 1e-5 } ],
-    "events": [ { "voice": "d", "time_s": 0, "speed_m_per_s": 2 } ] })");
+  const auto score = [](const std::string& key) {
+    return R"({"instrument": "hammer-string", "duration_s": 0.1, )" + key + R"(
+    "voices": [ { "name": "d", "resonator": "guitar_d3", "material": "steel_on_steel", "hammer_mass_kg": 5e-5 } ],
+    "events": [ { "voice": "d", "time_s": 0, "speed_m_per_s": 2 } ] })";
+  };
+  write_file(box / "score.json", score(""));
+  write_file(box / "fine.json", score(R"("oversample": 8,)"));
   const auto rendered = printed(box, {"render", "--score", "score.json", "-o", "score.wav"});
   EXPECT_TRUE(rendered.find("\na contact, on average, lasts 45.4 us, 2 samples at 44.1 kHz, too few") !=
               std::string::npos)
       << rendered;
+  EXPECT_EQ(printed(box, {"render", "--score", "fine.json", "-o", "fine.wav"}).find("too few"), std::string::npos);
+  printed(box, {"render", "--score", "score.json", "--oversample", "8", "-o", "option.wav"});
+  EXPECT_EQ(read_file(box / "fine.wav"), read_file(box / "option.wav"));
   for (const char* command : {"impact", "inspect", "generate"})
     EXPECT_EQ(printed(box, {command, "felt_c4"}).find("too few"), std::string::npos) << command;
+}
+
+// At eight times the rate the force is within 2 % of the exact one, and no line says that the contact is too short.
+TEST(Impact, IsFollowedByARenderThatRunsFiner) {
+  const Sandbox box;
+  const auto material =
+      design_material(find_embedded(Shipped::kMaterials, "steel_on_steel.json")->content, "steel_on_steel.json")
+          .material;
+  const double exact_n = material.contact.force(max_compression(material.contact, 0.00411, 2));
+  const Words render = {"render",     "mass-barrier", "--material", "steel_on_steel",
+                        "--duration", "0.01",         "-o",         "x.wav"};
+  for (const std::string factor : {"1", "8"}) {
+    Words arguments = render;
+    arguments.insert(arguments.end(), {"--oversample", factor, "--force"});
+    const auto text = printed(box, arguments);
+    const double error = std::abs(number_after(text, "largest contact force") / exact_n - 1);
+    EXPECT_TRUE(factor == "8" ? error < 0.02 : error > 0.3) << text;
+    EXPECT_EQ(text.find("too few") == std::string::npos, factor == "8") << text;
+  }
 }
 
 // The rate that the line names does what the page on the command line says of it, and where the line ends it is

@@ -11,6 +11,7 @@
 #include "contactspline/host/faust_dsp.hpp"
 #include "contactspline/host/hosted.hpp"
 #include "contactspline/host/model_module.hpp"
+#include "contactspline/host/oversampled.hpp"
 #include "contactspline/host/sleeper.hpp"
 #include "contactspline/host/tuned_keys.hpp"
 #include "contactspline/instrument/ensemble_instrument.hpp"
@@ -77,6 +78,7 @@
 #include "contactspline/resonators/string_c4.hpp"
 #include "contactspline/step/friction.hpp"
 #include "contactspline/step/friction_heat.hpp"
+#include "contactspline/step/half_band.hpp"
 #include "contactspline/step/high_pass.hpp"
 #include "contactspline/step/live_exponent.hpp"
 #include "contactspline/step/memory.hpp"
@@ -174,6 +176,9 @@ using Felt = materials::felt_c4;
   template class InstrumentDsp<FretStringOf<Felt, String, T>>;                                                  \
   template class InstrumentDsp<MassBarrierOf<Felt, T>>;                                                         \
   template class Hosted<T>;                                                                                     \
+  template class HalfBand<T>;                                                                                   \
+  template class Decimator<T>;                                                                                  \
+  template class Oversampled<T>;                                                                                \
   template class Sleeper<T>;                                                                                    \
   template class HandleDsp<T>;                                                                                  \
   template class PedaledKeyboard<T>;                                                                            \
