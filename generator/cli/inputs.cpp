@@ -6,8 +6,11 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <iterator>
+#include <system_error>
 #include <utility>
+#include <vector>
 
 #include "generator/cli/model_module.hpp"
 #include "generator/cli/waiting_line.hpp"
@@ -26,6 +29,7 @@
 #include "generator/support/error.hpp"
 #include "generator/support/file_kind.hpp"
 #include "generator/support/input_file.hpp"
+#include "generator/support/json_reader.hpp"
 #include "generator/support/nearest_name.hpp"
 
 namespace contactspline {
@@ -145,13 +149,25 @@ std::string list_command(std::initializer_list<Shipped> folders) {
                             : fmt::format("contactspline list {}s", kind_name(*folders.begin()));
 }
 
+// What an argument may be that is no name of what ships: the file of that name, if it is there.
+std::string files_for(const std::string& argument, std::string_view files) {
+  for (const char* ending : {".json", ".mid"}) {
+    std::error_code error;
+    const bool is_read = files.find(ending) != files.npos;
+    if (is_read && !is_file(argument) && std::filesystem::is_regular_file(argument + ending, error))
+      return fmt::format("{}{}, which is a file here", shown(argument), ending);
+  }
+  return std::string(files);
+}
+
 [[noreturn]] void refuse_name(const std::string& argument, std::string_view kinds,
                               std::initializer_list<Shipped> folders) {
   std::vector<std::string> names;
   if (const auto kind = kind_of_name(argument)) refuse_kind(argument, "MATERIAL", *kind, fmt::format("a {}", kinds));
   for (const Shipped folder : folders)
     for (std::string& name : shipped_names(folder)) names.push_back(std::move(name));
-  throw BadInput(fmt::format("{}: MATERIAL: no such {} ships; allowed: a .json file, {}", argument, kinds,
+  throw BadInput(fmt::format("{}: MATERIAL: no such {} ships; allowed: {}, {}", argument, kinds,
+                             files_for(argument, "a .json file"),
                              names_in_short(std::move(names), argument, list_command(folders))));
 }
 
@@ -242,15 +258,25 @@ ScoreSource midi_on_keyboard(const std::string& argument, const std::vector<int>
   return source;
 }
 
+// What ships and plays MIDI: instruments with keys, and keyboards.
+std::vector<std::string> players_that_ship() {
+  std::vector<std::string> names = shipped_names(Shipped::kInstruments);
+  std::erase_if(names, [](const std::string& name) {
+    return std::ranges::count(json_keys(shipped(Shipped::kInstruments, name)->content, name, "instrument"), "keys") ==
+           0;
+  });
+  std::ranges::copy(shipped_names(Shipped::kKeyboards), std::back_inserter(names));
+  return names;
+}
+
 [[noreturn]] void refuse_player(const std::string& instrument) {
   std::optional<Shipped> kind = kind_of_name(instrument);
   if (is_file(instrument)) kind = kind_of_file(text_of(instrument), instrument, "instrument");
-  std::vector<std::string> names = shipped_names(Shipped::kInstruments);
-  std::ranges::copy(shipped_names(Shipped::kKeyboards), std::back_inserter(names));
   refuse("--instrument", shown(instrument),
          kind ? fmt::format("is a {}", kind_name(*kind)) : "is no instrument and no keyboard",
-         fmt::format("a .json file, a model of your own (.so), {}",
-                     names_in_short(std::move(names), instrument, "contactspline list instruments")));
+         fmt::format("{}, a model of your own (.so), {}",
+                     files_for(instrument, "a .json file of an instrument with bodies and keys, or of a keyboard"),
+                     names_in_short(players_that_ship(), instrument, "contactspline list instruments")));
 }
 
 // A MIDI file on an instrument of the user's choice.
@@ -287,7 +313,8 @@ ScoreSource shipped_score(const std::string& name, const std::vector<int>& chann
   if (const auto kind = kind_of_name(name); kind && *kind != Shipped::kScores)
     refuse_kind(name, "SCORE", *kind, score_for(name, *kind));
   if (score == nullptr)
-    throw BadInput(fmt::format("{}: SCORE: no such score ships; allowed: a .json or .mid file, {}", name,
+    throw BadInput(fmt::format("{}: SCORE: no such score ships; allowed: {}, {}", name,
+                               files_for(name, "a .json or .mid file"),
                                names_in_short(shipped_names(Shipped::kScores), name, "contactspline list scores")));
   return {parse_score(score->content, score->name, read_input, nullptr, tuning), {}};
 }

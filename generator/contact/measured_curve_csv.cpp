@@ -13,6 +13,7 @@
 #include "generator/contact/measured_curve.hpp"
 #include "generator/support/error.hpp"
 #include "generator/support/json_reader.hpp"
+#include "generator/support/text_encoding.hpp"
 #include "generator/support/text_lines.hpp"
 
 namespace contactspline {
@@ -178,8 +179,8 @@ void require_size(const std::vector<CurveSample>& samples, std::string_view file
 
 std::vector<CurveSample> parse_curve(std::string_view text, std::string_view file,
                                      std::optional<double> impact_speed_m_per_s) {
-  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
-  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  const std::string decoded = in_utf8(text);
+  text = decoded;
   LineOfFile position{file};
   const auto header = next_line(text, position);
   if (!header) refuse(file, "header", "missing", kHeaders);

@@ -56,7 +56,7 @@ std::size_t read_column(const JsonObject& object, const char* name, std::string 
                            range.min, range.max));
     column.law = is_table ? Law::kTable : is_uniform ? Law::kUniform : Law::kLogarithmic;
     const char* key = is_table ? "table" : is_uniform ? "uniform" : "logarithmic";
-    column.table = law.numbers(key, range, is_table ? kMaxTable : 2);
+    column.table = law.numbers(key, range, kMaxTable);
     if (!is_table) {
       const std::vector<double> ends = std::exchange(column.table, {});
       const bool has_ends = ends.size() == 2 && ends[0] < ends[1];

@@ -2,6 +2,7 @@
 #include "generator/fit/data_file.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -38,9 +39,17 @@ DataTable read_table(const DataFile& data, std::span<const Quantity> wanted) {
 
 void require(const DataFile& data, const DataTable& table, std::span<const Quantity> required) {
   for (const Quantity quantity : required)
-    if (!table.has(quantity))
-      refuse(data.path, std::string(name_of(quantity)), "no column holds it",
-             fmt::format("a column {}_UNIT, or the key columns that names it", name_of(quantity)));
+    if (!table.has(quantity)) refuse_missing(data, table, quantity, "it", units_text(quantity));
+}
+
+void refuse_missing(const DataFile& data, const DataTable& table, Quantity quantity, std::string_view what,
+                    std::string_view allowed) {
+  constexpr std::size_t kMost = 100;  // characters of the header
+  const std::string header = shown(fmt::format("{}", fmt::join(table.header, ", ")), kMost);
+  refuse(data.path, std::string(name_of(quantity)),
+         fmt::format("no column holds {}{}{}", what, header.empty() ? "" : ": the header has ", header),
+         fmt::format("a column {}, or the key columns beside file, such as \"columns\": {{ \"{}\": \"NAME\" }}",
+                     allowed, allowed.substr(0, allowed.find(','))));
 }
 
 }  // namespace contactspline

@@ -32,4 +32,8 @@ struct DataFile {
 /// Throws BadInput if the table lacks one of these columns.
 void require(const DataFile& data, const DataTable& table, std::span<const Quantity> required);
 
+/// Throws BadInput: no column holds `what`. Says what the header has; `allowed`: the names of columns that would do.
+[[noreturn]] void refuse_missing(const DataFile& data, const DataTable& table, Quantity quantity,
+                                 std::string_view what, std::string_view allowed);
+
 }  // namespace contactspline

@@ -11,9 +11,9 @@
 #include <cmath>
 #include <optional>
 
-#include "generator/fit/text_encoding.hpp"
 #include "generator/support/error.hpp"
 #include "generator/support/json_reader.hpp"
+#include "generator/support/text_encoding.hpp"
 #include "generator/support/text_lines.hpp"
 
 namespace contactspline {
@@ -284,6 +284,10 @@ std::string_view name_of(Quantity quantity) {
   return kind_of(quantity).names.front();
 }
 
+std::string units_text(Quantity quantity) {
+  return units_text(kind_of(quantity));
+}
+
 std::vector<std::string> column_keys() {
   std::vector<std::string> keys;
   for (const Kind& kind : kinds())
@@ -298,6 +302,9 @@ DataTable read_table(std::string_view text, std::string_view file, std::span<con
                      const ColumnNames& names, int skip_lines) {
   const std::string decoded = in_utf8(text);
   text = decoded;
+  if (text.find('\0') != text.npos)
+    refuse(file, "file", "is no text",
+           "a table as text, such as .csv; a recording ends in .wav, .flac, .aiff or .ogg");
   LineOfFile place{file};
   for (; skip_lines > 0 && !text.empty(); --skip_lines, ++place.line)
     text.remove_prefix(std::min(text.find('\n'), text.size() - 1) + 1);
@@ -324,6 +331,7 @@ DataTable read_table(std::string_view text, std::string_view file, std::span<con
     first.fail("there is no header", "a header such as time_s,force_n, or the key columns with their numbers");
   find_in_header(found, header, wanted, first);
   DataTable table;
+  table.header = header;
   for (; line; line = next_line(text, place))
     read_row(table, cells_of(*line, separator), found, count, separator, place);
   if (table.lines.empty())

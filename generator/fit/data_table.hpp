@@ -28,15 +28,19 @@ enum class Quantity {
 /// "time", "force" and so on.
 [[nodiscard]] std::string_view name_of(Quantity quantity);
 
+/// The name of a quantity with each of its units: "time_s, time_ms, time_us".
+[[nodiscard]] std::string units_text(Quantity quantity);
+
 /// The name of a quantity with each of its units, such as time_s and time_ms: the keys of `columns` in a fit file.
 [[nodiscard]] std::vector<std::string> column_keys();
 
 /// Columns that a fit file names: the key of each, and what the data file calls it or its number from 1.
 using ColumnNames = std::map<std::string, std::string>;
 
-/// The columns that were wanted and found, in SI units, with the line of each row.
+/// The columns that were wanted and found, in SI units, with the line of each row; and the header, if there is one.
 struct DataTable {
   std::map<Quantity, std::vector<double>> columns;
+  std::vector<std::string> header;
   std::vector<std::size_t> lines;
 
   [[nodiscard]] bool has(Quantity quantity) const { return columns.contains(quantity); }

@@ -33,8 +33,8 @@ std::vector<double> force_of(const DataFile& data, const DataTable& table, doubl
     refuse(data.path, "force", "is there beside an acceleration", "one of the two; the key columns chooses it");
   if (table.has(Quantity::kForce)) return table.at(Quantity::kForce);
   if (!table.has(Quantity::kAcceleration))
-    refuse(data.path, "force", "no column holds it, nor an acceleration",
-           "a column force_UNIT or acceleration_UNIT, or the key columns that names it");
+    refuse_missing(data, table, Quantity::kForce, "it, nor an acceleration",
+                   fmt::format("{}, {}", units_text(Quantity::kForce), units_text(Quantity::kAcceleration)));
   std::vector<double> force = table.at(Quantity::kAcceleration);
   for (double& value : force) value *= mass_kg;
   return force;

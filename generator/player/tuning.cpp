@@ -14,6 +14,7 @@
 
 #include "contactspline/step/controls.hpp"
 #include "generator/support/error.hpp"
+#include "generator/support/text_encoding.hpp"
 
 namespace contactspline {
 namespace {
@@ -39,7 +40,7 @@ std::optional<Number> number_of(std::string_view word) {
 /// The lines of a file of Scala but for its comments.
 class ScalaLines {
  public:
-  explicit ScalaLines(const TuningText& text) : rest_(text.text), file_(text.file) {}
+  explicit ScalaLines(const TuningText& text) : text_(in_utf8(text.text)), file_(text.file) {}
 
   /// The next line, also if it is blank; nothing behind the last one.
   std::optional<std::string_view> next() {
@@ -80,7 +81,8 @@ class ScalaLines {
   }
 
  private:
-  std::string_view rest_;
+  std::string text_;
+  std::string_view rest_ = text_;
   std::string file_;
   int number_ = 0;
 };

@@ -14,6 +14,7 @@
 #include "generator/support/json_syntax.hpp"
 #include "generator/support/nearest_name.hpp"
 #include "generator/support/reserved_names.hpp"
+#include "generator/support/text_encoding.hpp"
 
 namespace contactspline {
 namespace {
@@ -119,6 +120,8 @@ struct JsonObject::Value {
 namespace {
 
 Json parsed(std::string_view text, std::string_view file, std::string_view what) {
+  const std::string decoded = is_marked_utf_16(text) ? in_utf8(text) : std::string();
+  if (!decoded.empty()) text = decoded;
   Position position(what);
   if (const auto nul = text.find('\0'); nul != text.npos) refuse_syntax(text, file, nul, "control character");
   try {

@@ -73,6 +73,56 @@ std::string found_at(std::string_view text, std::size_t at) {
   return fmt::format("'{}' is not expected", text.substr(at, std::min<std::size_t>(end - at, 40)));
 }
 
+// The last character before a place that is neither a blank nor in a comment or a text; 0 if there is none.
+char last_token_before(std::string_view text, std::size_t end) {
+  char last = '\0';
+  for (std::size_t i = 0; i < end; ++i) {
+    const std::string_view rest = text.substr(i, end - i);
+    if (rest.starts_with("//") || rest.starts_with("/*")) {
+      const bool is_line = rest[1] == '/';
+      const std::size_t behind = rest.find(is_line ? "\n" : "*/", 2);
+      if (behind == rest.npos) return last;
+      i += behind + (is_line ? 0 : 1);
+    } else if (rest[0] == '"') {
+      for (++i; i < end && text[i] != '"'; ++i)
+        if (text[i] == '\\') ++i;
+      last = '"';
+    } else if (rest.find_first_not_of(" \t\r\n") == 0) {
+      last = rest[0];
+    }
+  }
+  return last;
+}
+
+bool is_digit_at(std::string_view text, std::size_t at) {
+  return at < text.size() && text[at] >= '0' && text[at] <= '9';
+}
+
+// A decimal comma: digits on both sides of it. The number with a point, or nothing.
+std::string with_decimal_point(std::string_view text, std::size_t at) {
+  if (at < 2 || text[at - 1] != ',' || !is_digit_at(text, at) || !is_digit_at(text, at - 2)) return {};
+  std::size_t begin = at - 1, end = at;
+  while (begin > 0 && is_digit_at(text, begin - 1)) --begin;
+  while (is_digit_at(text, end)) ++end;
+  constexpr std::size_t kMost = 20;
+  return end - begin > kMost ? "1.5"
+                             : fmt::format("{}.{}", text.substr(begin, at - 1 - begin), text.substr(at, end - at));
+}
+
+/// What is wrong and what is expected behind a comma: the last one of an object or an array, or a decimal comma.
+struct BehindComma {
+  std::string_view wrong;
+  std::string allowed;
+};
+
+BehindComma behind_comma(std::string_view text, std::size_t at, std::string_view expected) {
+  if (const std::string number = with_decimal_point(text, at); !number.empty())
+    return {" behind a comma", fmt::format("a decimal point, as in {}, or {}", number, expected)};
+  if (at >= text.size() || (text[at] != '}' && text[at] != ']') || last_token_before(text, at) != ',')
+    return {"", std::string(expected)};
+  return {" behind a comma", fmt::format("{}, or no comma", expected)};
+}
+
 // A file of another kind, which another file may name: nothing of it is shown.
 bool is_something_else(std::string_view text) {
   const auto begin = text.find_first_not_of(" \t\r\n");
@@ -87,7 +137,8 @@ void refuse_syntax(std::string_view text, std::string_view file, std::size_t at,
   const auto line = 1 + std::ranges::count(before, '\n');
   const auto column = at - (before.rfind('\n') + 1) + 1;  // npos + 1 is 0
   if (is_something_else(text)) refuse(file, "file", "is not a JSON object", "a file that begins with {");
-  refuse(file, fmt::format("line {}, column {}", line, column), found_at(text, at), expected_in(message));
+  const auto [wrong, allowed] = behind_comma(text, at, expected_in(message));
+  refuse(file, fmt::format("line {}, column {}", line, column), found_at(text, at) + std::string(wrong), allowed);
 }
 
 }  // namespace contactspline

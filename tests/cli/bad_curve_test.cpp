@@ -263,10 +263,17 @@ std::vector<GoodCurve> good_cases() {
   }
   std::string no_line_end = good();
   no_line_end.pop_back();
-  return {{"as_it_is", good()},         {"eight_samples", good(kHeader, 8)},
-          {"noise_of_a_fifth", noisy},  {"blanks_and_comments", spaced},
-          {"metres", metres},           {"micrometres", micrometres},
-          {"no_line_end", no_line_end}, {"byte_order_mark", "\xef\xbb\xbf" + good()}};
+  std::string utf_16 = "\xff\xfe";
+  for (const char c : good()) (utf_16 += c) += '\0';
+  return {{"as_it_is", good()},
+          {"eight_samples", good(kHeader, 8)},
+          {"noise_of_a_fifth", noisy},
+          {"blanks_and_comments", spaced},
+          {"metres", metres},
+          {"micrometres", micrometres},
+          {"no_line_end", no_line_end},
+          {"byte_order_mark", "\xef\xbb\xbf" + good()},
+          {"utf_16", utf_16}};
 }
 
 class GoodCurveFile : public ::testing::TestWithParam<GoodCurve> {};

@@ -242,6 +242,7 @@ TEST_F(Dataset, RefusesBadPlansInOneLine) {
       {"\"speed_m_per_s\"", "\"speed\"", "parameters.speed: unknown key", "hammer_mass_kg"},
       {"[1, 4]", "[1, 400]", "parameters.speed_m_per_s.uniform[1]: 400 is out of range", "0.001 to 100"},
       {"[1, 4]", "[4, 1]", "parameters.speed_m_per_s.uniform: is no range", "the smaller one first"},
+      {"[1, 4]", "[1, 2, 4]", "parameters.speed_m_per_s.uniform: is no range", "two numbers from 0.001 to 100"},
       {"[1, 4]", "[4]", "parameters.speed_m_per_s.uniform: is no range", "two numbers from 0.001 to 100"},
       {"\"uniform\": [1, 4]", "", "parameters.speed_m_per_s: has no law or several", "one of uniform"},
       {"\"uniform\": [1, 4]", "\"normal\": [1, 4]", "parameters.speed_m_per_s.normal: unknown key", "uniform"},

@@ -133,6 +133,7 @@ std::vector<BadData> bad_pulses() {
   return {
       with("empty", "", "file: is empty", "a header"),
       with("comments_only", "# nothing\n", "file: is empty"),
+      with("no_text", "PK\3\4" + std::string(8, '\0') + "\n", "file: is no text", "a recording ends in .wav, .flac"),
       with("header_only", "time_s,force_n\n", "samples: has a header and no numbers"),
       with("one_sample", "time_s,force_n\n0,1\n", "samples: has 1;", "16 or more"),
       with("no_header", pulse(""), "line 1: there is no header", "columns"),
@@ -140,8 +141,12 @@ std::vector<BadData> bad_pulses() {
            "time_s, time_ms, time_us"),
       with("unit_unknown", pulse("time [h],force_n\n"), "line 1: the unit 'h' of the column 'time' is unknown",
            "time_ms"),
-      with("no_force", pulse("time_s,voltage\n"), "force: no column holds it", "acceleration_UNIT"),
-      with("no_time", pulse("moment,force_n\n"), "time: no column holds it", "time_UNIT"),
+      with("no_force", pulse("time_s,voltage\n"),
+           "force: no column holds it, nor an acceleration: the header has time_s, voltage",
+           "force_kgf, acceleration_m_per_s2, acceleration_g, or the key columns"),
+      with(
+          "no_time", pulse("moment,force_n\n"), "time: no column holds it: the header has moment, force_n",
+          R"(a column time_s, time_ms, time_us, or the key columns beside file, such as "columns": { "time_s": "NAME" })"),
       with("force_twice", pulse("force_n,force_mn\n"),
            "line 1: two columns hold the force: 'force_n' and 'force_mn'"),
       with("force_and_acceleration", "time_s,force_n,acceleration_g\n0,0,0\n",
@@ -192,7 +197,8 @@ std::vector<BadData> bad_tables() {
   const std::string tables = "probe.fit.json: tables: ";
   return {
       with("table_is_empty", "", file + "file: is empty"),
-      with("no_speed", table("rate,duration_ms\n"), file + "speed: no column holds it", "speed_UNIT"),
+      with("no_speed", table("rate,duration_ms\n"), file + "speed: no column holds it",
+           "speed_m_per_s, speed_cm_per_s"),
       with("speeds_alone", "speed_m_per_s\n1\n2\n3\n", file + "columns: there is nothing but speeds",
            "contact durations"),
       with("negative_duration", table("speed_m_per_s,duration_ms\n", "5,-1\n"),
@@ -267,7 +273,7 @@ std::vector<BadData> bad_blows() {
       with("level_is_nan", good + "7,nan\n", "line 5: 'nan' is not a number"),
       with("level_is_infinite", good + "7,inf\n", "line 5: 'inf' is not a number"),
       with("level_of_1000_db", good + "7,1000\n", "line 5: a level of 1000 dB", "-300 to 300"),
-      with("no_level", "partial,loudness\n1,2\n", "level: no column holds it", "level_UNIT"),
+      with("no_level", "partial,loudness\n1,2\n", "level: no column holds it", "a column level_db, or"),
       with("no_partial", "row,level_db\n1,2\n", "columns: no column names the partials", "frequency_UNIT"),
       with("partials_and_frequencies", "partial,frequency_hz,level_db\n1,261.6,2\n",
            "columns: there are partials beside frequencies"),

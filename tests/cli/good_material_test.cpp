@@ -30,6 +30,13 @@ std::string with_line_ends(std::string text, const std::string& line_end) {
   return text;
 }
 
+// As what PowerShell writes by `>`.
+std::string in_utf_16(const std::string& ascii) {
+  std::string text = "\xff\xfe";
+  for (const char c : ascii) (text += c) += '\0';
+  return text;
+}
+
 std::vector<GoodMaterial> good_cases() {
   const std::string good = kGood;
   std::string umlauts;
@@ -37,6 +44,7 @@ std::vector<GoodMaterial> good_cases() {
   std::vector<GoodMaterial> cases = {
       {"as_it_is", good},
       {"byte_order_mark", "\xef\xbb\xbf" + good},
+      {"utf_16", in_utf_16(good)},
       {"comments", "// one\n/* two */" + changed("\"contact\"", "// three\n\"contact\"")},
       {"windows_line_ends", with_line_ends(good, "\r\n")},
       {"one_line", with_line_ends(good, " ")},

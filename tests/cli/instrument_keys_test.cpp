@@ -127,8 +127,16 @@ TEST_F(KeysOnTheCommandLine, AreRefusedWhereTheyCannotPlay) {
   expect_refused(
       run_here({"render", "probe.json", "-o", "a.wav"}), "probe.json: file: is an instrument",
       R"(allowed: a score with "instrument": "probe.json", or, if it has keys, a MIDI file with --instrument probe.json)");
-  expect_refused(render("song.mid", "felt_c4"), "--instrument: felt_c4: is a material",
-                 "allowed: a .json file, a model of your own (.so), classical_guitar, ");
+  expect_refused(
+      render("song.mid", "felt_c4"), "--instrument: felt_c4: is a material",
+      "allowed: a .json file of an instrument with bodies and keys, or of a keyboard, a model of your own (.so), "
+      "fret_guitar, lap_steel, piano");
+  expect_refused(render("song.mid", "probe"), "--instrument: probe: is no instrument and no keyboard",
+                 "allowed: probe.json, which is a file here, a model of your own (.so), fret_guitar, ");
+  expect_refused(run_here({"render", "song"}), "song: SCORE: no such score ships",
+                 "allowed: song.mid, which is a file here, ");
+  expect_refused(run_here({"inspect", "probe"}), "probe: MATERIAL: no such material, ",
+                 "allowed: probe.json, which is a file here, ");
 
   write_file(box_ / "text.so", "no library");
   for (const char* file : {"none.so", "text.so"})

@@ -85,7 +85,8 @@ TEST(ScorePitch, BendsASoundingString) {
 // Keys by files of Scala and a pitch of A4, each by the string that plays it and the tension of its pitch.
 TEST(ScorePitch, IsThatOfAScale) {
   const Sandbox box;
-  write_file(box / "just.scl", "Just\n12\n16/15\n9/8\n6/5\n5/4\n4/3\n45/32\n3/2\n8/5\n5/3\n9/5\n15/8\n2\n");
+  write_file(box / "just.scl",
+             "\xef\xbb\xbf! just.scl\nJust\n12\n16/15\n9/8\n6/5\n5/4\n4/3\n45/32\n3/2\n8/5\n5/3\n9/5\n15/8\n2\n");
   write_file(box / "five.scl", "Five equal tones\n5\n240.0\n480.0\n720.0\n960.0\n1200.0\n");
   write_file(box / "low.kbm", "0\n0\n127\n60\n60\n250.0\n0\n");
   const auto keyboard = parse_keyboard(shipped(embedded_files(Shipped::kKeyboards), "piano"), "piano");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "generator/fit/text_encoding.hpp"
+#include "generator/support/text_encoding.hpp"
 
 #include <cstddef>
 
@@ -56,6 +56,10 @@ std::string from_latin_1(std::string_view bytes) {
 }
 
 }  // namespace
+
+bool is_marked_utf_16(std::string_view text) {
+  return text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff");
+}
 
 std::string in_utf8(std::string_view text) {
   if (text.starts_with("\xef\xbb\xbf")) return std::string(text.substr(3));
