@@ -2,6 +2,7 @@
 // contactspline list, contactspline show: what ships.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <numbers>
 #include <string>
@@ -61,15 +62,23 @@ std::string keyboards() {
   return table;
 }
 
+// The first and the last key of MIDI that an instrument plays, or that it has none.
+std::string keys_of(const InstrumentModel& model) {
+  const auto& ranges = model.keys.ranges;
+  if (ranges.empty()) return "-";
+  return fmt::format("{}-{}", std::ranges::min(ranges, {}, &KeyRange::first).first,
+                     std::ranges::max(ranges, {}, &KeyRange::last).last);
+}
+
 std::string instruments() {
-  std::string table =
-      fmt::format("{:<20} {:>6} {:>12} {:>9}  {}\n", "name", "bodies", "connections", "controls", "description");
+  std::string table = fmt::format("{:<20} {:>6} {:>12} {:>9} {:>7}  {}\n", "name", "bodies", "connections",
+                                  "controls", "keys", "description");
   for (const std::string& name : shipped_names(Shipped::kInstruments)) {
     const InstrumentModel model = instrument_argument(name).value().model;
     std::size_t connections = 0;
     for (const ConnectionGroup& group : model.connections) connections += group.gaps_m.size();
-    table += fmt::format("{:<20} {:>6} {:>12} {:>9}  {}\n", name, model.bodies.size(), connections,
-                         model.controls.size(), model.description);
+    table += fmt::format("{:<20} {:>6} {:>12} {:>9} {:>7}  {}\n", name, model.bodies.size(), connections,
+                         model.controls.size(), keys_of(model), model.description);
   }
   return table;
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <sstream>
@@ -61,6 +62,29 @@ TEST(List, HasATableForEachKind) {
     for (const auto& line : lines_of(table)) names.push_back(line.substr(0, line.find(' ')));
     EXPECT_EQ(names.front(), "name");
     EXPECT_EQ(std::vector(names.begin() + 1, names.end()), shipped_names(folder));
+  }
+}
+
+TEST(List, PrintsTheKeysThatAnInstrumentPlays) {
+  for (const std::string& name : shipped_names(Shipped::kInstruments)) {
+    const auto file = find_embedded(Shipped::kInstruments, name + ".json")->content;
+    const Json json = Json::parse(file, nullptr, true, true);
+    int first = 128, last = -1;
+    for (const Json& row : json.value("keys", Json::array())) {
+      first = std::min(first, row.value("key", row.value("first", 128)));
+      last = std::max(last, row.value("key", row.value("last", -1)));
+    }
+    const std::string keys = last < 0 ? "-" : fmt::format("{}-{}", first, last);
+    bool is_found = false;
+    for (const auto& line : lines_of(succeed({.arguments = {"list", "instruments"}}))) {
+      std::istringstream row(line);
+      std::string of, bodies, connections, controls, printed;
+      row >> of >> bodies >> connections >> controls >> printed;
+      if (of != name) continue;
+      is_found = true;
+      EXPECT_EQ(printed, keys) << name;
+    }
+    EXPECT_TRUE(is_found) << name;
   }
 }
 
