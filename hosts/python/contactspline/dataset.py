@@ -20,7 +20,7 @@ def dataset(plan: str | os.PathLike[str] | Mapping[str, Any], folder: str | os.P
     also replaces those of other plans. report takes the lines that the program prints.
     """
     if not 1 <= shards <= 99999 or not (shard is None or 1 <= shard <= shards):
-        raise ValueError(f"shards, shard: {shards}, {shard} are refused; allowed: 1 to 99999, and 1 to shards or None")
+        raise _core.Error(f"shards, shard: {shards}, {shard} are refused; allowed: 1 to 99999, and 1 to shards or None")
     tell = report if report is not None else (lambda line: None)
     text, is_text = source_of(plan)
     return _core.dataset(text, is_text, os.fspath(folder), shards, shard or 0, threads_of(threads), force,

@@ -51,9 +51,9 @@ class StruckString:
         """Displacement at the pickup [m] and contact force [N] in each sample."""
         return self._core.play(self._values(values), self._samples(seconds))
 
-    def tangents(self, seconds: float, names: Iterable[str], **values: float) -> tuple[Samples, Samples]:
-        """The derivatives of play() with respect to the parameters of these names: a row of samples for each."""
-        numbers = [self._number(name) for name in names]
+    def tangents(self, seconds: float, names: str | Iterable[str], **values: float) -> tuple[Samples, Samples]:
+        """The derivatives of play() with respect to the parameters of these names, or of one: a row of samples for each."""
+        numbers = [self._number(name) for name in ([names] if isinstance(names, str) else names)]
         return self._core.tangents(self._values(values), numbers, self._samples(seconds))
 
     def gradient(self, displacement: npt.ArrayLike, force: npt.ArrayLike | None = None,
@@ -65,16 +65,16 @@ class StruckString:
         weights = np.asarray(displacement, float)
         of_force = np.zeros(0) if force is None else np.asarray(force, float)
         if weights.ndim != 1 or of_force.ndim != 1 or (force is not None and of_force.shape != weights.shape):
-            raise ValueError("gradient: displacement and force are one row of samples each, of one length")
+            raise _core.Error("gradient: displacement and force are one row of samples each, of one length")
         return dict(zip(self._names, self._core.gradient(self._values(values), weights, of_force)))
 
     def plot_motion(self, seconds: float = 0.005, *, places: int = 80, axes: Any = None, **values: float) -> Any:
         """Draws the displacement of the whole string over place and time: the pickup at `places` places. Returns the axes
         of matplotlib."""
         if not 2 <= places <= 10000:
-            raise ValueError(f"plot_motion: places: {places} is refused; allowed: 2 to 10000 places")
+            raise _core.Error(f"plot_motion: places: {places} is refused; allowed: 2 to 10000 places")
         if "pickup_m" in values:
-            raise ValueError("plot_motion: pickup_m: is refused, the picture has all places; allowed: places=80")
+            raise _core.Error("plot_motion: pickup_m: is refused, the picture has all places; allowed: places=80")
         length = values.get("string_length_m", self.parameters["string_length_m"]["initial"])
         at = np.linspace(0, length, places)
         motion = np.array([self.play(seconds, **values, pickup_m=place)[0] for place in at])
@@ -88,7 +88,7 @@ class StruckString:
 
     def _number(self, name: str) -> int:
         if name not in self._names:
-            raise ValueError(f"parameter: '{name}' is unknown; allowed: {', '.join(self._names)}")
+            raise _core.Error(f"parameter: '{name}' is unknown; allowed: {', '.join(self._names)}")
         return self._names.index(name)
 
     def _values(self, values: Mapping[str, float]) -> Samples:
@@ -100,5 +100,5 @@ class StruckString:
     def _samples(self, seconds: float) -> int:
         samples = round(seconds * self._rate) if 0 < seconds <= 3600 else 0
         if samples < 1:
-            raise ValueError(f"seconds: {seconds} is refused; allowed: a sample to 3600 s, such as 0.5")
+            raise _core.Error(f"seconds: {seconds} is refused; allowed: a sample to 3600 s, such as 0.5")
         return samples

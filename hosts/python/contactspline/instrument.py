@@ -86,7 +86,7 @@ class Sound:
         if output not in self.outputs and output == _FORCE and self.force_n is not None:
             return self.force_n
         if output not in self.outputs:
-            raise ValueError(f"{self.title}: output '{output}' is unknown; allowed: {', '.join(self.outputs)}")
+            raise _core.Error(f"{self.title}: output '{output}' is unknown; allowed: {', '.join(self.outputs)}")
         return self.outputs[output]
 
     @property
@@ -105,7 +105,7 @@ class Sound:
         """
         level_db = self.level_db if level_db is None else level_db
         if not -200 <= level_db <= 0:
-            raise ValueError(f"level_db: {level_db} is refused; allowed: -200 to 0, such as -1")
+            raise _core.Error(f"level_db: {level_db} is refused; allowed: -200 to 0, such as -1")
         samples = self.samples if output is None else self[output]
         peak = np.max(np.abs(samples), initial=0.0)
         scale = 32767 * 10 ** (level_db / 20) / peak if peak > 0 else 0
@@ -119,7 +119,10 @@ class Sound:
         return file.getvalue()
 
     def write(self, path: str | os.PathLike[str], output: str | None = None, level_db: float | None = None) -> None:
-        """Writes wav() to a file."""
+        """Writes wav() to a file, whose name ends in .wav."""
+        name = os.fsdecode(path)
+        if not name.lower().endswith(".wav"):
+            raise _core.Error(f"{name}: sound: its ending names no format that can be written; allowed: .wav")
         write_whole(path, self.wav(output, level_db))
 
     def plot(self, output: str | None = None, axes: Any = None) -> Any:
@@ -184,16 +187,16 @@ class Instrument:
         """
         play = {"double": self._source.play_double, "single": self._source.play_single}.get(precision)
         if play is None:
-            raise ValueError(f"precision: '{precision}' is unknown; allowed: double, single")
+            raise _core.Error(f"precision: '{precision}' is unknown; allowed: double, single")
         samples = _samples(seconds, sample_rate_hz)
         wanted = list(self.outputs) if outputs is None else [outputs] if isinstance(outputs, str) else list(outputs)
         numbers = [self._output(name) for name in wanted]
         if not wanted:
-            raise ValueError(f"{self.name}: outputs: is empty; allowed: one or more of {', '.join(self._all_outputs())}")
+            raise _core.Error(f"{self.name}: outputs: is empty; allowed: one or more of {', '.join(self._all_outputs())}")
         is_force_wanted = len(self.outputs) in numbers
         energy_step = operator.index(energy_step)
         if energy_step < 0:
-            raise ValueError(f"energy_step: {energy_step} is refused; allowed: 0 or more samples")
+            raise _core.Error(f"energy_step: {energy_step} is refused; allowed: 0 or more samples")
         curves = {self._number(name): self._curve(name, values, samples) for name, values in (parameters or {}).items()}
         initial = [(number, values[0][1]) for number, values in curves.items()]
         rows = [(sample, _SET, number, value, 0.0) for number, values in curves.items() for sample, value in values[1:]]
@@ -214,12 +217,12 @@ class Instrument:
     def _output(self, name):
         """The number of an output."""
         if name not in self._all_outputs():
-            raise ValueError(f"{self.name}: outputs: '{name}' is unknown; allowed: {', '.join(self._all_outputs())}")
+            raise _core.Error(f"{self.name}: outputs: '{name}' is unknown; allowed: {', '.join(self._all_outputs())}")
         return self._all_outputs().index(name)
 
     def _find(self, what, name):
         if name not in getattr(self, what):
-            raise ValueError(f"{self.name}: {what}: '{name}' is unknown; allowed: {', '.join(getattr(self, what))}")
+            raise _core.Error(f"{self.name}: {what}: '{name}' is unknown; allowed: {', '.join(getattr(self, what))}")
         return getattr(self, what)[name]
 
     def _number(self, parameter):
@@ -231,15 +234,21 @@ class Instrument:
         row = self._find("parameters", parameter)
         for value in (low, high):
             if not row["min"] <= value <= row["max"]:
-                raise ValueError(f"{self.name}: {parameter}: {value} is refused; allowed: {row['min']:g} to {row['max']:g} "
+                raise _core.Error(f"{self.name}: {parameter}: {value} is refused; allowed: {row['min']:g} to {row['max']:g} "
                                  f"{row['unit']}, such as {row['initial']:g}")
 
     def _rows(self, events, rows, samples, rate, parameters):
         """These rows and all that happens, by time: (sample, action, number, value, rise)."""
         rows = list(rows)
-        events = [events] if isinstance(events, Event) else list(events)
+        events = [events] if isinstance(events, (Event, str)) else list(events)
         for event in events:
+            if not isinstance(event, Event):
+                raise _core.Error(f"{self.name}: events: {event!r} is no event; allowed: strike(0, 2), pluck(0), note(0, 60), "
+                                  "release(1), change(1, NAME, VALUE)")
             rows += self._event_rows(event, rate)
+            if round(event.time_s * rate) > samples:
+                raise _core.Error(f"{self.name}: the time {event.time_s:g} s of an event is behind the end; allowed: 0 to "
+                                  f"{samples / rate:g} s, or more seconds")
         self._refuse_unheard(events, parameters)
         return sorted((row for row in rows if row[0] < samples), key=lambda row: row[0])
 
@@ -249,14 +258,14 @@ class Instrument:
         for name in parameters:
             values = [value for parameter, value in blows if parameter == name]
             if values and None not in values and all(event.action in (_STRIKE, _PLUCK, _RELEASE) for event in events):
-                raise ValueError(f"{self.name}: {name}: changes nothing, as each event has a value of its own; allowed: "
+                raise _core.Error(f"{self.name}: {name}: changes nothing, as each event has a value of its own; allowed: "
                                  "events without one, such as strike(0) or pluck(0)")
 
     def _curve(self, name, values, samples):
         """Where the values change: (sample, value)."""
         values = np.atleast_1d(np.asarray(values, float))
         if values.ndim > 1 or not 1 <= len(values) <= samples or not np.all(np.isfinite(values)):
-            raise ValueError(f"{self.name}: {name}: is no number and no array over time; allowed: 1 to {samples} finite values")
+            raise _core.Error(f"{self.name}: {name}: is no number and no array over time; allowed: 1 to {samples} finite values")
         self._check(name, values.min(), values.max())
         begins = np.arange(len(values)) * samples // len(values)
         changes = np.flatnonzero(np.diff(values, prepend=math.nan))
@@ -264,7 +273,7 @@ class Instrument:
 
     def _event_rows(self, event, rate):
         if not (0 <= event.time_s <= 3600 and event.hold_s >= 0):
-            raise ValueError(f"{self.name}: an event's time {event.time_s} or hold {event.hold_s} is refused; "
+            raise _core.Error(f"{self.name}: an event's time {event.time_s} or hold {event.hold_s} is refused; "
                              "allowed: 0 to 3600 seconds, and 0 or more")
         number = self._event_number(event)
         value = math.nan if event.value is None else float(event.value)  # NaN: the parameter's
@@ -281,12 +290,12 @@ class Instrument:
             return self._number(event.number)
         if event.action in (_NOTE_ON, _NOTE_OFF):
             if not (0 <= operator.index(event.number) <= 127 and 0 <= event.value <= 1):
-                raise ValueError(f"{self.name}: key {event.number} with velocity {event.value} is refused; allowed: "
+                raise _core.Error(f"{self.name}: key {event.number} with velocity {event.value} is refused; allowed: "
                                  "keys 0 to 127 and velocities 0 to 1, such as 60 and 0.8")
             return operator.index(event.number)
         row = self._event_of(event)
         if event.action == _PLUCK and not 1e-5 <= event.rise_s <= 1:
-            raise ValueError(f"{self.name}: rise_s: {event.rise_s} is refused; allowed: 1e-05 to 1, such as 0.004")
+            raise _core.Error(f"{self.name}: rise_s: {event.rise_s} is refused; allowed: 1e-05 to 1, such as 0.004")
         if event.action != _RELEASE and event.value is not None:
             self._check(row["parameter"], event.value, event.value)
         return row["number"]
@@ -297,7 +306,10 @@ class Instrument:
         names = [name for name, row in self.events.items() if row["kind"] == kind]
         name = names[event.number] if isinstance(event.number, int) and 0 <= event.number < len(names) else event.number
         if name not in names:
-            raise ValueError(f"{self.name}: {kind}: {event.number!r} is unknown; allowed: {', '.join(names) or 'none'}")
+            others = [name for name, row in self.events.items() if row["kind"] != kind]
+            raise _core.Error(f"{self.name}: {kind}: {event.number!r} is unknown; allowed: {', '.join(names)}" if names else
+                              f"{self.name}: {kind}: it has none; allowed: "
+                              + (f"{'strike' if kind == 'pluck' else 'pluck'}, for {', '.join(others)}" if others else "note"))
         return self.events[name]
 
     def __repr__(self) -> str:
@@ -321,13 +333,15 @@ def render_many(instrument: Instrument, parameters: Mapping[str, npt.ArrayLike],
     a second, and at the end.
     """
     if precision not in ("single", "double"):
-        raise ValueError(f"precision: '{precision}' is unknown; allowed: single, double")
+        raise _core.Error(f"precision: '{precision}' is unknown; allowed: single, double")
     samples = _samples(seconds, sample_rate_hz)
     if not isinstance(parameters, Mapping):
-        raise ValueError("parameters: is no dict; allowed: arrays of one and the same length by name")
+        raise _core.Error("parameters: is no dict; allowed: arrays of one and the same length by name")
     columns = [np.asarray(values, float) for values in parameters.values()]
     if not columns or any(column.ndim != 1 or len(column) != len(columns[0]) for column in columns):
-        raise ValueError("parameters: are no columns; allowed: arrays of one and the same length by name")
+        shapes = ", ".join(f"{name} has the shape {column.shape}" for name, column in zip(parameters, columns)) or "there is none"
+        raise _core.Error(f"parameters: are no columns: {shapes}; allowed: arrays of one and the same length by name, "
+                          "such as {\"speed_m_per_s\": [1, 2]}")
     values = np.ascontiguousarray(np.stack(columns, axis=1))
     for name, column in zip(parameters, columns):
         if len(column):
@@ -337,7 +351,7 @@ def render_many(instrument: Instrument, parameters: Mapping[str, npt.ArrayLike],
         out = np.empty(shape, np.float32)
     elif (not isinstance(out, np.ndarray) or out.shape != shape or out.dtype != np.float32 or not out.flags.c_contiguous
           or not out.flags.writeable):
-        raise ValueError(f"out: is no array for this; allowed: float32, C order, writable, {shape}")
+        raise _core.Error(f"out: is no array for this; allowed: float32, C order, writable, {shape}")
     number = 0 if output is None else instrument._output(output)
     play = instrument._source.play_many_single if precision == "single" else instrument._source.play_many_double
     play([instrument._number(name) for name in parameters], values, instrument._rows(events, [], samples, sample_rate_hz, parameters),
@@ -348,5 +362,5 @@ def render_many(instrument: Instrument, parameters: Mapping[str, npt.ArrayLike],
 def _samples(seconds, sample_rate_hz):
     check_rate(sample_rate_hz)
     if not 0 < seconds <= 3600:
-        raise ValueError(f"seconds: {seconds} is refused; allowed: above 0, up to 3600")
+        raise _core.Error(f"seconds: {seconds} is refused; allowed: above 0, up to 3600")
     return max(1, round(seconds * sample_rate_hz))

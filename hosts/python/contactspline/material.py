@@ -152,7 +152,7 @@ class Material:
         of: "exact", the law; "spline", its spline in continuous time; "simulated", the contact step at a sample rate.
         """
         if of not in ("exact", "spline", "simulated"):
-            raise ValueError(f"of: '{of}' is unknown; allowed: exact, spline, simulated")
+            raise _core.Error(f"of: '{of}' is unknown; allowed: exact, spline, simulated")
         speeds, masses = np.broadcast_arrays(np.asarray(speed_m_per_s, float),
                                              np.asarray(self.mass_kg if mass_kg is None else mass_kg, float))
         values: Any = [speeds, masses, *self._design.impacts(speeds, masses, of, float(sample_rate_hz))]
@@ -184,7 +184,7 @@ class Material:
         if axes is None:
             _, axes = plt.subplots(2, 1, sharex=True, layout="constrained")
         if np.size(axes) != 2:
-            raise ValueError("plot_impacts: axes: are not two; allowed: two axes of matplotlib, or None")
+            raise _core.Error("plot_impacts: axes: are not two; allowed: two axes of matplotlib, or None")
         axes[0].loglog(speeds, 1000 * impacts.contact_duration_s)
         axes[0].set(ylabel="contact duration [ms]", title=self.description or self.name)
         axes[1].loglog(speeds, impacts.max_force_n)
@@ -208,7 +208,7 @@ def design_many(sources: Iterable[str | os.PathLike[str] | Mapping[str, Any]], *
     progress(done, total) is called about ten times a second, and at the end.
     """
     if isinstance(sources, (str, bytes, os.PathLike, Mapping)):
-        raise ValueError("sources: is one material; allowed: a list of names, paths or dicts")
+        raise _core.Error("sources: is one material; allowed: a list of names, paths or dicts")
     texts = [source_of(source) for source in sources]
     designs = _core.design_many(texts, threads_of(threads), watch_of(progress, len(texts)))
     return [Material._of(text, design) for text, design in zip(texts, designs)]

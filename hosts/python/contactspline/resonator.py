@@ -66,7 +66,7 @@ class Keyboard:
         """A value of all keys, such as "tension_n"."""
         first = next(iter(self.keys.values()))
         if name not in first:
-            raise ValueError(f"{self.name}: '{name}' is unknown; allowed: {', '.join(first)}")
+            raise _core.Error(f"{self.name}: '{name}' is unknown; allowed: {', '.join(first)}")
         return _column(self.keys.values(), name)
 
     def __repr__(self) -> str:

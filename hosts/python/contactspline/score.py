@@ -31,7 +31,7 @@ def play_score(source: str | os.PathLike[str] | Mapping[str, Any], *, sample_rat
     pitch of A4, does; in place of what the score says.
     """
     if precision not in ("single", "double"):
-        raise ValueError(f"precision: '{precision}' is unknown; allowed: single, double")
+        raise _core.Error(f"precision: '{precision}' is unknown; allowed: single, double")
     check_rate(sample_rate_hz)
     samples, forces, contacts, output, unit, level_db = _core.play_score(
         *source_of(source), sample_rate_hz, precision == "single", *_tuning_of(tuning, keymap, a4_hz))
@@ -57,5 +57,5 @@ def read_tuning(tuning: str | os.PathLike[str] | None = None, keymap: str | os.P
 def shipped(kind: str) -> list[str]:
     """The names that ship: kind is "materials", "resonators", "keyboards", "instruments" or "scores"."""
     if kind not in _core.shipped:
-        raise ValueError(f"kind: '{kind}' is unknown; allowed: {', '.join(_core.shipped)}")
+        raise _core.Error(f"kind: '{kind}' is unknown; allowed: {', '.join(_core.shipped)}")
     return list(_core.shipped[kind])

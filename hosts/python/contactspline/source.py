@@ -28,7 +28,10 @@ def json_of(value: Mapping[str, Any]) -> str:
             return os.fsdecode(one)
         raise _core.Error(f"{type(one).__name__}: is no value of a file; allowed: a name, a path, a number, a list or a dict")
 
-    return json.dumps(value, allow_nan=False, default=plain)
+    try:
+        return json.dumps(value, allow_nan=False, default=plain)
+    except ValueError as error:  # of a number that is not finite
+        raise error if isinstance(error, _core.Error) else _core.Error(f"{error}; allowed: finite numbers") from None
 
 
 def source_of(source: str | os.PathLike[str] | Mapping[str, Any]) -> tuple[str, bool]:
@@ -45,7 +48,7 @@ def check_rate(sample_rate_hz: float) -> None:
     """Refuses a rate that nothing plays at."""
     low, high = _core.sample_rates_hz
     if not low <= sample_rate_hz <= high:
-        raise ValueError(f"sample_rate_hz: {sample_rate_hz} is refused; allowed: {low:.0f} to {high:.0f}")
+        raise _core.Error(f"sample_rate_hz: {sample_rate_hz} is refused; allowed: {low:.0f} to {high:.0f}")
 
 
 def threads_of(threads: int | None) -> int:
@@ -54,7 +57,7 @@ def threads_of(threads: int | None) -> int:
         threads = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
         return min(threads, _MAX_THREADS)
     if not 1 <= operator.index(threads) <= _MAX_THREADS:
-        raise ValueError(f"threads: {threads} is refused; allowed: 1 to {_MAX_THREADS}, such as 2")
+        raise _core.Error(f"threads: {threads} is refused; allowed: 1 to {_MAX_THREADS}, such as 2")
     return operator.index(threads)
 
 

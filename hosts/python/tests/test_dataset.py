@@ -157,7 +157,7 @@ def test_a_changed_byte_is_found_by_any_reader(tmp_path):
 def test_errors_are_the_lines_of_the_program(tmp_path):
     with pytest.raises(cs.Error, match="plan: count: 0 is out of range; allowed: an integer from 1"):
         cs.dataset({**PLAN, "count": 0}, tmp_path)
-    with pytest.raises(ValueError, match="allowed: 1 to 99999"):
+    with pytest.raises(cs.Error, match="allowed: 1 to 99999"):
         cs.dataset(PLAN, tmp_path, shards=2, shard=3)
     assert not list(tmp_path.iterdir())
 

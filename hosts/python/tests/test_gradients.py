@@ -60,7 +60,7 @@ def test_a_search_along_the_gradient_finds_a_felt():
     log_ratio = 0.0
     for _ in range(30):  # Gauss and Newton
         ratio = float(np.exp(log_ratio))
-        slope = string.tangents(SECONDS, ["stiffness_ratio"], stiffness_ratio=ratio)[0][0] * ratio
+        slope = string.tangents(SECONDS, "stiffness_ratio", stiffness_ratio=ratio)[0][0] * ratio
         log_ratio -= slope @ error(log_ratio) / (slope @ slope)
     assert abs(np.exp(log_ratio) - 2) < 1e-6
 
@@ -80,7 +80,7 @@ def test_a_search_along_the_gradient_finds_a_felt():
     (lambda: cs.StruckString().gradient(np.ones((2, 3))), "one row of samples"),
     (lambda: cs.StruckString().gradient(np.ones(3), np.ones(2)), "of one length")])
 def test_wrong_calls_are_refused_in_one_line(call, says):
-    with pytest.raises(ValueError) as refused:
+    with pytest.raises(cs.Error) as refused:
         call()
     assert says in str(refused.value) and "\n" not in str(refused.value)
 
@@ -135,5 +135,5 @@ def test_motion_is_the_displacement_at_each_place():
     *_, low, high = axes.get_images()[0].get_extent()
     assert np.allclose([low, high], [-0.0775, 0.6975]) and np.allclose(axes.get_ylim(), [0, 0.62])
     for wrong, line in (({"places": 1}, "places: 1 is refused"), ({"pickup_m": 0.1}, "pickup_m: is refused")):
-        with pytest.raises(ValueError, match=line):
+        with pytest.raises(cs.Error, match=line):
             string.plot_motion(**wrong)

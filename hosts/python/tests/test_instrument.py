@@ -282,10 +282,11 @@ def test_a_blow_without_a_speed_has_that_of_its_parameter():
     (dict(parameters={"hammer_mass_kg": [0.003, -1]}), "hammer_mass_kg: -1.0 is refused"),
     (dict(parameters={"hammer_mass_kg": [0.003, math.nan]}), "hammer_mass_kg: nan is refused"),
     (dict(parameters={"speed_m_per_s": [1, 2]}), "changes nothing"), (dict(parameters=[1, 2]), "no dict"),
+    (dict(parameters={"hammer_mass_kg": [0.003, 0.004], "loss_s_per_m": [0.1]}), r"loss_s_per_m has the shape \(1,\)"),
     (dict(threads=0), "threads"), (dict(threads=10**9), "1 to 1024"), (dict(out=[1]), "out: is no array"),
     (dict(out=np.broadcast_to(np.zeros(4410, np.float32), (2, 4410))), "out: is no array")])
 def test_what_is_wrong_in_a_batch_is_told(wrong, told):
-    with pytest.raises(ValueError, match=told) as raised:
+    with pytest.raises(cs.Error, match=told) as raised:
         cs.render_many(made("hammer_string"), **{"parameters": {"hammer_mass_kg": [0.003, 0.004]}, "events": cs.strike(0, 2),
                                                  "seconds": 0.1, **wrong})
     assert "\n" not in str(raised.value)
@@ -364,10 +365,11 @@ def test_instruments_of_files_and_dicts(tmp_path):
     (dict(parameters={"hammer_mass_kg": 1e9}), "hammer_mass_kg"), (dict(outputs=[]), "outputs"),
     (dict(events=cs.note(0, 60, 2)), "velocity"), (dict(events=cs.strike(1e300, 1)), "time"), (dict(energy_step=-1), "energy_step"),
     (dict(events=cs.strike(0, 2), parameters={"speed_m_per_s": 3}), "changes nothing"),
-    (dict(events=cs.strike(0, 1, "nothing")), "strike"), (dict(events=cs.pluck(0, 1)), "pluck"),
+    (dict(events=cs.strike(0, 1, "nothing")), "strike"), (dict(events=cs.pluck(0, 1)), "pluck: it has none; allowed: strike, for strike"),
+    (dict(events="strike"), "'strike' is no event; allowed: strike"), (dict(events=cs.strike(0.2, 1)), "0.2 s of an event is behind the end; allowed: 0 to 0.1 s"),
     (dict(events=cs.note(0, 200)), "key"), (dict(precision="half"), "precision")])
 def test_what_is_wrong_is_told(wrong, told):
-    with pytest.raises(ValueError, match=told):
+    with pytest.raises(cs.Error, match=told):
         made("hammer_string").play(**{"seconds": 0.1, **wrong})
 
 
@@ -382,7 +384,7 @@ def test_the_contact_force_has_one_name(precision):
     alone = string.play(cs.strike(0, 2), 0.05, outputs="force_n", precision=precision).samples
     many = cs.render_many(string, {"speed_m_per_s": [1.0, 2.0]}, cs.strike(0), 0.05, output="force_n", precision=precision)
     assert np.array_equal(many[1], alone.astype(np.float32)) and not np.array_equal(many[0], many[1])
-    with pytest.raises(ValueError, match="'force' is unknown; allowed: .*bridge_force_n, force_n$"):
+    with pytest.raises(cs.Error, match="'force' is unknown; allowed: .*bridge_force_n, force_n$"):
         cs.render_many(string, {"speed_m_per_s": [1.0]}, cs.strike(0), 0.05, output="force")
 
 
@@ -403,16 +405,19 @@ def test_sounds_are_written_drawn_and_shown(tmp_path, image_of):
     assert np.max(np.abs(samples)) == round(32767 * 10 ** (-1 / 20))
     exact = sound["bridge_force_n"] / np.max(np.abs(sound["bridge_force_n"]))
     assert np.max(np.abs(samples / np.max(np.abs(samples)) - exact)) < 1.5e-4 / 2
+    with pytest.raises(cs.Error, match="a.mp3: sound: its ending names no format that can be written; allowed: .wav"):
+        sound.write(tmp_path / "a.mp3")
+    assert [path.name for path in tmp_path.iterdir()] == ["a.wav"]
     line = sound.plot("bridge_force_n").get_lines()[0]
     assert np.array_equal(line.get_ydata(), sound["bridge_force_n"])
     for ask in (sound.wav, sound.plot, sound.__getitem__):
-        with pytest.raises(ValueError, match="'nothing' is unknown; allowed: .*bridge_force_n"):
+        with pytest.raises(cs.Error, match="'nothing' is unknown; allowed: .*bridge_force_n"):
             ask("nothing")
     assert "<audio" in sound._repr_html_() and "hammer" in made("hammer_string")._repr_html_()
     assert (image_of(sound) != image_of(made("hammer_string").play(cs.strike(0.1, 2), 0.2))).any()
     json.dumps(list(sound.units))
     for level in (6, math.nan, math.inf):
-        with pytest.raises(ValueError, match="level_db"):
+        with pytest.raises(cs.Error, match="level_db"):
             sound.wav(level_db=level)
 
 

@@ -64,5 +64,5 @@ def test_errors_are_one_line(program, tmp_path):
                        (lambda: cs.Resonator(STRING, sample_rate_hz=math.nan), "sample_rate_hz: nan is refused"),
                        (lambda: cs.Keyboard({"name": "probe"}), "missing"),
                        (lambda: cs.Keyboard("piano").column("nothing"), "'nothing' is unknown; allowed: pitch_hz")):
-        with pytest.raises(ValueError, match=says):
+        with pytest.raises(cs.Error, match=says):
             call()
