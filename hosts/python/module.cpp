@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "contactspline/host/oversampled.hpp"
 #include "contactspline/host/tuned_keys.hpp"
 #include "generator/cli/commands.hpp"
 #include "generator/cli/files.hpp"
@@ -183,12 +184,15 @@ class Source {
   }
 
   [[nodiscard]] const AnyInstrument<double>& shown() const { return *shown_; }
+  [[nodiscard]] static std::size_t latency(int factor) { return Decimator<double>(factor).delay(); }
 
-  /// Returns all wanted outputs, the force (or nothing) and the energies (or nothing).
+  /// Returns all wanted outputs, the force (or nothing) and the energies (or nothing). Sounds and force of an
+  /// instrument that runs at `factor` times the rate begin latency(factor) samples late, and have so many more.
   template <std::floating_point T>
   [[nodiscard]] py::tuple play(const Values& initial, const Rows& rows, std::size_t samples, double rate,
                                const std::vector<bool>& wanted, bool force, std::size_t energy_step,
-                               const std::vector<double>& cents) const {
+                               const std::vector<double>& cents, int factor) const {
+    samples += latency(factor);
     py::list outputs;
     Recording<T> recording;
     const auto array = [&](auto value, std::size_t length) {
@@ -207,7 +211,8 @@ class Source {
     {
       const py::gil_scoped_release unlocked;
       const auto events = events_in(rows, *shown_, cents);
-      auto instrument = idle_in(T()).take(maker_, rate);
+      Handle<T> instrument = factor == 1 ? idle_in(T()).take(maker_, rate)
+                                         : std::make_unique<Oversampled<T>>(maker_.make<T>(factor * rate), factor);
       for (const auto& [parameter, value] : initial) instrument->set(parameter, value);
       instrument->prepare(rate);
       try {
@@ -215,7 +220,7 @@ class Source {
       } catch (const NotFinite& failure) {
         refuse(shown_->name(), "sound", failure.what(), "other values of parameters or events");
       }
-      if (cents.empty()) idle_in(T()).put(std::move(instrument), rate);  // otherwise its keys stay bent
+      if (cents.empty() && factor == 1) idle_in(T()).put(std::move(instrument), rate);  // tuned keys stay bent
     }
     return py::make_tuple(outputs, forces, energies);
   }
@@ -513,6 +518,7 @@ void bind_instrument(py::module_& m) {
       .def("presets", &presets_of)
       .def("play_single", &Source::play<float>)
       .def("play_double", &Source::play<double>)
+      .def_static("latency", &Source::latency)
       .def("play_many_single", &Source::play_many<float>)
       .def("play_many_double", &Source::play_many<double>);
   m.def("play_score", &play_score);

@@ -218,6 +218,21 @@ def test_keys_are_tuned_by_files_of_scala(tmp_path):
         guitar.play(cs.note(0, 60), 0.1, tuning=cents[:12])
 
 
+def test_a_finer_run_follows_a_blow_of_steel():
+    steel = cs.Instrument("mass_barrier", material="steel_on_steel")
+    exact = cs.Material("steel_on_steel").impact(2)
+    coarse, fine = (steel.play(cs.strike(0, 2), 0.01, oversample=factor, energy_step=100) for factor in (1, 8))
+    assert len(fine.force_n) == len(coarse.force_n) == 441 and len(fine.energy_j) == 4
+    assert np.max(coarse.force_n) < 0.7 * exact.max_force_n
+    # The force of a sample is its mean, and the peak may lie between two of the 10.6 samples: 1 - cos(pi/2/10.6) and a fifth
+    # of that for the mean, where the blow is half a period of a sine. Hertz' pulse is sharper.
+    assert abs(np.max(fine.force_n) / exact.max_force_n - 1) < 0.03
+    assert abs(np.argmax(fine.force_n) - np.argmax(coarse.force_n)) <= 1
+    for factor in (0, 3, 8.5):
+        with pytest.raises(cs.Error, match="oversample: .* is refused; allowed: 1, 2, 4, 8"):
+            steel.play(cs.strike(0), 0.01, oversample=factor)
+
+
 def test_energy_falls_after_a_blow():
     sound = made("hammer_string").play(cs.strike(0, 2.5), 0.5, energy_step=441)
     assert len(sound.energy_j) == 50 and np.all(sound.energy_j > 0)
