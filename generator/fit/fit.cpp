@@ -361,7 +361,7 @@ bool is_material(const FitProblem& problem, const Candidate& candidate) {
 
 [[noreturn]] void refuse_no_material(const FitProblem& problem, const Candidate& best, const std::string& file) {
   const std::vector<FileNumber> numbers = numbers_in_file(problem, best);
-  const FileNumber& wrong = *std::ranges::find_if_not(numbers, &FileNumber::is_allowed);
+  const FileNumber& wrong = *std::ranges::find(numbers, false, &FileNumber::is_allowed);
   const std::string unit = wrong.unit.empty() ? "" : " " + wrong.unit;
   refuse(file, "fit",
          fmt::format("the {} {} describes the data far better than all others, and its {} is {:.4g}{}, which no "
