@@ -347,10 +347,11 @@ void add_outputs(CLI::App& command, RenderOutput& output) {
              static_cast<int>(kSampleRates_hz.max))
       ->capture_default_str();
   command
-      .add_option("--oversample", output.oversampling, "run the models at so many times the rate, for short contacts")
+      .add_option("--oversample", output.oversampling,
+                  "run the models at so many times the rate, for short contacts\n"
+                  "(default: 1, or as a score says)")
       ->check(one_of({"1", "2", "4", "8"}))
-      ->type_name("FACTOR")
-      ->capture_default_str();
+      ->type_name("FACTOR");
   command.add_option("--bits", output.bits, "of a sample: 16, 24, or 32 for numbers of single precision")
       ->check(one_of({"16", "24", "32"}))
       ->type_name("BITS")

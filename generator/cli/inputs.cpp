@@ -56,7 +56,7 @@ Source material_source(const std::string& argument, Design design, double sample
           },
           std::move(files),
           {},
-          too_short.empty() ? "" : name + ": " + too_short};
+          too_short.empty() ? "" : name + ": " + too_short + "\n"};
 }
 
 // The modes, of which there must be one.

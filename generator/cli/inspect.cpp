@@ -133,7 +133,7 @@ std::string quality_table(const Design& design) {
         "spectrum, worst", design.spectrum->worst_db, "spectrum, on average", design.spectrum->mean_db,
         kMaxSpectrumFrequency_hz, kMinSpectrumLevel_db);
   const std::string too_short = short_contact(design.material, kDefaultRate);
-  return table + sound_advice(design) + (too_short.empty() ? "" : "  " + too_short) + family_table(design);
+  return table + sound_advice(design) + (too_short.empty() ? "" : "  " + too_short + "\n") + family_table(design);
 }
 
 /// A row of --compare.

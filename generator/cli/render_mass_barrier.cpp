@@ -44,7 +44,7 @@ MassBarrierMotion play(const MassBarrierOptions& options, const Design& design) 
   barrier->set(P::kGravity, options.gravity_m_per_s2);
   barrier->set(P::kStiffnessRatio, options.stiffness_ratio);
   barrier->set(P::kStart, options.start_m);
-  const auto rate = static_cast<double>(options.output.sample_rate_hz) * options.output.oversampling;
+  const auto rate = static_cast<double>(options.output.model_rate_hz());
   const auto samples = static_cast<std::size_t>(std::llround(options.duration_s * rate));
   MassBarrierMotion motion{rate, std::vector<double>(samples), std::vector<double>(samples)};
   barrier->prepare(rate);
@@ -74,7 +74,7 @@ std::string short_contact_line(const MassBarrierOptions& options, const Design& 
   const double mass_kg = option_or(options.mass_kg, design, &Impact::mass_kg, options, "--mass");
   const double duration_s =
       exact_impact(design.material, mass_kg / options.stiffness_ratio, speed).contact_duration_s;
-  const std::string text = short_contact(duration_s, options.output.sample_rate_hz * options.output.oversampling);
+  const std::string text = short_contact(duration_s, options.output.model_rate_hz());
   return text.empty() ? text : "a contact " + text + "\n";
 }
 
@@ -83,12 +83,12 @@ std::string short_contact_line(const MassBarrierOptions& options, const Design& 
 void render_mass_barrier(const MassBarrierOptions& given) {
   MassBarrierOptions options = given;
   if (options.output.sound.empty()) options.output.sound = default_sound(given.material);
-  require_short("--duration", options.duration_s, options.output.sample_rate_hz * options.output.oversampling);
+  require_short("--duration", options.duration_s, options.output.model_rate_hz());
   const Design design = design_argument(options.material);
   require_outputs(options.output, 1, input_files(options.material, design.material));
   const auto motion = play(options, design);
-  std::vector<double> signal =
-      decimated(options.signal == "force" ? motion.force_n : motion.displacement_m, options.output.oversampling);
+  std::vector<double> signal = decimated(options.signal == "force" ? motion.force_n : motion.displacement_m,
+                                         options.output.oversampling.value_or(1));
   fade_end(signal, options.output.sample_rate_hz);
   const double scale = scale_of(options.output, signal);
   const std::string title =

@@ -19,11 +19,13 @@ struct RenderOutput {
   std::string figure;  ///< empty: the sound file's name with .svg
   bool no_figure = false;
   int sample_rate_hz = 44100;
-  int oversampling = 1;                 ///< the models run at so many times the rate: one of kOversamplings
-  int bits = 24;                        ///< of a sample: 16, 24, or 32 of single precision
-  std::optional<double> level_db = {};  ///< of the peak, relative to full scale; empty: kPeak
-  std::optional<double> gain_db = {};   ///< in place of a level: relative to a full scale of 1 SI unit
-  bool force = false;                   ///< replaces files that the program did not write
+  std::optional<int> oversampling = {};  ///< the models run at so many times the rate; empty: as a score says, or 1
+  int bits = 24;                         ///< of a sample: 16, 24, or 32 of single precision
+  std::optional<double> level_db = {};   ///< of the peak, relative to full scale; empty: kPeak
+  std::optional<double> gain_db = {};    ///< in place of a level: relative to a full scale of 1 SI unit
+  bool force = false;                    ///< replaces files that the program did not write
+
+  [[nodiscard]] int model_rate_hz() const { return sample_rate_hz * oversampling.value_or(1); }
 };
 
 constexpr double kPeak = 0.89;  ///< largest value in the sound file: -1 dB relative to full scale

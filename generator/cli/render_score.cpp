@@ -87,7 +87,7 @@ void choose_output(const ScoreOptions& options, const Score& score, PlayOptions&
 
 PlayOptions play_options(const ScoreOptions& options, const Score& score) {
   PlayOptions how{static_cast<double>(options.output.sample_rate_hz)};
-  how.oversampling = options.output.oversampling;
+  how.oversampling = options.output.oversampling.value_or(1);
   how.precision = options.precision == "single" ? Precision::kSingle : Precision::kDouble;
   if (const ModelModule* module = module_of(score))  // it computes in one precision only
     how.precision = module->make_single != nullptr ? Precision::kSingle : Precision::kDouble;
@@ -201,7 +201,7 @@ struct Prepared {
 // How long it sounds: as long as it is told to, or until it has rung out.
 void set_length(Prepared& prepared) {
   auto& [options, score, how, stems] = prepared;
-  const int rate_hz = options.output.sample_rate_hz * how.oversampling;
+  const int rate_hz = options.output.model_rate_hz();
   if (options.tail_s) score.duration_s += *options.tail_s - score.ring_s;
   require_short(options.score + ": duration_s", score.duration_s, rate_hz);
   if (!options.tail_s && score.ring_s > 0)
@@ -215,14 +215,13 @@ Prepared prepare(std::optional<Model> model, const ScoreOptions& given) {
   auto& [options, score, how, stems] = prepared;
   if (options.output.sound.empty()) options.output.sound = default_sound(given.score);
   if (!options.output.level_db) options.output.level_db = score.level_db;
-  if (options.output.oversampling == 1) options.output.oversampling = score.oversampling;
+  if (!options.output.oversampling) options.output.oversampling = score.oversampling;
   if (model && score.model != *model)
     refuse(options.score, "instrument",
            score.model == Model::kFile ? "the score is for an instrument file"
                                        : fmt::format("the score is for a {}", name_of(score.model)),
            fmt::format("render {}", name_of(score.model)));
-  require_short(options.score + ": duration_s", score.duration_s,
-                options.output.sample_rate_hz * options.output.oversampling);
+  require_short(options.score + ": duration_s", score.duration_s, options.output.model_rate_hz());
   stems = stem_files(options, score);
   for (const std::string& file : {given.tuning, given.keymap})
     if (!file.empty()) source.files.emplace_back(file);

@@ -75,7 +75,7 @@ std::string short_contact(const Material& material, double sample_rate_hz) {
   const Impact& impact = *material.impact;
   const double duration_s = exact_impact(material, impact.mass_kg, impact.max_speed_m_per_s).contact_duration_s;
   const std::string text = short_contact(duration_s, sample_rate_hz);
-  return text.empty() ? text : fmt::format("a contact at {} m/s {}\n", impact.max_speed_m_per_s, text);
+  return text.empty() ? text : fmt::format("a contact at {} m/s {}", impact.max_speed_m_per_s, text);
 }
 
 BarrierImpact simulated_impact(const Design& design, double mass_kg, double speed_m_per_s, double sample_rate_hz,

@@ -30,7 +30,8 @@ inline constexpr double kEnoughSamples = 10, kTooFewSamples = 4.5;
 /// too few ..."; empty where they are not too few. contact_duration_s, sample_rate_hz > 0.
 [[nodiscard]] std::string short_contact(double contact_duration_s, double sample_rate_hz);
 
-/// The same as a line on the fastest impact that a material states; empty where it states none.
+/// The same of the fastest impact that a material states, as "a contact at 2 m/s lasts ..."; empty where it states
+/// none.
 [[nodiscard]] std::string short_contact(const Material& material, double sample_rate_hz);
 
 /// These three impacts over time, without loss or with it: the first two at 257 moments, the third once a sample. The

@@ -157,12 +157,11 @@ Handle<T> prepared(const InstrumentMaker& maker, double sample_rate_hz) {
   return instrument;
 }
 
-// The same at a multiple of the rate, with the values of another one's parameters. Sets how late it is.
+// The same at a multiple of the rate, with the values of another one's parameters.
 template <typename T>
-Handle<T> oversampled(const contactspline_instrument& like, const AnyInstrument<T>& values, int factor,
-                      std::size_t& latency) {
+std::unique_ptr<Oversampled<T>> oversampled(const contactspline_instrument& like, const AnyInstrument<T>& values,
+                                            int factor) {
   auto made = std::make_unique<Oversampled<T>>(like.maker.make<T>(factor * like.sample_rate_hz), factor);
-  latency = made->latency();
   for (std::size_t p = 0; p < like.parameters.size(); ++p) made->set(p, values.value(p));
   made->prepare(like.sample_rate_hz);
   return made;
@@ -315,7 +314,8 @@ int contactspline_oversample(contactspline_instrument* instrument, int factor) {
                                  factor, instrument->sample_rate_hz, kSampleRates_hz.max));
     std::visit(
         [&]<typename T>(const Player<T>& player) {
-          auto handle = oversampled<T>(*instrument, player.instrument(), factor, instrument->latency);
+          auto handle = oversampled<T>(*instrument, player.instrument(), factor);
+          instrument->latency = handle->latency();
           instrument->parameters = listed(handle->parameters());
           instrument->outputs = listed(handle->outputs());
           instrument->events = listed(handle->events());

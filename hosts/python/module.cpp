@@ -537,6 +537,8 @@ PYBIND11_MODULE(_core, m) {
   bind_struck_string(m);
   m.def("resonator", &resonator_json, py::call_guard<py::gil_scoped_release>());
   m.def("keyboard", &keyboard_json, py::call_guard<py::gil_scoped_release>());
+  m.attr("oversamplings") =
+      py::tuple(py::cast(std::vector<int>(std::begin(kOversamplings), std::end(kOversamplings))));
   m.attr("sample_rates_hz") = py::make_tuple(kSampleRates_hz.min, kSampleRates_hz.max);
   // Names of Action, in its order.
   py::dict actions;

@@ -131,6 +131,8 @@ TEST(Impact, SaysWhereAContactIsTooShortForTheRate) {
               std::string::npos)
       << rendered;
   EXPECT_EQ(printed(box, {"render", "--score", "fine.json", "-o", "fine.wav"}).find("too few"), std::string::npos);
+  const auto coarse = printed(box, {"render", "--score", "fine.json", "--oversample", "1", "-o", "coarse.wav"});
+  EXPECT_TRUE(coarse.find("too few") != std::string::npos) << "the option comes before the score: " << coarse;
   printed(box, {"render", "--score", "score.json", "--oversample", "8", "-o", "option.wav"});
   EXPECT_EQ(read_file(box / "fine.wav"), read_file(box / "option.wav"));
   for (const char* command : {"impact", "inspect", "generate"})

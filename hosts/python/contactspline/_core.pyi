@@ -5,6 +5,7 @@ from typing import Any
 __version__: str
 shipped: dict[str, list[str]]
 actions: dict[str, int]
+oversamplings: tuple[int, ...]
 sample_rates_hz: tuple[float, float]
 
 class Error(ValueError): ...

@@ -189,8 +189,8 @@ class Instrument:
         play = {"double": self._source.play_double, "single": self._source.play_single}.get(precision)
         if play is None:
             raise _core.Error(f"precision: '{precision}' is unknown; allowed: double, single")
-        if oversample not in (1, 2, 4, 8):
-            raise _core.Error(f"oversample: {oversample} is refused; allowed: 1, 2, 4, 8")
+        if oversample not in _core.oversamplings:
+            raise _core.Error(f"oversample: {oversample} is refused; allowed: {', '.join(map(str, _core.oversamplings))}")
         check_rate(oversample * sample_rate_hz)
         samples = _samples(seconds, sample_rate_hz)
         wanted = list(self.outputs) if outputs is None else [outputs] if isinstance(outputs, str) else list(outputs)
@@ -338,6 +338,8 @@ def render_many(instrument: Instrument, parameters: Mapping[str, npt.ArrayLike],
     a numpy.memmap; default: a new array. The samples of a row do not depend on the other rows, their order or the number of threads. progress(done, total) is called about ten times
     a second, and at the end.
     """
+    if not isinstance(instrument, Instrument):
+        raise _core.Error(f"instrument: {instrument!r} is none; allowed: an Instrument, such as Instrument(\"tom\")")
     if precision not in ("single", "double"):
         raise _core.Error(f"precision: '{precision}' is unknown; allowed: single, double")
     samples = _samples(seconds, sample_rate_hz)

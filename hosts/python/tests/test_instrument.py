@@ -401,6 +401,8 @@ def test_the_contact_force_has_one_name(precision):
     assert np.array_equal(many[1], alone.astype(np.float32)) and not np.array_equal(many[0], many[1])
     with pytest.raises(cs.Error, match="'force' is unknown; allowed: .*bridge_force_n, force_n$"):
         cs.render_many(string, {"speed_m_per_s": [1.0]}, cs.strike(0), 0.05, output="force")
+    with pytest.raises(cs.Error, match="instrument: 'hammer_string' is none; allowed: an Instrument"):
+        cs.render_many("hammer_string", {"speed_m_per_s": [1.0]}, cs.strike(0), 0.05)
 
 
 def test_a_file_is_written_beside_those_of_others(tmp_path):
