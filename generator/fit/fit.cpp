@@ -100,13 +100,16 @@ std::vector<FitValues> starts_of(const FitProblem& problem, const Candidate& can
 }
 
 // Layers: a few steps from each start, and more from the two best ones. Starts may agree on a core that is out of
-// reach, so all are tried.
+// reach, so all are tried. Pulses find their begins first: while these are wrong, no step leads the core to its
+// place.
 void find_layers(const FitProblem& problem, Candidate& candidate, std::vector<FitValues> starts) {
   candidate.values.cost = std::numeric_limits<double>::infinity();
   constexpr int kFewSteps = 8, kSteps = 40;
   constexpr std::size_t kBest = 2;
+  const bool has_begins = problem.free_values({}) > 0;
   for (FitValues& start : starts) {
     std::ranges::fill(start.noise, kFirstNoise);
+    if (has_begins) start = problem.search(start, {}, kFewSteps, Samples::kSome);
     start = problem.search(start, candidate.frees, kFewSteps, Samples::kSome);
   }
   std::ranges::sort(starts, {}, &FitValues::cost);

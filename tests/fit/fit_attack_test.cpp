@@ -215,14 +215,15 @@ TEST_P(FitAttackOfPulses, IntervalsHold) {
 INSTANTIATE_TEST_SUITE_P(All, FitAttackOfPulses, ::testing::Range<std::size_t>(0, std::size(kClasses)));
 
 // Without a core the exponent of the first two comes out far too high, and from there no core was found, or one that
-// no material has; what was left fitted badly. The low-pass of the others moves the exponent, though data do not show
-// it.
+// no material has; what was left fitted badly. In the next two no search found the core, because it moved before the
+// begins of the pulses were right. The low-pass of the others moves the exponent, though data do not show it.
 TEST(FitAttack, IntervalsHoldWhereTheyDidNot) {
   Outcomes outcomes;
-  for (const auto& [kind, number] : {std::pair<std::size_t, int>{3, 71}, {5, 48}, {11, 201}, {11, 202}})
+  for (const auto& [kind, number] :
+       {std::pair<std::size_t, int>{3, 71}, {5, 48}, {5, 1040}, {12, 1032}, {11, 201}, {11, 202}})
     add_pulses(outcomes, kind, number);
   EXPECT_EQ(outcomes.missed, 0);
-  EXPECT_GE(outcomes.held, 3);
+  EXPECT_GE(outcomes.held, 5);
 }
 
 }  // namespace
