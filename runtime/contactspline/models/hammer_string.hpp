@@ -267,12 +267,14 @@ class HammerString {
     take(*part.controls);
     constants_.follow(felt_);
     const T damping_gain = 1 / (1 + take_damping(*part.controls));
+    hammer_.last_increment_m = memory_.last_increment();
     return {constants_.view(string_.arrays(), felt_, strike_, time_step_, damping_gain, *part.pickup), &hammer_,
             part.out, part.forces};
   }
 
   // The samples after the first `written`, which the kernel of struck voices has computed: the string alone.
   void process_rest(const Part& part, std::size_t written) requires(Modes == std::dynamic_extent) {
+    if (written > 0) memory_.set_last_increment(hammer_.last_increment_m);
     is_flying_ = is_flying_ && hammer_.compression_m > detail::kHammerStop_m<T>;
     const auto out = part.out.subspan(written);
     if (out.empty()) return;

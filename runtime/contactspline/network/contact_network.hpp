@@ -391,6 +391,7 @@ class ContactNetwork {
   void set_compression(std::size_t k, T compression) {
     CoupledConnection<T>& c = solver_[k];
     c.compression = c.is_friction ? c.friction.strain() : compression;
+    c.memory.set_last_increment(0);
     if (!c.table.empty()) c.segment = segment_index(c.table, compression);
   }
 

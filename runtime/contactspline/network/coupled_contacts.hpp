@@ -132,13 +132,16 @@ class CoupledContacts {
         c.friction.advance(c.friction_step);
         ends_[i] = {c.friction_step.strain, 0};
       }
+      c.memory.move_by(ends_[i].compression - c.compression);
       c.compression = ends_[i].compression;
       c.segment = ends_[i].segment;
     }
     for (const std::size_t i : contacts_) {
       if (is_active_[i]) continue;
       CoupledConnection<T>& c = connections_[i];
-      c.compression += increments_[i] - force_displacements_[i];
+      const T increment = increments_[i] - force_displacements_[i];
+      c.memory.move_by(increment);
+      c.compression += increment;
       c.segment = c.compression < 0 ? 0 : detail::relocate_segment(c.table, 0, c.compression);
     }
     for (const std::size_t i : remembering_) {

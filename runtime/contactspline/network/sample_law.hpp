@@ -50,7 +50,7 @@ struct CoupledConnection {
       return double(contact.stiffness_ratio) *
              (double(memory.energy_before(table, y0)) - double(memory.energy_before(table, compression)));
     return double(contact.loss_s_per_m) * double(contact.stiffness_ratio) / double(time_step) *
-           double(memory.force_before(table, y0)) * x * x;
+           double(memory.midway_force_before(table, y0)) * x * x;
   }
   /// Energy that its memory dissipated when it relaxed last [J].
   [[nodiscard]] double dissipated_by_memory() const {
@@ -88,7 +88,9 @@ class SampleLaw {
     slope_at_knot_ = here.force_at(y0_);
     force_ = ratio_ * slope_at_knot_;
     half_curvature_ = ratio_ * here.half_curvature;
-    resistance_ = c.contact.loss_s_per_m > 0 ? c.contact.loss_s_per_m * ratio_ / time_step * slope_at_knot_ : T(0);
+    if (c.contact.loss_s_per_m > 0)
+      resistance_ = c.contact.loss_s_per_m * ratio_ / time_step *
+                    force_midway(table_, start_, y0_, c.memory.last_increment());
     if (start_ > 0) lower_ = distance_to(start_);
     if (start_ + 1 < table_.size()) upper_ = distance_to(start_ + 1);
   }

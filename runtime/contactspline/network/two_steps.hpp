@@ -40,6 +40,7 @@ class TwoSteps {
       const NetworkConnection<T>& c = parts.connections[k];
       CoupledConnection<T>& resting = resting_[k];
       resting.compression = parts.measured(k) - (change(c.first) - change(c.second) + c.lift);
+      resting.memory.set_last_increment(0);
       if (!resting.table.empty()) resting.segment = segment_index(resting.table, resting.compression);
       resting.force = 0;
     }
@@ -108,7 +109,7 @@ class TwoSteps {
     std::swap(a.force, b.force);
     std::swap(a.contact, b.contact);
     std::swap(a.spring_n_per_m, b.spring_n_per_m);
-    if (!a.memory.empty()) std::swap(a.memory, b.memory);
+    std::swap(a.memory, b.memory);
   }
 
   static void push_with_forms(NetworkParts<T>& parts, std::size_t p, T force) {

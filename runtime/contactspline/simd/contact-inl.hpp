@@ -48,7 +48,7 @@ class ContactUnderLoad {
   }
   HWY_INLINE void store_to(HammerState<T>& hammer) const {
     hammer.compression_m = compression();
-    hammer.segment = static_cast<std::size_t>(segment_);
+    hammer.segment = segment();
     hammer.crossed[0] = crossed_;
     hammer.crossed[1] = crossed_before_;
   }
@@ -74,10 +74,8 @@ class ContactUnderLoad {
   }
 
   [[nodiscard]] HWY_INLINE T compression() const { return table_.knots[entry_] + beyond_; }
-  /// Elastic force at this compression [N].
-  [[nodiscard]] HWY_INLINE T force() const {
-    return table_.forces[entry_] + 2 * table_.half_curvatures[segment_] * beyond_;
-  }
+  /// The segment that holds it.
+  [[nodiscard]] HWY_INLINE std::size_t segment() const { return static_cast<std::size_t>(segment_); }
 
   /// Moves to a compression [m] in a segment.
   HWY_INLINE void put(T compression, std::size_t segment) {

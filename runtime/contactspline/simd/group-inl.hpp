@@ -72,6 +72,7 @@ class ContactLanes {
     const auto has_voice = hn::FirstN(tag(), voices.size());
     y_ = hn::IfThenElseZero(has_voice, load([](Voice voice) { return voice.hammer->compression_m; }));
     velocity_ = hn::IfThenElseZero(has_voice, load([](Voice voice) { return voice.hammer->velocity_m_per_s; }));
+    last_increment_ = hn::IfThenElseZero(has_voice, load([](Voice voice) { return voice.hammer->last_increment_m; }));
     ratio_ = load([](Voice voice) { return voice.hammer->felt.stiffness_ratio; });
     dt_ = load([](Voice voice) { return voice.strike.time_step_s; });
     gain_ = load([](Voice voice) { return voice.strike.damping_gain; });
@@ -92,12 +93,14 @@ class ContactLanes {
   }
 
   HWY_ATTR void store() const {
-    HWY_ALIGN T compression[kLanes], velocity[kLanes], force[kLanes];
+    HWY_ALIGN T compression[kLanes], velocity[kLanes], last_increment[kLanes], force[kLanes];
     hn::Store(y_, tag(), compression), hn::Store(velocity_, tag(), velocity), hn::Store(force_, tag(), force);
+    hn::Store(last_increment_, tag(), last_increment);
     for (std::size_t lane = 0; lane < voices_.size(); ++lane) {
       HammerState<T>& hammer = *voices_[lane]->hammer;
       hammer.compression_m = compression[lane];
       hammer.velocity_m_per_s = velocity[lane];
+      hammer.last_increment_m = last_increment[lane];
       hammer.force_n = force[lane];
       hammer.segment = static_cast<std::size_t>(segment_[lane]);
       std::fill_n(hammer.crossed, 2, 0);
@@ -112,7 +115,7 @@ class ContactLanes {
     free_increment_ = hn::NegMulAdd(gain_, predicted, hn::Mul(dt_, velocity_));
     xf_ = free_increment_, lossy_xi_ = xi_;
     if (is_lossy_) {
-      resistance_ = hn::Mul(loss_, force), divisor_ = hn::MulAdd(admittance_, resistance_, one);
+      resistance_ = hn::Mul(loss_, forces_midway()), divisor_ = hn::MulAdd(admittance_, resistance_, one);
       xf_ = hn::Div(xf_, divisor_), lossy_xi_ = hn::Div(xi_, divisor_);
     }
     const V xi = lossy_xi_;
@@ -189,6 +192,7 @@ class ContactLanes {
     const V lowest = hn::Max(here_.knot, hn::Set(tag(), kHammerStop_m<T>));
     const auto is_right = hn::And(hn::And(hn::Ge(y, lowest), hn::Lt(y, next_.knot)), hn::Ge(f, zero));
     if (HWY_UNLIKELY(!hn::AllTrue(tag(), is_right))) step_alone(is_right, y, f);
+    last_increment_ = hn::Sub(y, y_);
     y_ = y, force_ = f;
     velocity_ = hn::NegMulAdd(velocity_per_force_, f, velocity_);
     return hn::Mul(gain_, f);
@@ -218,22 +222,33 @@ class ContactLanes {
   /// contact_step for lanes whose root does not lie in the segment found, because it is beyond the window or because
   /// of rounding, for those that would pull and for those that stop.
   HWY_NOINLINE HWY_ATTR void step_alone(hn::Mask<VoiceTag<T>> is_right, V& y, V& f) {
-    HWY_ALIGN T right[kLanes], y0[kLanes], xf[kLanes], xi[kLanes], ys[kLanes], fs[kLanes];
+    HWY_ALIGN T right[kLanes], y0[kLanes], last[kLanes], xf[kLanes], xi[kLanes], ys[kLanes], fs[kLanes];
     hn::Store(hn::IfThenElseZero(is_right, hn::Set(tag(), T(1))), tag(), right);
-    hn::Store(y_, tag(), y0), hn::Store(free_increment_, tag(), xf), hn::Store(admittance_, tag(), xi);
+    hn::Store(y_, tag(), y0), hn::Store(last_increment_, tag(), last);
+    hn::Store(free_increment_, tag(), xf), hn::Store(admittance_, tag(), xi);
     hn::Store(y, tag(), ys), hn::Store(f, tag(), fs);
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
       if (right[lane] == 1) continue;
       const auto& [strike, hammer, out, force, written] = voice(lane);
       const auto step =
           contact_step(strike.segments, hammer->felt, strike.time_step_s, Approach<T>{y0[lane], xf[lane], xi[lane]},
-                       static_cast<std::size_t>(left_[lane]));
+                       static_cast<std::size_t>(left_[lane]), last[lane]);
       ys[lane] = step.compression, segment_[lane] = static_cast<Knot>(step.segment);
       fs[lane] = step.force >= 0 ? step.force : 0;  // 0 for a load that is not a number
       has_stopped_ |= !(step.compression >= kHammerStop_m<T>);
     }
     y = hn::Load(tag(), ys), f = hn::Load(tag(), fs);
     load_segments_here();
+  }
+
+  /// force_midway of each lane [N].
+  [[nodiscard]] HWY_INLINE V forces_midway() const {
+    HWY_ALIGN T y0[kLanes], last[kLanes], forces[kLanes];
+    hn::Store(y_, tag(), y0), hn::Store(last_increment_, tag(), last);
+    for (std::size_t lane = 0; lane < kLanes; ++lane)
+      forces[lane] = force_midway(voice(lane).strike.segments, static_cast<std::size_t>(segment_[lane]), y0[lane],
+                                  last[lane]);
+    return hn::Load(tag(), forces);
   }
 
   HWY_INLINE void load_segments_here() {
@@ -251,7 +266,7 @@ class ContactLanes {
   bool is_lossy_, has_stopped_;  // any of them
   V dt_, gain_, ratio_, velocity_per_force_, admittance_, xi_, loss_;
   // State:
-  V y_, velocity_, force_;
+  V y_, velocity_, last_increment_, force_;
   Knot segment_[kLanes];
   SegmentLanes<T> here_, next_;  // the segments of the compressions and those above
   // Of the current sample:

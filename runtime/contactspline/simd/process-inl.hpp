@@ -14,7 +14,8 @@ class HammerUnderLoad {
         inverse_admittance_(1 / admittance_),
         xi_(admittance_ * hammer.felt.stiffness_ratio),
         loss_(hammer.felt.loss_s_per_m * hammer.felt.stiffness_ratio / strike.time_step_s),
-        velocity_(hammer.velocity_m_per_s) {
+        velocity_(hammer.velocity_m_per_s),
+        last_increment_(hammer.last_increment_m) {
     if constexpr (!kLossy) ContactUnderLoad<kLossy, T>::prepare(strike.table, xi_);
   }
 
@@ -28,7 +29,8 @@ class HammerUnderLoad {
   HWY_INLINE void prepare_step(T before, T per_force, T last) {
     if constexpr (kLossy) {
       free_increment_ = before - per_force * last;
-      resistance_ = loss_ * contact_.force();
+      const std::size_t segment = contact_.segment();
+      resistance_ = loss_ * force_midway(segments_, segment, contact_.compression(), last_increment_);
       inverse_ = 1 / (1 + admittance_ * resistance_);
       contact_.prepare_step({inverse_ * free_increment_, 0, 0, inverse_ * xi_, inverse_admittance_ + resistance_},
                             candidates_);
@@ -47,6 +49,7 @@ class HammerUnderLoad {
   HWY_INLINE void store_to(HammerState<T>& hammer) const {
     contact_.store_to(hammer);
     hammer.velocity_m_per_s = velocity_;
+    hammer.last_increment_m = last_increment_;
     hammer.force_n = force_;
   }
 
@@ -55,10 +58,13 @@ class HammerUnderLoad {
     const T y0 = contact_.compression();
     const T elastic = contact_.finish_step(candidates_);
     const T force = inverse_ * (elastic + resistance_ * free_increment_);
-    if (force >= 0) return force;
-    const T y = y0 + free_increment_;
-    contact_.put(y, segment_index(segments_, y));
-    return 0;
+    const bool pushes = force >= 0;
+    if (!pushes) {
+      const T y = y0 + free_increment_;
+      contact_.put(y, segment_index(segments_, y));
+    }
+    last_increment_ = contact_.compression() - y0;
+    return pushes ? force : 0;
   }
 
   SegmentTable<T> segments_;
@@ -66,6 +72,7 @@ class HammerUnderLoad {
   T dt_, velocity_per_force_, admittance_, inverse_admittance_;
   T xi_, loss_;
   T velocity_;
+  T last_increment_;  // of the compression over the last sample, with loss [m]
   T force_ = 0;
   // Of the current sample:
   typename ContactUnderLoad<kLossy, T>::StepCandidates candidates_;

@@ -301,19 +301,31 @@ struct ContactControls {
 
 namespace detail {
 
+/// Force [N] in the middle of a sample that goes on as the last one, which changed the compression by last_increment:
+/// F(y0 + last_increment/2). The loss is in parts of it. 0 where F(y0) is 0. start: the segment that holds y0.
+template <typename Table, std::floating_point T>
+[[nodiscard, gnu::always_inline]] constexpr T force_midway(const Table& table, std::size_t start, T y0,
+                                                           T last_increment) {
+  if (!(table[start].force_at(y0) > 0)) return 0;
+  const T y = y0 + last_increment / 2;
+  const bool leaves = y < table[start].knot || (start + 1 < table.size() && y >= table[start + 1].knot);
+  return table[leaves ? segment_holding(table, y) : start].force_at(y);
+}
+
 /// contact_step under live controls, on any table.
 template <typename Table, std::floating_point T>
 [[nodiscard, gnu::always_inline]] constexpr ContactStep<T> controlled_step(const Table& table,
                                                                            const ContactControls<T>& controls,
                                                                            T time_step, const Approach<T>& approach,
-                                                                           std::size_t start) {
+                                                                           std::size_t start, T last_increment) {
   const T y0 = approach.compression, xf = approach.free_increment, xi = approach.admittance;
   const T ratio = controls.stiffness_ratio;
   if (controls.loss_s_per_m == 0) {
     const auto elastic = contact_step(table, start, Approach<T>{y0, xf, ratio * xi}, T(1));
     return {ratio * elastic.force, elastic.compression, elastic.segment};
   }
-  const T resistance = controls.loss_s_per_m * ratio / time_step * table[start].force_at(y0);  // [N/m]
+  const T resistance =
+      controls.loss_s_per_m * ratio / time_step * force_midway(table, start, y0, last_increment);  // [N/m]
   const T divisor = 1 + xi * resistance;
   const auto elastic = contact_step(table, start, Approach<T>{y0, xf, ratio * xi}, divisor);
   const T total = (ratio * elastic.force + resistance * xf) / divisor;
@@ -323,14 +335,16 @@ template <typename Table, std::floating_point T>
 
 }  // namespace detail
 
-/// contact_step with the material's stiffness scaled and a viscous force lambda F(y0) x/dt added. If the sum would
-/// pull, the force is 0 and the stored energy beyond is lost: this is passive, and the force stays continuous.
-/// time_step: dt [s]. start: the segment that holds y0.
+/// contact_step with the material's stiffness scaled and a viscous force R x added, R = lambda F(y0 + x_last/2)/dt: it
+/// is of second order, and passive, since R >= 0. If the sum would pull, the force is 0 and the stored energy beyond is
+/// lost: this is passive, too, and the force stays continuous. time_step: dt [s]. start: the segment that holds y0.
+/// last_increment: x_last, change of compression over the sample before [m]; 0 at first and after a jump.
 template <std::floating_point T, std::size_t Extent>
 [[nodiscard, gnu::always_inline]] inline ContactStep<T> contact_step(SegmentTable<T, Extent> table,
                                                                      const ContactControls<T>& controls, T time_step,
-                                                                     const Approach<T>& approach, std::size_t start) {
-  return detail::controlled_step(table, controls, time_step, approach, start);
+                                                                     const Approach<T>& approach, std::size_t start,
+                                                                     T last_increment = 0) {
+  return detail::controlled_step(table, controls, time_step, approach, start, last_increment);
 }
 
 /// The same without a known segment.

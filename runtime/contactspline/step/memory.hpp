@@ -209,7 +209,8 @@ class RememberedForces {
 
 }  // namespace detail
 
-/// What a contact remembers, and its step at one sample rate. Without memories it is the contact step alone.
+/// What a contact remembers, and its step at one sample rate. Each contact remembers its last increment, which foretells
+/// the middle of the coming sample to a loss. Without memories the rest is the contact step alone.
 ///
 /// Contact and memory take turns, half a sample apart: the contact moves at constant memory, on a potential that is
 /// as convex as the table's; then the memory relaxes at constant compression. Neither adds energy, whatever the
@@ -234,7 +235,20 @@ class ContactMemory {
   [[nodiscard]] constexpr bool empty() const { return remembered_.count() == 0; }
 
   /// Forgets everything.
-  constexpr void reset() { remembered_.set({}); }
+  constexpr void reset() {
+    remembered_.set({});
+    set_last_increment(0);
+  }
+
+  /// Change of the compression over the last sample [m].
+  [[nodiscard]] constexpr T last_increment() const { return last_increment_; }
+  /// Takes another one: 0 where the compression has jumped.
+  constexpr void set_last_increment(T increment) { last_increment_ = increment_before_ = increment; }
+  /// The compression has changed over a sample [m].
+  constexpr void move_by(T increment) {
+    increment_before_ = last_increment_;
+    last_increment_ = increment;
+  }
 
   /// Remembers a force of the table [N] that has acted for ever.
   constexpr void hold(T force) {
@@ -250,7 +264,7 @@ class ContactMemory {
                                                                   const ContactControls<T>& controls, T time_step,
                                                                   const Approach<T>& approach,
                                                                   std::size_t start) const {
-    if (empty()) return detail::controlled_step(table, controls, time_step, approach, start);
+    if (empty()) return detail::controlled_step(table, controls, time_step, approach, start, last_increment_);
     const T y0 = approach.compression, xf = approach.free_increment, xi = approach.admittance;
     if (y0 < 0 && y0 + xf < 0) return {0, y0 + xf, 0};
     if (controls.loss_s_per_m == 0 && table[start].force_at(y0) >= remembered_.line()) {
@@ -276,6 +290,7 @@ class ContactMemory {
                                                                      const ContactControls<T>& controls, T time_step,
                                                                      const Approach<T>& approach, std::size_t start) {
     const ContactStep<T> result = step(table, controls, time_step, approach, start);
+    move_by(result.compression - approach.compression);
     relax(table, result.compression, result.segment);
     return result;
   }
@@ -310,10 +325,13 @@ class ContactMemory {
   [[nodiscard]] constexpr T energy_before(SegmentTable<T, Extent> table, T compression, T stiffness_ratio = 1) const {
     return energy_with(remembered_.before(), table, compression, stiffness_ratio);
   }
-  /// Force at a compression, without loss, before the memory relaxed last [N].
+  /// Force that the loss of the last sample, which began at a compression [m], was in parts of [N].
   template <std::size_t Extent>
-  [[nodiscard]] constexpr T force_before(SegmentTable<T, Extent> table, T compression, T stiffness_ratio = 1) const {
-    return stiffness_ratio * stiffness_ * (std::max)(T(0), force(table, compression) - sum(remembered_.before()));
+  [[nodiscard]] constexpr T midway_force_before(SegmentTable<T, Extent> table, T compression) const {
+    const T line = sum(remembered_.before());
+    const detail::TableLessLine<T, Extent> spring(table, line, detail::segment_of_force(table, line));
+    const std::size_t start = spring.segment_here(segment_index(table, compression), compression);
+    return stiffness_ * detail::force_midway(spring, start, compression, increment_before_);
   }
 
  private:
@@ -325,7 +343,7 @@ class ContactMemory {
                                                 T time_step, const Approach<T>& approach, std::size_t start) const {
     const auto potential = spring(table);
     const std::size_t from = potential.segment_here(start, approach.compression);
-    ContactStep<T> step = detail::controlled_step(potential, designed(controls), time_step, approach, from);
+    ContactStep<T> step = detail::controlled_step(potential, designed(controls), time_step, approach, from, last_increment_);
     step.segment = detail::relocate_segment(table, step.segment, step.compression);
     return step;
   }
@@ -356,7 +374,8 @@ class ContactMemory {
   }
 
   detail::RememberedForces<T> remembered_;
-  T stiffness_ = 1;  // that the rate asks for, in parts of the table's
+  T stiffness_ = 1;                               // that the rate asks for, in parts of the table's
+  T last_increment_ = 0, increment_before_ = 0;  // of the compression, over the last sample and the one before [m]
 };
 
 /// The contact controls of a model that is in contact at this compression [m].
