@@ -36,8 +36,10 @@ class ReferenceLaw {
   ReferenceLaw(Real stiffness, Real resistance) : stiffness_(stiffness), resistance_(resistance) {}
 
   void begin(Real compression) {
+    const Real last = has_begun_ ? compression - y_ : Real(0);
+    has_begun_ = true;
     y_ = compression;
-    if (!knots_.empty()) resistance_ = loss_rate_ * weight_ * force_at(y_);
+    if (!knots_.empty()) resistance_ = force_at(y_) > 0 ? loss_rate_ * weight_ * force_at(y_ + last / 2) : Real(0);
   }
 
   /// The mean of the force over the way from y to y + x, with the viscous force. A contact does not pull.
@@ -85,6 +87,7 @@ class ReferenceLaw {
 
   std::span<const double> knots_, forces_, half_curvatures_;
   Real weight_ = 1, loss_rate_ = 0, stiffness_ = 0, resistance_ = 0, y_ = 0;
+  bool has_begun_ = false;
 };
 
 class ReferenceNetwork {

@@ -222,7 +222,7 @@ TYPED_TEST(ContactStepProperty, WithoutLossTheLossyStepIsTheElasticOne) {
   });
 }
 
-// f = mean force + R x / dt with x = xf - xi f, R = lambda F(y0), where that is not negative; else 0. Both slopes, of
+// f = mean force + R x / dt with x = xf - xi f, R = lambda F(y0 + last/2), where that is not negative; else 0. Both slopes, of
 // the mean force and R/dt, act on the uncertainty of x. What is left of f x after the contact has taken its part is
 // lost: >= 0.
 TYPED_TEST(ContactStepProperty, LossIsViscousAndPassive) {
@@ -232,7 +232,9 @@ TYPED_TEST(ContactStepProperty, LossIsViscousAndPassive) {
   double worst = 0;
   this->for_steps([&](const auto& step, const auto& table) {
     const ContactControls<TypeParam> controls{1, static_cast<TypeParam>(random.decades(-6, 2))};
-    const auto answer = contact_step(table, controls, static_cast<TypeParam>(kTimeStep), this->approach(step));
+    const TypeParam y0 = step.compression, last = random.between(-1, 1) * y0;
+    const auto answer = contact_step(table, controls, static_cast<TypeParam>(kTimeStep), this->approach(step),
+                                     segment_index(table, y0), last);
     const TypeParam f = answer.force;
     ASSERT_TRUE(is_finite(f) && f >= 0);
     const bool apart = step.compression <= 0 && step.compression + step.free_increment <= 0;
@@ -241,7 +243,7 @@ TYPED_TEST(ContactStepProperty, LossIsViscousAndPassive) {
     const Wide x = this->increment(step, f);
     const ExactApproach exact(contact, step.compression, step.free_increment, step.admittance);
     const double resistance = static_cast<double>(controls.loss_s_per_m) / static_cast<double>(TypeParam(kTimeStep)) *
-                              static_cast<double>(contact.force(step.compression));
+                              static_cast<double>(contact.force(y0) > 0 ? contact.force(y0 + last / 2) : 0);
     const double mean = static_cast<double>(exact.mean_force(x)), drag = resistance * static_cast<double>(x);
     const Wide work = exact.work(x, exact.end_segment(x));
     const double fraction = 2 * this->fraction(step, work, step.compression + x);

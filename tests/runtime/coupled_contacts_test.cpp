@@ -44,6 +44,7 @@ struct Problem {
       compression.push_back(random.between(-3e-4, 5e-4));
       free_increment.push_back(random.between(-1e-3, 1e-3));
       controls.push_back({random.log_between(0.1, 10), random.below(2) != 0 ? random.between(0, 1) : 0.0});
+      last_increment.push_back(random.between(-1e-3, 1e-3));
     }
   }
 
@@ -58,6 +59,7 @@ struct Problem {
       solver[i].compression = compression[i];
       solver[i].free_increment = free_increment[i];
       solver[i].segment = segment_index(SegmentTable<double>(tables[i]), compression[i]);
+      solver[i].memory.set_last_increment(last_increment[i]);
     }
     for (std::size_t i = 0; i < size(); ++i) solver.add(i);
   }
@@ -65,7 +67,7 @@ struct Problem {
   std::vector<std::vector<double>> admittance;
   std::vector<Table> tables;
   std::vector<ContactControls<double>> controls;
-  std::vector<double> compression, free_increment;
+  std::vector<double> compression, free_increment, last_increment;
 };
 
 constexpr double kRate = 44100;
@@ -84,7 +86,8 @@ long double plain_force(const Problem& p, std::size_t i, long double x) {
   const auto [before, slope] = plain_potential(p.tables[i], y0);
   const auto [after, slope_after] = plain_potential(p.tables[i], y0 + x);
   const long double elastic = std::abs(x) > 1e-13L ? (after - before) / x : (slope + slope_after) / 2;
-  const long double viscous = p.controls[i].loss_s_per_m * ratio * kRate * slope * x;
+  const long double midway = slope > 0 ? plain_potential(p.tables[i], y0 + p.last_increment[i] / 2).second : 0.0L;
+  const long double viscous = p.controls[i].loss_s_per_m * ratio * kRate * midway * x;
   return std::max(0.0L, ratio * elastic + viscous);
 }
 
@@ -132,8 +135,9 @@ TYPED_TEST(OneContact, IsTheContactStep) {
       c.free_increment = static_cast<T>(random.between(-1e-3, 1e-3));
       c.segment = segment_index(c.table, c.compression);
       before.push_back(c.compression);
-      expected.push_back(
-          contact_step(c.table, c.contact, T(1 / kRate), {c.compression, c.free_increment, solver.admittance(i, i)}));
+      expected.push_back(contact_step(c.table, c.contact, T(1 / kRate),
+                                      {c.compression, c.free_increment, solver.admittance(i, i)}, c.segment,
+                                      c.memory.last_increment()));
       solver.add(i);
     }
     solver.solve();

@@ -27,17 +27,19 @@ struct EnergyBooks {
   }
 };
 
-/// What a contact dissipated over the last sample of a model, from its compression y0 [m] before: Hunt and Crossley's
-/// lambda F(y0) x^2/dt; where the bodies part without force, all that the contact held beyond [J].
+/// What a contact dissipated over the last sample of a model, from its compression y0 before and its increment over the
+/// sample before that [m]: Hunt and Crossley's lambda F(y0 + last/2) x^2/dt; where the bodies part without force, all
+/// that the contact held beyond [J].
 template <typename T, typename Model>
-double contact_loss(SegmentTable<T> table, const ContactControls<T>& contact, double sample_rate_hz, T y0,
+double contact_loss(SegmentTable<T> table, const ContactControls<T>& contact, double sample_rate_hz, T y0, T last,
                     const Model& model) {
   if (!(contact.loss_s_per_m > 0)) return 0;
   const double ratio = contact.stiffness_ratio;
   const T y = model.compression();
   if (!(model.force() > 0)) return ratio * (static_cast<double>(potential(table, y0)) - potential(table, y));
   const double x = static_cast<double>(y) - y0;
-  return contact.loss_s_per_m * ratio * force(table, y0) * x * x * sample_rate_hz;
+  const T midway = force(table, y0) > 0 ? force(table, y0 + last / 2) : T(0);
+  return contact.loss_s_per_m * ratio * midway * x * x * sample_rate_hz;
 }
 
 /// A hammer-string with its books kept: what hammer is in flight, and what each throw, string and felt take and give.
@@ -56,9 +58,9 @@ class HammerBooks {
   }
 
   void tick(const HammerStringControls<T>& controls) {
-    const T y = model_.compression();
+    const T y = model_.compression(), last = model_.memory().last_increment();
     model_.tick(controls);
-    books_.dissipated += contact_loss(felt_, hammer_.felt, sample_rate_hz_, y, model_);
+    books_.dissipated += contact_loss(felt_, hammer_.felt, sample_rate_hz_, y, last, model_);
     books_.dissipated += model_.string().dissipated();
     books_.close(model_.string().energy() + hammer_energy());
   }

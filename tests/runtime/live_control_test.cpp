@@ -158,7 +158,7 @@ class Guitar {
     const SlideStringControls<T> before = model_.controls();
     const double u = model_.slide(), v = model_.slide_velocity(), pluck = displacement(pluck_),
                  rest = displacement(rest_);
-    const T y = model_.compression();
+    const T y = model_.compression(), last = model_.memory().last_increment();
     model_.tick(controls);
     const SlideStringControls<T>& now = model_.controls();
     // Who changes the mass, a stiffness or the hand's spring does the work of it, and no more than
@@ -180,7 +180,7 @@ class Guitar {
         controls.hand_force_n * moved + controls.pluck_force_n * (displacement(pluck_) - pluck) + model_.work_along();
     books_.dissipated += controls.hand_resistance_n_s_per_m * moved * moved * rate_ + model_.string().dissipated() -
                          model_.rest_force() * (displacement(rest_) - rest) +
-                         contact_loss(contact(), now.contact, rate_, y, model_);
+                         contact_loss(contact(), now.contact, rate_, y, last, model_);
     books_.close(stored());
   }
 

@@ -115,8 +115,8 @@ TEST(MassBarrier, RestitutionFallsWithLossAsHuntAndCrossleySay) {
       const double found = restitution(table, 192000, speed, {1, loss});
       EXPECT_LT(found, last) << loss;
       last = found;
-      // The resistance is taken at the beginning of the sample: an error of first order, a fraction of a sample in a
-      // contact of 300 to 600, that halves with the time step.
+      // The resistance is taken in the middle of the sample, where the last one foretells it: an error of second
+      // order.
       const double exact = hunt_crossley_restitution(loss, speed);
       const double error = std::abs(found - exact);
       const double finer = std::abs(restitution(table, 8 * 192000, speed, {1, loss}) - exact);

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <vector>
 
+#include "generator/contact/barrier_impact.hpp"
 #include "generator/spline/contact_spline.hpp"
 #include "generator/spline/spline_error.hpp"
 #include "support/compare.hpp"
@@ -275,6 +276,47 @@ TEST(MaxCompression, IsExactToFourthOrder) {
       EXPECT_LE(max, bound * 1.01 + 1e-12) << strike.name << " " << oversampling;
       EXPECT_GE(max, bound / 3) << strike.name << " " << oversampling;
     }
+  }
+}
+
+/// Errors of a lossy impact, worst of 20 phases: exit speed in parts of the blow's, force and compression of the exact.
+struct LossyErrors {
+  double exit_speed = 0, force = 0, compression = 0;
+};
+
+LossyErrors lossy_errors(const Strike& strike, double loss_s_per_m, double rate) {
+  const BarrierImpact exact =
+      barrier_impact(law_view(ContactLaw(strike.law)), strike.mass_kg, strike.speed_m_per_s, loss_s_per_m);
+  const auto table = segment_table(strike.spline(kFine));
+  LossyErrors worst;
+  for (int i = 0; i < 20; ++i) {
+    const SimulatedImpact found =
+        simulate_impact(table, strike.mass_kg, strike.speed_m_per_s, rate, i / 20.0, loss_s_per_m);
+    const auto raise = [](double& to, double error) { to = std::max(to, std::abs(error)); };
+    raise(worst.exit_speed, (found.exit_speed_m_per_s - exact.exit_speed_m_per_s) / strike.speed_m_per_s);
+    raise(worst.force, found.max_force_n / exact.max_force_n - 1);
+    raise(worst.compression, found.max_compression_m / exact.max_compression_m - 1);
+  }
+  return worst;
+}
+
+// The loss acts as in the middle of the sample, where the last increment foretells it.
+TEST(LossyImpact, IsOfSecondOrder) {
+  constexpr Strike kFelt{"felt", {4.5e9, 2.5}, 0.00297, 3.0}, kFitted{"fitted", {2.3e9, 2.37}, 0.0041, 3.1};
+  for (const auto& [strike, loss] : {std::pair{kFelt, 0.3}, {kFitted, 0.21}}) {
+    const LossyErrors at_44 = lossy_errors(strike, loss, kAudioRate), at_88 = lossy_errors(strike, loss, 2 * kAudioRate);
+    const LossyErrors at_353 = lossy_errors(strike, loss, 8 * kAudioRate);
+    for (const LossyErrors& e : {at_44, at_88, at_353})
+      Measured() << strike.name << ": exit speed " << e.exit_speed << ", force " << e.force << ", compression "
+                 << e.compression;
+    EXPECT_LT(at_44.exit_speed, 1.5e-3);
+    EXPECT_LT(at_44.force, 9e-3);
+    EXPECT_LT(at_44.compression, 2e-3);
+    // A quarter for each doubling; 0.3 where the peaks between samples count.
+    EXPECT_LT(at_88.exit_speed, 0.3 * at_44.exit_speed);
+    EXPECT_LT(at_88.force, 0.3 * at_44.force);
+    EXPECT_LT(at_88.compression, 0.3 * at_44.compression);
+    EXPECT_LT(at_353.exit_speed, at_44.exit_speed / 50);
   }
 }
 
