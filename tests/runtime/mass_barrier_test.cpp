@@ -120,8 +120,8 @@ TEST(MassBarrier, RestitutionFallsWithLossAsHuntAndCrossleySay) {
       const double exact = hunt_crossley_restitution(loss, speed);
       const double error = std::abs(found - exact);
       const double finer = std::abs(restitution(table, 8 * 192000, speed, {1, loss}) - exact);
-      EXPECT_LT(error, 4e-3) << speed << " " << loss;
-      EXPECT_LT(finer, error / 4 + 1e-6) << speed << " " << loss;
+      EXPECT_LT(error, 1e-5) << speed << " " << loss;
+      EXPECT_LT(finer, 1e-5 / 64) << speed << " " << loss;
     }
     // For little loss 1 - (2/3) lambda v.
     EXPECT_TRUE(within(restitution(table, 192000, speed, {1, 1e-3}), 1 - 2e-3 / 3 * speed, 2e-5));
