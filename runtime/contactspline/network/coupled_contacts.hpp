@@ -59,7 +59,7 @@ class CoupledContacts {
 
   [[nodiscard]] std::size_t size() const { return connections_.size(); }
 
-  /// Connection i. Set its compression and free increment before each sample; read its force after it.
+  /// Connection i. Set its free increment before each sample, and at first its compression; read its force after it.
   [[nodiscard]] CoupledConnection<T>& operator[](std::size_t i) { return connections_[i]; }
   [[nodiscard]] const CoupledConnection<T>& operator[](std::size_t i) const { return connections_[i]; }
 

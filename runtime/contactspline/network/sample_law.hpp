@@ -23,7 +23,7 @@ template <std::floating_point T>
 struct CoupledConnection {
   SegmentTable<T> table = {};
   ContactControls<T> contact = {};
-  ContactMemory<T> memory = {};
+  ContactMemory<T> memory = {};  ///< where the compression has jumped, its last increment is to be set to 0
   T spring_n_per_m = 0;     ///< >= 0
   T resistance = 0;         ///< viscous force per metre of increment [N/m], R/dt, >= 0; of springs only
   T compression = 0;        ///< at the beginning of the sample [m]; advance() moves it to the end
