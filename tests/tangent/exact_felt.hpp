@@ -77,23 +77,19 @@ class ExactContact {
 
   ContactStep<Real> advance(const Approach<Real>& approach) {
     const SegmentTable<Real> table(table_);
-    ContactStep<Real> step{};
-    if (remembered_.count() == 0) {
-      step = contact_step(table, controls_, time_step_, approach);
-    } else {
-      const Real line = remembered_.line();
-      const detail::TableLessLine<Real> spring(table, line, detail::segment_of_force(table, line));
-      const std::size_t start = detail::segment_holding(spring, approach.compression);
-      step = detail::controlled_step(spring, controls_, time_step_, approach, start);
-      remembered_.relax(force(table, step.compression));
-    }
+    const Real line = remembered_.line();
+    const detail::TableLessLine<Real> spring(table, line, detail::segment_of_force(table, line));
+    const std::size_t start = detail::segment_holding(spring, approach.compression);
+    const auto step = detail::controlled_step(spring, controls_, time_step_, approach, start, last_increment_);
+    last_increment_ = step.compression - approach.compression;
+    if (remembered_.count() > 0) remembered_.relax(force(table, step.compression));
     return step;
   }
 
  private:
   std::vector<Segment<Real>> table_;
   ContactControls<Real> controls_;
-  Real time_step_;
+  Real time_step_, last_increment_ = 0;
   detail::RememberedForces<Real> remembered_;
 };
 
