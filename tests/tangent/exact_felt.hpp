@@ -24,7 +24,7 @@ struct Felt {
         exponent(random.between(1.3, 4)),
         end(random.log_between(2e-4, 3e-3)),
         ratio(random.log_between(0.5, 2)),
-        loss(random.once_in(2) ? random.between(0.01, 0.4) / speed : 0.0) {
+        loss(random.once_in(2) ? random.between(0.01, 4) / speed : 0.0) {
     const double stiffness = mass * speed * speed * (exponent + 1) / 2 / std::pow(end / 2, exponent + 1);
     table = power_table(stiffness, exponent, end, 12 + static_cast<int>(random.below(40)));
     for (std::size_t i = 0; i < memory_count; ++i)

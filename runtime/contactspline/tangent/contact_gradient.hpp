@@ -97,7 +97,8 @@ class ContactBackwards {
   struct Ends {
     T before, after;
   };
-  /// The last increment of the next sample and the memory back. Returns what this adds to the adjoints.
+  /// The increment, as the loss of the next sample sees it, and the memory back. Returns what this adds to the
+  /// adjoints.
   [[nodiscard]] Ends relax(const Sample& sample) {
     const T last = std::exchange(last_increment_, T(0));
     return {-last, last + relax_memory(sample)};
