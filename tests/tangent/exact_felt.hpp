@@ -24,7 +24,7 @@ struct Felt {
         exponent(random.between(1.3, 4)),
         end(random.log_between(2e-4, 3e-3)),
         ratio(random.log_between(0.5, 2)),
-        loss(random.once_in(2) ? random.between(0.01, 0.4) / speed : 0.0) {
+        loss(random.once_in(2) ? random.between(0.01, 4) / speed : 0.0) {
     const double stiffness = mass * speed * speed * (exponent + 1) / 2 / std::pow(end / 2, exponent + 1);
     table = power_table(stiffness, exponent, end, 12 + static_cast<int>(random.below(40)));
     for (std::size_t i = 0; i < memory_count; ++i)
@@ -77,23 +77,19 @@ class ExactContact {
 
   ContactStep<Real> advance(const Approach<Real>& approach) {
     const SegmentTable<Real> table(table_);
-    ContactStep<Real> step{};
-    if (remembered_.count() == 0) {
-      step = contact_step(table, controls_, time_step_, approach);
-    } else {
-      const Real line = remembered_.line();
-      const detail::TableLessLine<Real> spring(table, line, detail::segment_of_force(table, line));
-      const std::size_t start = detail::segment_holding(spring, approach.compression);
-      step = detail::controlled_step(spring, controls_, time_step_, approach, start);
-      remembered_.relax(force(table, step.compression));
-    }
+    const Real line = remembered_.line();
+    const detail::TableLessLine<Real> spring(table, line, detail::segment_of_force(table, line));
+    const std::size_t start = detail::segment_holding(spring, approach.compression);
+    const auto step = detail::controlled_step(spring, controls_, time_step_, approach, start, last_increment_);
+    last_increment_ = step.compression - approach.compression;
+    if (remembered_.count() > 0) remembered_.relax(force(table, step.compression));
     return step;
   }
 
  private:
   std::vector<Segment<Real>> table_;
   ContactControls<Real> controls_;
-  Real time_step_;
+  Real time_step_, last_increment_ = 0;
   detail::RememberedForces<Real> remembered_;
 };
 

@@ -247,6 +247,118 @@ TEST(NetworkGradient, ForgetsBetweenTwoBlows) {
   expect_what_is_set({{0.4, 2e-6}, {0.2, 3e-6}}, true);
 }
 
+/// A mass on a felt of much loss, at a high rate. Pushes tear it off, so that the felt does not follow, and press it
+/// again before it is off; once it is put elsewhere meanwhile. In any type, with each number moved by a part `h` of
+/// itself.
+template <typename T>
+struct TornOff {
+  enum Number { kStiffness, kLoss, kGap, kPush, kSpeed, kPlace, kNumbers };
+  static constexpr double kRate = 192000;
+  static constexpr std::size_t kThrow = 125, kAll = 250;
+
+  TornOff(std::size_t memory_count, int moved, T h) {
+    const auto part = [&](Number number, double value) { return number == moved ? T(value) * (1 + h) : T(value); };
+    push_n = part(kPush, 700), speed = part(kSpeed, 2), place_m = part(kPlace, 1.5e-4);
+    memories.resize(memory_count);
+    mass = plan.add_mass(0.01);
+    on_mass = plan.add_mass_place(mass);
+    plan.add_contact(on_mass, kGround, SegmentTable<T>(felt), part(kGap, 1e-5),
+                     {part(kStiffness, 1.0), part(kLoss, 2.0)}, 1, memories);
+  }
+
+  /// Plays a model. number(which, value): a number that it is given. Calls each(n) after sample n.
+  template <typename Model, typename NumberOf, typename Each>
+  void play(Model& model, NumberOf number, Each each) const {
+    model.set_motion(mass, number(-1, T(0)), number(kSpeed, speed));
+    for (std::size_t n = 0; n < kAll; ++n) {
+      if (n == kThrow) model.set_motion(mass, number(kPlace, place_m), number(-1, T(1)));
+      model.push(on_mass, number(kPush, push_n * T(n % 24 < 10 ? 1 : -0.7)));
+      model.tick();
+      each(n);
+    }
+  }
+
+  std::vector<Segment<T>> felt = power_table<T>(1e9, 2.3, 1e-3, 40);
+  std::vector<Memory> memories = {{0.3, 2e-5}, {0.1, 1e-4}};
+  T push_n, speed, place_m;
+  NetworkPlan<T> plan;
+  std::size_t mass = 0, on_mass = 0;
+};
+
+// Forwards, backwards and by central differences of a sum over all samples. The bounds are those of other scenes.
+TEST(NetworkGradient, TakesALossThatLetsGo) {
+  using Scene = TornOff<double>;
+  using Tangent = NetworkTangent<double, Scene::kNumbers>;
+  constexpr std::array<double, 2> kWeights = {1, 1e-6};  // of displacement and force
+  const auto weight = [](std::size_t n) { return std::cos(double(n) / 7); };
+  double worst = 0;
+  for (const std::size_t memories : {0U, 1U, 2U}) {
+    const Scene scene(memories, -1, 0);
+    std::array<NetworkNumbers<double>, Scene::kNumbers> directions;
+    for (const auto number : {Scene::kStiffness, Scene::kLoss, Scene::kGap}) directions[number].connections.resize(1);
+    directions[Scene::kStiffness].connections[0].contact.stiffness_ratio = 1;
+    directions[Scene::kLoss].connections[0].contact.loss_s_per_m = 2;
+    directions[Scene::kGap].connections[0].gap_m = 1e-5;
+
+    RecordedNetwork<double> network(scene.plan, Scene::kRate);
+    NetworkWeights<double> weights{{{}}, {{}}};
+    std::size_t torn_off = 0;
+    scene.play(
+        network, [](int, double value) { return value; },
+        [&](std::size_t n) {
+          weights.displacements[0].push_back(kWeights[0] * weight(n));
+          weights.forces[0].push_back(kWeights[1] * weight(n));
+          if (network.model().force(0) == 0 && network.model().compression(0) > 0) ++torn_off;
+        });
+    EXPECT_GT(torn_off, 10U);
+    const auto gradient = network.gradient(weights);
+    const auto& contact = gradient.numbers.connections[0];
+    std::array<double, Scene::kNumbers> found = {contact.contact.stiffness_ratio,
+                                                 2 * contact.contact.loss_s_per_m,
+                                                 1e-5 * contact.gap_m,
+                                                 0,
+                                                 scene.speed * gradient.motions[0].velocity_m_per_s,
+                                                 scene.place_m * gradient.motions[1].displacement_m};
+    for (std::size_t n = 0; n < Scene::kAll; ++n)
+      found[Scene::kPush] += scene.push_n * (n % 24 < 10 ? 1 : -0.7) * gradient.pushes[n];
+
+    Tangent tangent(scene.plan, Scene::kRate, directions);
+    std::array<double, Scene::kNumbers> forwards{}, scale{};
+    scene.play(
+        tangent,
+        [](int number, double value) {
+          typename Tangent::Number given(value);
+          if (number >= 0) given.slopes[std::size_t(number)] = value;
+          return given;
+        },
+        [&](std::size_t n) {
+          for (std::size_t p = 0; p < Scene::kNumbers; ++p)
+            for (const double term : {kWeights[0] * weight(n) * tangent.displacement(scene.on_mass).slopes[p],
+                                      kWeights[1] * weight(n) * tangent.force(0).slopes[p]})
+              forwards[p] += term, scale[p] += std::abs(term);
+        });
+    for (int p = 0; p < Scene::kNumbers; ++p) {
+      const auto sum_of = [&](Real h) {
+        const TornOff<Real> exact(memories, p, h);
+        ContactNetwork<Real> model(exact.plan, Scene::kRate);
+        Real sum = 0;
+        exact.play(
+            model, [](int, Real value) { return value; },
+            [&](std::size_t n) {
+              sum += weight(n) * (kWeights[0] * model.displacement(exact.on_mass) + kWeights[1] * model.force(0));
+            });
+        return std::vector<Real>{sum};
+      };
+      const auto i = std::size_t(p);
+      const double expected = middle_difference(sum_of, 1e-8L)[0];
+      EXPECT_TRUE(within(found[i], forwards[i], 1e-10 * scale[i])) << memories << " memories, number " << p;
+      EXPECT_TRUE(within(found[i], expected, 1e-6 * scale[i])) << memories << " memories, number " << p;
+      worst = std::max(worst, std::abs(found[i] - expected) / scale[i]);
+    }
+  }
+  Measured() << "worst difference where a loss lets go, over the sum of the sizes: " << worst;
+}
+
 // What is not a number does nothing. What is out of range does as the end of the range does, so its derivative is 0.
 TEST(NetworkGradient, TakesNumbersInTheirRangesAlone) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();

@@ -253,7 +253,7 @@ std::vector<double> middle_difference(Play play, Real width) {
 
 /// By how much a central difference moves a number: the samples follow some of them weakly.
 inline Real width_for(int number) {
-  constexpr std::array kWeak = {Played::kLoss, Played::kSpring, Played::kResistance, Played::kDecay};
+  constexpr std::array kWeak = {Played::kSpring, Played::kResistance, Played::kDecay};
   return std::ranges::count(kWeak, number) > 0 ? 1e-6L : 1e-8L;
 }
 

@@ -10,6 +10,7 @@
 #include <concepts>
 #include <cstddef>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "contactspline/modal/mode.hpp"
@@ -61,6 +62,7 @@ namespace detail {
 template <std::floating_point T>
 struct ContactSample {
   T before = 0, after = 0, force = 0;        // compression before and after [m], force over the sample [N]
+  T last_increment = 0;                      // x_last of the contact step [m]
   std::array<T, kMaxMemories> remembered{};  // before the sample
 };
 
@@ -91,22 +93,25 @@ class ContactBackwards {
     for (Segment<T>& s : table_adjoint_) s.energy = s.force = s.half_curvature = 0;
   }
 
-  /// The memory back. Returns what this adds to the adjoint of the compression after the sample.
-  [[nodiscard]] T relax(const Sample& sample) {
-    if (std::ranges::all_of(remembered_, [](T value) { return value == 0; })) return 0;
-    const std::size_t j = segment_index(table_, sample.after);
-    const std::array<T, kRelaxSeeds> adjoint = relaxed(sample, table_[j].force_at(sample.after));
-    for (std::size_t i = 0; i < memories_.size(); ++i) remembered_[i] = adjoint[1 + i];
-    for (std::size_t k = 0; k < design_adjoint_.size(); ++k) design_adjoint_[k] += adjoint[1 + kMaxMemories + k];
-    add_to_table(j, sample.after, adjoint[0]);
-    return 2 * table_[j].half_curvature * adjoint[0];
+  /// Adjoints of the compressions before and after a sample.
+  struct Ends {
+    T before, after;
+  };
+  /// The increment, as the loss of the next sample sees it, and the memory back. Returns what this adds to the
+  /// adjoints.
+  [[nodiscard]] Ends relax(const Sample& sample) {
+    const T last = std::exchange(last_increment_, T(0));
+    return {-last, last + relax_memory(sample)};
   }
+
+  /// Between the two, the compression jumped: ContactMemory::set_last_increment of 0.
+  void jump() { last_increment_ = 0; }
 
   /// admittance: of all that moves the contact [m/N], for the slopes' gain.
   [[nodiscard]] Step linearise(const Sample& sample, T admittance) const {
     T line = 0;
     for (const T value : sample.remembered) line += value;
-    const ContactPath<T> path(table_, line, sample.before, sample.after);
+    const ContactPath<T> path(table_, line, sample.before, sample.after, sample.last_increment);
     const ContactControls<T> designed{controls_.stiffness_ratio * design_.stiffness.value, controls_.loss_s_per_m};
     return {path, ContactSlopes<T>(path, designed, time_step_, admittance, sample.force)};
   }
@@ -117,12 +122,13 @@ class ContactBackwards {
     const ContactSlopes<T>& slopes = step.slopes;
     ratio_ += slopes.ratio * adjoint;
     loss_ += slopes.loss * adjoint;
+    last_increment_ = slopes.last * adjoint;
     for (std::size_t i = 0; i < memories_.size(); ++i) remembered_[i] += slopes.line * adjoint;
     if (!(sample.force > 0)) return;
     path.for_pieces([&](std::size_t j, T from, T to) {
       add_to_table(j, path.middle(from, to), (to - from) * slopes.table * adjoint);
     });
-    add_to_table(path.segment_before(), sample.before, slopes.table_before * adjoint);
+    add_to_table(path.segment_midway(), path.midway(), slopes.table_midway * adjoint);
   }
 
   /// After the first sample: the gradient.
@@ -146,6 +152,17 @@ class ContactBackwards {
       seeds[2 * i + 1].memories[i].time_s = 1;
     }
     return seeds;
+  }
+
+  // Returns the adjoint of the compression after the sample.
+  [[nodiscard]] T relax_memory(const Sample& sample) {
+    if (std::ranges::all_of(remembered_, [](T value) { return value == 0; })) return 0;
+    const std::size_t j = segment_index(table_, sample.after);
+    const std::array<T, kRelaxSeeds> adjoint = relaxed(sample, table_[j].force_at(sample.after));
+    for (std::size_t i = 0; i < memories_.size(); ++i) remembered_[i] = adjoint[1 + i];
+    for (std::size_t k = 0; k < design_adjoint_.size(); ++k) design_adjoint_[k] += adjoint[1 + kMaxMemories + k];
+    add_to_table(j, sample.after, adjoint[0]);
+    return 2 * table_[j].half_curvature * adjoint[0];
   }
 
   // The adjoint of each seed of a relaxation: its derivatives by duals, read in the other direction.
@@ -195,6 +212,7 @@ class ContactBackwards {
   T time_step_;
   std::vector<Segment<T>> table_adjoint_;
   std::array<T, kMaxMemories> remembered_{};  // adjoint of each remembered force
+  T last_increment_ = 0;                      // its adjoint
   T ratio_ = 0, loss_ = 0;
   std::array<T, 3 * kMaxMemories> design_adjoint_{};  // weights, kept, taken
   MemoryDesign<Dual<T, kDesignSeeds>> design_;

@@ -112,8 +112,9 @@ template <std::floating_point T>
 class ContactPath {
  public:
   constexpr ContactPath() = default;
-  /// line: what is remembered [N], 0 without memory.
-  ContactPath(SegmentTable<T> table, T line, T before, T after) : table_(table), line_(line), before_(before) {
+  /// line: what is remembered [N], 0 without memory. last_increment: x_last of the contact step [m].
+  ContactPath(SegmentTable<T> table, T line, T before, T after, T last_increment)
+      : table_(table), line_(line), before_(before), midway_(before + last_increment / 2) {
     length_ = after - before;
     low_ = (std::min)(before, after), high_ = (std::max)(before, after);
     surface_ = line > 0 ? TableLessLine<T>(table, line, segment_of_force(table, line)).surface() : T(0);
@@ -142,11 +143,14 @@ class ContactPath {
   [[nodiscard]] T middle(T from, T to) const { return before_ + length_ * ((from + to) / 2); }
 
   [[nodiscard]] T length() const { return length_; }
-  /// Is the compression before the sample above the surface? Then its segment, else 0.
-  [[nodiscard]] std::size_t segment_before() const {
-    return before_ > surface_ ? segment_index(table_, before_) : std::size_t(0);
+  /// The compression at whose force the loss is taken, y0 + x_last/2 [m].
+  [[nodiscard]] T midway() const { return midway_; }
+  /// The segment that holds it; 0 where the loss is 0, as force_midway has it.
+  [[nodiscard]] std::size_t segment_midway() const {
+    if (!(force(table_, before_) > line_)) return 0;
+    const std::size_t j = segment_index(table_, midway_);
+    return table_[j].force_at(midway_) > line_ ? j : 0;
   }
-  [[nodiscard]] T before() const { return before_; }
   [[nodiscard]] T line() const { return line_; }
   [[nodiscard]] SegmentTable<T> table() const { return table_; }
 
@@ -154,11 +158,12 @@ class ContactPath {
   [[nodiscard]] T part(T y) const { return std::clamp((y - before_) / length_, T(0), T(1)); }
 
   SegmentTable<T> table_;
-  T line_ = 0, before_ = 0, length_ = 0, low_ = 0, high_ = 0, surface_ = 0;
+  T line_ = 0, before_ = 0, midway_ = 0, length_ = 0, low_ = 0, high_ = 0, surface_ = 0;
 };
 
-/// The derivatives of the force of a contact step. Along its path the force is f(y0, y1, ...); the motion makes y1 =
-/// y0 + xf - xi f. Everything follows from the derivatives of the former. df/dy1 >= 0, so the division is safe.
+/// The derivatives of the force of a contact step. Along its path the force is f(y0, y1, x_last, ...); the motion
+/// makes y1 = y0 + xf - xi f. Everything follows from the derivatives of the former. df/dy1 >= 0, so the division is
+/// safe.
 template <std::floating_point T>
 struct ContactSlopes {
   T before = 0, after = 0;  ///< df/dy0 at constant y1, df/dy1 at constant y0 [N/m]
@@ -166,7 +171,8 @@ struct ContactSlopes {
   T loss = 0;               ///< df/d(loss) [N m/s]
   T line = 0;               ///< df/d(line), the memory's
   T table = 0;              ///< df/d(mean force of the table along the path)
-  T table_before = 0;       ///< df/d(force of the table at y0), by the loss
+  T table_midway = 0;       ///< df/d(force of the table midway), by the loss
+  T last = 0;               ///< df/dx_last [N/m], by the loss
   T gain = 1;               ///< by which the motion divides a change of the force: 1 + xi df/dy1
 
   constexpr ContactSlopes() = default;
@@ -186,20 +192,21 @@ struct ContactSlopes {
     ratio = mean;
     table = controls.stiffness_ratio;
     line = -controls.stiffness_ratio * above;
-    const std::size_t j = path.segment_before();
+    const std::size_t j = path.segment_midway();
     const Segment<T>& s = path.table()[j];
-    const T resting = j > 0 ? s.force_at(path.before()) - path.line() : T(0);  // that the loss is in parts of
+    const T midway = j > 0 ? s.force_at(path.midway()) - path.line() : T(0);  // that the loss is in parts of
     const T resistance = controls.loss_s_per_m / time_step, scaled = controls.stiffness_ratio * resistance;
-    ratio += resistance * resting * path.length();
-    loss = controls.stiffness_ratio * resting * path.length() / time_step;
-    table_before = j > 0 ? scaled * path.length() : T(0);
-    line -= table_before;
-    before += table_before * 2 * s.half_curvature - scaled * resting;
-    after += scaled * resting;
+    ratio += resistance * midway * path.length();
+    loss = controls.stiffness_ratio * midway * path.length() / time_step;
+    table_midway = j > 0 ? scaled * path.length() : T(0);
+    line -= table_midway;
+    last = table_midway * s.half_curvature;
+    before += 2 * last - scaled * midway;
+    after += scaled * midway;
     gain = 1 + admittance * after;
   }
 
-  /// df/dy0 at constant increment.
+  /// df/dy0 at constant increments.
   [[nodiscard]] T moved() const { return before + after; }
 };
 
@@ -243,7 +250,12 @@ class ContactTangent {
   }
 
   /// Forgets everything.
-  void reset() { remembered_.set({}); }
+  void reset() {
+    remembered_.set({});
+    jump();
+  }
+  /// The compression has jumped: ContactMemory::set_last_increment of 0.
+  void jump() { last_increment_ = T(0); }
 
   /// Follows a sample that the model has advanced from the compression `before` [m], with its controls.
   Step advance(const ContactControls<T>& controls, const Number& before, const Number& free_increment,
@@ -256,7 +268,7 @@ class ContactTangent {
           (response.force.slopes[p] + response.stiffness * pushed) / (1 + admittance.value * response.stiffness);
       step.compression.slopes[p] = before.slopes[p] + pushed - admittance.value * step.force.slopes[p];
     }
-    relax(step.compression);
+    relax(before, step.compression);
     return step;
   }
 
@@ -272,16 +284,18 @@ class ContactTangent {
                                  T compression) const {
     const Number ratio =
         detail::with_slopes(controls.stiffness_ratio, directions_, &ContactNumbers<T>::stiffness_ratio) * stiffness_;
-    const detail::ContactPath<T> path(table_, remembered_.line().value, before.value, compression);
+    const detail::ContactPath<T> path(table_, remembered_.line().value, before.value, compression,
+                                      last_increment_.value);
     const detail::ContactSlopes<T> slopes(path, {ratio.value, controls.loss_s_per_m}, time_step_, T(0), force);
     Response response{force, slopes.after};
     for (std::size_t p = 0; p < P; ++p) {
       T& change = response.force.slopes[p];
-      change = slopes.moved() * before.slopes[p] + slopes.ratio * ratio.slopes[p] +
-               slopes.loss * directions_[p].loss_s_per_m + slopes.line * remembered_.line().slopes[p];
+      change = slopes.moved() * before.slopes[p] + slopes.last * last_increment_.slopes[p] +
+               slopes.ratio * ratio.slopes[p] + slopes.loss * directions_[p].loss_s_per_m +
+               slopes.line * remembered_.line().slopes[p];
       if (const auto& table = directions_[p].table; force > 0 && !table.empty())
         change += slopes.table * path.mean_force(table) +
-                  slopes.table_before * table[path.segment_before()].force_at(before.value);
+                  slopes.table_midway * table[path.segment_midway()].force_at(path.midway());
     }
     return response;
   }
@@ -289,8 +303,9 @@ class ContactTangent {
   /// Does it remember a force?
   [[nodiscard]] bool remembers() const { return remembered_.line().value > 0; }
 
-  /// The memory follows the force at the end of a sample.
-  void relax(const Number& compression) {
+  /// The memory follows the force at the end of a sample from the compression `before` to this one.
+  void relax(const Number& before, const Number& compression) {
+    last_increment_ = compression - before;
     if (remembered_.count() == 0) return;
     const T y = compression.value;
     const std::size_t j = segment_index(table_, y);
@@ -307,7 +322,7 @@ class ContactTangent {
   T time_step_;
   std::array<ContactNumbers<T>, P> directions_;
   detail::RememberedForces<Number> remembered_;
-  Number stiffness_ = T(1);
+  Number last_increment_, stiffness_ = T(1);
 };
 
 }  // namespace contactspline

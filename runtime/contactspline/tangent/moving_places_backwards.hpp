@@ -129,9 +129,8 @@ class MovingPlaces {
       std::swap(place.shapes, mover.of_before);
     }
   }
-  /// Leaves sample n, after motions that were set before it: has_motions.
-  void leave(std::size_t n, bool has_motions, NetworkGradient<T>& gradient) {
-    if (movers_.empty()) return;
+  /// Leaves sample n, after motions that were set before it: has_motions. Did all compressions jump then?
+  [[nodiscard]] bool leave(std::size_t n, bool has_motions, NetworkGradient<T>& gradient) {
     bool is_placed = has_motions;
     for (; next_ > 0 && record_.moves[next_ - 1].sample == n; --next_) {
       const auto& move = record_.moves[next_ - 1];
@@ -150,8 +149,9 @@ class MovingPlaces {
       mover.history.pop();
       rest(mover);
     }
-    if (!is_placed) return;
-    for (Mover& mover : movers_) mover.owed = 0;
+    if (is_placed)
+      for (Mover& mover : movers_) mover.owed = 0;
+    return is_placed;
   }
 
   /// After the first sample: the derivatives by where the places begin. Without a sample they are 0.

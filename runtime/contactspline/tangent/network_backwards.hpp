@@ -110,7 +110,8 @@ class NetworkBackwards {
     add_to_places(change, displacement);
     movers_.add_shapes(change, displacement);
     add_pushes(n);
-    movers_.leave(n, add_motions(n), gradient_);
+    if (movers_.leave(n, add_motions(n), gradient_))
+      for (Connection& c : connections_) c.contact.jump();
   }
 
   // The modes back over a sample, but for what the forces respond to: first, with what they did, over the next one.
@@ -144,7 +145,7 @@ class NetworkBackwards {
     }
   }
 
-  // The memories back, and the slopes of all forces.
+  // Last increments and memories back, and the slopes of all forces.
   void linearise(std::span<const Acting> acting) {
     steps_.clear();
     for (const Acting& a : acting) {
@@ -157,7 +158,9 @@ class NetworkBackwards {
         steps_.push_back({{}, slopes});
         continue;
       }
-      press(a.connection, c.contact.relax(a.sample), &Place::after);
+      const auto relaxed = c.contact.relax(a.sample);
+      press(a.connection, relaxed.after, &Place::after);
+      press(a.connection, relaxed.before, &Place::before);
       steps_.push_back(c.contact.linearise(a.sample, T(0)));
     }
   }

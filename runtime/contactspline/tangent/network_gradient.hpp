@@ -25,7 +25,7 @@
 
 namespace contactspline {
 
-/// A ContactNetwork that keeps what its gradient needs: in each sample 3 numbers, 8 for each spring and each contact
+/// A ContactNetwork that keeps what its gradient needs: in each sample 3 numbers, 9 for each spring and each contact
 /// that presses or remembers, and 1/64 of a number for each mode. Play it as the network, compute the derivatives of
 /// any function with respect to its samples, and call gradient(). Controls stay as the plan says, rigid links keep
 /// their stiffness.
@@ -38,6 +38,7 @@ class RecordedNetwork {
     for (std::size_t k = 0; k < plan.connections().size(); ++k)
       if (!plan.connections()[k].memories.empty()) remembering_.push_back(k);
     remembered_.resize(remembering_.size());
+    last_increments_.resize(plan.connections().size());
     mover_of_.resize(plan.places().size());
     for (std::size_t p = 0; p < plan.places().size(); ++p)
       if (!plan.places()[p].wavenumbers_per_m.empty()) add_mover(p);
@@ -49,6 +50,7 @@ class RecordedNetwork {
   void set_motion(std::size_t mass, T displacement_m, T velocity_m_per_s) {
     if (!is_number(displacement_m) || !is_number(velocity_m_per_s)) return;
     model_.set_motion(mass, displacement_m, velocity_m_per_s);
+    std::ranges::fill(last_increments_, T(0));
     const ModalBank<T>& body = model_.body(mass);
     record_.motions.push_back({mass, body.displacement(std::size_t{0}), body.free_increments()[0],
                                is_within(displacement_m, Ranges::displacement_m),
@@ -66,6 +68,7 @@ class RecordedNetwork {
   /// not a number the gradient leaves it out.
   void put_place(std::size_t place, T place_m) {
     model_.put_place(place, place_m);
+    std::ranges::fill(last_increments_, T(0));
     Mover& mover = movers_[mover_of_[place]];
     mover.call = call_of(mover, place_m);
     mover.at_m = mover.target_m = model_.place_m(place);
@@ -84,7 +87,7 @@ class RecordedNetwork {
     mover.is_called = true;
   }
 
-  /// Advances one sample. Allocates now and then: the record grows with time, in double by 24 bytes a sample, 64 for
+  /// Advances one sample. Allocates now and then: the record grows with time, in double by 24 bytes a sample, 72 for
   /// each spring and each contact that presses or remembers, 24 for each push, 40 for each place that moves and 1/8
   /// for each mode, 3/16 if the plan has places that may move.
   void tick() {
@@ -94,12 +97,10 @@ class RecordedNetwork {
     model_.tick();
     for (const std::size_t k : model_.solver().active()) {
       const auto& connection = plan_.connections()[k];
-      if (connection.memories.empty() && (connection.table.empty() || model_.force(k) > 0)) keep(k, {});
+      if (connection.memories.empty() && (connection.table.empty() || presses(k))) keep(k, {});
     }
     for (std::size_t i = 0; i < remembering_.size(); ++i) {
-      const CoupledConnection<T>& contact = model_.solver()[remembering_[i]];
-      if (remembered_[i].line() > 0 || contact.force > 0 || contact.compression > 0)
-        keep(remembering_[i], remembered_[i].values());
+      if (remembered_[i].line() > 0 || presses(remembering_[i])) keep(remembering_[i], remembered_[i].values());
     }
     for (std::size_t m = 0; m < movers_.size(); ++m) keep_move(m);
     record_.ends.push_back({record_.acting.size(), record_.pushes.size(), record_.motions.size()});
@@ -153,9 +154,14 @@ class RecordedNetwork {
     mover.is_called = false;
   }
   [[nodiscard]] static bool is_within(T value, ControlRange<T> range) { return held(T(0), value, range) == value; }
+  // Does a contact press, or may its loss in the next sample follow this one?
+  [[nodiscard]] bool presses(std::size_t k) const {
+    return model_.force(k) > 0 || model_.solver()[k].compression > 0;
+  }
   void keep(std::size_t k, const std::array<T, kMaxMemories>& remembered) {
-    record_.acting.push_back(
-        {k, {model_.compression_before(k), model_.solver()[k].compression, model_.force(k), remembered}});
+    const T before = model_.compression_before(k), after = model_.solver()[k].compression;
+    record_.acting.push_back({k, {before, after, model_.force(k), last_increments_[k], remembered}});
+    last_increments_[k] = after - before;
   }
   void keep_state() {
     for (std::size_t b = 0; b < plan_.bodies().size(); ++b)
@@ -174,6 +180,8 @@ class RecordedNetwork {
   detail::NetworkRecord<T> record_;
   std::vector<std::size_t> remembering_;                 // contacts with a memory
   std::vector<detail::RememberedForces<T>> remembered_;  // by them before a sample
+  // Of each connection, in the sample before if it pressed then, else of no account: its loss is 0.
+  std::vector<T> last_increments_;
   std::vector<Mover> movers_;
   std::vector<std::size_t> mover_of_;  // each place, if it moves
 };

@@ -49,7 +49,7 @@ struct NetworkRecord {
     std::size_t acting = 0, pushes = 0, motions = 0;
   };
 
-  std::vector<Acting> acting;  // springs, and contacts that press or remember; others have no derivatives
+  std::vector<Acting> acting;  // springs, and contacts that press, are compressed or remember
   std::vector<Push> pushes;
   std::vector<Motion> motions;
   std::vector<Ends> ends;  // one for each sample

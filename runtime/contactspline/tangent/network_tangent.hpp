@@ -94,7 +94,7 @@ class NetworkTangent {
     }
     bodies_.advance(model_);
     for (const std::size_t k : listed_)
-      if (connections_[k].has_memory) connections_[k].contact.relax(connections_[k].compression);
+      if (is_contact(k)) connections_[k].contact.relax(connections_[k].before, connections_[k].compression);
   }
 
   [[nodiscard]] const ContactNetwork<T>& model() const { return model_; }
@@ -123,8 +123,8 @@ class NetworkTangent {
     ContactTangent<T, P> contact;
     ContactControls<T> controls;
     Number gap, spring, resistance;
-    bool has_memory, is_followed, is_measured = false;
-    Number compression = {}, force = {}, free = {};
+    bool is_followed, is_measured = false;
+    Number before = {}, compression = {}, force = {}, free = {};
     T response = 0;
   };
 
@@ -147,17 +147,19 @@ class NetworkTangent {
                             gap,
                             spring,
                             resistance,
-                            !plan.memories.empty(),
                             plan.table.empty() || moves(plan.first) || moves(plan.second)});
   }
 
   [[nodiscard]] bool moves(std::size_t place) const { return place != kGround && bodies_.moves(place); }
   [[nodiscard]] bool is_contact(std::size_t k) const { return !plan_.connections()[k].table.empty(); }
 
-  // Lets all compressions be measured anew, as the network does.
+  // Lets all compressions be measured anew, as the network does: they may jump.
   void place_all() {
     bodies_.place_all();
-    for (Connection& c : connections_) c.is_measured = false;
+    for (Connection& c : connections_) {
+      c.is_measured = false;
+      c.contact.jump();
+    }
   }
   // value(place): at the first place of a connection less that at the second.
   template <typename Value>
@@ -187,8 +189,8 @@ class NetworkTangent {
       Connection& c = connections_[k];
       c.force = Number(model_.force(k));
       c.response = 0;
-      const bool acts = c.is_followed || c.force.value > 0 ||
-                        (c.has_memory && (c.contact.remembers() || model_.solver()[k].compression > 0));
+      const bool acts = c.is_followed || c.force.value > 0 || c.contact.remembers() ||
+                        (is_contact(k) && model_.solver()[k].compression > 0);
       if (acts) listed_.push_back(k);
       if (std::exchange(c.is_measured, acts) || !acts) continue;
       c.compression = between(k, [&](std::size_t q) { return bodies_.pressing_before(q, model_); }) - c.gap;
@@ -201,10 +203,10 @@ class NetworkTangent {
       Connection& c = connections_[k];
       const T force = model_.force(k), before = model_.compression_before(k);
       const T after = model_.solver()[k].compression;
-      c.compression.value = before;
+      c.before = {before, c.compression.slopes};
       if (is_contact(k)) {
         if (force > 0) {
-          const auto response = c.contact.respond(c.controls, c.compression, force, after);
+          const auto response = c.contact.respond(c.controls, c.before, force, after);
           c.force = response.force;
           c.response = response.stiffness;
         }

@@ -80,7 +80,9 @@ class StrikeBackwards {
     const std::size_t modes = modes_.padded_size();
     for (std::size_t n = 0; n < count; ++n) {
       StrikeSample<T>& sample = samples_[n];
-      sample = {{model.compression(), 0, 0, model.memory().remembered().values()}, model.is_hammer_flying()};
+      const ContactMemory<T>& memory = model.memory();
+      sample = {{model.compression(), 0, 0, memory.last_increment(), memory.remembered().values()},
+                model.is_hammer_flying()};
       model.tick(strike_.controls);
       sample.contact.after = model.compression();
       sample.contact.force = model.force();
@@ -154,15 +156,16 @@ class StrikeBackwards {
     return product<T>(modes_.push, adjoints_.change.data());
   }
 
-  // The contact back over a sample: memory, then step. Returns the adjoint of the free increment.
+  // The contact back over a sample: last increment and memory, then step. Returns the adjoint of the free increment.
   T contact(const ContactSample<T>& sample, T force) {
-    compression_ += felt_.relax(sample);
+    const auto relaxed = felt_.relax(sample);
+    compression_ += relaxed.after;
     const auto step = felt_.linearise(sample, admittance_);
     const T change = (force - admittance_ * compression_) / step.slopes.gain;
     felt_.push(sample, step, change);
     const T increment = compression_ + step.slopes.after * change;
     admittance_slope_ -= sample.force * increment;
-    compression_ += step.slopes.moved() * change;
+    compression_ += step.slopes.moved() * change + relaxed.before;
     return increment;
   }
 
