@@ -39,7 +39,7 @@ class ReferenceLaw {
     const Real last = has_begun_ ? compression - y_ : Real(0);
     has_begun_ = true;
     y_ = compression;
-    if (!knots_.empty()) resistance_ = force_at(y_) > 0 ? loss_rate_ * weight_ * force_at(y_ + last / 2) : Real(0);
+    if (!knots_.empty()) resistance_ = loss_rate_ * weight_ * std::min(force_at(y_ + last / 2), 2 * force_at(y_));
   }
 
   /// The mean of the force over the way from y to y + x, with the viscous force. A contact does not pull.

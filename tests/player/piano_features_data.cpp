@@ -17,7 +17,7 @@ struct Dynamic {
 constexpr Dynamic kDynamics[] = {{"pp", 0.5}, {"mf", 1.5}, {"ff", 4}};
 
 void print_table() {
-  const StiffString string = note_of(shipped_piano(), 60).string;
+  const StiffString string = note_of(testing::shipped_piano(), 60).string;
   fmt::print("| | pp, 0.5 m/s | mf, 1.5 m/s | ff, 4 m/s |\n|---|---|---|---|\n");
   std::vector<std::vector<double>> sounds;
   for (const Dynamic& dynamic : kDynamics) sounds.push_back(sound_of(one_note(60, dynamic.speed_m_per_s, 100, 8)));

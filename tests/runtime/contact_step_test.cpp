@@ -222,9 +222,9 @@ TYPED_TEST(ContactStepProperty, WithoutLossTheLossyStepIsTheElasticOne) {
   });
 }
 
-// f = mean force + R x / dt with x = xf - xi f, R = lambda F(y0 + last/2), where that is not negative; else 0. Both slopes, of
-// the mean force and R/dt, act on the uncertainty of x. What is left of f x after the contact has taken its part is
-// lost: >= 0.
+// f = mean force + R x / dt with x = xf - xi f, R = lambda min(F(y0 + last/2), 2 F(y0)), where that is not negative;
+// else 0. Both slopes, of the mean force and R/dt, act on the uncertainty of x. What is left of f x after the contact
+// has taken its part is lost: >= 0.
 TYPED_TEST(ContactStepProperty, LossIsViscousAndPassive) {
   constexpr double kTimeStep = 1.0 / 48000;
   Random random(3);
@@ -243,7 +243,7 @@ TYPED_TEST(ContactStepProperty, LossIsViscousAndPassive) {
     const Wide x = this->increment(step, f);
     const ExactApproach exact(contact, step.compression, step.free_increment, step.admittance);
     const double resistance = static_cast<double>(controls.loss_s_per_m) / static_cast<double>(TypeParam(kTimeStep)) *
-                              static_cast<double>(contact.force(y0) > 0 ? contact.force(y0 + last / 2) : 0);
+                              static_cast<double>(std::min(contact.force(y0 + last / 2), 2 * contact.force(y0)));
     const double mean = static_cast<double>(exact.mean_force(x)), drag = resistance * static_cast<double>(x);
     const Wide work = exact.work(x, exact.end_segment(x));
     const double fraction = 2 * this->fraction(step, work, step.compression + x);

@@ -86,7 +86,7 @@ long double plain_force(const Problem& p, std::size_t i, long double x) {
   const auto [before, slope] = plain_potential(p.tables[i], y0);
   const auto [after, slope_after] = plain_potential(p.tables[i], y0 + x);
   const long double elastic = std::abs(x) > 1e-13L ? (after - before) / x : (slope + slope_after) / 2;
-  const long double midway = slope > 0 ? plain_potential(p.tables[i], y0 + p.last_increment[i] / 2).second : 0.0L;
+  const long double midway = std::min(plain_potential(p.tables[i], y0 + p.last_increment[i] / 2).second, 2 * slope);
   const long double viscous = p.controls[i].loss_s_per_m * ratio * kRate * midway * x;
   return std::max(0.0L, ratio * elastic + viscous);
 }

@@ -27,9 +27,9 @@ struct EnergyBooks {
   }
 };
 
-/// What a contact dissipated over the last sample of a model, from its compression y0 before and its increment over the
-/// sample before that [m]: Hunt and Crossley's lambda F(y0 + last/2) x^2/dt; where the bodies part without force, all
-/// that the contact held beyond [J].
+/// What a contact dissipated over the last sample of a model, from its compression y0 before and its increment over
+/// the sample before that [m]: Hunt and Crossley's lambda min(F(y0 + last/2), 2 F(y0)) x^2/dt; where the bodies part
+/// without force, all that the contact held beyond [J].
 template <typename T, typename Model>
 double contact_loss(SegmentTable<T> table, const ContactControls<T>& contact, double sample_rate_hz, T y0, T last,
                     const Model& model) {
@@ -38,7 +38,7 @@ double contact_loss(SegmentTable<T> table, const ContactControls<T>& contact, do
   const T y = model.compression();
   if (!(model.force() > 0)) return ratio * (static_cast<double>(potential(table, y0)) - potential(table, y));
   const double x = static_cast<double>(y) - y0;
-  const T midway = force(table, y0) > 0 ? force(table, y0 + last / 2) : T(0);
+  const T midway = std::min(force(table, y0 + last / 2), 2 * force(table, y0));
   return contact.loss_s_per_m * ratio * midway * x * x * sample_rate_hz;
 }
 

@@ -279,7 +279,8 @@ TEST(MaxCompression, IsExactToFourthOrder) {
   }
 }
 
-/// Errors of a lossy impact, worst of 20 phases: exit speed in parts of the blow's, force and compression of the exact.
+/// Errors of a lossy impact, worst of 20 phases: exit speed in parts of the blow's, force and compression of the
+/// exact.
 struct LossyErrors {
   double exit_speed = 0, force = 0, compression = 0;
 };
@@ -304,7 +305,8 @@ LossyErrors lossy_errors(const Strike& strike, double loss_s_per_m, double rate)
 TEST(LossyImpact, IsOfSecondOrder) {
   constexpr Strike kFelt{"felt", {4.5e9, 2.5}, 0.00297, 3.0}, kFitted{"fitted", {2.3e9, 2.37}, 0.0041, 3.1};
   for (const auto& [strike, loss] : {std::pair{kFelt, 0.3}, {kFitted, 0.21}}) {
-    const LossyErrors at_44 = lossy_errors(strike, loss, kAudioRate), at_88 = lossy_errors(strike, loss, 2 * kAudioRate);
+    const LossyErrors at_44 = lossy_errors(strike, loss, kAudioRate),
+                      at_88 = lossy_errors(strike, loss, 2 * kAudioRate);
     const LossyErrors at_353 = lossy_errors(strike, loss, 8 * kAudioRate);
     for (const LossyErrors& e : {at_44, at_88, at_353})
       Measured() << strike.name << ": exit speed " << e.exit_speed << ", force " << e.force << ", compression "

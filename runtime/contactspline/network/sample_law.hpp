@@ -24,12 +24,12 @@ struct CoupledConnection {
   SegmentTable<T> table = {};
   ContactControls<T> contact = {};
   ContactMemory<T> memory = {};  ///< where the compression has jumped, its last increment is to be set to 0
-  T spring_n_per_m = 0;     ///< >= 0
-  T resistance = 0;         ///< viscous force per metre of increment [N/m], R/dt, >= 0; of springs only
-  T compression = 0;        ///< at the beginning of the sample [m]; advance() moves it to the end
-  T free_increment = 0;     ///< change of the compression over the sample if no connection acted [m]
-  std::size_t segment = 0;  ///< of a contact: the one that holds the compression; advance() moves it too
-  T force = 0;              ///< over the last sample [N]; the search for the next one begins here
+  T spring_n_per_m = 0;          ///< >= 0
+  T resistance = 0;              ///< viscous force per metre of increment [N/m], R/dt, >= 0; of springs only
+  T compression = 0;             ///< at the beginning of the sample [m]; advance() moves it to the end
+  T free_increment = 0;          ///< change of the compression over the sample if no connection acted [m]
+  std::size_t segment = 0;       ///< of a contact: the one that holds the compression; advance() moves it too
+  T force = 0;                   ///< over the last sample [N]; the search for the next one begins here
   bool is_friction = false;
   Friction<T> friction = {};           ///< press() it before each sample
   FrictionStep<T> friction_step = {};  ///< of this sample; advance() ends it
@@ -89,8 +89,8 @@ class SampleLaw {
     force_ = ratio_ * slope_at_knot_;
     half_curvature_ = ratio_ * here.half_curvature;
     if (c.contact.loss_s_per_m > 0)
-      resistance_ = c.contact.loss_s_per_m * ratio_ / time_step *
-                    force_midway(table_, start_, y0_, c.memory.last_increment());
+      resistance_ =
+          c.contact.loss_s_per_m * ratio_ / time_step * force_midway(table_, start_, y0_, c.memory.last_increment());
     if (start_ > 0) lower_ = distance_to(start_);
     if (start_ + 1 < table_.size()) upper_ = distance_to(start_ + 1);
   }

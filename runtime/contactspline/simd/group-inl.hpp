@@ -246,8 +246,8 @@ class ContactLanes {
     HWY_ALIGN T y0[kLanes], last[kLanes], forces[kLanes];
     hn::Store(y_, tag(), y0), hn::Store(last_increment_, tag(), last);
     for (std::size_t lane = 0; lane < kLanes; ++lane)
-      forces[lane] = force_midway(voice(lane).strike.segments, static_cast<std::size_t>(segment_[lane]), y0[lane],
-                                  last[lane]);
+      forces[lane] =
+          force_midway(voice(lane).strike.segments, static_cast<std::size_t>(segment_[lane]), y0[lane], last[lane]);
     return hn::Load(tag(), forces);
   }
 

@@ -301,15 +301,15 @@ struct ContactControls {
 
 namespace detail {
 
-/// Force [N] in the middle of a sample that goes on as the last one, which changed the compression by last_increment:
-/// F(y0 + last_increment/2). The loss is in parts of it. 0 where F(y0) is 0. start: the segment that holds y0.
+/// Force [N] that the loss is in parts of: that in the middle of a sample which goes on as the last one, which
+/// changed the compression by last_increment, F(y0 + last_increment/2), but at most 2 F(y0): so it grows from 0 at
+/// the first touch. start: the segment that holds y0.
 template <typename Table, std::floating_point T>
 [[nodiscard, gnu::always_inline]] constexpr T force_midway(const Table& table, std::size_t start, T y0,
                                                            T last_increment) {
-  if (!(table[start].force_at(y0) > 0)) return 0;
   const T y = y0 + last_increment / 2;
   const bool leaves = y < table[start].knot || (start + 1 < table.size() && y >= table[start + 1].knot);
-  return table[leaves ? segment_holding(table, y) : start].force_at(y);
+  return (std::min)(2 * table[start].force_at(y0), table[leaves ? segment_holding(table, y) : start].force_at(y));
 }
 
 /// contact_step under live controls, on any table.
@@ -335,10 +335,11 @@ template <typename Table, std::floating_point T>
 
 }  // namespace detail
 
-/// contact_step with the material's stiffness scaled and a viscous force R x added, R = lambda F(y0 + x_last/2)/dt: it
-/// is of second order, and passive, since R >= 0. If the sum would pull, the force is 0 and the stored energy beyond is
-/// lost: this is passive, too, and the force stays continuous. time_step: dt [s]. start: the segment that holds y0.
-/// last_increment: x_last, change of compression over the sample before [m]; 0 at first and after a jump.
+/// contact_step with the material's stiffness scaled and a viscous force R x added, R = lambda/dt F(y0 + x_last/2),
+/// but at most 2 lambda/dt F(y0): it is of second order, and passive, since R >= 0. If the sum would pull, the force
+/// is 0 and the stored energy beyond is lost: this is passive, too, and the force stays continuous. time_step: dt
+/// [s]. start: the segment that holds y0. last_increment: x_last, change of compression over the sample before [m]; 0
+/// at first and after a jump.
 template <std::floating_point T, std::size_t Extent>
 [[nodiscard, gnu::always_inline]] inline ContactStep<T> contact_step(SegmentTable<T, Extent> table,
                                                                      const ContactControls<T>& controls, T time_step,

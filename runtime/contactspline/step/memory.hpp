@@ -209,8 +209,8 @@ class RememberedForces {
 
 }  // namespace detail
 
-/// What a contact remembers, and its step at one sample rate. Each contact remembers its last increment, which foretells
-/// the middle of the coming sample to a loss. Without memories the rest is the contact step alone.
+/// What a contact remembers, and its step at one sample rate. Each contact remembers its last increment, which
+/// foretells the middle of the coming sample to a loss. Without memories the rest is the contact step alone.
 ///
 /// Contact and memory take turns, half a sample apart: the contact moves at constant memory, on a potential that is
 /// as convex as the table's; then the memory relaxes at constant compression. Neither adds energy, whatever the
@@ -343,7 +343,8 @@ class ContactMemory {
                                                 T time_step, const Approach<T>& approach, std::size_t start) const {
     const auto potential = spring(table);
     const std::size_t from = potential.segment_here(start, approach.compression);
-    ContactStep<T> step = detail::controlled_step(potential, designed(controls), time_step, approach, from, last_increment_);
+    ContactStep<T> step =
+        detail::controlled_step(potential, designed(controls), time_step, approach, from, last_increment_);
     step.segment = detail::relocate_segment(table, step.segment, step.compression);
     return step;
   }
@@ -374,7 +375,7 @@ class ContactMemory {
   }
 
   detail::RememberedForces<T> remembered_;
-  T stiffness_ = 1;                               // that the rate asks for, in parts of the table's
+  T stiffness_ = 1;                              // that the rate asks for, in parts of the table's
   T last_increment_ = 0, increment_before_ = 0;  // of the compression, over the last sample and the one before [m]
 };
 

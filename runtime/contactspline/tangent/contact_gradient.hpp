@@ -128,7 +128,8 @@ class ContactBackwards {
     path.for_pieces([&](std::size_t j, T from, T to) {
       add_to_table(j, path.middle(from, to), (to - from) * slopes.table * adjoint);
     });
-    add_to_table(path.segment_midway(), path.midway(), slopes.table_midway * adjoint);
+    const auto midway = path.midway();
+    add_to_table(midway.segment, midway.compression, slopes.table_midway * adjoint);
   }
 
   /// After the first sample: the gradient.

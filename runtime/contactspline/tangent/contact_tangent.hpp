@@ -143,13 +143,16 @@ class ContactPath {
   [[nodiscard]] T middle(T from, T to) const { return before_ + length_ * ((from + to) / 2); }
 
   [[nodiscard]] T length() const { return length_; }
-  /// The compression at whose force the loss is taken, y0 + x_last/2 [m].
-  [[nodiscard]] T midway() const { return midway_; }
-  /// The segment that holds it; 0 where the loss is 0, as force_midway has it.
-  [[nodiscard]] std::size_t segment_midway() const {
-    if (!(force(table_, before_) > line_)) return 0;
-    const std::size_t j = segment_index(table_, midway_);
-    return table_[j].force_at(midway_) > line_ ? j : 0;
+  /// What force_midway is: `factor` times the force of a segment at a compression [m]. 0: there is no loss.
+  struct Midway {
+    std::size_t segment = 0;
+    T compression = 0, factor = 0;
+  };
+  [[nodiscard]] Midway midway() const {
+    const std::size_t first = segment_index(table_, before_), j = segment_index(table_, midway_);
+    const T at_first = table_[first].force_at(before_) - line_, there = table_[j].force_at(midway_) - line_;
+    if (!(at_first > 0) || !(there > 0)) return {};
+    return 2 * at_first < there ? Midway{first, before_, 2} : Midway{j, midway_, 1};
   }
   [[nodiscard]] T line() const { return line_; }
   [[nodiscard]] SegmentTable<T> table() const { return table_; }
@@ -171,7 +174,7 @@ struct ContactSlopes {
   T loss = 0;               ///< df/d(loss) [N m/s]
   T line = 0;               ///< df/d(line), the memory's
   T table = 0;              ///< df/d(mean force of the table along the path)
-  T table_midway = 0;       ///< df/d(force of the table midway), by the loss
+  T table_midway = 0;       ///< df/d(force of the table at midway().compression), by the loss
   T last = 0;               ///< df/dx_last [N/m], by the loss
   T gain = 1;               ///< by which the motion divides a change of the force: 1 + xi df/dy1
 
@@ -192,16 +195,16 @@ struct ContactSlopes {
     ratio = mean;
     table = controls.stiffness_ratio;
     line = -controls.stiffness_ratio * above;
-    const std::size_t j = path.segment_midway();
+    const auto [j, compression, factor] = path.midway();
     const Segment<T>& s = path.table()[j];
-    const T midway = j > 0 ? s.force_at(path.midway()) - path.line() : T(0);  // that the loss is in parts of
+    const T midway = factor * (s.force_at(compression) - path.line());
     const T resistance = controls.loss_s_per_m / time_step, scaled = controls.stiffness_ratio * resistance;
     ratio += resistance * midway * path.length();
     loss = controls.stiffness_ratio * midway * path.length() / time_step;
-    table_midway = j > 0 ? scaled * path.length() : T(0);
+    table_midway = factor * scaled * path.length();
     line -= table_midway;
-    last = table_midway * s.half_curvature;
-    before += 2 * last - scaled * midway;
+    if (factor == 1) last = table_midway * s.half_curvature;
+    before += 2 * table_midway * s.half_curvature - scaled * midway;
     after += scaled * midway;
     gain = 1 + admittance * after;
   }
@@ -287,6 +290,7 @@ class ContactTangent {
     const detail::ContactPath<T> path(table_, remembered_.line().value, before.value, compression,
                                       last_increment_.value);
     const detail::ContactSlopes<T> slopes(path, {ratio.value, controls.loss_s_per_m}, time_step_, T(0), force);
+    const auto midway = path.midway();
     Response response{force, slopes.after};
     for (std::size_t p = 0; p < P; ++p) {
       T& change = response.force.slopes[p];
@@ -295,7 +299,7 @@ class ContactTangent {
                slopes.line * remembered_.line().slopes[p];
       if (const auto& table = directions_[p].table; force > 0 && !table.empty())
         change += slopes.table * path.mean_force(table) +
-                  slopes.table_midway * table[path.segment_midway()].force_at(path.midway());
+                  slopes.table_midway * table[midway.segment].force_at(midway.compression);
     }
     return response;
   }
