@@ -450,7 +450,7 @@ class Writer {
       last.push_back(begun_memory(k, i));
       names.push_back(fmt::format("memory_{}_{}", k, i));
     }
-    chain_.add(names, fmt::format("({} : memory.remembered({}))", fmt::join(last, ", "), n));
+    chain_.add(names, fmt::format("({} : steps.remembered({}))", fmt::join(last, ", "), n));
   }
 
   // What memory i remembers of the sample before; at the beginning, of the force at rest.
@@ -459,13 +459,13 @@ class Writer {
     const double at_rest_n = force<double>(table, -initial_gap(k));
     std::string before = fmt::format("last_memory_{}_{}", k, i);
     if (at_rest_n == 0) return before;
-    return fmt::format("select2(cm.is_first, {}, memory.memory_weight({}, {}) * {})", before, material_of(k), i,
+    return fmt::format("select2(cm.is_first, {}, steps.memory_weight({}, {}) * {})", before, material_of(k), i,
                        literal(at_rest_n));
   }
 
   void write_surface(std::size_t k) {
     if (memories_of(k) != 0)
-      chain_.add(surface_names(k), fmt::format("memory.surface_of({}, line_{})", material_of(k), k));
+      chain_.add(surface_names(k), fmt::format("steps.surface_of({}, line_{})", material_of(k), k));
   }
 
   static std::vector<std::string> surface_names(std::size_t k) {
@@ -477,7 +477,7 @@ class Writer {
   // The material that acts in this sample: less the line of its memories.
   [[nodiscard]] std::string acting_material(std::size_t k) const {
     if (memories_of(k) == 0) return material_of(k);
-    return fmt::format("memory.less_line({}, line_{}, {})", material_of(k), k, fmt::join(surface_names(k), ", "));
+    return fmt::format("steps.less_line({}, line_{}, {})", material_of(k), k, fmt::join(surface_names(k), ", "));
   }
 
   [[nodiscard]] std::string remembered(std::size_t k) const {
@@ -490,14 +490,14 @@ class Writer {
   void write_designed_stiffness(std::size_t k) {
     if (memories_of(k) == 0) return;
     chain_.add(name_at("designed_stiffness", k),
-               kept(product(ratio_[k], fmt::format("memory.memory_stiffness({})", material_of(k)))));
+               kept(product(ratio_[k], fmt::format("steps.memory_stiffness({})", material_of(k)))));
     ratio_[k] = name_at("designed_stiffness", k);
   }
 
   // Energy of a contact for a stiffness ratio of 1.
   [[nodiscard]] std::string contact_energy(std::size_t k) const {
     if (memories_of(k) == 0) return fmt::format("ct.potential({}, compression_{})", material_of(k), k);
-    return fmt::format("({} : memory.memory_energy({}, {}, compression_{}))", remembered(k), material_of(k),
+    return fmt::format("({} : steps.memory_energy({}, {}, compression_{}))", remembered(k), material_of(k),
                        acting_material(k), k);
   }
 
@@ -562,10 +562,15 @@ class Writer {
     return is_control(c) ? fmt::format("control_{}", c) : literal(connections()[k].loss_s_per_m);
   }
 
-  // Hunt-Crossley resistance of a contact [N/m] over this sample.
+  // Hunt-Crossley resistance of a contact [N/m] over this sample. After a throw no contact has a last increment.
   void write_resistance(std::size_t k) {
-    chain_.add(name_at("resistance", k), fmt::format("ct.resistance({}, {}, {}, compression_{})", acting_material(k),
-                                                     ratio_[k], loss_of(k), k));
+    if (loss_of(k) == "0.0") return chain_.add(name_at("resistance", k), "0.0");
+    std::string increment = fmt::format("last_compression_{0} - compression_{0}'", k);
+    for (std::size_t s = 0; s < model_.strikes.size(); ++s)
+      increment = fmt::format("select2(is_thrown_{}, {}, 0.0)", s, increment);
+    chain_.add(name_at("resistance", k),
+               fmt::format("(compression_{0}, {1}, {2}, {3}, compression_{0} > 0.0 : steps.resistance({4}))", k,
+                           ratio_[k], loss_of(k), increment, acting_material(k)));
   }
 
   // Solves rows of names, the matrix and after it columns of the right side, by Gauss and Jordan. No pivot is sought:
@@ -693,9 +698,7 @@ class Writer {
         given.push_back(name_at("line", k));
         for (const std::string& name : surface_names(k)) given.push_back(name);
       }
-      for (const std::string& name : {ratio_[k], loss_of(k)})
-        if (std::isalpha(static_cast<unsigned char>(name.front())) != 0 && std::ranges::count(given, name) == 0)
-          given.push_back(name);
+      if (std::isalpha(static_cast<unsigned char>(ratio_[k].front())) != 0) given.push_back(ratio_[k]);
       for (std::size_t b = 0; b <= a; ++b)
         if (!reduced_[a][b].empty()) given.push_back(reduced_[a][b]);
       forces.push_back(name_at("force", a));
@@ -745,8 +748,9 @@ class Writer {
     for (std::size_t a = 0; a < n; ++a) {
       const std::size_t k = contacts_[a];
       chain_.add(name_at("own_force", a),
-                 fmt::format("(compression_{}, given_increment_{} : ct.contact({}, {}, {}, {}))", k, a,
-                             acting_material(k), ratio_[k], loss_of(k), reduced_[a][a]));
+                 fmt::format("(compression_{0}, given_increment_{1}, {2}, {3}, resistance_{0} : "
+                             "steps.contact_against({4}))",
+                             k, a, reduced_[a][a], ratio_[k], acting_material(k)));
     }
     chain_.next();
   }
@@ -824,7 +828,7 @@ class Writer {
     if (memories_of(k) == 0) return;
     std::vector<std::string> names;
     for (std::size_t i = 0; i < memories_of(k); ++i) names.push_back(fmt::format("next_memory_{}_{}", k, i));
-    chain_.add(names, fmt::format("(line_{0}, end_compression_{0}, {1} : memory.relaxed({2}))", k, remembered(k),
+    chain_.add(names, fmt::format("(line_{0}, end_compression_{0}, {1} : steps.relaxed({2}))", k, remembered(k),
                                   material_of(k)));
     results.insert(results.end(), names.begin(), names.end());
   }

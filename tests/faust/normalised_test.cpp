@@ -20,7 +20,7 @@ class NormalisedTest : public ::testing::TestWithParam<MaterialUnderTest> {
 
 /// What one row of probe.dsp reads.
 struct Row {
-  double compression, free_increment, admittance, stiffness_ratio, loss;
+  double compression, free_increment, admittance, stiffness_ratio, loss, last_increment;
 };
 
 // From before the barrier to beyond the table, slow to fast, up and down, soft to stiff.
@@ -31,22 +31,24 @@ std::vector<Row> rows(const MaterialUnderTest& material) {
   for (int i = -20; i <= 110; ++i)
     for (const double increment : {-0.5, -0.01, 1e-4, 0.03, 0.4})
       for (const double admittance : {1e-4, 0.1, 30.0})
-        rows.push_back({0.01 * i * end, increment * end, admittance * compliance, 0.7, i % 2 ? 0 : 0.2});
+        rows.push_back(
+            {0.01 * i * end, increment * end, admittance * compliance, 0.7, i % 2 ? 0 : 0.2, 0.3 * increment * end});
   return rows;
 }
 
 // Scaled by w and E, what a step reads and returns: xi f is a length, loss times a speed has no unit.
 Row normalise(const Row& row, double width, double energy) {
   return {row.compression / width, row.free_increment / width, row.admittance * energy / (width * width),
-          row.stiffness_ratio, row.loss * width};
+          row.stiffness_ratio,     row.loss * width,           row.last_increment / width};
 }
 
 TEST_P(NormalisedTest, EveryFunctionScales) {
   const auto rows_in_si = rows(GetParam());
-  Signals<double> in(5);
+  Signals<double> in(6);
   for (const Row& si : rows_in_si) {
     const Row row = normalise(si, width(), energy());
-    const double values[] = {row.compression, row.free_increment, row.admittance, row.stiffness_ratio, row.loss};
+    const double values[] = {row.compression,     row.free_increment, row.admittance,
+                             row.stiffness_ratio, row.loss,           row.last_increment};
     for (std::size_t k = 0; k < in.size(); ++k) in[k].push_back(values[k]);
   }
   auto out = GetParam().normalised.probe(kRate)->run(std::move(in), rows_in_si.size());
@@ -59,7 +61,8 @@ TEST_P(NormalisedTest, EveryFunctionScales) {
     expected[0].push_back(potential(table, row.compression));
     expected[1].push_back(force(table, row.compression));
     expected[2].push_back(contact_force(table, approach));
-    expected[3].push_back(contact_force(table, controls, 1.0 / kRate, approach));
+    const auto start = segment_index(table, row.compression);
+    expected[3].push_back(contact_step(table, controls, 1.0 / kRate, approach, start, row.last_increment).force);
   }
   for (double& value : out[0]) value *= energy();
   for (std::size_t k = 1; k < out.size(); ++k)

@@ -365,6 +365,37 @@ TEST(Pressure, SoundsInFaustAsInTheClass) {
   EXPECT_EQ(summary.unfinished, 0u);
 }
 
+// A throw takes the last increment, from which the loss is foretold, from all contacts: also from a felt that
+// something else presses meanwhile.
+TEST(Throw, SoundsInFaustAsInTheClass) {
+  const std::string file = R"({
+    "name": "thrown",
+    "bodies": [ { "name": "weight", "mass_kg": 0.01 }, { "name": "ball", "mass_kg": 0.003 } ],
+    "contacts": [
+      { "name": "below", "between": ["weight", "ground"], "material": "felt_c4", "gap_m": -0.0003 },
+      { "name": "wall", "between": ["ball", "ground"], "material": "felt_c4", "gap_m": 0.0005 }
+    ],
+    "controls": [ { "name": "load", "force_n": "weight" }, { "name": "below", "loss_s_per_m": "below" },
+                  { "name": "wall", "loss_s_per_m": "wall" } ],
+    "strikes": ["ball"],
+    "outputs": [ { "name": "weight", "velocity_m_per_s": "weight" }, { "name": "wall", "force_n": "wall" } ]
+  })";
+  const InstrumentModel model = parse_instrument(file, "thrown.json");
+  const std::vector<Move> moves = {{0, "below_loss_s_per_m", 0.5},
+                                   {0, "wall_loss_s_per_m", 0.2},
+                                   {0, "load_force_n", 20},
+                                   {37, "ball_speed_m_per_s", 2},
+                                   {37, "strike_ball", 1}};
+  const Case drawn{file, model, arrays_of(model, kMaxFrequency), moves, static_cast<int>(2 * kMaxFrequency)};
+  const Library library = compiled({drawn}, empty_folder("thrown"));
+  const auto found = sound_of_program(drawn, {library, "random_0", drawn.sample_rate_hz});
+  for (const auto& channel : found) EXPECT_GT(peak(channel), 1e-4);
+  Summary summary;
+  compare(drawn, found, summary);
+  EXPECT_EQ(summary.unfinished, 0u);
+  Measured() << summary.largest_error;
+}
+
 // What felts that remember, springs and forces press at rest is silent, until controls move.
 TEST(StaticEquilibrium, SoundsInFaustAsInTheClass) {
   const std::string file = R"({

@@ -22,7 +22,7 @@ inline constexpr std::size_t kSamples = 5000;
 /// One sample into probe.dsp.
 template <typename T>
 struct Input {
-  T compression, free_increment, admittance, stiffness_ratio, loss;
+  T compression, free_increment, admittance, stiffness_ratio, loss, last_increment;
 };
 
 /// One sample out of it.
@@ -51,7 +51,8 @@ class RandomInput {
     while (inputs.size() < count)
       inputs.push_back({compression(), length(0.5),
                         static_cast<T>(decades(-6, 6) / (2 * table_.back().half_curvature)),
-                        static_cast<T>(decades(-3, 3)), static_cast<T>(random_() % 3 ? decades(-4, 1) : 0)});
+                        static_cast<T>(decades(-3, 3)), static_cast<T>(random_() % 3 ? decades(-4, 1) : 0),
+                        random_() % 5 ? length(0.5) : T(0)});
     return inputs;
   }
 
@@ -84,13 +85,14 @@ class RandomInput {
 
 template <typename T>
 std::vector<Output<T>> run_probe(FaustProgram<T>& program, const std::vector<Input<T>>& inputs) {
-  Signals<T> signals(5);
+  Signals<T> signals(6);
   for (const Input<T>& in : inputs) {
     signals[0].push_back(in.compression);
     signals[1].push_back(in.free_increment);
     signals[2].push_back(in.admittance);
     signals[3].push_back(in.stiffness_ratio);
     signals[4].push_back(in.loss);
+    signals[5].push_back(in.last_increment);
   }
   const Signals<T> out = program.run(std::move(signals), inputs.size());
   std::vector<Output<T>> outputs;
@@ -102,19 +104,22 @@ template <typename T>
 Output<T> run_twin(SegmentTable<T> table, const Input<T>& in) {
   const Approach<T> approach{in.compression, in.free_increment, in.admittance};
   const ContactControls<T> controls{in.stiffness_ratio, in.loss};
-  return {potential(table, in.compression), force(table, in.compression), contact_force(table, approach),
-          contact_force(table, controls, 1 / T(kRate), approach)};
+  return {
+      potential(table, in.compression), force(table, in.compression), contact_force(table, approach),
+      contact_step(table, controls, 1 / T(kRate), approach, segment_index(table, in.compression), in.last_increment)
+          .force};
 }
 
-/// The force of the step; with the stiffness scaled and a viscous force loss F(y0) x/dt it is 0 where the sum would
-/// pull.
+/// The force of the step; with the stiffness scaled and a viscous force loss F x/dt, where F is the force half a last
+/// increment beyond y0, or 0 where there is none at y0, it is 0 where the sum would pull.
 template <typename T>
 Output<Real> solve_exactly(const ExactContact& exact, const Input<T>& in) {
   const Wide y0 = in.compression, xf = in.free_increment, xi = in.admittance, ratio = in.stiffness_ratio;
   const auto step = [&](Wide increment, Wide admittance) {
     return ExactApproach(exact, y0, increment, admittance).solve().force;
   };
-  const Wide resistance = Wide(in.loss) * ratio * exact.force(y0) * kRate;
+  const Wide midway = exact.force(y0) > 0 ? exact.force(y0 + Wide(in.last_increment) / 2) : 0;
+  const Wide resistance = Wide(in.loss) * ratio * midway * kRate;
   const Wide divisor = 1 + xi * resistance;
   const Wide contact = (ratio * step(xf / divisor, ratio * xi / divisor) + resistance * xf) / divisor;
   return {Real(exact.energy(y0)), Real(exact.force(y0)), Real(step(xf, xi)), std::max(Real(0), Real(contact))};

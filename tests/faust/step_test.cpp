@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// ct.potential, ct.force, ct.step and ct.contact on random input over many decades.
+// ct.potential, ct.force, ct.step and the step of ct.contact on random input over many decades.
 #include <gtest/gtest.h>
 
 #include "step_cases.hpp"
@@ -38,10 +38,10 @@ void expect_sane(const MaterialUnderTest& material, double lowest) {
   const auto outputs = run_probe(*material.in<T>().probe(kRate), inputs);
   std::size_t apart = 0;
   for (std::size_t i = 0; i < inputs.size(); ++i) {
-    const auto& [y0, xf, xi, ratio, loss] = inputs[i];
+    const auto& [y0, xf, xi, ratio, loss, last] = inputs[i];
     const auto& out = outputs[i];
     SCOPED_TRACE(::testing::Message() << "y0 " << y0 << ", xf " << xf << ", xi " << xi << ", stiffness ratio "
-                                      << ratio << ", loss " << loss);
+                                      << ratio << ", loss " << loss << ", last increment " << last);
     for (const T value : {out.potential, out.force, out.step, out.contact})
       ASSERT_TRUE(is_finite(value) && value >= 0) << value;
     if (y0 <= 0 && y0 + xf <= 0) {

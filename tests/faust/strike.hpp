@@ -44,8 +44,7 @@ template <std::floating_point T>
 }
 
 template <std::floating_point T>
-[[nodiscard]] Motion<T> run_twin(SegmentTable<T> table, const Strike& strike) {
-  MassBarrier<T> model(table, static_cast<T>(strike.sample_rate_hz));
+[[nodiscard]] Motion<T> run_twin(MassBarrier<T>& model, const Strike& strike) {
   model.throw_from(static_cast<T>(strike.start_m), static_cast<T>(strike.speed_m_per_s));
   const auto controls = controls_of<T>(strike);
   Motion<T> motion;
@@ -55,6 +54,12 @@ template <std::floating_point T>
     motion.force.push_back(model.force());
   }
   return motion;
+}
+
+template <std::floating_point T>
+[[nodiscard]] Motion<T> run_twin(SegmentTable<T> table, const Strike& strike) {
+  MassBarrier<T> model(table, static_cast<T>(strike.sample_rate_hz));
+  return run_twin(model, strike);
 }
 
 template <std::floating_point T>

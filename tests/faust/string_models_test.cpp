@@ -79,17 +79,17 @@ TEST(FaustSlideString, AgreesWithTheRuntime) {
   EXPECT_TRUE(sequences_within<double>(outputs[2], height, 1e-10));
 }
 
-// Plucked over a fret that wanders and sinks: some hundred contacts.
-TEST(FaustFretString, AgreesWithTheRuntime) {
+// Plucked over a fret that wanders, at this gap.
+void expect_agreement_over_fret(const Signal& gap) {
   using String = resonators::guitar_d3;
-  const Signal place = signal_of([](double t) { return 0.32 + 0.05 * t; });
-  const Signal gap = signal_of([](double t) { return 2e-4 + 4e-4 * t; });
-  const Signal plucked = signal_of(pluck);
+  const std::size_t samples = gap.size();
+  Signal place = signal_of([](double t) { return 0.32 + 0.05 * t; }), plucked = signal_of(pluck);
+  place.resize(samples), plucked.resize(samples);
   FretString<double> model(kSteel, modes_in<String>, StringShapes<double>(String::wavenumbers), kStrike, kRate);
   const auto pickup = pickup_of<String>(model.string());
   model.place(place[0], gap[0]);
   Signal displacement, force;
-  for (std::size_t n = 0; n < kSamples; ++n) {
+  for (std::size_t n = 0; n < samples; ++n) {
     model.tick({.place_m = place[n],
                 .gap_m = gap[n],
                 .pluck_force_n = plucked[n],
@@ -99,7 +99,17 @@ TEST(FaustFretString, AgreesWithTheRuntime) {
     force.push_back(model.force());
   }
   CppProgram<fret_string_model, double> program(kRate);
-  expect_agreement(program.run({place, gap, plucked}, kSamples), displacement, force);
+  expect_agreement(program.run({place, gap, plucked}, samples), displacement, force);
+}
+
+// The fret sinks: some hundred contacts.
+TEST(FaustFretString, AgreesWithTheRuntime) {
+  expect_agreement_over_fret(signal_of([](double t) { return 2e-4 + 4e-4 * t; }));
+}
+
+// In the first sample there is no last increment.
+TEST(FaustFretString, AgreesWithTheRuntimeWherePressedAtFirst) {
+  expect_agreement_over_fret(Signal(100, -2e-5));
 }
 
 }  // namespace

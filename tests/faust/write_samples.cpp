@@ -54,10 +54,11 @@ Json probe_run(const MaterialUnderTest& material) {
   constexpr std::size_t kRows = 1000;
   const ExactContact exact(material.in<T>().table);
   const auto inputs = RandomInput<T>(material, -6, Closeness::kRepresentable).take(kRows);
-  std::vector<std::vector<double>> in(5);
+  std::vector<std::vector<double>> in(6);
   std::vector<Output<Real>> out, bounds;
   for (const auto& row : inputs) {
-    const T values[] = {row.compression, row.free_increment, row.admittance, row.stiffness_ratio, row.loss};
+    const T values[] = {row.compression,     row.free_increment, row.admittance,
+                        row.stiffness_ratio, row.loss,           row.last_increment};
     for (std::size_t k = 0; k < in.size(); ++k) in[k].push_back(values[k]);
     out.push_back(solve_exactly(exact, row));
     const auto unit = roundings(exact, row, out.back());
