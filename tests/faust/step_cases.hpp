@@ -111,14 +111,14 @@ Output<T> run_twin(SegmentTable<T> table, const Input<T>& in) {
 }
 
 /// The force of the step; with the stiffness scaled and a viscous force loss F x/dt, where F is the force half a last
-/// increment beyond y0, or 0 where there is none at y0, it is 0 where the sum would pull.
+/// increment beyond y0, but at most twice that at y0, it is 0 where the sum would pull.
 template <typename T>
 Output<Real> solve_exactly(const ExactContact& exact, const Input<T>& in) {
   const Wide y0 = in.compression, xf = in.free_increment, xi = in.admittance, ratio = in.stiffness_ratio;
   const auto step = [&](Wide increment, Wide admittance) {
     return ExactApproach(exact, y0, increment, admittance).solve().force;
   };
-  const Wide midway = exact.force(y0) > 0 ? exact.force(y0 + Wide(in.last_increment) / 2) : 0;
+  const Wide midway = std::min<Wide>(exact.force(y0 + Wide(in.last_increment) / 2), 2 * exact.force(y0));
   const Wide resistance = Wide(in.loss) * ratio * midway * kRate;
   const Wide divisor = 1 + xi * resistance;
   const Wide contact = (ratio * step(xf / divisor, ratio * xi / divisor) + resistance * xf) / divisor;

@@ -2,6 +2,7 @@
 // Coupled contacts: the solver against nested bisection, one contact against the contact step.
 #include "contactspline/network/coupled_contacts.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "power_table.hpp"
