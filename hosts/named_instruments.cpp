@@ -15,6 +15,7 @@
 #include "generator/support/error.hpp"
 #include "generator/support/input_file.hpp"
 #include "generator/support/json_reader.hpp"
+#include "generator/support/nearest_name.hpp"
 #include "hosts/named_models.hpp"
 
 namespace contactspline {
@@ -59,9 +60,11 @@ InstrumentMaker maker_of_name(const std::string& name) {
   for (const NamedModel& model : kModels)
     if (name == model.name()) return model.maker();
   auto shipped = maker_of_shipped(name);
-  if (!shipped)
+  if (!shipped) {
+    const std::vector<std::string> names = instrument_names();
     refuse(shown(name), "INSTRUMENT", "no such instrument ships",
-           fmt::format("a .json file, {}", fmt::join(instrument_names(), ", ")));
+           fmt::format("a .json file, {}{}", fmt::join(names, ", "), did_you_mean(names, name)));
+  }
   return *std::move(shipped);
 }
 

@@ -12,7 +12,9 @@
 #include "generator/cli/files.hpp"
 #include "generator/cli/inputs.hpp"
 #include "generator/cli/plugin_build.hpp"
+#include "generator/support/embedded_files.hpp"
 #include "generator/support/error.hpp"
+#include "generator/support/nearest_name.hpp"
 #include "generator/support/text_template.hpp"
 
 namespace contactspline {
@@ -45,7 +47,8 @@ void make_plugin(const PluginOptions& options) {
   const auto instrument = instrument_argument(options.instrument);
   if (!instrument)
     refuse(options.instrument, "INSTRUMENT", "is no instrument",
-           "an instrument file (.json), or a name of `contactspline list instruments`");
+           fmt::format("an instrument file (.json), or a name of `contactspline list instruments`{}",
+                       did_you_mean(shipped_names(Shipped::kInstruments), options.instrument)));
   if (!options.no_build) require_compiler();
   const Source source = source_argument(options.instrument, GenerateOptions().sample_rate_hz / 2);
   const fs::path project = options.output;

@@ -161,7 +161,7 @@ std::optional<double> unit_size(const Heading& heading, const Kind& kind, const 
         place.fail(heading.unit.empty() ? fmt::format("the column '{}' has no unit", shown(heading.name, 40))
                                         : fmt::format("the unit '{}' of the column '{}' is unknown",
                                                       shown(heading.unit, 20), shown(heading.name, 40)),
-                   units_text(kind));
+                   fmt::format("{}, in the header or as a key of columns beside file", units_text(kind)));
       return unit->size;
     }
     if (heading.unit.empty() && heading.name.starts_with(fmt::format("{}_", name)))
@@ -230,7 +230,9 @@ bool holds_units(const std::vector<std::string>& cells) {
 void read_row(DataTable& table, const std::vector<std::string>& cells, const std::vector<Found>& found,
               std::size_t count, char separator, const LineOfFile& place) {
   if (cells.size() != count)
-    place.fail(fmt::format("has {} columns", cells.size()), fmt::format("{} columns, as in the first line", count));
+    place.fail(fmt::format("has {} columns", cells.size()),
+               fmt::format("{} columns, as in the first line{}", count,
+                           table.lines.empty() ? ", or the key skip_lines for lines above the header" : ""));
   for (const auto& [quantity, index, size] : found) {
     const auto value = number_in(cells[index], separator);
     if (!value || !std::isfinite(*value))
@@ -249,33 +251,49 @@ bool names_one_of(const std::string& cell, std::span<const Quantity> wanted) {
   });
 }
 
-// Does a line name wanted columns, or hold those that have been named? Columns that are called by number are in any.
+// Does a line name wanted columns, or hold those that have been named? Those that are called by number tell nothing.
 bool is_header(std::string_view line, std::span<const Quantity> wanted, const ColumnNames& names) {
   const std::vector<std::string> cells = cells_of(line, separator_of(line));
+  const auto is_number = [](const auto& name) { return number_in(name.second, ';').has_value(); };
   if (!names.empty())
-    return std::ranges::all_of(names, [&](const auto& name) {
-      return number_in(name.second, ';') || std::ranges::count(cells, name.second) > 0;
+    return !std::ranges::all_of(names, is_number) && std::ranges::all_of(names, [&](const auto& name) {
+      return is_number(name) || std::ranges::count(cells, name.second) > 0;
     });
   const auto found = std::ranges::count_if(cells, [&](const auto& cell) { return names_one_of(cell, wanted); });
   return found >= std::min<std::ptrdiff_t>(2, std::ssize(wanted));
 }
 
-// Above the header an instrument may tell what it is: the first line that names columns is the header. If none does,
-// the first line is taken as ever.
+// Is a line text in columns, and the next one, or after one of units the next but one, a number in each?
+bool stands_above_numbers(std::string_view text, std::string_view rest, LineOfFile place) {
+  const char separator = separator_of(text);
+  const auto is_number = [&](const std::string& cell) { return number_in(cell, separator).has_value(); };
+  const std::vector<std::string> cells = cells_of(text, separator);
+  auto line = next_line(rest, place);
+  if (line && holds_units(cells_of(*line, separator))) line = next_line(rest, place);
+  const std::vector<std::string> row = line ? cells_of(*line, separator) : std::vector<std::string>();
+  return cells.size() > 1 && row.size() == cells.size() && std::ranges::none_of(cells, is_number) &&
+         std::ranges::all_of(row, is_number);
+}
+
+// Above the header an instrument may tell what it is. The header is the first line that names columns, or else the
+// first line of text with numbers alone below it. If there is none, the first line is taken.
 void skip_preamble(std::string_view& text, LineOfFile& place, std::span<const Quantity> wanted,
                    const ColumnNames& names) {
   constexpr int kMaxPreamble = 200;
-  std::string_view rest = text;
-  LineOfFile place_of_rest = place;
+  std::string_view rest = text, header = text;
+  LineOfFile place_of_rest = place, place_of_header = place;
+  bool found = false;
   for (int i = 0; i < kMaxPreamble; ++i) {
     const std::string_view before = rest;
     const LineOfFile place_before = place_of_rest;
     const auto line = next_line(rest, place_of_rest);
-    if (!line) return;
-    if (!is_header(*line, wanted, names)) continue;
-    text = before, place = place_before;
-    return;
+    if (!line) break;
+    const bool names_columns = is_header(*line, wanted, names);
+    if (!names_columns && (found || !stands_above_numbers(*line, rest, place_of_rest))) continue;
+    found = true, header = before, place_of_header = place_before;
+    if (names_columns) break;
   }
+  text = header, place = place_of_header;
 }
 
 }  // namespace

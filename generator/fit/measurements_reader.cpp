@@ -14,6 +14,7 @@
 #include "generator/fit/struck_reader.hpp"
 #include "generator/support/error.hpp"
 #include "generator/support/json_reader.hpp"
+#include "generator/support/json_syntax.hpp"
 
 namespace contactspline {
 namespace {
@@ -163,6 +164,10 @@ void require_enough(const JsonObject& fit, const Measurements& measured) {
 }  // namespace
 
 Measurements parse_measurements(std::string_view text, std::string_view file, const ReadFile& read) {
+  if (is_something_else(text))
+    refuse(file, "file", "is no fit file",
+           fmt::format("a JSON file that names the data and the mass, such as {}",
+                       R"({ "name": "my_felt", "mass_kg": 0.003, "pulses": [ { "file": "data.csv" } ] })"));
   const JsonObject fit =
       parse_json(text, file, "fit",
                  {"name", "description", "mass_kg", "pulses", "tables", "curves", "struck", "laws", "losses"});

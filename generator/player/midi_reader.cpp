@@ -111,17 +111,19 @@ bool is_note_on(const std::vector<std::uint8_t>& bytes) {
   return (bytes[0] & 0xf0) == 0x90 && bytes[2] > 0;
 }
 
-// Says which channels have notes, and what was not read.
+// Says which channels have notes, and what was not read. channels: the chosen ones; none where all but drums are.
 [[noreturn]] void refuse_silence(std::string_view file, const std::set<int>& with_notes,
-                                 const std::vector<std::string>& remarks) {
+                                 std::span<const int> channels, const std::vector<std::string>& remarks) {
   const std::string why = remarks.empty() ? "" : fmt::format(" ({})", fmt::join(remarks, "; "));
   if (with_notes.empty()) refuse_midi(file, "it has no note" + why);
   if (with_notes == std::set{kDrums + 1})
     throw BadInput(fmt::format(
         "{}: MIDI: all its notes are on channel 10, which is for drums{}; allowed: --channel 10 to play them as keys",
         file, why));
-  throw BadInput(fmt::format("{}: MIDI: no note is on a chosen channel{}; allowed: --channel {}", file, why,
-                             fmt::join(with_notes, ", ")));
+  const bool is_of_drums = channels.size() == 1 && channels.front() == kDrums + 1;
+  throw BadInput(fmt::format(
+      "{}: MIDI: no note is on channel {}{}{}; allowed: --channel {}", file, fmt::join(channels, ", "),
+      is_of_drums ? ", that of drums and of keys without tuned_key" : "", why, fmt::join(with_notes, ", ")));
 }
 
 // What nobody has let go ends: keys, and pedals.
@@ -154,7 +156,7 @@ PlayedMidi read_played_midi(std::string_view bytes, std::string_view file, std::
     midi.take(message.bytes, [](const MidiEvent& /*event*/) {});
     played.file.messages.push_back(std::move(message));
   }
-  if (played.notes == 0) refuse_silence(file, with_notes, played.file.remarks);
+  if (played.notes == 0) refuse_silence(file, with_notes, channels, played.file.remarks);
   let_go(played.file);
   return played;
 }

@@ -28,6 +28,7 @@
 #include "generator/support/error.hpp"
 #include "generator/support/file_kind.hpp"
 #include "generator/support/json_reader.hpp"
+#include "generator/support/nearest_name.hpp"
 
 namespace contactspline {
 namespace {
@@ -54,7 +55,11 @@ Model read_model(const JsonObject& score) {
   const std::string name = score.text("instrument", allowed);
   if (is_path(name) || find_embedded(Shipped::kInstruments, name + ".json") != nullptr) return Model::kFile;
   const auto found = std::ranges::find(names, name);
-  if (found == names.end()) score.fail("instrument", fmt::format("'{}' is unknown", shown(name)), allowed);
+  if (found == names.end()) {
+    std::vector<std::string> near = shipped_names(Shipped::kInstruments);
+    near.insert(near.end(), names.begin(), names.end());
+    score.fail("instrument", fmt::format("'{}' is unknown", shown(name)), allowed + did_you_mean(near, name));
+  }
   return kModelsWithParts[static_cast<std::size_t>(found - names.begin())];
 }
 

@@ -123,19 +123,21 @@ BehindComma behind_comma(std::string_view text, std::size_t at, std::string_view
   return {" behind a comma", fmt::format("{}, or no comma", expected)};
 }
 
-// A file of another kind, which another file may name: nothing of it is shown.
+}  // namespace
+
 bool is_something_else(std::string_view text) {
   const auto begin = text.find_first_not_of(" \t\r\n");
-  return begin != text.npos && text[begin] > 0x20 && text[begin] != 0x7f && text[begin] != '{' && text[begin] != '/';
+  if (begin == text.npos) return false;
+  const auto first = static_cast<unsigned char>(text[begin]);  // from 0x80 on: maybe the mark of UTF-8 or UTF-16
+  return first > 0x20 && first < 0x7f && first != '{' && first != '/';
 }
-
-}  // namespace
 
 void refuse_syntax(std::string_view text, std::string_view file, std::size_t at, std::string_view message) {
   at = token_begin(text, std::min(at, text.size()), message);
   const std::string_view before = text.substr(0, at);
   const auto line = 1 + std::ranges::count(before, '\n');
   const auto column = at - (before.rfind('\n') + 1) + 1;  // npos + 1 is 0
+  // Another file may name it: nothing of it is shown.
   if (is_something_else(text)) refuse(file, "file", "is not a JSON object", "a file that begins with {");
   const auto [wrong, allowed] = behind_comma(text, at, expected_in(message));
   refuse(file, fmt::format("line {}, column {}", line, column), found_at(text, at) + std::string(wrong), allowed);

@@ -460,6 +460,7 @@ TEST(CLibraryNames, ThatAreWrongAreRefused) {
       refused("harpsichord", kRate, 0)
           .starts_with(
               "harpsichord: INSTRUMENT: no such instrument ships; allowed: a .json file, piano, hammer_string, "));
+  EXPECT_TRUE(refused("hammer-string", kRate, 0).ends_with("; did you mean hammer_string?"));
   EXPECT_EQ(refused("absent.json", kRate, 0),
             "absent.json: file: does not exist; allowed: a file of at most 1 MiB that can be read");
   EXPECT_EQ(refused(nullptr, kRate, 0), "contactspline: name: is null; allowed: text");

@@ -233,7 +233,7 @@ TEST(BadMidiChannel, IsRefused) {
   };
   const auto before = box.listing();
   expect_refused(play("probe.mid", "0"), "--channel: '0' is refused", "allowed: an integer from 1 to 16");
-  expect_refused(play("probe.mid", "2"), "probe.mid: MIDI: no note is on a chosen channel", "allowed: --channel 1");
+  expect_refused(play("probe.mid", "2"), "probe.mid: MIDI: no note is on channel 2", "allowed: --channel 1");
   expect_refused(play("probe.json", "1"), "probe.json: --channel: the score is not a MIDI file", "a .mid file");
   expect_refused(play("dulcimer", "1"), "dulcimer: --channel: the score is not a MIDI file", "a .mid file");
   EXPECT_TRUE(box.listing() == before) << names_in(box.listing());

@@ -81,6 +81,7 @@ void PrintTo(const BadData& bad, std::ostream* stream) {
 std::vector<BadData> bad_fit_files() {
   const std::string good = pulse(), file = "probe.fit.json: ";
   return {{"not_json", "name", good, file, ""},
+          {"data", good, good, file + "file: is no fit file", R"("pulses": [ { "file": "data.csv" } ])"},
           {"no_data", R"({ "name": "probe", "mass_kg": 0.01 })", good, file + "fit: has no data",
            "pulses, tables, curves or struck"},
           {"no_name", R"({ "mass_kg": 0.01 })", good, file + "name: missing", ""},
@@ -137,6 +138,11 @@ std::vector<BadData> bad_pulses() {
       with("header_only", "time_s,force_n\n", "samples: has a header and no numbers"),
       with("one_sample", "time_s,force_n\n0,1\n", "samples: has 1;", "16 or more"),
       with("no_header", pulse(""), "line 1: there is no header", "columns"),
+      with("header_of_an_oscilloscope", "Model,MSO44\nLabel,,\n" + pulse("TIME,CH1\n"),
+           "line 3: the column 'time' has no unit",
+           "time_s, time_ms, time_us, in the header or as a key of columns beside file"),
+      with("lines_above_no_header", "Recorded by me\n" + pulse(""), "line 2: has 1 columns",
+           "or the key skip_lines for lines above the header"),
       with("unit_missing", pulse("time,force_n\n"), "line 1: the column 'time' has no unit",
            "time_s, time_ms, time_us"),
       with("unit_unknown", pulse("time [h],force_n\n"), "line 1: the unit 'h' of the column 'time' is unknown",
@@ -374,6 +380,13 @@ TEST(Measurements, AreReadInManyLayouts) {
       within(exponent(fit_file(volts, "0.01", power), pulse("time_s,force [V]\n", scaled(11.2e-3))), plainly, 1e-4));
   const std::string preamble = "Model,MSO44\nSample Interval,2.2e-05\nVertical Units,N\n\n";
   EXPECT_TRUE(within(exponent(fit, preamble + pulse()), plainly, 1e-9));
+  for (const auto& [columns, header] : {std::pair{R"("time_s": "TIME", "force_n": "CH1")", "TIME,CH1\n"},
+                                        {R"("time_s": "1", "force_n": "2")", "TIME,CH1\n"},
+                                        {R"("time_s": "1", "force_n": "2")", "A,B\n(s),(N)\n"}})
+    EXPECT_TRUE(within(exponent(fit_file(pulse_with(fmt::format(R"("columns": {{ {} }})", columns)), "0.01", power),
+                                preamble + "Label,,\n" + pulse(header)),
+                       plainly, 1e-9))
+        << columns << header;
   EXPECT_TRUE(within(exponent(fit_file(pulse_with(R"("skip_lines": 2)"), "0.01", power), "1,2,3\n4;5\n" + pulse()),
                      plainly, 1e-9));
 }

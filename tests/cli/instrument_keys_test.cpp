@@ -115,8 +115,20 @@ TEST_F(KeysOnTheCommandLine, OfADrumPlayTheTenthChannel) {
              changed(changed(kGood, R"(, "tuned_key": 60)", ""), R"("first": 48)", R"("first": 36)"));
   EXPECT_EQ(render("drums.mid", "drum.json").exit_code, 0);
   EXPECT_EQ(render("song.mid", "drum.json", {"--channel", "1"}).exit_code, 0);
-  expect_refused(render("song.mid", "drum.json"), "song.mid: MIDI: no note is on a chosen channel",
+  expect_refused(render("song.mid", "drum.json"),
+                 "song.mid: MIDI: no note is on channel 10, that of drums and of keys without tuned_key",
                  "allowed: --channel 1");
+}
+
+// The keys that docs/how-to/midi.md adds to the tanpura.
+TEST_F(KeysOnTheCommandLine, OfThePageArePlayed) {
+  const std::string page = read_file(fs::path(SOURCE_FOLDER) / "docs/how-to/midi.md"), fence = "```jsonc\n";
+  const auto begin = page.find(fence) + fence.size();
+  const std::string keys = page.substr(begin, page.find("```", begin) - begin), bodies = "  \"bodies\"";
+  const std::string tanpura = run_here({"show", "tanpura", "--name", "my_tanpura"}).out;
+  write_file(box_ / "my_tanpura.json", changed(tanpura, bodies, keys + bodies));
+  const Outcome played = render("song.mid", "my_tanpura.json");
+  EXPECT_EQ(played.exit_code, 0) << played.err;
 }
 
 TEST_F(KeysOnTheCommandLine, AreRefusedWhereTheyCannotPlay) {

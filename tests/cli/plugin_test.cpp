@@ -33,6 +33,7 @@ TEST(Plugin, RefusesWhatItCannotMake) {
     EXPECT_FALSE(fs::exists(box.path() / "drum"));
   };
   refused({"felt_c4", "-o", "drum"}, "felt_c4: INSTRUMENT: is no instrument", "an instrument file");
+  refused({"snair", "-o", "drum"}, "snair: INSTRUMENT: is no instrument", "; did you mean snare?");
   refused({"absent.json", "-o", "drum"}, "absent.json", "");
   refused({"tom", "-o", "drum", "--vendor", "${HOME}"}, "--vendor: has a character that CMake reads", "a name");
   refused({"tom"}, "--output: missing", "folder for the project");

@@ -362,6 +362,8 @@ def test_instruments_of_files_and_dicts(tmp_path):
     assert "wrong" in str(raised.value) and "\n" not in str(raised.value)
     with pytest.raises(cs.Error, match="no such instrument ships; allowed"):
         cs.Instrument("no_such")
+    with pytest.raises(cs.Error, match=r"; did you mean hammer_string\?"):
+        cs.Instrument("hammer-string")
     with pytest.raises(cs.Error, match="is no part"):
         cs.Instrument("piano", resonator="string_c4")
     with pytest.raises(cs.Error, match="hammer_string: .*voices.*wrong|wrong"):
