@@ -263,16 +263,20 @@ bool is_header(std::string_view line, std::span<const Quantity> wanted, const Co
   return found >= std::min<std::ptrdiff_t>(2, std::ssize(wanted));
 }
 
-// Is a line text in columns, and the next one, or after one of units the next but one, a number in each?
+// Is a line text in columns, and the next two, or after one of units the two after that, a number in each?
 bool stands_above_numbers(std::string_view text, std::string_view rest, LineOfFile place) {
   const char separator = separator_of(text);
   const auto is_number = [&](const std::string& cell) { return number_in(cell, separator).has_value(); };
   const std::vector<std::string> cells = cells_of(text, separator);
+  const auto holds_numbers = [&](const std::optional<std::string_view>& line) {
+    if (!line) return false;
+    const std::vector<std::string> row = cells_of(*line, separator);
+    return row.size() == cells.size() && std::ranges::all_of(row, is_number);
+  };
+  if (cells.size() < 2 || !std::ranges::none_of(cells, is_number)) return false;
   auto line = next_line(rest, place);
   if (line && holds_units(cells_of(*line, separator))) line = next_line(rest, place);
-  const std::vector<std::string> row = line ? cells_of(*line, separator) : std::vector<std::string>();
-  return cells.size() > 1 && row.size() == cells.size() && std::ranges::none_of(cells, is_number) &&
-         std::ranges::all_of(row, is_number);
+  return holds_numbers(line) && holds_numbers(next_line(rest, place));
 }
 
 // Above the header an instrument may tell what it is. The header is the first line that names columns, or else the

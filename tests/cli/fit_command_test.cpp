@@ -384,7 +384,7 @@ TEST(Measurements, AreReadInManyLayouts) {
                                         {R"("time_s": "1", "force_n": "2")", "TIME,CH1\n"},
                                         {R"("time_s": "1", "force_n": "2")", "A,B\n(s),(N)\n"}})
     EXPECT_TRUE(within(exponent(fit_file(pulse_with(fmt::format(R"("columns": {{ {} }})", columns)), "0.01", power),
-                                preamble + "Label,,\n" + pulse(header)),
+                                preamble + "Label,,\nRecord,Length\n1000,2\n" + pulse(header)),
                        plainly, 1e-9))
         << columns << header;
   EXPECT_TRUE(within(exponent(fit_file(pulse_with(R"("skip_lines": 2)"), "0.01", power), "1,2,3\n4;5\n" + pulse()),

@@ -365,7 +365,7 @@ TEST(Pressure, SoundsInFaustAsInTheClass) {
   EXPECT_EQ(summary.unfinished, 0u);
 }
 
-// A throw takes the last increment, from which the loss is foretold, from all contacts: also from a felt that
+// A throw takes the last increment, from which the loss is predicted, from all contacts: also from a felt that
 // something else presses meanwhile.
 TEST(Throw, SoundsInFaustAsInTheClass) {
   const std::string file = R"({

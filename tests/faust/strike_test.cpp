@@ -45,7 +45,7 @@ TEST_P(StrikeTest, HasTheMaterialsLossUnlessAnotherIsSet) {
   Measured() << "loss " << material.loss_s_per_m << " s/m";
 }
 
-// A mass that is put elsewhere has no last increment, from which its loss would be foretold.
+// A mass that is put elsewhere has no last increment, from which its loss would be predicted.
 TEST_P(StrikeTest, ThrownAgainFromWithinTheBarrierAgreesWithTheTwin) {
   const MaterialUnderTest& material = GetParam();
   Strike strike{44100, 1.0, -2.3 / 44100, mass_for(material), 1, 0.3, 0, 60};

@@ -115,7 +115,7 @@ TEST(MassBarrier, RestitutionFallsWithLossAsHuntAndCrossleySay) {
       const double found = restitution(table, 192000, speed, {1, loss});
       EXPECT_LT(found, last) << loss;
       last = found;
-      // The resistance is taken in the middle of the sample, where the last one foretells it: an error of second
+      // The resistance is taken in the middle of the sample, where the last one predicts it: an error of second
       // order.
       const double exact = hunt_crossley_restitution(loss, speed);
       const double error = std::abs(found - exact);

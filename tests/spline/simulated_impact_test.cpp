@@ -279,8 +279,8 @@ TEST(MaxCompression, IsExactToFourthOrder) {
   }
 }
 
-/// Errors of a lossy impact, worst of 20 phases: exit speed in parts of the blow's, force and compression of the
-/// exact.
+/// Errors of a lossy impact, worst of 20 phases: exit speed in parts of the blow's, force and compression in parts of
+/// the exact ones.
 struct LossyErrors {
   double exit_speed = 0, force = 0, compression = 0;
 };
@@ -301,7 +301,7 @@ LossyErrors lossy_errors(const Strike& strike, double loss_s_per_m, double rate)
   return worst;
 }
 
-// The loss acts as in the middle of the sample, where the last increment foretells it.
+// The loss acts as in the middle of the sample, where the last increment predicts it.
 TEST(LossyImpact, IsOfSecondOrder) {
   constexpr Strike kFelt{"felt", {4.5e9, 2.5}, 0.00297, 3.0}, kFitted{"fitted", {2.3e9, 2.37}, 0.0041, 3.1};
   for (const auto& [strike, loss] : {std::pair{kFelt, 0.3}, {kFitted, 0.21}}) {
@@ -312,7 +312,7 @@ TEST(LossyImpact, IsOfSecondOrder) {
       Measured() << strike.name << ": exit speed " << e.exit_speed << ", force " << e.force << ", compression "
                  << e.compression;
     EXPECT_LT(at_44.exit_speed, 1.5e-3);
-    EXPECT_LT(at_44.force, 9e-3);
+    EXPECT_LT(at_44.force, 4e-3);
     EXPECT_LT(at_44.compression, 2e-3);
     EXPECT_LT(at_88.exit_speed, 1.5e-3 / 4);
     EXPECT_LT(at_88.force, 9e-3 / 4);

@@ -80,7 +80,7 @@ class ContactNetwork {
     parts_.bodies[body].bank.set_motion(mode, held(T(0), displacement_m, Ranges::displacement_m),
                                         held(T(0), velocity_m_per_s, Ranges::speed_m_per_s));
     parts_.bodies[body].take_motion();
-    place_all();
+    jump();
   }
 
   /// Stops a free mass where it is, between two samples.
@@ -124,7 +124,7 @@ class ContactNetwork {
     mover.motion.put(place_m);
     mover.target_m = mover.motion.place();
     follow(mover);
-    place_all();
+    jump();
   }
   /// Where such a place is, after the last sample [m].
   [[nodiscard]] T place_m(std::size_t place) const {
@@ -193,7 +193,7 @@ class ContactNetwork {
     last_pushed_.clear();
     sleeping_.restart();
     anchor_ = 0;
-    place_all();
+    jump();
     hold_memories();
   }
 
@@ -381,6 +381,13 @@ class ContactNetwork {
     for (Body& body : parts_.bodies) body.is_predicted = false;
   }
 
+  // The same where displacements have jumped: no contact knows how it goes on.
+  void jump() {
+    for (std::size_t k = 0; k < parts_.connections.size(); ++k) solver_[k].memory.set_last_increment(0);
+    if (two_steps_) two_steps_->jump();
+    place_all();
+  }
+
   // Contacts that are pressed at rest have been for ever.
   void hold_memories() {
     for (std::size_t k = 0; k < parts_.connections.size(); ++k)
@@ -391,7 +398,6 @@ class ContactNetwork {
   void set_compression(std::size_t k, T compression) {
     CoupledConnection<T>& c = solver_[k];
     c.compression = c.is_friction ? c.friction.strain() : compression;
-    c.memory.set_last_increment(0);
     if (!c.table.empty()) c.segment = segment_index(c.table, compression);
   }
 

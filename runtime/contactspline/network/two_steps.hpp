@@ -40,10 +40,13 @@ class TwoSteps {
       const NetworkConnection<T>& c = parts.connections[k];
       CoupledConnection<T>& resting = resting_[k];
       resting.compression = parts.measured(k) - (change(c.first) - change(c.second) + c.lift);
-      resting.memory.set_last_increment(0);
       if (!resting.table.empty()) resting.segment = segment_index(resting.table, resting.compression);
       resting.force = 0;
     }
+  }
+  /// Displacements have jumped.
+  void jump() {
+    for (CoupledConnection<T>& resting : resting_) resting.memory.set_last_increment(0);
   }
   /// The memories of what rests forget.
   void reset() {
@@ -109,7 +112,7 @@ class TwoSteps {
     std::swap(a.force, b.force);
     std::swap(a.contact, b.contact);
     std::swap(a.spring_n_per_m, b.spring_n_per_m);
-    std::swap(a.memory, b.memory);
+    if (!a.table.empty()) std::swap(a.memory, b.memory);
   }
 
   static void push_with_forms(NetworkParts<T>& parts, std::size_t p, T force) {

@@ -133,7 +133,7 @@ struct HammerState {
   T mass_kg = 1;
   ContactControls<T> felt = {};
   T compression_m = 0;
-  T last_increment_m = 0;  ///< change of the compression over the last sample: set and read by the kernels
+  T last_increment_m = 0;  ///< of the compression over the last sample, with loss and in reach: for the kernels
   T velocity_m_per_s = 0;
   std::size_t segment = 0;         ///< that holds the compression
   T force_n = 0;                   ///< over the last sample

@@ -301,8 +301,8 @@ struct ContactControls {
 
 namespace detail {
 
-/// Force [N] that the loss is in parts of: that in the middle of a sample which goes on as the last one, which
-/// changed the compression by last_increment, F(y0 + last_increment/2), but at most 2 F(y0): so it grows from 0 at
+/// Force [N] by which lambda is multiplied, min(F(y0 + last_increment/2), 2 F(y0)): that in the middle of the sample,
+/// if it goes on as the last one, which changed the compression by last_increment. The bound lets it grow from 0 at
 /// the first touch. start: the segment that holds y0.
 template <typename Table, std::floating_point T>
 [[nodiscard, gnu::always_inline]] constexpr T force_midway(const Table& table, std::size_t start, T y0,
@@ -348,7 +348,7 @@ template <std::floating_point T, std::size_t Extent>
   return detail::controlled_step(table, controls, time_step, approach, start, last_increment);
 }
 
-/// The same without a known segment.
+/// The same without a known segment, after a jump.
 template <std::floating_point T, std::size_t Extent>
 [[nodiscard]] ContactStep<T> contact_step(SegmentTable<T, Extent> table, const ContactControls<T>& controls,
                                           T time_step, const Approach<T>& approach) {

@@ -210,7 +210,7 @@ class RememberedForces {
 }  // namespace detail
 
 /// What a contact remembers, and its step at one sample rate. Each contact remembers its last increment, which
-/// foretells the middle of the coming sample to a loss. Without memories the rest is the contact step alone.
+/// predicts the middle of the coming sample for a loss. Without memories the rest is the contact step alone.
 ///
 /// Contact and memory take turns, half a sample apart: the contact moves at constant memory, on a potential that is
 /// as convex as the table's; then the memory relaxes at constant compression. Neither adds energy, whatever the
@@ -240,7 +240,7 @@ class ContactMemory {
     set_last_increment(0);
   }
 
-  /// Change of the compression over the last sample [m].
+  /// Change of the compression over the last sample [m]. Of a hammer in the kernels only with loss, and in reach.
   [[nodiscard]] constexpr T last_increment() const { return last_increment_; }
   /// Takes another one: 0 where the compression has jumped.
   constexpr void set_last_increment(T increment) { last_increment_ = increment_before_ = increment; }
@@ -325,7 +325,7 @@ class ContactMemory {
   [[nodiscard]] constexpr T energy_before(SegmentTable<T, Extent> table, T compression, T stiffness_ratio = 1) const {
     return energy_with(remembered_.before(), table, compression, stiffness_ratio);
   }
-  /// Force that the loss of the last sample, which began at a compression [m], was in parts of [N].
+  /// The force midway of the last sample, which began at a compression [m], after advance() [N].
   template <std::size_t Extent>
   [[nodiscard]] constexpr T midway_force_before(SegmentTable<T, Extent> table, T compression) const {
     const T line = sum(remembered_.before());

@@ -26,7 +26,7 @@
 namespace contactspline {
 
 /// A ContactNetwork that keeps what its gradient needs: in each sample 3 numbers, 9 for each spring and each contact
-/// that presses or remembers, and 1/64 of a number for each mode. Play it as the network, compute the derivatives of
+/// that touches or remembers, and 1/64 of a number for each mode. Play it as the network, compute the derivatives of
 /// any function with respect to its samples, and call gradient(). Controls stay as the plan says, rigid links keep
 /// their stiffness.
 template <std::floating_point T>
@@ -88,7 +88,7 @@ class RecordedNetwork {
   }
 
   /// Advances one sample. Allocates now and then: the record grows with time, in double by 24 bytes a sample, 72 for
-  /// each spring and each contact that presses or remembers, 24 for each push, 40 for each place that moves and 1/8
+  /// each spring and each contact that touches or remembers, 24 for each push, 40 for each place that moves and 1/8
   /// for each mode, 3/16 if the plan has places that may move.
   void tick() {
     if (record_.ends.size() % detail::NetworkRecord<T>::kBlock == 0) keep_state();
@@ -97,10 +97,10 @@ class RecordedNetwork {
     model_.tick();
     for (const std::size_t k : model_.solver().active()) {
       const auto& connection = plan_.connections()[k];
-      if (connection.memories.empty() && (connection.table.empty() || presses(k))) keep(k, {});
+      if (connection.memories.empty() && (connection.table.empty() || touches(k))) keep(k, {});
     }
     for (std::size_t i = 0; i < remembering_.size(); ++i) {
-      if (remembered_[i].line() > 0 || presses(remembering_[i])) keep(remembering_[i], remembered_[i].values());
+      if (remembered_[i].line() > 0 || touches(remembering_[i])) keep(remembering_[i], remembered_[i].values());
     }
     for (std::size_t m = 0; m < movers_.size(); ++m) keep_move(m);
     record_.ends.push_back({record_.acting.size(), record_.pushes.size(), record_.motions.size()});
@@ -155,7 +155,7 @@ class RecordedNetwork {
   }
   [[nodiscard]] static bool is_within(T value, ControlRange<T> range) { return held(T(0), value, range) == value; }
   // Does a contact press, or may its loss in the next sample follow this one?
-  [[nodiscard]] bool presses(std::size_t k) const {
+  [[nodiscard]] bool touches(std::size_t k) const {
     return model_.force(k) > 0 || model_.solver()[k].compression > 0;
   }
   void keep(std::size_t k, const std::array<T, kMaxMemories>& remembered) {
@@ -180,7 +180,7 @@ class RecordedNetwork {
   detail::NetworkRecord<T> record_;
   std::vector<std::size_t> remembering_;                 // contacts with a memory
   std::vector<detail::RememberedForces<T>> remembered_;  // by them before a sample
-  // Of each connection, in the sample before if it pressed then, else of no account: its loss is 0.
+  // Of each connection, over the sample before. Where it did not touch then it is older, and its loss is 0.
   std::vector<T> last_increments_;
   std::vector<Mover> movers_;
   std::vector<std::size_t> mover_of_;  // each place, if it moves
